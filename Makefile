@@ -1,0 +1,86 @@
+# config=release|debug|asan|tsan|cover picks flags and build/<config>/. `make help` lists the targets.
+config ?= release
+B := build/$(config)
+
+CC ?= gcc
+CXX ?= g++
+PKGS := libmicrohttpd libcjson draco flann sqlite3 libcurl
+VERSION := 0.1.0
+
+WARN := -Wall -Wextra -Wshadow -Wpointer-arith -Wcast-qual -Wformat=2 -Wundef -Werror=format-security
+CWARN := $(WARN) -Wstrict-prototypes -Wmissing-prototypes -Wvla
+HARDEN := -fstack-protector-strong -fstack-clash-protection -fPIE -fcf-protection
+LDHARDEN := -pie -Wl,-z,relro,-z,now,-z,noexecstack
+
+flags.release := -O2 -g -D_FORTIFY_SOURCE=3 $(HARDEN)
+flags.debug := -O0 -g3 $(HARDEN)
+flags.asan := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined
+flags.tsan := -O1 -g -fno-omit-frame-pointer -fsanitize=thread
+flags.cover := -O0 -g --coverage
+flags := $(flags.$(config))
+ifeq ($(flags),)
+$(error config=$(config) is not one of release, debug, asan, tsan, cover)
+endif
+
+# Same bytes on every machine: no contraction into fused multiply-add.
+COMMON := $(flags) -ffp-contract=off -fno-math-errno -pthread -I. -MMD -MP -DVOR_VERSION='"$(VERSION)"' \
+          $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
+ALL_CFLAGS := -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE $(CWARN) $(COMMON) $(CFLAGS)
+ALL_CXXFLAGS := -std=c++17 $(WARN) $(COMMON) $(CXXFLAGS)
+LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lm -lstdc++
+TEST_LIBS := $(shell pkg-config --libs check 2>/dev/null)
+LINK := $(CXX) $(flags) $(if $(filter release debug,$(config)),$(LDHARDEN)) -pthread $(LDFLAGS)
+
+SRC := $(sort $(shell find core proto server -name '*.c' -o -name '*.cc'))
+LIB_SRC := $(filter-out server/main.c,$(SRC))
+obj = $(addprefix $(B)/,$(addsuffix .o,$(basename $(1))))
+LIB := $(B)/libvoronoid.a
+BIN := $(B)/voronoid
+
+# A C file in a test room is a test program; tests/support is linked into each.
+TEST_ROOMS := unit property oracle golden paper
+SUPPORT_SRC := $(sort $(wildcard tests/support/*.c))
+TEST_SRC := $(sort $(foreach room,$(TEST_ROOMS),$(wildcard tests/$(room)/*.c)))
+TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC)))
+TEST_SCRIPTS := $(sort $(wildcard tests/*/*.t))
+BENCH_SRC := $(sort $(wildcard tests/bench/*.c))
+BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC)))
+
+.DELETE_ON_ERROR:
+.SECONDARY:
+.PHONY: all help deps demo test check bench fuzz lint format clean
+
+all: $(BIN) ## build the binary (default)
+
+help: ## list the targets
+	@awk -F':.*## ' '/^[a-z]+:.*## /{printf "  %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@echo '  config=release|debug|asan|tsan|cover picks flags and build/<config>/'
+
+$(B)/%.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -c $< -o $@
+
+$(B)/%.o: %.cc
+	@mkdir -p $(@D)
+	$(CXX) $(ALL_CXXFLAGS) -c $< -o $@
+
+$(LIB): $(call obj,$(LIB_SRC))
+	@rm -f $@
+	$(AR) rcs $@ $^
+
+$(BIN): $(B)/server/main.o $(LIB)
+	$(LINK) $^ -o $@ $(LIBS)
+
+$(B)/tests/%: $(B)/tests/%.o $(call obj,$(SUPPORT_SRC)) $(LIB)
+	$(LINK) $^ -o $@ $(TEST_LIBS) $(LIBS)
+
+deps:
+	@docker/install.sh build test
+
+clean: ## remove build/
+	rm -rf build
+
+-include $(shell find $(B) -name '*.d' 2>/dev/null)
+
+test: all $(TEST_BIN) ## run every test
+	@VORONOID=$(BIN) prove --failures $(if $(V),-v) --exec '' $(TEST_BIN) $(TEST_SCRIPTS)

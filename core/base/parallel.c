@@ -1,0 +1,177 @@
+#include "core/base/parallel.h"
+
+#include <assert.h>
+#include <pthread.h>
+#include <stdlib.h>
+
+/* A running loop; lives on its caller's stack. All members are guarded by the pool's mutex. */
+struct loop {
+    vor_task task;
+    void *ctx;
+    const struct vor_watch *watch;
+    size_t n, block, next; /* rows; first row not handed out */
+    size_t busy;           /* blocks being worked on */
+    enum vor_answer answer;
+    struct loop *following; /* in the ring of loops with blocks left */
+};
+
+struct vor_pool {
+    pthread_mutex_t mutex;
+    pthread_cond_t work, done;
+    struct loop *head, *tail; /* loops with blocks left, in the order of their turn */
+    int closing;
+    unsigned threads, started;
+    pthread_t thread[];
+};
+
+struct worker {
+    struct vor_pool *pool;
+    unsigned index;
+};
+
+static void push(struct vor_pool *pool, struct loop *loop)
+{
+    loop->following = NULL;
+    if (pool->tail != NULL)
+        pool->tail->following = loop;
+    else
+        pool->head = loop;
+    pool->tail = loop;
+}
+
+static struct loop *pop(struct vor_pool *pool)
+{
+    struct loop *loop = pool->head;
+
+    pool->head = loop->following;
+    if (pool->head == NULL)
+        pool->tail = NULL;
+    return loop;
+}
+
+static enum vor_answer poll_watch(const struct vor_watch *watch)
+{
+    return watch != NULL && watch->poll != NULL ? watch->poll(watch->ctx) : VOR_CONTINUE;
+}
+
+/* Works on one block of the loop whose turn it is; the mutex is held on entry and on return. */
+static void work_once(struct vor_pool *pool, unsigned index)
+{
+    struct loop *loop = pop(pool);
+    size_t begin = loop->next;
+    size_t end = loop->n - begin > loop->block ? begin + loop->block : loop->n;
+    enum vor_answer answer;
+
+    loop->next = end;
+    loop->busy++;
+    if (end < loop->n)
+        push(pool, loop); /* to the end of the queue: the other loops have their turn first */
+    pthread_mutex_unlock(&pool->mutex);
+
+    answer = poll_watch(loop->watch);
+    if (answer == VOR_CONTINUE)
+        loop->task(loop->ctx, begin, end, index);
+
+    pthread_mutex_lock(&pool->mutex);
+    if (answer > loop->answer)
+        loop->answer = answer;
+    loop->busy--;
+    if (loop->busy == 0 && (loop->next == loop->n))
+        pthread_cond_broadcast(&pool->done);
+}
+
+static void *worker_main(void *arg)
+{
+    struct worker worker = *(struct worker *)arg;
+    struct vor_pool *pool = worker.pool;
+
+    free(arg);
+    pthread_mutex_lock(&pool->mutex);
+    while (!pool->closing) {
+        if (pool->head == NULL)
+            pthread_cond_wait(&pool->work, &pool->mutex);
+        else
+            work_once(pool, worker.index);
+    }
+    pthread_mutex_unlock(&pool->mutex);
+    return NULL;
+}
+
+static int start_worker(struct vor_pool *pool)
+{
+    struct worker *worker = malloc(sizeof *worker);
+
+    if (worker == NULL)
+        return 0;
+    worker->pool = pool;
+    worker->index = pool->started;
+    if (pthread_create(&pool->thread[pool->started], NULL, worker_main, worker) != 0) {
+        free(worker);
+        return 0;
+    }
+    pool->started++;
+    return 1;
+}
+
+vor_status vor_pool_create(struct vor_pool **out, unsigned threads, struct vor_error *err)
+{
+    struct vor_pool *pool;
+
+    if (threads < 1 || threads > VOR_THREADS_MAX)
+        return vor_fail_param(err, VOR_E_PARAM, "threads", "threads is %u, want 1 to %d", threads,
+                              VOR_THREADS_MAX);
+    pool = calloc(1, sizeof *pool + threads * sizeof pool->thread[0]);
+    if (pool == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "a pool of %u threads", threads);
+    pthread_mutex_init(&pool->mutex, NULL);
+    pthread_cond_init(&pool->work, NULL);
+    pthread_cond_init(&pool->done, NULL);
+    pool->threads = threads;
+    while (pool->started < threads) {
+        if (start_worker(pool))
+            continue;
+        vor_pool_destroy(pool);
+        return vor_fail(err, VOR_E_NOMEM, "cannot start %u threads", threads);
+    }
+    *out = pool;
+    return VOR_OK;
+}
+
+void vor_pool_destroy(struct vor_pool *pool)
+{
+    if (pool == NULL)
+        return;
+    pthread_mutex_lock(&pool->mutex);
+    assert(pool->head == NULL);
+    pool->closing = 1;
+    pthread_cond_broadcast(&pool->work);
+    pthread_mutex_unlock(&pool->mutex);
+    for (unsigned i = 0; i < pool->started; i++)
+        pthread_join(pool->thread[i], NULL);
+    pthread_cond_destroy(&pool->done);
+    pthread_cond_destroy(&pool->work);
+    pthread_mutex_destroy(&pool->mutex);
+    free(pool);
+}
+
+unsigned vor_pool_threads(const struct vor_pool *pool)
+{
+    return pool->threads;
+}
+
+enum vor_answer vor_parallel_for(struct vor_pool *pool, const struct vor_watch *watch, size_t n,
+                                 size_t block, vor_task task, void *ctx)
+{
+    struct loop loop = {.task = task, .ctx = ctx, .watch = watch, .n = n, .block = block};
+
+    assert(block > 0);
+    if (n == 0)
+        return VOR_CONTINUE;
+    pthread_mutex_lock(&pool->mutex);
+    push(pool, &loop);
+    pthread_cond_broadcast(&pool->work);
+    while (loop.next < n || loop.busy > 0)
+        pthread_cond_wait(&pool->done, &pool->mutex);
+    pthread_mutex_unlock(&pool->mutex);
+    return loop.answer;
+}

@@ -1,0 +1,41 @@
+/** One pool of threads, shared fairly by all running jobs. */
+#ifndef VOR_BASE_PARALLEL_H
+#define VOR_BASE_PARALLEL_H
+
+#include "core/base/status.h"
+#include "core/base/watch.h"
+
+#include <stddef.h>
+
+struct vor_pool;
+
+#define VOR_THREADS_MAX 256
+
+/** Starts threads (1 .. VOR_THREADS_MAX) threads.
+ *
+ *  @retval VOR_E_PARAM threads is out of range
+ *  @retval VOR_E_NOMEM the threads cannot be started */
+VOR_NODISCARD vor_status vor_pool_create(struct vor_pool **out, unsigned threads,
+                                         struct vor_error *err);
+
+/** Waits for the threads to end; no loop may be running. pool may be NULL. */
+void vor_pool_destroy(struct vor_pool *pool);
+
+unsigned vor_pool_threads(const struct vor_pool *pool);
+
+/** Rows begin .. end - 1 of a loop; worker (0 .. threads - 1) names the scratch space to use. Must
+ *  write only what belongs to its rows or its worker. */
+typedef void (*vor_task)(void *ctx, size_t begin, size_t end, unsigned worker);
+
+/** Runs task over 0 .. n - 1 in blocks of `block` rows on the pool and waits. Blocks start at
+ *  multiples of `block`, so what a block computes does not depend on the number of threads. Loops
+ *  that run at the same time get a block each in turn. watch (may be NULL): its poll is asked
+ * before every block; an answer other than VOR_CONTINUE starts no further block.
+ *
+ *  The calling thread only waits: as many rows are in work as the pool has threads.
+ *
+ *  @return VOR_CONTINUE when every row ran, else the answer that ended the loop */
+VOR_NODISCARD enum vor_answer vor_parallel_for(struct vor_pool *pool, const struct vor_watch *watch,
+                                               size_t n, size_t block, vor_task task, void *ctx);
+
+#endif

@@ -1,0 +1,80 @@
+#include "core/base/status.h"
+
+#include <assert.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+struct status_row {
+    int http;
+    const char *slug;
+    int retryable;
+    const char *sentence;
+};
+
+static const struct status_row rows[VOR_STATUS_COUNT] = {
+#define STATUS_ROW(name, http, slug, retryable, sentence) {http, slug, retryable, sentence},
+    VOR_STATUS_TABLE(STATUS_ROW)
+#undef STATUS_ROW
+};
+
+static const struct status_row *row_of(vor_status status)
+{
+    assert((unsigned)status < VOR_STATUS_COUNT);
+    return &rows[status];
+}
+
+int vor_status_http(vor_status status)
+{
+    return row_of(status)->http;
+}
+
+const char *vor_status_slug(vor_status status)
+{
+    return row_of(status)->slug;
+}
+
+const char *vor_status_sentence(vor_status status)
+{
+    return row_of(status)->sentence;
+}
+
+int vor_status_retryable(vor_status status)
+{
+    return row_of(status)->retryable;
+}
+
+static void fill(struct vor_error *err, vor_status status, const char *parameter,
+                 const char *format, va_list args)
+{
+    memset(err, 0, sizeof *err);
+    err->status = status;
+    err->byte_offset = -1;
+    (void)snprintf(err->parameter, sizeof err->parameter, "%s", parameter);
+    (void)vsnprintf(err->message, sizeof err->message, format, args);
+}
+
+vor_status vor_fail(struct vor_error *err, vor_status status, const char *format, ...)
+{
+    va_list args;
+
+    if (err == NULL)
+        return status;
+    va_start(args, format);
+    fill(err, status, "", format, args);
+    va_end(args);
+    return status;
+}
+
+vor_status vor_fail_param(struct vor_error *err, vor_status status, const char *parameter,
+                          const char *format, ...)
+{
+    va_list args;
+
+    if (err == NULL)
+        return status;
+    va_start(args, format);
+    fill(err, status, parameter, format, args);
+    va_end(args);
+    return status;
+}

@@ -1,0 +1,60 @@
+/** Status codes and the one way a failure is reported. */
+#ifndef VOR_BASE_STATUS_H
+#define VOR_BASE_STATUS_H
+
+#include <stdint.h>
+
+#define VOR_NODISCARD __attribute__((warn_unused_result))
+#define VOR_PRINTF(at, first) __attribute__((format(printf, at, first)))
+
+/** Every way the engine and the codecs can fail: name, HTTP status, problem slug, whether the same
+ *  call may succeed later, sentence. The server's problems and the command line's exit codes are
+ *  read off this table. */
+#define VOR_STATUS_TABLE(X)                                                                        \
+    X(OK, 200, "ok", 0, "Done")                                                                    \
+    X(E_PARAM, 400, "invalid-parameter", 0, "A parameter is invalid")                              \
+    X(E_REQUEST, 400, "malformed-request", 0, "The request cannot be read")                        \
+    X(E_LIMIT, 413, "too-many-points", 0, "The cloud exceeds a limit")                             \
+    X(E_NOMEM, 413, "too-much-memory", 0, "The job needs more memory than it may have")            \
+    X(E_UNSUPPORTED, 415, "unsupported-format", 0, "The bytes are in no format this build reads")  \
+    X(E_FORMAT, 422, "undecodable-cloud", 0, "The cloud cannot be decoded")                        \
+    X(E_EMPTY, 422, "empty-cloud", 0, "The cloud has no points")                                   \
+    X(E_NONFINITE, 422, "non-finite-points", 0, "A coordinate is not a finite number")             \
+    X(E_DEGENERATE, 422, "degenerate-cloud", 0, "The cloud has no surface to resample")            \
+    X(E_TARGET, 422, "target-out-of-range", 0, "The number of points asked for is out of range")   \
+    X(E_CANCELLED, 499, "cancelled", 0, "The caller cancelled")                                    \
+    X(E_IO, 500, "io-error", 1, "Reading or writing failed")                                       \
+    X(E_INTERNAL, 500, "engine-error", 0, "The engine failed")
+
+typedef enum vor_status {
+#define VOR_STATUS_ENUM(name, http, slug, retryable, sentence) VOR_##name,
+    VOR_STATUS_TABLE(VOR_STATUS_ENUM)
+#undef VOR_STATUS_ENUM
+        VOR_STATUS_COUNT
+} vor_status;
+
+/** What went wrong, for a person and for a program. */
+struct vor_error {
+    vor_status status;
+    char parameter[32];  /**< name of the offending parameter, or "" */
+    char message[224];   /**< one sentence with the value and the allowed range, no newline */
+    int64_t byte_offset; /**< where in the input, or -1 */
+    uint64_t limit, got; /**< E_LIMIT: the limit and what was declared; else 0 */
+};
+
+/** Row of the status table; status must be one of the table. */
+int vor_status_http(vor_status status);
+const char *vor_status_slug(vor_status status);
+const char *vor_status_sentence(vor_status status);
+int vor_status_retryable(vor_status status);
+
+/** Fills *err (which may be NULL) and returns status: every failure passes through here. Sets
+ *  parameter to "", byte_offset to -1, limit and got to 0. */
+vor_status vor_fail(struct vor_error *err, vor_status status, const char *format, ...)
+    VOR_PRINTF(3, 4);
+
+/** vor_fail that also names the parameter at fault. */
+vor_status vor_fail_param(struct vor_error *err, vor_status status, const char *parameter,
+                          const char *format, ...) VOR_PRINTF(4, 5);
+
+#endif

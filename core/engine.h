@@ -1,0 +1,100 @@
+/** The one door to the engine: a function of (cloud, request, seed). No files, sockets, logs or
+ *  globals behind it, nor a clock of its own. */
+#ifndef VOR_ENGINE_H
+#define VOR_ENGINE_H
+
+#include "core/base/cloud.h"
+#include "core/base/parallel.h"
+#include "core/base/watch.h"
+#include "core/spec.h"
+
+/** Why a run ended: identifier, word in the report. */
+#define VOR_STOPPED_TABLE(X)                                                                       \
+    X(ITERATIONS, "iterations")                                                                    \
+    X(DELTA, "delta")                                                                              \
+    X(SECONDS, "seconds")                                                                          \
+    X(PLATEAU, "plateau")                                                                          \
+    X(CALLER, "stopped")
+
+enum vor_stopped {
+#define VOR_STOPPED_ENUM(id, word) VOR_STOPPED_##id,
+    VOR_STOPPED_TABLE(VOR_STOPPED_ENUM)
+#undef VOR_STOPPED_ENUM
+        VOR_STOPPED_COUNT
+};
+
+const char *vor_stopped_word(enum vor_stopped stopped);
+
+/** What a run did. read and write seconds are the caller's to fill in; a run leaves them 0. */
+struct vor_report {
+    uint64_t points_in, points_out;
+    double delta, sigma, epsilon; /**< of the result, as vor_record */
+    uint32_t iterations;          /**< done */
+    enum vor_stopped stopped;
+    double seconds_read, seconds_index, seconds_init, seconds_iterate, seconds_write;
+    uint64_t memory_peak_bytes; /**< of the job's allocator */
+    uint64_t held;              /**< points held back in the last iteration */
+    uint64_t held_ever;         /**< points held back in any iteration */
+    uint64_t fallback_plane;    /**< seeds on a plane in the last iteration: no quadric there */
+    uint64_t fallback_left;     /**< seeds left where they were: no surface there */
+    double area;                /**< of the surface, as the sum of the cells at the end, unit^2 */
+    double spacing_mean;        /**< mean distance to the nearest neighbour in the result */
+    struct vor_spec parameters; /**< with points filled in from ratio or spacing, auto resolved */
+};
+
+/** Where a run gets its threads and memory from, and whom it tells. */
+struct vor_run {
+    struct vor_pool *pool;         /**< borrowed */
+    struct vor_memory *memory;     /**< the job's; out allocates from it too */
+    const struct vor_watch *watch; /**< may be NULL */
+};
+
+/** Resamples a cloud.
+ *
+ *  @param[out] out     an initialised, empty cloud; filled only when VOR_OK is returned
+ *  @param[out] report  filled only when VOR_OK is returned
+ *  @param[in]  in      checked (vor_cloud_check); borrowed for the call
+ *  @param[in]  spec    checked (vor_spec_check)
+ *  @param[out] err     may be NULL
+ *
+ *  @retval VOR_E_TARGET     the number of points asked for, or what ratio or spacing come to, is
+ *                           outside 1 .. 10,000,000 or more than 16 times the input's
+ *  @retval VOR_E_DEGENERATE the cloud has no surface: fewer than four distinct points, or all on a
+ * line
+ *  @retval VOR_E_NOMEM      the job does not fit under its cap
+ *  @retval VOR_E_CANCELLED  the watch answered VOR_CANCEL
+ *
+ *  Cost: O(N log N) for the index, O(n) an iteration. Thread-safe. The same bytes for any number of
+ *  threads, unless a time budget or the caller ended the run. */
+VOR_NODISCARD vor_status vor_engine_run(struct vor_cloud *out, struct vor_report *report,
+                                        const struct vor_cloud *in, const struct vor_spec *spec,
+                                        const struct vor_run *run, struct vor_error *err);
+
+/** How evenly a cloud is spread and how far it is from another one; the names and the definitions
+ * of Xiao 2024 Sec. V-B. Lengths of the first group are in the cloud's unit. */
+struct vor_measure {
+    uint64_t n;
+    double delta, sigma, epsilon;
+    double mean_nn; /**< mean distance to the nearest other point: the spacing */
+    double min_over_mean, max_over_mean;
+    uint64_t coincident; /**< points that share their place with another one */
+    int has_reference;   /**< the rest is set; lengths over the reference's bounding-box diagonal */
+    double far_over_knn6_mean; /**< farthest point's distance to the reference over the mean
+                                  distance of a reference point to its 6th neighbour */
+    double far_over_knn6_p999; /**< the same over the 99.9th percentile */
+    double out_to_ref_mean, out_to_ref_max, ref_to_out_mean, ref_to_out_max;
+};
+
+/** Measures a cloud, and its distances to a reference where one is given (else NULL). Different
+ *  origins are honoured.
+ *
+ *  @retval VOR_E_DEGENERATE fewer than two points, or every point coincides; a reference of fewer
+ *                           than seven points or of no extent
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED  as vor_engine_run
+ *
+ *  Cost: O(n log n). Deterministic for any number of threads. */
+VOR_NODISCARD vor_status vor_engine_measure(struct vor_measure *out, const struct vor_cloud *cloud,
+                                            const struct vor_cloud *reference,
+                                            const struct vor_run *run, struct vor_error *err);
+
+#endif

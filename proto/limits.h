@@ -1,0 +1,17 @@
+/** What a decoder may allocate and accept before it has seen the data. */
+#ifndef VOR_PROTO_LIMITS_H
+#define VOR_PROTO_LIMITS_H
+
+#include <stddef.h>
+
+struct vor_limits {
+    size_t points; /**< most points a cloud may declare; more is VOR_E_LIMIT before decoding */
+    size_t header_bytes; /**< of a PLY header */
+};
+
+#define VOR_LIMITS_DEFAULT                                                                         \
+    {                                                                                              \
+        .points = 50000000, .header_bytes = 65536                                                  \
+    }
+
+#endif

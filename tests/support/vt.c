@@ -1,0 +1,128 @@
+#include "tests/support/vt.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct vor_error vt_err;
+struct vor_memory vt_memory;
+
+int vt_run(Suite *suite)
+{
+    SRunner *runner = srunner_create(suite);
+    int failed;
+
+    setvbuf(stdout, NULL, _IOLBF, 0);
+    vor_memory_init(&vt_memory, SIZE_MAX);
+    srunner_set_tap(runner, "-");
+    srunner_run_all(runner, CK_SILENT);
+    failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed == 0 ? 0 : 1;
+}
+
+void vt_add_case(Suite *suite, const char *name, const TTest *test, int loops)
+{
+    TCase *tcase = tcase_create(name);
+
+    tcase_set_timeout(tcase, 600);
+    if (loops > 0)
+        tcase_add_loop_test(tcase, test, 0, loops);
+    else
+        tcase_add_test(tcase, test);
+    suite_add_tcase(suite, tcase);
+}
+
+void vt_assert_no_leak(void)
+{
+    ck_assert_uint_eq(atomic_load(&vt_memory.used), 0);
+}
+
+double vt_unit(uint64_t seed, uint64_t index)
+{
+    return vor_rng_unit(seed, 999, index);
+}
+
+static void fresh(struct vor_cloud *cloud, size_t n)
+{
+    vor_cloud_init(cloud, &vt_memory);
+    vt_assert_ok(vor_cloud_resize(cloud, n, &vt_err));
+}
+
+void vt_cloud_cube(struct vor_cloud *cloud, uint64_t seed, size_t n)
+{
+    fresh(cloud, n);
+    for (size_t i = 0; i < 3 * n; i++)
+        cloud->xyz[i] = (float)vt_unit(seed, i);
+}
+
+void vt_cloud_sphere(struct vor_cloud *cloud, uint64_t seed, size_t n)
+{
+    fresh(cloud, n);
+    for (size_t i = 0; i < n; i++) {
+        double z = 2 * vt_unit(seed, 2 * i) - 1, a = 2 * M_PI * vt_unit(seed, 2 * i + 1);
+        double r = sqrt(1 - z * z);
+
+        cloud->xyz[3 * i] = (float)(r * cos(a));
+        cloud->xyz[3 * i + 1] = (float)(r * sin(a));
+        cloud->xyz[3 * i + 2] = (float)z;
+    }
+}
+
+void vt_cloud_square(struct vor_cloud *cloud, uint64_t seed, size_t n)
+{
+    fresh(cloud, n);
+    for (size_t i = 0; i < n; i++) {
+        cloud->xyz[3 * i] = (float)vt_unit(seed, 2 * i);
+        cloud->xyz[3 * i + 1] = (float)vt_unit(seed, 2 * i + 1);
+        cloud->xyz[3 * i + 2] = 0;
+    }
+}
+
+uint8_t *vt_slurp(const char *path, size_t *size)
+{
+    FILE *file = fopen(path, "rb");
+    uint8_t *data = NULL;
+    long length;
+
+    if (file == NULL)
+        return NULL;
+    if (fseek(file, 0, SEEK_END) == 0 && (length = ftell(file)) >= 0 &&
+        fseek(file, 0, SEEK_SET) == 0 && (data = malloc((size_t)length + 1)) != NULL) {
+        *size = fread(data, 1, (size_t)length, file);
+        if (*size != (size_t)length) {
+            free(data);
+            data = NULL;
+        }
+    }
+    fclose(file);
+    return data;
+}
+
+const char *vt_data(const char *name)
+{
+    static char path[512];
+
+    (void)snprintf(path, sizeof path, "../shared/data/%s", name);
+    return access(path, R_OK) == 0 ? path : NULL;
+}
+
+int vt_bytes_write(void *ctx, const void *data, size_t size)
+{
+    struct vt_bytes *bytes = ctx;
+
+    if (bytes->size + size > bytes->capacity) {
+        size_t capacity = 2 * (bytes->size + size);
+        uint8_t *grown = realloc(bytes->data, capacity);
+
+        if (grown == NULL)
+            return -1;
+        bytes->data = grown;
+        bytes->capacity = capacity;
+    }
+    memcpy(bytes->data + bytes->size, data, size);
+    bytes->size += size;
+    return 0;
+}

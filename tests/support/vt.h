@@ -1,0 +1,65 @@
+/** What every test program needs: a runner that prints TAP, seeds, allocator and clouds. */
+#ifndef VT_H
+#define VT_H
+
+#include "core/base/cloud.h"
+#include "core/base/memory.h"
+#include "core/base/parallel.h"
+#include "core/base/rng.h"
+
+#include <check.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/** Runs a suite, prints TAP on stdout, returns the exit status for main(). */
+int vt_run(Suite *suite);
+
+/** Adds a case with one test, or with a loop of `loops` seeds (_i = 0 .. loops - 1). */
+#define vt_add(suite, test) vt_add_loop(suite, test, 0)
+#define vt_add_loop(suite, test, loops) vt_add_case(suite, #test, test, loops)
+void vt_add_case(Suite *suite, const char *name, const TTest *test, int loops);
+
+/** The last error of the code under test; pass &vt_err and assert. */
+extern struct vor_error vt_err;
+
+#define vt_assert_ok(expression)                                                                   \
+    do {                                                                                           \
+        vor_status vt_status_ = (expression);                                                      \
+        ck_assert_msg(vt_status_ == VOR_OK, "%s: %s: %s", #expression,                             \
+                      vor_status_slug(vt_status_), vt_err.message);                                \
+    } while (0)
+
+#define vt_assert_fails(expected, expression)                                                      \
+    do {                                                                                           \
+        vor_status vt_status_ = (expression);                                                      \
+        ck_assert_msg(vt_status_ == (expected), "%s: got %s, want %s (%s)", #expression,           \
+                      vor_status_slug(vt_status_), vor_status_slug(expected), vt_err.message);     \
+    } while (0)
+
+/** An uncapped allocator shared by a test; vt_assert_no_leak checks that nothing is left in it. */
+extern struct vor_memory vt_memory;
+void vt_assert_no_leak(void);
+
+/** The index-th uniform number in [0, 1) of a seed. */
+double vt_unit(uint64_t seed, uint64_t index);
+
+/** n points in the unit cube / on the unit sphere / on a unit square with z = 0, float32. The cloud
+ *  allocates from vt_memory; free it with vor_cloud_free. */
+void vt_cloud_cube(struct vor_cloud *cloud, uint64_t seed, size_t n);
+void vt_cloud_sphere(struct vor_cloud *cloud, uint64_t seed, size_t n);
+void vt_cloud_square(struct vor_cloud *cloud, uint64_t seed, size_t n);
+
+/** A whole file in memory (malloc), or NULL; *size gets its length. */
+uint8_t *vt_slurp(const char *path, size_t *size);
+
+/** Path of a file in ../shared/data, or NULL when it is not there: then print a skip by name. */
+const char *vt_data(const char *name);
+
+/** A sink (proto/codec.h) that collects bytes. */
+struct vt_bytes {
+    uint8_t *data;
+    size_t size, capacity;
+};
+int vt_bytes_write(void *bytes, const void *data, size_t size);
+
+#endif
