@@ -1,0 +1,11 @@
+/** voronoid serve: the daemon from its first setting to its last connection. */
+#ifndef VOR_SERVE_H
+#define VOR_SERVE_H
+
+/** Runs the daemon until SIGTERM or SIGINT. argv[0] is the name to show, the rest are settings
+ *  (server/config.h).
+ *
+ *  @return exit status: 0 drained, 1 failed, 2 a setting is wrong, 75 the store is in use */
+int vor_serve_main(int argc, char **argv);
+
+#endif
