@@ -1,0 +1,44 @@
+/** PLY 1.0 files (.ply): the vertices of any PLY in, binary little-endian PLY out. */
+#ifndef VOR_PROTO_PLY_H
+#define VOR_PROTO_PLY_H
+
+#include "proto/codec.h"
+
+/** Reads the element `vertex` of an ascii, binary_little_endian or binary_big_endian file.
+ *
+ *  Signature, ownership and failures as vor_format.read.
+ *
+ *  Coordinates of type float are kept bit for bit; char to ushort become float32, exactly; where
+ *  one of the three is int, uint or double, all three go through vor_cloud_set_double. nx ny nz
+ *  become a NORMAL and red green blue [alpha], or else diffuse_red ..., a COLOR where the parts
+ *  share a type; every other scalar property becomes a GENERIC under its name, bytes outside the
+ *  printable ASCII replaced by '_'. List properties of a vertex are skipped, and so are elements
+ *  before `vertex`; what follows the last vertex is not looked at. In ascii a vertex is a line, and
+ *  blank lines do not count.
+ *
+ *  Refused as VOR_E_FORMAT before anything is allocated for the points: a header of more than
+ *  limits->header_bytes, a line of more than 1,024 bytes, more than 64 properties of an element or
+ *  16 elements, and counts that need more bytes than the file has.
+ *
+ *  Numbers in ascii are decimal and correctly rounded, whatever the locale; outside the
+ *  coordinates, nan and inf are taken for floating-point properties.
+ *
+ *  Cost: one pass. Thread-safe. */
+VOR_NODISCARD vor_status vor_ply_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
+                                      const struct vor_limits *limits, struct vor_error *err);
+
+/** Writes binary_little_endian. options is not looked at.
+ *
+ *  Signature and failures as vor_format.write. Coordinates are absolute, of the cloud's position
+ *  type; a NORMAL of three is written as nx ny nz, a COLOR of three or four as red green blue
+ *  [alpha], everything else under its name, with _0, _1 ... appended where it has several
+ *  components. Names are made printable, free of blanks and unique; 64-bit integers, which PLY
+ *  lacks, become double. What vor_ply_read yields comes back the same, bit for bit.
+ *
+ *  Cost: one pass and 64 KiB from cloud->memory, more where the attributes are many. Deterministic;
+ *  thread-safe. */
+VOR_NODISCARD vor_status vor_ply_write(const struct vor_sink *sink, const struct vor_cloud *cloud,
+                                       const struct vor_write_options *options,
+                                       struct vor_error *err);
+
+#endif
