@@ -39,10 +39,11 @@ struct vor_sse_parser {
     vor_sse_handler handler;
     void *ctx;
     struct vor_text line, name, data, id;
-    int seen_cr;    /**< the last byte was CR: an LF now belongs to it */
-    int seen_data;  /**< the event has a data field */
-    int first_line; /**< where the byte order mark may stand */
-    int retry_ms;   /**< what the server asked for; -1 as long as it has not */
+    struct vor_text pending_id; /**< becomes id when its event is complete */
+    int seen_cr;                /**< the last byte was CR: an LF now belongs to it */
+    int seen_data;              /**< the event has a data field */
+    int first_line;             /**< where the byte order mark may stand */
+    int retry_ms;               /**< what the server asked for; -1 as long as it has not */
 };
 
 void vor_sse_parser_init(struct vor_sse_parser *parser, vor_sse_handler handler, void *ctx);
