@@ -1,0 +1,124 @@
+#include "proto/codec.h"
+
+#include "proto/draco.h"
+#include "proto/ply.h"
+#include "proto/quote.h"
+
+#include <string.h>
+#include <strings.h>
+
+/* In the order of the words of parameter `format`. */
+static const struct vor_format formats[] = {
+    [VOR_FORMAT_PLY] = {"ply", "PLY", "application/ply", ".ply", "ply", vor_ply_read,
+                        vor_ply_write},
+    [VOR_FORMAT_DRC] = {"drc", "Draco", "application/draco", ".drc", "DRACO", vor_draco_read,
+                        vor_draco_write},
+};
+
+enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
+
+/* Neither format has a registered media type; these are in use. */
+static const struct {
+    const char *media_type;
+    unsigned format;
+} aliases[] = {
+    {"model/ply", VOR_FORMAT_PLY},       {"application/x-ply", VOR_FORMAT_PLY},
+    {"model/draco", VOR_FORMAT_DRC},     {"application/vnd.draco", VOR_FORMAT_DRC},
+    {"model/vnd.draco", VOR_FORMAT_DRC},
+};
+
+const struct vor_format *vor_format(unsigned index)
+{
+    return index < FORMAT_COUNT ? &formats[index] : NULL;
+}
+
+const struct vor_format *vor_format_sniff(const uint8_t *bytes, size_t size)
+{
+    for (unsigned i = 0; i < FORMAT_COUNT; i++) {
+        size_t length = strlen(formats[i].magic);
+
+        if (size < length || memcmp(bytes, formats[i].magic, length) != 0)
+            continue;
+        /* "ply" alone is too little: its line must end there. */
+        if (i == VOR_FORMAT_PLY &&
+            (size == length || (bytes[length] != '\n' && bytes[length] != '\r')))
+            continue;
+        return &formats[i];
+    }
+    return NULL;
+}
+
+const struct vor_format *vor_format_by_suffix(const char *path)
+{
+    size_t length = strlen(path);
+
+    for (unsigned i = 0; i < FORMAT_COUNT; i++) {
+        size_t tail = strlen(formats[i].suffix);
+
+        if (length >= tail && strcasecmp(path + length - tail, formats[i].suffix) == 0)
+            return &formats[i];
+    }
+    return NULL;
+}
+
+const struct vor_format *vor_format_by_media_type(const char *media_type)
+{
+    const char *begin = media_type + strspn(media_type, " \t");
+    size_t length = strcspn(begin, "; \t");
+
+    for (unsigned i = 0; i < FORMAT_COUNT; i++)
+        if (strlen(formats[i].media_type) == length &&
+            strncasecmp(begin, formats[i].media_type, length) == 0)
+            return &formats[i];
+    for (size_t i = 0; i < sizeof aliases / sizeof aliases[0]; i++)
+        if (strlen(aliases[i].media_type) == length &&
+            strncasecmp(begin, aliases[i].media_type, length) == 0)
+            return &formats[aliases[i].format];
+    return NULL;
+}
+
+static vor_status unknown_format(const uint8_t *bytes, size_t size, struct vor_error *err)
+{
+    char shown[80];
+
+    if (size == 0)
+        vor_fail(err, VOR_E_UNSUPPORTED, "the input is empty, want a PLY or a Draco file");
+    else
+        vor_fail(err, VOR_E_UNSUPPORTED,
+                 "the input begins with \"%s\", want \"ply\" and a line end, or \"DRACO\"",
+                 vor_quote(shown, sizeof shown, bytes, size < 16 ? size : 16));
+    if (err != NULL)
+        err->byte_offset = 0;
+    return VOR_E_UNSUPPORTED;
+}
+
+vor_status vor_codec_read(struct vor_cloud *out, const struct vor_format **format,
+                          const uint8_t *bytes, size_t size, const struct vor_limits *limits,
+                          struct vor_error *err)
+{
+    const struct vor_format *found = vor_format_sniff(bytes, size);
+    vor_status status;
+
+    if (found == NULL)
+        return unknown_format(bytes, size, err);
+    if (format != NULL)
+        *format = found;
+    status = found->read(out, bytes, size, limits, err);
+    if (status != VOR_OK)
+        return status;
+    status = vor_cloud_check(out, err);
+    if (status != VOR_OK)
+        vor_cloud_free(out);
+    return status;
+}
+
+void vor_write_options_from(struct vor_write_options *out, const struct vor_spec *spec,
+                            double spacing)
+{
+    double bits = spec->value[VOR_PARAM_QUANTIZATION];
+
+    out->quantization_bits = bits == VOR_UNSET ? -1 : (int)bits;
+    out->compression = (int)spec->value[VOR_PARAM_COMPRESSION];
+    out->keep_order = 0;
+    out->spacing = spacing;
+}

@@ -1,0 +1,201 @@
+/* A head, a row for each attribute, then the positions and the values, all as they lie in memory:
+ * the file never leaves the machine that wrote it, and `order` tells when it did. */
+#include "proto/codec.h"
+
+#include <string.h>
+
+enum { VERSION = 1, ORDER = 0x01020304 };
+
+static const char magic[8] = "vordump";
+
+struct head {
+    char magic[8];
+    uint32_t version, order;
+    uint64_t n;
+    uint32_t position_type, attribute_count;
+    double origin[3];
+};
+
+struct row {
+    char name[64];
+    uint32_t semantic, type, components, unused;
+};
+
+_Static_assert(sizeof(struct head) == 56 && sizeof(struct row) == 80, "no padding in the file");
+
+static vor_status put(const struct vor_sink *sink, const void *bytes, size_t size,
+                      struct vor_error *err)
+{
+    enum { CHUNK = 1 << 20 };
+    const uint8_t *at = bytes;
+
+    while (size > 0) {
+        size_t now = size < CHUNK ? size : CHUNK;
+
+        if (sink->write(sink->ctx, at, now) < 0)
+            return vor_fail(err, VOR_E_IO, "%zu bytes of a dump could not be written", now);
+        at += now;
+        size -= now;
+    }
+    return VOR_OK;
+}
+
+static vor_status put_head(const struct vor_sink *sink, const struct vor_cloud *cloud,
+                           struct vor_error *err)
+{
+    struct head head = {.version = VERSION,
+                        .order = ORDER,
+                        .n = cloud->n,
+                        .position_type = (uint32_t)cloud->position_type,
+                        .attribute_count = (uint32_t)cloud->attribute_count};
+
+    memcpy(head.magic, magic, sizeof magic);
+    memcpy(head.origin, cloud->origin, sizeof head.origin);
+    return put(sink, &head, sizeof head, err);
+}
+
+static vor_status put_row(const struct vor_sink *sink, const struct vor_attribute *attribute,
+                          struct vor_error *err)
+{
+    struct row row = {.semantic = (uint32_t)attribute->semantic,
+                      .type = (uint32_t)attribute->type,
+                      .components = attribute->components};
+
+    memcpy(row.name, attribute->name, strnlen(attribute->name, sizeof row.name - 1));
+    return put(sink, &row, sizeof row, err);
+}
+
+vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *cloud,
+                          struct vor_error *err)
+{
+    vor_status status = put_head(sink, cloud, err);
+
+    for (size_t i = 0; status == VOR_OK && i < cloud->attribute_count; i++)
+        status = put_row(sink, &cloud->attributes[i], err);
+    if (status == VOR_OK)
+        status = put(sink, cloud->xyz, cloud->n * 3 * sizeof *cloud->xyz, err);
+    for (size_t i = 0; status == VOR_OK && i < cloud->attribute_count; i++) {
+        const struct vor_attribute *attribute = &cloud->attributes[i];
+
+        status = put(sink, attribute->data,
+                     cloud->n * attribute->components * vor_type_size(attribute->type), err);
+    }
+    return status;
+}
+
+static vor_status damaged(size_t offset, const char *what, struct vor_error *err)
+{
+    vor_fail(err, VOR_E_FORMAT, "damaged dump: %s", what);
+    if (err != NULL)
+        err->byte_offset = (int64_t)offset;
+    return VOR_E_FORMAT;
+}
+
+static vor_status check_head(const struct head *head, size_t size, struct vor_error *err)
+{
+    if (memcmp(head->magic, magic, sizeof magic) != 0 || head->version != VERSION ||
+        head->order != ORDER)
+        return damaged(0, "not a dump of this version and machine", err);
+    if (head->n == 0 || head->n > VOR_POINTS_MAX)
+        return damaged(16, "number of points", err);
+    if (head->position_type != VOR_FLOAT32 && head->position_type != VOR_FLOAT64)
+        return damaged(24, "type of the positions", err);
+    if (head->attribute_count > VOR_ATTRIBUTES_MAX ||
+        size - sizeof *head < head->attribute_count * sizeof(struct row))
+        return damaged(28, "number of attributes", err);
+    return VOR_OK;
+}
+
+/* Adds the row's bytes of values to *total. */
+static int check_row(const struct row *row, uint64_t n, uint64_t *total)
+{
+    uint64_t bytes;
+
+    if (memchr(row->name, '\0', sizeof row->name) == NULL || row->semantic > VOR_COLOR ||
+        row->type >= VOR_TYPE_COUNT || row->components < 1 || row->components > 16)
+        return 0;
+    return !__builtin_mul_overflow(n, row->components * vor_type_size((enum vor_type)row->type),
+                                   &bytes) &&
+           !__builtin_add_overflow(*total, bytes, total);
+}
+
+/* The file must be exactly as long as its tables say. */
+static vor_status check_size(const struct head *head, const uint8_t *bytes, size_t size,
+                             struct vor_error *err)
+{
+    uint64_t total = sizeof *head + head->attribute_count * sizeof(struct row);
+
+    total += head->n * 3 * sizeof(float); /* n is at most 2^31 */
+    for (uint32_t i = 0; i < head->attribute_count; i++) {
+        size_t at = sizeof *head + i * sizeof(struct row);
+        struct row row;
+
+        memcpy(&row, bytes + at, sizeof row);
+        if (!check_row(&row, head->n, &total))
+            return damaged(at, "attribute", err);
+    }
+    return total == size ? VOR_OK : damaged(size, "length", err);
+}
+
+static vor_status take_attribute(struct vor_cloud *cloud, const struct row *row, const uint8_t **at,
+                                 struct vor_error *err)
+{
+    size_t size = row->components * vor_type_size((enum vor_type)row->type);
+    struct vor_attribute *attribute;
+    vor_status status =
+        vor_cloud_add_attribute(cloud, row->name, (enum vor_semantic)row->semantic,
+                                (enum vor_type)row->type, row->components, &attribute, err);
+
+    if (status != VOR_OK)
+        return status;
+    memcpy(attribute->name, row->name, sizeof row->name); /* unchanged, however long */
+    memcpy(attribute->data, *at, cloud->n * size);
+    *at += cloud->n * size;
+    return VOR_OK;
+}
+
+static vor_status take_values(struct vor_cloud *cloud, const struct head *head,
+                              const uint8_t *bytes, struct vor_error *err)
+{
+    const uint8_t *rows = bytes + sizeof *head;
+    const uint8_t *at = rows + head->attribute_count * sizeof(struct row);
+    vor_status status = vor_cloud_resize(cloud, (size_t)head->n, err);
+
+    if (status != VOR_OK)
+        return status;
+    memcpy(cloud->origin, head->origin, sizeof cloud->origin);
+    cloud->position_type = (enum vor_type)head->position_type;
+    memcpy(cloud->xyz, at, cloud->n * 3 * sizeof *cloud->xyz);
+    at += cloud->n * 3 * sizeof *cloud->xyz;
+    for (uint32_t i = 0; status == VOR_OK && i < head->attribute_count; i++) {
+        struct row row;
+
+        memcpy(&row, rows + i * sizeof row, sizeof row);
+        status = take_attribute(cloud, &row, &at, err);
+    }
+    return status == VOR_OK ? vor_cloud_check(cloud, err) : status;
+}
+
+vor_status vor_dump_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
+                         struct vor_error *err)
+{
+    struct vor_cloud cloud;
+    struct head head;
+    vor_status status;
+
+    if (size < sizeof head)
+        return damaged(size, "length", err);
+    memcpy(&head, bytes, sizeof head);
+    status = check_head(&head, size, err);
+    if (status == VOR_OK)
+        status = check_size(&head, bytes, size, err);
+    if (status != VOR_OK)
+        return status;
+    vor_cloud_init(&cloud, out->memory);
+    status = take_values(&cloud, &head, bytes, err);
+    if (status == VOR_OK)
+        *out = cloud;
+    else
+        vor_cloud_free(&cloud);
+    return status;
+}
