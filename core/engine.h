@@ -4,8 +4,7 @@
 #define VOR_ENGINE_H
 
 #include "core/base/cloud.h"
-#include "core/base/parallel.h"
-#include "core/base/watch.h"
+#include "core/base/run.h"
 #include "core/spec.h"
 
 /** Why a run ended: identifier, word in the report. */
@@ -40,13 +39,6 @@ struct vor_report {
     double area;                /**< of the surface, as the sum of the cells at the end, unit^2 */
     double spacing_mean;        /**< mean distance to the nearest neighbour in the result */
     struct vor_spec parameters; /**< with points filled in from ratio or spacing, auto resolved */
-};
-
-/** Where a run gets its threads and memory from, and whom it tells. */
-struct vor_run {
-    struct vor_pool *pool;         /**< borrowed */
-    struct vor_memory *memory;     /**< the job's; out allocates from it too */
-    const struct vor_watch *watch; /**< may be NULL */
 };
 
 /** Resamples a cloud.

@@ -1,0 +1,101 @@
+#include "core/base/linalg.h"
+
+#include <string.h>
+
+/* Rotation that zeroes a[p][q]: t = tan of the angle, from the stable root. */
+static void rotate(double a[3][3], double v[3][3], int p, int q)
+{
+    double theta, t, c, s;
+
+    if (a[p][q] == 0)
+        return;
+    theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+    t = (theta >= 0 ? 1 : -1) / (fabs(theta) + sqrt(theta * theta + 1));
+    c = 1 / sqrt(t * t + 1);
+    s = t * c;
+    for (int k = 0; k < 3; k++) {
+        double kp = a[k][p], kq = a[k][q];
+
+        a[k][p] = c * kp - s * kq;
+        a[k][q] = s * kp + c * kq;
+    }
+    for (int k = 0; k < 3; k++) {
+        double pk = a[p][k], qk = a[q][k], vp = v[p][k], vq = v[q][k];
+
+        a[p][k] = c * pk - s * qk;
+        a[q][k] = s * pk + c * qk;
+        v[p][k] = c * vp - s * vq;
+        v[q][k] = s * vp + c * vq;
+    }
+    a[p][q] = a[q][p] = 0;
+}
+
+static void swap_rows(double values[3], double vectors[3][3], int i, int j)
+{
+    double value = values[i], row[3];
+
+    values[i] = values[j];
+    values[j] = value;
+    memcpy(row, vectors[i], sizeof row);
+    memcpy(vectors[i], vectors[j], sizeof row);
+    memcpy(vectors[j], row, sizeof row);
+}
+
+void vor_eigen3(double values[3], double vectors[3][3], const double m[6])
+{
+    double a[3][3] = {{m[0], m[1], m[2]}, {m[1], m[3], m[4]}, {m[2], m[4], m[5]}};
+    double scale = fabs(m[0]) + fabs(m[3]) + fabs(m[5]);
+
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            vectors[i][j] = i == j;
+    for (int sweep = 0; sweep < 12; sweep++) {
+        if (fabs(a[0][1]) + fabs(a[0][2]) + fabs(a[1][2]) <= 1e-16 * scale)
+            break;
+        rotate(a, vectors, 0, 1);
+        rotate(a, vectors, 0, 2);
+        rotate(a, vectors, 1, 2);
+    }
+    for (int i = 0; i < 3; i++)
+        values[i] = a[i][i];
+    if (values[1] < values[0])
+        swap_rows(values, vectors, 0, 1);
+    if (values[2] < values[1])
+        swap_rows(values, vectors, 1, 2);
+    if (values[1] < values[0])
+        swap_rows(values, vectors, 0, 1);
+    vor_cross(vectors[2], vectors[0], vectors[1]);
+}
+
+double vor_solve_spd(double *a, double *b, int n, double rank)
+{
+    double smallest = 1;
+
+    for (int j = 0; j < n; j++) {
+        double diagonal = a[j * n + j], pivot = diagonal;
+
+        for (int k = 0; k < j; k++)
+            pivot -= a[j * n + k] * a[j * n + k] * a[k * n + k];
+        if (!(diagonal > 0) || !(pivot >= rank * diagonal) || !(pivot > 0))
+            return 0;
+        if (pivot < smallest * diagonal)
+            smallest = pivot / diagonal;
+        a[j * n + j] = pivot;
+        for (int i = j + 1; i < n; i++) {
+            double sum = a[i * n + j];
+
+            for (int k = 0; k < j; k++)
+                sum -= a[i * n + k] * a[j * n + k] * a[k * n + k];
+            a[i * n + j] = sum / pivot;
+        }
+    }
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < i; k++)
+            b[i] -= a[i * n + k] * b[k];
+    for (int i = n - 1; i >= 0; i--) {
+        b[i] /= a[i * n + i];
+        for (int k = i + 1; k < n; k++)
+            b[i] -= a[k * n + i] * b[k];
+    }
+    return smallest;
+}

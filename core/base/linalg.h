@@ -1,0 +1,38 @@
+/** Small dense linear algebra in double precision: vectors of three, symmetric 3 x 3 eigenproblems,
+ *  symmetric positive definite systems. No allocation, no failure but what is returned. */
+#ifndef VOR_BASE_LINALG_H
+#define VOR_BASE_LINALG_H
+
+#include <math.h>
+
+static inline double vor_dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline void vor_cross(double out[3], const double a[3], const double b[3])
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static inline double vor_distance2f(const float a[3], const float b[3])
+{
+    double x = (double)a[0] - (double)b[0], y = (double)a[1] - (double)b[1],
+           z = (double)a[2] - (double)b[2];
+
+    return x * x + y * y + z * z;
+}
+
+/** Eigenvalues, ascending, and unit eigenvectors (rows of `vectors`, right-handed) of the symmetric
+ *  matrix with upper triangle m = {xx, xy, xz, yy, yz, zz}. Cyclic Jacobi; exact zeros stay. Uses no
+ *  function whose bits differ between machines. */
+void vor_eigen3(double values[3], double vectors[3][3], const double m[6]);
+
+/** Solves A x = b for symmetric positive definite A of size n <= 20 (row-major, only the lower
+ *  triangle is read), by LDL^T in place. Returns the smallest pivot over its diagonal entry, a
+ *  measure of rank in [0, 1]; when it is below `rank`, b is unchanged. Else b becomes x. */
+double vor_solve_spd(double *a, double *b, int n, double rank);
+
+#endif

@@ -1,0 +1,50 @@
+/** Where a run gets its threads and memory from, and whom it tells. */
+#ifndef VOR_BASE_RUN_H
+#define VOR_BASE_RUN_H
+
+#include "core/base/memory.h"
+#include "core/base/parallel.h"
+#include "core/base/watch.h"
+
+struct vor_run {
+    struct vor_pool *pool;         /**< borrowed */
+    struct vor_memory *memory;     /**< the job's; results allocate from it too */
+    const struct vor_watch *watch; /**< may be NULL */
+};
+
+/** The failure that an answer other than VOR_CONTINUE stands for where there is nothing to hand back. */
+static inline vor_status vor_run_ended(struct vor_error *err)
+{
+    return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
+}
+
+/** A watch that passes on VOR_CANCEL and nothing else: for the parts of a run after which there is
+ *  something to hand back, and which VOR_STOP therefore must not cut short. */
+struct vor_calm {
+    const struct vor_watch *inner;
+    struct vor_watch watch;
+};
+
+static inline enum vor_answer vor_calm_poll(void *ctx)
+{
+    const struct vor_calm *calm = ctx;
+
+    return calm->inner->poll(calm->inner->ctx) == VOR_CANCEL ? VOR_CANCEL : VOR_CONTINUE;
+}
+
+/** The watch to use; valid as long as *calm and inner (may be NULL) are. */
+static inline const struct vor_watch *vor_calm_watch(struct vor_calm *calm,
+                                                     const struct vor_watch *inner)
+{
+    calm->inner = inner;
+    calm->watch = (struct vor_watch){.ctx = calm, .poll = vor_calm_poll};
+    return inner != NULL && inner->poll != NULL ? &calm->watch : NULL;
+}
+
+/** Seconds by the watch's clock; 0 without one. */
+static inline double vor_run_clock(const struct vor_run *run)
+{
+    return run->watch != NULL && run->watch->clock != NULL ? run->watch->clock(run->watch->ctx) : 0;
+}
+
+#endif

@@ -1,0 +1,286 @@
+#include "core/engine.h"
+
+#include "core/method/init.h"
+#include "core/method/method.h"
+#include "core/method/transfer.h"
+#include "core/metrics/distance.h"
+#include "core/metrics/uniformity.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#define RATIO_MAX 16
+#define NEIGHBORS_AUTO 20
+
+const char *vor_stopped_word(enum vor_stopped stopped)
+{
+    static const char *const words[VOR_STOPPED_COUNT] = {
+#define STOPPED_WORD(id, word) word,
+        VOR_STOPPED_TABLE(STOPPED_WORD)
+#undef STOPPED_WORD
+    };
+
+    assert((unsigned)stopped < VOR_STOPPED_COUNT);
+    return words[stopped];
+}
+
+/* One run from the inside. */
+struct engine {
+    const struct vor_cloud *in;
+    struct vor_run run, calm_run; /* calm: for what a stop must not cut short */
+    struct vor_calm calm;
+    struct vor_spec spec; /* resolved */
+    struct vor_domain domain;
+    struct vor_seeds seeds;
+    struct vor_cvt_result result;
+    struct vor_report report;
+    double start;
+    size_t n;
+};
+
+/* Number of points from points, ratio or spacing. */
+static vor_status resolve_target(struct engine *engine, struct vor_error *err)
+{
+    const struct vor_parameter_info *info = vor_parameter_info(VOR_PARAM_POINTS);
+    double *value = engine->spec.value, n = value[VOR_PARAM_POINTS], area;
+    double most = fmin(info->max, (double)RATIO_MAX * (double)engine->in->n);
+    enum vor_parameter from = VOR_PARAM_POINTS;
+    vor_status status;
+
+    if (vor_spec_given(&engine->spec, VOR_PARAM_RATIO)) {
+        from = VOR_PARAM_RATIO;
+        n = rint(value[from] * (double)engine->in->n);
+    } else if (vor_spec_given(&engine->spec, VOR_PARAM_SPACING)) {
+        double spacing = value[from = VOR_PARAM_SPACING] / engine->domain.unit;
+
+        status = vor_init_area(&area, &engine->domain, &engine->spec, &engine->calm_run, err);
+        if (status != VOR_OK)
+            return status;
+        n = rint(area / (0.86602540378443865 * spacing * spacing));
+    }
+    if (!(n >= info->min && n <= most))
+        return vor_fail_param(err, VOR_E_TARGET, vor_parameter_info(from)->name,
+                              "%s %g asks for %.0f points, want %.0f to %.0f (at most %d times the "
+                              "input's %zu)",
+                              vor_parameter_info(from)->name, value[from], n, info->min, most,
+                              RATIO_MAX, engine->in->n);
+    engine->n = (size_t)n;
+    engine->report.parameters = engine->spec;
+    engine->report.parameters.value[VOR_PARAM_POINTS] = n;
+    return VOR_OK;
+}
+
+static vor_status prepare(struct engine *engine, struct vor_error *err)
+{
+    double before = engine->start, now;
+    vor_status status;
+
+    status = vor_domain_init(&engine->domain, engine->in, engine->run.memory, err);
+    if (status != VOR_OK)
+        return status;
+    if (engine->run.watch != NULL && engine->run.watch->poll != NULL &&
+        engine->run.watch->poll(engine->run.watch->ctx) == VOR_CANCEL)
+        return vor_run_ended(err);
+    now = vor_run_clock(&engine->run);
+    engine->report.seconds_index = now - before;
+    before = now;
+    status = resolve_target(engine, err);
+    if (status == VOR_OK)
+        status = vor_init_seeds(&engine->seeds, &engine->domain, engine->n, &engine->spec,
+                                &engine->calm_run, err);
+    engine->report.seconds_init = vor_run_clock(&engine->run) - before;
+    return status;
+}
+
+static vor_status optimise(struct engine *engine, struct vor_error *err)
+{
+    const struct vor_method *method = vor_method((unsigned)engine->spec.value[VOR_PARAM_METHOD]);
+    double before = vor_run_clock(&engine->run);
+    vor_status status;
+
+    engine->seeds.run = &engine->run;
+    status = method->run(&engine->seeds, &engine->result, &engine->spec, engine->start, err);
+    engine->seeds.run = &engine->calm_run;
+    engine->report.seconds_iterate = vor_run_clock(&engine->run) - before;
+    return status;
+}
+
+/* The uniformity of what is handed back, and its numbers in the report. */
+static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vor_error *err)
+{
+    struct vor_report *report = &engine->report;
+    double unit = engine->domain.unit;
+    struct vor_uniformity even;
+    float *nearest = vor_malloc(engine->run.memory, engine->n, sizeof *nearest);
+    vor_status status;
+
+    if (nearest == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", engine->n);
+    status = vor_seeds_index(&engine->seeds, err);
+    if (status == VOR_OK)
+        status = vor_nearest_distances(nearest, engine->seeds.xyz, engine->n, engine->seeds.knn,
+                                       &engine->calm_run, err);
+    if (status == VOR_OK) {
+        vor_uniformity_from(&even, nearest, engine->n);
+        status = vor_transfer(out, engine->in, &engine->seeds, even.mean * unit, &engine->spec, err);
+    }
+    vor_free(engine->run.memory, nearest);
+    if (status != VOR_OK)
+        return status;
+    report->points_in = engine->in->n;
+    report->points_out = engine->n;
+    report->delta = even.delta;
+    report->sigma = even.sigma * unit;
+    report->epsilon = even.epsilon;
+    report->spacing_mean = even.mean * unit;
+    report->iterations = engine->result.iterations;
+    report->stopped = engine->result.stopped;
+    report->held = engine->result.held;
+    report->held_ever = engine->result.held_ever;
+    report->fallback_plane = engine->result.fallback_plane;
+    report->fallback_left = engine->result.fallback_left;
+    report->area = engine->result.area;
+    report->memory_peak_bytes = atomic_load(&engine->run.memory->peak);
+    return VOR_OK;
+}
+
+vor_status vor_engine_run(struct vor_cloud *out, struct vor_report *report,
+                          const struct vor_cloud *in, const struct vor_spec *spec,
+                          const struct vor_run *run, struct vor_error *err)
+{
+    struct engine engine = {.in = in, .run = *run, .spec = *spec};
+    vor_status status;
+
+    engine.calm_run = *run;
+    engine.calm_run.watch = vor_calm_watch(&engine.calm, run->watch);
+    engine.start = vor_run_clock(run);
+    if (engine.spec.value[VOR_PARAM_NEIGHBORS] == VOR_UNSET)
+        engine.spec.value[VOR_PARAM_NEIGHBORS] = NEIGHBORS_AUTO;
+    status = prepare(&engine, err);
+    if (status == VOR_OK)
+        status = optimise(&engine, err);
+    if (status == VOR_OK)
+        status = finish(&engine, out, err);
+    if (status == VOR_OK)
+        *report = engine.report;
+    vor_seeds_free(&engine.seeds);
+    vor_domain_free(&engine.domain);
+    return status;
+}
+
+/* A frame that holds both clouds: middle of the first, power of two at least as large as both. */
+struct frame {
+    double middle[3], unit;
+};
+
+static void choose_frame(struct frame *frame, const struct vor_cloud *a, const struct vor_cloud *b)
+{
+    const struct vor_cloud *clouds[2] = {a, b != NULL ? b : a};
+    double x[3], low[3], high[3], largest = 0;
+    int exponent;
+
+    vor_cloud_position(a, 0, low);
+    memcpy(high, low, sizeof high);
+    for (int k = 0; k < 2; k++)
+        for (size_t i = 0; i < clouds[k]->n; i++) {
+            vor_cloud_position(clouds[k], i, x);
+            for (int c = 0; c < 3; c++) {
+                low[c] = fmin(low[c], x[c]);
+                high[c] = fmax(high[c], x[c]);
+            }
+        }
+    for (int c = 0; c < 3; c++) {
+        frame->middle[c] = low[c] / 2 + high[c] / 2;
+        largest = fmax(largest, high[c] / 2 - low[c] / 2);
+    }
+    (void)frexp(largest, &exponent);
+    frame->unit = largest > 0 ? ldexp(1, exponent) : 1;
+}
+
+static float *into_frame(const struct vor_cloud *cloud, const struct frame *frame,
+                         struct vor_memory *memory, struct vor_error *err)
+{
+    float *xyz = vor_malloc(memory, cloud->n, 3 * sizeof *xyz);
+    double x[3];
+
+    if (xyz == NULL) {
+        (void)vor_fail(err, VOR_E_NOMEM, "positions of %zu points", cloud->n);
+        return NULL;
+    }
+    for (size_t i = 0; i < cloud->n; i++) {
+        vor_cloud_position(cloud, i, x);
+        for (size_t c = 0; c < 3; c++)
+            xyz[3 * i + c] = (float)((x[c] - frame->middle[c]) / frame->unit);
+    }
+    return xyz;
+}
+
+static vor_status measure_even(struct vor_measure *out, const float *xyz, size_t n, double unit,
+                               const struct vor_run *run, struct vor_error *err)
+{
+    float *nearest = vor_malloc(run->memory, n, sizeof *nearest);
+    struct vor_uniformity even;
+    struct vor_knn *knn = NULL;
+    vor_status status;
+
+    if (nearest == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", n);
+    status = vor_knn_build(&knn, xyz, n, run->memory, err);
+    if (status == VOR_OK)
+        status = vor_nearest_distances(nearest, xyz, n, knn, run, err);
+    if (status == VOR_OK) {
+        vor_uniformity_from(&even, nearest, n);
+        if (!(even.mean > 0))
+            status = vor_fail(err, VOR_E_DEGENERATE, "%zu points, all in one place, want two", n);
+    }
+    if (status == VOR_OK)
+        *out = (struct vor_measure){.n = n,
+                                    .delta = even.delta,
+                                    .sigma = even.sigma * unit,
+                                    .epsilon = even.epsilon,
+                                    .mean_nn = even.mean * unit,
+                                    .min_over_mean = even.min / even.mean,
+                                    .max_over_mean = even.max / even.mean,
+                                    .coincident = even.coincident};
+    vor_knn_free(knn);
+    vor_free(run->memory, nearest);
+    return status;
+}
+
+vor_status vor_engine_measure(struct vor_measure *out, const struct vor_cloud *cloud,
+                              const struct vor_cloud *reference, const struct vor_run *run,
+                              struct vor_error *err)
+{
+    struct frame frame;
+    struct vor_measure measure;
+    struct vor_distances distances;
+    float *xyz = NULL, *other = NULL;
+    vor_status status;
+
+    choose_frame(&frame, cloud, reference);
+    xyz = into_frame(cloud, &frame, run->memory, err);
+    if (xyz == NULL)
+        return VOR_E_NOMEM;
+    status = measure_even(&measure, xyz, cloud->n, frame.unit, run, err);
+    if (status == VOR_OK && reference != NULL) {
+        other = into_frame(reference, &frame, run->memory, err);
+        status = other == NULL ? VOR_E_NOMEM
+                               : vor_distances_measure(&distances, xyz, cloud->n, other,
+                                                       reference->n, run, err);
+    }
+    if (status == VOR_OK && reference != NULL) {
+        measure.has_reference = 1;
+        measure.far_over_knn6_mean = distances.far_over_knn6_mean;
+        measure.far_over_knn6_p999 = distances.far_over_knn6_p999;
+        measure.out_to_ref_mean = distances.out_to_ref_mean;
+        measure.out_to_ref_max = distances.out_to_ref_max;
+        measure.ref_to_out_mean = distances.ref_to_out_mean;
+        measure.ref_to_out_max = distances.ref_to_out_max;
+    }
+    if (status == VOR_OK)
+        *out = measure;
+    vor_free(run->memory, other);
+    vor_free(run->memory, xyz);
+    return status;
+}

@@ -1,0 +1,233 @@
+#include "core/geom/cell.h"
+
+#include "core/base/linalg.h"
+
+#include <assert.h>
+#include <string.h>
+
+/* Corners of the unit hexagon. */
+static const double corner[6][2] = {{1, 0},
+                                    {0.5, 0.86602540378443865},
+                                    {-0.5, 0.86602540378443865},
+                                    {-1, 0},
+                                    {-0.5, -0.86602540378443865},
+                                    {0.5, -0.86602540378443865}};
+
+/* Index of vertex `step` (0 .. 6 ring - 1, counter-clockwise) of a ring. */
+static unsigned ring_vertex(unsigned ring, unsigned step)
+{
+    if (ring == 0)
+        return 0;
+    return 1 + 3 * ring * (ring - 1) + step % (6 * ring);
+}
+
+static void add_triangle(struct vor_disc *disc, unsigned a, unsigned b, unsigned c)
+{
+    unsigned char *t = disc->triangle[disc->triangle_count++];
+
+    t[0] = (unsigned char)a;
+    t[1] = (unsigned char)b;
+    t[2] = (unsigned char)c;
+}
+
+void vor_disc_init(struct vor_disc *disc, unsigned rings)
+{
+    assert(rings >= 1 && rings <= VOR_RINGS_MAX);
+    memset(disc, 0, sizeof *disc);
+    disc->vertex_count = 1;
+    for (unsigned ring = 1; ring <= rings; ring++) {
+        for (unsigned side = 0; side < 6; side++) {
+            const double *a = corner[side], *b = corner[(side + 1) % 6];
+
+            for (unsigned i = 0; i < ring; i++) {
+                double t = (double)i / ring, r = (double)ring / rings;
+                double *vertex = disc->vertex[disc->vertex_count++];
+
+                vertex[0] = r * (a[0] + t * (b[0] - a[0]));
+                vertex[1] = r * (a[1] + t * (b[1] - a[1]));
+            }
+        }
+        for (unsigned side = 0; side < 6; side++)
+            for (unsigned i = 0; i < ring; i++) {
+                unsigned outer = side * ring + i, inner = side * (ring - 1) + i;
+
+                add_triangle(disc, ring_vertex(ring, outer), ring_vertex(ring, outer + 1),
+                             ring_vertex(ring - 1, inner));
+                if (i + 1 < ring)
+                    add_triangle(disc, ring_vertex(ring, outer + 1),
+                                 ring_vertex(ring - 1, inner + 1), ring_vertex(ring - 1, inner));
+            }
+    }
+}
+
+void vor_cell_begin(struct vor_cell *cell, const struct vor_disc *disc,
+                    const struct vor_surface *surface, const double seed[3], double radius)
+{
+    double lifted[VOR_PATCH_VERTICES_MAX][3];
+
+    memcpy(cell->seed, seed, sizeof cell->seed);
+    cell->bisectors = 0;
+    cell->radius2 = 0;
+    for (unsigned i = 0; i < disc->vertex_count; i++) {
+        double u = radius * disc->vertex[i][0], v = radius * disc->vertex[i][1];
+
+        lifted[i][0] = u;
+        lifted[i][1] = v;
+        lifted[i][2] = vor_surface_height(surface, seed[0] + u, seed[1] + v, NULL) - seed[2];
+        cell->radius2 = fmax(cell->radius2, vor_dot(lifted[i], lifted[i]));
+    }
+    cell->count = disc->triangle_count;
+    for (unsigned i = 0; i < cell->count; i++) {
+        cell->piece[i].count = 3;
+        for (unsigned j = 0; j < 3; j++)
+            memcpy(cell->piece[i].vertex[j], lifted[disc->triangle[i][j]], sizeof lifted[0]);
+    }
+}
+
+/* Sutherland and Hodgman against one plane: side[i] <= 0 is kept. */
+static void clip_polygon(struct vor_polygon *polygon, const double *side)
+{
+    struct vor_polygon kept;
+    unsigned n = polygon->count;
+
+    kept.count = 0;
+    for (unsigned i = 0; i < n; i++) {
+        unsigned j = i + 1 < n ? i + 1 : 0;
+        const double *a = polygon->vertex[i], *b = polygon->vertex[j];
+
+        if (side[i] <= 0)
+            memcpy(kept.vertex[kept.count++], a, 3 * sizeof *a);
+        if ((side[i] <= 0) != (side[j] <= 0)) {
+            double t = side[i] / (side[i] - side[j]);
+            double *cut = kept.vertex[kept.count++];
+
+            for (int c = 0; c < 3; c++)
+                cut[c] = a[c] + t * (b[c] - a[c]);
+        }
+    }
+    polygon->count = kept.count;
+    memcpy(polygon->vertex, kept.vertex, kept.count * sizeof kept.vertex[0]);
+}
+
+static double farthest2(const struct vor_cell *cell)
+{
+    double far = 0;
+
+    for (unsigned i = 0; i < cell->count; i++)
+        for (unsigned j = 0; j < cell->piece[i].count; j++)
+            far = fmax(far, vor_dot(cell->piece[i].vertex[j], cell->piece[i].vertex[j]));
+    return far;
+}
+
+void vor_cell_clip(struct vor_cell *cell, const double offset[3])
+{
+    double limit = vor_dot(offset, offset) / 2, side[VOR_POLYGON_MAX];
+    unsigned kept = 0;
+    int cut = 0;
+
+    for (unsigned i = 0; i < cell->count; i++) {
+        struct vor_polygon *polygon = &cell->piece[i];
+        unsigned outside = 0;
+
+        for (unsigned j = 0; j < polygon->count; j++) {
+            side[j] = vor_dot(polygon->vertex[j], offset) - limit;
+            outside += side[j] > 0;
+        }
+        cut |= outside > 0;
+        if (outside == polygon->count)
+            continue;
+        /* A convex polygon gains at most one corner a cut; one this rich is left uncut. */
+        if (outside > 0 && polygon->count < VOR_POLYGON_MAX - 1)
+            clip_polygon(polygon, side);
+        if (kept != i) {
+            cell->piece[kept].count = polygon->count;
+            memcpy(cell->piece[kept].vertex, polygon->vertex,
+                   polygon->count * sizeof polygon->vertex[0]);
+        }
+        kept++;
+    }
+    if (!cut)
+        return;
+    cell->count = kept;
+    cell->bisectors++;
+    cell->radius2 = farthest2(cell);
+}
+
+/* Area of the triangle (a, b, c). */
+static double triangle_area(const double a[3], const double b[3], const double c[3])
+{
+    double ab[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    double ac[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]}, n[3];
+
+    vor_cross(n, ab, ac);
+    return sqrt(vor_dot(n, n)) / 2;
+}
+
+int vor_cell_moments(struct vor_moments *out, const struct vor_cell *cell)
+{
+    double area = 0, energy = 0, sum[3] = {0};
+
+    for (unsigned i = 0; i < cell->count; i++) {
+        const struct vor_polygon *polygon = &cell->piece[i];
+        const double *a = polygon->vertex[0];
+
+        for (unsigned j = 2; j < polygon->count; j++) {
+            const double *b = polygon->vertex[j - 1], *c = polygon->vertex[j];
+            double here = triangle_area(a, b, c);
+            double s[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
+
+            area += here;
+            for (int d = 0; d < 3; d++)
+                sum[d] += here / 3 * s[d];
+            energy += here / 12 * (vor_dot(a, a) + vor_dot(b, b) + vor_dot(c, c) + vor_dot(s, s));
+        }
+    }
+    if (!(area > 0))
+        return 0;
+    out->area = area;
+    out->energy = energy;
+    for (int d = 0; d < 3; d++)
+        out->centroid[d] = cell->seed[d] + sum[d] / area;
+    return isfinite(out->centroid[0]) && isfinite(out->centroid[1]) && isfinite(out->centroid[2]);
+}
+
+/* Even over a triangle: the square folded along its diagonal. */
+static void sample_triangle(double out[3], const double *a, const double *b, const double *c,
+                            double s, double t)
+{
+    if (s + t > 1) {
+        s = 1 - s;
+        t = 1 - t;
+    }
+    for (int d = 0; d < 3; d++)
+        out[d] = a[d] + s * (b[d] - a[d]) + t * (c[d] - a[d]);
+}
+
+void vor_cell_sample(const struct vor_cell *cell, const double unit[3], double local[3])
+{
+    struct vor_moments moments;
+    double left;
+
+    if (!vor_cell_moments(&moments, cell)) {
+        memcpy(local, cell->seed, sizeof cell->seed);
+        return;
+    }
+    left = unit[0] * moments.area;
+    for (unsigned i = 0; i < cell->count; i++) {
+        const struct vor_polygon *polygon = &cell->piece[i];
+        const double *a = polygon->vertex[0];
+
+        for (unsigned j = 2; j < polygon->count; j++) {
+            const double *b = polygon->vertex[j - 1], *c = polygon->vertex[j];
+
+            /* Rounding may leave a crumb after the last triangle: any but the first overwrites. */
+            sample_triangle(local, a, b, c, unit[1], unit[2]);
+            left -= triangle_area(a, b, c);
+            if (left < 0)
+                goto found;
+        }
+    }
+found:
+    for (int d = 0; d < 3; d++)
+        local[d] += cell->seed[d];
+}

@@ -1,0 +1,395 @@
+#include "core/method/cvt.h"
+
+#include "core/base/linalg.h"
+#include "core/geom/boundary.h"
+#include "core/method/even.h"
+#include "core/opt/anderson.h"
+
+#include <string.h>
+
+enum { ITERATIONS_DEFAULT = 100, PLATEAU_WINDOW = 10 };
+
+#define PLATEAU_GAIN 0.99 /* delta must fall below this share of its value a window ago */
+#define MIX_STEP_MAX 0.5  /* of the distance to the nearest neighbour */
+
+enum { AT_BORDER = 1, HELD_EVER = 2 }; /* flags of a seed */
+
+/* Sums of one block of seeds. */
+struct block_sums {
+    double area, energy, max_move;
+    uint64_t held, plane, left;
+};
+
+struct cvt {
+    struct vor_seeds *seeds;
+    const struct vor_spec *spec;
+    struct vor_cvt_result result;
+    size_t blocks;
+    struct block_sums *sums, total;
+    float *lloyd, *mix, *best; /* candidates and the most even iterate, n x 3 each */
+    float *normal;             /* of the surface at the projected centroid, n x 3 */
+    float *nearest;            /* scratch: distance of each seed to its nearest neighbour */
+    unsigned char *flags;
+    struct vor_anderson anderson;
+    double weight[VOR_ANDERSON_MAX + 1];
+    unsigned mixes;
+    double start, best_delta, past[PLATEAU_WINDOW]; /* past: best delta of the last iterations */
+    double last_seconds;                            /* clock at the last record */
+};
+
+static void free_cvt(struct cvt *cvt)
+{
+    struct vor_memory *memory = cvt->seeds->run->memory;
+
+    if (cvt->anderson.memory != NULL)
+        vor_anderson_free(&cvt->anderson);
+    vor_free(memory, cvt->flags);
+    vor_free(memory, cvt->nearest);
+    vor_free(memory, cvt->normal);
+    vor_free(memory, cvt->best);
+    vor_free(memory, cvt->mix);
+    vor_free(memory, cvt->lloyd);
+    vor_free(memory, cvt->sums);
+}
+
+static vor_status alloc_cvt(struct cvt *cvt, struct vor_error *err)
+{
+    struct vor_memory *memory = cvt->seeds->run->memory;
+    size_t n = cvt->seeds->n, row = 3 * sizeof(float);
+    unsigned window = (unsigned)cvt->spec->value[VOR_PARAM_ANDERSON];
+
+    cvt->blocks = (n + VOR_SEEDS_BLOCK - 1) / VOR_SEEDS_BLOCK;
+    cvt->sums = vor_calloc(memory, cvt->blocks, sizeof *cvt->sums);
+    cvt->lloyd = vor_malloc(memory, n, row);
+    cvt->mix = vor_malloc(memory, n, row);
+    cvt->best = vor_malloc(memory, n, row);
+    cvt->normal = vor_calloc(memory, n, row);
+    cvt->nearest = vor_malloc(memory, n, sizeof *cvt->nearest);
+    cvt->flags = vor_calloc(memory, n, 1);
+    if (cvt->sums == NULL || cvt->lloyd == NULL || cvt->mix == NULL || cvt->best == NULL ||
+        cvt->normal == NULL || cvt->nearest == NULL || cvt->flags == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the iteration of %zu points", n);
+    if (window > 0)
+        return vor_anderson_init(&cvt->anderson, 3 * n, window, memory, err);
+    return VOR_OK;
+}
+
+static void set3(float *out, const double x[3])
+{
+    for (int c = 0; c < 3; c++)
+        out[c] = (float)x[c];
+}
+
+/* Where seed i may go when it is meant to go to x: looked at closely only when x lies to one side of
+ * the neighbours at hand. Returns whether it was held back. */
+static int restrict_move(struct cvt *cvt, struct vor_bench *bench, size_t i,
+                         const double local[3], double x[3])
+{
+    if (cvt->spec->value[VOR_PARAM_BOUNDARY] != VOR_BOUNDARY_KEEP ||
+        !vor_boundary_one_sided(&bench->surface, bench->near, cvt->seeds->k, local))
+        return 0;
+    (void)vor_seeds_fit_at(cvt->seeds, bench, x);
+    if (!vor_boundary_restrict(&bench->surface, bench->near, cvt->seeds->k, x))
+        return 0;
+    cvt->flags[i] |= AT_BORDER | HELD_EVER;
+    return 1;
+}
+
+/* Projected centroid of seed i's cell, or its own place where it has none. */
+static void lloyd_step(struct cvt *cvt, struct vor_bench *bench, size_t i, size_t row,
+                       struct block_sums *sums)
+{
+    enum vor_surface_kind kind = vor_seeds_cell(cvt->seeds, bench, i, row);
+    struct vor_moments moments;
+    double x[3], normal[3];
+
+    memcpy(&cvt->lloyd[3 * i], &cvt->seeds->xyz[3 * i], 3 * sizeof(float));
+    memset(&cvt->normal[3 * i], 0, 3 * sizeof(float));
+    cvt->flags[i] &= (unsigned char)~AT_BORDER;
+    if (kind == VOR_SURFACE_NONE || !vor_cell_moments(&moments, &bench->cell)) {
+        sums->left++;
+        return;
+    }
+    sums->plane += kind == VOR_SURFACE_PLANE;
+    sums->area += moments.area;
+    sums->energy += moments.energy;
+    vor_surface_project(&bench->surface, moments.centroid);
+    vor_surface_to_world(&bench->surface, moments.centroid, x);
+    vor_surface_normal(&bench->surface, moments.centroid, normal);
+    set3(&cvt->normal[3 * i], normal);
+    sums->held += (uint64_t)restrict_move(cvt, bench, i, moments.centroid, x);
+    set3(&cvt->lloyd[3 * i], x);
+}
+
+static double move2(const struct cvt *cvt, const float *to, size_t i)
+{
+    return vor_distance2f(&to[3 * i], &cvt->seeds->xyz[3 * i]);
+}
+
+static void lloyd_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct cvt *cvt = ctx;
+    struct vor_bench *bench = &cvt->seeds->bench[worker];
+    struct block_sums sums = {0};
+
+    vor_seeds_search(cvt->seeds, bench, begin, end);
+    for (size_t i = begin; i < end; i++) {
+        lloyd_step(cvt, bench, i, i - begin, &sums);
+        sums.max_move = fmax(sums.max_move, move2(cvt, cvt->lloyd, i));
+    }
+    sums.max_move = sqrt(sums.max_move);
+    cvt->sums[begin / VOR_SEEDS_BLOCK] = sums;
+}
+
+/* Adds up the blocks, in their order. */
+static void add_blocks(struct cvt *cvt)
+{
+    struct block_sums total = {0};
+
+    for (size_t b = 0; b < cvt->blocks; b++) {
+        total.area += cvt->sums[b].area;
+        total.energy += cvt->sums[b].energy;
+        total.max_move = fmax(total.max_move, cvt->sums[b].max_move);
+        total.held += cvt->sums[b].held;
+        total.plane += cvt->sums[b].plane;
+        total.left += cvt->sums[b].left;
+    }
+    cvt->total = total;
+}
+
+/* The Anderson mix of seed i: its tangential part, bounded. */
+static void mix_step(struct cvt *cvt, size_t i)
+{
+    const float *lloyd = &cvt->lloyd[3 * i], *normal = &cvt->normal[3 * i];
+    double d[3], x[3], off = 0, length, limit;
+
+    for (size_t c = 0; c < 3; c++) {
+        d[c] = -(double)lloyd[c];
+        for (unsigned j = 0; j < cvt->mixes; j++)
+            d[c] += cvt->weight[j] * (double)cvt->anderson.image[j][3 * i + c];
+    }
+    for (int c = 0; c < 3; c++)
+        off += d[c] * (double)normal[c];
+    for (int c = 0; c < 3; c++)
+        d[c] -= off * (double)normal[c];
+    length = sqrt(vor_dot(d, d));
+    limit = MIX_STEP_MAX * (double)cvt->nearest[i];
+    if (cvt->flags[i] & AT_BORDER || !isfinite(length))
+        limit = 0;
+    for (int c = 0; c < 3; c++)
+        x[c] = (double)lloyd[c] + (length > limit ? d[c] * (limit / length) : d[c]);
+    set3(&cvt->mix[3 * i], limit > 0 ? x : (double[3]){(double)lloyd[0], (double)lloyd[1],
+                                                       (double)lloyd[2]});
+}
+
+static void mix_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct cvt *cvt = ctx;
+    double longest = 0;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        mix_step(cvt, i);
+        longest = fmax(longest, move2(cvt, cvt->mix, i));
+    }
+    cvt->sums[begin / VOR_SEEDS_BLOCK].max_move = sqrt(longest);
+}
+
+/* Replaces the Lloyd candidate by the mix when that is at least as even. */
+static enum vor_answer accelerate(struct cvt *cvt, struct vor_uniformity *even)
+{
+    const struct vor_run *run = cvt->seeds->run;
+    struct vor_uniformity mixed;
+    enum vor_answer answer = vor_anderson_push(&cvt->anderson, cvt->seeds->xyz, cvt->lloyd,
+                                               cvt->weight, &cvt->mixes, run->watch, run->pool);
+
+    if (answer != VOR_CONTINUE || cvt->mixes < 2)
+        return answer;
+    answer = vor_parallel_for(run->pool, run->watch, cvt->seeds->n, VOR_SEEDS_BLOCK, mix_block, cvt);
+    if (answer != VOR_CONTINUE)
+        return answer;
+    for (size_t b = 0; b < cvt->blocks; b++)
+        cvt->sums[b].max_move = fmax(cvt->sums[b].max_move, b > 0 ? cvt->sums[b - 1].max_move : 0);
+    answer = vor_even_measure(&mixed, cvt->nearest, cvt->seeds, cvt->mix,
+                              cvt->sums[cvt->blocks - 1].max_move);
+    if (answer != VOR_CONTINUE || !(mixed.delta <= even->delta))
+        return answer;
+    memcpy(cvt->lloyd, cvt->mix, 3 * cvt->seeds->n * sizeof *cvt->mix);
+    cvt->total.max_move = cvt->sums[cvt->blocks - 1].max_move;
+    *even = mixed;
+    return VOR_CONTINUE;
+}
+
+/* One iteration: from seeds->xyz to seeds->xyz. */
+static enum vor_answer iterate(struct cvt *cvt, struct vor_uniformity *even)
+{
+    struct vor_seeds *seeds = cvt->seeds;
+    enum vor_answer answer = vor_parallel_for(seeds->run->pool, seeds->run->watch, seeds->n,
+                                              VOR_SEEDS_BLOCK, lloyd_block, cvt);
+
+    if (answer != VOR_CONTINUE)
+        return answer;
+    add_blocks(cvt);
+    answer = vor_even_measure(even, cvt->nearest, seeds, cvt->lloyd, cvt->total.max_move);
+    if (answer == VOR_CONTINUE && cvt->anderson.memory != NULL)
+        answer = accelerate(cvt, even);
+    if (answer == VOR_CONTINUE)
+        memcpy(seeds->xyz, cvt->lloyd, 3 * seeds->n * sizeof *seeds->xyz);
+    return answer;
+}
+
+/* Tells the watch, and keeps the most even iterate. */
+static enum vor_answer record(struct cvt *cvt, const struct vor_uniformity *even)
+{
+    const struct vor_run *run = cvt->seeds->run;
+    double unit = cvt->seeds->domain->unit;
+    struct vor_record record = {.iteration = cvt->result.iterations,
+                                .delta = even->delta,
+                                .sigma = even->sigma * unit,
+                                .epsilon = even->epsilon,
+                                .energy = cvt->total.energy * unit * unit * unit * unit,
+                                .max_move = cvt->total.max_move * unit,
+                                .held = cvt->total.held,
+                                .seconds = vor_run_clock(run) - cvt->start};
+
+    cvt->last_seconds = record.seconds;
+    cvt->result.held = cvt->total.held;
+    cvt->result.fallback_plane = cvt->total.plane;
+    cvt->result.fallback_left = cvt->total.left;
+    cvt->result.area = cvt->total.area * unit * unit;
+    if (even->delta < cvt->best_delta) {
+        cvt->best_delta = even->delta;
+        memcpy(cvt->best, cvt->seeds->xyz, 3 * cvt->seeds->n * sizeof *cvt->best);
+    }
+    if (run->watch == NULL || run->watch->progress == NULL)
+        return VOR_CONTINUE;
+    return run->watch->progress(run->watch->ctx, &record);
+}
+
+/* Whether the gain over the last window is too small to go on. */
+static int plateau(struct cvt *cvt)
+{
+    double *slot = &cvt->past[cvt->result.iterations % PLATEAU_WINDOW], before = *slot;
+
+    *slot = cvt->best_delta;
+    return cvt->result.iterations > PLATEAU_WINDOW && cvt->best_delta > PLATEAU_GAIN * before;
+}
+
+/* Whether the request's own stops are reached, now that an iteration took `took` seconds. */
+static int finished(struct cvt *cvt, const struct vor_uniformity *even, double took)
+{
+    const double *value = cvt->spec->value;
+    int fixed = vor_spec_given(cvt->spec, VOR_PARAM_ITERATIONS);
+    uint32_t most = fixed ? (uint32_t)value[VOR_PARAM_ITERATIONS] : ITERATIONS_DEFAULT;
+
+    if (vor_spec_given(cvt->spec, VOR_PARAM_DELTA) && even->delta <= value[VOR_PARAM_DELTA])
+        cvt->result.stopped = VOR_STOPPED_DELTA;
+    else if (cvt->result.iterations >= most)
+        cvt->result.stopped = VOR_STOPPED_ITERATIONS;
+    else if (vor_spec_given(cvt->spec, VOR_PARAM_SECONDS) &&
+             cvt->last_seconds + took > value[VOR_PARAM_SECONDS])
+        cvt->result.stopped = VOR_STOPPED_SECONDS;
+    else if (!fixed && plateau(cvt))
+        cvt->result.stopped = VOR_STOPPED_PLATEAU;
+    else
+        return 0;
+    return 1;
+}
+
+/* Iteration 0: the state after initialisation, its uniformity by a search. */
+static vor_status begin(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
+{
+    struct vor_seeds *seeds = cvt->seeds;
+    vor_status status = vor_seeds_index(seeds, err);
+
+    if (status == VOR_OK)
+        status = vor_nearest_distances(cvt->nearest, seeds->xyz, seeds->n, seeds->knn, seeds->run,
+                                       err);
+    if (status != VOR_OK)
+        return status;
+    vor_uniformity_from(even, cvt->nearest, seeds->n);
+    return VOR_OK;
+}
+
+static vor_status loop(struct cvt *cvt, struct vor_error *err)
+{
+    struct vor_uniformity even;
+    enum vor_answer answer;
+    double took = 0, before;
+    vor_status status = begin(cvt, &even, err);
+
+    if (status != VOR_OK)
+        return status;
+    cvt->best_delta = INFINITY;
+    answer = record(cvt, &even);
+    before = cvt->last_seconds;
+    while (answer == VOR_CONTINUE && !finished(cvt, &even, took)) {
+        if (cvt->result.iterations > 0) {
+            status = vor_seeds_index(cvt->seeds, err);
+            if (status != VOR_OK)
+                return status;
+        }
+        answer = iterate(cvt, &even);
+        if (answer != VOR_CONTINUE)
+            break;
+        cvt->result.iterations++;
+        answer = record(cvt, &even);
+        took = cvt->last_seconds - before;
+        before = cvt->last_seconds;
+    }
+    if (answer == VOR_CANCEL)
+        return vor_run_ended(err);
+    if (answer == VOR_STOP)
+        cvt->result.stopped = VOR_STOPPED_CALLER;
+    return VOR_OK;
+}
+
+/* Puts a seed onto the surface at its own place; border points stay within their bound. */
+static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct cvt *cvt = ctx;
+    struct vor_seeds *seeds = cvt->seeds;
+    struct vor_bench *bench = &seeds->bench[worker];
+
+    vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * begin], end - begin, seeds->k,
+                   bench->near_index, bench->near_distance2);
+    for (size_t i = begin; i < end; i++) {
+        double x[3], local[3];
+
+        if (vor_seeds_fit(seeds, bench, i - begin) == VOR_SURFACE_NONE)
+            continue;
+        vor_seeds_position(seeds, i, x);
+        vor_surface_to_local(&bench->surface, x, local);
+        vor_surface_project(&bench->surface, local);
+        vor_surface_to_world(&bench->surface, local, x);
+        if (cvt->spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP &&
+            vor_boundary_restrict(&bench->surface, bench->near, seeds->k, x))
+            cvt->flags[i] |= HELD_EVER;
+        set3(&seeds->xyz[3 * i], x);
+    }
+}
+
+vor_status vor_cvt_run(struct vor_seeds *seeds, struct vor_cvt_result *out,
+                       const struct vor_spec *spec, double start, struct vor_error *err)
+{
+    struct cvt cvt = {.seeds = seeds, .spec = spec, .start = start};
+    struct vor_calm calm;
+    vor_status status = alloc_cvt(&cvt, err);
+
+    if (status == VOR_OK)
+        status = loop(&cvt, err);
+    if (status != VOR_OK)
+        goto done;
+    memcpy(seeds->xyz, cvt.best, 3 * seeds->n * sizeof *cvt.best);
+    if (vor_parallel_for(seeds->run->pool, vor_calm_watch(&calm, seeds->run->watch), seeds->n, VOR_SEEDS_BLOCK, settle_block, &cvt) !=
+        VOR_CONTINUE) {
+        status = vor_run_ended(err);
+        goto done;
+    }
+    for (size_t i = 0; i < seeds->n; i++)
+        cvt.result.held_ever += (cvt.flags[i] & HELD_EVER) != 0;
+    *out = cvt.result;
+done:
+    free_cvt(&cvt);
+    return status;
+}

@@ -1,0 +1,28 @@
+/** The input made ready for the methods: normalised, sorted, without coincident points, indexed. */
+#ifndef VOR_METHOD_DOMAIN_H
+#define VOR_METHOD_DOMAIN_H
+
+#include "core/base/cloud.h"
+#include "core/knn/knn.h"
+
+/** Point i of the domain is point source[i] of the input (the first of those that coincide); the
+ *  input's relative position is xyz * unit + shift. unit is a power of two, so that scaling loses
+ *  nothing; every |xyz| <= 1. */
+struct vor_domain {
+    struct vor_memory *memory;
+    size_t n;
+    float *xyz;       /**< n x 3, in Morton order */
+    uint32_t *source; /**< n */
+    double shift[3];
+    double unit;
+    struct vor_knn *knn; /**< over xyz */
+};
+
+/** @retval VOR_E_DEGENERATE fewer than four distinct points, or all on a line
+ *  @retval VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
+                                         struct vor_memory *memory, struct vor_error *err);
+
+void vor_domain_free(struct vor_domain *domain);
+
+#endif

@@ -1,0 +1,163 @@
+#include "core/method/init.h"
+
+#include "core/base/rng.h"
+
+enum { STREAM_DRAW = 1, STREAM_ROUND = 2, STREAM_SAMPLE = 3, AREA_SEEDS = 20000 };
+
+/* Draws n of the domain's points, one from each stretch of its order, all different. */
+static void draw(struct vor_seeds *seeds, uint64_t seed)
+{
+    const struct vor_domain *domain = seeds->domain;
+    size_t before = 0;
+
+    for (size_t i = 0; i < seeds->n; i++) {
+        double t = (double)i + vor_rng_unit(seed, STREAM_DRAW, i);
+        size_t at = (size_t)(t / (double)seeds->n * (double)domain->n);
+
+        if (i > 0 && at <= before)
+            at = before + 1;
+        if (at > domain->n - (seeds->n - i))
+            at = domain->n - (seeds->n - i);
+        before = at;
+        for (size_t c = 0; c < 3; c++)
+            seeds->xyz[3 * i + c] = domain->xyz[3 * at + c];
+    }
+}
+
+/* Running sum of the areas, and what is sampled from it. */
+struct areas {
+    struct vor_seeds *from, *to;
+    double *end; /* end[i]: sum of the areas up to and with cell i */
+    double offset;
+    uint64_t seed;
+};
+
+static void measure_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct areas *areas = ctx;
+    struct vor_bench *bench = &areas->from->bench[worker];
+    struct vor_moments moments;
+
+    vor_seeds_search(areas->from, bench, begin, end);
+    for (size_t i = begin; i < end; i++) {
+        areas->end[i] = 0;
+        if (vor_seeds_cell(areas->from, bench, i, i - begin) != VOR_SURFACE_NONE &&
+            vor_cell_moments(&moments, &bench->cell))
+            areas->end[i] = moments.area;
+    }
+}
+
+/* First sample that belongs to the cells after the one whose running sum this is. */
+static size_t samples_until(const struct areas *areas, double end)
+{
+    double total = areas->end[areas->from->n - 1];
+    double t = end / total * (double)areas->to->n + areas->offset;
+
+    return end >= total || t >= (double)areas->to->n ? areas->to->n : (size_t)t;
+}
+
+static void sample_cell(const struct areas *areas, const struct vor_bench *bench, size_t sample)
+{
+    double unit[3], local[3], x[3];
+
+    for (size_t c = 0; c < 3; c++)
+        unit[c] = vor_rng_unit(areas->seed, STREAM_SAMPLE, 3 * sample + c);
+    vor_cell_sample(&bench->cell, unit, local);
+    vor_surface_project(&bench->surface, local);
+    vor_surface_to_world(&bench->surface, local, x);
+    for (size_t c = 0; c < 3; c++)
+        areas->to->xyz[3 * sample + c] = (float)x[c];
+}
+
+static void sample_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct areas *areas = ctx;
+    struct vor_bench *bench = &areas->from->bench[worker];
+
+    vor_seeds_search(areas->from, bench, begin, end);
+    for (size_t i = begin; i < end; i++) {
+        size_t first = i > 0 ? samples_until(areas, areas->end[i - 1]) : 0;
+        size_t last = samples_until(areas, areas->end[i]);
+
+        if (first == last || vor_seeds_cell(areas->from, bench, i, i - begin) == VOR_SURFACE_NONE)
+            continue;
+        for (size_t sample = first; sample < last; sample++)
+            sample_cell(areas, bench, sample);
+    }
+}
+
+/* Cells of the seeds in areas->from and the running sum of their areas. */
+static vor_status measure(struct areas *areas, struct vor_error *err)
+{
+    const struct vor_run *run = areas->from->run;
+    size_t n = areas->from->n;
+    double sum = 0;
+    vor_status status = vor_seeds_index(areas->from, err);
+
+    if (status != VOR_OK)
+        return status;
+    areas->end = vor_malloc(run->memory, n, sizeof *areas->end);
+    if (areas->end == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "areas of %zu cells", n);
+    if (vor_parallel_for(run->pool, run->watch, n, VOR_SEEDS_BLOCK, measure_block, areas) !=
+        VOR_CONTINUE)
+        return vor_run_ended(err);
+    for (size_t i = 0; i < n; i++)
+        areas->end[i] = sum += areas->end[i];
+    if (!(sum > 0))
+        return vor_fail(err, VOR_E_DEGENERATE, "no surface around any of %zu points", n);
+    return VOR_OK;
+}
+
+vor_status vor_init_seeds(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
+                          const struct vor_spec *spec, const struct vor_run *run,
+                          struct vor_error *err)
+{
+    uint64_t seed = (uint64_t)spec->value[VOR_PARAM_SEED];
+    unsigned k = (unsigned)spec->value[VOR_PARAM_NEIGHBORS];
+    struct vor_seeds from = {0}, to = {0};
+    struct areas areas = {&from, &to, NULL, vor_rng_unit(seed, STREAM_ROUND, 0), seed};
+    vor_status status = vor_seeds_init(&from, domain, n < domain->n ? n : domain->n, k, run, err);
+
+    if (status != VOR_OK)
+        return status;
+    draw(&from, seed);
+    status = measure(&areas, err);
+    if (status == VOR_OK)
+        status = vor_seeds_init(&to, domain, n, k, run, err);
+    if (status != VOR_OK)
+        goto done;
+    if (vor_parallel_for(run->pool, run->watch, from.n, VOR_SEEDS_BLOCK, sample_block, &areas) !=
+        VOR_CONTINUE) {
+        status = vor_run_ended(err);
+        goto done;
+    }
+    *out = to;
+    to.run = NULL;
+done:
+    vor_free(run->memory, areas.end);
+    vor_seeds_free(&to);
+    vor_seeds_free(&from);
+    return status;
+}
+
+vor_status vor_init_area(double *out, const struct vor_domain *domain, const struct vor_spec *spec,
+                         const struct vor_run *run, struct vor_error *err)
+{
+    uint64_t seed = (uint64_t)spec->value[VOR_PARAM_SEED];
+    size_t n = domain->n / 2 < AREA_SEEDS ? (domain->n + 1) / 2 : AREA_SEEDS;
+    struct vor_seeds from = {0};
+    struct areas areas = {&from, NULL, NULL, 0, seed};
+    vor_status status = vor_seeds_init(&from, domain, n,
+                                       (unsigned)spec->value[VOR_PARAM_NEIGHBORS], run, err);
+
+    if (status != VOR_OK)
+        return status;
+    draw(&from, seed);
+    status = measure(&areas, err);
+    if (status == VOR_OK)
+        *out = areas.end[n - 1];
+    vor_free(run->memory, areas.end);
+    vor_seeds_free(&from);
+    return status;
+}

@@ -1,0 +1,78 @@
+/** The seeds, their neighbours among themselves, and what every method computes for one of them: local
+ *  surface, patch, restricted Voronoi cell. */
+#ifndef VOR_METHOD_SEEDS_H
+#define VOR_METHOD_SEEDS_H
+
+#include "core/base/run.h"
+#include "core/geom/cell.h"
+#include "core/geom/surface.h"
+#include "core/method/domain.h"
+
+#define VOR_SEEDS_BLOCK 256  /* seeds a task; also the unit of the sums */
+#define VOR_SEEDS_LISTED 20  /* neighbours kept for each seed */
+#define VOR_SEEDS_MORE_MAX 256 /* neighbours looked at when those do not secure a cell */
+
+/** Scratch of one worker. */
+struct vor_bench {
+    uint32_t *near_index; /**< VOR_SEEDS_BLOCK x k: input points near each seed of the block */
+    float *near_distance2;
+    uint32_t *seed_index; /**< VOR_SEEDS_BLOCK x (listed + 1) */
+    float *seed_distance2;
+    float near[3 * VOR_NEIGHBORS_MAX]; /**< of the seed at hand, nearest first */
+    struct vor_surface surface;
+    struct vor_cell cell;
+    double radius; /**< of the patch */
+};
+
+/** n points on the domain, in its normalised coordinates. */
+struct vor_seeds {
+    const struct vor_domain *domain;
+    const struct vor_run *run;
+    size_t n;
+    unsigned k;      /**< input points a surface is fitted to */
+    unsigned listed; /**< neighbours in a list: VOR_SEEDS_LISTED or n - 1 */
+    float *xyz;      /**< n x 3 */
+    uint32_t *list;  /**< n x listed, nearest first, without the seed itself */
+    float *distance; /**< n x listed */
+    struct vor_knn *knn; /**< over xyz as of the last index; NULL before */
+    struct vor_disc disc;
+    struct vor_bench *bench; /**< one for each thread of the pool */
+};
+
+/** n seeds with unset positions; n >= 1; k as in the request, lowered to the size of the domain.
+ *
+ *  @retval VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain,
+                                        size_t n, unsigned k, const struct vor_run *run,
+                                        struct vor_error *err);
+
+void vor_seeds_free(struct vor_seeds *seeds);
+
+/** Indexes the positions anew; they must not change while cells are computed.
+ *
+ *  @retval VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_seeds_index(struct vor_seeds *seeds, struct vor_error *err);
+
+/** Finds the input points near the seeds begin .. end - 1 (one block) and their lists. */
+void vor_seeds_search(struct vor_seeds *seeds, struct vor_bench *bench, size_t begin, size_t end);
+
+/** Fits bench->surface at seed i = begin + row of the searched block, and gathers bench->near. */
+enum vor_surface_kind vor_seeds_fit(const struct vor_seeds *seeds, struct vor_bench *bench,
+                                    size_t row);
+
+/** The same and the seed's cell in bench->cell, unless the kind is NONE. */
+enum vor_surface_kind vor_seeds_cell(const struct vor_seeds *seeds, struct vor_bench *bench,
+                                     size_t i, size_t row);
+
+/** Gathers bench->near and fits bench->surface at any place, by a search of its own. */
+enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_bench *bench,
+                                       const double x[3]);
+
+/** Position of seed i in double. */
+static inline void vor_seeds_position(const struct vor_seeds *seeds, size_t i, double x[3])
+{
+    for (size_t c = 0; c < 3; c++)
+        x[c] = (double)seeds->xyz[3 * i + c];
+}
+
+#endif

@@ -1,0 +1,147 @@
+#include "core/metrics/distance.h"
+
+#include "core/knn/knn.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { BLOCK = 256, SEVENTH = 7 };
+
+struct search {
+    float *out;
+    const float *queries;
+    const struct vor_knn *knn;
+    unsigned k; /* the k-th nearest counts */
+};
+
+static void search_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct search *search = ctx;
+    uint32_t index[SEVENTH * BLOCK];
+    float distance2[SEVENTH * BLOCK];
+
+    (void)worker;
+    vor_knn_search(search->knn, &search->queries[3 * begin], end - begin, search->k, index,
+                   distance2);
+    for (size_t i = begin; i < end; i++)
+        search->out[i] = sqrtf(distance2[(i - begin + 1) * search->k - 1]);
+}
+
+static vor_status kth_distances(float *out, const float *queries, size_t n,
+                                const struct vor_knn *knn, unsigned k, const struct vor_run *run,
+                                struct vor_error *err)
+{
+    struct search search = {out, queries, knn, k};
+
+    if (vor_parallel_for(run->pool, run->watch, n, BLOCK, search_block, &search) != VOR_CONTINUE)
+        return vor_run_ended(err);
+    return VOR_OK;
+}
+
+static void mean_max(const float *d, size_t n, double *mean, double *max)
+{
+    double sum = 0;
+
+    *max = 0;
+    for (size_t i = 0; i < n; i++) {
+        sum += (double)d[i];
+        *max = fmax(*max, (double)d[i]);
+    }
+    *mean = sum / (double)n;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    float x = *(const float *)a, y = *(const float *)b;
+
+    return (x > y) - (x < y);
+}
+
+/* Linear between the two nearest ranks. Sorts d. */
+static double percentile(float *d, size_t n, double share)
+{
+    double rank = share * (double)(n - 1);
+    size_t low = (size_t)rank;
+
+    qsort(d, n, sizeof *d, ascending);
+    if (low + 1 >= n)
+        return (double)d[n - 1];
+    return (double)d[low] + (rank - (double)low) * ((double)d[low + 1] - (double)d[low]);
+}
+
+static double diagonal(const float *xyz, size_t n)
+{
+    double low[3], high[3], sum = 0;
+
+    for (size_t c = 0; c < 3; c++) {
+        low[c] = high[c] = (double)xyz[c];
+        for (size_t i = 1; i < n; i++) {
+            low[c] = fmin(low[c], (double)xyz[3 * i + c]);
+            high[c] = fmax(high[c], (double)xyz[3 * i + c]);
+        }
+        sum += (high[c] - low[c]) * (high[c] - low[c]);
+    }
+    return sqrt(sum);
+}
+
+/* Both directions and the reference's own spacing; d has room for the larger of n and m. */
+static vor_status measure(struct vor_distances *out, float *d, const float *xyz, size_t n,
+                          const float *reference, size_t m, const struct vor_knn *to_xyz,
+                          const struct vor_knn *to_reference, const struct vor_run *run,
+                          struct vor_error *err)
+{
+    double mean, max, far;
+    vor_status status = kth_distances(d, xyz, n, to_reference, 1, run, err);
+
+    if (status != VOR_OK)
+        return status;
+    mean_max(d, n, &out->out_to_ref_mean, &out->out_to_ref_max);
+    far = out->out_to_ref_max;
+    status = kth_distances(d, reference, m, to_xyz, 1, run, err);
+    if (status != VOR_OK)
+        return status;
+    mean_max(d, m, &out->ref_to_out_mean, &out->ref_to_out_max);
+    status = kth_distances(d, reference, m, to_reference, SEVENTH, run, err);
+    if (status != VOR_OK)
+        return status;
+    mean_max(d, m, &mean, &max);
+    out->far_over_knn6_mean = mean > 0 ? far / mean : 0;
+    mean = percentile(d, m, 0.999);
+    out->far_over_knn6_p999 = mean > 0 ? far / mean : 0;
+    return VOR_OK;
+}
+
+vor_status vor_distances_measure(struct vor_distances *out, const float *xyz, size_t n,
+                                 const float *reference, size_t m, const struct vor_run *run,
+                                 struct vor_error *err)
+{
+    struct vor_knn *to_xyz = NULL, *to_reference = NULL;
+    struct vor_distances distances;
+    double length = m > 0 ? diagonal(reference, m) : 0;
+    float *d = NULL;
+    vor_status status;
+
+    if (m < SEVENTH || !(length > 0))
+        return vor_fail(err, VOR_E_DEGENERATE,
+                        "the reference has %zu points over %g, want at least 7 and an extent", m,
+                        length);
+    d = vor_malloc(run->memory, n > m ? n : m, sizeof *d);
+    if (d == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", n > m ? n : m);
+    status = vor_knn_build(&to_xyz, xyz, n, run->memory, err);
+    if (status == VOR_OK)
+        status = vor_knn_build(&to_reference, reference, m, run->memory, err);
+    if (status == VOR_OK)
+        status = measure(&distances, d, xyz, n, reference, m, to_xyz, to_reference, run, err);
+    if (status == VOR_OK) {
+        distances.out_to_ref_mean /= length;
+        distances.out_to_ref_max /= length;
+        distances.ref_to_out_mean /= length;
+        distances.ref_to_out_max /= length;
+        *out = distances;
+    }
+    vor_knn_free(to_reference);
+    vor_knn_free(to_xyz);
+    vor_free(run->memory, d);
+    return status;
+}

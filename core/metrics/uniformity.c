@@ -1,0 +1,70 @@
+#include "core/metrics/uniformity.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { BLOCK = 256 };
+
+void vor_uniformity_from(struct vor_uniformity *out, const float *nearest, size_t n)
+{
+    double sum = 0, square = 0, deviation = 0;
+
+    memset(out, 0, sizeof *out);
+    out->epsilon = 1;
+    out->min = INFINITY;
+    for (size_t i = 0; i < n; i++) {
+        double d = (double)nearest[i];
+
+        sum += d;
+        out->min = fmin(out->min, d);
+        out->max = fmax(out->max, d);
+        out->coincident += d == 0;
+    }
+    if (!(sum > 0)) {
+        out->min = 0;
+        return;
+    }
+    out->mean = sum / (double)n;
+    for (size_t i = 0; i < n; i++) {
+        double d = (double)nearest[i] / out->mean - 1;
+
+        square += d * d;
+        deviation += fabs(d);
+    }
+    out->delta = sqrt(square / (double)n);
+    out->sigma = deviation / (double)n * out->mean;
+    out->epsilon = 1 / sqrt(1 + out->delta * out->delta);
+}
+
+struct nearest {
+    float *out;
+    const float *xyz;
+    const struct vor_knn *knn;
+};
+
+static void nearest_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct nearest *nearest = ctx;
+    uint32_t index[2 * BLOCK];
+    float distance2[2 * BLOCK];
+
+    (void)worker;
+    vor_knn_search(nearest->knn, &nearest->xyz[3 * begin], end - begin, 2, index, distance2);
+    for (size_t i = begin; i < end; i++) /* itself, or one it coincides with, comes first */
+        nearest->out[i] = sqrtf(distance2[2 * (i - begin) + 1]);
+}
+
+vor_status vor_nearest_distances(float *nearest, const float *xyz, size_t n,
+                                 const struct vor_knn *knn, const struct vor_run *run,
+                                 struct vor_error *err)
+{
+    struct nearest work = {nearest, xyz, knn};
+
+    if (n == 1) {
+        nearest[0] = 0;
+        return VOR_OK;
+    }
+    if (vor_parallel_for(run->pool, run->watch, n, BLOCK, nearest_block, &work) != VOR_CONTINUE)
+        return vor_run_ended(err);
+    return VOR_OK;
+}
