@@ -21,6 +21,7 @@
 struct vor_http;
 struct vor_request;
 struct vor_waker;
+struct vor_route; /**< server/routes.h */
 
 enum vor_method { VOR_GET, VOR_HEAD, VOR_POST, VOR_DELETE, VOR_OPTIONS, VOR_METHOD_COUNT };
 
@@ -33,6 +34,14 @@ enum vor_next {
 };
 
 typedef enum vor_next (*vor_handler)(void *ctx, struct vor_request *request, enum vor_step step);
+
+/** Why the HTTP layer itself ends a request. */
+struct vor_refusal {
+    int http;
+    const char *slug;    /**< "smuggled-framing", "malformed-request", "too-many-bytes" ... */
+    const char *detail;  /**< one sentence */
+    uint64_t limit, got; /**< too-many-bytes; else 0 */
+};
 
 /** Limits and deadlines; seconds unless named otherwise. */
 struct vor_http_options {
@@ -47,11 +56,12 @@ struct vor_http_options {
     double body_rate;         /**< bytes a second on average, after body_idle_seconds */
     vor_handler handler;      /**< the first one; routes.c hands on to the others */
     void *ctx;
+    /** Makes the reply of a refusal, with one of vor_reply_bytes. */
+    void (*refuse)(void *ctx, struct vor_request *request, const struct vor_refusal *refusal);
     /** Called once a request is over, with what the log wants to know. */
     void (*done)(void *ctx, const struct vor_request *request);
-    /** Writes the text of a framing refusal or a mid-body abort; see vor_http_abort. */
-    void (*refuse)(void *ctx, struct vor_request *request, int http, const char *slug,
-                   const char *detail);
+    /** A line of the library's own log. */
+    void (*log)(void *ctx, const char *line);
 };
 
 /** Binds, listens and starts the threads.
@@ -68,8 +78,9 @@ const char *vor_http_address(const struct vor_http *http);
 /** Stops accepting; requests under way go on. Call once. */
 void vor_http_quiesce(struct vor_http *http);
 
-/** Requests under way (streams and uploads included). */
+/** Requests under way (streams and uploads included), and open connections. */
 unsigned vor_http_busy(const struct vor_http *http);
+unsigned vor_http_connections(const struct vor_http *http);
 
 /** Wakes every waiting request. From now on vor_request_closing is true. */
 void vor_http_close_waiting(struct vor_http *http);
@@ -80,6 +91,7 @@ void vor_http_stop(struct vor_http *http);
 
 /* --- what a handler reads --------------------------------------------------------------------- */
 
+/** VOR_METHOD_COUNT for a method that no route has. */
 enum vor_method vor_request_method(const struct vor_request *request);
 
 /** Raw path as sent, without the query; it begins with '/'. */
@@ -87,6 +99,11 @@ const char *vor_request_path(const struct vor_request *request);
 
 /** First value of a header (any case), or NULL. */
 const char *vor_request_header(const struct vor_request *request, const char *name);
+
+/** The next value of a header that may come on several lines; *index starts at 0. NULL after the
+ *  last. */
+const char *vor_request_header_next(const struct vor_request *request, const char *name,
+                                    unsigned *index);
 
 /** Decoded query pair number `index`; NULL past the last. */
 const char *vor_request_query_name(const struct vor_request *request, unsigned index);
@@ -107,11 +124,12 @@ int vor_request_gone(const struct vor_request *request);
 /** True once vor_http_close_waiting was called: wait no longer. */
 int vor_request_closing(const struct vor_request *request);
 
-/** For the router and the log. The strings are not copied and must outlive the request. */
-void vor_request_set_route(struct vor_request *request, const char *route);
-const char *vor_request_route(const struct vor_request *request);
+/** For the router and the log. */
+void vor_request_set_route(struct vor_request *request, const struct vor_route *route);
+const struct vor_route *vor_request_route(const struct vor_request *request);
 int vor_request_status(const struct vor_request *request);
 uint64_t vor_request_bytes_in(const struct vor_request *request);
+uint64_t vor_request_bytes_out(const struct vor_request *request);
 double vor_request_seconds(const struct vor_request *request);
 
 /** The handler's own state, freed by `release` once the request is over (release may be NULL). */
@@ -139,7 +157,11 @@ void vor_request_take_body(struct vor_request *request, const struct vor_body_si
  *  whose request is over does nothing. Take one for each holder. */
 struct vor_waker *vor_request_waker(struct vor_request *request);
 void vor_waker_wake(struct vor_waker *waker);
-void vor_waker_drop(struct vor_waker *waker);
+void vor_waker_drop(struct vor_waker *waker); /**< waker may be NULL */
+
+/** Wakes the request that many seconds from now (to a tenth of a second), once; the next call takes
+ *  the place of this one. */
+void vor_request_wake_after(struct vor_request *request, double seconds);
 
 /* --- answering: exactly one of these, from within a step -------------------------------------- */
 
