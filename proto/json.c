@@ -1,5 +1,6 @@
 #include "proto/json.h"
 #include "proto/json_internal.h"
+#include "proto/quote.h"
 
 #include <cjson/cJSON.h>
 
@@ -76,7 +77,10 @@ static vor_status check_duplicates(const cJSON *root, const struct vor_json_keys
             (second == NULL || list.keys[i].offset < second->offset))
             second = &list.keys[i];
     if (second != NULL) {
-        (void)vor_fail(err, VOR_E_REQUEST, "JSON: duplicate key \"%.40s\" at byte %u", second->name,
+        char name[64];
+
+        (void)vor_fail(err, VOR_E_REQUEST, "JSON: duplicate key \"%s\" at byte %u",
+                       vor_quote(name, sizeof name, second->name, strlen(second->name)),
                        (unsigned)second->offset);
         if (err != NULL)
             err->byte_offset = second->offset;

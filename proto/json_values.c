@@ -1,6 +1,7 @@
 /* The values the product speaks, each written by one function: everything that shows a record, a
  * report or a request shows it in the same shape. */
 #include "proto/json.h"
+#include "proto/quote.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -170,23 +171,25 @@ static void write_pointer(char pointer[VOR_JSON_POINTER_MAX], const char *name)
     pointer[at] = '\0';
 }
 
-/* Text is for choices and auto: a number in quotes is a mistake that is better named. */
+/* Text is for choices and auto: a number in quotes is a mistake that is better named. Names and
+ * words are quoted for the message; those that are right stay as they are. */
 static vor_status set_member(struct vor_spec *spec, const struct vor_json *member,
                              struct vor_error *err)
 {
-    const char *name = vor_json_name(member), *word = vor_json_get_string(member);
-    enum vor_parameter parameter = vor_parameter_find(name);
+    const char *word = vor_json_get_string(member);
     const struct vor_parameter_info *info;
+    char name[32], quoted[64];
     double number;
 
-    if (parameter == VOR_PARAMETER_COUNT) /* refuses the name */
+    vor_quote(name, sizeof name, vor_json_name(member), strlen(vor_json_name(member)));
+    if (vor_parameter_find(name) == VOR_PARAMETER_COUNT) /* refuses the name */
         return vor_spec_set(spec, name, "", err);
-    info = vor_parameter_info(parameter);
+    info = vor_parameter_info(vor_parameter_find(name));
     if (vor_json_get_number(member, &number))
         return vor_spec_set_number(spec, name, number, err);
     if (word != NULL && (info->kind == VOR_KIND_CHOICE ||
                          (info->kind == VOR_KIND_COUNT_OR_AUTO && strcmp(word, "auto") == 0)))
-        return vor_spec_set(spec, name, word, err);
+        return vor_spec_set(spec, name, vor_quote(quoted, sizeof quoted, word, strlen(word)), err);
     if (info->kind == VOR_KIND_CHOICE)
         return vor_fail_param(err, VOR_E_PARAM, name, "%s is %s, want one of the words %s", name,
                               vor_json_kind_word(member), info->choices);

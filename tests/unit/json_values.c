@@ -1,0 +1,406 @@
+/* The values the product speaks: their exact shape, and requests read back. */
+#include "proto/json.h"
+#include "tests/support/vt.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static struct vor_text text;
+
+static void expect(const char *wanted)
+{
+    vt_assert_ok(vor_text_status(&text, &vt_err));
+    ck_assert_str_eq(text.data, wanted);
+    vt_assert_ok(vor_json_scan(text.data, text.size, &vt_err));
+    vor_text_free(&text);
+}
+
+static struct vor_json *parsed(const char *json)
+{
+    struct vor_json *out = NULL;
+
+    vt_assert_ok(vor_json_parse(&out, json, strlen(json), &vt_err));
+    return out;
+}
+
+static const struct vor_record record = {.iteration = 37,
+                                         .delta = 0.0813,
+                                         .sigma = 0.000211,
+                                         .epsilon = 0.9967,
+                                         .energy = 1.9e-5,
+                                         .max_move = 0.5,
+                                         .held = 2,
+                                         .seconds = 1.25};
+
+#define RECORD                                                                                     \
+    "{\"iteration\":37,\"delta\":0.0813,\"sigma\":0.000211,\"epsilon\":0.9967,\"energy\":1.9e-05," \
+    "\"max_move\":0.5,\"held\":2,\"seconds\":1.25}"
+
+START_TEST(a_record_has_its_shape)
+{
+    vor_text_init(&text, 0);
+    vor_json_record(&text, &record);
+    expect(RECORD);
+}
+END_TEST
+
+START_TEST(a_record_comes_back)
+{
+    struct vor_json *json = parsed(RECORD);
+    struct vor_record back;
+
+    ck_assert(vor_json_record_read(&back, json));
+    ck_assert_uint_eq(back.iteration, 37);
+    ck_assert_double_eq(back.delta, record.delta);
+    ck_assert_double_eq(back.sigma, record.sigma);
+    ck_assert_double_eq(back.epsilon, record.epsilon);
+    ck_assert_double_eq(back.energy, record.energy);
+    ck_assert_double_eq(back.max_move, record.max_move);
+    ck_assert_uint_eq(back.held, 2);
+    ck_assert_double_eq(back.seconds, 1.25);
+    vor_json_free(json);
+    json = parsed("{\"delta\":1}");
+    ck_assert(!vor_json_record_read(&back, json));
+    vor_json_free(json);
+    json = parsed("{\"iteration\":-1,\"held\":1e300,\"delta\":null}");
+    ck_assert(vor_json_record_read(&back, json));
+    ck_assert(back.iteration == 0 && back.held == 0 && back.delta == 0);
+    vor_json_free(json);
+}
+END_TEST
+
+START_TEST(a_report_has_its_shape)
+{
+    struct vor_report report = {.points_in = 35947,
+                                .points_out = 5000,
+                                .delta = 0.07,
+                                .sigma = 0.001,
+                                .epsilon = 0.99,
+                                .iterations = 50,
+                                .stopped = VOR_STOPPED_ITERATIONS,
+                                .seconds_read = 1,
+                                .seconds_index = 2,
+                                .seconds_init = 3,
+                                .seconds_iterate = 4,
+                                .seconds_write = 5,
+                                .memory_peak_bytes = 123456789,
+                                .held = 6,
+                                .held_ever = 7,
+                                .fallback_plane = 8,
+                                .fallback_left = 9,
+                                .area = 10.5,
+                                .spacing_mean = 0.25};
+
+    vor_spec_init(&report.parameters);
+    vt_assert_ok(vor_spec_set(&report.parameters, "points", "5000", &vt_err));
+    vor_text_init(&text, 0);
+    vor_json_report(&text, &report);
+    expect("{\"points\":{\"in\":35947,\"out\":5000},\"delta\":0.07,\"sigma\":0.001,"
+           "\"epsilon\":0.99,\"iterations\":50,\"stopped\":\"iterations\",\"seconds\":{\"read\":1,"
+           "\"index\":2,\"init\":3,\"iterate\":4,\"write\":5},\"memory_peak_bytes\":123456789,"
+           "\"held\":6,\"held_ever\":7,\"fallbacks\":{\"plane\":8,\"left\":9},\"area\":10.5,"
+           "\"spacing\":0.25,\"parameters\":{\"points\":5000,\"method\":\"cvt\",\"patch\":"
+           "\"quadric\",\"neighbors\":20,\"anderson\":4,\"boundary\":\"keep\",\"seed\":1,"
+           "\"quantization\":\"auto\",\"compression\":7,\"attributes\":\"nearest\",\"normals\":"
+           "\"nearest\"}}");
+}
+END_TEST
+
+START_TEST(a_measure_has_the_yardsticks_names)
+{
+    struct vor_measure measure = {.n = 3,
+                                  .delta = 0.1,
+                                  .sigma = 0.2,
+                                  .epsilon = 0.3,
+                                  .mean_nn = 0.4,
+                                  .min_over_mean = 0.5,
+                                  .max_over_mean = 0.6,
+                                  .coincident = 2,
+                                  .far_over_knn6_mean = 1,
+                                  .far_over_knn6_p999 = 2,
+                                  .out_to_ref_mean = 3,
+                                  .out_to_ref_max = 4,
+                                  .ref_to_out_mean = 5,
+                                  .ref_to_out_max = 6};
+
+    vor_text_init(&text, 0);
+    vor_json_measure(&text, &measure);
+    expect("{\"n\":3,\"delta\":0.1,\"sigma\":0.2,\"epsilon\":0.3,\"mean_nn\":0.4,"
+           "\"min_over_mean\":0.5,\"max_over_mean\":0.6,\"coincident\":2}");
+    measure.has_reference = 1;
+    vor_text_init(&text, 0);
+    vor_json_measure(&text, &measure);
+    expect("{\"n\":3,\"delta\":0.1,\"sigma\":0.2,\"epsilon\":0.3,\"mean_nn\":0.4,"
+           "\"min_over_mean\":0.5,\"max_over_mean\":0.6,\"coincident\":2,\"input\":{"
+           "\"far_over_knn6_mean\":1,\"far_over_knn6_p999\":2,\"out_to_ref_mean\":3,"
+           "\"out_to_ref_max\":4,\"ref_to_out_mean\":5,\"ref_to_out_max\":6}}");
+}
+END_TEST
+
+/* A value for a parameter, drawn at random: within its range, at its ends, or one of its words. */
+static double draw(enum vor_parameter parameter, uint64_t seed)
+{
+    const struct vor_parameter_info *info = vor_parameter_info(parameter);
+    uint64_t index = (uint64_t)parameter;
+    double u = vt_unit(seed, index), value;
+    const char *word;
+    unsigned words = 0;
+
+    if (u < 0.2)
+        return info->fallback;
+    if (info->kind == VOR_KIND_CHOICE) {
+        while (vor_parameter_choice(parameter, words, &word) > 0)
+            words++;
+        return (double)vor_rng_below(seed, 7, index, words);
+    }
+    if (info->kind == VOR_KIND_COUNT_OR_AUTO && u < 0.3)
+        return VOR_UNSET;
+    value = info->min + (info->max - info->min) * vt_unit(seed, 100 + index);
+    if (u > 0.9)
+        value = u > 0.95 ? info->min : info->max;
+    return info->kind == VOR_KIND_REAL ? value : floor(value);
+}
+
+/* Property: what a request is written as, it is read from. */
+START_TEST(every_request_comes_back)
+{
+    for (uint64_t i = 0; i < 100; i++) {
+        struct vor_spec spec, back;
+        struct vor_json *json;
+        char pointer[VOR_JSON_POINTER_MAX];
+
+        for (int p = 0; p < VOR_PARAMETER_COUNT; p++)
+            spec.value[p] = draw((enum vor_parameter)p, (uint64_t)_i * 1000 + i);
+        vor_text_init(&text, 0);
+        vor_json_spec(&text, &spec);
+        json = parsed(text.data);
+        for (int p = 0; p < VOR_PARAMETER_COUNT; p++)
+            back.value[p] = VOR_UNSET;
+        vt_assert_ok(vor_json_spec_read(&back, json, pointer, &vt_err));
+        ck_assert_str_eq(pointer, "");
+        for (int p = 0; p < VOR_PARAMETER_COUNT; p++)
+            ck_assert_msg(spec.value[p] == back.value[p], "%s: %.17g is not %.17g in %s",
+                          vor_parameter_info((enum vor_parameter)p)->name, back.value[p],
+                          spec.value[p], text.data);
+        vor_json_free(json);
+        vor_text_free(&text);
+    }
+}
+END_TEST
+
+struct refused {
+    const char *json, *pointer, *parameter, *message;
+};
+
+static const struct refused refused[] = {
+    {"[]", "", "", "the parameters are an array, want an object"},
+    {"{\"points\":\"100\"}", "/points", "points",
+     "points is a string, want a number from 1 to 10000000"},
+    {"{\"points\":null}", "/points", "points", "points is null, want a number from 1 to 10000000"},
+    {"{\"seed\":2,\"points\":0}", "/points", "points",
+     "points is 0, want a whole number from 1 to 10000000"},
+    {"{\"points\":1.5}", "/points", "points",
+     "points is 1.5, want a whole number from 1 to 10000000"},
+    {"{\"points\":[1]}", "/points", "points",
+     "points is an array, want a number from 1 to 10000000"},
+    {"{\"points\":true}", "/points", "points",
+     "points is a boolean, want a number from 1 to 10000000"},
+    {"{\"neighbors\":\"Auto\"}", "/neighbors", "neighbors",
+     "neighbors is a string, want a number from 6 to 500 or \"auto\""},
+    {"{\"boundary\":1}", "/boundary", "boundary", "boundary is \"1\", want one of keep, free"},
+    {"{\"boundary\":{}}", "/boundary", "boundary",
+     "boundary is an object, want one of the words keep free"},
+    {"{\"boundary\":\"kee\\np\"}", "/boundary", "boundary",
+     "boundary is \"kee\\x0ap\", want one of keep, free"},
+    {"{\"a/b~c\":1}", "/a~1b~0c", "a/b~c", NULL},
+    {"{\"new\\nline\":1}", "/new\nline", "new\\x0aline", NULL},
+    {"{\"Points\":1}", "/Points", "Points", NULL},
+};
+
+START_TEST(a_wrong_member_is_named_and_nothing_is_set)
+{
+    const struct refused *r = &refused[_i];
+    struct vor_json *json = parsed(r->json);
+    struct vor_spec spec, before;
+    char pointer[VOR_JSON_POINTER_MAX];
+
+    vor_spec_init(&spec);
+    before = spec;
+    vt_assert_fails(VOR_E_PARAM, vor_json_spec_read(&spec, json, pointer, &vt_err));
+    ck_assert_str_eq(pointer, r->pointer);
+    ck_assert_str_eq(vt_err.parameter, r->parameter);
+    if (r->message != NULL)
+        ck_assert_str_eq(vt_err.message, r->message);
+    ck_assert_ptr_null(strchr(vt_err.message, '\n'));
+    ck_assert_mem_eq(&spec, &before, sizeof spec);
+    vor_json_free(json);
+}
+END_TEST
+
+START_TEST(a_problem_has_its_shape)
+{
+    static const struct vor_problem_error errors[] = {
+        {"/inputs/points", NULL, "is 0"},
+        {NULL, "seed", "is \"x\""},
+    };
+    struct vor_problem_doc problem = VOR_PROBLEM_DOC_INIT;
+
+    problem.type = "http://h/problems/invalid-parameter";
+    problem.title = "A parameter is invalid";
+    problem.status = 400;
+    vor_text_init(&text, 0);
+    vor_json_problem(&text, &problem);
+    expect("{\"type\":\"http://h/problems/invalid-parameter\",\"title\":\"A parameter is invalid\","
+           "\"status\":400,\"retryable\":false}");
+    problem.detail = "d";
+    problem.instance = "/v1/jobs/1";
+    problem.retryable = 1;
+    problem.request_id = "r";
+    problem.job_id = "j";
+    problem.errors = errors;
+    problem.error_count = 2;
+    problem.has_limit = 1;
+    problem.got = 5;
+    problem.byte_offset = 0;
+    problem.queue_depth = 256;
+    problem.attempt = 2;
+    vor_text_init(&text, 0);
+    vor_json_problem(&text, &problem);
+    expect("{\"type\":\"http://h/problems/invalid-parameter\",\"title\":\"A parameter is invalid\","
+           "\"status\":400,\"detail\":\"d\",\"instance\":\"/v1/jobs/1\",\"retryable\":true,"
+           "\"requestId\":\"r\",\"jobID\":\"j\",\"attempt\":2,\"limit\":0,\"got\":5,"
+           "\"byteOffset\":0,\"queueDepth\":256,\"errors\":[{\"pointer\":\"/inputs/points\","
+           "\"detail\":\"is 0\"},{\"parameter\":\"seed\",\"detail\":\"is \\\"x\\\"\"}]}");
+}
+END_TEST
+
+START_TEST(a_status_has_its_shape)
+{
+    static const struct vor_link links[] = {
+        {"self", "application/json", NULL, "http://h/v1/jobs/1", -1},
+        {"item", "application/ply", "cloud", "http://h/v1/jobs/1/results/cloud", 60},
+    };
+    struct vor_status_info info = VOR_STATUS_INFO_INIT;
+    struct vor_problem_doc problem = VOR_PROBLEM_DOC_INIT;
+
+    info.job_id = "1";
+    info.process_id = "resample";
+    info.status = "accepted";
+    info.created = "2026-11-21T03:15:34.537Z";
+    info.finished = "";
+    vor_text_init(&text, 0);
+    vor_json_status_info(&text, &info);
+    expect("{\"jobID\":\"1\",\"id\":\"1\",\"type\":\"process\",\"processID\":\"resample\","
+           "\"status\":\"accepted\",\"created\":\"2026-11-21T03:15:34.537Z\",\"voronoid\":{"
+           "\"attempt\":0,\"stage\":null,\"queuePosition\":null,\"eta\":null,\"metrics\":null},"
+           "\"links\":[]}");
+    problem.status = 500;
+    info.status = "failed";
+    info.message = "m";
+    info.progress = 0;
+    info.started = info.updated = info.finished = info.created;
+    info.attempt = 1;
+    info.stage = "optimize";
+    info.queue_position = 0;
+    info.eta = 9.5;
+    info.input_format = "draco";
+    info.input_points = 2;
+    info.input_bytes = 3;
+    info.input_sha256 = "ab";
+    info.target_points = 4;
+    info.target_format = "ply";
+    info.metrics = &record;
+    info.exception = &problem;
+    info.links = links;
+    info.link_count = 2;
+    vor_text_init(&text, 0);
+    vor_json_status_info(&text, &info);
+    expect("{\"jobID\":\"1\",\"id\":\"1\",\"type\":\"process\",\"processID\":\"resample\","
+           "\"status\":\"failed\",\"message\":\"m\",\"progress\":0,"
+           "\"created\":\"2026-11-21T03:15:34.537Z\",\"started\":\"2026-11-21T03:15:34.537Z\","
+           "\"updated\":\"2026-11-21T03:15:34.537Z\",\"finished\":\"2026-11-21T03:15:34.537Z\","
+           "\"voronoid\":{\"attempt\":1,\"stage\":\"optimize\",\"queuePosition\":0,\"eta\":9.5,"
+           "\"input\":{\"format\":\"draco\",\"points\":2,\"bytes\":3,\"sha256\":\"ab\"},"
+           "\"target\":{\"points\":4,\"format\":\"ply\"},\"metrics\":" RECORD "},"
+           "\"exception\":{\"status\":500,\"retryable\":false},"
+           "\"links\":[{\"rel\":\"self\",\"type\":\"application/json\","
+           "\"href\":\"http://h/v1/jobs/1\"},{\"rel\":\"item\",\"type\":\"application/ply\","
+           "\"title\":\"cloud\",\"href\":\"http://h/v1/jobs/1/results/cloud\",\"length\":60}]}");
+    info.exception_json = "{\"x\":1}";
+    vor_text_init(&text, 0);
+    vor_json_status_info(&text, &info);
+    ck_assert_ptr_nonnull(strstr(text.data, "\"exception\":{\"x\":1},\"links\""));
+    vor_text_free(&text);
+}
+END_TEST
+
+static const struct vor_json *at(const struct vor_json *json, const char *a, const char *b,
+                                 const char *c)
+{
+    return vor_json_get(vor_json_get(vor_json_get(json, a), b), c);
+}
+
+/* The description is what the parameter table says, parameter by parameter. */
+START_TEST(a_process_describes_every_parameter)
+{
+    struct vor_json *json;
+
+    vor_text_init(&text, 0);
+    vor_json_process(&text, vor_process_info(0), NULL, 0);
+    json = parsed(text.data);
+    ck_assert_str_eq(vor_json_get_string(vor_json_get(json, "id")), "resample");
+    ck_assert_str_eq(vor_json_get_string(vor_json_get(json, "version")), VOR_VERSION);
+    ck_assert_uint_eq(vor_json_count(vor_json_get(json, "jobControlOptions")), 3);
+    ck_assert_uint_eq(vor_json_count(vor_json_get(json, "inputs")), VOR_PARAMETER_COUNT + 1);
+    for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
+        const struct vor_parameter_info *info = vor_parameter_info((enum vor_parameter)i);
+        const struct vor_json *schema = at(json, "inputs", info->name, "schema");
+        const struct vor_json *range = vor_json_first(vor_json_get(schema, "oneOf"));
+        double number = NAN;
+
+        if (info->kind == VOR_KIND_CHOICE) {
+            ck_assert_str_eq(vor_json_get_string(vor_json_get(schema, "type")), "string");
+            ck_assert_uint_ge(vor_json_count(vor_json_get(schema, "enum")), 1);
+            continue;
+        }
+        range = info->kind == VOR_KIND_COUNT_OR_AUTO ? range : schema;
+        ck_assert(vor_json_get_number(vor_json_get(range, "minimum"), &number));
+        ck_assert_double_eq(number, info->min);
+        ck_assert(vor_json_get_number(vor_json_get(range, "maximum"), &number));
+        ck_assert_double_eq(number, info->max);
+        ck_assert_str_eq(vor_json_get_string(vor_json_get(range, "type")),
+                         info->kind == VOR_KIND_REAL ? "number" : "integer");
+        if (info->fallback != VOR_UNSET) {
+            ck_assert(vor_json_get_number(vor_json_get(schema, "default"), &number));
+            ck_assert_double_eq(number, info->fallback);
+        }
+    }
+    ck_assert_str_eq(
+        vor_json_get_string(vor_json_get(at(json, "inputs", "seconds", "schema"), "x-unit")), "s");
+    ck_assert_str_eq(
+        vor_json_get_string(vor_json_get(at(json, "inputs", "quantization", "schema"), "default")),
+        "auto");
+    ck_assert_ptr_nonnull(at(json, "outputs", "cloud", "schema"));
+    ck_assert_ptr_nonnull(at(json, "outputs", "report", "schema"));
+    vor_json_free(json);
+    vor_text_free(&text);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("json_values");
+
+    vt_add(suite, a_record_has_its_shape);
+    vt_add(suite, a_record_comes_back);
+    vt_add(suite, a_report_has_its_shape);
+    vt_add(suite, a_measure_has_the_yardsticks_names);
+    vt_add_loop(suite, every_request_comes_back, 10);
+    vt_add_loop(suite, a_wrong_member_is_named_and_nothing_is_set,
+                (int)(sizeof refused / sizeof refused[0]));
+    vt_add(suite, a_problem_has_its_shape);
+    vt_add(suite, a_status_has_its_shape);
+    vt_add(suite, a_process_describes_every_parameter);
+    return vt_run(suite);
+}
