@@ -22,7 +22,7 @@ static const char *const status_words[VOR_JOB_STATUSES] = {
 };
 
 static const char *const stage_words[VOR_STAGES] = {
-#define STAGE_ROW(name, word, done) word,
+#define STAGE_ROW(name, word) word,
     VOR_STAGE_TABLE(STAGE_ROW)
 #undef STAGE_ROW
 };

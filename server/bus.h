@@ -27,15 +27,15 @@ enum vor_job_status {
         VOR_JOB_STATUSES
 };
 
-/** What a job is at: identifier, word, progress at its end in percent. */
+/** What a job is at: identifier, word. */
 #define VOR_STAGE_TABLE(X)                                                                         \
-    X(QUEUED, "queued", 0)                                                                         \
-    X(PREPARE, "prepare", 10)                                                                      \
-    X(OPTIMIZE, "optimize", 90)                                                                    \
-    X(ENCODE, "encode", 99)
+    X(QUEUED, "queued")                                                                            \
+    X(PREPARE, "prepare")                                                                          \
+    X(OPTIMIZE, "optimize")                                                                        \
+    X(ENCODE, "encode")
 
 enum vor_stage {
-#define VOR_STAGE_ENUM(name, word, done) VOR_STAGE_##name,
+#define VOR_STAGE_ENUM(name, word) VOR_STAGE_##name,
     VOR_STAGE_TABLE(VOR_STAGE_ENUM)
 #undef VOR_STAGE_ENUM
         VOR_STAGES

@@ -78,11 +78,14 @@ void vor_job_release(struct vor_job *job);
 const struct vor_uuid *vor_job_id(const struct vor_job *job);
 struct vor_bus *vor_job_bus(const struct vor_job *job);
 
-/** A snapshot; queue_position is -1 (vor_worker_get knows it). */
+/** A snapshot; queue_position is -1 (vor_worker_get knows it). Never waits for an fsync. */
 void vor_job_view(struct vor_job *job, struct vor_job_view *out);
 
 /** Gives a job the place in the order of acceptance that the store found for it. */
 void vor_job_set_seq(struct vor_job *job, int64_t seq);
+
+/* What follows publishes events; the locks that a subscriber's wake takes must not be held. All but
+ * vor_job_end do nothing once the job is over. */
 
 /** accepted -> running: a runner begins. Publishes STATUS. */
 void vor_job_begin(struct vor_job *job, int64_t now_ms);
@@ -93,10 +96,15 @@ void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms);
 /** Takes in an iteration. Publishes PROGRESS (and STATUS at the first one: prepare is over). */
 void vor_job_progress(struct vor_job *job, const struct vor_record *record, int64_t now_ms);
 
-/** Whatever -> its final state, as `row` has it; a second call is ignored. Publishes END. */
+/** Holds every change back until thawed by the same thread, so that the row written meanwhile is
+ *  the job's last word. False, and not frozen, when the job is over. */
+VOR_NODISCARD int vor_job_freeze(struct vor_job *job);
+void vor_job_thaw(struct vor_job *job);
+
+/** Final state of a frozen job, as `row` has it. Publishes END. */
 void vor_job_end(struct vor_job *job, const struct vor_job_view *row);
 
-/** Flags for the watch of a run. Ask is the answer the next poll gets; it only grows. */
+/** Flags for the watch of a run: the answer the next poll gets; it only grows. */
 void vor_job_ask(struct vor_job *job, enum vor_answer answer);
 enum vor_answer vor_job_asked(struct vor_job *job);
 
