@@ -236,8 +236,8 @@ vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, 
                             struct vor_error *err)
 {
     struct vor_sqlite_change result;
-    vor_status status = change(
-        store, &result, err,
+    vor_status status = vor_sqlite_change(
+        store->db, &result, err,
         "DELETE FROM job WHERE id = ? AND status NOT IN ('accepted', 'running')", "t", id->text);
 
     *changed = result.rows;
@@ -259,11 +259,14 @@ static void copy_text(char *out, size_t size, struct vor_sqlite_row *from)
     (void)snprintf(out, size, "%s", text != NULL ? text : "");
 }
 
-static enum vor_stage stage_of(enum vor_job_status status)
+/* How far a job got, as far as its row tells. */
+static enum vor_stage stage_of(const struct vor_job_view *row)
 {
-    return status == VOR_JOB_ACCEPTED     ? VOR_STAGE_QUEUED
-           : status == VOR_JOB_SUCCESSFUL ? VOR_STAGE_ENCODE
-                                          : VOR_STAGE_PREPARE;
+    if (row->status == VOR_JOB_ACCEPTED || row->started == 0)
+        return VOR_STAGE_QUEUED;
+    if (row->status == VOR_JOB_SUCCESSFUL)
+        return VOR_STAGE_ENCODE;
+    return row->has_record ? VOR_STAGE_OPTIMIZE : VOR_STAGE_PREPARE;
 }
 
 static void read_files(struct vor_job_view *out, struct vor_sqlite_row *from)
@@ -285,26 +288,26 @@ static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)
 
     *out = (struct vor_job_view){.queue_position = -1, .eta_seconds = -1};
     copy_text(out->id.text, sizeof out->id.text, row);
-    out->seq = next_number(row);
+    out->seq = vor_sqlite_number(row);
     copy_text(out->process, sizeof out->process, row);
-    out->status = vor_job_status_find(next_text(row));
-    out->stage = stage_of(out->status);
-    out->progress = (int)next_number(row);
+    out->status = vor_job_status_find(vor_sqlite_text(row));
+    out->progress = (int)vor_sqlite_number(row);
     copy_text(out->message, sizeof out->message, row);
-    request = next_text(row);
-    metrics = next_text(row);
-    problem = next_text(row);
+    request = vor_sqlite_text(row);
+    metrics = vor_sqlite_text(row);
+    problem = vor_sqlite_text(row);
     vor_row_read(out, request, metrics, problem);
     read_files(out, row);
-    out->attempt = (uint32_t)next_number(row);
+    out->attempt = (uint32_t)vor_sqlite_number(row);
     if (out->status == VOR_JOB_ACCEPTED || out->attempt == 0)
         out->attempt++;
-    out->created = next_number(row);
-    out->started = next_number(row);
-    out->updated = next_number(row);
-    out->finished = next_number(row);
-    out->expires = next_number(row);
-    out->expired = (int)next_number(row);
+    out->created = vor_sqlite_number(row);
+    out->started = vor_sqlite_number(row);
+    out->updated = vor_sqlite_number(row);
+    out->finished = vor_sqlite_number(row);
+    out->expires = vor_sqlite_number(row);
+    out->expired = (int)vor_sqlite_number(row);
+    out->stage = stage_of(out);
 }
 
 struct taken {
@@ -430,9 +433,9 @@ vor_status vor_store_list(struct vor_store *store, const struct vor_job_filter *
 static int count_row(void *ctx, struct vor_sqlite_row *row)
 {
     uint64_t *counts = ctx;
-    enum vor_job_status status = vor_job_status_find(next_text(row));
+    enum vor_job_status status = vor_job_status_find(vor_sqlite_text(row));
 
-    counts[status] = (uint64_t)next_number(row);
+    counts[status] = (uint64_t)vor_sqlite_number(row);
     return 1;
 }
 
