@@ -177,7 +177,7 @@ static vor_status dispatch(struct vor_sse_parser *parser, struct vor_error *err)
     if (status == VOR_OK && parser->seen_data) {
         parser->data.data[--parser->data.size] = '\0'; /* the last line's LF */
         event.id = vor_sse_parser_last_id(parser);
-        if (parser->name.size > 0)
+        if (parser->name.size > 0 && parser->name.data[0] != '\0')
             event.name = parser->name.data;
         event.data = parser->data.data;
         event.size = parser->data.size;

@@ -24,7 +24,7 @@ void vor_sse_heartbeat(struct vor_text *text);
 /** An event that has arrived; valid during the call. */
 struct vor_sse_arrival {
     const char *id;   /**< the last id seen in the stream, "" when none */
-    const char *name; /**< "message" when the event has none */
+    const char *name; /**< "message" when the event has none; cut at a NUL */
     const char *data; /**< size bytes and a NUL; as they came, not checked for UTF-8 */
     size_t size;
 };

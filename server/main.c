@@ -1,0 +1,54 @@
+#include "server/cli/cli.h"
+#include "server/config.h"
+#include "server/serve.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static int is(const char *word, const char *a, const char *b)
+{
+    return strcmp(word, a) == 0 || strcmp(word, b) == 0;
+}
+
+static int help(const char *command)
+{
+    if (command == NULL) {
+        vor_cli_overview(stdout);
+    } else if (strcmp(command, "serve") == 0) {
+        fputs("usage: voronoid serve [SETTING]...\nRun the daemon.\n\nSettings:\n", stdout);
+        vor_config_help(stdout);
+    } else if (vor_cli_find(command) == VOR_COMMAND_COUNT) {
+        vor_cli_say(command, "no such command; see voronoid --help");
+        return VOR_EXIT_USAGE;
+    } else {
+        vor_cli_help(stdout, vor_cli_find(command));
+    }
+    return fflush(stdout) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;
+}
+
+static int wants_help(int argc, char **argv)
+{
+    for (int i = 1; i < argc; i++)
+        if (is(argv[i], "--help", "-h"))
+            return 1;
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    const char *word = argc > 1 ? argv[1] : NULL;
+
+    if (word == NULL) {
+        vor_cli_say(NULL, "no command; see voronoid --help");
+        return VOR_EXIT_USAGE;
+    }
+    if (is(word, "--help", "-h") || strcmp(word, "help") == 0)
+        return help(argc > 2 ? argv[2] : NULL);
+    if (is(word, "--version", "version")) {
+        printf("voronoid %s\n", VOR_VERSION);
+        return fflush(stdout) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;
+    }
+    if (strcmp(word, "serve") != 0)
+        return vor_cli_main(argc - 1, argv + 1);
+    return wants_help(argc - 1, argv + 1) ? help(word) : vor_serve_main(argc - 1, argv + 1);
+}

@@ -1,0 +1,94 @@
+/* Any bytes through the reader's door. What the scan lets pass, cJSON reads (or a key comes twice);
+ * what was read, written out by our own writer, is read again as the same; a request read from it
+ * comes back. */
+#include "proto/json.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
+
+static void require(int holds, const char *what)
+{
+    if (holds)
+        return;
+    fprintf(stderr, "json_fuzz: %s\n", what);
+    abort();
+}
+
+static void write_value(struct vor_text *text, const struct vor_json *value)
+{
+    enum vor_json_kind kind = vor_json_kind(value);
+    const struct vor_json *child = vor_json_first(value);
+    double number = 0;
+    int flag = 0;
+
+    if (kind == VOR_JSON_OBJECT || kind == VOR_JSON_ARRAY) {
+        kind == VOR_JSON_OBJECT ? vor_json_begin_object(text) : vor_json_begin_array(text);
+        for (; child != NULL; child = vor_json_next(child)) {
+            if (kind == VOR_JSON_OBJECT)
+                vor_json_key(text, vor_json_name(child));
+            write_value(text, child);
+        }
+        kind == VOR_JSON_OBJECT ? vor_json_end_object(text) : vor_json_end_array(text);
+    } else if (vor_json_get_number(value, &number)) {
+        vor_json_double(text, number);
+    } else if (vor_json_get_bool(value, &flag)) {
+        vor_json_bool(text, flag);
+    } else {
+        vor_json_string(text, vor_json_get_string(value));
+    }
+}
+
+static void read_request(const struct vor_json *json)
+{
+    char pointer[VOR_JSON_POINTER_MAX];
+    struct vor_json *again = NULL;
+    struct vor_spec spec, back;
+    struct vor_text text;
+
+    vor_spec_init(&spec);
+    vor_spec_init(&back);
+    if (vor_json_spec_read(&spec, json, pointer, NULL) != VOR_OK)
+        return;
+    vor_text_init(&text, 0);
+    vor_json_spec(&text, &spec);
+    require(vor_json_parse(&again, text.data, text.size, NULL) == VOR_OK, "a request is no JSON");
+    require(vor_json_spec_read(&back, again, pointer, NULL) == VOR_OK, "a request is refused");
+    require(memcmp(&spec, &back, sizeof spec) == 0, "a request came back as another one");
+    vor_json_free(again);
+    vor_text_free(&text);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    vor_status scanned = vor_json_scan((const char *)bytes, size, NULL), status;
+    struct vor_json *json = NULL, *again = NULL;
+    struct vor_text first, second;
+    struct vor_error err;
+
+    vor_text_init(&first, 0);
+    vor_text_init(&second, 0);
+    status = vor_json_parse(&json, (const char *)bytes, size, &err);
+    require(scanned == VOR_OK || status == scanned, "the door is wider than the scan");
+    require(status == VOR_OK || (json == NULL && err.byte_offset >= 0 &&
+                                 err.byte_offset <= (int64_t)size && err.message[0] != '\0'),
+            "a refusal says nothing");
+    require(scanned != VOR_OK || status == VOR_OK || strstr(err.message, "duplicate") != NULL,
+            "cJSON refuses what the scan lets pass");
+    if (status == VOR_OK) {
+        read_request(json);
+        write_value(&first, json);
+        require(vor_json_parse(&again, first.data, first.size, &err) == VOR_OK,
+                "our own text is refused");
+        write_value(&second, again);
+        require(first.size == second.size && memcmp(first.data, second.data, first.size) == 0,
+                "a text changes when it is read and written again");
+    }
+    vor_json_free(json);
+    vor_json_free(again);
+    vor_text_free(&first);
+    vor_text_free(&second);
+    return 0;
+}
