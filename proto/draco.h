@@ -55,7 +55,8 @@ VOR_NODISCARD vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *by
  *
  *  The encoding is the kd-tree, which forgets the order of the points, unless keep_order is set or
  *  the kd-tree cannot hold the cloud: it takes quantised FLOAT32 and integers of up to 32 bits, and
- *  at most 64 scalars a point.
+ *  at most 64 scalars a point. A file that would be so small for its points that vor_draco_read
+ *  refused it (all points in one place, say) is written as with 0 instead.
  *
  *  Cost: O(n log n) time; about 40 B a point are charged to cloud->memory for the time of the call.
  *  Deterministic: the same cloud and options give the same bytes. Thread-safe. */

@@ -4,12 +4,13 @@
 
 #include <string.h>
 
-enum { POINT_CLOUD, MESH };           /* byte 7 */
-enum { SEQUENTIAL, KD_OR_BREAKER };   /* byte 8 */
-enum { KD_FLOATS, KD_INTEGERS };      /* before bitstream 2.3 */
-enum { METADATA = 0x8000 };           /* in the flags */
-enum { TYPE_INVALID, TYPE_END = 12 }; /* of an attribute's scalars */
-enum { VERSION = 5, KIND = 7, METHOD = 8 };
+enum { VERSION = 5, KIND = 7, METHOD = 8 }; /* bytes of the header */
+enum { POINT_CLOUD, MESH };
+enum { SEQUENTIAL, KD_OR_BREAKER };
+enum { METADATA = 0x8000 };             /* in the flags */
+enum { KIND_FIRST = 0, KIND_LAST = 4 }; /* position, normal, colour, texture, generic */
+enum { TYPE_FIRST = 1, TYPE_LAST = 11 };
+enum { KD_FLOATS, KD_INTEGERS }; /* before bitstream 2.3 */
 
 #define BITSTREAM(major, minor) ((major) << 8 | (minor))
 
@@ -119,9 +120,14 @@ static void refuse_points(struct walk *walk, size_t at, uint32_t points)
     refuse_over(walk, at, "points", points, vor_draco_points_max(walk->size, walk->limits));
 }
 
+static uint64_t points_of_bytes(size_t size)
+{
+    return VOR_DRACO_POINTS_PER_BYTE * (uint64_t)size + VOR_DRACO_POINTS_FREE;
+}
+
 uint64_t vor_draco_points_max(size_t size, const struct vor_limits *limits)
 {
-    uint64_t most = VOR_DRACO_POINTS_PER_BYTE * (uint64_t)size + VOR_DRACO_POINTS_FREE;
+    uint64_t most = points_of_bytes(size);
 
     return limits->points < most ? limits->points : most;
 }
@@ -216,9 +222,9 @@ static uint32_t walk_attributes(struct walk *walk)
     refuse_over(walk, start, "attributes", count, VOR_ATTRIBUTES_MAX + 1);
     for (uint32_t i = 0; i < count && walk->status == VOR_OK; i++) {
         size_t at = walk->at;
-        uint32_t type, components;
+        uint32_t kind, type, components;
 
-        (void)fixed(walk, 1, "the table of attributes");
+        kind = fixed(walk, 1, "the table of attributes");
         type = fixed(walk, 1, "the table of attributes");
         components = fixed(walk, 1, "the table of attributes");
         (void)fixed(walk, 1, "the table of attributes");
@@ -226,7 +232,8 @@ static uint32_t walk_attributes(struct walk *walk)
             (void)fixed(walk, 2, "the table of attributes");
         else
             (void)varint(walk, "the table of attributes");
-        refuse(walk, at + 1, "the type of an attribute", type, TYPE_INVALID + 1, TYPE_END - 1);
+        refuse(walk, at, "the kind of an attribute", kind, KIND_FIRST, KIND_LAST);
+        refuse(walk, at + 1, "the type of an attribute", type, TYPE_FIRST, TYPE_LAST);
         refuse(walk, at + 2, "the number of components of an attribute", components, 1, 16);
         scalars += components;
     }
@@ -308,6 +315,8 @@ static void walk_point_cloud(struct walk *walk)
     if (walk->bytes[METHOD] != KD_OR_BREAKER)
         return;
     refuse_over(walk, at, "scalars a point in a kd-tree", scalars, VOR_DRACO_KD_SCALARS);
+    refuse_over(walk, at, "scalars in a kd-tree", (uint64_t)points * scalars,
+                3 * points_of_bytes(walk->size));
     walk_kd_tree(walk, points);
 }
 

@@ -12,8 +12,8 @@
 #define VOR_DRACO_POINTS_PER_BYTE 64
 #define VOR_DRACO_POINTS_FREE 100000
 
-/** Most scalars of a point in kd-tree encoding: a file of n points can take the decoder n times
- *  the square of it. */
+/** Most scalars of a point in kd-tree encoding. n points of s scalars can take the decoder n s^2
+ *  steps, so all scalars together must also be in proportion to the bytes, three for a point. */
 #define VOR_DRACO_KD_SCALARS 64
 
 /** Levels of nested metadata; the library frees them by recursion. */
@@ -28,8 +28,8 @@ uint64_t vor_draco_points_max(size_t size, const struct vor_limits *limits);
  *                        counts that contradict each other; byte_offset says where
  *  @retval VOR_E_EMPTY   no points
  *  @retval VOR_E_LIMIT   more points than vor_draco_points_max (or, in a mesh, more than twice as
- *                        many faces), more attributes than a cloud may have, or more than
- *                        VOR_DRACO_KD_SCALARS scalars in a kd-tree; limit and got are set
+ *                        many faces), more attributes than a cloud may have, or more scalars
+ *                        than a kd-tree may have; limit and got are set
  *
  *  O(metadata + attributes) time, no allocation. Thread-safe.
  *

@@ -189,7 +189,22 @@ static vor_status go_sequential(struct plan *plan, struct vor_error *err)
     return VOR_OK;
 }
 
-static vor_status encode(const struct plan *plan, const struct vor_sink *sink, int compression,
+/* Between the encoder and the sink: what we write, we must be able to read. */
+struct taker {
+    const struct vor_sink *sink;
+    int absurd; /* the gate would refuse the file */
+};
+
+static int take(void *ctx, const void *bytes, size_t size)
+{
+    static const struct vor_limits limits = {.points = SIZE_MAX};
+    struct taker *taker = ctx;
+
+    taker->absurd = vor_draco_gate(bytes, size, &limits, NULL) != VOR_OK;
+    return taker->absurd ? -1 : taker->sink->write(taker->sink->ctx, bytes, size);
+}
+
+static vor_status encode(const struct plan *plan, struct taker *taker, int compression,
                          struct vor_error *err)
 {
     const struct vor_cloud *cloud = plan->cloud;
@@ -206,7 +221,7 @@ static vor_status encode(const struct plan *plan, const struct vor_sink *sink, i
                                       .speed = 10 - compression};
     char message[96];
 
-    switch (vor_draco_encode(&source, &meter, sink->ctx, sink->write, message)) {
+    switch (vor_draco_encode(&source, &meter, taker, take, message)) {
     case VOR_DRACO_DONE:
         return VOR_OK;
     case VOR_DRACO_NO_MEMORY:
@@ -217,6 +232,31 @@ static vor_status encode(const struct plan *plan, const struct vor_sink *sink, i
         return vor_fail(err, VOR_E_INTERNAL, "the Draco library cannot encode %zu points: %s",
                         cloud->n, message);
     }
+}
+
+/* A file of next to no bytes for its points (all in one place, say) looks like a bomb. */
+static void drop_quantization(struct plan *plan)
+{
+    plan->kd_tree = 0;
+    for (unsigned i = 0; i < plan->count; i++)
+        plan->columns[i].bits = 0;
+}
+
+static vor_status encode_readably(struct plan *plan, const struct vor_sink *sink, int compression,
+                                  struct vor_error *err)
+{
+    struct taker taker = {.sink = sink};
+    vor_status status = VOR_OK;
+
+    if (!plan->kd_tree)
+        status = go_sequential(plan, err);
+    if (status == VOR_OK)
+        status = encode(plan, &taker, compression, err);
+    if (!taker.absurd)
+        return status;
+    drop_quantization(plan);
+    status = go_sequential(plan, err);
+    return status == VOR_OK ? encode(plan, &taker, compression, err) : status;
 }
 
 /* The library counts scalars in int. */
@@ -260,10 +300,7 @@ vor_status vor_draco_write(const struct vor_sink *sink, const struct vor_cloud *
     if (status != VOR_OK)
         goto done;
     plan->kd_tree = !options->keep_order && kd_tree_possible(plan);
-    if (!plan->kd_tree)
-        status = go_sequential(plan, err);
-    if (status == VOR_OK)
-        status = encode(plan, sink, options->compression, err);
+    status = encode_readably(plan, sink, options->compression, err);
 done:
     for (unsigned i = 0; i < plan->count; i++)
         vor_free(cloud->memory, plan->carriers[i]);

@@ -102,6 +102,7 @@ static const struct {
     {"a number of attributes beyond 32 bits", LOSSLESS, 16, "\377\377\377\377\37", 5, VOR_E_FORMAT,
      16},
     {"no position", LOSSLESS, 17, "\1", 1, VOR_E_FORMAT, LIBRARY},
+    {"an attribute of kind 5", LOSSLESS, 17, "\5", 1, VOR_E_FORMAT, 17},
     {"scalar type 0", LOSSLESS, 18, "\0", 1, VOR_E_FORMAT, 18},
     {"scalar type 12", LOSSLESS, 18, "\14", 1, VOR_E_FORMAT, 18},
     {"no components", LOSSLESS, 19, "\0", 1, VOR_E_FORMAT, 19},
@@ -258,6 +259,28 @@ START_TEST(points_must_be_in_proportion_to_bytes)
                     vor_draco_read(&cloud, bytes, sizeof bytes, &draco_limits, &vt_err));
     ck_assert_uint_eq(vt_err.limit, 58 * 64 + 100000);
     ck_assert_uint_eq(vt_err.got, 100000000);
+}
+END_TEST
+
+/* Refusal: of 64 scalars a point, a kd-tree may hold a 21st of the points; they take it 441 times
+ * as long. */
+START_TEST(scalars_in_a_kd_tree_must_be_in_proportion_to_bytes)
+{
+    uint8_t bytes[128] = "DRACO\2\3\0\1\0\0\0\0\1\0\1\5\0\11\3\0\0";
+    static const uint8_t extra[] = {4, 6, 16, 0, 1, 4, 6, 16, 0, 2, 4, 6, 16, 0, 3, 4, 6, 13, 0, 4};
+    struct vor_cloud cloud;
+
+    memcpy(bytes + 22, extra, sizeof extra);
+    vor_cloud_init(&cloud, &vt_memory);
+    vt_assert_fails(VOR_E_LIMIT,
+                    vor_draco_read(&cloud, bytes, sizeof bytes, &draco_limits, &vt_err));
+    ck_assert_uint_eq(vt_err.limit, 3 * (128 * 64 + 100000));
+    ck_assert_uint_eq(vt_err.got, 65536 * 64);
+    bytes[39] = 14;
+    vt_assert_fails(VOR_E_LIMIT,
+                    vor_draco_read(&cloud, bytes, sizeof bytes, &draco_limits, &vt_err));
+    ck_assert_uint_eq(vt_err.limit, VOR_DRACO_KD_SCALARS);
+    ck_assert_uint_eq(vt_err.got, 65);
 }
 END_TEST
 
@@ -424,6 +447,7 @@ int main(void)
     vt_add(suite, any_changed_byte_ends_in_a_cloud_or_a_refusal);
     vt_add(suite, the_limit_of_points_is_what_the_caller_says);
     vt_add(suite, points_must_be_in_proportion_to_bytes);
+    vt_add(suite, scalars_in_a_kd_tree_must_be_in_proportion_to_bytes);
     vt_add(suite, metadata_nests_as_deep_as_the_gate_allows_and_no_deeper);
     vt_add(suite, the_meter_alone_stops_what_the_gate_would_have_stopped);
     vt_add(suite, a_small_file_that_unpacks_to_a_large_cloud_meets_its_budget);

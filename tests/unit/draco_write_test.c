@@ -331,6 +331,25 @@ START_TEST(clouds_of_one_two_and_three_points_and_of_one_place_survive)
 }
 END_TEST
 
+/* Regression: such a file is a hundred bytes long, and the reader's gate takes it for a bomb. */
+START_TEST(many_points_in_few_places_can_be_read_back)
+{
+    struct vor_cloud cloud, back;
+    size_t n = 300000;
+
+    for (int k = 0; k < 4; k++) {
+        vt_cloud_cube(&cloud, 5, n);
+        (void)draco_add(&cloud, "wide", VOR_GENERIC, VOR_INT16, 8);
+        for (size_t i = 0; k < 2 && i < 3 * n; i++)
+            cloud.xyz[i] = 5;
+        draco_trip(&back, &cloud, k < 2 ? -1 : 1, k & 1);
+        vor_cloud_free(&back);
+        vor_cloud_free(&cloud);
+    }
+    vt_assert_no_leak();
+}
+END_TEST
+
 static int refuse_bytes(void *ctx, const void *bytes, size_t size)
 {
     (void)ctx;
@@ -385,6 +404,7 @@ int main(void)
     vt_add(suite, the_same_cloud_gives_the_same_bytes);
     vt_add(suite, more_compression_makes_a_flat_cloud_smaller);
     vt_add(suite, clouds_of_one_two_and_three_points_and_of_one_place_survive);
+    vt_add(suite, many_points_in_few_places_can_be_read_back);
     vt_add(suite, a_sink_that_refuses_is_an_io_error);
     vt_add(suite, clouds_without_points_or_with_nan_are_refused);
     return vt_run(suite);

@@ -1,0 +1,335 @@
+#include "tests/unit/draco_files.h"
+
+#include <stdio.h>
+
+/* False, with a line that names it, when a file is not there: prints a TAP comment. */
+static int slurp(struct vt_bytes *out, const char *path, const char *name)
+{
+    out->data = path != NULL ? vt_slurp(path, &out->size) : NULL;
+    if (out->data == NULL)
+        printf("# skipped: %s is not there\n", name);
+    return out->data != NULL;
+}
+
+static int read_data(struct vor_cloud *out, const char *name)
+{
+    struct vt_bytes bytes = {0};
+
+    if (!slurp(&bytes, vt_data(name), name))
+        return 0;
+    vt_assert_ok(draco_decode(out, &bytes));
+    free(bytes.data);
+    return 1;
+}
+
+static int by_color(const void *a, const void *b)
+{
+    return memcmp(a, b, 3);
+}
+
+/* Vector: the Draco project's own point clouds, one object in both encodings and two bitstreams
+ * (2.2 sequential, 2.3 kd-tree): the order differs, the colours are the same. */
+START_TEST(both_encodings_of_one_cloud_hold_the_same_points)
+{
+    struct vor_cloud clouds[2];
+    double extent;
+
+    if (!read_data(&clouds[0], "pc_color.drc"))
+        return;
+    ck_assert(read_data(&clouds[1], "pc_kd_color.drc"));
+    for (int k = 0; k < 2; k++) {
+        const struct vor_attribute *color = vor_cloud_find(&clouds[k], VOR_COLOR);
+
+        ck_assert_uint_eq(clouds[k].n, 7733);
+        ck_assert_uint_eq(clouds[k].attribute_count, 1);
+        ck_assert_int_eq(clouds[k].position_type, VOR_FLOAT32);
+        ck_assert(color != NULL && color->type == VOR_UINT8 && color->components == 3);
+        ck_assert_str_eq(color->name, "color");
+        qsort(color->data, clouds[k].n, 3, by_color);
+    }
+    ck_assert_mem_eq(clouds[0].attributes[0].data, clouds[1].attributes[0].data, (size_t)7733 * 3);
+    extent = draco_extent(&clouds[0]);
+    ck_assert_double_eq_tol(draco_extent(&clouds[1]), extent, 1e-3 * extent);
+    vor_cloud_free(&clouds[0]);
+    vor_cloud_free(&clouds[1]);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(redrocks_has_all_its_points_and_colours)
+{
+    struct vor_cloud cloud;
+
+    if (!read_data(&cloud, "redrocks.drc"))
+        return;
+    ck_assert_uint_eq(cloud.n, 43041);
+    ck_assert_ptr_nonnull(vor_cloud_find(&cloud, VOR_COLOR));
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Vector: bitstream 1.1, a mesh of the Stanford bunny with 34,834 vertices; the extents are those
+ * of its PLY. The file comes with npm's draco3d. */
+START_TEST(an_old_mesh_gives_its_vertices)
+{
+    const char *path = getenv("VORONOID_OLD_DRC");
+    struct vt_bytes bytes = {0};
+    struct vor_cloud cloud;
+
+    if (!slurp(&bytes, path, "bunny.drc (VORONOID_OLD_DRC)"))
+        return;
+    ck_assert_uint_eq(bytes.data[5], 1);
+    vt_assert_ok(draco_decode(&cloud, &bytes));
+    ck_assert_uint_eq(cloud.n, 34834);
+    ck_assert_double_eq_tol(draco_extent(&cloud), 0.155699, 1e-4);
+    vor_cloud_free(&cloud);
+    free(bytes.data);
+}
+END_TEST
+
+/* The surface of the three meshes in the corpus: 5 x 5 vertices at (x, y, sin(x + 2 y)), coloured
+ * (50 x, 50 y, c) where c is 0 in the left half and 200 in the right: a seam at x = 2. */
+static void check_sheet(const struct vor_cloud *cloud, size_t n)
+{
+    const struct vor_attribute *color = vor_cloud_find(cloud, VOR_COLOR);
+    int seen[5][5] = {{0}};
+
+    ck_assert_uint_eq(cloud->n, n);
+    ck_assert(color != NULL && color->components == 3 && color->type == VOR_UINT8);
+    ck_assert_ptr_nonnull(vor_cloud_find_name(cloud, "tex_coord"));
+    ck_assert_uint_eq(cloud->attribute_count, 2);
+    for (size_t i = 0; i < n; i++) {
+        const float *p = cloud->xyz + 3 * i;
+        const uint8_t *rgb = (const uint8_t *)color->data + 3 * i;
+        int x = (int)lrintf(p[0]), y = (int)lrintf(p[1]);
+
+        ck_assert(x >= 0 && x <= 4 && y >= 0 && y <= 4);
+        ck_assert_double_eq_tol(p[0], x, 2e-3);
+        ck_assert_double_eq_tol(p[1], y, 2e-3);
+        ck_assert_double_eq_tol(p[2], sin(x + 2 * y), 2e-3);
+        ck_assert_int_eq(rgb[0], 50 * x);
+        ck_assert_int_eq(rgb[1], 50 * y);
+        ck_assert(x == 2 ? rgb[2] == 0 || rgb[2] == 200 : rgb[2] == (x < 2 ? 0 : 200));
+        seen[x][y]++;
+    }
+    for (int x = 0; x < 5; x++)
+        for (int y = 0; y < 5; y++)
+            ck_assert_msg(seen[x][y] == 1 || (n > 25 && x == 2 && seen[x][y] == 2),
+                          "vertex %d %d comes %d times", x, y, seen[x][y]);
+}
+
+/* Vector: the seam makes 30 points of 25 vertices. Where the file shares positions between points,
+ * they are merged; where it stores them twice, both are kept. */
+START_TEST(meshes_give_their_vertices_and_seams_are_merged)
+{
+    static const struct {
+        const char *path;
+        size_t n;
+    } meshes[] = {{"tests/fuzz/corpus/draco/mesh-edgebreaker.drc", 25},
+                  {"tests/fuzz/corpus/draco/mesh-edgebreaker-fast.drc", 30},
+                  {"tests/fuzz/corpus/draco/mesh-sequential.drc", 30}};
+
+    for (size_t k = 0; k < sizeof meshes / sizeof *meshes; k++) {
+        struct vt_bytes bytes = {0};
+        struct vor_cloud cloud;
+
+        ck_assert(slurp(&bytes, meshes[k].path, meshes[k].path));
+        vt_assert_ok(draco_decode(&cloud, &bytes));
+        check_sheet(&cloud, meshes[k].n);
+        vor_cloud_free(&cloud);
+        free(bytes.data);
+    }
+    vt_assert_no_leak();
+}
+END_TEST
+
+static void put(struct vt_bytes *out, const void *bytes, size_t size)
+{
+    ck_assert_int_eq(vt_bytes_write(out, bytes, size), 0);
+}
+
+static void put_head(struct vt_bytes *out, const char version[2], uint32_t n, int kd_tree)
+{
+    uint8_t head[11] = "DRACO";
+
+    memcpy(head + 5, version, 2);
+    head[8] = (uint8_t)kd_tree;
+    put(out, head, sizeof head);
+    put(out, &n, sizeof n);
+    put(out, "\1", 1);
+}
+
+/* Vector: our kd-tree in the dress of bitstream 2.2, which stored the integers themselves: the
+ * positions come out as cells, and integer positions go through double. */
+START_TEST(a_kd_tree_of_an_older_bitstream_holds_the_same_cells)
+{
+    struct vor_cloud cloud, back, old;
+    struct vt_bytes bytes, dressed = {0};
+    double low[3] = {INFINITY, INFINITY, INFINITY}, cell;
+    uint32_t n = 500;
+
+    vt_cloud_cube(&cloud, 3, n);
+    vt_assert_ok(draco_encode(&bytes, &cloud, 10, 0));
+    vt_assert_ok(draco_decode(&back, &bytes));
+    put_head(&dressed, "\2\2", n, 1);
+    put(&dressed, "\1\0\6\3\0\0\1\6", 8); /* one attribute: position, UINT32; integers, level 6 */
+    put(&dressed, &n, sizeof n);
+    put(&dressed, bytes.data + 23, bytes.size - 23);
+    vt_assert_ok(draco_decode(&old, &dressed));
+    ck_assert_uint_eq(old.n, n);
+    ck_assert_int_eq(old.position_type, VOR_FLOAT64);
+    for (size_t i = 0; i < 3 * n; i++)
+        low[i % 3] = fmin(low[i % 3], (double)cloud.xyz[i]);
+    cell = draco_extent(&cloud) / 1023;
+    for (size_t i = 0; i < n; i++) {
+        double cells[3];
+
+        vor_cloud_position(&old, i, cells);
+        for (size_t c = 0; c < 3; c++) {
+            ck_assert_double_eq_tol(cells[c], rint(cells[c]), 1e-9);
+            ck_assert_double_eq_tol(low[c] + cell * cells[c], (double)back.xyz[3 * i + c], 1e-6);
+        }
+    }
+    vor_cloud_free(&old);
+    vor_cloud_free(&back);
+    vor_cloud_free(&cloud);
+    free(bytes.data);
+    free(dressed.data);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* A sequential file of raw values: two points, position of a type, one more attribute. */
+static void put_raw(struct vt_bytes *out, const char position[2], const void *xyz, size_t size,
+                    const char extra[3], const void *values, size_t values_size)
+{
+    memset(out, 0, sizeof *out);
+    put_head(out, "\2\3", 2, 0);
+    put(out, "\2\0", 2);
+    put(out, position, 2);
+    put(out, "\0\0", 2);
+    put(out, extra, 3);
+    put(out, "\0\1\0\0", 4); /* not normalised, unique id 1, twice the decoder of raw values */
+    put(out, xyz, size);
+    put(out, values, values_size);
+}
+
+START_TEST(positions_in_double_are_kept_to_float_precision_of_their_extent)
+{
+    static const double xyz[6] = {637000.125, 4.1e6, 55, 637001.375, 4.1e6 + 0.5, 54.75};
+    struct vt_bytes bytes;
+    struct vor_cloud cloud;
+
+    put_raw(&bytes, "\12\3", xyz, sizeof xyz, "\4\13\1", "\1\0", 2);
+    vt_assert_ok(draco_decode(&cloud, &bytes));
+    ck_assert_int_eq(cloud.position_type, VOR_FLOAT64);
+    for (size_t i = 0; i < 2; i++) {
+        double p[3];
+
+        vor_cloud_position(&cloud, i, p);
+        for (size_t c = 0; c < 3; c++)
+            ck_assert_double_eq_tol(p[c], xyz[3 * i + c], 1e-7);
+    }
+    vor_cloud_free(&cloud);
+    free(bytes.data);
+}
+END_TEST
+
+START_TEST(a_nan_in_double_positions_names_its_point)
+{
+    static const double xyz[6] = {0, 1, 2, 3, NAN, 5};
+    struct vt_bytes bytes;
+    struct vor_cloud cloud;
+
+    put_raw(&bytes, "\12\3", xyz, sizeof xyz, "\4\13\1", "\1\0", 2);
+    vt_assert_fails(VOR_E_NONFINITE, draco_decode(&cloud, &bytes));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "y of point 1"));
+    free(bytes.data);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Vector: kind, type and components of the file -> meaning, type and name of the cloud. */
+START_TEST(kinds_and_types_of_the_file_become_ours)
+{
+    static const struct {
+        char extra[4];
+        enum vor_semantic semantic;
+        enum vor_type type;
+        unsigned components;
+        const char *name;
+    } kinds[] = {
+        {"\4\13\1", VOR_GENERIC, VOR_UINT8, 1, "generic"},
+        {"\1\11\3", VOR_NORMAL, VOR_FLOAT32, 3, "normal"},
+        {"\1\11\2", VOR_GENERIC, VOR_FLOAT32, 2, "normal"},
+        {"\2\2\4", VOR_COLOR, VOR_UINT8, 4, "color"},
+        {"\2\2\1", VOR_GENERIC, VOR_UINT8, 1, "color"},
+        {"\2\4\3", VOR_COLOR, VOR_UINT16, 3, "color"},
+        {"\3\11\2", VOR_GENERIC, VOR_FLOAT32, 2, "tex_coord"},
+        {"\0\11\3", VOR_GENERIC, VOR_FLOAT32, 3, "position"},
+        {"\4\7\2", VOR_GENERIC, VOR_INT64, 2, "generic"},
+        {"\4\10\1", VOR_GENERIC, VOR_UINT64, 1, "generic"},
+        {"\4\12\1", VOR_GENERIC, VOR_FLOAT64, 1, "generic"},
+    };
+    static const float xyz[6] = {0, 1, 2, 3, 4, 5};
+    uint8_t values[64];
+
+    for (size_t i = 0; i < sizeof values; i++)
+        values[i] = (uint8_t)(i + 1);
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        size_t size = 2 * kinds[k].components * vor_type_size(kinds[k].type);
+        struct vt_bytes bytes;
+        struct vor_cloud cloud;
+
+        put_raw(&bytes, "\11\3", xyz, sizeof xyz, kinds[k].extra, values, size);
+        ck_assert_msg(draco_decode(&cloud, &bytes) == VOR_OK, "kind %zu: %s", k, vt_err.message);
+        ck_assert_mem_eq(cloud.xyz, xyz, sizeof xyz);
+        ck_assert_uint_eq(cloud.attribute_count, 1);
+        ck_assert_msg(cloud.attributes[0].semantic == kinds[k].semantic, "kind %zu", k);
+        ck_assert_int_eq(cloud.attributes[0].type, kinds[k].type);
+        ck_assert_uint_eq(cloud.attributes[0].components, kinds[k].components);
+        ck_assert_str_eq(cloud.attributes[0].name, kinds[k].name);
+        ck_assert_mem_eq(cloud.attributes[0].data, values, size);
+        vor_cloud_free(&cloud);
+        free(bytes.data);
+    }
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(what_the_library_held_is_in_the_peak_and_given_back)
+{
+    struct vor_cloud cloud, back;
+    struct vor_memory memory;
+    struct vt_bytes bytes;
+
+    vt_cloud_sphere(&cloud, 1, 50000);
+    vt_assert_ok(draco_encode(&bytes, &cloud, 12, 0));
+    vor_memory_init(&memory, SIZE_MAX);
+    vor_cloud_init(&back, &memory);
+    vt_assert_ok(vor_draco_read(&back, bytes.data, bytes.size, &draco_limits, &vt_err));
+    ck_assert_uint_ge(atomic_load(&memory.peak), (size_t)2 * 12 * 50000);
+    ck_assert_uint_lt(atomic_load(&memory.used), (size_t)12 * 50000 + 256);
+    vor_cloud_free(&back);
+    ck_assert_uint_eq(atomic_load(&memory.used), 0);
+    vor_cloud_free(&cloud);
+    free(bytes.data);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("draco_read");
+
+    vt_add(suite, both_encodings_of_one_cloud_hold_the_same_points);
+    vt_add(suite, redrocks_has_all_its_points_and_colours);
+    vt_add(suite, an_old_mesh_gives_its_vertices);
+    vt_add(suite, meshes_give_their_vertices_and_seams_are_merged);
+    vt_add(suite, a_kd_tree_of_an_older_bitstream_holds_the_same_cells);
+    vt_add(suite, positions_in_double_are_kept_to_float_precision_of_their_extent);
+    vt_add(suite, a_nan_in_double_positions_names_its_point);
+    vt_add(suite, kinds_and_types_of_the_file_become_ours);
+    vt_add(suite, what_the_library_held_is_in_the_peak_and_given_back);
+    return vt_run(suite);
+}
