@@ -201,3 +201,30 @@ size_t vor_json_count(const struct vor_json *value)
         count++;
     return count;
 }
+
+void vor_json_copy(struct vor_text *text, const struct vor_json *value)
+{
+    enum vor_json_kind kind = vor_json_kind(value);
+    const struct vor_json *child = vor_json_first(value);
+
+    switch (kind) {
+    case VOR_JSON_OBJECT:
+    case VOR_JSON_ARRAY:
+        kind == VOR_JSON_OBJECT ? vor_json_begin_object(text) : vor_json_begin_array(text);
+        for (; child != NULL; child = vor_json_next(child)) {
+            if (kind == VOR_JSON_OBJECT)
+                vor_json_key(text, vor_json_name(child));
+            vor_json_copy(text, child);
+        }
+        kind == VOR_JSON_OBJECT ? vor_json_end_object(text) : vor_json_end_array(text);
+        break;
+    case VOR_JSON_NUMBER:
+        vor_json_double(text, node(value)->valuedouble);
+        break;
+    case VOR_JSON_BOOL:
+        vor_json_bool(text, cJSON_IsTrue(node(value)));
+        break;
+    default:
+        vor_json_string(text, vor_json_get_string(value));
+    }
+}

@@ -142,6 +142,9 @@ const char *vor_json_name(const struct vor_json *member);
 /** Elements or members. O(their number). */
 size_t vor_json_count(const struct vor_json *value);
 
+/** Writes a value that was read, in one line. */
+void vor_json_copy(struct vor_text *text, const struct vor_json *value);
+
 /** The one progress record of SSE, NDJSON and trace: {"iteration","delta","sigma","epsilon",
  *  "energy","max_move","held","seconds"}. The second form writes the members into an open object.
  */

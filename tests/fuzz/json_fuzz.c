@@ -17,30 +17,6 @@ static void require(int holds, const char *what)
     abort();
 }
 
-static void write_value(struct vor_text *text, const struct vor_json *value)
-{
-    enum vor_json_kind kind = vor_json_kind(value);
-    const struct vor_json *child = vor_json_first(value);
-    double number = 0;
-    int flag = 0;
-
-    if (kind == VOR_JSON_OBJECT || kind == VOR_JSON_ARRAY) {
-        kind == VOR_JSON_OBJECT ? vor_json_begin_object(text) : vor_json_begin_array(text);
-        for (; child != NULL; child = vor_json_next(child)) {
-            if (kind == VOR_JSON_OBJECT)
-                vor_json_key(text, vor_json_name(child));
-            write_value(text, child);
-        }
-        kind == VOR_JSON_OBJECT ? vor_json_end_object(text) : vor_json_end_array(text);
-    } else if (vor_json_get_number(value, &number)) {
-        vor_json_double(text, number);
-    } else if (vor_json_get_bool(value, &flag)) {
-        vor_json_bool(text, flag);
-    } else {
-        vor_json_string(text, vor_json_get_string(value));
-    }
-}
-
 static void read_request(const struct vor_json *json)
 {
     char pointer[VOR_JSON_POINTER_MAX];
@@ -79,10 +55,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
             "cJSON refuses what the scan lets pass");
     if (status == VOR_OK) {
         read_request(json);
-        write_value(&first, json);
+        vor_json_copy(&first, json);
         require(vor_json_parse(&again, first.data, first.size, &err) == VOR_OK,
                 "our own text is refused");
-        write_value(&second, again);
+        vor_json_copy(&second, again);
         require(first.size == second.size && memcmp(first.data, second.data, first.size) == 0,
                 "a text changes when it is read and written again");
     }

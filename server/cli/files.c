@@ -1,0 +1,195 @@
+#include "server/cli/files.h"
+
+#include "server/cli/cli.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static vor_status cannot(struct vor_error *err, const char *what, int error)
+{
+    return vor_fail(err, VOR_E_IO, "cannot be %s: %s", what, strerror(error));
+}
+
+/* The size to begin with, and whether path is something that can be read at all. */
+static vor_status open_input(int *fd, size_t *size, const char *path, struct vor_error *err)
+{
+    struct stat info;
+
+    *fd = strcmp(path, "-") == 0 ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
+    if (*fd < 0 || fstat(*fd, &info) != 0)
+        return cannot(err, "read", errno);
+    if (S_ISDIR(info.st_mode))
+        return cannot(err, "read", EISDIR);
+    *size = S_ISREG(info.st_mode) && info.st_size > 0 ? (size_t)info.st_size + 1 : 1 << 16;
+    return VOR_OK;
+}
+
+static vor_status read_all(struct vor_input *out, int fd, size_t capacity, struct vor_error *err)
+{
+    for (;;) {
+        uint8_t *bytes = realloc(out->bytes, capacity);
+        ssize_t got = 1;
+
+        if (bytes == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "%zu bytes do not fit into memory", capacity);
+        out->bytes = bytes;
+        while (out->size < capacity && got != 0) {
+            if (vor_interrupt_seen())
+                return vor_interrupt_fail(err);
+            got = read(fd, bytes + out->size, capacity - out->size);
+            if (got < 0 && errno != EINTR)
+                return cannot(err, "read", errno);
+            out->size += got > 0 ? (size_t)got : 0;
+        }
+        if (got == 0)
+            return VOR_OK;
+        capacity *= 2;
+    }
+}
+
+vor_status vor_input_read(struct vor_input *out, const char *path, struct vor_error *err)
+{
+    size_t size = 0;
+    vor_status status;
+    int fd;
+
+    out->bytes = NULL;
+    out->size = 0;
+    status = open_input(&fd, &size, path, err);
+    if (status == VOR_OK)
+        status = read_all(out, fd, size, err);
+    if (fd > STDIN_FILENO)
+        (void)close(fd);
+    return status;
+}
+
+void vor_input_free(struct vor_input *input)
+{
+    free(input->bytes);
+    input->bytes = NULL;
+    input->size = 0;
+}
+
+/* A new file beside path, with the rights a new file gets. */
+static int open_temporary(struct vor_output *out)
+{
+    const char *slash = strrchr(out->path, '/');
+    size_t folder = slash != NULL ? (size_t)(slash - out->path) + 1 : 0;
+    mode_t mask;
+    int fd, length;
+
+    length = snprintf(out->temporary, sizeof out->temporary, "%.*s.voronoid-XXXXXX", (int)folder,
+                      out->path);
+    if (length < 0 || (size_t)length >= sizeof out->temporary) {
+        errno = ENAMETOOLONG;
+        return -1;
+    }
+    fd = mkstemp(out->temporary);
+    if (fd < 0)
+        return -1;
+    out->is_temporary = 1;
+    mask = umask(0);
+    (void)umask(mask);
+    (void)fchmod(fd, 0666 & ~mask);
+    return fd;
+}
+
+/* A link is followed, so that the file it leads to is replaced and not the link. */
+static int resolve(struct vor_output *out, const char *path)
+{
+    char real[PATH_MAX];
+
+    if (realpath(path, real) == NULL) {
+        if (errno != ENOENT)
+            return -1;
+        return snprintf(out->path, sizeof out->path, "%s", path) < (int)sizeof out->path ? 0 : -1;
+    }
+    memcpy(out->path, real, sizeof out->path);
+    return 0;
+}
+
+vor_status vor_output_open(struct vor_output *out, const char *path, struct vor_error *err)
+{
+    struct stat info;
+    int fd = -1;
+
+    memset(out, 0, sizeof *out);
+    if (strcmp(path, "-") == 0)
+        fd = dup(STDOUT_FILENO);
+    else if (resolve(out, path) != 0)
+        return cannot(err, "written", errno);
+    else if (stat(out->path, &info) != 0 || S_ISREG(info.st_mode))
+        fd = open_temporary(out);
+    else
+        fd = open(out->path, O_WRONLY | O_CLOEXEC);
+    if (fd >= 0)
+        out->file = fdopen(fd, "wb");
+    if (out->file != NULL)
+        return VOR_OK;
+    out->error = errno;
+    if (fd >= 0)
+        (void)close(fd);
+    vor_output_abandon(out);
+    return cannot(err, "written", out->error);
+}
+
+int vor_output_write(void *ctx, const void *bytes, size_t size)
+{
+    struct vor_output *output = ctx;
+
+    if (vor_interrupt_seen())
+        return -1;
+    if (fwrite(bytes, 1, size, output->file) == size)
+        return 0;
+    if (output->error == 0)
+        output->error = errno;
+    return -1;
+}
+
+vor_status vor_output_fail(const struct vor_output *output, struct vor_error *err)
+{
+    if (vor_interrupt_seen())
+        return vor_interrupt_fail(err);
+    return cannot(err, "written", output->error != 0 ? output->error : EIO);
+}
+
+/* Bytes, then name: a crash between leaves the old file. */
+static int complete(struct vor_output *output)
+{
+    if (fflush(output->file) != 0)
+        return -1;
+    if (output->is_temporary && fsync(fileno(output->file)) != 0)
+        return -1;
+    if (vor_interrupt_seen())
+        return -1;
+    return output->is_temporary ? rename(output->temporary, output->path) : 0;
+}
+
+vor_status vor_output_commit(struct vor_output *output, struct vor_error *err)
+{
+    vor_status status = VOR_OK;
+
+    if (complete(output) == 0) {
+        output->is_temporary = 0;
+    } else {
+        if (output->error == 0)
+            output->error = errno;
+        status = vor_output_fail(output, err);
+    }
+    vor_output_abandon(output);
+    return status;
+}
+
+void vor_output_abandon(struct vor_output *output)
+{
+    if (output->file != NULL)
+        (void)fclose(output->file);
+    output->file = NULL;
+    if (output->is_temporary)
+        (void)unlink(output->temporary);
+    output->is_temporary = 0;
+}

@@ -1,0 +1,58 @@
+/** Files of the command line: whole ones in, and out in one step or not at all. */
+#ifndef VOR_CLI_FILES_H
+#define VOR_CLI_FILES_H
+
+#include "core/base/status.h"
+
+#include <limits.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+/** A whole file in memory. It is read and not mapped: a file that shrinks meanwhile must not kill
+ *  us. */
+struct vor_input {
+    uint8_t *bytes;
+    size_t size;
+};
+
+/** Reads a file, or stdin for "-". Free it with vor_input_free, also after a failure.
+ *
+ *  @retval VOR_E_IO        it cannot be read (the message says why)
+ *  @retval VOR_E_NOMEM
+ *  @retval VOR_E_CANCELLED a signal came */
+VOR_NODISCARD vor_status vor_input_read(struct vor_input *out, const char *path,
+                                        struct vor_error *err);
+void vor_input_free(struct vor_input *input);
+
+/** Where a result goes: a new file beside the one it replaces, which takes its name only once it is
+ *  complete and on the disk. "-" is stdout; what is no regular file (a pipe, /dev/null) is written
+ *  as it comes. A signal makes writing fail. */
+struct vor_output {
+    FILE *file;
+    int is_temporary;
+    int error; /**< errno of the first failure */
+    char path[PATH_MAX], temporary[PATH_MAX];
+};
+
+/** @retval VOR_E_IO it cannot be created (the message says why) */
+VOR_NODISCARD vor_status vor_output_open(struct vor_output *out, const char *path,
+                                         struct vor_error *err);
+
+/** The sink's function (proto/codec.h); ctx is the output. */
+int vor_output_write(void *ctx, const void *bytes, size_t size);
+
+/** Why writing failed: cancelled, or what the system says. */
+VOR_NODISCARD vor_status vor_output_fail(const struct vor_output *output, struct vor_error *err);
+
+/** Completes the file. The output is closed whatever comes of it, and nothing is left behind after
+ *  a failure.
+ *
+ *  @retval VOR_E_IO, VOR_E_CANCELLED */
+VOR_NODISCARD vor_status vor_output_commit(struct vor_output *output, struct vor_error *err);
+
+/** Removes what was written; nothing after a commit, or on an output that was not opened but is
+ *  zero. */
+void vor_output_abandon(struct vor_output *output);
+
+#endif

@@ -1,0 +1,168 @@
+#include "server/cli/progress.h"
+
+#include "proto/json.h"
+#include "server/clock.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#define ITERATIONS_DEFAULT 100
+#define REDRAW_SECONDS 0.1
+
+void vor_progress_start(struct vor_progress *progress, const struct vor_cli *cli)
+{
+    int to_stdout = strcmp(cli->option[VOR_OPTION_OUTPUT], "-") == 0;
+    int quiet = cli->option[VOR_OPTION_QUIET] != NULL;
+    struct winsize window;
+
+    memset(progress, 0, sizeof *progress);
+    progress->cli = cli;
+    progress->columns = 80;
+    if (cli->option[VOR_OPTION_JSON] != NULL)
+        progress->lines = to_stdout ? stderr : stdout;
+    else if (!quiet && isatty(STDERR_FILENO))
+        progress->bar = stderr;
+    if (progress->bar != NULL && ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 &&
+        window.ws_col > 0)
+        progress->columns = window.ws_col;
+}
+
+void vor_progress_clear(struct vor_progress *progress)
+{
+    if (progress->bar != NULL)
+        fputs("\r\x1b[K", progress->bar);
+}
+
+void vor_progress_note(struct vor_progress *progress, const char *note)
+{
+    if (progress->bar == NULL)
+        return;
+    vor_progress_clear(progress);
+    fprintf(progress->bar, "%.*s", progress->columns - 1, note);
+    fflush(progress->bar);
+}
+
+static void write_line(struct vor_progress *progress, const struct vor_record *record)
+{
+    struct vor_text text;
+
+    vor_text_init(&text, 0);
+    vor_json_record(&text, record);
+    vor_text_puts(&text, "\n");
+    if (!text.failed)
+        (void)fwrite(text.data, 1, text.size, progress->lines);
+    fflush(progress->lines);
+    vor_text_free(&text);
+}
+
+static double iterations_of(const struct vor_spec *spec)
+{
+    return vor_spec_given(spec, VOR_PARAM_ITERATIONS) ? spec->value[VOR_PARAM_ITERATIONS]
+                                                      : ITERATIONS_DEFAULT;
+}
+
+/* How far the run is, by iterations or by the time it was given, whichever ends first. */
+static double fraction_of(const struct vor_progress *progress, const struct vor_record *record)
+{
+    const struct vor_spec *spec = &progress->cli->spec;
+    double iterations = iterations_of(spec), fraction = 1;
+
+    if (iterations > 0)
+        fraction = record->iteration / iterations;
+    if (vor_spec_given(spec, VOR_PARAM_SECONDS) && spec->value[VOR_PARAM_SECONDS] > 0 &&
+        record->seconds / spec->value[VOR_PARAM_SECONDS] > fraction)
+        fraction = record->seconds / spec->value[VOR_PARAM_SECONDS];
+    return fraction < 1 ? fraction : 1;
+}
+
+static void draw_bar(FILE *out, int width, double fraction)
+{
+    fputc('[', out);
+    for (int i = 0; i < width; i++)
+        fputc(i < (int)(fraction * width) ? '#' : '-', out);
+    fputc(']', out);
+}
+
+static void draw(struct vor_progress *progress, const struct vor_record *record)
+{
+    double fraction = fraction_of(progress, record), done, left;
+    int width = progress->columns - 52;
+
+    done = fraction - fraction_of(progress, &progress->first);
+    left = done > 0 ? (record->seconds - progress->first.seconds) / done * (1 - fraction) : 0;
+    vor_progress_clear(progress);
+    fprintf(progress->bar, "%4u/%-4.0f ", (unsigned)record->iteration,
+            iterations_of(&progress->cli->spec));
+    if (width > 0)
+        draw_bar(progress->bar, width < 40 ? width : 40, fraction);
+    fprintf(progress->bar, " %3.0f %%  delta %.4f", 100 * fraction, record->delta);
+    if (done > 0)
+        fprintf(progress->bar, "  %.0f s left", left);
+    fflush(progress->bar);
+}
+
+void vor_progress_record(struct vor_progress *progress, const struct vor_record *record)
+{
+    double now = vor_clock_seconds();
+
+    if (progress->lines != NULL)
+        write_line(progress, record);
+    if (!progress->has_first)
+        progress->first = *record;
+    if (progress->bar == NULL || (progress->has_first && now < progress->drawn_at + REDRAW_SECONDS))
+        return;
+    progress->has_first = 1;
+    progress->drawn_at = now;
+    draw(progress, record);
+}
+
+static double number_at(const struct vor_json *json, const char *name)
+{
+    double number = 0;
+
+    (void)vor_json_get_number(vor_json_get(json, name), &number);
+    return number;
+}
+
+static void summarise(const struct vor_progress *progress, const struct vor_json *report)
+{
+    const struct vor_json *seconds = vor_json_get(report, "seconds");
+    const char *stopped = vor_json_get_string(vor_json_get(report, "stopped"));
+    char line[256];
+    double sum = 0, number;
+
+    for (const struct vor_json *s = vor_json_first(seconds); s != NULL; s = vor_json_next(s))
+        sum += vor_json_get_number(s, &number) ? number : 0;
+    (void)snprintf(line, sizeof line,
+                   "%.0f points, delta %.4f after %.0f iterations (%.20s), %.1f s",
+                   number_at(vor_json_get(report, "points"), "out"), number_at(report, "delta"),
+                   number_at(report, "iterations"), stopped != NULL ? stopped : "?", sum);
+    vor_cli_say(progress->cli->option[VOR_OPTION_OUTPUT], line);
+}
+
+vor_status vor_progress_finish(struct vor_progress *progress, const char *report, size_t size,
+                               struct vor_error *err)
+{
+    struct vor_json *json = NULL;
+    struct vor_text text;
+    vor_status status = vor_json_parse(&json, report, size, err);
+
+    vor_progress_clear(progress);
+    vor_text_init(&text, 0);
+    if (status == VOR_OK && progress->lines != NULL) {
+        vor_json_copy(&text, json);
+        vor_text_puts(&text, "\n");
+        status = vor_text_status(&text, err);
+    } else if (status == VOR_OK && progress->cli->option[VOR_OPTION_QUIET] == NULL) {
+        summarise(progress, json);
+    }
+    if (status == VOR_OK && text.size > 0 &&
+        (fwrite(text.data, 1, text.size, progress->lines) != text.size ||
+         fflush(progress->lines) != 0 || ferror(progress->lines)))
+        status = vor_fail(err, VOR_E_IO, "the lines of --json cannot be written");
+    vor_text_free(&text);
+    vor_json_free(json);
+    return status;
+}
