@@ -21,9 +21,6 @@ static const struct setting_info infos[VOR_SETTING_COUNT] = {
 #undef INFO_ROW
 };
 
-static const char usage[] = "usage: voronoid serve [--SETTING VALUE ...]\n"
-                            "Every setting is also an environment variable, VORONOID_SETTING.\n\n";
-
 static vor_status bad_number(const struct setting_info *info, const char *text,
                              struct vor_error *err)
 {
@@ -266,7 +263,6 @@ vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
 
 void vor_config_help(FILE *out)
 {
-    (void)fputs(usage, out);
     for (int i = 0; i < VOR_SETTING_COUNT; i++) {
         const struct setting_info *info = &infos[i];
 
@@ -279,6 +275,9 @@ void vor_config_help(FILE *out)
             (void)fprintf(out, "%sdefault %s)", info->max > 0 ? "; " : "", info->fallback);
         (void)fputc('\n', out);
     }
+    (void)fputs("Every setting is also an environment variable: --http-threads is "
+                "VORONOID_HTTP_THREADS. A flag wins.\n",
+                out);
 }
 
 int vor_config_list_has(const char *list, const char *item, size_t length)

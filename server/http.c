@@ -253,8 +253,8 @@ static void describe_excess(char *detail, size_t size, struct vor_refusal *refus
 static void prepare_late(struct vor_request *request)
 {
     struct vor_refusal late = {408, "upload-timeout",
-                               "the body came too slowly: no pause, average or total is unlimited",
-                               0, 0};
+                               "the upload paused too long, took too long or came too slowly", 0,
+                               0};
     unsigned fields = request->reply.field_count;
 
     refuse(request, &late);
@@ -396,7 +396,7 @@ static enum MHD_Result take_piece(struct vor_request *request, const char *bytes
     http = request->sink.write(request->sink.ctx, bytes, *size);
     if (http != 0) {
         refusal = (struct vor_refusal){
-            http, http == 507 ? "storage-full" : "io-error",
+            http, http == 507 ? "storage-full" : "store-unavailable",
             http == 507 ? "no room is left to keep the upload" : "the upload cannot be kept", 0, 0};
         return abort_body(request, &refusal);
     }
@@ -659,6 +659,11 @@ unsigned vor_http_busy(const struct vor_http *http)
 unsigned vor_http_connections(const struct vor_http *http)
 {
     return vor_watchman_count(http->watchman);
+}
+
+void vor_http_wake_all(struct vor_http *http)
+{
+    vor_watchman_wake_all(http->watchman);
 }
 
 void vor_http_close_waiting(struct vor_http *http)

@@ -82,6 +82,9 @@ void vor_http_quiesce(struct vor_http *http);
 unsigned vor_http_busy(const struct vor_http *http);
 unsigned vor_http_connections(const struct vor_http *http);
 
+/** Wakes every waiting request once. */
+void vor_http_wake_all(struct vor_http *http);
+
 /** Wakes every waiting request. From now on vor_request_closing is true. */
 void vor_http_close_waiting(struct vor_http *http);
 
@@ -132,7 +135,8 @@ uint64_t vor_request_bytes_in(const struct vor_request *request);
 uint64_t vor_request_bytes_out(const struct vor_request *request);
 double vor_request_seconds(const struct vor_request *request);
 
-/** The handler's own state, freed by `release` once the request is over (release may be NULL). */
+/** The handler's own state, freed by `release` (may be NULL) once the request is over or gets
+ *  another state. */
 void vor_request_set_state(struct vor_request *request, void *state, void (*release)(void *state));
 void *vor_request_state(const struct vor_request *request);
 

@@ -93,6 +93,8 @@ double vor_request_seconds(const struct vor_request *request)
 
 void vor_request_set_state(struct vor_request *request, void *state, void (*release)(void *state))
 {
+    if (request->release != NULL)
+        request->release(request->state);
     request->state = state;
     request->release = release;
 }

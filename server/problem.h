@@ -24,6 +24,7 @@
     X("too-many-bytes", 413, 0, 0, "The body exceeds a limit")                                     \
     X("range-not-satisfiable", 416, 0, 0, "The range lies outside the result")                     \
     X("queue-full", 429, 1, 0, "The queue is full")                                                \
+    X("too-many-streams", 429, 1, 0, "As many event streams are open as may be")                   \
     X("client-closed", 499, 0, 0, "The caller left")                                               \
     X("draining", 503, 1, 0, "The daemon is going down")                                           \
     X("too-many-connections", 503, 1, 0, "Too many connections are open")                          \

@@ -1,0 +1,293 @@
+/* The order of life: settings, store, blobs, pool, jobs, admission, HTTP; then wait for a signal;
+ * then the same backwards. */
+#include "server/serve.h"
+
+#include "server/admit.h"
+#include "server/app.h"
+#include "server/clock.h"
+#include "server/log.h"
+#include "server/routes.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+enum {
+    EXIT_USAGE_WRONG = 2,
+    EXIT_STORE_IN_USE = 75,
+    ADMIT_WAITING_MAX = 64,
+    CRASHES_MAX = 2,
+    QUIET_SECONDS = 10
+};
+
+/* The parts, in the order in which they start. */
+struct daemon {
+    struct vor_config config;
+    struct vor_app app;
+    struct vor_pool *pool;
+    sigset_t signals;
+    pthread_t drainer;
+    long holder;
+};
+
+static size_t read_limit(const char *path)
+{
+    FILE *file = fopen(path, "re");
+    unsigned long long value = 0;
+
+    if (file == NULL)
+        return 0;
+    if (fscanf(file, "%llu", &value) != 1)
+        value = 0;
+    (void)fclose(file);
+    return (size_t)value;
+}
+
+/* Memory that this process may use: the machine's, or the control group's if that is less. */
+static size_t machine_memory(void)
+{
+    static const char *const limits[] = {"/sys/fs/cgroup/memory.max",
+                                         "/sys/fs/cgroup/memory/memory.limit_in_bytes"};
+    size_t memory = (size_t)sysconf(_SC_PHYS_PAGES) * (size_t)sysconf(_SC_PAGESIZE);
+
+    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++) {
+        size_t limit = read_limit(limits[i]);
+
+        if (limit > 0 && limit < memory)
+            memory = limit;
+    }
+    return memory;
+}
+
+static size_t job_memory(const struct vor_config *config)
+{
+    double asked = config->number[VOR_SET_JOB_MEMORY];
+
+    if (asked > 0)
+        return (size_t)asked;
+    return (size_t)((double)machine_memory() * 0.7 / config->number[VOR_SET_JOBS]);
+}
+
+static unsigned thread_count(const struct vor_config *config)
+{
+    long cores = sysconf(_SC_NPROCESSORS_ONLN);
+
+    if (config->number[VOR_SET_THREADS] > 0)
+        return (unsigned)config->number[VOR_SET_THREADS];
+    return cores < 1 ? 1 : cores > VOR_THREADS_MAX ? VOR_THREADS_MAX : (unsigned)cores;
+}
+
+static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
+{
+    struct vor_config *config = &daemon->config;
+    vor_status status =
+        vor_store_open(&daemon->app.store, config->text[VOR_SET_STORE], &daemon->holder, err);
+
+    if (status == VOR_OK)
+        status =
+            vor_blobs_open(&daemon->app.blobs, config->text[VOR_SET_BLOBS], &daemon->holder, err);
+    return status;
+}
+
+static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
+{
+    const struct vor_config *config = &daemon->config;
+    struct vor_worker_config worker = {
+        .store = daemon->app.store,
+        .blobs = daemon->app.blobs,
+        .jobs = (unsigned)config->number[VOR_SET_JOBS],
+        .queue = (size_t)config->number[VOR_SET_QUEUE],
+        .memory = job_memory(config),
+        .ttl_seconds = config->number[VOR_SET_RESULT_TTL],
+        .crashes_max = CRASHES_MAX,
+    };
+    struct vor_admit_limits limits = {.codec = VOR_LIMITS_DEFAULT, .memory = job_memory(config)};
+    vor_status status = vor_pool_create(&daemon->pool, thread_count(config), err);
+
+    limits.codec.points = (size_t)config->number[VOR_SET_POINTS_LIMIT];
+    worker.pool = daemon->pool;
+    if (status == VOR_OK)
+        status = vor_worker_create(&daemon->app.worker, &worker, err);
+    if (status == VOR_OK)
+        status = vor_admit_create(&daemon->app.admit, daemon->app.blobs, &limits, worker.jobs,
+                                  ADMIT_WAITING_MAX, err);
+    return status;
+}
+
+static void library_line(void *ctx, const char *line)
+{
+    (void)ctx;
+    vor_log(VOR_LOG_DEBUG, "http library", VOR_TEXT("detail", line));
+}
+
+static vor_status start_http(struct daemon *daemon, struct vor_error *err)
+{
+    const struct vor_config *config = &daemon->config;
+    const struct vor_http_options options = {
+        .host = config->host,
+        .port = config->port,
+        .threads = (unsigned)config->number[VOR_SET_HTTP_THREADS],
+        .connections = (unsigned)config->number[VOR_SET_CONNECTIONS] + 32,
+        .header_seconds = config->number[VOR_SET_HEADER_TIMEOUT],
+        .keep_seconds = config->number[VOR_SET_KEEP_TIMEOUT],
+        .body_seconds = config->number[VOR_SET_BODY_TIMEOUT],
+        .body_idle_seconds = config->number[VOR_SET_BODY_IDLE],
+        .body_rate = config->number[VOR_SET_BODY_RATE],
+        .handler = vor_route_dispatch,
+        .ctx = &daemon->app,
+        .refuse = vor_route_refuse,
+        .done = vor_route_done,
+        .log = library_line,
+    };
+
+    return vor_http_start(&daemon->app.http, &options, err);
+}
+
+static vor_status start(struct daemon *daemon, struct vor_error *err)
+{
+    vor_status status = open_storage(daemon, err);
+
+    if (status == VOR_OK)
+        status = start_jobs(daemon, err);
+    if (status == VOR_OK)
+        status = start_http(daemon, err);
+    return status;
+}
+
+static void stop(struct daemon *daemon)
+{
+    vor_http_stop(daemon->app.http);
+    vor_admit_destroy(daemon->app.admit);
+    vor_worker_destroy(daemon->app.worker);
+    vor_pool_destroy(daemon->pool);
+    vor_blobs_close(daemon->app.blobs);
+    vor_store_close(daemon->app.store);
+}
+
+/* Until nobody waits for an answer, or for long enough. */
+static void wait_quiet(struct daemon *daemon)
+{
+    double until = vor_clock_seconds() + QUIET_SECONDS;
+    const struct timespec pause = {0, 10 * 1000 * 1000};
+
+    while (vor_http_busy(daemon->app.http) > 0 && vor_clock_seconds() < until)
+        (void)nanosleep(&pause, NULL);
+}
+
+/* The caller waits for the second signal meanwhile; this thread ends by sending it. */
+static void *drain(void *ctx)
+{
+    struct daemon *daemon = ctx;
+
+    atomic_store(&daemon->app.draining, true);
+    vor_http_wake_all(daemon->app.http);
+    vor_worker_drain(daemon->app.worker, daemon->config.number[VOR_SET_DRAIN_TIMEOUT]);
+    vor_http_quiesce(daemon->app.http);
+    vor_http_close_waiting(daemon->app.http);
+    wait_quiet(daemon);
+    (void)kill(getpid(), SIGUSR2);
+    return NULL;
+}
+
+static int wait_signal(const struct daemon *daemon)
+{
+    int number = 0;
+
+    while (sigwait(&daemon->signals, &number) != 0)
+        number = 0;
+    return number;
+}
+
+/* SIGUSR2 comes from drain; before the first SIGTERM it means nothing. */
+static void block_signals(struct daemon *daemon)
+{
+    static const int numbers[] = {SIGTERM, SIGINT, SIGUSR2};
+
+    (void)signal(SIGPIPE, SIG_IGN);
+    (void)sigemptyset(&daemon->signals);
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+        (void)sigaddset(&daemon->signals, numbers[i]);
+    (void)pthread_sigmask(SIG_BLOCK, &daemon->signals, NULL);
+}
+
+static int run(struct daemon *daemon)
+{
+    int number;
+
+    do
+        number = wait_signal(daemon);
+    while (number == SIGUSR2);
+    vor_log(VOR_LOG_INFO, "draining", VOR_TEXT("signal", number == SIGINT ? "INT" : "TERM"));
+    if (pthread_create(&daemon->drainer, NULL, drain, daemon) != 0)
+        _exit(EXIT_FAILURE);
+    number = wait_signal(daemon);
+    if (number != SIGUSR2) {
+        /* Running jobs are still in the store as such; the next start takes them up again. */
+        vor_log(VOR_LOG_WARN, "stopped at once", VOR_COUNT("signal", number));
+        _exit(EXIT_FAILURE);
+    }
+    (void)pthread_join(daemon->drainer, NULL);
+    return EXIT_SUCCESS;
+}
+
+static int failed_start(const struct daemon *daemon, const struct vor_error *err)
+{
+    if (daemon->holder != 0) {
+        (void)fprintf(stderr, "voronoid: %s (held by process %ld)\n", err->message, daemon->holder);
+        return EXIT_STORE_IN_USE;
+    }
+    (void)fprintf(stderr, "voronoid: %s\n", err->message);
+    return err->status == VOR_E_PARAM ? EXIT_USAGE_WRONG : EXIT_FAILURE;
+}
+
+static int serve(struct daemon *daemon)
+{
+    struct vor_error err;
+    int result;
+
+    block_signals(daemon);
+    vor_log_open(STDERR_FILENO, (enum vor_log_level)daemon->config.number[VOR_SET_LOG_LEVEL]);
+    daemon->app.config = &daemon->config;
+    if (start(daemon, &err) != VOR_OK) {
+        result = failed_start(daemon, &err);
+    } else {
+        vor_log(VOR_LOG_INFO, "listening", VOR_TEXT("address", vor_http_address(daemon->app.http)),
+                VOR_TEXT("data", daemon->config.text[VOR_SET_DATA]),
+                VOR_COUNT("threads", vor_pool_threads(daemon->pool)),
+                VOR_COUNT("job_memory", job_memory(&daemon->config)));
+        result = run(daemon);
+    }
+    stop(daemon);
+    vor_log(VOR_LOG_INFO, "stopped", VOR_COUNT("exit", result));
+    return result;
+}
+
+int vor_serve_main(int argc, char **argv)
+{
+    struct daemon *daemon;
+    struct vor_error err;
+    int result;
+
+    for (int i = 1; i < argc; i++) {
+        if (strcmp(argv[i], "--print-routes") == 0) {
+            vor_routes_print(stdout);
+            return EXIT_SUCCESS;
+        }
+    }
+    daemon = calloc(1, sizeof *daemon);
+    if (daemon == NULL)
+        return EXIT_FAILURE;
+    if (vor_config_read(&daemon->config, argc, argv, getenv, &err) != VOR_OK) {
+        (void)fprintf(stderr, "voronoid: %s\n", err.message);
+        result = EXIT_USAGE_WRONG;
+    } else {
+        result = serve(daemon);
+    }
+    free(daemon);
+    return result;
+}
