@@ -1,0 +1,241 @@
+/* The table of formats: how a format is recognised, and what becomes of bytes that are none. */
+#include "proto/codec.h"
+#include "proto/quote.h"
+#include "tests/support/vt.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define ASCII_POINT                                                                                \
+    "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"                \
+    "property float z\nend_header\n"
+
+static const struct vor_limits limits = VOR_LIMITS_DEFAULT;
+
+START_TEST(formats_have_the_index_and_the_word_of_the_parameter)
+{
+    const char *word;
+
+    for (unsigned i = 0; i < 2; i++) {
+        const struct vor_format *format = vor_format(i);
+        size_t length = vor_parameter_choice(VOR_PARAM_FORMAT, i, &word);
+
+        ck_assert_uint_eq(strlen(format->name), length);
+        ck_assert_mem_eq(format->name, word, length);
+        ck_assert(format->read != NULL && format->write != NULL);
+        ck_assert_ptr_eq(vor_format_by_media_type(format->media_type), format);
+        ck_assert_ptr_eq(vor_format_by_suffix(format->suffix), format);
+    }
+    ck_assert_str_eq(vor_format(VOR_FORMAT_PLY)->name, "ply");
+    ck_assert_str_eq(vor_format(VOR_FORMAT_PLY)->label, "PLY");
+    ck_assert_str_eq(vor_format(VOR_FORMAT_PLY)->media_type, "application/ply");
+    ck_assert_str_eq(vor_format(VOR_FORMAT_DRC)->name, "drc");
+    ck_assert_str_eq(vor_format(VOR_FORMAT_DRC)->label, "Draco");
+    ck_assert_str_eq(vor_format(VOR_FORMAT_DRC)->media_type, "application/draco");
+    ck_assert_ptr_null(vor_format(2));
+    ck_assert_ptr_null(vor_format(UINT32_MAX));
+    ck_assert_uint_eq(vor_parameter_choice(VOR_PARAM_FORMAT, 2, &word), 0);
+}
+END_TEST
+
+enum { NONE = 2 };
+
+static const struct {
+    const char *bytes;
+    size_t size;
+    unsigned format;
+} beginnings[] = {
+    {"ply\n", 4, VOR_FORMAT_PLY},
+    {"ply\r\n", 5, VOR_FORMAT_PLY},
+    {"ply\r", 4, VOR_FORMAT_PLY},
+    {"ply\nx", 5, VOR_FORMAT_PLY},
+    {"ply", 3, NONE},
+    {"plyx\n", 5, NONE},
+    {"ply \n", 5, NONE},
+    {"PLY\n", 4, NONE},
+    {" ply\n", 5, NONE},
+    {"pl", 2, NONE},
+    {"", 0, NONE},
+    {"DRACO", 5, VOR_FORMAT_DRC},
+    {"DRACO\2\3", 7, VOR_FORMAT_DRC},
+    {"DRAC", 4, NONE},
+    {"draco", 5, NONE},
+    {"OFF\n", 4, NONE},
+    {"\x1f\x8b\x08", 3, NONE},
+};
+
+START_TEST(a_file_is_recognised_by_its_first_bytes)
+{
+    for (size_t i = 0; i < sizeof beginnings / sizeof beginnings[0]; i++)
+        ck_assert_ptr_eq(vor_format_sniff((const uint8_t *)beginnings[i].bytes, beginnings[i].size),
+                         vor_format(beginnings[i].format));
+    ck_assert_ptr_null(vor_format_sniff(NULL, 0));
+}
+END_TEST
+
+static const struct {
+    const char *text;
+    unsigned format;
+} suffixes[] = {{"a.ply", VOR_FORMAT_PLY},
+                {"/x.drc/a.PLY", VOR_FORMAT_PLY},
+                {".ply", VOR_FORMAT_PLY},
+                {"a.drc", VOR_FORMAT_DRC},
+                {"a.ply.Drc", VOR_FORMAT_DRC},
+                {"ply", NONE},
+                {"aply", NONE},
+                {"a.ply.gz", NONE},
+                {"a.ply/", NONE},
+                {"-", NONE},
+                {"", NONE}},
+  media_types[] = {{"application/ply", VOR_FORMAT_PLY},
+                   {"Application/PLY", VOR_FORMAT_PLY},
+                   {"application/ply; charset=binary", VOR_FORMAT_PLY},
+                   {"application/ply;q=0.5", VOR_FORMAT_PLY},
+                   {" application/ply ", VOR_FORMAT_PLY},
+                   {"model/ply", VOR_FORMAT_PLY},
+                   {"application/x-ply", VOR_FORMAT_PLY},
+                   {"application/draco", VOR_FORMAT_DRC},
+                   {"model/draco", VOR_FORMAT_DRC},
+                   {"application/vnd.draco", VOR_FORMAT_DRC},
+                   {"model/vnd.draco;v=2", VOR_FORMAT_DRC},
+                   {"text/plain", NONE},
+                   {"application/plyx", NONE},
+                   {"application/pl", NONE},
+                   {"ply", NONE},
+                   {"*/*", NONE},
+                   {"application/octet-stream", NONE},
+                   {";", NONE},
+                   {"", NONE}};
+
+START_TEST(a_file_name_is_recognised_by_its_suffix_in_any_case)
+{
+    for (size_t i = 0; i < sizeof suffixes / sizeof suffixes[0]; i++)
+        ck_assert_ptr_eq(vor_format_by_suffix(suffixes[i].text), vor_format(suffixes[i].format));
+}
+END_TEST
+
+START_TEST(a_media_type_is_recognised_without_its_parameters)
+{
+    for (size_t i = 0; i < sizeof media_types / sizeof media_types[0]; i++)
+        ck_assert_msg(vor_format_by_media_type(media_types[i].text) ==
+                          vor_format(media_types[i].format),
+                      "\"%s\"", media_types[i].text);
+}
+END_TEST
+
+static vor_status read_text(struct vor_cloud *cloud, const struct vor_format **format,
+                            const char *text, size_t size)
+{
+    vor_cloud_init(cloud, &vt_memory);
+    return vor_codec_read(cloud, format, (const uint8_t *)text, size, &limits, &vt_err);
+}
+
+START_TEST(a_ply_file_is_read)
+{
+    const struct vor_format *format = NULL;
+    struct vor_cloud cloud;
+
+    vt_assert_ok(read_text(&cloud, &format, ASCII_POINT "1 2 3", sizeof ASCII_POINT + 4));
+    ck_assert_ptr_eq(format, vor_format(VOR_FORMAT_PLY));
+    ck_assert_float_eq(cloud.xyz[2], 3);
+    vor_cloud_free(&cloud);
+    vt_assert_ok(read_text(&cloud, NULL, ASCII_POINT "1 2 3", sizeof ASCII_POINT + 4));
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(the_format_is_known_even_where_the_file_is_refused)
+{
+    const struct vor_format *format = NULL;
+    struct vor_cloud cloud;
+
+    vt_assert_fails(VOR_E_FORMAT, read_text(&cloud, &format, "ply\nx\n", 6));
+    ck_assert_ptr_eq(format, vor_format(VOR_FORMAT_PLY));
+    format = NULL;
+    vt_assert_fails(VOR_E_FORMAT, read_text(&cloud, &format, "DRACO", 5));
+    ck_assert_ptr_eq(format, vor_format(VOR_FORMAT_DRC));
+    ck_assert_ptr_null(cloud.xyz);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(other_bytes_are_unsupported_and_shown)
+{
+    struct vor_cloud cloud;
+
+    vt_assert_fails(VOR_E_UNSUPPORTED,
+                    read_text(&cloud, NULL, "\x89PNG\r\n\"\\\x1a and much more", 24));
+    ck_assert_msg(strstr(vt_err.message, "\"\\x89PNG\\x0d\\x0a\\x22\\x5c\\x1a and mu\"") != NULL,
+                  "%s", vt_err.message);
+    ck_assert_int_eq(vt_err.byte_offset, 0);
+    vt_assert_fails(VOR_E_UNSUPPORTED, read_text(&cloud, NULL, "", 0));
+    ck_assert_msg(strstr(vt_err.message, "empty") != NULL, "%s", vt_err.message);
+    ck_assert_int_eq(VOR_E_UNSUPPORTED,
+                     vor_codec_read(&cloud, NULL, (const uint8_t *)"x", 1, &limits, NULL));
+}
+END_TEST
+
+START_TEST(options_come_from_the_request)
+{
+    struct vor_write_options options;
+    struct vor_spec spec;
+
+    vor_spec_init(&spec);
+    vor_write_options_from(&options, &spec, 0.25);
+    ck_assert_int_eq(options.quantization_bits, -1);
+    ck_assert_int_eq(options.compression, 7);
+    ck_assert_int_eq(options.keep_order, 0);
+    ck_assert_double_eq(options.spacing, 0.25);
+    vt_assert_ok(vor_spec_set(&spec, "quantization", "0", &vt_err));
+    vt_assert_ok(vor_spec_set(&spec, "compression", "10", &vt_err));
+    vor_write_options_from(&options, &spec, 0);
+    ck_assert_int_eq(options.quantization_bits, 0);
+    ck_assert_int_eq(options.compression, 10);
+    vt_assert_ok(vor_spec_set(&spec, "quantization", "30", &vt_err));
+    vor_write_options_from(&options, &spec, 0);
+    ck_assert_int_eq(options.quantization_bits, 30);
+    vt_assert_ok(vor_spec_set(&spec, "quantization", "auto", &vt_err));
+    vor_write_options_from(&options, &spec, 0);
+    ck_assert_int_eq(options.quantization_bits, -1);
+}
+END_TEST
+
+START_TEST(quoted_bytes_are_printable_and_end_in_time)
+{
+    uint8_t bytes[64];
+    char out[64];
+
+    for (int i = 0; i < 64; i++)
+        bytes[i] = (uint8_t)(i * 37 + 11);
+    for (size_t size = 8; size <= sizeof out; size++)
+        for (size_t length = 0; length <= sizeof bytes; length++) {
+            memset(out, 1, sizeof out);
+            ck_assert_ptr_eq(vor_quote(out, size, bytes, length), out);
+            ck_assert_uint_lt(strlen(out), size);
+            for (const char *c = out; *c != '\0'; c++)
+                ck_assert(*c >= 0x20 && *c < 0x7f && *c != '"');
+        }
+    ck_assert_str_eq(vor_quote(out, 8, "1234567", 7), "1234567");
+    ck_assert_str_eq(vor_quote(out, 8, "12345678", 8), "1234...");
+    ck_assert_str_eq(vor_quote(out, 8, "123\n", 4), "123\\x0a");
+    ck_assert_str_eq(vor_quote(out, 8, "1234\n", 5), "1234...");
+    ck_assert_str_eq(vor_quote(out, 8, "", 0), "");
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("codec_table");
+
+    vt_add(suite, formats_have_the_index_and_the_word_of_the_parameter);
+    vt_add(suite, a_file_is_recognised_by_its_first_bytes);
+    vt_add(suite, a_file_name_is_recognised_by_its_suffix_in_any_case);
+    vt_add(suite, a_media_type_is_recognised_without_its_parameters);
+    vt_add(suite, a_ply_file_is_read);
+    vt_add(suite, the_format_is_known_even_where_the_file_is_refused);
+    vt_add(suite, other_bytes_are_unsupported_and_shown);
+    vt_add(suite, options_come_from_the_request);
+    vt_add(suite, quoted_bytes_are_printable_and_end_in_time);
+    return vt_run(suite);
+}
