@@ -1,0 +1,135 @@
+#define _XOPEN_SOURCE 700 /* nftw */
+
+#include "tests/support/vt_dir.h"
+
+#include "proto/codec.h"
+#include "server/clock.h"
+#include "tests/support/vt.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <ftw.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+const char *vt_dir_make(void)
+{
+    static char path[256];
+    const char *base = getenv("TMPDIR");
+
+    (void)snprintf(path, sizeof path, "%s/voronoid-test-XXXXXX", base != NULL ? base : "/tmp");
+    ck_assert_ptr_nonnull(mkdtemp(path));
+    return path;
+}
+
+static int remove_one(const char *path, const struct stat *info, int type, struct FTW *at)
+{
+    (void)info;
+    (void)type;
+    (void)at;
+    return remove(path);
+}
+
+void vt_dir_remove(const char *path)
+{
+    ck_assert_int_eq(nftw(path, remove_one, 16, FTW_DEPTH | FTW_PHYS), 0);
+}
+
+int vt_dir_count(const char *path, const char *name)
+{
+    char full[512];
+    struct dirent *entry;
+    int count = 0;
+    DIR *dir;
+
+    (void)snprintf(full, sizeof full, "%s/%s", path, name);
+    dir = opendir(full);
+    if (dir == NULL)
+        return -1;
+    while ((entry = readdir(dir)) != NULL)
+        count += strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
+    closedir(dir);
+    return count;
+}
+
+struct vor_blobs *vt_dir_blobs(const char *path)
+{
+    struct vor_blobs *blobs = NULL;
+    char where[512];
+    long holder;
+
+    (void)snprintf(where, sizeof where, "dir:%s/blobs", path);
+    vt_assert_ok(vor_blobs_open(&blobs, where, &holder, &vt_err));
+    return blobs;
+}
+
+struct vor_store *vt_dir_store(const char *path)
+{
+    struct vor_store *store = NULL;
+    char where[512];
+    long holder;
+
+    (void)snprintf(where, sizeof where, "sqlite:%s/jobs.sqlite", path);
+    vt_assert_ok(vor_store_open(&store, where, &holder, &vt_err));
+    return store;
+}
+
+struct vor_blob_writer *vt_upload(struct vor_blobs *blobs, const void *bytes, size_t size)
+{
+    struct vor_blob_writer *writer = NULL;
+
+    vt_assert_ok(vor_blob_create(blobs, &writer, &vt_err));
+    vt_assert_ok(vor_blob_append(writer, bytes, size, &vt_err));
+    return writer;
+}
+
+struct vor_blob_writer *vt_upload_cloud(struct vor_blobs *blobs, const struct vor_cloud *cloud)
+{
+    struct vor_blob_writer *writer = NULL;
+    struct vor_write_options options = {.quantization_bits = 0};
+    struct vor_sink sink;
+
+    vt_assert_ok(vor_blob_create(blobs, &writer, &vt_err));
+    sink = vor_blob_sink(writer);
+    vt_assert_ok(vor_format(VOR_FORMAT_PLY)->write(&sink, cloud, &options, &vt_err));
+    return writer;
+}
+
+struct vor_job_view vt_row(unsigned points)
+{
+    struct vor_job_view row = {.attempt = 1, .input = {.points = 100, .bytes = 1234}};
+
+    vt_assert_ok(vor_uuid_make(&row.id, &vt_err));
+    vor_spec_init(&row.spec);
+    vt_assert_ok(vor_spec_set_number(&row.spec, "points", points, &vt_err));
+    vt_assert_ok(vor_spec_set(&row.spec, "format", "ply", &vt_err));
+    strcpy(row.process, "resample");
+    strcpy(row.input.sha256, "00");
+    row.input.seconds = 0.25;
+    row.created = vor_clock_wall_ms();
+    row.updated = row.created;
+    row.queue_position = -1;
+    row.eta_seconds = -1;
+    row.problem.byte_offset = -1;
+    return row;
+}
+
+void vt_killed(void (*act)(void *ctx), void *ctx)
+{
+    pid_t child = fork();
+    int status = 0;
+
+    ck_assert_int_ge(child, 0);
+    if (child == 0) {
+        act(ctx);
+        _exit(9); /* it should have killed itself */
+    }
+    while (waitpid(child, &status, 0) < 0)
+        ck_assert_int_eq(errno, EINTR);
+    ck_assert_msg(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL,
+                  "the child ended with status %#x instead of SIGKILL", (unsigned)status);
+}

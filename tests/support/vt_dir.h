@@ -1,0 +1,36 @@
+/** A directory of a test's own, and clouds as files, for what the daemon keeps on disk. */
+#ifndef VT_DIR_H
+#define VT_DIR_H
+
+#include "server/blob.h"
+#include "server/store.h"
+
+#include <stddef.h>
+
+/** Makes an empty directory under $TMPDIR or /tmp and returns its path (static storage). */
+const char *vt_dir_make(void);
+
+/** Removes it and everything in it. */
+void vt_dir_remove(const char *path);
+
+/** Files in path/name, or -1 when it is no directory. */
+int vt_dir_count(const char *path, const char *name);
+
+/** Blobs and store of a daemon with that data directory; fails the test when they cannot be opened.
+ */
+struct vor_blobs *vt_dir_blobs(const char *path);
+struct vor_store *vt_dir_store(const char *path);
+
+/** The bytes of a cloud as PLY in an upload. */
+struct vor_blob_writer *vt_upload_cloud(struct vor_blobs *blobs, const struct vor_cloud *cloud);
+
+/** Any bytes in an upload. */
+struct vor_blob_writer *vt_upload(struct vor_blobs *blobs, const void *bytes, size_t size);
+
+/** A row to insert: id fresh, `points` asked for of a cloud of 100. */
+struct vor_job_view vt_row(unsigned points);
+
+/** Runs act(ctx) in a child that must die by its own SIGKILL. */
+void vt_killed(void (*act)(void *ctx), void *ctx);
+
+#endif

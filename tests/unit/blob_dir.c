@@ -1,0 +1,282 @@
+/* Blobs: nothing until committed, then whole; what a crash leaves is swept. */
+#include "server/blob.h"
+#include "server/storage.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_dir.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+static struct vor_uuid fresh_id(void)
+{
+    struct vor_uuid id;
+
+    vt_assert_ok(vor_uuid_make(&id, &vt_err));
+    return id;
+}
+
+/* The bytes of a blob as text, "" when there is none. */
+static const char *content(struct vor_blobs *blobs, const struct vor_uuid *id,
+                           enum vor_blob_kind kind)
+{
+    static char text[256];
+    uint64_t size;
+    int fd, found;
+
+    text[0] = '\0';
+    vt_assert_ok(vor_blob_get(blobs, id, kind, &fd, &size, &found, &vt_err));
+    if (!found) {
+        ck_assert_int_eq(fd, -1);
+        return text;
+    }
+    ck_assert_uint_lt(size, sizeof text);
+    ck_assert_int_eq(read(fd, text, sizeof text), (ssize_t)size);
+    text[size] = '\0';
+    close(fd);
+    return text;
+}
+
+static void store_text(struct vor_blobs *blobs, const struct vor_uuid *id, enum vor_blob_kind kind,
+                       const char *text)
+{
+    vt_assert_ok(vor_blob_commit(vt_upload(blobs, text, strlen(text)), id, kind, &vt_err));
+}
+
+START_TEST(a_committed_blob_comes_back_byte_for_byte)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_uuid id = fresh_id();
+
+    store_text(blobs, &id, VOR_BLOB_INPUT, "the input");
+    store_text(blobs, &id, VOR_BLOB_CLOUD, "the cloud");
+    ck_assert_str_eq(content(blobs, &id, VOR_BLOB_INPUT), "the input");
+    ck_assert_str_eq(content(blobs, &id, VOR_BLOB_CLOUD), "the cloud");
+    store_text(blobs, &id, VOR_BLOB_CLOUD, "a newer one");
+    ck_assert_str_eq(content(blobs, &id, VOR_BLOB_CLOUD), "a newer one");
+    vor_blobs_close(blobs);
+
+    blobs = vt_dir_blobs(dir); /* and after a restart */
+    ck_assert_str_eq(content(blobs, &id, VOR_BLOB_CLOUD), "a newer one");
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(a_writer_knows_size_and_digest_as_it_goes)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_blob_writer *writer = vt_upload(blobs, "a", 1);
+    struct vor_sink sink = vor_blob_sink(writer);
+    char hex[VOR_DIGEST_SIZE], text[4] = "";
+
+    ck_assert_int_eq(sink.write(sink.ctx, "bc", 2), 0);
+    ck_assert_uint_eq(vor_blob_size(writer), 3);
+    vor_blob_sha256(writer, hex);
+    ck_assert_str_eq(hex, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    ck_assert_int_eq(pread(vor_blob_fd(writer), text, 3, 0), 3);
+    ck_assert_str_eq(text, "abc");
+    vor_blob_discard(writer);
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(a_discarded_blob_leaves_nothing)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_blob_writer *writer = vt_upload(blobs, "abc", 3);
+
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 1);
+    vor_blob_discard(writer);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
+    vor_blob_discard(NULL);
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(an_open_blob_stays_readable_after_it_was_dropped)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_uuid id = fresh_id();
+    uint64_t size;
+    int fd, found;
+    char text[4] = "";
+
+    store_text(blobs, &id, VOR_BLOB_CLOUD, "abc");
+    vt_assert_ok(vor_blob_get(blobs, &id, VOR_BLOB_CLOUD, &fd, &size, &found, &vt_err));
+    vt_assert_ok(vor_blob_drop(blobs, &id, VOR_BLOB_CLOUD, &vt_err));
+    vt_assert_ok(vor_blob_drop(blobs, &id, VOR_BLOB_CLOUD, &vt_err));
+    ck_assert_int_eq(read(fd, text, 3), 3);
+    ck_assert_str_eq(text, "abc");
+    close(fd);
+    ck_assert_str_eq(content(blobs, &id, VOR_BLOB_CLOUD), "");
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+struct crash {
+    const char *dir;
+    struct vor_uuid id;
+    int committed;
+};
+
+static void die_writing(void *ctx)
+{
+    struct crash *crash = ctx;
+    struct vor_blobs *blobs = vt_dir_blobs(crash->dir);
+    struct vor_blob_writer *writer = vt_upload(blobs, "half of i", 9);
+
+    if (crash->committed)
+        vt_assert_ok(vor_blob_commit(writer, &crash->id, VOR_BLOB_INPUT, &vt_err));
+    raise(SIGKILL);
+}
+
+START_TEST(what_a_killed_writer_left_is_gone_after_the_next_start)
+{
+    struct crash crash = {.dir = vt_dir_make(), .id = fresh_id(), .committed = 0};
+    struct vor_blobs *blobs;
+
+    vt_killed(die_writing, &crash);
+    ck_assert_int_eq(vt_dir_count(crash.dir, "blobs/tmp"), 1);
+    blobs = vt_dir_blobs(crash.dir);
+    ck_assert_int_eq(vt_dir_count(crash.dir, "blobs/tmp"), 0);
+    ck_assert_str_eq(content(blobs, &crash.id, VOR_BLOB_INPUT), "");
+    vor_blobs_close(blobs);
+    vt_dir_remove(crash.dir);
+}
+END_TEST
+
+START_TEST(what_was_committed_outlives_a_kill)
+{
+    struct crash crash = {.dir = vt_dir_make(), .id = fresh_id(), .committed = 1};
+    struct vor_blobs *blobs;
+
+    vt_killed(die_writing, &crash);
+    blobs = vt_dir_blobs(crash.dir);
+    ck_assert_str_eq(content(blobs, &crash.id, VOR_BLOB_INPUT), "half of i");
+    vor_blobs_close(blobs);
+    vt_dir_remove(crash.dir);
+}
+END_TEST
+
+/* Keeps the inputs of one job. */
+static int keep_input_of(void *ctx, const struct vor_uuid *id, enum vor_blob_kind kind)
+{
+    return kind == VOR_BLOB_INPUT && strcmp(id->text, ctx) == 0;
+}
+
+START_TEST(a_sweep_drops_what_nobody_needs_and_what_is_no_blob)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_uuid wanted = fresh_id(), other = fresh_id();
+    char path[512];
+    size_t dropped;
+
+    store_text(blobs, &wanted, VOR_BLOB_INPUT, "wanted");
+    store_text(blobs, &wanted, VOR_BLOB_CLOUD, "not");
+    store_text(blobs, &other, VOR_BLOB_INPUT, "not");
+    (void)snprintf(path, sizeof path, "%s/blobs/keep/rubbish", dir);
+    close(open(path, O_CREAT | O_WRONLY, 0600));
+    vt_assert_ok(vor_blobs_sweep(blobs, keep_input_of, wanted.text, &dropped, &vt_err));
+    ck_assert_uint_eq(dropped, 3);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 1);
+    ck_assert_str_eq(content(blobs, &wanted, VOR_BLOB_INPUT), "wanted");
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* Refusal: the first failure sticks, the codec's sink reports it, a commit repeats it. */
+START_TEST(a_writer_that_failed_cannot_be_committed)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_blob_writer *writer = vt_upload(blobs, "abc", 3);
+    struct vor_sink sink = vor_blob_sink(writer);
+    struct rlimit limit = {.rlim_cur = 8, .rlim_max = RLIM_INFINITY};
+    struct vor_uuid id = fresh_id();
+
+    vt_assert_ok(vor_blob_failure(writer, &vt_err));
+    signal(SIGXFSZ, SIG_IGN);
+    ck_assert_int_eq(getrlimit(RLIMIT_FSIZE, &limit), 0);
+    limit.rlim_cur = 8;
+    ck_assert_int_eq(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    ck_assert_int_lt(sink.write(sink.ctx, "0123456789", 10), 0);
+    vt_assert_fails(VOR_E_IO, vor_blob_append(writer, "x", 1, &vt_err));
+    ck_assert_uint_eq(vt_err.got, EFBIG);
+    ck_assert(!vor_error_storage_full(&vt_err));
+    vt_assert_fails(VOR_E_IO, vor_blob_commit(writer, &id, VOR_BLOB_CLOUD, &vt_err));
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
+    ck_assert_str_eq(content(blobs, &id, VOR_BLOB_CLOUD), "");
+    limit.rlim_cur = limit.rlim_max;
+    (void)setrlimit(RLIMIT_FSIZE, &limit);
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(a_second_opener_and_a_wrong_name_are_refused)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir), *second = NULL;
+    char where[512];
+    long holder;
+
+    (void)snprintf(where, sizeof where, "dir:%s/blobs", dir);
+    vt_assert_fails(VOR_E_IO, vor_blobs_open(&second, where, &holder, &vt_err));
+    ck_assert_int_eq(holder, getpid());
+    vt_assert_fails(VOR_E_PARAM, vor_blobs_open(&second, where + 4, &holder, &vt_err));
+    ck_assert_str_eq(vt_err.parameter, "blobs");
+    vt_assert_fails(VOR_E_PARAM, vor_blobs_open(&second, "dir:", &holder, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_blobs_open(&second, "dir:/dev/null/x", &holder, &vt_err));
+    ck_assert_int_eq(holder, 0);
+    ck_assert_ptr_null(second);
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(the_disk_s_space_is_known)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    uint64_t available = 0, total = 0;
+
+    vt_assert_ok(vor_blobs_space(blobs, &available, &total, &vt_err));
+    ck_assert_uint_gt(total, 0);
+    ck_assert_uint_le(available, total);
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("blob_dir");
+
+    vt_add(suite, a_committed_blob_comes_back_byte_for_byte);
+    vt_add(suite, a_writer_knows_size_and_digest_as_it_goes);
+    vt_add(suite, a_discarded_blob_leaves_nothing);
+    vt_add(suite, an_open_blob_stays_readable_after_it_was_dropped);
+    vt_add(suite, what_a_killed_writer_left_is_gone_after_the_next_start);
+    vt_add(suite, what_was_committed_outlives_a_kill);
+    vt_add(suite, a_sweep_drops_what_nobody_needs_and_what_is_no_blob);
+    vt_add(suite, a_writer_that_failed_cannot_be_committed);
+    vt_add(suite, a_second_opener_and_a_wrong_name_are_refused);
+    vt_add(suite, the_disk_s_space_is_known);
+    return vt_run(suite);
+}
