@@ -1,0 +1,56 @@
+/* voronoid health: whether a daemon takes jobs; for scripts and container probes. */
+#include "server/cli/cli.h"
+#include "server/cli/remote.h"
+
+#include <string.h>
+
+#define HEALTH_SECONDS 5
+
+static int report(const char *server, const struct vor_remote_call *call)
+{
+    struct vor_json *json;
+    const char *detail;
+    char line[256];
+
+    if (call->http == 200) {
+        printf("%s: ready\n", server);
+        return fflush(stdout) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;
+    }
+    json = vor_remote_json(call);
+    detail = vor_json_get_string(vor_json_get(json, "detail"));
+    (void)snprintf(line, sizeof line, "not ready: the server answered %d%s%.180s", call->http,
+                   detail != NULL ? ": " : "", detail != NULL ? detail : "");
+    vor_cli_say(server, line);
+    vor_json_free(json);
+    return VOR_EXIT_UNREACHABLE;
+}
+
+int vor_cli_health(const struct vor_cli *cli)
+{
+    const char *server = cli->option[VOR_OPTION_SERVER];
+    char url[VOR_REMOTE_URL_MAX];
+    struct vor_remote_call call = {.method = "GET", .url = url, .timeout_seconds = HEALTH_SECONDS};
+    struct vor_remote *remote = NULL;
+    struct vor_error err;
+    size_t length;
+    int code;
+
+    server = server != NULL ? server : VOR_SERVER_DEFAULT;
+    length = strlen(server);
+    while (length > 0 && server[length - 1] == '/')
+        length--;
+    (void)snprintf(url, sizeof url, "%.*s/readyz", (int)length, server);
+    if (vor_remote_open(&remote, &err) != VOR_OK)
+        return vor_cli_fail(NULL, &err);
+    if (vor_remote_perform(remote, &call, &err) == VOR_OK) {
+        code = report(server, &call);
+    } else if (err.status == VOR_E_CANCELLED) {
+        code = vor_cli_fail(server, &err);
+    } else {
+        vor_cli_say(server, err.message);
+        code = VOR_EXIT_UNREACHABLE;
+    }
+    vor_text_free(&call.text);
+    vor_remote_close(remote);
+    return code;
+}

@@ -1,0 +1,210 @@
+#include "server/cli/remote.h"
+
+#include "server/cli/cli.h"
+
+#include <curl/curl.h>
+
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#define CONNECT_SECONDS 10L
+
+struct vor_remote {
+    CURL *curl;
+    char why[CURL_ERROR_SIZE];
+};
+
+/* What the callbacks of one call share. */
+struct exchange {
+    struct vor_remote *remote;
+    struct vor_remote_call *call;
+};
+
+vor_status vor_remote_open(struct vor_remote **out, struct vor_error *err)
+{
+    struct vor_remote *remote = calloc(1, sizeof *remote);
+
+    *out = NULL;
+    if (remote != NULL && curl_global_init(CURL_GLOBAL_DEFAULT) == CURLE_OK)
+        remote->curl = curl_easy_init();
+    if (remote == NULL || remote->curl == NULL) {
+        free(remote);
+        return vor_fail(err, VOR_E_NOMEM, "the HTTP client cannot start");
+    }
+    *out = remote;
+    return VOR_OK;
+}
+
+void vor_remote_close(struct vor_remote *remote)
+{
+    if (remote == NULL)
+        return;
+    curl_easy_cleanup(remote->curl);
+    curl_global_cleanup();
+    free(remote);
+}
+
+static size_t on_bytes(char *bytes, size_t unit, size_t count, void *ctx)
+{
+    struct exchange *exchange = ctx;
+    struct vor_remote_call *call = exchange->call;
+    size_t size = unit * count;
+    long http = 0;
+
+    (void)curl_easy_getinfo(exchange->remote->curl, CURLINFO_RESPONSE_CODE, &http);
+    if (call->take != NULL && http >= 200 && http < 300) {
+        call->was_stopped = call->take(call->ctx, bytes, size) != 0;
+        return call->was_stopped ? CURL_WRITEFUNC_ERROR : size;
+    }
+    vor_text_add(&call->text, bytes, size);
+    return call->text.failed ? CURL_WRITEFUNC_ERROR : size;
+}
+
+/* Location may be relative: it is resolved against what was asked for. */
+static void keep_location(struct vor_remote_call *call, const char *value, size_t size)
+{
+    CURLU *url = curl_url();
+    char text[VOR_REMOTE_URL_MAX], *whole = NULL;
+
+    while (size > 0 &&
+           (value[size - 1] == '\r' || value[size - 1] == '\n' || value[size - 1] == ' '))
+        size--;
+    (void)snprintf(text, sizeof text, "%.*s", (int)(size < sizeof text ? size : 0), value);
+    if (url != NULL &&
+        curl_url_set(url, CURLUPART_URL, call->url, CURLU_GUESS_SCHEME) == CURLUE_OK &&
+        curl_url_set(url, CURLUPART_URL, text, 0) == CURLUE_OK &&
+        curl_url_get(url, CURLUPART_URL, &whole, 0) == CURLUE_OK &&
+        strlen(whole) < sizeof call->location)
+        (void)snprintf(call->location, sizeof call->location, "%s", whole);
+    curl_free(whole);
+    curl_url_cleanup(url);
+}
+
+static size_t on_header(char *line, size_t unit, size_t count, void *ctx)
+{
+    static const char name[] = "location:";
+    struct exchange *exchange = ctx;
+    size_t size = unit * count, at = sizeof name - 1;
+
+    if (size > at && strncasecmp(line, name, at) == 0) {
+        while (at < size && line[at] == ' ')
+            at++;
+        keep_location(exchange->call, line + at, size - at);
+    }
+    return size;
+}
+
+static size_t on_body(char *bytes, size_t unit, size_t count, void *ctx)
+{
+    struct exchange *exchange = ctx;
+    size_t size = fread(bytes, 1, unit * count, exchange->call->body);
+
+    return ferror(exchange->call->body) ? CURL_READFUNC_ABORT : size;
+}
+
+/* Asked for when a kept connection turns out to be dead and the body must be sent again. */
+static int on_rewind(void *ctx, curl_off_t offset, int origin)
+{
+    struct exchange *exchange = ctx;
+
+    return fseeko(exchange->call->body, (off_t)offset, origin) == 0 ? CURL_SEEKFUNC_OK
+                                                                    : CURL_SEEKFUNC_CANTSEEK;
+}
+
+static int on_tick(void *ctx, curl_off_t down, curl_off_t downloaded, curl_off_t up,
+                   curl_off_t uploaded)
+{
+    struct exchange *exchange = ctx;
+
+    (void)down, (void)downloaded, (void)up, (void)uploaded;
+    return !exchange->call->is_last_word && vor_interrupt_seen();
+}
+
+static void set_up(CURL *curl, struct exchange *exchange)
+{
+    const struct vor_remote_call *call = exchange->call;
+
+    curl_easy_reset(curl);
+    curl_easy_setopt(curl, CURLOPT_URL, call->url);
+    curl_easy_setopt(curl, CURLOPT_PROTOCOLS_STR, "http,https");
+    curl_easy_setopt(curl, CURLOPT_USERAGENT, "voronoid/" VOR_VERSION);
+    curl_easy_setopt(curl, CURLOPT_ERRORBUFFER, exchange->remote->why);
+    curl_easy_setopt(curl, CURLOPT_NOSIGNAL, 1L);
+    curl_easy_setopt(curl, CURLOPT_TCP_KEEPALIVE, 1L);
+    curl_easy_setopt(curl, CURLOPT_CONNECTTIMEOUT, CONNECT_SECONDS);
+    curl_easy_setopt(curl, CURLOPT_TIMEOUT, (long)call->timeout_seconds);
+    if (call->stall_seconds > 0) {
+        curl_easy_setopt(curl, CURLOPT_LOW_SPEED_LIMIT, 1L);
+        curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, (long)call->stall_seconds);
+    }
+    curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, on_bytes);
+    curl_easy_setopt(curl, CURLOPT_WRITEDATA, exchange);
+    curl_easy_setopt(curl, CURLOPT_HEADERFUNCTION, on_header);
+    curl_easy_setopt(curl, CURLOPT_HEADERDATA, exchange);
+    curl_easy_setopt(curl, CURLOPT_NOPROGRESS, 0L);
+    curl_easy_setopt(curl, CURLOPT_XFERINFOFUNCTION, on_tick);
+    curl_easy_setopt(curl, CURLOPT_XFERINFODATA, exchange);
+    if (call->body != NULL) {
+        curl_easy_setopt(curl, CURLOPT_POST, 1L);
+        curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)call->body_size);
+        curl_easy_setopt(curl, CURLOPT_READFUNCTION, on_body);
+        curl_easy_setopt(curl, CURLOPT_READDATA, exchange);
+        curl_easy_setopt(curl, CURLOPT_SEEKFUNCTION, on_rewind);
+        curl_easy_setopt(curl, CURLOPT_SEEKDATA, exchange);
+    }
+    curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, call->method);
+}
+
+static vor_status outcome(const struct exchange *exchange, CURLcode code, struct vor_error *err)
+{
+    const struct vor_remote_call *call = exchange->call;
+    const char *why = exchange->remote->why;
+
+    if (code == CURLE_OK || call->was_stopped)
+        return VOR_OK;
+    if (code == CURLE_ABORTED_BY_CALLBACK && vor_interrupt_seen())
+        return vor_interrupt_fail(err);
+    if (code == CURLE_WRITE_ERROR && call->text.failed)
+        return vor_fail(err, VOR_E_LIMIT, "the answer has more than %zu bytes", call->text.cap);
+    return vor_fail(err, VOR_E_IO, "%s", why[0] != '\0' ? why : curl_easy_strerror(code));
+}
+
+vor_status vor_remote_perform(struct vor_remote *remote, struct vor_remote_call *call,
+                              struct vor_error *err)
+{
+    struct exchange exchange = {remote, call};
+    struct curl_slist *headers = NULL;
+    CURLcode code;
+    long http = 0;
+
+    call->http = 0;
+    call->was_stopped = 0;
+    call->location[0] = '\0';
+    vor_text_init(&call->text, VOR_JSON_SIZE_MAX);
+    remote->why[0] = '\0';
+    set_up(remote->curl, &exchange);
+    for (size_t i = 0; call->headers != NULL && call->headers[i] != NULL; i++) {
+        struct curl_slist *longer = curl_slist_append(headers, call->headers[i]);
+
+        if (longer == NULL) {
+            curl_slist_free_all(headers);
+            return vor_fail(err, VOR_E_NOMEM, "the headers of a request");
+        }
+        headers = longer;
+    }
+    curl_easy_setopt(remote->curl, CURLOPT_HTTPHEADER, headers);
+    code = curl_easy_perform(remote->curl);
+    (void)curl_easy_getinfo(remote->curl, CURLINFO_RESPONSE_CODE, &http);
+    call->http = (int)http;
+    curl_slist_free_all(headers);
+    return outcome(&exchange, code, err);
+}
+
+struct vor_json *vor_remote_json(const struct vor_remote_call *call)
+{
+    const char *text = call->text.data != NULL ? call->text.data : "";
+    struct vor_json *json = NULL;
+
+    return vor_json_parse(&json, text, call->text.size, NULL) == VOR_OK ? json : NULL;
+}

@@ -1,0 +1,50 @@
+/** HTTP calls to a daemon. remote.c is the only file that includes curl. */
+#ifndef VOR_CLI_REMOTE_H
+#define VOR_CLI_REMOTE_H
+
+#include "core/base/status.h"
+#include "proto/json.h"
+
+#include <stdint.h>
+#include <stdio.h>
+
+#define VOR_REMOTE_URL_MAX 2048
+
+/** A connection that is kept from call to call. */
+struct vor_remote;
+
+/** One call: what is asked, and what came. */
+struct vor_remote_call {
+    const char *method, *url;
+    const char *const *headers; /**< "Name: value", ended by NULL; may be NULL */
+    FILE *body;                 /**< what is sent, from where it stands; NULL for nothing */
+    int64_t body_size;
+    /** Takes the body of a 2xx answer; anything but 0 ends the call. NULL: it goes to text. */
+    int (*take)(void *ctx, const void *bytes, size_t size);
+    void *ctx;
+    unsigned timeout_seconds; /**< for the whole call; 0 for none */
+    unsigned stall_seconds;   /**< without a byte; 0 for none */
+    int is_last_word;         /**< a signal does not end the call */
+
+    int http;                          /**< status */
+    int was_stopped;                   /**< take ended the call */
+    char location[VOR_REMOTE_URL_MAX]; /**< absolute; "" when there is none */
+    struct vor_text text; /**< the answer where take does not get it; the caller frees it */
+};
+
+/** @retval VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_remote_open(struct vor_remote **out, struct vor_error *err);
+void vor_remote_close(struct vor_remote *remote);
+
+/** Makes a call and waits for the answer, whatever its status. Redirects are not followed.
+ *
+ *  @retval VOR_E_IO        no answer, or not all of it (the message says why)
+ *  @retval VOR_E_LIMIT     more text than VOR_JSON_SIZE_MAX
+ *  @retval VOR_E_CANCELLED a signal came */
+VOR_NODISCARD vor_status vor_remote_perform(struct vor_remote *remote, struct vor_remote_call *call,
+                                            struct vor_error *err);
+
+/** The text of an answer as JSON, to be freed with vor_json_free; NULL when it is none. */
+struct vor_json *vor_remote_json(const struct vor_remote_call *call);
+
+#endif
