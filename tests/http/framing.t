@@ -1,0 +1,126 @@
+#!/usr/bin/perl
+# Requests whose framing two servers may read differently (RELIABILITY T7): refused in the first
+# handler call, with a problem, and the connection closed. What the library itself lets through or
+# answers is pinned at the end, so that a change of it is noticed.
+use strict;
+use warnings;
+use FindBin;
+use lib "$FindBin::Bin/../support";
+use Test::More;
+use Vt;
+
+my $daemon = Vt->start('header-timeout' => 2);
+my $host = "Host: $daemon->{address}\r\n";
+my $smuggled = "GET /smuggled HTTP/1.1\r\n$host\r\n";
+
+sub problem_of {
+    my ($raw) = @_;
+    my $problem = eval { json(body_of($raw)) } // {};
+    my ($slug) = ($problem->{type} // '') =~ m{([^/]+)\z};
+    return ($slug // 'none', $raw =~ m{\AHTTP/1\.1 (\d+)} ? $1 : 'none');
+}
+
+# The eight tricks, and their kin.
+for my $case (
+    ['both Content-Length and Transfer-Encoding',
+        "POST /v1/resample?points=1 HTTP/1.1\r\n${host}Content-Length: 4\r\n"
+            . "Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n$smuggled"],
+    ['Transfer-Encoding before Content-Length',
+        "POST /v1/resample?points=1 HTTP/1.1\r\n${host}Transfer-Encoding: chunked\r\n"
+            . "Content-Length: 4\r\n\r\n0\r\n\r\n$smuggled"],
+    ['two Content-Lengths that differ',
+        "POST /v1/resample?points=1 HTTP/1.1\r\n${host}Content-Length: 4\r\nContent-Length: 5\r\n\r\n"
+            . "12345$smuggled"],
+    ['two Content-Lengths that agree',
+        "POST /v1/resample?points=1 HTTP/1.1\r\n${host}Content-Length: 4\r\nContent-Length: 4\r\n\r\n"
+            . "1234$smuggled"],
+    ['two Hosts', "GET /livez HTTP/1.1\r\n${host}Host: other\r\n\r\n$smuggled"],
+    ['two Hosts that agree', "GET /livez HTTP/1.1\r\n$host$host\r\n$smuggled"],
+    ['a Transfer-Encoding that is not chunked',
+        "POST /v1/resample?points=1 HTTP/1.1\r\n${host}Transfer-Encoding: xchunked\r\n\r\n"
+            . "0\r\n\r\n$smuggled"],
+    ['identity as Transfer-Encoding',
+        "POST /v1/resample?points=1 HTTP/1.1\r\n${host}Transfer-Encoding: identity\r\n\r\nabc"],
+    ['chunked twice', "POST /v1/resample?points=1 HTTP/1.1\r\n${host}Transfer-Encoding: chunked\r\n"
+            . "Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n$smuggled"],
+    ['chunked in a list', "POST /v1/resample?points=1 HTTP/1.1\r\n${host}"
+            . "Transfer-Encoding: gzip, chunked\r\n\r\n0\r\n\r\n$smuggled"],
+    ['Transfer-Encoding in HTTP/1.0', "POST /v1/resample?points=1 HTTP/1.0\r\n${host}"
+            . "Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n$smuggled"],
+    ['a blank before the colon', "GET /livez HTTP/1.1\r\n${host}X-T : v\r\n\r\n$smuggled"],
+    ['a blank before the colon of Content-Length',
+        "POST /v1/resample?points=1 HTTP/1.1\r\n${host}Content-Length : 4\r\n\r\n1234$smuggled"],
+    ['a control byte in a header name', "GET /livez HTTP/1.1\r\n${host}X\x01T: v\r\n\r\n"],
+    ['a control byte in a header value', "GET /livez HTTP/1.1\r\n${host}X-T: a\x01b\r\n\r\n"],
+    ['DEL in a header value', "GET /livez HTTP/1.1\r\n${host}X-T: a\x7fb\r\n\r\n"],
+    ['a lone CR in a header value', "GET /livez HTTP/1.1\r\n${host}X-T: a\rb\r\n\r\n"],
+    ['a bracket in a header name', "GET /livez HTTP/1.1\r\n${host}X(T): v\r\n\r\n"],
+) {
+    my ($name, $bytes) = @$case;
+    my $raw = $daemon->raw($bytes, 5);
+    my ($slug, $status) = problem_of($raw);
+
+    if ($status eq '400' && $raw =~ /<html/i) {
+        pass "$name: the library refuses it by itself";
+    } else {
+        is "$status $slug", '400 smuggled-framing', "$name is refused";
+        like head_of($raw), qr/^Connection: close\r?$/mi, "$name: the connection is closed";
+    }
+    unlike $raw, qr/smuggled"|no-such-resource/, "$name: what follows is not answered";
+}
+
+# The target.
+for my $case (
+    ['%00', '/v1/jobs%00'], ['%2f', '/v1%2fjobs'], ['%2F', '/v1%2Fjobs'], ['%5c', '/v1%5cjobs'],
+    ['%2e', '/v1/%2e%2e/v1/jobs'], ['%2E', '/%2E/v1/jobs'], ['a backslash', '/v1\\jobs'],
+    ['a fragment', '/v1/jobs#x'], ['a high byte', "/v1/jobs\xe9"],
+    ['an absolute form', 'http://evil/livez'], ['9,000 bytes', '/' . 'a' x 9000],
+) {
+    my ($name, $target) = @$case;
+    my $raw = $daemon->raw("GET $target HTTP/1.1\r\n$host\r\n$smuggled", 5);
+    my ($slug, $status) = problem_of($raw);
+
+    is "$status $slug", '400 malformed-request', "a target with $name is refused";
+    like head_of($raw), qr/^Connection: close\r?$/mi, "a target with $name: the connection is closed";
+}
+for my $case (['100 more', join '', map { "X-$_: v\r\n" } 1 .. 100]) {
+    my ($slug, $status) = problem_of($daemon->raw("GET /livez HTTP/1.1\r\n$host$case->[1]\r\n", 5));
+    is "$status $slug", '400 malformed-request', 'more than 100 header fields are refused';
+}
+for my $value ('a b', 'a"b', 'http://x', 'a,b', '') {
+    my ($slug, $status) = problem_of($daemon->raw("GET /livez HTTP/1.1\r\nHost: $value\r\n\r\n", 5));
+    like $status, qr/^4/, "Host \"$value\" is refused";
+}
+
+# Sound requests on one connection stay apart from each other.
+my $two = $daemon->raw("GET /livez HTTP/1.1\r\n$host\r\nGET /version HTTP/1.1\r\n${host}"
+        . "Connection: close\r\n\r\n", 5);
+is scalar(() = $two =~ m{^HTTP/1\.1 200 }mg), 2, 'two requests on a connection get two answers';
+my $body = sphere_ply(100);
+my $chunks = '';
+while ($body =~ /\G(.{1,97})/gs) { $chunks .= sprintf "%x\r\n%s\r\n", length $1, $1 }
+my $chunked = $daemon->raw("POST /v1/resample?points=20&iterations=1 HTTP/1.1\r\n${host}"
+        . "Transfer-Encoding: chunked\r\n\r\n${chunks}0\r\n\r\n"
+        . "GET /version HTTP/1.1\r\n${host}Connection: close\r\n\r\n", 20);
+like $chunked, qr{\AHTTP/1\.1 200 .*^element vertex 20\n.*^HTTP/1\.1 200 .*"version"}ms,
+    'a chunked body and the request behind it are told apart';
+like $daemon->raw("GET /livez HTTP/1.0\r\n\r\n", 5), qr{\AHTTP/1\.[01] 200}, 'HTTP/1.0 is answered';
+
+# Residue of the library, on record.
+my %residue = (
+    'bare LF' => "GET /livez HTTP/1.1\n${host}\n\n",
+    'a folded header' => "GET /livez HTTP/1.1\r\n${host}X-T: a\r\n b\r\nConnection: close\r\n\r\n",
+    'NUL in a value' => "GET /livez HTTP/1.1\r\n${host}X-T: a\0b\r\nConnection: close\r\n\r\n",
+);
+for my $name (sort keys %residue) {
+    like $daemon->raw($residue{$name}, 3), qr{\A(HTTP/1\.1 (200|400) .*)?\z}s,
+        "$name: answered or refused, never served as two requests";
+}
+is scalar(() = $daemon->raw($residue{'NUL in a value'}, 3) =~ m{^HTTP/1\.1 }mg), 1,
+    'NUL in a value yields one answer';
+like $daemon->raw("GET /livez HTTP/1.1\r\n\r\n", 3), qr{\AHTTP/1\.1 400}, 'no Host is a 400';
+
+is $daemon->get('/livez')->{status}, 200, 'the daemon lives';
+ok !(grep { ($_->{path} // '') eq '/smuggled' } $daemon->log_lines), 'nothing smuggled was served';
+is $daemon->stop, 0, 'it ends with 0';
+done_testing;

@@ -1,0 +1,181 @@
+#!/usr/bin/perl
+# The life of a job over HTTP, from the bytes that come in to those that go out.
+use strict;
+use warnings;
+use Digest::SHA qw(sha256_hex);
+use FindBin;
+use lib "$FindBin::Bin/../support";
+use Test::More;
+use Vt;
+
+my $daemon = Vt->start;
+my $cloud = sphere_ply(3000);
+my $uuid = qr/[0-9a-f]{8}-[0-9a-f]{4}-7[0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}/;
+
+sub vertices { return $_[0] =~ /^element vertex (\d+)$/m ? $1 : -1 }
+sub links { my ($info, $rel) = @_; return grep { $_->{rel} eq $rel } @{ $info->{links} } }
+
+# Synchronous.
+my $sync = $daemon->post('/v1/resample?points=500&iterations=5', $cloud);
+is $sync->{status}, 200, 'a synchronous call answers 200';
+is vertices($sync->{content}), 500, 'it yields exactly the number of points asked for';
+is $sync->{headers}{'content-type'}, 'application/ply', 'the format is that of the input';
+like $sync->{headers}{location}, qr{\Ahttp://127\.0\.0\.1:\d+/v1/jobs/$uuid\z},
+    'Location is absolute and names the job';
+is $sync->{headers}{etag}, '"' . sha256_hex($sync->{content}) . '"', 'the ETag is the SHA-256';
+like $sync->{headers}{'content-disposition'}, qr/\Aattachment; filename="$uuid\.ply"\z/,
+    'the answer suggests a file name';
+my ($sync_id) = $sync->{headers}{location} =~ /($uuid)\z/;
+my $sync_report = json($daemon->get("/v1/jobs/$sync_id/results/report"));
+is $sync_report->{points}{out}, 500, 'the caller of a synchronous call can read the report';
+is $sync_report->{iterations}, 5, 'the report counts the iterations';
+is $sync_report->{stopped}, 'iterations', 'the report says why the run ended';
+my $same = $daemon->post('/v1/processes/resample/execution?points=500&iterations=5', $cloud,
+    'Content-Type' => 'application/ply');
+is $same->{content}, $sync->{content}, 'the execution path yields the same bytes';
+
+# Asynchronous.
+my $answer = $daemon->post('/v1/resample?points=400&iterations=8&seed=3', $cloud,
+    Prefer => 'respond-async');
+is $answer->{status}, 201, 'respond-async answers 201';
+is $answer->{headers}{'preference-applied'}, 'respond-async', 'it says that it did';
+my $info = json($answer);
+my $id = $info->{jobID};
+like $id, qr/\A$uuid\z/, 'the identifier is a UUID of version 7';
+is $info->{id}, $id, 'id and jobID are the same';
+is $answer->{headers}{location}, "$daemon->{url}/v1/jobs/$id", 'Location names the job';
+is $info->{type}, 'process', 'the type is process';
+is $info->{processID}, 'resample', 'the process is named';
+is $info->{voronoid}{input}{points}, 3000, 'the input was decoded before the 201';
+is $info->{voronoid}{input}{sha256}, sha256_hex($cloud), 'the upload was digested on the way';
+is $info->{voronoid}{input}{bytes}, length $cloud, 'and counted';
+is $info->{voronoid}{target}{points}, 400, 'the target is known';
+
+my $done = $daemon->finish($id);
+is $done->{status}, 'successful', 'the job ends well';
+is $done->{progress}, 100, 'progress reaches 100';
+ok defined $done->{finished}, 'the end has a time';
+my ($results) = links($done, 'http://www.opengis.net/def/rel/ogc/1.0/results');
+is $results->{href}, "$daemon->{url}/v1/jobs/$id/results", 'the results link is there at the end';
+is scalar(links($done, 'monitor')), 0, 'and the monitor link is gone';
+my @items = links($done, 'item');
+is scalar(@items), 2, 'each output has an item link';
+my $outputs = json($daemon->get("/v1/jobs/$id/results"));
+is_deeply [sort keys %$outputs], ['cloud', 'report'], 'the results are cloud and report';
+is $outputs->{cloud}{type}, 'application/ply', 'the results document names media types';
+
+# Bytes: Range, ETag, HEAD.
+my $path = "/v1/jobs/$id/results/cloud";
+my $whole = $daemon->get($path);
+my $bytes = $whole->{content};
+my $etag = $whole->{headers}{etag};
+is vertices($bytes), 400, 'the cloud has the points asked for';
+is $etag, '"' . sha256_hex($bytes) . '"', 'its ETag is its SHA-256';
+is $items[0]{length}, length $bytes, 'its link told its length';
+my $head = $daemon->request('HEAD', $path);
+is $head->{status}, 200, 'HEAD answers';
+is $head->{headers}{'content-length'}, length $bytes, 'HEAD tells the length';
+is $head->{headers}{'accept-ranges'}, 'bytes', 'HEAD tells that ranges are served';
+is body_of($daemon->raw("HEAD $path HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")), '',
+    'HEAD sends no bytes';
+
+sub part { my %h = @_; return $daemon->get($path, headers => \%h) }
+my $size = length $bytes;
+for my $case (
+    ['bytes=0-9', 0, 9], ['bytes=10-10', 10, 10], ['bytes=100-', 100, $size - 1],
+    ['bytes=-7', $size - 7, $size - 1], ['bytes=5-999999999', 5, $size - 1],
+    ['bytes=-999999999', 0, $size - 1]) {
+    my ($range, $first, $last) = @$case;
+    my $got = part(Range => $range);
+    is $got->{status}, 206, "$range is partial";
+    is $got->{headers}{'content-range'}, "bytes $first-$last/$size", "$range names its bytes";
+    is $got->{content}, substr($bytes, $first, $last - $first + 1), "$range sends those bytes";
+}
+for my $range ("bytes=$size-", 'bytes=-0') {
+    my $got = part(Range => $range);
+    is_problem($got, 416, 'range-not-satisfiable', "$range is refused");
+    is $got->{headers}{'content-range'}, "bytes */$size", "$range is told the size";
+}
+is part(Range => $_)->{status}, 200, "$_ is ignored"
+    for 'bytes=5-3', 'bytes=0-1,4-5', 'bytes=x', 'lines=0-1', 'bytes=-';
+is part(Range => 'bytes=0-3', 'If-Range' => $etag)->{status}, 206, 'If-Range with the ETag holds';
+is part(Range => 'bytes=0-3', 'If-Range' => '"x"')->{status}, 200, 'If-Range with another does not';
+is part('If-None-Match' => $etag)->{status}, 304, 'If-None-Match with the ETag answers 304';
+is part('If-None-Match' => "\"a\", W/$etag")->{status}, 304, 'also in a list, also when weak';
+is part('If-None-Match' => '*')->{status}, 304, 'also for a star';
+is part('If-None-Match' => '"a"')->{content}, $bytes, 'If-None-Match with another sends the bytes';
+my $report = $daemon->get("/v1/jobs/$id/results/report");
+is $report->{headers}{etag}, '"' . sha256_hex($report->{content}) . '"', 'the report has an ETag too';
+is $daemon->get("/v1/jobs/$id/results/report", headers => { Range => 'bytes=0-0' })->{content}, '{',
+    'and ranges';
+
+# The trace.
+my $trace = json($daemon->get("/v1/jobs/$id/trace"));
+my @records = @{ $trace->{records} };
+is_deeply [map { $_->{iteration} } @records], [0 .. 8], 'the trace has a record an iteration';
+is_deeply [sort keys %{ $records[0] }],
+    [sort qw(iteration delta sigma epsilon energy max_move held seconds)], 'with every member';
+cmp_ok $records[8]{delta}, '<', $records[0]{delta}, 'delta falls';
+my @rows = split /\n/, $daemon->get("/v1/jobs/$id/trace", headers => { Accept => 'text/csv' })->{content};
+is $rows[0], 'iteration,delta,sigma,epsilon,energy,max_move,held,seconds', 'the table has its head';
+is scalar(@rows), 10, 'and a row an iteration';
+cmp_ok abs((split /,/, $rows[9])[1] - $records[8]{delta}), '<', 1e-15, 'with the same values';
+
+# Formats.
+for my $case (['Accept' => 'application/draco'], ['Accept' => 'application/ply;q=0.4, model/draco'],
+    ['query' => '&format=drc']) {
+    my ($how, $value) = @$case;
+    my $got = $daemon->post('/v1/resample?points=50&iterations=1' . ($how eq 'query' ? $value : ''),
+        $cloud, $how eq 'query' ? () : ($how => $value));
+    is $got->{headers}{'content-type'}, 'application/draco', "$how $value asks for Draco";
+    is substr($got->{content}, 0, 5), 'DRACO', "$how $value gets Draco";
+}
+my $drc = $daemon->post('/v1/resample?points=300&iterations=1&format=drc', $cloud)->{content};
+my $again = $daemon->post('/v1/resample?points=60&iterations=1', $drc);
+is $again->{headers}{'content-type'}, 'application/draco', 'Draco in is Draco out';
+my $any = $daemon->post('/v1/resample?points=60&iterations=1', $drc, Accept => '*/*');
+is $any->{headers}{'content-type'}, 'application/draco', 'also when anything is acceptable';
+
+# wait=N.
+my $waited = $daemon->post('/v1/resample?points=60&iterations=1', $cloud, Prefer => 'wait=30');
+is $waited->{status}, 200, 'wait=30 answers with the result when it is there in time';
+is $waited->{headers}{'preference-applied'}, 'wait=30', 'and says so';
+my $late = $daemon->post('/v1/resample?points=3000&iterations=10000', $cloud,
+    Prefer => 'respond-async, wait=1');
+is $late->{status}, 201, 'wait=1 answers 201 when it is not';
+is $daemon->status(json($late)->{jobID}), 'running', 'and the job goes on';
+my $cut = $daemon->request('DELETE', '/v1/jobs/' . json($late)->{jobID});
+is json($cut)->{status}, 'dismissed', 'until it is dismissed';
+
+# The list.
+my $list = json($daemon->get('/v1/jobs?limit=3'));
+is scalar(@{ $list->{jobs} }), 3, 'a list has as many jobs as asked for';
+is $list->{jobs}[0]{jobID}, json($late)->{jobID}, 'the newest is the first';
+my @seen = map { $_->{jobID} } @{ $list->{jobs} };
+while (my ($next) = links($list, 'next')) {
+    $next->{href} =~ s/^\Q$daemon->{url}\E// or last;
+    $list = json($daemon->get($next->{href}));
+    push @seen, map { $_->{jobID} } @{ $list->{jobs} };
+}
+my %once = map { $_ => 1 } @seen;
+is scalar(@seen), scalar(keys %once), 'the pages hold no job twice';
+ok $once{$id} && $once{$sync_id}, 'and every job once';
+is_deeply [map { $_->{jobID} } @{ json($daemon->get('/v1/jobs?status=dismissed'))->{jobs} }],
+    [json($late)->{jobID}], 'the list can be narrowed to a status';
+is scalar(@{ json($daemon->get('/v1/jobs?processID=other'))->{jobs} }), 0, 'and to a process';
+
+# Removal.
+is json($daemon->request('DELETE', "/v1/jobs/$id"))->{status}, 'dismissed',
+    'DELETE of a job that is over says dismissed';
+is_problem($daemon->get("/v1/jobs/$id"), 404, 'no-such-job', 'and then there is no such job');
+is_problem($daemon->get($path), 404, 'no-such-job', 'nor its bytes');
+
+# The rest of the table.
+is $daemon->get($_)->{status}, 200, "GET $_ answers" for '/', '/v1/', '/livez', '/readyz', '/version',
+    '/openapi.yaml', '/v1/processes', '/v1/processes/resample', '/problems/queue-full';
+is $daemon->get('/openapi.yaml')->{content}, Vt::slurp("$FindBin::Bin/../../openapi.yaml"),
+    'the daemon serves the openapi.yaml of the tree';
+my $process = json($daemon->get('/v1/processes/resample'));
+ok exists $process->{inputs}{points}, 'the process description has its parameters';
+is $daemon->stop, 0, 'the daemon ends with 0';
+done_testing;

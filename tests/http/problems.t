@@ -1,0 +1,158 @@
+#!/usr/bin/perl
+# Every mistake gets its own problem: status, type, and the value with the allowed range.
+use strict;
+use warnings;
+use FindBin;
+use lib "$FindBin::Bin/../support";
+use Test::More;
+use Vt;
+
+my $daemon = Vt->start('body-limit' => '200K', 'points-limit' => 5000);
+my $cloud = sphere_ply(500);
+my $none = '0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11';
+
+sub refused {
+    my ($answer, $status, $slug, $detail, $name) = @_;
+    is_problem($answer, $status, $slug, $name) or return;
+    like json($answer)->{detail}, $detail, "$name: it names value and range";
+}
+
+# Parameters, decided before the body is read.
+for my $case (
+    ['points=0', qr/points is 0, want a whole number from 1 to 10000000/, 'points'],
+    ['points=x', qr/points is x, want a whole number/, 'points'],
+    ['points=10000001', qr/from 1 to 10000000/, 'points'],
+    ['points=1.5', qr/whole number/, 'points'],
+    ['points=', qr/points is empty/, 'points'],
+    ['', qr/0 of points, ratio and spacing/, 'points'],
+    ['points=10&ratio=0.5', qr/2 of points, ratio and spacing/, 'points'],
+    ['points=10&points=10', qr/points is given more than once/, 'points'],
+    ['points=10&neighbours=6', qr/no parameter neighbours; there are points/, 'neighbours'],
+    ['points=10&neighbors=5', qr/neighbors is 5, want .* from 6 to 500 or auto/, 'neighbors'],
+    ['points=10&boundary=open', qr/boundary is "open", want one of keep, free/, 'boundary'],
+    ['points=10&format=stl', qr/format is "stl", want one of ply, drc/, 'format'],
+    ['ratio=1e999', qr/ratio is 1e999/, 'ratio'],
+    ['ratio=nan', qr/ratio is nan/, 'ratio'],
+    ['points=10&seconds=-1', qr/seconds is -1/, 'seconds'],
+    ['points=10&compression=11', qr/from 0 to 10/, 'compression'],
+) {
+    my ($query, $detail, $parameter) = @$case;
+    my $answer = $daemon->post("/v1/resample?$query", $cloud);
+    refused($answer, 400, 'invalid-parameter', $detail, "?$query");
+    is json($answer)->{errors}[0]{parameter}, $parameter, "?$query: errors[] names the parameter";
+}
+is_problem($daemon->post('/v1/resample?points=%zz', $cloud), 400, 'malformed-request',
+    'a malformed escape');
+is_problem($daemon->post('/v1/resample?points=1%00', $cloud), 400, 'malformed-request',
+    'a NUL in the query');
+is_problem($daemon->post('/v1/resample?' . join('&', map { "a$_=1" } 1 .. 65), $cloud), 400,
+    'malformed-request', 'more than 64 pairs');
+is_problem($daemon->post('/v1/resample?points=10', $cloud, Accept => 'image/png'), 406,
+    'not-acceptable', 'an Accept nobody can serve');
+is_problem($daemon->post('/v1/processes/nope/execution?points=10', $cloud), 404, 'no-such-process',
+    'a process that is not');
+
+# Bytes.
+my $count = 0;
+for my $case (
+    ['', 422, 'empty-cloud', qr/./, 'no bytes'],
+    ['{"points":3}', 415, 'unsupported-format', qr/7b|\{/, 'JSON'],
+    ['PK' . "\3\4" . 'x' x 100, 415, 'unsupported-format', qr/./, 'a zip file'],
+    ["ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
+        . "end_header\n", 422, 'empty-cloud', qr/./, 'no points'],
+    ["ply\nformat ascii 1.0\nelement vertex 6000\nproperty float x\nproperty float y\n"
+        . "property float z\nend_header\n", 413, 'too-many-points', qr/6000.*5000/,
+        'more points declared than allowed'],
+    ["ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+        . "end_header\n1 nan 2\n", 422, 'non-finite-points', qr/./, 'a coordinate that is none'],
+    [substr($cloud, 0, 3000), 422, 'undecodable-cloud', qr/./, 'a PLY file cut short'],
+    ["ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n", 422, 'undecodable-cloud', qr/./,
+        'a PLY header without an end'],
+    ["ply\nformat ascii 1.0\nelement vertex 4294967295\nproperty double x\nproperty double y\n"
+        . "property double z\nend_header\n", 413, 'too-many-points', qr/4294967295/, 'a PLY bomb'],
+    ['DRACO' . "\0" x 20, 422, 'undecodable-cloud', qr/./, 'a Draco file of zeros'],
+    ['DRACO' . "\2\3\0\1\0\0" . "\xff" x 20, 422, 'undecodable-cloud', qr/./,
+        'a Draco file of ones'],
+    ['DRACO', 422, 'undecodable-cloud', qr/./, 'nothing but a magic'],
+) {
+    my ($bytes, $status, $slug, $detail, $name) = @$case;
+    refused($daemon->post('/v1/resample?points=10', $bytes), $status, $slug, $detail, $name);
+    $count++;
+}
+refused($daemon->post('/v1/resample?points=10', $cloud x 40), 413, 'too-many-bytes',
+    qr/the body has \d+ bytes, want at most 204800/, 'a body beyond the limit');
+my $limit = json($daemon->post('/v1/resample?points=10', $cloud x 40));
+is $limit->{limit}, 204800, 'a body beyond the limit: the limit';
+is $limit->{got}, 40 * length $cloud, 'a body beyond the limit: what it has';
+refused($daemon->post('/v1/resample?points=9000', $cloud), 422, 'target-out-of-range', qr/9000/,
+    'more than 16 times as many points');
+my $line = "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\nproperty float y\n"
+    . "property float z\nend_header\n" . join('', map { "$_ 0 0\n" } 1 .. 9);
+my $flat = $daemon->post('/v1/resample?points=5', $line);
+refused($flat, 422, 'degenerate-cloud', qr/./, 'points on a line');
+my $job = json($flat)->{jobID};
+ok defined $job, 'a failed job is named';
+is json($flat)->{instance}, "/v1/jobs/$job", 'as the instance';
+my $failed = json($daemon->get("/v1/jobs/$job"));
+is $failed->{status}, 'failed', 'its status says failed';
+is $failed->{exception}{status}, 422, 'with the same problem';
+is $failed->{exception}{type}, json($flat)->{type}, 'of the same type';
+is_problem($daemon->get("/v1/jobs/$job/results"), 422, 'degenerate-cloud',
+    'its results answer with the problem');
+is_problem($daemon->get("/v1/jobs/$job/results/cloud"), 422, 'degenerate-cloud', 'its cloud too');
+
+# Paths and methods.
+for my $case (
+    ['GET', '/nope', 404, 'no-such-resource'], ['GET', '/v1', 404, 'no-such-resource'],
+    ['GET', '/v1/jobs/', 404, 'no-such-resource'], ['GET', '/v1//jobs', 404, 'no-such-resource'],
+    ['GET', '/v1/../v1/jobs', 404, 'no-such-resource'],
+    ['GET', '/v1/processes/nope', 404, 'no-such-process'],
+    ['GET', "/v1/jobs/$none", 404, 'no-such-job'], ['DELETE', "/v1/jobs/$none", 404, 'no-such-job'],
+    ['GET', '/v1/jobs/x', 404, 'no-such-job'],
+    ['GET', '/v1/jobs/' . uc $none, 404, 'no-such-job'],
+    ['POST', "/v1/jobs/$none/stop", 404, 'no-such-job'],
+    ['GET', "/v1/jobs/$none/events", 404, 'no-such-job'],
+    ['GET', "/v1/jobs/$none/trace", 404, 'no-such-job'],
+    ['GET', "/v1/jobs/$none/results", 404, 'no-such-job'],
+    ['GET', "/v1/jobs/$none/results/cloud", 404, 'no-such-job'],
+    ['GET', "/v1/jobs/$job/results/mesh", 404, 'no-such-output'],
+    ['POST', "/v1/jobs/$job/stop", 409, 'not-running'],
+    ['GET', "/v1/jobs/$job/events?lastEventId=x", 400, 'invalid-query-parameter-value'],
+    ['GET', '/problems/nope', 404, 'no-such-resource'],
+    ['GET', '/v1/jobs?limit=0', 400, 'invalid-query-parameter-value'],
+    ['GET', '/v1/jobs?limit=10001', 400, 'invalid-query-parameter-value'],
+    ['GET', '/v1/jobs?limit=1e1', 400, 'invalid-query-parameter-value'],
+    ['GET', '/v1/jobs?status=done', 400, 'invalid-query-parameter-value'],
+    ['GET', '/v1/jobs?cursor=x', 400, 'invalid-query-parameter-value'],
+    ['GET', '/v1/jobs?colour=red', 400, 'invalid-query-parameter-value'],
+    ['PUT', '/v1/jobs', 405, 'method-not-allowed'], ['POST', '/livez', 405, 'method-not-allowed'],
+    ['GET', '/v1/resample', 405, 'method-not-allowed'],
+    ['PATCH', "/v1/jobs/$none", 405, 'method-not-allowed'],
+) {
+    my ($method, $path, $status, $slug) = @$case;
+    is_problem($daemon->request($method, $path), $status, $slug, "$method $path");
+}
+is $daemon->request('PUT', '/v1/resample')->{headers}{allow}, 'POST, OPTIONS', '405 lists the methods';
+is $daemon->request('POST', "/v1/jobs/$none")->{headers}{allow}, 'GET, HEAD, DELETE, OPTIONS',
+    '405 lists every method of the path';
+my $options = $daemon->request('OPTIONS', '/v1/jobs');
+is $options->{status}, 204, 'OPTIONS answers 204';
+is $options->{headers}{allow}, 'GET, HEAD, OPTIONS', 'with the methods';
+
+# What is echoed.
+my $named = $daemon->get('/nope', headers => { 'X-Request-Id' => 'a.b_c-1' });
+is $named->{headers}{'x-request-id'}, 'a.b_c-1', 'a sane X-Request-Id comes back';
+is json($named)->{requestId}, 'a.b_c-1', 'in the problem as well';
+for my $id ('a b', '<x>', 'x' x 65) {
+    isnt $daemon->get('/nope', headers => { 'X-Request-Id' => $id })->{headers}{'x-request-id'}, $id,
+        "the X-Request-Id \"$id\" does not";
+}
+is $daemon->get('/nope', headers => { Accept => 'application/json' })->{headers}{'content-type'},
+    'application/json', 'who accepts application/json alone gets a problem as that';
+my ($type) = json($daemon->get('/nope'))->{type} =~ m{^\Q$daemon->{url}\E(/.*)};
+is $daemon->get($type)->{status}, 200, 'the type of a problem leads to a page';
+is $daemon->get('/livez')->{status}, 200, "the daemon lives after all of this";
+is scalar(grep { $_->{status} && $_->{status} =~ /^50[^3]/ } $daemon->log_lines), 0,
+    'and nothing was our own fault';
+is $daemon->stop, 0, 'it ends with 0';
+done_testing;

@@ -1,0 +1,316 @@
+# What the HTTP tests share: a real daemon on a free port with a directory of its own, raw and polite
+# requests, a reader of event streams, and clouds.
+package Vt;
+use strict;
+use warnings;
+use Cwd qw(abs_path);
+use Exporter 'import';
+use File::Temp qw(tempdir);
+use HTTP::Tiny;
+use IO::Select;
+use IO::Socket::INET;
+use JSON::PP ();
+use POSIX ();
+use Time::HiRes qw(time sleep);
+
+our @EXPORT = qw(sphere_ply json is_problem wait_until head_of body_of data_file);
+
+my $OGC = 'http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0';
+my $binary = abs_path($ENV{VORONOID} // 'build/release/voronoid');
+my %running;
+
+# Starts a daemon and waits until it listens. Settings are pairs; dir => keeps a directory of before.
+sub start {
+    my ($class, %settings) = @_;
+    my $dir = delete $settings{dir} // tempdir(CLEANUP => 1);
+    my $self = bless { dir => $dir, log => "$dir/log." . (++$Vt::count) }, $class;
+    my @arguments = ('--listen', '127.0.0.1:0', '--data', "$dir/data", '--threads', 2);
+
+    push @arguments, "--$_=$settings{$_}" for sort keys %settings;
+    $self->{pid} = spawn($self->{log}, @arguments);
+    $running{ $self->{pid} } = 1;
+    $self->{address} = wait_until(
+        sub {
+            die "the daemon ended: " . $self->log_text if waitpid($self->{pid}, POSIX::WNOHANG()) > 0;
+            $self->log_text =~ /"msg":"listening","address":"([^"]+)"/ ? $1 : undef;
+        }, 20) or die 'the daemon does not listen: ' . $self->log_text;
+    ($self->{port}) = $self->{address} =~ /:(\d+)$/;
+    $self->{url} = "http://$self->{address}";
+    $self->{http} = HTTP::Tiny->new(timeout => 60, max_redirect => 0);
+    return $self;
+}
+
+# The process of `voronoid serve` with these arguments; what it says goes to a file.
+sub spawn {
+    my ($log, @arguments) = @_;
+    my $pid = fork // die "fork: $!";
+
+    return $pid if $pid;
+    open STDIN, '<', '/dev/null';
+    open STDOUT, '>', "$log.out";
+    open STDERR, '>', $log;
+    exec { $binary } $binary, 'serve', @arguments or POSIX::_exit(127);
+}
+
+# Runs it to its end: exit status and what it said on standard error.
+sub run {
+    my (@arguments) = @_;
+    my $log = File::Temp->new;
+    my $pid = spawn("$log", @arguments);
+
+    waitpid $pid, 0;
+    return ($? >> 8, slurp("$log"), slurp("$log.out"));
+}
+
+sub slurp {
+    my ($path) = @_;
+    open my $file, '<:raw', $path or return '';
+    local $/;
+    return scalar <$file> // '';
+}
+
+sub log_text { return slurp($_[0]{log}) }
+sub log_lines { return map { JSON::PP::decode_json($_) } grep { length } split /\n/, $_[0]->log_text }
+
+# Ends it; the exit status, or "signal N".
+sub stop {
+    my ($self, $signal) = @_;
+    my $pid = delete $self->{pid} // return undef;
+    kill $signal // 'TERM', $pid;
+    return reap($pid, 60);
+}
+
+sub reap {
+    my ($pid, $seconds) = @_;
+    my $status;
+
+    wait_until(sub { waitpid($pid, POSIX::WNOHANG()) > 0 ? defined($status = $?) : 0 }, $seconds);
+    delete $running{$pid};
+    return 'still running' unless defined $status;
+    return $status & 127 ? 'signal ' . ($status & 127) : $status >> 8;
+}
+
+sub DESTROY { $_[0]->stop('KILL') if $_[0]{pid} }
+END { my $status = $?; kill 'KILL', $_ for keys %running; $? = $status }
+
+# A polite request: HTTP::Tiny's answer.
+sub request {
+    my ($self, $method, $path, %options) = @_;
+    my $answer = $self->{http}->request($method, "$self->{url}$path", \%options);
+
+    die "$method $path: $answer->{content}" if $answer->{status} == 599;
+    return $answer;
+}
+sub get { my $self = shift; return $self->request('GET', @_) }
+
+sub post {
+    my ($self, $path, $body, %headers) = @_;
+    return $self->request('POST', $path, content => $body, headers => \%headers);
+}
+
+# Submits a job; its identifier.
+sub submit {
+    my ($self, $query, $body) = @_;
+    my $answer = $self->post("/v1/resample?$query", $body, Prefer => 'respond-async');
+
+    die "submit: $answer->{status} $answer->{content}" unless $answer->{status} == 201;
+    return json($answer)->{jobID};
+}
+
+sub status { return json($_[0]->get("/v1/jobs/$_[1]"))->{status} }
+
+# Waits until the job is over; its statusInfo.
+sub finish {
+    my ($self, $id) = @_;
+    my $info;
+
+    wait_until(
+        sub {
+            $info = json($self->get("/v1/jobs/$id"));
+            $info->{status} =~ /^(successful|failed|dismissed)$/;
+        }, 60) or die "job $id does not end";
+    return $info;
+}
+
+sub connect {
+    my ($self) = @_;
+    return IO::Socket::INET->new(PeerAddr => '127.0.0.1', PeerPort => $self->{port}, Timeout => 10)
+        // die "connect: $!";
+}
+
+# Sends bytes as they are and reads until the other end closes, or for that many seconds.
+sub raw {
+    my ($self, $bytes, $seconds) = @_;
+    my $socket = $self->connect;
+
+    $socket->syswrite($bytes);
+    return read_all($socket, $seconds // 10);
+}
+
+sub read_all {
+    my ($socket, $seconds) = @_;
+    my $until = time + $seconds;
+    my $all = '';
+
+    while ((my $left = $until - time) > 0) {
+        next unless IO::Select->new($socket)->can_read($left);
+        last unless $socket->sysread($all, 65536, length $all);
+    }
+    return $all;
+}
+
+# A stream of events: opens it and checks nothing. next_event yields {id,event,data} or undef at its
+# end; {head} is the response's head.
+sub events {
+    my ($self, $path, %options) = @_;
+    my $socket = $self->connect;
+    my $method = $options{method} // 'GET';
+    my $body = $options{body} // '';
+    my $stream = bless { socket => $socket, raw => '', text => '' }, 'Vt::Stream';
+    my $head = "$method $path HTTP/1.1\r\nHost: $self->{address}\r\n";
+
+    $head .= "$_: $options{headers}{$_}\r\n" for sort keys %{ $options{headers} // {} };
+    $head .= 'Content-Length: ' . length($body) . "\r\n" if $method eq 'POST';
+    $socket->print("$head\r\n$body");
+    $socket->flush;
+    $stream->more while $stream->{raw} !~ /\r\n\r\n/ && !$stream->{closed};
+    $stream->{raw} =~ s/\A(.*?\r\n)\r\n//s and $stream->{head} = $1;
+    $stream->unchunk;
+    return $stream;
+}
+
+# --- what has no daemon -------------------------------------------------------------------------
+
+sub json { return JSON::PP::decode_json(ref $_[0] ? $_[0]{content} : $_[0]) }
+sub head_of { return (split /\r\n\r\n/, $_[0], 2)[0] }
+sub body_of { return (split /\r\n\r\n/, $_[0], 2)[1] // '' }
+
+# Asks until the answer is true; it, or undef when the time is over.
+sub wait_until {
+    my ($question, $seconds) = @_;
+    my $until = time + $seconds;
+
+    while (1) {
+        my $answer = $question->();
+        return $answer if $answer;
+        return undef if time > $until;
+        sleep 0.02;
+    }
+}
+
+# n points on the unit sphere, evenly but for a little noise that depends on nothing.
+sub sphere_ply {
+    my ($n) = @_;
+    my $bytes = "ply\nformat binary_little_endian 1.0\nelement vertex $n\n"
+        . "property float x\nproperty float y\nproperty float z\nend_header\n";
+
+    for my $i (0 .. $n - 1) {
+        my $z = 1 - 2 * ($i + 0.5) / $n;
+        my $angle = $i * 2.399963229728653 + 0.3 * sin($i * 12.9898);
+        my $r = sqrt(1 - $z * $z);
+        $bytes .= pack 'f<3', $r * cos $angle, $r * sin $angle, $z;
+    }
+    return $bytes;
+}
+
+# A file of ../shared/data, or undef where there is none.
+sub data_file {
+    my ($name) = @_;
+    for my $path ("../shared/data/$name", "/work/shared/data/$name") {
+        return $path if -r $path;
+    }
+    return undef;
+}
+
+# True when an answer is the problem it should be, whole; else says why not.
+sub is_problem {
+    my ($answer, $status, $slug, $name) = @_;
+    my $test = Test::Builder->new;
+    my $problem = eval { json($answer) } // {};
+    my $ogc = $problem->{type} // '';
+    my @wrong;
+
+    push @wrong, "status $answer->{status}, want $status" if $answer->{status} != $status;
+    push @wrong, 'type ' . ($problem->{type} // 'none') . ", want $slug"
+        unless ($problem->{type} // '') =~ m{/(?:problems|1\.0)/\Q$slug\E\z};
+    push @wrong, "member $_ is missing"
+        for grep { !defined $problem->{$_} } qw(type title status detail instance retryable requestId);
+    push @wrong, 'status member differs' if ($problem->{status} // 0) != $status;
+    push @wrong, "media type $answer->{headers}{'content-type'}"
+        if $answer->{headers}{'content-type'} ne 'application/problem+json';
+    push @wrong, 'requestId is not that of the header'
+        if ($problem->{requestId} // '') ne ($answer->{headers}{'x-request-id'} // '-');
+    push @wrong, 'retryable without Retry-After'
+        if $problem->{retryable} && !defined $answer->{headers}{'retry-after'};
+    $test->ok(!@wrong, $name // "$status $slug");
+    $test->diag(join '; ', @wrong, substr $answer->{content}, 0, 400) if @wrong;
+    return !@wrong;
+}
+
+package Vt::Stream;
+use Time::HiRes qw(time);
+
+# Reads once more from the socket; false at its end.
+sub more {
+    my ($self, $seconds) = @_;
+    return 0 if $self->{closed};
+    return 0 unless IO::Select->new($self->{socket})->can_read($seconds // 30);
+    my $got = $self->{socket}->sysread($self->{raw}, 65536, length $self->{raw});
+    $self->{closed} = 1 unless $got;
+    return $got ? 1 : 0;
+}
+
+sub unchunk {
+    my ($self) = @_;
+    if ($self->{head} !~ /^Transfer-Encoding: chunked/mi) {
+        $self->{text} .= $self->{raw};
+        $self->{raw} = '';
+        return;
+    }
+    while ($self->{raw} =~ /\A([0-9a-fA-F]+)\r\n/) {
+        my ($size, $skip) = (hex $1, length($1) + 2);
+        if ($size == 0) { $self->{closed} = $self->{whole} = 1; return }
+        return if length $self->{raw} < $skip + $size + 2;
+        $self->{text} .= substr $self->{raw}, $skip, $size;
+        substr($self->{raw}, 0, $skip + $size + 2) = '';
+    }
+}
+
+# The next block up to an empty line, parsed; comments and retry appear as {comment}, {retry}.
+sub next_block {
+    my ($self, $seconds) = @_;
+    my $until = time + ($seconds // 30);
+
+    while ($self->{text} !~ /\n\n/) {
+        return undef if $self->{closed} || time > $until;
+        $self->more($until - time);
+        $self->unchunk;
+    }
+    $self->{text} =~ s/\A(.*?)\n\n//s;
+    my %block;
+    for my $line (split /\n/, $1) {
+        if ($line =~ /^: ?(.*)/) { $block{comment} = $1 }
+        elsif ($line =~ /^(\w+): (.*)/) { $block{$1} = $2 }
+    }
+    return \%block;
+}
+
+sub next_event {
+    my ($self, $seconds) = @_;
+    while (my $block = $self->next_block($seconds)) {
+        return $block if defined $block->{event};
+    }
+    return undef;
+}
+
+# Every event up to the end.
+sub all {
+    my ($self) = @_;
+    my @events;
+    while (my $event = $self->next_event) { push @events, $event }
+    return @events;
+}
+
+sub close { close $_[0]{socket}; $_[0]{closed} = 1 }
+
+1;
