@@ -49,9 +49,11 @@ VOR_NODISCARD vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *by
  *     reach that.
  *  Other than with 0, FLOAT32 attributes are quantised too: exactly, where their values are
  *  multiples of a power of two within 22 bits (labels stored as floats); else 12 bits of their
- *  range for normals, 16 for others. One with values that are not finite is kept as it is. Integers
- *  of every size and FLOAT64 are always exact; 32-bit integers beyond the library's range travel as
- *  INT64, with their type in the attribute's metadata ("voronoid.type").
+ *  range for normals, 16 for others. One with values that are not finite is kept as it is, and in
+ *  sequential encoding so is whatever takes more than 20 bits, positions included. Integers of
+ *  every size and FLOAT64 are always exact; 32-bit integers that the library cannot take (in
+ *  sequential encoding, steps beyond 2^20 from point to point) travel as INT64, with their type in
+ *  the attribute's metadata ("voronoid.type").
  *
  *  The encoding is the kd-tree, which forgets the order of the points, unless keep_order is set or
  *  the kd-tree cannot hold the cloud: it takes quantised FLOAT32 and integers of up to 32 bits, and

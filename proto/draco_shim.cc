@@ -354,6 +354,28 @@ bool fill(draco::PointCloud *cloud, const vor_draco_source &source)
     return true;
 }
 
+std::string exact(float value)
+{
+    char text[32];
+
+    (void)std::snprintf(text, sizeof text, "%.9g", double(value));
+    return text;
+}
+
+/* What SetAttributeExplicitQuantization sets, but that writes floats with six decimals. */
+draco::Options quantization(const vor_draco_column &column)
+{
+    draco::Options options;
+    std::string low;
+
+    for (unsigned c = 0; c < column.components; c++)
+        low += exact(column.low[c]) + " ";
+    options.SetInt("quantization_bits", column.bits);
+    options.SetString("quantization_origin", low);
+    options.SetString("quantization_range", exact(column.range));
+    return options;
+}
+
 vor_draco_result encode(const vor_draco_source &source, draco::EncoderBuffer *out, char *message)
 {
     draco::PointCloud cloud;
@@ -369,9 +391,7 @@ vor_draco_result encode(const vor_draco_source &source, draco::EncoderBuffer *ou
                                              : draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
     for (unsigned i = 0; i < source.count; i++)
         if (source.columns[i].bits > 0)
-            encoder.SetAttributeExplicitQuantization(
-                int(i), source.columns[i].bits, int(source.columns[i].components),
-                source.columns[i].low, source.columns[i].range);
+            encoder.options().SetAttributeOptions(int(i), quantization(source.columns[i]));
     const draco::Status status = encoder.EncodeToBuffer(out);
     if (!status.ok()) {
         say(message, status.error_msg());

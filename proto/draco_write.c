@@ -8,7 +8,12 @@
 #include <assert.h>
 #include <math.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
+
+/* Outside of the kd-tree the encoder counts in a table how often each number comes: of 30 bits, it
+ * would take 4 GB. What needs more bits than these is kept as it is. */
+enum { SYMBOL_BITS_MAX = 20 };
 
 /* A cloud on its way into a file. Column 0 is the positions, column i + 1 is attribute i. */
 struct plan {
@@ -77,32 +82,59 @@ static vor_status quantize(struct plan *plan, const struct vor_write_options *op
     return VOR_OK;
 }
 
-/* Smallest and largest value of a column of 32-bit integers. */
+static int is_int32(const struct vor_draco_column *column)
+{
+    return column->scalar == VOR_DRACO_INT32 || column->scalar == VOR_DRACO_UINT32;
+}
+
+static int64_t int32_at(const struct vor_draco_column *column, size_t i)
+{
+    return column->scalar == VOR_DRACO_INT32 ? ((const int32_t *)column->data)[i]
+                                             : (int64_t)((const uint32_t *)column->data)[i];
+}
+
 static void span_of(const struct vor_draco_column *column, size_t n, int64_t *low, int64_t *high)
 {
-    const int32_t *ints = column->data;
-    const uint32_t *words = column->data;
-
-    *low = INT64_MAX;
-    *high = INT64_MIN;
-    for (size_t i = 0; i < n * column->components; i++) {
-        int64_t value = column->scalar == VOR_DRACO_INT32 ? ints[i] : (int64_t)words[i];
+    *low = *high = int32_at(column, 0);
+    for (size_t i = 1; i < n * column->components; i++) {
+        int64_t value = int32_at(column, i);
 
         *low = value < *low ? value : *low;
         *high = value > *high ? value : *high;
     }
 }
 
-/* The library computes in int32: an INT32 whose range leaves it, and outside of a kd-tree a UINT32
- * that does, is encoded wrongly or not at all. */
-static int fits_int32(const struct vor_draco_column *column, size_t n)
+/* The library computes in int32: outside of a kd-tree it refuses a UINT32 that leaves it, and
+ * everywhere it loses an INT32 whose range does. */
+static int fits_int32(int64_t low, int64_t high)
+{
+    return high <= INT32_MAX && high - low < INT32_MAX;
+}
+
+static int kd_tree_takes_int32(const struct vor_draco_column *column, size_t n)
 {
     int64_t low, high;
 
-    if (column->scalar != VOR_DRACO_INT32 && column->scalar != VOR_DRACO_UINT32)
-        return 1;
     span_of(column, n, &low, &high);
-    return high <= INT32_MAX && high - low < INT32_MAX;
+    return fits_int32(low, high);
+}
+
+/* Sequential encoding codes the step to each point from the one before it, and to the first one
+ * from the number next to 0 within the range. */
+static int sequence_takes_int32(const struct vor_draco_column *column, size_t n)
+{
+    unsigned components = column->components;
+    int64_t low, high, first;
+
+    span_of(column, n, &low, &high);
+    first = low > 0 ? low : high < 0 ? high : 0;
+    for (size_t i = 0; i < n * components; i++) {
+        int64_t before = i < components ? first : int32_at(column, i - components);
+
+        if (llabs(int32_at(column, i) - before) > 1 << SYMBOL_BITS_MAX)
+            return 0;
+    }
+    return fits_int32(low, high);
 }
 
 static int kd_tree_takes(const struct vor_draco_column *column, size_t n)
@@ -111,7 +143,7 @@ static int kd_tree_takes(const struct vor_draco_column *column, size_t n)
     case VOR_DRACO_FLOAT32:
         return column->bits > 0;
     case VOR_DRACO_INT32:
-        return fits_int32(column, n);
+        return kd_tree_takes_int32(column, n);
     case VOR_DRACO_FLOAT64:
     case VOR_DRACO_INT64:
     case VOR_DRACO_UINT64:
@@ -154,15 +186,13 @@ static vor_status carry(struct plan *plan, unsigned i, struct vor_error *err)
 {
     struct vor_draco_column *column = &plan->columns[i];
     size_t count = plan->cloud->n * column->components;
-    const int32_t *ints = column->data;
-    const uint32_t *words = column->data;
     int64_t *wide = vor_malloc(plan->cloud->memory, count, sizeof *wide);
 
     if (wide == NULL)
         return vor_fail(err, VOR_E_NOMEM, "64-bit copy of attribute %s",
                         plan->cloud->attributes[i - 1].name);
     for (size_t k = 0; k < count; k++)
-        wide[k] = column->scalar == VOR_DRACO_INT32 ? ints[k] : (int64_t)words[k];
+        wide[k] = int32_at(column, k);
     column->type = vor_type_name_sized((enum vor_type)column->scalar);
     column->scalar = VOR_DRACO_INT64;
     column->data = wide;
@@ -173,20 +203,19 @@ static vor_status carry(struct plan *plan, unsigned i, struct vor_error *err)
 static vor_status go_sequential(struct plan *plan, struct vor_error *err)
 {
     size_t n = plan->cloud->n;
+    vor_status status = VOR_OK;
 
-    for (unsigned i = 1; i < plan->count; i++) {
+    for (unsigned i = 0; status == VOR_OK && i < plan->count; i++) {
         struct vor_draco_column *column = &plan->columns[i];
 
         if (column->kind == VOR_DRACO_NORMAL && column->bits > 0)
             column->bits = are_unit_vectors(column, n) ? VOR_DRACO_NORMAL_BITS : 0;
-        if (!fits_int32(column, n)) {
-            vor_status status = carry(plan, i, err);
-
-            if (status != VOR_OK)
-                return status;
-        }
+        if (column->bits > SYMBOL_BITS_MAX)
+            column->bits = 0;
+        if (is_int32(column) && !sequence_takes_int32(column, n))
+            status = carry(plan, i, err);
     }
-    return VOR_OK;
+    return status;
 }
 
 /* Between the encoder and the sink: what we write, we must be able to read. */

@@ -49,7 +49,7 @@ START_TEST(both_encodings_of_one_cloud_hold_the_same_points)
     }
     ck_assert_mem_eq(clouds[0].attributes[0].data, clouds[1].attributes[0].data, (size_t)7733 * 3);
     extent = draco_extent(&clouds[0]);
-    ck_assert_double_eq_tol(draco_extent(&clouds[1]), extent, 1e-3 * extent);
+    must_be_near(draco_extent(&clouds[1]), extent, 1e-3 * extent);
     vor_cloud_free(&clouds[0]);
     vor_cloud_free(&clouds[1]);
     vt_assert_no_leak();
@@ -82,7 +82,7 @@ START_TEST(an_old_mesh_gives_its_vertices)
     ck_assert_uint_eq(bytes.data[5], 1);
     vt_assert_ok(draco_decode(&cloud, &bytes));
     ck_assert_uint_eq(cloud.n, 34834);
-    ck_assert_double_eq_tol(draco_extent(&cloud), 0.155699, 1e-4);
+    must_be_near(draco_extent(&cloud), 0.155699, 1e-4);
     vor_cloud_free(&cloud);
     free(bytes.data);
 }
@@ -105,9 +105,9 @@ static void check_sheet(const struct vor_cloud *cloud, size_t n)
         int x = (int)lrintf(p[0]), y = (int)lrintf(p[1]);
 
         ck_assert(x >= 0 && x <= 4 && y >= 0 && y <= 4);
-        ck_assert_double_eq_tol(p[0], x, 2e-3);
-        ck_assert_double_eq_tol(p[1], y, 2e-3);
-        ck_assert_double_eq_tol(p[2], sin(x + 2 * y), 2e-3);
+        must_be_near(p[0], x, 2e-3);
+        must_be_near(p[1], y, 2e-3);
+        must_be_near(p[2], sin(x + 2 * y), 2e-3);
         ck_assert_int_eq(rgb[0], 50 * x);
         ck_assert_int_eq(rgb[1], 50 * y);
         ck_assert(x == 2 ? rgb[2] == 0 || rgb[2] == 200 : rgb[2] == (x < 2 ? 0 : 200));
@@ -187,8 +187,8 @@ START_TEST(a_kd_tree_of_an_older_bitstream_holds_the_same_cells)
 
         vor_cloud_position(&old, i, cells);
         for (size_t c = 0; c < 3; c++) {
-            ck_assert_double_eq_tol(cells[c], rint(cells[c]), 1e-9);
-            ck_assert_double_eq_tol(low[c] + cell * cells[c], (double)back.xyz[3 * i + c], 1e-6);
+            must_be_near(cells[c], rint(cells[c]), 1e-9);
+            must_be_near(low[c] + cell * cells[c], (double)back.xyz[3 * i + c], 1e-6);
         }
     }
     vor_cloud_free(&old);
@@ -229,7 +229,7 @@ START_TEST(positions_in_double_are_kept_to_float_precision_of_their_extent)
 
         vor_cloud_position(&cloud, i, p);
         for (size_t c = 0; c < 3; c++)
-            ck_assert_double_eq_tol(p[c], xyz[3 * i + c], 1e-7);
+            must_be_near(p[c], xyz[3 * i + c], 1e-7);
     }
     vor_cloud_free(&cloud);
     free(bytes.data);

@@ -51,11 +51,11 @@ static void check_full(int bits, int keep_order)
         size_t j = numbers[i];
 
         for (size_t c = 0; c < 3; c++)
-            ck_assert_double_eq_tol(((const float *)normal->data)[3 * i + c],
-                                    ((const float *)was_normal->data)[3 * j + c], 1e-3);
-        ck_assert_double_eq_tol(((const float *)intensity->data)[i],
-                                ((const float *)was_intensity->data)[j], 1000 / 65535.0 * 0.51);
-        ck_assert(!keep_order || i == j);
+            must_be_near(((const float *)normal->data)[3 * i + c],
+                         ((const float *)was_normal->data)[3 * j + c], 1e-3);
+        must_be_near(((const float *)intensity->data)[i], ((const float *)was_intensity->data)[j],
+                     1000 / 65535.0 * 0.51);
+        must(!keep_order || i == j, "point %zu is not in its place", i);
     }
     free(numbers);
     vor_cloud_free(&back);
@@ -191,7 +191,7 @@ START_TEST(long_normals_stay_long)
         uint32_t *numbers = draco_numbers(&back);
         const float *got = vor_cloud_find(&back, VOR_NORMAL)->data;
         for (size_t i = 0; i < 300; i++)
-            ck_assert_double_eq_tol(got[i], normal[3 * numbers[i / 3] + i % 3], 10.0 / 4095);
+            must_be_near(got[i], normal[3 * numbers[i / 3] + i % 3], 10.0 / 4095);
         free(numbers);
         vor_cloud_free(&back);
         vor_cloud_free(&cloud);
@@ -350,6 +350,35 @@ START_TEST(many_points_in_few_places_can_be_read_back)
 }
 END_TEST
 
+/* Regression: the encoder counts in a table as long as the largest number, so that 30 bits in
+ * sequential encoding, or integers far apart, took it 4 GB. */
+START_TEST(large_numbers_do_not_take_large_memory)
+{
+    struct vor_cloud cloud, back;
+
+    for (int k = 0; k < 8; k++) {
+        int32_t *value;
+
+        vt_cloud_cube(&cloud, 5, 1000);
+        draco_number(&cloud);
+        value = draco_add(&cloud, "value", VOR_GENERIC, VOR_INT32, 2);
+        for (size_t i = 0; i < 1000; i++) {
+            value[2 * i] = (int32_t)(k & 2 ? i : i * 2147483 % 2000000000);
+            value[2 * i + 1] = 1000000000;
+        }
+        atomic_store(&vt_memory.peak, 0);
+        draco_trip(&back, &cloud, k & 4 ? 30 : 0, k & 1);
+        ck_assert_uint_le(atomic_load(&vt_memory.peak), 24 << 20);
+        uint32_t *numbers = draco_numbers(&back);
+        draco_assert_same(&back, &cloud, "value", numbers);
+        free(numbers);
+        vor_cloud_free(&back);
+        vor_cloud_free(&cloud);
+    }
+    vt_assert_no_leak();
+}
+END_TEST
+
 static int refuse_bytes(void *ctx, const void *bytes, size_t size)
 {
     (void)ctx;
@@ -405,6 +434,7 @@ int main(void)
     vt_add(suite, more_compression_makes_a_flat_cloud_smaller);
     vt_add(suite, clouds_of_one_two_and_three_points_and_of_one_place_survive);
     vt_add(suite, many_points_in_few_places_can_be_read_back);
+    vt_add(suite, large_numbers_do_not_take_large_memory);
     vt_add(suite, a_sink_that_refuses_is_an_io_error);
     vt_add(suite, clouds_without_points_or_with_nan_are_refused);
     return vt_run(suite);
