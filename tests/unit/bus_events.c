@@ -1,0 +1,392 @@
+/* The bus: every reader sees the same numbers, whenever it comes and however slow it is. */
+#include "server/bus.h"
+#include "tests/support/vt.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+static struct vor_event event_of(enum vor_event_kind kind, uint32_t i)
+{
+    struct vor_event event = {.kind = kind,
+                              .status =
+                                  kind == VOR_EVENT_END ? VOR_JOB_SUCCESSFUL : VOR_JOB_RUNNING,
+                              .stage = VOR_STAGE_OPTIMIZE,
+                              .progress = 10,
+                              .time_ms = 1700000000000 + i};
+
+    if (kind == VOR_EVENT_PROGRESS)
+        event.record = (struct vor_record){.iteration = i,
+                                           .delta = vt_unit(7, i),
+                                           .sigma = vt_unit(8, i),
+                                           .epsilon = 1 - vt_unit(9, i),
+                                           .energy = vt_unit(10, i) * 1e-9,
+                                           .max_move = vt_unit(11, i),
+                                           .held = i * 3u,
+                                           .seconds = i * 0.125};
+    return event;
+}
+
+static void publish(struct vor_bus *bus, enum vor_event_kind kind, uint32_t i)
+{
+    struct vor_event event = event_of(kind, i);
+
+    ck_assert_int_eq(vor_bus_publish(bus, &event), VOR_OK);
+}
+
+/* status, then `iterations` progress events, then perhaps the end. */
+static struct vor_bus *filled(uint32_t attempt, uint32_t iterations, int ended)
+{
+    struct vor_bus *bus = vor_bus_create(attempt);
+
+    publish(bus, VOR_EVENT_STATUS, 0);
+    for (uint32_t i = 1; i <= iterations; i++)
+        publish(bus, VOR_EVENT_PROGRESS, i);
+    if (ended)
+        publish(bus, VOR_EVENT_END, iterations + 1);
+    return bus;
+}
+
+static void assert_same(const struct vor_event *a, const struct vor_event *b)
+{
+    ck_assert_int_eq(a->kind, b->kind);
+    ck_assert_uint_eq(a->attempt, b->attempt);
+    ck_assert_uint_eq(a->number, b->number);
+    ck_assert_int_eq(a->status, b->status);
+    ck_assert_int_eq(a->stage, b->stage);
+    ck_assert_int_eq(a->progress, b->progress);
+    ck_assert_int_eq(a->time_ms, b->time_ms);
+    ck_assert_uint_eq(a->record.iteration, b->record.iteration);
+    ck_assert_uint_eq(a->record.held, b->record.held);
+    ck_assert_mem_eq(&a->record.delta, &b->record.delta, 5 * sizeof(double));
+    ck_assert_mem_eq(&a->record.seconds, &b->record.seconds, sizeof(double));
+}
+
+START_TEST(events_are_numbered_from_one_without_gaps)
+{
+    struct vor_bus *bus = filled(3, 40, 1);
+    struct vor_position position = {0, 0};
+    struct vor_event events[64];
+    size_t count = vor_bus_read(bus, &position, VOR_READ_EVERY, events, 64);
+
+    ck_assert_uint_eq(count, 42);
+    for (uint32_t i = 0; i < count; i++) {
+        ck_assert_uint_eq(events[i].attempt, 3);
+        ck_assert_uint_eq(events[i].number, i + 1);
+    }
+    ck_assert_uint_eq(events[7].record.iteration, 7);
+    ck_assert_uint_eq(position.attempt, 3);
+    ck_assert_uint_eq(position.number, 42);
+    ck_assert_uint_eq(vor_bus_read(bus, &position, VOR_READ_EVERY, events, 64), 0);
+    vor_bus_release(bus);
+}
+END_TEST
+
+START_TEST(a_reader_who_comes_back_gets_what_it_missed)
+{
+    struct vor_bus *bus = filled(1, 300, 0);
+    struct vor_position position;
+    struct vor_event event;
+
+    ck_assert(vor_position_parse(&position, "1.100"));
+    for (uint32_t number = 101; number <= 301; number++) {
+        ck_assert_uint_eq(vor_bus_read(bus, &position, VOR_READ_EVERY, &event, 1), 1);
+        ck_assert_uint_eq(event.number, number);
+    }
+    ck_assert_uint_eq(vor_bus_read(bus, &position, VOR_READ_EVERY, &event, 1), 0);
+    vor_bus_release(bus);
+}
+END_TEST
+
+START_TEST(a_position_of_another_attempt_starts_from_the_first_event)
+{
+    struct vor_bus *bus = filled(2, 5, 0);
+    static const struct vor_position elsewhere[] = {{1, 3}, {3, 1}, {2, 7}, {0, 0}, {2, 4000000}};
+
+    for (size_t i = 0; i < sizeof elsewhere / sizeof elsewhere[0]; i++) {
+        struct vor_position position = elsewhere[i];
+        struct vor_event event;
+
+        ck_assert_uint_eq(vor_bus_read(bus, &position, VOR_READ_EVERY, &event, 1), 1);
+        ck_assert_uint_eq(event.number, 1);
+        ck_assert_uint_eq(position.attempt, 2);
+    }
+    vor_bus_release(bus);
+}
+END_TEST
+
+START_TEST(a_slow_reader_gets_the_latest_progress_and_every_change_of_state)
+{
+    struct vor_bus *bus = filled(1, 1000, 0);
+    struct vor_position position = {0, 0};
+    struct vor_event events[8];
+
+    publish(bus, VOR_EVENT_STATUS, 2000);
+    publish(bus, VOR_EVENT_PROGRESS, 1001);
+    publish(bus, VOR_EVENT_PROGRESS, 1002);
+    publish(bus, VOR_EVENT_END, 3000);
+    ck_assert_uint_eq(vor_bus_read(bus, &position, VOR_READ_LATEST, events, 8), 5);
+    ck_assert_int_eq(events[0].kind, VOR_EVENT_STATUS);
+    ck_assert_uint_eq(events[1].record.iteration, 1000);
+    ck_assert_int_eq(events[2].kind, VOR_EVENT_STATUS);
+    ck_assert_uint_eq(events[3].record.iteration, 1002);
+    ck_assert_int_eq(events[4].kind, VOR_EVENT_END);
+    ck_assert_uint_eq(events[4].number, 1005);
+    vor_bus_release(bus);
+}
+END_TEST
+
+START_TEST(a_reader_with_little_room_loses_nothing)
+{
+    struct vor_bus *bus = filled(1, 20, 1);
+    struct vor_position position = {0, 0};
+    struct vor_event events[3];
+    uint32_t expected = 1;
+    size_t count;
+
+    while ((count = vor_bus_read(bus, &position, VOR_READ_EVERY, events, 3)) > 0)
+        for (size_t i = 0; i < count; i++)
+            ck_assert_uint_eq(events[i].number, expected++);
+    ck_assert_uint_eq(expected, 23);
+    vor_bus_release(bus);
+}
+END_TEST
+
+START_TEST(nothing_follows_the_end)
+{
+    struct vor_bus *bus = filled(1, 2, 1);
+    struct vor_position end = {0, 0};
+
+    publish(bus, VOR_EVENT_PROGRESS, 3);
+    publish(bus, VOR_EVENT_END, 4);
+    ck_assert(vor_bus_ended(bus, &end));
+    ck_assert_uint_eq(end.number, 4);
+    ck_assert_uint_eq(vor_bus_newest(bus).number, 4);
+    vor_bus_release(bus);
+    bus = filled(1, 2, 0);
+    ck_assert(!vor_bus_ended(bus, NULL));
+    vor_bus_release(bus);
+}
+END_TEST
+
+START_TEST(the_events_are_bounded_and_the_end_always_fits)
+{
+    struct vor_bus *bus = filled(1, VOR_EVENTS_MAX + 100, 1);
+    struct vor_position end = {0, 0};
+
+    ck_assert(vor_bus_ended(bus, &end));
+    ck_assert_uint_eq(end.number, VOR_EVENTS_MAX);
+    vor_bus_release(bus);
+}
+END_TEST
+
+START_TEST(a_trace_comes_back_as_it_was)
+{
+    struct vor_bus *bus = filled(4, (uint32_t)_i * 11, _i % 2), *back = NULL;
+    struct vor_position a = {0, 0}, b = {0, 0};
+    struct vor_event first, second;
+    uint8_t *bytes = NULL;
+    size_t size = 0;
+
+    vt_assert_ok(vor_bus_pack(bus, &bytes, &size, &vt_err));
+    vt_assert_ok(vor_bus_unpack(&back, bytes, size, &vt_err));
+    while (vor_bus_read(bus, &a, VOR_READ_EVERY, &first, 1) == 1) {
+        ck_assert_uint_eq(vor_bus_read(back, &b, VOR_READ_EVERY, &second, 1), 1);
+        assert_same(&first, &second);
+    }
+    ck_assert_uint_eq(vor_bus_read(back, &b, VOR_READ_EVERY, &second, 1), 0);
+    ck_assert_int_eq(vor_bus_ended(back, NULL), _i % 2);
+    free(bytes);
+    vor_bus_release(bus);
+    vor_bus_release(back);
+}
+END_TEST
+
+START_TEST(a_damaged_trace_is_refused)
+{
+    struct vor_bus *bus = filled(1, 3, 1), *back = NULL;
+    uint8_t *bytes = NULL;
+    size_t size = 0;
+
+    vt_assert_ok(vor_bus_pack(bus, &bytes, &size, &vt_err));
+    for (size_t cut = 0; cut < size; cut++) {
+        uint8_t *part = malloc(cut + 1); /* its own block: reading past it is seen */
+
+        memcpy(part, bytes, cut);
+        vt_assert_fails(VOR_E_FORMAT, vor_bus_unpack(&back, part, cut, &vt_err));
+        free(part);
+    }
+    for (size_t at = 12; at < 16; at++) { /* kind, status, stage and progress of the first event */
+        uint8_t kept = bytes[at];
+
+        bytes[at] = 101;
+        vt_assert_fails(VOR_E_FORMAT, vor_bus_unpack(&back, bytes, size, &vt_err));
+        bytes[at] = kept;
+    }
+    bytes[8] = 0xff; /* more events than there are bytes */
+    bytes[11] = 0xff;
+    vt_assert_fails(VOR_E_FORMAT, vor_bus_unpack(&back, bytes, size, &vt_err));
+    ck_assert_ptr_null(back);
+    free(bytes);
+    vor_bus_release(bus);
+}
+END_TEST
+
+START_TEST(only_attempt_dot_number_is_a_position)
+{
+    static const char *const bad[] = {
+        "",     "1",    "1.",   ".1",   "1.2.3", "a.1",          "1.b",           " 1.2",
+        "1.2 ", "-1.2", "1.-2", "1..2", "+1.+2", "4294967296.1", "1.99999999999", "0x1.2"};
+    struct vor_position position = {7, 8};
+
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        ck_assert_msg(!vor_position_parse(&position, bad[i]), "\"%s\"", bad[i]);
+    ck_assert_uint_eq(position.attempt, 7);
+    ck_assert(vor_position_parse(&position, "4294967295.0"));
+    ck_assert_uint_eq(position.attempt, 4294967295u);
+    ck_assert_uint_eq(position.number, 0);
+}
+END_TEST
+
+struct counter {
+    atomic_int wakes, ends;
+};
+
+static void count_wake(void *ctx, enum vor_event_kind kind)
+{
+    struct counter *counter = ctx;
+
+    atomic_fetch_add(&counter->wakes, 1);
+    atomic_fetch_add(&counter->ends, kind == VOR_EVENT_END);
+}
+
+START_TEST(subscribers_are_woken_once_an_event_until_they_leave)
+{
+    struct vor_bus *bus = vor_bus_create(1);
+    struct counter stays = {0}, leaves = {0};
+    struct vor_subscriber a = {.wake = count_wake, .ctx = &stays};
+    struct vor_subscriber b = {.wake = count_wake, .ctx = &leaves};
+
+    vor_bus_subscribe(bus, &a);
+    vor_bus_subscribe(bus, &b);
+    publish(bus, VOR_EVENT_STATUS, 0);
+    publish(bus, VOR_EVENT_PROGRESS, 1);
+    vor_bus_unsubscribe(bus, &b);
+    vor_bus_unsubscribe(bus, &b);
+    publish(bus, VOR_EVENT_END, 2);
+    publish(bus, VOR_EVENT_PROGRESS, 3); /* ignored: nobody is woken */
+    ck_assert_int_eq(atomic_load(&stays.wakes), 3);
+    ck_assert_int_eq(atomic_load(&stays.ends), 1);
+    ck_assert_int_eq(atomic_load(&leaves.wakes), 2);
+    vor_bus_unsubscribe(bus, &a);
+    vor_bus_release(bus);
+}
+END_TEST
+
+/* A reader that sleeps until woken, as the HTTP layer does. */
+struct sleeper {
+    struct vor_bus *bus;
+    struct vor_subscriber subscriber;
+    pthread_mutex_t mutex;
+    pthread_cond_t cond;
+    int woken;
+    uint32_t last, seen;
+    int in_order;
+};
+
+static void wake_sleeper(void *ctx, enum vor_event_kind kind)
+{
+    struct sleeper *sleeper = ctx;
+
+    (void)kind;
+    pthread_mutex_lock(&sleeper->mutex);
+    sleeper->woken = 1;
+    pthread_cond_signal(&sleeper->cond);
+    pthread_mutex_unlock(&sleeper->mutex);
+}
+
+static void *read_all(void *arg)
+{
+    struct sleeper *sleeper = arg;
+    struct vor_position position = {0, 0};
+    enum vor_event_kind kind = VOR_EVENT_STATUS;
+
+    vor_bus_subscribe(sleeper->bus, &sleeper->subscriber);
+    while (kind != VOR_EVENT_END) {
+        struct vor_event event;
+
+        pthread_mutex_lock(&sleeper->mutex);
+        while (vor_bus_read(sleeper->bus, &position, VOR_READ_LATEST, &event, 1) == 0) {
+            while (!sleeper->woken)
+                pthread_cond_wait(&sleeper->cond, &sleeper->mutex);
+            sleeper->woken = 0;
+        }
+        pthread_mutex_unlock(&sleeper->mutex);
+        if (event.number <= sleeper->last)
+            sleeper->in_order = 0;
+        sleeper->last = event.number;
+        sleeper->seen++;
+        kind = event.kind;
+    }
+    vor_bus_unsubscribe(sleeper->bus, &sleeper->subscriber);
+    return NULL;
+}
+
+START_TEST(readers_in_threads_miss_no_wake_and_no_end)
+{
+    enum { READERS = 6, ITERATIONS = 2000 };
+    struct sleeper sleepers[READERS];
+    pthread_t threads[READERS];
+    struct vor_bus *bus = vor_bus_create(1);
+
+    memset(sleepers, 0, sizeof sleepers);
+    for (int i = 0; i < READERS; i++) {
+        sleepers[i].bus = bus;
+        sleepers[i].in_order = 1;
+        sleepers[i].subscriber = (struct vor_subscriber){.wake = wake_sleeper, .ctx = &sleepers[i]};
+        pthread_mutex_init(&sleepers[i].mutex, NULL);
+        pthread_cond_init(&sleepers[i].cond, NULL);
+        ck_assert_int_eq(pthread_create(&threads[i], NULL, read_all, &sleepers[i]), 0);
+    }
+    for (uint32_t i = 1; i <= ITERATIONS; i++)
+        publish(bus, VOR_EVENT_PROGRESS, i);
+    publish(bus, VOR_EVENT_END, ITERATIONS + 1);
+    for (int i = 0; i < READERS; i++) {
+        pthread_join(threads[i], NULL);
+        ck_assert(sleepers[i].in_order);
+        ck_assert_uint_eq(sleepers[i].last, ITERATIONS + 1);
+    }
+    vor_bus_release(bus);
+}
+END_TEST
+
+START_TEST(statuses_are_found_by_their_words)
+{
+    for (int i = 0; i < VOR_JOB_STATUSES; i++)
+        ck_assert_int_eq(vor_job_status_find(vor_job_status_word((enum vor_job_status)i)), i);
+    ck_assert_int_eq(vor_job_status_find("done"), VOR_JOB_STATUSES);
+    ck_assert_str_eq(vor_stage_word(VOR_STAGE_OPTIMIZE), "optimize");
+    ck_assert_str_eq(vor_event_word(VOR_EVENT_REPLACED), "replaced");
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("bus_events");
+
+    vt_add(suite, events_are_numbered_from_one_without_gaps);
+    vt_add(suite, a_reader_who_comes_back_gets_what_it_missed);
+    vt_add(suite, a_position_of_another_attempt_starts_from_the_first_event);
+    vt_add(suite, a_slow_reader_gets_the_latest_progress_and_every_change_of_state);
+    vt_add(suite, a_reader_with_little_room_loses_nothing);
+    vt_add(suite, nothing_follows_the_end);
+    vt_add(suite, the_events_are_bounded_and_the_end_always_fits);
+    vt_add_loop(suite, a_trace_comes_back_as_it_was, 20);
+    vt_add(suite, a_damaged_trace_is_refused);
+    vt_add(suite, only_attempt_dot_number_is_a_position);
+    vt_add(suite, subscribers_are_woken_once_an_event_until_they_leave);
+    vt_add(suite, readers_in_threads_miss_no_wake_and_no_end);
+    vt_add(suite, statuses_are_found_by_their_words);
+    return vt_run(suite);
+}

@@ -1,0 +1,212 @@
+/* A live job: progress only grows, states only move forward, the last word is the last. */
+#include "server/clock.h"
+#include "server/job.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_dir.h"
+
+#include <pthread.h>
+#include <string.h>
+
+static struct vor_record record_of(uint32_t iteration, double seconds)
+{
+    return (struct vor_record){.iteration = iteration, .delta = 0.2, .seconds = seconds};
+}
+
+static struct vor_job *running_job(const char *name, double value)
+{
+    struct vor_job_view row = vt_row(10);
+    struct vor_job *job;
+
+    if (name != NULL)
+        vt_assert_ok(vor_spec_set_number(&row.spec, name, value, &vt_err));
+    job = vor_job_create(&row);
+    vor_job_begin(job, 1000);
+    return job;
+}
+
+static void end_as(struct vor_job *job, enum vor_job_status status)
+{
+    struct vor_job_view row;
+
+    ck_assert(vor_job_freeze(job));
+    vor_job_view(job, &row);
+    row.status = status;
+    strcpy(row.message, "over");
+    vor_job_end(job, &row);
+    vor_job_thaw(job);
+}
+
+START_TEST(progress_follows_the_iterations_and_never_falls)
+{
+    struct vor_job *job = running_job("iterations", 50);
+    struct vor_job_view view;
+    int last = 0;
+
+    for (uint32_t i = 0; i <= 50; i++) {
+        struct vor_record record = record_of(i, i);
+
+        vor_job_progress(job, &record, 1000);
+        vor_job_view(job, &view);
+        ck_assert_int_ge(view.progress, last);
+        ck_assert_int_eq(view.progress, 10 + 80 * (int)i / 50);
+        last = view.progress;
+    }
+    vor_job_stage(job, VOR_STAGE_ENCODE, 1000);
+    vor_job_view(job, &view);
+    ck_assert_int_eq(view.progress, 95);
+    ck_assert_str_eq(view.message, "Encoding the result");
+    vor_job_release(job);
+}
+END_TEST
+
+START_TEST(a_time_budget_drives_progress_and_estimate)
+{
+    struct vor_job *job = running_job("seconds", 20);
+    struct vor_record first = record_of(0, 1), later = record_of(3, 10);
+    struct vor_job_view view;
+
+    vor_job_progress(job, &first, 1000);
+    vor_job_view(job, &view);
+    ck_assert_double_eq(view.eta_seconds, -1);
+    vor_job_progress(job, &later, 1000);
+    vor_job_view(job, &view);
+    ck_assert_int_eq(view.progress, 50); /* 10 of 20 seconds */
+    ck_assert_double_eq_tol(view.eta_seconds, 10, 1e-9);
+    vor_job_release(job);
+}
+END_TEST
+
+START_TEST(the_estimate_is_the_pace_times_what_is_left)
+{
+    struct vor_job *job = running_job("iterations", 40);
+    struct vor_record first = record_of(0, 2), later = record_of(10, 7);
+    struct vor_job_view view;
+
+    vor_job_progress(job, &first, 1000);
+    vor_job_progress(job, &later, 1000);
+    vor_job_view(job, &view);
+    ck_assert_double_eq_tol(view.eta_seconds, 15, 1e-9);
+    ck_assert_str_eq(view.message, "Iteration 10 of at most 40");
+    vor_job_release(job);
+}
+END_TEST
+
+START_TEST(zero_iterations_are_done_at_once)
+{
+    struct vor_job *job = running_job("iterations", 0);
+    struct vor_record record = record_of(0, 0);
+    struct vor_job_view view;
+
+    vor_job_progress(job, &record, 1000);
+    vor_job_view(job, &view);
+    ck_assert_int_eq(view.progress, 90);
+    vor_job_release(job);
+}
+END_TEST
+
+START_TEST(a_job_that_is_over_does_not_change)
+{
+    struct vor_job *job = running_job(NULL, 0);
+    struct vor_record record = record_of(7, 1);
+    struct vor_position end, position = {0, 0};
+    struct vor_job_view view;
+    struct vor_event events[8];
+
+    end_as(job, VOR_JOB_DISMISSED);
+    vor_job_progress(job, &record, 2000);
+    vor_job_stage(job, VOR_STAGE_ENCODE, 2000);
+    vor_job_begin(job, 2000);
+    ck_assert(!vor_job_freeze(job));
+    vor_job_view(job, &view);
+    ck_assert_int_eq(view.status, VOR_JOB_DISMISSED);
+    ck_assert_int_eq(view.has_record, 0);
+    ck_assert_str_eq(view.message, "over");
+    ck_assert(vor_bus_ended(vor_job_bus(job), &end));
+    ck_assert_uint_eq(vor_bus_read(vor_job_bus(job), &position, VOR_READ_EVERY, events, 8),
+                      end.number);
+    ck_assert_int_eq(events[end.number - 1].status, VOR_JOB_DISMISSED);
+    vor_job_release(job);
+}
+END_TEST
+
+START_TEST(a_second_attempt_begins_with_replaced)
+{
+    struct vor_job_view row = vt_row(10);
+    struct vor_position position = {0, 0};
+    struct vor_event events[4];
+    struct vor_job *job;
+
+    row.attempt = 2;
+    job = vor_job_create(&row);
+    ck_assert_uint_eq(vor_bus_read(vor_job_bus(job), &position, VOR_READ_EVERY, events, 4), 2);
+    ck_assert_int_eq(events[0].kind, VOR_EVENT_REPLACED);
+    ck_assert_uint_eq(events[0].attempt, 2);
+    ck_assert_int_eq(events[1].kind, VOR_EVENT_STATUS);
+    vor_job_release(job);
+}
+END_TEST
+
+START_TEST(what_was_asked_only_grows)
+{
+    struct vor_job *job = running_job(NULL, 0);
+
+    ck_assert_int_eq(vor_job_asked(job), VOR_CONTINUE);
+    vor_job_ask(job, VOR_STOP);
+    ck_assert_int_eq(vor_job_asked(job), VOR_STOP);
+    vor_job_ask(job, VOR_CANCEL);
+    vor_job_ask(job, VOR_STOP);
+    ck_assert_int_eq(vor_job_asked(job), VOR_CANCEL);
+    vor_job_release(job);
+}
+END_TEST
+
+static void *iterate(void *arg)
+{
+    for (uint32_t i = 0; i < 5000; i++) {
+        struct vor_record record = record_of(i, i);
+
+        vor_job_progress(arg, &record, 1000);
+    }
+    return NULL;
+}
+
+/* What is packed while a job is frozen is all that its readers will ever see, but the end. */
+START_TEST(nothing_is_published_between_freezing_and_the_end)
+{
+    struct vor_job *job = running_job(NULL, 0);
+    struct vor_job_view row;
+    struct vor_position before, end;
+    pthread_t thread;
+
+    ck_assert_int_eq(pthread_create(&thread, NULL, iterate, job), 0);
+    do
+        vor_job_view(job, &row);
+    while (!row.has_record);
+    ck_assert(vor_job_freeze(job));
+    before = vor_bus_newest(vor_job_bus(job));
+    sched_yield();
+    vor_job_view(job, &row);
+    row.status = VOR_JOB_FAILED;
+    vor_job_end(job, &row);
+    vor_job_thaw(job);
+    pthread_join(thread, NULL);
+    ck_assert(vor_bus_ended(vor_job_bus(job), &end));
+    ck_assert_uint_eq(end.number, before.number + 1);
+    vor_job_release(job);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("job_state");
+
+    vt_add(suite, progress_follows_the_iterations_and_never_falls);
+    vt_add(suite, a_time_budget_drives_progress_and_estimate);
+    vt_add(suite, the_estimate_is_the_pace_times_what_is_left);
+    vt_add(suite, zero_iterations_are_done_at_once);
+    vt_add(suite, a_job_that_is_over_does_not_change);
+    vt_add(suite, a_second_attempt_begins_with_replaced);
+    vt_add(suite, what_was_asked_only_grows);
+    vt_add(suite, nothing_is_published_between_freezing_and_the_end);
+    return vt_run(suite);
+}

@@ -1,0 +1,186 @@
+/* The queue: bounded by bookings, in the order of acceptance, closed once and for all. */
+#include "server/queue.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_dir.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <string.h>
+
+static struct vor_job *new_job(void)
+{
+    struct vor_job_view row = vt_row(10);
+    struct vor_job *job = vor_job_create(&row);
+
+    ck_assert_ptr_nonnull(job);
+    return job;
+}
+
+/* Books, pushes and lets go of a job; the queue has the only reference. */
+static struct vor_job *enqueue(struct vor_queue *queue, int64_t seq)
+{
+    struct vor_job *job = new_job();
+
+    ck_assert_int_eq(vor_queue_reserve(queue), VOR_DONE);
+    vor_queue_push(queue, job, seq);
+    vor_job_release(job);
+    return job;
+}
+
+START_TEST(jobs_leave_in_the_order_of_acceptance_whatever_the_order_of_pushing)
+{
+    struct vor_queue *queue = vor_queue_create(5);
+    static const int64_t order[] = {3, 1, 5, 2, 4};
+    struct vor_job *jobs[6];
+
+    for (int i = 0; i < 5; i++)
+        jobs[order[i]] = enqueue(queue, order[i]);
+    ck_assert_int_eq(vor_queue_position(queue, jobs[1]), 0);
+    ck_assert_int_eq(vor_queue_position(queue, jobs[5]), 4);
+    for (int seq = 1; seq <= 5; seq++) {
+        struct vor_job *job = vor_queue_pop(queue);
+
+        ck_assert_ptr_eq(job, jobs[seq]);
+        ck_assert_int_eq(vor_queue_position(queue, job), -1);
+        vor_job_release(job);
+    }
+    vor_queue_destroy(queue);
+}
+END_TEST
+
+START_TEST(a_booked_place_counts_until_it_is_given_back)
+{
+    struct vor_queue *queue = vor_queue_create(2);
+
+    ck_assert_int_eq(vor_queue_reserve(queue), VOR_DONE);
+    ck_assert_int_eq(vor_queue_reserve(queue), VOR_DONE);
+    ck_assert_int_eq(vor_queue_reserve(queue), VOR_FULL);
+    ck_assert_uint_eq(vor_queue_depth(queue), 2);
+    vor_queue_cancel(queue);
+    ck_assert_int_eq(vor_queue_reserve(queue), VOR_DONE);
+    vor_queue_destroy(queue);
+}
+END_TEST
+
+START_TEST(a_full_queue_takes_the_next_job_once_one_left)
+{
+    struct vor_queue *queue = vor_queue_create(2);
+    struct vor_job *first;
+
+    enqueue(queue, 1);
+    enqueue(queue, 2);
+    ck_assert_int_eq(vor_queue_reserve(queue), VOR_FULL);
+    first = vor_queue_pop(queue);
+    vor_job_release(first);
+    ck_assert_int_eq(vor_queue_reserve(queue), VOR_DONE);
+    ck_assert_uint_eq(vor_queue_capacity(queue), 2);
+    vor_queue_destroy(queue);
+}
+END_TEST
+
+START_TEST(a_removed_job_is_never_popped)
+{
+    struct vor_queue *queue = vor_queue_create(3);
+    struct vor_job *middle, *job;
+
+    enqueue(queue, 1);
+    middle = vor_job_retain(enqueue(queue, 2));
+    enqueue(queue, 3);
+    ck_assert(vor_queue_remove(queue, middle));
+    ck_assert(!vor_queue_remove(queue, middle));
+    ck_assert_uint_eq(vor_queue_depth(queue), 2);
+    for (int i = 0; i < 2; i++) {
+        job = vor_queue_pop(queue);
+        ck_assert_ptr_ne(job, middle);
+        vor_job_release(job);
+    }
+    vor_job_release(middle);
+    vor_queue_destroy(queue);
+}
+END_TEST
+
+START_TEST(jobs_of_a_former_run_fit_beyond_the_bound)
+{
+    struct vor_queue *queue = vor_queue_create(1);
+
+    for (int i = 0; i < 5; i++) {
+        struct vor_job *job = new_job();
+
+        vt_assert_ok(vor_queue_restore(queue, job, 10 - i, &vt_err));
+        vor_job_release(job);
+    }
+    ck_assert_uint_eq(vor_queue_depth(queue), 5);
+    ck_assert_int_eq(vor_queue_reserve(queue), VOR_FULL);
+    vor_queue_destroy(queue);
+}
+END_TEST
+
+static void *pop_until_closed(void *arg)
+{
+    struct vor_job *job;
+    size_t count = 0;
+
+    while ((job = vor_queue_pop(arg)) != NULL) {
+        vor_job_release(job);
+        count++;
+    }
+    return (void *)count;
+}
+
+START_TEST(every_job_is_popped_exactly_once_by_several_threads)
+{
+    enum { JOBS = 400, THREADS = 4 };
+    struct vor_queue *queue = vor_queue_create(16);
+    pthread_t threads[THREADS];
+    size_t total = 0;
+
+    for (int i = 0; i < THREADS; i++)
+        ck_assert_int_eq(pthread_create(&threads[i], NULL, pop_until_closed, queue), 0);
+    for (int64_t seq = 1; seq <= JOBS; seq++) {
+        struct vor_job *job = new_job();
+
+        while (vor_queue_reserve(queue) == VOR_FULL)
+            sched_yield();
+        vor_queue_push(queue, job, seq);
+        vor_job_release(job);
+    }
+    while (vor_queue_depth(queue) > 0)
+        sched_yield();
+    vor_queue_close(queue);
+    for (int i = 0; i < THREADS; i++) {
+        void *count;
+
+        pthread_join(threads[i], &count);
+        total += (size_t)count;
+    }
+    ck_assert_uint_eq(total, JOBS);
+    vor_queue_destroy(queue);
+}
+END_TEST
+
+START_TEST(a_closed_queue_hands_out_and_books_nothing)
+{
+    struct vor_queue *queue = vor_queue_create(2);
+
+    enqueue(queue, 1);
+    ck_assert_int_eq(vor_queue_reserve(queue), VOR_DONE);
+    vor_queue_close(queue);
+    ck_assert_int_eq(vor_queue_reserve(queue), VOR_DRAINING);
+    ck_assert_ptr_null(vor_queue_pop(queue));
+    vor_queue_destroy(queue);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("queue_order");
+
+    vt_add(suite, jobs_leave_in_the_order_of_acceptance_whatever_the_order_of_pushing);
+    vt_add(suite, a_booked_place_counts_until_it_is_given_back);
+    vt_add(suite, a_full_queue_takes_the_next_job_once_one_left);
+    vt_add(suite, a_removed_job_is_never_popped);
+    vt_add(suite, jobs_of_a_former_run_fit_beyond_the_bound);
+    vt_add(suite, every_job_is_popped_exactly_once_by_several_threads);
+    vt_add(suite, a_closed_queue_hands_out_and_books_nothing);
+    return vt_run(suite);
+}
