@@ -1,0 +1,106 @@
+package Cli;
+
+# What the command line's tests share: running the binary, small clouds, a daemon of our own.
+use strict;
+use warnings;
+use Exporter 'import';
+use File::Temp qw(tempdir);
+use POSIX qw(:sys_wait_h);
+use Time::HiRes qw(sleep time);
+
+our @EXPORT = qw(run start finish slurp spew scratch sphere leftovers shared);
+
+my $binary = $ENV{VORONOID} // 'build/release/voronoid';
+$binary = "$ENV{PWD}/$binary" unless $binary =~ m{^/};
+delete @ENV{qw(VORONOID_SERVER VORONOID_THREADS http_proxy HTTP_PROXY all_proxy ALL_PROXY)};
+
+# A folder that goes away with the test.
+sub scratch { return tempdir('voronoid-cli-XXXXXX', TMPDIR => 1, CLEANUP => 1) }
+
+sub slurp {
+    my ($path) = @_;
+    open my $file, '<:raw', $path or die "$path: $!";
+    local $/;
+    my $bytes = <$file>;
+    return $bytes // '';
+}
+
+sub spew {
+    my ($path, $bytes) = @_;
+    open my $file, '>:raw', $path or die "$path: $!";
+    print $file $bytes;
+    close $file or die "$path: $!";
+    return $path;
+}
+
+# Starts the binary with arguments; stdin is a file. Its output goes to files beside each other.
+sub start {
+    my ($arguments, %with) = @_;
+    my $folder = scratch();
+    my $pid = fork // die "fork: $!";
+    if ($pid == 0) {
+        $ENV{$_} = $with{env}{$_} for keys %{ $with{env} // {} };
+        open STDIN, '<', $with{stdin} // '/dev/null' or die;
+        open STDOUT, '>', $with{stdout} // "$folder/out" or die;
+        open STDERR, '>', "$folder/err" or die;
+        exec { $binary } $binary, @$arguments or die "$binary: $!";
+    }
+    return { pid => $pid, folder => $folder };
+}
+
+# Waits for it: exit code (128 + signal when it died of one), stdout, stderr.
+sub finish {
+    my ($process, $seconds) = @_;
+    my $until = time + ($seconds // 120);
+    while (waitpid($process->{pid}, WNOHANG) == 0) {
+        if (time > $until) {
+            kill 'KILL', $process->{pid};
+            waitpid $process->{pid}, 0;
+            last;
+        }
+        sleep 0.01;
+    }
+    my $code = $? & 127 ? 128 + ($? & 127) : $? >> 8;
+    my $out = -e "$process->{folder}/out" ? slurp("$process->{folder}/out") : '';
+    return ($code, $out, slurp("$process->{folder}/err"));
+}
+
+sub run {
+    my ($arguments, %with) = @_;
+    return finish(start($arguments, %with));
+}
+
+# n points on the unit sphere as an ascii PLY, coordinates exact in float32; the same for the same
+# n and seed.
+sub sphere {
+    my ($n, $seed) = @_;
+    my $state = ($seed // 1) * 2654435761 % 4294967296;
+    my $random = sub {
+        $state = ($state * 1664525 + 1013904223) % 4294967296;
+        return $state / 4294967296;
+    };
+    my $text = "ply\nformat ascii 1.0\nelement vertex $n\nproperty float x\nproperty float y\n"
+        . "property float z\nend_header\n";
+    for (1 .. $n) {
+        my ($z, $a) = (2 * $random->() - 1, 6.283185307179586 * $random->());
+        my $r = sqrt(1 - $z * $z);
+        $text .= sprintf "%.9g %.9g %.9g\n", unpack 'f3', pack 'f3', $r * cos $a, $r * sin $a, $z;
+    }
+    return $text;
+}
+
+# Names in a folder that we did not put there.
+sub leftovers {
+    my ($folder, @known) = @_;
+    opendir my $dir, $folder or die "$folder: $!";
+    my %known = map { $_ => 1 } '.', '..', @known;
+    return join ' ', sort grep { !$known{$_} } readdir $dir;
+}
+
+# A path in ../shared when it is there.
+sub shared {
+    my ($path) = @_;
+    return -e "../shared/$path" ? "../shared/$path" : undef;
+}
+
+1;

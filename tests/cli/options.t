@@ -1,0 +1,131 @@
+#!/usr/bin/perl
+# What stands on the command line: help, version, and refusals in one line with their exit code.
+use strict;
+use warnings;
+use FindBin;
+use lib $FindBin::Bin;
+use Cli;
+use Test::More;
+
+my $folder = scratch();
+my $in = spew("$folder/in.ply", sphere(50));
+my $out = "$folder/out.ply";
+my @points = ('-n', 10);
+
+sub refused {
+    my ($name, $arguments, $code, $line, %with) = @_;
+    my ($got, $stdout, $stderr) = run($arguments, %with);
+    subtest $name => sub {
+        is $got, $code, "the exit code is $code";
+        is $stderr, "voronoid: $line\n", 'it says why in one line';
+        is $stdout, '', 'nothing is printed';
+        ok !-e $out, 'nothing is written';
+    };
+}
+
+my ($code, $help, $errors) = run(['--help']);
+is "$code$errors", '0', 'voronoid --help ends well';
+like $help, qr/^  \Q$_\E +\S/m, "the overview names $_" for qw(serve resample measure health);
+
+for my $command (qw(resample measure health)) {
+    ($code, $help, $errors) = run([$command, '--help']);
+    is "$code$errors", '0', "voronoid $command --help ends well";
+    like $help, qr/^usage: voronoid $command/, "it is the help of $command";
+    my (undef, $same) = run(['help', $command]);
+    is $same, $help, "voronoid help $command is the same";
+}
+(undef, $help) = run(['resample', '--help']);
+like $help, qr/--\Q$_\E VALUE\n/, "the help of resample has parameter $_"
+    for qw(points ratio spacing method patch iterations delta seconds neighbors anderson boundary
+    seed format quantization compression attributes normals);
+like $help, qr/6 to 500 points \| auto, default 20/, 'it shows range, auto and default';
+like $help, qr/env: VORONOID_SERVER/, 'it shows environment variables';
+($code, $help) = run(['--version']);
+like $help, qr/^voronoid \d+\.\d+\.\d+\n\z/, 'the version is one line';
+is((run(['version']))[1], $help, 'voronoid version is the same');
+
+refused 'no command', [], 2, 'no command; see voronoid --help';
+refused 'an unknown command', ['resampel'], 2, 'resampel: no such command; see voronoid --help';
+refused 'help of an unknown command', ['help', 'x'], 2, 'x: no such command; see voronoid --help';
+refused 'an unknown option', ['resample', $in, @points, '-o', $out, '--pionts', 3], 2,
+    'resample: no option --pionts; see voronoid resample --help';
+refused 'an unknown option with a value', ['resample', '--no=1'], 2,
+    'resample: no option --no; see voronoid resample --help';
+refused 'an unknown letter', ['resample', '-x'], 2,
+    'resample: no option -x; see voronoid resample --help';
+refused 'an option of another command', ['measure', $in, '--output', $out], 2,
+    'measure: no option --output; see voronoid measure --help';
+refused 'a parameter of another command', ['measure', $in, '--points', 5], 2,
+    'measure: no option --points; see voronoid measure --help';
+refused 'an option with a newline', ['resample', "--a\nb"], 2,
+    'resample: no option --a\\x5cx0ab; see voronoid resample --help';
+refused 'no value', ['resample', $in, '-o', $out, '-n'], 2, 'resample: -n needs a value';
+refused 'no value of a long option', ['resample', $in, '-o', $out, '--seed'], 2,
+    'resample: --seed needs a value';
+refused 'a value for a flag', ['resample', $in, @points, '-o', $out, '--json=1'], 2,
+    'resample: --json takes no value';
+refused 'no input', ['resample', @points, '-o', $out], 2,
+    'resample: no input: give a file, or - for stdin';
+refused 'two inputs', ['resample', $in, $in, @points, '-o', $out], 2,
+    "resample: one operand too many: $in";
+refused 'an operand too many', ['health', 'x'], 2, 'health: one operand too many: x';
+refused 'no output', ['resample', $in, @points], 2,
+    'resample: no output: give -o FILE, or -o - for stdout';
+refused 'no number of points', ['resample', $in, '-o', $out], 2,
+    'resample: 0 of points, ratio and spacing are given, want exactly one';
+refused 'points and ratio', ['resample', $in, '-o', $out, @points, '--ratio', 2], 2,
+    'resample: 2 of points, ratio and spacing are given, want exactly one';
+refused 'a number of points out of range', ['resample', $in, '-o', $out, '-n', 0], 2,
+    'resample: points is 0, want a whole number from 1 to 10000000';
+refused 'a negative number of points', ['resample', $in, '-o', $out, '-n', '-5'], 2,
+    'resample: points is -5, want a whole number from 1 to 10000000';
+refused 'half a point', ['resample', $in, '-o', $out, '-n1.5'], 2,
+    'resample: points is 1.5, want a whole number from 1 to 10000000';
+refused 'a hexadecimal number', ['resample', $in, '-o', $out, '--points=0x10'], 2,
+    'resample: points is 0x10, want a whole number from 1 to 10000000';
+refused 'an empty value', ['resample', $in, '-o', $out, '--points='], 2,
+    'resample: points is empty, want a whole number from 1 to 10000000';
+refused 'a number with a newline', ['resample', $in, '-o', $out, '-n', "1\n"], 2,
+    'resample: points is 1\\x0a, want a whole number from 1 to 10000000';
+refused 'a wrong word', ['resample', $in, '-o', $out, @points, '--boundary', 'open'], 2,
+    'resample: boundary is "open", want one of keep, free';
+refused 'neighbors out of range', ['resample', $in, '-o', $out, @points, '--neighbors=5'], 2,
+    'resample: neighbors is 5, want a whole number from 6 to 500 or auto';
+refused 'too many threads', ['resample', $in, '-o', $out, @points, '--threads', 257], 2,
+    'resample: threads is 257, want a whole number from 0 to 256';
+refused 'threads by the environment', ['resample', $in, '-o', $out, @points], 2,
+    'resample: threads is two, want a whole number from 0 to 256', env => { VORONOID_THREADS => 'two' };
+refused 'two clouds from one stdin', ['measure', '-', '--reference', '-'], 2,
+    'measure: both clouds are -, and there is only one stdin';
+
+refused 'a file that is not there', ['resample', "$folder/no.ply", @points, '-o', $out], 1,
+    "$folder/no.ply: cannot be read: No such file or directory";
+refused 'a folder', ['resample', $folder, @points, '-o', $out], 1,
+    "$folder: cannot be read: Is a directory";
+refused 'a folder to write into that is not there',
+    ['resample', $in, @points, '-o', "$folder/no/out.ply"], 1,
+    "$folder/no/out.ply: cannot be written: No such file or directory";
+refused 'a folder as output', ['resample', $in, @points, '-o', $folder], 1,
+    "$folder: cannot be written: Is a directory";
+
+my ($subject, $message);
+for my $case (
+    ['an empty file', '', qr/./], ['no cloud', "hello world\n", qr/68 65 6c|hello/],
+    ['half a header', "ply\nformat ascii 1.0\n", qr/./],
+    ['too few points', "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n"
+        . "property float y\nproperty float z\nend_header\n0 0 0\n", qr/./],
+    ['a coordinate that is no number', sphere(3) =~ s/\S+ \S+ \S+\n\z/nan 0 0\n/r, qr/nan|NaN|finite/],
+    ['points on a line', "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\n"
+        . "property float y\nproperty float z\nend_header\n" . join('', map {"$_ 0 0\n"} 1 .. 5), qr/./],
+) {
+    my ($name, $bytes, $why) = @$case;
+    my $bad = spew("$folder/bad.ply", $bytes);
+    my ($got, $stdout, $stderr) = run(['resample', $bad, @points, '-o', $out]);
+    is $got, 3, "$name is an input that is rejected";
+    like $stderr, qr/\Avoronoid: \Q$bad\E: [^\n]+\n\z/, "$name is told in one line";
+    like $stderr, $why, "$name is told by what it is";
+    ok !-e $out, "$name leaves no output";
+}
+is leftovers($folder, 'in.ply', 'bad.ply'), '', 'no temporary file is left behind';
+
+done_testing;

@@ -1,0 +1,149 @@
+#!/usr/bin/perl
+# voronoid resample in this process: files, stdin and stdout, lines of JSON, the same bytes.
+use strict;
+use warnings;
+use FindBin;
+use lib $FindBin::Bin;
+use Cli;
+use JSON::PP;
+use Test::More;
+use Time::HiRes qw(sleep);
+
+my $folder = scratch();
+my $in = spew("$folder/in.ply", sphere(4000));
+my $out = "$folder/out.ply";
+my @request = ('-n', 500, '--iterations', 6);
+
+sub count_of { return slurp($_[0]) =~ /^element vertex (\d+)$/m ? $1 : -1 }
+
+my ($code, $stdout, $stderr) = run(['resample', $in, @request, '-o', $out]);
+is $code, 0, 'a cloud is resampled';
+is $stdout, '', 'stdout stays empty';
+like $stderr, qr/\Avoronoid: \Q$out\E: 500 points, delta 0\.\d{4} after 6 iterations \(iterations\), \d+\.\d s\n\z/,
+    'one sentence says how it went, and no bar is drawn where there is no terminal';
+is count_of($out), 500, 'there are exactly as many points as asked for';
+is leftovers($folder, 'in.ply', 'out.ply'), '', 'no temporary file is left behind';
+is sprintf('%o', (stat $out)[2] & 0777), sprintf('%o', 0666 & ~umask), 'it has the rights of a new file';
+my $wanted = slurp($out);
+
+($code, $stdout, $stderr) = run(['resample', $in, @request, '-o', $out, '--quiet']);
+is "$code|$stdout|$stderr", '0||', '--quiet is quiet';
+
+subtest 'stdin and stdout' => sub {
+    my ($code, $stdout, $stderr) = run(['resample', '-', @request, '-o', '-'], stdin => $in);
+    is $code, 0, '- is stdin and stdout';
+    ok $stdout eq $wanted, 'the bytes are those of the file';
+    like $stderr, qr/\Avoronoid: -: 500 points/, 'the summary is not among them';
+    ($code, $stdout, $stderr) = run(['resample', '-', @request, '-o', '-', '--json'], stdin => $in);
+    is $code, 0, '--json does not stop it';
+    ok $stdout eq $wanted, 'the bytes are still alone on stdout';
+    is scalar(split /\n/, $stderr), 8, 'the lines are on stderr';
+    is decode_json((split /\n/, $stderr)[-1])->{points}{out}, 500, 'and the last is the report';
+};
+
+subtest 'lines of JSON' => sub {
+    my ($code, $stdout, $stderr) = run(['resample', $in, @request, '-o', $out, '--json']);
+    my @lines = split /\n/, $stdout;
+    my @records = map { decode_json($_) } @lines;
+    my $report = pop @records;
+    is "$code$stderr", '0', 'all is well';
+    is_deeply [map { $_->{iteration} } @records], [0 .. 6], 'there is a record for each iteration';
+    my $shape = join ' ', sort qw(iteration delta sigma epsilon energy max_move held seconds);
+    is join(' ', sort keys %$_), $shape, "record $_->{iteration} has its shape" for @records;
+    cmp_ok $records[-1]{delta}, '<', $records[0]{delta}, 'delta falls';
+    is join(' ', sort keys %$report),
+        join(' ', sort qw(points delta sigma epsilon iterations stopped seconds memory_peak_bytes held
+            held_ever fallbacks parameters area spacing)), 'the report has its shape';
+    is_deeply $report->{points}, { in => 4000, out => 500 }, 'it counts the points';
+    is "$report->{iterations} $report->{stopped}", '6 iterations', 'it says why it stopped';
+    cmp_ok $report->{seconds}{$_}, '>', 0, "it has the seconds of $_"
+        for qw(read index init iterate write);
+    cmp_ok abs($report->{area} - 12.566), '<', 0.3, 'it has the area of the sphere';
+    is $report->{parameters}{$_->[0]}, $_->[1], "it has parameter $_->[0]"
+        for ['points', 500], ['iterations', 6], ['format', 'ply'], ['neighbors', 20], ['seed', 1];
+};
+
+subtest 'the same bytes' => sub {
+    for my $threads (1, 2, 3, 8) {
+        run(['resample', $in, @request, '-o', "$folder/t.ply", '--threads', $threads, '-q']);
+        ok slurp("$folder/t.ply") eq $wanted, "$threads threads make no difference";
+    }
+    run(['resample', $in, @request, '-o', "$folder/t.ply", '-q'], env => { VORONOID_THREADS => 2 });
+    ok slurp("$folder/t.ply") eq $wanted, 'nor does VORONOID_THREADS';
+    run(['resample', $in, '--points=500', '--iterations=6', "--output=$folder/t.ply", '-q']);
+    ok slurp("$folder/t.ply") eq $wanted, 'nor does the way a value is written';
+    run(['resample', '-n500', '--iterations', 6, "-o$folder/t.ply", '-q', '--', $in]);
+    ok slurp("$folder/t.ply") eq $wanted, 'nor does the order';
+    run(['resample', $in, @request, '-o', "$folder/t.ply", '-q', '--seed', 2]);
+    ok slurp("$folder/t.ply") ne $wanted, 'another seed does';
+    unlink "$folder/t.ply";
+};
+
+subtest 'the format' => sub {
+    my @magic = ([ply => "ply\n"], [drc => 'DRACO']);
+    for my $case (['a.ply', [], 'ply'], ['a.DRC', [], 'drc'], ['a.bin', [], 'ply'],
+        ['b.ply', ['--format', 'drc'], 'drc'], ['b.drc', ['--format=ply'], 'ply']) {
+        my ($name, $option, $format) = @$case;
+        my ($magic) = map { $_->[1] } grep { $_->[0] eq $format } @magic;
+        my ($code, $stdout) = run(['resample', $in, @request, '-o', "$folder/$name", '--json', @$option]);
+        is $code, 0, "$name @$option is written";
+        is substr(slurp("$folder/$name"), 0, length $magic), $magic, "$name @$option is $format";
+        is decode_json((split /\n/, $stdout)[-1])->{parameters}{format}, $format, 'the report says so';
+    }
+    my ($code) = run(['resample', "$folder/a.DRC", '-n', 100, '-o', "$folder/c.bin", '-q']);
+    is $code, 0, 'what was written is read';
+    is substr(slurp("$folder/c.bin"), 0, 5), 'DRACO', 'without a hint, the format is the input\'s';
+    unlink glob "$folder/{a,b,c}.*";
+};
+
+subtest 'what stands where the output goes' => sub {
+    spew($out, 'old');
+    my $bad = spew("$folder/bad.ply", 'x');
+    run(['resample', $bad, '-n', 5, '-o', $out]);
+    is slurp($out), 'old', 'a failure leaves it alone';
+    run(['resample', $in, @request, '-o', $out, '-q']);
+    ok slurp($out) eq $wanted, 'a success replaces it';
+    spew("$folder/target.ply", 'old');
+    symlink 'target.ply', "$folder/link.ply" or die;
+    run(['resample', $in, @request, '-o', "$folder/link.ply", '-q']);
+    ok -l "$folder/link.ply" && slurp("$folder/target.ply") eq $wanted, 'a link is followed';
+    my ($code) = run(['resample', $in, @request, '-o', '/dev/null', '-q']);
+    ok $code == 0 && -c '/dev/null', '/dev/null is written to, not replaced';
+    my ($full, undef, $why) = run(['resample', $in, @request, '-o', '/dev/full', '-q']);
+    is "$full $why", "1 voronoid: /dev/full: cannot be written: No space left on device\n",
+        'a full disk is told';
+    ($full, undef, $why) = run(['resample', $in, @request, '-o', '-', '-q'], stdout => '/dev/full');
+    is "$full $why", "1 voronoid: -: cannot be written: No space left on device\n",
+        'so is a full stdout';
+    unlink map {"$folder/$_"} qw(bad.ply target.ply link.ply);
+};
+
+subtest 'a signal' => sub {
+    my $big = spew("$folder/big.ply", sphere(20000));
+    for my $case (['INT', 130], ['TERM', 4]) {
+        my ($signal, $wanted) = @$case;
+        my $process = start(['resample', $big, '-n', 20000, '--iterations', 10000, '--json', '-o', "$folder/never.ply"]);
+        for (1 .. 3000) {
+            last if -s "$process->{folder}/out";
+            sleep 0.01;
+        }
+        kill $signal, $process->{pid};
+        my ($code, $stdout, $stderr) = finish($process, 30);
+        is $code, $wanted, "SIG$signal ends it with $wanted";
+        is $stderr, "voronoid: $big: cancelled\n", 'it says so';
+        unlike $stdout, qr/"points"/, 'there is no report';
+    }
+    unlink $big;
+};
+is leftovers($folder, 'in.ply', 'out.ply'), '', 'nothing is left behind';
+
+subtest 'ratio and spacing' => sub {
+    my ($code, $stdout) = run(['resample', $in, '--ratio', '0.1', '--iterations', 2, '--json', '-o', $out]);
+    is decode_json((split /\n/, $stdout)[-1])->{points}{out}, 400, 'ratio counts from the input';
+    ($code, $stdout) = run(['resample', $in, '--spacing', '0.2', '--iterations', 20, '--json', '-o', $out]);
+    my $report = decode_json((split /\n/, $stdout)[-1]);
+    cmp_ok abs($report->{points}{out} - 363), '<', 15, 'spacing counts from the area';
+    cmp_ok abs($report->{spacing} / 0.2 - 1), '<', 0.1, 'and is what comes out';
+};
+
+done_testing;
