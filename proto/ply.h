@@ -12,7 +12,7 @@
  *  one of the three is int, uint or double, all three go through vor_cloud_set_double. nx ny nz
  *  become a NORMAL and red green blue [alpha], or else diffuse_red ..., a COLOR where the parts
  *  share a type; every other scalar property becomes a GENERIC under its name, bytes outside the
- *  printable ASCII replaced by '_'. List properties of a vertex are skipped, and so are elements
+ *  printable ASCII replaced by '?'. List properties of a vertex are skipped, and so are elements
  *  before `vertex`; what follows the last vertex is not looked at. In ascii a vertex is a line, and
  *  blank lines do not count.
  *

@@ -176,7 +176,7 @@ static vor_status add_generic(struct reader *reader, unsigned k, struct vor_erro
         property->name_length < sizeof name - 1 ? property->name_length : sizeof name - 1;
 
     for (size_t i = 0; i < length; i++)
-        name[i] = property->name[i] > 0x20 && property->name[i] < 0x7f ? property->name[i] : '_';
+        name[i] = property->name[i] > 0x20 && property->name[i] < 0x7f ? property->name[i] : '?';
     name[length] = '\0';
     return add_columns(reader, name, VOR_GENERIC, &k, 1, err);
 }
