@@ -60,7 +60,8 @@ VOR_NODISCARD vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *by
  *  at most 64 scalars a point. A file that would be so small for its points that vor_draco_read
  *  refused it (all points in one place, say) is written as with 0 instead.
  *
- *  Cost: O(n log n) time; about 40 B a point are charged to cloud->memory for the time of the call.
+ *  Cost: O(n log n) time; about five times the bytes of the cloud are charged to cloud->memory
+ *  for the time of the call.
  *  Deterministic: the same cloud and options give the same bytes. Thread-safe. */
 VOR_NODISCARD vor_status vor_draco_write(const struct vor_sink *sink, const struct vor_cloud *cloud,
                                          const struct vor_write_options *options,

@@ -1,5 +1,6 @@
 #include "tests/unit/draco_files.h"
 
+#include <pthread.h>
 #include <stdio.h>
 
 /* False, with a line that names it, when a file is not there: prints a TAP comment. */
@@ -318,6 +319,50 @@ START_TEST(what_the_library_held_is_in_the_peak_and_given_back)
 }
 END_TEST
 
+/* One thread's share: its own allocator, capped on every other turn. */
+static void *trips(void *ctx)
+{
+    const struct vt_bytes *bytes = ctx;
+    size_t wrong = 0;
+
+    for (int k = 0; k < 40; k++) {
+        size_t cap = k % 2 == 0 ? SIZE_MAX : 30000;
+        struct vor_memory memory;
+        struct vor_cloud cloud;
+        struct vor_error err;
+        vor_status status;
+
+        vor_memory_init(&memory, cap);
+        vor_cloud_init(&cloud, &memory);
+        status = vor_draco_read(&cloud, bytes->data, bytes->size, &draco_limits, &err);
+        wrong += status != (k % 2 == 0 ? VOR_OK : VOR_E_NOMEM);
+        vor_cloud_free(&cloud);
+        wrong += atomic_load(&memory.used) != 0;
+    }
+    return wrong == 0 ? ctx : NULL;
+}
+
+/* Property: the meter of one call never sees the allocations of another. */
+START_TEST(calls_on_several_threads_share_nothing)
+{
+    pthread_t threads[4];
+    struct vor_cloud cloud;
+    struct vt_bytes bytes;
+    void *answer;
+
+    vt_cloud_sphere(&cloud, 1, 2000);
+    vt_assert_ok(draco_encode(&bytes, &cloud, 12, 0));
+    for (int i = 0; i < 4; i++)
+        ck_assert_int_eq(pthread_create(&threads[i], NULL, trips, &bytes), 0);
+    for (int i = 0; i < 4; i++) {
+        ck_assert_int_eq(pthread_join(threads[i], &answer), 0);
+        ck_assert_ptr_nonnull(answer);
+    }
+    free(bytes.data);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("draco_read");
@@ -331,5 +376,6 @@ int main(void)
     vt_add(suite, a_nan_in_double_positions_names_its_point);
     vt_add(suite, kinds_and_types_of_the_file_become_ours);
     vt_add(suite, what_the_library_held_is_in_the_peak_and_given_back);
+    vt_add(suite, calls_on_several_threads_share_nothing);
     return vt_run(suite);
 }
