@@ -1,0 +1,250 @@
+/* Property: whatever is done in whatever order, reopening included, the store and an array that
+ * follows the same rules agree. */
+#include "server/store.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_dir.h"
+
+#include <string.h>
+
+enum { JOBS = 24, STEPS = 150, CRASHES_MAX = 2 };
+
+struct model_job {
+    int known; /* inserted and not removed */
+    struct vor_uuid id;
+    int64_t seq;
+    enum vor_job_status status;
+    uint32_t attempt, crashes;
+    int expired;
+    int64_t finished, expires;
+};
+
+struct model {
+    uint64_t seed, draw;
+    int64_t now;
+    struct vor_store *store;
+    struct model_job jobs[JOBS];
+    size_t count;
+};
+
+static unsigned pick(struct model *model, unsigned bound)
+{
+    return (unsigned)(vt_unit(model->seed, model->draw++) * bound);
+}
+
+static int is_over(const struct model_job *job)
+{
+    return vor_job_status_over(job->status);
+}
+
+static void do_insert(struct model *model)
+{
+    struct model_job *job = &model->jobs[model->count];
+    struct vor_job_view row = vt_row(10);
+
+    if (model->count == JOBS)
+        return;
+    vt_assert_ok(vor_store_insert(model->store, &row, &vt_err));
+    *job = (struct model_job){.known = 1, .id = row.id, .seq = row.seq, .status = VOR_JOB_ACCEPTED};
+    model->count++;
+}
+
+static void do_claim(struct model *model, struct model_job *job)
+{
+    int expected = job->known && job->status == VOR_JOB_ACCEPTED, changed;
+    uint32_t attempt;
+
+    vt_assert_ok(vor_store_claim(model->store, &job->id, model->now, &attempt, &changed, &vt_err));
+    ck_assert_int_eq(changed, expected);
+    if (!expected)
+        return;
+    job->status = VOR_JOB_RUNNING;
+    ck_assert_uint_eq(attempt, ++job->attempt);
+}
+
+static void do_finish(struct model *model, struct model_job *job)
+{
+    static const enum vor_job_status ends[] = {VOR_JOB_SUCCESSFUL, VOR_JOB_FAILED,
+                                               VOR_JOB_DISMISSED};
+    struct vor_job_view row = vt_row(10);
+    uint32_t attempt = pick(model, 4);
+    int expected =
+        job->known &&
+        (attempt == 0 ? !is_over(job) : job->status == VOR_JOB_RUNNING && job->attempt == attempt);
+    int changed;
+
+    row.id = job->id;
+    row.status = ends[pick(model, 3)];
+    row.attempt = job->attempt;
+    row.finished = model->now;
+    row.expires = model->now + 1 + pick(model, 40);
+    vt_assert_ok(vor_store_finish(model->store, &row, attempt, NULL, &changed, &vt_err));
+    ck_assert_int_eq(changed, expected);
+    if (!expected)
+        return;
+    job->status = row.status;
+    job->finished = row.finished;
+    job->expires = row.expires;
+}
+
+static void do_release(struct model *model, struct model_job *job)
+{
+    uint32_t attempt = 1 + pick(model, 3);
+    int expected = job->known && job->status == VOR_JOB_RUNNING && job->attempt == attempt;
+    int changed;
+
+    vt_assert_ok(vor_store_release(model->store, &job->id, attempt, model->now, &changed, &vt_err));
+    ck_assert_int_eq(changed, expected);
+    if (expected)
+        job->status = VOR_JOB_ACCEPTED;
+}
+
+static void do_remove(struct model *model, struct model_job *job)
+{
+    int expected = job->known && is_over(job), changed;
+
+    vt_assert_ok(vor_store_remove(model->store, &job->id, &changed, &vt_err));
+    ck_assert_int_eq(changed, expected);
+    if (expected)
+        job->known = 0;
+}
+
+static void do_expire(struct model *model)
+{
+    struct vor_uuid ids[JOBS];
+    size_t count, expected = 0;
+
+    vt_assert_ok(vor_store_expire(model->store, model->now, ids, JOBS, &count, &vt_err));
+    for (size_t i = 0; i < model->count; i++) {
+        struct model_job *job = &model->jobs[i];
+
+        if (!job->known || !is_over(job) || job->expires > model->now)
+            continue;
+        expected += !job->expired;
+        job->expired = 1;
+        if (2 * job->expires - job->finished <= model->now)
+            job->known = 0;
+    }
+    ck_assert_uint_eq(count, expected);
+}
+
+static void do_crash(struct model *model, const char *dir)
+{
+    struct vor_recovered recovered;
+    uint64_t requeued = 0, failed = 0;
+
+    vor_store_close(model->store);
+    model->store = vt_dir_store(dir);
+    vt_assert_ok(vor_store_recover(model->store, CRASHES_MAX, model->now, model->now + 10,
+                                   &recovered, &vt_err));
+    for (size_t i = 0; i < model->count; i++) {
+        struct model_job *job = &model->jobs[i];
+
+        if (!job->known || job->status != VOR_JOB_RUNNING)
+            continue;
+        job->status = ++job->crashes >= CRASHES_MAX ? VOR_JOB_FAILED : VOR_JOB_ACCEPTED;
+        job->finished = is_over(job) ? model->now : 0;
+        job->expires = is_over(job) ? model->now + 10 : 0;
+        requeued += !is_over(job);
+        failed += is_over(job);
+    }
+    ck_assert_uint_eq(recovered.requeued, requeued);
+    ck_assert_uint_eq(recovered.failed, failed);
+}
+
+/* The rows of a list must be the model's, from the newest on. */
+struct expectation {
+    struct model *model;
+    size_t at; /* below it, the next row is looked for */
+};
+
+static struct model_job *next_listed(struct expectation *expectation)
+{
+    while (expectation->at > 0) {
+        struct model_job *job = &expectation->model->jobs[--expectation->at];
+
+        if (job->known && !job->expired)
+            return job;
+    }
+    return NULL;
+}
+
+static int compare_row(void *ctx, const struct vor_job_view *row)
+{
+    struct model_job *job = next_listed(ctx);
+    uint32_t attempt;
+
+    ck_assert_ptr_nonnull(job);
+    attempt = job->attempt + (job->status == VOR_JOB_ACCEPTED);
+    ck_assert_str_eq(row->id.text, job->id.text);
+    ck_assert_int_eq(row->seq, job->seq);
+    ck_assert_int_eq(row->status, job->status);
+    ck_assert_uint_eq(row->attempt, attempt > 0 ? attempt : 1);
+    ck_assert_int_eq(row->finished, job->finished);
+    ck_assert_int_eq(row->expires, job->expires);
+    return 1;
+}
+
+static void compare_all(struct model *model)
+{
+    struct expectation expectation = {model, model->count};
+    struct vor_job_filter filter = {.limit = 10000};
+
+    vt_assert_ok(vor_store_list(model->store, &filter, compare_row, &expectation, &vt_err));
+    ck_assert_ptr_null(next_listed(&expectation));
+    for (size_t i = 0; i < model->count; i++) {
+        struct vor_job_view row;
+        int found;
+
+        vt_assert_ok(vor_store_get(model->store, &model->jobs[i].id, &row, &found, &vt_err));
+        ck_assert_int_eq(found, model->jobs[i].known);
+        if (found)
+            ck_assert_int_eq(row.expired, model->jobs[i].expired);
+    }
+}
+
+static void step(struct model *model, const char *dir)
+{
+    unsigned action = pick(model, 20);
+    struct model_job *job = &model->jobs[pick(model, (unsigned)model->count)];
+
+    model->now += pick(model, 4);
+    if (action < 4)
+        do_insert(model);
+    else if (action < 9)
+        do_claim(model, job);
+    else if (action < 13)
+        do_finish(model, job);
+    else if (action < 15)
+        do_release(model, job);
+    else if (action < 16)
+        do_remove(model, job);
+    else if (action < 18)
+        do_expire(model);
+    else
+        do_crash(model, dir);
+}
+
+START_TEST(the_store_agrees_with_its_model)
+{
+    const char *dir = vt_dir_make();
+    struct model model = {.seed = (uint64_t)_i, .now = 1000, .store = vt_dir_store(dir)};
+
+    do_insert(&model);
+    for (int i = 0; i < STEPS; i++) {
+        step(&model, dir);
+        if (i % 10 == 0)
+            compare_all(&model);
+    }
+    compare_all(&model);
+    vor_store_close(model.store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("store_model");
+
+    vt_add_loop(suite, the_store_agrees_with_its_model, 12);
+    return vt_run(suite);
+}

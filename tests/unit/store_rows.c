@@ -1,0 +1,701 @@
+/* The store: a row comes back as it went in, changes happen once, and a kill loses nothing. */
+#include "server/clock.h"
+#include "server/store.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_dir.h"
+
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* --- helpers ---------------------------------------------------------------------------------- */
+
+static struct vor_job_view insert(struct vor_store *store, unsigned points)
+{
+    struct vor_job_view row = vt_row(points);
+
+    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    return row;
+}
+
+static struct vor_job_view get(struct vor_store *store, const struct vor_uuid *id)
+{
+    struct vor_job_view row;
+    int found;
+
+    vt_assert_ok(vor_store_get(store, id, &row, &found, &vt_err));
+    ck_assert(found);
+    return row;
+}
+
+static uint32_t claim(struct vor_store *store, const struct vor_uuid *id)
+{
+    uint32_t attempt = 0;
+    int changed;
+
+    vt_assert_ok(vor_store_claim(store, id, vor_clock_wall_ms(), &attempt, &changed, &vt_err));
+    return changed ? attempt : 0;
+}
+
+static int finish(struct vor_store *store, struct vor_job_view row, enum vor_job_status status,
+                  uint32_t attempt)
+{
+    int changed;
+
+    row.status = status;
+    row.finished = vor_clock_wall_ms();
+    row.expires = row.finished + 1000;
+    vt_assert_ok(vor_store_finish(store, &row, attempt, NULL, &changed, &vt_err));
+    return changed;
+}
+
+static int release(struct vor_store *store, const struct vor_uuid *id, uint32_t attempt)
+{
+    int changed;
+
+    vt_assert_ok(vor_store_release(store, id, attempt, 1, &changed, &vt_err));
+    return changed;
+}
+
+static int remove_row(struct vor_store *store, const struct vor_uuid *id)
+{
+    int changed;
+
+    vt_assert_ok(vor_store_remove(store, id, &changed, &vt_err));
+    return changed;
+}
+
+static struct vor_recovered recover(struct vor_store *store, unsigned crashes_max)
+{
+    struct vor_recovered recovered;
+
+    vt_assert_ok(vor_store_recover(store, crashes_max, 5000, 9000, &recovered, &vt_err));
+    return recovered;
+}
+
+/* --- rows ------------------------------------------------------------------------------------- */
+
+START_TEST(a_row_comes_back_as_it_was_inserted)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = vt_dir_store(dir);
+    struct vor_job_view row = vt_row(4321), back;
+
+    row.input = (struct vor_job_input){
+        .format = 1, .points = 812344, .bytes = UINT64_C(1) << 40, .seconds = 0.1};
+    memset(row.input.sha256, 'a', 64);
+    vt_assert_ok(vor_spec_set(&row.spec, "neighbors", "auto", &vt_err));
+    vt_assert_ok(vor_spec_set(&row.spec, "boundary", "free", &vt_err));
+    vt_assert_ok(vor_spec_set(&row.spec, "delta", "0.07", &vt_err));
+    vt_assert_ok(vor_spec_set(&row.spec, "format", "drc", &vt_err));
+    vt_assert_ok(vor_spec_set(&row.spec, "seed", "9007199254740991", &vt_err));
+    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    ck_assert_int_eq(row.seq, 1);
+    vor_store_close(store);
+
+    store = vt_dir_store(dir);
+    back = get(store, &row.id);
+    ck_assert_int_eq(back.status, VOR_JOB_ACCEPTED);
+    ck_assert_int_eq(back.stage, VOR_STAGE_QUEUED);
+    ck_assert_int_eq(back.seq, 1);
+    ck_assert_str_eq(back.process, "resample");
+    ck_assert_mem_eq(&back.spec, &row.spec, sizeof row.spec);
+    ck_assert_uint_eq(back.input.format, 1);
+    ck_assert_uint_eq(back.input.points, 812344);
+    ck_assert_uint_eq(back.input.bytes, UINT64_C(1) << 40);
+    ck_assert_double_eq(back.input.seconds, 0.1);
+    ck_assert_str_eq(back.input.sha256, row.input.sha256);
+    ck_assert_uint_eq(back.attempt, 1);
+    ck_assert_int_eq(back.created, row.created);
+    ck_assert_int_eq(back.started, 0);
+    ck_assert_int_eq(back.has_record, 0);
+    ck_assert_int_eq(back.problem.status, VOR_OK);
+    vor_store_close(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(a_successful_end_comes_back_with_report_trace_and_record)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = vt_dir_store(dir);
+    struct vor_job_view row = insert(store, 10), back;
+    static const uint8_t trace_in[] = {0, 1, 2, 255, 0};
+    struct vor_store_ending ending = {"{\"delta\":0.07}", trace_in, sizeof trace_in};
+    uint8_t *trace;
+    char *report;
+    size_t size;
+    int changed;
+
+    row.status = VOR_JOB_SUCCESSFUL;
+    row.attempt = claim(store, &row.id);
+    row.progress = 100;
+    row.has_record = 1;
+    row.record = (struct vor_record){42, 0.07, 1e-300, 0.999, 1e300, 0.1 + 0.2, 7, 3.5};
+    row.output = (struct vor_job_output){.format = 1, .points = 10, .bytes = 99};
+    strcpy(row.output.sha256, "beef");
+    strcpy(row.message, "10 points");
+    row.finished = 7000;
+    row.expires = 8000;
+    vt_assert_ok(vor_store_finish(store, &row, 1, &ending, &changed, &vt_err));
+    ck_assert_int_eq(changed, 1);
+    back = get(store, &row.id);
+    ck_assert_int_eq(back.status, VOR_JOB_SUCCESSFUL);
+    ck_assert_int_eq(back.progress, 100);
+    ck_assert_int_eq(back.stage, VOR_STAGE_ENCODE);
+    ck_assert_mem_eq(&back.record, &row.record, sizeof row.record);
+    ck_assert_uint_eq(back.output.format, 1);
+    ck_assert_uint_eq(back.output.points, 10);
+    ck_assert_uint_eq(back.output.bytes, 99);
+    ck_assert_str_eq(back.output.sha256, "beef");
+    ck_assert_str_eq(back.message, "10 points");
+    ck_assert_int_eq(back.finished, 7000);
+    ck_assert_int_eq(back.expires, 8000);
+    vt_assert_ok(vor_store_report(store, &row.id, &report, &vt_err));
+    ck_assert_str_eq(report, ending.report);
+    vt_assert_ok(vor_store_trace(store, &row.id, &trace, &size, &vt_err));
+    ck_assert_uint_eq(size, sizeof trace_in);
+    ck_assert_mem_eq(trace, trace_in, sizeof trace_in);
+    free(report);
+    free(trace);
+    vor_store_close(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(a_failure_comes_back_with_its_problem)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = vt_dir_store(dir);
+    struct vor_job_view row = insert(store, 10), back;
+    char *report;
+
+    for (int status = 1; status < VOR_STATUS_COUNT; status++) {
+        row = insert(store, 10);
+        (void)vor_fail_param(&row.problem, (vor_status)status, "points", "a \"quoted\" %s",
+                             "\x01 reason");
+        row.problem.byte_offset = 77;
+        row.problem.limit = 1000;
+        row.problem.got = 2000;
+        ck_assert(finish(store, row, VOR_JOB_FAILED, 0));
+        back = get(store, &row.id);
+        ck_assert_mem_eq(&back.problem, &row.problem, sizeof row.problem);
+    }
+    vt_assert_ok(vor_store_report(store, &row.id, &report, &vt_err));
+    ck_assert_ptr_null(report);
+    vor_store_close(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(a_job_is_claimed_once)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = vt_dir_store(dir);
+    struct vor_job_view row = insert(store, 10), back;
+    struct vor_uuid stranger = vt_row(1).id;
+
+    ck_assert_uint_eq(claim(store, &row.id), 1);
+    ck_assert_uint_eq(claim(store, &row.id), 0);
+    ck_assert_uint_eq(claim(store, &stranger), 0);
+    back = get(store, &row.id);
+    ck_assert_int_eq(back.status, VOR_JOB_RUNNING);
+    ck_assert_int_gt(back.started, 0);
+    vor_store_close(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(the_first_end_wins)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = vt_dir_store(dir);
+    struct vor_job_view row = insert(store, 10);
+    uint32_t attempt = claim(store, &row.id);
+
+    ck_assert(finish(store, row, VOR_JOB_DISMISSED, 0));
+    ck_assert(!finish(store, row, VOR_JOB_SUCCESSFUL, attempt));
+    ck_assert(!finish(store, row, VOR_JOB_FAILED, 0));
+    ck_assert_int_eq(get(store, &row.id).status, VOR_JOB_DISMISSED);
+    vor_store_close(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(only_the_running_attempt_may_end_beat_or_release)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = vt_dir_store(dir);
+    struct vor_job_view row = insert(store, 10);
+
+    ck_assert(!finish(store, row, VOR_JOB_SUCCESSFUL, 1)); /* still waits */
+    ck_assert_uint_eq(claim(store, &row.id), 1);
+    ck_assert(release(store, &row.id, 1));
+    ck_assert_uint_eq(get(store, &row.id).attempt, 2); /* the next one */
+    ck_assert_uint_eq(claim(store, &row.id), 2);
+    ck_assert(!release(store, &row.id, 1));
+    ck_assert(!finish(store, row, VOR_JOB_SUCCESSFUL, 1));
+    row.attempt = 1;
+    row.progress = 50;
+    vt_assert_ok(vor_store_beat(store, &row, &vt_err));
+    ck_assert_int_eq(get(store, &row.id).progress, 0);
+    row.attempt = 2;
+    vt_assert_ok(vor_store_beat(store, &row, &vt_err));
+    ck_assert_int_eq(get(store, &row.id).progress, 50);
+    row.progress = 20;
+    vt_assert_ok(vor_store_beat(store, &row, &vt_err));
+    ck_assert_int_eq(get(store, &row.id).progress, 50); /* never falls */
+    ck_assert(finish(store, row, VOR_JOB_SUCCESSFUL, 2));
+    vor_store_close(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(only_a_job_that_is_over_can_be_removed)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = vt_dir_store(dir);
+    struct vor_job_view row = insert(store, 10);
+    int found;
+
+    ck_assert(!remove_row(store, &row.id));
+    (void)claim(store, &row.id);
+    ck_assert(!remove_row(store, &row.id));
+    ck_assert(finish(store, row, VOR_JOB_FAILED, 1));
+    ck_assert(remove_row(store, &row.id));
+    ck_assert(!remove_row(store, &row.id));
+    vt_assert_ok(vor_store_get(store, &row.id, &row, &found, &vt_err));
+    ck_assert(!found);
+    vor_store_close(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* --- lists ------------------------------------------------------------------------------------ */
+
+struct seen {
+    int64_t seqs[64];
+    size_t count, stop_after;
+};
+
+static int see(void *ctx, const struct vor_job_view *row)
+{
+    struct seen *seen = ctx;
+
+    seen->seqs[seen->count++] = row->seq;
+    return seen->count != seen->stop_after;
+}
+
+static struct seen list(struct vor_store *store, struct vor_job_filter filter, size_t stop_after)
+{
+    struct seen seen = {.stop_after = stop_after};
+
+    vt_assert_ok(vor_store_list(store, &filter, see, &seen, &vt_err));
+    return seen;
+}
+
+START_TEST(a_list_is_newest_first_filtered_and_continued_by_its_cursor)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = vt_dir_store(dir);
+    struct vor_job_view rows[10];
+    uint64_t counts[VOR_JOB_STATUSES];
+    struct seen seen;
+
+    for (int i = 0; i < 10; i++)
+        rows[i] = insert(store, 10);
+    (void)claim(store, &rows[2].id);
+    (void)claim(store, &rows[5].id);
+    ck_assert(finish(store, rows[5], VOR_JOB_FAILED, 1));
+
+    seen = list(store, (struct vor_job_filter){.limit = 3}, 0);
+    ck_assert_uint_eq(seen.count, 3);
+    ck_assert_int_eq(seen.seqs[0], 10);
+    ck_assert_int_eq(seen.seqs[2], 8);
+    seen = list(store, (struct vor_job_filter){.limit = 3, .before_seq = 8}, 0);
+    ck_assert_int_eq(seen.seqs[0], 7);
+    seen = list(store, (struct vor_job_filter){.limit = 64}, 4);
+    ck_assert_uint_eq(seen.count, 4);
+    seen = list(store,
+                (struct vor_job_filter){.limit = 64,
+                                        .statuses = 1u << VOR_JOB_RUNNING | 1u << VOR_JOB_FAILED},
+                0);
+    ck_assert_uint_eq(seen.count, 2);
+    ck_assert_int_eq(seen.seqs[0], 6);
+    ck_assert_int_eq(seen.seqs[1], 3);
+    seen = list(store, (struct vor_job_filter){.limit = 64, .process = "resample"}, 0);
+    ck_assert_uint_eq(seen.count, 10);
+    seen = list(store, (struct vor_job_filter){.limit = 64, .process = "' OR 1=1 --"}, 0);
+    ck_assert_uint_eq(seen.count, 0);
+    vt_assert_ok(vor_store_count(store, counts, &vt_err));
+    ck_assert_uint_eq(counts[VOR_JOB_ACCEPTED], 8);
+    ck_assert_uint_eq(counts[VOR_JOB_RUNNING], 1);
+    ck_assert_uint_eq(counts[VOR_JOB_SUCCESSFUL], 0);
+    ck_assert_uint_eq(counts[VOR_JOB_FAILED], 1);
+    vor_store_close(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* --- time ------------------------------------------------------------------------------------- */
+
+START_TEST(results_expire_then_are_forgotten)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = vt_dir_store(dir);
+    struct vor_job_view rows[3], back;
+    struct vor_store_ending ending = {.report = "{}"};
+    struct vor_uuid ids[2];
+    size_t count;
+    char *report;
+    int changed, found;
+
+    for (int i = 0; i < 3; i++) {
+        rows[i] = insert(store, 10);
+        rows[i].status = VOR_JOB_SUCCESSFUL;
+        rows[i].finished = 1000;
+        rows[i].expires = 2000 + i;
+        vt_assert_ok(vor_store_finish(store, &rows[i], 0, &ending, &changed, &vt_err));
+    }
+    (void)insert(store, 10); /* waits: never expires */
+    vt_assert_ok(vor_store_expire(store, 1999, ids, 2, &count, &vt_err));
+    ck_assert_uint_eq(count, 0);
+    vt_assert_ok(vor_store_expire(store, 2002, ids, 2, &count, &vt_err));
+    ck_assert_uint_eq(count, 2);
+    ck_assert_str_eq(ids[0].text, rows[0].id.text);
+    ck_assert_str_eq(ids[1].text, rows[1].id.text);
+    vt_assert_ok(vor_store_expire(store, 2002, ids, 2, &count, &vt_err));
+    ck_assert_uint_eq(count, 1);
+    back = get(store, &rows[0].id);
+    ck_assert(back.expired);
+    vt_assert_ok(vor_store_report(store, &rows[0].id, &report, &vt_err));
+    ck_assert_ptr_null(report);
+    ck_assert_uint_eq(list(store, (struct vor_job_filter){.limit = 9}, 0).count, 1);
+    vt_assert_ok(vor_store_expire(store, 3000, ids, 2, &count, &vt_err));
+    vt_assert_ok(vor_store_get(store, &rows[0].id, &back, &found, &vt_err));
+    ck_assert(!found);
+    vt_assert_ok(vor_store_get(store, &rows[1].id, &back, &found, &vt_err));
+    ck_assert(found); /* its second life is two milliseconds longer */
+    vor_store_close(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(what_ran_in_a_crash_waits_again_until_it_crashed_too_often)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = vt_dir_store(dir);
+    struct vor_job_view waits = insert(store, 10), runs = insert(store, 10), back;
+    struct vor_recovered recovered;
+
+    for (uint32_t crash = 1; crash <= 2; crash++) {
+        ck_assert_uint_eq(claim(store, &runs.id), crash);
+        recovered = recover(store, 3);
+        ck_assert_uint_eq(recovered.requeued, 1);
+        ck_assert_uint_eq(recovered.failed, 0);
+        ck_assert_int_eq(get(store, &runs.id).status, VOR_JOB_ACCEPTED);
+    }
+    (void)claim(store, &runs.id);
+    (void)release(store, &runs.id, 3); /* going down in good order is no crash */
+    (void)claim(store, &runs.id);
+    recovered = recover(store, 3);
+    ck_assert_uint_eq(recovered.failed, 1);
+    back = get(store, &runs.id);
+    ck_assert_int_eq(back.status, VOR_JOB_FAILED);
+    ck_assert_int_eq(back.problem.status, VOR_E_INTERNAL);
+    ck_assert_ptr_nonnull(strstr(back.problem.message, "3 times"));
+    ck_assert_int_eq(back.finished, 5000);
+    ck_assert_int_eq(back.expires, 9000);
+    ck_assert_int_eq(get(store, &waits.id).status, VOR_JOB_ACCEPTED);
+    vor_store_close(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* --- kills ------------------------------------------------------------------------------------ */
+
+enum kill_point { AFTER_INSERT, AFTER_CLAIM, AFTER_FINISH, AFTER_REMOVE, KILL_POINTS };
+
+struct killed {
+    const char *dir;
+    enum kill_point point;
+    struct vor_job_view row;
+};
+
+static void act_until_killed(void *ctx)
+{
+    struct killed *killed = ctx;
+    struct vor_store *store = vt_dir_store(killed->dir);
+
+    vt_assert_ok(vor_store_insert(store, &killed->row, &vt_err));
+    if (killed->point >= AFTER_CLAIM)
+        (void)claim(store, &killed->row.id);
+    if (killed->point >= AFTER_FINISH)
+        (void)finish(store, killed->row, VOR_JOB_SUCCESSFUL, 1);
+    if (killed->point >= AFTER_REMOVE)
+        (void)remove_row(store, &killed->row.id);
+    raise(SIGKILL);
+}
+
+START_TEST(what_was_answered_before_a_kill_is_there_after_it)
+{
+    struct killed killed = {.dir = vt_dir_make(), .point = (enum kill_point)_i, .row = vt_row(7)};
+    static const enum vor_job_status expected[] = {
+        [AFTER_INSERT] = VOR_JOB_ACCEPTED,
+        [AFTER_CLAIM] = VOR_JOB_RUNNING,
+        [AFTER_FINISH] = VOR_JOB_SUCCESSFUL,
+    };
+    struct vor_store *store;
+    struct vor_job_view row;
+    int found;
+
+    vt_killed(act_until_killed, &killed);
+    store = vt_dir_store(killed.dir);
+    vt_assert_ok(vor_store_check(store, &vt_err));
+    vt_assert_ok(vor_store_get(store, &killed.row.id, &row, &found, &vt_err));
+    ck_assert_int_eq(found, killed.point != AFTER_REMOVE);
+    if (found)
+        ck_assert_int_eq(row.status, expected[killed.point]);
+    vor_store_close(store);
+    vt_dir_remove(killed.dir);
+}
+END_TEST
+
+struct torn {
+    const char *dir;
+    int fd;
+};
+
+/* Inserts for ever, telling after each one that it is done. */
+static void insert_for_ever(struct torn *torn)
+{
+    struct vor_store *store = vt_dir_store(torn->dir);
+
+    for (;;) {
+        struct vor_job_view row = insert(store, 10);
+
+        (void)!write(torn->fd, row.id.text, sizeof row.id.text);
+    }
+}
+
+/* Killed from outside, at any instant: every row that was acknowledged is there. */
+START_TEST(no_acknowledged_row_is_lost_by_a_kill_at_any_instant)
+{
+    struct torn torn = {.dir = vt_dir_make()};
+    struct vor_store *store;
+    struct vor_job_view row;
+    struct timespec pause = {.tv_nsec = 1000000 * (20 + (long)(60 * vt_unit(3, (uint64_t)_i)))};
+    struct vor_uuid id;
+    int ends[2], found, count = 0;
+    pid_t child;
+
+    ck_assert_int_eq(pipe(ends), 0);
+    torn.fd = ends[1];
+    child = fork();
+    if (child == 0)
+        insert_for_ever(&torn);
+    close(ends[1]);
+    ck_assert_int_eq(read(ends[0], id.text, sizeof id.text), sizeof id.text);
+    nanosleep(&pause, NULL);
+    kill(child, SIGKILL);
+    waitpid(child, NULL, 0);
+    store = vt_dir_store(torn.dir);
+    do {
+        vt_assert_ok(vor_store_get(store, &id, &row, &found, &vt_err));
+        ck_assert_msg(found, "row %s is lost", id.text);
+        count++;
+    } while (read(ends[0], id.text, sizeof id.text) == sizeof id.text);
+    ck_assert_int_gt(count, 0);
+    close(ends[0]);
+    vor_store_close(store);
+    vt_dir_remove(torn.dir);
+}
+END_TEST
+
+/* --- refusals --------------------------------------------------------------------------------- */
+
+START_TEST(a_second_daemon_is_refused_with_the_holder_s_name)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = NULL, *second = NULL;
+    char where[512], byte;
+    int ready[2];
+    long holder;
+    pid_t child;
+
+    (void)snprintf(where, sizeof where, "sqlite:%s/jobs.sqlite", dir);
+    ck_assert_int_eq(pipe(ready), 0);
+    child = fork();
+    if (child == 0) {
+        (void)vt_dir_store(dir);
+        (void)!write(ready[1], "x", 1);
+        for (;;)
+            pause();
+    }
+    ck_assert_int_eq(read(ready[0], &byte, 1), 1);
+    vt_assert_fails(VOR_E_IO, vor_store_open(&second, where, &holder, &vt_err));
+    ck_assert_int_eq(holder, child);
+    ck_assert_ptr_null(second);
+    kill(child, SIGKILL);
+    waitpid(child, NULL, 0);
+    vt_assert_ok(vor_store_open(&store, where, &holder, &vt_err));
+    ck_assert_int_eq(holder, 0);
+    vor_store_close(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(what_is_no_store_is_refused)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = NULL;
+    char where[512];
+    FILE *file;
+    long holder;
+
+    (void)snprintf(where, sizeof where, "sqlite:%s/jobs.sqlite", dir);
+    vt_assert_fails(VOR_E_PARAM, vor_store_open(&store, where + 7, &holder, &vt_err));
+    ck_assert_str_eq(vt_err.parameter, "store");
+    vt_assert_fails(VOR_E_PARAM, vor_store_open(&store, "sqlite:", &holder, &vt_err));
+    vt_assert_fails(VOR_E_PARAM, vor_store_open(&store, "postgres:x", &holder, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_store_open(&store, "sqlite:/dev/null/x", &holder, &vt_err));
+    ck_assert_int_eq(holder, 0);
+    file = fopen(where + 7, "w");
+    for (int i = 0; i < 200; i++)
+        fputs("this is a text, not a database\n", file);
+    fclose(file);
+    vt_assert_fails(VOR_E_IO, vor_store_open(&store, where, &holder, &vt_err));
+    ck_assert_int_eq(holder, 0);
+    ck_assert_ptr_null(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* The version of a SQLite file's schema is the big-endian number at byte 60. */
+START_TEST(a_store_of_a_newer_version_is_refused_and_left_alone)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = vt_dir_store(dir);
+    char where[512];
+    FILE *file;
+    long holder;
+
+    (void)insert(store, 10);
+    vor_store_close(store); /* the last close moves everything from the WAL into the file */
+    store = NULL;
+    (void)snprintf(where, sizeof where, "sqlite:%s/jobs.sqlite", dir);
+    file = fopen(where + 7, "r+");
+    ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
+    ck_assert_int_eq(fgetc(file), 1);
+    ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
+    ck_assert_int_eq(fputc(9, file), 9);
+    fclose(file);
+    vt_assert_fails(VOR_E_IO, vor_store_open(&store, where, &holder, &vt_err));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "schema 9"));
+    ck_assert_ptr_null(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* A disk that refuses a write (here: a limit on the size of files) puts the store out of order:
+ * what it acknowledged stays readable, nothing new is taken. */
+START_TEST(a_store_whose_disk_failed_takes_no_more_and_says_so)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = vt_dir_store(dir);
+    struct vor_job_view row = insert(store, 10), more = vt_row(10);
+    struct rlimit limit;
+    int found;
+
+    signal(SIGXFSZ, SIG_IGN);
+    ck_assert_int_eq(getrlimit(RLIMIT_FSIZE, &limit), 0);
+    limit.rlim_cur = 4096;
+    ck_assert_int_eq(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    vt_assert_fails(VOR_E_IO, vor_store_insert(store, &more, &vt_err));
+    limit.rlim_cur = limit.rlim_max;
+    ck_assert_int_eq(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    vt_assert_fails(VOR_E_IO, vor_store_insert(store, &more, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_store_check(store, &vt_err));
+    vt_assert_ok(vor_store_get(store, &row.id, &row, &found, &vt_err));
+    ck_assert(found);
+    vor_store_close(store);
+    store = vt_dir_store(dir); /* only a restart helps, and it does */
+    vt_assert_ok(vor_store_check(store, &vt_err));
+    vt_assert_ok(vor_store_insert(store, &more, &vt_err));
+    vor_store_close(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* --- threads ---------------------------------------------------------------------------------- */
+
+struct racer {
+    struct vor_store *store;
+    const struct vor_job_view *rows;
+    enum vor_job_status status;
+    int won;
+};
+
+enum { RACES = 60 };
+
+static void *race(void *arg)
+{
+    struct racer *racer = arg;
+
+    for (int i = 0; i < RACES; i++)
+        racer->won += finish(racer->store, racer->rows[i], racer->status, 0);
+    return NULL;
+}
+
+START_TEST(of_two_threads_that_end_a_job_one_wins)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = vt_dir_store(dir);
+    struct vor_job_view rows[RACES];
+    struct racer a = {store, rows, VOR_JOB_FAILED, 0}, b = {store, rows, VOR_JOB_DISMISSED, 0};
+    uint64_t counts[VOR_JOB_STATUSES];
+    pthread_t threads[2];
+
+    for (int i = 0; i < RACES; i++)
+        rows[i] = insert(store, 10);
+    ck_assert_int_eq(pthread_create(&threads[0], NULL, race, &a), 0);
+    ck_assert_int_eq(pthread_create(&threads[1], NULL, race, &b), 0);
+    pthread_join(threads[0], NULL);
+    pthread_join(threads[1], NULL);
+    ck_assert_int_eq(a.won + b.won, RACES);
+    vt_assert_ok(vor_store_count(store, counts, &vt_err));
+    ck_assert_uint_eq(counts[VOR_JOB_FAILED], (uint64_t)a.won);
+    ck_assert_uint_eq(counts[VOR_JOB_DISMISSED], (uint64_t)b.won);
+    vor_store_close(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("store_rows");
+
+    vt_add(suite, a_row_comes_back_as_it_was_inserted);
+    vt_add(suite, a_successful_end_comes_back_with_report_trace_and_record);
+    vt_add(suite, a_failure_comes_back_with_its_problem);
+    vt_add(suite, a_job_is_claimed_once);
+    vt_add(suite, the_first_end_wins);
+    vt_add(suite, only_the_running_attempt_may_end_beat_or_release);
+    vt_add(suite, only_a_job_that_is_over_can_be_removed);
+    vt_add(suite, a_list_is_newest_first_filtered_and_continued_by_its_cursor);
+    vt_add(suite, results_expire_then_are_forgotten);
+    vt_add(suite, what_ran_in_a_crash_waits_again_until_it_crashed_too_often);
+    vt_add_loop(suite, what_was_answered_before_a_kill_is_there_after_it, KILL_POINTS);
+    vt_add_loop(suite, no_acknowledged_row_is_lost_by_a_kill_at_any_instant, 8);
+    vt_add(suite, a_second_daemon_is_refused_with_the_holder_s_name);
+    vt_add(suite, what_is_no_store_is_refused);
+    vt_add(suite, a_store_of_a_newer_version_is_refused_and_left_alone);
+    vt_add(suite, a_store_whose_disk_failed_takes_no_more_and_says_so);
+    vt_add(suite, of_two_threads_that_end_a_job_one_wins);
+    return vt_run(suite);
+}
