@@ -79,9 +79,6 @@ static vor_status prepare(struct engine *engine, struct vor_error *err)
     status = vor_domain_init(&engine->domain, engine->in, engine->run.memory, err);
     if (status != VOR_OK)
         return status;
-    if (engine->run.watch != NULL && engine->run.watch->poll != NULL &&
-        engine->run.watch->poll(engine->run.watch->ctx) == VOR_CANCEL)
-        return vor_run_ended(err);
     now = vor_run_clock(&engine->run);
     engine->report.seconds_index = now - before;
     before = now;
@@ -123,7 +120,8 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
                                        &engine->calm_run, err);
     if (status == VOR_OK) {
         vor_uniformity_from(&even, nearest, engine->n);
-        status = vor_transfer(out, engine->in, &engine->seeds, even.mean * unit, &engine->spec, err);
+        status =
+            vor_transfer(out, engine->in, &engine->seeds, even.mean * unit, &engine->spec, err);
     }
     vor_free(engine->run.memory, nearest);
     if (status != VOR_OK)

@@ -26,8 +26,8 @@ static inline double vor_distance2f(const float a[3], const float b[3])
 }
 
 /** Eigenvalues, ascending, and unit eigenvectors (rows of `vectors`, right-handed) of the symmetric
- *  matrix with upper triangle m = {xx, xy, xz, yy, yz, zz}. Cyclic Jacobi; exact zeros stay. Uses no
- *  function whose bits differ between machines. */
+ *  matrix with upper triangle m = {xx, xy, xz, yy, yz, zz}. Cyclic Jacobi; exact zeros stay. Uses
+ * no function whose bits differ between machines. */
 void vor_eigen3(double values[3], double vectors[3][3], const double m[6]);
 
 /** Solves A x = b for symmetric positive definite A of size n <= 20 (row-major, only the lower

@@ -34,8 +34,8 @@ static void encode(struct entry *entries, const float *xyz, size_t n)
     for (size_t i = 0; i < n; i++) {
         entries[i].code = 0;
         for (size_t c = 0; c < 3; c++)
-            entries[i].code |=
-                spread((uint64_t)(((double)xyz[3 * i + c] - (double)low[c]) * scale)) << c;
+            entries[i].code |= spread((uint64_t)(((double)xyz[3 * i + c] - (double)low[c]) * scale))
+                               << c;
         entries[i].index = (uint32_t)i;
     }
 }

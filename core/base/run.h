@@ -12,10 +12,21 @@ struct vor_run {
     const struct vor_watch *watch; /**< may be NULL */
 };
 
-/** The failure that an answer other than VOR_CONTINUE stands for where there is nothing to hand back. */
-static inline vor_status vor_run_ended(struct vor_error *err)
+/** Runs task over 0 .. n - 1 on the run's pool, as vor_parallel_for.
+ *
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  what the watch answered; rows are missing */
+VOR_NODISCARD static inline vor_status vor_run_for(const struct vor_run *run, size_t n,
+                                                   size_t block, vor_task task, void *ctx,
+                                                   struct vor_error *err)
 {
-    return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
+    switch (vor_parallel_for(run->pool, run->watch, n, block, task, ctx)) {
+    case VOR_CONTINUE:
+        return VOR_OK;
+    case VOR_STOP:
+        return vor_fail(err, VOR_E_STOPPED, "stopped by the caller");
+    default:
+        return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
+    }
 }
 
 /** A watch that passes on VOR_CANCEL and nothing else: for the parts of a run after which there is

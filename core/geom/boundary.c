@@ -2,19 +2,95 @@
 
 #include "core/base/linalg.h"
 
-int vor_boundary_one_sided(const struct vor_surface *surface, const float *near, unsigned k,
-                           const double local[3])
-{
-    double at[3], along[2], direction[3];
+#define ALLOWED_ONE_SIDED 0.6 /* of that where all neighbours lie to one side */
 
-    vor_surface_to_world(surface, local, at);
+#define ROOM 0.5        /* spacings that a cell may reach beyond the last neighbour */
+#define SURE_BORDER 0.2 /* reaches: the neighbours end this near */
+#define SURE_INSIDE 0.5 /* reaches: they go on at least this far */
+
+/* Squared distance from x to the nearest of the points, and which it is. */
+static double nearest2(const float *near, unsigned k, const double x[3], unsigned *which)
+{
+    double best = INFINITY;
+
+    for (unsigned i = 0; i < k; i++) {
+        double d[3] = {(double)near[3 * i] - x[0], (double)near[3 * i + 1] - x[1],
+                       (double)near[3 * i + 2] - x[2]};
+        double d2 = vor_dot(d, d);
+
+        if (d2 < best) {
+            best = d2;
+            *which = i;
+        }
+    }
+    return best;
+}
+
+/* How far the points go on from the seed towards side. */
+static double extent_towards(const struct vor_surface *frame, const double seed[3],
+                             const double side[2], const float *near, unsigned k)
+{
+    double direction[3], end = -INFINITY;
+
+    for (int c = 0; c < 3; c++)
+        direction[c] = side[0] * frame->axis[0][c] + side[1] * frame->axis[1][c];
+    for (unsigned i = 0; i < k; i++) {
+        double d[3] = {(double)near[3 * i] - frame->origin[0],
+                       (double)near[3 * i + 1] - frame->origin[1],
+                       (double)near[3 * i + 2] - frame->origin[2]};
+
+        end = fmax(end, vor_dot(direction, d));
+    }
+    return end - (side[0] * seed[0] + side[1] * seed[1]);
+}
+
+double vor_boundary_room(const struct vor_surface *surface, const float *near, unsigned k,
+                         const double seed[3], double radius, double side[2])
+{
+    double away[2] = {seed[0] - surface->center[0], seed[1] - surface->center[1]};
+    double length = sqrt(away[0] * away[0] + away[1] * away[1]), along, open;
+
+    if (!(length > 0))
+        return INFINITY;
+    side[0] = away[0] / length;
+    side[1] = away[1] / length;
+    along = extent_towards(surface, seed, side, near, k);
+    open = (along / surface->reach - SURE_BORDER) / (SURE_INSIDE - SURE_BORDER);
+    if (open >= 1)
+        return INFINITY;
+    return fmax(along, 0) + ROOM * surface->spacing + fmax(open, 0) * radius;
+}
+
+double vor_boundary_end(const struct vor_surface *frame, const double seed[3], const double side[2],
+                        const struct vor_surface *there, const float *near, unsigned k)
+{
+    return fmax(extent_towards(frame, seed, side, near, k), ROOM * there->spacing);
+}
+
+int vor_boundary_inside(const struct vor_surface *surface, const float *near, unsigned k,
+                        const double x[3])
+{
+    double allowed = surface->spacing;
+    unsigned which = 0;
+
+    return nearest2(near, k, x, &which) <= allowed * allowed;
+}
+
+/* True when all neighbours lie to one side of x, seen along the surface: the direction looked along
+ * is that to their mean. */
+static int one_sided(const struct vor_surface *surface, const float *near, unsigned k,
+                     const double x[3])
+{
+    double local[3], along[2], direction[3];
+
+    vor_surface_to_local(surface, x, local);
     along[0] = surface->center[0] - local[0];
     along[1] = surface->center[1] - local[1];
     for (int c = 0; c < 3; c++)
         direction[c] = along[0] * surface->axis[0][c] + along[1] * surface->axis[1][c];
     for (unsigned i = 0; i < k; i++) {
-        double d[3] = {(double)near[3 * i] - at[0], (double)near[3 * i + 1] - at[1],
-                       (double)near[3 * i + 2] - at[2]};
+        double d[3] = {(double)near[3 * i] - x[0], (double)near[3 * i + 1] - x[1],
+                       (double)near[3 * i + 2] - x[2]};
 
         if (!(vor_dot(direction, d) > 0))
             return 0;
@@ -22,22 +98,36 @@ int vor_boundary_one_sided(const struct vor_surface *surface, const float *near,
     return 1;
 }
 
-int vor_boundary_restrict(const struct vor_surface *surface, const float *near, unsigned k,
-                          double x[3])
+/* How far x may be from the nearest point. */
+static double allowed_distance(const struct vor_border *border, double spacings, const double x[3])
 {
-    double d[3], local[3], length;
+    if (one_sided(border->surface, border->near, border->k, x))
+        spacings *= ALLOWED_ONE_SIDED;
+    return spacings * border->spacing;
+}
 
-    if (surface->kind == VOR_SURFACE_NONE)
+int vor_boundary_outside(const struct vor_border *border, double spacings, const double x[3])
+{
+    unsigned which = 0;
+    double length = sqrt(nearest2(border->near, border->k, x, &which));
+
+    return length > ALLOWED_ONE_SIDED * spacings * border->spacing &&
+           length > allowed_distance(border, spacings, x);
+}
+
+int vor_boundary_restrict(const struct vor_border *border, double spacings, double x[3])
+{
+    unsigned which = 0;
+    double length, allowed;
+
+    if (!vor_boundary_outside(border, spacings, x))
         return 0;
-    for (int c = 0; c < 3; c++)
-        d[c] = x[c] - (double)near[c];
-    length = sqrt(vor_dot(d, d));
-    if (!(length > surface->spacing))
-        return 0;
-    vor_surface_to_local(surface, x, local);
-    if (!vor_boundary_one_sided(surface, near, k, local))
-        return 0;
-    for (int c = 0; c < 3; c++)
-        x[c] = (double)near[c] + d[c] * (surface->spacing / length);
+    length = sqrt(nearest2(border->near, border->k, x, &which));
+    allowed = allowed_distance(border, spacings, x);
+    for (unsigned c = 0; c < 3; c++) {
+        double from = (double)border->near[3 * which + c];
+
+        x[c] = from + (x[c] - from) * (allowed / length);
+    }
     return 1;
 }

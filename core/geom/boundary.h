@@ -1,26 +1,56 @@
-/** Holds points back where the cloud ends.
+/** Keeps points from leaving where the cloud ends.
  *
  *  Source: Xiao et al. 2024, Sec. IV-E. Departure: the paper holds a point still when it is farther
- *  from the input than a global threshold; measured, that freezes closed clouds, since nearly half of
- *  a white-noise surface is farther than the mean spacing from every input point. Here a place is
- *  outside only where all its neighbours lie to one side of it, and then may be at most one local
- *  spacing away from the nearest; a point that would go farther stops there instead of standing
- *  still. Holes narrower than the neighbourhood have neighbours all around and fill as in the
- *  paper. */
+ *  from the input than a global threshold; measured, that freezes closed clouds, since nearly half
+ * of a white-noise surface is farther than the mean spacing from every input point. Here a place is
+ *  outside when it is more than two local spacings away from every input point (one place in
+ * 300,000 of white noise is), or more than one and all its neighbours lie to one side of it; a
+ * point that would go there stops at that distance instead of standing still. Holes narrower than
+ * four spacings fill as in the paper, wider ones shrink. Departure: so that points hardly ever meet
+ * that bound, a cell ends where the input ends; a seed near the border finds its centroid a
+ * fraction of a spacing inside. */
 #ifndef VOR_GEOM_BOUNDARY_H
 #define VOR_GEOM_BOUNDARY_H
 
 #include "core/geom/surface.h"
 
-/** True when all k neighbours (k x 3 floats) lie to one side of the local point, seen along the
- *  surface: the direction looked along is that to their mean. O(k). */
-int vor_boundary_one_sided(const struct vor_surface *surface, const float *near, unsigned k,
-                           const double local[3]);
+/** How far the cell of a seed may reach towards the side that its neighbours (k x 3 floats) leave
+ * empty, and that side as a unit vector along the surface; infinite where they surround the seed.
+ * The bound is half a spacing beyond the last neighbour, and opens to the patch's radius as the
+ * neighbours spread evenly. O(k). */
+double vor_boundary_room(const struct vor_surface *surface, const float *near, unsigned k,
+                         const double seed[3], double radius, double side[2]);
 
-/** Given the k input points nearest to x (nearest first) and the surface fitted to them: true when x
- *  lies outside the cloud by more than one local spacing, and then x is moved back to that
- *  distance. */
-int vor_boundary_restrict(const struct vor_surface *surface, const float *near, unsigned k,
-                          double x[3]);
+/** Distance from seed, along the unit vector side, to half a spacing beyond the last of the points;
+ * not less than that half. side and seed in the local coordinates of `frame`, spacing that of
+ * `there`, the surface fitted to the points. O(k). */
+double vor_boundary_end(const struct vor_surface *frame, const double seed[3], const double side[2],
+                        const struct vor_surface *there, const float *near, unsigned k);
+
+/** True when a place at x is surely not outside, judged by the surface and neighbours (k x 3
+ * floats) at another place nearby: one of them is within one spacing of x. O(k). */
+int vor_boundary_inside(const struct vor_surface *surface, const float *near, unsigned k,
+                        const double x[3]);
+
+/** What is known of the input around a place. */
+struct vor_border {
+    const struct vor_surface *surface; /**< fitted to near; kind is not NONE */
+    const float *near;                 /**< k x 3, the input points nearest to the place */
+    unsigned k;
+    double spacing; /**< of the input at the nearest of them: not read off the place itself, whose
+                         neighbours may lie around a hole */
+};
+
+/** Times the spacing that a point may lie away from the input: while it moves, and in the result.
+ */
+#define VOR_BORDER_MOVING 3.0
+#define VOR_BORDER_SETTLED 1.5
+
+/** True when x, the place that border is about, lies outside, given how many spacings away it may
+ * be. O(k). */
+int vor_boundary_outside(const struct vor_border *border, double spacings, const double x[3]);
+
+/** The same, and then x is moved straight towards the nearest point, to the distance allowed. */
+int vor_boundary_restrict(const struct vor_border *border, double spacings, double x[3]);
 
 #endif

@@ -6,12 +6,9 @@
 #include <string.h>
 
 /* Corners of the unit hexagon. */
-static const double corner[6][2] = {{1, 0},
-                                    {0.5, 0.86602540378443865},
-                                    {-0.5, 0.86602540378443865},
-                                    {-1, 0},
-                                    {-0.5, -0.86602540378443865},
-                                    {0.5, -0.86602540378443865}};
+static const double corner[6][2] = {
+    {1, 0},  {0.5, 0.86602540378443865},   {-0.5, 0.86602540378443865},
+    {-1, 0}, {-0.5, -0.86602540378443865}, {0.5, -0.86602540378443865}};
 
 /* Index of vertex `step` (0 .. 6 ring - 1, counter-clockwise) of a ring. */
 static unsigned ring_vertex(unsigned ring, unsigned step)

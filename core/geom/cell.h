@@ -1,9 +1,9 @@
 /** The restricted Voronoi cell of a seed: its patch, a meshed hexagon lifted to the local surface,
  *  clipped by the bisectors with the seeds around it.
  *
- *  Source: Xiao et al. 2024, Sec. III-B step 3 and III-C; the stop at the security radius is Levy and
- *  Bonneel's. Departure: the hexagon is centred under the seed, not at the nearest input point, so
- *  that it covers the cell also where the result is denser than the input. */
+ *  Source: Xiao et al. 2024, Sec. III-B step 3 and III-C; the stop at the security radius is Levy
+ * and Bonneel's. Departure: the hexagon is centred under the seed, not at the nearest input point,
+ * so that it covers the cell also where the result is denser than the input. */
 #ifndef VOR_GEOM_CELL_H
 #define VOR_GEOM_CELL_H
 
@@ -35,9 +35,9 @@ struct vor_polygon {
 
 /** A cell being clipped. Scratch: one for each thread. */
 struct vor_cell {
-    double seed[3];   /**< in the surface's local coordinates */
-    double radius2;   /**< squared distance of the farthest corner from the seed */
-    unsigned count;   /**< pieces; 0: nothing is left */
+    double seed[3];     /**< in the surface's local coordinates */
+    double radius2;     /**< squared distance of the farthest corner from the seed */
+    unsigned count;     /**< pieces; 0: nothing is left */
     unsigned bisectors; /**< that cut something */
     struct vor_polygon piece[VOR_PATCH_TRIANGLES_MAX];
 };
@@ -66,8 +66,8 @@ struct vor_moments {
 /** False, and out is unset, when the cell has no area worth the name. */
 int vor_cell_moments(struct vor_moments *out, const struct vor_cell *cell);
 
-/** A point of the cell from three uniform numbers in [0, 1), even by area; local coordinates. The cell
- *  has area. */
+/** A point of the cell from three uniform numbers in [0, 1), even by area; local coordinates. The
+ * cell has area. */
 void vor_cell_sample(const struct vor_cell *cell, const double unit[3], double local[3]);
 
 #endif

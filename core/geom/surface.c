@@ -112,7 +112,8 @@ static void sum_moments(struct moments *out, const struct neighborhood *hood, do
     out->s[0][0] = hood->k;
 }
 
-/* Least squares over the first `terms` of 1, u, v, uu, uv, vv; false when they are not determined. */
+/* Least squares over the first `terms` of 1, u, v, uu, uv, vv; false when they are not determined.
+ */
 static int solve(double c[6], const struct moments *moments, int terms, double rank)
 {
     static const int up[6] = {0, 1, 0, 2, 1, 0}, vp[6] = {0, 0, 1, 0, 1, 2};
@@ -196,8 +197,8 @@ void vor_surface_project(const struct vor_surface *surface, double local[3])
     height = vor_surface_height(surface, u, v, gradient);
     for (int i = 0; i < 3; i++) {
         /* The foot is where (local - foot) is along the normal (-gu, -gv, 1). */
-        double residual = local[2] - height +
-                          gradient[0] * (u - local[0]) + gradient[1] * (v - local[1]);
+        double residual =
+            local[2] - height + gradient[0] * (u - local[0]) + gradient[1] * (v - local[1]);
         double t = residual / (1 + gradient[0] * gradient[0] + gradient[1] * gradient[1]);
 
         u = local[0] + t * gradient[0];

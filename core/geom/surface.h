@@ -1,13 +1,13 @@
-/** The local surface that stands for the input around a seed: a quadric over the tangent plane at the
- *  nearest input point.
+/** The local surface that stands for the input around a seed: a quadric over the tangent plane at
+ * the nearest input point.
  *
- *  Source: Xiao et al. 2024, "Accelerated Lloyd's method for resampling 3D point clouds", Sec. III-B,
- *  Eq. 3 and 4, steps 1, 2 and 4.
+ *  Source: Xiao et al. 2024, "Accelerated Lloyd's method for resampling 3D point clouds", Sec.
+ * III-B, Eq. 3 and 4, steps 1, 2 and 4.
  *
  *  Departure: the frame is any orthonormal one whose third axis is the normal (the printed rotation
- *  is not one). Departure: beyond the neighbourhood the quadric goes on as its tangent plane, so that
- *  no patch that is wider than its data runs away with the square of the distance; measured, such
- *  extrapolation throws points off closed clouds. */
+ *  is not one). Departure: beyond the neighbourhood the quadric goes on as its tangent plane, so
+ * that no patch that is wider than its data runs away with the square of the distance; measured,
+ * such extrapolation throws points off closed clouds. */
 #ifndef VOR_GEOM_SURFACE_H
 #define VOR_GEOM_SURFACE_H
 
@@ -42,7 +42,8 @@ struct vor_surface {
 void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k);
 
 /** Height w and (where gradient is not NULL) slopes dw/du, dw/dv over (u, v). */
-double vor_surface_height(const struct vor_surface *surface, double u, double v, double gradient[2]);
+double vor_surface_height(const struct vor_surface *surface, double u, double v,
+                          double gradient[2]);
 
 /** Into and out of local coordinates. */
 void vor_surface_to_local(const struct vor_surface *surface, const double x[3], double local[3]);
@@ -50,8 +51,8 @@ void vor_surface_to_world(const struct vor_surface *surface, const double local[
 
 /** Moves a local point to the nearest point of the surface, by Gauss-Newton along the normal.
  *
- *  Source: Xiao 2024, Sec. IV-D. Departure: onto the quadric itself, not onto the nearest triangle of
- *  its mesh, so that the result does not depend on how finely the patch is meshed. */
+ *  Source: Xiao 2024, Sec. IV-D. Departure: onto the quadric itself, not onto the nearest triangle
+ * of its mesh, so that the result does not depend on how finely the patch is meshed. */
 void vor_surface_project(const struct vor_surface *surface, double local[3]);
 
 /** Unit normal of the surface at local (u, v), in world axes. */

@@ -1,6 +1,6 @@
-/* FLANN's single kd-tree (Muja, Lowe 2009): exact, and the same answers every time. The other indexes
- * seed themselves from the machine. What crashes or misleads it is kept out here: no points, more
- * neighbours than points, coordinates that are not finite or overflow when squared. */
+/* FLANN's single kd-tree (Muja, Lowe 2009): exact, and the same answers every time. The other
+ * indexes seed themselves from the machine. What crashes or misleads it is kept out here: no
+ * points, more neighbours than points, coordinates that are not finite or overflow when squared. */
 #include "core/knn/knn.h"
 
 #include <assert.h>
@@ -61,8 +61,7 @@ vor_status vor_knn_build(struct vor_knn **out, const float *xyz, size_t n,
     knn->n = n;
     knn->charged = n * BYTES_PER_POINT;
     set_parameters(&knn->parameters);
-    knn->index =
-        flann_build_index_float(unconst(xyz), (int)n, 3, &speedup, &knn->parameters);
+    knn->index = flann_build_index_float(unconst(xyz), (int)n, 3, &speedup, &knn->parameters);
     if (knn->index == NULL) {
         vor_knn_free(knn);
         return vor_fail(err, VOR_E_INTERNAL, "FLANN did not index %zu points", n);

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-enum { ITERATIONS_DEFAULT = 100, PLATEAU_WINDOW = 10 };
+enum { ITERATIONS_DEFAULT = 100, PLATEAU_WINDOW = 10, SHORTEN_MAX = 3 };
 
 #define PLATEAU_GAIN 0.99 /* delta must fall below this share of its value a window ago */
 #define MIX_STEP_MAX 0.5  /* of the distance to the nearest neighbour */
@@ -31,8 +31,6 @@ struct cvt {
     float *nearest;            /* scratch: distance of each seed to its nearest neighbour */
     unsigned char *flags;
     struct vor_anderson anderson;
-    double weight[VOR_ANDERSON_MAX + 1];
-    unsigned mixes;
     double start, best_delta, past[PLATEAU_WINDOW]; /* past: best delta of the last iterations */
     double last_seconds;                            /* clock at the last record */
 };
@@ -41,7 +39,7 @@ static void free_cvt(struct cvt *cvt)
 {
     struct vor_memory *memory = cvt->seeds->run->memory;
 
-    if (cvt->anderson.memory != NULL)
+    if (cvt->anderson.length > 0)
         vor_anderson_free(&cvt->anderson);
     vor_free(memory, cvt->flags);
     vor_free(memory, cvt->nearest);
@@ -80,22 +78,67 @@ static void set3(float *out, const double x[3])
         out[c] = (float)x[c];
 }
 
-/* Where seed i may go when it is meant to go to x: looked at closely only when x lies to one side of
- * the neighbours at hand. Returns whether it was held back. */
-static int restrict_move(struct cvt *cvt, struct vor_bench *bench, size_t i,
-                         const double local[3], double x[3])
+static int keeps_border(const struct cvt *cvt)
 {
-    if (cvt->spec->value[VOR_PARAM_BOUNDARY] != VOR_BOUNDARY_KEEP ||
-        !vor_boundary_one_sided(&bench->surface, bench->near, cvt->seeds->k, local))
+    return cvt->spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP;
+}
+
+/* The input does not go on to where the centroid of bench->cell is: ends the cell where the input
+ * does, and finds its centroid x anew. */
+static void shorten_cell(const struct cvt *cvt, struct vor_bench *bench,
+                         struct vor_moments *moments, double x[3])
+{
+    double side[2] = {moments->centroid[0] - bench->cell.seed[0],
+                      moments->centroid[1] - bench->cell.seed[1]};
+    double length = sqrt(side[0] * side[0] + side[1] * side[1]), end;
+
+    if (!(length > 0))
+        return;
+    side[0] /= length;
+    side[1] /= length;
+    end = vor_boundary_end(&bench->here.surface, bench->cell.seed, side, &bench->there.surface,
+                           bench->there.near, cvt->seeds->k);
+    vor_cell_clip(&bench->cell, (double[3]){2 * end * side[0], 2 * end * side[1], 0});
+    if (!vor_cell_moments(moments, &bench->cell))
+        return;
+    vor_surface_to_world(&bench->here.surface, moments->centroid, x);
+    vor_seeds_project(&bench->here.surface, x);
+}
+
+/* Whether x, put onto the surface of the input around it, is outside the input. */
+static int outside(const struct cvt *cvt, struct vor_bench *bench, struct vor_border *border,
+                   double x[3])
+{
+    if (vor_seeds_fit_at(cvt->seeds, &bench->there, x) == VOR_SURFACE_NONE)
         return 0;
-    (void)vor_seeds_fit_at(cvt->seeds, bench, x);
-    if (!vor_boundary_restrict(&bench->surface, bench->near, cvt->seeds->k, x))
+    vor_seeds_border(cvt->seeds, bench, border, x);
+    return vor_boundary_outside(border, VOR_BORDER_MOVING, x);
+}
+
+/* Where seed i may go when it is meant to go to x, the projected centroid. Where the neighbours at
+ * hand are not near x, it is the input around x that counts. Returns whether it was held back. */
+static int restrict_move(struct cvt *cvt, struct vor_bench *bench, size_t i,
+                         struct vor_moments *moments, double x[3])
+{
+    struct vor_border border;
+
+    if (!keeps_border(cvt) ||
+        vor_boundary_inside(&bench->here.surface, bench->here.near, cvt->seeds->k, x) ||
+        !outside(cvt, bench, &border, x))
         return 0;
-    cvt->flags[i] |= AT_BORDER | HELD_EVER;
+    cvt->flags[i] |= AT_BORDER;
+    for (int tries = 0; tries < SHORTEN_MAX; tries++) {
+        shorten_cell(cvt, bench, moments, x);
+        if (!outside(cvt, bench, &border, x))
+            return 0;
+    }
+    (void)vor_boundary_restrict(&border, VOR_BORDER_MOVING, x);
+    cvt->flags[i] |= HELD_EVER;
     return 1;
 }
 
-/* Projected centroid of seed i's cell, or its own place where it has none. */
+/* Projected centroid of seed i's cell. A seed whose cell is empty, since it lies too far off its
+ * own surface, is projected; one without a surface stays. */
 static void lloyd_step(struct cvt *cvt, struct vor_bench *bench, size_t i, size_t row,
                        struct block_sums *sums)
 {
@@ -106,18 +149,22 @@ static void lloyd_step(struct cvt *cvt, struct vor_bench *bench, size_t i, size_
     memcpy(&cvt->lloyd[3 * i], &cvt->seeds->xyz[3 * i], 3 * sizeof(float));
     memset(&cvt->normal[3 * i], 0, 3 * sizeof(float));
     cvt->flags[i] &= (unsigned char)~AT_BORDER;
-    if (kind == VOR_SURFACE_NONE || !vor_cell_moments(&moments, &bench->cell)) {
+    if (kind == VOR_SURFACE_NONE) {
         sums->left++;
         return;
     }
+    if (vor_cell_moments(&moments, &bench->cell)) {
+        sums->area += moments.area;
+        sums->energy += moments.energy;
+    } else {
+        memcpy(moments.centroid, bench->cell.seed, sizeof moments.centroid);
+    }
     sums->plane += kind == VOR_SURFACE_PLANE;
-    sums->area += moments.area;
-    sums->energy += moments.energy;
-    vor_surface_project(&bench->surface, moments.centroid);
-    vor_surface_to_world(&bench->surface, moments.centroid, x);
-    vor_surface_normal(&bench->surface, moments.centroid, normal);
+    vor_surface_project(&bench->here.surface, moments.centroid);
+    vor_surface_to_world(&bench->here.surface, moments.centroid, x);
+    vor_surface_normal(&bench->here.surface, moments.centroid, normal);
     set3(&cvt->normal[3 * i], normal);
-    sums->held += (uint64_t)restrict_move(cvt, bench, i, moments.centroid, x);
+    sums->held += (uint64_t)restrict_move(cvt, bench, i, &moments, x);
     set3(&cvt->lloyd[3 * i], x);
 }
 
@@ -165,8 +212,8 @@ static void mix_step(struct cvt *cvt, size_t i)
 
     for (size_t c = 0; c < 3; c++) {
         d[c] = -(double)lloyd[c];
-        for (unsigned j = 0; j < cvt->mixes; j++)
-            d[c] += cvt->weight[j] * (double)cvt->anderson.image[j][3 * i + c];
+        for (unsigned j = 0; j < cvt->anderson.depth; j++)
+            d[c] += cvt->anderson.weight[j] * (double)cvt->anderson.image[j][3 * i + c];
     }
     for (int c = 0; c < 3; c++)
         off += d[c] * (double)normal[c];
@@ -178,8 +225,8 @@ static void mix_step(struct cvt *cvt, size_t i)
         limit = 0;
     for (int c = 0; c < 3; c++)
         x[c] = (double)lloyd[c] + (length > limit ? d[c] * (limit / length) : d[c]);
-    set3(&cvt->mix[3 * i], limit > 0 ? x : (double[3]){(double)lloyd[0], (double)lloyd[1],
-                                                       (double)lloyd[2]});
+    set3(&cvt->mix[3 * i],
+         limit > 0 ? x : (double[3]){(double)lloyd[0], (double)lloyd[1], (double)lloyd[2]});
 }
 
 static void mix_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -196,46 +243,48 @@ static void mix_block(void *ctx, size_t begin, size_t end, unsigned worker)
 }
 
 /* Replaces the Lloyd candidate by the mix when that is at least as even. */
-static enum vor_answer accelerate(struct cvt *cvt, struct vor_uniformity *even)
+static vor_status accelerate(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
 {
-    const struct vor_run *run = cvt->seeds->run;
+    const struct vor_seeds *seeds = cvt->seeds;
     struct vor_uniformity mixed;
-    enum vor_answer answer = vor_anderson_push(&cvt->anderson, cvt->seeds->xyz, cvt->lloyd,
-                                               cvt->weight, &cvt->mixes, run->watch, run->pool);
+    double max_move = 0;
+    vor_status status = vor_anderson_push(&cvt->anderson, seeds->xyz, cvt->lloyd, seeds->run, err);
 
-    if (answer != VOR_CONTINUE || cvt->mixes < 2)
-        return answer;
-    answer = vor_parallel_for(run->pool, run->watch, cvt->seeds->n, VOR_SEEDS_BLOCK, mix_block, cvt);
-    if (answer != VOR_CONTINUE)
-        return answer;
+    if (status != VOR_OK || cvt->anderson.depth < 2)
+        return status;
+    status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, mix_block, cvt, err);
+    if (status != VOR_OK)
+        return status;
     for (size_t b = 0; b < cvt->blocks; b++)
-        cvt->sums[b].max_move = fmax(cvt->sums[b].max_move, b > 0 ? cvt->sums[b - 1].max_move : 0);
-    answer = vor_even_measure(&mixed, cvt->nearest, cvt->seeds, cvt->mix,
-                              cvt->sums[cvt->blocks - 1].max_move);
-    if (answer != VOR_CONTINUE || !(mixed.delta <= even->delta))
-        return answer;
-    memcpy(cvt->lloyd, cvt->mix, 3 * cvt->seeds->n * sizeof *cvt->mix);
-    cvt->total.max_move = cvt->sums[cvt->blocks - 1].max_move;
+        max_move = fmax(max_move, cvt->sums[b].max_move);
+    status = vor_even_measure(&mixed, cvt->nearest, seeds, cvt->mix, max_move, err);
+    if (status != VOR_OK || !(mixed.delta <= even->delta))
+        return status;
+    memcpy(cvt->lloyd, cvt->mix, 3 * seeds->n * sizeof *cvt->mix);
+    cvt->total.max_move = max_move;
     *even = mixed;
-    return VOR_CONTINUE;
+    return VOR_OK;
 }
 
 /* One iteration: from seeds->xyz to seeds->xyz. */
-static enum vor_answer iterate(struct cvt *cvt, struct vor_uniformity *even)
+static vor_status iterate(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
 {
     struct vor_seeds *seeds = cvt->seeds;
-    enum vor_answer answer = vor_parallel_for(seeds->run->pool, seeds->run->watch, seeds->n,
-                                              VOR_SEEDS_BLOCK, lloyd_block, cvt);
+    vor_status status = vor_seeds_index(seeds, err);
 
-    if (answer != VOR_CONTINUE)
-        return answer;
+    if (status == VOR_OK)
+        status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, lloyd_block, cvt, err);
+    if (status != VOR_OK)
+        return status;
     add_blocks(cvt);
-    answer = vor_even_measure(even, cvt->nearest, seeds, cvt->lloyd, cvt->total.max_move);
-    if (answer == VOR_CONTINUE && cvt->anderson.memory != NULL)
-        answer = accelerate(cvt, even);
-    if (answer == VOR_CONTINUE)
-        memcpy(seeds->xyz, cvt->lloyd, 3 * seeds->n * sizeof *seeds->xyz);
-    return answer;
+    status = vor_even_measure(even, cvt->nearest, seeds, cvt->lloyd, cvt->total.max_move, err);
+    if (status == VOR_OK && cvt->anderson.length > 0)
+        status = accelerate(cvt, even, err);
+    if (status != VOR_OK)
+        return status;
+    memcpy(seeds->xyz, cvt->lloyd, 3 * seeds->n * sizeof *seeds->xyz);
+    cvt->result.iterations++;
+    return VOR_OK;
 }
 
 /* Tells the watch, and keeps the most even iterate. */
@@ -303,8 +352,8 @@ static vor_status begin(struct cvt *cvt, struct vor_uniformity *even, struct vor
     vor_status status = vor_seeds_index(seeds, err);
 
     if (status == VOR_OK)
-        status = vor_nearest_distances(cvt->nearest, seeds->xyz, seeds->n, seeds->knn, seeds->run,
-                                       err);
+        status =
+            vor_nearest_distances(cvt->nearest, seeds->xyz, seeds->n, seeds->knn, seeds->run, err);
     if (status != VOR_OK)
         return status;
     vor_uniformity_from(even, cvt->nearest, seeds->n);
@@ -322,49 +371,41 @@ static vor_status loop(struct cvt *cvt, struct vor_error *err)
         return status;
     cvt->best_delta = INFINITY;
     answer = record(cvt, &even);
-    before = cvt->last_seconds;
     while (answer == VOR_CONTINUE && !finished(cvt, &even, took)) {
-        if (cvt->result.iterations > 0) {
-            status = vor_seeds_index(cvt->seeds, err);
-            if (status != VOR_OK)
-                return status;
-        }
-        answer = iterate(cvt, &even);
-        if (answer != VOR_CONTINUE)
-            break;
-        cvt->result.iterations++;
-        answer = record(cvt, &even);
-        took = cvt->last_seconds - before;
         before = cvt->last_seconds;
+        status = iterate(cvt, &even, err);
+        if (status == VOR_E_STOPPED)
+            answer = VOR_STOP;
+        else if (status != VOR_OK)
+            return status;
+        else
+            answer = record(cvt, &even);
+        took = cvt->last_seconds - before;
     }
     if (answer == VOR_CANCEL)
-        return vor_run_ended(err);
+        return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
     if (answer == VOR_STOP)
         cvt->result.stopped = VOR_STOPPED_CALLER;
     return VOR_OK;
 }
 
-/* Puts a seed onto the surface at its own place; border points stay within their bound. */
+/* Puts every seed onto the surface at its own place. */
 static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct cvt *cvt = ctx;
     struct vor_seeds *seeds = cvt->seeds;
     struct vor_bench *bench = &seeds->bench[worker];
+    struct vor_border border;
 
-    vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * begin], end - begin, seeds->k,
-                   bench->near_index, bench->near_distance2);
     for (size_t i = begin; i < end; i++) {
-        double x[3], local[3];
+        double x[3];
 
-        if (vor_seeds_fit(seeds, bench, i - begin) == VOR_SURFACE_NONE)
-            continue;
         vor_seeds_position(seeds, i, x);
-        vor_surface_to_local(&bench->surface, x, local);
-        vor_surface_project(&bench->surface, local);
-        vor_surface_to_world(&bench->surface, local, x);
-        if (cvt->spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP &&
-            vor_boundary_restrict(&bench->surface, bench->near, seeds->k, x))
-            cvt->flags[i] |= HELD_EVER;
+        if (vor_seeds_fit_at(seeds, &bench->there, x) == VOR_SURFACE_NONE)
+            continue;
+        vor_seeds_border(seeds, bench, &border, x);
+        if (keeps_border(cvt))
+            (void)vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x);
         set3(&seeds->xyz[3 * i], x);
     }
 }
@@ -374,18 +415,19 @@ vor_status vor_cvt_run(struct vor_seeds *seeds, struct vor_cvt_result *out,
 {
     struct cvt cvt = {.seeds = seeds, .spec = spec, .start = start};
     struct vor_calm calm;
+    struct vor_run calm_run = *seeds->run;
     vor_status status = alloc_cvt(&cvt, err);
 
+    calm_run.watch = vor_calm_watch(&calm, seeds->run->watch);
+    seeds->keep_border = keeps_border(&cvt);
     if (status == VOR_OK)
         status = loop(&cvt, err);
     if (status != VOR_OK)
         goto done;
     memcpy(seeds->xyz, cvt.best, 3 * seeds->n * sizeof *cvt.best);
-    if (vor_parallel_for(seeds->run->pool, vor_calm_watch(&calm, seeds->run->watch), seeds->n, VOR_SEEDS_BLOCK, settle_block, &cvt) !=
-        VOR_CONTINUE) {
-        status = vor_run_ended(err);
+    status = vor_run_for(&calm_run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &cvt, err);
+    if (status != VOR_OK)
         goto done;
-    }
     for (size_t i = 0; i < seeds->n; i++)
         cvt.result.held_ever += (cvt.flags[i] & HELD_EVER) != 0;
     *out = cvt.result;

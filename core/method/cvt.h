@@ -1,13 +1,13 @@
 /** Centroidal Voronoi tessellation on local quadrics by Lloyd's method with Anderson acceleration.
  *
  *  Source: Xiao et al. 2024, Algorithm 1 and Sec. IV. Each iteration: local surface and restricted
- *  Voronoi cell of every seed, its centroid, projected; the Anderson mix of the last iterates; of the
- *  two the more even one.
+ *  Voronoi cell of every seed, its centroid, projected; the Anderson mix of the last iterates; of
+ * the two the more even one.
  *
  *  Departure: of Eq. 12 the smaller delta is taken, as the text says and the formula does not.
- *  Departure: the mix keeps to the tangent plane at the projected centroid and within half a spacing
- *  of it; points at the border take no part. Departure: the result is the most even iterate of all,
- *  projected once more onto the surface at its own place.
+ *  Departure: the mix keeps to the tangent plane at the projected centroid and within half a
+ * spacing of it; points at the border take no part. Departure: the result is the most even iterate
+ * of all, projected once more onto the surface at its own place.
  *
  *  Not done here: density, anisotropy, other norms. */
 #ifndef VOR_METHOD_CVT_H
@@ -24,11 +24,12 @@ struct vor_cvt_result {
     double area;
 };
 
-/** Moves the seeds until a stop of the request (iterations, delta, seconds, plateau) or the watch ends
- *  it, and leaves the most even positions in seeds->xyz.
+/** Moves the seeds until a stop of the request (iterations, delta, seconds, plateau) or the watch
+ * ends it, and leaves the most even positions in seeds->xyz.
  *
  *  @param[in] spec   read: iterations, delta, seconds, anderson, boundary
- *  @param[in] start  the clock's reading when the run began: the records and the budget count from it
+ *  @param[in] start  the clock's reading when the run began: the records and the budget count from
+ * it
  *
  *  @retval VOR_E_CANCELLED the watch answered VOR_CANCEL
  *  @retval VOR_E_NOMEM

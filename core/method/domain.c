@@ -88,7 +88,8 @@ static vor_status check_rank(const struct vor_domain *domain, struct vor_error *
     for (int c = 0; c < 3; c++)
         mean[c] /= (double)domain->n;
     for (size_t i = 0; i < domain->n; i++) {
-        double x = (double)domain->xyz[3 * i] - mean[0], y = (double)domain->xyz[3 * i + 1] - mean[1],
+        double x = (double)domain->xyz[3 * i] - mean[0],
+               y = (double)domain->xyz[3 * i + 1] - mean[1],
                z = (double)domain->xyz[3 * i + 2] - mean[2];
 
         m[0] += x * x;

@@ -2,6 +2,8 @@
 
 #include "core/base/linalg.h"
 
+enum { OPEN_SHARE = 16 };
+
 struct even {
     const struct vor_seeds *seeds;
     const float *xyz;
@@ -20,8 +22,8 @@ static double nearest_of(const struct even *even, size_t i, const uint32_t *inde
     return sqrt(best);
 }
 
-/* Whether a seed at or beyond `reach` of the old place of i may now be nearer than `found`: it came at
- * most max_move nearer, and i itself moved. */
+/* Whether a seed at or beyond `reach` of the old place of i may now be nearer than `found`: it came
+ * at most max_move nearer, and i itself moved. */
 static int may_be_nearer(const struct even *even, size_t i, double reach, double found)
 {
     double moved = sqrt(vor_distance2f(&even->xyz[3 * i], &even->seeds->xyz[3 * i]));
@@ -50,7 +52,8 @@ static double nearest_wide(const struct even *even, size_t i)
     }
 }
 
-static void even_block(void *ctx, size_t begin, size_t end, unsigned worker)
+/* From the lists; negative where a seed from beyond the list could be nearer. */
+static void list_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     const struct even *even = ctx;
     const struct vor_seeds *seeds = even->seeds;
@@ -59,26 +62,61 @@ static void even_block(void *ctx, size_t begin, size_t end, unsigned worker)
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         double found = nearest_of(even, i, &seeds->list[i * listed], listed);
+        int open = listed + 1 < seeds->n &&
+                   may_be_nearer(even, i, (double)seeds->distance[i * listed + listed - 1], found);
 
-        if (listed + 1 < seeds->n &&
-            may_be_nearer(even, i, (double)seeds->distance[i * listed + listed - 1], found))
-            found = nearest_wide(even, i);
-        even->nearest[i] = (float)found;
+        even->nearest[i] = (float)(open ? -1 : found);
     }
 }
 
-enum vor_answer vor_even_measure(struct vor_uniformity *out, float *nearest,
-                                 const struct vor_seeds *seeds, const float *xyz, double max_move)
+static void wide_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct even *even = ctx;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        if (even->nearest[i] < 0)
+            even->nearest[i] = (float)nearest_wide(even, i);
+}
+
+/* The seeds that the lists leave open: one by one where they are few, else by an index of the new
+ * positions. */
+static vor_status close_open(const struct even *even, struct vor_error *err)
+{
+    const struct vor_seeds *seeds = even->seeds;
+    const struct vor_run *run = seeds->run;
+    struct even work = *even;
+    struct vor_knn *knn;
+    size_t open = 0;
+    vor_status status;
+
+    for (size_t i = 0; i < seeds->n; i++)
+        open += even->nearest[i] < 0;
+    if (open <= seeds->n / OPEN_SHARE)
+        return vor_run_for(run, seeds->n, VOR_SEEDS_BLOCK, wide_block, &work, err);
+    status = vor_knn_build(&knn, even->xyz, seeds->n, run->memory, err);
+    if (status != VOR_OK)
+        return status;
+    status = vor_nearest_distances(even->nearest, even->xyz, seeds->n, knn, run, err);
+    vor_knn_free(knn);
+    return status;
+}
+
+vor_status vor_even_measure(struct vor_uniformity *out, float *nearest,
+                            const struct vor_seeds *seeds, const float *xyz, double max_move,
+                            struct vor_error *err)
 {
     struct even even = {seeds, xyz, nearest, max_move};
-    enum vor_answer answer = VOR_CONTINUE;
+    vor_status status = VOR_OK;
 
-    if (seeds->n == 1)
+    if (seeds->n == 1) {
         nearest[0] = 0;
-    else
-        answer = vor_parallel_for(seeds->run->pool, seeds->run->watch, seeds->n, VOR_SEEDS_BLOCK,
-                                  even_block, &even);
-    if (answer == VOR_CONTINUE)
+    } else {
+        status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, list_block, &even, err);
+        if (status == VOR_OK)
+            status = close_open(&even, err);
+    }
+    if (status == VOR_OK)
         vor_uniformity_from(out, nearest, seeds->n);
-    return answer;
+    return status;
 }

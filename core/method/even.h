@@ -2,8 +2,8 @@
 #ifndef VOR_METHOD_EVEN_H
 #define VOR_METHOD_EVEN_H
 
-#include "core/metrics/uniformity.h"
 #include "core/method/seeds.h"
+#include "core/metrics/uniformity.h"
 
 /** Uniformity of the positions xyz (seeds->n x 3), to which every seed came by a move of at most
  *  max_move from its position at the last index. Exact: the nearest neighbour is looked for in the
@@ -11,9 +11,12 @@
  *
  *  @param[out] nearest  distance of every seed to its nearest neighbour, n floats
  *
- *  Lengths in normalised units. Returns other than VOR_CONTINUE when the watch ended it. */
-VOR_NODISCARD enum vor_answer vor_even_measure(struct vor_uniformity *out, float *nearest,
-                                               const struct vor_seeds *seeds, const float *xyz,
-                                               double max_move);
+ *  Lengths in normalised units.
+ *
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
+ *  @retval VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_even_measure(struct vor_uniformity *out, float *nearest,
+                                          const struct vor_seeds *seeds, const float *xyz,
+                                          double max_move, struct vor_error *err);
 
 #endif

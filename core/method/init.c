@@ -56,15 +56,29 @@ static size_t samples_until(const struct areas *areas, double end)
     return end >= total || t >= (double)areas->to->n ? areas->to->n : (size_t)t;
 }
 
-static void sample_cell(const struct areas *areas, const struct vor_bench *bench, size_t sample)
+/* The patch may reach beyond the input: puts x onto the surface around it, within its bound. */
+static void pull_in(const struct vor_seeds *seeds, struct vor_bench *bench, double x[3])
+{
+    struct vor_border border;
+
+    if (vor_seeds_fit_at(seeds, &bench->there, x) == VOR_SURFACE_NONE)
+        return;
+    vor_seeds_border(seeds, bench, &border, x);
+    (void)vor_boundary_restrict(&border, VOR_BORDER_MOVING, x);
+}
+
+static void sample_cell(const struct areas *areas, struct vor_bench *bench, size_t sample)
 {
     double unit[3], local[3], x[3];
 
     for (size_t c = 0; c < 3; c++)
         unit[c] = vor_rng_unit(areas->seed, STREAM_SAMPLE, 3 * sample + c);
     vor_cell_sample(&bench->cell, unit, local);
-    vor_surface_project(&bench->surface, local);
-    vor_surface_to_world(&bench->surface, local, x);
+    vor_surface_project(&bench->here.surface, local);
+    vor_surface_to_world(&bench->here.surface, local, x);
+    if (areas->from->keep_border &&
+        !vor_boundary_inside(&bench->here.surface, bench->here.near, areas->from->k, x))
+        pull_in(areas->from, bench, x);
     for (size_t c = 0; c < 3; c++)
         areas->to->xyz[3 * sample + c] = (float)x[c];
 }
@@ -99,9 +113,9 @@ static vor_status measure(struct areas *areas, struct vor_error *err)
     areas->end = vor_malloc(run->memory, n, sizeof *areas->end);
     if (areas->end == NULL)
         return vor_fail(err, VOR_E_NOMEM, "areas of %zu cells", n);
-    if (vor_parallel_for(run->pool, run->watch, n, VOR_SEEDS_BLOCK, measure_block, areas) !=
-        VOR_CONTINUE)
-        return vor_run_ended(err);
+    status = vor_run_for(run, n, VOR_SEEDS_BLOCK, measure_block, areas, err);
+    if (status != VOR_OK)
+        return status;
     for (size_t i = 0; i < n; i++)
         areas->end[i] = sum += areas->end[i];
     if (!(sum > 0))
@@ -121,17 +135,16 @@ vor_status vor_init_seeds(struct vor_seeds *out, const struct vor_domain *domain
 
     if (status != VOR_OK)
         return status;
+    from.keep_border = spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP;
     draw(&from, seed);
     status = measure(&areas, err);
     if (status == VOR_OK)
         status = vor_seeds_init(&to, domain, n, k, run, err);
     if (status != VOR_OK)
         goto done;
-    if (vor_parallel_for(run->pool, run->watch, from.n, VOR_SEEDS_BLOCK, sample_block, &areas) !=
-        VOR_CONTINUE) {
-        status = vor_run_ended(err);
+    status = vor_run_for(run, from.n, VOR_SEEDS_BLOCK, sample_block, &areas, err);
+    if (status != VOR_OK)
         goto done;
-    }
     *out = to;
     to.run = NULL;
 done:
@@ -148,8 +161,8 @@ vor_status vor_init_area(double *out, const struct vor_domain *domain, const str
     size_t n = domain->n / 2 < AREA_SEEDS ? (domain->n + 1) / 2 : AREA_SEEDS;
     struct vor_seeds from = {0};
     struct areas areas = {&from, NULL, NULL, 0, seed};
-    vor_status status = vor_seeds_init(&from, domain, n,
-                                       (unsigned)spec->value[VOR_PARAM_NEIGHBORS], run, err);
+    vor_status status =
+        vor_seeds_init(&from, domain, n, (unsigned)spec->value[VOR_PARAM_NEIGHBORS], run, err);
 
     if (status != VOR_OK)
         return status;

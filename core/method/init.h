@@ -1,13 +1,13 @@
 /** Where the seeds start.
  *
- *  Source: Xiao et al. 2024, Sec. IV-A: as many random input points as seeds are wanted, their cells,
- *  and then as many random points in each cell as its share of the area asks for.
+ *  Source: Xiao et al. 2024, Sec. IV-A: as many random input points as seeds are wanted, their
+ * cells, and then as many random points in each cell as its share of the area asks for.
  *
- *  Departure: the first draw takes one point from each of n equal stretches of the Morton order, which
- *  is more even than independent draws. Departure: the paper leaves the rounding of the shares open;
- *  here cell i gets the whole numbers between its bounds in the running sum of area n / sum(area), so
- *  that exactly n come out and no cell is off by one. Where n exceeds the input, every input point is
- *  a first seed (Sec. V-C). */
+ *  Departure: the first draw takes one point from each of n equal stretches of the Morton order,
+ * which is more even than independent draws. Departure: the paper leaves the rounding of the shares
+ * open; here cell i gets the whole numbers between its bounds in the running sum of area n /
+ * sum(area), so that exactly n come out and no cell is off by one. Where n exceeds the input, every
+ * input point is a first seed (Sec. V-C). */
 #ifndef VOR_METHOD_INIT_H
 #define VOR_METHOD_INIT_H
 
@@ -22,8 +22,8 @@ VOR_NODISCARD vor_status vor_init_seeds(struct vor_seeds *out, const struct vor_
                                         size_t n, const struct vor_spec *spec,
                                         const struct vor_run *run, struct vor_error *err);
 
-/** Area of the surface, in squared normalised units, from the cells of a draw of input points. Fails as
- *  vor_init_seeds. */
+/** Area of the surface, in squared normalised units, from the cells of a draw of input points.
+ * Fails as vor_init_seeds. */
 VOR_NODISCARD vor_status vor_init_area(double *out, const struct vor_domain *domain,
                                        const struct vor_spec *spec, const struct vor_run *run,
                                        struct vor_error *err);

@@ -33,7 +33,7 @@ static int alloc_bench(struct vor_bench *bench, const struct vor_seeds *seeds)
 vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
                           unsigned k, const struct vor_run *run, struct vor_error *err)
 {
-    struct vor_seeds seeds = {.domain = domain, .run = run, .n = n};
+    struct vor_seeds seeds = {.domain = domain, .run = run, .n = n, .keep_border = 1};
     unsigned threads = vor_pool_threads(run->pool);
     int ok;
 
@@ -109,23 +109,23 @@ void vor_seeds_search(struct vor_seeds *seeds, struct vor_bench *bench, size_t b
                  &bench->seed_distance2[(i - begin) * width]);
 }
 
-static enum vor_surface_kind fit(const struct vor_seeds *seeds, struct vor_bench *bench,
+static enum vor_surface_kind fit(const struct vor_seeds *seeds, struct vor_place *place,
                                  const uint32_t *index)
 {
     for (unsigned j = 0; j < seeds->k; j++)
-        memcpy(&bench->near[3 * j], &seeds->domain->xyz[3 * (size_t)index[j]],
-               3 * sizeof *bench->near);
-    vor_surface_fit(&bench->surface, bench->near, seeds->k);
-    return bench->surface.kind;
+        memcpy(&place->near[3 * j], &seeds->domain->xyz[3 * (size_t)index[j]],
+               3 * sizeof *place->near);
+    vor_surface_fit(&place->surface, place->near, seeds->k);
+    return place->surface.kind;
 }
 
 enum vor_surface_kind vor_seeds_fit(const struct vor_seeds *seeds, struct vor_bench *bench,
                                     size_t row)
 {
-    return fit(seeds, bench, &bench->near_index[row * seeds->k]);
+    return fit(seeds, &bench->here, &bench->near_index[row * seeds->k]);
 }
 
-enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_bench *bench,
+enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_place *place,
                                        const double x[3])
 {
     float query[3] = {(float)x[0], (float)x[1], (float)x[2]};
@@ -133,7 +133,30 @@ enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor
     float distance2[VOR_NEIGHBORS_MAX];
 
     vor_knn_search(seeds->domain->knn, query, 1, seeds->k, index, distance2);
-    return fit(seeds, bench, index);
+    return fit(seeds, place, index);
+}
+
+void vor_seeds_project(const struct vor_surface *surface, double x[3])
+{
+    double local[3];
+
+    vor_surface_to_local(surface, x, local);
+    vor_surface_project(surface, local);
+    vor_surface_to_world(surface, local, x);
+}
+
+void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
+                      struct vor_border *border, double x[3])
+{
+    const struct vor_place *there = &bench->there;
+    double foot[3] = {(double)there->near[0], (double)there->near[1], (double)there->near[2]};
+
+    vor_seeds_project(&there->surface, x);
+    *border = (struct vor_border){&there->surface, there->near, seeds->k, there->surface.spacing};
+    if (vor_boundary_inside(&there->surface, there->near, seeds->k, x))
+        return;
+    if (vor_seeds_fit_at(seeds, &bench->foot, foot) != VOR_SURFACE_NONE)
+        border->spacing = bench->foot.surface.spacing;
 }
 
 /* Mean distance to the six nearest seeds; with fewer seeds the patch spans the whole domain. */
@@ -161,7 +184,7 @@ static void offset_of(const struct vor_seeds *seeds, const struct vor_bench *ben
     double sign = i < j ? 1e-6 : -1e-6;
 
     for (int c = 0; c < 3; c++)
-        offset[c] = vor_dot(bench->surface.axis[c], d);
+        offset[c] = vor_dot(bench->here.surface.axis[c], d);
     if (vor_dot(offset, offset) > 0)
         return;
     offset[0] = sign * bench->radius * (0.1 + vor_rng_unit(low, 7, 2 * high));
@@ -201,6 +224,15 @@ static void clip_more(const struct vor_seeds *seeds, struct vor_bench *bench, si
     }
 }
 
+static void end_at_border(const struct vor_seeds *seeds, struct vor_bench *bench)
+{
+    double side[2], room = vor_boundary_room(&bench->here.surface, bench->here.near, seeds->k,
+                                             bench->cell.seed, bench->radius, side);
+
+    if (room < bench->radius)
+        vor_cell_clip(&bench->cell, (double[3]){2 * room * side[0], 2 * room * side[1], 0});
+}
+
 enum vor_surface_kind vor_seeds_cell(const struct vor_seeds *seeds, struct vor_bench *bench,
                                      size_t i, size_t row)
 {
@@ -210,12 +242,14 @@ enum vor_surface_kind vor_seeds_cell(const struct vor_seeds *seeds, struct vor_b
     if (vor_seeds_fit(seeds, bench, row) == VOR_SURFACE_NONE)
         return VOR_SURFACE_NONE;
     vor_seeds_position(seeds, i, x);
-    vor_surface_to_local(&bench->surface, x, local);
+    vor_surface_to_local(&bench->here.surface, x, local);
     bench->radius = patch_radius(seeds, i);
-    vor_cell_begin(&bench->cell, &seeds->disc, &bench->surface, local, bench->radius);
+    vor_cell_begin(&bench->cell, &seeds->disc, &bench->here.surface, local, bench->radius);
+    if (seeds->keep_border)
+        end_at_border(seeds, bench);
     for (unsigned j = 0; j < seeds->listed; j++)
         if (!clip_by(seeds, bench, i, list[j]))
-            return bench->surface.kind;
+            return bench->here.surface.kind;
     clip_more(seeds, bench, i);
-    return bench->surface.kind;
+    return bench->here.surface.kind;
 }

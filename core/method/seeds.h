@@ -1,16 +1,23 @@
-/** The seeds, their neighbours among themselves, and what every method computes for one of them: local
- *  surface, patch, restricted Voronoi cell. */
+/** The seeds, their neighbours among themselves, and what every method computes for one of them:
+ * local surface, patch, restricted Voronoi cell. */
 #ifndef VOR_METHOD_SEEDS_H
 #define VOR_METHOD_SEEDS_H
 
 #include "core/base/run.h"
+#include "core/geom/boundary.h"
 #include "core/geom/cell.h"
 #include "core/geom/surface.h"
 #include "core/method/domain.h"
 
-#define VOR_SEEDS_BLOCK 256  /* seeds a task; also the unit of the sums */
-#define VOR_SEEDS_LISTED 20  /* neighbours kept for each seed */
+#define VOR_SEEDS_BLOCK 256    /* seeds a task; also the unit of the sums */
+#define VOR_SEEDS_LISTED 20    /* neighbours kept for each seed */
 #define VOR_SEEDS_MORE_MAX 256 /* neighbours looked at when those do not secure a cell */
+
+/** Input points around a place, nearest first, and the surface fitted to them. */
+struct vor_place {
+    float near[3 * VOR_NEIGHBORS_MAX];
+    struct vor_surface surface;
+};
 
 /** Scratch of one worker. */
 struct vor_bench {
@@ -18,8 +25,8 @@ struct vor_bench {
     float *near_distance2;
     uint32_t *seed_index; /**< VOR_SEEDS_BLOCK x (listed + 1) */
     float *seed_distance2;
-    float near[3 * VOR_NEIGHBORS_MAX]; /**< of the seed at hand, nearest first */
-    struct vor_surface surface;
+    struct vor_place here, there; /**< of the seed at hand, and of where it wants to go */
+    struct vor_place foot;        /**< of the input point nearest to one of these */
     struct vor_cell cell;
     double radius; /**< of the patch */
 };
@@ -30,6 +37,7 @@ struct vor_seeds {
     const struct vor_run *run;
     size_t n;
     unsigned k;      /**< input points a surface is fitted to */
+    int keep_border; /**< cells end where the input ends; set by vor_seeds_init, may be changed */
     unsigned listed; /**< neighbours in a list: VOR_SEEDS_LISTED or n - 1 */
     float *xyz;      /**< n x 3 */
     uint32_t *list;  /**< n x listed, nearest first, without the seed itself */
@@ -56,17 +64,25 @@ VOR_NODISCARD vor_status vor_seeds_index(struct vor_seeds *seeds, struct vor_err
 /** Finds the input points near the seeds begin .. end - 1 (one block) and their lists. */
 void vor_seeds_search(struct vor_seeds *seeds, struct vor_bench *bench, size_t begin, size_t end);
 
-/** Fits bench->surface at seed i = begin + row of the searched block, and gathers bench->near. */
+/** Gathers bench->here for row `row` of the searched block. */
 enum vor_surface_kind vor_seeds_fit(const struct vor_seeds *seeds, struct vor_bench *bench,
                                     size_t row);
 
-/** The same and the seed's cell in bench->cell, unless the kind is NONE. */
+/** The same for seed i = begin + row, and its cell in bench->cell, unless the kind is NONE. */
 enum vor_surface_kind vor_seeds_cell(const struct vor_seeds *seeds, struct vor_bench *bench,
                                      size_t i, size_t row);
 
-/** Gathers bench->near and fits bench->surface at any place, by a search of its own. */
-enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_bench *bench,
+/** Gathers a place around any x, by a search of its own. */
+enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_place *place,
                                        const double x[3]);
+
+/** Puts x onto the surface of bench->there, which vor_seeds_fit_at gathered around it, and says
+ * what is known of the border there. */
+void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
+                      struct vor_border *border, double x[3]);
+
+/** Puts x onto a surface. */
+void vor_seeds_project(const struct vor_surface *surface, double x[3]);
 
 /** Position of seed i in double. */
 static inline void vor_seeds_position(const struct vor_seeds *seeds, size_t i, double x[3])

@@ -50,8 +50,8 @@ static void fit_normal(struct transfer *transfer, struct vor_bench *bench, size_
 
     if (vor_seeds_fit(transfer->seeds, bench, row) != VOR_SURFACE_NONE) {
         vor_seeds_position(transfer->seeds, i, x);
-        vor_surface_to_local(&bench->surface, x, local);
-        vor_surface_normal(&bench->surface, local, normal);
+        vor_surface_to_local(&bench->here.surface, x, local);
+        vor_surface_normal(&bench->here.surface, local, normal);
     }
     sign = side(transfer, i, normal);
     for (size_t c = 0; c < 3; c++)
@@ -166,11 +166,9 @@ vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in, struc
     status = vor_cloud_resize(&cloud, seeds->n, err);
     if (status != VOR_OK)
         goto done;
-    if (vor_parallel_for(run->pool, run->watch, seeds->n, VOR_SEEDS_BLOCK, transfer_block,
-                         &transfer) != VOR_CONTINUE) {
-        status = vor_run_ended(err);
+    status = vor_run_for(run, seeds->n, VOR_SEEDS_BLOCK, transfer_block, &transfer, err);
+    if (status != VOR_OK)
         goto done;
-    }
     place(&transfer, spacing);
     status = attributes(&transfer, spec, err);
     if (status != VOR_OK)

@@ -1,5 +1,5 @@
-/** From seeds to a cloud: positions back in the input's frame, attributes from the nearest input point
- *  (Xiao et al. 2024, Sec. V: colours), normals. */
+/** From seeds to a cloud: positions back in the input's frame, attributes from the nearest input
+ * point (Xiao et al. 2024, Sec. V: colours), normals. */
 #ifndef VOR_METHOD_TRANSFER_H
 #define VOR_METHOD_TRANSFER_H
 
@@ -8,9 +8,9 @@
 
 /** Fills out (initialised, empty) from the seeds and the input they stand for.
  *
- *  Positions: float32 where the input has float32 and its step there is at most 1 / 200 of the spacing;
- *  else double. Attributes and normals: as the request says. Fitted normals take the side of the
- *  nearest input normal, without input normals the side away from the middle of the cloud.
+ *  Positions: float32 where the input has float32 and its step there is at most 1 / 200 of the
+ * spacing; else double. Attributes and normals: as the request says. Fitted normals take the side
+ * of the nearest input normal, without input normals the side away from the middle of the cloud.
  *
  *  @param[in] spacing  mean distance between seeds, in the input's unit
  *

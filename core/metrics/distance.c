@@ -33,9 +33,7 @@ static vor_status kth_distances(float *out, const float *queries, size_t n,
 {
     struct search search = {out, queries, knn, k};
 
-    if (vor_parallel_for(run->pool, run->watch, n, BLOCK, search_block, &search) != VOR_CONTINUE)
-        return vor_run_ended(err);
-    return VOR_OK;
+    return vor_run_for(run, n, BLOCK, search_block, &search, err);
 }
 
 static void mean_max(const float *d, size_t n, double *mean, double *max)

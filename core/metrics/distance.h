@@ -10,14 +10,15 @@ struct vor_distances {
     double out_to_ref_mean, out_to_ref_max, ref_to_out_mean, ref_to_out_max;
 };
 
-/** From n points to m reference points, both x 3 floats in one frame, each of magnitude at most 1e6.
+/** From n points to m reference points, both x 3 floats in one frame, each of magnitude at most
+ * 1e6.
  *
  *  @retval VOR_E_DEGENERATE m < 7, or the reference has no extent
  *  @retval VOR_E_NOMEM, VOR_E_CANCELLED
  *
  *  O(n log m + m log n + m log m). */
-VOR_NODISCARD vor_status vor_distances_measure(struct vor_distances *out, const float *xyz, size_t n,
-                                               const float *reference, size_t m,
+VOR_NODISCARD vor_status vor_distances_measure(struct vor_distances *out, const float *xyz,
+                                               size_t n, const float *reference, size_t m,
                                                const struct vor_run *run, struct vor_error *err);
 
 #endif

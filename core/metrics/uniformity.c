@@ -64,7 +64,5 @@ vor_status vor_nearest_distances(float *nearest, const float *xyz, size_t n,
         nearest[0] = 0;
         return VOR_OK;
     }
-    if (vor_parallel_for(run->pool, run->watch, n, BLOCK, nearest_block, &work) != VOR_CONTINUE)
-        return vor_run_ended(err);
-    return VOR_OK;
+    return vor_run_for(run, n, BLOCK, nearest_block, &work, err);
 }

@@ -14,13 +14,6 @@ struct push {
     const float *y, *g;
 };
 
-void vor_anderson_restart(struct vor_anderson *anderson)
-{
-    anderson->depth = 0;
-    anderson->newest = 0;
-    memset(anderson->gram, 0, sizeof anderson->gram);
-}
-
 vor_status vor_anderson_init(struct vor_anderson *out, size_t length, unsigned window,
                              struct vor_memory *memory, struct vor_error *err)
 {
@@ -79,9 +72,10 @@ static void push_block(void *ctx, size_t begin, size_t end, unsigned worker)
 }
 
 /* gram weights = 1, scaled so that the weights add up to one. */
-static void solve(const struct vor_anderson *anderson, double *weight)
+static void solve(struct vor_anderson *anderson)
 {
     double a[(VOR_ANDERSON_MAX + 1) * (VOR_ANDERSON_MAX + 1)], trace = 0, sum = 0;
+    double *weight = anderson->weight;
     int n = (int)anderson->depth;
 
     for (int i = 0; i < n; i++)
@@ -98,21 +92,20 @@ static void solve(const struct vor_anderson *anderson, double *weight)
         weight[i] = sum > 0 ? weight[i] / sum : i == (int)anderson->newest;
 }
 
-enum vor_answer vor_anderson_push(struct vor_anderson *anderson, const float *y, const float *g,
-                                  double *weight, unsigned *mixes, const struct vor_watch *watch,
-                                  struct vor_pool *pool)
+vor_status vor_anderson_push(struct vor_anderson *anderson, const float *y, const float *g,
+                             const struct vor_run *run, struct vor_error *err)
 {
     struct push push = {anderson, y, g};
     size_t blocks = (anderson->length + BLOCK - 1) / BLOCK;
-    enum vor_answer answer;
+    vor_status status;
 
     if (anderson->depth <= anderson->window)
         anderson->newest = anderson->depth++;
     else
         anderson->newest = (anderson->newest + 1) % (anderson->window + 1);
-    answer = vor_parallel_for(pool, watch, anderson->length, BLOCK, push_block, &push);
-    if (answer != VOR_CONTINUE)
-        return answer;
+    status = vor_run_for(run, anderson->length, BLOCK, push_block, &push, err);
+    if (status != VOR_OK)
+        return status;
     for (unsigned j = 0; j < anderson->depth; j++) {
         double sum = 0;
 
@@ -120,7 +113,6 @@ enum vor_answer vor_anderson_push(struct vor_anderson *anderson, const float *y,
             sum += anderson->partial[b * (anderson->window + 1) + j];
         anderson->gram[anderson->newest][j] = anderson->gram[j][anderson->newest] = sum;
     }
-    solve(anderson, weight);
-    *mixes = anderson->depth;
-    return VOR_CONTINUE;
+    solve(anderson);
+    return VOR_OK;
 }

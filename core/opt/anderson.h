@@ -1,26 +1,26 @@
 /** Anderson acceleration of a fixed-point iteration over one long vector.
  *
- *  Source: Xiao et al. 2024, Sec. IV-C, Eq. 7 to 11; Walker and Ni 2011. The mixing weights minimise
- *  |sum alpha_j D_j|^2 with sum alpha_j = 1 over the last m + 1 residuals; they come from the matrix
- *  of the residuals' dot products, so that the long vectors are only read. What is mixed are the
- *  iterates after their projection. Departure: a ridge of 1e-9 of the trace keeps the weights finite
- *  when residuals become parallel. */
+ *  Source: Xiao et al. 2024, Sec. IV-C, Eq. 7 to 11; Walker and Ni 2011. The mixing weights
+ * minimise |sum alpha_j D_j|^2 with sum alpha_j = 1 over the last m + 1 residuals; they come from
+ * the matrix of the residuals' dot products, so that the long vectors are only read. What is mixed
+ * are the iterates after their projection. Departure: a ridge of 1e-9 of the trace keeps the
+ * weights finite when residuals become parallel. */
 #ifndef VOR_OPT_ANDERSON_H
 #define VOR_OPT_ANDERSON_H
 
-#include "core/base/memory.h"
-#include "core/base/parallel.h"
+#include "core/base/run.h"
 
 #define VOR_ANDERSON_MAX 16
 
 struct vor_anderson {
     struct vor_memory *memory;
-    size_t length;                        /**< floats of one vector */
-    unsigned window, depth, newest;       /**< m; vectors held, slot of the last one */
+    size_t length;                         /**< floats of one vector */
+    unsigned window, depth, newest;        /**< m; vectors held, slot of the last one */
     float *image[VOR_ANDERSON_MAX + 1];    /**< G(Y) */
     float *residual[VOR_ANDERSON_MAX + 1]; /**< G(Y) - Y */
     double gram[VOR_ANDERSON_MAX + 1][VOR_ANDERSON_MAX + 1];
-    double *partial; /**< sums of blocks */
+    double weight[VOR_ANDERSON_MAX + 1]; /**< of image[0 .. depth - 1] in the mix */
+    double *partial;                     /**< sums of blocks */
 };
 
 /** For vectors of `length` floats and window m = 1 .. VOR_ANDERSON_MAX.
@@ -31,15 +31,12 @@ VOR_NODISCARD vor_status vor_anderson_init(struct vor_anderson *out, size_t leng
 
 void vor_anderson_free(struct vor_anderson *anderson);
 
-/** Adds the pair (Y, G(Y)) and finds the weights of the vectors held: weight[j] belongs to image[j].
- *  Sets *mixes to how many vectors take part (1: nothing to mix yet). Parallel; sums run over fixed
- *  blocks in order. Returns other than VOR_CONTINUE when the watch ended it. */
-VOR_NODISCARD enum vor_answer vor_anderson_push(struct vor_anderson *anderson, const float *y,
-                                                const float *g, double *weight, unsigned *mixes,
-                                                const struct vor_watch *watch,
-                                                struct vor_pool *pool);
-
-/** Forgets everything pushed. */
-void vor_anderson_restart(struct vor_anderson *anderson);
+/** Adds the pair (Y, G(Y)) and finds the weights of the vectors held. Parallel; sums run over fixed
+ *  blocks in order.
+ *
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for */
+VOR_NODISCARD vor_status vor_anderson_push(struct vor_anderson *anderson, const float *y,
+                                           const float *g, const struct vor_run *run,
+                                           struct vor_error *err);
 
 #endif
