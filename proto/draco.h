@@ -11,7 +11,7 @@
  *  UINT8), number of components (1 .. 16) and meaning; a normal of other than three components, or
  *  a colour of other than three or four, is GENERIC. The name is the attribute's metadata entry
  *  "name", bytes outside '!' .. '~' as '_', or else "normal", "color", "tex_coord", "generic" or,
- * of a second one, "position". Integers that are flagged as normalised stay integers.
+ *  of a second one, "position". Integers that are flagged as normalised stay integers.
  *
  *  A mesh may split a vertex into several points where its attributes have seams: points that share
  *  one position value are merged into the first of them, whose attributes are kept. Vertices that

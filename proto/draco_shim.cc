@@ -129,7 +129,7 @@ void release(void *p) noexcept
     std::free(p);
 }
 
-} // namespace
+} /* namespace */
 
 void *operator new(size_t bytes)
 {
@@ -404,7 +404,7 @@ vor_draco_result encode(const vor_draco_source &source, draco::EncoderBuffer *ou
     return VOR_DRACO_DONE;
 }
 
-} // namespace
+} /* namespace */
 
 vor_draco_result vor_draco_decode(vor_draco_decoded **out, const vor_draco_meter *meter,
                                   const uint8_t *bytes, size_t size, char message[96]) noexcept
