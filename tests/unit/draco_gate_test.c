@@ -399,6 +399,35 @@ START_TEST(any_cap_on_memory_ends_cleanly)
 }
 END_TEST
 
+/* Property: the same for the writer, which hands nothing to the sink unless all is well. */
+START_TEST(any_cap_on_the_writer_ends_cleanly)
+{
+    struct vor_cloud cloud;
+
+    vt_cloud_cube(&cloud, 1, 200);
+    for (int k = 0; k < 2; k++) {
+        size_t before = atomic_load(&vt_memory.used), failures = 0;
+        vor_status status = VOR_E_NOMEM;
+
+        for (size_t more = 0; status == VOR_E_NOMEM && more < 1 << 20; more += 211) {
+            struct vt_bytes bytes;
+
+            vt_memory.cap = before + more;
+            status = draco_encode(&bytes, &cloud, -1, k);
+            ck_assert(status == VOR_OK ? bytes.size > 0 : bytes.data == NULL);
+            ck_assert_uint_eq(atomic_load(&vt_memory.used), before);
+            failures += status == VOR_E_NOMEM;
+            free(bytes.data);
+        }
+        vt_memory.cap = SIZE_MAX;
+        ck_assert_int_eq(status, VOR_OK);
+        ck_assert_uint_gt(failures, 20);
+    }
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
 /* Property: the N-th allocation of ours fails. */
 START_TEST(any_allocation_may_fail)
 {
@@ -452,6 +481,7 @@ int main(void)
     vt_add(suite, the_meter_alone_stops_what_the_gate_would_have_stopped);
     vt_add(suite, a_small_file_that_unpacks_to_a_large_cloud_meets_its_budget);
     vt_add(suite, any_cap_on_memory_ends_cleanly);
+    vt_add(suite, any_cap_on_the_writer_ends_cleanly);
     vt_add(suite, any_allocation_may_fail);
     return vt_run(suite);
 }

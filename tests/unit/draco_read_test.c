@@ -216,6 +216,24 @@ static void put_raw(struct vt_bytes *out, const char position[2], const void *xy
     put(out, values, values_size);
 }
 
+/* Vector: bitstream 1.2 had 32-bit counts and 16-bit identifiers. */
+START_TEST(a_raw_cloud_of_bitstream_1_2_is_read)
+{
+    static const float xyz[6] = {1, 2, 3, -4, -5, -6};
+    struct vt_bytes bytes = {0};
+    struct vor_cloud cloud;
+
+    put_head(&bytes, "\1\2", 2, 0);
+    put(&bytes, "\1\0\0\0\0\11\3\0\7\0\0", 11);
+    put(&bytes, xyz, sizeof xyz);
+    vt_assert_ok(draco_decode(&cloud, &bytes));
+    ck_assert_uint_eq(cloud.n, 2);
+    ck_assert_mem_eq(cloud.xyz, xyz, sizeof xyz);
+    vor_cloud_free(&cloud);
+    free(bytes.data);
+}
+END_TEST
+
 START_TEST(positions_in_double_are_kept_to_float_precision_of_their_extent)
 {
     static const double xyz[6] = {637000.125, 4.1e6, 55, 637001.375, 4.1e6 + 0.5, 54.75};
@@ -372,6 +390,7 @@ int main(void)
     vt_add(suite, an_old_mesh_gives_its_vertices);
     vt_add(suite, meshes_give_their_vertices_and_seams_are_merged);
     vt_add(suite, a_kd_tree_of_an_older_bitstream_holds_the_same_cells);
+    vt_add(suite, a_raw_cloud_of_bitstream_1_2_is_read);
     vt_add(suite, positions_in_double_are_kept_to_float_precision_of_their_extent);
     vt_add(suite, a_nan_in_double_positions_names_its_point);
     vt_add(suite, kinds_and_types_of_the_file_become_ours);
