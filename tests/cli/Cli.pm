@@ -5,10 +5,12 @@ use strict;
 use warnings;
 use Exporter 'import';
 use File::Temp qw(tempdir);
+use IO::Select;
+use IO::Socket::INET;
 use POSIX qw(:sys_wait_h);
 use Time::HiRes qw(sleep time);
 
-our @EXPORT = qw(run start finish slurp spew scratch sphere leftovers shared);
+our @EXPORT = qw(run start finish slurp spew scratch sphere leftovers shared daemon stop cutter await);
 
 my $binary = $ENV{VORONOID} // 'build/release/voronoid';
 $binary = "$ENV{PWD}/$binary" unless $binary =~ m{^/};
@@ -37,6 +39,7 @@ sub spew {
 sub start {
     my ($arguments, %with) = @_;
     my $folder = scratch();
+    spew("$folder/err", '');
     my $pid = fork // die "fork: $!";
     if ($pid == 0) {
         $ENV{$_} = $with{env}{$_} for keys %{ $with{env} // {} };
@@ -68,6 +71,74 @@ sub finish {
 sub run {
     my ($arguments, %with) = @_;
     return finish(start($arguments, %with));
+}
+
+# Asks again and again until the answer is true; the answer, or nothing after a minute.
+sub await(&) {
+    my ($question) = @_;
+    for (1 .. 6000) {
+        my $answer = $question->();
+        return $answer if $answer;
+        sleep 0.01;
+    }
+    return;
+}
+
+# A daemon of our own on a free port (or the one given) of this machine.
+sub daemon {
+    my ($data, $listen, @settings) = @_;
+    my $process = start(['serve', '--listen', $listen, '--data', $data, @settings]);
+    my $address = await { slurp("$process->{folder}/err") =~ /"address":"([^"]+)"/ ? $1 : undef };
+    die 'no daemon: ' . slurp("$process->{folder}/err") unless $address;
+    return { %$process, address => $address, url => "http://$address" };
+}
+
+sub stop {
+    my ($daemon, $signal) = @_;
+    kill $signal // 'TERM', $daemon->{pid};
+    return finish($daemon, 30);
+}
+
+# One connection through a cutter: bytes from one side to the other until a side closes, or until an
+# event stream that is to be cut has given `most` bytes. Requests come one after another, so each
+# begins a piece.
+sub relay {
+    my ($near, $far, $log, $cuts, $most) = @_;
+    my ($select, $left) = (IO::Select->new($near, $far), undef);
+    while (1) {
+        for my $from ($select->can_read) {
+            return unless sysread $from, my $bytes, $left // 65536;
+            if ($from == $near && $bytes =~ m{^GET \S+/events } && (my @cut = split /\n/, slurp($log)) < $cuts) {
+                my ($last) = $bytes =~ /^Last-Event-ID: (\S+)/mi;
+                spew($log, join "\n", @cut, $last // 'none');
+                $left = $most;
+            }
+            syswrite $from == $near ? $far : $near, $bytes;
+            $left -= length $bytes if $from == $far && defined $left;
+            return if defined $left && $left <= 0;
+        }
+    }
+}
+
+# A way to a daemon that cuts the first `cuts` event streams after `most` bytes. The Last-Event-ID of
+# each stream that was cut is noted in the file `log`, a line each.
+sub cutter {
+    my ($address, $cuts, $most) = @_;
+    my $log = scratch() . '/log';
+    my $listener = IO::Socket::INET->new(LocalAddr => '127.0.0.1', Listen => 16, Proto => 'tcp') or die;
+    spew($log, '');
+    my $pid = fork // die "fork: $!";
+    if ($pid == 0) {
+        $SIG{CHLD} = 'IGNORE';
+        while (my $near = $listener->accept) {
+            next if fork;
+            my $far = IO::Socket::INET->new(PeerAddr => $address, Proto => 'tcp') or POSIX::_exit(0);
+            relay($near, $far, $log, $cuts, $most);
+            POSIX::_exit(0);
+        }
+        POSIX::_exit(0);
+    }
+    return { pid => $pid, url => 'http://127.0.0.1:' . $listener->sockport, log => $log };
 }
 
 # n points on the unit sphere as an ascii PLY, coordinates exact in float32; the same for the same

@@ -1,0 +1,194 @@
+#!/usr/bin/perl
+# voronoid resample --server URL and voronoid health against a daemon of our own.
+use strict;
+use warnings;
+use FindBin;
+use lib $FindBin::Bin;
+use Cli;
+use HTTP::Tiny;
+use JSON::PP;
+use Test::More;
+
+my $folder = scratch();
+my $http = HTTP::Tiny->new(timeout => 20);
+my $in = spew("$folder/in.ply", sphere(4000));
+my $out = "$folder/out.ply";
+my @request = ('-n', 500, '--iterations', 6);
+my @long = ('-n', 4000, '--iterations', 10000);
+my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2, '--log-level', 'info');
+my $url = $daemon->{url};
+
+run(['resample', $in, @request, '-q', '-o', "$folder/here.ply"]);
+my $wanted = slurp("$folder/here.ply");
+
+sub jobs { return decode_json($http->get("$_[0]/v1/jobs?limit=100")->{content})->{jobs} }
+
+# The one job of a daemon that runs, once it has done some work.
+sub running {
+    my ($at) = @_;
+    return await {
+        my ($job) = grep { $_->{status} eq 'running' && $_->{voronoid}{metrics} } @{ jobs($at) };
+        $job;
+    };
+}
+
+subtest 'health' => sub {
+    my ($code, $stdout, $stderr) = run(['health', '--server', $url]);
+    is "$code|$stdout|$stderr", "0|$url: ready\n|", 'a daemon is ready';
+    ($code) = run(['health', "--server=$url/"]);
+    is $code, 0, 'a slash behind its URL does not matter';
+    ($code) = run(['health'], env => { VORONOID_SERVER => $url });
+    is $code, 0, 'the environment can name it';
+    ($code, $stdout, $stderr) = run(['health', '--server', 'http://127.0.0.1:1']);
+    is "$code|$stdout", '5|', 'one that is not there is unreachable';
+    like $stderr, qr{\Avoronoid: http://127.0.0.1:1: [^\n]+\n\z}, 'and one line says so';
+    ($code, $stdout, $stderr) = run(['health', '--server', 'file:///etc/passwd']);
+    is "$code|$stdout", '5|', 'a file is no daemon';
+};
+
+subtest 'the same job far away' => sub {
+    my ($code, $stdout, $stderr) = run(['resample', $in, @request, '-o', $out, '--server', $url]);
+    is $code, 0, 'all is well';
+    is $stdout, '', 'stdout stays empty';
+    like $stderr, qr/\Avoronoid: \Q$out\E: 500 points, delta 0\.\d{4} after 6 iterations \(iterations\), /,
+        'one sentence says how it went';
+    ok slurp($out) eq $wanted, 'the bytes are those of a run here';
+    ($code, $stdout) = run(['resample', '-', @request, '-o', '-', '-q', '--server', "$url/"], stdin => $in);
+    ok $code == 0 && $stdout eq $wanted, 'also from stdin to stdout';
+    ($code) = run(['resample', $in, @request, '-o', $out, '-q'], env => { VORONOID_SERVER => $url });
+    is scalar @{ jobs($url) }, 3, 'also by the environment';
+    ($code) = run(['resample', $in, @request, '-o', $out, '-q', '--server='], env => { VORONOID_SERVER => $url });
+    is scalar @{ jobs($url) }, 3, 'an empty URL means here';
+    is((stat $out)[7], length $wanted, 'and writes as much');
+};
+
+subtest 'the same lines of JSON' => sub {
+    my (undef, $here) = run(['resample', $in, @request, '--json', '-o', "$folder/here.drc"]);
+    my ($code, $there, $stderr) = run(['resample', $in, @request, '--json', '-o', "$folder/there.drc", '--server', $url]);
+    is "$code$stderr", '0', 'all is well';
+    ok slurp("$folder/here.drc") eq slurp("$folder/there.drc"), 'the suffix says the format there too';
+    my ($ours, $theirs) = map { [map { decode_json($_) } split /\n/] } $here, $there;
+    my ($our_report, $their_report) = (pop @$ours, pop @$theirs);
+    my %by_iteration = map { $_->{iteration} => $_ } @$ours;
+    cmp_ok scalar @$theirs, '>=', 1, 'there are records';
+    for my $record (@$theirs) {
+        my $ours = $by_iteration{ $record->{iteration} };
+        is_deeply { %$record, seconds => 0 }, { %$ours, seconds => 0 }, "record $record->{iteration} is the same";
+    }
+    for my $report ($our_report, $their_report) {
+        delete @$report{qw(seconds memory_peak_bytes)};
+    }
+    is_deeply $their_report, $our_report, 'the report is the same';
+};
+
+subtest 'refusals' => sub {
+    unlink $out;
+    my $bad = spew("$folder/bad.ply", "hello\n");
+    my $empty = spew("$folder/empty.ply", '');
+    for my $case (
+        [$bad, 3, qr/The bytes are in no format this build reads: [^\n]+/], [$empty, 3, qr/The cloud has no points: [^\n]+/],
+        ["$folder/no.ply", 1, qr/cannot be read: No such file or directory/],
+    ) {
+        my ($path, $wanted, $why) = @$case;
+        my ($code, $stdout, $stderr) = run(['resample', $path, '-n', 5, '-o', $out, '--server', $url]);
+        is $code, $wanted, "$path is refused with $wanted";
+        like $stderr, qr/\Avoronoid: \Q$path\E: $why\n\z/, 'one line says why';
+        is $stdout, '', 'nothing is printed';
+    }
+    my ($code, undef, $stderr) = run(['resample', $in, '-n', 100000, '-o', $out, '--server', $url]);
+    is $code, 3, 'more points than the cloud is good for are refused';
+    like $stderr, qr/points is 100000, want 1 to 64000/, 'with the range';
+    ($code, undef, $stderr) = run(['resample', $in, @request, '-o', $out, '--server', 'http://127.0.0.1:1']);
+    is $code, 5, 'a server that is not there is unreachable';
+    like $stderr, qr{\Avoronoid: http://127.0.0.1:1: [^\n]+\n\z}, 'one line says so';
+    ($code, undef, $stderr) = run(['resample', $in, @request, '-o', $out, '--server', "$url/elsewhere"]);
+    is $code, 1, 'a path that is not there is a failure';
+    like $stderr, qr/\Avoronoid: \Q$in\E: There is nothing at this path[^\n]*\n\z/, 'one line says so';
+    ok !-e $out, 'nothing is written';
+    is leftovers($folder, qw(data in.ply here.ply here.drc there.drc bad.ply empty.ply)), '', 'nothing is left behind';
+};
+
+subtest 'a signal' => sub {
+    for my $case (['INT', 130], ['TERM', 4]) {
+        my ($signal, $wanted) = @$case;
+        my $process = start(['resample', $in, @long, '--json', '-o', $out, '--server', $url]);
+        my $job = running($url);
+        ok $job, 'the job runs';
+        kill $signal, $process->{pid};
+        my ($code, undef, $stderr) = finish($process, 30);
+        is $code, $wanted, "SIG$signal ends it with $wanted";
+        is $stderr, "voronoid: $in: cancelled\n", 'it says so';
+        my $after = decode_json($http->get("$url/v1/jobs/$job->{jobID}")->{content});
+        is $after->{status}, 'dismissed', 'the job is dismissed';
+        ok !-e $out, 'nothing is written';
+    }
+};
+
+subtest 'somebody else' => sub {
+    my $process = start(['resample', $in, @long, '-o', $out, '--server', $url]);
+    $http->delete("$url/v1/jobs/" . running($url)->{jobID});
+    my ($code, undef, $stderr) = finish($process, 30);
+    is $code, 4, 'dismissed by somebody else is cancelled';
+    is $stderr, "voronoid: $in: the job was dismissed\n", 'it says so';
+    $process = start(['resample', $in, @long, '--json', '-o', $out, '--server', $url]);
+    $http->post("$url/v1/jobs/" . running($url)->{jobID} . '/stop');
+    ($code, my $stdout) = finish($process, 30);
+    is $code, 0, 'stopped by somebody else is a result';
+    is decode_json((split /\n/, $stdout)[-1])->{stopped}, 'stopped', 'and the report says so';
+    unlink $out;
+};
+
+subtest 'a stream that breaks off' => sub {
+    my $cutter = cutter($daemon->{address}, 3, 2500);
+    my @some = ('-n', 4000, '--iterations', 60);
+    run(['resample', $in, @some, '-q', '-o', "$folder/some.ply"]);
+    my ($code, $stdout, $stderr) = run(['resample', $in, @some, '--json', '-o', $out, '--server', $cutter->{url}]);
+    kill 'TERM', $cutter->{pid};
+    waitpid $cutter->{pid}, 0;
+    my ($first, @again) = split /\n/, slurp($cutter->{log});
+    is "$code$stderr", '0', 'all is well';
+    is $first, 'none', 'the first stream begins at the beginning';
+    cmp_ok scalar @again, '>=', 1, 'at least one was taken up again';
+    like $_, qr/^\d+\.\d+$/, "where it ended: $_" for @again;
+    ok slurp($out) eq slurp("$folder/some.ply"), 'the bytes are those of a run here';
+    my @iterations = map { decode_json($_)->{iteration} // () } split /\n/, $stdout;
+    is_deeply \@iterations, [sort { $a <=> $b } @iterations], 'no record comes twice or late';
+    unlink $out, "$folder/some.ply";
+};
+
+subtest 'a daemon that is busy' => sub {
+    my $small = daemon("$folder/small", '127.0.0.1:0', '--threads', 1, '--jobs', 1, '--queue', 1);
+    my @others = map { start(['resample', $in, @long, '-q', '-o', "$folder/o$_.ply", '--server', $small->{url}]) } 1;
+    running($small->{url});
+    push @others, start(['resample', $in, @long, '-q', '-o', "$folder/o2.ply", '--server', $small->{url}]);
+    await { @{ jobs($small->{url}) } == 2 };
+    my ($code, $stdout, $stderr) = run(['resample', $in, @request, '-o', $out, '--server', $small->{url}]);
+    is "$code|$stdout", '5|', 'is not waited for';
+    like $stderr, qr/\Avoronoid: \Q$in\E: The queue is full[^\n]*\n\z/, 'one line says so';
+    kill 'INT', $_->{pid} for @others;
+    is((finish($_, 30))[0], 130, 'those who wait can leave') for @others;
+    is((stop($small))[0], 0, 'the daemon ends well');
+};
+
+subtest 'a daemon that dies and comes back' => sub {
+    my $mortal = daemon("$folder/mortal", '127.0.0.1:0', '--threads', 2);
+    my $process = start(['resample', $in, '-n', 4000, '--iterations', 200, '--json', '-o', $out, '--server', $mortal->{url}]);
+    running($mortal->{url});
+    stop($mortal, 'KILL');
+    $mortal = daemon("$folder/mortal", $mortal->{address}, '--threads', 2);
+    my ($code, $stdout, $stderr) = finish($process, 60);
+    is "$code$stderr", '0', 'does not lose the job';
+    run(['resample', $in, '-n', 4000, '--iterations', 200, '-q', '-o', "$folder/alone.ply"]);
+    ok slurp($out) eq slurp("$folder/alone.ply"), 'the bytes are those of a run here';
+    unlink $out;
+    $process = start(['resample', $in, @long, '-o', $out, '--server', $mortal->{url}]);
+    my $job = running($mortal->{url});
+    stop($mortal, 'KILL');
+    ($code, undef, $stderr) = finish($process, 60);
+    is $code, 5, 'one that does not come back is unreachable';
+    like $stderr, qr{\Avoronoid: \Q$mortal->{url}\E/v1/jobs/\Q$job->{jobID}\E: [^\n]+\n\z}, 'one line names the job';
+    ok !-e $out, 'nothing is written';
+};
+
+is((stop($daemon))[0], 0, 'the daemon ends well');
+done_testing;
