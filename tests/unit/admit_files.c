@@ -1,0 +1,305 @@
+/* Admission: strangers' bytes become a durable, checked cloud, or an error and nothing else. */
+#include "proto/codec.h"
+#include "server/admit.h"
+#include "server/storage.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_dir.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+static const struct vor_admit_limits limits = {.codec = VOR_LIMITS_DEFAULT, .memory = 64u << 20};
+
+static int kept(const char *dir)
+{
+    return vt_dir_count(dir, "blobs/keep");
+}
+
+/* The dump of an admitted cloud. */
+static void load(struct vor_blobs *blobs, const struct vor_uuid *id, struct vor_cloud *cloud)
+{
+    uint64_t size;
+    int fd, found;
+    void *bytes;
+
+    vt_assert_ok(vor_blob_get(blobs, id, VOR_BLOB_INPUT, &fd, &size, &found, &vt_err));
+    ck_assert(found);
+    bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, fd, 0);
+    ck_assert_ptr_ne(bytes, MAP_FAILED);
+    vor_cloud_init(cloud, &vt_memory);
+    vt_assert_ok(vor_dump_read(cloud, bytes, size, &vt_err));
+    munmap(bytes, size);
+    close(fd);
+}
+
+START_TEST(an_admitted_cloud_is_kept_as_it_was)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_cloud cloud, back;
+    struct vor_blob_writer *upload;
+    struct vor_job_input input;
+    char sha256[VOR_DIGEST_SIZE];
+    struct vor_uuid id;
+
+    vt_cloud_cube(&cloud, (uint64_t)_i, 50 + (size_t)_i);
+    upload = vt_upload_cloud(blobs, &cloud);
+    vt_assert_ok(vor_admit_file(&id, &input, blobs, upload, &limits, &vt_err));
+    vor_blob_sha256(upload, sha256);
+    ck_assert_uint_eq(input.format, VOR_FORMAT_PLY);
+    ck_assert_uint_eq(input.points, cloud.n);
+    ck_assert_uint_eq(input.bytes, vor_blob_size(upload));
+    ck_assert_str_eq(input.sha256, sha256);
+    ck_assert_double_ge(input.seconds, 0);
+    vor_blob_discard(upload);
+    load(blobs, &id, &back);
+    ck_assert_uint_eq(back.n, cloud.n);
+    ck_assert_mem_eq(back.xyz, cloud.xyz, 3 * cloud.n * sizeof(float));
+    vor_cloud_free(&back);
+    vor_cloud_free(&cloud);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+#define HEAD "ply\nformat ascii 1.0\nelement vertex "
+#define XYZ "\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+
+/* Refusal: what is wrong is said, and nothing is kept. */
+START_TEST(what_cannot_be_decoded_leaves_nothing)
+{
+    static const struct {
+        const char *bytes;
+        vor_status status;
+    } bad[] = {
+        {"", VOR_E_EMPTY},
+        {"solid of an STL file", VOR_E_UNSUPPORTED},
+        {HEAD "0" XYZ, VOR_E_EMPTY},
+        {HEAD "2" XYZ "0 0 0\n", VOR_E_FORMAT},
+        {HEAD "1" XYZ "0 nan 0\n", VOR_E_NONFINITE},
+        {HEAD "50000001" XYZ, VOR_E_LIMIT},
+        {"DRACO\2\3\0\0rubbish", VOR_E_FORMAT},
+    };
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_uuid id = {"untouched"};
+    struct vor_job_input input = {.points = 77};
+
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        struct vor_blob_writer *upload = vt_upload(blobs, bad[i].bytes, strlen(bad[i].bytes));
+
+        vt_assert_fails(bad[i].status,
+                        vor_admit_file(&id, &input, blobs, upload, &limits, &vt_err));
+        vor_blob_discard(upload);
+    }
+    ck_assert_str_eq(id.text, "untouched");
+    ck_assert_uint_eq(input.points, 77);
+    ck_assert_int_eq(kept(dir), 0);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(a_cloud_that_does_not_fit_is_refused_before_it_is_kept)
+{
+    struct vor_admit_limits small = limits;
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_blob_writer *upload;
+    struct vor_job_input input;
+    struct vor_cloud cloud;
+    struct vor_uuid id;
+
+    vt_cloud_cube(&cloud, 1, 1000);
+    upload = vt_upload_cloud(blobs, &cloud);
+    small.memory = 1000;
+    vt_assert_fails(VOR_E_NOMEM, vor_admit_file(&id, &input, blobs, upload, &small, &vt_err));
+    small.memory = limits.memory;
+    small.codec.points = 999;
+    vt_assert_fails(VOR_E_LIMIT, vor_admit_file(&id, &input, blobs, upload, &small, &vt_err));
+    ck_assert_uint_eq(vt_err.limit, 999);
+    ck_assert_uint_eq(vt_err.got, 1000);
+    ck_assert_int_eq(kept(dir), 0);
+    vor_blob_discard(upload);
+    vor_cloud_free(&cloud);
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* --- threads ---------------------------------------------------------------------------------- */
+
+struct answers {
+    pthread_mutex_t mutex;
+    pthread_cond_t cond;
+    int count, hold; /* while hold is set, an admission thread waits in done */
+};
+
+static void init_answers(struct answers *answers)
+{
+    memset(answers, 0, sizeof *answers);
+    pthread_mutex_init(&answers->mutex, NULL);
+    pthread_cond_init(&answers->cond, NULL);
+}
+
+static void answered(struct vor_admission *admission)
+{
+    struct answers *answers = admission->ctx;
+
+    pthread_mutex_lock(&answers->mutex);
+    answers->count++;
+    pthread_cond_broadcast(&answers->cond);
+    while (answers->hold)
+        pthread_cond_wait(&answers->cond, &answers->mutex);
+    pthread_mutex_unlock(&answers->mutex);
+}
+
+static void wait_answers(struct answers *answers, int count)
+{
+    pthread_mutex_lock(&answers->mutex);
+    while (answers->count < count)
+        pthread_cond_wait(&answers->cond, &answers->mutex);
+    pthread_mutex_unlock(&answers->mutex);
+}
+
+static void let_go(struct answers *answers)
+{
+    pthread_mutex_lock(&answers->mutex);
+    answers->hold = 0;
+    pthread_cond_broadcast(&answers->cond);
+    pthread_mutex_unlock(&answers->mutex);
+}
+
+START_TEST(every_upload_is_answered_once)
+{
+    enum { UPLOADS = 20 };
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_admission admissions[UPLOADS];
+    struct vor_admit *admit;
+    struct vor_cloud cloud;
+    struct answers answers;
+
+    init_answers(&answers);
+    vt_cloud_cube(&cloud, 1, 500);
+    vt_assert_ok(vor_admit_create(&admit, blobs, &limits, 3, UPLOADS, &vt_err));
+    for (int i = 0; i < UPLOADS; i++) {
+        admissions[i] = (struct vor_admission){.done = answered, .ctx = &answers};
+        admissions[i].upload =
+            i % 4 == 3 ? vt_upload(blobs, "rubbish", 7) : vt_upload_cloud(blobs, &cloud);
+        ck_assert_int_eq(vor_admit_submit(admit, &admissions[i]), VOR_DONE);
+    }
+    wait_answers(&answers, UPLOADS);
+    vor_admit_destroy(admit);
+    ck_assert_int_eq(answers.count, UPLOADS);
+    for (int i = 0; i < UPLOADS; i++) {
+        ck_assert_int_eq(admissions[i].status, i % 4 == 3 ? VOR_E_UNSUPPORTED : VOR_OK);
+        ck_assert_int_eq(admissions[i].error.status, i % 4 == 3 ? VOR_E_UNSUPPORTED : VOR_OK);
+        ck_assert_ptr_null(admissions[i].upload);
+    }
+    ck_assert_int_eq(kept(dir), UPLOADS - UPLOADS / 4);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
+    vor_cloud_free(&cloud);
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(waiting_uploads_are_bounded_and_answered_when_the_daemon_goes)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_admission busy = {.done = answered}, waits = {.done = answered}, over = waits;
+    struct vor_admit *admit;
+    struct answers answers;
+    struct vor_cloud cloud;
+
+    init_answers(&answers);
+    answers.hold = 1;
+    vt_cloud_cube(&cloud, 1, 10);
+    busy.ctx = waits.ctx = over.ctx = &answers;
+    vt_assert_ok(vor_admit_create(&admit, blobs, &limits, 1, 1, &vt_err));
+    busy.upload = vt_upload_cloud(blobs, &cloud);
+    waits.upload = vt_upload_cloud(blobs, &cloud);
+    over.upload = vt_upload_cloud(blobs, &cloud);
+    ck_assert_int_eq(vor_admit_submit(admit, &busy), VOR_DONE);
+    wait_answers(&answers, 1); /* its thread now waits in done */
+    ck_assert_int_eq(vor_admit_submit(admit, &waits), VOR_DONE);
+    ck_assert_int_eq(vor_admit_submit(admit, &over), VOR_FULL);
+    ck_assert_ptr_nonnull(over.upload);
+    vor_blob_discard(over.upload);
+    let_go(&answers);
+    wait_answers(&answers, 2);
+    ck_assert_int_eq(waits.status, VOR_OK);
+    vor_admit_destroy(admit);
+    vor_cloud_free(&cloud);
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+static void *destroy(void *admit)
+{
+    vor_admit_destroy(admit);
+    return NULL;
+}
+
+START_TEST(what_waits_when_the_daemon_goes_is_answered_as_cancelled)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_admission busy = {.done = answered}, waits = {.done = answered}, late = waits;
+    enum vor_outcome outcome;
+    struct vor_admit *admit;
+    struct answers answers;
+    struct vor_cloud cloud;
+    pthread_t thread;
+
+    init_answers(&answers);
+    answers.hold = 1;
+    vt_cloud_cube(&cloud, 1, 10);
+    busy.ctx = waits.ctx = late.ctx = &answers;
+    vt_assert_ok(vor_admit_create(&admit, blobs, &limits, 1, 1, &vt_err));
+    busy.upload = vt_upload_cloud(blobs, &cloud);
+    waits.upload = vt_upload_cloud(blobs, &cloud);
+    ck_assert_int_eq(vor_admit_submit(admit, &busy), VOR_DONE);
+    wait_answers(&answers, 1);
+    ck_assert_int_eq(vor_admit_submit(admit, &waits), VOR_DONE);
+    ck_assert_int_eq(pthread_create(&thread, NULL, destroy, admit), 0);
+    late.upload = vt_upload(blobs, "x", 1);
+    do /* full, until the other thread has closed it */
+        outcome = vor_admit_submit(admit, &late);
+    while (outcome == VOR_FULL);
+    ck_assert_int_eq(outcome, VOR_DRAINING);
+    vor_blob_discard(late.upload);
+    let_go(&answers);
+    pthread_join(thread, NULL);
+    ck_assert_int_eq(busy.status, VOR_OK);
+    ck_assert_int_eq(waits.status, VOR_E_CANCELLED);
+    ck_assert_int_eq(kept(dir), 1);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
+    vor_cloud_free(&cloud);
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("admit_files");
+
+    vt_add_loop(suite, an_admitted_cloud_is_kept_as_it_was, 5);
+    vt_add(suite, what_cannot_be_decoded_leaves_nothing);
+    vt_add(suite, a_cloud_that_does_not_fit_is_refused_before_it_is_kept);
+    vt_add(suite, every_upload_is_answered_once);
+    vt_add(suite, waiting_uploads_are_bounded_and_answered_when_the_daemon_goes);
+    vt_add(suite, what_waits_when_the_daemon_goes_is_answered_as_cancelled);
+    return vt_run(suite);
+}
