@@ -109,6 +109,7 @@ static vor_status set(struct vor_config *config, int setting, const char *text,
     return set_number(&config->number[setting], info, text, err);
 }
 
+/* What no flag has given: from the environment, or the default. */
 static vor_status read_environment(struct vor_config *config, char *(*get)(const char *),
                                    struct vor_error *err)
 {
@@ -117,6 +118,8 @@ static vor_status read_environment(struct vor_config *config, char *(*get)(const
         const char *value;
         vor_status status;
 
+        if (config->given[i])
+            continue;
         (void)snprintf(name, sizeof name, "VORONOID_%s", infos[i].flag);
         for (char *c = name; *c != '\0'; c++)
             *c = *c == '-' ? '_' : (char)toupper((unsigned char)*c);
@@ -251,9 +254,9 @@ vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
     vor_status status;
 
     memset(out, 0, sizeof *out);
-    status = read_environment(out, getenv, err);
+    status = read_arguments(out, argc, argv, err);
     if (status == VOR_OK)
-        status = read_arguments(out, argc, argv, err);
+        status = read_environment(out, getenv, err);
     if (status == VOR_OK)
         status = split_listen(out, err);
     if (status == VOR_OK)

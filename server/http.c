@@ -158,6 +158,9 @@ static struct MHD_Response *make_response(struct vor_request *request)
     struct vor_reply *reply = &request->reply;
     struct MHD_Response *response = NULL;
 
+    /* The library would end a chunked reply to HEAD with a chunk that nobody expects. */
+    if (reply->kind == VOR_REPLY_STREAM && request->method == VOR_HEAD)
+        return MHD_create_response_from_buffer(0, (void *)(uintptr_t) "", MHD_RESPMEM_PERSISTENT);
     switch (reply->kind) {
     case VOR_REPLY_BYTES:
         response = MHD_create_response_from_buffer((size_t)reply->size, reply->bytes,

@@ -261,9 +261,9 @@ static int serve(struct daemon *daemon)
                 VOR_COUNT("threads", vor_pool_threads(daemon->pool)),
                 VOR_COUNT("job_memory", job_memory(&daemon->config)));
         result = run(daemon);
+        vor_log(VOR_LOG_INFO, "stopped", VOR_COUNT("exit", result));
     }
     stop(daemon);
-    vor_log(VOR_LOG_INFO, "stopped", VOR_COUNT("exit", result));
     return result;
 }
 

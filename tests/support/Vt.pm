@@ -31,7 +31,10 @@ sub start {
     $running{ $self->{pid} } = 1;
     $self->{address} = wait_until(
         sub {
-            die "the daemon ended: " . $self->log_text if waitpid($self->{pid}, POSIX::WNOHANG()) > 0;
+            if (waitpid($self->{pid}, POSIX::WNOHANG()) > 0) {
+                delete $running{ delete $self->{pid} };
+                die 'the daemon ended: ' . $self->log_text;
+            }
             $self->log_text =~ /"msg":"listening","address":"([^"]+)"/ ? $1 : undef;
         }, 20) or die 'the daemon does not listen: ' . $self->log_text;
     ($self->{port}) = $self->{address} =~ /:(\d+)$/;

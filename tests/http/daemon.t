@@ -1,0 +1,173 @@
+#!/usr/bin/perl
+# The daemon's own life: settings, restart, SIGTERM, logs; and whom it answers (Host, Origin).
+use strict;
+use warnings;
+use File::Temp qw(tempdir);
+use FindBin;
+use lib "$FindBin::Bin/../support";
+use Test::More;
+use Time::HiRes qw(time sleep);
+use Vt;
+
+my $cloud = sphere_ply(4000);
+my $long = 'points=4000&iterations=10000';
+
+# Settings.
+for my $case (
+    [['--queue', '0'], qr/--queue is "0", want a whole number from 1 to 100000/],
+    [['--queue=1.5'], qr/--queue is "1.5"/], [['--queue'], qr/--queue wants a value/],
+    [['--body-limit', '1Q'], qr/--body-limit is "1Q", want bytes/],
+    [['--drain-timeout', '-1'], qr/--drain-timeout is "-1", want seconds from 0 to 3600/],
+    [['--log-level', 'loud'], qr/--log-level is "loud", want one of debug info warn error off/],
+    [['--listen', 'localhost'], qr/--listen is "localhost", want HOST:PORT/],
+    [['--listen', '127.0.0.1:70000'], qr/port from 0 to 65535/],
+    [['--listen', '0.0.0.0:0'], qr/open to other machines.*--no-auth/],
+    [['--listen', '[::]:0'], qr/open to other machines/],
+    [['--store', 'mysql:x', '--listen', '127.0.0.1:0'], qr/sqlite:/],
+    [['--colour', 'red'], qr/no setting --colour/], [['red'], qr/red is no setting/],
+) {
+    my ($arguments, $message) = @$case;
+    my ($status, $text) = Vt::run('--data', tempdir(CLEANUP => 1), @$arguments);
+    my $name = join ' ', @$arguments;
+    is $status, 2, "$name: exit status 2";
+    like $text, $message, "$name: a message with value and range";
+    is scalar(split /\n/, $text), 1, "$name: of one line";
+}
+{
+    local $ENV{VORONOID_QUEUE} = 'many';
+    my ($status, $text) = Vt::run('--data', tempdir(CLEANUP => 1));
+    is $status, 2, 'a wrong value in the environment is refused too';
+    like $text, qr/--queue is "many"/, 'and named';
+    local $ENV{VORONOID_LISTEN} = '127.0.0.1:0';
+    my $daemon = Vt->start(queue => 3);
+    is $daemon->get('/livez')->{status}, 200, 'a flag wins over the environment';
+    is $daemon->stop, 0, 'it ends with 0';
+}
+my ($status, $routes, $printed) = Vt::run('--print-routes');
+like $printed, qr{^POST /v1/resample 200 }m, '--print-routes prints the routes';
+
+# One store, one daemon.
+my $daemon = Vt->start(jobs => 1);
+($status, my $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$daemon->{dir}/data");
+is $status, 75, 'a second daemon on the same store ends with 75';
+like $text, qr/\b$daemon->{pid}\b/, 'and names the first';
+
+# Restart.
+my $done = $daemon->submit('points=100&iterations=3', $cloud);
+$daemon->finish($done);
+my $bytes = $daemon->get("/v1/jobs/$done/results/cloud")->{content};
+my $reference = $daemon->post('/v1/resample?points=300&iterations=300&delta=0.0001', $cloud)->{content};
+my $busy = $daemon->submit($long, $cloud);
+my $waiting = $daemon->submit('points=300&iterations=300&delta=0.0001', $cloud);
+wait_until(sub { $daemon->status($busy) eq 'running' }, 20);
+is $daemon->stop('KILL'), 'signal 9', 'a daemon is killed while a job runs';
+$daemon = Vt->start(jobs => 1, dir => $daemon->{dir});
+is $daemon->get("/v1/jobs/$done/results/cloud")->{content}, $bytes, 'results survive';
+like $daemon->status($busy), qr/^(accepted|running)$/, 'the running job runs again';
+wait_until(sub { $daemon->status($busy) eq 'running' }, 20);
+is json($daemon->get("/v1/jobs/$busy"))->{voronoid}{attempt}, 2, 'as its second attempt';
+my $first = $daemon->events("/v1/jobs/$busy/events", headers => { 'Last-Event-ID' => '1.7' })->next_event;
+is $first->{event}, 'replaced', 'who followed the first attempt is told';
+is $daemon->status($waiting), 'accepted', 'the waiting job still waits';
+$daemon->request('DELETE', "/v1/jobs/$busy");
+is $daemon->finish($waiting)->{status}, 'successful', 'and has its turn';
+is $daemon->get("/v1/jobs/$waiting/results/cloud")->{content}, $reference,
+    'with the bytes that a run without the crash yields';
+is $daemon->stop, 0, 'it ends with 0';
+
+# SIGTERM: running jobs end, callers get their answers, streams end, others are refused.
+$daemon = Vt->start(jobs => 2, 'drain-timeout' => 20);
+my $short = 'points=4000&iterations=150&delta=0.000001';
+my $socket = $daemon->connect;
+$socket->print("POST /v1/resample?$short HTTP/1.1\r\nHost: localhost\r\nContent-Length: "
+        . length($cloud) . "\r\n\r\n$cloud");
+$socket->flush;
+my $job = $daemon->submit($short, $cloud);
+wait_until(sub { $daemon->status($job) eq 'running' }, 20);
+my $stream = $daemon->events("/v1/jobs/$job/events", headers => { Accept => 'text/event-stream' });
+$stream->next_event;
+kill 'TERM', $daemon->{pid};
+my $unready = wait_until(sub { my $a = $daemon->get('/readyz'); $a->{status} == 503 ? $a : undef }, 5);
+is_problem($unready, 503, 'draining', 'SIGTERM makes the daemon un-ready');
+is_problem($daemon->post('/v1/resample?points=5', $cloud), 503, 'draining', 'new jobs are refused');
+is $daemon->get('/livez')->{status}, 200, 'it still lives';
+my $last;
+while (my $block = $stream->next_block(5)) { $last = $block }
+is $last->{retry}, 1000, 'a stream ends with retry: 1000';
+ok $stream->{whole}, 'in good order';
+my $answer = Vt::read_all($socket, 30);
+like $answer, qr{\AHTTP/1\.1 200 .*^element vertex 4000\n}ms, 'a caller who waits gets the result';
+is Vt::reap(delete $daemon->{pid}, 30), 0, 'the daemon ends with 0 by itself';
+$daemon = Vt->start(dir => $daemon->{dir}, 'drain-timeout' => 0);
+is $daemon->status($job), 'successful', 'the job ended while draining';
+$job = $daemon->submit($long, $cloud);
+wait_until(sub { $daemon->status($job) eq 'running' }, 20);
+is $daemon->stop, 0, 'with no time to drain it ends too';
+$daemon = Vt->start(dir => $daemon->{dir}, 'drain-timeout' => 600);
+like $daemon->status($job), qr/^(accepted|running)$/, 'its running job was put back';
+wait_until(sub { $daemon->status($job) eq 'running' }, 20);
+kill 'TERM', $daemon->{pid};
+wait_until(sub { $daemon->get('/readyz')->{status} == 503 }, 5);
+my $before = time;
+isnt $daemon->stop('TERM'), 'still running', 'a second SIGTERM ends it at once';
+cmp_ok time - $before, '<', 5, 'that is, at once';
+
+# Host and Origin.
+$daemon = Vt->start('cors-origin' => 'https://a.example,https://b.example:8443',
+    'public-url' => 'https://cloud.example/base/');
+sub with { my ($method, $path, %headers) = @_;
+    my $lines = join '', map { "$_: $headers{$_}\r\n" } sort keys %headers;
+    my $raw = $daemon->raw("$method $path HTTP/1.1\r\n${lines}Connection: close\r\n\r\n");
+    my ($code) = $raw =~ m{\AHTTP/1\.1 (\d+)};
+    return ($code, head_of($raw), $raw);
+}
+for my $host ('localhost', "localhost:$daemon->{port}", '127.0.0.1', '[::1]:80', 'LOCALHOST',
+    'cloud.example') {
+    is +(with('GET', '/livez', Host => $host))[0], 200, "Host $host is answered";
+}
+for my $host ('evil.example', 'localhost.evil.example', "evil.example:$daemon->{port}", '127.0.0.2',
+    'cloud.example.evil') {
+    my ($code, undef, $raw) = with('GET', '/v1/jobs', Host => $host);
+    is $code, 403, "Host $host is refused";
+    like $raw, qr{/problems/forbidden"}, "Host $host: as forbidden";
+}
+my ($code, $head) = with('GET', '/v1/jobs', Host => 'localhost', Origin => 'https://a.example');
+is $code, 200, 'an allowed origin may read';
+like $head, qr{^Access-Control-Allow-Origin: https://a\.example\r$}m, 'and its page may see it';
+like $head, qr{^Access-Control-Expose-Headers: Location, ETag, Retry-After}m, 'with its headers';
+like $head, qr{^Vary: Origin\r$}m, 'and caches know';
+unlike $head, qr{Allow-Credentials}, 'but no credentials';
+($code, $head) = with('OPTIONS', '/v1/resample', Host => 'localhost', Origin => 'https://b.example:8443',
+    'Access-Control-Request-Method' => 'POST', 'Access-Control-Request-Headers' => 'prefer');
+is $code, 204, 'a preflight is answered';
+like $head, qr{^Access-Control-Allow-Methods: POST, OPTIONS\r$}m, 'with the methods';
+like $head, qr{^Access-Control-Allow-Headers: .*\bPrefer\b}m, 'and the headers';
+for my $origin ('https://evil.example', 'null', 'https://a.example.evil', 'http://a.example',
+    'https://b.example') {
+    ($code, $head) = with('GET', '/v1/jobs', Host => 'localhost', Origin => $origin);
+    unlike $head, qr{Access-Control-Allow-Origin}, "Origin $origin sees nothing";
+    is +(with('POST', '/v1/resample?points=5', Host => 'localhost', Origin => $origin,
+                'Content-Length' => 0))[0], 403, "Origin $origin may not submit";
+    is +(with('DELETE', '/v1/jobs/x', Host => 'localhost', Origin => $origin))[0], 403,
+        "Origin $origin may not dismiss";
+}
+is +(with('POST', '/v1/resample?points=5', Host => 'localhost', Origin => 'http://localhost',
+            'Content-Length' => 0))[0], 422, "the daemon's own origin may submit";
+like $daemon->post('/v1/resample?points=5&iterations=1', $cloud, Prefer => 'respond-async')
+    ->{headers}{location}, qr{\Ahttps://cloud\.example/base/v1/jobs/}, '--public-url makes the links';
+
+# Logs.
+my @lines = eval { $daemon->log_lines };
+is $@, '', 'every log line is JSON';
+ok !(grep { !defined $_->{ts} || !defined $_->{level} || !defined $_->{msg} } @lines),
+    'with time, level and message';
+my ($request) = grep { $_->{msg} eq 'request' && $_->{status} == 204 } @lines;
+is_deeply [grep { !defined $request->{$_} } qw(request_id method route status dur_s bytes)], [],
+    'a request is logged with all that is asked of it';
+$daemon->raw("GET /\x1b[31mred HTTP/1.1\r\nHost: localhost\r\nX-Request-Id: \xff\xfe\r\nConnection: close\r\n\r\n");
+$daemon->raw("GET /a%0d%0aInjected:%20x HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+@lines = eval { $daemon->log_lines };
+is $@, '', 'also after what a stranger sent';
+unlike $daemon->log_text, qr/[^\n\x20-\x7e]/, 'and none has raw control bytes';
+is $daemon->stop, 0, 'it ends with 0';
+done_testing;

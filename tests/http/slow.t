@@ -1,0 +1,101 @@
+#!/usr/bin/perl
+# Those who take their time, send too much, or too little.
+use strict;
+use warnings;
+use FindBin;
+use IO::Select;
+use lib "$FindBin::Bin/../support";
+use Test::More;
+use Time::HiRes qw(time sleep);
+use Vt;
+
+my $daemon = Vt->start('header-timeout' => 1, 'keep-timeout' => 1, 'body-idle' => 1,
+    'body-timeout' => 4, 'body-rate' => '1K', 'body-limit' => '64M');
+my $host = "Host: localhost\r\n";
+my $post = "POST /v1/resample?points=10 HTTP/1.1\r\n$host";
+
+# Sends bytes one after another until the other end closes; seconds, and what came.
+sub drip {
+    my ($start, $pause, $most) = @_;
+    my $socket = $daemon->connect;
+    my $began = time;
+    my $got = '';
+
+    local $SIG{PIPE} = 'IGNORE';
+    $socket->syswrite($start);
+    while (time - $began < $most) {
+        if (IO::Select->new($socket)->can_read($pause)) {
+            last unless $socket->sysread($got, 65536, length $got);
+        } else {
+            last unless $socket->syswrite('x');
+        }
+    }
+    return (time - $began, $got);
+}
+
+my ($seconds, $got) = drip('', 0.2, 10);
+cmp_ok $seconds, '<', 5, 'a head that drips is cut at its deadline, however steady';
+($seconds) = drip("GET /livez HTTP/1.1\r\n", 0.2, 10);
+cmp_ok $seconds, '<', 5, 'also after its first line';
+($seconds, $got) = drip("GET /livez HTTP/1.1\r\n$host\r\n", 5, 10);
+cmp_ok $seconds, '<', 8, 'a kept connection that stays silent is closed';
+like $got, qr{\AHTTP/1\.1 200}, 'after its answer';
+($seconds, $got) = drip("${post}Content-Length: 1000\r\n\r\nply", 3, 10);
+cmp_ok $seconds, '<', 8, 'a body that stops is cut';
+like $got, qr{\AHTTP/1\.1 408 .*"type":"[^"]*/upload-timeout"}s, 'with a 408';
+($seconds, $got) = drip("${post}Content-Length: 1000\r\n\r\nply", 0.3, 10);
+cmp_ok $seconds, '<', 8, 'a body that drips below the rate is cut';
+like $got, qr{\AHTTP/1\.1 408 .*"retryable":true}s, 'with a 408';
+is $daemon->get('/livez')->{status}, 200, 'others are served meanwhile';
+
+# Too much, told at once.
+my $early = $daemon->raw("${post}Content-Length: 70000000\r\n\r\n", 5);
+like $early, qr{\AHTTP/1\.1 413 .*"limit":67108864,"got":70000000}s,
+    'a body too long is refused before it is sent';
+my $continue = $daemon->raw("${post}Content-Length: 70000000\r\nExpect: 100-continue\r\n\r\n", 5);
+like $continue, qr{\AHTTP/1\.1 413 }, 'who asks first is not told to continue';
+my $asked = $daemon->connect;
+$asked->print("${post}Content-Length: 10\r\nExpect: 100-continue\r\n\r\n");
+$asked->flush;
+my $line = '';
+$asked->sysread($line, 100) if IO::Select->new($asked)->can_read(5);
+like $line, qr{\AHTTP/1\.1 100 }, 'unless the body is welcome';
+close $asked;
+my $large = Vt->start('body-limit' => '100K');
+my $answer = $large->post('/v1/resample?points=10', 'x' x 5_000_000);
+is_problem($answer, 413, 'too-many-bytes', 'who sends on all the same still reads the refusal');
+my $chunk = sprintf("%x\r\n%s\r\n", 50_000, 'x' x 50_000);
+my $chunked = $large->raw("${post}Transfer-Encoding: chunked\r\n\r\n" . $chunk x 3, 5);
+like $chunked, qr{\AHTTP/1\.1 413 .*"limit":102400}s, 'a body without length is cut at the limit';
+my $bad = $large->raw("POST /v1/resample?points=0 HTTP/1.1\r\n${host}Content-Length: 99\r\n\r\n", 5);
+like $bad, qr{\AHTTP/1\.1 400 }, 'a wrong parameter is told before the body is sent';
+is $large->stop, 0, 'it ends with 0';
+
+# A caller who leaves in the middle leaves nothing behind.
+sub files { return grep { -f } glob "$daemon->{dir}/data/blobs/* $daemon->{dir}/data/blobs/*/*" }
+my $before = files();
+my @sockets = map { $daemon->connect } 1 .. 10;
+$_->syswrite("${post}Content-Length: 100000\r\n\r\n" . 'x' x 1000) for @sockets;
+ok wait_until(sub { files() > $before }, 5), 'an upload has a file';
+close $_ for @sockets;
+ok wait_until(sub { files() == $before }, 5), 'that goes when its caller goes';
+
+# Memory while uploading.
+sub peak { return Vt::slurp("/proc/$daemon->{pid}/status") =~ /^VmHWM:\s+(\d+) kB/m ? $1 : 0 }
+my $socket = $daemon->connect;
+my $piece = 'x' x 65536;
+my $start = peak();
+$socket->print("${post}Content-Length: " . 65536 * 900 . "\r\n\r\n");
+$socket->print($piece) for 1 .. 899;
+$socket->flush;
+my $grown = peak() - $start;
+SKIP: {
+    skip 'VmHWM means nothing under a sanitizer', 1 if $ENV{VORONOID} && $ENV{VORONOID} =~ /asan|tsan/;
+    cmp_ok $grown, '<', 16384, 'an upload of 56 MiB takes less than 16 MiB of memory';
+}
+$socket->print($piece);
+$socket->flush;
+like Vt::read_all($socket, 20), qr{\AHTTP/1\.1 415 }, 'it arrived whole';
+ok wait_until(sub { files() == $before }, 5), 'and is not kept';
+is $daemon->stop, 0, 'it ends with 0';
+done_testing;
