@@ -4,7 +4,7 @@ B := build/$(config)
 
 CC ?= gcc
 CXX ?= g++
-PKGS := libmicrohttpd libcjson draco flann sqlite3 libcurl nettle
+PKGS := libmicrohttpd libcjson draco sqlite3 libcurl nettle
 VERSION := 0.1.0
 
 WARN := -Wall -Wextra -Wshadow -Wpointer-arith -Wcast-qual -Wformat=2 -Wundef -Werror=format-security
@@ -17,6 +17,7 @@ flags.debug := -O0 -g3 $(HARDEN)
 flags.asan := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined
 flags.tsan := -O1 -g -fno-omit-frame-pointer -fsanitize=thread
 flags.cover := -O0 -g --coverage
+flags.fuzz := -O1 -g -fno-omit-frame-pointer -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
 flags := $(flags.$(config))
 ifeq ($(flags),)
 $(error config=$(config) is not one of release, debug, asan, tsan, cover)
@@ -27,7 +28,8 @@ COMMON := $(flags) -ffp-contract=off -fno-math-errno -pthread -I. -MMD -MP -DVOR
           $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
 ALL_CFLAGS := -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE $(CWARN) $(COMMON) $(CFLAGS)
 ALL_CXXFLAGS := -std=c++17 $(WARN) $(COMMON) $(CXXFLAGS)
-LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lm -lstdc++
+# FLANN's pkg-config file drags in HDF5 and MPI, which only its own tools use.
+LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lflann -lm -lstdc++
 TEST_LIBS := $(shell pkg-config --libs check 2>/dev/null)
 LINK := $(CXX) $(flags) $(if $(filter release debug,$(config)),$(LDHARDEN)) -pthread $(LDFLAGS)
 
@@ -42,13 +44,13 @@ TEST_ROOMS := unit property oracle golden paper
 SUPPORT_SRC := $(sort $(wildcard tests/support/*.c))
 TEST_SRC := $(sort $(foreach room,$(TEST_ROOMS),$(wildcard tests/$(room)/*.c)))
 TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC)))
-TEST_SCRIPTS := $(sort $(wildcard tests/*/*.t))
+TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t tests/cli/*.t tests/lint/*.t))
 BENCH_SRC := $(sort $(wildcard tests/bench/*.c))
 BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC)))
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all help deps demo test check bench fuzz lint format clean
+.PHONY: all help demo test check bench fuzz lint format image clean
 
 all: $(BIN) ## build the binary (default)
 
@@ -74,13 +76,46 @@ $(BIN): $(B)/server/main.o $(LIB)
 $(B)/tests/%: $(B)/tests/%.o $(call obj,$(SUPPORT_SRC)) $(LIB)
 	$(LINK) $^ -o $@ $(TEST_LIBS) $(LIBS)
 
-deps:
+-include $(shell find $(B) -name '*.d' 2>/dev/null)
+
+# The goals below install what they need first, so their work is a make of its own: pkg-config is asked anew.
+demo: ## install what is missing, build, and send a real scan through the daemon (CLOUD=file takes yours)
+	@docker/install.sh build
+	@$(MAKE) --no-print-directory all
+	@tests/demo/demo.sh $(BIN) $(if $(CLOUD),'$(CLOUD)')
+
+test: ## install what is missing, build, and run every test (V=1 is verbose)
 	@docker/install.sh build test
+	@$(MAKE) --no-print-directory check
+
+check: all $(TEST_BIN) ## run every test with what is installed
+	@VORONOID=$(BIN) prove --failures --timer $(if $(V),-v) --exec '' $(TEST_BIN) $(TEST_SCRIPTS)
+
+bench: all ## speed, memory and quality beside the figures asked for; tables in build/bench
+	@tests/bench/bench.sh $(BIN)
+
+# Fuzzers are linked with a tree of their own: clang's libFuzzer, AddressSanitizer and UBSan.
+FUZZ_SECONDS ?= 60
+FUZZ := $(patsubst tests/fuzz/%_fuzz.c,%,$(wildcard tests/fuzz/*_fuzz.c))
+
+fuzz: ## fuzz every reader for FUZZ_SECONDS each, from the kept corpus
+	@$(MAKE) --no-print-directory config=fuzz CC=clang CXX=clang++ $(FUZZ:%=build/fuzz/tests/fuzz/%_fuzz)
+	@tests/fuzz/run.sh build/fuzz $(FUZZ_SECONDS) $(FUZZ)
+
+build/fuzz/tests/fuzz/%_fuzz: build/fuzz/tests/fuzz/%_fuzz.o build/fuzz/libvoronoid.a
+	$(CXX) $(flags.fuzz) -fsanitize=fuzzer -pthread $^ -o $@ $(LIBS)
+
+lint: ## formatting, include law, static analysis, shell and YAML
+	@docker/install.sh build test lint
+	@$(MAKE) --no-print-directory all
+	@VORONOID=$(BIN) prove --exec '' $(sort $(wildcard tests/lint/*.t))
+	@tests/lint/static.sh
+
+format: ## clang-format every C file
+	clang-format -i $(shell find core proto server tests -name '*.[ch]' -o -name '*.cc')
+
+image: all ## the container image, with the tools at hand (docker or buildah)
+	@docker/image.sh
 
 clean: ## remove build/
 	rm -rf build
-
--include $(shell find $(B) -name '*.d' 2>/dev/null)
-
-test: all $(TEST_BIN) ## run every test
-	@VORONOID=$(BIN) prove --failures $(if $(V),-v) --exec '' $(TEST_BIN) $(TEST_SCRIPTS)

@@ -6,14 +6,12 @@
 #include <string.h>
 
 struct status_row {
-    int http;
-    const char *slug;
-    int retryable;
-    const char *sentence;
+    const char *slug, *sentence;
+    int http, retryable;
 };
 
 static const struct status_row rows[VOR_STATUS_COUNT] = {
-#define STATUS_ROW(name, http, slug, retryable, sentence) {http, slug, retryable, sentence},
+#define STATUS_ROW(name, http, slug, retryable, sentence) {slug, sentence, http, retryable},
     VOR_STATUS_TABLE(STATUS_ROW)
 #undef STATUS_ROW
 };
@@ -44,14 +42,12 @@ int vor_status_retryable(vor_status status)
     return row_of(status)->retryable;
 }
 
-static void fill(struct vor_error *err, vor_status status, const char *parameter,
-                 const char *format, va_list args)
+static void begin(struct vor_error *err, vor_status status, const char *parameter)
 {
     memset(err, 0, sizeof *err);
     err->status = status;
     err->byte_offset = -1;
     (void)snprintf(err->parameter, sizeof err->parameter, "%s", parameter);
-    (void)vsnprintf(err->message, sizeof err->message, format, args);
 }
 
 vor_status vor_fail(struct vor_error *err, vor_status status, const char *format, ...)
@@ -60,8 +56,9 @@ vor_status vor_fail(struct vor_error *err, vor_status status, const char *format
 
     if (err == NULL)
         return status;
+    begin(err, status, "");
     va_start(args, format);
-    fill(err, status, "", format, args);
+    (void)vsnprintf(err->message, sizeof err->message, format, args);
     va_end(args);
     return status;
 }
@@ -73,8 +70,9 @@ vor_status vor_fail_param(struct vor_error *err, vor_status status, const char *
 
     if (err == NULL)
         return status;
+    begin(err, status, parameter);
     va_start(args, format);
-    fill(err, status, parameter, format, args);
+    (void)vsnprintf(err->message, sizeof err->message, format, args);
     va_end(args);
     return status;
 }

@@ -1,0 +1,20 @@
+#!/bin/sh
+# usage: rootfs.sh BINARY FOLDER: makes FOLDER a root file system that holds the binary, the libraries it loads and
+# nothing else but what those need to know: users, certificates, an empty state folder.
+set -eu
+binary=$1
+root=$2
+rm -rf "$root"
+mkdir -p "$root/usr/bin" "$root/etc" "$root/tmp" "$root/var/lib/voronoid"
+install -m 0755 "$binary" "$root/usr/bin/voronoid"
+ldd "$binary" | awk '$2 == "=>" && $3 ~ /^\// { print $3 } $1 ~ /^\// { print $1 }' | while read -r library; do
+    mkdir -p "$root$(dirname "$library")"
+    cp -L "$library" "$root$library"
+done
+strip --strip-unneeded "$root/usr/bin/voronoid" 2>/dev/null || true
+printf 'voronoid:x:65532:65532::/var/lib/voronoid:/sbin/nologin\n' >"$root/etc/passwd"
+printf 'voronoid:x:65532:\n' >"$root/etc/group"
+chmod 1777 "$root/tmp"
+if [ "$(id -u)" = 0 ]; then
+    chown 65532:65532 "$root/var/lib/voronoid"
+fi

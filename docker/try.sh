@@ -1,0 +1,27 @@
+#!/bin/bash
+# usage: try.sh ROOTFS: runs the image's root file system as its own user, read-only and without capabilities where
+# this machine allows that, and resamples a small cloud through it. Needs root; says so and succeeds where it is not.
+set -euo pipefail
+root=$(realpath "$1")
+if [ "$(id -u)" != 0 ]; then
+    echo "try.sh: skipped, not root"
+    exit 0
+fi
+work=$(mktemp -d)
+trap 'kill $(jobs -p) 2>/dev/null || true; wait; rm -rf "$work"' EXIT
+awk 'BEGIN { srand(3); print "ply\nformat ascii 1.0\nelement vertex 3000\nproperty float x\nproperty float y\nproperty float z\nend_header"
+    for (i = 0; i < 3000; i++) { z = 2 * rand() - 1; a = 6.2831853 * rand(); r = sqrt(1 - z * z); print r * cos(a), r * sin(a), z } }' \
+    >"$work/sphere.ply"
+setpriv --no-new-privs chroot --userspec=65532:65532 "$root" /usr/bin/voronoid serve \
+    --listen 127.0.0.1:0 --data /var/lib/voronoid 2>"$work/log" &
+url=
+for _ in $(seq 100); do
+    url=$(sed -n 's/.*"address":"\([^"]*\)".*/http:\/\/\1/p' "$work/log" | head -n 1)
+    [ -z "$url" ] || break
+    sleep 0.1
+done
+[ -n "$url" ] || { cat "$work/log" >&2; exit 1; }
+chroot --userspec=65532:65532 "$root" /usr/bin/voronoid health --server "$url"
+curl -sSf -X POST -T "$work/sphere.ply" -o "$work/out.drc" "$url/v1/resample?points=500&format=drc"
+head -c 5 "$work/out.drc" | grep -q DRACO
+echo "try.sh: the image's file system serves as uid 65532 ($(du -sh "$root" | cut -f1))"

@@ -1,0 +1,123 @@
+#!/bin/bash
+# The whole product once, on a real scan: starts a daemon, sends a cloud over HTTP, shows how it converges, fetches
+# the Draco result, sends that back in, and measures both. usage: demo.sh VORONOID [CLOUD.ply|.drc]
+# Results and report: build/demo/.
+set -euo pipefail
+voronoid=$(realpath "$1")
+cloud=${2:-}
+out=build/demo
+points=${POINTS:-10000}
+
+# The scan comes from a Debian package that is looked into, not installed.
+package=libcgal-demo
+version=5.5.1-2
+package_sha256=78b09b23d4d6d1bf15552a1060b419ab3fc09918486462faed197e5fc6ac3735
+scan=data/points_3/building.ply
+scan_sha256=8604fd5448ed716f58df787a7696481f26b3c69587f88048fc48223467ac71f7
+
+fetch_scan()
+{
+    local folder=build/scan deb
+    mkdir -p "$folder"
+    if ! echo "$scan_sha256  $folder/building.ply" | sha256sum --check --status 2>/dev/null; then
+        deb=$folder/${package}_${version}_all.deb
+        if ! echo "$package_sha256  $deb" | sha256sum --check --status 2>/dev/null; then
+            echo "Fetching $package $version for its scan of a building ..."
+            (cd "$folder" && { apt-get download -q "$package=$version" || refresh; }) >"$folder/apt.log" 2>&1 ||
+                { cat "$folder/apt.log" >&2; exit 1; }
+        fi
+        echo "$package_sha256  $deb" | sha256sum --check --quiet
+        dpkg-deb --fsys-tarfile "$deb" | tar -xO ./usr/share/doc/libcgal-dev/data.tar.gz |
+            tar -xz -O "$scan" >"$folder/building.ply"
+        echo "$scan_sha256  $folder/building.ply" | sha256sum --check --quiet
+    fi
+    cloud=$folder/building.ply
+}
+
+# The lists of packages may be missing or old.
+refresh()
+{
+    if [ "$(id -u)" = 0 ]; then apt-get update -q; else sudo -n apt-get update -q; fi
+    apt-get download -q "$package=$version"
+}
+
+start_daemon()
+{
+    data=$(mktemp -d)
+    "$voronoid" serve --listen 127.0.0.1:0 --data "$data" 2>"$out/daemon.log" &
+    daemon=$!
+    trap stop_daemon EXIT
+    for _ in $(seq 100); do
+        url=$(sed -n 's/.*"address":"\([^"]*\)".*/http:\/\/\1/p' "$out/daemon.log" | head -n 1)
+        [ -z "$url" ] || return 0
+        kill -0 "$daemon" 2>/dev/null || break
+        sleep 0.1
+    done
+    echo "the daemon did not start:" >&2
+    cat "$out/daemon.log" >&2
+    exit 1
+}
+
+stop_daemon()
+{
+    kill "$daemon" 2>/dev/null || true
+    wait "$daemon" 2>/dev/null || true
+    rm -rf "$data"
+}
+
+# Prints the events of a resampling as they come; the result's link is in the last one.
+show_progress()
+{
+    awk -F'"' '
+        /^data: / { line = $0 }
+        /"delta":/ && match(line, /"iteration":[0-9]+/) {
+            iteration = substr(line, RSTART + 12, RLENGTH - 12)
+            if (match(line, /"delta":[0-9.e+-]+/) && iteration != last) {
+                delta = substr(line, RSTART + 8, RLENGTH - 8)
+                bar = sprintf("%*s", int(delta * 120) > 60 ? 60 : int(delta * 120), "")
+                gsub(/ /, "#", bar)
+                printf "  iteration %3d  delta %.4f  %s\n", iteration, delta, bar
+                fflush()
+                last = iteration
+            }
+        }'
+}
+
+report()
+{
+    {
+        echo "# voronoid: $(basename "$cloud") to $points points"
+        echo
+        echo "| | |"
+        echo "|---|---|"
+        echo "| sent | $(basename "$cloud"), $(stat -c %s "$cloud") bytes |"
+        echo "| received | result.drc, $(stat -c %s "$out/result.drc") bytes |"
+        echo
+        echo "The daemon's report:"; echo; echo '```json'; cat "$out/report.json"; echo; echo '```'; echo
+        echo "The result measured against what was sent:"; echo; echo '```json'
+        cat "$out/measure.json"; echo; echo '```'; echo
+        echo "The result sent back in and resampled to half as many points:"; echo; echo '```json'
+        cat "$out/again.json"; echo; echo '```'
+    } >"$out/report.md"
+}
+
+mkdir -p "$out"
+[ -n "$cloud" ] || fetch_scan
+start_daemon
+echo "voronoid listens at $url (log: $out/daemon.log)"
+echo "POST /v1/resample?points=$points&format=drc  $(basename "$cloud")"
+curl -sSN -T "$cloud" -X POST -H 'Accept: text/event-stream' -H 'Expect:' \
+    "$url/v1/resample?points=$points&format=drc" | tee "$out/events.txt" | show_progress
+job=$(grep -o '"jobID":"[^"]*"' "$out/events.txt" | head -n 1 | cut -d'"' -f4) ||
+    { echo "the daemon refused: $(cat "$out/events.txt")" >&2; exit 1; }
+curl -sSf -o "$out/result.drc" "$url/v1/jobs/$job/results/cloud"
+curl -sSf -o "$out/report.json" "$url/v1/jobs/$job/results/report"
+"$voronoid" measure "$out/result.drc" --reference "$cloud" >"$out/measure.json"
+curl -sSf -T "$out/result.drc" -X POST -H 'Expect:' -o "$out/again.ply" \
+    "$url/v1/resample?points=$((points / 2))&format=ply"
+"$voronoid" measure "$out/again.ply" --reference "$out/result.drc" >"$out/again.json"
+report
+echo "Wrote $out/result.drc ($(stat -c %s "$out/result.drc") bytes for $points points; sent: $(stat -c %s "$cloud"))"
+echo "  measured: $(grep -oE '"(n|delta|coincident)":[0-9.e-]+' "$out/measure.json" | tr '\n' ' ')"
+echo "  and sent back in: $(grep -oE '"(n|delta|coincident)":[0-9.e-]+' "$out/again.json" | tr '\n' ' ')"
+echo "Report: $out/report.md"

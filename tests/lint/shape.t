@@ -1,0 +1,39 @@
+#!/usr/bin/perl
+# The shape of the code: files of at most 600 lines, functions of at most 70, no words of unfinished work, the top
+# level as agreed.
+use strict;
+use warnings;
+use Test::More;
+
+my @all = split /\n/, `git ls-files -co --exclude-standard`;
+my @sources = grep { m{^(?:core|proto|server)/.*\.(?:[ch]|cc)$} && -f } @all;
+my (@long_files, @long_functions, @unfinished);
+for my $file (@sources) {
+    open my $in, '<', $file or next;
+    my ($open, $name) = (0, '');
+    while (my $line = <$in>) {
+        $name = $line if $line =~ /^[a-zA-Z_].*\)\s*$/;
+        $open = $. if $line =~ /^\{/;
+        if ($line =~ /^\}/ && $open) {
+            push @long_functions, "$file:$open: " . ($. - $open) . ' lines' if $. - $open > 70;
+            $open = 0;
+        }
+        push @unfinished, "$file:$." if $line =~ /\b(?:TODO|FIXME|XXX)\b|not implemented|for now\b/i;
+        push @unfinished, "$file:$.: line comment" if $file =~ /\.[ch]$/ && $line =~ m{(?:^|\s)//\s};
+    }
+    push @long_files, "$file: $. lines" if $. > 600;
+    close $in;
+}
+is("@long_files", '', 'no file is longer than 600 lines');
+is("@long_functions", '', 'no function is longer than 70 lines');
+is("@unfinished", '', 'nothing says that it is unfinished');
+
+my %allowed = map { $_ => 1 } qw(Makefile server core proto tests docker openapi.yaml README.md ARCHITECTURE.md
+    CHANGELOG.md LICENSE);
+my %top;
+for my $path (@all) {
+    my ($first) = split m{/}, $path;
+    $top{$first} = 1 unless $allowed{$first} || $first =~ /^\./;
+}
+is(join(' ', sort keys %top), '', 'the top level holds only what was agreed');
+done_testing();
