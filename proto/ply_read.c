@@ -46,6 +46,7 @@ static vor_status find_vertex(struct reader *reader, const struct vor_limits *li
 {
     const struct vor_ply_header *header = &reader->header;
     const struct vor_ply_element *element = NULL;
+    size_t most = limits->points < VOR_POINTS_MAX ? limits->points : VOR_POINTS_MAX;
 
     for (unsigned i = 0; i < header->element_count && element == NULL; i++)
         if (vor_ply_named(header->elements[i].name, header->elements[i].name_length, "vertex"))
@@ -57,12 +58,12 @@ static vor_status find_vertex(struct reader *reader, const struct vor_limits *li
     if (element->count == 0)
         return vor_ply_at(err, element->offset,
                           vor_fail(err, VOR_E_EMPTY, "element vertex 0, want at least 1"));
-    if (element->count <= limits->points && element->count <= VOR_POINTS_MAX)
+    if (element->count <= most)
         return VOR_OK;
-    vor_fail(err, VOR_E_LIMIT, "element vertex %llu, want at most %zu",
-             (unsigned long long)element->count, limits->points);
+    vor_fail(err, VOR_E_LIMIT, "element vertex %llu, want 1 to %zu",
+             (unsigned long long)element->count, most);
     if (err != NULL) {
-        err->limit = limits->points < VOR_POINTS_MAX ? limits->points : VOR_POINTS_MAX;
+        err->limit = most;
         err->got = element->count;
     }
     return vor_ply_at(err, element->offset, VOR_E_LIMIT);

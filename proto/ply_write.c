@@ -2,10 +2,11 @@
 
 #include "proto/ply_body.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { NAME_SIZE = 96, BUFFER_BYTES = 65536, BLOCK_ROWS = 16, PIECE = 256 };
+enum { NAME_SIZE = 96, LINE_BYTES = 128, BUFFER_BYTES = 65536, PIECE = 256 };
 
 /* One scalar of a row: a name, where the values are and how they are written. */
 struct field {
@@ -135,40 +136,34 @@ static size_t row_bytes(const struct writer *writer)
     return bytes;
 }
 
-/* A piece is at most 128 bytes: the buffer has room for it once it is flushed. */
-static vor_status put(struct writer *writer, const char *piece, struct vor_error *err)
+/* The header always fits into the buffer: a field's line has at most NAME_SIZE + 17 bytes, and the
+ * buffer has LINE_BYTES for each field, or at least BUFFER_BYTES. */
+static void put(struct writer *writer, const char *line)
 {
-    size_t length = strlen(piece);
+    size_t length = strlen(line);
 
-    if (length > writer->capacity - writer->used) {
-        vor_status status = flush(writer, err);
-
-        if (status != VOR_OK)
-            return status;
-    }
-    memcpy(writer->buffer + writer->used, piece, length);
+    assert(length <= writer->capacity - writer->used);
+    memcpy(writer->buffer + writer->used, line, length);
     writer->used += length;
-    return VOR_OK;
 }
 
-static vor_status write_header(struct writer *writer, struct vor_error *err)
+static void put_header(struct writer *writer)
 {
-    char line[128];
-    vor_status status;
+    char line[LINE_BYTES];
 
     (void)snprintf(line, sizeof line,
                    "ply\nformat binary_little_endian 1.0\ncomment written by voronoid\n"
                    "element vertex %zu\n",
                    writer->cloud->n);
-    status = put(writer, line, err);
-    for (size_t i = 0; status == VOR_OK && i < writer->field_count; i++) {
+    put(writer, line);
+    for (size_t i = 0; i < writer->field_count; i++) {
         const struct field *field = &writer->fields[i];
 
         (void)snprintf(line, sizeof line, "property %s %s\n", vor_type_name(field->type),
                        field->name);
-        status = put(writer, line, err);
+        put(writer, line);
     }
-    return status == VOR_OK ? put(writer, "end_header\n", err) : status;
+    put(writer, "end_header\n");
 }
 
 /* n scalars that lie side by side become those of rows begin .. begin + n - 1. */
@@ -238,6 +233,7 @@ static void put_rows(struct writer *writer, size_t first, size_t n, size_t row)
     writer->used = n * row;
 }
 
+/* What put_header left goes first: rows begin at the buffer's. */
 static vor_status write_rows(struct writer *writer, struct vor_error *err)
 {
     size_t row = row_bytes(writer), block = writer->capacity / row, n;
@@ -259,7 +255,7 @@ vor_status vor_ply_write(const struct vor_sink *sink, const struct vor_cloud *cl
     vor_status status;
 
     (void)options; /* all of them are about Draco */
-    writer.capacity = count * 8 * BLOCK_ROWS > BUFFER_BYTES ? count * 8 * BLOCK_ROWS : BUFFER_BYTES;
+    writer.capacity = count * LINE_BYTES > BUFFER_BYTES ? count * LINE_BYTES : BUFFER_BYTES;
     writer.fields = vor_malloc(cloud->memory, count, sizeof *writer.fields);
     writer.buffer = vor_malloc(cloud->memory, writer.capacity, 1);
     if (writer.fields == NULL || writer.buffer == NULL) {
@@ -269,9 +265,8 @@ vor_status vor_ply_write(const struct vor_sink *sink, const struct vor_cloud *cl
     add_coordinates(&writer);
     for (size_t i = 0; i < cloud->attribute_count; i++)
         add_attribute(&writer, &cloud->attributes[i]);
-    status = write_header(&writer, err);
-    if (status == VOR_OK)
-        status = write_rows(&writer, err);
+    put_header(&writer);
+    status = write_rows(&writer, err);
 done:
     vor_free(cloud->memory, writer.buffer);
     vor_free(cloud->memory, writer.fields);

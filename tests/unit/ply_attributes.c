@@ -253,6 +253,27 @@ START_TEST(double_and_wide_integer_coordinates_get_an_origin)
 }
 END_TEST
 
+/* PLY 1.0 has no such types; files with their names exist. */
+START_TEST(integers_of_64_bits_are_read_where_they_are_named)
+{
+    struct vor_cloud cloud;
+
+    READ(&cloud, ASCII "element vertex 1\nproperty int64 x\nproperty uint64 y\nproperty float z\n"
+                       "property int64 t\n" END "-5 7 9 -9007199254740993\n");
+    assert_xyz(&cloud, 0, -5, 7, 9);
+    assert_attribute(&cloud, 0, "t", VOR_GENERIC, VOR_INT64, 1);
+    ck_assert(*(const int64_t *)cloud.attributes[0].data == -INT64_C(9007199254740993));
+    vor_cloud_free(&cloud);
+    READ(&cloud,
+         BIG "element vertex 1\nproperty int64 x\nproperty uint64 y\nproperty uint32 z\n" END
+             "\xff\xff\xff\xff\xff\xff\xff\xfb"
+             "\0\0\0\0\0\0\0\7"
+             "\0\0\0\x9");
+    assert_xyz(&cloud, 0, -5, 7, 9);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
 START_TEST(strange_names_are_made_fit)
 {
     struct vor_cloud cloud;
@@ -285,6 +306,7 @@ int main(void)
     vt_add(suite, diffuse_colours_are_colours_unless_there_are_plain_ones);
     vt_add(suite, float_coordinates_are_kept_bit_for_bit);
     vt_add(suite, double_and_wide_integer_coordinates_get_an_origin);
+    vt_add(suite, integers_of_64_bits_are_read_where_they_are_named);
     vt_add(suite, strange_names_are_made_fit);
     return vt_run(suite);
 }

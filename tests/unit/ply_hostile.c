@@ -80,6 +80,11 @@ static const struct row {
      FILE_OF(ASCII "element vertex 1\nproperty float x\0\n" END "0 0 0")},
     {"escape_in_name", VOR_E_FORMAT, AT("property float \033"),
      FILE_OF(ASCII "element vertex 1\nproperty float \033[31mx\n" XYZ END "0 0 0 0")},
+    {"delete_in_name", VOR_E_FORMAT, AT("property float \x7f"),
+     FILE_OF(ASCII ONE "property float \x7f\n" END "0 0 0 0")},
+    {"seven_words", VOR_E_FORMAT, AT("element vertex 1 2 3 4 5"),
+     FILE_OF(ASCII "element vertex 1 2 3 4 5\n" XYZ END "0 0 0")},
+    {"commentary", VOR_E_FORMAT, AT("commentary"), FILE_OF(ASCII "commentary a\n" ONE END "0 0 0")},
     {"cr_inside_a_line", VOR_E_FORMAT, AT("element"),
      FILE_OF(ASCII "element\rvertex 1\n" XYZ END "0 0 0")},
     {"body_instead_of_header", VOR_E_FORMAT, AT("0 0 0"), FILE_OF(ASCII "0 0 0\n1 1 1\n")},
@@ -250,6 +255,7 @@ static const struct row {
      FILE_OF(ASCII ONE "property int a\n" END "0 0 0 2.0\n")},
     {"ascii_int_exponent", VOR_E_FORMAT, AT("1e2"),
      FILE_OF(ASCII ONE "property int a\n" END "0 0 0 1e2\n")},
+    {"ascii_letter_alone", VOR_E_FORMAT, AT("n "), FILE_OF(ASCII ONE END "0 n 0 \n")},
     {"ascii_int_nan", VOR_E_FORMAT, AT("nan"),
      FILE_OF(ASCII ONE "property int a\n" END "0 0 0 nan\n")},
     {"ascii_int_sign_alone", VOR_E_FORMAT, AT("+\n"),
@@ -453,6 +459,7 @@ END_TEST
 START_TEST(too_many_points_says_the_limit_and_the_number)
 {
     static const char file[] = LITTLE "element vertex 4294967295\n" XYZ END;
+    const struct vor_limits none = {.points = SIZE_MAX, .header_bytes = SIZE_MAX};
     struct vor_cloud cloud;
 
     vor_cloud_init(&cloud, &vt_memory);
@@ -460,6 +467,9 @@ START_TEST(too_many_points_says_the_limit_and_the_number)
                     vor_ply_read(&cloud, (const uint8_t *)file, sizeof file - 1, &limits, &vt_err));
     ck_assert_uint_eq(vt_err.limit, 1000);
     ck_assert_uint_eq(vt_err.got, 4294967295u);
+    vt_assert_fails(VOR_E_LIMIT,
+                    vor_ply_read(&cloud, (const uint8_t *)file, sizeof file - 1, &none, &vt_err));
+    ck_assert_uint_eq(vt_err.limit, VOR_POINTS_MAX);
 }
 END_TEST
 
