@@ -135,6 +135,8 @@ static void *admit_main(void *arg)
             admission->status =
                 vor_admit_file(&admission->id, &admission->input, admit->blobs, admission->upload,
                                &admit->limits, &admission->error);
+        if (admission->status == VOR_OK)
+            admission->error.status = VOR_OK;
         vor_blob_discard(admission->upload);
         admission->upload = NULL;
         admission->done(admission);

@@ -6,6 +6,7 @@
 #include "server/worker_internal.h"
 
 #include <errno.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +21,8 @@ struct run {
     struct vor_job *job;
     struct vor_job_view view; /* when it began */
     uint32_t attempt;
-    double beat; /* when the store was last told */
+    double beat;      /* when the store was last told */
+    atomic_int begun; /* there is a cloud to hand back */
     struct vor_memory memory;
     struct vor_report report;
     struct vor_job_output output;
@@ -28,9 +30,13 @@ struct run {
 
 /* --- the engine's questions ------------------------------------------------------------------- */
 
+/* A stop waits until there is something to hand back. */
 static enum vor_answer poll_job(void *ctx)
 {
-    return vor_job_asked(((struct run *)ctx)->job);
+    struct run *run = ctx;
+    enum vor_answer asked = vor_job_asked(run->job);
+
+    return asked == VOR_STOP && !atomic_load(&run->begun) ? VOR_CONTINUE : asked;
 }
 
 static double read_clock(void *ctx)
@@ -55,6 +61,7 @@ static enum vor_answer take_progress(void *ctx, const struct vor_record *record)
     struct run *run = ctx;
     double now = vor_clock_seconds();
 
+    atomic_store(&run->begun, 1);
     vor_job_progress(run->job, record, vor_clock_wall_ms());
     if (now - run->beat >= beat_seconds) {
         run->beat = now;
@@ -183,23 +190,23 @@ static void describe_failure(struct vor_job_view *row, const struct vor_error *p
                    problem->message);
 }
 
-/* Writes the last row once; VOR_E_IO asks for another try. */
+/* Writes the last row once, of a success when problem is NULL; a failure asks for another try. */
 static vor_status finish_once(struct run *run, const struct vor_error *problem, const char *report,
                               struct vor_error *err)
 {
-    int failed = problem->status != VOR_OK, changed = 0;
+    int changed = 0;
     struct vor_job_view row;
     vor_status status;
 
     if (!vor_job_freeze(run->job))
         return VOR_OK; /* dismissed: its row is written */
-    vor_worker_ending(run->worker, run->job, failed ? VOR_JOB_FAILED : VOR_JOB_SUCCESSFUL, &row);
-    if (failed)
+    vor_worker_ending(run->worker, run->job, problem != NULL ? VOR_JOB_FAILED : VOR_JOB_SUCCESSFUL,
+                      &row);
+    if (problem != NULL)
         describe_failure(&row, problem);
     else
         describe_success(run, &row);
-    status = vor_worker_finish(run->worker, run->job, &row, run->attempt, failed ? NULL : report,
-                               &changed, err);
+    status = vor_worker_finish(run->worker, run->job, &row, run->attempt, report, &changed, err);
     if (status == VOR_OK && !changed) {
         row.status = VOR_JOB_DISMISSED; /* somebody changed the row behind our back: readers must
                                            not wait for ever */
@@ -218,10 +225,10 @@ static void finish(struct run *run, const struct vor_error *problem)
     const char *json = NULL;
 
     vor_text_init(&report, 0);
-    if (problem->status == VOR_OK)
+    if (problem == NULL)
         vor_json_report(&report, &run->report);
     if (vor_text_status(&report, NULL) == VOR_OK)
-        json = report.data;
+        json = report.data; /* NULL when there is none */
     while (finish_once(run, problem, json, &err) != VOR_OK) {
         vor_log(VOR_LOG_ERROR, "the end of a job cannot be stored",
                 VOR_TEXT("job", run->view.id.text), VOR_TEXT("error", err.message));
@@ -292,17 +299,19 @@ void vor_worker_run(struct vor_worker *worker, struct vor_job *job)
 {
     double began = vor_clock_seconds();
     struct run run = {.worker = worker, .job = job, .beat = began};
-    struct vor_error problem = {.status = VOR_OK};
+    struct vor_error problem;
+    vor_status status;
 
     vor_job_view(job, &run.view);
     if (claim(&run)) {
         vor_log(VOR_LOG_INFO, "job started", VOR_TEXT("job", run.view.id.text),
                 VOR_COUNT("attempt", run.attempt));
         vor_job_begin(job, vor_clock_wall_ms());
-        if (execute(&run, &problem) == VOR_E_CANCELLED && is_aborting(worker))
+        status = execute(&run, &problem);
+        if (status == VOR_E_CANCELLED && is_aborting(worker))
             give_back(&run);
         else
-            finish(&run, &problem);
+            finish(&run, status == VOR_OK ? NULL : &problem);
     }
     clean_up(&run, began);
 }

@@ -1,0 +1,114 @@
+#include "tests/support/vt_daemon.h"
+
+#include "server/admit.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_dir.h"
+
+#include <stdlib.h>
+#include <time.h>
+#include <unistd.h>
+
+void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
+                     const struct vt_daemon_options *options)
+{
+    static const struct vt_daemon_options defaults;
+    struct vor_worker_config config = {.crashes_max = 3};
+
+    if (options == NULL)
+        options = &defaults;
+    *daemon = (struct vt_daemon){.dir = dir};
+    daemon->blobs = vt_dir_blobs(dir);
+    daemon->store = vt_dir_store(dir);
+    vt_assert_ok(vor_pool_create(&daemon->pool, 2, &vt_err));
+    config.store = daemon->store;
+    config.blobs = daemon->blobs;
+    config.pool = daemon->pool;
+    config.jobs = options->jobs > 0 ? options->jobs : 2;
+    config.queue = options->queue > 0 ? options->queue : 16;
+    config.memory = options->memory > 0 ? options->memory : (size_t)1 << 30;
+    config.ttl_seconds = options->ttl_seconds > 0 ? options->ttl_seconds : 3600;
+    vt_assert_ok(vor_worker_create(&daemon->worker, &config, &vt_err));
+}
+
+void vt_daemon_stop(struct vt_daemon *daemon)
+{
+    vor_worker_destroy(daemon->worker);
+    vor_pool_destroy(daemon->pool);
+    vor_store_close(daemon->store);
+    vor_blobs_close(daemon->blobs);
+}
+
+struct vor_spec vt_request(unsigned points, int iterations)
+{
+    struct vor_spec spec;
+
+    vor_spec_init(&spec);
+    vt_assert_ok(vor_spec_set_number(&spec, "points", points, &vt_err));
+    if (iterations >= 0)
+        vt_assert_ok(vor_spec_set_number(&spec, "iterations", iterations, &vt_err));
+    return spec;
+}
+
+enum vor_outcome vt_daemon_submit(struct vt_daemon *daemon, const struct vor_cloud *cloud,
+                                  const struct vor_spec *spec, struct vor_uuid *id)
+{
+    struct vor_admit_limits limits = {.codec = VOR_LIMITS_DEFAULT, .memory = (size_t)1 << 30};
+    struct vor_blob_writer *upload = vt_upload_cloud(daemon->blobs, cloud);
+    struct vor_job_input input;
+
+    vt_assert_ok(vor_admit_file(id, &input, daemon->blobs, upload, &limits, &vt_err));
+    vor_blob_discard(upload);
+    return vor_worker_submit(daemon->worker, id, "resample", &input, spec, NULL, &vt_err);
+}
+
+struct vor_job_view vt_daemon_get(struct vt_daemon *daemon, const struct vor_uuid *id)
+{
+    struct vor_job_view view;
+
+    ck_assert_int_eq(vor_worker_get(daemon->worker, id, &view, &vt_err), VOR_DONE);
+    return view;
+}
+
+static void pause_a_little(void)
+{
+    struct timespec pause = {.tv_nsec = 1000000};
+
+    nanosleep(&pause, NULL);
+}
+
+struct vor_job_view vt_daemon_wait_over(struct vt_daemon *daemon, const struct vor_uuid *id)
+{
+    struct vor_job_view view = vt_daemon_get(daemon, id);
+
+    for (; !vor_job_status_over(view.status); view = vt_daemon_get(daemon, id))
+        pause_a_little();
+    return view;
+}
+
+struct vor_job_view vt_daemon_wait_iteration(struct vt_daemon *daemon, const struct vor_uuid *id,
+                                             unsigned iteration)
+{
+    struct vor_job_view view = vt_daemon_get(daemon, id);
+
+    for (; !view.has_record || view.record.iteration < iteration;
+         view = vt_daemon_get(daemon, id)) {
+        ck_assert_msg(!vor_job_status_over(view.status), "the job is over: %s", view.message);
+        pause_a_little();
+    }
+    return view;
+}
+
+uint8_t *vt_daemon_result(struct vt_daemon *daemon, const struct vor_uuid *id, size_t *size)
+{
+    uint8_t *bytes;
+    uint64_t length;
+    int fd, found;
+
+    vt_assert_ok(vor_blob_get(daemon->blobs, id, VOR_BLOB_CLOUD, &fd, &length, &found, &vt_err));
+    ck_assert(found);
+    bytes = malloc(length + 1);
+    ck_assert_int_eq(read(fd, bytes, length), (ssize_t)length);
+    close(fd);
+    *size = length;
+    return bytes;
+}

@@ -1,0 +1,45 @@
+/** A daemon without HTTP: blobs, store, pool and worker on a directory. */
+#ifndef VT_DAEMON_H
+#define VT_DAEMON_H
+
+#include "core/base/parallel.h"
+#include "server/worker.h"
+
+struct vt_daemon {
+    const char *dir;
+    struct vor_blobs *blobs;
+    struct vor_store *store;
+    struct vor_pool *pool;
+    struct vor_worker *worker;
+};
+
+/** What a daemon may be given; zero is the default (2 jobs, queue 16, 1 GiB, an hour, 3 crashes).
+ */
+struct vt_daemon_options {
+    unsigned jobs;
+    size_t queue, memory;
+    double ttl_seconds;
+};
+
+void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
+                     const struct vt_daemon_options *options);
+void vt_daemon_stop(struct vt_daemon *daemon);
+
+/** A request for that many points, with iterations (or the default with -1), to PLY. */
+struct vor_spec vt_request(unsigned points, int iterations);
+
+/** Admits a cloud and submits it; *id gets the job's id when VOR_DONE is returned. */
+enum vor_outcome vt_daemon_submit(struct vt_daemon *daemon, const struct vor_cloud *cloud,
+                                  const struct vor_spec *spec, struct vor_uuid *id);
+
+struct vor_job_view vt_daemon_get(struct vt_daemon *daemon, const struct vor_uuid *id);
+
+/** Waits until the job is over, or runs, or had so many iterations. */
+struct vor_job_view vt_daemon_wait_over(struct vt_daemon *daemon, const struct vor_uuid *id);
+struct vor_job_view vt_daemon_wait_iteration(struct vt_daemon *daemon, const struct vor_uuid *id,
+                                             unsigned iteration);
+
+/** The result's bytes (malloc). */
+uint8_t *vt_daemon_result(struct vt_daemon *daemon, const struct vor_uuid *id, size_t *size);
+
+#endif

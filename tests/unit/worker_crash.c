@@ -1,0 +1,287 @@
+/* Down and up again: in good order, by kill -9, with bytes missing or left over. */
+#include "server/log.h"
+#include "server/worker.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_daemon.h"
+#include "tests/support/vt_dir.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { ITERATIONS = 40 };
+
+static const struct vt_daemon_options one_runner = {.jobs = 1};
+
+struct crash {
+    const char *dir;
+    struct vor_uuid ids[3];
+    int fd;           /* told the ids */
+    uint32_t instant; /* die while event number `instant` of the first job is published */
+};
+
+static struct vor_uuid submit(struct vt_daemon *daemon, const struct vor_spec *spec)
+{
+    struct vor_cloud cloud;
+    struct vor_uuid id;
+
+    vt_cloud_sphere(&cloud, 5, 1500);
+    ck_assert_int_eq(vt_daemon_submit(daemon, &cloud, spec, &id), VOR_DONE);
+    vor_cloud_free(&cloud);
+    return id;
+}
+
+/* The result of a job that nothing interrupts. */
+static uint8_t *undisturbed(const struct vor_spec *spec, size_t *size)
+{
+    struct vt_daemon daemon;
+    struct vor_uuid id;
+    uint8_t *bytes;
+    char dir[256];
+
+    (void)snprintf(dir, sizeof dir, "%s", vt_dir_make());
+    vt_daemon_start(&daemon, dir, NULL);
+    id = submit(&daemon, spec);
+    ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
+    bytes = vt_daemon_result(&daemon, &id, size);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(dir);
+    return bytes;
+}
+
+static void die_at_instant(void *ctx, enum vor_event_kind kind)
+{
+    struct crash *crash = ctx;
+
+    (void)kind;
+    if (--crash->instant == 1) /* the first event came before the subscriber */
+        raise(SIGKILL);
+}
+
+/* Submits three jobs behind one that never ends, tells their ids, lets them run. */
+static void run_and_die(void *ctx)
+{
+    struct crash *crash = ctx;
+    struct vor_subscriber subscriber = {.wake = die_at_instant, .ctx = crash};
+    struct vor_spec spec = vt_request(200, ITERATIONS), endless = vt_request(200, 10000);
+    struct vt_daemon daemon;
+    struct vor_uuid blocker;
+    struct vor_bus *bus;
+
+    vt_daemon_start(&daemon, crash->dir, &one_runner);
+    blocker = submit(&daemon, &endless);
+    (void)vt_daemon_wait_iteration(&daemon, &blocker, 0);
+    for (int i = 0; i < 3; i++)
+        crash->ids[i] = submit(&daemon, &spec);
+    (void)!write(crash->fd, crash->ids, sizeof crash->ids);
+    ck_assert_int_eq(vor_worker_events(daemon.worker, &crash->ids[0], &bus, &vt_err), VOR_DONE);
+    vor_bus_subscribe(bus, &subscriber);
+    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &blocker, "off you go", &vt_err), VOR_DONE);
+    for (;;)
+        pause();
+}
+
+/* Property: a retry cannot be told from a first run, wherever the first one was killed: when it was
+ * claimed, at an iteration, before encoding, or with its last row just written. */
+START_TEST(accepted_jobs_survive_kill_9_with_the_same_bytes)
+{
+    static const uint32_t instants[] = {2, 4, 30, ITERATIONS + 5, ITERATIONS + 6};
+    struct crash crash = {.instant = instants[_i]};
+    struct vor_spec spec = vt_request(200, ITERATIONS);
+    struct vt_daemon daemon;
+    struct vor_job_view view;
+    uint8_t *expected, *bytes;
+    size_t wanted, size;
+    char dir[256];
+    int ends[2];
+
+    expected = undisturbed(&spec, &wanted);
+    (void)snprintf(dir, sizeof dir, "%s", vt_dir_make());
+    crash.dir = dir;
+    ck_assert_int_eq(pipe(ends), 0);
+    crash.fd = ends[1];
+    vt_killed(run_and_die, &crash);
+    ck_assert_int_eq(read(ends[0], crash.ids, sizeof crash.ids), sizeof crash.ids);
+    vt_daemon_start(&daemon, dir, &one_runner);
+    for (int i = 0; i < 3; i++) {
+        view = vt_daemon_wait_over(&daemon, &crash.ids[i]);
+        ck_assert_msg(view.status == VOR_JOB_SUCCESSFUL, "job %d: %s", i, view.message);
+        bytes = vt_daemon_result(&daemon, &crash.ids[i], &size);
+        ck_assert_uint_eq(size, wanted);
+        ck_assert_mem_eq(bytes, expected, size);
+        free(bytes);
+    }
+    view = vt_daemon_get(&daemon, &crash.ids[0]);
+    ck_assert_uint_eq(view.attempt, instants[_i] > ITERATIONS + 5 ? 1 : 2);
+    free(expected);
+    vt_daemon_stop(&daemon);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 3);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(the_events_of_a_second_attempt_begin_anew)
+{
+    struct vt_daemon daemon;
+    struct vor_spec spec = vt_request(200, 10000);
+    struct vor_position position = {1, 7};
+    struct vor_event event;
+    struct vor_uuid id;
+    struct vor_bus *bus;
+    const char *dir = vt_dir_make();
+
+    vt_daemon_start(&daemon, dir, &one_runner);
+    id = submit(&daemon, &spec);
+    (void)vt_daemon_wait_iteration(&daemon, &id, 5);
+    vt_daemon_stop(&daemon); /* gives it back */
+    vt_daemon_start(&daemon, dir, &one_runner);
+    (void)vt_daemon_wait_iteration(&daemon, &id, 1);
+    ck_assert_int_eq(vor_worker_events(daemon.worker, &id, &bus, &vt_err), VOR_DONE);
+    ck_assert_uint_eq(vor_bus_read(bus, &position, VOR_READ_EVERY, &event, 1), 1);
+    ck_assert_int_eq(event.kind, VOR_EVENT_REPLACED);
+    ck_assert_uint_eq(event.attempt, 2);
+    ck_assert_uint_eq(event.number, 1);
+    vor_bus_release(bus);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(a_drain_lets_a_running_job_end_and_keeps_the_waiting_ones)
+{
+    struct vt_daemon daemon;
+    struct vor_spec spec = vt_request(200, 30);
+    const char *dir = vt_dir_make();
+    struct vor_uuid runs, waits, refused;
+    struct vor_job_view view;
+    struct vor_cloud cloud;
+
+    vt_daemon_start(&daemon, dir, &one_runner);
+    runs = submit(&daemon, &spec);
+    (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
+    waits = submit(&daemon, &spec);
+    vor_worker_drain(daemon.worker, 60);
+    ck_assert_int_eq(vt_daemon_get(&daemon, &runs).status, VOR_JOB_SUCCESSFUL);
+    ck_assert_int_eq(vt_daemon_get(&daemon, &waits).status, VOR_JOB_ACCEPTED);
+    ck_assert_int_eq(vor_worker_room(daemon.worker), VOR_DRAINING);
+    vt_cloud_sphere(&cloud, 1, 100);
+    ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &refused), VOR_DRAINING);
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+
+    vt_daemon_start(&daemon, dir, &one_runner);
+    view = vt_daemon_wait_over(&daemon, &waits);
+    ck_assert_int_eq(view.status, VOR_JOB_SUCCESSFUL);
+    ck_assert_uint_eq(view.attempt, 1);
+    vt_daemon_stop(&daemon);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 2);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(a_drain_that_is_over_gives_running_jobs_back_without_a_crash)
+{
+    struct vt_daemon daemon;
+    struct vor_spec spec = vt_request(200, 10000);
+    const char *dir = vt_dir_make();
+    struct vor_job_view view;
+    struct vor_uuid id;
+
+    vt_daemon_start(&daemon, dir, &one_runner);
+    id = submit(&daemon, &spec);
+    for (uint32_t attempt = 1; attempt <= 5; attempt++) { /* more often than it may crash */
+        view = vt_daemon_wait_iteration(&daemon, &id, 1);
+        ck_assert_uint_eq(view.attempt, attempt);
+        vor_worker_drain(daemon.worker, 0);
+        ck_assert_int_eq(vt_daemon_get(&daemon, &id).status, VOR_JOB_ACCEPTED);
+        vt_daemon_stop(&daemon);
+        vt_daemon_start(&daemon, dir, &one_runner);
+    }
+    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &id, "enough", &vt_err), VOR_DONE);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(a_job_that_waits_for_the_next_start_can_be_dismissed)
+{
+    struct vt_daemon daemon;
+    struct vor_spec spec = vt_request(200, 10000);
+    const char *dir = vt_dir_make();
+    struct vor_uuid id;
+
+    vt_daemon_start(&daemon, dir, &one_runner);
+    id = submit(&daemon, &spec);
+    (void)vt_daemon_wait_iteration(&daemon, &id, 1);
+    vor_worker_drain(daemon.worker, 0);
+    ck_assert_int_eq(vor_worker_dismiss(daemon.worker, &id, "in the drain", NULL, &vt_err),
+                     VOR_DONE);
+    ck_assert_int_eq(vt_daemon_get(&daemon, &id).status, VOR_JOB_DISMISSED);
+    vt_daemon_stop(&daemon);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(a_row_without_its_bytes_fails_with_a_reason_and_bytes_without_a_row_go)
+{
+    struct vt_daemon daemon = {.dir = vt_dir_make()};
+    struct vor_job_view row = vt_row(10), view;
+    struct vor_uuid stray = vt_row(10).id;
+    struct vor_store *store = vt_dir_store(daemon.dir);
+    struct vor_blobs *blobs = vt_dir_blobs(daemon.dir);
+
+    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    vt_assert_ok(vor_blob_commit(vt_upload(blobs, "x", 1), &stray, VOR_BLOB_INPUT, &vt_err));
+    vt_assert_ok(vor_blob_commit(vt_upload(blobs, "y", 1), &stray, VOR_BLOB_CLOUD, &vt_err));
+    vor_store_close(store);
+    vor_blobs_close(blobs);
+    vt_daemon_start(&daemon, daemon.dir, NULL);
+    view = vt_daemon_get(&daemon, &row.id);
+    ck_assert_int_eq(view.status, VOR_JOB_FAILED);
+    ck_assert_int_eq(view.problem.status, VOR_E_INTERNAL);
+    ck_assert_ptr_nonnull(strstr(view.message, "input was lost"));
+    ck_assert_int_eq(vt_dir_count(daemon.dir, "blobs/keep"), 0);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+START_TEST(damaged_bytes_fail_the_job_and_not_the_daemon)
+{
+    struct vt_daemon daemon = {.dir = vt_dir_make()};
+    struct vor_job_view row = vt_row(10), view;
+    struct vor_store *store = vt_dir_store(daemon.dir);
+    struct vor_blobs *blobs = vt_dir_blobs(daemon.dir);
+
+    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    vt_assert_ok(
+        vor_blob_commit(vt_upload(blobs, "rubbish", (size_t)_i), &row.id, VOR_BLOB_INPUT, &vt_err));
+    vor_store_close(store);
+    vor_blobs_close(blobs);
+    vt_daemon_start(&daemon, daemon.dir, NULL);
+    view = vt_daemon_wait_over(&daemon, &row.id);
+    ck_assert_int_eq(view.status, VOR_JOB_FAILED);
+    ck_assert_str_ne(view.message, "");
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("worker_crash");
+
+    vor_log_open(2, VOR_LOG_ERROR);
+    vt_add_loop(suite, accepted_jobs_survive_kill_9_with_the_same_bytes, 5);
+    vt_add(suite, the_events_of_a_second_attempt_begin_anew);
+    vt_add(suite, a_drain_lets_a_running_job_end_and_keeps_the_waiting_ones);
+    vt_add(suite, a_drain_that_is_over_gives_running_jobs_back_without_a_crash);
+    vt_add(suite, a_job_that_waits_for_the_next_start_can_be_dismissed);
+    vt_add(suite, a_row_without_its_bytes_fails_with_a_reason_and_bytes_without_a_row_go);
+    vt_add_loop(suite, damaged_bytes_fail_the_job_and_not_the_daemon, 8);
+    return vt_run(suite);
+}

@@ -1,0 +1,510 @@
+/* The life of jobs, with the real engine: every accepted one ends once, with a reason, and leaves
+ * only what its end promises. */
+#include "proto/codec.h"
+#include "proto/json.h"
+#include "server/log.h"
+#include "server/worker.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_daemon.h"
+#include "tests/support/vt_dir.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static int kept(const struct vt_daemon *daemon)
+{
+    return vt_dir_count(daemon->dir, "blobs/keep");
+}
+
+static struct vor_uuid submit(struct vt_daemon *daemon, const struct vor_cloud *cloud,
+                              struct vor_spec spec)
+{
+    struct vor_uuid id;
+
+    ck_assert_int_eq(vt_daemon_submit(daemon, cloud, &spec, &id), VOR_DONE);
+    return id;
+}
+
+/* A job that runs until it is told to end. */
+static struct vor_uuid submit_endless(struct vt_daemon *daemon, const struct vor_cloud *cloud)
+{
+    return submit(daemon, cloud, vt_request(300, 10000));
+}
+
+static void dismiss(struct vt_daemon *daemon, const struct vor_uuid *id)
+{
+    struct vor_job_view view;
+
+    ck_assert_int_eq(
+        vor_worker_dismiss(daemon->worker, id, "dismissed by the test", &view, &vt_err), VOR_DONE);
+    ck_assert_int_eq(view.status, VOR_JOB_DISMISSED);
+    ck_assert_str_eq(view.id.text, id->text);
+}
+
+static void wait_idle(struct vt_daemon *daemon)
+{
+    struct timespec pause = {.tv_nsec = 1000000};
+    struct vor_worker_load load;
+
+    do {
+        nanosleep(&pause, NULL);
+        vor_worker_load(daemon->worker, &load);
+    } while (load.running > 0 || load.waiting > 0);
+}
+
+START_TEST(a_job_ends_with_exactly_the_points_asked_for)
+{
+    struct vt_daemon daemon;
+    struct vor_cloud cloud, result;
+    struct vor_job_view view;
+    struct vor_json *report = NULL;
+    struct vor_uuid id;
+    uint8_t *bytes;
+    double number;
+    size_t size;
+    char *json;
+
+    vt_daemon_start(&daemon, vt_dir_make(), NULL);
+    vt_cloud_sphere(&cloud, 1, 2000);
+    id = submit(&daemon, &cloud, vt_request(300, 5));
+    view = vt_daemon_wait_over(&daemon, &id);
+    ck_assert_msg(view.status == VOR_JOB_SUCCESSFUL, "%s", view.message);
+    ck_assert_int_eq(view.progress, 100);
+    ck_assert_uint_eq(view.output.points, 300);
+    ck_assert_uint_eq(view.record.iteration, 5);
+    ck_assert_int_ge(view.started, view.created);
+    ck_assert_int_ge(view.finished, view.started);
+    ck_assert_int_eq(view.expires, view.finished + 3600 * 1000);
+    bytes = vt_daemon_result(&daemon, &id, &size);
+    ck_assert_uint_eq(size, view.output.bytes);
+    vor_cloud_init(&result, &vt_memory);
+    vt_assert_ok(vor_codec_read(&result, NULL, bytes, size, &(struct vor_limits)VOR_LIMITS_DEFAULT,
+                                &vt_err));
+    ck_assert_uint_eq(result.n, 300);
+    vt_assert_ok(vor_worker_report(daemon.worker, &id, &json, &vt_err));
+    vt_assert_ok(vor_json_parse(&report, json, strlen(json), &vt_err));
+    ck_assert(vor_json_get_number(vor_json_get(report, "iterations"), &number));
+    ck_assert_double_eq(number, 5);
+    ck_assert(vor_json_get_number(vor_json_get(vor_json_get(report, "seconds"), "write"), &number));
+    ck_assert_double_gt(number, 0);
+    ck_assert(vor_json_get_number(vor_json_get(vor_json_get(report, "seconds"), "read"), &number));
+    ck_assert_double_eq(number, view.input.seconds);
+    wait_idle(&daemon);
+    ck_assert_int_eq(kept(&daemon), 1); /* the result; the input is gone */
+    vor_json_free(report);
+    free(json);
+    free(bytes);
+    vor_cloud_free(&result);
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+static struct vor_bus *events(struct vt_daemon *daemon, const struct vor_uuid *id)
+{
+    struct vor_bus *bus;
+
+    ck_assert_int_eq(vor_worker_events(daemon->worker, id, &bus, &vt_err), VOR_DONE);
+    return bus;
+}
+
+START_TEST(the_events_of_a_job_are_the_same_live_and_from_its_trace)
+{
+    struct vor_position a = {0, 0}, b = {0, 0};
+    struct vor_event first = {.kind = VOR_EVENT_STATUS}, second;
+    struct vor_bus *live, *stored;
+    struct vt_daemon daemon;
+    struct vor_cloud cloud;
+    struct vor_uuid id;
+    uint32_t iterations = 0;
+
+    vt_daemon_start(&daemon, vt_dir_make(), NULL);
+    vt_cloud_sphere(&cloud, 2, 1000);
+    id = submit(&daemon, &cloud, vt_request(100, 12));
+    live = events(&daemon, &id);
+    (void)vt_daemon_wait_over(&daemon, &id);
+    wait_idle(&daemon);
+    stored = events(&daemon, &id);
+    ck_assert_ptr_ne(live, stored);
+    while (vor_bus_read(live, &a, VOR_READ_EVERY, &first, 1) == 1) {
+        ck_assert_uint_eq(vor_bus_read(stored, &b, VOR_READ_EVERY, &second, 1), 1);
+        ck_assert_int_eq(first.kind, second.kind);
+        ck_assert_uint_eq(first.number, second.number);
+        ck_assert_int_eq(first.time_ms, second.time_ms);
+        ck_assert_int_eq(first.status, second.status);
+        ck_assert_int_eq(first.stage, second.stage);
+        ck_assert_int_eq(first.progress, second.progress);
+        ck_assert_double_eq(first.record.delta, second.record.delta);
+        iterations += first.kind == VOR_EVENT_PROGRESS;
+    }
+    ck_assert_int_eq(first.kind, VOR_EVENT_END);
+    ck_assert_int_eq(first.status, VOR_JOB_SUCCESSFUL);
+    ck_assert_uint_eq(vor_bus_read(stored, &b, VOR_READ_EVERY, &second, 1), 0);
+    ck_assert_uint_eq(iterations, 13); /* with iteration 0 */
+    vor_bus_release(live);
+    vor_bus_release(stored);
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+START_TEST(a_running_job_is_dismissed_at_once_and_its_cores_are_free)
+{
+    struct vt_daemon daemon;
+    struct vor_job_view view;
+    struct vor_cloud cloud;
+    struct vor_uuid id;
+
+    vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.jobs = 1});
+    vt_cloud_sphere(&cloud, 1, 3000);
+    id = submit_endless(&daemon, &cloud);
+    (void)vt_daemon_wait_iteration(&daemon, &id, 2);
+    dismiss(&daemon, &id);
+    view = vt_daemon_get(&daemon, &id); /* with the answer, not after the engine */
+    ck_assert_int_eq(view.status, VOR_JOB_DISMISSED);
+    ck_assert_str_eq(view.message, "dismissed by the test");
+    ck_assert_int_lt(view.progress, 100);
+    wait_idle(&daemon);
+    ck_assert_int_eq(kept(&daemon), 0);
+    id = submit(&daemon, &cloud, vt_request(50, 1)); /* the runner goes on */
+    ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+START_TEST(a_waiting_job_is_dismissed_without_running)
+{
+    struct vt_daemon daemon;
+    struct vor_uuid runs, waits;
+    struct vor_job_view view;
+    struct vor_cloud cloud;
+
+    vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.jobs = 1});
+    vt_cloud_sphere(&cloud, 1, 1000);
+    runs = submit_endless(&daemon, &cloud);
+    (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
+    waits = submit_endless(&daemon, &cloud);
+    view = vt_daemon_get(&daemon, &waits);
+    ck_assert_int_eq(view.status, VOR_JOB_ACCEPTED);
+    ck_assert_int_eq(view.queue_position, 0);
+    ck_assert_int_eq(vor_worker_stop(daemon.worker, &waits, &vt_err), VOR_CONFLICT);
+    dismiss(&daemon, &waits);
+    dismiss(&daemon, &runs);
+    wait_idle(&daemon);
+    view = vt_daemon_get(&daemon, &waits);
+    ck_assert_int_eq(view.status, VOR_JOB_DISMISSED);
+    ck_assert_int_eq(view.started, 0);
+    ck_assert_int_eq(kept(&daemon), 0);
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+START_TEST(a_stopped_job_is_successful_with_the_best_cloud_so_far)
+{
+    struct vt_daemon daemon;
+    struct vor_job_view view;
+    struct vor_cloud cloud;
+    struct vor_uuid id;
+    char *json;
+
+    vt_daemon_start(&daemon, vt_dir_make(), NULL);
+    vt_cloud_sphere(&cloud, 1, 1000);
+    id = submit_endless(&daemon, &cloud);
+    (void)vt_daemon_wait_iteration(&daemon, &id, 3);
+    ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_DONE);
+    view = vt_daemon_wait_over(&daemon, &id);
+    ck_assert_msg(view.status == VOR_JOB_SUCCESSFUL, "%s", view.message);
+    ck_assert_uint_eq(view.output.points, 300);
+    vt_assert_ok(vor_worker_report(daemon.worker, &id, &json, &vt_err));
+    ck_assert_ptr_nonnull(strstr(json, "\"stopped\":\"stopped\""));
+    free(json);
+    wait_idle(&daemon);
+    ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_CONFLICT);
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+START_TEST(a_job_the_engine_refuses_fails_with_the_engine_s_words)
+{
+    struct vt_daemon daemon;
+    struct vor_job_view view;
+    struct vor_cloud line;
+    struct vor_uuid id;
+    char *json;
+
+    vt_daemon_start(&daemon, vt_dir_make(), NULL);
+    vt_cloud_cube(&line, 1, 500);
+    for (size_t i = 0; i < line.n; i++)
+        line.xyz[3 * i + 1] = line.xyz[3 * i + 2] = 0;
+    id = submit(&daemon, &line, vt_request(100, 5));
+    view = vt_daemon_wait_over(&daemon, &id);
+    ck_assert_int_eq(view.status, VOR_JOB_FAILED);
+    ck_assert_int_eq(view.problem.status, VOR_E_DEGENERATE);
+    ck_assert_str_ne(view.message, "");
+    ck_assert_int_lt(view.progress, 100);
+    wait_idle(&daemon);
+    ck_assert_int_eq(kept(&daemon), 0);
+    view = vt_daemon_get(&daemon, &id); /* now from its row */
+    ck_assert_int_eq(view.problem.status, VOR_E_DEGENERATE);
+    vt_assert_ok(vor_worker_report(daemon.worker, &id, &json, &vt_err));
+    ck_assert_ptr_null(json);
+    vor_cloud_free(&line);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+START_TEST(a_job_that_needs_too_much_memory_fails_and_the_next_one_runs)
+{
+    struct vt_daemon daemon;
+    struct vor_uuid id, small;
+    struct vor_job_view view;
+    struct vor_cloud cloud, few;
+
+    vt_daemon_start(&daemon, vt_dir_make(),
+                    &(struct vt_daemon_options){.jobs = 1, .memory = 2u << 20});
+    vt_cloud_sphere(&cloud, 1, 60000);
+    vt_cloud_sphere(&few, 1, 200);
+    id = submit(&daemon, &cloud, vt_request(60000, 2));
+    small = submit(&daemon, &few, vt_request(50, 2));
+    view = vt_daemon_wait_over(&daemon, &id);
+    ck_assert_int_eq(view.status, VOR_JOB_FAILED);
+    ck_assert_int_eq(view.problem.status, VOR_E_NOMEM);
+    view = vt_daemon_wait_over(&daemon, &small);
+    ck_assert_msg(view.status == VOR_JOB_SUCCESSFUL, "%s", view.message);
+    vor_cloud_free(&cloud);
+    vor_cloud_free(&few);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+START_TEST(a_full_queue_refuses_and_keeps_nothing)
+{
+    struct vt_daemon daemon;
+    struct vor_uuid ids[3], refused;
+    struct vor_worker_load load;
+    struct vor_cloud cloud;
+    struct vor_spec spec = vt_request(300, 10000);
+
+    vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.jobs = 1, .queue = 2});
+    vt_cloud_sphere(&cloud, 1, 500);
+    ids[0] = submit_endless(&daemon, &cloud);
+    (void)vt_daemon_wait_iteration(&daemon, &ids[0], 0);
+    ck_assert_int_eq(vor_worker_room(daemon.worker), VOR_DONE);
+    ids[1] = submit_endless(&daemon, &cloud);
+    ids[2] = submit_endless(&daemon, &cloud);
+    ck_assert_int_eq(vor_worker_room(daemon.worker), VOR_FULL);
+    ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &refused), VOR_FULL);
+    ck_assert_int_eq(kept(&daemon), 3);
+    ck_assert_int_eq(
+        vor_worker_get(daemon.worker, &refused, &(struct vor_job_view){.seq = 0}, &vt_err),
+        VOR_UNKNOWN);
+    vor_worker_load(daemon.worker, &load);
+    ck_assert_uint_eq(load.running, 1);
+    ck_assert_uint_eq(load.waiting, 2);
+    ck_assert_uint_eq(load.capacity, 2);
+    ck_assert_int_eq(vt_daemon_get(&daemon, &ids[2]).queue_position, 1);
+    for (int i = 0; i < 3; i++)
+        dismiss(&daemon, &ids[i]);
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+START_TEST(more_than_16_times_the_input_is_refused_before_there_is_a_job)
+{
+    struct vt_daemon daemon;
+    struct vor_cloud cloud;
+    struct vor_spec spec = vt_request(1601, 1);
+    struct vor_uuid id;
+
+    vt_daemon_start(&daemon, vt_dir_make(), NULL);
+    vt_cloud_sphere(&cloud, 1, 100);
+    ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &id), VOR_FAILED);
+    ck_assert_int_eq(vt_err.status, VOR_E_TARGET);
+    ck_assert_str_eq(vt_err.parameter, "points");
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "1601"));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "1600"));
+    ck_assert_int_eq(kept(&daemon), 0);
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+START_TEST(a_finished_job_is_removed_with_its_bytes)
+{
+    struct vt_daemon daemon;
+    struct vor_job_view view;
+    struct vor_cloud cloud;
+    struct vor_bus *bus;
+    struct vor_uuid id;
+
+    vt_daemon_start(&daemon, vt_dir_make(), NULL);
+    vt_cloud_sphere(&cloud, 1, 200);
+    id = submit(&daemon, &cloud, vt_request(50, 1));
+    (void)vt_daemon_wait_over(&daemon, &id);
+    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &id, "left", &vt_err), VOR_CONFLICT);
+    ck_assert_int_eq(vt_daemon_get(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
+    dismiss(&daemon, &id);
+    ck_assert_int_eq(vor_worker_get(daemon.worker, &id, &view, &vt_err), VOR_UNKNOWN);
+    ck_assert_int_eq(vor_worker_dismiss(daemon.worker, &id, "", &view, &vt_err), VOR_UNKNOWN);
+    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &id, "", &vt_err), VOR_UNKNOWN);
+    ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_UNKNOWN);
+    ck_assert_int_eq(vor_worker_events(daemon.worker, &id, &bus, &vt_err), VOR_UNKNOWN);
+    wait_idle(&daemon);
+    ck_assert_int_eq(kept(&daemon), 0);
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+START_TEST(results_expire_and_say_so)
+{
+    struct vt_daemon daemon;
+    struct timespec pause = {.tv_nsec = 60000000};
+    struct vor_job_view view;
+    struct vor_cloud cloud;
+    struct vor_bus *bus;
+    struct vor_uuid id;
+
+    vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.ttl_seconds = 0.05});
+    vt_cloud_sphere(&cloud, 1, 200);
+    id = submit(&daemon, &cloud, vt_request(50, 1));
+    (void)vt_daemon_wait_over(&daemon, &id);
+    wait_idle(&daemon);
+    ck_assert_int_eq(kept(&daemon), 1);
+    nanosleep(&pause, NULL);
+    vt_assert_ok(vor_worker_sweep(daemon.worker, &vt_err));
+    ck_assert_int_eq(kept(&daemon), 0);
+    if (vor_worker_get(daemon.worker, &id, &view, &vt_err) == VOR_DONE) {
+        ck_assert(view.expired); /* unless the machine slept over its second life, too */
+        bus = events(&daemon, &id);
+        ck_assert(vor_bus_ended(bus, NULL));
+        vor_bus_release(bus);
+    }
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+struct counted {
+    size_t count;
+    const struct vor_uuid *running;
+    unsigned iteration;
+};
+
+static int count_live(void *ctx, const struct vor_job_view *row)
+{
+    struct counted *counted = ctx;
+
+    counted->count++;
+    if (strcmp(row->id.text, counted->running->text) == 0)
+        counted->iteration = row->record.iteration;
+    return 1;
+}
+
+START_TEST(a_list_shows_the_live_state_of_running_jobs)
+{
+    struct vor_job_filter filter = {.limit = 10};
+    struct vt_daemon daemon;
+    struct vor_cloud cloud;
+    struct vor_uuid id;
+    struct counted counted = {.running = &id};
+
+    vt_daemon_start(&daemon, vt_dir_make(), NULL);
+    vt_cloud_sphere(&cloud, 1, 300);
+    id = submit_endless(&daemon, &cloud);
+    (void)vt_daemon_wait_iteration(&daemon, &id, 4);
+    vt_assert_ok(vor_worker_list(daemon.worker, &filter, count_live, &counted, &vt_err));
+    ck_assert_uint_eq(counted.count, 1);
+    ck_assert_uint_ge(counted.iteration, 4);
+    dismiss(&daemon, &id);
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+/* Property: a job dismissed, stopped or cancelled at a random instant ends once, its trace says the
+ * same as its row, and no bytes are left but those of a success. */
+START_TEST(a_job_interrupted_at_any_instant_ends_once)
+{
+    enum { JOBS = 12 };
+    struct vor_job_view views[JOBS];
+    struct vor_uuid ids[JOBS];
+    struct vt_daemon daemon;
+    struct vor_cloud cloud;
+    int results = 0;
+
+    vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.jobs = 2});
+    vt_cloud_sphere(&cloud, (uint64_t)_i, 400);
+    for (int i = 0; i < JOBS; i++) {
+        struct timespec pause = {.tv_nsec = (long)(3e6 * vt_unit((uint64_t)_i, (uint64_t)i))};
+
+        ids[i] = submit(&daemon, &cloud, vt_request(60, 1 + i % 6));
+        nanosleep(&pause, NULL);
+        if (i % 3 == 0)
+            (void)!vor_worker_stop(daemon.worker, &ids[i], &vt_err);
+        else
+            (void)!vor_worker_cancel(daemon.worker, &ids[i], "by chance", &vt_err);
+    }
+    wait_idle(&daemon);
+    for (int i = 0; i < JOBS; i++) {
+        struct vor_bus *bus = events(&daemon, &ids[i]);
+        struct vor_position at = {0, 0};
+        struct vor_event event = {.kind = VOR_EVENT_STATUS};
+
+        views[i] = vt_daemon_get(&daemon, &ids[i]);
+        while (vor_bus_read(bus, &at, VOR_READ_EVERY, &event, 1) == 1)
+            continue;
+        ck_assert_int_eq(event.kind, VOR_EVENT_END);
+        ck_assert_int_eq(event.status, views[i].status);
+        ck_assert_msg(views[i].status == VOR_JOB_SUCCESSFUL || views[i].status == VOR_JOB_DISMISSED,
+                      "job %d: %s", i, views[i].message);
+        results += views[i].status == VOR_JOB_SUCCESSFUL;
+        vor_bus_release(bus);
+    }
+    ck_assert_int_eq(kept(&daemon), results);
+    ck_assert_int_eq(vt_dir_count(daemon.dir, "blobs/tmp"), 0);
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("worker_jobs");
+
+    vor_log_open(2, VOR_LOG_ERROR);
+    vt_add(suite, a_job_ends_with_exactly_the_points_asked_for);
+    vt_add(suite, the_events_of_a_job_are_the_same_live_and_from_its_trace);
+    vt_add(suite, a_running_job_is_dismissed_at_once_and_its_cores_are_free);
+    vt_add(suite, a_waiting_job_is_dismissed_without_running);
+    vt_add(suite, a_stopped_job_is_successful_with_the_best_cloud_so_far);
+    vt_add(suite, a_job_the_engine_refuses_fails_with_the_engine_s_words);
+    vt_add(suite, a_job_that_needs_too_much_memory_fails_and_the_next_one_runs);
+    vt_add(suite, a_full_queue_refuses_and_keeps_nothing);
+    vt_add(suite, more_than_16_times_the_input_is_refused_before_there_is_a_job);
+    vt_add(suite, a_finished_job_is_removed_with_its_bytes);
+    vt_add(suite, results_expire_and_say_so);
+    vt_add(suite, a_list_shows_the_live_state_of_running_jobs);
+    vt_add_loop(suite, a_job_interrupted_at_any_instant_ends_once, 6);
+    return vt_run(suite);
+}
