@@ -1,16 +1,17 @@
 #include "server/cli/cli.h"
 
-#include <errno.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
-static volatile sig_atomic_t caught; /* the first signal */
+static atomic_int caught; /* the first signal; lock-free, so that a handler may set it */
 
 static void on_signal(int signal)
 {
-    if (caught == 0)
-        caught = signal;
+    int none = 0;
+
+    (void)atomic_compare_exchange_strong(&caught, &none, signal);
 }
 
 void vor_interrupt_catch(void)
@@ -26,7 +27,7 @@ void vor_interrupt_catch(void)
 
 int vor_interrupt_seen(void)
 {
-    return caught;
+    return atomic_load_explicit(&caught, memory_order_relaxed);
 }
 
 vor_status vor_interrupt_fail(struct vor_error *err)
@@ -36,7 +37,7 @@ vor_status vor_interrupt_fail(struct vor_error *err)
 
 int vor_interrupt_exit_code(void)
 {
-    return caught == SIGINT ? VOR_EXIT_INTERRUPTED : VOR_EXIT_CANCELLED;
+    return vor_interrupt_seen() == SIGINT ? VOR_EXIT_INTERRUPTED : VOR_EXIT_CANCELLED;
 }
 
 /* Control characters would break the line, or the terminal. */

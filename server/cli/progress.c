@@ -109,11 +109,14 @@ void vor_progress_record(struct vor_progress *progress, const struct vor_record 
 
     if (progress->lines != NULL)
         write_line(progress, record);
-    if (!progress->has_first)
+    if (!progress->has_first) {
         progress->first = *record;
-    if (progress->bar == NULL || (progress->has_first && now < progress->drawn_at + REDRAW_SECONDS))
+        progress->has_first = 1;
+    } else if (now < progress->drawn_at + REDRAW_SECONDS) {
         return;
-    progress->has_first = 1;
+    }
+    if (progress->bar == NULL)
+        return;
     progress->drawn_at = now;
     draw(progress, record);
 }

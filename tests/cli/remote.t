@@ -139,7 +139,7 @@ subtest 'somebody else' => sub {
 };
 
 subtest 'a stream that breaks off' => sub {
-    my $cutter = cutter($daemon->{address}, 3, 2500);
+    my $cutter = cutter($daemon->{address}, 2, 2500);
     my @some = ('-n', 4000, '--iterations', 60);
     run(['resample', $in, @some, '-q', '-o', "$folder/some.ply"]);
     my ($code, $stdout, $stderr) = run(['resample', $in, @some, '--json', '-o', $out, '--server', $cutter->{url}]);
@@ -172,13 +172,13 @@ subtest 'a daemon that is busy' => sub {
 
 subtest 'a daemon that dies and comes back' => sub {
     my $mortal = daemon("$folder/mortal", '127.0.0.1:0', '--threads', 2);
-    my $process = start(['resample', $in, '-n', 4000, '--iterations', 200, '--json', '-o', $out, '--server', $mortal->{url}]);
+    my $process = start(['resample', $in, '-n', 2000, '--iterations', 150, '--json', '-o', $out, '--server', $mortal->{url}]);
     running($mortal->{url});
     stop($mortal, 'KILL');
     $mortal = daemon("$folder/mortal", $mortal->{address}, '--threads', 2);
     my ($code, $stdout, $stderr) = finish($process, 60);
     is "$code$stderr", '0', 'does not lose the job';
-    run(['resample', $in, '-n', 4000, '--iterations', 200, '-q', '-o', "$folder/alone.ply"]);
+    run(['resample', $in, '-n', 2000, '--iterations', 150, '-q', '-o', "$folder/alone.ply"]);
     ok slurp($out) eq slurp("$folder/alone.ply"), 'the bytes are those of a run here';
     unlink $out;
     $process = start(['resample', $in, @long, '-o', $out, '--server', $mortal->{url}]);

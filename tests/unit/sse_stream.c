@@ -98,6 +98,18 @@ START_TEST(an_id_with_a_nul_is_ignored)
 }
 END_TEST
 
+/* Regression: a name of a lone NUL was neither a name nor "message". */
+START_TEST(a_name_is_cut_at_a_nul)
+{
+    static const char stream[] = "event: \0x\ndata: 1\n\nevent: a\0b\ndata: 2\n\n";
+    char *log = heard(stream, sizeof stream - 1, 0, 0);
+
+    ck_assert_str_eq(log, "|message|1\x1e"
+                          "|a|2\x1e");
+    free(log);
+}
+END_TEST
+
 START_TEST(a_formatted_stream_has_its_shape)
 {
     struct vor_text text;
@@ -245,6 +257,7 @@ int main(void)
 
     vt_add_loop(suite, the_grammar_is_the_standards, (int)(sizeof examples / sizeof examples[0]));
     vt_add(suite, an_id_with_a_nul_is_ignored);
+    vt_add(suite, a_name_is_cut_at_a_nul);
     vt_add(suite, a_formatted_stream_has_its_shape);
     vt_add_loop(suite, what_is_sent_arrives, 40);
     vt_add(suite, a_line_ends_at_its_limit);
