@@ -60,21 +60,25 @@ help: ## list the targets
 
 $(B)/%.o: %.c
 	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) -c $< -o $@
+	@echo "  CC   $<"
+	@$(CC) $(ALL_CFLAGS) -c $< -o $@
 
 $(B)/%.o: %.cc
 	@mkdir -p $(@D)
-	$(CXX) $(ALL_CXXFLAGS) -c $< -o $@
+	@echo "  CXX  $<"
+	@$(CXX) $(ALL_CXXFLAGS) -c $< -o $@
 
 $(LIB): $(call obj,$(LIB_SRC))
 	@rm -f $@
-	$(AR) rcs $@ $^
+	@$(AR) rcs $@ $^
 
 $(BIN): $(B)/server/main.o $(LIB)
-	$(LINK) $^ -o $@ $(LIBS)
+	@echo "  LINK $@"
+	@$(LINK) $^ -o $@ $(LIBS)
 
 $(B)/tests/%: $(B)/tests/%.o $(call obj,$(SUPPORT_SRC)) $(LIB)
-	$(LINK) $^ -o $@ $(TEST_LIBS) $(LIBS)
+	@echo "  LINK $@"
+	@$(LINK) $^ -o $@ $(TEST_LIBS) $(LIBS)
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)
 
@@ -103,7 +107,8 @@ fuzz: ## fuzz every reader for FUZZ_SECONDS each, from the kept corpus
 	@tests/fuzz/run.sh build/fuzz $(FUZZ_SECONDS) $(FUZZ)
 
 build/fuzz/tests/fuzz/%_fuzz: build/fuzz/tests/fuzz/%_fuzz.o build/fuzz/libvoronoid.a
-	$(CXX) $(flags.fuzz) -fsanitize=fuzzer -pthread $^ -o $@ $(LIBS)
+	@echo "  LINK $@"
+	@$(CXX) $(flags.fuzz) -fsanitize=fuzzer -pthread $^ -o $@ $(LIBS)
 
 lint: ## formatting, include law, static analysis, shell and YAML
 	@docker/install.sh build test lint
@@ -114,8 +119,9 @@ lint: ## formatting, include law, static analysis, shell and YAML
 format: ## clang-format every C file
 	clang-format -i $(shell find core proto server tests -name '*.[ch]' -o -name '*.cc')
 
-image: all ## the container image, with the tools at hand (docker or buildah)
-	@docker/image.sh
+image: all ## what the container image holds, in build/rootfs, and a try of it
+	@docker/rootfs.sh $(BIN) build/rootfs
+	@docker/try.sh build/rootfs
 
 clean: ## remove build/
 	rm -rf build

@@ -5,10 +5,11 @@ set -eu
 here=$(dirname "$0")
 missing=
 for stage in "$@"; do
-    for package in $(awk -v stage="$stage" '$1 == stage { print $2 }' "$here/packages.txt"); do
+    while read -r of package; do
+        [ "$of" = "$stage" ] || continue
         state=$(dpkg-query -W -f '${db:Status-Abbrev}' "$package" 2>/dev/null || true)
         case $state in ii*) ;; *) missing="$missing $package" ;; esac
-    done
+    done <"$here/packages.txt"
 done
 [ -n "$missing" ] || exit 0
 export DEBIAN_FRONTEND=noninteractive

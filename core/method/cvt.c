@@ -23,6 +23,7 @@ struct block_sums {
 struct cvt {
     struct vor_seeds *seeds;
     const struct vor_spec *spec;
+    struct vor_run calm_run; /* for what a stop must not cut short */
     struct vor_cvt_result result;
     size_t blocks;
     struct block_sums *sums, total;
@@ -415,17 +416,17 @@ vor_status vor_cvt_run(struct vor_seeds *seeds, struct vor_cvt_result *out,
 {
     struct cvt cvt = {.seeds = seeds, .spec = spec, .start = start};
     struct vor_calm calm;
-    struct vor_run calm_run = *seeds->run;
     vor_status status = alloc_cvt(&cvt, err);
 
-    calm_run.watch = vor_calm_watch(&calm, seeds->run->watch);
+    cvt.calm_run = *seeds->run;
+    cvt.calm_run.watch = vor_calm_watch(&calm, seeds->run->watch);
     seeds->keep_border = keeps_border(&cvt);
     if (status == VOR_OK)
         status = loop(&cvt, err);
     if (status != VOR_OK)
         goto done;
     memcpy(seeds->xyz, cvt.best, 3 * seeds->n * sizeof *cvt.best);
-    status = vor_run_for(&calm_run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &cvt, err);
+    status = vor_run_for(&cvt.calm_run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &cvt, err);
     if (status != VOR_OK)
         goto done;
     for (size_t i = 0; i < seeds->n; i++)

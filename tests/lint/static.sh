@@ -6,6 +6,14 @@ mapfile -t c_files < <(git ls-files -co --exclude-standard core proto server tes
 mapfile -t sources < <(printf '%s\n' "${c_files[@]}" | grep -E '^(core|proto|server)/.*\.c$')
 mapfile -t scripts < <(git ls-files -co --exclude-standard | xargs grep -lE '^#!(/bin/sh|/bin/bash|/usr/bin/env bash)' --)
 
+# in_parallel N COMMAND...: runs the command over the C sources of the product, N at a time.
+in_parallel()
+{
+    local at_once=$1
+    shift
+    printf '%s\n' "${sources[@]}" | xargs -P "$(nproc)" -n "$at_once" "$@"
+}
+
 check()
 {
     local name=$1
@@ -22,21 +30,12 @@ check()
 
 read -ra flags <<<"-std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE -I. -DVOR_VERSION=\"lint\" $(pkg-config --cflags libmicrohttpd libcjson sqlite3 libcurl nettle)"
 
-analyse()
-{
-    local file
-    for file in "${sources[@]}"; do
-        echo "$file"
-    done | xargs -P "$(nproc)" -I{} gcc "${flags[@]}" -O1 -fanalyzer -Werror -Wno-analyzer-too-complex -c {} -o /dev/null
-}
-
 mkdir -p build
 check clang-format clang-format --dry-run --Werror "${c_files[@]}"
 check cppcheck cppcheck --quiet --std=c11 --error-exitcode=1 --enable=warning,portability --inline-suppr \
     --suppress=missingInclude --suppress=missingIncludeSystem -I. -j "$(nproc)" core proto server
-check clang-tidy bash -c 'printf "%s\n" "$@" | xargs -P "$(nproc)" -n 4 clang-tidy --quiet --warnings-as-errors="*"' \
-    tidy "${sources[@]}" -- -- "${flags[@]}"
-check gcc-analyzer analyse
+check clang-tidy in_parallel 4 clang-tidy --quiet --warnings-as-errors="*" "${flags[@]/#/--extra-arg=}"
+check gcc-analyzer in_parallel 1 gcc "${flags[@]}" -O1 -fanalyzer -Werror -S -o /dev/null
 check shellcheck shellcheck "${scripts[@]}"
 check yamllint yamllint -d '{extends: default, rules: {line-length: {max: 160}, document-start: disable}}' openapi.yaml docker
 exit "$fail"
