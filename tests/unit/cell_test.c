@@ -1,0 +1,356 @@
+/* The patch and its clipping: areas, centroids and energies known by hand. */
+#include "core/base/linalg.h"
+#include "core/geom/cell.h"
+#include "tests/support/vt.h"
+
+#include <string.h>
+
+enum { SEEDS = 30 };
+
+#define HEXAGON_AREA 2.59807621135331594   /* 3 sqrt(3) / 2 */
+#define HEXAGON_ENERGY 1.08253175473054831 /* 5 sqrt(3) / 8 */
+
+/* The plane w = height in world axes. */
+static struct vor_surface flat(double height)
+{
+    return (struct vor_surface){.kind = VOR_SURFACE_PLANE,
+                                .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                .c = {height},
+                                .reach = 1};
+}
+
+static void begin_flat(struct vor_cell *cell, unsigned rings, const double seed[3], double radius)
+{
+    struct vor_surface surface = flat(seed[2]);
+    struct vor_disc disc;
+
+    vor_disc_init(&disc, rings);
+    vor_cell_begin(cell, &disc, &surface, seed, radius);
+}
+
+static void clip(struct vor_cell *cell, double x, double y, double z)
+{
+    vor_cell_clip(cell, (double[3]){x, y, z});
+}
+
+START_TEST(a_disc_of_any_rings_is_a_hexagon_of_6_rings2_triangles)
+{
+    for (unsigned rings = 1; rings <= VOR_RINGS_MAX; rings++) {
+        struct vor_disc disc;
+        double area = 0;
+
+        vor_disc_init(&disc, rings);
+        ck_assert_uint_eq(disc.triangle_count, 6 * rings * rings);
+        ck_assert_uint_eq(disc.vertex_count, 1 + 3 * rings * (rings + 1));
+        for (unsigned t = 0; t < disc.triangle_count; t++) {
+            const unsigned char *corner = disc.triangle[t];
+            const double *a = disc.vertex[corner[0]], *b = disc.vertex[corner[1]],
+                         *c = disc.vertex[corner[2]];
+            double twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+
+            ck_assert_double_eq_tol(twice / 2, HEXAGON_AREA / disc.triangle_count, 1e-14);
+            area += twice / 2;
+        }
+        ck_assert_double_eq_tol(area, HEXAGON_AREA, 1e-13);
+    }
+}
+END_TEST
+
+START_TEST(every_edge_of_a_disc_has_two_triangles_or_lies_on_the_hexagon)
+{
+    for (unsigned rings = 1; rings <= VOR_RINGS_MAX; rings++) {
+        static unsigned used[VOR_PATCH_VERTICES_MAX][VOR_PATCH_VERTICES_MAX];
+        struct vor_disc disc;
+        unsigned rim = 0;
+
+        memset(used, 0, sizeof used);
+        vor_disc_init(&disc, rings);
+        for (unsigned t = 0; t < disc.triangle_count; t++)
+            for (unsigned j = 0; j < 3; j++) {
+                unsigned a = disc.triangle[t][j], b = disc.triangle[t][(j + 1) % 3];
+
+                ck_assert_uint_eq(used[a][b]++, 0);
+            }
+        for (unsigned a = 0; a < disc.vertex_count; a++)
+            for (unsigned b = 0; b < disc.vertex_count; b++)
+                rim += used[a][b] && !used[b][a];
+        ck_assert_uint_eq(rim, 6 * rings);
+    }
+}
+END_TEST
+
+START_TEST(an_unclipped_patch_has_the_moments_of_a_hexagon)
+{
+    const double seed[3] = {3, -4, 5}, radius = 2;
+    struct vor_cell cell;
+    struct vor_moments m;
+
+    for (unsigned rings = 1; rings <= VOR_RINGS_MAX; rings++) {
+        begin_flat(&cell, rings, seed, radius);
+        ck_assert(vor_cell_moments(&m, &cell));
+        ck_assert_double_eq_tol(m.area, HEXAGON_AREA * 4, 1e-12);
+        ck_assert_double_eq_tol(m.energy, HEXAGON_ENERGY * 16, 1e-12);
+        for (int c = 0; c < 3; c++)
+            ck_assert_double_eq_tol(m.centroid[c], seed[c], 1e-12);
+        ck_assert_double_eq_tol(cell.radius2, 4, 1e-14);
+        ck_assert_uint_eq(cell.bisectors, 0);
+    }
+}
+END_TEST
+
+/* Vector: four neighbours one apart leave the unit square; its energy is 1/6. */
+START_TEST(four_neighbours_leave_the_unit_square)
+{
+    const double seed[3] = {3, -4, 5};
+    struct vor_cell cell;
+    struct vor_moments m;
+
+    for (unsigned rings = 1; rings <= VOR_RINGS_MAX; rings++) {
+        begin_flat(&cell, rings, seed, 2);
+        clip(&cell, 1, 0, 0);
+        clip(&cell, -1, 0, 0);
+        clip(&cell, 0, 1, 0);
+        clip(&cell, 0, -1, 0);
+        ck_assert(vor_cell_moments(&m, &cell));
+        ck_assert_double_eq_tol(m.area, 1, 1e-13);
+        ck_assert_double_eq_tol(m.energy, 1.0 / 6, 1e-13);
+        for (int c = 0; c < 3; c++)
+            ck_assert_double_eq_tol(m.centroid[c], seed[c], 1e-13);
+        ck_assert_double_eq_tol(cell.radius2, 0.5, 1e-13);
+        ck_assert_uint_eq(cell.bisectors, 4);
+    }
+}
+END_TEST
+
+/* Vector: [-1/2, 1] x [-1/2, 1/2]; energy = ((1 + 1/8) / 3 + 1.5 / 12). */
+START_TEST(an_uneven_rectangle_has_its_centroid_off_the_seed)
+{
+    const double seed[3] = {0, 0, 0};
+    struct vor_cell cell;
+    struct vor_moments m;
+
+    begin_flat(&cell, 3, seed, 4);
+    clip(&cell, 2, 0, 0);
+    clip(&cell, -1, 0, 0);
+    clip(&cell, 0, 1, 0);
+    clip(&cell, 0, -1, 0);
+    ck_assert(vor_cell_moments(&m, &cell));
+    ck_assert_double_eq_tol(m.area, 1.5, 1e-13);
+    ck_assert_double_eq_tol(m.centroid[0], 0.25, 1e-13);
+    ck_assert_double_eq_tol(m.centroid[1], 0, 1e-13);
+    ck_assert_double_eq_tol(m.energy, (1 + 0.125) / 3 + 1.5 / 12, 1e-13);
+    ck_assert_double_eq_tol(cell.radius2, 1.25, 1e-13);
+}
+END_TEST
+
+/* Vector: six neighbours of a hexagonal lattice with spacing 1 leave area sqrt(3) / 2. */
+START_TEST(six_neighbours_leave_the_cell_of_a_hexagonal_lattice)
+{
+    const double seed[3] = {0, 0, 0}, side = 1 / sqrt(3);
+    struct vor_cell cell;
+    struct vor_moments m;
+
+    begin_flat(&cell, 2, seed, 1);
+    for (int i = 0; i < 6; i++)
+        clip(&cell, cos(M_PI / 3 * i), sin(M_PI / 3 * i), 0);
+    ck_assert(vor_cell_moments(&m, &cell));
+    ck_assert_double_eq_tol(m.area, sqrt(3) / 2, 1e-13);
+    ck_assert_double_eq_tol(m.energy, HEXAGON_ENERGY * pow(side, 4), 1e-13);
+    ck_assert_double_eq_tol(cell.radius2, side * side, 1e-13);
+}
+END_TEST
+
+START_TEST(a_neighbour_too_far_to_cut_changes_nothing)
+{
+    const double seed[3] = {0, 0, 0};
+    struct vor_cell cell, before;
+
+    begin_flat(&cell, 2, seed, 1);
+    memcpy(&before, &cell, sizeof cell);
+    clip(&cell, 2.001, 0, 0);
+    ck_assert(memcmp(&before, &cell, sizeof cell) == 0);
+    ck_assert(!vor_cell_secure(&cell, 3.999) && vor_cell_secure(&cell, 4));
+    clip(&cell, 1.999, 0, 0);
+    ck_assert_uint_eq(cell.bisectors, 1);
+}
+END_TEST
+
+/* The surface lies ten below the seed, and a neighbour lies on it: nothing is left. */
+START_TEST(a_seed_far_off_its_surface_may_have_no_cell)
+{
+    const double seed[3] = {0, 0, 10};
+    struct vor_surface surface = flat(0);
+    struct vor_disc disc;
+    struct vor_cell cell;
+    struct vor_moments m;
+    double local[3];
+
+    vor_disc_init(&disc, 2);
+    vor_cell_begin(&cell, &disc, &surface, seed, 1);
+    ck_assert_double_eq_tol(cell.radius2, 101, 1e-12);
+    clip(&cell, 0, 0, -10);
+    ck_assert_uint_eq(cell.count, 0);
+    ck_assert(!vor_cell_moments(&m, &cell));
+    vor_cell_sample(&cell, (double[3]){0.5, 0.5, 0.5}, local);
+    ck_assert(memcmp(local, seed, sizeof local) == 0);
+}
+END_TEST
+
+/* A random cell: a bowl clipped by random bisectors. */
+static unsigned random_cell(struct vor_cell *cell, uint64_t seed, double offset[12][3])
+{
+    struct vor_surface surface = flat(0.1);
+    struct vor_disc disc;
+
+    surface.kind = VOR_SURFACE_QUADRIC;
+    for (uint64_t c = 0; c < 3; c++)
+        surface.c[3 + c] = 0.6 * vt_unit(seed, c) - 0.3;
+    surface.reach = 10;
+    vor_disc_init(&disc, 3);
+    vor_cell_begin(cell, &disc, &surface, (double[3]){0.1, -0.2, 0.1}, 1);
+    for (uint64_t i = 0; i < 12; i++) {
+        double angle = 2 * M_PI * vt_unit(seed, 10 + 3 * i);
+        double length = 0.8 + 1.2 * vt_unit(seed, 11 + 3 * i);
+
+        offset[i][0] = length * cos(angle);
+        offset[i][1] = length * sin(angle);
+        offset[i][2] = 0.4 * vt_unit(seed, 12 + 3 * i) - 0.2;
+        vor_cell_clip(cell, offset[i]);
+    }
+    return 12;
+}
+
+START_TEST(a_sample_lies_in_the_cell)
+{
+    double offset[12][3];
+    struct vor_cell cell;
+    unsigned n = random_cell(&cell, (uint64_t)_i, offset);
+
+    for (uint64_t s = 0; s < 500; s++) {
+        double unit[3], local[3];
+
+        for (uint64_t c = 0; c < 3; c++)
+            unit[c] = vt_unit((uint64_t)_i + 77, 3 * s + c);
+        vor_cell_sample(&cell, unit, local);
+        for (int c = 0; c < 3; c++)
+            local[c] -= cell.seed[c];
+        ck_assert_double_le(vor_dot(local, local), cell.radius2 * (1 + 1e-12));
+        for (unsigned i = 0; i < n; i++)
+            ck_assert_double_le(vor_dot(local, offset[i]),
+                                vor_dot(offset[i], offset[i]) / 2 + 1e-12);
+    }
+}
+END_TEST
+
+/* The mean of the samples is the centroid and the mean square of their distance to the seed is
+ * energy over area: within five deviations of such means. */
+START_TEST(samples_are_even_over_the_cell)
+{
+    enum { N = 4000 };
+    double offset[12][3], mean[4] = {0}, square[4] = {0};
+    struct vor_cell cell;
+    struct vor_moments m;
+
+    (void)random_cell(&cell, (uint64_t)_i, offset);
+    ck_assert(vor_cell_moments(&m, &cell));
+    for (uint64_t s = 0; s < N; s++) {
+        double unit[3], x[4];
+
+        for (uint64_t c = 0; c < 3; c++)
+            unit[c] = vt_unit((uint64_t)_i + 177, 3 * s + c);
+        vor_cell_sample(&cell, unit, x);
+        x[3] = 0;
+        for (int c = 0; c < 3; c++)
+            x[3] += (x[c] - cell.seed[c]) * (x[c] - cell.seed[c]);
+        for (int c = 0; c < 4; c++) {
+            mean[c] += x[c] / N;
+            square[c] += x[c] * x[c] / N;
+        }
+    }
+    for (int c = 0; c < 4; c++) {
+        double sigma = sqrt(fmax(square[c] - mean[c] * mean[c], 0) / N);
+
+        ck_assert_double_le(fabs(mean[c] - (c < 3 ? m.centroid[c] : m.energy / m.area)),
+                            5 * sigma + 1e-12);
+    }
+}
+END_TEST
+
+/* The order in which bisectors cut does not matter, and one that cut does not cut again. */
+START_TEST(a_cell_depends_on_its_bisectors_but_not_on_their_order)
+{
+    double offset[12][3];
+    struct vor_surface surface = flat(0);
+    struct vor_disc disc;
+    struct vor_cell cell, other;
+    struct vor_moments a, b;
+    unsigned cuts;
+
+    (void)random_cell(&cell, (uint64_t)_i, offset);
+    vor_disc_init(&disc, 3);
+    vor_cell_begin(&cell, &disc, &surface, (double[3]){0, 0, 0}, 1);
+    vor_cell_begin(&other, &disc, &surface, (double[3]){0, 0, 0}, 1);
+    for (int i = 0; i < 12; i++) {
+        vor_cell_clip(&cell, offset[i]);
+        vor_cell_clip(&other, offset[11 - i]);
+    }
+    ck_assert(vor_cell_moments(&a, &cell) && vor_cell_moments(&b, &other));
+    ck_assert_double_eq_tol(a.area, b.area, 1e-12);
+    ck_assert_double_eq_tol(a.energy, b.energy, 1e-12);
+    ck_assert_double_eq_tol(cell.radius2, other.radius2, 1e-12);
+    for (int c = 0; c < 3; c++)
+        ck_assert_double_eq_tol(a.centroid[c], b.centroid[c], 1e-12);
+    cuts = cell.bisectors;
+    clip(&cell, 10, 10, 0);
+    ck_assert_uint_eq(cell.bisectors, cuts);
+}
+END_TEST
+
+/* Row X3: the cap that a bowl cuts out of a hexagon of radius 1, by ever finer meshes. */
+START_TEST(area_and_energy_converge_with_the_rings)
+{
+    struct vor_surface surface = flat(0);
+    double area[VOR_RINGS_MAX + 1], energy[VOR_RINGS_MAX + 1];
+
+    surface.kind = VOR_SURFACE_QUADRIC;
+    surface.reach = 10;
+    surface.c[3] = 0.3;
+    surface.c[5] = 0.2;
+    for (unsigned rings = 1; rings <= VOR_RINGS_MAX; rings++) {
+        struct vor_disc disc;
+        struct vor_cell cell;
+        struct vor_moments m;
+
+        vor_disc_init(&disc, rings);
+        vor_cell_begin(&cell, &disc, &surface, (double[3]){0, 0, 0}, 1);
+        ck_assert(vor_cell_moments(&m, &cell));
+        area[rings] = m.area;
+        energy[rings] = m.energy;
+    }
+    for (unsigned rings = 2; rings < VOR_RINGS_MAX; rings++) {
+        ck_assert_double_gt(area[rings + 1], area[rings]);
+        ck_assert_double_lt(area[rings + 1] - area[rings], 0.6 * (area[rings] - area[rings - 1]));
+        ck_assert_double_lt(fabs(energy[rings + 1] - energy[rings]),
+                            0.6 * fabs(energy[rings] - energy[rings - 1]));
+    }
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("cell");
+
+    vt_add(suite, a_disc_of_any_rings_is_a_hexagon_of_6_rings2_triangles);
+    vt_add(suite, every_edge_of_a_disc_has_two_triangles_or_lies_on_the_hexagon);
+    vt_add(suite, an_unclipped_patch_has_the_moments_of_a_hexagon);
+    vt_add(suite, four_neighbours_leave_the_unit_square);
+    vt_add(suite, an_uneven_rectangle_has_its_centroid_off_the_seed);
+    vt_add(suite, six_neighbours_leave_the_cell_of_a_hexagonal_lattice);
+    vt_add(suite, a_neighbour_too_far_to_cut_changes_nothing);
+    vt_add(suite, a_seed_far_off_its_surface_may_have_no_cell);
+    vt_add_loop(suite, a_sample_lies_in_the_cell, SEEDS);
+    vt_add_loop(suite, samples_are_even_over_the_cell, SEEDS);
+    vt_add_loop(suite, a_cell_depends_on_its_bisectors_but_not_on_their_order, SEEDS);
+    vt_add(suite, area_and_energy_converge_with_the_rings);
+    return vt_run(suite);
+}
