@@ -1,0 +1,232 @@
+/* Oracles for what stops early: the restricted Voronoi cell at the security radius (row X4), and
+ * the nearest distances from lists after a move. */
+#include "core/method/even.h"
+#include "core/method/seeds.h"
+#include "tests/support/vt_engine.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SEEDS = 8 };
+
+struct bed {
+    struct vt_engine engine;
+    struct vor_cloud cloud;
+    struct vor_domain domain;
+    struct vor_seeds seeds;
+};
+
+/* Seeds on a cloud: random points of the domain, every one moved a little off it. */
+static void open_bed(struct bed *bed, uint64_t seed, size_t points, size_t n)
+{
+    vt_engine_open(&bed->engine, 1);
+    if (seed % 2)
+        vt_cloud_dome(&bed->cloud, seed, points);
+    else
+        vt_cloud_box(&bed->cloud, seed, points);
+    vt_assert_ok(vor_domain_init(&bed->domain, &bed->cloud, &vt_memory, &vt_err));
+    vt_assert_ok(vor_seeds_init(&bed->seeds, &bed->domain, n, 20, &bed->engine.run, &vt_err));
+    for (size_t i = 0; i < 3 * n; i++) {
+        size_t from = (size_t)vor_rng_below(seed, 41, i / 3, bed->domain.n);
+
+        bed->seeds.xyz[i] =
+            bed->domain.xyz[3 * from + i % 3] + (float)(0.01 * (vt_unit(seed + 9, i) - 0.5));
+    }
+    vt_assert_ok(vor_seeds_index(&bed->seeds, &vt_err));
+}
+
+static void close_bed(struct bed *bed)
+{
+    vor_seeds_free(&bed->seeds);
+    vor_domain_free(&bed->domain);
+    vor_cloud_free(&bed->cloud);
+    vt_engine_close(&bed->engine);
+    vt_assert_no_leak();
+}
+
+/* The same patch clipped by every other seed, in the order of their numbers. */
+static void clip_by_all(struct vor_cell *cell, const struct vor_seeds *seeds,
+                        const struct vor_bench *bench, size_t i)
+{
+    const struct vor_surface *surface = &bench->here.surface;
+    double x[3], local[3], side[2], room;
+
+    vor_seeds_position(seeds, i, x);
+    vor_surface_to_local(surface, x, local);
+    vor_cell_begin(cell, &seeds->disc, surface, local, bench->radius);
+    room = vor_boundary_room(surface, bench->here.near, seeds->k, local, bench->radius, side);
+    if (seeds->keep_border && room < bench->radius)
+        vor_cell_clip(cell, (double[3]){2 * room * side[0], 2 * room * side[1], 0});
+    for (size_t j = 0; j < seeds->n; j++) {
+        double other[3], offset[3];
+
+        if (j == i)
+            continue;
+        vor_seeds_position(seeds, j, other);
+        vor_surface_to_local(surface, other, offset);
+        for (int c = 0; c < 3; c++)
+            offset[c] -= local[c];
+        vor_cell_clip(cell, offset);
+    }
+}
+
+static void compare_cells(struct vor_seeds *seeds, size_t i, size_t row)
+{
+    static struct vor_cell all;
+    struct vor_bench *bench = &seeds->bench[0];
+    struct vor_moments found, expected;
+    double patch;
+
+    ck_assert_int_ne(vor_seeds_cell(seeds, bench, i, row), VOR_SURFACE_NONE);
+    clip_by_all(&all, seeds, bench, i);
+    ck_assert_int_eq(vor_cell_moments(&found, &bench->cell), vor_cell_moments(&expected, &all));
+    if (!vor_cell_moments(&expected, &all))
+        return;
+    patch = bench->radius * bench->radius;
+    ck_assert_double_le(fabs(found.area - expected.area), 1e-12 * patch);
+    ck_assert_double_le(fabs(found.energy - expected.energy), 1e-12 * patch * patch);
+    for (int c = 0; c < 3; c++)
+        ck_assert_double_le(fabs(found.centroid[c] - expected.centroid[c]) * expected.area,
+                            1e-12 * patch * bench->radius);
+}
+
+START_TEST(a_cell_that_stops_at_the_security_radius_is_clipped_by_all_seeds)
+{
+    static const size_t counts[4] = {2, 7, 60, 700};
+
+    for (int k = 0; k < 4; k++)
+        for (int keep = 0; keep < 2; keep++) {
+            struct bed bed;
+
+            open_bed(&bed, (uint64_t)_i, 3000, counts[k]);
+            bed.seeds.keep_border = keep;
+            for (size_t begin = 0; begin < bed.seeds.n; begin += VOR_SEEDS_BLOCK) {
+                size_t end = begin + VOR_SEEDS_BLOCK;
+
+                end = end < bed.seeds.n ? end : bed.seeds.n;
+                vor_seeds_search(&bed.seeds, &bed.seeds.bench[0], begin, end);
+                for (size_t i = begin; i < end; i++)
+                    compare_cells(&bed.seeds, i, i - begin);
+            }
+            close_bed(&bed);
+        }
+}
+END_TEST
+
+/* Cells are disjoint: a sample of one is nearer to its own seed than to any other. */
+START_TEST(a_sample_of_a_cell_is_nearest_to_its_own_seed)
+{
+    struct bed bed;
+    struct vor_bench *bench;
+
+    open_bed(&bed, (uint64_t)_i, 3000, 200);
+    bench = &bed.seeds.bench[0];
+    vor_seeds_search(&bed.seeds, bench, 0, 200);
+    for (size_t i = 0; i < 200; i++) {
+        struct vor_moments moments;
+        double unit[3], local[3], x[3], own = 0;
+
+        ck_assert_int_ne(vor_seeds_cell(&bed.seeds, bench, i, i), VOR_SURFACE_NONE);
+        if (!vor_cell_moments(&moments, &bench->cell))
+            continue;
+        for (size_t c = 0; c < 3; c++)
+            unit[c] = vt_unit((uint64_t)_i + 3, 3 * i + c);
+        vor_cell_sample(&bench->cell, unit, local);
+        vor_surface_to_world(&bench->here.surface, local, x);
+        for (size_t c = 0; c < 3; c++)
+            own += pow(x[c] - (double)bed.seeds.xyz[3 * i + c], 2);
+        for (size_t j = 0; j < 200; j++) {
+            double other = 0;
+
+            for (size_t c = 0; c < 3; c++)
+                other += pow(x[c] - (double)bed.seeds.xyz[3 * j + c], 2);
+            ck_assert_double_le(sqrt(own), sqrt(other) + 1e-12);
+        }
+    }
+    close_bed(&bed);
+}
+END_TEST
+
+static void search_all(struct vor_seeds *seeds)
+{
+    for (size_t begin = 0; begin < seeds->n; begin += VOR_SEEDS_BLOCK) {
+        size_t end = begin + VOR_SEEDS_BLOCK;
+
+        vor_seeds_search(seeds, &seeds->bench[0], begin, end < seeds->n ? end : seeds->n);
+    }
+}
+
+static double nearest_other(const float *xyz, size_t n, size_t i)
+{
+    double best = INFINITY;
+
+    for (size_t j = 0; j < n; j++) {
+        double d2 = 0;
+
+        for (size_t c = 0; c < 3; c++)
+            d2 += pow((double)xyz[3 * i + c] - (double)xyz[3 * j + c], 2);
+        if (j != i)
+            best = fmin(best, d2);
+    }
+    return sqrt(best);
+}
+
+/* Moves up to `most` in any direction; the longest of them. */
+static double move_all(float *moved, const struct vor_seeds *seeds, uint64_t seed, double most)
+{
+    double longest = 0;
+
+    for (size_t i = 0; i < seeds->n; i++) {
+        double d2 = 0;
+
+        for (size_t c = 0; c < 3; c++) {
+            double d = most / sqrt(3) * (2 * vt_unit(seed, 3 * i + c) - 1);
+
+            moved[3 * i + c] = (float)((double)seeds->xyz[3 * i + c] + d);
+            d = (double)moved[3 * i + c] - (double)seeds->xyz[3 * i + c];
+            d2 += d * d;
+        }
+        longest = fmax(longest, sqrt(d2));
+    }
+    return longest;
+}
+
+START_TEST(nearest_distances_after_a_move_are_those_of_a_look_at_every_seed)
+{
+    static const double moves[5] = {0, 0.001, 0.02, 0.2, 2};
+    static const size_t counts[5] = {1, 2, 15, 300, 1200};
+
+    for (int k = 0; k < 5; k++)
+        for (int m = 0; m < 5; m++) {
+            struct bed bed;
+            struct vor_uniformity even, expected;
+            size_t n = counts[k];
+            float *moved = vor_malloc(&vt_memory, n, 4 * sizeof *moved), *nearest = moved + 3 * n;
+            double longest;
+
+            open_bed(&bed, (uint64_t)_i, 2000, n);
+            search_all(&bed.seeds);
+            longest = move_all(moved, &bed.seeds, (uint64_t)(100 * k + m), moves[m]);
+            vt_assert_ok(vor_even_measure(&even, nearest, &bed.seeds, moved, longest, &vt_err));
+            for (size_t i = 0; i < n; i++) {
+                double brute = n > 1 ? nearest_other(moved, n, i) : 0;
+
+                ck_assert_double_le(fabs((double)nearest[i] - brute), 1e-6 * brute);
+            }
+            vor_uniformity_from(&expected, nearest, n);
+            ck_assert(memcmp(&even, &expected, sizeof even) == 0);
+            vor_free(&vt_memory, moved);
+            close_bed(&bed);
+        }
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("seeds_brute");
+
+    vt_add_loop(suite, a_cell_that_stops_at_the_security_radius_is_clipped_by_all_seeds, SEEDS);
+    vt_add_loop(suite, a_sample_of_a_cell_is_nearest_to_its_own_seed, SEEDS);
+    vt_add_loop(suite, nearest_distances_after_a_move_are_those_of_a_look_at_every_seed, SEEDS);
+    return vt_run(suite);
+}

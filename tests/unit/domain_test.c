@@ -1,0 +1,231 @@
+/* The input made ready: normalised, sorted, without coincident points. */
+#include "core/method/domain.h"
+#include "tests/support/vt_engine.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SEEDS = 20, N = 600 };
+
+static void open_domain(struct vor_domain *domain, const struct vor_cloud *cloud)
+{
+    vt_assert_ok(vor_domain_init(domain, cloud, &vt_memory, &vt_err));
+}
+
+START_TEST(every_distinct_point_is_there_once)
+{
+    struct vor_cloud cloud;
+    struct vor_domain domain;
+    unsigned char seen[N] = {0};
+
+    vt_cloud_cube(&cloud, (uint64_t)_i, N);
+    open_domain(&domain, &cloud);
+    ck_assert_uint_eq(domain.n, N);
+    for (size_t i = 0; i < N; i++)
+        ck_assert_uint_eq(seen[domain.source[i]]++, 0);
+    vor_domain_free(&domain);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(the_unit_is_a_power_of_two_and_positions_lose_nothing)
+{
+    struct vor_cloud cloud;
+    struct vor_domain domain;
+    float scale = ldexpf(1.37f, 5 * _i - 50);
+    int exponent;
+
+    vt_cloud_sphere(&cloud, (uint64_t)_i, N);
+    for (size_t i = 0; i < 3 * N; i++)
+        cloud.xyz[i] *= scale;
+    open_domain(&domain, &cloud);
+    ck_assert(frexp(domain.unit, &exponent) == 0.5);
+    for (size_t i = 0; i < 3 * domain.n; i++) {
+        size_t at = 3 * (size_t)domain.source[i / 3] + i % 3;
+
+        ck_assert(fabsf(domain.xyz[i]) <= 1);
+        ck_assert((double)domain.xyz[i] * domain.unit + domain.shift[i % 3] ==
+                  (double)cloud.xyz[at]);
+    }
+    vor_domain_free(&domain);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
+/* A cloud far from its origin is moved there first, since normalising it in place would leave few
+ * bits to the positions; and that costs at most half a step of its own float32. */
+START_TEST(a_cloud_far_from_its_origin_fills_the_unit_cube)
+{
+    struct vor_cloud cloud;
+    struct vor_domain domain;
+    float most = 0;
+
+    vt_cloud_sphere(&cloud, (uint64_t)_i, N);
+    for (size_t i = 0; i < 3 * N; i++)
+        cloud.xyz[i] += i % 3 == 0 ? 637000.25f : 0;
+    open_domain(&domain, &cloud);
+    for (size_t i = 0; i < 3 * domain.n; i++) {
+        double back = (double)domain.xyz[i] * domain.unit + domain.shift[i % 3];
+        double from = (double)cloud.xyz[3 * (size_t)domain.source[i / 3] + i % 3];
+
+        ck_assert_double_le(fabs(back - from), 0x1p-24 * (1 + fabs(from)));
+        ck_assert(fabsf(domain.xyz[i]) <= 1);
+        most = fmaxf(most, fabsf(domain.xyz[i]));
+    }
+    ck_assert_float_ge(most, 0.25f);
+    vor_domain_free(&domain);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
+START_TEST(coincident_points_are_dropped_for_the_first_of_them)
+{
+    struct vor_cloud cloud;
+    struct vor_domain domain;
+    size_t places = N / 4;
+
+    vt_cloud_cube(&cloud, (uint64_t)_i, N);
+    for (size_t i = places; i < N; i++)
+        memcpy(&cloud.xyz[3 * i], &cloud.xyz[3 * (i * i % places)], 3 * sizeof *cloud.xyz);
+    open_domain(&domain, &cloud);
+    ck_assert_uint_eq(domain.n, places);
+    for (size_t i = 0; i < domain.n; i++)
+        ck_assert_uint_lt(domain.source[i], places);
+    ck_assert_uint_eq(vt_coincident(&cloud), N - places);
+    vor_domain_free(&domain);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
+START_TEST(zero_and_minus_zero_are_one_place)
+{
+    static const float xyz[18] = {0, 0, 0, -0.0f, 0, -0.0f, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1};
+    struct vor_cloud cloud;
+    struct vor_domain domain;
+
+    vt_cloud_make(&cloud, 6);
+    memcpy(cloud.xyz, xyz, sizeof xyz);
+    open_domain(&domain, &cloud);
+    ck_assert_uint_eq(domain.n, 5);
+    vor_domain_free(&domain);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
+START_TEST(fewer_than_four_distinct_points_are_refused)
+{
+    struct vor_domain domain;
+
+    for (size_t places = 1; places <= 3; places++)
+        for (size_t n = places; n <= 50; n += 7) {
+            struct vor_cloud cloud;
+
+            vt_cloud_make(&cloud, n);
+            for (size_t i = 0; i < 3 * n; i++)
+                cloud.xyz[i] = (float)vt_unit(3, 3 * (i / 3 % places) + i % 3);
+            vt_assert_fails(VOR_E_DEGENERATE,
+                            vor_domain_init(&domain, &cloud, &vt_memory, &vt_err));
+            ck_assert_ptr_nonnull(strstr(vt_err.message, "at least 4"));
+            vor_cloud_free(&cloud);
+            vt_assert_no_leak();
+        }
+}
+END_TEST
+
+START_TEST(points_of_a_line_are_refused_and_a_bent_line_is_not)
+{
+    struct vor_domain domain;
+    struct vor_cloud cloud;
+    uint64_t seed = (uint64_t)_i;
+
+    vt_cloud_make(&cloud, N);
+    for (size_t i = 0; i < N; i++)
+        for (size_t c = 0; c < 3; c++) /* exact: multiples of 2^-12 and of 1/8 */
+            cloud.xyz[3 * i + c] = (float)((double)vor_rng_below(seed, 5, i, 4096) / 4096 *
+                                           ((double)vor_rng_below(seed, 6, c, 8) + 1) / 8);
+    vt_assert_fails(VOR_E_DEGENERATE, vor_domain_init(&domain, &cloud, &vt_memory, &vt_err));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "line"));
+    cloud.xyz[0] += 0.1f;
+    cloud.xyz[1] -= 0.1f;
+    open_domain(&domain, &cloud);
+    vor_domain_free(&domain);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(four_corners_of_a_square_are_a_domain)
+{
+    static const float xyz[12] = {0, 0, 5, 1, 0, 5, 0, 1, 5, 1, 1, 5};
+    struct vor_cloud cloud;
+    struct vor_domain domain;
+
+    vt_cloud_make(&cloud, 4);
+    memcpy(cloud.xyz, xyz, sizeof xyz);
+    open_domain(&domain, &cloud);
+    ck_assert_uint_eq(domain.n, 4);
+    vor_domain_free(&domain);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
+START_TEST(extreme_coordinates_are_normalised_without_overflow)
+{
+    static const float size[5] = {3e38f, 1e37f, 1e-37f, 1e-44f, 1e9f};
+    struct vor_cloud cloud;
+    struct vor_domain domain;
+
+    vt_cloud_sphere(&cloud, 1, N);
+    for (size_t i = 0; i < 3 * N; i++)
+        cloud.xyz[i] *= size[_i];
+    open_domain(&domain, &cloud);
+    ck_assert_uint_gt(domain.n, 3);
+    for (size_t i = 0; i < 3 * domain.n; i++)
+        ck_assert(fabsf(domain.xyz[i]) <= 1);
+    ck_assert(isfinite(domain.unit) && domain.unit > 0);
+    vor_domain_free(&domain);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
+START_TEST(a_domain_that_does_not_fit_is_refused_whole)
+{
+    struct vor_memory memory;
+    struct vor_domain domain;
+    struct vor_cloud cloud;
+    vor_status status = VOR_E_NOMEM;
+    size_t fail;
+
+    vt_cloud_cube(&cloud, 1, N);
+    for (fail = 1; status != VOR_OK && fail < 100; fail++) {
+        vor_memory_init(&memory, SIZE_MAX);
+        memory.fail_at = fail;
+        status = vor_domain_init(&domain, &cloud, &memory, &vt_err);
+        if (status == VOR_OK)
+            vor_domain_free(&domain);
+        else
+            ck_assert_int_eq(status, VOR_E_NOMEM);
+        ck_assert_uint_eq(atomic_load(&memory.used), 0);
+    }
+    ck_assert_uint_ge(fail, 6);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("domain");
+
+    vt_add_loop(suite, every_distinct_point_is_there_once, SEEDS);
+    vt_add_loop(suite, the_unit_is_a_power_of_two_and_positions_lose_nothing, SEEDS);
+    vt_add_loop(suite, a_cloud_far_from_its_origin_fills_the_unit_cube, SEEDS);
+    vt_add_loop(suite, coincident_points_are_dropped_for_the_first_of_them, SEEDS);
+    vt_add(suite, zero_and_minus_zero_are_one_place);
+    vt_add(suite, fewer_than_four_distinct_points_are_refused);
+    vt_add_loop(suite, points_of_a_line_are_refused_and_a_bent_line_is_not, SEEDS);
+    vt_add(suite, four_corners_of_a_square_are_a_domain);
+    vt_add_loop(suite, extreme_coordinates_are_normalised_without_overflow, 5);
+    vt_add(suite, a_domain_that_does_not_fit_is_refused_whole);
+    return vt_run(suite);
+}
