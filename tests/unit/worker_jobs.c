@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 static int kept(const struct vt_daemon *daemon)
 {
@@ -161,15 +162,17 @@ START_TEST(a_running_job_is_dismissed_at_once_and_its_cores_are_free)
     struct vor_uuid id;
 
     vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.jobs = 1});
-    vt_cloud_sphere(&cloud, 1, 3000);
-    id = submit_endless(&daemon, &cloud);
-    (void)vt_daemon_wait_iteration(&daemon, &id, 2);
+    vt_cloud_sphere(&cloud, 1, 5000);
+    id = submit(&daemon, &cloud, vt_request(20000, 10000));
+    (void)vt_daemon_wait_iteration(&daemon, &id, 0);
+    alarm(120); /* kills a test whose job goes on: it would take a multiple of that */
     dismiss(&daemon, &id);
     view = vt_daemon_get(&daemon, &id); /* with the answer, not after the engine */
     ck_assert_int_eq(view.status, VOR_JOB_DISMISSED);
     ck_assert_str_eq(view.message, "dismissed by the test");
     ck_assert_int_lt(view.progress, 100);
     wait_idle(&daemon);
+    alarm(0);
     ck_assert_int_eq(kept(&daemon), 0);
     id = submit(&daemon, &cloud, vt_request(50, 1)); /* the runner goes on */
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
@@ -184,6 +187,7 @@ START_TEST(a_waiting_job_is_dismissed_without_running)
     struct vt_daemon daemon;
     struct vor_uuid runs, waits;
     struct vor_job_view view;
+    struct vor_worker_load load;
     struct vor_cloud cloud;
 
     vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.jobs = 1});
@@ -196,12 +200,39 @@ START_TEST(a_waiting_job_is_dismissed_without_running)
     ck_assert_int_eq(view.queue_position, 0);
     ck_assert_int_eq(vor_worker_stop(daemon.worker, &waits, &vt_err), VOR_CONFLICT);
     dismiss(&daemon, &waits);
+    vor_worker_load(daemon.worker, &load);
+    ck_assert_uint_eq(load.waiting, 0); /* its place is free while the other one runs */
     dismiss(&daemon, &runs);
     wait_idle(&daemon);
     view = vt_daemon_get(&daemon, &waits);
     ck_assert_int_eq(view.status, VOR_JOB_DISMISSED);
     ck_assert_int_eq(view.started, 0);
     ck_assert_int_eq(kept(&daemon), 0);
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+START_TEST(a_job_dismissed_while_it_encodes_leaves_no_bytes)
+{
+    struct vt_daemon daemon;
+    struct vor_cloud cloud;
+    struct vor_job_view view;
+    struct vor_uuid id;
+
+    vt_daemon_start(&daemon, vt_dir_make(), NULL);
+    vt_cloud_sphere(&cloud, 1, 10000);
+    for (int i = 0; i < 3; i++) {
+        id = submit(&daemon, &cloud, vt_request(100000, 0));
+        do
+            view = vt_daemon_get(&daemon, &id);
+        while (view.stage != VOR_STAGE_ENCODE);
+        dismiss(&daemon, &id); /* removed, should it have been quicker */
+        wait_idle(&daemon);
+        ck_assert_int_eq(kept(&daemon), 0);
+        ck_assert_int_eq(vt_dir_count(daemon.dir, "blobs/tmp"), 0);
+    }
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
     vt_dir_remove(daemon.dir);
@@ -497,6 +528,7 @@ int main(void)
     vt_add(suite, the_events_of_a_job_are_the_same_live_and_from_its_trace);
     vt_add(suite, a_running_job_is_dismissed_at_once_and_its_cores_are_free);
     vt_add(suite, a_waiting_job_is_dismissed_without_running);
+    vt_add(suite, a_job_dismissed_while_it_encodes_leaves_no_bytes);
     vt_add(suite, a_stopped_job_is_successful_with_the_best_cloud_so_far);
     vt_add(suite, a_job_the_engine_refuses_fails_with_the_engine_s_words);
     vt_add(suite, a_job_that_needs_too_much_memory_fails_and_the_next_one_runs);
