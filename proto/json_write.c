@@ -76,23 +76,35 @@ void vor_text_puts(struct vor_text *text, const char *string)
     vor_text_add(text, string, strlen(string));
 }
 
-void vor_text_printf(struct vor_text *text, const char *format, ...)
+static void print(struct vor_text *text, size_t length, const char *format, va_list args)
 {
-    va_list args;
-    int length;
-
-    text->comma = 0;
-    va_start(args, format);
-    length = vsnprintf(NULL, 0, format, args);
-    va_end(args);
-    if (length < 0 || !grow(text, (size_t)length)) {
+    if (!grow(text, length)) {
         text->failed = 1;
         return;
     }
+    (void)vsnprintf(text->data + text->size, length + 1, format, args);
+    text->size += length;
+}
+
+static size_t print_length(const char *format, va_list args)
+{
+    int length = vsnprintf(NULL, 0, format, args);
+
+    return length < 0 ? SIZE_MAX : (size_t)length;
+}
+
+void vor_text_printf(struct vor_text *text, const char *format, ...)
+{
+    size_t length;
+    va_list args;
+
+    text->comma = 0;
     va_start(args, format);
-    (void)vsnprintf(text->data + text->size, (size_t)length + 1, format, args);
+    length = print_length(format, args);
     va_end(args);
-    text->size += (size_t)length;
+    va_start(args, format);
+    print(text, length, format, args);
+    va_end(args);
 }
 
 vor_status vor_text_status(const struct vor_text *text, struct vor_error *err)

@@ -115,8 +115,8 @@ static int run(const struct vor_cli *cli)
 int vor_cli_main(int argc, char **argv)
 {
     enum vor_command command = vor_cli_find(argv[0]);
-    struct vor_cli cli;
-    struct vor_error err;
+    struct vor_cli cli = {.command = command};
+    struct vor_error err = {.status = VOR_OK};
 
     if (command == VOR_COMMAND_COUNT) {
         vor_cli_say(argv[0], "no such command; see voronoid --help");

@@ -19,12 +19,14 @@ static vor_status open_input(int *fd, size_t *size, const char *path, struct vor
 {
     struct stat info;
 
+    *size = 1 << 16;
     *fd = strcmp(path, "-") == 0 ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
     if (*fd < 0 || fstat(*fd, &info) != 0)
         return cannot(err, "read", errno);
     if (S_ISDIR(info.st_mode))
         return cannot(err, "read", EISDIR);
-    *size = S_ISREG(info.st_mode) && info.st_size > 0 ? (size_t)info.st_size + 1 : 1 << 16;
+    if (S_ISREG(info.st_mode) && info.st_size > 0)
+        *size = (size_t)info.st_size + 1; /* so that the end is seen without growing */
     return VOR_OK;
 }
 

@@ -12,16 +12,14 @@
 #include <string.h>
 
 struct option_row {
-    const char *name;
-    char letter;
-    const char *value, *variable;
+    const char *name, *value, *variable, *sentence;
     unsigned commands;
-    const char *sentence;
+    char letter;
 };
 
 static const struct option_row options[VOR_OPTION_COUNT] = {
 #define OPTION_ROW(id, name, letter, value, variable, commands, sentence)                          \
-    {name, letter, value, variable, commands, sentence},
+    {name, value, variable, sentence, commands, letter},
     VOR_OPTION_TABLE(OPTION_ROW)
 #undef OPTION_ROW
 };
@@ -83,24 +81,24 @@ static vor_status no_option(const struct reader *r, const char *text)
                     commands[r->cli->command].name);
 }
 
-/* The value of the option at hand: what is attached to it, or the next word. */
-static vor_status take_value(struct reader *r, const char *shown, const char *attached,
-                             const char **value)
+/* The value of the option at hand: what is attached to it, or the next word; NULL is a failure that
+ * is told. */
+static const char *take_value(struct reader *r, const char *shown, const char *attached)
 {
-    if (attached != NULL) {
-        *value = attached;
-        return VOR_OK;
-    }
-    if (r->at + 1 >= r->argc)
-        return vor_fail(r->err, VOR_E_PARAM, "%s needs a value", shown);
-    *value = r->argv[++r->at];
-    return VOR_OK;
+    if (attached != NULL)
+        return attached;
+    if (r->at + 1 < r->argc)
+        return r->argv[++r->at];
+    (void)vor_fail(r->err, VOR_E_PARAM, "%s needs a value", shown);
+    return NULL;
 }
 
 static vor_status set_option(struct reader *r, int option, const char *shown, const char *attached)
 {
-    if (options[option].value[0] != '\0')
-        return take_value(r, shown, attached, &r->cli->option[option]);
+    if (options[option].value[0] != '\0') {
+        r->cli->option[option] = take_value(r, shown, attached);
+        return r->cli->option[option] != NULL ? VOR_OK : VOR_E_PARAM;
+    }
     if (attached != NULL)
         return vor_fail(r->err, VOR_E_PARAM, "%s takes no value", shown);
     r->cli->option[option] = "";
@@ -110,12 +108,11 @@ static vor_status set_option(struct reader *r, int option, const char *shown, co
 static vor_status set_parameter(struct reader *r, enum vor_parameter parameter, const char *shown,
                                 const char *attached)
 {
-    const char *value = NULL;
-    vor_status status = take_value(r, shown, attached, &value);
+    const char *value = take_value(r, shown, attached);
     char quoted[64];
 
-    if (status != VOR_OK)
-        return status;
+    if (value == NULL)
+        return VOR_E_PARAM;
     r->cli->given[parameter] = 1;
     vor_quote(quoted, sizeof quoted, value, strlen(value));
     return vor_spec_set(&r->cli->spec, vor_parameter_info(parameter)->name, quoted, r->err);

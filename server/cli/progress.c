@@ -10,6 +10,8 @@
 
 #define ITERATIONS_DEFAULT 100
 #define REDRAW_SECONDS 0.1
+#define BAR_MAX 40
+#define WORDS_WIDTH 52 /* columns beside the bar */
 
 void vor_progress_start(struct vor_progress *progress, const struct vor_cli *cli)
 {
@@ -77,30 +79,36 @@ static double fraction_of(const struct vor_progress *progress, const struct vor_
     return fraction < 1 ? fraction : 1;
 }
 
-static void draw_bar(FILE *out, int width, double fraction)
+/* "[####----] ", or nothing where there is no room. */
+static void add_bar(struct vor_text *line, int width, double fraction)
 {
-    fputc('[', out);
+    if (width < 1)
+        return;
+    if (width > BAR_MAX)
+        width = BAR_MAX;
+    vor_text_puts(line, "[");
     for (int i = 0; i < width; i++)
-        fputc(i < (int)(fraction * width) ? '#' : '-', out);
-    fputc(']', out);
+        vor_text_puts(line, i < (int)(fraction * width) ? "#" : "-");
+    vor_text_puts(line, "] ");
 }
 
 static void draw(struct vor_progress *progress, const struct vor_record *record)
 {
     double fraction = fraction_of(progress, record), done, left;
-    int width = progress->columns - 52;
+    struct vor_text line;
 
     done = fraction - fraction_of(progress, &progress->first);
     left = done > 0 ? (record->seconds - progress->first.seconds) / done * (1 - fraction) : 0;
-    vor_progress_clear(progress);
-    fprintf(progress->bar, "%4u/%-4.0f ", (unsigned)record->iteration,
-            iterations_of(&progress->cli->spec));
-    if (width > 0)
-        draw_bar(progress->bar, width < 40 ? width : 40, fraction);
-    fprintf(progress->bar, " %3.0f %%  delta %.4f", 100 * fraction, record->delta);
+    vor_text_init(&line, 0);
+    vor_text_printf(&line, "%4u/%-4.0f ", (unsigned)record->iteration,
+                    iterations_of(&progress->cli->spec));
+    add_bar(&line, progress->columns - WORDS_WIDTH, fraction);
+    vor_text_printf(&line, "%3.0f %%  delta %.4f", 100 * fraction, record->delta);
     if (done > 0)
-        fprintf(progress->bar, "  %.0f s left", left);
-    fflush(progress->bar);
+        vor_text_printf(&line, "  %.0f s left", left);
+    if (!line.failed)
+        vor_progress_note(progress, line.data);
+    vor_text_free(&line);
 }
 
 void vor_progress_record(struct vor_progress *progress, const struct vor_record *record)
