@@ -163,6 +163,8 @@ vor_status vor_cloud_set_double(struct vor_cloud *cloud, const double *xyz, stru
     (void)frexp(extent, &exponent); /* extent < 2^exponent */
     if (exponent < -100)
         exponent = -100; /* keeps the grid clear of float32's denormals */
+    if (rint(ldexp(extent, 25 - exponent)) == 0x1p25)
+        exponent++; /* the upper corner rounds up to a power of two: the next time it is one */
     half = ldexp(1.0, exponent - 1);
     grid = ldexp(1.0, exponent - 25);
     for (int c = 0; c < 3; c++)

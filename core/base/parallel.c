@@ -49,6 +49,24 @@ static struct loop *pop(struct vor_pool *pool)
     return loop;
 }
 
+/* Takes a loop with blocks left out of the queue; none of them will start. */
+static void abandon(struct vor_pool *pool, struct loop *loop)
+{
+    struct loop *before = NULL, *at = pool->head;
+
+    while (at != loop) {
+        before = at;
+        at = at->following;
+    }
+    if (before != NULL)
+        before->following = loop->following;
+    else
+        pool->head = loop->following;
+    if (pool->tail == loop)
+        pool->tail = before;
+    loop->next = loop->n;
+}
+
 static enum vor_answer poll_watch(const struct vor_watch *watch)
 {
     return watch != NULL && watch->poll != NULL ? watch->poll(watch->ctx) : VOR_CONTINUE;
@@ -75,6 +93,8 @@ static void work_once(struct vor_pool *pool, unsigned index)
     pthread_mutex_lock(&pool->mutex);
     if (answer > loop->answer)
         loop->answer = answer;
+    if (loop->answer != VOR_CONTINUE && loop->next < loop->n)
+        abandon(pool, loop);
     loop->busy--;
     if (loop->busy == 0 && (loop->next == loop->n))
         pthread_cond_broadcast(&pool->done);

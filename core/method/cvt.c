@@ -353,8 +353,8 @@ static vor_status begin(struct cvt *cvt, struct vor_uniformity *even, struct vor
     vor_status status = vor_seeds_index(seeds, err);
 
     if (status == VOR_OK)
-        status =
-            vor_nearest_distances(cvt->nearest, seeds->xyz, seeds->n, seeds->knn, seeds->run, err);
+        status = vor_nearest_distances(cvt->nearest, seeds->xyz, seeds->n, seeds->knn,
+                                       &cvt->calm_run, err);
     if (status != VOR_OK)
         return status;
     vor_uniformity_from(even, cvt->nearest, seeds->n);
