@@ -1,0 +1,218 @@
+/* Where the cloud ends: a lattice, one apart, whose right half (x > 0) is missing, and one with a
+ * hole. The points nearest to a place come in the order the engine would find them. */
+#include "core/base/linalg.h"
+#include "core/geom/boundary.h"
+#include "tests/support/vt.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { K = 20, SIDE = 25 };
+
+struct place {
+    float near[3 * K];
+    struct vor_surface surface;
+    struct vor_border border;
+};
+
+static double origin_x, origin_y; /* what by_distance sorts around */
+
+static int by_distance(const void *a, const void *b)
+{
+    const float *p = a, *q = b;
+    double x = hypot((double)p[0] - origin_x, (double)p[1] - origin_y);
+    double y = hypot((double)q[0] - origin_x, (double)q[1] - origin_y);
+
+    return (x > y) - (x < y);
+}
+
+/* The K lattice points nearest to (x, y): those with x <= 0, or those outside a hole around 0. */
+static void gather(struct place *place, double x, double y, double hole)
+{
+    static float all[SIDE * SIDE][3];
+    size_t n = 0;
+
+    for (int i = 0; i < SIDE; i++)
+        for (int j = 0; j < SIDE; j++) {
+            float u = (float)(i - SIDE / 2), v = (float)(j - SIDE / 2);
+
+            if (hole > 0 ? hypotf(u, v) < (float)hole : u > 0)
+                continue;
+            all[n][0] = u;
+            all[n][1] = v;
+            all[n++][2] = 0;
+        }
+    origin_x = x;
+    origin_y = y;
+    qsort(all, n, sizeof all[0], by_distance);
+    memcpy(place->near, all, sizeof place->near);
+    vor_surface_fit(&place->surface, place->near, K);
+    ck_assert_int_ne(place->surface.kind, VOR_SURFACE_NONE);
+    place->border = (struct vor_border){&place->surface, place->near, K, 1};
+}
+
+static int outside(double x, double y, double hole, double spacings)
+{
+    struct place place;
+
+    gather(&place, x, y, hole);
+    return vor_boundary_outside(&place.border, spacings, (double[3]){x, y, 0});
+}
+
+START_TEST(a_place_is_surely_inside_within_one_spacing_of_a_point)
+{
+    struct place place;
+
+    gather(&place, -0.3, 0.2, 0);
+    ck_assert_double_eq_tol(place.surface.spacing, 1, 0.1);
+    ck_assert(vor_boundary_inside(&place.surface, place.near, K, (double[3]){-1.4, 0.5, 0}));
+    ck_assert(vor_boundary_inside(&place.surface, place.near, K, (double[3]){0.85, 0, 0}));
+    ck_assert(!vor_boundary_inside(&place.surface, place.near, K, (double[3]){1.15, 0, 0}));
+    ck_assert(!vor_boundary_inside(&place.surface, place.near, K, (double[3]){-1, 0, 1.15}));
+}
+END_TEST
+
+/* With all neighbours to one side, 0.6 of the spacings asked for are allowed. */
+START_TEST(beyond_the_edge_of_a_half_plane_places_are_outside)
+{
+    for (double y = -0.5; y <= 0.5; y += 0.25)
+        for (double spacings = 1; spacings <= 4; spacings += 0.5) {
+            double edge = 0.6 * spacings, along = fabs(y - rint(y));
+            double x = sqrt(edge * edge - along * along);
+
+            ck_assert(!outside(x - 0.01, y, 0, spacings));
+            ck_assert(outside(x + 0.01, y, 0, spacings));
+        }
+}
+END_TEST
+
+START_TEST(no_place_between_the_points_of_a_half_plane_is_outside)
+{
+    for (double x = -4; x <= 0; x += 0.125)
+        for (double y = -0.5; y <= 0.5; y += 0.125)
+            ck_assert(!outside(x, y, 0, VOR_BORDER_SETTLED));
+}
+END_TEST
+
+/* In the middle of a hole the neighbours are all around: the whole of the spacings is allowed. */
+START_TEST(the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings)
+{
+    /* the nearest points of the holes are 2, 3 and 4 away */
+    for (double hole = 2; hole <= 4; hole++) {
+        ck_assert(!outside(0, 0, hole, hole + 0.01));
+        ck_assert(outside(0, 0, hole, hole - 0.01));
+    }
+}
+END_TEST
+
+START_TEST(a_point_held_back_stops_at_the_distance_allowed)
+{
+    for (double x = 0.1; x < 9; x += 0.3)
+        for (double z = -1; z <= 1; z++) {
+            struct place place;
+            double from[3] = {x, 0.125, z}, to[3], d[3], e[3], gap;
+            double length = sqrt((x * x) + 0.125 * 0.125 + z * z);
+            int held;
+
+            gather(&place, x, 0.125, 0);
+            memcpy(to, from, sizeof to);
+            held = vor_boundary_restrict(&place.border, 2, to);
+            ck_assert_int_eq(held, length > 1.2);
+            if (!held) {
+                ck_assert(memcmp(to, from, sizeof to) == 0);
+                continue;
+            }
+            for (int c = 0; c < 3; c++) { /* straight towards the nearest point, the origin */
+                d[c] = to[c];
+                e[c] = from[c];
+            }
+            gap = sqrt(vor_dot(d, d));
+            ck_assert_double_eq_tol(gap, 1.2, 1e-12);
+            ck_assert_double_eq_tol(vor_dot(d, e), gap * length, 1e-12 * length);
+        }
+}
+END_TEST
+
+static double room_at(double x, double y, double side[2], struct place *place)
+{
+    double world[3] = {x, y, 0}, local[3];
+
+    gather(place, x, y, 0);
+    vor_surface_to_local(&place->surface, world, local);
+    return vor_boundary_room(&place->surface, place->near, K, local, 1.5, side);
+}
+
+START_TEST(a_cell_at_the_border_ends_half_a_spacing_beyond_the_last_point)
+{
+    struct place place;
+    double side[2];
+
+    for (double x = -0.2; x <= 0.41; x += 0.1) {
+        double room = room_at(x, 0, side, &place), world[2];
+
+        world[0] = side[0] * place.surface.axis[0][0] + side[1] * place.surface.axis[1][0];
+        world[1] = side[0] * place.surface.axis[0][1] + side[1] * place.surface.axis[1][1];
+        ck_assert_double_gt(world[0], 0.95);
+        ck_assert_double_le(fabs(hypot(world[0], world[1]) - 1), 1e-12);
+        ck_assert_double_eq_tol(room, fmax(-x, 0) + 0.5, 0.2);
+    }
+}
+END_TEST
+
+START_TEST(a_cell_surrounded_by_points_has_all_room)
+{
+    struct place place;
+    double side[2];
+
+    for (double x = -8; x <= -4; x += 0.3)
+        for (double y = -0.4; y <= 0.4; y += 0.2)
+            ck_assert(isinf(room_at(x, y, side, &place)));
+}
+END_TEST
+
+START_TEST(the_room_never_shrinks_on_the_way_inside)
+{
+    struct place place;
+    double side[2], before = 0;
+
+    for (double x = 0.4; x > -4; x -= 0.1) {
+        double room = fmin(room_at(x, 0, side, &place), 1.5);
+
+        ck_assert_double_ge(room, before - 0.35); /* the set of neighbours changes in steps */
+        before = fmax(before, room);
+    }
+    ck_assert_double_eq_tol(before, 1.5, 1e-12);
+}
+END_TEST
+
+START_TEST(an_end_is_at_the_last_point_and_at_least_half_a_spacing_away)
+{
+    struct place place;
+    double side[2], local[3], end;
+
+    gather(&place, -0.2, 0, 0);
+    for (double x = -1.5; x < 3; x += 0.5) {
+        vor_surface_to_local(&place.surface, (double[3]){x, 0, 0}, local);
+        side[0] = place.surface.axis[0][0];
+        side[1] = place.surface.axis[1][0];
+        end = vor_boundary_end(&place.surface, local, side, &place.surface, place.near, K);
+        ck_assert_double_eq_tol(end, fmax(-x, 0.5 * place.surface.spacing), 1e-12);
+    }
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("boundary");
+
+    vt_add(suite, a_place_is_surely_inside_within_one_spacing_of_a_point);
+    vt_add(suite, beyond_the_edge_of_a_half_plane_places_are_outside);
+    vt_add(suite, no_place_between_the_points_of_a_half_plane_is_outside);
+    vt_add(suite, the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings);
+    vt_add(suite, a_point_held_back_stops_at_the_distance_allowed);
+    vt_add(suite, a_cell_at_the_border_ends_half_a_spacing_beyond_the_last_point);
+    vt_add(suite, a_cell_surrounded_by_points_has_all_room);
+    vt_add(suite, the_room_never_shrinks_on_the_way_inside);
+    vt_add(suite, an_end_is_at_the_last_point_and_at_least_half_a_spacing_away);
+    return vt_run(suite);
+}
