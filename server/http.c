@@ -263,7 +263,6 @@ static void prepare_late(struct vor_request *request)
     refuse(request, &late);
     vor_peer_late(request->http->watchman, request->peer, vor_reply_raw(request));
     vor_reply_clear(request, fields);
-    request->reply.http = 0;
 }
 
 /* 0 when the body may come, else a 413 is recorded. */

@@ -46,6 +46,8 @@ void vor_reply_clear(struct vor_request *request, unsigned fields)
         (void)close(reply->fd);
     reply->fd = -1;
     reply->kind = VOR_REPLY_NONE;
+    reply->http = 0;
+    reply->size = 0;
     reply->close = false;
 }
 

@@ -29,6 +29,7 @@ struct submission {
     int holds;
     bool abandoned; /* nobody waits for admission any more */
     bool admitted;  /* the members below are set */
+    bool settled;   /* the caller of a synchronous call got an answer */
     struct vor_admission admission;
     enum vor_outcome outcome;
     struct vor_error error;
@@ -52,18 +53,44 @@ static void drop(struct submission *submission)
     free(submission);
 }
 
-/* The request is over. */
+/* Nobody hears of a failure here but the log. */
+static void drop_input(struct vor_app *app, const struct vor_uuid *id)
+{
+    struct vor_error err;
+
+    if (vor_blob_drop(app->blobs, id, VOR_BLOB_INPUT, &err) != VOR_OK)
+        vor_log(VOR_LOG_WARN, "input not dropped", VOR_TEXT("job", id->text),
+                VOR_TEXT("detail", err.message));
+}
+
+static void cancel_job(struct vor_app *app, const struct vor_uuid *id)
+{
+    struct vor_error err;
+
+    if (vor_worker_cancel(app->worker, id, "the caller left", &err) == VOR_FAILED)
+        vor_log(VOR_LOG_WARN, "job not cancelled", VOR_TEXT("job", id->text),
+                VOR_TEXT("detail", err.message));
+}
+
+/* The request is over. The library may have seen the caller leave before we were asked again: then
+ * nobody waits for the job any more. */
 static void release(void *state)
 {
     struct submission *submission = state;
+    struct vor_app *app = submission->app;
+    bool left;
 
     (void)pthread_mutex_lock(&submission->lock);
     submission->abandoned = true;
+    left = submission->admitted && submission->outcome == VOR_DONE;
     (void)pthread_mutex_unlock(&submission->lock);
     if (submission->bus != NULL) {
         vor_bus_unsubscribe(submission->bus, &submission->subscriber);
         vor_bus_release(submission->bus);
     }
+    if (left && submission->head.mode == VOR_SUBMIT_SYNC && !submission->settled &&
+        !atomic_load(&app->draining))
+        cancel_job(app, &submission->admission.id);
     drop(submission);
 }
 
@@ -143,25 +170,6 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     return VOR_NEXT_BODY;
 }
 
-/* Nobody hears of a failure here but the log. */
-static void drop_input(struct vor_app *app, const struct vor_uuid *id)
-{
-    struct vor_error err;
-
-    if (vor_blob_drop(app->blobs, id, VOR_BLOB_INPUT, &err) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "input not dropped", VOR_TEXT("job", id->text),
-                VOR_TEXT("detail", err.message));
-}
-
-static void cancel_job(struct vor_app *app, const struct vor_uuid *id)
-{
-    struct vor_error err;
-
-    if (vor_worker_cancel(app->worker, id, "the caller left", &err) == VOR_FAILED)
-        vor_log(VOR_LOG_WARN, "job not cancelled", VOR_TEXT("job", id->text),
-                VOR_TEXT("detail", err.message));
-}
-
 /* On an admission thread: the cloud is decoded, or is not. */
 static void on_admitted(struct vor_admission *admission)
 {
@@ -233,6 +241,7 @@ static enum vor_next reply_accepted(struct vor_app *app, struct vor_request *req
     struct vor_error err;
     struct vor_text text;
 
+    submission->settled = true;
     /* What is known by now; what was known at acceptance if the row cannot be read. */
     if (vor_worker_get(app->worker, &submission->view.id, &view, &err) != VOR_DONE)
         view = submission->view;
@@ -258,6 +267,7 @@ static enum vor_next reply_ended(struct vor_app *app, struct vor_request *reques
     struct vor_error err;
     enum vor_outcome outcome = vor_worker_get(app->worker, &submission->view.id, &view, &err);
 
+    submission->settled = true;
     add_job_headers(app, request, submission);
     if (outcome != VOR_DONE)
         return vor_outcome_reply(app, request, outcome, &err, &submission->view.id);
@@ -273,11 +283,10 @@ static enum vor_next wait_for_end(struct vor_app *app, struct vor_request *reque
 
     if (vor_bus_ended(submission->bus, NULL))
         return reply_ended(app, request, submission);
-    if (vor_request_gone(request)) {
-        cancel_job(app, &submission->view.id);
+    if (vor_request_gone(request))
         return vor_problem_say(app, request, "client-closed", "the caller left");
-    }
     if (vor_request_closing(request)) {
+        submission->settled = true;
         add_job_headers(app, request, submission);
         return vor_problem_say(app, request, "draining",
                                "the daemon is going down; the job goes on when it is back");

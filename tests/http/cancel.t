@@ -66,7 +66,7 @@ for my $how ('close', 'shutdown') {
     ok running($new), "$how: the job of a synchronous caller runs";
     $how eq 'close' ? close $socket : shutdown $socket, 1;
     ok wait_until(sub { $daemon->status($new) eq 'dismissed' }, 3), "$how: it ends when the caller leaves";
-    ok wait_until(sub { grep { ($_->{status} // 0) == 499 } $daemon->log_lines }, 3),
+    ok wait_until(sub { grep { ($_->{status} // '') eq '499' } $daemon->log_lines }, 3),
         "$how: the log says 499";
 }
 
