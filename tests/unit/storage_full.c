@@ -1,0 +1,232 @@
+/* A full disk: what does not fit is refused and told apart, what was taken stays, and everything
+ * goes on by itself once there is room. The disk is a small tmpfs in a mount namespace of the
+ * test's own; where the kernel refuses that, the tests skip by name. */
+#define _GNU_SOURCE /* unshare */
+
+#include "server/log.h"
+#include "server/storage.h"
+#include "server/worker.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_daemon.h"
+#include "tests/support/vt_dir.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <sched.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mount.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+/* Puts a disk of `kilobytes` at dir for this process; false when that is not allowed. */
+static int small_disk(const char *dir, int kilobytes)
+{
+    char options[32];
+
+    (void)snprintf(options, sizeof options, "size=%dk", kilobytes);
+    if (unshare(CLONE_NEWNS) != 0 && unshare(CLONE_NEWUSER | CLONE_NEWNS) != 0)
+        return 0;
+    return mount("none", "/", NULL, MS_REC | MS_PRIVATE, NULL) == 0 &&
+           mount("disk", dir, "tmpfs", 0, options) == 0;
+}
+
+static void remove_disk(const char *dir)
+{
+    ck_assert_int_eq(umount2(dir, MNT_DETACH), 0);
+    vt_dir_remove(dir);
+}
+
+/* Takes all the room that is left. */
+static void fill(const char *dir)
+{
+    static const char zeros[512];
+    char path[512];
+    int fd;
+
+    (void)snprintf(path, sizeof path, "%s/filler", dir);
+    fd = open(path, O_CREAT | O_WRONLY | O_APPEND, 0600);
+    ck_assert_int_ge(fd, 0);
+    while (write(fd, zeros, sizeof zeros) > 0)
+        continue;
+    ck_assert_int_eq(errno, ENOSPC);
+    close(fd);
+}
+
+static void make_room(const char *dir)
+{
+    char path[512];
+
+    (void)snprintf(path, sizeof path, "%s/filler", dir);
+    ck_assert_int_eq(unlink(path), 0);
+}
+
+START_TEST(a_blob_that_does_not_fit_is_refused_as_such)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blob_writer *writer;
+    struct vor_blobs *blobs;
+    struct vor_uuid id = vt_row(1).id;
+    static const char bytes[100000];
+
+    ck_assert(small_disk(dir, 400));
+    blobs = vt_dir_blobs(dir);
+    writer = vt_upload(blobs, bytes, sizeof bytes);
+    fill(dir);
+    vt_assert_fails(VOR_E_IO, vor_blob_append(writer, bytes, sizeof bytes, &vt_err));
+    ck_assert(vor_error_storage_full(&vt_err));
+    vt_assert_fails(VOR_E_IO, vor_blob_commit(writer, &id, VOR_BLOB_INPUT, &vt_err));
+    ck_assert(vor_error_storage_full(&vt_err));
+    make_room(dir);
+    vt_assert_ok(
+        vor_blob_commit(vt_upload(blobs, bytes, sizeof bytes), &id, VOR_BLOB_INPUT, &vt_err));
+    vor_blobs_close(blobs);
+    remove_disk(dir);
+}
+END_TEST
+
+START_TEST(a_store_without_room_refuses_and_goes_on_once_there_is_room)
+{
+    const char *dir = vt_dir_make();
+    struct vor_job_view row = vt_row(10), back;
+    struct vor_store *store;
+    vor_status status = VOR_OK;
+    int64_t rows = 0;
+    int found;
+
+    ck_assert(small_disk(dir, 1000));
+    store = vt_dir_store(dir);
+    for (; status == VOR_OK; rows += status == VOR_OK) {
+        row = vt_row(10);
+        if (rows == 20)
+            fill(dir);
+        status = vor_store_insert(store, &row, &vt_err);
+    }
+    ck_assert_int_ge(rows, 20);
+    ck_assert_int_eq(status, VOR_E_IO);
+    ck_assert_msg(vor_error_storage_full(&vt_err), "%s", vt_err.message);
+    vt_assert_ok(vor_store_check(store, &vt_err)); /* full is not out of order */
+    vt_assert_ok(vor_store_get(store, &row.id, &back, &found, &vt_err));
+    ck_assert(!found);
+    make_room(dir);
+    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    ck_assert_int_eq(row.seq, rows + 1);
+    vor_store_close(store);
+    store = vt_dir_store(dir);
+    vt_assert_ok(vor_store_get(store, &row.id, &back, &found, &vt_err));
+    ck_assert(found);
+    vor_store_close(store);
+    remove_disk(dir);
+}
+END_TEST
+
+START_TEST(a_result_that_does_not_fit_fails_its_job_alone)
+{
+    struct vt_daemon daemon;
+    const char *dir = vt_dir_make();
+    struct vor_spec large = vt_request(16000, 0), small = vt_request(50, 1);
+    struct vor_job_view view;
+    struct vor_cloud cloud;
+    struct vor_uuid id;
+
+    ck_assert(small_disk(dir, 240));
+    vt_daemon_start(&daemon, dir, NULL);
+    vt_cloud_sphere(&cloud, 1, 1000);
+    ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &large, &id), VOR_DONE);
+    view = vt_daemon_wait_over(&daemon, &id);
+    ck_assert_int_eq(view.status, VOR_JOB_FAILED);
+    ck_assert_msg(vor_error_storage_full(&view.problem), "%s", view.message);
+    ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &small, &id), VOR_DONE);
+    ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+    remove_disk(dir);
+}
+END_TEST
+
+/* Takes rows until the store has no room for one more, whatever it still had for itself. */
+static void exhaust(struct vt_daemon *daemon)
+{
+    struct vor_job_view row;
+    vor_status status;
+
+    fill(daemon->dir);
+    do {
+        int changed;
+
+        row = vt_row(10);
+        status = vor_store_insert(daemon->store, &row, &vt_err);
+        if (status == VOR_OK) {
+            row.status = VOR_JOB_DISMISSED;
+            status = vor_store_finish(daemon->store, &row, 0, NULL, &changed, &vt_err);
+        }
+    } while (status == VOR_OK);
+    ck_assert(vor_error_storage_full(&vt_err));
+}
+
+START_TEST(an_end_that_cannot_be_stored_is_stored_once_there_is_room)
+{
+    struct vt_daemon daemon;
+    const char *dir = vt_dir_make();
+    struct vor_spec endless = vt_request(300, 10000);
+    struct timespec pause = {.tv_nsec = 300000000};
+    struct vor_job_view view;
+    struct vor_cloud cloud;
+    struct vor_uuid id;
+
+    ck_assert(small_disk(dir, 1000));
+    vt_daemon_start(&daemon, dir, NULL);
+    vt_cloud_sphere(&cloud, 1, 500);
+    ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &endless, &id), VOR_DONE);
+    (void)vt_daemon_wait_iteration(&daemon, &id, 1);
+    exhaust(&daemon);
+    ck_assert_int_eq(vor_worker_dismiss(daemon.worker, &id, "no", NULL, &vt_err), VOR_FAILED);
+    ck_assert(vor_error_storage_full(&vt_err));
+    ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_DONE);
+    nanosleep(&pause, NULL);
+    view = vt_daemon_get(&daemon, &id);
+    ck_assert_int_eq(view.status, VOR_JOB_RUNNING); /* nobody is told what is not stored */
+    make_room(dir);
+    view = vt_daemon_wait_over(&daemon, &id);
+    ck_assert(view.status == VOR_JOB_FAILED || view.status == VOR_JOB_SUCCESSFUL);
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+    remove_disk(dir);
+}
+END_TEST
+
+/* Whether a child may have such a disk. */
+static int allowed(void)
+{
+    char dir[] = "/tmp/voronoid-test-XXXXXX";
+    int status = -1;
+    pid_t child;
+
+    if (mkdtemp(dir) == NULL)
+        return 0;
+    child = fork();
+    if (child == 0)
+        _exit(small_disk(dir, 100) ? 0 : 1);
+    (void)waitpid(child, &status, 0);
+    (void)rmdir(dir);
+    return status == 0;
+}
+
+int main(void)
+{
+    Suite *suite = suite_create("storage_full");
+
+    if (!allowed()) {
+        puts("1..0 # SKIP storage_full: no mount namespace here");
+        return 0;
+    }
+    vor_log_open(2, VOR_LOG_OFF);
+    vt_add(suite, a_blob_that_does_not_fit_is_refused_as_such);
+    vt_add(suite, a_store_without_room_refuses_and_goes_on_once_there_is_room);
+    vt_add(suite, a_result_that_does_not_fit_fails_its_job_alone);
+    vt_add(suite, an_end_that_cannot_be_stored_is_stored_once_there_is_room);
+    return vt_run(suite);
+}
