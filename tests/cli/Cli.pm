@@ -16,6 +16,17 @@ my $binary = $ENV{VORONOID} // 'build/release/voronoid';
 $binary = "$ENV{PWD}/$binary" unless $binary =~ m{^/};
 delete @ENV{qw(VORONOID_SERVER VORONOID_THREADS http_proxy HTTP_PROXY all_proxy ALL_PROXY)};
 
+# What a test that dies leaves running goes with it.
+my ($owner, %running) = ($$);
+END {
+    local $?;
+    if ($$ == $owner) {
+        kill 'KILL', $_ for keys %running;
+    }
+}
+
+sub forget { delete $running{ $_[0] } }
+
 # A folder that goes away with the test.
 sub scratch { return tempdir('voronoid-cli-XXXXXX', TMPDIR => 1, CLEANUP => 1) }
 
@@ -48,6 +59,7 @@ sub start {
         open STDERR, '>', "$folder/err" or die;
         exec { $binary } $binary, @$arguments or die "$binary: $!";
     }
+    $running{$pid} = 1;
     return { pid => $pid, folder => $folder };
 }
 
@@ -63,6 +75,7 @@ sub finish {
         }
         sleep 0.01;
     }
+    delete $running{ $process->{pid} };
     my $code = $? & 127 ? 128 + ($? & 127) : $? >> 8;
     my $out = -e "$process->{folder}/out" ? slurp("$process->{folder}/out") : '';
     return ($code, $out, slurp("$process->{folder}/err"));
@@ -138,6 +151,7 @@ sub cutter {
         }
         POSIX::_exit(0);
     }
+    $running{$pid} = 1;
     return { pid => $pid, url => 'http://127.0.0.1:' . $listener->sockport, log => $log };
 }
 

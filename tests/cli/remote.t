@@ -145,6 +145,7 @@ subtest 'a stream that breaks off' => sub {
     my ($code, $stdout, $stderr) = run(['resample', $in, @some, '--json', '-o', $out, '--server', $cutter->{url}]);
     kill 'TERM', $cutter->{pid};
     waitpid $cutter->{pid}, 0;
+    Cli::forget($cutter->{pid});
     my ($first, @again) = split /\n/, slurp($cutter->{log});
     is "$code$stderr", '0', 'all is well';
     is $first, 'none', 'the first stream begins at the beginning';
