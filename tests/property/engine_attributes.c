@@ -1,0 +1,258 @@
+/* What an output point carries is what the nearest input point carries (row X15). */
+#include "tests/support/vt_engine.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SEEDS = 5, N = 900, OUT = 250 };
+
+static const struct {
+    const char *name;
+    enum vor_semantic semantic;
+    enum vor_type type;
+    unsigned components;
+} kinds[8] = {{"color", VOR_COLOR, VOR_UINT8, 3},        {"normal", VOR_NORMAL, VOR_FLOAT32, 3},
+              {"intensity", VOR_GENERIC, VOR_UINT16, 1}, {"label", VOR_GENERIC, VOR_INT32, 1},
+              {"time", VOR_GENERIC, VOR_FLOAT64, 1},     {"id", VOR_GENERIC, VOR_UINT64, 1},
+              {"flag", VOR_GENERIC, VOR_INT8, 1},        {"wave", VOR_GENERIC, VOR_FLOAT32, 7}};
+
+/* Every attribute of every kind with random bytes; normals are the radius. */
+static void add_attributes(struct vor_cloud *cloud, uint64_t seed)
+{
+    for (uint64_t k = 0; k < 8; k++) {
+        struct vor_attribute *attribute;
+        size_t size;
+
+        vt_assert_ok(vor_cloud_add_attribute(cloud, kinds[k].name, kinds[k].semantic, kinds[k].type,
+                                             kinds[k].components, &attribute, &vt_err));
+        size = cloud->n * kinds[k].components * vor_type_size(kinds[k].type);
+        for (size_t i = 0; i < size; i++)
+            ((unsigned char *)attribute->data)[i] = (unsigned char)vor_rng_bits(seed, 60 + k, i);
+        if (kinds[k].semantic == VOR_NORMAL)
+            memcpy(attribute->data, cloud->xyz, 3 * cloud->n * sizeof *cloud->xyz);
+    }
+}
+
+static void run(struct vor_cloud *out, const struct vor_cloud *in, uint64_t seed,
+                const char *attributes, const char *normals)
+{
+    struct vt_engine engine;
+    struct vor_report report;
+
+    vt_engine_open(&engine, 2);
+    vt_engine_count(&engine, "points", OUT);
+    vt_engine_count(&engine, "seed", (size_t)seed);
+    vt_engine_set(&engine, "iterations", "5");
+    vt_engine_set(&engine, "attributes", attributes);
+    vt_engine_set(&engine, "normals", normals);
+    vt_engine_resample(&engine, out, &report, in);
+    vt_engine_close(&engine);
+}
+
+/* One attribute of every output point against the nearest input point's. Where two input points are
+ * equally near but for rounding, either will do. */
+static void assert_nearest(const struct vor_cloud *out, const struct vor_cloud *in,
+                           const char *name)
+{
+    const struct vor_attribute *a = vor_cloud_find_name(out, name);
+    const struct vor_attribute *b = vor_cloud_find_name(in, name);
+    size_t size;
+
+    ck_assert_ptr_nonnull(a);
+    ck_assert(a->semantic == b->semantic && a->type == b->type && a->components == b->components);
+    size = a->components * vor_type_size(a->type);
+    for (size_t i = 0; i < out->n; i++) {
+        double x[3], best;
+        size_t which = 0;
+        int same = 0;
+
+        vor_cloud_position(out, i, x);
+        best = vt_nearest2(in, x, &which);
+        for (size_t j = 0; j < in->n && !same; j++) {
+            double p[3], d2 = 0;
+
+            vor_cloud_position(in, j, p);
+            for (int c = 0; c < 3; c++)
+                d2 += (p[c] - x[c]) * (p[c] - x[c]);
+            same = d2 <= best * (1 + 1e-5) && memcmp((const char *)a->data + i * size,
+                                                     (const char *)b->data + j * size, size) == 0;
+        }
+        ck_assert_msg(same, "%s of point %zu is not that of input point %zu", name, i, which);
+    }
+}
+
+START_TEST(every_attribute_comes_from_the_nearest_input_point)
+{
+    struct vor_cloud in, out;
+
+    vt_cloud_sphere(&in, (uint64_t)_i, N);
+    add_attributes(&in, (uint64_t)_i);
+    run(&out, &in, (uint64_t)_i, "nearest", "nearest");
+    ck_assert_uint_eq(out.attribute_count, 8);
+    for (int k = 0; k < 8; k++) {
+        ck_assert_str_eq(out.attributes[k].name, kinds[k].name);
+        assert_nearest(&out, &in, kinds[k].name);
+    }
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Every place twice: the attributes are those of the first of the two. */
+START_TEST(of_coincident_input_points_the_first_gives_the_attributes)
+{
+    struct vor_cloud in, out;
+    const struct vor_attribute *label;
+
+    vt_cloud_sphere(&in, (uint64_t)_i, N);
+    memcpy(&in.xyz[3 * (N / 2)], in.xyz, 3 * (N / 2) * sizeof *in.xyz);
+    add_attributes(&in, (uint64_t)_i);
+    for (size_t i = 0; i < N; i++)
+        ((int32_t *)in.attributes[3].data)[i] = i < N / 2 ? 1 : 2;
+    run(&out, &in, (uint64_t)_i, "nearest", "nearest");
+    label = vor_cloud_find_name(&out, "label");
+    for (size_t i = 0; i < OUT; i++)
+        ck_assert_int_eq(((const int32_t *)label->data)[i], 1);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+}
+END_TEST
+
+START_TEST(dropped_attributes_are_gone)
+{
+    struct vor_cloud in, out;
+
+    vt_cloud_sphere(&in, 1, N);
+    add_attributes(&in, 1);
+    run(&out, &in, 1, "drop", "drop");
+    ck_assert_uint_eq(out.attribute_count, 0);
+    vor_cloud_free(&out);
+    run(&out, &in, 1, "nearest", "drop");
+    ck_assert_uint_eq(out.attribute_count, 7);
+    ck_assert_ptr_null(vor_cloud_find(&out, VOR_NORMAL));
+    vor_cloud_free(&out);
+    run(&out, &in, 1, "drop", "fit");
+    ck_assert_uint_eq(out.attribute_count, 1);
+    ck_assert_ptr_nonnull(vor_cloud_find(&out, VOR_NORMAL));
+    vor_cloud_free(&out);
+    run(&out, &in, 1, "nearest", "fit");
+    ck_assert_uint_eq(out.attribute_count, 8);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Fitted normals of a sphere: within 5 degrees of the radius, a unit long, all to the side that
+ * `outward` names. */
+static void assert_radial(const struct vor_cloud *cloud, double outward)
+{
+    const struct vor_attribute *normal = vor_cloud_find(cloud, VOR_NORMAL);
+    const float *value;
+
+    ck_assert_ptr_nonnull(normal);
+    ck_assert(normal->type == VOR_FLOAT32 && normal->components == 3);
+    value = normal->data;
+    for (size_t i = 0; i < cloud->n; i++) {
+        double x[3], along = 0, length2 = 0, radius2 = 0;
+
+        vor_cloud_position(cloud, i, x);
+        for (size_t c = 0; c < 3; c++) {
+            along += x[c] * (double)value[3 * i + c];
+            length2 += (double)value[3 * i + c] * (double)value[3 * i + c];
+            radius2 += x[c] * x[c];
+        }
+        ck_assert_double_eq_tol(length2, 1, 1e-5);
+        ck_assert_double_gt(outward * along / sqrt(radius2), cos(5 * M_PI / 180));
+    }
+}
+
+START_TEST(fitted_normals_of_a_sphere_are_radial_and_outward)
+{
+    struct vor_cloud in, out;
+
+    vt_cloud_sphere(&in, (uint64_t)_i, 4 * N);
+    run(&out, &in, (uint64_t)_i, "nearest", "fit");
+    assert_radial(&out, 1);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+}
+END_TEST
+
+START_TEST(fitted_normals_take_the_side_of_the_inputs)
+{
+    static const enum vor_type types[4] = {VOR_FLOAT32, VOR_FLOAT64, VOR_INT8, VOR_INT16};
+
+    for (int t = 0; t < 4; t++) {
+        struct vor_cloud in, out;
+        struct vor_attribute *normal;
+
+        vt_cloud_sphere(&in, (uint64_t)_i, 4 * N);
+        vt_assert_ok(
+            vor_cloud_add_attribute(&in, "normal", VOR_NORMAL, types[t], 3, &normal, &vt_err));
+        for (size_t i = 0; i < 3 * in.n; i++) {
+            if (types[t] == VOR_FLOAT32)
+                ((float *)normal->data)[i] = -in.xyz[i];
+            else if (types[t] == VOR_FLOAT64)
+                ((double *)normal->data)[i] = -(double)in.xyz[i];
+            else if (types[t] == VOR_INT8)
+                ((int8_t *)normal->data)[i] = (int8_t)(-127 * in.xyz[i]);
+            else
+                ((int16_t *)normal->data)[i] = (int16_t)(-32767 * in.xyz[i]);
+        }
+        run(&out, &in, (uint64_t)_i, "nearest", "fit");
+        ck_assert_uint_eq(out.attribute_count, 1);
+        assert_radial(&out, -1);
+        vor_cloud_free(&out);
+        vor_cloud_free(&in);
+    }
+}
+END_TEST
+
+START_TEST(a_cloud_without_normals_gets_none_unless_asked)
+{
+    struct vor_cloud in, out;
+
+    vt_cloud_sphere(&in, 1, N);
+    run(&out, &in, 1, "nearest", "nearest");
+    ck_assert_uint_eq(out.attribute_count, 0);
+    ck_assert_int_eq(out.position_type, VOR_FLOAT32);
+    for (int c = 0; c < 3; c++)
+        ck_assert(out.origin[c] == 0);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+}
+END_TEST
+
+/* Positions do not hang on what else a point carries. */
+START_TEST(attributes_do_not_move_points)
+{
+    struct vor_cloud in, out;
+    uint64_t hash;
+
+    vt_cloud_sphere(&in, 1, N);
+    run(&out, &in, 1, "nearest", "nearest");
+    hash = vt_cloud_hash(&out);
+    vor_cloud_free(&out);
+    add_attributes(&in, 1);
+    run(&out, &in, 1, "nearest", "fit");
+    ck_assert(vt_cloud_hash(&out) == hash);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("engine_attributes");
+
+    vt_add_loop(suite, every_attribute_comes_from_the_nearest_input_point, SEEDS);
+    vt_add_loop(suite, of_coincident_input_points_the_first_gives_the_attributes, SEEDS);
+    vt_add(suite, dropped_attributes_are_gone);
+    vt_add_loop(suite, fitted_normals_of_a_sphere_are_radial_and_outward, SEEDS);
+    vt_add_loop(suite, fitted_normals_take_the_side_of_the_inputs, SEEDS);
+    vt_add(suite, a_cloud_without_normals_gets_none_unless_asked);
+    vt_add(suite, attributes_do_not_move_points);
+    return vt_run(suite);
+}

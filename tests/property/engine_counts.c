@@ -1,0 +1,188 @@
+/* Exactly as many points as asked for, in distinct places, evenly laid. */
+#include "tests/support/vt_engine.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { SEEDS = 3 };
+
+static void shape(struct vor_cloud *cloud, int kind, uint64_t seed, size_t n)
+{
+    switch (kind) {
+    case 0:
+        vt_cloud_sphere(cloud, seed, n);
+        break;
+    case 1:
+        vt_cloud_box(cloud, seed, n);
+        break;
+    case 2:
+        vt_cloud_square(cloud, seed, n);
+        break;
+    default:
+        vt_cloud_dome(cloud, seed, n);
+    }
+}
+
+static void assert_finite(const struct vor_cloud *cloud)
+{
+    for (size_t i = 0; i < 3 * cloud->n; i++)
+        ck_assert(isfinite(cloud->xyz[i]));
+}
+
+static void check_count(const struct vor_cloud *in, size_t n, uint64_t seed, const char *iterations)
+{
+    struct vt_engine engine;
+    struct vor_cloud out;
+    struct vor_report report;
+
+    vt_engine_open(&engine, 2);
+    vt_engine_count(&engine, "points", n);
+    vt_engine_count(&engine, "seed", (size_t)seed);
+    vt_engine_set(&engine, "iterations", iterations);
+    vt_engine_resample(&engine, &out, &report, in);
+    ck_assert_uint_eq(out.n, n);
+    ck_assert_uint_eq(report.points_out, n);
+    assert_finite(&out);
+    if (n <= in->n)
+        ck_assert_uint_eq(vt_coincident(&out), 0);
+    vor_cloud_free(&out);
+    vt_engine_close(&engine);
+}
+
+START_TEST(the_result_has_exactly_the_points_asked_for)
+{
+    static const size_t sizes[3] = {4, 37, 120};
+    uint64_t seed = (uint64_t)_i;
+
+    for (int kind = 0; kind < 4; kind++)
+        for (int s = 0; s < 3; s++) {
+            size_t n = sizes[s] + (s > 0 ? (size_t)_i : 0);
+            const size_t wanted[9] = {1, 2, 3, 7, n - 1, n, n + 1, 4 * n, 16 * n};
+            struct vor_cloud in;
+
+            shape(&in, kind, seed, n);
+            for (int w = 0; w < 9; w++)
+                check_count(&in, wanted[w], seed, wanted[w] > 400 ? "2" : "4");
+            vor_cloud_free(&in);
+            vt_assert_no_leak();
+        }
+}
+END_TEST
+
+START_TEST(any_count_between_is_met_too)
+{
+    uint64_t seed = (uint64_t)_i;
+    struct vor_cloud in;
+
+    shape(&in, _i % 4, seed, 500);
+    for (uint64_t w = 0; w < 12; w++)
+        check_count(&in, 1 + (size_t)vor_rng_below(seed, 51, w, 1500), seed + w, "3");
+    vor_cloud_free(&in);
+}
+END_TEST
+
+START_TEST(a_start_alone_has_the_points_asked_for)
+{
+    struct vor_cloud in;
+
+    shape(&in, _i % 4, (uint64_t)_i, 500);
+    for (size_t n = 1; n <= 2000; n = 3 * n + 1)
+        check_count(&in, n, 7, "0");
+    vor_cloud_free(&in);
+}
+END_TEST
+
+static size_t count_of(const char *name, const char *text, const struct vor_cloud *in)
+{
+    struct vt_engine engine;
+    struct vor_cloud out;
+    struct vor_report report;
+    size_t n;
+
+    vt_engine_open(&engine, 2);
+    vt_engine_set(&engine, name, text);
+    vt_engine_set(&engine, "iterations", "0");
+    vt_engine_resample(&engine, &out, &report, in);
+    n = out.n;
+    ck_assert(report.parameters.value[VOR_PARAM_POINTS] == (double)n);
+    vor_cloud_free(&out);
+    vt_engine_close(&engine);
+    return n;
+}
+
+START_TEST(a_ratio_is_of_the_inputs_points)
+{
+    struct vor_cloud in;
+
+    vt_cloud_sphere(&in, 1, 1001);
+    ck_assert_uint_eq(count_of("ratio", "0.1", &in), 100);
+    ck_assert_uint_eq(count_of("ratio", "0.0014", &in), 1);
+    ck_assert_uint_eq(count_of("ratio", "1", &in), 1001);
+    ck_assert_uint_eq(count_of("ratio", "2.5", &in), 2502);
+    vor_cloud_free(&in);
+}
+END_TEST
+
+/* n = area / (sqrt(3)/2 spacing^2) with the true area. */
+static void check_spacing(const struct vor_cloud *in, double area, double spacing, double within)
+{
+    char text[32];
+    double wanted = area / (sqrt(3) / 2 * spacing * spacing);
+    size_t n;
+
+    (void)snprintf(text, sizeof text, "%.17g", spacing);
+    n = count_of("spacing", text, in);
+    ck_assert_msg(fabs((double)n / wanted - 1) < within, "%zu points for spacing %g, want %g", n,
+                  spacing, wanted);
+}
+
+START_TEST(a_spacing_becomes_points_by_the_area)
+{
+    struct vor_cloud in;
+
+    vt_cloud_sphere(&in, (uint64_t)_i, 10000);
+    check_spacing(&in, 4 * M_PI, 0.1, 0.04);
+    check_spacing(&in, 4 * M_PI, 0.3, 0.04);
+    vor_cloud_free(&in);
+    vt_cloud_square(&in, (uint64_t)_i, 10000);
+    check_spacing(&in, 1, 0.02, 0.03);
+    for (size_t i = 0; i < 3 * in.n; i++)
+        in.xyz[i] *= 1000;
+    check_spacing(&in, 1e6, 35, 0.03);
+    vor_cloud_free(&in);
+}
+END_TEST
+
+/* A cloud asked for by spacing comes out with about that spacing: a CVT's mean nearest distance is
+ * a little below that of the hexagonal lattice. */
+START_TEST(the_result_has_about_the_spacing_asked_for)
+{
+    struct vt_engine engine;
+    struct vor_cloud in, out;
+    struct vor_report report;
+
+    vt_cloud_sphere(&in, (uint64_t)_i, 5000);
+    vt_engine_open(&engine, 2);
+    vt_engine_set(&engine, "spacing", "0.12");
+    vt_engine_set(&engine, "iterations", "30");
+    vt_engine_resample(&engine, &out, &report, &in);
+    ck_assert_double_ge(report.spacing_mean, 0.12 * 0.88);
+    ck_assert_double_le(report.spacing_mean, 0.12 * 1.02);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("engine_counts");
+
+    vt_add_loop(suite, the_result_has_exactly_the_points_asked_for, SEEDS);
+    vt_add_loop(suite, any_count_between_is_met_too, 2 * SEEDS);
+    vt_add_loop(suite, a_start_alone_has_the_points_asked_for, SEEDS);
+    vt_add(suite, a_ratio_is_of_the_inputs_points);
+    vt_add_loop(suite, a_spacing_becomes_points_by_the_area, SEEDS);
+    vt_add_loop(suite, the_result_has_about_the_spacing_asked_for, SEEDS);
+    return vt_run(suite);
+}

@@ -1,0 +1,314 @@
+/* Clouds that are hardly clouds: exactly the points asked for and no NaN, or a status that says why
+ * (RELIABILITY T5, G10). */
+#include "tests/support/vt_engine.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum { N = 600 };
+
+static float unit(size_t i, size_t c)
+{
+    return (float)vt_unit(5, 3 * i + c);
+}
+
+static float two_far_clusters(size_t i, size_t c)
+{
+    return 0.1f * unit(i, c) + (i % 2 && c == 0 ? 1000 : 0);
+}
+
+static float two_very_far_clusters(size_t i, size_t c)
+{
+    return unit(i, c) + (i % 2 ? 1e9f : 0);
+}
+
+static float one_far_outlier(size_t i, size_t c)
+{
+    return i == 77 && c == 1 ? 1e9f : unit(i, c);
+}
+
+static float denormals(size_t i, size_t c)
+{
+    return unit(i, c) * 1e-40f;
+}
+
+static float tiny(size_t i, size_t c)
+{
+    return unit(i, c) * 1e-36f;
+}
+
+static float huge(size_t i, size_t c)
+{
+    return (2 * unit(i, c) - 1) * 1e38f;
+}
+
+static float corners(size_t i, size_t c)
+{
+    return (float)(i >> c & 1);
+}
+
+static float coplanar(size_t i, size_t c)
+{
+    return c == 2 ? 7 : unit(i, c);
+}
+
+static float tilted_plane(size_t i, size_t c)
+{
+    return c == 2 ? unit(i, 0) + 2 * unit(i, 1) : unit(i, c);
+}
+
+static float half_duplicates(size_t i, size_t c)
+{
+    return unit(i / 2, c);
+}
+
+static float hundredfold_duplicates(size_t i, size_t c)
+{
+    return unit(i / 100, c);
+}
+
+static float grid(size_t i, size_t c)
+{
+    return (float)(c == 0 ? i % 25 : c == 1 ? i / 25 : 0);
+}
+
+static float solid_grid(size_t i, size_t c)
+{
+    return (float)(c == 0 ? i % 8 : c == 1 ? i / 8 % 8 : i / 64);
+}
+
+static float ribbon(size_t i, size_t c)
+{
+    return c == 0 ? 100 * unit(i, c) : c == 1 ? 1e-3f * unit(i, c) : 0;
+}
+
+static float needle(size_t i, size_t c)
+{
+    return c == 0 ? 100 * unit(i, c) : 1e-5f * unit(i, c);
+}
+
+static float cross(size_t i, size_t c)
+{
+    return c == i % 2 ? 2 * unit(i, c) - 1 : 0;
+}
+
+static float circle(size_t i, size_t c)
+{
+    return (float)(c == 0 ? cos((double)i) : c == 1 ? sin((double)i) : 0);
+}
+
+static float helix(size_t i, size_t c)
+{
+    return (float)(c == 0   ? cos(0.1 * (double)i)
+                   : c == 1 ? sin(0.1 * (double)i)
+                            : 0.01 * (double)i);
+}
+
+static float parallel_sheets(size_t i, size_t c)
+{
+    return c == 2 ? 1e-4f * (float)(i % 2) : unit(i, c);
+}
+
+static float solid_ball(size_t i, size_t c)
+{
+    return (float)vt_normal(5, 3 * i + c);
+}
+
+static float line_and_a_point(size_t i, size_t c)
+{
+    return i == 3 ? (float)(c == 1) : c == 0 ? unit(i, c) : 0;
+}
+
+static float gathered(size_t i, size_t c)
+{
+    return powf(unit(i, c), 12);
+}
+
+static float shifted(size_t i, size_t c)
+{
+    return unit(i, c) + (c == 2 ? 0 : 6e6f);
+}
+
+static float mixed_scales(size_t i, size_t c)
+{
+    return ldexpf(unit(i, c), -(int)(i % 60));
+}
+
+static float one_place(size_t i, size_t c)
+{
+    (void)i;
+    return (float)c;
+}
+
+static float line(size_t i, size_t c)
+{
+    return (c == 0) ? unit(i, 0) : 0;
+}
+
+static float slanted_line(size_t i, size_t c)
+{
+    return (float)(i * (c + 1)); /* whole numbers: exact */
+}
+
+static float two_places(size_t i, size_t c)
+{
+    return (float)(i % 2 * (c + 1));
+}
+
+static float three_places(size_t i, size_t c)
+{
+    return (float)(i % 3 == c);
+}
+
+/* must: 1 a result, 0 a refusal, -1 either. */
+static const struct {
+    const char *name;
+    float (*at)(size_t i, size_t c);
+    int must;
+} shapes[] = {{"two far clusters", two_far_clusters, 1},
+              {"two very far clusters", two_very_far_clusters, -1},
+              {"one far outlier", one_far_outlier, -1},
+              {"denormals", denormals, -1},
+              {"tiny", tiny, 1},
+              {"huge", huge, 1},
+              {"corners", corners, 1},
+              {"coplanar", coplanar, 1},
+              {"tilted plane", tilted_plane, 1},
+              {"half duplicates", half_duplicates, 1},
+              {"hundredfold duplicates", hundredfold_duplicates, 1},
+              {"grid", grid, 1},
+              {"solid grid", solid_grid, 1},
+              {"ribbon", ribbon, -1},
+              {"needle", needle, -1},
+              {"cross", cross, -1},
+              {"circle", circle, 1},
+              {"helix", helix, 1},
+              {"parallel sheets", parallel_sheets, 1},
+              {"solid ball", solid_ball, 1},
+              {"line and a point", line_and_a_point, -1},
+              {"gathered", gathered, 1},
+              {"shifted", shifted, -1},
+              {"mixed scales", mixed_scales, 1},
+              {"one place", one_place, 0},
+              {"line", line, 0},
+              {"slanted line", slanted_line, 0},
+              {"two places", two_places, 0},
+              {"three places", three_places, 0}};
+
+enum { SHAPES = sizeof shapes / sizeof shapes[0] };
+
+static void assert_result(const struct vor_cloud *out, const struct vor_report *report, size_t n,
+                          const char *name)
+{
+    ck_assert_msg(out->n == n, "%s: %zu points, want %zu", name, out->n, n);
+    for (size_t i = 0; i < 3 * n; i++)
+        ck_assert_msg(isfinite(out->xyz[i]), "%s: coordinate %zu is %g", name, i,
+                      (double)out->xyz[i]);
+    ck_assert_msg(isfinite(report->delta) && isfinite(report->spacing_mean) &&
+                      isfinite(report->epsilon) && isfinite(report->sigma) &&
+                      isfinite(report->area),
+                  "%s: the report is not finite", name);
+}
+
+static void run_shape(int shape, size_t points, size_t n, const char *boundary)
+{
+    const char *name = shapes[shape].name;
+    struct vt_engine engine;
+    struct vor_cloud in, out;
+    struct vor_report report;
+    vor_status status;
+
+    vt_cloud_make(&in, points);
+    for (size_t i = 0; i < 3 * points; i++)
+        in.xyz[i] = shapes[shape].at(i / 3, i % 3);
+    vt_assert_ok(vor_cloud_check(&in, &vt_err));
+    vt_engine_open(&engine, 2);
+    vt_engine_count(&engine, "points", n);
+    vt_engine_set(&engine, "iterations", "8");
+    vt_engine_set(&engine, "normals", "fit");
+    vt_engine_set(&engine, "boundary", boundary);
+    vor_cloud_init(&out, &vt_memory);
+    status = vor_engine_run(&out, &report, &in, &engine.spec, &engine.run, &vt_err);
+    if (status == VOR_OK) {
+        ck_assert_msg(shapes[shape].must != 0, "%s: a result of what has no surface", name);
+        assert_result(&out, &report, n, name);
+    } else {
+        ck_assert_msg(status == VOR_E_DEGENERATE, "%s: %s", name, vt_err.message);
+        ck_assert_msg(shapes[shape].must != 1, "%s, %zu of %zu: %s", name, n, points,
+                      vt_err.message);
+        ck_assert(vt_err.message[0] != '\0' && out.n == 0);
+    }
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+
+START_TEST(a_strange_cloud_gives_exactly_the_points_asked_for_or_says_why_not)
+{
+    run_shape(_i, N, 100, "keep");
+    run_shape(_i, N, 100, "free");
+    run_shape(_i, N, 2 * N, "keep");
+    run_shape(_i, N, 5, "keep");
+    run_shape(_i, N, 1, "keep");
+}
+END_TEST
+
+START_TEST(a_cloud_without_a_surface_is_refused_at_every_size)
+{
+    for (int shape = 0; shape < SHAPES; shape++)
+        for (size_t points = 1; points <= 3; points++) {
+            struct vt_engine engine;
+            struct vor_cloud in, out;
+            struct vor_report report;
+
+            vt_cloud_make(&in, points);
+            for (size_t i = 0; i < 3 * points; i++)
+                in.xyz[i] = shapes[shape].at(i / 3, i % 3);
+            vt_engine_open(&engine, 1);
+            vt_engine_set(&engine, "points", "3");
+            vor_cloud_init(&out, &vt_memory);
+            vt_assert_fails(VOR_E_DEGENERATE,
+                            vor_engine_run(&out, &report, &in, &engine.spec, &engine.run, &vt_err));
+            ck_assert_ptr_nonnull(strstr(vt_err.message, "at least 4"));
+            vor_cloud_free(&in);
+            vt_engine_close(&engine);
+            vt_assert_no_leak();
+        }
+}
+END_TEST
+
+/* The corners of a square: as small as a surface gets. */
+START_TEST(four_points_make_one_to_sixty_four)
+{
+    for (size_t n = 1; n <= 64; n += 7) {
+        static const float square[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+        struct vt_engine engine;
+        struct vor_cloud in, out;
+        struct vor_report report;
+
+        vt_cloud_make(&in, 4);
+        memcpy(in.xyz, square, sizeof square);
+        vt_engine_open(&engine, 1);
+        vt_engine_count(&engine, "points", n);
+        vt_engine_resample(&engine, &out, &report, &in);
+        assert_result(&out, &report, n, "square");
+        for (size_t i = 0; i < n; i++)
+            ck_assert(out.xyz[3 * i + 2] == 0);
+        vor_cloud_free(&out);
+        vor_cloud_free(&in);
+        vt_engine_close(&engine);
+    }
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("engine_degenerate");
+
+    vt_add_loop(suite, a_strange_cloud_gives_exactly_the_points_asked_for_or_says_why_not, SHAPES);
+    vt_add(suite, a_cloud_without_a_surface_is_refused_at_every_size);
+    vt_add(suite, four_points_make_one_to_sixty_four);
+    return vt_run(suite);
+}
