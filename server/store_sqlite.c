@@ -116,21 +116,21 @@ vor_status vor_sqlite_run(struct vor_sqlite *db, const char *sql, struct vor_err
     return status;
 }
 
-static int bind_all(sqlite3_stmt *statement, const char *types, va_list args)
+static int bind_all(sqlite3_stmt *statement, const char *types, va_list *args)
 {
     int code = SQLITE_OK;
 
     for (int at = 1; *types != '\0' && code == SQLITE_OK; at++, types++) {
         if (*types == 't') {
-            code = sqlite3_bind_text(statement, at, va_arg(args, const char *), -1, SQLITE_STATIC);
+            code = sqlite3_bind_text(statement, at, va_arg(*args, const char *), -1, SQLITE_STATIC);
         } else if (*types == 'i') {
-            code = sqlite3_bind_int64(statement, at, va_arg(args, int64_t));
+            code = sqlite3_bind_int64(statement, at, va_arg(*args, int64_t));
         } else if (*types == 'r') {
-            code = sqlite3_bind_double(statement, at, va_arg(args, double));
+            code = sqlite3_bind_double(statement, at, va_arg(*args, double));
         } else {
-            const void *bytes = va_arg(args, const void *);
+            const void *bytes = va_arg(*args, const void *);
 
-            code = sqlite3_bind_blob64(statement, at, bytes, va_arg(args, size_t), SQLITE_STATIC);
+            code = sqlite3_bind_blob64(statement, at, bytes, va_arg(*args, size_t), SQLITE_STATIC);
         }
     }
     return code;
@@ -138,7 +138,7 @@ static int bind_all(sqlite3_stmt *statement, const char *types, va_list args)
 
 /* Prepares a statement, binds its parameters, takes the first step. */
 static int start(sqlite3_stmt **out, struct connection *connection, const char *sql,
-                 const char *types, va_list args)
+                 const char *types, va_list *args)
 {
     int code = sqlite3_prepare_v2(connection->handle, sql, -1, out, NULL);
 
@@ -160,7 +160,7 @@ vor_status vor_sqlite_change(struct vor_sqlite *db, struct vor_sqlite_change *ou
         return vor_fail(err, VOR_E_IO, "the job store is out of order since its disk failed");
     pthread_mutex_lock(&db->writer.mutex);
     va_start(args, types);
-    code = start(&statement, &db->writer, sql, types, args);
+    code = start(&statement, &db->writer, sql, types, &args);
     va_end(args);
     if (code == SQLITE_ROW)
         out->value = sqlite3_column_int64(statement, 0);
@@ -209,7 +209,7 @@ vor_status vor_sqlite_query(struct vor_sqlite *db,
 
     pthread_mutex_lock(&db->reader.mutex);
     va_start(args, types);
-    code = start(&row.statement, &db->reader, sql, types, args);
+    code = start(&row.statement, &db->reader, sql, types, &args);
     va_end(args);
     for (; code == SQLITE_ROW; code = sqlite3_step(row.statement)) {
         row.column = 0;

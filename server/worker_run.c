@@ -6,7 +6,6 @@
 #include "server/worker_internal.h"
 
 #include <errno.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,8 +20,7 @@ struct run {
     struct vor_job *job;
     struct vor_job_view view; /* when it began */
     uint32_t attempt;
-    double beat;      /* when the store was last told */
-    atomic_int begun; /* there is a cloud to hand back */
+    double beat; /* when the store was last told */
     struct vor_memory memory;
     struct vor_report report;
     struct vor_job_output output;
@@ -30,13 +28,9 @@ struct run {
 
 /* --- the engine's questions ------------------------------------------------------------------- */
 
-/* A stop waits until there is something to hand back. */
 static enum vor_answer poll_job(void *ctx)
 {
-    struct run *run = ctx;
-    enum vor_answer asked = vor_job_asked(run->job);
-
-    return asked == VOR_STOP && !atomic_load(&run->begun) ? VOR_CONTINUE : asked;
+    return vor_job_asked(((struct run *)ctx)->job);
 }
 
 static double read_clock(void *ctx)
@@ -61,7 +55,6 @@ static enum vor_answer take_progress(void *ctx, const struct vor_record *record)
     struct run *run = ctx;
     double now = vor_clock_seconds();
 
-    atomic_store(&run->begun, 1);
     vor_job_progress(run->job, record, vor_clock_wall_ms());
     if (now - run->beat >= beat_seconds) {
         run->beat = now;
