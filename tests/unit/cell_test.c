@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-enum { SEEDS = 30 };
+enum { SEEDS = 15 };
 
 #define HEXAGON_AREA 2.59807621135331594   /* 3 sqrt(3) / 2 */
 #define HEXAGON_ENERGY 1.08253175473054831 /* 5 sqrt(3) / 8 */

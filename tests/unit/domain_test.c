@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SEEDS = 20, N = 600 };
+enum { SEEDS = 10, N = 600 };
 
 static void open_domain(struct vor_domain *domain, const struct vor_cloud *cloud)
 {

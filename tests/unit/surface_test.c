@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-enum { SEEDS = 60, PAIRS = 12, K = 2 * PAIRS };
+enum { SEEDS = 20, PAIRS = 12, K = 2 * PAIRS };
 
 /* Orthogonal rows of length 3 with whole entries: a rotation that costs no rounding. */
 static const double turn[3][3] = {{1, 2, 2}, {2, 1, -2}, {2, -2, 1}};

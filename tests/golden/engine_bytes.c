@@ -1,0 +1,209 @@
+/* The same bytes for any number of threads, for every run, and for a cloud that was only shifted
+ * (RELIABILITY G20, G21). */
+#include "tests/support/vt_engine.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { N = 3000, OUT = 800 };
+
+/* What a fixed cloud comes to. When a change of the engine is meant to change its results, run this
+ * program and write down what it prints. */
+#define GOLDEN_KEEP UINT64_C(0x022621fe67e96053)
+#define GOLDEN_FREE UINT64_C(0xb8f556e6ad9305cf)
+#define GOLDEN_MORE UINT64_C(0xd8b90dc069c41d87)
+
+struct result {
+    uint64_t positions, normals, report;
+};
+
+static void run(struct result *result, const struct vor_cloud *in, unsigned threads,
+                const char *boundary, size_t points)
+{
+    struct vt_engine engine;
+    struct vor_cloud out;
+    struct vor_report report;
+
+    vt_engine_open(&engine, threads);
+    vt_engine_count(&engine, "points", points);
+    vt_engine_set(&engine, "iterations", "12");
+    vt_engine_set(&engine, "normals", "fit");
+    vt_engine_set(&engine, "boundary", boundary);
+    vt_engine_resample(&engine, &out, &report, in);
+    result->positions = vt_cloud_hash(&out);
+    result->normals = vt_hash(vor_cloud_find(&out, VOR_NORMAL)->data, points * 12);
+    report.memory_peak_bytes = 0; /* scratch goes by threads */
+    result->report = vt_hash(&report.delta, 3 * sizeof report.delta) ^
+                     vt_hash(&report.area, 2 * sizeof report.area) ^ report.held_ever;
+    vor_cloud_free(&out);
+    vt_engine_close(&engine);
+}
+
+static void assert_same(const struct result *a, const struct result *b)
+{
+    ck_assert(a->positions == b->positions);
+    ck_assert(a->normals == b->normals);
+    ck_assert(a->report == b->report);
+}
+
+START_TEST(one_two_three_and_eight_threads_give_the_same_bytes)
+{
+    static const unsigned threads[5] = {1, 2, 3, 8, 1};
+    struct result first, other;
+    struct vor_cloud in;
+
+    if (_i == 0)
+        vt_cloud_sphere(&in, 1, N);
+    else if (_i == 1)
+        vt_cloud_dome(&in, 2, N);
+    else
+        vt_cloud_box(&in, 3, N);
+    for (int k = 0; k < 5; k++) {
+        run(&other, &in, threads[k], _i == 2 ? "free" : "keep", OUT);
+        if (k == 0)
+            first = other;
+        assert_same(&first, &other);
+    }
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(another_seed_gives_other_bytes)
+{
+    struct vt_engine engine;
+    struct vor_cloud in, out;
+    struct vor_report report;
+    uint64_t hash[3];
+
+    vt_cloud_sphere(&in, 1, N);
+    for (size_t seed = 0; seed < 3; seed++) {
+        vt_engine_open(&engine, 2);
+        vt_engine_set(&engine, "points", "100");
+        vt_engine_set(&engine, "iterations", "2");
+        vt_engine_count(&engine, "seed", seed);
+        vt_engine_resample(&engine, &out, &report, &in);
+        hash[seed] = vt_cloud_hash(&out);
+        vor_cloud_free(&out);
+        vt_engine_close(&engine);
+    }
+    ck_assert(hash[0] != hash[1] && hash[1] != hash[2] && hash[0] != hash[2]);
+    vor_cloud_free(&in);
+}
+END_TEST
+
+/* Coordinates that are multiples of 2^-20 survive these shifts exactly. */
+static void shifted(struct vor_cloud *cloud, const struct vor_cloud *from, const double shift[3])
+{
+    double *xyz = malloc(from->n * 3 * sizeof *xyz);
+
+    ck_assert_ptr_nonnull(xyz);
+    for (size_t i = 0; i < 3 * from->n; i++)
+        xyz[i] = rint((double)from->xyz[i] * 0x1p20) * 0x1p-20 + shift[i % 3];
+    vt_cloud_make(cloud, from->n);
+    vt_assert_ok(vor_cloud_set_double(cloud, xyz, &vt_err));
+    free(xyz);
+}
+
+static void resample(struct vor_cloud *out, struct vor_report *report, const struct vor_cloud *in)
+{
+    struct vt_engine engine;
+
+    vt_engine_open(&engine, 2);
+    vt_engine_count(&engine, "points", OUT);
+    vt_engine_set(&engine, "iterations", "12");
+    vt_engine_resample(&engine, out, report, in);
+    vt_engine_close(&engine);
+}
+
+START_TEST(a_shift_moves_the_result_and_changes_nothing_else)
+{
+    static const double shifts[3][3] = {
+        {637000.25, 5100000.5, 0}, {-4096, 123456.75, 6e6}, {0.5, -0.25, 0.125}};
+    struct vor_cloud base, here, there, out_here, out_there;
+    struct vor_report report_here, report_there;
+
+    vt_cloud_dome(&base, 4, N);
+    shifted(&here, &base, (double[3]){0, 0, 0});
+    resample(&out_here, &report_here, &here);
+    for (int k = 0; k < 3; k++) {
+        shifted(&there, &base, shifts[k]);
+        resample(&out_there, &report_there, &there);
+        ck_assert(memcmp(out_here.xyz, out_there.xyz, 3 * OUT * sizeof *out_here.xyz) == 0);
+        ck_assert_int_eq(out_there.position_type, VOR_FLOAT64);
+        for (int c = 0; c < 3; c++)
+            ck_assert(out_there.origin[c] - out_here.origin[c] == shifts[k][c]);
+        ck_assert(report_here.delta == report_there.delta &&
+                  report_here.sigma == report_there.sigma);
+        vor_cloud_free(&out_there);
+        vor_cloud_free(&there);
+    }
+    vor_cloud_free(&out_here);
+    vor_cloud_free(&here);
+    vor_cloud_free(&base);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Twice as large, half as large: a power of two costs nothing either. */
+START_TEST(a_power_of_two_scales_the_result_and_changes_nothing_else)
+{
+    struct vor_cloud in, out, scaled;
+    struct vor_report report, scaled_report;
+
+    vt_cloud_box(&in, 5, N);
+    resample(&out, &report, &in);
+    for (int power = -40; power <= 60; power += 50) {
+        struct vor_cloud other;
+
+        vt_cloud_make(&other, N);
+        for (size_t i = 0; i < 3 * N; i++)
+            other.xyz[i] = ldexpf(in.xyz[i], power);
+        resample(&scaled, &scaled_report, &other);
+        for (size_t i = 0; i < 3 * OUT; i++)
+            ck_assert(scaled.xyz[i] == ldexpf(out.xyz[i], power));
+        ck_assert(scaled_report.delta == report.delta);
+        ck_assert(scaled_report.area == ldexp(report.area, 2 * power));
+        vor_cloud_free(&scaled);
+        vor_cloud_free(&other);
+    }
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+}
+END_TEST
+
+/* No function of the mathematics library has a part in this cloud, nor in the engine. */
+START_TEST(a_fixed_cloud_gives_the_bytes_written_down)
+{
+    static const struct {
+        const char *name, *boundary;
+        size_t points;
+        uint64_t golden;
+    } runs[3] = {{"GOLDEN_KEEP", "keep", 500, GOLDEN_KEEP},
+                 {"GOLDEN_FREE", "free", 500, GOLDEN_FREE},
+                 {"GOLDEN_MORE", "keep", 4000, GOLDEN_MORE}};
+    struct vor_cloud in;
+    struct result result;
+
+    vt_cloud_box(&in, 6, 2000);
+    run(&result, &in, 2, runs[_i].boundary, runs[_i].points);
+    printf("# %s UINT64_C(0x%016llx)\n", runs[_i].name, (unsigned long long)result.positions);
+    fflush(stdout);
+    ck_assert(result.positions == runs[_i].golden);
+    vor_cloud_free(&in);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("engine_bytes");
+
+    vt_add_loop(suite, one_two_three_and_eight_threads_give_the_same_bytes, 3);
+    vt_add(suite, another_seed_gives_other_bytes);
+    vt_add(suite, a_shift_moves_the_result_and_changes_nothing_else);
+    vt_add(suite, a_power_of_two_scales_the_result_and_changes_nothing_else);
+    vt_add_loop(suite, a_fixed_cloud_gives_the_bytes_written_down, 3);
+    return vt_run(suite);
+}
