@@ -2,29 +2,22 @@
 #include "server/clock.h"
 #include "server/http_internal.h"
 
-#include <arpa/inet.h>
-#include <assert.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <microhttpd.h>
-#include <netdb.h>
-#include <netinet/tcp.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-enum { STREAM_BLOCK = 16384, BACKLOG = 1024, PEER_TIMEOUT_MS = 20000, STUCK_SECONDS = 45 };
+enum { STREAM_BLOCK = 16384, STUCK_SECONDS = 45 };
 
 struct vor_http {
     struct vor_http_options options;
     struct MHD_Daemon *daemon;
     struct vor_watchman *watchman;
     char address[80];
-    int quiet_fd; /* the listening socket, once quiesced */
+    int fd; /* listening; the library's from start to quiesce, -1 then */
     atomic_uint busy;
     atomic_bool quiesced, closing;
 };
@@ -242,15 +235,6 @@ static enum MHD_Result abort_body(struct vor_request *request, const struct vor_
     return MHD_NO;
 }
 
-static void describe_excess(char *detail, size_t size, struct vor_refusal *refusal, uint64_t limit,
-                            uint64_t got)
-{
-    (void)snprintf(detail, size, "the body has %s%llu bytes, want at most %llu",
-                   got > limit ? "" : "more than ", (unsigned long long)got,
-                   (unsigned long long)limit);
-    *refusal = (struct vor_refusal){413, "too-many-bytes", detail, limit, got};
-}
-
 /* What the sweeper sends when the body is late: it must not touch the request, so it is made now.
  */
 static void prepare_late(struct vor_request *request)
@@ -272,7 +256,8 @@ static int begin_body(struct vor_request *request)
     char detail[128];
 
     if (request->length > 0 && (uint64_t)request->length > request->limit) {
-        describe_excess(detail, sizeof detail, &refusal, request->limit, (uint64_t)request->length);
+        vor_refusal_excess(detail, sizeof detail, &refusal, request->limit,
+                           (uint64_t)request->length);
         refuse(request, &refusal);
         return -1;
     }
@@ -322,16 +307,6 @@ static enum MHD_Result on_field(void *cls, enum MHD_ValueKind kind, const char *
     return MHD_YES;
 }
 
-static enum vor_method method_of(const char *word)
-{
-    static const char *const words[VOR_METHOD_COUNT] = {"GET", "HEAD", "POST", "DELETE", "OPTIONS"};
-    int i = 0;
-
-    while (i < VOR_METHOD_COUNT && strcmp(words[i], word) != 0)
-        i++;
-    return (enum vor_method)i;
-}
-
 /* NULL when the head is sound; the query is split then. */
 static const char *check_head(struct vor_request *request, const char **detail)
 {
@@ -343,14 +318,8 @@ static const char *check_head(struct vor_request *request, const char **detail)
     if (slug != NULL)
         return slug;
     request->length = vor_gate_length(&request->head);
-    request->path = request->target;
-    request->query = strchr(request->target, '?');
-    if (request->query != NULL)
-        *request->query++ = '\0';
-    request->pair_count = vor_query_split(request->query, request->pairs, VOR_QUERY_MAX);
-    if (request->pair_count >= 0)
+    if (vor_request_split(request))
         return NULL;
-    request->pair_count = 0;
     *detail = "the query holds a malformed escape, a control byte or more than 64 pairs";
     return "malformed-request";
 }
@@ -362,7 +331,7 @@ static enum MHD_Result first_call(struct vor_request *request, const char *metho
 {
     const char *detail, *slug;
 
-    request->method = method_of(method);
+    request->method = vor_method_find(method);
     request->head.version = version;
     request->stage = VOR_AT_HEAD;
     (void)atomic_fetch_add(&request->http->busy, 1);
@@ -392,14 +361,12 @@ static enum MHD_Result take_piece(struct vor_request *request, const char *bytes
     request->received += *size;
     vor_peer_received(request->http->watchman, request->peer, *size);
     if (request->received > request->limit) {
-        describe_excess(detail, sizeof detail, &refusal, request->limit, request->limit);
+        vor_refusal_excess(detail, sizeof detail, &refusal, request->limit, request->limit);
         return abort_body(request, &refusal);
     }
     http = request->sink.write(request->sink.ctx, bytes, *size);
     if (http != 0) {
-        refusal = (struct vor_refusal){
-            http, http == 507 ? "storage-full" : "store-unavailable",
-            http == 507 ? "no room is left to keep the upload" : "the upload cannot be kept", 0, 0};
+        vor_refusal_sink(&refusal, http);
         return abort_body(request, &refusal);
     }
     *size = 0;
@@ -506,7 +473,6 @@ static void on_connection(void *cls, struct MHD_Connection *connection, void **s
 {
     struct vor_http *http = cls;
     const union MHD_ConnectionInfo *info;
-    unsigned timeout_ms = PEER_TIMEOUT_MS;
 
     if (code == MHD_CONNECTION_NOTIFY_CLOSED) {
         vor_peer_leave(http->watchman, *socket_context);
@@ -514,11 +480,8 @@ static void on_connection(void *cls, struct MHD_Connection *connection, void **s
         return;
     }
     info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-    if (info == NULL)
-        return;
-    (void)setsockopt(info->connect_fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &timeout_ms,
-                     sizeof timeout_ms);
-    *socket_context = vor_peer_enter(http->watchman, info->connect_fd);
+    if (info != NULL)
+        *socket_context = vor_peer_enter(http->watchman, info->connect_fd);
 }
 
 static void on_log(void *cls, const char *format, va_list args) VOR_PRINTF(2, 0);
@@ -531,56 +494,6 @@ static void on_log(void *cls, const char *format, va_list args)
     (void)vsnprintf(line, sizeof line, format, args);
     line[strcspn(line, "\n")] = '\0';
     http->options.log(http->options.ctx, line);
-}
-
-static int open_listener(const struct addrinfo *at)
-{
-    int fd = socket(at->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-    int on = 1;
-
-    if (fd < 0)
-        return -1;
-    (void)setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    if (bind(fd, at->ai_addr, at->ai_addrlen) == 0 && listen(fd, BACKLOG) == 0)
-        return fd;
-    (void)close(fd);
-    return -1;
-}
-
-static vor_status listen_on(int *out, const struct vor_http_options *options, struct vor_error *err)
-{
-    struct addrinfo hints = {.ai_flags = AI_PASSIVE, .ai_socktype = SOCK_STREAM};
-    struct addrinfo *list = NULL;
-    char port[8];
-    int fd = -1, failed;
-
-    (void)snprintf(port, sizeof port, "%u", options->port);
-    failed = getaddrinfo(options->host, port, &hints, &list);
-    if (failed != 0)
-        return vor_fail_param(err, VOR_E_PARAM, "listen", "no address %.80s: %s", options->host,
-                              gai_strerror(failed));
-    for (const struct addrinfo *at = list; at != NULL && fd < 0; at = at->ai_next)
-        fd = open_listener(at);
-    failed = errno;
-    freeaddrinfo(list);
-    if (fd < 0)
-        return vor_fail_param(err, VOR_E_PARAM, "listen", "cannot listen on %.80s port %u: %s",
-                              options->host, options->port, strerror(failed));
-    *out = fd;
-    return VOR_OK;
-}
-
-static void name_address(struct vor_http *http, int fd)
-{
-    struct sockaddr_storage bound;
-    socklen_t size = sizeof bound;
-    char host[64] = "", port[8] = "";
-
-    if (getsockname(fd, (struct sockaddr *)&bound, &size) == 0)
-        (void)getnameinfo((struct sockaddr *)&bound, size, host, sizeof host, port, sizeof port,
-                          NI_NUMERICHOST | NI_NUMERICSERV);
-    (void)snprintf(http->address, sizeof http->address,
-                   bound.ss_family == AF_INET6 ? "[%s]:%s" : "%s:%s", host, port);
 }
 
 static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
@@ -604,41 +517,38 @@ static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
         on_completed, http, MHD_OPTION_URI_LOG_CALLBACK, on_target, http, MHD_OPTION_END);
 }
 
-vor_status vor_http_start(struct vor_http **out, const struct vor_http_options *options,
-                          struct vor_error *err)
+vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *options,
+                         struct vor_error *err)
 {
     const struct vor_deadlines deadlines = {options->header_seconds, options->keep_seconds,
                                             options->body_seconds, options->body_idle_seconds,
                                             options->body_rate};
     struct vor_http *http = calloc(1, sizeof *http);
     vor_status status;
-    int fd = -1;
 
     if (http == NULL)
         return vor_fail(err, VOR_E_NOMEM, "no memory to listen");
     http->options = *options;
-    http->quiet_fd = -1;
-    status = listen_on(&fd, options, err);
+    http->fd = -1;
+    status = vor_listen(&http->fd, options, err);
     if (status == VOR_OK)
         status = vor_watchman_start(&http->watchman, &deadlines, err);
-    if (status != VOR_OK)
-        goto done;
-    name_address(http, fd);
-    http->daemon = start_daemon(http, fd);
-    if (http->daemon == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "the HTTP threads cannot be started");
-        goto done;
+    if (status != VOR_OK) {
+        vor_http_stop(http);
+        return status;
     }
-    fd = -1;
+    vor_listen_address(http->fd, http->address);
     *out = http;
-    http = NULL;
-done:
-    if (fd >= 0)
-        (void)close(fd);
-    if (http != NULL)
-        vor_watchman_stop(http->watchman);
-    free(http);
-    return status;
+    return VOR_OK;
+}
+
+vor_status vor_http_start(struct vor_http *http, struct vor_error *err)
+{
+    http->daemon = start_daemon(http, http->fd);
+    if (http->daemon == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the HTTP threads cannot be started");
+    http->fd = -1;
+    return VOR_OK;
 }
 
 const char *vor_http_address(const struct vor_http *http)
@@ -649,7 +559,7 @@ const char *vor_http_address(const struct vor_http *http)
 void vor_http_quiesce(struct vor_http *http)
 {
     atomic_store(&http->quiesced, true);
-    http->quiet_fd = MHD_quiesce_daemon(http->daemon);
+    http->fd = MHD_quiesce_daemon(http->daemon);
     vor_watchman_quiesce(http->watchman);
 }
 
@@ -678,10 +588,12 @@ void vor_http_stop(struct vor_http *http)
 {
     if (http == NULL)
         return;
-    vor_http_close_waiting(http);
-    MHD_stop_daemon(http->daemon);
-    if (http->quiet_fd >= 0)
-        (void)close(http->quiet_fd);
+    if (http->daemon != NULL) {
+        vor_http_close_waiting(http);
+        MHD_stop_daemon(http->daemon);
+    }
+    if (http->fd >= 0)
+        (void)close(http->fd);
     vor_watchman_stop(http->watchman);
     free(http);
 }

@@ -64,13 +64,18 @@ struct vor_http_options {
     void (*log)(void *ctx, const char *line);
 };
 
-/** Binds, listens and starts the threads.
+/** Binds and listens; nobody is answered yet.
  *
  *  @retval VOR_E_PARAM the address cannot be bound (message: address and reason)
  *  @retval VOR_E_NOMEM threads or memory are short */
-VOR_NODISCARD vor_status vor_http_start(struct vor_http **out,
-                                        const struct vor_http_options *options,
-                                        struct vor_error *err);
+VOR_NODISCARD vor_status vor_http_open(struct vor_http **out,
+                                       const struct vor_http_options *options,
+                                       struct vor_error *err);
+
+/** Starts the threads: from here on handlers are called, with whatever their ctx needs in place.
+ *
+ *  @retval VOR_E_NOMEM threads or memory are short */
+VOR_NODISCARD vor_status vor_http_start(struct vor_http *http, struct vor_error *err);
 
 /** "127.0.0.1:43125", "[::1]:8080": what is bound. Owned by http. */
 const char *vor_http_address(const struct vor_http *http);

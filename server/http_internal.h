@@ -101,12 +101,37 @@ struct vor_request {
     struct vor_reply reply;
 };
 
+/** The method of that word; VOR_METHOD_COUNT when no route knows it. */
+enum vor_method vor_method_find(const char *word);
+
+/** Cuts the target into path and query and decodes the pairs; false when vor_query_split does not
+ *  take them. */
+bool vor_request_split(struct vor_request *request);
+
 /** Reply as raw HTTP/1.1, head and bytes, for a socket that the library cannot answer on any more;
  *  NULL when memory is short. The caller frees it. */
 char *vor_reply_raw(const struct vor_request *request);
 
+/** The refusals of a body that is too long (detail is the room for its sentence) and of one that
+ *  the sink cannot keep. */
+void vor_refusal_excess(char *detail, size_t size, struct vor_refusal *refusal, uint64_t limit,
+                        uint64_t got);
+void vor_refusal_sink(struct vor_refusal *refusal, int http);
+
 /** Drops the reply but for its first `fields` header fields. */
 void vor_reply_clear(struct vor_request *request, unsigned fields);
+
+/* --- http_listen.c ------------------------------------------------------------------------------
+ */
+
+/** A socket that listens on options->host and port, non-blocking.
+ *
+ *  @retval VOR_E_PARAM the address cannot be bound */
+VOR_NODISCARD vor_status vor_listen(int *out, const struct vor_http_options *options,
+                                    struct vor_error *err);
+
+/** "127.0.0.1:43125" or "[::1]:8080" of a bound socket. */
+void vor_listen_address(int fd, char out[80]);
 
 /* --- http_peer.c: deadlines and departures, which the library does not watch -------------------
  */

@@ -7,6 +7,8 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +16,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-enum { LINGER_MAX = 64 };
+enum { LINGER_MAX = 64, PEER_TIMEOUT_MS = 20000 };
 static const double linger_seconds = 5;
 static const int tick_ms = 100;
 
@@ -281,7 +283,10 @@ void vor_watchman_stop(struct vor_watchman *watchman)
 struct vor_peer *vor_peer_enter(struct vor_watchman *watchman, int fd)
 {
     struct vor_peer *peer = calloc(1, sizeof *peer);
+    unsigned timeout_ms = PEER_TIMEOUT_MS;
 
+    /* A peer that has vanished without a word is given up once bytes stay unanswered so long. */
+    (void)setsockopt(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &timeout_ms, sizeof timeout_ms);
     if (peer == NULL)
         return NULL;
     peer->fd = fd;

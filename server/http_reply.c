@@ -124,3 +124,20 @@ char *vor_reply_raw(const struct vor_request *request)
     }
     return text;
 }
+
+void vor_refusal_excess(char *detail, size_t size, struct vor_refusal *refusal, uint64_t limit,
+                        uint64_t got)
+{
+    (void)snprintf(detail, size, "the body has %s%llu bytes, want at most %llu",
+                   got > limit ? "" : "more than ", (unsigned long long)got,
+                   (unsigned long long)limit);
+    *refusal = (struct vor_refusal){413, "too-many-bytes", detail, limit, got};
+}
+
+void vor_refusal_sink(struct vor_refusal *refusal, int http)
+{
+    *refusal =
+        http == 507
+            ? (struct vor_refusal){507, "storage-full", "no room is left to keep the upload", 0, 0}
+            : (struct vor_refusal){503, "store-unavailable", "the upload cannot be kept", 0, 0};
+}

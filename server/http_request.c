@@ -4,6 +4,29 @@
 #include <string.h>
 #include <strings.h>
 
+enum vor_method vor_method_find(const char *word)
+{
+    static const char *const words[VOR_METHOD_COUNT] = {"GET", "HEAD", "POST", "DELETE", "OPTIONS"};
+    int i = 0;
+
+    while (i < VOR_METHOD_COUNT && strcmp(words[i], word) != 0)
+        i++;
+    return (enum vor_method)i;
+}
+
+bool vor_request_split(struct vor_request *request)
+{
+    request->path = request->target;
+    request->query = strchr(request->target, '?');
+    if (request->query != NULL)
+        *request->query++ = '\0';
+    request->pair_count = vor_query_split(request->query, request->pairs, VOR_QUERY_MAX);
+    if (request->pair_count >= 0)
+        return true;
+    request->pair_count = 0;
+    return false;
+}
+
 enum vor_method vor_request_method(const struct vor_request *request)
 {
     return request->method;

@@ -4,7 +4,7 @@
 #include "server/log.h"
 #include "server/problem.h"
 
-#include <stdlib.h>
+#include <math.h>
 #include <string.h>
 #include <strings.h>
 
@@ -235,7 +235,7 @@ void vor_route_done(void *ctx, const struct vor_request *request)
             VOR_TEXT("route", route != NULL ? route->path : ""),
             VOR_TEXT("path", vor_request_path(request)),
             VOR_COUNT("status", vor_request_gone(request) || status == 0 ? 499 : status),
-            VOR_REAL("dur_s", vor_request_seconds(request)),
+            VOR_REAL("dur_s", round(vor_request_seconds(request) * 1e6) / 1e6),
             VOR_COUNT("bytes_in", vor_request_bytes_in(request)),
             VOR_COUNT("bytes", vor_request_bytes_out(request)));
 }

@@ -145,7 +145,9 @@ static vor_status start_http(struct daemon *daemon, struct vor_error *err)
         .log = library_line,
     };
 
-    return vor_http_start(&daemon->app.http, &options, err);
+    vor_status status = vor_http_open(&daemon->app.http, &options, err);
+
+    return status == VOR_OK ? vor_http_start(daemon->app.http, err) : status;
 }
 
 static vor_status start(struct daemon *daemon, struct vor_error *err)

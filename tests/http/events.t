@@ -120,7 +120,7 @@ is_problem($daemon->post('/v1/resample?points=0', $cloud, %$stream_of), 400, 'in
     'a refusal before the stream begins is an ordinary problem');
 is_problem($daemon->post('/v1/resample?points=5', 'nonsense', %$stream_of), 415,
     'unsupported-format', 'bytes nobody can read too');
-my $left = $daemon->events('/v1/resample?points=3000&iterations=400', method => 'POST',
+my $left = $daemon->events('/v1/resample?points=3000&iterations=60', method => 'POST',
     body => $cloud, headers => $stream_of);
 $job = json($left->next_event->{data})->{jobID};
 $left->close;

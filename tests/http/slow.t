@@ -71,6 +71,16 @@ my $bad = $large->raw("POST /v1/resample?points=0 HTTP/1.1\r\n${host}Content-Len
 like $bad, qr{\AHTTP/1\.1 400 }, 'a wrong parameter is told before the body is sent';
 is $large->stop, 0, 'it ends with 0';
 
+# More connections than may be: jobs are refused, health checks are not.
+my $crowd = Vt->start(connections => 3);
+my @idle = map { $crowd->connect } 1 .. 40;
+ok wait_until(sub { $crowd->get('/v1/jobs')->{status} == 503 }, 5), 'a crowd is turned away';
+is_problem($crowd->get('/v1/jobs'), 503, 'too-many-connections', 'with a problem');
+is $crowd->get('/livez')->{status}, 200, 'health checks are answered all the same';
+close $_ for @idle;
+ok wait_until(sub { $crowd->get('/v1/jobs')->{status} == 200 }, 5), 'when it is gone jobs are served';
+is $crowd->stop, 0, 'it ends with 0';
+
 # A caller who leaves in the middle leaves nothing behind.
 sub files { return grep { -f } glob "$daemon->{dir}/data/blobs/* $daemon->{dir}/data/blobs/*/*" }
 my $before = files();
