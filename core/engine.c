@@ -252,7 +252,7 @@ vor_status vor_engine_measure(struct vor_measure *out, const struct vor_cloud *c
 {
     struct frame frame;
     struct vor_measure measure;
-    struct vor_distances distances;
+    struct vor_distances distances = {0};
     float *xyz = NULL, *other = NULL;
     vor_status status;
 

@@ -119,7 +119,7 @@ static int coincide(const struct vor_draco_column *column, const float *xyz, siz
 {
     memset(slots, 0xff, (mask + 1) * sizeof *slots);
     for (size_t i = 0; i < n; i++) {
-        float here[3], there[3];
+        float here[3] = {0}, there[3] = {0};
         size_t slot;
 
         land(here, column, xyz + 3 * i);

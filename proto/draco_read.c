@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 /* What the library may hold at a time, whatever the allocator's cap. */
@@ -191,7 +192,7 @@ static void clean_name(char name[64], enum vor_draco_kind kind)
     static const char *const implied[] = {"position", "normal", "color", "tex_coord", "generic"};
 
     if (name[0] == '\0')
-        strcpy(name, implied[kind]);
+        (void)snprintf(name, 64, "%s", implied[kind]);
     for (char *c = name; *c != '\0'; c++)
         if (*c < '!' || *c > '~')
             *c = '_';

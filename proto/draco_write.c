@@ -163,7 +163,7 @@ static int kd_tree_possible(const struct plan *plan)
             return 0;
         scalars += plan->columns[i].components;
     }
-    return scalars <= VOR_DRACO_KD_SCALARS && n <= INT32_MAX / scalars;
+    return scalars > 0 && scalars <= VOR_DRACO_KD_SCALARS && n <= INT32_MAX / scalars;
 }
 
 /* In sequential encoding a quantised normal becomes a direction: that loses any other length. */

@@ -121,7 +121,7 @@ static vor_status read_scalar(struct vor_ply_body *body, const struct vor_ply_co
     enum vor_type type = column->property->type;
     struct token token = next_token(body);
     uint8_t *to = column->to + row * column->to_stride;
-    uint8_t value[8];
+    uint8_t value[8] = {0};
     enum vor_ply_number read;
 
     if (token.length == 0)
@@ -141,7 +141,7 @@ static vor_status skip_list(struct vor_ply_body *body, const struct vor_ply_colu
     const struct vor_ply_property *property = column->property;
     struct token token = next_token(body);
     uint8_t value[8] = {0};
-    double count;
+    double count, left;
     enum vor_ply_number read;
 
     if (token.length == 0)
@@ -153,7 +153,7 @@ static vor_status skip_list(struct vor_ply_body *body, const struct vor_ply_colu
     if (read != VOR_PLY_NUMBER_OK)
         return bad_number(body, column, row, token,
                           read == VOR_PLY_NUMBER_NONFINITE ? VOR_PLY_NUMBER_RANGE : read, err);
-    for (double i = 0; i < count; i++)
+    for (left = count; left >= 1; left -= 1)
         if (next_token(body).length == 0)
             return too_few(body, property, row, err);
     return VOR_OK;

@@ -160,7 +160,7 @@ static vor_status skip_list(struct vor_ply_body *body, const struct vor_ply_prop
                                    "a list in row %llu has %g items, want a whole number",
                                    (unsigned long long)row, count));
     left -= count_size;
-    if (count > (double)(left / vor_type_size(property->type)))
+    if (count * (double)vor_type_size(property->type) > (double)left)
         return vor_ply_at(err, body->at,
                           vor_fail(err, VOR_E_FORMAT,
                                    "a list in row %llu has %.0f items, but %zu bytes are left",
@@ -367,6 +367,7 @@ vor_status vor_ply_binary_rows(struct vor_ply_body *body, const struct vor_ply_r
     }
     if (has_list)
         return rows_walked(body, rows, err);
+    assert(row > 0); /* x, y and z are columns */
     block = BLOCK_BYTES / row;
     for (size_t first = 0; first < rows->n; first += n) {
         vor_status status;

@@ -99,7 +99,7 @@ static vor_status plan_coordinates(struct reader *reader, struct vor_error *err)
     const struct vor_ply_property *properties = reader->vertex->properties;
     size_t n = reader->rows.n;
     enum vor_type type = VOR_FLOAT32;
-    unsigned at[3];
+    unsigned at[3] = {0};
     vor_status status = find_coordinates(reader, at, err);
 
     if (status == VOR_OK)

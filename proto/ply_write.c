@@ -81,8 +81,8 @@ static void add_coordinates(struct writer *writer)
 static const char *const *custom_names(const struct vor_cloud *cloud,
                                        const struct vor_attribute *attribute)
 {
-    static const char *const normal[] = {"nx", "ny", "nz"};
-    static const char *const color[] = {"red", "green", "blue", "alpha"};
+    static const char *const normal[4] = {"nx", "ny", "nz", ""};
+    static const char *const color[4] = {"red", "green", "blue", "alpha"};
 
     if (attribute->semantic == VOR_GENERIC ||
         vor_cloud_find(cloud, attribute->semantic) != attribute)

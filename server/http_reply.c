@@ -23,8 +23,11 @@ void vor_reply_header(struct vor_request *request, const char *name, const char 
     if (value == NULL || !is_printable(value) || reply->field_count == VOR_REPLY_FIELDS_MAX)
         return;
     copy = strdup(value);
-    if (copy != NULL)
-        reply->fields[reply->field_count++] = (struct vor_field){name, copy};
+    if (copy != NULL) {
+        reply->fields[reply->field_count].name = name;
+        reply->fields[reply->field_count].value = copy;
+        reply->field_count++;
+    }
 }
 
 void vor_reply_close(struct vor_request *request)

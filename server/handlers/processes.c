@@ -33,7 +33,7 @@ enum vor_next vor_handle_processes(void *ctx, struct vor_request *request, enum 
     struct vor_link self = {"self", "application/json", NULL,
                             vor_app_url(ctx, request, "/v1/processes", url), -1};
     const struct vor_process_info *process;
-    struct process_links links;
+    struct process_links links = {0};
     struct vor_text text;
 
     (void)step;
@@ -58,7 +58,7 @@ enum vor_next vor_handle_process(void *ctx, struct vor_request *request, enum vo
     const char *segment;
     size_t length = vor_path_segment(vor_request_path(request), 2, &segment);
     const struct vor_process_info *process;
-    struct process_links links;
+    struct process_links links = {0};
     struct vor_text text;
     char id[64];
 

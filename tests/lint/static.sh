@@ -6,19 +6,16 @@ mapfile -t c_files < <(git ls-files -co --exclude-standard core proto server tes
 mapfile -t sources < <(printf '%s\n' "${c_files[@]}" | grep -E '^(core|proto|server)/.*\.c$')
 mapfile -t scripts < <(git ls-files -co --exclude-standard | xargs grep -lE '^#!(/bin/sh|/bin/bash|/usr/bin/env bash)' --)
 
-# in_parallel N COMMAND...: runs the command over the C sources of the product, N at a time.
-in_parallel()
-{
-    local at_once=$1
-    shift
-    printf '%s\n' "${sources[@]}" | xargs -P "$(nproc)" -n "$at_once" "$@"
-}
-
+# check NAME COMMAND...; a COMMAND that begins with `each` runs once for each C source of the product.
 check()
 {
     local name=$1
     shift
     printf '%-14s' "$name"
+    if [ "$1" = each ]; then
+        shift
+        set -- xargs -a build/lint.list -P "$(nproc)" -n 1 "$@"
+    fi
     if "$@" >build/lint.log 2>&1; then
         echo ok
     else
@@ -31,11 +28,12 @@ check()
 read -ra flags <<<"-std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE -I. -DVOR_VERSION=\"lint\" $(pkg-config --cflags libmicrohttpd libcjson sqlite3 libcurl nettle)"
 
 mkdir -p build
+printf '%s\n' "${sources[@]}" >build/lint.list
 check clang-format clang-format --dry-run --Werror "${c_files[@]}"
 check cppcheck cppcheck --quiet --std=c11 --error-exitcode=1 --enable=warning,portability --inline-suppr \
     --suppress=missingInclude --suppress=missingIncludeSystem -I. -j "$(nproc)" core proto server
-check clang-tidy in_parallel 4 clang-tidy --quiet --warnings-as-errors="*" "${flags[@]/#/--extra-arg=}"
-check gcc-analyzer in_parallel 1 gcc "${flags[@]}" -O1 -fanalyzer -Werror -S -o /dev/null
+check clang-tidy each clang-tidy --quiet --warnings-as-errors="*" "${flags[@]/#/--extra-arg=}"
+check gcc-analyzer each gcc "${flags[@]}" -O1 -fanalyzer -Werror -S -o /dev/null
 check shellcheck shellcheck "${scripts[@]}"
 check yamllint yamllint -d '{extends: default, rules: {line-length: {max: 160}, document-start: disable}}' openapi.yaml docker
 exit "$fail"

@@ -72,133 +72,203 @@ static const struct pair {
     size_t size;
 } pairs[] = {
 #define PAIR(name, file) {name, file, sizeof(file) - 1},
-    PAIR("ascii", ASCII TWO END "1 2 3\n3 2 1\n") PAIR("little", LITTLE TWO END PAIR_LITTLE) PAIR(
-        "big",
-        BIG TWO END
-            PAIR_BIG) PAIR("sized types", ASCII
-                           "element vertex 2\nproperty float32 x\nproperty float32 y\nproperty "
-                           "float32 z\n" END
-                           "1 2 3\n3 2 1\n") PAIR("ascii crlf", CRLF("ascii") "1 2 3\r\n3 2 1\r\n")
-        PAIR("little crlf", CRLF("binary_little_endian") PAIR_LITTLE) PAIR(
-            "big crlf", CRLF("binary_big_endian") PAIR_BIG) PAIR("ascii cr",
-                                                                 CR("ascii") "1 2 3\r3 2 1\r")
-            PAIR("little cr", CR("binary_little_endian") PAIR_LITTLE) PAIR(
-                "ascii crlf behind an lf header", ASCII TWO END
-                "1 2 3\r\n3 2 1\r\n") PAIR("no line end at the end", ASCII TWO END
-                                           "1 2 3\n3 2 1") PAIR("blank lines", ASCII TWO END
-                                                                "\n \n1 2 3\n\n\t\n3 2 1\n\n")
-                PAIR("tabs and blanks", ASCII TWO END "\t1  2\t \t3 \n 3 2 1\t\n") PAIR(
-                    "every way to write a number",
-                    ASCII TWO END
-                    "+1 2.e0 0.3E+1\n300e-2 .2e1 1.00000000000000000000000000000000\n")
-                    PAIR("blanks in the header",
-                         "ply\nformat  ascii\t1.0 \n\nelement  vertex 2\n property float x\n"
-                         "property float y\nproperty float z\n" END
-                         "1 2 3\n3 2 1\n") PAIR("comments everywhere",
-                                                "ply\ncomment before\nformat ascii 1.0\ncomment "
-                                                "\xe9t\xe9 \xff\ncomment\nobj_info a 1\n"
-                                                "obj_info\n" TWO
-                                                "comment element vertex 5\nobj_info property float "
-                                                "w\n" END
-                                                "1 2 3\n3 2 1\n") PAIR("more behind the last "
-                                                                       "element",
-                                                                       LITTLE TWO END PAIR_LITTLE "trailing bytes")
-                        PAIR("more lines behind the last element", ASCII TWO END "1 2 3\n3 2 "
-                                                                                 "1\nnan junk\n") PAIR(
-                            "faces behind",
-                            ASCII TWO FACES
-                                END
-                            "1 2 3\n3 2 1\n3 0 1 2\n4 0 1 "
-                            "2 3\n") PAIR("binary faces behind, cut", LITTLE TWO FACES END PAIR_LITTLE
-                                          "\3\0")
-                            PAIR("tristrips behind", LITTLE TWO
-                                 "element tristrips 1\nproperty list int int "
-                                 "vertex_indices\n" END PAIR_LITTLE
-                                 "\3\0\0\0\0\0\0\0\1\0\0\0\2\0\0\0")
-                                PAIR(
-                                    "ascii faces before",
-                                    ASCII FACES
-                                        TWO END
-                                    "3 0 1 2\n\n4 0 "
-                                    "1 2 3\n1 2 "
-                                    "3\n3 2 1\n") PAIR("little faces before", LITTLE FACES TWO END
-                                                       "\1\1\0\0\0\2\1\0\0\0\2\0\0"
-                                                       "\0" PAIR_LITTLE)
-                                    PAIR("big faces before",
-                                         BIG FACES TWO END "\1\0\0\0\1\2\0"
-                                                           "\0\0\1\0\0\0"
-                                                           "\2" PAIR_BIG)
-                                        PAIR("empty lists before", LITTLE FACES TWO END "\0"
-                                                                                        "\0" PAIR_LITTLE) PAIR(
-                                            "no faces before", LITTLE
-                                            "element face "
-                                            "0\nproperty list uchar "
-                                            "int a\n" TWO END PAIR_LITTLE)
-                                            PAIR(
-                                                "lists with a short count",
-                                                BIG
-                                                "element a 1\nproperty list short short b\n" TWO END
-                                                "\0\2"
-                                                "\0\1\0\2" PAIR_BIG)
-                                                PAIR("lists with an int count of doubles", LITTLE
-                                                     "element a 1\nproperty list int double b\n" TWO
-                                                         END
-                                                     "\1\0\0\0" EIGHT PAIR_LITTLE)
-                                                    PAIR(
-                                                        "lists with a float count", LITTLE
-                                                        "element a 1\nproperty list float uchar "
-                                                        "b\n" TWO END F2
-                                                        "ab" PAIR_LITTLE) PAIR("lists with a "
-                                                                               "double count",
-                                                                               BIG
-                                                                               "element a "
-                                                                               "1\nproperty list "
-                                                                               "double uchar "
-                                                                               "b\n" TWO END
-                                                                               "\x40\x08\0\0\0\0\0"
-                                                                               "\0"
-                                                                               "abc" PAIR_BIG)
-                                                        PAIR("lists and scalars in turn", LITTLE
-                                                             "element a 2\nproperty char "
-                                                             "b\nproperty list char ushort "
-                                                             "c\nproperty double d\n"
-                                                             "property list uchar char e\n" TWO END
-                                                             "x\1ab" EIGHT "\2xy"
-                                                             "x\0" EIGHT
-                                                             "\0" PAIR_LITTLE)
-                                                            PAIR(
-                                                                "a camera before",
-                                                                LITTLE CAMERA TWO END "1234" EIGHT
-                                                                    PAIR_LITTLE)
+    PAIR("ascii", ASCII TWO END "1 2 3\n3 2 1\n") PAIR("little", LITTLE TWO END PAIR_LITTLE)
+        PAIR("big", BIG TWO END PAIR_BIG) PAIR(
+            "sized types",
+            ASCII "element vertex 2\nproperty float32 x\nproperty float32 y\nproperty "
+                  "float32 z\n" END
+                  "1 2 3\n3 2 1\n") PAIR("ascii crlf", CRLF("ascii") "1 2 3\r\n3 2 1\r\n")
+            PAIR("little crlf", CRLF("binary_little_endian") PAIR_LITTLE) PAIR(
+                "big crlf", CRLF("binary_big_endian") PAIR_BIG) PAIR("ascii cr",
+                                                                     CR("ascii") "1 2 3\r3 2 1\r")
+                PAIR("little cr", CR("binary_little_endian") PAIR_LITTLE) PAIR(
+                    "ascii crlf behind an lf header", ASCII TWO END
+                    "1 2 3\r\n3 2 1\r\n") PAIR("no line end at the end", ASCII TWO END
+                                               "1 2 3\n3 2 1") PAIR("blank lines", ASCII TWO END
+                                                                    "\n \n1 2 3\n\n\t\n3 2 1\n\n")
+                    PAIR("tabs and blanks", ASCII TWO END "\t1  2\t \t3 \n 3 2 1\t\n") PAIR(
+                        "every way to write a number", ASCII TWO END
+                        "+1 2.e0 0.3E+1\n300e-2 .2e1 1.00000000000000000000000000000000\n")
+                        PAIR("blanks in the header",
+                             "ply\nformat  ascii\t1.0 \n\nelement  vertex 2\n property float x\n"
+                             "property float y\nproperty float z\n" END "1 2 3\n3 2 1\n")
+                            PAIR("comments everywhere",
+                                 "ply\ncomment before\nformat ascii 1.0\ncomment "
+                                 "\xe9t\xe9 \xff\ncomment\nobj_info a 1\n"
+                                 "obj_info\n" TWO
+                                 "comment element vertex 5\nobj_info property float "
+                                 "w\n" END "1 2 3\n3 2 1\n") PAIR("more behind the last "
+                                                                  "element",
+                                                                  LITTLE TWO END PAIR_LITTLE
+                                                                  "trailing bytes")
+                                PAIR("more lines behind the last element", ASCII TWO END
+                                     "1 2 3\n3 2 "
+                                     "1\nnan junk\n") PAIR("faces behind", ASCII TWO FACES END
+                                                           "1 2 3\n3 2 1\n3 0 1 2\n4 0 1 "
+                                                           "2 3\n")
+                                    PAIR("binary faces behind, cut",
+                                         LITTLE TWO FACES END PAIR_LITTLE
+                                         "\3\0") PAIR("tristrips behind", LITTLE TWO
+                                                      "element tristrips 1\nproperty list int int "
+                                                      "vertex_indices\n" END PAIR_LITTLE
+                                                      "\3\0\0\0\0\0\0\0\1\0\0\0\2\0\0\0")
+                                        PAIR("ascii faces before", ASCII FACES TWO END
+                                             "3 0 1 2\n\n4 0 "
+                                             "1 2 3\n1 2 "
+                                             "3\n3 2 1\n") PAIR("little faces before",
+                                                                LITTLE FACES TWO END
+                                                                "\1\1\0\0\0\2\1\0\0\0\2\0\0"
+                                                                "\0" PAIR_LITTLE)
+                                            PAIR("big faces before", BIG FACES TWO END
+                                                 "\1\0\0\0\1\2\0"
+                                                 "\0\0\1\0\0\0"
+                                                 "\2" PAIR_BIG) PAIR("empty lists before",
+                                                                     LITTLE FACES TWO END
+                                                                     "\0"
+                                                                     "\0" PAIR_LITTLE)
+                                                PAIR(
+                                                    "no faces before", LITTLE
+                                                    "element face "
+                                                    "0\nproperty list uchar "
+                                                    "int a\n" TWO END
+                                                        PAIR_LITTLE) PAIR("lists with a short "
+                                                                          "count",
+                                                                          BIG
+                                                                          "element a 1\nproperty "
+                                                                          "list short short b\n" TWO
+                                                                              END "\0\2"
+                                                                          "\0\1\0\2" PAIR_BIG)
+                                                    PAIR("lists with an int count of doubles",
+                                                         LITTLE
+                                                         "element a 1\nproperty list int double "
+                                                         "b\n" TWO END "\1\0\0\0" EIGHT PAIR_LITTLE)
+                                                        PAIR("lists with a float count", LITTLE
+                                                             "element a 1\nproperty list float "
+                                                             "uchar "
+                                                             "b\n" TWO END F2
+                                                             "ab" PAIR_LITTLE) PAIR("lists with a "
+                                                                                    "double count",
+                                                                                    BIG
+                                                                                    "element a "
+                                                                                    "1\nproperty "
+                                                                                    "list "
+                                                                                    "double uchar "
+                                                                                    "b\n" TWO END
+                                                                                    "\x40\x08\0\0\0"
+                                                                                    "\0\0"
+                                                                                    "\0"
+                                                                                    "abc" PAIR_BIG)
+                                                            PAIR("lists and scalars in turn", LITTLE
+                                                                 "element a 2\nproperty char "
+                                                                 "b\nproperty list char ushort "
+                                                                 "c\nproperty double d\n"
+                                                                 "property list uchar char e\n" TWO
+                                                                     END "x\1ab" EIGHT "\2xy"
+                                                                 "x\0" EIGHT "\0" PAIR_LITTLE)
                                                                 PAIR(
-                                                                    "an ascii "
-                                                                    "camera "
-                                                                    "before",
-                                                                    ASCII CAMERA
-                                                                        TWO END
-                                                                    "0 nan\n1 2 3\n3 2 1\n") PAIR("an element without properties "
-                                                                                                  "before",
-                                                                                                  LITTLE
-                                                                                                  "element nothing "
-                                                                                                  "18446744073709551615\n" TWO END
-                                                                                                      PAIR_LITTLE)
+                                                                    "a camera before",
+                                                                    LITTLE CAMERA TWO END
+                                                                    "1234" EIGHT
+                                                                        PAIR_LITTLE) PAIR("an "
+                                                                                          "ascii "
+                                                                                          "camera "
+                                                                                          "before",
+                                                                                          ASCII CAMERA
+                                                                                              TWO END
+                                                                                          "0 "
+                                                                                          "nan\n1 "
+                                                                                          "2 3\n3 "
+                                                                                          "2 1\n")
                                                                     PAIR(
-                                                                        "an ascii element without "
-                                                                        "properties before",
-                                                                        ASCII
-                                                                        "element nothing 3\n" TWO
-                                                                            END "\n\n\n1 2 3\n3 2 "
-                                                                                "1\n")
-                                                                        PAIR(
-                                                                            "huge counts behind "
-                                                                            "are nobody's "
-                                                                            "business",
-                                                                            LITTLE TWO
-                                                                            "element face "
-                                                                            "18446744073709551616"
-                                                                            "\nproperty list "
-                                                                            "uchar int a\n" END
-                                                                                PAIR_LITTLE)
+                                                                        "an "
+                                                                        "ele"
+                                                                        "men"
+                                                                        "t "
+                                                                        "wit"
+                                                                        "hou"
+                                                                        "t "
+                                                                        "pro"
+                                                                        "per"
+                                                                        "tie"
+                                                                        "s "
+                                                                        "bef"
+                                                                        "or"
+                                                                        "e",
+                                                                        LITTLE
+                                                                        "ele"
+                                                                        "men"
+                                                                        "t "
+                                                                        "not"
+                                                                        "hin"
+                                                                        "g "
+                                                                        "184"
+                                                                        "467"
+                                                                        "440"
+                                                                        "737"
+                                                                        "095"
+                                                                        "516"
+                                                                        "15"
+                                                                        "\n" TWO END
+                                                                            PAIR_LITTLE) PAIR("an "
+                                                                                              "asci"
+                                                                                              "i "
+                                                                                              "elem"
+                                                                                              "ent "
+                                                                                              "with"
+                                                                                              "out "
+                                                                                              "prop"
+                                                                                              "erti"
+                                                                                              "es "
+                                                                                              "befo"
+                                                                                              "re",
+                                                                                              ASCII
+                                                                                              "elem"
+                                                                                              "ent "
+                                                                                              "noth"
+                                                                                              "ing "
+                                                                                              "3"
+                                                                                              "\n" TWO
+                                                                                                  END
+                                                                                              "\n\n"
+                                                                                              "\n1 "
+                                                                                              "2 "
+                                                                                              "3\n3"
+                                                                                              " "
+                                                                                              "2 "
+                                                                                              "1\n")
+                                                                        PAIR("huge"
+                                                                             " cou"
+                                                                             "nts "
+                                                                             "behi"
+                                                                             "nd "
+                                                                             "are "
+                                                                             "nobo"
+                                                                             "dy'"
+                                                                             "s "
+                                                                             "busi"
+                                                                             "nes"
+                                                                             "s",
+                                                                             LITTLE
+                                                                                 TWO
+                                                                             "elem"
+                                                                             "ent "
+                                                                             "face"
+                                                                             " "
+                                                                             "1844"
+                                                                             "6744"
+                                                                             "0737"
+                                                                             "0955"
+                                                                             "1616"
+                                                                             "\npr"
+                                                                             "oper"
+                                                                             "ty "
+                                                                             "list"
+                                                                             " "
+                                                                             "ucha"
+                                                                             "r "
+                                                                             "int "
+                                                                             "a"
+                                                                             "\n" END PAIR_LITTLE)
                                                                             PAIR(
                                                                                 "a list in ascii "
                                                                                 "vertices",
