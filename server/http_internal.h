@@ -151,6 +151,7 @@ struct vor_peer {
     enum vor_phase phase;
     double since;            /**< the phase began */
     double last;             /**< last piece of the body */
+    double look_at;          /**< when to look next whether it has left */
     uint64_t bytes;          /**< of this body */
     bool waiting;            /**< its request is suspended: watch for the peer leaving */
     bool cut;                /**< shut down by the sweeper */

@@ -17,7 +17,7 @@
 #include <unistd.h>
 
 enum { LINGER_MAX = 64, PEER_TIMEOUT_MS = 20000 };
-static const double linger_seconds = 5;
+static const double linger_seconds = 5, look_seconds = 0.5;
 static const int tick_ms = 100;
 
 struct lingering {
@@ -174,6 +174,19 @@ static bool is_late(const struct vor_watchman *watchman, const struct vor_peer *
     return false;
 }
 
+/* The library waits for edges, and loses the one of an end that came together with the last bytes.
+ * Nothing is cut while it may still be at work on these. */
+static bool has_left(struct vor_peer *peer, double now)
+{
+    char byte;
+
+    if (peer->phase == VOR_PHASE_SERVE || now < peer->look_at)
+        return false;
+    peer->look_at = now + look_seconds;
+    return now - peer->since > look_seconds && now - peer->last > look_seconds &&
+           recv(peer->fd, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
+}
+
 static void cut(struct vor_peer *peer)
 {
     if (peer->phase == VOR_PHASE_BODY && peer->late != NULL) {
@@ -189,7 +202,7 @@ static void cut(struct vor_peer *peer)
 static void check_clocks(struct vor_watchman *watchman, double now)
 {
     for (struct vor_peer *peer = watchman->peers; peer != NULL; peer = peer->next) {
-        if (!peer->cut && is_late(watchman, peer, now))
+        if (!peer->cut && (is_late(watchman, peer, now) || has_left(peer, now)))
             cut(peer);
         if (peer->wake_at > 0 && now >= peer->wake_at) {
             peer->wake_at = 0;

@@ -89,6 +89,17 @@ $_->syswrite("${post}Content-Length: 100000\r\n\r\n" . 'x' x 1000) for @sockets;
 ok wait_until(sub { files() > $before }, 5), 'an upload has a file';
 close $_ for @sockets;
 ok wait_until(sub { files() == $before }, 5), 'that goes when its caller goes';
+my $patient = Vt->start;
+sub descriptors { return scalar(() = glob "/proc/$patient->{pid}/fd/*") }
+$patient->get('/livez');
+my $open = descriptors();
+for (1 .. 100) {
+    my $socket = $patient->connect;
+    $socket->syswrite("${post}Content-Length: 100000\r\n\r\n" . 'x' x 1000);
+    close $socket;
+}
+ok wait_until(sub { descriptors() <= $open }, 10), 'also when he goes at once, and long before a deadline';
+is $patient->stop, 0, 'it ends with 0';
 
 # Memory while uploading.
 sub peak { return Vt::slurp("/proc/$daemon->{pid}/status") =~ /^VmHWM:\s+(\d+) kB/m ? $1 : 0 }
