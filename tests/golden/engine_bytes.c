@@ -3,6 +3,7 @@
 #include "tests/support/vt_engine.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -68,6 +69,58 @@ START_TEST(one_two_three_and_eight_threads_give_the_same_bytes)
         assert_same(&first, &other);
     }
     vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* A run on a pool that others use too; a thread of its own must not assert. */
+struct shared_run {
+    struct vt_engine engine;
+    struct vor_cloud in, out;
+    struct vor_report report;
+    vor_status status;
+};
+
+static void *run_shared(void *ctx)
+{
+    struct shared_run *shared = ctx;
+
+    vor_cloud_init(&shared->out, &vt_memory);
+    shared->status = vor_engine_run(&shared->out, &shared->report, &shared->in,
+                                    &shared->engine.spec, &shared->engine.run, NULL);
+    return NULL;
+}
+
+START_TEST(runs_that_share_a_pool_give_the_bytes_they_give_alone)
+{
+    enum { RUNS = 3 };
+    static struct shared_run runs[RUNS];
+    struct vt_engine owner;
+    pthread_t thread[RUNS];
+    uint64_t alone[RUNS];
+
+    vt_engine_open(&owner, 3);
+    for (int k = 0; k < RUNS; k++) {
+        runs[k].engine = owner;
+        vt_cloud_box(&runs[k].in, (uint64_t)k, 1000);
+        vt_engine_count(&runs[k].engine, "points", 300 + 400 * (size_t)k);
+        vt_engine_set(&runs[k].engine, "iterations", "10");
+        (void)run_shared(&runs[k]);
+        vt_assert_ok(runs[k].status);
+        alone[k] = vt_cloud_hash(&runs[k].out);
+        vor_cloud_free(&runs[k].out);
+    }
+    for (int k = 0; k < RUNS; k++)
+        ck_assert_int_eq(pthread_create(&thread[k], NULL, run_shared, &runs[k]), 0);
+    for (int k = 0; k < RUNS; k++)
+        ck_assert_int_eq(pthread_join(thread[k], NULL), 0);
+    for (int k = 0; k < RUNS; k++) {
+        vt_assert_ok(runs[k].status);
+        ck_assert(vt_cloud_hash(&runs[k].out) == alone[k]);
+        vor_cloud_free(&runs[k].out);
+        vor_cloud_free(&runs[k].in);
+    }
+    vt_engine_close(&owner);
     vt_assert_no_leak();
 }
 END_TEST
@@ -204,6 +257,7 @@ int main(void)
     Suite *suite = suite_create("engine_bytes");
 
     vt_add_loop(suite, one_two_three_and_eight_threads_give_the_same_bytes, 3);
+    vt_add(suite, runs_that_share_a_pool_give_the_bytes_they_give_alone);
     vt_add(suite, another_seed_gives_other_bytes);
     vt_add(suite, a_shift_moves_the_result_and_changes_nothing_else);
     vt_add(suite, a_power_of_two_scales_the_result_and_changes_nothing_else);

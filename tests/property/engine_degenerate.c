@@ -135,6 +135,16 @@ static float mixed_scales(size_t i, size_t c)
     return ldexpf(unit(i, c), -(int)(i % 60));
 }
 
+static float crossing_planes(size_t i, size_t c)
+{
+    return c == i % 2 ? 0.5f : unit(i, c);
+}
+
+static float pairs(size_t i, size_t c)
+{
+    return unit(i / 2, c) + 1e-6f * (float)(i % 2);
+}
+
 static float one_place(size_t i, size_t c)
 {
     (void)i;
@@ -190,6 +200,8 @@ static const struct {
               {"gathered", gathered, 1},
               {"shifted", shifted, -1},
               {"mixed scales", mixed_scales, 1},
+              {"crossing planes", crossing_planes, 1},
+              {"pairs", pairs, 1},
               {"one place", one_place, 0},
               {"line", line, 0},
               {"slanted line", slanted_line, 0},
