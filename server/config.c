@@ -24,8 +24,8 @@ static const struct setting_info infos[VOR_SETTING_COUNT] = {
 static vor_status bad_number(const struct setting_info *info, const char *text,
                              struct vor_error *err)
 {
-    return vor_fail_param(err, VOR_E_PARAM, info->flag, "--%s is \"%.60s\", want %s from %g to %g",
-                          info->flag, text,
+    return vor_fail_param(err, VOR_E_PARAM, info->flag,
+                          "--%s is \"%.60s\", want %s from %.10g to %.10g", info->flag, text,
                           info->kind == VOR_SETTING_TIME    ? "seconds"
                           : info->kind == VOR_SETTING_BYTES ? "bytes (K, M, G, T)"
                                                             : "a whole number",
@@ -271,7 +271,7 @@ void vor_config_help(FILE *out)
 
         (void)fprintf(out, "  --%s %s\n      %s", info->flag, info->unit, info->sentence);
         if (info->kind != VOR_SETTING_FLAG && info->max > 0)
-            (void)fprintf(out, " (%g to %g", info->min, info->max);
+            (void)fprintf(out, " (%.10g to %.10g", info->min, info->max);
         else if (info->fallback[0] != '\0' && info->kind != VOR_SETTING_FLAG)
             (void)fputs(" (", out);
         if (info->kind != VOR_SETTING_FLAG && info->fallback[0] != '\0')
