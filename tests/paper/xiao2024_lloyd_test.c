@@ -276,6 +276,24 @@ START_TEST(fig_5_a_start_by_area_beats_a_random_one_on_an_uneven_cloud)
 }
 END_TEST
 
+/* --- Sec. V-C, Fig. 12, row X18 -----------------------------------------------------------------
+ */
+
+/* The figure's factor, iterations and delta; the surface is ours. */
+START_TEST(fig_12_four_times_as_many_points_in_ten_iterations_reach_delta_0_087)
+{
+    static struct vt_trace trace;
+    struct vor_report report;
+    struct vor_cloud in;
+
+    vt_cloud_sphere(&in, (uint64_t)_i, 1500);
+    trace_run(&trace, &report, &in, "6000", "10", "4");
+    ck_assert_uint_eq(report.points_out, 6000);
+    ck_assert_double_le(report.delta, 0.087);
+    vor_cloud_free(&in);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("xiao2024_lloyd");
@@ -286,5 +304,6 @@ int main(void)
     vt_add_loop(suite, the_energy_of_a_sphere_comes_near_that_of_hexagons_and_not_below, SEEDS);
     vt_add_loop(suite, fig_6e_energy_and_delta_fall_overall, SEEDS);
     vt_add_loop(suite, fig_5_a_start_by_area_beats_a_random_one_on_an_uneven_cloud, SEEDS);
+    vt_add_loop(suite, fig_12_four_times_as_many_points_in_ten_iterations_reach_delta_0_087, SEEDS);
     return vt_run(suite);
 }
