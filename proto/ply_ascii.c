@@ -141,7 +141,8 @@ static vor_status skip_list(struct vor_ply_body *body, const struct vor_ply_colu
     const struct vor_ply_property *property = column->property;
     struct token token = next_token(body);
     uint8_t value[8] = {0};
-    double count, left;
+    double count;
+    uint64_t left;
     enum vor_ply_number read;
 
     if (token.length == 0)
@@ -153,7 +154,8 @@ static vor_status skip_list(struct vor_ply_body *body, const struct vor_ply_colu
     if (read != VOR_PLY_NUMBER_OK)
         return bad_number(body, column, row, token,
                           read == VOR_PLY_NUMBER_NONFINITE ? VOR_PLY_NUMBER_RANGE : read, err);
-    for (left = count; left >= 1; left -= 1)
+    /* A count beyond what fits is beyond what the row holds, too. */
+    for (left = count < 0x1p63 ? (uint64_t)count : UINT64_MAX; left > 0; left--)
         if (next_token(body).length == 0)
             return too_few(body, property, row, err);
     return VOR_OK;

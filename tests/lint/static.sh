@@ -20,7 +20,8 @@ check()
         echo ok
     else
         echo FAILED
-        head -n 60 build/lint.log
+        grep -E -A 6 '(error|warning|portability|note):|^In ' build/lint.log | head -n 60
+        [ -s build/lint.log ] || echo "$name said nothing"
         fail=1
     fi
 }
