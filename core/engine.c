@@ -138,7 +138,8 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
     report->held_ever = engine->result.held_ever;
     report->fallback_plane = engine->result.fallback_plane;
     report->fallback_left = engine->result.fallback_left;
-    report->area = engine->result.area;
+    report->area =
+        engine->result.iterations > 0 ? engine->result.area : engine->seeds.area * unit * unit;
     report->memory_peak_bytes = atomic_load(&engine->run.memory->peak);
     return VOR_OK;
 }

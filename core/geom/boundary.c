@@ -4,7 +4,7 @@
 
 #define ALLOWED_ONE_SIDED 0.6 /* of that where all neighbours lie to one side */
 
-#define ROOM 0.5        /* spacings that a cell may reach beyond the last neighbour */
+#define ROOM 0.4        /* spacings that a cell may reach beyond the last neighbour */
 #define SURE_BORDER 0.2 /* reaches: the neighbours end this near */
 #define SURE_INSIDE 0.5 /* reaches: they go on at least this far */
 

@@ -16,13 +16,13 @@
 
 /** How far the cell of a seed may reach towards the side that its neighbours (k x 3 floats) leave
  * empty, and that side as a unit vector along the surface; infinite where they surround the seed.
- * The bound is half a spacing beyond the last neighbour, and opens to the patch's radius as the
+ * The bound is 0.4 spacings beyond the last neighbour, and opens to the patch's radius as the
  * neighbours spread evenly. O(k). */
 double vor_boundary_room(const struct vor_surface *surface, const float *near, unsigned k,
                          const double seed[3], double radius, double side[2]);
 
-/** Distance from seed, along the unit vector side, to half a spacing beyond the last of the points;
- * not less than that half. side and seed in the local coordinates of `frame`, spacing that of
+/** Distance from seed, along the unit vector side, to 0.4 spacings beyond the last of the points;
+ * not less than those. side and seed in the local coordinates of `frame`, spacing that of
  * `there`, the surface fitted to the points. O(k). */
 double vor_boundary_end(const struct vor_surface *frame, const double seed[3], const double side[2],
                         const struct vor_surface *there, const float *near, unsigned k);
@@ -43,7 +43,7 @@ struct vor_border {
 
 /** Times the spacing that a point may lie away from the input: while it moves, and in the result.
  */
-#define VOR_BORDER_MOVING 3.0
+#define VOR_BORDER_MOVING 3.5
 #define VOR_BORDER_SETTLED 1.5
 
 /** True when x, the place that border is about, lies outside, given how many spacings away it may

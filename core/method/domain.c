@@ -101,8 +101,8 @@ static vor_status check_rank(const struct vor_domain *domain, struct vor_error *
     }
     vor_eigen3(values, vectors, m);
     if (!(values[1] > LINE_RANK * values[2]))
-        return vor_fail(err, VOR_E_DEGENERATE, "all %zu distinct points lie on one line",
-                        domain->n);
+        return vor_fail(err, VOR_E_DEGENERATE,
+                        "all %zu distinct points lie on one line, or too near it", domain->n);
     return VOR_OK;
 }
 

@@ -31,6 +31,7 @@ static int may_be_nearer(const struct even *even, size_t i, double reach, double
     return reach - moved - even->max_move < found;
 }
 
+/* Negative where even the widest search leaves it open. */
 static double nearest_wide(const struct even *even, size_t i)
 {
     const struct vor_seeds *seeds = even->seeds;
@@ -46,9 +47,10 @@ static double nearest_wide(const struct even *even, size_t i)
             width = (unsigned)seeds->n;
         vor_knn_search(seeds->knn, &seeds->xyz[3 * i], 1, width, index, distance2);
         found = nearest_of(even, i, index, width);
-        if (width == seeds->n || width == VOR_SEEDS_MORE_MAX ||
-            !may_be_nearer(even, i, sqrt((double)distance2[width - 1]), found))
+        if (width == seeds->n || !may_be_nearer(even, i, sqrt((double)distance2[width - 1]), found))
             return found;
+        if (width == VOR_SEEDS_MORE_MAX)
+            return -1;
     }
 }
 
@@ -79,21 +81,30 @@ static void wide_block(void *ctx, size_t begin, size_t end, unsigned worker)
             even->nearest[i] = (float)nearest_wide(even, i);
 }
 
-/* The seeds that the lists leave open: one by one where they are few, else by an index of the new
- * positions. */
+static size_t count_open(const struct even *even)
+{
+    size_t open = 0;
+
+    for (size_t i = 0; i < even->seeds->n; i++)
+        open += even->nearest[i] < 0;
+    return open;
+}
+
+/* The seeds that the lists leave open: one by one where they are few, else, or where that does not
+ * close all of them, by an index of the new positions. */
 static vor_status close_open(const struct even *even, struct vor_error *err)
 {
     const struct vor_seeds *seeds = even->seeds;
     const struct vor_run *run = seeds->run;
     struct even work = *even;
     struct vor_knn *knn;
-    size_t open = 0;
     vor_status status;
 
-    for (size_t i = 0; i < seeds->n; i++)
-        open += even->nearest[i] < 0;
-    if (open <= seeds->n / OPEN_SHARE)
-        return vor_run_for(run, seeds->n, VOR_SEEDS_BLOCK, wide_block, &work, err);
+    if (count_open(even) <= seeds->n / OPEN_SHARE) {
+        status = vor_run_for(run, seeds->n, VOR_SEEDS_BLOCK, wide_block, &work, err);
+        if (status != VOR_OK || count_open(even) == 0)
+            return status;
+    }
     status = vor_knn_build(&knn, even->xyz, seeds->n, run->memory, err);
     if (status != VOR_OK)
         return status;

@@ -2,6 +2,10 @@
 
 #include "core/base/rng.h"
 
+/* Cells of a random draw are uneven: the largest reach beyond the usual patch, and their area would
+ * be missed. */
+#define WIDEN 1.3
+
 enum { STREAM_DRAW = 1, STREAM_ROUND = 2, STREAM_SAMPLE = 3, AREA_SEEDS = 20000 };
 
 /* Draws n of the domain's points, one from each stretch of its order, all different. */
@@ -145,6 +149,7 @@ vor_status vor_init_seeds(struct vor_seeds *out, const struct vor_domain *domain
     status = vor_run_for(run, from.n, VOR_SEEDS_BLOCK, sample_block, &areas, err);
     if (status != VOR_OK)
         goto done;
+    to.area = areas.end[from.n - 1];
     *out = to;
     to.run = NULL;
 done:
@@ -166,6 +171,7 @@ vor_status vor_init_area(double *out, const struct vor_domain *domain, const str
 
     if (status != VOR_OK)
         return status;
+    from.widen = WIDEN;
     draw(&from, seed);
     status = measure(&areas, err);
     if (status == VOR_OK)

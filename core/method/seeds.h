@@ -7,6 +7,7 @@
 #include "core/geom/boundary.h"
 #include "core/geom/cell.h"
 #include "core/geom/surface.h"
+#include "core/knn/near.h"
 #include "core/method/domain.h"
 
 #define VOR_SEEDS_BLOCK 256    /* seeds a task; also the unit of the sums */
@@ -22,7 +23,6 @@ struct vor_place {
 /** Scratch of one worker. */
 struct vor_bench {
     uint32_t *near_index; /**< VOR_SEEDS_BLOCK x k: input points near each seed of the block */
-    float *near_distance2;
     uint32_t *seed_index; /**< VOR_SEEDS_BLOCK x (listed + 1) */
     float *seed_distance2;
     struct vor_place here, there; /**< of the seed at hand, and of where it wants to go */
@@ -42,9 +42,12 @@ struct vor_seeds {
     float *xyz;      /**< n x 3 */
     uint32_t *list;  /**< n x listed, nearest first, without the seed itself */
     float *distance; /**< n x listed */
-    struct vor_knn *knn; /**< over xyz as of the last index; NULL before */
-    struct vor_disc disc;
-    struct vor_bench *bench; /**< one for each thread of the pool */
+    struct vor_near near; /**< candidates among the input, for each seed */
+    struct vor_knn *knn;  /**< over xyz as of the last index; NULL before */
+    double widen; /**< patches are this many times as wide as usual; 1 after vor_seeds_init */
+    double area;  /**< of the surface, from the draw that these seeds were started from */
+    struct vor_disc disc, fine; /**< of patches, and of those that bend much */
+    struct vor_bench *bench;    /**< one for each thread of the pool */
 };
 
 /** n seeds with unset positions; n >= 1; k as in the request, lowered to the size of the domain.
@@ -71,6 +74,9 @@ enum vor_surface_kind vor_seeds_fit(const struct vor_seeds *seeds, struct vor_be
 /** The same for seed i = begin + row, and its cell in bench->cell, unless the kind is NONE. */
 enum vor_surface_kind vor_seeds_cell(const struct vor_seeds *seeds, struct vor_bench *bench,
                                      size_t i, size_t row);
+
+/** The mesh for a patch of bench->radius on the surface of bench->here. */
+const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds, const struct vor_bench *bench);
 
 /** Gathers a place around any x, by a search of its own. */
 enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_place *place,

@@ -64,13 +64,11 @@ static void transfer_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_seeds *seeds = transfer->seeds;
     struct vor_bench *bench = &seeds->bench[worker];
 
-    vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * begin], end - begin,
-                   transfer->normal != NULL ? seeds->k : 1, bench->near_index,
-                   bench->near_distance2);
     for (size_t i = begin; i < end; i++) {
-        size_t row = (i - begin) * (transfer->normal != NULL ? seeds->k : 1);
+        uint32_t *near = &bench->near_index[(i - begin) * seeds->k];
 
-        transfer->nearest[i] = seeds->domain->source[bench->near_index[row]];
+        (void)vor_near_search(&seeds->near, i, &seeds->xyz[3 * i], near);
+        transfer->nearest[i] = seeds->domain->source[near[0]];
         if (transfer->normal != NULL)
             fit_normal(transfer, bench, i, i - begin);
     }
@@ -104,8 +102,12 @@ static void place(struct transfer *transfer, double spacing)
             shift[c] = 0;
         }
     }
-    for (size_t i = 0; i < 3 * out->n; i++)
-        out->xyz[i] = (float)((double)transfer->seeds->xyz[i] * domain->unit + shift[i % 3]);
+    for (size_t i = 0; i < 3 * out->n; i++) {
+        double x = (double)transfer->seeds->xyz[i] * domain->unit + shift[i % 3];
+
+        /* A seed may lie beyond an input that fills the range of float32. */
+        out->xyz[i] = (float)fmax(-(double)FLT_MAX, fmin(x, (double)FLT_MAX));
+    }
 }
 
 static vor_status copy_attribute(struct transfer *transfer, const struct vor_attribute *from,

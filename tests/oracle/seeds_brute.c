@@ -53,7 +53,7 @@ static void clip_by_all(struct vor_cell *cell, const struct vor_seeds *seeds,
 
     vor_seeds_position(seeds, i, x);
     vor_surface_to_local(surface, x, local);
-    vor_cell_begin(cell, &seeds->disc, surface, local, bench->radius);
+    vor_cell_begin(cell, vor_seeds_disc(seeds, bench), surface, local, bench->radius);
     room = vor_boundary_room(surface, bench->here.near, seeds->k, local, bench->radius, side);
     if (seeds->keep_border && room < bench->radius)
         vor_cell_clip(cell, (double[3]){2 * room * side[0], 2 * room * side[1], 0});
@@ -221,6 +221,41 @@ START_TEST(nearest_distances_after_a_move_are_those_of_a_look_at_every_seed)
 }
 END_TEST
 
+/* A crowd of 575 seeds within 1e-5, which scatters over a hundred times that, amid a lattice that
+ * stands still: few enough to be looked at one by one, too many for the widest search. */
+START_TEST(a_crowd_that_scatters_is_measured_exactly)
+{
+    enum { SIDE = 95, CROWD = 575, ALL = SIDE * SIDE + CROWD };
+    struct bed bed;
+    struct vor_uniformity even;
+    float *moved = vor_malloc(&vt_memory, ALL, 4 * sizeof *moved), *nearest = moved + 3 * ALL;
+    double longest;
+
+    open_bed(&bed, 2, 2000, ALL);
+    for (size_t i = 0; i < ALL; i++) {
+        int crowd = i >= SIDE * SIDE;
+
+        bed.seeds.xyz[3 * i] =
+            (float)(crowd ? 0.5 + 1e-5 * vt_unit(3, 2 * i) : (double)(i % SIDE) / SIDE);
+        bed.seeds.xyz[3 * i + 1] =
+            (float)(crowd ? 0.5 + 1e-5 * vt_unit(3, 2 * i + 1) : (double)(i / SIDE) / SIDE);
+        bed.seeds.xyz[3 * i + 2] = 0;
+    }
+    vt_assert_ok(vor_seeds_index(&bed.seeds, &vt_err));
+    search_all(&bed.seeds);
+    longest = move_all(moved, &bed.seeds, 7, 1e-3);
+    memcpy(moved, bed.seeds.xyz, SIDE * SIDE * 3 * sizeof *moved);
+    vt_assert_ok(vor_even_measure(&even, nearest, &bed.seeds, moved, longest, &vt_err));
+    for (size_t i = SIDE * SIDE; i < ALL; i++) {
+        double brute = nearest_other(moved, ALL, i);
+
+        ck_assert_double_le(fabs((double)nearest[i] - brute), 1e-6 * brute);
+    }
+    vor_free(&vt_memory, moved);
+    close_bed(&bed);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("seeds_brute");
@@ -228,5 +263,6 @@ int main(void)
     vt_add_loop(suite, a_cell_that_stops_at_the_security_radius_is_clipped_by_all_seeds, SEEDS);
     vt_add_loop(suite, a_sample_of_a_cell_is_nearest_to_its_own_seed, SEEDS);
     vt_add_loop(suite, nearest_distances_after_a_move_are_those_of_a_look_at_every_seed, SEEDS);
+    vt_add(suite, a_crowd_that_scatters_is_measured_exactly);
     return vt_run(suite);
 }

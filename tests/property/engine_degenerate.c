@@ -43,6 +43,11 @@ static float huge(size_t i, size_t c)
     return (2 * unit(i, c) - 1) * 1e38f;
 }
 
+static float largest(size_t i, size_t c)
+{
+    return unit(i, c) < 0.5f ? -FLT_MAX : FLT_MAX;
+}
+
 static float corners(size_t i, size_t c)
 {
     return (float)(i >> c & 1);
@@ -182,6 +187,7 @@ static const struct {
               {"denormals", denormals, -1},
               {"tiny", tiny, 1},
               {"huge", huge, 1},
+              {"largest", largest, -1},
               {"corners", corners, 1},
               {"coplanar", coplanar, 1},
               {"tilted plane", tilted_plane, 1},

@@ -1,0 +1,37 @@
+/** Nearest reference points of queries that move a little from call to call: each query keeps a
+ * list of candidates, wide enough that the answer can be read off it until the query has moved by
+ * the list's margin (the neighbour lists of molecular dynamics: Verlet 1967). */
+#ifndef VOR_KNN_NEAR_H
+#define VOR_KNN_NEAR_H
+
+#include "core/knn/knn.h"
+
+struct vor_near {
+    struct vor_memory *memory;
+    const struct vor_knn *knn;
+    const float *reference; /* what knn indexes */
+    size_t n;               /* queries */
+    unsigned k, wide;       /* wanted; kept */
+    uint32_t *list;         /* n x wide, nearest to the anchor first */
+    float *anchor;          /* n x 3: where the query was when its list was made */
+    float *reach;           /* distance of the last of the list from the anchor; < 0: no list */
+};
+
+/** For n queries of the k nearest of m reference points (m x 3 floats, k <= m), without lists yet.
+ *
+ *  @retval VOR_E_NOMEM (6 k + 16) n bytes do not fit */
+VOR_NODISCARD vor_status vor_near_init(struct vor_near *out, size_t n, unsigned k,
+                                       const struct vor_knn *knn, const float *reference, size_t m,
+                                       struct vor_memory *memory, struct vor_error *err);
+
+/** near may be all zero. */
+void vor_near_free(struct vor_near *near);
+
+/** The k nearest reference points of query i, now at x, in any order but the nearest first. Exact.
+ * What comes out depends on the query's own moves only, not on who asks when: different queries may
+ * be asked by different threads.
+ *
+ *  @return whether the list had to be made anew */
+int vor_near_search(struct vor_near *near, size_t i, const float x[3], uint32_t *index);
+
+#endif
