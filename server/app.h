@@ -25,8 +25,15 @@ struct vor_app {
 
 enum { VOR_URL_MAX = 512 };
 
+/** True for NAME, NAME:PORT and [ADDRESS]:PORT as far as their bytes go. */
+bool vor_host_is_sound(const char *host);
+
+/** May a request for this Host be answered? Behind a page's name that was re-bound to this machine
+ *  the Host is still the page's. Always true when other machines may call. */
+bool vor_host_is_ours(const struct vor_app *app, const char *host);
+
 /** Absolute address of path ("/v1/jobs/..."): --public-url, else http:// and the Host of the
- *  request, which the router has checked. Returns out. */
+ *  request if it is ours, else the address that is listened on. Returns out. */
 const char *vor_app_url(const struct vor_app *app, const struct vor_request *request,
                         const char *path, char out[VOR_URL_MAX]);
 

@@ -16,6 +16,10 @@ void vor_digest_update(struct vor_digest *digest, const void *bytes, size_t size
 /** Writes the digest of everything so far; updating may go on. */
 void vor_digest_hex(const struct vor_digest *digest, char out[VOR_DIGEST_SIZE]);
 
+/** The digest of bytes that are all there, as a strong entity tag: 64 digits in quotes. */
+#define VOR_ETAG_SIZE (VOR_DIGEST_SIZE + 2)
+void vor_digest_etag(const void *bytes, size_t size, char out[VOR_ETAG_SIZE]);
+
 /** digest may be NULL. */
 void vor_digest_destroy(struct vor_digest *digest);
 

@@ -91,6 +91,7 @@ struct vor_request {
     enum vor_method method;
     enum vor_request_stage stage;
     char id[72];
+    char job[40]; /**< that it is about, or "" */
     const struct vor_route *route;
     double began;
     int64_t length;

@@ -1,6 +1,7 @@
 #include "server/clock.h"
 #include "server/http_internal.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -92,6 +93,16 @@ void vor_request_set_route(struct vor_request *request, const struct vor_route *
 const struct vor_route *vor_request_route(const struct vor_request *request)
 {
     return request->route;
+}
+
+void vor_request_set_job(struct vor_request *request, const char *job)
+{
+    (void)snprintf(request->job, sizeof request->job, "%s", job);
+}
+
+const char *vor_request_job(const struct vor_request *request)
+{
+    return request->job;
 }
 
 int vor_request_status(const struct vor_request *request)

@@ -34,6 +34,7 @@ struct vor_job_output {
     unsigned format;
     uint64_t points, bytes;
     char sha256[VOR_DIGEST_SIZE];
+    uint64_t report_bytes; /**< of the report as JSON; 0 for none */
 };
 
 /** Everything statusInfo says; a row of the store and a snapshot of a live job alike. Plain value,

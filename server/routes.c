@@ -71,44 +71,6 @@ static void list_methods(const char *path, char *out, size_t size)
         (void)snprintf(out + at, size - at, "OPTIONS");
 }
 
-/* Length of the name in "name:port" or "[address]:port". */
-static size_t host_length(const char *host)
-{
-    return host[0] == '[' ? strcspn(host, "]") + (strchr(host, ']') != NULL) : strcspn(host, ":");
-}
-
-static bool names_equal(const char *a, size_t length, const char *b)
-{
-    return strlen(b) == length && strncasecmp(a, b, length) == 0;
-}
-
-/* Behind a page's name that was re-bound to this machine the Host is still the page's. */
-static bool host_is_ours(const struct vor_app *app, const char *host)
-{
-    size_t length = host_length(host);
-    const char *public_url = app->config->text[VOR_SET_PUBLIC_URL];
-    const char *authority = strstr(public_url, "://");
-
-    if (!app->config->loopback)
-        return true;
-    if (names_equal(host, length, "localhost") || names_equal(host, length, "127.0.0.1") ||
-        names_equal(host, length, "[::1]") || names_equal(host, length, app->config->host))
-        return true;
-    if (authority == NULL)
-        return false;
-    authority += 3;
-    return length == strcspn(authority, ":/") && strncasecmp(authority, host, length) == 0;
-}
-
-static bool is_host(const char *host)
-{
-    size_t length = strlen(host);
-
-    return length > 0 && length <= 255 &&
-           strspn(host, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._:[]") ==
-               length;
-}
-
 static bool origin_is_ours(const struct vor_app *app, const struct vor_request *request,
                            const char *origin)
 {
@@ -153,9 +115,9 @@ static bool check_source(struct vor_app *app, struct vor_request *request)
     const char *origin = vor_request_header(request, "Origin");
     enum vor_method method = vor_request_method(request);
 
-    if (host != NULL && !is_host(host))
+    if (host != NULL && !vor_host_is_sound(host))
         vor_problem_say(app, request, "malformed-request", "Host is not NAME or NAME:PORT");
-    else if (host != NULL && !host_is_ours(app, host))
+    else if (host != NULL && !vor_host_is_ours(app, host))
         vor_problem_say(app, request, "forbidden",
                         "Host is %.100s, want localhost, 127.0.0.1, [::1] or that of --public-url",
                         host);
@@ -225,6 +187,7 @@ void vor_route_refuse(void *ctx, struct vor_request *request, const struct vor_r
 void vor_route_done(void *ctx, const struct vor_request *request)
 {
     const struct vor_route *route = vor_request_route(request);
+    const char *job = vor_request_job(request);
     int status = vor_request_status(request);
 
     (void)ctx;
@@ -234,6 +197,7 @@ void vor_route_done(void *ctx, const struct vor_request *request)
                                    : "other"),
             VOR_TEXT("route", route != NULL ? route->path : ""),
             VOR_TEXT("path", vor_request_path(request)),
+            VOR_TEXT("job", job[0] != '\0' ? job : NULL),
             VOR_COUNT("status", vor_request_gone(request) || status == 0 ? 499 : status),
             VOR_REAL("dur_s", round(vor_request_seconds(request) * 1e6) / 1e6),
             VOR_COUNT("bytes_in", vor_request_bytes_in(request)),

@@ -26,7 +26,7 @@
     X(POST, "/v1/processes/{processID}/execution", vor_handle_submit, VOR_CODES_SUBMIT " 404")     \
     X(POST, "/v1/resample", vor_handle_submit, VOR_CODES_SUBMIT)                                   \
     X(GET, "/v1/jobs", vor_handle_jobs, "200 400 503")                                             \
-    X(GET, "/v1/jobs/{jobID}", vor_handle_job, "200 404 410 503")                                  \
+    X(GET, "/v1/jobs/{jobID}", vor_handle_job, "200 304 404 410 503")                              \
     X(DELETE, "/v1/jobs/{jobID}", vor_handle_dismiss, "200 403 404 503 507")                       \
     X(POST, "/v1/jobs/{jobID}/stop", vor_handle_stop, "202 403 404 409 503")                       \
     X(GET, "/v1/jobs/{jobID}/events", vor_handle_events, "200 204 400 404 503")                    \

@@ -250,6 +250,7 @@ vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, 
     "id, seq, process_id, status, progress, message, request, metrics, problem,"                   \
     " input_format, input_points, input_bytes, input_sha256, input_seconds,"                       \
     " output_format, output_points, output_bytes, output_sha256,"                                  \
+    " length(CAST(report AS BLOB)),"                                                               \
     " attempt, created, started, updated, finished, expires, expired"
 
 static void copy_text(char *out, size_t size, struct vor_sqlite_row *from)
@@ -280,6 +281,7 @@ static void read_files(struct vor_job_view *out, struct vor_sqlite_row *from)
     out->output.points = (uint64_t)vor_sqlite_number(from);
     out->output.bytes = (uint64_t)vor_sqlite_number(from);
     copy_text(out->output.sha256, sizeof out->output.sha256, from);
+    out->output.report_bytes = (uint64_t)vor_sqlite_number(from);
 }
 
 static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)

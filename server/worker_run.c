@@ -199,6 +199,7 @@ static vor_status finish_once(struct run *run, const struct vor_error *problem, 
         describe_failure(&row, problem);
     else
         describe_success(run, &row);
+    row.output.report_bytes = report != NULL ? strlen(report) : 0;
     status = vor_worker_finish(run->worker, run->job, &row, run->attempt, report, &changed, err);
     if (status == VOR_OK && !changed) {
         row.status = VOR_JOB_DISMISSED; /* somebody changed the row behind our back: readers must

@@ -18,9 +18,11 @@ enum vor_next vor_handle_process(void *app, struct vor_request *request, enum vo
 /** submit.c */
 enum vor_next vor_handle_submit(void *app, struct vor_request *request, enum vor_step step);
 
+/** job_get.c */
+enum vor_next vor_handle_job(void *app, struct vor_request *request, enum vor_step step);
+
 /** jobs.c */
 enum vor_next vor_handle_jobs(void *app, struct vor_request *request, enum vor_step step);
-enum vor_next vor_handle_job(void *app, struct vor_request *request, enum vor_step step);
 enum vor_next vor_handle_dismiss(void *app, struct vor_request *request, enum vor_step step);
 enum vor_next vor_handle_stop(void *app, struct vor_request *request, enum vor_step step);
 

@@ -66,7 +66,7 @@ static void add_links(struct vor_app *app, struct vor_request *request,
         add_link(room, "item", format != NULL ? format->media_type : NULL, "cloud",
                  (int64_t)view->output.bytes);
         vor_app_job_url(app, request, &view->id, "/results/report", urls[room->info.link_count]);
-        add_link(room, "item", json, "report", -1);
+        add_link(room, "item", json, "report", (int64_t)view->output.report_bytes);
     }
     vor_app_url(app, request, "/v1/jobs", urls[room->info.link_count]);
     add_link(room, "up", json, NULL, -1);

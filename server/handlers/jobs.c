@@ -12,8 +12,10 @@ bool vor_job_of_path(struct vor_app *app, struct vor_request *request, struct vo
     const char *segment;
     size_t length = vor_path_segment(vor_request_path(request), 2, &segment);
 
-    if (vor_uuid_parse(out, segment, length))
+    if (vor_uuid_parse(out, segment, length)) {
+        vor_request_set_job(request, out->text);
         return true;
+    }
     vor_problem_say(app, request, "no-such-job", "there is no job %.*s",
                     (int)(length < 60 ? length : 60), segment);
     return false;
@@ -71,18 +73,6 @@ static enum vor_next reply_job(struct vor_app *app, struct vor_request *request,
     vor_text_puts(&text, "\n");
     vor_reply_header(request, "Cache-Control", "no-store");
     return vor_app_reply(app, request, http, "application/json", &text);
-}
-
-enum vor_next vor_handle_job(void *ctx, struct vor_request *request, enum vor_step step)
-{
-    struct vor_job_view view;
-
-    (void)step;
-    if (!vor_job_look_up(ctx, request, &view))
-        return VOR_NEXT_REPLY;
-    if (view.expired)
-        return vor_result_missing(ctx, request, &view);
-    return reply_job(ctx, request, 200, &view);
 }
 
 enum vor_next vor_handle_dismiss(void *ctx, struct vor_request *request, enum vor_step step)

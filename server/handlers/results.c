@@ -15,7 +15,7 @@
 struct output {
     const char *media_type;
     char name[64]; /* file name for Content-Disposition */
-    char etag[VOR_DIGEST_SIZE + 2];
+    char etag[VOR_ETAG_SIZE];
     uint64_t size;
     char *bytes; /* owned; NULL for a file */
     int fd;      /* owned until sent; -1 for none */
@@ -78,20 +78,6 @@ static bool open_cloud(struct vor_app *app, struct vor_request *request,
     return true;
 }
 
-static bool digest_bytes(struct output *out)
-{
-    struct vor_digest *digest = vor_digest_create();
-    char hex[VOR_DIGEST_SIZE];
-
-    if (digest == NULL)
-        return false;
-    vor_digest_update(digest, out->bytes, (size_t)out->size);
-    vor_digest_hex(digest, hex);
-    vor_digest_destroy(digest);
-    (void)snprintf(out->etag, sizeof out->etag, "\"%s\"", hex);
-    return true;
-}
-
 static bool open_report(struct vor_app *app, struct vor_request *request,
                         const struct vor_job_view *view, struct output *out)
 {
@@ -102,15 +88,12 @@ static bool open_report(struct vor_app *app, struct vor_request *request,
         vor_result_missing(app, request, view);
         return false;
     }
-    if (status == VOR_OK) {
-        out->size = strlen(out->bytes);
-        if (!digest_bytes(out))
-            status = vor_fail(&err, VOR_E_NOMEM, "no memory for a digest");
-    }
     if (status != VOR_OK) {
         vor_problem_error(app, request, &err, view->id.text);
         return false;
     }
+    out->size = strlen(out->bytes);
+    vor_digest_etag(out->bytes, (size_t)out->size, out->etag);
     out->media_type = "application/json";
     (void)snprintf(out->name, sizeof out->name, "%s.json", view->id.text);
     return true;

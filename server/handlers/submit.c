@@ -216,21 +216,25 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
     return vor_outcome_reply(app, request, outcome, NULL, NULL);
 }
 
+/* Where the job is, and which preferences the reply follows: a stream follows none. */
 static void add_job_headers(struct vor_app *app, struct vor_request *request,
-                            const struct submission *submission)
+                            const struct submission *submission, bool is_async)
 {
     const struct vor_submit_head *head = &submission->head;
+    bool waited = head->wait_seconds >= 0 && head->mode == VOR_SUBMIT_SYNC;
     char url[VOR_URL_MAX];
     char applied[48];
+    int length = 0;
 
     vor_reply_header(request, "Location",
                      vor_app_job_url(app, request, &submission->view.id, "", url));
-    if (head->wait_seconds >= 0)
-        (void)snprintf(applied, sizeof applied, "%swait=%.0f",
-                       head->is_async ? "respond-async, " : "", head->wait_seconds);
-    else
-        (void)snprintf(applied, sizeof applied, "%s", "respond-async");
-    if (head->is_async || head->wait_seconds >= 0)
+    applied[0] = '\0';
+    if (is_async && head->is_async)
+        length = snprintf(applied, sizeof applied, "respond-async%s", waited ? ", " : "");
+    if (waited)
+        (void)snprintf(applied + length, sizeof applied - (size_t)length, "wait=%.0f",
+                       head->wait_seconds);
+    if (applied[0] != '\0')
         vor_reply_header(request, "Preference-Applied", applied);
 }
 
@@ -245,7 +249,7 @@ static enum vor_next reply_accepted(struct vor_app *app, struct vor_request *req
     /* What is known by now; what was known at acceptance if the row cannot be read. */
     if (vor_worker_get(app->worker, &submission->view.id, &view, &err) != VOR_DONE)
         view = submission->view;
-    add_job_headers(app, request, submission);
+    add_job_headers(app, request, submission, true);
     vor_reply_header(request, "Cache-Control", "no-store");
     vor_text_init(&text, 0);
     vor_job_write(app, request, &view, &text);
@@ -268,7 +272,7 @@ static enum vor_next reply_ended(struct vor_app *app, struct vor_request *reques
     enum vor_outcome outcome = vor_worker_get(app->worker, &submission->view.id, &view, &err);
 
     submission->settled = true;
-    add_job_headers(app, request, submission);
+    add_job_headers(app, request, submission, false);
     if (outcome != VOR_DONE)
         return vor_outcome_reply(app, request, outcome, &err, &submission->view.id);
     if (view.status != VOR_JOB_SUCCESSFUL)
@@ -287,7 +291,7 @@ static enum vor_next wait_for_end(struct vor_app *app, struct vor_request *reque
         return vor_problem_say(app, request, "client-closed", "the caller left");
     if (vor_request_closing(request)) {
         submission->settled = true;
-        add_job_headers(app, request, submission);
+        add_job_headers(app, request, submission, false);
         return vor_problem_say(app, request, "draining",
                                "the daemon is going down; the job goes on when it is back");
     }
@@ -323,11 +327,12 @@ static enum vor_next accepted(struct vor_app *app, struct vor_request *request,
         submission->outcome = VOR_DRAINING;
     if (submission->outcome != VOR_DONE)
         return vor_outcome_reply(app, request, submission->outcome, &submission->error, NULL);
+    vor_request_set_job(request, id.text);
     switch (submission->head.mode) {
     case VOR_SUBMIT_ASYNC:
         return reply_accepted(app, request, submission);
     case VOR_SUBMIT_STREAM:
-        add_job_headers(app, request, submission);
+        add_job_headers(app, request, submission, false);
         return vor_events_reply(app, request, &id, (struct vor_position){0, 0}, false);
     case VOR_SUBMIT_SYNC:
         break;

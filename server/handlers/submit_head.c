@@ -2,14 +2,13 @@
 
 #include "proto/codec.h"
 #include "server/handlers/handlers.h"
+#include "server/handlers/prefer.h"
 #include "server/problem.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-
-enum { WAIT_MAX = 86400 };
 
 /* What an Accept header leaves to choose from. */
 struct acceptance {
@@ -129,32 +128,6 @@ static void read_accept(struct vor_request *request, struct acceptance *accept)
     }
 }
 
-/* Preferences of RFC 7240; those that we do not know do not matter. */
-static void read_prefer(struct vor_request *request, struct vor_submit_head *out)
-{
-    unsigned index = 0;
-    const char *value;
-
-    out->wait_seconds = -1;
-    while ((value = vor_request_header_next(request, "Prefer", &index)) != NULL) {
-        while (*value != '\0') {
-            size_t length;
-
-            value += strspn(value, ",; \t");
-            length = strcspn(value, ",; \t");
-            if (is_word(value, length, "respond-async")) {
-                out->is_async = true;
-            } else if (length > 5 && length < 12 && strncasecmp(value, "wait=", 5) == 0 &&
-                       strspn(value + 5, "0123456789") == length - 5) {
-                double seconds = strtod(value + 5, NULL);
-
-                out->wait_seconds = seconds < WAIT_MAX ? seconds : WAIT_MAX;
-            }
-            value += length;
-        }
-    }
-}
-
 /* The parameter decides, then Accept; what neither decides is the input's format. */
 static bool choose_format(struct vor_app *app, struct vor_request *request,
                           const struct acceptance *accept, struct vor_submit_head *out)
@@ -178,13 +151,16 @@ static bool choose_format(struct vor_app *app, struct vor_request *request,
 
 bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vor_submit_head *out)
 {
+    struct vor_preferences preferences;
     struct acceptance accept;
 
     memset(out, 0, sizeof *out);
     if (!find_process(app, request, out) || !read_spec(app, request, &out->spec))
         return false;
     read_accept(request, &accept);
-    read_prefer(request, out);
+    vor_prefer_read(request, &preferences);
+    out->is_async = preferences.is_async;
+    out->wait_seconds = preferences.wait_seconds;
     if (accept.stream)
         out->mode = VOR_SUBMIT_STREAM;
     else if (out->is_async && out->wait_seconds <= 0)

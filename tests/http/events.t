@@ -107,7 +107,8 @@ is $daemon->finish($waiting)->{status}, 'successful', 'the waiting job had its t
 
 # The whole job as one stream.
 my $whole = $daemon->events('/v1/resample?points=300&iterations=5', method => 'POST', body => $cloud,
-    headers => $stream_of);
+    headers => { %$stream_of, Prefer => 'respond-async' });
+unlike $whole->{head}, qr{^Preference-Applied}m, 'a stream claims to follow no preference';
 like $whole->{head}, qr{\AHTTP/1\.1 200 .*^Location: \Q$daemon->{url}\E/v1/jobs/}ms,
     'a job as a stream is a 200 with its Location';
 @events = $whole->all;

@@ -5,10 +5,12 @@ use warnings;
 use Digest::SHA qw(sha256_hex);
 use FindBin;
 use lib "$FindBin::Bin/../support";
+use POSIX ();
 use Test::More;
+use Time::HiRes ();
 use Vt;
 
-my $daemon = Vt->start;
+our $daemon = Vt->start;
 my $cloud = sphere_ply(3000);
 my $uuid = qr/[0-9a-f]{8}-[0-9a-f]{4}-7[0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}/;
 
@@ -105,9 +107,50 @@ is part('If-None-Match' => "\"a\", W/$etag")->{status}, 304, 'also in a list, al
 is part('If-None-Match' => '*')->{status}, 304, 'also for a star';
 is part('If-None-Match' => '"a"')->{content}, $bytes, 'If-None-Match with another sends the bytes';
 my $report = $daemon->get("/v1/jobs/$id/results/report");
+is $items[1]{length}, length $report->{content}, 'the link of the report told its length too';
 is $report->{headers}{etag}, '"' . sha256_hex($report->{content}) . '"', 'the report has an ETag too';
 is $daemon->get("/v1/jobs/$id/results/report", headers => { Range => 'bytes=0-0' })->{content}, '{',
     'and ranges';
+
+# The job itself: ETag, and a wait for a change.
+my $known = $daemon->get("/v1/jobs/$id");
+is $known->{headers}{etag}, '"' . sha256_hex($known->{content}) . '"', 'a statusInfo has an ETag';
+my $unchanged = $daemon->get("/v1/jobs/$id", headers => { 'If-None-Match' => $known->{headers}{etag} });
+is "$unchanged->{status} $unchanged->{content}", '304 ', 'who has it is told so';
+is $unchanged->{headers}{etag}, $known->{headers}{etag}, 'with the same ETag';
+is $daemon->get("/v1/jobs/$id", headers => { 'If-None-Match' => '"x"' })->{content}, $known->{content},
+    'who has another one gets it';
+sub poll {
+    my ($job, $etag, $seconds) = @_;
+    return $daemon->get("/v1/jobs/$job",
+        headers => { 'If-None-Match' => $etag, Prefer => "wait=$seconds" });
+}
+is poll($id, $known->{headers}{etag}, 60)->{status}, 304, 'of a job that is over, no change is waited for';
+{
+    my $blocker = Vt->start(jobs => 1);
+    my $running = $blocker->submit('points=3000&iterations=10000', $cloud);
+    my $waiting = $blocker->submit('points=100&iterations=1', $cloud);
+    wait_until(sub { $blocker->status($running) eq 'running' }, 20);
+    local $daemon = $blocker;
+    my $etag = $blocker->get("/v1/jobs/$waiting")->{headers}{etag};
+    my $quiet = poll($waiting, $etag, 1);
+    is $quiet->{status}, 304, 'a wait without a change ends with 304';
+    is $quiet->{headers}{'preference-applied'}, 'wait=1', 'and says that it waited';
+    is poll($waiting, '"old"', 60)->{status}, 200, 'what has changed already is not waited for';
+    my $pid = fork // die "fork: $!";
+    if (!$pid) {
+        Time::HiRes::sleep(0.3);
+        $blocker->request('DELETE', "/v1/jobs/$running");
+        POSIX::_exit(0);
+    }
+    my $changed = poll($waiting, $etag, 60);
+    waitpid $pid, 0;
+    is $changed->{status}, 200, 'a change ends the wait';
+    isnt json($changed)->{status}, 'accepted', 'with the job as it is then';
+    isnt $changed->{headers}{etag}, $etag, 'and another ETag';
+    is $blocker->finish($waiting)->{status}, 'successful', 'the job goes on';
+    is $blocker->stop, 0, 'nobody waits in vain for the daemon to end';
+}
 
 # The trace.
 my $trace = json($daemon->get("/v1/jobs/$id/trace"));
@@ -140,9 +183,13 @@ is $any->{headers}{'content-type'}, 'application/draco', 'also when anything is 
 my $waited = $daemon->post('/v1/resample?points=60&iterations=1', $cloud, Prefer => 'wait=30');
 is $waited->{status}, 200, 'wait=30 answers with the result when it is there in time';
 is $waited->{headers}{'preference-applied'}, 'wait=30', 'and says so';
+my $early = $daemon->post('/v1/resample?points=60&iterations=1', $cloud, Prefer => 'respond-async, wait=30');
+is "$early->{status} $early->{headers}{'preference-applied'}", '200 wait=30',
+    'whoever would take a job gets the result when it is there in time';
 my $late = $daemon->post('/v1/resample?points=3000&iterations=10000', $cloud,
     Prefer => 'respond-async, wait=1');
 is $late->{status}, 201, 'wait=1 answers 201 when it is not';
+is $late->{headers}{'preference-applied'}, 'respond-async, wait=1', 'and says what it did';
 is $daemon->status(json($late)->{jobID}), 'running', 'and the job goes on';
 my $cut = $daemon->request('DELETE', '/v1/jobs/' . json($late)->{jobID});
 is json($cut)->{status}, 'dismissed', 'until it is dismissed';
