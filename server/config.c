@@ -6,6 +6,8 @@
 #include <string.h>
 #include <strings.h>
 
+enum { VARIABLE_MAX = 64 }; /* bytes of an environment variable's name */
+
 struct setting_info {
     const char *flag;
     enum vor_setting_kind kind;
@@ -109,20 +111,26 @@ static vor_status set(struct vor_config *config, int setting, const char *text,
     return set_number(&config->number[setting], info, text, err);
 }
 
+/* VORONOID_ and the flag in capitals. */
+static void name_variable(const struct setting_info *info, char *out, size_t size)
+{
+    (void)snprintf(out, size, "VORONOID_%s", info->flag);
+    for (char *c = out; *c != '\0'; c++)
+        *c = *c == '-' ? '_' : (char)toupper((unsigned char)*c);
+}
+
 /* What no flag has given: from the environment, or the default. */
 static vor_status read_environment(struct vor_config *config, char *(*get)(const char *),
                                    struct vor_error *err)
 {
     for (int i = 0; i < VOR_SETTING_COUNT; i++) {
-        char name[64];
+        char name[VARIABLE_MAX];
         const char *value;
         vor_status status;
 
         if (config->given[i])
             continue;
-        (void)snprintf(name, sizeof name, "VORONOID_%s", infos[i].flag);
-        for (char *c = name; *c != '\0'; c++)
-            *c = *c == '-' ? '_' : (char)toupper((unsigned char)*c);
+        name_variable(&infos[i], name, sizeof name);
         value = get(name);
         status = set(config, i, value != NULL ? value : infos[i].fallback, err);
         if (status != VOR_OK)
@@ -264,23 +272,61 @@ vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
     return status;
 }
 
+/* What stands behind a flag in the help. */
+static const char *placeholder(const struct setting_info *info)
+{
+    switch (info->kind) {
+    case VOR_SETTING_TEXT:
+        return info->unit;
+    case VOR_SETTING_COUNT_OF:
+        return "N";
+    case VOR_SETTING_BYTES:
+        return "BYTES";
+    case VOR_SETTING_TIME:
+        return "SECONDS";
+    case VOR_SETTING_CHOICE:
+        return "WORD";
+    case VOR_SETTING_FLAG:
+        break;
+    }
+    return "";
+}
+
+static void print_range(FILE *out, const struct setting_info *info)
+{
+    switch (info->kind) {
+    case VOR_SETTING_COUNT_OF:
+    case VOR_SETTING_TIME:
+        (void)fprintf(out, "%.10g to %.10g %s, ", info->min, info->max, info->unit);
+        break;
+    case VOR_SETTING_BYTES:
+        (void)fprintf(out, "%.10g to %.10g %s, or with K, M, G or T, ", info->min, info->max,
+                      info->unit);
+        break;
+    case VOR_SETTING_CHOICE:
+        (void)fprintf(out, "one of %s, ", info->unit);
+        break;
+    case VOR_SETTING_TEXT:
+    case VOR_SETTING_FLAG:
+        break;
+    }
+    if (info->fallback[0] != '\0' && info->kind != VOR_SETTING_FLAG)
+        (void)fprintf(out, "default %s ", info->fallback);
+}
+
 void vor_config_help(FILE *out)
 {
     for (int i = 0; i < VOR_SETTING_COUNT; i++) {
-        const struct setting_info *info = &infos[i];
+        const char *value = placeholder(&infos[i]);
+        char variable[VARIABLE_MAX];
 
-        (void)fprintf(out, "  --%s %s\n      %s", info->flag, info->unit, info->sentence);
-        if (info->kind != VOR_SETTING_FLAG && info->max > 0)
-            (void)fprintf(out, " (%.10g to %.10g", info->min, info->max);
-        else if (info->fallback[0] != '\0' && info->kind != VOR_SETTING_FLAG)
-            (void)fputs(" (", out);
-        if (info->kind != VOR_SETTING_FLAG && info->fallback[0] != '\0')
-            (void)fprintf(out, "%sdefault %s)", info->max > 0 ? "; " : "", info->fallback);
-        (void)fputc('\n', out);
+        name_variable(&infos[i], variable, sizeof variable);
+        (void)fprintf(out, "  --%s%s%s\n      %s\n      ", infos[i].flag,
+                      value[0] != '\0' ? " " : "", value, infos[i].sentence);
+        print_range(out, &infos[i]);
+        (void)fprintf(out, "(env: %s)\n", variable);
     }
-    (void)fputs("Every setting is also an environment variable: --http-threads is "
-                "VORONOID_HTTP_THREADS. A flag wins.\n",
-                out);
+    (void)fputs("A flag wins over the environment.\n", out);
 }
 
 int vor_config_list_has(const char *list, const char *item, size_t length)

@@ -1,14 +1,14 @@
-/* The order of life: settings, store, blobs, pool, jobs, admission, HTTP; then wait for a signal;
- * then the same backwards. */
+/* The order of life: settings, store, blobs, socket, pool, jobs, admission, HTTP; then wait for a
+ * signal; then the same backwards. */
 #include "server/serve.h"
 
 #include "server/admit.h"
 #include "server/app.h"
 #include "server/clock.h"
 #include "server/log.h"
+#include "server/machine.h"
 #include "server/routes.h"
 
-#include <errno.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
@@ -35,51 +35,20 @@ struct daemon {
     long holder;
 };
 
-static size_t read_limit(const char *path)
-{
-    FILE *file = fopen(path, "re");
-    unsigned long long value = 0;
-
-    if (file == NULL)
-        return 0;
-    if (fscanf(file, "%llu", &value) != 1)
-        value = 0;
-    (void)fclose(file);
-    return (size_t)value;
-}
-
-/* Memory that this process may use: the machine's, or the control group's if that is less. */
-static size_t machine_memory(void)
-{
-    static const char *const limits[] = {"/sys/fs/cgroup/memory.max",
-                                         "/sys/fs/cgroup/memory/memory.limit_in_bytes"};
-    size_t memory = (size_t)sysconf(_SC_PHYS_PAGES) * (size_t)sysconf(_SC_PAGESIZE);
-
-    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++) {
-        size_t limit = read_limit(limits[i]);
-
-        if (limit > 0 && limit < memory)
-            memory = limit;
-    }
-    return memory;
-}
-
 static size_t job_memory(const struct vor_config *config)
 {
     double asked = config->number[VOR_SET_JOB_MEMORY];
 
     if (asked > 0)
         return (size_t)asked;
-    return (size_t)((double)machine_memory() * 0.7 / config->number[VOR_SET_JOBS]);
+    return (size_t)((double)vor_machine_memory() * 0.7 / config->number[VOR_SET_JOBS]);
 }
 
 static unsigned thread_count(const struct vor_config *config)
 {
-    long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    unsigned asked = (unsigned)config->number[VOR_SET_THREADS];
 
-    if (config->number[VOR_SET_THREADS] > 0)
-        return (unsigned)config->number[VOR_SET_THREADS];
-    return cores < 1 ? 1 : cores > VOR_THREADS_MAX ? VOR_THREADS_MAX : (unsigned)cores;
+    return asked > 0 ? asked : vor_machine_cores();
 }
 
 static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
@@ -125,7 +94,7 @@ static void library_line(void *ctx, const char *line)
     vor_log(VOR_LOG_DEBUG, "http library", VOR_TEXT("detail", line));
 }
 
-static vor_status start_http(struct daemon *daemon, struct vor_error *err)
+static vor_status open_http(struct daemon *daemon, struct vor_error *err)
 {
     const struct vor_config *config = &daemon->config;
     const struct vor_http_options options = {
@@ -145,19 +114,20 @@ static vor_status start_http(struct daemon *daemon, struct vor_error *err)
         .log = library_line,
     };
 
-    vor_status status = vor_http_open(&daemon->app.http, &options, err);
-
-    return status == VOR_OK ? vor_http_start(daemon->app.http, err) : status;
+    return vor_http_open(&daemon->app.http, &options, err);
 }
 
+/* No job is touched before it is certain that this daemon can be reached. */
 static vor_status start(struct daemon *daemon, struct vor_error *err)
 {
     vor_status status = open_storage(daemon, err);
 
     if (status == VOR_OK)
+        status = open_http(daemon, err);
+    if (status == VOR_OK)
         status = start_jobs(daemon, err);
     if (status == VOR_OK)
-        status = start_http(daemon, err);
+        status = vor_http_start(daemon->app.http, err);
     return status;
 }
 
@@ -239,11 +209,9 @@ static int run(struct daemon *daemon)
 
 static int failed_start(const struct daemon *daemon, const struct vor_error *err)
 {
-    if (daemon->holder != 0) {
-        (void)fprintf(stderr, "voronoid: %s (held by process %ld)\n", err->message, daemon->holder);
-        return EXIT_STORE_IN_USE;
-    }
     (void)fprintf(stderr, "voronoid: %s\n", err->message);
+    if (daemon->holder != 0)
+        return EXIT_STORE_IN_USE;
     return err->status == VOR_E_PARAM ? EXIT_USAGE_WRONG : EXIT_FAILURE;
 }
 

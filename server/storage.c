@@ -102,7 +102,8 @@ vor_status vor_storage_lock(int *fd, const char *path, long *holder, struct vor_
     }
     if (errno == EWOULDBLOCK) {
         *holder = read_holder(file);
-        status = vor_fail(err, VOR_E_IO, "%s is in use by process %ld", path, *holder);
+        status = *holder > 0 ? vor_fail(err, VOR_E_IO, "%s is in use by process %ld", path, *holder)
+                             : vor_fail(err, VOR_E_IO, "%s is in use by another process", path);
     } else {
         status = vor_fail_errno(err, errno, path);
     }

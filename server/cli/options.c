@@ -1,13 +1,10 @@
-/* What stands on the command line, read by the tables. sched_getaffinity needs _GNU_SOURCE. */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE
-#endif
+/* What stands on the command line, read by the tables. */
 #include "server/cli/cli.h"
 
 #include "core/base/parallel.h"
 #include "proto/quote.h"
+#include "server/machine.h"
 
-#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -200,16 +197,6 @@ static void read_environment(struct vor_cli *cli)
         cli->option[VOR_OPTION_SERVER] = NULL;
 }
 
-/* Cores this process may use: fewer than there are in a container. */
-static unsigned count_cores(void)
-{
-    cpu_set_t set;
-
-    if (sched_getaffinity(0, sizeof set, &set) != 0)
-        return 1;
-    return CPU_COUNT(&set) > VOR_THREADS_MAX ? VOR_THREADS_MAX : (unsigned)CPU_COUNT(&set);
-}
-
 static vor_status resolve_threads(struct vor_cli *cli, struct vor_error *err)
 {
     const char *text = cli->option[VOR_OPTION_THREADS];
@@ -222,7 +209,7 @@ static vor_status resolve_threads(struct vor_cli *cli, struct vor_error *err)
         return vor_fail_param(
             err, VOR_E_PARAM, "threads", "threads is %s, want a whole number from 0 to %d",
             vor_quote(quoted, sizeof quoted, text, strlen(text)), VOR_THREADS_MAX);
-    cli->threads = threads > 0 ? (unsigned)threads : count_cores();
+    cli->threads = threads > 0 ? (unsigned)threads : vor_machine_cores();
     return VOR_OK;
 }
 

@@ -5,6 +5,7 @@ use warnings;
 use File::Temp qw(tempdir);
 use FindBin;
 use lib "$FindBin::Bin/../support";
+use POSIX ();
 use Test::More;
 use Time::HiRes qw(time sleep);
 use Vt;
@@ -46,11 +47,37 @@ for my $case (
 my ($status, $routes, $printed) = Vt::run('--print-routes');
 like $printed, qr{^POST /v1/resample 200 }m, '--print-routes prints the routes';
 
+my ($helped, undef, $help) = Vt::run('--help');
+is $helped, 0, '--help is no mistake';
+for my $entry (split /^  (?=--)/m, $help =~ s/\A.*?^Settings:\n//msr =~ s/^A flag wins.*//mr) {
+    my ($flag) = $entry =~ /\A(--[a-z-]+)/ or next;
+    like $entry, qr/\A--[a-z-]+(?: [A-Z]+(?::[A-Z]+)?| (?:sqlite|dir):PATH)?\n/, "$flag: its value has a name";
+    my $variable = 'VORONOID_' . uc(substr $flag, 2) =~ tr/-/_/r;
+    like $entry, qr/\(env: $variable\)\n*\z/, "$flag: $variable is named";
+}
+
 # One store, one daemon.
 my $daemon = Vt->start(jobs => 1);
 ($status, my $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$daemon->{dir}/data");
 is $status, 75, 'a second daemon on the same store ends with 75';
-like $text, qr/\b$daemon->{pid}\b/, 'and names the first';
+is scalar(() = $text =~ /\b$daemon->{pid}\b/g), 1, 'and names the first, once';
+
+# Threads: the cores that the process may use, not those that there are.
+SKIP: {
+    my ($cpu) = (`taskset -pc $$ 2>/dev/null` // '') =~ /: (\d+)/;
+    skip 'taskset: not on this machine', 1 unless defined $cpu;
+    my $dir = tempdir(CLEANUP => 1);
+    my $pid = fork // die "fork: $!";
+    if (!$pid) {
+        open STDERR, '>', "$dir/log";
+        exec 'taskset', '-c', $cpu, $ENV{VORONOID} // 'build/release/voronoid', 'serve', '--listen',
+            '127.0.0.1:0', '--data', "$dir/data" or POSIX::_exit(127);
+    }
+    my $said = wait_until(sub { Vt::slurp("$dir/log") =~ /"msg":"listening".*"threads":(\d+)/ && $1 }, 20);
+    is $said, 1, 'on one core it has one thread';
+    kill 'TERM', $pid;
+    waitpid $pid, 0;
+}
 
 # Restart.
 my $done = $daemon->submit('points=100&iterations=3', $cloud);
@@ -61,6 +88,14 @@ my $busy = $daemon->submit($long, $cloud);
 my $waiting = $daemon->submit('points=300&iterations=300&delta=0.0001', $cloud);
 wait_until(sub { $daemon->status($busy) eq 'running' }, 20);
 is $daemon->stop('KILL'), 'signal 9', 'a daemon is killed while a job runs';
+{
+    my $other = Vt->start;
+    ($status, $text) = Vt::run('--listen', $other->{address}, '--data', "$daemon->{dir}/data");
+    is $status, 2, 'a daemon whose address is taken ends with 2';
+    like $text, qr/cannot listen on 127\.0\.0\.1 port $other->{port}/, 'and names it';
+    unlike $text, qr/"job started"/, 'and starts no job';
+    is $other->stop, 0, 'the one that has the address does not mind';
+}
 $daemon = Vt->start(jobs => 1, dir => $daemon->{dir});
 is $daemon->get("/v1/jobs/$done/results/cloud")->{content}, $bytes, 'results survive';
 like $daemon->status($busy), qr/^(accepted|running)$/, 'the running job runs again';
@@ -129,7 +164,7 @@ for my $host ('evil.example', 'localhost.evil.example', "evil.example:$daemon->{
     'cloud.example.evil') {
     my ($code, undef, $raw) = with('GET', '/v1/jobs', Host => $host);
     is $code, 403, "Host $host is refused";
-    like $raw, qr{/problems/forbidden"}, "Host $host: as forbidden";
+    like $raw, qr{"type":"https://cloud\.example/base/problems/forbidden"}, "Host $host: as forbidden";
 }
 my ($code, $head) = with('GET', '/v1/jobs', Host => 'localhost', Origin => 'https://a.example');
 is $code, 200, 'an allowed origin may read';
@@ -153,8 +188,10 @@ for my $origin ('https://evil.example', 'null', 'https://a.example.evil', 'http:
 }
 is +(with('POST', '/v1/resample?points=5', Host => 'localhost', Origin => 'http://localhost',
             'Content-Length' => 0))[0], 422, "the daemon's own origin may submit";
-like $daemon->post('/v1/resample?points=5&iterations=1', $cloud, Prefer => 'respond-async')
-    ->{headers}{location}, qr{\Ahttps://cloud\.example/base/v1/jobs/}, '--public-url makes the links';
+my $named = $daemon->post('/v1/resample?points=5&iterations=1', $cloud, Prefer => 'respond-async');
+like $named->{headers}{location}, qr{\Ahttps://cloud\.example/base/v1/jobs/}, '--public-url makes the links';
+my $named_id = json($named)->{jobID};
+$daemon->finish($named_id);
 
 # Logs.
 my @lines = eval { $daemon->log_lines };
@@ -164,6 +201,12 @@ ok !(grep { !defined $_->{ts} || !defined $_->{level} || !defined $_->{msg} } @l
 my ($request) = grep { $_->{msg} eq 'request' && $_->{status} == 204 } @lines;
 is_deeply [grep { !defined $request->{$_} } qw(request_id method route status dur_s bytes)], [],
     'a request is logged with all that is asked of it';
+is_deeply [map { $_->{job} } grep { ($_->{request_id} // '') eq $named->{headers}{'x-request-id'} } @lines],
+    [$named_id], 'the request that made a job is logged with its name';
+ok((grep { $_->{msg} eq 'request' && ($_->{job} // '') eq $named_id && $_->{method} eq 'GET' } @lines),
+    'so is one that asks for it');
+ok !(grep { $_->{msg} eq 'request' && $_->{route} eq '/v1/jobs' && defined $_->{job} } @lines),
+    'and no other';
 $daemon->raw("GET /\x1b[31mred HTTP/1.1\r\nHost: localhost\r\nX-Request-Id: \xff\xfe\r\nConnection: close\r\n\r\n");
 $daemon->raw("GET /a%0d%0aInjected:%20x HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
 @lines = eval { $daemon->log_lines };
