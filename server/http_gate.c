@@ -77,6 +77,16 @@ static const char *check_target(const char *target)
     return NULL;
 }
 
+/* Bytes of the block as it came, but for blanks around values. */
+static size_t block_length(const struct vor_head *head)
+{
+    size_t length = strlen(head->target) + strlen("OPTIONS  HTTP/1.1\r\n\r\n");
+
+    for (size_t i = 0; i < head->field_count; i++)
+        length += strlen(head->fields[i].name) + strlen(head->fields[i].value) + strlen(": \r\n");
+    return length;
+}
+
 static const char *check_fields(const struct vor_head *head)
 {
     for (size_t i = 0; i < head->field_count; i++) {
@@ -127,8 +137,8 @@ const char *vor_gate_check(const struct vor_head *head, const char **detail)
         return "smuggled-framing";
     if (strcmp(head->version, "HTTP/1.1") != 0 && strcmp(head->version, "HTTP/1.0") != 0)
         *detail = "the version is neither HTTP/1.1 nor HTTP/1.0";
-    else
-        *detail = check_target(head->target);
+    else if ((*detail = check_target(head->target)) == NULL && block_length(head) > VOR_HEADER_MAX)
+        *detail = "the header block is longer than 32768 bytes";
     return *detail != NULL ? "malformed-request" : NULL;
 }
 

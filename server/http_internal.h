@@ -13,9 +13,11 @@ struct MHD_Daemon;
 enum {
     VOR_TARGET_MAX = 8192,       /**< bytes of a request target */
     VOR_FIELDS_MAX = 100,        /**< header fields of a request */
+    VOR_HEADER_MAX = 32768,      /**< bytes of a header block, request line and all */
     VOR_QUERY_MAX = 64,          /**< pairs of a query */
     VOR_REPLY_FIELDS_MAX = 24,   /**< header fields of a reply */
-    VOR_CONNECTION_BYTES = 32768 /**< what libmicrohttpd keeps for a connection: header block too */
+    VOR_CONNECTION_BYTES = 49152 /**< what libmicrohttpd keeps for a connection: the longest header
+                                    block, and room to read a body and to answer */
 };
 
 struct vor_field {

@@ -87,6 +87,33 @@ for my $case (['100 more', join '', map { "X-$_: v\r\n" } 1 .. 100]) {
     my ($slug, $status) = problem_of($daemon->raw("GET /livez HTTP/1.1\r\n$host$case->[1]\r\n", 5));
     is "$status $slug", '400 malformed-request', 'more than 100 header fields are refused';
 }
+{
+    my $cloud = sphere_ply(1000);
+    my $block = sub {
+        my ($length) = @_;
+        my $head = "POST /v1/resample?points=100&iterations=1 HTTP/1.1\r\n${host}Connection: close\r\n"
+            . 'Content-Length: ' . length($cloud) . "\r\n";
+        my $left = $length - length($head) - 2;
+        for my $i (1 .. 8) {
+            my $size = $i < 8 ? int($length / 9) : $left;
+            $head .= "X-$i: " . ('v' x ($size - 7)) . "\r\n";
+            $left -= $size;
+        }
+        return "$head\r\n";
+    };
+    for my $length (16000, 28000, 31000, 32000, 32750) {
+        is length $block->($length), $length, "a header block of $length bytes";
+        like $daemon->raw($block->($length) . $cloud, 10), qr{\AHTTP/1\.1 200 .*^element vertex 100\n}ms,
+            'with a body behind it is served';
+    }
+    for my $length (32800, 36000, 40000) {
+        my $raw = $daemon->raw($block->($length) . $cloud, 10);
+        my ($slug, $status) = problem_of($raw);
+        is "$status $slug", '400 malformed-request', "a header block of $length bytes is refused";
+        like $raw, qr/the header block is longer than 32768 bytes/, 'with the limit';
+    }
+    like $daemon->raw($block->(60000), 10), qr{\AHTTP/1\.1 431 }, 'one of 60,000 by the library';
+}
 for my $value ('a b', 'a"b', 'http://x', 'a,b', '') {
     my ($slug, $status) = problem_of($daemon->raw("GET /livez HTTP/1.1\r\nHost: $value\r\n"
             . "Connection: close\r\n\r\n", 5));
