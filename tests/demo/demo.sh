@@ -8,39 +8,6 @@ cloud=${2:-}
 out=build/demo
 points=${POINTS:-10000}
 
-# The scan comes from a Debian package that is looked into, not installed.
-package=libcgal-demo
-version=5.5.1-2
-package_sha256=78b09b23d4d6d1bf15552a1060b419ab3fc09918486462faed197e5fc6ac3735
-scan=data/points_3/building.ply
-scan_sha256=8604fd5448ed716f58df787a7696481f26b3c69587f88048fc48223467ac71f7
-
-fetch_scan()
-{
-    local folder=build/scan deb
-    mkdir -p "$folder"
-    if ! echo "$scan_sha256  $folder/building.ply" | sha256sum --check --status 2>/dev/null; then
-        deb=$folder/${package}_${version}_all.deb
-        if ! echo "$package_sha256  $deb" | sha256sum --check --status 2>/dev/null; then
-            echo "Fetching $package $version for its scan of a building ..."
-            (cd "$folder" && { apt-get download -q "$package=$version" || refresh; }) >"$folder/apt.log" 2>&1 ||
-                { cat "$folder/apt.log" >&2; exit 1; }
-        fi
-        echo "$package_sha256  $deb" | sha256sum --check --quiet
-        dpkg-deb --fsys-tarfile "$deb" | tar -xO ./usr/share/doc/libcgal-dev/data.tar.gz |
-            tar -xz -O "$scan" >"$folder/building.ply"
-        echo "$scan_sha256  $folder/building.ply" | sha256sum --check --quiet
-    fi
-    cloud=$folder/building.ply
-}
-
-# The lists of packages may be missing or old.
-refresh()
-{
-    if [ "$(id -u)" = 0 ]; then apt-get update -q; else sudo -n apt-get update -q; fi
-    apt-get download -q "$package=$version"
-}
-
 start_daemon()
 {
     data=$(mktemp -d)
@@ -102,7 +69,7 @@ report()
 }
 
 mkdir -p "$out"
-[ -n "$cloud" ] || fetch_scan
+[ -n "$cloud" ] || cloud=$(tests/demo/scan.sh building.ply)
 start_daemon
 echo "voronoid listens at $url (log: $out/daemon.log)"
 echo "POST /v1/resample?points=$points&format=drc  $(basename "$cloud")"
