@@ -61,7 +61,7 @@ static vor_status resolve_target(struct engine *engine, struct vor_error *err)
     }
     if (!(n >= info->min && n <= most))
         return vor_fail_param(err, VOR_E_TARGET, vor_parameter_info(from)->name,
-                              "%s %g asks for %.0f points, want %.0f to %.0f (at most %d times the "
+                              "%s %.10g asks for %.0f points, want %.0f to %.0f (at most %d times the "
                               "input's %zu)",
                               vor_parameter_info(from)->name, value[from], n, info->min, most,
                               RATIO_MAX, engine->in->n);

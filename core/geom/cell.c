@@ -57,6 +57,18 @@ void vor_disc_init(struct vor_disc *disc, unsigned rings)
     }
 }
 
+static double farthest2(const struct vor_polygon *polygon)
+{
+    double far = 0;
+
+    for (unsigned j = 0; j < polygon->count; j++) {
+        double d2 = vor_dot(polygon->vertex[j], polygon->vertex[j]);
+
+        far = d2 > far ? d2 : far;
+    }
+    return far;
+}
+
 void vor_cell_begin(struct vor_cell *cell, const struct vor_disc *disc,
                     const struct vor_surface *surface, const double seed[3], double radius)
 {
@@ -71,54 +83,52 @@ void vor_cell_begin(struct vor_cell *cell, const struct vor_disc *disc,
         lifted[i][0] = u;
         lifted[i][1] = v;
         lifted[i][2] = vor_surface_height(surface, seed[0] + u, seed[1] + v, NULL) - seed[2];
-        cell->radius2 = fmax(cell->radius2, vor_dot(lifted[i], lifted[i]));
     }
     cell->count = disc->triangle_count;
     for (unsigned i = 0; i < cell->count; i++) {
         cell->piece[i].count = 3;
         for (unsigned j = 0; j < 3; j++)
             memcpy(cell->piece[i].vertex[j], lifted[disc->triangle[i][j]], sizeof lifted[0]);
+        cell->piece[i].radius2 = farthest2(&cell->piece[i]);
+        if (cell->piece[i].radius2 > cell->radius2)
+            cell->radius2 = cell->piece[i].radius2;
     }
 }
 
-/* Sutherland and Hodgman against one plane: side[i] <= 0 is kept. */
-static void clip_polygon(struct vor_polygon *polygon, const double *side)
+/* Sutherland and Hodgman against one plane: side[i] <= 0 is kept. from and to differ. */
+static void clip_polygon(struct vor_polygon *to, const struct vor_polygon *from, const double *side)
 {
-    struct vor_polygon kept;
-    unsigned n = polygon->count;
+    unsigned n = from->count, count = 0;
 
-    kept.count = 0;
     for (unsigned i = 0; i < n; i++) {
         unsigned j = i + 1 < n ? i + 1 : 0;
-        const double *a = polygon->vertex[i], *b = polygon->vertex[j];
+        const double *a = from->vertex[i], *b = from->vertex[j];
 
         if (side[i] <= 0)
-            memcpy(kept.vertex[kept.count++], a, 3 * sizeof *a);
+            memcpy(to->vertex[count++], a, 3 * sizeof *a);
         if ((side[i] <= 0) != (side[j] <= 0)) {
             double t = side[i] / (side[i] - side[j]);
-            double *cut = kept.vertex[kept.count++];
+            double *cut = to->vertex[count++];
 
             for (int c = 0; c < 3; c++)
                 cut[c] = a[c] + t * (b[c] - a[c]);
         }
     }
-    polygon->count = kept.count;
-    memcpy(polygon->vertex, kept.vertex, kept.count * sizeof kept.vertex[0]);
+    to->count = count;
+    to->radius2 = farthest2(to);
 }
 
-static double farthest2(const struct vor_cell *cell)
+static void copy_polygon(struct vor_polygon *to, const struct vor_polygon *from)
 {
-    double far = 0;
-
-    for (unsigned i = 0; i < cell->count; i++)
-        for (unsigned j = 0; j < cell->piece[i].count; j++)
-            far = fmax(far, vor_dot(cell->piece[i].vertex[j], cell->piece[i].vertex[j]));
-    return far;
+    to->count = from->count;
+    to->radius2 = from->radius2;
+    memcpy(to->vertex, from->vertex, from->count * sizeof from->vertex[0]);
 }
 
 void vor_cell_clip(struct vor_cell *cell, const double offset[3])
 {
-    double limit = vor_dot(offset, offset) / 2, side[VOR_POLYGON_MAX];
+    double length2 = vor_dot(offset, offset), limit = length2 / 2, side[VOR_POLYGON_MAX];
+    double far = 0;
     unsigned kept = 0;
     int cut = 0;
 
@@ -126,28 +136,32 @@ void vor_cell_clip(struct vor_cell *cell, const double offset[3])
         struct vor_polygon *polygon = &cell->piece[i];
         unsigned outside = 0;
 
-        for (unsigned j = 0; j < polygon->count; j++) {
-            side[j] = vor_dot(polygon->vertex[j], offset) - limit;
-            outside += side[j] > 0;
-        }
+        /* No corner reaches half way to the other seed. */
+        if (4 * polygon->radius2 > length2)
+            for (unsigned j = 0; j < polygon->count; j++) {
+                side[j] = vor_dot(polygon->vertex[j], offset) - limit;
+                outside += side[j] > 0;
+            }
         cut |= outside > 0;
         if (outside == polygon->count)
             continue;
         /* A convex polygon gains at most one corner a cut; one this rich is left uncut. */
-        if (outside > 0 && polygon->count < VOR_POLYGON_MAX - 1)
-            clip_polygon(polygon, side);
-        if (kept != i) {
-            cell->piece[kept].count = polygon->count;
-            memcpy(cell->piece[kept].vertex, polygon->vertex,
-                   polygon->count * sizeof polygon->vertex[0]);
+        if (outside > 0 && polygon->count < VOR_POLYGON_MAX - 1) {
+            struct vor_polygon clipped;
+
+            clip_polygon(&clipped, polygon, side);
+            copy_polygon(&cell->piece[kept], &clipped);
+        } else if (kept != i) {
+            copy_polygon(&cell->piece[kept], polygon);
         }
+        far = cell->piece[kept].radius2 > far ? cell->piece[kept].radius2 : far;
         kept++;
     }
     if (!cut)
         return;
     cell->count = kept;
     cell->bisectors++;
-    cell->radius2 = farthest2(cell);
+    cell->radius2 = far;
 }
 
 /* Area of the triangle (a, b, c). */
