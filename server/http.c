@@ -456,9 +456,10 @@ static void on_completed(void *cls, struct MHD_Connection *connection, void **co
     (void)pthread_mutex_lock(&request->waker->lock);
     request->waker->over = true;
     (void)pthread_mutex_unlock(&request->waker->lock);
-    vor_peer_request(http->watchman, request->peer, NULL);
-    vor_peer_late(http->watchman, request->peer, NULL);
-    vor_peer_phase(http->watchman, request->peer, VOR_PHASE_IDLE);
+    if (vor_peer_end(http->watchman, request->peer)) {
+        request->reply.http = 408;
+        request->problem = "upload-timeout";
+    }
     if (request->stage != VOR_AT_NEW) {
         http->options.done(http->options.ctx, request);
         request_free(request);

@@ -138,6 +138,9 @@ const struct vor_route *vor_request_route(const struct vor_request *request);
 /** Notes which job the request is about; the text (up to 39 bytes) is copied. "" until then. */
 void vor_request_set_job(struct vor_request *request, const char *job);
 const char *vor_request_job(const struct vor_request *request);
+/** Notes the slug of the problem that is replied (a static text); NULL until then. */
+void vor_request_set_problem(struct vor_request *request, const char *slug);
+const char *vor_request_problem(const struct vor_request *request);
 int vor_request_status(const struct vor_request *request);
 uint64_t vor_request_bytes_in(const struct vor_request *request);
 uint64_t vor_request_bytes_out(const struct vor_request *request);

@@ -93,7 +93,8 @@ struct vor_request {
     enum vor_method method;
     enum vor_request_stage stage;
     char id[72];
-    char job[40]; /**< that it is about, or "" */
+    char job[40];        /**< that it is about, or "" */
+    const char *problem; /**< slug of the problem replied, or NULL; static */
     const struct vor_route *route;
     double began;
     int64_t length;
@@ -162,6 +163,7 @@ struct vor_peer {
     double wake_at;          /**< 0: no timer */
     struct vor_waker *waker; /**< of the request under way, or NULL */
     char *late;              /**< raw 408 to send when the body is late, or NULL */
+    bool told_late;          /**< and it was */
 };
 
 /** All connections and the thread that sweeps them. */
@@ -184,14 +186,17 @@ void vor_peer_leave(struct vor_watchman *watchman, struct vor_peer *peer);
 void vor_peer_phase(struct vor_watchman *watchman, struct vor_peer *peer, enum vor_phase phase);
 void vor_peer_received(struct vor_watchman *watchman, struct vor_peer *peer, size_t bytes);
 
-/** The request under way on this connection begins to wait, goes on, or ends (waker NULL). The peer
- *  keeps a hold of its own on the waker. */
+/** The request under way on this connection begins to wait, goes on, or there is none (waker NULL).
+ *  The peer keeps a hold of its own on the waker. */
 void vor_peer_wait(struct vor_watchman *watchman, struct vor_peer *peer, bool waiting);
 void vor_peer_request(struct vor_watchman *watchman, struct vor_peer *peer,
                       struct vor_waker *waker);
 void vor_peer_timer(struct vor_watchman *watchman, struct vor_peer *peer, double seconds);
 void vor_peer_late(struct vor_watchman *watchman, struct vor_peer *peer, char *late);
 void vor_peer_linger(struct vor_watchman *watchman, struct vor_peer *peer);
+
+/** The request is over. True when it was cut because its body was late. */
+bool vor_peer_end(struct vor_watchman *watchman, struct vor_peer *peer);
 
 /** Cuts idle connections; from now on those that become idle too. */
 void vor_watchman_quiesce(struct vor_watchman *watchman);

@@ -187,9 +187,10 @@ static bool has_left(struct vor_peer *peer, double now)
            recv(peer->fd, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
 }
 
-static void cut(struct vor_peer *peer)
+static void cut(struct vor_peer *peer, bool is_late)
 {
     if (peer->phase == VOR_PHASE_BODY && peer->late != NULL) {
+        peer->told_late = is_late;
         (void)send(peer->fd, peer->late, strlen(peer->late), MSG_DONTWAIT | MSG_NOSIGNAL);
         peer->linger = true;
         (void)shutdown(peer->fd, SHUT_RD);
@@ -202,8 +203,10 @@ static void cut(struct vor_peer *peer)
 static void check_clocks(struct vor_watchman *watchman, double now)
 {
     for (struct vor_peer *peer = watchman->peers; peer != NULL; peer = peer->next) {
-        if (!peer->cut && (is_late(watchman, peer, now) || has_left(peer, now)))
-            cut(peer);
+        bool late = !peer->cut && is_late(watchman, peer, now);
+
+        if (late || (!peer->cut && has_left(peer, now)))
+            cut(peer, late);
         if (peer->wake_at > 0 && now >= peer->wake_at) {
             peer->wake_at = 0;
             call_later(watchman, peer, false);
@@ -408,6 +411,21 @@ void vor_peer_late(struct vor_watchman *watchman, struct vor_peer *peer, char *l
     free(peer->late);
     peer->late = late;
     (void)pthread_mutex_unlock(&watchman->lock);
+}
+
+bool vor_peer_end(struct vor_watchman *watchman, struct vor_peer *peer)
+{
+    bool told;
+
+    if (peer == NULL)
+        return false;
+    (void)pthread_mutex_lock(&watchman->lock);
+    told = peer->told_late;
+    (void)pthread_mutex_unlock(&watchman->lock);
+    vor_peer_request(watchman, peer, NULL);
+    vor_peer_late(watchman, peer, NULL);
+    vor_peer_phase(watchman, peer, VOR_PHASE_IDLE);
+    return told;
 }
 
 void vor_peer_linger(struct vor_watchman *watchman, struct vor_peer *peer)

@@ -52,6 +52,7 @@ void vor_reply_clear(struct vor_request *request, unsigned fields)
     reply->http = 0;
     reply->size = 0;
     reply->close = false;
+    request->problem = NULL;
 }
 
 void vor_reply_bytes(struct vor_request *request, int http, const char *media_type,

@@ -105,6 +105,16 @@ const char *vor_request_job(const struct vor_request *request)
     return request->job;
 }
 
+void vor_request_set_problem(struct vor_request *request, const char *slug)
+{
+    request->problem = slug;
+}
+
+const char *vor_request_problem(const struct vor_request *request)
+{
+    return request->problem;
+}
+
 int vor_request_status(const struct vor_request *request)
 {
     return request->reply.http;

@@ -199,6 +199,7 @@ void vor_route_done(void *ctx, const struct vor_request *request)
             VOR_TEXT("path", vor_request_path(request)),
             VOR_TEXT("job", job[0] != '\0' ? job : NULL),
             VOR_COUNT("status", vor_request_gone(request) || status == 0 ? 499 : status),
+            VOR_TEXT("problem", vor_request_problem(request)),
             VOR_REAL("dur_s", round(vor_request_seconds(request) * 1e6) / 1e6),
             VOR_COUNT("bytes_in", vor_request_bytes_in(request)),
             VOR_COUNT("bytes", vor_request_bytes_out(request)));

@@ -6,6 +6,7 @@
 #include "server/worker_internal.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -270,7 +271,8 @@ static void clean_up(struct run *run, double began)
     vor_log(VOR_LOG_INFO, "job ended", VOR_TEXT("job", view.id.text),
             VOR_TEXT("status", vor_job_status_word(view.status)), VOR_TEXT("message", view.message),
             VOR_COUNT("attempt", view.attempt), VOR_COUNT("points", view.output.points),
-            VOR_COUNT("bytes", view.output.bytes), VOR_REAL("dur_s", vor_clock_seconds() - began));
+            VOR_COUNT("bytes", view.output.bytes),
+            VOR_REAL("dur_s", round((vor_clock_seconds() - began) * 1e6) / 1e6));
 }
 
 /* accepted -> running in the store; false when the job was dismissed or the daemon goes down. */

@@ -151,6 +151,10 @@ is $daemon->get('/nope', headers => { Accept => 'application/json' })->{headers}
     'application/json', 'who accepts application/json alone gets a problem as that';
 my ($type) = json($daemon->get('/nope'))->{type} =~ m{^\Q$daemon->{url}\E(/.*)};
 is $daemon->get($type)->{status}, 200, 'the type of a problem leads to a page';
+ok((grep { ($_->{status} // '') eq '422' && $_->{problem} eq 'undecodable-cloud' } $daemon->log_lines),
+    'the log names the problem');
+ok !(grep { ($_->{status} // '') eq '200' && defined $_->{problem} } $daemon->log_lines),
+    'where there was one';
 is $daemon->get('/livez')->{status}, 200, "the daemon lives after all of this";
 is scalar(grep { $_->{status} && $_->{status} =~ /^50[^3]/ } $daemon->log_lines), 0,
     'and nothing was our own fault';
