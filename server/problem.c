@@ -121,7 +121,7 @@ enum vor_next vor_problem_reply(struct vor_app *app, struct vor_request *request
     struct vor_text text;
 
     fill_doc(app, request, problem, &room, &doc);
-    vor_request_set_problem(request, find_row(problem->slug, strlen(problem->slug))->slug);
+    vor_request_set_problem(request, problem->slug);
     add_headers(request, problem, &doc);
     vor_text_init(&text, 0);
     vor_json_problem(&text, &doc);
