@@ -60,11 +60,12 @@ static vor_status resolve_target(struct engine *engine, struct vor_error *err)
         n = rint(area / (0.86602540378443865 * spacing * spacing));
     }
     if (!(n >= info->min && n <= most))
-        return vor_fail_param(err, VOR_E_TARGET, vor_parameter_info(from)->name,
-                              "%s %.10g asks for %.0f points, want %.0f to %.0f (at most %d times the "
-                              "input's %zu)",
-                              vor_parameter_info(from)->name, value[from], n, info->min, most,
-                              RATIO_MAX, engine->in->n);
+        return vor_fail_param(
+            err, VOR_E_TARGET, vor_parameter_info(from)->name,
+            "%s %.10g asks for %.0f points, want %.0f to %.0f (at most %d times the "
+            "input's %zu)",
+            vor_parameter_info(from)->name, value[from], n, info->min, most, RATIO_MAX,
+            engine->in->n);
     engine->n = (size_t)n;
     engine->report.parameters = engine->spec;
     engine->report.parameters.value[VOR_PARAM_POINTS] = n;

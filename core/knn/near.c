@@ -51,24 +51,26 @@ static float squared(const float a[3], const float b[3])
 static float select(const struct vor_near *near, const uint32_t *list, const float x[3],
                     uint32_t *index)
 {
-    float distance2[WIDE_MAX];
+    float distance2[WIDE_MAX], worst = INFINITY;
     unsigned count = 0;
 
+    memset(distance2, 0, near->k * sizeof *distance2); /* the analysers want it said */
     for (unsigned j = 0; j < near->wide; j++) {
         float d = squared(&near->reference[3 * (size_t)list[j]], x);
-        unsigned at;
+        unsigned at = count < near->k ? count++ : near->k - 1;
 
-        if (count == near->k && !(d < distance2[count - 1]))
+        if (!(d < worst))
             continue;
-        count += count < near->k;
-        for (at = count - 1; at > 0 && d < distance2[at - 1]; at--) {
+        for (; at > 0 && d < distance2[at - 1]; at--) {
             distance2[at] = distance2[at - 1];
             index[at] = index[at - 1];
         }
         distance2[at] = d;
         index[at] = list[j];
+        if (count == near->k)
+            worst = distance2[count - 1];
     }
-    return sqrtf(distance2[near->k - 1]);
+    return sqrtf(worst);
 }
 
 static void make_list(struct vor_near *near, size_t i, const float x[3], uint32_t *index)
