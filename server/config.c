@@ -6,7 +6,10 @@
 #include <string.h>
 #include <strings.h>
 
-enum { VARIABLE_MAX = 64 }; /* bytes of an environment variable's name */
+enum {
+    VARIABLE_MAX = 64,   /* bytes of an environment variable's name */
+    PUBLIC_URL_MAX = 300 /* what a link of the longest path still fits behind */
+};
 
 struct setting_info {
     const char *flag;
@@ -214,6 +217,47 @@ static vor_status split_listen(struct vor_config *config, struct vor_error *err)
     return VOR_OK;
 }
 
+/* Length of "http://HOST:PORT" or the like at the start of text; 0 when there is none. */
+static size_t origin_length(const char *text)
+{
+    static const char host[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._:[]";
+    size_t scheme = strspn(text, "abcdefghijklmnopqrstuvwxyz0123456789+-.");
+    size_t length;
+
+    if (scheme == 0 || strncmp(text + scheme, "://", 3) != 0)
+        return 0;
+    length = strspn(text + scheme + 3, host);
+    return length > 0 ? scheme + 3 + length : 0;
+}
+
+/* Wrong ones would only show as links that lead nowhere, or as pages that are let in nowhere. */
+static vor_status check_addresses(const struct vor_config *config, struct vor_error *err)
+{
+    const char *url = config->text[VOR_SET_PUBLIC_URL];
+    const char *list = config->text[VOR_SET_CORS_ORIGIN];
+    size_t length = origin_length(url);
+
+    if (url[0] != '\0' &&
+        (strncmp(url, "http", 4) != 0 || length == 0 || strchr("/", url[length]) == NULL ||
+         strpbrk(url, " \"<>\\^`{|}?#") != NULL || strlen(url) > PUBLIC_URL_MAX))
+        return vor_fail_param(err, VOR_E_PARAM, "public-url",
+                              "--public-url is \"%.80s\", want http://HOST or https://HOST, with a "
+                              "port and a path or without, of at most %d bytes",
+                              url, PUBLIC_URL_MAX);
+    while (*(list += strspn(list, ", ")) != '\0') {
+        size_t word = strcspn(list, ", ");
+
+        if (origin_length(list) != word)
+            return vor_fail_param(err, VOR_E_PARAM, "cors-origin",
+                                  "--cors-origin holds \"%.*s\", want a list of origins such as "
+                                  "https://HOST or http://HOST:PORT, without a path",
+                                  (int)(word < 80 ? word : 80), list);
+        list += word;
+    }
+    return VOR_OK;
+}
+
 /* prefix, directory and suffix as a setting's text; false when they do not fit. */
 static int compose(struct vor_config *config, int setting, const char *prefix,
                    const char *directory, const char *suffix)
@@ -267,6 +311,8 @@ vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
         status = read_environment(out, getenv, err);
     if (status == VOR_OK)
         status = split_listen(out, err);
+    if (status == VOR_OK)
+        status = check_addresses(out, err);
     if (status == VOR_OK)
         status = find_places(out, getenv, err);
     return status;

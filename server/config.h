@@ -88,8 +88,9 @@ struct vor_config {
  * read.
  *
  *  @retval VOR_E_PARAM an unknown flag, a value missing or out of range (message: flag, value and
- *                      range), LISTEN not HOST:PORT, not a loopback address without NO_AUTH, or no
- *                      directory for DATA */
+ *                      range), LISTEN not HOST:PORT, not a loopback address without NO_AUTH,
+ *                      PUBLIC_URL no URL, CORS_ORIGIN no list of origins, or no directory for DATA
+ */
 VOR_NODISCARD vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
                                          char *(*getenv)(const char *name), struct vor_error *err);
 

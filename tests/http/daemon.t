@@ -25,6 +25,12 @@ for my $case (
     [['--listen', '0.0.0.0:0'], qr/open to other machines.*--no-auth/],
     [['--listen', '[::]:0'], qr/open to other machines/],
     [['--store', 'mysql:x', '--listen', '127.0.0.1:0'], qr/sqlite:/],
+    [['--public-url', 'cloud.example'], qr/--public-url is "cloud\.example", want http:/],
+    [['--public-url', 'ftp://cloud.example'], qr/want http:/], [['--public-url', 'https://'], qr/want http:/],
+    [['--public-url', 'https://a b/'], qr/want http:/], [['--public-url', 'https://a/?x'], qr/want http:/],
+    [['--cors-origin', '*'], qr/--cors-origin holds "\*", want a list of origins/],
+    [['--cors-origin', 'https://a.example, https://b.example/'], qr{holds "https://b\.example/"}],
+    [['--cors-origin', 'a.example'], qr/holds "a\.example"/],
     [['--colour', 'red'], qr/no setting --colour/], [['red'], qr/red is no setting/],
 ) {
     my ($arguments, $message) = @$case;
