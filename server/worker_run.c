@@ -172,6 +172,10 @@ static void describe_success(struct run *run, struct vor_job_view *row)
 {
     row->progress = 100;
     row->output = run->output;
+    /* The last iteration need not be the one that is handed out. */
+    row->record.delta = run->report.delta;
+    row->record.sigma = run->report.sigma;
+    row->record.epsilon = run->report.epsilon;
     (void)snprintf(row->message, sizeof row->message, "%llu points after %u iterations, delta %.4f",
                    (unsigned long long)run->output.points, (unsigned)run->report.iterations,
                    run->report.delta);

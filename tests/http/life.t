@@ -56,6 +56,9 @@ is $info->{voronoid}{target}{points}, 400, 'the target is known';
 my $done = $daemon->finish($id);
 is $done->{status}, 'successful', 'the job ends well';
 is $done->{progress}, 100, 'progress reaches 100';
+my $measured = json($daemon->get("/v1/jobs/$id/results/report"));
+is_deeply [@{ $done->{voronoid}{metrics} }{qw(delta sigma epsilon)}], [@$measured{qw(delta sigma epsilon)}],
+    'and the metrics are those of the result';
 ok defined $done->{finished}, 'the end has a time';
 my ($results) = links($done, 'http://www.opengis.net/def/rel/ogc/1.0/results');
 is $results->{href}, "$daemon->{url}/v1/jobs/$id/results", 'the results link is there at the end';
