@@ -11,8 +11,12 @@ vor_status vor_near_init(struct vor_near *out, size_t n, unsigned k, const struc
                          const float *reference, size_t m, struct vor_memory *memory,
                          struct vor_error *err)
 {
-    struct vor_near near = {
-        .memory = memory, .knn = knn, .reference = reference, .n = n, .k = k, .wide = k + k / 2};
+    struct vor_near near = {.memory = memory,
+                            .knn = knn,
+                            .reference = reference,
+                            .n = n,
+                            .k = k,
+                            .wide = k + k / 2 + 2};
 
     if (near.wide > m)
         near.wide = (unsigned)m;

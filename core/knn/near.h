@@ -19,7 +19,7 @@ struct vor_near {
 
 /** For n queries of the k nearest of m reference points (m x 3 floats, k <= m), without lists yet.
  *
- *  @retval VOR_E_NOMEM (6 k + 16) n bytes do not fit */
+ *  @retval VOR_E_NOMEM (6 k + 24) n bytes do not fit */
 VOR_NODISCARD vor_status vor_near_init(struct vor_near *out, size_t n, unsigned k,
                                        const struct vor_knn *knn, const float *reference, size_t m,
                                        struct vor_memory *memory, struct vor_error *err);
