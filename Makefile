@@ -87,7 +87,7 @@ $(B)/tests/%: $(B)/tests/%.o $(call obj,$(SUPPORT_SRC)) $(LIB)
 
 # The goals below install what they need first, so their work is a make of its own: pkg-config is asked anew.
 demo: ## install what is missing, build, and send a real scan through the daemon (CLOUD=file takes yours)
-	@docker/install.sh build
+	@docker/install.sh build demo
 	@$(MAKE) --no-print-directory all
 	@tests/demo/demo.sh $(BIN) $(if $(CLOUD),'$(CLOUD)')
 
