@@ -415,6 +415,9 @@ static void status_words(char *out, size_t size, unsigned statuses)
                                    vor_job_status_word((enum vor_job_status)i));
 }
 
+/* Milliseconds that a started job has run; ?9 is now. */
+#define DURATION "CASE finished WHEN 0 THEN ?9 ELSE finished END - started"
+
 vor_status vor_store_list(struct vor_store *store, const struct vor_job_filter *filter,
                           int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
                           struct vor_error *err)
@@ -427,9 +430,13 @@ vor_status vor_store_list(struct vor_store *store, const struct vor_job_filter *
                             "SELECT " ROW_COLUMNS " FROM job WHERE expired = 0"
                             " AND (?1 = '' OR instr(?1, ',' || status || ',') > 0)"
                             " AND (?2 IS NULL OR process_id = ?2) AND (?3 = 0 OR seq < ?3)"
+                            " AND created >= ?5 AND (?6 = 0 OR created <= ?6)"
+                            " AND (?7 = 0 OR (started > 0 AND " DURATION " >= ?7))"
+                            " AND (?8 = 0 OR (started > 0 AND " DURATION " <= ?8))"
                             " ORDER BY seq DESC LIMIT ?4",
-                            "ttii", statuses, filter->process, filter->before_seq,
-                            (int64_t)filter->limit);
+                            "ttiiiiiii", statuses, filter->process, filter->before_seq,
+                            (int64_t)filter->limit, filter->created_from, filter->created_to,
+                            filter->duration_min, filter->duration_max, filter->now);
 }
 
 static int count_row(void *ctx, struct vor_sqlite_row *row)

@@ -92,7 +92,10 @@ struct vor_job_filter {
     unsigned statuses;   /**< bit 1 << VOR_JOB_...; 0 for all */
     const char *process; /**< borrowed; NULL for all */
     int64_t before_seq;  /**< only those with a smaller seq: the cursor; 0 from the newest */
-    size_t limit;        /**< 1 .. 10000 */
+    int64_t created_from, created_to;   /**< wall clock, inclusive; 0 for any */
+    int64_t duration_min, duration_max; /**< ms since the start, of those that started; 0 for any */
+    int64_t now;                        /**< wall clock: the end of what still runs */
+    size_t limit;                       /**< 1 .. 10000 */
 };
 
 /** Calls each for the jobs that match and have not expired, newest first. each must not call the

@@ -51,6 +51,13 @@ enum vor_next vor_outcome_reply(struct vor_app *app, struct vor_request *request
                                 enum vor_outcome outcome, const struct vor_error *err,
                                 const struct vor_uuid *id);
 
+/** jobs_filter.c: which jobs a list is asked for.
+ *
+ *  @return true, or false after an invalid-query-parameter-value problem has been replied */
+struct vor_job_filter;
+bool vor_job_filter_read(struct vor_app *app, struct vor_request *request,
+                         struct vor_job_filter *out);
+
 /** Appends the statusInfo of a job to a document. */
 void vor_job_write(struct vor_app *app, struct vor_request *request,
                    const struct vor_job_view *view, struct vor_text *text);

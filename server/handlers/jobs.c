@@ -2,10 +2,7 @@
 #include "server/problem.h"
 
 #include <ctype.h>
-#include <stdlib.h>
 #include <string.h>
-
-enum { LIST_DEFAULT = 10, LIST_MAX = 10000 };
 
 bool vor_job_of_path(struct vor_app *app, struct vor_request *request, struct vor_uuid *out)
 {
@@ -115,73 +112,6 @@ enum vor_next vor_handle_stop(void *ctx, struct vor_request *request, enum vor_s
     return reply_job(app, request, 202, &view);
 }
 
-/* A whole number in digits alone; -1 otherwise. */
-static int64_t parse_count(const char *text)
-{
-    size_t length = strlen(text);
-
-    if (length == 0 || length > 18 || strspn(text, "0123456789") != length)
-        return -1;
-    return strtoll(text, NULL, 10);
-}
-
-static bool parse_statuses(const char *text, unsigned *out)
-{
-    while (*text != '\0') {
-        size_t length = strcspn(text, ",");
-        char word[32];
-        enum vor_job_status status;
-
-        (void)snprintf(word, sizeof word, "%.*s", (int)(length < 30 ? length : 30), text);
-        status = vor_job_status_find(word);
-        if (status == VOR_JOB_STATUSES)
-            return false;
-        *out |= 1u << status;
-        text += length + (text[length] == ',');
-    }
-    return *out != 0;
-}
-
-/* What a list is asked for; false after a problem has been replied. */
-static bool read_filter(struct vor_app *app, struct vor_request *request,
-                        struct vor_job_filter *filter)
-{
-    const char *name, *want = NULL;
-    struct vor_problem problem = VOR_PROBLEM_INIT("invalid-query-parameter-value");
-    char detail[256];
-    int64_t number;
-
-    *filter = (struct vor_job_filter){.limit = LIST_DEFAULT};
-    for (unsigned i = 0; want == NULL && (name = vor_request_query_name(request, i)) != NULL; i++) {
-        const char *value = vor_request_query_value(request, i);
-
-        number = parse_count(value);
-        problem.parameter = name;
-        if (strcmp(name, "limit") == 0) {
-            filter->limit = (size_t)number;
-            want = number < 1 || number > LIST_MAX ? "a whole number from 1 to 10000" : NULL;
-        } else if (strcmp(name, "cursor") == 0) {
-            filter->before_seq = number;
-            want = number < 1 ? "what a next link carries" : NULL;
-        } else if (strcmp(name, "status") == 0) {
-            want = parse_statuses(value, &filter->statuses)
-                       ? NULL
-                       : "some of accepted, running, successful, failed, dismissed";
-        } else if (strcmp(name, "processID") == 0) {
-            filter->process = value;
-        } else {
-            want = "limit, cursor, status or processID as the name";
-        }
-        if (want != NULL)
-            (void)snprintf(detail, sizeof detail, "%.40s is \"%.60s\", want %s", name, value, want);
-    }
-    if (want == NULL)
-        return true;
-    problem.detail = detail;
-    vor_problem_reply(app, request, &problem);
-    return false;
-}
-
 /* The list as it is written; one job more than asked for tells that there is a next page. */
 struct listing {
     struct vor_app *app;
@@ -256,7 +186,7 @@ enum vor_next vor_handle_jobs(void *ctx, struct vor_request *request, enum vor_s
     char cursor[32];
 
     (void)step;
-    if (!read_filter(list.app, request, &filter))
+    if (!vor_job_filter_read(list.app, request, &filter))
         return VOR_NEXT_REPLY;
     list.left = filter.limit++;
     vor_text_init(&list.text, 0);

@@ -7,6 +7,7 @@ use FindBin;
 use lib "$FindBin::Bin/../support";
 use POSIX ();
 use Test::More;
+use Time::Local qw(timegm);
 use Time::HiRes ();
 use Vt;
 
@@ -213,6 +214,28 @@ ok $once{$id} && $once{$sync_id}, 'and every job once';
 is_deeply [map { $_->{jobID} } @{ json($daemon->get('/v1/jobs?status=dismissed'))->{jobs} }],
     [json($late)->{jobID}], 'the list can be narrowed to a status';
 is scalar(@{ json($daemon->get('/v1/jobs?processID=other'))->{jobs} }), 0, 'and to a process';
+sub listed { return map { $_->{jobID} } @{ json($daemon->get("/v1/jobs?limit=100&$_[0]"))->{jobs} } }
+my @every = listed('type=process');
+is scalar(@every), scalar(@seen), 'every job is a process';
+my $created = $done->{created};
+is_deeply [listed("datetime=$created")], [$id], 'a time finds the job that was created then';
+my $at = (grep { $every[$_] eq $id } 0 .. $#every)[0];
+is_deeply [listed("datetime=$created/..")], [@every[0 .. $at]], 'an interval without an end those from then on';
+is_deeply [listed("datetime=../$created")], [@every[$at .. $#every]], 'one without a beginning those up to then';
+is_deeply [listed("datetime=$created/$created")], [$id], 'one with both what lies within';
+my ($second) = $created =~ /^(.{19})/;
+ok((grep { $_ eq $id } listed("datetime=${second}Z")), 'a whole second names all of it');
+is_deeply [listed('datetime=1999-01-01T00:00:00Z')], [], 'another time finds nothing';
+sub clock_of { my ($y, $m, $d, $H, $M, $s) = $_[0] =~ /[\d.]+/g; return timegm(0, $M, $H, $d, $m - 1, $y) + $s }
+my %ran;
+for my $job (@{ json($daemon->get('/v1/jobs?limit=100'))->{jobs} }) {
+    $ran{ $job->{jobID} } = clock_of($job->{finished}) - clock_of($job->{started}) if $job->{started} && $job->{finished};
+}
+is scalar(keys %ran), scalar(@every), 'every job has started and ended by now';
+is_deeply [listed('minDuration=1')], [grep { $ran{$_} >= 0.9995 } @every], 'minDuration finds those that ran as long';
+is_deeply [listed('maxDuration=1')], [grep { $ran{$_} <= 1.0005 } @every], 'maxDuration those that did not run longer';
+ok((grep { $_ eq json($late)->{jobID} } listed('minDuration=1')), 'of which there is one');
+is_deeply [listed('minDuration=600')], [], 'and none ran for ten minutes';
 
 # Removal.
 is json($daemon->request('DELETE', "/v1/jobs/$id"))->{status}, 'dismissed',
