@@ -7,7 +7,8 @@ use lib $FindBin::Bin;
 use Cli;
 use Test::More;
 
-plan skip_all => 'the bar is drawn on a terminal: no script(1) here' if system('command -v script >/dev/null') != 0;
+plan skip_all => 'the bar is drawn on a terminal: script(1) makes none here'
+    if system('script -qec true /dev/null >/dev/null 2>&1 </dev/null') != 0;
 
 my $folder = scratch();
 my $in = spew("$folder/in.ply", sphere(3000));
