@@ -37,13 +37,14 @@ struct engine {
     struct vor_report report;
     double start;
     size_t n;
+    double area; /* that spacing was turned into points with, normalised */
 };
 
 /* Number of points from points, ratio or spacing. */
 static vor_status resolve_target(struct engine *engine, struct vor_error *err)
 {
     const struct vor_parameter_info *info = vor_parameter_info(VOR_PARAM_POINTS);
-    double *value = engine->spec.value, n = value[VOR_PARAM_POINTS], area;
+    double *value = engine->spec.value, n = value[VOR_PARAM_POINTS];
     double most = fmin(info->max, (double)RATIO_MAX * (double)engine->in->n);
     enum vor_parameter from = VOR_PARAM_POINTS;
     vor_status status;
@@ -54,10 +55,11 @@ static vor_status resolve_target(struct engine *engine, struct vor_error *err)
     } else if (vor_spec_given(&engine->spec, VOR_PARAM_SPACING)) {
         double spacing = value[from = VOR_PARAM_SPACING] / engine->domain.unit;
 
-        status = vor_init_area(&area, &engine->domain, &engine->spec, &engine->calm_run, err);
+        status =
+            vor_init_area(&engine->area, &engine->domain, &engine->spec, &engine->calm_run, err);
         if (status != VOR_OK)
             return status;
-        n = rint(area / (0.86602540378443865 * spacing * spacing));
+        n = rint(engine->area / (0.86602540378443865 * spacing * spacing));
     }
     if (!(n >= info->min && n <= most))
         return vor_fail_param(
@@ -141,6 +143,8 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
     report->fallback_left = engine->result.fallback_left;
     report->area =
         engine->result.iterations > 0 ? engine->result.area : engine->seeds.area * unit * unit;
+    if (vor_spec_given(&engine->spec, VOR_PARAM_SPACING))
+        report->area = engine->area * unit * unit;
     report->memory_peak_bytes = atomic_load(&engine->run.memory->peak);
     return VOR_OK;
 }

@@ -36,8 +36,9 @@ struct vor_report {
     uint64_t held_ever;         /**< points held back in any iteration */
     uint64_t fallback_plane;    /**< seeds on a plane in the last iteration: no quadric there */
     uint64_t fallback_left;     /**< seeds left where they were: no surface there */
-    double area;                /**< of the surface, as the sum of the cells at the end, unit^2 */
-    double spacing_mean;        /**< mean distance to the nearest neighbour in the result */
+    double area;         /**< of the surface in unit^2: the sum of the cells at the end, or what
+                              spacing was turned into points with */
+    double spacing_mean; /**< mean distance to the nearest neighbour in the result */
     struct vor_spec parameters; /**< with points filled in from ratio or spacing, auto resolved */
 };
 

@@ -148,9 +148,21 @@ static vor_status double_bounds(const double *xyz, size_t n, double low[3], doub
     return VOR_OK;
 }
 
+/* About half an extent, so that relative coordinates are small: a multiple of 2^(exponent - 6). The
+ * odd summand keeps extents that people choose away from where floor jumps; the bounds keep every
+ * multiple of the grid within 2^24 of it. */
+static double half_extent(double extent, int exponent)
+{
+    double grid = ldexp(1.0, exponent - 25), step = ldexp(1.0, exponent - 6);
+    double whole = rint(extent / grid) * grid, most = ldexp(1.0, exponent - 1);
+    double half = floor(whole / 2 / step + 0.3819660113) * step;
+
+    return fmin(fmax(half, whole - most), most);
+}
+
 vor_status vor_cloud_set_double(struct vor_cloud *cloud, const double *xyz, struct vor_error *err)
 {
-    double low[3], high[3], extent, half, grid;
+    double low[3], high[3], half[3], extent, grid;
     int exponent;
     vor_status status = double_bounds(xyz, cloud->n, low, high, err);
 
@@ -165,13 +177,14 @@ vor_status vor_cloud_set_double(struct vor_cloud *cloud, const double *xyz, stru
         exponent = -100; /* keeps the grid clear of float32's denormals */
     if (rint(ldexp(extent, 25 - exponent)) == 0x1p25)
         exponent++; /* the upper corner rounds up to a power of two: the next time it is one */
-    half = ldexp(1.0, exponent - 1);
     grid = ldexp(1.0, exponent - 25);
-    for (int c = 0; c < 3; c++)
-        cloud->origin[c] = low[c] + half;
+    for (int c = 0; c < 3; c++) {
+        half[c] = half_extent(high[c] - low[c], exponent);
+        cloud->origin[c] = low[c] + half[c];
+    }
     /* An integer of at most 2^24 either side of zero, times grid: exact in float32. */
     for (size_t i = 0; i < 3 * cloud->n; i++)
-        cloud->xyz[i] = (float)(rint((xyz[i] - low[i % 3]) / grid) * grid - half);
+        cloud->xyz[i] = (float)(rint((xyz[i] - low[i % 3]) / grid) * grid - half[i % 3]);
     cloud->position_type = VOR_FLOAT64;
     return VOR_OK;
 }

@@ -144,7 +144,7 @@ void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k)
     to_frame(out, &hood);
     scale = 1 / out->reach;
     sum_moments(&moments, &hood, scale);
-    if (k > 6 && solve(out->c, &moments, 6, QUADRIC_RANK))
+    if (k >= 6 && solve(out->c, &moments, 6, QUADRIC_RANK))
         out->kind = VOR_SURFACE_QUADRIC;
     else if (solve(out->c, &moments, 3, LINE_RANK))
         out->kind = VOR_SURFACE_PLANE;
