@@ -112,6 +112,7 @@ static int outside(const struct cvt *cvt, struct vor_bench *bench, struct vor_bo
 {
     if (vor_seeds_fit_at(cvt->seeds, &bench->there, x) == VOR_SURFACE_NONE)
         return 0;
+    vor_seeds_project(&bench->there.surface, x);
     vor_seeds_border(cvt->seeds, bench, border, x);
     return vor_boundary_outside(border, VOR_BORDER_MOVING, x);
 }
@@ -390,10 +391,10 @@ static vor_status loop(struct cvt *cvt, struct vor_error *err)
     return VOR_OK;
 }
 
-/* Puts every seed onto the surface at its own place. */
+/* Pulls seeds that lie outside the input up to where a result may be. */
 static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
-    struct cvt *cvt = ctx;
+    const struct cvt *cvt = ctx;
     struct vor_seeds *seeds = cvt->seeds;
     struct vor_bench *bench = &seeds->bench[worker];
     struct vor_border border;
@@ -405,9 +406,8 @@ static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
         if (vor_seeds_fit_at(seeds, &bench->there, x) == VOR_SURFACE_NONE)
             continue;
         vor_seeds_border(seeds, bench, &border, x);
-        if (keeps_border(cvt))
-            (void)vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x);
-        set3(&seeds->xyz[3 * i], x);
+        if (vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x))
+            set3(&seeds->xyz[3 * i], x);
     }
 }
 
@@ -426,7 +426,8 @@ vor_status vor_cvt_run(struct vor_seeds *seeds, struct vor_cvt_result *out,
     if (status != VOR_OK)
         goto done;
     memcpy(seeds->xyz, cvt.best, 3 * seeds->n * sizeof *cvt.best);
-    status = vor_run_for(&cvt.calm_run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &cvt, err);
+    if (seeds->keep_border)
+        status = vor_run_for(&cvt.calm_run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &cvt, err);
     if (status != VOR_OK)
         goto done;
     for (size_t i = 0; i < seeds->n; i++)

@@ -7,7 +7,7 @@
  *  Departure: of Eq. 12 the smaller delta is taken, as the text says and the formula does not.
  *  Departure: the mix keeps to the tangent plane at the projected centroid and within half a
  * spacing of it; points at the border take no part. Departure: the result is the most even iterate
- * of all, projected once more onto the surface at its own place.
+ * of all.
  *
  *  Not done here: density, anisotropy, other norms. */
 #ifndef VOR_METHOD_CVT_H

@@ -151,12 +151,11 @@ void vor_seeds_project(const struct vor_surface *surface, double x[3])
 }
 
 void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
-                      struct vor_border *border, double x[3])
+                      struct vor_border *border, const double x[3])
 {
     const struct vor_place *there = &bench->there;
     double foot[3] = {(double)there->near[0], (double)there->near[1], (double)there->near[2]};
 
-    vor_seeds_project(&there->surface, x);
     *border = (struct vor_border){&there->surface, there->near, seeds->k, there->surface.spacing};
     if (vor_boundary_inside(&there->surface, there->near, seeds->k, x))
         return;

@@ -82,10 +82,9 @@ const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds, const struc
 enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_place *place,
                                        const double x[3]);
 
-/** Puts x onto the surface of bench->there, which vor_seeds_fit_at gathered around it, and says
- * what is known of the border there. */
+/** What is known of the border around x, where bench->there was gathered. */
 void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
-                      struct vor_border *border, double x[3]);
+                      struct vor_border *border, const double x[3]);
 
 /** Puts x onto a surface. */
 void vor_seeds_project(const struct vor_surface *surface, double x[3]);

@@ -12,10 +12,10 @@ enum { N = 3000, OUT = 800 };
 
 /* What a fixed cloud comes to. When a change of the engine is meant to change its results, run this
  * program and write down what it prints. */
-#define GOLDEN_KEEP UINT64_C(0x3a868ab8bac89dd1)
-#define GOLDEN_FREE UINT64_C(0x02d0349ae553ed35)
+#define GOLDEN_KEEP UINT64_C(0x3a691a12b700dfdc)
+#define GOLDEN_FREE UINT64_C(0xa3c1f7d4a5ba8113)
 #define GOLDEN_RIM UINT64_C(0xfbb0f048e4b6115e)
-#define GOLDEN_MORE UINT64_C(0x8cd3e9b37e6c8c15)
+#define GOLDEN_MORE UINT64_C(0x6f028fea255a93cd)
 
 struct result {
     uint64_t positions, normals, report;
