@@ -9,7 +9,7 @@ use Test::More;
 
 open my $in, '<', 'README.md' or die "README.md: $!";
 my $readme = do { local $/; <$in> };
-my ($session) = $readme =~ /## A session\s+```sh\n(.*?)```/s;
+my ($session) = $readme =~ /## A session\n.*?```sh\n(.*?)```/s;
 ok(defined $session && length $session > 200, 'README.md has a session');
 
 my $probe = IO::Socket::INET->new(LocalAddr => '127.0.0.1', LocalPort => 8080, Listen => 1, ReuseAddr => 1);
