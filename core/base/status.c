@@ -7,11 +7,11 @@
 
 struct status_row {
     const char *slug, *sentence;
-    int http, retryable;
+    int http;
 };
 
 static const struct status_row rows[VOR_STATUS_COUNT] = {
-#define STATUS_ROW(name, http, slug, retryable, sentence) {slug, sentence, http, retryable},
+#define STATUS_ROW(name, http, slug, retryable, sentence) {slug, sentence, http},
     VOR_STATUS_TABLE(STATUS_ROW)
 #undef STATUS_ROW
 };
@@ -35,11 +35,6 @@ const char *vor_status_slug(vor_status status)
 const char *vor_status_sentence(vor_status status)
 {
     return row_of(status)->sentence;
-}
-
-int vor_status_retryable(vor_status status)
-{
-    return row_of(status)->retryable;
 }
 
 static void begin(struct vor_error *err, vor_status status, const char *parameter)

@@ -47,7 +47,6 @@ struct vor_error {
 int vor_status_http(vor_status status);
 const char *vor_status_slug(vor_status status);
 const char *vor_status_sentence(vor_status status);
-int vor_status_retryable(vor_status status);
 
 /** Fills *err (which may be NULL) and returns status: every failure passes through here. Sets
  *  parameter to "", byte_offset to -1, limit and got to 0. */
