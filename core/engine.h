@@ -29,8 +29,10 @@ struct vor_report {
     uint64_t points_in, points_out;
     double delta, sigma, epsilon; /**< of the result, as vor_record */
     uint32_t iterations;          /**< done */
+    uint32_t polish_steps;        /**< done */
     enum vor_stopped stopped;
-    double seconds_read, seconds_index, seconds_init, seconds_iterate, seconds_write;
+    double seconds_read, seconds_index, seconds_init, seconds_iterate, seconds_polish,
+        seconds_write;
     uint64_t memory_peak_bytes; /**< of the job's allocator */
     uint64_t held;              /**< points held back in the last iteration */
     uint64_t held_ever;         /**< points held back in any iteration */
@@ -39,6 +41,12 @@ struct vor_report {
     double area;         /**< of the surface in unit^2: the sum of the cells at the end, or what
                               spacing was turned into points with */
     double spacing_mean; /**< mean distance to the nearest neighbour in the result */
+    double min_over_mean, max_over_mean; /**< of those distances */
+    double six_share;          /**< share of the result's points with six Voronoi neighbours */
+    double bisectors_per_cell; /**< planes that cut a cell, mean over all cells computed */
+    double triangles_per_cell; /**< triangles of the patches those were cut from, likewise */
+    uint64_t queries;          /**< searches of an index, among the input or the points */
+    uint64_t list_rebuilds;    /**< times the points' lists of neighbours were made anew */
     struct vor_spec parameters; /**< with points filled in from ratio or spacing, auto resolved */
 };
 

@@ -39,6 +39,8 @@ enum vor_kind {
       "Input points that a local surface is fitted to")                                            \
     X(ANDERSON, anderson, COUNT, "", 0, 16, 4, "",                                                 \
       "Window of the Anderson acceleration; 0 is plain Lloyd")                                     \
+    X(POLISH, polish, COUNT, "", 0, 10000, 100, "",                                                \
+      "Steps of repulsion after the iterations, which even the spacing out; 0 for none")           \
     X(BOUNDARY, boundary, CHOICE, "", 0, 0, 0, "keep free",                                        \
       "keep: no point leaves the input at its border; free: no restriction")                       \
     X(SEED, seed, COUNT, "", 0, 9007199254740991, 1, "", "Seed of every random choice")            \

@@ -5,10 +5,12 @@
 
 #include <stdint.h>
 
-/** What is known after an iteration: the same record in SSE, NDJSON and trace. Iteration 0 is the
- *  state after initialisation. */
+/** What is known after an iteration or some steps of the polish: the same record in SSE, NDJSON and
+ *  trace. Iteration 0 is the state after initialisation. During the polish, iteration stays at the
+ *  last one, and so does energy. */
 struct vor_record {
     uint32_t iteration;
+    uint32_t polish; /**< steps of the polish done; 0 while iterations go on */
     double delta;    /**< uniformity, Xiao 2024 Eq. 6; no unit, lower is better */
     double sigma;    /**< Xiao 2024 Sec. V-B, in the cloud's unit */
     double epsilon;  /**< Xiao 2024 Sec. V-B, in (0, 1] */
