@@ -20,6 +20,7 @@ static void put_if_given(struct vor_text *text, const char *key, const char *val
 void vor_json_record_members(struct vor_text *text, const struct vor_record *record)
 {
     vor_json_put_u64(text, "iteration", record->iteration);
+    vor_json_put_u64(text, "polish", record->polish);
     vor_json_put_double(text, "delta", record->delta);
     vor_json_put_double(text, "sigma", record->sigma);
     vor_json_put_double(text, "epsilon", record->epsilon);
@@ -59,6 +60,7 @@ int vor_json_record_read(struct vor_record *out, const struct vor_json *object)
     if (!vor_json_get_number(vor_json_get(object, "iteration"), &iteration))
         return 0;
     out->iteration = (uint32_t)count_of(object, "iteration", UINT32_MAX);
+    out->polish = (uint32_t)count_of(object, "polish", UINT32_MAX);
     out->delta = number_of(object, "delta");
     out->sigma = number_of(object, "sigma");
     out->epsilon = number_of(object, "epsilon");
@@ -77,8 +79,20 @@ static void put_seconds(struct vor_text *text, const struct vor_report *report)
     vor_json_put_double(text, "index", report->seconds_index);
     vor_json_put_double(text, "init", report->seconds_init);
     vor_json_put_double(text, "iterate", report->seconds_iterate);
+    vor_json_put_double(text, "polish", report->seconds_polish);
     vor_json_put_double(text, "write", report->seconds_write);
     vor_json_end_object(text);
+}
+
+static void put_counters(struct vor_text *text, const struct vor_report *report)
+{
+    vor_json_put_double(text, "min_over_mean", report->min_over_mean);
+    vor_json_put_double(text, "max_over_mean", report->max_over_mean);
+    vor_json_put_double(text, "six_share", report->six_share);
+    vor_json_put_double(text, "bisectors_per_cell", report->bisectors_per_cell);
+    vor_json_put_double(text, "triangles_per_cell", report->triangles_per_cell);
+    vor_json_put_u64(text, "queries", report->queries);
+    vor_json_put_u64(text, "list_rebuilds", report->list_rebuilds);
 }
 
 void vor_json_report(struct vor_text *text, const struct vor_report *report)
@@ -93,6 +107,7 @@ void vor_json_report(struct vor_text *text, const struct vor_report *report)
     vor_json_put_double(text, "sigma", report->sigma);
     vor_json_put_double(text, "epsilon", report->epsilon);
     vor_json_put_u64(text, "iterations", report->iterations);
+    vor_json_put_u64(text, "polish_steps", report->polish_steps);
     vor_json_put_string(text, "stopped", vor_stopped_word(report->stopped));
     put_seconds(text, report);
     vor_json_put_u64(text, "memory_peak_bytes", report->memory_peak_bytes);
@@ -105,6 +120,7 @@ void vor_json_report(struct vor_text *text, const struct vor_report *report)
     vor_json_end_object(text);
     vor_json_put_double(text, "area", report->area);
     vor_json_put_double(text, "spacing", report->spacing_mean);
+    put_counters(text, report);
     vor_json_key(text, "parameters");
     vor_json_spec(text, &report->parameters);
     vor_json_end_object(text);

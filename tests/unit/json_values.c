@@ -25,6 +25,7 @@ static struct vor_json *parsed(const char *json)
 }
 
 static const struct vor_record record = {.iteration = 37,
+                                         .polish = 30,
                                          .delta = 0.0813,
                                          .sigma = 0.000211,
                                          .epsilon = 0.9967,
@@ -34,8 +35,8 @@ static const struct vor_record record = {.iteration = 37,
                                          .seconds = 1.25};
 
 #define RECORD                                                                                     \
-    "{\"iteration\":37,\"delta\":0.0813,\"sigma\":0.000211,\"epsilon\":0.9967,\"energy\":1.9e-05," \
-    "\"max_move\":0.5,\"held\":2,\"seconds\":1.25}"
+    "{\"iteration\":37,\"polish\":30,\"delta\":0.0813,\"sigma\":0.000211,\"epsilon\":0.9967,"      \
+    "\"energy\":1.9e-05,\"max_move\":0.5,\"held\":2,\"seconds\":1.25}"
 
 START_TEST(a_record_has_its_shape)
 {
@@ -52,6 +53,7 @@ START_TEST(a_record_comes_back)
 
     ck_assert(vor_json_record_read(&back, json));
     ck_assert_uint_eq(back.iteration, 37);
+    ck_assert_uint_eq(back.polish, 30);
     ck_assert_double_eq(back.delta, record.delta);
     ck_assert_double_eq(back.sigma, record.sigma);
     ck_assert_double_eq(back.epsilon, record.epsilon);
@@ -63,9 +65,13 @@ START_TEST(a_record_comes_back)
     json = parsed("{\"delta\":1}");
     ck_assert(!vor_json_record_read(&back, json));
     vor_json_free(json);
-    json = parsed("{\"iteration\":-1,\"held\":1e300,\"delta\":null}");
+    json = parsed("{\"iteration\":-1,\"polish\":4294967296,\"held\":1e300,\"delta\":null}");
     ck_assert(vor_json_record_read(&back, json));
-    ck_assert(back.iteration == 0 && back.held == 0 && back.delta == 0);
+    ck_assert(back.iteration == 0 && back.polish == 0 && back.held == 0 && back.delta == 0);
+    vor_json_free(json);
+    json = parsed("{\"iteration\":5,\"delta\":0.1}"); /* kept by a build without the polish */
+    ck_assert(vor_json_record_read(&back, json));
+    ck_assert(back.iteration == 5 && back.polish == 0);
     vor_json_free(json);
 }
 END_TEST
@@ -78,11 +84,13 @@ START_TEST(a_report_has_its_shape)
                                 .sigma = 0.001,
                                 .epsilon = 0.99,
                                 .iterations = 50,
+                                .polish_steps = 40,
                                 .stopped = VOR_STOPPED_ITERATIONS,
                                 .seconds_read = 1,
                                 .seconds_index = 2,
                                 .seconds_init = 3,
                                 .seconds_iterate = 4,
+                                .seconds_polish = 4.5,
                                 .seconds_write = 5,
                                 .memory_peak_bytes = 123456789,
                                 .held = 6,
@@ -90,20 +98,32 @@ START_TEST(a_report_has_its_shape)
                                 .fallback_plane = 8,
                                 .fallback_left = 9,
                                 .area = 10.5,
-                                .spacing_mean = 0.25};
+                                .spacing_mean = 0.25,
+                                .min_over_mean = 0.75,
+                                .max_over_mean = 1.25,
+                                .six_share = 0.875,
+                                .bisectors_per_cell = 6.5,
+                                .triangles_per_cell = 24.5,
+                                .queries = 10000000000,
+                                .list_rebuilds = 11};
 
     vor_spec_init(&report.parameters);
     vt_assert_ok(vor_spec_set(&report.parameters, "points", "5000", &vt_err));
+    vt_assert_ok(vor_spec_set(&report.parameters, "polish", "60", &vt_err));
     vor_text_init(&text, 0);
     vor_json_report(&text, &report);
-    expect("{\"points\":{\"in\":35947,\"out\":5000},\"delta\":0.07,\"sigma\":0.001,"
-           "\"epsilon\":0.99,\"iterations\":50,\"stopped\":\"iterations\",\"seconds\":{\"read\":1,"
-           "\"index\":2,\"init\":3,\"iterate\":4,\"write\":5},\"memory_peak_bytes\":123456789,"
-           "\"held\":6,\"held_ever\":7,\"fallbacks\":{\"plane\":8,\"left\":9},\"area\":10.5,"
-           "\"spacing\":0.25,\"parameters\":{\"points\":5000,\"method\":\"cvt\",\"patch\":"
-           "\"quadric\",\"neighbors\":20,\"anderson\":4,\"boundary\":\"keep\",\"seed\":1,"
-           "\"quantization\":\"auto\",\"compression\":7,\"attributes\":\"nearest\",\"normals\":"
-           "\"nearest\"}}");
+    expect(
+        "{\"points\":{\"in\":35947,\"out\":5000},\"delta\":0.07,\"sigma\":0.001,"
+        "\"epsilon\":0.99,\"iterations\":50,\"polish_steps\":40,\"stopped\":\"iterations\","
+        "\"seconds\":{\"read\":1,\"index\":2,\"init\":3,\"iterate\":4,\"polish\":4.5,\"write\":5},"
+        "\"memory_peak_bytes\":123456789,"
+        "\"held\":6,\"held_ever\":7,\"fallbacks\":{\"plane\":8,\"left\":9},\"area\":10.5,"
+        "\"spacing\":0.25,\"min_over_mean\":0.75,\"max_over_mean\":1.25,\"six_share\":0.875,"
+        "\"bisectors_per_cell\":6.5,\"triangles_per_cell\":24.5,\"queries\":10000000000,"
+        "\"list_rebuilds\":11,\"parameters\":{\"points\":5000,\"method\":\"cvt\",\"patch\":"
+        "\"quadric\",\"neighbors\":20,\"anderson\":4,\"polish\":60,\"boundary\":\"keep\","
+        "\"seed\":1,\"quantization\":\"auto\",\"compression\":7,\"attributes\":\"nearest\","
+        "\"normals\":\"nearest\"}}");
 }
 END_TEST
 
