@@ -1,5 +1,7 @@
 #include "server/job.h"
 
+#include "server/pace.h"
+
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -14,21 +16,12 @@ struct vor_job {
     pthread_mutex_t change; /* a change of state and its event are one; taken before `state` */
     pthread_mutex_t state;  /* view, first */
     struct vor_job_view view;
-    struct vor_record first; /* of this attempt, for the estimate */
+    struct vor_pace pace; /* of this attempt, for the estimate */
 };
 
-/* Percent done when a stage ends: preparing is 10 of 100, the iterations 80, measuring the result
- * 5, encoding the rest. */
+/* Percent done when a stage ends: preparing is 10 of 100, iterations and polish 80, measuring the
+ * result 5, encoding the rest. */
 enum { PREPARED = 10, OPTIMIZED = 90, MEASURED = 95 };
-
-enum { ITERATIONS_DEFAULT = 100 };
-
-uint32_t vor_job_iterations_max(const struct vor_spec *spec)
-{
-    if (!vor_spec_given(spec, VOR_PARAM_ITERATIONS))
-        return ITERATIONS_DEFAULT;
-    return (uint32_t)spec->value[VOR_PARAM_ITERATIONS];
-}
 
 /* What a change of state looks like to those who follow; the caller holds job->change. */
 static void publish(struct vor_job *job, enum vor_event_kind kind, int64_t now_ms)
@@ -96,20 +89,12 @@ struct vor_bus *vor_job_bus(const struct vor_job *job)
     return job->bus;
 }
 
-/* Seconds until the iterations end at their pace so far, -1 before there is a pace. */
-static double estimate(const struct vor_job_view *view, const struct vor_record *first)
+/* Seconds until iterations and polish end at their pace so far, -1 before there is a pace. */
+static double estimate(const struct vor_job_view *view, const struct vor_pace *pace)
 {
-    uint32_t done = view->record.iteration, max = vor_job_iterations_max(&view->spec);
-    double budget = view->spec.value[VOR_PARAM_SECONDS], eta, left;
-
-    if (view->stage != VOR_STAGE_OPTIMIZE || done <= first->iteration)
+    if (view->stage != VOR_STAGE_OPTIMIZE)
         return -1;
-    eta = (view->record.seconds - first->seconds) / (done - first->iteration) *
-          (max > done ? max - done : 0);
-    if (!vor_spec_given(&view->spec, VOR_PARAM_SECONDS))
-        return eta;
-    left = budget > view->record.seconds ? budget - view->record.seconds : 0;
-    return left < eta ? left : eta;
+    return vor_pace_left(&view->spec, &pace->first, &view->record);
 }
 
 static void describe(struct vor_job_view *view)
@@ -120,10 +105,13 @@ static void describe(struct vor_job_view *view)
         [VOR_STAGE_ENCODE] = "Encoding the result",
     };
 
-    if (view->stage == VOR_STAGE_OPTIMIZE)
+    if (view->stage == VOR_STAGE_OPTIMIZE && view->record.polish > 0)
+        (void)snprintf(view->message, sizeof view->message, "Polish step %u of at most %u",
+                       (unsigned)view->record.polish, (unsigned)vor_pace_polish(&view->spec));
+    else if (view->stage == VOR_STAGE_OPTIMIZE)
         (void)snprintf(view->message, sizeof view->message, "Iteration %u of at most %u",
                        (unsigned)view->record.iteration,
-                       (unsigned)vor_job_iterations_max(&view->spec));
+                       (unsigned)vor_pace_iterations(&view->spec));
     else
         (void)snprintf(view->message, sizeof view->message, "%s", sentences[view->stage]);
 }
@@ -132,7 +120,7 @@ void vor_job_view(struct vor_job *job, struct vor_job_view *out)
 {
     pthread_mutex_lock(&job->state);
     *out = job->view;
-    out->eta_seconds = estimate(&job->view, &job->first);
+    out->eta_seconds = estimate(&job->view, &job->pace);
     pthread_mutex_unlock(&job->state);
     if (!vor_job_status_over(out->status))
         describe(out);
@@ -199,15 +187,10 @@ void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms)
     end_change(job);
 }
 
+/* The little more keeps 0.3 of 80, which is 23.999..., at 24. */
 static int progress_of(const struct vor_spec *spec, const struct vor_record *record)
 {
-    uint32_t max = vor_job_iterations_max(spec);
-    double budget = spec->value[VOR_PARAM_SECONDS];
-    double done = max > 0 ? (double)record->iteration / max : 1;
-
-    if (vor_spec_given(spec, VOR_PARAM_SECONDS) && budget > 0 && record->seconds / budget > done)
-        done = record->seconds / budget;
-    return PREPARED + (int)((OPTIMIZED - PREPARED) * (done < 1 ? done : 1));
+    return PREPARED + (int)((OPTIMIZED - PREPARED) * vor_pace_done(spec, record) + 1e-9);
 }
 
 void vor_job_progress(struct vor_job *job, const struct vor_record *record, int64_t now_ms)
@@ -219,7 +202,8 @@ void vor_job_progress(struct vor_job *job, const struct vor_record *record, int6
     pthread_mutex_lock(&job->state);
     entered = job->view.stage != VOR_STAGE_OPTIMIZE;
     if (entered)
-        job->first = *record;
+        job->pace.began = 0;
+    vor_pace_add(&job->pace, record);
     job->view.stage = VOR_STAGE_OPTIMIZE;
     job->view.has_record = 1;
     job->view.record = *record;

@@ -8,10 +8,9 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#define ITERATIONS_DEFAULT 100
 #define REDRAW_SECONDS 0.1
 #define BAR_MAX 40
-#define WORDS_WIDTH 52 /* columns beside the bar */
+#define WORDS_WIDTH 59 /* columns beside the bar */
 
 void vor_progress_start(struct vor_progress *progress, const struct vor_cli *cli)
 {
@@ -59,26 +58,6 @@ static void write_line(struct vor_progress *progress, const struct vor_record *r
     vor_text_free(&text);
 }
 
-static double iterations_of(const struct vor_spec *spec)
-{
-    return vor_spec_given(spec, VOR_PARAM_ITERATIONS) ? spec->value[VOR_PARAM_ITERATIONS]
-                                                      : ITERATIONS_DEFAULT;
-}
-
-/* How far the run is, by iterations or by the time it was given, whichever ends first. */
-static double fraction_of(const struct vor_progress *progress, const struct vor_record *record)
-{
-    const struct vor_spec *spec = &progress->cli->spec;
-    double iterations = iterations_of(spec), fraction = 1;
-
-    if (iterations > 0)
-        fraction = record->iteration / iterations;
-    if (vor_spec_given(spec, VOR_PARAM_SECONDS) && spec->value[VOR_PARAM_SECONDS] > 0 &&
-        record->seconds / spec->value[VOR_PARAM_SECONDS] > fraction)
-        fraction = record->seconds / spec->value[VOR_PARAM_SECONDS];
-    return fraction < 1 ? fraction : 1;
-}
-
 /* "[####----] ", or nothing where there is no room. */
 static void add_bar(struct vor_text *line, int width, double fraction)
 {
@@ -94,17 +73,21 @@ static void add_bar(struct vor_text *line, int width, double fraction)
 
 static void draw(struct vor_progress *progress, const struct vor_record *record)
 {
-    double fraction = fraction_of(progress, record), done, left;
+    const struct vor_spec *spec = &progress->cli->spec;
+    double fraction = vor_pace_done(spec, record);
+    double left = vor_pace_left(spec, &progress->pace.first, record);
     struct vor_text line;
 
-    done = fraction - fraction_of(progress, &progress->first);
-    left = done > 0 ? (record->seconds - progress->first.seconds) / done * (1 - fraction) : 0;
     vor_text_init(&line, 0);
-    vor_text_printf(&line, "%4u/%-4.0f ", (unsigned)record->iteration,
-                    iterations_of(&progress->cli->spec));
+    if (record->polish > 0)
+        vor_text_printf(&line, "polish %4u/%-4u ", (unsigned)record->polish,
+                        (unsigned)vor_pace_polish(spec));
+    else
+        vor_text_printf(&line, "%4u/%-4u ", (unsigned)record->iteration,
+                        (unsigned)vor_pace_iterations(spec));
     add_bar(&line, progress->columns - WORDS_WIDTH, fraction);
     vor_text_printf(&line, "%3.0f %%  delta %.4f", 100 * fraction, record->delta);
-    if (done > 0)
+    if (left >= 0)
         vor_text_printf(&line, "  %.0f s left", left);
     if (!line.failed)
         vor_progress_note(progress, line.data);
@@ -114,16 +97,12 @@ static void draw(struct vor_progress *progress, const struct vor_record *record)
 void vor_progress_record(struct vor_progress *progress, const struct vor_record *record)
 {
     double now = vor_clock_seconds();
+    int is_first = !progress->pace.began;
 
     if (progress->lines != NULL)
         write_line(progress, record);
-    if (!progress->has_first) {
-        progress->first = *record;
-        progress->has_first = 1;
-    } else if (now < progress->drawn_at + REDRAW_SECONDS) {
-        return;
-    }
-    if (progress->bar == NULL)
+    vor_pace_add(&progress->pace, record);
+    if (progress->bar == NULL || (!is_first && now < progress->drawn_at + REDRAW_SECONDS))
         return;
     progress->drawn_at = now;
     draw(progress, record);
@@ -141,15 +120,17 @@ static void summarise(const struct vor_progress *progress, const struct vor_json
 {
     const struct vor_json *seconds = vor_json_get(report, "seconds");
     const char *stopped = vor_json_get_string(vor_json_get(report, "stopped"));
-    char line[256];
-    double sum = 0, number;
+    double sum = 0, polish = number_at(report, "polish_steps"), number;
+    char line[256], polished[40] = "";
 
     for (const struct vor_json *s = vor_json_first(seconds); s != NULL; s = vor_json_next(s))
         sum += vor_json_get_number(s, &number) ? number : 0;
+    if (polish > 0)
+        (void)snprintf(polished, sizeof polished, " and %.0f polish steps", polish);
     (void)snprintf(line, sizeof line,
-                   "%.0f points, delta %.4f after %.0f iterations (%.20s), %.1f s",
+                   "%.0f points, delta %.4f after %.0f iterations%s (%.20s), %.1f s",
                    number_at(vor_json_get(report, "points"), "out"), number_at(report, "delta"),
-                   number_at(report, "iterations"), stopped != NULL ? stopped : "?", sum);
+                   number_at(report, "iterations"), polished, stopped != NULL ? stopped : "?", sum);
     vor_cli_say(progress->cli->option[VOR_OPTION_OUTPUT], line);
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/base/watch.h"
 #include "server/cli/cli.h"
+#include "server/pace.h"
 
 #include <stdio.h>
 
@@ -13,9 +14,8 @@ struct vor_progress {
     FILE *lines; /**< NDJSON; NULL for none */
     FILE *bar;   /**< stderr when it is a terminal; NULL for none */
     int columns;
-    double drawn_at; /**< seconds of vor_clock; a bar is drawn ten times a second at most */
-    int has_first;
-    struct vor_record first; /**< what the time left is reckoned from */
+    double drawn_at;      /**< seconds of vor_clock; a bar is drawn ten times a second at most */
+    struct vor_pace pace; /**< what the time left is reckoned from */
 };
 
 void vor_progress_start(struct vor_progress *progress, const struct vor_cli *cli);

@@ -220,7 +220,7 @@ static int on_event(void *ctx, const struct vor_sse_arrival *event)
     if (strcmp(event->name, "progress") == 0 && vor_json_record_read(&record, json))
         vor_progress_record(&t->progress, &record);
     else if (strcmp(event->name, "replaced") == 0)
-        t->progress.has_first = 0;
+        t->progress.pace.began = 0;
     else if (strcmp(event->name, "status") == 0)
         show_status(t, json);
     else if (strcmp(event->name, "end") == 0)

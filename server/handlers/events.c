@@ -3,6 +3,7 @@
 #include "proto/sse.h"
 #include "server/clock.h"
 #include "server/handlers/handlers.h"
+#include "server/pace.h"
 #include "server/problem.h"
 
 #include <math.h>
@@ -74,19 +75,20 @@ static void write_status(struct stream *stream, struct vor_request *request,
 }
 
 static void write_progress(const struct stream *stream, const struct vor_event *event,
-                           uint32_t iterations_max, struct vor_text *text)
+                           const struct vor_spec *spec, struct vor_text *text)
 {
-    const struct vor_record *record = &event->record;
-    double each = record->iteration > 0 ? record->seconds / record->iteration : NAN;
+    static const struct vor_record start = {0};
+    double left = vor_pace_left(spec, &start, &event->record);
 
     vor_json_begin_object(text);
     vor_json_put_string(text, "jobID", stream->id.text);
     vor_json_put_u64(text, "attempt", event->attempt);
     vor_json_put_string(text, "stage", vor_stage_word(event->stage));
-    vor_json_put_u64(text, "maxIterations", iterations_max);
-    vor_json_record_members(text, record);
+    vor_json_put_u64(text, "maxIterations", vor_pace_iterations(spec));
+    vor_json_put_u64(text, "maxPolish", vor_pace_polish(spec));
+    vor_json_record_members(text, &event->record);
     vor_json_put_i64(text, "progress", event->progress);
-    vor_json_put_double(text, "eta", each * (iterations_max - record->iteration));
+    vor_json_put_double(text, "eta", left >= 0 ? left : NAN);
     vor_json_end_object(text);
 }
 
@@ -112,22 +114,27 @@ static void write_end(struct stream *stream, struct vor_request *request,
     vor_json_end_object(text);
 }
 
-static uint32_t iterations_max(struct stream *stream)
+/* The request of the job; one that allows nothing when the job is gone. */
+static struct vor_spec spec_of(struct stream *stream)
 {
+    static const struct vor_spec nothing = {{0}};
     struct vor_job_view view;
     struct vor_error err;
 
     if (vor_worker_get(stream->app->worker, &stream->id, &view, &err) != VOR_DONE)
-        return 0;
-    return vor_job_iterations_max(&view.spec);
+        return nothing;
+    return view.spec;
 }
 
 static void write_data(struct stream *stream, struct vor_request *request,
                        const struct vor_event *event, struct vor_text *text)
 {
+    struct vor_spec spec;
+
     switch (event->kind) {
     case VOR_EVENT_PROGRESS:
-        write_progress(stream, event, iterations_max(stream), text);
+        spec = spec_of(stream);
+        write_progress(stream, event, &spec, text);
         return;
     case VOR_EVENT_END:
         write_end(stream, request, event, text);
@@ -344,7 +351,7 @@ static void trace_line(struct vor_text *text, const struct vor_record *record)
                              record->seconds};
     char number[VOR_JSON_NUMBER_MAX];
 
-    vor_text_printf(text, "%u", record->iteration);
+    vor_text_printf(text, "%u,%u", record->iteration, record->polish);
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
         number[0] = '\0';
         if (isfinite(values[i]))
@@ -390,7 +397,7 @@ enum vor_next vor_handle_trace(void *ctx, struct vor_request *request, enum vor_
         return vor_outcome_reply(app, request, outcome, &err, &id);
     vor_text_init(&text, 0);
     if (is_table) {
-        vor_text_puts(&text, "iteration,delta,sigma,epsilon,energy,max_move,held,seconds\n");
+        vor_text_puts(&text, "iteration,polish,delta,sigma,epsilon,energy,max_move,held,seconds\n");
         write_trace(bus, true, &text);
     } else {
         vor_json_begin_object(&text);

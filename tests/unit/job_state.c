@@ -5,6 +5,7 @@
 #include "tests/support/vt_dir.h"
 
 #include <pthread.h>
+#include <stdio.h>
 #include <string.h>
 
 static struct vor_record record_of(uint32_t iteration, double seconds)
@@ -12,16 +13,28 @@ static struct vor_record record_of(uint32_t iteration, double seconds)
     return (struct vor_record){.iteration = iteration, .delta = 0.2, .seconds = seconds};
 }
 
-static struct vor_job *running_job(const char *name, double value)
+static struct vor_record polished(uint32_t iteration, uint32_t polish, double seconds)
+{
+    return (struct vor_record){
+        .iteration = iteration, .polish = polish, .delta = 0.1, .seconds = seconds};
+}
+
+static struct vor_job *running_job_polish(const char *name, double value, double polish)
 {
     struct vor_job_view row = vt_row(10);
     struct vor_job *job;
 
+    vt_assert_ok(vor_spec_set_number(&row.spec, "polish", polish, &vt_err));
     if (name != NULL)
         vt_assert_ok(vor_spec_set_number(&row.spec, name, value, &vt_err));
     job = vor_job_create(&row);
     vor_job_begin(job, 1000);
     return job;
+}
+
+static struct vor_job *running_job(const char *name, double value)
+{
+    return running_job_polish(name, value, 0);
 }
 
 static void end_as(struct vor_job *job, enum vor_job_status status)
@@ -55,6 +68,69 @@ START_TEST(progress_follows_the_iterations_and_never_falls)
     vor_job_view(job, &view);
     ck_assert_int_eq(view.progress, 95);
     ck_assert_str_eq(view.message, "Encoding the result");
+    vor_job_release(job);
+}
+END_TEST
+
+/* 20 iterations and 60 steps share the 80 percent by their counts. */
+START_TEST(the_polish_has_its_share_of_the_progress)
+{
+    struct vor_job *job = running_job_polish("iterations", 20, 60);
+    struct vor_job_view view;
+
+    for (uint32_t i = 0; i <= 20; i++) {
+        struct vor_record record = record_of(i, i);
+
+        vor_job_progress(job, &record, 1000);
+        vor_job_view(job, &view);
+        ck_assert_int_eq(view.progress, 10 + (int)i);
+    }
+    for (uint32_t step = 10; step <= 60; step += 10) {
+        struct vor_record record = polished(20, step, 20 + step * 0.125);
+        char message[64];
+
+        vor_job_progress(job, &record, 1000);
+        vor_job_view(job, &view);
+        ck_assert_int_eq(view.progress, 30 + (int)step);
+        (void)snprintf(message, sizeof message, "Polish step %u of at most 60", step);
+        ck_assert_str_eq(view.message, message);
+    }
+    vor_job_release(job);
+}
+END_TEST
+
+/* A plateau after 8 of 100 iterations: those that did not come are done as well. */
+START_TEST(the_polish_ends_the_iterations_for_the_progress)
+{
+    struct vor_job *job = running_job_polish(NULL, 0, 100);
+    struct vor_record last = record_of(8, 4), step = polished(8, 10, 5);
+    struct vor_job_view view;
+
+    vor_job_progress(job, &last, 1000);
+    vor_job_view(job, &view);
+    ck_assert_int_eq(view.progress, 10 + 80 * 8 / 200);
+    vor_job_progress(job, &step, 1000);
+    vor_job_view(job, &view);
+    ck_assert_int_eq(view.progress, 10 + 80 * 110 / 200);
+    vor_job_release(job);
+}
+END_TEST
+
+/* Ten iterations took 5 s: 40 more and 100 steps at that pace. Then twenty steps took 1 s: what the
+ * iterations took no longer counts. */
+START_TEST(the_estimate_of_the_polish_is_at_its_own_pace)
+{
+    struct vor_job *job = running_job_polish("iterations", 50, 100);
+    struct vor_record records[3] = {record_of(0, 2), record_of(10, 7), polished(10, 20, 8)};
+    struct vor_job_view view;
+
+    vor_job_progress(job, &records[0], 1000);
+    vor_job_progress(job, &records[1], 1000);
+    vor_job_view(job, &view);
+    ck_assert_double_eq_tol(view.eta_seconds, 140 * 0.5, 1e-9);
+    vor_job_progress(job, &records[2], 1000);
+    vor_job_view(job, &view);
+    ck_assert_double_eq_tol(view.eta_seconds, 80 * 0.05, 1e-9);
     vor_job_release(job);
 }
 END_TEST
@@ -201,6 +277,9 @@ int main(void)
     Suite *suite = suite_create("job_state");
 
     vt_add(suite, progress_follows_the_iterations_and_never_falls);
+    vt_add(suite, the_polish_has_its_share_of_the_progress);
+    vt_add(suite, the_polish_ends_the_iterations_for_the_progress);
+    vt_add(suite, the_estimate_of_the_polish_is_at_its_own_pace);
     vt_add(suite, a_time_budget_drives_progress_and_estimate);
     vt_add(suite, the_estimate_is_the_pace_times_what_is_left);
     vt_add(suite, zero_iterations_are_done_at_once);
