@@ -246,11 +246,12 @@ void vor_bus_unsubscribe(struct vor_bus *bus, struct vor_subscriber *subscriber)
     pthread_mutex_unlock(&bus->waking);
 }
 
-/* A trace: "VTR1", attempt, count, then for every event kind, status, stage and progress (a byte
- * each), time, and for a progress event its record. Little endian. */
-enum { HEADER_SIZE = 12, EVENT_SIZE = 12, RECORD_SIZE = 60 };
+/* A trace: "VTR2", attempt, count, then for every event kind, status, stage and progress (a byte
+ * each), time, and for a progress event its record. Little endian. What changes the layout changes
+ * the number: a trace with another one is refused, and the job is left with its end. */
+enum { HEADER_SIZE = 12, EVENT_SIZE = 12, RECORD_SIZE = 64 };
 
-static const char magic[4] = {'V', 'T', 'R', '1'};
+static const char magic[4] = {'V', 'T', 'R', '2'};
 
 static uint8_t *put(uint8_t *at, uint64_t value, int bytes)
 {
@@ -290,6 +291,7 @@ static uint8_t *put_event(uint8_t *at, struct vor_event event)
     if (event.kind != VOR_EVENT_PROGRESS)
         return at;
     at = put(at, event.record.iteration, 4);
+    at = put(at, event.record.polish, 4);
     at = put(at, event.record.held, 8);
     record_reals(&event.record, reals);
     for (int i = 0; i < 6; i++) {
@@ -323,6 +325,8 @@ static const uint8_t *get_event(struct vor_event *out, const uint8_t *at, const 
         return at;
     at = get(at, &value, 4);
     out->record.iteration = (uint32_t)value;
+    at = get(at, &value, 4);
+    out->record.polish = (uint32_t)value;
     at = get(at, &out->record.held, 8);
     record_reals(&out->record, reals);
     for (int i = 0; i < 6; i++) {

@@ -1,7 +1,7 @@
 /** The events of one job, in order, for any number of readers at any speed.
  *
- *  A bus keeps every event of the current attempt (one an iteration and a few changes of state: at
- *  most VOR_EVENTS_MAX, 96 bytes each). A reader is nothing but a position, so a slow one costs no
+ *  A bus keeps every event of the current attempt (records and a few changes of state: at most
+ *  VOR_EVENTS_MAX, 96 bytes each). A reader is nothing but a position, so a slow one costs no
  *  memory. Events are numbered 1, 2, ... within an attempt; "attempt.number" is the id of SSE. */
 #ifndef VOR_SERVER_BUS_H
 #define VOR_SERVER_BUS_H
@@ -66,8 +66,8 @@ enum vor_event_kind {
 
 const char *vor_event_word(enum vor_event_kind kind);
 
-/** Iterations of a request and the changes of state around them. */
-#define VOR_EVENTS_MAX 10016
+/** Iterations and steps of the polish of a request, and the changes of state around them. */
+#define VOR_EVENTS_MAX 20016
 
 struct vor_event {
     enum vor_event_kind kind;

@@ -170,14 +170,20 @@ static vor_status execute(struct run *run, struct vor_error *err)
 
 static void describe_success(struct run *run, struct vor_job_view *row)
 {
+    char polish[32] = "";
+
     row->progress = 100;
     row->output = run->output;
-    /* The last iteration need not be the one that is handed out. */
+    /* The last record need not be that of the cloud that is handed out. */
     row->record.delta = run->report.delta;
     row->record.sigma = run->report.sigma;
     row->record.epsilon = run->report.epsilon;
-    (void)snprintf(row->message, sizeof row->message, "%llu points after %u iterations, delta %.4f",
-                   (unsigned long long)run->output.points, (unsigned)run->report.iterations,
+    if (run->report.polish_steps > 0)
+        (void)snprintf(polish, sizeof polish, " and %u polish steps",
+                       (unsigned)run->report.polish_steps);
+    (void)snprintf(row->message, sizeof row->message,
+                   "%llu points after %u iterations%s, delta %.4f",
+                   (unsigned long long)run->output.points, (unsigned)run->report.iterations, polish,
                    run->report.delta);
 }
 

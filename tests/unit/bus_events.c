@@ -1,4 +1,5 @@
 /* The bus: every reader sees the same numbers, whenever it comes and however slow it is. */
+#include "core/spec.h"
 #include "server/bus.h"
 #include "tests/support/vt.h"
 
@@ -18,6 +19,7 @@ static struct vor_event event_of(enum vor_event_kind kind, uint32_t i)
 
     if (kind == VOR_EVENT_PROGRESS)
         event.record = (struct vor_record){.iteration = i,
+                                           .polish = i * 7u,
                                            .delta = vt_unit(7, i),
                                            .sigma = vt_unit(8, i),
                                            .epsilon = 1 - vt_unit(9, i),
@@ -58,6 +60,7 @@ static void assert_same(const struct vor_event *a, const struct vor_event *b)
     ck_assert_int_eq(a->progress, b->progress);
     ck_assert_int_eq(a->time_ms, b->time_ms);
     ck_assert_uint_eq(a->record.iteration, b->record.iteration);
+    ck_assert_uint_eq(a->record.polish, b->record.polish);
     ck_assert_uint_eq(a->record.held, b->record.held);
     ck_assert_mem_eq(&a->record.delta, &b->record.delta, 5 * sizeof(double));
     ck_assert_mem_eq(&a->record.seconds, &b->record.seconds, sizeof(double));
@@ -181,6 +184,17 @@ START_TEST(the_events_are_bounded_and_the_end_always_fits)
 }
 END_TEST
 
+/* The longest request, with a record for every iteration and every step, and the state around it.
+ */
+START_TEST(the_longest_request_loses_no_event)
+{
+    double most = vor_parameter_info(VOR_PARAM_ITERATIONS)->max + 1 +
+                  vor_parameter_info(VOR_PARAM_POLISH)->max;
+
+    ck_assert_double_le(most + 8, VOR_EVENTS_MAX);
+}
+END_TEST
+
 START_TEST(a_trace_comes_back_as_it_was)
 {
     struct vor_bus *bus = filled(4, (uint32_t)_i * 11, _i % 2), *back = NULL;
@@ -224,6 +238,12 @@ START_TEST(a_damaged_trace_is_refused)
         vt_assert_fails(VOR_E_FORMAT, vor_bus_unpack(&back, bytes, size, &vt_err));
         bytes[at] = kept;
     }
+    bytes[3] = '1'; /* another layout */
+    vt_assert_fails(VOR_E_FORMAT, vor_bus_unpack(&back, bytes, size, &vt_err));
+    bytes[3] = '2';
+    vt_assert_ok(vor_bus_unpack(&back, bytes, size, &vt_err));
+    vor_bus_release(back);
+    back = NULL;
     bytes[8] = 0xff; /* more events than there are bytes */
     bytes[11] = 0xff;
     vt_assert_fails(VOR_E_FORMAT, vor_bus_unpack(&back, bytes, size, &vt_err));
@@ -382,6 +402,7 @@ int main(void)
     vt_add(suite, a_reader_with_little_room_loses_nothing);
     vt_add(suite, nothing_follows_the_end);
     vt_add(suite, the_events_are_bounded_and_the_end_always_fits);
+    vt_add(suite, the_longest_request_loses_no_event);
     vt_add_loop(suite, a_trace_comes_back_as_it_was, 20);
     vt_add(suite, a_damaged_trace_is_refused);
     vt_add(suite, only_attempt_dot_number_is_a_position);
