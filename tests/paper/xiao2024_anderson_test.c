@@ -17,6 +17,7 @@ static void trace_of(struct vt_trace *trace, const struct vor_cloud *in, const c
     vt_engine_set(&engine, "points", "700");
     vt_engine_count(&engine, "iterations", PLAIN);
     vt_engine_set(&engine, "anderson", window);
+    vt_engine_set(&engine, "polish", "0");
     vt_engine_count(&engine, "seed", (size_t)seed);
     vt_engine_resample(&engine, &out, &report, in);
     vor_cloud_free(&out);

@@ -86,6 +86,7 @@ START_TEST(the_cells_cover_a_sphere)
     vt_engine_open(&engine, 2);
     vt_engine_set(&engine, "points", "800");
     vt_engine_set(&engine, "iterations", "10");
+    vt_engine_set(&engine, "polish", "0");
     vt_engine_resample(&engine, &out, &report, &in);
     ck_assert_double_eq_tol(report.area / area, 1, 0.02);
     vor_cloud_free(&out);
@@ -157,6 +158,7 @@ static void trace_run(struct vt_trace *trace, struct vor_report *report, const s
     vt_engine_set(&engine, "points", points);
     vt_engine_set(&engine, "iterations", iterations);
     vt_engine_set(&engine, "anderson", window);
+    vt_engine_set(&engine, "polish", "0");
     vt_engine_resample(&engine, &out, report, in);
     vor_cloud_free(&out);
     vt_engine_close(&engine);
@@ -235,6 +237,7 @@ static double delta_from(const struct vor_cloud *cloud, uint64_t seed, int rando
 
     vt_engine_open(&engine, 2);
     vt_engine_set(&engine, "iterations", "10");
+    vt_engine_set(&engine, "polish", "0");
     vt_engine_count(&engine, "seed", (size_t)seed);
     vt_assert_ok(vor_domain_init(&domain, cloud, &vt_memory, &vt_err));
     if (random)

@@ -39,6 +39,7 @@ static void check_count(const struct vor_cloud *in, size_t n, uint64_t seed, con
     vt_engine_count(&engine, "points", n);
     vt_engine_count(&engine, "seed", (size_t)seed);
     vt_engine_set(&engine, "iterations", iterations);
+    vt_engine_set(&engine, "polish", "6");
     vt_engine_resample(&engine, &out, &report, in);
     ck_assert_uint_eq(out.n, n);
     ck_assert_uint_eq(report.points_out, n);
@@ -102,6 +103,7 @@ static size_t count_of(const char *name, const char *text, const struct vor_clou
     vt_engine_open(&engine, 2);
     vt_engine_set(&engine, name, text);
     vt_engine_set(&engine, "iterations", "0");
+    vt_engine_set(&engine, "polish", "0");
     vt_engine_resample(&engine, &out, &report, in);
     n = out.n;
     ck_assert(report.parameters.value[VOR_PARAM_POINTS] == (double)n);

@@ -35,6 +35,7 @@ static vor_status run_trapped(struct vor_cloud *out, struct vor_report *report, 
     vt_cloud_sphere(&in, 1, points);
     vt_engine_count(&engine, "points", points / 2);
     vt_engine_set(&engine, "iterations", "6");
+    vt_engine_set(&engine, "polish", "4"); /* the questions are tried one by one */
     vt_engine_set(&engine, "normals", "fit");
     vor_cloud_init(out, &vt_memory);
     memset(report, 0, sizeof *report);
@@ -132,6 +133,7 @@ START_TEST(a_failure_of_any_allocation_ends_clearly_and_leaks_nothing)
     memset(in.attributes[0].data, 7, N * sizeof(int32_t));
     vt_engine_set(&engine, _i == 0 ? "points" : "spacing", _i == 0 ? "100" : "0.4");
     vt_engine_set(&engine, "iterations", "5");
+    vt_engine_set(&engine, "polish", "3");
     vt_engine_set(&engine, "normals", "fit");
     for (fail = 1; status != VOR_OK; fail++) {
         ck_assert_uint_lt(fail, 1000);
@@ -168,6 +170,7 @@ START_TEST(a_job_beyond_its_cap_is_refused_and_within_its_peak_it_runs)
     vt_cloud_sphere(&in, 1, 2000);
     vt_engine_set(&engine, "points", "500");
     vt_engine_set(&engine, "iterations", "3");
+    vt_engine_set(&engine, "polish", "3");
     vor_memory_init(&memory, SIZE_MAX);
     vt_engine_resample(&engine, &out, &report, &in);
     vor_cloud_free(&out);

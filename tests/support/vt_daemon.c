@@ -44,6 +44,7 @@ struct vor_spec vt_request(unsigned points, int iterations)
 
     vor_spec_init(&spec);
     vt_assert_ok(vor_spec_set_number(&spec, "points", points, &vt_err));
+    vt_assert_ok(vor_spec_set_number(&spec, "polish", 0, &vt_err));
     if (iterations >= 0)
         vt_assert_ok(vor_spec_set_number(&spec, "iterations", iterations, &vt_err));
     return spec;

@@ -25,7 +25,8 @@ void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
                      const struct vt_daemon_options *options);
 void vt_daemon_stop(struct vt_daemon *daemon);
 
-/** A request for that many points, with iterations (or the default with -1), to PLY. */
+/** A request for that many points, with iterations (or the default with -1), to PLY; without the
+ *  polish, so that there is a record an iteration and no more work than the test asks for. */
 struct vor_spec vt_request(unsigned points, int iterations);
 
 /** Admits a cloud and submits it; *id gets the job's id when VOR_DONE is returned. */

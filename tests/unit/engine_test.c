@@ -90,8 +90,11 @@ START_TEST(explicit_iterations_are_run_to_the_last)
         open_job(&job);
         vt_engine_set(&job.engine, "points", "50");
         vt_engine_count(&job.engine, "iterations", counts[k]);
+        vt_engine_set(&job.engine, "polish", "0");
         run_job(&job);
         ck_assert_uint_eq(job.report.iterations, counts[k]);
+        ck_assert_uint_eq(job.report.polish_steps, 0);
+        ck_assert_uint_eq(job.spy.last.polish, 0);
         ck_assert_int_eq(job.report.stopped, VOR_STOPPED_ITERATIONS);
         ck_assert_uint_eq(job.spy.records, counts[k] + 1);
         ck_assert(job.spy.in_order);
@@ -129,6 +132,7 @@ START_TEST(a_delta_ends_the_run_at_the_first_iterate_that_reaches_it)
     open_job(&job);
     vt_engine_set(&job.engine, "points", "200");
     vt_engine_set(&job.engine, "iterations", "200");
+    vt_engine_set(&job.engine, "polish", "0");
     vt_engine_set(&job.engine, "delta", "0.12");
     run_job(&job);
     ck_assert_int_eq(job.report.stopped, VOR_STOPPED_DELTA);
@@ -156,6 +160,7 @@ START_TEST(a_budget_of_seconds_ends_the_run_by_the_watchs_clock)
     job.spy.step = 0.25;
     vt_engine_set(&job.engine, "points", "100");
     vt_engine_set(&job.engine, "iterations", "1000");
+    vt_engine_set(&job.engine, "polish", "0");
     vt_engine_set(&job.engine, "seconds", "10");
     run_job(&job);
     ck_assert_int_eq(job.report.stopped, VOR_STOPPED_SECONDS);
@@ -213,6 +218,7 @@ START_TEST(the_result_is_the_most_even_iterate)
         vt_engine_set(&job.engine, "points", "60");
         vt_engine_set(&job.engine, "iterations", "40");
         vt_engine_set(&job.engine, "anderson", "0");
+        vt_engine_set(&job.engine, "polish", "0");
         vt_engine_count(&job.engine, "seed", seed);
         run_job(&job);
         ck_assert_double_le(job.report.delta, 1.04 * job.spy.best);
@@ -315,6 +321,7 @@ START_TEST(sixteen_times_the_input_is_the_most)
     open_job(&job);
     vt_engine_count(&job.engine, "points", 16 * N);
     vt_engine_set(&job.engine, "iterations", "0");
+    vt_engine_set(&job.engine, "polish", "0");
     run_job(&job);
     ck_assert_uint_eq(job.out.n, 16 * N);
     close_job(&job);

@@ -89,6 +89,8 @@ START_TEST(a_job_ends_with_exactly_the_points_asked_for)
     vt_assert_ok(vor_json_parse(&report, json, strlen(json), &vt_err));
     ck_assert(vor_json_get_number(vor_json_get(report, "iterations"), &number));
     ck_assert_double_eq(number, 5);
+    ck_assert(vor_json_get_number(vor_json_get(report, "polish_steps"), &number));
+    ck_assert_double_eq(number, 0);
     ck_assert(vor_json_get_number(vor_json_get(vor_json_get(report, "seconds"), "write"), &number));
     ck_assert_double_gt(number, 0);
     ck_assert(vor_json_get_number(vor_json_get(vor_json_get(report, "seconds"), "read"), &number));
@@ -121,11 +123,13 @@ START_TEST(the_events_of_a_job_are_the_same_live_and_from_its_trace)
     struct vt_daemon daemon;
     struct vor_cloud cloud;
     struct vor_uuid id;
-    uint32_t iterations = 0;
+    struct vor_spec spec = vt_request(100, 12);
+    uint32_t records[2] = {0}; /* of iterations, of the polish */
 
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
     vt_cloud_sphere(&cloud, 2, 1000);
-    id = submit(&daemon, &cloud, vt_request(100, 12));
+    vt_assert_ok(vor_spec_set_number(&spec, "polish", _i * 40, &vt_err));
+    id = submit(&daemon, &cloud, spec);
     live = events(&daemon, &id);
     (void)vt_daemon_wait_over(&daemon, &id);
     wait_idle(&daemon);
@@ -140,12 +144,15 @@ START_TEST(the_events_of_a_job_are_the_same_live_and_from_its_trace)
         ck_assert_int_eq(first.stage, second.stage);
         ck_assert_int_eq(first.progress, second.progress);
         ck_assert_double_eq(first.record.delta, second.record.delta);
-        iterations += first.kind == VOR_EVENT_PROGRESS;
+        ck_assert_uint_eq(first.record.polish, second.record.polish);
+        records[first.record.polish > 0] += first.kind == VOR_EVENT_PROGRESS;
     }
     ck_assert_int_eq(first.kind, VOR_EVENT_END);
     ck_assert_int_eq(first.status, VOR_JOB_SUCCESSFUL);
     ck_assert_uint_eq(vor_bus_read(stored, &b, VOR_READ_EVERY, &second, 1), 0);
-    ck_assert_uint_eq(iterations, 13); /* with iteration 0 */
+    ck_assert_uint_eq(records[0], 13); /* with iteration 0 */
+    if (_i == 0)
+        ck_assert_uint_eq(records[1], 0);
     vor_bus_release(live);
     vor_bus_release(stored);
     vor_cloud_free(&cloud);
@@ -525,7 +532,7 @@ int main(void)
 
     vor_log_open(2, VOR_LOG_ERROR);
     vt_add(suite, a_job_ends_with_exactly_the_points_asked_for);
-    vt_add(suite, the_events_of_a_job_are_the_same_live_and_from_its_trace);
+    vt_add_loop(suite, the_events_of_a_job_are_the_same_live_and_from_its_trace, 2);
     vt_add(suite, a_running_job_is_dismissed_at_once_and_its_cores_are_free);
     vt_add(suite, a_waiting_job_is_dismissed_without_running);
     vt_add(suite, a_job_dismissed_while_it_encodes_leaves_no_bytes);
