@@ -36,9 +36,10 @@ for my $command (qw(resample measure health)) {
 }
 (undef, $help) = run(['resample', '--help']);
 like $help, qr/--\Q$_\E VALUE\n/, "the help of resample has parameter $_"
-    for qw(points ratio spacing method patch iterations delta seconds neighbors anderson boundary
+    for qw(points ratio spacing method patch iterations delta seconds neighbors anderson polish boundary
     seed format quantization compression attributes normals);
 like $help, qr/6 to 500 points \| auto, default 20/, 'it shows range, auto and default';
+like $help, qr/--polish VALUE\n      Steps [^\n]+\n      0 to 10000, default \d+\n/, 'it explains the polish';
 like $help, qr/env: VORONOID_SERVER/, 'it shows environment variables';
 ($code, $help) = run(['--version']);
 like $help, qr/^voronoid \d+\.\d+\.\d+\n\z/, 'the version is one line';
@@ -91,6 +92,13 @@ refused 'a wrong word', ['resample', $in, '-o', $out, @points, '--boundary', 'op
     'resample: boundary is "open", want one of keep, free';
 refused 'neighbors out of range', ['resample', $in, '-o', $out, @points, '--neighbors=5'], 2,
     'resample: neighbors is 5, want a whole number from 6 to 500 or auto';
+for my $case (['a negative number', -1], ['too many', 10001], ['half a step', 1.5], ['a word', 'much'], ['auto', 'auto']) {
+    my ($name, $value) = @$case;
+    refused "polish: $name", ['resample', $in, '-o', $out, @points, '--polish', $value], 2,
+        "resample: polish is $value, want a whole number from 0 to 10000";
+}
+refused 'polish: nothing', ['resample', $in, '-o', $out, @points, '--polish='], 2,
+    'resample: polish is empty, want a whole number from 0 to 10000';
 refused 'too many threads', ['resample', $in, '-o', $out, @points, '--threads', 257], 2,
     'resample: threads is 257, want a whole number from 0 to 256';
 refused 'threads by the environment', ['resample', $in, '-o', $out, @points], 2,

@@ -12,7 +12,7 @@ use Time::HiRes qw(sleep);
 my $folder = scratch();
 my $in = spew("$folder/in.ply", sphere(4000));
 my $out = "$folder/out.ply";
-my @request = ('-n', 500, '--iterations', 6);
+my @request = ('-n', 500, '--iterations', 6, '--polish', 0);
 
 sub count_of { return slurp($_[0]) =~ /^element vertex (\d+)$/m ? $1 : -1 }
 
@@ -48,19 +48,47 @@ subtest 'lines of JSON' => sub {
     my $report = pop @records;
     is "$code$stderr", '0', 'all is well';
     is_deeply [map { $_->{iteration} } @records], [0 .. 6], 'there is a record for each iteration';
-    my $shape = join ' ', sort qw(iteration delta sigma epsilon energy max_move held seconds);
+    my $shape = join ' ', sort qw(iteration polish delta sigma epsilon energy max_move held seconds);
+    is_deeply [map { $_->{polish} } @records], [(0) x 7], 'none is of a polish that was not asked for';
     is join(' ', sort keys %$_), $shape, "record $_->{iteration} has its shape" for @records;
     cmp_ok $records[-1]{delta}, '<', $records[0]{delta}, 'delta falls';
     is join(' ', sort keys %$report),
-        join(' ', sort qw(points delta sigma epsilon iterations stopped seconds memory_peak_bytes held
-            held_ever fallbacks parameters area spacing)), 'the report has its shape';
+        join(' ', sort qw(points delta sigma epsilon iterations polish_steps stopped seconds
+            memory_peak_bytes held held_ever fallbacks parameters area spacing min_over_mean max_over_mean
+            six_share bisectors_per_cell triangles_per_cell queries list_rebuilds)), 'the report has its shape';
+    is join(' ', sort keys %{ $report->{seconds} }), 'index init iterate polish read write', 'so have its seconds';
+    is $report->{polish_steps}, 0, 'it counts no step of a polish';
     is_deeply $report->{points}, { in => 4000, out => 500 }, 'it counts the points';
     is "$report->{iterations} $report->{stopped}", '6 iterations', 'it says why it stopped';
     cmp_ok $report->{seconds}{$_}, '>', 0, "it has the seconds of $_"
         for qw(read index init iterate write);
     cmp_ok abs($report->{area} - 12.566), '<', 0.3, 'it has the area of the sphere';
     is $report->{parameters}{$_->[0]}, $_->[1], "it has parameter $_->[0]"
-        for ['points', 500], ['iterations', 6], ['format', 'ply'], ['neighbors', 20], ['seed', 1];
+        for ['points', 500], ['iterations', 6], ['format', 'ply'], ['neighbors', 20], ['seed', 1], ['polish', 0];
+};
+
+subtest 'the polish' => sub {
+    my @polished = ('-n', 500, '--iterations', 6, '--polish', 40);
+    my ($code, $stdout, $stderr) = run(['resample', $in, @polished, '-o', "$folder/p.ply", '--json']);
+    my @records = map { decode_json($_) } split /\n/, $stdout;
+    my $report = pop @records;
+    is "$code$stderr", '0', 'all is well';
+    is count_of("$folder/p.ply"), 500, 'there are as many points as asked for';
+    my @steps = map { $_->{polish} } @records;
+    is_deeply [map { $_->{iteration} } grep { !$_->{polish} } @records], [0 .. 6], 'a record an iteration comes first';
+    is_deeply \@steps, [sort { $a <=> $b } @steps], 'then those of the polish, in order';
+    is scalar(grep { $_->{polish} && $_->{iteration} != 6 } @records), 0, 'which stay at the last iteration';
+    is $steps[-1], $report->{polish_steps}, 'the last one has the steps of the report';
+    cmp_ok $report->{polish_steps}, '<=', 40, 'there are no more than allowed';
+    is $report->{parameters}{polish}, 40, 'which the report repeats';
+    ($code, $stdout, $stderr) = run(['resample', $in, @polished, '-o', "$folder/p.ply"]);
+    my $counted = $report->{polish_steps} > 0 ? " and $report->{polish_steps} polish steps" : '';
+    like $stderr, qr/ after 6 iterations$counted \(\w+\), \d+\.\d s\n\z/, 'the summary tells both';
+    unlink "$folder/p.ply";
+    my (undef, $all) = run(['resample', $in, '-n', 60, '--iterations', 2, '--json', '-o', '/dev/null']);
+    my (undef, $help) = run(['resample', '--help']);
+    my ($default) = $help =~ /--polish VALUE\n[^\n]*\n[^\n]*default (\d+)\n/;
+    is decode_json((split /\n/, $all)[-1])->{parameters}{polish}, $default, 'the default is that of the help';
 };
 
 subtest 'the same bytes' => sub {
@@ -70,9 +98,9 @@ subtest 'the same bytes' => sub {
     }
     run(['resample', $in, @request, '-o', "$folder/t.ply", '-q'], env => { VORONOID_THREADS => 2 });
     ok slurp("$folder/t.ply") eq $wanted, 'nor does VORONOID_THREADS';
-    run(['resample', $in, '--points=500', '--iterations=6', "--output=$folder/t.ply", '-q']);
+    run(['resample', $in, '--points=500', '--iterations=6', '--polish=0', "--output=$folder/t.ply", '-q']);
     ok slurp("$folder/t.ply") eq $wanted, 'nor does the way a value is written';
-    run(['resample', '-n500', '--iterations', 6, "-o$folder/t.ply", '-q', '--', $in]);
+    run(['resample', '-n500', '--iterations', 6, '--polish', 0, "-o$folder/t.ply", '-q', '--', $in]);
     ok slurp("$folder/t.ply") eq $wanted, 'nor does the order';
     run(['resample', $in, @request, '-o', "$folder/t.ply", '-q', '--seed', 2]);
     ok slurp("$folder/t.ply") ne $wanted, 'another seed does';

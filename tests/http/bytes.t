@@ -30,7 +30,7 @@ close $file or die "in.ply: $!";
 my %requests = (
     'PLY' => 'points=2500&iterations=12&format=ply&normals=fit',
     'Draco' => 'ratio=0.3&iterations=12&format=drc&seed=7',
-    'upsampled, plain Lloyd' => 'points=9000&iterations=4&format=ply&anderson=0&boundary=free',
+    'upsampled, plain Lloyd' => 'points=9000&iterations=4&format=ply&anderson=0&polish=0&boundary=free',
 );
 my %wanted;
 for my $threads (1, 2, 3, 8) {

@@ -18,7 +18,7 @@ sub never_falls {
 }
 
 # A job followed from its beginning to its end.
-my $id = $daemon->submit('points=500&iterations=30', $cloud);
+my $id = $daemon->submit('points=500&iterations=30&polish=0', $cloud);
 my $stream = $daemon->events("/v1/jobs/$id/events", headers => $stream_of);
 like $stream->{head}, qr{\AHTTP/1\.1 200 }, 'a stream is a 200';
 like $stream->{head}, qr{^Content-Type: text/event-stream\r$}m, 'of the right type';
@@ -41,10 +41,11 @@ ok !(grep { $_->{id} !~ /^1\.[1-9][0-9]*$/ } @events), 'ids are ATTEMPT.NUMBER';
 my @progress = map { json($_->{data}) } grep { $_->{event} eq 'progress' } @events;
 cmp_ok scalar(@progress), '>', 0, 'there is progress';
 is_deeply [sort keys %{ $progress[0] }],
-    [sort qw(jobID attempt stage iteration maxIterations delta sigma epsilon energy max_move held
-            seconds progress eta)], 'with every member';
+    [sort qw(jobID attempt stage iteration maxIterations polish maxPolish delta sigma epsilon energy
+            max_move held seconds progress eta)], 'with every member';
 is $progress[-1]{iteration}, 30, 'the last iteration is among them';
 is $progress[0]{maxIterations}, 30, 'it tells how many there may be';
+is $progress[0]{maxPolish}, 0, 'and how many steps of the polish';
 ok never_falls(map { $_->{progress} } @progress), 'progress never falls';
 
 # Replay.
@@ -61,6 +62,26 @@ is $over->{status}, 204, 'after the end there is nothing: 204';
 my $head = $daemon->raw("HEAD /v1/jobs/$id/events HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
 like $head, qr{\AHTTP/1\.1 200 .*^Content-Type: text/event-stream}ms, 'HEAD shows the stream';
 is body_of($head), '', 'without its bytes';
+
+# The polish: its steps follow the iterations, and both share the progress.
+my $polished = $daemon->submit('points=500&iterations=10&polish=50', $cloud);
+is $daemon->finish($polished)->{status}, 'successful', 'a job with a polish ends well';
+my @steps = map { json($_->{data}) } grep { $_->{event} eq 'progress' }
+    $daemon->events("/v1/jobs/$polished/events", headers => { 'Last-Event-ID' => '1.1' })->all;
+my @plain = grep { $_->{polish} == 0 } @steps;
+my @after = grep { $_->{polish} > 0 } @steps;
+is_deeply [map { $_->{iteration} } @plain], [0 .. 10], 'a record an iteration';
+is_deeply [@steps[0 .. $#plain]], \@plain, 'iterations come first';
+is_deeply [map { $_->{iteration} } @after], [(10) x @after], 'the polish stays at the last one';
+is_deeply [map { $_->{polish} } @after], [sort { $a <=> $b } keys %{ { map { $_->{polish} => 1 } @after } }],
+    'the steps of the polish rise';
+is(($after[-1] // $plain[-1])->{polish},
+    json($daemon->get("/v1/jobs/$polished/results/report"))->{polish_steps},
+    'the last record has as many as the report');
+is $plain[-1]{progress}, 10 + int(80 * 10 / 60), 'iterations have their share of the progress';
+is $_->{progress}, 10 + int(80 * (10 + $_->{polish}) / 60 + 1e-9), "so have $_->{polish} steps" for @after;
+is $_->{maxPolish}, 50, 'a record tells how many steps there may be' for $steps[0];
+cmp_ok $_->{eta}, '>=', 0, 'the time left is known' for @steps[1 .. $#steps];
 
 # NDJSON.
 my @lines = map { json($_) } grep { length } split /\n/,

@@ -32,13 +32,18 @@ my ($sync_id) = $sync->{headers}{location} =~ /($uuid)\z/;
 my $sync_report = json($daemon->get("/v1/jobs/$sync_id/results/report"));
 is $sync_report->{points}{out}, 500, 'the caller of a synchronous call can read the report';
 is $sync_report->{iterations}, 5, 'the report counts the iterations';
+like $sync_report->{polish_steps}, qr/^\d+$/, 'and the steps of the polish';
+cmp_ok $sync_report->{polish_steps}, '<=', $sync_report->{parameters}{polish}, 'which are no more than allowed';
+my $default = json($daemon->get('/v1/processes/resample'))->{inputs}{polish}{schema};
+is $sync_report->{parameters}{polish}, $default->{default}, 'by the default of the process';
+is "$default->{type} $default->{minimum} $default->{maximum}", 'integer 0 10000', 'whose description has its range';
 is $sync_report->{stopped}, 'iterations', 'the report says why the run ended';
 my $same = $daemon->post('/v1/processes/resample/execution?points=500&iterations=5', $cloud,
     'Content-Type' => 'application/ply');
 is $same->{content}, $sync->{content}, 'the execution path yields the same bytes';
 
 # Asynchronous.
-my $answer = $daemon->post('/v1/resample?points=400&iterations=8&seed=3', $cloud,
+my $answer = $daemon->post('/v1/resample?points=400&iterations=8&polish=0&seed=3', $cloud,
     Prefer => 'respond-async');
 is $answer->{status}, 201, 'respond-async answers 201';
 is $answer->{headers}{'preference-applied'}, 'respond-async', 'it says that it did';
@@ -161,12 +166,14 @@ my $trace = json($daemon->get("/v1/jobs/$id/trace"));
 my @records = @{ $trace->{records} };
 is_deeply [map { $_->{iteration} } @records], [0 .. 8], 'the trace has a record an iteration';
 is_deeply [sort keys %{ $records[0] }],
-    [sort qw(iteration delta sigma epsilon energy max_move held seconds)], 'with every member';
+    [sort qw(iteration polish delta sigma epsilon energy max_move held seconds)], 'with every member';
+is scalar(grep { $_->{polish} != 0 } @records), 0, 'and without a polish none of its steps';
 cmp_ok $records[8]{delta}, '<', $records[0]{delta}, 'delta falls';
 my @rows = split /\n/, $daemon->get("/v1/jobs/$id/trace", headers => { Accept => 'text/csv' })->{content};
-is $rows[0], 'iteration,delta,sigma,epsilon,energy,max_move,held,seconds', 'the table has its head';
+is $rows[0], 'iteration,polish,delta,sigma,epsilon,energy,max_move,held,seconds', 'the table has its head';
 is scalar(@rows), 10, 'and a row an iteration';
-cmp_ok abs((split /,/, $rows[9])[1] - $records[8]{delta}), '<', 1e-15, 'with the same values';
+is join(',', (split /,/, $rows[9])[0, 1]), '8,0', 'in its order';
+cmp_ok abs((split /,/, $rows[9])[2] - $records[8]{delta}), '<', 1e-15, 'with the same values';
 
 # Formats.
 for my $case (['Accept' => 'application/draco'], ['Accept' => 'application/ply;q=0.4, model/draco'],

@@ -34,6 +34,13 @@ for my $case (
     ['ratio=1e999', qr/ratio is 1e999/, 'ratio'],
     ['ratio=nan', qr/ratio is nan/, 'ratio'],
     ['points=10&seconds=-1', qr/seconds is -1/, 'seconds'],
+    ['points=10&polish=-1', qr/polish is -1, want a whole number from 0 to 10000/, 'polish'],
+    ['points=10&polish=10001', qr/polish is 10001, want a whole number from 0 to 10000/, 'polish'],
+    ['points=10&polish=1.5', qr/polish is 1\.5, want a whole number from 0 to 10000/, 'polish'],
+    ['points=10&polish=much', qr/polish is much, want a whole number from 0 to 10000/, 'polish'],
+    ['points=10&polish=', qr/polish is empty, want a whole number from 0 to 10000/, 'polish'],
+    ['points=10&polish=auto', qr/polish is auto, want a whole number from 0 to 10000/, 'polish'],
+    ['points=10&polish=0&polish=0', qr/polish is given more than once/, 'polish'],
     ['points=10&compression=11', qr/from 0 to 10/, 'compression'],
 ) {
     my ($query, $detail, $parameter) = @$case;
