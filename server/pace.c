@@ -32,7 +32,7 @@ double vor_pace_done(const struct vor_spec *spec, const struct vor_record *recor
 {
     double all = (double)vor_pace_iterations(spec) + vor_pace_polish(spec);
     double budget = spec->value[VOR_PARAM_SECONDS];
-    double done = all > 0 ? 1 - steps_left(spec, record) / all : 1;
+    double done = all > 0 ? (all - steps_left(spec, record)) / all : 1;
 
     if (vor_spec_given(spec, VOR_PARAM_SECONDS) && budget > 0)
         done = fmax(done, record->seconds / budget);

@@ -38,14 +38,16 @@ show_progress()
     awk -F'"' '
         /^data: / { line = $0 }
         /"delta":/ && match(line, /"iteration":[0-9]+/) {
-            iteration = substr(line, RSTART + 12, RLENGTH - 12)
-            if (match(line, /"delta":[0-9.e+-]+/) && iteration != last) {
+            step = sprintf("iteration %3d", substr(line, RSTART + 12, RLENGTH - 12))
+            if (match(line, /"polish":[1-9][0-9]*/))
+                step = sprintf("polish %6d", substr(line, RSTART + 9, RLENGTH - 9))
+            if (match(line, /"delta":[0-9.e+-]+/) && step != last) {
                 delta = substr(line, RSTART + 8, RLENGTH - 8)
                 bar = sprintf("%*s", int(delta * 120) > 60 ? 60 : int(delta * 120), "")
                 gsub(/ /, "#", bar)
-                printf "  iteration %3d  delta %.4f  %s\n", iteration, delta, bar
+                printf "  %s  delta %.4f  %s\n", step, delta, bar
                 fflush()
-                last = iteration
+                last = step
             }
         }'
 }

@@ -1,0 +1,163 @@
+/* What the command line shows of a run: the bar of an iteration and of the polish, the sentence at
+ * the end. */
+#include "server/cli/progress.h"
+#include "tests/support/vt.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+static char shown[4096];
+
+/* What was written to file since it was made, as a string. */
+static const char *content(FILE *file)
+{
+    size_t size;
+
+    ck_assert_int_eq(fflush(file), 0);
+    rewind(file);
+    size = fread(shown, 1, sizeof shown - 1, file);
+    shown[size] = '\0';
+    return shown;
+}
+
+static void make_cli(struct vor_cli *cli, double iterations, double polish)
+{
+    memset(cli, 0, sizeof *cli);
+    cli->option[VOR_OPTION_OUTPUT] = "out.ply";
+    vor_spec_init(&cli->spec);
+    vt_assert_ok(vor_spec_set_number(&cli->spec, "iterations", iterations, &vt_err));
+    vt_assert_ok(vor_spec_set_number(&cli->spec, "polish", polish, &vt_err));
+}
+
+/* The bar after `first`, shown or not, and then `second`. */
+static const char *bar_of(const struct vor_cli *cli, int columns, struct vor_record first,
+                          struct vor_record second)
+{
+    struct vor_progress progress = {.cli = cli, .columns = columns};
+    const char *text;
+
+    vor_progress_record(&progress, &first);
+    progress.bar = tmpfile();
+    ck_assert_ptr_nonnull(progress.bar);
+    vor_progress_record(&progress, &second);
+    text = content(progress.bar);
+    (void)fclose(progress.bar);
+    return text;
+}
+
+START_TEST(a_bar_shows_the_iteration_and_what_is_left_of_all)
+{
+    struct vor_record first = {.seconds = 1},
+                      second = {.iteration = 20, .delta = 0.25, .seconds = 5};
+    struct vor_cli cli;
+
+    make_cli(&cli, 50, 0);
+    ck_assert_str_eq(bar_of(&cli, 69, first, second),
+                     "\r\x1b[K  20/50   [####------]  40 %  delta 0.2500  6 s left");
+    make_cli(&cli, 50, 150);
+    ck_assert_str_eq(bar_of(&cli, 69, first, second),
+                     "\r\x1b[K  20/50   [#---------]  10 %  delta 0.2500  36 s left");
+}
+END_TEST
+
+START_TEST(a_bar_shows_the_polish_at_its_own_pace)
+{
+    struct vor_record first = {.iteration = 50, .seconds = 11};
+    struct vor_record second = {.iteration = 50, .polish = 30, .delta = 0.031, .seconds = 14};
+    struct vor_cli cli;
+
+    make_cli(&cli, 50, 150);
+    ck_assert_str_eq(bar_of(&cli, 69, first, second),
+                     "\r\x1b[Kpolish   30/150  [####------]  40 %  delta 0.0310  12 s left");
+    second.polish = 150;
+    ck_assert_str_eq(bar_of(&cli, 69, first, second),
+                     "\r\x1b[Kpolish  150/150  [##########] 100 %  delta 0.0310  0 s left");
+}
+END_TEST
+
+START_TEST(a_bar_fits_into_its_line)
+{
+    struct vor_record first = {.iteration = 9999, .seconds = 1};
+    struct vor_record second = {.iteration = 9999, .polish = 9999, .delta = 0.4, .seconds = 1e9};
+    struct vor_cli cli;
+
+    make_cli(&cli, 10000, 10000);
+    for (int columns = 2; columns <= 200; columns++) {
+        const char *text = bar_of(&cli, columns, first, second);
+
+        ck_assert_uint_le(strlen(text), strlen("\r\x1b[K") + (size_t)columns - 1);
+    }
+}
+END_TEST
+
+/* A line is drawn ten times a second at most, the first one always. */
+START_TEST(a_bar_is_not_drawn_for_every_record)
+{
+    struct vor_record record = {.delta = 0.5};
+    struct vor_progress progress = {.columns = 80, .bar = tmpfile()};
+    struct vor_cli cli;
+    size_t drawn = 0;
+
+    make_cli(&cli, 50, 150);
+    progress.cli = &cli;
+    ck_assert_ptr_nonnull(progress.bar);
+    for (int i = 0; i < 20; i++)
+        vor_progress_record(&progress, &record);
+    for (const char *at = content(progress.bar); (at = strchr(at, '\r')) != NULL; at++)
+        drawn++;
+    ck_assert_uint_ge(drawn, 1);
+    ck_assert_uint_lt(drawn, 20);
+    (void)fclose(progress.bar);
+}
+END_TEST
+
+/* What vor_progress_finish says on standard error. */
+static const char *summary(const char *report)
+{
+    struct vor_progress progress = {.columns = 80};
+    FILE *file = tmpfile();
+    int kept = dup(STDERR_FILENO);
+    struct vor_cli cli;
+    vor_status status;
+
+    ck_assert(file != NULL && kept >= 0);
+    make_cli(&cli, 50, 150);
+    progress.cli = &cli;
+    (void)fflush(stderr);
+    ck_assert_int_ge(dup2(fileno(file), STDERR_FILENO), 0);
+    status = vor_progress_finish(&progress, report, strlen(report), &vt_err);
+    (void)fflush(stderr);
+    ck_assert_int_ge(dup2(kept, STDERR_FILENO), 0);
+    (void)close(kept);
+    vt_assert_ok(status);
+    (void)content(file);
+    (void)fclose(file);
+    return shown;
+}
+
+START_TEST(the_summary_names_iterations_and_polish_steps)
+{
+    ck_assert_str_eq(summary("{\"points\":{\"in\":9,\"out\":7},\"delta\":0.03125,\"iterations\":37,"
+                             "\"polish_steps\":100,\"stopped\":\"plateau\","
+                             "\"seconds\":{\"iterate\":1.5,\"polish\":2.25}}"),
+                     "voronoid: out.ply: 7 points, delta 0.0312 after 37 iterations and 100 polish "
+                     "steps (plateau), 3.8 s\n");
+    ck_assert_str_eq(summary("{\"points\":{\"out\":7},\"delta\":0.5,\"iterations\":6,"
+                             "\"polish_steps\":0,\"stopped\":\"iterations\",\"seconds\":{}}"),
+                     "voronoid: out.ply: 7 points, delta 0.5000 after 6 iterations (iterations), "
+                     "0.0 s\n");
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("cli_progress");
+
+    vt_add(suite, a_bar_shows_the_iteration_and_what_is_left_of_all);
+    vt_add(suite, a_bar_shows_the_polish_at_its_own_pace);
+    vt_add(suite, a_bar_fits_into_its_line);
+    vt_add(suite, a_bar_is_not_drawn_for_every_record);
+    vt_add(suite, the_summary_names_iterations_and_polish_steps);
+    return vt_run(suite);
+}
