@@ -1,6 +1,7 @@
 #!/usr/bin/perl
-# openapi.yaml says what the route table says: paths, methods, statuses; and the parameters of the
-# engine are those of the process description.
+# openapi.yaml says what the route table says: paths, methods, statuses; the parameters of the engine
+# are those of the process description, with their ranges and defaults; and a record, the data of a
+# progress event and a report have the members that are described.
 use strict;
 use warnings;
 use FindBin;
@@ -53,7 +54,44 @@ my $daemon = Vt->start;
 my $inputs = json($daemon->get('/v1/processes/resample'))->{inputs};
 for my $name (grep { $_ ne 'cloud' && $_ ne 'input' } sort keys %$inputs) {
     ok $parameters{$name}, "parameter $name is documented";
+    my @uses = $yaml =~ m{^        - \{\$ref: "#/components/parameters/\Q$name\E"\}$}mg;
+    is scalar(@uses), 2, "parameter $name is one of both ways to run a process";
+    my $text = block('parameters', $name);
+    my $schema = $inputs->{$name}{schema};
+    my %range = (%$schema, $schema->{oneOf} ? %{ $schema->{oneOf}[0] } : ());
+    for my $word (qw(minimum maximum default)) {
+        my ($said) = $text =~ /\b$word: ([^\s,}]+)/;
+        is $said // 'none', $range{$word} // 'none', "parameter $name: $word" and next
+            if ($range{$word} // '') !~ /^[-+.e\d]+$/i;
+        cmp_ok $said // 'nan', '==', $range{$word}, "parameter $name: $word";
+    }
 }
+
+# The text of a component, and the names of the properties of a schema that lie `indent` deep.
+sub block {
+    my ($kind, $name) = @_;
+    return $yaml =~ /^  $kind:\n(?:(?:    .*)?\n)*?    \Q$name\E:\n((?:(?:      .*)?\n)+)/m ? $1 : '';
+}
+sub members {
+    my ($text, $indent) = @_;
+    my $blanks = ' ' x $indent;
+    my ($properties) = $text =~ /^ +properties:\n((?:$blanks.*\n)+)/m;
+    return [sort(($properties // '') =~ /^$blanks(\w+):/mg)];
+}
+my $id = $daemon->submit('points=50&iterations=2', sphere_ply(300));
+is $daemon->finish($id)->{status}, 'successful', 'a job ends well';
+my $record = json($daemon->get("/v1/jobs/$id/trace"))->{records}[0];
+is_deeply [sort keys %$record], members(block('schemas', 'record'), 8), 'a record has the members described';
+my ($event) = grep { $_->{event} eq 'progress' }
+    $daemon->events("/v1/jobs/$id/events", headers => { 'Last-Event-ID' => '1.1' })->all;
+is_deeply [sort keys %{ json($event->{data}) }],
+    [sort @{ members(block('schemas', 'record'), 8) }, @{ members(block('schemas', 'progressEvent'), 12) }],
+    'so has the data of a progress event';
+my $report = json($daemon->get("/v1/jobs/$id/results/report"));
+my $described = block('schemas', 'report');
+is_deeply [sort keys %$report], members($described, 8), 'so has a report';
+my ($seconds) = $described =~ /^        seconds:\n((?:          .*\n)+)/m;
+is_deeply [sort keys %{ $report->{seconds} }], members($seconds, 12), 'with its seconds';
 SKIP: {
     skip 'python3 with yaml is not installed', 1
         if system('python3 -c "import yaml" 2>/dev/null') != 0;
