@@ -153,14 +153,14 @@ END_TEST
 START_TEST(a_drain_lets_a_running_job_end_and_keeps_the_waiting_ones)
 {
     struct vt_daemon daemon;
-    struct vor_spec spec = vt_request(200, 30);
+    struct vor_spec spec = vt_request(200, 30), longer = vt_request(200, 600);
     const char *dir = vt_dir_make();
     struct vor_uuid runs, waits, refused;
     struct vor_job_view view;
     struct vor_cloud cloud;
 
     vt_daemon_start(&daemon, dir, &one_runner);
-    runs = submit(&daemon, &spec);
+    runs = submit(&daemon, &longer); /* not over before the drain, however slow the disk */
     (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
     waits = submit(&daemon, &spec);
     vor_worker_drain(daemon.worker, 60);
