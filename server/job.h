@@ -91,7 +91,8 @@ void vor_job_begin(struct vor_job *job, int64_t now_ms);
 /** Enters a stage of a running job. Publishes STATUS. */
 void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms);
 
-/** Takes in an iteration, or some steps of the polish. Publishes PROGRESS (and STATUS at the first one: prepare is over). */
+/** Takes in an iteration, or some steps of the polish. Publishes PROGRESS (and STATUS at the first
+ *  one: prepare is over). */
 void vor_job_progress(struct vor_job *job, const struct vor_record *record, int64_t now_ms);
 
 /** Holds every change back until thawed by the same thread, so that the row written meanwhile is
