@@ -145,9 +145,9 @@ size_t vor_json_count(const struct vor_json *value);
 /** Writes a value that was read, in one line. */
 void vor_json_copy(struct vor_text *text, const struct vor_json *value);
 
-/** The one progress record of SSE, NDJSON and trace: {"iteration","delta","sigma","epsilon",
- *  "energy","max_move","held","seconds"}. The second form writes the members into an open object.
- */
+/** The one progress record of SSE, NDJSON and trace: {"iteration","polish","delta","sigma",
+ *  "epsilon","energy","max_move","held","seconds"}. The second form writes the members into an open
+ *  object. */
 void vor_json_record(struct vor_text *text, const struct vor_record *record);
 void vor_json_record_members(struct vor_text *text, const struct vor_record *record);
 
