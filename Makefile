@@ -46,7 +46,7 @@ TEST_SRC := $(sort $(foreach room,$(TEST_ROOMS),$(wildcard tests/$(room)/*.c)))
 TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC)))
 TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t tests/cli/*.t tests/lint/*.t))
 BENCH_SRC := $(sort $(wildcard tests/bench/*.c))
-BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC)))
+BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(B)/tests/bench/wlop
 
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -83,6 +83,16 @@ $(B)/tests/%: $(B)/tests/%.o $(call obj,$(SUPPORT_SRC)) $(LIB)
 	@echo "  LINK $@"
 	@$(LINK) $^ -o $@ $(TEST_LIBS) $(LIBS)
 
+# What only the benchmark needs: no test harness in its programs, and the peer built as its users would build it.
+$(B)/tests/bench/%: $(B)/tests/bench/%.o $(LIB)
+	@echo "  LINK $@"
+	@$(LINK) $^ -o $@ $(LIBS)
+
+$(B)/tests/bench/wlop: tests/bench/wlop.cc
+	@mkdir -p $(@D)
+	@echo "  CXX  $<"
+	@$(CXX) -std=c++17 -O3 -DNDEBUG $< -o $@
+
 -include $(shell find $(B) -name '*.d' 2>/dev/null)
 
 # The goals below install what they need first, so their work is a make of its own: pkg-config is asked anew.
@@ -98,7 +108,9 @@ test: ## install what is missing, build, and run every test (V=1 is verbose)
 check: all $(TEST_BIN) ## run every test with what is installed
 	@VORONOID=$(BIN) prove --failures --timer $(if $(V),-v) --exec '' $(TEST_BIN) $(TEST_SCRIPTS)
 
-bench: all ## speed, memory and quality beside the figures asked for; tables in build/bench
+bench: ## install what is missing, build, and measure: tables and plots in build/bench (RUNS=n, ONLY=regex of rows)
+	@docker/install.sh build bench
+	@$(MAKE) --no-print-directory all $(BENCH_BIN)
 	@tests/bench/bench.sh $(BIN)
 
 # Fuzzers are linked with a tree of their own: clang's libFuzzer, AddressSanitizer and UBSan.

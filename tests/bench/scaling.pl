@@ -1,0 +1,63 @@
+#!/usr/bin/perl
+# usage: scaling.pl VORONOID OUTDIR: an iteration against the size of the input and against that of the result, on one
+# torus. Writes OUTDIR/scaling.md, scaling_in.svg and scaling_out.svg.
+use strict;
+use warnings;
+use utf8;
+use lib 'tests/bench';
+use Bench;
+
+my $out = begin('Scaling');
+my @fixed = qw(--polish 0 --iterations 10 --threads 1);
+my @series = (
+    { name => 'scaling_in', what => 'points in', sizes => [map { [$_, 10_000] } 10_000, 50_000, 200_000, 1_000_000, 5_000_000] },
+    { name => 'scaling_out', what => 'points out',
+        sizes => [map { [1_000_000, $_] } 10_000, 20_000, 50_000, 100_000, 200_000, 500_000] },
+);
+
+sub measure {
+    my ($in, $points) = @_;
+    my ($input, $result) = (torus($in), "$out/scaling.ply");
+    my @arguments = ($input, $result, '--points', $points, @fixed);
+    resample(@arguments) if runs() > 1;
+    my @runs = map { resample(@arguments) } 1 .. runs();
+    unlink $result;
+    my $report = $runs[0]{report};
+    my %figures = (
+        in => $in, points => $points, runs => \@runs, us_iteration => median(map { $_->{us_iteration} } @runs),
+        iterate => median(map { $_->{report}{seconds}{iterate} } @runs), delta => $report->{delta},
+    );
+    $figures{$_} = $report->{$_} || undef for qw(bisectors_per_cell triangles_per_cell);
+    $figures{queries} = $report->{queries} ? $report->{queries} / $points / $runs[0]{iterations} : undef;
+    return \%figures;
+}
+
+# Largest over smallest of a figure; nothing where one was not counted.
+sub range {
+    my ($figure, @rows) = @_;
+    my @values = map { $_->{$figure} } @rows;
+    return if grep { !defined } @values;
+    my @sorted = sort { $a <=> $b } @values;
+    return $sorted[-1] / $sorted[0];
+}
+
+my @wanted = grep { wanted($_->{name}) } @series or exit 0;
+for my $series (@wanted) {
+    my @rows = map { measure(@$_) } @{ $series->{sizes} };
+    my %ratio = map { $_ => range($_, @rows) } qw(us_iteration bisectors_per_cell triangles_per_cell queries);
+    my @lines = map {
+        [@{$_}{qw(in points)}, number($_->{delta}), number($_->{iterate}), spread('us_iteration', @{ $_->{runs} }),
+            map { number($_) } @{$_}{qw(bisectors_per_cell triangles_per_cell queries)}]
+    } @rows;
+    push @lines, ['largest over smallest', ('') x 3, map { number($_) } @ratio{qw(us_iteration bisectors_per_cell triangles_per_cell queries)}];
+    my @asked = ('us_iteration <= 1.3', map { "$_ <= 1.05" } qw(bisectors_per_cell triangles_per_cell queries));
+    push @lines, ['asked', ('') x 3, map { judge(\%ratio, $_) } @asked];
+    table([
+        'points in', 'points out', 'delta', 'iterate s', 'µs a point and iteration', 'bisectors a cell', 'triangles a cell',
+        'queries a point and iteration',
+    ], \@lines, "Against $series->{what}: @fixed.");
+    my $column = $series->{name} eq 'scaling_in' ? 'in' : 'points';
+    plot($series->{name}, ['logscale x', 'yrange [0:*]', "xlabel '$series->{what}'", "ylabel 'µs a point and iteration'"],
+        { title => 'iterate', style => 'linespoints', rows => [map { [$_->{$column}, $_->{us_iteration}] } @rows] });
+}
+finish('scaling');
