@@ -181,9 +181,12 @@ sub plot {
     print $dat map { ("# $_->{title}\n", map({ "@$_\n" } @{ $_->{rows} }), "\n\n") } @series;
     close $dat;
     my @lines = map { "'$data' index $_ with $series[$_]{style} title '$series[$_]{title}'" } 0 .. $#series;
-    open my $gnuplot, '|-:encoding(UTF-8)', 'gnuplot' or do { $text .= "$name.svg: no plot, gnuplot is not here.\n\n"; return };
-    print $gnuplot "set terminal svg size 800,500 enhanced background 'white'\nset encoding utf8\nset output '$out/$name.svg'\n",
-        "set grid\nset key noenhanced outside below\n", map({ "set $_\n" } @$settings), 'plot ', join(', ', @lines), "\n";
+    my @style = (
+        "terminal svg size 900,600 enhanced background 'white'", 'encoding utf8', "output '$out/$name.svg'", 'grid',
+        'key noenhanced outside below vertical maxcols 2 Left reverse',
+    );
+    open my $gnuplot, '|-:encoding(UTF-8)', 'gnuplot' or die "gnuplot: $!\n";
+    print $gnuplot map({ "set $_\n" } @style, @$settings), 'plot ', join(', ', @lines), "\n";
     close $gnuplot or die "$name.svg: gnuplot failed\n";
     $text .= "![$name]($name.svg)\n\n";
     return;

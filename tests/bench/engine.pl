@@ -107,9 +107,9 @@ for my $row (@wanted) {
 table([
     'case', qw(n coincident delta hex gap_max off_surface_rms), 'iterations + steps', 'µs a point and iteration',
     'CPU µs', 'µs a point and step', 'engine s', 'cpu s', 'wall s', 'rss MB', 'asked', 'goal',
-], \@first, 'hex, gap_max and off_surface_rms are the yardstick\'s against the true mesh, over its diagonal. Engine: index, start, '
-    . 'iterations and polish by its own clock. cpu, wall and rss: the whole process, file to file. CPU µs: µs a point and iteration times cpu over the clock '
-    . 'of all stages; lower than by the clock where the machine was shared. One thread unless said.');
+], \@first, 'hex, gap_max and off_surface_rms are the yardstick\'s against the true mesh, over its diagonal. Engine: index, '
+    . 'start, iterations and polish by its own clock. cpu, wall and rss: the whole process, file to file. CPU µs: µs a point and '
+    . 'iteration times cpu over the clock of all stages, lower than by the clock where the machine was shared. One thread unless said.');
 table([
     'case', 'six_share', 'min/mean', 'max/mean', 'bisectors a cell', 'triangles a cell', 'queries a point', 'lists made anew',
     'held ever', 'on a plane', 'left', map({ "$_ s" } qw(read index init iterate polish write)), 'allocator MB', 'stopped',

@@ -43,7 +43,7 @@ sub worse {
     my ($ours, $theirs) = @_;
     my @worse = grep { $ours->{$_} > $theirs->{$_} } qw(coincident delta gap_max off_surface_rms);
     push @worse, 'hex' if $ours->{hex} < $theirs->{hex};
-    return @worse ? join(', ', @worse) : 'nothing';
+    return @worse;
 }
 
 sub race {
@@ -63,12 +63,20 @@ sub race {
 
 sub line {
     my ($case, $runner, $runs, $mine, $ours, $few) = @_;
-    my %ratio = (ratio => $mine->{cpu} / $ours->{cpu});
-    my @against = $runner->{wlop}
-        ? (number($ratio{ratio}), worse($ours, $mine), number($mine->{cpu} / $few->{cpu}), worse($few, $mine),
-            judge(\%ratio, "ratio >= $runner->{asked}"), judge(\%ratio, "ratio >= $runner->{goal}"))
-        : ('') x 6;
-    return ["$case->{name}: $runner->{who}", map({ number($mine->{$_}) } @tuple), spread('cpu', @$runs), sprintf('%.0f', $runs->[0]{rss}), @against];
+    my @against = ('') x 6;
+    if ($runner->{wlop}) {
+        my @worse = worse($ours, $mine);
+        my %outcome = (ratio => $mine->{cpu} / $ours->{cpu}, worse => scalar @worse);
+        @against = (
+            number($outcome{ratio}), join(', ', @worse) || 'nothing', number($mine->{cpu} / $few->{cpu}),
+            join(', ', worse($few, $mine)) || 'nothing',
+            map { judge(\%outcome, "ratio >= $runner->{$_}", 'worse <= 0') } qw(asked goal),
+        );
+    }
+    return [
+        "$case->{name}: $runner->{who}", map({ number($mine->{$_}) } @tuple), spread('cpu', @$runs),
+        sprintf('%.0f', $runs->[0]{rss}), @against,
+    ];
 }
 
 my @wanted = grep { wanted($_->{name}) } @cases or exit 0;
@@ -81,7 +89,8 @@ for my $case (@wanted) {
     my ($runs, $figures) = race($case);
     for my $i (0 .. $#runners) {
         push @table, line($case, $runners[$i], $runs->[$i], @{$figures}[$i, 0, 1]);
-        push @series, { title => "$case->{name}: $runners[$i]{who}", style => 'points pointsize 1.5', rows => [[@{ $figures->[$i] }{qw(cpu delta)}]] };
+        my $title = "$case->{name}: $runners[$i]{who}";
+        push @series, { title => $title, style => 'points pointsize 1.5', rows => [[@{ $figures->[$i] }{qw(cpu delta)}]] };
     }
 }
 table([
