@@ -7,7 +7,7 @@ use utf8;
 use Exporter 'import';
 use JSON::PP;
 
-our @EXPORT = qw(begin runs wanted public made torus program resample timed quality median spread number judge remember
+our @EXPORT = qw(begin runs wanted public made torus yardstick program resample timed quality median spread number judge remember
     missing table finish plot);
 
 binmode STDOUT, ':encoding(UTF-8)';
@@ -29,8 +29,9 @@ sub begin {
 sub runs { return $runs }
 sub wanted { my ($name) = @_; return $only eq '' || $name =~ /$only/ }
 
-# Paths of clouds: a public one, one that the yardstick makes, a torus of n points made here.
+# Paths: a public cloud, one that the yardstick makes, the yardstick, a torus of n points made here.
 sub public { return "$shared/data/$_[0].ply" }
+sub yardstick { return $yardstick }
 sub made { return "$out/clouds/$_[0].ply" }
 
 sub torus {
@@ -132,9 +133,9 @@ sub judge {
     return @said ? join('; ', @said) : '-';
 }
 
-# The first of the yardstick and some files that is not here, as a row says it; nothing when all are.
+# The first of some files that is not here, as a row says it; nothing when all are.
 sub missing {
-    my ($name, @files) = ($_[0], $yardstick, @_[1 .. $#_]);
+    my ($name, @files) = @_;
     my ($absent) = grep { !-r } @files;
     return $absent ? "$name: not measured, $absent is not here" : undef;
 }

@@ -96,7 +96,7 @@ sub second_table_row {
 my @wanted = grep { wanted($_->{name}) } @rows or exit 0;
 my (@first, @second);
 for my $row (@wanted) {
-    if (my $absent = missing($row->{name}, @{$row}{qw(input truth)})) {
+    if (my $absent = missing($row->{name}, @{$row}{qw(input truth)}, yardstick())) {
         push @first, $absent;
         next;
     }

@@ -82,7 +82,7 @@ sub line {
 my @wanted = grep { wanted($_->{name}) } @cases or exit 0;
 my (@table, @series);
 for my $case (@wanted) {
-    if (my $absent = missing($case->{name}, @{$case}{qw(input truth)})) {
+    if (my $absent = missing($case->{name}, @{$case}{qw(input truth)}, yardstick())) {
         push @table, $absent;
         next;
     }
