@@ -107,11 +107,11 @@ sub number {
     return $value =~ /^\d+$/ ? $value : sprintf '%.3g', $value;
 }
 
-# "median ± half the range" of one figure over some runs.
+# "median ± half the range" of one figure over some runs; the figure alone of one.
 sub spread {
     my ($figure, @runs) = @_;
     my @sorted = sort { $a <=> $b } grep { defined } map { $_->{$figure} } @runs;
-    return '-' unless @sorted;
+    return number($sorted[0]) if @sorted < 2;
     return sprintf '%.3g ± %.2g', $sorted[$#sorted / 2], ($sorted[-1] - $sorted[0]) / 2;
 }
 
