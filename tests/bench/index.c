@@ -56,14 +56,17 @@ static vor_status sort_cloud(struct vor_cloud *cloud, struct vor_error *err)
     float *xyz = vor_malloc(cloud->memory, cloud->n, 3 * sizeof *xyz);
     vor_status status;
 
-    if (order == NULL || xyz == NULL)
+    if (order == NULL || xyz == NULL) {
         status = vor_fail(err, VOR_E_NOMEM, "sorting %zu points", cloud->n);
-    else
-        status = vor_morton_order(order, cloud->xyz, cloud->n, cloud->memory, err);
-    for (size_t i = 0; status == VOR_OK && i < cloud->n; i++)
+        goto done;
+    }
+    status = vor_morton_order(order, cloud->xyz, cloud->n, cloud->memory, err);
+    if (status != VOR_OK)
+        goto done;
+    for (size_t i = 0; i < cloud->n; i++)
         memcpy(&xyz[3 * i], &cloud->xyz[3 * (size_t)order[i]], 3 * sizeof *xyz);
-    if (status == VOR_OK)
-        memcpy(cloud->xyz, xyz, cloud->n * 3 * sizeof *xyz);
+    memcpy(cloud->xyz, xyz, cloud->n * 3 * sizeof *xyz);
+done:
     vor_free(cloud->memory, xyz);
     vor_free(cloud->memory, order);
     return status;
