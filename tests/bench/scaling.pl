@@ -24,7 +24,7 @@ sub measure {
     unlink $result;
     my $report = $runs[0]{report};
     my %figures = (
-        in => $in, points => $points, runs => \@runs, us_iteration => median(map { $_->{us_iteration} } @runs),
+        in => $in, points => $points, runs => \@runs, cpu_us => median(map { $_->{cpu_us} } @runs),
         iterate => median(map { $_->{report}{seconds}{iterate} } @runs), delta => $report->{delta},
     );
     $figures{$_} = $report->{$_} || undef for qw(bisectors_per_cell triangles_per_cell);
@@ -36,28 +36,27 @@ sub measure {
 sub range {
     my ($figure, @rows) = @_;
     my @values = map { $_->{$figure} } @rows;
-    return if grep { !defined } @values;
-    my @sorted = sort { $a <=> $b } @values;
-    return $sorted[-1] / $sorted[0];
+    my @sorted = sort { $a <=> $b } grep { defined } @values;
+    return @sorted == @values ? $sorted[-1] / $sorted[0] : undef;
 }
 
 my @wanted = grep { wanted($_->{name}) } @series or exit 0;
 for my $series (@wanted) {
     my @rows = map { measure(@$_) } @{ $series->{sizes} };
-    my %ratio = map { $_ => range($_, @rows) } qw(us_iteration bisectors_per_cell triangles_per_cell queries);
+    my @figures = qw(cpu_us bisectors_per_cell triangles_per_cell queries);
+    my %ratio = map { $_ => range($_, @rows) } @figures;
     my @lines = map {
         [@{$_}{qw(in points)}, number($_->{delta}), number($_->{iterate}), spread('us_iteration', @{ $_->{runs} }),
-            map { number($_) } @{$_}{qw(bisectors_per_cell triangles_per_cell queries)}]
+            spread('cpu_us', @{ $_->{runs} }), map { number($_) } @{$_}{@figures[1 .. 3]}]
     } @rows;
-    push @lines, ['largest over smallest', ('') x 3, map { number($_) } @ratio{qw(us_iteration bisectors_per_cell triangles_per_cell queries)}];
-    my @asked = ('us_iteration <= 1.3', map { "$_ <= 1.05" } qw(bisectors_per_cell triangles_per_cell queries));
-    push @lines, ['asked', ('') x 3, map { judge(\%ratio, $_) } @asked];
+    push @lines, ['largest over smallest', ('') x 4, map { number($_) } @ratio{@figures}];
+    push @lines, ['asked', ('') x 4, map { judge(\%ratio, $_) } 'cpu_us <= 1.3', map { "$_ <= 1.05" } @figures[1 .. 3]];
     table([
-        'points in', 'points out', 'delta', 'iterate s', 'µs a point and iteration', 'bisectors a cell', 'triangles a cell',
-        'queries a point and iteration',
+        'points in', 'points out', 'delta', 'iterate s', 'µs a point and iteration', 'CPU µs', 'bisectors a cell',
+        'triangles a cell', 'queries a point and iteration',
     ], \@lines, "Against $series->{what}: @fixed.");
     my $column = $series->{name} eq 'scaling_in' ? 'in' : 'points';
-    plot($series->{name}, ['logscale x', 'yrange [0:*]', "xlabel '$series->{what}'", "ylabel 'µs a point and iteration'"],
-        { title => 'iterate', style => 'linespoints', rows => [map { [$_->{$column}, $_->{us_iteration}] } @rows] });
+    plot($series->{name}, ['logscale x', 'yrange [0:*]', "xlabel '$series->{what}'", "ylabel 'CPU µs a point and iteration'"],
+        { title => 'iterate', style => 'linespoints', rows => [map { [$_->{$column}, $_->{cpu_us}] } @rows] });
 }
 finish('scaling');

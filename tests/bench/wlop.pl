@@ -95,7 +95,7 @@ for my $case (@wanted) {
 }
 table([
     'case', @tuple, 'CPU s', 'rss MB', 'over ours', 'ours is worse in', 'over ours at 10 iterations', 'that is worse in', 'asked', 'goal',
-], \@table, 'CPU: ours the whole process, reading and writing included; theirs the algorithm alone (CGAL, Sequential_tag, -O3). The radius is '
-    . 'in hexagonal spacings of the result, sqrt(2 A / (sqrt(3) n)) with A from our report.');
+], \@table, 'CPU: ours the whole process, reading and writing included; theirs the algorithm alone (CGAL, Sequential_tag, -O3). The '
+    . 'radius is in hexagonal spacings of the result, sqrt(2 A / (sqrt(3) n)) with A from our report.');
 plot('wlop', ['logscale xy', "xlabel 'CPU s'", "ylabel 'delta'"], @series) if @series;
 finish('wlop');
