@@ -56,11 +56,12 @@ sub slurp {
 # Runs a command: what it printed, line by line, and its CPU seconds, wall seconds and peak memory in MB.
 sub timed {
     my (@command) = @_;
-    my $log = "$out/time.txt";
+    my $log = "$out/time.$$";
     open my $from, '-|', 'time', '-f', '%U %S %e %M', '-o', $log, @command or die "time: $!\n";
     my @lines = <$from>;
     close $from or die "@command: failed\n";
     my ($user, $system, $wall, $kb) = split ' ', slurp($log);
+    unlink $log;
     return { lines => \@lines, cpu => $user + $system, wall => $wall, rss => $kb / 1024 };
 }
 

@@ -21,4 +21,3 @@ if [[ daemon =~ $ONLY ]]; then
     "$here/daemon.pl" "$voronoid" "$out"
     cat "$out/daemon.md"
 fi
-rm -f "$out/time.txt"
