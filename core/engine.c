@@ -1,7 +1,10 @@
 #include "core/engine.h"
 
+#include "core/method/even.h"
 #include "core/method/init.h"
 #include "core/method/method.h"
+#include "core/method/polish.h"
+#include "core/method/settle.h"
 #include "core/method/transfer.h"
 #include "core/metrics/distance.h"
 #include "core/metrics/uniformity.h"
@@ -96,13 +99,21 @@ static vor_status prepare(struct engine *engine, struct vor_error *err)
 static vor_status optimise(struct engine *engine, struct vor_error *err)
 {
     const struct vor_method *method = vor_method((unsigned)engine->spec.value[VOR_PARAM_METHOD]);
-    double before = vor_run_clock(&engine->run);
+    double before = vor_run_clock(&engine->run), now;
     vor_status status;
 
     engine->seeds.run = &engine->run;
     status = method->run(&engine->seeds, &engine->result, &engine->spec, engine->start, err);
+    now = vor_run_clock(&engine->run);
+    engine->report.seconds_iterate = now - before;
     engine->seeds.run = &engine->calm_run;
-    engine->report.seconds_iterate = vor_run_clock(&engine->run) - before;
+    if (status == VOR_OK)
+        status = vor_settle(&engine->seeds, err);
+    engine->seeds.run = &engine->run;
+    if (status == VOR_OK)
+        status = vor_polish_run(&engine->seeds, &engine->result, &engine->spec, engine->start, err);
+    engine->seeds.run = &engine->calm_run;
+    engine->report.seconds_polish = vor_run_clock(&engine->run) - now;
     return status;
 }
 
@@ -112,6 +123,7 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
     struct vor_report *report = &engine->report;
     double unit = engine->domain.unit;
     struct vor_uniformity even;
+    struct vor_counts counts;
     float *nearest = vor_malloc(engine->run.memory, engine->n, sizeof *nearest);
     vor_status status;
 
@@ -119,16 +131,16 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
         return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", engine->n);
     status = vor_seeds_index(&engine->seeds, err);
     if (status == VOR_OK)
-        status = vor_nearest_distances(nearest, engine->seeds.xyz, engine->n, engine->seeds.knn,
-                                       &engine->calm_run, err);
-    if (status == VOR_OK) {
-        vor_uniformity_from(&even, nearest, engine->n);
+        status = vor_even_measure(&even, nearest, &engine->seeds, engine->seeds.xyz, err);
+    if (status == VOR_OK)
+        status = vor_even_six(&report->six_share, &engine->seeds, err);
+    if (status == VOR_OK)
         status =
             vor_transfer(out, engine->in, &engine->seeds, even.mean * unit, &engine->spec, err);
-    }
     vor_free(engine->run.memory, nearest);
     if (status != VOR_OK)
         return status;
+    counts = vor_seeds_counts(&engine->seeds);
     report->points_in = engine->in->n;
     report->points_out = engine->n;
     report->delta = even.delta;
@@ -136,6 +148,7 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
     report->epsilon = even.epsilon;
     report->spacing_mean = even.mean * unit;
     report->iterations = engine->result.iterations;
+    report->polish_steps = engine->result.polish_steps;
     report->stopped = engine->result.stopped;
     report->held = engine->result.held;
     report->held_ever = engine->result.held_ever;
@@ -145,6 +158,14 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
         engine->result.iterations > 0 ? engine->result.area : engine->seeds.area * unit * unit;
     if (vor_spec_given(&engine->spec, VOR_PARAM_SPACING))
         report->area = engine->area * unit * unit;
+    report->min_over_mean = even.mean > 0 ? even.min / even.mean : 0;
+    report->max_over_mean = even.mean > 0 ? even.max / even.mean : 0;
+    report->queries = counts.queries;
+    report->list_rebuilds = engine->seeds.swarm.indexed;
+    if (counts.cells > 0) {
+        report->bisectors_per_cell = (double)counts.bisectors / (double)counts.cells;
+        report->triangles_per_cell = (double)counts.triangles / (double)counts.cells;
+    }
     report->memory_peak_bytes = atomic_load(&engine->run.memory->peak);
     return VOR_OK;
 }

@@ -42,11 +42,11 @@ struct vor_report {
                               spacing was turned into points with */
     double spacing_mean; /**< mean distance to the nearest neighbour in the result */
     double min_over_mean, max_over_mean; /**< of those distances */
-    double six_share;          /**< share of the result's points with six Voronoi neighbours */
-    double bisectors_per_cell; /**< planes that cut a cell, mean over all cells computed */
-    double triangles_per_cell; /**< triangles of the patches those were cut from, likewise */
-    uint64_t queries;          /**< searches of an index, among the input or the points */
-    uint64_t list_rebuilds;    /**< times the points' lists of neighbours were made anew */
+    double six_share;           /**< share of the result's points with six Voronoi neighbours */
+    double bisectors_per_cell;  /**< planes that cut a cell, mean over all cells computed */
+    double triangles_per_cell;  /**< triangles of the patches those were cut from, likewise */
+    uint64_t queries;           /**< searches of an index, among the input or the points */
+    uint64_t list_rebuilds;     /**< times the points' lists of neighbours were made anew */
     struct vor_spec parameters; /**< with points filled in from ratio or spacing, auto resolved */
 };
 

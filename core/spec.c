@@ -193,6 +193,15 @@ int vor_spec_given(const struct vor_spec *spec, enum vor_parameter parameter)
            spec->value[parameter] != VOR_UNSET;
 }
 
+uint32_t vor_spec_iterations(const struct vor_spec *spec)
+{
+    enum { BEFORE_POLISH = 20, ALONE = 100 };
+
+    if (vor_spec_given(spec, VOR_PARAM_ITERATIONS))
+        return (uint32_t)spec->value[VOR_PARAM_ITERATIONS];
+    return spec->value[VOR_PARAM_POLISH] > 0 ? BEFORE_POLISH : ALONE;
+}
+
 const char *vor_spec_text(const struct vor_spec *spec, enum vor_parameter parameter, char *out,
                           size_t size)
 {

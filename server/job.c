@@ -111,7 +111,7 @@ static void describe(struct vor_job_view *view)
     else if (view->stage == VOR_STAGE_OPTIMIZE)
         (void)snprintf(view->message, sizeof view->message, "Iteration %u of at most %u",
                        (unsigned)view->record.iteration,
-                       (unsigned)vor_pace_iterations(&view->spec));
+                       (unsigned)vor_spec_iterations(&view->spec));
     else
         (void)snprintf(view->message, sizeof view->message, "%s", sentences[view->stage]);
 }

@@ -2,16 +2,6 @@
 
 #include <math.h>
 
-/* What the engine does when the request names no number. */
-enum { ITERATIONS_DEFAULT = 100 };
-
-uint32_t vor_pace_iterations(const struct vor_spec *spec)
-{
-    if (!vor_spec_given(spec, VOR_PARAM_ITERATIONS))
-        return ITERATIONS_DEFAULT;
-    return (uint32_t)spec->value[VOR_PARAM_ITERATIONS];
-}
-
 uint32_t vor_pace_polish(const struct vor_spec *spec)
 {
     return (uint32_t)spec->value[VOR_PARAM_POLISH];
@@ -20,7 +10,7 @@ uint32_t vor_pace_polish(const struct vor_spec *spec)
 /* Iterations and steps of the polish that may still come. */
 static double steps_left(const struct vor_spec *spec, const struct vor_record *record)
 {
-    double iterations = (double)vor_pace_iterations(spec) - record->iteration;
+    double iterations = (double)vor_spec_iterations(spec) - record->iteration;
     double polish = (double)vor_pace_polish(spec) - record->polish;
 
     if (record->polish > 0)
@@ -30,7 +20,7 @@ static double steps_left(const struct vor_spec *spec, const struct vor_record *r
 
 double vor_pace_done(const struct vor_spec *spec, const struct vor_record *record)
 {
-    double all = (double)vor_pace_iterations(spec) + vor_pace_polish(spec);
+    double all = (double)vor_spec_iterations(spec) + vor_pace_polish(spec);
     double budget = spec->value[VOR_PARAM_SECONDS];
     double done = all > 0 ? (all - steps_left(spec, record)) / all : 1;
 

@@ -8,8 +8,7 @@
 
 #include <stdint.h>
 
-/** Iterations, and steps of the polish after them, that the request allows at most. */
-uint32_t vor_pace_iterations(const struct vor_spec *spec);
+/** Steps of the polish that the request allows at most. */
 uint32_t vor_pace_polish(const struct vor_spec *spec);
 
 /** Share of the run that is done, 0 .. 1. Iterations and steps of the polish count alike; once the

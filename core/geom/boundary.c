@@ -115,6 +115,16 @@ int vor_boundary_outside(const struct vor_border *border, double spacings, const
            length > allowed_distance(border, spacings, x);
 }
 
+int vor_boundary_leaves(const struct vor_border *border, double spacings, const double from[3],
+                        const double to[3])
+{
+    unsigned which = 0;
+
+    return vor_boundary_outside(border, spacings, to) &&
+           nearest2(border->near, border->k, to, &which) >
+               nearest2(border->near, border->k, from, &which);
+}
+
 int vor_boundary_restrict(const struct vor_border *border, double spacings, double x[3])
 {
     unsigned which = 0;

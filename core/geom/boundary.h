@@ -50,7 +50,13 @@ struct vor_border {
  * be. O(k). */
 int vor_boundary_outside(const struct vor_border *border, double spacings, const double x[3]);
 
-/** The same, and then x is moved straight towards the nearest point, to the distance allowed. */
+/** True when a point that goes from one place, which border is about, to another one nearby ends
+ * outside, and farther from the input than it began. O(k). */
+int vor_boundary_leaves(const struct vor_border *border, double spacings, const double from[3],
+                        const double to[3]);
+
+/** As vor_boundary_outside, and then x is moved straight towards the nearest point, to the distance
+ * allowed. */
 int vor_boundary_restrict(const struct vor_border *border, double spacings, double x[3]);
 
 #endif

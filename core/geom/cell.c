@@ -29,7 +29,7 @@ static void add_triangle(struct vor_disc *disc, unsigned a, unsigned b, unsigned
 
 void vor_disc_init(struct vor_disc *disc, unsigned rings)
 {
-    assert(rings >= 1 && rings <= VOR_RINGS_MAX);
+    assert(rings <= VOR_RINGS_MAX);
     memset(disc, 0, sizeof *disc);
     disc->vertex_count = 1;
     for (unsigned ring = 1; ring <= rings; ring++) {
@@ -69,6 +69,26 @@ static double farthest2(const struct vor_polygon *polygon)
     return far;
 }
 
+/* The hexagon in the tangent plane at the seed, one piece. */
+static void begin_flat(struct vor_cell *cell, const struct vor_surface *surface, double radius)
+{
+    struct vor_polygon *piece = &cell->piece[0];
+    double g[2], w = vor_surface_height(surface, cell->seed[0], cell->seed[1], g) - cell->seed[2];
+    double a = sqrt(1 + g[0] * g[0]), b = sqrt(1 + g[0] * g[0] + g[1] * g[1]);
+    double e[2][3] = {{1 / a, 0, g[0] / a}, {-g[0] * g[1] / (a * b), a / b, g[1] / (a * b)}};
+
+    piece->count = 6;
+    for (int i = 0; i < 6; i++) {
+        double s = radius * corner[i][0], t = radius * corner[i][1];
+
+        for (int c = 0; c < 3; c++)
+            piece->vertex[i][c] = s * e[0][c] + t * e[1][c];
+        piece->vertex[i][2] += w;
+    }
+    piece->radius2 = cell->radius2 = farthest2(piece);
+    cell->count = 1;
+}
+
 void vor_cell_begin(struct vor_cell *cell, const struct vor_disc *disc,
                     const struct vor_surface *surface, const double seed[3], double radius)
 {
@@ -77,6 +97,10 @@ void vor_cell_begin(struct vor_cell *cell, const struct vor_disc *disc,
     memcpy(cell->seed, seed, sizeof cell->seed);
     cell->bisectors = 0;
     cell->radius2 = 0;
+    if (disc->triangle_count == 0) {
+        begin_flat(cell, surface, radius);
+        return;
+    }
     for (unsigned i = 0; i < disc->vertex_count; i++) {
         double u = radius * disc->vertex[i][0], v = radius * disc->vertex[i][1];
 

@@ -3,7 +3,8 @@
  *
  *  Source: Xiao et al. 2024, Sec. III-B step 3 and III-C; the stop at the security radius is Levy
  * and Bonneel's. Departure: the hexagon is centred under the seed, not at the nearest input point,
- * so that it covers the cell also where the result is denser than the input. */
+ * so that it covers the cell also where the result is denser than the input. Departure: where the
+ * surface hardly bends over the patch, that is one hexagon in the tangent plane. */
 #ifndef VOR_GEOM_CELL_H
 #define VOR_GEOM_CELL_H
 
@@ -22,7 +23,7 @@ struct vor_disc {
     unsigned char triangle[VOR_PATCH_TRIANGLES_MAX][3];
 };
 
-/** rings is 1 .. VOR_RINGS_MAX: 6 rings^2 triangles. */
+/** rings is 0 .. VOR_RINGS_MAX: 6 rings^2 triangles; none stands for the tangent plane. */
 void vor_disc_init(struct vor_disc *disc, unsigned rings);
 
 #define VOR_POLYGON_MAX 24
@@ -43,7 +44,8 @@ struct vor_cell {
     struct vor_polygon piece[VOR_PATCH_TRIANGLES_MAX];
 };
 
-/** Lifts the disc of the given radius around the seed onto the surface (kind is not NONE). */
+/** Lifts the disc of the given radius around the seed onto the surface (kind is not NONE); without
+ * triangles, the cell begins as one hexagon in the tangent plane at the seed. */
 void vor_cell_begin(struct vor_cell *cell, const struct vor_disc *disc,
                     const struct vor_surface *surface, const double seed[3], double radius);
 

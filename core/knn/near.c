@@ -15,6 +15,7 @@ vor_status vor_near_init(struct vor_near *out, size_t n, unsigned k, const struc
                             .knn = knn,
                             .reference = reference,
                             .n = n,
+                            .m = m,
                             .k = k,
                             .wide = k + k / 2 + 2};
 
@@ -50,57 +51,86 @@ static float squared(const float a[3], const float b[3])
     return x * x + y * y + z * z;
 }
 
-/* The k best of the list, sorted by insertion: the list nearly is. Returns the last one's distance.
- */
-static float select(const struct vor_near *near, const uint32_t *list, const float x[3],
-                    uint32_t *index)
+static void swap(uint32_t *list, float *distance2, unsigned a, unsigned b)
 {
-    float distance2[WIDE_MAX], worst = INFINITY;
-    unsigned count = 0;
+    uint32_t index = list[a];
+    float d2 = distance2[a];
 
-    memset(distance2, 0, near->k * sizeof *distance2); /* the analysers want it said */
-    for (unsigned j = 0; j < near->wide; j++) {
-        float d = squared(&near->reference[3 * (size_t)list[j]], x);
-        unsigned at = count < near->k ? count++ : near->k - 1;
-
-        if (!(d < worst))
-            continue;
-        for (; at > 0 && d < distance2[at - 1]; at--) {
-            distance2[at] = distance2[at - 1];
-            index[at] = index[at - 1];
-        }
-        distance2[at] = d;
-        index[at] = list[j];
-        if (count == near->k)
-            worst = distance2[count - 1];
-    }
-    return sqrtf(worst);
+    list[a] = list[b];
+    list[b] = index;
+    distance2[a] = distance2[b];
+    distance2[b] = d2;
 }
 
-static void make_list(struct vor_near *near, size_t i, const float x[3], uint32_t *index)
+static unsigned farthest(const float *distance2, unsigned begin, unsigned end)
 {
-    uint32_t *list = &near->list[i * near->wide];
+    unsigned at = begin;
+
+    for (unsigned j = begin + 1; j < end; j++)
+        at = distance2[j] > distance2[at] ? j : at;
+    return at;
+}
+
+static unsigned nearest(const float *distance2, unsigned begin, unsigned end)
+{
+    unsigned at = begin;
+
+    for (unsigned j = begin + 1; j < end; j++)
+        at = distance2[j] < distance2[at] ? j : at;
+    return at;
+}
+
+/* Brings the k nearest of the list to its front by exchanging the farthest of the front with the
+ * nearest of the rest: a query that moved a little needs none or one or two of these. Returns how
+ * many, and the distance of the farthest in *last. */
+static unsigned select(const struct vor_near *near, uint32_t *list, const float x[3], float *last)
+{
+    float distance2[WIDE_MAX];
+    unsigned exchanged = 0, out, in;
+
+    for (unsigned j = 0; j < near->wide; j++)
+        distance2[j] = squared(&near->reference[3 * (size_t)list[j]], x);
+    for (;; exchanged++) {
+        out = farthest(distance2, 0, near->k);
+        if (near->k == near->wide)
+            break;
+        in = nearest(distance2, near->k, near->wide);
+        if (distance2[out] <= distance2[in])
+            break;
+        swap(list, distance2, out, in);
+    }
+    *last = sqrtf(distance2[out]);
+    swap(list, distance2, 0, nearest(distance2, 0, near->k));
+    return exchanged;
+}
+
+static void make_list(struct vor_near *near, size_t i, const float x[3])
+{
     float distance2[WIDE_MAX];
 
-    vor_knn_search(near->knn, x, 1, near->wide, list, distance2);
+    vor_knn_search(near->knn, x, 1, near->wide, &near->list[i * near->wide], distance2);
     memcpy(&near->anchor[3 * i], x, 3 * sizeof *x);
-    near->reach[i] = sqrtf(distance2[near->wide - 1]);
-    memcpy(index, list, near->k * sizeof *index);
+    near->reach[i] = near->wide < near->m ? sqrtf(distance2[near->wide - 1]) : INFINITY;
 }
 
-int vor_near_search(struct vor_near *near, size_t i, const float x[3], uint32_t *index)
+enum vor_near_found vor_near_search(struct vor_near *near, size_t i, const float x[3],
+                                    const uint32_t **index)
 {
+    uint32_t *list = &near->list[i * near->wide];
+
+    *index = list;
     if (near->reach[i] >= 0) {
         float moved = sqrtf(squared(&near->anchor[3 * i], x));
 
         if (moved < near->reach[i]) {
-            float last = select(near, &near->list[i * near->wide], x, index);
+            float last;
+            unsigned exchanged = select(near, list, x, &last);
 
             /* A point beyond the list is at least reach - moved away. */
             if ((last + moved) * ROUNDING <= near->reach[i])
-                return 0;
+                return exchanged > 0 ? VOR_NEAR_OTHER : VOR_NEAR_SAME;
         }
     }
-    make_list(near, i, x, index);
-    return 1;
+    make_list(near, i, x);
+    return VOR_NEAR_ANEW;
 }

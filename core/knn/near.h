@@ -10,11 +10,12 @@ struct vor_near {
     struct vor_memory *memory;
     const struct vor_knn *knn;
     const float *reference; /* what knn indexes */
-    size_t n;               /* queries */
+    size_t n, m;            /* queries, reference points */
     unsigned k, wide;       /* wanted; kept */
-    uint32_t *list;         /* n x wide, nearest to the anchor first */
+    uint32_t *list;         /* n x wide, the k nearest first */
     float *anchor;          /* n x 3: where the query was when its list was made */
-    float *reach;           /* distance of the last of the list from the anchor; < 0: no list */
+    float
+        *reach; /* every point beyond the list is at least this far from the anchor; < 0: no list */
 };
 
 /** For n queries of the k nearest of m reference points (m x 3 floats, k <= m), without lists yet.
@@ -27,11 +28,26 @@ VOR_NODISCARD vor_status vor_near_init(struct vor_near *out, size_t n, unsigned 
 /** near may be all zero. */
 void vor_near_free(struct vor_near *near);
 
-/** The k nearest reference points of query i, now at x, in any order but the nearest first. Exact.
- * What comes out depends on the query's own moves only, not on who asks when: different queries may
- * be asked by different threads.
+/** What a search found out. */
+enum vor_near_found {
+    VOR_NEAR_SAME,  /**< the set is the one of the query's last search */
+    VOR_NEAR_OTHER, /**< it may not be */
+    VOR_NEAR_ANEW   /**< nor is the list: the index was searched */
+};
+
+/** The k nearest reference points of query i, now at x. Exact. What comes out depends on the
+ * query's own moves only, not on who asks when: different queries may be asked by different
+ * threads.
  *
- *  @return whether the list had to be made anew */
-int vor_near_search(struct vor_near *near, size_t i, const float x[3], uint32_t *index);
+ *  @param[out] index  k points in any order but the nearest first; valid until the next search for
+ *                     i */
+enum vor_near_found vor_near_search(struct vor_near *near, size_t i, const float x[3],
+                                    const uint32_t **index);
+
+/** The reference point that was nearest to query i in its last search. */
+static inline uint32_t vor_near_first(const struct vor_near *near, size_t i)
+{
+    return near->list[i * near->wide];
+}
 
 #endif

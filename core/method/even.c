@@ -4,50 +4,39 @@
 
 enum { OPEN_SHARE = 16 };
 
+#define FAR 0.6 /* spacings that a seed may have moved before it is looked at apart */
+
 struct even {
     const struct vor_seeds *seeds;
-    const float *xyz;
+    struct vor_swarm_view view;
     float *nearest;
-    double max_move;
 };
-
-/* Nearest of `count` candidates to seed i, at their new places. */
-static double nearest_of(const struct even *even, size_t i, const uint32_t *index, unsigned count)
-{
-    double best = INFINITY;
-
-    for (unsigned j = 0; j < count; j++)
-        if (index[j] != i)
-            best = fmin(best, vor_distance2f(&even->xyz[3 * i], &even->xyz[3 * (size_t)index[j]]));
-    return sqrt(best);
-}
-
-/* Whether a seed at or beyond `reach` of the old place of i may now be nearer than `found`: it came
- * at most max_move nearer, and i itself moved. */
-static int may_be_nearer(const struct even *even, size_t i, double reach, double found)
-{
-    double moved = sqrt(vor_distance2f(&even->xyz[3 * i], &even->seeds->xyz[3 * i]));
-
-    return reach - moved - even->max_move < found;
-}
 
 /* Negative where even the widest search leaves it open. */
 static double nearest_wide(const struct even *even, size_t i)
 {
     const struct vor_seeds *seeds = even->seeds;
+    const struct vor_swarm_view *view = &even->view;
     uint32_t index[VOR_SEEDS_MORE_MAX];
     float distance2[VOR_SEEDS_MORE_MAX];
-    unsigned width = 2 * (seeds->listed + 1);
-    double found;
+    size_t width = 2 * (seeds->swarm.listed + 1);
 
     for (;; width *= 2) {
-        if (width > VOR_SEEDS_MORE_MAX)
-            width = VOR_SEEDS_MORE_MAX;
-        if (width > seeds->n)
-            width = (unsigned)seeds->n;
-        vor_knn_search(seeds->knn, &seeds->xyz[3 * i], 1, width, index, distance2);
-        found = nearest_of(even, i, index, width);
-        if (width == seeds->n || !may_be_nearer(even, i, sqrt((double)distance2[width - 1]), found))
+        double found = INFINITY, sure;
+
+        width = width < VOR_SEEDS_MORE_MAX ? width : VOR_SEEDS_MORE_MAX;
+        width = width < seeds->n ? width : seeds->n;
+        sure = vor_swarm_wide(&seeds->swarm, view, i, (unsigned)width, index, distance2);
+        for (size_t j = 0; j < width; j++)
+            if (index[j] != i)
+                found = fmin(found,
+                             vor_distance2f(&view->xyz[3 * i], &view->xyz[3 * (size_t)index[j]]));
+        for (unsigned j = 0; j < view->jumpers; j++)
+            if (view->jumper[j] != i)
+                found = fmin(found, vor_distance2f(&view->xyz[3 * i],
+                                                   &view->xyz[3 * (size_t)view->jumper[j]]));
+        found = sqrt(found);
+        if (found <= sure)
             return found;
         if (width == VOR_SEEDS_MORE_MAX)
             return -1;
@@ -58,17 +47,10 @@ static double nearest_wide(const struct even *even, size_t i)
 static void list_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     const struct even *even = ctx;
-    const struct vor_seeds *seeds = even->seeds;
-    unsigned listed = seeds->listed;
 
     (void)worker;
-    for (size_t i = begin; i < end; i++) {
-        double found = nearest_of(even, i, &seeds->list[i * listed], listed);
-        int open = listed + 1 < seeds->n &&
-                   may_be_nearer(even, i, (double)seeds->distance[i * listed + listed - 1], found);
-
-        even->nearest[i] = (float)(open ? -1 : found);
-    }
+    for (size_t i = begin; i < end; i++)
+        even->nearest[i] = (float)vor_swarm_nearest(&even->seeds->swarm, &even->view, i);
 }
 
 static void wide_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -90,44 +72,84 @@ static size_t count_open(const struct even *even)
     return open;
 }
 
-/* The seeds that the lists leave open: one by one where they are few, else, or where that does not
- * close all of them, by an index of the new positions. */
-static vor_status close_open(const struct even *even, struct vor_error *err)
+/* By an index of the positions. */
+static vor_status search_all(const struct even *even, struct vor_error *err)
 {
-    const struct vor_seeds *seeds = even->seeds;
-    const struct vor_run *run = seeds->run;
-    struct even work = *even;
+    const struct vor_run *run = even->seeds->run;
     struct vor_knn *knn;
-    vor_status status;
+    vor_status status = vor_knn_build(&knn, even->view.xyz, even->seeds->n, run->memory, err);
 
-    if (count_open(even) <= seeds->n / OPEN_SHARE) {
-        status = vor_run_for(run, seeds->n, VOR_SEEDS_BLOCK, wide_block, &work, err);
-        if (status != VOR_OK || count_open(even) == 0)
-            return status;
-    }
-    status = vor_knn_build(&knn, even->xyz, seeds->n, run->memory, err);
     if (status != VOR_OK)
         return status;
-    status = vor_nearest_distances(even->nearest, even->xyz, seeds->n, knn, run, err);
+    status = vor_nearest_distances(even->nearest, even->view.xyz, even->seeds->n, knn, run, err);
     vor_knn_free(knn);
     return status;
 }
 
-vor_status vor_even_measure(struct vor_uniformity *out, float *nearest,
-                            const struct vor_seeds *seeds, const float *xyz, double max_move,
-                            struct vor_error *err)
+/* By the lists, then one by one where they leave few open, else, or where that does not close all
+ * of them, by an index. */
+static vor_status measure(struct even *even, struct vor_error *err)
 {
-    struct even even = {seeds, xyz, nearest, max_move};
+    const struct vor_seeds *seeds = even->seeds;
+    vor_status status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, list_block, even, err);
+
+    if (status != VOR_OK || count_open(even) == 0)
+        return status;
+    if (count_open(even) <= seeds->n / OPEN_SHARE) {
+        status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, wide_block, even, err);
+        if (status != VOR_OK || count_open(even) == 0)
+            return status;
+    }
+    return search_all(even, err);
+}
+
+vor_status vor_even_measure(struct vor_uniformity *out, float *nearest,
+                            const struct vor_seeds *seeds, const float *xyz, struct vor_error *err)
+{
+    struct even even = {.seeds = seeds, .nearest = nearest};
     vor_status status = VOR_OK;
 
-    if (seeds->n == 1) {
+    even.view.xyz = xyz;
+    if (seeds->n == 1)
         nearest[0] = 0;
-    } else {
-        status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, list_block, &even, err);
-        if (status == VOR_OK)
-            status = close_open(&even, err);
-    }
+    else if (vor_swarm_look(&even.view, &seeds->swarm, xyz, FAR))
+        status = measure(&even, err);
+    else
+        status = search_all(&even, err);
     if (status == VOR_OK)
         vor_uniformity_from(out, nearest, seeds->n);
+    return status;
+}
+
+struct six {
+    struct vor_seeds *seeds;
+    unsigned char *is;
+};
+
+static void six_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct six *six = ctx;
+    struct vor_bench *bench = &six->seeds->bench[worker];
+
+    for (size_t i = begin; i < end; i++)
+        six->is[i] = vor_seeds_flat_cell(six->seeds, bench, i) != VOR_SURFACE_NONE &&
+                     bench->cell.count == 1 && bench->cell.piece[0].count == 6;
+}
+
+vor_status vor_even_six(double *out, struct vor_seeds *seeds, struct vor_error *err)
+{
+    struct vor_memory *memory = seeds->run->memory;
+    struct six six = {seeds, vor_calloc(memory, seeds->n, 1)};
+    size_t count = 0;
+    vor_status status;
+
+    if (six.is == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the cells of %zu points", seeds->n);
+    status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, six_block, &six, err);
+    for (size_t i = 0; i < seeds->n; i++)
+        count += six.is[i];
+    vor_free(memory, six.is);
+    if (status == VOR_OK)
+        *out = (double)count / (double)seeds->n;
     return status;
 }

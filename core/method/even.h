@@ -5,9 +5,9 @@
 #include "core/method/seeds.h"
 #include "core/metrics/uniformity.h"
 
-/** Uniformity of the positions xyz (seeds->n x 3), to which every seed came by a move of at most
- *  max_move from its position at the last index. Exact: the nearest neighbour is looked for in the
- *  seed's list, and wherever a seed from beyond the list could have come nearer, by a wider search.
+/** Uniformity of the positions xyz (seeds->n x 3), to which the seeds came from those of the last
+ *  index. Exact: the nearest neighbour is looked for in the seed's list, and wherever a seed from
+ *  beyond the list could have come nearer, by a wider search.
  *
  *  @param[out] nearest  distance of every seed to its nearest neighbour, n floats
  *
@@ -17,6 +17,11 @@
  *  @retval VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_even_measure(struct vor_uniformity *out, float *nearest,
                                           const struct vor_seeds *seeds, const float *xyz,
-                                          double max_move, struct vor_error *err);
+                                          struct vor_error *err);
+
+/** Share of the seeds, as of the last index, whose cell in the tangent plane has six sides.
+ *
+ *  @retval as vor_even_measure */
+VOR_NODISCARD vor_status vor_even_six(double *out, struct vor_seeds *seeds, struct vor_error *err);
 
 #endif

@@ -42,10 +42,9 @@ static void measure_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_bench *bench = &areas->from->bench[worker];
     struct vor_moments moments;
 
-    vor_seeds_search(areas->from, bench, begin, end);
     for (size_t i = begin; i < end; i++) {
         areas->end[i] = 0;
-        if (vor_seeds_cell(areas->from, bench, i, i - begin) != VOR_SURFACE_NONE &&
+        if (vor_seeds_cell(areas->from, bench, i) != VOR_SURFACE_NONE &&
             vor_cell_moments(&moments, &bench->cell))
             areas->end[i] = moments.area;
     }
@@ -93,12 +92,11 @@ static void sample_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct areas *areas = ctx;
     struct vor_bench *bench = &areas->from->bench[worker];
 
-    vor_seeds_search(areas->from, bench, begin, end);
     for (size_t i = begin; i < end; i++) {
         size_t first = i > 0 ? samples_until(areas, areas->end[i - 1]) : 0;
         size_t last = samples_until(areas, areas->end[i]);
 
-        if (first == last || vor_seeds_cell(areas->from, bench, i, i - begin) == VOR_SURFACE_NONE)
+        if (first == last || vor_seeds_cell(areas->from, bench, i) == VOR_SURFACE_NONE)
             continue;
         for (size_t sample = first; sample < last; sample++)
             sample_cell(areas, bench, sample);

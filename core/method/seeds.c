@@ -6,52 +6,34 @@
 #include <assert.h>
 #include <string.h>
 
-/* One ring of triangles does where the patch is nearly flat, and saves a third of the time; where
- * it bends more than this over its radius, two keep centroids from straying. */
+/* Where a patch is nearly flat its tangent plane does, and saves most of the clipping; then one
+ * ring of triangles; where it bends more than this over its radius, two keep centroids from
+ * straying. */
 enum { RINGS = 1, RINGS_FINE = 2 };
 
-#define BEND_MAX 0.25
-
-static void free_bench(struct vor_bench *bench, struct vor_memory *memory)
-{
-    vor_free(memory, bench->near_index);
-    vor_free(memory, bench->seed_index);
-    vor_free(memory, bench->seed_distance2);
-}
-
-static int alloc_bench(struct vor_bench *bench, const struct vor_seeds *seeds)
-{
-    struct vor_memory *memory = seeds->run->memory;
-    size_t near = (size_t)VOR_SEEDS_BLOCK * seeds->k;
-    size_t listed = (size_t)VOR_SEEDS_BLOCK * (seeds->listed + 1);
-
-    bench->near_index = vor_malloc(memory, near, sizeof *bench->near_index);
-    bench->seed_index = vor_malloc(memory, listed, sizeof *bench->seed_index);
-    bench->seed_distance2 = vor_malloc(memory, listed, sizeof *bench->seed_distance2);
-    return bench->near_index != NULL && bench->seed_index != NULL && bench->seed_distance2 != NULL;
-}
+#define BEND_FLAT 0.3
+#define BEND_MAX 0.75
+#define FAR 0.3 /* spacings that seeds may move before the lists are made anew */
 
 vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
                           unsigned k, const struct vor_run *run, struct vor_error *err)
 {
     struct vor_seeds seeds = {.domain = domain, .run = run, .n = n, .keep_border = 1, .widen = 1};
     unsigned threads = vor_pool_threads(run->pool);
-    int ok;
 
     assert(n >= 1 && k >= 1 && k <= VOR_NEIGHBORS_MAX);
     seeds.k = k < domain->n ? k : (unsigned)domain->n;
-    seeds.listed = n > VOR_SEEDS_LISTED ? VOR_SEEDS_LISTED : (unsigned)n - 1;
+    vor_disc_init(&seeds.flat, 0);
     vor_disc_init(&seeds.disc, RINGS);
     vor_disc_init(&seeds.fine, RINGS_FINE);
     seeds.xyz = vor_malloc(run->memory, n, 3 * sizeof *seeds.xyz);
-    seeds.list = vor_malloc(run->memory, n, seeds.listed * sizeof *seeds.list);
-    seeds.distance = vor_malloc(run->memory, n, seeds.listed * sizeof *seeds.distance);
+    seeds.surface = vor_malloc(run->memory, n, sizeof *seeds.surface);
     seeds.bench = vor_calloc(run->memory, threads, sizeof *seeds.bench);
-    ok = seeds.xyz != NULL && seeds.list != NULL && seeds.distance != NULL && seeds.bench != NULL;
-    for (unsigned i = 0; ok && i < threads; i++)
-        ok = alloc_bench(&seeds.bench[i], &seeds);
-    if (!ok || vor_near_init(&seeds.near, n, seeds.k, domain->knn, domain->xyz, domain->n,
-                             run->memory, err) != VOR_OK) {
+    if (seeds.xyz == NULL || seeds.surface == NULL || seeds.bench == NULL ||
+        vor_near_init(&seeds.near, n, seeds.k, domain->knn, domain->xyz, domain->n, run->memory,
+                      err) != VOR_OK ||
+        vor_swarm_init(&seeds.swarm, n, n > VOR_SEEDS_LISTED ? VOR_SEEDS_LISTED : (unsigned)n - 1,
+                       run->memory, err) != VOR_OK) {
         vor_seeds_free(&seeds);
         return vor_fail(err, VOR_E_NOMEM, "%zu seeds", n);
     }
@@ -66,68 +48,61 @@ void vor_seeds_free(struct vor_seeds *seeds)
     if (seeds->run == NULL)
         return;
     memory = seeds->run->memory;
-    for (unsigned i = 0; seeds->bench != NULL && i < vor_pool_threads(seeds->run->pool); i++)
-        free_bench(&seeds->bench[i], memory);
     vor_free(memory, seeds->bench);
-    vor_knn_free(seeds->knn);
+    vor_swarm_free(&seeds->swarm);
     vor_near_free(&seeds->near);
-    vor_free(memory, seeds->distance);
-    vor_free(memory, seeds->list);
+    vor_free(memory, seeds->surface);
     vor_free(memory, seeds->xyz);
     memset(seeds, 0, sizeof *seeds);
 }
 
 vor_status vor_seeds_index(struct vor_seeds *seeds, struct vor_error *err)
 {
-    vor_knn_free(seeds->knn);
-    seeds->knn = NULL;
-    return vor_knn_build(&seeds->knn, seeds->xyz, seeds->n, seeds->run->memory, err);
+    vor_status status;
+
+    if (vor_swarm_look(&seeds->view, &seeds->swarm, seeds->xyz, FAR))
+        return VOR_OK;
+    status = vor_swarm_index(&seeds->swarm, seeds->xyz, seeds->run, err);
+    if (status == VOR_OK)
+        (void)vor_swarm_look(&seeds->view, &seeds->swarm, seeds->xyz, FAR);
+    return status;
 }
 
-/* One search result without the seed itself; among many coincident seeds it may be missing. */
-static void list_row(struct vor_seeds *seeds, size_t i, const uint32_t *index,
-                     const float *distance2)
+struct vor_counts vor_seeds_counts(const struct vor_seeds *seeds)
 {
-    uint32_t *list = &seeds->list[i * seeds->listed];
-    float *distance = &seeds->distance[i * seeds->listed];
-    unsigned at = 0;
+    struct vor_counts counts = {.queries = seeds->swarm.indexed * seeds->n};
 
-    for (unsigned j = 0; j <= seeds->listed && at < seeds->listed; j++) {
-        if (index[j] == i)
-            continue;
-        list[at] = index[j];
-        distance[at++] = sqrtf(distance2[j]);
+    for (unsigned i = 0; i < vor_pool_threads(seeds->run->pool); i++) {
+        counts.queries += seeds->bench[i].queries;
+        counts.cells += seeds->bench[i].cells;
+        counts.bisectors += seeds->bench[i].bisectors;
+        counts.triangles += seeds->bench[i].triangles;
     }
+    return counts;
 }
 
-void vor_seeds_search(struct vor_seeds *seeds, struct vor_bench *bench, size_t begin, size_t end)
-{
-    unsigned width = seeds->listed + 1;
-
-    for (size_t i = begin; i < end; i++)
-        (void)vor_near_search(&seeds->near, i, &seeds->xyz[3 * i],
-                              &bench->near_index[(i - begin) * seeds->k]);
-    vor_knn_search(seeds->knn, &seeds->xyz[3 * begin], end - begin, width, bench->seed_index,
-                   bench->seed_distance2);
-    for (size_t i = begin; i < end; i++)
-        list_row(seeds, i, &bench->seed_index[(i - begin) * width],
-                 &bench->seed_distance2[(i - begin) * width]);
-}
-
-static enum vor_surface_kind fit(const struct vor_seeds *seeds, struct vor_place *place,
-                                 const uint32_t *index)
+static void gather(const struct vor_seeds *seeds, struct vor_place *place, const uint32_t *index)
 {
     for (unsigned j = 0; j < seeds->k; j++)
         memcpy(&place->near[3 * j], &seeds->domain->xyz[3 * (size_t)index[j]],
                3 * sizeof *place->near);
-    vor_surface_fit(&place->surface, place->near, seeds->k);
-    return place->surface.kind;
 }
 
-enum vor_surface_kind vor_seeds_fit(const struct vor_seeds *seeds, struct vor_bench *bench,
-                                    size_t row)
+enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_bench *bench, size_t i)
 {
-    return fit(seeds, &bench->here, &bench->near_index[row * seeds->k]);
+    struct vor_place *here = &bench->here;
+    const uint32_t *index;
+    enum vor_near_found found = vor_near_search(&seeds->near, i, &seeds->xyz[3 * i], &index);
+
+    gather(seeds, here, index);
+    if (found == VOR_NEAR_SAME) {
+        here->surface = seeds->surface[i];
+        return here->surface.kind;
+    }
+    bench->queries += found == VOR_NEAR_ANEW;
+    vor_surface_fit(&here->surface, here->near, seeds->k);
+    seeds->surface[i] = here->surface;
+    return here->surface.kind;
 }
 
 enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_place *place,
@@ -138,7 +113,9 @@ enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor
     float distance2[VOR_NEIGHBORS_MAX];
 
     vor_knn_search(seeds->domain->knn, query, 1, seeds->k, index, distance2);
-    return fit(seeds, place, index);
+    gather(seeds, place, index);
+    vor_surface_fit(&place->surface, place->near, seeds->k);
+    return place->surface.kind;
 }
 
 void vor_seeds_project(const struct vor_surface *surface, double x[3])
@@ -164,35 +141,40 @@ void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
 }
 
 /* Mean distance to the six nearest seeds; with fewer seeds the patch spans the whole domain. */
-static double patch_radius(const struct vor_seeds *seeds, size_t i)
+static double patch_radius(const struct vor_crowd *crowd)
 {
-    const float *distance = &seeds->distance[i * seeds->listed];
     double sum = 0;
 
-    if (seeds->listed < 6)
+    if (crowd->count < 6)
         return 2;
     for (int j = 0; j < 6; j++)
-        sum += (double)distance[j];
+        sum += sqrt((double)crowd->distance2[j]);
     return sum / 6;
 }
 
-/* Where seed j lies as seen from seed i, in the surface's axes. Coincident seeds get a tangential
- * offset of their own, opposite for the two, so that they part. */
+/* Coincident seeds get an offset of their own, opposite for the two, so that they part. */
+void vor_seeds_part(size_t i, size_t j, double length, double offset[2])
+{
+    uint64_t low = i < j ? i : j, high = i < j ? j : i;
+    double sign = i < j ? 1 : -1;
+
+    offset[0] = sign * length * (0.1 + vor_rng_unit(low, 7, 2 * high));
+    offset[1] = sign * length * (vor_rng_unit(low, 7, 2 * high + 1) - 0.5);
+}
+
+/* Where seed j lies as seen from seed i, in the surface's axes; never at the same place. */
 static void offset_of(const struct vor_seeds *seeds, const struct vor_bench *bench, size_t i,
                       size_t j, double offset[3])
 {
     const float *a = &seeds->xyz[3 * i], *b = &seeds->xyz[3 * j];
     double d[3] = {(double)b[0] - (double)a[0], (double)b[1] - (double)a[1],
                    (double)b[2] - (double)a[2]};
-    uint64_t low = i < j ? i : j, high = i < j ? j : i;
-    double sign = i < j ? 1e-6 : -1e-6;
 
     for (int c = 0; c < 3; c++)
         offset[c] = vor_dot(bench->here.surface.axis[c], d);
     if (vor_dot(offset, offset) > 0)
         return;
-    offset[0] = sign * bench->radius * (0.1 + vor_rng_unit(low, 7, 2 * high));
-    offset[1] = sign * bench->radius * (vor_rng_unit(low, 7, 2 * high + 1) - 0.5);
+    vor_seeds_part(i, j, 1e-6 * bench->radius, offset);
     offset[2] = 0;
 }
 
@@ -207,23 +189,25 @@ static int clip_by(const struct vor_seeds *seeds, struct vor_bench *bench, size_
     return 1;
 }
 
-/* The list did not secure the cell: looks farther. */
+/* Looks farther while what the list is sure of does not secure the cell. Seeds come in no strict
+ * order, so that each is judged by itself. */
 static void clip_more(const struct vor_seeds *seeds, struct vor_bench *bench, size_t i)
 {
     uint32_t index[VOR_SEEDS_MORE_MAX];
     float distance2[VOR_SEEDS_MORE_MAX];
-    unsigned done = seeds->listed, width = 2 * (seeds->listed + 1);
+    size_t width = 2 * (seeds->swarm.listed + 1), done = 0;
+    double sure = bench->crowd.sure;
 
-    while (done + 1 < seeds->n && done + 1 < VOR_SEEDS_MORE_MAX) {
-        if (width > VOR_SEEDS_MORE_MAX)
-            width = VOR_SEEDS_MORE_MAX;
-        if (width > seeds->n)
-            width = (unsigned)seeds->n;
-        vor_knn_search(seeds->knn, &seeds->xyz[3 * i], 1, width, index, distance2);
-        for (unsigned j = done; j < width; j++)
-            if (index[j] != i && !clip_by(seeds, bench, i, index[j]))
-                return;
-        done = width - 1;
+    while (!(sure > 0 && vor_cell_secure(&bench->cell, sure * sure)) && done < seeds->n &&
+           done < VOR_SEEDS_MORE_MAX) {
+        width = width < VOR_SEEDS_MORE_MAX ? width : VOR_SEEDS_MORE_MAX;
+        width = width < seeds->n ? width : seeds->n;
+        sure = vor_swarm_wide(&seeds->swarm, &seeds->view, i, (unsigned)width, index, distance2);
+        bench->queries++;
+        for (size_t j = done; j < width; j++)
+            if (index[j] != i)
+                (void)clip_by(seeds, bench, i, index[j]);
+        done = width;
         width *= 2;
     }
 }
@@ -233,7 +217,9 @@ const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds, const struc
     const double *c = bench->here.surface.c;
     double bend = (fabs(c[3]) + fabs(c[4]) + fabs(c[5])) * bench->radius;
 
-    return bend > BEND_MAX ? &seeds->fine : &seeds->disc;
+    if (bend > BEND_MAX)
+        return &seeds->fine;
+    return bend > BEND_FLAT ? &seeds->disc : &seeds->flat;
 }
 
 static void end_at_border(const struct vor_seeds *seeds, struct vor_bench *bench)
@@ -245,24 +231,49 @@ static void end_at_border(const struct vor_seeds *seeds, struct vor_bench *bench
         vor_cell_clip(&bench->cell, (double[3]){2 * room * side[0], 2 * room * side[1], 0});
 }
 
-enum vor_surface_kind vor_seeds_cell(const struct vor_seeds *seeds, struct vor_bench *bench,
-                                     size_t i, size_t row)
+enum vor_surface_kind vor_seeds_neighbors(struct vor_seeds *seeds, struct vor_bench *bench,
+                                          size_t i)
 {
-    const uint32_t *list = &seeds->list[i * seeds->listed];
-    double x[3], local[3];
+    enum vor_surface_kind kind = vor_seeds_fit(seeds, bench, i);
 
-    if (vor_seeds_fit(seeds, bench, row) == VOR_SURFACE_NONE)
+    if (kind != VOR_SURFACE_NONE)
+        bench->queries += vor_swarm_crowd(&bench->crowd, &seeds->swarm, &seeds->view, i);
+    return kind;
+}
+
+/* The cell out of a patch of that mesh, or of the one that the bend asks for where it is NULL. */
+static enum vor_surface_kind clip_cell(struct vor_seeds *seeds, struct vor_bench *bench, size_t i,
+                                       const struct vor_disc *disc)
+{
+    const struct vor_crowd *crowd = &bench->crowd;
+    double x[3], local[3];
+    unsigned j = 0;
+
+    if (vor_seeds_neighbors(seeds, bench, i) == VOR_SURFACE_NONE)
         return VOR_SURFACE_NONE;
     vor_seeds_position(seeds, i, x);
     vor_surface_to_local(&bench->here.surface, x, local);
-    bench->radius = seeds->widen * patch_radius(seeds, i);
-    vor_cell_begin(&bench->cell, vor_seeds_disc(seeds, bench), &bench->here.surface, local,
-                   bench->radius);
+    bench->radius = seeds->widen * patch_radius(crowd);
+    vor_cell_begin(&bench->cell, disc != NULL ? disc : vor_seeds_disc(seeds, bench),
+                   &bench->here.surface, local, bench->radius);
+    bench->triangles += bench->cell.count;
     if (seeds->keep_border)
         end_at_border(seeds, bench);
-    for (unsigned j = 0; j < seeds->listed; j++)
-        if (!clip_by(seeds, bench, i, list[j]))
-            return bench->here.surface.kind;
+    while (j < crowd->count && clip_by(seeds, bench, i, crowd->index[j]))
+        j++;
     clip_more(seeds, bench, i);
+    bench->cells++;
+    bench->bisectors += bench->cell.bisectors;
     return bench->here.surface.kind;
+}
+
+enum vor_surface_kind vor_seeds_cell(struct vor_seeds *seeds, struct vor_bench *bench, size_t i)
+{
+    return clip_cell(seeds, bench, i, NULL);
+}
+
+enum vor_surface_kind vor_seeds_flat_cell(struct vor_seeds *seeds, struct vor_bench *bench,
+                                          size_t i)
+{
+    return clip_cell(seeds, bench, i, &seeds->flat);
 }

@@ -8,10 +8,11 @@
 #include "core/geom/cell.h"
 #include "core/geom/surface.h"
 #include "core/knn/near.h"
+#include "core/knn/swarm.h"
 #include "core/method/domain.h"
 
 #define VOR_SEEDS_BLOCK 256    /* seeds a task; also the unit of the sums */
-#define VOR_SEEDS_LISTED 20    /* neighbours kept for each seed */
+#define VOR_SEEDS_LISTED 20    /* neighbours in the list of each seed */
 #define VOR_SEEDS_MORE_MAX 256 /* neighbours looked at when those do not secure a cell */
 
 /** Input points around a place, nearest first, and the surface fitted to them. */
@@ -20,15 +21,15 @@ struct vor_place {
     struct vor_surface surface;
 };
 
-/** Scratch of one worker. */
+/** Scratch of one worker, and what it counts. */
 struct vor_bench {
-    uint32_t *near_index; /**< VOR_SEEDS_BLOCK x k: input points near each seed of the block */
-    uint32_t *seed_index; /**< VOR_SEEDS_BLOCK x (listed + 1) */
-    float *seed_distance2;
     struct vor_place here, there; /**< of the seed at hand, and of where it wants to go */
     struct vor_place foot;        /**< of the input point nearest to one of these */
+    struct vor_crowd crowd;       /**< seeds around the seed at hand */
     struct vor_cell cell;
-    double radius; /**< of the patch */
+    double radius;                        /**< of the patch */
+    uint64_t queries;                     /**< searches of either index */
+    uint64_t cells, bisectors, triangles; /**< computed; that cut them; of their patches */
 };
 
 /** n points on the domain, in its normalised coordinates. */
@@ -38,16 +39,16 @@ struct vor_seeds {
     size_t n;
     unsigned k;      /**< input points a surface is fitted to */
     int keep_border; /**< cells end where the input ends; set by vor_seeds_init, may be changed */
-    unsigned listed; /**< neighbours in a list: VOR_SEEDS_LISTED or n - 1 */
     float *xyz;      /**< n x 3 */
-    uint32_t *list;  /**< n x listed, nearest first, without the seed itself */
-    float *distance; /**< n x listed */
     struct vor_near near; /**< candidates among the input, for each seed */
-    struct vor_knn *knn;  /**< over xyz as of the last index; NULL before */
+    struct vor_surface
+        *surface; /**< n: fitted to the input points around each seed, as of the last fit */
+    struct vor_swarm swarm;     /**< neighbours among the seeds */
+    struct vor_swarm_view view; /**< of xyz, as of the last index */
     double widen; /**< patches are this many times as wide as usual; 1 after vor_seeds_init */
     double area;  /**< of the surface, from the draw that these seeds were started from */
-    struct vor_disc disc, fine; /**< of patches, and of those that bend much */
-    struct vor_bench *bench;    /**< one for each thread of the pool */
+    struct vor_disc flat, disc, fine; /**< patches, by how much they bend */
+    struct vor_bench *bench;          /**< one for each thread of the pool */
 };
 
 /** n seeds with unset positions; n >= 1; k as in the request, lowered to the size of the domain.
@@ -59,21 +60,27 @@ VOR_NODISCARD vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_
 
 void vor_seeds_free(struct vor_seeds *seeds);
 
-/** Indexes the positions anew; they must not change while cells are computed.
+/** Takes note of where the seeds are now, and makes their lists anew where too many moved too far
+ * for the old ones; positions must not change while cells are computed.
  *
- *  @retval VOR_E_NOMEM */
+ *  @retval VOR_E_NOMEM
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for */
 VOR_NODISCARD vor_status vor_seeds_index(struct vor_seeds *seeds, struct vor_error *err);
 
-/** Finds the input points near the seeds begin .. end - 1 (one block) and their lists. */
-void vor_seeds_search(struct vor_seeds *seeds, struct vor_bench *bench, size_t begin, size_t end);
+/** Gathers bench->here for seed i, wherever that is by now. Only one thread at a time may ask for
+ * i. */
+enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_bench *bench, size_t i);
 
-/** Gathers bench->here for row `row` of the searched block. */
-enum vor_surface_kind vor_seeds_fit(const struct vor_seeds *seeds, struct vor_bench *bench,
-                                    size_t row);
+/** The same, and bench->crowd, unless the kind is NONE. */
+enum vor_surface_kind vor_seeds_neighbors(struct vor_seeds *seeds, struct vor_bench *bench,
+                                          size_t i);
 
-/** The same for seed i = begin + row, and its cell in bench->cell, unless the kind is NONE. */
-enum vor_surface_kind vor_seeds_cell(const struct vor_seeds *seeds, struct vor_bench *bench,
-                                     size_t i, size_t row);
+/** The same, and its cell in bench->cell. */
+enum vor_surface_kind vor_seeds_cell(struct vor_seeds *seeds, struct vor_bench *bench, size_t i);
+
+/** The same in the tangent plane at the seed, as one piece however much the surface bends. */
+enum vor_surface_kind vor_seeds_flat_cell(struct vor_seeds *seeds, struct vor_bench *bench,
+                                          size_t i);
 
 /** The mesh for a patch of bench->radius on the surface of bench->here. */
 const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds, const struct vor_bench *bench);
@@ -81,6 +88,16 @@ const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds, const struc
 /** Gathers a place around any x, by a search of its own. */
 enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_place *place,
                                        const double x[3]);
+
+/** A tangential offset of about that length for two seeds that lie at the same place, opposite for
+ *  (j, i), so that they part: from what i and j are, nothing else. */
+void vor_seeds_part(size_t i, size_t j, double length, double offset[2]);
+
+/** Sum of a counter over the workers. */
+struct vor_counts {
+    uint64_t queries, cells, bisectors, triangles;
+};
+struct vor_counts vor_seeds_counts(const struct vor_seeds *seeds);
 
 /** What is known of the border around x, where bench->there was gathered. */
 void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,

@@ -44,11 +44,11 @@ static double side(const struct transfer *transfer, size_t i, const double norma
     return vor_dot(reference, normal) < 0 ? -1 : 1;
 }
 
-static void fit_normal(struct transfer *transfer, struct vor_bench *bench, size_t i, size_t row)
+static void fit_normal(struct transfer *transfer, const struct vor_bench *bench, size_t i)
 {
     double x[3], local[3], normal[3] = {0, 0, 1}, sign;
 
-    if (vor_seeds_fit(transfer->seeds, bench, row) != VOR_SURFACE_NONE) {
+    if (bench->here.surface.kind != VOR_SURFACE_NONE) {
         vor_seeds_position(transfer->seeds, i, x);
         vor_surface_to_local(&bench->here.surface, x, local);
         vor_surface_normal(&bench->here.surface, local, normal);
@@ -65,12 +65,10 @@ static void transfer_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_bench *bench = &seeds->bench[worker];
 
     for (size_t i = begin; i < end; i++) {
-        uint32_t *near = &bench->near_index[(i - begin) * seeds->k];
-
-        (void)vor_near_search(&seeds->near, i, &seeds->xyz[3 * i], near);
-        transfer->nearest[i] = seeds->domain->source[near[0]];
+        (void)vor_seeds_fit(seeds, bench, i);
+        transfer->nearest[i] = seeds->domain->source[vor_near_first(&seeds->near, i)];
         if (transfer->normal != NULL)
-            fit_normal(transfer, bench, i, i - begin);
+            fit_normal(transfer, bench, i);
     }
 }
 

@@ -84,7 +84,7 @@ static void draw(struct vor_progress *progress, const struct vor_record *record)
                         (unsigned)vor_pace_polish(spec));
     else
         vor_text_printf(&line, "%4u/%-4u ", (unsigned)record->iteration,
-                        (unsigned)vor_pace_iterations(spec));
+                        (unsigned)vor_spec_iterations(spec));
     add_bar(&line, progress->columns - WORDS_WIDTH, fraction);
     vor_text_printf(&line, "%3.0f %%  delta %.4f", 100 * fraction, record->delta);
     if (left >= 0)

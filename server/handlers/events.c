@@ -84,7 +84,7 @@ static void write_progress(const struct stream *stream, const struct vor_event *
     vor_json_put_string(text, "jobID", stream->id.text);
     vor_json_put_u64(text, "attempt", event->attempt);
     vor_json_put_string(text, "stage", vor_stage_word(event->stage));
-    vor_json_put_u64(text, "maxIterations", vor_pace_iterations(spec));
+    vor_json_put_u64(text, "maxIterations", vor_spec_iterations(spec));
     vor_json_put_u64(text, "maxPolish", vor_pace_polish(spec));
     vor_json_record_members(text, &event->record);
     vor_json_put_i64(text, "progress", event->progress);

@@ -32,10 +32,10 @@ START_TEST(the_defaults_are_those_of_the_table_and_the_engine)
     struct vor_spec spec;
 
     vor_spec_init(&spec);
-    ck_assert_uint_eq(vor_pace_iterations(&spec), 100);
+    ck_assert_uint_eq(vor_spec_iterations(&spec), 100);
     ck_assert(vor_pace_polish(&spec) == vor_parameter_info(VOR_PARAM_POLISH)->fallback);
     spec = request(0, 0);
-    ck_assert_uint_eq(vor_pace_iterations(&spec), 0);
+    ck_assert_uint_eq(vor_spec_iterations(&spec), 0);
     ck_assert_uint_eq(vor_pace_polish(&spec), 0);
 }
 END_TEST

@@ -1,0 +1,390 @@
+#include "core/method/polish.h"
+
+#include "core/base/linalg.h"
+#include "core/geom/boundary.h"
+#include "core/method/even.h"
+
+#include <string.h>
+
+enum {
+    SOFT = 4,         /* S at the first step */
+    HARD = 14,        /* and at the last */
+    CELLS_EVERY = 4,  /* steps */
+    RECORD_EVERY = 10 /* steps */
+};
+
+#define GAIN 0.1        /* of the force, over 2 S */
+#define MOMENTUM 0.8    /* share of the last step that is added to the next */
+#define STEP_MAX 0.05   /* spacings */
+#define FORCE_MAX 50.0  /* (h/d)^(2S) of a pair that is much too near */
+#define OVERLAP 0.5     /* spacings: nearer pairs part along the surface, come what may */
+#define FORCE_REACH 2.0 /* spacings that the repulsion reaches */
+#define HOLE 0.66       /* pitches from a hole's middle to the points around it: more is too wide */
+#define HOLE_EXCESS 0.15   /* pitches beyond that count no more */
+#define HOLE_PULL 0.1      /* share of the excess that one step goes */
+#define BORDER_ROOM 0.6    /* spacings of room: with less, a point is at the border */
+#define INPUT_SPACINGS 1.2 /* of the input, from it, that a point may move away to */
+
+struct polish {
+    struct vor_seeds *seeds;
+    struct vor_record record;
+    float *next, *best; /* n x 3 each */
+    float *step;        /* n x 3: the last one of each point */
+    float *pull;        /* n x 3: towards the hole next to each point */
+    float *nearest;     /* n */
+    double h;           /* mean spacing */
+    double pitch;       /* of the hexagonal lattice of as many points on the same area */
+    double best_delta;
+    unsigned power; /* S */
+    int cells;      /* holes are looked for in this step */
+};
+
+static void free_polish(struct polish *polish)
+{
+    struct vor_memory *memory = polish->seeds->run->memory;
+
+    vor_free(memory, polish->nearest);
+    vor_free(memory, polish->pull);
+    vor_free(memory, polish->step);
+    vor_free(memory, polish->best);
+    vor_free(memory, polish->next);
+}
+
+static vor_status alloc_polish(struct polish *polish, struct vor_error *err)
+{
+    struct vor_memory *memory = polish->seeds->run->memory;
+    size_t n = polish->seeds->n, row = 3 * sizeof(float);
+
+    polish->next = vor_malloc(memory, n, row);
+    polish->best = vor_malloc(memory, n, row);
+    polish->step = vor_calloc(memory, n, row);
+    polish->pull = vor_calloc(memory, n, row);
+    polish->nearest = vor_malloc(memory, n, sizeof *polish->nearest);
+    if (polish->next == NULL || polish->best == NULL || polish->step == NULL ||
+        polish->pull == NULL || polish->nearest == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the polish of %zu points", n);
+    memcpy(polish->best, polish->seeds->xyz, n * row);
+    return VOR_OK;
+}
+
+/* The corner of the cell that is farthest from its seed; NULL when nothing is left of it. */
+static const double *farthest_corner(const struct vor_cell *cell)
+{
+    const double *corner = NULL;
+    double far = 0;
+
+    for (unsigned i = 0; i < cell->count; i++)
+        for (unsigned j = 0; j < cell->piece[i].count; j++) {
+            const double *vertex = cell->piece[i].vertex[j];
+            double d2 = vor_dot(vertex, vertex);
+
+            if (d2 > far) {
+                far = d2;
+                corner = vertex;
+            }
+        }
+    return corner;
+}
+
+/* Notes where the hole next to seed i pulls it. */
+static void find_hole(struct polish *polish, const struct vor_bench *bench, size_t i)
+{
+    const struct vor_surface *surface = &bench->here.surface;
+    const double *corner = farthest_corner(&bench->cell);
+    double far, excess;
+
+    memset(&polish->pull[3 * i], 0, 3 * sizeof *polish->pull);
+    if (corner == NULL)
+        return;
+    far = sqrt(vor_dot(corner, corner));
+    excess = fmin(far - HOLE * polish->pitch, HOLE_EXCESS * polish->pitch);
+    if (!(excess > 0))
+        return;
+    for (int c = 0; c < 3; c++)
+        polish->pull[3 * i + (size_t)c] =
+            (float)(HOLE_PULL * excess / far *
+                    (corner[0] * surface->axis[0][c] + corner[1] * surface->axis[1][c] +
+                     corner[2] * surface->axis[2][c]));
+}
+
+/* x^n for n >= 1, the same on every machine. */
+static double power(double x, unsigned n)
+{
+    double y = 1;
+
+    for (; n > 0; n >>= 1, x *= x)
+        if (n & 1)
+            y *= x;
+    return y;
+}
+
+/* Which way seed i has to go along its surface to get away from seed j, that far from it. Where
+ * they lie over one another, the offset says little about it and the length of what it says even
+ * less: they would be projected onto the same place. */
+static void away(const struct polish *polish, const struct vor_bench *bench, size_t i, size_t j,
+                 double distance, double out[3])
+{
+    const struct vor_surface *surface = &bench->here.surface;
+    const float *a = &polish->seeds->xyz[3 * i], *b = &polish->seeds->xyz[3 * j];
+    double side[2], length, d[3];
+
+    for (size_t c = 0; c < 3; c++)
+        out[c] = d[c] = (double)a[c] - (double)b[c];
+    if (distance > OVERLAP * polish->h)
+        return;
+    side[0] = vor_dot(surface->axis[0], d);
+    side[1] = vor_dot(surface->axis[1], d);
+    length = sqrt(side[0] * side[0] + side[1] * side[1]);
+    if (!(length > 0)) {
+        vor_seeds_part(j, i, 1, side);
+        length = sqrt(side[0] * side[0] + side[1] * side[1]);
+    }
+    for (int c = 0; c < 3; c++)
+        out[c] = OVERLAP * polish->h / length *
+                 (side[0] * surface->axis[0][c] + side[1] * surface->axis[1][c]);
+}
+
+/* Sum of the forces of the crowd on seed i. */
+static void repulsion(const struct polish *polish, const struct vor_bench *bench, size_t i,
+                      double force[3])
+{
+    const struct vor_crowd *crowd = &bench->crowd;
+    double h2 = polish->h * polish->h, scale = GAIN / (2 * polish->power);
+
+    force[0] = force[1] = force[2] = 0;
+    for (unsigned j = 0; j < crowd->count; j++) {
+        double d2 = (double)crowd->distance2[j], weight, d[3];
+
+        if (d2 > FORCE_REACH * FORCE_REACH * h2)
+            break;
+        away(polish, bench, i, crowd->index[j], sqrt(d2), d);
+        weight = FORCE_MAX;
+        if (FORCE_MAX * d2 > h2)
+            weight = fmin(power(h2 / d2, polish->power), FORCE_MAX);
+        for (int c = 0; c < 3; c++)
+            force[c] += scale * weight * d[c];
+    }
+}
+
+/* Takes the part along the unit vector direction out of v, only if it points that way when
+ * `one_way`. */
+static void remove_part(double v[3], const double direction[3], int one_way)
+{
+    double along = vor_dot(v, direction);
+
+    if (one_way && !(along > 0))
+        return;
+    for (int c = 0; c < 3; c++)
+        v[c] -= along * direction[c];
+}
+
+/* Leaves what is tangential, and at the border does not lead out. */
+static void keep_on_surface(const struct polish *polish, const struct vor_bench *bench,
+                            const double x[3], double v[3])
+{
+    const struct vor_surface *surface = &bench->here.surface;
+    double local[3], normal[3], side[2], out[3];
+
+    vor_surface_to_local(surface, x, local);
+    vor_surface_normal(surface, local, normal);
+    remove_part(v, normal, 0);
+    if (!polish->seeds->keep_border ||
+        vor_boundary_room(surface, bench->here.near, polish->seeds->k, local, polish->h, side) >=
+            BORDER_ROOM * polish->h)
+        return;
+    for (int c = 0; c < 3; c++)
+        out[c] = side[0] * surface->axis[0][c] + side[1] * surface->axis[1][c];
+    remove_part(v, out, 1);
+}
+
+/* Where seed i goes; its surface and neighbours are on the bench. */
+static void move(struct polish *polish, const struct vor_bench *bench, size_t i)
+{
+    const struct vor_seeds *seeds = polish->seeds;
+    double v[3], x[3], y[3], length, limit = STEP_MAX * polish->h;
+    struct vor_border border;
+
+    vor_seeds_position(seeds, i, x);
+    repulsion(polish, bench, i, v);
+    for (size_t c = 0; c < 3; c++)
+        v[c] += (double)polish->pull[3 * i + c] + MOMENTUM * (double)polish->step[3 * i + c];
+    keep_on_surface(polish, bench, x, v);
+    length = sqrt(vor_dot(v, v));
+    for (int c = 0; c < 3; c++)
+        y[c] = x[c] + (length > limit ? v[c] * (limit / length) : v[c]);
+    vor_seeds_project(&bench->here.surface, y);
+    border = (struct vor_border){&bench->here.surface, bench->here.near, seeds->k,
+                                 bench->here.surface.spacing};
+    if (seeds->keep_border && vor_boundary_leaves(&border, INPUT_SPACINGS, x, y))
+        memcpy(y, x, sizeof y);
+    for (size_t c = 0; c < 3; c++) {
+        polish->next[3 * i + c] = (float)y[c];
+        polish->step[3 * i + c] = (float)(y[c] - x[c]);
+    }
+}
+
+static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct polish *polish = ctx;
+    struct vor_seeds *seeds = polish->seeds;
+    struct vor_bench *bench = &seeds->bench[worker];
+
+    for (size_t i = begin; i < end; i++) {
+        enum vor_surface_kind kind =
+            polish->cells ? vor_seeds_cell(seeds, bench, i) : vor_seeds_neighbors(seeds, bench, i);
+
+        memcpy(&polish->next[3 * i], &seeds->xyz[3 * i], 3 * sizeof(float));
+        if (kind == VOR_SURFACE_NONE)
+            continue;
+        if (polish->cells)
+            find_hole(polish, bench, i);
+        move(polish, bench, i);
+    }
+}
+
+static double longest_step(const struct polish *polish)
+{
+    double longest = 0;
+
+    for (size_t i = 0; i < polish->seeds->n; i++) {
+        const float *step = &polish->step[3 * i];
+        double x = (double)step[0], y = (double)step[1], z = (double)step[2];
+
+        longest = fmax(longest, x * x + y * y + z * z);
+    }
+    return sqrt(longest);
+}
+
+/* One step: from seeds->xyz to seeds->xyz. */
+static vor_status step_once(struct polish *polish, struct vor_uniformity *even,
+                            struct vor_error *err)
+{
+    struct vor_seeds *seeds = polish->seeds;
+    vor_status status = vor_seeds_index(seeds, err);
+
+    if (status == VOR_OK)
+        status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, move_block, polish, err);
+    if (status == VOR_OK)
+        status = vor_even_measure(even, polish->nearest, seeds, polish->next, err);
+    if (status == VOR_OK)
+        memcpy(seeds->xyz, polish->next, 3 * seeds->n * sizeof *seeds->xyz);
+    return status;
+}
+
+/* Takes note of a step done, and keeps the most even positions. */
+static void note(struct polish *polish, const struct vor_uniformity *even, double start)
+{
+    const struct vor_seeds *seeds = polish->seeds;
+    double unit = seeds->domain->unit;
+
+    if (even->delta < polish->best_delta) {
+        polish->best_delta = even->delta;
+        memcpy(polish->best, seeds->xyz, 3 * seeds->n * sizeof *polish->best);
+    }
+    polish->h = even->mean;
+    polish->record.polish++;
+    polish->record.delta = even->delta;
+    polish->record.sigma = even->sigma * unit;
+    polish->record.epsilon = even->epsilon;
+    polish->record.seconds = vor_run_clock(seeds->run) - start;
+}
+
+static enum vor_answer tell(struct polish *polish)
+{
+    const struct vor_watch *watch = polish->seeds->run->watch;
+
+    if (watch == NULL || watch->progress == NULL)
+        return VOR_CONTINUE;
+    polish->record.max_move = longest_step(polish) * polish->seeds->domain->unit;
+    return watch->progress(watch->ctx, &polish->record);
+}
+
+/* Whether the request's own stops are reached, now that a step took `took` seconds. */
+static int finished(const struct polish *polish, struct vor_cvt_result *result,
+                    const struct vor_spec *spec, double took)
+{
+    const double *value = spec->value;
+
+    if (vor_spec_given(spec, VOR_PARAM_DELTA) && polish->best_delta <= value[VOR_PARAM_DELTA])
+        result->stopped = VOR_STOPPED_DELTA;
+    else if (vor_spec_given(spec, VOR_PARAM_SECONDS) &&
+             polish->record.seconds + took > value[VOR_PARAM_SECONDS])
+        result->stopped = VOR_STOPPED_SECONDS;
+    else
+        return polish->record.polish >= (uint32_t)value[VOR_PARAM_POLISH];
+    return 1;
+}
+
+static vor_status loop(struct polish *polish, struct vor_cvt_result *result,
+                       const struct vor_spec *spec, double start, struct vor_error *err)
+{
+    unsigned steps = (unsigned)spec->value[VOR_PARAM_POLISH];
+    enum vor_answer answer = VOR_CONTINUE;
+    struct vor_uniformity even;
+    double took = 0;
+    vor_status status;
+
+    while (answer == VOR_CONTINUE && !finished(polish, result, spec, took)) {
+        unsigned done = polish->record.polish;
+        double before = polish->record.seconds;
+
+        polish->power = SOFT + (HARD - SOFT) * done / (steps > 1 ? steps - 1 : 1);
+        polish->cells = done % CELLS_EVERY == 0;
+        status = step_once(polish, &even, err);
+        if (status == VOR_E_STOPPED) {
+            answer = VOR_STOP;
+            break;
+        }
+        if (status != VOR_OK)
+            return status;
+        note(polish, &even, start);
+        took = polish->record.seconds - before;
+        if (polish->record.polish % RECORD_EVERY == 0 || polish->record.polish == steps)
+            answer = tell(polish);
+    }
+    if (answer == VOR_CANCEL)
+        return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
+    if (answer == VOR_STOP)
+        result->stopped = VOR_STOPPED_CALLER;
+    return VOR_OK;
+}
+
+static double lattice_pitch(const struct vor_seeds *seeds, const struct vor_cvt_result *result)
+{
+    double unit = seeds->domain->unit;
+    double area = result->iterations > 0 ? result->area / (unit * unit) : seeds->area;
+
+    return sqrt(area / (0.86602540378443865 * (double)seeds->n));
+}
+
+vor_status vor_polish_run(struct vor_seeds *seeds, struct vor_cvt_result *result,
+                          const struct vor_spec *spec, double start, struct vor_error *err)
+{
+    struct polish polish = {.seeds = seeds, .record = result->last};
+    struct vor_uniformity even;
+    vor_status status;
+
+    if (!(spec->value[VOR_PARAM_POLISH] > 0) || result->stopped == VOR_STOPPED_DELTA ||
+        result->stopped == VOR_STOPPED_CALLER)
+        return VOR_OK;
+    status = alloc_polish(&polish, err);
+    if (status == VOR_OK)
+        status = vor_seeds_index(seeds, err);
+    if (status == VOR_OK)
+        status = vor_even_measure(&even, polish.nearest, seeds, seeds->xyz, err);
+    if (status == VOR_OK) {
+        polish.best_delta = even.delta;
+        polish.h = even.mean;
+        polish.pitch = lattice_pitch(seeds, result);
+        status = loop(&polish, result, spec, start, err);
+    } else if (status == VOR_E_STOPPED) {
+        result->stopped = VOR_STOPPED_CALLER;
+        status = VOR_OK;
+    }
+    if (status == VOR_OK) {
+        memcpy(seeds->xyz, polish.best, 3 * seeds->n * sizeof *seeds->xyz);
+        result->polish_steps = polish.record.polish;
+    }
+    free_polish(&polish);
+    return status;
+}

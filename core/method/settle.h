@@ -1,0 +1,13 @@
+/** The last thing that is done to the seeds. */
+#ifndef VOR_METHOD_SETTLE_H
+#define VOR_METHOD_SETTLE_H
+
+#include "core/method/seeds.h"
+
+/** Pulls seeds that lie outside the input up to where a result may be; nothing where
+ *  seeds->keep_border is not set.
+ *
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for */
+VOR_NODISCARD vor_status vor_settle(struct vor_seeds *seeds, struct vor_error *err);
+
+#endif
