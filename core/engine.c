@@ -82,7 +82,7 @@ static vor_status prepare(struct engine *engine, struct vor_error *err)
     double before = engine->start, now;
     vor_status status;
 
-    status = vor_domain_init(&engine->domain, engine->in, engine->run.memory, err);
+    status = vor_domain_init(&engine->domain, engine->in, &engine->calm_run, err);
     if (status != VOR_OK)
         return status;
     now = vor_run_clock(&engine->run);

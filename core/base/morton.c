@@ -1,11 +1,51 @@
+/* A radix sort from the top. The first digit is split off by all threads: a histogram for each
+ * block of points, then every block moves its own. After it the buckets fit the cache, and each is
+ * sorted by one thread. A bucket that holds much of the cloud (one stray point far away makes one)
+ * is split by all threads again. Every two points differ in what they are compared by, so that
+ * there is only one result, however the work is cut. */
 #include "core/base/morton.h"
+
+#include "core/base/bounds.h"
 
 #include <math.h>
 #include <string.h>
 
+enum {
+    CODE_BITS = 63,
+    DIGIT = 12, /* bits split off by all threads */
+    BUCKETS = 1 << DIGIT,
+    SMALL_DIGIT = 8, /* by one thread */
+    SMALL_BUCKETS = 1 << SMALL_DIGIT,
+    BLOCK_MIN = 1 << 14,
+    BLOCKS_MAX = 64,
+    BUCKETS_A_TASK = 16,
+    BIG_SHARE = 16, /* a bucket of more than 1 / BIG_SHARE of all points is split by all threads */
+    INSERTION_MAX = 24
+};
+
 struct entry {
     uint64_t code;
     uint32_t index;
+};
+
+struct sorter {
+    const float *xyz;
+    const struct vor_run *run;
+    uint32_t *order;
+    uint32_t *count; /* for each block, for each bucket: how many, then where the next one goes */
+    uint32_t start[BUCKETS + 1]; /* first of each bucket in the range */
+    size_t big;                  /* more entries than this in a bucket are split by all */
+    struct vor_box box;
+    double scale;
+};
+
+/* Entries being split by the `width` bits above `shift`. */
+struct range {
+    struct sorter *sorter;
+    struct entry *from, *to;
+    uint32_t *order;
+    size_t n, block;
+    unsigned shift, width;
 };
 
 /* Spreads 21 bits to every third of 63. */
@@ -19,42 +59,14 @@ static uint64_t spread(uint64_t x)
     return x;
 }
 
-static void encode(struct entry *entries, const float *xyz, size_t n)
+static uint64_t encode(const struct sorter *sorter, const float x[3])
 {
-    float low[3] = {xyz[0], xyz[1], xyz[2]}, high[3] = {xyz[0], xyz[1], xyz[2]};
-    double extent = 0, scale;
+    uint64_t code = 0;
 
-    for (size_t i = 3; i < 3 * n; i++) {
-        low[i % 3] = fminf(low[i % 3], xyz[i]);
-        high[i % 3] = fmaxf(high[i % 3], xyz[i]);
-    }
     for (int c = 0; c < 3; c++)
-        extent = fmax(extent, (double)high[c] - (double)low[c]);
-    scale = extent > 0 ? 2097151 / extent : 0;
-    for (size_t i = 0; i < n; i++) {
-        entries[i].code = 0;
-        for (size_t c = 0; c < 3; c++)
-            entries[i].code |= spread((uint64_t)(((double)xyz[3 * i + c] - (double)low[c]) * scale))
-                               << c;
-        entries[i].index = (uint32_t)i;
-    }
-}
-
-/* One pass of a stable radix sort by 11 bits. */
-static void pass(struct entry *to, const struct entry *from, size_t n, int shift)
-{
-    size_t count[2048] = {0}, sum = 0;
-
-    for (size_t i = 0; i < n; i++)
-        count[from[i].code >> shift & 2047]++;
-    for (size_t i = 0; i < 2048; i++) {
-        size_t here = count[i];
-
-        count[i] = sum;
-        sum += here;
-    }
-    for (size_t i = 0; i < n; i++)
-        to[count[from[i].code >> shift & 2047]++] = from[i];
+        code |= spread((uint64_t)(((double)x[c] - (double)sorter->box.low[c]) * sorter->scale))
+                << c;
+    return code;
 }
 
 /* Order of two points of the same cell: by coordinates, then by index. */
@@ -66,8 +78,8 @@ static int precedes(const float *xyz, uint32_t i, uint32_t j)
     return i < j;
 }
 
-/* Merge sort, bottom up; the result ends in a. */
-static void sort_run(struct entry *a, struct entry *scratch, size_t n, const float *xyz)
+/* Merge sort of entries with the same code, bottom up; the result ends in a. */
+static void sort_cell(struct entry *a, struct entry *scratch, size_t n, const float *xyz)
 {
     for (size_t width = 1; width < n; width *= 2) {
         for (size_t low = 0; low < n; low += 2 * width) {
@@ -84,40 +96,221 @@ static void sort_run(struct entry *a, struct entry *scratch, size_t n, const flo
     }
 }
 
-static void sort_equal_codes(struct entry *a, struct entry *scratch, size_t n, const float *xyz)
+static void sort_few(struct entry *a, size_t n, const float *xyz)
 {
-    for (size_t begin = 0, end; begin < n; begin = end) {
-        for (end = begin + 1; end < n && a[end].code == a[begin].code; end++)
-            continue;
-        if (end - begin > 1)
-            sort_run(a + begin, scratch, end - begin, xyz);
+    for (size_t i = 1; i < n; i++) {
+        struct entry entry = a[i];
+        size_t at = i;
+
+        while (at > 0 &&
+               (entry.code < a[at - 1].code ||
+                (entry.code == a[at - 1].code && precedes(xyz, entry.index, a[at - 1].index)))) {
+            a[at] = a[at - 1];
+            at--;
+        }
+        a[at] = entry;
     }
 }
 
-vor_status vor_morton_order(uint32_t *order, const float *xyz, size_t n, struct vor_memory *memory,
+static size_t digit(const struct entry *entry, unsigned shift, unsigned width)
+{
+    return (size_t)(entry->code >> shift) & (((size_t)1 << width) - 1);
+}
+
+/* Sorts entries that differ in their lowest `left` bits only, by one thread. Each of a and scratch
+ * may end as anything: what counts is the order. */
+static void sort_bucket(const struct sorter *sorter, struct entry *a, struct entry *scratch,
+                        size_t n, unsigned left, uint32_t *order)
+{
+    uint32_t next[SMALL_BUCKETS] = {0};
+    unsigned width = left < SMALL_DIGIT ? left : SMALL_DIGIT, shift = left - width;
+    uint32_t sum = 0;
+
+    if (n <= INSERTION_MAX || left == 0) {
+        if (n <= INSERTION_MAX)
+            sort_few(a, n, sorter->xyz);
+        else
+            sort_cell(a, scratch, n, sorter->xyz);
+        for (size_t i = 0; i < n; i++)
+            order[i] = a[i].index;
+        return;
+    }
+    for (size_t i = 0; i < n; i++)
+        next[digit(&a[i], shift, width)]++;
+    for (size_t i = 0; i < (size_t)1 << width; i++) {
+        sum += next[i];
+        next[i] = sum - next[i];
+    }
+    for (size_t i = 0; i < n; i++)
+        scratch[next[digit(&a[i], shift, width)]++] = a[i];
+    for (size_t i = 0, begin = 0; i < (size_t)1 << width; i++) {
+        if (next[i] > begin)
+            sort_bucket(sorter, scratch + begin, a + begin, next[i] - begin, shift, order + begin);
+        begin = next[i];
+    }
+}
+
+static void encode_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct range *range = ctx;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        range->from[i].code = encode(range->sorter, &range->sorter->xyz[3 * i]);
+        range->from[i].index = (uint32_t)i;
+    }
+}
+
+static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct range *range = ctx;
+    uint32_t *count = &range->sorter->count[begin / range->block * BUCKETS];
+
+    (void)worker;
+    memset(count, 0, BUCKETS * sizeof *count);
+    for (size_t i = begin; i < end; i++)
+        count[digit(&range->from[i], range->shift, range->width)]++;
+}
+
+static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct range *range = ctx;
+    uint32_t *next = &range->sorter->count[begin / range->block * BUCKETS];
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        range->to[next[digit(&range->from[i], range->shift, range->width)]++] = range->from[i];
+}
+
+static void sort_buckets(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct range *range = ctx;
+    const struct sorter *sorter = range->sorter;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        size_t first = sorter->start[i], n = sorter->start[i + 1] - first;
+
+        if (n > 0 && (n <= sorter->big || range->shift == 0))
+            sort_bucket(sorter, range->to + first, range->from + first, n, range->shift,
+                        range->order + first);
+    }
+}
+
+/* Histograms become places: those of a bucket follow each other, block by block. */
+static void sum_counts(struct range *range)
+{
+    uint32_t *count = range->sorter->count, sum = 0;
+    size_t blocks = (range->n + range->block - 1) / range->block;
+
+    for (size_t i = 0; i < BUCKETS; i++) {
+        range->sorter->start[i] = sum;
+        for (size_t b = 0; b < blocks; b++) {
+            uint32_t here = count[b * BUCKETS + i];
+
+            count[b * BUCKETS + i] = sum;
+            sum += here;
+        }
+    }
+    range->sorter->start[BUCKETS] = sum;
+}
+
+static size_t block_of(size_t n)
+{
+    size_t block = (n + BLOCKS_MAX - 1) / BLOCKS_MAX;
+
+    return block > BLOCK_MIN ? block : BLOCK_MIN;
+}
+
+/* Splits n entries by all threads and sorts what comes of it. from and to change roles with every
+ * level. */
+static vor_status sort_range(struct range *range, struct vor_error *err)
+{
+    const struct vor_run *run = range->sorter->run;
+    size_t big[BIG_SHARE], big_n[BIG_SHARE], bigs = 0;
+    vor_status status = vor_run_for(run, range->n, range->block, count_block, range, err);
+
+    if (status != VOR_OK)
+        return status;
+    sum_counts(range);
+    status = vor_run_for(run, range->n, range->block, move_block, range, err);
+    if (status == VOR_OK)
+        status = vor_run_for(run, BUCKETS, BUCKETS_A_TASK, sort_buckets, range, err);
+    for (size_t i = 0; i < BUCKETS && range->shift > 0; i++) { /* the next level needs `start` */
+        size_t first = range->sorter->start[i], n = range->sorter->start[i + 1] - first;
+
+        if (n <= range->sorter->big)
+            continue;
+        big[bigs] = first;
+        big_n[bigs++] = n;
+    }
+    for (size_t i = 0; i < bigs && status == VOR_OK; i++) {
+        struct range next = {.sorter = range->sorter,
+                             .from = range->to + big[i],
+                             .to = range->from + big[i],
+                             .order = range->order + big[i],
+                             .n = big_n[i],
+                             .block = block_of(big_n[i]),
+                             .width = range->shift < DIGIT ? range->shift : DIGIT};
+
+        next.shift = range->shift - next.width;
+        status = sort_range(&next, err);
+    }
+    return status;
+}
+
+static vor_status sort_all(struct sorter *sorter, struct entry *a, struct entry *b, size_t n,
+                           struct vor_error *err)
+{
+    struct range all = {.sorter = sorter,
+                        .from = a,
+                        .to = b,
+                        .order = sorter->order,
+                        .n = n,
+                        .block = block_of(n),
+                        .shift = CODE_BITS - DIGIT,
+                        .width = DIGIT};
+    double extent = 0;
+    vor_status status = vor_bounds(&sorter->box, sorter->xyz, n, sorter->run, err);
+
+    if (status != VOR_OK)
+        return status;
+    for (int c = 0; c < 3; c++)
+        extent = fmax(extent, (double)sorter->box.high[c] - (double)sorter->box.low[c]);
+    sorter->scale = extent > 0 ? 2097151 / extent : 0;
+    sorter->big = n / BIG_SHARE > BLOCK_MIN ? n / BIG_SHARE : BLOCK_MIN;
+    status = vor_run_for(sorter->run, n, all.block, encode_block, &all, err);
+    if (status != VOR_OK)
+        return status;
+    if (n > BLOCK_MIN)
+        return sort_range(&all, err);
+    sort_bucket(sorter, a, b, n, CODE_BITS, sorter->order);
+    return VOR_OK;
+}
+
+vor_status vor_morton_order(uint32_t *order, const float *xyz, size_t n, const struct vor_run *run,
                             struct vor_error *err)
 {
-    struct entry *a = vor_malloc(memory, n, sizeof *a);
-    struct entry *b = vor_malloc(memory, n, sizeof *b);
-    vor_status status = VOR_OK;
+    size_t blocks = (n + block_of(n) - 1) / block_of(n);
+    struct sorter *sorter = vor_malloc(run->memory, 1, sizeof *sorter);
+    struct entry *a = vor_malloc(run->memory, n, sizeof *a);
+    struct entry *b = vor_malloc(run->memory, n, sizeof *b);
+    uint32_t *count = vor_malloc(run->memory, blocks, BUCKETS * sizeof *count);
+    vor_status status;
 
-    if (a == NULL || b == NULL) {
+    if (sorter == NULL || a == NULL || b == NULL || count == NULL) {
         status = vor_fail(err, VOR_E_NOMEM, "sorting %zu points", n);
         goto done;
     }
-    encode(a, xyz, n);
-    for (int shift = 0; shift < 63; shift += 11) {
-        struct entry *swap = a;
-
-        pass(b, a, n, shift);
-        a = b;
-        b = swap;
-    }
-    sort_equal_codes(a, b, n, xyz);
-    for (size_t i = 0; i < n; i++)
-        order[i] = a[i].index;
+    sorter->xyz = xyz;
+    sorter->run = run;
+    sorter->order = order;
+    sorter->count = count;
+    status = sort_all(sorter, a, b, n, err);
 done:
-    vor_free(memory, b);
-    vor_free(memory, a);
+    vor_free(run->memory, count);
+    vor_free(run->memory, b);
+    vor_free(run->memory, a);
+    vor_free(run->memory, sorter);
     return status;
 }

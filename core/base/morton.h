@@ -2,18 +2,19 @@
 #ifndef VOR_BASE_MORTON_H
 #define VOR_BASE_MORTON_H
 
-#include "core/base/memory.h"
+#include "core/base/run.h"
 
 #include <stddef.h>
 #include <stdint.h>
 
-/** order[] gets 0 .. n - 1 sorted by the Morton code of the points (n x 3 floats, all finite) in a
- *  grid of 2^21 cells a side over their bounding cube; equal codes by x, y, z, then index, so that
- *  coincident points follow each other, first one first. Deterministic. O(n), O(n log n) where many
- *  points share a cell.
+/** order[] gets 0 .. n - 1 (n >= 1) sorted by the Morton code of the points (n x 3 floats, all
+ *  finite) in a grid of 2^21 cells a side over their bounding cube; equal codes by x, y, z, then
+ *  index, so that coincident points follow each other, first one first. Deterministic. O(n), on the
+ *  run's pool; O(n log n) where many points share a cell.
  *
- *  @retval VOR_E_NOMEM 32 n bytes of scratch do not fit */
+ *  @retval VOR_E_NOMEM 33 n bytes of scratch and a little do not fit
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED */
 VOR_NODISCARD vor_status vor_morton_order(uint32_t *order, const float *xyz, size_t n,
-                                          struct vor_memory *memory, struct vor_error *err);
+                                          const struct vor_run *run, struct vor_error *err);
 
 #endif

@@ -1,31 +1,25 @@
 #include "core/method/domain.h"
 
+#include "core/base/bounds.h"
 #include "core/base/linalg.h"
 #include "core/base/morton.h"
 
 #include <string.h>
 
-#define LINE_RANK 1e-12 /* variance across over variance along: below it, the cloud is a line */
+enum { BLOCK = 1 << 16 };
 
-static void bounds(const float *xyz, size_t n, double low[3], double high[3])
-{
-    for (int c = 0; c < 3; c++)
-        low[c] = high[c] = (double)xyz[c];
-    for (size_t i = 3; i < 3 * n; i++) {
-        low[i % 3] = fmin(low[i % 3], (double)xyz[i]);
-        high[i % 3] = fmax(high[i % 3], (double)xyz[i]);
-    }
-}
+#define LINE_RANK 1e-12 /* variance across over variance along: below it, the cloud is a line */
 
 /* Moves the origin only where the cloud is far from it, since a shift costs the small coordinates
  * their last bits. */
-static void choose_frame(struct vor_domain *out, const struct vor_cloud *in)
+static void choose_frame(struct vor_domain *out, const struct vor_box *box)
 {
     double low[3], high[3], extent = 0, middle = 0, largest = 0;
     int exponent;
 
-    bounds(in->xyz, in->n, low, high);
     for (int c = 0; c < 3; c++) {
+        low[c] = (double)box->low[c];
+        high[c] = (double)box->high[c];
         out->shift[c] = (double)(float)(low[c] / 2 + high[c] / 2);
         extent = fmax(extent, high[c] - low[c]);
         middle = fmax(middle, fabs(out->shift[c]));
@@ -39,58 +33,148 @@ static void choose_frame(struct vor_domain *out, const struct vor_cloud *in)
     out->unit = largest > 0 ? ldexp(1, exponent) : 1;
 }
 
+static size_t blocks_of(size_t n)
+{
+    return (n + BLOCK - 1) / BLOCK;
+}
+
 static int same_place(const float *a, const float *b)
 {
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
+/* The cloud on its way into the domain. */
+struct work {
+    const struct vor_cloud *in;
+    const struct vor_run *run;
+    struct vor_domain *out;
+    float *unsorted; /* normalised, as in the input */
+    uint32_t *order;
+    size_t *first; /* where the points of each block of the order go */
+};
+
+static void normalise_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct work *work = ctx;
+    const double *shift = work->out->shift;
+    double inverse = 1 / work->out->unit; /* exact: a power of two, and not the smallest */
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        for (size_t c = 0; c < 3; c++)
+            work->unsorted[3 * i + c] =
+                (float)(((double)work->in->xyz[3 * i + c] - shift[c]) * inverse);
+}
+
+/* Whether point i of the order is the first of its place. */
+static int is_first(const struct work *work, size_t i)
+{
+    return i == 0 || !same_place(&work->unsorted[3 * (size_t)work->order[i]],
+                                 &work->unsorted[3 * (size_t)work->order[i - 1]]);
+}
+
+static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct work *work = ctx;
+    size_t count = 0;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        count += (size_t)is_first(work, i);
+    work->first[begin / BLOCK] = count;
+}
+
+static void gather_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct work *work = ctx;
+    size_t at = work->first[begin / BLOCK];
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        if (!is_first(work, i))
+            continue;
+        memcpy(&work->out->xyz[3 * at], &work->unsorted[3 * (size_t)work->order[i]],
+               3 * sizeof *work->out->xyz);
+        work->out->source[at++] = work->order[i];
+    }
+}
+
+/* Drops coincident points: how many are left is known before they get memory. */
+static vor_status gather(struct work *work, struct vor_error *err)
+{
+    struct vor_domain *out = work->out;
+    size_t n = work->in->n;
+    vor_status status = vor_run_for(work->run, n, BLOCK, count_block, work, err);
+
+    if (status != VOR_OK)
+        return status;
+    for (size_t i = 0; i < blocks_of(n); i++) {
+        size_t here = work->first[i];
+
+        work->first[i] = out->n;
+        out->n += here;
+    }
+    out->xyz = vor_malloc(out->memory, out->n, 3 * sizeof *out->xyz);
+    out->source = vor_malloc(out->memory, out->n, sizeof *out->source);
+    if (out->xyz == NULL || out->source == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "sorting %zu points", n);
+    return vor_run_for(work->run, n, BLOCK, gather_block, work, err);
+}
+
 /* Normalises, sorts and drops coincident points. */
 static vor_status sort_points(struct vor_domain *out, const struct vor_cloud *in,
-                              struct vor_error *err)
+                              const struct vor_run *run, struct vor_error *err)
 {
-    float *unsorted = vor_malloc(out->memory, in->n, 3 * sizeof *unsorted);
+    struct work work = {.in = in, .run = run, .out = out};
     vor_status status;
 
-    out->xyz = vor_malloc(out->memory, in->n, 3 * sizeof *out->xyz);
-    out->source = vor_malloc(out->memory, in->n, sizeof *out->source);
-    if (unsorted == NULL || out->xyz == NULL || out->source == NULL) {
+    work.unsorted = vor_malloc(run->memory, in->n, 3 * sizeof *work.unsorted);
+    work.order = vor_malloc(run->memory, in->n, sizeof *work.order);
+    work.first = vor_malloc(run->memory, blocks_of(in->n), sizeof *work.first);
+    if (work.unsorted == NULL || work.order == NULL || work.first == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "sorting %zu points", in->n);
-        goto done;
-    }
-    for (size_t i = 0; i < 3 * in->n; i++)
-        unsorted[i] = (float)(((double)in->xyz[i] - out->shift[i % 3]) / out->unit);
-    status = vor_morton_order(out->source, unsorted, in->n, out->memory, err);
-    if (status != VOR_OK)
-        goto done;
-    out->n = 0;
-    for (size_t i = 0; i < in->n; i++) {
-        const float *point = &unsorted[3 * (size_t)out->source[i]];
-
-        if (out->n > 0 && same_place(point, &out->xyz[3 * (out->n - 1)]))
-            continue;
-        memcpy(&out->xyz[3 * out->n], point, 3 * sizeof *point);
-        out->source[out->n++] = out->source[i];
-    }
-done:
-    vor_free(out->memory, unsorted);
+    else
+        status = vor_run_for(run, in->n, BLOCK, normalise_block, &work, err);
+    if (status == VOR_OK)
+        status = vor_morton_order(work.order, work.unsorted, in->n, run, err);
+    if (status == VOR_OK)
+        status = gather(&work, err);
+    vor_free(run->memory, work.first);
+    vor_free(run->memory, work.order);
+    vor_free(run->memory, work.unsorted);
     return status;
 }
 
-static vor_status check_rank(const struct vor_domain *domain, struct vor_error *err)
-{
-    double mean[3] = {0}, m[6] = {0}, values[3], vectors[3][3];
+/* Sums over the points of each block. */
+struct sums {
+    const float *xyz;
+    double mean[3];
+    double (*block)[6];
+};
 
-    if (domain->n < 4)
-        return vor_fail(err, VOR_E_DEGENERATE, "the cloud has %zu distinct points, want at least 4",
-                        domain->n);
-    for (size_t i = 0; i < 3 * domain->n; i++)
-        mean[i % 3] += (double)domain->xyz[i];
-    for (int c = 0; c < 3; c++)
-        mean[c] /= (double)domain->n;
-    for (size_t i = 0; i < domain->n; i++) {
-        double x = (double)domain->xyz[3 * i] - mean[0],
-               y = (double)domain->xyz[3 * i + 1] - mean[1],
-               z = (double)domain->xyz[3 * i + 2] - mean[2];
+static void sum_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct sums *sums = ctx;
+    double *sum = sums->block[begin / BLOCK];
+
+    (void)worker;
+    memset(sum, 0, 6 * sizeof *sum);
+    for (size_t i = begin; i < end; i++)
+        for (size_t c = 0; c < 3; c++)
+            sum[c] += (double)sums->xyz[3 * i + c];
+}
+
+static void spread_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct sums *sums = ctx;
+    double *m = sums->block[begin / BLOCK];
+
+    (void)worker;
+    memset(m, 0, 6 * sizeof *m);
+    for (size_t i = begin; i < end; i++) {
+        double x = (double)sums->xyz[3 * i] - sums->mean[0],
+               y = (double)sums->xyz[3 * i + 1] - sums->mean[1],
+               z = (double)sums->xyz[3 * i + 2] - sums->mean[2];
 
         m[0] += x * x;
         m[1] += x * y;
@@ -99,6 +183,45 @@ static vor_status check_rank(const struct vor_domain *domain, struct vor_error *
         m[4] += y * z;
         m[5] += z * z;
     }
+}
+
+/* Second moments of the points about their mean. */
+static vor_status moments(double m[6], const struct vor_domain *domain, const struct vor_run *run,
+                          struct vor_error *err)
+{
+    size_t blocks = blocks_of(domain->n);
+    struct sums sums = {.xyz = domain->xyz};
+    vor_status status;
+
+    sums.block = vor_malloc(run->memory, blocks, sizeof *sums.block);
+    if (sums.block == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the moments of %zu points", domain->n);
+    status = vor_run_for(run, domain->n, BLOCK, sum_block, &sums, err);
+    if (status == VOR_OK) {
+        for (size_t i = 0; i < 3 * blocks; i++)
+            sums.mean[i % 3] += sums.block[i / 3][i % 3];
+        for (int c = 0; c < 3; c++)
+            sums.mean[c] /= (double)domain->n;
+        status = vor_run_for(run, domain->n, BLOCK, spread_block, &sums, err);
+    }
+    for (size_t i = 0; status == VOR_OK && i < 6 * blocks; i++)
+        m[i % 6] += sums.block[i / 6][i % 6];
+    vor_free(run->memory, sums.block);
+    return status;
+}
+
+static vor_status check_rank(const struct vor_domain *domain, const struct vor_run *run,
+                             struct vor_error *err)
+{
+    double m[6] = {0}, values[3], vectors[3][3];
+    vor_status status;
+
+    if (domain->n < 4)
+        return vor_fail(err, VOR_E_DEGENERATE, "the cloud has %zu distinct points, want at least 4",
+                        domain->n);
+    status = moments(m, domain, run, err);
+    if (status != VOR_OK)
+        return status;
     vor_eigen3(values, vectors, m);
     if (!(values[1] > LINE_RANK * values[2]))
         return vor_fail(err, VOR_E_DEGENERATE,
@@ -107,17 +230,20 @@ static vor_status check_rank(const struct vor_domain *domain, struct vor_error *
 }
 
 vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
-                           struct vor_memory *memory, struct vor_error *err)
+                           const struct vor_run *run, struct vor_error *err)
 {
-    struct vor_domain domain = {.memory = memory};
-    vor_status status;
+    struct vor_domain domain = {.memory = run->memory};
+    struct vor_box box;
+    vor_status status = vor_bounds(&box, in->xyz, in->n, run, err);
 
-    choose_frame(&domain, in);
-    status = sort_points(&domain, in, err);
+    if (status != VOR_OK)
+        return status;
+    choose_frame(&domain, &box);
+    status = sort_points(&domain, in, run, err);
     if (status == VOR_OK)
-        status = check_rank(&domain, err);
+        status = check_rank(&domain, run, err);
     if (status == VOR_OK)
-        status = vor_knn_build(&domain.knn, domain.xyz, domain.n, memory, err);
+        status = vor_knn_build(&domain.knn, domain.xyz, domain.n, run->memory, err);
     if (status != VOR_OK) {
         vor_domain_free(&domain);
         return status;

@@ -3,6 +3,7 @@
 #define VOR_METHOD_DOMAIN_H
 
 #include "core/base/cloud.h"
+#include "core/base/run.h"
 #include "core/knn/knn.h"
 
 /** Point i of the domain is point source[i] of the input (the first of those that coincide); the
@@ -18,10 +19,12 @@ struct vor_domain {
     struct vor_knn *knn; /**< over xyz */
 };
 
-/** @retval VOR_E_DEGENERATE fewer than four distinct points, or all on a line
- *  @retval VOR_E_NOMEM */
+/** On the run's pool; the domain allocates from the run's memory and keeps neither the run nor in.
+ *
+ *  @retval VOR_E_DEGENERATE fewer than four distinct points, or all on a line
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED */
 VOR_NODISCARD vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
-                                         struct vor_memory *memory, struct vor_error *err);
+                                         const struct vor_run *run, struct vor_error *err);
 
 void vor_domain_free(struct vor_domain *domain);
 

@@ -24,7 +24,7 @@ static void open_bed(struct bed *bed, uint64_t seed, size_t points, size_t n)
         vt_cloud_dome(&bed->cloud, seed, points);
     else
         vt_cloud_box(&bed->cloud, seed, points);
-    vt_assert_ok(vor_domain_init(&bed->domain, &bed->cloud, &vt_memory, &vt_err));
+    vt_assert_ok(vor_domain_init(&bed->domain, &bed->cloud, &bed->engine.run, &vt_err));
     vt_assert_ok(vor_seeds_init(&bed->seeds, &bed->domain, n, 20, &bed->engine.run, &vt_err));
     for (size_t i = 0; i < 3 * n; i++) {
         size_t from = (size_t)vor_rng_below(seed, 41, i / 3, bed->domain.n);

@@ -8,7 +8,11 @@ enum { SEEDS = 20, N = 1000 };
 
 static void order_of(uint32_t *order, const struct vor_cloud *cloud)
 {
-    vt_assert_ok(vor_morton_order(order, cloud->xyz, cloud->n, &vt_memory, &vt_err));
+    struct vt_engine engine;
+
+    vt_engine_open(&engine, 2);
+    vt_assert_ok(vor_morton_order(order, cloud->xyz, cloud->n, &engine.run, &vt_err));
+    vt_engine_close(&engine);
 }
 
 static void assert_permutation(const uint32_t *order, size_t n)
@@ -140,14 +144,21 @@ END_TEST
 
 START_TEST(a_sort_that_does_not_fit_is_refused_whole)
 {
+    struct vt_engine engine;
     struct vor_memory memory;
     struct vor_cloud cloud;
     uint32_t order[N];
 
     vt_cloud_cube(&cloud, 1, N);
-    vor_memory_init(&memory, 20 * N);
-    vt_assert_fails(VOR_E_NOMEM, vor_morton_order(order, cloud.xyz, N, &memory, &vt_err));
-    ck_assert_uint_eq(atomic_load(&memory.used), 0);
+    vt_engine_open(&engine, 2);
+    engine.run.memory = &memory;
+    for (size_t fail = 1; fail <= 5; fail++) {
+        vor_memory_init(&memory, SIZE_MAX);
+        memory.fail_at = fail;
+        vt_assert_fails(VOR_E_NOMEM, vor_morton_order(order, cloud.xyz, N, &engine.run, &vt_err));
+        ck_assert_uint_eq(atomic_load(&memory.used), 0);
+    }
+    vt_engine_close(&engine);
     vor_cloud_free(&cloud);
 }
 END_TEST
