@@ -2,11 +2,19 @@
 
 #include "core/base/rng.h"
 
+#include <math.h>
+#include <string.h>
+
 /* Cells of a random draw are uneven: the largest reach beyond the usual patch, and their area would
  * be missed. */
 #define WIDEN 1.3
 
 enum { STREAM_DRAW = 1, STREAM_ROUND = 2, STREAM_SAMPLE = 3, AREA_SEEDS = 20000 };
+
+/* From so many input points a seed on, they are dense enough to tell areas by themselves. */
+enum { PLENTY = 10, DENSITY_K = 33, DENSITY_BLOCK = 64 };
+
+#define PI 3.14159265358979323846
 
 /* Draws n of the domain's points, one from each stretch of its order, all different. */
 static void draw(struct vor_seeds *seeds, uint64_t seed)
@@ -126,36 +134,140 @@ static vor_status measure(struct areas *areas, struct vor_error *err)
     return VOR_OK;
 }
 
+/* First point of the i-th of n equal stretches of the domain's order. */
+static size_t stretch(const struct vor_seeds *seeds, size_t i)
+{
+    return (size_t)((uint64_t)i * seeds->domain->n / seeds->n);
+}
+
+/* The area of a stretch: of the disc that holds the neighbours of one of its points, a share for
+ * each point. */
+static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct areas *areas = ctx;
+    const struct vor_seeds *to = areas->to;
+    uint32_t index[DENSITY_BLOCK * DENSITY_K];
+    float distance2[DENSITY_BLOCK * DENSITY_K], x[3 * DENSITY_BLOCK] = {0};
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        size_t low = stretch(to, i), points = stretch(to, i + 1) - low;
+        size_t at = low + (size_t)(vor_rng_unit(areas->seed, STREAM_DRAW, i) * (double)points);
+
+        memcpy(&x[3 * (i - begin)], &to->domain->xyz[3 * at], 3 * sizeof *x);
+    }
+    vor_knn_search(to->domain->knn, x, end - begin, DENSITY_K, index, distance2);
+    for (size_t i = begin; i < end; i++) {
+        double points = (double)(stretch(to, i + 1) - stretch(to, i));
+        double far2 = (double)distance2[(i - begin) * DENSITY_K + DENSITY_K - 1];
+
+        areas->end[i] = PI * far2 * points / (DENSITY_K - 1);
+    }
+}
+
+/* Takes one point from each of n equal parts of the running sum, all different; false where a
+ * stretch has not as many points as that asks of it. */
+static int pick(const struct areas *areas)
+{
+    struct vor_seeds *to = areas->to;
+    const struct vor_domain *domain = to->domain;
+    double share = areas->end[to->n - 1] / (double)to->n, low = 0;
+    size_t sample = 0, next = 0;
+
+    for (size_t i = 0; i < to->n; i++) {
+        size_t begin = stretch(to, i), points = stretch(to, i + 1) - begin;
+        double area = areas->end[i] - low;
+
+        if (area > share * (double)points)
+            return 0;
+        while (sample < to->n) {
+            double t = share * ((double)sample + vor_rng_unit(areas->seed, STREAM_SAMPLE, sample));
+            size_t at;
+
+            if (t >= areas->end[i] && i + 1 < to->n)
+                break;
+            at = begin + (size_t)fmin((t - low) / area * (double)points, (double)points - 1);
+            if (at < next)
+                at = next;
+            if (at > domain->n - (to->n - sample))
+                at = domain->n - (to->n - sample);
+            next = at + 1;
+            memcpy(&to->xyz[3 * sample++], &domain->xyz[3 * at], 3 * sizeof *to->xyz);
+        }
+        low = areas->end[i];
+    }
+    return 1;
+}
+
+/* Starts the seeds at input points, as many in each stretch as its area asks for.
+ *
+ * @param[out] enough  false: some stretch has not that many */
+static vor_status start_at_points(struct areas *areas, int *enough, struct vor_error *err)
+{
+    struct vor_seeds *to = areas->to;
+    const struct vor_run *run = to->run;
+    vor_status status;
+    double sum = 0;
+
+    *enough = 0;
+    areas->end = vor_malloc(run->memory, to->n, sizeof *areas->end);
+    if (areas->end == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "areas of %zu stretches", to->n);
+    status = vor_run_for(run, to->n, DENSITY_BLOCK, density_block, areas, err);
+    for (size_t i = 0; status == VOR_OK && i < to->n; i++)
+        areas->end[i] = sum += areas->end[i];
+    if (status == VOR_OK && sum > 0)
+        *enough = pick(areas);
+    to->area = sum;
+    vor_free(run->memory, areas->end);
+    areas->end = NULL;
+    return status;
+}
+
+/* Draws input points and starts the seeds in their cells, as many as their areas ask for. */
+static vor_status start_in_cells(struct areas *areas, const struct vor_spec *spec,
+                                 struct vor_error *err)
+{
+    struct vor_seeds *from = areas->from, *to = areas->to;
+    const struct vor_domain *domain = to->domain;
+    vor_status status = vor_seeds_init(from, domain, to->n < domain->n ? to->n : domain->n,
+                                       (unsigned)spec->value[VOR_PARAM_NEIGHBORS], to->run, err);
+
+    if (status != VOR_OK)
+        return status;
+    from->keep_border = spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP;
+    draw(from, areas->seed);
+    status = measure(areas, err);
+    if (status == VOR_OK)
+        status = vor_run_for(to->run, from->n, VOR_SEEDS_BLOCK, sample_block, areas, err);
+    if (status == VOR_OK)
+        to->area = areas->end[from->n - 1];
+    vor_free(to->run->memory, areas->end);
+    vor_seeds_free(from);
+    return status;
+}
+
 vor_status vor_init_seeds(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
                           const struct vor_spec *spec, const struct vor_run *run,
                           struct vor_error *err)
 {
     uint64_t seed = (uint64_t)spec->value[VOR_PARAM_SEED];
-    unsigned k = (unsigned)spec->value[VOR_PARAM_NEIGHBORS];
     struct vor_seeds from = {0}, to = {0};
     struct areas areas = {&from, &to, NULL, vor_rng_unit(seed, STREAM_ROUND, 0), seed};
-    vor_status status = vor_seeds_init(&from, domain, n < domain->n ? n : domain->n, k, run, err);
+    int done = 0;
+    vor_status status =
+        vor_seeds_init(&to, domain, n, (unsigned)spec->value[VOR_PARAM_NEIGHBORS], run, err);
 
-    if (status != VOR_OK)
+    if (status == VOR_OK && domain->n / PLENTY >= n && domain->n >= DENSITY_K)
+        status = start_at_points(&areas, &done, err);
+    if (status == VOR_OK && !done)
+        status = start_in_cells(&areas, spec, err);
+    if (status != VOR_OK) {
+        vor_seeds_free(&to);
         return status;
-    from.keep_border = spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP;
-    draw(&from, seed);
-    status = measure(&areas, err);
-    if (status == VOR_OK)
-        status = vor_seeds_init(&to, domain, n, k, run, err);
-    if (status != VOR_OK)
-        goto done;
-    status = vor_run_for(run, from.n, VOR_SEEDS_BLOCK, sample_block, &areas, err);
-    if (status != VOR_OK)
-        goto done;
-    to.area = areas.end[from.n - 1];
+    }
     *out = to;
-    to.run = NULL;
-done:
-    vor_free(run->memory, areas.end);
-    vor_seeds_free(&to);
-    vor_seeds_free(&from);
-    return status;
+    return VOR_OK;
 }
 
 vor_status vor_init_area(double *out, const struct vor_domain *domain, const struct vor_spec *spec,
