@@ -28,7 +28,6 @@ struct block_sums {
 struct cvt {
     struct vor_seeds *seeds;
     const struct vor_spec *spec;
-    struct vor_run calm_run; /* for what a stop must not cut short */
     struct vor_cvt_result result;
     size_t blocks;
     struct block_sums *sums, total;
@@ -390,10 +389,17 @@ static int finished(struct cvt *cvt, const struct vor_uniformity *even, double t
 static vor_status begin(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
 {
     struct vor_seeds *seeds = cvt->seeds;
-    vor_status status = vor_seeds_index(seeds, err);
+    const struct vor_run *run = seeds->run;
+    struct vor_run calm_run = *run; /* a stop shall find something to hand back */
+    struct vor_calm calm;
+    vor_status status;
 
+    calm_run.watch = vor_calm_watch(&calm, run->watch);
+    seeds->run = &calm_run;
+    status = vor_seeds_index(seeds, err);
     if (status == VOR_OK)
         status = vor_even_measure(even, cvt->nearest, seeds, seeds->xyz, err);
+    seeds->run = run;
     return status;
 }
 
@@ -430,11 +436,8 @@ vor_status vor_cvt_run(struct vor_seeds *seeds, struct vor_cvt_result *out,
                        const struct vor_spec *spec, double start, struct vor_error *err)
 {
     struct cvt cvt = {.seeds = seeds, .spec = spec, .start = start};
-    struct vor_calm calm;
     vor_status status = alloc_cvt(&cvt, err);
 
-    cvt.calm_run = *seeds->run;
-    cvt.calm_run.watch = vor_calm_watch(&calm, seeds->run->watch);
     seeds->keep_border = keeps_border(&cvt);
     if (status == VOR_OK)
         status = loop(&cvt, err);

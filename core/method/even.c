@@ -131,9 +131,13 @@ static void six_block(void *ctx, size_t begin, size_t end, unsigned worker)
     const struct six *six = ctx;
     struct vor_bench *bench = &six->seeds->bench[worker];
 
-    for (size_t i = begin; i < end; i++)
-        six->is[i] = vor_seeds_flat_cell(six->seeds, bench, i) != VOR_SURFACE_NONE &&
-                     bench->cell.count == 1 && bench->cell.piece[0].count == 6;
+    for (size_t i = begin; i < end; i++) {
+        if (vor_seeds_fit(six->seeds, bench, i) == VOR_SURFACE_NONE)
+            continue;
+        vor_seeds_crowd(six->seeds, bench, i);
+        vor_seeds_clip(six->seeds, bench, i, 1);
+        six->is[i] = bench->cell.count == 1 && bench->cell.piece[0].count == 6;
+    }
 }
 
 vor_status vor_even_six(double *out, struct vor_seeds *seeds, struct vor_error *err)

@@ -23,6 +23,7 @@ enum {
 #define HOLE_EXCESS 0.15   /* pitches beyond that count no more */
 #define HOLE_PULL 0.1      /* share of the excess that one step goes */
 #define BORDER_ROOM 0.6    /* spacings of room: with less, a point is at the border */
+#define INTERIOR 1.5       /* spacings from the border: farther than that, it is not looked for */
 #define INPUT_SPACINGS 1.2 /* of the input, from it, that a point may move away to */
 
 struct polish {
@@ -188,7 +189,7 @@ static void keep_on_surface(const struct polish *polish, const struct vor_bench 
     vor_surface_to_local(surface, x, local);
     vor_surface_normal(surface, local, normal);
     remove_part(v, normal, 0);
-    if (!polish->seeds->keep_border ||
+    if (bench->interior || !polish->seeds->keep_border ||
         vor_boundary_room(surface, bench->here.near, polish->seeds->k, local, polish->h, side) >=
             BORDER_ROOM * polish->h)
         return;
@@ -215,7 +216,8 @@ static void move(struct polish *polish, const struct vor_bench *bench, size_t i)
     vor_seeds_project(&bench->here.surface, y);
     border = (struct vor_border){&bench->here.surface, bench->here.near, seeds->k,
                                  bench->here.surface.spacing};
-    if (seeds->keep_border && vor_boundary_leaves(&border, INPUT_SPACINGS, x, y))
+    if (!bench->interior && seeds->keep_border &&
+        vor_boundary_leaves(&border, INPUT_SPACINGS, x, y))
         memcpy(y, x, sizeof y);
     for (size_t c = 0; c < 3; c++) {
         polish->next[3 * i + c] = (float)y[c];
@@ -230,16 +232,45 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_bench *bench = &seeds->bench[worker];
 
     for (size_t i = begin; i < end; i++) {
-        enum vor_surface_kind kind =
-            polish->cells ? vor_seeds_cell(seeds, bench, i) : vor_seeds_neighbors(seeds, bench, i);
-
         memcpy(&polish->next[3 * i], &seeds->xyz[3 * i], 3 * sizeof(float));
-        if (kind == VOR_SURFACE_NONE)
+        if (vor_seeds_recall(seeds, bench, i, INTERIOR * polish->h) == VOR_SURFACE_NONE)
             continue;
-        if (polish->cells)
+        vor_seeds_crowd(seeds, bench, i);
+        if (polish->cells) {
+            vor_seeds_clip(seeds, bench, i, 0);
             find_hole(polish, bench, i);
+        }
         move(polish, bench, i);
     }
+}
+
+/* Onto the surface as it is where the seed came to lie: on the way, surfaces were kept a while. */
+static void land_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct vor_seeds *seeds = ctx;
+    struct vor_bench *bench = &seeds->bench[worker];
+
+    for (size_t i = begin; i < end; i++) {
+        double x[3];
+
+        if (vor_seeds_fit(seeds, bench, i) == VOR_SURFACE_NONE)
+            continue;
+        vor_seeds_position(seeds, i, x);
+        vor_seeds_project(&bench->here.surface, x);
+        for (size_t c = 0; c < 3; c++)
+            seeds->xyz[3 * i + c] = (float)x[c];
+    }
+}
+
+/* The surface around where it is projected to may be a little different from the one around where
+ * it was: hence the second time. */
+static vor_status land(struct vor_seeds *seeds, struct vor_error *err)
+{
+    vor_status status = VOR_OK;
+
+    for (int time = 0; time < 2 && status == VOR_OK; time++)
+        status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, land_block, seeds, err);
+    return status;
 }
 
 static double longest_step(const struct polish *polish)
@@ -361,12 +392,17 @@ vor_status vor_polish_run(struct vor_seeds *seeds, struct vor_cvt_result *result
                           const struct vor_spec *spec, double start, struct vor_error *err)
 {
     struct polish polish = {.seeds = seeds, .record = result->last};
+    const struct vor_run *run = seeds->run;
+    struct vor_run calm_run = *run; /* for what a stop must not cut short */
+    struct vor_calm calm;
     struct vor_uniformity even;
     vor_status status;
 
     if (!(spec->value[VOR_PARAM_POLISH] > 0) || result->stopped == VOR_STOPPED_DELTA ||
         result->stopped == VOR_STOPPED_CALLER)
         return VOR_OK;
+    calm_run.watch = vor_calm_watch(&calm, run->watch);
+    seeds->run = &calm_run;
     status = alloc_polish(&polish, err);
     if (status == VOR_OK)
         status = vor_seeds_index(seeds, err);
@@ -376,15 +412,17 @@ vor_status vor_polish_run(struct vor_seeds *seeds, struct vor_cvt_result *result
         polish.best_delta = even.delta;
         polish.h = even.mean;
         polish.pitch = lattice_pitch(seeds, result);
+        seeds->run = run;
         status = loop(&polish, result, spec, start, err);
-    } else if (status == VOR_E_STOPPED) {
-        result->stopped = VOR_STOPPED_CALLER;
-        status = VOR_OK;
+        seeds->run = &calm_run;
     }
     if (status == VOR_OK) {
         memcpy(seeds->xyz, polish.best, 3 * seeds->n * sizeof *seeds->xyz);
         result->polish_steps = polish.record.polish;
+        if (polish.best_delta < even.delta)
+            status = land(seeds, err);
     }
+    seeds->run = run;
     free_polish(&polish);
     return status;
 }

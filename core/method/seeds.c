@@ -27,9 +27,9 @@ vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain
     vor_disc_init(&seeds.disc, RINGS);
     vor_disc_init(&seeds.fine, RINGS_FINE);
     seeds.xyz = vor_malloc(run->memory, n, 3 * sizeof *seeds.xyz);
-    seeds.surface = vor_malloc(run->memory, n, sizeof *seeds.surface);
+    seeds.kept = vor_calloc(run->memory, n, sizeof *seeds.kept);
     seeds.bench = vor_calloc(run->memory, threads, sizeof *seeds.bench);
-    if (seeds.xyz == NULL || seeds.surface == NULL || seeds.bench == NULL ||
+    if (seeds.xyz == NULL || seeds.kept == NULL || seeds.bench == NULL ||
         vor_near_init(&seeds.near, n, seeds.k, domain->knn, domain->xyz, domain->n, run->memory,
                       err) != VOR_OK ||
         vor_swarm_init(&seeds.swarm, n, n > VOR_SEEDS_LISTED ? VOR_SEEDS_LISTED : (unsigned)n - 1,
@@ -51,7 +51,7 @@ void vor_seeds_free(struct vor_seeds *seeds)
     vor_free(memory, seeds->bench);
     vor_swarm_free(&seeds->swarm);
     vor_near_free(&seeds->near);
-    vor_free(memory, seeds->surface);
+    vor_free(memory, seeds->kept);
     vor_free(memory, seeds->xyz);
     memset(seeds, 0, sizeof *seeds);
 }
@@ -91,18 +91,53 @@ static void gather(const struct vor_seeds *seeds, struct vor_place *place, const
 enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_bench *bench, size_t i)
 {
     struct vor_place *here = &bench->here;
+    struct vor_kept *kept = &seeds->kept[i];
+    const float *x = &seeds->xyz[3 * i];
     const uint32_t *index;
-    enum vor_near_found found = vor_near_search(&seeds->near, i, &seeds->xyz[3 * i], &index);
+    enum vor_near_found found = vor_near_search(&seeds->near, i, x, &index);
 
+    bench->interior = 0;
     gather(seeds, here, index);
-    if (found == VOR_NEAR_SAME) {
-        here->surface = seeds->surface[i];
-        return here->surface.kind;
+    if (found != VOR_NEAR_SAME) {
+        bench->queries += found == VOR_NEAR_ANEW;
+        vor_surface_fit(&kept->surface, here->near, seeds->k);
     }
-    bench->queries += found == VOR_NEAR_ANEW;
-    vor_surface_fit(&here->surface, here->near, seeds->k);
-    seeds->surface[i] = here->surface;
+    kept->interior = 0;
+    memcpy(kept->place, x, sizeof kept->place);
+    here->surface = kept->surface;
     return here->surface.kind;
+}
+
+/* Whether the input goes on around the seed at hand. */
+static int far_from_border(const struct vor_seeds *seeds, const struct vor_bench *bench,
+                           const double x[3], double radius)
+{
+    const struct vor_place *here = &bench->here;
+    double local[3], side[2];
+
+    if (!seeds->keep_border)
+        return 1;
+    vor_surface_to_local(&here->surface, x, local);
+    return vor_boundary_inside(&here->surface, here->near, seeds->k, x) &&
+           isinf(vor_boundary_room(&here->surface, here->near, seeds->k, local, radius, side));
+}
+
+enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_bench *bench, size_t i,
+                                       double radius)
+{
+    struct vor_kept *kept = &seeds->kept[i];
+    double slack = VOR_SEEDS_SLACK * kept->surface.spacing, x[3];
+
+    if (kept->interior && vor_distance2f(&seeds->xyz[3 * i], kept->place) <= slack * slack) {
+        bench->here.surface = kept->surface;
+    } else {
+        if (vor_seeds_fit(seeds, bench, i) == VOR_SURFACE_NONE)
+            return VOR_SURFACE_NONE;
+        vor_seeds_position(seeds, i, x);
+        kept->interior = (unsigned char)far_from_border(seeds, bench, x, radius);
+    }
+    bench->interior = kept->interior;
+    return bench->here.surface.kind;
 }
 
 enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_place *place,
@@ -231,49 +266,39 @@ static void end_at_border(const struct vor_seeds *seeds, struct vor_bench *bench
         vor_cell_clip(&bench->cell, (double[3]){2 * room * side[0], 2 * room * side[1], 0});
 }
 
-enum vor_surface_kind vor_seeds_neighbors(struct vor_seeds *seeds, struct vor_bench *bench,
-                                          size_t i)
+void vor_seeds_crowd(struct vor_seeds *seeds, struct vor_bench *bench, size_t i)
 {
-    enum vor_surface_kind kind = vor_seeds_fit(seeds, bench, i);
-
-    if (kind != VOR_SURFACE_NONE)
-        bench->queries += vor_swarm_crowd(&bench->crowd, &seeds->swarm, &seeds->view, i);
-    return kind;
+    bench->queries += vor_swarm_crowd(&bench->crowd, &seeds->swarm, &seeds->view, i);
 }
 
-/* The cell out of a patch of that mesh, or of the one that the bend asks for where it is NULL. */
-static enum vor_surface_kind clip_cell(struct vor_seeds *seeds, struct vor_bench *bench, size_t i,
-                                       const struct vor_disc *disc)
+void vor_seeds_clip(struct vor_seeds *seeds, struct vor_bench *bench, size_t i, int flat)
 {
     const struct vor_crowd *crowd = &bench->crowd;
     double x[3], local[3];
     unsigned j = 0;
 
-    if (vor_seeds_neighbors(seeds, bench, i) == VOR_SURFACE_NONE)
-        return VOR_SURFACE_NONE;
     vor_seeds_position(seeds, i, x);
     vor_surface_to_local(&bench->here.surface, x, local);
     bench->radius = seeds->widen * patch_radius(crowd);
-    vor_cell_begin(&bench->cell, disc != NULL ? disc : vor_seeds_disc(seeds, bench),
+    vor_cell_begin(&bench->cell, flat ? &seeds->flat : vor_seeds_disc(seeds, bench),
                    &bench->here.surface, local, bench->radius);
     bench->triangles += bench->cell.count;
-    if (seeds->keep_border)
+    if (seeds->keep_border && !bench->interior)
         end_at_border(seeds, bench);
     while (j < crowd->count && clip_by(seeds, bench, i, crowd->index[j]))
         j++;
     clip_more(seeds, bench, i);
     bench->cells++;
     bench->bisectors += bench->cell.bisectors;
-    return bench->here.surface.kind;
 }
 
 enum vor_surface_kind vor_seeds_cell(struct vor_seeds *seeds, struct vor_bench *bench, size_t i)
 {
-    return clip_cell(seeds, bench, i, NULL);
-}
+    enum vor_surface_kind kind = vor_seeds_fit(seeds, bench, i);
 
-enum vor_surface_kind vor_seeds_flat_cell(struct vor_seeds *seeds, struct vor_bench *bench,
-                                          size_t i)
-{
-    return clip_cell(seeds, bench, i, &seeds->flat);
+    if (kind == VOR_SURFACE_NONE)
+        return VOR_SURFACE_NONE;
+    vor_seeds_crowd(seeds, bench, i);
+    vor_seeds_clip(seeds, bench, i, 0);
+    return kind;
 }

@@ -21,10 +21,18 @@ struct vor_place {
     struct vor_surface surface;
 };
 
+/** What is kept of a seed's last fit. */
+struct vor_kept {
+    struct vor_surface surface;
+    float place[3];         /**< where the seed was */
+    unsigned char interior; /**< no border of the input is near that place */
+};
+
 /** Scratch of one worker, and what it counts. */
 struct vor_bench {
     struct vor_place here, there; /**< of the seed at hand, and of where it wants to go */
     struct vor_place foot;        /**< of the input point nearest to one of these */
+    int interior;                 /**< the seed at hand is known to be far from the border */
     struct vor_crowd crowd;       /**< seeds around the seed at hand */
     struct vor_cell cell;
     double radius;                        /**< of the patch */
@@ -40,9 +48,8 @@ struct vor_seeds {
     unsigned k;      /**< input points a surface is fitted to */
     int keep_border; /**< cells end where the input ends; set by vor_seeds_init, may be changed */
     float *xyz;      /**< n x 3 */
-    struct vor_near near; /**< candidates among the input, for each seed */
-    struct vor_surface
-        *surface; /**< n: fitted to the input points around each seed, as of the last fit */
+    struct vor_near near;       /**< candidates among the input, for each seed */
+    struct vor_kept *kept;      /**< n */
     struct vor_swarm swarm;     /**< neighbours among the seeds */
     struct vor_swarm_view view; /**< of xyz, as of the last index */
     double widen; /**< patches are this many times as wide as usual; 1 after vor_seeds_init */
@@ -71,16 +78,23 @@ VOR_NODISCARD vor_status vor_seeds_index(struct vor_seeds *seeds, struct vor_err
  * i. */
 enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_bench *bench, size_t i);
 
-/** The same, and bench->crowd, unless the kind is NONE. */
-enum vor_surface_kind vor_seeds_neighbors(struct vor_seeds *seeds, struct vor_bench *bench,
-                                          size_t i);
+#define VOR_SEEDS_SLACK 0.2
 
-/** The same, and its cell in bench->cell. */
+/** As vor_seeds_fit, but content with the last fit where that found the seed inside the input, no
+ * border within `radius` of it, and it moved by at most VOR_SEEDS_SLACK of the input's spacing
+ * since; bench->interior tells, and then bench->here.near is not set. */
+enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_bench *bench, size_t i,
+                                       double radius);
+
+/** bench->crowd, as of the last index. Only one thread at a time may ask for i. */
+void vor_seeds_crowd(struct vor_seeds *seeds, struct vor_bench *bench, size_t i);
+
+/** The cell of seed i in bench->cell, from bench->here and bench->crowd: out of a patch as fine as
+ * the surface bends, or where `flat` out of the tangent plane. */
+void vor_seeds_clip(struct vor_seeds *seeds, struct vor_bench *bench, size_t i, int flat);
+
+/** vor_seeds_fit, vor_seeds_crowd and vor_seeds_clip, unless the kind is NONE. */
 enum vor_surface_kind vor_seeds_cell(struct vor_seeds *seeds, struct vor_bench *bench, size_t i);
-
-/** The same in the tangent plane at the seed, as one piece however much the surface bends. */
-enum vor_surface_kind vor_seeds_flat_cell(struct vor_seeds *seeds, struct vor_bench *bench,
-                                          size_t i);
 
 /** The mesh for a patch of bench->radius on the surface of bench->here. */
 const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds, const struct vor_bench *bench);
