@@ -10,6 +10,7 @@ enum {
     SOFT = 4,         /* S at the first step */
     HARD = 14,        /* and at the last */
     CELLS_EVERY = 4,  /* steps */
+    FRESH = 8,        /* last steps, on surfaces fitted anew each time */
     RECORD_EVERY = 10 /* steps */
 };
 
@@ -20,10 +21,11 @@ enum {
 #define OVERLAP 0.5     /* spacings: nearer pairs part along the surface, come what may */
 #define FORCE_REACH 2.0 /* spacings that the repulsion reaches */
 #define HOLE 0.66       /* pitches from a hole's middle to the points around it: more is too wide */
-#define HOLE_EXCESS 0.15   /* pitches beyond that count no more */
-#define HOLE_PULL 0.1      /* share of the excess that one step goes */
-#define BORDER_ROOM 0.6    /* spacings of room: with less, a point is at the border */
-#define INTERIOR 1.5       /* spacings from the border: farther than that, it is not looked for */
+#define HOLE_EXCESS 0.15 /* pitches beyond that count no more */
+#define HOLE_PULL 0.1    /* share of the excess that one step goes */
+#define BORDER_ROOM 0.6  /* spacings of room: with less, a point is at the border */
+#define SLACK 0.5    /* input spacings that a point may move before its surface is fitted anew */
+#define INTERIOR 1.5 /* spacings from the border: farther than that, it is not looked for */
 #define INPUT_SPACINGS 1.2 /* of the input, from it, that a point may move away to */
 
 struct polish {
@@ -37,6 +39,7 @@ struct polish {
     double pitch;       /* of the hexagonal lattice of as many points on the same area */
     double best_delta;
     unsigned power; /* S */
+    double slack;   /* of the surfaces, in spacings of the input */
     int cells;      /* holes are looked for in this step */
 };
 
@@ -233,7 +236,8 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
     for (size_t i = begin; i < end; i++) {
         memcpy(&polish->next[3 * i], &seeds->xyz[3 * i], 3 * sizeof(float));
-        if (vor_seeds_recall(seeds, bench, i, INTERIOR * polish->h) == VOR_SURFACE_NONE)
+        if (vor_seeds_recall(seeds, bench, i, INTERIOR * polish->h, polish->slack) ==
+            VOR_SURFACE_NONE)
             continue;
         vor_seeds_crowd(seeds, bench, i);
         if (polish->cells) {
@@ -361,6 +365,7 @@ static vor_status loop(struct polish *polish, struct vor_cvt_result *result,
 
         polish->power = SOFT + (HARD - SOFT) * done / (steps > 1 ? steps - 1 : 1);
         polish->cells = done % CELLS_EVERY == 0;
+        polish->slack = done + FRESH < steps ? SLACK : 0;
         status = step_once(polish, &even, err);
         if (status == VOR_E_STOPPED) {
             answer = VOR_STOP;

@@ -123,12 +123,12 @@ static int far_from_border(const struct vor_seeds *seeds, const struct vor_bench
 }
 
 enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_bench *bench, size_t i,
-                                       double radius)
+                                       double radius, double slack)
 {
     struct vor_kept *kept = &seeds->kept[i];
-    double slack = VOR_SEEDS_SLACK * kept->surface.spacing, x[3];
+    double most = slack * kept->surface.spacing, x[3];
 
-    if (kept->interior && vor_distance2f(&seeds->xyz[3 * i], kept->place) <= slack * slack) {
+    if (kept->interior && vor_distance2f(&seeds->xyz[3 * i], kept->place) <= most * most) {
         bench->here.surface = kept->surface;
     } else {
         if (vor_seeds_fit(seeds, bench, i) == VOR_SURFACE_NONE)

@@ -78,13 +78,11 @@ VOR_NODISCARD vor_status vor_seeds_index(struct vor_seeds *seeds, struct vor_err
  * i. */
 enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_bench *bench, size_t i);
 
-#define VOR_SEEDS_SLACK 0.2
-
 /** As vor_seeds_fit, but content with the last fit where that found the seed inside the input, no
- * border within `radius` of it, and it moved by at most VOR_SEEDS_SLACK of the input's spacing
- * since; bench->interior tells, and then bench->here.near is not set. */
+ * border within `radius` of it, and it moved by at most `slack` of the input's spacing since;
+ * bench->interior tells, and then bench->here.near is not set. */
 enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_bench *bench, size_t i,
-                                       double radius);
+                                       double radius, double slack);
 
 /** bench->crowd, as of the last index. Only one thread at a time may ask for i. */
 void vor_seeds_crowd(struct vor_seeds *seeds, struct vor_bench *bench, size_t i);
