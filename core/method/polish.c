@@ -10,7 +10,7 @@ enum {
     SOFT = 4,         /* S at the first step */
     HARD = 14,        /* and at the last */
     CELLS_EVERY = 4,  /* steps */
-    FRESH = 8,        /* last steps, on surfaces fitted anew each time */
+    FRESH = 16,       /* last steps, on surfaces fitted anew each time */
     RECORD_EVERY = 10 /* steps */
 };
 
@@ -18,7 +18,7 @@ enum {
 #define MOMENTUM 0.8    /* share of the last step that is added to the next */
 #define STEP_MAX 0.05   /* spacings */
 #define FORCE_MAX 50.0  /* (h/d)^(2S) of a pair that is much too near */
-#define OVERLAP 0.5     /* spacings: nearer pairs part along the surface, come what may */
+#define OVERLAP 0.1     /* spacings: nearer pairs part along the surface, come what may */
 #define FORCE_REACH 2.0 /* spacings that the repulsion reaches */
 #define HOLE 0.66       /* pitches from a hole's middle to the points around it: more is too wide */
 #define HOLE_EXCESS 0.15 /* pitches beyond that count no more */
@@ -122,9 +122,8 @@ static double power(double x, unsigned n)
     return y;
 }
 
-/* Which way seed i has to go along its surface to get away from seed j, that far from it. Where
- * they lie over one another, the offset says little about it and the length of what it says even
- * less: they would be projected onto the same place. */
+/* Which way seed i has to go to get away from seed j, that far from it. Where they all but coincide
+ * the offset says little about it, and its length less: that way is one along the surface. */
 static void away(const struct polish *polish, const struct vor_bench *bench, size_t i, size_t j,
                  double distance, double out[3])
 {
@@ -246,35 +245,6 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
         }
         move(polish, bench, i);
     }
-}
-
-/* Onto the surface as it is where the seed came to lie: on the way, surfaces were kept a while. */
-static void land_block(void *ctx, size_t begin, size_t end, unsigned worker)
-{
-    struct vor_seeds *seeds = ctx;
-    struct vor_bench *bench = &seeds->bench[worker];
-
-    for (size_t i = begin; i < end; i++) {
-        double x[3];
-
-        if (vor_seeds_fit(seeds, bench, i) == VOR_SURFACE_NONE)
-            continue;
-        vor_seeds_position(seeds, i, x);
-        vor_seeds_project(&bench->here.surface, x);
-        for (size_t c = 0; c < 3; c++)
-            seeds->xyz[3 * i + c] = (float)x[c];
-    }
-}
-
-/* The surface around where it is projected to may be a little different from the one around where
- * it was: hence the second time. */
-static vor_status land(struct vor_seeds *seeds, struct vor_error *err)
-{
-    vor_status status = VOR_OK;
-
-    for (int time = 0; time < 2 && status == VOR_OK; time++)
-        status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, land_block, seeds, err);
-    return status;
 }
 
 static double longest_step(const struct polish *polish)
@@ -424,8 +394,6 @@ vor_status vor_polish_run(struct vor_seeds *seeds, struct vor_cvt_result *result
     if (status == VOR_OK) {
         memcpy(seeds->xyz, polish.best, 3 * seeds->n * sizeof *seeds->xyz);
         result->polish_steps = polish.record.polish;
-        if (polish.best_delta < even.delta)
-            status = land(seeds, err);
     }
     seeds->run = run;
     free_polish(&polish);

@@ -23,7 +23,7 @@
  *  @param[in]     start as for vor_cvt_run
  *
  *  @retval VOR_E_CANCELLED the watch answered VOR_CANCEL
- *  @retval VOR_E_NOMEM  64 n bytes do not fit
+ *  @retval VOR_E_NOMEM  52 n bytes do not fit
  *
  *  O(steps n). The same positions for any number of threads. */
 VOR_NODISCARD vor_status vor_polish_run(struct vor_seeds *seeds, struct vor_cvt_result *result,

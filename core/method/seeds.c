@@ -11,8 +11,8 @@
  * straying. */
 enum { RINGS = 1, RINGS_FINE = 2 };
 
-#define BEND_FLAT 0.3
-#define BEND_MAX 0.75
+#define BEND_FLAT 0.4
+#define BEND_MAX 1.0
 #define FAR 0.3 /* spacings that seeds may move before the lists are made anew */
 
 vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
