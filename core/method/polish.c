@@ -20,9 +20,9 @@ enum {
 #define FORCE_MAX 50.0  /* (h/d)^(2S) of a pair that is much too near */
 #define OVERLAP 0.1     /* spacings: nearer pairs part along the surface, come what may */
 #define FORCE_REACH 2.0 /* spacings that the repulsion reaches */
-#define HOLE 0.66       /* pitches from a hole's middle to the points around it: more is too wide */
+#define HOLE 0.65       /* pitches from a hole's middle to the points around it: more is too wide */
 #define HOLE_EXCESS 0.15 /* pitches beyond that count no more */
-#define HOLE_PULL 0.1    /* share of the excess that one step goes */
+#define HOLE_PULL 0.15    /* share of the excess that one step goes */
 #define BORDER_ROOM 0.6  /* spacings of room: with less, a point is at the border */
 #define SLACK 0.5    /* input spacings that a point may move before its surface is fitted anew */
 #define INTERIOR 1.5 /* spacings from the border: farther than that, it is not looked for */
