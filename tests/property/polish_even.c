@@ -1,0 +1,308 @@
+/* The polish: how much more even the points get, and what it must not cost: no wider holes, no
+ * farther from the surface, no farther out at a border, never less even than it began. */
+#include "tests/support/vt_engine.h"
+#include "tests/support/vt_shape.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SEEDS = 3, DENSE = 40000 };
+
+#define EVENER 0.55  /* delta after the polish over before */
+#define EVEN 0.03    /* delta after it, on a closed smooth surface */
+#define HOLE 1.10    /* largest hole after over before */
+#define FARTHER 1.1  /* mean distance to the true surface after over before */
+#define LEAST 0.2    /* of the mean distance, between points on stacked sheets */
+#define ROOM_OUT 1.5 /* spacings of the input that a result may lie beyond its border */
+
+/* One run with and one without the polish, after the same iterations. */
+struct pair {
+    struct vor_cloud in, before, after;
+    struct vor_report start, end;
+    struct vor_measure hole_before, hole_after;
+};
+
+static void run(struct vor_cloud *out, struct vor_report *report, const struct pair *pair, size_t n,
+                const char *polish, size_t seed)
+{
+    struct vt_engine engine;
+
+    vt_engine_open(&engine, 2);
+    vt_engine_count(&engine, "points", n);
+    vt_engine_set(&engine, "iterations", "20");
+    vt_engine_set(&engine, "polish", polish);
+    vt_engine_count(&engine, "seed", seed);
+    vt_engine_resample(&engine, out, report, &pair->in);
+    vt_engine_close(&engine);
+}
+
+/* pair->in is there already. What holds on every cloud is asserted here. */
+static void run_pair(struct pair *pair, size_t n, const char *polish, size_t seed)
+{
+    run(&pair->before, &pair->start, pair, n, "0", seed);
+    run(&pair->after, &pair->end, pair, n, polish, seed);
+    ck_assert_uint_eq(pair->start.polish_steps, 0);
+    ck_assert_uint_eq(pair->start.iterations, pair->end.iterations);
+    ck_assert_uint_eq(pair->after.n, n);
+    ck_assert_uint_eq(vt_coincident(&pair->after), 0);
+    for (size_t i = 0; i < 3 * n; i++)
+        ck_assert(isfinite(pair->after.xyz[i]));
+    ck_assert_double_le(pair->end.delta, pair->start.delta);
+}
+
+/* Holes are looked for from the points of `from`. */
+static void measure_pair(struct pair *pair, const struct vor_cloud *from)
+{
+    struct vt_engine engine;
+
+    vt_engine_open(&engine, 2);
+    vt_assert_ok(vor_engine_measure(&pair->hole_before, &pair->before, from, &engine.run, &vt_err));
+    vt_assert_ok(vor_engine_measure(&pair->hole_after, &pair->after, from, &engine.run, &vt_err));
+    vt_engine_close(&engine);
+}
+
+static void free_pair(struct pair *pair)
+{
+    vor_cloud_free(&pair->after);
+    vor_cloud_free(&pair->before);
+    vor_cloud_free(&pair->in);
+    vt_assert_no_leak();
+}
+
+static void assert_evener(const struct pair *pair, const char *name)
+{
+    ck_assert_msg(pair->end.delta <= EVENER * pair->start.delta, "%s: delta %g after %g", name,
+                  pair->end.delta, pair->start.delta);
+    ck_assert_msg(pair->hole_after.ref_to_out_max <= HOLE * pair->hole_before.ref_to_out_max,
+                  "%s: a hole of %g after one of %g", name, pair->hole_after.ref_to_out_max,
+                  pair->hole_before.ref_to_out_max);
+    ck_assert_msg(pair->end.min_over_mean > pair->start.min_over_mean,
+                  "%s: least distance %g of the mean after %g", name, pair->end.min_over_mean,
+                  pair->start.min_over_mean);
+    ck_assert_uint_eq(pair->end.polish_steps, 120);
+}
+
+/* --- What it is for -----------------------------------------------------------------------------
+ */
+
+static const struct {
+    size_t from, to;
+} sizes[] = {{8000, 1500}, {4000, 500}, {2000, 4000}};
+
+enum { SIZES = sizeof sizes / sizeof sizes[0] };
+
+START_TEST(a_closed_smooth_cloud_gets_twice_as_even_and_keeps_its_holes_and_its_surface)
+{
+    const struct vt_shape *shape = &vt_shapes[_i % VT_SMOOTH];
+    size_t seed = (size_t)_i / VT_SMOOTH;
+
+    for (size_t k = 0; k < SIZES; k++) {
+        struct vor_cloud surface;
+        struct pair pair;
+
+        shape->make(&surface, seed + SEEDS, DENSE);
+        shape->make(&pair.in, seed, sizes[k].from);
+        run_pair(&pair, sizes[k].to, "120", seed);
+        measure_pair(&pair, &surface);
+        assert_evener(&pair, shape->name);
+        ck_assert_msg(pair.end.delta < EVEN, "%s: delta %g", shape->name, pair.end.delta);
+        ck_assert_msg(vt_off_mean(shape, &pair.after) <= FARTHER * vt_off_mean(shape, &pair.before),
+                      "%s: %g off the surface after %g", shape->name,
+                      vt_off_mean(shape, &pair.after), vt_off_mean(shape, &pair.before));
+        vor_cloud_free(&surface);
+        free_pair(&pair);
+    }
+}
+END_TEST
+
+START_TEST(a_start_alone_gets_as_even)
+{
+    struct vt_engine engine;
+    struct vor_cloud in, out;
+    struct vor_report report;
+
+    vt_cloud_sphere(&in, (uint64_t)_i, 4000);
+    vt_engine_open(&engine, 2);
+    vt_engine_set(&engine, "points", "800");
+    vt_engine_set(&engine, "iterations", "0");
+    vt_engine_count(&engine, "seed", (size_t)_i);
+    vt_engine_resample(&engine, &out, &report, &in);
+    ck_assert_uint_eq(report.iterations, 0);
+    ck_assert_uint_eq(report.polish_steps, 120);
+    ck_assert_double_lt(report.delta, EVEN);
+    ck_assert_uint_eq(vt_coincident(&out), 0);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+}
+END_TEST
+
+/* --- Borders ------------------------------------------------------------------------------------
+ */
+
+/* How far the farthest point lies below the rim of a dome, and outside a square. */
+static double beyond_rim(const double x[3])
+{
+    return -x[2];
+}
+
+static double beyond_square(const double x[3])
+{
+    return fmax(fmax(-x[0], x[0] - 1), fmax(-x[1], x[1] - 1));
+}
+
+static const struct {
+    const char *name;
+    void (*make)(struct vor_cloud *cloud, uint64_t seed, size_t n);
+    double (*beyond)(const double x[3]);
+    double area;
+} open_shapes[] = {{"dome", vt_cloud_dome, beyond_rim, 2 * M_PI},
+                   {"square", vt_cloud_square, beyond_square, 1}};
+
+enum { OPEN = sizeof open_shapes / sizeof open_shapes[0] };
+
+static double farthest_out(const struct vor_cloud *cloud, double (*beyond)(const double x[3]))
+{
+    double most = 0, x[3];
+
+    for (size_t i = 0; i < cloud->n; i++) {
+        vor_cloud_position(cloud, i, x);
+        most = fmax(most, beyond(x));
+    }
+    return most;
+}
+
+START_TEST(an_open_cloud_gets_more_even_and_nobody_goes_over_the_border)
+{
+    enum { FROM = 6000 };
+    int which = _i % OPEN;
+    size_t seed = (size_t)_i / OPEN;
+    double spacing = sqrt(open_shapes[which].area / FROM), out;
+    struct pair pair;
+
+    open_shapes[which].make(&pair.in, seed, FROM);
+    run_pair(&pair, 1000, "120", seed);
+    measure_pair(&pair, &pair.in);
+    assert_evener(&pair, open_shapes[which].name);
+    out = farthest_out(&pair.after, open_shapes[which].beyond);
+    ck_assert_msg(out <= ROOM_OUT * spacing, "%s: %g spacings out", open_shapes[which].name,
+                  out / spacing);
+    ck_assert_msg(pair.hole_after.far_over_knn6_mean <=
+                      fmax(ROOM_OUT, pair.hole_before.far_over_knn6_mean),
+                  "%s: %g from the input, %g before", open_shapes[which].name,
+                  pair.hole_after.far_over_knn6_mean, pair.hole_before.far_over_knn6_mean);
+    free_pair(&pair);
+}
+END_TEST
+
+/* --- Rough clouds -------------------------------------------------------------------------------
+ */
+
+static void noisy_sphere(struct vor_cloud *cloud, uint64_t seed, size_t n)
+{
+    vt_cloud_sphere(cloud, seed, n);
+    for (size_t i = 0; i < 3 * n; i++)
+        cloud->xyz[i] += 0.05f * (float)vt_normal(seed, i);
+}
+
+static void ball(struct vor_cloud *cloud, uint64_t seed, size_t n)
+{
+    vt_cloud_make(cloud, n);
+    for (size_t i = 0; i < 3 * n; i++)
+        cloud->xyz[i] = (float)vt_normal(seed, i);
+}
+
+static void crossing_planes(struct vor_cloud *cloud, uint64_t seed, size_t n)
+{
+    vt_cloud_cube(cloud, seed, n);
+    for (size_t i = 0; i < n; i++)
+        cloud->xyz[3 * i + i % 2] = 0.5f;
+}
+
+static void (*const rough[])(struct vor_cloud *cloud, uint64_t seed,
+                             size_t n) = {noisy_sphere, ball, crossing_planes, vt_cloud_box};
+
+enum { ROUGH = sizeof rough / sizeof rough[0] };
+
+/* run_pair asserts that delta is no worse, that no two points coincide and that none is lost. */
+START_TEST(a_rough_cloud_is_never_less_even_than_before_the_polish)
+{
+    static const size_t counts[] = {1, 2, 3, 7, 21, 22, 300, 3000};
+
+    for (size_t k = 0; k < sizeof counts / sizeof counts[0]; k++) {
+        struct pair pair;
+
+        rough[_i](&pair.in, (uint64_t)_i, 1200);
+        run_pair(&pair, counts[k], "60", (size_t)_i);
+        free_pair(&pair);
+    }
+}
+END_TEST
+
+/* Two sheets nearer than the spacing: the nearest neighbour is across, the repulsion straight off
+ * the surface, and every point is put back. */
+START_TEST(points_on_sheets_nearer_than_the_spacing_do_not_fall_together)
+{
+    static const double gaps[] = {0.02, 0.1, 0.3, 0.7};
+    enum { TO = 400 };
+    double spacing = sqrt(2.0 / TO);
+
+    for (size_t k = 0; k < sizeof gaps / sizeof gaps[0]; k++) {
+        struct pair pair;
+
+        vt_cloud_sheets(&pair.in, (uint64_t)_i, 8000, gaps[k] * spacing);
+        run_pair(&pair, TO, "120", (size_t)_i);
+        ck_assert_msg(pair.end.min_over_mean >= LEAST, "gap %g: least distance %g of the mean",
+                      gaps[k], pair.end.min_over_mean);
+        free_pair(&pair);
+    }
+}
+END_TEST
+
+/* --- Threads ------------------------------------------------------------------------------------
+ */
+
+START_TEST(one_two_three_and_eight_threads_polish_to_the_same_bytes)
+{
+    static const unsigned threads[] = {1, 2, 3, 8};
+    void (*const make[])(struct vor_cloud *, uint64_t, size_t) = {vt_cloud_torus, vt_cloud_dome,
+                                                                  noisy_sphere};
+    struct vor_cloud in;
+    uint64_t hash[4], delta[4];
+
+    make[_i](&in, 3, 2000);
+    for (size_t k = 0; k < 4; k++) {
+        struct vt_engine engine;
+        struct vor_cloud out;
+        struct vor_report report;
+
+        vt_engine_open(&engine, threads[k]);
+        vt_engine_set(&engine, "points", "2500");
+        vt_engine_set(&engine, "iterations", "6");
+        vt_engine_set(&engine, "polish", "40");
+        vt_engine_resample(&engine, &out, &report, &in);
+        ck_assert_uint_eq(report.polish_steps, 40);
+        hash[k] = vt_cloud_hash(&out);
+        delta[k] = vt_hash(&report.delta, sizeof report.delta);
+        vor_cloud_free(&out);
+        vt_engine_close(&engine);
+        ck_assert(hash[k] == hash[0] && delta[k] == delta[0]);
+    }
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("polish_even");
+
+    vt_add_loop(suite, a_closed_smooth_cloud_gets_twice_as_even_and_keeps_its_holes_and_its_surface,
+                SEEDS * VT_SMOOTH);
+    vt_add_loop(suite, a_start_alone_gets_as_even, SEEDS);
+    vt_add_loop(suite, an_open_cloud_gets_more_even_and_nobody_goes_over_the_border, SEEDS * OPEN);
+    vt_add_loop(suite, a_rough_cloud_is_never_less_even_than_before_the_polish, ROUGH);
+    vt_add_loop(suite, points_on_sheets_nearer_than_the_spacing_do_not_fall_together, SEEDS);
+    vt_add_loop(suite, one_two_three_and_eight_threads_polish_to_the_same_bytes, 3);
+    return vt_run(suite);
+}
