@@ -1,0 +1,315 @@
+/* A polish that ends early, by the request or by the caller, at any moment: a whole cloud or
+ * nothing, the right word for why, and records that only go forward. */
+#include "tests/support/vt_engine.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FROM = 600, TO = 200, ITERATIONS = 5, RECORDS_MAX = 2000 };
+
+/* A watch that answers at a record of the polish or at a question during it, and has a clock that
+ * goes a second with every reading. */
+struct spy {
+    struct vor_record record[RECORDS_MAX];
+    unsigned count;
+    atomic_int polishing; /* the last record of the iterations is there */
+    atomic_uint asked;    /* questions since */
+    unsigned at_record;   /* answer at the first record of that many steps or more; 0: never */
+    unsigned at_question; /* answer from that question on; 0: never */
+    enum vor_answer answer;
+    double seconds;
+};
+
+static enum vor_answer progress(void *ctx, const struct vor_record *record)
+{
+    struct spy *spy = ctx;
+
+    ck_assert_uint_lt(spy->count, RECORDS_MAX);
+    spy->record[spy->count++] = *record;
+    if (record->iteration == ITERATIONS)
+        atomic_store(&spy->polishing, 1);
+    return spy->at_record > 0 && record->polish >= spy->at_record ? spy->answer : VOR_CONTINUE;
+}
+
+static enum vor_answer poll(void *ctx)
+{
+    struct spy *spy = ctx;
+
+    if (!atomic_load(&spy->polishing))
+        return VOR_CONTINUE;
+    return atomic_fetch_add(&spy->asked, 1) + 1 >= spy->at_question && spy->at_question > 0
+               ? spy->answer
+               : VOR_CONTINUE;
+}
+
+static double tick(void *ctx)
+{
+    struct spy *spy = ctx;
+
+    return spy->seconds++;
+}
+
+/* One run with the spy on it; `name` may be NULL, else it and `value` are one more wish. */
+static vor_status run_spied(struct vor_cloud *out, struct vor_report *report, struct spy *spy,
+                            size_t polish, const char *name, const char *value)
+{
+    struct vor_watch watch = {.ctx = spy, .progress = progress, .poll = poll, .clock = tick};
+    struct vt_engine engine;
+    struct vor_cloud in;
+    vor_status status;
+
+    vt_engine_open(&engine, 1);
+    engine.run.watch = &watch;
+    vt_cloud_sphere(&in, 1, FROM);
+    vt_engine_count(&engine, "points", TO);
+    vt_engine_count(&engine, "iterations", ITERATIONS);
+    vt_engine_count(&engine, "polish", polish);
+    vt_engine_set(&engine, "normals", "fit");
+    if (name != NULL)
+        vt_engine_set(&engine, name, value);
+    vor_cloud_init(out, &vt_memory);
+    memset(report, 0, sizeof *report);
+    status = vor_engine_run(out, report, &in, &engine.spec, &engine.run, &vt_err);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    return status;
+}
+
+static void assert_whole(const struct vor_cloud *out, const struct vor_report *report,
+                         const struct spy *spy)
+{
+    double least = INFINITY;
+    unsigned i = 0;
+
+    ck_assert_uint_eq(out->n, TO);
+    ck_assert_uint_eq(report->points_out, TO);
+    ck_assert_ptr_nonnull(vor_cloud_find(out, VOR_NORMAL));
+    ck_assert_uint_eq(vt_coincident(out), 0);
+    ck_assert_uint_eq(report->iterations, ITERATIONS);
+    for (; i < spy->count && spy->record[i].polish == 0; i++)
+        ck_assert_uint_eq(spy->record[i].iteration, i);
+    ck_assert_uint_eq(i, ITERATIONS + 1);
+    for (; i < spy->count; i++) {
+        const struct vor_record *record = &spy->record[i], *last = record - 1;
+
+        ck_assert_uint_gt(record->polish, last->polish);
+        ck_assert_uint_eq(record->iteration, ITERATIONS);
+        ck_assert(record->energy == last->energy);
+        ck_assert(record->seconds > last->seconds);
+        ck_assert(record->max_move > 0);
+        ck_assert_uint_le(record->polish, report->polish_steps);
+    }
+    for (i = 0; i < spy->count; i++)
+        least = fmin(least, spy->record[i].delta);
+    ck_assert_double_le(report->delta, least);
+}
+
+static void done_with(struct vor_cloud *out)
+{
+    vor_cloud_free(out);
+    vt_assert_no_leak();
+}
+
+START_TEST(every_tenth_step_and_the_last_are_told)
+{
+    static const size_t steps[] = {1, 9, 10, 11, 25, 40};
+
+    for (size_t k = 0; k < sizeof steps / sizeof steps[0]; k++) {
+        static struct spy spy;
+        struct vor_cloud out;
+        struct vor_report report;
+
+        memset(&spy, 0, sizeof spy);
+        vt_assert_ok(run_spied(&out, &report, &spy, steps[k], NULL, NULL));
+        assert_whole(&out, &report, &spy);
+        ck_assert_uint_eq(report.polish_steps, steps[k]);
+        ck_assert_int_eq(report.stopped, VOR_STOPPED_ITERATIONS);
+        ck_assert_uint_eq(spy.count, ITERATIONS + 1 + (steps[k] + 9) / 10);
+        ck_assert_uint_eq(spy.record[spy.count - 1].polish, steps[k]);
+        done_with(&out);
+    }
+}
+END_TEST
+
+START_TEST(a_stop_at_a_record_ends_with_the_steps_done)
+{
+    static const unsigned records[] = {1, 10, 20, 300};
+
+    for (size_t k = 0; k < sizeof records / sizeof records[0]; k++) {
+        static struct spy spy;
+        struct vor_cloud out;
+        struct vor_report report;
+
+        memset(&spy, 0, sizeof spy);
+        spy.at_record = records[k];
+        spy.answer = VOR_STOP;
+        vt_assert_ok(run_spied(&out, &report, &spy, 10000, NULL, NULL));
+        assert_whole(&out, &report, &spy);
+        ck_assert_uint_eq(report.polish_steps, (records[k] + 9) / 10 * 10);
+        ck_assert_uint_eq(report.polish_steps, spy.record[spy.count - 1].polish);
+        ck_assert_int_eq(report.stopped, VOR_STOPPED_CALLER);
+        done_with(&out);
+    }
+}
+END_TEST
+
+START_TEST(a_cancel_at_a_record_ends_with_nothing)
+{
+    static const unsigned records[] = {1, 20};
+
+    for (size_t k = 0; k < sizeof records / sizeof records[0]; k++) {
+        static struct spy spy;
+        struct vor_cloud out;
+        struct vor_report report;
+
+        memset(&spy, 0, sizeof spy);
+        spy.at_record = records[k];
+        spy.answer = VOR_CANCEL;
+        vt_assert_fails(VOR_E_CANCELLED, run_spied(&out, &report, &spy, 40, NULL, NULL));
+        ck_assert(out.n == 0 && out.xyz == NULL && report.points_out == 0);
+        vt_assert_no_leak();
+    }
+}
+END_TEST
+
+/* Number of questions from the last iteration to the end of a run of 12 steps. */
+static unsigned questions(void)
+{
+    static struct spy spy;
+    struct vor_cloud out;
+    struct vor_report report;
+
+    memset(&spy, 0, sizeof spy);
+    vt_assert_ok(run_spied(&out, &report, &spy, 12, NULL, NULL));
+    done_with(&out);
+    return atomic_load(&spy.asked);
+}
+
+/* The step at hand is given up; those before it count. */
+START_TEST(a_stop_at_any_question_hands_back_the_steps_before_it)
+{
+    unsigned all = questions(), by_caller = 0, last = 0;
+
+    ck_assert_uint_gt(all, 24);
+    for (unsigned at = 1; at <= all; at++) {
+        static struct spy spy;
+        struct vor_cloud out;
+        struct vor_report report;
+
+        memset(&spy, 0, sizeof spy);
+        spy.at_question = at;
+        spy.answer = VOR_STOP;
+        vt_assert_ok(run_spied(&out, &report, &spy, 12, NULL, NULL));
+        assert_whole(&out, &report, &spy);
+        ck_assert_uint_ge(report.polish_steps, last);
+        last = report.polish_steps;
+        if (report.stopped == VOR_STOPPED_CALLER) {
+            ck_assert_uint_lt(report.polish_steps, 12);
+            by_caller++;
+        } else {
+            ck_assert_int_eq(report.stopped, VOR_STOPPED_ITERATIONS);
+            ck_assert_uint_eq(report.polish_steps, 12);
+        }
+        done_with(&out);
+    }
+    ck_assert_uint_ge(by_caller, 12);
+    ck_assert_uint_eq(last, 12);
+}
+END_TEST
+
+START_TEST(a_cancel_at_any_question_ends_with_nothing)
+{
+    unsigned all = questions();
+
+    for (unsigned at = 1; at <= all; at++) {
+        static struct spy spy;
+        struct vor_cloud out;
+        struct vor_report report;
+
+        memset(&spy, 0, sizeof spy);
+        spy.at_question = at;
+        spy.answer = VOR_CANCEL;
+        vt_assert_fails(VOR_E_CANCELLED, run_spied(&out, &report, &spy, 12, NULL, NULL));
+        ck_assert(out.n == 0 && out.xyz == NULL && report.points_out == 0);
+        vt_assert_no_leak();
+    }
+}
+END_TEST
+
+/* The clock goes a second a reading, and every step reads it once. */
+START_TEST(a_budget_that_runs_out_during_the_polish_is_kept)
+{
+    static const char *const budgets[] = {"30", "60", "200"};
+
+    for (size_t k = 0; k < 3; k++) {
+        static struct spy spy;
+        struct vor_cloud out;
+        struct vor_report report;
+        double budget = strtod(budgets[k], NULL);
+
+        memset(&spy, 0, sizeof spy);
+        vt_assert_ok(run_spied(&out, &report, &spy, 10000, "seconds", budgets[k]));
+        assert_whole(&out, &report, &spy);
+        ck_assert_int_eq(report.stopped, VOR_STOPPED_SECONDS);
+        ck_assert_uint_gt(report.polish_steps, budget / 2);
+        ck_assert_uint_lt(report.polish_steps, budget);
+        ck_assert_double_le(spy.record[spy.count - 1].seconds, budget);
+        done_with(&out);
+    }
+}
+END_TEST
+
+START_TEST(a_delta_reached_during_the_polish_ends_it)
+{
+    static const char *const targets[] = {"0.06", "0.04", "0.03"};
+    uint32_t last = 0;
+
+    for (size_t k = 0; k < 3; k++) {
+        static struct spy spy;
+        struct vor_cloud out;
+        struct vor_report report;
+
+        memset(&spy, 0, sizeof spy);
+        vt_assert_ok(run_spied(&out, &report, &spy, 120, "delta", targets[k]));
+        assert_whole(&out, &report, &spy);
+        ck_assert_int_eq(report.stopped, VOR_STOPPED_DELTA);
+        ck_assert_double_le(report.delta, strtod(targets[k], NULL));
+        ck_assert_uint_gt(report.polish_steps, last);
+        ck_assert_uint_lt(report.polish_steps, 120);
+        last = report.polish_steps;
+        done_with(&out);
+    }
+}
+END_TEST
+
+START_TEST(a_delta_out_of_reach_ends_no_polish)
+{
+    static struct spy spy;
+    struct vor_cloud out;
+    struct vor_report report;
+
+    memset(&spy, 0, sizeof spy);
+    vt_assert_ok(run_spied(&out, &report, &spy, 40, "delta", "0.0001"));
+    assert_whole(&out, &report, &spy);
+    ck_assert_int_eq(report.stopped, VOR_STOPPED_ITERATIONS);
+    ck_assert_uint_eq(report.polish_steps, 40);
+    done_with(&out);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("polish_interrupted");
+
+    vt_add(suite, every_tenth_step_and_the_last_are_told);
+    vt_add(suite, a_stop_at_a_record_ends_with_the_steps_done);
+    vt_add(suite, a_cancel_at_a_record_ends_with_nothing);
+    vt_add(suite, a_stop_at_any_question_hands_back_the_steps_before_it);
+    vt_add(suite, a_cancel_at_any_question_ends_with_nothing);
+    vt_add(suite, a_budget_that_runs_out_during_the_polish_is_kept);
+    vt_add(suite, a_delta_reached_during_the_polish_ends_it);
+    vt_add(suite, a_delta_out_of_reach_ends_no_polish);
+    return vt_run(suite);
+}
