@@ -1,5 +1,8 @@
 /* The polish: how much more even the points get, and what it must not cost: no wider holes, no
  * farther from the surface, no farther out at a border, never less even than it began. */
+#include "core/method/even.h"
+#include "core/method/init.h"
+#include "core/method/polish.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 
@@ -260,6 +263,50 @@ START_TEST(points_on_sheets_nearer_than_the_spacing_do_not_fall_together)
 }
 END_TEST
 
+/* One seed in twenty is put where the one before it is, or that share of the spacing above it: what
+ * they say of each other's direction is nothing, or leads off the surface. */
+static void stack(struct vor_seeds *seeds, double share)
+{
+    double above = 1 + share * sqrt(4 * M_PI / (double)seeds->n);
+
+    for (size_t i = 0; i + 1 < seeds->n; i += 20)
+        for (size_t c = 0; c < 3; c++)
+            seeds->xyz[3 * i + 3 + c] = (float)(above * (double)seeds->xyz[3 * i + c]);
+}
+
+START_TEST(seeds_at_one_place_or_over_one_another_part)
+{
+    static const double shares[] = {0, 1e-4, 0.05};
+    enum { TO = 400 };
+    struct vt_engine engine;
+    struct vor_cloud in;
+    struct vor_domain domain;
+    struct vor_seeds seeds;
+    struct vor_cvt_result result = {.stopped = VOR_STOPPED_ITERATIONS};
+    struct vor_uniformity before, after;
+    float nearest[TO];
+
+    vt_cloud_sphere(&in, (uint64_t)_i, 3000);
+    vt_engine_open(&engine, 2);
+    vt_assert_ok(vor_domain_init(&domain, &in, &engine.run, &vt_err));
+    vt_assert_ok(vor_init_seeds(&seeds, &domain, TO, &engine.spec, &engine.run, &vt_err));
+    stack(&seeds, shares[_i]);
+    vt_assert_ok(vor_seeds_index(&seeds, &vt_err));
+    vt_assert_ok(vor_even_measure(&before, nearest, &seeds, seeds.xyz, &vt_err));
+    ck_assert_double_lt(before.min, 0.1 * before.mean);
+    vt_assert_ok(vor_polish_run(&seeds, &result, &engine.spec, 0, &vt_err));
+    vt_assert_ok(vor_seeds_index(&seeds, &vt_err));
+    vt_assert_ok(vor_even_measure(&after, nearest, &seeds, seeds.xyz, &vt_err));
+    ck_assert_uint_eq(after.coincident, 0);
+    ck_assert_double_gt(after.min, 0.5 * after.mean);
+    vor_seeds_free(&seeds);
+    vor_domain_free(&domain);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
 /* --- Threads ------------------------------------------------------------------------------------
  */
 
@@ -308,6 +355,7 @@ int main(void)
     vt_add_loop(suite, an_open_cloud_gets_more_even_and_nobody_goes_over_the_border, SEEDS * OPEN);
     vt_add_loop(suite, a_rough_cloud_is_never_less_even_than_before_the_polish, ROUGH);
     vt_add_loop(suite, points_on_sheets_nearer_than_the_spacing_do_not_fall_together, SEEDS);
+    vt_add_loop(suite, seeds_at_one_place_or_over_one_another_part, 3);
     vt_add_loop(suite, one_two_three_and_eight_threads_polish_to_the_same_bytes, 3);
     return vt_run(suite);
 }
