@@ -23,6 +23,11 @@ enum {
     INSERTION_MAX = 24
 };
 
+struct grid {
+    struct vor_box box;
+    double scale;
+};
+
 struct entry {
     uint64_t code;
     uint32_t index;
@@ -35,8 +40,7 @@ struct sorter {
     uint32_t *count; /* for each block, for each bucket: how many, then where the next one goes */
     uint32_t start[BUCKETS + 1]; /* first of each bucket in the range */
     size_t big;                  /* more entries than this in a bucket are split by all */
-    struct vor_box box;
-    double scale;
+    struct grid grid;
 };
 
 /* Entries being split by the `width` bits above `shift`. */
@@ -59,14 +63,27 @@ static uint64_t spread(uint64_t x)
     return x;
 }
 
-static uint64_t encode(const struct sorter *sorter, const float x[3])
+static uint64_t encode(const struct grid *grid, const float x[3])
 {
     uint64_t code = 0;
 
     for (int c = 0; c < 3; c++)
-        code |= spread((uint64_t)(((double)x[c] - (double)sorter->box.low[c]) * sorter->scale))
-                << c;
+        code |= spread((uint64_t)(((double)x[c] - (double)grid->box.low[c]) * grid->scale)) << c;
     return code;
+}
+
+static vor_status lay_grid(struct grid *grid, const float *xyz, size_t n, const struct vor_run *run,
+                           struct vor_error *err)
+{
+    double extent = 0;
+    vor_status status = vor_bounds(&grid->box, xyz, n, run, err);
+
+    if (status != VOR_OK)
+        return status;
+    for (int c = 0; c < 3; c++)
+        extent = fmax(extent, (double)grid->box.high[c] - (double)grid->box.low[c]);
+    grid->scale = extent > 0 ? 2097151 / extent : 0;
+    return VOR_OK;
 }
 
 /* Order of two points of the same cell: by coordinates, then by index. */
@@ -156,7 +173,7 @@ static void encode_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        range->from[i].code = encode(range->sorter, &range->sorter->xyz[3 * i]);
+        range->from[i].code = encode(&range->sorter->grid, &range->sorter->xyz[3 * i]);
         range->from[i].index = (uint32_t)i;
     }
 }
@@ -270,14 +287,10 @@ static vor_status sort_all(struct sorter *sorter, struct entry *a, struct entry 
                         .block = block_of(n),
                         .shift = CODE_BITS - DIGIT,
                         .width = DIGIT};
-    double extent = 0;
-    vor_status status = vor_bounds(&sorter->box, sorter->xyz, n, sorter->run, err);
+    vor_status status = lay_grid(&sorter->grid, sorter->xyz, n, sorter->run, err);
 
     if (status != VOR_OK)
         return status;
-    for (int c = 0; c < 3; c++)
-        extent = fmax(extent, (double)sorter->box.high[c] - (double)sorter->box.low[c]);
-    sorter->scale = extent > 0 ? 2097151 / extent : 0;
     sorter->big = n / BIG_SHARE > BLOCK_MIN ? n / BIG_SHARE : BLOCK_MIN;
     status = vor_run_for(sorter->run, n, all.block, encode_block, &all, err);
     if (status != VOR_OK)
@@ -313,4 +326,28 @@ done:
     vor_free(run->memory, a);
     vor_free(run->memory, sorter);
     return status;
+}
+
+struct codes {
+    struct grid grid;
+    const float *xyz;
+    uint64_t *code;
+};
+
+static void code_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct codes *codes = ctx;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        codes->code[i] = encode(&codes->grid, &codes->xyz[3 * i]);
+}
+
+vor_status vor_morton_codes(uint64_t *code, const float *xyz, size_t n, const struct vor_run *run,
+                            struct vor_error *err)
+{
+    struct codes codes = {.xyz = xyz, .code = code};
+    vor_status status = lay_grid(&codes.grid, xyz, n, run, err);
+
+    return status == VOR_OK ? vor_run_for(run, n, BLOCK_MIN, code_block, &codes, err) : status;
 }

@@ -17,4 +17,11 @@
 VOR_NODISCARD vor_status vor_morton_order(uint32_t *order, const float *xyz, size_t n,
                                           const struct vor_run *run, struct vor_error *err);
 
+/** code[i] gets the Morton code of point i in that grid: 63 bits, ascending in that order. O(n), on
+ *  the run's pool.
+ *
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED */
+VOR_NODISCARD vor_status vor_morton_codes(uint64_t *code, const float *xyz, size_t n,
+                                          const struct vor_run *run, struct vor_error *err);
+
 #endif
