@@ -1,19 +1,17 @@
 /* FLANN's single kd-tree (Muja, Lowe 2009): exact, and the same answers every time. The other
- * indexes seed themselves from the machine. What crashes or misleads it is kept out here: no
+ * indexes seed themselves from the machine. What crashes or misleads it knn.c keeps out: no
  * points, more neighbours than points, coordinates that are not finite or overflow when squared. */
-#include "core/knn/knn.h"
+#include "core/knn/knn_flann.h"
 
 #include <assert.h>
 #include <flann/flann.h>
-#include <math.h>
 
-#define COORDINATE_MAX 1e6f
 #define BYTES_PER_POINT 44 /* measured at leaves of 16: 37, plus the allocator's own */
 
-struct vor_knn {
+struct vor_flann {
     flann_index_t index;
     struct FLANNParameters parameters; /* read only once built */
-    size_t n, charged;
+    size_t charged;
     struct vor_memory *memory;
 };
 
@@ -40,58 +38,46 @@ static float *unconst(const float *p)
     return cast.out;
 }
 
-vor_status vor_knn_build(struct vor_knn **out, const float *xyz, size_t n,
-                         struct vor_memory *memory, struct vor_error *err)
+vor_status vor_flann_build(struct vor_flann **out, const float *xyz, size_t n,
+                           struct vor_memory *memory, struct vor_error *err)
 {
-    struct vor_knn *knn;
+    struct vor_flann *flann;
     float speedup;
 
-    if (n == 0 || n > INT32_MAX)
-        return vor_fail(err, VOR_E_EMPTY, "an index of %zu points, want 1 to %d", n, INT32_MAX);
-    for (size_t i = 0; i < 3 * n; i++)
-        if (!(fabsf(xyz[i]) <= COORDINATE_MAX))
-            return vor_fail(err, VOR_E_NONFINITE, "coordinate %c of point %zu is %g", "xyz"[i % 3],
-                            i / 3, (double)xyz[i]);
-    knn = vor_calloc(memory, 1, sizeof *knn);
-    if (knn == NULL || !vor_memory_charge(memory, n * BYTES_PER_POINT)) {
-        vor_free(memory, knn);
+    flann = vor_calloc(memory, 1, sizeof *flann);
+    if (flann == NULL || !vor_memory_charge(memory, n * BYTES_PER_POINT)) {
+        vor_free(memory, flann);
         return vor_fail(err, VOR_E_NOMEM, "an index of %zu points", n);
     }
-    knn->memory = memory;
-    knn->n = n;
-    knn->charged = n * BYTES_PER_POINT;
-    set_parameters(&knn->parameters);
-    knn->index = flann_build_index_float(unconst(xyz), (int)n, 3, &speedup, &knn->parameters);
-    if (knn->index == NULL) {
-        vor_knn_free(knn);
+    flann->memory = memory;
+    flann->charged = n * BYTES_PER_POINT;
+    set_parameters(&flann->parameters);
+    flann->index = flann_build_index_float(unconst(xyz), (int)n, 3, &speedup, &flann->parameters);
+    if (flann->index == NULL) {
+        vor_flann_free(flann);
         return vor_fail(err, VOR_E_INTERNAL, "FLANN did not index %zu points", n);
     }
-    *out = knn;
+    *out = flann;
     return VOR_OK;
 }
 
-void vor_knn_free(struct vor_knn *knn)
+void vor_flann_free(struct vor_flann *flann)
 {
-    if (knn == NULL)
+    if (flann == NULL)
         return;
-    if (knn->index != NULL)
-        flann_free_index_float(knn->index, &knn->parameters);
-    vor_memory_release(knn->memory, knn->charged);
-    vor_free(knn->memory, knn);
+    if (flann->index != NULL)
+        flann_free_index_float(flann->index, &flann->parameters);
+    vor_memory_release(flann->memory, flann->charged);
+    vor_free(flann->memory, flann);
 }
 
-void vor_knn_search(const struct vor_knn *knn, const float *queries, size_t count, unsigned k,
-                    uint32_t *index, float *distance2)
+void vor_flann_search(const struct vor_flann *flann, const float *queries, size_t count, unsigned k,
+                      uint32_t *index, float *distance2)
 {
-    struct FLANNParameters parameters = knn->parameters; /* every call rewrites its parameters */
+    struct FLANNParameters parameters = flann->parameters; /* every call rewrites its parameters */
     int result;
 
-    assert(k >= 1 && k <= knn->n && count <= INT32_MAX / k);
-    if (count == 0)
-        return;
-    for (size_t i = 0; i < 3 * count; i++)
-        assert(isfinite(queries[i]));
-    result = flann_find_nearest_neighbors_index_float(knn->index, unconst(queries), (int)count,
+    result = flann_find_nearest_neighbors_index_float(flann->index, unconst(queries), (int)count,
                                                       (int *)index, distance2, (int)k, &parameters);
     assert(result == 0);
     (void)result;

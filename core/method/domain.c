@@ -243,7 +243,7 @@ vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
     if (status == VOR_OK)
         status = check_rank(&domain, run, err);
     if (status == VOR_OK)
-        status = vor_knn_build(&domain.knn, domain.xyz, domain.n, run->memory, err);
+        status = vor_knn_build_sorted(&domain.knn, domain.xyz, domain.n, run, err);
     if (status != VOR_OK) {
         vor_domain_free(&domain);
         return status;

@@ -1,0 +1,131 @@
+/* Two structures behind one door: what the caller may not do is caught here, for both. */
+#include "core/knn/knn.h"
+
+#include "core/knn/knn_boxes.h"
+#include "core/knn/knn_flann.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdatomic.h>
+
+#define COORDINATE_MAX 1e6f
+#define QUERY_MAX 1e15f /* squared distances stay finite */
+
+enum { BLOCK = 1 << 15 };
+
+struct vor_knn {
+    struct vor_memory *memory;
+    size_t n;
+    struct vor_flann *flann; /* one of the two is there */
+    struct vor_boxes *boxes;
+};
+
+/* The first of coordinates begin .. end - 1 that is not finite or too large; end when none is. */
+static size_t first_bad(const float *xyz, size_t begin, size_t end)
+{
+    while (begin < end && fabsf(xyz[begin]) <= COORDINATE_MAX)
+        begin++;
+    return begin;
+}
+
+static vor_status check(const float *xyz, size_t n, size_t bad, struct vor_error *err)
+{
+    if (bad < 3 * n)
+        return vor_fail(err, VOR_E_NONFINITE, "coordinate %c of point %zu is %g", "xyz"[bad % 3],
+                        bad / 3, (double)xyz[bad]);
+    return VOR_OK;
+}
+
+static vor_status start(struct vor_knn **out, size_t n, struct vor_memory *memory,
+                        struct vor_error *err)
+{
+    struct vor_knn *knn;
+
+    if (n == 0 || n > INT32_MAX)
+        return vor_fail(err, VOR_E_EMPTY, "an index of %zu points, want 1 to %d", n, INT32_MAX);
+    knn = vor_calloc(memory, 1, sizeof *knn);
+    if (knn == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "an index of %zu points", n);
+    knn->memory = memory;
+    knn->n = n;
+    *out = knn;
+    return VOR_OK;
+}
+
+static vor_status finish(struct vor_knn **out, struct vor_knn *knn, vor_status status)
+{
+    if (status == VOR_OK)
+        *out = knn;
+    else
+        vor_knn_free(knn);
+    return status;
+}
+
+vor_status vor_knn_build(struct vor_knn **out, const float *xyz, size_t n,
+                         struct vor_memory *memory, struct vor_error *err)
+{
+    struct vor_knn *knn = NULL;
+    vor_status status = start(&knn, n, memory, err);
+
+    if (status != VOR_OK)
+        return status;
+    status = check(xyz, n, first_bad(xyz, 0, 3 * n), err);
+    if (status == VOR_OK)
+        status = vor_flann_build(&knn->flann, xyz, n, memory, err);
+    return finish(out, knn, status);
+}
+
+struct search_bad {
+    const float *xyz;
+    atomic_size_t first;
+};
+
+static void check_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct search_bad *search = ctx;
+    size_t bad = first_bad(search->xyz, 3 * begin, 3 * end), first = atomic_load(&search->first);
+
+    (void)worker;
+    while (bad < 3 * end && bad < first)
+        if (atomic_compare_exchange_weak(&search->first, &first, bad))
+            break;
+}
+
+vor_status vor_knn_build_sorted(struct vor_knn **out, const float *xyz, size_t n,
+                                const struct vor_run *run, struct vor_error *err)
+{
+    struct search_bad search = {.xyz = xyz};
+    struct vor_knn *knn = NULL;
+    vor_status status = start(&knn, n, run->memory, err);
+
+    if (status != VOR_OK)
+        return status;
+    atomic_init(&search.first, 3 * n);
+    status = vor_run_for(run, n, BLOCK, check_block, &search, err);
+    if (status == VOR_OK)
+        status = check(xyz, n, atomic_load(&search.first), err);
+    if (status == VOR_OK)
+        status = vor_boxes_build(&knn->boxes, xyz, n, run, err);
+    return finish(out, knn, status);
+}
+
+void vor_knn_free(struct vor_knn *knn)
+{
+    if (knn == NULL)
+        return;
+    vor_boxes_free(knn->boxes);
+    vor_flann_free(knn->flann);
+    vor_free(knn->memory, knn);
+}
+
+void vor_knn_search(const struct vor_knn *knn, const float *queries, size_t count, unsigned k,
+                    uint32_t *index, float *distance2)
+{
+    assert(k >= 1 && k <= knn->n && count <= INT32_MAX / k);
+    for (size_t i = 0; i < 3 * count; i++)
+        assert(fabsf(queries[i]) <= QUERY_MAX);
+    if (knn->boxes == NULL && count > 0)
+        vor_flann_search(knn->flann, queries, count, k, index, distance2);
+    for (size_t i = 0; knn->boxes != NULL && i < count; i++)
+        vor_boxes_search(knn->boxes, &queries[3 * i], k, &index[i * k], &distance2[i * k]);
+}

@@ -1,0 +1,27 @@
+/** A tree of boxes over points whose order is local, best Morton order. Behind knn.h only. */
+#ifndef VOR_KNN_KNN_BOXES_H
+#define VOR_KNN_KNN_BOXES_H
+
+#include "core/base/run.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+struct vor_boxes;
+
+/** n >= 1 points (n x 3 floats, all finite), which are copied. O(n) in Morton order, O(n log n) in
+ *  any other, on the run's pool; the same tree for any number of threads.
+ *
+ *  @retval VOR_E_NOMEM what stays (about 20 n bytes, at worst 49 n) and 8 n more do not fit
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED */
+VOR_NODISCARD vor_status vor_boxes_build(struct vor_boxes **out, const float *xyz, size_t n,
+                                         const struct vor_run *run, struct vor_error *err);
+
+/** boxes may be NULL. */
+void vor_boxes_free(struct vor_boxes *boxes);
+
+/** One row of vor_knn_search. */
+void vor_boxes_search(const struct vor_boxes *boxes, const float query[3], unsigned k,
+                      uint32_t *index, float *distance2);
+
+#endif
