@@ -29,12 +29,20 @@ for my $row (@wanted) {
     }
     measure($row) if runs() > 1;
     my @runs = map { measure($row) } 1 .. runs();
-    my %figures = (build => median(map { $_->{build} } @runs));
-    push @table, [
-        $row->{name}, $runs[0]{n}, map({ spread($_, @runs) } qw(sort build search_us)), sprintf('%.0f', $runs[0]{rss}),
-        judge(\%figures, @{ $row->{asked} // [] }),
-    ];
+    my %figures = (build => median(map { $_->{boxes_build} } @runs));
+    my $judged = judge(\%figures, @{ $row->{asked} // [] });
+    for my $kind (qw(flann boxes)) {
+        push @table, [
+            $row->{name}, $runs[0]{n}, $kind, spread('sort', @runs), spread("${kind}_build", @runs),
+            $kind eq 'boxes' ? spread('build_two', @runs) : '',
+            map({ spread("${kind}_$_", @runs) } 1, 20, 32, 150, 'batch'),
+            $kind eq 'boxes' ? $judged : '',
+        ];
+    }
 }
-table(['case', 'n', 'sort, CPU s', 'build, CPU s', '20 neighbours of a point, µs', 'rss MB', 'asked'], \@table,
-    'One core; the points sorted along the Morton curve before the build, as the engine does it.');
+table(['case', 'n', 'structure', 'sort, CPU s', 'build, CPU s', 'build on two threads, s', 'k = 1, µs', 'k = 20, µs', 'k = 32, µs',
+        'k = 150, µs', 'k = 20, 250 a call, µs', 'asked'], \@table,
+    'One core but where it says two; both structures over the same points, sorted along the Morton curve, in the same process; one query a '
+    . 'call but where it says 250. `boxes`, the tree of boxes, indexes the input: it is sorted anyway, and the engine asks for one seed at a '
+    . 'time. `flann` indexes what comes in any order: the seeds, and both clouds of `measure`.');
 finish('index');

@@ -1,12 +1,29 @@
-/* Oracle: the index against a look at every point. Distances are compared, not indices: points at
- * equal distance come in any order. */
+/* Oracle: both indexes against a look at every point. Distances are compared, not indices: points
+ * at equal distance come in any order. Those of the tree of boxes are the same to the bit, and the
+ * same points come of it whatever the number of threads that built it. */
+#include "core/base/morton.h"
 #include "core/knn/knn.h"
 #include "tests/support/vt_engine.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { SEEDS = 16, SHAPES = 5 };
+enum { SEEDS = 16, SHAPES = 8, QUERIES = 10, POOLS = 4, MANY = 100000 };
+
+static struct vt_engine engine[POOLS];
+static const unsigned threads_of[POOLS] = {1, 2, 3, 8};
+
+static void open_pools(void)
+{
+    for (int p = 0; p < POOLS; p++)
+        vt_engine_open(&engine[p], threads_of[p]);
+}
+
+static void close_pools(void)
+{
+    for (int p = 0; p < POOLS; p++)
+        vt_engine_close(&engine[p]);
+}
 
 static float lay(int shape, uint64_t seed, size_t i, size_t c)
 {
@@ -21,6 +38,12 @@ static float lay(int shape, uint64_t seed, size_t i, size_t c)
         return c == 2 ? 0.25f : (float)u;
     case 3: /* every place three times */
         return (float)vt_unit(seed, 3 * (i / 3) + c);
+    case 4: /* on a line */
+        return (float)(vt_unit(seed, i) * (1.0 + (double)c));
+    case 5: /* ever closer to the origin */
+        return (float)ldexp(u + 0.1, -(int)(i % 60));
+    case 6: /* all in one place */
+        return 0.3f;
     default: /* on a coarse lattice: many ties */
         return (float)floor(5 * u);
     }
@@ -29,7 +52,7 @@ static float lay(int shape, uint64_t seed, size_t i, size_t c)
 static void check_row(const float *xyz, size_t n, const float *query, const uint32_t *index,
                       const float *found, const float *expected, unsigned k)
 {
-    static unsigned char seen[3000];
+    static unsigned char seen[MANY];
 
     memset(seen, 0, n);
     for (unsigned j = 0; j < k; j++) {
@@ -46,9 +69,46 @@ static void check_row(const float *xyz, size_t n, const float *query, const uint
     }
 }
 
+static void sort_points(float *xyz, size_t n)
+{
+    uint32_t *order = vor_malloc(&vt_memory, n, sizeof *order);
+    float *copy = vor_malloc(&vt_memory, n, 3 * sizeof *copy);
+
+    memcpy(copy, xyz, n * 3 * sizeof *copy);
+    vt_assert_ok(vor_morton_order(order, xyz, n, &engine[0].run, &vt_err));
+    for (size_t i = 0; i < n; i++)
+        memcpy(&xyz[3 * i], &copy[3 * (size_t)order[i]], 3 * sizeof *xyz);
+    vor_free(&vt_memory, copy);
+    vor_free(&vt_memory, order);
+}
+
+/* Builds the tree on every pool; checks the first one's answers against the expected distances, the
+ * others' against the first one's. */
+static void compare_boxes(const float *xyz, size_t n, const float *query, unsigned k,
+                          const float *expected)
+{
+    uint32_t *index = vor_malloc(&vt_memory, QUERIES, 2 * k * sizeof *index);
+    float *found = vor_malloc(&vt_memory, QUERIES, 2 * k * sizeof *found);
+    size_t values = (size_t)QUERIES * k;
+
+    for (int p = 0; p < POOLS; p++) {
+        size_t at = p > 0 ? values : 0;
+        struct vor_knn *knn;
+
+        vt_assert_ok(vor_knn_build_sorted(&knn, xyz, n, &engine[p].run, &vt_err));
+        vor_knn_search(knn, query, QUERIES, k, index + at, found + at);
+        vor_knn_free(knn);
+        ck_assert_int_eq(memcmp(found + at, expected, values * sizeof *found), 0);
+        ck_assert_int_eq(memcmp(index + at, index, values * sizeof *index), 0);
+    }
+    for (size_t q = 0; q < QUERIES; q++)
+        check_row(xyz, n, &query[3 * q], &index[q * k], &found[q * k], &expected[q * k], k);
+    vor_free(&vt_memory, found);
+    vor_free(&vt_memory, index);
+}
+
 static void compare(int shape, uint64_t seed, size_t n, unsigned k)
 {
-    enum { QUERIES = 10 };
     float *xyz = vor_malloc(&vt_memory, n, 3 * sizeof *xyz), query[3 * QUERIES];
     uint32_t *index = vor_malloc(&vt_memory, QUERIES, 2 * k * sizeof *index);
     float *distance2 = vor_malloc(&vt_memory, QUERIES, 2 * k * sizeof *distance2);
@@ -67,10 +127,12 @@ static void compare(int shape, uint64_t seed, size_t n, unsigned k)
         check_row(xyz, n, &query[3 * q], &index[q * k], &distance2[q * k],
                   &distance2[(QUERIES + q) * k], k);
     vor_knn_free(knn);
+    compare_boxes(xyz, n, query, k, &distance2[QUERIES * k]);
+    sort_points(xyz, n);
+    compare_boxes(xyz, n, query, k, &distance2[QUERIES * k]);
     vor_free(&vt_memory, distance2);
     vor_free(&vt_memory, index);
     vor_free(&vt_memory, xyz);
-    vt_assert_no_leak();
 }
 
 START_TEST(the_index_finds_what_a_look_at_every_point_finds)
@@ -78,6 +140,7 @@ START_TEST(the_index_finds_what_a_look_at_every_point_finds)
     uint64_t seed = (uint64_t)_i;
     size_t n = 1 + (size_t)vor_rng_below(seed, 11, 0, 3000);
 
+    open_pools();
     if (_i < 5)
         n = (size_t)_i + 1;
     for (int shape = 0; shape < SHAPES; shape++) {
@@ -86,13 +149,31 @@ START_TEST(the_index_finds_what_a_look_at_every_point_finds)
         compare(shape, seed, n, (unsigned)(n < 21 ? n : 21));
         compare(shape, seed, n, (unsigned)(1 + vor_rng_below(seed, 12, 0, n)));
     }
+    close_pools();
+    vt_assert_no_leak();
 }
 END_TEST
 
 START_TEST(every_point_is_found_when_all_are_asked_for)
 {
+    open_pools();
     for (int shape = 0; shape < SHAPES; shape++)
         compare(shape, 99, 700, 700);
+    close_pools();
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Enough points for several subtrees, and for nodes above them. */
+START_TEST(many_points_are_found)
+{
+    open_pools();
+    for (int shape = 0; shape < SHAPES; shape++) {
+        compare(shape, 7, MANY, 1);
+        compare(shape, 7, MANY, 33);
+    }
+    close_pools();
+    vt_assert_no_leak();
 }
 END_TEST
 
@@ -101,6 +182,7 @@ int main(void)
     Suite *suite = suite_create("knn_brute");
 
     vt_add_loop(suite, the_index_finds_what_a_look_at_every_point_finds, SEEDS);
+    vt_add(suite, many_points_are_found);
     vt_add(suite, every_point_is_found_when_all_are_asked_for);
     return vt_run(suite);
 }

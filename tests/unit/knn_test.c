@@ -1,4 +1,5 @@
-/* The index: what it refuses, and small sets by hand. */
+/* The index: what it refuses, and small sets by hand. Every test runs on both structures: loop 0 is
+ * vor_knn_build, loop 1 vor_knn_build_sorted on two threads. */
 #include "core/knn/knn.h"
 #include "tests/support/vt_engine.h"
 
@@ -6,12 +7,28 @@
 #include <stdio.h>
 #include <string.h>
 
+static vor_status build(int kind, struct vor_knn **out, const float *xyz, size_t n,
+                        struct vor_memory *memory)
+{
+    struct vt_engine engine;
+    vor_status status;
+
+    if (kind == 0)
+        return vor_knn_build(out, xyz, n, memory, &vt_err);
+    vt_engine_open(&engine, 2);
+    engine.run.memory = memory;
+    status = vor_knn_build_sorted(out, xyz, n, &engine.run, &vt_err);
+    engine.run.memory = &vt_memory;
+    vt_engine_close(&engine);
+    return status;
+}
+
 START_TEST(an_index_of_no_points_is_refused)
 {
     struct vor_knn *knn = NULL;
     const float x[3] = {0};
 
-    vt_assert_fails(VOR_E_EMPTY, vor_knn_build(&knn, x, 0, &vt_memory, &vt_err));
+    vt_assert_fails(VOR_E_EMPTY, build(_i, &knn, x, 0, &vt_memory));
     ck_assert_ptr_null(knn);
     vt_assert_no_leak();
 }
@@ -28,7 +45,7 @@ START_TEST(a_coordinate_that_would_mislead_the_index_is_refused_by_name)
             char where[40];
 
             x[at] = bad[b];
-            vt_assert_fails(VOR_E_NONFINITE, vor_knn_build(&knn, x, 2, &vt_memory, &vt_err));
+            vt_assert_fails(VOR_E_NONFINITE, build(_i, &knn, x, 2, &vt_memory));
             (void)snprintf(where, sizeof where, "coordinate %c of point %zu", "xyz"[at % 3],
                            at / 3);
             ck_assert_ptr_nonnull(strstr(vt_err.message, where));
@@ -46,7 +63,7 @@ START_TEST(an_index_that_does_not_fit_is_refused_whole)
 
     vt_cloud_cube(&cloud, 1, 1000);
     vor_memory_init(&memory, 20000);
-    vt_assert_fails(VOR_E_NOMEM, vor_knn_build(&knn, cloud.xyz, 1000, &memory, &vt_err));
+    vt_assert_fails(VOR_E_NOMEM, build(_i, &knn, cloud.xyz, 1000, &memory));
     ck_assert_ptr_null(knn);
     ck_assert_uint_eq(atomic_load(&memory.used), 0);
     vor_cloud_free(&cloud);
@@ -61,8 +78,8 @@ START_TEST(an_index_is_charged_to_its_allocator_and_given_back)
 
     vt_cloud_cube(&cloud, 1, 1000);
     vor_memory_init(&memory, SIZE_MAX);
-    vt_assert_ok(vor_knn_build(&knn, cloud.xyz, 1000, &memory, &vt_err));
-    ck_assert_uint_ge(atomic_load(&memory.used), 1000 * 37);
+    vt_assert_ok(build(_i, &knn, cloud.xyz, 1000, &memory));
+    ck_assert_uint_ge(atomic_load(&memory.used), 1000 * (_i == 0 ? 37 : 12));
     vor_knn_free(knn);
     ck_assert_uint_eq(atomic_load(&memory.used), 0);
     vor_knn_free(NULL);
@@ -78,7 +95,7 @@ START_TEST(neighbours_come_nearest_first)
     float distance2[8];
     static const uint32_t expected[8] = {2, 1, 0, 3, 0, 1, 2, 3};
 
-    vt_assert_ok(vor_knn_build(&knn, x, 4, &vt_memory, &vt_err));
+    vt_assert_ok(build(_i, &knn, x, 4, &vt_memory));
     vor_knn_search(knn, query, 2, 4, index, distance2);
     for (int i = 0; i < 8; i++)
         ck_assert_uint_eq(index[i], expected[i]);
@@ -95,7 +112,7 @@ START_TEST(no_queries_write_nothing)
     uint32_t index = 77;
     float distance2 = 78;
 
-    vt_assert_ok(vor_knn_build(&knn, x, 1, &vt_memory, &vt_err));
+    vt_assert_ok(build(_i, &knn, x, 1, &vt_memory));
     vor_knn_search(knn, x, 0, 1, &index, &distance2);
     ck_assert(index == 77 && distance2 == 78);
     vor_knn_search(knn, x, 1, 1, &index, &distance2);
@@ -114,7 +131,7 @@ START_TEST(points_all_in_one_place_are_all_found)
 
     for (int i = 0; i < 300; i++)
         x[i] = 0.5f;
-    vt_assert_ok(vor_knn_build(&knn, x, 100, &vt_memory, &vt_err));
+    vt_assert_ok(build(_i, &knn, x, 100, &vt_memory));
     vor_knn_search(knn, x, 1, 100, index, distance2);
     for (int i = 0; i < 100; i++) {
         ck_assert(distance2[i] == 0 && index[i] < 100 && !seen[index[i]]);
@@ -124,16 +141,111 @@ START_TEST(points_all_in_one_place_are_all_found)
 }
 END_TEST
 
+START_TEST(the_first_bad_coordinate_of_many_is_named)
+{
+    enum { N = 100000 };
+    float *x = vor_calloc(&vt_memory, N, 3 * sizeof *x);
+    struct vor_knn *knn = NULL;
+
+    for (size_t i = 3 * 70001 + 1; i < 3 * (size_t)N; i += 5000)
+        x[i] = NAN;
+    vt_assert_fails(VOR_E_NONFINITE, build(_i, &knn, x, N, &vt_memory));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "coordinate y of point 70001"));
+    vor_free(&vt_memory, x);
+}
+END_TEST
+
+/* Whatever call fails, everything before it is given back. */
+START_TEST(every_allocation_of_an_index_may_fail)
+{
+    struct vor_cloud cloud;
+    struct vor_memory memory;
+    size_t failed = 0;
+
+    vt_cloud_cube(&cloud, 1, 40000);
+    for (size_t at = 1;; at++) {
+        struct vor_knn *knn = NULL;
+
+        vor_memory_init(&memory, SIZE_MAX);
+        memory.fail_at = at;
+        if (build(_i, &knn, cloud.xyz, cloud.n, &memory) == VOR_OK) {
+            vor_knn_free(knn);
+            break;
+        }
+        ck_assert_int_eq(vt_err.status, VOR_E_NOMEM);
+        ck_assert_ptr_null(knn);
+        ck_assert_uint_eq(atomic_load(&memory.used), 0);
+        failed++;
+    }
+    ck_assert_uint_ge(failed, _i == 0 ? 2 : 5);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
+/* A million queries that each looked at all of the points would not end within the harness's ten
+ * minutes. */
+START_TEST(points_all_in_one_place_do_not_make_a_query_long)
+{
+    enum { N = 1000000, QUERIES = 1000000, K = 8 };
+    float *x = vor_malloc(&vt_memory, N, 3 * sizeof *x);
+    uint32_t index[K];
+    float distance2[K];
+    struct vor_knn *knn;
+
+    for (size_t i = 0; i < 3 * (size_t)N; i++)
+        x[i] = 0.25f;
+    vt_assert_ok(build(1, &knn, x, N, &vt_memory));
+    for (int q = 0; q < QUERIES; q++) {
+        const float query[3] = {q % 2 ? 0.25f : (float)q, 0.25f, 0.25f};
+
+        vor_knn_search(knn, query, 1, K, index, distance2);
+        ck_assert(distance2[0] == distance2[K - 1]);
+        ck_assert(index[0] < N && index[0] != index[K - 1]);
+    }
+    vor_knn_free(knn);
+    vor_free(&vt_memory, x);
+}
+END_TEST
+
+static enum vor_answer cancel(void *ctx)
+{
+    (void)ctx;
+    return VOR_CANCEL;
+}
+
+START_TEST(a_build_can_be_cancelled)
+{
+    static const struct vor_watch watch = {.poll = cancel};
+    struct vt_engine engine;
+    struct vor_knn *knn = NULL;
+    struct vor_cloud cloud;
+
+    vt_engine_open(&engine, 2);
+    vt_cloud_cube(&cloud, 1, 1000);
+    engine.run.watch = &watch;
+    vt_assert_fails(VOR_E_CANCELLED,
+                    vor_knn_build_sorted(&knn, cloud.xyz, cloud.n, &engine.run, &vt_err));
+    vt_engine_close(&engine);
+    ck_assert_ptr_null(knn);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("knn");
 
-    vt_add(suite, an_index_of_no_points_is_refused);
-    vt_add(suite, a_coordinate_that_would_mislead_the_index_is_refused_by_name);
-    vt_add(suite, an_index_that_does_not_fit_is_refused_whole);
-    vt_add(suite, an_index_is_charged_to_its_allocator_and_given_back);
-    vt_add(suite, neighbours_come_nearest_first);
-    vt_add(suite, no_queries_write_nothing);
-    vt_add(suite, points_all_in_one_place_are_all_found);
+    vt_add_loop(suite, an_index_of_no_points_is_refused, 2);
+    vt_add_loop(suite, a_coordinate_that_would_mislead_the_index_is_refused_by_name, 2);
+    vt_add_loop(suite, an_index_that_does_not_fit_is_refused_whole, 2);
+    vt_add_loop(suite, an_index_is_charged_to_its_allocator_and_given_back, 2);
+    vt_add_loop(suite, neighbours_come_nearest_first, 2);
+    vt_add_loop(suite, no_queries_write_nothing, 2);
+    vt_add_loop(suite, points_all_in_one_place_are_all_found, 2);
+    vt_add_loop(suite, the_first_bad_coordinate_of_many_is_named, 2);
+    vt_add_loop(suite, every_allocation_of_an_index_may_fail, 2);
+    vt_add(suite, points_all_in_one_place_do_not_make_a_query_long);
+    vt_add(suite, a_build_can_be_cancelled);
     return vt_run(suite);
 }
