@@ -24,8 +24,8 @@ VOR_NODISCARD vor_status vor_knn_build(struct vor_knn **out, const float *xyz, s
                                        struct vor_memory *memory, struct vor_error *err);
 
 /** The same for points in Morton order, by a tree of boxes: built several times as fast and by all
- *  threads of the run's pool, and a query is up to 1.4 times as fast. Any other order gives the
- * same distances, slowly. xyz is copied. The same answers for any number of threads.
+ *  threads of the run's pool, and one query at a time is 1.2 to 2 times as fast. Any other order
+ * gives the same distances, slowly. xyz is copied. The same answers for any number of threads.
  *
  *  @retval VOR_E_NOMEM the index (about 20 n bytes, and 8 n while it is built) does not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED, and those of vor_knn_build */

@@ -2,7 +2,7 @@
  * points along the Morton curve. A range of points is cut where the highest bit of its codes
  * changes, the fullest part first, until there are 8 parts or none has more than 8 points. So boxes
  * hardly overlap; cutting at every 8th, 64th ... point instead needs no codes and is built in a
- * third of the time, but a query looks into seven times as many nodes.
+ * sixth of the time, but a query looks into seven times as many nodes.
  *
  * The distance to a box is computed by the same operations as that to a point in it, and rounding
  * keeps order: it is never the larger one, and the answers are those of a look at every point.
