@@ -13,6 +13,8 @@ struct walk {
     struct vor_knn *knn;
     struct vor_near near;
     float at[QUERIES][3];
+    uint32_t last[QUERIES][K_MAX]; /* what each query found last, sorted */
+    size_t found[3], kept;         /* by what was said; sets that were those of the last search */
     unsigned k;
 };
 
@@ -23,6 +25,9 @@ static void start(struct walk *walk, uint64_t seed, size_t n, unsigned k)
     vt_assert_ok(
         vor_near_init(&walk->near, QUERIES, k, walk->knn, walk->cloud.xyz, n, &vt_memory, &vt_err));
     walk->k = k;
+    walk->kept = 0;
+    memset(walk->found, 0, sizeof walk->found);
+    memset(walk->last, 0xff, sizeof walk->last); /* no point's number */
     for (size_t i = 0; i < QUERIES; i++)
         for (size_t c = 0; c < 3; c++)
             walk->at[i][c] = (float)vt_unit(seed + 1, 3 * i + c);
@@ -51,13 +56,41 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* One query: distances, sorted, equal the brute ones; the nearest comes first; no point twice. */
-static int check_query(struct walk *walk, size_t i)
+static int by_number(const void *a, const void *b)
 {
-    uint32_t index[K_MAX], brute[K_MAX];
-    float found[K_MAX], expected[K_MAX];
-    int anew = vor_near_search(&walk->near, i, walk->at[i], index);
+    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
 
+    return (x > y) - (x < y);
+}
+
+/* Whether the points are those of the query's last search; they take its place. */
+static int same_set(struct walk *walk, size_t i, const uint32_t *index)
+{
+    uint32_t sorted[K_MAX];
+    size_t bytes = walk->k * sizeof *sorted;
+    int same;
+
+    memcpy(sorted, index, bytes);
+    qsort(sorted, walk->k, sizeof *sorted, by_number);
+    same = memcmp(walk->last[i], sorted, bytes) == 0;
+    memcpy(walk->last[i], sorted, bytes);
+    return same;
+}
+
+/* One query: distances, sorted, equal the brute ones; the nearest comes first; no point twice; what
+ * is said to be the set of the last search is. */
+static enum vor_near_found check_query(struct walk *walk, size_t i)
+{
+    const uint32_t *index;
+    uint32_t brute[K_MAX];
+    float found[K_MAX], expected[K_MAX];
+    enum vor_near_found how = vor_near_search(&walk->near, i, walk->at[i], &index);
+    int same = same_set(walk, i, index);
+
+    walk->found[how]++;
+    walk->kept += same;
+    ck_assert(how != VOR_NEAR_SAME || same);
+    ck_assert_uint_eq(vor_near_first(&walk->near, i), index[0]);
     vor_knn_brute(walk->cloud.xyz, walk->cloud.n, walk->at[i], 1, walk->k, brute, expected);
     for (unsigned j = 0; j < walk->k; j++) {
         found[j] = distance2(walk, index[j], walk->at[i]);
@@ -68,27 +101,71 @@ static int check_query(struct walk *walk, size_t i)
     qsort(found, walk->k, sizeof *found, ascending);
     for (unsigned j = 0; j < walk->k; j++)
         ck_assert(found[j] == expected[j]);
-    return anew;
+    return how;
 }
 
 START_TEST(a_wandering_query_finds_what_brute_force_finds)
 {
     static const unsigned ks[] = {1, 6, 20, 40, K_MAX};
     struct walk walk;
-    size_t made = 0;
     double step = _i % 3 == 0 ? 0.2 : _i % 3 == 1 ? 0.01 : 0.001;
 
     start(&walk, (uint64_t)_i, 60 + 300 * (size_t)(_i % 4), ks[_i % 5]);
     for (size_t s = 0; s < STEPS; s++)
         for (size_t i = 0; i < QUERIES; i++) {
-            made += (size_t)check_query(&walk, i);
+            enum vor_near_found how = check_query(&walk, i);
+
+            ck_assert(s > 0 || how == VOR_NEAR_ANEW);
             for (size_t c = 0; c < 3; c++)
                 walk.at[i][c] +=
                     (float)(step * (vt_unit((uint64_t)_i + 2, (s * QUERIES + i) * 3 + c) - 0.5));
         }
-    ck_assert_uint_ge(made, QUERIES);
-    if (step <= 0.001) /* or the lists are of no use */
-        ck_assert_uint_le(made, QUERIES * STEPS / 2);
+    ck_assert_uint_ge(walk.found[VOR_NEAR_ANEW], QUERIES);
+    if (step <= 0.001) { /* or the lists are of no use */
+        ck_assert_uint_le(walk.found[VOR_NEAR_ANEW], QUERIES * STEPS / 2);
+        ck_assert_uint_ge(walk.found[VOR_NEAR_SAME], walk.kept * 2 / 3);
+    }
+    end(&walk);
+}
+END_TEST
+
+START_TEST(a_query_that_stands_still_keeps_its_points)
+{
+    struct walk walk;
+
+    start(&walk, (uint64_t)_i, 400, 20);
+    for (size_t i = 0; i < QUERIES; i++) {
+        ck_assert_int_eq(check_query(&walk, i), VOR_NEAR_ANEW);
+        for (int again = 0; again < 3; again++)
+            ck_assert_int_eq(check_query(&walk, i), VOR_NEAR_SAME);
+    }
+    end(&walk);
+}
+END_TEST
+
+/* A query that goes away and comes back: the set of the search in between is not that of the last
+ * but one, though it is of the first. */
+START_TEST(a_set_is_the_same_as_at_the_last_search_not_as_at_one_before)
+{
+    struct walk walk;
+    unsigned others = 0;
+
+    start(&walk, (uint64_t)_i, 400, 6);
+    for (size_t i = 0; i < QUERIES; i++) {
+        uint32_t before[K_MAX];
+        float home = walk.at[i][0];
+
+        (void)check_query(&walk, i);
+        memcpy(before, walk.last[i], sizeof before);
+        walk.at[i][0] = home + 0.02f;
+        (void)check_query(&walk, i);
+        if (memcmp(before, walk.last[i], 6 * sizeof *before) == 0)
+            continue;
+        walk.at[i][0] = home;
+        ck_assert_int_ne(check_query(&walk, i), VOR_NEAR_SAME);
+        others++;
+    }
+    ck_assert_uint_gt(others, QUERIES / 8);
     end(&walk);
 }
 END_TEST
@@ -109,6 +186,8 @@ int main(void)
     Suite *suite = suite_create("near");
 
     vt_add_loop(suite, a_wandering_query_finds_what_brute_force_finds, 30);
+    vt_add_loop(suite, a_query_that_stands_still_keeps_its_points, 3);
+    vt_add_loop(suite, a_set_is_the_same_as_at_the_last_search_not_as_at_one_before, 5);
     vt_add(suite, more_neighbours_than_the_reference_has_room_for_are_all_of_it);
     return vt_run(suite);
 }

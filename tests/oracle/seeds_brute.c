@@ -44,6 +44,13 @@ static void close_bed(struct bed *bed)
     vt_assert_no_leak();
 }
 
+/* Moves up to `most` in any direction. */
+static void move_all(float *moved, const struct vor_seeds *seeds, uint64_t seed, double most)
+{
+    for (size_t i = 0; i < 3 * seeds->n; i++)
+        moved[i] = (float)((double)seeds->xyz[i] + most / sqrt(3) * (2 * vt_unit(seed, i) - 1));
+}
+
 /* The same patch clipped by every other seed, in the order of their numbers. */
 static void clip_by_all(struct vor_cell *cell, const struct vor_seeds *seeds,
                         const struct vor_bench *bench, size_t i)
@@ -54,7 +61,8 @@ static void clip_by_all(struct vor_cell *cell, const struct vor_seeds *seeds,
     vor_seeds_position(seeds, i, x);
     vor_surface_to_local(surface, x, local);
     vor_cell_begin(cell, vor_seeds_disc(seeds, bench), surface, local, bench->radius);
-    room = vor_boundary_room(surface, bench->here.near, seeds->k, local, bench->radius, side);
+    room = vor_boundary_room(surface, bench->here.near, seeds->k, local,
+                             bench->radius / seeds->widen, side);
     if (seeds->keep_border && room < bench->radius)
         vor_cell_clip(cell, (double[3]){2 * room * side[0], 2 * room * side[1], 0});
     for (size_t j = 0; j < seeds->n; j++) {
@@ -70,14 +78,14 @@ static void clip_by_all(struct vor_cell *cell, const struct vor_seeds *seeds,
     }
 }
 
-static void compare_cells(struct vor_seeds *seeds, size_t i, size_t row)
+static void compare_cells(struct vor_seeds *seeds, size_t i)
 {
     static struct vor_cell all;
     struct vor_bench *bench = &seeds->bench[0];
     struct vor_moments found, expected;
     double patch;
 
-    ck_assert_int_ne(vor_seeds_cell(seeds, bench, i, row), VOR_SURFACE_NONE);
+    ck_assert_int_ne(vor_seeds_cell(seeds, bench, i), VOR_SURFACE_NONE);
     clip_by_all(&all, seeds, bench, i);
     ck_assert_int_eq(vor_cell_moments(&found, &bench->cell), vor_cell_moments(&expected, &all));
     if (!vor_cell_moments(&expected, &all))
@@ -100,14 +108,48 @@ START_TEST(a_cell_that_stops_at_the_security_radius_is_clipped_by_all_seeds)
 
             open_bed(&bed, (uint64_t)_i, 3000, counts[k]);
             bed.seeds.keep_border = keep;
-            for (size_t begin = 0; begin < bed.seeds.n; begin += VOR_SEEDS_BLOCK) {
-                size_t end = begin + VOR_SEEDS_BLOCK;
+            for (size_t i = 0; i < bed.seeds.n; i++)
+                compare_cells(&bed.seeds, i);
+            close_bed(&bed);
+        }
+}
+END_TEST
 
-                end = end < bed.seeds.n ? end : bed.seeds.n;
-                vor_seeds_search(&bed.seeds, &bed.seeds.bench[0], begin, end);
-                for (size_t i = begin; i < end; i++)
-                    compare_cells(&bed.seeds, i, i - begin);
-            }
+/* Sends `jumpers` of the seeds to where other ones are, a little beside, and moves the rest by less
+ * than what makes the lists anew. */
+static void jump(struct vor_seeds *seeds, uint64_t seed, size_t jumpers)
+{
+    float *moved = vor_malloc(&vt_memory, seeds->n, 3 * sizeof *moved);
+
+    move_all(moved, seeds, seed, 0.2 * seeds->swarm.spacing);
+    for (size_t j = 0; j < jumpers; j++) {
+        size_t who = (size_t)vor_rng_below(seed, 42, j, seeds->n);
+        size_t where = (size_t)vor_rng_below(seed, 43, j, seeds->n);
+
+        for (size_t c = 0; c < 3; c++)
+            moved[3 * who + c] = seeds->xyz[3 * where + c] +
+                                 (float)(0.5 * seeds->swarm.spacing * vt_unit(seed, 3 * j + c));
+    }
+    memcpy(seeds->xyz, moved, 3 * seeds->n * sizeof *moved);
+    vor_free(&vt_memory, moved);
+}
+
+START_TEST(a_cell_from_lists_of_before_is_clipped_by_all_seeds_as_they_are_now)
+{
+    static const size_t counts[3] = {15, 60, 500}, jumpers[4] = {0, 1, 5, 40};
+    static const double widen[4] = {1, 1.5, 1, 2};
+
+    for (int k = 0; k < 3; k++)
+        for (int j = 0; j < 4; j++) {
+            struct bed bed;
+
+            open_bed(&bed, (uint64_t)_i, 3000, counts[k]);
+            bed.seeds.widen = widen[j];
+            jump(&bed.seeds, (uint64_t)(10 * _i + j), jumpers[j]);
+            vt_assert_ok(vor_seeds_index(&bed.seeds, &vt_err));
+            ck_assert_uint_eq(bed.seeds.swarm.indexed, 1);
+            for (size_t i = 0; i < bed.seeds.n; i++)
+                compare_cells(&bed.seeds, i);
             close_bed(&bed);
         }
 }
@@ -121,12 +163,11 @@ START_TEST(a_sample_of_a_cell_is_nearest_to_its_own_seed)
 
     open_bed(&bed, (uint64_t)_i, 3000, 200);
     bench = &bed.seeds.bench[0];
-    vor_seeds_search(&bed.seeds, bench, 0, 200);
     for (size_t i = 0; i < 200; i++) {
         struct vor_moments moments;
         double unit[3], local[3], x[3], own = 0;
 
-        ck_assert_int_ne(vor_seeds_cell(&bed.seeds, bench, i, i), VOR_SURFACE_NONE);
+        ck_assert_int_ne(vor_seeds_cell(&bed.seeds, bench, i), VOR_SURFACE_NONE);
         if (!vor_cell_moments(&moments, &bench->cell))
             continue;
         for (size_t c = 0; c < 3; c++)
@@ -147,15 +188,6 @@ START_TEST(a_sample_of_a_cell_is_nearest_to_its_own_seed)
 }
 END_TEST
 
-static void search_all(struct vor_seeds *seeds)
-{
-    for (size_t begin = 0; begin < seeds->n; begin += VOR_SEEDS_BLOCK) {
-        size_t end = begin + VOR_SEEDS_BLOCK;
-
-        vor_seeds_search(seeds, &seeds->bench[0], begin, end < seeds->n ? end : seeds->n);
-    }
-}
-
 static double nearest_other(const float *xyz, size_t n, size_t i)
 {
     double best = INFINITY;
@@ -171,26 +203,6 @@ static double nearest_other(const float *xyz, size_t n, size_t i)
     return sqrt(best);
 }
 
-/* Moves up to `most` in any direction; the longest of them. */
-static double move_all(float *moved, const struct vor_seeds *seeds, uint64_t seed, double most)
-{
-    double longest = 0;
-
-    for (size_t i = 0; i < seeds->n; i++) {
-        double d2 = 0;
-
-        for (size_t c = 0; c < 3; c++) {
-            double d = most / sqrt(3) * (2 * vt_unit(seed, 3 * i + c) - 1);
-
-            moved[3 * i + c] = (float)((double)seeds->xyz[3 * i + c] + d);
-            d = (double)moved[3 * i + c] - (double)seeds->xyz[3 * i + c];
-            d2 += d * d;
-        }
-        longest = fmax(longest, sqrt(d2));
-    }
-    return longest;
-}
-
 START_TEST(nearest_distances_after_a_move_are_those_of_a_look_at_every_seed)
 {
     static const double moves[5] = {0, 0.001, 0.02, 0.2, 2};
@@ -202,12 +214,10 @@ START_TEST(nearest_distances_after_a_move_are_those_of_a_look_at_every_seed)
             struct vor_uniformity even, expected;
             size_t n = counts[k];
             float *moved = vor_malloc(&vt_memory, n, 4 * sizeof *moved), *nearest = moved + 3 * n;
-            double longest;
 
             open_bed(&bed, (uint64_t)_i, 2000, n);
-            search_all(&bed.seeds);
-            longest = move_all(moved, &bed.seeds, (uint64_t)(100 * k + m), moves[m]);
-            vt_assert_ok(vor_even_measure(&even, nearest, &bed.seeds, moved, longest, &vt_err));
+            move_all(moved, &bed.seeds, (uint64_t)(100 * k + m), moves[m]);
+            vt_assert_ok(vor_even_measure(&even, nearest, &bed.seeds, moved, &vt_err));
             for (size_t i = 0; i < n; i++) {
                 double brute = n > 1 ? nearest_other(moved, n, i) : 0;
 
@@ -229,7 +239,6 @@ START_TEST(a_crowd_that_scatters_is_measured_exactly)
     struct bed bed;
     struct vor_uniformity even;
     float *moved = vor_malloc(&vt_memory, ALL, 4 * sizeof *moved), *nearest = moved + 3 * ALL;
-    double longest;
 
     open_bed(&bed, 2, 2000, ALL);
     for (size_t i = 0; i < ALL; i++) {
@@ -242,10 +251,9 @@ START_TEST(a_crowd_that_scatters_is_measured_exactly)
         bed.seeds.xyz[3 * i + 2] = 0;
     }
     vt_assert_ok(vor_seeds_index(&bed.seeds, &vt_err));
-    search_all(&bed.seeds);
-    longest = move_all(moved, &bed.seeds, 7, 1e-3);
+    move_all(moved, &bed.seeds, 7, 1e-3);
     memcpy(moved, bed.seeds.xyz, SIDE * SIDE * 3 * sizeof *moved);
-    vt_assert_ok(vor_even_measure(&even, nearest, &bed.seeds, moved, longest, &vt_err));
+    vt_assert_ok(vor_even_measure(&even, nearest, &bed.seeds, moved, &vt_err));
     for (size_t i = SIDE * SIDE; i < ALL; i++) {
         double brute = nearest_other(moved, ALL, i);
 
@@ -261,6 +269,7 @@ int main(void)
     Suite *suite = suite_create("seeds_brute");
 
     vt_add_loop(suite, a_cell_that_stops_at_the_security_radius_is_clipped_by_all_seeds, SEEDS);
+    vt_add_loop(suite, a_cell_from_lists_of_before_is_clipped_by_all_seeds_as_they_are_now, SEEDS);
     vt_add_loop(suite, a_sample_of_a_cell_is_nearest_to_its_own_seed, SEEDS);
     vt_add_loop(suite, nearest_distances_after_a_move_are_those_of_a_look_at_every_seed, SEEDS);
     vt_add(suite, a_crowd_that_scatters_is_measured_exactly);

@@ -14,7 +14,8 @@ static void resample(struct vor_cloud *out, struct vor_report *report, const str
     vt_engine_open(&engine, 2);
     vt_engine_count(&engine, "points", points);
     vt_engine_set(&engine, "iterations", iterations);
-    vt_engine_set(&engine, "polish", "0"); /* the paper has none */
+    vt_engine_set(&engine, "anderson", "4"); /* as in the paper, and no polish */
+    vt_engine_set(&engine, "polish", "0");
     vt_engine_set(&engine, "boundary", boundary);
     vt_engine_resample(&engine, out, report, in);
     vt_engine_close(&engine);
