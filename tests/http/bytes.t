@@ -30,6 +30,7 @@ close $file or die "in.ply: $!";
 my %requests = (
     'PLY' => 'points=2500&iterations=12&format=ply&normals=fit',
     'Draco' => 'ratio=0.3&iterations=12&format=drc&seed=7',
+    'accelerated' => 'points=1500&iterations=8&format=ply&anderson=4&polish=10',
     'upsampled, plain Lloyd' => 'points=9000&iterations=4&format=ply&anderson=0&polish=0&boundary=free',
 );
 my %wanted;

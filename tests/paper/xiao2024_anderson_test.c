@@ -5,8 +5,9 @@
 
 enum { SEEDS = 4, PLAIN = 50 };
 
-static void trace_of(struct vt_trace *trace, const struct vor_cloud *in, const char *window,
-                     uint64_t seed)
+/* Without a window: the engine's own, which is momentum. */
+static void trace_points(struct vt_trace *trace, const struct vor_cloud *in, size_t points,
+                         const char *window, uint64_t seed)
 {
     struct vt_engine engine;
     struct vor_cloud out;
@@ -14,14 +15,21 @@ static void trace_of(struct vt_trace *trace, const struct vor_cloud *in, const c
 
     vt_engine_open(&engine, 2);
     vt_trace_attach(trace, &engine);
-    vt_engine_set(&engine, "points", "700");
+    vt_engine_count(&engine, "points", points);
     vt_engine_count(&engine, "iterations", PLAIN);
-    vt_engine_set(&engine, "anderson", window);
+    if (window != NULL)
+        vt_engine_set(&engine, "anderson", window);
     vt_engine_set(&engine, "polish", "0");
     vt_engine_count(&engine, "seed", (size_t)seed);
     vt_engine_resample(&engine, &out, &report, in);
     vor_cloud_free(&out);
     vt_engine_close(&engine);
+}
+
+static void trace_of(struct vt_trace *trace, const struct vor_cloud *in, const char *window,
+                     uint64_t seed)
+{
+    trace_points(trace, in, 700, window, seed);
 }
 
 /* Rows X10 and X11. */
@@ -37,6 +45,27 @@ START_TEST(fig_6_acceleration_reaches_fifty_plain_iterations_in_fewer_and_ends_n
     target = vt_trace_best(&plain, PLAIN + 1);
     ck_assert_uint_lt(vt_trace_reaches(&mixed, target), vt_trace_reaches(&plain, target));
     ck_assert_double_le(vt_trace_best(&mixed, PLAIN + 1), 1.05 * target);
+    vor_cloud_free(&in);
+}
+END_TEST
+
+/* Departure of core/method/cvt.h, where no window is given. */
+START_TEST(momentum_reaches_fifty_plain_iterations_in_thirty_and_before_the_mix)
+{
+    static struct vt_trace plain, mixed, momentum;
+    struct vor_cloud in;
+    double target;
+
+    if (_i % 2)
+        vt_cloud_sphere(&in, (uint64_t)_i, 14000);
+    else
+        vt_cloud_box(&in, (uint64_t)_i, 14000);
+    trace_points(&plain, &in, 2800, "0", (uint64_t)_i);
+    trace_points(&mixed, &in, 2800, "4", (uint64_t)_i);
+    trace_points(&momentum, &in, 2800, NULL, (uint64_t)_i);
+    target = vt_trace_best(&plain, PLAIN + 1);
+    ck_assert_uint_le(vt_trace_reaches(&momentum, target), 30);
+    ck_assert_uint_lt(vt_trace_reaches(&momentum, target), vt_trace_reaches(&mixed, target));
     vor_cloud_free(&in);
 }
 END_TEST
@@ -84,6 +113,7 @@ int main(void)
 
     vt_add_loop(suite, fig_6_acceleration_reaches_fifty_plain_iterations_in_fewer_and_ends_no_worse,
                 SEEDS);
+    vt_add_loop(suite, momentum_reaches_fifty_plain_iterations_in_thirty_and_before_the_mix, SEEDS);
     vt_add_loop(suite, eq_12_an_accelerated_iteration_is_at_least_as_even_as_the_plain_one, SEEDS);
     vt_add_loop(suite, no_window_makes_the_iteration_diverge, SEEDS);
     return vt_run(suite);

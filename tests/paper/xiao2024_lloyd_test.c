@@ -86,6 +86,7 @@ START_TEST(the_cells_cover_a_sphere)
     vt_engine_open(&engine, 2);
     vt_engine_set(&engine, "points", "800");
     vt_engine_set(&engine, "iterations", "10");
+    vt_engine_set(&engine, "anderson", "4");
     vt_engine_set(&engine, "anderson", "4"); /* as in the paper, and no polish */
     vt_engine_set(&engine, "polish", "0");
     vt_engine_resample(&engine, &out, &report, &in);

@@ -110,6 +110,7 @@ START_TEST(a_plateau_ends_the_default_only)
 
     open_job(&job);
     vt_engine_set(&job.engine, "points", "12");
+    vt_engine_set(&job.engine, "polish", "0");
     run_job(&job);
     ck_assert_int_eq(job.report.stopped, VOR_STOPPED_PLATEAU);
     ck_assert_uint_gt(job.report.iterations, 10);
@@ -122,6 +123,28 @@ START_TEST(a_plateau_ends_the_default_only)
     ck_assert_int_eq(job.report.stopped, VOR_STOPPED_ITERATIONS);
     ck_assert_uint_eq(job.report.iterations, 100);
     close_job(&job);
+}
+END_TEST
+
+/* What the request does not name is left to the engine: how it iterates, and that it polishes. */
+START_TEST(a_request_without_more_iterates_briefly_and_is_polished)
+{
+    for (size_t points = 12; points <= 600; points *= 7) {
+        struct job job;
+        const double *value = job.report.parameters.value;
+
+        open_job(&job);
+        vt_engine_count(&job.engine, "points", points);
+        run_job(&job);
+        ck_assert_uint_gt(job.report.iterations, 0);
+        ck_assert_uint_le(job.report.iterations, 20);
+        ck_assert(job.report.stopped == VOR_STOPPED_ITERATIONS ||
+                  job.report.stopped == VOR_STOPPED_PLATEAU);
+        ck_assert_uint_eq(job.report.polish_steps, (uint32_t)value[VOR_PARAM_POLISH]);
+        ck_assert_uint_gt(job.report.polish_steps, 0);
+        ck_assert(!vor_spec_given(&job.report.parameters, VOR_PARAM_ANDERSON));
+        close_job(&job);
+    }
 }
 END_TEST
 
@@ -447,6 +470,7 @@ int main(void)
     vt_add(suite, every_reason_to_stop_has_its_word);
     vt_add(suite, explicit_iterations_are_run_to_the_last);
     vt_add(suite, a_plateau_ends_the_default_only);
+    vt_add(suite, a_request_without_more_iterates_briefly_and_is_polished);
     vt_add(suite, a_delta_ends_the_run_at_the_first_iterate_that_reaches_it);
     vt_add(suite, a_budget_of_seconds_ends_the_run_by_the_watchs_clock);
     vt_add(suite, without_a_clock_no_budget_ends_the_run);

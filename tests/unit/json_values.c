@@ -121,7 +121,7 @@ START_TEST(a_report_has_its_shape)
         "\"spacing\":0.25,\"min_over_mean\":0.75,\"max_over_mean\":1.25,\"six_share\":0.875,"
         "\"bisectors_per_cell\":6.5,\"triangles_per_cell\":24.5,\"queries\":10000000000,"
         "\"list_rebuilds\":11,\"parameters\":{\"points\":5000,\"method\":\"cvt\",\"patch\":"
-        "\"quadric\",\"neighbors\":20,\"anderson\":4,\"polish\":60,\"boundary\":\"keep\","
+        "\"quadric\",\"neighbors\":20,\"polish\":60,\"boundary\":\"keep\","
         "\"seed\":1,\"quantization\":\"auto\",\"compression\":7,\"attributes\":\"nearest\","
         "\"normals\":\"nearest\"}}");
 }
