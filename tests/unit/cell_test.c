@@ -35,6 +35,10 @@ static void clip(struct vor_cell *cell, double x, double y, double z)
 
 START_TEST(a_disc_of_any_rings_is_a_hexagon_of_6_rings2_triangles)
 {
+    struct vor_disc none;
+
+    vor_disc_init(&none, 0);
+    ck_assert(none.triangle_count == 0 && none.vertex_count == 1);
     for (unsigned rings = 1; rings <= VOR_RINGS_MAX; rings++) {
         struct vor_disc disc;
         double area = 0;
@@ -85,7 +89,7 @@ START_TEST(an_unclipped_patch_has_the_moments_of_a_hexagon)
     struct vor_cell cell;
     struct vor_moments m;
 
-    for (unsigned rings = 1; rings <= VOR_RINGS_MAX; rings++) {
+    for (unsigned rings = 0; rings <= VOR_RINGS_MAX; rings++) {
         begin_flat(&cell, rings, seed, radius);
         ck_assert(vor_cell_moments(&m, &cell));
         ck_assert_double_eq_tol(m.area, HEXAGON_AREA * 4, 1e-12);
@@ -105,7 +109,7 @@ START_TEST(four_neighbours_leave_the_unit_square)
     struct vor_cell cell;
     struct vor_moments m;
 
-    for (unsigned rings = 1; rings <= VOR_RINGS_MAX; rings++) {
+    for (unsigned rings = 0; rings <= VOR_RINGS_MAX; rings++) {
         begin_flat(&cell, rings, seed, 2);
         clip(&cell, 1, 0, 0);
         clip(&cell, -1, 0, 0);
@@ -336,6 +340,135 @@ START_TEST(area_and_energy_converge_with_the_rings)
 }
 END_TEST
 
+/* A surface of random slopes that bends by `bend` over a radius of 1, and a place above it. */
+static struct vor_surface sloping(double seed[3], uint64_t random, double bend)
+{
+    struct vor_surface surface = flat(0);
+    double sum = 0;
+
+    surface.kind = VOR_SURFACE_QUADRIC;
+    surface.reach = 10;
+    for (uint64_t c = 0; c < 3; c++) {
+        surface.c[c] = vt_unit(random, c) - 0.5;
+        surface.c[3 + c] = vt_unit(random, 3 + c) - 0.5;
+        sum += fabs(surface.c[3 + c]);
+    }
+    for (int c = 3; c < 6; c++)
+        surface.c[c] *= bend / sum;
+    seed[0] = 0.4 * vt_unit(random, 6) - 0.2;
+    seed[1] = 0.4 * vt_unit(random, 7) - 0.2;
+    seed[2] = vor_surface_height(&surface, seed[0], seed[1], NULL);
+    return surface;
+}
+
+/* The cell of a seed among eight neighbours on the surface, all around it and so near that the
+ * patch of radius 1 has no part in its border; lifted: how far the seed lies above. */
+static struct vor_moments among_eight(struct vor_cell *cell, uint64_t random, double bend,
+                                      double lifted, unsigned rings)
+{
+    struct vor_moments m;
+    struct vor_disc disc;
+    double seed[3];
+    struct vor_surface surface = sloping(seed, random, bend);
+
+    seed[2] += lifted;
+    vor_disc_init(&disc, rings);
+    vor_cell_begin(cell, &disc, &surface, seed, 1);
+    for (uint64_t i = 0; i < 8; i++) {
+        double angle = M_PI / 4 * ((double)i + 0.6 * vt_unit(random, 10 + 2 * i));
+        double length = 0.5 + 0.3 * vt_unit(random, 11 + 2 * i);
+        double u = length * cos(angle), v = length * sin(angle);
+
+        clip(cell, u, v, vor_surface_height(&surface, seed[0] + u, seed[1] + v, NULL) - seed[2]);
+    }
+    ck_assert(vor_cell_moments(&m, cell));
+    return m;
+}
+
+START_TEST(in_a_plane_the_flat_cell_is_the_one_of_any_rings)
+{
+    struct vor_cell cell;
+
+    for (int lifted = -1; lifted <= 1; lifted++) {
+        struct vor_moments one = among_eight(&cell, (uint64_t)_i, 0, 0.1 * lifted, 0);
+
+        ck_assert_uint_eq(cell.count, 1);
+        ck_assert_double_lt(cell.radius2, 0.75);
+        for (unsigned rings = 1; rings <= VOR_RINGS_MAX; rings++) {
+            struct vor_moments m = among_eight(&cell, (uint64_t)_i, 0, 0.1 * lifted, rings);
+
+            ck_assert_double_eq_tol(m.area, one.area, 1e-13);
+            ck_assert_double_eq_tol(m.energy, one.energy, 1e-13);
+            for (int c = 0; c < 3; c++)
+                ck_assert_double_eq_tol(m.centroid[c], one.centroid[c], 1e-13);
+        }
+    }
+}
+END_TEST
+
+/* How far the flat cell is off the finest one: shares of its area and energy, and its centroid's
+ * distance along the surface. */
+static double flat_error(uint64_t random, double bend)
+{
+    struct vor_cell cell;
+    struct vor_moments one = among_eight(&cell, random, bend, 0, 0);
+    struct vor_moments m = among_eight(&cell, random, bend, 0, VOR_RINGS_MAX);
+    double centroid = hypot(one.centroid[0] - m.centroid[0], one.centroid[1] - m.centroid[1]);
+    double area = fabs(one.area / m.area - 1), energy = fabs(one.energy / m.energy - 1);
+
+    return fmax(fmax(area, energy), centroid);
+}
+
+/* Where the engine takes it, the bend is at most 0.3; what it costs falls with the bend, and for
+ * the worst of the surfaces with its square. */
+START_TEST(on_a_gentle_quadric_the_flat_cell_is_near_the_finest)
+{
+    double most[3] = {0}, bend = 0.3;
+
+    for (int k = 0; k < 3; k++, bend /= 2)
+        for (uint64_t random = 0; random < 200; random++)
+            most[k] = fmax(most[k], flat_error(random, bend));
+    ck_assert_double_lt(most[0], 0.02);
+    ck_assert_double_lt(most[1], 0.3 * most[0]);
+    ck_assert_double_lt(most[2], 0.3 * most[1]);
+    ck_assert_double_gt(most[2], 0); /* or the finest was flat, too */
+}
+END_TEST
+
+START_TEST(the_flat_hexagon_is_regular_and_in_the_tangent_plane)
+{
+    double seed[3], normal[3], lifted = 0.3 * vt_unit((uint64_t)_i, 40), radius = 0.7;
+    struct vor_surface surface = sloping(seed, (uint64_t)_i, 0.5);
+    struct vor_disc disc;
+    struct vor_cell cell;
+    struct vor_moments m;
+    const double(*corner)[3] = (const double(*)[3])cell.piece[0].vertex;
+
+    vor_surface_normal(&surface, seed, normal);
+    seed[2] += lifted;
+    vor_disc_init(&disc, 0);
+    vor_cell_begin(&cell, &disc, &surface, seed, radius);
+    ck_assert(cell.count == 1 && cell.piece[0].count == 6 && cell.bisectors == 0);
+    for (int i = 0; i < 6; i++) {
+        const double *a = corner[i], *b = corner[(i + 1) % 6];
+        double foot[3] = {a[0], a[1], a[2] + lifted}, turn[3];
+        double side[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+
+        ck_assert_double_le(fabs(vor_dot(foot, normal)), 1e-14);
+        ck_assert_double_eq_tol(vor_dot(foot, foot), radius * radius, 1e-14);
+        ck_assert_double_eq_tol(vor_dot(side, side), radius * radius, 1e-14);
+        vor_cross(turn, foot, side);
+        ck_assert_double_gt(vor_dot(turn, normal), 0); /* counter-clockwise, as the rings */
+        ck_assert_double_le(vor_dot(a, a), cell.radius2);
+    }
+    ck_assert(cell.radius2 == cell.piece[0].radius2);
+    ck_assert(vor_cell_moments(&m, &cell));
+    ck_assert_double_eq_tol(m.area, HEXAGON_AREA * radius * radius, 1e-13);
+    for (int c = 0; c < 3; c++)
+        ck_assert_double_eq_tol(m.centroid[c], seed[c] - (c == 2 ? lifted : 0), 1e-13);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("cell");
@@ -352,5 +485,8 @@ int main(void)
     vt_add_loop(suite, samples_are_even_over_the_cell, SEEDS);
     vt_add_loop(suite, a_cell_depends_on_its_bisectors_but_not_on_their_order, SEEDS);
     vt_add(suite, area_and_energy_converge_with_the_rings);
+    vt_add_loop(suite, in_a_plane_the_flat_cell_is_the_one_of_any_rings, SEEDS);
+    vt_add(suite, on_a_gentle_quadric_the_flat_cell_is_near_the_finest);
+    vt_add_loop(suite, the_flat_hexagon_is_regular_and_in_the_tangent_plane, SEEDS);
     return vt_run(suite);
 }
