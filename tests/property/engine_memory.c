@@ -1,0 +1,152 @@
+/* What a run allocates: so much for each point of the input and of the result, and nothing more
+ * while it iterates. */
+#include "tests/support/vt_engine.h"
+
+#include <string.h>
+
+enum { RECORDS = 160 };
+
+/* Bytes at the peak, the caller's clouds apart. The index and what is sorted for it; two sets of
+ * seeds with their lists, since a start by areas has one of its own; a bench for each thread, of
+ * either set. */
+#define EACH_IN 62
+#define EACH_OUT(neighbors) (12 * (neighbors) + 715)
+#define EACH_THREAD (160 << 10)
+#define ELSE (16 << 10)
+
+/* The allocator as each record finds it. */
+struct log {
+    struct vor_memory memory;
+    struct vor_watch watch;
+    unsigned count;
+    struct vor_record record[RECORDS];
+    size_t calls[RECORDS], used[RECORDS];
+};
+
+static enum vor_answer note(void *ctx, const struct vor_record *record)
+{
+    struct log *log = ctx;
+
+    ck_assert_uint_lt(log->count, RECORDS);
+    log->record[log->count] = *record;
+    log->calls[log->count] = atomic_load(&log->memory.calls);
+    log->used[log->count++] = atomic_load(&log->memory.used);
+    return VOR_CONTINUE;
+}
+
+struct request {
+    size_t in, out;
+    unsigned threads;
+    const char *neighbors, *iterations, *anderson, *polish; /* NULL: not given */
+};
+
+static void set(struct vt_engine *engine, const char *name, const char *text)
+{
+    if (text != NULL)
+        vt_engine_set(engine, name, text);
+}
+
+/* One run on a box; the number of times that the lists were made. */
+static uint64_t run(struct log *log, const struct request *request)
+{
+    struct vt_engine engine;
+    struct vor_cloud in, out;
+    struct vor_report report;
+
+    memset(log, 0, sizeof *log);
+    vor_memory_init(&log->memory, SIZE_MAX);
+    log->watch = (struct vor_watch){.ctx = log, .progress = note};
+    vt_engine_open(&engine, request->threads);
+    engine.run.memory = &log->memory;
+    engine.run.watch = &log->watch;
+    vt_cloud_box(&in, 1, request->in);
+    vt_engine_count(&engine, "points", request->out);
+    set(&engine, "neighbors", request->neighbors);
+    set(&engine, "iterations", request->iterations);
+    set(&engine, "anderson", request->anderson);
+    set(&engine, "polish", request->polish);
+    vt_engine_resample(&engine, &out, &report, &in);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    ck_assert_uint_eq(atomic_load(&log->memory.used), 0);
+    return report.list_rebuilds;
+}
+
+/* The sentence of core/engine.h on memory. */
+START_TEST(a_run_needs_so_many_bytes_a_point)
+{
+    static const size_t points[9][2] = {{20000, 100},   {80000, 100},  {80000, 7000},
+                                        {20000, 2000},  {20000, 5000}, {20000, 20000},
+                                        {10000, 30000}, {2000, 32000}, {300, 300}};
+    static struct log log;
+
+    for (int k = 0; k < 2; k++) {
+        size_t neighbors = k ? 40 : 20;
+        struct request request = {points[_i][0], points[_i][1], k ? 3 : 1, k ? "40" : "20",
+                                  "3",           NULL,          "2"};
+        size_t bound = request.in * EACH_IN + request.out * EACH_OUT(neighbors) +
+                       request.threads * EACH_THREAD + ELSE;
+
+        (void)run(&log, &request);
+        ck_assert_uint_le(atomic_load(&log.memory.peak), bound);
+    }
+}
+END_TEST
+
+/* Twice the input or twice the result may cost what one more of either does, no more. */
+START_TEST(the_bytes_grow_with_the_points_and_not_faster)
+{
+    static struct log log;
+    struct request request = {10000, 2500, 2, "20", "3", NULL, "2"};
+    size_t once, twice;
+
+    (void)run(&log, &request);
+    once = atomic_load(&log.memory.peak);
+    request.in *= 2;
+    (void)run(&log, &request);
+    twice = atomic_load(&log.memory.peak);
+    ck_assert_uint_le(twice, once + 10000 * EACH_IN);
+    request.out *= 2;
+    (void)run(&log, &request);
+    ck_assert_uint_le(atomic_load(&log.memory.peak), twice + 2500 * EACH_OUT(20));
+}
+END_TEST
+
+/* From the first iteration on, and from the first record of the polish on, as much is in use at
+ * every record, and the allocator is asked only when the points' index is made anew or a candidate
+ * gets one: in the first few iterations. */
+START_TEST(after_the_first_iteration_nothing_is_allocated_but_indices)
+{
+    static const char *const anderson[3] = {NULL, "4", "0"};
+    const struct request request = {6000, 1500, 2, "20", "40", anderson[_i], "100"};
+    static struct log log;
+    uint64_t lists = run(&log, &request);
+    unsigned asked = 0, polished = 0;
+
+    ck_assert_uint_eq(log.count, 41 + 10);
+    for (unsigned i = 2; i <= 40; i++) {
+        ck_assert_uint_eq(log.used[i], log.used[1]);
+        ck_assert_uint_le(log.calls[i] - log.calls[i - 1], 3);
+        asked += log.calls[i] != log.calls[i - 1];
+    }
+    ck_assert_uint_le(log.calls[40] - log.calls[1], lists);
+    ck_assert_uint_le(asked, 12);
+    for (unsigned i = 42; i < log.count; i++) {
+        ck_assert_uint_eq(log.used[i], log.used[41]);
+        polished += log.calls[i] - log.calls[i - 1] > 0;
+    }
+    ck_assert_uint_le(log.calls[log.count - 1] - log.calls[41], lists);
+    ck_assert_uint_le(polished, 5);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("engine_memory");
+
+    vt_add_loop(suite, a_run_needs_so_many_bytes_a_point, 9);
+    vt_add(suite, the_bytes_grow_with_the_points_and_not_faster);
+    vt_add_loop(suite, after_the_first_iteration_nothing_is_allocated_but_indices, 3);
+    return vt_run(suite);
+}
