@@ -11,8 +11,8 @@ enum { RECORDS = 160 };
  * own, where the input is not ten times as many; or while iterating the candidates, the momentum
  * and a second index of them; a bench for each thread and set. */
 #define EACH_IN 61
-#define EACH_SEED(k) (6 * (k) + 357)
-#define EACH_ITERATED(k) (6 * (k) + 465)
+#define EACH_SEED(k) (6 * (k) + 373)
+#define EACH_ITERATED(k) (6 * (k) + 481)
 #define EACH_THREAD (160 << 10)
 #define ELSE (16 << 10)
 
