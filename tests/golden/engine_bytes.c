@@ -12,10 +12,10 @@ enum { N = 3000, OUT = 800 };
 
 /* What a fixed cloud comes to without the polish. When a change of the engine is meant to change
  * its results, run this program and write down what it prints. */
-#define GOLDEN_KEEP UINT64_C(0x3a691a12b700dfdc)
-#define GOLDEN_FREE UINT64_C(0xa3c1f7d4a5ba8113)
-#define GOLDEN_RIM UINT64_C(0xfbb0f048e4b6115e)
-#define GOLDEN_MORE UINT64_C(0x6f028fea255a93cd)
+#define GOLDEN_KEEP UINT64_C(0xe8539a5417f99b7b)
+#define GOLDEN_FREE UINT64_C(0xb844c5e34be5371b)
+#define GOLDEN_RIM UINT64_C(0x05bfdcd8f920a35d)
+#define GOLDEN_MORE UINT64_C(0x97aea9f3e4bb11a2)
 
 struct result {
     uint64_t positions, normals, report;

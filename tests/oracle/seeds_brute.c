@@ -155,52 +155,56 @@ START_TEST(a_cell_from_lists_of_before_is_clipped_by_all_seeds_as_they_are_now)
 }
 END_TEST
 
-/* What is recalled of a seed that moved less than the slack is its last fit, and only where no
+/* What is recalled of a seed that moved less than allowed is its last fit, and only where no
  * border is near; beyond that it is fitted anew. */
 START_TEST(a_seed_is_recalled_where_it_was_fitted_and_no_border_is_near)
 {
     enum { ALL = 300 };
-    struct bed bed, twin;
+    const double allowed = 0.2;
+    struct bed bed;
+    struct vor_seeds twin;
     struct vor_bench *bench, *fresh;
     size_t interior = 0, border = 0;
 
     open_bed(&bed, (uint64_t)_i, 3000, ALL);
-    open_bed(&twin, (uint64_t)_i, 3000, ALL);
+    vt_assert_ok(vor_seeds_init(&twin, &bed.domain, ALL, 20, &bed.engine.run, &vt_err));
+    memcpy(twin.xyz, bed.seeds.xyz, 3 * ALL * sizeof *twin.xyz);
     bench = &bed.seeds.bench[0];
-    fresh = &twin.seeds.bench[0];
+    fresh = &twin.bench[0];
     for (size_t i = 0; i < ALL; i++) {
         const struct vor_surface *surface = &fresh->here.surface;
-        float *x = &bed.seeds.xyz[3 * i], *y = &twin.seeds.xyz[3 * i];
+        float *x = &bed.seeds.xyz[3 * i], *y = &twin.xyz[3 * i];
         double radius = 1.5 * bed.seeds.swarm.spacing, at[3], local[3], side[2];
-        float slack;
+        float step;
 
-        ck_assert_int_eq(vor_seeds_fit(&twin.seeds, fresh, i), VOR_SURFACE_QUADRIC);
+        ck_assert_int_eq(vor_seeds_fit(&twin, fresh, i), VOR_SURFACE_QUADRIC);
         for (int time = 0; time < 2; time++) {
-            ck_assert_int_eq(vor_seeds_recall(&bed.seeds, bench, i, radius), VOR_SURFACE_QUADRIC);
+            ck_assert_int_eq(vor_seeds_recall(&bed.seeds, bench, i, radius, allowed),
+                             VOR_SURFACE_QUADRIC);
             ck_assert(memcmp(&bench->here.surface, surface, sizeof *surface) == 0);
         }
-        vor_seeds_position(&twin.seeds, i, at);
+        vor_seeds_position(&twin, i, at);
         vor_surface_to_local(surface, at, local);
-        ck_assert_int_eq(bench->interior,
-                         vor_boundary_inside(surface, fresh->here.near, twin.seeds.k, at) &&
-                             isinf(vor_boundary_room(surface, fresh->here.near, twin.seeds.k, local,
-                                                     radius, side)));
+        ck_assert_int_eq(
+            bench->interior,
+            vor_boundary_inside(surface, fresh->here.near, twin.k, at) &&
+                isinf(vor_boundary_room(surface, fresh->here.near, twin.k, local, radius, side)));
         interior += bench->interior != 0;
         border += bench->interior == 0;
-        slack = (float)(VOR_SEEDS_SLACK * surface->spacing);
-        x[0] = y[0] = y[0] + 0.9f * slack;
-        (void)vor_seeds_recall(&bed.seeds, bench, i, radius);
+        step = (float)(allowed * surface->spacing);
+        x[0] = y[0] = y[0] + 0.9f * step;
+        (void)vor_seeds_recall(&bed.seeds, bench, i, radius, allowed);
         if (bench->interior && bed.seeds.kept[i].place[0] != x[0])
             ck_assert(memcmp(&bench->here.surface, surface, sizeof *surface) == 0);
-        x[0] = y[0] = y[0] + 5 * slack;
-        ck_assert_int_eq(vor_seeds_recall(&bed.seeds, bench, i, radius),
-                         vor_seeds_fit(&twin.seeds, fresh, i));
+        x[0] = y[0] = y[0] + 5 * step;
+        ck_assert_int_eq(vor_seeds_recall(&bed.seeds, bench, i, radius, allowed),
+                         vor_seeds_fit(&twin, fresh, i));
         ck_assert(memcmp(bed.seeds.kept[i].place, x, 3 * sizeof *x) == 0);
     }
     ck_assert_uint_gt(interior, ALL / 2);
     if (_i % 2) /* a dome has a border */
         ck_assert_uint_gt(border, 0);
-    close_bed(&twin);
+    vor_seeds_free(&twin);
     close_bed(&bed);
 }
 END_TEST
