@@ -65,6 +65,12 @@ struct vor_report {
  *  @retval VOR_E_NOMEM      the job does not fit under its cap
  *  @retval VOR_E_CANCELLED  the watch answered VOR_CANCEL
  *
+ *  Memory: at most 61 bytes for each input point (position, order, index), and for each point of
+ *  the result 6 k + 373 (surface, lists, index; k neighbors), twice that while the start is drawn
+ *  from cells, that is unless the input has ten times as many points; then 6 k + 481 while
+ *  iterating. 160 KiB a thread. After the first iteration nothing is allocated but the points'
+ *  index when it is made anew.
+ *
  *  Cost: O(N log N) for the index, O(n) an iteration. Thread-safe. The same bytes for any number of
  *  threads, unless a time budget or the caller ended the run. */
 VOR_NODISCARD vor_status vor_engine_run(struct vor_cloud *out, struct vor_report *report,

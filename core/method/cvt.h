@@ -6,11 +6,12 @@
  *
  *  Departure: without a window, seeds go 1.5 times the way to the centroid and keep up to 0.6 of
  * their last step (the heavy ball of Polyak 1964; over-relaxed Lloyd of Du and Emelianenko 2006).
- * Measured, that reaches the delta of 50 Lloyd iterations in 18 to 21, the mix in 37 to 46, and
- * keeps one vector where the mix keeps ten. Departure: of Eq. 12 the smaller delta is taken, as the
- * text says and the formula does not. Departure: the mix keeps to the tangent plane at the
- * projected centroid and within half a spacing of it; points at the border take no part in it.
- * Departure: the result is the most even iterate of all.
+ * Measured on closed clouds of 2,000 to 20,000 points, that reaches the delta of 50 Lloyd
+ * iterations in 15 to 28, the mix in 26 to 50, and keeps one vector where the mix keeps ten.
+ * Departure: of Eq. 12 the smaller delta is taken, as the text says and the formula does not.
+ * Departure: the mix keeps to the tangent plane at the projected centroid and within half a spacing
+ * of it; points at the border take no part in it. Departure: the result is the most even iterate of
+ * all.
  *
  *  Not done here: density, anisotropy, other norms. */
 #ifndef VOR_METHOD_CVT_H

@@ -22,7 +22,7 @@ enum {
 #define FORCE_REACH 2.0 /* spacings that the repulsion reaches */
 #define HOLE 0.65       /* pitches from a hole's middle to the points around it: more is too wide */
 #define HOLE_EXCESS 0.15 /* pitches beyond that count no more */
-#define HOLE_PULL 0.15    /* share of the excess that one step goes */
+#define HOLE_PULL 0.15   /* share of the excess that one step goes */
 #define BORDER_ROOM 0.6  /* spacings of room: with less, a point is at the border */
 #define SLACK 0.5    /* input spacings that a point may move before its surface is fitted anew */
 #define INTERIOR 1.5 /* spacings from the border: farther than that, it is not looked for */

@@ -233,6 +233,11 @@ static void clip_more(const struct vor_seeds *seeds, struct vor_bench *bench, si
     size_t width = 2 * (seeds->swarm.listed + 1), done = 0;
     double sure = bench->crowd.sure;
 
+    /* Of the jumpers, the crowd has only those nearer than it is sure of. */
+    if (!(sure > 0 && vor_cell_secure(&bench->cell, sure * sure)))
+        for (unsigned j = 0; j < seeds->view.jumpers; j++)
+            if (seeds->view.jumper[j] != i)
+                (void)clip_by(seeds, bench, i, seeds->view.jumper[j]);
     while (!(sure > 0 && vor_cell_secure(&bench->cell, sure * sure)) && done < seeds->n &&
            done < VOR_SEEDS_MORE_MAX) {
         width = width < VOR_SEEDS_MORE_MAX ? width : VOR_SEEDS_MORE_MAX;
