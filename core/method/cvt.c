@@ -126,7 +126,7 @@ static void shorten_cell(const struct cvt *cvt, struct vor_bench *bench,
 static int outside(const struct cvt *cvt, struct vor_bench *bench, struct vor_border *border,
                    double x[3])
 {
-    if (vor_seeds_fit_at(cvt->seeds, &bench->there, x) == VOR_SURFACE_NONE)
+    if (vor_seeds_fit_at(cvt->seeds, bench, &bench->there, x) == VOR_SURFACE_NONE)
         return 0;
     vor_seeds_project(&bench->there.surface, x);
     vor_seeds_border(cvt->seeds, bench, border, x);

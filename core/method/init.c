@@ -72,7 +72,7 @@ static void pull_in(const struct vor_seeds *seeds, struct vor_bench *bench, doub
 {
     struct vor_border border;
 
-    if (vor_seeds_fit_at(seeds, &bench->there, x) == VOR_SURFACE_NONE)
+    if (vor_seeds_fit_at(seeds, bench, &bench->there, x) == VOR_SURFACE_NONE)
         return;
     vor_seeds_project(&bench->there.surface, x);
     vor_seeds_border(seeds, bench, &border, x);

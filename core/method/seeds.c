@@ -140,14 +140,15 @@ enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_bench
     return bench->here.surface.kind;
 }
 
-enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_place *place,
-                                       const double x[3])
+enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_bench *bench,
+                                       struct vor_place *place, const double x[3])
 {
     float query[3] = {(float)x[0], (float)x[1], (float)x[2]};
     uint32_t index[VOR_NEIGHBORS_MAX];
     float distance2[VOR_NEIGHBORS_MAX];
 
     vor_knn_search(seeds->domain->knn, query, 1, seeds->k, index, distance2);
+    bench->queries++;
     gather(seeds, place, index);
     vor_surface_fit(&place->surface, place->near, seeds->k);
     return place->surface.kind;
@@ -171,7 +172,7 @@ void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
     *border = (struct vor_border){&there->surface, there->near, seeds->k, there->surface.spacing};
     if (vor_boundary_inside(&there->surface, there->near, seeds->k, x))
         return;
-    if (vor_seeds_fit_at(seeds, &bench->foot, foot) != VOR_SURFACE_NONE)
+    if (vor_seeds_fit_at(seeds, bench, &bench->foot, foot) != VOR_SURFACE_NONE)
         border->spacing = bench->foot.surface.spacing;
 }
 

@@ -97,9 +97,9 @@ enum vor_surface_kind vor_seeds_cell(struct vor_seeds *seeds, struct vor_bench *
 /** The mesh for a patch of bench->radius on the surface of bench->here. */
 const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds, const struct vor_bench *bench);
 
-/** Gathers a place around any x, by a search of its own. */
-enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_place *place,
-                                       const double x[3]);
+/** Gathers a place of the bench, there or foot, around any x, by a search of its own. */
+enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_bench *bench,
+                                       struct vor_place *place, const double x[3]);
 
 /** A tangential offset of about that length for two seeds that lie at the same place, opposite for
  *  (j, i), so that they part: from what i and j are, nothing else. */

@@ -12,7 +12,7 @@ static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
         double x[3];
 
         vor_seeds_position(seeds, i, x);
-        if (vor_seeds_fit_at(seeds, &bench->there, x) == VOR_SURFACE_NONE)
+        if (vor_seeds_fit_at(seeds, bench, &bench->there, x) == VOR_SURFACE_NONE)
             continue;
         vor_seeds_border(seeds, bench, &border, x);
         if (vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x))
