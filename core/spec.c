@@ -195,7 +195,7 @@ int vor_spec_given(const struct vor_spec *spec, enum vor_parameter parameter)
 
 uint32_t vor_spec_iterations(const struct vor_spec *spec)
 {
-    enum { BEFORE_POLISH = 20, ALONE = 100 };
+    enum { BEFORE_POLISH = 12, ALONE = 100 };
 
     if (vor_spec_given(spec, VOR_PARAM_ITERATIONS))
         return (uint32_t)spec->value[VOR_PARAM_ITERATIONS];

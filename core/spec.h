@@ -32,7 +32,7 @@ enum vor_kind {
     X(METHOD, method, CHOICE, "", 0, 0, 0, "cvt", "How the points are spread")                     \
     X(PATCH, patch, CHOICE, "", 0, 0, 0, "quadric", "Local surface that stands for the input")     \
     X(ITERATIONS, iterations, COUNT, "", 0, 10000, VOR_UNSET, "",                                  \
-      "Iterations; not given: at most 20, or 100 where no polish follows, and the plateau")        \
+      "Iterations; not given: at most 12, or 100 where no polish follows, and the plateau")        \
     X(DELTA, delta, REAL, "", 0, 10, VOR_UNSET, "", "Stop once delta is this low")                 \
     X(SECONDS, seconds, REAL, "s", 0, 86400, VOR_UNSET, "", "Stop after this much time")           \
     X(NEIGHBORS, neighbors, COUNT_OR_AUTO, "points", 6, 500, 20, "",                               \
@@ -120,7 +120,7 @@ const char *vor_spec_text(const struct vor_spec *spec, enum vor_parameter parame
 /** True when the parameter has a value (given, or by default); auto counts as one. */
 int vor_spec_given(const struct vor_spec *spec, enum vor_parameter parameter);
 
-/** Iterations that the request allows: those given, else 20 where a polish follows and 100 where
+/** Iterations that the request allows: those given, else 12 where a polish follows and 100 where
  * none does. */
 uint32_t vor_spec_iterations(const struct vor_spec *spec);
 

@@ -137,7 +137,7 @@ START_TEST(a_request_without_more_iterates_briefly_and_is_polished)
         vt_engine_count(&job.engine, "points", points);
         run_job(&job);
         ck_assert_uint_gt(job.report.iterations, 0);
-        ck_assert_uint_le(job.report.iterations, 20);
+        ck_assert_uint_le(job.report.iterations, 12);
         ck_assert(job.report.stopped == VOR_STOPPED_ITERATIONS ||
                   job.report.stopped == VOR_STOPPED_PLATEAU);
         ck_assert_uint_eq(job.report.polish_steps, (uint32_t)value[VOR_PARAM_POLISH]);

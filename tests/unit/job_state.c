@@ -99,7 +99,7 @@ START_TEST(the_polish_has_its_share_of_the_progress)
 }
 END_TEST
 
-/* A plateau after 8 of the 20 iterations of the default: those that did not come are done as well.
+/* A plateau after 8 of the 12 iterations of the default: those that did not come are done as well.
  */
 START_TEST(the_polish_ends_the_iterations_for_the_progress)
 {
@@ -109,10 +109,10 @@ START_TEST(the_polish_ends_the_iterations_for_the_progress)
 
     vor_job_progress(job, &last, 1000);
     vor_job_view(job, &view);
-    ck_assert_int_eq(view.progress, 10 + 80 * 8 / 120);
+    ck_assert_int_eq(view.progress, 10 + 80 * 8 / 112);
     vor_job_progress(job, &step, 1000);
     vor_job_view(job, &view);
-    ck_assert_int_eq(view.progress, 10 + 80 * 30 / 120);
+    ck_assert_int_eq(view.progress, 10 + 80 * 22 / 112);
     vor_job_release(job);
 }
 END_TEST

@@ -32,11 +32,11 @@ START_TEST(the_defaults_are_those_of_the_table_and_the_engine)
     struct vor_spec spec;
 
     vor_spec_init(&spec);
-    ck_assert_uint_eq(vor_spec_iterations(&spec), 20);
+    ck_assert_uint_eq(vor_spec_iterations(&spec), 12);
     ck_assert(vor_pace_polish(&spec) == vor_parameter_info(VOR_PARAM_POLISH)->fallback);
     ck_assert_uint_gt(vor_pace_polish(&spec), 0);
     vt_assert_ok(vor_spec_set_number(&spec, "polish", 1, &vt_err));
-    ck_assert_uint_eq(vor_spec_iterations(&spec), 20);
+    ck_assert_uint_eq(vor_spec_iterations(&spec), 12);
     vt_assert_ok(vor_spec_set_number(&spec, "polish", 0, &vt_err));
     ck_assert_uint_eq(vor_spec_iterations(&spec), 100);
     spec = request(37, 0);
