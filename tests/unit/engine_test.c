@@ -218,6 +218,7 @@ START_TEST(a_caller_who_stops_gets_the_best_cloud_so_far)
         open_job(&job);
         job.spy.stop_at = at;
         vt_engine_set(&job.engine, "points", "150");
+        vt_engine_set(&job.engine, "iterations", "20");
         run_job(&job);
         ck_assert_int_eq(job.report.stopped, VOR_STOPPED_CALLER);
         ck_assert_uint_eq(job.report.iterations, at - 1);
