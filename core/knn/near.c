@@ -88,6 +88,7 @@ static unsigned select(const struct vor_near *near, uint32_t *list, const float 
     float distance2[WIDE_MAX];
     unsigned exchanged = 0, out, in;
 
+    memset(distance2, 0, near->wide * sizeof *distance2); /* the analysers want it said */
     for (unsigned j = 0; j < near->wide; j++)
         distance2[j] = squared(&near->reference[3 * (size_t)list[j]], x);
     for (;; exchanged++) {

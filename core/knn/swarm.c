@@ -206,7 +206,7 @@ unsigned vor_swarm_crowd(struct vor_crowd *out, struct vor_swarm *swarm,
     unsigned searches = 0;
 
     sort_list(out, swarm, view, i);
-    if (!covers(out) && memcmp(&swarm->place[3 * i], &view->xyz[3 * i], 3 * sizeof(float)) != 0) {
+    if (!covers(out) && vor_distance2f(&swarm->place[3 * i], &view->xyz[3 * i]) > 0) {
         vor_knn_search(swarm->knn, &view->xyz[3 * i], 1, swarm->listed + 1, index, found2);
         memcpy(&swarm->place[3 * i], &view->xyz[3 * i], 3 * sizeof(float));
         make_list(swarm, i, index, found2);

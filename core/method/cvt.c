@@ -159,7 +159,7 @@ static int restrict_move(struct cvt *cvt, struct vor_bench *bench, size_t i,
 static void stretch(const struct cvt *cvt, struct vor_bench *bench, size_t i, double x[3])
 {
     double k = cvt->result.iterations, momentum = fmin(MOMENTUM, k / (k + MOMENTUM_SLOW));
-    double way[3], step[3], most, length;
+    double way[3] = {0}, step[3] = {0}, most, length; /* the analysers want it said */
 
     for (size_t c = 0; c < 3; c++) {
         way[c] = x[c] - (double)cvt->seeds->xyz[3 * i + c];

@@ -116,9 +116,11 @@ static double power(double x, unsigned n)
 {
     double y = 1;
 
-    for (; n > 0; n >>= 1, x *= x)
+    for (; n > 0; n >>= 1) {
         if (n & 1)
             y *= x;
+        x *= x;
+    }
     return y;
 }
 

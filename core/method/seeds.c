@@ -216,7 +216,7 @@ static void offset_of(const struct vor_seeds *seeds, const struct vor_bench *ben
 
 static int clip_by(const struct vor_seeds *seeds, struct vor_bench *bench, size_t i, size_t j)
 {
-    double offset[3];
+    double offset[3] = {0};
 
     offset_of(seeds, bench, i, j, offset);
     if (vor_cell_secure(&bench->cell, vor_dot(offset, offset)))

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SEEDS = 16, SHAPES = 8, QUERIES = 10, POOLS = 4, MANY = 100000 };
+enum { SEEDS = 16, SHAPES = 8, QUERIES = 10, POOLS = 4, MANY = 20000 };
 
 static struct vt_engine engine[POOLS];
 static const unsigned threads_of[POOLS] = {1, 2, 3, 8};
@@ -181,7 +181,7 @@ int main(void)
 {
     Suite *suite = suite_create("knn_brute");
 
-    vt_add_loop(suite, the_index_finds_what_a_look_at_every_point_finds, SEEDS);
+    vt_add_loop(suite, the_index_finds_what_a_look_at_every_point_finds, VT_FEWER(SEEDS));
     vt_add(suite, many_points_are_found);
     vt_add(suite, every_point_is_found_when_all_are_asked_for);
     return vt_run(suite);

@@ -358,7 +358,7 @@ int main(void)
 {
     Suite *suite = suite_create("swarm_brute");
 
-    vt_add_loop(suite, lists_tell_what_a_look_at_every_point_does, 28);
+    vt_add_loop(suite, lists_tell_what_a_look_at_every_point_does, VT_FEWER(28));
     vt_add_loop(suite, small_steps_are_answered_from_the_lists, 5);
     vt_add(suite, the_sixty_fifth_jumper_asks_for_an_index);
     vt_add(suite, a_point_alone_has_nobody);

@@ -17,6 +17,14 @@ int vt_run(Suite *suite);
 /** Adds a case with one test, or with a loop of `loops` seeds (_i = 0 .. loops - 1). */
 #define vt_add(suite, test) vt_add_loop(suite, test, 0)
 #define vt_add_loop(suite, test, loops) vt_add_case(suite, #test, test, loops)
+
+/** Loops of a test that costs much: a quarter under a sanitizer, where each takes ten times as
+ * long. */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define VT_FEWER(loops) (((loops) + 3) / 4)
+#else
+#define VT_FEWER(loops) (loops)
+#endif
 void vt_add_case(Suite *suite, const char *name, const TTest *test, int loops);
 
 /** The last error of the code under test; pass &vt_err and assert. */
