@@ -67,13 +67,39 @@ double vor_boundary_end(const struct vor_surface *frame, const double seed[3], c
     return fmax(extent_towards(frame, seed, side, near, k), ROOM * there->spacing);
 }
 
+double vor_boundary_spacing(const float *near, unsigned k, const double x[3])
+{
+    double best[3] = {INFINITY, INFINITY, INFINITY};
+    unsigned which = 0;
+
+    (void)nearest2(near, k, x, &which);
+    for (unsigned i = 0; i < k; i++) {
+        double d2 = vor_distance2f(&near[3 * i], &near[3 * which]);
+
+        if (i == which || d2 >= best[2])
+            continue;
+        best[2] = d2;
+        for (int j = 2; j > 0 && best[j] < best[j - 1]; j--) {
+            double swap = best[j];
+
+            best[j] = best[j - 1];
+            best[j - 1] = swap;
+        }
+    }
+    return sqrt(best[2]);
+}
+
+int vor_boundary_within(const float *near, unsigned k, const double x[3], double distance)
+{
+    unsigned which = 0;
+
+    return nearest2(near, k, x, &which) <= distance * distance;
+}
+
 int vor_boundary_inside(const struct vor_surface *surface, const float *near, unsigned k,
                         const double x[3])
 {
-    double allowed = surface->spacing;
-    unsigned which = 0;
-
-    return nearest2(near, k, x, &which) <= allowed * allowed;
+    return vor_boundary_within(near, k, x, surface->spacing);
 }
 
 /* True when all neighbours lie to one side of x, seen along the surface: the direction looked along

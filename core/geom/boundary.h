@@ -27,6 +27,9 @@ double vor_boundary_room(const struct vor_surface *surface, const float *near, u
 double vor_boundary_end(const struct vor_surface *frame, const double seed[3], const double side[2],
                         const struct vor_surface *there, const float *near, unsigned k);
 
+/** True when one of the neighbours is at most so far from x. O(k). */
+int vor_boundary_within(const float *near, unsigned k, const double x[3], double distance);
+
 /** True when a place at x is surely not outside, judged by the surface and neighbours (k x 3
  * floats) at another place nearby: one of them is within one spacing of x. O(k). */
 int vor_boundary_inside(const struct vor_surface *surface, const float *near, unsigned k,
@@ -45,6 +48,12 @@ struct vor_border {
  */
 #define VOR_BORDER_MOVING 3.5
 #define VOR_BORDER_SETTLED 1.5
+
+/** Spacing of the input at the neighbour that is nearest to x, by how far the third nearest of the
+ * other neighbours is from it: about one spacing inside the input, 1.4 at its border. Unlike the
+ * surface's own it does not grow with a hole that the neighbours lie around. At least three
+ * neighbours. O(k). */
+double vor_boundary_spacing(const float *near, unsigned k, const double x[3]);
 
 /** True when x, the place that border is about, lies outside, given how many spacings away it may
  * be. O(k). */

@@ -202,12 +202,24 @@ static void keep_on_surface(const struct polish *polish, const struct vor_bench 
     remove_part(v, out, 1);
 }
 
+/* Whether a seed that goes from x to y would leave the input, or go on into a hole of it. */
+static int leaves_input(const struct vor_seeds *seeds, const struct vor_bench *bench,
+                        const double x[3], const double y[3])
+{
+    const struct vor_place *here = &bench->here;
+    struct vor_border border = {&here->surface, here->near, seeds->k, here->surface.spacing};
+
+    if (bench->interior || !seeds->keep_border)
+        return 0;
+    border.spacing = fmin(border.spacing, vor_boundary_spacing(here->near, seeds->k, y));
+    return vor_boundary_leaves(&border, INPUT_SPACINGS, x, y);
+}
+
 /* Where seed i goes; its surface and neighbours are on the bench. */
 static void move(struct polish *polish, const struct vor_bench *bench, size_t i)
 {
     const struct vor_seeds *seeds = polish->seeds;
     double v[3], x[3], y[3], length, limit = STEP_MAX * polish->h;
-    struct vor_border border;
 
     vor_seeds_position(seeds, i, x);
     repulsion(polish, bench, i, v);
@@ -218,10 +230,7 @@ static void move(struct polish *polish, const struct vor_bench *bench, size_t i)
     for (int c = 0; c < 3; c++)
         y[c] = x[c] + (length > limit ? v[c] * (limit / length) : v[c]);
     vor_seeds_project(&bench->here.surface, y);
-    border = (struct vor_border){&bench->here.surface, bench->here.near, seeds->k,
-                                 bench->here.surface.spacing};
-    if (!bench->interior && seeds->keep_border &&
-        vor_boundary_leaves(&border, INPUT_SPACINGS, x, y))
+    if (leaves_input(seeds, bench, x, y))
         memcpy(y, x, sizeof y);
     for (size_t c = 0; c < 3; c++) {
         polish->next[3 * i + c] = (float)y[c];

@@ -118,7 +118,8 @@ static int far_from_border(const struct vor_seeds *seeds, const struct vor_bench
     if (!seeds->keep_border)
         return 1;
     vor_surface_to_local(&here->surface, x, local);
-    return vor_boundary_inside(&here->surface, here->near, seeds->k, x) &&
+    return vor_boundary_within(here->near, seeds->k, x,
+                               vor_boundary_spacing(here->near, seeds->k, x)) &&
            isinf(vor_boundary_room(&here->surface, here->near, seeds->k, local, radius, side));
 }
 

@@ -256,6 +256,32 @@ START_TEST(an_end_is_at_the_last_point_and_not_less_than_the_room_away)
 }
 END_TEST
 
+/* A lattice of 5 x 5 with spacing 0.25, and the place of its point (column, row), a little moved.
+ */
+static double lattice_spacing(float near[75], double column, double row)
+{
+    for (unsigned i = 0; i < 25; i++) {
+        near[3 * i] = 0.25F * (float)(i % 5);
+        near[3 * i + 1] = 0.25F * (float)(i / 5);
+        near[3 * i + 2] = 0;
+    }
+    return vor_boundary_spacing(near, 25, (double[3]){0.25 * column + 0.03, 0.25 * row, 0.1});
+}
+
+START_TEST(the_spacing_is_that_around_the_nearest_point)
+{
+    float near[75];
+
+    ck_assert_double_eq_tol(lattice_spacing(near, 2, 2), 0.25, 1e-7);
+    ck_assert_double_eq_tol(lattice_spacing(near, 2, 0), 0.25, 1e-7);
+    ck_assert_double_eq_tol(lattice_spacing(near, 0, 0), 0.25 * sqrt(2), 1e-7);
+    /* Far out, or in the middle of a hole, it is still that of the rim. */
+    ck_assert_double_eq_tol(lattice_spacing(near, 2, -9), 0.25, 1e-7);
+    ck_assert_int_eq(vor_boundary_within(near, 25, (double[3]){0.5, 0.5, 0.2}, 0.2001), 1);
+    ck_assert_int_eq(vor_boundary_within(near, 25, (double[3]){0.5, 0.5, 0.2}, 0.1999), 0);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("boundary");
@@ -271,5 +297,6 @@ int main(void)
     vt_add(suite, a_cell_surrounded_by_points_has_all_room);
     vt_add(suite, the_room_never_shrinks_on_the_way_inside);
     vt_add(suite, an_end_is_at_the_last_point_and_not_less_than_the_room_away);
+    vt_add(suite, the_spacing_is_that_around_the_nearest_point);
     return vt_run(suite);
 }
