@@ -67,6 +67,15 @@ double vor_boundary_end(const struct vor_surface *frame, const double seed[3], c
     return fmax(extent_towards(frame, seed, side, near, k), ROOM * there->spacing);
 }
 
+void vor_boundary_outward(const float *near, unsigned k, const double x[3], double out[3])
+{
+    unsigned which = 0;
+    double length = sqrt(nearest2(near, k, x, &which));
+
+    for (unsigned c = 0; c < 3; c++)
+        out[c] = length > 0 ? (x[c] - (double)near[3 * which + c]) / length : 0;
+}
+
 double vor_boundary_spacing(const float *near, unsigned k, const double x[3])
 {
     double best[3] = {INFINITY, INFINITY, INFINITY};

@@ -49,6 +49,10 @@ struct vor_border {
 #define VOR_BORDER_MOVING 3.5
 #define VOR_BORDER_SETTLED 1.5
 
+/** Unit vector from the neighbour that is nearest to x towards x; zero where they coincide. O(k).
+ */
+void vor_boundary_outward(const float *near, unsigned k, const double x[3], double out[3]);
+
 /** Spacing of the input at the neighbour that is nearest to x, by how far the third nearest of the
  * other neighbours is from it: about one spacing inside the input, 1.4 at its border. Unlike the
  * surface's own it does not grow with a hole that the neighbours lie around. At least three

@@ -219,7 +219,7 @@ static int leaves_input(const struct vor_seeds *seeds, const struct vor_bench *b
 static void move(struct polish *polish, const struct vor_bench *bench, size_t i)
 {
     const struct vor_seeds *seeds = polish->seeds;
-    double v[3], x[3], y[3], length, limit = STEP_MAX * polish->h;
+    double v[3], x[3], y[3], out[3], length, limit = STEP_MAX * polish->h;
 
     vor_seeds_position(seeds, i, x);
     repulsion(polish, bench, i, v);
@@ -227,11 +227,18 @@ static void move(struct polish *polish, const struct vor_bench *bench, size_t i)
         v[c] += (double)polish->pull[3 * i + c] + MOMENTUM * (double)polish->step[3 * i + c];
     keep_on_surface(polish, bench, x, v);
     length = sqrt(vor_dot(v, v));
-    for (int c = 0; c < 3; c++)
-        y[c] = x[c] + (length > limit ? v[c] * (limit / length) : v[c]);
+    for (int c = 0; c < 3; c++) {
+        v[c] = length > limit ? v[c] * (limit / length) : v[c];
+        y[c] = x[c] + v[c];
+    }
     vor_seeds_project(&bench->here.surface, y);
-    if (leaves_input(seeds, bench, x, y))
-        memcpy(y, x, sizeof y);
+    if (leaves_input(seeds, bench, x, y)) {
+        vor_boundary_outward(bench->here.near, seeds->k, x, out);
+        remove_part(v, out, 1);
+        for (int c = 0; c < 3; c++)
+            y[c] = x[c] + v[c];
+        vor_seeds_project(&bench->here.surface, y);
+    }
     for (size_t c = 0; c < 3; c++) {
         polish->next[3 * i + c] = (float)y[c];
         polish->step[3 * i + c] = (float)(y[c] - x[c]);

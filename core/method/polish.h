@@ -8,8 +8,8 @@
  * orientation, hard repulsion evens the distances out. Repulsion alone opens holes where regions
  * meet; so, every few steps, the farthest corner of each point's Voronoi cell is found, and where
  * that is farther than a hole among equal distances need be, the point is pulled towards it. Points
- * at the border are not pushed out, and no point goes where the input is more than 1.2 spacings
- * away, unless it comes nearer. */
+ * at the border are not pushed out, and where the input is more than 1.2 spacings away a point goes
+ * along it or nearer, not on into the hole. */
 #ifndef VOR_METHOD_POLISH_H
 #define VOR_METHOD_POLISH_H
 

@@ -195,7 +195,8 @@ START_TEST(a_seed_is_recalled_where_it_was_fitted_and_no_border_is_near)
         vor_surface_to_local(surface, at, local);
         ck_assert_int_eq(
             bench->interior,
-            vor_boundary_inside(surface, fresh->here.near, twin.k, at) &&
+            vor_boundary_within(fresh->here.near, twin.k, at,
+                                vor_boundary_spacing(fresh->here.near, twin.k, at)) &&
                 isinf(vor_boundary_room(surface, fresh->here.near, twin.k, local, radius, side)));
         interior += bench->interior != 0;
         border += bench->interior == 0;

@@ -271,12 +271,19 @@ static double lattice_spacing(float near[75], double column, double row)
 START_TEST(the_spacing_is_that_around_the_nearest_point)
 {
     float near[75];
+    double out[3];
 
     ck_assert_double_eq_tol(lattice_spacing(near, 2, 2), 0.25, 1e-7);
     ck_assert_double_eq_tol(lattice_spacing(near, 2, 0), 0.25, 1e-7);
     ck_assert_double_eq_tol(lattice_spacing(near, 0, 0), 0.25 * sqrt(2), 1e-7);
     /* Far out, or in the middle of a hole, it is still that of the rim. */
     ck_assert_double_eq_tol(lattice_spacing(near, 2, -9), 0.25, 1e-7);
+    vor_boundary_outward(near, 25, (double[3]){0.53, 0.5, -0.04}, out);
+    ck_assert_double_eq_tol(out[0], 0.6, 1e-12);
+    ck_assert_double_eq_tol(out[1], 0, 1e-12);
+    ck_assert_double_eq_tol(out[2], -0.8, 1e-12);
+    vor_boundary_outward(near, 25, (double[3]){0.5, 0.5, 0}, out);
+    ck_assert(out[0] == 0 && out[1] == 0 && out[2] == 0);
     ck_assert_int_eq(vor_boundary_within(near, 25, (double[3]){0.5, 0.5, 0.2}, 0.2001), 1);
     ck_assert_int_eq(vor_boundary_within(near, 25, (double[3]){0.5, 0.5, 0.2}, 0.1999), 0);
 }
