@@ -112,9 +112,11 @@ int main(void)
     Suite *suite = suite_create("xiao2024_anderson");
 
     vt_add_loop(suite, fig_6_acceleration_reaches_fifty_plain_iterations_in_fewer_and_ends_no_worse,
-                SEEDS);
-    vt_add_loop(suite, momentum_reaches_fifty_plain_iterations_in_thirty_and_before_the_mix, SEEDS);
-    vt_add_loop(suite, eq_12_an_accelerated_iteration_is_at_least_as_even_as_the_plain_one, SEEDS);
-    vt_add_loop(suite, no_window_makes_the_iteration_diverge, SEEDS);
+                VT_FEWER(SEEDS));
+    vt_add_loop(suite, momentum_reaches_fifty_plain_iterations_in_thirty_and_before_the_mix,
+                VT_FEWER(SEEDS));
+    vt_add_loop(suite, eq_12_an_accelerated_iteration_is_at_least_as_even_as_the_plain_one,
+                VT_FEWER(SEEDS));
+    vt_add_loop(suite, no_window_makes_the_iteration_diverge, VT_FEWER(SEEDS));
     return vt_run(suite);
 }

@@ -154,8 +154,8 @@ int main(void)
 {
     Suite *suite = suite_create("engine_memory");
 
-    vt_add_loop(suite, a_run_needs_so_many_bytes_a_point, 9);
+    vt_add_loop(suite, a_run_needs_so_many_bytes_a_point, VT_FEWER(9));
     vt_add(suite, the_bytes_grow_with_the_points_and_not_faster);
-    vt_add_loop(suite, after_the_first_iteration_nothing_is_allocated_but_indices, 3);
+    vt_add_loop(suite, after_the_first_iteration_nothing_is_allocated_but_indices, VT_FEWER(3));
     return vt_run(suite);
 }
