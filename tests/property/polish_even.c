@@ -358,6 +358,6 @@ int main(void)
     vt_add_loop(suite, points_on_sheets_nearer_than_the_spacing_do_not_fall_together,
                 VT_FEWER(SEEDS));
     vt_add_loop(suite, seeds_at_one_place_or_over_one_another_part, VT_FEWER(3));
-    vt_add_loop(suite, one_two_three_and_eight_threads_polish_to_the_same_bytes, 3);
+    vt_add_loop(suite, one_two_three_and_eight_threads_polish_to_the_same_bytes, VT_FEWER(3));
     return vt_run(suite);
 }
