@@ -219,7 +219,8 @@ static int leaves_input(const struct vor_seeds *seeds, const struct vor_bench *b
 static void move(struct polish *polish, const struct vor_bench *bench, size_t i)
 {
     const struct vor_seeds *seeds = polish->seeds;
-    double v[3], x[3], y[3], out[3], length, limit = STEP_MAX * polish->h;
+    double v[3], x[3] = {0}, y[3], out[3]; /* the analysers want it said */
+    double length, limit = STEP_MAX * polish->h;
 
     vor_seeds_position(seeds, i, x);
     repulsion(polish, bench, i, v);
@@ -344,10 +345,10 @@ static vor_status loop(struct polish *polish, struct vor_cvt_result *result,
     unsigned steps = (unsigned)spec->value[VOR_PARAM_POLISH];
     enum vor_answer answer = VOR_CONTINUE;
     struct vor_uniformity even;
-    double took = 0;
+    int ended = finished(polish, result, spec, 0);
     vor_status status;
 
-    while (answer == VOR_CONTINUE && !finished(polish, result, spec, took)) {
+    while (answer == VOR_CONTINUE && !ended) {
         unsigned done = polish->record.polish;
         double before = polish->record.seconds;
 
@@ -362,8 +363,8 @@ static vor_status loop(struct polish *polish, struct vor_cvt_result *result,
         if (status != VOR_OK)
             return status;
         note(polish, &even, start);
-        took = polish->record.seconds - before;
-        if (polish->record.polish % RECORD_EVERY == 0 || polish->record.polish == steps)
+        ended = finished(polish, result, spec, polish->record.seconds - before);
+        if (ended || polish->record.polish % RECORD_EVERY == 0)
             answer = tell(polish);
     }
     if (answer == VOR_CANCEL)

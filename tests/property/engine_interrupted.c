@@ -37,9 +37,7 @@ static vor_status run_trapped(struct vor_cloud *out, struct vor_report *report, 
     vt_engine_set(&engine, "iterations", "6");
     vt_engine_set(&engine, "polish", "4"); /* the questions are tried one by one */
     vt_engine_set(&engine, "normals", "fit");
-    vor_cloud_init(out, &vt_memory);
-    memset(report, 0, sizeof *report);
-    status = vor_engine_run(out, report, &in, &engine.spec, &engine.run, &vt_err);
+    status = vt_engine_try(&engine, out, report, &in);
     vor_cloud_free(&in);
     vt_engine_close(&engine);
     return status;

@@ -33,9 +33,16 @@ void vt_engine_count(struct vt_engine *engine, const char *name, size_t value)
 void vt_engine_resample(struct vt_engine *engine, struct vor_cloud *out, struct vor_report *report,
                         const struct vor_cloud *in)
 {
+    vt_assert_ok(vt_engine_try(engine, out, report, in));
+}
+
+vor_status vt_engine_try(struct vt_engine *engine, struct vor_cloud *out, struct vor_report *report,
+                         const struct vor_cloud *in)
+{
     vt_assert_ok(vor_spec_check(&engine->spec, &vt_err));
     vor_cloud_init(out, engine->run.memory);
-    vt_assert_ok(vor_engine_run(out, report, in, &engine->spec, &engine->run, &vt_err));
+    memset(report, 0, sizeof *report);
+    return vor_engine_run(out, report, in, &engine->spec, &engine->run, &vt_err);
 }
 
 void vt_cloud_make(struct vor_cloud *cloud, size_t n)

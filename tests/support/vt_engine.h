@@ -24,6 +24,10 @@ void vt_engine_count(struct vt_engine *engine, const char *name, size_t value);
 void vt_engine_resample(struct vt_engine *engine, struct vor_cloud *out, struct vor_report *report,
                         const struct vor_cloud *in);
 
+/** The same without asserting that it works; report is all zero where it does not. */
+vor_status vt_engine_try(struct vt_engine *engine, struct vor_cloud *out, struct vor_report *report,
+                         const struct vor_cloud *in);
+
 /** A cloud of n points with unset positions. */
 void vt_cloud_make(struct vor_cloud *cloud, size_t n);
 
