@@ -184,6 +184,8 @@ static void lloyd_step(struct cvt *cvt, struct vor_bench *bench, size_t i, struc
     memcpy(&cvt->lloyd[3 * i], &cvt->seeds->xyz[3 * i], 3 * sizeof(float));
     cvt->flags[i] &= (unsigned char)~AT_BORDER;
     if (kind == VOR_SURFACE_NONE) {
+        if (cvt->step != NULL)
+            memset(&cvt->step[3 * i], 0, 3 * sizeof(float));
         sums->left++;
         return;
     }
