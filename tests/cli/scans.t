@@ -6,6 +6,9 @@ use strict;
 use warnings;
 use File::Temp qw(tempdir);
 use JSON::PP;
+use FindBin;
+use lib $FindBin::Bin;
+use Cli;
 use Test::More;
 
 my $binary = $ENV{VORONOID} // 'build/release/voronoid';
@@ -48,6 +51,19 @@ for my $name (sort keys %scan) {
         cmp_ok($even->{input}{far_over_knn6_p999}, '<=', 2, "$name: none leaves the data");
         my %has = map { $_ => 1 } properties("$dir/$name");
         is(join(', ', grep { !$has{$_} } @$keep), '', "$name: attributes and types are carried");
+    }
+}
+
+# Rough scans, resampled in haste: points over one another would be projected onto the same place.
+for my $scan (['office1.ply', 20000], ['autzen.ply', 8000], ['kitti_000008.ply', 5000]) {
+    my ($name, $points) = @$scan;
+    my $path = shared("data/$name");
+    SKIP: {
+        skip "$name: no ../shared/data/$name", 3 unless $path;
+        is(system("$binary resample $path -n $points --iterations 4 --polish 60 -o $dir/$name --quiet"), 0, "$name is resampled");
+        my $even = measure("$dir/$name", $path);
+        is($even->{n}, $points, "$name: the number of points asked for");
+        is($even->{coincident}, 0, "$name: none share a place");
     }
 }
 done_testing();
