@@ -13,7 +13,7 @@ struct even {
 };
 
 /* Negative where even the widest search leaves it open. */
-static double nearest_wide(const struct even *even, size_t i)
+static double nearest_wide(const struct even *even, size_t i, struct vor_bench *bench)
 {
     const struct vor_seeds *seeds = even->seeds;
     const struct vor_swarm_view *view = &even->view;
@@ -27,6 +27,7 @@ static double nearest_wide(const struct even *even, size_t i)
         width = width < VOR_SEEDS_MORE_MAX ? width : VOR_SEEDS_MORE_MAX;
         width = width < seeds->n ? width : seeds->n;
         sure = vor_swarm_wide(&seeds->swarm, view, i, (unsigned)width, index, distance2);
+        bench->queries++;
         for (size_t j = 0; j < width; j++)
             if (index[j] != i)
                 found = fmin(found,
@@ -56,11 +57,11 @@ static void list_block(void *ctx, size_t begin, size_t end, unsigned worker)
 static void wide_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     const struct even *even = ctx;
+    struct vor_bench *bench = &even->seeds->bench[worker];
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         if (even->nearest[i] < 0)
-            even->nearest[i] = (float)nearest_wide(even, i);
+            even->nearest[i] = (float)nearest_wide(even, i, bench);
 }
 
 static size_t count_open(const struct even *even)
@@ -82,6 +83,7 @@ static vor_status search_all(const struct even *even, struct vor_error *err)
     if (status != VOR_OK)
         return status;
     status = vor_nearest_distances(even->nearest, even->view.xyz, even->seeds->n, knn, run, err);
+    even->seeds->bench[0].queries += even->seeds->n;
     vor_knn_free(knn);
     return status;
 }
