@@ -1,11 +1,18 @@
 #include "core/knn/near.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
 enum { WIDE_MAX = 1024 };
 
 #define ROUNDING 1.00001f /* what float distances may be off, and more */
+
+static void forget(struct vor_near *near)
+{
+    for (size_t i = 0; i < near->n; i++)
+        near->reach[i] = -1;
+}
 
 vor_status vor_near_init(struct vor_near *out, size_t n, unsigned k, const struct vor_knn *knn,
                          const float *reference, size_t m, struct vor_memory *memory,
@@ -28,10 +35,19 @@ vor_status vor_near_init(struct vor_near *out, size_t n, unsigned k, const struc
         vor_near_free(&near);
         return vor_fail(err, VOR_E_NOMEM, "lists of %u neighbours for %zu points", near.wide, n);
     }
-    for (size_t i = 0; i < n; i++)
-        near.reach[i] = -1;
+    forget(&near);
     *out = near;
     return VOR_OK;
+}
+
+void vor_near_onto(struct vor_near *near, const struct vor_knn *knn, const float *reference,
+                   size_t m)
+{
+    assert(m >= near->wide);
+    near->knn = knn;
+    near->reference = reference;
+    near->m = m;
+    forget(near);
 }
 
 void vor_near_free(struct vor_near *near)

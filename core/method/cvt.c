@@ -3,11 +3,15 @@
 #include "core/base/linalg.h"
 #include "core/geom/boundary.h"
 #include "core/method/even.h"
+#include "core/method/settle.h"
 #include "core/opt/anderson.h"
 
 #include <string.h>
 
 enum { PLATEAU_WINDOW = 10, SHORTEN_MAX = 3 };
+
+/* The last iterations, of all of them one in so many, are on the whole of the input. */
+enum { LANDED = 5, LANDED_SHARE = 4 };
 
 #define PLATEAU_GAIN 0.99 /* delta must fall below this share of its value a window ago */
 #define MIX_STEP_MAX 0.5  /* of the distance to the nearest neighbour */
@@ -39,7 +43,24 @@ struct cvt {
     struct vor_anderson anderson;
     double start, best_delta, past[PLATEAU_WINDOW]; /* past: best delta of the last iterations */
     double last_seconds;                            /* clock at the last record */
+    uint32_t limit;                                 /* of the iterations */
+    int level;                                      /* a plateau was reached */
 };
+
+static int on_whole(const struct cvt *cvt)
+{
+    return cvt->seeds->domain == cvt->seeds->whole;
+}
+
+static uint32_t landed(const struct cvt *cvt)
+{
+    return cvt->limit / LANDED_SHARE < LANDED ? cvt->limit / LANDED_SHARE : LANDED;
+}
+
+static int polish_follows(const struct cvt *cvt)
+{
+    return cvt->spec->value[VOR_PARAM_POLISH] > 0;
+}
 
 static void free_cvt(struct cvt *cvt)
 {
@@ -129,7 +150,7 @@ static int outside(const struct cvt *cvt, struct vor_bench *bench, struct vor_bo
     if (vor_seeds_fit_at(cvt->seeds, bench, &bench->there, x) == VOR_SURFACE_NONE)
         return 0;
     vor_seeds_project(&bench->there.surface, x);
-    vor_seeds_border(cvt->seeds, bench, border, x);
+    vor_seeds_border(cvt->seeds, bench, &bench->there, border, x);
     return vor_boundary_outside(border, VOR_BORDER_MOVING, x);
 }
 
@@ -366,33 +387,62 @@ static int plateau(struct cvt *cvt)
     return cvt->result.iterations > PLATEAU_WINDOW && cvt->best_delta > PLATEAU_GAIN * before;
 }
 
+static int even_enough(const struct cvt *cvt, const struct vor_uniformity *even)
+{
+    return vor_spec_given(cvt->spec, VOR_PARAM_DELTA) &&
+           even->delta <= cvt->spec->value[VOR_PARAM_DELTA];
+}
+
+/* Takes note of a plateau: where iterations on the whole of the input are due, they follow. Returns
+ * whether none is. */
+static int ends_on_plateau(struct cvt *cvt)
+{
+    uint32_t last = cvt->result.iterations + landed(cvt);
+
+    if (cvt->level || vor_spec_given(cvt->spec, VOR_PARAM_ITERATIONS) || !plateau(cvt))
+        return 0;
+    cvt->level = 1;
+    if (on_whole(cvt) || polish_follows(cvt))
+        return 1;
+    cvt->limit = last < cvt->limit ? last : cvt->limit;
+    return 0;
+}
+
 /* Whether the request's own stops are reached, now that an iteration took `took` seconds. */
 static int finished(struct cvt *cvt, const struct vor_uniformity *even, double took)
 {
     const double *value = cvt->spec->value;
-    int fixed = vor_spec_given(cvt->spec, VOR_PARAM_ITERATIONS);
-    double share = value[VOR_PARAM_POLISH] > 0 ? SECONDS_SHARE : 1;
+    double share = polish_follows(cvt) ? SECONDS_SHARE : 1;
 
-    if (vor_spec_given(cvt->spec, VOR_PARAM_DELTA) && even->delta <= value[VOR_PARAM_DELTA])
+    if (on_whole(cvt) && even_enough(cvt, even))
         cvt->result.stopped = VOR_STOPPED_DELTA;
-    else if (cvt->result.iterations >= vor_spec_iterations(cvt->spec))
-        cvt->result.stopped = VOR_STOPPED_ITERATIONS;
+    else if (cvt->result.iterations >= cvt->limit)
+        cvt->result.stopped = cvt->level ? VOR_STOPPED_PLATEAU : VOR_STOPPED_ITERATIONS;
     else if (vor_spec_given(cvt->spec, VOR_PARAM_SECONDS) &&
              cvt->last_seconds + took > share * value[VOR_PARAM_SECONDS])
         cvt->result.stopped = VOR_STOPPED_SECONDS;
-    else if (!fixed && plateau(cvt))
+    else if (ends_on_plateau(cvt))
         cvt->result.stopped = VOR_STOPPED_PLATEAU;
     else
         return 0;
     return 1;
 }
 
-/* Iteration 0: the state after initialisation, its uniformity by a search. */
+/* Whether the next iterations shall be on the whole of the input. */
+static int must_land(const struct cvt *cvt, const struct vor_uniformity *even)
+{
+    return !on_whole(cvt) &&
+           (even_enough(cvt, even) ||
+            (!polish_follows(cvt) && cvt->result.iterations + landed(cvt) >= cvt->limit));
+}
+
+/* The uniformity of the positions at hand; a stop does not cut it short, so that it finds something
+ * to hand back. */
 static vor_status begin(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
 {
     struct vor_seeds *seeds = cvt->seeds;
     const struct vor_run *run = seeds->run;
-    struct vor_run calm_run = *run; /* a stop shall find something to hand back */
+    struct vor_run calm_run = *run;
     struct vor_calm calm;
     vor_status status;
 
@@ -403,6 +453,20 @@ static vor_status begin(struct cvt *cvt, struct vor_uniformity *even, struct vor
         status = vor_even_measure(even, cvt->nearest, seeds, seeds->xyz, err);
     seeds->run = run;
     return status;
+}
+
+/* Onto the whole of the input: what was the most even before counts no more. */
+static vor_status land(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
+{
+    vor_status status = vor_land(cvt->seeds, err);
+
+    if (status == VOR_OK)
+        status = begin(cvt, even, err);
+    if (status != VOR_OK)
+        return status;
+    cvt->best_delta = even->delta;
+    memcpy(cvt->best, cvt->seeds->xyz, 3 * cvt->seeds->n * sizeof *cvt->best);
+    return VOR_OK;
 }
 
 static vor_status loop(struct cvt *cvt, struct vor_error *err)
@@ -418,7 +482,10 @@ static vor_status loop(struct cvt *cvt, struct vor_error *err)
     answer = record(cvt, &even);
     while (answer == VOR_CONTINUE && !finished(cvt, &even, took)) {
         before = cvt->last_seconds;
-        status = iterate(cvt, &even, err);
+        if (must_land(cvt, &even))
+            status = land(cvt, &even, err);
+        if (status == VOR_OK)
+            status = iterate(cvt, &even, err);
         if (status == VOR_E_STOPPED)
             answer = VOR_STOP;
         else if (status != VOR_OK)
@@ -437,7 +504,8 @@ static vor_status loop(struct cvt *cvt, struct vor_error *err)
 vor_status vor_cvt_run(struct vor_seeds *seeds, struct vor_cvt_result *out,
                        const struct vor_spec *spec, double start, struct vor_error *err)
 {
-    struct cvt cvt = {.seeds = seeds, .spec = spec, .start = start};
+    struct cvt cvt = {
+        .seeds = seeds, .spec = spec, .start = start, .limit = vor_spec_iterations(spec)};
     vor_status status = alloc_cvt(&cvt, err);
 
     seeds->keep_border = keeps_border(&cvt);

@@ -26,6 +26,15 @@ struct vor_domain {
 VOR_NODISCARD vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
                                          const struct vor_run *run, struct vor_error *err);
 
+/** Some of the points of `in`, with an index of their own: a gap (normalised) from
+ * those kept before them in the order, every other one within a gap of a kept one. Where
+ * that are more than half of them, *out is empty. The same points for any number of threads. O(n).
+ *
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED */
+VOR_NODISCARD vor_status vor_domain_thin(struct vor_domain *out, const struct vor_domain *in,
+                                         double gap, const struct vor_run *run,
+                                         struct vor_error *err);
+
 void vor_domain_free(struct vor_domain *domain);
 
 #endif

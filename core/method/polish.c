@@ -3,6 +3,7 @@
 #include "core/base/linalg.h"
 #include "core/geom/boundary.h"
 #include "core/method/even.h"
+#include "core/method/settle.h"
 
 #include <string.h>
 
@@ -10,6 +11,7 @@ enum {
     SOFT = 4,         /* S at the first step */
     HARD = 14,        /* and at the last */
     CELLS_EVERY = 4,  /* steps */
+    LANDED = 40,      /* last steps, on the whole of the input */
     FRESH = 16,       /* last steps, on surfaces fitted anew each time */
     RECORD_EVERY = 10 /* steps */
 };
@@ -67,7 +69,6 @@ static vor_status alloc_polish(struct polish *polish, struct vor_error *err)
     if (polish->next == NULL || polish->best == NULL || polish->step == NULL ||
         polish->pull == NULL || polish->nearest == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the polish of %zu points", n);
-    memcpy(polish->best, polish->seeds->xyz, n * row);
     return VOR_OK;
 }
 
@@ -323,20 +324,71 @@ static enum vor_answer tell(struct polish *polish)
     return watch->progress(watch->ctx, &polish->record);
 }
 
+static int on_whole(const struct polish *polish)
+{
+    return polish->seeds->domain == polish->seeds->whole;
+}
+
+static int even_enough(const struct polish *polish, const struct vor_spec *spec)
+{
+    return vor_spec_given(spec, VOR_PARAM_DELTA) &&
+           polish->best_delta <= spec->value[VOR_PARAM_DELTA];
+}
+
 /* Whether the request's own stops are reached, now that a step took `took` seconds. */
 static int finished(const struct polish *polish, struct vor_cvt_result *result,
                     const struct vor_spec *spec, double took)
 {
-    const double *value = spec->value;
-
-    if (vor_spec_given(spec, VOR_PARAM_DELTA) && polish->best_delta <= value[VOR_PARAM_DELTA])
+    if (on_whole(polish) && even_enough(polish, spec))
         result->stopped = VOR_STOPPED_DELTA;
     else if (vor_spec_given(spec, VOR_PARAM_SECONDS) &&
-             polish->record.seconds + took > value[VOR_PARAM_SECONDS])
+             polish->record.seconds + took > spec->value[VOR_PARAM_SECONDS])
         result->stopped = VOR_STOPPED_SECONDS;
     else
-        return polish->record.polish >= (uint32_t)value[VOR_PARAM_POLISH];
+        return polish->record.polish >= (uint32_t)spec->value[VOR_PARAM_POLISH];
     return 1;
+}
+
+/* Takes the positions at hand for those to begin with, or, once they are on the whole of the input,
+ * to go on with. A stop does not cut it short. */
+static vor_status take(struct polish *polish, struct vor_error *err)
+{
+    struct vor_seeds *seeds = polish->seeds;
+    const struct vor_run *run = seeds->run;
+    struct vor_run calm_run = *run;
+    struct vor_calm calm;
+    struct vor_uniformity even;
+    vor_status status;
+
+    calm_run.watch = vor_calm_watch(&calm, run->watch);
+    seeds->run = &calm_run;
+    status = vor_seeds_index(seeds, err);
+    if (status == VOR_OK)
+        status = vor_even_measure(&even, polish->nearest, seeds, seeds->xyz, err);
+    seeds->run = run;
+    if (status != VOR_OK)
+        return status;
+    memcpy(polish->best, seeds->xyz, 3 * seeds->n * sizeof *polish->best);
+    polish->best_delta = even.delta;
+    polish->h = even.mean;
+    return VOR_OK;
+}
+
+static vor_status land(struct polish *polish, struct vor_error *err)
+{
+    vor_status status = vor_land(polish->seeds, err);
+
+    return status == VOR_OK ? take(polish, err) : status;
+}
+
+/* Sets what the next of `steps` steps is done with. */
+static void harden(struct polish *polish, unsigned steps)
+{
+    unsigned done = polish->record.polish;
+
+    polish->power = SOFT + (HARD - SOFT) * done / (steps > 1 ? steps - 1 : 1);
+    polish->cells = done % CELLS_EVERY == 0;
+    polish->slack = done + FRESH < steps ? SLACK : 0;
 }
 
 static vor_status loop(struct polish *polish, struct vor_cvt_result *result,
@@ -346,16 +398,17 @@ static vor_status loop(struct polish *polish, struct vor_cvt_result *result,
     enum vor_answer answer = VOR_CONTINUE;
     struct vor_uniformity even;
     int ended = finished(polish, result, spec, 0);
-    vor_status status;
+    vor_status status = VOR_OK;
 
     while (answer == VOR_CONTINUE && !ended) {
-        unsigned done = polish->record.polish;
         double before = polish->record.seconds;
 
-        polish->power = SOFT + (HARD - SOFT) * done / (steps > 1 ? steps - 1 : 1);
-        polish->cells = done % CELLS_EVERY == 0;
-        polish->slack = done + FRESH < steps ? SLACK : 0;
-        status = step_once(polish, &even, err);
+        if (!on_whole(polish) &&
+            (polish->record.polish + LANDED >= steps || even_enough(polish, spec)))
+            status = land(polish, err);
+        harden(polish, steps);
+        if (status == VOR_OK)
+            status = step_once(polish, &even, err);
         if (status == VOR_E_STOPPED) {
             answer = VOR_STOP;
             break;
@@ -386,35 +439,21 @@ vor_status vor_polish_run(struct vor_seeds *seeds, struct vor_cvt_result *result
                           const struct vor_spec *spec, double start, struct vor_error *err)
 {
     struct polish polish = {.seeds = seeds, .record = result->last};
-    const struct vor_run *run = seeds->run;
-    struct vor_run calm_run = *run; /* for what a stop must not cut short */
-    struct vor_calm calm;
-    struct vor_uniformity even;
     vor_status status;
 
     if (!(spec->value[VOR_PARAM_POLISH] > 0) || result->stopped == VOR_STOPPED_DELTA ||
         result->stopped == VOR_STOPPED_CALLER)
         return VOR_OK;
-    calm_run.watch = vor_calm_watch(&calm, run->watch);
-    seeds->run = &calm_run;
     status = alloc_polish(&polish, err);
     if (status == VOR_OK)
-        status = vor_seeds_index(seeds, err);
+        status = take(&polish, err);
+    polish.pitch = lattice_pitch(seeds, result);
     if (status == VOR_OK)
-        status = vor_even_measure(&even, polish.nearest, seeds, seeds->xyz, err);
-    if (status == VOR_OK) {
-        polish.best_delta = even.delta;
-        polish.h = even.mean;
-        polish.pitch = lattice_pitch(seeds, result);
-        seeds->run = run;
         status = loop(&polish, result, spec, start, err);
-        seeds->run = &calm_run;
-    }
     if (status == VOR_OK) {
         memcpy(seeds->xyz, polish.best, 3 * seeds->n * sizeof *seeds->xyz);
         result->polish_steps = polish.record.polish;
     }
-    seeds->run = run;
     free_polish(&polish);
     return status;
 }

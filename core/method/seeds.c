@@ -18,7 +18,8 @@ enum { RINGS = 1, RINGS_FINE = 2 };
 vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
                           unsigned k, const struct vor_run *run, struct vor_error *err)
 {
-    struct vor_seeds seeds = {.domain = domain, .run = run, .n = n, .keep_border = 1, .widen = 1};
+    struct vor_seeds seeds = {
+        .domain = domain, .whole = domain, .run = run, .n = n, .keep_border = 1, .widen = 1};
     unsigned threads = vor_pool_threads(run->pool);
 
     assert(n >= 1 && k >= 1 && k <= VOR_NEIGHBORS_MAX);
@@ -54,6 +55,13 @@ void vor_seeds_free(struct vor_seeds *seeds)
     vor_free(memory, seeds->kept);
     vor_free(memory, seeds->xyz);
     memset(seeds, 0, sizeof *seeds);
+}
+
+void vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain)
+{
+    vor_near_onto(&seeds->near, domain->knn, domain->xyz, domain->n);
+    seeds->domain = domain;
+    memset(seeds->kept, 0, seeds->n * sizeof *seeds->kept);
 }
 
 vor_status vor_seeds_index(struct vor_seeds *seeds, struct vor_error *err)
@@ -165,13 +173,12 @@ void vor_seeds_project(const struct vor_surface *surface, double x[3])
 }
 
 void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
-                      struct vor_border *border, const double x[3])
+                      const struct vor_place *place, struct vor_border *border, const double x[3])
 {
-    const struct vor_place *there = &bench->there;
-    double foot[3] = {(double)there->near[0], (double)there->near[1], (double)there->near[2]};
+    double foot[3] = {(double)place->near[0], (double)place->near[1], (double)place->near[2]};
 
-    *border = (struct vor_border){&there->surface, there->near, seeds->k, there->surface.spacing};
-    if (vor_boundary_inside(&there->surface, there->near, seeds->k, x))
+    *border = (struct vor_border){&place->surface, place->near, seeds->k, place->surface.spacing};
+    if (vor_boundary_inside(&place->surface, place->near, seeds->k, x))
         return;
     if (vor_seeds_fit_at(seeds, bench, &bench->foot, foot) != VOR_SURFACE_NONE)
         border->spacing = bench->foot.surface.spacing;

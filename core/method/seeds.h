@@ -42,7 +42,8 @@ struct vor_bench {
 
 /** n points on the domain, in its normalised coordinates. */
 struct vor_seeds {
-    const struct vor_domain *domain;
+    const struct vor_domain *domain; /**< that surfaces are fitted to: the whole, or some of it */
+    const struct vor_domain *whole;  /**< that the seeds are to end on */
     const struct vor_run *run;
     size_t n;
     unsigned k;      /**< input points a surface is fitted to */
@@ -66,6 +67,11 @@ VOR_NODISCARD vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_
                                         struct vor_error *err);
 
 void vor_seeds_free(struct vor_seeds *seeds);
+
+/** From now on surfaces are fitted to `domain`: the whole one, or at least seeds->near.wide of its
+ * points. What is known of the input around the seeds is forgotten, what they know of each other
+ * stays. */
+void vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain);
 
 /** Takes note of where the seeds are now, and makes their lists anew where too many moved too far
  * for the old ones; positions must not change while cells are computed.
@@ -111,9 +117,9 @@ struct vor_counts {
 };
 struct vor_counts vor_seeds_counts(const struct vor_seeds *seeds);
 
-/** What is known of the border around x, where bench->there was gathered. */
+/** What is known of the border around x, where `place`, here or there, was gathered. */
 void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
-                      struct vor_border *border, const double x[3]);
+                      const struct vor_place *place, struct vor_border *border, const double x[3]);
 
 /** Puts x onto a surface. */
 void vor_seeds_project(const struct vor_surface *surface, double x[3]);

@@ -2,28 +2,54 @@
 
 #include "core/geom/boundary.h"
 
+struct settle {
+    struct vor_seeds *seeds;
+    int landing; /* the surface at hand is new to the seeds */
+};
+
 static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
-    struct vor_seeds *seeds = ctx;
+    const struct settle *settle = ctx;
+    struct vor_seeds *seeds = settle->seeds;
     struct vor_bench *bench = &seeds->bench[worker];
     struct vor_border border;
 
     for (size_t i = begin; i < end; i++) {
+        int moved = settle->landing;
         double x[3];
 
         vor_seeds_position(seeds, i, x);
-        if (vor_seeds_fit_at(seeds, bench, &bench->there, x) == VOR_SURFACE_NONE)
+        if (vor_seeds_fit(seeds, bench, i) == VOR_SURFACE_NONE)
             continue;
-        vor_seeds_border(seeds, bench, &border, x);
-        if (vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x))
-            for (size_t c = 0; c < 3; c++)
-                seeds->xyz[3 * i + c] = (float)x[c];
+        if (settle->landing)
+            vor_seeds_project(&bench->here.surface, x);
+        if (seeds->keep_border) {
+            vor_seeds_border(seeds, bench, &bench->here, &border, x);
+            moved |= vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x);
+        }
+        for (size_t c = 0; moved && c < 3; c++)
+            seeds->xyz[3 * i + c] = (float)x[c];
     }
 }
 
 vor_status vor_settle(struct vor_seeds *seeds, struct vor_error *err)
 {
+    struct settle settle = {seeds, 0};
+
     if (!seeds->keep_border)
         return VOR_OK;
-    return vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, settle_block, seeds, err);
+    return vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &settle, err);
+}
+
+vor_status vor_land(struct vor_seeds *seeds, struct vor_error *err)
+{
+    struct settle settle = {seeds, 1};
+    struct vor_run calm_run = *seeds->run;
+    struct vor_calm calm;
+
+    if (seeds->domain == seeds->whole)
+        return VOR_OK;
+    vor_seeds_onto(seeds, seeds->whole);
+    calm_run.watch = vor_calm_watch(&calm, seeds->run->watch);
+    return vor_run_for(&calm_run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &settle, err);
 }

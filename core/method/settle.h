@@ -1,4 +1,4 @@
-/** The last thing that is done to the seeds. */
+/** Where the seeds come to rest: inside the input, and on all of it. */
 #ifndef VOR_METHOD_SETTLE_H
 #define VOR_METHOD_SETTLE_H
 
@@ -9,5 +9,11 @@
  *
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for */
 VOR_NODISCARD vor_status vor_settle(struct vor_seeds *seeds, struct vor_error *err);
+
+/** Puts seeds that are on a thinner domain onto the whole one, projects them onto its surface and
+ *  settles them; nothing where they are on it. A stop does not cut it short.
+ *
+ *  @retval VOR_E_CANCELLED  as vor_run_for */
+VOR_NODISCARD vor_status vor_land(struct vor_seeds *seeds, struct vor_error *err);
 
 #endif

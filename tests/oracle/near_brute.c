@@ -170,6 +170,26 @@ START_TEST(a_set_is_the_same_as_at_the_last_search_not_as_at_one_before)
 }
 END_TEST
 
+START_TEST(put_onto_other_points_it_forgets_the_first_ones)
+{
+    struct walk walk, other;
+
+    start(&walk, (uint64_t)_i, 400, 20);
+    start(&other, (uint64_t)_i + 9, 300, 20);
+    for (size_t i = 0; i < QUERIES; i++)
+        (void)check_query(&walk, i);
+    vor_near_onto(&walk.near, other.knn, other.cloud.xyz, other.cloud.n);
+    vor_knn_free(walk.knn);
+    vor_cloud_free(&walk.cloud);
+    walk.knn = other.knn;
+    walk.cloud = other.cloud;
+    for (size_t i = 0; i < QUERIES; i++)
+        ck_assert_int_eq(check_query(&walk, i), VOR_NEAR_ANEW);
+    vor_near_free(&other.near);
+    end(&walk);
+}
+END_TEST
+
 START_TEST(more_neighbours_than_the_reference_has_room_for_are_all_of_it)
 {
     struct walk walk;
@@ -188,6 +208,7 @@ int main(void)
     vt_add_loop(suite, a_wandering_query_finds_what_brute_force_finds, 30);
     vt_add_loop(suite, a_query_that_stands_still_keeps_its_points, 3);
     vt_add_loop(suite, a_set_is_the_same_as_at_the_last_search_not_as_at_one_before, 5);
+    vt_add_loop(suite, put_onto_other_points_it_forgets_the_first_ones, 3);
     vt_add(suite, more_neighbours_than_the_reference_has_room_for_are_all_of_it);
     return vt_run(suite);
 }
