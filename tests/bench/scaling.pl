@@ -8,7 +8,7 @@ use lib 'tests/bench';
 use Bench;
 
 my $out = begin('Scaling');
-my @fixed = qw(--polish 0 --iterations 10 --threads 1);
+my @fixed = qw(--polish 0 --iterations 20 --threads 1);
 my @series = (
     { name => 'scaling_in', what => 'points in', sizes => [map { [$_, 10_000] } 10_000, 50_000, 200_000, 1_000_000, 5_000_000] },
     { name => 'scaling_out', what => 'points out',
