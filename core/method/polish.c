@@ -10,6 +10,7 @@
 enum {
     SOFT = 4,         /* S at the first step */
     HARD = 14,        /* and at the last */
+    HARDER = 7,
     CELLS_EVERY = 4,  /* steps */
     LANDED = 40,      /* last steps, on the whole of the input */
     FRESH = 16,       /* last steps, on surfaces fitted anew each time */
@@ -21,7 +22,8 @@ enum {
 #define STEP_MAX 0.05   /* spacings */
 #define FORCE_MAX 50.0  /* (h/d)^(2S) of a pair that is much too near */
 #define OVERLAP 0.1     /* spacings: nearer pairs part along the surface, come what may */
-#define FORCE_REACH 2.0 /* spacings that the repulsion reaches */
+#define FORCE_REACH 2.0 /* spacings that soft repulsion reaches */
+#define HARD_REACH 1.5  /* and S of HARDER and more: beyond, it is below a 290th */
 #define HOLE 0.65       /* pitches from a hole's middle to the points around it: more is too wide */
 #define HOLE_EXCESS 0.15 /* pitches beyond that count no more */
 #define HOLE_PULL 0.15   /* share of the excess that one step goes */
@@ -156,12 +158,13 @@ static void repulsion(const struct polish *polish, const struct vor_bench *bench
 {
     const struct vor_crowd *crowd = &bench->crowd;
     double h2 = polish->h * polish->h, scale = GAIN / (2 * polish->power);
+    double reach = polish->power < HARDER ? FORCE_REACH : HARD_REACH;
 
     force[0] = force[1] = force[2] = 0;
     for (unsigned j = 0; j < crowd->count; j++) {
         double d2 = (double)crowd->distance2[j], weight, d[3];
 
-        if (d2 > FORCE_REACH * FORCE_REACH * h2)
+        if (d2 > reach * reach * h2)
             break;
         away(polish, bench, i, crowd->index[j], sqrt(d2), d);
         weight = FORCE_MAX;
