@@ -45,7 +45,7 @@ TEST_ROOMS := unit property golden $(if $(filter-out tsan,$(config)),oracle pape
 SUPPORT_SRC := $(sort $(wildcard tests/support/*.c))
 TEST_SRC := $(sort $(foreach room,$(TEST_ROOMS),$(wildcard tests/$(room)/*.c)))
 TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC)))
-TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t tests/cli/*.t tests/lint/*.t))
+TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t $(if $(filter-out tsan,$(config)),tests/cli/*.t tests/lint/*.t)))
 BENCH_SRC := $(sort $(wildcard tests/bench/*.c))
 BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(B)/tests/bench/wlop
 
