@@ -8,8 +8,8 @@
 #include <string.h>
 
 enum {
-    SOFT = 4,         /* S at the first step */
-    HARD = 14,        /* and at the last */
+    SOFT = 4,  /* S at the first step */
+    HARD = 14, /* and at the last */
     HARDER = 7,
     CELLS_EVERY = 4,  /* steps */
     LANDED = 40,      /* last steps, on the whole of the input */
