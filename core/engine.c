@@ -3,7 +3,9 @@
 #include "core/method/even.h"
 #include "core/method/init.h"
 #include "core/method/method.h"
+#include "core/method/outliers.h"
 #include "core/method/polish.h"
+#include "core/method/scale.h"
 #include "core/method/settle.h"
 #include "core/method/transfer.h"
 #include "core/metrics/distance.h"
@@ -16,10 +18,9 @@
 #define RATIO_MAX 16
 
 /* Where the input has at least twice THINNED points a seed, and twice THINNED_LEAST in all, the
- * seeds are iterated on as many of them: more of them tell no more of a cell. */
-enum { THINNED = 5, THINNED_LEAST = 20000 };
-
-#define NEIGHBORS_AUTO 20
+ * seeds are iterated on as many of them: more of them tell no more of a cell. Where a fit takes
+ * more than THINNED_FOR points there are as many times more, so that it reaches as far. */
+enum { THINNED = 5, THINNED_FOR = 20, THINNED_LEAST = 20000 };
 
 const char *vor_stopped_word(enum vor_stopped stopped)
 {
@@ -82,10 +83,37 @@ static vor_status resolve_target(struct engine *engine, struct vor_error *err)
     return VOR_OK;
 }
 
+static vor_status drop_outliers(struct engine *engine, struct vor_error *err)
+{
+    size_t dropped = 0;
+    vor_status status;
+
+    if (engine->spec.value[VOR_PARAM_OUTLIERS] != VOR_OUTLIERS_DROP)
+        return VOR_OK;
+    status = vor_outliers_drop(&engine->domain, &dropped, &engine->calm_run, err);
+    engine->report.outliers = dropped;
+    return status;
+}
+
+/* Asks the input how many neighbours it wants, where the request does not say. */
+static vor_status resolve_neighbors(struct engine *engine, struct vor_error *err)
+{
+    double *value = &engine->spec.value[VOR_PARAM_NEIGHBORS];
+    unsigned k = 0;
+    vor_status status;
+
+    if (*value != VOR_UNSET)
+        return VOR_OK;
+    status = vor_scale_neighbors(&k, &engine->domain, &engine->calm_run, err);
+    *value = k;
+    return status;
+}
+
 /* Puts the seeds onto a thinner domain where that is dense enough. */
 static vor_status thin_domain(struct engine *engine, struct vor_error *err)
 {
-    double wanted = fmax(THINNED * (double)engine->n, THINNED_LEAST);
+    double more = fmax(1, engine->spec.value[VOR_PARAM_NEIGHBORS] / THINNED_FOR);
+    double wanted = fmax(THINNED * more * (double)engine->n, THINNED_LEAST);
     vor_status status;
 
     if ((double)engine->domain.n < 2 * wanted || !(engine->seeds.area > 0))
@@ -103,12 +131,16 @@ static vor_status prepare(struct engine *engine, struct vor_error *err)
     vor_status status;
 
     status = vor_domain_init(&engine->domain, engine->in, &engine->calm_run, err);
+    if (status == VOR_OK)
+        status = drop_outliers(engine, err);
     if (status != VOR_OK)
         return status;
     now = vor_run_clock(&engine->run);
     engine->report.seconds_index = now - before;
     before = now;
-    status = resolve_target(engine, err);
+    status = resolve_neighbors(engine, err);
+    if (status == VOR_OK)
+        status = resolve_target(engine, err);
     if (status == VOR_OK)
         status = vor_init_seeds(&engine->seeds, &engine->domain, engine->n, &engine->spec,
                                 &engine->calm_run, err);
@@ -204,8 +236,6 @@ vor_status vor_engine_run(struct vor_cloud *out, struct vor_report *report,
     engine.calm_run = *run;
     engine.calm_run.watch = vor_calm_watch(&engine.calm, run->watch);
     engine.start = vor_run_clock(run);
-    if (engine.spec.value[VOR_PARAM_NEIGHBORS] == VOR_UNSET)
-        engine.spec.value[VOR_PARAM_NEIGHBORS] = NEIGHBORS_AUTO;
     status = prepare(&engine, err);
     if (status == VOR_OK)
         status = optimise(&engine, err);

@@ -34,6 +34,7 @@ struct vor_report {
     double seconds_read, seconds_index, seconds_init, seconds_iterate, seconds_polish,
         seconds_write;
     uint64_t memory_peak_bytes; /**< of the job's allocator */
+    uint64_t outliers;          /**< input points that were ignored */
     uint64_t held;              /**< points held back in the last iteration */
     uint64_t held_ever;         /**< points held back in any iteration */
     uint64_t fallback_plane;    /**< seeds on a plane in the last iteration: no quadric there */

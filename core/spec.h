@@ -35,14 +35,17 @@ enum vor_kind {
       "Iterations; not given: at most 12, or 100 where no polish follows, and the plateau")        \
     X(DELTA, delta, REAL, "", 0, 10, VOR_UNSET, "", "Stop once delta is this low")                 \
     X(SECONDS, seconds, REAL, "s", 0, 86400, VOR_UNSET, "", "Stop after this much time")           \
-    X(NEIGHBORS, neighbors, COUNT_OR_AUTO, "points", 6, 500, 20, "",                               \
-      "Input points that a local surface is fitted to")                                            \
+    X(NEIGHBORS, neighbors, COUNT_OR_AUTO, "points", 6, 500, VOR_UNSET, "",                        \
+      "Input points that a local surface is fitted to; auto: as many as the input's noise asks "   \
+      "for")                                                                                       \
     X(ANDERSON, anderson, COUNT, "", 0, 16, VOR_UNSET, "",                                         \
       "Window of the Anderson acceleration; 0 is plain Lloyd; momentum when not given")            \
     X(POLISH, polish, COUNT, "", 0, 10000, 120, "",                                                \
       "Most steps of repulsion after the iterations, which even the spacing out; 0 is none")       \
     X(BOUNDARY, boundary, CHOICE, "", 0, 0, 0, "keep free",                                        \
       "keep: no point leaves the input at its border; free: no restriction")                       \
+    X(OUTLIERS, outliers, CHOICE, "", 0, 0, 0, "keep drop",                                        \
+      "drop: input points that none of those around them count among their nearest are ignored")   \
     X(SEED, seed, COUNT, "", 0, 9007199254740991, 1, "", "Seed of every random choice")            \
     X(FORMAT, format, CHOICE, "", 0, 0, VOR_UNSET, "ply drc",                                      \
       "Format of the result; else by file suffix, Accept, or the input's")                         \
@@ -73,6 +76,7 @@ struct vor_parameter_info {
 };
 
 enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE };
+enum { VOR_OUTLIERS_KEEP, VOR_OUTLIERS_DROP };
 enum { VOR_FORMAT_PLY, VOR_FORMAT_DRC };
 enum { VOR_ATTRIBUTES_NEAREST, VOR_ATTRIBUTES_DROP };
 enum { VOR_NORMALS_NEAREST, VOR_NORMALS_FIT, VOR_NORMALS_DROP };

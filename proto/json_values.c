@@ -111,6 +111,7 @@ void vor_json_report(struct vor_text *text, const struct vor_report *report)
     vor_json_put_string(text, "stopped", vor_stopped_word(report->stopped));
     put_seconds(text, report);
     vor_json_put_u64(text, "memory_peak_bytes", report->memory_peak_bytes);
+    vor_json_put_u64(text, "outliers", report->outliers);
     vor_json_put_u64(text, "held", report->held);
     vor_json_put_u64(text, "held_ever", report->held_ever);
     vor_json_key(text, "fallbacks");

@@ -36,9 +36,9 @@ for my $command (qw(resample measure health)) {
 }
 (undef, $help) = run(['resample', '--help']);
 like $help, qr/--\Q$_\E VALUE\n/, "the help of resample has parameter $_"
-    for qw(points ratio spacing method patch iterations delta seconds neighbors anderson polish boundary
+    for qw(points ratio spacing method patch iterations delta seconds neighbors anderson polish boundary outliers
     seed format quantization compression attributes normals);
-like $help, qr/6 to 500 points \| auto, default 20/, 'it shows range, auto and default';
+like $help, qr/6 to 500 points \| auto, default auto/, 'it shows range, auto and default';
 like $help, qr/--polish VALUE\n      Most steps [^\n]+\n      0 to 10000, default \d+\n/, 'it explains the polish';
 like $help, qr/env: VORONOID_SERVER/, 'it shows environment variables';
 ($code, $help) = run(['--version']);

@@ -54,7 +54,7 @@ subtest 'lines of JSON' => sub {
     cmp_ok $records[-1]{delta}, '<', $records[0]{delta}, 'delta falls';
     is join(' ', sort keys %$report),
         join(' ', sort qw(points delta sigma epsilon iterations polish_steps stopped seconds
-            memory_peak_bytes held held_ever fallbacks parameters area spacing min_over_mean max_over_mean
+            memory_peak_bytes outliers held held_ever fallbacks parameters area spacing min_over_mean max_over_mean
             six_share bisectors_per_cell triangles_per_cell queries list_rebuilds)), 'the report has its shape';
     is join(' ', sort keys %{ $report->{seconds} }), 'index init iterate polish read write', 'so have its seconds';
     is $report->{polish_steps}, 0, 'it counts no step of a polish';

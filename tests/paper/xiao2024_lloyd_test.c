@@ -85,6 +85,7 @@ START_TEST(the_cells_cover_a_sphere)
         in.xyz[i] *= radius[_i];
     vt_engine_open(&engine, 2);
     vt_engine_set(&engine, "points", "800");
+    vt_engine_set(&engine, "neighbors", "20");
     vt_engine_set(&engine, "iterations", "10");
     vt_engine_set(&engine, "anderson", "4");
     vt_engine_set(&engine, "anderson", "4"); /* as in the paper, and no polish */

@@ -288,6 +288,7 @@ START_TEST(seeds_at_one_place_or_over_one_another_part)
 
     vt_cloud_sphere(&in, (uint64_t)_i, 3000);
     vt_engine_open(&engine, 2);
+    vt_engine_set(&engine, "neighbors", "20");
     vt_assert_ok(vor_domain_init(&domain, &in, &engine.run, &vt_err));
     vt_assert_ok(vor_init_seeds(&seeds, &domain, TO, &engine.spec, &engine.run, &vt_err));
     stack(&seeds, shares[_i]);

@@ -17,6 +17,7 @@ struct bed {
 static void start(struct bed *bed, uint64_t seed, unsigned threads, size_t n)
 {
     vt_engine_open(&bed->engine, threads);
+    vt_engine_set(&bed->engine, "neighbors", "20");
     vt_engine_count(&bed->engine, "seed", (size_t)seed);
     vt_assert_ok(vor_domain_init(&bed->domain, &bed->cloud, &bed->engine.run, &vt_err));
     vt_assert_ok(

@@ -95,6 +95,7 @@ START_TEST(a_report_has_its_shape)
                                 .memory_peak_bytes = 123456789,
                                 .held = 6,
                                 .held_ever = 7,
+                                .outliers = 5,
                                 .fallback_plane = 8,
                                 .fallback_left = 9,
                                 .area = 10.5,
@@ -117,11 +118,13 @@ START_TEST(a_report_has_its_shape)
         "\"epsilon\":0.99,\"iterations\":50,\"polish_steps\":40,\"stopped\":\"iterations\","
         "\"seconds\":{\"read\":1,\"index\":2,\"init\":3,\"iterate\":4,\"polish\":4.5,\"write\":5},"
         "\"memory_peak_bytes\":123456789,"
-        "\"held\":6,\"held_ever\":7,\"fallbacks\":{\"plane\":8,\"left\":9},\"area\":10.5,"
+        "\"outliers\":5,\"held\":6,\"held_ever\":7,\"fallbacks\":{\"plane\":8,\"left\":9},\"area\":"
+        "10.5,"
         "\"spacing\":0.25,\"min_over_mean\":0.75,\"max_over_mean\":1.25,\"six_share\":0.875,"
         "\"bisectors_per_cell\":6.5,\"triangles_per_cell\":24.5,\"queries\":10000000000,"
         "\"list_rebuilds\":11,\"parameters\":{\"points\":5000,\"method\":\"cvt\",\"patch\":"
-        "\"quadric\",\"neighbors\":20,\"polish\":60,\"boundary\":\"keep\","
+        "\"quadric\",\"neighbors\":\"auto\",\"polish\":60,\"boundary\":\"keep\",\"outliers\":"
+        "\"keep\","
         "\"seed\":1,\"quantization\":\"auto\",\"compression\":7,\"attributes\":\"nearest\","
         "\"normals\":\"nearest\"}}");
 }

@@ -20,6 +20,7 @@ struct bed {
 static void start(struct bed *bed, unsigned threads, double gap)
 {
     vt_engine_open(&bed->engine, threads);
+    vt_engine_set(&bed->engine, "neighbors", "20");
     vt_assert_ok(vor_domain_init(&bed->whole, &bed->cloud, &bed->engine.run, &vt_err));
     vt_assert_ok(vor_domain_thin(&bed->thin, &bed->whole, gap, &bed->engine.run, &vt_err));
 }

@@ -1,0 +1,209 @@
+/* Points that nothing points back to. */
+#include "core/method/outliers.h"
+#include "tests/support/vt_engine.h"
+#include "tests/support/vt_shape.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { SEEDS = 4, N = 12000, STRAYS = 120, K = 20, POINTED = 6 };
+
+struct bed {
+    struct vt_engine engine;
+    struct vor_cloud cloud;
+    struct vor_domain domain;
+    size_t dropped;
+};
+
+/* bed->cloud is there already. */
+static void start(struct bed *bed, unsigned threads)
+{
+    vt_engine_open(&bed->engine, threads);
+    vt_assert_ok(vor_domain_init(&bed->domain, &bed->cloud, &bed->engine.run, &vt_err));
+    vt_assert_ok(vor_outliers_drop(&bed->domain, &bed->dropped, &bed->engine.run, &vt_err));
+    ck_assert_uint_eq(bed->domain.n + bed->dropped, bed->cloud.n);
+}
+
+static void end(struct bed *bed)
+{
+    vor_domain_free(&bed->domain);
+    vt_engine_close(&bed->engine);
+    vor_cloud_free(&bed->cloud);
+    vt_assert_no_leak();
+}
+
+/* Moves the first points off the sphere, by a tenth of its radius to a whole one. */
+static void stray(struct vor_cloud *cloud, uint64_t seed)
+{
+    for (size_t i = 0; i < STRAYS; i++)
+        for (size_t c = 0; c < 3; c++)
+            cloud->xyz[3 * i + c] *= (float)(1.1 + 0.9 * vt_unit(seed, i));
+}
+
+START_TEST(hardly_a_point_of_a_surface_is_one)
+{
+    static void (*const makes[])(struct vor_cloud *, uint64_t, size_t) = {
+        vt_cloud_sphere, vt_cloud_torus, vt_cloud_box, vt_cloud_dome, vt_cloud_square};
+
+    for (size_t i = 0; i < sizeof makes / sizeof *makes; i++) {
+        struct bed bed;
+
+        makes[i](&bed.cloud, (uint64_t)_i, N);
+        start(&bed, 2);
+        ck_assert_uint_le(bed.dropped, N / 2000);
+        end(&bed);
+    }
+}
+END_TEST
+
+START_TEST(points_off_the_surface_are_and_hardly_another)
+{
+    struct bed bed;
+    size_t kept = 0;
+
+    vt_cloud_sphere(&bed.cloud, (uint64_t)_i, N);
+    stray(&bed.cloud, (uint64_t)_i);
+    start(&bed, 2);
+    for (size_t i = 0; i < bed.domain.n; i++)
+        kept += bed.domain.source[i] < STRAYS;
+    ck_assert_msg(kept <= STRAYS / 50, "%zu of %d kept", kept, (int)STRAYS);
+    ck_assert_uint_le(bed.dropped, STRAYS + N / 1000);
+    end(&bed);
+}
+END_TEST
+
+/* What one look drops, by looking at every pair; the next look is at what is left. */
+static size_t brute_look(struct vor_cloud *cloud)
+{
+    unsigned *pointed = calloc(cloud->n, sizeof *pointed);
+    size_t kept = 0, n = cloud->n;
+
+    for (size_t i = 0; i < n; i++) {
+        uint32_t index[K + 1];
+        float distance2[K + 1];
+
+        vor_knn_brute(cloud->xyz, n, &cloud->xyz[3 * i], 1, K + 1, index, distance2);
+        for (unsigned j = 0; j <= K; j++)
+            pointed[index[j]] += index[j] != i;
+    }
+    for (size_t i = 0; i < n; i++)
+        if (pointed[i] >= POINTED) {
+            for (size_t c = 0; c < 3; c++)
+                cloud->xyz[3 * kept + c] = cloud->xyz[3 * i + c];
+            kept++;
+        }
+    cloud->n = kept;
+    free(pointed);
+    return n - kept;
+}
+
+START_TEST(they_are_those_that_looking_at_every_pair_finds)
+{
+    enum { FEW = 1500 };
+    struct vor_cloud twin;
+    struct bed bed;
+    size_t found = 0, look = 1;
+
+    vt_cloud_sphere(&bed.cloud, (uint64_t)_i, FEW);
+    stray(&bed.cloud, (uint64_t)_i);
+    vt_cloud_sphere(&twin, (uint64_t)_i, FEW);
+    stray(&twin, (uint64_t)_i);
+    for (int i = 0; i < 3 && look > 0; i++)
+        found += look = brute_look(&twin);
+    start(&bed, 2);
+    ck_assert_uint_eq(bed.dropped, found);
+    twin.n = FEW;
+    vor_cloud_free(&twin);
+    end(&bed);
+}
+END_TEST
+
+START_TEST(one_two_three_and_eight_threads_drop_the_same)
+{
+    static const unsigned threads_of[4] = {1, 2, 3, 8};
+    uint64_t first = 0;
+
+    for (int t = 0; t < 4; t++) {
+        struct bed bed;
+        uint64_t hash;
+
+        vt_cloud_torus(&bed.cloud, 1, N);
+        stray(&bed.cloud, 1);
+        start(&bed, threads_of[t]);
+        ck_assert_uint_gt(bed.dropped, 0);
+        hash = vt_hash(bed.domain.source, bed.domain.n * sizeof *bed.domain.source);
+        first = t == 0 ? hash : first;
+        ck_assert(hash == first);
+        end(&bed);
+    }
+}
+END_TEST
+
+START_TEST(few_points_have_none_and_a_cloud_of_nothing_else_keeps_them)
+{
+    struct bed bed;
+
+    vt_cloud_cube(&bed.cloud, (uint64_t)_i, 199);
+    start(&bed, 2);
+    ck_assert_uint_eq(bed.dropped, 0);
+    end(&bed);
+    vt_cloud_cube(&bed.cloud, (uint64_t)_i, N); /* a block, not a surface */
+    start(&bed, 2);
+    ck_assert_uint_le(bed.dropped, N / 4);
+    end(&bed);
+}
+END_TEST
+
+/* Mean distance to the unit sphere of a result, and what the report counts. */
+static double off(const struct vor_cloud *in, const char *outliers, uint64_t *counted)
+{
+    struct vt_engine engine;
+    struct vor_cloud out;
+    struct vor_report report;
+    double mean;
+
+    vt_engine_open(&engine, 2);
+    vt_engine_set(&engine, "points", "1500");
+    vt_engine_set(&engine, "outliers", outliers);
+    vt_engine_set(&engine, "polish", "20");
+    vt_engine_resample(&engine, &out, &report, in);
+    ck_assert_uint_eq(out.n, 1500);
+    ck_assert_uint_eq(report.points_in, in->n);
+    mean = vt_off_mean(&vt_shapes[VT_SPHERE], &out);
+    *counted = report.outliers;
+    vor_cloud_free(&out);
+    vt_engine_close(&engine);
+    return mean;
+}
+
+START_TEST(a_result_without_them_lies_on_the_surface)
+{
+    struct vor_cloud cloud;
+    uint64_t none, some;
+    double with, without;
+
+    vt_cloud_sphere(&cloud, (uint64_t)_i, N);
+    stray(&cloud, (uint64_t)_i);
+    with = off(&cloud, "keep", &none);
+    without = off(&cloud, "drop", &some);
+    ck_assert_uint_eq(none, 0);
+    ck_assert_uint_ge(some, STRAYS * 49 / 50);
+    ck_assert_msg(without < with / 10, "%g off, %g with them", without, with);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("outliers");
+
+    vt_add_loop(suite, hardly_a_point_of_a_surface_is_one, VT_FEWER(SEEDS));
+    vt_add_loop(suite, points_off_the_surface_are_and_hardly_another, VT_FEWER(SEEDS));
+    vt_add_loop(suite, they_are_those_that_looking_at_every_pair_finds, VT_FEWER(SEEDS));
+    vt_add(suite, one_two_three_and_eight_threads_drop_the_same);
+    vt_add_loop(suite, few_points_have_none_and_a_cloud_of_nothing_else_keeps_them,
+                VT_FEWER(SEEDS));
+    vt_add_loop(suite, a_result_without_them_lies_on_the_surface, VT_FEWER(SEEDS));
+    return vt_run(suite);
+}
