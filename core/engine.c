@@ -9,6 +9,7 @@
 #include "core/method/settle.h"
 #include "core/method/transfer.h"
 #include "core/metrics/distance.h"
+#include "core/metrics/distortion.h"
 #include "core/metrics/uniformity.h"
 
 #include <assert.h>
@@ -328,16 +329,60 @@ static vor_status measure_even(struct vor_measure *out, const float *xyz, size_t
     return status;
 }
 
+static void put_distances(struct vor_measure *measure, const struct vor_distances *distances)
+{
+    measure->has_reference = 1;
+    measure->far_over_knn6_mean = distances->far_over_knn6_mean;
+    measure->far_over_knn6_p999 = distances->far_over_knn6_p999;
+    measure->out_to_ref_mean = distances->out_to_ref_mean;
+    measure->out_to_ref_rms = distances->out_to_ref_rms;
+    measure->out_to_ref_max = distances->out_to_ref_max;
+    measure->ref_to_out_mean = distances->ref_to_out_mean;
+    measure->ref_to_out_rms = distances->ref_to_out_rms;
+    measure->ref_to_out_max = distances->ref_to_out_max;
+    measure->hausdorff = distances->hausdorff;
+    measure->chamfer = distances->chamfer;
+}
+
+static void put_distortion(struct vor_measure *measure, const struct vor_distortion *distortion,
+                           double unit, double peak)
+{
+    measure->peak = peak > 0 ? peak : distortion->peak * unit;
+    measure->d1_mse = distortion->d1_mse * unit * unit;
+    measure->d2_mse = distortion->d2_mse * unit * unit;
+    measure->d1_psnr = vor_distortion_psnr(distortion->d1_mse, measure->peak / unit);
+    measure->d2_psnr = vor_distortion_psnr(distortion->d2_mse, measure->peak / unit);
+}
+
+/* Adds what there is to say of the distances between two clouds in a frame of that unit. */
+static vor_status measure_against(struct vor_measure *measure,
+                                  const struct vor_distortion_pair *pair, double unit, double peak,
+                                  const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_distances distances;
+    struct vor_distortion distortion;
+    vor_status status =
+        vor_distances_measure(&distances, pair->xyz, pair->n, pair->reference, pair->m, run, err);
+
+    if (status == VOR_OK)
+        status = vor_distortion_measure(&distortion, pair, run, err);
+    if (status != VOR_OK)
+        return status;
+    put_distances(measure, &distances);
+    put_distortion(measure, &distortion, unit, peak);
+    return VOR_OK;
+}
+
 vor_status vor_engine_measure(struct vor_measure *out, const struct vor_cloud *cloud,
-                              const struct vor_cloud *reference, const struct vor_run *run,
-                              struct vor_error *err)
+                              const struct vor_cloud *reference, double peak,
+                              const struct vor_run *run, struct vor_error *err)
 {
     struct frame frame;
     struct vor_measure measure;
-    struct vor_distances distances = {0};
     float *xyz = NULL, *other = NULL;
     vor_status status;
 
+    assert(peak == 0 || (peak >= VOR_PEAK_MIN && peak <= VOR_PEAK_MAX));
     choose_frame(&frame, cloud, reference);
     xyz = into_frame(cloud, &frame, run->memory, err);
     if (xyz == NULL)
@@ -345,18 +390,13 @@ vor_status vor_engine_measure(struct vor_measure *out, const struct vor_cloud *c
     status = measure_even(&measure, xyz, cloud->n, frame.unit, run, err);
     if (status == VOR_OK && reference != NULL) {
         other = into_frame(reference, &frame, run->memory, err);
-        status = other == NULL ? VOR_E_NOMEM
-                               : vor_distances_measure(&distances, xyz, cloud->n, other,
-                                                       reference->n, run, err);
+        status = other != NULL ? VOR_OK : VOR_E_NOMEM;
     }
     if (status == VOR_OK && reference != NULL) {
-        measure.has_reference = 1;
-        measure.far_over_knn6_mean = distances.far_over_knn6_mean;
-        measure.far_over_knn6_p999 = distances.far_over_knn6_p999;
-        measure.out_to_ref_mean = distances.out_to_ref_mean;
-        measure.out_to_ref_max = distances.out_to_ref_max;
-        measure.ref_to_out_mean = distances.ref_to_out_mean;
-        measure.ref_to_out_max = distances.ref_to_out_max;
+        struct vor_distortion_pair pair = {xyz, other, cloud->n, reference->n,
+                                           vor_cloud_find(reference, VOR_NORMAL)};
+
+        status = measure_against(&measure, &pair, frame.unit, peak, run, err);
     }
     if (status == VOR_OK)
         *out = measure;

@@ -93,19 +93,34 @@ struct vor_measure {
     double far_over_knn6_mean; /**< farthest point's distance to the reference over the mean
                                   distance of a reference point to its 6th neighbour */
     double far_over_knn6_p999; /**< the same over the 99.9th percentile */
-    double out_to_ref_mean, out_to_ref_max, ref_to_out_mean, ref_to_out_max;
+    double out_to_ref_mean, out_to_ref_rms, out_to_ref_max; /**< of each point's distance to the
+                                                                 nearest reference point */
+    double ref_to_out_mean, ref_to_out_rms, ref_to_out_max; /**< the other way */
+    double hausdorff;                                       /**< the larger max */
+    double chamfer;          /**< the sum of both means, of distances and not of their squares */
+    double d1_mse, d2_mse;   /**< point to point and point to plane, the larger direction, in the
+                                  cloud's unit^2; as mpeg-pcc-dmetric, metrics/distortion.h */
+    double d1_psnr, d2_psnr; /**< 10 log10(3 peak^2 / mse) in dB; infinite where mse is 0 */
+    double peak;             /**< that of the psnr, in the cloud's unit */
 };
 
+/** Range of a peak that is given. */
+#define VOR_PEAK_MIN 1e-30
+#define VOR_PEAK_MAX 1e30
+
 /** Measures a cloud, and its distances to a reference where one is given (else NULL). Different
- *  origins are honoured.
+ *  origins are honoured; positions are float32 about the middle of both clouds. D2 needs the
+ * reference's normals; those it does not carry are fitted.
  *
+ *  @param[in] peak VOR_PEAK_MIN .. VOR_PEAK_MAX, or 0 for the largest distance of a reference point
+ *                  to its nearest other one
  *  @retval VOR_E_DEGENERATE fewer than two points, or every point coincides; a reference of fewer
  *                           than seven points or of no extent
  *  @retval VOR_E_NOMEM, VOR_E_CANCELLED  as vor_engine_run
  *
  *  Cost: O(n log n). Deterministic for any number of threads. */
 VOR_NODISCARD vor_status vor_engine_measure(struct vor_measure *out, const struct vor_cloud *cloud,
-                                            const struct vor_cloud *reference,
+                                            const struct vor_cloud *reference, double peak,
                                             const struct vor_run *run, struct vor_error *err);
 
 #endif

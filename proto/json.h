@@ -163,8 +163,9 @@ int vor_json_record_read(struct vor_record *out, const struct vor_json *object);
 void vor_json_report(struct vor_text *text, const struct vor_report *report);
 
 /** A measure: n, delta, sigma, epsilon, mean_nn, min_over_mean, max_over_mean, coincident and, with
- *  a reference, "input" {far_over_knn6_mean, far_over_knn6_p999, out_to_ref_mean, out_to_ref_max,
- *  ref_to_out_mean, ref_to_out_max}. */
+ *  a reference, "input" {far_over_knn6_mean, far_over_knn6_p999, out_to_ref_mean, out_to_ref_rms,
+ *  out_to_ref_max, ref_to_out_mean, ref_to_out_rms, ref_to_out_max, hausdorff, chamfer, d1_mse,
+ *  d1_psnr, d2_mse, d2_psnr, peak}. An infinite psnr is null. */
 void vor_json_measure(struct vor_text *text, const struct vor_measure *measure);
 
 /** A request as an object: numbers as numbers, choices and auto as strings, unset ones left out. */

@@ -127,6 +127,28 @@ void vor_json_report(struct vor_text *text, const struct vor_report *report)
     vor_json_end_object(text);
 }
 
+static void put_reference(struct vor_text *text, const struct vor_measure *measure)
+{
+    vor_json_key(text, "input");
+    vor_json_begin_object(text);
+    vor_json_put_double(text, "far_over_knn6_mean", measure->far_over_knn6_mean);
+    vor_json_put_double(text, "far_over_knn6_p999", measure->far_over_knn6_p999);
+    vor_json_put_double(text, "out_to_ref_mean", measure->out_to_ref_mean);
+    vor_json_put_double(text, "out_to_ref_rms", measure->out_to_ref_rms);
+    vor_json_put_double(text, "out_to_ref_max", measure->out_to_ref_max);
+    vor_json_put_double(text, "ref_to_out_mean", measure->ref_to_out_mean);
+    vor_json_put_double(text, "ref_to_out_rms", measure->ref_to_out_rms);
+    vor_json_put_double(text, "ref_to_out_max", measure->ref_to_out_max);
+    vor_json_put_double(text, "hausdorff", measure->hausdorff);
+    vor_json_put_double(text, "chamfer", measure->chamfer);
+    vor_json_put_double(text, "d1_mse", measure->d1_mse);
+    vor_json_put_double(text, "d1_psnr", measure->d1_psnr);
+    vor_json_put_double(text, "d2_mse", measure->d2_mse);
+    vor_json_put_double(text, "d2_psnr", measure->d2_psnr);
+    vor_json_put_double(text, "peak", measure->peak);
+    vor_json_end_object(text);
+}
+
 void vor_json_measure(struct vor_text *text, const struct vor_measure *measure)
 {
     vor_json_begin_object(text);
@@ -138,17 +160,8 @@ void vor_json_measure(struct vor_text *text, const struct vor_measure *measure)
     vor_json_put_double(text, "min_over_mean", measure->min_over_mean);
     vor_json_put_double(text, "max_over_mean", measure->max_over_mean);
     vor_json_put_u64(text, "coincident", measure->coincident);
-    if (measure->has_reference) {
-        vor_json_key(text, "input");
-        vor_json_begin_object(text);
-        vor_json_put_double(text, "far_over_knn6_mean", measure->far_over_knn6_mean);
-        vor_json_put_double(text, "far_over_knn6_p999", measure->far_over_knn6_p999);
-        vor_json_put_double(text, "out_to_ref_mean", measure->out_to_ref_mean);
-        vor_json_put_double(text, "out_to_ref_max", measure->out_to_ref_max);
-        vor_json_put_double(text, "ref_to_out_mean", measure->ref_to_out_mean);
-        vor_json_put_double(text, "ref_to_out_max", measure->ref_to_out_max);
-        vor_json_end_object(text);
-    }
+    if (measure->has_reference)
+        put_reference(text, measure);
     vor_json_end_object(text);
 }
 

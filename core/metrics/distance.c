@@ -36,16 +36,22 @@ static vor_status kth_distances(float *out, const float *queries, size_t n,
     return vor_run_for(run, n, BLOCK, search_block, &search, err);
 }
 
-static void mean_max(const float *d, size_t n, double *mean, double *max)
-{
-    double sum = 0;
+struct summary {
+    double mean, rms, max;
+};
 
-    *max = 0;
+static struct summary summarise(const float *d, size_t n)
+{
+    struct summary summary = {0, 0, 0};
+
     for (size_t i = 0; i < n; i++) {
-        sum += (double)d[i];
-        *max = fmax(*max, (double)d[i]);
+        summary.mean += (double)d[i];
+        summary.rms += (double)d[i] * (double)d[i];
+        summary.max = fmax(summary.max, (double)d[i]);
     }
-    *mean = sum / (double)n;
+    summary.mean /= (double)n;
+    summary.rms = sqrt(summary.rms / (double)n);
+    return summary;
 }
 
 static int ascending(const void *a, const void *b)
@@ -82,30 +88,45 @@ static double diagonal(const float *xyz, size_t n)
     return sqrt(sum);
 }
 
+/* What is told of both directions, given in the frame's unit: over length, the diagonal. */
+static void put_directions(struct vor_distances *out, const struct summary *to_reference,
+                           const struct summary *to_cloud, double length)
+{
+    out->out_to_ref_mean = to_reference->mean / length;
+    out->out_to_ref_rms = to_reference->rms / length;
+    out->out_to_ref_max = to_reference->max / length;
+    out->ref_to_out_mean = to_cloud->mean / length;
+    out->ref_to_out_rms = to_cloud->rms / length;
+    out->ref_to_out_max = to_cloud->max / length;
+    out->hausdorff = fmax(out->out_to_ref_max, out->ref_to_out_max);
+    out->chamfer = out->out_to_ref_mean + out->ref_to_out_mean;
+}
+
 /* Both directions and the reference's own spacing; d has room for the larger of n and m. */
 static vor_status measure(struct vor_distances *out, float *d, const float *xyz, size_t n,
                           const float *reference, size_t m, const struct vor_knn *to_xyz,
                           const struct vor_knn *to_reference, const struct vor_run *run,
                           struct vor_error *err)
 {
-    double mean, max, far;
+    struct summary forth, back;
+    double mean;
     vor_status status = kth_distances(d, xyz, n, to_reference, 1, run, err);
 
     if (status != VOR_OK)
         return status;
-    mean_max(d, n, &out->out_to_ref_mean, &out->out_to_ref_max);
-    far = out->out_to_ref_max;
+    forth = summarise(d, n);
     status = kth_distances(d, reference, m, to_xyz, 1, run, err);
     if (status != VOR_OK)
         return status;
-    mean_max(d, m, &out->ref_to_out_mean, &out->ref_to_out_max);
+    back = summarise(d, m);
+    put_directions(out, &forth, &back, diagonal(reference, m));
     status = kth_distances(d, reference, m, to_reference, SEVENTH, run, err);
     if (status != VOR_OK)
         return status;
-    mean_max(d, m, &mean, &max);
-    out->far_over_knn6_mean = mean > 0 ? far / mean : 0;
+    mean = summarise(d, m).mean;
+    out->far_over_knn6_mean = mean > 0 ? forth.max / mean : 0;
     mean = percentile(d, m, 0.999);
-    out->far_over_knn6_p999 = mean > 0 ? far / mean : 0;
+    out->far_over_knn6_p999 = mean > 0 ? forth.max / mean : 0;
     return VOR_OK;
 }
 
@@ -131,13 +152,8 @@ vor_status vor_distances_measure(struct vor_distances *out, const float *xyz, si
         status = vor_knn_build(&to_reference, reference, m, run->memory, err);
     if (status == VOR_OK)
         status = measure(&distances, d, xyz, n, reference, m, to_xyz, to_reference, run, err);
-    if (status == VOR_OK) {
-        distances.out_to_ref_mean /= length;
-        distances.out_to_ref_max /= length;
-        distances.ref_to_out_mean /= length;
-        distances.ref_to_out_max /= length;
+    if (status == VOR_OK)
         *out = distances;
-    }
     vor_knn_free(to_reference);
     vor_knn_free(to_xyz);
     vor_free(run->memory, d);

@@ -7,7 +7,9 @@
 /** Names as in struct vor_measure (engine.h). */
 struct vor_distances {
     double far_over_knn6_mean, far_over_knn6_p999;
-    double out_to_ref_mean, out_to_ref_max, ref_to_out_mean, ref_to_out_max;
+    double out_to_ref_mean, out_to_ref_rms, out_to_ref_max;
+    double ref_to_out_mean, ref_to_out_rms, ref_to_out_max;
+    double hausdorff, chamfer;
 };
 
 /** From n points to m reference points, both x 3 floats in one frame, each of magnitude at most

@@ -41,6 +41,9 @@ enum vor_command {
     X(OUTPUT, "output", 'o', "OUT", "", VOR_FOR(RESAMPLE), "Where the result goes; - is stdout")   \
     X(REFERENCE, "reference", 0, "FILE", "", VOR_FOR(MEASURE),                                     \
       "Print the distances to this cloud too")                                                     \
+    X(PEAK, "peak", 0, "P", "", VOR_FOR(MEASURE),                                                  \
+      "Peak of d1_psnr and d2_psnr, 1e-30 to 1e+30 in the cloud's unit; by default the largest "   \
+      "distance of a reference point to its nearest other one")                                    \
     X(SERVER, "server", 0, "URL", "VORONOID_SERVER", VOR_FOR(RESAMPLE) | VOR_FOR(HEALTH),          \
       "The daemon that does the work (resample; else it is done here) or is asked (health)")       \
     X(THREADS, "threads", 0, "N", "VORONOID_THREADS", VOR_FOR(RESAMPLE) | VOR_FOR(MEASURE),        \
@@ -65,6 +68,7 @@ struct vor_cli {
     const char *input;                    /**< the operand; NULL for health */
     const char *option[VOR_OPTION_COUNT]; /**< text, "" for a flag that is there, or NULL */
     unsigned threads;                     /**< resolved: 1 .. VOR_THREADS_MAX */
+    double peak;                          /**< measure; VOR_PEAK_MIN .. MAX, 0 if not given */
     struct vor_spec spec;                 /**< resample; checked */
     int given[VOR_PARAMETER_COUNT];       /**< the parameters of spec that were named */
 };

@@ -41,7 +41,7 @@ int vor_cli_measure(const struct vor_cli *cli)
     if (status == VOR_OK) {
         subject = cli->input;
         status = vor_engine_measure(&measure, &cloud, reference_path != NULL ? &reference : NULL,
-                                    &work.run, &err);
+                                    cli->peak, &work.run, &err);
     }
     if (status == VOR_OK)
         status = print(&measure, &err);

@@ -2,6 +2,7 @@
 #include "server/cli/cli.h"
 
 #include "core/base/parallel.h"
+#include "core/engine.h"
 #include "proto/quote.h"
 #include "server/machine.h"
 
@@ -213,6 +214,27 @@ static vor_status resolve_threads(struct vor_cli *cli, struct vor_error *err)
     return VOR_OK;
 }
 
+static vor_status resolve_peak(struct vor_cli *cli, struct vor_error *err)
+{
+    const char *text = cli->option[VOR_OPTION_PEAK], *shown = "empty";
+    char *end, quoted[48];
+
+    if (text == NULL)
+        return VOR_OK;
+    if (text[0] != '\0')
+        shown = vor_quote(quoted, sizeof quoted, text, strlen(text));
+    /* strtod alone would take blanks, hexadecimal numbers, infinity and nan. */
+    cli->peak = strtod(text, &end);
+    if (end == text || text[strspn(text, "0123456789.eE+-")] != '\0' || *end != '\0' ||
+        !(cli->peak >= VOR_PEAK_MIN && cli->peak <= VOR_PEAK_MAX))
+        return vor_fail_param(err, VOR_E_PARAM, "peak", "peak is %s, want a number from %g to %g",
+                              shown, VOR_PEAK_MIN, VOR_PEAK_MAX);
+    if (cli->option[VOR_OPTION_REFERENCE] == NULL)
+        return vor_fail_param(err, VOR_E_PARAM, "peak",
+                              "peak is %s without a reference: give --reference FILE too", shown);
+    return VOR_OK;
+}
+
 static vor_status check(struct vor_cli *cli, struct vor_error *err)
 {
     const char *operand = commands[cli->command].operand;
@@ -244,6 +266,8 @@ vor_status vor_cli_read(struct vor_cli *out, enum vor_command command, int argc,
     read_environment(out);
     if (status == VOR_OK)
         status = resolve_threads(out, err);
+    if (status == VOR_OK)
+        status = resolve_peak(out, err);
     return status == VOR_OK ? check(out, err) : status;
 }
 

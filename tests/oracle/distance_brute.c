@@ -49,6 +49,15 @@ static double mean_of(const double *d, size_t n)
     return sum / (double)n;
 }
 
+static double rms_of(const double *d, size_t n)
+{
+    double sum = 0;
+
+    for (size_t i = 0; i < n; i++)
+        sum += d[i] * d[i];
+    return sqrt(sum / (double)n);
+}
+
 static double diagonal_of(const struct vor_cloud *cloud)
 {
     double sum = 0;
@@ -83,13 +92,16 @@ START_TEST(the_distances_are_those_of_a_look_at_every_pair)
     diagonal = diagonal_of(&reference);
     kth_from(d, &cloud, &reference, 0);
     ck_assert_double_eq_tol(found.out_to_ref_mean * diagonal, mean_of(d, n), 1e-6);
+    ck_assert_double_eq_tol(found.out_to_ref_rms * diagonal, rms_of(d, n), 1e-6);
     qsort(d, n, sizeof *d, ascending);
     far = d[n - 1];
     ck_assert_double_eq_tol(found.out_to_ref_max * diagonal, far, 1e-6);
     kth_from(d, &reference, &cloud, 0);
     ck_assert_double_eq_tol(found.ref_to_out_mean * diagonal, mean_of(d, m), 1e-6);
+    ck_assert_double_eq_tol(found.ref_to_out_rms * diagonal, rms_of(d, m), 1e-6);
     qsort(d, m, sizeof *d, ascending);
     ck_assert_double_eq_tol(found.ref_to_out_max * diagonal, d[m - 1], 1e-6);
+    ck_assert_double_eq_tol(found.hausdorff * diagonal, fmax(far, d[m - 1]), 1e-6);
     kth_from(d, &reference, &reference, 6);
     knn6 = mean_of(d, m);
     qsort(d, m, sizeof *d, ascending);

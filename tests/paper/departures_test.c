@@ -72,7 +72,7 @@ static double coverage(const struct vor_cloud *out, const struct vor_cloud *surf
     struct vor_measure measure;
 
     vt_engine_open(&engine, 2);
-    vt_assert_ok(vor_engine_measure(&measure, out, surface, &engine.run, &vt_err));
+    vt_assert_ok(vor_engine_measure(&measure, out, surface, 0, &engine.run, &vt_err));
     vt_engine_close(&engine);
     return measure.ref_to_out_mean;
 }

@@ -209,7 +209,7 @@ START_TEST(a_measure_short_of_memory_or_cancelled_leaks_nothing)
         vor_memory_init(&memory, SIZE_MAX);
         memory.fail_at = fail;
         ck_assert_uint_eq(measure.n, 77);
-        status = vor_engine_measure(&measure, &in, &reference, &engine.run, &vt_err);
+        status = vor_engine_measure(&measure, &in, &reference, 0, &engine.run, &vt_err);
         ck_assert(status == VOR_OK || status == VOR_E_NOMEM);
         ck_assert_uint_eq(atomic_load(&memory.used), 0);
     }
@@ -217,7 +217,7 @@ START_TEST(a_measure_short_of_memory_or_cancelled_leaks_nothing)
     engine.run.watch = &watch;
     vor_memory_init(&memory, SIZE_MAX);
     vt_assert_fails(VOR_E_CANCELLED,
-                    vor_engine_measure(&measure, &in, &reference, &engine.run, &vt_err));
+                    vor_engine_measure(&measure, &in, &reference, 0, &engine.run, &vt_err));
     ck_assert_uint_eq(atomic_load(&memory.used), 0);
     vor_cloud_free(&reference);
     vor_cloud_free(&in);

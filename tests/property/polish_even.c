@@ -60,8 +60,10 @@ static void measure_pair(struct pair *pair, const struct vor_cloud *from)
     struct vt_engine engine;
 
     vt_engine_open(&engine, 2);
-    vt_assert_ok(vor_engine_measure(&pair->hole_before, &pair->before, from, &engine.run, &vt_err));
-    vt_assert_ok(vor_engine_measure(&pair->hole_after, &pair->after, from, &engine.run, &vt_err));
+    vt_assert_ok(
+        vor_engine_measure(&pair->hole_before, &pair->before, from, 0, &engine.run, &vt_err));
+    vt_assert_ok(
+        vor_engine_measure(&pair->hole_after, &pair->after, from, 0, &engine.run, &vt_err));
     vt_engine_close(&engine);
 }
 

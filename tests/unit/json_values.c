@@ -130,7 +130,7 @@ START_TEST(a_report_has_its_shape)
 }
 END_TEST
 
-START_TEST(a_measure_has_the_yardsticks_names)
+START_TEST(a_measure_is_written_in_this_shape)
 {
     struct vor_measure measure = {.n = 3,
                                   .delta = 0.1,
@@ -145,7 +145,16 @@ START_TEST(a_measure_has_the_yardsticks_names)
                                   .out_to_ref_mean = 3,
                                   .out_to_ref_max = 4,
                                   .ref_to_out_mean = 5,
-                                  .ref_to_out_max = 6};
+                                  .ref_to_out_max = 6,
+                                  .out_to_ref_rms = 7,
+                                  .ref_to_out_rms = 8,
+                                  .hausdorff = 9,
+                                  .chamfer = 10,
+                                  .d1_mse = 11,
+                                  .d1_psnr = 12,
+                                  .d2_mse = 13,
+                                  .d2_psnr = (double)INFINITY,
+                                  .peak = 15};
 
     vor_text_init(&text, 0);
     vor_json_measure(&text, &measure);
@@ -157,7 +166,9 @@ START_TEST(a_measure_has_the_yardsticks_names)
     expect("{\"n\":3,\"delta\":0.1,\"sigma\":0.2,\"epsilon\":0.3,\"mean_nn\":0.4,"
            "\"min_over_mean\":0.5,\"max_over_mean\":0.6,\"coincident\":2,\"input\":{"
            "\"far_over_knn6_mean\":1,\"far_over_knn6_p999\":2,\"out_to_ref_mean\":3,"
-           "\"out_to_ref_max\":4,\"ref_to_out_mean\":5,\"ref_to_out_max\":6}}");
+           "\"out_to_ref_rms\":7,\"out_to_ref_max\":4,\"ref_to_out_mean\":5,"
+           "\"ref_to_out_rms\":8,\"ref_to_out_max\":6,\"hausdorff\":9,\"chamfer\":10,"
+           "\"d1_mse\":11,\"d1_psnr\":12,\"d2_mse\":13,\"d2_psnr\":null,\"peak\":15}}");
 }
 END_TEST
 
@@ -418,7 +429,7 @@ int main(void)
     vt_add(suite, a_record_has_its_shape);
     vt_add(suite, a_record_comes_back);
     vt_add(suite, a_report_has_its_shape);
-    vt_add(suite, a_measure_has_the_yardsticks_names);
+    vt_add(suite, a_measure_is_written_in_this_shape);
     vt_add_loop(suite, every_request_comes_back, 10);
     vt_add_loop(suite, a_wrong_member_is_named_and_nothing_is_set,
                 (int)(sizeof refused / sizeof refused[0]));
