@@ -11,7 +11,7 @@
 enum { PLATEAU_WINDOW = 10, SHORTEN_MAX = 3 };
 
 /* The last iterations, of all of them one in so many, are on the whole of the input. */
-enum { LANDED = 8, LANDED_SHARE = 6 };
+enum { LANDED = 8, LANDED_SHARE = 8 };
 
 #define PLATEAU_GAIN 0.99 /* delta must fall below this share of its value a window ago */
 #define MIX_STEP_MAX 0.5  /* of the distance to the nearest neighbour */

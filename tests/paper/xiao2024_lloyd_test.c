@@ -85,7 +85,6 @@ START_TEST(the_cells_cover_a_sphere)
         in.xyz[i] *= radius[_i];
     vt_engine_open(&engine, 2);
     vt_engine_set(&engine, "points", "800");
-    vt_engine_set(&engine, "neighbors", "20");
     vt_engine_set(&engine, "iterations", "10");
     vt_engine_set(&engine, "anderson", "4");
     vt_engine_set(&engine, "anderson", "4"); /* as in the paper, and no polish */
@@ -242,6 +241,7 @@ static double delta_from(const struct vor_cloud *cloud, uint64_t seed, int rando
     vt_engine_set(&engine, "iterations", "10");
     vt_engine_set(&engine, "anderson", "4"); /* as in the paper, and no polish */
     vt_engine_set(&engine, "polish", "0");
+    vt_engine_set(&engine, "neighbors", "20");
     vt_engine_count(&engine, "seed", (size_t)seed);
     vt_assert_ok(vor_domain_init(&domain, cloud, &engine.run, &vt_err));
     if (random)
