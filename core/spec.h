@@ -40,7 +40,7 @@ enum vor_kind {
       "for")                                                                                       \
     X(ANDERSON, anderson, COUNT, "", 0, 16, VOR_UNSET, "",                                         \
       "Window of the Anderson acceleration; 0 is plain Lloyd; momentum when not given")            \
-    X(POLISH, polish, COUNT, "", 0, 10000, 120, "",                                                \
+    X(POLISH, polish, COUNT, "", 0, 10000, 100, "",                                                \
       "Most steps of repulsion after the iterations, which even the spacing out; 0 is none")       \
     X(BOUNDARY, boundary, CHOICE, "", 0, 0, 0, "keep free",                                        \
       "keep: no point leaves the input at its border; free: no restriction")                       \

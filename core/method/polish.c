@@ -11,9 +11,10 @@ enum {
     SOFT = 4,  /* S at the first step */
     HARD = 14, /* and at the last */
     HARDER = 7,
-    CELLS_EVERY = 4,  /* steps */
+    CELLS_EVERY = 3,  /* steps */
     LANDED = 40,      /* last steps, on the whole of the input */
     FRESH = 16,       /* last steps, on surfaces fitted anew each time */
+    EVEN_EVERY = 5,   /* steps; delta is looked at then and in the last FRESH */
     RECORD_EVERY = 10 /* steps */
 };
 
@@ -284,37 +285,40 @@ static double longest_step(const struct polish *polish)
 }
 
 /* One step: from seeds->xyz to seeds->xyz. */
-static vor_status step_once(struct polish *polish, struct vor_uniformity *even,
-                            struct vor_error *err)
+static vor_status step_once(struct polish *polish, double start, struct vor_error *err)
 {
     struct vor_seeds *seeds = polish->seeds;
     vor_status status = vor_seeds_index(seeds, err);
 
     if (status == VOR_OK)
         status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, move_block, polish, err);
-    if (status == VOR_OK)
-        status = vor_even_measure(even, polish->nearest, seeds, polish->next, err);
-    if (status == VOR_OK)
-        memcpy(seeds->xyz, polish->next, 3 * seeds->n * sizeof *seeds->xyz);
-    return status;
+    if (status != VOR_OK)
+        return status;
+    memcpy(seeds->xyz, polish->next, 3 * seeds->n * sizeof *seeds->xyz);
+    polish->record.polish++;
+    polish->record.seconds = vor_run_clock(seeds->run) - start;
+    return VOR_OK;
 }
 
-/* Takes note of a step done, and keeps the most even positions. */
-static void note(struct polish *polish, const struct vor_uniformity *even, double start)
+/* Looks how even the positions are, and keeps the most even ones. */
+static vor_status look(struct polish *polish, struct vor_error *err)
 {
     const struct vor_seeds *seeds = polish->seeds;
     double unit = seeds->domain->unit;
+    struct vor_uniformity even;
+    vor_status status = vor_even_measure(&even, polish->nearest, seeds, seeds->xyz, err);
 
-    if (even->delta < polish->best_delta) {
-        polish->best_delta = even->delta;
+    if (status != VOR_OK)
+        return status;
+    if (even.delta < polish->best_delta) {
+        polish->best_delta = even.delta;
         memcpy(polish->best, seeds->xyz, 3 * seeds->n * sizeof *polish->best);
     }
-    polish->h = even->mean;
-    polish->record.polish++;
-    polish->record.delta = even->delta;
-    polish->record.sigma = even->sigma * unit;
-    polish->record.epsilon = even->epsilon;
-    polish->record.seconds = vor_run_clock(seeds->run) - start;
+    polish->h = even.mean;
+    polish->record.delta = even.delta;
+    polish->record.sigma = even.sigma * unit;
+    polish->record.epsilon = even.epsilon;
+    return VOR_OK;
 }
 
 static enum vor_answer tell(struct polish *polish)
@@ -394,12 +398,16 @@ static void harden(struct polish *polish, unsigned steps)
     polish->slack = done + FRESH < steps ? SLACK : 0;
 }
 
+static int look_is_due(const struct polish *polish, unsigned steps)
+{
+    return polish->record.polish % EVEN_EVERY == 0 || polish->record.polish + FRESH >= steps;
+}
+
 static vor_status loop(struct polish *polish, struct vor_cvt_result *result,
                        const struct vor_spec *spec, double start, struct vor_error *err)
 {
     unsigned steps = (unsigned)spec->value[VOR_PARAM_POLISH];
     enum vor_answer answer = VOR_CONTINUE;
-    struct vor_uniformity even;
     int ended = finished(polish, result, spec, 0);
     vor_status status = VOR_OK;
 
@@ -411,15 +419,19 @@ static vor_status loop(struct polish *polish, struct vor_cvt_result *result,
             status = land(polish, err);
         harden(polish, steps);
         if (status == VOR_OK)
-            status = step_once(polish, &even, err);
+            status = step_once(polish, start, err);
+        ended = finished(polish, result, spec, polish->record.seconds - before);
+        if (status == VOR_OK && (ended || look_is_due(polish, steps))) {
+            status = look(polish, err);
+            polish->record.polish -= status == VOR_E_STOPPED; /* that one is not handed back */
+            ended = finished(polish, result, spec, polish->record.seconds - before);
+        }
         if (status == VOR_E_STOPPED) {
             answer = VOR_STOP;
             break;
         }
         if (status != VOR_OK)
             return status;
-        note(polish, &even, start);
-        ended = finished(polish, result, spec, polish->record.seconds - before);
         if (ended || polish->record.polish % RECORD_EVERY == 0)
             answer = tell(polish);
     }

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PLACES = 512, BLOCK = 16, STEPS = 6, MOST = 150, ROOM = 8 };
+enum { PLACES = 512, BLOCK = 16, STEPS = 6, FIRST = 2, MOST = 150, ROOM = 8 };
 
 #define THICK_SHARE 0.97 /* of the places shall not be thick */
 #define THICK 0.19       /* residual over reach: a thick neighbourhood */
@@ -116,23 +116,37 @@ static unsigned best_step(const struct scale *scale, unsigned from)
     return best;
 }
 
+/* Fits to the first `steps` of the ladder and finds the best of them. */
+static vor_status try_steps(struct scale *scale, unsigned steps, unsigned *best,
+                            const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status;
+
+    scale->steps = steps;
+    status = vor_run_for(run, PLACES, BLOCK, fit_block, scale, err);
+    if (status == VOR_OK)
+        *best = best_step(scale, wide_step(scale));
+    return status;
+}
+
 vor_status vor_scale_neighbors(unsigned *k, const struct vor_domain *domain,
                                const struct vor_run *run, struct vor_error *err)
 {
     struct scale *scale = vor_calloc(run->memory, 1, sizeof *scale);
-    vor_status status;
+    unsigned steps = 0, best = 0;
+    vor_status status = VOR_OK;
 
     if (scale == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the neighbours of %d places", (int)PLACES);
     scale->domain = domain;
-    while (scale->steps < STEPS && (size_t)ROOM * ladder[scale->steps] <= domain->n)
-        scale->steps++;
-    *k = ladder[0];
-    status = VOR_OK;
-    if (scale->steps > 1)
-        status = vor_run_for(run, PLACES, BLOCK, fit_block, scale, err);
-    if (status == VOR_OK && scale->steps > 1)
-        *k = ladder[best_step(scale, wide_step(scale))];
+    while (steps < STEPS && (size_t)ROOM * ladder[steps] <= domain->n)
+        steps++;
+    if (steps >= FIRST)
+        status = try_steps(scale, FIRST, &best, run, err);
+    /* Where the fewest do, and are no thicker than more of them, more need not be tried. */
+    if (status == VOR_OK && steps > FIRST && (best > 0 || thickness_of(scale, 0) > THICK))
+        status = try_steps(scale, steps, &best, run, err);
+    *k = ladder[best];
     vor_free(run->memory, scale);
     return status;
 }

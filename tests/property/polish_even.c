@@ -134,7 +134,7 @@ START_TEST(a_start_alone_gets_as_even)
     vt_engine_count(&engine, "seed", (size_t)_i);
     vt_engine_resample(&engine, &out, &report, &in);
     ck_assert_uint_eq(report.iterations, 0);
-    ck_assert_uint_eq(report.polish_steps, 120);
+    ck_assert_uint_eq(report.polish_steps, 100);
     ck_assert_double_lt(report.delta, EVEN);
     ck_assert_uint_eq(vt_coincident(&out), 0);
     vor_cloud_free(&out);
