@@ -18,7 +18,7 @@ static const unsigned ladder[STEPS] = {20, 30, 45, 70, 100, MOST};
 
 struct scale {
     const struct vor_domain *domain;
-    unsigned steps;                 /* of the ladder that the domain has points enough for */
+    unsigned steps, most;           /* of the ladder that the domain has points enough for */
     double residual[STEPS][PLACES]; /* variance about the surface */
     double thickness[STEPS][PLACES];
 };
@@ -30,9 +30,8 @@ static void fit_place(struct scale *scale, size_t place)
     float near[3 * MOST], distance2[MOST];
     uint32_t index[MOST];
 
-    vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, ladder[scale->steps - 1], index,
-                   distance2);
-    for (unsigned j = 0; j < ladder[scale->steps - 1]; j++)
+    vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, scale->most, index, distance2);
+    for (unsigned j = 0; j < scale->most; j++)
         memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
     for (unsigned s = 0; s < scale->steps; s++) {
         struct vor_surface surface;
@@ -123,6 +122,7 @@ static vor_status try_steps(struct scale *scale, unsigned steps, unsigned *best,
     vor_status status;
 
     scale->steps = steps;
+    scale->most = ladder[steps - 1];
     status = vor_run_for(run, PLACES, BLOCK, fit_block, scale, err);
     if (status == VOR_OK)
         *best = best_step(scale, wide_step(scale));
