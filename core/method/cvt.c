@@ -47,11 +47,6 @@ struct cvt {
     int level;                                      /* a plateau was reached */
 };
 
-static int on_whole(const struct cvt *cvt)
-{
-    return cvt->seeds->domain == cvt->seeds->whole;
-}
-
 static uint32_t landed(const struct cvt *cvt)
 {
     return cvt->limit / LANDED_SHARE < LANDED ? cvt->limit / LANDED_SHARE : LANDED;
@@ -402,7 +397,7 @@ static int ends_on_plateau(struct cvt *cvt)
     if (cvt->level || vor_spec_given(cvt->spec, VOR_PARAM_ITERATIONS) || !plateau(cvt))
         return 0;
     cvt->level = 1;
-    if (on_whole(cvt) || polish_follows(cvt))
+    if (vor_seeds_on_whole(cvt->seeds) || polish_follows(cvt))
         return 1;
     cvt->limit = last < cvt->limit ? last : cvt->limit;
     return 0;
@@ -414,7 +409,7 @@ static int finished(struct cvt *cvt, const struct vor_uniformity *even, double t
     const double *value = cvt->spec->value;
     double share = polish_follows(cvt) ? SECONDS_SHARE : 1;
 
-    if (on_whole(cvt) && even_enough(cvt, even))
+    if (vor_seeds_on_whole(cvt->seeds) && even_enough(cvt, even))
         cvt->result.stopped = VOR_STOPPED_DELTA;
     else if (cvt->result.iterations >= cvt->limit)
         cvt->result.stopped = cvt->level ? VOR_STOPPED_PLATEAU : VOR_STOPPED_ITERATIONS;
@@ -431,28 +426,9 @@ static int finished(struct cvt *cvt, const struct vor_uniformity *even, double t
 /* Whether the next iterations shall be on the whole of the input. */
 static int must_land(const struct cvt *cvt, const struct vor_uniformity *even)
 {
-    return !on_whole(cvt) &&
+    return !vor_seeds_on_whole(cvt->seeds) &&
            (even_enough(cvt, even) ||
             (!polish_follows(cvt) && cvt->result.iterations + landed(cvt) >= cvt->limit));
-}
-
-/* The uniformity of the positions at hand; a stop does not cut it short, so that it finds something
- * to hand back. */
-static vor_status begin(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
-{
-    struct vor_seeds *seeds = cvt->seeds;
-    const struct vor_run *run = seeds->run;
-    struct vor_run calm_run = *run;
-    struct vor_calm calm;
-    vor_status status;
-
-    calm_run.watch = vor_calm_watch(&calm, run->watch);
-    seeds->run = &calm_run;
-    status = vor_seeds_index(seeds, err);
-    if (status == VOR_OK)
-        status = vor_even_measure(even, cvt->nearest, seeds, seeds->xyz, err);
-    seeds->run = run;
-    return status;
 }
 
 /* Onto the whole of the input: what was the most even before counts no more. */
@@ -461,7 +437,7 @@ static vor_status land(struct cvt *cvt, struct vor_uniformity *even, struct vor_
     vor_status status = vor_land(cvt->seeds, err);
 
     if (status == VOR_OK)
-        status = begin(cvt, even, err);
+        status = vor_even_begin(even, cvt->nearest, cvt->seeds, err);
     if (status != VOR_OK)
         return status;
     cvt->best_delta = even->delta;
@@ -474,7 +450,7 @@ static vor_status loop(struct cvt *cvt, struct vor_error *err)
     struct vor_uniformity even;
     enum vor_answer answer;
     double took = 0, before;
-    vor_status status = begin(cvt, &even, err);
+    vor_status status = vor_even_begin(&even, cvt->nearest, cvt->seeds, err);
 
     if (status != VOR_OK)
         return status;

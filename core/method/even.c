@@ -123,6 +123,23 @@ vor_status vor_even_measure(struct vor_uniformity *out, float *nearest,
     return status;
 }
 
+vor_status vor_even_begin(struct vor_uniformity *out, float *nearest, struct vor_seeds *seeds,
+                          struct vor_error *err)
+{
+    const struct vor_run *run = seeds->run;
+    struct vor_run calm_run = *run;
+    struct vor_calm calm;
+    vor_status status;
+
+    calm_run.watch = vor_calm_watch(&calm, run->watch);
+    seeds->run = &calm_run;
+    status = vor_seeds_index(seeds, err);
+    if (status == VOR_OK)
+        status = vor_even_measure(out, nearest, seeds, seeds->xyz, err);
+    seeds->run = run;
+    return status;
+}
+
 struct six {
     struct vor_seeds *seeds;
     unsigned char *is;

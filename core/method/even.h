@@ -24,4 +24,9 @@ VOR_NODISCARD vor_status vor_even_measure(struct vor_uniformity *out, float *nea
  *  @retval as vor_even_measure */
 VOR_NODISCARD vor_status vor_even_six(double *out, struct vor_seeds *seeds, struct vor_error *err);
 
+/** vor_even_measure of the seeds where they are, indexed first. A stop does not cut it short, so
+ * that it finds something to hand back. */
+VOR_NODISCARD vor_status vor_even_begin(struct vor_uniformity *out, float *nearest,
+                                        struct vor_seeds *seeds, struct vor_error *err);
+
 #endif

@@ -8,9 +8,9 @@
 #include <string.h>
 
 enum {
-    SOFT = 4,  /* S at the first step */
-    HARD = 14, /* and at the last */
-    HARDER = 7,
+    SOFT = 4,         /* S at the first step */
+    HARD = 14,        /* and at the last */
+    HARDER = 7,       /* from this S on, it reaches less far */
     CELLS_EVERY = 3,  /* steps */
     LANDED = 40,      /* last steps, on the whole of the input */
     FRESH = 16,       /* last steps, on surfaces fitted anew each time */
@@ -331,11 +331,6 @@ static enum vor_answer tell(struct polish *polish)
     return watch->progress(watch->ctx, &polish->record);
 }
 
-static int on_whole(const struct polish *polish)
-{
-    return polish->seeds->domain == polish->seeds->whole;
-}
-
 static int even_enough(const struct polish *polish, const struct vor_spec *spec)
 {
     return vor_spec_given(spec, VOR_PARAM_DELTA) &&
@@ -346,7 +341,7 @@ static int even_enough(const struct polish *polish, const struct vor_spec *spec)
 static int finished(const struct polish *polish, struct vor_cvt_result *result,
                     const struct vor_spec *spec, double took)
 {
-    if (on_whole(polish) && even_enough(polish, spec))
+    if (vor_seeds_on_whole(polish->seeds) && even_enough(polish, spec))
         result->stopped = VOR_STOPPED_DELTA;
     else if (vor_spec_given(spec, VOR_PARAM_SECONDS) &&
              polish->record.seconds + took > spec->value[VOR_PARAM_SECONDS])
@@ -357,22 +352,13 @@ static int finished(const struct polish *polish, struct vor_cvt_result *result,
 }
 
 /* Takes the positions at hand for those to begin with, or, once they are on the whole of the input,
- * to go on with. A stop does not cut it short. */
+ * to go on with. */
 static vor_status take(struct polish *polish, struct vor_error *err)
 {
     struct vor_seeds *seeds = polish->seeds;
-    const struct vor_run *run = seeds->run;
-    struct vor_run calm_run = *run;
-    struct vor_calm calm;
     struct vor_uniformity even;
-    vor_status status;
+    vor_status status = vor_even_begin(&even, polish->nearest, seeds, err);
 
-    calm_run.watch = vor_calm_watch(&calm, run->watch);
-    seeds->run = &calm_run;
-    status = vor_seeds_index(seeds, err);
-    if (status == VOR_OK)
-        status = vor_even_measure(&even, polish->nearest, seeds, seeds->xyz, err);
-    seeds->run = run;
     if (status != VOR_OK)
         return status;
     memcpy(polish->best, seeds->xyz, 3 * seeds->n * sizeof *polish->best);
@@ -414,7 +400,7 @@ static vor_status loop(struct polish *polish, struct vor_cvt_result *result,
     while (answer == VOR_CONTINUE && !ended) {
         double before = polish->record.seconds;
 
-        if (!on_whole(polish) &&
+        if (!vor_seeds_on_whole(polish->seeds) &&
             (polish->record.polish + LANDED >= steps || even_enough(polish, spec)))
             status = land(polish, err);
         harden(polish, steps);

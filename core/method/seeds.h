@@ -124,6 +124,12 @@ void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
 /** Puts x onto a surface. */
 void vor_seeds_project(const struct vor_surface *surface, double x[3]);
 
+/** Whether surfaces are fitted to all of what the seeds are to end on. */
+static inline int vor_seeds_on_whole(const struct vor_seeds *seeds)
+{
+    return seeds->domain == seeds->whole;
+}
+
 /** Position of seed i in double. */
 static inline void vor_seeds_position(const struct vor_seeds *seeds, size_t i, double x[3])
 {

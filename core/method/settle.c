@@ -47,7 +47,7 @@ vor_status vor_land(struct vor_seeds *seeds, struct vor_error *err)
     struct vor_run calm_run = *seeds->run;
     struct vor_calm calm;
 
-    if (seeds->domain == seeds->whole)
+    if (vor_seeds_on_whole(seeds))
         return VOR_OK;
     vor_seeds_onto(seeds, seeds->whole);
     calm_run.watch = vor_calm_watch(&calm, seeds->run->watch);
