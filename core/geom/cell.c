@@ -57,16 +57,13 @@ void vor_disc_init(struct vor_disc *disc, unsigned rings)
     }
 }
 
-static double farthest2(const struct vor_polygon *polygon)
+static void find_radius(struct vor_polygon *polygon)
 {
     double far = 0;
 
-    for (unsigned j = 0; j < polygon->count; j++) {
-        double d2 = vor_dot(polygon->vertex[j], polygon->vertex[j]);
-
-        far = d2 > far ? d2 : far;
-    }
-    return far;
+    for (unsigned j = 0; j < polygon->count; j++)
+        far = polygon->vertex[j][3] > far ? polygon->vertex[j][3] : far;
+    polygon->radius2 = far;
 }
 
 /* The hexagon in the tangent plane at the seed, one piece. */
@@ -84,15 +81,17 @@ static void begin_flat(struct vor_cell *cell, const struct vor_surface *surface,
         for (int c = 0; c < 3; c++)
             piece->vertex[i][c] = s * e[0][c] + t * e[1][c];
         piece->vertex[i][2] += w;
+        piece->vertex[i][3] = vor_dot(piece->vertex[i], piece->vertex[i]);
     }
-    piece->radius2 = cell->radius2 = farthest2(piece);
+    find_radius(piece);
+    cell->radius2 = piece->radius2;
     cell->count = 1;
 }
 
 void vor_cell_begin(struct vor_cell *cell, const struct vor_disc *disc,
                     const struct vor_surface *surface, const double seed[3], double radius)
 {
-    double lifted[VOR_PATCH_VERTICES_MAX][3];
+    double lifted[VOR_PATCH_VERTICES_MAX][4];
 
     memcpy(cell->seed, seed, sizeof cell->seed);
     cell->bisectors = 0;
@@ -107,16 +106,28 @@ void vor_cell_begin(struct vor_cell *cell, const struct vor_disc *disc,
         lifted[i][0] = u;
         lifted[i][1] = v;
         lifted[i][2] = vor_surface_height(surface, seed[0] + u, seed[1] + v, NULL) - seed[2];
+        lifted[i][3] = vor_dot(lifted[i], lifted[i]);
     }
     cell->count = disc->triangle_count;
     for (unsigned i = 0; i < cell->count; i++) {
         cell->piece[i].count = 3;
         for (unsigned j = 0; j < 3; j++)
             memcpy(cell->piece[i].vertex[j], lifted[disc->triangle[i][j]], sizeof lifted[0]);
-        cell->piece[i].radius2 = farthest2(&cell->piece[i]);
+        find_radius(&cell->piece[i]);
         if (cell->piece[i].radius2 > cell->radius2)
             cell->radius2 = cell->piece[i].radius2;
     }
+}
+
+/* Where the way from a to b meets the plane, given on which side of it and how far they are. */
+static void cut_edge(double cut[4], const double a[3], const double b[3], double side_a,
+                     double side_b)
+{
+    double t = side_a / (side_a - side_b);
+
+    for (int c = 0; c < 3; c++)
+        cut[c] = a[c] + t * (b[c] - a[c]);
+    cut[3] = vor_dot(cut, cut);
 }
 
 /* Sutherland and Hodgman against one plane: side[i] <= 0 is kept. from and to differ. */
@@ -126,20 +137,48 @@ static void clip_polygon(struct vor_polygon *to, const struct vor_polygon *from,
 
     for (unsigned i = 0; i < n; i++) {
         unsigned j = i + 1 < n ? i + 1 : 0;
-        const double *a = from->vertex[i], *b = from->vertex[j];
 
         if (side[i] <= 0)
-            memcpy(to->vertex[count++], a, 3 * sizeof *a);
-        if ((side[i] <= 0) != (side[j] <= 0)) {
-            double t = side[i] / (side[i] - side[j]);
-            double *cut = to->vertex[count++];
-
-            for (int c = 0; c < 3; c++)
-                cut[c] = a[c] + t * (b[c] - a[c]);
-        }
+            memcpy(to->vertex[count++], from->vertex[i], sizeof from->vertex[i]);
+        if ((side[i] <= 0) != (side[j] <= 0))
+            cut_edge(to->vertex[count++], from->vertex[i], from->vertex[j], side[i], side[j]);
     }
     to->count = count;
-    to->radius2 = farthest2(to);
+    find_radius(to);
+}
+
+/* The same in place, where the corners outside, some but not all, follow on one another: those of a
+ * convex polygon do but for rounding. */
+static void clip_in_place(struct vor_polygon *polygon, const double *side)
+{
+    double(*vertex)[4] = polygon->vertex, leave[4], enter[4];
+    unsigned n = polygon->count, begin = 0, end;
+
+    if (side[0] > 0) {
+        for (begin = n - 1; side[begin] > 0;)
+            begin--;
+        for (end = 1; side[end] > 0;)
+            end++;
+        begin++; /* kept: from end to before begin */
+        cut_edge(leave, vertex[begin - 1], vertex[begin % n], side[begin - 1], side[begin % n]);
+        cut_edge(enter, vertex[end - 1], vertex[end], side[end - 1], side[end]);
+        memmove(vertex[1], vertex[end], (begin - end) * sizeof *vertex);
+        polygon->count = begin - end + 2;
+        memcpy(vertex[0], enter, sizeof enter);
+        memcpy(vertex[polygon->count - 1], leave, sizeof leave);
+    } else {
+        while (side[begin] <= 0)
+            begin++;
+        for (end = begin + 1; end < n && side[end] > 0;)
+            end++;
+        cut_edge(leave, vertex[begin - 1], vertex[begin], side[begin - 1], side[begin]);
+        cut_edge(enter, vertex[end - 1], vertex[end % n], side[end - 1], side[end % n]);
+        memmove(vertex[begin + 2], vertex[end], (n - end) * sizeof *vertex);
+        polygon->count = n - (end - begin) + 2;
+        memcpy(vertex[begin], leave, sizeof leave);
+        memcpy(vertex[begin + 1], enter, sizeof enter);
+    }
+    find_radius(polygon);
 }
 
 static void copy_polygon(struct vor_polygon *to, const struct vor_polygon *from)
@@ -147,6 +186,21 @@ static void copy_polygon(struct vor_polygon *to, const struct vor_polygon *from)
     to->count = from->count;
     to->radius2 = from->radius2;
     memcpy(to->vertex, from->vertex, from->count * sizeof from->vertex[0]);
+}
+
+/* Clips a polygon of which some corners are outside, at `turns` edges. */
+static void clip_piece(struct vor_polygon *polygon, const double *side, unsigned turns)
+{
+    struct vor_polygon clipped;
+
+    if (polygon->count >= VOR_POLYGON_MAX - 1)
+        return; /* a convex polygon gains at most one corner a cut; one this rich is left uncut */
+    if (turns == 2) {
+        clip_in_place(polygon, side);
+        return;
+    }
+    clip_polygon(&clipped, polygon, side);
+    copy_polygon(polygon, &clipped);
 }
 
 void vor_cell_clip(struct vor_cell *cell, const double offset[3])
@@ -158,26 +212,24 @@ void vor_cell_clip(struct vor_cell *cell, const double offset[3])
 
     for (unsigned i = 0; i < cell->count; i++) {
         struct vor_polygon *polygon = &cell->piece[i];
-        unsigned outside = 0;
+        unsigned outside = 0, turns = 0;
 
         /* No corner reaches half way to the other seed. */
-        if (4 * polygon->radius2 > length2)
+        if (4 * polygon->radius2 > length2) {
             for (unsigned j = 0; j < polygon->count; j++) {
                 side[j] = vor_dot(polygon->vertex[j], offset) - limit;
                 outside += side[j] > 0;
+                turns += j > 0 && (side[j] > 0) != (side[j - 1] > 0);
             }
+            turns += (side[0] > 0) != (side[polygon->count - 1] > 0);
+        }
         cut |= outside > 0;
         if (outside == polygon->count)
             continue;
-        /* A convex polygon gains at most one corner a cut; one this rich is left uncut. */
-        if (outside > 0 && polygon->count < VOR_POLYGON_MAX - 1) {
-            struct vor_polygon clipped;
-
-            clip_polygon(&clipped, polygon, side);
-            copy_polygon(&cell->piece[kept], &clipped);
-        } else if (kept != i) {
+        if (outside > 0)
+            clip_piece(polygon, side, turns);
+        if (kept != i)
             copy_polygon(&cell->piece[kept], polygon);
-        }
         far = cell->piece[kept].radius2 > far ? cell->piece[kept].radius2 : far;
         kept++;
     }

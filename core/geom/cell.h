@@ -32,7 +32,7 @@ void vor_disc_init(struct vor_disc *disc, unsigned rings);
 struct vor_polygon {
     unsigned count;
     double radius2; /**< squared distance of the farthest corner from the seed */
-    double vertex[VOR_POLYGON_MAX][3];
+    double vertex[VOR_POLYGON_MAX][4]; /**< last: squared distance from the seed */
 };
 
 /** A cell being clipped. Scratch: one for each thread. */

@@ -217,6 +217,28 @@ unsigned vor_swarm_crowd(struct vor_crowd *out, struct vor_swarm *swarm,
     return searches;
 }
 
+unsigned vor_swarm_within(struct vor_crowd *out, struct vor_swarm *swarm,
+                          const struct vor_swarm_view *view, size_t i, double distance)
+{
+    const uint32_t *list = &swarm->list[i * swarm->listed];
+
+    out->sure = sure_of(swarm, view, i);
+    if (out->sure < distance)
+        return vor_swarm_crowd(out, swarm, view, i);
+    out->sure = distance;
+    out->count = 0;
+    for (unsigned j = 0; j < swarm->listed; j++) {
+        float d2 = distance2(view, i, list[j]);
+
+        if ((double)d2 < distance * distance) {
+            out->index[out->count] = list[j];
+            out->distance2[out->count++] = d2;
+        }
+    }
+    add_jumpers(out, view, i);
+    return 0;
+}
+
 double vor_swarm_nearest(const struct vor_swarm *swarm, const struct vor_swarm_view *view, size_t i)
 {
     const uint32_t *list = &swarm->list[i * swarm->listed];

@@ -69,6 +69,11 @@ struct vor_crowd {
 unsigned vor_swarm_crowd(struct vor_crowd *out, struct vor_swarm *swarm,
                          const struct vor_swarm_view *view, size_t i);
 
+/** As vor_swarm_crowd, but content with the neighbours within `distance`, in no order, where the
+ * list surely holds them all. */
+unsigned vor_swarm_within(struct vor_crowd *out, struct vor_swarm *swarm,
+                          const struct vor_swarm_view *view, size_t i, double distance);
+
 /** Distance from point i to its nearest neighbour, where the list tells, else -1. */
 double vor_swarm_nearest(const struct vor_swarm *swarm, const struct vor_swarm_view *view,
                          size_t i);

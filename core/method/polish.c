@@ -153,20 +153,26 @@ static void away(const struct polish *polish, const struct vor_bench *bench, siz
                  (side[0] * surface->axis[0][c] + side[1] * surface->axis[1][c]);
 }
 
+/* Spacings that repulsion reaches in this step. */
+static double force_reach(const struct polish *polish)
+{
+    return polish->power < HARDER ? FORCE_REACH : HARD_REACH;
+}
+
 /* Sum of the forces of the crowd on seed i. */
 static void repulsion(const struct polish *polish, const struct vor_bench *bench, size_t i,
                       double force[3])
 {
     const struct vor_crowd *crowd = &bench->crowd;
     double h2 = polish->h * polish->h, scale = GAIN / (2 * polish->power);
-    double reach = polish->power < HARDER ? FORCE_REACH : HARD_REACH;
+    double reach = force_reach(polish);
 
     force[0] = force[1] = force[2] = 0;
     for (unsigned j = 0; j < crowd->count; j++) {
         double d2 = (double)crowd->distance2[j], weight, d[3];
 
         if (d2 > reach * reach * h2)
-            break;
+            continue;
         away(polish, bench, i, crowd->index[j], sqrt(d2), d);
         weight = FORCE_MAX;
         if (FORCE_MAX * d2 > h2)
@@ -262,10 +268,12 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
         if (vor_seeds_recall(seeds, bench, i, INTERIOR * polish->h, polish->slack) ==
             VOR_SURFACE_NONE)
             continue;
-        vor_seeds_crowd(seeds, bench, i);
         if (polish->cells) {
+            vor_seeds_crowd(seeds, bench, i);
             vor_seeds_clip(seeds, bench, i, 0);
             find_hole(polish, bench, i);
+        } else {
+            vor_seeds_within(seeds, bench, i, force_reach(polish) * polish->h);
         }
         move(polish, bench, i);
     }

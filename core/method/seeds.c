@@ -285,6 +285,12 @@ void vor_seeds_crowd(struct vor_seeds *seeds, struct vor_bench *bench, size_t i)
     bench->queries += vor_swarm_crowd(&bench->crowd, &seeds->swarm, &seeds->view, i);
 }
 
+void vor_seeds_within(struct vor_seeds *seeds, struct vor_bench *bench, size_t i, double distance)
+{
+    bench->queries +=
+        vor_swarm_within(&bench->crowd, &seeds->swarm, &seeds->view, i, distance);
+}
+
 void vor_seeds_clip(struct vor_seeds *seeds, struct vor_bench *bench, size_t i, int flat)
 {
     const struct vor_crowd *crowd = &bench->crowd;

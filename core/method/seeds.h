@@ -93,6 +93,9 @@ enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_bench
 /** bench->crowd, as of the last index. Only one thread at a time may ask for i. */
 void vor_seeds_crowd(struct vor_seeds *seeds, struct vor_bench *bench, size_t i);
 
+/** The same, but content with those within `distance`, in no order. */
+void vor_seeds_within(struct vor_seeds *seeds, struct vor_bench *bench, size_t i, double distance);
+
 /** The cell of seed i in bench->cell, from bench->here and bench->crowd: out of a patch as fine as
  * the surface bends, or where `flat` out of the tangent plane. */
 void vor_seeds_clip(struct vor_seeds *seeds, struct vor_bench *bench, size_t i, int flat);
