@@ -122,6 +122,8 @@ int vor_swarm_look(struct vor_swarm_view *out, const struct vor_swarm *swarm, co
         }
         if (out->jumpers == VOR_SWARM_JUMPERS_MAX)
             return 0;
+        for (size_t c = 0; c < 3; c++)
+            out->jumped[c][out->jumpers] = xyz[3 * i + c];
         out->jumper[out->jumpers++] = (uint32_t)i;
     }
     out->drift = sqrt(drift2);
@@ -186,8 +188,25 @@ static int holds(const struct vor_crowd *crowd, uint32_t j)
     return 0;
 }
 
+/* Whether a jumper, and be it i itself, is nearer to i than that. */
+static int near_jumper(const struct vor_swarm_view *view, size_t i, float limit2)
+{
+    const float *at = &view->xyz[3 * i];
+    int found = 0;
+
+    for (unsigned j = 0; j < view->jumpers; j++) {
+        float x = view->jumped[0][j] - at[0], y = view->jumped[1][j] - at[1],
+              z = view->jumped[2][j] - at[2];
+
+        found |= x * x + y * y + z * z <= limit2;
+    }
+    return found;
+}
+
 static void add_jumpers(struct vor_crowd *crowd, const struct vor_swarm_view *view, size_t i)
 {
+    if (crowd->sure >= 0 && !near_jumper(view, i, (float)(crowd->sure * crowd->sure) * 1.001f))
+        return;
     for (unsigned j = 0; j < view->jumpers; j++) {
         float d2 = distance2(view, i, view->jumper[j]);
 

@@ -30,6 +30,7 @@ struct vor_swarm_view {
     double drift;     /**< no point but the jumpers is farther than this from its anchor */
     unsigned jumpers;
     uint32_t jumper[VOR_SWARM_JUMPERS_MAX];
+    float jumped[3][VOR_SWARM_JUMPERS_MAX]; /**< where they are */
 };
 
 /** Lists for n points; listed < n, and at most VOR_SWARM_LISTED_MAX.
