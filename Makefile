@@ -12,7 +12,7 @@ CWARN := $(WARN) -Wstrict-prototypes -Wmissing-prototypes -Wvla
 HARDEN := -fstack-protector-strong -fstack-clash-protection -fPIE -fcf-protection
 LDHARDEN := -pie -Wl,-z,relro,-z,now,-z,noexecstack
 
-flags.release := -O2 -g -D_FORTIFY_SOURCE=3 $(HARDEN)
+flags.release := -O3 -g -D_FORTIFY_SOURCE=3 $(HARDEN)
 flags.debug := -O0 -g3 $(HARDEN)
 flags.asan := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined
 flags.tsan := -O1 -g -fno-omit-frame-pointer -fsanitize=thread

@@ -71,8 +71,8 @@ struct vor_report {
  *
  *  Memory: at most 61 bytes for each input point (position, order, index), and for each point of
  *  the result 6 k + 373 (surface, lists, index; k neighbors), twice that while the start is drawn
- *  from cells, that is unless the input has ten times as many points; then 6 k + 481 while
- *  iterating. 160 KiB a thread. After the first iteration nothing is allocated but the points'
+ *  from cells, that is unless the input has ten times as many points; then 6 k + 482 while
+ *  iterating. 184 KiB a thread. After the first iteration nothing is allocated but the points'
  *  index when it is made anew.
  *
  *  Cost: O(N log N) for the index, O(n) an iteration. Thread-safe. The same bytes for any number of

@@ -31,7 +31,7 @@ void vor_disc_init(struct vor_disc *disc, unsigned rings);
 /** A convex piece of the cell, coordinates relative to the seed in the surface's axes. */
 struct vor_polygon {
     unsigned count;
-    double radius2; /**< squared distance of the farthest corner from the seed */
+    double radius2;                    /**< squared distance of the farthest corner from the seed */
     double vertex[VOR_POLYGON_MAX][4]; /**< last: squared distance from the seed */
 };
 

@@ -12,8 +12,9 @@ enum {
     HARD = 14,        /* and at the last */
     HARDER = 7,       /* from this S on, it reaches less far */
     CELLS_EVERY = 3,  /* steps */
+    QUIET_EVERY = 6,  /* steps, where there was no hole, nor nearly one */
     LANDED = 40,      /* last steps, on the whole of the input */
-    FRESH = 16,       /* last steps, on surfaces fitted anew each time */
+    FRESH = 16,       /* last steps, on surfaces fitted anew more often */
     EVEN_EVERY = 5,   /* steps; delta is looked at then and in the last FRESH */
     RECORD_EVERY = 10 /* steps */
 };
@@ -27,21 +28,24 @@ enum {
 #define HARD_REACH 1.5  /* and S of HARDER and more: beyond, it is below a 290th */
 #define HOLE 0.65       /* pitches from a hole's middle to the points around it: more is too wide */
 #define HOLE_EXCESS 0.15 /* pitches beyond that count no more */
+#define HOLE_NEAR 0.62   /* pitches; less is nowhere near a hole */
 #define HOLE_PULL 0.15   /* share of the excess that one step goes */
 #define BORDER_ROOM 0.6  /* spacings of room: with less, a point is at the border */
-#define SLACK 0.5    /* input spacings that a point may move before its surface is fitted anew */
-#define INTERIOR 1.5 /* spacings from the border: farther than that, it is not looked for */
+#define SLACK 0.5       /* input spacings that a point may move before its surface is fitted anew */
+#define SLACK_FRESH 0.1 /* the same in the last steps */
+#define INTERIOR 1.5    /* spacings from the border: farther than that, it is not looked for */
 #define INPUT_SPACINGS 1.2 /* of the input, from it, that a point may move away to */
 
 struct polish {
     struct vor_seeds *seeds;
     struct vor_record record;
-    float *next, *best; /* n x 3 each */
-    float *step;        /* n x 3: the last one of each point */
-    float *pull;        /* n x 3: towards the hole next to each point */
-    float *nearest;     /* n */
-    double h;           /* mean spacing */
-    double pitch;       /* of the hexagonal lattice of as many points on the same area */
+    float *next, *best;   /* n x 3 each */
+    float *step;          /* n x 3: the last one of each point */
+    float *pull;          /* n x 3: towards the hole next to each point */
+    float *nearest;       /* n */
+    unsigned char *quiet; /* n: no hole was near */
+    double h;             /* mean spacing */
+    double pitch;         /* of the hexagonal lattice of as many points on the same area */
     double best_delta;
     unsigned power; /* S */
     double slack;   /* of the surfaces, in spacings of the input */
@@ -52,6 +56,7 @@ static void free_polish(struct polish *polish)
 {
     struct vor_memory *memory = polish->seeds->run->memory;
 
+    vor_free(memory, polish->quiet);
     vor_free(memory, polish->nearest);
     vor_free(memory, polish->pull);
     vor_free(memory, polish->step);
@@ -69,8 +74,9 @@ static vor_status alloc_polish(struct polish *polish, struct vor_error *err)
     polish->step = vor_calloc(memory, n, row);
     polish->pull = vor_calloc(memory, n, row);
     polish->nearest = vor_malloc(memory, n, sizeof *polish->nearest);
+    polish->quiet = vor_calloc(memory, n, 1);
     if (polish->next == NULL || polish->best == NULL || polish->step == NULL ||
-        polish->pull == NULL || polish->nearest == NULL)
+        polish->pull == NULL || polish->nearest == NULL || polish->quiet == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the polish of %zu points", n);
     return VOR_OK;
 }
@@ -105,6 +111,7 @@ static void find_hole(struct polish *polish, const struct vor_bench *bench, size
     if (corner == NULL)
         return;
     far = sqrt(vor_dot(corner, corner));
+    polish->quiet[i] = far < HOLE_NEAR * polish->pitch;
     excess = fmin(far - HOLE * polish->pitch, HOLE_EXCESS * polish->pitch);
     if (!(excess > 0))
         return;
@@ -268,7 +275,7 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
         if (vor_seeds_recall(seeds, bench, i, INTERIOR * polish->h, polish->slack) ==
             VOR_SURFACE_NONE)
             continue;
-        if (polish->cells) {
+        if (polish->cells && !(polish->quiet[i] && polish->record.polish % QUIET_EVERY)) {
             vor_seeds_crowd(seeds, bench, i);
             vor_seeds_clip(seeds, bench, i, 0);
             find_hole(polish, bench, i);
@@ -389,7 +396,7 @@ static void harden(struct polish *polish, unsigned steps)
 
     polish->power = SOFT + (HARD - SOFT) * done / (steps > 1 ? steps - 1 : 1);
     polish->cells = done % CELLS_EVERY == 0;
-    polish->slack = done + FRESH < steps ? SLACK : 0;
+    polish->slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
 }
 
 static int look_is_due(const struct polish *polish, unsigned steps)

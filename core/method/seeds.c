@@ -287,8 +287,7 @@ void vor_seeds_crowd(struct vor_seeds *seeds, struct vor_bench *bench, size_t i)
 
 void vor_seeds_within(struct vor_seeds *seeds, struct vor_bench *bench, size_t i, double distance)
 {
-    bench->queries +=
-        vor_swarm_within(&bench->crowd, &seeds->swarm, &seeds->view, i, distance);
+    bench->queries += vor_swarm_within(&bench->crowd, &seeds->swarm, &seeds->view, i, distance);
 }
 
 void vor_seeds_clip(struct vor_seeds *seeds, struct vor_bench *bench, size_t i, int flat)

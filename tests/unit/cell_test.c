@@ -442,7 +442,7 @@ START_TEST(the_flat_hexagon_is_regular_and_in_the_tangent_plane)
     struct vor_disc disc;
     struct vor_cell cell;
     struct vor_moments m;
-    const double(*corner)[3] = (const double(*)[3])cell.piece[0].vertex;
+    const double(*corner)[4] = (const double(*)[4])cell.piece[0].vertex;
 
     vor_surface_normal(&surface, seed, normal);
     seed[2] += lifted;
