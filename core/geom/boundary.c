@@ -7,6 +7,7 @@
 #define ROOM 0.4        /* spacings that a cell may reach beyond the last neighbour */
 #define SURE_BORDER 0.2 /* reaches: the neighbours end this near */
 #define SURE_INSIDE 0.5 /* reaches: they go on at least this far */
+#define BEYOND 0.8      /* cosine of the angle to a point that lies beyond a place */
 
 /* Squared distance from x to the nearest of the points, and which it is. */
 static double nearest2(const float *near, unsigned k, const double x[3], unsigned *which)
@@ -96,6 +97,61 @@ double vor_boundary_spacing(const float *near, unsigned k, const double x[3])
         }
     }
     return sqrt(best[2]);
+}
+
+double vor_boundary_foot(const float *near, unsigned k, const double x[3], double foot[3])
+{
+    unsigned which = 0;
+    double length = sqrt(nearest2(near, k, x, &which));
+
+    for (unsigned c = 0; c < 3; c++)
+        foot[c] = (double)near[3 * which + c];
+    return length;
+}
+
+double vor_boundary_reach(const float *near, unsigned k, const double x[3])
+{
+    double far2 = 0;
+
+    for (unsigned i = 0; i < k; i++) {
+        double d[3] = {(double)near[3 * i] - x[0], (double)near[3 * i + 1] - x[1],
+                       (double)near[3 * i + 2] - x[2]};
+
+        far2 = fmax(far2, vor_dot(d, d));
+    }
+    return sqrt(far2);
+}
+
+int vor_boundary_beyond(const float *near, unsigned k, const double foot[3], const double x[3],
+                        double distance)
+{
+    double to[3] = {x[0] - foot[0], x[1] - foot[1], x[2] - foot[2]};
+    double length = sqrt(vor_dot(to, to));
+
+    for (unsigned i = 0; i < k; i++) {
+        double d[3] = {(double)near[3 * i] - foot[0], (double)near[3 * i + 1] - foot[1],
+                       (double)near[3 * i + 2] - foot[2]};
+        double far = sqrt(vor_dot(d, d));
+
+        if (far > 0 && far <= distance && vor_dot(d, to) > BEYOND * far * length)
+            return 1;
+    }
+    return 0;
+}
+
+double vor_boundary_regularity(const float *near, unsigned k, double spacing)
+{
+    double sum = 0;
+
+    for (unsigned i = 0; i < k; i++) {
+        double best = INFINITY;
+
+        for (unsigned j = 0; j < k; j++)
+            if (j != i)
+                best = fmin(best, vor_distance2f(&near[3 * i], &near[3 * j]));
+        sum += sqrt(best);
+    }
+    return sum / k / (spacing / 2);
 }
 
 int vor_boundary_within(const float *near, unsigned k, const double x[3], double distance)

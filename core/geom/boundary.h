@@ -8,7 +8,13 @@
  * point that would go there stops at that distance instead of standing still. Holes narrower than
  * four spacings fill as in the paper, wider ones shrink. Departure: so that points hardly ever meet
  * that bound, a cell ends where the input ends; a seed near the border finds its centroid a
- * fraction of a spacing inside. */
+ * fraction of a spacing inside.
+ *
+ *  Departure: a hole is told from chance by what the input does around it. Seen from the input
+ * point nearest to a place, its foot, the input goes on beyond the place or it does not; where it
+ * does not, and is regular there, the place is in a hole or beyond an edge, however narrow, and a
+ * point stays within a quarter of a spacing of the foot; unless so many do (method/settle) that
+ * gaps are how the input was taken. */
 #ifndef VOR_GEOM_BOUNDARY_H
 #define VOR_GEOM_BOUNDARY_H
 
@@ -34,6 +40,24 @@ int vor_boundary_within(const float *near, unsigned k, const double x[3], double
  * floats) at another place nearby: one of them is within one spacing of x. O(k). */
 int vor_boundary_inside(const struct vor_surface *surface, const float *near, unsigned k,
                         const double x[3]);
+
+/** The neighbour nearest to x in foot; returns how far x is from it. O(k). */
+double vor_boundary_foot(const float *near, unsigned k, const double x[3], double foot[3]);
+
+/** Distance from x to the farthest of its neighbours. O(k). */
+double vor_boundary_reach(const float *near, unsigned k, const double x[3]);
+
+#define VOR_BORDER_MARGIN 0.25 /**< spacings into a hole, or beyond an edge, of a regular input */
+
+/** True when one of the neighbours (k x 3 floats) lies beyond x as seen from foot, within 37
+ * degrees of that direction and at most so far from the foot. O(k). */
+int vor_boundary_beyond(const float *near, unsigned k, const double foot[3], const double x[3],
+                        double distance);
+
+/** Mean distance of the k neighbours to the nearest other one of them, over what it is in white
+ * noise of that spacing: 1 there, less on scan lines, 2 on a square lattice. At least two
+ * neighbours. O(k^2). Source: Clark and Evans 1954. */
+double vor_boundary_regularity(const float *near, unsigned k, double spacing);
 
 /** What is known of the input around a place. */
 struct vor_border {

@@ -234,7 +234,7 @@ static int leaves_input(const struct vor_seeds *seeds, const struct vor_bench *b
 }
 
 /* Where seed i goes; its surface and neighbours are on the bench. */
-static void move(struct polish *polish, const struct vor_bench *bench, size_t i)
+static void move(struct polish *polish, struct vor_bench *bench, size_t i)
 {
     const struct vor_seeds *seeds = polish->seeds;
     double v[3], x[3] = {0}, y[3], out[3]; /* the analysers want it said */
@@ -258,6 +258,8 @@ static void move(struct polish *polish, const struct vor_bench *bench, size_t i)
             y[c] = x[c] + v[c];
         vor_seeds_project(&bench->here.surface, y);
     }
+    if (!bench->interior && seeds->keep_holes && vor_seeds_hold(seeds, bench, y))
+        vor_seeds_project(&bench->here.surface, y);
     for (size_t c = 0; c < 3; c++) {
         polish->next[3 * i + c] = (float)y[c];
         polish->step[3 * i + c] = (float)(y[c] - x[c]);

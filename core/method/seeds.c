@@ -11,9 +11,13 @@
  * straying. */
 enum { RINGS = 1, RINGS_FINE = 2 };
 
+enum { HOLD_LEAST = 12 }; /* neighbours that tell a hole */
+
 #define BEND_FLAT 0.4
 #define BEND_MAX 1.0
-#define FAR 0.3 /* spacings that seeds may move before the lists are made anew */
+#define REGULAR 1.3 /* regularity from which on a gap in the input tells of a hole */
+#define INSIDE 0.7  /* spacings from the input: farther than that, it may be in a hole */
+#define FAR 0.3     /* spacings that seeds may move before the lists are made anew */
 
 vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
                           unsigned k, const struct vor_run *run, struct vor_error *err)
@@ -121,13 +125,13 @@ static int far_from_border(const struct vor_seeds *seeds, const struct vor_bench
                            const double x[3], double radius)
 {
     const struct vor_place *here = &bench->here;
-    double local[3], side[2];
+    double local[3], side[2], inside = seeds->keep_holes ? INSIDE : 1;
 
     if (!seeds->keep_border)
         return 1;
     vor_surface_to_local(&here->surface, x, local);
     return vor_boundary_within(here->near, seeds->k, x,
-                               vor_boundary_spacing(here->near, seeds->k, x)) &&
+                               inside * vor_boundary_spacing(here->near, seeds->k, x)) &&
            isinf(vor_boundary_room(&here->surface, here->near, seeds->k, local, radius, side));
 }
 
@@ -182,6 +186,29 @@ void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
         return;
     if (vor_seeds_fit_at(seeds, bench, &bench->foot, foot) != VOR_SURFACE_NONE)
         border->spacing = bench->foot.surface.spacing;
+}
+
+int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_bench *bench, double x[3])
+{
+    const float *near = bench->here.near, *other = bench->foot.near;
+    unsigned k = seeds->k;
+    double foot[3], spacing, length;
+
+    if (k < HOLD_LEAST)
+        return 0;
+    length = vor_boundary_foot(near, k, x, foot);
+    spacing = vor_boundary_spacing(near, k, x);
+    /* What is near enough to the foot is among the neighbours of x: that saves most searches. */
+    if (length <= VOR_BORDER_MARGIN * spacing ||
+        vor_boundary_beyond(near, k, foot, x, vor_boundary_reach(near, k, x) - length) ||
+        vor_seeds_fit_at(seeds, bench, &bench->foot, foot) == VOR_SURFACE_NONE ||
+        vor_boundary_beyond(other, k, foot, x, INFINITY))
+        return 0;
+    if (vor_boundary_regularity(other, k, bench->foot.surface.spacing) < REGULAR)
+        return 0;
+    for (int c = 0; c < 3; c++)
+        x[c] = foot[c] + (x[c] - foot[c]) * (VOR_BORDER_MARGIN * spacing / length);
+    return 1;
 }
 
 /* Mean distance to the six nearest seeds; with fewer seeds the patch spans the whole domain. */

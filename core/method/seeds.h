@@ -47,6 +47,7 @@ struct vor_seeds {
     const struct vor_run *run;
     size_t n;
     unsigned k;      /**< input points a surface is fitted to */
+    int keep_holes;  /**< holes are told from gaps: vor_seeds_hold; set by vor_settle */
     int keep_border; /**< cells end where the input ends; set by vor_seeds_init, may be changed */
     float *xyz;      /**< n x 3 */
     struct vor_near near;       /**< candidates among the input, for each seed */
@@ -123,6 +124,10 @@ struct vor_counts vor_seeds_counts(const struct vor_seeds *seeds);
 /** What is known of the border around x, where `place`, here or there, was gathered. */
 void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
                       const struct vor_place *place, struct vor_border *border, const double x[3]);
+
+/** Moves x, which bench->here was gathered around, straight back towards the input where it lies
+ * too far into a hole or beyond an edge of a regular input. Returns whether it did. */
+int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_bench *bench, double x[3]);
 
 /** Puts x onto a surface. */
 void vor_seeds_project(const struct vor_surface *surface, double x[3]);

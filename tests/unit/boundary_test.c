@@ -289,6 +289,74 @@ START_TEST(the_spacing_is_that_around_the_nearest_point)
 }
 END_TEST
 
+/* The lattice points nearest to (x, y) as a foot, and whether one is beyond the place (u, v). */
+static int beyond(double x, double y, double hole, double u, double v, double distance)
+{
+    struct place place;
+
+    gather(&place, x, y, hole);
+    return vor_boundary_beyond(place.near, K, (double[3]){x, y, 0}, (double[3]){u, v, 0}, distance);
+}
+
+START_TEST(the_input_goes_on_beyond_a_place_or_it_does_not)
+{
+    /* the half plane ends at x = 0 */
+    ck_assert(beyond(-2, 0, 0, -1.6, 0, INFINITY));
+    ck_assert(beyond(-1, 0, 0, -0.6, 0, INFINITY));
+    ck_assert(!beyond(-1, 0, 0, -0.6, 0, 0.99));
+    ck_assert(!beyond(0, 0, 0, 0.4, 0, INFINITY));
+    ck_assert(beyond(0, 0, 0, 0, 0.4, INFINITY));
+    /* a point at 45 degrees is not beyond, one at 27 is */
+    ck_assert(!beyond(0, 0, 0, 0.3, 0.3, INFINITY));
+    ck_assert(beyond(0, 0, 0, 0.2, 0.4, INFINITY));
+    /* a hole, from its rim: the other side is at 4 and not among the neighbours */
+    ck_assert(!beyond(-2, 0, 2, -1.5, 0, INFINITY));
+    ck_assert(beyond(-2, 0, 2, -2.5, 0, INFINITY));
+}
+END_TEST
+
+START_TEST(a_lattice_is_regular_and_noise_is_not)
+{
+    float noise[3 * K], lines[3 * K];
+    struct place place;
+    double sum = 0;
+
+    gather(&place, -6, 0, 0);
+    ck_assert_double_eq_tol(vor_boundary_regularity(place.near, K, place.surface.spacing), 2, 0.15);
+    for (uint64_t trial = 0; trial < 200; trial++) {
+        for (size_t i = 0; i < K; i++) {
+            noise[3 * i] = (float)vt_unit(trial, 2 * i);
+            noise[3 * i + 1] = (float)vt_unit(trial, 2 * i + 1);
+            noise[3 * i + 2] = 0;
+        }
+        sum += vor_boundary_regularity(noise, K, sqrt(1.0 / K));
+    }
+    ck_assert_double_eq_tol(sum / 200, 1.1, 0.1); /* those at the rim have fewer around them */
+    for (size_t i = 0; i < K; i++) {
+        lines[3 * i] = (float)(i % 10);
+        lines[3 * i + 1] = (float)(5 * (i / 10));
+        lines[3 * i + 2] = 0;
+    }
+    ck_assert_double_eq_tol(vor_boundary_regularity(lines, K, sqrt(5)), 2 / sqrt(5), 1e-6);
+}
+END_TEST
+
+START_TEST(a_foot_is_the_nearest_neighbour_and_the_reach_the_farthest)
+{
+    struct place place;
+    double foot[3], x[3] = {-1.3, 0.4, 0.5};
+
+    gather(&place, -1.3, 0.4, 0);
+    ck_assert_double_eq_tol(vor_boundary_foot(place.near, K, x, foot), sqrt(0.09 + 0.16 + 0.25),
+                            1e-12);
+    ck_assert(foot[0] == -1 && foot[1] == 0 && foot[2] == 0);
+    x[2] = 0;
+    ck_assert_double_eq_tol(
+        vor_boundary_reach(place.near, K, x),
+        hypot((double)place.near[3 * K - 3] - x[0], (double)place.near[3 * K - 2] - x[1]), 1e-12);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("boundary");
@@ -305,5 +373,8 @@ int main(void)
     vt_add(suite, the_room_never_shrinks_on_the_way_inside);
     vt_add(suite, an_end_is_at_the_last_point_and_not_less_than_the_room_away);
     vt_add(suite, the_spacing_is_that_around_the_nearest_point);
+    vt_add(suite, the_input_goes_on_beyond_a_place_or_it_does_not);
+    vt_add(suite, a_lattice_is_regular_and_noise_is_not);
+    vt_add(suite, a_foot_is_the_nearest_neighbour_and_the_reach_the_farthest);
     return vt_run(suite);
 }

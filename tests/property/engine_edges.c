@@ -1,0 +1,63 @@
+/* Edges of an exact input are rounded off less than the fit of one number of neighbours does. */
+#include "tests/support/vt_engine.h"
+
+#include <math.h>
+
+enum { SEEDS = 4, N = 6000, POINTS = 1500 };
+
+/* Distance from the surface of the unit cube that vt_cloud_box lies on. */
+static double off_box(const double x[3])
+{
+    double outside2 = 0, inside = INFINITY;
+
+    for (int c = 0; c < 3; c++) {
+        double d = fabs(x[c] - 0.5) - 0.5;
+
+        outside2 += d > 0 ? d * d : 0;
+        inside = fmin(inside, -d);
+    }
+    return outside2 > 0 ? sqrt(outside2) : inside;
+}
+
+static double mean_off(const struct vor_cloud *in, const char *neighbors)
+{
+    struct vt_engine engine;
+    struct vor_report report;
+    struct vor_cloud out;
+    double sum = 0, x[3];
+
+    vt_engine_open(&engine, 2);
+    vt_engine_count(&engine, "points", POINTS);
+    vt_engine_set(&engine, "neighbors", neighbors);
+    vt_engine_resample(&engine, &out, &report, in);
+    for (size_t i = 0; i < out.n; i++) {
+        vor_cloud_position(&out, i, x);
+        sum += off_box(x);
+    }
+    vor_cloud_free(&out);
+    vt_engine_close(&engine);
+    return sum / POINTS;
+}
+
+/* With 21 neighbours nothing is fitted to fewer of them. */
+START_TEST(points_lie_nearer_to_the_edges_of_a_box)
+{
+    struct vor_cloud in;
+    double fine, coarse;
+
+    vt_cloud_box(&in, (uint64_t)_i, N);
+    fine = mean_off(&in, "20");
+    coarse = mean_off(&in, "21");
+    ck_assert_msg(fine < 0.88 * coarse, "%g against %g", fine, coarse);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("engine edges");
+
+    vt_add_loop(suite, points_lie_nearer_to_the_edges_of_a_box, SEEDS);
+    return vt_run(suite);
+}
