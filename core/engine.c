@@ -16,8 +16,6 @@
 #include <math.h>
 #include <string.h>
 
-#define RATIO_MAX 16
-
 /* Where the input has at least twice THINNED points a seed, and twice THINNED_LEAST in all, the
  * seeds are iterated on as many of them: more of them tell no more of a cell. Where a fit takes
  * more than THINNED_FOR points there are as many times more, so that it reaches as far. */
@@ -53,17 +51,11 @@ struct engine {
 /* Number of points from points, ratio or spacing. */
 static vor_status resolve_target(struct engine *engine, struct vor_error *err)
 {
-    const struct vor_parameter_info *info = vor_parameter_info(VOR_PARAM_POINTS);
-    double *value = engine->spec.value, n = value[VOR_PARAM_POINTS];
-    double most = fmin(info->max, (double)RATIO_MAX * (double)engine->in->n);
-    enum vor_parameter from = VOR_PARAM_POINTS;
+    double n = vor_spec_target(&engine->spec, engine->in->n);
     vor_status status;
 
-    if (vor_spec_given(&engine->spec, VOR_PARAM_RATIO)) {
-        from = VOR_PARAM_RATIO;
-        n = rint(value[from] * (double)engine->in->n);
-    } else if (vor_spec_given(&engine->spec, VOR_PARAM_SPACING)) {
-        double spacing = value[from = VOR_PARAM_SPACING] / engine->domain.unit;
+    if (vor_spec_given(&engine->spec, VOR_PARAM_SPACING)) {
+        double spacing = engine->spec.value[VOR_PARAM_SPACING] / engine->domain.unit;
 
         status =
             vor_init_area(&engine->area, &engine->domain, &engine->spec, &engine->calm_run, err);
@@ -71,13 +63,9 @@ static vor_status resolve_target(struct engine *engine, struct vor_error *err)
             return status;
         n = rint(engine->area / (0.86602540378443865 * spacing * spacing));
     }
-    if (!(n >= info->min && n <= most))
-        return vor_fail_param(
-            err, VOR_E_TARGET, vor_parameter_info(from)->name,
-            "%s %.10g asks for %.0f points, want %.0f to %.0f (at most %d times the "
-            "input's %zu)",
-            vor_parameter_info(from)->name, value[from], n, info->min, most, RATIO_MAX,
-            engine->in->n);
+    status = vor_spec_check_target(&engine->spec, n, engine->in->n, err);
+    if (status != VOR_OK)
+        return status;
     engine->n = (size_t)n;
     engine->report.parameters = engine->spec;
     engine->report.parameters.value[VOR_PARAM_POINTS] = n;

@@ -60,7 +60,7 @@ struct vor_report {
  *  @param[out] err     may be NULL
  *
  *  @retval VOR_E_TARGET     the number of points asked for, or what ratio or spacing come to, is
- *                           outside 1 .. 10,000,000 or more than 16 times the input's
+ * out of range (vor_spec_check_target)
  *  @retval VOR_E_DEGENERATE the cloud has no surface: fewer than four distinct points, or all on a
  * line
  *  @retval VOR_E_NOMEM      the job does not fit under its cap

@@ -14,12 +14,31 @@ static const struct vor_parameter_info infos[VOR_PARAMETER_COUNT] = {
 };
 
 static const struct vor_process_info processes[] = {
-#define PROCESS_ROW(id, title, sentence) {#id, title, sentence},
+#define PROCESS_ROW(id, name, ratio_min, ratio_max, title, sentence)                               \
+    {#name, ratio_min, ratio_max, title, sentence},
     VOR_PROCESS_TABLE(PROCESS_ROW)
 #undef PROCESS_ROW
 };
 
 enum { PROCESS_COUNT = sizeof processes / sizeof processes[0] };
+
+enum {
+#define PROCESS_INDEX(id, name, ratio_min, ratio_max, title, sentence) PROCESS_##id,
+    VOR_PROCESS_TABLE(PROCESS_INDEX)
+#undef PROCESS_INDEX
+};
+
+static const struct {
+    unsigned process;
+    enum vor_parameter parameter;
+    double value;
+} presets[] = {
+#define PRESET_ROW(process, parameter, value) {PROCESS_##process, VOR_PARAM_##parameter, value},
+    VOR_PRESET_TABLE(PRESET_ROW)
+#undef PRESET_ROW
+};
+
+enum { PRESET_COUNT = sizeof presets / sizeof presets[0] };
 
 const struct vor_parameter_info *vor_parameter_info(enum vor_parameter parameter)
 {
@@ -52,10 +71,33 @@ size_t vor_parameter_choice(enum vor_parameter parameter, unsigned index, const 
     }
 }
 
+struct vor_parameter_info vor_process_parameter(const struct vor_process_info *process,
+                                                enum vor_parameter parameter)
+{
+    struct vor_parameter_info info = *vor_parameter_info(parameter);
+
+    assert(process != NULL);
+    for (int i = 0; i < PRESET_COUNT; i++)
+        if (&processes[presets[i].process] == process && presets[i].parameter == parameter)
+            info.fallback = presets[i].value;
+    if (parameter == VOR_PARAM_RATIO) {
+        info.min = fmax(info.min, process->ratio_min);
+        info.max = fmin(info.max, process->ratio_max);
+    }
+    return info;
+}
+
+void vor_spec_preset(struct vor_spec *spec, const struct vor_process_info *process)
+{
+    spec->process = process;
+    for (int i = 0; i < VOR_PARAMETER_COUNT; i++)
+        spec->value[i] = vor_process_parameter(process, (enum vor_parameter)i).fallback;
+    spec->value[VOR_PARAM_RATIO] = VOR_UNSET; /* points or spacing may come in its place */
+}
+
 void vor_spec_init(struct vor_spec *spec)
 {
-    for (int i = 0; i < VOR_PARAMETER_COUNT; i++)
-        spec->value[i] = infos[i].fallback;
+    vor_spec_preset(spec, &processes[PROCESS_RESAMPLE]);
 }
 
 static vor_status unknown_name(const char *name, struct vor_error *err)
@@ -143,18 +185,20 @@ vor_status vor_spec_set(struct vor_spec *spec, const char *name, const char *tex
                         struct vor_error *err)
 {
     enum vor_parameter parameter = vor_parameter_find(name);
+    struct vor_parameter_info info;
     double number;
 
     if (parameter == VOR_PARAMETER_COUNT)
         return unknown_name(name, err);
-    if (infos[parameter].kind == VOR_KIND_CHOICE)
+    info = vor_process_parameter(spec->process, parameter);
+    if (info.kind == VOR_KIND_CHOICE)
         return set_choice(spec, parameter, text, err);
-    if (infos[parameter].kind == VOR_KIND_COUNT_OR_AUTO && strcmp(text, "auto") == 0) {
+    if (info.kind == VOR_KIND_COUNT_OR_AUTO && strcmp(text, "auto") == 0) {
         spec->value[parameter] = VOR_UNSET;
         return VOR_OK;
     }
-    if (!parse_number(text, &number) || !in_range(&infos[parameter], number))
-        return bad_number(&infos[parameter], text, err);
+    if (!parse_number(text, &number) || !in_range(&info, number))
+        return bad_number(&info, text, err);
     spec->value[parameter] = number;
     return VOR_OK;
 }
@@ -163,28 +207,84 @@ vor_status vor_spec_set_number(struct vor_spec *spec, const char *name, double n
                                struct vor_error *err)
 {
     enum vor_parameter parameter = vor_parameter_find(name);
+    struct vor_parameter_info info;
     char text[32];
 
     if (parameter == VOR_PARAMETER_COUNT)
         return unknown_name(name, err);
+    info = vor_process_parameter(spec->process, parameter);
     (void)snprintf(text, sizeof text, "%.17g", number);
-    if (infos[parameter].kind == VOR_KIND_CHOICE)
-        return bad_choice(&infos[parameter], text, err);
-    if (!in_range(&infos[parameter], number))
-        return bad_number(&infos[parameter], text, err);
+    if (info.kind == VOR_KIND_CHOICE)
+        return bad_choice(&info, text, err);
+    if (!in_range(&info, number))
+        return bad_number(&info, text, err);
     spec->value[parameter] = number;
     return VOR_OK;
 }
 
+static int counts_given(const struct vor_spec *spec)
+{
+    return vor_spec_given(spec, VOR_PARAM_POINTS) + vor_spec_given(spec, VOR_PARAM_RATIO) +
+           vor_spec_given(spec, VOR_PARAM_SPACING);
+}
+
 vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err)
 {
-    int given = vor_spec_given(spec, VOR_PARAM_POINTS) + vor_spec_given(spec, VOR_PARAM_RATIO) +
-                vor_spec_given(spec, VOR_PARAM_SPACING);
+    int given = counts_given(spec);
 
     if (given == 1)
         return VOR_OK;
     return vor_fail_param(err, VOR_E_PARAM, "points",
                           "%d of points, ratio and spacing are given, want exactly one", given);
+}
+
+vor_status vor_spec_complete(struct vor_spec *spec, struct vor_error *err)
+{
+    if (counts_given(spec) == 0)
+        spec->value[VOR_PARAM_RATIO] =
+            vor_process_parameter(spec->process, VOR_PARAM_RATIO).fallback;
+    return vor_spec_check(spec, err);
+}
+
+double vor_spec_target(const struct vor_spec *spec, uint64_t input)
+{
+    if (vor_spec_given(spec, VOR_PARAM_RATIO))
+        return rint(spec->value[VOR_PARAM_RATIO] * (double)input);
+    return spec->value[VOR_PARAM_POINTS];
+}
+
+static enum vor_parameter count_given(const struct vor_spec *spec)
+{
+    if (vor_spec_given(spec, VOR_PARAM_RATIO))
+        return VOR_PARAM_RATIO;
+    return vor_spec_given(spec, VOR_PARAM_SPACING) ? VOR_PARAM_SPACING : VOR_PARAM_POINTS;
+}
+
+vor_status vor_spec_check_target(const struct vor_spec *spec, double target, uint64_t input,
+                                 struct vor_error *err)
+{
+    const struct vor_parameter_info *points = &infos[VOR_PARAM_POINTS];
+    const struct vor_process_info *process = spec->process;
+    enum vor_parameter from = count_given(spec);
+    double least = fmax(points->min, process->ratio_min * (double)input);
+    double most = fmin(points->max, process->ratio_max * (double)input);
+    char asked[48] = "", times[32] = "up to";
+
+    if (target >= least && target <= most)
+        return VOR_OK;
+    if (least > most)
+        return vor_fail_param(err, VOR_E_TARGET, infos[from].name,
+                              "%s of %llu points asks for %.0f or more, want at most %.0f",
+                              process->id, (unsigned long long)input, least, most);
+    if (from != VOR_PARAM_POINTS)
+        (void)snprintf(asked, sizeof asked, " and asks for %.16g points", target);
+    if (process->ratio_min > 0)
+        (void)snprintf(times, sizeof times, "%g to", process->ratio_min);
+    return vor_fail_param(
+        err, VOR_E_TARGET, infos[from].name,
+        "%s is %.10g%s, want %.0f to %.0f: %s gives %s %g for each of the input's %llu",
+        infos[from].name, spec->value[from], asked, least, most, process->id, times,
+        process->ratio_max, (unsigned long long)input);
 }
 
 int vor_spec_given(const struct vor_spec *spec, enum vor_parameter parameter)

@@ -24,9 +24,10 @@ enum vor_kind {
  */
 #define VOR_PARAMETER_TABLE(X)                                                                     \
     X(POINTS, points, COUNT, "points", 1, 10000000, VOR_UNSET, "",                                 \
-      "Number of points of the result; exactly one of points, ratio and spacing")                  \
+      "Number of points of the result; one of points, ratio and spacing says how many")            \
     X(RATIO, ratio, REAL, "", 1e-6, 16, VOR_UNSET, "",                                             \
-      "Number of points of the result over that of the input")                                     \
+      "Number of points of the result over that of the input; a default holds only without the "   \
+      "other two")                                                                                 \
     X(SPACING, spacing, REAL, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",                     \
       "Distance between neighbours of the result; points = area / (sqrt(3)/2 spacing^2)")          \
     X(METHOD, method, CHOICE, "", 0, 0, 0, "cvt", "How the points are spread")                     \
@@ -81,12 +82,51 @@ enum { VOR_FORMAT_PLY, VOR_FORMAT_DRC };
 enum { VOR_ATTRIBUTES_NEAREST, VOR_ATTRIBUTES_DROP };
 enum { VOR_NORMALS_NEAREST, VOR_NORMALS_FIT, VOR_NORMALS_DROP };
 
-/** A request: one value for each parameter. Counts are exact in a double up to 2^53. */
+/** What one can ask for: identifier, name, least and most points of the result over those of the
+ *  input, title, sentence. Every process takes every parameter. */
+#define VOR_PROCESS_TABLE(X)                                                                       \
+    X(RESAMPLE, resample, 0, 16, "Resample a point cloud",                                         \
+      "Spreads exactly the number of points asked for evenly over the surface the input "          \
+      "describes")                                                                                 \
+    X(DENOISE, denoise, 0, 16, "Denoise a point cloud",                                            \
+      "Spreads as many points as the input has, or as asked for, evenly over the surface it "      \
+      "describes, which smooths its noise and leaves its outliers out")                            \
+    X(UPSAMPLE, upsample, 1, 16, "Upsample a point cloud",                                         \
+      "Spreads four times as many points as the input has, or as asked for, evenly over the "      \
+      "surface it describes")                                                                      \
+    X(SIMPLIFY, simplify, 0, 1, "Simplify a point cloud",                                          \
+      "Spreads at most as many points as the input has, exactly the number asked for, evenly "     \
+      "over the surface it describes")
+
+/** Defaults in which a process differs from the table of parameters: process, parameter, value. The
+ *  one of ratio stands in where none of points, ratio and spacing is given. */
+#define VOR_PRESET_TABLE(X)                                                                        \
+    X(DENOISE, RATIO, 1)                                                                           \
+    X(DENOISE, OUTLIERS, VOR_OUTLIERS_DROP)                                                        \
+    X(UPSAMPLE, RATIO, 4)
+
+struct vor_process_info {
+    const char *id;
+    double ratio_min, ratio_max; /**< points of the result over those of the input, inclusive */
+    const char *title, *sentence;
+};
+
+/** Process number `index`, NULL past the last; vor_process_find by id, NULL when there is none. */
+const struct vor_process_info *vor_process_info(unsigned index);
+const struct vor_process_info *vor_process_find(const char *id);
+
+/** A request: a process (a row of the table) and one value for each parameter. Counts are exact in
+ *  a double up to 2^53. */
 struct vor_spec {
+    const struct vor_process_info *process;
     double value[VOR_PARAMETER_COUNT];
 };
 
 const struct vor_parameter_info *vor_parameter_info(enum vor_parameter parameter);
+
+/** The same row with the default, and for ratio the range, that it has in a process. */
+struct vor_parameter_info vor_process_parameter(const struct vor_process_info *process,
+                                                enum vor_parameter parameter);
 
 /** Finds a parameter by name; VOR_PARAMETER_COUNT when there is none. */
 enum vor_parameter vor_parameter_find(const char *name);
@@ -94,7 +134,9 @@ enum vor_parameter vor_parameter_find(const char *name);
 /** Word number `index` of a CHOICE as "%.*s" arguments: its length, 0 past the last. */
 size_t vor_parameter_choice(enum vor_parameter parameter, unsigned index, const char **word);
 
-/** Every parameter at its default. */
+/** A request for a process, with every parameter at the process's default and none of points, ratio
+ *  and spacing given; vor_spec_init: for resample. */
+void vor_spec_preset(struct vor_spec *spec, const struct vor_process_info *process);
 void vor_spec_init(struct vor_spec *spec);
 
 /** Sets one parameter from text, as the command line and the query string carry it. Numbers are
@@ -116,6 +158,23 @@ VOR_NODISCARD vor_status vor_spec_set_number(struct vor_spec *spec, const char *
  *  @retval VOR_E_PARAM otherwise */
 VOR_NODISCARD vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err);
 
+/** Ends a request that a caller made: where none of the three is given, ratio gets the process's
+ *  default, if there is one. Then as vor_spec_check. */
+VOR_NODISCARD vor_status vor_spec_complete(struct vor_spec *spec, struct vor_error *err);
+
+/** Points that a checked request asks for of an input of that many; VOR_UNSET where spacing
+ *  decides, which only the engine can tell. */
+double vor_spec_target(const struct vor_spec *spec, uint64_t input);
+
+/** Checks what points, ratio or spacing come to against the range of points and what the process
+ *  allows for an input of that many.
+ *
+ *  @param[in] target vor_spec_target, or what spacing comes to; may be NaN
+ *  @retval VOR_E_TARGET out of range (the message names the value, what it comes to and the range)
+ */
+VOR_NODISCARD vor_status vor_spec_check_target(const struct vor_spec *spec, double target,
+                                               uint64_t input, struct vor_error *err);
+
 /** Writes a parameter's value as text ("auto" and choices as words, numbers so that reading them
  * back gives the same value), "" when unset. Returns out. */
 const char *vor_spec_text(const struct vor_spec *spec, enum vor_parameter parameter, char *out,
@@ -127,19 +186,5 @@ int vor_spec_given(const struct vor_spec *spec, enum vor_parameter parameter);
 /** Iterations that the request allows: those given, else 12 where a polish follows and 100 where
  * none does. */
 uint32_t vor_spec_iterations(const struct vor_spec *spec);
-
-/** What one can ask for: identifier, title, sentence. Every process takes every parameter. */
-#define VOR_PROCESS_TABLE(X)                                                                       \
-    X(resample, "Resample a point cloud",                                                          \
-      "Spreads exactly the number of points asked for evenly over the surface the input "          \
-      "describes")
-
-struct vor_process_info {
-    const char *id, *title, *sentence;
-};
-
-/** Process number `index`, NULL past the last; vor_process_find by id, NULL when there is none. */
-const struct vor_process_info *vor_process_info(unsigned index);
-const struct vor_process_info *vor_process_find(const char *id);
 
 #endif

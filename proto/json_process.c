@@ -40,13 +40,14 @@ static void put_range_or_auto(struct vor_text *text, const struct vor_parameter_
     vor_json_end_array(text);
 }
 
-static void put_default(struct vor_text *text, enum vor_parameter parameter)
+static void put_default(struct vor_text *text, enum vor_parameter parameter,
+                        const struct vor_parameter_info *info)
 {
-    const struct vor_parameter_info *info = vor_parameter_info(parameter);
     struct vor_spec spec;
     char word[64];
 
     vor_spec_init(&spec);
+    spec.value[parameter] = info->fallback;
     if (!vor_spec_given(&spec, parameter))
         return;
     vor_json_key(text, "default");
@@ -56,27 +57,28 @@ static void put_default(struct vor_text *text, enum vor_parameter parameter)
         vor_json_double(text, info->fallback);
 }
 
-static void put_parameter(struct vor_text *text, enum vor_parameter parameter)
+static void put_parameter(struct vor_text *text, const struct vor_process_info *process,
+                          enum vor_parameter parameter)
 {
-    const struct vor_parameter_info *info = vor_parameter_info(parameter);
+    struct vor_parameter_info info = vor_process_parameter(process, parameter);
 
-    vor_json_key(text, info->name);
+    vor_json_key(text, info.name);
     vor_json_begin_object(text);
-    vor_json_put_string(text, "title", info->name);
-    vor_json_put_string(text, "description", info->sentence);
+    vor_json_put_string(text, "title", info.name);
+    vor_json_put_string(text, "description", info.sentence);
     vor_json_put_u64(text, "minOccurs", 0);
     vor_json_put_u64(text, "maxOccurs", 1);
     vor_json_key(text, "schema");
     vor_json_begin_object(text);
-    if (info->kind == VOR_KIND_CHOICE)
+    if (info.kind == VOR_KIND_CHOICE)
         put_choices(text, parameter);
-    else if (info->kind == VOR_KIND_COUNT_OR_AUTO)
-        put_range_or_auto(text, info);
+    else if (info.kind == VOR_KIND_COUNT_OR_AUTO)
+        put_range_or_auto(text, &info);
     else
-        put_range(text, info);
-    put_default(text, parameter);
-    if (info->unit[0] != '\0')
-        vor_json_put_string(text, "x-unit", info->unit);
+        put_range(text, &info);
+    put_default(text, parameter, &info);
+    if (info.unit[0] != '\0')
+        vor_json_put_string(text, "x-unit", info.unit);
     vor_json_end_object(text);
     vor_json_end_object(text);
 }
@@ -100,7 +102,7 @@ static void put_cloud_schema(struct vor_text *text)
     vor_json_end_object(text);
 }
 
-static void put_inputs(struct vor_text *text)
+static void put_inputs(struct vor_text *text, const struct vor_process_info *process)
 {
     vor_json_key(text, "inputs");
     vor_json_begin_object(text);
@@ -112,7 +114,7 @@ static void put_inputs(struct vor_text *text)
     put_cloud_schema(text);
     vor_json_end_object(text);
     for (int i = 0; i < VOR_PARAMETER_COUNT; i++)
-        put_parameter(text, (enum vor_parameter)i);
+        put_parameter(text, process, (enum vor_parameter)i);
     vor_json_end_object(text);
 }
 
@@ -123,7 +125,7 @@ static void put_outputs(struct vor_text *text)
     vor_json_key(text, "cloud");
     vor_json_begin_object(text);
     vor_json_put_string(text, "title", "cloud");
-    vor_json_put_string(text, "description", "The resampled cloud");
+    vor_json_put_string(text, "description", "The cloud that comes of it");
     put_cloud_schema(text);
     vor_json_end_object(text);
     vor_json_key(text, "report");
@@ -177,7 +179,7 @@ void vor_json_process(struct vor_text *text, const struct vor_process_info *proc
 {
     vor_json_begin_object(text);
     put_summary(text, process, links, link_count);
-    put_inputs(text);
+    put_inputs(text, process);
     put_outputs(text);
     vor_json_end_object(text);
 }

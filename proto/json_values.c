@@ -207,25 +207,25 @@ static vor_status set_member(struct vor_spec *spec, const struct vor_json *membe
                              struct vor_error *err)
 {
     const char *word = vor_json_get_string(member);
-    const struct vor_parameter_info *info;
+    struct vor_parameter_info info;
     char name[32], quoted[64];
     double number;
 
     vor_quote(name, sizeof name, vor_json_name(member), strlen(vor_json_name(member)));
     if (vor_parameter_find(name) == VOR_PARAMETER_COUNT) /* refuses the name */
         return vor_spec_set(spec, name, "", err);
-    info = vor_parameter_info(vor_parameter_find(name));
+    info = vor_process_parameter(spec->process, vor_parameter_find(name));
     if (vor_json_get_number(member, &number))
         return vor_spec_set_number(spec, name, number, err);
-    if (word != NULL && (info->kind == VOR_KIND_CHOICE ||
-                         (info->kind == VOR_KIND_COUNT_OR_AUTO && strcmp(word, "auto") == 0)))
+    if (word != NULL && (info.kind == VOR_KIND_CHOICE ||
+                         (info.kind == VOR_KIND_COUNT_OR_AUTO && strcmp(word, "auto") == 0)))
         return vor_spec_set(spec, name, vor_quote(quoted, sizeof quoted, word, strlen(word)), err);
-    if (info->kind == VOR_KIND_CHOICE)
+    if (info.kind == VOR_KIND_CHOICE)
         return vor_fail_param(err, VOR_E_PARAM, name, "%s is %s, want one of the words %s", name,
-                              vor_json_kind_word(member), info->choices);
+                              vor_json_kind_word(member), info.choices);
     return vor_fail_param(err, VOR_E_PARAM, name, "%s is %s, want a number from %.16g to %.16g%s",
-                          name, vor_json_kind_word(member), info->min, info->max,
-                          info->kind == VOR_KIND_COUNT_OR_AUTO ? " or \"auto\"" : "");
+                          name, vor_json_kind_word(member), info.min, info.max,
+                          info.kind == VOR_KIND_COUNT_OR_AUTO ? " or \"auto\"" : "");
 }
 
 vor_status vor_json_spec_read(struct vor_spec *spec, const struct vor_json *object,

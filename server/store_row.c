@@ -51,13 +51,19 @@ static struct vor_json *parse(const char *text)
     return json;
 }
 
-static void read_request(struct vor_spec *spec, const struct vor_json *request)
+/* A request for a process that is not known any more cannot be read either. */
+static void read_request(struct vor_spec *spec, const char *id, const struct vor_json *request)
 {
+    const struct vor_process_info *process = vor_process_find(id);
     char pointer[VOR_JSON_POINTER_MAX];
 
-    vor_spec_init(spec);
-    if (request != NULL && vor_json_spec_read(spec, request, pointer, NULL) != VOR_OK)
+    if (process == NULL) {
         vor_spec_init(spec);
+        return;
+    }
+    vor_spec_preset(spec, process);
+    if (request != NULL && vor_json_spec_read(spec, request, pointer, NULL) != VOR_OK)
+        vor_spec_preset(spec, process);
 }
 
 static vor_status find_status(const char *slug)
@@ -102,7 +108,7 @@ void vor_row_read(struct vor_job_view *row, const char *request, const char *met
 {
     struct vor_json *json = parse(request);
 
-    read_request(&row->spec, json);
+    read_request(&row->spec, row->process, json);
     vor_json_free(json);
     json = parse(metrics);
     row->has_record = json != NULL && vor_json_record_read(&row->record, json);

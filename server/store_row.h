@@ -19,7 +19,8 @@ VOR_NODISCARD vor_status vor_row_write(struct vor_row_text *out, const struct vo
 void vor_row_text_free(struct vor_row_text *text);
 
 /** Reads the three (each may be NULL) back into a row. What cannot be read, because another version
- *  wrote it, is left at its default: a request without points then fails vor_spec_check. */
+ *  wrote it, is left at its default: a request without points then fails vor_spec_check. The
+ *  row's process is read before. */
 void vor_row_read(struct vor_job_view *row, const char *request, const char *metrics,
                   const char *problem);
 

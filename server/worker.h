@@ -57,17 +57,16 @@ void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out);
 /** Accepts a job for an upload that vor_admit_file took in: the row is durable when this returns.
  *
  *  @param[in]  id, input  from the admission; its INPUT blob is dropped unless VOR_DONE is returned
- *  @param[in]  process    as vor_process_find
  *  @param[in]  spec       checked (vor_spec_check); a format not given becomes the input's
  *  @param[out] out        the job's first view; may be NULL
  *
  *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING
- *  @retval VOR_FAILED  err: VOR_E_TARGET more points than 16 times the input's; VOR_E_IO;
- *                      VOR_E_NOMEM
+ *  @retval VOR_FAILED  err: VOR_E_TARGET as vor_spec_check_target, but for spacing, which only the
+ *                      run can tell; VOR_E_IO; VOR_E_NOMEM
  *
  *  Cost: an fsync; not for HTTP threads. */
 VOR_NODISCARD enum vor_outcome vor_worker_submit(struct vor_worker *worker,
-                                                 const struct vor_uuid *id, const char *process,
+                                                 const struct vor_uuid *id,
                                                  const struct vor_job_input *input,
                                                  const struct vor_spec *spec,
                                                  struct vor_job_view *out, struct vor_error *err);

@@ -34,18 +34,12 @@ void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out)
 static vor_status check_target(const struct vor_spec *spec, const struct vor_job_input *input,
                                struct vor_error *err)
 {
-    double most = vor_parameter_info(VOR_PARAM_RATIO)->max * (double)input->points;
-    double points = spec->value[VOR_PARAM_POINTS];
-
-    if (!vor_spec_given(spec, VOR_PARAM_POINTS) || points <= most)
+    if (vor_spec_given(spec, VOR_PARAM_SPACING))
         return VOR_OK;
-    return vor_fail_param(err, VOR_E_TARGET, "points",
-                          "points is %.0f, want 1 to %.0f: at most %.0f times the input's %llu",
-                          points, most, vor_parameter_info(VOR_PARAM_RATIO)->max,
-                          (unsigned long long)input->points);
+    return vor_spec_check_target(spec, vor_spec_target(spec, input->points), input->points, err);
 }
 
-static void first_row(struct vor_job_view *row, const struct vor_uuid *id, const char *process,
+static void first_row(struct vor_job_view *row, const struct vor_uuid *id,
                       const struct vor_job_input *input, const struct vor_spec *spec)
 {
     *row = (struct vor_job_view){.id = *id,
@@ -57,7 +51,7 @@ static void first_row(struct vor_job_view *row, const struct vor_uuid *id, const
                                  .spec = *spec,
                                  .input = *input,
                                  .created = vor_clock_wall_ms()};
-    (void)snprintf(row->process, sizeof row->process, "%s", process);
+    (void)snprintf(row->process, sizeof row->process, "%s", spec->process->id);
     row->updated = row->created;
     row->problem.byte_offset = -1;
     if (!vor_spec_given(spec, VOR_PARAM_FORMAT))
@@ -105,14 +99,13 @@ static enum vor_outcome submit(struct vor_worker *worker, struct vor_job_view *r
 }
 
 enum vor_outcome vor_worker_submit(struct vor_worker *worker, const struct vor_uuid *id,
-                                   const char *process, const struct vor_job_input *input,
-                                   const struct vor_spec *spec, struct vor_job_view *out,
-                                   struct vor_error *err)
+                                   const struct vor_job_input *input, const struct vor_spec *spec,
+                                   struct vor_job_view *out, struct vor_error *err)
 {
     enum vor_outcome outcome = VOR_FAILED;
     struct vor_job_view row;
 
-    first_row(&row, id, process, input, spec);
+    first_row(&row, id, input, spec);
     if (check_target(spec, input, err) == VOR_OK)
         outcome = submit(worker, &row, err);
     if (outcome != VOR_DONE)

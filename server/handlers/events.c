@@ -117,7 +117,7 @@ static void write_end(struct stream *stream, struct vor_request *request,
 /* The request of the job; one that allows nothing when the job is gone. */
 static struct vor_spec spec_of(struct stream *stream)
 {
-    static const struct vor_spec nothing = {{0}};
+    static const struct vor_spec nothing = {.process = NULL};
     struct vor_job_view view;
     struct vor_error err;
 

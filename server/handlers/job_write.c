@@ -4,7 +4,6 @@
 #include "server/problem.h"
 
 #include <ctype.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -74,15 +73,11 @@ static void add_links(struct vor_app *app, struct vor_request *request,
 
 static uint64_t target_points(const struct vor_job_view *view)
 {
-    const double *value = view->spec.value;
+    double target = vor_spec_target(&view->spec, view->input.points);
 
     if (view->status == VOR_JOB_SUCCESSFUL)
         return view->output.points;
-    if (vor_spec_given(&view->spec, VOR_PARAM_POINTS))
-        return (uint64_t)value[VOR_PARAM_POINTS];
-    if (vor_spec_given(&view->spec, VOR_PARAM_RATIO))
-        return (uint64_t)llround(value[VOR_PARAM_RATIO] * (double)view->input.points);
-    return 0;
+    return target > 0 ? (uint64_t)target : 0;
 }
 
 static const char *time_text(int64_t wall_ms, char out[VOR_CLOCK_TEXT_SIZE])

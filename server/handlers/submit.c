@@ -186,9 +186,9 @@ static void on_admitted(struct vor_admission *admission)
     else if (abandoned)
         drop_input(app, &admission->id);
     else
-        submission->outcome = vor_worker_submit(
-            app->worker, &admission->id, submission->head.process->id, &admission->input,
-            &submission->head.spec, &submission->view, &submission->error);
+        submission->outcome =
+            vor_worker_submit(app->worker, &admission->id, &admission->input,
+                              &submission->head.spec, &submission->view, &submission->error);
     (void)pthread_mutex_lock(&submission->lock);
     submission->admitted = true;
     abandoned = submission->abandoned;

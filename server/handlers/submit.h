@@ -11,8 +11,7 @@ enum vor_submit_mode {
 };
 
 struct vor_submit_head {
-    const struct vor_process_info *process;
-    struct vor_spec spec;
+    struct vor_spec spec; /**< checked (vor_spec_check) */
     enum vor_submit_mode mode;
     double wait_seconds; /**< SYNC: then 201 after all; negative: for as long as it takes */
     bool is_async;       /**< respond-async was asked for (perhaps with wait) */

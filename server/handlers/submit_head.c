@@ -17,9 +17,10 @@ struct acceptance {
     double quality;  /* of it, 0 for none */
 };
 
-static bool find_process(struct vor_app *app, struct vor_request *request,
-                         struct vor_submit_head *out)
+/* A request for the process that the path names, at its defaults. */
+static bool begin_spec(struct vor_app *app, struct vor_request *request, struct vor_spec *spec)
 {
+    const struct vor_process_info *process;
     const char *segment;
     const char *path = vor_request_path(request);
     size_t length = vor_path_segment(path, 1, &segment);
@@ -28,14 +29,14 @@ static bool find_process(struct vor_app *app, struct vor_request *request,
     if (length == strlen("processes") && strncmp(segment, "processes", length) == 0)
         length = vor_path_segment(path, 2, &segment);
     (void)snprintf(id, sizeof id, "%.*s", (int)(length < 60 ? length : 60), segment);
-    out->process = vor_process_find(id);
-    if (out->process != NULL)
-        return true;
-    vor_problem_say(app, request, "no-such-process",
-                    "there is no process %s; /v1/processes lists "
-                    "them",
-                    id);
-    return false;
+    process = vor_process_find(id);
+    if (process == NULL) {
+        vor_problem_say(app, request, "no-such-process",
+                        "there is no process %s; /v1/processes lists them", id);
+        return false;
+    }
+    vor_spec_preset(spec, process);
+    return true;
 }
 
 static vor_status read_pairs(struct vor_request *request, struct vor_spec *spec,
@@ -53,14 +54,13 @@ static vor_status read_pairs(struct vor_request *request, struct vor_spec *spec,
         if (status != VOR_OK)
             return status;
     }
-    return vor_spec_check(spec, err);
+    return vor_spec_complete(spec, err);
 }
 
 static bool read_spec(struct vor_app *app, struct vor_request *request, struct vor_spec *spec)
 {
     struct vor_error err;
 
-    vor_spec_init(spec);
     if (read_pairs(request, spec, &err) == VOR_OK)
         return true;
     vor_problem_error(app, request, &err, NULL);
@@ -155,7 +155,7 @@ bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vo
     struct acceptance accept;
 
     memset(out, 0, sizeof *out);
-    if (!find_process(app, request, out) || !read_spec(app, request, &out->spec))
+    if (!begin_spec(app, request, &out->spec) || !read_spec(app, request, &out->spec))
         return false;
     read_accept(request, &accept);
     vor_prefer_read(request, &preferences);

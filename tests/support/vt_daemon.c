@@ -59,7 +59,7 @@ enum vor_outcome vt_daemon_submit(struct vt_daemon *daemon, const struct vor_clo
 
     vt_assert_ok(vor_admit_file(id, &input, daemon->blobs, upload, &limits, &vt_err));
     vor_blob_discard(upload);
-    return vor_worker_submit(daemon->worker, id, "resample", &input, spec, NULL, &vt_err);
+    return vor_worker_submit(daemon->worker, id, &input, spec, NULL, &vt_err);
 }
 
 struct vor_job_view vt_daemon_get(struct vt_daemon *daemon, const struct vor_uuid *id)

@@ -338,6 +338,58 @@ START_TEST(a_number_of_points_out_of_range_is_refused_by_value_and_range)
 }
 END_TEST
 
+static void ask_for(struct job *job, const char *process)
+{
+    ck_assert_ptr_nonnull(vor_process_find(process));
+    vor_spec_preset(&job->engine.spec, vor_process_find(process));
+    vt_engine_set(&job->engine, "iterations", "0");
+    vt_engine_set(&job->engine, "polish", "0");
+}
+
+/* The presets reach the run, and the report tells what they came to. */
+START_TEST(a_process_gives_as_many_points_as_its_preset_says)
+{
+    static const struct {
+        const char *process;
+        size_t n;
+        int outliers;
+    } cases[2] = {{"denoise", N, VOR_OUTLIERS_DROP}, {"upsample", 4 * N, VOR_OUTLIERS_KEEP}};
+    struct job job;
+
+    open_job(&job);
+    ask_for(&job, cases[_i].process);
+    vt_assert_ok(vor_spec_complete(&job.engine.spec, &vt_err));
+    run_job(&job);
+    ck_assert_uint_eq(job.out.n, cases[_i].n);
+    ck_assert_uint_eq(job.report.points_out, cases[_i].n);
+    ck_assert(job.report.parameters.value[VOR_PARAM_POINTS] == (double)cases[_i].n);
+    ck_assert(job.report.parameters.value[VOR_PARAM_OUTLIERS] == cases[_i].outliers);
+    ck_assert(job.report.parameters.value[VOR_PARAM_NEIGHBORS] > 0);
+    close_job(&job);
+}
+END_TEST
+
+/* Only a run knows what spacing comes to: on the unit sphere, 0.1 to 1451 points, 0.3 to 161. */
+START_TEST(what_spacing_comes_to_is_held_against_the_process)
+{
+    static const struct {
+        const char *process, *refused, *says, *taken;
+    } cases[2] = {{"simplify", "0.1", "points, want 1 to 800: simplify", "0.3"},
+                  {"upsample", "0.3", "points, want 800 to 12800: upsample", "0.1"}};
+    struct job job;
+
+    open_job(&job);
+    ask_for(&job, cases[_i].process);
+    vt_engine_set(&job.engine, "spacing", cases[_i].refused);
+    assert_refused(&job, VOR_E_TARGET, "spacing");
+    ck_assert_msg(strstr(vt_err.message, cases[_i].says) != NULL, "%s", vt_err.message);
+    vt_engine_set(&job.engine, "spacing", cases[_i].taken);
+    run_job(&job);
+    ck_assert_int_eq(job.out.n > N, _i == 1);
+    close_job(&job);
+}
+END_TEST
+
 START_TEST(sixteen_times_the_input_is_the_most)
 {
     struct job job;
@@ -480,6 +532,8 @@ int main(void)
     vt_add(suite, a_caller_who_cancels_gets_nothing);
     vt_add(suite, the_report_says_what_the_result_is);
     vt_add(suite, a_number_of_points_out_of_range_is_refused_by_value_and_range);
+    vt_add_loop(suite, a_process_gives_as_many_points_as_its_preset_says, 2);
+    vt_add_loop(suite, what_spacing_comes_to_is_held_against_the_process, 2);
     vt_add(suite, sixteen_times_the_input_is_the_most);
     vt_add(suite, a_measure_has_its_hand_computed_values);
     vt_add(suite, coincident_points_are_counted_by_a_measure);

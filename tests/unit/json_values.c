@@ -204,6 +204,8 @@ START_TEST(every_request_comes_back)
         struct vor_json *json;
         char pointer[VOR_JSON_POINTER_MAX];
 
+        vor_spec_init(&spec);
+        vor_spec_init(&back);
         for (int p = 0; p < VOR_PARAMETER_COUNT; p++)
             spec.value[p] = draw((enum vor_parameter)p, (uint64_t)_i * 1000 + i);
         vor_text_init(&text, 0);
@@ -375,6 +377,44 @@ static const struct vor_json *at(const struct vor_json *json, const char *a, con
     return vor_json_get(vor_json_get(vor_json_get(json, a), b), c);
 }
 
+static double number_at(const struct vor_json *json, const char *name, const char *word)
+{
+    double number = NAN;
+
+    (void)vor_json_get_number(vor_json_get(at(json, "inputs", name, "schema"), word), &number);
+    return number;
+}
+
+/* Ranges and defaults of the process, and not those of the table; NaN: there is none. */
+START_TEST(a_process_describes_its_preset)
+{
+    static const struct {
+        const char *id;
+        double least, most, ratio;
+        const char *outliers;
+    } cases[] = {{"resample", 1e-6, 16, NAN, "keep"},
+                 {"denoise", 1e-6, 16, 1, "drop"},
+                 {"upsample", 1, 16, 4, "keep"},
+                 {"simplify", 1e-6, 1, NAN, "keep"}};
+    struct vor_json *json;
+    double ratio;
+
+    vor_text_init(&text, 0);
+    vor_json_process(&text, vor_process_find(cases[_i].id), NULL, 0);
+    json = parsed(text.data);
+    ck_assert_str_eq(vor_json_get_string(vor_json_get(json, "id")), cases[_i].id);
+    ck_assert_double_eq(number_at(json, "ratio", "minimum"), cases[_i].least);
+    ck_assert_double_eq(number_at(json, "ratio", "maximum"), cases[_i].most);
+    ratio = number_at(json, "ratio", "default");
+    ck_assert(ratio == cases[_i].ratio || (isnan(ratio) && isnan(cases[_i].ratio)));
+    ck_assert_str_eq(
+        vor_json_get_string(vor_json_get(at(json, "inputs", "outliers", "schema"), "default")),
+        cases[_i].outliers);
+    vor_json_free(json);
+    vor_text_free(&text);
+}
+END_TEST
+
 /* The description is what the parameter table says, parameter by parameter. */
 START_TEST(a_process_describes_every_parameter)
 {
@@ -435,6 +475,7 @@ int main(void)
                 (int)(sizeof refused / sizeof refused[0]));
     vt_add(suite, a_problem_has_its_shape);
     vt_add(suite, a_status_has_its_shape);
+    vt_add_loop(suite, a_process_describes_its_preset, 4);
     vt_add(suite, a_process_describes_every_parameter);
     return vt_run(suite);
 }

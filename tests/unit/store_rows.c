@@ -1,6 +1,7 @@
 /* The store: a row comes back as it went in, changes happen once, and a kill loses nothing. */
 #include "server/clock.h"
 #include "server/store.h"
+#include "server/store_row.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
 
@@ -117,6 +118,55 @@ START_TEST(a_row_comes_back_as_it_was_inserted)
     ck_assert_int_eq(back.problem.status, VOR_OK);
     vor_store_close(store);
     vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(a_request_comes_back_with_its_process_and_what_that_allows)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = vt_dir_store(dir);
+    const struct vor_process_info *process = vor_process_info((unsigned)_i);
+    struct vor_job_view row = vt_row(50), back;
+
+    vor_spec_preset(&row.spec, process);
+    vt_assert_ok(vor_spec_set(&row.spec, "ratio", "1", &vt_err));
+    vt_assert_ok(vor_spec_set(&row.spec, "outliers", _i % 2 ? "keep" : "drop", &vt_err));
+    (void)snprintf(row.process, sizeof row.process, "%s", process->id);
+    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    back = get(store, &row.id);
+    ck_assert_str_eq(back.process, process->id);
+    ck_assert_mem_eq(&back.spec, &row.spec, sizeof row.spec);
+    vor_store_close(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* Else a job of another version would run with defaults that nobody asked for. */
+START_TEST(a_request_that_cannot_be_read_is_not_made_up)
+{
+    static const struct {
+        const char *process, *request;
+    } cases[] = {{"resample", "{\"points\":\"many\"}"},
+                 {"upsample", "{\"points\":\"many\"}"},
+                 {"denoise", "{\"ratio\":99}"},
+                 {"upsample", "{\"ratio\":0.5}"},
+                 {"simplify", "{\"ratio\":2}"},
+                 {"upsample", NULL},
+                 {"denoise", "{"},
+                 {"remesh", "{\"points\":50}"},
+                 {"", "{\"points\":50}"}};
+    struct vor_job_view row;
+
+    memset(&row, 0, sizeof row);
+    (void)snprintf(row.process, sizeof row.process, "resample");
+    vor_row_read(&row, "{\"points\":50}", NULL, NULL);
+    vt_assert_ok(vor_spec_check(&row.spec, &vt_err));
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        (void)snprintf(row.process, sizeof row.process, "%s", cases[k].process);
+        vor_row_read(&row, cases[k].request, NULL, NULL);
+        ck_assert_msg(vor_spec_check(&row.spec, &vt_err) == VOR_E_PARAM, "%s %s", cases[k].process,
+                      cases[k].request != NULL ? cases[k].request : "without a request");
+    }
 }
 END_TEST
 
@@ -681,6 +731,8 @@ int main(void)
     Suite *suite = suite_create("store_rows");
 
     vt_add(suite, a_row_comes_back_as_it_was_inserted);
+    vt_add_loop(suite, a_request_comes_back_with_its_process_and_what_that_allows, 4);
+    vt_add(suite, a_request_that_cannot_be_read_is_not_made_up);
     vt_add(suite, a_successful_end_comes_back_with_report_trace_and_record);
     vt_add(suite, a_failure_comes_back_with_its_problem);
     vt_add(suite, a_job_is_claimed_once);
