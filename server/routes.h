@@ -25,6 +25,9 @@
     X(GET, "/v1/processes/{processID}", vor_handle_process, "200 404")                             \
     X(POST, "/v1/processes/{processID}/execution", vor_handle_submit, VOR_CODES_SUBMIT " 404")     \
     X(POST, "/v1/resample", vor_handle_submit, VOR_CODES_SUBMIT)                                   \
+    X(POST, "/v1/denoise", vor_handle_submit, VOR_CODES_SUBMIT)                                    \
+    X(POST, "/v1/upsample", vor_handle_submit, VOR_CODES_SUBMIT)                                   \
+    X(POST, "/v1/simplify", vor_handle_submit, VOR_CODES_SUBMIT)                                   \
     X(GET, "/v1/jobs", vor_handle_jobs, "200 400 503")                                             \
     X(GET, "/v1/jobs/{jobID}", vor_handle_job, "200 304 404 410 503")                              \
     X(DELETE, "/v1/jobs/{jobID}", vor_handle_dismiss, "200 403 404 503 507")                       \

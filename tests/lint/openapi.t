@@ -1,6 +1,6 @@
 #!/usr/bin/perl
-# openapi.yaml says what the route table says: paths, methods, statuses; the parameters of the engine
-# are those of the process description, with their ranges and defaults; and a record, the data of a
+# openapi.yaml says what the route table says: paths, methods, statuses; the parameters of each
+# process are those of its description, with their ranges and defaults; and a record, the data of a
 # progress event and a report have the members that are described.
 use strict;
 use warnings;
@@ -12,9 +12,9 @@ use Vt;
 my $yaml = Vt::slurp("$FindBin::Bin/../../openapi.yaml");
 
 # The part of YAML that the file keeps to: block mappings by indentation, no tabs.
-my (%operations, %parameters, $section, $path, $operation, $in_responses, $components);
+my (%operations, %uses, $section, $path, $operation, $in_responses);
 for my $line (split /\n/, $yaml) {
-    if ($line =~ /^(\w+):/) { $section = $1; $components = '' }
+    if ($line =~ /^(\w+):/) { $section = $1 }
     elsif ($section eq 'paths' && $line =~ m{^  (/\S*):$}) { $path = $1 }
     elsif ($section eq 'paths' && $line =~ /^    (get|post|delete|put|patch|head|options):$/) {
         $operation = uc "$1" . " $path";
@@ -22,11 +22,10 @@ for my $line (split /\n/, $yaml) {
         $operations{$operation} = {};
         $in_responses = 0;
     } elsif ($section eq 'paths' && $line =~ /^      (\w+):/) { $in_responses = $1 eq 'responses' }
-    elsif ($section eq 'paths' && $in_responses && $line =~ /^        "(\d+)":$/) {
+    elsif ($section eq 'paths' && $in_responses && $line =~ /^        "(\d+)":(?: \{\$ref: \S+\})?$/) {
         $operations{$operation}{$1} = 1;
-    } elsif ($section eq 'components' && $line =~ /^  (\w+):$/) { $components = $1 }
-    elsif ($section eq 'components' && $components eq 'parameters' && $line =~ /^    (\w+):/) {
-        $parameters{$1} = 1;
+    } elsif ($section eq 'paths' && $line =~ m{^        - \{\$ref: "#/components/parameters/(\w+)"\}$}) {
+        push @{ $uses{$operation} }, $1;
     }
 }
 like $yaml, qr/\Aopenapi: 3\.0\.3$/m, 'it is OpenAPI 3.0.3';
@@ -51,21 +50,31 @@ for my $route (sort keys %routes) {
 }
 
 my $daemon = Vt->start;
-my $inputs = json($daemon->get('/v1/processes/resample'))->{inputs};
-for my $name (grep { $_ ne 'cloud' && $_ ne 'input' } sort keys %$inputs) {
-    ok $parameters{$name}, "parameter $name is documented";
-    my @uses = $yaml =~ m{^        - \{\$ref: "#/components/parameters/\Q$name\E"\}$}mg;
-    is scalar(@uses), 2, "parameter $name is one of both ways to run a process";
-    my $text = block('parameters', $name);
-    my $schema = $inputs->{$name}{schema};
-    my %range = (%$schema, $schema->{oneOf} ? %{ $schema->{oneOf}[0] } : ());
-    for my $word (qw(minimum maximum default)) {
-        my ($said) = $text =~ /\b$word: ([^\s,}]+)/;
-        is $said // 'none', $range{$word} // 'none', "parameter $name: $word" and next
-            if ($range{$word} // '') !~ /^[-+.e\d]+$/i;
-        cmp_ok $said // 'nan', '==', $range{$word}, "parameter $name: $word";
+my @processes = map { $_->{id} } @{ json($daemon->get('/v1/processes'))->{processes} };
+cmp_ok scalar(@processes), '>=', 4, 'there are processes';
+for my $process (@processes) {
+    my $inputs = json($daemon->get("/v1/processes/$process"))->{inputs};
+    my @uses = grep { $_ ne 'prefer' } @{ $uses{"POST /v1/$process"} // [] };
+    my %component = map { name_of($_) => $_ } @uses;
+    is_deeply [sort map { name_of($_) } @uses], [sort grep { $_ ne 'cloud' } keys %$inputs],
+        "$process: its parameters are documented, each once";
+    for my $name (grep { $component{$_} } sort keys %$inputs) {
+        my $schema = $inputs->{$name}{schema};
+        my %range = (%$schema, $schema->{oneOf} ? %{ $schema->{oneOf}[0] } : ());
+        my $text = block('parameters', $component{$name});
+        for my $word (qw(minimum maximum default)) {
+            my ($said) = $text =~ /\b$word: ([^\s,}]+)/;
+            is $said // 'none', $range{$word} // 'none', "$process, $name: $word" and next
+                if ($range{$word} // '') !~ /^[-+.e\d]+$/i;
+            cmp_ok $said // 'nan', '==', $range{$word}, "$process, $name: $word";
+        }
     }
 }
+is_deeply $uses{'POST /v1/processes/{processID}/execution'}, ['processID', @{ $uses{'POST /v1/resample'} }],
+    'the execution of a process takes the parameters of resample';
+
+# The name that a parameter has in a request.
+sub name_of { return block('parameters', $_[0]) =~ /^ +name: (\S+)$/m ? $1 : $_[0] }
 
 # The text of a component, and the names of the properties of a schema that lie `indent` deep.
 sub block {

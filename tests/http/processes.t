@@ -1,0 +1,141 @@
+#!/usr/bin/perl
+# Every process over HTTP: what its description says, what it does when nothing else is asked for, what a caller may
+# change, and what it refuses.
+use strict;
+use warnings;
+use FindBin;
+use lib "$FindBin::Bin/../support";
+use Test::More;
+use Vt;
+
+my $daemon = Vt->start;
+my $brief = 'iterations=2&polish=0';
+my $points = 600;
+my $cloud = sphere_ply($points);
+
+# The same with points that nothing near them points back to.
+my $dirty = $cloud;
+$dirty =~ s/element vertex \d+/'element vertex ' . ($points + 4)/e;
+$dirty .= pack 'f<3', @$_ for [3, 3, 3], [-4, 2, 1], [0, 0, 5], [2, -5, 0];
+
+sub vertices { return $_[0]{content} =~ /^element vertex (\d+)$/m ? $1 : -1 }
+
+# A synchronous call that works: the answer, the job and its report.
+sub done {
+    my ($path, $body) = @_;
+    my $answer = $daemon->post($path, $body // $cloud);
+    my ($id) = ($answer->{headers}{location} // '') =~ m{/v1/jobs/([^/]+)$};
+
+    is $answer->{status}, 200, "POST $path answers 200" or diag($answer->{content});
+    return ($answer, map { json($daemon->get("/v1/jobs/$id$_")) } '', '/results/report');
+}
+
+# What each is asked here, what comes of it, and the same asked of resample.
+my %as = (
+    resample => { ask => 'points=200', out => 200, ratio => undef, outliers => 'keep', same => 'points=200' },
+    denoise => { ask => '', out => $points, ratio => 1, outliers => 'drop', same => 'ratio=1&outliers=drop' },
+    upsample => { ask => '', out => 4 * $points, ratio => 4, outliers => 'keep', same => 'ratio=4' },
+    simplify => { ask => 'ratio=0.25', out => $points / 4, ratio => 0.25, outliers => 'keep', same => 'ratio=0.25' },
+);
+my @listed = @{ json($daemon->get('/v1/processes'))->{processes} };
+is_deeply [map { $_->{id} } @listed], [qw(resample denoise upsample simplify)], 'the list has every process';
+
+for my $process (@listed) {
+    my ($id, $wanted) = ($process->{id}, $as{ $process->{id} });
+    my ($self) = grep { $_->{rel} eq 'self' } @{ $process->{links} };
+    my ($execute) = grep { $_->{rel} =~ m{/execute$} } @{ $process->{links} };
+    is $self->{href}, "$daemon->{url}/v1/processes/$id", "$id: the list links to it";
+    is $execute->{href}, "$daemon->{url}/v1/processes/$id/execution", "$id: and to its execution";
+    my $described = json($daemon->get("/v1/processes/$id"));
+    is_deeply [@$described{qw(id title description)}], [@$process{qw(id title description)}],
+        "$id: the description is that of the list";
+
+    my ($answer, $job, $report) = done("/v1/$id?$brief&$wanted->{ask}");
+    is vertices($answer), $wanted->{out}, "$id: it gives $wanted->{out} points";
+    is $job->{processID}, $id, "$id: the job bears its process";
+    is $job->{voronoid}{target}{points}, $wanted->{out}, "$id: and its target";
+    is_deeply $report->{points}, { in => $points, out => $wanted->{out} }, "$id: the report counts the points";
+    my $parameters = $report->{parameters};
+    is $parameters->{points}, $wanted->{out}, "$id: the points are resolved in the report";
+    is $parameters->{ratio}, $wanted->{ratio}, "$id: so is the ratio";
+    is $parameters->{outliers}, $wanted->{outliers}, "$id: and outliers";
+    like $parameters->{neighbors}, qr/^\d+$/, "$id: and neighbors";
+    for my $name (grep { $_ ne 'iterations' && $_ ne 'polish' } sort keys %{ $described->{inputs} }) {
+        my $default = $described->{inputs}{$name}{schema}{default};
+        next if !defined $default || $default eq 'auto';
+        is $parameters->{$name}, $default, "$id: $name is at the default described";
+    }
+    is $daemon->post("/v1/processes/$id/execution?$brief&$wanted->{ask}", $cloud)->{content}, $answer->{content},
+        "$id: its execution gives the same bytes";
+    is $daemon->post("/v1/resample?$brief&$wanted->{same}", $cloud)->{content}, $answer->{content},
+        "$id: so does resample when asked for what the preset says";
+    is $daemon->get("/v1/$id")->{headers}{allow}, 'POST, OPTIONS', "$id: it is posted to";
+}
+
+# The caller wins.
+for my $case (
+    ['denoise?points=50', 50], ['denoise?ratio=0.5', 300], ['denoise?ratio=2', 1200], ['upsample?points=700', 700],
+    ['upsample?ratio=1', 600], ['upsample?points=9600', 9600], ['simplify?points=600', 600], ['simplify?ratio=1', 600],
+) {
+    my ($query, $wanted) = @$case;
+    is vertices($daemon->post("/v1/$query&iterations=0&polish=0", $cloud)), $wanted, "$query: as many as asked for";
+}
+my (undef, undef, $even) = done("/v1/upsample?spacing=0.1&$brief");
+cmp_ok abs($even->{points}{out} - 1451), '<', 80, 'spacing says how many points an upsampled cloud has';
+ok !exists $even->{parameters}{ratio}, 'and the ratio of the preset is not among its parameters';
+
+my (undef, undef, $dropped) = done("/v1/denoise?$brief", $dirty);
+cmp_ok $dropped->{outliers}, '>=', 4, 'denoise leaves outliers out';
+is $dropped->{points}{out}, $points + 4, 'and gives as many points as the input has';
+my (undef, undef, $kept) = done("/v1/denoise?$brief&outliers=keep", $dirty);
+is $kept->{outliers}, 0, 'but for a caller who wants them kept';
+is $kept->{parameters}{outliers}, 'keep', 'as the report says';
+
+# Refusals that the head decides, and those that the cloud does: both ways to run a process.
+for my $case (
+    ['upsample', 'ratio=0.5', 400, qr/^ratio is 0\.5, want a number from 1 to 16$/, 'ratio'],
+    ['upsample', 'ratio=17', 400, qr/^ratio is 17, want a number from 1 to 16$/, 'ratio'],
+    ['upsample', 'points=600&ratio=2', 400, qr/^2 of points, ratio and spacing/, 'points'],
+    ['simplify', 'ratio=1.5', 400, qr/^ratio is 1\.5, want a number from 1e-06 to 1$/, 'ratio'],
+    ['simplify', '', 400, qr/^0 of points, ratio and spacing are given, want exactly one$/, 'points'],
+    ['simplify', 'outliers=drop', 400, qr/^0 of points, ratio and spacing/, 'points'],
+    ['resample', '', 400, qr/^0 of points, ratio and spacing/, 'points'],
+    ['denoise', 'ratio=16.5', 400, qr/^ratio is 16\.5, want a number from 1e-06 to 16$/, 'ratio'],
+    ['denoise', 'pionts=5', 400, qr/no parameter pionts/, 'pionts'],
+    ['upsample', 'points=599', 422, qr/^points is 599, want 600 to 9600: upsample gives 1 to 16 for each of the input's 600$/],
+    ['upsample', 'points=9601', 422, qr/^points is 9601, want 600 to 9600: /],
+    ['upsample', 'spacing=0.5', 422, qr/^spacing is 0\.5 and asks for \d\d points, want 600 to 9600: upsample /],
+    ['simplify', 'points=601', 422, qr/^points is 601, want 1 to 600: simplify gives up to 1 for each of the input's 600$/],
+    ['simplify', 'spacing=0.1', 422, qr/^spacing is 0\.1 and asks for 1\d\d\d points, want 1 to 600: simplify /],
+    ['denoise', 'points=9601', 422, qr/^points is 9601, want 1 to 9600: denoise gives up to 16 for each/],
+    ['resample', 'points=9601', 422, qr/^points is 9601, want 1 to 9600: resample gives up to 16 for each/],
+) {
+    my ($id, $query, $status, $detail, $parameter) = @$case;
+    for my $path ("/v1/$id", "/v1/processes/$id/execution") {
+        my $answer = $daemon->post("$path?$query", $cloud);
+        is_problem($answer, $status, $status == 400 ? 'invalid-parameter' : 'target-out-of-range', "$path?$query")
+            or next;
+        like json($answer)->{detail}, $detail, "$path?$query: it names value and range";
+        is json($answer)->{errors}[0]{parameter}, $parameter, "$path?$query: errors[] names the parameter"
+            if $parameter;
+    }
+}
+my $before = @{ json($daemon->get('/v1/jobs?limit=1000'))->{jobs} };
+is $daemon->post("/v1/$_", $cloud, Prefer => 'respond-async')->{status}, 422, "$_ is refused before there is a job"
+    for 'simplify?points=601', 'upsample?points=599', 'denoise?ratio=0.0001';
+is scalar(@{ json($daemon->get('/v1/jobs?limit=1000'))->{jobs} }), $before, 'and leaves none behind';
+
+# Jobs of one process, in the list and as a stream.
+my $accepted = $daemon->post("/v1/simplify?points=100&$brief", $cloud, Prefer => 'respond-async');
+is $accepted->{status}, 201, 'a job can be accepted';
+is json($accepted)->{processID}, 'simplify', 'it bears its process from the beginning';
+is $daemon->finish(json($accepted)->{jobID})->{processID}, 'simplify', 'to the end';
+my @found = @{ json($daemon->get('/v1/jobs?limit=1000&processID=simplify'))->{jobs} };
+is json($accepted)->{jobID}, $found[0]{jobID}, 'the list finds it by its process';
+is_deeply [grep { $_->{processID} ne 'simplify' } @found], [], 'and no other';
+my @events = $daemon->events("/v1/upsample?$brief", method => 'POST', body => $cloud,
+    headers => { Accept => 'text/event-stream' })->all;
+is json($events[0]{data})->{processID}, 'upsample', 'a stream tells the process';
+is json($events[-1]{data})->{status}, 'successful', 'and ends well';
+is $daemon->stop, 0, 'the daemon ends with 0';
+done_testing;
