@@ -100,15 +100,13 @@ int vor_cli_fail(const char *subject, const struct vor_error *err)
 static int run(const struct vor_cli *cli)
 {
     switch (cli->command) {
-    case VOR_COMMAND_RESAMPLE:
-        return cli->option[VOR_OPTION_SERVER] != NULL ? vor_cli_resample_there(cli)
-                                                      : vor_cli_resample_here(cli);
     case VOR_COMMAND_MEASURE:
         return vor_cli_measure(cli);
     case VOR_COMMAND_HEALTH:
         return vor_cli_health(cli);
     default:
-        return VOR_EXIT_USAGE;
+        return cli->option[VOR_OPTION_SERVER] != NULL ? vor_cli_process_there(cli)
+                                                      : vor_cli_process_here(cli);
     }
 }
 

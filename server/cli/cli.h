@@ -19,10 +19,17 @@ enum {
     VOR_EXIT_INTERRUPTED = 130 /**< by ^C */
 };
 
-/** Commands: identifier, name, its one operand, sentence. */
+/** Commands: identifier, name, its one operand, sentence. A command with the name of a process runs
+ *  it, and takes its parameters. */
 #define VOR_COMMAND_TABLE(X)                                                                       \
     X(RESAMPLE, "resample", "IN",                                                                  \
       "Spread exactly the number of points asked for evenly over a cloud's surface")               \
+    X(DENOISE, "denoise", "IN",                                                                    \
+      "Spread as many points as a cloud has evenly over its surface, without its outliers")        \
+    X(UPSAMPLE, "upsample", "IN",                                                                  \
+      "Spread four times as many points as a cloud has, or as asked for, over its surface")        \
+    X(SIMPLIFY, "simplify", "IN",                                                                  \
+      "Spread as few points as asked for evenly over a cloud's surface")                           \
     X(MEASURE, "measure", "IN", "Print how evenly a cloud is spread, as JSON")                     \
     X(HEALTH, "health", "", "Ask whether a daemon is ready")
 
@@ -37,20 +44,22 @@ enum vor_command {
  *  for nothing), environment variable, commands that take it, sentence. An option wins over its
  *  variable. */
 #define VOR_FOR(command) (1u << VOR_COMMAND_##command)
+#define VOR_FOR_PROCESSES                                                                          \
+    (VOR_FOR(RESAMPLE) | VOR_FOR(DENOISE) | VOR_FOR(UPSAMPLE) | VOR_FOR(SIMPLIFY))
 #define VOR_OPTION_TABLE(X)                                                                        \
-    X(OUTPUT, "output", 'o', "OUT", "", VOR_FOR(RESAMPLE), "Where the result goes; - is stdout")   \
+    X(OUTPUT, "output", 'o', "OUT", "", VOR_FOR_PROCESSES, "Where the result goes; - is stdout")   \
     X(REFERENCE, "reference", 0, "FILE", "", VOR_FOR(MEASURE),                                     \
       "Print the distances to this cloud too")                                                     \
     X(PEAK, "peak", 0, "P", "", VOR_FOR(MEASURE),                                                  \
       "Peak of d1_psnr and d2_psnr, 1e-30 to 1e+30 in the cloud's unit; by default the largest "   \
       "distance of a reference point to its nearest other one")                                    \
-    X(SERVER, "server", 0, "URL", "VORONOID_SERVER", VOR_FOR(RESAMPLE) | VOR_FOR(HEALTH),          \
-      "The daemon that does the work (resample; else it is done here) or is asked (health)")       \
-    X(THREADS, "threads", 0, "N", "VORONOID_THREADS", VOR_FOR(RESAMPLE) | VOR_FOR(MEASURE),        \
+    X(SERVER, "server", 0, "URL", "VORONOID_SERVER", VOR_FOR_PROCESSES | VOR_FOR(HEALTH),          \
+      "The daemon that does the work (else it is done here) or is asked (health)")                 \
+    X(THREADS, "threads", 0, "N", "VORONOID_THREADS", VOR_FOR_PROCESSES | VOR_FOR(MEASURE),        \
       "Threads, 0 to 256, when the work is done here; 0, the default, is one for each core")       \
-    X(JSON, "json", 0, "", "", VOR_FOR(RESAMPLE),                                                  \
+    X(JSON, "json", 0, "", "", VOR_FOR_PROCESSES,                                                  \
       "One JSON object a line on stdout (on stderr with -o -): records, then the report")          \
-    X(QUIET, "quiet", 'q', "", "", VOR_FOR(RESAMPLE), "No progress and no summary")                \
+    X(QUIET, "quiet", 'q', "", "", VOR_FOR_PROCESSES, "No progress and no summary")                \
     X(HELP, "help", 'h', "", "", ~0u, "Print this")
 
 enum vor_option {
@@ -69,7 +78,7 @@ struct vor_cli {
     const char *option[VOR_OPTION_COUNT]; /**< text, "" for a flag that is there, or NULL */
     unsigned threads;                     /**< resolved: 1 .. VOR_THREADS_MAX */
     double peak;                          /**< measure; VOR_PEAK_MIN .. MAX, 0 if not given */
-    struct vor_spec spec;                 /**< resample; checked */
+    struct vor_spec spec;                 /**< of a process; checked */
     int given[VOR_PARAMETER_COUNT];       /**< the parameters of spec that were named */
 };
 
@@ -103,8 +112,8 @@ int vor_cli_fail(const char *subject, const struct vor_error *err);
 int vor_cli_exit_code(int http, const char *type);
 
 /** The commands. Each returns an exit code. */
-int vor_cli_resample_here(const struct vor_cli *cli);
-int vor_cli_resample_there(const struct vor_cli *cli);
+int vor_cli_process_here(const struct vor_cli *cli);
+int vor_cli_process_there(const struct vor_cli *cli);
 int vor_cli_measure(const struct vor_cli *cli);
 int vor_cli_health(const struct vor_cli *cli);
 

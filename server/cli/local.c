@@ -1,4 +1,4 @@
-/* voronoid resample and voronoid measure, done in this process. */
+/* The commands that run a process of the request, done in this one; what measure shares. */
 #include "proto/json.h"
 #include "server/cli/files.h"
 #include "server/cli/work.h"
@@ -59,8 +59,8 @@ vor_status vor_work_load(struct vor_work *work, struct vor_cloud *cloud,
     return status;
 }
 
-/* One resampling: whatever is at fault when it fails is named by `subject`. */
-struct resampling {
+/* One run: whatever is at fault when it fails is named by `subject`. */
+struct here {
     const struct vor_cli *cli;
     const char *subject;
     struct vor_work work;
@@ -81,7 +81,7 @@ static const struct vor_format *format_of_result(const struct vor_cli *cli,
     return by_suffix != NULL ? by_suffix : input;
 }
 
-static vor_status load(struct resampling *r, struct vor_error *err)
+static vor_status load(struct here *r, struct vor_error *err)
 {
     double began = vor_clock_seconds();
     vor_status status;
@@ -92,7 +92,7 @@ static vor_status load(struct resampling *r, struct vor_error *err)
     return status;
 }
 
-static vor_status run_engine(struct resampling *r, struct vor_error *err)
+static vor_status run_engine(struct here *r, struct vor_error *err)
 {
     double seconds_read = r->report.seconds_read;
     vor_status status;
@@ -103,7 +103,7 @@ static vor_status run_engine(struct resampling *r, struct vor_error *err)
     return status;
 }
 
-static vor_status save(struct resampling *r, struct vor_error *err)
+static vor_status save(struct here *r, struct vor_error *err)
 {
     struct vor_sink sink = {&r->output, vor_output_write};
     struct vor_write_options options;
@@ -120,7 +120,7 @@ static vor_status save(struct resampling *r, struct vor_error *err)
     return status;
 }
 
-static vor_status finish(struct resampling *r, struct vor_error *err)
+static vor_status finish(struct here *r, struct vor_error *err)
 {
     struct vor_text text;
     vor_status status;
@@ -137,7 +137,7 @@ static vor_status finish(struct resampling *r, struct vor_error *err)
 }
 
 /* The output is opened before the work begins: a name that cannot be written is told at once. */
-static vor_status resample(struct resampling *r, struct vor_error *err)
+static vor_status work(struct here *r, struct vor_error *err)
 {
     vor_status status = load(r, err);
 
@@ -157,9 +157,9 @@ static vor_status resample(struct resampling *r, struct vor_error *err)
     return status == VOR_OK ? finish(r, err) : status;
 }
 
-int vor_cli_resample_here(const struct vor_cli *cli)
+int vor_cli_process_here(const struct vor_cli *cli)
 {
-    struct resampling r;
+    struct here r;
     struct vor_error err;
     vor_status status;
 
@@ -171,7 +171,7 @@ int vor_cli_resample_here(const struct vor_cli *cli)
     vor_cloud_init(&r.in, &r.work.memory);
     vor_cloud_init(&r.out, &r.work.memory);
     if (status == VOR_OK)
-        status = resample(&r, &err);
+        status = work(&r, &err);
     vor_progress_clear(&r.progress);
     vor_output_abandon(&r.output);
     vor_cloud_free(&r.in);

@@ -49,6 +49,12 @@ enum vor_command vor_cli_find(const char *name)
     return (enum vor_command)i;
 }
 
+/* The process that a command runs; NULL when it runs none. */
+static const struct vor_process_info *process_of(enum vor_command command)
+{
+    return vor_process_find(commands[command].name);
+}
+
 static int takes(enum vor_command command, int option)
 {
     return (options[option].commands >> command & 1) != 0;
@@ -120,7 +126,7 @@ static enum vor_parameter find_parameter(const struct reader *r, const char *nam
 {
     char word[64];
 
-    if (r->cli->command != VOR_COMMAND_RESAMPLE || length >= sizeof word)
+    if (process_of(r->cli->command) == NULL || length >= sizeof word)
         return VOR_PARAMETER_COUNT;
     memcpy(word, name, length);
     word[length] = '\0';
@@ -154,7 +160,7 @@ static vor_status read_short(struct reader *r, const char *text)
 
     if (option != VOR_OPTION_COUNT)
         return set_option(r, option, shown, attached);
-    if (text[1] == 'n' && r->cli->command == VOR_COMMAND_RESAMPLE)
+    if (text[1] == 'n' && process_of(r->cli->command) != NULL)
         return set_parameter(r, VOR_PARAM_POINTS, shown, attached);
     return no_option(r, text);
 }
@@ -244,11 +250,11 @@ static vor_status check(struct vor_cli *cli, struct vor_error *err)
         return vor_fail(err, VOR_E_PARAM, "no input: give a file, or - for stdin");
     if (reference != NULL && strcmp(reference, "-") == 0 && strcmp(cli->input, "-") == 0)
         return vor_fail(err, VOR_E_PARAM, "both clouds are -, and there is only one stdin");
-    if (cli->command != VOR_COMMAND_RESAMPLE)
+    if (process_of(cli->command) == NULL)
         return VOR_OK;
     if (cli->option[VOR_OPTION_OUTPUT] == NULL || cli->option[VOR_OPTION_OUTPUT][0] == '\0')
         return vor_fail(err, VOR_E_PARAM, "no output: give -o FILE, or -o - for stdout");
-    return vor_spec_check(&cli->spec, err);
+    return vor_spec_complete(&cli->spec, err);
 }
 
 vor_status vor_cli_read(struct vor_cli *out, enum vor_command command, int argc, char **argv,
@@ -259,7 +265,8 @@ vor_status vor_cli_read(struct vor_cli *out, enum vor_command command, int argc,
 
     memset(out, 0, sizeof *out);
     out->command = command;
-    vor_spec_init(&out->spec);
+    if (process_of(command) != NULL)
+        vor_spec_preset(&out->spec, process_of(command));
     status = read_words(&r);
     if (out->option[VOR_OPTION_HELP] != NULL)
         return VOR_OK;
@@ -272,13 +279,14 @@ vor_status vor_cli_read(struct vor_cli *out, enum vor_command command, int argc,
 }
 
 /* "from 1 to 10000000 points, default 100" or "keep | free, default keep". */
-static void print_values(FILE *out, enum vor_parameter parameter)
+static void print_values(FILE *out, enum vor_parameter parameter,
+                         const struct vor_parameter_info *info)
 {
-    const struct vor_parameter_info *info = vor_parameter_info(parameter);
     struct vor_spec spec;
     char text[64];
 
     vor_spec_init(&spec);
+    spec.value[parameter] = info->fallback;
     vor_spec_text(&spec, parameter, text, sizeof text);
     if (info->kind == VOR_KIND_CHOICE) {
         for (const char *c = info->choices; *c != '\0'; c++)
@@ -309,20 +317,22 @@ static void print_options(FILE *out, enum vor_command command)
 void vor_cli_help(FILE *out, enum vor_command command)
 {
     const struct command_row *c = &commands[command];
+    const struct vor_process_info *process = process_of(command);
 
     fprintf(out, "usage: voronoid %s%s%s [OPTION]...\n%s.%s\n\nOptions:\n", c->name,
             c->operand[0] ? " " : "", c->operand, c->sentence,
             c->operand[0] ? " - as a file is stdin or stdout." : "");
     print_options(out, command);
-    if (command != VOR_COMMAND_RESAMPLE)
+    if (process == NULL)
         return;
     fputs("\nParameters of the request, the same over HTTP:\n", out);
     for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
-        const struct vor_parameter_info *info = vor_parameter_info((enum vor_parameter)i);
+        enum vor_parameter parameter = (enum vor_parameter)i;
+        struct vor_parameter_info info = vor_process_parameter(process, parameter);
 
         fprintf(out, "  %s --%s VALUE\n      %s\n      ", i == VOR_PARAM_POINTS ? "-n," : "   ",
-                info->name, info->sentence);
-        print_values(out, (enum vor_parameter)i);
+                info.name, info.sentence);
+        print_values(out, parameter, &info);
     }
 }
 

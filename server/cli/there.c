@@ -1,4 +1,4 @@
-/* voronoid resample --server URL: the same job, done by a daemon. The body goes up, the events come
+/* voronoid PROCESS --server URL: the same job, done by a daemon. The body goes up, the events come
  * back, and when they end, the result. A stream that breaks off is taken up where it ended; ^C
  * dismisses the job. */
 #include "proto/codec.h"
@@ -112,7 +112,7 @@ static void build_url(struct vor_text *url, const struct vor_cli *cli)
     while (length > 0 && server[length - 1] == '/')
         length--;
     vor_text_add(url, server, length);
-    vor_text_puts(url, "/v1/resample");
+    vor_text_printf(url, "/v1/%s", cli->spec.process->id);
     for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
         enum vor_parameter parameter = (enum vor_parameter)i;
         const char *text = vor_spec_text(&cli->spec, parameter, value, sizeof value);
@@ -409,7 +409,7 @@ static int work(struct there *t)
     return code;
 }
 
-int vor_cli_resample_there(const struct vor_cli *cli)
+int vor_cli_process_there(const struct vor_cli *cli)
 {
     struct there t;
     int code;

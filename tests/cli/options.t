@@ -25,19 +25,35 @@ sub refused {
 
 my ($code, $help, $errors) = run(['--help']);
 is "$code$errors", '0', 'voronoid --help ends well';
-like $help, qr/^  \Q$_\E +\S/m, "the overview names $_" for qw(serve resample measure health);
+like $help, qr/^  \Q$_\E +\S/m, "the overview names $_" for qw(serve resample denoise upsample simplify measure health);
 
-for my $command (qw(resample measure health)) {
+for my $command (qw(resample denoise upsample simplify measure health)) {
     ($code, $help, $errors) = run([$command, '--help']);
     is "$code$errors", '0', "voronoid $command --help ends well";
     like $help, qr/^usage: voronoid $command/, "it is the help of $command";
     my (undef, $same) = run(['help', $command]);
     is $same, $help, "voronoid help $command is the same";
 }
-(undef, $help) = run(['resample', '--help']);
-like $help, qr/--\Q$_\E VALUE\n/, "the help of resample has parameter $_"
-    for qw(points ratio spacing method patch iterations delta seconds neighbors anderson polish boundary outliers
-    seed format quantization compression attributes normals);
+my %options;
+for my $command (qw(denoise upsample simplify resample)) {
+    (undef, $help) = run([$command, '--help']);
+    like $help, qr/--\Q$_\E VALUE\n/, "the help of $command has parameter $_"
+        for qw(points ratio spacing method patch iterations delta seconds neighbors anderson polish boundary outliers
+        seed format quantization compression attributes normals);
+    ($options{$command}) = $help =~ /\nOptions:\n(.*?)\n\n/s;
+    is $options{$command}, $options{denoise}, "and the options of the others";
+}
+for my $case (
+    ['resample', 'ratio', '1e-06 to 16'], ['denoise', 'ratio', '1e-06 to 16, default 1'],
+    ['upsample', 'ratio', '1 to 16, default 4'], ['simplify', 'ratio', '1e-06 to 1'],
+    ['resample', 'outliers', 'keep | drop, default keep'], ['denoise', 'outliers', 'keep | drop, default drop'],
+    ['upsample', 'outliers', 'keep | drop, default keep'], ['simplify', 'outliers', 'keep | drop, default keep'],
+) {
+    my ($command, $name, $values) = @$case;
+    my (undef, $text) = run([$command, '--help']);
+    my ($said) = $text =~ /--$name VALUE\n[^\n]+\n      ([^\n]+)\n/;
+    is $said, $values, "the help of $command shows range and default of $name";
+}
 like $help, qr/6 to 500 points \| auto, default auto/, 'it shows range, auto and default';
 like $help, qr/--polish VALUE\n      Most steps [^\n]+\n      0 to 10000, default \d+\n/, 'it explains the polish';
 like $help, qr/env: VORONOID_SERVER/, 'it shows environment variables';
@@ -74,6 +90,18 @@ refused 'no output', ['resample', $in, @points], 2,
     'resample: no output: give -o FILE, or -o - for stdout';
 refused 'no number of points', ['resample', $in, '-o', $out], 2,
     'resample: 0 of points, ratio and spacing are given, want exactly one';
+refused 'no number of points to simplify to', ['simplify', $in, '-o', $out], 2,
+    'simplify: 0 of points, ratio and spacing are given, want exactly one';
+refused 'a ratio that makes fewer points', ['upsample', $in, '-o', $out, '--ratio', '0.9'], 2,
+    'upsample: ratio is 0.9, want a number from 1 to 16';
+refused 'a ratio that makes more points', ['simplify', $in, '-o', $out, '--ratio=1.1'], 2,
+    'simplify: ratio is 1.1, want a number from 1e-06 to 1';
+refused 'fewer points to upsample to', ['upsample', $in, '-o', $out, '-n', 49], 3,
+    "$in: points is 49, want 50 to 800: upsample gives 1 to 16 for each of the input's 50";
+refused 'more points to simplify to', ['simplify', $in, '-o', $out, '-n', 51], 3,
+    "$in: points is 51, want 1 to 50: simplify gives up to 1 for each of the input's 50";
+refused 'too many points to denoise to', ['denoise', $in, '-o', $out, '-n', 801], 3,
+    "$in: points is 801, want 1 to 800: denoise gives up to 16 for each of the input's 50";
 refused 'points and ratio', ['resample', $in, '-o', $out, @points, '--ratio', 2], 2,
     'resample: 2 of points, ratio and spacing are given, want exactly one';
 refused 'a number of points out of range', ['resample', $in, '-o', $out, '-n', 0], 2,
