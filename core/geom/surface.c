@@ -1,47 +1,60 @@
 #include "core/geom/surface.h"
 
 #include "core/base/linalg.h"
+#include "core/base/vector.h"
 
 #include <string.h>
 
 #define LINE_RANK 1e-6    /* second over largest eigenvalue: below it, the points are on a line */
 #define QUADRIC_RANK 1e-3 /* smallest relative pivot: below it, a plane is all they determine */
 
-/* Neighbours relative to the first one, and their mean. */
+/* Neighbours relative to the first one, the sum of their weights and their mean. */
 struct neighborhood {
     unsigned k;
+    double total; /* of the weights */
     double mean[3];
     double x[VOR_NEIGHBORS_MAX][3];
 };
 
-static void gather(struct neighborhood *out, const float *near, unsigned k)
+/* Of neighbour i; inlined, and free where all are 1. */
+VOR_INLINE double weigh(const float *weight, unsigned i, double x)
+{
+    return weight != NULL ? (double)weight[i] * x : x;
+}
+
+VOR_INLINE void gather(struct neighborhood *out, const float *near, const float *weight, unsigned k)
 {
     memset(out->mean, 0, sizeof out->mean);
     out->k = k;
-    for (unsigned i = 0; i < k; i++)
+    out->total = 0;
+    for (unsigned i = 0; i < k; i++) {
+        out->total += weigh(weight, i, 1);
         for (unsigned c = 0; c < 3; c++) {
             out->x[i][c] = (double)near[3 * i + c] - (double)near[c];
-            out->mean[c] += out->x[i][c];
+            out->mean[c] += weigh(weight, i, out->x[i][c]);
         }
+    }
     for (unsigned c = 0; c < 3; c++)
-        out->mean[c] /= k;
+        out->mean[c] /= out->total;
 }
 
 /* Axes from the principal directions; false when there is no plane. */
-static int find_axes(struct vor_surface *out, const struct neighborhood *hood)
+VOR_INLINE int find_axes(struct vor_surface *out, const struct neighborhood *hood,
+                         const float *weight)
 {
     double m[6] = {0}, values[3], vectors[3][3];
 
     for (unsigned i = 0; i < hood->k; i++) {
         double x = hood->x[i][0] - hood->mean[0], y = hood->x[i][1] - hood->mean[1],
                z = hood->x[i][2] - hood->mean[2];
+        double wx = weigh(weight, i, x), wy = weigh(weight, i, y);
 
-        m[0] += x * x;
-        m[1] += x * y;
-        m[2] += x * z;
-        m[3] += y * y;
-        m[4] += y * z;
-        m[5] += z * z;
+        m[0] += wx * x;
+        m[1] += wx * y;
+        m[2] += wx * z;
+        m[3] += wy * y;
+        m[4] += wy * z;
+        m[5] += weigh(weight, i, z) * z;
     }
     vor_eigen3(values, vectors, m);
     if (!(values[1] > LINE_RANK * values[2]))
@@ -81,35 +94,38 @@ struct moments {
     double w[6];
 };
 
-static void sum_moments(struct moments *out, const struct neighborhood *hood, double scale)
+VOR_INLINE void sum_moments(struct moments *out, const struct neighborhood *hood,
+                            const float *weight, double scale)
 {
     memset(out, 0, sizeof *out);
     for (unsigned i = 0; i < hood->k; i++) {
         double u = hood->x[i][0] * scale, v = hood->x[i][1] * scale, w = hood->x[i][2] * scale;
         double uu = u * u, uv = u * v, vv = v * v;
+        double wu = weigh(weight, i, u), wv = weigh(weight, i, v), ww = weigh(weight, i, w);
+        double wuu = weigh(weight, i, uu), wuv = weigh(weight, i, uv), wvv = weigh(weight, i, vv);
 
-        out->s[1][0] += u;
-        out->s[0][1] += v;
-        out->s[2][0] += uu;
-        out->s[1][1] += uv;
-        out->s[0][2] += vv;
-        out->s[3][0] += uu * u;
-        out->s[2][1] += uu * v;
-        out->s[1][2] += vv * u;
-        out->s[0][3] += vv * v;
-        out->s[4][0] += uu * uu;
-        out->s[3][1] += uu * uv;
-        out->s[2][2] += uu * vv;
-        out->s[1][3] += uv * vv;
-        out->s[0][4] += vv * vv;
-        out->w[0] += w;
-        out->w[1] += w * u;
-        out->w[2] += w * v;
-        out->w[3] += w * uu;
-        out->w[4] += w * uv;
-        out->w[5] += w * vv;
+        out->s[1][0] += wu;
+        out->s[0][1] += wv;
+        out->s[2][0] += wuu;
+        out->s[1][1] += wuv;
+        out->s[0][2] += wvv;
+        out->s[3][0] += wuu * u;
+        out->s[2][1] += wuu * v;
+        out->s[1][2] += wvv * u;
+        out->s[0][3] += wvv * v;
+        out->s[4][0] += wuu * uu;
+        out->s[3][1] += wuu * uv;
+        out->s[2][2] += wuu * vv;
+        out->s[1][3] += wuv * vv;
+        out->s[0][4] += wvv * vv;
+        out->w[0] += ww;
+        out->w[1] += ww * u;
+        out->w[2] += ww * v;
+        out->w[3] += ww * uu;
+        out->w[4] += ww * uv;
+        out->w[5] += ww * vv;
     }
-    out->s[0][0] = hood->k;
+    out->s[0][0] = hood->total;
 }
 
 /* Least squares over the first `terms` of 1, u, v, uu, uv, vv; false when they are not determined.
@@ -127,7 +143,7 @@ static int solve(double c[6], const struct moments *moments, int terms, double r
     return vor_solve_spd(a, c, terms, rank) > 0;
 }
 
-void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k)
+VOR_INLINE void fit(struct vor_surface *out, const float *near, const float *weight, unsigned k)
 {
     struct neighborhood hood;
     struct moments moments;
@@ -138,12 +154,12 @@ void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k)
         out->origin[c] = (double)near[c];
     if (k < 3)
         return;
-    gather(&hood, near, k);
-    if (!find_axes(out, &hood))
+    gather(&hood, near, weight, k);
+    if (!find_axes(out, &hood, weight))
         return;
     to_frame(out, &hood);
     scale = 1 / out->reach;
-    sum_moments(&moments, &hood, scale);
+    sum_moments(&moments, &hood, weight, scale);
     if (k >= 6 && solve(out->c, &moments, 6, QUADRIC_RANK))
         out->kind = VOR_SURFACE_QUADRIC;
     else if (solve(out->c, &moments, 3, LINE_RANK))
@@ -151,6 +167,18 @@ void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k)
     out->c[0] *= out->reach;
     for (int i = 3; i < 6; i++)
         out->c[i] *= scale;
+}
+
+void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k)
+{
+    fit(out, near, NULL, k);
+}
+
+void vor_surface_fit_weighted(struct vor_surface *out, const float *near, const float *weight,
+                              unsigned k)
+{
+    fit(out, near, weight, k);
+    out->spacing = 0;
 }
 
 static double quadric(const double c[6], double u, double v, double gradient[2])

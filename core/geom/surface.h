@@ -41,6 +41,12 @@ struct vor_surface {
  *  Total: never fails, kind says what was found. O(k). Depends on nothing but its arguments. */
 void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k);
 
+/** The same where neighbour i counts weight[i] > 0 times (the first six weights at least, the
+ * others may be 0); with equal weights the same surface up to rounding. spacing is 0: weights hide
+ * it. */
+void vor_surface_fit_weighted(struct vor_surface *out, const float *near, const float *weight,
+                              unsigned k);
+
 /** Height w and (where gradient is not NULL) slopes dw/du, dw/dv over (u, v). */
 double vor_surface_height(const struct vor_surface *surface, double u, double v,
                           double gradient[2]);

@@ -368,6 +368,60 @@ START_TEST(a_normal_is_a_unit_vector_across_both_tangents)
 }
 END_TEST
 
+START_TEST(a_weight_counts_like_so_many_points)
+{
+    float near[3 * K], repeated[9 * K], weight[K], ones[K];
+    struct vor_surface weighted, listed, plain, one;
+    unsigned k = 0;
+
+    for (unsigned i = 0; i < K; i++) {
+        near[3 * i] = (float)vt_unit((uint64_t)_i, 3 * i);
+        near[3 * i + 1] = (float)vt_unit((uint64_t)_i, 3 * i + 1);
+        near[3 * i + 2] = (float)(0.2 * vt_unit((uint64_t)_i, 3 * i + 2));
+        ones[i] = 1;
+        weight[i] = (float)(1 + i % 3);
+        for (unsigned j = 0; j <= i % 3; j++)
+            memcpy(&repeated[3 * k++], &near[3 * i], 3 * sizeof *near);
+    }
+    vor_surface_fit_weighted(&weighted, near, weight, K);
+    vor_surface_fit(&listed, repeated, k);
+    vor_surface_fit(&plain, near, K);
+    vor_surface_fit_weighted(&one, near, ones, K);
+    ck_assert_int_eq(weighted.kind, VOR_SURFACE_QUADRIC);
+    ck_assert_int_eq(listed.kind, VOR_SURFACE_QUADRIC);
+    for (int i = 0; i < 6; i++) {
+        ck_assert_double_eq_tol(weighted.c[i], listed.c[i], 1e-9);
+        ck_assert(one.c[i] == plain.c[i]);
+    }
+    ck_assert_double_eq_tol(weighted.center[0], listed.center[0], 1e-12);
+    ck_assert(fabs(weighted.c[0] - plain.c[0]) > 1e-6);
+    ck_assert(weighted.spacing == 0);
+}
+END_TEST
+
+START_TEST(a_neighbour_without_weight_has_no_say)
+{
+    float near[3 * (K + 2)], weight[K + 2];
+    struct vor_surface s, without;
+    double local[3];
+
+    sample_quadric(near, (uint64_t)_i, 0.25);
+    for (unsigned i = 0; i < K + 2; i++)
+        weight[i] = i < K;
+    for (unsigned i = 3 * K; i < 3 * (K + 2); i++)
+        near[i] = (float)(4 * vt_unit((uint64_t)_i, i));
+    vor_surface_fit(&without, near, K);
+    vor_surface_fit_weighted(&s, near, weight, K + 2);
+    ck_assert_int_eq(s.kind, VOR_SURFACE_QUADRIC);
+    for (unsigned i = 0; i < K; i++) {
+        local_of(&s, near, i, local);
+        ck_assert_double_eq_tol(vor_surface_height(&s, local[0], local[1], NULL), local[2],
+                                1e-10 * s.reach);
+    }
+    ck_assert_double_eq_tol(fabs(vor_dot(s.axis[2], without.axis[2])), 1, 1e-12);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("surface");
@@ -386,5 +440,7 @@ int main(void)
     vt_add_loop(suite, slopes_are_the_derivatives_of_the_height, SEEDS);
     vt_add_loop(suite, a_projected_point_is_the_foot_of_its_perpendicular, SEEDS);
     vt_add_loop(suite, a_normal_is_a_unit_vector_across_both_tangents, SEEDS);
+    vt_add_loop(suite, a_weight_counts_like_so_many_points, SEEDS);
+    vt_add_loop(suite, a_neighbour_without_weight_has_no_say, SEEDS);
     return vt_run(suite);
 }
