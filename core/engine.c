@@ -2,6 +2,7 @@
 
 #include "core/method/even.h"
 #include "core/method/init.h"
+#include "core/method/lattice.h"
 #include "core/method/method.h"
 #include "core/method/outliers.h"
 #include "core/method/polish.h"
@@ -84,6 +85,22 @@ static vor_status drop_outliers(struct engine *engine, struct vor_error *err)
     return status;
 }
 
+/* Where the input was rounded to a lattice that matters, its points go to where they may have been.
+ */
+static vor_status leave_lattice(struct engine *engine, struct vor_error *err)
+{
+    struct vor_lattice lattice;
+    size_t moved = 0;
+    vor_status status = vor_lattice_find(&lattice, &engine->domain, &engine->calm_run, err);
+
+    if (status == VOR_OK && lattice.matters)
+        status = vor_lattice_smooth(&engine->domain, &moved, &lattice, &engine->calm_run, err);
+    for (int c = 0; status == VOR_OK && c < 3; c++)
+        engine->report.lattice[c] = lattice.cell[c] * engine->domain.unit;
+    engine->report.off_lattice = moved;
+    return status;
+}
+
 /* Asks the input how many neighbours it wants, where the request does not say. */
 static vor_status resolve_neighbors(struct engine *engine, struct vor_error *err)
 {
@@ -122,6 +139,8 @@ static vor_status prepare(struct engine *engine, struct vor_error *err)
     status = vor_domain_init(&engine->domain, engine->in, &engine->calm_run, err);
     if (status == VOR_OK)
         status = drop_outliers(engine, err);
+    if (status == VOR_OK)
+        status = leave_lattice(engine, err);
     if (status != VOR_OK)
         return status;
     now = vor_run_clock(&engine->run);

@@ -35,6 +35,10 @@ struct vor_report {
         seconds_write;
     uint64_t memory_peak_bytes; /**< of the job's allocator */
     uint64_t outliers;          /**< input points that were ignored */
+    double lattice[3];          /**< cell that the input's coordinates were rounded to, along x, y
+                                     and z; 0 where none was found */
+    uint64_t off_lattice;       /**< input points that were moved within their cell; 0 where the
+                                     cells are small against the input's spacing */
     uint64_t held;              /**< points held back in the last iteration */
     uint64_t held_ever;         /**< points held back in any iteration */
     uint64_t fallback_plane;    /**< seeds on a plane in the last iteration: no quadric there */
@@ -68,6 +72,9 @@ struct vor_report {
  *
  *  Departure: where the input has ten times as many points as asked for, and 40,000, it is thinned
  *  for all but the last iterations or steps: to about five points a seed, 20,000 at least.
+ *
+ *  Departure: where the input's coordinates were rounded to cells that are not small against its
+ *  spacing, its points are first moved within them (method/lattice.h).
  *
  *  Memory: at most 61 bytes for each input point (position, order, index), and for each point of
  *  the result 6 k + 373 (surface, lists, index; k neighbors), twice that while the start is drawn

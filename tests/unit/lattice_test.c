@@ -1,0 +1,526 @@
+/* Inputs that were rounded to a lattice: it is found, and the points moved within their cells. */
+#include "core/method/lattice.h"
+#include "tests/support/vt_engine.h"
+#include "tests/support/vt_shape.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SEEDS = 3, N = 12000, MANY = 20000 };
+
+struct bed {
+    struct vt_engine engine;
+    struct vor_cloud cloud;
+    struct vor_domain domain;
+    struct vor_lattice lattice;
+};
+
+/* bed->cloud is there already. */
+static void start(struct bed *bed, unsigned threads)
+{
+    vt_engine_open(&bed->engine, threads);
+    vt_assert_ok(vor_domain_init(&bed->domain, &bed->cloud, &bed->engine.run, &vt_err));
+    vt_assert_ok(vor_lattice_find(&bed->lattice, &bed->domain, &bed->engine.run, &vt_err));
+}
+
+static void end(struct bed *bed)
+{
+    vor_domain_free(&bed->domain);
+    vt_engine_close(&bed->engine);
+    vor_cloud_free(&bed->cloud);
+    vt_assert_no_leak();
+}
+
+static size_t smooth(struct bed *bed)
+{
+    size_t moved = 0;
+
+    vt_assert_ok(
+        vor_lattice_smooth(&bed->domain, &moved, &bed->lattice, &bed->engine.run, &vt_err));
+    return moved;
+}
+
+static double spacing(const struct vt_shape *shape)
+{
+    return sqrt(shape->area / N);
+}
+
+/* To the middle of cells that one has a corner at that offset. */
+static void snap(struct vor_cloud *cloud, const double cell[3], double offset)
+{
+    for (size_t i = 0; i < 3 * cloud->n; i++) {
+        double x = floor(((double)cloud->xyz[i] - offset) / cell[i % 3]) + 0.5;
+
+        cloud->xyz[i] = (float)(x * cell[i % 3] + offset);
+    }
+}
+
+static void snap_even(struct vor_cloud *cloud, double cell)
+{
+    const double cells[3] = {cell, cell, cell};
+
+    snap(cloud, cells, 0);
+}
+
+static void scale(struct vor_cloud *cloud, double factor, double shift)
+{
+    for (size_t i = 0; i < 3 * cloud->n; i++)
+        cloud->xyz[i] = (float)((double)cloud->xyz[i] * factor + shift);
+}
+
+static void rotate(struct vor_cloud *cloud)
+{
+    for (size_t i = 0; i < cloud->n; i++) {
+        float *x = &cloud->xyz[3 * i];
+        double a = cos(1) * (double)x[0] - sin(1) * (double)x[1],
+               b = sin(1) * (double)x[0] + cos(1) * (double)x[1], c = (double)x[2];
+
+        x[0] = (float)a;
+        x[1] = (float)(cos(2) * b - sin(2) * c);
+        x[2] = (float)(sin(2) * b + cos(2) * c);
+    }
+}
+
+static void assert_cell(const struct bed *bed, int c, double cell)
+{
+    double found = bed->lattice.cell[c] * bed->domain.unit;
+
+    ck_assert_msg(fabs(found - cell) <= 1e-4 * cell, "axis %d: %.9g, want %.9g", c, found, cell);
+}
+
+static void assert_none(const struct bed *bed)
+{
+    ck_assert(!bed->lattice.matters);
+    for (int c = 0; c < 3; c++)
+        ck_assert_msg(bed->lattice.cell[c] == 0, "axis %d: %g", c, bed->lattice.cell[c]);
+}
+
+START_TEST(known_lattices_are_found)
+{
+    static const double ratios[3][3] = {{1, 1, 1}, {1, 1.37, 0.71}, {0.5, 2, 1}};
+    static const double factors[3][2] = {{1, 0}, {1e-3, 5e-3}, {1e4, -7e4}};
+
+    for (int i = 0; i < 9; i++) {
+        const struct vt_shape *shape = &vt_shapes[(_i + i) % VT_SMOOTH];
+        const double *factor = factors[i % 3];
+        struct bed bed;
+        double cell[3], size = (0.6 + 0.5 * vt_unit((uint64_t)_i, (uint64_t)i)) * spacing(shape);
+
+        for (int c = 0; c < 3; c++)
+            cell[c] = size * ratios[i / 3][c];
+        shape->make(&bed.cloud, (uint64_t)_i, N);
+        snap(&bed.cloud, cell, 0.3 * size);
+        scale(&bed.cloud, factor[0], factor[1]);
+        start(&bed, 2);
+        ck_assert(bed.lattice.matters);
+        for (int c = 0; c < 3; c++)
+            assert_cell(&bed, c, cell[c] * factor[0]);
+        end(&bed);
+    }
+}
+END_TEST
+
+START_TEST(clouds_without_one_are_not_taken_for_one)
+{
+    static void (*const makes[])(struct vor_cloud *, uint64_t,
+                                 size_t) = {vt_cloud_sphere, vt_cloud_torus,  vt_cloud_box,
+                                            vt_cloud_dome,   vt_cloud_square, vt_cloud_cube};
+
+    for (size_t i = 0; i < sizeof makes / sizeof *makes; i++)
+        for (size_t n = 100; n <= N; n *= 3) {
+            struct bed bed;
+
+            makes[i](&bed.cloud, (uint64_t)_i, n);
+            start(&bed, 2);
+            assert_none(&bed);
+            end(&bed);
+        }
+}
+END_TEST
+
+START_TEST(one_that_was_rotated_is_none)
+{
+    struct bed bed;
+
+    vt_cloud_torus(&bed.cloud, (uint64_t)_i, N);
+    snap_even(&bed.cloud, spacing(&vt_shapes[VT_TORUS]));
+    rotate(&bed.cloud);
+    start(&bed, 2);
+    assert_none(&bed);
+    end(&bed);
+}
+END_TEST
+
+/* A scan rounded to a millimetre. */
+START_TEST(one_of_small_cells_is_found_and_does_not_matter)
+{
+    static const double shares[] = {0.35, 0.05, 0.01};
+
+    for (int i = 0; i < 3; i++) {
+        struct bed bed;
+        double cell = shares[i] * 0.5 * spacing(&vt_shapes[VT_TORUS]); /* nearest: half of it */
+
+        vt_cloud_torus(&bed.cloud, (uint64_t)_i, N);
+        snap_even(&bed.cloud, cell);
+        start(&bed, 2);
+        ck_assert(!bed.lattice.matters);
+        for (int c = 0; c < 3; c++)
+            assert_cell(&bed, c, cell);
+        end(&bed);
+    }
+}
+END_TEST
+
+START_TEST(float32_far_away_is_one_only_where_it_is_coarse)
+{
+    struct bed bed;
+
+    vt_cloud_sphere(&bed.cloud, (uint64_t)_i, N);
+    scale(&bed.cloud, 1, 1e6);
+    start(&bed, 2);
+    ck_assert(bed.lattice.matters);
+    for (int c = 0; c < 3; c++)
+        assert_cell(&bed, c, 0.0625);
+    end(&bed);
+    vt_cloud_sphere(&bed.cloud, (uint64_t)_i, N);
+    scale(&bed.cloud, 1, 1e4);
+    start(&bed, 2);
+    assert_none(&bed);
+    end(&bed);
+}
+END_TEST
+
+START_TEST(six_digits_do_not_hide_it)
+{
+    struct bed bed;
+    double cell = spacing(&vt_shapes[VT_SPHERE]);
+
+    vt_cloud_sphere(&bed.cloud, (uint64_t)_i, N);
+    snap_even(&bed.cloud, cell);
+    scale(&bed.cloud, 77, 123);
+    for (size_t i = 0; i < 3 * bed.cloud.n; i++) {
+        char text[32];
+
+        (void)snprintf(text, sizeof text, "%g", (double)bed.cloud.xyz[i]);
+        bed.cloud.xyz[i] = strtof(text, NULL);
+    }
+    start(&bed, 2);
+    ck_assert(bed.lattice.matters);
+    for (int c = 0; c < 3; c++)
+        assert_cell(&bed, c, 77 * cell);
+    end(&bed);
+}
+END_TEST
+
+/* Values of one level that were rounded differently. */
+START_TEST(last_bits_do_not_hide_it)
+{
+    struct bed bed;
+    double cell = spacing(&vt_shapes[VT_TORUS]);
+
+    vt_cloud_torus(&bed.cloud, (uint64_t)_i, N);
+    snap_even(&bed.cloud, cell);
+    for (size_t i = 0; i < 3 * bed.cloud.n; i++)
+        bed.cloud.xyz[i] *= (float)(1 + 1e-7 * vt_normal((uint64_t)_i, i));
+    start(&bed, 2);
+    ck_assert(bed.lattice.matters);
+    for (int c = 0; c < 3; c++)
+        assert_cell(&bed, c, cell);
+    end(&bed);
+}
+END_TEST
+
+START_TEST(a_few_strays_and_gaps_do_not_hide_it_and_many_do)
+{
+    static const size_t every[] = {4000, 50};
+
+    for (int i = 0; i < 2; i++) {
+        struct bed bed;
+        double cell = spacing(&vt_shapes[VT_TORUS]);
+        size_t kept = 0;
+
+        vt_cloud_torus(&bed.cloud, (uint64_t)_i, N);
+        snap_even(&bed.cloud, cell);
+        for (size_t j = 0; j < N; j++)
+            if (vt_unit((uint64_t)_i + 9, j) > 0.1)
+                memmove(&bed.cloud.xyz[3 * kept++], &bed.cloud.xyz[3 * j], 3 * sizeof(float));
+        bed.cloud.n = kept;
+        for (size_t j = 0; j < kept; j += every[i])
+            for (size_t c = 0; c < 3; c++)
+                bed.cloud.xyz[3 * j + c] += (float)(0.37 * cell);
+        start(&bed, 2);
+        for (int c = 0; c < 3 && i == 0; c++)
+            assert_cell(&bed, c, cell);
+        if (i == 1)
+            assert_none(&bed);
+        end(&bed);
+    }
+}
+END_TEST
+
+START_TEST(all_points_in_a_plane_leave_one_axis_without)
+{
+    struct bed bed;
+
+    vt_cloud_square(&bed.cloud, (uint64_t)_i, N);
+    snap_even(&bed.cloud, 0.01);
+    for (size_t i = 0; i < N; i++)
+        bed.cloud.xyz[3 * i + 2] = 7;
+    start(&bed, 2);
+    assert_cell(&bed, 0, 0.01);
+    assert_cell(&bed, 1, 0.01);
+    ck_assert(bed.lattice.cell[2] == 0);
+    ck_assert(bed.lattice.matters);
+    (void)smooth(&bed);
+    for (size_t i = 0; i < bed.domain.n; i++)
+        ck_assert((double)bed.domain.xyz[3 * i + 2] * bed.domain.unit + bed.domain.shift[2] == 7);
+    end(&bed);
+}
+END_TEST
+
+START_TEST(two_sheets_or_a_single_lattice_axis_do_not_matter)
+{
+    const double cell[3] = {1e-9, 1e-9, 0.02};
+    struct bed bed;
+
+    vt_cloud_sheets(&bed.cloud, (uint64_t)_i, N, 0.02);
+    start(&bed, 2);
+    assert_none(&bed);
+    end(&bed);
+    vt_cloud_torus(&bed.cloud, (uint64_t)_i, N);
+    snap(&bed.cloud, cell, 0);
+    start(&bed, 2);
+    assert_cell(&bed, 2, 0.02);
+    ck_assert(!bed.lattice.matters);
+    end(&bed);
+}
+END_TEST
+
+/* The positions as the input has them, by where they came from. */
+static int stays_in_cell(const struct bed *bed, size_t i)
+{
+    const float *x = &bed->cloud.xyz[3 * (size_t)bed->domain.source[i]];
+
+    for (size_t c = 0; c < 3; c++) {
+        double from = ((double)x[c] - bed->domain.shift[c]) / bed->domain.unit;
+
+        if (fabs((double)bed->domain.xyz[3 * i + c] - from) > 0.5 * bed->lattice.cell[c])
+            return 0;
+    }
+    return 1;
+}
+
+START_TEST(no_point_leaves_its_cell)
+{
+    for (int i = 0; i < 6; i++) {
+        const struct vt_shape *shape = &vt_shapes[i % VT_SMOOTH];
+        struct bed bed;
+        double size = (0.5 + 0.6 * (double)i) * spacing(shape);
+        const double cell[3] = {size, size * (1 + 0.2 * (_i % 3)), size};
+
+        shape->make(&bed.cloud, (uint64_t)_i, N);
+        snap(&bed.cloud, cell, 0.1);
+        scale(&bed.cloud, 100, i == 5 ? 5000 : 0);
+        start(&bed, 2);
+        ck_assert(bed.lattice.matters);
+        ck_assert_uint_gt(smooth(&bed), bed.domain.n / 2);
+        for (size_t j = 0; j < bed.domain.n; j++)
+            ck_assert_msg(stays_in_cell(&bed, j), "cloud %d, point %zu", i, j);
+        end(&bed);
+    }
+}
+END_TEST
+
+START_TEST(one_two_three_and_eight_threads_move_them_to_the_same_places)
+{
+    static const unsigned threads_of[4] = {1, 2, 3, 8};
+    uint64_t first = 0;
+
+    for (int t = 0; t < 4; t++) {
+        struct bed bed;
+        uint64_t hash;
+
+        vt_cloud_torus(&bed.cloud, (uint64_t)_i, N);
+        snap_even(&bed.cloud, 1.2 * spacing(&vt_shapes[VT_TORUS]));
+        start(&bed, threads_of[t]);
+        hash = vt_hash(bed.lattice.cell, sizeof bed.lattice.cell) ^ smooth(&bed);
+        hash ^= vt_hash(bed.domain.xyz, 3 * bed.domain.n * sizeof *bed.domain.xyz);
+        hash ^= 31 * vt_hash(bed.domain.source, bed.domain.n * sizeof *bed.domain.source);
+        first = t == 0 ? hash : first;
+        ck_assert(hash == first);
+        end(&bed);
+    }
+}
+END_TEST
+
+/* Root mean square distance of the domain's points to the shape. */
+static double off_rms(const struct vt_shape *shape, const struct vor_domain *domain)
+{
+    double sum = 0;
+
+    for (size_t i = 0; i < domain->n; i++) {
+        double x[3], off;
+
+        for (size_t c = 0; c < 3; c++)
+            x[c] = (double)domain->xyz[3 * i + c] * domain->unit + domain->shift[c];
+        off = shape->off(x);
+        sum += off * off;
+    }
+    return sqrt(sum / (double)domain->n);
+}
+
+START_TEST(points_come_nearer_to_the_surface)
+{
+    static const double sizes[] = {0.4, 1, 2, 3};
+
+    for (int i = 0; i < 8; i++) {
+        const struct vt_shape *shape = &vt_shapes[i % VT_SMOOTH];
+        struct bed bed;
+        double before, after;
+
+        shape->make(&bed.cloud, (uint64_t)_i, N);
+        snap_even(&bed.cloud, sizes[i / 2] * spacing(shape));
+        start(&bed, 2);
+        before = off_rms(shape, &bed.domain);
+        (void)smooth(&bed);
+        after = off_rms(shape, &bed.domain);
+        ck_assert_msg(after < 0.5 * before, "%s, cell %g: %g, before %g", shape->name, sizes[i / 2],
+                      after, before);
+        end(&bed);
+    }
+}
+END_TEST
+
+/* Mean distance to the shape of what the engine makes of a cloud. */
+static double off_result(const struct vt_shape *shape, const struct vor_cloud *in,
+                         struct vor_report *report)
+{
+    struct vt_engine engine;
+    struct vor_cloud out;
+    double mean;
+
+    vt_engine_open(&engine, 2);
+    vt_engine_set(&engine, "points", "2000");
+    vt_engine_set(&engine, "polish", "10");
+    vt_engine_resample(&engine, &out, report, in);
+    mean = vt_off_mean(shape, &out);
+    vor_cloud_free(&out);
+    vt_engine_close(&engine);
+    return mean;
+}
+
+/* A lattice shaken by a twentieth of its cell is none, and hardly another cloud. */
+START_TEST(a_result_lies_nearer_to_the_surface_than_without)
+{
+    for (int i = 0; i < VT_SMOOTH; i++) {
+        const struct vt_shape *shape = &vt_shapes[i];
+        struct vor_cloud cloud;
+        struct vor_report with, without;
+        double cell = 1.2 * sqrt(shape->area / MANY), nearer, farther;
+
+        shape->make(&cloud, (uint64_t)_i, MANY);
+        snap_even(&cloud, cell);
+        nearer = off_result(shape, &cloud, &with);
+        for (int c = 0; c < 3; c++)
+            ck_assert_double_eq_tol(with.lattice[c], cell, 1e-4 * cell);
+        ck_assert_uint_gt(with.off_lattice, 1000);
+        for (size_t j = 0; j < 3 * cloud.n; j += 3) /* those of a cell alike */
+            for (size_t c = 0; c < 3; c++)
+                cloud.xyz[j + c] +=
+                    (float)(0.05 * cell * (vt_unit(vt_hash(&cloud.xyz[j], 12), c) - 0.5));
+        farther = off_result(shape, &cloud, &without);
+        ck_assert_uint_eq(without.off_lattice, 0);
+        ck_assert(without.lattice[0] == 0);
+        ck_assert_msg(nearer < 0.97 * farther, "%s: %g, without %g", shape->name, nearer, farther);
+        vor_cloud_free(&cloud);
+    }
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(labels_still_come_from_the_nearest_input_point)
+{
+    struct vor_cloud in, out;
+    struct vor_report report;
+    struct vt_engine engine;
+    struct vor_attribute *label;
+    double cell = 2 * spacing(&vt_shapes[VT_TORUS]);
+
+    vt_cloud_torus(&in, (uint64_t)_i, N);
+    snap_even(&in, cell);
+    vt_assert_ok(vor_cloud_add_attribute(&in, "x", VOR_GENERIC, VOR_FLOAT32, 1, &label, &vt_err));
+    for (size_t i = 0; i < in.n; i++)
+        ((float *)label->data)[i] = in.xyz[3 * i];
+    vt_engine_open(&engine, 2);
+    vt_engine_set(&engine, "points", "3000");
+    vt_engine_set(&engine, "polish", "10");
+    vt_engine_resample(&engine, &out, &report, &in);
+    ck_assert_uint_gt(report.off_lattice, 0);
+    for (size_t i = 0; i < out.n; i++) {
+        double x = (double)((const float *)out.attributes[0].data)[i];
+
+        ck_assert_double_le(fabs(x - (double)out.xyz[3 * i]), 2 * cell);
+    }
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(every_allocation_that_fails_is_reported_and_leaves_no_leak)
+{
+    for (size_t at = 1, done = 0; !done; at++) {
+        struct bed bed;
+        struct vor_memory memory;
+        struct vor_run run;
+        size_t moved;
+        vor_status status;
+
+        vt_cloud_torus(&bed.cloud, 1, 2000);
+        snap_even(&bed.cloud, 0.1);
+        start(&bed, 2);
+        run = bed.engine.run;
+        vor_memory_init(&memory, SIZE_MAX);
+        memory.fail_at = at;
+        run.memory = &memory;
+        status = vor_lattice_find(&bed.lattice, &bed.domain, &run, &vt_err);
+        done = status == VOR_OK && at > 1;
+        ck_assert(status == VOR_OK || status == VOR_E_NOMEM);
+        ck_assert_uint_eq(atomic_load(&memory.used), 0);
+        bed.engine.run.memory->fail_at = atomic_load(&bed.engine.run.memory->calls) + at;
+        status = vor_lattice_smooth(&bed.domain, &moved, &bed.lattice, &bed.engine.run, &vt_err);
+        ck_assert(status == VOR_OK || status == VOR_E_NOMEM);
+        ck_assert(at > 2 || status == VOR_E_NOMEM);
+        done = done && status == VOR_OK;
+        bed.engine.run.memory->fail_at = 0;
+        end(&bed);
+    }
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("lattice");
+
+    vt_add_loop(suite, known_lattices_are_found, VT_FEWER(SEEDS));
+    vt_add_loop(suite, clouds_without_one_are_not_taken_for_one, VT_FEWER(SEEDS));
+    vt_add_loop(suite, one_that_was_rotated_is_none, VT_FEWER(SEEDS));
+    vt_add_loop(suite, one_of_small_cells_is_found_and_does_not_matter, VT_FEWER(SEEDS));
+    vt_add_loop(suite, float32_far_away_is_one_only_where_it_is_coarse, VT_FEWER(SEEDS));
+    vt_add_loop(suite, six_digits_do_not_hide_it, VT_FEWER(SEEDS));
+    vt_add_loop(suite, last_bits_do_not_hide_it, VT_FEWER(SEEDS));
+    vt_add_loop(suite, a_few_strays_and_gaps_do_not_hide_it_and_many_do, VT_FEWER(SEEDS));
+    vt_add_loop(suite, all_points_in_a_plane_leave_one_axis_without, VT_FEWER(SEEDS));
+    vt_add_loop(suite, two_sheets_or_a_single_lattice_axis_do_not_matter, VT_FEWER(SEEDS));
+    vt_add_loop(suite, no_point_leaves_its_cell, VT_FEWER(SEEDS));
+    vt_add_loop(suite, one_two_three_and_eight_threads_move_them_to_the_same_places,
+                VT_FEWER(SEEDS));
+    vt_add_loop(suite, points_come_nearer_to_the_surface, VT_FEWER(SEEDS));
+    vt_add_loop(suite, a_result_lies_nearer_to_the_surface_than_without, VT_FEWER(SEEDS));
+    vt_add_loop(suite, labels_still_come_from_the_nearest_input_point, VT_FEWER(SEEDS));
+    vt_add(suite, every_allocation_that_fails_is_reported_and_leaves_no_leak);
+    return vt_run(suite);
+}
