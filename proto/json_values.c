@@ -84,6 +84,17 @@ static void put_seconds(struct vor_text *text, const struct vor_report *report)
     vor_json_end_object(text);
 }
 
+static void put_lattice(struct vor_text *text, const struct vor_report *report)
+{
+    vor_json_key(text, "lattice");
+    vor_json_begin_object(text);
+    vor_json_put_double(text, "x", report->lattice[0]);
+    vor_json_put_double(text, "y", report->lattice[1]);
+    vor_json_put_double(text, "z", report->lattice[2]);
+    vor_json_put_u64(text, "moved", report->off_lattice);
+    vor_json_end_object(text);
+}
+
 static void put_counters(struct vor_text *text, const struct vor_report *report)
 {
     vor_json_put_double(text, "min_over_mean", report->min_over_mean);
@@ -112,6 +123,7 @@ void vor_json_report(struct vor_text *text, const struct vor_report *report)
     put_seconds(text, report);
     vor_json_put_u64(text, "memory_peak_bytes", report->memory_peak_bytes);
     vor_json_put_u64(text, "outliers", report->outliers);
+    put_lattice(text, report);
     vor_json_put_u64(text, "held", report->held);
     vor_json_put_u64(text, "held_ever", report->held_ever);
     vor_json_key(text, "fallbacks");
