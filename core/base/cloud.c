@@ -189,6 +189,37 @@ vor_status vor_cloud_set_double(struct vor_cloud *cloud, const double *xyz, stru
     return VOR_OK;
 }
 
+static void reorder_column(void *data, size_t size, const uint32_t *order, size_t n, void *scratch)
+{
+    for (size_t k = 0; k < n; k++)
+        memcpy((char *)scratch + k * size, (const char *)data + order[k] * size, size);
+    memcpy(data, scratch, n * size);
+}
+
+static size_t size_of(const struct vor_attribute *attribute)
+{
+    return attribute->components * vor_type_size(attribute->type);
+}
+
+vor_status vor_cloud_reorder(struct vor_cloud *cloud, const uint32_t *order, struct vor_error *err)
+{
+    size_t widest = 3 * sizeof *cloud->xyz;
+    void *scratch;
+
+    for (size_t i = 0; i < cloud->attribute_count; i++)
+        if (size_of(&cloud->attributes[i]) > widest)
+            widest = size_of(&cloud->attributes[i]);
+    scratch = vor_malloc(cloud->memory, cloud->n, widest);
+    if (scratch == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points in another order", cloud->n);
+    reorder_column(cloud->xyz, 3 * sizeof *cloud->xyz, order, cloud->n, scratch);
+    for (size_t i = 0; i < cloud->attribute_count; i++)
+        reorder_column(cloud->attributes[i].data, size_of(&cloud->attributes[i]), order, cloud->n,
+                       scratch);
+    vor_free(cloud->memory, scratch);
+    return VOR_OK;
+}
+
 void vor_cloud_position(const struct vor_cloud *cloud, size_t i, double out[3])
 {
     for (int c = 0; c < 3; c++)

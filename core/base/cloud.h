@@ -112,6 +112,14 @@ const struct vor_attribute *vor_cloud_find_name(const struct vor_cloud *cloud, c
 VOR_NODISCARD vor_status vor_cloud_set_double(struct vor_cloud *cloud, const double *xyz,
                                               struct vor_error *err);
 
+/** Makes point order[k] the k-th, with all that belongs to it.
+ *
+ *  @param[in] order  a permutation of 0 .. n - 1
+ *
+ *  @retval VOR_E_NOMEM a copy of the widest column does not fit; the cloud is as it was */
+VOR_NODISCARD vor_status vor_cloud_reorder(struct vor_cloud *cloud, const uint32_t *order,
+                                           struct vor_error *err);
+
 /** Point i in absolute double coordinates. */
 void vor_cloud_position(const struct vor_cloud *cloud, size_t i, double out[3]);
 

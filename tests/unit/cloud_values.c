@@ -289,6 +289,36 @@ START_TEST(a_check_finds_what_no_codec_may_hand_on)
 }
 END_TEST
 
+START_TEST(all_that_belongs_to_a_point_moves_with_it)
+{
+    static const uint32_t order[4] = {2, 0, 3, 1};
+    struct vor_memory memory;
+    struct vor_attribute *label;
+    struct vor_cloud cloud;
+
+    vor_memory_init(&memory, SIZE_MAX);
+    vor_cloud_init(&cloud, &memory);
+    vt_assert_ok(vor_cloud_resize(&cloud, 4, &vt_err));
+    vt_assert_ok(
+        vor_cloud_add_attribute(&cloud, "label", VOR_GENERIC, VOR_INT64, 2, &label, &vt_err));
+    for (int i = 0; i < 12; i++)
+        cloud.xyz[i] = (float)i;
+    for (int i = 0; i < 8; i++)
+        ((int64_t *)label->data)[i] = i;
+    memory.cap = atomic_load(&memory.used);
+    vt_assert_fails(VOR_E_NOMEM, vor_cloud_reorder(&cloud, order, &vt_err));
+    ck_assert(cloud.xyz[3] == 3 && ((int64_t *)label->data)[2] == 2);
+    memory.cap = SIZE_MAX;
+    vt_assert_ok(vor_cloud_reorder(&cloud, order, &vt_err));
+    for (int i = 0; i < 12; i++)
+        ck_assert(cloud.xyz[i] == (float)(3 * (int)order[i / 3] + i % 3));
+    for (int i = 0; i < 8; i++)
+        ck_assert_int_eq(((int64_t *)label->data)[i], 2 * (int)order[i / 2] + i % 2);
+    vor_cloud_free(&cloud);
+    ck_assert_uint_eq(atomic_load(&memory.used), 0);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("cloud_values");
@@ -305,5 +335,6 @@ int main(void)
     vt_add(suite, a_double_that_is_not_finite_is_named);
     vt_add(suite, doubles_farther_apart_than_float32_reaches_are_refused);
     vt_add(suite, a_check_finds_what_no_codec_may_hand_on);
+    vt_add(suite, all_that_belongs_to_a_point_moves_with_it);
     return vt_run(suite);
 }
