@@ -1,0 +1,255 @@
+/* The progressive order, where one can tell by hand what it is, and what it promises of each step.
+ */
+#include "core/method/order.h"
+#include "tests/support/vt_engine.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* By how much the next point may be nearer than the farthest: MARGIN * NEARLY of order.c. */
+#define NEARLY_FARTHEST (0.98 * 0.85)
+
+enum { SEEDS = 4, N = 1500, MANY = 40000 };
+
+static uint32_t *order_of(const float *xyz, size_t n, double spacing, unsigned threads)
+{
+    struct vt_engine engine;
+    uint32_t *order = malloc(n * sizeof *order);
+
+    ck_assert_ptr_nonnull(order);
+    vt_engine_open(&engine, threads);
+    vt_assert_ok(vor_order_progressive(order, xyz, n, spacing, &engine.run, &vt_err));
+    vt_engine_close(&engine);
+    return order;
+}
+
+static void expect(const float *xyz, size_t n, double spacing, const uint32_t *wanted)
+{
+    uint32_t *order = order_of(xyz, n, spacing, 1);
+
+    for (size_t k = 0; k < n; k++)
+        ck_assert_msg(order[k] == wanted[k], "of %zu, number %zu is %u, want %u", n, k, order[k],
+                      wanted[k]);
+    free(order);
+}
+
+static void expect_permutation(const uint32_t *order, size_t n)
+{
+    unsigned char *seen = calloc(n, 1);
+
+    ck_assert_ptr_nonnull(seen);
+    for (size_t k = 0; k < n; k++) {
+        ck_assert_uint_lt(order[k], n);
+        ck_assert_uint_eq(seen[order[k]]++, 0);
+    }
+    free(seen);
+}
+
+START_TEST(of_three_points_the_farther_one_is_second)
+{
+    static const float xyz[9] = {0, 0, 0, 0.25f, 0, 0, 1, 0, 0};
+    static const uint32_t wanted[3] = {0, 2, 1};
+
+    expect(xyz, 1, 0, wanted);
+    expect(xyz, 2, 0, (const uint32_t[2]){0, 1});
+    expect(xyz, 3, 0, wanted);
+    expect(xyz, 3, 0.25, wanted);
+}
+END_TEST
+
+/* 5 and 7 are taken before 3, whose neighbours 2 and 4 have got one at distance 1 by then. */
+START_TEST(of_equal_holes_that_with_most_neighbours_who_wait_is_first)
+{
+    static const uint32_t wanted[9] = {0, 8, 4, 2, 6, 1, 5, 7, 3};
+    float xyz[27] = {0};
+
+    for (int i = 0; i < 9; i++)
+        xyz[3 * i + 1] = (float)i;
+    expect(xyz, 9, 0, wanted);
+}
+END_TEST
+
+START_TEST(points_in_one_place_come_last_by_index)
+{
+    static const uint32_t one[6] = {0, 1, 2, 3, 4, 5}, two[6] = {0, 3, 1, 2, 4, 5};
+    float xyz[18] = {0};
+
+    expect(xyz, 6, 0, one);
+    for (int i = 0; i < 6; i++)
+        xyz[3 * i] = xyz[3 * i + 1] = xyz[3 * i + 2] = 7;
+    expect(xyz, 6, 0, one);
+    xyz[9] = xyz[12] = -7;
+    expect(xyz, 6, 0, two);
+}
+END_TEST
+
+/* The oracle: how far each is from all before it, by looking at every one. */
+START_TEST(every_next_point_is_nearly_the_farthest)
+{
+    struct vor_cloud cloud;
+    uint32_t *order;
+    double *reach = malloc(N * sizeof *reach);
+
+    ck_assert_ptr_nonnull(reach);
+    vt_cloud_box(&cloud, (uint64_t)_i, N);
+    order = order_of(cloud.xyz, N, _i % 2 ? 0 : 0.03, 2);
+    expect_permutation(order, N);
+    for (size_t i = 0; i < N; i++)
+        reach[i] = (double)INFINITY;
+    for (size_t k = 0; k < N; k++) {
+        const float *x = &cloud.xyz[3 * (size_t)order[k]];
+        double farthest = 0;
+
+        for (size_t i = 0; i < N; i++)
+            farthest = fmax(farthest, reach[i]);
+        if (k > 0)
+            ck_assert_msg(reach[order[k]] >= NEARLY_FARTHEST * (1 - 1e-6) * farthest,
+                          "number %zu is at %g, the farthest at %g", k, reach[order[k]], farthest);
+        for (size_t i = 0; i < N; i++) {
+            const float *y = &cloud.xyz[3 * i];
+            double d[3] = {(double)y[0] - x[0], (double)y[1] - x[1], (double)y[2] - x[2]};
+
+            reach[i] = fmin(reach[i], sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
+        }
+    }
+    free(reach);
+    free(order);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
+/* So many that beginnings are looked for among some of them: two pools and all. */
+START_TEST(many_points_have_the_same_order_for_any_number_of_threads)
+{
+    static const unsigned threads[3] = {2, 3, 8};
+    struct vor_cloud cloud;
+    uint32_t *first;
+
+    vt_cloud_box(&cloud, 9, MANY);
+    first = order_of(cloud.xyz, MANY, 0.006, 1);
+    expect_permutation(first, MANY);
+    for (int k = 0; k < 3; k++) {
+        uint32_t *other = order_of(cloud.xyz, MANY, 0.006, threads[k]);
+
+        ck_assert(memcmp(first, other, MANY * sizeof *first) == 0);
+        free(other);
+    }
+    free(first);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
+START_TEST(a_power_of_two_changes_nothing)
+{
+    static const int powers[3] = {-60, -20, 15};
+    struct vor_cloud cloud;
+    uint32_t *first, *other;
+
+    vt_cloud_box(&cloud, 4, N);
+    first = order_of(cloud.xyz, N, 0.03, 1);
+    for (int k = 0; k < 3; k++) {
+        struct vor_cloud scaled;
+
+        vt_cloud_make(&scaled, N);
+        for (size_t i = 0; i < 3 * N; i++)
+            scaled.xyz[i] = ldexpf(cloud.xyz[i], powers[k]);
+        other = order_of(scaled.xyz, N, ldexp(0.03, powers[k]), 1);
+        ck_assert(memcmp(first, other, N * sizeof *first) == 0);
+        free(other);
+        vor_cloud_free(&scaled);
+    }
+    free(first);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
+/* One crowd in a corner no wider than 1e-7 of the whole, as an outlier in the input can leave it.
+ */
+START_TEST(a_crowd_in_a_corner_comes_after_all_that_is_wide)
+{
+    enum { FEW = 50 };
+    struct vor_cloud cloud;
+    uint32_t *order;
+
+    vt_cloud_box(&cloud, 5, N);
+    for (size_t i = 3 * FEW; i < 3 * N; i++)
+        cloud.xyz[i] = 1 + ldexpf(rintf(64 * cloud.xyz[i]), -23);
+    order = order_of(cloud.xyz, N, 1e-6, 2);
+    expect_permutation(order, N);
+    for (size_t k = 0, crowd = 0; k < FEW; k++) {
+        crowd += order[k] >= FEW;
+        ck_assert_uint_le(crowd, 1);
+    }
+    free(order);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
+START_TEST(an_allocation_that_fails_is_reported)
+{
+    struct vt_engine engine;
+    struct vor_cloud cloud;
+    struct vor_memory memory;
+    uint32_t order[200];
+    vor_status status;
+    size_t at = 0;
+
+    vt_cloud_box(&cloud, 6, 200);
+    vt_engine_open(&engine, 2);
+    engine.run.memory = &memory;
+    do {
+        vor_memory_init(&memory, SIZE_MAX);
+        memory.fail_at = ++at;
+        status = vor_order_progressive(order, cloud.xyz, 200, 0, &engine.run, &vt_err);
+        ck_assert(status == VOR_OK || status == VOR_E_NOMEM);
+        ck_assert_uint_eq(atomic_load(&memory.used), 0);
+    } while (status != VOR_OK);
+    ck_assert_uint_ge(at, 8);
+    vt_engine_close(&engine);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
+static enum vor_answer count_down(void *ctx)
+{
+    return atomic_fetch_sub((atomic_int *)ctx, 1) > 0 ? VOR_CONTINUE : VOR_CANCEL;
+}
+
+START_TEST(it_can_be_cancelled_at_any_moment)
+{
+    static uint32_t order[MANY];
+    struct vt_engine engine;
+    struct vor_cloud cloud;
+    atomic_int left;
+    struct vor_watch watch = {.ctx = &left, .poll = count_down};
+
+    vt_cloud_box(&cloud, 7, MANY);
+    vt_engine_open(&engine, 2);
+    engine.run.watch = &watch;
+    for (int polls = 0; polls < 50; polls += 7) {
+        atomic_store(&left, polls);
+        vt_assert_fails(VOR_E_CANCELLED,
+                        vor_order_progressive(order, cloud.xyz, MANY, 0.006, &engine.run, &vt_err));
+    }
+    vt_engine_close(&engine);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("order");
+
+    vt_add(suite, of_three_points_the_farther_one_is_second);
+    vt_add(suite, of_equal_holes_that_with_most_neighbours_who_wait_is_first);
+    vt_add(suite, points_in_one_place_come_last_by_index);
+    vt_add_loop(suite, every_next_point_is_nearly_the_farthest, SEEDS);
+    vt_add(suite, many_points_have_the_same_order_for_any_number_of_threads);
+    vt_add(suite, a_power_of_two_changes_nothing);
+    vt_add(suite, a_crowd_in_a_corner_comes_after_all_that_is_wide);
+    vt_add(suite, an_allocation_that_fails_is_reported);
+    vt_add(suite, it_can_be_cancelled_at_any_moment);
+    return vt_run(suite);
+}
