@@ -4,6 +4,7 @@
 #include "core/method/init.h"
 #include "core/method/lattice.h"
 #include "core/method/method.h"
+#include "core/method/order.h"
 #include "core/method/outliers.h"
 #include "core/method/polish.h"
 #include "core/method/scale.h"
@@ -183,6 +184,32 @@ static vor_status optimise(struct engine *engine, struct vor_error *err)
     return status;
 }
 
+/* The cloud that is handed back, in the order asked for. */
+static vor_status hand_back(struct engine *engine, struct vor_cloud *out,
+                            const struct vor_uniformity *even, struct vor_error *err)
+{
+    const struct vor_seeds *seeds = &engine->seeds;
+    double spacing = even->mean * engine->domain.unit;
+    uint32_t *order = NULL;
+    vor_status status = VOR_OK;
+
+    if (engine->spec.value[VOR_PARAM_ORDER] == VOR_ORDER_PROGRESSIVE) {
+        order = vor_malloc(engine->run.memory, engine->n, sizeof *order);
+        if (order == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "order of %zu points", engine->n);
+        status = vor_order_progressive(order, seeds->xyz, seeds->n, even->mean, seeds->run, err);
+    }
+    if (status == VOR_OK)
+        status = vor_transfer(out, engine->in, &engine->seeds, spacing, &engine->spec, err);
+    if (status == VOR_OK && order != NULL) {
+        status = vor_cloud_reorder(out, order, err);
+        if (status != VOR_OK)
+            vor_cloud_free(out);
+    }
+    vor_free(engine->run.memory, order);
+    return status;
+}
+
 /* The uniformity of what is handed back, and its numbers in the report. */
 static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vor_error *err)
 {
@@ -201,8 +228,7 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
     if (status == VOR_OK)
         status = vor_even_six(&report->six_share, &engine->seeds, err);
     if (status == VOR_OK)
-        status =
-            vor_transfer(out, engine->in, &engine->seeds, even.mean * unit, &engine->spec, err);
+        status = hand_back(engine, out, &even, err);
     vor_free(engine->run.memory, nearest);
     if (status != VOR_OK)
         return status;

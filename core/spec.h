@@ -48,6 +48,9 @@ enum vor_kind {
     X(OUTLIERS, outliers, CHOICE, "", 0, 0, 0, "keep drop",                                        \
       "drop: input points that none of those around them count among their nearest are ignored")   \
     X(SEED, seed, COUNT, "", 0, 9007199254740991, 1, "", "Seed of every random choice")            \
+    X(ORDER, order, CHOICE, "", 0, 0, 0, "spatial progressive",                                    \
+      "Of the points of the result. spatial: neighbours mostly follow each other; progressive: "   \
+      "the first ones, however many, lie evenly over the whole")                                   \
     X(FORMAT, format, CHOICE, "", 0, 0, VOR_UNSET, "ply drc",                                      \
       "Format of the result; else by file suffix, Accept, or the input's")                         \
     X(QUANTIZATION, quantization, COUNT_OR_AUTO, "bits", 0, 30, VOR_UNSET, "",                     \
@@ -78,6 +81,7 @@ struct vor_parameter_info {
 
 enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE };
 enum { VOR_OUTLIERS_KEEP, VOR_OUTLIERS_DROP };
+enum { VOR_ORDER_SPATIAL, VOR_ORDER_PROGRESSIVE };
 enum { VOR_FORMAT_PLY, VOR_FORMAT_DRC };
 enum { VOR_ATTRIBUTES_NEAREST, VOR_ATTRIBUTES_DROP };
 enum { VOR_NORMALS_NEAREST, VOR_NORMALS_FIT, VOR_NORMALS_DROP };

@@ -119,6 +119,6 @@ void vor_write_options_from(struct vor_write_options *out, const struct vor_spec
 
     out->quantization_bits = bits == VOR_UNSET ? -1 : (int)bits;
     out->compression = (int)spec->value[VOR_PARAM_COMPRESSION];
-    out->keep_order = 0;
+    out->keep_order = spec->value[VOR_PARAM_ORDER] == VOR_ORDER_PROGRESSIVE;
     out->spacing = spacing;
 }

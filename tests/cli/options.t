@@ -39,7 +39,7 @@ for my $command (qw(denoise upsample simplify resample)) {
     (undef, $help) = run([$command, '--help']);
     like $help, qr/--\Q$_\E VALUE\n/, "the help of $command has parameter $_"
         for qw(points ratio spacing method patch iterations delta seconds neighbors anderson polish boundary outliers
-        seed format quantization compression attributes normals);
+        seed order format quantization compression attributes normals);
     ($options{$command}) = $help =~ /\nOptions:\n(.*?)\n\n/s;
     is $options{$command}, $options{denoise}, "and the options of the others";
 }

@@ -47,7 +47,7 @@ static enum vor_answer note(void *ctx, const struct vor_record *record)
 struct request {
     size_t in, out;
     unsigned threads;
-    const char *neighbors, *iterations, *anderson, *polish; /* NULL: not given */
+    const char *neighbors, *iterations, *anderson, *polish, *order; /* NULL: not given */
 };
 
 static void set(struct vt_engine *engine, const char *name, const char *text)
@@ -75,6 +75,7 @@ static uint64_t run(struct log *log, const struct request *request)
     set(&engine, "iterations", request->iterations);
     set(&engine, "anderson", request->anderson);
     set(&engine, "polish", request->polish);
+    set(&engine, "order", request->order);
     vt_engine_resample(&engine, &out, &report, &in);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
@@ -93,8 +94,9 @@ START_TEST(a_run_needs_so_many_bytes_a_point)
 
     for (int k = 0; k < 2; k++) {
         size_t neighbors = k ? 40 : 20;
-        struct request request = {points[_i][0], points[_i][1], k ? 3 : 1, k ? "40" : "20",
-                                  "3",           NULL,          "2"};
+        struct request request = {
+            points[_i][0], points[_i][1], k ? 3 : 1, k ? "40" : "20",
+            "3",           NULL,          "2",       k ? "progressive" : NULL};
 
         (void)run(&log, &request);
         ck_assert_uint_le(atomic_load(&log.memory.peak),
@@ -107,7 +109,7 @@ END_TEST
 START_TEST(the_bytes_grow_with_the_points_and_not_faster)
 {
     static struct log log;
-    struct request request = {10000, 2500, 2, "20", "3", NULL, "2"};
+    struct request request = {10000, 2500, 2, "20", "3", NULL, "2", NULL};
     size_t once, twice;
 
     (void)run(&log, &request);
@@ -128,7 +130,7 @@ END_TEST
 START_TEST(after_the_first_iteration_nothing_is_allocated_but_indices)
 {
     static const char *const anderson[3] = {NULL, "4", "0"};
-    const struct request request = {6000, 1500, 2, "20", "40", anderson[_i], "100"};
+    const struct request request = {6000, 1500, 2, "20", "40", anderson[_i], "100", NULL};
     static struct log log;
     uint64_t lists = run(&log, &request);
     unsigned asked = 0, polished = 0;

@@ -187,6 +187,9 @@ START_TEST(options_come_from_the_request)
     ck_assert_int_eq(options.compression, 7);
     ck_assert_int_eq(options.keep_order, 0);
     ck_assert_double_eq(options.spacing, 0.25);
+    vt_assert_ok(vor_spec_set(&spec, "order", "progressive", &vt_err));
+    vor_write_options_from(&options, &spec, 0.25);
+    ck_assert_int_eq(options.keep_order, 1);
     vt_assert_ok(vor_spec_set(&spec, "quantization", "0", &vt_err));
     vt_assert_ok(vor_spec_set(&spec, "compression", "10", &vt_err));
     vor_write_options_from(&options, &spec, 0);

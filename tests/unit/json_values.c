@@ -128,7 +128,8 @@ START_TEST(a_report_has_its_shape)
         "\"list_rebuilds\":11,\"parameters\":{\"points\":5000,\"method\":\"cvt\",\"patch\":"
         "\"quadric\",\"neighbors\":\"auto\",\"polish\":60,\"boundary\":\"keep\",\"outliers\":"
         "\"keep\","
-        "\"seed\":1,\"quantization\":\"auto\",\"compression\":7,\"attributes\":\"nearest\","
+        "\"seed\":1,\"order\":\"spatial\",\"quantization\":\"auto\",\"compression\":7,"
+        "\"attributes\":\"nearest\","
         "\"normals\":\"nearest\"}}");
 }
 END_TEST
