@@ -3,9 +3,15 @@
 #include "core/base/linalg.h"
 #include "core/base/vector.h"
 
+#include <assert.h>
 #include <string.h>
 
+enum { REFINED_TO = 12 }; /* neighbours */
+
 #define LINE_RANK 1e-6    /* second over largest eigenvalue: below it, the points are on a line */
+#define FINER 2.0         /* times less variance makes a fit to fewer neighbours finer */
+#define THICK 0.2         /* deviation over reach: a thicker neighbourhood has no edge to tell of */
+#define TRUSTED 2.0       /* times the wider fit's variance: how far x may move along, squared */
 #define QUADRIC_RANK 1e-3 /* smallest relative pivot: below it, a plane is all they determine */
 
 /* Neighbours relative to the first one, the sum of their weights and their mean. */
@@ -248,4 +254,70 @@ void vor_surface_normal(const struct vor_surface *surface, const double local[3]
         normal[c] =
             (surface->axis[2][c] - g[0] * surface->axis[0][c] - g[1] * surface->axis[1][c]) /
             length;
+}
+
+/* Variance of the neighbours about the quadric fitted to them. */
+static double residual2(const struct vor_surface *surface, const float *near, unsigned k)
+{
+    double sum = 0;
+
+    for (unsigned j = 0; j < k; j++) {
+        double x[3] = {(double)near[3 * j], (double)near[3 * j + 1], (double)near[3 * j + 2]};
+        double local[3], off;
+
+        vor_surface_to_local(surface, x, local);
+        off = local[2] - vor_surface_height(surface, local[0], local[1], NULL);
+        sum += off * off;
+    }
+    return sum / (k - 6);
+}
+
+/* The `few` of the neighbours that are nearest to x, nearest first. */
+static void take_nearest(float *out, const float *near, unsigned k, unsigned few, const float x[3])
+{
+    double distance2[VOR_REFINED_MAX];
+
+    for (unsigned j = 0; j < k; j++)
+        distance2[j] = vor_distance2f(&near[3 * j], x);
+    for (unsigned i = 0; i < few; i++) {
+        unsigned best = 0;
+
+        for (unsigned j = 1; j < k; j++)
+            best = distance2[j] < distance2[best] ? j : best;
+        distance2[best] = INFINITY;
+        memcpy(&out[3 * i], &near[3 * best], 3 * sizeof *out);
+    }
+}
+
+static void put_onto(const struct vor_surface *surface, double x[3])
+{
+    double local[3];
+
+    vor_surface_to_local(surface, x, local);
+    vor_surface_project(surface, local);
+    vor_surface_to_world(surface, local, x);
+}
+
+int vor_surface_refine(struct vor_surface *surface, const float *near, unsigned k, const float x[3])
+{
+    double coarse2 = residual2(surface, near, k), thick = THICK * surface->reach;
+    double a[3] = {(double)x[0], (double)x[1], (double)x[2]}, b[3] = {a[0], a[1], a[2]};
+    float few[3 * REFINED_TO];
+    struct vor_surface fine;
+
+    assert(k >= VOR_REFINED_MIN && k <= VOR_REFINED_MAX);
+    if (surface->kind != VOR_SURFACE_QUADRIC || coarse2 > thick * thick)
+        return 0;
+    take_nearest(few, near, k, REFINED_TO, x);
+    vor_surface_fit(&fine, few, REFINED_TO);
+    if (fine.kind != VOR_SURFACE_QUADRIC || FINER * residual2(&fine, few, REFINED_TO) > coarse2)
+        return 0;
+    put_onto(surface, a);
+    put_onto(&fine, b);
+    for (int c = 0; c < 3; c++)
+        a[c] -= b[c];
+    if (vor_dot(a, a) > TRUSTED * coarse2)
+        return 0;
+    *surface = fine;
+    return 1;
 }

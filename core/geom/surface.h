@@ -64,4 +64,17 @@ void vor_surface_project(const struct vor_surface *surface, double local[3]);
 /** Unit normal of the surface at local (u, v), in world axes. */
 void vor_surface_normal(const struct vor_surface *surface, const double local[3], double normal[3]);
 
+/** Fits anew to the twelve of the k neighbours that are nearest to x, where those lie half as far
+ * about their quadric, in variance, as all of them about theirs: at an edge or a crease that the
+ * wider fit rounds off. Not where the neighbourhood is thick, nor where x would move farther along
+ * with it than the wider fit is off. Source: none of the papers; they fit to one number of
+ * neighbours everywhere. 13 <= k <= VOR_REFINED_MAX: more are for inputs with noise. O(k).
+ *
+ *  @return whether it did */
+int vor_surface_refine(struct vor_surface *surface, const float *near, unsigned k,
+                       const float x[3]);
+
+#define VOR_REFINED_MIN 13
+#define VOR_REFINED_MAX 20
+
 #endif

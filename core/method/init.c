@@ -9,6 +9,12 @@
  * be missed. */
 #define WIDEN 1.3
 
+/* Areas of the cells vary by a third of their mean where the start is even, and more where the
+ * input is not: then they are measured again, and the seeds started anew. */
+#define UNEVEN 0.5
+
+enum { PASSES = 3 };
+
 enum { STREAM_DRAW = 1, STREAM_ROUND = 2, STREAM_SAMPLE = 3, AREA_SEEDS = 20000 };
 
 /* From so many input points a seed on, they are dense enough to tell areas by themselves. */
@@ -224,7 +230,48 @@ static vor_status start_at_points(struct areas *areas, int *enough, struct vor_e
     return status;
 }
 
-/* Draws input points and starts the seeds in their cells, as many as their areas ask for. */
+/* Coefficient of variation of the areas. */
+static double variation(const struct areas *areas)
+{
+    size_t n = areas->from->n;
+    double mean = areas->end[n - 1] / (double)n, before = 0, sum2 = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        double area = areas->end[i] - before;
+
+        before = areas->end[i];
+        sum2 += area * area;
+    }
+    return sqrt(fmax(0, sum2 / (double)n / (mean * mean) - 1));
+}
+
+/* Starts the seeds in the cells of areas->from, as many as their areas ask for; where those are
+ * very uneven, again in the cells of these, if they are as many. */
+static vor_status sample_cells(struct areas *areas, struct vor_error *err)
+{
+    struct vor_seeds *from = areas->from, *to = areas->to;
+    struct vor_memory *memory = to->run->memory;
+    vor_status status = VOR_OK;
+
+    for (int pass = 0; status == VOR_OK && pass < PASSES; pass++) {
+        if (pass > 0) {
+            if (from->n != to->n || variation(areas) < UNEVEN)
+                break;
+            memcpy(from->xyz, to->xyz, 3 * to->n * sizeof *to->xyz);
+        }
+        vor_free(memory, areas->end);
+        areas->end = NULL;
+        status = measure(areas, err);
+        if (status == VOR_OK)
+            status = vor_run_for(to->run, from->n, VOR_SEEDS_BLOCK, sample_block, areas, err);
+    }
+    if (status == VOR_OK)
+        to->area = areas->end[from->n - 1];
+    vor_free(memory, areas->end);
+    return status;
+}
+
+/* Draws input points and starts the seeds in their cells. */
 static vor_status start_in_cells(struct areas *areas, const struct vor_spec *spec,
                                  struct vor_error *err)
 {
@@ -237,12 +284,7 @@ static vor_status start_in_cells(struct areas *areas, const struct vor_spec *spe
         return status;
     from->keep_border = spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP;
     draw(from, areas->seed);
-    status = measure(areas, err);
-    if (status == VOR_OK)
-        status = vor_run_for(to->run, from->n, VOR_SEEDS_BLOCK, sample_block, areas, err);
-    if (status == VOR_OK)
-        to->area = areas->end[from->n - 1];
-    vor_free(to->run->memory, areas->end);
+    status = sample_cells(areas, err);
     vor_seeds_free(from);
     return status;
 }

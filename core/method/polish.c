@@ -208,12 +208,14 @@ static void keep_on_surface(const struct polish *polish, const struct vor_bench 
     const struct vor_surface *surface = &bench->here.surface;
     double local[3], normal[3], side[2], out[3];
 
-    vor_surface_to_local(surface, x, local);
-    vor_surface_normal(surface, local, normal);
+    vor_surface_to_local(&bench->onto, x, local);
+    vor_surface_normal(&bench->onto, local, normal);
     remove_part(v, normal, 0);
-    if (bench->interior || !polish->seeds->keep_border ||
-        vor_boundary_room(surface, bench->here.near, polish->seeds->k, local, polish->h, side) >=
-            BORDER_ROOM * polish->h)
+    if (bench->interior || !polish->seeds->keep_border)
+        return;
+    vor_surface_to_local(surface, x, local);
+    if (vor_boundary_room(surface, bench->here.near, polish->seeds->k, local, polish->h, side) >=
+        BORDER_ROOM * polish->h)
         return;
     for (int c = 0; c < 3; c++)
         out[c] = side[0] * surface->axis[0][c] + side[1] * surface->axis[1][c];
@@ -250,16 +252,16 @@ static void move(struct polish *polish, struct vor_bench *bench, size_t i)
         v[c] = length > limit ? v[c] * (limit / length) : v[c];
         y[c] = x[c] + v[c];
     }
-    vor_seeds_project(&bench->here.surface, y);
+    vor_seeds_project(&bench->onto, y);
     if (leaves_input(seeds, bench, x, y)) {
         vor_boundary_outward(bench->here.near, seeds->k, x, out);
         remove_part(v, out, 1);
         for (int c = 0; c < 3; c++)
             y[c] = x[c] + v[c];
-        vor_seeds_project(&bench->here.surface, y);
+        vor_seeds_project(&bench->onto, y);
     }
     if (!bench->interior && seeds->keep_holes && vor_seeds_hold(seeds, bench, y))
-        vor_seeds_project(&bench->here.surface, y);
+        vor_seeds_project(&bench->onto, y);
     for (size_t c = 0; c < 3; c++) {
         polish->next[3 * i + c] = (float)y[c];
         polish->step[3 * i + c] = (float)(y[c] - x[c]);
@@ -398,6 +400,7 @@ static void harden(struct polish *polish, unsigned steps)
 
     polish->power = SOFT + (HARD - SOFT) * done / (steps > 1 ? steps - 1 : 1);
     polish->cells = done % CELLS_EVERY == 0;
+    polish->seeds->refined = 2 * done >= steps;
     polish->slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
 }
 

@@ -15,7 +15,7 @@ enum { HOLD_LEAST = 12 }; /* neighbours that tell a hole */
 
 #define BEND_FLAT 0.4
 #define BEND_MAX 1.0
-#define REGULAR 1.3 /* regularity from which on a gap in the input tells of a hole */
+#define REGULAR 1.4 /* regularity from which on a gap in the input tells of a hole */
 #define INSIDE 0.7  /* spacings from the input: farther than that, it may be in a hole */
 #define FAR 0.3     /* spacings that seeds may move before the lists are made anew */
 
@@ -110,10 +110,11 @@ enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_bench *b
 
     bench->interior = 0;
     gather(seeds, here, index);
-    if (found != VOR_NEAR_SAME) {
+    if (found != VOR_NEAR_SAME || kept->refined) {
         bench->queries += found == VOR_NEAR_ANEW;
         vor_surface_fit(&kept->surface, here->near, seeds->k);
     }
+    kept->refined = 0;
     kept->interior = 0;
     memcpy(kept->place, x, sizeof kept->place);
     here->surface = kept->surface;
@@ -135,19 +136,33 @@ static int far_from_border(const struct vor_seeds *seeds, const struct vor_bench
            isinf(vor_boundary_room(&here->surface, here->near, seeds->k, local, radius, side));
 }
 
+/* Tries to fit the surface that the seed at hand moves along to fewer neighbours. */
+static void refine(const struct vor_seeds *seeds, struct vor_bench *bench, size_t i)
+{
+    if (seeds->refined && seeds->k >= VOR_REFINED_MIN && seeds->k <= VOR_REFINED_MAX)
+        (void)vor_surface_refine(&bench->onto, bench->here.near, seeds->k, &seeds->xyz[3 * i]);
+}
+
 enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_bench *bench, size_t i,
                                        double radius, double slack)
 {
     struct vor_kept *kept = &seeds->kept[i];
     double most = slack * kept->surface.spacing, x[3];
 
-    if (kept->interior && vor_distance2f(&seeds->xyz[3 * i], kept->place) <= most * most) {
-        bench->here.surface = kept->surface;
+    if (kept->interior && (kept->refined || !seeds->refined) &&
+        vor_distance2f(&seeds->xyz[3 * i], kept->place) <= most * most) {
+        bench->here.surface = bench->onto = kept->surface;
     } else {
         if (vor_seeds_fit(seeds, bench, i) == VOR_SURFACE_NONE)
             return VOR_SURFACE_NONE;
         vor_seeds_position(seeds, i, x);
         kept->interior = (unsigned char)far_from_border(seeds, bench, x, radius);
+        bench->onto = bench->here.surface;
+        refine(seeds, bench, i);
+        if (kept->interior) { /* nothing else is asked of it */
+            bench->here.surface = kept->surface = bench->onto;
+            kept->refined = (unsigned char)seeds->refined;
+        }
     }
     bench->interior = kept->interior;
     return bench->here.surface.kind;

@@ -26,12 +26,14 @@ struct vor_kept {
     struct vor_surface surface;
     float place[3];         /**< where the seed was */
     unsigned char interior; /**< no border of the input is near that place */
+    unsigned char refined;  /**< that was tried */
 };
 
 /** Scratch of one worker, and what it counts. */
 struct vor_bench {
     struct vor_place here, there; /**< of the seed at hand, and of where it wants to go */
     struct vor_place foot;        /**< of the input point nearest to one of these */
+    struct vor_surface onto;      /**< set by vor_seeds_recall: what the seed moves along */
     int interior;                 /**< the seed at hand is known to be far from the border */
     struct vor_crowd crowd;       /**< seeds around the seed at hand */
     struct vor_cell cell;
@@ -47,6 +49,7 @@ struct vor_seeds {
     const struct vor_run *run;
     size_t n;
     unsigned k;      /**< input points a surface is fitted to */
+    int refined;     /**< vor_seeds_recall tries vor_surface_refine; 0 at first */
     int keep_holes;  /**< holes are told from gaps: vor_seeds_hold; set by vor_settle */
     int keep_border; /**< cells end where the input ends; set by vor_seeds_init, may be changed */
     float *xyz;      /**< n x 3 */
@@ -87,7 +90,8 @@ enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_bench *b
 
 /** As vor_seeds_fit, but content with the last fit where that found the seed inside the input, no
  * border within `radius` of it, and it moved by at most `slack` of the input's spacing since;
- * bench->interior tells, and then bench->here.near is not set. */
+ * bench->interior tells, and then bench->here.near is not set. bench->onto is the fit, refined
+ * where seeds->refined asks for it. */
 enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_bench *bench, size_t i,
                                        double radius, double slack);
 

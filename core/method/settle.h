@@ -16,12 +16,4 @@ VOR_NODISCARD vor_status vor_settle(struct vor_seeds *seeds, struct vor_error *e
  *  @retval VOR_E_CANCELLED  as vor_run_for */
 VOR_NODISCARD vor_status vor_land(struct vor_seeds *seeds, struct vor_error *err);
 
-/** Puts each seed onto a quadric of its twelve nearest input points where those lie half as far
- * about it, in variance, as all its neighbours lie about theirs: at an edge or a crease that the
- * wider fit rounds off. Only where k is 13 to 20, which is where the input is exact. Source: none
- * of the papers; they fit to one number of neighbours everywhere.
- *
- *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for */
-VOR_NODISCARD vor_status vor_refine(struct vor_seeds *seeds, struct vor_error *err);
-
 #endif

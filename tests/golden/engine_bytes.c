@@ -12,11 +12,11 @@ enum { N = 3000, OUT = 800 };
 
 /* What a fixed cloud comes to, without the polish and with forty steps of it. When a change of the
  * engine is meant to change its results, run this program and write down what it prints. */
-#define GOLDEN_KEEP UINT64_C(0x04be8bd15681b4be)
-#define GOLDEN_FREE UINT64_C(0xebcb6903eada6748)
-#define GOLDEN_RIM UINT64_C(0xed1a1284bf49111d)
-#define GOLDEN_MORE UINT64_C(0x104363a632eca3c3)
-#define GOLDEN_POLISH UINT64_C(0x8b0702b5e84de382)
+#define GOLDEN_KEEP UINT64_C(0x866a6978f0163e00)
+#define GOLDEN_FREE UINT64_C(0xcae86953e549d11c)
+#define GOLDEN_RIM UINT64_C(0x4149a351a719767c)
+#define GOLDEN_MORE UINT64_C(0xcebabb96ab70dda4)
+#define GOLDEN_POLISH UINT64_C(0x8aa99b89b9edbf28)
 
 struct result {
     uint64_t positions, normals, report;
