@@ -4,9 +4,11 @@
 #include "core/base/linalg.h"
 #include "core/base/morton.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK = 1 << 16, RECENT = 16 };
+enum { BLOCK = 1 << 16, RECENT = 16, SAMPLED = 4096, SIXTH = 6 };
 
 #define LINE_RANK 1e-12 /* variance across over variance along: below it, the cloud is a line */
 
@@ -238,6 +240,32 @@ static vor_status check_rank(const struct vor_domain *domain, const struct vor_r
     return VOR_OK;
 }
 
+static int ascending(const void *a, const void *b)
+{
+    float x = *(const float *)a, y = *(const float *)b;
+
+    return (x > y) - (x < y);
+}
+
+/* Finds how sparse the input is, from points spread over its order. */
+static void find_sparse(struct vor_domain *domain)
+{
+    size_t n = domain->n < SAMPLED ? domain->n : SAMPLED;
+    unsigned k = domain->n > SIXTH ? SIXTH + 1 : (unsigned)domain->n;
+    float far2[SAMPLED];
+
+    for (size_t i = 0; i < n; i++) {
+        size_t at = (size_t)((double)i / (double)n * (double)domain->n);
+        uint32_t index[SIXTH + 1];
+        float distance2[SIXTH + 1];
+
+        vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, k, index, distance2);
+        far2[i] = distance2[k - 1];
+    }
+    qsort(far2, n, sizeof *far2, ascending);
+    domain->sparse = sqrt((double)far2[(size_t)(0.999 * (double)(n - 1))]);
+}
+
 vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
                            const struct vor_run *run, struct vor_error *err)
 {
@@ -257,6 +285,8 @@ vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
         vor_domain_free(&domain);
         return status;
     }
+    if (domain.n > 0)
+        find_sparse(&domain);
     *out = domain;
     return VOR_OK;
 }
@@ -349,6 +379,8 @@ vor_status vor_domain_thin(struct vor_domain *out, const struct vor_domain *in, 
         vor_domain_free(&domain);
         return status;
     }
+    if (domain.n > 0)
+        find_sparse(&domain);
     *out = domain;
     return VOR_OK;
 }

@@ -9,7 +9,7 @@
  * sum(area), so that exactly n come out and no cell is off by one. Where n exceeds the input, every
  * input point is a first seed (Sec. V-C). Departure: cells of the first draw
  * are cut off by their patches where the input is very uneven, which their areas tell by varying by
- * half of their mean or more; then the started seeds take the place of the draw, twice at most.
+ * twice their mean or more; then the started seeds take the place of the draw, twice at most.
  * Departure: where the input has ten points a seed or more, no cells are made. How far the
  * neighbours of a point are tells the area of the stretch it comes from, and each of n equal parts
  * of the running sum of these areas gives one of its own points. That costs a tenth, and ends no

@@ -232,6 +232,7 @@ static int leaves_input(const struct vor_seeds *seeds, const struct vor_bench *b
     if (bench->interior || !seeds->keep_border)
         return 0;
     border.spacing = fmin(border.spacing, vor_boundary_spacing(here->near, seeds->k, y));
+    border.spacing = fmin(border.spacing, seeds->domain->sparse);
     return vor_boundary_leaves(&border, INPUT_SPACINGS, x, y);
 }
 

@@ -196,11 +196,14 @@ void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
 {
     double foot[3] = {(double)place->near[0], (double)place->near[1], (double)place->near[2]};
 
-    *border = (struct vor_border){&place->surface, place->near, seeds->k, place->surface.spacing};
-    if (vor_boundary_inside(&place->surface, place->near, seeds->k, x))
+    double sparse = seeds->domain->sparse;
+
+    *border = (struct vor_border){&place->surface, place->near, seeds->k,
+                                  fmin(place->surface.spacing, sparse)};
+    if (vor_boundary_within(place->near, seeds->k, x, border->spacing))
         return;
     if (vor_seeds_fit_at(seeds, bench, &bench->foot, foot) != VOR_SURFACE_NONE)
-        border->spacing = bench->foot.surface.spacing;
+        border->spacing = fmin(bench->foot.surface.spacing, sparse);
 }
 
 int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_bench *bench, double x[3])
