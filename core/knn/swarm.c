@@ -5,7 +5,7 @@
 #include <assert.h>
 #include <string.h>
 
-enum { BLOCK = 256, SEARCHED = 32 }; /* SEARCHED: points a call of the index */
+enum { BLOCK = 256, SEARCHED = 32, SHARE = 256 }; /* SEARCHED: points a call of the index */
 
 #define ROUNDING 0.9999 /* what float distances may be off, and more */
 #define COVERED 1.4     /* a list should hold everything this many times the sixth distance away */
@@ -104,10 +104,18 @@ vor_status vor_swarm_index(struct vor_swarm *swarm, const float *xyz, const stru
     return VOR_OK;
 }
 
+static unsigned jumpers_allowed(size_t n)
+{
+    if (n / SHARE < VOR_SWARM_JUMPERS_MIN)
+        return VOR_SWARM_JUMPERS_MIN;
+    return n / SHARE < VOR_SWARM_JUMPERS_MAX ? (unsigned)(n / SHARE) : VOR_SWARM_JUMPERS_MAX;
+}
+
 int vor_swarm_look(struct vor_swarm_view *out, const struct vor_swarm *swarm, const float *xyz,
                    double far)
 {
     double limit2 = far * swarm->spacing * far * swarm->spacing, drift2 = 0;
+    unsigned allowed = jumpers_allowed(swarm->n);
 
     out->xyz = xyz;
     out->jumpers = 0;
@@ -120,7 +128,7 @@ int vor_swarm_look(struct vor_swarm_view *out, const struct vor_swarm *swarm, co
             drift2 = moved2 > drift2 ? moved2 : drift2;
             continue;
         }
-        if (out->jumpers == VOR_SWARM_JUMPERS_MAX)
+        if (out->jumpers == allowed)
             return 0;
         for (size_t c = 0; c < 3; c++)
             out->jumped[c][out->jumpers] = xyz[3 * i + c];
@@ -269,12 +277,15 @@ double vor_swarm_nearest(const struct vor_swarm *swarm, const struct vor_swarm_v
 
         best = d2 < best ? d2 : best;
     }
+    if (!near_jumper(view, i, best))
+        goto done;
     for (unsigned j = 0; j < view->jumpers; j++)
         if (view->jumper[j] != i) {
             float d2 = distance2(view, i, view->jumper[j]);
 
             best = d2 < best ? d2 : best;
         }
+done:
     found = sqrt((double)best);
     return found <= sure_of(swarm, view, i) ? found : -1;
 }

@@ -8,8 +8,9 @@
 #include "core/base/run.h"
 #include "core/knn/knn.h"
 
-#define VOR_SWARM_LISTED_MAX 32 /* neighbours in a list */
-#define VOR_SWARM_JUMPERS_MAX 64
+#define VOR_SWARM_LISTED_MAX 32    /* neighbours in a list */
+#define VOR_SWARM_JUMPERS_MIN 64   /* jumpers that a swarm of any size puts up with */
+#define VOR_SWARM_JUMPERS_MAX 1024 /* and one of any size at most; in between one point in 256 */
 
 struct vor_swarm {
     struct vor_memory *memory;

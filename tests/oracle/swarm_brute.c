@@ -98,7 +98,7 @@ static int check_look(struct flock *flock)
         if (use)
             strangers += is_jumper(flock, i) != (moved > limit);
     }
-    ck_assert_int_eq(use, far <= VOR_SWARM_JUMPERS_MAX);
+    ck_assert_int_eq(use, far <= VOR_SWARM_JUMPERS_MIN);
     if (!use)
         return 0;
     ck_assert_uint_eq(strangers, 0);
