@@ -1,5 +1,6 @@
 #include "core/engine.h"
 
+#include "core/method/account.h"
 #include "core/method/even.h"
 #include "core/method/init.h"
 #include "core/method/lattice.h"
@@ -208,6 +209,39 @@ static vor_status hand_back(struct engine *engine, struct vor_cloud *out,
     return status;
 }
 
+static struct vor_apart in_unit(const struct vor_account_apart *apart, double unit)
+{
+    return (struct vor_apart){apart->mean * unit, apart->rms * unit, apart->max * unit,
+                              apart->points};
+}
+
+/* How many neighbours the surfaces were fitted to. */
+static void count_fitted(struct vor_report *report, const struct vor_seeds *seeds, uint64_t refined)
+{
+    if (refined > 0)
+        report->fitted[report->fitted_count++] = (struct vor_fitted){VOR_ACCOUNT_REFINED, refined};
+    if (refined < seeds->n)
+        report->fitted[report->fitted_count++] = (struct vor_fitted){seeds->k, seeds->n - refined};
+}
+
+/* How far the result is from the input, and what lies at its border. */
+static vor_status account_for(struct engine *engine, const struct vor_uniformity *even,
+                              struct vor_error *err)
+{
+    struct vor_report *report = &engine->report;
+    double unit = engine->domain.unit;
+    struct vor_account account;
+    vor_status status = vor_account_take(&account, &engine->seeds, even->mean, err);
+
+    if (status != VOR_OK)
+        return status;
+    report->in_to_out = in_unit(&account.in_to_out, unit);
+    report->out_to_in = in_unit(&account.out_to_in, unit);
+    report->boundary_points = account.border;
+    count_fitted(report, &engine->seeds, account.refined);
+    return VOR_OK;
+}
+
 /* The uniformity of what is handed back, and its numbers in the report. */
 static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vor_error *err)
 {
@@ -225,12 +259,14 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
         status = vor_even_measure(&even, nearest, &engine->seeds, engine->seeds.xyz, err);
     if (status == VOR_OK)
         status = vor_even_six(&report->six_share, &engine->seeds, err);
+    counts = vor_seeds_counts(&engine->seeds);
+    if (status == VOR_OK)
+        status = account_for(engine, &even, err);
     if (status == VOR_OK)
         status = hand_back(engine, out, &even, err);
     vor_free(engine->run.memory, nearest);
     if (status != VOR_OK)
         return status;
-    counts = vor_seeds_counts(&engine->seeds);
     report->points_in = engine->in->n;
     report->points_out = engine->n;
     report->delta = even.delta;

@@ -65,7 +65,9 @@ static uint64_t hash_report(const struct vor_report *r)
                                 r->queries,    r->list_rebuilds, r->fallback_left};
 
     return vt_hash(values, sizeof values) ^ vt_hash(counts, sizeof counts) ^
-           vt_hash(&r->triangles_per_cell, sizeof r->triangles_per_cell);
+           vt_hash(&r->in_to_out, sizeof r->in_to_out) ^
+           vt_hash(&r->out_to_in, sizeof r->out_to_in) ^ vt_hash(r->fitted, sizeof r->fitted) ^
+           r->boundary_points ^ vt_hash(&r->triangles_per_cell, sizeof r->triangles_per_cell);
 }
 
 static struct result run(const struct vor_cloud *in, size_t points, unsigned threads,
