@@ -157,10 +157,11 @@ int vor_json_record_read(struct vor_record *out, const struct vor_json *object);
 
 /** The report of a run: points {in, out}, delta, sigma, epsilon, iterations, polish_steps, stopped,
  * seconds {read, index, init, iterate, polish, write}, memory_peak_bytes, outliers, lattice
- * {x, y, z, moved}, held, held_ever, fallbacks {plane, left}, area, spacing, min_over_mean,
- * max_over_mean, six_share, bisectors_per_cell, triangles_per_cell, queries, list_rebuilds,
- * parameters. The steps done have a name of their own, because "polish" among the parameters is how
- * many were allowed. */
+ * {x, y, z, moved}, in_to_out and out_to_in {mean, rms, max, points}, boundary_points,
+ * neighbors_histogram [{neighbors, points}], held, held_ever, fallbacks {plane, left}, area,
+ * spacing, min_over_mean, max_over_mean, six_share, bisectors_per_cell, triangles_per_cell,
+ * queries, list_rebuilds, parameters. The steps done have a name of their own, because "polish"
+ * among the parameters is how many were allowed. */
 void vor_json_report(struct vor_text *text, const struct vor_report *report);
 
 /** A measure: n, delta, sigma, epsilon, mean_nn, min_over_mean, max_over_mean, coincident and, with

@@ -95,6 +95,34 @@ static void put_lattice(struct vor_text *text, const struct vor_report *report)
     vor_json_end_object(text);
 }
 
+static void put_apart(struct vor_text *text, const char *key, const struct vor_apart *apart)
+{
+    vor_json_key(text, key);
+    vor_json_begin_object(text);
+    vor_json_put_double(text, "mean", apart->mean);
+    vor_json_put_double(text, "rms", apart->rms);
+    vor_json_put_double(text, "max", apart->max);
+    vor_json_put_u64(text, "points", apart->points);
+    vor_json_end_object(text);
+}
+
+/* The result beside the input. */
+static void put_account(struct vor_text *text, const struct vor_report *report)
+{
+    put_apart(text, "in_to_out", &report->in_to_out);
+    put_apart(text, "out_to_in", &report->out_to_in);
+    vor_json_put_u64(text, "boundary_points", report->boundary_points);
+    vor_json_key(text, "neighbors_histogram");
+    vor_json_begin_array(text);
+    for (unsigned i = 0; i < report->fitted_count; i++) {
+        vor_json_begin_object(text);
+        vor_json_put_u64(text, "neighbors", report->fitted[i].neighbors);
+        vor_json_put_u64(text, "points", report->fitted[i].points);
+        vor_json_end_object(text);
+    }
+    vor_json_end_array(text);
+}
+
 static void put_counters(struct vor_text *text, const struct vor_report *report)
 {
     vor_json_put_double(text, "min_over_mean", report->min_over_mean);
@@ -124,6 +152,7 @@ void vor_json_report(struct vor_text *text, const struct vor_report *report)
     vor_json_put_u64(text, "memory_peak_bytes", report->memory_peak_bytes);
     vor_json_put_u64(text, "outliers", report->outliers);
     put_lattice(text, report);
+    put_account(text, report);
     vor_json_put_u64(text, "held", report->held);
     vor_json_put_u64(text, "held_ever", report->held_ever);
     vor_json_key(text, "fallbacks");

@@ -54,10 +54,16 @@ subtest 'lines of JSON' => sub {
     cmp_ok $records[-1]{delta}, '<', $records[0]{delta}, 'delta falls';
     is join(' ', sort keys %$report),
         join(' ', sort qw(points delta sigma epsilon iterations polish_steps stopped seconds
-            memory_peak_bytes outliers lattice held held_ever fallbacks parameters area spacing min_over_mean max_over_mean
+            memory_peak_bytes outliers lattice in_to_out out_to_in boundary_points neighbors_histogram held held_ever fallbacks parameters area spacing min_over_mean max_over_mean
             six_share bisectors_per_cell triangles_per_cell queries list_rebuilds)), 'the report has its shape';
     is join(' ', sort keys %{ $report->{seconds} }), 'index init iterate polish read write', 'so have its seconds';
     is_deeply $report->{lattice}, { x => 0, y => 0, z => 0, moved => 0 }, 'it finds no lattice in a cloud without one';
+    is "$report->{in_to_out}{points} $report->{out_to_in}{points}", '4000 500', 'it says from how many points distances are';
+    cmp_ok $report->{in_to_out}{mean}, '<=', $report->{in_to_out}{rms}, 'a mean is at most the rms';
+    is_deeply [map { $_->{neighbors} } @{ $report->{neighbors_histogram} }], [20], 'it says what surfaces were fitted to';
+    my $fitted = 0;
+    $fitted += $_->{points} for @{ $report->{neighbors_histogram} };
+    is $fitted, 500, 'for every point';
     is $report->{polish_steps}, 0, 'it counts no step of a polish';
     is_deeply $report->{points}, { in => 4000, out => 500 }, 'it counts the points';
     is "$report->{iterations} $report->{stopped}", '6 iterations', 'it says why it stopped';

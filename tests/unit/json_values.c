@@ -98,6 +98,11 @@ START_TEST(a_report_has_its_shape)
                                 .outliers = 5,
                                 .lattice = {0.5, 0.25, 0},
                                 .off_lattice = 12,
+                                .in_to_out = {0.125, 0.25, 0.375, 35000},
+                                .out_to_in = {0.5, 0.625, 0.75, 5000},
+                                .boundary_points = 13,
+                                .fitted = {{12, 700}, {20, 4300}},
+                                .fitted_count = 2,
                                 .fallback_plane = 8,
                                 .fallback_left = 9,
                                 .area = 10.5,
@@ -120,8 +125,11 @@ START_TEST(a_report_has_its_shape)
         "\"epsilon\":0.99,\"iterations\":50,\"polish_steps\":40,\"stopped\":\"iterations\","
         "\"seconds\":{\"read\":1,\"index\":2,\"init\":3,\"iterate\":4,\"polish\":4.5,\"write\":5},"
         "\"memory_peak_bytes\":123456789,"
-        "\"outliers\":5,\"lattice\":{\"x\":0.5,\"y\":0.25,\"z\":0,\"moved\":12},\"held\":6,\"held_"
-        "ever\":7,\"fallbacks\":{\"plane\":8,\"left\":9},\"area\":"
+        "\"outliers\":5,\"lattice\":{\"x\":0.5,\"y\":0.25,\"z\":0,\"moved\":12},\"in_to_out\":{"
+        "\"mean\":0.125,\"rms\":0.25,\"max\":0.375,\"points\":35000},\"out_to_in\":{\"mean\":0.5,"
+        "\"rms\":0.625,\"max\":0.75,\"points\":5000},\"boundary_points\":13,\"neighbors_"
+        "histogram\":[{\"neighbors\":12,\"points\":700},{\"neighbors\":20,\"points\":4300}],"
+        "\"held\":6,\"held_ever\":7,\"fallbacks\":{\"plane\":8,\"left\":9},\"area\":"
         "10.5,"
         "\"spacing\":0.25,\"min_over_mean\":0.75,\"max_over_mean\":1.25,\"six_share\":0.875,"
         "\"bisectors_per_cell\":6.5,\"triangles_per_cell\":24.5,\"queries\":10000000000,"
