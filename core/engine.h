@@ -109,7 +109,7 @@ struct vor_report {
  *  the result 6 k + 373 (surface, lists, index; k neighbors), twice that while the start is drawn
  *  from cells, that is unless the input has ten times as many points; then 6 k + 482 while
  *  iterating. A progressive order takes 34 instead, after the polish, and a copy of the widest
- *  column. 184 KiB a thread. After the first iteration nothing is allocated but the points' index
+ *  column. 200 KiB a thread. After the first iteration nothing is allocated but the points' index
  *  when it is made anew, and that order.
  *
  *  Cost: O(N log N) for the index, O(n) an iteration, O(n log n) a progressive order. Thread-safe.

@@ -107,7 +107,9 @@ enum { VOR_NORMALS_NEAREST, VOR_NORMALS_FIT, VOR_NORMALS_DROP };
 #define VOR_PRESET_TABLE(X)                                                                        \
     X(DENOISE, RATIO, 1)                                                                           \
     X(DENOISE, OUTLIERS, VOR_OUTLIERS_DROP)                                                        \
-    X(UPSAMPLE, RATIO, 4)
+    X(UPSAMPLE, RATIO, 4)                                                                          \
+    X(UPSAMPLE, ITERATIONS, 2)                                                                     \
+    X(UPSAMPLE, POLISH, 8)
 
 struct vor_process_info {
     const char *id;

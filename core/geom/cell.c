@@ -205,8 +205,8 @@ static void clip_piece(struct vor_polygon *polygon, const double *side, unsigned
 
 void vor_cell_clip(struct vor_cell *cell, const double offset[3])
 {
-    double length2 = vor_dot(offset, offset), limit = length2 / 2, side[VOR_POLYGON_MAX];
-    double far = 0;
+    double length2 = vor_dot(offset, offset), limit = length2 / 2, far = 0;
+    double side[VOR_POLYGON_MAX] = {0}; /* the analysers want it said */
     unsigned kept = 0;
     int cut = 0;
 

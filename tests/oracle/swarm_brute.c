@@ -298,7 +298,7 @@ START_TEST(the_sixty_fifth_jumper_asks_for_an_index)
 
     open_flock(&flock, 0, 9, 500, 20);
     index_flock(&flock);
-    for (size_t j = 0; j <= VOR_SWARM_JUMPERS_MAX; j++) {
+    for (size_t j = 0; j <= VOR_SWARM_JUMPERS_MIN; j++) {
         ck_assert(check_look(&flock));
         ck_assert_uint_eq(flock.view.jumpers, j);
         check_all(&flock, j);

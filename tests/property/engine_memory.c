@@ -13,7 +13,7 @@ enum { RECORDS = 160, CALLS = 2 }; /* CALLS of the allocator for one index */
 #define EACH_IN 61
 #define EACH_SEED(k) (6 * (k) + 373)
 #define EACH_ITERATED(k) (6 * (k) + 482)
-#define EACH_THREAD (184 << 10)
+#define EACH_THREAD (200 << 10)
 #define ELSE (16 << 10)
 
 static size_t bound_of(size_t in, size_t out, size_t k, size_t threads)

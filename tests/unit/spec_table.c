@@ -345,8 +345,11 @@ static struct vor_spec request_for(const char *process)
 /* What a process has for itself; everything else is as in the table of parameters. */
 static const struct {
     const char *process, *parameter, *text;
-} presets[] = {
-    {"denoise", "ratio", "1"}, {"denoise", "outliers", "drop"}, {"upsample", "ratio", "4"}};
+} presets[] = {{"denoise", "ratio", "1"},
+               {"denoise", "outliers", "drop"},
+               {"upsample", "ratio", "4"},
+               {"upsample", "iterations", "2"},
+               {"upsample", "polish", "8"}};
 
 enum { PRESETS = sizeof presets / sizeof presets[0] };
 
