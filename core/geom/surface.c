@@ -97,7 +97,7 @@ static void to_frame(struct vor_surface *out, struct neighborhood *hood)
 /* Sums of u^a v^b (a + b <= 4) and of w u^a v^b (a + b <= 2), lengths over the reach. */
 struct moments {
     double s[5][5];
-    double w[6];
+    double w[6], ww;
 };
 
 VOR_INLINE void sum_moments(struct moments *out, const struct neighborhood *hood,
@@ -124,6 +124,7 @@ VOR_INLINE void sum_moments(struct moments *out, const struct neighborhood *hood
         out->s[2][2] += wuu * vv;
         out->s[1][3] += wuv * vv;
         out->s[0][4] += wvv * vv;
+        out->ww += ww * w;
         out->w[0] += ww;
         out->w[1] += ww * u;
         out->w[2] += ww * v;
@@ -149,6 +150,16 @@ static int solve(double c[6], const struct moments *moments, int terms, double r
     return vor_solve_spd(a, c, terms, rank) > 0;
 }
 
+/* What least squares leave of the sum of ww. */
+static double left(const struct moments *moments, const double c[6])
+{
+    double sum = moments->ww;
+
+    for (int i = 0; i < 6; i++)
+        sum -= c[i] * moments->w[i];
+    return sum > 0 ? sum : 0;
+}
+
 VOR_INLINE void fit(struct vor_surface *out, const float *near, const float *weight, unsigned k)
 {
     struct neighborhood hood;
@@ -170,6 +181,7 @@ VOR_INLINE void fit(struct vor_surface *out, const float *near, const float *wei
         out->kind = VOR_SURFACE_QUADRIC;
     else if (solve(out->c, &moments, 3, LINE_RANK))
         out->kind = VOR_SURFACE_PLANE;
+    out->off2 = out->reach * out->reach * left(&moments, out->c) / hood.total;
     out->c[0] *= out->reach;
     for (int i = 3; i < 6; i++)
         out->c[i] *= scale;

@@ -29,6 +29,7 @@ struct vor_surface {
     double center[2];  /**< mean of the neighbours in (u, v) */
     double reach;      /**< largest tangential distance of a neighbour from center */
     double spacing;    /**< of the input here: what a square lattice of the same density has */
+    double off2;       /**< mean square of the neighbours' heights over the surface */
 };
 
 #define VOR_NEIGHBORS_MAX 512

@@ -1,0 +1,310 @@
+#include "core/geom/layers.h"
+
+#include "core/base/linalg.h"
+
+#include <string.h>
+
+enum { ROUNDS = 12, LEAST_POINTS = 12, LEAST_IN_LAYER = 4, TERMS = 5 };
+
+#define CLEAR 3.0   /* times the rms distance from the own layer: between layers it is empty */
+#define SAME 0.5    /* of the widest gap: another one as wide parts layers too */
+#define LOWEST 0.15 /* spacings of all points: layers nearer than that are one */
+#define OVER 1.55   /* times what white noise has: how far a point is from the other layers */
+#define RANK 1e-6   /* smallest relative pivot of the shared quadric */
+
+struct stack {
+    unsigned k;
+    double x[VOR_NEIGHBORS_MAX][TERMS]; /* u, v, uu, uv, vv; lengths over the reach */
+    double w[VOR_NEIGHBORS_MAX];
+    double height[VOR_NEIGHBORS_MAX]; /* over the shared quadric */
+    double sorted[VOR_NEIGHBORS_MAX];
+};
+
+static void terms(double x[TERMS], double u, double v)
+{
+    x[0] = u;
+    x[1] = v;
+    x[2] = u * u;
+    x[3] = u * v;
+    x[4] = v * v;
+}
+
+/* Heights are off the quadric, but off the plane where few points make it. */
+static void gather(struct stack *out, const struct vor_surface *surface, const float *near,
+                   unsigned k, int plane)
+{
+    double scale = 1 / surface->reach;
+
+    out->k = k;
+    for (unsigned i = 0; i < k; i++) {
+        double x[3] = {(double)near[3 * i], (double)near[3 * i + 1], (double)near[3 * i + 2]};
+        double local[3];
+
+        vor_surface_to_local(surface, x, local);
+        out->w[i] = scale * local[2];
+        out->height[i] = out->w[i];
+        if (!plane)
+            out->height[i] -= scale * vor_surface_height(surface, local[0], local[1], NULL);
+        terms(out->x[i], scale * (local[0] - surface->center[0]),
+              scale * (local[1] - surface->center[1]));
+    }
+}
+
+/* Shell's sort, gaps of Knuth. */
+static void sort(struct stack *stack)
+{
+    double *h = stack->sorted;
+
+    memcpy(h, stack->height, stack->k * sizeof *h);
+    for (unsigned gap = stack->k > 121 ? 121 : 40; gap > 0; gap /= 3)
+        for (unsigned i = gap; i < stack->k; i++) {
+            double at = h[i];
+            unsigned j = i;
+
+            for (; j >= gap && h[j - gap] > at; j -= gap)
+                h[j] = h[j - gap];
+            h[j] = at;
+        }
+}
+
+/* The split of the sorted heights in two that leaves the least variance within (Otsu 1979). */
+static double best_split(const struct stack *stack)
+{
+    const double *h = stack->sorted;
+    double total = 0, low = 0, best = -1, at = h[0];
+
+    for (unsigned i = 0; i < stack->k; i++)
+        total += h[i];
+    for (unsigned i = 0; i + 1 < stack->k; i++) {
+        double n = i + 1, m = stack->k - n, apart;
+
+        low += h[i];
+        apart = low / n - (total - low) / m;
+        if (n * m * apart * apart > best) {
+            best = n * m * apart * apart;
+            at = (h[i] + h[i + 1]) / 2;
+        }
+    }
+    return at;
+}
+
+/* Labels by one split; returns whether any changed. */
+static int split(struct vor_layers *layers, const struct stack *stack)
+{
+    double at = best_split(stack);
+    int changed = layers->count != 2;
+
+    layers->count = 2;
+    for (unsigned i = 0; i < stack->k; i++) {
+        unsigned char of = stack->height[i] > at;
+
+        changed |= of != layers->of[i];
+        layers->of[i] = of;
+    }
+    return changed;
+}
+
+/* Labels by every gap that is nearly as wide as the widest. */
+static void split_all(struct vor_layers *layers, struct stack *stack)
+{
+    double widest = 0, cut[VOR_LAYERS_MAX] = {0};
+    const double *h = stack->sorted;
+    unsigned cuts = 0;
+
+    sort(stack);
+    for (unsigned i = 0; i + 1 < stack->k; i++)
+        widest = fmax(widest, h[i + 1] - h[i]);
+    for (unsigned i = 0; i + 1 < stack->k; i++) {
+        if (h[i + 1] - h[i] < SAME * widest)
+            continue;
+        if (cuts == VOR_LAYERS_MAX - 1) {
+            layers->count = 1;
+            return;
+        }
+        cut[cuts++] = (h[i] + h[i + 1]) / 2;
+    }
+    layers->count = cuts + 1;
+    for (unsigned i = 0; i < stack->k; i++) {
+        layers->of[i] = 0;
+        for (unsigned l = 0; l < cuts; l++)
+            layers->of[i] = (unsigned char)(layers->of[i] + (stack->height[i] > cut[l]));
+    }
+}
+
+/* Means of the terms and of w in each layer, and how many points it has. */
+struct means {
+    double n[VOR_LAYERS_MAX], x[VOR_LAYERS_MAX][TERMS], w[VOR_LAYERS_MAX];
+};
+
+static void average(struct means *means, const struct vor_layers *layers, const struct stack *stack)
+{
+    memset(means, 0, sizeof *means);
+    for (unsigned i = 0; i < stack->k; i++) {
+        unsigned l = layers->of[i];
+
+        means->n[l]++;
+        means->w[l] += stack->w[i];
+        for (int t = 0; t < TERMS; t++)
+            means->x[l][t] += stack->x[i][t];
+    }
+    for (unsigned l = 0; l < layers->count; l++) {
+        means->w[l] /= means->n[l];
+        for (int t = 0; t < TERMS; t++)
+            means->x[l][t] /= means->n[l];
+    }
+}
+
+/* The quadric that the layers share, their heights, and the points' heights over it; false where
+ * it is not determined. */
+static int share(struct vor_layers *layers, struct stack *stack)
+{
+    double a[TERMS * TERMS] = {0};
+    struct means means;
+
+    average(&means, layers, stack);
+    memset(layers->shape, 0, sizeof layers->shape);
+    for (unsigned i = 0; i < stack->k; i++) {
+        unsigned l = layers->of[i];
+        double d[TERMS];
+
+        for (int t = 0; t < TERMS; t++)
+            d[t] = stack->x[i][t] - means.x[l][t];
+        for (int t = 0; t < TERMS; t++) {
+            for (int s = 0; s <= t; s++)
+                a[TERMS * t + s] += d[t] * d[s];
+            layers->shape[t] += d[t] * (stack->w[i] - means.w[l]);
+        }
+    }
+    if (!(vor_solve_spd(a, layers->shape, TERMS, RANK) > 0))
+        return 0;
+    for (unsigned i = 0; i < stack->k; i++) {
+        stack->height[i] = stack->w[i];
+        for (int t = 0; t < TERMS; t++)
+            stack->height[i] -= layers->shape[t] * stack->x[i][t];
+    }
+    for (unsigned l = 0; l < layers->count; l++) {
+        layers->height[l] = means.w[l];
+        for (int t = 0; t < TERMS; t++)
+            layers->height[l] -= layers->shape[t] * means.x[l][t];
+    }
+    return 1;
+}
+
+/* Whether what is empty between layers is wide: against the distances of the points from their own
+ * layer, and against the spacing. */
+static int clear_between(const struct vor_layers *layers, const struct stack *stack, double spacing)
+{
+    double low[VOR_LAYERS_MAX], high[VOR_LAYERS_MAX], sum = 0;
+    unsigned count[VOR_LAYERS_MAX] = {0};
+
+    for (unsigned l = 0; l < layers->count; l++)
+        low[l] = high[l] = layers->height[l];
+    for (unsigned i = 0; i < stack->k; i++) {
+        unsigned l = layers->of[i];
+        double off = stack->height[i] - layers->height[l];
+
+        count[l]++;
+        sum += off * off;
+        low[l] = fmin(low[l], stack->height[i]);
+        high[l] = fmax(high[l], stack->height[i]);
+    }
+    sum = sqrt(sum / (stack->k - TERMS - layers->count));
+    for (unsigned l = 0; l < layers->count; l++)
+        if (count[l] < LEAST_IN_LAYER)
+            return 0;
+    for (unsigned l = 1; l < layers->count; l++)
+        if (low[l] - high[l - 1] < CLEAR * sum ||
+            layers->height[l] - layers->height[l - 1] < LOWEST * spacing)
+            return 0;
+    return 1;
+}
+
+/* Distance along the surface from point i to the nearest one of another layer, squared. */
+static double other2(const struct vor_layers *layers, const struct stack *stack, unsigned i)
+{
+    double least = INFINITY;
+
+    for (unsigned j = 0; j < stack->k; j++) {
+        double u = stack->x[j][0] - stack->x[i][0], v = stack->x[j][1] - stack->x[i][1];
+
+        if (layers->of[j] != layers->of[i] && u * u + v * v < least)
+            least = u * u + v * v;
+    }
+    return least;
+}
+
+/* Whether each layer, but the one with the most points, lies over the others: in white noise the
+ * nearest point of a density is half its spacing away. */
+static int one_over_another(const struct vor_layers *layers, const struct stack *stack,
+                            double spacing)
+{
+    double sum[VOR_LAYERS_MAX] = {0}, n[VOR_LAYERS_MAX] = {0}, most = 0;
+
+    for (unsigned i = 0; i < stack->k; i++) {
+        sum[layers->of[i]] += sqrt(other2(layers, stack, i));
+        most = fmax(most, ++n[layers->of[i]]);
+    }
+    for (unsigned l = 0; l < layers->count; l++) {
+        double expected = 0.5 * spacing * sqrt(stack->k / (stack->k - n[l]));
+
+        if (n[l] < most && sum[l] > OVER * expected * n[l])
+            return 0;
+    }
+    return 1;
+}
+
+static int find_in(struct vor_layers *out, const float *near, unsigned k, unsigned few)
+{
+    struct stack stack;
+    double spacing;
+
+    out->count = 1;
+    vor_surface_fit(&out->frame, near, k);
+    spacing = out->frame.spacing;
+    if (few < k)
+        vor_surface_fit(&out->frame, near, few);
+    if (out->frame.kind == VOR_SURFACE_NONE)
+        return 0;
+    spacing /= out->frame.reach;
+    gather(&stack, &out->frame, near, k, few < k);
+    for (int round = 0; round < ROUNDS; round++) {
+        sort(&stack);
+        if (!split(out, &stack))
+            break;
+        if (!share(out, &stack))
+            return 0;
+    }
+    split_all(out, &stack);
+    return out->count > 1 && share(out, &stack) && clear_between(out, &stack, spacing) &&
+           one_over_another(out, &stack, spacing);
+}
+
+void vor_layers_find(struct vor_layers *out, const float *near, unsigned k)
+{
+    static const unsigned first[] = {VOR_NEIGHBORS_MAX, 8, 14, 26, 5};
+
+    for (size_t i = 0; k >= LEAST_POINTS && i < sizeof first / sizeof *first; i++)
+        if ((i == 0 || first[i] < k) && find_in(out, near, k, first[i]))
+            return;
+    out->count = 1;
+    memset(out->of, 0, sizeof out->of);
+}
+
+unsigned vor_layers_nearest(const struct vor_layers *layers, const double x[3])
+{
+    double local[3], at[TERMS], height, scale = 1 / layers->frame.reach;
+    unsigned best = 0;
+
+    if (layers->count == 1)
+        return 0;
+    vor_surface_to_local(&layers->frame, x, local);
+    terms(at, scale * (local[0] - layers->frame.center[0]),
+          scale * (local[1] - layers->frame.center[1]));
+    height = scale * local[2];
+    for (int t = 0; t < TERMS; t++)
+        height -= layers->shape[t] * at[t];
+    for (unsigned l = 1; l < layers->count; l++)
+        if (fabs(height - layers->height[l]) < fabs(height - layers->height[best]))
+            best = l;
+    return best;
+}
