@@ -10,6 +10,7 @@
 #include "core/method/polish.h"
 #include "core/method/scale.h"
 #include "core/method/settle.h"
+#include "core/method/sheets.h"
 #include "core/method/transfer.h"
 #include "core/metrics/distance.h"
 #include "core/metrics/distortion.h"
@@ -143,6 +144,8 @@ static vor_status prepare(struct engine *engine, struct vor_error *err)
         status = drop_outliers(engine, err);
     if (status == VOR_OK)
         status = leave_lattice(engine, err);
+    if (status == VOR_OK)
+        status = vor_sheets_find(&engine->domain, &engine->calm_run, err);
     if (status != VOR_OK)
         return status;
     now = vor_run_clock(&engine->run);

@@ -19,6 +19,7 @@ struct vor_domain {
     double sparse;       /**< the input is hardly anywhere sparser: distance to the sixth neighbour,
                               the 999th of 1,000 of an even sample */
     struct vor_knn *knn; /**< over xyz */
+    int sheets;          /**< fits look for layers; set by vor_sheets_find */
 };
 
 /** On the run's pool; the domain allocates from the run's memory and keeps neither the run nor in.

@@ -1,6 +1,7 @@
 #include "core/method/scale.h"
 
 #include "core/geom/surface.h"
+#include "core/method/sheets.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,22 +28,25 @@ static void fit_place(struct scale *scale, size_t place)
 {
     const struct vor_domain *domain = scale->domain;
     size_t at = (size_t)(((double)place + 0.5) / PLACES * (double)domain->n);
-    float near[3 * MOST], distance2[MOST];
+    const float *x = &domain->xyz[3 * at];
+    float near[3 * MOST] = {0}, own[3 * MOST], distance2[MOST];
     uint32_t index[MOST];
 
-    vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, scale->most, index, distance2);
+    vor_knn_search(domain->knn, x, 1, scale->most, index, distance2);
     for (unsigned j = 0; j < scale->most; j++)
         memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
     for (unsigned s = 0; s < scale->steps; s++) {
         struct vor_surface surface;
         double sum = 0;
 
-        vor_surface_fit(&surface, near, ladder[s]);
+        memcpy(own, near, 3 * ladder[s] * sizeof *own);
+        (void)vor_sheets_fit(&surface, own, domain,
+                             (double[3]){(double)x[0], (double)x[1], (double)x[2]}, ladder[s]);
         for (unsigned j = 0; surface.kind != VOR_SURFACE_NONE && j < ladder[s]; j++) {
-            double x[3] = {(double)near[3 * j], (double)near[3 * j + 1], (double)near[3 * j + 2]};
+            double y[3] = {(double)own[3 * j], (double)own[3 * j + 1], (double)own[3 * j + 2]};
             double local[3], off;
 
-            vor_surface_to_local(&surface, x, local);
+            vor_surface_to_local(&surface, y, local);
             off = local[2] - vor_surface_height(&surface, local[0], local[1], NULL);
             sum += off * off;
         }

@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/base/rng.h"
+#include "core/method/sheets.h"
 
 #include <assert.h>
 #include <string.h>
@@ -110,9 +111,14 @@ enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_bench *b
 
     bench->interior = 0;
     gather(seeds, here, index);
-    if (found != VOR_NEAR_SAME || kept->refined) {
+    /* Of the same points another may be the nearest, and so the sheet another. */
+    if (found != VOR_NEAR_SAME || kept->layered || kept->refined) {
+        double at[3];
+
+        vor_seeds_position(seeds, i, at);
         bench->queries += found == VOR_NEAR_ANEW;
-        vor_surface_fit(&kept->surface, here->near, seeds->k);
+        kept->layered =
+            (unsigned char)vor_sheets_fit(&kept->surface, here->near, seeds->domain, at, seeds->k);
     }
     kept->refined = 0;
     kept->interior = 0;
@@ -178,7 +184,7 @@ enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor
     vor_knn_search(seeds->domain->knn, query, 1, seeds->k, index, distance2);
     bench->queries++;
     gather(seeds, place, index);
-    vor_surface_fit(&place->surface, place->near, seeds->k);
+    (void)vor_sheets_fit(&place->surface, place->near, seeds->domain, x, seeds->k);
     return place->surface.kind;
 }
 

@@ -26,7 +26,8 @@ struct vor_kept {
     struct vor_surface surface;
     float place[3];         /**< where the seed was */
     unsigned char interior; /**< no border of the input is near that place */
-    unsigned char refined;  /**< that was tried */
+    unsigned char layered;  /**< fitted to one sheet of several */
+    unsigned char refined;  /**< a finer fit was tried */
 };
 
 /** Scratch of one worker, and what it counts. */
