@@ -106,8 +106,8 @@ struct vor_report {
  *  spacing, its points are first moved within them (method/lattice.h).
  *
  *  Memory: at most 61 bytes for each input point (position, order, index), and for each point of
- *  the result 6 k + 373 (surface, lists, index; k neighbors), twice that while the start is drawn
- *  from cells, that is unless the input has ten times as many points; then 6 k + 482 while
+ *  the result 6 k + 381 (surface, lists, index; k neighbors), twice that while the start is drawn
+ *  from cells, that is unless the input has ten times as many points; then 6 k + 490 while
  *  iterating. A progressive order takes 34 instead, after the polish, and a copy of the widest
  *  column. 200 KiB a thread. After the first iteration nothing is allocated but the points' index
  *  when it is made anew, and that order.
