@@ -11,7 +11,7 @@ enum { PLACES = 512, BLOCK = 16, STEPS = 6, FIRST = 2, MOST = 150, ROOM = 8 };
 
 #define THICK_SHARE 0.97 /* of the places shall not be thick */
 #define THICK 0.19       /* residual over reach: a thick neighbourhood */
-#define HELPS 1.15       /* times the least thickness: more neighbours help little */
+#define HELPS 1.25       /* times the least, where no number is enough: more help little */
 #define LEVERAGE 3.0     /* of a quadric's height at its middle, times the points it is fitted to */
 #define FLUKE 1.1        /* residuals differ by so much without any detail being lost */
 
@@ -96,7 +96,7 @@ static unsigned wide_step(struct scale *scale)
         thickness[s] = thickness_of(scale, s);
         least = fmin(least, thickness[s]);
     }
-    while (thickness[step] > THICK && thickness[step] > HELPS * least)
+    while (thickness[step] > (least > THICK ? HELPS * least : THICK))
         step++;
     return step;
 }
