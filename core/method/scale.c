@@ -98,6 +98,9 @@ static unsigned wide_step(struct scale *scale)
     }
     while (thickness[step] > (least > THICK ? HELPS * least : THICK))
         step++;
+    /* A shape that is merely coarse: more neighbours lose more than noise would leave. */
+    while (step > 0 && residual_of(scale, step) / ladder[step] > residual_of(scale, 0) / ladder[0])
+        step--;
     return step;
 }
 
