@@ -5,9 +5,10 @@
  *  noisy cloud is worse than no denoising. At places spread over the input a surface is fitted to
  *  20, 30, 45, 70, 100 and 150 neighbours. A neighbourhood that is nearly as thick as it is wide
  *  says nothing of a surface: where that is so at more than one place in thirty, more neighbours
- * are taken until it is not, or until more of them help little. From there the number goes up while
- *  that lowers 3 s^2 / k, what noise of variance s^2 leaves of itself in a fit to k points, by more
- *  than it adds to the residual, the detail that is lost. */
+ * are taken until it is not, or until more of them help little; not where the shape is merely
+ * coarse. From there the number goes up while that lowers 3 s^2 / k, what noise of variance s^2
+ * leaves of itself in a fit to k points, by more than it adds to the residual, the detail that is
+ * lost. */
 #ifndef VOR_METHOD_SCALE_H
 #define VOR_METHOD_SCALE_H
 

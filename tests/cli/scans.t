@@ -66,4 +66,14 @@ for my $scan (['office1.ply', 20000], ['autzen.ply', 8000], ['kitti_000008.ply',
         is($even->{coincident}, 0, "$name: none share a place");
     }
 }
+
+# A mesh's vertices, coarse but exact, and a cluttered scan: neither is taken for noisy.
+for my $name ('cow_mesh.ply', 'scannet.ply') {
+    my $path = shared("data/$name");
+    SKIP: {
+        skip "$name: no ../shared/data/$name", 1 unless $path;
+        like(scalar(`$binary resample $path -n 2000 --iterations 1 --polish 0 -o $dir/$name --json --quiet`),
+            qr/"neighbors":20\b/, "$name: fitted closely");
+    }
+}
 done_testing();
