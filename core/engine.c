@@ -182,6 +182,8 @@ static vor_status optimise(struct engine *engine, struct vor_error *err)
     engine->seeds.run = &engine->calm_run;
     if (status == VOR_OK)
         status = vor_land(&engine->seeds, err);
+    if (status == VOR_OK && engine->result.polish_steps > 0)
+        status = vor_settle_last(&engine->seeds, err);
     engine->report.seconds_polish = vor_run_clock(&engine->run) - now;
     return status;
 }

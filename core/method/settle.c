@@ -71,6 +71,35 @@ vor_status vor_settle(struct vor_seeds *seeds, struct vor_error *err)
     return vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &settle, err);
 }
 
+static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct settle *settle = ctx;
+    struct vor_seeds *seeds = settle->seeds;
+    struct vor_bench *bench = &seeds->bench[worker];
+
+    for (size_t i = begin; i < end; i++) {
+        struct vor_place *here = &bench->here;
+        struct vor_border border = {&here->surface, here->near, seeds->k, seeds->domain->sparse};
+        double x[3];
+
+        vor_seeds_position(seeds, i, x);
+        if (vor_seeds_fit(seeds, bench, i) == VOR_SURFACE_NONE ||
+            !vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x))
+            continue;
+        for (size_t c = 0; c < 3; c++)
+            seeds->xyz[3 * i + c] = (float)x[c];
+    }
+}
+
+vor_status vor_settle_last(struct vor_seeds *seeds, struct vor_error *err)
+{
+    struct settle settle = {.seeds = seeds};
+
+    if (!seeds->keep_border)
+        return VOR_OK;
+    return vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, end_block, &settle, err);
+}
+
 vor_status vor_land(struct vor_seeds *seeds, struct vor_error *err)
 {
     struct settle settle = {.seeds = seeds, .landing = 1};

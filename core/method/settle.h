@@ -16,4 +16,10 @@ VOR_NODISCARD vor_status vor_settle(struct vor_seeds *seeds, struct vor_error *e
  *  @retval VOR_E_CANCELLED  as vor_run_for */
 VOR_NODISCARD vor_status vor_land(struct vor_seeds *seeds, struct vor_error *err);
 
+/** After a polish: whoever still is farther from the input than 1.5 times where that is sparsest
+ * (vor_domain.sparse) is pulled up to that.
+ *
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for */
+VOR_NODISCARD vor_status vor_settle_last(struct vor_seeds *seeds, struct vor_error *err);
+
 #endif
