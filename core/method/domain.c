@@ -252,7 +252,7 @@ static void find_sparse(struct vor_domain *domain)
 {
     size_t n = domain->n < SAMPLED ? domain->n : SAMPLED;
     unsigned k = domain->n > SIXTH ? SIXTH + 1 : (unsigned)domain->n;
-    float far2[SAMPLED];
+    float far2[SAMPLED] = {0}; /* the analysers want it said */
 
     for (size_t i = 0; i < n; i++) {
         size_t at = (size_t)((double)i / (double)n * (double)domain->n);
