@@ -7,7 +7,7 @@ use utf8;
 use Exporter 'import';
 use JSON::PP;
 
-our @EXPORT = qw(begin runs wanted public made torus yardstick program resample timed quality median spread number judge remember
+our @EXPORT = qw(begin runs wanted public made torus yardstick program resample process timed quality against median spread number judge remember
     missing table finish plot);
 
 binmode STDOUT, ':encoding(UTF-8)';
@@ -65,10 +65,12 @@ sub timed {
     return { lines => \@lines, cpu => $user + $system, wall => $wall, rss => $kb / 1024 };
 }
 
-# One resampling: the report, the records, and the figures that rows are made of.
-sub resample {
-    my ($input, $result, @arguments) = @_;
-    my $run = timed($binary, 'resample', $input, @arguments, '--json', '-o', $result);
+# One run of a process: the report, the records, and the figures that rows are made of.
+sub resample { return process('resample', @_) }
+
+sub process {
+    my ($process, $input, $result, @arguments) = @_;
+    my $run = timed($binary, $process, $input, @arguments, '--json', '-o', $result);
     my @objects = map { decode_json($_) } @{ $run->{lines} };
     my $report = pop @objects;
     my $seconds = $report->{seconds};
@@ -94,6 +96,20 @@ sub quality {
     return (
         n => $measured->{n}, coincident => $measured->{coincident}, delta => $measured->{delta}, hex => $mesh->{hex},
         gap_max => $mesh->{gap_max}, off_surface_rms => $mesh->{off_surface_rms},
+    );
+}
+
+# What the yardstick says of a result beside its input, and where there is a truth, of the mesh.
+sub against {
+    my ($result, $input, $truth) = @_;
+    open my $from, '-|', '/usr/bin/python3', $yardstick, $result, '--input', $input, $truth ? ('--mesh', $truth) : ()
+        or die "python3: $!\n";
+    my $measured = decode_json(join '', <$from>);
+    close $from or die "$yardstick $result: failed\n";
+    my ($even, $mesh) = ($measured, $measured->{mesh} // {});
+    return (
+        map({ $_ => $even->{$_} } qw(n coincident delta)), far => $measured->{input}{far_over_knn6_p999},
+        map({ $_ => $mesh->{$_} } qw(off_surface_rms off_surface_mean off_surface_max)),
     );
 }
 
@@ -165,7 +181,7 @@ sub finish {
     my ($cpu) = slurp('/proc/cpuinfo') =~ /^model name\s*:\s*(.+)$/m;
     my @day = localtime;
     $text .= join ', ', 'Commit ' . first_line(qw(git describe --always --dirty)), first_line(qw(gcc --version)),
-        '-O2 -ffp-contract=off (CGAL -O3)', $cpu // 'unknown CPU', first_line('nproc') . ' cores',
+        '-O3 -ffp-contract=off (CGAL -O3)', $cpu // 'unknown CPU', first_line('nproc') . ' cores',
         sprintf('%d-%02d-%02d', $day[5] + 1900, $day[4] + 1, $day[3]),
         $runs > 1 ? "$runs runs after a warm-up: median ± half the range.\n\n" : "one run.\n\n";
     open my $page, '>:encoding(UTF-8)', "$out/$name.md" or die "$out/$name.md: $!\n";
