@@ -124,10 +124,12 @@ static void cut_edge(double cut[4], const double a[3], const double b[3], double
                      double side_b)
 {
     double t = side_a / (side_a - side_b);
+    double x = a[0] + t * (b[0] - a[0]), y = a[1] + t * (b[1] - a[1]), z = a[2] + t * (b[2] - a[2]);
 
-    for (int c = 0; c < 3; c++)
-        cut[c] = a[c] + t * (b[c] - a[c]);
-    cut[3] = vor_dot(cut, cut);
+    cut[0] = x;
+    cut[1] = y;
+    cut[2] = z;
+    cut[3] = x * x + y * y + z * z;
 }
 
 /* Sutherland and Hodgman against one plane: side[i] <= 0 is kept. from and to differ. */

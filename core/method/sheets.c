@@ -71,6 +71,7 @@ int vor_sheets_gather(float *near, const struct vor_domain *domain, const double
     unsigned most = least(want < WIDE_MAX ? want : WIDE_MAX, domain->n);
     struct vor_layers layers = {.count = 1};
 
+    memset(wide, 0, sizeof wide); /* the analysers want it said */
     search(wide, domain, query, most);
     for (unsigned i = 0; i < ATTEMPTS && layers.count == 1; i++)
         find_layers(&layers, wide, (unsigned)(attempts[i].share * most), attempts[i].points);
