@@ -58,6 +58,6 @@ int main(void)
 {
     Suite *suite = suite_create("engine edges");
 
-    vt_add_loop(suite, points_lie_nearer_to_the_edges_of_a_box, SEEDS);
+    vt_add_loop(suite, points_lie_nearer_to_the_edges_of_a_box, VT_FEWER(SEEDS));
     return vt_run(suite);
 }

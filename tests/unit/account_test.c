@@ -232,9 +232,9 @@ int main(void)
     vt_add_loop(suite, the_border_of_a_dome_is_its_rim, VT_FEWER(SEEDS));
     vt_add_loop(suite, a_hole_has_a_border_too, VT_FEWER(SEEDS));
     vt_add_loop(suite, closed_smooth_clouds_have_no_border, VT_FEWER(SEEDS));
-    vt_add_loop(suite, edges_are_hardly_ever_taken_for_a_border, SEEDS);
+    vt_add_loop(suite, edges_are_hardly_ever_taken_for_a_border, VT_FEWER(SEEDS));
     vt_add_loop(suite, a_free_boundary_is_counted_too, VT_FEWER(SEEDS));
-    vt_add_loop(suite, gaps_of_a_draw_are_hardly_ever_taken_for_a_border, SEEDS);
+    vt_add_loop(suite, gaps_of_a_draw_are_hardly_ever_taken_for_a_border, VT_FEWER(SEEDS));
     vt_add_loop(suite, the_histogram_of_neighbors_counts_every_point, VT_FEWER(SEEDS));
     return vt_run(suite);
 }
