@@ -109,7 +109,7 @@ enum { VOR_NORMALS_NEAREST, VOR_NORMALS_FIT, VOR_NORMALS_DROP };
     X(DENOISE, OUTLIERS, VOR_OUTLIERS_DROP)                                                        \
     X(UPSAMPLE, RATIO, 4)                                                                          \
     X(UPSAMPLE, ITERATIONS, 2)                                                                     \
-    X(UPSAMPLE, POLISH, 8)
+    X(UPSAMPLE, POLISH, 6)
 
 struct vor_process_info {
     const char *id;

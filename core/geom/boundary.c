@@ -2,8 +2,6 @@
 
 #include "core/base/linalg.h"
 
-#define ALLOWED_ONE_SIDED 0.6 /* of that where all neighbours lie to one side */
-
 #define ROOM 0.4        /* spacings that a cell may reach beyond the last neighbour */
 #define SURE_BORDER 0.2 /* reaches: the neighbours end this near */
 #define SURE_INSIDE 0.5 /* reaches: they go on at least this far */
@@ -193,7 +191,7 @@ static int one_sided(const struct vor_surface *surface, const float *near, unsig
 static double allowed_distance(const struct vor_border *border, double spacings, const double x[3])
 {
     if (one_sided(border->surface, border->near, border->k, x))
-        spacings *= ALLOWED_ONE_SIDED;
+        spacings *= VOR_BORDER_ONE_SIDED;
     return spacings * border->spacing;
 }
 
@@ -202,7 +200,7 @@ int vor_boundary_outside(const struct vor_border *border, double spacings, const
     unsigned which = 0;
     double length = sqrt(nearest2(border->near, border->k, x, &which));
 
-    return length > ALLOWED_ONE_SIDED * spacings * border->spacing &&
+    return length > VOR_BORDER_ONE_SIDED * spacings * border->spacing &&
            length > allowed_distance(border, spacings, x);
 }
 

@@ -72,6 +72,7 @@ struct vor_border {
  */
 #define VOR_BORDER_MOVING 3.5
 #define VOR_BORDER_SETTLED 1.5
+#define VOR_BORDER_ONE_SIDED 0.6 /**< of that where all neighbours lie to one side */
 
 /** Unit vector from the neighbour that is nearest to x towards x; zero where they coincide. O(k).
  */

@@ -12,13 +12,16 @@
  * straying. */
 enum { RINGS = 1, RINGS_FINE = 2 };
 
+enum { MANY = 200000 };   /* seeds */
 enum { HOLD_LEAST = 12 }; /* neighbours that tell a hole */
 
 #define BEND_FLAT 0.4
 #define BEND_MAX 1.0
-#define REGULAR 1.4 /* regularity from which on a gap in the input tells of a hole */
-#define INSIDE 0.7  /* spacings from the input: farther than that, it may be in a hole */
-#define FAR 0.3     /* spacings that seeds may move before the lists are made anew */
+#define REGULAR 1.4  /* regularity from which on a gap in the input tells of a hole */
+#define INSIDE 0.7   /* spacings from the input: farther than that, it may be in a hole */
+#define FAR 0.3      /* spacings that seeds may move before the lists are made anew */
+#define FAR_MANY 0.5 /* the same of many: new lists cost them more, since they outgrow the caches  \
+                      */
 
 vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
                           unsigned k, const struct vor_run *run, struct vor_error *err)
@@ -71,13 +74,14 @@ void vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain)
 
 vor_status vor_seeds_index(struct vor_seeds *seeds, struct vor_error *err)
 {
+    double far = seeds->n < MANY ? FAR : FAR_MANY;
     vor_status status;
 
-    if (vor_swarm_look(&seeds->view, &seeds->swarm, seeds->xyz, FAR))
+    if (vor_swarm_look(&seeds->view, &seeds->swarm, seeds->xyz, far))
         return VOR_OK;
     status = vor_swarm_index(&seeds->swarm, seeds->xyz, seeds->run, err);
     if (status == VOR_OK)
-        (void)vor_swarm_look(&seeds->view, &seeds->swarm, seeds->xyz, FAR);
+        (void)vor_swarm_look(&seeds->view, &seeds->swarm, seeds->xyz, far);
     return status;
 }
 

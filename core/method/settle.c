@@ -1,5 +1,6 @@
 #include "core/method/settle.h"
 
+#include "core/base/linalg.h"
 #include "core/geom/boundary.h"
 
 #include <stdatomic.h>
@@ -8,9 +9,12 @@
  */
 #define GAPPY 0.03
 
+enum { COUNTED = 60000 }; /* seeds, at least half of them, where there are more */
+
 struct settle {
     struct vor_seeds *seeds;
-    int landing; /* the surface at hand is new to the seeds */
+    int landing;  /* the surface at hand is new to the seeds */
+    size_t every; /* of so many seeds one is counted */
     atomic_size_t beyond;
 };
 
@@ -23,7 +27,7 @@ static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
     size_t beyond = 0;
     double x[3];
 
-    for (size_t i = begin; i < end; i++) {
+    for (size_t i = begin; i < end; i += settle->every) {
         vor_seeds_position(seeds, i, x);
         beyond +=
             vor_seeds_fit(seeds, bench, i) != VOR_SURFACE_NONE && vor_seeds_hold(seeds, bench, x);
@@ -59,7 +63,7 @@ static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
 vor_status vor_settle(struct vor_seeds *seeds, struct vor_error *err)
 {
-    struct settle settle = {.seeds = seeds};
+    struct settle settle = {.seeds = seeds, .every = 1 + seeds->n / COUNTED};
     vor_status status;
 
     if (!seeds->keep_border)
@@ -67,7 +71,7 @@ vor_status vor_settle(struct vor_seeds *seeds, struct vor_error *err)
     status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, count_block, &settle, err);
     if (status != VOR_OK)
         return status;
-    seeds->keep_holes = (double)settle.beyond <= GAPPY * (double)seeds->n;
+    seeds->keep_holes = (double)(settle.beyond * settle.every) <= GAPPY * (double)seeds->n;
     return vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &settle, err);
 }
 
@@ -76,12 +80,18 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
     const struct settle *settle = ctx;
     struct vor_seeds *seeds = settle->seeds;
     struct vor_bench *bench = &seeds->bench[worker];
+    double near = VOR_BORDER_ONE_SIDED * VOR_BORDER_SETTLED * seeds->domain->sparse;
+    double near2 = near * near;
 
     for (size_t i = begin; i < end; i++) {
         struct vor_place *here = &bench->here;
+        const float *foot = &seeds->domain->xyz[3 * (size_t)vor_near_first(&seeds->near, i)];
         struct vor_border border = {&here->surface, here->near, seeds->k, seeds->domain->sparse};
         double x[3];
 
+        /* An input point that was the nearest of late is near enough. */
+        if (vor_distance2f(foot, &seeds->xyz[3 * i]) <= near2)
+            continue;
         vor_seeds_position(seeds, i, x);
         if (vor_seeds_fit(seeds, bench, i) == VOR_SURFACE_NONE ||
             !vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x))

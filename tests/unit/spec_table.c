@@ -349,7 +349,7 @@ static const struct {
                {"denoise", "outliers", "drop"},
                {"upsample", "ratio", "4"},
                {"upsample", "iterations", "2"},
-               {"upsample", "polish", "8"}};
+               {"upsample", "polish", "6"}};
 
 enum { PRESETS = sizeof presets / sizeof presets[0] };
 
