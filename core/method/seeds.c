@@ -17,11 +17,12 @@ enum { HOLD_LEAST = 12 }; /* neighbours that tell a hole */
 
 #define BEND_FLAT 0.4
 #define BEND_MAX 1.0
-#define REGULAR 1.4  /* regularity from which on a gap in the input tells of a hole */
-#define INSIDE 0.7   /* spacings from the input: farther than that, it may be in a hole */
-#define FAR 0.3      /* spacings that seeds may move before the lists are made anew */
-#define FAR_MANY 0.5 /* the same of many: new lists cost them more, since they outgrow the caches  \
-                      */
+#define REGULAR 1.4 /* regularity from which on a gap in the input tells of a hole */
+#define INSIDE 0.7  /* spacings from the input: farther than that, it may be in a hole */
+#define FAR 0.3     /* spacings that seeds may move before the lists are made anew */
+#define FAR_MANY                                                                                   \
+    0.5 /* the same of many: new lists cost them more, since they outgrow the caches               \
+         */
 
 vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
                           unsigned k, const struct vor_run *run, struct vor_error *err)
