@@ -25,12 +25,12 @@ VOR_NODISCARD vor_status vor_near_init(struct vor_near *out, size_t n, unsigned 
                                        const struct vor_knn *knn, const float *reference, size_t m,
                                        struct vor_memory *memory, struct vor_error *err);
 
-/** near may be all zero. */
 /** From now on the neighbours are those among m other reference points, at least as many as a list
  * holds; every list is forgotten. */
 void vor_near_onto(struct vor_near *near, const struct vor_knn *knn, const float *reference,
                    size_t m);
 
+/** near may be all zero. */
 void vor_near_free(struct vor_near *near);
 
 /** What a search found out. */

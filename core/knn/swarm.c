@@ -277,15 +277,13 @@ double vor_swarm_nearest(const struct vor_swarm *swarm, const struct vor_swarm_v
 
         best = d2 < best ? d2 : best;
     }
-    if (!near_jumper(view, i, best))
-        goto done;
-    for (unsigned j = 0; j < view->jumpers; j++)
-        if (view->jumper[j] != i) {
-            float d2 = distance2(view, i, view->jumper[j]);
+    if (near_jumper(view, i, best))
+        for (unsigned j = 0; j < view->jumpers; j++)
+            if (view->jumper[j] != i) {
+                float d2 = distance2(view, i, view->jumper[j]);
 
-            best = d2 < best ? d2 : best;
-        }
-done:
+                best = d2 < best ? d2 : best;
+            }
     found = sqrt((double)best);
     return found <= sure_of(swarm, view, i) ? found : -1;
 }
