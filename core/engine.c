@@ -224,7 +224,7 @@ static struct vor_apart in_unit(const struct vor_account_apart *apart, double un
 static void count_fitted(struct vor_report *report, const struct vor_seeds *seeds, uint64_t refined)
 {
     if (refined > 0)
-        report->fitted[report->fitted_count++] = (struct vor_fitted){VOR_ACCOUNT_REFINED, refined};
+        report->fitted[report->fitted_count++] = (struct vor_fitted){VOR_REFINED_TO, refined};
     if (refined < seeds->n)
         report->fitted[report->fitted_count++] = (struct vor_fitted){seeds->k, seeds->n - refined};
 }

@@ -6,8 +6,6 @@
 #include <assert.h>
 #include <string.h>
 
-enum { REFINED_TO = 12 }; /* neighbours */
-
 #define LINE_RANK 1e-6    /* second over largest eigenvalue: below it, the points are on a line */
 #define FINER 2.0         /* times less variance makes a fit to fewer neighbours finer */
 #define THICK 0.2         /* deviation over reach: a thicker neighbourhood has no edge to tell of */
@@ -256,6 +254,15 @@ void vor_surface_project(const struct vor_surface *surface, double local[3])
     local[2] = height;
 }
 
+void vor_surface_put(const struct vor_surface *surface, double x[3])
+{
+    double local[3];
+
+    vor_surface_to_local(surface, x, local);
+    vor_surface_project(surface, local);
+    vor_surface_to_world(surface, local, x);
+}
+
 void vor_surface_normal(const struct vor_surface *surface, const double local[3], double normal[3])
 {
     double g[2], length;
@@ -301,31 +308,22 @@ static void take_nearest(float *out, const float *near, unsigned k, unsigned few
     }
 }
 
-static void put_onto(const struct vor_surface *surface, double x[3])
-{
-    double local[3];
-
-    vor_surface_to_local(surface, x, local);
-    vor_surface_project(surface, local);
-    vor_surface_to_world(surface, local, x);
-}
-
 int vor_surface_refine(struct vor_surface *surface, const float *near, unsigned k, const float x[3])
 {
     double coarse2 = residual2(surface, near, k), thick = THICK * surface->reach;
     double a[3] = {(double)x[0], (double)x[1], (double)x[2]}, b[3] = {a[0], a[1], a[2]};
-    float few[3 * REFINED_TO];
+    float few[3 * VOR_REFINED_TO];
     struct vor_surface fine;
 
     assert(k >= VOR_REFINED_MIN && k <= VOR_REFINED_MAX);
     if (surface->kind != VOR_SURFACE_QUADRIC || coarse2 > thick * thick)
         return 0;
-    take_nearest(few, near, k, REFINED_TO, x);
-    vor_surface_fit(&fine, few, REFINED_TO);
-    if (fine.kind != VOR_SURFACE_QUADRIC || FINER * residual2(&fine, few, REFINED_TO) > coarse2)
+    take_nearest(few, near, k, VOR_REFINED_TO, x);
+    vor_surface_fit(&fine, few, VOR_REFINED_TO);
+    if (fine.kind != VOR_SURFACE_QUADRIC || FINER * residual2(&fine, few, VOR_REFINED_TO) > coarse2)
         return 0;
-    put_onto(surface, a);
-    put_onto(&fine, b);
+    vor_surface_put(surface, a);
+    vor_surface_put(&fine, b);
     for (int c = 0; c < 3; c++)
         a[c] -= b[c];
     if (vor_dot(a, a) > TRUSTED * coarse2)

@@ -62,6 +62,9 @@ void vor_surface_to_world(const struct vor_surface *surface, const double local[
  * of its mesh, so that the result does not depend on how finely the patch is meshed. */
 void vor_surface_project(const struct vor_surface *surface, double local[3]);
 
+/** Moves x, in world coordinates, to the nearest point of the surface. */
+void vor_surface_put(const struct vor_surface *surface, double x[3]);
+
 /** Unit normal of the surface at local (u, v), in world axes. */
 void vor_surface_normal(const struct vor_surface *surface, const double local[3], double normal[3]);
 
@@ -75,6 +78,7 @@ void vor_surface_normal(const struct vor_surface *surface, const double local[3]
 int vor_surface_refine(struct vor_surface *surface, const float *near, unsigned k,
                        const float x[3]);
 
+#define VOR_REFINED_TO 12 /**< neighbours */
 #define VOR_REFINED_MIN 13
 #define VOR_REFINED_MAX 20
 

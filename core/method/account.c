@@ -162,15 +162,6 @@ static int ends(const struct account *account, struct vor_bench *bench, const do
     return vor_dot(end, side) > SAME_WAY;
 }
 
-/* As the last step of the polish did where the seed is now. */
-static int is_refined(const struct vor_seeds *seeds, const struct vor_bench *bench, size_t i)
-{
-    struct vor_surface surface = bench->here.surface;
-
-    return seeds->refined && seeds->k >= VOR_REFINED_MIN && seeds->k <= VOR_REFINED_MAX &&
-           vor_surface_refine(&surface, bench->here.near, seeds->k, &seeds->xyz[3 * i]);
-}
-
 static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct account *account = ctx;
@@ -181,12 +172,14 @@ static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
     for (size_t i = begin; i < end; i++) {
         enum vor_surface_kind kind = vor_seeds_fit(seeds, bench, i);
+        struct vor_surface surface = bench->here.surface;
         double x[3], side[3];
 
         add(&sums, vor_distance2f(&seeds->xyz[3 * i], bench->here.near));
         if (kind == VOR_SURFACE_NONE)
             continue;
-        refined += (size_t)is_refined(seeds, bench, i);
+        /* As the last step of the polish did where the seed is now. */
+        refined += (size_t)vor_seeds_refine(seeds, bench, i, &surface);
         vor_seeds_crowd(seeds, bench, i);
         vor_seeds_position(seeds, i, x);
         border += free_side(account, bench, i, side) && ends(account, bench, x, side);

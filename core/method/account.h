@@ -17,8 +17,6 @@
 
 #define VOR_ACCOUNT_POINTS 200000 /**< input points that are looked at, at most */
 
-#define VOR_ACCOUNT_REFINED 12 /**< points that vor_surface_refine fits to */
-
 /** Of the distances from points to the nearest of others, normalised. */
 struct vor_account_apart {
     double mean, rms, max;
@@ -30,7 +28,7 @@ struct vor_account {
                                      VOR_ACCOUNT_POINTS of them at equal steps along their order */
     struct vor_account_apart out_to_in; /**< from all seeds */
     uint64_t border;                    /**< seeds at the border of the input */
-    uint64_t refined; /**< seeds whose surface was fitted to VOR_ACCOUNT_REFINED points */
+    uint64_t refined; /**< seeds whose surface was fitted to VOR_REFINED_TO points */
 };
 
 /** Seeds are on the whole domain and indexed where they are; spacing is their mean distance to the

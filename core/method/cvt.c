@@ -135,7 +135,7 @@ static void shorten_cell(const struct cvt *cvt, struct vor_bench *bench,
     if (!vor_cell_moments(moments, &bench->cell))
         return;
     vor_surface_to_world(&bench->here.surface, moments->centroid, x);
-    vor_seeds_project(&bench->here.surface, x);
+    vor_surface_put(&bench->here.surface, x);
 }
 
 /* Whether x, put onto the surface of the input around it, is outside the input. */
@@ -144,7 +144,7 @@ static int outside(const struct cvt *cvt, struct vor_bench *bench, struct vor_bo
 {
     if (vor_seeds_fit_at(cvt->seeds, bench, &bench->there, x) == VOR_SURFACE_NONE)
         return 0;
-    vor_seeds_project(&bench->there.surface, x);
+    vor_surface_put(&bench->there.surface, x);
     vor_seeds_border(cvt->seeds, bench, &bench->there, border, x);
     return vor_boundary_outside(border, VOR_BORDER_MOVING, x);
 }
@@ -186,7 +186,7 @@ static void stretch(const struct cvt *cvt, struct vor_bench *bench, size_t i, do
     for (size_t c = 0; c < 3; c++)
         x[c] = (double)cvt->seeds->xyz[3 * i + c] +
                (length > most ? step[c] * (most / length) : step[c]);
-    vor_seeds_project(&bench->here.surface, x);
+    vor_surface_put(&bench->here.surface, x);
 }
 
 /* Where seed i goes: its cell's projected centroid, or beyond. A seed whose cell is empty, since it

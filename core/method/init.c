@@ -80,7 +80,7 @@ static void pull_in(const struct vor_seeds *seeds, struct vor_bench *bench, doub
 
     if (vor_seeds_fit_at(seeds, bench, &bench->there, x) == VOR_SURFACE_NONE)
         return;
-    vor_seeds_project(&bench->there.surface, x);
+    vor_surface_put(&bench->there.surface, x);
     vor_seeds_border(seeds, bench, &bench->there, &border, x);
     (void)vor_boundary_restrict(&border, VOR_BORDER_MOVING, x);
 }

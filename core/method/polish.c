@@ -253,16 +253,16 @@ static void move(struct polish *polish, struct vor_bench *bench, size_t i)
         v[c] = length > limit ? v[c] * (limit / length) : v[c];
         y[c] = x[c] + v[c];
     }
-    vor_seeds_project(&bench->onto, y);
+    vor_surface_put(&bench->onto, y);
     if (leaves_input(seeds, bench, x, y)) {
         vor_boundary_outward(bench->here.near, seeds->k, x, out);
         remove_part(v, out, 1);
         for (int c = 0; c < 3; c++)
             y[c] = x[c] + v[c];
-        vor_seeds_project(&bench->onto, y);
+        vor_surface_put(&bench->onto, y);
     }
     if (!bench->interior && seeds->keep_holes && vor_seeds_hold(seeds, bench, y))
-        vor_seeds_project(&bench->onto, y);
+        vor_surface_put(&bench->onto, y);
     for (size_t c = 0; c < 3; c++) {
         polish->next[3 * i + c] = (float)y[c];
         polish->step[3 * i + c] = (float)(y[c] - x[c]);

@@ -147,11 +147,11 @@ static int far_from_border(const struct vor_seeds *seeds, const struct vor_bench
            isinf(vor_boundary_room(&here->surface, here->near, seeds->k, local, radius, side));
 }
 
-/* Tries to fit the surface that the seed at hand moves along to fewer neighbours. */
-static void refine(const struct vor_seeds *seeds, struct vor_bench *bench, size_t i)
+int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_bench *bench, size_t i,
+                     struct vor_surface *surface)
 {
-    if (seeds->refined && seeds->k >= VOR_REFINED_MIN && seeds->k <= VOR_REFINED_MAX)
-        (void)vor_surface_refine(&bench->onto, bench->here.near, seeds->k, &seeds->xyz[3 * i]);
+    return seeds->refined && seeds->k >= VOR_REFINED_MIN && seeds->k <= VOR_REFINED_MAX &&
+           vor_surface_refine(surface, bench->here.near, seeds->k, &seeds->xyz[3 * i]);
 }
 
 enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_bench *bench, size_t i,
@@ -169,7 +169,7 @@ enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_bench
         vor_seeds_position(seeds, i, x);
         kept->interior = (unsigned char)far_from_border(seeds, bench, x, radius);
         bench->onto = bench->here.surface;
-        refine(seeds, bench, i);
+        (void)vor_seeds_refine(seeds, bench, i, &bench->onto);
         if (kept->interior) { /* nothing else is asked of it */
             bench->here.surface = kept->surface = bench->onto;
             kept->refined = (unsigned char)seeds->refined;
@@ -191,15 +191,6 @@ enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor
     gather(seeds, place, index);
     (void)vor_sheets_fit(&place->surface, place->near, seeds->domain, x, seeds->k);
     return place->surface.kind;
-}
-
-void vor_seeds_project(const struct vor_surface *surface, double x[3])
-{
-    double local[3];
-
-    vor_surface_to_local(surface, x, local);
-    vor_surface_project(surface, local);
-    vor_surface_to_world(surface, local, x);
 }
 
 void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,

@@ -96,6 +96,11 @@ enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_bench *b
 enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_bench *bench, size_t i,
                                        double radius, double slack);
 
+/** Fits *surface, that of bench->here around seed i, to fewer neighbours where seeds->refined and k
+ * allow it and vor_surface_refine finds that better. Returns whether it did. */
+int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_bench *bench, size_t i,
+                     struct vor_surface *surface);
+
 /** bench->crowd, as of the last index. Only one thread at a time may ask for i. */
 void vor_seeds_crowd(struct vor_seeds *seeds, struct vor_bench *bench, size_t i);
 
@@ -133,9 +138,6 @@ void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
 /** Moves x, which bench->here was gathered around, straight back towards the input where it lies
  * too far into a hole or beyond an edge of a regular input. Returns whether it did. */
 int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_bench *bench, double x[3]);
-
-/** Puts x onto a surface. */
-void vor_seeds_project(const struct vor_surface *surface, double x[3]);
 
 /** Whether surfaces are fitted to all of what the seeds are to end on. */
 static inline int vor_seeds_on_whole(const struct vor_seeds *seeds)

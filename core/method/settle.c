@@ -50,7 +50,7 @@ static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
         if (vor_seeds_fit(seeds, bench, i) == VOR_SURFACE_NONE)
             continue;
         if (settle->landing)
-            vor_seeds_project(&bench->here.surface, x);
+            vor_surface_put(&bench->here.surface, x);
         if (seeds->keep_border) {
             vor_seeds_border(seeds, bench, &bench->here, &border, x);
             moved |= seeds->keep_holes && vor_seeds_hold(seeds, bench, x);

@@ -157,7 +157,7 @@ static void project_all(struct vor_seeds *seeds)
 
         ck_assert_int_ne(vor_seeds_fit(seeds, &seeds->bench[0], i), VOR_SURFACE_NONE);
         vor_seeds_position(seeds, i, x);
-        vor_seeds_project(&seeds->bench[0].here.surface, x);
+        vor_surface_put(&seeds->bench[0].here.surface, x);
         for (size_t c = 0; c < 3; c++)
             seeds->xyz[3 * i + c] = (float)x[c];
     }
