@@ -44,6 +44,7 @@ struct engine {
     struct vor_calm calm;
     struct vor_spec spec;           /* resolved */
     struct vor_domain domain, thin; /* thin: empty where all of the domain is iterated on */
+    struct vor_scale scale;
     struct vor_seeds seeds;
     struct vor_cvt_result result;
     struct vor_report report;
@@ -61,8 +62,8 @@ static vor_status resolve_target(struct engine *engine, struct vor_error *err)
     if (vor_spec_given(&engine->spec, VOR_PARAM_SPACING)) {
         double spacing = engine->spec.value[VOR_PARAM_SPACING] / engine->domain.unit;
 
-        status =
-            vor_init_area(&engine->area, &engine->domain, &engine->spec, &engine->calm_run, err);
+        status = vor_init_area(&engine->area, &engine->domain, &engine->scale, &engine->spec,
+                               &engine->calm_run, err);
         if (status != VOR_OK)
             return status;
         n = rint(engine->area / (0.86602540378443865 * spacing * spacing));
@@ -108,20 +109,21 @@ static vor_status leave_lattice(struct engine *engine, struct vor_error *err)
 static vor_status resolve_neighbors(struct engine *engine, struct vor_error *err)
 {
     double *value = &engine->spec.value[VOR_PARAM_NEIGHBORS];
-    unsigned k = 0;
     vor_status status;
 
-    if (*value != VOR_UNSET)
+    if (*value != VOR_UNSET) {
+        vor_scale_fix(&engine->scale, (unsigned)*value);
         return VOR_OK;
-    status = vor_scale_neighbors(&k, &engine->domain, &engine->calm_run, err);
-    *value = k;
+    }
+    status = vor_scale_find(&engine->scale, &engine->domain, &engine->calm_run, err);
+    *value = engine->scale.usual;
     return status;
 }
 
 /* Puts the seeds onto a thinner domain where that is dense enough. */
 static vor_status thin_domain(struct engine *engine, struct vor_error *err)
 {
-    double more = fmax(1, engine->spec.value[VOR_PARAM_NEIGHBORS] / THINNED_FOR);
+    double more = fmax(1, (double)engine->scale.most / THINNED_FOR);
     double wanted = fmax(THINNED * more * (double)engine->n, THINNED_LEAST);
     vor_status status;
 
@@ -155,8 +157,8 @@ static vor_status prepare(struct engine *engine, struct vor_error *err)
     if (status == VOR_OK)
         status = resolve_target(engine, err);
     if (status == VOR_OK)
-        status = vor_init_seeds(&engine->seeds, &engine->domain, engine->n, &engine->spec,
-                                &engine->calm_run, err);
+        status = vor_init_seeds(&engine->seeds, &engine->domain, engine->n, &engine->scale,
+                                &engine->spec, &engine->calm_run, err);
     if (status == VOR_OK)
         status = thin_domain(engine, err);
     engine->report.seconds_init = vor_run_clock(&engine->run) - before;
@@ -221,12 +223,13 @@ static struct vor_apart in_unit(const struct vor_account_apart *apart, double un
 }
 
 /* How many neighbours the surfaces were fitted to. */
-static void count_fitted(struct vor_report *report, const struct vor_seeds *seeds, uint64_t refined)
+static void count_fitted(struct vor_report *report, const struct vor_account *account)
 {
-    if (refined > 0)
-        report->fitted[report->fitted_count++] = (struct vor_fitted){VOR_REFINED_TO, refined};
-    if (refined < seeds->n)
-        report->fitted[report->fitted_count++] = (struct vor_fitted){seeds->k, seeds->n - refined};
+    for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX; k++)
+        if (account->fitted[k] > 0) {
+            assert(report->fitted_count < VOR_FITTED_MAX);
+            report->fitted[report->fitted_count++] = (struct vor_fitted){k, account->fitted[k]};
+        }
 }
 
 /* How far the result is from the input, and what lies at its border. */
@@ -243,7 +246,7 @@ static vor_status account_for(struct engine *engine, const struct vor_uniformity
     report->in_to_out = in_unit(&account.in_to_out, unit);
     report->out_to_in = in_unit(&account.out_to_in, unit);
     report->boundary_points = account.border;
-    count_fitted(report, &engine->seeds, account.refined);
+    count_fitted(report, &account);
     return VOR_OK;
 }
 

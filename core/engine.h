@@ -81,7 +81,8 @@ struct vor_report {
     double triangles_per_cell;  /**< triangles of the patches those were cut from, likewise */
     uint64_t queries;           /**< searches of an index, among the input or the points */
     uint64_t list_rebuilds;     /**< times the points' lists of neighbours were made anew */
-    struct vor_spec parameters; /**< with points filled in from ratio or spacing, auto resolved */
+    struct vor_spec parameters; /**< with points filled in from ratio or spacing, auto resolved:
+                                     neighbors to the usual number, `fitted` has the others */
 };
 
 /** Resamples a cloud.
@@ -106,8 +107,8 @@ struct vor_report {
  *  spacing, its points are first moved within them (method/lattice.h).
  *
  *  Memory: at most 61 bytes for each input point (position, order, index), and for each point of
- *  the result 6 k + 381 (surface, lists, index; k neighbors), twice that while the start is drawn
- *  from cells, that is unless the input has ten times as many points; then 6 k + 490 while
+ *  the result 6 k + 383 (surface, lists, index; k neighbors), twice that while the start is drawn
+ *  from cells, that is unless the input has ten times as many points; then 6 k + 492 while
  *  iterating. A progressive order takes 34 instead, after the polish, and a copy of the widest
  *  column. 200 KiB a thread. After the first iteration nothing is allocated but the points' index
  *  when it is made anew, and that order.

@@ -38,7 +38,7 @@ enum vor_kind {
     X(SECONDS, seconds, REAL, "s", 0, 86400, VOR_UNSET, "", "Stop after this much time")           \
     X(NEIGHBORS, neighbors, COUNT_OR_AUTO, "points", 6, 500, VOR_UNSET, "",                        \
       "Input points that a local surface is fitted to; auto: as many as the input's noise asks "   \
-      "for")                                                                                       \
+      "for, region by region")                                                                     \
     X(ANDERSON, anderson, COUNT, "", 0, 16, VOR_UNSET, "",                                         \
       "Window of the Anderson acceleration; 0 is plain Lloyd; momentum when not given")            \
     X(POLISH, polish, COUNT, "", 0, 10000, 100, "",                                                \

@@ -8,30 +8,33 @@ enum { WIDE_MAX = 1024 };
 
 #define ROUNDING 1.00001f /* what float distances may be off, and more */
 
+/* How many a list of k has. */
+static unsigned width(const struct vor_near *near, unsigned k)
+{
+    unsigned wide = k + k / 2 + 2;
+
+    return wide < near->m ? wide : (unsigned)near->m;
+}
+
 static void forget(struct vor_near *near)
 {
     for (size_t i = 0; i < near->n; i++)
         near->reach[i] = -1;
 }
 
-vor_status vor_near_init(struct vor_near *out, size_t n, unsigned k, const struct vor_knn *knn,
+vor_status vor_near_init(struct vor_near *out, size_t n, unsigned most, const struct vor_knn *knn,
                          const float *reference, size_t m, struct vor_memory *memory,
                          struct vor_error *err)
 {
-    struct vor_near near = {.memory = memory,
-                            .knn = knn,
-                            .reference = reference,
-                            .n = n,
-                            .m = m,
-                            .k = k,
-                            .wide = k + k / 2 + 2};
+    struct vor_near near = {
+        .memory = memory, .knn = knn, .reference = reference, .n = n, .m = m, .most = most};
 
-    if (near.wide > m)
-        near.wide = (unsigned)m;
+    near.wide = width(&near, most);
+    near.k = vor_calloc(memory, n, sizeof *near.k);
     near.list = vor_malloc(memory, n, near.wide * sizeof *near.list);
     near.anchor = vor_malloc(memory, n, 3 * sizeof *near.anchor);
     near.reach = vor_malloc(memory, n, sizeof *near.reach);
-    if (near.list == NULL || near.anchor == NULL || near.reach == NULL) {
+    if (near.k == NULL || near.list == NULL || near.anchor == NULL || near.reach == NULL) {
         vor_near_free(&near);
         return vor_fail(err, VOR_E_NOMEM, "lists of %u neighbours for %zu points", near.wide, n);
     }
@@ -57,6 +60,7 @@ void vor_near_free(struct vor_near *near)
     vor_free(near->memory, near->reach);
     vor_free(near->memory, near->anchor);
     vor_free(near->memory, near->list);
+    vor_free(near->memory, near->k);
     memset(near, 0, sizeof *near);
 }
 
@@ -99,55 +103,59 @@ static unsigned nearest(const float *distance2, unsigned begin, unsigned end)
 /* Brings the k nearest of the list to its front by exchanging the farthest of the front with the
  * nearest of the rest: a query that moved a little needs none or one or two of these. Returns how
  * many, and the distance of the farthest in *last. */
-static unsigned select(const struct vor_near *near, uint32_t *list, const float x[3], float *last)
+static unsigned select(const struct vor_near *near, uint32_t *list, unsigned k, const float x[3],
+                       float *last)
 {
     float distance2[WIDE_MAX];
-    unsigned exchanged = 0, out, in;
+    unsigned exchanged = 0, wide = width(near, k), out, in;
 
-    memset(distance2, 0, near->wide * sizeof *distance2); /* the analysers want it said */
-    for (unsigned j = 0; j < near->wide; j++)
+    memset(distance2, 0, wide * sizeof *distance2); /* the analysers want it said */
+    for (unsigned j = 0; j < wide; j++)
         distance2[j] = squared(&near->reference[3 * (size_t)list[j]], x);
     for (;; exchanged++) {
-        out = farthest(distance2, 0, near->k);
-        if (near->k == near->wide)
+        out = farthest(distance2, 0, k);
+        if (k == wide)
             break;
-        in = nearest(distance2, near->k, near->wide);
+        in = nearest(distance2, k, wide);
         if (distance2[out] <= distance2[in])
             break;
         swap(list, distance2, out, in);
     }
     *last = sqrtf(distance2[out]);
-    swap(list, distance2, 0, nearest(distance2, 0, near->k));
+    swap(list, distance2, 0, nearest(distance2, 0, k));
     return exchanged;
 }
 
-static void make_list(struct vor_near *near, size_t i, const float x[3])
+static void make_list(struct vor_near *near, size_t i, const float x[3], unsigned k)
 {
     float distance2[WIDE_MAX];
+    unsigned wide = width(near, k);
 
-    vor_knn_search(near->knn, x, 1, near->wide, &near->list[i * near->wide], distance2);
+    vor_knn_search(near->knn, x, 1, wide, &near->list[i * near->wide], distance2);
     memcpy(&near->anchor[3 * i], x, 3 * sizeof *x);
-    near->reach[i] = near->wide < near->m ? sqrtf(distance2[near->wide - 1]) : INFINITY;
+    near->reach[i] = wide < near->m ? sqrtf(distance2[wide - 1]) : INFINITY;
+    near->k[i] = (uint16_t)k;
 }
 
-enum vor_near_found vor_near_search(struct vor_near *near, size_t i, const float x[3],
+enum vor_near_found vor_near_search(struct vor_near *near, size_t i, const float x[3], unsigned k,
                                     const uint32_t **index)
 {
     uint32_t *list = &near->list[i * near->wide];
 
+    assert(k >= 1 && k <= near->most);
     *index = list;
-    if (near->reach[i] >= 0) {
+    if (near->reach[i] >= 0 && near->k[i] == k) {
         float moved = sqrtf(squared(&near->anchor[3 * i], x));
 
         if (moved < near->reach[i]) {
             float last;
-            unsigned exchanged = select(near, list, x, &last);
+            unsigned exchanged = select(near, list, k, x, &last);
 
             /* A point beyond the list is at least reach - moved away. */
             if ((last + moved) * ROUNDING <= near->reach[i])
                 return exchanged > 0 ? VOR_NEAR_OTHER : VOR_NEAR_SAME;
         }
     }
-    make_list(near, i, x);
+    make_list(near, i, x, k);
     return VOR_NEAR_ANEW;
 }

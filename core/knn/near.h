@@ -11,17 +11,19 @@ struct vor_near {
     const struct vor_knn *knn;
     const float *reference; /* what knn indexes */
     size_t n, m;            /* queries, reference points */
-    unsigned k, wide;       /* wanted; kept */
+    unsigned most, wide;    /* neighbours at most; those that a list of so many has */
+    uint16_t *k;            /* n: how many are wanted of a list */
     uint32_t *list;         /* n x wide, the k nearest first */
     float *anchor;          /* n x 3: where the query was when its list was made */
     float
         *reach; /* every point beyond the list is at least this far from the anchor; < 0: no list */
 };
 
-/** For n queries of the k nearest of m reference points (m x 3 floats, k <= m), without lists yet.
+/** For n queries of up to `most` nearest of m reference points (m x 3 floats, most <= m), without
+ * lists yet.
  *
- *  @retval VOR_E_NOMEM (6 k + 24) n bytes do not fit */
-VOR_NODISCARD vor_status vor_near_init(struct vor_near *out, size_t n, unsigned k,
+ *  @retval VOR_E_NOMEM (6 most + 26) n bytes do not fit */
+VOR_NODISCARD vor_status vor_near_init(struct vor_near *out, size_t n, unsigned most,
                                        const struct vor_knn *knn, const float *reference, size_t m,
                                        struct vor_memory *memory, struct vor_error *err);
 
@@ -40,13 +42,13 @@ enum vor_near_found {
     VOR_NEAR_ANEW   /**< nor is the list: the index was searched */
 };
 
-/** The k nearest reference points of query i, now at x. Exact. What comes out depends on the
- * query's own moves only, not on who asks when: different queries may be asked by different
- * threads.
+/** The k <= most nearest reference points of query i, now at x. Exact. A list is made for one k,
+ * and made anew for another. What comes out depends on the query's own moves and ks only, not on
+ * who asks when: different queries may be asked by different threads.
  *
  *  @param[out] index  k points in any order but the nearest first; valid until the next search for
  *                     i */
-enum vor_near_found vor_near_search(struct vor_near *near, size_t i, const float x[3],
+enum vor_near_found vor_near_search(struct vor_near *near, size_t i, const float x[3], unsigned k,
                                     const uint32_t **index);
 
 /** The reference point that was nearest to query i in its last search. */

@@ -38,7 +38,7 @@ struct account {
     const struct vor_knn *knn; /* over the seeds */
     size_t points;             /* of the domain, that are looked at */
     double spacing;
-    atomic_size_t border, refined;
+    atomic_size_t border, fitted[VOR_NEIGHBORS_MAX + 1];
 };
 
 /* Row i of the points that are looked at. */
@@ -154,7 +154,7 @@ static int ends(const struct account *account, struct vor_bench *bench, const do
     if (vor_seeds_fit_at(seeds, bench, &bench->foot, at) == VOR_SURFACE_NONE)
         return 0;
     vor_surface_to_local(&foot->surface, at, local);
-    if (isinf(vor_boundary_room(&foot->surface, foot->near, seeds->k, local, foot->surface.reach,
+    if (isinf(vor_boundary_room(&foot->surface, foot->near, foot->k, local, foot->surface.reach,
                                 away)))
         return 0;
     for (int c = 0; c < 3; c++)
@@ -168,7 +168,7 @@ static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_seeds *seeds = account->seeds;
     struct vor_bench *bench = &seeds->bench[worker];
     struct sums sums = {0};
-    size_t border = 0, refined = 0;
+    size_t border = 0, fitted[VOR_NEIGHBORS_MAX + 1] = {0};
 
     for (size_t i = begin; i < end; i++) {
         enum vor_surface_kind kind = vor_seeds_fit(seeds, bench, i);
@@ -176,17 +176,21 @@ static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)
         double x[3], side[3];
 
         add(&sums, vor_distance2f(&seeds->xyz[3 * i], bench->here.near));
+        /* As the last step of the polish did where the seed is now. */
+        fitted[kind != VOR_SURFACE_NONE && vor_seeds_refine(seeds, bench, i, &surface)
+                   ? VOR_REFINED_TO
+                   : bench->here.k]++;
         if (kind == VOR_SURFACE_NONE)
             continue;
-        /* As the last step of the polish did where the seed is now. */
-        refined += (size_t)vor_seeds_refine(seeds, bench, i, &surface);
         vor_seeds_crowd(seeds, bench, i);
         vor_seeds_position(seeds, i, x);
         border += free_side(account, bench, i, side) && ends(account, bench, x, side);
     }
     account->block[begin / BLOCK] = sums;
     atomic_fetch_add(&account->border, border);
-    atomic_fetch_add(&account->refined, refined);
+    for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX; k++)
+        if (fitted[k] > 0)
+            atomic_fetch_add(&account->fitted[k], fitted[k]);
 }
 
 /* Runs a task over n rows and adds up what its blocks found. */
@@ -235,7 +239,8 @@ vor_status vor_account_take(struct vor_account *out, struct vor_seeds *seeds, do
     if (status != VOR_OK)
         return status;
     found.border = atomic_load(&account.border);
-    found.refined = atomic_load(&account.refined);
+    for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX; k++)
+        found.fitted[k] = atomic_load(&account.fitted[k]);
     *out = found;
     return VOR_OK;
 }

@@ -28,7 +28,7 @@ struct vor_account {
                                      VOR_ACCOUNT_POINTS of them at equal steps along their order */
     struct vor_account_apart out_to_in; /**< from all seeds */
     uint64_t border;                    /**< seeds at the border of the input */
-    uint64_t refined; /**< seeds whose surface was fitted to VOR_REFINED_TO points */
+    uint64_t fitted[VOR_NEIGHBORS_MAX + 1]; /**< seeds whose surface was fitted to so many points */
 };
 
 /** Seeds are on the whole domain and indexed where they are; spacing is their mean distance to the

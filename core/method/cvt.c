@@ -118,8 +118,7 @@ static int keeps_border(const struct cvt *cvt)
 
 /* The input does not go on to where the centroid of bench->cell is: ends the cell where the input
  * does, and finds its centroid x anew. */
-static void shorten_cell(const struct cvt *cvt, struct vor_bench *bench,
-                         struct vor_moments *moments, double x[3])
+static void shorten_cell(struct vor_bench *bench, struct vor_moments *moments, double x[3])
 {
     double side[2] = {moments->centroid[0] - bench->cell.seed[0],
                       moments->centroid[1] - bench->cell.seed[1]};
@@ -130,7 +129,7 @@ static void shorten_cell(const struct cvt *cvt, struct vor_bench *bench,
     side[0] /= length;
     side[1] /= length;
     end = vor_boundary_end(&bench->here.surface, bench->cell.seed, side, &bench->there.surface,
-                           bench->there.near, cvt->seeds->k);
+                           bench->there.near, bench->there.k);
     vor_cell_clip(&bench->cell, (double[3]){2 * end * side[0], 2 * end * side[1], 0});
     if (!vor_cell_moments(moments, &bench->cell))
         return;
@@ -157,12 +156,12 @@ static int restrict_move(struct cvt *cvt, struct vor_bench *bench, size_t i,
     struct vor_border border;
 
     if (!keeps_border(cvt) ||
-        vor_boundary_inside(&bench->here.surface, bench->here.near, cvt->seeds->k, x) ||
+        vor_boundary_inside(&bench->here.surface, bench->here.near, bench->here.k, x) ||
         !outside(cvt, bench, &border, x))
         return 0;
     cvt->flags[i] |= AT_BORDER;
     for (int tries = 0; tries < SHORTEN_MAX; tries++) {
-        shorten_cell(cvt, bench, moments, x);
+        shorten_cell(bench, moments, x);
         if (!outside(cvt, bench, &border, x))
             return 0;
     }

@@ -95,7 +95,7 @@ static void sample_cell(const struct areas *areas, struct vor_bench *bench, size
     vor_surface_project(&bench->here.surface, local);
     vor_surface_to_world(&bench->here.surface, local, x);
     if (areas->from->keep_border &&
-        !vor_boundary_inside(&bench->here.surface, bench->here.near, areas->from->k, x))
+        !vor_boundary_inside(&bench->here.surface, bench->here.near, bench->here.k, x))
         pull_in(areas->from, bench, x);
     for (size_t c = 0; c < 3; c++)
         areas->to->xyz[3 * sample + c] = (float)x[c];
@@ -278,7 +278,7 @@ static vor_status start_in_cells(struct areas *areas, const struct vor_spec *spe
     struct vor_seeds *from = areas->from, *to = areas->to;
     const struct vor_domain *domain = to->domain;
     vor_status status = vor_seeds_init(from, domain, to->n < domain->n ? to->n : domain->n,
-                                       (unsigned)spec->value[VOR_PARAM_NEIGHBORS], to->run, err);
+                                       to->scale, to->run, err);
 
     if (status != VOR_OK)
         return status;
@@ -290,15 +290,14 @@ static vor_status start_in_cells(struct areas *areas, const struct vor_spec *spe
 }
 
 vor_status vor_init_seeds(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
-                          const struct vor_spec *spec, const struct vor_run *run,
-                          struct vor_error *err)
+                          const struct vor_scale *scale, const struct vor_spec *spec,
+                          const struct vor_run *run, struct vor_error *err)
 {
     uint64_t seed = (uint64_t)spec->value[VOR_PARAM_SEED];
     struct vor_seeds from = {0}, to = {0};
     struct areas areas = {&from, &to, NULL, vor_rng_unit(seed, STREAM_ROUND, 0), seed};
     int done = 0;
-    vor_status status =
-        vor_seeds_init(&to, domain, n, (unsigned)spec->value[VOR_PARAM_NEIGHBORS], run, err);
+    vor_status status = vor_seeds_init(&to, domain, n, scale, run, err);
 
     if (status == VOR_OK && domain->n / PLENTY >= n && domain->n >= DENSITY_K)
         status = start_at_points(&areas, &done, err);
@@ -312,15 +311,15 @@ vor_status vor_init_seeds(struct vor_seeds *out, const struct vor_domain *domain
     return VOR_OK;
 }
 
-vor_status vor_init_area(double *out, const struct vor_domain *domain, const struct vor_spec *spec,
+vor_status vor_init_area(double *out, const struct vor_domain *domain,
+                         const struct vor_scale *scale, const struct vor_spec *spec,
                          const struct vor_run *run, struct vor_error *err)
 {
     uint64_t seed = (uint64_t)spec->value[VOR_PARAM_SEED];
     size_t n = domain->n / 2 < AREA_SEEDS ? (domain->n + 1) / 2 : AREA_SEEDS;
     struct vor_seeds from = {0};
     struct areas areas = {&from, NULL, NULL, 0, seed};
-    vor_status status =
-        vor_seeds_init(&from, domain, n, (unsigned)spec->value[VOR_PARAM_NEIGHBORS], run, err);
+    vor_status status = vor_seeds_init(&from, domain, n, scale, run, err);
 
     if (status != VOR_OK)
         return status;

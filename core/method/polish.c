@@ -214,7 +214,7 @@ static void keep_on_surface(const struct polish *polish, const struct vor_bench 
     if (bench->interior || !polish->seeds->keep_border)
         return;
     vor_surface_to_local(surface, x, local);
-    if (vor_boundary_room(surface, bench->here.near, polish->seeds->k, local, polish->h, side) >=
+    if (vor_boundary_room(surface, bench->here.near, bench->here.k, local, polish->h, side) >=
         BORDER_ROOM * polish->h)
         return;
     for (int c = 0; c < 3; c++)
@@ -227,11 +227,11 @@ static int leaves_input(const struct vor_seeds *seeds, const struct vor_bench *b
                         const double x[3], const double y[3])
 {
     const struct vor_place *here = &bench->here;
-    struct vor_border border = {&here->surface, here->near, seeds->k, here->surface.spacing};
+    struct vor_border border = {&here->surface, here->near, here->k, here->surface.spacing};
 
     if (bench->interior || !seeds->keep_border)
         return 0;
-    border.spacing = fmin(border.spacing, vor_boundary_spacing(here->near, seeds->k, y));
+    border.spacing = fmin(border.spacing, vor_boundary_spacing(here->near, here->k, y));
     border.spacing = fmin(border.spacing, seeds->domain->sparse);
     return vor_boundary_leaves(&border, INPUT_SPACINGS, x, y);
 }
@@ -255,7 +255,7 @@ static void move(struct polish *polish, struct vor_bench *bench, size_t i)
     }
     vor_surface_put(&bench->onto, y);
     if (leaves_input(seeds, bench, x, y)) {
-        vor_boundary_outward(bench->here.near, seeds->k, x, out);
+        vor_boundary_outward(bench->here.near, bench->here.k, x, out);
         remove_part(v, out, 1);
         for (int c = 0; c < 3; c++)
             y[c] = x[c] + v[c];

@@ -24,15 +24,31 @@ enum { HOLD_LEAST = 12 }; /* neighbours that tell a hole */
     0.5 /* the same of many: new lists cost them more, since they outgrow the caches               \
          */
 
-vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
-                          unsigned k, const struct vor_run *run, struct vor_error *err)
+static unsigned at_most_all(const struct vor_seeds *seeds, unsigned k)
 {
-    struct vor_seeds seeds = {
-        .domain = domain, .whole = domain, .run = run, .n = n, .keep_border = 1, .widen = 1};
+    return k < seeds->domain->n ? k : (unsigned)seeds->domain->n;
+}
+
+/* How many input points a surface at x is to be fitted to. */
+static unsigned asked(const struct vor_seeds *seeds, const float x[3])
+{
+    return at_most_all(seeds, vor_scale_at(seeds->scale, x));
+}
+
+vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
+                          const struct vor_scale *scale, const struct vor_run *run,
+                          struct vor_error *err)
+{
+    struct vor_seeds seeds = {.domain = domain,
+                              .whole = domain,
+                              .scale = scale,
+                              .run = run,
+                              .n = n,
+                              .keep_border = 1,
+                              .widen = 1};
     unsigned threads = vor_pool_threads(run->pool);
 
-    assert(n >= 1 && k >= 1 && k <= VOR_NEIGHBORS_MAX);
-    seeds.k = k < domain->n ? k : (unsigned)domain->n;
+    assert(n >= 1 && scale->most >= 1 && scale->most <= VOR_NEIGHBORS_MAX);
     vor_disc_init(&seeds.flat, 0);
     vor_disc_init(&seeds.disc, RINGS);
     vor_disc_init(&seeds.fine, RINGS_FINE);
@@ -40,8 +56,8 @@ vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain
     seeds.kept = vor_calloc(run->memory, n, sizeof *seeds.kept);
     seeds.bench = vor_calloc(run->memory, threads, sizeof *seeds.bench);
     if (seeds.xyz == NULL || seeds.kept == NULL || seeds.bench == NULL ||
-        vor_near_init(&seeds.near, n, seeds.k, domain->knn, domain->xyz, domain->n, run->memory,
-                      err) != VOR_OK ||
+        vor_near_init(&seeds.near, n, at_most_all(&seeds, scale->most), domain->knn, domain->xyz,
+                      domain->n, run->memory, err) != VOR_OK ||
         vor_swarm_init(&seeds.swarm, n, n > VOR_SEEDS_LISTED ? VOR_SEEDS_LISTED : (unsigned)n - 1,
                        run->memory, err) != VOR_OK) {
         vor_seeds_free(&seeds);
@@ -99,11 +115,34 @@ struct vor_counts vor_seeds_counts(const struct vor_seeds *seeds)
     return counts;
 }
 
-static void gather(const struct vor_seeds *seeds, struct vor_place *place, const uint32_t *index)
+static void gather(const struct vor_seeds *seeds, struct vor_place *place, const uint32_t *index,
+                   unsigned k)
 {
-    for (unsigned j = 0; j < seeds->k; j++)
+    place->k = k;
+    for (unsigned j = 0; j < k; j++)
         memcpy(&place->near[3 * j], &seeds->domain->xyz[3 * (size_t)index[j]],
                3 * sizeof *place->near);
+}
+
+/* The points for the surface of seed i. How many it asks anew with each new list. */
+static enum vor_near_found search(struct vor_seeds *seeds, struct vor_bench *bench, size_t i,
+                                  const uint32_t **index)
+{
+    struct vor_kept *kept = &seeds->kept[i];
+    const float *x = &seeds->xyz[3 * i];
+    enum vor_near_found found;
+
+    if (kept->k > 0) {
+        found = vor_near_search(&seeds->near, i, x, kept->k, index);
+        if (found != VOR_NEAR_ANEW)
+            return found;
+        bench->queries++;
+        if (asked(seeds, x) == kept->k)
+            return VOR_NEAR_ANEW;
+    }
+    kept->k = (uint16_t)asked(seeds, x);
+    bench->queries++;
+    return vor_near_search(&seeds->near, i, x, kept->k, index);
 }
 
 enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_bench *bench, size_t i)
@@ -112,18 +151,17 @@ enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_bench *b
     struct vor_kept *kept = &seeds->kept[i];
     const float *x = &seeds->xyz[3 * i];
     const uint32_t *index;
-    enum vor_near_found found = vor_near_search(&seeds->near, i, x, &index);
+    enum vor_near_found found = search(seeds, bench, i, &index);
 
     bench->interior = 0;
-    gather(seeds, here, index);
+    gather(seeds, here, index, kept->k);
     /* Of the same points another may be the nearest, and so the sheet another. */
     if (found != VOR_NEAR_SAME || kept->layered || kept->refined) {
         double at[3];
 
         vor_seeds_position(seeds, i, at);
-        bench->queries += found == VOR_NEAR_ANEW;
         kept->layered =
-            (unsigned char)vor_sheets_fit(&kept->surface, here->near, seeds->domain, at, seeds->k);
+            (unsigned char)vor_sheets_fit(&kept->surface, here->near, seeds->domain, at, kept->k);
     }
     kept->refined = 0;
     kept->interior = 0;
@@ -142,16 +180,18 @@ static int far_from_border(const struct vor_seeds *seeds, const struct vor_bench
     if (!seeds->keep_border)
         return 1;
     vor_surface_to_local(&here->surface, x, local);
-    return vor_boundary_within(here->near, seeds->k, x,
-                               inside * vor_boundary_spacing(here->near, seeds->k, x)) &&
-           isinf(vor_boundary_room(&here->surface, here->near, seeds->k, local, radius, side));
+    return vor_boundary_within(here->near, here->k, x,
+                               inside * vor_boundary_spacing(here->near, here->k, x)) &&
+           isinf(vor_boundary_room(&here->surface, here->near, here->k, local, radius, side));
 }
 
 int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_bench *bench, size_t i,
                      struct vor_surface *surface)
 {
-    return seeds->refined && seeds->k >= VOR_REFINED_MIN && seeds->k <= VOR_REFINED_MAX &&
-           vor_surface_refine(surface, bench->here.near, seeds->k, &seeds->xyz[3 * i]);
+    unsigned k = bench->here.k;
+
+    return seeds->refined && k >= VOR_REFINED_MIN && k <= VOR_REFINED_MAX &&
+           vor_surface_refine(surface, bench->here.near, k, &seeds->xyz[3 * i]);
 }
 
 enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_bench *bench, size_t i,
@@ -185,11 +225,12 @@ enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor
     float query[3] = {(float)x[0], (float)x[1], (float)x[2]};
     uint32_t index[VOR_NEIGHBORS_MAX];
     float distance2[VOR_NEIGHBORS_MAX];
+    unsigned k = asked(seeds, query);
 
-    vor_knn_search(seeds->domain->knn, query, 1, seeds->k, index, distance2);
+    vor_knn_search(seeds->domain->knn, query, 1, k, index, distance2);
     bench->queries++;
-    gather(seeds, place, index);
-    (void)vor_sheets_fit(&place->surface, place->near, seeds->domain, x, seeds->k);
+    gather(seeds, place, index, k);
+    (void)vor_sheets_fit(&place->surface, place->near, seeds->domain, x, k);
     return place->surface.kind;
 }
 
@@ -200,9 +241,9 @@ void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
 
     double sparse = seeds->domain->sparse;
 
-    *border = (struct vor_border){&place->surface, place->near, seeds->k,
+    *border = (struct vor_border){&place->surface, place->near, place->k,
                                   fmin(place->surface.spacing, sparse)};
-    if (vor_boundary_within(place->near, seeds->k, x, border->spacing))
+    if (vor_boundary_within(place->near, place->k, x, border->spacing))
         return;
     if (vor_seeds_fit_at(seeds, bench, &bench->foot, foot) != VOR_SURFACE_NONE)
         border->spacing = fmin(bench->foot.surface.spacing, sparse);
@@ -210,8 +251,9 @@ void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
 
 int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_bench *bench, double x[3])
 {
-    const float *near = bench->here.near, *other = bench->foot.near;
-    unsigned k = seeds->k;
+    const struct vor_place *other = &bench->foot;
+    const float *near = bench->here.near;
+    unsigned k = bench->here.k;
     double foot[3], spacing, length;
 
     if (k < HOLD_LEAST)
@@ -222,9 +264,9 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_bench *bench, doubl
     if (length <= VOR_BORDER_MARGIN * spacing ||
         vor_boundary_beyond(near, k, foot, x, vor_boundary_reach(near, k, x) - length) ||
         vor_seeds_fit_at(seeds, bench, &bench->foot, foot) == VOR_SURFACE_NONE ||
-        vor_boundary_beyond(other, k, foot, x, INFINITY))
+        vor_boundary_beyond(other->near, other->k, foot, x, INFINITY))
         return 0;
-    if (vor_boundary_regularity(other, k, bench->foot.surface.spacing) < REGULAR)
+    if (vor_boundary_regularity(other->near, other->k, other->surface.spacing) < REGULAR)
         return 0;
     for (int c = 0; c < 3; c++)
         x[c] = foot[c] + (x[c] - foot[c]) * (VOR_BORDER_MARGIN * spacing / length);
@@ -320,7 +362,7 @@ const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds, const struc
 
 static void end_at_border(const struct vor_seeds *seeds, struct vor_bench *bench)
 {
-    double side[2], room = vor_boundary_room(&bench->here.surface, bench->here.near, seeds->k,
+    double side[2], room = vor_boundary_room(&bench->here.surface, bench->here.near, bench->here.k,
                                              bench->cell.seed, bench->radius / seeds->widen, side);
 
     if (room < bench->radius)

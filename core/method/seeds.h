@@ -10,6 +10,7 @@
 #include "core/knn/near.h"
 #include "core/knn/swarm.h"
 #include "core/method/domain.h"
+#include "core/method/scale.h"
 
 #define VOR_SEEDS_BLOCK 256    /* seeds a task; also the unit of the sums */
 #define VOR_SEEDS_LISTED 20    /* neighbours in the list of each seed */
@@ -17,6 +18,7 @@
 
 /** Input points around a place, nearest first, and the surface fitted to them. */
 struct vor_place {
+    unsigned k; /**< how many */
     float near[3 * VOR_NEIGHBORS_MAX];
     struct vor_surface surface;
 };
@@ -24,10 +26,11 @@ struct vor_place {
 /** What is kept of a seed's last fit. */
 struct vor_kept {
     struct vor_surface surface;
-    float place[3];         /**< where the seed was */
-    unsigned char interior; /**< no border of the input is near that place */
-    unsigned char layered;  /**< fitted to one sheet of several */
-    unsigned char refined;  /**< a finer fit was tried */
+    float place[3];             /**< where the seed was */
+    uint16_t k;                 /**< input points it was fitted to, or is to be; 0: not known yet */
+    unsigned char interior : 1; /**< no border of the input is near that place */
+    unsigned char layered : 1;  /**< fitted to one sheet of several */
+    unsigned char refined : 1;  /**< a finer fit was tried */
 };
 
 /** Scratch of one worker, and what it counts. */
@@ -49,8 +52,8 @@ struct vor_seeds {
     const struct vor_domain *whole;  /**< that the seeds are to end on */
     const struct vor_run *run;
     size_t n;
-    unsigned k;      /**< input points a surface is fitted to */
-    int refined;     /**< vor_seeds_recall tries vor_surface_refine; 0 at first */
+    const struct vor_scale *scale; /**< how many input points a surface is fitted to */
+    int refined;                   /**< vor_seeds_recall tries vor_surface_refine; 0 at first */
     int keep_holes;  /**< holes are told from gaps: vor_seeds_hold; set by vor_settle */
     int keep_border; /**< cells end where the input ends; set by vor_seeds_init, may be changed */
     float *xyz;      /**< n x 3 */
@@ -64,12 +67,13 @@ struct vor_seeds {
     struct vor_bench *bench;          /**< one for each thread of the pool */
 };
 
-/** n seeds with unset positions; n >= 1; k as in the request, lowered to the size of the domain.
+/** n seeds with unset positions; n >= 1; scale, which must outlive them, lowered to the size
+ * of the domain.
  *
  *  @retval VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain,
-                                        size_t n, unsigned k, const struct vor_run *run,
-                                        struct vor_error *err);
+                                        size_t n, const struct vor_scale *scale,
+                                        const struct vor_run *run, struct vor_error *err);
 
 void vor_seeds_free(struct vor_seeds *seeds);
 

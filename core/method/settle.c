@@ -86,15 +86,17 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
     for (size_t i = begin; i < end; i++) {
         struct vor_place *here = &bench->here;
         const float *foot = &seeds->domain->xyz[3 * (size_t)vor_near_first(&seeds->near, i)];
-        struct vor_border border = {&here->surface, here->near, seeds->k, seeds->domain->sparse};
+        struct vor_border border;
         double x[3];
 
         /* An input point that was the nearest of late is near enough. */
         if (vor_distance2f(foot, &seeds->xyz[3 * i]) <= near2)
             continue;
         vor_seeds_position(seeds, i, x);
-        if (vor_seeds_fit(seeds, bench, i) == VOR_SURFACE_NONE ||
-            !vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x))
+        if (vor_seeds_fit(seeds, bench, i) == VOR_SURFACE_NONE)
+            continue;
+        border = (struct vor_border){&here->surface, here->near, here->k, seeds->domain->sparse};
+        if (!vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x))
             continue;
         for (size_t c = 0; c < 3; c++)
             seeds->xyz[3 * i + c] = (float)x[c];

@@ -84,7 +84,7 @@ static enum vor_near_found check_query(struct walk *walk, size_t i)
     const uint32_t *index;
     uint32_t brute[K_MAX];
     float found[K_MAX], expected[K_MAX];
-    enum vor_near_found how = vor_near_search(&walk->near, i, walk->at[i], &index);
+    enum vor_near_found how = vor_near_search(&walk->near, i, walk->at[i], walk->k, &index);
     unsigned twice = 0;
     int same = same_set(walk, i, index);
 
@@ -201,6 +201,30 @@ START_TEST(more_neighbours_than_the_reference_has_room_for_are_all_of_it)
 }
 END_TEST
 
+/* Every query asks for another number each time: a list is made for each. */
+START_TEST(a_query_may_ask_for_more_or_fewer_each_time)
+{
+    struct walk walk;
+    unsigned most = 40;
+
+    start(&walk, (uint64_t)_i, 60 + 300 * (size_t)(_i % 3), most);
+    for (size_t s = 0; s < STEPS; s++)
+        for (size_t i = 0; i < QUERIES; i++) {
+            unsigned before = walk.near.k[i];
+
+            walk.k = 1 + (unsigned)vor_rng_below((uint64_t)_i, 3, s / 2 * QUERIES + i, most);
+            if (check_query(&walk, i) != VOR_NEAR_ANEW)
+                ck_assert_uint_eq(before, walk.k);
+            for (size_t c = 0; c < 3; c++)
+                walk.at[i][c] +=
+                    (float)(0.001 * (vt_unit((uint64_t)_i + 2, (s * QUERIES + i) * 3 + c) - 0.5));
+        }
+    ck_assert_uint_ge(walk.found[VOR_NEAR_ANEW], QUERIES * STEPS / 3);
+    ck_assert_uint_ge(walk.found[VOR_NEAR_SAME], QUERIES);
+    end(&walk);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("near");
@@ -209,6 +233,7 @@ int main(void)
     vt_add_loop(suite, a_query_that_stands_still_keeps_its_points, 3);
     vt_add_loop(suite, a_set_is_the_same_as_at_the_last_search_not_as_at_one_before, 5);
     vt_add_loop(suite, put_onto_other_points_it_forgets_the_first_ones, 3);
+    vt_add_loop(suite, a_query_may_ask_for_more_or_fewer_each_time, 6);
     vt_add(suite, more_neighbours_than_the_reference_has_room_for_are_all_of_it);
     return vt_run(suite);
 }

@@ -25,7 +25,8 @@ static void open_bed(struct bed *bed, uint64_t seed, size_t points, size_t n)
     else
         vt_cloud_box(&bed->cloud, seed, points);
     vt_assert_ok(vor_domain_init(&bed->domain, &bed->cloud, &bed->engine.run, &vt_err));
-    vt_assert_ok(vor_seeds_init(&bed->seeds, &bed->domain, n, 20, &bed->engine.run, &vt_err));
+    vt_assert_ok(vor_seeds_init(&bed->seeds, &bed->domain, n, &bed->engine.scale, &bed->engine.run,
+                                &vt_err));
     for (size_t i = 0; i < 3 * n; i++) {
         size_t from = (size_t)vor_rng_below(seed, 41, i / 3, bed->domain.n);
 
@@ -61,7 +62,7 @@ static void clip_by_all(struct vor_cell *cell, const struct vor_seeds *seeds,
     vor_seeds_position(seeds, i, x);
     vor_surface_to_local(surface, x, local);
     vor_cell_begin(cell, vor_seeds_disc(seeds, bench), surface, local, bench->radius);
-    room = vor_boundary_room(surface, bench->here.near, seeds->k, local,
+    room = vor_boundary_room(surface, bench->here.near, bench->here.k, local,
                              bench->radius / seeds->widen, side);
     if (seeds->keep_border && room < bench->radius)
         vor_cell_clip(cell, (double[3]){2 * room * side[0], 2 * room * side[1], 0});
@@ -175,7 +176,8 @@ START_TEST(a_seed_is_recalled_where_it_was_fitted_and_no_border_is_near)
     size_t interior = 0, border = 0;
 
     open_bed(&bed, (uint64_t)_i, 3000, ALL);
-    vt_assert_ok(vor_seeds_init(&twin, &bed.domain, ALL, 20, &bed.engine.run, &vt_err));
+    vt_assert_ok(
+        vor_seeds_init(&twin, &bed.domain, ALL, &bed.engine.scale, &bed.engine.run, &vt_err));
     memcpy(twin.xyz, bed.seeds.xyz, 3 * ALL * sizeof *twin.xyz);
     bench = &bed.seeds.bench[0];
     fresh = &twin.bench[0];
@@ -195,9 +197,10 @@ START_TEST(a_seed_is_recalled_where_it_was_fitted_and_no_border_is_near)
         vor_surface_to_local(surface, at, local);
         ck_assert_int_eq(
             bench->interior,
-            vor_boundary_within(fresh->here.near, twin.k, at,
-                                vor_boundary_spacing(fresh->here.near, twin.k, at)) &&
-                isinf(vor_boundary_room(surface, fresh->here.near, twin.k, local, radius, side)));
+            vor_boundary_within(fresh->here.near, fresh->here.k, at,
+                                vor_boundary_spacing(fresh->here.near, fresh->here.k, at)) &&
+                isinf(vor_boundary_room(surface, fresh->here.near, fresh->here.k, local, radius,
+                                        side)));
         interior += bench->interior != 0;
         border += bench->interior == 0;
         step = (float)(allowed * surface->spacing);

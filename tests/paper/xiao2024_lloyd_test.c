@@ -115,7 +115,7 @@ START_TEST(eq_5_a_hexagonal_lattice_in_a_plane_stands_still)
     vt_engine_open(&engine, 1);
     vt_cloud_square(&cloud, 1, 4000);
     vt_assert_ok(vor_domain_init(&domain, &cloud, &engine.run, &vt_err));
-    vt_assert_ok(vor_seeds_init(&seeds, &domain, SIDE * SIDE, 20, &engine.run, &vt_err));
+    vt_assert_ok(vor_seeds_init(&seeds, &domain, SIDE * SIDE, &engine.scale, &engine.run, &vt_err));
     for (size_t i = 0; i < SIDE * SIDE; i++) {
         double row = (double)(i / SIDE), column = (double)(i % SIDE);
 
@@ -245,9 +245,10 @@ static double delta_from(const struct vor_cloud *cloud, uint64_t seed, int rando
     vt_engine_count(&engine, "seed", (size_t)seed);
     vt_assert_ok(vor_domain_init(&domain, cloud, &engine.run, &vt_err));
     if (random)
-        vt_assert_ok(vor_seeds_init(&seeds, &domain, START, 20, &engine.run, &vt_err));
+        vt_assert_ok(vor_seeds_init(&seeds, &domain, START, &engine.scale, &engine.run, &vt_err));
     else
-        vt_assert_ok(vor_init_seeds(&seeds, &domain, START, &engine.spec, &engine.run, &vt_err));
+        vt_assert_ok(vor_init_seeds(&seeds, &domain, START, &engine.scale, &engine.spec,
+                                    &engine.run, &vt_err));
     *left = 0;
     for (size_t i = 0; i < START; i++) {
         size_t from = (size_t)vor_rng_below(seed, 71, i, domain.n);

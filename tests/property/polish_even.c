@@ -292,7 +292,8 @@ START_TEST(seeds_at_one_place_or_over_one_another_part)
     vt_engine_open(&engine, 2);
     vt_engine_set(&engine, "neighbors", "20");
     vt_assert_ok(vor_domain_init(&domain, &in, &engine.run, &vt_err));
-    vt_assert_ok(vor_init_seeds(&seeds, &domain, TO, &engine.spec, &engine.run, &vt_err));
+    vt_assert_ok(
+        vor_init_seeds(&seeds, &domain, TO, &engine.scale, &engine.spec, &engine.run, &vt_err));
     stack(&seeds, shares[_i]);
     vt_assert_ok(vor_seeds_index(&seeds, &vt_err));
     vt_assert_ok(vor_even_measure(&before, nearest, &seeds, seeds.xyz, &vt_err));

@@ -4,13 +4,16 @@
 #define VT_ENGINE_H
 
 #include "core/engine.h"
+#include "core/method/scale.h"
 #include "tests/support/vt.h"
 
-/** A pool of threads, a run on it that allocates from vt_memory, a request at its defaults. */
+/** A pool of threads, a run on it that allocates from vt_memory, a request at its defaults, 20
+ * neighbours for those who go below the engine. */
 struct vt_engine {
     struct vor_pool *pool;
     struct vor_run run;
     struct vor_spec spec;
+    struct vor_scale scale;
 };
 
 void vt_engine_open(struct vt_engine *engine, unsigned threads);

@@ -19,7 +19,8 @@ static void open_bed(struct bed *bed, const struct vor_cloud *in, size_t n)
 {
     vt_engine_open(&bed->engine, 2);
     vt_assert_ok(vor_domain_init(&bed->domain, in, &bed->engine.run, &vt_err));
-    vt_assert_ok(vor_seeds_init(&bed->seeds, &bed->domain, n, 20, &bed->engine.run, &vt_err));
+    vt_assert_ok(vor_seeds_init(&bed->seeds, &bed->domain, n, &bed->engine.scale, &bed->engine.run,
+                                &vt_err));
 }
 
 static void close_bed(struct bed *bed)

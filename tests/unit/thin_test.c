@@ -172,8 +172,8 @@ START_TEST(who_lands_lies_on_the_surface_of_the_whole)
 
     make_waves(&bed.cloud, (uint64_t)_i);
     start(&bed, 2, GAP);
-    vt_assert_ok(
-        vor_init_seeds(&seeds, &bed.whole, FEW, &bed.engine.spec, &bed.engine.run, &vt_err));
+    vt_assert_ok(vor_init_seeds(&seeds, &bed.whole, FEW, &bed.engine.scale, &bed.engine.spec,
+                                &bed.engine.run, &vt_err));
     vor_seeds_onto(&seeds, &bed.thin);
     ck_assert_ptr_eq(seeds.domain, &bed.thin);
     project_all(&seeds);
@@ -209,8 +209,8 @@ START_TEST(a_stop_does_not_keep_seeds_from_landing_and_a_cancel_does)
 
     make_waves(&bed.cloud, 1);
     start(&bed, 2, GAP);
-    vt_assert_ok(
-        vor_init_seeds(&seeds, &bed.whole, FEW, &bed.engine.spec, &bed.engine.run, &vt_err));
+    vt_assert_ok(vor_init_seeds(&seeds, &bed.whole, FEW, &bed.engine.scale, &bed.engine.spec,
+                                &bed.engine.run, &vt_err));
     vor_seeds_onto(&seeds, &bed.thin);
     bed.engine.run.watch = &watch;
     vt_assert_ok(vor_land(&seeds, &vt_err));
