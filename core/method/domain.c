@@ -365,7 +365,8 @@ static vor_status thin_points(struct thinning *thinning, const struct vor_run *r
 vor_status vor_domain_thin(struct vor_domain *out, const struct vor_domain *in, double gap,
                            const struct vor_run *run, struct vor_error *err)
 {
-    struct vor_domain domain = {.memory = run->memory, .unit = in->unit, .sheets = in->sheets};
+    struct vor_domain domain = {
+        .memory = run->memory, .unit = in->unit, .sheets = in->sheets, .rounded = in->rounded};
     struct thinning thinning = {.in = in, .out = &domain, .gap2 = gap * gap};
     vor_status status;
 

@@ -20,6 +20,8 @@ struct vor_domain {
                               the 999th of 1,000 of an even sample */
     struct vor_knn *knn; /**< over xyz */
     int sheets;          /**< fits look for layers; set by vor_sheets_find */
+    int rounded;         /**< its points were moved off a lattice, and so are not exact; set by
+                              vor_lattice_smooth */
 };
 
 /** On the run's pool; the domain allocates from the run's memory and keeps neither the run nor in.

@@ -401,7 +401,7 @@ static void harden(struct polish *polish, unsigned steps)
 
     polish->power = SOFT + (HARD - SOFT) * done / (steps > 1 ? steps - 1 : 1);
     polish->cells = done % CELLS_EVERY == 0;
-    polish->seeds->refined = 2 * done >= steps;
+    polish->seeds->refined = 2 * done >= steps && !polish->seeds->whole->rounded;
     polish->slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
 }
 

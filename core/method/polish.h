@@ -9,7 +9,9 @@
  * meet; so, every few steps, the farthest corner of each point's Voronoi cell is found, and where
  * that is farther than a hole among equal distances need be, the point is pulled towards it. Points
  * at the border are not pushed out, and where the input is more than 1.2 spacings away a point goes
- * along it or nearer, not on into the hole. */
+ * along it or nearer, not on into the hole. In the second half of the steps the surfaces of an
+ * exact input keep its edges (vor_surface_refine); points that were moved off a lattice are not
+ * exact. */
 #ifndef VOR_METHOD_POLISH_H
 #define VOR_METHOD_POLISH_H
 
