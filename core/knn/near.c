@@ -159,3 +159,30 @@ enum vor_near_found vor_near_search(struct vor_near *near, size_t i, const float
     make_list(near, i, x, k);
     return VOR_NEAR_ANEW;
 }
+
+unsigned vor_near_around(const struct vor_near *near, size_t i, const float x[3], unsigned k,
+                         uint32_t *index)
+{
+    const uint32_t *list = &near->list[i * near->wide];
+    unsigned wide = width(near, near->k[i]), count = 0;
+    float distance2[WIDE_MAX], sure;
+
+    if (near->reach[i] < 0)
+        return 0;
+    sure = near->reach[i] - sqrtf(squared(&near->anchor[3 * i], x));
+    for (unsigned j = 0; j < wide; j++) {
+        float d2 = squared(&near->reference[3 * (size_t)list[j]], x);
+        unsigned at;
+
+        if (sqrtf(d2) * ROUNDING > sure || (count == k && d2 >= distance2[k - 1]))
+            continue;
+        count += count < k;
+        for (at = count - 1; at > 0 && d2 < distance2[at - 1]; at--) {
+            distance2[at] = distance2[at - 1];
+            index[at] = index[at - 1];
+        }
+        distance2[at] = d2;
+        index[at] = list[j];
+    }
+    return count;
+}

@@ -51,6 +51,11 @@ enum vor_near_found {
 enum vor_near_found vor_near_search(struct vor_near *near, size_t i, const float x[3], unsigned k,
                                     const uint32_t **index);
 
+/** The reference points nearest to any x near query i, nearest first, as far as the list of i
+ * surely holds them: as many as that, k at most. */
+unsigned vor_near_around(const struct vor_near *near, size_t i, const float x[3], unsigned k,
+                         uint32_t *index);
+
 /** The reference point that was nearest to query i in its last search. */
 static inline uint32_t vor_near_first(const struct vor_near *near, size_t i)
 {

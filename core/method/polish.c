@@ -261,7 +261,7 @@ static void move(struct polish *polish, struct vor_bench *bench, size_t i)
             y[c] = x[c] + v[c];
         vor_surface_put(&bench->onto, y);
     }
-    if (!bench->interior && seeds->keep_holes && vor_seeds_hold(seeds, bench, y))
+    if (!bench->interior && seeds->keep_holes && vor_seeds_hold(seeds, bench, i, y))
         vor_surface_put(&bench->onto, y);
     for (size_t c = 0; c < 3; c++) {
         polish->next[3 * i + c] = (float)y[c];

@@ -249,7 +249,20 @@ void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
         border->spacing = fmin(bench->foot.surface.spacing, sparse);
 }
 
-int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_bench *bench, double x[3])
+/* Whether the input goes on beyond x, as seen from the input point at `foot`, by what the list of
+ * seed i tells of the points around that: false where it does not tell. */
+static int goes_on(const struct vor_seeds *seeds, size_t i, const double foot[3], const double x[3],
+                   unsigned k)
+{
+    float at[3] = {(float)foot[0], (float)foot[1], (float)foot[2]};
+    struct vor_place around;
+    uint32_t index[VOR_NEIGHBORS_MAX];
+
+    gather(seeds, &around, index, vor_near_around(&seeds->near, i, at, k, index));
+    return vor_boundary_beyond(around.near, around.k, foot, x, INFINITY);
+}
+
+int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_bench *bench, size_t i, double x[3])
 {
     const struct vor_place *other = &bench->foot;
     const float *near = bench->here.near;
@@ -260,13 +273,13 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_bench *bench, doubl
         return 0;
     length = vor_boundary_foot(near, k, x, foot);
     spacing = vor_boundary_spacing(near, k, x);
-    /* What is near enough to the foot is among the neighbours of x: that saves most searches. */
+    /* Mostly the points at hand tell, and save a search. Not of sheets: they may be on another. */
     if (length <= VOR_BORDER_MARGIN * spacing ||
         vor_boundary_beyond(near, k, foot, x, vor_boundary_reach(near, k, x) - length) ||
+        (!seeds->domain->sheets && goes_on(seeds, i, foot, x, k)) ||
         vor_seeds_fit_at(seeds, bench, &bench->foot, foot) == VOR_SURFACE_NONE ||
-        vor_boundary_beyond(other->near, other->k, foot, x, INFINITY))
-        return 0;
-    if (vor_boundary_regularity(other->near, other->k, other->surface.spacing) < REGULAR)
+        vor_boundary_beyond(other->near, other->k, foot, x, INFINITY) ||
+        vor_boundary_regularity(other->near, other->k, other->surface.spacing) < REGULAR)
         return 0;
     for (int c = 0; c < 3; c++)
         x[c] = foot[c] + (x[c] - foot[c]) * (VOR_BORDER_MARGIN * spacing / length);

@@ -139,9 +139,10 @@ struct vor_counts vor_seeds_counts(const struct vor_seeds *seeds);
 void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
                       const struct vor_place *place, struct vor_border *border, const double x[3]);
 
-/** Moves x, which bench->here was gathered around, straight back towards the input where it lies
- * too far into a hole or beyond an edge of a regular input. Returns whether it did. */
-int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_bench *bench, double x[3]);
+/** Moves x, near seed i, which bench->here was gathered around, straight back towards the input
+ * where it lies too far into a hole or beyond an edge of a regular input. Returns whether it did.
+ */
+int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_bench *bench, size_t i, double x[3]);
 
 /** Whether surfaces are fitted to all of what the seeds are to end on. */
 static inline int vor_seeds_on_whole(const struct vor_seeds *seeds)

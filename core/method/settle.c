@@ -29,8 +29,8 @@ static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
     for (size_t i = begin; i < end; i += settle->every) {
         vor_seeds_position(seeds, i, x);
-        beyond +=
-            vor_seeds_fit(seeds, bench, i) != VOR_SURFACE_NONE && vor_seeds_hold(seeds, bench, x);
+        beyond += vor_seeds_fit(seeds, bench, i) != VOR_SURFACE_NONE &&
+                  vor_seeds_hold(seeds, bench, i, x);
     }
     atomic_fetch_add(&settle->beyond, beyond);
 }
@@ -53,7 +53,7 @@ static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
             vor_surface_put(&bench->here.surface, x);
         if (seeds->keep_border) {
             vor_seeds_border(seeds, bench, &bench->here, &border, x);
-            moved |= seeds->keep_holes && vor_seeds_hold(seeds, bench, x);
+            moved |= seeds->keep_holes && vor_seeds_hold(seeds, bench, i, x);
             moved |= vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x);
         }
         for (size_t c = 0; moved && c < 3; c++)
