@@ -42,6 +42,15 @@ static void draw(struct vor_seeds *seeds, uint64_t seed)
     }
 }
 
+/* Samples of one cell, so many at a time, spread over it by random points of it; (u, v, w). */
+enum { TOGETHER = 64, RANDOM = 16, ROUNDS = 5 };
+
+struct spread {
+    size_t n;
+    double at[TOGETHER][3];
+    double pool[TOGETHER * RANDOM][3];
+};
+
 /* Running sum of the areas, and what is sampled from it. */
 struct areas {
     struct vor_seeds *from, *to;
@@ -85,13 +94,77 @@ static void pull_in(const struct vor_seeds *seeds, struct vor_bench *bench, doub
     (void)vor_boundary_restrict(&border, VOR_BORDER_MOVING, x);
 }
 
-static void sample_cell(const struct areas *areas, struct vor_bench *bench, size_t sample)
+/* Random points of the cell, RANDOM for each of n samples. */
+static void draw_pool(struct spread *spread, const struct areas *areas, const struct vor_cell *cell,
+                      size_t first, size_t n)
 {
-    double unit[3], local[3], x[3];
+    double unit[3];
 
-    for (size_t c = 0; c < 3; c++)
-        unit[c] = vor_rng_unit(areas->seed, STREAM_SAMPLE, 3 * sample + c);
-    vor_cell_sample(&bench->cell, unit, local);
+    spread->n = n;
+    for (size_t j = 0; j < n * RANDOM; j++) {
+        for (size_t c = 0; c < 3; c++)
+            unit[c] = vor_rng_unit(areas->seed, STREAM_SAMPLE, 3 * (first * RANDOM + j) + c);
+        vor_cell_sample(cell, unit, spread->pool[j]);
+    }
+}
+
+static double apart2(const double a[3], const double b[3])
+{
+    return (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]);
+}
+
+/* Each sample starts at that of its own random points that is farthest from the samples before. */
+static void start_apart(struct spread *spread)
+{
+    for (size_t i = 0; i < spread->n; i++) {
+        double farthest = -1;
+
+        for (size_t j = i * RANDOM; j < (i + 1) * RANDOM; j++) {
+            double nearest = INFINITY;
+
+            for (size_t before = 0; before < i; before++)
+                nearest = fmin(nearest, apart2(spread->pool[j], spread->at[before]));
+            if (nearest > farthest) {
+                farthest = nearest;
+                memcpy(spread->at[i], spread->pool[j], sizeof spread->at[i]);
+            }
+        }
+    }
+}
+
+static size_t nearest_sample(const struct spread *spread, const double x[3])
+{
+    size_t nearest = 0;
+
+    for (size_t i = 1; i < spread->n; i++)
+        if (apart2(x, spread->at[i]) < apart2(x, spread->at[nearest]))
+            nearest = i;
+    return nearest;
+}
+
+/* Each sample goes to the middle of the random points that are nearest to it. */
+static void relax(struct spread *spread)
+{
+    double sum[TOGETHER][3], count[TOGETHER] = {0};
+
+    memset(sum, 0, sizeof sum);
+    for (size_t j = 0; j < spread->n * RANDOM; j++) {
+        size_t i = nearest_sample(spread, spread->pool[j]);
+
+        count[i]++;
+        for (int c = 0; c < 3; c++)
+            sum[i][c] += spread->pool[j][c];
+    }
+    for (size_t i = 0; i < spread->n; i++)
+        for (int c = 0; c < 3 && count[i] > 0; c++)
+            spread->at[i][c] = sum[i][c] / count[i];
+}
+
+static void place_sample(const struct areas *areas, struct vor_bench *bench, size_t sample,
+                         double local[3])
+{
+    double x[3];
+
     vor_surface_project(&bench->here.surface, local);
     vor_surface_to_world(&bench->here.surface, local, x);
     if (areas->from->keep_border &&
@@ -99,6 +172,19 @@ static void sample_cell(const struct areas *areas, struct vor_bench *bench, size
         pull_in(areas->from, bench, x);
     for (size_t c = 0; c < 3; c++)
         areas->to->xyz[3 * sample + c] = (float)x[c];
+}
+
+/* Starts n seeds in bench->cell. */
+static void sample_cell(const struct areas *areas, struct vor_bench *bench, size_t first, size_t n)
+{
+    struct spread spread;
+
+    draw_pool(&spread, areas, &bench->cell, first, n);
+    start_apart(&spread);
+    for (int round = 0; round < ROUNDS; round++)
+        relax(&spread);
+    for (size_t i = 0; i < n; i++)
+        place_sample(areas, bench, first + i, spread.at[i]);
 }
 
 static void sample_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -112,8 +198,8 @@ static void sample_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
         if (first == last || vor_seeds_cell(areas->from, bench, i) == VOR_SURFACE_NONE)
             continue;
-        for (size_t sample = first; sample < last; sample++)
-            sample_cell(areas, bench, sample);
+        for (size_t sample = first; sample < last; sample += TOGETHER)
+            sample_cell(areas, bench, sample, last - sample < TOGETHER ? last - sample : TOGETHER);
     }
 }
 
