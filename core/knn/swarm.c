@@ -8,6 +8,8 @@
 enum { BLOCK = 256, SEARCHED = 32, SHARE = 256 }; /* SEARCHED: points a call of the index */
 
 #define ROUNDING 0.9999 /* what float distances may be off, and more */
+#define GROUND 4.0      /* spacings: lists reach about 2.5 */
+#define GROUND_MAX 0.1F /* beyond it, too many cells are marked to be of use */
 #define COVERED 1.4     /* a list should hold everything this many times the sixth distance away */
 
 vor_status vor_swarm_init(struct vor_swarm *out, size_t n, unsigned listed,
@@ -111,6 +113,31 @@ static unsigned jumpers_allowed(size_t n)
     return n / SHARE < VOR_SWARM_JUMPERS_MAX ? (unsigned)(n / SHARE) : VOR_SWARM_JUMPERS_MAX;
 }
 
+/* The cell of a coordinate, of which all but jumpers are -1 .. 1; never less for a greater one. */
+static unsigned cell_of(float x)
+{
+    return x <= -1 ? 0 : x >= 1 ? 63 : (unsigned)((x + 1) * 31.999f);
+}
+
+/* Marks the cells that are, at least in part, within `ground` of a jumper to all sides. */
+static void mark(struct vor_swarm_view *view, const float at[3])
+{
+    unsigned low[3], high[3];
+
+    for (int c = 0; c < 3; c++) {
+        low[c] = cell_of(at[c] - view->ground);
+        high[c] = cell_of(at[c] + view->ground);
+    }
+    for (unsigned x = low[0]; x <= high[0]; x++)
+        for (unsigned y = low[1]; y <= high[1]; y++)
+            view->cells[64 * x + y] |= (~UINT64_C(0) >> (63 - high[2])) & (~UINT64_C(0) << low[2]);
+}
+
+static int is_marked(const struct vor_swarm_view *view, const float at[3])
+{
+    return (view->cells[64 * cell_of(at[0]) + cell_of(at[1])] >> cell_of(at[2])) & 1;
+}
+
 int vor_swarm_look(struct vor_swarm_view *out, const struct vor_swarm *swarm, const float *xyz,
                    double far)
 {
@@ -119,6 +146,10 @@ int vor_swarm_look(struct vor_swarm_view *out, const struct vor_swarm *swarm, co
 
     out->xyz = xyz;
     out->jumpers = 0;
+    out->ground = (float)(GROUND * swarm->spacing);
+    if (out->ground > GROUND_MAX)
+        out->ground = 0;
+    memset(out->cells, 0, sizeof out->cells);
     if (swarm->knn == NULL)
         return 0;
     for (size_t i = 0; i < swarm->n; i++) {
@@ -133,6 +164,7 @@ int vor_swarm_look(struct vor_swarm_view *out, const struct vor_swarm *swarm, co
         for (size_t c = 0; c < 3; c++)
             out->jumped[c][out->jumpers] = xyz[3 * i + c];
         out->jumper[out->jumpers++] = (uint32_t)i;
+        mark(out, &xyz[3 * i]);
     }
     out->drift = sqrt(drift2);
     return 1;
@@ -202,6 +234,8 @@ static int near_jumper(const struct vor_swarm_view *view, size_t i, float limit2
     const float *at = &view->xyz[3 * i];
     int found = 0;
 
+    if (limit2 * 1.01f < view->ground * view->ground && !is_marked(view, at))
+        return 0;
     for (unsigned j = 0; j < view->jumpers; j++) {
         float x = view->jumped[0][j] - at[0], y = view->jumped[1][j] - at[1],
               z = view->jumped[2][j] - at[2];

@@ -12,6 +12,9 @@
 #define VOR_SWARM_JUMPERS_MIN 64   /* jumpers that a swarm of any size puts up with */
 #define VOR_SWARM_JUMPERS_MAX 1024 /* and one of any size at most; in between one point in 256 */
 
+/** Cells of a grid of 64 to each side, one bit for each, by words. */
+#define VOR_SWARM_CELLS (64 * 64)
+
 struct vor_swarm {
     struct vor_memory *memory;
     size_t n;
@@ -32,6 +35,8 @@ struct vor_swarm_view {
     unsigned jumpers;
     uint32_t jumper[VOR_SWARM_JUMPERS_MAX];
     float jumped[3][VOR_SWARM_JUMPERS_MAX]; /**< where they are */
+    float ground; /**< around each of them, so far to all sides (0: not at all) ... */
+    uint64_t cells[VOR_SWARM_CELLS]; /**< ... the cells of a grid are marked */
 };
 
 /** Lists for n points; listed < n, and at most VOR_SWARM_LISTED_MAX.

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { N_MAX = 2000, STEPS = 8, ASKED = 60, SHAPES = 5 };
+enum { N_MAX = 2000, STEPS = 8, ASKED = 60, SHAPES = 6 };
 
 #define FAR 0.3 /* spacings beyond which a point is a jumper */
 
@@ -20,18 +20,21 @@ struct flock {
     float distance2[N_MAX]; /* from the point at hand to each, by looking */
 };
 
-/* A cube, a surface, clusters, groups of coincident points, or all of them in one place. */
+/* A cube, a surface, clusters, groups of coincident points, all of them in one place, or a surface
+ * so small that jumpers are looked for in a grid. */
 static void shape(struct vor_cloud *cloud, int kind, uint64_t seed, size_t n)
 {
     size_t group = kind == 3 ? 25 : n;
 
-    if (kind == 1)
+    if (kind == 1 || kind == 5)
         vt_cloud_sphere(cloud, seed, n);
     else
         vt_cloud_cube(cloud, seed, n);
     for (size_t i = 0; kind == 2 && i < 3 * n; i++)
         cloud->xyz[i] = (float)(1e-3 * (double)cloud->xyz[i] + (double)(i / 3 % 7));
-    for (size_t i = 0; kind >= 3 && i < n; i++)
+    for (size_t i = 0; kind == 5 && i < 3 * n; i++)
+        cloud->xyz[i] *= 0.2f;
+    for (size_t i = 0; (kind == 3 || kind == 4) && i < n; i++)
         memcpy(&cloud->xyz[3 * i], &cloud->xyz[3 * (i - i % group)], 3 * sizeof *cloud->xyz);
 }
 
