@@ -108,8 +108,8 @@ enum { VOR_NORMALS_NEAREST, VOR_NORMALS_FIT, VOR_NORMALS_DROP };
     X(DENOISE, RATIO, 1)                                                                           \
     X(DENOISE, OUTLIERS, VOR_OUTLIERS_DROP)                                                        \
     X(UPSAMPLE, RATIO, 4)                                                                          \
-    X(UPSAMPLE, ITERATIONS, 2)                                                                     \
-    X(UPSAMPLE, POLISH, 6)
+    X(UPSAMPLE, ITERATIONS, 1)                                                                     \
+    X(UPSAMPLE, POLISH, 8)
 
 struct vor_process_info {
     const char *id;

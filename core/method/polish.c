@@ -19,8 +19,8 @@ enum {
     RECORD_EVERY = 10 /* steps */
 };
 
-#define GAIN 0.1        /* of the force, over 2 S */
-#define MOMENTUM 0.8    /* share of the last step that is added to the next */
+#define GAIN 0.2        /* of the force, over 2 S */
+#define MOMENTUM 0.7    /* share of the last step that is added to the next */
 #define STEP_MAX 0.05   /* spacings */
 #define FORCE_MAX 50.0  /* (h/d)^(2S) of a pair that is much too near */
 #define OVERLAP 0.1     /* spacings: nearer pairs part along the surface, come what may */

@@ -6,7 +6,10 @@
 enum { SEEDS = 4, SIDE = 70, POINTS = 900, HOLES = 3 };
 
 #define RADIUS 2.3 /* of the holes, in spacings: 21 points are missing */
-#define WITHIN 1.2 /* spacings from the input: from the rim it is 2.5 to the middle of a hole */
+/* Spacings from the input. From the rim it is 2.5 to the middle of a hole, and where nothing holds
+ * them points come to lie at 1.6 and more; at 1.3, the nearest point of the rim may be seen so much
+ * from the side that the rim goes on beyond. */
+#define WITHIN 1.4
 
 /* A lattice a little shaken, at one spacing along x and `across` along y, without the points of
  * some holes. */

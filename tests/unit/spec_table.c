@@ -348,8 +348,8 @@ static const struct {
 } presets[] = {{"denoise", "ratio", "1"},
                {"denoise", "outliers", "drop"},
                {"upsample", "ratio", "4"},
-               {"upsample", "iterations", "2"},
-               {"upsample", "polish", "6"}};
+               {"upsample", "iterations", "1"},
+               {"upsample", "polish", "8"}};
 
 enum { PRESETS = sizeof presets / sizeof presets[0] };
 
