@@ -167,6 +167,8 @@ unsigned vor_near_around(const struct vor_near *near, size_t i, const float x[3]
     unsigned wide = width(near, near->k[i]), count = 0;
     float distance2[WIDE_MAX], sure;
 
+    assert(k >= 1 && k <= WIDE_MAX);
+    memset(distance2, 0, k * sizeof *distance2); /* the analysers want it said */
     if (near->reach[i] < 0)
         return 0;
     sure = near->reach[i] - sqrtf(squared(&near->anchor[3 * i], x));

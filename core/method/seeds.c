@@ -258,6 +258,7 @@ static int goes_on(const struct vor_seeds *seeds, size_t i, const double foot[3]
     struct vor_place around;
     uint32_t index[VOR_NEIGHBORS_MAX];
 
+    memset(index, 0, k * sizeof *index); /* the analysers want it said */
     gather(seeds, &around, index, vor_near_around(&seeds->near, i, at, k, index));
     return vor_boundary_beyond(around.near, around.k, foot, x, INFINITY);
 }

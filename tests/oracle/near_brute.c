@@ -225,6 +225,41 @@ START_TEST(a_query_may_ask_for_more_or_fewer_each_time)
 }
 END_TEST
 
+/* What the list of a query tells of places near it is what is there, the nearest first: at the
+ * query itself all that was asked for, farther away less, and far away nothing. */
+START_TEST(what_a_list_tells_of_places_around_is_true)
+{
+    static const double away[] = {0, 0.02, 0.1, 3};
+    struct walk walk;
+
+    start(&walk, (uint64_t)_i, 1000, 20);
+    for (size_t i = 0; i < QUERIES; i++) {
+        uint32_t index[K_MAX], brute[K_MAX];
+        float expected[K_MAX];
+
+        ck_assert_uint_eq(vor_near_around(&walk.near, i, walk.at[i], walk.k, index),
+                          0); /* no list */
+        (void)check_query(&walk, i);
+        for (size_t a = 0; a < sizeof away / sizeof *away; a++) {
+            float x[3];
+            unsigned told;
+
+            for (size_t c = 0; c < 3; c++)
+                x[c] =
+                    walk.at[i][c] + (float)(away[a] * (vt_unit((uint64_t)_i + 7, 3 * i + c) - 0.5));
+            told = vor_near_around(&walk.near, i, x, walk.k, index);
+            ck_assert_uint_le(told, walk.k);
+            ck_assert(a > 0 || told == walk.k);
+            ck_assert(a < 3 || told == 0);
+            vor_knn_brute(walk.cloud.xyz, walk.cloud.n, x, 1, walk.k, brute, expected);
+            for (unsigned j = 0; j < told; j++)
+                ck_assert(distance2(&walk, index[j], x) == expected[j]);
+        }
+    }
+    end(&walk);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("near");
@@ -234,6 +269,7 @@ int main(void)
     vt_add_loop(suite, a_set_is_the_same_as_at_the_last_search_not_as_at_one_before, 5);
     vt_add_loop(suite, put_onto_other_points_it_forgets_the_first_ones, 3);
     vt_add_loop(suite, a_query_may_ask_for_more_or_fewer_each_time, 6);
+    vt_add_loop(suite, what_a_list_tells_of_places_around_is_true, 4);
     vt_add(suite, more_neighbours_than_the_reference_has_room_for_are_all_of_it);
     return vt_run(suite);
 }
