@@ -43,10 +43,10 @@ static void draw(struct vor_seeds *seeds, uint64_t seed)
 }
 
 /* Samples of one cell, so many at a time, spread over it by random points of it; (u, v, w). */
-enum { TOGETHER = 64, RANDOM = 16, ROUNDS = 5 };
+enum { TOGETHER = 64, RANDOM = 16, ALONE = 3, ROUNDS = 5 };
 
 struct spread {
-    size_t n;
+    size_t n, each; /* random points for each */
     double at[TOGETHER][3];
     double pool[TOGETHER * RANDOM][3];
 };
@@ -94,14 +94,16 @@ static void pull_in(const struct vor_seeds *seeds, struct vor_bench *bench, doub
     (void)vor_boundary_restrict(&border, VOR_BORDER_MOVING, x);
 }
 
-/* Random points of the cell, RANDOM for each of n samples. */
+/* Random points of the cell, so many for each of n samples. One alone gets but a few: the very
+ * middle of cells along gaps would leave the rims of these empty. */
 static void draw_pool(struct spread *spread, const struct areas *areas, const struct vor_cell *cell,
                       size_t first, size_t n)
 {
     double unit[3];
 
     spread->n = n;
-    for (size_t j = 0; j < n * RANDOM; j++) {
+    spread->each = n > 1 ? RANDOM : ALONE;
+    for (size_t j = 0; j < n * spread->each; j++) {
         for (size_t c = 0; c < 3; c++)
             unit[c] = vor_rng_unit(areas->seed, STREAM_SAMPLE, 3 * (first * RANDOM + j) + c);
         vor_cell_sample(cell, unit, spread->pool[j]);
@@ -119,7 +121,7 @@ static void start_apart(struct spread *spread)
     for (size_t i = 0; i < spread->n; i++) {
         double farthest = -1;
 
-        for (size_t j = i * RANDOM; j < (i + 1) * RANDOM; j++) {
+        for (size_t j = i * spread->each; j < (i + 1) * spread->each; j++) {
             double nearest = INFINITY;
 
             for (size_t before = 0; before < i; before++)
@@ -148,7 +150,7 @@ static void relax(struct spread *spread)
     double sum[TOGETHER][3], count[TOGETHER] = {0};
 
     memset(sum, 0, sizeof sum);
-    for (size_t j = 0; j < spread->n * RANDOM; j++) {
+    for (size_t j = 0; j < spread->n * spread->each; j++) {
         size_t i = nearest_sample(spread, spread->pool[j]);
 
         count[i]++;

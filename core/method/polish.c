@@ -463,9 +463,10 @@ vor_status vor_polish_run(struct vor_seeds *seeds, struct vor_cvt_result *result
     struct polish polish = {.seeds = seeds, .record = result->last};
     vor_status status;
 
-    if (!(spec->value[VOR_PARAM_POLISH] > 0) || result->stopped == VOR_STOPPED_DELTA ||
-        result->stopped == VOR_STOPPED_CALLER)
+    if (!(spec->value[VOR_PARAM_POLISH] > 0) || result->stopped == VOR_STOPPED_CALLER)
         return VOR_OK;
+    if (result->stopped == VOR_STOPPED_DELTA) /* it may be reached no more, now that all settled */
+        result->stopped = VOR_STOPPED_ITERATIONS;
     status = alloc_polish(&polish, err);
     if (status == VOR_OK)
         status = take(&polish, err);
