@@ -51,7 +51,7 @@ BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(B)/tests/bench/wlop
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all help demo test check bench fuzz lint format image clean
+.PHONY: all help demo test check soak bench fuzz lint format image clean
 
 all: $(BIN) ## build the binary (default)
 
@@ -108,6 +108,11 @@ test: ## install what is missing, build, and run every test (V=1 is verbose)
 
 check: all $(TEST_BIN) ## run every test with what is installed
 	@VORONOID=$(BIN) prove --failures --timer $(if $(V),-v) --exec '' $(TEST_BIN) $(TEST_SCRIPTS)
+
+soak: ## install what is missing, build, and run every golden case at 1, 2, 3 and 8 threads (some minutes)
+	@docker/install.sh build test
+	@$(MAKE) --no-print-directory $(B)/tests/golden/stages
+	@VT_SOAK=1 prove --failures --timer $(if $(V),-v) --exec '' $(B)/tests/golden/stages
 
 bench: ## install what is missing, build, and measure: tables and plots in build/bench (RUNS=n, ONLY=regex of rows)
 	@docker/install.sh build bench
