@@ -70,7 +70,7 @@ $(B)/%.o: %.cc
 	@$(CXX) $(ALL_CXXFLAGS) -c $< -o $@
 
 # The contract is embedded by the assembler, which tells nobody.
-$(B)/server/handlers/openapi.o: openapi.yaml
+$(B)/server/api/handlers/openapi.o: openapi.yaml
 
 $(LIB): $(call obj,$(LIB_SRC))
 	@rm -f $@

@@ -3,8 +3,8 @@
 #ifndef VOR_ENGINE_H
 #define VOR_ENGINE_H
 
-#include "core/base/cloud.h"
 #include "core/base/run.h"
+#include "core/cloud/cloud.h"
 #include "core/spec.h"
 
 /** Why a run ended: identifier, word in the report. */
@@ -61,7 +61,7 @@ struct vor_report {
     struct vor_apart in_to_out;
     /** From the result's points, all of them, to the nearest of the same input points. */
     struct vor_apart out_to_in;
-    /** Points of the result that lie where the input ends (method/account.h), whatever boundary
+    /** Points of the result that lie where the input ends (output/compare.h), whatever boundary
      * says: none on a closed smooth surface; along a border about its length over the spacing. */
     uint64_t boundary_points;
     /** To how many input points the surfaces were fitted that the result's points lie on, as of the
@@ -104,7 +104,7 @@ struct vor_report {
  *  for all but the last iterations or steps: to about five points a seed, 20,000 at least.
  *
  *  Departure: where the input's coordinates were rounded to cells that are not small against its
- *  spacing, its points are first moved within them (method/lattice.h).
+ *  spacing, its points are first moved within them (input/lattice.h).
  *
  *  Memory: at most 61 bytes for each input point (position, order, index), and for each point of
  *  the result 6 k + 383 (surface, lists, index; k neighbors), twice that while the start is drawn

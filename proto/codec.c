@@ -1,7 +1,7 @@
 #include "proto/codec.h"
 
-#include "proto/draco.h"
-#include "proto/ply.h"
+#include "proto/draco/draco.h"
+#include "proto/ply/ply.h"
 #include "proto/quote.h"
 
 #include <string.h>

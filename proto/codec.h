@@ -2,7 +2,7 @@
 #ifndef VOR_PROTO_CODEC_H
 #define VOR_PROTO_CODEC_H
 
-#include "core/base/cloud.h"
+#include "core/cloud/cloud.h"
 #include "core/spec.h"
 #include "proto/limits.h"
 

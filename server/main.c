@@ -1,5 +1,5 @@
+#include "server/base/config.h"
 #include "server/cli/cli.h"
-#include "server/config.h"
 #include "server/serve.h"
 
 #include <stdio.h>

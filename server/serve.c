@@ -2,12 +2,12 @@
  * signal; then the same backwards. */
 #include "server/serve.h"
 
-#include "server/admit.h"
-#include "server/app.h"
-#include "server/clock.h"
-#include "server/log.h"
-#include "server/machine.h"
-#include "server/routes.h"
+#include "server/api/app.h"
+#include "server/api/routes.h"
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/base/machine.h"
+#include "server/work/admit.h"
 
 #include <pthread.h>
 #include <signal.h>

@@ -3,8 +3,8 @@
 #define VOR_SERVE_H
 
 /** Runs the daemon until SIGTERM or SIGINT. argv[0] is the name to show, the rest are settings
- *  (server/config.h), or --print-routes: then the table of routes is printed, a line a route, and
- *  nothing is served.
+ *  (server/base/config.h), or --print-routes: then the table of routes is printed, a line a route,
+ * and nothing is served.
  *
  *  @return exit status: 0 drained, 1 failed, 2 a setting is wrong, 75 the store is in use */
 int vor_serve_main(int argc, char **argv);

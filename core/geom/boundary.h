@@ -13,7 +13,7 @@
  *  Departure: a hole is told from chance by what the input does around it. Seen from the input
  * point nearest to a place, its foot, the input goes on beyond the place or it does not; where it
  * does not, and is regular there, the place is in a hole or beyond an edge, however narrow, and a
- * point stays within a quarter of a spacing of the foot; unless so many do (method/settle) that
+ * point stays within a quarter of a spacing of the foot; unless so many do (seeds/attach) that
  * gaps are how the input was taken. */
 #ifndef VOR_GEOM_BOUNDARY_H
 #define VOR_GEOM_BOUNDARY_H

@@ -23,8 +23,8 @@
 #ifndef VOR_METRICS_DISTORTION_H
 #define VOR_METRICS_DISTORTION_H
 
-#include "core/base/cloud.h"
 #include "core/base/run.h"
+#include "core/cloud/cloud.h"
 
 /** Two clouds in one frame, n x 3 and m x 3 floats, each of magnitude at most 1e6; all borrowed. */
 struct vor_distortion_pair {

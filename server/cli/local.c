@@ -1,8 +1,8 @@
 /* The commands that run a process of the request, done in this one; what measure shares. */
-#include "proto/json.h"
+#include "proto/json/json.h"
+#include "server/base/clock.h"
 #include "server/cli/files.h"
 #include "server/cli/work.h"
-#include "server/clock.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* voronoid measure: how even a cloud is, and how far from another one. */
-#include "proto/json.h"
+#include "proto/json/json.h"
 #include "server/cli/work.h"
 
 #include <stdio.h>

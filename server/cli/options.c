@@ -4,7 +4,7 @@
 #include "core/base/parallel.h"
 #include "core/engine.h"
 #include "proto/quote.h"
-#include "server/machine.h"
+#include "server/base/machine.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 #include "server/cli/progress.h"
 
-#include "proto/json.h"
-#include "server/clock.h"
+#include "proto/json/json.h"
+#include "server/base/clock.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -5,7 +5,7 @@
 
 #include "core/base/watch.h"
 #include "server/cli/cli.h"
-#include "server/pace.h"
+#include "server/jobs/pace.h"
 
 #include <stdio.h>
 

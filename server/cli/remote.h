@@ -3,7 +3,7 @@
 #define VOR_CLI_REMOTE_H
 
 #include "core/base/status.h"
-#include "proto/json.h"
+#include "proto/json/json.h"
 
 #include <stdint.h>
 #include <stdio.h>

@@ -3,10 +3,10 @@
  * dismisses the job. */
 #include "proto/codec.h"
 #include "proto/sse.h"
+#include "server/base/clock.h"
 #include "server/cli/files.h"
 #include "server/cli/progress.h"
 #include "server/cli/remote.h"
-#include "server/clock.h"
 
 #include <string.h>
 #include <sys/stat.h>

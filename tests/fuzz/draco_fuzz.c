@@ -2,7 +2,7 @@
  * with nothing left behind; and what it reads, vor_draco_write can write.
  *
  * Build with -fsanitize=fuzzer,address,undefined; the Draco library itself is not instrumented. */
-#include "proto/draco.h"
+#include "proto/draco/draco.h"
 
 #include <assert.h>
 #include <string.h>

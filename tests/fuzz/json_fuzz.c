@@ -1,7 +1,7 @@
 /* Any bytes through the reader's door. What the scan lets pass, cJSON reads (or a key comes twice);
  * what was read, written out by our own writer, is read again as the same; a request read from it
  * comes back. */
-#include "proto/json.h"
+#include "proto/json/json.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* Any bytes as a Range header, as an entity tag and as a list of them. A part lies within the
  * representation and, asked for again by its own first and last byte, is the same part; a tag is
  * found in a list that holds it. */
-#include "server/handlers/range.h"
+#include "server/api/handlers/range.h"
 
 #include <inttypes.h>
 #include <stdio.h>

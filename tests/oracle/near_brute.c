@@ -1,5 +1,5 @@
 /* Lists that are reused against looking at every point, while the queries wander. */
-#include "core/knn/near.h"
+#include "core/knn/input_lists.h"
 #include "tests/support/vt.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* Oracles for what stops early: the restricted Voronoi cell at the security radius (row X4), and
  * the nearest distances from lists after a move. */
-#include "core/method/even.h"
-#include "core/method/seeds.h"
+#include "core/seeds/seeds.h"
+#include "core/seeds/uniformity.h"
 #include "tests/support/vt_engine.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* Lists among points that move, against looking at every point: at every step, whoever is asked for
  * and whatever the points did since the lists were made. */
 #include "core/base/linalg.h"
-#include "core/knn/swarm.h"
+#include "core/knn/point_lists.h"
 #include "tests/support/vt_engine.h"
 
 #include <math.h>

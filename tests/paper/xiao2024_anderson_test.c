@@ -49,7 +49,7 @@ START_TEST(fig_6_acceleration_reaches_fifty_plain_iterations_in_fewer_and_ends_n
 }
 END_TEST
 
-/* Departure of core/method/cvt.h, where no window is given. */
+/* Departure of core/cvt/lloyd.h, where no window is given. */
 START_TEST(momentum_reaches_fifty_plain_iterations_in_thirty_and_before_the_mix)
 {
     static struct vt_trace plain, mixed, momentum;

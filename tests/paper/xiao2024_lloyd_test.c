@@ -1,7 +1,7 @@
 /* Xiao et al. 2024, Sec. III and IV-A, B: surfaces, cells, initialisation, Lloyd. */
 #include "core/base/linalg.h"
-#include "core/method/cvt.h"
-#include "core/method/init.h"
+#include "core/cvt/lloyd.h"
+#include "core/cvt/start.h"
 #include "core/metrics/uniformity.h"
 #include "tests/support/vt_trace.h"
 

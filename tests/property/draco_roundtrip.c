@@ -1,5 +1,5 @@
 /* What the Draco writer promises, on many random clouds and attribute sets. */
-#include "proto/draco_quantize.h"
+#include "proto/draco/draco_quantize.h"
 #include "tests/unit/draco_files.h"
 
 #include <float.h>

@@ -1,5 +1,5 @@
 /* Oracle: our reader of decimal numbers against strtod and strtof, which round correctly. */
-#include "proto/ply_number.h"
+#include "proto/ply/ply_number.h"
 #include "tests/support/vt.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* Properties: a cloud survives being written by us, and by others in every encoding. */
-#include "proto/ply.h"
+#include "proto/ply/ply.h"
 #include "tests/support/vt.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* Property: whatever is done in whatever order, reopening included, the store and an array that
  * follows the same rules agree. */
-#include "server/store.h"
+#include "server/store/store.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
 

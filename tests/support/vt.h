@@ -2,10 +2,10 @@
 #ifndef VT_H
 #define VT_H
 
-#include "core/base/cloud.h"
 #include "core/base/memory.h"
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
+#include "core/cloud/cloud.h"
 
 #include <check.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 #include "tests/support/vt_daemon.h"
 
-#include "server/admit.h"
+#include "server/work/admit.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
 

@@ -3,7 +3,7 @@
 #define VT_DAEMON_H
 
 #include "core/base/parallel.h"
-#include "server/worker.h"
+#include "server/work/worker.h"
 
 struct vt_daemon {
     const char *dir;

@@ -3,7 +3,7 @@
 #include "tests/support/vt_dir.h"
 
 #include "proto/codec.h"
-#include "server/clock.h"
+#include "server/base/clock.h"
 #include "tests/support/vt.h"
 
 #include <dirent.h>

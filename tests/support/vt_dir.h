@@ -2,8 +2,8 @@
 #ifndef VT_DIR_H
 #define VT_DIR_H
 
-#include "server/blob.h"
-#include "server/store.h"
+#include "server/blob/blob.h"
+#include "server/store/store.h"
 
 #include <stddef.h>
 

@@ -4,7 +4,7 @@
 #define VT_ENGINE_H
 
 #include "core/engine.h"
-#include "core/method/scale.h"
+#include "core/input/neighbors.h"
 #include "tests/support/vt.h"
 
 /** A pool of threads, a run on it that allocates from vt_memory, a request at its defaults, 20

@@ -1,6 +1,6 @@
 /* What a report says of the result beside the input, where it is known: distances on a lattice,
  * points along borders of known length and on closed clouds, numbers of neighbours. */
-#include "core/method/account.h"
+#include "core/output/compare.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 

@@ -1,7 +1,7 @@
 /* Admission: strangers' bytes become a durable, checked cloud, or an error and nothing else. */
 #include "proto/codec.h"
-#include "server/admit.h"
-#include "server/storage.h"
+#include "server/base/disk.h"
+#include "server/work/admit.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
 

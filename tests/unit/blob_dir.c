@@ -1,6 +1,6 @@
 /* Blobs: nothing until committed, then whole; what a crash leaves is swept. */
-#include "server/blob.h"
-#include "server/storage.h"
+#include "server/base/disk.h"
+#include "server/blob/blob.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
 

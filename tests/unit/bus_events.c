@@ -1,6 +1,6 @@
 /* The bus: every reader sees the same numbers, whenever it comes and however slow it is. */
 #include "core/spec.h"
-#include "server/bus.h"
+#include "server/jobs/bus.h"
 #include "tests/support/vt.h"
 
 #include <pthread.h>

@@ -1,5 +1,5 @@
 /* The input made ready: normalised, sorted, without coincident points. */
-#include "core/method/domain.h"
+#include "core/input/domain.h"
 #include "tests/support/vt_engine.h"
 
 #include <math.h>

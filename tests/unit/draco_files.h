@@ -2,7 +2,7 @@
 #ifndef DRACO_FILES_H
 #define DRACO_FILES_H
 
-#include "proto/draco.h"
+#include "proto/draco/draco.h"
 #include "tests/support/vt.h"
 
 #include <math.h>

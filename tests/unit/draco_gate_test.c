@@ -1,5 +1,5 @@
-#include "proto/draco_gate.h"
-#include "proto/draco_meter.h"
+#include "proto/draco/draco_gate.h"
+#include "proto/draco/draco_meter.h"
 #include "tests/unit/draco_files.h"
 
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* A live job: progress only grows, states only move forward, the last word is the last. */
-#include "server/clock.h"
-#include "server/job.h"
+#include "server/base/clock.h"
+#include "server/jobs/job.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
 

@@ -1,6 +1,6 @@
 /* The reader's door: what strangers send is read to the letter of RFC 8259, or refused where it
  * goes wrong. */
-#include "proto/json.h"
+#include "proto/json/json.h"
 #include "tests/support/vt.h"
 
 #include <stdio.h>

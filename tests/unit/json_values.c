@@ -1,5 +1,5 @@
 /* The values the product speaks: their exact shape, and requests read back. */
-#include "proto/json.h"
+#include "proto/json/json.h"
 #include "tests/support/vt.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* The writer: what it writes is JSON whatever comes in, and numbers come back as they went. */
-#include "proto/json.h"
+#include "proto/json/json.h"
 #include "tests/support/vt.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* Inputs that were rounded to a lattice: it is found, and the points moved within their cells. */
-#include "core/method/lattice.h"
+#include "core/input/lattice.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 

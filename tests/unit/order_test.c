@@ -1,6 +1,6 @@
 /* The progressive order, where one can tell by hand what it is, and what it promises of each step.
  */
-#include "core/method/order.h"
+#include "core/output/order.h"
 #include "tests/support/vt_engine.h"
 
 #include <math.h>

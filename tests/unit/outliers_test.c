@@ -1,5 +1,5 @@
 /* Points that nothing points back to. */
-#include "core/method/outliers.h"
+#include "core/input/outliers.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 

@@ -1,5 +1,5 @@
 /* How far a run is: iterations and polish by their counts, the time left by their pace. */
-#include "server/pace.h"
+#include "server/jobs/pace.h"
 #include "tests/support/vt.h"
 
 static struct vor_record at(uint32_t iteration, uint32_t polish, double seconds)

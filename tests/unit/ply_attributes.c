@@ -1,5 +1,5 @@
 /* Vectors: types and meanings of a vertex's properties. */
-#include "proto/ply.h"
+#include "proto/ply/ply.h"
 #include "tests/support/vt.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* Vectors: scans and meshes as they are in the world, where ../shared/data has them. Counts and
  * boxes were taken from the files by another program. */
-#include "proto/ply.h"
+#include "proto/ply/ply.h"
 #include "tests/support/vt.h"
 
 #include <math.h>

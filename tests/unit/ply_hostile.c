@@ -1,6 +1,6 @@
 /* Refusals: what a PLY file may lie about, one row a lie, with the exact status and the place that
  * the error points at. */
-#include "proto/ply.h"
+#include "proto/ply/ply.h"
 #include "tests/support/vt.h"
 
 #include <stdlib.h>

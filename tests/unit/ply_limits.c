@@ -1,5 +1,5 @@
 /* Refusals: the limits of a PLY header (RELIABILITY T4), each met and each passed by one. */
-#include "proto/ply.h"
+#include "proto/ply/ply.h"
 #include "tests/support/vt.h"
 
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* Vectors: small PLY files written by hand, and what they mean. */
-#include "proto/ply.h"
+#include "proto/ply/ply.h"
 #include "tests/support/vt.h"
 
 #include <stdlib.h>

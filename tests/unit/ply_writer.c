@@ -1,5 +1,5 @@
 /* Vectors and refusals: the bytes the PLY writer makes, and a sink that takes no more. */
-#include "proto/ply.h"
+#include "proto/ply/ply.h"
 #include "tests/support/vt.h"
 
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* The queue: bounded by bookings, in the order of acceptance, closed once and for all. */
-#include "server/queue.h"
+#include "server/jobs/queue.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
 

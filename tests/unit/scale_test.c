@@ -1,5 +1,5 @@
 /* How many neighbours an input is found to want. */
-#include "core/method/scale.h"
+#include "core/input/neighbors.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 

@@ -1,10 +1,10 @@
 /* The small parts under the jobs: identifiers, digests, clock, log, locks. */
-#include "proto/json.h"
-#include "server/clock.h"
-#include "server/digest.h"
-#include "server/log.h"
-#include "server/storage.h"
-#include "server/uuid.h"
+#include "proto/json/json.h"
+#include "server/base/clock.h"
+#include "server/base/digest.h"
+#include "server/base/disk.h"
+#include "server/base/log.h"
+#include "server/base/uuid.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
 

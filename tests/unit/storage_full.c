@@ -3,9 +3,9 @@
  * test's own; where the kernel refuses that, the tests skip by name. */
 #define _GNU_SOURCE /* unshare */
 
-#include "server/log.h"
-#include "server/storage.h"
-#include "server/worker.h"
+#include "server/base/disk.h"
+#include "server/base/log.h"
+#include "server/work/worker.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"

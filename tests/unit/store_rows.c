@@ -1,7 +1,7 @@
 /* The store: a row comes back as it went in, changes happen once, and a kill loses nothing. */
-#include "server/clock.h"
-#include "server/store.h"
-#include "server/store_row.h"
+#include "server/base/clock.h"
+#include "server/store/row.h"
+#include "server/store/store.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
 

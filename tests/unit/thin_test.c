@@ -1,6 +1,6 @@
 /* The thinner domain that dense inputs are iterated on, and how seeds get off it. */
-#include "core/method/init.h"
-#include "core/method/settle.h"
+#include "core/cvt/start.h"
+#include "core/seeds/attach.h"
 #include "tests/support/vt_engine.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* Down and up again: in good order, by kill -9, with bytes missing or left over. */
-#include "server/log.h"
-#include "server/worker.h"
+#include "server/base/log.h"
+#include "server/work/worker.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"

@@ -1,9 +1,9 @@
 /* The life of jobs, with the real engine: every accepted one ends once, with a reason, and leaves
  * only what its end promises. */
 #include "proto/codec.h"
-#include "proto/json.h"
-#include "server/log.h"
-#include "server/worker.h"
+#include "proto/json/json.h"
+#include "server/base/log.h"
+#include "server/work/worker.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"

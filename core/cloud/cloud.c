@@ -1,0 +1,242 @@
+#include "core/cloud/cloud.h"
+
+#include <assert.h>
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const struct {
+    size_t size;
+    const char *ply, *sized;
+} types[VOR_TYPE_COUNT] = {
+#define TYPE_ROW(name, ctype, ply, sized) {sizeof(ctype), ply, sized},
+    VOR_TYPE_TABLE(TYPE_ROW)
+#undef TYPE_ROW
+};
+
+size_t vor_type_size(enum vor_type type)
+{
+    assert((unsigned)type < VOR_TYPE_COUNT);
+    return types[type].size;
+}
+
+const char *vor_type_name(enum vor_type type)
+{
+    assert((unsigned)type < VOR_TYPE_COUNT);
+    return types[type].ply[0] != '\0' ? types[type].ply : types[type].sized;
+}
+
+const char *vor_type_name_sized(enum vor_type type)
+{
+    assert((unsigned)type < VOR_TYPE_COUNT);
+    return types[type].sized;
+}
+
+static int same(const char *word, const char *name, size_t length)
+{
+    return word[0] != '\0' && strlen(word) == length && memcmp(word, name, length) == 0;
+}
+
+int vor_type_parse(enum vor_type *out, const char *name, size_t length)
+{
+    for (int i = 0; i < VOR_TYPE_COUNT; i++) {
+        if (!same(types[i].ply, name, length) && !same(types[i].sized, name, length))
+            continue;
+        *out = (enum vor_type)i;
+        return 1;
+    }
+    return 0;
+}
+
+void vor_cloud_init(struct vor_cloud *cloud, struct vor_memory *memory)
+{
+    memset(cloud, 0, sizeof *cloud);
+    cloud->memory = memory;
+    cloud->position_type = VOR_FLOAT32;
+}
+
+void vor_cloud_free(struct vor_cloud *cloud)
+{
+    for (size_t i = 0; i < cloud->attribute_count; i++)
+        vor_free(cloud->memory, cloud->attributes[i].data);
+    vor_free(cloud->memory, cloud->xyz);
+    vor_cloud_init(cloud, cloud->memory);
+}
+
+vor_status vor_cloud_resize(struct vor_cloud *cloud, size_t n, struct vor_error *err)
+{
+    assert(cloud->n == 0 && cloud->attribute_count == 0);
+    if (n == 0)
+        return vor_fail(err, VOR_E_EMPTY, "the cloud has 0 points, want at least 1");
+    if (n > VOR_POINTS_MAX) {
+        vor_fail(err, VOR_E_LIMIT, "the cloud has %zu points, want 1 to %zu", n, VOR_POINTS_MAX);
+        if (err != NULL) {
+            err->limit = VOR_POINTS_MAX;
+            err->got = n;
+        }
+        return VOR_E_LIMIT;
+    }
+    cloud->xyz = vor_malloc(cloud->memory, n, 3 * sizeof *cloud->xyz);
+    if (cloud->xyz == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "positions of %zu points", n);
+    cloud->n = n;
+    return VOR_OK;
+}
+
+/* The name itself, or the name with the first free suffix. */
+static void unique_name(const struct vor_cloud *cloud, const char *name, char *out, size_t size)
+{
+    (void)snprintf(out, size, "%.48s", name);
+    for (unsigned i = 2; vor_cloud_find_name(cloud, out) != NULL; i++)
+        (void)snprintf(out, size, "%.48s_%u", name, i);
+}
+
+vor_status vor_cloud_add_attribute(struct vor_cloud *cloud, const char *name,
+                                   enum vor_semantic semantic, enum vor_type type,
+                                   unsigned components, struct vor_attribute **out,
+                                   struct vor_error *err)
+{
+    struct vor_attribute *attribute;
+
+    assert(cloud->n > 0 && components >= 1 && components <= 16);
+    if (cloud->attribute_count == VOR_ATTRIBUTES_MAX)
+        return vor_fail(err, VOR_E_LIMIT, "more than %d attributes", VOR_ATTRIBUTES_MAX);
+    attribute = &cloud->attributes[cloud->attribute_count];
+    attribute->data = vor_malloc(cloud->memory, cloud->n, components * vor_type_size(type));
+    if (attribute->data == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "attribute %.48s of %zu points", name, cloud->n);
+    unique_name(cloud, name, attribute->name, sizeof attribute->name);
+    attribute->semantic = semantic;
+    attribute->type = type;
+    attribute->components = components;
+    cloud->attribute_count++;
+    if (out != NULL)
+        *out = attribute;
+    return VOR_OK;
+}
+
+const struct vor_attribute *vor_cloud_find(const struct vor_cloud *cloud,
+                                           enum vor_semantic semantic)
+{
+    for (size_t i = 0; i < cloud->attribute_count; i++)
+        if (cloud->attributes[i].semantic == semantic)
+            return &cloud->attributes[i];
+    return NULL;
+}
+
+const struct vor_attribute *vor_cloud_find_name(const struct vor_cloud *cloud, const char *name)
+{
+    for (size_t i = 0; i < cloud->attribute_count; i++)
+        if (strcmp(cloud->attributes[i].name, name) == 0)
+            return &cloud->attributes[i];
+    return NULL;
+}
+
+static vor_status double_bounds(const double *xyz, size_t n, double low[3], double high[3],
+                                struct vor_error *err)
+{
+    for (int c = 0; c < 3; c++)
+        low[c] = high[c] = xyz[c];
+    for (size_t i = 0; i < 3 * n; i++) {
+        if (!isfinite(xyz[i]))
+            return vor_fail(err, VOR_E_NONFINITE, "coordinate %c of point %zu is %g", "xyz"[i % 3],
+                            i / 3, xyz[i]);
+        low[i % 3] = fmin(low[i % 3], xyz[i]);
+        high[i % 3] = fmax(high[i % 3], xyz[i]);
+    }
+    return VOR_OK;
+}
+
+/* About half an extent, so that relative coordinates are small: a multiple of 2^(exponent - 6). The
+ * odd summand keeps extents that people choose away from where floor jumps; the bounds keep every
+ * multiple of the grid within 2^24 of it. */
+static double half_extent(double extent, int exponent)
+{
+    double grid = ldexp(1.0, exponent - 25), step = ldexp(1.0, exponent - 6);
+    double whole = rint(extent / grid) * grid, most = ldexp(1.0, exponent - 1);
+    double half = floor(whole / 2 / step + 0.3819660113) * step;
+
+    return fmin(fmax(half, whole - most), most);
+}
+
+vor_status vor_cloud_set_double(struct vor_cloud *cloud, const double *xyz, struct vor_error *err)
+{
+    double low[3], high[3], half[3], extent, grid;
+    int exponent;
+    vor_status status = double_bounds(xyz, cloud->n, low, high, err);
+
+    if (status != VOR_OK)
+        return status;
+    extent = fmax(fmax(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
+    if (!(extent <= FLT_MAX / 4))
+        return vor_fail(err, VOR_E_NONFINITE, "the cloud spans %g, want at most %g", extent,
+                        (double)FLT_MAX / 4);
+    (void)frexp(extent, &exponent); /* extent < 2^exponent */
+    if (exponent < -100)
+        exponent = -100; /* keeps the grid clear of float32's denormals */
+    if (rint(ldexp(extent, 25 - exponent)) == 0x1p25)
+        exponent++; /* the upper corner rounds up to a power of two: the next time it is one */
+    grid = ldexp(1.0, exponent - 25);
+    for (int c = 0; c < 3; c++) {
+        half[c] = half_extent(high[c] - low[c], exponent);
+        cloud->origin[c] = low[c] + half[c];
+    }
+    /* An integer of at most 2^24 either side of zero, times grid: exact in float32. */
+    for (size_t i = 0; i < 3 * cloud->n; i++)
+        cloud->xyz[i] = (float)(rint((xyz[i] - low[i % 3]) / grid) * grid - half[i % 3]);
+    cloud->position_type = VOR_FLOAT64;
+    return VOR_OK;
+}
+
+static void reorder_column(void *data, size_t size, const uint32_t *order, size_t n, void *scratch)
+{
+    for (size_t k = 0; k < n; k++)
+        memcpy((char *)scratch + k * size, (const char *)data + order[k] * size, size);
+    memcpy(data, scratch, n * size);
+}
+
+static size_t size_of(const struct vor_attribute *attribute)
+{
+    return attribute->components * vor_type_size(attribute->type);
+}
+
+vor_status vor_cloud_reorder(struct vor_cloud *cloud, const uint32_t *order, struct vor_error *err)
+{
+    size_t widest = 3 * sizeof *cloud->xyz;
+    void *scratch;
+
+    for (size_t i = 0; i < cloud->attribute_count; i++)
+        if (size_of(&cloud->attributes[i]) > widest)
+            widest = size_of(&cloud->attributes[i]);
+    scratch = vor_malloc(cloud->memory, cloud->n, widest);
+    if (scratch == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points in another order", cloud->n);
+    reorder_column(cloud->xyz, 3 * sizeof *cloud->xyz, order, cloud->n, scratch);
+    for (size_t i = 0; i < cloud->attribute_count; i++)
+        reorder_column(cloud->attributes[i].data, size_of(&cloud->attributes[i]), order, cloud->n,
+                       scratch);
+    vor_free(cloud->memory, scratch);
+    return VOR_OK;
+}
+
+void vor_cloud_position(const struct vor_cloud *cloud, size_t i, double out[3])
+{
+    for (int c = 0; c < 3; c++)
+        out[c] = cloud->origin[c] + (double)cloud->xyz[3 * i + (size_t)c];
+}
+
+vor_status vor_cloud_check(const struct vor_cloud *cloud, struct vor_error *err)
+{
+    if (cloud->n == 0)
+        return vor_fail(err, VOR_E_EMPTY, "the cloud has 0 points, want at least 1");
+    for (int c = 0; c < 3; c++)
+        if (!isfinite(cloud->origin[c]))
+            return vor_fail(err, VOR_E_NONFINITE, "the origin's %c is %g", "xyz"[c],
+                            cloud -> origin[c]);
+    for (size_t i = 0; i < 3 * cloud->n; i++)
+        if (!isfinite(cloud->xyz[i]))
+            return vor_fail(err, VOR_E_NONFINITE, "coordinate %c of point %zu is %g", "xyz"[i % 3],
+                            i / 3, (double)cloud->xyz[i]);
+    return VOR_OK;
+}

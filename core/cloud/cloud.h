@@ -1,0 +1,132 @@
+/** A point cloud: positions relative to a double-precision origin, and typed attributes. */
+#ifndef VOR_CLOUD_H
+#define VOR_CLOUD_H
+
+#include "core/base/memory.h"
+#include "core/base/status.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/** Most points any cloud may have: indices are uint32_t and a count must fit an int32_t. */
+#define VOR_POINTS_MAX ((size_t)INT32_MAX - 1)
+#define VOR_ATTRIBUTES_MAX 64
+
+/** Scalar types: name, C type, PLY 1.0 spelling, sized spelling. */
+#define VOR_TYPE_TABLE(X)                                                                          \
+    X(INT8, int8_t, "char", "int8")                                                                \
+    X(UINT8, uint8_t, "uchar", "uint8")                                                            \
+    X(INT16, int16_t, "short", "int16")                                                            \
+    X(UINT16, uint16_t, "ushort", "uint16")                                                        \
+    X(INT32, int32_t, "int", "int32")                                                              \
+    X(UINT32, uint32_t, "uint", "uint32")                                                          \
+    X(FLOAT32, float, "float", "float32")                                                          \
+    X(FLOAT64, double, "double", "float64")                                                        \
+    X(INT64, int64_t, "", "int64")                                                                 \
+    X(UINT64, uint64_t, "", "uint64")
+
+enum vor_type {
+#define VOR_TYPE_ENUM(name, ctype, ply, sized) VOR_##name,
+    VOR_TYPE_TABLE(VOR_TYPE_ENUM)
+#undef VOR_TYPE_ENUM
+        VOR_TYPE_COUNT
+};
+
+/** Bytes of one scalar. */
+size_t vor_type_size(enum vor_type type);
+
+/** "char" ... "double" and "int8" ... "uint64". vor_type_name yields the PLY spelling, or the sized
+ *  one where PLY has none. */
+const char *vor_type_name(enum vor_type type);
+const char *vor_type_name_sized(enum vor_type type);
+
+/** Reads either spelling; false when it is neither. */
+int vor_type_parse(enum vor_type *out, const char *name, size_t length);
+
+/** What an attribute means; everything not listed is GENERIC. */
+enum vor_semantic { VOR_GENERIC, VOR_NORMAL, VOR_COLOR };
+
+/** One value of `components` scalars for every point, interleaved. A PLY reader groups nx ny nz
+ *  into one NORMAL of three and red green blue [alpha] into one COLOR of three or four; every other
+ *  vertex property is a GENERIC of one component under its own name. */
+struct vor_attribute {
+    char name[64]; /**< "normal", "color", or the property's own name; NUL-terminated */
+    enum vor_semantic semantic;
+    enum vor_type type;
+    unsigned components; /**< 1 .. 16 */
+    void *data;          /**< n * components scalars of type, owned by the cloud */
+};
+
+/** n points: point i lies at origin + xyz[3 i .. 3 i + 2], in the input's own unit.
+ *
+ *  Where the source coordinates are float32, origin is 0 and xyz holds them bit for bit. Where they
+ *  are double, vor_cloud_set_double picks the origin. */
+struct vor_cloud {
+    struct vor_memory *memory; /**< borrowed; everything below is allocated from it */
+    size_t n;
+    double origin[3];
+    float *xyz;
+    enum vor_type
+        position_type; /**< FLOAT32 or FLOAT64: what the source had, what PLY output has */
+    size_t attribute_count;
+    struct vor_attribute attributes[VOR_ATTRIBUTES_MAX];
+};
+
+/** An empty cloud that allocates from memory. */
+void vor_cloud_init(struct vor_cloud *cloud, struct vor_memory *memory);
+
+/** Frees everything and leaves the cloud as vor_cloud_init does. */
+void vor_cloud_free(struct vor_cloud *cloud);
+
+/** Gives the cloud n points with unset positions and no attributes; the cloud must be empty.
+ *
+ *  @retval VOR_E_EMPTY n is 0
+ *  @retval VOR_E_LIMIT n exceeds VOR_POINTS_MAX
+ *  @retval VOR_E_NOMEM the positions do not fit under the cap */
+VOR_NODISCARD vor_status vor_cloud_resize(struct vor_cloud *cloud, size_t n, struct vor_error *err);
+
+/** Adds an attribute with unset values; *out (may be NULL) points at it until the next change.
+ *  A name that is taken gets "_2", "_3" ... appended.
+ *
+ *  @retval VOR_E_LIMIT more than VOR_ATTRIBUTES_MAX attributes
+ *  @retval VOR_E_NOMEM the values do not fit under the cap */
+VOR_NODISCARD vor_status vor_cloud_add_attribute(struct vor_cloud *cloud, const char *name,
+                                                 enum vor_semantic semantic, enum vor_type type,
+                                                 unsigned components, struct vor_attribute **out,
+                                                 struct vor_error *err);
+
+/** First attribute with that semantic (NORMAL, COLOR), or by name; NULL when there is none. */
+const struct vor_attribute *vor_cloud_find(const struct vor_cloud *cloud,
+                                           enum vor_semantic semantic);
+const struct vor_attribute *vor_cloud_find_name(const struct vor_cloud *cloud, const char *name);
+
+/** Sets positions and origin from n x 3 doubles. The relative positions are multiples of a power of
+ *  two near extent / 2^25 counted from the lower corner, so that every one is exact in float32 and
+ * a cloud that was only shifted gets the same relative positions, bit for bit. position_type
+ * becomes FLOAT64.
+ *
+ *  Cost: one pass; the positions move by at most extent / 2^25.
+ *
+ *  @retval VOR_E_NONFINITE a coordinate is NaN or infinite (message names the point and the value),
+ *                          or the extent exceeds the range of float32 */
+VOR_NODISCARD vor_status vor_cloud_set_double(struct vor_cloud *cloud, const double *xyz,
+                                              struct vor_error *err);
+
+/** Makes point order[k] the k-th, with all that belongs to it.
+ *
+ *  @param[in] order  a permutation of 0 .. n - 1
+ *
+ *  @retval VOR_E_NOMEM a copy of the widest column does not fit; the cloud is as it was */
+VOR_NODISCARD vor_status vor_cloud_reorder(struct vor_cloud *cloud, const uint32_t *order,
+                                           struct vor_error *err);
+
+/** Point i in absolute double coordinates. */
+void vor_cloud_position(const struct vor_cloud *cloud, size_t i, double out[3]);
+
+/** What every codec owes to the rest, checked once where a cloud enters: at least one point, every
+ *  coordinate finite.
+ *
+ *  @retval VOR_E_EMPTY, VOR_E_NONFINITE */
+VOR_NODISCARD vor_status vor_cloud_check(const struct vor_cloud *cloud, struct vor_error *err);
+
+#endif

@@ -1,0 +1,498 @@
+#include "core/cvt/lloyd.h"
+
+#include "core/base/linalg.h"
+#include "core/geom/boundary.h"
+#include "core/opt/anderson.h"
+#include "core/seeds/attach.h"
+#include "core/seeds/uniformity.h"
+
+#include <string.h>
+
+enum { PLATEAU_WINDOW = 10, SHORTEN_MAX = 3 };
+
+/* The last iterations, of all of them one in so many, are on the whole of the input. */
+enum { LANDED = 8, LANDED_SHARE = 8 };
+
+#define PLATEAU_GAIN 0.99 /* delta must fall below this share of its value a window ago */
+#define MIX_STEP_MAX 0.5  /* of the distance to the nearest neighbour */
+#define SECONDS_SHARE 0.5 /* of the time allowed, where a polish follows */
+#define RELAXATION 1.5    /* times the way to the centroid */
+#define MOMENTUM 0.6      /* of the last step, at most; it grows as k / (k + MOMENTUM_SLOW) */
+#define MOMENTUM_SLOW 3.0
+#define LONG_STEP 0.3 /* of the patch radius: no step is stretched beyond it */
+
+enum { AT_BORDER = 1, HELD_EVER = 2 }; /* flags of a seed */
+
+/* Sums of one block of seeds. */
+struct block_sums {
+    double area, energy, max_move;
+    uint64_t held, plane, left;
+};
+
+struct cvt {
+    struct vor_seeds *seeds;
+    const struct vor_spec *spec;
+    struct vor_cvt_result result;
+    size_t blocks;
+    struct block_sums *sums, total;
+    float *lloyd, *mix, *best; /* candidates and the most even iterate, n x 3 each */
+    float *normal;             /* of the surface at the projected centroid, n x 3; NULL: no mix */
+    float *step;               /* the last one of each seed, n x 3; NULL: no momentum */
+    float *nearest;            /* scratch: distance of each seed to its nearest neighbour */
+    unsigned char *flags;
+    struct vor_anderson anderson;
+    double start, best_delta, past[PLATEAU_WINDOW]; /* past: best delta of the last iterations */
+    double last_seconds;                            /* clock at the last record */
+    uint32_t limit;                                 /* of the iterations */
+    int level;                                      /* a plateau was reached */
+};
+
+static uint32_t landed(const struct cvt *cvt)
+{
+    return cvt->limit / LANDED_SHARE < LANDED ? cvt->limit / LANDED_SHARE : LANDED;
+}
+
+static int polish_follows(const struct cvt *cvt)
+{
+    return cvt->spec->value[VOR_PARAM_POLISH] > 0;
+}
+
+static void free_cvt(struct cvt *cvt)
+{
+    struct vor_memory *memory = cvt->seeds->run->memory;
+
+    if (cvt->anderson.length > 0)
+        vor_anderson_free(&cvt->anderson);
+    vor_free(memory, cvt->flags);
+    vor_free(memory, cvt->nearest);
+    vor_free(memory, cvt->step);
+    vor_free(memory, cvt->normal);
+    vor_free(memory, cvt->best);
+    vor_free(memory, cvt->mix);
+    vor_free(memory, cvt->lloyd);
+    vor_free(memory, cvt->sums);
+}
+
+static vor_status alloc_cvt(struct cvt *cvt, struct vor_error *err)
+{
+    struct vor_memory *memory = cvt->seeds->run->memory;
+    size_t n = cvt->seeds->n, row = 3 * sizeof(float);
+    int momentum = !vor_spec_given(cvt->spec, VOR_PARAM_ANDERSON);
+    unsigned window = momentum ? 0 : (unsigned)cvt->spec->value[VOR_PARAM_ANDERSON];
+    int ok;
+
+    cvt->blocks = (n + VOR_SEEDS_BLOCK - 1) / VOR_SEEDS_BLOCK;
+    cvt->sums = vor_calloc(memory, cvt->blocks, sizeof *cvt->sums);
+    cvt->lloyd = vor_malloc(memory, n, row);
+    cvt->best = vor_malloc(memory, n, row);
+    cvt->nearest = vor_malloc(memory, n, sizeof *cvt->nearest);
+    cvt->flags = vor_calloc(memory, n, 1);
+    ok = cvt->sums != NULL && cvt->lloyd != NULL && cvt->best != NULL && cvt->nearest != NULL &&
+         cvt->flags != NULL;
+    if (momentum) {
+        cvt->step = vor_calloc(memory, n, row);
+        ok &= cvt->step != NULL;
+    }
+    if (window > 0) {
+        cvt->mix = vor_malloc(memory, n, row);
+        cvt->normal = vor_calloc(memory, n, row);
+        ok &= cvt->mix != NULL && cvt->normal != NULL;
+    }
+    if (!ok)
+        return vor_fail(err, VOR_E_NOMEM, "the iteration of %zu points", n);
+    if (window > 0)
+        return vor_anderson_init(&cvt->anderson, 3 * n, window, memory, err);
+    return VOR_OK;
+}
+
+static void set3(float *out, const double x[3])
+{
+    for (int c = 0; c < 3; c++)
+        out[c] = (float)x[c];
+}
+
+static int keeps_border(const struct cvt *cvt)
+{
+    return cvt->spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP;
+}
+
+/* The input does not go on to where the centroid of bench->cell is: ends the cell where the input
+ * does, and finds its centroid x anew. */
+static void shorten_cell(struct vor_bench *bench, struct vor_moments *moments, double x[3])
+{
+    double side[2] = {moments->centroid[0] - bench->cell.seed[0],
+                      moments->centroid[1] - bench->cell.seed[1]};
+    double length = sqrt(side[0] * side[0] + side[1] * side[1]), end;
+
+    if (!(length > 0))
+        return;
+    side[0] /= length;
+    side[1] /= length;
+    end = vor_boundary_end(&bench->here.surface, bench->cell.seed, side, &bench->there.surface,
+                           bench->there.near, bench->there.k);
+    vor_cell_clip(&bench->cell, (double[3]){2 * end * side[0], 2 * end * side[1], 0});
+    if (!vor_cell_moments(moments, &bench->cell))
+        return;
+    vor_surface_to_world(&bench->here.surface, moments->centroid, x);
+    vor_surface_put(&bench->here.surface, x);
+}
+
+/* Whether x, put onto the surface of the input around it, is outside the input. */
+static int outside(const struct cvt *cvt, struct vor_bench *bench, struct vor_border *border,
+                   double x[3])
+{
+    if (vor_seeds_fit_at(cvt->seeds, bench, &bench->there, x) == VOR_SURFACE_NONE)
+        return 0;
+    vor_surface_put(&bench->there.surface, x);
+    vor_seeds_border(cvt->seeds, bench, &bench->there, border, x);
+    return vor_boundary_outside(border, VOR_BORDER_MOVING, x);
+}
+
+/* Where seed i may go when it is meant to go to x, the projected centroid. Where the neighbours at
+ * hand are not near x, it is the input around x that counts. Returns whether it was held back. */
+static int restrict_move(struct cvt *cvt, struct vor_bench *bench, size_t i,
+                         struct vor_moments *moments, double x[3])
+{
+    struct vor_border border;
+
+    if (!keeps_border(cvt) ||
+        vor_boundary_inside(&bench->here.surface, bench->here.near, bench->here.k, x) ||
+        !outside(cvt, bench, &border, x))
+        return 0;
+    cvt->flags[i] |= AT_BORDER;
+    for (int tries = 0; tries < SHORTEN_MAX; tries++) {
+        shorten_cell(bench, moments, x);
+        if (!outside(cvt, bench, &border, x))
+            return 0;
+    }
+    (void)vor_boundary_restrict(&border, VOR_BORDER_MOVING, x);
+    cvt->flags[i] |= HELD_EVER;
+    return 1;
+}
+
+/* Stretches the way of seed i to x, its projected centroid, and adds some of its last step. */
+static void stretch(const struct cvt *cvt, struct vor_bench *bench, size_t i, double x[3])
+{
+    double k = cvt->result.iterations, momentum = fmin(MOMENTUM, k / (k + MOMENTUM_SLOW));
+    double way[3] = {0}, step[3] = {0}, most, length; /* the analysers want it said */
+
+    for (size_t c = 0; c < 3; c++) {
+        way[c] = x[c] - (double)cvt->seeds->xyz[3 * i + c];
+        step[c] = RELAXATION * way[c] + momentum * (double)cvt->step[3 * i + c];
+    }
+    most = fmax(LONG_STEP * bench->radius, sqrt(vor_dot(way, way)));
+    length = sqrt(vor_dot(step, step));
+    for (size_t c = 0; c < 3; c++)
+        x[c] = (double)cvt->seeds->xyz[3 * i + c] +
+               (length > most ? step[c] * (most / length) : step[c]);
+    vor_surface_put(&bench->here.surface, x);
+}
+
+/* Where seed i goes: its cell's projected centroid, or beyond. A seed whose cell is empty, since it
+ * lies too far off its own surface, is projected; one without a surface stays. */
+static void lloyd_step(struct cvt *cvt, struct vor_bench *bench, size_t i, struct block_sums *sums)
+{
+    enum vor_surface_kind kind = vor_seeds_cell(cvt->seeds, bench, i);
+    struct vor_moments moments;
+    double x[3], normal[3];
+
+    memcpy(&cvt->lloyd[3 * i], &cvt->seeds->xyz[3 * i], 3 * sizeof(float));
+    cvt->flags[i] &= (unsigned char)~AT_BORDER;
+    if (kind == VOR_SURFACE_NONE) {
+        if (cvt->step != NULL)
+            memset(&cvt->step[3 * i], 0, 3 * sizeof(float));
+        sums->left++;
+        return;
+    }
+    if (vor_cell_moments(&moments, &bench->cell)) {
+        sums->area += moments.area;
+        sums->energy += moments.energy;
+    } else {
+        memcpy(moments.centroid, bench->cell.seed, sizeof moments.centroid);
+    }
+    sums->plane += kind == VOR_SURFACE_PLANE;
+    vor_surface_project(&bench->here.surface, moments.centroid);
+    vor_surface_to_world(&bench->here.surface, moments.centroid, x);
+    if (cvt->normal != NULL) {
+        vor_surface_normal(&bench->here.surface, moments.centroid, normal);
+        set3(&cvt->normal[3 * i], normal);
+    }
+    if (cvt->step != NULL)
+        stretch(cvt, bench, i, x);
+    sums->held += (uint64_t)restrict_move(cvt, bench, i, &moments, x);
+    set3(&cvt->lloyd[3 * i], x);
+    for (size_t c = 0; cvt->step != NULL && c < 3; c++)
+        cvt->step[3 * i + c] = cvt->lloyd[3 * i + c] - cvt->seeds->xyz[3 * i + c];
+}
+
+static double move2(const struct cvt *cvt, const float *to, size_t i)
+{
+    return vor_distance2f(&to[3 * i], &cvt->seeds->xyz[3 * i]);
+}
+
+static void lloyd_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct cvt *cvt = ctx;
+    struct vor_bench *bench = &cvt->seeds->bench[worker];
+    struct block_sums sums = {0};
+
+    for (size_t i = begin; i < end; i++) {
+        lloyd_step(cvt, bench, i, &sums);
+        sums.max_move = fmax(sums.max_move, move2(cvt, cvt->lloyd, i));
+    }
+    sums.max_move = sqrt(sums.max_move);
+    cvt->sums[begin / VOR_SEEDS_BLOCK] = sums;
+}
+
+/* Adds up the blocks, in their order. */
+static void add_blocks(struct cvt *cvt)
+{
+    struct block_sums total = {0};
+
+    for (size_t b = 0; b < cvt->blocks; b++) {
+        total.area += cvt->sums[b].area;
+        total.energy += cvt->sums[b].energy;
+        total.max_move = fmax(total.max_move, cvt->sums[b].max_move);
+        total.held += cvt->sums[b].held;
+        total.plane += cvt->sums[b].plane;
+        total.left += cvt->sums[b].left;
+    }
+    cvt->total = total;
+}
+
+/* The Anderson mix of seed i: its tangential part, bounded. */
+static void mix_step(struct cvt *cvt, size_t i)
+{
+    const float *lloyd = &cvt->lloyd[3 * i], *normal = &cvt->normal[3 * i];
+    double d[3], x[3], off = 0, length, limit;
+
+    for (size_t c = 0; c < 3; c++) {
+        d[c] = -(double)lloyd[c];
+        for (unsigned j = 0; j < cvt->anderson.depth; j++)
+            d[c] += cvt->anderson.weight[j] * (double)cvt->anderson.image[j][3 * i + c];
+    }
+    for (int c = 0; c < 3; c++)
+        off += d[c] * (double)normal[c];
+    for (int c = 0; c < 3; c++)
+        d[c] -= off * (double)normal[c];
+    length = sqrt(vor_dot(d, d));
+    limit = MIX_STEP_MAX * (double)cvt->nearest[i];
+    if (cvt->flags[i] & AT_BORDER || !isfinite(length))
+        limit = 0;
+    for (int c = 0; c < 3; c++)
+        x[c] = (double)lloyd[c] + (length > limit ? d[c] * (limit / length) : d[c]);
+    set3(&cvt->mix[3 * i],
+         limit > 0 ? x : (double[3]){(double)lloyd[0], (double)lloyd[1], (double)lloyd[2]});
+}
+
+static void mix_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct cvt *cvt = ctx;
+    double longest = 0;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        mix_step(cvt, i);
+        longest = fmax(longest, move2(cvt, cvt->mix, i));
+    }
+    cvt->sums[begin / VOR_SEEDS_BLOCK].max_move = sqrt(longest);
+}
+
+/* Replaces the Lloyd candidate by the mix when that is at least as even. */
+static vor_status accelerate(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
+{
+    const struct vor_seeds *seeds = cvt->seeds;
+    struct vor_uniformity mixed;
+    double max_move = 0;
+    vor_status status = vor_anderson_push(&cvt->anderson, seeds->xyz, cvt->lloyd, seeds->run, err);
+
+    if (status != VOR_OK || cvt->anderson.depth < 2)
+        return status;
+    status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, mix_block, cvt, err);
+    if (status != VOR_OK)
+        return status;
+    for (size_t b = 0; b < cvt->blocks; b++)
+        max_move = fmax(max_move, cvt->sums[b].max_move);
+    status = vor_even_measure(&mixed, cvt->nearest, seeds, cvt->mix, err);
+    if (status != VOR_OK || !(mixed.delta <= even->delta))
+        return status;
+    memcpy(cvt->lloyd, cvt->mix, 3 * seeds->n * sizeof *cvt->mix);
+    cvt->total.max_move = max_move;
+    *even = mixed;
+    return VOR_OK;
+}
+
+/* One iteration: from seeds->xyz to seeds->xyz. */
+static vor_status iterate(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
+{
+    struct vor_seeds *seeds = cvt->seeds;
+    vor_status status = vor_seeds_index(seeds, err);
+
+    if (status == VOR_OK)
+        status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, lloyd_block, cvt, err);
+    if (status != VOR_OK)
+        return status;
+    add_blocks(cvt);
+    status = vor_even_measure(even, cvt->nearest, seeds, cvt->lloyd, err);
+    if (status == VOR_OK && cvt->anderson.length > 0)
+        status = accelerate(cvt, even, err);
+    if (status != VOR_OK)
+        return status;
+    memcpy(seeds->xyz, cvt->lloyd, 3 * seeds->n * sizeof *seeds->xyz);
+    cvt->result.iterations++;
+    return VOR_OK;
+}
+
+/* Tells the watch, and keeps the most even iterate. */
+static enum vor_answer record(struct cvt *cvt, const struct vor_uniformity *even)
+{
+    const struct vor_run *run = cvt->seeds->run;
+    double unit = cvt->seeds->domain->unit;
+    struct vor_record record = {.iteration = cvt->result.iterations,
+                                .delta = even->delta,
+                                .sigma = even->sigma * unit,
+                                .epsilon = even->epsilon,
+                                .energy = cvt->total.energy * unit * unit * unit * unit,
+                                .max_move = cvt->total.max_move * unit,
+                                .held = cvt->total.held,
+                                .seconds = vor_run_clock(run) - cvt->start};
+
+    cvt->last_seconds = record.seconds;
+    cvt->result.last = record;
+    cvt->result.held = cvt->total.held;
+    cvt->result.fallback_plane = cvt->total.plane;
+    cvt->result.fallback_left = cvt->total.left;
+    cvt->result.area = cvt->total.area * unit * unit;
+    if (even->delta < cvt->best_delta) {
+        cvt->best_delta = even->delta;
+        memcpy(cvt->best, cvt->seeds->xyz, 3 * cvt->seeds->n * sizeof *cvt->best);
+    }
+    if (run->watch == NULL || run->watch->progress == NULL)
+        return VOR_CONTINUE;
+    return run->watch->progress(run->watch->ctx, &record);
+}
+
+/* Whether the gain over the last window is too small to go on. */
+static int plateau(struct cvt *cvt)
+{
+    double *slot = &cvt->past[cvt->result.iterations % PLATEAU_WINDOW], before = *slot;
+
+    *slot = cvt->best_delta;
+    return cvt->result.iterations > PLATEAU_WINDOW && cvt->best_delta > PLATEAU_GAIN * before;
+}
+
+static int even_enough(const struct cvt *cvt, const struct vor_uniformity *even)
+{
+    return vor_spec_given(cvt->spec, VOR_PARAM_DELTA) &&
+           even->delta <= cvt->spec->value[VOR_PARAM_DELTA];
+}
+
+/* Takes note of a plateau: where iterations on the whole of the input are due, they follow. Returns
+ * whether none is. */
+static int ends_on_plateau(struct cvt *cvt)
+{
+    uint32_t last = cvt->result.iterations + landed(cvt);
+
+    if (cvt->level || vor_spec_given(cvt->spec, VOR_PARAM_ITERATIONS) || !plateau(cvt))
+        return 0;
+    cvt->level = 1;
+    if (vor_seeds_on_whole(cvt->seeds) || polish_follows(cvt))
+        return 1;
+    cvt->limit = last < cvt->limit ? last : cvt->limit;
+    return 0;
+}
+
+/* Whether the request's own stops are reached, now that an iteration took `took` seconds. */
+static int finished(struct cvt *cvt, const struct vor_uniformity *even, double took)
+{
+    const double *value = cvt->spec->value;
+    double share = polish_follows(cvt) ? SECONDS_SHARE : 1;
+
+    if (vor_seeds_on_whole(cvt->seeds) && even_enough(cvt, even))
+        cvt->result.stopped = VOR_STOPPED_DELTA;
+    else if (cvt->result.iterations >= cvt->limit)
+        cvt->result.stopped = cvt->level ? VOR_STOPPED_PLATEAU : VOR_STOPPED_ITERATIONS;
+    else if (vor_spec_given(cvt->spec, VOR_PARAM_SECONDS) &&
+             cvt->last_seconds + took > share * value[VOR_PARAM_SECONDS])
+        cvt->result.stopped = VOR_STOPPED_SECONDS;
+    else if (ends_on_plateau(cvt))
+        cvt->result.stopped = VOR_STOPPED_PLATEAU;
+    else
+        return 0;
+    return 1;
+}
+
+/* Whether the next iterations shall be on the whole of the input. */
+static int must_land(const struct cvt *cvt, const struct vor_uniformity *even)
+{
+    return !vor_seeds_on_whole(cvt->seeds) &&
+           (even_enough(cvt, even) ||
+            (!polish_follows(cvt) && cvt->result.iterations + landed(cvt) >= cvt->limit));
+}
+
+/* Onto the whole of the input: what was the most even before counts no more. */
+static vor_status land(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
+{
+    vor_status status = vor_land(cvt->seeds, err);
+
+    if (status == VOR_OK)
+        status = vor_even_begin(even, cvt->nearest, cvt->seeds, err);
+    if (status != VOR_OK)
+        return status;
+    cvt->best_delta = even->delta;
+    memcpy(cvt->best, cvt->seeds->xyz, 3 * cvt->seeds->n * sizeof *cvt->best);
+    return VOR_OK;
+}
+
+static vor_status loop(struct cvt *cvt, struct vor_error *err)
+{
+    struct vor_uniformity even;
+    enum vor_answer answer;
+    double took = 0, before;
+    vor_status status = vor_even_begin(&even, cvt->nearest, cvt->seeds, err);
+
+    if (status != VOR_OK)
+        return status;
+    cvt->best_delta = INFINITY;
+    answer = record(cvt, &even);
+    while (answer == VOR_CONTINUE && !finished(cvt, &even, took)) {
+        before = cvt->last_seconds;
+        if (must_land(cvt, &even))
+            status = land(cvt, &even, err);
+        if (status == VOR_OK)
+            status = iterate(cvt, &even, err);
+        if (status == VOR_E_STOPPED)
+            answer = VOR_STOP;
+        else if (status != VOR_OK)
+            return status;
+        else
+            answer = record(cvt, &even);
+        took = cvt->last_seconds - before;
+    }
+    if (answer == VOR_CANCEL)
+        return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
+    if (answer == VOR_STOP)
+        cvt->result.stopped = VOR_STOPPED_CALLER;
+    return VOR_OK;
+}
+
+vor_status vor_cvt_run(struct vor_seeds *seeds, struct vor_cvt_result *out,
+                       const struct vor_spec *spec, double start, struct vor_error *err)
+{
+    struct cvt cvt = {
+        .seeds = seeds, .spec = spec, .start = start, .limit = vor_spec_iterations(spec)};
+    vor_status status = alloc_cvt(&cvt, err);
+
+    seeds->keep_border = keeps_border(&cvt);
+    if (status == VOR_OK)
+        status = loop(&cvt, err);
+    if (status != VOR_OK)
+        goto done;
+    memcpy(seeds->xyz, cvt.best, 3 * seeds->n * sizeof *cvt.best);
+    for (size_t i = 0; i < seeds->n; i++)
+        cvt.result.held_ever += (cvt.flags[i] & HELD_EVER) != 0;
+    *out = cvt.result;
+done:
+    free_cvt(&cvt);
+    return status;
+}

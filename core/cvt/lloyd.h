@@ -1,0 +1,47 @@
+/** Centroidal Voronoi tessellation on local quadrics by Lloyd's method, accelerated.
+ *
+ *  Source: Xiao et al. 2024, Algorithm 1 and Sec. IV. Each iteration: local surface and restricted
+ *  Voronoi cell of every seed, its centroid, projected. With a window given, the paper's
+ * acceleration: the Anderson mix of the last iterates; of the two the more even one.
+ *
+ *  Departure: without a window, seeds go 1.5 times the way to the centroid and keep up to 0.6 of
+ * their last step (the heavy ball of Polyak 1964; over-relaxed Lloyd of Du and Emelianenko 2006).
+ * Measured on closed clouds of 2,000 to 20,000 points, that reaches the delta of 50 Lloyd
+ * iterations in 15 to 28, the mix in 26 to 50, and keeps one vector where the mix keeps ten.
+ * Departure: of Eq. 12 the smaller delta is taken, as the text says and the formula does not.
+ * Departure: the mix keeps to the tangent plane at the projected centroid and within half a spacing
+ * of it; points at the border take no part in it. Departure: the result is the most even iterate of
+ * all.
+ *
+ *  Not done here: density, anisotropy, other norms. */
+#ifndef VOR_CVT_LLOYD_H
+#define VOR_CVT_LLOYD_H
+
+#include "core/engine.h"
+#include "core/seeds/seeds.h"
+
+/** What the loop reports back; lengths in the cloud's unit. */
+struct vor_cvt_result {
+    uint32_t iterations, polish_steps;
+    enum vor_stopped stopped;
+    uint64_t held, held_ever, fallback_plane, fallback_left;
+    double area;
+    struct vor_record last; /**< as told to the watch */
+};
+
+/** Moves the seeds until a stop of the request (iterations, delta, seconds, plateau) or the watch
+ * ends it, and leaves the most even positions in seeds->xyz.
+ *
+ *  @param[in] spec   read: iterations, delta, seconds, anderson, boundary
+ *  @param[in] start  the clock's reading when the run began: the records and the budget count from
+ * it
+ *
+ *  @retval VOR_E_CANCELLED the watch answered VOR_CANCEL
+ *  @retval VOR_E_NOMEM
+ *
+ *  O(iterations n log n). The same positions for any number of threads. */
+VOR_NODISCARD vor_status vor_cvt_run(struct vor_seeds *seeds, struct vor_cvt_result *out,
+                                     const struct vor_spec *spec, double start,
+                                     struct vor_error *err);
+
+#endif

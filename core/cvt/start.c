@@ -1,0 +1,422 @@
+#include "core/cvt/start.h"
+
+#include "core/base/rng.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Cells of a random draw are uneven: the largest reach beyond the usual patch, and their area would
+ * be missed. */
+#define WIDEN 1.3
+
+/* Areas of the cells vary by 0.3 to 1.5 of their mean on most inputs, and by 3 to 10 of it where
+ * patches cut cells off: then they are measured again, and the seeds started anew. */
+#define UNEVEN 2.0
+
+enum { PASSES = 3 };
+
+enum { STREAM_DRAW = 1, STREAM_ROUND = 2, STREAM_SAMPLE = 3, AREA_SEEDS = 20000 };
+
+/* From so many input points a seed on, they are dense enough to tell areas by themselves. */
+enum { PLENTY = 10, DENSITY_K = 33, DENSITY_BLOCK = 64 };
+
+#define PI 3.14159265358979323846
+
+/* Draws n of the domain's points, one from each stretch of its order, all different. */
+static void draw(struct vor_seeds *seeds, uint64_t seed)
+{
+    const struct vor_domain *domain = seeds->domain;
+    size_t before = 0;
+
+    for (size_t i = 0; i < seeds->n; i++) {
+        double t = (double)i + vor_rng_unit(seed, STREAM_DRAW, i);
+        size_t at = (size_t)(t / (double)seeds->n * (double)domain->n);
+
+        if (i > 0 && at <= before)
+            at = before + 1;
+        if (at > domain->n - (seeds->n - i))
+            at = domain->n - (seeds->n - i);
+        before = at;
+        for (size_t c = 0; c < 3; c++)
+            seeds->xyz[3 * i + c] = domain->xyz[3 * at + c];
+    }
+}
+
+/* Samples of one cell, so many at a time, spread over it by random points of it; (u, v, w). */
+enum { TOGETHER = 64, RANDOM = 16, ALONE = 3, ROUNDS = 5 };
+
+struct spread {
+    size_t n, each; /* random points for each */
+    double at[TOGETHER][3];
+    double pool[TOGETHER * RANDOM][3];
+};
+
+/* Running sum of the areas, and what is sampled from it. */
+struct areas {
+    struct vor_seeds *from, *to;
+    double *end; /* end[i]: sum of the areas up to and with cell i */
+    double offset;
+    uint64_t seed;
+};
+
+static void measure_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct areas *areas = ctx;
+    struct vor_bench *bench = &areas->from->bench[worker];
+    struct vor_moments moments;
+
+    for (size_t i = begin; i < end; i++) {
+        areas->end[i] = 0;
+        if (vor_seeds_cell(areas->from, bench, i) != VOR_SURFACE_NONE &&
+            vor_cell_moments(&moments, &bench->cell))
+            areas->end[i] = moments.area;
+    }
+}
+
+/* First sample that belongs to the cells after the one whose running sum this is. */
+static size_t samples_until(const struct areas *areas, double end)
+{
+    double total = areas->end[areas->from->n - 1];
+    double t = end / total * (double)areas->to->n + areas->offset;
+
+    return end >= total || t >= (double)areas->to->n ? areas->to->n : (size_t)t;
+}
+
+/* The patch may reach beyond the input: puts x onto the surface around it, within its bound. */
+static void pull_in(const struct vor_seeds *seeds, struct vor_bench *bench, double x[3])
+{
+    struct vor_border border;
+
+    if (vor_seeds_fit_at(seeds, bench, &bench->there, x) == VOR_SURFACE_NONE)
+        return;
+    vor_surface_put(&bench->there.surface, x);
+    vor_seeds_border(seeds, bench, &bench->there, &border, x);
+    (void)vor_boundary_restrict(&border, VOR_BORDER_MOVING, x);
+}
+
+/* Random points of the cell, so many for each of n samples. One alone gets but a few: the very
+ * middle of cells along gaps would leave the rims of these empty. */
+static void draw_pool(struct spread *spread, const struct areas *areas, const struct vor_cell *cell,
+                      size_t first, size_t n)
+{
+    double unit[3];
+
+    spread->n = n;
+    spread->each = n > 1 ? RANDOM : ALONE;
+    for (size_t j = 0; j < n * spread->each; j++) {
+        for (size_t c = 0; c < 3; c++)
+            unit[c] = vor_rng_unit(areas->seed, STREAM_SAMPLE, 3 * (first * RANDOM + j) + c);
+        vor_cell_sample(cell, unit, spread->pool[j]);
+    }
+}
+
+static double apart2(const double a[3], const double b[3])
+{
+    return (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]);
+}
+
+/* Each sample starts at that of its own random points that is farthest from the samples before. */
+static void start_apart(struct spread *spread)
+{
+    for (size_t i = 0; i < spread->n; i++) {
+        double farthest = -1;
+
+        for (size_t j = i * spread->each; j < (i + 1) * spread->each; j++) {
+            double nearest = INFINITY;
+
+            for (size_t before = 0; before < i; before++)
+                nearest = fmin(nearest, apart2(spread->pool[j], spread->at[before]));
+            if (nearest > farthest) {
+                farthest = nearest;
+                memcpy(spread->at[i], spread->pool[j], sizeof spread->at[i]);
+            }
+        }
+    }
+}
+
+static size_t nearest_sample(const struct spread *spread, const double x[3])
+{
+    size_t nearest = 0;
+
+    for (size_t i = 1; i < spread->n; i++)
+        if (apart2(x, spread->at[i]) < apart2(x, spread->at[nearest]))
+            nearest = i;
+    return nearest;
+}
+
+/* Each sample goes to the middle of the random points that are nearest to it. */
+static void relax(struct spread *spread)
+{
+    double sum[TOGETHER][3], count[TOGETHER] = {0};
+
+    memset(sum, 0, sizeof sum);
+    for (size_t j = 0; j < spread->n * spread->each; j++) {
+        size_t i = nearest_sample(spread, spread->pool[j]);
+
+        count[i]++;
+        for (int c = 0; c < 3; c++)
+            sum[i][c] += spread->pool[j][c];
+    }
+    for (size_t i = 0; i < spread->n; i++)
+        for (int c = 0; c < 3 && count[i] > 0; c++)
+            spread->at[i][c] = sum[i][c] / count[i];
+}
+
+static void place_sample(const struct areas *areas, struct vor_bench *bench, size_t sample,
+                         double local[3])
+{
+    double x[3];
+
+    vor_surface_project(&bench->here.surface, local);
+    vor_surface_to_world(&bench->here.surface, local, x);
+    if (areas->from->keep_border &&
+        !vor_boundary_inside(&bench->here.surface, bench->here.near, bench->here.k, x))
+        pull_in(areas->from, bench, x);
+    for (size_t c = 0; c < 3; c++)
+        areas->to->xyz[3 * sample + c] = (float)x[c];
+}
+
+/* Starts n seeds in bench->cell. */
+static void sample_cell(const struct areas *areas, struct vor_bench *bench, size_t first, size_t n)
+{
+    struct spread spread;
+
+    draw_pool(&spread, areas, &bench->cell, first, n);
+    start_apart(&spread);
+    for (int round = 0; round < ROUNDS; round++)
+        relax(&spread);
+    for (size_t i = 0; i < n; i++)
+        place_sample(areas, bench, first + i, spread.at[i]);
+}
+
+static void sample_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct areas *areas = ctx;
+    struct vor_bench *bench = &areas->from->bench[worker];
+
+    for (size_t i = begin; i < end; i++) {
+        size_t first = i > 0 ? samples_until(areas, areas->end[i - 1]) : 0;
+        size_t last = samples_until(areas, areas->end[i]);
+
+        if (first == last || vor_seeds_cell(areas->from, bench, i) == VOR_SURFACE_NONE)
+            continue;
+        for (size_t sample = first; sample < last; sample += TOGETHER)
+            sample_cell(areas, bench, sample, last - sample < TOGETHER ? last - sample : TOGETHER);
+    }
+}
+
+/* Cells of the seeds in areas->from and the running sum of their areas. */
+static vor_status measure(struct areas *areas, struct vor_error *err)
+{
+    const struct vor_run *run = areas->from->run;
+    size_t n = areas->from->n;
+    double sum = 0;
+    vor_status status = vor_seeds_index(areas->from, err);
+
+    if (status != VOR_OK)
+        return status;
+    areas->end = vor_malloc(run->memory, n, sizeof *areas->end);
+    if (areas->end == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "areas of %zu cells", n);
+    status = vor_run_for(run, n, VOR_SEEDS_BLOCK, measure_block, areas, err);
+    if (status != VOR_OK)
+        return status;
+    for (size_t i = 0; i < n; i++)
+        areas->end[i] = sum += areas->end[i];
+    if (!(sum > 0))
+        return vor_fail(err, VOR_E_DEGENERATE, "no surface around any of %zu points", n);
+    return VOR_OK;
+}
+
+/* First point of the i-th of n equal stretches of the domain's order. */
+static size_t stretch(const struct vor_seeds *seeds, size_t i)
+{
+    return (size_t)((uint64_t)i * seeds->domain->n / seeds->n);
+}
+
+/* The area of a stretch: of the disc that holds the neighbours of one of its points, a share for
+ * each point. */
+static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct areas *areas = ctx;
+    const struct vor_seeds *to = areas->to;
+    uint32_t index[DENSITY_BLOCK * DENSITY_K];
+    float distance2[DENSITY_BLOCK * DENSITY_K], x[3 * DENSITY_BLOCK] = {0};
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        size_t low = stretch(to, i), points = stretch(to, i + 1) - low;
+        size_t at = low + (size_t)(vor_rng_unit(areas->seed, STREAM_DRAW, i) * (double)points);
+
+        memcpy(&x[3 * (i - begin)], &to->domain->xyz[3 * at], 3 * sizeof *x);
+    }
+    vor_knn_search(to->domain->knn, x, end - begin, DENSITY_K, index, distance2);
+    for (size_t i = begin; i < end; i++) {
+        double points = (double)(stretch(to, i + 1) - stretch(to, i));
+        double far2 = (double)distance2[(i - begin) * DENSITY_K + DENSITY_K - 1];
+
+        areas->end[i] = PI * far2 * points / (DENSITY_K - 1);
+    }
+}
+
+/* Takes one point from each of n equal parts of the running sum, all different; false where a
+ * stretch has not as many points as that asks of it. */
+static int pick(const struct areas *areas)
+{
+    struct vor_seeds *to = areas->to;
+    const struct vor_domain *domain = to->domain;
+    double share = areas->end[to->n - 1] / (double)to->n, low = 0;
+    size_t sample = 0, next = 0;
+
+    for (size_t i = 0; i < to->n; i++) {
+        size_t begin = stretch(to, i), points = stretch(to, i + 1) - begin;
+        double area = areas->end[i] - low;
+
+        if (area > share * (double)points)
+            return 0;
+        while (sample < to->n) {
+            double t = share * ((double)sample + vor_rng_unit(areas->seed, STREAM_SAMPLE, sample));
+            size_t at;
+
+            if (t >= areas->end[i] && i + 1 < to->n)
+                break;
+            at = begin + (size_t)fmin((t - low) / area * (double)points, (double)points - 1);
+            if (at < next)
+                at = next;
+            if (at > domain->n - (to->n - sample))
+                at = domain->n - (to->n - sample);
+            next = at + 1;
+            memcpy(&to->xyz[3 * sample++], &domain->xyz[3 * at], 3 * sizeof *to->xyz);
+        }
+        low = areas->end[i];
+    }
+    return 1;
+}
+
+/* Starts the seeds at input points, as many in each stretch as its area asks for.
+ *
+ * @param[out] enough  false: some stretch has not that many */
+static vor_status start_at_points(struct areas *areas, int *enough, struct vor_error *err)
+{
+    struct vor_seeds *to = areas->to;
+    const struct vor_run *run = to->run;
+    vor_status status;
+    double sum = 0;
+
+    *enough = 0;
+    areas->end = vor_malloc(run->memory, to->n, sizeof *areas->end);
+    if (areas->end == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "areas of %zu stretches", to->n);
+    status = vor_run_for(run, to->n, DENSITY_BLOCK, density_block, areas, err);
+    for (size_t i = 0; status == VOR_OK && i < to->n; i++)
+        areas->end[i] = sum += areas->end[i];
+    if (status == VOR_OK && sum > 0)
+        *enough = pick(areas);
+    to->area = sum;
+    vor_free(run->memory, areas->end);
+    areas->end = NULL;
+    return status;
+}
+
+/* Coefficient of variation of the areas. */
+static double variation(const struct areas *areas)
+{
+    size_t n = areas->from->n;
+    double mean = areas->end[n - 1] / (double)n, before = 0, sum2 = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        double area = areas->end[i] - before;
+
+        before = areas->end[i];
+        sum2 += area * area;
+    }
+    return sqrt(fmax(0, sum2 / (double)n / (mean * mean) - 1));
+}
+
+/* Starts the seeds in the cells of areas->from, as many as their areas ask for; where those are
+ * very uneven, again in the cells of these, if they are as many. */
+static vor_status sample_cells(struct areas *areas, struct vor_error *err)
+{
+    struct vor_seeds *from = areas->from, *to = areas->to;
+    struct vor_memory *memory = to->run->memory;
+    vor_status status = VOR_OK;
+
+    for (int pass = 0; status == VOR_OK && pass < PASSES; pass++) {
+        if (pass > 0) {
+            if (from->n != to->n || variation(areas) < UNEVEN)
+                break;
+            memcpy(from->xyz, to->xyz, 3 * to->n * sizeof *to->xyz);
+        }
+        vor_free(memory, areas->end);
+        areas->end = NULL;
+        status = measure(areas, err);
+        if (status == VOR_OK)
+            status = vor_run_for(to->run, from->n, VOR_SEEDS_BLOCK, sample_block, areas, err);
+    }
+    if (status == VOR_OK)
+        to->area = areas->end[from->n - 1];
+    vor_free(memory, areas->end);
+    return status;
+}
+
+/* Draws input points and starts the seeds in their cells. */
+static vor_status start_in_cells(struct areas *areas, const struct vor_spec *spec,
+                                 struct vor_error *err)
+{
+    struct vor_seeds *from = areas->from, *to = areas->to;
+    const struct vor_domain *domain = to->domain;
+    vor_status status = vor_seeds_init(from, domain, to->n < domain->n ? to->n : domain->n,
+                                       to->scale, to->run, err);
+
+    if (status != VOR_OK)
+        return status;
+    from->keep_border = spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP;
+    draw(from, areas->seed);
+    status = sample_cells(areas, err);
+    vor_seeds_free(from);
+    return status;
+}
+
+vor_status vor_init_seeds(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
+                          const struct vor_scale *scale, const struct vor_spec *spec,
+                          const struct vor_run *run, struct vor_error *err)
+{
+    uint64_t seed = (uint64_t)spec->value[VOR_PARAM_SEED];
+    struct vor_seeds from = {0}, to = {0};
+    struct areas areas = {&from, &to, NULL, vor_rng_unit(seed, STREAM_ROUND, 0), seed};
+    int done = 0;
+    vor_status status = vor_seeds_init(&to, domain, n, scale, run, err);
+
+    if (status == VOR_OK && domain->n / PLENTY >= n && domain->n >= DENSITY_K)
+        status = start_at_points(&areas, &done, err);
+    if (status == VOR_OK && !done)
+        status = start_in_cells(&areas, spec, err);
+    if (status != VOR_OK) {
+        vor_seeds_free(&to);
+        return status;
+    }
+    *out = to;
+    return VOR_OK;
+}
+
+vor_status vor_init_area(double *out, const struct vor_domain *domain,
+                         const struct vor_scale *scale, const struct vor_spec *spec,
+                         const struct vor_run *run, struct vor_error *err)
+{
+    uint64_t seed = (uint64_t)spec->value[VOR_PARAM_SEED];
+    size_t n = domain->n / 2 < AREA_SEEDS ? (domain->n + 1) / 2 : AREA_SEEDS;
+    struct vor_seeds from = {0};
+    struct areas areas = {&from, NULL, NULL, 0, seed};
+    vor_status status = vor_seeds_init(&from, domain, n, scale, run, err);
+
+    if (status != VOR_OK)
+        return status;
+    from.widen = WIDEN;
+    draw(&from, seed);
+    status = measure(&areas, err);
+    if (status == VOR_OK)
+        *out = areas.end[n - 1];
+    vor_free(run->memory, areas.end);
+    vor_seeds_free(&from);
+    return status;
+}

@@ -1,0 +1,398 @@
+#include "core/input/domain.h"
+
+#include "core/base/bounds.h"
+#include "core/base/linalg.h"
+#include "core/base/morton.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BLOCK = 1 << 16, RECENT = 16, SAMPLED = 4096, SIXTH = 6 };
+
+#define LINE_RANK 1e-12 /* variance across over variance along: below it, the cloud is a line */
+
+/* Moves the origin only where the cloud is far from it, since a shift costs the small coordinates
+ * their last bits. */
+static void choose_frame(struct vor_domain *out, const struct vor_box *box)
+{
+    double low[3], high[3], extent = 0, middle = 0, largest = 0;
+    int exponent;
+
+    for (int c = 0; c < 3; c++) {
+        low[c] = (double)box->low[c];
+        high[c] = (double)box->high[c];
+        out->shift[c] = (double)(float)(low[c] / 2 + high[c] / 2);
+        extent = fmax(extent, high[c] - low[c]);
+        middle = fmax(middle, fabs(out->shift[c]));
+    }
+    for (int c = 0; c < 3; c++) {
+        if (middle <= 2 * extent)
+            out->shift[c] = 0;
+        largest = fmax(largest, fmax(fabs(low[c] - out->shift[c]), fabs(high[c] - out->shift[c])));
+    }
+    (void)frexp(largest, &exponent);
+    out->unit = largest > 0 ? ldexp(1, exponent) : 1;
+}
+
+static size_t blocks_of(size_t n)
+{
+    return (n + BLOCK - 1) / BLOCK;
+}
+
+/* Makes of counts where each begins; returns their sum. */
+static size_t running_sum(size_t *count, size_t n)
+{
+    size_t sum = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        size_t here = count[i];
+
+        count[i] = sum;
+        sum += here;
+    }
+    return sum;
+}
+
+static int same_place(const float *a, const float *b)
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+/* The cloud on its way into the domain. */
+struct work {
+    const struct vor_cloud *in;
+    const struct vor_run *run;
+    struct vor_domain *out;
+    float *unsorted; /* normalised, as in the input */
+    uint32_t *order;
+    size_t *first; /* where the points of each block of the order go */
+};
+
+static void normalise_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct work *work = ctx;
+    const double *shift = work->out->shift;
+    double inverse = 1 / work->out->unit; /* exact: a power of two, and not the smallest */
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        for (size_t c = 0; c < 3; c++)
+            work->unsorted[3 * i + c] =
+                (float)(((double)work->in->xyz[3 * i + c] - shift[c]) * inverse);
+}
+
+/* Whether point i of the order is the first of its place. */
+static int is_first(const struct work *work, size_t i)
+{
+    return i == 0 || !same_place(&work->unsorted[3 * (size_t)work->order[i]],
+                                 &work->unsorted[3 * (size_t)work->order[i - 1]]);
+}
+
+static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct work *work = ctx;
+    size_t count = 0;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        count += (size_t)is_first(work, i);
+    work->first[begin / BLOCK] = count;
+}
+
+static void gather_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct work *work = ctx;
+    size_t at = work->first[begin / BLOCK];
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        if (!is_first(work, i))
+            continue;
+        memcpy(&work->out->xyz[3 * at], &work->unsorted[3 * (size_t)work->order[i]],
+               3 * sizeof *work->out->xyz);
+        work->out->source[at++] = work->order[i];
+    }
+}
+
+/* Drops coincident points: how many are left is known before they get memory. */
+static vor_status gather(struct work *work, struct vor_error *err)
+{
+    struct vor_domain *out = work->out;
+    size_t n = work->in->n;
+    vor_status status = vor_run_for(work->run, n, BLOCK, count_block, work, err);
+
+    if (status != VOR_OK)
+        return status;
+    out->n = running_sum(work->first, blocks_of(n));
+    out->xyz = vor_malloc(out->memory, out->n, 3 * sizeof *out->xyz);
+    out->source = vor_malloc(out->memory, out->n, sizeof *out->source);
+    if (out->xyz == NULL || out->source == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "sorting %zu points", n);
+    return vor_run_for(work->run, n, BLOCK, gather_block, work, err);
+}
+
+/* Normalises, sorts and drops coincident points. */
+static vor_status sort_points(struct vor_domain *out, const struct vor_cloud *in,
+                              const struct vor_run *run, struct vor_error *err)
+{
+    struct work work = {.in = in, .run = run, .out = out};
+    vor_status status;
+
+    work.unsorted = vor_malloc(run->memory, in->n, 3 * sizeof *work.unsorted);
+    work.order = vor_malloc(run->memory, in->n, sizeof *work.order);
+    work.first = vor_malloc(run->memory, blocks_of(in->n), sizeof *work.first);
+    if (work.unsorted == NULL || work.order == NULL || work.first == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "sorting %zu points", in->n);
+    else
+        status = vor_run_for(run, in->n, BLOCK, normalise_block, &work, err);
+    if (status == VOR_OK)
+        status = vor_morton_order(work.order, work.unsorted, in->n, run, err);
+    if (status == VOR_OK)
+        status = gather(&work, err);
+    vor_free(run->memory, work.first);
+    vor_free(run->memory, work.order);
+    vor_free(run->memory, work.unsorted);
+    return status;
+}
+
+/* Sums over the points of each block. */
+struct sums {
+    const float *xyz;
+    double mean[3];
+    double (*block)[6];
+};
+
+static void sum_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct sums *sums = ctx;
+    double *sum = sums->block[begin / BLOCK];
+
+    (void)worker;
+    memset(sum, 0, 6 * sizeof *sum);
+    for (size_t i = begin; i < end; i++)
+        for (size_t c = 0; c < 3; c++)
+            sum[c] += (double)sums->xyz[3 * i + c];
+}
+
+static void spread_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct sums *sums = ctx;
+    double *m = sums->block[begin / BLOCK];
+
+    (void)worker;
+    memset(m, 0, 6 * sizeof *m);
+    for (size_t i = begin; i < end; i++) {
+        double x = (double)sums->xyz[3 * i] - sums->mean[0],
+               y = (double)sums->xyz[3 * i + 1] - sums->mean[1],
+               z = (double)sums->xyz[3 * i + 2] - sums->mean[2];
+
+        m[0] += x * x;
+        m[1] += x * y;
+        m[2] += x * z;
+        m[3] += y * y;
+        m[4] += y * z;
+        m[5] += z * z;
+    }
+}
+
+/* Second moments of the points about their mean. */
+static vor_status moments(double m[6], const struct vor_domain *domain, const struct vor_run *run,
+                          struct vor_error *err)
+{
+    size_t blocks = blocks_of(domain->n);
+    struct sums sums = {.xyz = domain->xyz};
+    vor_status status;
+
+    sums.block = vor_malloc(run->memory, blocks, sizeof *sums.block);
+    if (sums.block == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the moments of %zu points", domain->n);
+    status = vor_run_for(run, domain->n, BLOCK, sum_block, &sums, err);
+    if (status == VOR_OK) {
+        for (size_t i = 0; i < 3 * blocks; i++)
+            sums.mean[i % 3] += sums.block[i / 3][i % 3];
+        for (int c = 0; c < 3; c++)
+            sums.mean[c] /= (double)domain->n;
+        status = vor_run_for(run, domain->n, BLOCK, spread_block, &sums, err);
+    }
+    for (size_t i = 0; status == VOR_OK && i < 6 * blocks; i++)
+        m[i % 6] += sums.block[i / 6][i % 6];
+    vor_free(run->memory, sums.block);
+    return status;
+}
+
+static vor_status check_rank(const struct vor_domain *domain, const struct vor_run *run,
+                             struct vor_error *err)
+{
+    double m[6] = {0}, values[3], vectors[3][3];
+    vor_status status;
+
+    if (domain->n < 4)
+        return vor_fail(err, VOR_E_DEGENERATE, "the cloud has %zu distinct points, want at least 4",
+                        domain->n);
+    status = moments(m, domain, run, err);
+    if (status != VOR_OK)
+        return status;
+    vor_eigen3(values, vectors, m);
+    if (!(values[1] > LINE_RANK * values[2]))
+        return vor_fail(err, VOR_E_DEGENERATE,
+                        "all %zu distinct points lie on one line, or too near it", domain->n);
+    return VOR_OK;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    float x = *(const float *)a, y = *(const float *)b;
+
+    return (x > y) - (x < y);
+}
+
+/* Finds how sparse the input is, from points spread over its order. */
+static void find_sparse(struct vor_domain *domain)
+{
+    size_t n = domain->n < SAMPLED ? domain->n : SAMPLED;
+    unsigned k = domain->n > SIXTH ? SIXTH + 1 : (unsigned)domain->n;
+    float far2[SAMPLED] = {0}; /* the analysers want it said */
+
+    for (size_t i = 0; i < n; i++) {
+        size_t at = (size_t)((double)i / (double)n * (double)domain->n);
+        uint32_t index[SIXTH + 1];
+        float distance2[SIXTH + 1];
+
+        vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, k, index, distance2);
+        far2[i] = distance2[k - 1];
+    }
+    qsort(far2, n, sizeof *far2, ascending);
+    domain->sparse = sqrt((double)far2[(size_t)(0.999 * (double)(n - 1))]);
+}
+
+vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
+                           const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_domain domain = {.memory = run->memory};
+    struct vor_box box;
+    vor_status status = vor_bounds(&box, in->xyz, in->n, run, err);
+
+    if (status != VOR_OK)
+        return status;
+    choose_frame(&domain, &box);
+    status = sort_points(&domain, in, run, err);
+    if (status == VOR_OK)
+        status = check_rank(&domain, run, err);
+    if (status == VOR_OK)
+        status = vor_knn_build_sorted(&domain.knn, domain.xyz, domain.n, run, err);
+    if (status != VOR_OK) {
+        vor_domain_free(&domain);
+        return status;
+    }
+    if (domain.n > 0)
+        find_sparse(&domain);
+    *out = domain;
+    return VOR_OK;
+}
+
+/* A domain on its way into a thinner one. */
+struct thinning {
+    const struct vor_domain *in;
+    struct vor_domain *out;
+    double gap2;
+    unsigned char *kept; /* of the points of `in`, which ones */
+    size_t *first;       /* where those of each block go */
+};
+
+/* Keeps a point that is a gap away from the last ones kept: near in the order is near in space. */
+static void choose_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct thinning *thinning = ctx;
+    const float *xyz = thinning->in->xyz;
+    size_t recent[RECENT], count = 0;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        int keep = 1;
+
+        for (size_t j = 0; j < count && j < RECENT && keep; j++)
+            keep = vor_distance2f(&xyz[3 * i], &xyz[3 * recent[j]]) >= thinning->gap2;
+        thinning->kept[i] = (unsigned char)keep;
+        if (keep)
+            recent[count++ % RECENT] = i;
+    }
+    thinning->first[begin / BLOCK] = count;
+}
+
+static void thin_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct thinning *thinning = ctx;
+    const struct vor_domain *in = thinning->in;
+    struct vor_domain *out = thinning->out;
+    size_t at = thinning->first[begin / BLOCK];
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        if (!thinning->kept[i])
+            continue;
+        memcpy(&out->xyz[3 * at], &in->xyz[3 * i], 3 * sizeof *out->xyz);
+        out->source[at++] = in->source[i];
+    }
+}
+
+static vor_status thin_points(struct thinning *thinning, const struct vor_run *run,
+                              struct vor_error *err)
+{
+    struct vor_domain *out = thinning->out;
+    size_t n = thinning->in->n;
+    vor_status status;
+
+    thinning->kept = vor_malloc(run->memory, n, sizeof *thinning->kept);
+    thinning->first = vor_malloc(run->memory, blocks_of(n), sizeof *thinning->first);
+    if (thinning->kept == NULL || thinning->first == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "thinning %zu points", n);
+    status = vor_run_for(run, n, BLOCK, choose_block, thinning, err);
+    if (status != VOR_OK)
+        return status;
+    out->n = running_sum(thinning->first, blocks_of(n));
+    if (out->n > n / 2) {
+        out->n = 0;
+        return VOR_OK;
+    }
+    out->xyz = vor_malloc(out->memory, out->n, 3 * sizeof *out->xyz);
+    out->source = vor_malloc(out->memory, out->n, sizeof *out->source);
+    if (out->xyz == NULL || out->source == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "thinning %zu points", n);
+    return vor_run_for(run, n, BLOCK, thin_block, thinning, err);
+}
+
+vor_status vor_domain_thin(struct vor_domain *out, const struct vor_domain *in, double gap,
+                           const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_domain domain = {
+        .memory = run->memory, .unit = in->unit, .sheets = in->sheets, .rounded = in->rounded};
+    struct thinning thinning = {.in = in, .out = &domain, .gap2 = gap * gap};
+    vor_status status;
+
+    memcpy(domain.shift, in->shift, sizeof domain.shift);
+    status = thin_points(&thinning, run, err);
+    vor_free(run->memory, thinning.first);
+    vor_free(run->memory, thinning.kept);
+    if (status == VOR_OK && domain.n > 0)
+        status = vor_knn_build_sorted(&domain.knn, domain.xyz, domain.n, run, err);
+    if (status != VOR_OK) {
+        vor_domain_free(&domain);
+        return status;
+    }
+    if (domain.n > 0)
+        find_sparse(&domain);
+    *out = domain;
+    return VOR_OK;
+}
+
+void vor_domain_free(struct vor_domain *domain)
+{
+    vor_knn_free(domain->knn);
+    vor_free(domain->memory, domain->source);
+    vor_free(domain->memory, domain->xyz);
+    domain->knn = NULL;
+    domain->source = NULL;
+    domain->xyz = NULL;
+    domain->n = 0;
+}

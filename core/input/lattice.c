@@ -1,0 +1,401 @@
+#include "core/input/lattice.h"
+
+#include "core/geom/surface.h"
+#include "core/input/neighbors.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    SAMPLE = 4096, /* points that candidates are tried on */
+    LEAST = 200,   /* fewer points have no lattice */
+    FEW = 6,       /* fewer values tell no cell */
+    STRAY = 1000,  /* one point in so many may be off the lattice */
+    LUCK = 200,    /* of the sample, one in so many: it may have more of them */
+    LOST = 8,      /* on the way, one value in so many */
+    PARTS = 4,     /* a gap is up to so many cells */
+    PLACES = 512,  /* where the spacing is looked at */
+    BLOCK = 4096,
+    NEAREST = 15, /* fewer neighbours tell no surface from cells */
+    SMOOTH_BLOCK = 256
+};
+
+#define SMALL 0.4         /* cells (rms) over spacing: below it, the lattice does not matter */
+#define EXACT 0.2         /* the same for a single axis: its values are no cells */
+#define NEAR_LEVEL 0.2    /* of a cell: a value on the way that belongs to a level */
+#define ON_LEVEL 0.01     /* of a cell: the same of a value in the end, but for its rounding */
+#define ROUNDED 0.02      /* of a cell: rounding that does not hide it */
+#define FLAT 1e-6         /* levels that far apart may be one */
+#define FLOAT32 0x1p-22   /* what a few roundings to float32 do */
+#define INSIDE 0.49999999 /* of a cell: how far a point may go */
+
+#define COUNTED 0.4375 /* what weights leave of the neighbours: (1 / 4)^2 / (1 / 7) */
+#define EXCUSED 1.4    /* of the cells' variance: residuals vary */
+
+static const double quantiles[] = {0.5, 0.25, 0.1, 0.03, 0.01};
+
+/* What is found along one axis. */
+struct found {
+    double cell, offset; /* cell 0: nothing */
+    double limit;        /* how far a value may be off its level */
+    int few;             /* too few levels to tell a cell */
+};
+
+/* A sample of one axis. */
+struct axis {
+    size_t n, levels;
+    double value[SAMPLE]; /* ascending */
+    double level[SAMPLE]; /* those of them that differ */
+    double gap[SAMPLE];   /* between levels, ascending */
+    double rounding;      /* values closer than twice this are one level */
+};
+
+static int ascending(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+
+    return (x > y) - (x < y);
+}
+
+static void sample_axis(struct axis *axis, const struct vor_domain *domain, size_t c)
+{
+    axis->n = domain->n < SAMPLE ? domain->n : SAMPLE;
+    for (size_t i = 0; i < axis->n; i++) {
+        size_t at = (size_t)(((double)i + 0.5) / (double)axis->n * (double)domain->n);
+
+        axis->value[i] = (double)domain->xyz[3 * at + c];
+    }
+    qsort(axis->value, axis->n, sizeof *axis->value, ascending);
+}
+
+static void find_levels(struct axis *axis, double rounding)
+{
+    axis->rounding = rounding;
+    axis->levels = 0;
+    for (size_t i = 0; i < axis->n; i++)
+        if (i == 0 || axis->value[i] - axis->level[axis->levels - 1] > 2 * rounding)
+            axis->level[axis->levels++] = axis->value[i];
+    for (size_t i = 0; i + 1 < axis->levels; i++)
+        axis->gap[i] = axis->level[i + 1] - axis->level[i];
+    if (axis->levels > 1)
+        qsort(axis->gap, axis->levels - 1, sizeof *axis->gap, ascending);
+}
+
+/* Fits cell and offset to the levels within `width` of where; false when they are on no lattice. */
+static int refine(const struct axis *axis, double *cell, double *offset, double where, double width)
+{
+    double n = 0, lost = 0, i1 = 0, i2 = 0, r1 = 0, ir = 0, det;
+
+    for (size_t l = 0; l < axis->levels; l++) {
+        double x = axis->level[l] - *offset, i, r;
+
+        if (fabs(axis->level[l] - where) > width)
+            continue;
+        i = rint(x / *cell);
+        r = x - i * *cell;
+        if (fabs(r) > NEAR_LEVEL * *cell) {
+            lost++;
+            continue;
+        }
+        n++;
+        i1 += i;
+        i2 += i * i;
+        r1 += r;
+        ir += i * r;
+    }
+    if (lost > 2 + (n + lost) / LOST)
+        return 0;
+    det = n * i2 - i1 * i1;
+    if (det > 0) {
+        *offset += (i2 * r1 - i1 * ir) / det;
+        *cell += (n * ir - i1 * r1) / det;
+    }
+    return *cell > 0;
+}
+
+static size_t is_off(const struct found *found, double x)
+{
+    x -= found->offset;
+    return fabs(x - found->cell * rint(x / found->cell)) > found->limit;
+}
+
+/* Whether the sample is on a lattice of about that cell. */
+static int follow(struct found *out, const struct axis *axis, double cell)
+{
+    double where = axis->value[axis->n / 2], offset = where;
+    double span = axis->level[axis->levels - 1] - axis->level[0], width = 4 * cell;
+    size_t stray = 0;
+
+    while (width < 2 * span) {
+        if (!refine(axis, &cell, &offset, where, width))
+            return 0;
+        width *= 2;
+    }
+    if (cell * ROUNDED < axis->rounding)
+        return 0;
+    out->cell = cell;
+    out->offset = offset;
+    out->limit = 2 * axis->rounding + ON_LEVEL * cell;
+    for (size_t i = 0; i < axis->n; i++)
+        stray += is_off(out, axis->value[i]);
+    return stray * LUCK <= axis->n;
+}
+
+/* The largest cell that the sample is on. */
+static void try_candidates(struct found *out, const struct axis *axis)
+{
+    struct found found = {0};
+
+    for (size_t q = 0; q < sizeof quantiles / sizeof *quantiles; q++)
+        for (int part = 1; part <= PARTS; part++) {
+            double gap = axis->gap[(size_t)(quantiles[q] * (double)(axis->levels - 1))] / part;
+
+            if (gap > 1.5 * out->cell && follow(&found, axis, gap) && found.cell > out->cell)
+                *out = found;
+        }
+}
+
+/* Rounding first: any float32 values are on the lattice of their last bits. */
+static void find_cell(struct found *out, struct axis *axis, double largest)
+{
+    const double roundings[] = {FLOAT32 * largest, 0};
+
+    for (int i = 0; i < 2 && out->cell == 0 && !out->few; i++) {
+        find_levels(axis, roundings[i]);
+        out->few = axis->levels < FEW && roundings[i] <= FLAT;
+        if (axis->levels >= FEW)
+            try_candidates(out, axis);
+    }
+}
+
+struct check {
+    const struct vor_domain *domain;
+    struct found found[3];
+    atomic_size_t stray[3];
+};
+
+static void check_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct check *check = ctx;
+
+    (void)worker;
+    for (size_t c = 0; c < 3; c++) {
+        size_t stray = 0;
+
+        for (size_t i = begin; i < end && check->found[c].cell > 0; i++)
+            stray += is_off(&check->found[c], (double)check->domain->xyz[3 * i + c]);
+        atomic_fetch_add_explicit(&check->stray[c], stray, memory_order_relaxed);
+    }
+}
+
+static double mean_spacing(const struct vor_domain *domain)
+{
+    double sum = 0;
+
+    for (size_t place = 0; place < PLACES; place++) {
+        size_t at = (size_t)(((double)place + 0.5) / PLACES * (double)domain->n);
+        uint32_t index[2];
+        float distance2[2];
+
+        vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, 2, index, distance2);
+        sum += sqrt((double)distance2[1]);
+    }
+    return sum / PLACES;
+}
+
+/* Judges what was found against the spacing. */
+static void judge(struct vor_lattice *out, const struct check *check, double largest)
+{
+    double cells = 0, sum = 0;
+
+    out->spacing = mean_spacing(check->domain);
+    out->matters = 1;
+    for (int c = 0; c < 3; c++) {
+        double cell = out->cell[c] = check->found[c].cell;
+
+        cells += cell > 0;
+        sum += cell * cell;
+        if (!check->found[c].few && !(cell > EXACT * out->spacing))
+            out->matters = 0;
+    }
+    if (cells < 2 || !(sum > cells * SMALL * SMALL * out->spacing * out->spacing))
+        out->matters = 0;
+    for (int c = 0; c < 3; c++)
+        if (!out->matters && ROUNDED * out->cell[c] < FLOAT32 * largest)
+            out->cell[c] = 0;
+}
+
+/* Puts what the sample is on to all points. */
+static vor_status check_all(struct vor_lattice *out, struct check *check, double largest,
+                            const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status = vor_run_for(run, check->domain->n, BLOCK, check_block, check, err);
+
+    if (status != VOR_OK)
+        return status;
+    for (int c = 0; c < 3; c++)
+        if (atomic_load(&check->stray[c]) > check->domain->n / STRAY)
+            check->found[c].cell = 0;
+    judge(out, check, largest);
+    return VOR_OK;
+}
+
+vor_status vor_lattice_find(struct vor_lattice *out, const struct vor_domain *domain,
+                            const struct vor_run *run, struct vor_error *err)
+{
+    struct check check = {.domain = domain};
+    struct axis *axis;
+    double largest = 1;
+
+    memset(out, 0, sizeof *out);
+    if (domain->n < LEAST)
+        return VOR_OK;
+    axis = vor_malloc(run->memory, 1, sizeof *axis);
+    if (axis == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "looking for a lattice");
+    for (int c = 0; c < 3; c++)
+        largest = fmax(largest, 1 + fabs(domain->shift[c]) / domain->unit);
+    for (size_t c = 0; c < 3; c++) {
+        sample_axis(axis, domain, c);
+        find_cell(&check.found[c], axis, largest);
+    }
+    vor_free(run->memory, axis);
+    if (!(check.found[0].cell + check.found[1].cell + check.found[2].cell > 0))
+        return VOR_OK;
+    return check_all(out, &check, largest, run, err);
+}
+
+struct smooth {
+    const struct vor_domain *domain;
+    const struct vor_lattice *lattice;
+    float *xyz;
+    unsigned k;
+    atomic_size_t moved;
+};
+
+/* The neighbours of one point, nearest first, and a surface that weighs them. */
+struct hood {
+    float near[3 * VOR_NEIGHBORS_MAX], distance2[VOR_NEIGHBORS_MAX], weight[VOR_NEIGHBORS_MAX];
+    struct vor_surface surface;
+};
+
+static void gather(struct hood *out, const struct smooth *smooth, size_t i)
+{
+    const struct vor_domain *domain = smooth->domain;
+    uint32_t index[VOR_NEIGHBORS_MAX];
+
+    vor_knn_search(domain->knn, &domain->xyz[3 * i], 1, smooth->k, index, out->distance2);
+    for (unsigned j = 0; j < smooth->k; j++)
+        memcpy(&out->near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *out->near);
+}
+
+/* Fits to the k nearest; returns their weighted variance about the surface. */
+static double fit(struct hood *hood, unsigned k)
+{
+    double sum = 0, total = 0;
+
+    for (unsigned j = 0; j < k; j++) {
+        float inside = 1 - hood->distance2[j] / (1.001F * hood->distance2[k - 1]);
+
+        hood->weight[j] = inside * inside * inside;
+    }
+    vor_surface_fit_weighted(&hood->surface, hood->near, hood->weight, k);
+    for (unsigned j = 0; hood->surface.kind != VOR_SURFACE_NONE && j < k; j++) {
+        const float *near = &hood->near[3 * j];
+        double x[3] = {(double)near[0], (double)near[1], (double)near[2]}, local[3], off;
+
+        vor_surface_to_local(&hood->surface, x, local);
+        off = local[2] - vor_surface_height(&hood->surface, local[0], local[1], NULL);
+        sum += (double)hood->weight[j] * off * off;
+        total += (double)hood->weight[j];
+    }
+    return total > 0 ? sum / total : INFINITY;
+}
+
+/* What the cells alone may leave of variance in such a fit: a plane that cuts a cell is within half
+ * of the cell's width across the plane from its middle, evenly spread at most. */
+static double excused(const struct smooth *smooth, const struct vor_surface *surface, unsigned k)
+{
+    double width = 0;
+
+    for (int c = 0; c < 3; c++)
+        width += fabs(surface->axis[2][c]) * smooth->lattice->cell[c];
+    return EXCUSED * width * width / 12 * (1 - 6 / (COUNTED * k));
+}
+
+/* The foot of point i on the widest surface around it that the cells excuse. False when there is
+ * none: detail is all there is. */
+static int foot_of(const struct smooth *smooth, size_t i, double foot[3])
+{
+    struct hood hood;
+    double local[3] = {0, 0, 0};
+    unsigned k = smooth->k;
+
+    gather(&hood, smooth, i);
+    while (k >= NEAREST && fit(&hood, k) > excused(smooth, &hood.surface, k))
+        k /= 2;
+    if (k < NEAREST || hood.surface.kind == VOR_SURFACE_NONE)
+        return 0;
+    vor_surface_project(&hood.surface, local);
+    vor_surface_to_world(&hood.surface, local, foot);
+    return 1;
+}
+
+static void smooth_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct smooth *smooth = ctx;
+    size_t moved = 0;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        const float *from = &smooth->domain->xyz[3 * i];
+        float *to = &smooth->xyz[3 * i];
+        double foot[3];
+
+        memcpy(to, from, 3 * sizeof *to);
+        if (!foot_of(smooth, i, foot))
+            continue;
+        for (int c = 0; c < 3; c++) {
+            double x = (double)from[c], room = INSIDE * smooth->lattice->cell[c];
+            float near = (float)fmax(-1, fmin(1, fmax(x - room, fmin(foot[c], x + room))));
+
+            if (fabs((double)near - x) <= room)
+                to[c] = near;
+        }
+        moved += to[0] != from[0] || to[1] != from[1] || to[2] != from[2];
+    }
+    atomic_fetch_add_explicit(&smooth->moved, moved, memory_order_relaxed);
+}
+
+vor_status vor_lattice_smooth(struct vor_domain *domain, size_t *moved,
+                              const struct vor_lattice *lattice, const struct vor_run *run,
+                              struct vor_error *err)
+{
+    struct smooth smooth = {.domain = domain, .lattice = lattice};
+    struct vor_scale scale;
+    vor_status status = vor_scale_find(&scale, domain, run, err);
+
+    *moved = 0;
+    if (status != VOR_OK)
+        return status;
+    smooth.k = 2 * scale.usual < VOR_NEIGHBORS_MAX ? 2 * scale.usual : VOR_NEIGHBORS_MAX;
+    if (smooth.k > domain->n)
+        smooth.k = (unsigned)domain->n;
+    smooth.xyz = vor_malloc(run->memory, domain->n, 3 * sizeof *smooth.xyz);
+    if (smooth.xyz == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "smoothing %zu points", domain->n);
+    status = vor_run_for(run, domain->n, SMOOTH_BLOCK, smooth_block, &smooth, err);
+    if (status != VOR_OK) {
+        vor_free(run->memory, smooth.xyz);
+        return status;
+    }
+    *moved = atomic_load(&smooth.moved);
+    domain->rounded = *moved > 0;
+    vor_knn_free(domain->knn);
+    vor_free(domain->memory, domain->xyz);
+    domain->knn = NULL;
+    domain->xyz = smooth.xyz;
+    return vor_knn_build_sorted(&domain->knn, domain->xyz, domain->n, run, err);
+}

@@ -1,0 +1,128 @@
+#include "core/input/sheets.h"
+
+#include "core/geom/layers.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <string.h>
+
+enum { PLACES = 128, BLOCK = 4, AROUND = 50, LEAST = 48 };
+
+enum { WIDE_LEAST = 75, WIDE_MAX = VOR_NEIGHBORS_MAX };
+#define WIDE                                                                                       \
+    2.25 /* times the neighbours of a fit are looked at: two sheets have enough of them            \
+          */
+
+/* Layers are looked for among that share of the points within reach, taken evenly so that they are
+ * not many more than that: first where each of two sheets has enough for a fit of its own. */
+static const struct {
+    double share;
+    unsigned points;
+} attempts[] = {{0.67, 50}, {1, 75}, {0.46, 34}, {0.83, 62}, {0.56, 42}};
+enum { ATTEMPTS = sizeof attempts / sizeof *attempts };
+
+static unsigned least(unsigned a, size_t b)
+{
+    return a < b ? a : (unsigned)b;
+}
+
+/* Layers among the first k points; every so manyth of them is looked at. */
+static void find_layers(struct vor_layers *out, const float *near, unsigned k, unsigned points)
+{
+    float some[3 * VOR_NEIGHBORS_MAX];
+    unsigned stride = (k + points - 1) / points, count = (k + stride - 1) / stride;
+
+    for (unsigned j = 0; j < count; j++)
+        memcpy(&some[3 * j], &near[3 * j * stride], 3 * sizeof *some);
+    vor_layers_find(out, some, count);
+}
+
+/* The first k points of `wide` on the layer nearest to x, in their order; fewer are repeated. */
+static void take_layer(float *near, unsigned k, const struct vor_layers *layers, const double x[3],
+                       const float *wide, unsigned most)
+{
+    unsigned own = vor_layers_nearest(layers, x), taken = 0;
+
+    for (unsigned j = 0; j < most && taken < k; j++) {
+        double at[3] = {(double)wide[3 * j], (double)wide[3 * j + 1], (double)wide[3 * j + 2]};
+
+        if (vor_layers_nearest(layers, at) == own)
+            memcpy(&near[3 * taken++], &wide[3 * j], 3 * sizeof *near);
+    }
+    for (unsigned j = taken; taken > 0 && j < k; j++)
+        memcpy(&near[3 * j], &near[3 * (j - taken)], 3 * sizeof *near);
+}
+
+/* Neighbours of x, nearest first. */
+static void search(float *near, const struct vor_domain *domain, const float x[3], unsigned k)
+{
+    float distance2[VOR_NEIGHBORS_MAX];
+    uint32_t index[VOR_NEIGHBORS_MAX];
+
+    vor_knn_search(domain->knn, x, 1, k, index, distance2);
+    for (unsigned j = 0; j < k; j++)
+        memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
+}
+
+int vor_sheets_gather(float *near, const struct vor_domain *domain, const double x[3], unsigned k)
+{
+    float query[3] = {(float)x[0], (float)x[1], (float)x[2]}, wide[3 * VOR_NEIGHBORS_MAX];
+    unsigned want = (unsigned)fmax(WIDE * k, WIDE_LEAST);
+    unsigned most = least(want < WIDE_MAX ? want : WIDE_MAX, domain->n);
+    struct vor_layers layers = {.count = 1};
+
+    memset(wide, 0, sizeof wide); /* the analysers want it said */
+    search(wide, domain, query, most);
+    for (unsigned i = 0; i < ATTEMPTS && layers.count == 1; i++)
+        find_layers(&layers, wide, (unsigned)(attempts[i].share * most), attempts[i].points);
+    if (layers.count > 1)
+        take_layer(near, k, &layers, x, wide, most);
+    return layers.count > 1;
+}
+
+int vor_sheets_fit(struct vor_surface *out, float *near, const struct vor_domain *domain,
+                   const double x[3], unsigned k)
+{
+    vor_surface_fit(out, near, k);
+    if (!domain->sheets || !vor_layers_possible(out) || !vor_sheets_gather(near, domain, x, k))
+        return 0;
+    vor_surface_fit(out, near, k);
+    return 1;
+}
+
+struct survey {
+    const struct vor_domain *domain;
+    atomic_uint layered;
+};
+
+static void survey_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct survey *survey = ctx;
+    const struct vor_domain *domain = survey->domain;
+    unsigned k = least(AROUND, domain->n);
+    float near[3 * AROUND];
+    struct vor_surface surface;
+    struct vor_layers layers;
+
+    (void)worker;
+    for (size_t place = begin; place < end; place++) {
+        size_t at = (size_t)(((double)place + 0.5) / PLACES * (double)domain->n);
+
+        search(near, domain, &domain->xyz[3 * at], k);
+        vor_surface_fit(&surface, near, k);
+        if (!vor_layers_possible(&surface))
+            continue;
+        vor_layers_find(&layers, near, k);
+        if (layers.count > 1)
+            atomic_fetch_add(&survey->layered, 1);
+    }
+}
+
+vor_status vor_sheets_find(struct vor_domain *domain, const struct vor_run *run,
+                           struct vor_error *err)
+{
+    struct survey survey = {.domain = domain};
+    vor_status status = vor_run_for(run, PLACES, BLOCK, survey_block, &survey, err);
+    domain->sheets = status == VOR_OK && atomic_load(&survey.layered) >= LEAST;
+    return status;
+}

@@ -1,0 +1,246 @@
+#include "core/output/compare.h"
+
+#include "core/base/linalg.h"
+
+#include <assert.h>
+#include <stdatomic.h>
+#include <string.h>
+
+enum { BLOCK = 1024, BATCH = 128, AROUND = 32 };
+
+#define AROUND_WITHIN                                                                              \
+    1.6 /* times the distance of the third nearest: the first ring, not the next */
+#define FREE_COSINE (-0.64278760968653936) /* of 130 degrees */
+#define AHEAD 0.75      /* spacings of the result from a point to the place asked about, and ... */
+#define AHEAD_INPUT 0.5 /* ... as many of the input */
+
+#define SAME_WAY                                                                                   \
+    0.5 /* cosine between the way to that place and the one in which the input ends                \
+         */
+
+/* Of the distances of one block. */
+struct sums {
+    double sum, sum2, max;
+};
+
+static void add(struct sums *sums, double distance2)
+{
+    double distance = sqrt(distance2);
+
+    sums->sum += distance;
+    sums->sum2 += distance2;
+    sums->max = fmax(sums->max, distance);
+}
+
+struct account {
+    struct vor_seeds *seeds;
+    struct sums *block;
+    const struct vor_knn *knn; /* over the seeds */
+    size_t points;             /* of the domain, that are looked at */
+    double spacing;
+    atomic_size_t border, fitted[VOR_NEIGHBORS_MAX + 1];
+};
+
+/* Row i of the points that are looked at. */
+static const float *looked_at(const struct account *account, size_t i)
+{
+    const struct vor_domain *domain = account->seeds->domain;
+
+    return &domain->xyz[3 * (size_t)((uint64_t)i * domain->n / account->points)];
+}
+
+static void in_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct account *account = ctx;
+    struct sums sums = {0};
+    uint32_t index[BATCH];
+    float query[3 * BATCH], distance2[BATCH];
+
+    (void)worker;
+    for (size_t i = begin, count; i < end; i += count) {
+        count = end - i < BATCH ? end - i : BATCH;
+        for (size_t j = 0; j < count; j++)
+            memcpy(&query[3 * j], looked_at(account, i + j), 3 * sizeof *query);
+        vor_knn_search(account->knn, query, count, 1, index, distance2);
+        for (size_t j = 0; j < count; j++)
+            add(&sums, vor_distance2f(&query[3 * j], &account->seeds->xyz[3 * (size_t)index[j]]));
+    }
+    account->block[begin / BLOCK] = sums;
+}
+
+/* Directions, along the surface of bench->here, of the points in the first ring around seed i.
+ * Returns how many there are. */
+static unsigned directions(const struct account *account, const struct vor_bench *bench, size_t i,
+                           double direction[AROUND][2])
+{
+    const struct vor_crowd *crowd = &bench->crowd;
+    const float *xyz = account->seeds->xyz;
+    double within2;
+    unsigned count = 0;
+
+    if (crowd->count < 3)
+        return 0;
+    within2 = AROUND_WITHIN * AROUND_WITHIN * (double)crowd->distance2[2];
+    for (unsigned j = 0; j < crowd->count && count < AROUND; j++) {
+        const float *other = &xyz[3 * (size_t)crowd->index[j]];
+        double d[3], along[2], length;
+
+        if ((double)crowd->distance2[j] > within2)
+            break;
+        for (int c = 0; c < 3; c++)
+            d[c] = (double)other[c] - (double)xyz[3 * i + (size_t)c];
+        along[0] = vor_dot(bench->here.surface.axis[0], d);
+        along[1] = vor_dot(bench->here.surface.axis[1], d);
+        length = sqrt(along[0] * along[0] + along[1] * along[1]);
+        if (!(length > 0))
+            continue;
+        direction[count][0] = along[0] / length;
+        direction[count++][1] = along[1] / length;
+    }
+    return count;
+}
+
+/* Whether one of the directions lies less than the angle of FREE_COSINE to the left of a. */
+static int followed(double direction[AROUND][2], unsigned count, const double a[2])
+{
+    for (unsigned j = 0; j < count; j++) {
+        const double *b = direction[j];
+
+        if (a[0] * b[1] - a[1] * b[0] > 0 && a[0] * b[0] + a[1] * b[1] > FREE_COSINE)
+            return 1;
+    }
+    return 0;
+}
+
+/* Whether the points around seed i leave one side of it free, and which: away from their mean. */
+static int free_side(const struct account *account, const struct vor_bench *bench, size_t i,
+                     double side[3])
+{
+    double direction[AROUND][2], away[2] = {0, 0}, length;
+    unsigned count = directions(account, bench, i, direction);
+    int is_free = 0;
+
+    for (unsigned j = 0; j < count; j++) {
+        is_free |= !followed(direction, count, direction[j]);
+        away[0] -= direction[j][0];
+        away[1] -= direction[j][1];
+    }
+    length = sqrt(away[0] * away[0] + away[1] * away[1]);
+    if (!is_free || !(length > 0))
+        return 0;
+    for (int c = 0; c < 3; c++)
+        side[c] =
+            (away[0] * bench->here.surface.axis[0][c] + away[1] * bench->here.surface.axis[1][c]) /
+            length;
+    return 1;
+}
+
+/* Whether the input ends ahead of x. */
+static int ends(const struct account *account, struct vor_bench *bench, const double x[3],
+                const double side[3])
+{
+    const struct vor_seeds *seeds = account->seeds;
+    const struct vor_place *foot = &bench->foot;
+    double far = AHEAD * account->spacing + AHEAD_INPUT * bench->here.surface.spacing;
+    double at[3], local[3], away[2], end[3];
+    uint32_t index;
+    float query[3], distance2;
+
+    for (int c = 0; c < 3; c++)
+        query[c] = (float)(x[c] + far * side[c]);
+    vor_knn_search(seeds->domain->knn, query, 1, 1, &index, &distance2);
+    for (size_t c = 0; c < 3; c++)
+        at[c] = (double)seeds->domain->xyz[3 * (size_t)index + c];
+    if (vor_seeds_fit_at(seeds, bench, &bench->foot, at) == VOR_SURFACE_NONE)
+        return 0;
+    vor_surface_to_local(&foot->surface, at, local);
+    if (isinf(vor_boundary_room(&foot->surface, foot->near, foot->k, local, foot->surface.reach,
+                                away)))
+        return 0;
+    for (int c = 0; c < 3; c++)
+        end[c] = away[0] * foot->surface.axis[0][c] + away[1] * foot->surface.axis[1][c];
+    return vor_dot(end, side) > SAME_WAY;
+}
+
+static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct account *account = ctx;
+    struct vor_seeds *seeds = account->seeds;
+    struct vor_bench *bench = &seeds->bench[worker];
+    struct sums sums = {0};
+    size_t border = 0, fitted[VOR_NEIGHBORS_MAX + 1] = {0};
+
+    for (size_t i = begin; i < end; i++) {
+        enum vor_surface_kind kind = vor_seeds_fit(seeds, bench, i);
+        struct vor_surface surface = bench->here.surface;
+        double x[3], side[3];
+
+        add(&sums, vor_distance2f(&seeds->xyz[3 * i], bench->here.near));
+        /* As the last step of the polish did where the seed is now. */
+        fitted[kind != VOR_SURFACE_NONE && vor_seeds_refine(seeds, bench, i, &surface)
+                   ? VOR_REFINED_TO
+                   : bench->here.k]++;
+        if (kind == VOR_SURFACE_NONE)
+            continue;
+        vor_seeds_crowd(seeds, bench, i);
+        vor_seeds_position(seeds, i, x);
+        border += free_side(account, bench, i, side) && ends(account, bench, x, side);
+    }
+    account->block[begin / BLOCK] = sums;
+    atomic_fetch_add(&account->border, border);
+    for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX; k++)
+        if (fitted[k] > 0)
+            atomic_fetch_add(&account->fitted[k], fitted[k]);
+}
+
+/* Runs a task over n rows and adds up what its blocks found. */
+static vor_status over_blocks(struct vor_account_apart *out, struct account *account, size_t n,
+                              vor_task task, struct vor_error *err)
+{
+    const struct vor_run *run = account->seeds->run;
+    size_t blocks = (n + BLOCK - 1) / BLOCK;
+    struct sums all = {0};
+    vor_status status;
+
+    account->block = vor_malloc(run->memory, blocks, sizeof *account->block);
+    if (account->block == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", n);
+    status = vor_run_for(run, n, BLOCK, task, account, err);
+    for (size_t b = 0; status == VOR_OK && b < blocks; b++) {
+        all.sum += account->block[b].sum;
+        all.sum2 += account->block[b].sum2;
+        all.max = fmax(all.max, account->block[b].max);
+    }
+    if (status == VOR_OK)
+        *out =
+            (struct vor_account_apart){all.sum / (double)n, sqrt(all.sum2 / (double)n), all.max, n};
+    vor_free(run->memory, account->block);
+    return status;
+}
+
+vor_status vor_account_take(struct vor_account *out, struct vor_seeds *seeds, double spacing,
+                            struct vor_error *err)
+{
+    struct account account = {.seeds = seeds, .points = seeds->domain->n, .spacing = spacing};
+    struct vor_knn *knn = NULL;
+    struct vor_account found;
+    vor_status status;
+
+    assert(vor_seeds_on_whole(seeds));
+    if (account.points > VOR_ACCOUNT_POINTS)
+        account.points = VOR_ACCOUNT_POINTS;
+    status = over_blocks(&found.out_to_in, &account, seeds->n, out_block, err);
+    if (status == VOR_OK)
+        status = vor_knn_build(&knn, seeds->xyz, seeds->n, seeds->run->memory, err);
+    account.knn = knn;
+    if (status == VOR_OK)
+        status = over_blocks(&found.in_to_out, &account, account.points, in_block, err);
+    vor_knn_free(knn);
+    if (status != VOR_OK)
+        return status;
+    found.border = atomic_load(&account.border);
+    for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX; k++)
+        found.fitted[k] = atomic_load(&account.fitted[k]);
+    *out = found;
+    return VOR_OK;
+}

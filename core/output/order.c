@@ -1,0 +1,456 @@
+#include "core/output/order.h"
+
+#include "core/knn/knn.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Points are chosen in rounds. Those of a round are at least so far from all before them: a step of
+ * the ladder LAST * spacing / NEARLY^k, the highest below MARGIN of the farthest. */
+#define NEARLY 0.85
+#define LAST 0.95
+#define MARGIN 0.98
+
+#define WANTED 1.07 /* times that: the distance at which nearest neighbours are to be */
+#define BEYOND 2.0  /* times that: farther is not worse */
+
+/* Chosen points get at least CHOICE points each to choose the next from: the pool, every stride-th
+ * point, grows by GROWS when they are fewer. */
+enum { CHOICE = 32, GROWS = 4, POOL_LEAST = 4096 };
+
+enum { BLOCK = 1024, TURN = 4096 }; /* points a task: rated or looked up; chosen */
+
+/* In the plane a point is the nearest of six at most, in space of twelve. */
+enum { TOLD_MAX = 16 };
+
+/* What a slot says of points that are not in the heap. */
+#define WAITS UINT32_MAX
+#define CHOSEN (UINT32_MAX - 1)
+
+/* Points by cubes of space, hashed: those of bucket b are item[start[b]] .. item[start[b + 1] - 1].
+ */
+struct grid {
+    double per_side; /* 1 / side */
+    size_t buckets;  /* a power of two */
+    uint32_t *start, *item;
+};
+
+struct order {
+    const float *xyz;
+    size_t n;
+    const struct vor_run *run;
+    uint32_t *out; /* the count points chosen so far */
+    size_t count, stride;
+    double spacing, size; /* size: largest coordinate */
+    float *reach;         /* distance to the nearest chosen point */
+    float *gain;          /* of points in the heap */
+    uint32_t *slot;       /* place in the heap, or WAITS, or CHOSEN */
+    uint32_t *heap;       /* points that are far enough for the round, most gain first */
+    size_t heaped;
+    struct grid grid;
+    double farthest, least; /* from all chosen, in this round */
+    struct vor_knn *knn;    /* of the chosen points, while the pool grows */
+};
+
+/* Cubes of 64 share a stretch of buckets, so that neighbours are mostly near in memory. */
+static size_t bucket_of(const struct grid *grid, const int32_t cell[3])
+{
+    uint64_t h = (uint64_t)(uint32_t)(cell[0] >> 2) * UINT64_C(0x9e3779b97f4a7c15);
+    size_t low = (size_t)((cell[0] & 3) | (cell[1] & 3) << 2 | (cell[2] & 3) << 4);
+
+    h = (h ^ (h >> 32) ^ (uint32_t)(cell[1] >> 2)) * UINT64_C(0xbf58476d1ce4e5b9);
+    h = (h ^ (h >> 32) ^ (uint32_t)(cell[2] >> 2)) * UINT64_C(0x94d049bb133111eb);
+    return ((size_t)(h >> 32) << 6 | low) & (grid->buckets - 1);
+}
+
+static void cell_of(const struct grid *grid, const float x[3], double offset, int32_t cell[3])
+{
+    for (int c = 0; c < 3; c++)
+        cell[c] = (int32_t)floor(((double)x[c] + offset) * grid->per_side);
+}
+
+/* The grid of the pool, or of those of it that are chosen, for searches of about that radius. */
+static void fill_grid(struct order *order, double radius, int chosen_only)
+{
+    struct grid *grid = &order->grid;
+    size_t end = (order->n - 1) / order->stride * order->stride;
+    int32_t cell[3];
+
+    grid->per_side = 1 / fmax(radius, order->size * 0x1p-20);
+    memset(grid->start, 0, (grid->buckets + 1) * sizeof *grid->start);
+    for (size_t i = 0; i <= end; i += order->stride) {
+        if (chosen_only && order->slot[i] != CHOSEN)
+            continue;
+        cell_of(grid, &order->xyz[3 * i], 0, cell);
+        grid->start[bucket_of(grid, cell)]++;
+    }
+    for (size_t b = 1; b <= grid->buckets; b++)
+        grid->start[b] += grid->start[b - 1];
+    for (size_t i = end + order->stride; i > 0;) {
+        i -= order->stride;
+        if (chosen_only && order->slot[i] != CHOSEN)
+            continue;
+        cell_of(grid, &order->xyz[3 * i], 0, cell);
+        grid->item[--grid->start[bucket_of(grid, cell)]] = (uint32_t)i;
+    }
+}
+
+typedef void (*visit)(struct order *order, void *ctx, uint32_t i, double distance);
+
+static void visit_cell(struct order *order, const int32_t cell[3], const float x[3], double radius,
+                       visit call, void *ctx)
+{
+    const struct grid *grid = &order->grid;
+    size_t b = bucket_of(grid, cell);
+    int32_t own[3];
+
+    for (uint32_t k = grid->start[b]; k < grid->start[b + 1]; k++) {
+        uint32_t i = grid->item[k];
+        const float *y = &order->xyz[3 * (size_t)i];
+        double dx = (double)y[0] - x[0], dy = (double)y[1] - x[1], dz = (double)y[2] - x[2];
+        double distance2 = dx * dx + dy * dy + dz * dz;
+
+        if (!(distance2 < radius * radius))
+            continue;
+        cell_of(grid, y, 0, own);
+        if (memcmp(own, cell, sizeof own) == 0)
+            call(order, ctx, i, sqrt(distance2));
+    }
+}
+
+/* Calls for every point of the grid nearer to x than radius, in a fixed order. */
+static void around(struct order *order, const float x[3], double radius, visit call, void *ctx)
+{
+    int32_t low[3], high[3], at[3];
+
+    cell_of(&order->grid, x, -radius, low);
+    cell_of(&order->grid, x, radius, high);
+    for (at[0] = low[0]; at[0] <= high[0]; at[0]++)
+        for (at[1] = low[1]; at[1] <= high[1]; at[1]++)
+            for (at[2] = low[2]; at[2] <= high[2]; at[2]++)
+                visit_cell(order, at, x, radius, call, ctx);
+}
+
+static int comes_before(const struct order *order, uint32_t a, uint32_t b)
+{
+    float gain_a = order->gain[a], gain_b = order->gain[b];
+
+    return gain_a > gain_b || (gain_a == gain_b && a < b);
+}
+
+static void heap_put(struct order *order, size_t at, uint32_t i)
+{
+    order->heap[at] = i;
+    order->slot[i] = (uint32_t)at;
+}
+
+/* Point i belongs at `at`, above or below. */
+static void heap_sift(struct order *order, size_t at, uint32_t i)
+{
+    for (; at > 0 && comes_before(order, i, order->heap[(at - 1) / 2]); at = (at - 1) / 2)
+        heap_put(order, at, order->heap[(at - 1) / 2]);
+    for (;;) {
+        size_t child = 2 * at + 1;
+
+        if (child + 1 < order->heaped &&
+            comes_before(order, order->heap[child + 1], order->heap[child]))
+            child++;
+        if (child >= order->heaped || !comes_before(order, order->heap[child], i))
+            break;
+        heap_put(order, at, order->heap[child]);
+        at = child;
+    }
+    heap_put(order, at, i);
+}
+
+static void heap_remove(struct order *order, uint32_t i)
+{
+    size_t at = order->slot[i];
+    uint32_t last = order->heap[--order->heaped];
+
+    order->slot[i] = WAITS;
+    if (last != i)
+        heap_sift(order, at, last);
+}
+
+static void add_gain(struct order *order, uint32_t i, double gain)
+{
+    order->gain[i] += (float)gain;
+    heap_sift(order, order->slot[i], i);
+}
+
+/* Without a unit. */
+static double misfit(const struct order *order, double distance)
+{
+    double off = distance / order->least - WANTED;
+
+    return off * off;
+}
+
+static double horizon(const struct order *order)
+{
+    return BEYOND * order->least;
+}
+
+/* What is gained where a chosen point that reaches so far to its nearest gets one at a distance. */
+static double gain_of(const struct order *order, double reach, double distance)
+{
+    reach = fmin(reach, horizon(order));
+    return distance < reach ? misfit(order, reach) - misfit(order, distance) : 0;
+}
+
+static void sum_gain(struct order *order, void *ctx, uint32_t i, double distance)
+{
+    *(double *)ctx += gain_of(order, (double)order->reach[i], distance);
+}
+
+/* Of points in the heap, from the grid of the chosen. */
+static void rate_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct order *order = ctx;
+
+    (void)worker;
+    for (size_t k = begin; k < end; k++) {
+        uint32_t i = order->heap[k];
+        double sum = -misfit(order, (double)order->reach[i]);
+
+        around(order, &order->xyz[3 * (size_t)i], horizon(order), sum_gain, &sum);
+        order->gain[i] = (float)sum;
+    }
+}
+
+/* A chosen point whose nearest has become a nearer one. */
+struct told {
+    uint32_t i;
+    double from, to;
+};
+
+/* The point just chosen, and what it changes. */
+struct choice {
+    uint32_t i;
+    double reach;
+    unsigned count;
+    struct told told[TOLD_MAX];
+};
+
+static void see_told(struct order *order, void *ctx, uint32_t i, double distance)
+{
+    const struct told *told = ctx;
+
+    if (order->slot[i] < CHOSEN)
+        add_gain(order, i,
+                 gain_of(order, told->to, distance) - gain_of(order, told->from, distance));
+}
+
+static void see_choice(struct order *order, void *ctx, uint32_t i, double distance)
+{
+    struct choice *choice = ctx;
+    double reach = (double)order->reach[i];
+
+    if (!(distance < reach) || i == choice->i)
+        return;
+    order->reach[i] = (float)distance;
+    if (order->slot[i] == CHOSEN) {
+        if (choice->count < TOLD_MAX)
+            choice->told[choice->count++] = (struct told){i, reach, distance};
+    } else if (order->slot[i] != WAITS) {
+        if (distance < order->least)
+            heap_remove(order, i);
+        else
+            add_gain(order, i,
+                     gain_of(order, choice->reach, distance) + misfit(order, reach) -
+                         misfit(order, distance));
+    }
+}
+
+static void choose(struct order *order, uint32_t i)
+{
+    struct choice choice = {.i = i, .reach = (double)order->reach[i]};
+
+    heap_remove(order, i);
+    order->slot[i] = CHOSEN;
+    order->out[order->count++] = i;
+    around(order, &order->xyz[3 * (size_t)i], fmax(horizon(order), order->farthest * (1 + 0x1p-20)),
+           see_choice, &choice);
+    for (unsigned k = 0; k < choice.count; k++) {
+        struct told *told = &choice.told[k];
+
+        around(order, &order->xyz[3 * (size_t)told->i], fmin(told->from, horizon(order)), see_told,
+               told);
+    }
+}
+
+/* Who can be chosen in this round, not yet rated, beside the grid of those that are. */
+static void begin_round(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct order *order = ctx;
+
+    (void)begin, (void)end, (void)worker;
+    order->farthest = 0;
+    for (size_t i = 0; i < order->n; i += order->stride)
+        if (order->slot[i] == WAITS)
+            order->farthest = fmax(order->farthest, (double)order->reach[i]);
+    order->heaped = 0;
+    if (!(order->farthest > 0))
+        return;
+    order->least = LAST * (order->spacing > 0 ? order->spacing : order->farthest);
+    while (order->least < MARGIN * NEARLY * order->farthest)
+        order->least /= NEARLY;
+    while (order->least > MARGIN * order->farthest)
+        order->least *= NEARLY;
+    for (size_t i = 0; i < order->n; i += order->stride)
+        if (order->slot[i] == WAITS && (double)order->reach[i] >= order->least)
+            order->heap[order->heaped++] = (uint32_t)i;
+    fill_grid(order, horizon(order), 1);
+}
+
+static void build_heap(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct order *order = ctx;
+    size_t all = order->heaped;
+
+    (void)begin, (void)end, (void)worker;
+    fill_grid(order, horizon(order), 0);
+    for (order->heaped = 0; order->heaped < all;) {
+        size_t at = order->heaped++;
+
+        heap_sift(order, at, order->heap[at]);
+    }
+}
+
+static void choose_some(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct order *order = ctx;
+
+    (void)begin, (void)end, (void)worker;
+    for (size_t k = 0; k < TURN && order->heaped > 0; k++)
+        choose(order, order->heap[0]);
+}
+
+/* All on one thread of the pool. */
+static vor_status on_one(struct order *order, vor_task task, struct vor_error *err)
+{
+    return vor_run_for(order->run, 1, 1, task, order, err);
+}
+
+static vor_status choose_round(struct order *order, struct vor_error *err)
+{
+    vor_status status = vor_run_for(order->run, order->heaped, BLOCK, rate_block, order, err);
+
+    if (status == VOR_OK)
+        status = on_one(order, build_heap, err);
+    while (status == VOR_OK && order->heaped > 0)
+        status = on_one(order, choose_some, err);
+    return status;
+}
+
+static void look_up_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct order *order = ctx;
+    uint32_t index;
+    float distance2;
+
+    (void)worker;
+    for (size_t i = begin * order->stride; i < end * order->stride && i < order->n;
+         i += order->stride) {
+        if (order->slot[i] == CHOSEN)
+            continue;
+        vor_knn_search(order->knn, &order->xyz[3 * i], 1, 1, &index, &distance2);
+        order->reach[i] = sqrtf(distance2);
+    }
+}
+
+static size_t pool_of(const struct order *order)
+{
+    return (order->n - 1) / order->stride + 1;
+}
+
+/* How far the pool is from those chosen. */
+static vor_status look_up(struct order *order, struct vor_error *err)
+{
+    float *xyz = vor_malloc(order->run->memory, order->count, 3 * sizeof *xyz);
+    vor_status status;
+
+    if (xyz == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "positions of %zu points", order->count);
+    for (size_t k = 0; k < order->count; k++)
+        memcpy(&xyz[3 * k], &order->xyz[3 * (size_t)order->out[k]], 3 * sizeof *xyz);
+    status = vor_knn_build(&order->knn, xyz, order->count, order->run->memory, err);
+    if (status == VOR_OK)
+        status = vor_run_for(order->run, pool_of(order), BLOCK, look_up_block, order, err);
+    vor_knn_free(order->knn);
+    vor_free(order->run->memory, xyz);
+    order->knn = NULL;
+    return status;
+}
+
+static vor_status choose_all(struct order *order, struct vor_error *err)
+{
+    vor_status status;
+
+    order->out[order->count++] = 0;
+    order->slot[0] = CHOSEN;
+    order->reach[0] = INFINITY;
+    status = look_up(order, err);
+    while (status == VOR_OK) {
+        status = on_one(order, begin_round, err);
+        if (status != VOR_OK)
+            break;
+        if (order->stride > 1 && (order->heaped == 0 || order->count * CHOICE > pool_of(order))) {
+            order->stride /= GROWS;
+            status = look_up(order, err);
+        } else if (order->heaped == 0) {
+            break;
+        } else {
+            status = choose_round(order, err);
+        }
+    }
+    for (size_t i = 0; i < order->n && status == VOR_OK; i++)
+        if (order->slot[i] != CHOSEN)
+            order->out[order->count++] = (uint32_t)i;
+    return status;
+}
+
+static vor_status begin(struct order *order, struct vor_error *err)
+{
+    struct vor_memory *memory = order->run->memory;
+    size_t n = order->n;
+
+    order->grid.buckets = 64;
+    while (order->grid.buckets < n)
+        order->grid.buckets *= 2;
+    order->reach = vor_malloc(memory, n, sizeof *order->reach);
+    order->gain = vor_malloc(memory, n, sizeof *order->gain);
+    order->slot = vor_malloc(memory, n, sizeof *order->slot);
+    order->heap = vor_malloc(memory, n, sizeof *order->heap);
+    order->grid.item = vor_malloc(memory, n, sizeof *order->grid.item);
+    order->grid.start = vor_malloc(memory, order->grid.buckets + 1, sizeof *order->grid.start);
+    if (order->reach == NULL || order->gain == NULL || order->slot == NULL || order->heap == NULL ||
+        order->grid.item == NULL || order->grid.start == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "order of %zu points", n);
+    order->stride = 1;
+    while (n / order->stride >= GROWS * POOL_LEAST)
+        order->stride *= GROWS;
+    for (size_t i = 0; i < 3 * n; i++)
+        order->size = fmax(order->size, fabs((double)order->xyz[i]));
+    for (size_t i = 0; i < n; i++)
+        order->slot[i] = WAITS;
+    return VOR_OK;
+}
+
+vor_status vor_order_progressive(uint32_t *out, const float *xyz, size_t n, double spacing,
+                                 const struct vor_run *run, struct vor_error *err)
+{
+    struct order order = {.xyz = xyz, .n = n, .run = run, .out = out, .spacing = spacing};
+    vor_status status = begin(&order, err);
+
+    if (status == VOR_OK)
+        status = choose_all(&order, err);
+    vor_free(run->memory, order.grid.start);
+    vor_free(run->memory, order.grid.item);
+    vor_free(run->memory, order.heap);
+    vor_free(run->memory, order.slot);
+    vor_free(run->memory, order.gain);
+    vor_free(run->memory, order.reach);
+    return status;
+}

@@ -1,0 +1,183 @@
+#include "core/output/transfer.h"
+
+#include "core/base/linalg.h"
+
+#include <float.h>
+#include <string.h>
+
+#define STEPS_PER_SPACING 200
+
+struct transfer {
+    struct vor_cloud *out;
+    const struct vor_cloud *in;
+    struct vor_seeds *seeds;
+    uint32_t *nearest; /* input point nearest to each seed */
+    float *normal;     /* n x 3, or NULL */
+    const struct vor_attribute *in_normal;
+};
+
+/* Component c of value i, as double. */
+static double scalar(const struct vor_attribute *attribute, size_t i, size_t c)
+{
+    size_t at = i * attribute->components + c;
+
+    if (attribute->type == VOR_FLOAT64)
+        return ((const double *)attribute->data)[at];
+    if (attribute->type == VOR_FLOAT32)
+        return (double)((const float *)attribute->data)[at];
+    if (attribute->type == VOR_INT8)
+        return ((const int8_t *)attribute->data)[at];
+    if (attribute->type == VOR_INT16)
+        return ((const int16_t *)attribute->data)[at];
+    return 0;
+}
+
+/* Which way a fitted normal points at seed i. */
+static double side(const struct transfer *transfer, size_t i, const double normal[3])
+{
+    double reference[3];
+
+    for (size_t c = 0; c < 3; c++)
+        reference[c] = transfer->in_normal != NULL
+                           ? scalar(transfer->in_normal, transfer->nearest[i], c)
+                           : (double)transfer->seeds->xyz[3 * i + c];
+    return vor_dot(reference, normal) < 0 ? -1 : 1;
+}
+
+static void fit_normal(struct transfer *transfer, const struct vor_bench *bench, size_t i)
+{
+    double x[3], local[3], normal[3] = {0, 0, 1}, sign;
+
+    if (bench->here.surface.kind != VOR_SURFACE_NONE) {
+        vor_seeds_position(transfer->seeds, i, x);
+        vor_surface_to_local(&bench->here.surface, x, local);
+        vor_surface_normal(&bench->here.surface, local, normal);
+    }
+    sign = side(transfer, i, normal);
+    for (size_t c = 0; c < 3; c++)
+        transfer->normal[3 * i + c] = (float)(sign * normal[c]);
+}
+
+static void transfer_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct transfer *transfer = ctx;
+    struct vor_seeds *seeds = transfer->seeds;
+    struct vor_bench *bench = &seeds->bench[worker];
+
+    for (size_t i = begin; i < end; i++) {
+        (void)vor_seeds_fit(seeds, bench, i);
+        transfer->nearest[i] = seeds->domain->source[vor_near_first(&seeds->near, i)];
+        if (transfer->normal != NULL)
+            fit_normal(transfer, bench, i);
+    }
+}
+
+/* Whether float32 around the far end of the cloud is too coarse for this spacing. */
+static int needs_double(const struct vor_seeds *seeds, double spacing)
+{
+    double far = 0;
+
+    for (int c = 0; c < 3; c++)
+        far = fmax(far, fabs(seeds->domain->shift[c]) + seeds->domain->unit);
+    return spacing > 0 && far * (double)FLT_EPSILON * STEPS_PER_SPACING > spacing;
+}
+
+static void place(struct transfer *transfer, double spacing)
+{
+    const struct vor_domain *domain = transfer->seeds->domain;
+    struct vor_cloud *out = transfer->out;
+    double shift[3];
+
+    out->position_type = transfer->in->position_type;
+    for (int c = 0; c < 3; c++) {
+        shift[c] = domain->shift[c];
+        out->origin[c] = transfer->in->origin[c];
+    }
+    if (out->position_type == VOR_FLOAT32 && needs_double(transfer->seeds, spacing)) {
+        out->position_type = VOR_FLOAT64;
+        for (int c = 0; c < 3; c++) {
+            out->origin[c] += shift[c];
+            shift[c] = 0;
+        }
+    }
+    for (size_t i = 0; i < 3 * out->n; i++) {
+        double x = (double)transfer->seeds->xyz[i] * domain->unit + shift[i % 3];
+
+        /* A seed may lie beyond an input that fills the range of float32. */
+        out->xyz[i] = (float)fmax(-(double)FLT_MAX, fmin(x, (double)FLT_MAX));
+    }
+}
+
+static vor_status copy_attribute(struct transfer *transfer, const struct vor_attribute *from,
+                                 struct vor_error *err)
+{
+    struct vor_attribute *to;
+    size_t size = from->components * vor_type_size(from->type);
+    vor_status status = vor_cloud_add_attribute(transfer->out, from->name, from->semantic,
+                                                from->type, from->components, &to, err);
+
+    if (status != VOR_OK)
+        return status;
+    for (size_t i = 0; i < transfer->out->n; i++)
+        memcpy((char *)to->data + i * size, (const char *)from->data + transfer->nearest[i] * size,
+               size);
+    return VOR_OK;
+}
+
+static vor_status attributes(struct transfer *transfer, const struct vor_spec *spec,
+                             struct vor_error *err)
+{
+    const struct vor_cloud *in = transfer->in;
+    int keep_normals = spec->value[VOR_PARAM_NORMALS] == VOR_NORMALS_NEAREST;
+    int keep_others = spec->value[VOR_PARAM_ATTRIBUTES] == VOR_ATTRIBUTES_NEAREST;
+    struct vor_attribute *to;
+    vor_status status = VOR_OK;
+
+    for (size_t i = 0; i < in->attribute_count && status == VOR_OK; i++)
+        if (keep_others && (in->attributes[i].semantic != VOR_NORMAL || keep_normals))
+            status = copy_attribute(transfer, &in->attributes[i], err);
+    if (status != VOR_OK || transfer->normal == NULL)
+        return status;
+    status = vor_cloud_add_attribute(transfer->out, "normal", VOR_NORMAL, VOR_FLOAT32, 3, &to, err);
+    if (status == VOR_OK)
+        memcpy(to->data, transfer->normal, 3 * transfer->out->n * sizeof *transfer->normal);
+    return status;
+}
+
+vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in, struct vor_seeds *seeds,
+                        double spacing, const struct vor_spec *spec, struct vor_error *err)
+{
+    const struct vor_run *run = seeds->run;
+    struct vor_cloud cloud;
+    struct transfer transfer = {&cloud, in, seeds, NULL, NULL, vor_cloud_find(in, VOR_NORMAL)};
+    int fit = spec->value[VOR_PARAM_NORMALS] == VOR_NORMALS_FIT;
+    vor_status status;
+
+    vor_cloud_init(&cloud, run->memory);
+    if (transfer.in_normal != NULL && transfer.in_normal->components < 3)
+        transfer.in_normal = NULL;
+    transfer.nearest = vor_malloc(run->memory, seeds->n, sizeof *transfer.nearest);
+    if (fit)
+        transfer.normal = vor_malloc(run->memory, seeds->n, 3 * sizeof *transfer.normal);
+    if (transfer.nearest == NULL || (fit && transfer.normal == NULL)) {
+        status = vor_fail(err, VOR_E_NOMEM, "attributes of %zu points", seeds->n);
+        goto done;
+    }
+    status = vor_cloud_resize(&cloud, seeds->n, err);
+    if (status != VOR_OK)
+        goto done;
+    status = vor_run_for(run, seeds->n, VOR_SEEDS_BLOCK, transfer_block, &transfer, err);
+    if (status != VOR_OK)
+        goto done;
+    place(&transfer, spacing);
+    status = attributes(&transfer, spec, err);
+    if (status != VOR_OK)
+        goto done;
+    *out = cloud;
+    vor_cloud_init(&cloud, run->memory);
+done:
+    vor_free(run->memory, transfer.normal);
+    vor_free(run->memory, transfer.nearest);
+    vor_cloud_free(&cloud);
+    return status;
+}

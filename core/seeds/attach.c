@@ -1,0 +1,126 @@
+#include "core/seeds/attach.h"
+
+#include "core/base/linalg.h"
+#include "core/geom/boundary.h"
+
+#include <stdatomic.h>
+
+/* Where more of the seeds than this lie beyond the input, gaps are how it was taken, and no holes.
+ */
+#define GAPPY 0.03
+
+enum { COUNTED = 60000 }; /* seeds, at least half of them, where there are more */
+
+struct settle {
+    struct vor_seeds *seeds;
+    int landing;  /* the surface at hand is new to the seeds */
+    size_t every; /* of so many seeds one is counted */
+    atomic_size_t beyond;
+};
+
+/* Counts the seeds that vor_seeds_hold would move. */
+static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct settle *settle = ctx;
+    struct vor_seeds *seeds = settle->seeds;
+    struct vor_bench *bench = &seeds->bench[worker];
+    size_t beyond = 0;
+    double x[3];
+
+    for (size_t i = begin; i < end; i += settle->every) {
+        vor_seeds_position(seeds, i, x);
+        beyond += vor_seeds_fit(seeds, bench, i) != VOR_SURFACE_NONE &&
+                  vor_seeds_hold(seeds, bench, i, x);
+    }
+    atomic_fetch_add(&settle->beyond, beyond);
+}
+
+static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct settle *settle = ctx;
+    struct vor_seeds *seeds = settle->seeds;
+    struct vor_bench *bench = &seeds->bench[worker];
+    struct vor_border border;
+
+    for (size_t i = begin; i < end; i++) {
+        int moved = settle->landing;
+        double x[3];
+
+        vor_seeds_position(seeds, i, x);
+        if (vor_seeds_fit(seeds, bench, i) == VOR_SURFACE_NONE)
+            continue;
+        if (settle->landing)
+            vor_surface_put(&bench->here.surface, x);
+        if (seeds->keep_border) {
+            vor_seeds_border(seeds, bench, &bench->here, &border, x);
+            moved |= seeds->keep_holes && vor_seeds_hold(seeds, bench, i, x);
+            moved |= vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x);
+        }
+        for (size_t c = 0; moved && c < 3; c++)
+            seeds->xyz[3 * i + c] = (float)x[c];
+    }
+}
+
+vor_status vor_settle(struct vor_seeds *seeds, struct vor_error *err)
+{
+    struct settle settle = {.seeds = seeds, .every = 1 + seeds->n / COUNTED};
+    vor_status status;
+
+    if (!seeds->keep_border)
+        return VOR_OK;
+    status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, count_block, &settle, err);
+    if (status != VOR_OK)
+        return status;
+    seeds->keep_holes = (double)(settle.beyond * settle.every) <= GAPPY * (double)seeds->n;
+    return vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &settle, err);
+}
+
+static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct settle *settle = ctx;
+    struct vor_seeds *seeds = settle->seeds;
+    struct vor_bench *bench = &seeds->bench[worker];
+    double near = VOR_BORDER_ONE_SIDED * VOR_BORDER_SETTLED * seeds->domain->sparse;
+    double near2 = near * near;
+
+    for (size_t i = begin; i < end; i++) {
+        struct vor_place *here = &bench->here;
+        const float *foot = &seeds->domain->xyz[3 * (size_t)vor_near_first(&seeds->near, i)];
+        struct vor_border border;
+        double x[3];
+
+        /* An input point that was the nearest of late is near enough. */
+        if (vor_distance2f(foot, &seeds->xyz[3 * i]) <= near2)
+            continue;
+        vor_seeds_position(seeds, i, x);
+        if (vor_seeds_fit(seeds, bench, i) == VOR_SURFACE_NONE)
+            continue;
+        border = (struct vor_border){&here->surface, here->near, here->k, seeds->domain->sparse};
+        if (!vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x))
+            continue;
+        for (size_t c = 0; c < 3; c++)
+            seeds->xyz[3 * i + c] = (float)x[c];
+    }
+}
+
+vor_status vor_settle_last(struct vor_seeds *seeds, struct vor_error *err)
+{
+    struct settle settle = {.seeds = seeds};
+
+    if (!seeds->keep_border)
+        return VOR_OK;
+    return vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, end_block, &settle, err);
+}
+
+vor_status vor_land(struct vor_seeds *seeds, struct vor_error *err)
+{
+    struct settle settle = {.seeds = seeds, .landing = 1};
+    struct vor_run calm_run = *seeds->run;
+    struct vor_calm calm;
+
+    if (vor_seeds_on_whole(seeds))
+        return VOR_OK;
+    vor_seeds_onto(seeds, seeds->whole);
+    calm_run.watch = vor_calm_watch(&calm, seeds->run->watch);
+    return vor_run_for(&calm_run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &settle, err);
+}

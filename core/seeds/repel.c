@@ -1,0 +1,482 @@
+#include "core/seeds/repel.h"
+
+#include "core/base/linalg.h"
+#include "core/geom/boundary.h"
+#include "core/seeds/attach.h"
+#include "core/seeds/uniformity.h"
+
+#include <string.h>
+
+enum {
+    SOFT = 4,         /* S at the first step */
+    HARD = 14,        /* and at the last */
+    HARDER = 7,       /* from this S on, it reaches less far */
+    CELLS_EVERY = 3,  /* steps */
+    QUIET_EVERY = 6,  /* steps, where there was no hole, nor nearly one */
+    LANDED = 40,      /* last steps, on the whole of the input */
+    FRESH = 16,       /* last steps, on surfaces fitted anew more often */
+    EVEN_EVERY = 5,   /* steps; delta is looked at then and in the last FRESH */
+    RECORD_EVERY = 10 /* steps */
+};
+
+#define GAIN 0.2        /* of the force, over 2 S */
+#define MOMENTUM 0.7    /* share of the last step that is added to the next */
+#define STEP_MAX 0.05   /* spacings */
+#define FORCE_MAX 50.0  /* (h/d)^(2S) of a pair that is much too near */
+#define OVERLAP 0.1     /* spacings: nearer pairs part along the surface, come what may */
+#define FORCE_REACH 2.0 /* spacings that soft repulsion reaches */
+#define HARD_REACH 1.5  /* and S of HARDER and more: beyond, it is below a 290th */
+#define HOLE 0.65       /* pitches from a hole's middle to the points around it: more is too wide */
+#define HOLE_EXCESS 0.15 /* pitches beyond that count no more */
+#define HOLE_NEAR 0.62   /* pitches; less is nowhere near a hole */
+#define HOLE_PULL 0.15   /* share of the excess that one step goes */
+#define BORDER_ROOM 0.6  /* spacings of room: with less, a point is at the border */
+#define SLACK 0.5       /* input spacings that a point may move before its surface is fitted anew */
+#define SLACK_FRESH 0.1 /* the same in the last steps */
+#define INTERIOR 1.5    /* spacings from the border: farther than that, it is not looked for */
+#define INPUT_SPACINGS 1.2 /* of the input, from it, that a point may move away to */
+
+struct polish {
+    struct vor_seeds *seeds;
+    struct vor_record record;
+    float *next, *best;   /* n x 3 each */
+    float *step;          /* n x 3: the last one of each point */
+    float *pull;          /* n x 3: towards the hole next to each point */
+    float *nearest;       /* n */
+    unsigned char *quiet; /* n: no hole was near */
+    double h;             /* mean spacing */
+    double pitch;         /* of the hexagonal lattice of as many points on the same area */
+    double best_delta;
+    unsigned power; /* S */
+    double slack;   /* of the surfaces, in spacings of the input */
+    int cells;      /* holes are looked for in this step */
+};
+
+static void free_polish(struct polish *polish)
+{
+    struct vor_memory *memory = polish->seeds->run->memory;
+
+    vor_free(memory, polish->quiet);
+    vor_free(memory, polish->nearest);
+    vor_free(memory, polish->pull);
+    vor_free(memory, polish->step);
+    vor_free(memory, polish->best);
+    vor_free(memory, polish->next);
+}
+
+static vor_status alloc_polish(struct polish *polish, struct vor_error *err)
+{
+    struct vor_memory *memory = polish->seeds->run->memory;
+    size_t n = polish->seeds->n, row = 3 * sizeof(float);
+
+    polish->next = vor_malloc(memory, n, row);
+    polish->best = vor_malloc(memory, n, row);
+    polish->step = vor_calloc(memory, n, row);
+    polish->pull = vor_calloc(memory, n, row);
+    polish->nearest = vor_malloc(memory, n, sizeof *polish->nearest);
+    polish->quiet = vor_calloc(memory, n, 1);
+    if (polish->next == NULL || polish->best == NULL || polish->step == NULL ||
+        polish->pull == NULL || polish->nearest == NULL || polish->quiet == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the polish of %zu points", n);
+    return VOR_OK;
+}
+
+/* The corner of the cell that is farthest from its seed; NULL when nothing is left of it. */
+static const double *farthest_corner(const struct vor_cell *cell)
+{
+    const double *corner = NULL;
+    double far = 0;
+
+    for (unsigned i = 0; i < cell->count; i++)
+        for (unsigned j = 0; j < cell->piece[i].count; j++) {
+            const double *vertex = cell->piece[i].vertex[j];
+            double d2 = vor_dot(vertex, vertex);
+
+            if (d2 > far) {
+                far = d2;
+                corner = vertex;
+            }
+        }
+    return corner;
+}
+
+/* Notes where the hole next to seed i pulls it. */
+static void find_hole(struct polish *polish, const struct vor_bench *bench, size_t i)
+{
+    const struct vor_surface *surface = &bench->here.surface;
+    const double *corner = farthest_corner(&bench->cell);
+    double far, excess;
+
+    memset(&polish->pull[3 * i], 0, 3 * sizeof *polish->pull);
+    if (corner == NULL)
+        return;
+    far = sqrt(vor_dot(corner, corner));
+    polish->quiet[i] = far < HOLE_NEAR * polish->pitch;
+    excess = fmin(far - HOLE * polish->pitch, HOLE_EXCESS * polish->pitch);
+    if (!(excess > 0))
+        return;
+    for (int c = 0; c < 3; c++)
+        polish->pull[3 * i + (size_t)c] =
+            (float)(HOLE_PULL * excess / far *
+                    (corner[0] * surface->axis[0][c] + corner[1] * surface->axis[1][c] +
+                     corner[2] * surface->axis[2][c]));
+}
+
+/* x^n for n >= 1, the same on every machine. */
+static double power(double x, unsigned n)
+{
+    double y = 1;
+
+    for (; n > 0; n >>= 1) {
+        if (n & 1)
+            y *= x;
+        x *= x;
+    }
+    return y;
+}
+
+/* Which way seed i has to go to get away from seed j, that far from it. Where they all but coincide
+ * the offset says little about it, and its length less: that way is one along the surface. */
+static void away(const struct polish *polish, const struct vor_bench *bench, size_t i, size_t j,
+                 double distance, double out[3])
+{
+    const struct vor_surface *surface = &bench->here.surface;
+    const float *a = &polish->seeds->xyz[3 * i], *b = &polish->seeds->xyz[3 * j];
+    double side[2], length, d[3];
+
+    for (size_t c = 0; c < 3; c++)
+        out[c] = d[c] = (double)a[c] - (double)b[c];
+    if (distance > OVERLAP * polish->h)
+        return;
+    side[0] = vor_dot(surface->axis[0], d);
+    side[1] = vor_dot(surface->axis[1], d);
+    length = sqrt(side[0] * side[0] + side[1] * side[1]);
+    if (!(length > 0)) {
+        vor_seeds_part(j, i, 1, side);
+        length = sqrt(side[0] * side[0] + side[1] * side[1]);
+    }
+    for (int c = 0; c < 3; c++)
+        out[c] = OVERLAP * polish->h / length *
+                 (side[0] * surface->axis[0][c] + side[1] * surface->axis[1][c]);
+}
+
+/* Spacings that repulsion reaches in this step. */
+static double force_reach(const struct polish *polish)
+{
+    return polish->power < HARDER ? FORCE_REACH : HARD_REACH;
+}
+
+/* Sum of the forces of the crowd on seed i. */
+static void repulsion(const struct polish *polish, const struct vor_bench *bench, size_t i,
+                      double force[3])
+{
+    const struct vor_crowd *crowd = &bench->crowd;
+    double h2 = polish->h * polish->h, scale = GAIN / (2 * polish->power);
+    double reach = force_reach(polish);
+
+    force[0] = force[1] = force[2] = 0;
+    for (unsigned j = 0; j < crowd->count; j++) {
+        double d2 = (double)crowd->distance2[j], weight, d[3];
+
+        if (d2 > reach * reach * h2)
+            continue;
+        away(polish, bench, i, crowd->index[j], sqrt(d2), d);
+        weight = FORCE_MAX;
+        if (FORCE_MAX * d2 > h2)
+            weight = fmin(power(h2 / d2, polish->power), FORCE_MAX);
+        for (int c = 0; c < 3; c++)
+            force[c] += scale * weight * d[c];
+    }
+}
+
+/* Takes the part along the unit vector direction out of v, only if it points that way when
+ * `one_way`. */
+static void remove_part(double v[3], const double direction[3], int one_way)
+{
+    double along = vor_dot(v, direction);
+
+    if (one_way && !(along > 0))
+        return;
+    for (int c = 0; c < 3; c++)
+        v[c] -= along * direction[c];
+}
+
+/* Leaves what is tangential, and at the border does not lead out. */
+static void keep_on_surface(const struct polish *polish, const struct vor_bench *bench,
+                            const double x[3], double v[3])
+{
+    const struct vor_surface *surface = &bench->here.surface;
+    double local[3], normal[3], side[2], out[3];
+
+    vor_surface_to_local(&bench->onto, x, local);
+    vor_surface_normal(&bench->onto, local, normal);
+    remove_part(v, normal, 0);
+    if (bench->interior || !polish->seeds->keep_border)
+        return;
+    vor_surface_to_local(surface, x, local);
+    if (vor_boundary_room(surface, bench->here.near, bench->here.k, local, polish->h, side) >=
+        BORDER_ROOM * polish->h)
+        return;
+    for (int c = 0; c < 3; c++)
+        out[c] = side[0] * surface->axis[0][c] + side[1] * surface->axis[1][c];
+    remove_part(v, out, 1);
+}
+
+/* Whether a seed that goes from x to y would leave the input, or go on into a hole of it. */
+static int leaves_input(const struct vor_seeds *seeds, const struct vor_bench *bench,
+                        const double x[3], const double y[3])
+{
+    const struct vor_place *here = &bench->here;
+    struct vor_border border = {&here->surface, here->near, here->k, here->surface.spacing};
+
+    if (bench->interior || !seeds->keep_border)
+        return 0;
+    border.spacing = fmin(border.spacing, vor_boundary_spacing(here->near, here->k, y));
+    border.spacing = fmin(border.spacing, seeds->domain->sparse);
+    return vor_boundary_leaves(&border, INPUT_SPACINGS, x, y);
+}
+
+/* Where seed i goes; its surface and neighbours are on the bench. */
+static void move(struct polish *polish, struct vor_bench *bench, size_t i)
+{
+    const struct vor_seeds *seeds = polish->seeds;
+    double v[3], x[3] = {0}, y[3], out[3]; /* the analysers want it said */
+    double length, limit = STEP_MAX * polish->h;
+
+    vor_seeds_position(seeds, i, x);
+    repulsion(polish, bench, i, v);
+    for (size_t c = 0; c < 3; c++)
+        v[c] += (double)polish->pull[3 * i + c] + MOMENTUM * (double)polish->step[3 * i + c];
+    keep_on_surface(polish, bench, x, v);
+    length = sqrt(vor_dot(v, v));
+    for (int c = 0; c < 3; c++) {
+        v[c] = length > limit ? v[c] * (limit / length) : v[c];
+        y[c] = x[c] + v[c];
+    }
+    vor_surface_put(&bench->onto, y);
+    if (leaves_input(seeds, bench, x, y)) {
+        vor_boundary_outward(bench->here.near, bench->here.k, x, out);
+        remove_part(v, out, 1);
+        for (int c = 0; c < 3; c++)
+            y[c] = x[c] + v[c];
+        vor_surface_put(&bench->onto, y);
+    }
+    if (!bench->interior && seeds->keep_holes && vor_seeds_hold(seeds, bench, i, y))
+        vor_surface_put(&bench->onto, y);
+    for (size_t c = 0; c < 3; c++) {
+        polish->next[3 * i + c] = (float)y[c];
+        polish->step[3 * i + c] = (float)(y[c] - x[c]);
+    }
+}
+
+static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct polish *polish = ctx;
+    struct vor_seeds *seeds = polish->seeds;
+    struct vor_bench *bench = &seeds->bench[worker];
+
+    for (size_t i = begin; i < end; i++) {
+        memcpy(&polish->next[3 * i], &seeds->xyz[3 * i], 3 * sizeof(float));
+        if (vor_seeds_recall(seeds, bench, i, INTERIOR * polish->h, polish->slack) ==
+            VOR_SURFACE_NONE)
+            continue;
+        if (polish->cells && !(polish->quiet[i] && polish->record.polish % QUIET_EVERY)) {
+            vor_seeds_crowd(seeds, bench, i);
+            vor_seeds_clip(seeds, bench, i, 0);
+            find_hole(polish, bench, i);
+        } else {
+            vor_seeds_within(seeds, bench, i, force_reach(polish) * polish->h);
+        }
+        move(polish, bench, i);
+    }
+}
+
+static double longest_step(const struct polish *polish)
+{
+    double longest = 0;
+
+    for (size_t i = 0; i < polish->seeds->n; i++) {
+        const float *step = &polish->step[3 * i];
+        double x = (double)step[0], y = (double)step[1], z = (double)step[2];
+
+        longest = fmax(longest, x * x + y * y + z * z);
+    }
+    return sqrt(longest);
+}
+
+/* One step: from seeds->xyz to seeds->xyz. */
+static vor_status step_once(struct polish *polish, double start, struct vor_error *err)
+{
+    struct vor_seeds *seeds = polish->seeds;
+    vor_status status = vor_seeds_index(seeds, err);
+
+    if (status == VOR_OK)
+        status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, move_block, polish, err);
+    if (status != VOR_OK)
+        return status;
+    memcpy(seeds->xyz, polish->next, 3 * seeds->n * sizeof *seeds->xyz);
+    polish->record.polish++;
+    polish->record.seconds = vor_run_clock(seeds->run) - start;
+    return VOR_OK;
+}
+
+/* Looks how even the positions are, and keeps the most even ones. */
+static vor_status look(struct polish *polish, struct vor_error *err)
+{
+    const struct vor_seeds *seeds = polish->seeds;
+    double unit = seeds->domain->unit;
+    struct vor_uniformity even;
+    vor_status status = vor_even_measure(&even, polish->nearest, seeds, seeds->xyz, err);
+
+    if (status != VOR_OK)
+        return status;
+    if (even.delta < polish->best_delta) {
+        polish->best_delta = even.delta;
+        memcpy(polish->best, seeds->xyz, 3 * seeds->n * sizeof *polish->best);
+    }
+    polish->h = even.mean;
+    polish->record.delta = even.delta;
+    polish->record.sigma = even.sigma * unit;
+    polish->record.epsilon = even.epsilon;
+    return VOR_OK;
+}
+
+static enum vor_answer tell(struct polish *polish)
+{
+    const struct vor_watch *watch = polish->seeds->run->watch;
+
+    if (watch == NULL || watch->progress == NULL)
+        return VOR_CONTINUE;
+    polish->record.max_move = longest_step(polish) * polish->seeds->domain->unit;
+    return watch->progress(watch->ctx, &polish->record);
+}
+
+static int even_enough(const struct polish *polish, const struct vor_spec *spec)
+{
+    return vor_spec_given(spec, VOR_PARAM_DELTA) &&
+           polish->best_delta <= spec->value[VOR_PARAM_DELTA];
+}
+
+/* Whether the request's own stops are reached, now that a step took `took` seconds. */
+static int finished(const struct polish *polish, struct vor_cvt_result *result,
+                    const struct vor_spec *spec, double took)
+{
+    if (vor_seeds_on_whole(polish->seeds) && even_enough(polish, spec))
+        result->stopped = VOR_STOPPED_DELTA;
+    else if (vor_spec_given(spec, VOR_PARAM_SECONDS) &&
+             polish->record.seconds + took > spec->value[VOR_PARAM_SECONDS])
+        result->stopped = VOR_STOPPED_SECONDS;
+    else
+        return polish->record.polish >= (uint32_t)spec->value[VOR_PARAM_POLISH];
+    return 1;
+}
+
+/* Takes the positions at hand for those to begin with, or, once they are on the whole of the input,
+ * to go on with. */
+static vor_status take(struct polish *polish, struct vor_error *err)
+{
+    struct vor_seeds *seeds = polish->seeds;
+    struct vor_uniformity even;
+    vor_status status = vor_even_begin(&even, polish->nearest, seeds, err);
+
+    if (status != VOR_OK)
+        return status;
+    memcpy(polish->best, seeds->xyz, 3 * seeds->n * sizeof *polish->best);
+    polish->best_delta = even.delta;
+    polish->h = even.mean;
+    return VOR_OK;
+}
+
+static vor_status land(struct polish *polish, struct vor_error *err)
+{
+    vor_status status = vor_land(polish->seeds, err);
+
+    return status == VOR_OK ? take(polish, err) : status;
+}
+
+/* Sets what the next of `steps` steps is done with. */
+static void harden(struct polish *polish, unsigned steps)
+{
+    unsigned done = polish->record.polish;
+
+    polish->power = SOFT + (HARD - SOFT) * done / (steps > 1 ? steps - 1 : 1);
+    polish->cells = done % CELLS_EVERY == 0;
+    polish->seeds->refined = 2 * done >= steps && !polish->seeds->whole->rounded;
+    polish->slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
+}
+
+static int look_is_due(const struct polish *polish, unsigned steps)
+{
+    return polish->record.polish % EVEN_EVERY == 0 || polish->record.polish + FRESH >= steps;
+}
+
+static vor_status loop(struct polish *polish, struct vor_cvt_result *result,
+                       const struct vor_spec *spec, double start, struct vor_error *err)
+{
+    unsigned steps = (unsigned)spec->value[VOR_PARAM_POLISH];
+    enum vor_answer answer = VOR_CONTINUE;
+    int ended = finished(polish, result, spec, 0);
+    vor_status status = VOR_OK;
+
+    while (answer == VOR_CONTINUE && !ended) {
+        double before = polish->record.seconds;
+
+        if (!vor_seeds_on_whole(polish->seeds) &&
+            (polish->record.polish + LANDED >= steps || even_enough(polish, spec)))
+            status = land(polish, err);
+        harden(polish, steps);
+        if (status == VOR_OK)
+            status = step_once(polish, start, err);
+        ended = finished(polish, result, spec, polish->record.seconds - before);
+        if (status == VOR_OK && (ended || look_is_due(polish, steps))) {
+            status = look(polish, err);
+            polish->record.polish -= status == VOR_E_STOPPED; /* that one is not handed back */
+            ended = finished(polish, result, spec, polish->record.seconds - before);
+        }
+        if (status == VOR_E_STOPPED) {
+            answer = VOR_STOP;
+            break;
+        }
+        if (status != VOR_OK)
+            return status;
+        if (ended || polish->record.polish % RECORD_EVERY == 0)
+            answer = tell(polish);
+    }
+    if (answer == VOR_CANCEL)
+        return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
+    if (answer == VOR_STOP)
+        result->stopped = VOR_STOPPED_CALLER;
+    return VOR_OK;
+}
+
+static double lattice_pitch(const struct vor_seeds *seeds, const struct vor_cvt_result *result)
+{
+    double unit = seeds->domain->unit;
+    double area = result->iterations > 0 ? result->area / (unit * unit) : seeds->area;
+
+    return sqrt(area / (0.86602540378443865 * (double)seeds->n));
+}
+
+vor_status vor_polish_run(struct vor_seeds *seeds, struct vor_cvt_result *result,
+                          const struct vor_spec *spec, double start, struct vor_error *err)
+{
+    struct polish polish = {.seeds = seeds, .record = result->last};
+    vor_status status;
+
+    if (!(spec->value[VOR_PARAM_POLISH] > 0) || result->stopped == VOR_STOPPED_CALLER)
+        return VOR_OK;
+    if (result->stopped == VOR_STOPPED_DELTA) /* it may be reached no more, now that all settled */
+        result->stopped = VOR_STOPPED_ITERATIONS;
+    status = alloc_polish(&polish, err);
+    if (status == VOR_OK)
+        status = take(&polish, err);
+    polish.pitch = lattice_pitch(seeds, result);
+    if (status == VOR_OK)
+        status = loop(&polish, result, spec, start, err);
+    if (status == VOR_OK) {
+        memcpy(seeds->xyz, polish.best, 3 * seeds->n * sizeof *seeds->xyz);
+        result->polish_steps = polish.record.polish;
+    }
+    free_polish(&polish);
+    return status;
+}

@@ -1,0 +1,178 @@
+#include "core/seeds/uniformity.h"
+
+#include "core/base/linalg.h"
+
+enum { OPEN_SHARE = 16 };
+
+#define FAR 0.6 /* spacings that a seed may have moved before it is looked at apart */
+
+struct even {
+    const struct vor_seeds *seeds;
+    struct vor_swarm_view view;
+    float *nearest;
+};
+
+/* Negative where even the widest search leaves it open. */
+static double nearest_wide(const struct even *even, size_t i, struct vor_bench *bench)
+{
+    const struct vor_seeds *seeds = even->seeds;
+    const struct vor_swarm_view *view = &even->view;
+    uint32_t index[VOR_SEEDS_MORE_MAX];
+    float distance2[VOR_SEEDS_MORE_MAX];
+    size_t width = 2 * (seeds->swarm.listed + 1);
+
+    for (;; width *= 2) {
+        double found = INFINITY, sure;
+
+        width = width < VOR_SEEDS_MORE_MAX ? width : VOR_SEEDS_MORE_MAX;
+        width = width < seeds->n ? width : seeds->n;
+        sure = vor_swarm_wide(&seeds->swarm, view, i, (unsigned)width, index, distance2);
+        bench->queries++;
+        for (size_t j = 0; j < width; j++)
+            if (index[j] != i)
+                found = fmin(found,
+                             vor_distance2f(&view->xyz[3 * i], &view->xyz[3 * (size_t)index[j]]));
+        for (unsigned j = 0; j < view->jumpers; j++)
+            if (view->jumper[j] != i)
+                found = fmin(found, vor_distance2f(&view->xyz[3 * i],
+                                                   &view->xyz[3 * (size_t)view->jumper[j]]));
+        found = sqrt(found);
+        if (found <= sure)
+            return found;
+        if (width == VOR_SEEDS_MORE_MAX)
+            return -1;
+    }
+}
+
+/* From the lists; negative where a seed from beyond the list could be nearer. */
+static void list_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct even *even = ctx;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        even->nearest[i] = (float)vor_swarm_nearest(&even->seeds->swarm, &even->view, i);
+}
+
+static void wide_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct even *even = ctx;
+    struct vor_bench *bench = &even->seeds->bench[worker];
+
+    for (size_t i = begin; i < end; i++)
+        if (even->nearest[i] < 0)
+            even->nearest[i] = (float)nearest_wide(even, i, bench);
+}
+
+static size_t count_open(const struct even *even)
+{
+    size_t open = 0;
+
+    for (size_t i = 0; i < even->seeds->n; i++)
+        open += even->nearest[i] < 0;
+    return open;
+}
+
+/* By an index of the positions. */
+static vor_status search_all(const struct even *even, struct vor_error *err)
+{
+    const struct vor_run *run = even->seeds->run;
+    struct vor_knn *knn;
+    vor_status status = vor_knn_build(&knn, even->view.xyz, even->seeds->n, run->memory, err);
+
+    if (status != VOR_OK)
+        return status;
+    status = vor_nearest_distances(even->nearest, even->view.xyz, even->seeds->n, knn, run, err);
+    even->seeds->bench[0].queries += even->seeds->n;
+    vor_knn_free(knn);
+    return status;
+}
+
+/* By the lists, then one by one where they leave few open, else, or where that does not close all
+ * of them, by an index. */
+static vor_status measure(struct even *even, struct vor_error *err)
+{
+    const struct vor_seeds *seeds = even->seeds;
+    vor_status status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, list_block, even, err);
+
+    if (status != VOR_OK || count_open(even) == 0)
+        return status;
+    if (count_open(even) <= seeds->n / OPEN_SHARE) {
+        status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, wide_block, even, err);
+        if (status != VOR_OK || count_open(even) == 0)
+            return status;
+    }
+    return search_all(even, err);
+}
+
+vor_status vor_even_measure(struct vor_uniformity *out, float *nearest,
+                            const struct vor_seeds *seeds, const float *xyz, struct vor_error *err)
+{
+    struct even even = {.seeds = seeds, .nearest = nearest};
+    vor_status status = VOR_OK;
+
+    even.view.xyz = xyz;
+    if (seeds->n == 1)
+        nearest[0] = 0;
+    else if (vor_swarm_look(&even.view, &seeds->swarm, xyz, FAR))
+        status = measure(&even, err);
+    else
+        status = search_all(&even, err);
+    if (status == VOR_OK)
+        vor_uniformity_from(out, nearest, seeds->n);
+    return status;
+}
+
+vor_status vor_even_begin(struct vor_uniformity *out, float *nearest, struct vor_seeds *seeds,
+                          struct vor_error *err)
+{
+    const struct vor_run *run = seeds->run;
+    struct vor_run calm_run = *run;
+    struct vor_calm calm;
+    vor_status status;
+
+    calm_run.watch = vor_calm_watch(&calm, run->watch);
+    seeds->run = &calm_run;
+    status = vor_seeds_index(seeds, err);
+    if (status == VOR_OK)
+        status = vor_even_measure(out, nearest, seeds, seeds->xyz, err);
+    seeds->run = run;
+    return status;
+}
+
+struct six {
+    struct vor_seeds *seeds;
+    unsigned char *is;
+};
+
+static void six_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct six *six = ctx;
+    struct vor_bench *bench = &six->seeds->bench[worker];
+
+    for (size_t i = begin; i < end; i++) {
+        if (vor_seeds_fit(six->seeds, bench, i) == VOR_SURFACE_NONE)
+            continue;
+        vor_seeds_crowd(six->seeds, bench, i);
+        vor_seeds_clip(six->seeds, bench, i, 1);
+        six->is[i] = bench->cell.count == 1 && bench->cell.piece[0].count == 6;
+    }
+}
+
+vor_status vor_even_six(double *out, struct vor_seeds *seeds, struct vor_error *err)
+{
+    struct vor_memory *memory = seeds->run->memory;
+    struct six six = {seeds, vor_calloc(memory, seeds->n, 1)};
+    size_t count = 0;
+    vor_status status;
+
+    if (six.is == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the cells of %zu points", seeds->n);
+    status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, six_block, &six, err);
+    for (size_t i = 0; i < seeds->n; i++)
+        count += six.is[i];
+    vor_free(memory, six.is);
+    if (status == VOR_OK)
+        *out = (double)count / (double)seeds->n;
+    return status;
+}

@@ -1,0 +1,384 @@
+#include "proto/draco/draco_gate.h"
+
+#include "core/cloud/cloud.h"
+
+#include <string.h>
+
+enum { VERSION = 5, KIND = 7, METHOD = 8 }; /* bytes of the header */
+enum { POINT_CLOUD, MESH };
+enum { SEQUENTIAL, KD_OR_BREAKER };
+enum { METADATA = 0x8000 };             /* in the flags */
+enum { KIND_FIRST = 0, KIND_LAST = 4 }; /* position, normal, colour, texture, generic */
+enum { TYPE_FIRST = 1, TYPE_LAST = 11 };
+enum { KD_FLOATS, KD_INTEGERS }; /* before bitstream 2.3 */
+
+#define BITSTREAM(major, minor) ((major) << 8 | (minor))
+
+/* A file that is being walked. The first failure is kept in *err and ends every later step. */
+struct walk {
+    const uint8_t *bytes;
+    size_t size, at;
+    unsigned version;
+    vor_status status;
+    struct vor_error *err;
+    const struct vor_limits *limits;
+};
+
+static void fail_at(struct walk *walk, size_t at, vor_status status)
+{
+    walk->status = status;
+    if (walk->err != NULL)
+        walk->err->byte_offset = (int64_t)at;
+}
+
+/* The next `count` bytes as a little-endian number; 0 once the walk has failed. */
+static uint32_t fixed(struct walk *walk, unsigned count, const char *what)
+{
+    uint32_t value = 0;
+
+    if (walk->status != VOR_OK)
+        return 0;
+    if (walk->size - walk->at < count) {
+        fail_at(walk, walk->size,
+                vor_fail(walk->err, VOR_E_FORMAT, "the Draco file ends after %zu bytes, within %s",
+                         walk->size, what));
+        return 0;
+    }
+    for (unsigned i = 0; i < count; i++)
+        value |= (uint32_t)walk->bytes[walk->at + i] << (8 * i);
+    walk->at += count;
+    return value;
+}
+
+static uint32_t varint(struct walk *walk, const char *what)
+{
+    size_t start = walk->at;
+    uint64_t value = 0;
+
+    for (unsigned i = 0; i < 5; i++) {
+        uint32_t byte = fixed(walk, 1, what);
+
+        value |= (uint64_t)(byte & 0x7f) << (7 * i);
+        if ((byte & 0x80) != 0)
+            continue;
+        if (walk->status == VOR_OK && value <= UINT32_MAX)
+            return (uint32_t)value;
+        break;
+    }
+    if (walk->status == VOR_OK)
+        fail_at(walk, start,
+                vor_fail(walk->err, VOR_E_FORMAT, "%s of the Draco file exceeds 32 bits", what));
+    return 0;
+}
+
+/* Counts are fixed 32-bit numbers in bitstreams before `since`, varints from there on. */
+static uint32_t count_since(struct walk *walk, unsigned since, const char *what)
+{
+    return walk->version < since ? fixed(walk, 4, what) : varint(walk, what);
+}
+
+static void skip(struct walk *walk, uint32_t count, const char *what)
+{
+    if (walk->status == VOR_OK && walk->size - walk->at < count)
+        fail_at(walk, walk->size,
+                vor_fail(walk->err, VOR_E_FORMAT,
+                         "the Draco file ends after %zu bytes, within %u bytes of %s", walk->size,
+                         count, what));
+    if (walk->status == VOR_OK)
+        walk->at += count;
+}
+
+static void refuse(struct walk *walk, size_t at, const char *what, uint64_t got, uint64_t low,
+                   uint64_t high)
+{
+    if (walk->status == VOR_OK && (got < low || got > high))
+        fail_at(walk, at,
+                vor_fail(walk->err, VOR_E_FORMAT, "%s of the Draco file is %llu, want %llu to %llu",
+                         what, (unsigned long long)got, (unsigned long long)low,
+                         (unsigned long long)high));
+}
+
+static void refuse_over(struct walk *walk, size_t at, const char *what, uint64_t got,
+                        uint64_t limit)
+{
+    if (walk->status != VOR_OK || got <= limit)
+        return;
+    fail_at(walk, at,
+            vor_fail(walk->err, VOR_E_LIMIT,
+                     "the Draco file of %zu bytes declares %llu %s, want at most %llu", walk->size,
+                     (unsigned long long)got, what, (unsigned long long)limit));
+    if (walk->err != NULL) {
+        walk->err->limit = limit;
+        walk->err->got = got;
+    }
+}
+
+static void refuse_points(struct walk *walk, size_t at, uint32_t points)
+{
+    if (walk->status == VOR_OK && points == 0)
+        fail_at(walk, at, vor_fail(walk->err, VOR_E_EMPTY, "the Draco file has 0 points"));
+    refuse_over(walk, at, "points", points, vor_draco_points_max(walk->size, walk->limits));
+}
+
+static uint64_t points_of_bytes(size_t size)
+{
+    return VOR_DRACO_POINTS_PER_BYTE * (uint64_t)size + VOR_DRACO_POINTS_FREE;
+}
+
+uint64_t vor_draco_points_max(size_t size, const struct vor_limits *limits)
+{
+    uint64_t most = points_of_bytes(size);
+
+    return limits->points < most ? limits->points : most;
+}
+
+/* Returns the flags. */
+static uint32_t walk_header(struct walk *walk)
+{
+    unsigned major, minor, newest;
+
+    if (walk->size < 5 || memcmp(walk->bytes, "DRACO", 5) != 0) {
+        fail_at(walk, 0, vor_fail(walk->err, VOR_E_FORMAT, "the file does not begin with DRACO"));
+        return 0;
+    }
+    walk->at = VERSION;
+    major = fixed(walk, 1, "the header");
+    minor = fixed(walk, 1, "the header");
+    (void)fixed(walk, 2, "the header");
+    walk->version = BITSTREAM(major, minor);
+    if (walk->status != VOR_OK)
+        return 0;
+    newest = walk->bytes[KIND] == MESH ? 2 : 3;
+    if (major < 1 || major > 2 || minor > (major == 1 ? 3 : newest)) {
+        fail_at(walk, VERSION,
+                vor_fail(walk->err, VOR_E_FORMAT,
+                         "the Draco bitstream is %u.%u, want 1.0 to 1.3 or 2.0 to 2.%u", major,
+                         minor, newest));
+        return 0;
+    }
+    refuse(walk, KIND, "the kind of geometry", walk->bytes[KIND], POINT_CLOUD, MESH);
+    refuse(walk, METHOD, "the encoding method", walk->bytes[METHOD], SEQUENTIAL, KD_OR_BREAKER);
+    walk->at = walk->status == VOR_OK ? METHOD + 1 : walk->at;
+    return fixed(walk, 2, "the header");
+}
+
+static void walk_entries(struct walk *walk)
+{
+    uint32_t count = varint(walk, "the metadata");
+
+    for (uint32_t i = 0; i < count && walk->status == VOR_OK; i++) {
+        skip(walk, fixed(walk, 1, "the metadata"), "metadata");
+        skip(walk, varint(walk, "the metadata"), "metadata");
+    }
+}
+
+/* One block of entries and the blocks nested in it, by counting what is left to do at each level.
+ */
+static void walk_metadata_block(struct walk *walk)
+{
+    uint32_t left[VOR_DRACO_METADATA_DEPTH];
+    unsigned depth = 0;
+
+    walk_entries(walk);
+    left[0] = varint(walk, "the metadata");
+    while (walk->status == VOR_OK) {
+        while (left[depth] == 0) {
+            if (depth == 0)
+                return;
+            depth--;
+        }
+        left[depth]--;
+        if (depth + 1 == VOR_DRACO_METADATA_DEPTH) {
+            fail_at(walk, walk->at,
+                    vor_fail(walk->err, VOR_E_FORMAT, "Draco metadata nests deeper than %d levels",
+                             VOR_DRACO_METADATA_DEPTH));
+            return;
+        }
+        skip(walk, fixed(walk, 1, "the metadata"), "metadata");
+        walk_entries(walk);
+        left[++depth] = varint(walk, "the metadata");
+    }
+}
+
+static void walk_metadata(struct walk *walk)
+{
+    uint32_t attributes = varint(walk, "the metadata");
+
+    for (uint32_t i = 0; i < attributes && walk->status == VOR_OK; i++) {
+        (void)varint(walk, "the metadata");
+        walk_metadata_block(walk);
+    }
+    walk_metadata_block(walk);
+}
+
+/* The table of attributes: returns the scalars of a point. */
+static uint32_t walk_attributes(struct walk *walk)
+{
+    size_t start = walk->at;
+    uint32_t count = count_since(walk, BITSTREAM(2, 0), "the number of attributes");
+    uint32_t scalars = 0;
+
+    refuse(walk, start, "the number of attributes", count, 1, UINT32_MAX);
+    refuse_over(walk, start, "attributes", count, VOR_ATTRIBUTES_MAX + 1);
+    for (uint32_t i = 0; i < count && walk->status == VOR_OK; i++) {
+        size_t at = walk->at;
+        uint32_t kind, type, components;
+
+        kind = fixed(walk, 1, "the table of attributes");
+        type = fixed(walk, 1, "the table of attributes");
+        components = fixed(walk, 1, "the table of attributes");
+        (void)fixed(walk, 1, "the table of attributes");
+        if (walk->version < BITSTREAM(1, 3))
+            (void)fixed(walk, 2, "the table of attributes");
+        else
+            (void)varint(walk, "the table of attributes");
+        refuse(walk, at, "the kind of an attribute", kind, KIND_FIRST, KIND_LAST);
+        refuse(walk, at + 1, "the type of an attribute", type, TYPE_FIRST, TYPE_LAST);
+        refuse(walk, at + 2, "the number of components of an attribute", components, 1, 16);
+        scalars += components;
+    }
+    return scalars;
+}
+
+/* Bitstream 2.3 and later, and the integers of earlier ones: level, bits, points. */
+static void walk_kd_points(struct walk *walk, uint32_t points)
+{
+    size_t at = walk->at;
+
+    refuse(walk, at, "the kd-tree's level", fixed(walk, 1, "the kd-tree"), 0, 6);
+    if (walk->version < BITSTREAM(2, 3)) {
+        at = walk->at;
+        refuse(walk, at, "the kd-tree's number of points", fixed(walk, 4, "the kd-tree"), points,
+               points);
+    }
+    at = walk->at;
+    refuse(walk, at, "the kd-tree's number of bits", fixed(walk, 4, "the kd-tree"), 0, 32);
+    at = walk->at;
+    refuse(walk, at, "the kd-tree's number of points", fixed(walk, 4, "the kd-tree"), points,
+           points);
+}
+
+/* Bitstreams before 2.3 had an encoding of its own for float positions. */
+static void walk_kd_floats(struct walk *walk, uint32_t points)
+{
+    size_t at = walk->at;
+    uint32_t version;
+
+    refuse(walk, at, "the kd-tree's level", fixed(walk, 1, "the kd-tree"), 0, 6);
+    at = walk->at;
+    refuse(walk, at, "the kd-tree's number of points", fixed(walk, 4, "the kd-tree"), points,
+           points);
+    at = walk->at;
+    version = fixed(walk, 4, "the kd-tree");
+    refuse(walk, at, "the kd-tree's version", version, 2, 3);
+    at = walk->at;
+    if (version == 3)
+        refuse(walk, at, "the kd-tree's method", fixed(walk, 1, "the kd-tree"), 1, 1);
+    at = walk->at;
+    refuse(walk, at, "the kd-tree's quantisation", fixed(walk, 4, "the kd-tree"), 0, 31);
+    (void)fixed(walk, 4, "the kd-tree");
+    at = walk->at;
+    refuse(walk, at, "the kd-tree's number of points", fixed(walk, 4, "the kd-tree"), points,
+           points);
+    at = walk->at;
+    refuse(walk, at, "the kd-tree's level", fixed(walk, 4, "the kd-tree"), 0, 6);
+}
+
+static void walk_kd_tree(struct walk *walk, uint32_t points)
+{
+    size_t at = walk->at;
+    uint32_t method = KD_INTEGERS;
+
+    if (walk->version < BITSTREAM(2, 3))
+        method = fixed(walk, 1, "the kd-tree");
+    refuse(walk, at, "the kd-tree's method", method, KD_FLOATS, KD_INTEGERS);
+    if (method == KD_INTEGERS)
+        walk_kd_points(walk, points);
+    else
+        walk_kd_floats(walk, points);
+}
+
+static void walk_point_cloud(struct walk *walk)
+{
+    size_t at = walk->at;
+    uint32_t points = fixed(walk, 4, "the number of points"), scalars;
+
+    refuse(walk, at, "the number of points", points, 0, INT32_MAX);
+    refuse_points(walk, at, points);
+    at = walk->at;
+    refuse(walk, at, "the number of attribute decoders", fixed(walk, 1, "the attribute decoders"),
+           1, walk->bytes[METHOD] == KD_OR_BREAKER ? 1 : UINT8_MAX);
+    if (walk->status == VOR_OK && walk->bytes[at] != 1)
+        return; /* several tables follow one another with data of their own in between */
+    at = walk->at;
+    scalars = walk_attributes(walk);
+    if (walk->bytes[METHOD] != KD_OR_BREAKER)
+        return;
+    refuse_over(walk, at, "scalars a point in a kd-tree", scalars, VOR_DRACO_KD_SCALARS);
+    refuse_over(walk, at, "scalars in a kd-tree", (uint64_t)points * scalars,
+                3 * points_of_bytes(walk->size));
+    walk_kd_tree(walk, points);
+}
+
+static void refuse_faces(struct walk *walk, size_t at, uint32_t faces)
+{
+    refuse_over(walk, at, "faces", faces, 2 * vor_draco_points_max(walk->size, walk->limits));
+}
+
+static void walk_sequential_mesh(struct walk *walk)
+{
+    size_t at = walk->at;
+    uint32_t faces = count_since(walk, BITSTREAM(2, 2), "the number of faces");
+
+    refuse_faces(walk, at, faces);
+    at = walk->at;
+    refuse_points(walk, at, count_since(walk, BITSTREAM(2, 2), "the number of points"));
+}
+
+static void walk_breaker_mesh(struct walk *walk)
+{
+    size_t at = walk->at;
+    uint32_t vertices, faces, symbols, splits;
+
+    refuse(walk, at, "the traversal", fixed(walk, 1, "the mesh"), 0, 2);
+    if (walk->version < BITSTREAM(2, 2)) {
+        at = walk->at;
+        refuse_over(walk, at, "new vertices",
+                    count_since(walk, BITSTREAM(2, 0), "the number of new vertices"),
+                    vor_draco_points_max(walk->size, walk->limits));
+    }
+    at = walk->at;
+    vertices = count_since(walk, BITSTREAM(2, 0), "the number of vertices");
+    refuse_points(walk, at, vertices);
+    at = walk->at;
+    faces = count_since(walk, BITSTREAM(2, 0), "the number of faces");
+    refuse_faces(walk, at, faces);
+    refuse(walk, at, "the number of faces", faces, 1, UINT32_MAX);
+    (void)fixed(walk, 1, "the number of attribute tables");
+    at = walk->at;
+    symbols = count_since(walk, BITSTREAM(2, 0), "the number of symbols");
+    refuse(walk, at, "the number of symbols", symbols, 0, faces);
+    at = walk->at;
+    splits = count_since(walk, BITSTREAM(2, 0), "the number of split symbols");
+    refuse(walk, at, "the number of split symbols", splits, 0, symbols);
+}
+
+vor_status vor_draco_gate(const uint8_t *bytes, size_t size, const struct vor_limits *limits,
+                          struct vor_error *err)
+{
+    struct walk walk = {
+        .bytes = bytes, .size = size, .status = VOR_OK, .err = err, .limits = limits};
+    uint32_t flags = walk_header(&walk);
+
+    if (walk.status != VOR_OK)
+        return walk.status;
+    if ((flags & METADATA) != 0 && walk.version >= BITSTREAM(1, 3))
+        walk_metadata(&walk);
+    if (bytes[KIND] == POINT_CLOUD)
+        walk_point_cloud(&walk);
+    else if (bytes[METHOD] == SEQUENTIAL)
+        walk_sequential_mesh(&walk);
+    else
+        walk_breaker_mesh(&walk);
+    return walk.status;
+}

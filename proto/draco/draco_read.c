@@ -1,0 +1,304 @@
+#include "core/base/memory.h"
+#include "proto/draco/draco.h"
+#include "proto/draco/draco_gate.h"
+#include "proto/draco/draco_meter.h"
+#include "proto/draco/draco_shim.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+/* What the library may hold at a time, whatever the allocator's cap. */
+static const size_t MEMORY_FREE = (size_t)64 << 20;
+static const size_t MEMORY_PER_POINT = 40;
+
+/* A file on its way into a cloud. */
+struct load {
+    const struct vor_draco_decoded *decoded;
+    struct vor_cloud *cloud;
+    uint32_t *points; /* of the file, that become points of the cloud; NULL: all of them */
+    size_t n;
+    unsigned position; /* index of the attribute */
+    struct vor_error *err;
+};
+
+static vor_status decode(struct vor_draco_decoded **out, struct vor_draco_purse *purse,
+                         const uint8_t *bytes, size_t size, struct vor_error *err)
+{
+    struct vor_draco_meter meter = vor_draco_purse_meter(purse);
+    size_t used = atomic_load(&purse->memory->used);
+    size_t left = used < purse->memory->cap ? purse->memory->cap - used : 0;
+    char message[96];
+
+    switch (vor_draco_decode(out, &meter, bytes, size, message)) {
+    case VOR_DRACO_DONE:
+        return VOR_OK;
+    case VOR_DRACO_NO_MEMORY:
+        return vor_fail(err, VOR_E_NOMEM, "decoding %zu bytes of Draco takes more than %zu bytes",
+                        size, left < purse->most ? left : purse->most);
+    default:
+        return vor_fail(err, VOR_E_FORMAT, "the Draco library refuses the file: %s",
+                        message[0] != '\0' ? message : "no reason given");
+    }
+}
+
+static vor_status describe(const struct load *load, unsigned index, struct vor_draco_info *info)
+{
+    if (vor_draco_describe(load->decoded, index, info) != VOR_DRACO_DONE)
+        return vor_fail(load->err, VOR_E_FORMAT, "attribute %u has no type we know", index);
+    if (info->components < 1 || info->components > 16)
+        return vor_fail(load->err, VOR_E_FORMAT, "attribute %u has %u components, want 1 to 16",
+                        index, info->components);
+    return VOR_OK;
+}
+
+static vor_status find_position(struct load *load)
+{
+    unsigned count = vor_draco_attributes(load->decoded);
+    struct vor_draco_info info;
+
+    for (unsigned i = 0; i < count; i++) {
+        vor_status status = describe(load, i, &info);
+
+        if (status != VOR_OK)
+            return status;
+        if (info.kind != VOR_DRACO_POSITION)
+            continue;
+        if (info.components != 3)
+            return vor_fail(load->err, VOR_E_FORMAT, "positions have %u components, want 3",
+                            info.components);
+        load->position = i;
+        return VOR_OK;
+    }
+    return vor_fail(load->err, VOR_E_FORMAT, "the Draco file has %u attributes, none is a position",
+                    count);
+}
+
+/* Of the points of a mesh that share a position, keeps the first. */
+static vor_status merge_seams(struct load *load)
+{
+    struct vor_memory *memory = load->cloud->memory;
+    size_t all = load->n, values, kept = 0;
+    uint32_t *points = vor_malloc(memory, all, sizeof *points);
+    unsigned char *seen = NULL;
+    vor_status status = VOR_OK;
+
+    if (points == NULL) {
+        status = vor_fail(load->err, VOR_E_NOMEM, "map of %zu points", all);
+        goto done;
+    }
+    if (vor_draco_mapping(load->decoded, load->position, points, &values) != VOR_DRACO_DONE) {
+        status = vor_fail(load->err, VOR_E_FORMAT, "a vertex of the mesh has no position");
+        goto done;
+    }
+    seen = vor_calloc(memory, values, sizeof *seen);
+    if (seen == NULL) {
+        status = vor_fail(load->err, VOR_E_NOMEM, "map of %zu vertices", values);
+        goto done;
+    }
+    for (size_t i = 0; i < all; i++) {
+        uint32_t value = points[i];
+
+        if (!seen[value])
+            points[kept++] = (uint32_t)i;
+        seen[value] = 1;
+    }
+    load->n = kept;
+    load->points = points;
+    points = NULL;
+done:
+    vor_free(memory, seen);
+    vor_free(memory, points);
+    return status;
+}
+
+static vor_status copy_values(const struct load *load, unsigned index, void *out)
+{
+    if (vor_draco_values(load->decoded, index, load->points, load->n, out) != VOR_DRACO_DONE)
+        return vor_fail(load->err, VOR_E_FORMAT, "attribute %u has no value for some point", index);
+    return VOR_OK;
+}
+
+static void restore_origin(const struct load *load)
+{
+    double origin[3];
+    char type[16];
+
+    if (!vor_draco_origin(load->decoded, origin, type) || !isfinite(origin[0]) ||
+        !isfinite(origin[1]) || !isfinite(origin[2]))
+        return;
+    memcpy(load->cloud->origin, origin, sizeof origin);
+    load->cloud->position_type =
+        strcmp(type, vor_type_name_sized(VOR_FLOAT64)) == 0 ? VOR_FLOAT64 : VOR_FLOAT32;
+}
+
+/* Turns count scalars of a type into doubles. */
+static void widen(double *out, const void *in, enum vor_type type, size_t count)
+{
+    switch (type) {
+#define WIDEN(name, ctype, ply, sized)                                                             \
+    case VOR_##name:                                                                               \
+        for (size_t i = 0; i < count; i++)                                                         \
+            out[i] = (double)((const ctype *)in)[i];                                               \
+        break;
+        VOR_TYPE_TABLE(WIDEN)
+#undef WIDEN
+    case VOR_TYPE_COUNT:
+        break;
+    }
+}
+
+static vor_status load_wide_positions(const struct load *load, enum vor_type type)
+{
+    struct vor_memory *memory = load->cloud->memory;
+    void *raw = vor_malloc(memory, load->n, 3 * vor_type_size(type));
+    double *xyz = vor_malloc(memory, load->n, 3 * sizeof *xyz);
+    vor_status status;
+
+    if (raw == NULL || xyz == NULL) {
+        status = vor_fail(load->err, VOR_E_NOMEM, "positions of %zu points", load->n);
+        goto done;
+    }
+    status = copy_values(load, load->position, raw);
+    if (status != VOR_OK)
+        goto done;
+    widen(xyz, raw, type, 3 * load->n);
+    status = vor_cloud_set_double(load->cloud, xyz, load->err);
+done:
+    vor_free(memory, xyz);
+    vor_free(memory, raw);
+    return status;
+}
+
+static vor_status load_positions(const struct load *load)
+{
+    struct vor_draco_info info;
+    vor_status status = describe(load, load->position, &info);
+
+    if (status != VOR_OK)
+        return status;
+    if (info.scalar != VOR_DRACO_FLOAT32)
+        return load_wide_positions(load, (enum vor_type)info.scalar);
+    status = copy_values(load, load->position, load->cloud->xyz);
+    if (status == VOR_OK)
+        restore_origin(load);
+    return status;
+}
+
+/* Names are strangers' bytes and end up in headers and logs. */
+static void clean_name(char name[64], enum vor_draco_kind kind)
+{
+    static const char *const implied[] = {"position", "normal", "color", "tex_coord", "generic"};
+
+    if (name[0] == '\0')
+        (void)snprintf(name, 64, "%s", implied[kind]);
+    for (char *c = name; *c != '\0'; c++)
+        if (*c < '!' || *c > '~')
+            *c = '_';
+}
+
+static enum vor_semantic semantic_of(const struct vor_draco_info *info)
+{
+    if (info->kind == VOR_DRACO_NORMAL && info->components == 3)
+        return VOR_NORMAL;
+    if (info->kind == VOR_DRACO_COLOR && (info->components == 3 || info->components == 4))
+        return VOR_COLOR;
+    return VOR_GENERIC;
+}
+
+/* The writer carries 32-bit integers that the library cannot encode in 64 bits and says so. */
+static int narrow(struct vor_attribute *attribute, size_t n, enum vor_type type)
+{
+    size_t count = n * attribute->components;
+    const int64_t *wide = attribute->data;
+    int32_t *thin = attribute->data;
+    int64_t low = type == VOR_INT32 ? INT32_MIN : 0;
+    int64_t high = type == VOR_INT32 ? INT32_MAX : UINT32_MAX;
+
+    for (size_t i = 0; i < count; i++)
+        if (wide[i] < low || wide[i] > high)
+            return 0;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits = (uint32_t)wide[i];
+
+        memcpy(&thin[i], &bits, sizeof bits);
+    }
+    attribute->type = type;
+    return 1;
+}
+
+static vor_status load_attribute(const struct load *load, unsigned index)
+{
+    struct vor_draco_info info;
+    struct vor_attribute *attribute;
+    enum vor_type type;
+    vor_status status = describe(load, index, &info);
+
+    if (status != VOR_OK)
+        return status;
+    clean_name(info.name, info.kind);
+    status =
+        vor_cloud_add_attribute(load->cloud, info.name, semantic_of(&info),
+                                (enum vor_type)info.scalar, info.components, &attribute, load->err);
+    if (status != VOR_OK)
+        return status;
+    status = copy_values(load, index, attribute->data);
+    if (status == VOR_OK && attribute->type == VOR_INT64 &&
+        vor_type_parse(&type, info.type, strlen(info.type)) &&
+        (type == VOR_INT32 || type == VOR_UINT32))
+        (void)narrow(attribute, load->n, type);
+    return status;
+}
+
+static vor_status load_cloud(struct load *load, const struct vor_limits *limits)
+{
+    vor_status status = find_position(load);
+
+    load->n = vor_draco_points(load->decoded);
+    if (status == VOR_OK && vor_draco_is_mesh(load->decoded))
+        status = merge_seams(load);
+    if (status != VOR_OK)
+        return status;
+    if (load->n > limits->points) {
+        status =
+            vor_fail(load->err, VOR_E_LIMIT, "the Draco file holds %zu points, want at most %zu",
+                     load->n, limits->points);
+        if (load->err != NULL) {
+            load->err->limit = limits->points;
+            load->err->got = load->n;
+        }
+        return status;
+    }
+    status = vor_cloud_resize(load->cloud, load->n, load->err);
+    if (status == VOR_OK)
+        status = load_positions(load);
+    for (unsigned i = 0; status == VOR_OK && i < vor_draco_attributes(load->decoded); i++)
+        if (i != load->position)
+            status = load_attribute(load, i);
+    return status == VOR_OK ? vor_cloud_check(load->cloud, load->err) : status;
+}
+
+vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
+                          const struct vor_limits *limits, struct vor_error *err)
+{
+    struct vor_draco_purse purse = {.memory = out->memory, .most = MEMORY_FREE};
+    struct vor_draco_decoded *decoded = NULL;
+    struct load load = {.cloud = out, .err = err};
+    vor_status status = vor_draco_gate(bytes, size, limits, err);
+
+    if (status != VOR_OK)
+        return status;
+    purse.most += MEMORY_PER_POINT * vor_draco_points_max(size, limits);
+    status = decode(&decoded, &purse, bytes, size, err);
+    if (status != VOR_OK)
+        goto done;
+    load.decoded = decoded;
+    status = load_cloud(&load, limits);
+done:
+    vor_free(out->memory, load.points);
+    vor_draco_free(decoded);
+    if (status != VOR_OK)
+        vor_cloud_free(out);
+    return status;
+}

@@ -1,0 +1,338 @@
+#include "core/base/memory.h"
+#include "proto/draco/draco.h"
+#include "proto/draco/draco_gate.h"
+#include "proto/draco/draco_meter.h"
+#include "proto/draco/draco_quantize.h"
+#include "proto/draco/draco_shim.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Outside of the kd-tree the encoder counts in a table how often each number comes: of 30 bits, it
+ * would take 4 GB. What needs more bits than these is kept as it is. */
+enum { SYMBOL_BITS_MAX = 20 };
+
+/* A cloud on its way into a file. Column 0 is the positions, column i + 1 is attribute i. */
+struct plan {
+    const struct vor_cloud *cloud;
+    struct vor_draco_column columns[VOR_ATTRIBUTES_MAX + 1];
+    int64_t *carriers[VOR_ATTRIBUTES_MAX + 1]; /* owned copies of columns in 64 bits */
+    unsigned count;
+    int kd_tree;
+};
+
+static enum vor_draco_kind kind_of(enum vor_semantic semantic)
+{
+    static const enum vor_draco_kind kinds[] = {
+        [VOR_GENERIC] = VOR_DRACO_GENERIC,
+        [VOR_NORMAL] = VOR_DRACO_NORMAL,
+        [VOR_COLOR] = VOR_DRACO_COLOR,
+    };
+
+    return kinds[semantic];
+}
+
+/* What the reader calls an attribute without a name. */
+static const char *implied_name(enum vor_semantic semantic)
+{
+    return semantic == VOR_NORMAL ? "normal" : semantic == VOR_COLOR ? "color" : "generic";
+}
+
+static void add_columns(struct plan *plan)
+{
+    const struct vor_cloud *cloud = plan->cloud;
+
+    plan->columns[0] = (struct vor_draco_column){.kind = VOR_DRACO_POSITION,
+                                                 .scalar = VOR_DRACO_FLOAT32,
+                                                 .components = 3,
+                                                 .data = cloud->xyz};
+    plan->count = 1 + (unsigned)cloud->attribute_count;
+    for (unsigned i = 1; i < plan->count; i++) {
+        const struct vor_attribute *attribute = &cloud->attributes[i - 1];
+        int implied = strcmp(attribute->name, implied_name(attribute->semantic)) == 0;
+
+        plan->columns[i] =
+            (struct vor_draco_column){.kind = kind_of(attribute->semantic),
+                                      .scalar = (enum vor_draco_scalar)attribute->type,
+                                      .components = attribute->components,
+                                      .data = attribute->data,
+                                      .name = implied ? NULL : attribute->name};
+    }
+}
+
+static vor_status quantize(struct plan *plan, const struct vor_write_options *options,
+                           struct vor_error *err)
+{
+    size_t n = plan->cloud->n;
+    struct vor_draco_column *position = &plan->columns[0];
+
+    if (options->quantization_bits == 0)
+        return VOR_OK;
+    for (unsigned i = 1; i < plan->count; i++)
+        if (plan->columns[i].scalar == VOR_DRACO_FLOAT32 && vor_draco_bound(&plan->columns[i], n))
+            vor_draco_fit_attribute(&plan->columns[i], n);
+    if (!vor_draco_bound(position, n))
+        return VOR_OK;
+    if (options->quantization_bits < 0)
+        return vor_draco_fit_positions(position, plan->cloud, options->spacing, err);
+    position->bits = options->quantization_bits;
+    return VOR_OK;
+}
+
+static int is_int32(const struct vor_draco_column *column)
+{
+    return column->scalar == VOR_DRACO_INT32 || column->scalar == VOR_DRACO_UINT32;
+}
+
+static int64_t int32_at(const struct vor_draco_column *column, size_t i)
+{
+    return column->scalar == VOR_DRACO_INT32 ? ((const int32_t *)column->data)[i]
+                                             : (int64_t)((const uint32_t *)column->data)[i];
+}
+
+static void span_of(const struct vor_draco_column *column, size_t n, int64_t *low, int64_t *high)
+{
+    *low = *high = int32_at(column, 0);
+    for (size_t i = 1; i < n * column->components; i++) {
+        int64_t value = int32_at(column, i);
+
+        *low = value < *low ? value : *low;
+        *high = value > *high ? value : *high;
+    }
+}
+
+/* The library computes in int32: outside of a kd-tree it refuses a UINT32 that leaves it, and
+ * everywhere it loses an INT32 whose range does. */
+static int fits_int32(int64_t low, int64_t high)
+{
+    return high <= INT32_MAX && high - low < INT32_MAX;
+}
+
+static int kd_tree_takes_int32(const struct vor_draco_column *column, size_t n)
+{
+    int64_t low, high;
+
+    span_of(column, n, &low, &high);
+    return fits_int32(low, high);
+}
+
+/* Sequential encoding codes the step to each point from the one before it, and to the first one
+ * from the number next to 0 within the range. */
+static int sequence_takes_int32(const struct vor_draco_column *column, size_t n)
+{
+    unsigned components = column->components;
+    int64_t low, high, first;
+
+    span_of(column, n, &low, &high);
+    first = low > 0 ? low : high < 0 ? high : 0;
+    for (size_t i = 0; i < n * components; i++) {
+        int64_t before = i < components ? first : int32_at(column, i - components);
+
+        if (llabs(int32_at(column, i) - before) > 1 << SYMBOL_BITS_MAX)
+            return 0;
+    }
+    return fits_int32(low, high);
+}
+
+static int kd_tree_takes(const struct vor_draco_column *column, size_t n)
+{
+    switch (column->scalar) {
+    case VOR_DRACO_FLOAT32:
+        return column->bits > 0;
+    case VOR_DRACO_INT32:
+        return kd_tree_takes_int32(column, n);
+    case VOR_DRACO_FLOAT64:
+    case VOR_DRACO_INT64:
+    case VOR_DRACO_UINT64:
+    case VOR_DRACO_SCALAR_COUNT:
+        return 0;
+    default:
+        return 1;
+    }
+}
+
+static int kd_tree_possible(const struct plan *plan)
+{
+    size_t n = plan->cloud->n, scalars = 0;
+
+    for (unsigned i = 0; i < plan->count; i++) {
+        if (!kd_tree_takes(&plan->columns[i], n))
+            return 0;
+        scalars += plan->columns[i].components;
+    }
+    return scalars > 0 && scalars <= VOR_DRACO_KD_SCALARS && n <= INT32_MAX / scalars;
+}
+
+/* In sequential encoding a quantised normal becomes a direction: that loses any other length. */
+static int are_unit_vectors(const struct vor_draco_column *column, size_t n)
+{
+    const float *v = column->data;
+
+    if (column->components != 3)
+        return 0;
+    for (size_t i = 0; i < n; i++, v += 3) {
+        double square = (double)v[0] * v[0] + (double)v[1] * v[1] + (double)v[2] * v[2];
+
+        if (!(fabs(square - 1) < 1e-3))
+            return 0;
+    }
+    return 1;
+}
+
+static vor_status carry(struct plan *plan, unsigned i, struct vor_error *err)
+{
+    struct vor_draco_column *column = &plan->columns[i];
+    size_t count = plan->cloud->n * column->components;
+    int64_t *wide = vor_malloc(plan->cloud->memory, count, sizeof *wide);
+
+    if (wide == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "64-bit copy of attribute %s",
+                        plan->cloud->attributes[i - 1].name);
+    for (size_t k = 0; k < count; k++)
+        wide[k] = int32_at(column, k);
+    column->type = vor_type_name_sized((enum vor_type)column->scalar);
+    column->scalar = VOR_DRACO_INT64;
+    column->data = wide;
+    plan->carriers[i] = wide;
+    return VOR_OK;
+}
+
+static vor_status go_sequential(struct plan *plan, struct vor_error *err)
+{
+    size_t n = plan->cloud->n;
+    vor_status status = VOR_OK;
+
+    for (unsigned i = 0; status == VOR_OK && i < plan->count; i++) {
+        struct vor_draco_column *column = &plan->columns[i];
+
+        if (column->kind == VOR_DRACO_NORMAL && column->bits > 0)
+            column->bits = are_unit_vectors(column, n) ? VOR_DRACO_NORMAL_BITS : 0;
+        if (column->bits > SYMBOL_BITS_MAX)
+            column->bits = 0;
+        if (is_int32(column) && !sequence_takes_int32(column, n))
+            status = carry(plan, i, err);
+    }
+    return status;
+}
+
+/* Between the encoder and the sink: what we write, we must be able to read. */
+struct taker {
+    const struct vor_sink *sink;
+    int absurd; /* the gate would refuse the file */
+};
+
+static int take(void *ctx, const void *bytes, size_t size)
+{
+    static const struct vor_limits limits = {.points = SIZE_MAX};
+    struct taker *taker = ctx;
+
+    taker->absurd = vor_draco_gate(bytes, size, &limits, NULL) != VOR_OK;
+    return taker->absurd ? -1 : taker->sink->write(taker->sink->ctx, bytes, size);
+}
+
+static vor_status encode(const struct plan *plan, struct taker *taker, int compression,
+                         struct vor_error *err)
+{
+    const struct vor_cloud *cloud = plan->cloud;
+    struct vor_draco_purse purse = {.memory = cloud->memory, .most = SIZE_MAX};
+    struct vor_draco_meter meter = vor_draco_purse_meter(&purse);
+    int relative = cloud->position_type == VOR_FLOAT64 || cloud->origin[0] != 0 ||
+                   cloud->origin[1] != 0 || cloud->origin[2] != 0;
+    struct vor_draco_source source = {.n = cloud->n,
+                                      .count = plan->count,
+                                      .columns = plan->columns,
+                                      .origin = relative ? cloud->origin : NULL,
+                                      .position_type = vor_type_name_sized(cloud->position_type),
+                                      .kd_tree = plan->kd_tree,
+                                      .speed = 10 - compression};
+    char message[96];
+
+    switch (vor_draco_encode(&source, &meter, taker, take, message)) {
+    case VOR_DRACO_DONE:
+        return VOR_OK;
+    case VOR_DRACO_NO_MEMORY:
+        return vor_fail(err, VOR_E_NOMEM, "encoding %zu points as Draco", cloud->n);
+    case VOR_DRACO_NOT_TAKEN:
+        return vor_fail(err, VOR_E_IO, "the Draco file cannot be written");
+    default:
+        return vor_fail(err, VOR_E_INTERNAL, "the Draco library cannot encode %zu points: %s",
+                        cloud->n, message);
+    }
+}
+
+/* A file of next to no bytes for its points (all in one place, say) looks like a bomb. */
+static void drop_quantization(struct plan *plan)
+{
+    plan->kd_tree = 0;
+    for (unsigned i = 0; i < plan->count; i++)
+        plan->columns[i].bits = 0;
+}
+
+static vor_status encode_readably(struct plan *plan, const struct vor_sink *sink, int compression,
+                                  struct vor_error *err)
+{
+    struct taker taker = {.sink = sink};
+    vor_status status = VOR_OK;
+
+    if (!plan->kd_tree)
+        status = go_sequential(plan, err);
+    if (status == VOR_OK)
+        status = encode(plan, &taker, compression, err);
+    if (!taker.absurd)
+        return status;
+    drop_quantization(plan);
+    status = go_sequential(plan, err);
+    return status == VOR_OK ? encode(plan, &taker, compression, err) : status;
+}
+
+/* The library counts scalars in int. */
+static vor_status check_size(const struct vor_cloud *cloud, struct vor_error *err)
+{
+    size_t components = 3;
+    vor_status status;
+
+    for (size_t i = 0; i < cloud->attribute_count; i++)
+        if (cloud->attributes[i].components > components)
+            components = cloud->attributes[i].components;
+    if (cloud->n <= INT32_MAX / components)
+        return VOR_OK;
+    status = vor_fail(err, VOR_E_LIMIT, "%zu points of %zu scalars, want at most %zu in Draco",
+                      cloud->n, components, INT32_MAX / components);
+    if (err != NULL) {
+        err->limit = INT32_MAX / components;
+        err->got = cloud->n;
+    }
+    return status;
+}
+
+vor_status vor_draco_write(const struct vor_sink *sink, const struct vor_cloud *cloud,
+                           const struct vor_write_options *options, struct vor_error *err)
+{
+    struct plan *plan = NULL;
+    vor_status status = vor_cloud_check(cloud, err);
+
+    assert(options->quantization_bits >= -1 && options->quantization_bits <= 30);
+    assert(options->compression >= 0 && options->compression <= 10);
+    if (status == VOR_OK)
+        status = check_size(cloud, err);
+    if (status != VOR_OK)
+        return status;
+    plan = vor_calloc(cloud->memory, 1, sizeof *plan);
+    if (plan == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "plan of %zu attributes", cloud->attribute_count);
+    plan->cloud = cloud;
+    add_columns(plan);
+    status = quantize(plan, options, err);
+    if (status != VOR_OK)
+        goto done;
+    plan->kd_tree = !options->keep_order && kd_tree_possible(plan);
+    status = encode_readably(plan, sink, options->compression, err);
+done:
+    for (unsigned i = 0; i < plan->count; i++)
+        vor_free(cloud->memory, plan->carriers[i]);
+    vor_free(cloud->memory, plan);
+    return status;
+}

@@ -1,0 +1,214 @@
+/* A row is a line, as in the files of the format's author; a line with too few or too many values
+ * is an error, not a shift of every row behind it. Lines end in LF, CRLF or CR; blank ones do not
+ * count. */
+#include "proto/ply/ply_body.h"
+
+#include "proto/ply/ply_number.h"
+#include "proto/quote.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SHOWN = 40 };
+
+struct token {
+    const uint8_t *at;
+    size_t length; /* 0: the line has no more */
+};
+
+static int is_blank(uint8_t c)
+{
+    return c == ' ' || c == '\t';
+}
+
+static int is_end(uint8_t c)
+{
+    return c == '\n' || c == '\r';
+}
+
+static vor_status too_short(const struct vor_ply_body *body, uint64_t row, struct vor_error *err)
+{
+    return vor_ply_at(err, body->size,
+                      vor_fail(err, VOR_E_FORMAT, "the file ends after %zu bytes, before row %llu",
+                               body->size, (unsigned long long)row));
+}
+
+/* Moves to the first token of the next line that has one. */
+static int next_row(struct vor_ply_body *body)
+{
+    while (body->at < body->size &&
+           (is_blank(body->bytes[body->at]) || is_end(body->bytes[body->at])))
+        body->at++;
+    return body->at < body->size;
+}
+
+static struct token next_token(struct vor_ply_body *body)
+{
+    const uint8_t *at = body->bytes + body->at, *end = body->bytes + body->size, *begin;
+
+    while (at < end && is_blank(*at))
+        at++;
+    for (begin = at; at < end && !is_blank(*at) && !is_end(*at);)
+        at++;
+    body->at = (size_t)(at - body->bytes);
+    return (struct token){begin, (size_t)(at - begin)};
+}
+
+static size_t offset_of(const struct vor_ply_body *body, struct token token)
+{
+    return (size_t)(token.at - body->bytes);
+}
+
+static vor_status too_few(const struct vor_ply_body *body, const struct vor_ply_property *property,
+                          size_t row, struct vor_error *err)
+{
+    char name[SHOWN];
+
+    vor_fail(err, VOR_E_FORMAT, "row %zu ends before its %s", row,
+             vor_quote(name, sizeof name, property->name, property->name_length));
+    return vor_ply_at(err, body->at, VOR_E_FORMAT);
+}
+
+static vor_status bad_number(const struct vor_ply_body *body, const struct vor_ply_column *column,
+                             size_t row, struct token token, enum vor_ply_number reason,
+                             struct vor_error *err)
+{
+    const struct vor_ply_property *property = column->property;
+    const char *type = vor_type_name(property->list ? property->count_type : property->type);
+    char name[SHOWN], shown[SHOWN];
+
+    vor_quote(name, sizeof name, property->name, property->name_length);
+    vor_quote(shown, sizeof shown, token.at, token.length);
+    if (reason == VOR_PLY_NUMBER_NONFINITE)
+        vor_fail(err, VOR_E_NONFINITE, "coordinate %c of point %zu is %s",
+                 "xyz"[column->coordinate], row, shown);
+    else if (reason == VOR_PLY_NUMBER_RANGE)
+        vor_fail(err, VOR_E_FORMAT, "%s of row %zu is %s, outside the range of %s", name, row,
+                 shown, type);
+    else
+        vor_fail(err, VOR_E_FORMAT, "%s of row %zu is \"%s\", want a number of type %s", name, row,
+                 shown, type);
+    return vor_ply_at(err, offset_of(body, token),
+                      reason == VOR_PLY_NUMBER_NONFINITE ? VOR_E_NONFINITE : VOR_E_FORMAT);
+}
+
+/* Stores a coordinate that is of another type than its column. */
+static void widen(uint8_t *to, enum vor_type to_type, const uint8_t value[8], enum vor_type type)
+{
+    double wide = 0;
+    float single;
+
+    switch (type) {
+#define WIDEN_CASE(name, ctype, ply, sized)                                                        \
+    case VOR_##name: {                                                                             \
+        ctype as;                                                                                  \
+        memcpy(&as, value, sizeof as);                                                             \
+        wide = (double)as;                                                                         \
+        break;                                                                                     \
+    }
+        VOR_TYPE_TABLE(WIDEN_CASE)
+#undef WIDEN_CASE
+    default:
+        break;
+    }
+    single = (float)wide;
+    memcpy(to, to_type == VOR_FLOAT32 ? (void *)&single : (void *)&wide, vor_type_size(to_type));
+}
+
+static vor_status read_scalar(struct vor_ply_body *body, const struct vor_ply_column *column,
+                              size_t row, struct vor_error *err)
+{
+    enum vor_type type = column->property->type;
+    struct token token = next_token(body);
+    uint8_t *to = column->to + row * column->to_stride;
+    uint8_t value[8] = {0};
+    enum vor_ply_number read;
+
+    if (token.length == 0)
+        return too_few(body, column->property, row, err);
+    read = vor_ply_number_read(token.at, token.length, type, type == column->to_type ? to : value);
+    if (read != VOR_PLY_NUMBER_OK && (read != VOR_PLY_NUMBER_NONFINITE || column->coordinate >= 0))
+        return bad_number(body, column, row, token, read, err);
+    if (type != column->to_type)
+        widen(to, column->to_type, value, type);
+    return VOR_OK;
+}
+
+/* Every item is a token of this line, so a false length ends at the line's end. */
+static vor_status skip_list(struct vor_ply_body *body, const struct vor_ply_column *column,
+                            size_t row, struct vor_error *err)
+{
+    const struct vor_ply_property *property = column->property;
+    struct token token = next_token(body);
+    uint8_t value[8] = {0};
+    double count;
+    uint64_t left;
+    enum vor_ply_number read;
+
+    if (token.length == 0)
+        return too_few(body, property, row, err);
+    read = vor_ply_number_read(token.at, token.length, property->count_type, value);
+    widen((uint8_t *)&count, VOR_FLOAT64, value, property->count_type);
+    if (read == VOR_PLY_NUMBER_OK && (count < 0 || count != floor(count)))
+        read = VOR_PLY_NUMBER_RANGE;
+    if (read != VOR_PLY_NUMBER_OK)
+        return bad_number(body, column, row, token,
+                          read == VOR_PLY_NUMBER_NONFINITE ? VOR_PLY_NUMBER_RANGE : read, err);
+    /* A count beyond what fits is beyond what the row holds, too. */
+    for (left = count < 0x1p63 ? (uint64_t)count : UINT64_MAX; left > 0; left--)
+        if (next_token(body).length == 0)
+            return too_few(body, property, row, err);
+    return VOR_OK;
+}
+
+static vor_status read_row(struct vor_ply_body *body, const struct vor_ply_rows *rows, size_t row,
+                           struct vor_error *err)
+{
+    struct token extra;
+    char shown[SHOWN];
+
+    if (!next_row(body))
+        return too_short(body, row, err);
+    for (unsigned k = 0; k < rows->column_count; k++) {
+        const struct vor_ply_column *column = &rows->columns[k];
+        vor_status status = column->property->list ? skip_list(body, column, row, err)
+                                                   : read_scalar(body, column, row, err);
+
+        if (status != VOR_OK)
+            return status;
+    }
+    extra = next_token(body);
+    if (extra.length == 0)
+        return VOR_OK;
+    vor_fail(err, VOR_E_FORMAT, "row %zu has more than its %u properties: \"%s\"", row,
+             rows->column_count, vor_quote(shown, sizeof shown, extra.at, extra.length));
+    return vor_ply_at(err, offset_of(body, extra), VOR_E_FORMAT);
+}
+
+vor_status vor_ply_ascii_rows(struct vor_ply_body *body, const struct vor_ply_rows *rows,
+                              struct vor_error *err)
+{
+    for (size_t i = 0; i < rows->n; i++) {
+        vor_status status = read_row(body, rows, i, err);
+
+        if (status != VOR_OK)
+            return status;
+    }
+    return VOR_OK;
+}
+
+vor_status vor_ply_ascii_skip(struct vor_ply_body *body, const struct vor_ply_element *element,
+                              struct vor_error *err)
+{
+    vor_status status = vor_ply_rows_fit(body, element, err);
+
+    if (status != VOR_OK || element->property_count == 0)
+        return status;
+    for (uint64_t i = 0; i < element->count; i++) {
+        if (!next_row(body))
+            return too_short(body, i, err);
+        while (body->at < body->size && !is_end(body->bytes[body->at]))
+            body->at++;
+    }
+    return VOR_OK;
+}

@@ -1,0 +1,72 @@
+/** The rows behind a PLY header: skipping an element, reading one into columns. */
+#ifndef VOR_PROTO_PLY_BODY_H
+#define VOR_PROTO_PLY_BODY_H
+
+#include "proto/ply/ply_header.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/** Where one property of every row goes. */
+struct vor_ply_column {
+    const struct vor_ply_property *property;
+    int coordinate;        /**< 0 .. 2 for x y z, whose values must be finite; else -1 */
+    enum vor_type to_type; /**< FLOAT32 or FLOAT64 for a coordinate, else the property's own */
+    uint8_t *to;           /**< of row 0; NULL: read over it (every list) */
+    size_t to_stride;
+};
+
+struct vor_ply_rows {
+    size_t n;
+    unsigned column_count;
+    struct vor_ply_column columns[VOR_PLY_PROPERTIES_MAX];
+};
+
+/** The file and how far it has been read; at <= size always. */
+struct vor_ply_body {
+    const uint8_t *bytes;
+    size_t size, at;
+    enum vor_ply_encoding encoding;
+};
+
+/** Checks that count rows of the element can be in the rest of the file, so that what is allocated
+ *  for them is bounded by the file's size.
+ *
+ *  @retval VOR_E_FORMAT they cannot; byte_offset is the file's size */
+VOR_NODISCARD vor_status vor_ply_rows_fit(const struct vor_ply_body *body,
+                                          const struct vor_ply_element *element,
+                                          struct vor_error *err);
+
+/** Moves past an element, or reads one into its columns (one for each property, in their order).
+ *
+ *  @retval VOR_E_FORMAT    with byte_offset
+ *  @retval VOR_E_NONFINITE a coordinate is nan or inf; the message names the point
+ *
+ *  Cost: one pass over the element (to skip rows of constant size: none); no memory. */
+VOR_NODISCARD vor_status vor_ply_ascii_skip(struct vor_ply_body *body,
+                                            const struct vor_ply_element *element,
+                                            struct vor_error *err);
+VOR_NODISCARD vor_status vor_ply_ascii_rows(struct vor_ply_body *body,
+                                            const struct vor_ply_rows *rows, struct vor_error *err);
+VOR_NODISCARD vor_status vor_ply_binary_skip(struct vor_ply_body *body,
+                                             const struct vor_ply_element *element,
+                                             struct vor_error *err);
+VOR_NODISCARD vor_status vor_ply_binary_rows(struct vor_ply_body *body,
+                                             const struct vor_ply_rows *rows,
+                                             struct vor_error *err);
+
+/** Scalars in a row or in memory: every value at base, stride bytes from the last. */
+struct vor_ply_strided {
+    uint8_t *base;
+    size_t stride;
+};
+
+/** Copies `run` adjacent scalars of `size` bytes for each of n rows, reversing the bytes of each
+ *  scalar where swap is set. */
+void vor_ply_copy(struct vor_ply_strided to, const uint8_t *from, size_t from_stride, size_t n,
+                  size_t size, size_t run, int swap);
+
+/** True where the host's byte order is not the encoding's. */
+int vor_ply_swaps(enum vor_ply_encoding encoding);
+
+#endif

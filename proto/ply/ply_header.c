@@ -1,0 +1,299 @@
+#include "proto/ply/ply_header.h"
+
+#include "proto/quote.h"
+
+#include <string.h>
+
+enum { WORDS_MAX = 6, SHOWN = 48 };
+
+struct word {
+    const char *at;
+    size_t length;
+};
+
+/* One line of the header without its end, cut into words. */
+struct line {
+    const char *at;
+    size_t length, offset;
+    unsigned words; /* WORDS_MAX when there are that many or more */
+    struct word word[WORDS_MAX];
+};
+
+struct scan {
+    const uint8_t *bytes;
+    size_t size;  /* of the part of the file a header may take */
+    size_t at;    /* where the next line begins */
+    int cut;      /* size is the limit, not the end of the file */
+    uint8_t stop; /* what ends a line: '\n', or '\r' in files of the old Macintosh */
+    int has_format;
+};
+
+int vor_ply_named(const char *name, size_t length, const char *want)
+{
+    return strlen(want) == length && memcmp(name, want, length) == 0;
+}
+
+static int is(struct word word, const char *want)
+{
+    return vor_ply_named(word.at, word.length, want);
+}
+
+static const char *show(char out[SHOWN], struct word word)
+{
+    return vor_quote(out, SHOWN, word.at, word.length);
+}
+
+static vor_status no_end(const struct scan *scan, struct vor_error *err)
+{
+    if (scan->cut)
+        vor_fail(err, VOR_E_FORMAT, "no end_header within the first %zu bytes", scan->size);
+    else
+        vor_fail(err, VOR_E_FORMAT, "the file ends after %zu bytes, before end_header", scan->size);
+    return vor_ply_at(err, scan->size, VOR_E_FORMAT);
+}
+
+static int is_blank(char c)
+{
+    return c == ' ' || c == '\t';
+}
+
+/* False when a byte is neither printable nor a blank. */
+static int cut_words(struct line *line)
+{
+    size_t i = 0;
+
+    line->words = 0;
+    for (;;) {
+        size_t begin;
+
+        while (i < line->length && is_blank(line->at[i]))
+            i++;
+        if (i == line->length)
+            return 1;
+        for (begin = i; i < line->length && !is_blank(line->at[i]); i++)
+            if ((uint8_t)line->at[i] < 0x20 || line->at[i] == 0x7f)
+                return 0;
+        if (line->words < WORDS_MAX)
+            line->word[line->words++] = (struct word){line->at + begin, i - begin};
+    }
+}
+
+static vor_status next_line(struct scan *scan, struct line *line, struct vor_error *err)
+{
+    const uint8_t *begin = scan->bytes + scan->at;
+    size_t left = scan->size - scan->at;
+    size_t window = left < VOR_PLY_LINE_MAX + 2 ? left : VOR_PLY_LINE_MAX + 2;
+    const uint8_t *end = memchr(begin, scan->stop, window);
+
+    if (end == NULL && window == left)
+        return no_end(scan, err);
+    line->at = (const char *)begin;
+    line->offset = scan->at;
+    line->length = end != NULL ? (size_t)(end - begin) : window;
+    scan->at += line->length + 1;
+    if (end != NULL && scan->stop == '\n' && line->length > 0 && end[-1] == '\r')
+        line->length--;
+    if (line->length > VOR_PLY_LINE_MAX)
+        return vor_ply_at(
+            err, line->offset,
+            vor_fail(err, VOR_E_FORMAT, "a header line has more than %d bytes", VOR_PLY_LINE_MAX));
+    return VOR_OK;
+}
+
+static vor_status bad_line(const struct line *line, const char *want, struct vor_error *err)
+{
+    char shown[80];
+
+    vor_fail(err, VOR_E_FORMAT, "header line \"%s\", want %s",
+             vor_quote(shown, sizeof shown, line->at, line->length), want);
+    return vor_ply_at(err, line->offset, VOR_E_FORMAT);
+}
+
+static vor_status read_format(struct scan *scan, struct vor_ply_header *header,
+                              const struct line *line, struct vor_error *err)
+{
+    static const char *const names[] = {"ascii", "binary_little_endian", "binary_big_endian"};
+    unsigned i = 0;
+
+    if (scan->has_format)
+        return bad_line(line, "only one format line", err);
+    while (line->words > 1 && i < 3 && !is(line->word[1], names[i]))
+        i++;
+    if (line->words != 3 || i == 3 || !is(line->word[2], "1.0"))
+        return bad_line(line, "format ascii, binary_little_endian or binary_big_endian 1.0", err);
+    header->encoding = (enum vor_ply_encoding)i;
+    scan->has_format = 1;
+    return VOR_OK;
+}
+
+/* Digits only; what does not fit is UINT64_MAX, which no limit lets pass. */
+static int parse_count(struct word word, uint64_t *out)
+{
+    uint64_t count = 0;
+
+    for (size_t i = 0; i < word.length; i++) {
+        if (word.at[i] < '0' || word.at[i] > '9')
+            return 0;
+        if (__builtin_mul_overflow(count, 10, &count) ||
+            __builtin_add_overflow(count, (uint64_t)(word.at[i] - '0'), &count))
+            count = UINT64_MAX;
+    }
+    *out = count;
+    return 1;
+}
+
+static vor_status read_element(struct scan *scan, struct vor_ply_header *header,
+                               const struct line *line, struct vor_error *err)
+{
+    struct vor_ply_element *element = &header->elements[header->element_count];
+    char shown[SHOWN];
+    uint64_t count;
+
+    if (!scan->has_format)
+        return bad_line(line, "the format line before any element", err);
+    if (line->words != 3 || !parse_count(line->word[2], &count))
+        return bad_line(line, "element NAME COUNT with a whole number", err);
+    if (header->element_count == VOR_PLY_ELEMENTS_MAX)
+        return vor_ply_at(
+            err, line->offset,
+            vor_fail(err, VOR_E_FORMAT, "more than %d elements", VOR_PLY_ELEMENTS_MAX));
+    for (unsigned i = 0; i < header->element_count; i++)
+        if (header->elements[i].name_length == line->word[1].length &&
+            memcmp(header->elements[i].name, line->word[1].at, line->word[1].length) == 0)
+            return vor_ply_at(err, line->offset,
+                              vor_fail(err, VOR_E_FORMAT, "element %s is declared twice",
+                                       show(shown, line->word[1])));
+    element->name = line->word[1].at;
+    element->name_length = line->word[1].length;
+    element->offset = line->offset;
+    element->count = count;
+    element->property_count = 0;
+    header->element_count++;
+    return VOR_OK;
+}
+
+static int parse_type(struct word word, enum vor_type *out)
+{
+    return vor_type_parse(out, word.at, word.length);
+}
+
+static vor_status parse_property(struct vor_ply_property *out, const struct line *line,
+                                 struct vor_error *err)
+{
+    struct word name;
+
+    out->list = line->words > 1 && is(line->word[1], "list");
+    if (line->words != (out->list ? 5 : 3))
+        return bad_line(line, "property TYPE NAME or property list TYPE TYPE NAME", err);
+    out->count_type = VOR_UINT8;
+    if ((out->list && !parse_type(line->word[2], &out->count_type)) ||
+        !parse_type(line->word[out->list ? 3 : 1], &out->type))
+        return bad_line(line, "a type of char, uchar, short, ushort, int, uint, float, double",
+                        err);
+    name = line->word[line->words - 1];
+    out->name = name.at;
+    out->name_length = name.length;
+    return VOR_OK;
+}
+
+static vor_status add_property(struct vor_ply_element *element,
+                               const struct vor_ply_property *property, size_t offset,
+                               struct vor_error *err)
+{
+    struct word name = {property->name, property->name_length};
+    char shown[SHOWN], of[SHOWN];
+
+    vor_quote(of, sizeof of, element->name, element->name_length);
+    if (element->property_count == VOR_PLY_PROPERTIES_MAX)
+        return vor_ply_at(err, offset,
+                          vor_fail(err, VOR_E_FORMAT, "element %s has more than %d properties", of,
+                                   VOR_PLY_PROPERTIES_MAX));
+    for (unsigned i = 0; i < element->property_count; i++)
+        if (element->properties[i].name_length == name.length &&
+            memcmp(element->properties[i].name, name.at, name.length) == 0)
+            return vor_ply_at(err, offset,
+                              vor_fail(err, VOR_E_FORMAT, "property %s of %s is declared twice",
+                                       show(shown, name), of));
+    element->properties[element->property_count++] = *property;
+    return VOR_OK;
+}
+
+static vor_status read_property(struct vor_ply_header *header, const struct line *line,
+                                struct vor_error *err)
+{
+    struct vor_ply_property property;
+    vor_status status;
+
+    if (header->element_count == 0)
+        return bad_line(line, "an element line before any property", err);
+    status = parse_property(&property, line, err);
+    if (status != VOR_OK)
+        return status;
+    return add_property(&header->elements[header->element_count - 1], &property, line->offset, err);
+}
+
+static int is_remark(const struct line *line)
+{
+    static const char *const words[] = {"comment", "obj_info"};
+
+    for (unsigned i = 0; i < 2; i++) {
+        size_t length = strlen(words[i]);
+
+        if (line->length >= length && memcmp(line->at, words[i], length) == 0 &&
+            (line->length == length || is_blank(line->at[length])))
+            return 1;
+    }
+    return 0;
+}
+
+/* *end becomes true at end_header. */
+static vor_status read_line(struct scan *scan, struct vor_ply_header *header, struct line *line,
+                            int *end, struct vor_error *err)
+{
+    if (is_remark(line)) /* in any character set */
+        return VOR_OK;
+    if (!cut_words(line))
+        return bad_line(line, "no control characters", err);
+    if (line->words == 0)
+        return VOR_OK;
+    if (is(line->word[0], "format"))
+        return read_format(scan, header, line, err);
+    if (is(line->word[0], "element"))
+        return read_element(scan, header, line, err);
+    if (is(line->word[0], "property"))
+        return read_property(header, line, err);
+    if (!is(line->word[0], "end_header") || line->words != 1)
+        return bad_line(line, "format, comment, obj_info, element, property or end_header", err);
+    *end = 1;
+    return VOR_OK;
+}
+
+vor_status vor_ply_header_read(struct vor_ply_header *out, const uint8_t *bytes, size_t size,
+                               size_t limit, struct vor_error *err)
+{
+    struct scan scan = {bytes, size < limit ? size : limit, 0, size > limit, '\n', 0};
+    struct line line;
+    vor_status status = VOR_OK;
+    int end = 0;
+
+    out->element_count = 0;
+    if (size >= 4 && bytes[3] == '\r' && (size == 4 || bytes[4] != '\n'))
+        scan.stop = '\r';
+    if (size < 3 || memcmp(bytes, "ply", 3) != 0)
+        return vor_ply_at(err, 0, vor_fail(err, VOR_E_FORMAT, "the file does not begin with ply"));
+    status = next_line(&scan, &line, err);
+    if (status == VOR_OK && line.length != 3)
+        return bad_line(&line, "ply", err);
+    while (status == VOR_OK && !end) {
+        status = next_line(&scan, &line, err);
+        if (status == VOR_OK)
+            status = read_line(&scan, out, &line, &end, err);
+    }
+    if (status != VOR_OK)
+        return status;
+    if (!scan.has_format)
+        return vor_ply_at(err, line.offset,
+                          vor_fail(err, VOR_E_FORMAT, "the header has no format line"));
+    out->body = scan.at;
+    return VOR_OK;
+}

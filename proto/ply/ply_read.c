@@ -1,0 +1,291 @@
+#include "proto/ply/ply.h"
+
+#include "proto/ply/ply_body.h"
+#include "proto/quote.h"
+
+#include <string.h>
+
+/* An attribute of several properties. */
+struct group {
+    const char *attribute;
+    enum vor_semantic semantic;
+    unsigned least, most; /* properties that make it; the ones past `least` may be missing */
+    const char *parts[4];
+};
+
+static const struct group groups[] = {
+    {"normal", VOR_NORMAL, 3, 3, {"nx", "ny", "nz", ""}},
+    {"color", VOR_COLOR, 3, 4, {"red", "green", "blue", "alpha"}},
+    {"color", VOR_COLOR, 3, 4, {"diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"}},
+};
+
+enum { GROUP_COUNT = sizeof groups / sizeof groups[0], ABSENT = VOR_PLY_PROPERTIES_MAX };
+
+/* What is known while a file is read; freed as a whole. */
+struct reader {
+    struct vor_cloud cloud;
+    struct vor_ply_header header;
+    const struct vor_ply_element *vertex;
+    struct vor_ply_body body;
+    struct vor_ply_rows rows;
+    double *wide; /* n x 3 coordinates, where they are not float32 */
+};
+
+static unsigned find_property(const struct vor_ply_element *element, const char *name)
+{
+    unsigned i = 0;
+
+    while (i < element->property_count &&
+           !vor_ply_named(element->properties[i].name, element->properties[i].name_length, name))
+        i++;
+    return i < element->property_count ? i : ABSENT;
+}
+
+static vor_status find_vertex(struct reader *reader, const struct vor_limits *limits,
+                              struct vor_error *err)
+{
+    const struct vor_ply_header *header = &reader->header;
+    const struct vor_ply_element *element = NULL;
+    size_t most = limits->points < VOR_POINTS_MAX ? limits->points : VOR_POINTS_MAX;
+
+    for (unsigned i = 0; i < header->element_count && element == NULL; i++)
+        if (vor_ply_named(header->elements[i].name, header->elements[i].name_length, "vertex"))
+            element = &header->elements[i];
+    if (element == NULL)
+        return vor_ply_at(err, header->body,
+                          vor_fail(err, VOR_E_FORMAT, "the header has no element vertex"));
+    reader->vertex = element;
+    if (element->count == 0)
+        return vor_ply_at(err, element->offset,
+                          vor_fail(err, VOR_E_EMPTY, "element vertex 0, want at least 1"));
+    if (element->count <= most)
+        return VOR_OK;
+    vor_fail(err, VOR_E_LIMIT, "element vertex %llu, want 1 to %zu",
+             (unsigned long long)element->count, most);
+    if (err != NULL) {
+        err->limit = most;
+        err->got = element->count;
+    }
+    return vor_ply_at(err, element->offset, VOR_E_LIMIT);
+}
+
+/* Where x, y and z are among the vertex's properties. */
+static vor_status find_coordinates(const struct reader *reader, unsigned at[3],
+                                   struct vor_error *err)
+{
+    static const char *const names[] = {"x", "y", "z"};
+    const struct vor_ply_element *vertex = reader->vertex;
+
+    for (int c = 0; c < 3; c++) {
+        at[c] = find_property(vertex, names[c]);
+        if (at[c] == ABSENT)
+            vor_fail(err, VOR_E_FORMAT, "element vertex has no property %s", names[c]);
+        else if (vertex->properties[at[c]].list)
+            vor_fail(err, VOR_E_FORMAT, "property %s of vertex is a list, want a number", names[c]);
+        else
+            continue;
+        return vor_ply_at(err, vertex->offset, VOR_E_FORMAT);
+    }
+    return VOR_OK;
+}
+
+static int fits_float32(enum vor_type type)
+{
+    return type == VOR_FLOAT32 || (type != VOR_FLOAT64 && vor_type_size(type) <= 2);
+}
+
+static vor_status plan_coordinates(struct reader *reader, struct vor_error *err)
+{
+    const struct vor_ply_property *properties = reader->vertex->properties;
+    size_t n = reader->rows.n;
+    enum vor_type type = VOR_FLOAT32;
+    unsigned at[3] = {0};
+    vor_status status = find_coordinates(reader, at, err);
+
+    if (status == VOR_OK)
+        status = vor_ply_rows_fit(&reader->body, reader->vertex, err);
+    if (status == VOR_OK)
+        status = vor_cloud_resize(&reader->cloud, n, err);
+    if (status != VOR_OK)
+        return status;
+    for (int c = 0; c < 3; c++)
+        if (!fits_float32(properties[at[c]].type))
+            type = VOR_FLOAT64;
+    if (type == VOR_FLOAT64) {
+        reader->wide = vor_malloc(reader->cloud.memory, n, 3 * sizeof *reader->wide);
+        if (reader->wide == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "coordinates of %zu points", n);
+    }
+    for (int c = 0; c < 3; c++) {
+        struct vor_ply_column *column = &reader->rows.columns[at[c]];
+        uint8_t *base =
+            reader->wide != NULL ? (uint8_t *)reader->wide : (uint8_t *)reader->cloud.xyz;
+
+        column->coordinate = c;
+        column->to_type = type;
+        column->to_stride = 3 * vor_type_size(type);
+        column->to = base + (size_t)c * vor_type_size(type);
+    }
+    return VOR_OK;
+}
+
+/* How many of the group's parts the vertex has as scalars of one type; at[] gets where. 0 where it
+ * lacks one it needs. */
+static unsigned match_group(const struct vor_ply_element *vertex, const struct group *group,
+                            unsigned at[4])
+{
+    unsigned count = 0;
+
+    while (count < group->most) {
+        const struct vor_ply_property *property;
+
+        at[count] = find_property(vertex, group->parts[count]);
+        if (at[count] == ABSENT)
+            break;
+        property = &vertex->properties[at[count]];
+        if (property->list || property->type != vertex->properties[at[0]].type)
+            break;
+        count++;
+    }
+    return count < group->least ? 0 : count;
+}
+
+/* Adds an attribute of the properties at[0 .. count - 1]. */
+static vor_status add_columns(struct reader *reader, const char *name, enum vor_semantic semantic,
+                              const unsigned *at, unsigned count, struct vor_error *err)
+{
+    enum vor_type type = reader->vertex->properties[at[0]].type;
+    struct vor_attribute *attribute;
+    vor_status status =
+        vor_cloud_add_attribute(&reader->cloud, name, semantic, type, count, &attribute, err);
+
+    for (unsigned i = 0; status == VOR_OK && i < count; i++) {
+        struct vor_ply_column *column = &reader->rows.columns[at[i]];
+
+        column->to_type = type;
+        column->to_stride = count * vor_type_size(type);
+        column->to = (uint8_t *)attribute->data + i * vor_type_size(type);
+    }
+    return status;
+}
+
+static vor_status add_generic(struct reader *reader, unsigned k, struct vor_error *err)
+{
+    const struct vor_ply_property *property = &reader->vertex->properties[k];
+    char name[sizeof((struct vor_attribute *)0)->name];
+    size_t length =
+        property->name_length < sizeof name - 1 ? property->name_length : sizeof name - 1;
+
+    for (size_t i = 0; i < length; i++)
+        name[i] = property->name[i] > 0x20 && property->name[i] < 0x7f ? property->name[i] : '?';
+    name[length] = '\0';
+    return add_columns(reader, name, VOR_GENERIC, &k, 1, err);
+}
+
+/* Adds the attribute that property k begins, unless it is a coordinate, a list, or taken. */
+static vor_status plan_property(struct reader *reader, unsigned k, unsigned taken[GROUP_COUNT],
+                                struct vor_error *err)
+{
+    if (reader->vertex->properties[k].list || reader->rows.columns[k].to != NULL)
+        return VOR_OK;
+    for (unsigned g = 0; g < GROUP_COUNT; g++) {
+        unsigned at[4], count = taken[g] ? 0 : match_group(reader->vertex, &groups[g], at);
+
+        for (unsigned i = 0; i < count; i++) {
+            if (at[i] != k)
+                continue;
+            taken[g] = 1;
+            return add_columns(reader, groups[g].attribute, groups[g].semantic, at, count, err);
+        }
+    }
+    return add_generic(reader, k, err);
+}
+
+/* A cloud has one COLOR: the plain spelling rules the other out. */
+static vor_status plan_attributes(struct reader *reader, struct vor_error *err)
+{
+    unsigned taken[GROUP_COUNT] = {0}, at[4];
+    vor_status status = VOR_OK;
+
+    for (unsigned g = 1; g < GROUP_COUNT; g++)
+        if (groups[g - 1].semantic == groups[g].semantic &&
+            match_group(reader->vertex, &groups[g - 1], at) > 0)
+            taken[g] = 1;
+    for (unsigned k = 0; status == VOR_OK && k < reader->vertex->property_count; k++)
+        status = plan_property(reader, k, taken, err);
+    return status;
+}
+
+static vor_status plan(struct reader *reader, struct vor_error *err)
+{
+    struct vor_ply_rows *rows = &reader->rows;
+    vor_status status;
+
+    rows->n = (size_t)reader->vertex->count;
+    rows->column_count = reader->vertex->property_count;
+    for (unsigned k = 0; k < rows->column_count; k++) {
+        rows->columns[k].property = &reader->vertex->properties[k];
+        rows->columns[k].to_type = reader->vertex->properties[k].type;
+        rows->columns[k].coordinate = -1;
+    }
+    status = plan_coordinates(reader, err);
+    return status == VOR_OK ? plan_attributes(reader, err) : status;
+}
+
+static vor_status skip_to_vertex(struct reader *reader, struct vor_error *err)
+{
+    vor_status status = VOR_OK;
+    const struct vor_ply_element *element = reader->header.elements;
+
+    for (; status == VOR_OK && element != reader->vertex; element++)
+        status = reader->body.encoding == VOR_PLY_ASCII
+                     ? vor_ply_ascii_skip(&reader->body, element, err)
+                     : vor_ply_binary_skip(&reader->body, element, err);
+    return status;
+}
+
+static vor_status read_file(struct reader *reader, const struct vor_limits *limits,
+                            struct vor_error *err)
+{
+    struct vor_ply_body *body = &reader->body;
+    vor_status status =
+        vor_ply_header_read(&reader->header, body->bytes, body->size, limits->header_bytes, err);
+
+    if (status != VOR_OK)
+        return status;
+    body->at = reader->header.body;
+    body->encoding = reader->header.encoding;
+    status = find_vertex(reader, limits, err);
+    if (status == VOR_OK)
+        status = skip_to_vertex(reader, err);
+    if (status == VOR_OK)
+        status = plan(reader, err);
+    if (status == VOR_OK)
+        status = body->encoding == VOR_PLY_ASCII ? vor_ply_ascii_rows(body, &reader->rows, err)
+                                                 : vor_ply_binary_rows(body, &reader->rows, err);
+    if (status == VOR_OK && reader->wide != NULL)
+        status = vor_cloud_set_double(&reader->cloud, reader->wide, err);
+    return status;
+}
+
+vor_status vor_ply_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
+                        const struct vor_limits *limits, struct vor_error *err)
+{
+    struct vor_memory *memory = out->memory;
+    struct reader *reader = vor_calloc(memory, 1, sizeof *reader);
+    vor_status status;
+
+    if (reader == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the header of a PLY file");
+    vor_cloud_init(&reader->cloud, memory);
+    reader->body.bytes = bytes;
+    reader->body.size = size;
+    status = read_file(reader, limits, err);
+    vor_free(memory, reader->wide);
+    if (status == VOR_OK)
+        *out = reader->cloud;
+    else
+        vor_cloud_free(&reader->cloud);
+    vor_free(memory, reader);
+    return status;
+}

@@ -1,0 +1,274 @@
+#include "proto/ply/ply.h"
+
+#include "proto/ply/ply_body.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { NAME_SIZE = 96, LINE_BYTES = 128, BUFFER_BYTES = 65536, PIECE = 256 };
+
+/* One scalar of a row: a name, where the values are and how they are written. */
+struct field {
+    char name[NAME_SIZE];
+    enum vor_type from_type, type; /* type is what PLY has for from_type */
+    const uint8_t *from;           /* of point 0; NULL for a coordinate */
+    size_t from_stride;
+    int coordinate;
+};
+
+struct writer {
+    const struct vor_sink *sink;
+    const struct vor_cloud *cloud;
+    struct field *fields;
+    size_t field_count;
+    uint8_t *buffer;
+    size_t capacity, used;
+};
+
+static vor_status flush(struct writer *writer, struct vor_error *err)
+{
+    size_t size = writer->used;
+
+    writer->used = 0;
+    if (size > 0 && writer->sink->write(writer->sink->ctx, writer->buffer, size) < 0)
+        return vor_fail(err, VOR_E_IO, "%zu bytes of a PLY file could not be written", size);
+    return VOR_OK;
+}
+
+/* Bytes outside the printable ASCII become '_'; a name that is taken gets "_2", "_3" ... */
+static void set_name(const struct writer *writer, struct field *field, const char *name)
+{
+    char base[NAME_SIZE - 12];
+    size_t i, taken;
+
+    (void)snprintf(base, sizeof base, "%s", name[0] != '\0' ? name : "_");
+    for (i = 0; base[i] != '\0'; i++)
+        if (base[i] <= 0x20 || base[i] >= 0x7f)
+            base[i] = '_';
+    (void)snprintf(field->name, sizeof field->name, "%s", base);
+    for (unsigned suffix = 2;; suffix++) {
+        for (taken = 0; taken < writer->field_count; taken++)
+            if (strcmp(writer->fields[taken].name, field->name) == 0)
+                break;
+        if (taken == writer->field_count)
+            return;
+        (void)snprintf(field->name, sizeof field->name, "%s_%u", base, suffix);
+    }
+}
+
+static void add_field(struct writer *writer, const char *name, const struct field *values)
+{
+    struct field *field = &writer->fields[writer->field_count];
+
+    *field = *values;
+    set_name(writer, field, name);
+    writer->field_count++;
+}
+
+static void add_coordinates(struct writer *writer)
+{
+    for (int c = 0; c < 3; c++) {
+        const char name[2] = {"xyz"[c], '\0'};
+        enum vor_type type = writer->cloud->position_type;
+
+        add_field(writer, name, &(struct field){.coordinate = c, .from_type = type, .type = type});
+    }
+}
+
+/* Names of an attribute's components where PLY has a custom for them, else NULL. Only the first
+ * attribute of its kind has one: a row has no two of the same name. */
+static const char *const *custom_names(const struct vor_cloud *cloud,
+                                       const struct vor_attribute *attribute)
+{
+    static const char *const normal[4] = {"nx", "ny", "nz", ""};
+    static const char *const color[4] = {"red", "green", "blue", "alpha"};
+
+    if (attribute->semantic == VOR_GENERIC ||
+        vor_cloud_find(cloud, attribute->semantic) != attribute)
+        return NULL;
+    if (attribute->semantic == VOR_NORMAL && attribute->components == 3)
+        return normal;
+    if (attribute->semantic == VOR_COLOR &&
+        (attribute->components == 3 || attribute->components == 4))
+        return color;
+    return NULL;
+}
+
+static void add_attribute(struct writer *writer, const struct vor_attribute *attribute)
+{
+    const char *const *names = custom_names(writer->cloud, attribute);
+    size_t size = vor_type_size(attribute->type);
+    struct field field = {.from_type = attribute->type,
+                          .type = attribute->type,
+                          .from_stride = attribute->components * size};
+    char name[NAME_SIZE];
+
+    if (attribute->type == VOR_INT64 || attribute->type == VOR_UINT64)
+        field.type = VOR_FLOAT64;
+    for (unsigned i = 0; i < attribute->components; i++) {
+        field.from = (const uint8_t *)attribute->data + i * size;
+        if (names != NULL)
+            (void)snprintf(name, sizeof name, "%s", names[i]);
+        else if (attribute->components == 1)
+            (void)snprintf(name, sizeof name, "%s", attribute->name);
+        else
+            (void)snprintf(name, sizeof name, "%s_%u", attribute->name, i);
+        add_field(writer, name, &field);
+    }
+}
+
+static size_t count_fields(const struct vor_cloud *cloud)
+{
+    size_t count = 3;
+
+    for (size_t i = 0; i < cloud->attribute_count; i++)
+        count += cloud->attributes[i].components;
+    return count;
+}
+
+static size_t row_bytes(const struct writer *writer)
+{
+    size_t bytes = 0;
+
+    for (size_t i = 0; i < writer->field_count; i++)
+        bytes += vor_type_size(writer->fields[i].type);
+    return bytes;
+}
+
+/* The header always fits into the buffer: a field's line has at most NAME_SIZE + 17 bytes, and the
+ * buffer has LINE_BYTES for each field, or at least BUFFER_BYTES. */
+static void put(struct writer *writer, const char *line)
+{
+    size_t length = strlen(line);
+
+    assert(length <= writer->capacity - writer->used);
+    memcpy(writer->buffer + writer->used, line, length);
+    writer->used += length;
+}
+
+static void put_header(struct writer *writer)
+{
+    char line[LINE_BYTES];
+
+    (void)snprintf(line, sizeof line,
+                   "ply\nformat binary_little_endian 1.0\ncomment written by voronoid\n"
+                   "element vertex %zu\n",
+                   writer->cloud->n);
+    put(writer, line);
+    for (size_t i = 0; i < writer->field_count; i++) {
+        const struct field *field = &writer->fields[i];
+
+        (void)snprintf(line, sizeof line, "property %s %s\n", vor_type_name(field->type),
+                       field->name);
+        put(writer, line);
+    }
+    put(writer, "end_header\n");
+}
+
+/* n scalars that lie side by side become those of rows begin .. begin + n - 1. */
+static void put_piece(struct vor_ply_strided to, size_t begin, const void *from, enum vor_type type,
+                      size_t n)
+{
+    struct vor_ply_strided at = {to.base + begin * to.stride, to.stride};
+
+    vor_ply_copy(at, from, vor_type_size(type), n, vor_type_size(type), 1,
+                 vor_ply_swaps(VOR_PLY_LITTLE));
+}
+
+/* Adding an origin of 0 would turn -0 into 0. */
+static void put_coordinate(const struct writer *writer, const struct field *field, size_t first,
+                           size_t n, struct vor_ply_strided to)
+{
+    const float *xyz = writer->cloud->xyz + 3 * first + field->coordinate;
+    double origin = writer->cloud->origin[field->coordinate];
+
+    for (size_t begin = 0, size; begin < n; begin += size) {
+        double wide[PIECE];
+        float single[PIECE];
+        const void *from = field->type == VOR_FLOAT32 ? (void *)single : (void *)wide;
+
+        size = n - begin < PIECE ? n - begin : PIECE;
+        for (size_t i = 0; i < size; i++) {
+            double relative = (double)xyz[3 * (begin + i)];
+
+            wide[i] = origin == 0 ? relative : origin + relative;
+            single[i] = (float)wide[i];
+        }
+        put_piece(to, begin, from, field->type, size);
+    }
+}
+
+static void put_long(const struct field *field, size_t first, size_t n, struct vor_ply_strided to)
+{
+    const uint8_t *from = field->from + first * field->from_stride;
+
+    for (size_t i = 0; i < n; i++) {
+        uint64_t bits;
+        double wide;
+
+        memcpy(&bits, from + i * field->from_stride, sizeof bits);
+        wide = field->from_type == VOR_INT64 ? (double)(int64_t)bits : (double)bits;
+        put_piece(to, i, &wide, VOR_FLOAT64, 1);
+    }
+}
+
+static void put_rows(struct writer *writer, size_t first, size_t n, size_t row)
+{
+    size_t offset = 0;
+
+    for (size_t k = 0; k < writer->field_count; k++) {
+        const struct field *field = &writer->fields[k];
+        struct vor_ply_strided to = {writer->buffer + offset, row};
+
+        if (field->from == NULL)
+            put_coordinate(writer, field, first, n, to);
+        else if (field->from_type != field->type)
+            put_long(field, first, n, to);
+        else
+            vor_ply_copy(to, field->from + first * field->from_stride, field->from_stride, n,
+                         vor_type_size(field->type), 1, vor_ply_swaps(VOR_PLY_LITTLE));
+        offset += vor_type_size(field->type);
+    }
+    writer->used = n * row;
+}
+
+/* What put_header left goes first: rows begin at the buffer's. */
+static vor_status write_rows(struct writer *writer, struct vor_error *err)
+{
+    size_t row = row_bytes(writer), block = writer->capacity / row, n;
+    vor_status status = flush(writer, err);
+
+    for (size_t first = 0; status == VOR_OK && first < writer->cloud->n; first += n) {
+        n = writer->cloud->n - first < block ? writer->cloud->n - first : block;
+        put_rows(writer, first, n, row);
+        status = flush(writer, err);
+    }
+    return status;
+}
+
+vor_status vor_ply_write(const struct vor_sink *sink, const struct vor_cloud *cloud,
+                         const struct vor_write_options *options, struct vor_error *err)
+{
+    struct writer writer = {.sink = sink, .cloud = cloud};
+    size_t count = count_fields(cloud);
+    vor_status status;
+
+    (void)options; /* all of them are about Draco */
+    writer.capacity = count * LINE_BYTES > BUFFER_BYTES ? count * LINE_BYTES : BUFFER_BYTES;
+    writer.fields = vor_malloc(cloud->memory, count, sizeof *writer.fields);
+    writer.buffer = vor_malloc(cloud->memory, writer.capacity, 1);
+    if (writer.fields == NULL || writer.buffer == NULL) {
+        status = vor_fail(err, VOR_E_NOMEM, "the rows of a PLY file");
+        goto done;
+    }
+    add_coordinates(&writer);
+    for (size_t i = 0; i < cloud->attribute_count; i++)
+        add_attribute(&writer, &cloud->attributes[i]);
+    put_header(&writer);
+    status = write_rows(&writer, err);
+done:
+    vor_free(cloud->memory, writer.buffer);
+    vor_free(cloud->memory, writer.fields);
+    return status;
+}

@@ -1,0 +1,122 @@
+#include "server/api/app.h"
+
+#include "server/api/problem.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+bool vor_host_is_sound(const char *host)
+{
+    size_t length = strlen(host);
+
+    return length > 0 && length <= 255 &&
+           strspn(host, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._:[]") ==
+               length;
+}
+
+/* Length of the name in "name:port" or "[address]:port". */
+static size_t host_length(const char *host)
+{
+    return host[0] == '[' ? strcspn(host, "]") + (strchr(host, ']') != NULL) : strcspn(host, ":");
+}
+
+static bool names_equal(const char *a, size_t length, const char *b)
+{
+    return strlen(b) == length && strncasecmp(a, b, length) == 0;
+}
+
+bool vor_host_is_ours(const struct vor_app *app, const char *host)
+{
+    size_t length = host_length(host);
+    const char *public_url = app->config->text[VOR_SET_PUBLIC_URL];
+    const char *authority = strstr(public_url, "://");
+
+    if (!app->config->loopback)
+        return true;
+    if (names_equal(host, length, "localhost") || names_equal(host, length, "127.0.0.1") ||
+        names_equal(host, length, "[::1]") || names_equal(host, length, app->config->host))
+        return true;
+    if (authority == NULL)
+        return false;
+    authority += 3;
+    return length == strcspn(authority, ":/") && strncasecmp(authority, host, length) == 0;
+}
+
+const char *vor_app_url(const struct vor_app *app, const struct vor_request *request,
+                        const char *path, char out[VOR_URL_MAX])
+{
+    const char *base = app->config->text[VOR_SET_PUBLIC_URL];
+    const char *host = vor_request_header(request, "Host");
+    bool usable = host != NULL && vor_host_is_sound(host) && vor_host_is_ours(app, host);
+    size_t length = strlen(base);
+
+    while (length > 0 && base[length - 1] == '/')
+        length--;
+    if (length > 0)
+        (void)snprintf(out, VOR_URL_MAX, "%.*s%s", (int)length, base, path);
+    else
+        (void)snprintf(out, VOR_URL_MAX, "http://%s%s", usable ? host : vor_http_address(app->http),
+                       path);
+    return out;
+}
+
+const char *vor_app_job_url(const struct vor_app *app, const struct vor_request *request,
+                            const struct vor_uuid *id, const char *suffix, char out[VOR_URL_MAX])
+{
+    char path[128];
+
+    (void)snprintf(path, sizeof path, "/v1/jobs/%s%s", id->text, suffix);
+    return vor_app_url(app, request, path, out);
+}
+
+size_t vor_path_segment(const char *path, unsigned index, const char **out)
+{
+    for (;;) {
+        size_t length;
+
+        if (*path != '/')
+            break;
+        path++;
+        length = strcspn(path, "/");
+        if (index-- == 0) {
+            *out = path;
+            return length;
+        }
+        path += length;
+    }
+    *out = "";
+    return 0;
+}
+
+enum vor_next vor_app_reply(struct vor_app *app, struct vor_request *request, int http,
+                            const char *media_type, struct vor_text *text)
+{
+    struct vor_error err;
+
+    if (vor_text_status(text, &err) != VOR_OK)
+        vor_problem_error(app, request, &err, NULL);
+    else
+        vor_reply_bytes(request, http, media_type, text->data, text->size);
+    vor_text_free(text);
+    return VOR_NEXT_REPLY;
+}
+
+bool vor_accepts(const struct vor_request *request, const char *media_type, bool absent)
+{
+    unsigned index = 0;
+    const char *value = vor_request_header_next(request, "Accept", &index);
+    size_t want = strlen(media_type);
+
+    if (value == NULL)
+        return absent;
+    for (; value != NULL; value = vor_request_header_next(request, "Accept", &index)) {
+        while (*value != '\0') {
+            value += strspn(value, ", \t");
+            if (strncasecmp(value, media_type, want) == 0 && strchr(",; \t", value[want]) != NULL)
+                return true;
+            value += strcspn(value, ",");
+        }
+    }
+    return false;
+}

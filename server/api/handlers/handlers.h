@@ -1,0 +1,79 @@
+/** The handlers of the route table; each is a vor_handler whose ctx is the struct vor_app. */
+#ifndef VOR_SERVER_API_HANDLERS_H
+#define VOR_SERVER_API_HANDLERS_H
+
+#include "server/api/app.h"
+
+/** health.c */
+enum vor_next vor_handle_landing(void *app, struct vor_request *request, enum vor_step step);
+enum vor_next vor_handle_livez(void *app, struct vor_request *request, enum vor_step step);
+enum vor_next vor_handle_readyz(void *app, struct vor_request *request, enum vor_step step);
+enum vor_next vor_handle_version(void *app, struct vor_request *request, enum vor_step step);
+enum vor_next vor_handle_openapi(void *app, struct vor_request *request, enum vor_step step);
+
+/** processes.c */
+enum vor_next vor_handle_processes(void *app, struct vor_request *request, enum vor_step step);
+enum vor_next vor_handle_process(void *app, struct vor_request *request, enum vor_step step);
+
+/** submit.c */
+enum vor_next vor_handle_submit(void *app, struct vor_request *request, enum vor_step step);
+
+/** job_get.c */
+enum vor_next vor_handle_job(void *app, struct vor_request *request, enum vor_step step);
+
+/** jobs.c */
+enum vor_next vor_handle_jobs(void *app, struct vor_request *request, enum vor_step step);
+enum vor_next vor_handle_dismiss(void *app, struct vor_request *request, enum vor_step step);
+enum vor_next vor_handle_stop(void *app, struct vor_request *request, enum vor_step step);
+
+/** events.c */
+enum vor_next vor_handle_events(void *app, struct vor_request *request, enum vor_step step);
+enum vor_next vor_handle_trace(void *app, struct vor_request *request, enum vor_step step);
+
+/** results.c */
+enum vor_next vor_handle_results(void *app, struct vor_request *request, enum vor_step step);
+enum vor_next vor_handle_result(void *app, struct vor_request *request, enum vor_step step);
+
+/** What they share. */
+
+/** Reads the {jobID} of the path.
+ *
+ *  @return true, or false after a no-such-job problem has been replied */
+bool vor_job_of_path(struct vor_app *app, struct vor_request *request, struct vor_uuid *out);
+
+/** The job of the path, as it is now.
+ *
+ *  @return true, or false after a problem (no-such-job, store) has been replied */
+bool vor_job_look_up(struct vor_app *app, struct vor_request *request, struct vor_job_view *out);
+
+/** Replies to an outcome that is not VOR_DONE: no-such-job, queue-full, draining, or err. */
+enum vor_next vor_outcome_reply(struct vor_app *app, struct vor_request *request,
+                                enum vor_outcome outcome, const struct vor_error *err,
+                                const struct vor_uuid *id);
+
+/** jobs_filter.c: which jobs a list is asked for.
+ *
+ *  @return true, or false after an invalid-query-parameter-value problem has been replied */
+struct vor_job_filter;
+bool vor_job_filter_read(struct vor_app *app, struct vor_request *request,
+                         struct vor_job_filter *out);
+
+/** Appends the statusInfo of a job to a document. */
+void vor_job_write(struct vor_app *app, struct vor_request *request,
+                   const struct vor_job_view *view, struct vor_text *text);
+
+/** Replies why a job has no result to give: not ready, expired, dismissed, or its own problem. */
+enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *request,
+                                 const struct vor_job_view *view);
+
+/** Replies 200 with the whole resulting cloud of a successful job (a synchronous call). */
+enum vor_next vor_result_whole(struct vor_app *app, struct vor_request *request,
+                               const struct vor_job_view *view);
+
+/** Replies with the events of a job, from *position on ({0, 0}: what matters now). state, if not
+ *  NULL, is released with the stream. The request must have no state yet. */
+enum vor_next vor_events_reply(struct vor_app *app, struct vor_request *request,
+                               const struct vor_uuid *id, struct vor_position position,
+                               bool is_replay);
+
+#endif

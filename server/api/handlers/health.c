@@ -1,0 +1,99 @@
+#include "server/api/handlers/handlers.h"
+#include "server/api/handlers/openapi.h"
+#include "server/api/problem.h"
+
+#include <string.h>
+
+static void put_link(struct vor_app *app, struct vor_request *request, struct vor_text *text,
+                     const char *rel, const char *type, const char *path)
+{
+    char url[VOR_URL_MAX];
+    struct vor_link link = {rel, type, NULL, vor_app_url(app, request, path, url), -1};
+
+    vor_json_begin_object(text);
+    vor_json_put_string(text, "rel", link.rel);
+    vor_json_put_string(text, "type", link.type);
+    vor_json_put_string(text, "href", link.href);
+    vor_json_end_object(text);
+}
+
+enum vor_next vor_handle_landing(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    static const char json[] = "application/json";
+    struct vor_text text;
+
+    (void)step;
+    vor_text_init(&text, 0);
+    vor_json_begin_object(&text);
+    vor_json_put_string(&text, "title", "voronoid");
+    vor_json_put_string(&text, "description", "Resamples point clouds");
+    vor_json_key(&text, "links");
+    vor_json_begin_array(&text);
+    put_link(ctx, request, &text, "self", json, "/v1/");
+    put_link(ctx, request, &text, "service-desc", "application/vnd.oai.openapi;version=3.0",
+             "/openapi.yaml");
+    put_link(ctx, request, &text, "http://www.opengis.net/def/rel/ogc/1.0/processes", json,
+             "/v1/processes");
+    put_link(ctx, request, &text, "http://www.opengis.net/def/rel/ogc/1.0/job-list", json,
+             "/v1/jobs");
+    put_link(ctx, request, &text, "status", json, "/readyz");
+    vor_json_end_array(&text);
+    vor_json_end_object(&text);
+    vor_text_puts(&text, "\n");
+    return vor_app_reply(ctx, request, 200, json, &text);
+}
+
+enum vor_next vor_handle_livez(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    static const char alive[] = "{\"status\":\"alive\"}\n";
+
+    (void)ctx, (void)step;
+    vor_reply_header(request, "Cache-Control", "no-store");
+    vor_reply_bytes(request, 200, "application/json", alive, strlen(alive));
+    return VOR_NEXT_REPLY;
+}
+
+enum vor_next vor_handle_readyz(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    struct vor_app *app = ctx;
+    struct vor_worker_load load;
+    struct vor_error err;
+    struct vor_text text;
+
+    (void)step;
+    if (atomic_load(&app->draining))
+        return vor_problem_say(app, request, "draining", "the daemon is going down");
+    if (vor_store_check(app->store, &err) != VOR_OK)
+        return vor_problem_error(app, request, &err, NULL);
+    vor_worker_load(app->worker, &load);
+    vor_text_init(&text, 0);
+    vor_json_begin_object(&text);
+    vor_json_put_string(&text, "status", "ready");
+    vor_json_put_u64(&text, "waiting", load.waiting);
+    vor_json_put_u64(&text, "running", load.running);
+    vor_json_end_object(&text);
+    vor_text_puts(&text, "\n");
+    vor_reply_header(request, "Cache-Control", "no-store");
+    return vor_app_reply(app, request, 200, "application/json", &text);
+}
+
+enum vor_next vor_handle_version(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    struct vor_text text;
+
+    (void)step;
+    vor_text_init(&text, 0);
+    vor_json_begin_object(&text);
+    vor_json_put_string(&text, "name", "voronoid");
+    vor_json_put_string(&text, "version", VOR_VERSION);
+    vor_json_end_object(&text);
+    vor_text_puts(&text, "\n");
+    return vor_app_reply(ctx, request, 200, "application/json", &text);
+}
+
+enum vor_next vor_handle_openapi(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    (void)ctx, (void)step;
+    vor_reply_bytes(request, 200, "application/yaml", vor_openapi_text(), vor_openapi_size());
+    return VOR_NEXT_REPLY;
+}

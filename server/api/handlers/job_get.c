@@ -1,0 +1,126 @@
+/* GET of a job: its statusInfo, or 304 to who has it already. With "Prefer: wait=N" the 304 waits
+ * for a change: a long poll. */
+#include "server/api/handlers/handlers.h"
+#include "server/api/handlers/prefer.h"
+#include "server/api/handlers/range.h"
+#include "server/api/problem.h"
+#include "server/base/clock.h"
+#include "server/base/digest.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+/* A caller who waits for a change. */
+struct poll {
+    double seconds, deadline;
+    struct vor_waker *waker;
+    struct vor_bus *bus;
+    struct vor_subscriber subscriber;
+};
+
+static void on_event(void *ctx, enum vor_event_kind kind)
+{
+    (void)kind;
+    vor_waker_wake(ctx);
+}
+
+static void release(void *state)
+{
+    struct poll *poll = state;
+
+    vor_bus_unsubscribe(poll->bus, &poll->subscriber);
+    vor_bus_release(poll->bus);
+    vor_waker_drop(poll->waker);
+    free(poll);
+}
+
+/* Listens to the job's events from now on; false after a problem has been replied. */
+static bool begin_poll(struct vor_app *app, struct vor_request *request, double seconds)
+{
+    struct vor_error err;
+    struct vor_uuid id;
+    struct poll *poll;
+    enum vor_outcome outcome;
+
+    if (!vor_job_of_path(app, request, &id))
+        return false;
+    poll = calloc(1, sizeof *poll);
+    outcome = poll != NULL ? vor_worker_events(app->worker, &id, &poll->bus, &err) : VOR_FAILED;
+    if (outcome != VOR_DONE) {
+        if (poll == NULL)
+            (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
+        free(poll);
+        vor_outcome_reply(app, request, outcome, &err, &id);
+        return false;
+    }
+    poll->seconds = seconds;
+    poll->deadline = vor_clock_seconds() + seconds;
+    poll->waker = vor_request_waker(request);
+    poll->subscriber = (struct vor_subscriber){.wake = on_event, .ctx = poll->waker};
+    vor_bus_subscribe(poll->bus, &poll->subscriber);
+    vor_request_set_state(request, poll, release);
+    return true;
+}
+
+/* Nothing has changed: wait on? */
+static bool waits_on(struct vor_request *request, const struct vor_job_view *view)
+{
+    struct poll *poll = vor_request_state(request);
+    double left = poll != NULL ? poll->deadline - vor_clock_seconds() : 0;
+
+    if (left <= 0 || vor_job_status_over(view->status) || vor_request_gone(request) ||
+        vor_request_closing(request))
+        return false;
+    vor_request_wake_after(request, left);
+    return true;
+}
+
+static enum vor_next reply(struct vor_app *app, struct vor_request *request,
+                           const struct vor_job_view *view)
+{
+    const char *known = vor_request_header(request, "If-None-Match");
+    const struct poll *poll = vor_request_state(request);
+    char etag[VOR_ETAG_SIZE] = "", applied[32];
+    struct vor_text text;
+    bool same;
+
+    vor_text_init(&text, 0);
+    vor_job_write(app, request, view, &text);
+    vor_text_puts(&text, "\n");
+    if (vor_text_status(&text, NULL) == VOR_OK)
+        vor_digest_etag(text.data, text.size, etag);
+    same = etag[0] != '\0' && vor_etag_listed(known, etag);
+    if (same && waits_on(request, view)) {
+        vor_text_free(&text);
+        return VOR_NEXT_WAIT;
+    }
+    if (poll != NULL) {
+        (void)snprintf(applied, sizeof applied, "wait=%.0f", poll->seconds);
+        vor_reply_header(request, "Preference-Applied", applied);
+    }
+    vor_reply_header(request, "ETag", etag[0] != '\0' ? etag : NULL);
+    vor_reply_header(request, "Cache-Control", "no-cache");
+    if (!same)
+        return vor_app_reply(app, request, 200, "application/json", &text);
+    vor_text_free(&text);
+    vor_reply_bytes(request, 304, NULL, "", 0);
+    return VOR_NEXT_REPLY;
+}
+
+enum vor_next vor_handle_job(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    struct vor_app *app = ctx;
+    struct vor_preferences preferences;
+    struct vor_job_view view;
+
+    vor_prefer_read(request, &preferences);
+    if (step == VOR_STEP_HEAD && preferences.wait_seconds > 0 &&
+        vor_request_header(request, "If-None-Match") != NULL &&
+        !begin_poll(app, request, preferences.wait_seconds))
+        return VOR_NEXT_REPLY;
+    if (!vor_job_look_up(app, request, &view))
+        return VOR_NEXT_REPLY;
+    if (view.expired)
+        return vor_result_missing(app, request, &view);
+    return reply(app, request, &view);
+}

@@ -1,0 +1,212 @@
+#include "server/api/handlers/handlers.h"
+#include "server/api/problem.h"
+
+#include <ctype.h>
+#include <string.h>
+
+bool vor_job_of_path(struct vor_app *app, struct vor_request *request, struct vor_uuid *out)
+{
+    const char *segment;
+    size_t length = vor_path_segment(vor_request_path(request), 2, &segment);
+
+    if (vor_uuid_parse(out, segment, length)) {
+        vor_request_set_job(request, out->text);
+        return true;
+    }
+    vor_problem_say(app, request, "no-such-job", "there is no job %.*s",
+                    (int)(length < 60 ? length : 60), segment);
+    return false;
+}
+
+enum vor_next vor_outcome_reply(struct vor_app *app, struct vor_request *request,
+                                enum vor_outcome outcome, const struct vor_error *err,
+                                const struct vor_uuid *id)
+{
+    struct vor_problem full = VOR_PROBLEM_INIT("queue-full");
+    struct vor_worker_load load;
+
+    switch (outcome) {
+    case VOR_UNKNOWN:
+        return vor_problem_say(app, request, "no-such-job", "there is no job %s",
+                               id != NULL ? id->text : "");
+    case VOR_FULL:
+        vor_worker_load(app->worker, &load);
+        full.detail = "as many jobs wait as may wait; try again later";
+        full.queue_depth = (int64_t)load.waiting;
+        return vor_problem_reply(app, request, &full);
+    case VOR_DRAINING:
+        return vor_problem_say(app, request, "draining", "the daemon is going down");
+    case VOR_CONFLICT:
+        return vor_problem_say(app, request, "not-running", "the job does not run");
+    case VOR_FAILED:
+    case VOR_DONE:
+        break;
+    }
+    return vor_problem_error(app, request, err, NULL);
+}
+
+bool vor_job_look_up(struct vor_app *app, struct vor_request *request, struct vor_job_view *out)
+{
+    struct vor_error err;
+    struct vor_uuid id;
+    enum vor_outcome outcome;
+
+    if (!vor_job_of_path(app, request, &id))
+        return false;
+    outcome = vor_worker_get(app->worker, &id, out, &err);
+    if (outcome == VOR_DONE)
+        return true;
+    vor_outcome_reply(app, request, outcome, &err, &id);
+    return false;
+}
+
+static enum vor_next reply_job(struct vor_app *app, struct vor_request *request, int http,
+                               const struct vor_job_view *view)
+{
+    struct vor_text text;
+
+    vor_text_init(&text, 0);
+    vor_job_write(app, request, view, &text);
+    vor_text_puts(&text, "\n");
+    vor_reply_header(request, "Cache-Control", "no-store");
+    return vor_app_reply(app, request, http, "application/json", &text);
+}
+
+enum vor_next vor_handle_dismiss(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    struct vor_app *app = ctx;
+    struct vor_job_view view;
+    struct vor_error err;
+    struct vor_uuid id;
+    enum vor_outcome outcome;
+
+    (void)step;
+    if (!vor_job_of_path(app, request, &id))
+        return VOR_NEXT_REPLY;
+    outcome = vor_worker_dismiss(app->worker, &id, "dismissed by the caller", &view, &err);
+    if (outcome != VOR_DONE)
+        return vor_outcome_reply(app, request, outcome, &err, &id);
+    return reply_job(app, request, 200, &view);
+}
+
+enum vor_next vor_handle_stop(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    struct vor_app *app = ctx;
+    struct vor_job_view view;
+    struct vor_error err;
+    enum vor_outcome outcome;
+
+    (void)step;
+    if (!vor_job_look_up(app, request, &view))
+        return VOR_NEXT_REPLY;
+    outcome = vor_worker_stop(app->worker, &view.id, &err);
+    if (outcome == VOR_CONFLICT) {
+        struct vor_problem problem = VOR_PROBLEM_INIT("not-running");
+
+        problem.detail = "only a running job can be stopped";
+        problem.job_id = view.id.text;
+        return vor_problem_reply(app, request, &problem);
+    }
+    if (outcome != VOR_DONE)
+        return vor_outcome_reply(app, request, outcome, &err, &view.id);
+    return reply_job(app, request, 202, &view);
+}
+
+/* The list as it is written; one job more than asked for tells that there is a next page. */
+struct listing {
+    struct vor_app *app;
+    struct vor_request *request;
+    struct vor_text text;
+    size_t left;
+    int64_t last_seq;
+    bool more;
+};
+
+static int list_one(void *ctx, const struct vor_job_view *view)
+{
+    struct listing *list = ctx;
+
+    if (list->left == 0) {
+        list->more = true;
+        return 0;
+    }
+    list->left--;
+    list->last_seq = view->seq;
+    vor_job_write(list->app, list->request, view, &list->text);
+    return 1;
+}
+
+/* Query bytes that are neither delimiters nor in need of an escape. */
+static void put_escaped(struct vor_text *text, const char *value)
+{
+    for (; *value != '\0'; value++) {
+        unsigned char c = (unsigned char)*value;
+
+        if (isalnum(c) || strchr("-._~,", c) != NULL)
+            vor_text_add(text, value, 1);
+        else
+            vor_text_printf(text, "%%%02X", c);
+    }
+}
+
+/* /v1/jobs with the query as it came, but for the cursor. */
+static void put_list_link(struct listing *list, const char *rel, const char *cursor)
+{
+    char base[VOR_URL_MAX];
+    struct vor_link link = {rel, "application/json", NULL, NULL, -1};
+    struct vor_text url;
+    const char *name;
+    char mark = '?';
+
+    vor_text_init(&url, 0);
+    vor_text_puts(&url, vor_app_url(list->app, list->request, "/v1/jobs", base));
+    for (unsigned i = 0; (name = vor_request_query_name(list->request, i)) != NULL; i++) {
+        if (cursor != NULL && strcmp(name, "cursor") == 0)
+            continue;
+        vor_text_printf(&url, "%c%s=", mark, name);
+        put_escaped(&url, vor_request_query_value(list->request, i));
+        mark = '&';
+    }
+    if (cursor != NULL)
+        vor_text_printf(&url, "%ccursor=%s", mark, cursor);
+    link.href = url.data;
+    vor_json_begin_object(&list->text);
+    vor_json_put_string(&list->text, "rel", link.rel);
+    vor_json_put_string(&list->text, "type", link.type);
+    vor_json_put_string(&list->text, "href", link.href);
+    vor_json_end_object(&list->text);
+    vor_text_free(&url);
+}
+
+enum vor_next vor_handle_jobs(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    struct listing list = {.app = ctx, .request = request};
+    struct vor_job_filter filter;
+    struct vor_error err;
+    char cursor[32];
+
+    (void)step;
+    if (!vor_job_filter_read(list.app, request, &filter))
+        return VOR_NEXT_REPLY;
+    list.left = filter.limit++;
+    vor_text_init(&list.text, 0);
+    vor_json_begin_object(&list.text);
+    vor_json_key(&list.text, "jobs");
+    vor_json_begin_array(&list.text);
+    if (vor_worker_list(list.app->worker, &filter, list_one, &list, &err) != VOR_OK) {
+        vor_text_free(&list.text);
+        return vor_problem_error(ctx, request, &err, NULL);
+    }
+    vor_json_end_array(&list.text);
+    vor_json_key(&list.text, "links");
+    vor_json_begin_array(&list.text);
+    put_list_link(&list, "self", NULL);
+    (void)snprintf(cursor, sizeof cursor, "%lld", (long long)list.last_seq);
+    if (list.more)
+        put_list_link(&list, "next", cursor);
+    vor_json_end_array(&list.text);
+    vor_json_end_object(&list.text);
+    vor_text_puts(&list.text, "\n");
+    vor_reply_header(request, "Cache-Control", "no-store");
+    return vor_app_reply(ctx, request, 200, "application/json", &list.text);
+}

@@ -1,0 +1,218 @@
+/* The query of a list of jobs, after OGC API - Processes. */
+#include "server/api/handlers/handlers.h"
+#include "server/api/problem.h"
+#include "server/base/clock.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { LIST_DEFAULT = 10, LIST_MAX = 10000, SECONDS_MAX = 1000000000 };
+
+/* A whole number in digits alone; -1 otherwise. */
+static int64_t parse_count(const char *text)
+{
+    size_t length = strlen(text);
+
+    if (length == 0 || length > 18 || strspn(text, "0123456789") != length)
+        return -1;
+    return strtoll(text, NULL, 10);
+}
+
+static const char *read_limit(const char *value, struct vor_job_filter *out)
+{
+    int64_t number = parse_count(value);
+
+    out->limit = (size_t)number;
+    return number < 1 || number > LIST_MAX ? "a whole number from 1 to 10000" : NULL;
+}
+
+static const char *read_cursor(const char *value, struct vor_job_filter *out)
+{
+    out->before_seq = parse_count(value);
+    return out->before_seq < 1 ? "what a next link carries" : NULL;
+}
+
+static const char *read_status(const char *value, struct vor_job_filter *out)
+{
+    static const char want[] = "some of accepted, running, successful, failed, dismissed";
+
+    while (*value != '\0') {
+        size_t length = strcspn(value, ",");
+        char word[32];
+        enum vor_job_status status;
+
+        (void)snprintf(word, sizeof word, "%.*s", (int)(length < 30 ? length : 30), value);
+        status = vor_job_status_find(word);
+        if (status == VOR_JOB_STATUSES)
+            return want;
+        out->statuses |= 1u << status;
+        value += length + (value[length] == ',');
+    }
+    return out->statuses == 0 ? want : NULL;
+}
+
+static const char *read_process(const char *value, struct vor_job_filter *out)
+{
+    out->process = value;
+    return NULL;
+}
+
+static const char *read_type(const char *value, struct vor_job_filter *out)
+{
+    (void)out; /* there is no other */
+    return strcmp(value, "process") == 0 ? NULL : "process";
+}
+
+/* Seconds as milliseconds; 0 ms would mean any duration. */
+static const char *read_seconds(const char *value, int64_t *out)
+{
+    int64_t seconds = parse_count(value);
+
+    if (seconds < 0 || seconds > SECONDS_MAX)
+        return "whole seconds from 0 to 1000000000";
+    *out = seconds > 0 ? seconds * 1000 : 1;
+    return NULL;
+}
+
+static const char *read_shortest(const char *value, struct vor_job_filter *out)
+{
+    const char *want = read_seconds(value, &out->duration_min);
+
+    if (strcmp(value, "0") == 0)
+        out->duration_min = 0;
+    return want;
+}
+
+static const char *read_longest(const char *value, struct vor_job_filter *out)
+{
+    return read_seconds(value, &out->duration_max);
+}
+
+/* The digits from `at` on as a number. */
+static int digits_at(const char *text, int at, int count)
+{
+    int number = 0;
+
+    for (int i = at; i < at + count; i++)
+        number = number * 10 + (text[i] - '0');
+    return number;
+}
+
+/* "2026-11-21T03:15:34" as seconds since 1970; false for anything else. */
+static bool parse_second(const char *text, int64_t *out)
+{
+    static const char shape[] = "0000-00-00T00:00:00";
+    struct tm time = {0};
+
+    for (size_t i = 0; i + 1 < sizeof shape; i++)
+        if (shape[i] == '0' ? text[i] < '0' || text[i] > '9' : text[i] != shape[i])
+            return false;
+    time.tm_year = digits_at(text, 0, 4) - 1900;
+    time.tm_mon = digits_at(text, 5, 2) - 1;
+    time.tm_mday = digits_at(text, 8, 2);
+    time.tm_hour = digits_at(text, 11, 2);
+    time.tm_min = digits_at(text, 14, 2);
+    time.tm_sec = digits_at(text, 17, 2);
+    if (time.tm_year < 70 || time.tm_mon < 0 || time.tm_mon > 11 || time.tm_mday < 1 ||
+        time.tm_mday > 31 || time.tm_hour > 23 || time.tm_min > 59 || time.tm_sec > 60)
+        return false;
+    *out = (int64_t)timegm(&time);
+    return true;
+}
+
+/* A time in UTC of that length, perhaps with a fraction of a second; both ends of what it names,
+ * in milliseconds. */
+static bool parse_instant(const char *text, size_t length, int64_t *first, int64_t *last)
+{
+    enum { SECOND = 19 };
+    int64_t seconds;
+    size_t digits = 0;
+
+    if (length <= SECOND || !parse_second(text, &seconds) || text[length - 1] != 'Z')
+        return false;
+    *first = seconds * 1000;
+    *last = *first + 999;
+    text += SECOND;
+    length -= SECOND + 1;
+    if (length == 0)
+        return true;
+    while (digits + 1 < length && text[1 + digits] >= '0' && text[1 + digits] <= '9') {
+        static const int worth[] = {100, 10, 1};
+
+        *first += digits < 3 ? (text[1 + digits] - '0') * worth[digits] : 0;
+        digits++;
+    }
+    *last = *first;
+    return text[0] == '.' && digits > 0 && digits + 1 == length;
+}
+
+/* An instant, or two with a slash between, of which one may be open: ".." or nothing. */
+static const char *read_datetime(const char *value, struct vor_job_filter *out)
+{
+    static const char want[] =
+        "a time such as 2026-11-21T03:15:34Z, or two with / between, of which one may be ..";
+    const char *slash = strchr(value, '/');
+    int64_t first, last;
+    size_t length;
+
+    if (slash == NULL)
+        return parse_instant(value, strlen(value), &out->created_from, &out->created_to) ? NULL
+                                                                                         : want;
+    length = (size_t)(slash - value);
+    if (length > 0 && strncmp(value, "../", 3) != 0) {
+        if (!parse_instant(value, length, &out->created_from, &last))
+            return want;
+    }
+    slash++;
+    if (*slash != '\0' && strcmp(slash, "..") != 0 &&
+        !parse_instant(slash, strlen(slash), &first, &out->created_to))
+        return want;
+    return out->created_from == 0 && out->created_to == 0 ? want : NULL;
+}
+
+static const struct {
+    const char *name;
+    const char *(*read)(const char *value, struct vor_job_filter *out);
+} parameters[] = {
+    {"limit", read_limit},          {"cursor", read_cursor},       {"status", read_status},
+    {"processID", read_process},    {"type", read_type},           {"datetime", read_datetime},
+    {"minDuration", read_shortest}, {"maxDuration", read_longest},
+};
+
+enum { PARAMETERS = sizeof parameters / sizeof parameters[0] };
+
+/* What a value should be; NULL when it is that. */
+static const char *read_one(const char *name, const char *value, struct vor_job_filter *out)
+{
+    for (int i = 0; i < PARAMETERS; i++)
+        if (strcmp(name, parameters[i].name) == 0)
+            return parameters[i].read(value, out);
+    return "one of limit, cursor, status, processID, type, datetime, minDuration and maxDuration "
+           "as "
+           "the name";
+}
+
+bool vor_job_filter_read(struct vor_app *app, struct vor_request *request,
+                         struct vor_job_filter *out)
+{
+    struct vor_problem problem = VOR_PROBLEM_INIT("invalid-query-parameter-value");
+    const char *name;
+    char detail[256];
+
+    *out = (struct vor_job_filter){.limit = LIST_DEFAULT, .now = vor_clock_wall_ms()};
+    for (unsigned i = 0; (name = vor_request_query_name(request, i)) != NULL; i++) {
+        const char *value = vor_request_query_value(request, i);
+        const char *want = read_one(name, value, out);
+
+        if (want == NULL)
+            continue;
+        (void)snprintf(detail, sizeof detail, "%.40s is \"%.60s\", want %s", name, value, want);
+        problem.parameter = name;
+        problem.detail = detail;
+        vor_problem_reply(app, request, &problem);
+        return false;
+    }
+    return true;
+}

@@ -1,0 +1,76 @@
+#include "server/api/handlers/handlers.h"
+#include "server/api/problem.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { PROCESS_LINKS = 3, PROCESS_PATH_MAX = 128 };
+
+/* Room for the links of one process. */
+struct process_links {
+    char urls[PROCESS_LINKS][VOR_URL_MAX];
+    struct vor_link links[PROCESS_LINKS];
+};
+
+static void make_links(struct vor_app *app, struct vor_request *request, const char *id,
+                       struct process_links *out)
+{
+    static const char *const rels[PROCESS_LINKS] = {
+        "self", "http://www.opengis.net/def/rel/ogc/1.0/execute", "up"};
+    char paths[PROCESS_LINKS][PROCESS_PATH_MAX];
+
+    (void)snprintf(paths[0], PROCESS_PATH_MAX, "/v1/processes/%s", id);
+    (void)snprintf(paths[1], PROCESS_PATH_MAX, "/v1/processes/%s/execution", id);
+    (void)snprintf(paths[2], PROCESS_PATH_MAX, "/v1/processes");
+    for (int i = 0; i < PROCESS_LINKS; i++)
+        out->links[i] = (struct vor_link){rels[i], "application/json", NULL,
+                                          vor_app_url(app, request, paths[i], out->urls[i]), -1};
+}
+
+enum vor_next vor_handle_processes(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    char url[VOR_URL_MAX];
+    struct vor_link self = {"self", "application/json", NULL,
+                            vor_app_url(ctx, request, "/v1/processes", url), -1};
+    const struct vor_process_info *process;
+    struct process_links links = {0};
+    struct vor_text text;
+
+    (void)step;
+    vor_text_init(&text, 0);
+    vor_json_begin_object(&text);
+    vor_json_key(&text, "processes");
+    vor_json_begin_array(&text);
+    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++) {
+        make_links(ctx, request, process->id, &links);
+        vor_json_process_summary(&text, process, links.links, PROCESS_LINKS);
+    }
+    vor_json_end_array(&text);
+    vor_json_key(&text, "links");
+    vor_json_links(&text, &self, 1);
+    vor_json_end_object(&text);
+    vor_text_puts(&text, "\n");
+    return vor_app_reply(ctx, request, 200, "application/json", &text);
+}
+
+enum vor_next vor_handle_process(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    const char *segment;
+    size_t length = vor_path_segment(vor_request_path(request), 2, &segment);
+    const struct vor_process_info *process;
+    struct process_links links = {0};
+    struct vor_text text;
+    char id[64];
+
+    (void)step;
+    (void)snprintf(id, sizeof id, "%.*s", (int)(length < 60 ? length : 60), segment);
+    process = vor_process_find(id);
+    if (process == NULL)
+        return vor_problem_say(ctx, request, "no-such-process",
+                               "there is no process %s; /v1/processes lists them", id);
+    make_links(ctx, request, process->id, &links);
+    vor_text_init(&text, 0);
+    vor_json_process(&text, process, links.links, PROCESS_LINKS);
+    vor_text_puts(&text, "\n");
+    return vor_app_reply(ctx, request, 200, "application/json", &text);
+}

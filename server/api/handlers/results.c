@@ -1,0 +1,250 @@
+#include "proto/codec.h"
+#include "server/api/handlers/handlers.h"
+#include "server/api/handlers/range.h"
+#include "server/api/problem.h"
+#include "server/base/digest.h"
+#include "server/blob/blob.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* One output, ready to be sent whole or in part: bytes in memory, or a file. */
+struct output {
+    const char *media_type;
+    char name[64]; /* file name for Content-Disposition */
+    char etag[VOR_ETAG_SIZE];
+    uint64_t size;
+    char *bytes; /* owned; NULL for a file */
+    int fd;      /* owned until sent; -1 for none */
+};
+
+static enum vor_next say_with_job(struct vor_app *app, struct vor_request *request,
+                                  const char *slug, const char *detail, const char *job_id)
+{
+    struct vor_problem problem = VOR_PROBLEM_INIT(slug);
+
+    problem.detail = detail;
+    problem.job_id = job_id;
+    return vor_problem_reply(app, request, &problem);
+}
+
+enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *request,
+                                 const struct vor_job_view *view)
+{
+    if (view->expired)
+        return say_with_job(app, request, "job-expired",
+                            "the results of this job were kept long enough", view->id.text);
+    switch (view->status) {
+    case VOR_JOB_FAILED:
+        return vor_problem_error(app, request, &view->problem, view->id.text);
+    case VOR_JOB_DISMISSED:
+        return say_with_job(app, request, "result-not-available", "the job was dismissed",
+                            view->id.text);
+    case VOR_JOB_ACCEPTED:
+    case VOR_JOB_RUNNING:
+        return say_with_job(app, request, "result-not-ready", "the job has not ended yet",
+                            view->id.text);
+    case VOR_JOB_SUCCESSFUL:
+    case VOR_JOB_STATUSES:
+        break;
+    }
+    return say_with_job(app, request, "result-not-available", "the job has no such bytes any more",
+                        view->id.text);
+}
+
+/* The cloud of a successful job; false after a problem has been replied. */
+static bool open_cloud(struct vor_app *app, struct vor_request *request,
+                       const struct vor_job_view *view, struct output *out)
+{
+    const struct vor_format *format = vor_format(view->output.format);
+    struct vor_error err;
+    int found = 0;
+
+    if (vor_blob_get(app->blobs, &view->id, VOR_BLOB_CLOUD, &out->fd, &out->size, &found, &err) !=
+        VOR_OK) {
+        vor_problem_error(app, request, &err, view->id.text);
+        return false;
+    }
+    if (!found || format == NULL) {
+        vor_result_missing(app, request, view);
+        return false;
+    }
+    out->media_type = format->media_type;
+    (void)snprintf(out->etag, sizeof out->etag, "\"%s\"", view->output.sha256);
+    (void)snprintf(out->name, sizeof out->name, "%s%s", view->id.text, format->suffix);
+    return true;
+}
+
+static bool open_report(struct vor_app *app, struct vor_request *request,
+                        const struct vor_job_view *view, struct output *out)
+{
+    struct vor_error err;
+    vor_status status = vor_worker_report(app->worker, &view->id, &out->bytes, &err);
+
+    if (status == VOR_OK && out->bytes == NULL) {
+        vor_result_missing(app, request, view);
+        return false;
+    }
+    if (status != VOR_OK) {
+        vor_problem_error(app, request, &err, view->id.text);
+        return false;
+    }
+    out->size = strlen(out->bytes);
+    vor_digest_etag(out->bytes, (size_t)out->size, out->etag);
+    out->media_type = "application/json";
+    (void)snprintf(out->name, sizeof out->name, "%s.json", view->id.text);
+    return true;
+}
+
+static void add_headers(struct vor_request *request, const struct output *out)
+{
+    char disposition[96];
+
+    (void)snprintf(disposition, sizeof disposition, "attachment; filename=\"%s\"", out->name);
+    vor_reply_header(request, "ETag", out->etag);
+    vor_reply_header(request, "Content-Disposition", disposition);
+    vor_reply_header(request, "Cache-Control", "private, no-cache");
+    vor_reply_header(request, "Accept-Ranges", "bytes");
+}
+
+static void send_part(struct vor_request *request, int http, struct output *out, uint64_t offset,
+                      uint64_t length)
+{
+    if (out->bytes != NULL) {
+        vor_reply_bytes(request, http, out->media_type, out->bytes + offset, (size_t)length);
+        return;
+    }
+    vor_reply_file(request, http, out->media_type, out->fd, offset, length);
+    out->fd = -1;
+}
+
+static enum vor_next reply_outside(struct vor_app *app, struct vor_request *request,
+                                   const struct output *out)
+{
+    char span[64];
+
+    (void)snprintf(span, sizeof span, "bytes */%" PRIu64, out->size);
+    vor_reply_header(request, "Content-Range", span);
+    return vor_problem_say(app, request, "range-not-satisfiable",
+                           "Range is %.60s, want one that begins within 0 to %" PRIu64,
+                           vor_request_header(request, "Range"), out->size > 0 ? out->size - 1 : 0);
+}
+
+static enum vor_next reply_output(struct vor_app *app, struct vor_request *request,
+                                  struct output *out)
+{
+    const char *range = vor_request_header(request, "Range");
+    const char *if_range = vor_request_header(request, "If-Range");
+    uint64_t offset = 0, length = out->size;
+    char span[96];
+
+    if (vor_etag_listed(vor_request_header(request, "If-None-Match"), out->etag)) {
+        vor_reply_header(request, "ETag", out->etag);
+        vor_reply_bytes(request, 304, NULL, "", 0);
+        return VOR_NEXT_REPLY;
+    }
+    if (vor_request_method(request) != VOR_GET ||
+        (if_range != NULL && strcmp(if_range, out->etag) != 0))
+        range = NULL;
+    switch (vor_range_parse(range, out->size, &offset, &length)) {
+    case VOR_RANGE_OUTSIDE:
+        return reply_outside(app, request, out);
+    case VOR_RANGE_PART:
+        (void)snprintf(span, sizeof span, "bytes %" PRIu64 "-%" PRIu64 "/%" PRIu64, offset,
+                       offset + length - 1, out->size);
+        vor_reply_header(request, "Content-Range", span);
+        add_headers(request, out);
+        send_part(request, 206, out, offset, length);
+        break;
+    case VOR_RANGE_WHOLE:
+        add_headers(request, out);
+        send_part(request, 200, out, 0, out->size);
+        break;
+    }
+    return VOR_NEXT_REPLY;
+}
+
+static void output_close(struct output *out)
+{
+    free(out->bytes);
+    if (out->fd >= 0)
+        (void)close(out->fd);
+}
+
+enum vor_next vor_result_whole(struct vor_app *app, struct vor_request *request,
+                               const struct vor_job_view *view)
+{
+    struct output out = {.fd = -1};
+
+    if (open_cloud(app, request, view, &out)) {
+        add_headers(request, &out);
+        send_part(request, 200, &out, 0, out.size);
+    }
+    output_close(&out);
+    return VOR_NEXT_REPLY;
+}
+
+enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    struct vor_app *app = ctx;
+    struct output out = {.fd = -1};
+    struct vor_job_view view;
+    const char *name;
+    size_t length = vor_path_segment(vor_request_path(request), 4, &name);
+    bool is_cloud = length == 5 && memcmp(name, "cloud", 5) == 0;
+    bool is_report = length == 6 && memcmp(name, "report", 6) == 0;
+
+    (void)step;
+    if (!vor_job_look_up(app, request, &view))
+        return VOR_NEXT_REPLY;
+    if (!is_cloud && !is_report)
+        return vor_problem_say(app, request, "no-such-output",
+                               "there is no output %.*s, want cloud or report",
+                               (int)(length < 60 ? length : 60), name);
+    if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
+        return vor_result_missing(app, request, &view);
+    if (is_cloud ? open_cloud(app, request, &view, &out) : open_report(app, request, &view, &out))
+        reply_output(app, request, &out);
+    output_close(&out);
+    return VOR_NEXT_REPLY;
+}
+
+static void put_output(struct vor_app *app, struct vor_request *request,
+                       const struct vor_job_view *view, const char *name, const char *media_type,
+                       struct vor_text *text)
+{
+    char url[VOR_URL_MAX], suffix[32];
+
+    (void)snprintf(suffix, sizeof suffix, "/results/%s", name);
+    vor_json_key(text, name);
+    vor_json_begin_object(text);
+    vor_json_put_string(text, "href", vor_app_job_url(app, request, &view->id, suffix, url));
+    vor_json_put_string(text, "type", media_type);
+    vor_json_end_object(text);
+}
+
+enum vor_next vor_handle_results(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    struct vor_app *app = ctx;
+    const struct vor_format *format;
+    struct vor_job_view view;
+    struct vor_text text;
+
+    (void)step;
+    if (!vor_job_look_up(app, request, &view))
+        return VOR_NEXT_REPLY;
+    format = vor_format(view.output.format);
+    if (view.status != VOR_JOB_SUCCESSFUL || view.expired || format == NULL)
+        return vor_result_missing(app, request, &view);
+    vor_text_init(&text, 0);
+    vor_json_begin_object(&text);
+    put_output(app, request, &view, "cloud", format->media_type, &text);
+    put_output(app, request, &view, "report", "application/json", &text);
+    vor_json_end_object(&text);
+    vor_text_puts(&text, "\n");
+    vor_reply_header(request, "Cache-Control", "no-store");
+    return vor_app_reply(app, request, 200, "application/json", &text);
+}

@@ -1,0 +1,169 @@
+#include "server/api/handlers/submit.h"
+
+#include "proto/codec.h"
+#include "server/api/handlers/handlers.h"
+#include "server/api/handlers/prefer.h"
+#include "server/api/problem.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+/* What an Accept header leaves to choose from. */
+struct acceptance {
+    bool given, any, stream, json;
+    unsigned format; /* best one named */
+    double quality;  /* of it, 0 for none */
+};
+
+/* A request for the process that the path names, at its defaults. */
+static bool begin_spec(struct vor_app *app, struct vor_request *request, struct vor_spec *spec)
+{
+    const struct vor_process_info *process;
+    const char *segment;
+    const char *path = vor_request_path(request);
+    size_t length = vor_path_segment(path, 1, &segment);
+    char id[64];
+
+    if (length == strlen("processes") && strncmp(segment, "processes", length) == 0)
+        length = vor_path_segment(path, 2, &segment);
+    (void)snprintf(id, sizeof id, "%.*s", (int)(length < 60 ? length : 60), segment);
+    process = vor_process_find(id);
+    if (process == NULL) {
+        vor_problem_say(app, request, "no-such-process",
+                        "there is no process %s; /v1/processes lists them", id);
+        return false;
+    }
+    vor_spec_preset(spec, process);
+    return true;
+}
+
+static vor_status read_pairs(struct vor_request *request, struct vor_spec *spec,
+                             struct vor_error *err)
+{
+    const char *name;
+
+    for (unsigned i = 0; (name = vor_request_query_name(request, i)) != NULL; i++) {
+        const char *value = vor_request_query_value(request, i);
+        vor_status status;
+
+        if (vor_request_query(request, name) != value)
+            return vor_fail_param(err, VOR_E_PARAM, name, "%.30s is given more than once", name);
+        status = vor_spec_set(spec, name, value, err);
+        if (status != VOR_OK)
+            return status;
+    }
+    return vor_spec_complete(spec, err);
+}
+
+static bool read_spec(struct vor_app *app, struct vor_request *request, struct vor_spec *spec)
+{
+    struct vor_error err;
+
+    if (read_pairs(request, spec, &err) == VOR_OK)
+        return true;
+    vor_problem_error(app, request, &err, NULL);
+    return false;
+}
+
+static bool is_word(const char *text, size_t length, const char *word)
+{
+    return strlen(word) == length && strncasecmp(text, word, length) == 0;
+}
+
+/* The q of a media range's parameters; 1 when there is none. */
+static double quality_of(const char *range, size_t length)
+{
+    for (size_t i = 0; i + 2 < length; i++) {
+        if (range[i] != ';')
+            continue;
+        i += 1 + strspn(range + i + 1, " \t");
+        if (i + 1 < length && (range[i] == 'q' || range[i] == 'Q') && range[i + 1] == '=')
+            return strtod(range + i + 2, NULL);
+    }
+    return 1;
+}
+
+static void take_range(struct acceptance *accept, const char *range, size_t length)
+{
+    double quality = quality_of(range, length);
+    size_t word = strcspn(range, ";, \t");
+    const struct vor_format *format;
+    char type[80];
+
+    if (quality <= 0 || word == 0 || word >= sizeof type)
+        return;
+    (void)snprintf(type, sizeof type, "%.*s", (int)word, range);
+    format = vor_format_by_media_type(type);
+    accept->stream = accept->stream || is_word(type, word, "text/event-stream");
+    accept->json = accept->json || is_word(type, word, "application/json");
+    accept->any = accept->any || is_word(type, word, "*/*") ||
+                  is_word(type, word, "application/*") ||
+                  is_word(type, word, "application/octet-stream");
+    if (format == NULL || quality <= accept->quality)
+        return;
+    accept->quality = quality;
+    for (unsigned i = 0; vor_format(i) != NULL; i++)
+        if (vor_format(i) == format)
+            accept->format = i;
+}
+
+static void read_accept(struct vor_request *request, struct acceptance *accept)
+{
+    unsigned index = 0;
+    const char *value;
+
+    *accept = (struct acceptance){0};
+    while ((value = vor_request_header_next(request, "Accept", &index)) != NULL) {
+        accept->given = true;
+        while (*value != '\0') {
+            size_t length;
+
+            value += strspn(value, ", \t");
+            length = strcspn(value, ",");
+            take_range(accept, value, length);
+            value += length;
+        }
+    }
+}
+
+/* The parameter decides, then Accept; what neither decides is the input's format. */
+static bool choose_format(struct vor_app *app, struct vor_request *request,
+                          const struct acceptance *accept, struct vor_submit_head *out)
+{
+    bool fits_all = !accept->given || accept->any || accept->stream ||
+                    (accept->json && out->mode == VOR_SUBMIT_ASYNC);
+
+    if (vor_spec_given(&out->spec, VOR_PARAM_FORMAT))
+        return true;
+    if (accept->quality > 0) {
+        out->spec.value[VOR_PARAM_FORMAT] = accept->format;
+        return true;
+    }
+    if (fits_all)
+        return true;
+    vor_problem_say(app, request, "not-acceptable",
+                    "Accept names none of %s, %s, text/event-stream and */*",
+                    vor_format(VOR_FORMAT_PLY)->media_type, vor_format(VOR_FORMAT_DRC)->media_type);
+    return false;
+}
+
+bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vor_submit_head *out)
+{
+    struct vor_preferences preferences;
+    struct acceptance accept;
+
+    memset(out, 0, sizeof *out);
+    if (!begin_spec(app, request, &out->spec) || !read_spec(app, request, &out->spec))
+        return false;
+    read_accept(request, &accept);
+    vor_prefer_read(request, &preferences);
+    out->is_async = preferences.is_async;
+    out->wait_seconds = preferences.wait_seconds;
+    if (accept.stream)
+        out->mode = VOR_SUBMIT_STREAM;
+    else if (out->is_async && out->wait_seconds <= 0)
+        out->mode = VOR_SUBMIT_ASYNC;
+    return choose_format(app, request, &accept, out);
+}

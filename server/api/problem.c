@@ -1,0 +1,199 @@
+#include "server/api/problem.h"
+
+#include "server/base/disk.h"
+
+#include <assert.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#define OGC "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/"
+
+struct problem_row {
+    const char *slug;
+    int http, retryable, is_ogc;
+    const char *title;
+};
+
+static const struct problem_row rows[] = {
+#define PROBLEM_ROW(slug, http, retryable, ogc, title) {slug, http, retryable, ogc, title},
+    VOR_PROBLEM_TABLE(PROBLEM_ROW)
+#undef PROBLEM_ROW
+#define STATUS_ROW(name, http, slug, retryable, sentence)                                          \
+    {slug, http, retryable, VOR_##name == VOR_E_PARAM, sentence},
+        VOR_STATUS_TABLE(STATUS_ROW)
+#undef STATUS_ROW
+};
+
+enum { ROW_COUNT = sizeof rows / sizeof rows[0], RETRY_SECONDS = 5 };
+
+static const struct problem_row *find_row(const char *slug, size_t length)
+{
+    for (int i = 0; i < ROW_COUNT; i++)
+        if (strlen(rows[i].slug) == length && memcmp(rows[i].slug, slug, length) == 0)
+            return &rows[i];
+    return NULL;
+}
+
+static void fill_type(const struct vor_app *app, const struct vor_request *request,
+                      const struct problem_row *row, char out[VOR_URL_MAX])
+{
+    char path[96];
+
+    if (row->is_ogc) {
+        (void)snprintf(out, VOR_URL_MAX, OGC "%s", row->slug);
+        return;
+    }
+    (void)snprintf(path, sizeof path, "/problems/%s", row->slug);
+    (void)vor_app_url(app, request, path, out);
+}
+
+static void fill_instance(const struct vor_request *request, const char *job_id, char *out,
+                          size_t size)
+{
+    if (job_id != NULL)
+        (void)snprintf(out, size, "/v1/jobs/%s", job_id);
+    else
+        (void)snprintf(out, size, "urn:request:%s", vor_request_id(request));
+}
+
+static void fill_doc(const struct vor_app *app, const struct vor_request *request,
+                     const struct vor_problem *problem, struct vor_problem_room *room,
+                     struct vor_problem_doc *doc)
+{
+    const struct problem_row *row = find_row(problem->slug, strlen(problem->slug));
+
+    assert(row != NULL);
+    fill_type(app, request, row, room->type);
+    fill_instance(request, problem->job_id, room->instance, sizeof room->instance);
+    *doc = (struct vor_problem_doc)VOR_PROBLEM_DOC_INIT;
+    doc->type = room->type;
+    doc->title = row->title;
+    doc->status = row->http;
+    doc->detail = problem->detail;
+    doc->instance = room->instance;
+    doc->retryable = row->retryable;
+    doc->request_id = vor_request_id(request);
+    doc->job_id = problem->job_id;
+    doc->has_limit = problem->limit > 0;
+    doc->limit = problem->limit;
+    doc->got = problem->got;
+    doc->byte_offset = problem->byte_offset;
+    doc->queue_depth = problem->queue_depth;
+    if (problem->parameter != NULL && problem->parameter[0] != '\0') {
+        room->error = (struct vor_problem_error){NULL, problem->parameter, problem->detail};
+        doc->errors = &room->error;
+        doc->error_count = 1;
+    }
+}
+
+static void add_headers(struct vor_request *request, const struct vor_problem *problem,
+                        const struct vor_problem_doc *doc)
+{
+    char seconds[16];
+    unsigned retry = problem->retry_after;
+
+    if (retry == 0 && doc->retryable)
+        retry = RETRY_SECONDS;
+    if (retry > 0) {
+        (void)snprintf(seconds, sizeof seconds, "%u", retry);
+        vor_reply_header(request, "Retry-After", seconds);
+    }
+    if (problem->allow != NULL)
+        vor_reply_header(request, "Allow", problem->allow);
+    vor_reply_header(request, "Cache-Control", "no-store");
+}
+
+/* A strict client of OGC's standard that asks for application/json takes nothing else. */
+static const char *media_type_for(const struct vor_request *request)
+{
+    return vor_accepts(request, "application/json", false) &&
+                   !vor_accepts(request, "application/problem+json", false)
+               ? "application/json"
+               : "application/problem+json";
+}
+
+enum vor_next vor_problem_reply(struct vor_app *app, struct vor_request *request,
+                                const struct vor_problem *problem)
+{
+    struct vor_problem_room room;
+    struct vor_problem_doc doc;
+    struct vor_text text;
+
+    fill_doc(app, request, problem, &room, &doc);
+    vor_request_set_problem(request, problem->slug);
+    add_headers(request, problem, &doc);
+    vor_text_init(&text, 0);
+    vor_json_problem(&text, &doc);
+    vor_text_puts(&text, "\n");
+    vor_reply_bytes(request, doc.status, media_type_for(request), text.data,
+                    text.failed ? 0 : text.size);
+    vor_text_free(&text);
+    return VOR_NEXT_REPLY;
+}
+
+enum vor_next vor_problem_say(struct vor_app *app, struct vor_request *request, const char *slug,
+                              const char *format, ...)
+{
+    struct vor_problem problem = VOR_PROBLEM_INIT(slug);
+    char detail[512];
+    va_list args;
+
+    va_start(args, format);
+    (void)vsnprintf(detail, sizeof detail, format, args);
+    va_end(args);
+    problem.detail = detail;
+    return vor_problem_reply(app, request, &problem);
+}
+
+static void from_error(const struct vor_error *err, const char *job_id, struct vor_problem *problem)
+{
+    *problem = (struct vor_problem)VOR_PROBLEM_INIT(vor_status_slug(err->status));
+    if (err->status == VOR_E_IO)
+        problem->slug = vor_error_storage_full(err) ? "storage-full" : "store-unavailable";
+    problem->detail = err->message;
+    problem->parameter = err->parameter;
+    problem->job_id = job_id;
+    problem->byte_offset = err->byte_offset;
+    if (err->status != VOR_E_IO) {
+        problem->limit = err->limit;
+        problem->got = err->got;
+    }
+}
+
+enum vor_next vor_problem_error(struct vor_app *app, struct vor_request *request,
+                                const struct vor_error *err, const char *job_id)
+{
+    struct vor_problem problem;
+
+    from_error(err, job_id, &problem);
+    return vor_problem_reply(app, request, &problem);
+}
+
+void vor_problem_describe(struct vor_app *app, struct vor_request *request,
+                          const struct vor_error *err, const char *job_id,
+                          struct vor_problem_room *room, struct vor_problem_doc *doc)
+{
+    struct vor_problem problem;
+
+    from_error(err, job_id, &problem);
+    fill_doc(app, request, &problem, room, doc);
+    doc->request_id = NULL;
+}
+
+enum vor_next vor_handle_problem(void *app, struct vor_request *request, enum vor_step step)
+{
+    const char *slug;
+    size_t length = vor_path_segment(vor_request_path(request), 1, &slug);
+    const struct problem_row *row = find_row(slug, length);
+    struct vor_text text;
+
+    (void)step;
+    if (row == NULL || row->http == 200)
+        return vor_problem_say(app, request, "no-such-resource", "no problem has this name");
+    vor_text_init(&text, 0);
+    vor_text_printf(&text, "%s (HTTP %d)\n\n%s.\n%s\n", row->slug, row->http, row->title,
+                    row->retryable ? "The same request may succeed later."
+                                   : "The same request will fail again.");
+    return vor_app_reply(app, request, 200, "text/plain; charset=utf-8", &text);
+}

@@ -1,0 +1,80 @@
+/** The only place that turns a failure into an error answer (RFC 9457). */
+#ifndef VOR_SERVER_API_PROBLEM_H
+#define VOR_SERVER_API_PROBLEM_H
+
+#include "server/api/app.h"
+
+/** Problems besides those of VOR_STATUS_TABLE: slug, HTTP status, retryable, whether the type is
+ *  OGC's, title. */
+#define VOR_PROBLEM_TABLE(X)                                                                       \
+    X("smuggled-framing", 400, 0, 0, "The framing of the request is ambiguous")                    \
+    X("invalid-query-parameter-value", 400, 0, 1, "A query parameter is invalid")                  \
+    X("forbidden", 403, 0, 0, "The request may not come from there")                               \
+    X("no-such-resource", 404, 0, 0, "There is nothing at this path")                              \
+    X("no-such-process", 404, 0, 1, "There is no such process")                                    \
+    X("no-such-job", 404, 0, 1, "There is no such job")                                            \
+    X("no-such-output", 404, 0, 1, "The job has no such output")                                   \
+    X("result-not-ready", 404, 1, 1, "The result is not ready")                                    \
+    X("result-not-available", 404, 0, 1, "The job has no result")                                  \
+    X("method-not-allowed", 405, 0, 0, "The resource does not know this method")                   \
+    X("not-acceptable", 406, 0, 0, "No format this build writes is acceptable")                    \
+    X("upload-timeout", 408, 1, 0, "The upload came too slowly")                                   \
+    X("not-running", 409, 0, 0, "The job does not run")                                            \
+    X("job-expired", 410, 0, 0, "The results of the job were kept long enough")                    \
+    X("too-many-bytes", 413, 0, 0, "The body exceeds a limit")                                     \
+    X("range-not-satisfiable", 416, 0, 0, "The range lies outside the result")                     \
+    X("queue-full", 429, 1, 0, "The queue is full")                                                \
+    X("too-many-streams", 429, 1, 0, "As many event streams are open as may be")                   \
+    X("client-closed", 499, 0, 0, "The caller left")                                               \
+    X("draining", 503, 1, 0, "The daemon is going down")                                           \
+    X("too-many-connections", 503, 1, 0, "Too many connections are open")                          \
+    X("store-unavailable", 503, 1, 0, "The store cannot be used")                                  \
+    X("storage-full", 507, 1, 0, "The disk is full")
+
+/** What to say; 0, NULL and (for byte_offset and queue_depth) -1 leave out. Strings are borrowed.
+ *  Begin with VOR_PROBLEM_INIT(slug). */
+struct vor_problem {
+    const char *slug;
+    const char *detail;
+    const char *parameter; /**< the one at fault */
+    const char *job_id;
+    uint64_t limit, got;
+    int64_t byte_offset, queue_depth;
+    unsigned retry_after; /**< seconds */
+    const char *allow;    /**< for the Allow header */
+};
+
+#define VOR_PROBLEM_INIT(name)                                                                     \
+    {                                                                                              \
+        .slug = (name), .byte_offset = -1, .queue_depth = -1                                       \
+    }
+
+/** Replies with a problem. Returns VOR_NEXT_REPLY, so that a handler can return the call. */
+enum vor_next vor_problem_reply(struct vor_app *app, struct vor_request *request,
+                                const struct vor_problem *problem);
+
+/** Slug and one sentence. */
+enum vor_next vor_problem_say(struct vor_app *app, struct vor_request *request, const char *slug,
+                              const char *format, ...) VOR_PRINTF(4, 5);
+
+/** From an error of the engine, a codec or the store. job_id may be NULL. */
+enum vor_next vor_problem_error(struct vor_app *app, struct vor_request *request,
+                                const struct vor_error *err, const char *job_id);
+
+/** The room for the strings of a description. */
+struct vor_problem_room {
+    char type[VOR_URL_MAX];
+    char instance[96];
+    struct vor_problem_error error;
+};
+
+/** The same error as part of a document (statusInfo's exception). err, room and job_id must outlive
+ *  doc. */
+void vor_problem_describe(struct vor_app *app, struct vor_request *request,
+                          const struct vor_error *err, const char *job_id,
+                          struct vor_problem_room *room, struct vor_problem_doc *doc);
+
+/** GET /problems/{slug}: what a problem's type leads to. */
+enum vor_next vor_handle_problem(void *app, struct vor_request *request, enum vor_step step);
+
+#endif

@@ -1,0 +1,206 @@
+#include "server/api/routes.h"
+
+#include "server/api/handlers/handlers.h"
+#include "server/api/problem.h"
+#include "server/base/log.h"
+
+#include <math.h>
+#include <string.h>
+#include <strings.h>
+
+static const struct vor_route routes[] = {
+#define ROUTE_ROW(method, path, handler, codes) {VOR_##method, path, handler, codes},
+    VOR_ROUTE_TABLE(ROUTE_ROW)
+#undef ROUTE_ROW
+};
+
+enum { ROUTE_COUNT = sizeof routes / sizeof routes[0], RESERVE = 32 };
+
+static const char *const method_words[VOR_METHOD_COUNT] = {"GET", "HEAD", "POST", "DELETE",
+                                                           "OPTIONS"};
+
+const struct vor_route *vor_route_row(unsigned index)
+{
+    return index < ROUTE_COUNT ? &routes[index] : NULL;
+}
+
+void vor_routes_print(FILE *out)
+{
+    for (int i = 0; i < ROUTE_COUNT; i++)
+        (void)fprintf(out, "%s %s %s\n", method_words[routes[i].method], routes[i].path,
+                      routes[i].codes);
+}
+
+static bool path_matches(const char *pattern, const char *path)
+{
+    while (*pattern != '\0') {
+        if (*pattern == '{') {
+            size_t length = strcspn(path, "/");
+
+            if (length == 0)
+                return false;
+            path += length;
+            pattern += strcspn(pattern, "}") + 1;
+        } else if (*pattern++ != *path++) {
+            return false;
+        }
+    }
+    return *path == '\0';
+}
+
+static const struct vor_route *find_route(enum vor_method method, const char *path)
+{
+    for (int i = 0; i < ROUTE_COUNT; i++)
+        if (routes[i].method == (method == VOR_HEAD ? VOR_GET : method) &&
+            path_matches(routes[i].path, path))
+            return &routes[i];
+    return NULL;
+}
+
+/* "GET, HEAD, OPTIONS": what a path answers; "" when there is nothing at it. */
+static void list_methods(const char *path, char *out, size_t size)
+{
+    size_t at = 0;
+
+    out[0] = '\0';
+    for (int i = 0; i < ROUTE_COUNT; i++)
+        if (path_matches(routes[i].path, path) && at < size)
+            at += (size_t)snprintf(out + at, size - at, "%s%s, ", method_words[routes[i].method],
+                                   routes[i].method == VOR_GET ? ", HEAD" : "");
+    if (at > 0 && at < size)
+        (void)snprintf(out + at, size - at, "OPTIONS");
+}
+
+static bool origin_is_ours(const struct vor_app *app, const struct vor_request *request,
+                           const char *origin)
+{
+    const char *host = vor_request_header(request, "Host");
+    const char *public_url = app->config->text[VOR_SET_PUBLIC_URL];
+    size_t length = strlen(origin);
+
+    if (vor_config_list_has(app->config->text[VOR_SET_CORS_ORIGIN], origin, length))
+        return true;
+    if (strncmp(public_url, origin, length) == 0 && length > 0 &&
+        (public_url[length] == '/' || public_url[length] == '\0'))
+        return true;
+    return host != NULL && strncmp(origin, "http://", 7) == 0 && strcmp(origin + 7, host) == 0;
+}
+
+static void add_cors(const struct vor_app *app, struct vor_request *request)
+{
+    const char *list = app->config->text[VOR_SET_CORS_ORIGIN];
+    const char *origin = vor_request_header(request, "Origin");
+
+    if (list[0] == '\0')
+        return;
+    vor_reply_header(request, "Vary", "Origin");
+    if (origin == NULL || !vor_config_list_has(list, origin, strlen(origin)))
+        return;
+    vor_reply_header(request, "Access-Control-Allow-Origin", origin);
+    vor_reply_header(request, "Access-Control-Expose-Headers",
+                     "Location, ETag, Retry-After, Content-Range, Accept-Ranges, "
+                     "Content-Disposition, Preference-Applied, X-Request-Id");
+    if (vor_request_method(request) != VOR_OPTIONS)
+        return;
+    vor_reply_header(request, "Access-Control-Allow-Headers",
+                     "Accept, Content-Type, If-None-Match, If-Range, Last-Event-ID, Prefer, Range, "
+                     "X-Request-Id");
+    vor_reply_header(request, "Access-Control-Max-Age", "600");
+}
+
+/* True when the request may come from where it comes; else it is answered. */
+static bool check_source(struct vor_app *app, struct vor_request *request)
+{
+    const char *host = vor_request_header(request, "Host");
+    const char *origin = vor_request_header(request, "Origin");
+    enum vor_method method = vor_request_method(request);
+
+    if (host != NULL && !vor_host_is_sound(host))
+        vor_problem_say(app, request, "malformed-request", "Host is not NAME or NAME:PORT");
+    else if (host != NULL && !vor_host_is_ours(app, host))
+        vor_problem_say(app, request, "forbidden",
+                        "Host is %.100s, want localhost, 127.0.0.1, [::1] or that of --public-url",
+                        host);
+    else if (origin != NULL && (method == VOR_POST || method == VOR_DELETE) &&
+             !origin_is_ours(app, request, origin))
+        vor_problem_say(app, request, "forbidden",
+                        "Origin is %.100s, want one of --cors-origin or this daemon's own", origin);
+    else
+        return true;
+    return false;
+}
+
+static enum vor_next reply_no_route(struct vor_app *app, struct vor_request *request)
+{
+    struct vor_problem problem = VOR_PROBLEM_INIT("method-not-allowed");
+    const char *path = vor_request_path(request);
+    char methods[64];
+
+    list_methods(path, methods, sizeof methods);
+    if (methods[0] == '\0')
+        return vor_problem_say(app, request, "no-such-resource", "there is nothing at %.200s",
+                               path);
+    if (vor_request_method(request) == VOR_OPTIONS) {
+        vor_reply_header(request, "Allow", methods);
+        vor_reply_header(request, "Access-Control-Allow-Methods", methods);
+        vor_reply_bytes(request, 204, NULL, "", 0);
+        return VOR_NEXT_REPLY;
+    }
+    problem.allow = methods;
+    problem.detail = "the Allow header lists the methods of this resource";
+    return vor_problem_reply(app, request, &problem);
+}
+
+enum vor_next vor_route_dispatch(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    struct vor_app *app = ctx;
+    const struct vor_route *route = vor_request_route(request);
+    double most = app->config->number[VOR_SET_CONNECTIONS];
+
+    if (step != VOR_STEP_HEAD)
+        return route->handler(app, request, step);
+    if (!check_source(app, request))
+        return VOR_NEXT_REPLY;
+    add_cors(app, request);
+    route = find_route(vor_request_method(request), vor_request_path(request));
+    if (route == NULL)
+        return reply_no_route(app, request);
+    vor_request_set_route(request, route);
+    if (vor_http_connections(app->http) > most + RESERVE && strncmp(route->path, "/v1", 3) == 0) {
+        vor_reply_close(request);
+        return vor_problem_say(app, request, "too-many-connections", "more than %.0f are open",
+                               most);
+    }
+    return route->handler(app, request, step);
+}
+
+void vor_route_refuse(void *ctx, struct vor_request *request, const struct vor_refusal *refusal)
+{
+    struct vor_problem problem = VOR_PROBLEM_INIT(refusal->slug);
+
+    problem.detail = refusal->detail;
+    problem.limit = refusal->limit;
+    problem.got = refusal->got;
+    vor_problem_reply(ctx, request, &problem);
+}
+
+void vor_route_done(void *ctx, const struct vor_request *request)
+{
+    const struct vor_route *route = vor_request_route(request);
+    const char *job = vor_request_job(request);
+    int status = vor_request_status(request);
+
+    (void)ctx;
+    vor_log(VOR_LOG_INFO, "request", VOR_TEXT("request_id", vor_request_id(request)),
+            VOR_TEXT("method", vor_request_method(request) < VOR_METHOD_COUNT
+                                   ? method_words[vor_request_method(request)]
+                                   : "other"),
+            VOR_TEXT("route", route != NULL ? route->path : ""),
+            VOR_TEXT("path", vor_request_path(request)),
+            VOR_TEXT("job", job[0] != '\0' ? job : NULL),
+            VOR_COUNT("status", vor_request_gone(request) || status == 0 ? 499 : status),
+            VOR_TEXT("problem", vor_request_problem(request)),
+            VOR_REAL("dur_s", round(vor_request_seconds(request) * 1e6) / 1e6),
+            VOR_COUNT("bytes_in", vor_request_bytes_in(request)),
+            VOR_COUNT("bytes", vor_request_bytes_out(request)));
+}

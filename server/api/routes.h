@@ -1,0 +1,61 @@
+/** Which handler answers which method at which path: one table, which openapi.yaml is compared
+ *  with. */
+#ifndef VOR_SERVER_API_ROUTES_H
+#define VOR_SERVER_API_ROUTES_H
+
+#include "server/api/app.h"
+
+#include <stdio.h>
+
+#define VOR_CODES_SUBMIT                                                                           \
+    "200 201 400 403 406 408 413 415 422 429 500 503 507" /* of every way to start a job */
+
+/** Routes: method, path, handler, statuses besides those that the HTTP layer may give to any
+ *  request (400 framing, 403 Host and Origin, 503 connections). A {segment} matches anything but
+ *  nothing. GET brings HEAD along, every path OPTIONS. */
+#define VOR_ROUTE_TABLE(X)                                                                         \
+    X(GET, "/", vor_handle_landing, "200")                                                         \
+    X(GET, "/livez", vor_handle_livez, "200")                                                      \
+    X(GET, "/readyz", vor_handle_readyz, "200 503")                                                \
+    X(GET, "/version", vor_handle_version, "200")                                                  \
+    X(GET, "/openapi.yaml", vor_handle_openapi, "200")                                             \
+    X(GET, "/problems/{slug}", vor_handle_problem, "200 404")                                      \
+    X(GET, "/v1/", vor_handle_landing, "200")                                                      \
+    X(GET, "/v1/processes", vor_handle_processes, "200")                                           \
+    X(GET, "/v1/processes/{processID}", vor_handle_process, "200 404")                             \
+    X(POST, "/v1/processes/{processID}/execution", vor_handle_submit, VOR_CODES_SUBMIT " 404")     \
+    X(POST, "/v1/resample", vor_handle_submit, VOR_CODES_SUBMIT)                                   \
+    X(POST, "/v1/denoise", vor_handle_submit, VOR_CODES_SUBMIT)                                    \
+    X(POST, "/v1/upsample", vor_handle_submit, VOR_CODES_SUBMIT)                                   \
+    X(POST, "/v1/simplify", vor_handle_submit, VOR_CODES_SUBMIT)                                   \
+    X(GET, "/v1/jobs", vor_handle_jobs, "200 400 503")                                             \
+    X(GET, "/v1/jobs/{jobID}", vor_handle_job, "200 304 404 410 503")                              \
+    X(DELETE, "/v1/jobs/{jobID}", vor_handle_dismiss, "200 403 404 503 507")                       \
+    X(POST, "/v1/jobs/{jobID}/stop", vor_handle_stop, "202 403 404 409 503")                       \
+    X(GET, "/v1/jobs/{jobID}/events", vor_handle_events, "200 204 400 404 503")                    \
+    X(GET, "/v1/jobs/{jobID}/results", vor_handle_results, "200 404 410 413 422 500 503")          \
+    X(GET, "/v1/jobs/{jobID}/results/{output}", vor_handle_result,                                 \
+      "200 206 304 404 410 413 416 422 500 503")                                                   \
+    X(GET, "/v1/jobs/{jobID}/trace", vor_handle_trace, "200 404 503")
+
+struct vor_route {
+    enum vor_method method;
+    const char *path;
+    vor_handler handler;
+    const char *codes;
+};
+
+/** Route number `index`, NULL past the last. */
+const struct vor_route *vor_route_row(unsigned index);
+
+/** "METHOD PATH CODE CODE ..." a line. */
+void vor_routes_print(FILE *out);
+
+/** The first handler of every request: Host, Origin, CORS, method and path; then the route's. */
+enum vor_next vor_route_dispatch(void *app, struct vor_request *request, enum vor_step step);
+
+/** A refusal of the HTTP layer as a problem, and the line of the access log. */
+void vor_route_refuse(void *app, struct vor_request *request, const struct vor_refusal *refusal);
+void vor_route_done(void *app, const struct vor_request *request);
+
+#endif

@@ -1,0 +1,32 @@
+#include "server/base/clock.h"
+
+#include <stdio.h>
+#include <time.h>
+
+int64_t vor_clock_wall_ms(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_REALTIME, &now);
+    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
+}
+
+double vor_clock_seconds(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
+}
+
+const char *vor_clock_text(int64_t wall_ms, char out[VOR_CLOCK_TEXT_SIZE])
+{
+    time_t seconds = (time_t)(wall_ms / 1000);
+    char day[24] = "";
+    struct tm utc;
+
+    if (gmtime_r(&seconds, &utc) != NULL)
+        (void)strftime(day, sizeof day, "%Y-%m-%dT%H:%M:%S", &utc);
+    (void)snprintf(out, VOR_CLOCK_TEXT_SIZE, "%s.%03dZ", day, (int)(wall_ms % 1000));
+    return out;
+}

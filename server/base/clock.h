@@ -1,0 +1,20 @@
+/** The daemon's clocks: core has none of its own. */
+#ifndef VOR_SERVER_BASE_CLOCK_H
+#define VOR_SERVER_BASE_CLOCK_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/** Milliseconds since 1970 UTC: for timestamps and expiry. */
+int64_t vor_clock_wall_ms(void);
+
+/** Seconds that never jump: for durations, deadlines and budgets. */
+double vor_clock_seconds(void);
+
+/** "2026-11-21T03:15:34.537Z" and its NUL. */
+#define VOR_CLOCK_TEXT_SIZE 32
+
+/** Writes RFC 3339 UTC with milliseconds; returns out. */
+const char *vor_clock_text(int64_t wall_ms, char out[VOR_CLOCK_TEXT_SIZE]);
+
+#endif

@@ -1,0 +1,60 @@
+#include "server/base/digest.h"
+
+#include <nettle/sha2.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+struct vor_digest {
+    struct sha256_ctx state;
+};
+
+static void write_hex(struct sha256_ctx *state, char out[VOR_DIGEST_SIZE])
+{
+    static const char digits[] = "0123456789abcdef";
+    uint8_t bytes[SHA256_DIGEST_SIZE];
+
+    sha256_digest(state, sizeof bytes, bytes);
+    for (size_t i = 0; i < sizeof bytes; i++) {
+        out[2 * i] = digits[bytes[i] >> 4];
+        out[2 * i + 1] = digits[bytes[i] & 15];
+    }
+    out[VOR_DIGEST_SIZE - 1] = '\0';
+}
+
+struct vor_digest *vor_digest_create(void)
+{
+    struct vor_digest *digest = malloc(sizeof *digest);
+
+    if (digest != NULL)
+        sha256_init(&digest->state);
+    return digest;
+}
+
+void vor_digest_update(struct vor_digest *digest, const void *bytes, size_t size)
+{
+    sha256_update(&digest->state, size, bytes);
+}
+
+void vor_digest_hex(const struct vor_digest *digest, char out[VOR_DIGEST_SIZE])
+{
+    struct sha256_ctx state = digest->state; /* reading the digest would reset it */
+
+    write_hex(&state, out);
+}
+
+void vor_digest_etag(const void *bytes, size_t size, char out[VOR_ETAG_SIZE])
+{
+    struct sha256_ctx state;
+
+    sha256_init(&state);
+    sha256_update(&state, size, bytes);
+    out[0] = '"';
+    write_hex(&state, out + 1);
+    out[VOR_ETAG_SIZE - 2] = '"';
+    out[VOR_ETAG_SIZE - 1] = '\0';
+}
+
+void vor_digest_destroy(struct vor_digest *digest)
+{
+    free(digest);
+}

@@ -1,0 +1,112 @@
+#include "server/base/disk.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+vor_status vor_fail_errno(struct vor_error *err, int number, const char *what)
+{
+    char reason[96];
+
+    if (strerror_r(number, reason, sizeof reason) != 0)
+        (void)snprintf(reason, sizeof reason, "error %d", number);
+    (void)vor_fail(err, VOR_E_IO, "%s: %s", what, reason);
+    if (err != NULL)
+        err->got = (uint64_t)number;
+    return VOR_E_IO;
+}
+
+int vor_error_storage_full(const struct vor_error *err)
+{
+    return err->status == VOR_E_IO && (err->got == ENOSPC || err->got == EDQUOT);
+}
+
+/* Makes the entry of path in its parent directory durable. */
+static int sync_parent(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    char *parent = slash == NULL ? strdup(".") : strndup(path, (size_t)(slash - path) + 1);
+    int fd = parent != NULL ? open(parent, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    int failed = fd < 0 || fsync(fd) != 0 ? errno : 0;
+
+    if (fd >= 0)
+        close(fd);
+    free(parent);
+    return failed;
+}
+
+/* 0, or an errno. */
+static int make_one(const char *path)
+{
+    if (mkdir(path, 0700) == 0)
+        return sync_parent(path);
+    return errno == EEXIST ? 0 : errno;
+}
+
+vor_status vor_storage_directory(const char *path, struct vor_error *err)
+{
+    size_t length = strlen(path);
+    char *part = strdup(path);
+    int failed = 0;
+
+    if (part == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "a path of %zu bytes", length);
+    for (size_t i = 1; i <= length && !failed; i++) {
+        if (path[i] != '/' && path[i] != '\0')
+            continue;
+        part[i] = '\0';
+        failed = make_one(part);
+        part[i] = path[i];
+    }
+    free(part);
+    return failed ? vor_fail_errno(err, failed, path) : VOR_OK;
+}
+
+/* Who wrote the lock file; -1 when it does not say. */
+static long read_holder(int fd)
+{
+    char text[24] = "";
+    ssize_t size = pread(fd, text, sizeof text - 1, 0);
+    long holder = size > 0 ? strtol(text, NULL, 10) : 0;
+
+    return holder > 0 ? holder : -1;
+}
+
+/* On a full disk the lock holds all the same; it just does not say who has it. */
+static void write_holder(int fd)
+{
+    char text[24];
+    int size = snprintf(text, sizeof text, "%ld\n", (long)getpid());
+
+    if (ftruncate(fd, 0) == 0 && pwrite(fd, text, (size_t)size, 0) != size)
+        (void)!ftruncate(fd, 0);
+}
+
+vor_status vor_storage_lock(int *fd, const char *path, long *holder, struct vor_error *err)
+{
+    int file = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    vor_status status;
+
+    *holder = 0;
+    if (file < 0)
+        return vor_fail_errno(err, errno, path);
+    if (flock(file, LOCK_EX | LOCK_NB) == 0) {
+        write_holder(file);
+        *fd = file;
+        return VOR_OK;
+    }
+    if (errno == EWOULDBLOCK) {
+        *holder = read_holder(file);
+        status = *holder > 0 ? vor_fail(err, VOR_E_IO, "%s is in use by process %ld", path, *holder)
+                             : vor_fail(err, VOR_E_IO, "%s is in use by another process", path);
+    } else {
+        status = vor_fail_errno(err, errno, path);
+    }
+    close(file);
+    return status;
+}

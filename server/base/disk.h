@@ -1,0 +1,28 @@
+/** What store and blobs share: how a disk's failure is told, and who may use a directory. */
+#ifndef VOR_SERVER_BASE_DISK_H
+#define VOR_SERVER_BASE_DISK_H
+
+#include "core/base/status.h"
+
+/** VOR_E_IO with "WHAT: REASON"; `got` keeps the errno, so that a full disk can be told apart. */
+vor_status vor_fail_errno(struct vor_error *err, int number, const char *what);
+
+/** True when err is the VOR_E_IO of a full disk or quota: 507 rather than 503. */
+int vor_error_storage_full(const struct vor_error *err);
+
+/** Makes a directory and its parents, mode 0700; one that is there is fine.
+ *
+ *  @retval VOR_E_IO */
+VOR_NODISCARD vor_status vor_storage_directory(const char *path, struct vor_error *err);
+
+/** Takes the lock file at path for this process (flock: gone with the process, whatever ends it)
+ *  and writes our process id into it.
+ *
+ *  @param[out] fd      to be closed when the lock is to be given back
+ *  @param[out] holder  0, or the process that has the lock (-1 when it has not said which it is)
+ *
+ *  @retval VOR_E_IO somebody has it (holder is not 0), or the file cannot be made */
+VOR_NODISCARD vor_status vor_storage_lock(int *fd, const char *path, long *holder,
+                                          struct vor_error *err);
+
+#endif

@@ -1,0 +1,59 @@
+/** The daemon's log: one JSON object a line, {"ts","level","msg", fields}. Thread-safe; a line is
+ *  written at once and whole. Every text is escaped, whoever it comes from. */
+#ifndef VOR_SERVER_BASE_LOG_H
+#define VOR_SERVER_BASE_LOG_H
+
+#include <stdint.h>
+
+/** Levels: identifier, word. */
+#define VOR_LOG_TABLE(X)                                                                           \
+    X(DEBUG, "debug")                                                                              \
+    X(INFO, "info")                                                                                \
+    X(WARN, "warn")                                                                                \
+    X(ERROR, "error")                                                                              \
+    X(OFF, "off")
+
+enum vor_log_level {
+#define VOR_LOG_ENUM(name, word) VOR_LOG_##name,
+    VOR_LOG_TABLE(VOR_LOG_ENUM)
+#undef VOR_LOG_ENUM
+        VOR_LOG_LEVELS
+};
+
+/** The level of that word; VOR_LOG_LEVELS when there is none. */
+enum vor_log_level vor_log_level_find(const char *word);
+
+/** Where lines go (a file descriptor, borrowed) and which: level and above. Until then standard
+ *  error, info. */
+void vor_log_open(int fd, enum vor_log_level level);
+
+struct vor_log_field {
+    const char *name; /**< NULL ends a list */
+    enum { VOR_LOG_KIND_TEXT, VOR_LOG_KIND_COUNT, VOR_LOG_KIND_REAL } kind;
+    const char *text; /**< NULL is written as null */
+    int64_t count;
+    double real;
+};
+
+#define VOR_TEXT(field, value)                                                                     \
+    {                                                                                              \
+        .name = (field), .kind = VOR_LOG_KIND_TEXT, .text = (value)                                \
+    }
+#define VOR_COUNT(field, value)                                                                    \
+    {                                                                                              \
+        .name = (field), .kind = VOR_LOG_KIND_COUNT, .count = (int64_t)(value)                     \
+    }
+#define VOR_REAL(field, value)                                                                     \
+    {                                                                                              \
+        .name = (field), .kind = VOR_LOG_KIND_REAL, .real = (value)                                \
+    }
+
+/** vor_log(VOR_LOG_INFO, "job ended", VOR_TEXT("job", id), VOR_REAL("dur_s", seconds)); */
+#define vor_log(level, ...) VOR_LOG_SPLIT(level, __VA_ARGS__, {.name = NULL})
+#define VOR_LOG_SPLIT(level, message, ...)                                                         \
+    vor_log_write(level, message, (const struct vor_log_field[]){__VA_ARGS__})
+
+void vor_log_write(enum vor_log_level level, const char *message,
+                   const struct vor_log_field *fields);
+
+#endif

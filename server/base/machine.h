@@ -1,0 +1,14 @@
+/** What this process may use of the machine. */
+#ifndef VOR_SERVER_BASE_MACHINE_H
+#define VOR_SERVER_BASE_MACHINE_H
+
+#include <stddef.h>
+
+/** Cores, 1 .. VOR_THREADS_MAX: those of the affinity set, which in a container may be fewer than
+ *  there are. */
+unsigned vor_machine_cores(void);
+
+/** Bytes of memory: the machine's, or the control group's if that is less. */
+size_t vor_machine_memory(void);
+
+#endif

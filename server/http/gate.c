@@ -1,0 +1,234 @@
+#include "server/http/internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/random.h>
+
+const char *vor_head_find(const struct vor_head *head, const char *name)
+{
+    for (size_t i = 0; i < head->field_count && i < VOR_FIELDS_MAX; i++)
+        if (strcasecmp(head->fields[i].name, name) == 0)
+            return head->fields[i].value;
+    return NULL;
+}
+
+static int count_fields(const struct vor_head *head, const char *name)
+{
+    int count = 0;
+
+    for (size_t i = 0; i < head->field_count; i++)
+        count += strcasecmp(head->fields[i].name, name) == 0;
+    return count;
+}
+
+static bool is_token(const char *text)
+{
+    static const char marks[] = "!#$%&'*+-.^_`|~";
+
+    if (*text == '\0')
+        return false;
+    for (; *text != '\0'; text++) {
+        char c = *text;
+        bool alnum = (c >= '0' && c <= '9') || ((c | 32) >= 'a' && (c | 32) <= 'z');
+
+        if (!alnum && strchr(marks, c) == NULL)
+            return false;
+    }
+    return true;
+}
+
+static bool has_control(const char *text)
+{
+    for (; *text != '\0'; text++)
+        if (((unsigned char)*text < 0x20 && *text != '\t') || *text == 0x7f)
+            return true;
+    return false;
+}
+
+/* An escape that would change how the path is cut into segments, or end it early. */
+static bool has_hidden_separator(const char *path, size_t length)
+{
+    static const char *const hidden[] = {"00", "2f", "5c", "2e"};
+
+    for (size_t i = 0; i + 2 < length; i++) {
+        if (path[i] != '%')
+            continue;
+        for (size_t k = 0; k < sizeof hidden / sizeof hidden[0]; k++)
+            if (strncasecmp(path + i + 1, hidden[k], 2) == 0)
+                return true;
+    }
+    return false;
+}
+
+static const char *check_target(const char *target)
+{
+    size_t length = strlen(target);
+
+    if (length > VOR_TARGET_MAX)
+        return "the request target is longer than 8192 bytes";
+    if (target[0] != '/')
+        return "the request target does not begin with /";
+    for (size_t i = 0; i < length; i++)
+        if (target[i] <= ' ' || target[i] >= 0x7f || target[i] == '\\' || target[i] == '#')
+            return "the request target holds a byte that must be escaped";
+    if (has_hidden_separator(target, strcspn(target, "?")))
+        return "the path holds one of %00 %2f %5c %2e";
+    return NULL;
+}
+
+/* Bytes of the block as it came, but for blanks around values. */
+static size_t block_length(const struct vor_head *head)
+{
+    size_t length = strlen(head->target) + strlen("OPTIONS  HTTP/1.1\r\n\r\n");
+
+    for (size_t i = 0; i < head->field_count; i++)
+        length += strlen(head->fields[i].name) + strlen(head->fields[i].value) + strlen(": \r\n");
+    return length;
+}
+
+static const char *check_fields(const struct vor_head *head)
+{
+    for (size_t i = 0; i < head->field_count; i++) {
+        if (!is_token(head->fields[i].name))
+            return "a header name holds a byte that is not allowed in names";
+        if (has_control(head->fields[i].value))
+            return "a header value holds a control byte";
+    }
+    return NULL;
+}
+
+static bool all_digits(const char *text)
+{
+    size_t length = strlen(text);
+
+    return length > 0 && length <= 18 && strspn(text, "0123456789") == length;
+}
+
+static const char *check_framing(const struct vor_head *head)
+{
+    const char *coding = vor_head_find(head, "Transfer-Encoding");
+    const char *length = vor_head_find(head, "Content-Length");
+
+    if (count_fields(head, "Content-Length") > 1)
+        return "more than one Content-Length";
+    if (count_fields(head, "Transfer-Encoding") > 1)
+        return "more than one Transfer-Encoding";
+    if (coding != NULL && length != NULL)
+        return "both Content-Length and Transfer-Encoding";
+    if (coding != NULL && strcasecmp(coding, "chunked") != 0)
+        return "a Transfer-Encoding other than chunked";
+    if (coding != NULL && strcmp(head->version, "HTTP/1.1") != 0)
+        return "Transfer-Encoding in HTTP/1.0";
+    if (length != NULL && !all_digits(length))
+        return "Content-Length is not a whole number";
+    if (count_fields(head, "Host") > 1)
+        return "more than one Host";
+    return NULL;
+}
+
+const char *vor_gate_check(const struct vor_head *head, const char **detail)
+{
+    if (head->field_count > VOR_FIELDS_MAX) {
+        *detail = "more than 100 header fields";
+        return "malformed-request";
+    }
+    if ((*detail = check_fields(head)) != NULL || (*detail = check_framing(head)) != NULL)
+        return "smuggled-framing";
+    if (strcmp(head->version, "HTTP/1.1") != 0 && strcmp(head->version, "HTTP/1.0") != 0)
+        *detail = "the version is neither HTTP/1.1 nor HTTP/1.0";
+    else if ((*detail = check_target(head->target)) == NULL && block_length(head) > VOR_HEADER_MAX)
+        *detail = "the header block is longer than 32768 bytes";
+    return *detail != NULL ? "malformed-request" : NULL;
+}
+
+int64_t vor_gate_length(const struct vor_head *head)
+{
+    const char *length = vor_head_find(head, "Content-Length");
+
+    if (vor_head_find(head, "Transfer-Encoding") != NULL)
+        return -1;
+    return length != NULL ? strtoll(length, NULL, 10) : 0;
+}
+
+static int hex_digit(char c)
+{
+    if (c >= '0' && c <= '9')
+        return c - '0';
+    c |= 32;
+    return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+}
+
+/* Decodes %XX in place; false when an escape is malformed or hides a control byte. */
+static bool unescape(char *text)
+{
+    char *to = text;
+
+    for (; *text != '\0'; text++) {
+        int high, low;
+
+        if (*text != '%') {
+            *to++ = *text;
+            continue;
+        }
+        high = hex_digit(text[1]);
+        low = high < 0 ? -1 : hex_digit(text[2]);
+        if (low < 0 || high * 16 + low < 0x20 || high * 16 + low == 0x7f)
+            return false;
+        *to++ = (char)(high * 16 + low);
+        text += 2;
+    }
+    *to = '\0';
+    return true;
+}
+
+int vor_query_split(char *text, struct vor_field *pairs, int max)
+{
+    int count = 0;
+
+    while (text != NULL && *text != '\0') {
+        char *next = strchr(text, '&');
+        char *equals;
+
+        if (next != NULL)
+            *next++ = '\0';
+        if (*text != '\0') {
+            if (count == max)
+                return -1;
+            equals = strchr(text, '=');
+            if (equals != NULL)
+                *equals++ = '\0';
+            if (!unescape(text) || (equals != NULL && !unescape(equals)))
+                return -1;
+            pairs[count++] = (struct vor_field){text, equals != NULL ? equals : ""};
+        }
+        text = next;
+    }
+    return count;
+}
+
+void vor_request_id_make(char out[72], const char *sane)
+{
+    static const char allowed[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
+    size_t length = sane != NULL ? strlen(sane) : 0;
+    unsigned char bits[16] = {0};
+    size_t at = 0;
+
+    if (length >= 1 && length <= 64 && strspn(sane, allowed) == length) {
+        memcpy(out, sane, length + 1);
+        return;
+    }
+    /* A name for the log, not a secret: zeros after a failure are still a name. */
+    if (getrandom(bits, sizeof bits, 0) < 0)
+        memset(bits, 0, sizeof bits);
+    bits[6] = (unsigned char)((bits[6] & 0x0f) | 0x40);
+    bits[8] = (unsigned char)((bits[8] & 0x3f) | 0x80);
+    for (size_t i = 0; i < sizeof bits; i++) {
+        if (i == 4 || i == 6 || i == 8 || i == 10)
+            out[at++] = '-';
+        out[at++] = "0123456789abcdef"[bits[i] >> 4];
+        out[at++] = "0123456789abcdef"[bits[i] & 15];
+    }
+    out[at] = '\0';
+}

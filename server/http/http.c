@@ -1,0 +1,600 @@
+#include "server/http/http.h"
+#include "server/base/clock.h"
+#include "server/http/internal.h"
+
+#include <microhttpd.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+enum { STREAM_BLOCK = 16384, STUCK_SECONDS = 45 };
+
+struct vor_http {
+    struct vor_http_options options;
+    struct MHD_Daemon *daemon;
+    struct vor_watchman *watchman;
+    char address[80];
+    int fd; /* listening; the library's from start to quiesce, -1 then */
+    atomic_uint busy;
+    atomic_bool quiesced, closing;
+};
+
+/* Suspending and resuming must not cross: both happen under this lock, and a wake that finds the
+ * request awake is kept for the next attempt to sleep. */
+struct vor_waker {
+    pthread_mutex_t lock;
+    atomic_uint holds;
+    struct MHD_Connection *connection;
+    bool suspended, pending, gone, over;
+};
+
+static struct vor_waker *waker_create(struct MHD_Connection *connection)
+{
+    struct vor_waker *waker = calloc(1, sizeof *waker);
+
+    if (waker == NULL)
+        return NULL;
+    (void)pthread_mutex_init(&waker->lock, NULL);
+    atomic_init(&waker->holds, 1);
+    waker->connection = connection;
+    return waker;
+}
+
+struct vor_waker *vor_waker_hold(struct vor_waker *waker)
+{
+    (void)atomic_fetch_add(&waker->holds, 1);
+    return waker;
+}
+
+void vor_waker_drop(struct vor_waker *waker)
+{
+    if (waker == NULL || atomic_fetch_sub(&waker->holds, 1) != 1)
+        return;
+    (void)pthread_mutex_destroy(&waker->lock);
+    free(waker);
+}
+
+void vor_waker_wake(struct vor_waker *waker)
+{
+    (void)pthread_mutex_lock(&waker->lock);
+    if (!waker->over && waker->suspended) {
+        waker->suspended = false;
+        MHD_resume_connection(waker->connection);
+    } else {
+        waker->pending = true;
+    }
+    (void)pthread_mutex_unlock(&waker->lock);
+}
+
+void vor_waker_gone(struct vor_waker *waker)
+{
+    (void)pthread_mutex_lock(&waker->lock);
+    waker->gone = true;
+    (void)pthread_mutex_unlock(&waker->lock);
+}
+
+struct vor_waker *vor_request_waker(struct vor_request *request)
+{
+    return vor_waker_hold(request->waker);
+}
+
+int vor_request_gone(const struct vor_request *request)
+{
+    bool gone;
+
+    (void)pthread_mutex_lock(&request->waker->lock);
+    gone = request->waker->gone;
+    (void)pthread_mutex_unlock(&request->waker->lock);
+    return gone;
+}
+
+int vor_request_closing(const struct vor_request *request)
+{
+    return atomic_load(&request->http->closing);
+}
+
+void vor_request_wake_after(struct vor_request *request, double seconds)
+{
+    vor_peer_timer(request->http->watchman, request->peer, seconds);
+}
+
+/* False when a wake came first, or nobody would come to wake it: then go on at once. */
+static bool request_sleep(struct vor_request *request)
+{
+    struct vor_waker *waker = request->waker;
+    bool sleeps;
+
+    vor_peer_wait(request->http->watchman, request->peer, true);
+    (void)pthread_mutex_lock(&waker->lock);
+    sleeps = !waker->pending && !waker->gone && !vor_request_closing(request);
+    waker->pending = false;
+    if (sleeps) {
+        waker->suspended = true;
+        MHD_suspend_connection(waker->connection);
+    }
+    (void)pthread_mutex_unlock(&waker->lock);
+    if (!sleeps)
+        vor_peer_wait(request->http->watchman, request->peer, false);
+    return sleeps;
+}
+
+static ssize_t on_read(void *cls, uint64_t position, char *out, size_t size)
+{
+    struct vor_request *request = cls;
+
+    (void)position;
+    vor_peer_wait(request->http->watchman, request->peer, false);
+    for (;;) {
+        long got = request->reply.read(request->reply.ctx, request, out, size);
+
+        if (got > 0) {
+            request->sent += (uint64_t)got;
+            return got;
+        }
+        if (got < 0)
+            return MHD_CONTENT_READER_END_OF_STREAM;
+        if (vor_request_gone(request))
+            return MHD_CONTENT_READER_END_WITH_ERROR;
+        if (request_sleep(request))
+            return 0;
+        if (vor_request_closing(request))
+            return MHD_CONTENT_READER_END_OF_STREAM;
+    }
+}
+
+/* The library's form of the recorded reply; what it takes over is taken out of the record. */
+static struct MHD_Response *make_response(struct vor_request *request)
+{
+    struct vor_reply *reply = &request->reply;
+    struct MHD_Response *response = NULL;
+
+    /* The library would end a chunked reply to HEAD with a chunk that nobody expects. */
+    if (reply->kind == VOR_REPLY_STREAM && request->method == VOR_HEAD)
+        return MHD_create_response_from_buffer(0, (void *)(uintptr_t) "", MHD_RESPMEM_PERSISTENT);
+    switch (reply->kind) {
+    case VOR_REPLY_BYTES:
+        response = MHD_create_response_from_buffer((size_t)reply->size, reply->bytes,
+                                                   MHD_RESPMEM_MUST_FREE);
+        if (response != NULL)
+            reply->bytes = NULL;
+        break;
+    case VOR_REPLY_FILE:
+        response = MHD_create_response_from_fd_at_offset64(reply->size, reply->fd, reply->offset);
+        if (response != NULL)
+            reply->fd = -1;
+        break;
+    case VOR_REPLY_STREAM:
+        response = MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, STREAM_BLOCK, on_read,
+                                                     request, NULL);
+        break;
+    case VOR_REPLY_NONE:
+        break;
+    }
+    return response;
+}
+
+static void add_fields(struct vor_request *request, struct MHD_Response *response)
+{
+    const struct vor_reply *reply = &request->reply;
+
+    for (unsigned i = 0; i < reply->field_count; i++)
+        (void)MHD_add_response_header(response, reply->fields[i].name, reply->fields[i].value);
+    if (reply->media_type != NULL)
+        (void)MHD_add_response_header(response, "Content-Type", reply->media_type);
+    (void)MHD_add_response_header(response, "X-Request-Id", request->id);
+    (void)MHD_add_response_header(response, "X-Content-Type-Options", "nosniff");
+    if (reply->close || atomic_load(&request->http->quiesced))
+        (void)MHD_add_response_header(response, "Connection", "close");
+}
+
+static enum MHD_Result queue_reply(struct vor_request *request)
+{
+    struct vor_http *http = request->http;
+    bool early = request->length != 0 && request->stage < VOR_AT_WAIT &&
+                 (request->length < 0 || request->received < (uint64_t)request->length);
+    struct MHD_Response *response = make_response(request);
+    enum MHD_Result result;
+
+    request->stage = VOR_AT_REPLIED;
+    if (response == NULL)
+        return MHD_NO;
+    if (early) {
+        request->reply.close = true;
+        vor_peer_linger(http->watchman, request->peer);
+    }
+    add_fields(request, response);
+    vor_peer_phase(http->watchman, request->peer, VOR_PHASE_SERVE);
+    result = MHD_queue_response(request->connection, (unsigned)request->reply.http, response);
+    MHD_destroy_response(response);
+    return result;
+}
+
+static void refuse(struct vor_request *request, const struct vor_refusal *refusal)
+{
+    request->http->options.refuse(request->http->options.ctx, request, refusal);
+    vor_reply_close(request);
+}
+
+/* While a body arrives the library takes no reply: write it ourselves, then drop the connection. */
+static enum MHD_Result abort_body(struct vor_request *request, const struct vor_refusal *refusal)
+{
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    char *raw;
+
+    refuse(request, refusal);
+    raw = vor_reply_raw(request);
+    if (raw != NULL && info != NULL)
+        (void)send(info->connect_fd, raw, strlen(raw), MSG_DONTWAIT | MSG_NOSIGNAL);
+    free(raw);
+    vor_peer_linger(request->http->watchman, request->peer);
+    request->stage = VOR_AT_REPLIED;
+    return MHD_NO;
+}
+
+/* What the sweeper sends when the body is late: it must not touch the request, so it is made now.
+ */
+static void prepare_late(struct vor_request *request)
+{
+    struct vor_refusal late = {408, "upload-timeout",
+                               "the upload paused too long, took too long or came too slowly", 0,
+                               0};
+    unsigned fields = request->reply.field_count;
+
+    refuse(request, &late);
+    vor_peer_late(request->http->watchman, request->peer, vor_reply_raw(request));
+    vor_reply_clear(request, fields);
+}
+
+/* 0 when the body may come, else a 413 is recorded. */
+static int begin_body(struct vor_request *request)
+{
+    struct vor_refusal refusal;
+    char detail[128];
+
+    if (request->length > 0 && (uint64_t)request->length > request->limit) {
+        vor_refusal_excess(detail, sizeof detail, &refusal, request->limit,
+                           (uint64_t)request->length);
+        refuse(request, &refusal);
+        return -1;
+    }
+    request->stage = VOR_AT_BODY;
+    prepare_late(request);
+    vor_peer_phase(request->http->watchman, request->peer, VOR_PHASE_BODY);
+    return 0;
+}
+
+static enum MHD_Result run(struct vor_request *request, enum vor_step step)
+{
+    const struct vor_http_options *options = &request->http->options;
+
+    for (;;) {
+        switch (options->handler(options->ctx, request, step)) {
+        case VOR_NEXT_REPLY:
+            return queue_reply(request);
+        case VOR_NEXT_BODY:
+            if (begin_body(request) != 0)
+                return queue_reply(request);
+            if (request->length != 0)
+                return MHD_YES;
+            step = VOR_STEP_BODY;
+            break;
+        case VOR_NEXT_WAIT:
+            request->stage = VOR_AT_WAIT;
+            vor_peer_phase(request->http->watchman, request->peer, VOR_PHASE_SERVE);
+            if (request_sleep(request))
+                return MHD_YES;
+            step = VOR_STEP_WAKE;
+            break;
+        }
+    }
+}
+
+static enum MHD_Result on_field(void *cls, enum MHD_ValueKind kind, const char *name,
+                                const char *value)
+{
+    struct vor_head *head = cls;
+
+    (void)kind;
+    if (head->field_count > VOR_FIELDS_MAX)
+        return MHD_NO;
+    if (head->field_count < VOR_FIELDS_MAX)
+        head->fields[head->field_count] = (struct vor_field){name, value != NULL ? value : ""};
+    head->field_count++;
+    return MHD_YES;
+}
+
+/* NULL when the head is sound; the query is split then. */
+static const char *check_head(struct vor_request *request, const char **detail)
+{
+    const char *slug;
+
+    (void)MHD_get_connection_values(request->connection, MHD_HEADER_KIND, on_field, &request->head);
+    vor_request_id_make(request->id, vor_head_find(&request->head, "X-Request-Id"));
+    slug = vor_gate_check(&request->head, detail);
+    if (slug != NULL)
+        return slug;
+    request->length = vor_gate_length(&request->head);
+    if (vor_request_split(request))
+        return NULL;
+    *detail = "the query holds a malformed escape, a control byte or more than 64 pairs";
+    return "malformed-request";
+}
+
+/* Requests without a body wait for the second call: a reply to the first one would close their
+ * connection. */
+static enum MHD_Result first_call(struct vor_request *request, const char *method,
+                                  const char *version)
+{
+    const char *detail, *slug;
+
+    request->method = vor_method_find(method);
+    request->head.version = version;
+    request->stage = VOR_AT_HEAD;
+    (void)atomic_fetch_add(&request->http->busy, 1);
+    slug = check_head(request, &detail);
+    if (slug != NULL) {
+        struct vor_refusal refusal = {400, slug, detail, 0, 0};
+
+        request->path = "";
+        request->length = -1;
+        refuse(request, &refusal);
+        return queue_reply(request);
+    }
+    vor_peer_phase(request->http->watchman, request->peer, VOR_PHASE_SERVE);
+    return request->length != 0 ? run(request, VOR_STEP_HEAD) : MHD_YES;
+}
+
+static enum MHD_Result take_piece(struct vor_request *request, const char *bytes, size_t *size)
+{
+    struct vor_refusal refusal;
+    char detail[128];
+    int http;
+
+    if (request->stage != VOR_AT_BODY) {
+        *size = 0;
+        return MHD_YES;
+    }
+    request->received += *size;
+    vor_peer_received(request->http->watchman, request->peer, *size);
+    if (request->received > request->limit) {
+        vor_refusal_excess(detail, sizeof detail, &refusal, request->limit, request->limit);
+        return abort_body(request, &refusal);
+    }
+    http = request->sink.write(request->sink.ctx, bytes, *size);
+    if (http != 0) {
+        vor_refusal_sink(&refusal, http);
+        return abort_body(request, &refusal);
+    }
+    *size = 0;
+    return MHD_YES;
+}
+
+static enum MHD_Result on_request(void *cls, struct MHD_Connection *connection, const char *url,
+                                  const char *method, const char *version, const char *data,
+                                  size_t *size, void **con_cls)
+{
+    struct vor_request *request = *con_cls;
+
+    (void)cls, (void)connection, (void)url;
+    if (request == NULL)
+        return MHD_NO;
+    if (request->stage == VOR_AT_NEW)
+        return first_call(request, method, version);
+    if (*size > 0)
+        return take_piece(request, data, size);
+    switch (request->stage) {
+    case VOR_AT_HEAD:
+        return run(request, VOR_STEP_HEAD);
+    case VOR_AT_BODY:
+        vor_peer_phase(request->http->watchman, request->peer, VOR_PHASE_SERVE);
+        request->stage = VOR_AT_WAIT;
+        return run(request, VOR_STEP_BODY);
+    case VOR_AT_WAIT:
+        vor_peer_wait(request->http->watchman, request->peer, false);
+        return run(request, VOR_STEP_WAKE);
+    case VOR_AT_NEW:
+    case VOR_AT_REPLIED:
+        break;
+    }
+    return MHD_YES;
+}
+
+static void request_free(struct vor_request *request)
+{
+    if (request->release != NULL)
+        request->release(request->state);
+    vor_reply_clear(request, 0);
+    vor_waker_drop(request->waker);
+    free(request->target);
+    free(request);
+}
+
+/* The request line is in; this is the only place that shows the target as it was sent. */
+static void *on_target(void *cls, const char *target, struct MHD_Connection *connection)
+{
+    struct vor_http *http = cls;
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+    struct vor_request *request = calloc(1, sizeof *request);
+
+    if (request == NULL)
+        return NULL;
+    request->http = http;
+    request->connection = connection;
+    request->peer = info != NULL ? info->socket_context : NULL;
+    request->began = vor_clock_seconds();
+    request->reply.fd = -1;
+    request->path = "";
+    request->target = strdup(target);
+    request->head.target = request->target;
+    request->waker = waker_create(connection);
+    if (request->target == NULL || request->waker == NULL) {
+        free(request->target);
+        vor_waker_drop(request->waker);
+        free(request);
+        return NULL;
+    }
+    vor_peer_request(http->watchman, request->peer, request->waker);
+    vor_peer_phase(http->watchman, request->peer, VOR_PHASE_HEAD);
+    return request;
+}
+
+static void on_completed(void *cls, struct MHD_Connection *connection, void **con_cls,
+                         enum MHD_RequestTerminationCode code)
+{
+    struct vor_http *http = cls;
+    struct vor_request *request = *con_cls;
+
+    (void)connection, (void)code;
+    if (request == NULL)
+        return;
+    *con_cls = NULL;
+    (void)pthread_mutex_lock(&request->waker->lock);
+    request->waker->over = true;
+    (void)pthread_mutex_unlock(&request->waker->lock);
+    if (vor_peer_end(http->watchman, request->peer)) {
+        request->reply.http = 408;
+        request->problem = "upload-timeout";
+    }
+    if (request->stage != VOR_AT_NEW) {
+        http->options.done(http->options.ctx, request);
+        request_free(request);
+        (void)atomic_fetch_sub(&http->busy, 1);
+    } else {
+        request_free(request);
+    }
+}
+
+static void on_connection(void *cls, struct MHD_Connection *connection, void **socket_context,
+                          enum MHD_ConnectionNotificationCode code)
+{
+    struct vor_http *http = cls;
+    const union MHD_ConnectionInfo *info;
+
+    if (code == MHD_CONNECTION_NOTIFY_CLOSED) {
+        vor_peer_leave(http->watchman, *socket_context);
+        *socket_context = NULL;
+        return;
+    }
+    info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    if (info != NULL)
+        *socket_context = vor_peer_enter(http->watchman, info->connect_fd);
+}
+
+static void on_log(void *cls, const char *format, va_list args) VOR_PRINTF(2, 0);
+
+static void on_log(void *cls, const char *format, va_list args)
+{
+    struct vor_http *http = cls;
+    char line[512];
+
+    (void)vsnprintf(line, sizeof line, format, args);
+    line[strcspn(line, "\n")] = '\0';
+    http->options.log(http->options.ctx, line);
+}
+
+static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
+{
+    const struct vor_http_options *options = &http->options;
+
+    /* The library shares its connections out to its threads and drops what is above: give it twice
+     * as many, so that it is us who refuse. */
+    return MHD_start_daemon(
+        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG, 0, NULL, NULL,
+        on_request, http, MHD_OPTION_EXTERNAL_LOGGER, on_log, http, MHD_OPTION_LISTEN_SOCKET, fd,
+        MHD_OPTION_THREAD_POOL_SIZE, options->threads > 1 ? options->threads : 0u,
+#if MHD_VERSION >= 0x01000000
+        MHD_OPTION_CLIENT_DISCIPLINE_LVL, 1,
+#else
+        MHD_OPTION_STRICT_FOR_CLIENT, 1,
+#endif
+        MHD_OPTION_CONNECTION_LIMIT, 2 * options->connections, MHD_OPTION_CONNECTION_TIMEOUT,
+        (unsigned)STUCK_SECONDS, MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)VOR_CONNECTION_BYTES,
+        MHD_OPTION_NOTIFY_CONNECTION, on_connection, http, MHD_OPTION_NOTIFY_COMPLETED,
+        on_completed, http, MHD_OPTION_URI_LOG_CALLBACK, on_target, http, MHD_OPTION_END);
+}
+
+vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *options,
+                         struct vor_error *err)
+{
+    const struct vor_deadlines deadlines = {options->header_seconds, options->keep_seconds,
+                                            options->body_seconds, options->body_idle_seconds,
+                                            options->body_rate};
+    struct vor_http *http = calloc(1, sizeof *http);
+    vor_status status;
+
+    if (http == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "no memory to listen");
+    http->options = *options;
+    http->fd = -1;
+    status = vor_listen(&http->fd, options, err);
+    if (status == VOR_OK)
+        status = vor_watchman_start(&http->watchman, &deadlines, err);
+    if (status != VOR_OK) {
+        vor_http_stop(http);
+        return status;
+    }
+    vor_listen_address(http->fd, http->address);
+    *out = http;
+    return VOR_OK;
+}
+
+vor_status vor_http_start(struct vor_http *http, struct vor_error *err)
+{
+    http->daemon = start_daemon(http, http->fd);
+    if (http->daemon == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the HTTP threads cannot be started");
+    http->fd = -1;
+    return VOR_OK;
+}
+
+const char *vor_http_address(const struct vor_http *http)
+{
+    return http->address;
+}
+
+void vor_http_quiesce(struct vor_http *http)
+{
+    atomic_store(&http->quiesced, true);
+    http->fd = MHD_quiesce_daemon(http->daemon);
+    vor_watchman_quiesce(http->watchman);
+}
+
+unsigned vor_http_busy(const struct vor_http *http)
+{
+    return atomic_load(&http->busy);
+}
+
+unsigned vor_http_connections(const struct vor_http *http)
+{
+    return vor_watchman_count(http->watchman);
+}
+
+void vor_http_wake_all(struct vor_http *http)
+{
+    vor_watchman_wake_all(http->watchman);
+}
+
+void vor_http_close_waiting(struct vor_http *http)
+{
+    atomic_store(&http->closing, true);
+    vor_watchman_wake_all(http->watchman);
+}
+
+void vor_http_stop(struct vor_http *http)
+{
+    if (http == NULL)
+        return;
+    if (http->daemon != NULL) {
+        vor_http_close_waiting(http);
+        MHD_stop_daemon(http->daemon);
+    }
+    if (http->fd >= 0)
+        (void)close(http->fd);
+    vor_watchman_stop(http->watchman);
+    free(http);
+}

@@ -1,0 +1,204 @@
+/** Requests in, answers out. http.c is the only file that includes microhttpd.h; nothing in this
+ *  header shows it.
+ *
+ *  A handler is a function called one step after another, always on one of the HTTP threads, never
+ *  twice at a time for one request, and never allowed to block:
+ *
+ *    HEAD  the header block is in and passed the gate (framing, Host, Origin, limits)
+ *    BODY  the body is in, if the answer to HEAD was VOR_NEXT_BODY
+ *    WAKE  vor_waker_wake was called, or the peer left, after VOR_NEXT_WAIT
+ *
+ *  and says what comes next. Waiting costs no thread: the connection is suspended. */
+#ifndef VOR_SERVER_HTTP_H
+#define VOR_SERVER_HTTP_H
+
+#include "core/base/status.h"
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+struct vor_http;
+struct vor_request;
+struct vor_waker;
+struct vor_route; /**< server/api/routes.h */
+
+enum vor_method { VOR_GET, VOR_HEAD, VOR_POST, VOR_DELETE, VOR_OPTIONS, VOR_METHOD_COUNT };
+
+enum vor_step { VOR_STEP_HEAD, VOR_STEP_BODY, VOR_STEP_WAKE };
+
+enum vor_next {
+    VOR_NEXT_REPLY, /**< one of vor_reply_* was called */
+    VOR_NEXT_BODY,  /**< only from HEAD, after vor_request_take_body */
+    VOR_NEXT_WAIT   /**< call me when woken */
+};
+
+typedef enum vor_next (*vor_handler)(void *ctx, struct vor_request *request, enum vor_step step);
+
+/** Why the HTTP layer itself ends a request. */
+struct vor_refusal {
+    int http;
+    const char *slug;    /**< "smuggled-framing", "malformed-request", "too-many-bytes" ... */
+    const char *detail;  /**< one sentence */
+    uint64_t limit, got; /**< too-many-bytes; else 0 */
+};
+
+/** Limits and deadlines; seconds unless named otherwise. */
+struct vor_http_options {
+    const char *host; /**< numeric address or name to bind */
+    unsigned port;    /**< 0: any free one */
+    unsigned threads;
+    unsigned connections;
+    double header_seconds;    /**< from accept, or from the request line on a kept connection */
+    double keep_seconds;      /**< a kept connection may idle this long */
+    double body_seconds;      /**< for the whole body */
+    double body_idle_seconds; /**< between two pieces of it */
+    double body_rate;         /**< bytes a second on average, after body_idle_seconds */
+    vor_handler handler;      /**< the first one; routes.c hands on to the others */
+    void *ctx;
+    /** Makes the reply of a refusal, with one of vor_reply_bytes. */
+    void (*refuse)(void *ctx, struct vor_request *request, const struct vor_refusal *refusal);
+    /** Called once a request is over, with what the log wants to know. */
+    void (*done)(void *ctx, const struct vor_request *request);
+    /** A line of the library's own log. */
+    void (*log)(void *ctx, const char *line);
+};
+
+/** Binds and listens; nobody is answered yet.
+ *
+ *  @retval VOR_E_PARAM the address cannot be bound (message: address and reason)
+ *  @retval VOR_E_NOMEM threads or memory are short */
+VOR_NODISCARD vor_status vor_http_open(struct vor_http **out,
+                                       const struct vor_http_options *options,
+                                       struct vor_error *err);
+
+/** Starts the threads: from here on handlers are called, with whatever their ctx needs in place.
+ *
+ *  @retval VOR_E_NOMEM threads or memory are short */
+VOR_NODISCARD vor_status vor_http_start(struct vor_http *http, struct vor_error *err);
+
+/** "127.0.0.1:43125", "[::1]:8080": what is bound. Owned by http. */
+const char *vor_http_address(const struct vor_http *http);
+
+/** Stops accepting; requests under way go on. Call once. */
+void vor_http_quiesce(struct vor_http *http);
+
+/** Requests under way (streams and uploads included), and open connections. */
+unsigned vor_http_busy(const struct vor_http *http);
+unsigned vor_http_connections(const struct vor_http *http);
+
+/** Wakes every waiting request once. */
+void vor_http_wake_all(struct vor_http *http);
+
+/** Wakes every waiting request. From now on vor_request_closing is true. */
+void vor_http_close_waiting(struct vor_http *http);
+
+/** Stops at once and frees; http may be NULL. Handlers of waiting requests run once more, with
+ *  vor_request_closing true, and must reply. */
+void vor_http_stop(struct vor_http *http);
+
+/* --- what a handler reads --------------------------------------------------------------------- */
+
+/** VOR_METHOD_COUNT for a method that no route has. */
+enum vor_method vor_request_method(const struct vor_request *request);
+
+/** Raw path as sent, without the query; it begins with '/'. */
+const char *vor_request_path(const struct vor_request *request);
+
+/** First value of a header (any case), or NULL. */
+const char *vor_request_header(const struct vor_request *request, const char *name);
+
+/** The next value of a header that may come on several lines; *index starts at 0. NULL after the
+ *  last. */
+const char *vor_request_header_next(const struct vor_request *request, const char *name,
+                                    unsigned *index);
+
+/** Decoded query pair number `index`; NULL past the last. */
+const char *vor_request_query_name(const struct vor_request *request, unsigned index);
+const char *vor_request_query_value(const struct vor_request *request, unsigned index);
+
+/** First value of a query name, or NULL. */
+const char *vor_request_query(const struct vor_request *request, const char *name);
+
+/** X-Request-Id if the client sent a sane one (1 .. 64 of [A-Za-z0-9._-]), else one of ours. */
+const char *vor_request_id(const struct vor_request *request);
+
+/** Declared Content-Length, or -1. */
+int64_t vor_request_length(const struct vor_request *request);
+
+/** True once the peer closed its side; the reply goes nowhere, but must be made. */
+int vor_request_gone(const struct vor_request *request);
+
+/** True once vor_http_close_waiting was called: wait no longer. */
+int vor_request_closing(const struct vor_request *request);
+
+/** For the router and the log. */
+void vor_request_set_route(struct vor_request *request, const struct vor_route *route);
+const struct vor_route *vor_request_route(const struct vor_request *request);
+/** Notes which job the request is about; the text (up to 39 bytes) is copied. "" until then. */
+void vor_request_set_job(struct vor_request *request, const char *job);
+const char *vor_request_job(const struct vor_request *request);
+/** Notes the slug of the problem that is replied (a static text); NULL until then. */
+void vor_request_set_problem(struct vor_request *request, const char *slug);
+const char *vor_request_problem(const struct vor_request *request);
+int vor_request_status(const struct vor_request *request);
+uint64_t vor_request_bytes_in(const struct vor_request *request);
+uint64_t vor_request_bytes_out(const struct vor_request *request);
+double vor_request_seconds(const struct vor_request *request);
+
+/** The handler's own state, freed by `release` (may be NULL) once the request is over or gets
+ *  another state. */
+void vor_request_set_state(struct vor_request *request, void *state, void (*release)(void *state));
+void *vor_request_state(const struct vor_request *request);
+
+/* --- the body --------------------------------------------------------------------------------- */
+
+/** Where a body goes, piece by piece, on the HTTP thread. write returns 0, or an HTTP status (507)
+ *  that ends the request with that problem while the body is still arriving. */
+struct vor_body_sink {
+    void *ctx;
+    int (*write)(void *ctx, const void *bytes, size_t size);
+};
+
+/** Asks for the body: pieces go to sink, at most `limit` bytes. A longer one, declared or not, is
+ *  a 413 at once. Call in HEAD and return VOR_NEXT_BODY. sink->ctx must live as long as the state.
+ */
+void vor_request_take_body(struct vor_request *request, const struct vor_body_sink *sink,
+                           uint64_t limit);
+
+/* --- waiting ---------------------------------------------------------------------------------- */
+
+/** What another thread holds to call a waiting request back. It outlives the request: waking one
+ *  whose request is over does nothing. Take one for each holder. */
+struct vor_waker *vor_request_waker(struct vor_request *request);
+void vor_waker_wake(struct vor_waker *waker);
+void vor_waker_drop(struct vor_waker *waker); /**< waker may be NULL */
+
+/** Wakes the request that many seconds from now (to a tenth of a second), once; the next call takes
+ *  the place of this one. */
+void vor_request_wake_after(struct vor_request *request, double seconds);
+
+/* --- answering: exactly one of these, from within a step -------------------------------------- */
+
+/** Adds a header to the reply; values with control bytes are dropped whole. */
+void vor_reply_header(struct vor_request *request, const char *name, const char *value);
+
+/** Closes the connection after the reply. */
+void vor_reply_close(struct vor_request *request);
+
+/** size bytes of media type (NULL for none); the bytes are copied. */
+void vor_reply_bytes(struct vor_request *request, int http, const char *media_type,
+                     const void *bytes, size_t size);
+
+/** length bytes of a file from offset; the descriptor is taken over. */
+void vor_reply_file(struct vor_request *request, int http, const char *media_type, int fd,
+                    uint64_t offset, uint64_t length);
+
+/** A stream of unknown length. read fills up to size bytes and returns how many; 0: nothing yet
+ *  (it is asked again once a waker wakes the request), -1: the end. It runs on an HTTP thread and
+ *  must not block; the request's state is alive throughout. */
+void vor_reply_stream(struct vor_request *request, int http, const char *media_type,
+                      long (*read)(void *ctx, struct vor_request *request, char *out, size_t size),
+                      void *ctx);
+
+#endif

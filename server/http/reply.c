@@ -1,0 +1,147 @@
+#include "server/http/internal.h"
+
+#include <assert.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static bool is_printable(const char *value)
+{
+    for (; *value != '\0'; value++)
+        if ((unsigned char)*value < 0x20 || *value == 0x7f)
+            return false;
+    return true;
+}
+
+void vor_reply_header(struct vor_request *request, const char *name, const char *value)
+{
+    struct vor_reply *reply = &request->reply;
+    char *copy;
+
+    if (value == NULL || !is_printable(value) || reply->field_count == VOR_REPLY_FIELDS_MAX)
+        return;
+    copy = strdup(value);
+    if (copy != NULL) {
+        reply->fields[reply->field_count].name = name;
+        reply->fields[reply->field_count].value = copy;
+        reply->field_count++;
+    }
+}
+
+void vor_reply_close(struct vor_request *request)
+{
+    request->reply.close = true;
+}
+
+void vor_reply_clear(struct vor_request *request, unsigned fields)
+{
+    struct vor_reply *reply = &request->reply;
+
+    while (reply->field_count > fields) {
+        reply->field_count--;
+        free((void *)(uintptr_t)reply->fields[reply->field_count].value);
+    }
+    free(reply->bytes);
+    reply->bytes = NULL;
+    if (reply->kind == VOR_REPLY_FILE && reply->fd >= 0)
+        (void)close(reply->fd);
+    reply->fd = -1;
+    reply->kind = VOR_REPLY_NONE;
+    reply->http = 0;
+    reply->size = 0;
+    reply->close = false;
+    request->problem = NULL;
+}
+
+void vor_reply_bytes(struct vor_request *request, int http, const char *media_type,
+                     const void *bytes, size_t size)
+{
+    struct vor_reply *reply = &request->reply;
+    char *copy = malloc(size + 1);
+
+    assert(reply->kind == VOR_REPLY_NONE);
+    reply->kind = VOR_REPLY_BYTES;
+    reply->http = http;
+    reply->media_type = copy != NULL ? media_type : NULL;
+    reply->size = copy != NULL ? size : 0;
+    reply->bytes = copy;
+    if (copy == NULL) {
+        reply->http = 500;
+        return;
+    }
+    if (size > 0)
+        memcpy(copy, bytes, size);
+    copy[size] = '\0';
+}
+
+void vor_reply_file(struct vor_request *request, int http, const char *media_type, int fd,
+                    uint64_t offset, uint64_t length)
+{
+    struct vor_reply *reply = &request->reply;
+
+    assert(reply->kind == VOR_REPLY_NONE);
+    reply->kind = VOR_REPLY_FILE;
+    reply->http = http;
+    reply->media_type = media_type;
+    reply->fd = fd;
+    reply->offset = offset;
+    reply->size = length;
+}
+
+void vor_reply_stream(struct vor_request *request, int http, const char *media_type,
+                      long (*read)(void *ctx, struct vor_request *request, char *out, size_t size),
+                      void *ctx)
+{
+    struct vor_reply *reply = &request->reply;
+
+    assert(reply->kind == VOR_REPLY_NONE);
+    reply->kind = VOR_REPLY_STREAM;
+    reply->http = http;
+    reply->media_type = media_type;
+    reply->read = read;
+    reply->ctx = ctx;
+}
+
+char *vor_reply_raw(const struct vor_request *request)
+{
+    const struct vor_reply *reply = &request->reply;
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+
+    assert(reply->kind == VOR_REPLY_BYTES);
+    if (out == NULL)
+        return NULL;
+    (void)fprintf(out, "HTTP/1.1 %d Refused\r\nConnection: close\r\n", reply->http);
+    (void)fprintf(out, "Content-Length: %" PRIu64 "\r\nX-Request-Id: %s\r\n", reply->size,
+                  request->id);
+    if (reply->media_type != NULL)
+        (void)fprintf(out, "Content-Type: %s\r\n", reply->media_type);
+    for (unsigned i = 0; i < reply->field_count; i++)
+        (void)fprintf(out, "%s: %s\r\n", reply->fields[i].name, reply->fields[i].value);
+    (void)fprintf(out, "\r\n%s", reply->bytes != NULL ? reply->bytes : "");
+    if (fclose(out) != 0) {
+        free(text);
+        return NULL;
+    }
+    return text;
+}
+
+void vor_refusal_excess(char *detail, size_t size, struct vor_refusal *refusal, uint64_t limit,
+                        uint64_t got)
+{
+    (void)snprintf(detail, size, "the body has %s%llu bytes, want at most %llu",
+                   got > limit ? "" : "more than ", (unsigned long long)got,
+                   (unsigned long long)limit);
+    *refusal = (struct vor_refusal){413, "too-many-bytes", detail, limit, got};
+}
+
+void vor_refusal_sink(struct vor_refusal *refusal, int http)
+{
+    *refusal =
+        http == 507
+            ? (struct vor_refusal){507, "storage-full", "no room is left to keep the upload", 0, 0}
+            : (struct vor_refusal){503, "store-unavailable", "the upload cannot be kept", 0, 0};
+}

@@ -1,0 +1,397 @@
+#include "server/jobs/bus.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct vor_bus {
+    atomic_uint references;
+    uint32_t attempt;
+    pthread_mutex_t mutex; /* events, count, capacity */
+    struct vor_event *events;
+    size_t count, capacity;
+    pthread_mutex_t waking; /* subscribers; held while they are woken */
+    struct vor_subscriber *subscribers;
+};
+
+static const char *const status_words[VOR_JOB_STATUSES] = {
+#define STATUS_ROW(name, word) word,
+    VOR_JOB_STATUS_TABLE(STATUS_ROW)
+#undef STATUS_ROW
+};
+
+static const char *const stage_words[VOR_STAGES] = {
+#define STAGE_ROW(name, word) word,
+    VOR_STAGE_TABLE(STAGE_ROW)
+#undef STAGE_ROW
+};
+
+static const char *const event_words[VOR_EVENT_KINDS] = {
+#define EVENT_ROW(name, word) word,
+    VOR_EVENT_TABLE(EVENT_ROW)
+#undef EVENT_ROW
+};
+
+const char *vor_job_status_word(enum vor_job_status status)
+{
+    return status_words[status];
+}
+
+const char *vor_stage_word(enum vor_stage stage)
+{
+    return stage_words[stage];
+}
+
+const char *vor_event_word(enum vor_event_kind kind)
+{
+    return event_words[kind];
+}
+
+enum vor_job_status vor_job_status_find(const char *word)
+{
+    int i = 0;
+
+    while (i < VOR_JOB_STATUSES && strcmp(status_words[i], word) != 0)
+        i++;
+    return (enum vor_job_status)i;
+}
+
+int vor_job_status_over(enum vor_job_status status)
+{
+    return status != VOR_JOB_ACCEPTED && status != VOR_JOB_RUNNING;
+}
+
+/* Digits up to `stop` as a number that fits; NULL when it is none, else what follows it. */
+static const char *parse_u32(uint32_t *out, const char *text)
+{
+    uint64_t value = 0;
+    int digits = 0;
+
+    for (; *text >= '0' && *text <= '9' && digits < 10; text++, digits++)
+        value = 10 * value + (uint64_t)(*text - '0');
+    if (digits == 0 || value > UINT32_MAX)
+        return NULL;
+    *out = (uint32_t)value;
+    return text;
+}
+
+int vor_position_parse(struct vor_position *out, const char *text)
+{
+    struct vor_position position;
+
+    text = parse_u32(&position.attempt, text);
+    if (text == NULL || *text != '.')
+        return 0;
+    text = parse_u32(&position.number, text + 1);
+    if (text == NULL || *text != '\0')
+        return 0;
+    *out = position;
+    return 1;
+}
+
+struct vor_bus *vor_bus_create(uint32_t attempt)
+{
+    struct vor_bus *bus = calloc(1, sizeof *bus);
+
+    if (bus == NULL)
+        return NULL;
+    atomic_init(&bus->references, 1);
+    bus->attempt = attempt;
+    pthread_mutex_init(&bus->mutex, NULL);
+    pthread_mutex_init(&bus->waking, NULL);
+    return bus;
+}
+
+struct vor_bus *vor_bus_retain(struct vor_bus *bus)
+{
+    if (bus != NULL)
+        atomic_fetch_add(&bus->references, 1);
+    return bus;
+}
+
+void vor_bus_release(struct vor_bus *bus)
+{
+    if (bus == NULL || atomic_fetch_sub(&bus->references, 1) != 1)
+        return;
+    pthread_mutex_destroy(&bus->waking);
+    pthread_mutex_destroy(&bus->mutex);
+    free(bus->events);
+    free(bus);
+}
+
+uint32_t vor_bus_attempt(struct vor_bus *bus)
+{
+    return bus->attempt;
+}
+
+/* The functions below that say "locked" are called with bus->mutex held. */
+
+static int ended_locked(const struct vor_bus *bus)
+{
+    return bus->count > 0 && bus->events[bus->count - 1].kind == VOR_EVENT_END;
+}
+
+static int grow_locked(struct vor_bus *bus)
+{
+    size_t capacity = bus->capacity > 0 ? 2 * bus->capacity : 32;
+    struct vor_event *events = realloc(bus->events, capacity * sizeof *events);
+
+    if (events == NULL)
+        return 0;
+    bus->events = events;
+    bus->capacity = capacity;
+    return 1;
+}
+
+static int takes_locked(const struct vor_bus *bus, enum vor_event_kind kind)
+{
+    if (ended_locked(bus))
+        return 0;
+    return kind == VOR_EVENT_END ? bus->count < VOR_EVENTS_MAX : bus->count < VOR_EVENTS_MAX - 1;
+}
+
+static void wake_all(struct vor_bus *bus, enum vor_event_kind kind)
+{
+    pthread_mutex_lock(&bus->waking);
+    for (struct vor_subscriber *s = bus->subscribers; s != NULL; s = s->next)
+        s->wake(s->ctx, kind);
+    pthread_mutex_unlock(&bus->waking);
+}
+
+vor_status vor_bus_publish(struct vor_bus *bus, const struct vor_event *event)
+{
+    int taken = 0, fits = 1;
+
+    pthread_mutex_lock(&bus->mutex);
+    if (takes_locked(bus, event->kind)) {
+        fits = bus->count < bus->capacity || grow_locked(bus);
+        taken = fits;
+    }
+    if (taken) {
+        struct vor_event *last = &bus->events[bus->count++];
+
+        *last = *event;
+        last->attempt = bus->attempt;
+        last->number = (uint32_t)bus->count;
+    }
+    pthread_mutex_unlock(&bus->mutex);
+    if (taken)
+        wake_all(bus, event->kind);
+    return fits ? VOR_OK : VOR_E_NOMEM;
+}
+
+/* Superseded by the event after it, for a reader who only wants the latest. */
+static int superseded_locked(const struct vor_bus *bus, size_t i)
+{
+    return i + 1 < bus->count && bus->events[i].kind == VOR_EVENT_PROGRESS &&
+           bus->events[i + 1].kind == VOR_EVENT_PROGRESS;
+}
+
+size_t vor_bus_read(struct vor_bus *bus, struct vor_position *position, enum vor_read how,
+                    struct vor_event *out, size_t max)
+{
+    size_t copied = 0, at;
+
+    pthread_mutex_lock(&bus->mutex);
+    at = position->attempt == bus->attempt && position->number <= bus->count ? position->number : 0;
+    for (; at < bus->count && copied < max; at++)
+        if (how == VOR_READ_EVERY || !superseded_locked(bus, at))
+            out[copied++] = bus->events[at];
+    pthread_mutex_unlock(&bus->mutex);
+    if (copied > 0)
+        *position = (struct vor_position){bus->attempt, (uint32_t)at};
+    return copied;
+}
+
+int vor_bus_ended(struct vor_bus *bus, struct vor_position *end)
+{
+    int ended;
+
+    pthread_mutex_lock(&bus->mutex);
+    ended = ended_locked(bus);
+    if (ended && end != NULL)
+        *end = (struct vor_position){bus->attempt, (uint32_t)bus->count};
+    pthread_mutex_unlock(&bus->mutex);
+    return ended;
+}
+
+struct vor_position vor_bus_newest(struct vor_bus *bus)
+{
+    struct vor_position newest = {.attempt = bus->attempt};
+
+    pthread_mutex_lock(&bus->mutex);
+    newest.number = (uint32_t)bus->count;
+    pthread_mutex_unlock(&bus->mutex);
+    return newest;
+}
+
+void vor_bus_subscribe(struct vor_bus *bus, struct vor_subscriber *subscriber)
+{
+    pthread_mutex_lock(&bus->waking);
+    subscriber->next = bus->subscribers;
+    bus->subscribers = subscriber;
+    pthread_mutex_unlock(&bus->waking);
+}
+
+void vor_bus_unsubscribe(struct vor_bus *bus, struct vor_subscriber *subscriber)
+{
+    struct vor_subscriber **at = &bus->subscribers;
+
+    pthread_mutex_lock(&bus->waking);
+    while (*at != NULL && *at != subscriber)
+        at = &(*at)->next;
+    if (*at != NULL)
+        *at = subscriber->next;
+    pthread_mutex_unlock(&bus->waking);
+}
+
+/* A trace: "VTR2", attempt, count, then for every event kind, status, stage and progress (a byte
+ * each), time, and for a progress event its record. Little endian. What changes the layout changes
+ * the number: a trace with another one is refused, and the job is left with its end. */
+enum { HEADER_SIZE = 12, EVENT_SIZE = 12, RECORD_SIZE = 64 };
+
+static const char magic[4] = {'V', 'T', 'R', '2'};
+
+static uint8_t *put(uint8_t *at, uint64_t value, int bytes)
+{
+    for (int i = 0; i < bytes; i++)
+        *at++ = (uint8_t)(value >> (8 * i));
+    return at;
+}
+
+static const uint8_t *get(const uint8_t *at, uint64_t *value, int bytes)
+{
+    *value = 0;
+    for (int i = 0; i < bytes; i++)
+        *value |= (uint64_t)*at++ << (8 * i);
+    return at;
+}
+
+/* The doubles of a record, in the order in which they are packed. */
+static void record_reals(struct vor_record *record, double *reals[6])
+{
+    reals[0] = &record->delta;
+    reals[1] = &record->sigma;
+    reals[2] = &record->epsilon;
+    reals[3] = &record->energy;
+    reals[4] = &record->max_move;
+    reals[5] = &record->seconds;
+}
+
+static uint8_t *put_event(uint8_t *at, struct vor_event event)
+{
+    double *reals[6];
+
+    at = put(at, (uint64_t)event.kind, 1);
+    at = put(at, (uint64_t)event.status, 1);
+    at = put(at, (uint64_t)event.stage, 1);
+    at = put(at, (uint64_t)event.progress, 1);
+    at = put(at, (uint64_t)event.time_ms, 8);
+    if (event.kind != VOR_EVENT_PROGRESS)
+        return at;
+    at = put(at, event.record.iteration, 4);
+    at = put(at, event.record.polish, 4);
+    at = put(at, event.record.held, 8);
+    record_reals(&event.record, reals);
+    for (int i = 0; i < 6; i++) {
+        uint64_t bits;
+
+        memcpy(&bits, reals[i], sizeof bits);
+        at = put(at, bits, 8);
+    }
+    return at;
+}
+
+/* NULL when the bytes run out or are no event. */
+static const uint8_t *get_event(struct vor_event *out, const uint8_t *at, const uint8_t *end)
+{
+    uint64_t kind, status, stage, progress, value;
+    double *reals[6];
+
+    if (end - at < EVENT_SIZE)
+        return NULL;
+    at = get(get(get(get(at, &kind, 1), &status, 1), &stage, 1), &progress, 1);
+    at = get(at, &value, 8);
+    if (kind >= VOR_EVENT_KINDS || status >= VOR_JOB_STATUSES || stage >= VOR_STAGES ||
+        progress > 100 || (kind == VOR_EVENT_PROGRESS && end - at < RECORD_SIZE))
+        return NULL;
+    *out = (struct vor_event){.kind = (enum vor_event_kind)kind,
+                              .status = (enum vor_job_status)status,
+                              .stage = (enum vor_stage)stage,
+                              .progress = (int)progress,
+                              .time_ms = (int64_t)value};
+    if (kind != VOR_EVENT_PROGRESS)
+        return at;
+    at = get(at, &value, 4);
+    out->record.iteration = (uint32_t)value;
+    at = get(at, &value, 4);
+    out->record.polish = (uint32_t)value;
+    at = get(at, &out->record.held, 8);
+    record_reals(&out->record, reals);
+    for (int i = 0; i < 6; i++) {
+        at = get(at, &value, 8);
+        memcpy(reals[i], &value, sizeof value);
+    }
+    return at;
+}
+
+vor_status vor_bus_pack(struct vor_bus *bus, uint8_t **bytes, size_t *size, struct vor_error *err)
+{
+    uint8_t *data, *at;
+    size_t count;
+
+    pthread_mutex_lock(&bus->mutex);
+    count = bus->count;
+    data = malloc(HEADER_SIZE + count * (EVENT_SIZE + RECORD_SIZE));
+    if (data != NULL) {
+        memcpy(data, magic, sizeof magic);
+        at = put(put(data + sizeof magic, bus->attempt, 4), count, 4);
+        for (size_t i = 0; i < count; i++)
+            at = put_event(at, bus->events[i]);
+        *size = (size_t)(at - data);
+    }
+    pthread_mutex_unlock(&bus->mutex);
+    if (data == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "a trace of %zu events", count);
+    *bytes = data;
+    return VOR_OK;
+}
+
+static vor_status unpack_events(struct vor_bus *bus, const uint8_t *at, const uint8_t *end,
+                                uint64_t count, struct vor_error *err)
+{
+    for (uint64_t i = 0; i < count; i++) {
+        struct vor_event event;
+
+        at = get_event(&event, at, end);
+        if (at == NULL)
+            return vor_fail(err, VOR_E_FORMAT, "event %llu of the trace is damaged",
+                            (unsigned long long)i + 1);
+        if (vor_bus_publish(bus, &event) != VOR_OK)
+            return vor_fail(err, VOR_E_NOMEM, "a trace of %llu events", (unsigned long long)count);
+    }
+    return VOR_OK;
+}
+
+vor_status vor_bus_unpack(struct vor_bus **out, const uint8_t *bytes, size_t size,
+                          struct vor_error *err)
+{
+    uint64_t attempt, count;
+    struct vor_bus *bus;
+    vor_status status;
+
+    if (size < HEADER_SIZE || memcmp(bytes, magic, sizeof magic) != 0)
+        return vor_fail(err, VOR_E_FORMAT, "%zu bytes are not a trace", size);
+    (void)get(get(bytes + sizeof magic, &attempt, 4), &count, 4);
+    bus = vor_bus_create((uint32_t)attempt);
+    if (bus == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "a trace of %zu bytes", size);
+    status = unpack_events(bus, bytes + HEADER_SIZE, bytes + size, count, err);
+    if (status != VOR_OK) {
+        vor_bus_release(bus);
+        return status;
+    }
+    *out = bus;
+    return VOR_OK;
+}

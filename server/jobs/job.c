@@ -1,0 +1,249 @@
+#include "server/jobs/job.h"
+
+#include "server/jobs/pace.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct vor_job {
+    atomic_uint references;
+    atomic_int asked; /* enum vor_answer */
+    struct vor_bus *bus;
+    struct vor_uuid id;
+    pthread_mutex_t change; /* a change of state and its event are one; taken before `state` */
+    pthread_mutex_t state;  /* view, first */
+    struct vor_job_view view;
+    struct vor_pace pace; /* of this attempt, for the estimate */
+};
+
+/* Percent done when a stage ends: preparing is 10 of 100, iterations and polish 80, measuring the
+ * result 5, encoding the rest. */
+enum { PREPARED = 10, OPTIMIZED = 90, MEASURED = 95 };
+
+/* What a change of state looks like to those who follow; the caller holds job->change. */
+static void publish(struct vor_job *job, enum vor_event_kind kind, int64_t now_ms)
+{
+    struct vor_event event = {.kind = kind, .time_ms = now_ms};
+
+    pthread_mutex_lock(&job->state);
+    event.status = job->view.status;
+    event.stage = job->view.stage;
+    event.progress = job->view.progress;
+    if (kind == VOR_EVENT_PROGRESS)
+        event.record = job->view.record;
+    pthread_mutex_unlock(&job->state);
+    (void)vor_bus_publish(job->bus, &event); /* out of memory: one point of a chart is missing */
+}
+
+struct vor_job *vor_job_create(const struct vor_job_view *row)
+{
+    struct vor_job *job = calloc(1, sizeof *job);
+
+    if (job == NULL)
+        return NULL;
+    job->bus = vor_bus_create(row->attempt);
+    if (job->bus == NULL) {
+        free(job);
+        return NULL;
+    }
+    atomic_init(&job->references, 1);
+    atomic_init(&job->asked, VOR_CONTINUE);
+    pthread_mutex_init(&job->change, NULL);
+    pthread_mutex_init(&job->state, NULL);
+    job->id = row->id;
+    job->view = *row;
+    job->view.queue_position = -1;
+    if (row->attempt > 1)
+        publish(job, VOR_EVENT_REPLACED, row->updated);
+    publish(job, VOR_EVENT_STATUS, row->updated);
+    return job;
+}
+
+struct vor_job *vor_job_retain(struct vor_job *job)
+{
+    if (job != NULL)
+        atomic_fetch_add(&job->references, 1);
+    return job;
+}
+
+void vor_job_release(struct vor_job *job)
+{
+    if (job == NULL || atomic_fetch_sub(&job->references, 1) != 1)
+        return;
+    pthread_mutex_destroy(&job->state);
+    pthread_mutex_destroy(&job->change);
+    vor_bus_release(job->bus);
+    free(job);
+}
+
+const struct vor_uuid *vor_job_id(const struct vor_job *job)
+{
+    return &job->id;
+}
+
+struct vor_bus *vor_job_bus(const struct vor_job *job)
+{
+    return job->bus;
+}
+
+/* Seconds until iterations and polish end at their pace so far, -1 before there is a pace. */
+static double estimate(const struct vor_job_view *view, const struct vor_pace *pace)
+{
+    if (view->stage != VOR_STAGE_OPTIMIZE)
+        return -1;
+    return vor_pace_left(&view->spec, &pace->first, &view->record);
+}
+
+static void describe(struct vor_job_view *view)
+{
+    static const char *const sentences[VOR_STAGES] = {
+        [VOR_STAGE_QUEUED] = "Waiting for its turn",
+        [VOR_STAGE_PREPARE] = "Indexing the input and placing the first points",
+        [VOR_STAGE_ENCODE] = "Encoding the result",
+    };
+
+    if (view->stage == VOR_STAGE_OPTIMIZE && view->record.polish > 0)
+        (void)snprintf(view->message, sizeof view->message, "Polish step %u of at most %u",
+                       (unsigned)view->record.polish, (unsigned)vor_pace_polish(&view->spec));
+    else if (view->stage == VOR_STAGE_OPTIMIZE)
+        (void)snprintf(view->message, sizeof view->message, "Iteration %u of at most %u",
+                       (unsigned)view->record.iteration,
+                       (unsigned)vor_spec_iterations(&view->spec));
+    else
+        (void)snprintf(view->message, sizeof view->message, "%s", sentences[view->stage]);
+}
+
+void vor_job_view(struct vor_job *job, struct vor_job_view *out)
+{
+    pthread_mutex_lock(&job->state);
+    *out = job->view;
+    out->eta_seconds = estimate(&job->view, &job->pace);
+    pthread_mutex_unlock(&job->state);
+    if (!vor_job_status_over(out->status))
+        describe(out);
+}
+
+void vor_job_set_seq(struct vor_job *job, int64_t seq)
+{
+    pthread_mutex_lock(&job->state);
+    job->view.seq = seq;
+    pthread_mutex_unlock(&job->state);
+}
+
+/* Begins a change; false, and nothing is held, when the job is over. */
+static int begin_change(struct vor_job *job)
+{
+    int over;
+
+    pthread_mutex_lock(&job->change);
+    pthread_mutex_lock(&job->state);
+    over = vor_job_status_over(job->view.status);
+    pthread_mutex_unlock(&job->state);
+    if (over)
+        pthread_mutex_unlock(&job->change);
+    return !over;
+}
+
+static void end_change(struct vor_job *job)
+{
+    pthread_mutex_unlock(&job->change);
+}
+
+static void raise_progress(struct vor_job_view *view, int progress)
+{
+    if (progress > view->progress)
+        view->progress = progress;
+}
+
+void vor_job_begin(struct vor_job *job, int64_t now_ms)
+{
+    if (!begin_change(job))
+        return;
+    pthread_mutex_lock(&job->state);
+    job->view.status = VOR_JOB_RUNNING;
+    job->view.stage = VOR_STAGE_PREPARE;
+    job->view.updated = now_ms;
+    if (job->view.started == 0)
+        job->view.started = now_ms;
+    pthread_mutex_unlock(&job->state);
+    publish(job, VOR_EVENT_STATUS, now_ms);
+    end_change(job);
+}
+
+void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms)
+{
+    if (!begin_change(job))
+        return;
+    pthread_mutex_lock(&job->state);
+    job->view.stage = stage;
+    job->view.updated = now_ms;
+    if (stage == VOR_STAGE_ENCODE)
+        raise_progress(&job->view, MEASURED);
+    pthread_mutex_unlock(&job->state);
+    publish(job, VOR_EVENT_STATUS, now_ms);
+    end_change(job);
+}
+
+/* The little more keeps 0.3 of 80, which is 23.999..., at 24. */
+static int progress_of(const struct vor_spec *spec, const struct vor_record *record)
+{
+    return PREPARED + (int)((OPTIMIZED - PREPARED) * vor_pace_done(spec, record) + 1e-9);
+}
+
+void vor_job_progress(struct vor_job *job, const struct vor_record *record, int64_t now_ms)
+{
+    int entered;
+
+    if (!begin_change(job))
+        return;
+    pthread_mutex_lock(&job->state);
+    entered = job->view.stage != VOR_STAGE_OPTIMIZE;
+    if (entered)
+        job->pace.began = 0;
+    vor_pace_add(&job->pace, record);
+    job->view.stage = VOR_STAGE_OPTIMIZE;
+    job->view.has_record = 1;
+    job->view.record = *record;
+    job->view.updated = now_ms;
+    raise_progress(&job->view, progress_of(&job->view.spec, record));
+    pthread_mutex_unlock(&job->state);
+    if (entered)
+        publish(job, VOR_EVENT_STATUS, now_ms);
+    publish(job, VOR_EVENT_PROGRESS, now_ms);
+    end_change(job);
+}
+
+int vor_job_freeze(struct vor_job *job)
+{
+    return begin_change(job);
+}
+
+void vor_job_thaw(struct vor_job *job)
+{
+    end_change(job);
+}
+
+void vor_job_end(struct vor_job *job, const struct vor_job_view *row)
+{
+    pthread_mutex_lock(&job->state);
+    job->view = *row;
+    job->view.queue_position = -1;
+    pthread_mutex_unlock(&job->state);
+    publish(job, VOR_EVENT_END, row->finished);
+}
+
+void vor_job_ask(struct vor_job *job, enum vor_answer answer)
+{
+    int asked = atomic_load(&job->asked);
+
+    while (asked < (int)answer && !atomic_compare_exchange_weak(&job->asked, &asked, (int)answer))
+        continue;
+}
+
+enum vor_answer vor_job_asked(struct vor_job *job)
+{
+    return (enum vor_answer)atomic_load(&job->asked);
+}

@@ -1,0 +1,51 @@
+/** The bounded list of jobs that wait for a runner, in the order of acceptance. Thread-safe. */
+#ifndef VOR_SERVER_JOBS_QUEUE_H
+#define VOR_SERVER_JOBS_QUEUE_H
+
+#include "server/jobs/job.h"
+
+#include <stddef.h>
+
+struct vor_queue;
+
+/** Room for `capacity` (at least 1) jobs; NULL when memory is out. */
+struct vor_queue *vor_queue_create(size_t capacity);
+
+/** Lets go of the jobs that still wait. queue may be NULL; no thread may be in a call. */
+void vor_queue_destroy(struct vor_queue *queue);
+
+/** Books a place for a job that is about to be accepted.
+ *
+ *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING (closed) */
+enum vor_outcome vor_queue_reserve(struct vor_queue *queue);
+
+/** Gives a booked place back. */
+void vor_queue_cancel(struct vor_queue *queue);
+
+/** Puts a job into its booked place by its seq; takes a reference. Never fails; once closed, the
+ * job waits for the next start of the daemon. */
+void vor_queue_push(struct vor_queue *queue, struct vor_job *job, int64_t seq);
+
+/** The same for a job of a former run, which needs no booking: the bound does not hold for it.
+ *
+ *  @retval VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_queue_restore(struct vor_queue *queue, struct vor_job *job,
+                                           int64_t seq, struct vor_error *err);
+
+/** Waits for the next job; the caller gets its reference. NULL once the queue is closed. */
+struct vor_job *vor_queue_pop(struct vor_queue *queue);
+
+/** Takes a job out; false when it does not wait. */
+int vor_queue_remove(struct vor_queue *queue, const struct vor_job *job);
+
+/** How many wait before it; -1 when it does not wait. */
+long vor_queue_position(struct vor_queue *queue, const struct vor_job *job);
+
+/** Jobs that wait or have a place booked. */
+size_t vor_queue_depth(struct vor_queue *queue);
+size_t vor_queue_capacity(const struct vor_queue *queue);
+
+/** No job is handed out or booked any more; every vor_queue_pop returns. */
+void vor_queue_close(struct vor_queue *queue);
+
+#endif

@@ -1,0 +1,205 @@
+#include "server/work/admit.h"
+
+#include "server/base/clock.h"
+#include "server/base/disk.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <sys/mman.h>
+
+struct vor_admit {
+    struct vor_blobs *blobs;
+    struct vor_admit_limits limits;
+    pthread_mutex_t mutex;
+    pthread_cond_t ready;
+    struct vor_admission *head, **tail; /* wait, in order */
+    size_t waiting, waiting_max;
+    int closing;
+    unsigned started;
+    pthread_t thread[];
+};
+
+static vor_status keep_cloud(const struct vor_cloud *cloud, struct vor_blobs *blobs,
+                             const struct vor_uuid *id, struct vor_error *err)
+{
+    struct vor_blob_writer *writer;
+    struct vor_sink sink;
+    vor_status status = vor_blob_create(blobs, &writer, err);
+
+    if (status != VOR_OK)
+        return status;
+    sink = vor_blob_sink(writer);
+    status = vor_dump_write(&sink, cloud, err);
+    if (status != VOR_OK) {
+        (void)vor_blob_failure(writer, err);
+        vor_blob_discard(writer);
+        return status;
+    }
+    return vor_blob_commit(writer, id, VOR_BLOB_INPUT, err);
+}
+
+static vor_status decode(struct vor_cloud *cloud, struct vor_job_input *input,
+                         struct vor_blob_writer *upload, const struct vor_limits *limits,
+                         struct vor_error *err)
+{
+    size_t size = (size_t)vor_blob_size(upload);
+    const struct vor_format *format = NULL;
+    vor_status status;
+    void *bytes;
+
+    if (size == 0)
+        return vor_fail(err, VOR_E_EMPTY, "the body is empty: 0 bytes, want a cloud");
+    bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, vor_blob_fd(upload), 0);
+    if (bytes == MAP_FAILED)
+        return vor_fail_errno(err, errno, "mapping the upload");
+    status = vor_codec_read(cloud, &format, bytes, size, limits, err);
+    (void)munmap(bytes, size);
+    if (status != VOR_OK)
+        return status;
+    for (input->format = 0; vor_format(input->format) != format; input->format++)
+        assert(vor_format(input->format) != NULL);
+    input->points = cloud->n;
+    input->bytes = size;
+    vor_blob_sha256(upload, input->sha256);
+    return VOR_OK;
+}
+
+vor_status vor_admit_file(struct vor_uuid *id, struct vor_job_input *input, struct vor_blobs *blobs,
+                          struct vor_blob_writer *upload, const struct vor_admit_limits *limits,
+                          struct vor_error *err)
+{
+    double began = vor_clock_seconds();
+    struct vor_job_input found = {0};
+    struct vor_memory memory;
+    struct vor_cloud cloud;
+    struct vor_uuid fresh;
+    vor_status status;
+
+    vor_memory_init(&memory, limits->memory);
+    vor_cloud_init(&cloud, &memory);
+    status = decode(&cloud, &found, upload, &limits->codec, err);
+    found.seconds = vor_clock_seconds() - began;
+    if (status == VOR_OK)
+        status = vor_uuid_make(&fresh, err);
+    if (status == VOR_OK)
+        status = keep_cloud(&cloud, blobs, &fresh, err);
+    vor_cloud_free(&cloud);
+    if (status != VOR_OK)
+        return status;
+    *id = fresh;
+    *input = found;
+    return VOR_OK;
+}
+
+/* The next upload, NULL once there is none and none will come. */
+static struct vor_admission *next_admission(struct vor_admit *admit)
+{
+    struct vor_admission *admission;
+
+    pthread_mutex_lock(&admit->mutex);
+    while (admit->head == NULL && !admit->closing)
+        pthread_cond_wait(&admit->ready, &admit->mutex);
+    admission = admit->head;
+    if (admission != NULL) {
+        admit->head = admission->next;
+        if (admit->head == NULL)
+            admit->tail = &admit->head;
+        admit->waiting--;
+    }
+    pthread_mutex_unlock(&admit->mutex);
+    return admission;
+}
+
+static int is_closing(struct vor_admit *admit)
+{
+    int closing;
+
+    pthread_mutex_lock(&admit->mutex);
+    closing = admit->closing;
+    pthread_mutex_unlock(&admit->mutex);
+    return closing;
+}
+
+static void *admit_main(void *arg)
+{
+    struct vor_admit *admit = arg;
+    struct vor_admission *admission;
+
+    while ((admission = next_admission(admit)) != NULL) {
+        if (is_closing(admit))
+            admission->status =
+                vor_fail(&admission->error, VOR_E_CANCELLED, "the daemon is going down");
+        else
+            admission->status =
+                vor_admit_file(&admission->id, &admission->input, admit->blobs, admission->upload,
+                               &admit->limits, &admission->error);
+        if (admission->status == VOR_OK)
+            admission->error.status = VOR_OK;
+        vor_blob_discard(admission->upload);
+        admission->upload = NULL;
+        admission->done(admission);
+    }
+    return NULL;
+}
+
+vor_status vor_admit_create(struct vor_admit **out, struct vor_blobs *blobs,
+                            const struct vor_admit_limits *limits, unsigned threads,
+                            size_t waiting_max, struct vor_error *err)
+{
+    struct vor_admit *admit = calloc(1, sizeof *admit + threads * sizeof admit->thread[0]);
+
+    assert(threads >= 1 && waiting_max >= 1);
+    if (admit == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "admission with %u threads", threads);
+    admit->blobs = blobs;
+    admit->limits = *limits;
+    admit->tail = &admit->head;
+    admit->waiting_max = waiting_max;
+    pthread_mutex_init(&admit->mutex, NULL);
+    pthread_cond_init(&admit->ready, NULL);
+    for (; admit->started < threads; admit->started++) {
+        if (pthread_create(&admit->thread[admit->started], NULL, admit_main, admit) == 0)
+            continue;
+        vor_admit_destroy(admit);
+        return vor_fail(err, VOR_E_NOMEM, "cannot start %u admission threads", threads);
+    }
+    *out = admit;
+    return VOR_OK;
+}
+
+void vor_admit_destroy(struct vor_admit *admit)
+{
+    if (admit == NULL)
+        return;
+    pthread_mutex_lock(&admit->mutex);
+    admit->closing = 1;
+    pthread_cond_broadcast(&admit->ready);
+    pthread_mutex_unlock(&admit->mutex);
+    for (unsigned i = 0; i < admit->started; i++)
+        pthread_join(admit->thread[i], NULL);
+    pthread_cond_destroy(&admit->ready);
+    pthread_mutex_destroy(&admit->mutex);
+    free(admit);
+}
+
+enum vor_outcome vor_admit_submit(struct vor_admit *admit, struct vor_admission *admission)
+{
+    enum vor_outcome outcome = VOR_DONE;
+
+    pthread_mutex_lock(&admit->mutex);
+    if (admit->closing) {
+        outcome = VOR_DRAINING;
+    } else if (admit->waiting >= admit->waiting_max) {
+        outcome = VOR_FULL;
+    } else {
+        admission->next = NULL;
+        *admit->tail = admission;
+        admit->tail = &admission->next;
+        admit->waiting++;
+        pthread_cond_signal(&admit->ready);
+    }
+    pthread_mutex_unlock(&admit->mutex);
+    return outcome;
+}

@@ -1,0 +1,75 @@
+/** What the files of the worker share. */
+#ifndef VOR_SERVER_WORK_INTERNAL_H
+#define VOR_SERVER_WORK_INTERNAL_H
+
+#include "server/jobs/queue.h"
+#include "server/work/worker.h"
+
+#include <pthread.h>
+
+#define VOR_WORKER_JOBS_MAX 64
+
+/** A job that waits or runs. */
+struct vor_live {
+    struct vor_job *job;
+    int running;
+    struct vor_live *next;
+};
+
+/** Locks are taken in this order: a job's change, the store's, `mutex`, a job's state, the queue's.
+ */
+struct vor_worker {
+    struct vor_worker_config config;
+    struct vor_queue *queue;
+    pthread_mutex_t mutex;  /* everything below */
+    pthread_cond_t changed; /* running, draining, aborting, closing; on the monotonic clock */
+    struct vor_live *live;
+    size_t running;
+    int draining; /* nothing is claimed or accepted any more */
+    int aborting; /* what runs was asked to end; its rows go back to accepted */
+    int closing;
+    pthread_t runners[VOR_WORKER_JOBS_MAX];
+    unsigned runner_count;
+    pthread_t sweeper;
+    int sweeper_started;
+};
+
+/** The live job of that id with a reference for the caller, NULL when there is none. */
+struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid *id);
+
+/** Adds a job to, takes it off the list of live ones; the list has its own reference.
+ *
+ *  @retval VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_worker_remember(struct vor_worker *worker, struct vor_job *job,
+                                             struct vor_error *err);
+void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job);
+
+/** Waits up to `seconds`; returns at once when the daemon goes down. True when it does. */
+int vor_worker_pause(struct vor_worker *worker, double seconds);
+
+/** The view of a job that ends now, up to its message and its expiry. */
+void vor_worker_ending(struct vor_worker *worker, struct vor_job *job, enum vor_job_status status,
+                       struct vor_job_view *out);
+
+/** Writes the last row of a frozen job, and its trace, then ends the job.
+ *
+ *  @param[in]  attempt  as vor_store_finish
+ *  @param[out] changed  0 when the row was over: the job is not ended
+ *
+ *  @retval VOR_E_IO, VOR_E_NOMEM  the job is not ended */
+VOR_NODISCARD vor_status vor_worker_finish(struct vor_worker *worker, struct vor_job *job,
+                                           const struct vor_job_view *row, uint32_t attempt,
+                                           const char *report, int *changed, struct vor_error *err);
+
+/** Removes bytes that nobody needs any more; a failure is logged, the next start removes them. */
+void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, enum vor_blob_kind kind);
+
+/** Claims, runs and ends one job that was popped from the queue. */
+void vor_worker_run(struct vor_worker *worker, struct vor_job *job);
+
+/** Puts back in order what a former run left.
+ *
+ *  @retval VOR_E_IO, VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err);
+
+#endif

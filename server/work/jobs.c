@@ -1,0 +1,353 @@
+/* What handlers ask of the worker about single jobs. */
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/work/internal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum vor_outcome vor_worker_room(struct vor_worker *worker)
+{
+    int draining;
+
+    pthread_mutex_lock(&worker->mutex);
+    draining = worker->draining;
+    pthread_mutex_unlock(&worker->mutex);
+    if (draining)
+        return VOR_DRAINING;
+    return vor_queue_depth(worker->queue) < vor_queue_capacity(worker->queue) ? VOR_DONE : VOR_FULL;
+}
+
+void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out)
+{
+    out->waiting = vor_queue_depth(worker->queue);
+    out->capacity = vor_queue_capacity(worker->queue);
+    pthread_mutex_lock(&worker->mutex);
+    out->running = worker->running;
+    pthread_mutex_unlock(&worker->mutex);
+}
+
+/* --- accepting -------------------------------------------------------------------------------- */
+
+/* What the engine would refuse minutes later is refused now, as far as it is known now. */
+static vor_status check_target(const struct vor_spec *spec, const struct vor_job_input *input,
+                               struct vor_error *err)
+{
+    if (vor_spec_given(spec, VOR_PARAM_SPACING))
+        return VOR_OK;
+    return vor_spec_check_target(spec, vor_spec_target(spec, input->points), input->points, err);
+}
+
+static void first_row(struct vor_job_view *row, const struct vor_uuid *id,
+                      const struct vor_job_input *input, const struct vor_spec *spec)
+{
+    *row = (struct vor_job_view){.id = *id,
+                                 .status = VOR_JOB_ACCEPTED,
+                                 .stage = VOR_STAGE_QUEUED,
+                                 .attempt = 1,
+                                 .queue_position = -1,
+                                 .eta_seconds = -1,
+                                 .spec = *spec,
+                                 .input = *input,
+                                 .created = vor_clock_wall_ms()};
+    (void)snprintf(row->process, sizeof row->process, "%s", spec->process->id);
+    row->updated = row->created;
+    row->problem.byte_offset = -1;
+    if (!vor_spec_given(spec, VOR_PARAM_FORMAT))
+        row->spec.value[VOR_PARAM_FORMAT] = input->format;
+}
+
+/* Makes the row durable and the job live, for a place in the queue that is booked. */
+static vor_status accept_job(struct vor_worker *worker, struct vor_job_view *row,
+                             struct vor_error *err)
+{
+    struct vor_job *job = vor_job_create(row);
+    vor_status status;
+
+    if (job == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "a job");
+    status = vor_worker_remember(worker, job, err);
+    if (status == VOR_OK) {
+        status = vor_store_insert(worker->config.store, row, err);
+        if (status != VOR_OK)
+            vor_worker_forget(worker, job);
+    }
+    if (status == VOR_OK) {
+        vor_job_set_seq(job, row->seq);
+        vor_queue_push(worker->queue, job, row->seq);
+    }
+    vor_job_release(job);
+    return status;
+}
+
+static enum vor_outcome submit(struct vor_worker *worker, struct vor_job_view *row,
+                               struct vor_error *err)
+{
+    enum vor_outcome outcome = vor_queue_reserve(worker->queue);
+
+    if (outcome != VOR_DONE)
+        return outcome;
+    if (accept_job(worker, row, err) != VOR_OK) {
+        vor_queue_cancel(worker->queue);
+        return VOR_FAILED;
+    }
+    vor_log(VOR_LOG_INFO, "job accepted", VOR_TEXT("job", row->id.text),
+            VOR_TEXT("process", row->process), VOR_COUNT("points", row->input.points),
+            VOR_COUNT("bytes", row->input.bytes));
+    return VOR_DONE;
+}
+
+enum vor_outcome vor_worker_submit(struct vor_worker *worker, const struct vor_uuid *id,
+                                   const struct vor_job_input *input, const struct vor_spec *spec,
+                                   struct vor_job_view *out, struct vor_error *err)
+{
+    enum vor_outcome outcome = VOR_FAILED;
+    struct vor_job_view row;
+
+    first_row(&row, id, input, spec);
+    if (check_target(spec, input, err) == VOR_OK)
+        outcome = submit(worker, &row, err);
+    if (outcome != VOR_DONE)
+        vor_worker_drop(worker, id, VOR_BLOB_INPUT);
+    else if (out != NULL)
+        *out = row;
+    return outcome;
+}
+
+/* --- looking ---------------------------------------------------------------------------------- */
+
+/* The view of a live job; false when there is none of that id. */
+static int live_view(struct vor_worker *worker, const struct vor_uuid *id, struct vor_job_view *out)
+{
+    struct vor_job *job = vor_worker_find(worker, id);
+
+    if (job == NULL)
+        return 0;
+    vor_job_view(job, out);
+    out->queue_position = vor_queue_position(worker->queue, job);
+    vor_job_release(job);
+    return 1;
+}
+
+static enum vor_outcome row_view(struct vor_worker *worker, const struct vor_uuid *id,
+                                 struct vor_job_view *out, struct vor_error *err)
+{
+    int found;
+
+    if (vor_store_get(worker->config.store, id, out, &found, err) != VOR_OK)
+        return VOR_FAILED;
+    return found ? VOR_DONE : VOR_UNKNOWN;
+}
+
+enum vor_outcome vor_worker_get(struct vor_worker *worker, const struct vor_uuid *id,
+                                struct vor_job_view *out, struct vor_error *err)
+{
+    return live_view(worker, id, out) ? VOR_DONE : row_view(worker, id, out, err);
+}
+
+struct listing {
+    struct vor_worker *worker;
+    int (*each)(void *ctx, const struct vor_job_view *row);
+    void *ctx;
+};
+
+static int list_one(void *ctx, const struct vor_job_view *row)
+{
+    struct listing *listing = ctx;
+    struct vor_job_view live;
+
+    if (!vor_job_status_over(row->status) && live_view(listing->worker, &row->id, &live))
+        row = &live;
+    return listing->each(listing->ctx, row);
+}
+
+vor_status vor_worker_list(struct vor_worker *worker, const struct vor_job_filter *filter,
+                           int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
+                           struct vor_error *err)
+{
+    struct listing listing = {.worker = worker, .each = each, .ctx = ctx};
+
+    return vor_store_list(worker->config.store, filter, list_one, &listing, err);
+}
+
+/* The bus of a job that is not live: its trace, and its end. */
+static vor_status stored_bus(struct vor_worker *worker, const struct vor_job_view *row,
+                             struct vor_bus **out, struct vor_error *err)
+{
+    struct vor_event end = {.kind = VOR_EVENT_END,
+                            .status = row->status,
+                            .stage = row->stage,
+                            .progress = row->progress,
+                            .time_ms = row->finished};
+    struct vor_bus *bus = NULL;
+    uint8_t *trace;
+    size_t size;
+    vor_status status = vor_store_trace(worker->config.store, &row->id, &trace, &size, err);
+
+    if (status != VOR_OK)
+        return status;
+    if (trace == NULL || vor_bus_unpack(&bus, trace, size, NULL) != VOR_OK)
+        bus = vor_bus_create(row->attempt);
+    free(trace);
+    if (bus == NULL || (vor_job_status_over(row->status) && vor_bus_publish(bus, &end) != VOR_OK)) {
+        vor_bus_release(bus);
+        return vor_fail(err, VOR_E_NOMEM, "the events of a job");
+    }
+    *out = bus;
+    return VOR_OK;
+}
+
+enum vor_outcome vor_worker_events(struct vor_worker *worker, const struct vor_uuid *id,
+                                   struct vor_bus **out, struct vor_error *err)
+{
+    struct vor_job *job = vor_worker_find(worker, id);
+    struct vor_job_view row;
+    enum vor_outcome outcome;
+
+    if (job != NULL) {
+        *out = vor_bus_retain(vor_job_bus(job));
+        vor_job_release(job);
+        return VOR_DONE;
+    }
+    outcome = row_view(worker, id, &row, err);
+    if (outcome != VOR_DONE)
+        return outcome;
+    return stored_bus(worker, &row, out, err) == VOR_OK ? VOR_DONE : VOR_FAILED;
+}
+
+vor_status vor_worker_report(struct vor_worker *worker, const struct vor_uuid *id, char **report,
+                             struct vor_error *err)
+{
+    return vor_store_report(worker->config.store, id, report, err);
+}
+
+/* --- ending ----------------------------------------------------------------------------------- */
+
+static void explain(struct vor_job_view *row, const char *why)
+{
+    (void)snprintf(row->message, sizeof row->message, "%s", why);
+}
+
+/* Dismisses a live job: VOR_CONFLICT when it is over. */
+static enum vor_outcome dismiss_live(struct vor_worker *worker, struct vor_job *job,
+                                     const char *why, struct vor_job_view *out,
+                                     struct vor_error *err)
+{
+    vor_status status;
+    int changed;
+
+    if (!vor_job_freeze(job))
+        return VOR_CONFLICT;
+    vor_worker_ending(worker, job, VOR_JOB_DISMISSED, out);
+    explain(out, why);
+    status = vor_worker_finish(worker, job, out, 0, NULL, &changed, err);
+    vor_job_thaw(job);
+    if (status != VOR_OK)
+        return VOR_FAILED;
+    if (!changed)
+        return VOR_CONFLICT;
+    vor_job_ask(job, VOR_CANCEL);
+    if (vor_queue_remove(worker->queue, job))
+        vor_worker_forget(worker, job); /* else a runner has it and will */
+    vor_worker_drop(worker, &out->id, VOR_BLOB_INPUT);
+    vor_log(VOR_LOG_INFO, "job dismissed", VOR_TEXT("job", out->id.text), VOR_TEXT("why", why));
+    return VOR_DONE;
+}
+
+/* Dismisses a job that waits for the next start of the daemon: VOR_CONFLICT when it is over. */
+static enum vor_outcome dismiss_row(struct vor_worker *worker, const char *why,
+                                    struct vor_job_view *row, struct vor_error *err)
+{
+    int changed;
+
+    if (vor_job_status_over(row->status))
+        return VOR_CONFLICT;
+    row->status = VOR_JOB_DISMISSED;
+    row->finished = vor_clock_wall_ms();
+    row->expires = row->finished + (int64_t)(worker->config.ttl_seconds * 1000);
+    explain(row, why);
+    if (vor_store_finish(worker->config.store, row, 0, NULL, &changed, err) != VOR_OK)
+        return VOR_FAILED;
+    vor_worker_drop(worker, &row->id, VOR_BLOB_INPUT);
+    return changed ? VOR_DONE : VOR_CONFLICT;
+}
+
+/* Dismisses a job that is not over, live or not; *out gets its last view in any case but
+ * VOR_UNKNOWN and VOR_FAILED. */
+static enum vor_outcome dismiss(struct vor_worker *worker, const struct vor_uuid *id,
+                                const char *why, struct vor_job_view *out, struct vor_error *err)
+{
+    struct vor_job *job = vor_worker_find(worker, id);
+    enum vor_outcome outcome = VOR_CONFLICT;
+
+    if (job != NULL)
+        outcome = dismiss_live(worker, job, why, out, err);
+    vor_job_release(job);
+    if (outcome != VOR_CONFLICT)
+        return outcome;
+    outcome = row_view(worker, id, out, err);
+    return outcome == VOR_DONE ? dismiss_row(worker, why, out, err) : outcome;
+}
+
+static enum vor_outcome remove_job(struct vor_worker *worker, const struct vor_uuid *id,
+                                   struct vor_error *err)
+{
+    struct vor_job *job;
+    int changed;
+
+    if (vor_store_remove(worker->config.store, id, &changed, err) != VOR_OK)
+        return VOR_FAILED;
+    if (!changed)
+        return VOR_UNKNOWN;
+    job = vor_worker_find(worker, id);
+    if (job != NULL)
+        vor_worker_forget(worker, job); /* its runner has not unwound yet */
+    vor_job_release(job);
+    vor_worker_drop(worker, id, VOR_BLOB_INPUT);
+    vor_worker_drop(worker, id, VOR_BLOB_CLOUD);
+    vor_log(VOR_LOG_INFO, "job removed", VOR_TEXT("job", id->text));
+    return VOR_DONE;
+}
+
+enum vor_outcome vor_worker_dismiss(struct vor_worker *worker, const struct vor_uuid *id,
+                                    const char *why, struct vor_job_view *out,
+                                    struct vor_error *err)
+{
+    struct vor_job_view view;
+    enum vor_outcome outcome = dismiss(worker, id, why, &view, err);
+
+    if (outcome == VOR_CONFLICT)
+        outcome = remove_job(worker, id, err);
+    if (outcome != VOR_DONE || out == NULL)
+        return outcome;
+    view.status = VOR_JOB_DISMISSED;
+    *out = view;
+    return VOR_DONE;
+}
+
+enum vor_outcome vor_worker_cancel(struct vor_worker *worker, const struct vor_uuid *id,
+                                   const char *why, struct vor_error *err)
+{
+    struct vor_job_view view;
+
+    return dismiss(worker, id, why, &view, err);
+}
+
+enum vor_outcome vor_worker_stop(struct vor_worker *worker, const struct vor_uuid *id,
+                                 struct vor_error *err)
+{
+    struct vor_job *job = vor_worker_find(worker, id);
+    struct vor_job_view view = {.status = VOR_JOB_ACCEPTED};
+    enum vor_outcome outcome;
+
+    if (job != NULL) {
+        vor_job_view(job, &view);
+        if (view.status == VOR_JOB_RUNNING)
+            vor_job_ask(job, VOR_STOP);
+        vor_job_release(job);
+        return view.status == VOR_JOB_RUNNING ? VOR_DONE : VOR_CONFLICT;
+    }
+    outcome = row_view(worker, id, &view, err);
+    return outcome == VOR_DONE ? VOR_CONFLICT : outcome;
+}

@@ -1,0 +1,129 @@
+/** The life of jobs from acceptance to expiry: the one door for handlers.
+ *
+ *  A job is accepted (row durable), waits in the queue, is run by one of `jobs` runner threads on
+ *  the shared pool, and ends with its row: result bytes are durable before the row says successful.
+ *  What handlers see is the live job while there is one, and its row after that. */
+#ifndef VOR_SERVER_WORK_WORKER_H
+#define VOR_SERVER_WORK_WORKER_H
+
+#include "core/base/parallel.h"
+#include "server/blob/blob.h"
+#include "server/jobs/job.h"
+#include "server/store/store.h"
+
+#include <stddef.h>
+
+struct vor_worker;
+
+struct vor_worker_config {
+    struct vor_store *store; /**< borrowed, as the next two */
+    struct vor_blobs *blobs;
+    struct vor_pool *pool;
+    unsigned jobs;        /**< run at the same time, 1 .. 64 */
+    size_t queue;         /**< wait at most, at least 1 */
+    size_t memory;        /**< bytes a job may have */
+    double ttl_seconds;   /**< results live this long after the job's end */
+    unsigned crashes_max; /**< a job that was running in so many crashes of the daemon fails */
+};
+
+/** Recovers what a former run left (running -> accepted, rows without their bytes -> failed, bytes
+ *  without a row dropped, expired results swept), then starts runners and sweeper.
+ *
+ *  @retval VOR_E_IO, VOR_E_NOMEM
+ *
+ *  Cost: some 20 microseconds a stored job. */
+VOR_NODISCARD vor_status vor_worker_create(struct vor_worker **out,
+                                           const struct vor_worker_config *config,
+                                           struct vor_error *err);
+
+/** Stops claiming and accepting (VOR_DRAINING from here on), gives running jobs `seconds` to end,
+ *  then cancels the rest, whose rows go back to accepted. Blocks. */
+void vor_worker_drain(struct vor_worker *worker, double seconds);
+
+/** Drains with 0 seconds if not done yet, ends the threads. worker may be NULL. */
+void vor_worker_destroy(struct vor_worker *worker);
+
+/** Would a job be taken now? For an early answer; vor_worker_submit decides.
+ *
+ *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING */
+enum vor_outcome vor_worker_room(struct vor_worker *worker);
+
+/** Jobs that wait, and that run. */
+struct vor_worker_load {
+    size_t waiting, capacity, running;
+};
+void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out);
+
+/** Accepts a job for an upload that vor_admit_file took in: the row is durable when this returns.
+ *
+ *  @param[in]  id, input  from the admission; its INPUT blob is dropped unless VOR_DONE is returned
+ *  @param[in]  spec       checked (vor_spec_check); a format not given becomes the input's
+ *  @param[out] out        the job's first view; may be NULL
+ *
+ *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING
+ *  @retval VOR_FAILED  err: VOR_E_TARGET as vor_spec_check_target, but for spacing, which only the
+ *                      run can tell; VOR_E_IO; VOR_E_NOMEM
+ *
+ *  Cost: an fsync; not for HTTP threads. */
+VOR_NODISCARD enum vor_outcome vor_worker_submit(struct vor_worker *worker,
+                                                 const struct vor_uuid *id,
+                                                 const struct vor_job_input *input,
+                                                 const struct vor_spec *spec,
+                                                 struct vor_job_view *out, struct vor_error *err);
+
+/** What is known about a job, live or from its row.
+ *
+ *  @retval VOR_DONE, VOR_UNKNOWN, VOR_FAILED */
+VOR_NODISCARD enum vor_outcome vor_worker_get(struct vor_worker *worker, const struct vor_uuid *id,
+                                              struct vor_job_view *out, struct vor_error *err);
+
+/** vor_store_list with what is live brought up to date. each must not call the worker. */
+VOR_NODISCARD vor_status vor_worker_list(struct vor_worker *worker,
+                                         const struct vor_job_filter *filter,
+                                         int (*each)(void *ctx, const struct vor_job_view *row),
+                                         void *ctx, struct vor_error *err);
+
+/** The events of a job, live or from its trace; the caller releases *out. A job without a trace
+ *  (it expired, or ended before it began) gets a bus with nothing but its END.
+ *
+ *  @retval VOR_DONE, VOR_UNKNOWN, VOR_FAILED */
+VOR_NODISCARD enum vor_outcome vor_worker_events(struct vor_worker *worker,
+                                                 const struct vor_uuid *id, struct vor_bus **out,
+                                                 struct vor_error *err);
+
+/** DELETE: a job that waits or runs becomes dismissed at once (its cores are free within a block of
+ *  work); one that is over is removed with its bytes. *out (may be NULL) then says dismissed.
+ *
+ *  @param[in] why  a short sentence for its message: "dismissed by the caller"
+ *
+ *  @retval VOR_DONE, VOR_UNKNOWN, VOR_FAILED
+ *
+ *  Cost: an fsync. */
+VOR_NODISCARD enum vor_outcome vor_worker_dismiss(struct vor_worker *worker,
+                                                  const struct vor_uuid *id, const char *why,
+                                                  struct vor_job_view *out, struct vor_error *err);
+
+/** The same, but only if the job is not over: for a caller who left.
+ *
+ *  @retval VOR_CONFLICT the job is over; nothing is removed */
+VOR_NODISCARD enum vor_outcome vor_worker_cancel(struct vor_worker *worker,
+                                                 const struct vor_uuid *id, const char *why,
+                                                 struct vor_error *err);
+
+/** Ends a running job with the best cloud so far; it becomes successful. Does not wait.
+ *
+ *  @retval VOR_DONE, VOR_UNKNOWN, VOR_FAILED
+ *  @retval VOR_CONFLICT the job does not run */
+VOR_NODISCARD enum vor_outcome vor_worker_stop(struct vor_worker *worker, const struct vor_uuid *id,
+                                               struct vor_error *err);
+
+/** The report of a successful job (malloc, the caller frees), NULL when there is none.
+ *
+ *  @retval VOR_E_IO, VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_worker_report(struct vor_worker *worker, const struct vor_uuid *id,
+                                           char **report, struct vor_error *err);
+
+/** Expires what is due now; the sweeper does it once a minute. */
+VOR_NODISCARD vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err);
+
+#endif
