@@ -40,11 +40,11 @@ const char *vor_stopped_word(enum vor_stopped stopped)
 /* One run from the inside. */
 struct engine {
     const struct vor_cloud *in;
-    struct vor_run run, calm_run; /* calm: for what a stop must not cut short */
-    struct vor_calm calm;
+    struct vor_run run, no_stop_run; /* no_stop: for what a stop must not cut short */
+    struct vor_no_stop no_stop;
     struct vor_spec spec;           /* resolved */
     struct vor_domain domain, thin; /* thin: empty where all of the domain is iterated on */
-    struct vor_scale scale;
+    struct vor_neighbors neighbors;
     struct vor_seeds seeds;
     struct vor_cvt_result result;
     struct vor_report report;
@@ -62,8 +62,8 @@ static vor_status resolve_target(struct engine *engine, struct vor_error *err)
     if (vor_spec_given(&engine->spec, VOR_PARAM_SPACING)) {
         double spacing = engine->spec.value[VOR_PARAM_SPACING] / engine->domain.unit;
 
-        status = vor_init_area(&engine->area, &engine->domain, &engine->scale, &engine->spec,
-                               &engine->calm_run, err);
+        status = vor_seeds_area(&engine->area, &engine->domain, &engine->neighbors, &engine->spec,
+                                &engine->no_stop_run, err);
         if (status != VOR_OK)
             return status;
         n = rint(engine->area / (0.86602540378443865 * spacing * spacing));
@@ -84,7 +84,7 @@ static vor_status drop_outliers(struct engine *engine, struct vor_error *err)
 
     if (engine->spec.value[VOR_PARAM_OUTLIERS] != VOR_OUTLIERS_DROP)
         return VOR_OK;
-    status = vor_outliers_drop(&engine->domain, &dropped, &engine->calm_run, err);
+    status = vor_outliers_drop(&engine->domain, &dropped, &engine->no_stop_run, err);
     engine->report.outliers = dropped;
     return status;
 }
@@ -95,10 +95,10 @@ static vor_status leave_lattice(struct engine *engine, struct vor_error *err)
 {
     struct vor_lattice lattice;
     size_t moved = 0;
-    vor_status status = vor_lattice_find(&lattice, &engine->domain, &engine->calm_run, err);
+    vor_status status = vor_lattice_find(&lattice, &engine->domain, &engine->no_stop_run, err);
 
     if (status == VOR_OK && lattice.matters)
-        status = vor_lattice_smooth(&engine->domain, &moved, &lattice, &engine->calm_run, err);
+        status = vor_lattice_smooth(&engine->domain, &moved, &lattice, &engine->no_stop_run, err);
     for (int c = 0; status == VOR_OK && c < 3; c++)
         engine->report.lattice[c] = lattice.cell[c] * engine->domain.unit;
     engine->report.off_lattice = moved;
@@ -112,26 +112,26 @@ static vor_status resolve_neighbors(struct engine *engine, struct vor_error *err
     vor_status status;
 
     if (*value != VOR_UNSET) {
-        vor_scale_fix(&engine->scale, (unsigned)*value);
+        vor_neighbors_fix(&engine->neighbors, (unsigned)*value);
         return VOR_OK;
     }
-    status = vor_scale_find(&engine->scale, &engine->domain, &engine->calm_run, err);
-    *value = engine->scale.usual;
+    status = vor_neighbors_choose(&engine->neighbors, &engine->domain, &engine->no_stop_run, err);
+    *value = engine->neighbors.usual;
     return status;
 }
 
 /* Puts the seeds onto a thinner domain where that is dense enough. */
 static vor_status thin_domain(struct engine *engine, struct vor_error *err)
 {
-    double more = fmax(1, (double)engine->scale.most / THINNED_FOR);
+    double more = fmax(1, (double)engine->neighbors.most / THINNED_FOR);
     double wanted = fmax(THINNED * more * (double)engine->n, THINNED_LEAST);
     vor_status status;
 
     if ((double)engine->domain.n < 2 * wanted || !(engine->seeds.area > 0))
         return VOR_OK;
     status = vor_domain_thin(&engine->thin, &engine->domain, sqrt(engine->seeds.area / wanted),
-                             &engine->calm_run, err);
-    if (status == VOR_OK && engine->thin.n >= engine->seeds.near.wide)
+                             &engine->no_stop_run, err);
+    if (status == VOR_OK && engine->thin.n >= engine->seeds.input_lists.wide)
         vor_seeds_onto(&engine->seeds, &engine->thin);
     return status;
 }
@@ -141,13 +141,13 @@ static vor_status prepare(struct engine *engine, struct vor_error *err)
     double before = engine->start, now;
     vor_status status;
 
-    status = vor_domain_init(&engine->domain, engine->in, &engine->calm_run, err);
+    status = vor_domain_init(&engine->domain, engine->in, &engine->no_stop_run, err);
     if (status == VOR_OK)
         status = drop_outliers(engine, err);
     if (status == VOR_OK)
         status = leave_lattice(engine, err);
     if (status == VOR_OK)
-        status = vor_sheets_find(&engine->domain, &engine->calm_run, err);
+        status = vor_sheets_find(&engine->domain, &engine->no_stop_run, err);
     if (status != VOR_OK)
         return status;
     now = vor_run_clock(&engine->run);
@@ -157,8 +157,8 @@ static vor_status prepare(struct engine *engine, struct vor_error *err)
     if (status == VOR_OK)
         status = resolve_target(engine, err);
     if (status == VOR_OK)
-        status = vor_init_seeds(&engine->seeds, &engine->domain, engine->n, &engine->scale,
-                                &engine->spec, &engine->calm_run, err);
+        status = vor_start_seeds(&engine->seeds, &engine->domain, engine->n, &engine->neighbors,
+                                 &engine->spec, &engine->no_stop_run, err);
     if (status == VOR_OK)
         status = thin_domain(engine, err);
     engine->report.seconds_init = vor_run_clock(&engine->run) - before;
@@ -175,17 +175,17 @@ static vor_status optimise(struct engine *engine, struct vor_error *err)
     status = method->run(&engine->seeds, &engine->result, &engine->spec, engine->start, err);
     now = vor_run_clock(&engine->run);
     engine->report.seconds_iterate = now - before;
-    engine->seeds.run = &engine->calm_run;
+    engine->seeds.run = &engine->no_stop_run;
     if (status == VOR_OK)
-        status = vor_settle(&engine->seeds, err);
+        status = vor_attach(&engine->seeds, err);
     engine->seeds.run = &engine->run;
     if (status == VOR_OK)
-        status = vor_polish_run(&engine->seeds, &engine->result, &engine->spec, engine->start, err);
-    engine->seeds.run = &engine->calm_run;
+        status = vor_repel(&engine->seeds, &engine->result, &engine->spec, engine->start, err);
+    engine->seeds.run = &engine->no_stop_run;
     if (status == VOR_OK)
-        status = vor_land(&engine->seeds, err);
+        status = vor_attach_to_whole(&engine->seeds, err);
     if (status == VOR_OK && engine->result.polish_steps > 0)
-        status = vor_settle_last(&engine->seeds, err);
+        status = vor_attach_last(&engine->seeds, err);
     engine->report.seconds_polish = vor_run_clock(&engine->run) - now;
     return status;
 }
@@ -216,14 +216,14 @@ static vor_status hand_back(struct engine *engine, struct vor_cloud *out,
     return status;
 }
 
-static struct vor_apart in_unit(const struct vor_account_apart *apart, double unit)
+static struct vor_apart in_unit(const struct vor_compare_apart *apart, double unit)
 {
     return (struct vor_apart){apart->mean * unit, apart->rms * unit, apart->max * unit,
                               apart->points};
 }
 
 /* How many neighbours the surfaces were fitted to. */
-static void count_fitted(struct vor_report *report, const struct vor_account *account)
+static void count_fitted(struct vor_report *report, const struct vor_comparison *account)
 {
     for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX; k++)
         if (account->fitted[k] > 0) {
@@ -238,8 +238,8 @@ static vor_status account_for(struct engine *engine, const struct vor_uniformity
 {
     struct vor_report *report = &engine->report;
     double unit = engine->domain.unit;
-    struct vor_account account;
-    vor_status status = vor_account_take(&account, &engine->seeds, even->mean, err);
+    struct vor_comparison account;
+    vor_status status = vor_compare(&account, &engine->seeds, even->mean, err);
 
     if (status != VOR_OK)
         return status;
@@ -264,9 +264,9 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
         return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", engine->n);
     status = vor_seeds_index(&engine->seeds, err);
     if (status == VOR_OK)
-        status = vor_even_measure(&even, nearest, &engine->seeds, engine->seeds.xyz, err);
+        status = vor_seeds_uniformity(&even, nearest, &engine->seeds, engine->seeds.xyz, err);
     if (status == VOR_OK)
-        status = vor_even_six(&report->six_share, &engine->seeds, err);
+        status = vor_seeds_six_share(&report->six_share, &engine->seeds, err);
     counts = vor_seeds_counts(&engine->seeds);
     if (status == VOR_OK)
         status = account_for(engine, &even, err);
@@ -295,7 +295,7 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
     report->min_over_mean = even.mean > 0 ? even.min / even.mean : 0;
     report->max_over_mean = even.mean > 0 ? even.max / even.mean : 0;
     report->queries = counts.queries;
-    report->list_rebuilds = engine->seeds.swarm.indexed;
+    report->list_rebuilds = engine->seeds.point_lists.indexed;
     if (counts.cells > 0) {
         report->bisectors_per_cell = (double)counts.bisectors / (double)counts.cells;
         report->triangles_per_cell = (double)counts.triangles / (double)counts.cells;
@@ -311,8 +311,8 @@ vor_status vor_engine_run(struct vor_cloud *out, struct vor_report *report,
     struct engine engine = {.in = in, .run = *run, .spec = *spec};
     vor_status status;
 
-    engine.calm_run = *run;
-    engine.calm_run.watch = vor_calm_watch(&engine.calm, run->watch);
+    engine.no_stop_run = *run;
+    engine.no_stop_run.watch = vor_no_stop_watch(&engine.no_stop, run->watch);
     engine.start = vor_run_clock(run);
     status = prepare(&engine, err);
     if (status == VOR_OK)

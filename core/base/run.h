@@ -31,25 +31,25 @@ VOR_NODISCARD static inline vor_status vor_run_for(const struct vor_run *run, si
 
 /** A watch that passes on VOR_CANCEL and nothing else: for the parts of a run after which there is
  *  something to hand back, and which VOR_STOP therefore must not cut short. */
-struct vor_calm {
+struct vor_no_stop {
     const struct vor_watch *inner;
     struct vor_watch watch;
 };
 
-static inline enum vor_answer vor_calm_poll(void *ctx)
+static inline enum vor_answer vor_no_stop_poll(void *ctx)
 {
-    const struct vor_calm *calm = ctx;
+    const struct vor_no_stop *no_stop = ctx;
 
-    return calm->inner->poll(calm->inner->ctx) == VOR_CANCEL ? VOR_CANCEL : VOR_CONTINUE;
+    return no_stop->inner->poll(no_stop->inner->ctx) == VOR_CANCEL ? VOR_CANCEL : VOR_CONTINUE;
 }
 
-/** The watch to use; valid as long as *calm and inner (may be NULL) are. */
-static inline const struct vor_watch *vor_calm_watch(struct vor_calm *calm,
-                                                     const struct vor_watch *inner)
+/** The watch to use; valid as long as *no_stop and inner (may be NULL) are. */
+static inline const struct vor_watch *vor_no_stop_watch(struct vor_no_stop *no_stop,
+                                                        const struct vor_watch *inner)
 {
-    calm->inner = inner;
-    calm->watch = (struct vor_watch){.ctx = calm, .poll = vor_calm_poll};
-    return inner != NULL && inner->poll != NULL ? &calm->watch : NULL;
+    no_stop->inner = inner;
+    no_stop->watch = (struct vor_watch){.ctx = no_stop, .poll = vor_no_stop_poll};
+    return inner != NULL && inner->poll != NULL ? &no_stop->watch : NULL;
 }
 
 /** Seconds by the watch's clock; 0 without one. */

@@ -116,53 +116,53 @@ static int keeps_border(const struct cvt *cvt)
     return cvt->spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP;
 }
 
-/* The input does not go on to where the centroid of bench->cell is: ends the cell where the input
+/* The input does not go on to where the centroid of scratch->cell is: ends the cell where the input
  * does, and finds its centroid x anew. */
-static void shorten_cell(struct vor_bench *bench, struct vor_moments *moments, double x[3])
+static void shorten_cell(struct vor_scratch *scratch, struct vor_moments *moments, double x[3])
 {
-    double side[2] = {moments->centroid[0] - bench->cell.seed[0],
-                      moments->centroid[1] - bench->cell.seed[1]};
+    double side[2] = {moments->centroid[0] - scratch->cell.seed[0],
+                      moments->centroid[1] - scratch->cell.seed[1]};
     double length = sqrt(side[0] * side[0] + side[1] * side[1]), end;
 
     if (!(length > 0))
         return;
     side[0] /= length;
     side[1] /= length;
-    end = vor_boundary_end(&bench->here.surface, bench->cell.seed, side, &bench->there.surface,
-                           bench->there.near, bench->there.k);
-    vor_cell_clip(&bench->cell, (double[3]){2 * end * side[0], 2 * end * side[1], 0});
-    if (!vor_cell_moments(moments, &bench->cell))
+    end = vor_boundary_end(&scratch->here.surface, scratch->cell.seed, side,
+                           &scratch->there.surface, scratch->there.near, scratch->there.k);
+    vor_cell_clip(&scratch->cell, (double[3]){2 * end * side[0], 2 * end * side[1], 0});
+    if (!vor_cell_moments(moments, &scratch->cell))
         return;
-    vor_surface_to_world(&bench->here.surface, moments->centroid, x);
-    vor_surface_put(&bench->here.surface, x);
+    vor_surface_to_world(&scratch->here.surface, moments->centroid, x);
+    vor_surface_put(&scratch->here.surface, x);
 }
 
 /* Whether x, put onto the surface of the input around it, is outside the input. */
-static int outside(const struct cvt *cvt, struct vor_bench *bench, struct vor_border *border,
+static int outside(const struct cvt *cvt, struct vor_scratch *scratch, struct vor_border *border,
                    double x[3])
 {
-    if (vor_seeds_fit_at(cvt->seeds, bench, &bench->there, x) == VOR_SURFACE_NONE)
+    if (vor_seeds_fit_at(cvt->seeds, scratch, &scratch->there, x) == VOR_SURFACE_NONE)
         return 0;
-    vor_surface_put(&bench->there.surface, x);
-    vor_seeds_border(cvt->seeds, bench, &bench->there, border, x);
+    vor_surface_put(&scratch->there.surface, x);
+    vor_seeds_border(cvt->seeds, scratch, &scratch->there, border, x);
     return vor_boundary_outside(border, VOR_BORDER_MOVING, x);
 }
 
 /* Where seed i may go when it is meant to go to x, the projected centroid. Where the neighbours at
  * hand are not near x, it is the input around x that counts. Returns whether it was held back. */
-static int restrict_move(struct cvt *cvt, struct vor_bench *bench, size_t i,
+static int restrict_move(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
                          struct vor_moments *moments, double x[3])
 {
     struct vor_border border;
 
     if (!keeps_border(cvt) ||
-        vor_boundary_inside(&bench->here.surface, bench->here.near, bench->here.k, x) ||
-        !outside(cvt, bench, &border, x))
+        vor_boundary_inside(&scratch->here.surface, scratch->here.near, scratch->here.k, x) ||
+        !outside(cvt, scratch, &border, x))
         return 0;
     cvt->flags[i] |= AT_BORDER;
     for (int tries = 0; tries < SHORTEN_MAX; tries++) {
-        shorten_cell(bench, moments, x);
-        if (!outside(cvt, bench, &border, x))
+        shorten_cell(scratch, moments, x);
+        if (!outside(cvt, scratch, &border, x))
             return 0;
     }
     (void)vor_boundary_restrict(&border, VOR_BORDER_MOVING, x);
@@ -171,7 +171,7 @@ static int restrict_move(struct cvt *cvt, struct vor_bench *bench, size_t i,
 }
 
 /* Stretches the way of seed i to x, its projected centroid, and adds some of its last step. */
-static void stretch(const struct cvt *cvt, struct vor_bench *bench, size_t i, double x[3])
+static void stretch(const struct cvt *cvt, struct vor_scratch *scratch, size_t i, double x[3])
 {
     double k = cvt->result.iterations, momentum = fmin(MOMENTUM, k / (k + MOMENTUM_SLOW));
     double way[3] = {0}, step[3] = {0}, most, length; /* the analysers want it said */
@@ -180,19 +180,20 @@ static void stretch(const struct cvt *cvt, struct vor_bench *bench, size_t i, do
         way[c] = x[c] - (double)cvt->seeds->xyz[3 * i + c];
         step[c] = RELAXATION * way[c] + momentum * (double)cvt->step[3 * i + c];
     }
-    most = fmax(LONG_STEP * bench->radius, sqrt(vor_dot(way, way)));
+    most = fmax(LONG_STEP * scratch->radius, sqrt(vor_dot(way, way)));
     length = sqrt(vor_dot(step, step));
     for (size_t c = 0; c < 3; c++)
         x[c] = (double)cvt->seeds->xyz[3 * i + c] +
                (length > most ? step[c] * (most / length) : step[c]);
-    vor_surface_put(&bench->here.surface, x);
+    vor_surface_put(&scratch->here.surface, x);
 }
 
 /* Where seed i goes: its cell's projected centroid, or beyond. A seed whose cell is empty, since it
  * lies too far off its own surface, is projected; one without a surface stays. */
-static void lloyd_step(struct cvt *cvt, struct vor_bench *bench, size_t i, struct block_sums *sums)
+static void lloyd_step(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
+                       struct block_sums *sums)
 {
-    enum vor_surface_kind kind = vor_seeds_cell(cvt->seeds, bench, i);
+    enum vor_surface_kind kind = vor_seeds_cell(cvt->seeds, scratch, i);
     struct vor_moments moments;
     double x[3], normal[3];
 
@@ -204,22 +205,22 @@ static void lloyd_step(struct cvt *cvt, struct vor_bench *bench, size_t i, struc
         sums->left++;
         return;
     }
-    if (vor_cell_moments(&moments, &bench->cell)) {
+    if (vor_cell_moments(&moments, &scratch->cell)) {
         sums->area += moments.area;
         sums->energy += moments.energy;
     } else {
-        memcpy(moments.centroid, bench->cell.seed, sizeof moments.centroid);
+        memcpy(moments.centroid, scratch->cell.seed, sizeof moments.centroid);
     }
     sums->plane += kind == VOR_SURFACE_PLANE;
-    vor_surface_project(&bench->here.surface, moments.centroid);
-    vor_surface_to_world(&bench->here.surface, moments.centroid, x);
+    vor_surface_project(&scratch->here.surface, moments.centroid);
+    vor_surface_to_world(&scratch->here.surface, moments.centroid, x);
     if (cvt->normal != NULL) {
-        vor_surface_normal(&bench->here.surface, moments.centroid, normal);
+        vor_surface_normal(&scratch->here.surface, moments.centroid, normal);
         set3(&cvt->normal[3 * i], normal);
     }
     if (cvt->step != NULL)
-        stretch(cvt, bench, i, x);
-    sums->held += (uint64_t)restrict_move(cvt, bench, i, &moments, x);
+        stretch(cvt, scratch, i, x);
+    sums->held += (uint64_t)restrict_move(cvt, scratch, i, &moments, x);
     set3(&cvt->lloyd[3 * i], x);
     for (size_t c = 0; cvt->step != NULL && c < 3; c++)
         cvt->step[3 * i + c] = cvt->lloyd[3 * i + c] - cvt->seeds->xyz[3 * i + c];
@@ -233,11 +234,11 @@ static double move2(const struct cvt *cvt, const float *to, size_t i)
 static void lloyd_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct cvt *cvt = ctx;
-    struct vor_bench *bench = &cvt->seeds->bench[worker];
+    struct vor_scratch *scratch = &cvt->seeds->scratch[worker];
     struct block_sums sums = {0};
 
     for (size_t i = begin; i < end; i++) {
-        lloyd_step(cvt, bench, i, &sums);
+        lloyd_step(cvt, scratch, i, &sums);
         sums.max_move = fmax(sums.max_move, move2(cvt, cvt->lloyd, i));
     }
     sums.max_move = sqrt(sums.max_move);
@@ -313,7 +314,7 @@ static vor_status accelerate(struct cvt *cvt, struct vor_uniformity *even, struc
         return status;
     for (size_t b = 0; b < cvt->blocks; b++)
         max_move = fmax(max_move, cvt->sums[b].max_move);
-    status = vor_even_measure(&mixed, cvt->nearest, seeds, cvt->mix, err);
+    status = vor_seeds_uniformity(&mixed, cvt->nearest, seeds, cvt->mix, err);
     if (status != VOR_OK || !(mixed.delta <= even->delta))
         return status;
     memcpy(cvt->lloyd, cvt->mix, 3 * seeds->n * sizeof *cvt->mix);
@@ -333,7 +334,7 @@ static vor_status iterate(struct cvt *cvt, struct vor_uniformity *even, struct v
     if (status != VOR_OK)
         return status;
     add_blocks(cvt);
-    status = vor_even_measure(even, cvt->nearest, seeds, cvt->lloyd, err);
+    status = vor_seeds_uniformity(even, cvt->nearest, seeds, cvt->lloyd, err);
     if (status == VOR_OK && cvt->anderson.length > 0)
         status = accelerate(cvt, even, err);
     if (status != VOR_OK)
@@ -433,10 +434,10 @@ static int must_land(const struct cvt *cvt, const struct vor_uniformity *even)
 /* Onto the whole of the input: what was the most even before counts no more. */
 static vor_status land(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
 {
-    vor_status status = vor_land(cvt->seeds, err);
+    vor_status status = vor_attach_to_whole(cvt->seeds, err);
 
     if (status == VOR_OK)
-        status = vor_even_begin(even, cvt->nearest, cvt->seeds, err);
+        status = vor_seeds_uniformity_now(even, cvt->nearest, cvt->seeds, err);
     if (status != VOR_OK)
         return status;
     cvt->best_delta = even->delta;
@@ -449,7 +450,7 @@ static vor_status loop(struct cvt *cvt, struct vor_error *err)
     struct vor_uniformity even;
     enum vor_answer answer;
     double took = 0, before;
-    vor_status status = vor_even_begin(&even, cvt->nearest, cvt->seeds, err);
+    vor_status status = vor_seeds_uniformity_now(&even, cvt->nearest, cvt->seeds, err);
 
     if (status != VOR_OK)
         return status;

@@ -62,13 +62,13 @@ struct areas {
 static void measure_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct areas *areas = ctx;
-    struct vor_bench *bench = &areas->from->bench[worker];
+    struct vor_scratch *scratch = &areas->from->scratch[worker];
     struct vor_moments moments;
 
     for (size_t i = begin; i < end; i++) {
         areas->end[i] = 0;
-        if (vor_seeds_cell(areas->from, bench, i) != VOR_SURFACE_NONE &&
-            vor_cell_moments(&moments, &bench->cell))
+        if (vor_seeds_cell(areas->from, scratch, i) != VOR_SURFACE_NONE &&
+            vor_cell_moments(&moments, &scratch->cell))
             areas->end[i] = moments.area;
     }
 }
@@ -83,14 +83,14 @@ static size_t samples_until(const struct areas *areas, double end)
 }
 
 /* The patch may reach beyond the input: puts x onto the surface around it, within its bound. */
-static void pull_in(const struct vor_seeds *seeds, struct vor_bench *bench, double x[3])
+static void pull_in(const struct vor_seeds *seeds, struct vor_scratch *scratch, double x[3])
 {
     struct vor_border border;
 
-    if (vor_seeds_fit_at(seeds, bench, &bench->there, x) == VOR_SURFACE_NONE)
+    if (vor_seeds_fit_at(seeds, scratch, &scratch->there, x) == VOR_SURFACE_NONE)
         return;
-    vor_surface_put(&bench->there.surface, x);
-    vor_seeds_border(seeds, bench, &bench->there, &border, x);
+    vor_surface_put(&scratch->there.surface, x);
+    vor_seeds_border(seeds, scratch, &scratch->there, &border, x);
     (void)vor_boundary_restrict(&border, VOR_BORDER_MOVING, x);
 }
 
@@ -162,46 +162,48 @@ static void relax(struct spread *spread)
             spread->at[i][c] = sum[i][c] / count[i];
 }
 
-static void place_sample(const struct areas *areas, struct vor_bench *bench, size_t sample,
+static void place_sample(const struct areas *areas, struct vor_scratch *scratch, size_t sample,
                          double local[3])
 {
     double x[3];
 
-    vor_surface_project(&bench->here.surface, local);
-    vor_surface_to_world(&bench->here.surface, local, x);
+    vor_surface_project(&scratch->here.surface, local);
+    vor_surface_to_world(&scratch->here.surface, local, x);
     if (areas->from->keep_border &&
-        !vor_boundary_inside(&bench->here.surface, bench->here.near, bench->here.k, x))
-        pull_in(areas->from, bench, x);
+        !vor_boundary_inside(&scratch->here.surface, scratch->here.near, scratch->here.k, x))
+        pull_in(areas->from, scratch, x);
     for (size_t c = 0; c < 3; c++)
         areas->to->xyz[3 * sample + c] = (float)x[c];
 }
 
-/* Starts n seeds in bench->cell. */
-static void sample_cell(const struct areas *areas, struct vor_bench *bench, size_t first, size_t n)
+/* Starts n seeds in scratch->cell. */
+static void sample_cell(const struct areas *areas, struct vor_scratch *scratch, size_t first,
+                        size_t n)
 {
     struct spread spread;
 
-    draw_pool(&spread, areas, &bench->cell, first, n);
+    draw_pool(&spread, areas, &scratch->cell, first, n);
     start_apart(&spread);
     for (int round = 0; round < ROUNDS; round++)
         relax(&spread);
     for (size_t i = 0; i < n; i++)
-        place_sample(areas, bench, first + i, spread.at[i]);
+        place_sample(areas, scratch, first + i, spread.at[i]);
 }
 
 static void sample_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct areas *areas = ctx;
-    struct vor_bench *bench = &areas->from->bench[worker];
+    struct vor_scratch *scratch = &areas->from->scratch[worker];
 
     for (size_t i = begin; i < end; i++) {
         size_t first = i > 0 ? samples_until(areas, areas->end[i - 1]) : 0;
         size_t last = samples_until(areas, areas->end[i]);
 
-        if (first == last || vor_seeds_cell(areas->from, bench, i) == VOR_SURFACE_NONE)
+        if (first == last || vor_seeds_cell(areas->from, scratch, i) == VOR_SURFACE_NONE)
             continue;
         for (size_t sample = first; sample < last; sample += TOGETHER)
-            sample_cell(areas, bench, sample, last - sample < TOGETHER ? last - sample : TOGETHER);
+            sample_cell(areas, scratch, sample,
+                        last - sample < TOGETHER ? last - sample : TOGETHER);
     }
 }
 
@@ -366,7 +368,7 @@ static vor_status start_in_cells(struct areas *areas, const struct vor_spec *spe
     struct vor_seeds *from = areas->from, *to = areas->to;
     const struct vor_domain *domain = to->domain;
     vor_status status = vor_seeds_init(from, domain, to->n < domain->n ? to->n : domain->n,
-                                       to->scale, to->run, err);
+                                       to->neighbors, to->run, err);
 
     if (status != VOR_OK)
         return status;
@@ -377,15 +379,15 @@ static vor_status start_in_cells(struct areas *areas, const struct vor_spec *spe
     return status;
 }
 
-vor_status vor_init_seeds(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
-                          const struct vor_scale *scale, const struct vor_spec *spec,
-                          const struct vor_run *run, struct vor_error *err)
+vor_status vor_start_seeds(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
+                           const struct vor_neighbors *neighbors, const struct vor_spec *spec,
+                           const struct vor_run *run, struct vor_error *err)
 {
     uint64_t seed = (uint64_t)spec->value[VOR_PARAM_SEED];
     struct vor_seeds from = {0}, to = {0};
     struct areas areas = {&from, &to, NULL, vor_rng_unit(seed, STREAM_ROUND, 0), seed};
     int done = 0;
-    vor_status status = vor_seeds_init(&to, domain, n, scale, run, err);
+    vor_status status = vor_seeds_init(&to, domain, n, neighbors, run, err);
 
     if (status == VOR_OK && domain->n / PLENTY >= n && domain->n >= DENSITY_K)
         status = start_at_points(&areas, &done, err);
@@ -399,15 +401,15 @@ vor_status vor_init_seeds(struct vor_seeds *out, const struct vor_domain *domain
     return VOR_OK;
 }
 
-vor_status vor_init_area(double *out, const struct vor_domain *domain,
-                         const struct vor_scale *scale, const struct vor_spec *spec,
-                         const struct vor_run *run, struct vor_error *err)
+vor_status vor_seeds_area(double *out, const struct vor_domain *domain,
+                          const struct vor_neighbors *neighbors, const struct vor_spec *spec,
+                          const struct vor_run *run, struct vor_error *err)
 {
     uint64_t seed = (uint64_t)spec->value[VOR_PARAM_SEED];
     size_t n = domain->n / 2 < AREA_SEEDS ? (domain->n + 1) / 2 : AREA_SEEDS;
     struct vor_seeds from = {0};
     struct areas areas = {&from, NULL, NULL, 0, seed};
-    vor_status status = vor_seeds_init(&from, domain, n, scale, run, err);
+    vor_status status = vor_seeds_init(&from, domain, n, neighbors, run, err);
 
     if (status != VOR_OK)
         return status;

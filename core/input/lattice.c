@@ -374,13 +374,13 @@ vor_status vor_lattice_smooth(struct vor_domain *domain, size_t *moved,
                               struct vor_error *err)
 {
     struct smooth smooth = {.domain = domain, .lattice = lattice};
-    struct vor_scale scale;
-    vor_status status = vor_scale_find(&scale, domain, run, err);
+    struct vor_neighbors neighbors;
+    vor_status status = vor_neighbors_choose(&neighbors, domain, run, err);
 
     *moved = 0;
     if (status != VOR_OK)
         return status;
-    smooth.k = 2 * scale.usual < VOR_NEIGHBORS_MAX ? 2 * scale.usual : VOR_NEIGHBORS_MAX;
+    smooth.k = 2 * neighbors.usual < VOR_NEIGHBORS_MAX ? 2 * neighbors.usual : VOR_NEIGHBORS_MAX;
     if (smooth.k > domain->n)
         smooth.k = (unsigned)domain->n;
     smooth.xyz = vor_malloc(run->memory, domain->n, 3 * sizeof *smooth.xyz);

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PLACES = VOR_SCALE_PLACES, BLOCK = 16, STEPS = 6, FIRST = 2, MOST = 150, ROOM = 8 };
+enum { PLACES = VOR_NEIGHBORS_PLACES, BLOCK = 16, STEPS = 6, FIRST = 2, MOST = 150, ROOM = 8 };
 enum { POOL = 32 }; /* places that decide for one of them */
 
 #define THICK 0.19            /* residual over reach: a thick neighbourhood */
@@ -26,7 +26,7 @@ enum { POOL = 32 }; /* places that decide for one of them */
 
 static const unsigned ladder[STEPS] = {20, 30, 45, 70, 100, MOST};
 
-struct scale {
+struct survey {
     const struct vor_domain *domain;
     unsigned steps, most;           /* of the ladder that the domain has points enough for */
     double residual[STEPS][PLACES]; /* variance about the surface */
@@ -38,17 +38,17 @@ static size_t place_at(const struct vor_domain *domain, size_t place)
     return (size_t)(((double)place + 0.5) / PLACES * (double)domain->n);
 }
 
-static void fit_place(struct scale *scale, size_t place)
+static void fit_place(struct survey *survey, size_t place)
 {
-    const struct vor_domain *domain = scale->domain;
+    const struct vor_domain *domain = survey->domain;
     const float *x = &domain->xyz[3 * place_at(domain, place)];
     float near[3 * MOST] = {0}, own[3 * MOST], distance2[MOST];
     uint32_t index[MOST];
 
-    vor_knn_search(domain->knn, x, 1, scale->most, index, distance2);
-    for (unsigned j = 0; j < scale->most; j++)
+    vor_knn_search(domain->knn, x, 1, survey->most, index, distance2);
+    for (unsigned j = 0; j < survey->most; j++)
         memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
-    for (unsigned s = 0; s < scale->steps; s++) {
+    for (unsigned s = 0; s < survey->steps; s++) {
         struct vor_surface surface;
         double sum = 0;
 
@@ -63,9 +63,9 @@ static void fit_place(struct scale *scale, size_t place)
             off = local[2] - vor_surface_height(&surface, local[0], local[1], NULL);
             sum += off * off;
         }
-        scale->residual[s][place] = sum / (ladder[s] - 6);
-        scale->thickness[s][place] =
-            surface.reach > 0 ? sqrt(scale->residual[s][place]) / surface.reach : 0;
+        survey->residual[s][place] = sum / (ladder[s] - 6);
+        survey->thickness[s][place] =
+            surface.reach > 0 ? sqrt(survey->residual[s][place]) / surface.reach : 0;
     }
 }
 
@@ -90,40 +90,40 @@ struct pool {
 };
 
 /* The thickness that all but a few of the places stay below. */
-static double thickness_of(const struct scale *scale, const struct pool *pool, unsigned step)
+static double thickness_of(const struct survey *survey, const struct pool *pool, unsigned step)
 {
     double thickness[PLACES] = {0}, share = pool->count < PLACES ? THICK_SHARE_POOL : THICK_SHARE;
 
     for (size_t i = 0; i < pool->count; i++)
-        thickness[i] = scale->thickness[step][pool->place[i]];
+        thickness[i] = survey->thickness[step][pool->place[i]];
     qsort(thickness, pool->count, sizeof *thickness, ascending);
     return thickness[(size_t)(share * (double)pool->count)];
 }
 
-static double residual_of(const struct scale *scale, const struct pool *pool, unsigned step)
+static double residual_of(const struct survey *survey, const struct pool *pool, unsigned step)
 {
     double sum = 0;
 
     for (size_t i = 0; i < pool->count; i++)
-        sum += scale->residual[step][pool->place[i]];
+        sum += survey->residual[step][pool->place[i]];
     return sum / (double)pool->count;
 }
 
 /* The first step at which neighbourhoods are wider than thick. */
-static unsigned wide_step(const struct scale *scale, const struct pool *pool)
+static unsigned wide_step(const struct survey *survey, const struct pool *pool)
 {
     double thickness[STEPS] = {0}, least = INFINITY;
     unsigned step = 0;
 
-    for (unsigned s = 0; s < scale->steps; s++) {
-        thickness[s] = thickness_of(scale, pool, s);
+    for (unsigned s = 0; s < survey->steps; s++) {
+        thickness[s] = thickness_of(survey, pool, s);
         least = fmin(least, thickness[s]);
     }
     while (thickness[step] > (least > THICK ? HELPS * least : THICK))
         step++;
     /* A shape that is merely coarse: more neighbours lose more than noise would leave. */
-    while (step > 0 &&
-           residual_of(scale, pool, step) / ladder[step] > residual_of(scale, pool, 0) / ladder[0])
+    while (step > 0 && residual_of(survey, pool, step) / ladder[step] >
+                           residual_of(survey, pool, 0) / ladder[0])
         step--;
     return step;
 }
@@ -136,13 +136,13 @@ static double error_of(double residual, unsigned step, double noise)
 }
 
 /* From there on, the step with the least error. */
-static unsigned best_step(const struct scale *scale, const struct pool *pool, unsigned from)
+static unsigned best_step(const struct survey *survey, const struct pool *pool, unsigned from)
 {
-    double noise = residual_of(scale, pool, from), least = INFINITY;
+    double noise = residual_of(survey, pool, from), least = INFINITY;
     unsigned best = from;
 
-    for (unsigned s = from; s < scale->steps; s++) {
-        double error = error_of(residual_of(scale, pool, s), s, noise);
+    for (unsigned s = from; s < survey->steps; s++) {
+        double error = error_of(residual_of(survey, pool, s), s, noise);
 
         if (error < least) {
             least = error;
@@ -154,35 +154,35 @@ static unsigned best_step(const struct scale *scale, const struct pool *pool, un
 
 /* Whether step s is worth taking instead of the usual one: its error is lower by enough, and not
  * because of a few places, at an edge, alone. */
-static int worth_it(const struct scale *scale, const struct pool *pool, unsigned from, unsigned s,
+static int worth_it(const struct survey *survey, const struct pool *pool, unsigned from, unsigned s,
                     unsigned usual)
 {
-    double noise = residual_of(scale, pool, from), worth = s < usual ? WORTH_FEWER : WORTH_MORE;
+    double noise = residual_of(survey, pool, from), worth = s < usual ? WORTH_FEWER : WORTH_MORE;
     unsigned agree = 0;
 
-    if (error_of(residual_of(scale, pool, s), s, noise) >
-        worth * error_of(residual_of(scale, pool, usual), usual, noise))
+    if (error_of(residual_of(survey, pool, s), s, noise) >
+        worth * error_of(residual_of(survey, pool, usual), usual, noise))
         return 0;
     for (size_t i = 0; i < pool->count; i++) {
         size_t place = pool->place[i];
 
-        noise = scale->residual[from][place];
-        agree += error_of(scale->residual[s][place], s, noise) <
-                 error_of(scale->residual[usual][place], usual, noise);
+        noise = survey->residual[from][place];
+        agree += error_of(survey->residual[s][place], s, noise) <
+                 error_of(survey->residual[usual][place], usual, noise);
     }
     return 2 * agree >= pool->count;
 }
 
 /* The best step for a few places, where all begin at `from` and want `usual`. */
-static unsigned local_step(const struct scale *scale, const struct pool *pool, unsigned from,
+static unsigned local_step(const struct survey *survey, const struct pool *pool, unsigned from,
                            unsigned usual)
 {
     unsigned best;
 
-    while (from > 0 && thickness_of(scale, pool, from - 1) <= THIN * THICK)
+    while (from > 0 && thickness_of(survey, pool, from - 1) <= THIN * THICK)
         from--;
-    best = best_step(scale, pool, from);
-    return worth_it(scale, pool, from, best, usual) ? best : usual;
+    best = best_step(survey, pool, from);
+    return worth_it(survey, pool, from, best, usual) ? best : usual;
 }
 
 struct nearness {
@@ -200,13 +200,13 @@ static int nearer(const void *a, const void *b)
 }
 
 /* A place and those nearest to it. */
-static void pool_around(struct pool *pool, const struct vor_scale *scale, size_t place)
+static void pool_around(struct pool *pool, const struct vor_neighbors *neighbors, size_t place)
 {
     struct nearness all[PLACES];
 
     for (size_t i = 0; i < PLACES; i++)
-        all[i] = (struct nearness){vor_distance2f(&scale->xyz[3 * i], &scale->xyz[3 * place]),
-                                   (uint16_t)i};
+        all[i] = (struct nearness){
+            vor_distance2f(&neighbors->xyz[3 * i], &neighbors->xyz[3 * place]), (uint16_t)i};
     qsort(all, PLACES, sizeof *all, nearer);
     pool->count = POOL;
     for (size_t i = 0; i < POOL; i++)
@@ -220,45 +220,45 @@ static void pool_all(struct pool *pool)
         pool->place[i] = (uint16_t)i;
 }
 
-static vor_status fit_places(struct scale *scale, unsigned steps, const struct vor_run *run,
+static vor_status fit_places(struct survey *survey, unsigned steps, const struct vor_run *run,
                              struct vor_error *err)
 {
-    scale->steps = steps;
-    scale->most = ladder[steps - 1];
-    return vor_run_for(run, PLACES, BLOCK, fit_block, scale, err);
+    survey->steps = steps;
+    survey->most = ladder[steps - 1];
+    return vor_run_for(run, PLACES, BLOCK, fit_block, survey, err);
 }
 
 /* Whether the fewest do everywhere, and are no thicker than more of them: more need not be tried.
  */
-static int fewest_do(const struct scale *scale, const struct vor_scale *at)
+static int fewest_do(const struct survey *survey, const struct vor_neighbors *at)
 {
     struct pool pool;
 
     pool_all(&pool);
-    if (thickness_of(scale, &pool, 0) > THICK)
+    if (thickness_of(survey, &pool, 0) > THICK)
         return 0;
     for (size_t place = 0; place < PLACES; place++) {
         pool_around(&pool, at, place);
-        if (best_step(scale, &pool, 0) > 0)
+        if (best_step(survey, &pool, 0) > 0)
             return 0;
     }
     return 1;
 }
 
-static void choose(struct vor_scale *out, const struct scale *scale)
+static void choose(struct vor_neighbors *out, const struct survey *survey)
 {
     struct pool pool;
     unsigned from, usual;
 
     pool_all(&pool);
-    from = wide_step(scale, &pool);
-    usual = best_step(scale, &pool, from);
-    vor_scale_fix(out, ladder[usual]);
+    from = wide_step(survey, &pool);
+    usual = best_step(survey, &pool, from);
+    vor_neighbors_fix(out, ladder[usual]);
     for (size_t place = 0; place < PLACES; place++) {
         unsigned k;
 
         pool_around(&pool, out, place);
-        k = ladder[local_step(scale, &pool, from, usual)];
+        k = ladder[local_step(survey, &pool, from, usual)];
         out->k[place] = (unsigned char)k;
         out->most = k > out->most ? k : out->most;
         if (k != out->usual)
@@ -266,48 +266,48 @@ static void choose(struct vor_scale *out, const struct scale *scale)
     }
 }
 
-void vor_scale_fix(struct vor_scale *out, unsigned k)
+void vor_neighbors_fix(struct vor_neighbors *out, unsigned k)
 {
     out->places = 0;
     out->usual = out->most = k;
 }
 
-vor_status vor_scale_find(struct vor_scale *out, const struct vor_domain *domain,
-                          const struct vor_run *run, struct vor_error *err)
+vor_status vor_neighbors_choose(struct vor_neighbors *out, const struct vor_domain *domain,
+                                const struct vor_run *run, struct vor_error *err)
 {
-    struct scale *scale = vor_calloc(run->memory, 1, sizeof *scale);
+    struct survey *survey = vor_calloc(run->memory, 1, sizeof *survey);
     unsigned steps = 0;
     vor_status status = VOR_OK;
 
-    if (scale == NULL)
+    if (survey == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the neighbours of %d places", (int)PLACES);
-    scale->domain = domain;
-    vor_scale_fix(out, ladder[0]);
+    survey->domain = domain;
+    vor_neighbors_fix(out, ladder[0]);
     for (size_t place = 0; place < PLACES; place++)
         memcpy(&out->xyz[3 * place], &domain->xyz[3 * place_at(domain, place)],
                3 * sizeof *out->xyz);
     while (steps < STEPS && (size_t)ROOM * ladder[steps] <= domain->n)
         steps++;
     if (steps >= FIRST)
-        status = fit_places(scale, FIRST, run, err);
-    if (status == VOR_OK && steps >= FIRST && !fewest_do(scale, out)) {
-        status = fit_places(scale, steps, run, err);
+        status = fit_places(survey, FIRST, run, err);
+    if (status == VOR_OK && steps >= FIRST && !fewest_do(survey, out)) {
+        status = fit_places(survey, steps, run, err);
         if (status == VOR_OK)
-            choose(out, scale);
+            choose(out, survey);
     }
-    vor_free(run->memory, scale);
+    vor_free(run->memory, survey);
     return status;
 }
 
-unsigned vor_scale_at(const struct vor_scale *scale, const float x[3])
+unsigned vor_neighbors_at(const struct vor_neighbors *neighbors, const float x[3])
 {
     double least = INFINITY;
-    unsigned k = scale->most;
+    unsigned k = neighbors->most;
 
-    for (unsigned i = 0; i < scale->places; i++) {
-        double distance2 = vor_distance2f(&scale->xyz[3 * i], x);
+    for (unsigned i = 0; i < neighbors->places; i++) {
+        double distance2 = vor_distance2f(&neighbors->xyz[3 * i], x);
 
-        k = distance2 < least ? scale->k[i] : k;
+        k = distance2 < least ? neighbors->k[i] : k;
         least = distance2 < least ? distance2 : least;
     }
     return k;

@@ -19,18 +19,18 @@
 
 #include "core/input/domain.h"
 
-enum { VOR_SCALE_PLACES = 512 };
+enum { VOR_NEIGHBORS_PLACES = 512 };
 
 /** How many input points a surface is fitted to, by where it is. */
-struct vor_scale {
-    unsigned usual, most;            /**< of all places taken together; of any */
-    unsigned places;                 /**< VOR_SCALE_PLACES, or 0: `usual` everywhere */
-    float xyz[3 * VOR_SCALE_PLACES]; /**< normalised */
-    unsigned char k[VOR_SCALE_PLACES];
+struct vor_neighbors {
+    unsigned usual, most;                /**< of all places taken together; of any */
+    unsigned places;                     /**< VOR_NEIGHBORS_PLACES, or 0: `usual` everywhere */
+    float xyz[3 * VOR_NEIGHBORS_PLACES]; /**< normalised */
+    unsigned char k[VOR_NEIGHBORS_PLACES];
 };
 
 /** The same number everywhere, 1 to VOR_NEIGHBORS_MAX. */
-void vor_scale_fix(struct vor_scale *out, unsigned k);
+void vor_neighbors_fix(struct vor_neighbors *out, unsigned k);
 
 /** 20 to 150 by what the domain is like.
  *
@@ -38,10 +38,11 @@ void vor_scale_fix(struct vor_scale *out, unsigned k);
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
  *  O(log n), some 20 ms. The same numbers for any number of threads. */
-VOR_NODISCARD vor_status vor_scale_find(struct vor_scale *out, const struct vor_domain *domain,
-                                        const struct vor_run *run, struct vor_error *err);
+VOR_NODISCARD vor_status vor_neighbors_choose(struct vor_neighbors *out,
+                                              const struct vor_domain *domain,
+                                              const struct vor_run *run, struct vor_error *err);
 
 /** How many at x: as at the nearest place. 0.3 us where that differs. */
-unsigned vor_scale_at(const struct vor_scale *scale, const float x[3]);
+unsigned vor_neighbors_at(const struct vor_neighbors *neighbors, const float x[3]);
 
 #endif

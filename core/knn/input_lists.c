@@ -9,59 +9,59 @@ enum { WIDE_MAX = 1024 };
 #define ROUNDING 1.00001f /* what float distances may be off, and more */
 
 /* How many a list of k has. */
-static unsigned width(const struct vor_near *near, unsigned k)
+static unsigned width(const struct vor_input_lists *lists, unsigned k)
 {
     unsigned wide = k + k / 2 + 2;
 
-    return wide < near->m ? wide : (unsigned)near->m;
+    return wide < lists->m ? wide : (unsigned)lists->m;
 }
 
-static void forget(struct vor_near *near)
+static void forget(struct vor_input_lists *lists)
 {
-    for (size_t i = 0; i < near->n; i++)
-        near->reach[i] = -1;
+    for (size_t i = 0; i < lists->n; i++)
+        lists->reach[i] = -1;
 }
 
-vor_status vor_near_init(struct vor_near *out, size_t n, unsigned most, const struct vor_knn *knn,
-                         const float *reference, size_t m, struct vor_memory *memory,
-                         struct vor_error *err)
+vor_status vor_input_lists_init(struct vor_input_lists *out, size_t n, unsigned most,
+                                const struct vor_knn *knn, const float *reference, size_t m,
+                                struct vor_memory *memory, struct vor_error *err)
 {
-    struct vor_near near = {
+    struct vor_input_lists lists = {
         .memory = memory, .knn = knn, .reference = reference, .n = n, .m = m, .most = most};
 
-    near.wide = width(&near, most);
-    near.k = vor_calloc(memory, n, sizeof *near.k);
-    near.list = vor_malloc(memory, n, near.wide * sizeof *near.list);
-    near.anchor = vor_malloc(memory, n, 3 * sizeof *near.anchor);
-    near.reach = vor_malloc(memory, n, sizeof *near.reach);
-    if (near.k == NULL || near.list == NULL || near.anchor == NULL || near.reach == NULL) {
-        vor_near_free(&near);
-        return vor_fail(err, VOR_E_NOMEM, "lists of %u neighbours for %zu points", near.wide, n);
+    lists.wide = width(&lists, most);
+    lists.k = vor_calloc(memory, n, sizeof *lists.k);
+    lists.list = vor_malloc(memory, n, lists.wide * sizeof *lists.list);
+    lists.anchor = vor_malloc(memory, n, 3 * sizeof *lists.anchor);
+    lists.reach = vor_malloc(memory, n, sizeof *lists.reach);
+    if (lists.k == NULL || lists.list == NULL || lists.anchor == NULL || lists.reach == NULL) {
+        vor_input_lists_free(&lists);
+        return vor_fail(err, VOR_E_NOMEM, "lists of %u neighbours for %zu points", lists.wide, n);
     }
-    forget(&near);
-    *out = near;
+    forget(&lists);
+    *out = lists;
     return VOR_OK;
 }
 
-void vor_near_onto(struct vor_near *near, const struct vor_knn *knn, const float *reference,
-                   size_t m)
+void vor_input_lists_onto(struct vor_input_lists *lists, const struct vor_knn *knn,
+                          const float *reference, size_t m)
 {
-    assert(m >= near->wide);
-    near->knn = knn;
-    near->reference = reference;
-    near->m = m;
-    forget(near);
+    assert(m >= lists->wide);
+    lists->knn = knn;
+    lists->reference = reference;
+    lists->m = m;
+    forget(lists);
 }
 
-void vor_near_free(struct vor_near *near)
+void vor_input_lists_free(struct vor_input_lists *lists)
 {
-    if (near->memory == NULL)
+    if (lists->memory == NULL)
         return;
-    vor_free(near->memory, near->reach);
-    vor_free(near->memory, near->anchor);
-    vor_free(near->memory, near->list);
-    vor_free(near->memory, near->k);
-    memset(near, 0, sizeof *near);
+    vor_free(lists->memory, lists->reach);
+    vor_free(lists->memory, lists->anchor);
+    vor_free(lists->memory, lists->list);
+    vor_free(lists->memory, lists->k);
+    memset(lists, 0, sizeof *lists);
 }
 
 static float squared(const float a[3], const float b[3])
@@ -103,15 +103,15 @@ static unsigned nearest(const float *distance2, unsigned begin, unsigned end)
 /* Brings the k nearest of the list to its front by exchanging the farthest of the front with the
  * nearest of the rest: a query that moved a little needs none or one or two of these. Returns how
  * many, and the distance of the farthest in *last. */
-static unsigned select(const struct vor_near *near, uint32_t *list, unsigned k, const float x[3],
-                       float *last)
+static unsigned select(const struct vor_input_lists *lists, uint32_t *list, unsigned k,
+                       const float x[3], float *last)
 {
     float distance2[WIDE_MAX];
-    unsigned exchanged = 0, wide = width(near, k), out, in;
+    unsigned exchanged = 0, wide = width(lists, k), out, in;
 
     memset(distance2, 0, wide * sizeof *distance2); /* the analysers want it said */
     for (unsigned j = 0; j < wide; j++)
-        distance2[j] = squared(&near->reference[3 * (size_t)list[j]], x);
+        distance2[j] = squared(&lists->reference[3 * (size_t)list[j]], x);
     for (;; exchanged++) {
         out = farthest(distance2, 0, k);
         if (k == wide)
@@ -126,54 +126,55 @@ static unsigned select(const struct vor_near *near, uint32_t *list, unsigned k, 
     return exchanged;
 }
 
-static void make_list(struct vor_near *near, size_t i, const float x[3], unsigned k)
+static void make_list(struct vor_input_lists *lists, size_t i, const float x[3], unsigned k)
 {
     float distance2[WIDE_MAX];
-    unsigned wide = width(near, k);
+    unsigned wide = width(lists, k);
 
-    vor_knn_search(near->knn, x, 1, wide, &near->list[i * near->wide], distance2);
-    memcpy(&near->anchor[3 * i], x, 3 * sizeof *x);
-    near->reach[i] = wide < near->m ? sqrtf(distance2[wide - 1]) : INFINITY;
-    near->k[i] = (uint16_t)k;
+    vor_knn_search(lists->knn, x, 1, wide, &lists->list[i * lists->wide], distance2);
+    memcpy(&lists->anchor[3 * i], x, 3 * sizeof *x);
+    lists->reach[i] = wide < lists->m ? sqrtf(distance2[wide - 1]) : INFINITY;
+    lists->k[i] = (uint16_t)k;
 }
 
-enum vor_near_found vor_near_search(struct vor_near *near, size_t i, const float x[3], unsigned k,
-                                    const uint32_t **index)
+enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists, size_t i,
+                                                  const float x[3], unsigned k,
+                                                  const uint32_t **index)
 {
-    uint32_t *list = &near->list[i * near->wide];
+    uint32_t *list = &lists->list[i * lists->wide];
 
-    assert(k >= 1 && k <= near->most);
+    assert(k >= 1 && k <= lists->most);
     *index = list;
-    if (near->reach[i] >= 0 && near->k[i] == k) {
-        float moved = sqrtf(squared(&near->anchor[3 * i], x));
+    if (lists->reach[i] >= 0 && lists->k[i] == k) {
+        float moved = sqrtf(squared(&lists->anchor[3 * i], x));
 
-        if (moved < near->reach[i]) {
+        if (moved < lists->reach[i]) {
             float last;
-            unsigned exchanged = select(near, list, k, x, &last);
+            unsigned exchanged = select(lists, list, k, x, &last);
 
             /* A point beyond the list is at least reach - moved away. */
-            if ((last + moved) * ROUNDING <= near->reach[i])
-                return exchanged > 0 ? VOR_NEAR_OTHER : VOR_NEAR_SAME;
+            if ((last + moved) * ROUNDING <= lists->reach[i])
+                return exchanged > 0 ? VOR_INPUT_LISTS_OTHER : VOR_INPUT_LISTS_SAME;
         }
     }
-    make_list(near, i, x, k);
-    return VOR_NEAR_ANEW;
+    make_list(lists, i, x, k);
+    return VOR_INPUT_LISTS_ANEW;
 }
 
-unsigned vor_near_around(const struct vor_near *near, size_t i, const float x[3], unsigned k,
-                         uint32_t *index)
+unsigned vor_input_lists_around(const struct vor_input_lists *lists, size_t i, const float x[3],
+                                unsigned k, uint32_t *index)
 {
-    const uint32_t *list = &near->list[i * near->wide];
-    unsigned wide = width(near, near->k[i]), count = 0;
+    const uint32_t *list = &lists->list[i * lists->wide];
+    unsigned wide = width(lists, lists->k[i]), count = 0;
     float distance2[WIDE_MAX], sure;
 
     assert(k >= 1 && k <= WIDE_MAX);
     memset(distance2, 0, k * sizeof *distance2); /* the analysers want it said */
-    if (near->reach[i] < 0)
+    if (lists->reach[i] < 0)
         return 0;
-    sure = near->reach[i] - sqrtf(squared(&near->anchor[3 * i], x));
+    sure = lists->reach[i] - sqrtf(squared(&lists->anchor[3 * i], x));
     for (unsigned j = 0; j < wide; j++) {
-        float d2 = squared(&near->reference[3 * (size_t)list[j]], x);
+        float d2 = squared(&lists->reference[3 * (size_t)list[j]], x);
         unsigned at;
 
         if (sqrtf(d2) * ROUNDING > sure || (count == k && d2 >= distance2[k - 1]))

@@ -6,7 +6,7 @@
 
 #include "core/knn/knn.h"
 
-struct vor_near {
+struct vor_input_lists {
     struct vor_memory *memory;
     const struct vor_knn *knn;
     const float *reference; /* what knn indexes */
@@ -23,23 +23,24 @@ struct vor_near {
  * lists yet.
  *
  *  @retval VOR_E_NOMEM (6 most + 26) n bytes do not fit */
-VOR_NODISCARD vor_status vor_near_init(struct vor_near *out, size_t n, unsigned most,
-                                       const struct vor_knn *knn, const float *reference, size_t m,
-                                       struct vor_memory *memory, struct vor_error *err);
+VOR_NODISCARD vor_status vor_input_lists_init(struct vor_input_lists *out, size_t n, unsigned most,
+                                              const struct vor_knn *knn, const float *reference,
+                                              size_t m, struct vor_memory *memory,
+                                              struct vor_error *err);
 
 /** From now on the neighbours are those among m other reference points, at least as many as a list
  * holds; every list is forgotten. */
-void vor_near_onto(struct vor_near *near, const struct vor_knn *knn, const float *reference,
-                   size_t m);
+void vor_input_lists_onto(struct vor_input_lists *lists, const struct vor_knn *knn,
+                          const float *reference, size_t m);
 
-/** near may be all zero. */
-void vor_near_free(struct vor_near *near);
+/** lists may be all zero. */
+void vor_input_lists_free(struct vor_input_lists *lists);
 
 /** What a search found out. */
-enum vor_near_found {
-    VOR_NEAR_SAME,  /**< the set is the one of the query's last search */
-    VOR_NEAR_OTHER, /**< it may not be */
-    VOR_NEAR_ANEW   /**< nor is the list: the index was searched */
+enum vor_input_lists_found {
+    VOR_INPUT_LISTS_SAME,  /**< the set is the one of the query's last search */
+    VOR_INPUT_LISTS_OTHER, /**< it may not be */
+    VOR_INPUT_LISTS_ANEW   /**< nor is the list: the index was searched */
 };
 
 /** The k <= most nearest reference points of query i, now at x. Exact. A list is made for one k,
@@ -48,18 +49,19 @@ enum vor_near_found {
  *
  *  @param[out] index  k points in any order but the nearest first; valid until the next search for
  *                     i */
-enum vor_near_found vor_near_search(struct vor_near *near, size_t i, const float x[3], unsigned k,
-                                    const uint32_t **index);
+enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists, size_t i,
+                                                  const float x[3], unsigned k,
+                                                  const uint32_t **index);
 
 /** The reference points nearest to any x near query i, nearest first, as far as the list of i
  * surely holds them: as many as that, k at most. */
-unsigned vor_near_around(const struct vor_near *near, size_t i, const float x[3], unsigned k,
-                         uint32_t *index);
+unsigned vor_input_lists_around(const struct vor_input_lists *lists, size_t i, const float x[3],
+                                unsigned k, uint32_t *index);
 
 /** The reference point that was nearest to query i in its last search. */
-static inline uint32_t vor_near_first(const struct vor_near *near, size_t i)
+static inline uint32_t vor_input_lists_first(const struct vor_input_lists *lists, size_t i)
 {
-    return near->list[i * near->wide];
+    return lists->list[i * lists->wide];
 }
 
 #endif

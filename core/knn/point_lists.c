@@ -12,105 +12,106 @@ enum { BLOCK = 256, SEARCHED = 32, SHARE = 256 }; /* SEARCHED: points a call of 
 #define GROUND_MAX 0.1F /* beyond it, too many cells are marked to be of use */
 #define COVERED 1.4     /* a list should hold everything this many times the sixth distance away */
 
-vor_status vor_swarm_init(struct vor_swarm *out, size_t n, unsigned listed,
-                          struct vor_memory *memory, struct vor_error *err)
+vor_status vor_point_lists_init(struct vor_point_lists *out, size_t n, unsigned listed,
+                                struct vor_memory *memory, struct vor_error *err)
 {
-    struct vor_swarm swarm = {.memory = memory, .n = n, .listed = listed};
+    struct vor_point_lists lists = {.memory = memory, .n = n, .listed = listed};
 
-    assert(listed < n && listed <= VOR_SWARM_LISTED_MAX);
-    swarm.anchor = vor_malloc(memory, n, 3 * sizeof *swarm.anchor);
-    swarm.place = vor_malloc(memory, n, 3 * sizeof *swarm.place);
-    swarm.reach = vor_malloc(memory, n, sizeof *swarm.reach);
-    swarm.list = vor_malloc(memory, n, listed * sizeof *swarm.list);
-    if (swarm.anchor == NULL || swarm.place == NULL || swarm.reach == NULL || swarm.list == NULL) {
-        vor_swarm_free(&swarm);
+    assert(listed < n && listed <= VOR_POINT_LISTS_LISTED_MAX);
+    lists.anchor = vor_malloc(memory, n, 3 * sizeof *lists.anchor);
+    lists.place = vor_malloc(memory, n, 3 * sizeof *lists.place);
+    lists.reach = vor_malloc(memory, n, sizeof *lists.reach);
+    lists.list = vor_malloc(memory, n, listed * sizeof *lists.list);
+    if (lists.anchor == NULL || lists.place == NULL || lists.reach == NULL || lists.list == NULL) {
+        vor_point_lists_free(&lists);
         return vor_fail(err, VOR_E_NOMEM, "lists of %u neighbours for %zu points", listed, n);
     }
-    *out = swarm;
+    *out = lists;
     return VOR_OK;
 }
 
-void vor_swarm_free(struct vor_swarm *swarm)
+void vor_point_lists_free(struct vor_point_lists *lists)
 {
-    if (swarm->memory == NULL)
+    if (lists->memory == NULL)
         return;
-    vor_knn_free(swarm->knn);
-    vor_free(swarm->memory, swarm->list);
-    vor_free(swarm->memory, swarm->reach);
-    vor_free(swarm->memory, swarm->place);
-    vor_free(swarm->memory, swarm->anchor);
-    memset(swarm, 0, sizeof *swarm);
+    vor_knn_free(lists->knn);
+    vor_free(lists->memory, lists->list);
+    vor_free(lists->memory, lists->reach);
+    vor_free(lists->memory, lists->place);
+    vor_free(lists->memory, lists->anchor);
+    memset(lists, 0, sizeof *lists);
 }
 
 /* The list of point i out of the listed + 1 anchors nearest to its place; among many coincident
  * points it may be missing itself. */
-static void make_list(struct vor_swarm *swarm, size_t i, const uint32_t *index,
+static void make_list(struct vor_point_lists *lists, size_t i, const uint32_t *index,
                       const float *distance2)
 {
-    uint32_t *list = &swarm->list[i * swarm->listed];
+    uint32_t *list = &lists->list[i * lists->listed];
     unsigned at = 0;
 
-    for (unsigned j = 0; j <= swarm->listed && at < swarm->listed; j++)
+    for (unsigned j = 0; j <= lists->listed && at < lists->listed; j++)
         if (index[j] != i)
             list[at++] = index[j];
-    swarm->reach[i] = swarm->listed + 1 < swarm->n ? sqrtf(distance2[swarm->listed]) : INFINITY;
+    lists->reach[i] = lists->listed + 1 < lists->n ? sqrtf(distance2[lists->listed]) : INFINITY;
 }
 
 static void index_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
-    struct vor_swarm *swarm = ctx;
-    unsigned width = swarm->listed + 1;
-    uint32_t index[SEARCHED * (VOR_SWARM_LISTED_MAX + 1)];
-    float distance2[SEARCHED * (VOR_SWARM_LISTED_MAX + 1)];
+    struct vor_point_lists *lists = ctx;
+    unsigned width = lists->listed + 1;
+    uint32_t index[SEARCHED * (VOR_POINT_LISTS_LISTED_MAX + 1)];
+    float distance2[SEARCHED * (VOR_POINT_LISTS_LISTED_MAX + 1)];
 
     (void)worker;
     for (size_t from = begin, to; from < end; from = to) {
         to = from + SEARCHED < end ? from + SEARCHED : end;
-        vor_knn_search(swarm->knn, &swarm->anchor[3 * from], to - from, width, index, distance2);
+        vor_knn_search(lists->knn, &lists->anchor[3 * from], to - from, width, index, distance2);
         for (size_t i = from; i < to; i++)
-            make_list(swarm, i, &index[(i - from) * width], &distance2[(i - from) * width]);
+            make_list(lists, i, &index[(i - from) * width], &distance2[(i - from) * width]);
     }
 }
 
-static double mean_spacing(const struct vor_swarm *swarm)
+static double mean_spacing(const struct vor_point_lists *lists)
 {
     double sum = 0;
 
-    if (swarm->listed == 0)
+    if (lists->listed == 0)
         return 0;
-    for (size_t i = 0; i < swarm->n; i++)
-        sum += sqrt(vor_distance2f(&swarm->anchor[3 * i],
-                                   &swarm->anchor[3 * (size_t)swarm->list[i * swarm->listed]]));
-    return sum / (double)swarm->n;
+    for (size_t i = 0; i < lists->n; i++)
+        sum += sqrt(vor_distance2f(&lists->anchor[3 * i],
+                                   &lists->anchor[3 * (size_t)lists->list[i * lists->listed]]));
+    return sum / (double)lists->n;
 }
 
-vor_status vor_swarm_index(struct vor_swarm *swarm, const float *xyz, const struct vor_run *run,
-                           struct vor_error *err)
+vor_status vor_point_lists_index(struct vor_point_lists *lists, const float *xyz,
+                                 const struct vor_run *run, struct vor_error *err)
 {
     vor_status status;
 
-    vor_knn_free(swarm->knn);
-    swarm->knn = NULL;
-    memcpy(swarm->anchor, xyz, 3 * swarm->n * sizeof *xyz);
-    memcpy(swarm->place, xyz, 3 * swarm->n * sizeof *xyz);
-    status = vor_knn_build(&swarm->knn, swarm->anchor, swarm->n, swarm->memory, err);
+    vor_knn_free(lists->knn);
+    lists->knn = NULL;
+    memcpy(lists->anchor, xyz, 3 * lists->n * sizeof *xyz);
+    memcpy(lists->place, xyz, 3 * lists->n * sizeof *xyz);
+    status = vor_knn_build(&lists->knn, lists->anchor, lists->n, lists->memory, err);
     if (status == VOR_OK)
-        status = vor_run_for(run, swarm->n, BLOCK, index_block, swarm, err);
+        status = vor_run_for(run, lists->n, BLOCK, index_block, lists, err);
     if (status != VOR_OK) {
-        vor_knn_free(swarm->knn); /* the lists are not whole */
-        swarm->knn = NULL;
+        vor_knn_free(lists->knn); /* the lists are not whole */
+        lists->knn = NULL;
         return status;
     }
-    swarm->spacing = mean_spacing(swarm);
-    swarm->indexed++;
+    lists->spacing = mean_spacing(lists);
+    lists->indexed++;
     return VOR_OK;
 }
 
 static unsigned jumpers_allowed(size_t n)
 {
-    if (n / SHARE < VOR_SWARM_JUMPERS_MIN)
-        return VOR_SWARM_JUMPERS_MIN;
-    return n / SHARE < VOR_SWARM_JUMPERS_MAX ? (unsigned)(n / SHARE) : VOR_SWARM_JUMPERS_MAX;
+    if (n / SHARE < VOR_POINT_LISTS_JUMPERS_MIN)
+        return VOR_POINT_LISTS_JUMPERS_MIN;
+    return n / SHARE < VOR_POINT_LISTS_JUMPERS_MAX ? (unsigned)(n / SHARE)
+                                                   : VOR_POINT_LISTS_JUMPERS_MAX;
 }
 
 /* The cell of a coordinate, of which all but jumpers are -1 .. 1; never less for a greater one. */
@@ -120,7 +121,7 @@ static unsigned cell_of(float x)
 }
 
 /* Marks the cells that are, at least in part, within `ground` of a jumper to all sides. */
-static void mark(struct vor_swarm_view *view, const float at[3])
+static void mark(struct vor_point_lists_view *view, const float at[3])
 {
     unsigned low[3], high[3];
 
@@ -133,27 +134,27 @@ static void mark(struct vor_swarm_view *view, const float at[3])
             view->cells[64 * x + y] |= (~UINT64_C(0) >> (63 - high[2])) & (~UINT64_C(0) << low[2]);
 }
 
-static int is_marked(const struct vor_swarm_view *view, const float at[3])
+static int is_marked(const struct vor_point_lists_view *view, const float at[3])
 {
     return (view->cells[64 * cell_of(at[0]) + cell_of(at[1])] >> cell_of(at[2])) & 1;
 }
 
-int vor_swarm_look(struct vor_swarm_view *out, const struct vor_swarm *swarm, const float *xyz,
-                   double far)
+int vor_point_lists_look(struct vor_point_lists_view *out, const struct vor_point_lists *lists,
+                         const float *xyz, double far)
 {
-    double limit2 = far * swarm->spacing * far * swarm->spacing, drift2 = 0;
-    unsigned allowed = jumpers_allowed(swarm->n);
+    double limit2 = far * lists->spacing * far * lists->spacing, drift2 = 0;
+    unsigned allowed = jumpers_allowed(lists->n);
 
     out->xyz = xyz;
     out->jumpers = 0;
-    out->ground = (float)(GROUND * swarm->spacing);
+    out->ground = (float)(GROUND * lists->spacing);
     if (out->ground > GROUND_MAX)
         out->ground = 0;
     memset(out->cells, 0, sizeof out->cells);
-    if (swarm->knn == NULL)
+    if (lists->knn == NULL)
         return 0;
-    for (size_t i = 0; i < swarm->n; i++) {
-        double moved2 = vor_distance2f(&xyz[3 * i], &swarm->anchor[3 * i]);
+    for (size_t i = 0; i < lists->n; i++) {
+        double moved2 = vor_distance2f(&xyz[3 * i], &lists->anchor[3 * i]);
 
         if (moved2 <= limit2) {
             drift2 = moved2 > drift2 ? moved2 : drift2;
@@ -171,14 +172,15 @@ int vor_swarm_look(struct vor_swarm_view *out, const struct vor_swarm *swarm, co
 }
 
 /* How far every point but the jumpers and those of i's list is at least from where i is now. */
-static double sure_of(const struct vor_swarm *swarm, const struct vor_swarm_view *view, size_t i)
+static double sure_of(const struct vor_point_lists *lists, const struct vor_point_lists_view *view,
+                      size_t i)
 {
-    double moved = sqrt(vor_distance2f(&view->xyz[3 * i], &swarm->place[3 * i]));
+    double moved = sqrt(vor_distance2f(&view->xyz[3 * i], &lists->place[3 * i]));
 
-    return (double)swarm->reach[i] * ROUNDING - moved - view->drift;
+    return (double)lists->reach[i] * ROUNDING - moved - view->drift;
 }
 
-static float distance2(const struct vor_swarm_view *view, size_t i, size_t j)
+static float distance2(const struct vor_point_lists_view *view, size_t i, size_t j)
 {
     const float *a = &view->xyz[3 * i], *b = &view->xyz[3 * j];
     float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
@@ -201,16 +203,16 @@ static void insert(struct vor_crowd *crowd, uint32_t j, float d2)
 
 /* The list in order of the distances as they are now; it is kept so, since it will hardly change
  * until the next question. */
-static void sort_list(struct vor_crowd *out, struct vor_swarm *swarm,
-                      const struct vor_swarm_view *view, size_t i)
+static void sort_list(struct vor_crowd *out, struct vor_point_lists *lists,
+                      const struct vor_point_lists_view *view, size_t i)
 {
-    uint32_t *list = &swarm->list[i * swarm->listed];
+    uint32_t *list = &lists->list[i * lists->listed];
 
     out->count = 0;
-    for (unsigned j = 0; j < swarm->listed; j++)
+    for (unsigned j = 0; j < lists->listed; j++)
         insert(out, list[j], distance2(view, i, list[j]));
-    memcpy(list, out->index, swarm->listed * sizeof *list);
-    out->sure = sure_of(swarm, view, i);
+    memcpy(list, out->index, lists->listed * sizeof *list);
+    out->sure = sure_of(lists, view, i);
 }
 
 static int covers(const struct vor_crowd *crowd)
@@ -229,7 +231,7 @@ static int holds(const struct vor_crowd *crowd, uint32_t j)
 }
 
 /* Whether a jumper, and be it i itself, is nearer to i than that. */
-static int near_jumper(const struct vor_swarm_view *view, size_t i, float limit2)
+static int near_jumper(const struct vor_point_lists_view *view, size_t i, float limit2)
 {
     const float *at = &view->xyz[3 * i];
     int found = 0;
@@ -245,7 +247,7 @@ static int near_jumper(const struct vor_swarm_view *view, size_t i, float limit2
     return found;
 }
 
-static void add_jumpers(struct vor_crowd *crowd, const struct vor_swarm_view *view, size_t i)
+static void add_jumpers(struct vor_crowd *crowd, const struct vor_point_lists_view *view, size_t i)
 {
     if (crowd->sure >= 0 && !near_jumper(view, i, (float)(crowd->sure * crowd->sure) * 1.001f))
         return;
@@ -259,36 +261,36 @@ static void add_jumpers(struct vor_crowd *crowd, const struct vor_swarm_view *vi
     }
 }
 
-unsigned vor_swarm_crowd(struct vor_crowd *out, struct vor_swarm *swarm,
-                         const struct vor_swarm_view *view, size_t i)
+unsigned vor_point_lists_crowd(struct vor_crowd *out, struct vor_point_lists *lists,
+                               const struct vor_point_lists_view *view, size_t i)
 {
-    uint32_t index[VOR_SWARM_LISTED_MAX + 1];
-    float found2[VOR_SWARM_LISTED_MAX + 1];
+    uint32_t index[VOR_POINT_LISTS_LISTED_MAX + 1];
+    float found2[VOR_POINT_LISTS_LISTED_MAX + 1];
     unsigned searches = 0;
 
-    sort_list(out, swarm, view, i);
-    if (!covers(out) && vor_distance2f(&swarm->place[3 * i], &view->xyz[3 * i]) > 0) {
-        vor_knn_search(swarm->knn, &view->xyz[3 * i], 1, swarm->listed + 1, index, found2);
-        memcpy(&swarm->place[3 * i], &view->xyz[3 * i], 3 * sizeof(float));
-        make_list(swarm, i, index, found2);
-        sort_list(out, swarm, view, i);
+    sort_list(out, lists, view, i);
+    if (!covers(out) && vor_distance2f(&lists->place[3 * i], &view->xyz[3 * i]) > 0) {
+        vor_knn_search(lists->knn, &view->xyz[3 * i], 1, lists->listed + 1, index, found2);
+        memcpy(&lists->place[3 * i], &view->xyz[3 * i], 3 * sizeof(float));
+        make_list(lists, i, index, found2);
+        sort_list(out, lists, view, i);
         searches = 1;
     }
     add_jumpers(out, view, i);
     return searches;
 }
 
-unsigned vor_swarm_within(struct vor_crowd *out, struct vor_swarm *swarm,
-                          const struct vor_swarm_view *view, size_t i, double distance)
+unsigned vor_point_lists_within(struct vor_crowd *out, struct vor_point_lists *lists,
+                                const struct vor_point_lists_view *view, size_t i, double distance)
 {
-    const uint32_t *list = &swarm->list[i * swarm->listed];
+    const uint32_t *list = &lists->list[i * lists->listed];
 
-    out->sure = sure_of(swarm, view, i);
+    out->sure = sure_of(lists, view, i);
     if (out->sure < distance)
-        return vor_swarm_crowd(out, swarm, view, i);
+        return vor_point_lists_crowd(out, lists, view, i);
     out->sure = distance;
     out->count = 0;
-    for (unsigned j = 0; j < swarm->listed; j++) {
+    for (unsigned j = 0; j < lists->listed; j++) {
         float d2 = distance2(view, i, list[j]);
 
         if ((double)d2 < distance * distance) {
@@ -300,13 +302,14 @@ unsigned vor_swarm_within(struct vor_crowd *out, struct vor_swarm *swarm,
     return 0;
 }
 
-double vor_swarm_nearest(const struct vor_swarm *swarm, const struct vor_swarm_view *view, size_t i)
+double vor_point_lists_nearest(const struct vor_point_lists *lists,
+                               const struct vor_point_lists_view *view, size_t i)
 {
-    const uint32_t *list = &swarm->list[i * swarm->listed];
+    const uint32_t *list = &lists->list[i * lists->listed];
     float best = INFINITY;
     double found;
 
-    for (unsigned j = 0; j < swarm->listed; j++) {
+    for (unsigned j = 0; j < lists->listed; j++) {
         float d2 = distance2(view, i, list[j]);
 
         best = d2 < best ? d2 : best;
@@ -319,14 +322,15 @@ double vor_swarm_nearest(const struct vor_swarm *swarm, const struct vor_swarm_v
                 best = d2 < best ? d2 : best;
             }
     found = sqrt((double)best);
-    return found <= sure_of(swarm, view, i) ? found : -1;
+    return found <= sure_of(lists, view, i) ? found : -1;
 }
 
-double vor_swarm_wide(const struct vor_swarm *swarm, const struct vor_swarm_view *view, size_t i,
-                      unsigned width, uint32_t *index, float *found2)
+double vor_point_lists_wide(const struct vor_point_lists *lists,
+                            const struct vor_point_lists_view *view, size_t i, unsigned width,
+                            uint32_t *index, float *found2)
 {
-    vor_knn_search(swarm->knn, &view->xyz[3 * i], 1, width, index, found2);
-    if (width == swarm->n)
+    vor_knn_search(lists->knn, &view->xyz[3 * i], 1, width, index, found2);
+    if (width == lists->n)
         return INFINITY;
     return sqrt((double)found2[width - 1]) * ROUNDING - view->drift;
 }

@@ -8,14 +8,15 @@
 #include "core/base/run.h"
 #include "core/knn/knn.h"
 
-#define VOR_SWARM_LISTED_MAX 32    /* neighbours in a list */
-#define VOR_SWARM_JUMPERS_MIN 64   /* jumpers that a swarm of any size puts up with */
-#define VOR_SWARM_JUMPERS_MAX 1024 /* and one of any size at most; in between one point in 256 */
+#define VOR_POINT_LISTS_LISTED_MAX 32  /* neighbours in a list */
+#define VOR_POINT_LISTS_JUMPERS_MIN 64 /* jumpers that a set of lists of any size puts up with */
+#define VOR_POINT_LISTS_JUMPERS_MAX                                                                \
+    1024 /* and one of any size at most; in between one point in 256 */
 
 /** Cells of a grid of 64 to each side, one bit for each, by words. */
-#define VOR_SWARM_CELLS (64 * 64)
+#define VOR_POINT_LISTS_CELLS (64 * 64)
 
-struct vor_swarm {
+struct vor_point_lists {
     struct vor_memory *memory;
     size_t n;
     unsigned listed;     /* neighbours in a list */
@@ -29,42 +30,43 @@ struct vor_swarm {
 };
 
 /** The positions that a question is about. */
-struct vor_swarm_view {
+struct vor_point_lists_view {
     const float *xyz; /**< n x 3 */
     double drift;     /**< no point but the jumpers is farther than this from its anchor */
     unsigned jumpers;
-    uint32_t jumper[VOR_SWARM_JUMPERS_MAX];
-    float jumped[3][VOR_SWARM_JUMPERS_MAX]; /**< where they are */
+    uint32_t jumper[VOR_POINT_LISTS_JUMPERS_MAX];
+    float jumped[3][VOR_POINT_LISTS_JUMPERS_MAX]; /**< where they are */
     float ground; /**< around each of them, so far to all sides (0: not at all) ... */
-    uint64_t cells[VOR_SWARM_CELLS]; /**< ... the cells of a grid are marked */
+    uint64_t cells[VOR_POINT_LISTS_CELLS]; /**< ... the cells of a grid are marked */
 };
 
-/** Lists for n points; listed < n, and at most VOR_SWARM_LISTED_MAX.
+/** Lists for n points; listed < n, and at most VOR_POINT_LISTS_LISTED_MAX.
  *
  *  @retval VOR_E_NOMEM (4 listed + 28) n bytes do not fit */
-VOR_NODISCARD vor_status vor_swarm_init(struct vor_swarm *out, size_t n, unsigned listed,
-                                        struct vor_memory *memory, struct vor_error *err);
+VOR_NODISCARD vor_status vor_point_lists_init(struct vor_point_lists *out, size_t n,
+                                              unsigned listed, struct vor_memory *memory,
+                                              struct vor_error *err);
 
-/** swarm may be all zero. */
-void vor_swarm_free(struct vor_swarm *swarm);
+/** lists may be all zero. */
+void vor_point_lists_free(struct vor_point_lists *lists);
 
 /** Makes xyz the anchors, and every list anew.
  *
  *  @retval VOR_E_NOMEM the index does not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for */
-VOR_NODISCARD vor_status vor_swarm_index(struct vor_swarm *swarm, const float *xyz,
-                                         const struct vor_run *run, struct vor_error *err);
+VOR_NODISCARD vor_status vor_point_lists_index(struct vor_point_lists *lists, const float *xyz,
+                                               const struct vor_run *run, struct vor_error *err);
 
 /** How far xyz is from the anchors: points that moved more than `far` spacings are jumpers. False
  * when there are too many of them for the lists to be of use. O(n). */
-int vor_swarm_look(struct vor_swarm_view *out, const struct vor_swarm *swarm, const float *xyz,
-                   double far);
+int vor_point_lists_look(struct vor_point_lists_view *out, const struct vor_point_lists *lists,
+                         const float *xyz, double far);
 
 /** Neighbours of a point, nearest first. */
 struct vor_crowd {
     unsigned count;
-    uint32_t index[VOR_SWARM_LISTED_MAX + VOR_SWARM_JUMPERS_MAX];
-    float distance2[VOR_SWARM_LISTED_MAX + VOR_SWARM_JUMPERS_MAX];
+    uint32_t index[VOR_POINT_LISTS_LISTED_MAX + VOR_POINT_LISTS_JUMPERS_MAX];
+    float distance2[VOR_POINT_LISTS_LISTED_MAX + VOR_POINT_LISTS_JUMPERS_MAX];
     double sure; /**< every point not among them is at least this far */
 };
 
@@ -73,22 +75,23 @@ struct vor_crowd {
  * time.
  *
  *  @return number of searches done */
-unsigned vor_swarm_crowd(struct vor_crowd *out, struct vor_swarm *swarm,
-                         const struct vor_swarm_view *view, size_t i);
+unsigned vor_point_lists_crowd(struct vor_crowd *out, struct vor_point_lists *lists,
+                               const struct vor_point_lists_view *view, size_t i);
 
-/** As vor_swarm_crowd, but content with the neighbours within `distance`, in no order, where the
- * list surely holds them all. */
-unsigned vor_swarm_within(struct vor_crowd *out, struct vor_swarm *swarm,
-                          const struct vor_swarm_view *view, size_t i, double distance);
+/** As vor_point_lists_crowd, but content with the neighbours within `distance`, in no order, where
+ * the list surely holds them all. */
+unsigned vor_point_lists_within(struct vor_crowd *out, struct vor_point_lists *lists,
+                                const struct vor_point_lists_view *view, size_t i, double distance);
 
 /** Distance from point i to its nearest neighbour, where the list tells, else -1. */
-double vor_swarm_nearest(const struct vor_swarm *swarm, const struct vor_swarm_view *view,
-                         size_t i);
+double vor_point_lists_nearest(const struct vor_point_lists *lists,
+                               const struct vor_point_lists_view *view, size_t i);
 
 /** The points whose anchors are the `width` (<= n) nearest to where point i is now, itself among
  * them, in index, distance2 being scratch; jumpers may be missing. Returns how far every other
  * point but the jumpers is at least: infinite where there is none. */
-double vor_swarm_wide(const struct vor_swarm *swarm, const struct vor_swarm_view *view, size_t i,
-                      unsigned width, uint32_t *index, float *distance2);
+double vor_point_lists_wide(const struct vor_point_lists *lists,
+                            const struct vor_point_lists_view *view, size_t i, unsigned width,
+                            uint32_t *index, float *distance2);
 
 #endif

@@ -68,12 +68,12 @@ static void in_block(void *ctx, size_t begin, size_t end, unsigned worker)
     account->block[begin / BLOCK] = sums;
 }
 
-/* Directions, along the surface of bench->here, of the points in the first ring around seed i.
+/* Directions, along the surface of scratch->here, of the points in the first ring around seed i.
  * Returns how many there are. */
-static unsigned directions(const struct account *account, const struct vor_bench *bench, size_t i,
-                           double direction[AROUND][2])
+static unsigned directions(const struct account *account, const struct vor_scratch *scratch,
+                           size_t i, double direction[AROUND][2])
 {
-    const struct vor_crowd *crowd = &bench->crowd;
+    const struct vor_crowd *crowd = &scratch->crowd;
     const float *xyz = account->seeds->xyz;
     double within2;
     unsigned count = 0;
@@ -89,8 +89,8 @@ static unsigned directions(const struct account *account, const struct vor_bench
             break;
         for (int c = 0; c < 3; c++)
             d[c] = (double)other[c] - (double)xyz[3 * i + (size_t)c];
-        along[0] = vor_dot(bench->here.surface.axis[0], d);
-        along[1] = vor_dot(bench->here.surface.axis[1], d);
+        along[0] = vor_dot(scratch->here.surface.axis[0], d);
+        along[1] = vor_dot(scratch->here.surface.axis[1], d);
         length = sqrt(along[0] * along[0] + along[1] * along[1]);
         if (!(length > 0))
             continue;
@@ -113,11 +113,11 @@ static int followed(double direction[AROUND][2], unsigned count, const double a[
 }
 
 /* Whether the points around seed i leave one side of it free, and which: away from their mean. */
-static int free_side(const struct account *account, const struct vor_bench *bench, size_t i,
+static int free_side(const struct account *account, const struct vor_scratch *scratch, size_t i,
                      double side[3])
 {
     double direction[AROUND][2], away[2] = {0, 0}, length;
-    unsigned count = directions(account, bench, i, direction);
+    unsigned count = directions(account, scratch, i, direction);
     int is_free = 0;
 
     for (unsigned j = 0; j < count; j++) {
@@ -129,19 +129,19 @@ static int free_side(const struct account *account, const struct vor_bench *benc
     if (!is_free || !(length > 0))
         return 0;
     for (int c = 0; c < 3; c++)
-        side[c] =
-            (away[0] * bench->here.surface.axis[0][c] + away[1] * bench->here.surface.axis[1][c]) /
-            length;
+        side[c] = (away[0] * scratch->here.surface.axis[0][c] +
+                   away[1] * scratch->here.surface.axis[1][c]) /
+                  length;
     return 1;
 }
 
 /* Whether the input ends ahead of x. */
-static int ends(const struct account *account, struct vor_bench *bench, const double x[3],
+static int ends(const struct account *account, struct vor_scratch *scratch, const double x[3],
                 const double side[3])
 {
     const struct vor_seeds *seeds = account->seeds;
-    const struct vor_place *foot = &bench->foot;
-    double far = AHEAD * account->spacing + AHEAD_INPUT * bench->here.surface.spacing;
+    const struct vor_place *foot = &scratch->foot;
+    double far = AHEAD * account->spacing + AHEAD_INPUT * scratch->here.surface.spacing;
     double at[3], local[3], away[2], end[3];
     uint32_t index;
     float query[3], distance2;
@@ -151,7 +151,7 @@ static int ends(const struct account *account, struct vor_bench *bench, const do
     vor_knn_search(seeds->domain->knn, query, 1, 1, &index, &distance2);
     for (size_t c = 0; c < 3; c++)
         at[c] = (double)seeds->domain->xyz[3 * (size_t)index + c];
-    if (vor_seeds_fit_at(seeds, bench, &bench->foot, at) == VOR_SURFACE_NONE)
+    if (vor_seeds_fit_at(seeds, scratch, &scratch->foot, at) == VOR_SURFACE_NONE)
         return 0;
     vor_surface_to_local(&foot->surface, at, local);
     if (isinf(vor_boundary_room(&foot->surface, foot->near, foot->k, local, foot->surface.reach,
@@ -166,25 +166,25 @@ static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct account *account = ctx;
     struct vor_seeds *seeds = account->seeds;
-    struct vor_bench *bench = &seeds->bench[worker];
+    struct vor_scratch *scratch = &seeds->scratch[worker];
     struct sums sums = {0};
     size_t border = 0, fitted[VOR_NEIGHBORS_MAX + 1] = {0};
 
     for (size_t i = begin; i < end; i++) {
-        enum vor_surface_kind kind = vor_seeds_fit(seeds, bench, i);
-        struct vor_surface surface = bench->here.surface;
+        enum vor_surface_kind kind = vor_seeds_fit(seeds, scratch, i);
+        struct vor_surface surface = scratch->here.surface;
         double x[3], side[3];
 
-        add(&sums, vor_distance2f(&seeds->xyz[3 * i], bench->here.near));
+        add(&sums, vor_distance2f(&seeds->xyz[3 * i], scratch->here.near));
         /* As the last step of the polish did where the seed is now. */
-        fitted[kind != VOR_SURFACE_NONE && vor_seeds_refine(seeds, bench, i, &surface)
+        fitted[kind != VOR_SURFACE_NONE && vor_seeds_refine(seeds, scratch, i, &surface)
                    ? VOR_REFINED_TO
-                   : bench->here.k]++;
+                   : scratch->here.k]++;
         if (kind == VOR_SURFACE_NONE)
             continue;
-        vor_seeds_crowd(seeds, bench, i);
+        vor_seeds_crowd(seeds, scratch, i);
         vor_seeds_position(seeds, i, x);
-        border += free_side(account, bench, i, side) && ends(account, bench, x, side);
+        border += free_side(account, scratch, i, side) && ends(account, scratch, x, side);
     }
     account->block[begin / BLOCK] = sums;
     atomic_fetch_add(&account->border, border);
@@ -194,7 +194,7 @@ static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)
 }
 
 /* Runs a task over n rows and adds up what its blocks found. */
-static vor_status over_blocks(struct vor_account_apart *out, struct account *account, size_t n,
+static vor_status over_blocks(struct vor_compare_apart *out, struct account *account, size_t n,
                               vor_task task, struct vor_error *err)
 {
     const struct vor_run *run = account->seeds->run;
@@ -213,22 +213,22 @@ static vor_status over_blocks(struct vor_account_apart *out, struct account *acc
     }
     if (status == VOR_OK)
         *out =
-            (struct vor_account_apart){all.sum / (double)n, sqrt(all.sum2 / (double)n), all.max, n};
+            (struct vor_compare_apart){all.sum / (double)n, sqrt(all.sum2 / (double)n), all.max, n};
     vor_free(run->memory, account->block);
     return status;
 }
 
-vor_status vor_account_take(struct vor_account *out, struct vor_seeds *seeds, double spacing,
-                            struct vor_error *err)
+vor_status vor_compare(struct vor_comparison *out, struct vor_seeds *seeds, double spacing,
+                       struct vor_error *err)
 {
     struct account account = {.seeds = seeds, .points = seeds->domain->n, .spacing = spacing};
     struct vor_knn *knn = NULL;
-    struct vor_account found;
+    struct vor_comparison found;
     vor_status status;
 
     assert(vor_seeds_on_whole(seeds));
-    if (account.points > VOR_ACCOUNT_POINTS)
-        account.points = VOR_ACCOUNT_POINTS;
+    if (account.points > VOR_COMPARE_POINTS)
+        account.points = VOR_COMPARE_POINTS;
     status = over_blocks(&found.out_to_in, &account, seeds->n, out_block, err);
     if (status == VOR_OK)
         status = vor_knn_build(&knn, seeds->xyz, seeds->n, seeds->run->memory, err);

@@ -15,18 +15,18 @@
 
 #include "core/seeds/seeds.h"
 
-#define VOR_ACCOUNT_POINTS 200000 /**< input points that are looked at, at most */
+#define VOR_COMPARE_POINTS 200000 /**< input points that are looked at, at most */
 
 /** Of the distances from points to the nearest of others, normalised. */
-struct vor_account_apart {
+struct vor_compare_apart {
     double mean, rms, max;
     uint64_t points; /**< that were looked at */
 };
 
-struct vor_account {
-    struct vor_account_apart in_to_out; /**< from the domain's points: all, or where there are more,
-                                     VOR_ACCOUNT_POINTS of them at equal steps along their order */
-    struct vor_account_apart out_to_in; /**< from all seeds */
+struct vor_comparison {
+    struct vor_compare_apart in_to_out; /**< from the domain's points: all, or where there are more,
+                                     VOR_COMPARE_POINTS of them at equal steps along their order */
+    struct vor_compare_apart out_to_in; /**< from all seeds */
     uint64_t border;                    /**< seeds at the border of the input */
     uint64_t fitted[VOR_NEIGHBORS_MAX + 1]; /**< seeds whose surface was fitted to so many points */
 };
@@ -38,7 +38,7 @@ struct vor_account {
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
  *  O(n log n). Sums run in block order: the same bits for any number of threads. */
-VOR_NODISCARD vor_status vor_account_take(struct vor_account *out, struct vor_seeds *seeds,
-                                          double spacing, struct vor_error *err);
+VOR_NODISCARD vor_status vor_compare(struct vor_comparison *out, struct vor_seeds *seeds,
+                                     double spacing, struct vor_error *err);
 
 #endif

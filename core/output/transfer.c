@@ -44,14 +44,14 @@ static double side(const struct transfer *transfer, size_t i, const double norma
     return vor_dot(reference, normal) < 0 ? -1 : 1;
 }
 
-static void fit_normal(struct transfer *transfer, const struct vor_bench *bench, size_t i)
+static void fit_normal(struct transfer *transfer, const struct vor_scratch *scratch, size_t i)
 {
     double x[3], local[3], normal[3] = {0, 0, 1}, sign;
 
-    if (bench->here.surface.kind != VOR_SURFACE_NONE) {
+    if (scratch->here.surface.kind != VOR_SURFACE_NONE) {
         vor_seeds_position(transfer->seeds, i, x);
-        vor_surface_to_local(&bench->here.surface, x, local);
-        vor_surface_normal(&bench->here.surface, local, normal);
+        vor_surface_to_local(&scratch->here.surface, x, local);
+        vor_surface_normal(&scratch->here.surface, local, normal);
     }
     sign = side(transfer, i, normal);
     for (size_t c = 0; c < 3; c++)
@@ -62,13 +62,13 @@ static void transfer_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct transfer *transfer = ctx;
     struct vor_seeds *seeds = transfer->seeds;
-    struct vor_bench *bench = &seeds->bench[worker];
+    struct vor_scratch *scratch = &seeds->scratch[worker];
 
     for (size_t i = begin; i < end; i++) {
-        (void)vor_seeds_fit(seeds, bench, i);
-        transfer->nearest[i] = seeds->domain->source[vor_near_first(&seeds->near, i)];
+        (void)vor_seeds_fit(seeds, scratch, i);
+        transfer->nearest[i] = seeds->domain->source[vor_input_lists_first(&seeds->input_lists, i)];
         if (transfer->normal != NULL)
-            fit_normal(transfer, bench, i);
+            fit_normal(transfer, scratch, i);
     }
 }
 

@@ -23,14 +23,14 @@ static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct settle *settle = ctx;
     struct vor_seeds *seeds = settle->seeds;
-    struct vor_bench *bench = &seeds->bench[worker];
+    struct vor_scratch *scratch = &seeds->scratch[worker];
     size_t beyond = 0;
     double x[3];
 
     for (size_t i = begin; i < end; i += settle->every) {
         vor_seeds_position(seeds, i, x);
-        beyond += vor_seeds_fit(seeds, bench, i) != VOR_SURFACE_NONE &&
-                  vor_seeds_hold(seeds, bench, i, x);
+        beyond += vor_seeds_fit(seeds, scratch, i) != VOR_SURFACE_NONE &&
+                  vor_seeds_hold(seeds, scratch, i, x);
     }
     atomic_fetch_add(&settle->beyond, beyond);
 }
@@ -39,7 +39,7 @@ static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     const struct settle *settle = ctx;
     struct vor_seeds *seeds = settle->seeds;
-    struct vor_bench *bench = &seeds->bench[worker];
+    struct vor_scratch *scratch = &seeds->scratch[worker];
     struct vor_border border;
 
     for (size_t i = begin; i < end; i++) {
@@ -47,13 +47,13 @@ static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
         double x[3];
 
         vor_seeds_position(seeds, i, x);
-        if (vor_seeds_fit(seeds, bench, i) == VOR_SURFACE_NONE)
+        if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
             continue;
         if (settle->landing)
-            vor_surface_put(&bench->here.surface, x);
+            vor_surface_put(&scratch->here.surface, x);
         if (seeds->keep_border) {
-            vor_seeds_border(seeds, bench, &bench->here, &border, x);
-            moved |= seeds->keep_holes && vor_seeds_hold(seeds, bench, i, x);
+            vor_seeds_border(seeds, scratch, &scratch->here, &border, x);
+            moved |= seeds->keep_holes && vor_seeds_hold(seeds, scratch, i, x);
             moved |= vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x);
         }
         for (size_t c = 0; moved && c < 3; c++)
@@ -61,7 +61,7 @@ static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-vor_status vor_settle(struct vor_seeds *seeds, struct vor_error *err)
+vor_status vor_attach(struct vor_seeds *seeds, struct vor_error *err)
 {
     struct settle settle = {.seeds = seeds, .every = 1 + seeds->n / COUNTED};
     vor_status status;
@@ -79,13 +79,14 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     const struct settle *settle = ctx;
     struct vor_seeds *seeds = settle->seeds;
-    struct vor_bench *bench = &seeds->bench[worker];
+    struct vor_scratch *scratch = &seeds->scratch[worker];
     double near = VOR_BORDER_ONE_SIDED * VOR_BORDER_SETTLED * seeds->domain->sparse;
     double near2 = near * near;
 
     for (size_t i = begin; i < end; i++) {
-        struct vor_place *here = &bench->here;
-        const float *foot = &seeds->domain->xyz[3 * (size_t)vor_near_first(&seeds->near, i)];
+        struct vor_place *here = &scratch->here;
+        const float *foot =
+            &seeds->domain->xyz[3 * (size_t)vor_input_lists_first(&seeds->input_lists, i)];
         struct vor_border border;
         double x[3];
 
@@ -93,7 +94,7 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
         if (vor_distance2f(foot, &seeds->xyz[3 * i]) <= near2)
             continue;
         vor_seeds_position(seeds, i, x);
-        if (vor_seeds_fit(seeds, bench, i) == VOR_SURFACE_NONE)
+        if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
             continue;
         border = (struct vor_border){&here->surface, here->near, here->k, seeds->domain->sparse};
         if (!vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x))
@@ -103,7 +104,7 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-vor_status vor_settle_last(struct vor_seeds *seeds, struct vor_error *err)
+vor_status vor_attach_last(struct vor_seeds *seeds, struct vor_error *err)
 {
     struct settle settle = {.seeds = seeds};
 
@@ -112,15 +113,15 @@ vor_status vor_settle_last(struct vor_seeds *seeds, struct vor_error *err)
     return vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, end_block, &settle, err);
 }
 
-vor_status vor_land(struct vor_seeds *seeds, struct vor_error *err)
+vor_status vor_attach_to_whole(struct vor_seeds *seeds, struct vor_error *err)
 {
     struct settle settle = {.seeds = seeds, .landing = 1};
-    struct vor_run calm_run = *seeds->run;
-    struct vor_calm calm;
+    struct vor_run no_stop_run = *seeds->run;
+    struct vor_no_stop no_stop;
 
     if (vor_seeds_on_whole(seeds))
         return VOR_OK;
     vor_seeds_onto(seeds, seeds->whole);
-    calm_run.watch = vor_calm_watch(&calm, seeds->run->watch);
-    return vor_run_for(&calm_run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &settle, err);
+    no_stop_run.watch = vor_no_stop_watch(&no_stop, seeds->run->watch);
+    return vor_run_for(&no_stop_run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &settle, err);
 }

@@ -8,18 +8,18 @@
  *  seeds->keep_border is not set.
  *
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for */
-VOR_NODISCARD vor_status vor_settle(struct vor_seeds *seeds, struct vor_error *err);
+VOR_NODISCARD vor_status vor_attach(struct vor_seeds *seeds, struct vor_error *err);
 
 /** Puts seeds that are on a thinner domain onto the whole one, projects them onto its surface and
  *  settles them; nothing where they are on it. A stop does not cut it short.
  *
  *  @retval VOR_E_CANCELLED  as vor_run_for */
-VOR_NODISCARD vor_status vor_land(struct vor_seeds *seeds, struct vor_error *err);
+VOR_NODISCARD vor_status vor_attach_to_whole(struct vor_seeds *seeds, struct vor_error *err);
 
 /** After a polish: whoever still is farther from the input than 1.5 times where that is sparsest
  * (vor_domain.sparse) is pulled up to that.
  *
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for */
-VOR_NODISCARD vor_status vor_settle_last(struct vor_seeds *seeds, struct vor_error *err);
+VOR_NODISCARD vor_status vor_attach_last(struct vor_seeds *seeds, struct vor_error *err);
 
 #endif

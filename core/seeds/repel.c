@@ -101,10 +101,10 @@ static const double *farthest_corner(const struct vor_cell *cell)
 }
 
 /* Notes where the hole next to seed i pulls it. */
-static void find_hole(struct polish *polish, const struct vor_bench *bench, size_t i)
+static void find_hole(struct polish *polish, const struct vor_scratch *scratch, size_t i)
 {
-    const struct vor_surface *surface = &bench->here.surface;
-    const double *corner = farthest_corner(&bench->cell);
+    const struct vor_surface *surface = &scratch->here.surface;
+    const double *corner = farthest_corner(&scratch->cell);
     double far, excess;
 
     memset(&polish->pull[3 * i], 0, 3 * sizeof *polish->pull);
@@ -137,10 +137,10 @@ static double power(double x, unsigned n)
 
 /* Which way seed i has to go to get away from seed j, that far from it. Where they all but coincide
  * the offset says little about it, and its length less: that way is one along the surface. */
-static void away(const struct polish *polish, const struct vor_bench *bench, size_t i, size_t j,
+static void away(const struct polish *polish, const struct vor_scratch *scratch, size_t i, size_t j,
                  double distance, double out[3])
 {
-    const struct vor_surface *surface = &bench->here.surface;
+    const struct vor_surface *surface = &scratch->here.surface;
     const float *a = &polish->seeds->xyz[3 * i], *b = &polish->seeds->xyz[3 * j];
     double side[2], length, d[3];
 
@@ -167,10 +167,10 @@ static double force_reach(const struct polish *polish)
 }
 
 /* Sum of the forces of the crowd on seed i. */
-static void repulsion(const struct polish *polish, const struct vor_bench *bench, size_t i,
+static void repulsion(const struct polish *polish, const struct vor_scratch *scratch, size_t i,
                       double force[3])
 {
-    const struct vor_crowd *crowd = &bench->crowd;
+    const struct vor_crowd *crowd = &scratch->crowd;
     double h2 = polish->h * polish->h, scale = GAIN / (2 * polish->power);
     double reach = force_reach(polish);
 
@@ -180,7 +180,7 @@ static void repulsion(const struct polish *polish, const struct vor_bench *bench
 
         if (d2 > reach * reach * h2)
             continue;
-        away(polish, bench, i, crowd->index[j], sqrt(d2), d);
+        away(polish, scratch, i, crowd->index[j], sqrt(d2), d);
         weight = FORCE_MAX;
         if (FORCE_MAX * d2 > h2)
             weight = fmin(power(h2 / d2, polish->power), FORCE_MAX);
@@ -202,19 +202,19 @@ static void remove_part(double v[3], const double direction[3], int one_way)
 }
 
 /* Leaves what is tangential, and at the border does not lead out. */
-static void keep_on_surface(const struct polish *polish, const struct vor_bench *bench,
+static void keep_on_surface(const struct polish *polish, const struct vor_scratch *scratch,
                             const double x[3], double v[3])
 {
-    const struct vor_surface *surface = &bench->here.surface;
+    const struct vor_surface *surface = &scratch->here.surface;
     double local[3], normal[3], side[2], out[3];
 
-    vor_surface_to_local(&bench->onto, x, local);
-    vor_surface_normal(&bench->onto, local, normal);
+    vor_surface_to_local(&scratch->onto, x, local);
+    vor_surface_normal(&scratch->onto, local, normal);
     remove_part(v, normal, 0);
-    if (bench->interior || !polish->seeds->keep_border)
+    if (scratch->interior || !polish->seeds->keep_border)
         return;
     vor_surface_to_local(surface, x, local);
-    if (vor_boundary_room(surface, bench->here.near, bench->here.k, local, polish->h, side) >=
+    if (vor_boundary_room(surface, scratch->here.near, scratch->here.k, local, polish->h, side) >=
         BORDER_ROOM * polish->h)
         return;
     for (int c = 0; c < 3; c++)
@@ -223,46 +223,46 @@ static void keep_on_surface(const struct polish *polish, const struct vor_bench 
 }
 
 /* Whether a seed that goes from x to y would leave the input, or go on into a hole of it. */
-static int leaves_input(const struct vor_seeds *seeds, const struct vor_bench *bench,
+static int leaves_input(const struct vor_seeds *seeds, const struct vor_scratch *scratch,
                         const double x[3], const double y[3])
 {
-    const struct vor_place *here = &bench->here;
+    const struct vor_place *here = &scratch->here;
     struct vor_border border = {&here->surface, here->near, here->k, here->surface.spacing};
 
-    if (bench->interior || !seeds->keep_border)
+    if (scratch->interior || !seeds->keep_border)
         return 0;
     border.spacing = fmin(border.spacing, vor_boundary_spacing(here->near, here->k, y));
     border.spacing = fmin(border.spacing, seeds->domain->sparse);
     return vor_boundary_leaves(&border, INPUT_SPACINGS, x, y);
 }
 
-/* Where seed i goes; its surface and neighbours are on the bench. */
-static void move(struct polish *polish, struct vor_bench *bench, size_t i)
+/* Where seed i goes; its surface and neighbours are on the scratch. */
+static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
 {
     const struct vor_seeds *seeds = polish->seeds;
     double v[3], x[3] = {0}, y[3], out[3]; /* the analysers want it said */
     double length, limit = STEP_MAX * polish->h;
 
     vor_seeds_position(seeds, i, x);
-    repulsion(polish, bench, i, v);
+    repulsion(polish, scratch, i, v);
     for (size_t c = 0; c < 3; c++)
         v[c] += (double)polish->pull[3 * i + c] + MOMENTUM * (double)polish->step[3 * i + c];
-    keep_on_surface(polish, bench, x, v);
+    keep_on_surface(polish, scratch, x, v);
     length = sqrt(vor_dot(v, v));
     for (int c = 0; c < 3; c++) {
         v[c] = length > limit ? v[c] * (limit / length) : v[c];
         y[c] = x[c] + v[c];
     }
-    vor_surface_put(&bench->onto, y);
-    if (leaves_input(seeds, bench, x, y)) {
-        vor_boundary_outward(bench->here.near, bench->here.k, x, out);
+    vor_surface_put(&scratch->onto, y);
+    if (leaves_input(seeds, scratch, x, y)) {
+        vor_boundary_outward(scratch->here.near, scratch->here.k, x, out);
         remove_part(v, out, 1);
         for (int c = 0; c < 3; c++)
             y[c] = x[c] + v[c];
-        vor_surface_put(&bench->onto, y);
+        vor_surface_put(&scratch->onto, y);
     }
-    if (!bench->interior && seeds->keep_holes && vor_seeds_hold(seeds, bench, i, y))
-        vor_surface_put(&bench->onto, y);
+    if (!scratch->interior && seeds->keep_holes && vor_seeds_hold(seeds, scratch, i, y))
+        vor_surface_put(&scratch->onto, y);
     for (size_t c = 0; c < 3; c++) {
         polish->next[3 * i + c] = (float)y[c];
         polish->step[3 * i + c] = (float)(y[c] - x[c]);
@@ -273,21 +273,21 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct polish *polish = ctx;
     struct vor_seeds *seeds = polish->seeds;
-    struct vor_bench *bench = &seeds->bench[worker];
+    struct vor_scratch *scratch = &seeds->scratch[worker];
 
     for (size_t i = begin; i < end; i++) {
         memcpy(&polish->next[3 * i], &seeds->xyz[3 * i], 3 * sizeof(float));
-        if (vor_seeds_recall(seeds, bench, i, INTERIOR * polish->h, polish->slack) ==
+        if (vor_seeds_recall(seeds, scratch, i, INTERIOR * polish->h, polish->slack) ==
             VOR_SURFACE_NONE)
             continue;
         if (polish->cells && !(polish->quiet[i] && polish->record.polish % QUIET_EVERY)) {
-            vor_seeds_crowd(seeds, bench, i);
-            vor_seeds_clip(seeds, bench, i, 0);
-            find_hole(polish, bench, i);
+            vor_seeds_crowd(seeds, scratch, i);
+            vor_seeds_clip(seeds, scratch, i, 0);
+            find_hole(polish, scratch, i);
         } else {
-            vor_seeds_within(seeds, bench, i, force_reach(polish) * polish->h);
+            vor_seeds_within(seeds, scratch, i, force_reach(polish) * polish->h);
         }
-        move(polish, bench, i);
+        move(polish, scratch, i);
     }
 }
 
@@ -326,7 +326,7 @@ static vor_status look(struct polish *polish, struct vor_error *err)
     const struct vor_seeds *seeds = polish->seeds;
     double unit = seeds->domain->unit;
     struct vor_uniformity even;
-    vor_status status = vor_even_measure(&even, polish->nearest, seeds, seeds->xyz, err);
+    vor_status status = vor_seeds_uniformity(&even, polish->nearest, seeds, seeds->xyz, err);
 
     if (status != VOR_OK)
         return status;
@@ -377,7 +377,7 @@ static vor_status take(struct polish *polish, struct vor_error *err)
 {
     struct vor_seeds *seeds = polish->seeds;
     struct vor_uniformity even;
-    vor_status status = vor_even_begin(&even, polish->nearest, seeds, err);
+    vor_status status = vor_seeds_uniformity_now(&even, polish->nearest, seeds, err);
 
     if (status != VOR_OK)
         return status;
@@ -389,7 +389,7 @@ static vor_status take(struct polish *polish, struct vor_error *err)
 
 static vor_status land(struct polish *polish, struct vor_error *err)
 {
-    vor_status status = vor_land(polish->seeds, err);
+    vor_status status = vor_attach_to_whole(polish->seeds, err);
 
     return status == VOR_OK ? take(polish, err) : status;
 }
@@ -457,8 +457,8 @@ static double lattice_pitch(const struct vor_seeds *seeds, const struct vor_cvt_
     return sqrt(area / (0.86602540378443865 * (double)seeds->n));
 }
 
-vor_status vor_polish_run(struct vor_seeds *seeds, struct vor_cvt_result *result,
-                          const struct vor_spec *spec, double start, struct vor_error *err)
+vor_status vor_repel(struct vor_seeds *seeds, struct vor_cvt_result *result,
+                     const struct vor_spec *spec, double start, struct vor_error *err)
 {
     struct polish polish = {.seeds = seeds, .record = result->last};
     vor_status status;

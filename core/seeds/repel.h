@@ -28,8 +28,8 @@
  *  @retval VOR_E_NOMEM  52 n bytes do not fit
  *
  *  O(steps n). The same positions for any number of threads. */
-VOR_NODISCARD vor_status vor_polish_run(struct vor_seeds *seeds, struct vor_cvt_result *result,
-                                        const struct vor_spec *spec, double start,
-                                        struct vor_error *err);
+VOR_NODISCARD vor_status vor_repel(struct vor_seeds *seeds, struct vor_cvt_result *result,
+                                   const struct vor_spec *spec, double start,
+                                   struct vor_error *err);
 
 #endif

@@ -32,34 +32,35 @@ static unsigned at_most_all(const struct vor_seeds *seeds, unsigned k)
 /* How many input points a surface at x is to be fitted to. */
 static unsigned asked(const struct vor_seeds *seeds, const float x[3])
 {
-    return at_most_all(seeds, vor_scale_at(seeds->scale, x));
+    return at_most_all(seeds, vor_neighbors_at(seeds->neighbors, x));
 }
 
 vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
-                          const struct vor_scale *scale, const struct vor_run *run,
+                          const struct vor_neighbors *neighbors, const struct vor_run *run,
                           struct vor_error *err)
 {
     struct vor_seeds seeds = {.domain = domain,
                               .whole = domain,
-                              .scale = scale,
+                              .neighbors = neighbors,
                               .run = run,
                               .n = n,
                               .keep_border = 1,
                               .widen = 1};
     unsigned threads = vor_pool_threads(run->pool);
 
-    assert(n >= 1 && scale->most >= 1 && scale->most <= VOR_NEIGHBORS_MAX);
+    assert(n >= 1 && neighbors->most >= 1 && neighbors->most <= VOR_NEIGHBORS_MAX);
     vor_disc_init(&seeds.flat, 0);
     vor_disc_init(&seeds.disc, RINGS);
     vor_disc_init(&seeds.fine, RINGS_FINE);
     seeds.xyz = vor_malloc(run->memory, n, 3 * sizeof *seeds.xyz);
-    seeds.kept = vor_calloc(run->memory, n, sizeof *seeds.kept);
-    seeds.bench = vor_calloc(run->memory, threads, sizeof *seeds.bench);
-    if (seeds.xyz == NULL || seeds.kept == NULL || seeds.bench == NULL ||
-        vor_near_init(&seeds.near, n, at_most_all(&seeds, scale->most), domain->knn, domain->xyz,
-                      domain->n, run->memory, err) != VOR_OK ||
-        vor_swarm_init(&seeds.swarm, n, n > VOR_SEEDS_LISTED ? VOR_SEEDS_LISTED : (unsigned)n - 1,
-                       run->memory, err) != VOR_OK) {
+    seeds.last_fit = vor_calloc(run->memory, n, sizeof *seeds.last_fit);
+    seeds.scratch = vor_calloc(run->memory, threads, sizeof *seeds.scratch);
+    if (seeds.xyz == NULL || seeds.last_fit == NULL || seeds.scratch == NULL ||
+        vor_input_lists_init(&seeds.input_lists, n, at_most_all(&seeds, neighbors->most),
+                             domain->knn, domain->xyz, domain->n, run->memory, err) != VOR_OK ||
+        vor_point_lists_init(&seeds.point_lists, n,
+                             n > VOR_SEEDS_LISTED ? VOR_SEEDS_LISTED : (unsigned)n - 1, run->memory,
+                             err) != VOR_OK) {
         vor_seeds_free(&seeds);
         return vor_fail(err, VOR_E_NOMEM, "%zu seeds", n);
     }
@@ -74,19 +75,19 @@ void vor_seeds_free(struct vor_seeds *seeds)
     if (seeds->run == NULL)
         return;
     memory = seeds->run->memory;
-    vor_free(memory, seeds->bench);
-    vor_swarm_free(&seeds->swarm);
-    vor_near_free(&seeds->near);
-    vor_free(memory, seeds->kept);
+    vor_free(memory, seeds->scratch);
+    vor_point_lists_free(&seeds->point_lists);
+    vor_input_lists_free(&seeds->input_lists);
+    vor_free(memory, seeds->last_fit);
     vor_free(memory, seeds->xyz);
     memset(seeds, 0, sizeof *seeds);
 }
 
 void vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain)
 {
-    vor_near_onto(&seeds->near, domain->knn, domain->xyz, domain->n);
+    vor_input_lists_onto(&seeds->input_lists, domain->knn, domain->xyz, domain->n);
     seeds->domain = domain;
-    memset(seeds->kept, 0, seeds->n * sizeof *seeds->kept);
+    memset(seeds->last_fit, 0, seeds->n * sizeof *seeds->last_fit);
 }
 
 vor_status vor_seeds_index(struct vor_seeds *seeds, struct vor_error *err)
@@ -94,23 +95,23 @@ vor_status vor_seeds_index(struct vor_seeds *seeds, struct vor_error *err)
     double far = seeds->n < MANY ? FAR : FAR_MANY;
     vor_status status;
 
-    if (vor_swarm_look(&seeds->view, &seeds->swarm, seeds->xyz, far))
+    if (vor_point_lists_look(&seeds->view, &seeds->point_lists, seeds->xyz, far))
         return VOR_OK;
-    status = vor_swarm_index(&seeds->swarm, seeds->xyz, seeds->run, err);
+    status = vor_point_lists_index(&seeds->point_lists, seeds->xyz, seeds->run, err);
     if (status == VOR_OK)
-        (void)vor_swarm_look(&seeds->view, &seeds->swarm, seeds->xyz, far);
+        (void)vor_point_lists_look(&seeds->view, &seeds->point_lists, seeds->xyz, far);
     return status;
 }
 
 struct vor_counts vor_seeds_counts(const struct vor_seeds *seeds)
 {
-    struct vor_counts counts = {.queries = seeds->swarm.indexed * seeds->n};
+    struct vor_counts counts = {.queries = seeds->point_lists.indexed * seeds->n};
 
     for (unsigned i = 0; i < vor_pool_threads(seeds->run->pool); i++) {
-        counts.queries += seeds->bench[i].queries;
-        counts.cells += seeds->bench[i].cells;
-        counts.bisectors += seeds->bench[i].bisectors;
-        counts.triangles += seeds->bench[i].triangles;
+        counts.queries += seeds->scratch[i].queries;
+        counts.cells += seeds->scratch[i].cells;
+        counts.bisectors += seeds->scratch[i].bisectors;
+        counts.triangles += seeds->scratch[i].triangles;
     }
     return counts;
 }
@@ -125,56 +126,56 @@ static void gather(const struct vor_seeds *seeds, struct vor_place *place, const
 }
 
 /* The points for the surface of seed i. How many it asks anew with each new list. */
-static enum vor_near_found search(struct vor_seeds *seeds, struct vor_bench *bench, size_t i,
-                                  const uint32_t **index)
+static enum vor_input_lists_found search(struct vor_seeds *seeds, struct vor_scratch *scratch,
+                                         size_t i, const uint32_t **index)
 {
-    struct vor_kept *kept = &seeds->kept[i];
+    struct vor_last_fit *last = &seeds->last_fit[i];
     const float *x = &seeds->xyz[3 * i];
-    enum vor_near_found found;
+    enum vor_input_lists_found found;
 
-    if (kept->k > 0) {
-        found = vor_near_search(&seeds->near, i, x, kept->k, index);
-        if (found != VOR_NEAR_ANEW)
+    if (last->k > 0) {
+        found = vor_input_lists_search(&seeds->input_lists, i, x, last->k, index);
+        if (found != VOR_INPUT_LISTS_ANEW)
             return found;
-        bench->queries++;
-        if (asked(seeds, x) == kept->k)
-            return VOR_NEAR_ANEW;
+        scratch->queries++;
+        if (asked(seeds, x) == last->k)
+            return VOR_INPUT_LISTS_ANEW;
     }
-    kept->k = (uint16_t)asked(seeds, x);
-    bench->queries++;
-    return vor_near_search(&seeds->near, i, x, kept->k, index);
+    last->k = (uint16_t)asked(seeds, x);
+    scratch->queries++;
+    return vor_input_lists_search(&seeds->input_lists, i, x, last->k, index);
 }
 
-enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_bench *bench, size_t i)
+enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i)
 {
-    struct vor_place *here = &bench->here;
-    struct vor_kept *kept = &seeds->kept[i];
+    struct vor_place *here = &scratch->here;
+    struct vor_last_fit *last = &seeds->last_fit[i];
     const float *x = &seeds->xyz[3 * i];
     const uint32_t *index;
-    enum vor_near_found found = search(seeds, bench, i, &index);
+    enum vor_input_lists_found found = search(seeds, scratch, i, &index);
 
-    bench->interior = 0;
-    gather(seeds, here, index, kept->k);
+    scratch->interior = 0;
+    gather(seeds, here, index, last->k);
     /* Of the same points another may be the nearest, and so the sheet another. */
-    if (found != VOR_NEAR_SAME || kept->layered || kept->refined) {
+    if (found != VOR_INPUT_LISTS_SAME || last->layered || last->refined) {
         double at[3];
 
         vor_seeds_position(seeds, i, at);
-        kept->layered =
-            (unsigned char)vor_sheets_fit(&kept->surface, here->near, seeds->domain, at, kept->k);
+        last->layered =
+            (unsigned char)vor_sheets_fit(&last->surface, here->near, seeds->domain, at, last->k);
     }
-    kept->refined = 0;
-    kept->interior = 0;
-    memcpy(kept->place, x, sizeof kept->place);
-    here->surface = kept->surface;
+    last->refined = 0;
+    last->interior = 0;
+    memcpy(last->place, x, sizeof last->place);
+    here->surface = last->surface;
     return here->surface.kind;
 }
 
 /* Whether the input goes on around the seed at hand. */
-static int far_from_border(const struct vor_seeds *seeds, const struct vor_bench *bench,
+static int far_from_border(const struct vor_seeds *seeds, const struct vor_scratch *scratch,
                            const double x[3], double radius)
 {
-    const struct vor_place *here = &bench->here;
+    const struct vor_place *here = &scratch->here;
     double local[3], side[2], inside = seeds->keep_holes ? INSIDE : 1;
 
     if (!seeds->keep_border)
@@ -185,41 +186,41 @@ static int far_from_border(const struct vor_seeds *seeds, const struct vor_bench
            isinf(vor_boundary_room(&here->surface, here->near, here->k, local, radius, side));
 }
 
-int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_bench *bench, size_t i,
+int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
                      struct vor_surface *surface)
 {
-    unsigned k = bench->here.k;
+    unsigned k = scratch->here.k;
 
     return seeds->refined && k >= VOR_REFINED_MIN && k <= VOR_REFINED_MAX &&
-           vor_surface_refine(surface, bench->here.near, k, &seeds->xyz[3 * i]);
+           vor_surface_refine(surface, scratch->here.near, k, &seeds->xyz[3 * i]);
 }
 
-enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_bench *bench, size_t i,
-                                       double radius, double slack)
+enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scratch *scratch,
+                                       size_t i, double radius, double slack)
 {
-    struct vor_kept *kept = &seeds->kept[i];
-    double most = slack * kept->surface.spacing, x[3];
+    struct vor_last_fit *last = &seeds->last_fit[i];
+    double most = slack * last->surface.spacing, x[3];
 
-    if (kept->interior && (kept->refined || !seeds->refined) &&
-        vor_distance2f(&seeds->xyz[3 * i], kept->place) <= most * most) {
-        bench->here.surface = bench->onto = kept->surface;
+    if (last->interior && (last->refined || !seeds->refined) &&
+        vor_distance2f(&seeds->xyz[3 * i], last->place) <= most * most) {
+        scratch->here.surface = scratch->onto = last->surface;
     } else {
-        if (vor_seeds_fit(seeds, bench, i) == VOR_SURFACE_NONE)
+        if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
             return VOR_SURFACE_NONE;
         vor_seeds_position(seeds, i, x);
-        kept->interior = (unsigned char)far_from_border(seeds, bench, x, radius);
-        bench->onto = bench->here.surface;
-        (void)vor_seeds_refine(seeds, bench, i, &bench->onto);
-        if (kept->interior) { /* nothing else is asked of it */
-            bench->here.surface = kept->surface = bench->onto;
-            kept->refined = (unsigned char)seeds->refined;
+        last->interior = (unsigned char)far_from_border(seeds, scratch, x, radius);
+        scratch->onto = scratch->here.surface;
+        (void)vor_seeds_refine(seeds, scratch, i, &scratch->onto);
+        if (last->interior) { /* nothing else is asked of it */
+            scratch->here.surface = last->surface = scratch->onto;
+            last->refined = (unsigned char)seeds->refined;
         }
     }
-    bench->interior = kept->interior;
-    return bench->here.surface.kind;
+    scratch->interior = last->interior;
+    return scratch->here.surface.kind;
 }
 
-enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_bench *bench,
+enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_scratch *scratch,
                                        struct vor_place *place, const double x[3])
 {
     float query[3] = {(float)x[0], (float)x[1], (float)x[2]};
@@ -228,13 +229,13 @@ enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor
     unsigned k = asked(seeds, query);
 
     vor_knn_search(seeds->domain->knn, query, 1, k, index, distance2);
-    bench->queries++;
+    scratch->queries++;
     gather(seeds, place, index, k);
     (void)vor_sheets_fit(&place->surface, place->near, seeds->domain, x, k);
     return place->surface.kind;
 }
 
-void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
+void vor_seeds_border(const struct vor_seeds *seeds, struct vor_scratch *scratch,
                       const struct vor_place *place, struct vor_border *border, const double x[3])
 {
     double foot[3] = {(double)place->near[0], (double)place->near[1], (double)place->near[2]};
@@ -245,8 +246,8 @@ void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
                                   fmin(place->surface.spacing, sparse)};
     if (vor_boundary_within(place->near, place->k, x, border->spacing))
         return;
-    if (vor_seeds_fit_at(seeds, bench, &bench->foot, foot) != VOR_SURFACE_NONE)
-        border->spacing = fmin(bench->foot.surface.spacing, sparse);
+    if (vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) != VOR_SURFACE_NONE)
+        border->spacing = fmin(scratch->foot.surface.spacing, sparse);
 }
 
 /* Whether the input goes on beyond x, as seen from the input point at `foot`, by what the list of
@@ -259,15 +260,16 @@ static int goes_on(const struct vor_seeds *seeds, size_t i, const double foot[3]
     uint32_t index[VOR_NEIGHBORS_MAX];
 
     memset(index, 0, k * sizeof *index); /* the analysers want it said */
-    gather(seeds, &around, index, vor_near_around(&seeds->near, i, at, k, index));
+    gather(seeds, &around, index, vor_input_lists_around(&seeds->input_lists, i, at, k, index));
     return vor_boundary_beyond(around.near, around.k, foot, x, INFINITY);
 }
 
-int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_bench *bench, size_t i, double x[3])
+int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i,
+                   double x[3])
 {
-    const struct vor_place *other = &bench->foot;
-    const float *near = bench->here.near;
-    unsigned k = bench->here.k;
+    const struct vor_place *other = &scratch->foot;
+    const float *near = scratch->here.near;
+    unsigned k = scratch->here.k;
     double foot[3], spacing, length;
 
     if (k < HOLD_LEAST)
@@ -278,7 +280,7 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_bench *bench, size_
     if (length <= VOR_BORDER_MARGIN * spacing ||
         vor_boundary_beyond(near, k, foot, x, vor_boundary_reach(near, k, x) - length) ||
         (!seeds->domain->sheets && goes_on(seeds, i, foot, x, k)) ||
-        vor_seeds_fit_at(seeds, bench, &bench->foot, foot) == VOR_SURFACE_NONE ||
+        vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) == VOR_SURFACE_NONE ||
         vor_boundary_beyond(other->near, other->k, foot, x, INFINITY) ||
         vor_boundary_regularity(other->near, other->k, other->surface.spacing) < REGULAR)
         return 0;
@@ -310,7 +312,7 @@ void vor_seeds_part(size_t i, size_t j, double length, double offset[2])
 }
 
 /* Where seed j lies as seen from seed i, in the surface's axes; never at the same place. */
-static void offset_of(const struct vor_seeds *seeds, const struct vor_bench *bench, size_t i,
+static void offset_of(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
                       size_t j, double offset[3])
 {
     const float *a = &seeds->xyz[3 * i], *b = &seeds->xyz[3 * j];
@@ -318,109 +320,115 @@ static void offset_of(const struct vor_seeds *seeds, const struct vor_bench *ben
                    (double)b[2] - (double)a[2]};
 
     for (int c = 0; c < 3; c++)
-        offset[c] = vor_dot(bench->here.surface.axis[c], d);
+        offset[c] = vor_dot(scratch->here.surface.axis[c], d);
     if (vor_dot(offset, offset) > 0)
         return;
-    vor_seeds_part(i, j, 1e-6 * bench->radius, offset);
+    vor_seeds_part(i, j, 1e-6 * scratch->radius, offset);
     offset[2] = 0;
 }
 
-static int clip_by(const struct vor_seeds *seeds, struct vor_bench *bench, size_t i, size_t j)
+static int clip_by(const struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i, size_t j)
 {
     double offset[3] = {0};
 
-    offset_of(seeds, bench, i, j, offset);
-    if (vor_cell_secure(&bench->cell, vor_dot(offset, offset)))
+    offset_of(seeds, scratch, i, j, offset);
+    if (vor_cell_secure(&scratch->cell, vor_dot(offset, offset)))
         return 0;
-    vor_cell_clip(&bench->cell, offset);
+    vor_cell_clip(&scratch->cell, offset);
     return 1;
 }
 
 /* Looks farther while what the list is sure of does not secure the cell. Seeds come in no strict
  * order, so that each is judged by itself. */
-static void clip_more(const struct vor_seeds *seeds, struct vor_bench *bench, size_t i)
+static void clip_more(const struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i)
 {
     uint32_t index[VOR_SEEDS_MORE_MAX];
     float distance2[VOR_SEEDS_MORE_MAX];
-    size_t width = 2 * (seeds->swarm.listed + 1), done = 0;
-    double sure = bench->crowd.sure;
+    size_t width = 2 * (seeds->point_lists.listed + 1), done = 0;
+    double sure = scratch->crowd.sure;
 
     /* Of the jumpers, the crowd has only those nearer than it is sure of. */
-    if (!(sure > 0 && vor_cell_secure(&bench->cell, sure * sure)))
+    if (!(sure > 0 && vor_cell_secure(&scratch->cell, sure * sure)))
         for (unsigned j = 0; j < seeds->view.jumpers; j++)
             if (seeds->view.jumper[j] != i)
-                (void)clip_by(seeds, bench, i, seeds->view.jumper[j]);
-    while (!(sure > 0 && vor_cell_secure(&bench->cell, sure * sure)) && done < seeds->n &&
+                (void)clip_by(seeds, scratch, i, seeds->view.jumper[j]);
+    while (!(sure > 0 && vor_cell_secure(&scratch->cell, sure * sure)) && done < seeds->n &&
            done < VOR_SEEDS_MORE_MAX) {
         width = width < VOR_SEEDS_MORE_MAX ? width : VOR_SEEDS_MORE_MAX;
         width = width < seeds->n ? width : seeds->n;
-        sure = vor_swarm_wide(&seeds->swarm, &seeds->view, i, (unsigned)width, index, distance2);
-        bench->queries++;
+        sure = vor_point_lists_wide(&seeds->point_lists, &seeds->view, i, (unsigned)width, index,
+                                    distance2);
+        scratch->queries++;
         for (size_t j = done; j < width; j++)
             if (index[j] != i)
-                (void)clip_by(seeds, bench, i, index[j]);
+                (void)clip_by(seeds, scratch, i, index[j]);
         done = width;
         width *= 2;
     }
 }
 
-const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds, const struct vor_bench *bench)
+const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds,
+                                      const struct vor_scratch *scratch)
 {
-    const double *c = bench->here.surface.c;
-    double bend = (fabs(c[3]) + fabs(c[4]) + fabs(c[5])) * bench->radius;
+    const double *c = scratch->here.surface.c;
+    double bend = (fabs(c[3]) + fabs(c[4]) + fabs(c[5])) * scratch->radius;
 
     if (bend > BEND_MAX)
         return &seeds->fine;
     return bend > BEND_FLAT ? &seeds->disc : &seeds->flat;
 }
 
-static void end_at_border(const struct vor_seeds *seeds, struct vor_bench *bench)
+static void end_at_border(const struct vor_seeds *seeds, struct vor_scratch *scratch)
 {
-    double side[2], room = vor_boundary_room(&bench->here.surface, bench->here.near, bench->here.k,
-                                             bench->cell.seed, bench->radius / seeds->widen, side);
+    double side[2],
+        room = vor_boundary_room(&scratch->here.surface, scratch->here.near, scratch->here.k,
+                                 scratch->cell.seed, scratch->radius / seeds->widen, side);
 
-    if (room < bench->radius)
-        vor_cell_clip(&bench->cell, (double[3]){2 * room * side[0], 2 * room * side[1], 0});
+    if (room < scratch->radius)
+        vor_cell_clip(&scratch->cell, (double[3]){2 * room * side[0], 2 * room * side[1], 0});
 }
 
-void vor_seeds_crowd(struct vor_seeds *seeds, struct vor_bench *bench, size_t i)
+void vor_seeds_crowd(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i)
 {
-    bench->queries += vor_swarm_crowd(&bench->crowd, &seeds->swarm, &seeds->view, i);
+    scratch->queries +=
+        vor_point_lists_crowd(&scratch->crowd, &seeds->point_lists, &seeds->view, i);
 }
 
-void vor_seeds_within(struct vor_seeds *seeds, struct vor_bench *bench, size_t i, double distance)
+void vor_seeds_within(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i,
+                      double distance)
 {
-    bench->queries += vor_swarm_within(&bench->crowd, &seeds->swarm, &seeds->view, i, distance);
+    scratch->queries +=
+        vor_point_lists_within(&scratch->crowd, &seeds->point_lists, &seeds->view, i, distance);
 }
 
-void vor_seeds_clip(struct vor_seeds *seeds, struct vor_bench *bench, size_t i, int flat)
+void vor_seeds_clip(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i, int flat)
 {
-    const struct vor_crowd *crowd = &bench->crowd;
+    const struct vor_crowd *crowd = &scratch->crowd;
     double x[3], local[3];
     unsigned j = 0;
 
     vor_seeds_position(seeds, i, x);
-    vor_surface_to_local(&bench->here.surface, x, local);
-    bench->radius = seeds->widen * patch_radius(crowd);
-    vor_cell_begin(&bench->cell, flat ? &seeds->flat : vor_seeds_disc(seeds, bench),
-                   &bench->here.surface, local, bench->radius);
-    bench->triangles += bench->cell.count;
-    if (seeds->keep_border && !bench->interior)
-        end_at_border(seeds, bench);
-    while (j < crowd->count && clip_by(seeds, bench, i, crowd->index[j]))
+    vor_surface_to_local(&scratch->here.surface, x, local);
+    scratch->radius = seeds->widen * patch_radius(crowd);
+    vor_cell_begin(&scratch->cell, flat ? &seeds->flat : vor_seeds_disc(seeds, scratch),
+                   &scratch->here.surface, local, scratch->radius);
+    scratch->triangles += scratch->cell.count;
+    if (seeds->keep_border && !scratch->interior)
+        end_at_border(seeds, scratch);
+    while (j < crowd->count && clip_by(seeds, scratch, i, crowd->index[j]))
         j++;
-    clip_more(seeds, bench, i);
-    bench->cells++;
-    bench->bisectors += bench->cell.bisectors;
+    clip_more(seeds, scratch, i);
+    scratch->cells++;
+    scratch->bisectors += scratch->cell.bisectors;
 }
 
-enum vor_surface_kind vor_seeds_cell(struct vor_seeds *seeds, struct vor_bench *bench, size_t i)
+enum vor_surface_kind vor_seeds_cell(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i)
 {
-    enum vor_surface_kind kind = vor_seeds_fit(seeds, bench, i);
+    enum vor_surface_kind kind = vor_seeds_fit(seeds, scratch, i);
 
     if (kind == VOR_SURFACE_NONE)
         return VOR_SURFACE_NONE;
-    vor_seeds_crowd(seeds, bench, i);
-    vor_seeds_clip(seeds, bench, i, 0);
+    vor_seeds_crowd(seeds, scratch, i);
+    vor_seeds_clip(seeds, scratch, i, 0);
     return kind;
 }

@@ -24,7 +24,7 @@ struct vor_place {
 };
 
 /** What is kept of a seed's last fit. */
-struct vor_kept {
+struct vor_last_fit {
     struct vor_surface surface;
     float place[3];             /**< where the seed was */
     uint16_t k;                 /**< input points it was fitted to, or is to be; 0: not known yet */
@@ -34,7 +34,7 @@ struct vor_kept {
 };
 
 /** Scratch of one worker, and what it counts. */
-struct vor_bench {
+struct vor_scratch {
     struct vor_place here, there; /**< of the seed at hand, and of where it wants to go */
     struct vor_place foot;        /**< of the input point nearest to one of these */
     struct vor_surface onto;      /**< set by vor_seeds_recall: what the seed moves along */
@@ -52,34 +52,34 @@ struct vor_seeds {
     const struct vor_domain *whole;  /**< that the seeds are to end on */
     const struct vor_run *run;
     size_t n;
-    const struct vor_scale *scale; /**< how many input points a surface is fitted to */
-    int refined;                   /**< vor_seeds_recall tries vor_surface_refine; 0 at first */
-    int keep_holes;  /**< holes are told from gaps: vor_seeds_hold; set by vor_settle */
+    const struct vor_neighbors *neighbors; /**< how many input points a surface is fitted to */
+    int refined;     /**< vor_seeds_recall tries vor_surface_refine; 0 at first */
+    int keep_holes;  /**< holes are told from gaps: vor_seeds_hold; set by vor_attach */
     int keep_border; /**< cells end where the input ends; set by vor_seeds_init, may be changed */
     float *xyz;      /**< n x 3 */
-    struct vor_near near;       /**< candidates among the input, for each seed */
-    struct vor_kept *kept;      /**< n */
-    struct vor_swarm swarm;     /**< neighbours among the seeds */
-    struct vor_swarm_view view; /**< of xyz, as of the last index */
+    struct vor_input_lists input_lists; /**< candidates among the input, for each seed */
+    struct vor_last_fit *last_fit;      /**< n */
+    struct vor_point_lists point_lists; /**< neighbours among the seeds */
+    struct vor_point_lists_view view;   /**< of xyz, as of the last index */
     double widen; /**< patches are this many times as wide as usual; 1 after vor_seeds_init */
     double area;  /**< of the surface, from the draw that these seeds were started from */
     struct vor_disc flat, disc, fine; /**< patches, by how much they bend */
-    struct vor_bench *bench;          /**< one for each thread of the pool */
+    struct vor_scratch *scratch;      /**< one for each thread of the pool */
 };
 
-/** n seeds with unset positions; n >= 1; scale, which must outlive them, lowered to the size
+/** n seeds with unset positions; n >= 1; neighbors, which must outlive them, lowered to the size
  * of the domain.
  *
  *  @retval VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain,
-                                        size_t n, const struct vor_scale *scale,
+                                        size_t n, const struct vor_neighbors *neighbors,
                                         const struct vor_run *run, struct vor_error *err);
 
 void vor_seeds_free(struct vor_seeds *seeds);
 
-/** From now on surfaces are fitted to `domain`: the whole one, or at least seeds->near.wide of its
- * points. What is known of the input around the seeds is forgotten, what they know of each other
- * stays. */
+/** From now on surfaces are fitted to `domain`: the whole one, or at least seeds->input_lists.wide
+ * of its points. What is known of the input around the seeds is forgotten, what they know of each
+ * other stays. */
 void vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain);
 
 /** Takes note of where the seeds are now, and makes their lists anew where too many moved too far
@@ -89,40 +89,43 @@ void vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain);
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for */
 VOR_NODISCARD vor_status vor_seeds_index(struct vor_seeds *seeds, struct vor_error *err);
 
-/** Gathers bench->here for seed i, wherever that is by now. Only one thread at a time may ask for
+/** Gathers scratch->here for seed i, wherever that is by now. Only one thread at a time may ask for
  * i. */
-enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_bench *bench, size_t i);
+enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i);
 
 /** As vor_seeds_fit, but content with the last fit where that found the seed inside the input, no
  * border within `radius` of it, and it moved by at most `slack` of the input's spacing since;
- * bench->interior tells, and then bench->here.near is not set. bench->onto is the fit, refined
- * where seeds->refined asks for it. */
-enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_bench *bench, size_t i,
-                                       double radius, double slack);
+ * scratch->interior tells, and then scratch->here.near is not set. scratch->onto is the fit,
+ * refined where seeds->refined asks for it. */
+enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scratch *scratch,
+                                       size_t i, double radius, double slack);
 
-/** Fits *surface, that of bench->here around seed i, to fewer neighbours where seeds->refined and k
- * allow it and vor_surface_refine finds that better. Returns whether it did. */
-int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_bench *bench, size_t i,
+/** Fits *surface, that of scratch->here around seed i, to fewer neighbours where seeds->refined and
+ * k allow it and vor_surface_refine finds that better. Returns whether it did. */
+int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
                      struct vor_surface *surface);
 
-/** bench->crowd, as of the last index. Only one thread at a time may ask for i. */
-void vor_seeds_crowd(struct vor_seeds *seeds, struct vor_bench *bench, size_t i);
+/** scratch->crowd, as of the last index. Only one thread at a time may ask for i. */
+void vor_seeds_crowd(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i);
 
 /** The same, but content with those within `distance`, in no order. */
-void vor_seeds_within(struct vor_seeds *seeds, struct vor_bench *bench, size_t i, double distance);
+void vor_seeds_within(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i,
+                      double distance);
 
-/** The cell of seed i in bench->cell, from bench->here and bench->crowd: out of a patch as fine as
- * the surface bends, or where `flat` out of the tangent plane. */
-void vor_seeds_clip(struct vor_seeds *seeds, struct vor_bench *bench, size_t i, int flat);
+/** The cell of seed i in scratch->cell, from scratch->here and scratch->crowd: out of a patch as
+ * fine as the surface bends, or where `flat` out of the tangent plane. */
+void vor_seeds_clip(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i, int flat);
 
 /** vor_seeds_fit, vor_seeds_crowd and vor_seeds_clip, unless the kind is NONE. */
-enum vor_surface_kind vor_seeds_cell(struct vor_seeds *seeds, struct vor_bench *bench, size_t i);
+enum vor_surface_kind vor_seeds_cell(struct vor_seeds *seeds, struct vor_scratch *scratch,
+                                     size_t i);
 
-/** The mesh for a patch of bench->radius on the surface of bench->here. */
-const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds, const struct vor_bench *bench);
+/** The mesh for a patch of scratch->radius on the surface of scratch->here. */
+const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds,
+                                      const struct vor_scratch *scratch);
 
-/** Gathers a place of the bench, there or foot, around any x, by a search of its own. */
-enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_bench *bench,
+/** Gathers a place of the scratch, there or foot, around any x, by a search of its own. */
+enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_scratch *scratch,
                                        struct vor_place *place, const double x[3]);
 
 /** A tangential offset of about that length for two seeds that lie at the same place, opposite for
@@ -136,13 +139,14 @@ struct vor_counts {
 struct vor_counts vor_seeds_counts(const struct vor_seeds *seeds);
 
 /** What is known of the border around x, where `place`, here or there, was gathered. */
-void vor_seeds_border(const struct vor_seeds *seeds, struct vor_bench *bench,
+void vor_seeds_border(const struct vor_seeds *seeds, struct vor_scratch *scratch,
                       const struct vor_place *place, struct vor_border *border, const double x[3]);
 
-/** Moves x, near seed i, which bench->here was gathered around, straight back towards the input
+/** Moves x, near seed i, which scratch->here was gathered around, straight back towards the input
  * where it lies too far into a hole or beyond an edge of a regular input. Returns whether it did.
  */
-int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_bench *bench, size_t i, double x[3]);
+int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i,
+                   double x[3]);
 
 /** Whether surfaces are fitted to all of what the seeds are to end on. */
 static inline int vor_seeds_on_whole(const struct vor_seeds *seeds)

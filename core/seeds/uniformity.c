@@ -8,26 +8,27 @@ enum { OPEN_SHARE = 16 };
 
 struct even {
     const struct vor_seeds *seeds;
-    struct vor_swarm_view view;
+    struct vor_point_lists_view view;
     float *nearest;
 };
 
 /* Negative where even the widest search leaves it open. */
-static double nearest_wide(const struct even *even, size_t i, struct vor_bench *bench)
+static double nearest_wide(const struct even *even, size_t i, struct vor_scratch *scratch)
 {
     const struct vor_seeds *seeds = even->seeds;
-    const struct vor_swarm_view *view = &even->view;
+    const struct vor_point_lists_view *view = &even->view;
     uint32_t index[VOR_SEEDS_MORE_MAX];
     float distance2[VOR_SEEDS_MORE_MAX];
-    size_t width = 2 * (seeds->swarm.listed + 1);
+    size_t width = 2 * (seeds->point_lists.listed + 1);
 
     for (;; width *= 2) {
         double found = INFINITY, sure;
 
         width = width < VOR_SEEDS_MORE_MAX ? width : VOR_SEEDS_MORE_MAX;
         width = width < seeds->n ? width : seeds->n;
-        sure = vor_swarm_wide(&seeds->swarm, view, i, (unsigned)width, index, distance2);
-        bench->queries++;
+        sure =
+            vor_point_lists_wide(&seeds->point_lists, view, i, (unsigned)width, index, distance2);
+        scratch->queries++;
         for (size_t j = 0; j < width; j++)
             if (index[j] != i)
                 found = fmin(found,
@@ -51,17 +52,18 @@ static void list_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
     (void)worker;
     for (size_t i = begin; i < end; i++)
-        even->nearest[i] = (float)vor_swarm_nearest(&even->seeds->swarm, &even->view, i);
+        even->nearest[i] =
+            (float)vor_point_lists_nearest(&even->seeds->point_lists, &even->view, i);
 }
 
 static void wide_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     const struct even *even = ctx;
-    struct vor_bench *bench = &even->seeds->bench[worker];
+    struct vor_scratch *scratch = &even->seeds->scratch[worker];
 
     for (size_t i = begin; i < end; i++)
         if (even->nearest[i] < 0)
-            even->nearest[i] = (float)nearest_wide(even, i, bench);
+            even->nearest[i] = (float)nearest_wide(even, i, scratch);
 }
 
 static size_t count_open(const struct even *even)
@@ -83,7 +85,7 @@ static vor_status search_all(const struct even *even, struct vor_error *err)
     if (status != VOR_OK)
         return status;
     status = vor_nearest_distances(even->nearest, even->view.xyz, even->seeds->n, knn, run, err);
-    even->seeds->bench[0].queries += even->seeds->n;
+    even->seeds->scratch[0].queries += even->seeds->n;
     vor_knn_free(knn);
     return status;
 }
@@ -105,8 +107,9 @@ static vor_status measure(struct even *even, struct vor_error *err)
     return search_all(even, err);
 }
 
-vor_status vor_even_measure(struct vor_uniformity *out, float *nearest,
-                            const struct vor_seeds *seeds, const float *xyz, struct vor_error *err)
+vor_status vor_seeds_uniformity(struct vor_uniformity *out, float *nearest,
+                                const struct vor_seeds *seeds, const float *xyz,
+                                struct vor_error *err)
 {
     struct even even = {.seeds = seeds, .nearest = nearest};
     vor_status status = VOR_OK;
@@ -114,7 +117,7 @@ vor_status vor_even_measure(struct vor_uniformity *out, float *nearest,
     even.view.xyz = xyz;
     if (seeds->n == 1)
         nearest[0] = 0;
-    else if (vor_swarm_look(&even.view, &seeds->swarm, xyz, FAR))
+    else if (vor_point_lists_look(&even.view, &seeds->point_lists, xyz, FAR))
         status = measure(&even, err);
     else
         status = search_all(&even, err);
@@ -123,19 +126,19 @@ vor_status vor_even_measure(struct vor_uniformity *out, float *nearest,
     return status;
 }
 
-vor_status vor_even_begin(struct vor_uniformity *out, float *nearest, struct vor_seeds *seeds,
-                          struct vor_error *err)
+vor_status vor_seeds_uniformity_now(struct vor_uniformity *out, float *nearest,
+                                    struct vor_seeds *seeds, struct vor_error *err)
 {
     const struct vor_run *run = seeds->run;
-    struct vor_run calm_run = *run;
-    struct vor_calm calm;
+    struct vor_run no_stop_run = *run;
+    struct vor_no_stop no_stop;
     vor_status status;
 
-    calm_run.watch = vor_calm_watch(&calm, run->watch);
-    seeds->run = &calm_run;
+    no_stop_run.watch = vor_no_stop_watch(&no_stop, run->watch);
+    seeds->run = &no_stop_run;
     status = vor_seeds_index(seeds, err);
     if (status == VOR_OK)
-        status = vor_even_measure(out, nearest, seeds, seeds->xyz, err);
+        status = vor_seeds_uniformity(out, nearest, seeds, seeds->xyz, err);
     seeds->run = run;
     return status;
 }
@@ -148,18 +151,18 @@ struct six {
 static void six_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     const struct six *six = ctx;
-    struct vor_bench *bench = &six->seeds->bench[worker];
+    struct vor_scratch *scratch = &six->seeds->scratch[worker];
 
     for (size_t i = begin; i < end; i++) {
-        if (vor_seeds_fit(six->seeds, bench, i) == VOR_SURFACE_NONE)
+        if (vor_seeds_fit(six->seeds, scratch, i) == VOR_SURFACE_NONE)
             continue;
-        vor_seeds_crowd(six->seeds, bench, i);
-        vor_seeds_clip(six->seeds, bench, i, 1);
-        six->is[i] = bench->cell.count == 1 && bench->cell.piece[0].count == 6;
+        vor_seeds_crowd(six->seeds, scratch, i);
+        vor_seeds_clip(six->seeds, scratch, i, 1);
+        six->is[i] = scratch->cell.count == 1 && scratch->cell.piece[0].count == 6;
     }
 }
 
-vor_status vor_even_six(double *out, struct vor_seeds *seeds, struct vor_error *err)
+vor_status vor_seeds_six_share(double *out, struct vor_seeds *seeds, struct vor_error *err)
 {
     struct vor_memory *memory = seeds->run->memory;
     struct six six = {seeds, vor_calloc(memory, seeds->n, 1)};

@@ -15,18 +15,19 @@
  *
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *  @retval VOR_E_NOMEM */
-VOR_NODISCARD vor_status vor_even_measure(struct vor_uniformity *out, float *nearest,
-                                          const struct vor_seeds *seeds, const float *xyz,
-                                          struct vor_error *err);
+VOR_NODISCARD vor_status vor_seeds_uniformity(struct vor_uniformity *out, float *nearest,
+                                              const struct vor_seeds *seeds, const float *xyz,
+                                              struct vor_error *err);
 
 /** Share of the seeds, as of the last index, whose cell in the tangent plane has six sides.
  *
- *  @retval as vor_even_measure */
-VOR_NODISCARD vor_status vor_even_six(double *out, struct vor_seeds *seeds, struct vor_error *err);
+ *  @retval as vor_seeds_uniformity */
+VOR_NODISCARD vor_status vor_seeds_six_share(double *out, struct vor_seeds *seeds,
+                                             struct vor_error *err);
 
-/** vor_even_measure of the seeds where they are, indexed first. A stop does not cut it short, so
- * that it finds something to hand back. */
-VOR_NODISCARD vor_status vor_even_begin(struct vor_uniformity *out, float *nearest,
-                                        struct vor_seeds *seeds, struct vor_error *err);
+/** vor_seeds_uniformity of the seeds where they are, indexed first. A stop does not cut it short,
+ * so that it finds something to hand back. */
+VOR_NODISCARD vor_status vor_seeds_uniformity_now(struct vor_uniformity *out, float *nearest,
+                                                  struct vor_seeds *seeds, struct vor_error *err);
 
 #endif

@@ -25,8 +25,8 @@ static void open_bed(struct bed *bed, uint64_t seed, size_t points, size_t n)
     else
         vt_cloud_box(&bed->cloud, seed, points);
     vt_assert_ok(vor_domain_init(&bed->domain, &bed->cloud, &bed->engine.run, &vt_err));
-    vt_assert_ok(vor_seeds_init(&bed->seeds, &bed->domain, n, &bed->engine.scale, &bed->engine.run,
-                                &vt_err));
+    vt_assert_ok(vor_seeds_init(&bed->seeds, &bed->domain, n, &bed->engine.neighbors,
+                                &bed->engine.run, &vt_err));
     for (size_t i = 0; i < 3 * n; i++) {
         size_t from = (size_t)vor_rng_below(seed, 41, i / 3, bed->domain.n);
 
@@ -54,17 +54,17 @@ static void move_all(float *moved, const struct vor_seeds *seeds, uint64_t seed,
 
 /* The same patch clipped by every other seed, in the order of their numbers. */
 static void clip_by_all(struct vor_cell *cell, const struct vor_seeds *seeds,
-                        const struct vor_bench *bench, size_t i)
+                        const struct vor_scratch *scratch, size_t i)
 {
-    const struct vor_surface *surface = &bench->here.surface;
+    const struct vor_surface *surface = &scratch->here.surface;
     double x[3], local[3], side[2], room;
 
     vor_seeds_position(seeds, i, x);
     vor_surface_to_local(surface, x, local);
-    vor_cell_begin(cell, vor_seeds_disc(seeds, bench), surface, local, bench->radius);
-    room = vor_boundary_room(surface, bench->here.near, bench->here.k, local,
-                             bench->radius / seeds->widen, side);
-    if (seeds->keep_border && room < bench->radius)
+    vor_cell_begin(cell, vor_seeds_disc(seeds, scratch), surface, local, scratch->radius);
+    room = vor_boundary_room(surface, scratch->here.near, scratch->here.k, local,
+                             scratch->radius / seeds->widen, side);
+    if (seeds->keep_border && room < scratch->radius)
         vor_cell_clip(cell, (double[3]){2 * room * side[0], 2 * room * side[1], 0});
     for (size_t j = 0; j < seeds->n; j++) {
         double other[3], offset[3];
@@ -82,21 +82,21 @@ static void clip_by_all(struct vor_cell *cell, const struct vor_seeds *seeds,
 static void compare_cells(struct vor_seeds *seeds, size_t i)
 {
     static struct vor_cell all;
-    struct vor_bench *bench = &seeds->bench[0];
+    struct vor_scratch *scratch = &seeds->scratch[0];
     struct vor_moments found, expected;
     double patch;
 
-    ck_assert_int_ne(vor_seeds_cell(seeds, bench, i), VOR_SURFACE_NONE);
-    clip_by_all(&all, seeds, bench, i);
-    ck_assert_int_eq(vor_cell_moments(&found, &bench->cell), vor_cell_moments(&expected, &all));
+    ck_assert_int_ne(vor_seeds_cell(seeds, scratch, i), VOR_SURFACE_NONE);
+    clip_by_all(&all, seeds, scratch, i);
+    ck_assert_int_eq(vor_cell_moments(&found, &scratch->cell), vor_cell_moments(&expected, &all));
     if (!vor_cell_moments(&expected, &all))
         return;
-    patch = bench->radius * bench->radius;
+    patch = scratch->radius * scratch->radius;
     ck_assert_double_le(fabs(found.area - expected.area), 1e-12 * patch);
     ck_assert_double_le(fabs(found.energy - expected.energy), 1e-12 * patch * patch);
     for (int c = 0; c < 3; c++)
         ck_assert_double_le(fabs(found.centroid[c] - expected.centroid[c]) * expected.area,
-                            1e-12 * patch * bench->radius);
+                            1e-12 * patch * scratch->radius);
 }
 
 START_TEST(a_cell_that_stops_at_the_security_radius_is_clipped_by_all_seeds)
@@ -122,14 +122,15 @@ static void jump(struct vor_seeds *seeds, uint64_t seed, size_t jumpers)
 {
     float *moved = vor_malloc(&vt_memory, seeds->n, 3 * sizeof *moved);
 
-    move_all(moved, seeds, seed, 0.2 * seeds->swarm.spacing);
+    move_all(moved, seeds, seed, 0.2 * seeds->point_lists.spacing);
     for (size_t j = 0; j < jumpers; j++) {
         size_t who = (size_t)vor_rng_below(seed, 42, j, seeds->n);
         size_t where = (size_t)vor_rng_below(seed, 43, j, seeds->n);
 
         for (size_t c = 0; c < 3; c++)
-            moved[3 * who + c] = seeds->xyz[3 * where + c] +
-                                 (float)(0.5 * seeds->swarm.spacing * vt_unit(seed, 3 * j + c));
+            moved[3 * who + c] =
+                seeds->xyz[3 * where + c] +
+                (float)(0.5 * seeds->point_lists.spacing * vt_unit(seed, 3 * j + c));
     }
     memcpy(seeds->xyz, moved, 3 * seeds->n * sizeof *moved);
     vor_free(&vt_memory, moved);
@@ -148,7 +149,7 @@ START_TEST(a_cell_from_lists_of_before_is_clipped_by_all_seeds_as_they_are_now)
             bed.seeds.widen = widen[j];
             jump(&bed.seeds, (uint64_t)(10 * _i + j), jumpers[j]);
             vt_assert_ok(vor_seeds_index(&bed.seeds, &vt_err));
-            ck_assert_uint_eq(bed.seeds.swarm.indexed, 1);
+            ck_assert_uint_eq(bed.seeds.point_lists.indexed, 1);
             for (size_t i = 0; i < bed.seeds.n; i++)
                 compare_cells(&bed.seeds, i);
             close_bed(&bed);
@@ -172,46 +173,46 @@ START_TEST(a_seed_is_recalled_where_it_was_fitted_and_no_border_is_near)
     const double allowed = 0.2;
     struct bed bed;
     struct vor_seeds twin;
-    struct vor_bench *bench, *fresh;
+    struct vor_scratch *scratch, *fresh;
     size_t interior = 0, border = 0;
 
     open_bed(&bed, (uint64_t)_i, 3000, ALL);
     vt_assert_ok(
-        vor_seeds_init(&twin, &bed.domain, ALL, &bed.engine.scale, &bed.engine.run, &vt_err));
+        vor_seeds_init(&twin, &bed.domain, ALL, &bed.engine.neighbors, &bed.engine.run, &vt_err));
     memcpy(twin.xyz, bed.seeds.xyz, 3 * ALL * sizeof *twin.xyz);
-    bench = &bed.seeds.bench[0];
-    fresh = &twin.bench[0];
+    scratch = &bed.seeds.scratch[0];
+    fresh = &twin.scratch[0];
     for (size_t i = 0; i < ALL; i++) {
         const struct vor_surface *surface = &fresh->here.surface;
         float *x = &bed.seeds.xyz[3 * i], *y = &twin.xyz[3 * i];
-        double radius = 1.5 * bed.seeds.swarm.spacing, at[3], local[3], side[2];
+        double radius = 1.5 * bed.seeds.point_lists.spacing, at[3], local[3], side[2];
         float step;
 
         ck_assert_int_eq(vor_seeds_fit(&twin, fresh, i), VOR_SURFACE_QUADRIC);
         for (int time = 0; time < 2; time++) {
-            ck_assert_int_eq(vor_seeds_recall(&bed.seeds, bench, i, radius, allowed),
+            ck_assert_int_eq(vor_seeds_recall(&bed.seeds, scratch, i, radius, allowed),
                              VOR_SURFACE_QUADRIC);
-            ck_assert(same_surface(&bench->here.surface, surface));
+            ck_assert(same_surface(&scratch->here.surface, surface));
         }
         vor_seeds_position(&twin, i, at);
         vor_surface_to_local(surface, at, local);
         ck_assert_int_eq(
-            bench->interior,
+            scratch->interior,
             vor_boundary_within(fresh->here.near, fresh->here.k, at,
                                 vor_boundary_spacing(fresh->here.near, fresh->here.k, at)) &&
                 isinf(vor_boundary_room(surface, fresh->here.near, fresh->here.k, local, radius,
                                         side)));
-        interior += bench->interior != 0;
-        border += bench->interior == 0;
+        interior += scratch->interior != 0;
+        border += scratch->interior == 0;
         step = (float)(allowed * surface->spacing);
         x[0] = y[0] = y[0] + 0.9f * step;
-        (void)vor_seeds_recall(&bed.seeds, bench, i, radius, allowed);
-        if (bench->interior && bed.seeds.kept[i].place[0] != x[0])
-            ck_assert(same_surface(&bench->here.surface, surface));
+        (void)vor_seeds_recall(&bed.seeds, scratch, i, radius, allowed);
+        if (scratch->interior && bed.seeds.last_fit[i].place[0] != x[0])
+            ck_assert(same_surface(&scratch->here.surface, surface));
         x[0] = y[0] = y[0] + 5 * step;
-        ck_assert_int_eq(vor_seeds_recall(&bed.seeds, bench, i, radius, allowed),
+        ck_assert_int_eq(vor_seeds_recall(&bed.seeds, scratch, i, radius, allowed),
                          vor_seeds_fit(&twin, fresh, i));
-        ck_assert(memcmp(bed.seeds.kept[i].place, x, 3 * sizeof *x) == 0);
+        ck_assert(memcmp(bed.seeds.last_fit[i].place, x, 3 * sizeof *x) == 0);
     }
     ck_assert_uint_gt(interior, ALL / 2);
     if (_i % 2) /* a dome has a border */
@@ -225,21 +226,21 @@ END_TEST
 START_TEST(a_sample_of_a_cell_is_nearest_to_its_own_seed)
 {
     struct bed bed;
-    struct vor_bench *bench;
+    struct vor_scratch *scratch;
 
     open_bed(&bed, (uint64_t)_i, 3000, 200);
-    bench = &bed.seeds.bench[0];
+    scratch = &bed.seeds.scratch[0];
     for (size_t i = 0; i < 200; i++) {
         struct vor_moments moments;
         double unit[3], local[3], x[3], own = 0;
 
-        ck_assert_int_ne(vor_seeds_cell(&bed.seeds, bench, i), VOR_SURFACE_NONE);
-        if (!vor_cell_moments(&moments, &bench->cell))
+        ck_assert_int_ne(vor_seeds_cell(&bed.seeds, scratch, i), VOR_SURFACE_NONE);
+        if (!vor_cell_moments(&moments, &scratch->cell))
             continue;
         for (size_t c = 0; c < 3; c++)
             unit[c] = vt_unit((uint64_t)_i + 3, 3 * i + c);
-        vor_cell_sample(&bench->cell, unit, local);
-        vor_surface_to_world(&bench->here.surface, local, x);
+        vor_cell_sample(&scratch->cell, unit, local);
+        vor_surface_to_world(&scratch->here.surface, local, x);
         for (size_t c = 0; c < 3; c++)
             own += pow(x[c] - (double)bed.seeds.xyz[3 * i + c], 2);
         for (size_t j = 0; j < 200; j++) {
@@ -283,7 +284,7 @@ START_TEST(nearest_distances_after_a_move_are_those_of_a_look_at_every_seed)
 
             open_bed(&bed, (uint64_t)_i, 2000, n);
             move_all(moved, &bed.seeds, (uint64_t)(100 * k + m), moves[m]);
-            vt_assert_ok(vor_even_measure(&even, nearest, &bed.seeds, moved, &vt_err));
+            vt_assert_ok(vor_seeds_uniformity(&even, nearest, &bed.seeds, moved, &vt_err));
             for (size_t i = 0; i < n; i++) {
                 double brute = n > 1 ? nearest_other(moved, n, i) : 0;
 
@@ -319,7 +320,7 @@ START_TEST(a_crowd_that_scatters_is_measured_exactly)
     vt_assert_ok(vor_seeds_index(&bed.seeds, &vt_err));
     move_all(moved, &bed.seeds, 7, 1e-3);
     memcpy(moved, bed.seeds.xyz, SIDE * SIDE * 3 * sizeof *moved);
-    vt_assert_ok(vor_even_measure(&even, nearest, &bed.seeds, moved, &vt_err));
+    vt_assert_ok(vor_seeds_uniformity(&even, nearest, &bed.seeds, moved, &vt_err));
     for (size_t i = SIDE * SIDE; i < ALL; i++) {
         double brute = nearest_other(moved, ALL, i);
 

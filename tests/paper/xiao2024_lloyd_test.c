@@ -115,7 +115,8 @@ START_TEST(eq_5_a_hexagonal_lattice_in_a_plane_stands_still)
     vt_engine_open(&engine, 1);
     vt_cloud_square(&cloud, 1, 4000);
     vt_assert_ok(vor_domain_init(&domain, &cloud, &engine.run, &vt_err));
-    vt_assert_ok(vor_seeds_init(&seeds, &domain, SIDE * SIDE, &engine.scale, &engine.run, &vt_err));
+    vt_assert_ok(
+        vor_seeds_init(&seeds, &domain, SIDE * SIDE, &engine.neighbors, &engine.run, &vt_err));
     for (size_t i = 0; i < SIDE * SIDE; i++) {
         double row = (double)(i / SIDE), column = (double)(i % SIDE);
 
@@ -131,12 +132,12 @@ START_TEST(eq_5_a_hexagonal_lattice_in_a_plane_stands_still)
 
         if (i < 2 * SIDE || i >= (SIDE - 2) * SIDE || i % SIDE < 2 || i % SIDE >= SIDE - 2)
             continue;
-        ck_assert_int_ne(vor_seeds_cell(&seeds, &seeds.bench[0], i), VOR_SURFACE_NONE);
-        ck_assert(vor_cell_moments(&m, &seeds.bench[0].cell));
+        ck_assert_int_ne(vor_seeds_cell(&seeds, &seeds.scratch[0], i), VOR_SURFACE_NONE);
+        ck_assert(vor_cell_moments(&m, &seeds.scratch[0].cell));
         ck_assert_double_eq_tol(m.area * scale / area, 1, 1e-5);
         ck_assert_double_eq_tol(m.energy * scale * scale / (GERSHO * area * area), 1, 1e-5);
         for (int c = 0; c < 3; c++)
-            ck_assert_double_le(fabs(m.centroid[c] - seeds.bench[0].cell.seed[c]) * domain.unit,
+            ck_assert_double_le(fabs(m.centroid[c] - seeds.scratch[0].cell.seed[c]) * domain.unit,
                                 1e-6 * h);
         inner++;
     }
@@ -245,10 +246,11 @@ static double delta_from(const struct vor_cloud *cloud, uint64_t seed, int rando
     vt_engine_count(&engine, "seed", (size_t)seed);
     vt_assert_ok(vor_domain_init(&domain, cloud, &engine.run, &vt_err));
     if (random)
-        vt_assert_ok(vor_seeds_init(&seeds, &domain, START, &engine.scale, &engine.run, &vt_err));
+        vt_assert_ok(
+            vor_seeds_init(&seeds, &domain, START, &engine.neighbors, &engine.run, &vt_err));
     else
-        vt_assert_ok(vor_init_seeds(&seeds, &domain, START, &engine.scale, &engine.spec,
-                                    &engine.run, &vt_err));
+        vt_assert_ok(vor_start_seeds(&seeds, &domain, START, &engine.neighbors, &engine.spec,
+                                     &engine.run, &vt_err));
     *left = 0;
     for (size_t i = 0; i < START; i++) {
         size_t from = (size_t)vor_rng_below(seed, 71, i, domain.n);

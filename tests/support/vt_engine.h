@@ -13,7 +13,7 @@ struct vt_engine {
     struct vor_pool *pool;
     struct vor_run run;
     struct vor_spec spec;
-    struct vor_scale scale;
+    struct vor_neighbors neighbors;
 };
 
 void vt_engine_open(struct vt_engine *engine, unsigned threads);

@@ -198,11 +198,11 @@ static void hash_report(uint64_t *hash, const struct vor_report *report, const s
 struct stages {
     const struct vor_cloud *in;
     struct told told;
-    struct vor_run run, calm_run;
-    struct vor_calm calm;
+    struct vor_run run, no_stop_run;
+    struct vor_no_stop no_stop;
     struct vor_spec spec;
     struct vor_domain domain, thin;
-    struct vor_scale scale;
+    struct vor_neighbors neighbors;
     struct vor_seeds seeds;
     struct vor_cvt_result result;
     struct vor_uniformity even;
@@ -216,9 +216,9 @@ static void leave_lattice(struct stages *s)
     struct vor_lattice lattice;
     size_t moved = 0;
 
-    vt_assert_ok(vor_lattice_find(&lattice, &s->domain, &s->calm_run, &vt_err));
+    vt_assert_ok(vor_lattice_find(&lattice, &s->domain, &s->no_stop_run, &vt_err));
     if (lattice.matters)
-        vt_assert_ok(vor_lattice_smooth(&s->domain, &moved, &lattice, &s->calm_run, &vt_err));
+        vt_assert_ok(vor_lattice_smooth(&s->domain, &moved, &lattice, &s->no_stop_run, &vt_err));
     for (int c = 0; c < 3; c++)
         s->report.lattice[c] = lattice.cell[c] * s->domain.unit;
     s->report.off_lattice = moved;
@@ -229,11 +229,11 @@ static void resolve_neighbors(struct stages *s)
     double *value = &s->spec.value[VOR_PARAM_NEIGHBORS];
 
     if (*value != VOR_UNSET) {
-        vor_scale_fix(&s->scale, (unsigned)*value);
+        vor_neighbors_fix(&s->neighbors, (unsigned)*value);
         return;
     }
-    vt_assert_ok(vor_scale_find(&s->scale, &s->domain, &s->calm_run, &vt_err));
-    *value = s->scale.usual;
+    vt_assert_ok(vor_neighbors_choose(&s->neighbors, &s->domain, &s->no_stop_run, &vt_err));
+    *value = s->neighbors.usual;
 }
 
 static void resolve_target(struct stages *s)
@@ -243,8 +243,8 @@ static void resolve_target(struct stages *s)
     if (vor_spec_given(&s->spec, VOR_PARAM_SPACING)) {
         double spacing = s->spec.value[VOR_PARAM_SPACING] / s->domain.unit;
 
-        vt_assert_ok(
-            vor_init_area(&s->area, &s->domain, &s->scale, &s->spec, &s->calm_run, &vt_err));
+        vt_assert_ok(vor_seeds_area(&s->area, &s->domain, &s->neighbors, &s->spec, &s->no_stop_run,
+                                    &vt_err));
         n = rint(s->area / (0.86602540378443865 * spacing * spacing));
     }
     vt_assert_ok(vor_spec_check_target(&s->spec, n, s->in->n, &vt_err));
@@ -258,7 +258,7 @@ static void resolve_target(struct stages *s)
 static void hash_input(uint64_t *hash, const struct stages *s)
 {
     const struct vor_domain *domain = &s->domain;
-    const struct vor_scale *scale = &s->scale;
+    const struct vor_neighbors *neighbors = &s->neighbors;
 
     start_hash(hash);
     add_positions(hash, domain->xyz, domain->n);
@@ -271,25 +271,25 @@ static void hash_input(uint64_t *hash, const struct stages *s)
     add_count(hash, s->report.outliers);
     add_doubles(hash, s->report.lattice, 3);
     add_count(hash, s->report.off_lattice);
-    add_count(hash, scale->usual);
-    add_count(hash, scale->most);
-    add_positions(hash, scale->xyz, scale->places);
-    for (unsigned i = 0; i < scale->places; i++)
-        add_count(hash, scale->k[i]);
+    add_count(hash, neighbors->usual);
+    add_count(hash, neighbors->most);
+    add_positions(hash, neighbors->xyz, neighbors->places);
+    for (unsigned i = 0; i < neighbors->places; i++)
+        add_count(hash, neighbors->k[i]);
     add_count(hash, s->n);
 }
 
 static void run_input(struct stages *s)
 {
-    vt_assert_ok(vor_domain_init(&s->domain, s->in, &s->calm_run, &vt_err));
+    vt_assert_ok(vor_domain_init(&s->domain, s->in, &s->no_stop_run, &vt_err));
     if (s->spec.value[VOR_PARAM_OUTLIERS] == VOR_OUTLIERS_DROP) {
         size_t dropped = 0;
 
-        vt_assert_ok(vor_outliers_drop(&s->domain, &dropped, &s->calm_run, &vt_err));
+        vt_assert_ok(vor_outliers_drop(&s->domain, &dropped, &s->no_stop_run, &vt_err));
         s->report.outliers = dropped;
     }
     leave_lattice(s);
-    vt_assert_ok(vor_sheets_find(&s->domain, &s->calm_run, &vt_err));
+    vt_assert_ok(vor_sheets_find(&s->domain, &s->no_stop_run, &vt_err));
     resolve_neighbors(s);
     resolve_target(s);
 }
@@ -307,15 +307,15 @@ static void run_start(struct stages *s)
 {
     double more, wanted;
 
-    vt_assert_ok(
-        vor_init_seeds(&s->seeds, &s->domain, s->n, &s->scale, &s->spec, &s->calm_run, &vt_err));
-    more = fmax(1, (double)s->scale.most / THINNED_FOR);
+    vt_assert_ok(vor_start_seeds(&s->seeds, &s->domain, s->n, &s->neighbors, &s->spec,
+                                 &s->no_stop_run, &vt_err));
+    more = fmax(1, (double)s->neighbors.most / THINNED_FOR);
     wanted = fmax(THINNED * more * (double)s->n, THINNED_LEAST);
     if ((double)s->domain.n < 2 * wanted || !(s->seeds.area > 0))
         return;
-    vt_assert_ok(
-        vor_domain_thin(&s->thin, &s->domain, sqrt(s->seeds.area / wanted), &s->calm_run, &vt_err));
-    if (s->thin.n >= s->seeds.near.wide)
+    vt_assert_ok(vor_domain_thin(&s->thin, &s->domain, sqrt(s->seeds.area / wanted),
+                                 &s->no_stop_run, &vt_err));
+    if (s->thin.n >= s->seeds.input_lists.wide)
         vor_seeds_onto(&s->seeds, &s->thin);
 }
 
@@ -354,17 +354,17 @@ static void hash_even_out(uint64_t *hash, struct stages *s)
 
 static void run_even_out(struct stages *s)
 {
-    s->seeds.run = &s->calm_run;
-    vt_assert_ok(vor_settle(&s->seeds, &vt_err));
+    s->seeds.run = &s->no_stop_run;
+    vt_assert_ok(vor_attach(&s->seeds, &vt_err));
     s->seeds.run = &s->run;
-    vt_assert_ok(vor_polish_run(&s->seeds, &s->result, &s->spec, 0, &vt_err));
-    s->seeds.run = &s->calm_run;
-    vt_assert_ok(vor_land(&s->seeds, &vt_err));
+    vt_assert_ok(vor_repel(&s->seeds, &s->result, &s->spec, 0, &vt_err));
+    s->seeds.run = &s->no_stop_run;
+    vt_assert_ok(vor_attach_to_whole(&s->seeds, &vt_err));
     if (s->result.polish_steps > 0)
-        vt_assert_ok(vor_settle_last(&s->seeds, &vt_err));
+        vt_assert_ok(vor_attach_last(&s->seeds, &vt_err));
 }
 
-static struct vor_apart in_unit(const struct vor_account_apart *apart, double unit)
+static struct vor_apart in_unit(const struct vor_compare_apart *apart, double unit)
 {
     return (struct vor_apart){apart->mean * unit, apart->rms * unit, apart->max * unit,
                               apart->points};
@@ -374,9 +374,9 @@ static struct vor_apart in_unit(const struct vor_account_apart *apart, double un
 static void account_for(struct stages *s)
 {
     struct vor_report *report = &s->report;
-    struct vor_account account;
+    struct vor_comparison account;
 
-    vt_assert_ok(vor_account_take(&account, &s->seeds, s->even.mean, &vt_err));
+    vt_assert_ok(vor_compare(&account, &s->seeds, s->even.mean, &vt_err));
     report->in_to_out = in_unit(&account.in_to_out, s->domain.unit);
     report->out_to_in = in_unit(&account.out_to_in, s->domain.unit);
     report->boundary_points = account.border;
@@ -393,8 +393,8 @@ static void measure(struct stages *s)
 
     ck_assert_ptr_nonnull(nearest);
     vt_assert_ok(vor_seeds_index(&s->seeds, &vt_err));
-    vt_assert_ok(vor_even_measure(&s->even, nearest, &s->seeds, s->seeds.xyz, &vt_err));
-    vt_assert_ok(vor_even_six(&s->report.six_share, &s->seeds, &vt_err));
+    vt_assert_ok(vor_seeds_uniformity(&s->even, nearest, &s->seeds, s->seeds.xyz, &vt_err));
+    vt_assert_ok(vor_seeds_six_share(&s->report.six_share, &s->seeds, &vt_err));
     vor_free(s->run.memory, nearest);
     counts = vor_seeds_counts(&s->seeds);
     s->report.queries = counts.queries;
@@ -446,7 +446,7 @@ static void finish_report(struct stages *s)
         report->area = s->area * unit * unit;
     report->min_over_mean = s->even.mean > 0 ? s->even.min / s->even.mean : 0;
     report->max_over_mean = s->even.mean > 0 ? s->even.max / s->even.mean : 0;
-    report->list_rebuilds = s->seeds.swarm.indexed;
+    report->list_rebuilds = s->seeds.point_lists.indexed;
 }
 
 void vt_stages_drive(uint64_t hash[VT_STAGE_COUNT], const struct vt_stages_run *run)
@@ -458,8 +458,8 @@ void vt_stages_drive(uint64_t hash[VT_STAGE_COUNT], const struct vt_stages_run *
     vt_assert_ok(vor_pool_create(&s.run.pool, run->threads, &vt_err));
     s.run.memory = &vt_memory;
     s.run.watch = &s.told.watch;
-    s.calm_run = s.run;
-    s.calm_run.watch = vor_calm_watch(&s.calm, s.run.watch);
+    s.no_stop_run = s.run;
+    s.no_stop_run.watch = vor_no_stop_watch(&s.no_stop, s.run.watch);
     run_input(&s);
     hash_input(&hash[VT_STAGE_INPUT], &s);
     run_start(&s);

@@ -155,9 +155,9 @@ static void project_all(struct vor_seeds *seeds)
     for (size_t i = 0; i < seeds->n; i++) {
         double x[3];
 
-        ck_assert_int_ne(vor_seeds_fit(seeds, &seeds->bench[0], i), VOR_SURFACE_NONE);
+        ck_assert_int_ne(vor_seeds_fit(seeds, &seeds->scratch[0], i), VOR_SURFACE_NONE);
         vor_seeds_position(seeds, i, x);
-        vor_surface_put(&seeds->bench[0].here.surface, x);
+        vor_surface_put(&seeds->scratch[0].here.surface, x);
         for (size_t c = 0; c < 3; c++)
             seeds->xyz[3 * i + c] = (float)x[c];
     }
@@ -172,17 +172,17 @@ START_TEST(who_lands_lies_on_the_surface_of_the_whole)
 
     make_waves(&bed.cloud, (uint64_t)_i);
     start(&bed, 2, GAP);
-    vt_assert_ok(vor_init_seeds(&seeds, &bed.whole, FEW, &bed.engine.scale, &bed.engine.spec,
-                                &bed.engine.run, &vt_err));
+    vt_assert_ok(vor_start_seeds(&seeds, &bed.whole, FEW, &bed.engine.neighbors, &bed.engine.spec,
+                                 &bed.engine.run, &vt_err));
     vor_seeds_onto(&seeds, &bed.thin);
     ck_assert_ptr_eq(seeds.domain, &bed.thin);
     project_all(&seeds);
     before = off_waves(&seeds);
-    vt_assert_ok(vor_land(&seeds, &vt_err));
+    vt_assert_ok(vor_attach_to_whole(&seeds, &vt_err));
     ck_assert_ptr_eq(seeds.domain, &bed.whole);
     ck_assert_msg(off_waves(&seeds) < before / 10, "%g off after %g", off_waves(&seeds), before);
     landed = vt_hash(seeds.xyz, 3 * FEW * sizeof *seeds.xyz);
-    vt_assert_ok(vor_land(&seeds, &vt_err)); /* nothing more to do */
+    vt_assert_ok(vor_attach_to_whole(&seeds, &vt_err)); /* nothing more to do */
     ck_assert(vt_hash(seeds.xyz, 3 * FEW * sizeof *seeds.xyz) == landed);
     vor_seeds_free(&seeds);
     end(&bed);
@@ -209,15 +209,15 @@ START_TEST(a_stop_does_not_keep_seeds_from_landing_and_a_cancel_does)
 
     make_waves(&bed.cloud, 1);
     start(&bed, 2, GAP);
-    vt_assert_ok(vor_init_seeds(&seeds, &bed.whole, FEW, &bed.engine.scale, &bed.engine.spec,
-                                &bed.engine.run, &vt_err));
+    vt_assert_ok(vor_start_seeds(&seeds, &bed.whole, FEW, &bed.engine.neighbors, &bed.engine.spec,
+                                 &bed.engine.run, &vt_err));
     vor_seeds_onto(&seeds, &bed.thin);
     bed.engine.run.watch = &watch;
-    vt_assert_ok(vor_land(&seeds, &vt_err));
+    vt_assert_ok(vor_attach_to_whole(&seeds, &vt_err));
     ck_assert_ptr_eq(seeds.domain, &bed.whole);
     vor_seeds_onto(&seeds, &bed.thin);
     watch.poll = say_cancel;
-    vt_assert_fails(VOR_E_CANCELLED, vor_land(&seeds, &vt_err));
+    vt_assert_fails(VOR_E_CANCELLED, vor_attach_to_whole(&seeds, &vt_err));
     vor_seeds_free(&seeds);
     end(&bed);
 }

@@ -11,7 +11,7 @@ enum { QUERIES = 40, STEPS = 30, K_MAX = 60 };
 struct walk {
     struct vor_cloud cloud;
     struct vor_knn *knn;
-    struct vor_near near;
+    struct vor_input_lists near;
     float at[QUERIES][3];
     uint32_t last[QUERIES][K_MAX]; /* what each query found last, sorted */
     size_t found[3], kept;         /* by what was said; sets that were those of the last search */
@@ -22,8 +22,8 @@ static void start(struct walk *walk, uint64_t seed, size_t n, unsigned k)
 {
     vt_cloud_cube(&walk->cloud, seed, n);
     vt_assert_ok(vor_knn_build(&walk->knn, walk->cloud.xyz, n, &vt_memory, &vt_err));
-    vt_assert_ok(
-        vor_near_init(&walk->near, QUERIES, k, walk->knn, walk->cloud.xyz, n, &vt_memory, &vt_err));
+    vt_assert_ok(vor_input_lists_init(&walk->near, QUERIES, k, walk->knn, walk->cloud.xyz, n,
+                                      &vt_memory, &vt_err));
     walk->k = k;
     walk->kept = 0;
     memset(walk->found, 0, sizeof walk->found);
@@ -35,7 +35,7 @@ static void start(struct walk *walk, uint64_t seed, size_t n, unsigned k)
 
 static void end(struct walk *walk)
 {
-    vor_near_free(&walk->near);
+    vor_input_lists_free(&walk->near);
     vor_knn_free(walk->knn);
     vor_cloud_free(&walk->cloud);
     vt_assert_no_leak();
@@ -79,19 +79,20 @@ static int same_set(struct walk *walk, size_t i, const uint32_t *index)
 
 /* One query: distances, sorted, equal the brute ones; the nearest comes first; no point twice; what
  * is said to be the set of the last search is. */
-static enum vor_near_found check_query(struct walk *walk, size_t i)
+static enum vor_input_lists_found check_query(struct walk *walk, size_t i)
 {
     const uint32_t *index;
     uint32_t brute[K_MAX];
     float found[K_MAX], expected[K_MAX];
-    enum vor_near_found how = vor_near_search(&walk->near, i, walk->at[i], walk->k, &index);
+    enum vor_input_lists_found how =
+        vor_input_lists_search(&walk->near, i, walk->at[i], walk->k, &index);
     unsigned twice = 0;
     int same = same_set(walk, i, index);
 
     walk->found[how]++;
     walk->kept += same;
-    ck_assert(how != VOR_NEAR_SAME || same);
-    ck_assert_uint_eq(vor_near_first(&walk->near, i), index[0]);
+    ck_assert(how != VOR_INPUT_LISTS_SAME || same);
+    ck_assert_uint_eq(vor_input_lists_first(&walk->near, i), index[0]);
     vor_knn_brute(walk->cloud.xyz, walk->cloud.n, walk->at[i], 1, walk->k, brute, expected);
     for (unsigned j = 0; j < walk->k; j++) {
         found[j] = distance2(walk, index[j], walk->at[i]);
@@ -113,17 +114,17 @@ START_TEST(a_wandering_query_finds_what_brute_force_finds)
     start(&walk, (uint64_t)_i, 60 + 300 * (size_t)(_i % 4), ks[_i % 5]);
     for (size_t s = 0; s < STEPS; s++)
         for (size_t i = 0; i < QUERIES; i++) {
-            enum vor_near_found how = check_query(&walk, i);
+            enum vor_input_lists_found how = check_query(&walk, i);
 
-            ck_assert(s > 0 || how == VOR_NEAR_ANEW);
+            ck_assert(s > 0 || how == VOR_INPUT_LISTS_ANEW);
             for (size_t c = 0; c < 3; c++)
                 walk.at[i][c] +=
                     (float)(step * (vt_unit((uint64_t)_i + 2, (s * QUERIES + i) * 3 + c) - 0.5));
         }
-    ck_assert_uint_ge(walk.found[VOR_NEAR_ANEW], QUERIES);
+    ck_assert_uint_ge(walk.found[VOR_INPUT_LISTS_ANEW], QUERIES);
     if (step <= 0.001) { /* or the lists are of no use */
-        ck_assert_uint_le(walk.found[VOR_NEAR_ANEW], QUERIES * STEPS / 2);
-        ck_assert_uint_ge(walk.found[VOR_NEAR_SAME], walk.kept * 2 / 3);
+        ck_assert_uint_le(walk.found[VOR_INPUT_LISTS_ANEW], QUERIES * STEPS / 2);
+        ck_assert_uint_ge(walk.found[VOR_INPUT_LISTS_SAME], walk.kept * 2 / 3);
     }
     end(&walk);
 }
@@ -135,9 +136,9 @@ START_TEST(a_query_that_stands_still_keeps_its_points)
 
     start(&walk, (uint64_t)_i, 400, 20);
     for (size_t i = 0; i < QUERIES; i++) {
-        ck_assert_int_eq(check_query(&walk, i), VOR_NEAR_ANEW);
+        ck_assert_int_eq(check_query(&walk, i), VOR_INPUT_LISTS_ANEW);
         for (int again = 0; again < 3; again++)
-            ck_assert_int_eq(check_query(&walk, i), VOR_NEAR_SAME);
+            ck_assert_int_eq(check_query(&walk, i), VOR_INPUT_LISTS_SAME);
     }
     end(&walk);
 }
@@ -162,7 +163,7 @@ START_TEST(a_set_is_the_same_as_at_the_last_search_not_as_at_one_before)
         if (memcmp(before, walk.last[i], 6 * sizeof *before) == 0)
             continue;
         walk.at[i][0] = home;
-        ck_assert_int_ne(check_query(&walk, i), VOR_NEAR_SAME);
+        ck_assert_int_ne(check_query(&walk, i), VOR_INPUT_LISTS_SAME);
         others++;
     }
     ck_assert_uint_gt(others, QUERIES / 8);
@@ -178,14 +179,14 @@ START_TEST(put_onto_other_points_it_forgets_the_first_ones)
     start(&other, (uint64_t)_i + 9, 300, 20);
     for (size_t i = 0; i < QUERIES; i++)
         (void)check_query(&walk, i);
-    vor_near_onto(&walk.near, other.knn, other.cloud.xyz, other.cloud.n);
+    vor_input_lists_onto(&walk.near, other.knn, other.cloud.xyz, other.cloud.n);
     vor_knn_free(walk.knn);
     vor_cloud_free(&walk.cloud);
     walk.knn = other.knn;
     walk.cloud = other.cloud;
     for (size_t i = 0; i < QUERIES; i++)
-        ck_assert_int_eq(check_query(&walk, i), VOR_NEAR_ANEW);
-    vor_near_free(&other.near);
+        ck_assert_int_eq(check_query(&walk, i), VOR_INPUT_LISTS_ANEW);
+    vor_input_lists_free(&other.near);
     end(&walk);
 }
 END_TEST
@@ -213,14 +214,14 @@ START_TEST(a_query_may_ask_for_more_or_fewer_each_time)
             unsigned before = walk.near.k[i];
 
             walk.k = 1 + (unsigned)vor_rng_below((uint64_t)_i, 3, s / 2 * QUERIES + i, most);
-            if (check_query(&walk, i) != VOR_NEAR_ANEW)
+            if (check_query(&walk, i) != VOR_INPUT_LISTS_ANEW)
                 ck_assert_uint_eq(before, walk.k);
             for (size_t c = 0; c < 3; c++)
                 walk.at[i][c] +=
                     (float)(0.001 * (vt_unit((uint64_t)_i + 2, (s * QUERIES + i) * 3 + c) - 0.5));
         }
-    ck_assert_uint_ge(walk.found[VOR_NEAR_ANEW], QUERIES * STEPS / 3);
-    ck_assert_uint_ge(walk.found[VOR_NEAR_SAME], QUERIES);
+    ck_assert_uint_ge(walk.found[VOR_INPUT_LISTS_ANEW], QUERIES * STEPS / 3);
+    ck_assert_uint_ge(walk.found[VOR_INPUT_LISTS_SAME], QUERIES);
     end(&walk);
 }
 END_TEST
@@ -237,7 +238,7 @@ START_TEST(what_a_list_tells_of_places_around_is_true)
         uint32_t index[K_MAX], brute[K_MAX];
         float expected[K_MAX];
 
-        ck_assert_uint_eq(vor_near_around(&walk.near, i, walk.at[i], walk.k, index),
+        ck_assert_uint_eq(vor_input_lists_around(&walk.near, i, walk.at[i], walk.k, index),
                           0); /* no list */
         (void)check_query(&walk, i);
         for (size_t a = 0; a < sizeof away / sizeof *away; a++) {
@@ -247,7 +248,7 @@ START_TEST(what_a_list_tells_of_places_around_is_true)
             for (size_t c = 0; c < 3; c++)
                 x[c] =
                     walk.at[i][c] + (float)(away[a] * (vt_unit((uint64_t)_i + 7, 3 * i + c) - 0.5));
-            told = vor_near_around(&walk.near, i, x, walk.k, index);
+            told = vor_input_lists_around(&walk.near, i, x, walk.k, index);
             ck_assert_uint_le(told, walk.k);
             ck_assert(a > 0 || told == walk.k);
             ck_assert(a < 3 || told == 0);

@@ -8,15 +8,15 @@
 
 enum { SEEDS = 4, N = 20000, EXACT = 20 };
 
-static void find(struct vor_scale *scale, struct vor_domain *domain, const struct vor_cloud *cloud,
-                 unsigned threads)
+static void find(struct vor_neighbors *neighbors, struct vor_domain *domain,
+                 const struct vor_cloud *cloud, unsigned threads)
 {
     struct vt_engine engine;
 
     vt_engine_open(&engine, threads);
     vt_assert_ok(vor_domain_init(domain, cloud, &engine.run, &vt_err));
-    memset(scale, 0, sizeof *scale);
-    vt_assert_ok(vor_scale_find(scale, domain, &engine.run, &vt_err));
+    memset(neighbors, 0, sizeof *neighbors);
+    vt_assert_ok(vor_neighbors_choose(neighbors, domain, &engine.run, &vt_err));
     vt_engine_close(&engine);
 }
 
@@ -24,11 +24,11 @@ static void find(struct vor_scale *scale, struct vor_domain *domain, const struc
 static unsigned neighbors_of(const struct vor_cloud *cloud, unsigned threads)
 {
     struct vor_domain domain;
-    struct vor_scale scale;
+    struct vor_neighbors neighbors;
 
-    find(&scale, &domain, cloud, threads);
+    find(&neighbors, &domain, cloud, threads);
     vor_domain_free(&domain);
-    return scale.usual;
+    return neighbors.usual;
 }
 
 /* Distance between neighbours of n points on that area, in a square lattice. */
@@ -66,13 +66,13 @@ START_TEST(an_exact_cloud_is_fitted_closely)
         vt_cloud_sphere, vt_cloud_torus, vt_cloud_box, vt_cloud_dome, vt_cloud_square};
     struct vor_cloud cloud;
     struct vor_domain domain;
-    struct vor_scale scale;
+    struct vor_neighbors neighbors;
 
     for (size_t i = 0; i < sizeof makes / sizeof *makes; i++) {
         makes[i](&cloud, (uint64_t)_i, N);
-        find(&scale, &domain, &cloud, 2);
-        ck_assert_msg(scale.usual == EXACT && scale.most == EXACT && scale.places == 0, "shape %zu",
-                      i);
+        find(&neighbors, &domain, &cloud, 2);
+        ck_assert_msg(neighbors.usual == EXACT && neighbors.most == EXACT && neighbors.places == 0,
+                      "shape %zu", i);
         vor_domain_free(&domain);
         vor_cloud_free(&cloud);
     }
@@ -107,7 +107,7 @@ START_TEST(each_region_is_asked_by_itself)
     const double seam = 0.7;
     struct vor_cloud cloud;
     struct vor_domain domain;
-    struct vor_scale scale;
+    struct vor_neighbors neighbors;
     unsigned exact = 0, noisy = 0, alone;
 
     vt_cloud_torus(&cloud, (uint64_t)_i, N);
@@ -116,24 +116,24 @@ START_TEST(each_region_is_asked_by_itself)
     vor_cloud_free(&cloud);
     vt_cloud_torus(&cloud, (uint64_t)_i, N);
     add_noise_to_half(&cloud, (uint64_t)_i + SEEDS, 0.8 * spacing(&vt_shapes[VT_TORUS], N));
-    find(&scale, &domain, &cloud, 2);
-    ck_assert_uint_eq(scale.places, VOR_SCALE_PLACES);
-    for (size_t i = 0; i < VOR_SCALE_PLACES; i++) {
-        const float *x = &scale.xyz[3 * i];
+    find(&neighbors, &domain, &cloud, 2);
+    ck_assert_uint_eq(neighbors.places, VOR_NEIGHBORS_PLACES);
+    for (size_t i = 0; i < VOR_NEIGHBORS_PLACES; i++) {
+        const float *x = &neighbors.xyz[3 * i];
         double at = (double)x[0] * domain.unit + domain.shift[0];
 
-        ck_assert_uint_eq(vor_scale_at(&scale, x), scale.k[i]);
+        ck_assert_uint_eq(vor_neighbors_at(&neighbors, x), neighbors.k[i]);
         if (at < -seam) {
-            ck_assert_uint_eq(scale.k[i], EXACT);
+            ck_assert_uint_eq(neighbors.k[i], EXACT);
             exact++;
         } else if (at > seam) {
-            ck_assert_msg(2 * scale.k[i] > alone && scale.k[i] < 2 * alone, "%u, not %u",
-                          scale.k[i], alone);
+            ck_assert_msg(2 * neighbors.k[i] > alone && neighbors.k[i] < 2 * alone, "%u, not %u",
+                          neighbors.k[i], alone);
             noisy++;
         }
     }
-    ck_assert_uint_ge(exact, VOR_SCALE_PLACES / 8);
-    ck_assert_uint_ge(noisy, VOR_SCALE_PLACES / 8);
+    ck_assert_uint_ge(exact, VOR_NEIGHBORS_PLACES / 8);
+    ck_assert_uint_ge(noisy, VOR_NEIGHBORS_PLACES / 8);
     vor_domain_free(&domain);
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
@@ -258,7 +258,7 @@ END_TEST
 
 int main(void)
 {
-    Suite *suite = suite_create("scale");
+    Suite *suite = suite_create("neighbors");
 
     vt_add_loop(suite, an_exact_cloud_is_fitted_closely, VT_FEWER(SEEDS));
     vt_add_loop(suite, noise_asks_for_more, VT_FEWER(SEEDS));

@@ -14,8 +14,8 @@ enum { N_MAX = 2000, STEPS = 8, ASKED = 60, SHAPES = 6 };
 struct flock {
     struct vt_engine engine;
     struct vor_cloud cloud;
-    struct vor_swarm swarm;
-    struct vor_swarm_view view;
+    struct vor_point_lists point_lists;
+    struct vor_point_lists_view view;
     size_t n, looked, asked, searches, open;
     float distance2[N_MAX]; /* from the point at hand to each, by looking */
 };
@@ -44,13 +44,14 @@ static void open_flock(struct flock *flock, int kind, uint64_t seed, size_t n, u
     vt_engine_open(&flock->engine, 2);
     shape(&flock->cloud, kind, seed, n);
     flock->n = n;
-    vt_assert_ok(vor_swarm_init(&flock->swarm, n, listed, &vt_memory, &vt_err));
-    ck_assert(!vor_swarm_look(&flock->view, &flock->swarm, flock->cloud.xyz, FAR)); /* no lists */
+    vt_assert_ok(vor_point_lists_init(&flock->point_lists, n, listed, &vt_memory, &vt_err));
+    ck_assert(!vor_point_lists_look(&flock->view, &flock->point_lists, flock->cloud.xyz,
+                                    FAR)); /* no lists */
 }
 
 static void close_flock(struct flock *flock)
 {
-    vor_swarm_free(&flock->swarm);
+    vor_point_lists_free(&flock->point_lists);
     vor_cloud_free(&flock->cloud);
     vt_engine_close(&flock->engine);
     vt_assert_no_leak();
@@ -88,10 +89,10 @@ static int is_jumper(const struct flock *flock, size_t i)
 /* The look of the swarm at the positions is that of the one who compares each with its anchor. */
 static int check_look(struct flock *flock)
 {
-    const struct vor_swarm *swarm = &flock->swarm;
+    const struct vor_point_lists *swarm = &flock->point_lists;
     double limit = FAR * swarm->spacing, drift = 0;
     unsigned far = 0, strangers = 0;
-    int use = vor_swarm_look(&flock->view, swarm, flock->cloud.xyz, FAR);
+    int use = vor_point_lists_look(&flock->view, swarm, flock->cloud.xyz, FAR);
 
     for (size_t i = 0; i < flock->n; i++) {
         double moved = sqrt(vor_distance2f(&flock->cloud.xyz[3 * i], &swarm->anchor[3 * i]));
@@ -101,7 +102,7 @@ static int check_look(struct flock *flock)
         if (use)
             strangers += is_jumper(flock, i) != (moved > limit);
     }
-    ck_assert_int_eq(use, far <= VOR_SWARM_JUMPERS_MIN);
+    ck_assert_int_eq(use, far <= VOR_POINT_LISTS_JUMPERS_MIN);
     if (!use)
         return 0;
     ck_assert_uint_eq(strangers, 0);
@@ -115,11 +116,12 @@ static int check_look(struct flock *flock)
  * looked at once. */
 static void index_flock(struct flock *flock)
 {
-    uint64_t before = flock->swarm.indexed;
+    uint64_t before = flock->point_lists.indexed;
     double sum = 0;
 
-    vt_assert_ok(vor_swarm_index(&flock->swarm, flock->cloud.xyz, &flock->engine.run, &vt_err));
-    ck_assert_uint_eq(flock->swarm.indexed, before + 1);
+    vt_assert_ok(
+        vor_point_lists_index(&flock->point_lists, flock->cloud.xyz, &flock->engine.run, &vt_err));
+    ck_assert_uint_eq(flock->point_lists.indexed, before + 1);
     ck_assert(check_look(flock));
     ck_assert(flock->view.jumpers == 0 && flock->view.drift == 0);
     if (before > 0)
@@ -129,12 +131,12 @@ static void index_flock(struct flock *flock)
         sum += nearest_other(flock, i);
     }
     sum /= (double)flock->n;
-    ck_assert_double_le(fabs(flock->swarm.spacing - sum), 1e-6 * sum);
+    ck_assert_double_le(fabs(flock->point_lists.spacing - sum), 1e-6 * sum);
 }
 
 static void check_nearest(struct flock *flock, size_t i)
 {
-    double found = vor_swarm_nearest(&flock->swarm, &flock->view, i);
+    double found = vor_point_lists_nearest(&flock->point_lists, &flock->view, i);
 
     if (found < 0) {
         ck_assert(found == -1);
@@ -164,9 +166,10 @@ static void check_crowd(struct flock *flock, size_t i)
 {
     struct vor_crowd crowd, again;
     unsigned char marked[N_MAX];
-    unsigned searches = vor_swarm_crowd(&crowd, &flock->swarm, &flock->view, i);
+    unsigned searches = vor_point_lists_crowd(&crowd, &flock->point_lists, &flock->view, i);
     unsigned wrong = mark(marked, flock, crowd.index, crowd.count), missing = 0;
-    int anew = memcmp(&flock->swarm.place[3 * i], &flock->cloud.xyz[3 * i], 3 * sizeof(float)) == 0;
+    int anew =
+        memcmp(&flock->point_lists.place[3 * i], &flock->cloud.xyz[3 * i], 3 * sizeof(float)) == 0;
 
     ck_assert_uint_eq(wrong, 0);
     ck_assert(!marked[i]);
@@ -178,14 +181,14 @@ static void check_crowd(struct flock *flock, size_t i)
     for (size_t j = 0; j < flock->n; j++)
         missing += j != i && !marked[j] && sqrt((double)flock->distance2[j]) < crowd.sure;
     ck_assert_uint_eq(missing, 0);
-    ck_assert_uint_ge(crowd.count, flock->swarm.listed);
+    ck_assert_uint_ge(crowd.count, flock->point_lists.listed);
     ck_assert(searches == 0 || (searches == 1 && anew));
-    if (flock->swarm.listed + 1 == flock->n)
+    if (flock->point_lists.listed + 1 == flock->n)
         ck_assert(searches == 0 && isinf(crowd.sure));
-    else if (crowd.count >= 6 && flock->swarm.listed >= 6 && !anew)
+    else if (crowd.count >= 6 && flock->point_lists.listed >= 6 && !anew)
         ck_assert_double_gt(crowd.sure, 1.4 * sqrt((double)crowd.distance2[5]));
     flock->searches += searches;
-    ck_assert_uint_eq(vor_swarm_crowd(&again, &flock->swarm, &flock->view, i), 0);
+    ck_assert_uint_eq(vor_point_lists_crowd(&again, &flock->point_lists, &flock->view, i), 0);
     ck_assert(again.count == crowd.count && again.sure == crowd.sure);
     ck_assert(memcmp(again.distance2, crowd.distance2, crowd.count * sizeof(float)) == 0);
 }
@@ -196,7 +199,8 @@ static void check_wide(struct flock *flock, size_t i, size_t width)
     float scratch[N_MAX];
     unsigned char marked[N_MAX];
     unsigned missing = 0;
-    double sure = vor_swarm_wide(&flock->swarm, &flock->view, i, (unsigned)width, index, scratch);
+    double sure =
+        vor_point_lists_wide(&flock->point_lists, &flock->view, i, (unsigned)width, index, scratch);
 
     ck_assert_uint_eq(mark(marked, flock, index, (unsigned)width), 0);
     for (size_t j = 0; j < flock->n; j++)
@@ -230,7 +234,7 @@ static void wander(struct flock *flock, uint64_t seed, double step, size_t jumpe
 {
     float *xyz = flock->cloud.xyz;
 
-    step *= flock->swarm.spacing / sqrt(3);
+    step *= flock->point_lists.spacing / sqrt(3);
     for (size_t i = 0; i < 3 * flock->n; i++)
         xyz[i] += (float)(step * (2 * vt_unit(seed, i) - 1));
     for (size_t j = 0; j < jumpers; j++) {
@@ -240,7 +244,8 @@ static void wander(struct flock *flock, uint64_t seed, double step, size_t jumpe
         for (size_t c = 0; c < 3; c++)
             xyz[3 * who + c] =
                 xyz[3 * where + c] +
-                (float)(j % 3 ? 0.5 * flock->swarm.spacing * vt_unit(seed + 1, 3 * j + c) : 0);
+                (float)(j % 3 ? 0.5 * flock->point_lists.spacing * vt_unit(seed + 1, 3 * j + c)
+                              : 0);
     }
 }
 
@@ -261,7 +266,7 @@ static void walk(struct flock *flock, uint64_t seed, double step, size_t jumpers
 START_TEST(lists_tell_what_a_look_at_every_point_does)
 {
     static const size_t counts[7] = {2, 3, 8, 21, 60, 400, N_MAX};
-    static const unsigned most[3] = {20, 6, VOR_SWARM_LISTED_MAX};
+    static const unsigned most[3] = {20, 6, VOR_POINT_LISTS_LISTED_MAX};
     static const double steps[4] = {0, 0.01, 0.1, 0.8};
     static const size_t jumpers[4] = {0, 5, 40, 70};
     size_t n = counts[_i % 7];
@@ -286,7 +291,7 @@ START_TEST(small_steps_are_answered_from_the_lists)
 
     open_flock(&flock, 1, (uint64_t)_i, 1000, 20);
     walk(&flock, (uint64_t)_i, 0.02, 20);
-    ck_assert_uint_eq(flock.swarm.indexed, 1);
+    ck_assert_uint_eq(flock.point_lists.indexed, 1);
     ck_assert_uint_eq(flock.looked, STEPS);
     ck_assert_uint_le(flock.searches, flock.asked / 10);
     ck_assert_uint_le(flock.open, flock.asked / 10);
@@ -301,7 +306,7 @@ START_TEST(the_sixty_fifth_jumper_asks_for_an_index)
 
     open_flock(&flock, 0, 9, 500, 20);
     index_flock(&flock);
-    for (size_t j = 0; j <= VOR_SWARM_JUMPERS_MIN; j++) {
+    for (size_t j = 0; j <= VOR_POINT_LISTS_JUMPERS_MIN; j++) {
         ck_assert(check_look(&flock));
         ck_assert_uint_eq(flock.view.jumpers, j);
         check_all(&flock, j);
@@ -320,10 +325,11 @@ START_TEST(a_point_alone_has_nobody)
     struct vor_crowd crowd;
 
     open_flock(&flock, 0, 1, 1, 0);
-    vt_assert_ok(vor_swarm_index(&flock.swarm, flock.cloud.xyz, &flock.engine.run, &vt_err));
+    vt_assert_ok(
+        vor_point_lists_index(&flock.point_lists, flock.cloud.xyz, &flock.engine.run, &vt_err));
     flock.cloud.xyz[0] += 1;
-    ck_assert(vor_swarm_look(&flock.view, &flock.swarm, flock.cloud.xyz, FAR));
-    ck_assert_uint_eq(vor_swarm_crowd(&crowd, &flock.swarm, &flock.view, 0), 0);
+    ck_assert(vor_point_lists_look(&flock.view, &flock.point_lists, flock.cloud.xyz, FAR));
+    ck_assert_uint_eq(vor_point_lists_crowd(&crowd, &flock.point_lists, &flock.view, 0), 0);
     ck_assert(crowd.count == 0 && isinf(crowd.sure));
     close_flock(&flock);
 }
@@ -334,7 +340,7 @@ START_TEST(a_failure_of_any_allocation_leaves_nothing)
     struct vor_memory memory;
     struct vt_engine engine;
     struct vor_cloud cloud;
-    struct vor_swarm swarm = {0};
+    struct vor_point_lists swarm = {0};
     vor_status status = VOR_E_NOMEM;
     size_t fail;
 
@@ -344,11 +350,11 @@ START_TEST(a_failure_of_any_allocation_leaves_nothing)
         ck_assert_uint_lt(fail, 20);
         vor_memory_init(&memory, SIZE_MAX);
         memory.fail_at = fail;
-        status = vor_swarm_init(&swarm, 300, 20, &memory, &vt_err);
+        status = vor_point_lists_init(&swarm, 300, 20, &memory, &vt_err);
         if (status == VOR_OK)
-            status = vor_swarm_index(&swarm, cloud.xyz, &engine.run, &vt_err);
+            status = vor_point_lists_index(&swarm, cloud.xyz, &engine.run, &vt_err);
         ck_assert(status == VOR_OK || status == VOR_E_NOMEM);
-        vor_swarm_free(&swarm);
+        vor_point_lists_free(&swarm);
         ck_assert_uint_eq(atomic_load(&memory.used), 0);
     }
     ck_assert_uint_gt(fail, 5);
