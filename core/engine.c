@@ -1,6 +1,7 @@
 #include "core/engine.h"
 
 #include "core/cvt/start.h"
+#include "core/geom/patch.h"
 #include "core/input/lattice.h"
 #include "core/input/neighbors.h"
 #include "core/input/outliers.h"
@@ -66,7 +67,7 @@ static vor_status resolve_target(struct engine *engine, struct vor_error *err)
                                 &engine->no_stop_run, err);
         if (status != VOR_OK)
             return status;
-        n = rint(engine->area / (0.86602540378443865 * spacing * spacing));
+        n = rint(engine->area / (VOR_HEXAGON_HEIGHT * spacing * spacing));
     }
     status = vor_spec_check_target(&engine->spec, n, engine->in->n, err);
     if (status != VOR_OK)

@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/geom/boundary.h"
+#include "core/geom/integrate.h"
 #include "core/opt/anderson.h"
 #include "core/seeds/attach.h"
 #include "core/seeds/uniformity.h"

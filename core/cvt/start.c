@@ -1,6 +1,7 @@
 #include "core/cvt/start.h"
 
 #include "core/base/rng.h"
+#include "core/geom/integrate.h"
 
 #include <math.h>
 #include <string.h>

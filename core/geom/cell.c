@@ -2,60 +2,7 @@
 
 #include "core/base/linalg.h"
 
-#include <assert.h>
 #include <string.h>
-
-/* Corners of the unit hexagon. */
-static const double corner[6][2] = {
-    {1, 0},  {0.5, 0.86602540378443865},   {-0.5, 0.86602540378443865},
-    {-1, 0}, {-0.5, -0.86602540378443865}, {0.5, -0.86602540378443865}};
-
-/* Index of vertex `step` (0 .. 6 ring - 1, counter-clockwise) of a ring. */
-static unsigned ring_vertex(unsigned ring, unsigned step)
-{
-    if (ring == 0)
-        return 0;
-    return 1 + 3 * ring * (ring - 1) + step % (6 * ring);
-}
-
-static void add_triangle(struct vor_disc *disc, unsigned a, unsigned b, unsigned c)
-{
-    unsigned char *t = disc->triangle[disc->triangle_count++];
-
-    t[0] = (unsigned char)a;
-    t[1] = (unsigned char)b;
-    t[2] = (unsigned char)c;
-}
-
-void vor_disc_init(struct vor_disc *disc, unsigned rings)
-{
-    assert(rings <= VOR_RINGS_MAX);
-    memset(disc, 0, sizeof *disc);
-    disc->vertex_count = 1;
-    for (unsigned ring = 1; ring <= rings; ring++) {
-        for (unsigned side = 0; side < 6; side++) {
-            const double *a = corner[side], *b = corner[(side + 1) % 6];
-
-            for (unsigned i = 0; i < ring; i++) {
-                double t = (double)i / ring, r = (double)ring / rings;
-                double *vertex = disc->vertex[disc->vertex_count++];
-
-                vertex[0] = r * (a[0] + t * (b[0] - a[0]));
-                vertex[1] = r * (a[1] + t * (b[1] - a[1]));
-            }
-        }
-        for (unsigned side = 0; side < 6; side++)
-            for (unsigned i = 0; i < ring; i++) {
-                unsigned outer = side * ring + i, inner = side * (ring - 1) + i;
-
-                add_triangle(disc, ring_vertex(ring, outer), ring_vertex(ring, outer + 1),
-                             ring_vertex(ring - 1, inner));
-                if (i + 1 < ring)
-                    add_triangle(disc, ring_vertex(ring, outer + 1),
-                                 ring_vertex(ring - 1, inner + 1), ring_vertex(ring - 1, inner));
-            }
-    }
-}
 
 static void find_radius(struct vor_polygon *polygon)
 {
@@ -76,7 +23,7 @@ static void begin_flat(struct vor_cell *cell, const struct vor_surface *surface,
 
     piece->count = 6;
     for (int i = 0; i < 6; i++) {
-        double s = radius * corner[i][0], t = radius * corner[i][1];
+        double s = radius * vor_patch_corner[i][0], t = radius * vor_patch_corner[i][1];
 
         for (int c = 0; c < 3; c++)
             piece->vertex[i][c] = s * e[0][c] + t * e[1][c];
@@ -240,83 +187,4 @@ void vor_cell_clip(struct vor_cell *cell, const double offset[3])
     cell->count = kept;
     cell->bisectors++;
     cell->radius2 = far;
-}
-
-/* Area of the triangle (a, b, c). */
-static double triangle_area(const double a[3], const double b[3], const double c[3])
-{
-    double ab[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    double ac[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]}, n[3];
-
-    vor_cross(n, ab, ac);
-    return sqrt(vor_dot(n, n)) / 2;
-}
-
-int vor_cell_moments(struct vor_moments *out, const struct vor_cell *cell)
-{
-    double area = 0, energy = 0, sum[3] = {0};
-
-    for (unsigned i = 0; i < cell->count; i++) {
-        const struct vor_polygon *polygon = &cell->piece[i];
-        const double *a = polygon->vertex[0];
-
-        for (unsigned j = 2; j < polygon->count; j++) {
-            const double *b = polygon->vertex[j - 1], *c = polygon->vertex[j];
-            double here = triangle_area(a, b, c);
-            double s[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
-
-            area += here;
-            for (int d = 0; d < 3; d++)
-                sum[d] += here / 3 * s[d];
-            energy += here / 12 * (vor_dot(a, a) + vor_dot(b, b) + vor_dot(c, c) + vor_dot(s, s));
-        }
-    }
-    if (!(area > 0))
-        return 0;
-    out->area = area;
-    out->energy = energy;
-    for (int d = 0; d < 3; d++)
-        out->centroid[d] = cell->seed[d] + sum[d] / area;
-    return isfinite(out->centroid[0]) && isfinite(out->centroid[1]) && isfinite(out->centroid[2]);
-}
-
-/* Even over a triangle: the square folded along its diagonal. */
-static void sample_triangle(double out[3], const double *a, const double *b, const double *c,
-                            double s, double t)
-{
-    if (s + t > 1) {
-        s = 1 - s;
-        t = 1 - t;
-    }
-    for (int d = 0; d < 3; d++)
-        out[d] = a[d] + s * (b[d] - a[d]) + t * (c[d] - a[d]);
-}
-
-void vor_cell_sample(const struct vor_cell *cell, const double unit[3], double local[3])
-{
-    struct vor_moments moments;
-    double left;
-
-    if (!vor_cell_moments(&moments, cell)) {
-        memcpy(local, cell->seed, sizeof cell->seed);
-        return;
-    }
-    left = unit[0] * moments.area;
-    for (unsigned i = 0; i < cell->count; i++) {
-        const struct vor_polygon *polygon = &cell->piece[i];
-        const double *a = polygon->vertex[0];
-
-        for (unsigned j = 2; j < polygon->count; j++) {
-            const double *b = polygon->vertex[j - 1], *c = polygon->vertex[j];
-
-            /* Rounding may leave a crumb after the last triangle: any but the first overwrites. */
-            sample_triangle(local, a, b, c, unit[1], unit[2]);
-            left -= triangle_area(a, b, c);
-            if (left < 0)
-                goto found;
-        }
-    }
-found:
-    for (int d = 0; d < 3; d++)
-        local[d] += cell->seed[d];
 }

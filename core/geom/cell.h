@@ -8,23 +8,10 @@
 #ifndef VOR_GEOM_CELL_H
 #define VOR_GEOM_CELL_H
 
+#include "core/geom/patch.h"
 #include "core/geom/surface.h"
 
 #include <stddef.h>
-
-#define VOR_RINGS_MAX 4
-#define VOR_PATCH_VERTICES_MAX (1 + 3 * VOR_RINGS_MAX * (VOR_RINGS_MAX + 1))
-#define VOR_PATCH_TRIANGLES_MAX (6 * VOR_RINGS_MAX * VOR_RINGS_MAX)
-
-/** Vertices and triangles of the hexagon of radius 1, made once. */
-struct vor_disc {
-    unsigned vertex_count, triangle_count;
-    double vertex[VOR_PATCH_VERTICES_MAX][2];
-    unsigned char triangle[VOR_PATCH_TRIANGLES_MAX][3];
-};
-
-/** rings is 0 .. VOR_RINGS_MAX: 6 rings^2 triangles; none stands for the tangent plane. */
-void vor_disc_init(struct vor_disc *disc, unsigned rings);
 
 #define VOR_POLYGON_MAX 24
 
@@ -57,20 +44,5 @@ static inline int vor_cell_secure(const struct vor_cell *cell, double d2)
 
 /** Keeps what is nearer to the seed than to seed + offset (in the surface's axes, not zero). */
 void vor_cell_clip(struct vor_cell *cell, const double offset[3]);
-
-/** Area, centroid (in the surface's local coordinates) and energy, the integral of the squared
- *  distance to the seed (Xiao 2024 Eq. 2). */
-struct vor_moments {
-    double area;
-    double centroid[3];
-    double energy;
-};
-
-/** False, and out is unset, when the cell has no area worth the name. */
-int vor_cell_moments(struct vor_moments *out, const struct vor_cell *cell);
-
-/** A point of the cell from three uniform numbers in [0, 1), even by area; local coordinates. The
- * cell has area. */
-void vor_cell_sample(const struct vor_cell *cell, const double unit[3], double local[3]);
 
 #endif

@@ -3,9 +3,9 @@
 #include "core/base/bounds.h"
 #include "core/base/linalg.h"
 #include "core/base/morton.h"
+#include "core/base/stat.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { BLOCK = 1 << 16, RECENT = 16, SAMPLED = 4096, SIXTH = 6 };
@@ -240,13 +240,6 @@ static vor_status check_rank(const struct vor_domain *domain, const struct vor_r
     return VOR_OK;
 }
 
-static int ascending(const void *a, const void *b)
-{
-    float x = *(const float *)a, y = *(const float *)b;
-
-    return (x > y) - (x < y);
-}
-
 /* Finds how sparse the input is, from points spread over its order. */
 static void find_sparse(struct vor_domain *domain)
 {
@@ -262,8 +255,8 @@ static void find_sparse(struct vor_domain *domain)
         vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, k, index, distance2);
         far2[i] = distance2[k - 1];
     }
-    qsort(far2, n, sizeof *far2, ascending);
-    domain->sparse = sqrt((double)far2[(size_t)(0.999 * (double)(n - 1))]);
+    vor_sort_floats(far2, n);
+    domain->sparse = sqrt((double)far2[vor_quantile_rank(0.999, n)]);
 }
 
 vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,

@@ -1,11 +1,11 @@
 #include "core/input/lattice.h"
 
+#include "core/base/stat.h"
 #include "core/geom/surface.h"
 #include "core/input/neighbors.h"
 
 #include <math.h>
 #include <stdatomic.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -52,13 +52,6 @@ struct axis {
     double rounding;      /* values closer than twice this are one level */
 };
 
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
-
 static void sample_axis(struct axis *axis, const struct vor_domain *domain, size_t c)
 {
     axis->n = domain->n < SAMPLE ? domain->n : SAMPLE;
@@ -67,7 +60,7 @@ static void sample_axis(struct axis *axis, const struct vor_domain *domain, size
 
         axis->value[i] = (double)domain->xyz[3 * at + c];
     }
-    qsort(axis->value, axis->n, sizeof *axis->value, ascending);
+    vor_sort_doubles(axis->value, axis->n);
 }
 
 static void find_levels(struct axis *axis, double rounding)
@@ -80,7 +73,7 @@ static void find_levels(struct axis *axis, double rounding)
     for (size_t i = 0; i + 1 < axis->levels; i++)
         axis->gap[i] = axis->level[i + 1] - axis->level[i];
     if (axis->levels > 1)
-        qsort(axis->gap, axis->levels - 1, sizeof *axis->gap, ascending);
+        vor_sort_doubles(axis->gap, axis->levels - 1);
 }
 
 /* Fits cell and offset to the levels within `width` of where; false when they are on no lattice. */
@@ -150,7 +143,7 @@ static void try_candidates(struct found *out, const struct axis *axis)
 
     for (size_t q = 0; q < sizeof quantiles / sizeof *quantiles; q++)
         for (int part = 1; part <= PARTS; part++) {
-            double gap = axis->gap[(size_t)(quantiles[q] * (double)(axis->levels - 1))] / part;
+            double gap = axis->gap[vor_quantile_rank(quantiles[q], axis->levels)] / part;
 
             if (gap > 1.5 * out->cell && follow(&found, axis, gap) && found.cell > out->cell)
                 *out = found;

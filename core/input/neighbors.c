@@ -1,6 +1,7 @@
 #include "core/input/neighbors.h"
 
 #include "core/base/linalg.h"
+#include "core/base/stat.h"
 #include "core/geom/surface.h"
 #include "core/input/sheets.h"
 
@@ -76,13 +77,6 @@ static void fit_block(void *ctx, size_t begin, size_t end, unsigned worker)
         fit_place(ctx, place);
 }
 
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
-
 /* The places that are looked at together, by their numbers. */
 struct pool {
     size_t count;
@@ -96,7 +90,7 @@ static double thickness_of(const struct survey *survey, const struct pool *pool,
 
     for (size_t i = 0; i < pool->count; i++)
         thickness[i] = survey->thickness[step][pool->place[i]];
-    qsort(thickness, pool->count, sizeof *thickness, ascending);
+    vor_sort_doubles(thickness, pool->count);
     return thickness[(size_t)(share * (double)pool->count)];
 }
 

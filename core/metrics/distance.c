@@ -1,9 +1,9 @@
 #include "core/metrics/distance.h"
 
+#include "core/base/stat.h"
 #include "core/knn/knn.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { BLOCK = 256, SEVENTH = 7 };
 
@@ -36,41 +36,20 @@ static vor_status kth_distances(float *out, const float *queries, size_t n,
     return vor_run_for(run, n, BLOCK, search_block, &search, err);
 }
 
-struct summary {
-    double mean, rms, max;
-};
-
-static struct summary summarise(const float *d, size_t n)
+static struct vor_stat summarise(const float *d, size_t n)
 {
-    struct summary summary = {0, 0, 0};
+    struct vor_sums sums = {0};
 
-    for (size_t i = 0; i < n; i++) {
-        summary.mean += (double)d[i];
-        summary.rms += (double)d[i] * (double)d[i];
-        summary.max = fmax(summary.max, (double)d[i]);
-    }
-    summary.mean /= (double)n;
-    summary.rms = sqrt(summary.rms / (double)n);
-    return summary;
+    for (size_t i = 0; i < n; i++)
+        vor_sums_add(&sums, (double)d[i], (double)d[i] * (double)d[i]);
+    return vor_sums_stat(&sums, n);
 }
 
-static int ascending(const void *a, const void *b)
-{
-    float x = *(const float *)a, y = *(const float *)b;
-
-    return (x > y) - (x < y);
-}
-
-/* Linear between the two nearest ranks. Sorts d. */
+/* Sorts d. */
 static double percentile(float *d, size_t n, double share)
 {
-    double rank = share * (double)(n - 1);
-    size_t low = (size_t)rank;
-
-    qsort(d, n, sizeof *d, ascending);
-    if (low + 1 >= n)
-        return (double)d[n - 1];
-    return (double)d[low] + (rank - (double)low) * ((double)d[low + 1] - (double)d[low]);
+    vor_sort_floats(d, n);
+    return vor_quantile(d, n, share);
 }
 
 static double diagonal(const float *xyz, size_t n)
@@ -89,8 +68,8 @@ static double diagonal(const float *xyz, size_t n)
 }
 
 /* What is told of both directions, given in the frame's unit: over length, the diagonal. */
-static void put_directions(struct vor_distances *out, const struct summary *to_reference,
-                           const struct summary *to_cloud, double length)
+static void put_directions(struct vor_distances *out, const struct vor_stat *to_reference,
+                           const struct vor_stat *to_cloud, double length)
 {
     out->out_to_ref_mean = to_reference->mean / length;
     out->out_to_ref_rms = to_reference->rms / length;
@@ -108,7 +87,7 @@ static vor_status measure(struct vor_distances *out, float *d, const float *xyz,
                           const struct vor_knn *to_reference, const struct vor_run *run,
                           struct vor_error *err)
 {
-    struct summary forth, back;
+    struct vor_stat forth, back;
     double mean;
     vor_status status = kth_distances(d, xyz, n, to_reference, 1, run, err);
 

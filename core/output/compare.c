@@ -1,6 +1,7 @@
 #include "core/output/compare.h"
 
 #include "core/base/linalg.h"
+#include "core/base/stat.h"
 
 #include <assert.h>
 #include <stdatomic.h>
@@ -18,23 +19,14 @@ enum { BLOCK = 1024, BATCH = 128, AROUND = 32 };
     0.5 /* cosine between the way to that place and the one in which the input ends                \
          */
 
-/* Of the distances of one block. */
-struct sums {
-    double sum, sum2, max;
-};
-
-static void add(struct sums *sums, double distance2)
+static void add(struct vor_sums *sums, double distance2)
 {
-    double distance = sqrt(distance2);
-
-    sums->sum += distance;
-    sums->sum2 += distance2;
-    sums->max = fmax(sums->max, distance);
+    vor_sums_add(sums, sqrt(distance2), distance2);
 }
 
 struct account {
     struct vor_seeds *seeds;
-    struct sums *block;
+    struct vor_sums *block;
     const struct vor_knn *knn; /* over the seeds */
     size_t points;             /* of the domain, that are looked at */
     double spacing;
@@ -52,7 +44,7 @@ static const float *looked_at(const struct account *account, size_t i)
 static void in_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     const struct account *account = ctx;
-    struct sums sums = {0};
+    struct vor_sums sums = {0};
     uint32_t index[BATCH];
     float query[3 * BATCH], distance2[BATCH];
 
@@ -167,7 +159,7 @@ static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct account *account = ctx;
     struct vor_seeds *seeds = account->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
-    struct sums sums = {0};
+    struct vor_sums sums = {0};
     size_t border = 0, fitted[VOR_NEIGHBORS_MAX + 1] = {0};
 
     for (size_t i = begin; i < end; i++) {
@@ -199,21 +191,20 @@ static vor_status over_blocks(struct vor_compare_apart *out, struct account *acc
 {
     const struct vor_run *run = account->seeds->run;
     size_t blocks = (n + BLOCK - 1) / BLOCK;
-    struct sums all = {0};
+    struct vor_sums all = {0};
     vor_status status;
 
     account->block = vor_malloc(run->memory, blocks, sizeof *account->block);
     if (account->block == NULL)
         return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", n);
     status = vor_run_for(run, n, BLOCK, task, account, err);
-    for (size_t b = 0; status == VOR_OK && b < blocks; b++) {
-        all.sum += account->block[b].sum;
-        all.sum2 += account->block[b].sum2;
-        all.max = fmax(all.max, account->block[b].max);
+    for (size_t b = 0; status == VOR_OK && b < blocks; b++)
+        vor_sums_merge(&all, &account->block[b]);
+    if (status == VOR_OK) {
+        struct vor_stat stat = vor_sums_stat(&all, n);
+
+        *out = (struct vor_compare_apart){stat.mean, stat.rms, stat.max, n};
     }
-    if (status == VOR_OK)
-        *out =
-            (struct vor_compare_apart){all.sum / (double)n, sqrt(all.sum2 / (double)n), all.max, n};
     vor_free(run->memory, account->block);
     return status;
 }

@@ -454,7 +454,7 @@ static double lattice_pitch(const struct vor_seeds *seeds, const struct vor_cvt_
     double unit = seeds->domain->unit;
     double area = result->iterations > 0 ? result->area / (unit * unit) : seeds->area;
 
-    return sqrt(area / (0.86602540378443865 * (double)seeds->n));
+    return sqrt(area / (VOR_HEXAGON_HEIGHT * (double)seeds->n));
 }
 
 vor_status vor_repel(struct vor_seeds *seeds, struct vor_cvt_result *result,

@@ -1,5 +1,6 @@
 /* Oracles for what stops early: the restricted Voronoi cell at the security radius (row X4), and
  * the nearest distances from lists after a move. */
+#include "core/geom/integrate.h"
 #include "core/seeds/seeds.h"
 #include "core/seeds/uniformity.h"
 #include "tests/support/vt_engine.h"

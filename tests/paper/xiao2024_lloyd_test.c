@@ -2,6 +2,7 @@
 #include "core/base/linalg.h"
 #include "core/cvt/lloyd.h"
 #include "core/cvt/start.h"
+#include "core/geom/integrate.h"
 #include "core/metrics/uniformity.h"
 #include "tests/support/vt_trace.h"
 

@@ -1,6 +1,7 @@
 /* The patch and its clipping: areas, centroids and energies known by hand. */
 #include "core/base/linalg.h"
 #include "core/geom/cell.h"
+#include "core/geom/integrate.h"
 #include "tests/support/vt.h"
 
 #include <string.h>
@@ -39,7 +40,7 @@ START_TEST(a_disc_of_any_rings_is_a_hexagon_of_6_rings2_triangles)
 
     vor_disc_init(&none, 0);
     ck_assert(none.triangle_count == 0 && none.vertex_count == 1);
-    for (unsigned rings = 1; rings <= VOR_RINGS_MAX; rings++) {
+    for (unsigned rings = 1; rings <= VOR_PATCH_RINGS_MAX; rings++) {
         struct vor_disc disc;
         double area = 0;
 
@@ -62,7 +63,7 @@ END_TEST
 
 START_TEST(every_edge_of_a_disc_has_two_triangles_or_lies_on_the_hexagon)
 {
-    for (unsigned rings = 1; rings <= VOR_RINGS_MAX; rings++) {
+    for (unsigned rings = 1; rings <= VOR_PATCH_RINGS_MAX; rings++) {
         static unsigned used[VOR_PATCH_VERTICES_MAX][VOR_PATCH_VERTICES_MAX];
         struct vor_disc disc;
         unsigned rim = 0;
@@ -89,7 +90,7 @@ START_TEST(an_unclipped_patch_has_the_moments_of_a_hexagon)
     struct vor_cell cell;
     struct vor_moments m;
 
-    for (unsigned rings = 0; rings <= VOR_RINGS_MAX; rings++) {
+    for (unsigned rings = 0; rings <= VOR_PATCH_RINGS_MAX; rings++) {
         begin_flat(&cell, rings, seed, radius);
         ck_assert(vor_cell_moments(&m, &cell));
         ck_assert_double_eq_tol(m.area, HEXAGON_AREA * 4, 1e-12);
@@ -109,7 +110,7 @@ START_TEST(four_neighbours_leave_the_unit_square)
     struct vor_cell cell;
     struct vor_moments m;
 
-    for (unsigned rings = 0; rings <= VOR_RINGS_MAX; rings++) {
+    for (unsigned rings = 0; rings <= VOR_PATCH_RINGS_MAX; rings++) {
         begin_flat(&cell, rings, seed, 2);
         clip(&cell, 1, 0, 0);
         clip(&cell, -1, 0, 0);
@@ -314,13 +315,13 @@ END_TEST
 START_TEST(area_and_energy_converge_with_the_rings)
 {
     struct vor_surface surface = flat(0);
-    double area[VOR_RINGS_MAX + 1], energy[VOR_RINGS_MAX + 1];
+    double area[VOR_PATCH_RINGS_MAX + 1], energy[VOR_PATCH_RINGS_MAX + 1];
 
     surface.kind = VOR_SURFACE_QUADRIC;
     surface.reach = 10;
     surface.c[3] = 0.3;
     surface.c[5] = 0.2;
-    for (unsigned rings = 1; rings <= VOR_RINGS_MAX; rings++) {
+    for (unsigned rings = 1; rings <= VOR_PATCH_RINGS_MAX; rings++) {
         struct vor_disc disc;
         struct vor_cell cell;
         struct vor_moments m;
@@ -331,7 +332,7 @@ START_TEST(area_and_energy_converge_with_the_rings)
         area[rings] = m.area;
         energy[rings] = m.energy;
     }
-    for (unsigned rings = 2; rings < VOR_RINGS_MAX; rings++) {
+    for (unsigned rings = 2; rings < VOR_PATCH_RINGS_MAX; rings++) {
         ck_assert_double_gt(area[rings + 1], area[rings]);
         ck_assert_double_lt(area[rings + 1] - area[rings], 0.6 * (area[rings] - area[rings - 1]));
         ck_assert_double_lt(fabs(energy[rings + 1] - energy[rings]),
@@ -394,7 +395,7 @@ START_TEST(in_a_plane_the_flat_cell_is_the_one_of_any_rings)
 
         ck_assert_uint_eq(cell.count, 1);
         ck_assert_double_lt(cell.radius2, 0.75);
-        for (unsigned rings = 1; rings <= VOR_RINGS_MAX; rings++) {
+        for (unsigned rings = 1; rings <= VOR_PATCH_RINGS_MAX; rings++) {
             struct vor_moments m = among_eight(&cell, (uint64_t)_i, 0, 0.1 * lifted, rings);
 
             ck_assert_double_eq_tol(m.area, one.area, 1e-13);
@@ -412,7 +413,7 @@ static double flat_error(uint64_t random, double bend)
 {
     struct vor_cell cell;
     struct vor_moments one = among_eight(&cell, random, bend, 0, 0);
-    struct vor_moments m = among_eight(&cell, random, bend, 0, VOR_RINGS_MAX);
+    struct vor_moments m = among_eight(&cell, random, bend, 0, VOR_PATCH_RINGS_MAX);
     double centroid = hypot(one.centroid[0] - m.centroid[0], one.centroid[1] - m.centroid[1]);
     double area = fabs(one.area / m.area - 1), energy = fabs(one.energy / m.energy - 1);
 

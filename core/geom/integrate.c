@@ -1,0 +1,84 @@
+#include "core/geom/integrate.h"
+
+#include "core/base/linalg.h"
+
+#include <string.h>
+
+/* Area of the triangle (a, b, c). */
+static double triangle_area(const double a[3], const double b[3], const double c[3])
+{
+    double ab[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    double ac[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]}, n[3];
+
+    vor_cross(n, ab, ac);
+    return sqrt(vor_dot(n, n)) / 2;
+}
+
+int vor_cell_moments(struct vor_moments *out, const struct vor_cell *cell)
+{
+    double area = 0, energy = 0, sum[3] = {0};
+
+    for (unsigned i = 0; i < cell->count; i++) {
+        const struct vor_polygon *polygon = &cell->piece[i];
+        const double *a = polygon->vertex[0];
+
+        for (unsigned j = 2; j < polygon->count; j++) {
+            const double *b = polygon->vertex[j - 1], *c = polygon->vertex[j];
+            double here = triangle_area(a, b, c);
+            double s[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
+
+            area += here;
+            for (int d = 0; d < 3; d++)
+                sum[d] += here / 3 * s[d];
+            energy += here / 12 * (vor_dot(a, a) + vor_dot(b, b) + vor_dot(c, c) + vor_dot(s, s));
+        }
+    }
+    if (!(area > 0))
+        return 0;
+    out->area = area;
+    out->energy = energy;
+    for (int d = 0; d < 3; d++)
+        out->centroid[d] = cell->seed[d] + sum[d] / area;
+    return isfinite(out->centroid[0]) && isfinite(out->centroid[1]) && isfinite(out->centroid[2]);
+}
+
+/* Even over a triangle: the square folded along its diagonal. */
+static void sample_triangle(double out[3], const double *a, const double *b, const double *c,
+                            double s, double t)
+{
+    if (s + t > 1) {
+        s = 1 - s;
+        t = 1 - t;
+    }
+    for (int d = 0; d < 3; d++)
+        out[d] = a[d] + s * (b[d] - a[d]) + t * (c[d] - a[d]);
+}
+
+void vor_cell_sample(const struct vor_cell *cell, const double unit[3], double local[3])
+{
+    struct vor_moments moments;
+    double left;
+
+    if (!vor_cell_moments(&moments, cell)) {
+        memcpy(local, cell->seed, sizeof cell->seed);
+        return;
+    }
+    left = unit[0] * moments.area;
+    for (unsigned i = 0; i < cell->count; i++) {
+        const struct vor_polygon *polygon = &cell->piece[i];
+        const double *a = polygon->vertex[0];
+
+        for (unsigned j = 2; j < polygon->count; j++) {
+            const double *b = polygon->vertex[j - 1], *c = polygon->vertex[j];
+
+            /* Rounding may leave a crumb after the last triangle: any but the first overwrites. */
+            sample_triangle(local, a, b, c, unit[1], unit[2]);
+            left -= triangle_area(a, b, c);
+            if (left < 0)
+                goto found;
+        }
+    }
+found:
+    for (int d = 0; d < 3; d++)
+        local[d] += cell->seed[d];
+}
