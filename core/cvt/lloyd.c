@@ -146,7 +146,7 @@ static int outside(const struct cvt *cvt, struct vor_scratch *scratch, struct vo
         return 0;
     vor_surface_put(&scratch->there.surface, x);
     vor_seeds_border(cvt->seeds, scratch, &scratch->there, border, x);
-    return vor_boundary_outside(border, VOR_BORDER_MOVING, x);
+    return vor_boundary_outside(border, VOR_OUTSIDE_MOVING, x);
 }
 
 /* Where seed i may go when it is meant to go to x, the projected centroid. Where the neighbours at
@@ -166,7 +166,7 @@ static int restrict_move(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
         if (!outside(cvt, scratch, &border, x))
             return 0;
     }
-    (void)vor_boundary_restrict(&border, VOR_BORDER_MOVING, x);
+    (void)vor_boundary_restrict(&border, VOR_OUTSIDE_MOVING, x);
     cvt->flags[i] |= HELD_EVER;
     return 1;
 }

@@ -92,7 +92,7 @@ static void pull_in(const struct vor_seeds *seeds, struct vor_scratch *scratch, 
         return;
     vor_surface_put(&scratch->there.surface, x);
     vor_seeds_border(seeds, scratch, &scratch->there, &border, x);
-    (void)vor_boundary_restrict(&border, VOR_BORDER_MOVING, x);
+    (void)vor_boundary_restrict(&border, VOR_OUTSIDE_MOVING, x);
 }
 
 /* Random points of the cell, so many for each of n samples. One alone gets but a few: the very

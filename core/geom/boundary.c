@@ -2,11 +2,6 @@
 
 #include "core/base/linalg.h"
 
-#define ROOM 0.4        /* spacings that a cell may reach beyond the last neighbour */
-#define SURE_BORDER 0.2 /* reaches: the neighbours end this near */
-#define SURE_INSIDE 0.5 /* reaches: they go on at least this far */
-#define BEYOND 0.8      /* cosine of the angle to a point that lies beyond a place */
-
 /* Squared distance from x to the nearest of the points, and which it is. */
 static double nearest2(const float *near, unsigned k, const double x[3], unsigned *which)
 {
@@ -54,16 +49,17 @@ double vor_boundary_room(const struct vor_surface *surface, const float *near, u
     side[0] = away[0] / length;
     side[1] = away[1] / length;
     along = extent_towards(surface, seed, side, near, k);
-    open = (along / surface->reach - SURE_BORDER) / (SURE_INSIDE - SURE_BORDER);
+    open = (along / surface->reach - VOR_EDGE_SURE_BORDER) /
+           (VOR_EDGE_SURE_INSIDE - VOR_EDGE_SURE_BORDER);
     if (open >= 1)
         return INFINITY;
-    return fmax(along, 0) + ROOM * surface->spacing + fmax(open, 0) * radius;
+    return fmax(along, 0) + VOR_EDGE_ROOM * surface->spacing + fmax(open, 0) * radius;
 }
 
 double vor_boundary_end(const struct vor_surface *frame, const double seed[3], const double side[2],
                         const struct vor_surface *there, const float *near, unsigned k)
 {
-    return fmax(extent_towards(frame, seed, side, near, k), ROOM * there->spacing);
+    return fmax(extent_towards(frame, seed, side, near, k), VOR_EDGE_ROOM * there->spacing);
 }
 
 void vor_boundary_outward(const float *near, unsigned k, const double x[3], double out[3])
@@ -131,7 +127,7 @@ int vor_boundary_beyond(const float *near, unsigned k, const double foot[3], con
                        (double)near[3 * i + 2] - foot[2]};
         double far = sqrt(vor_dot(d, d));
 
-        if (far > 0 && far <= distance && vor_dot(d, to) > BEYOND * far * length)
+        if (far > 0 && far <= distance && vor_dot(d, to) > VOR_HOLE_BEYOND * far * length)
             return 1;
     }
     return 0;
@@ -191,7 +187,7 @@ static int one_sided(const struct vor_surface *surface, const float *near, unsig
 static double allowed_distance(const struct vor_border *border, double spacings, const double x[3])
 {
     if (one_sided(border->surface, border->near, border->k, x))
-        spacings *= VOR_BORDER_ONE_SIDED;
+        spacings *= VOR_OUTSIDE_ONE_SIDED;
     return spacings * border->spacing;
 }
 
@@ -200,7 +196,7 @@ int vor_boundary_outside(const struct vor_border *border, double spacings, const
     unsigned which = 0;
     double length = sqrt(nearest2(border->near, border->k, x, &which));
 
-    return length > VOR_BORDER_ONE_SIDED * spacings * border->spacing &&
+    return length > VOR_OUTSIDE_ONE_SIDED * spacings * border->spacing &&
            length > allowed_distance(border, spacings, x);
 }
 

@@ -9,16 +9,6 @@
 
 enum { BLOCK = 1024, BATCH = 128, AROUND = 32 };
 
-#define AROUND_WITHIN                                                                              \
-    1.6 /* times the distance of the third nearest: the first ring, not the next */
-#define FREE_COSINE (-0.64278760968653936) /* of 130 degrees */
-#define AHEAD 0.75      /* spacings of the result from a point to the place asked about, and ... */
-#define AHEAD_INPUT 0.5 /* ... as many of the input */
-
-#define SAME_WAY                                                                                   \
-    0.5 /* cosine between the way to that place and the one in which the input ends                \
-         */
-
 static void add(struct vor_sums *sums, double distance2)
 {
     vor_sums_add(sums, sqrt(distance2), distance2);
@@ -72,7 +62,7 @@ static unsigned directions(const struct account *account, const struct vor_scrat
 
     if (crowd->count < 3)
         return 0;
-    within2 = AROUND_WITHIN * AROUND_WITHIN * (double)crowd->distance2[2];
+    within2 = VOR_RIM_RING * VOR_RIM_RING * (double)crowd->distance2[2];
     for (unsigned j = 0; j < crowd->count && count < AROUND; j++) {
         const float *other = &xyz[3 * (size_t)crowd->index[j]];
         double d[3], along[2], length;
@@ -92,13 +82,14 @@ static unsigned directions(const struct account *account, const struct vor_scrat
     return count;
 }
 
-/* Whether one of the directions lies less than the angle of FREE_COSINE to the left of a. */
+/* Whether one of the directions lies less than the angle of VOR_RIM_FREE_COSINE to the left of a.
+ */
 static int followed(double direction[AROUND][2], unsigned count, const double a[2])
 {
     for (unsigned j = 0; j < count; j++) {
         const double *b = direction[j];
 
-        if (a[0] * b[1] - a[1] * b[0] > 0 && a[0] * b[0] + a[1] * b[1] > FREE_COSINE)
+        if (a[0] * b[1] - a[1] * b[0] > 0 && a[0] * b[0] + a[1] * b[1] > VOR_RIM_FREE_COSINE)
             return 1;
     }
     return 0;
@@ -133,7 +124,8 @@ static int ends(const struct account *account, struct vor_scratch *scratch, cons
 {
     const struct vor_seeds *seeds = account->seeds;
     const struct vor_place *foot = &scratch->foot;
-    double far = AHEAD * account->spacing + AHEAD_INPUT * scratch->here.surface.spacing;
+    double far =
+        VOR_RIM_AHEAD * account->spacing + VOR_RIM_AHEAD_INPUT * scratch->here.surface.spacing;
     double at[3], local[3], away[2], end[3];
     uint32_t index;
     float query[3], distance2;
@@ -151,7 +143,7 @@ static int ends(const struct account *account, struct vor_scratch *scratch, cons
         return 0;
     for (int c = 0; c < 3; c++)
         end[c] = away[0] * foot->surface.axis[0][c] + away[1] * foot->surface.axis[1][c];
-    return vor_dot(end, side) > SAME_WAY;
+    return vor_dot(end, side) > VOR_RIM_SAME_WAY;
 }
 
 static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)

@@ -5,12 +5,6 @@
 
 #include <stdatomic.h>
 
-/* Where more of the seeds than this lie beyond the input, gaps are how it was taken, and no holes.
- */
-#define GAPPY 0.03
-
-enum { COUNTED = 60000 }; /* seeds, at least half of them, where there are more */
-
 struct settle {
     struct vor_seeds *seeds;
     int landing;  /* the surface at hand is new to the seeds */
@@ -54,7 +48,7 @@ static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
         if (seeds->keep_border) {
             vor_seeds_border(seeds, scratch, &scratch->here, &border, x);
             moved |= seeds->keep_holes && vor_seeds_hold(seeds, scratch, i, x);
-            moved |= vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x);
+            moved |= vor_boundary_restrict(&border, VOR_OUTSIDE_IN_RESULT, x);
         }
         for (size_t c = 0; moved && c < 3; c++)
             seeds->xyz[3 * i + c] = (float)x[c];
@@ -63,7 +57,7 @@ static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
 vor_status vor_attach(struct vor_seeds *seeds, struct vor_error *err)
 {
-    struct settle settle = {.seeds = seeds, .every = 1 + seeds->n / COUNTED};
+    struct settle settle = {.seeds = seeds, .every = 1 + seeds->n / VOR_GAPS_COUNTED};
     vor_status status;
 
     if (!seeds->keep_border)
@@ -71,7 +65,7 @@ vor_status vor_attach(struct vor_seeds *seeds, struct vor_error *err)
     status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, count_block, &settle, err);
     if (status != VOR_OK)
         return status;
-    seeds->keep_holes = (double)(settle.beyond * settle.every) <= GAPPY * (double)seeds->n;
+    seeds->keep_holes = (double)(settle.beyond * settle.every) <= VOR_GAPS_SHARE * (double)seeds->n;
     return vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &settle, err);
 }
 
@@ -80,7 +74,7 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
     const struct settle *settle = ctx;
     struct vor_seeds *seeds = settle->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
-    double near = VOR_BORDER_ONE_SIDED * VOR_BORDER_SETTLED * seeds->domain->sparse;
+    double near = VOR_OUTSIDE_ONE_SIDED * VOR_OUTSIDE_IN_RESULT * seeds->domain->sparse;
     double near2 = near * near;
 
     for (size_t i = begin; i < end; i++) {
@@ -97,7 +91,7 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
         if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
             continue;
         border = (struct vor_border){&here->surface, here->near, here->k, seeds->domain->sparse};
-        if (!vor_boundary_restrict(&border, VOR_BORDER_SETTLED, x))
+        if (!vor_boundary_restrict(&border, VOR_OUTSIDE_IN_RESULT, x))
             continue;
         for (size_t c = 0; c < 3; c++)
             seeds->xyz[3 * i + c] = (float)x[c];

@@ -30,11 +30,8 @@ enum {
 #define HOLE_EXCESS 0.15 /* pitches beyond that count no more */
 #define HOLE_NEAR 0.62   /* pitches; less is nowhere near a hole */
 #define HOLE_PULL 0.15   /* share of the excess that one step goes */
-#define BORDER_ROOM 0.6  /* spacings of room: with less, a point is at the border */
 #define SLACK 0.5       /* input spacings that a point may move before its surface is fitted anew */
 #define SLACK_FRESH 0.1 /* the same in the last steps */
-#define INTERIOR 1.5    /* spacings from the border: farther than that, it is not looked for */
-#define INPUT_SPACINGS 1.2 /* of the input, from it, that a point may move away to */
 
 struct polish {
     struct vor_seeds *seeds;
@@ -215,7 +212,7 @@ static void keep_on_surface(const struct polish *polish, const struct vor_scratc
         return;
     vor_surface_to_local(surface, x, local);
     if (vor_boundary_room(surface, scratch->here.near, scratch->here.k, local, polish->h, side) >=
-        BORDER_ROOM * polish->h)
+        VOR_EDGE_EVENING * polish->h)
         return;
     for (int c = 0; c < 3; c++)
         out[c] = side[0] * surface->axis[0][c] + side[1] * surface->axis[1][c];
@@ -233,7 +230,7 @@ static int leaves_input(const struct vor_seeds *seeds, const struct vor_scratch 
         return 0;
     border.spacing = fmin(border.spacing, vor_boundary_spacing(here->near, here->k, y));
     border.spacing = fmin(border.spacing, seeds->domain->sparse);
-    return vor_boundary_leaves(&border, INPUT_SPACINGS, x, y);
+    return vor_boundary_leaves(&border, VOR_OUTSIDE_EVENING, x, y);
 }
 
 /* Where seed i goes; its surface and neighbours are on the scratch. */
@@ -277,7 +274,7 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
     for (size_t i = begin; i < end; i++) {
         memcpy(&polish->next[3 * i], &seeds->xyz[3 * i], 3 * sizeof(float));
-        if (vor_seeds_recall(seeds, scratch, i, INTERIOR * polish->h, polish->slack) ==
+        if (vor_seeds_recall(seeds, scratch, i, VOR_EDGE_INTERIOR * polish->h, polish->slack) ==
             VOR_SURFACE_NONE)
             continue;
         if (polish->cells && !(polish->quiet[i] && polish->record.polish % QUIET_EVERY)) {

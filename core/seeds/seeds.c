@@ -12,14 +12,11 @@
  * straying. */
 enum { RINGS = 1, RINGS_FINE = 2 };
 
-enum { MANY = 200000 };   /* seeds */
-enum { HOLD_LEAST = 12 }; /* neighbours that tell a hole */
+enum { MANY = 200000 }; /* seeds */
 
 #define BEND_FLAT 0.4
 #define BEND_MAX 1.0
-#define REGULAR 1.4 /* regularity from which on a gap in the input tells of a hole */
-#define INSIDE 0.7  /* spacings from the input: farther than that, it may be in a hole */
-#define FAR 0.3     /* spacings that seeds may move before the lists are made anew */
+#define FAR 0.3 /* spacings that seeds may move before the lists are made anew */
 #define FAR_MANY                                                                                   \
     0.5 /* the same of many: new lists cost them more, since they outgrow the caches               \
          */
@@ -176,7 +173,7 @@ static int far_from_border(const struct vor_seeds *seeds, const struct vor_scrat
                            const double x[3], double radius)
 {
     const struct vor_place *here = &scratch->here;
-    double local[3], side[2], inside = seeds->keep_holes ? INSIDE : 1;
+    double local[3], side[2], inside = seeds->keep_holes ? VOR_HOLE_INSIDE : 1;
 
     if (!seeds->keep_border)
         return 1;
@@ -272,20 +269,20 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, s
     unsigned k = scratch->here.k;
     double foot[3], spacing, length;
 
-    if (k < HOLD_LEAST)
+    if (k < VOR_HOLE_NEIGHBORS_MIN)
         return 0;
     length = vor_boundary_foot(near, k, x, foot);
     spacing = vor_boundary_spacing(near, k, x);
     /* Mostly the points at hand tell, and save a search. Not of sheets: they may be on another. */
-    if (length <= VOR_BORDER_MARGIN * spacing ||
+    if (length <= VOR_HOLE_MARGIN * spacing ||
         vor_boundary_beyond(near, k, foot, x, vor_boundary_reach(near, k, x) - length) ||
         (!seeds->domain->sheets && goes_on(seeds, i, foot, x, k)) ||
         vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) == VOR_SURFACE_NONE ||
         vor_boundary_beyond(other->near, other->k, foot, x, INFINITY) ||
-        vor_boundary_regularity(other->near, other->k, other->surface.spacing) < REGULAR)
+        vor_boundary_regularity(other->near, other->k, other->surface.spacing) < VOR_HOLE_REGULAR)
         return 0;
     for (int c = 0; c < 3; c++)
-        x[c] = foot[c] + (x[c] - foot[c]) * (VOR_BORDER_MARGIN * spacing / length);
+        x[c] = foot[c] + (x[c] - foot[c]) * (VOR_HOLE_MARGIN * spacing / length);
     return 1;
 }
 

@@ -90,7 +90,7 @@ START_TEST(no_place_between_the_points_of_a_half_plane_is_outside)
 {
     for (double x = -4; x <= 0; x += 0.125)
         for (double y = -0.5; y <= 0.5; y += 0.125)
-            ck_assert(!outside(x, y, 0, VOR_BORDER_SETTLED));
+            ck_assert(!outside(x, y, 0, VOR_OUTSIDE_IN_RESULT));
 }
 END_TEST
 
