@@ -26,18 +26,6 @@
  * more than THINNED_FOR points there are as many times more, so that it reaches as far. */
 enum { THINNED = 5, THINNED_FOR = 20, THINNED_LEAST = 20000 };
 
-const char *vor_stopped_word(enum vor_stopped stopped)
-{
-    static const char *const words[VOR_STOPPED_COUNT] = {
-#define STOPPED_WORD(id, word) word,
-        VOR_STOPPED_TABLE(STOPPED_WORD)
-#undef STOPPED_WORD
-    };
-
-    assert((unsigned)stopped < VOR_STOPPED_COUNT);
-    return words[stopped];
-}
-
 /* One run from the inside. */
 struct engine {
     const struct vor_cloud *in;

@@ -17,7 +17,7 @@
 #ifndef VOR_CVT_LLOYD_H
 #define VOR_CVT_LLOYD_H
 
-#include "core/engine.h"
+#include "core/report.h"
 #include "core/seeds/seeds.h"
 
 /** What the loop reports back; lengths in the cloud's unit. */

@@ -4,7 +4,7 @@
 
 #include "core/base/run.h"
 
-/** Names as in struct vor_measure (engine.h). */
+/** Names as in struct vor_measure (report.h). */
 struct vor_distances {
     double far_over_knn6_mean, far_over_knn6_p999;
     double out_to_ref_mean, out_to_ref_rms, out_to_ref_max;

@@ -4,8 +4,7 @@
 #define VOR_PROTO_JSON_H
 
 #include "core/base/status.h"
-#include "core/base/watch.h"
-#include "core/engine.h"
+#include "core/report.h"
 #include "core/spec.h"
 
 #include <stddef.h>

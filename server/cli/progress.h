@@ -3,7 +3,7 @@
 #ifndef VOR_CLI_PROGRESS_H
 #define VOR_CLI_PROGRESS_H
 
-#include "core/base/watch.h"
+#include "core/report.h"
 #include "server/cli/cli.h"
 #include "server/jobs/pace.h"
 

@@ -7,7 +7,7 @@
 #define VOR_SERVER_JOBS_BUS_H
 
 #include "core/base/status.h"
-#include "core/base/watch.h"
+#include "core/report.h"
 
 #include <stddef.h>
 #include <stdint.h>

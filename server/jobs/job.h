@@ -2,7 +2,8 @@
 #ifndef VOR_SERVER_JOBS_JOB_H
 #define VOR_SERVER_JOBS_JOB_H
 
-#include "core/engine.h"
+#include "core/base/watch.h"
+#include "core/report.h"
 #include "server/base/digest.h"
 #include "server/base/uuid.h"
 #include "server/jobs/bus.h"

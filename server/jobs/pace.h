@@ -3,7 +3,7 @@
 #ifndef VOR_SERVER_JOBS_PACE_H
 #define VOR_SERVER_JOBS_PACE_H
 
-#include "core/base/watch.h"
+#include "core/report.h"
 #include "core/spec.h"
 
 #include <stdint.h>

@@ -1,4 +1,5 @@
 /* One run of one job: its cloud, the engine, the encoded result, its last row. */
+#include "core/engine.h"
 #include "proto/codec.h"
 #include "proto/json/json.h"
 #include "server/base/clock.h"

@@ -6,7 +6,7 @@ use Test::More;
 
 # The rooms of each part, lowest first. A file may include its own room and lower ones; rooms on one line do not see each
 # other. A room is a folder, or a header with its source. The methods are seen by nobody but the engine.
-my @core = ('base', 'report', 'cloud', 'spec', 'knn', 'geom', 'input', 'metrics', 'opt', 'seeds', 'method', 'cvt lop remesh',
+my @core = ('base', 'cloud', 'spec', 'report', 'knn', 'geom', 'input', 'metrics', 'opt', 'seeds', 'method', 'cvt lop remesh',
     'mesh align', 'output', 'process', 'engine');
 my %is_method = map { $_ => 1 } qw(cvt lop remesh);
 my @server = ('base', 'store blob', 'jobs', 'work', 'http', 'api', 'cli', 'serve', 'main');
@@ -118,8 +118,8 @@ sub bare {
 
 # What is left of the old house: each goes as its room is finished, and then this list does.
 my %pending = map { $_ => 1 } (
-    'core/cvt/lloyd.h core/engine.h', 'core/method.h core/cvt/lloyd.h', 'core/seeds/repel.h core/cvt/lloyd.h',
-    'proto/json/json.h core/engine.h', 'server/jobs/job.h core/engine.h', 'server/store/row.h server/jobs/job.h',
+    'core/method.h core/cvt/lloyd.h', 'core/seeds/repel.h core/cvt/lloyd.h',
+    'server/store/row.h server/jobs/job.h',
     'server/store/store.h server/jobs/job.h',
 );
 my %pending_circle = map { $_ => 1 } qw(core/cvt/lloyd proto/codec proto/json/json server/api/app server/api/handlers/submit

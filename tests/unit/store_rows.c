@@ -186,7 +186,15 @@ START_TEST(a_successful_end_comes_back_with_report_trace_and_record)
     row.attempt = claim(store, &row.id);
     row.progress = 100;
     row.has_record = 1;
-    row.record = (struct vor_record){42, 30, 0.07, 1e-300, 0.999, 1e300, 0.1 + 0.2, 7, 3.5};
+    row.record = (struct vor_record){.iteration = 42,
+                                     .polish = 30,
+                                     .delta = 0.07,
+                                     .sigma = 1e-300,
+                                     .epsilon = 0.999,
+                                     .energy = 1e300,
+                                     .max_move = 0.1 + 0.2,
+                                     .held = 7,
+                                     .seconds = 3.5};
     row.output = (struct vor_job_output){.format = 1, .points = 10, .bytes = 99};
     strcpy(row.output.sha256, "beef");
     strcpy(row.message, "10 points");

@@ -1,0 +1,123 @@
+#include "core/report.h"
+
+#include <assert.h>
+
+_Static_assert(sizeof(enum vor_run_stage) == sizeof(unsigned) &&
+                   sizeof(enum vor_stopped) == sizeof(unsigned),
+               "VOR_MEMBER_WORD reads an enum as unsigned");
+
+static const struct vor_run_stage_info stages[VOR_RUN_STAGE_COUNT] = {
+#define STAGE_ROW(id, stage_name, step_name, text)                                                 \
+    {.name = (stage_name), .step = (step_name), .sentence = (text)},
+    VOR_RUN_STAGE_TABLE(STAGE_ROW)
+#undef STAGE_ROW
+};
+
+static const char *const stage_words[VOR_RUN_STAGE_COUNT] = {
+#define STAGE_WORD(id, name, step, sentence) (name),
+    VOR_RUN_STAGE_TABLE(STAGE_WORD)
+#undef STAGE_WORD
+};
+
+const struct vor_run_stage_info *vor_run_stage_info(enum vor_run_stage stage)
+{
+    static const struct vor_run_stage_info other = {"step", "Step", "A stage of another build"};
+
+    return (unsigned)stage < VOR_RUN_STAGE_COUNT ? &stages[stage] : &other;
+}
+
+static const char *const stopped_words[VOR_STOPPED_COUNT] = {
+#define STOPPED_WORD(id, word) (word),
+    VOR_STOPPED_TABLE(STOPPED_WORD)
+#undef STOPPED_WORD
+};
+
+const char *vor_stopped_word(enum vor_stopped stopped)
+{
+    assert((unsigned)stopped < VOR_STOPPED_COUNT);
+    return stopped_words[stopped];
+}
+
+/* The kinds of members that these tables use besides those of members.h. */
+#define VOR_KIND_OF_RUN_STAGE(type, field)                                                         \
+    .kind = VOR_MEMBER_WORD, .words = stage_words, .word_count = VOR_RUN_STAGE_COUNT
+#define VOR_KIND_OF_STOPPED(type, field)                                                           \
+    .kind = VOR_MEMBER_WORD, .words = stopped_words, .word_count = VOR_STOPPED_COUNT
+#define VOR_KIND_OF_APART(type, field) .kind = VOR_MEMBER_OBJECT, .inner = &apart_members
+#define VOR_KIND_OF_FITTED(type, field)                                                            \
+    .kind = VOR_MEMBER_LIST, .inner = &fitted_members, .count_offset = offsetof(type, field##_count)
+#define VOR_KIND_OF_STAGES(type, field)                                                            \
+    .kind = VOR_MEMBER_LIST, .inner = &stage_done_members,                                         \
+    .count_offset = offsetof(type, field##_count)
+#define VOR_KIND_OF_SPEC(type, field) .kind = VOR_MEMBER_REQUEST
+
+static const struct vor_member apart_rows[] = {
+#define APART_ROW(...) VOR_MEMBER(struct vor_apart, __VA_ARGS__)
+    VOR_APART_TABLE(APART_ROW)
+#undef APART_ROW
+};
+
+static const struct vor_members apart_members = VOR_MEMBERS(struct vor_apart, apart_rows);
+
+static const struct vor_member fitted_rows[] = {
+#define FITTED_ROW(...) VOR_MEMBER(struct vor_fitted, __VA_ARGS__)
+    VOR_FITTED_TABLE(FITTED_ROW)
+#undef FITTED_ROW
+};
+
+static const struct vor_members fitted_members = VOR_MEMBERS(struct vor_fitted, fitted_rows);
+
+static const struct vor_member stage_done_rows[] = {
+#define STAGE_DONE_ROW(...) VOR_MEMBER(struct vor_stage_done, __VA_ARGS__)
+    VOR_STAGE_DONE_TABLE(STAGE_DONE_ROW)
+#undef STAGE_DONE_ROW
+};
+
+static const struct vor_members stage_done_members =
+    VOR_MEMBERS(struct vor_stage_done, stage_done_rows);
+
+static const struct vor_member record_rows[] = {
+#define RECORD_ROW(...) VOR_MEMBER(struct vor_record, __VA_ARGS__)
+    VOR_RECORD_TABLE(RECORD_ROW)
+#undef RECORD_ROW
+};
+
+const struct vor_members vor_record_members = VOR_MEMBERS(struct vor_record, record_rows);
+
+static const struct vor_member report_rows[] = {
+#define REPORT_ROW(...) VOR_MEMBER(struct vor_report, __VA_ARGS__)
+    VOR_REPORT_TABLE(REPORT_ROW)
+#undef REPORT_ROW
+};
+
+const struct vor_members vor_report_members = VOR_MEMBERS(struct vor_report, report_rows);
+
+static const struct vor_member measure_rows[] = {
+#define MEASURE_ROW(...) VOR_MEMBER(struct vor_measure, __VA_ARGS__)
+    VOR_MEASURE_TABLE(MEASURE_ROW)
+#undef MEASURE_ROW
+};
+
+const struct vor_members vor_measure_members = VOR_MEMBERS(struct vor_measure, measure_rows);
+
+void vor_record_infer_stage(struct vor_record *record)
+{
+    record->stage = record->polish > 0 ? VOR_RUN_STAGE_POLISH : VOR_RUN_STAGE_ITERATE;
+    record->step = record->polish > 0 ? record->polish : record->iteration;
+    record->of = 0;
+    record->ahead = 0;
+}
+
+void vor_report_stage(struct vor_report *report, enum vor_run_stage stage, uint32_t steps,
+                      double seconds)
+{
+    unsigned at = 0;
+
+    assert((unsigned)stage < VOR_RUN_STAGE_COUNT);
+    while (at < report->stages_count && report->stages[at].stage != stage)
+        at++;
+    if (at == report->stages_count)
+        report->stages[report->stages_count++] = (struct vor_stage_done){.stage = stage};
+    report->stages[at].steps += steps;
+    report->stages[at].seconds += seconds;
+}

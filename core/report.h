@@ -1,0 +1,276 @@
+/** What a run tells: its stages, the progress record, the report, the measure. Each is one table;
+ * the C struct and the description that JSON, CSV, traces and openapi.yaml's test read are made of
+ * it (core/base/members.h).
+ *
+ *  Symbols: delta is Xiao et al. 2024, "Accelerated Lloyd's method for resampling 3D point clouds",
+ * Eq. 6; sigma and epsilon Sec. V-B; energy Eq. 2. */
+#ifndef VOR_REPORT_H
+#define VOR_REPORT_H
+
+#include "core/base/extensions.h"
+#include "core/base/members.h"
+#include "core/spec.h"
+
+#include <stdint.h>
+
+/** Stages that a run may go through: identifier, name, what one of its steps is called, sentence.
+ * Traces keep the number of a row, so rows are only ever added, at the end. */
+#define VOR_RUN_STAGE_TABLE(X)                                                                     \
+    X(ITERATE, "iterate", "Iteration", "Moves each point towards the middle of its cell")          \
+    X(POLISH, "polish", "Polish step", "Moves points away from their neighbours")                  \
+    VOR_EXTRA_RUN_STAGES(X)
+
+enum vor_run_stage {
+#define VOR_RUN_STAGE_ENUM(id, name, step, sentence) VOR_RUN_STAGE_##id,
+    VOR_RUN_STAGE_TABLE(VOR_RUN_STAGE_ENUM)
+#undef VOR_RUN_STAGE_ENUM
+        VOR_RUN_STAGE_COUNT
+};
+
+/** One row of the table. */
+struct vor_run_stage_info {
+    const char *name, *step, *sentence;
+};
+
+/** The row of a stage. Any other number, as a record of another build may have, gets a row that
+ * says no more than "step". */
+const struct vor_run_stage_info *vor_run_stage_info(enum vor_run_stage stage);
+
+#define VOR_FIELD_RUN_STAGE(field) enum vor_run_stage field;
+
+/** What is known after a step of a run: the same record in SSE, NDJSON, traces and the metrics of a
+ * job. A run begins with a record of 0 steps of its first stage. Members are only ever added, at
+ * the end: traces keep them in this order. */
+#define VOR_RECORD_TABLE(X)                                                                        \
+    X(U32, iteration, "iteration", "", "Iterations done; 0 is the start")                          \
+    X(U32, polish, "polish", "", "Steps of the polish done; 0 while iterations go on")             \
+    X(REAL, delta, "delta", "",                                                                    \
+      "Uniformity, the relative standard deviation of the distances to the nearest neighbour; "    \
+      "lower is better")                                                                           \
+    X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
+      "Mean deviation of those distances from their mean")                                         \
+    X(REAL, epsilon, "epsilon", "",                                                                \
+      "Cosine between those distances and their mean, 0 to 1; higher is better")                   \
+    X(REAL, energy, "energy", "unit of the cloud^4",                                               \
+      "Energy of the tessellation; stays at that of the last iteration during the polish")         \
+    X(REAL, max_move, "max_move", "unit of the cloud", "Longest move of a point")                  \
+    X(U64, held, "held", "points", "Points held back at the border of the input")                  \
+    X(REAL, seconds, "seconds", "s", "Time since the run began")                                   \
+    X(RUN_STAGE, stage, "run_stage", "", "Stage of the run")                                       \
+    X(U32, step, "step", "", "Steps of this stage done")                                           \
+    X(U32, of, "of", "",                                                                           \
+      "Steps that this stage takes at most; 0 with a step of 1 or more where that is not known")   \
+    X(U32, ahead, "ahead", "", "Steps that the stages after this one take at most")
+
+struct vor_record {
+    VOR_RECORD_TABLE(VOR_FIELD)
+};
+
+extern const struct vor_members vor_record_members;
+
+/** Sets stage, step, of and ahead of a record that was written before records had them, from
+ * iteration and polish: such a run iterated, then polished. How many steps were allowed was not
+ * written: of and ahead become 0. */
+void vor_record_infer_stage(struct vor_record *record);
+
+/** Why a run ended: identifier, word in the report. */
+#define VOR_STOPPED_TABLE(X)                                                                       \
+    X(ITERATIONS, "iterations")                                                                    \
+    X(DELTA, "delta")                                                                              \
+    X(SECONDS, "seconds")                                                                          \
+    X(PLATEAU, "plateau")                                                                          \
+    X(CALLER, "stopped")
+
+enum vor_stopped {
+#define VOR_STOPPED_ENUM(id, word) VOR_STOPPED_##id,
+    VOR_STOPPED_TABLE(VOR_STOPPED_ENUM)
+#undef VOR_STOPPED_ENUM
+        VOR_STOPPED_COUNT
+};
+
+/** The word of a row; stopped must be one. */
+const char *vor_stopped_word(enum vor_stopped stopped);
+
+#define VOR_FIELD_STOPPED(field) enum vor_stopped field;
+
+/** Distances from points to the nearest of others. */
+#define VOR_APART_TABLE(X)                                                                         \
+    X(REAL, mean, "mean", "unit of the cloud", "Their mean")                                       \
+    X(REAL, rms, "rms", "unit of the cloud", "Their root mean square")                             \
+    X(REAL, max, "max", "unit of the cloud", "The largest")                                        \
+    X(U64, points, "points", "points", "Points whose distances these are")
+
+struct vor_apart {
+    VOR_APART_TABLE(VOR_FIELD)
+};
+
+#define VOR_FIELD_APART(field) struct vor_apart field;
+
+/** So many points of the result had their surface fitted to that number of input points. */
+#define VOR_FITTED_TABLE(X)                                                                        \
+    X(U32, neighbors, "neighbors", "points", "Input points that a surface was fitted to")          \
+    X(U64, points, "points", "points", "Points of the result that lie on such a surface")
+
+struct vor_fitted {
+    VOR_FITTED_TABLE(VOR_FIELD)
+};
+
+#define VOR_FITTED_MAX 8 /**< different numbers in a report */
+#define VOR_FIELD_FITTED(field)                                                                    \
+    struct vor_fitted field[VOR_FITTED_MAX];                                                       \
+    unsigned field##_count;
+
+/** A stage that a run went through. */
+#define VOR_STAGE_DONE_TABLE(X)                                                                    \
+    X(RUN_STAGE, stage, "stage", "", "Its name")                                                   \
+    X(U32, steps, "steps", "", "Steps done")                                                       \
+    X(REAL, seconds, "seconds", "s", "Time it took")
+
+struct vor_stage_done {
+    VOR_STAGE_DONE_TABLE(VOR_FIELD)
+};
+
+#define VOR_FIELD_STAGES(field)                                                                    \
+    struct vor_stage_done field[VOR_RUN_STAGE_COUNT];                                              \
+    unsigned field##_count;
+
+#define VOR_FIELD_SPEC(field) struct vor_spec field;
+
+/** What a run did. Lengths are in the unit of the cloud. The engine fills all but the seconds of
+ * reading and writing, which are the caller's. */
+#define VOR_REPORT_TABLE(X)                                                                        \
+    X(U64, points_in, "points.in", "points", "Points of the input")                                \
+    X(U64, points_out, "points.out", "points", "Points of the result")                             \
+    X(REAL, delta, "delta", "",                                                                    \
+      "Uniformity of the result, the relative standard deviation of the distances to the "         \
+      "nearest neighbour; lower is better")                                                        \
+    X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
+      "Mean deviation of those distances from their mean")                                         \
+    X(REAL, epsilon, "epsilon", "",                                                                \
+      "Cosine between those distances and their mean, 0 to 1; higher is better")                   \
+    X(U32, iterations, "iterations", "", "Iterations done")                                        \
+    X(U32, polish_steps, "polish_steps", "", "Steps of the polish done")                           \
+    X(STOPPED, stopped, "stopped", "", "Why the run ended")                                        \
+    X(STAGES, stages, "stages", "",                                                                \
+      "Stages that the run went through, in their order; their seconds are among those of the "    \
+      "member seconds")                                                                            \
+    X(REAL, seconds_read, "seconds.read", "s", "Decoding the input")                               \
+    X(REAL, seconds_index, "seconds.index", "s", "Sorting and indexing the input")                 \
+    X(REAL, seconds_init, "seconds.init", "s", "Placing the first points")                         \
+    X(REAL, seconds_iterate, "seconds.iterate", "s", "Iterations")                                 \
+    X(REAL, seconds_polish, "seconds.polish", "s",                                                 \
+      "Polish, and moving points outside the input onto it before and after")                      \
+    X(REAL, seconds_write, "seconds.write", "s", "Encoding the result")                            \
+    X(U64, memory_peak_bytes, "memory_peak_bytes", "bytes",                                        \
+      "Most memory that the job held at a time")                                                   \
+    X(U64, outliers, "outliers", "points", "Input points that were ignored")                       \
+    X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
+      "Cell that the coordinates of the input were rounded to; 0 where none was found")            \
+    X(U64, off_lattice, "lattice.moved", "points",                                                 \
+      "Input points that were moved within their cell; 0 where cells are small against the "       \
+      "spacing of the input")                                                                      \
+    X(APART, in_to_out, "in_to_out", "",                                                           \
+      "Distances from the points of the input to the nearest of the result. Points that share a "  \
+      "place count once, ignored outliers not at all, and points that were moved off a lattice "   \
+      "from where they went. Of more than 200000, so many are taken, at equal steps along a "      \
+      "curve through the input: mean and rms are estimates then, and max is a lower bound")        \
+    X(APART, out_to_in, "out_to_in", "",                                                           \
+      "Distances from all points of the result to the nearest of the same points of the input")    \
+    X(U64, boundary_points, "boundary_points", "points",                                           \
+      "Points of the result that lie where the input ends, whatever boundary says: none on a "     \
+      "closed smooth surface, about its length over the spacing along a border")                   \
+    X(FITTED, fitted, "neighbors_histogram", "",                                                   \
+      "How many input points the surfaces were fitted to that the points of the result lie on, "   \
+      "in the last step; ascending, their points sum to points.out")                               \
+    X(U64, held, "held", "points", "Points held back in the last iteration")                       \
+    X(U64, held_ever, "held_ever", "points", "Points held back in any iteration")                  \
+    X(U64, fallback_plane, "fallbacks.plane", "points",                                            \
+      "Points fitted with a plane in the last iteration, as no quadric was found")                 \
+    X(U64, fallback_left, "fallbacks.left", "points",                                              \
+      "Points left in place in the last iteration, as no surface was found")                       \
+    X(REAL, area, "area", "unit of the cloud^2",                                                   \
+      "Area of the surface: the sum of the cells at the end, or what spacing was turned into "     \
+      "points with")                                                                               \
+    X(REAL, spacing_mean, "spacing", "unit of the cloud",                                          \
+      "Mean distance to the nearest neighbour in the result")                                      \
+    X(REAL, min_over_mean, "min_over_mean", "", "Smallest of those distances over their mean")     \
+    X(REAL, max_over_mean, "max_over_mean", "", "Largest of those distances over their mean")      \
+    X(REAL, six_share, "six_share", "",                                                            \
+      "Share of the points of the result with six Voronoi neighbours")                             \
+    X(REAL, bisectors_per_cell, "bisectors_per_cell", "",                                          \
+      "Planes that cut a cell, mean over all cells computed")                                      \
+    X(REAL, triangles_per_cell, "triangles_per_cell", "",                                          \
+      "Triangles of the patches that cells were cut from, likewise")                               \
+    X(U64, queries, "queries", "", "Searches of an index, among the input or the points")          \
+    X(U64, list_rebuilds, "list_rebuilds", "",                                                     \
+      "Times the lists of neighbours of all points were made anew")                                \
+    X(SPEC, parameters, "parameters", "",                                                          \
+      "The request, with points filled in from ratio or spacing and auto resolved: neighbors to "  \
+      "the usual number")
+
+struct vor_report {
+    VOR_REPORT_TABLE(VOR_FIELD)
+};
+
+extern const struct vor_members vor_report_members;
+
+/** Notes in the report that the run took so many steps and seconds of a stage; what it noted of the
+ * stage before counts on. stage must be a row of the table. */
+void vor_report_stage(struct vor_report *report, enum vor_run_stage stage, uint32_t steps,
+                      double seconds);
+
+/** How evenly a cloud is spread and, with a reference, how far it is from that; names and
+ * definitions of Xiao 2024 Sec. V-B. Lengths beside a reference are over the diagonal of its
+ * bounding box, unless their unit says otherwise; mse and psnr as mpeg-pcc-dmetric
+ * (metrics/distortion.h). */
+#define VOR_MEASURE_TABLE(X)                                                                       \
+    X(U64, n, "n", "points", "Points of the cloud")                                                \
+    X(REAL, delta, "delta", "",                                                                    \
+      "Uniformity, the relative standard deviation of the distances to the nearest neighbour; "    \
+      "lower is better")                                                                           \
+    X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
+      "Mean deviation of those distances from their mean")                                         \
+    X(REAL, epsilon, "epsilon", "",                                                                \
+      "Cosine between those distances and their mean, 0 to 1; higher is better")                   \
+    X(REAL, mean_nn, "mean_nn", "unit of the cloud",                                               \
+      "Mean distance to the nearest other point: the spacing")                                     \
+    X(REAL, min_over_mean, "min_over_mean", "", "Smallest of those distances over their mean")     \
+    X(REAL, max_over_mean, "max_over_mean", "", "Largest of those distances over their mean")      \
+    X(U64, coincident, "coincident", "points", "Points that share their place with another one")   \
+    X(OPTIONAL, has_reference, "input", "", "The cloud beside the reference; only with one")       \
+    X(REAL, far_over_knn6_mean, "input.far_over_knn6_mean", "",                                    \
+      "Distance of the farthest point to the reference over the mean distance of a reference "     \
+      "point to its 6th neighbour")                                                                \
+    X(REAL, far_over_knn6_p999, "input.far_over_knn6_p999", "",                                    \
+      "The same over the 99.9th percentile of those distances")                                    \
+    X(REAL, out_to_ref_mean, "input.out_to_ref_mean", "diagonal of the reference",                 \
+      "Mean distance of a point to the nearest reference point")                                   \
+    X(REAL, out_to_ref_rms, "input.out_to_ref_rms", "diagonal of the reference",                   \
+      "Root mean square of those distances")                                                       \
+    X(REAL, out_to_ref_max, "input.out_to_ref_max", "diagonal of the reference",                   \
+      "Largest of those distances")                                                                \
+    X(REAL, ref_to_out_mean, "input.ref_to_out_mean", "diagonal of the reference",                 \
+      "Mean distance of a reference point to the nearest point")                                   \
+    X(REAL, ref_to_out_rms, "input.ref_to_out_rms", "diagonal of the reference",                   \
+      "Root mean square of those distances")                                                       \
+    X(REAL, ref_to_out_max, "input.ref_to_out_max", "diagonal of the reference",                   \
+      "Largest of those distances")                                                                \
+    X(REAL, hausdorff, "input.hausdorff", "diagonal of the reference",                             \
+      "The larger of both largest distances")                                                      \
+    X(REAL, chamfer, "input.chamfer", "diagonal of the reference",                                 \
+      "The sum of both means, of distances and not of their squares")                              \
+    X(REAL, d1_mse, "input.d1_mse", "unit of the cloud^2",                                         \
+      "Mean squared distance point to point, of the worse direction")                              \
+    X(REAL, d1_psnr, "input.d1_psnr", "dB", "10 log10(3 peak^2 / d1_mse); null where that is 0")   \
+    X(REAL, d2_mse, "input.d2_mse", "unit of the cloud^2",                                         \
+      "Mean squared distance point to plane, of the worse direction")                              \
+    X(REAL, d2_psnr, "input.d2_psnr", "dB", "10 log10(3 peak^2 / d2_mse); null where that is 0")   \
+    X(REAL, peak, "input.peak", "unit of the cloud", "Peak of both psnr")
+
+struct vor_measure {
+    VOR_MEASURE_TABLE(VOR_FIELD)
+};
+
+extern const struct vor_members vor_measure_members;
+
+#endif
