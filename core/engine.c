@@ -272,6 +272,10 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
     report->spacing_mean = even.mean * unit;
     report->iterations = engine->result.iterations;
     report->polish_steps = engine->result.polish_steps;
+    vor_report_stage(report, VOR_RUN_STAGE_ITERATE, report->iterations, report->seconds_iterate);
+    if (report->polish_steps > 0)
+        vor_report_stage(report, VOR_RUN_STAGE_POLISH, report->polish_steps,
+                         report->seconds_polish);
     report->stopped = engine->result.stopped;
     report->held = engine->result.held;
     report->held_ever = engine->result.held_ever;

@@ -350,7 +350,11 @@ static enum vor_answer record(struct cvt *cvt, const struct vor_uniformity *even
 {
     const struct vor_run *run = cvt->seeds->run;
     double unit = cvt->seeds->domain->unit;
-    struct vor_record record = {.iteration = cvt->result.iterations,
+    struct vor_record record = {.stage = VOR_RUN_STAGE_ITERATE,
+                                .step = cvt->result.iterations,
+                                .of = cvt->limit,
+                                .ahead = (uint32_t)cvt->spec->value[VOR_PARAM_POLISH],
+                                .iteration = cvt->result.iterations,
                                 .delta = even->delta,
                                 .sigma = even->sigma * unit,
                                 .epsilon = even->epsilon,

@@ -344,6 +344,7 @@ static enum vor_answer tell(struct polish *polish)
 
     if (watch == NULL || watch->progress == NULL)
         return VOR_CONTINUE;
+    polish->record.step = polish->record.polish;
     polish->record.max_move = longest_step(polish) * polish->seeds->domain->unit;
     return watch->progress(watch->ctx, &polish->record);
 }
@@ -462,6 +463,9 @@ vor_status vor_repel(struct vor_seeds *seeds, struct vor_cvt_result *result,
 
     if (!(spec->value[VOR_PARAM_POLISH] > 0) || result->stopped == VOR_STOPPED_CALLER)
         return VOR_OK;
+    polish.record.stage = VOR_RUN_STAGE_POLISH;
+    polish.record.of = (uint32_t)spec->value[VOR_PARAM_POLISH];
+    polish.record.ahead = 0;
     if (result->stopped == VOR_STOPPED_DELTA) /* it may be reached no more, now that all settled */
         result->stopped = VOR_STOPPED_ITERATIONS;
     status = alloc_polish(&polish, err);

@@ -75,6 +75,31 @@ static vor_status run_spied(struct vor_cloud *out, struct vor_report *report, st
     return status;
 }
 
+/* Each record says at which stage of the run it stands, and the report how far each got. */
+static void assert_stages(const struct vor_report *report, const struct spy *spy)
+{
+    uint32_t polish = (uint32_t)report->parameters.value[VOR_PARAM_POLISH];
+
+    for (unsigned i = 0; i < spy->count; i++) {
+        const struct vor_record *record = &spy->record[i];
+        int polishing = i > ITERATIONS;
+
+        ck_assert_int_eq(record->stage, polishing ? VOR_RUN_STAGE_POLISH : VOR_RUN_STAGE_ITERATE);
+        ck_assert_uint_eq(record->step, polishing ? record->polish : i);
+        ck_assert_uint_eq(record->of, polishing ? polish : ITERATIONS);
+        ck_assert_uint_eq(record->ahead, polishing ? 0 : polish);
+    }
+    ck_assert_uint_eq(report->stages_count, report->polish_steps > 0 ? 2 : 1);
+    ck_assert_int_eq(report->stages[0].stage, VOR_RUN_STAGE_ITERATE);
+    ck_assert_uint_eq(report->stages[0].steps, ITERATIONS);
+    ck_assert_double_eq(report->stages[0].seconds, report->seconds_iterate);
+    if (report->polish_steps == 0)
+        return;
+    ck_assert_int_eq(report->stages[1].stage, VOR_RUN_STAGE_POLISH);
+    ck_assert_uint_eq(report->stages[1].steps, report->polish_steps);
+    ck_assert_double_eq(report->stages[1].seconds, report->seconds_polish);
+}
+
 static void assert_whole(const struct vor_cloud *out, const struct vor_report *report,
                          const struct spy *spy)
 {
@@ -103,6 +128,7 @@ static void assert_whole(const struct vor_cloud *out, const struct vor_report *r
     for (i = ITERATIONS + 1; i < spy->count; i++)
         least = fmin(least, spy->record[i].delta);
     ck_assert_double_le(report->delta, least);
+    assert_stages(report, spy);
 }
 
 static void done_with(struct vor_cloud *out)
