@@ -3,7 +3,7 @@
 #define VOR_PROTO_SSE_H
 
 #include "core/base/status.h"
-#include "proto/json/json.h"
+#include "proto/text.h"
 
 #include <stddef.h>
 

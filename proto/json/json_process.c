@@ -1,7 +1,8 @@
 /* Descriptions of the processes (OGC API - Processes, core), made of the tables in core/spec.h and
  * of the formats: what is described is what is accepted. */
+#include "proto/json/json_process.h"
 #include "proto/codec.h"
-#include "proto/json/json.h"
+#include "proto/json/json_write.h"
 
 static void put_range(struct vor_text *text, const struct vor_parameter_info *info)
 {

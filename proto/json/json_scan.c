@@ -1,8 +1,6 @@
-/* Checks a stranger's JSON before cJSON sees it, for what cJSON lets pass: 01, 1., 0x10, 1e999,
- * \u0000 (which cuts a string short), raw control characters, what is not UTF-8, and bombs, which
- * cost it 41 bytes of memory for a byte of text. Recursion is as deep as the text may be nested. */
-#include "proto/json/json.h"
-#include "proto/json/json_internal.h"
+/* Recursion is as deep as the text may be nested. */
+#include "proto/json/json_scan.h"
+#include "proto/utf8.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -17,32 +15,6 @@ struct scan {
     struct vor_json_keys *keys;
     struct vor_error *err;
 };
-
-size_t vor_utf8_length(const unsigned char *p, size_t left)
-{
-    unsigned char low = 0x80, high = 0xbf; /* what the second byte may be */
-    size_t length;
-
-    if (left == 0 || p[0] < 0x80)
-        return left > 0;
-    if (p[0] < 0xc2 || p[0] > 0xf4)
-        return 0;
-    length = p[0] < 0xe0 ? 2 : p[0] < 0xf0 ? 3 : 4;
-    if (p[0] == 0xe0)
-        low = 0xa0;
-    else if (p[0] == 0xed)
-        high = 0x9f;
-    else if (p[0] == 0xf0)
-        low = 0x90;
-    else if (p[0] == 0xf4)
-        high = 0x8f;
-    if (left < length || p[1] < low || p[1] > high)
-        return 0;
-    for (size_t i = 2; i < length; i++)
-        if (p[i] < 0x80 || p[i] > 0xbf)
-            return 0;
-    return length;
-}
 
 static vor_status reject(const struct scan *s, size_t at, const char *what)
 {

@@ -1,6 +1,7 @@
 /* The values the product speaks, each written by one function: everything that shows a record, a
  * report or a request shows it in the same shape. */
-#include "proto/json/json.h"
+#include "proto/json/json_values.h"
+#include "proto/json/json_write.h"
 #include "proto/quote.h"
 
 #include <stdio.h>

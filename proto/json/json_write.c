@@ -1,138 +1,30 @@
-#include "proto/json/json.h"
-#include "proto/json/json_internal.h"
+#include "proto/json/json_write.h"
+#include "proto/utf8.h"
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-void vor_text_init(struct vor_text *text, size_t cap)
-{
-    memset(text, 0, sizeof *text);
-    text->cap = cap > 0 ? cap : VOR_TEXT_CAP_DEFAULT;
-}
-
-void vor_text_free(struct vor_text *text)
-{
-    size_t cap = text->cap;
-
-    free(text->data);
-    vor_text_init(text, cap);
-}
-
-void vor_text_clear(struct vor_text *text)
-{
-    text->size = 0;
-    text->comma = 0;
-    text->failed = 0;
-    if (text->data != NULL)
-        text->data[0] = '\0';
-}
-
-/* Makes room for size more bytes and a NUL. */
-static int grow(struct vor_text *text, size_t size)
-{
-    size_t wanted, capacity;
-    char *data;
-
-    if (text->failed || size > text->cap - text->size)
-        return 0;
-    wanted = text->size + size + 1;
-    if (wanted <= text->capacity)
-        return 1;
-    capacity = text->capacity < 64 ? 64 : text->capacity * 2;
-    if (capacity < wanted)
-        capacity = wanted;
-    data = realloc(text->data, capacity);
-    if (data == NULL)
-        return 0;
-    text->data = data;
-    text->capacity = capacity;
-    return 1;
-}
-
-static void append(struct vor_text *text, const void *bytes, size_t size)
-{
-    if (!grow(text, size)) {
-        text->failed = 1;
-        return;
-    }
-    if (size > 0)
-        memcpy(text->data + text->size, bytes, size);
-    text->size += size;
-    text->data[text->size] = '\0';
-}
-
-void vor_text_add(struct vor_text *text, const void *bytes, size_t size)
-{
-    append(text, bytes, size);
-    text->comma = 0;
-}
-
-void vor_text_puts(struct vor_text *text, const char *string)
-{
-    vor_text_add(text, string, strlen(string));
-}
-
-static void print(struct vor_text *text, size_t length, const char *format, va_list args)
-{
-    if (!grow(text, length)) {
-        text->failed = 1;
-        return;
-    }
-    (void)vsnprintf(text->data + text->size, length + 1, format, args);
-    text->size += length;
-}
-
-static size_t print_length(const char *format, va_list args)
-{
-    int length = vsnprintf(NULL, 0, format, args);
-
-    return length < 0 ? SIZE_MAX : (size_t)length;
-}
-
-void vor_text_printf(struct vor_text *text, const char *format, ...)
-{
-    size_t length;
-    va_list args;
-
-    text->comma = 0;
-    va_start(args, format);
-    length = print_length(format, args);
-    va_end(args);
-    va_start(args, format);
-    print(text, length, format, args);
-    va_end(args);
-}
-
-vor_status vor_text_status(const struct vor_text *text, struct vor_error *err)
-{
-    if (!text->failed)
-        return VOR_OK;
-    return vor_fail(err, VOR_E_NOMEM, "a text needs more than the %zu bytes it has (at most %zu)",
-                    text->size, text->cap);
-}
 
 /* Every value begins here: the comma before it, and the note that the next one needs one. */
 static void before_value(struct vor_text *text)
 {
     if (text->comma)
-        append(text, ",", 1);
+        vor_text_append(text, ",", 1);
     text->comma = 1;
 }
 
 static void open_bracket(struct vor_text *text, const char *bracket)
 {
     before_value(text);
-    append(text, bracket, 1);
+    vor_text_append(text, bracket, 1);
     text->comma = 0;
 }
 
 static void close_bracket(struct vor_text *text, const char *bracket)
 {
-    append(text, bracket, 1);
+    vor_text_append(text, bracket, 1);
     text->comma = 1;
 }
 
@@ -167,10 +59,10 @@ static void append_escape(struct vor_text *text, unsigned char c)
             continue;
         escape[0] = '\\';
         escape[1] = s[1];
-        append(text, escape, 2);
+        vor_text_append(text, escape, 2);
         return;
     }
-    append(text, escape, (size_t)snprintf(escape, sizeof escape, "\\u%04x", c));
+    vor_text_append(text, escape, (size_t)snprintf(escape, sizeof escape, "\\u%04x", c));
 }
 
 static int is_plain(unsigned char c)
@@ -182,30 +74,30 @@ static void append_quoted(struct vor_text *text, const char *value, size_t size)
 {
     const unsigned char *p = (const unsigned char *)value;
 
-    append(text, "\"", 1);
+    vor_text_append(text, "\"", 1);
     for (size_t i = 0, run; i < size; i += run) {
         for (run = 0; i + run < size && is_plain(p[i + run]); run++)
             ;
         if (run > 0) {
-            append(text, p + i, run);
+            vor_text_append(text, p + i, run);
         } else if (p[i] < 0x80) {
             run = 1;
             append_escape(text, p[i]);
         } else if ((run = vor_utf8_length(p + i, size - i)) > 0) {
-            append(text, p + i, run);
+            vor_text_append(text, p + i, run);
         } else {
             run = 1;
-            append(text, "\xef\xbf\xbd", 3);
+            vor_text_append(text, "\xef\xbf\xbd", 3);
         }
     }
-    append(text, "\"", 1);
+    vor_text_append(text, "\"", 1);
 }
 
 void vor_json_key(struct vor_text *text, const char *key)
 {
     before_value(text);
     append_quoted(text, key, strlen(key));
-    append(text, ":", 1);
+    vor_text_append(text, ":", 1);
     text->comma = 0;
 }
 
@@ -259,7 +151,7 @@ void vor_json_double(struct vor_text *text, double value)
         return;
     }
     before_value(text);
-    append(text, number, vor_json_format_double(number, value));
+    vor_text_append(text, number, vor_json_format_double(number, value));
 }
 
 void vor_json_u64(struct vor_text *text, uint64_t value)
@@ -267,7 +159,7 @@ void vor_json_u64(struct vor_text *text, uint64_t value)
     char number[VOR_JSON_NUMBER_MAX];
 
     before_value(text);
-    append(text, number, (size_t)snprintf(number, sizeof number, "%" PRIu64, value));
+    vor_text_append(text, number, (size_t)snprintf(number, sizeof number, "%" PRIu64, value));
 }
 
 void vor_json_i64(struct vor_text *text, int64_t value)
@@ -275,7 +167,7 @@ void vor_json_i64(struct vor_text *text, int64_t value)
     char number[VOR_JSON_NUMBER_MAX];
 
     before_value(text);
-    append(text, number, (size_t)snprintf(number, sizeof number, "%" PRId64, value));
+    vor_text_append(text, number, (size_t)snprintf(number, sizeof number, "%" PRId64, value));
 }
 
 void vor_json_bool(struct vor_text *text, int value)
@@ -291,7 +183,7 @@ void vor_json_null(struct vor_text *text)
 void vor_json_raw(struct vor_text *text, const char *json, size_t size)
 {
     before_value(text);
-    append(text, json, size);
+    vor_text_append(text, json, size);
 }
 
 void vor_json_put_string(struct vor_text *text, const char *key, const char *value)

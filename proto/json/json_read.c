@@ -1,5 +1,6 @@
-#include "proto/json/json.h"
-#include "proto/json/json_internal.h"
+#include "proto/json/json_read.h"
+#include "proto/json/json_scan.h"
+#include "proto/json/json_write.h"
 #include "proto/quote.h"
 
 #include <cjson/cJSON.h>

@@ -1,0 +1,129 @@
+/** The values that this product speaks, each written by one function: whatever shows a record or a
+ * request shows it in the same shape. */
+#ifndef VOR_PROTO_JSON_VALUES_H
+#define VOR_PROTO_JSON_VALUES_H
+
+#include "core/base/status.h"
+#include "core/report.h"
+#include "core/spec.h"
+#include "proto/json/json_read.h"
+#include "proto/text.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/** The one progress record of SSE, NDJSON and trace: {"iteration","polish","delta","sigma",
+ *  "epsilon","energy","max_move","held","seconds"}. The second form writes the members into an open
+ *  object. */
+void vor_json_record(struct vor_text *text, const struct vor_record *record);
+void vor_json_record_members(struct vor_text *text, const struct vor_record *record);
+
+/** Reads a record out of an object that may hold more; what is missing or no number is 0. False
+ *  when there is no iteration. */
+int vor_json_record_read(struct vor_record *out, const struct vor_json *object);
+
+/** The report of a run: points {in, out}, delta, sigma, epsilon, iterations, polish_steps, stopped,
+ * seconds {read, index, init, iterate, polish, write}, memory_peak_bytes, outliers, lattice
+ * {x, y, z, moved}, in_to_out and out_to_in {mean, rms, max, points}, boundary_points,
+ * neighbors_histogram [{neighbors, points}], held, held_ever, fallbacks {plane, left}, area,
+ * spacing, min_over_mean, max_over_mean, six_share, bisectors_per_cell, triangles_per_cell,
+ * queries, list_rebuilds, parameters. The steps done have a name of their own, because "polish"
+ * among the parameters is how many were allowed. */
+void vor_json_report(struct vor_text *text, const struct vor_report *report);
+
+/** A measure: n, delta, sigma, epsilon, mean_nn, min_over_mean, max_over_mean, coincident and, with
+ *  a reference, "input" {far_over_knn6_mean, far_over_knn6_p999, out_to_ref_mean, out_to_ref_rms,
+ *  out_to_ref_max, ref_to_out_mean, ref_to_out_rms, ref_to_out_max, hausdorff, chamfer, d1_mse,
+ *  d1_psnr, d2_mse, d2_psnr, peak}. An infinite psnr is null. */
+void vor_json_measure(struct vor_text *text, const struct vor_measure *measure);
+
+/** A request as an object: numbers as numbers, choices and auto as strings, unset ones left out. */
+void vor_json_spec(struct vor_text *text, const struct vor_spec *spec);
+
+/** Sets what an object's members name; the others keep what spec has.
+ *
+ *  @param[in,out] spec     unchanged on failure
+ *  @param[out]    pointer  JSON pointer to the member at fault below object, "" on success or when
+ *                          object itself is at fault; cut at its size
+ *  @retval VOR_E_PARAM object is no object, a member is unknown (parameter names it), of the wrong
+ *                      type or out of range. vor_spec_check is the caller's to call. */
+#define VOR_JSON_POINTER_MAX 80
+VOR_NODISCARD vor_status vor_json_spec_read(struct vor_spec *spec, const struct vor_json *object,
+                                            char pointer[VOR_JSON_POINTER_MAX],
+                                            struct vor_error *err);
+
+/** One entry of a problem's errors[]: exactly one of pointer and parameter is set. */
+struct vor_problem_error {
+    const char *pointer, *parameter, *detail;
+};
+
+/** A problem (RFC 9457). Strings are borrowed; NULL ones and the numbers' "none" are left out.
+ *  Begin with VOR_PROBLEM_DOC_INIT. */
+struct vor_problem_doc {
+    const char *type, *title;
+    int status; /**< HTTP */
+    const char *detail, *instance;
+    int retryable;
+    const char *request_id;
+    const char *job_id;
+    const struct vor_problem_error *errors;
+    size_t error_count;
+    int has_limit;       /**< limit and got are written */
+    uint64_t limit, got; /**< the limit and what exceeded it */
+    int64_t byte_offset; /**< -1 none */
+    int64_t queue_depth; /**< -1 none */
+    unsigned attempt;    /**< 0 none */
+};
+
+#define VOR_PROBLEM_DOC_INIT                                                                       \
+    {                                                                                              \
+        .byte_offset = -1, .queue_depth = -1                                                       \
+    }
+
+/** {"type","title","status","detail","instance","retryable","requestId", "jobID", "attempt",
+ *  "limit", "got", "byteOffset", "queueDepth", "errors":[{"pointer"|"parameter","detail"}]}. */
+void vor_json_problem(struct vor_text *text, const struct vor_problem_doc *problem);
+
+/** A link; NULL members and a length of -1 are left out. */
+struct vor_link {
+    const char *rel, *type, *title, *href;
+    int64_t length;
+};
+
+/** [{"rel","type","title","href","length"}, ...] */
+void vor_json_links(struct vor_text *text, const struct vor_link *links, size_t count);
+
+/** A job as the service shows it (OGC API - Processes statusInfo, both drafts, with our own members
+ *  under "voronoid"). Strings are borrowed; begin with VOR_STATUS_INFO_INIT. */
+struct vor_status_info {
+    const char *job_id;     /**< written as jobID and as id */
+    const char *process_id; /**< "resample" */
+    const char *status;     /**< accepted, running, successful, failed, dismissed */
+    const char *message;    /**< NULL: left out */
+    int progress;           /**< 0 .. 100; -1: left out */
+    const char *created, *started, *updated, *finished; /**< RFC 3339; NULL or "": left out */
+
+    unsigned attempt;         /**< 0 before the first */
+    const char *stage;        /**< NULL: null */
+    int64_t queue_position;   /**< -1: null */
+    double eta;               /**< seconds; negative: null */
+    const char *input_format; /**< NULL: no input member */
+    uint64_t input_points, input_bytes;
+    const char *input_sha256;                /**< hex; NULL: left out */
+    uint64_t target_points;                  /**< 0: left out (not known before the area is) */
+    const char *target_format;               /**< NULL: left out */
+    const struct vor_record *metrics;        /**< NULL: null */
+    const struct vor_problem_doc *exception; /**< of a failed job; NULL: left out */
+    const char *exception_json;              /**< the same, already JSON; wins when not NULL */
+    const struct vor_link *links;
+    size_t link_count;
+};
+
+#define VOR_STATUS_INFO_INIT                                                                       \
+    {                                                                                              \
+        .progress = -1, .queue_position = -1, .eta = -1                                            \
+    }
+
+void vor_json_status_info(struct vor_text *text, const struct vor_status_info *info);
+
+#endif

@@ -1,0 +1,45 @@
+/** Writes JSON. */
+#ifndef VOR_PROTO_JSON_WRITE_H
+#define VOR_PROTO_JSON_WRITE_H
+
+#include "proto/text.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/** The streaming writer: values in the order in which they stand. Commas are put in; that keys and
+ *  values alternate and brackets match is the caller's duty.
+ *
+ *  Strings may hold any bytes: control characters (C0, DEL) are escaped, what is not UTF-8 becomes
+ *  U+FFFD, so the text is valid JSON whatever comes in. A NULL string is null. Doubles are written
+ *  with the fewest of 15, 16 or 17 digits that read back as the same value; NaN and infinities are
+ *  null. Nothing depends on the locale. */
+void vor_json_begin_object(struct vor_text *text);
+void vor_json_end_object(struct vor_text *text);
+void vor_json_begin_array(struct vor_text *text);
+void vor_json_end_array(struct vor_text *text);
+void vor_json_key(struct vor_text *text, const char *key);
+void vor_json_string(struct vor_text *text, const char *value);
+void vor_json_bytes(struct vor_text *text, const char *value, size_t size);
+void vor_json_double(struct vor_text *text, double value);
+void vor_json_u64(struct vor_text *text, uint64_t value);
+void vor_json_i64(struct vor_text *text, int64_t value);
+void vor_json_bool(struct vor_text *text, int value);
+void vor_json_null(struct vor_text *text);
+
+/** A value that is JSON already: size bytes, valid by the caller's word. */
+void vor_json_raw(struct vor_text *text, const char *json, size_t size);
+
+/** Key and value in one call. */
+void vor_json_put_string(struct vor_text *text, const char *key, const char *value);
+void vor_json_put_double(struct vor_text *text, const char *key, double value);
+void vor_json_put_u64(struct vor_text *text, const char *key, uint64_t value);
+void vor_json_put_i64(struct vor_text *text, const char *key, int64_t value);
+void vor_json_put_bool(struct vor_text *text, const char *key, int value);
+
+/** The shortest of "%.15g", "%.16g", "%.17g" that reads back as value (which must be finite), with
+ *  a point whatever the locale. out has room for VOR_JSON_NUMBER_MAX. Returns its length. */
+#define VOR_JSON_NUMBER_MAX 32
+size_t vor_json_format_double(char out[VOR_JSON_NUMBER_MAX], double value);
+
+#endif

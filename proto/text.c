@@ -1,0 +1,113 @@
+#include "proto/text.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void vor_text_init(struct vor_text *text, size_t cap)
+{
+    memset(text, 0, sizeof *text);
+    text->cap = cap > 0 ? cap : VOR_TEXT_CAP_DEFAULT;
+}
+
+void vor_text_free(struct vor_text *text)
+{
+    size_t cap = text->cap;
+
+    free(text->data);
+    vor_text_init(text, cap);
+}
+
+void vor_text_clear(struct vor_text *text)
+{
+    text->size = 0;
+    text->comma = 0;
+    text->failed = 0;
+    if (text->data != NULL)
+        text->data[0] = '\0';
+}
+
+/* Makes room for size more bytes and a NUL. */
+static int grow(struct vor_text *text, size_t size)
+{
+    size_t wanted, capacity;
+    char *data;
+
+    if (text->failed || size > text->cap - text->size)
+        return 0;
+    wanted = text->size + size + 1;
+    if (wanted <= text->capacity)
+        return 1;
+    capacity = text->capacity < 64 ? 64 : text->capacity * 2;
+    if (capacity < wanted)
+        capacity = wanted;
+    data = realloc(text->data, capacity);
+    if (data == NULL)
+        return 0;
+    text->data = data;
+    text->capacity = capacity;
+    return 1;
+}
+
+void vor_text_append(struct vor_text *text, const void *bytes, size_t size)
+{
+    if (!grow(text, size)) {
+        text->failed = 1;
+        return;
+    }
+    if (size > 0)
+        memcpy(text->data + text->size, bytes, size);
+    text->size += size;
+    text->data[text->size] = '\0';
+}
+
+void vor_text_add(struct vor_text *text, const void *bytes, size_t size)
+{
+    vor_text_append(text, bytes, size);
+    text->comma = 0;
+}
+
+void vor_text_puts(struct vor_text *text, const char *string)
+{
+    vor_text_add(text, string, strlen(string));
+}
+
+static void print(struct vor_text *text, size_t length, const char *format, va_list args)
+{
+    if (!grow(text, length)) {
+        text->failed = 1;
+        return;
+    }
+    (void)vsnprintf(text->data + text->size, length + 1, format, args);
+    text->size += length;
+}
+
+static size_t print_length(const char *format, va_list args)
+{
+    int length = vsnprintf(NULL, 0, format, args);
+
+    return length < 0 ? SIZE_MAX : (size_t)length;
+}
+
+void vor_text_printf(struct vor_text *text, const char *format, ...)
+{
+    size_t length;
+    va_list args;
+
+    text->comma = 0;
+    va_start(args, format);
+    length = print_length(format, args);
+    va_end(args);
+    va_start(args, format);
+    print(text, length, format, args);
+    va_end(args);
+}
+
+vor_status vor_text_status(const struct vor_text *text, struct vor_error *err)
+{
+    if (!text->failed)
+        return VOR_OK;
+    return vor_fail(err, VOR_E_NOMEM, "a text needs more than the %zu bytes it has (at most %zu)",
+                    text->size, text->cap);
+}

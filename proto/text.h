@@ -1,0 +1,41 @@
+/** Text that is being written. */
+#ifndef VOR_PROTO_TEXT_H
+#define VOR_PROTO_TEXT_H
+
+#include "core/base/status.h"
+
+#include <stddef.h>
+
+/** Text that grows up to a cap. A failure sticks: what is added after it is dropped, so that a
+ *  writer is checked once, at its end. Not thread-safe. */
+struct vor_text {
+    char *data;  /**< size bytes and a NUL after them; NULL as long as nothing was added */
+    size_t size; /**< without the NUL */
+    size_t capacity;
+    size_t cap; /**< most bytes, without the NUL */
+    int comma;  /**< the JSON writer's: a value stands before the next one */
+    int failed; /**< out of memory, or beyond the cap */
+};
+
+#define VOR_TEXT_CAP_DEFAULT ((size_t)64 << 20)
+
+/** An empty text of at most cap bytes; 0 is VOR_TEXT_CAP_DEFAULT. No clean-up until it grows. */
+void vor_text_init(struct vor_text *text, size_t cap);
+
+/** Frees the bytes and leaves the text empty, with its cap. */
+void vor_text_free(struct vor_text *text);
+
+/** Empties the text but keeps its memory; forgets a failure. */
+void vor_text_clear(struct vor_text *text);
+
+/** Appends bytes as they are. append goes on with the JSON document at hand; the others start a new
+ * one behind the bytes: no comma precedes its first value. */
+void vor_text_append(struct vor_text *text, const void *bytes, size_t size);
+void vor_text_add(struct vor_text *text, const void *bytes, size_t size);
+void vor_text_puts(struct vor_text *text, const char *string);
+void vor_text_printf(struct vor_text *text, const char *format, ...) VOR_PRINTF(2, 3);
+
+/** @retval VOR_E_NOMEM something was dropped: no memory, or beyond the cap */
+VOR_NODISCARD vor_status vor_text_status(const struct vor_text *text, struct vor_error *err);
+
+#endif

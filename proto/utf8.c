@@ -1,0 +1,27 @@
+#include "proto/utf8.h"
+
+size_t vor_utf8_length(const unsigned char *p, size_t left)
+{
+    unsigned char low = 0x80, high = 0xbf; /* what the second byte may be */
+    size_t length;
+
+    if (left == 0 || p[0] < 0x80)
+        return left > 0;
+    if (p[0] < 0xc2 || p[0] > 0xf4)
+        return 0;
+    length = p[0] < 0xe0 ? 2 : p[0] < 0xf0 ? 3 : 4;
+    if (p[0] == 0xe0)
+        low = 0xa0;
+    else if (p[0] == 0xed)
+        high = 0x9f;
+    else if (p[0] == 0xf0)
+        low = 0x90;
+    else if (p[0] == 0xf4)
+        high = 0x8f;
+    if (left < length || p[1] < low || p[1] > high)
+        return 0;
+    for (size_t i = 2; i < length; i++)
+        if (p[i] < 0x80 || p[i] > 0xbf)
+            return 0;
+    return length;
+}

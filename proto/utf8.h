@@ -1,0 +1,11 @@
+/** UTF-8, RFC 3629. */
+#ifndef VOR_PROTO_UTF8_H
+#define VOR_PROTO_UTF8_H
+
+#include <stddef.h>
+
+/** Bytes of the UTF-8 character at p, of which `left` bytes are there: 1 .. 4, or 0 when it is none
+ *  (overlong, surrogate, beyond U+10FFFF, cut off, or left is 0). */
+size_t vor_utf8_length(const unsigned char *p, size_t left);
+
+#endif
