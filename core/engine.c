@@ -1,298 +1,111 @@
 #include "core/engine.h"
 
-#include "core/cvt/start.h"
+#include "core/cvt/cvt.h"
 #include "core/geom/patch.h"
-#include "core/input/lattice.h"
-#include "core/input/neighbors.h"
-#include "core/input/outliers.h"
-#include "core/input/sheets.h"
-#include "core/method.h"
+#include "core/input/input.h"
 #include "core/metrics/distance.h"
 #include "core/metrics/distortion.h"
 #include "core/metrics/uniformity.h"
-#include "core/output/compare.h"
-#include "core/output/order.h"
-#include "core/output/transfer.h"
-#include "core/seeds/attach.h"
-#include "core/seeds/repel.h"
-#include "core/seeds/uniformity.h"
+#include "core/output/output.h"
+#include "core/seeds/area.h"
 
 #include <assert.h>
 #include <math.h>
 #include <string.h>
 
-/* Where the input has at least twice THINNED points a seed, and twice THINNED_LEAST in all, the
- * seeds are iterated on as many of them: more of them tell no more of a cell. Where a fit takes
- * more than THINNED_FOR points there are as many times more, so that it reaches as far. */
-enum { THINNED = 5, THINNED_FOR = 20, THINNED_LEAST = 20000 };
+/* The methods, in the order of the words of parameter `method`. */
+static const struct vor_method methods[] = {{"cvt", vor_cvt_run}};
+
+static const struct vor_method *method_of(const struct vor_spec *spec)
+{
+    unsigned index = (unsigned)spec->value[VOR_PARAM_METHOD];
+
+    assert(index < sizeof methods / sizeof methods[0]);
+    return &methods[index];
+}
 
 /* One run from the inside. */
 struct engine {
     const struct vor_cloud *in;
-    struct vor_run run, no_stop_run; /* no_stop: for what a stop must not cut short */
+    struct vor_spec spec;
+    struct vor_run run, whole; /* whole: for what a stop must not cut short */
     struct vor_no_stop no_stop;
-    struct vor_spec spec;           /* resolved */
-    struct vor_domain domain, thin; /* thin: empty where all of the domain is iterated on */
-    struct vor_neighbors neighbors;
+    struct vor_domain domain;
     struct vor_seeds seeds;
-    struct vor_cvt_result result;
+    struct vor_outcome told;
     struct vor_report report;
-    double start;
-    size_t n;
-    double area; /* that spacing was turned into points with, normalised */
+    double area; /* that spacing was turned into points with, normalised; else 0 */
 };
 
-/* Number of points from points, ratio or spacing. */
-static vor_status resolve_target(struct engine *engine, struct vor_error *err)
+static void begin(struct engine *engine, const struct vor_run *run)
 {
-    double n = vor_spec_target(&engine->spec, engine->in->n);
+    engine->run = *run;
+    engine->run.began = vor_run_clock(run);
+    engine->run.no_stop = vor_no_stop_watch(&engine->no_stop, run->watch);
+    engine->whole = vor_run_unstoppable(&engine->run);
+}
+
+/* How many points the request comes to. */
+static vor_status resolve_target(struct engine *engine, size_t *n, struct vor_error *err)
+{
+    const struct vor_spec *spec = &engine->spec;
+    double target = vor_spec_target(spec, engine->in->n);
     vor_status status;
 
-    if (vor_spec_given(&engine->spec, VOR_PARAM_SPACING)) {
-        double spacing = engine->spec.value[VOR_PARAM_SPACING] / engine->domain.unit;
+    if (vor_spec_given(spec, VOR_PARAM_SPACING)) {
+        double spacing = spec->value[VOR_PARAM_SPACING] / engine->domain.unit;
 
-        status = vor_seeds_area(&engine->area, &engine->domain, &engine->neighbors, &engine->spec,
-                                &engine->no_stop_run, err);
+        status = vor_area_of_surface(&engine->area, &engine->domain,
+                                     (uint64_t)spec->value[VOR_PARAM_SEED], &engine->whole, err);
         if (status != VOR_OK)
             return status;
-        n = rint(engine->area / (VOR_HEXAGON_HEIGHT * spacing * spacing));
+        target = rint(engine->area / (VOR_HEXAGON_HEIGHT * spacing * spacing));
     }
-    status = vor_spec_check_target(&engine->spec, n, engine->in->n, err);
-    if (status != VOR_OK)
-        return status;
-    engine->n = (size_t)n;
-    engine->report.parameters = engine->spec;
-    engine->report.parameters.value[VOR_PARAM_POINTS] = n;
-    return VOR_OK;
-}
-
-static vor_status drop_outliers(struct engine *engine, struct vor_error *err)
-{
-    size_t dropped = 0;
-    vor_status status;
-
-    if (engine->spec.value[VOR_PARAM_OUTLIERS] != VOR_OUTLIERS_DROP)
-        return VOR_OK;
-    status = vor_outliers_drop(&engine->domain, &dropped, &engine->no_stop_run, err);
-    engine->report.outliers = dropped;
+    status = vor_spec_check_target(spec, target, engine->in->n, err);
+    if (status == VOR_OK)
+        *n = (size_t)target;
     return status;
 }
 
-/* Where the input was rounded to a lattice that matters, its points go to where they may have been.
- */
-static vor_status leave_lattice(struct engine *engine, struct vor_error *err)
+static vor_status prepare(struct engine *engine, size_t *n, struct vor_error *err)
 {
-    struct vor_lattice lattice;
-    size_t moved = 0;
-    vor_status status = vor_lattice_find(&lattice, &engine->domain, &engine->no_stop_run, err);
-
-    if (status == VOR_OK && lattice.matters)
-        status = vor_lattice_smooth(&engine->domain, &moved, &lattice, &engine->no_stop_run, err);
-    for (int c = 0; status == VOR_OK && c < 3; c++)
-        engine->report.lattice[c] = lattice.cell[c] * engine->domain.unit;
-    engine->report.off_lattice = moved;
-    return status;
-}
-
-/* Asks the input how many neighbours it wants, where the request does not say. */
-static vor_status resolve_neighbors(struct engine *engine, struct vor_error *err)
-{
-    double *value = &engine->spec.value[VOR_PARAM_NEIGHBORS];
-    vor_status status;
-
-    if (*value != VOR_UNSET) {
-        vor_neighbors_fix(&engine->neighbors, (unsigned)*value);
-        return VOR_OK;
-    }
-    status = vor_neighbors_choose(&engine->neighbors, &engine->domain, &engine->no_stop_run, err);
-    *value = engine->neighbors.usual;
-    return status;
-}
-
-/* Puts the seeds onto a thinner domain where that is dense enough. */
-static vor_status thin_domain(struct engine *engine, struct vor_error *err)
-{
-    double more = fmax(1, (double)engine->neighbors.most / THINNED_FOR);
-    double wanted = fmax(THINNED * more * (double)engine->n, THINNED_LEAST);
-    vor_status status;
-
-    if ((double)engine->domain.n < 2 * wanted || !(engine->seeds.area > 0))
-        return VOR_OK;
-    status = vor_domain_thin(&engine->thin, &engine->domain, sqrt(engine->seeds.area / wanted),
-                             &engine->no_stop_run, err);
-    if (status == VOR_OK && engine->thin.n >= engine->seeds.input_lists.wide)
-        vor_seeds_onto(&engine->seeds, &engine->thin);
-    return status;
-}
-
-static vor_status prepare(struct engine *engine, struct vor_error *err)
-{
-    double before = engine->start, now;
-    vor_status status;
-
-    status = vor_domain_init(&engine->domain, engine->in, &engine->no_stop_run, err);
-    if (status == VOR_OK)
-        status = drop_outliers(engine, err);
-    if (status == VOR_OK)
-        status = leave_lattice(engine, err);
-    if (status == VOR_OK)
-        status = vor_sheets_find(&engine->domain, &engine->no_stop_run, err);
-    if (status != VOR_OK)
-        return status;
-    now = vor_run_clock(&engine->run);
-    engine->report.seconds_index = now - before;
-    before = now;
-    status = resolve_neighbors(engine, err);
-    if (status == VOR_OK)
-        status = resolve_target(engine, err);
-    if (status == VOR_OK)
-        status = vor_start_seeds(&engine->seeds, &engine->domain, engine->n, &engine->neighbors,
-                                 &engine->spec, &engine->no_stop_run, err);
-    if (status == VOR_OK)
-        status = thin_domain(engine, err);
-    engine->report.seconds_init = vor_run_clock(&engine->run) - before;
-    return status;
-}
-
-static vor_status optimise(struct engine *engine, struct vor_error *err)
-{
-    const struct vor_method *method = vor_method((unsigned)engine->spec.value[VOR_PARAM_METHOD]);
-    double before = vor_run_clock(&engine->run), now;
-    vor_status status;
-
-    engine->seeds.run = &engine->run;
-    status = method->run(&engine->seeds, &engine->result, &engine->spec, engine->start, err);
-    now = vor_run_clock(&engine->run);
-    engine->report.seconds_iterate = now - before;
-    engine->seeds.run = &engine->no_stop_run;
-    if (status == VOR_OK)
-        status = vor_attach(&engine->seeds, err);
-    engine->seeds.run = &engine->run;
-    if (status == VOR_OK)
-        status = vor_repel(&engine->seeds, &engine->result, &engine->spec, engine->start, err);
-    engine->seeds.run = &engine->no_stop_run;
-    if (status == VOR_OK)
-        status = vor_attach_to_whole(&engine->seeds, err);
-    if (status == VOR_OK && engine->result.polish_steps > 0)
-        status = vor_attach_last(&engine->seeds, err);
-    engine->report.seconds_polish = vor_run_clock(&engine->run) - now;
-    return status;
-}
-
-/* The cloud that is handed back, in the order asked for. */
-static vor_status hand_back(struct engine *engine, struct vor_cloud *out,
-                            const struct vor_uniformity *even, struct vor_error *err)
-{
-    const struct vor_seeds *seeds = &engine->seeds;
-    double spacing = even->mean * engine->domain.unit;
-    uint32_t *order = NULL;
-    vor_status status = VOR_OK;
-
-    if (engine->spec.value[VOR_PARAM_ORDER] == VOR_ORDER_PROGRESSIVE) {
-        order = vor_malloc(engine->run.memory, engine->n, sizeof *order);
-        if (order == NULL)
-            return vor_fail(err, VOR_E_NOMEM, "order of %zu points", engine->n);
-        status = vor_order_progressive(order, seeds->xyz, seeds->n, even->mean, seeds->run, err);
-    }
-    if (status == VOR_OK)
-        status = vor_transfer(out, engine->in, &engine->seeds, spacing, &engine->spec, err);
-    if (status == VOR_OK && order != NULL) {
-        status = vor_cloud_reorder(out, order, err);
-        if (status != VOR_OK)
-            vor_cloud_free(out);
-    }
-    vor_free(engine->run.memory, order);
-    return status;
-}
-
-static struct vor_apart in_unit(const struct vor_compare_apart *apart, double unit)
-{
-    return (struct vor_apart){apart->mean * unit, apart->rms * unit, apart->max * unit,
-                              apart->points};
-}
-
-/* How many neighbours the surfaces were fitted to. */
-static void count_fitted(struct vor_report *report, const struct vor_comparison *account)
-{
-    for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX; k++)
-        if (account->fitted[k] > 0) {
-            assert(report->fitted_count < VOR_FITTED_MAX);
-            report->fitted[report->fitted_count++] = (struct vor_fitted){k, account->fitted[k]};
-        }
-}
-
-/* How far the result is from the input, and what lies at its border. */
-static vor_status account_for(struct engine *engine, const struct vor_uniformity *even,
-                              struct vor_error *err)
-{
-    struct vor_report *report = &engine->report;
-    double unit = engine->domain.unit;
-    struct vor_comparison account;
-    vor_status status = vor_compare(&account, &engine->seeds, even->mean, err);
+    vor_status status =
+        vor_input_prepare(&engine->domain, engine->in, &engine->spec, &engine->whole, err);
 
     if (status != VOR_OK)
         return status;
-    report->in_to_out = in_unit(&account.in_to_out, unit);
-    report->out_to_in = in_unit(&account.out_to_in, unit);
-    report->boundary_points = account.border;
-    count_fitted(report, &account);
-    return VOR_OK;
+    engine->report.seconds_index = vor_run_seconds(&engine->run);
+    status = resolve_target(engine, n, err);
+    engine->report.seconds_init = vor_run_seconds(&engine->run) - engine->report.seconds_index;
+    return status;
 }
 
-/* The uniformity of what is handed back, and its numbers in the report. */
+static vor_status place(struct engine *engine, size_t n, struct vor_error *err)
+{
+    const struct vor_method *method = method_of(&engine->spec);
+    vor_status status = method->run(&engine->seeds, &engine->told, &engine->domain, n,
+                                    &engine->spec, &engine->run, err);
+
+    engine->report.seconds_init += engine->told.seconds_start;
+    engine->report.seconds_iterate = engine->told.seconds[VOR_RUN_STAGE_ITERATE];
+    engine->report.seconds_polish = engine->told.seconds[VOR_RUN_STAGE_POLISH];
+    return status;
+}
+
 static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vor_error *err)
 {
+    struct vor_placed placed = {engine->in, &engine->seeds, &engine->told, &engine->spec};
     struct vor_report *report = &engine->report;
     double unit = engine->domain.unit;
-    struct vor_uniformity even;
-    struct vor_counts counts;
-    float *nearest = vor_malloc(engine->run.memory, engine->n, sizeof *nearest);
-    vor_status status;
+    vor_status status = vor_output_make(out, report, &placed, err);
 
-    if (nearest == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", engine->n);
-    status = vor_seeds_index(&engine->seeds, err);
-    if (status == VOR_OK)
-        status = vor_seeds_uniformity(&even, nearest, &engine->seeds, engine->seeds.xyz, err);
-    if (status == VOR_OK)
-        status = vor_seeds_six_share(&report->six_share, &engine->seeds, err);
-    counts = vor_seeds_counts(&engine->seeds);
-    if (status == VOR_OK)
-        status = account_for(engine, &even, err);
-    if (status == VOR_OK)
-        status = hand_back(engine, out, &even, err);
-    vor_free(engine->run.memory, nearest);
     if (status != VOR_OK)
         return status;
-    report->points_in = engine->in->n;
-    report->points_out = engine->n;
-    report->delta = even.delta;
-    report->sigma = even.sigma * unit;
-    report->epsilon = even.epsilon;
-    report->spacing_mean = even.mean * unit;
-    report->iterations = engine->result.iterations;
-    report->polish_steps = engine->result.polish_steps;
-    vor_report_stage(report, VOR_RUN_STAGE_ITERATE, report->iterations, report->seconds_iterate);
-    if (report->polish_steps > 0)
-        vor_report_stage(report, VOR_RUN_STAGE_POLISH, report->polish_steps,
-                         report->seconds_polish);
-    report->stopped = engine->result.stopped;
-    report->held = engine->result.held;
-    report->held_ever = engine->result.held_ever;
-    report->fallback_plane = engine->result.fallback_plane;
-    report->fallback_left = engine->result.fallback_left;
-    report->area =
-        engine->result.iterations > 0 ? engine->result.area : engine->seeds.area * unit * unit;
-    if (vor_spec_given(&engine->spec, VOR_PARAM_SPACING))
+    report->parameters = engine->spec;
+    report->parameters.value[VOR_PARAM_POINTS] = (double)engine->seeds.n;
+    report->parameters.value[VOR_PARAM_NEIGHBORS] = engine->domain.known.neighbors.usual;
+    if (engine->area > 0)
         report->area = engine->area * unit * unit;
-    report->min_over_mean = even.mean > 0 ? even.min / even.mean : 0;
-    report->max_over_mean = even.mean > 0 ? even.max / even.mean : 0;
-    report->queries = counts.queries;
-    report->list_rebuilds = engine->seeds.point_lists.indexed;
-    if (counts.cells > 0) {
-        report->bisectors_per_cell = (double)counts.bisectors / (double)counts.cells;
-        report->triangles_per_cell = (double)counts.triangles / (double)counts.cells;
-    }
     report->memory_peak_bytes = atomic_load(&engine->run.memory->peak);
     return VOR_OK;
 }
@@ -301,21 +114,19 @@ vor_status vor_engine_run(struct vor_cloud *out, struct vor_report *report,
                           const struct vor_cloud *in, const struct vor_spec *spec,
                           const struct vor_run *run, struct vor_error *err)
 {
-    struct engine engine = {.in = in, .run = *run, .spec = *spec};
+    struct engine engine = {.in = in, .spec = *spec};
     vor_status status;
+    size_t n = 0;
 
-    engine.no_stop_run = *run;
-    engine.no_stop_run.watch = vor_no_stop_watch(&engine.no_stop, run->watch);
-    engine.start = vor_run_clock(run);
-    status = prepare(&engine, err);
+    begin(&engine, run);
+    status = prepare(&engine, &n, err);
     if (status == VOR_OK)
-        status = optimise(&engine, err);
+        status = place(&engine, n, err);
     if (status == VOR_OK)
         status = finish(&engine, out, err);
     if (status == VOR_OK)
         *report = engine.report;
     vor_seeds_free(&engine.seeds);
-    vor_domain_free(&engine.thin);
     vor_domain_free(&engine.domain);
     return status;
 }

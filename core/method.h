@@ -1,16 +1,31 @@
-/** The table of methods: how seeds are moved. */
+/** What a method of spreading points is. The table of methods stands in core/engine.c. */
 #ifndef VOR_METHOD_H
 #define VOR_METHOD_H
 
-#include "core/cvt/lloyd.h"
+#include "core/seeds/outcome.h"
+#include "core/seeds/seeds.h"
 
-/** One method; its index is the value of parameter `method`. run: as vor_cvt_run. */
+/** One method. Its name is the word of parameter `method`. */
 struct vor_method {
     const char *name;
-    vor_status (*run)(struct vor_seeds *seeds, struct vor_cvt_result *out,
-                      const struct vor_spec *spec, double start, struct vor_error *err);
-};
 
-const struct vor_method *vor_method(unsigned index);
+    /** Places exactly n >= 1 points on the domain, telling run's watch after each step of a stage
+     *  (core/report.h).
+     *
+     *  @param[out]    out     to be freed with vor_seeds_free; on the whole domain; untouched on
+     *                         failure
+     *  @param[in,out] told    all zero; filled in
+     *  @param[in]     domain  must outlive *out, as must run's watches
+     *  @param[in]     run     VOR_STOP ends the run with what there is: the method goes on with
+     *                         vor_run_unstoppable where there is nothing to hand back yet
+     *
+     *  @retval VOR_E_CANCELLED the watch answered VOR_CANCEL
+     *  @retval VOR_E_DEGENERATE, VOR_E_NOMEM
+     *
+     *  The same points for any number of threads. */
+    vor_status (*run)(struct vor_seeds *out, struct vor_outcome *told,
+                      const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
+                      const struct vor_run *run, struct vor_error *err);
+};
 
 #endif

@@ -38,4 +38,24 @@ typedef void (*vor_task)(void *ctx, size_t begin, size_t end, unsigned worker);
 VOR_NODISCARD enum vor_answer vor_parallel_for(struct vor_pool *pool, const struct vor_watch *watch,
                                                size_t n, size_t block, vor_task task, void *ctx);
 
+/** Blocks of that many rows that n rows are cut into. */
+static inline size_t vor_blocks_of(size_t n, size_t block)
+{
+    return (n + block - 1) / block;
+}
+
+/** Turns how many there are in each of n blocks into where each begins; returns their sum. */
+static inline size_t vor_running_sum(size_t *count, size_t n)
+{
+    size_t sum = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        size_t here = count[i];
+
+        count[i] = sum;
+        sum += here;
+    }
+    return sum;
+}
+
 #endif

@@ -7,10 +7,24 @@
 #include "core/base/watch.h"
 
 struct vor_run {
-    struct vor_pool *pool;         /**< borrowed */
-    struct vor_memory *memory;     /**< the job's; results allocate from it too */
-    const struct vor_watch *watch; /**< may be NULL */
+    struct vor_pool *pool;           /**< borrowed */
+    struct vor_memory *memory;       /**< the job's; results allocate from it too */
+    const struct vor_watch *watch;   /**< may be NULL */
+    const struct vor_watch *no_stop; /**< the same, but never answers VOR_STOP (vor_no_stop_watch);
+                                          NULL where watch never does */
+    double began; /**< the clock's reading when the run began: records and budgets count from it */
 };
+
+/** The run for a part after which there is something to hand back, and which VOR_STOP therefore
+ *  must not cut short. Valid as long as run's watches are. */
+static inline struct vor_run vor_run_unstoppable(const struct vor_run *run)
+{
+    struct vor_run whole = *run;
+
+    if (run->no_stop != NULL)
+        whole.watch = run->no_stop;
+    return whole;
+}
 
 /** Runs task over 0 .. n - 1 on the run's pool, as vor_parallel_for.
  *
@@ -29,8 +43,7 @@ VOR_NODISCARD static inline vor_status vor_run_for(const struct vor_run *run, si
     }
 }
 
-/** A watch that passes on VOR_CANCEL and nothing else: for the parts of a run after which there is
- *  something to hand back, and which VOR_STOP therefore must not cut short. */
+/** A watch that passes on VOR_CANCEL and nothing else. */
 struct vor_no_stop {
     const struct vor_watch *inner;
     struct vor_watch watch;
@@ -52,10 +65,17 @@ static inline const struct vor_watch *vor_no_stop_watch(struct vor_no_stop *no_s
     return inner != NULL && inner->poll != NULL ? &no_stop->watch : NULL;
 }
 
-/** Seconds by the watch's clock; 0 without one. */
+/** Seconds by the watch's clock; 0 without one. See vor_run_seconds for those since the run began.
+ */
 static inline double vor_run_clock(const struct vor_run *run)
 {
     return run->watch != NULL && run->watch->clock != NULL ? run->watch->clock(run->watch->ctx) : 0;
+}
+
+/** Seconds since the run began. */
+static inline double vor_run_seconds(const struct vor_run *run)
+{
+    return vor_run_clock(run) - run->began;
 }
 
 #endif

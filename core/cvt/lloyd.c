@@ -4,6 +4,7 @@
 #include "core/geom/boundary.h"
 #include "core/geom/integrate.h"
 #include "core/opt/anderson.h"
+#include "core/opt/keep_best.h"
 #include "core/seeds/attach.h"
 #include "core/seeds/uniformity.h"
 
@@ -12,7 +13,7 @@
 enum { PLATEAU_WINDOW = 10, SHORTEN_MAX = 3 };
 
 /* The last iterations, of all of them one in so many, are on the whole of the input. */
-enum { LANDED = 8, LANDED_SHARE = 8 };
+enum { ON_WHOLE = 8, ON_WHOLE_SHARE = 8 };
 
 #define PLATEAU_GAIN 0.99 /* delta must fall below this share of its value a window ago */
 #define MIX_STEP_MAX 0.5  /* of the distance to the nearest neighbour */
@@ -33,24 +34,27 @@ struct block_sums {
 struct cvt {
     struct vor_seeds *seeds;
     const struct vor_spec *spec;
-    struct vor_cvt_result result;
+    const struct vor_run *run; /* a stop ends it */
+    struct vor_outcome *told;
+    uint32_t iterations; /* done */
     size_t blocks;
     struct block_sums *sums, total;
-    float *lloyd, *mix, *best; /* candidates and the most even iterate, n x 3 each */
-    float *normal;             /* of the surface at the projected centroid, n x 3; NULL: no mix */
-    float *step;               /* the last one of each seed, n x 3; NULL: no momentum */
-    float *nearest;            /* scratch: distance of each seed to its nearest neighbour */
+    struct vor_keep_best best;
+    float *lloyd, *mix; /* candidates, n x 3 each */
+    float *normal;      /* of the surface at the projected centroid, n x 3; NULL: no mix */
+    float *step;        /* the last one of each seed, n x 3; NULL: no momentum */
+    float *nearest;     /* scratch: distance of each seed to its nearest neighbour */
     unsigned char *flags;
     struct vor_anderson anderson;
-    double start, best_delta, past[PLATEAU_WINDOW]; /* past: best delta of the last iterations */
-    double last_seconds;                            /* clock at the last record */
-    uint32_t limit;                                 /* of the iterations */
-    int level;                                      /* a plateau was reached */
+    double past[PLATEAU_WINDOW]; /* best delta of the last iterations */
+    double last_seconds;         /* clock at the last record */
+    uint32_t limit;              /* of the iterations */
+    int level;                   /* a plateau was reached */
 };
 
-static uint32_t landed(const struct cvt *cvt)
+static uint32_t on_whole(const struct cvt *cvt)
 {
-    return cvt->limit / LANDED_SHARE < LANDED ? cvt->limit / LANDED_SHARE : LANDED;
+    return cvt->limit / ON_WHOLE_SHARE < ON_WHOLE ? cvt->limit / ON_WHOLE_SHARE : ON_WHOLE;
 }
 
 static int polish_follows(const struct cvt *cvt)
@@ -60,7 +64,7 @@ static int polish_follows(const struct cvt *cvt)
 
 static void free_cvt(struct cvt *cvt)
 {
-    struct vor_memory *memory = cvt->seeds->run->memory;
+    struct vor_memory *memory = cvt->seeds->run.memory;
 
     if (cvt->anderson.length > 0)
         vor_anderson_free(&cvt->anderson);
@@ -68,7 +72,7 @@ static void free_cvt(struct cvt *cvt)
     vor_free(memory, cvt->nearest);
     vor_free(memory, cvt->step);
     vor_free(memory, cvt->normal);
-    vor_free(memory, cvt->best);
+    vor_keep_best_free(&cvt->best);
     vor_free(memory, cvt->mix);
     vor_free(memory, cvt->lloyd);
     vor_free(memory, cvt->sums);
@@ -76,20 +80,19 @@ static void free_cvt(struct cvt *cvt)
 
 static vor_status alloc_cvt(struct cvt *cvt, struct vor_error *err)
 {
-    struct vor_memory *memory = cvt->seeds->run->memory;
+    struct vor_memory *memory = cvt->seeds->run.memory;
     size_t n = cvt->seeds->n, row = 3 * sizeof(float);
     int momentum = !vor_spec_given(cvt->spec, VOR_PARAM_ANDERSON);
     unsigned window = momentum ? 0 : (unsigned)cvt->spec->value[VOR_PARAM_ANDERSON];
+    vor_status status = VOR_OK;
     int ok;
 
     cvt->blocks = (n + VOR_SEEDS_BLOCK - 1) / VOR_SEEDS_BLOCK;
     cvt->sums = vor_calloc(memory, cvt->blocks, sizeof *cvt->sums);
     cvt->lloyd = vor_malloc(memory, n, row);
-    cvt->best = vor_malloc(memory, n, row);
     cvt->nearest = vor_malloc(memory, n, sizeof *cvt->nearest);
     cvt->flags = vor_calloc(memory, n, 1);
-    ok = cvt->sums != NULL && cvt->lloyd != NULL && cvt->best != NULL && cvt->nearest != NULL &&
-         cvt->flags != NULL;
+    ok = cvt->sums != NULL && cvt->lloyd != NULL && cvt->nearest != NULL && cvt->flags != NULL;
     if (momentum) {
         cvt->step = vor_calloc(memory, n, row);
         ok &= cvt->step != NULL;
@@ -102,19 +105,14 @@ static vor_status alloc_cvt(struct cvt *cvt, struct vor_error *err)
     if (!ok)
         return vor_fail(err, VOR_E_NOMEM, "the iteration of %zu points", n);
     if (window > 0)
-        return vor_anderson_init(&cvt->anderson, 3 * n, window, memory, err);
-    return VOR_OK;
+        status = vor_anderson_init(&cvt->anderson, 3 * n, window, memory, err);
+    return status == VOR_OK ? vor_keep_best_init(&cvt->best, n, memory, err) : status;
 }
 
 static void set3(float *out, const double x[3])
 {
     for (int c = 0; c < 3; c++)
         out[c] = (float)x[c];
-}
-
-static int keeps_border(const struct cvt *cvt)
-{
-    return cvt->spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP;
 }
 
 /* The input does not go on to where the centroid of scratch->cell is: ends the cell where the input
@@ -156,7 +154,7 @@ static int restrict_move(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
 {
     struct vor_border border;
 
-    if (!keeps_border(cvt) ||
+    if (!cvt->seeds->policy.keep_border ||
         vor_boundary_inside(&scratch->here.surface, scratch->here.near, scratch->here.k, x) ||
         !outside(cvt, scratch, &border, x))
         return 0;
@@ -174,8 +172,9 @@ static int restrict_move(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
 /* Stretches the way of seed i to x, its projected centroid, and adds some of its last step. */
 static void stretch(const struct cvt *cvt, struct vor_scratch *scratch, size_t i, double x[3])
 {
-    double k = cvt->result.iterations, momentum = fmin(MOMENTUM, k / (k + MOMENTUM_SLOW));
-    double way[3] = {0}, step[3] = {0}, most, length; /* the analysers want it said */
+    double k = cvt->iterations, momentum = fmin(MOMENTUM, k / (k + MOMENTUM_SLOW));
+    double way[3] = {0}, step[3] = {0}, most,
+           length; /* clang-analyzer cannot see that c counts to 3 */
 
     for (size_t c = 0; c < 3; c++) {
         way[c] = x[c] - (double)cvt->seeds->xyz[3 * i + c];
@@ -306,16 +305,16 @@ static vor_status accelerate(struct cvt *cvt, struct vor_uniformity *even, struc
     const struct vor_seeds *seeds = cvt->seeds;
     struct vor_uniformity mixed;
     double max_move = 0;
-    vor_status status = vor_anderson_push(&cvt->anderson, seeds->xyz, cvt->lloyd, seeds->run, err);
+    vor_status status = vor_anderson_push(&cvt->anderson, seeds->xyz, cvt->lloyd, cvt->run, err);
 
     if (status != VOR_OK || cvt->anderson.depth < 2)
         return status;
-    status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, mix_block, cvt, err);
+    status = vor_run_for(cvt->run, seeds->n, VOR_SEEDS_BLOCK, mix_block, cvt, err);
     if (status != VOR_OK)
         return status;
     for (size_t b = 0; b < cvt->blocks; b++)
         max_move = fmax(max_move, cvt->sums[b].max_move);
-    status = vor_seeds_uniformity(&mixed, cvt->nearest, seeds, cvt->mix, err);
+    status = vor_seeds_uniformity(&mixed, cvt->nearest, seeds, cvt->mix, cvt->run, err);
     if (status != VOR_OK || !(mixed.delta <= even->delta))
         return status;
     memcpy(cvt->lloyd, cvt->mix, 3 * seeds->n * sizeof *cvt->mix);
@@ -328,76 +327,75 @@ static vor_status accelerate(struct cvt *cvt, struct vor_uniformity *even, struc
 static vor_status iterate(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
 {
     struct vor_seeds *seeds = cvt->seeds;
-    vor_status status = vor_seeds_index(seeds, err);
+    vor_status status = vor_seeds_index(seeds, cvt->run, err);
 
     if (status == VOR_OK)
-        status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, lloyd_block, cvt, err);
+        status = vor_run_for(cvt->run, seeds->n, VOR_SEEDS_BLOCK, lloyd_block, cvt, err);
     if (status != VOR_OK)
         return status;
     add_blocks(cvt);
-    status = vor_seeds_uniformity(even, cvt->nearest, seeds, cvt->lloyd, err);
+    status = vor_seeds_uniformity(even, cvt->nearest, seeds, cvt->lloyd, cvt->run, err);
     if (status == VOR_OK && cvt->anderson.length > 0)
         status = accelerate(cvt, even, err);
     if (status != VOR_OK)
         return status;
     memcpy(seeds->xyz, cvt->lloyd, 3 * seeds->n * sizeof *seeds->xyz);
-    cvt->result.iterations++;
+    cvt->iterations++;
     return VOR_OK;
+}
+
+/* What the method says of itself after an iteration. */
+static void note(struct cvt *cvt, const struct vor_record *record)
+{
+    struct vor_outcome *told = cvt->told;
+
+    told->last = *record;
+    told->held = cvt->total.held;
+    told->fallback_plane = cvt->total.plane;
+    told->fallback_left = cvt->total.left;
+    told->area = cvt->total.area;
 }
 
 /* Tells the watch, and keeps the most even iterate. */
 static enum vor_answer record(struct cvt *cvt, const struct vor_uniformity *even)
 {
-    const struct vor_run *run = cvt->seeds->run;
+    const struct vor_watch *watch = cvt->run->watch;
     double unit = cvt->seeds->domain->unit;
     struct vor_record record = {.stage = VOR_RUN_STAGE_ITERATE,
-                                .step = cvt->result.iterations,
+                                .step = cvt->iterations,
                                 .of = cvt->limit,
                                 .ahead = (uint32_t)cvt->spec->value[VOR_PARAM_POLISH],
-                                .iteration = cvt->result.iterations,
+                                .iteration = cvt->iterations,
                                 .delta = even->delta,
                                 .sigma = even->sigma * unit,
                                 .epsilon = even->epsilon,
                                 .energy = cvt->total.energy * unit * unit * unit * unit,
                                 .max_move = cvt->total.max_move * unit,
                                 .held = cvt->total.held,
-                                .seconds = vor_run_clock(run) - cvt->start};
+                                .seconds = vor_run_seconds(cvt->run)};
 
     cvt->last_seconds = record.seconds;
-    cvt->result.last = record;
-    cvt->result.held = cvt->total.held;
-    cvt->result.fallback_plane = cvt->total.plane;
-    cvt->result.fallback_left = cvt->total.left;
-    cvt->result.area = cvt->total.area * unit * unit;
-    if (even->delta < cvt->best_delta) {
-        cvt->best_delta = even->delta;
-        memcpy(cvt->best, cvt->seeds->xyz, 3 * cvt->seeds->n * sizeof *cvt->best);
-    }
-    if (run->watch == NULL || run->watch->progress == NULL)
+    note(cvt, &record);
+    vor_keep_best_offer(&cvt->best, cvt->seeds->xyz, even->delta);
+    if (watch == NULL || watch->progress == NULL)
         return VOR_CONTINUE;
-    return run->watch->progress(run->watch->ctx, &record);
+    return watch->progress(watch->ctx, &record);
 }
 
 /* Whether the gain over the last window is too small to go on. */
 static int plateau(struct cvt *cvt)
 {
-    double *slot = &cvt->past[cvt->result.iterations % PLATEAU_WINDOW], before = *slot;
+    double *slot = &cvt->past[cvt->iterations % PLATEAU_WINDOW], before = *slot;
 
-    *slot = cvt->best_delta;
-    return cvt->result.iterations > PLATEAU_WINDOW && cvt->best_delta > PLATEAU_GAIN * before;
-}
-
-static int even_enough(const struct cvt *cvt, const struct vor_uniformity *even)
-{
-    return vor_spec_given(cvt->spec, VOR_PARAM_DELTA) &&
-           even->delta <= cvt->spec->value[VOR_PARAM_DELTA];
+    *slot = cvt->best.delta;
+    return cvt->iterations > PLATEAU_WINDOW && cvt->best.delta > PLATEAU_GAIN * before;
 }
 
 /* Takes note of a plateau: where iterations on the whole of the input are due, they follow. Returns
  * whether none is. */
 static int ends_on_plateau(struct cvt *cvt)
 {
-    uint32_t last = cvt->result.iterations + landed(cvt);
+    uint32_t last = cvt->iterations + on_whole(cvt);
 
     if (cvt->level || vor_spec_given(cvt->spec, VOR_PARAM_ITERATIONS) || !plateau(cvt))
         return 0;
@@ -411,43 +409,40 @@ static int ends_on_plateau(struct cvt *cvt)
 /* Whether the request's own stops are reached, now that an iteration took `took` seconds. */
 static int finished(struct cvt *cvt, const struct vor_uniformity *even, double took)
 {
-    const double *value = cvt->spec->value;
     double share = polish_follows(cvt) ? SECONDS_SHARE : 1;
 
-    if (vor_seeds_on_whole(cvt->seeds) && even_enough(cvt, even))
-        cvt->result.stopped = VOR_STOPPED_DELTA;
-    else if (cvt->result.iterations >= cvt->limit)
-        cvt->result.stopped = cvt->level ? VOR_STOPPED_PLATEAU : VOR_STOPPED_ITERATIONS;
-    else if (vor_spec_given(cvt->spec, VOR_PARAM_SECONDS) &&
-             cvt->last_seconds + took > share * value[VOR_PARAM_SECONDS])
-        cvt->result.stopped = VOR_STOPPED_SECONDS;
+    if (vor_seeds_on_whole(cvt->seeds) && vor_stop_even_enough(cvt->spec, even->delta))
+        cvt->told->stopped = VOR_STOPPED_DELTA;
+    else if (cvt->iterations >= cvt->limit)
+        cvt->told->stopped = cvt->level ? VOR_STOPPED_PLATEAU : VOR_STOPPED_ITERATIONS;
+    else if (vor_stop_out_of_time(cvt->spec, share, cvt->last_seconds, took))
+        cvt->told->stopped = VOR_STOPPED_SECONDS;
     else if (ends_on_plateau(cvt))
-        cvt->result.stopped = VOR_STOPPED_PLATEAU;
+        cvt->told->stopped = VOR_STOPPED_PLATEAU;
     else
         return 0;
     return 1;
 }
 
 /* Whether the next iterations shall be on the whole of the input. */
-static int must_land(const struct cvt *cvt, const struct vor_uniformity *even)
+static int whole_is_due(const struct cvt *cvt, const struct vor_uniformity *even)
 {
     return !vor_seeds_on_whole(cvt->seeds) &&
-           (even_enough(cvt, even) ||
-            (!polish_follows(cvt) && cvt->result.iterations + landed(cvt) >= cvt->limit));
+           (vor_stop_even_enough(cvt->spec, even->delta) ||
+            (!polish_follows(cvt) && cvt->iterations + on_whole(cvt) >= cvt->limit));
 }
 
 /* Onto the whole of the input: what was the most even before counts no more. */
-static vor_status land(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
+static vor_status onto_whole(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
 {
-    vor_status status = vor_attach_to_whole(cvt->seeds, err);
+    /* Holes are not told from gaps before the iterations have ended (vor_attach). */
+    vor_status status = vor_attach_to_whole(cvt->seeds, 0, err);
 
     if (status == VOR_OK)
         status = vor_seeds_uniformity_now(even, cvt->nearest, cvt->seeds, err);
-    if (status != VOR_OK)
-        return status;
-    cvt->best_delta = even->delta;
-    memcpy(cvt->best, cvt->seeds->xyz, 3 * cvt->seeds->n * sizeof *cvt->best);
-    return VOR_OK;
+    if (status == VOR_OK)
+        vor_keep_best_restart(&cvt->best, cvt->seeds->xyz, even->delta);
+    return status;
 }
 
 static vor_status loop(struct cvt *cvt, struct vor_error *err)
@@ -459,12 +454,11 @@ static vor_status loop(struct cvt *cvt, struct vor_error *err)
 
     if (status != VOR_OK)
         return status;
-    cvt->best_delta = INFINITY;
     answer = record(cvt, &even);
     while (answer == VOR_CONTINUE && !finished(cvt, &even, took)) {
         before = cvt->last_seconds;
-        if (must_land(cvt, &even))
-            status = land(cvt, &even, err);
+        if (whole_is_due(cvt, &even))
+            status = onto_whole(cvt, &even, err);
         if (status == VOR_OK)
             status = iterate(cvt, &even, err);
         if (status == VOR_E_STOPPED)
@@ -478,27 +472,27 @@ static vor_status loop(struct cvt *cvt, struct vor_error *err)
     if (answer == VOR_CANCEL)
         return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
     if (answer == VOR_STOP)
-        cvt->result.stopped = VOR_STOPPED_CALLER;
+        cvt->told->stopped = VOR_STOPPED_CALLER;
     return VOR_OK;
 }
 
-vor_status vor_cvt_run(struct vor_seeds *seeds, struct vor_cvt_result *out,
-                       const struct vor_spec *spec, double start, struct vor_error *err)
+vor_status vor_lloyd_run(struct vor_seeds *seeds, struct vor_outcome *told,
+                         const struct vor_spec *spec, const struct vor_run *run,
+                         struct vor_error *err)
 {
     struct cvt cvt = {
-        .seeds = seeds, .spec = spec, .start = start, .limit = vor_spec_iterations(spec)};
+        .seeds = seeds, .spec = spec, .run = run, .told = told, .limit = vor_spec_iterations(spec)};
+    double before = vor_run_clock(run);
     vor_status status = alloc_cvt(&cvt, err);
 
-    seeds->keep_border = keeps_border(&cvt);
     if (status == VOR_OK)
         status = loop(&cvt, err);
-    if (status != VOR_OK)
-        goto done;
-    memcpy(seeds->xyz, cvt.best, 3 * seeds->n * sizeof *cvt.best);
-    for (size_t i = 0; i < seeds->n; i++)
-        cvt.result.held_ever += (cvt.flags[i] & HELD_EVER) != 0;
-    *out = cvt.result;
-done:
+    if (status == VOR_OK) {
+        memcpy(seeds->xyz, cvt.best.xyz, 3 * seeds->n * sizeof *seeds->xyz);
+        for (size_t i = 0; i < seeds->n; i++)
+            told->held_ever += (cvt.flags[i] & HELD_EVER) != 0;
+        vor_outcome_stage(told, VOR_RUN_STAGE_ITERATE, cvt.iterations, vor_run_clock(run) - before);
+    }
     free_cvt(&cvt);
     return status;
 }

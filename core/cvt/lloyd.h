@@ -17,31 +17,22 @@
 #ifndef VOR_CVT_LLOYD_H
 #define VOR_CVT_LLOYD_H
 
-#include "core/report.h"
+#include "core/seeds/outcome.h"
 #include "core/seeds/seeds.h"
 
-/** What the loop reports back; lengths in the cloud's unit. */
-struct vor_cvt_result {
-    uint32_t iterations, polish_steps;
-    enum vor_stopped stopped;
-    uint64_t held, held_ever, fallback_plane, fallback_left;
-    double area;
-    struct vor_record last; /**< as told to the watch */
-};
-
 /** Moves the seeds until a stop of the request (iterations, delta, seconds, plateau) or the watch
- * ends it, and leaves the most even positions in seeds->xyz.
+ *  ends it, and leaves the most even positions in seeds->xyz.
  *
- *  @param[in] spec   read: iterations, delta, seconds, anderson, boundary
- *  @param[in] start  the clock's reading when the run began: the records and the budget count from
- * it
+ *  @param[in,out] told  takes in this stage
+ *  @param[in]     spec  read: iterations, delta, seconds, anderson, polish
+ *  @param[in]     run   may be stopped
  *
  *  @retval VOR_E_CANCELLED the watch answered VOR_CANCEL
  *  @retval VOR_E_NOMEM
  *
  *  O(iterations n log n). The same positions for any number of threads. */
-VOR_NODISCARD vor_status vor_cvt_run(struct vor_seeds *seeds, struct vor_cvt_result *out,
-                                     const struct vor_spec *spec, double start,
-                                     struct vor_error *err);
+VOR_NODISCARD vor_status vor_lloyd_run(struct vor_seeds *seeds, struct vor_outcome *told,
+                                       const struct vor_spec *spec, const struct vor_run *run,
+                                       struct vor_error *err);
 
 #endif

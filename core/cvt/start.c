@@ -2,13 +2,10 @@
 
 #include "core/base/rng.h"
 #include "core/geom/integrate.h"
+#include "core/seeds/area.h"
 
 #include <math.h>
 #include <string.h>
-
-/* Cells of a random draw are uneven: the largest reach beyond the usual patch, and their area would
- * be missed. */
-#define WIDEN 1.3
 
 /* Areas of the cells vary by 0.3 to 1.5 of their mean on most inputs, and by 3 to 10 of it where
  * patches cut cells off: then they are measured again, and the seeds started anew. */
@@ -16,32 +13,13 @@
 
 enum { PASSES = 3 };
 
-enum { STREAM_DRAW = 1, STREAM_ROUND = 2, STREAM_SAMPLE = 3, AREA_SEEDS = 20000 };
+/* Streams of random numbers; that of vor_area_draw is 1. */
+enum { STREAM_STRETCH = 1, STREAM_ROUND = 2, STREAM_SAMPLE = 3 };
 
 /* From so many input points a seed on, they are dense enough to tell areas by themselves. */
 enum { PLENTY = 10, DENSITY_K = 33, DENSITY_BLOCK = 64 };
 
 #define PI 3.14159265358979323846
-
-/* Draws n of the domain's points, one from each stretch of its order, all different. */
-static void draw(struct vor_seeds *seeds, uint64_t seed)
-{
-    const struct vor_domain *domain = seeds->domain;
-    size_t before = 0;
-
-    for (size_t i = 0; i < seeds->n; i++) {
-        double t = (double)i + vor_rng_unit(seed, STREAM_DRAW, i);
-        size_t at = (size_t)(t / (double)seeds->n * (double)domain->n);
-
-        if (i > 0 && at <= before)
-            at = before + 1;
-        if (at > domain->n - (seeds->n - i))
-            at = domain->n - (seeds->n - i);
-        before = at;
-        for (size_t c = 0; c < 3; c++)
-            seeds->xyz[3 * i + c] = domain->xyz[3 * at + c];
-    }
-}
 
 /* Samples of one cell, so many at a time, spread over it by random points of it; (u, v, w). */
 enum { TOGETHER = 64, RANDOM = 16, ALONE = 3, ROUNDS = 5 };
@@ -59,20 +37,6 @@ struct areas {
     double offset;
     uint64_t seed;
 };
-
-static void measure_block(void *ctx, size_t begin, size_t end, unsigned worker)
-{
-    struct areas *areas = ctx;
-    struct vor_scratch *scratch = &areas->from->scratch[worker];
-    struct vor_moments moments;
-
-    for (size_t i = begin; i < end; i++) {
-        areas->end[i] = 0;
-        if (vor_seeds_cell(areas->from, scratch, i) != VOR_SURFACE_NONE &&
-            vor_cell_moments(&moments, &scratch->cell))
-            areas->end[i] = moments.area;
-    }
-}
 
 /* First sample that belongs to the cells after the one whose running sum this is. */
 static size_t samples_until(const struct areas *areas, double end)
@@ -170,7 +134,7 @@ static void place_sample(const struct areas *areas, struct vor_scratch *scratch,
 
     vor_surface_project(&scratch->here.surface, local);
     vor_surface_to_world(&scratch->here.surface, local, x);
-    if (areas->from->keep_border &&
+    if (areas->from->policy.keep_border &&
         !vor_boundary_inside(&scratch->here.surface, scratch->here.near, scratch->here.k, x))
         pull_in(areas->from, scratch, x);
     for (size_t c = 0; c < 3; c++)
@@ -208,29 +172,6 @@ static void sample_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-/* Cells of the seeds in areas->from and the running sum of their areas. */
-static vor_status measure(struct areas *areas, struct vor_error *err)
-{
-    const struct vor_run *run = areas->from->run;
-    size_t n = areas->from->n;
-    double sum = 0;
-    vor_status status = vor_seeds_index(areas->from, err);
-
-    if (status != VOR_OK)
-        return status;
-    areas->end = vor_malloc(run->memory, n, sizeof *areas->end);
-    if (areas->end == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "areas of %zu cells", n);
-    status = vor_run_for(run, n, VOR_SEEDS_BLOCK, measure_block, areas, err);
-    if (status != VOR_OK)
-        return status;
-    for (size_t i = 0; i < n; i++)
-        areas->end[i] = sum += areas->end[i];
-    if (!(sum > 0))
-        return vor_fail(err, VOR_E_DEGENERATE, "no surface around any of %zu points", n);
-    return VOR_OK;
-}
-
 /* First point of the i-th of n equal stretches of the domain's order. */
 static size_t stretch(const struct vor_seeds *seeds, size_t i)
 {
@@ -249,7 +190,7 @@ static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         size_t low = stretch(to, i), points = stretch(to, i + 1) - low;
-        size_t at = low + (size_t)(vor_rng_unit(areas->seed, STREAM_DRAW, i) * (double)points);
+        size_t at = low + (size_t)(vor_rng_unit(areas->seed, STREAM_STRETCH, i) * (double)points);
 
         memcpy(&x[3 * (i - begin)], &to->domain->xyz[3 * at], 3 * sizeof *x);
     }
@@ -302,7 +243,7 @@ static int pick(const struct areas *areas)
 static vor_status start_at_points(struct areas *areas, int *enough, struct vor_error *err)
 {
     struct vor_seeds *to = areas->to;
-    const struct vor_run *run = to->run;
+    const struct vor_run *run = &to->run;
     vor_status status;
     double sum = 0;
 
@@ -341,20 +282,21 @@ static double variation(const struct areas *areas)
 static vor_status sample_cells(struct areas *areas, struct vor_error *err)
 {
     struct vor_seeds *from = areas->from, *to = areas->to;
-    struct vor_memory *memory = to->run->memory;
+    struct vor_memory *memory = to->run.memory;
     vor_status status = VOR_OK;
 
+    areas->end = vor_malloc(memory, from->n, sizeof *areas->end);
+    if (areas->end == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "areas of %zu cells", from->n);
     for (int pass = 0; status == VOR_OK && pass < PASSES; pass++) {
         if (pass > 0) {
             if (from->n != to->n || variation(areas) < UNEVEN)
                 break;
             memcpy(from->xyz, to->xyz, 3 * to->n * sizeof *to->xyz);
         }
-        vor_free(memory, areas->end);
-        areas->end = NULL;
-        status = measure(areas, err);
+        status = vor_area_cells(areas->end, from, err);
         if (status == VOR_OK)
-            status = vor_run_for(to->run, from->n, VOR_SEEDS_BLOCK, sample_block, areas, err);
+            status = vor_run_for(&to->run, from->n, VOR_SEEDS_BLOCK, sample_block, areas, err);
     }
     if (status == VOR_OK)
         to->area = areas->end[from->n - 1];
@@ -363,63 +305,39 @@ static vor_status sample_cells(struct areas *areas, struct vor_error *err)
 }
 
 /* Draws input points and starts the seeds in their cells. */
-static vor_status start_in_cells(struct areas *areas, const struct vor_spec *spec,
-                                 struct vor_error *err)
+static vor_status start_in_cells(struct areas *areas, struct vor_error *err)
 {
     struct vor_seeds *from = areas->from, *to = areas->to;
     const struct vor_domain *domain = to->domain;
     vor_status status = vor_seeds_init(from, domain, to->n < domain->n ? to->n : domain->n,
-                                       to->neighbors, to->run, err);
+                                       to->policy, &to->run, err);
 
     if (status != VOR_OK)
         return status;
-    from->keep_border = spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP;
-    draw(from, areas->seed);
+    vor_area_draw(from, areas->seed);
     status = sample_cells(areas, err);
     vor_seeds_free(from);
     return status;
 }
 
 vor_status vor_start_seeds(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
-                           const struct vor_neighbors *neighbors, const struct vor_spec *spec,
-                           const struct vor_run *run, struct vor_error *err)
+                           const struct vor_spec *spec, const struct vor_run *run,
+                           struct vor_error *err)
 {
     uint64_t seed = (uint64_t)spec->value[VOR_PARAM_SEED];
     struct vor_seeds from = {0}, to = {0};
     struct areas areas = {&from, &to, NULL, vor_rng_unit(seed, STREAM_ROUND, 0), seed};
     int done = 0;
-    vor_status status = vor_seeds_init(&to, domain, n, neighbors, run, err);
+    vor_status status = vor_seeds_init(&to, domain, n, vor_seeds_policy_of(spec), run, err);
 
     if (status == VOR_OK && domain->n / PLENTY >= n && domain->n >= DENSITY_K)
         status = start_at_points(&areas, &done, err);
     if (status == VOR_OK && !done)
-        status = start_in_cells(&areas, spec, err);
+        status = start_in_cells(&areas, err);
     if (status != VOR_OK) {
         vor_seeds_free(&to);
         return status;
     }
     *out = to;
     return VOR_OK;
-}
-
-vor_status vor_seeds_area(double *out, const struct vor_domain *domain,
-                          const struct vor_neighbors *neighbors, const struct vor_spec *spec,
-                          const struct vor_run *run, struct vor_error *err)
-{
-    uint64_t seed = (uint64_t)spec->value[VOR_PARAM_SEED];
-    size_t n = domain->n / 2 < AREA_SEEDS ? (domain->n + 1) / 2 : AREA_SEEDS;
-    struct vor_seeds from = {0};
-    struct areas areas = {&from, NULL, NULL, 0, seed};
-    vor_status status = vor_seeds_init(&from, domain, n, neighbors, run, err);
-
-    if (status != VOR_OK)
-        return status;
-    from.widen = WIDEN;
-    draw(&from, seed);
-    status = measure(&areas, err);
-    if (status == VOR_OK)
-        *out = areas.end[n - 1];
-    vor_free(run->memory, areas.end);
-    vor_seeds_free(&from);
-    return status;
 }

@@ -27,18 +27,12 @@
 
 /** Makes *out hold n started seeds, with no index yet.
  *
+ *  @param[in] spec  read: seed, boundary
+ *
  *  @retval VOR_E_DEGENERATE no seed has a cell with area
- *  @retval VOR_E_NOMEM, VOR_E_CANCELLED (on VOR_STOP too: there is nothing to hand back yet) */
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED; a stop does not cut it short */
 VOR_NODISCARD vor_status vor_start_seeds(struct vor_seeds *out, const struct vor_domain *domain,
-                                         size_t n, const struct vor_neighbors *neighbors,
-                                         const struct vor_spec *spec, const struct vor_run *run,
-                                         struct vor_error *err);
-
-/** Area of the surface, in squared normalised units, from the cells of a draw of input points.
- * Fails as vor_start_seeds. */
-VOR_NODISCARD vor_status vor_seeds_area(double *out, const struct vor_domain *domain,
-                                        const struct vor_neighbors *neighbors,
-                                        const struct vor_spec *spec, const struct vor_run *run,
-                                        struct vor_error *err);
+                                         size_t n, const struct vor_spec *spec,
+                                         const struct vor_run *run, struct vor_error *err);
 
 #endif

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { BLOCK = 1 << 16, RECENT = 16, SAMPLED = 4096, SIXTH = 6 };
+enum { BLOCK = 1 << 16, SAMPLED = 4096, SIXTH = 6 };
 
 #define LINE_RANK 1e-12 /* variance across over variance along: below it, the cloud is a line */
 
@@ -33,25 +33,6 @@ static void choose_frame(struct vor_domain *out, const struct vor_box *box)
     }
     (void)frexp(largest, &exponent);
     out->unit = largest > 0 ? ldexp(1, exponent) : 1;
-}
-
-static size_t blocks_of(size_t n)
-{
-    return (n + BLOCK - 1) / BLOCK;
-}
-
-/* Makes of counts where each begins; returns their sum. */
-static size_t running_sum(size_t *count, size_t n)
-{
-    size_t sum = 0;
-
-    for (size_t i = 0; i < n; i++) {
-        size_t here = count[i];
-
-        count[i] = sum;
-        sum += here;
-    }
-    return sum;
 }
 
 static int same_place(const float *a, const float *b)
@@ -124,7 +105,7 @@ static vor_status gather(struct work *work, struct vor_error *err)
 
     if (status != VOR_OK)
         return status;
-    out->n = running_sum(work->first, blocks_of(n));
+    out->n = vor_running_sum(work->first, vor_blocks_of(n, BLOCK));
     out->xyz = vor_malloc(out->memory, out->n, 3 * sizeof *out->xyz);
     out->source = vor_malloc(out->memory, out->n, sizeof *out->source);
     if (out->xyz == NULL || out->source == NULL)
@@ -141,7 +122,7 @@ static vor_status sort_points(struct vor_domain *out, const struct vor_cloud *in
 
     work.unsorted = vor_malloc(run->memory, in->n, 3 * sizeof *work.unsorted);
     work.order = vor_malloc(run->memory, in->n, sizeof *work.order);
-    work.first = vor_malloc(run->memory, blocks_of(in->n), sizeof *work.first);
+    work.first = vor_malloc(run->memory, vor_blocks_of(in->n, BLOCK), sizeof *work.first);
     if (work.unsorted == NULL || work.order == NULL || work.first == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "sorting %zu points", in->n);
     else
@@ -200,7 +181,7 @@ static void spread_block(void *ctx, size_t begin, size_t end, unsigned worker)
 static vor_status moments(double m[6], const struct vor_domain *domain, const struct vor_run *run,
                           struct vor_error *err)
 {
-    size_t blocks = blocks_of(domain->n);
+    size_t blocks = vor_blocks_of(domain->n, BLOCK);
     struct sums sums = {.xyz = domain->xyz};
     vor_status status;
 
@@ -245,7 +226,7 @@ static void find_sparse(struct vor_domain *domain)
 {
     size_t n = domain->n < SAMPLED ? domain->n : SAMPLED;
     unsigned k = domain->n > SIXTH ? SIXTH + 1 : (unsigned)domain->n;
-    float far2[SAMPLED] = {0}; /* the analysers want it said */
+    float far2[SAMPLED] = {0}; /* clang-analyzer cannot see that n >= 1 */
 
     for (size_t i = 0; i < n; i++) {
         size_t at = (size_t)((double)i / (double)n * (double)domain->n);
@@ -259,6 +240,16 @@ static void find_sparse(struct vor_domain *domain)
     domain->sparse = sqrt((double)far2[vor_quantile_rank(0.999, n)]);
 }
 
+vor_status vor_domain_index(struct vor_domain *domain, const struct vor_run *run,
+                            struct vor_error *err)
+{
+    vor_status status = vor_knn_build_sorted(&domain->knn, domain->xyz, domain->n, run, err);
+
+    if (status == VOR_OK)
+        find_sparse(domain);
+    return status;
+}
+
 vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
                            const struct vor_run *run, struct vor_error *err)
 {
@@ -268,113 +259,17 @@ vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
 
     if (status != VOR_OK)
         return status;
+    vor_neighbors_fix(&domain.known.neighbors, VOR_NEIGHBORS_FEWEST);
     choose_frame(&domain, &box);
     status = sort_points(&domain, in, run, err);
     if (status == VOR_OK)
         status = check_rank(&domain, run, err);
     if (status == VOR_OK)
-        status = vor_knn_build_sorted(&domain.knn, domain.xyz, domain.n, run, err);
+        status = vor_domain_index(&domain, run, err);
     if (status != VOR_OK) {
         vor_domain_free(&domain);
         return status;
     }
-    if (domain.n > 0)
-        find_sparse(&domain);
-    *out = domain;
-    return VOR_OK;
-}
-
-/* A domain on its way into a thinner one. */
-struct thinning {
-    const struct vor_domain *in;
-    struct vor_domain *out;
-    double gap2;
-    unsigned char *kept; /* of the points of `in`, which ones */
-    size_t *first;       /* where those of each block go */
-};
-
-/* Keeps a point that is a gap away from the last ones kept: near in the order is near in space. */
-static void choose_block(void *ctx, size_t begin, size_t end, unsigned worker)
-{
-    struct thinning *thinning = ctx;
-    const float *xyz = thinning->in->xyz;
-    size_t recent[RECENT], count = 0;
-
-    (void)worker;
-    for (size_t i = begin; i < end; i++) {
-        int keep = 1;
-
-        for (size_t j = 0; j < count && j < RECENT && keep; j++)
-            keep = vor_distance2f(&xyz[3 * i], &xyz[3 * recent[j]]) >= thinning->gap2;
-        thinning->kept[i] = (unsigned char)keep;
-        if (keep)
-            recent[count++ % RECENT] = i;
-    }
-    thinning->first[begin / BLOCK] = count;
-}
-
-static void thin_block(void *ctx, size_t begin, size_t end, unsigned worker)
-{
-    const struct thinning *thinning = ctx;
-    const struct vor_domain *in = thinning->in;
-    struct vor_domain *out = thinning->out;
-    size_t at = thinning->first[begin / BLOCK];
-
-    (void)worker;
-    for (size_t i = begin; i < end; i++) {
-        if (!thinning->kept[i])
-            continue;
-        memcpy(&out->xyz[3 * at], &in->xyz[3 * i], 3 * sizeof *out->xyz);
-        out->source[at++] = in->source[i];
-    }
-}
-
-static vor_status thin_points(struct thinning *thinning, const struct vor_run *run,
-                              struct vor_error *err)
-{
-    struct vor_domain *out = thinning->out;
-    size_t n = thinning->in->n;
-    vor_status status;
-
-    thinning->kept = vor_malloc(run->memory, n, sizeof *thinning->kept);
-    thinning->first = vor_malloc(run->memory, blocks_of(n), sizeof *thinning->first);
-    if (thinning->kept == NULL || thinning->first == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "thinning %zu points", n);
-    status = vor_run_for(run, n, BLOCK, choose_block, thinning, err);
-    if (status != VOR_OK)
-        return status;
-    out->n = running_sum(thinning->first, blocks_of(n));
-    if (out->n > n / 2) {
-        out->n = 0;
-        return VOR_OK;
-    }
-    out->xyz = vor_malloc(out->memory, out->n, 3 * sizeof *out->xyz);
-    out->source = vor_malloc(out->memory, out->n, sizeof *out->source);
-    if (out->xyz == NULL || out->source == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "thinning %zu points", n);
-    return vor_run_for(run, n, BLOCK, thin_block, thinning, err);
-}
-
-vor_status vor_domain_thin(struct vor_domain *out, const struct vor_domain *in, double gap,
-                           const struct vor_run *run, struct vor_error *err)
-{
-    struct vor_domain domain = {
-        .memory = run->memory, .unit = in->unit, .sheets = in->sheets, .rounded = in->rounded};
-    struct thinning thinning = {.in = in, .out = &domain, .gap2 = gap * gap};
-    vor_status status;
-
-    memcpy(domain.shift, in->shift, sizeof domain.shift);
-    status = thin_points(&thinning, run, err);
-    vor_free(run->memory, thinning.first);
-    vor_free(run->memory, thinning.kept);
-    if (status == VOR_OK && domain.n > 0)
-        status = vor_knn_build_sorted(&domain.knn, domain.xyz, domain.n, run, err);
-    if (status != VOR_OK) {
-        vor_domain_free(&domain);
-        return status;
-    }
-    if (domain.n > 0)
-        find_sparse(&domain);
     *out = domain;
     return VOR_OK;
 }

@@ -4,6 +4,7 @@
 
 #include "core/base/run.h"
 #include "core/cloud/cloud.h"
+#include "core/input/conditioning.h"
 #include "core/knn/knn.h"
 
 /** Point i of the domain is point source[i] of the input (the first of those that coincide); the
@@ -19,26 +20,31 @@ struct vor_domain {
     double sparse;       /**< the input is hardly anywhere sparser: distance to the sixth neighbour,
                               the 999th of 1,000 of an even sample */
     struct vor_knn *knn; /**< over xyz */
-    int sheets;          /**< fits look for layers; set by vor_sheets_find */
-    int rounded;         /**< its points were moved off a lattice, and so are not exact; set by
-                              vor_lattice_smooth */
+    struct vor_conditioning known; /**< of the input that these points are, or are some of */
 };
 
-/** On the run's pool; the domain allocates from the run's memory and keeps neither the run nor in.
+/** Normalises, sorts and indexes a cloud. Nothing is known of it yet: a fit takes
+ *  VOR_NEIGHBORS_FEWEST points. On the run's pool; the domain allocates from the run's memory and
+ *  keeps neither the run nor in.
  *
  *  @retval VOR_E_DEGENERATE fewer than four distinct points, or all on a line
- *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED */
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED
+ *
+ *  O(n log n). The same bytes for any number of threads. */
 VOR_NODISCARD vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
                                          const struct vor_run *run, struct vor_error *err);
 
-/** Some of the points of `in`, with an index of their own: a gap (normalised) from
- * those kept before them in the order, every other one within a gap of a kept one. Where
- * that are more than half of them, *out is empty. The same points for any number of threads. O(n).
+/** Indexes the n >= 1 points that are in xyz, and finds how sparse they are.
  *
  *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED */
-VOR_NODISCARD vor_status vor_domain_thin(struct vor_domain *out, const struct vor_domain *in,
-                                         double gap, const struct vor_run *run,
-                                         struct vor_error *err);
+VOR_NODISCARD vor_status vor_domain_index(struct vor_domain *domain, const struct vor_run *run,
+                                          struct vor_error *err);
+
+/** True where positions are as the input has them, and not moved off a lattice. */
+static inline int vor_domain_is_exact(const struct vor_domain *domain)
+{
+    return domain->known.off_lattice == 0;
+}
 
 void vor_domain_free(struct vor_domain *domain);
 

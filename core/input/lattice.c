@@ -385,7 +385,6 @@ vor_status vor_lattice_smooth(struct vor_domain *domain, size_t *moved,
         return status;
     }
     *moved = atomic_load(&smooth.moved);
-    domain->rounded = *moved > 0;
     vor_knn_free(domain->knn);
     vor_free(domain->memory, domain->xyz);
     domain->knn = NULL;

@@ -22,15 +22,6 @@
 
 #include "core/input/domain.h"
 
-/** Lengths are normalised. */
-struct vor_lattice {
-    double cell[3]; /**< along x, y and z; 0 where the coordinates are on no lattice, or have fewer
-                         values than tell one */
-    double spacing; /**< mean distance to the nearest other point; 0 where no axis has a cell */
-    int matters;    /**< every axis has a cell or few values; the cells' rms is more than 0.4 of the
-                         spacing, and none is below a fifth of it */
-};
-
 /** Looks for a lattice. Coordinates may be off it by what float32 rounds off and a hundredth of a
  *  cell, one in a thousand by anything. Fewer than 200 points have none.
  *
@@ -45,7 +36,7 @@ VOR_NODISCARD vor_status vor_lattice_find(struct vor_lattice *out, const struct 
                                           const struct vor_run *run, struct vor_error *err);
 
 /** Moves the points of the domain within their cells; its index is made anew. A surface has up
- *  to twice as many neighbours as vor_scale_neighbors finds: weighted, they count for less than
+ *  to twice as many neighbours as vor_neighbors_choose finds: weighted, they count for less than
  * half.
  *
  *  @param[out] moved  how many points are elsewhere now

@@ -25,7 +25,7 @@ enum { POOL = 32 }; /* places that decide for one of them */
 #define WORTH_FEWER 0.35
 #define WORTH_MORE 0.7
 
-static const unsigned ladder[STEPS] = {20, 30, 45, 70, 100, MOST};
+static const unsigned ladder[STEPS] = {VOR_NEIGHBORS_FEWEST, 30, 45, 70, 100, MOST};
 
 struct survey {
     const struct vor_domain *domain;
@@ -258,12 +258,6 @@ static void choose(struct vor_neighbors *out, const struct survey *survey)
         if (k != out->usual)
             out->places = PLACES;
     }
-}
-
-void vor_neighbors_fix(struct vor_neighbors *out, unsigned k)
-{
-    out->places = 0;
-    out->usual = out->most = k;
 }
 
 vor_status vor_neighbors_choose(struct vor_neighbors *out, const struct vor_domain *domain,

@@ -12,25 +12,19 @@
  *
  *  That is the usual number. Each place then asks the same of itself and the 31 places nearest to
  *  it, and takes another number where that is worth it: fewer where neighbourhoods are thin beyond
- *  doubt and a third of the error is left, more where seven tenths of it are. So little tells less
- *  than the whole, and fewer neighbours than the noise wants do more harm than more. */
+ *  doubt and a third of the error is left, more where seven tenths of it are. Few places estimate
+ *  the noise worse than all together, and too few neighbours do more harm than too many.
+ *
+ *  Measured, rms distance to the true surface with one number for all and with one for each region:
+ *  igea with noise on one half 1.16e-3 and 0.99e-3, with noise that grows across it 1.20e-3 and
+ *  0.97e-3; bunny with noise on one half 0.96e-3 and 0.84e-3; where noise is the same everywhere, 2
+ *  % more to 3 % less. Weighed too: regions that decide by themselves alone, which wins another 5 %
+ *  on such halves and loses 10 % where noise is the same everywhere; pools of 16 and 64 places; a
+ *  number for each lattice point's smoothing (no gain). */
 #ifndef VOR_INPUT_NEIGHBORS_H
 #define VOR_INPUT_NEIGHBORS_H
 
 #include "core/input/domain.h"
-
-enum { VOR_NEIGHBORS_PLACES = 512 };
-
-/** How many input points a surface is fitted to, by where it is. */
-struct vor_neighbors {
-    unsigned usual, most;                /**< of all places taken together; of any */
-    unsigned places;                     /**< VOR_NEIGHBORS_PLACES, or 0: `usual` everywhere */
-    float xyz[3 * VOR_NEIGHBORS_PLACES]; /**< normalised */
-    unsigned char k[VOR_NEIGHBORS_PLACES];
-};
-
-/** The same number everywhere, 1 to VOR_NEIGHBORS_MAX. */
-void vor_neighbors_fix(struct vor_neighbors *out, unsigned k);
 
 /** 20 to 150 by what the domain is like.
  *

@@ -71,7 +71,7 @@ int vor_sheets_gather(float *near, const struct vor_domain *domain, const double
     unsigned most = least(want < WIDE_MAX ? want : WIDE_MAX, domain->n);
     struct vor_layers layers = {.count = 1};
 
-    memset(wide, 0, sizeof wide); /* the analysers want it said */
+    memset(wide, 0, sizeof wide); /* clang-analyzer cannot see that most >= 1 */
     search(wide, domain, query, most);
     for (unsigned i = 0; i < ATTEMPTS && layers.count == 1; i++)
         find_layers(&layers, wide, (unsigned)(attempts[i].share * most), attempts[i].points);
@@ -84,7 +84,8 @@ int vor_sheets_fit(struct vor_surface *out, float *near, const struct vor_domain
                    const double x[3], unsigned k)
 {
     vor_surface_fit(out, near, k);
-    if (!domain->sheets || !vor_layers_possible(out) || !vor_sheets_gather(near, domain, x, k))
+    if (!domain->known.sheets || !vor_layers_possible(out) ||
+        !vor_sheets_gather(near, domain, x, k))
         return 0;
     vor_surface_fit(out, near, k);
     return 1;
@@ -118,11 +119,12 @@ static void survey_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-vor_status vor_sheets_find(struct vor_domain *domain, const struct vor_run *run,
+vor_status vor_sheets_find(int *out, const struct vor_domain *domain, const struct vor_run *run,
                            struct vor_error *err)
 {
     struct survey survey = {.domain = domain};
     vor_status status = vor_run_for(run, PLACES, BLOCK, survey_block, &survey, err);
-    domain->sheets = status == VOR_OK && atomic_load(&survey.layered) >= LEAST;
+
+    *out = status == VOR_OK && atomic_load(&survey.layered) >= LEAST;
     return status;
 }

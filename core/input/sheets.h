@@ -9,15 +9,16 @@
 #include "core/geom/surface.h"
 #include "core/input/domain.h"
 
-/** Sets domain->sheets: whether at 48 or more of 128 places of the input layers can be told apart
- * among the 50 nearest points. Where not, none are looked for later, and noise and edges cannot be
- * taken for sheets here or there.
+/** Whether layers can be told apart among the 50 nearest points at 48 or more of 128 places of the
+ * input. Where not, none are looked for later, so that noise and edges are not taken for sheets.
+ * Measured: inputs with two sheets have 118 to 128 such places, others at most 8, a scan of an
+ * office with its walls twice 36.
  *
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
  *  O(log n), a few ms. */
-VOR_NODISCARD vor_status vor_sheets_find(struct vor_domain *domain, const struct vor_run *run,
-                                         struct vor_error *err);
+VOR_NODISCARD vor_status vor_sheets_find(int *out, const struct vor_domain *domain,
+                                         const struct vor_run *run, struct vor_error *err);
 
 /** The k points nearest to x of the sheet that x is nearest to, the nearest first, out of the 2.25
  * k (75 at least, VOR_NEIGHBORS_MAX at most) nearest to x; where fewer of them are on it they are

@@ -14,26 +14,27 @@ static void add(struct vor_sums *sums, double distance2)
     vor_sums_add(sums, sqrt(distance2), distance2);
 }
 
-struct account {
+struct compare {
     struct vor_seeds *seeds;
     struct vor_sums *block;
     const struct vor_knn *knn; /* over the seeds */
     size_t points;             /* of the domain, that are looked at */
     double spacing;
+    int refined;
     atomic_size_t border, fitted[VOR_NEIGHBORS_MAX + 1];
 };
 
 /* Row i of the points that are looked at. */
-static const float *looked_at(const struct account *account, size_t i)
+static const float *looked_at(const struct compare *compare, size_t i)
 {
-    const struct vor_domain *domain = account->seeds->domain;
+    const struct vor_domain *domain = compare->seeds->domain;
 
-    return &domain->xyz[3 * (size_t)((uint64_t)i * domain->n / account->points)];
+    return &domain->xyz[3 * (size_t)((uint64_t)i * domain->n / compare->points)];
 }
 
 static void in_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
-    const struct account *account = ctx;
+    const struct compare *compare = ctx;
     struct vor_sums sums = {0};
     uint32_t index[BATCH];
     float query[3 * BATCH], distance2[BATCH];
@@ -42,21 +43,21 @@ static void in_block(void *ctx, size_t begin, size_t end, unsigned worker)
     for (size_t i = begin, count; i < end; i += count) {
         count = end - i < BATCH ? end - i : BATCH;
         for (size_t j = 0; j < count; j++)
-            memcpy(&query[3 * j], looked_at(account, i + j), 3 * sizeof *query);
-        vor_knn_search(account->knn, query, count, 1, index, distance2);
+            memcpy(&query[3 * j], looked_at(compare, i + j), 3 * sizeof *query);
+        vor_knn_search(compare->knn, query, count, 1, index, distance2);
         for (size_t j = 0; j < count; j++)
-            add(&sums, vor_distance2f(&query[3 * j], &account->seeds->xyz[3 * (size_t)index[j]]));
+            add(&sums, vor_distance2f(&query[3 * j], &compare->seeds->xyz[3 * (size_t)index[j]]));
     }
-    account->block[begin / BLOCK] = sums;
+    compare->block[begin / BLOCK] = sums;
 }
 
 /* Directions, along the surface of scratch->here, of the points in the first ring around seed i.
  * Returns how many there are. */
-static unsigned directions(const struct account *account, const struct vor_scratch *scratch,
+static unsigned directions(const struct compare *compare, const struct vor_scratch *scratch,
                            size_t i, double direction[AROUND][2])
 {
     const struct vor_crowd *crowd = &scratch->crowd;
-    const float *xyz = account->seeds->xyz;
+    const float *xyz = compare->seeds->xyz;
     double within2;
     unsigned count = 0;
 
@@ -96,11 +97,11 @@ static int followed(double direction[AROUND][2], unsigned count, const double a[
 }
 
 /* Whether the points around seed i leave one side of it free, and which: away from their mean. */
-static int free_side(const struct account *account, const struct vor_scratch *scratch, size_t i,
+static int free_side(const struct compare *compare, const struct vor_scratch *scratch, size_t i,
                      double side[3])
 {
     double direction[AROUND][2], away[2] = {0, 0}, length;
-    unsigned count = directions(account, scratch, i, direction);
+    unsigned count = directions(compare, scratch, i, direction);
     int is_free = 0;
 
     for (unsigned j = 0; j < count; j++) {
@@ -119,13 +120,13 @@ static int free_side(const struct account *account, const struct vor_scratch *sc
 }
 
 /* Whether the input ends ahead of x. */
-static int ends(const struct account *account, struct vor_scratch *scratch, const double x[3],
+static int ends(const struct compare *compare, struct vor_scratch *scratch, const double x[3],
                 const double side[3])
 {
-    const struct vor_seeds *seeds = account->seeds;
+    const struct vor_seeds *seeds = compare->seeds;
     const struct vor_place *foot = &scratch->foot;
     double far =
-        VOR_RIM_AHEAD * account->spacing + VOR_RIM_AHEAD_INPUT * scratch->here.surface.spacing;
+        VOR_RIM_AHEAD * compare->spacing + VOR_RIM_AHEAD_INPUT * scratch->here.surface.spacing;
     double at[3], local[3], away[2], end[3];
     uint32_t index;
     float query[3], distance2;
@@ -148,8 +149,8 @@ static int ends(const struct account *account, struct vor_scratch *scratch, cons
 
 static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
-    struct account *account = ctx;
-    struct vor_seeds *seeds = account->seeds;
+    struct compare *compare = ctx;
+    struct vor_seeds *seeds = compare->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
     struct vor_sums sums = {0};
     size_t border = 0, fitted[VOR_NEIGHBORS_MAX + 1] = {0};
@@ -161,69 +162,71 @@ static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
         add(&sums, vor_distance2f(&seeds->xyz[3 * i], scratch->here.near));
         /* As the last step of the polish did where the seed is now. */
-        fitted[kind != VOR_SURFACE_NONE && vor_seeds_refine(seeds, scratch, i, &surface)
+        fitted[kind != VOR_SURFACE_NONE && compare->refined &&
+                       vor_seeds_refine(seeds, scratch, i, &surface)
                    ? VOR_REFINED_TO
                    : scratch->here.k]++;
         if (kind == VOR_SURFACE_NONE)
             continue;
         vor_seeds_crowd(seeds, scratch, i);
         vor_seeds_position(seeds, i, x);
-        border += free_side(account, scratch, i, side) && ends(account, scratch, x, side);
+        border += free_side(compare, scratch, i, side) && ends(compare, scratch, x, side);
     }
-    account->block[begin / BLOCK] = sums;
-    atomic_fetch_add(&account->border, border);
+    compare->block[begin / BLOCK] = sums;
+    atomic_fetch_add(&compare->border, border);
     for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX; k++)
         if (fitted[k] > 0)
-            atomic_fetch_add(&account->fitted[k], fitted[k]);
+            atomic_fetch_add(&compare->fitted[k], fitted[k]);
 }
 
 /* Runs a task over n rows and adds up what its blocks found. */
-static vor_status over_blocks(struct vor_compare_apart *out, struct account *account, size_t n,
+static vor_status over_blocks(struct vor_compare_apart *out, struct compare *compare, size_t n,
                               vor_task task, struct vor_error *err)
 {
-    const struct vor_run *run = account->seeds->run;
+    const struct vor_run *run = &compare->seeds->run;
     size_t blocks = (n + BLOCK - 1) / BLOCK;
     struct vor_sums all = {0};
     vor_status status;
 
-    account->block = vor_malloc(run->memory, blocks, sizeof *account->block);
-    if (account->block == NULL)
+    compare->block = vor_malloc(run->memory, blocks, sizeof *compare->block);
+    if (compare->block == NULL)
         return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", n);
-    status = vor_run_for(run, n, BLOCK, task, account, err);
+    status = vor_run_for(run, n, BLOCK, task, compare, err);
     for (size_t b = 0; status == VOR_OK && b < blocks; b++)
-        vor_sums_merge(&all, &account->block[b]);
+        vor_sums_merge(&all, &compare->block[b]);
     if (status == VOR_OK) {
         struct vor_stat stat = vor_sums_stat(&all, n);
 
         *out = (struct vor_compare_apart){stat.mean, stat.rms, stat.max, n};
     }
-    vor_free(run->memory, account->block);
+    vor_free(run->memory, compare->block);
     return status;
 }
 
 vor_status vor_compare(struct vor_comparison *out, struct vor_seeds *seeds, double spacing,
-                       struct vor_error *err)
+                       int refined, struct vor_error *err)
 {
-    struct account account = {.seeds = seeds, .points = seeds->domain->n, .spacing = spacing};
+    struct compare compare = {
+        .seeds = seeds, .points = seeds->domain->n, .spacing = spacing, .refined = refined};
     struct vor_knn *knn = NULL;
     struct vor_comparison found;
     vor_status status;
 
     assert(vor_seeds_on_whole(seeds));
-    if (account.points > VOR_COMPARE_POINTS)
-        account.points = VOR_COMPARE_POINTS;
-    status = over_blocks(&found.out_to_in, &account, seeds->n, out_block, err);
+    if (compare.points > VOR_COMPARE_POINTS)
+        compare.points = VOR_COMPARE_POINTS;
+    status = over_blocks(&found.out_to_in, &compare, seeds->n, out_block, err);
     if (status == VOR_OK)
-        status = vor_knn_build(&knn, seeds->xyz, seeds->n, seeds->run->memory, err);
-    account.knn = knn;
+        status = vor_knn_build(&knn, seeds->xyz, seeds->n, seeds->run.memory, err);
+    compare.knn = knn;
     if (status == VOR_OK)
-        status = over_blocks(&found.in_to_out, &account, account.points, in_block, err);
+        status = over_blocks(&found.in_to_out, &compare, compare.points, in_block, err);
     vor_knn_free(knn);
     if (status != VOR_OK)
         return status;
-    found.border = atomic_load(&account.border);
+    found.border = atomic_load(&compare.border);
     for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX; k++)
-        found.fitted[k] = atomic_load(&account.fitted[k]);
+        found.fitted[k] = atomic_load(&compare.fitted[k]);
     *out = found;
     return VOR_OK;
 }

@@ -1,5 +1,5 @@
-/** What is said of a result beside its input: how far the two are from each other, and how many of
- * the result's points lie where the input ends.
+/** A result beside its input: how far the two are from each other, and how many of the result's
+ * points lie where the input ends (geom/boundary.h, the rim).
  *
  *  Source: none of the papers. A point lies at the border when the points around it leave an angle
  * of more than 130 degrees free (a missing neighbour leaves 120, a straight border 180), and the
@@ -31,14 +31,16 @@ struct vor_comparison {
     uint64_t fitted[VOR_NEIGHBORS_MAX + 1]; /**< seeds whose surface was fitted to so many points */
 };
 
-/** Seeds are on the whole domain and indexed where they are; spacing is their mean distance to the
- * nearest neighbour.
+/** Compares the result with the input. Seeds are on the whole domain and indexed where they are.
+ *
+ *  @param[in] spacing  mean distance of a seed to the nearest other one
+ *  @param[in] refined  the last step of the method tried finer fits (vor_outcome.refined)
  *
  *  @retval VOR_E_NOMEM 44 bytes for each seed, and a little, do not fit
- *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
+ *  @retval VOR_E_CANCELLED  as vor_run_for
  *
  *  O(n log n). Sums run in block order: the same bits for any number of threads. */
 VOR_NODISCARD vor_status vor_compare(struct vor_comparison *out, struct vor_seeds *seeds,
-                                     double spacing, struct vor_error *err);
+                                     double spacing, int refined, struct vor_error *err);
 
 #endif

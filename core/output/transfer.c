@@ -147,7 +147,7 @@ static vor_status attributes(struct transfer *transfer, const struct vor_spec *s
 vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in, struct vor_seeds *seeds,
                         double spacing, const struct vor_spec *spec, struct vor_error *err)
 {
-    const struct vor_run *run = seeds->run;
+    const struct vor_run *run = &seeds->run;
     struct vor_cloud cloud;
     struct transfer transfer = {&cloud, in, seeds, NULL, NULL, vor_cloud_find(in, VOR_NORMAL)};
     int fit = spec->value[VOR_PARAM_NORMALS] == VOR_NORMALS_FIT;

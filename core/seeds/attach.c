@@ -7,7 +7,8 @@
 
 struct settle {
     struct vor_seeds *seeds;
-    int landing;  /* the surface at hand is new to the seeds */
+    int landing; /* the surface at hand is new to the seeds */
+    int keep_holes;
     size_t every; /* of so many seeds one is counted */
     atomic_size_t beyond;
 };
@@ -45,9 +46,9 @@ static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
             continue;
         if (settle->landing)
             vor_surface_put(&scratch->here.surface, x);
-        if (seeds->keep_border) {
+        if (seeds->policy.keep_border) {
             vor_seeds_border(seeds, scratch, &scratch->here, &border, x);
-            moved |= seeds->keep_holes && vor_seeds_hold(seeds, scratch, i, x);
+            moved |= settle->keep_holes && vor_seeds_hold(seeds, scratch, i, x);
             moved |= vor_boundary_restrict(&border, VOR_OUTSIDE_IN_RESULT, x);
         }
         for (size_t c = 0; moved && c < 3; c++)
@@ -55,18 +56,20 @@ static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-vor_status vor_attach(struct vor_seeds *seeds, struct vor_error *err)
+vor_status vor_attach(struct vor_seeds *seeds, int *keep_holes, struct vor_error *err)
 {
     struct settle settle = {.seeds = seeds, .every = 1 + seeds->n / VOR_GAPS_COUNTED};
     vor_status status;
 
-    if (!seeds->keep_border)
+    *keep_holes = 0;
+    if (!seeds->policy.keep_border)
         return VOR_OK;
-    status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, count_block, &settle, err);
+    status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, count_block, &settle, err);
     if (status != VOR_OK)
         return status;
-    seeds->keep_holes = (double)(settle.beyond * settle.every) <= VOR_GAPS_SHARE * (double)seeds->n;
-    return vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &settle, err);
+    settle.keep_holes = (double)(settle.beyond * settle.every) <= VOR_GAPS_SHARE * (double)seeds->n;
+    *keep_holes = settle.keep_holes;
+    return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &settle, err);
 }
 
 static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -102,20 +105,17 @@ vor_status vor_attach_last(struct vor_seeds *seeds, struct vor_error *err)
 {
     struct settle settle = {.seeds = seeds};
 
-    if (!seeds->keep_border)
+    if (!seeds->policy.keep_border)
         return VOR_OK;
-    return vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, end_block, &settle, err);
+    return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, end_block, &settle, err);
 }
 
-vor_status vor_attach_to_whole(struct vor_seeds *seeds, struct vor_error *err)
+vor_status vor_attach_to_whole(struct vor_seeds *seeds, int keep_holes, struct vor_error *err)
 {
-    struct settle settle = {.seeds = seeds, .landing = 1};
-    struct vor_run no_stop_run = *seeds->run;
-    struct vor_no_stop no_stop;
+    struct settle settle = {.seeds = seeds, .landing = 1, .keep_holes = keep_holes};
 
     if (vor_seeds_on_whole(seeds))
         return VOR_OK;
     vor_seeds_onto(seeds, seeds->whole);
-    no_stop_run.watch = vor_no_stop_watch(&no_stop, seeds->run->watch);
-    return vor_run_for(&no_stop_run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &settle, err);
+    return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &settle, err);
 }

@@ -4,22 +4,27 @@
 
 #include "core/seeds/seeds.h"
 
-/** Pulls seeds that lie outside the input up to where a result may be; nothing where
- *  seeds->keep_border is not set.
+/** Moves seeds that lie outside the input onto where a result may be; nothing where
+ *  seeds->policy.keep_border is not set.
  *
- *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for */
-VOR_NODISCARD vor_status vor_attach(struct vor_seeds *seeds, struct vor_error *err);
-
-/** Puts seeds that are on a thinner domain onto the whole one, projects them onto its surface and
- *  settles them; nothing where they are on it. A stop does not cut it short.
+ *  @param[out] keep_holes  whether holes are told from gaps of the sampling (geom/boundary.h, rule
+ *                          3): what the steps after this need
  *
  *  @retval VOR_E_CANCELLED  as vor_run_for */
-VOR_NODISCARD vor_status vor_attach_to_whole(struct vor_seeds *seeds, struct vor_error *err);
+VOR_NODISCARD vor_status vor_attach(struct vor_seeds *seeds, int *keep_holes,
+                                    struct vor_error *err);
 
-/** After a polish: whoever still is farther from the input than 1.5 times where that is sparsest
- * (vor_domain.sparse) is pulled up to that.
+/** Puts seeds that are on a thinner domain onto the whole one, projects them onto its surface and
+ *  moves them inside; nothing where they are on it.
  *
- *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for */
+ *  @retval VOR_E_CANCELLED  as vor_run_for */
+VOR_NODISCARD vor_status vor_attach_to_whole(struct vor_seeds *seeds, int keep_holes,
+                                             struct vor_error *err);
+
+/** After evening out: moves seeds that still are farther from the input than 1.5 times where that
+ *  is sparsest (vor_domain.sparse) to that distance.
+ *
+ *  @retval VOR_E_CANCELLED  as vor_run_for */
 VOR_NODISCARD vor_status vor_attach_last(struct vor_seeds *seeds, struct vor_error *err);
 
 #endif

@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/geom/boundary.h"
+#include "core/opt/keep_best.h"
 #include "core/seeds/attach.h"
 #include "core/seeds/uniformity.h"
 
@@ -13,17 +14,19 @@ enum {
     HARDER = 7,       /* from this S on, it reaches less far */
     CELLS_EVERY = 3,  /* steps */
     QUIET_EVERY = 6,  /* steps, where there was no hole, nor nearly one */
-    LANDED = 40,      /* last steps, on the whole of the input */
+    ON_WHOLE = 40,    /* last steps, on the whole of the input */
     FRESH = 16,       /* last steps, on surfaces fitted anew more often */
     EVEN_EVERY = 5,   /* steps; delta is looked at then and in the last FRESH */
     RECORD_EVERY = 10 /* steps */
 };
 
-#define GAIN 0.2        /* of the force, over 2 S */
-#define MOMENTUM 0.7    /* share of the last step that is added to the next */
-#define STEP_MAX 0.05   /* spacings */
-#define FORCE_MAX 50.0  /* (h/d)^(2S) of a pair that is much too near */
-#define OVERLAP 0.1     /* spacings: nearer pairs part along the surface, come what may */
+#define GAIN 0.2       /* of the force, over 2 S */
+#define MOMENTUM 0.7   /* share of the last step that is added to the next */
+#define STEP_MAX 0.05  /* spacings */
+#define FORCE_MAX 50.0 /* (h/d)^(2S) of a pair that is much too near */
+#define OVERLAP                                                                                    \
+    0.1 /* spacings: nearer pairs part along the surface, whatever else pulls at them              \
+         */
 #define FORCE_REACH 2.0 /* spacings that soft repulsion reaches */
 #define HARD_REACH 1.5  /* and S of HARDER and more: beyond, it is below a 290th */
 #define HOLE 0.65       /* pitches from a hole's middle to the points around it: more is too wide */
@@ -35,47 +38,49 @@ enum {
 
 struct polish {
     struct vor_seeds *seeds;
+    const struct vor_spec *spec;
+    const struct vor_run *run; /* a stop ends it */
+    struct vor_outcome *told;
     struct vor_record record;
-    float *next, *best;   /* n x 3 each */
-    float *step;          /* n x 3: the last one of each point */
-    float *pull;          /* n x 3: towards the hole next to each point */
-    float *nearest;       /* n */
-    unsigned char *quiet; /* n: no hole was near */
-    double h;             /* mean spacing */
-    double pitch;         /* of the hexagonal lattice of as many points on the same area */
-    double best_delta;
-    unsigned power; /* S */
-    double slack;   /* of the surfaces, in spacings of the input */
-    int cells;      /* holes are looked for in this step */
+    struct vor_keep_best best;
+    float *next;              /* n x 3 */
+    float *step;              /* n x 3: the last one of each point */
+    float *pull;              /* n x 3: towards the hole next to each point */
+    float *nearest;           /* n */
+    unsigned char *quiet;     /* n: no hole was near */
+    double h;                 /* mean spacing */
+    double pitch;             /* of the hexagonal lattice of as many points on the same area */
+    unsigned power;           /* S */
+    struct vor_recall recall; /* of last fits */
+    int cells;                /* holes are looked for in this step */
 };
 
 static void free_polish(struct polish *polish)
 {
-    struct vor_memory *memory = polish->seeds->run->memory;
+    struct vor_memory *memory = polish->seeds->run.memory;
 
     vor_free(memory, polish->quiet);
     vor_free(memory, polish->nearest);
     vor_free(memory, polish->pull);
     vor_free(memory, polish->step);
-    vor_free(memory, polish->best);
     vor_free(memory, polish->next);
+    vor_keep_best_free(&polish->best);
 }
 
 static vor_status alloc_polish(struct polish *polish, struct vor_error *err)
 {
-    struct vor_memory *memory = polish->seeds->run->memory;
+    struct vor_memory *memory = polish->seeds->run.memory;
     size_t n = polish->seeds->n, row = 3 * sizeof(float);
 
     polish->next = vor_malloc(memory, n, row);
-    polish->best = vor_malloc(memory, n, row);
     polish->step = vor_calloc(memory, n, row);
     polish->pull = vor_calloc(memory, n, row);
     polish->nearest = vor_malloc(memory, n, sizeof *polish->nearest);
     polish->quiet = vor_calloc(memory, n, 1);
-    if (polish->next == NULL || polish->best == NULL || polish->step == NULL ||
-        polish->pull == NULL || polish->nearest == NULL || polish->quiet == NULL)
+    if (polish->next == NULL || polish->step == NULL || polish->pull == NULL ||
+        polish->nearest == NULL || polish->quiet == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the polish of %zu points", n);
-    return VOR_OK;
+    return vor_keep_best_init(&polish->best, n, memory, err);
 }
 
 /* The corner of the cell that is farthest from its seed; NULL when nothing is left of it. */
@@ -208,7 +213,7 @@ static void keep_on_surface(const struct polish *polish, const struct vor_scratc
     vor_surface_to_local(&scratch->onto, x, local);
     vor_surface_normal(&scratch->onto, local, normal);
     remove_part(v, normal, 0);
-    if (scratch->interior || !polish->seeds->keep_border)
+    if (scratch->interior || !polish->seeds->policy.keep_border)
         return;
     vor_surface_to_local(surface, x, local);
     if (vor_boundary_room(surface, scratch->here.near, scratch->here.k, local, polish->h, side) >=
@@ -226,7 +231,7 @@ static int leaves_input(const struct vor_seeds *seeds, const struct vor_scratch 
     const struct vor_place *here = &scratch->here;
     struct vor_border border = {&here->surface, here->near, here->k, here->surface.spacing};
 
-    if (scratch->interior || !seeds->keep_border)
+    if (scratch->interior || !seeds->policy.keep_border)
         return 0;
     border.spacing = fmin(border.spacing, vor_boundary_spacing(here->near, here->k, y));
     border.spacing = fmin(border.spacing, seeds->domain->sparse);
@@ -237,7 +242,7 @@ static int leaves_input(const struct vor_seeds *seeds, const struct vor_scratch 
 static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
 {
     const struct vor_seeds *seeds = polish->seeds;
-    double v[3], x[3] = {0}, y[3], out[3]; /* the analysers want it said */
+    double v[3], x[3] = {0}, y[3], out[3]; /* clang-analyzer cannot see that seeds->n > i */
     double length, limit = STEP_MAX * polish->h;
 
     vor_seeds_position(seeds, i, x);
@@ -258,7 +263,7 @@ static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
             y[c] = x[c] + v[c];
         vor_surface_put(&scratch->onto, y);
     }
-    if (!scratch->interior && seeds->keep_holes && vor_seeds_hold(seeds, scratch, i, y))
+    if (!scratch->interior && polish->recall.keep_holes && vor_seeds_hold(seeds, scratch, i, y))
         vor_surface_put(&scratch->onto, y);
     for (size_t c = 0; c < 3; c++) {
         polish->next[3 * i + c] = (float)y[c];
@@ -274,8 +279,7 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
     for (size_t i = begin; i < end; i++) {
         memcpy(&polish->next[3 * i], &seeds->xyz[3 * i], 3 * sizeof(float));
-        if (vor_seeds_recall(seeds, scratch, i, VOR_EDGE_INTERIOR * polish->h, polish->slack) ==
-            VOR_SURFACE_NONE)
+        if (vor_seeds_recall(seeds, scratch, i, &polish->recall) == VOR_SURFACE_NONE)
             continue;
         if (polish->cells && !(polish->quiet[i] && polish->record.polish % QUIET_EVERY)) {
             vor_seeds_crowd(seeds, scratch, i);
@@ -302,18 +306,18 @@ static double longest_step(const struct polish *polish)
 }
 
 /* One step: from seeds->xyz to seeds->xyz. */
-static vor_status step_once(struct polish *polish, double start, struct vor_error *err)
+static vor_status step_once(struct polish *polish, struct vor_error *err)
 {
     struct vor_seeds *seeds = polish->seeds;
-    vor_status status = vor_seeds_index(seeds, err);
+    vor_status status = vor_seeds_index(seeds, polish->run, err);
 
     if (status == VOR_OK)
-        status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, move_block, polish, err);
+        status = vor_run_for(polish->run, seeds->n, VOR_SEEDS_BLOCK, move_block, polish, err);
     if (status != VOR_OK)
         return status;
     memcpy(seeds->xyz, polish->next, 3 * seeds->n * sizeof *seeds->xyz);
     polish->record.polish++;
-    polish->record.seconds = vor_run_clock(seeds->run) - start;
+    polish->record.seconds = vor_run_seconds(polish->run);
     return VOR_OK;
 }
 
@@ -323,14 +327,12 @@ static vor_status look(struct polish *polish, struct vor_error *err)
     const struct vor_seeds *seeds = polish->seeds;
     double unit = seeds->domain->unit;
     struct vor_uniformity even;
-    vor_status status = vor_seeds_uniformity(&even, polish->nearest, seeds, seeds->xyz, err);
+    vor_status status =
+        vor_seeds_uniformity(&even, polish->nearest, seeds, seeds->xyz, polish->run, err);
 
     if (status != VOR_OK)
         return status;
-    if (even.delta < polish->best_delta) {
-        polish->best_delta = even.delta;
-        memcpy(polish->best, seeds->xyz, 3 * seeds->n * sizeof *polish->best);
-    }
+    vor_keep_best_offer(&polish->best, seeds->xyz, even.delta);
     polish->h = even.mean;
     polish->record.delta = even.delta;
     polish->record.sigma = even.sigma * unit;
@@ -340,7 +342,7 @@ static vor_status look(struct polish *polish, struct vor_error *err)
 
 static enum vor_answer tell(struct polish *polish)
 {
-    const struct vor_watch *watch = polish->seeds->run->watch;
+    const struct vor_watch *watch = polish->run->watch;
 
     if (watch == NULL || watch->progress == NULL)
         return VOR_CONTINUE;
@@ -349,23 +351,20 @@ static enum vor_answer tell(struct polish *polish)
     return watch->progress(watch->ctx, &polish->record);
 }
 
-static int even_enough(const struct polish *polish, const struct vor_spec *spec)
+static int even_enough(const struct polish *polish)
 {
-    return vor_spec_given(spec, VOR_PARAM_DELTA) &&
-           polish->best_delta <= spec->value[VOR_PARAM_DELTA];
+    return vor_stop_even_enough(polish->spec, polish->best.delta);
 }
 
 /* Whether the request's own stops are reached, now that a step took `took` seconds. */
-static int finished(const struct polish *polish, struct vor_cvt_result *result,
-                    const struct vor_spec *spec, double took)
+static int finished(const struct polish *polish, double took)
 {
-    if (vor_seeds_on_whole(polish->seeds) && even_enough(polish, spec))
-        result->stopped = VOR_STOPPED_DELTA;
-    else if (vor_spec_given(spec, VOR_PARAM_SECONDS) &&
-             polish->record.seconds + took > spec->value[VOR_PARAM_SECONDS])
-        result->stopped = VOR_STOPPED_SECONDS;
+    if (vor_seeds_on_whole(polish->seeds) && even_enough(polish))
+        polish->told->stopped = VOR_STOPPED_DELTA;
+    else if (vor_stop_out_of_time(polish->spec, 1, polish->record.seconds, took))
+        polish->told->stopped = VOR_STOPPED_SECONDS;
     else
-        return polish->record.polish >= (uint32_t)spec->value[VOR_PARAM_POLISH];
+        return polish->record.polish >= polish->record.of;
     return 1;
 }
 
@@ -379,15 +378,14 @@ static vor_status take(struct polish *polish, struct vor_error *err)
 
     if (status != VOR_OK)
         return status;
-    memcpy(polish->best, seeds->xyz, 3 * seeds->n * sizeof *polish->best);
-    polish->best_delta = even.delta;
+    vor_keep_best_restart(&polish->best, seeds->xyz, even.delta);
     polish->h = even.mean;
     return VOR_OK;
 }
 
-static vor_status land(struct polish *polish, struct vor_error *err)
+static vor_status onto_whole(struct polish *polish, struct vor_error *err)
 {
-    vor_status status = vor_attach_to_whole(polish->seeds, err);
+    vor_status status = vor_attach_to_whole(polish->seeds, polish->recall.keep_holes, err);
 
     return status == VOR_OK ? take(polish, err) : status;
 }
@@ -399,8 +397,9 @@ static void harden(struct polish *polish, unsigned steps)
 
     polish->power = SOFT + (HARD - SOFT) * done / (steps > 1 ? steps - 1 : 1);
     polish->cells = done % CELLS_EVERY == 0;
-    polish->seeds->refined = 2 * done >= steps && !polish->seeds->whole->rounded;
-    polish->slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
+    polish->recall.radius = VOR_EDGE_INTERIOR * polish->h;
+    polish->recall.slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
+    polish->recall.refine = 2 * done >= steps && vor_domain_is_exact(polish->seeds->whole);
 }
 
 static int look_is_due(const struct polish *polish, unsigned steps)
@@ -408,75 +407,88 @@ static int look_is_due(const struct polish *polish, unsigned steps)
     return polish->record.polish % EVEN_EVERY == 0 || polish->record.polish + FRESH >= steps;
 }
 
-static vor_status loop(struct polish *polish, struct vor_cvt_result *result,
-                       const struct vor_spec *spec, double start, struct vor_error *err)
+/* One step and what follows from it.
+ *
+ * @param[out] ended  one of the request's stops is reached */
+static vor_status advance(struct polish *polish, unsigned steps, int *ended, struct vor_error *err)
 {
-    unsigned steps = (unsigned)spec->value[VOR_PARAM_POLISH];
-    enum vor_answer answer = VOR_CONTINUE;
-    int ended = finished(polish, result, spec, 0);
+    double before = polish->record.seconds;
     vor_status status = VOR_OK;
 
-    while (answer == VOR_CONTINUE && !ended) {
-        double before = polish->record.seconds;
+    if (!vor_seeds_on_whole(polish->seeds) &&
+        (polish->record.polish + ON_WHOLE >= steps || even_enough(polish)))
+        status = onto_whole(polish, err);
+    harden(polish, steps);
+    if (status == VOR_OK)
+        status = step_once(polish, err);
+    *ended = finished(polish, polish->record.seconds - before);
+    if (status == VOR_OK && (*ended || look_is_due(polish, steps))) {
+        status = look(polish, err);
+        polish->record.polish -= status == VOR_E_STOPPED; /* that one is not handed back */
+        *ended = finished(polish, polish->record.seconds - before);
+    }
+    return status;
+}
 
-        if (!vor_seeds_on_whole(polish->seeds) &&
-            (polish->record.polish + LANDED >= steps || even_enough(polish, spec)))
-            status = land(polish, err);
-        harden(polish, steps);
-        if (status == VOR_OK)
-            status = step_once(polish, start, err);
-        ended = finished(polish, result, spec, polish->record.seconds - before);
-        if (status == VOR_OK && (ended || look_is_due(polish, steps))) {
-            status = look(polish, err);
-            polish->record.polish -= status == VOR_E_STOPPED; /* that one is not handed back */
-            ended = finished(polish, result, spec, polish->record.seconds - before);
-        }
-        if (status == VOR_E_STOPPED) {
+static vor_status loop(struct polish *polish, struct vor_error *err)
+{
+    unsigned steps = polish->record.of;
+    enum vor_answer answer = VOR_CONTINUE;
+    int ended = finished(polish, 0);
+
+    while (answer == VOR_CONTINUE && !ended) {
+        vor_status status = advance(polish, steps, &ended, err);
+
+        if (status == VOR_E_STOPPED)
             answer = VOR_STOP;
-            break;
-        }
-        if (status != VOR_OK)
+        else if (status != VOR_OK)
             return status;
-        if (ended || polish->record.polish % RECORD_EVERY == 0)
+        else if (ended || polish->record.polish % RECORD_EVERY == 0)
             answer = tell(polish);
     }
     if (answer == VOR_CANCEL)
         return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
     if (answer == VOR_STOP)
-        result->stopped = VOR_STOPPED_CALLER;
+        polish->told->stopped = VOR_STOPPED_CALLER;
     return VOR_OK;
 }
 
-static double lattice_pitch(const struct vor_seeds *seeds, const struct vor_cvt_result *result)
+/* Spacing of a hexagonal lattice of as many points on the same area. */
+static double lattice_pitch(const struct vor_seeds *seeds, const struct vor_outcome *told)
 {
-    double unit = seeds->domain->unit;
-    double area = result->iterations > 0 ? result->area / (unit * unit) : seeds->area;
+    double area = told->steps[VOR_RUN_STAGE_ITERATE] > 0 ? told->area : seeds->area;
 
     return sqrt(area / (VOR_HEXAGON_HEIGHT * (double)seeds->n));
 }
 
-vor_status vor_repel(struct vor_seeds *seeds, struct vor_cvt_result *result,
-                     const struct vor_spec *spec, double start, struct vor_error *err)
+vor_status vor_repel(struct vor_seeds *seeds, struct vor_outcome *told, int keep_holes,
+                     const struct vor_spec *spec, const struct vor_run *run, struct vor_error *err)
 {
-    struct polish polish = {.seeds = seeds, .record = result->last};
+    struct polish polish = {
+        .seeds = seeds, .spec = spec, .run = run, .told = told, .record = told->last};
+    double before = vor_run_clock(run);
     vor_status status;
 
-    if (!(spec->value[VOR_PARAM_POLISH] > 0) || result->stopped == VOR_STOPPED_CALLER)
+    if (!(spec->value[VOR_PARAM_POLISH] > 0) || told->stopped == VOR_STOPPED_CALLER)
         return VOR_OK;
     polish.record.stage = VOR_RUN_STAGE_POLISH;
     polish.record.of = (uint32_t)spec->value[VOR_PARAM_POLISH];
     polish.record.ahead = 0;
-    if (result->stopped == VOR_STOPPED_DELTA) /* it may be reached no more, now that all settled */
-        result->stopped = VOR_STOPPED_ITERATIONS;
+    polish.recall.keep_holes = keep_holes;
+    if (told->stopped == VOR_STOPPED_DELTA) /* attaching may have undone it */
+        told->stopped = VOR_STOPPED_ITERATIONS;
     status = alloc_polish(&polish, err);
     if (status == VOR_OK)
         status = take(&polish, err);
-    polish.pitch = lattice_pitch(seeds, result);
+    polish.pitch = lattice_pitch(seeds, told);
     if (status == VOR_OK)
-        status = loop(&polish, result, spec, start, err);
+        status = loop(&polish, err);
     if (status == VOR_OK) {
-        memcpy(seeds->xyz, polish.best, 3 * seeds->n * sizeof *seeds->xyz);
-        result->polish_steps = polish.record.polish;
+        memcpy(seeds->xyz, polish.best.xyz, 3 * seeds->n * sizeof *seeds->xyz);
+        told->refined = polish.recall.refine;
+        if (polish.record.polish > 0)
+            vor_outcome_stage(told, VOR_RUN_STAGE_POLISH, polish.record.polish,
+                              vor_run_clock(run) - before);
     }
     free_polish(&polish);
     return status;

@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/base/rng.h"
+#include "core/input/neighbors.h"
 #include "core/input/sheets.h"
 
 #include <assert.h>
@@ -29,23 +30,18 @@ static unsigned at_most_all(const struct vor_seeds *seeds, unsigned k)
 /* How many input points a surface at x is to be fitted to. */
 static unsigned asked(const struct vor_seeds *seeds, const float x[3])
 {
-    return at_most_all(seeds, vor_neighbors_at(seeds->neighbors, x));
+    return at_most_all(seeds, vor_neighbors_at(&seeds->whole->known.neighbors, x));
 }
 
 vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
-                          const struct vor_neighbors *neighbors, const struct vor_run *run,
+                          struct vor_seeds_policy policy, const struct vor_run *run,
                           struct vor_error *err)
 {
-    struct vor_seeds seeds = {.domain = domain,
-                              .whole = domain,
-                              .neighbors = neighbors,
-                              .run = run,
-                              .n = n,
-                              .keep_border = 1,
-                              .widen = 1};
-    unsigned threads = vor_pool_threads(run->pool);
+    struct vor_seeds seeds = {.domain = domain, .whole = domain, .n = n, .policy = policy};
+    unsigned threads = vor_pool_threads(run->pool), most = domain->known.neighbors.most;
 
-    assert(n >= 1 && neighbors->most >= 1 && neighbors->most <= VOR_NEIGHBORS_MAX);
+    assert(n >= 1 && most >= 1 && most <= VOR_NEIGHBORS_MAX);
+    seeds.run = vor_run_unstoppable(run);
     vor_disc_init(&seeds.flat, 0);
     vor_disc_init(&seeds.disc, RINGS);
     vor_disc_init(&seeds.fine, RINGS_FINE);
@@ -53,8 +49,8 @@ vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain
     seeds.last_fit = vor_calloc(run->memory, n, sizeof *seeds.last_fit);
     seeds.scratch = vor_calloc(run->memory, threads, sizeof *seeds.scratch);
     if (seeds.xyz == NULL || seeds.last_fit == NULL || seeds.scratch == NULL ||
-        vor_input_lists_init(&seeds.input_lists, n, at_most_all(&seeds, neighbors->most),
-                             domain->knn, domain->xyz, domain->n, run->memory, err) != VOR_OK ||
+        vor_input_lists_init(&seeds.input_lists, n, at_most_all(&seeds, most), domain->knn,
+                             domain->xyz, domain->n, run->memory, err) != VOR_OK ||
         vor_point_lists_init(&seeds.point_lists, n,
                              n > VOR_SEEDS_LISTED ? VOR_SEEDS_LISTED : (unsigned)n - 1, run->memory,
                              err) != VOR_OK) {
@@ -67,11 +63,10 @@ vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain
 
 void vor_seeds_free(struct vor_seeds *seeds)
 {
-    struct vor_memory *memory;
+    struct vor_memory *memory = seeds->run.memory;
 
-    if (seeds->run == NULL)
+    if (memory == NULL)
         return;
-    memory = seeds->run->memory;
     vor_free(memory, seeds->scratch);
     vor_point_lists_free(&seeds->point_lists);
     vor_input_lists_free(&seeds->input_lists);
@@ -87,14 +82,15 @@ void vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain)
     memset(seeds->last_fit, 0, seeds->n * sizeof *seeds->last_fit);
 }
 
-vor_status vor_seeds_index(struct vor_seeds *seeds, struct vor_error *err)
+vor_status vor_seeds_index(struct vor_seeds *seeds, const struct vor_run *run,
+                           struct vor_error *err)
 {
     double far = seeds->n < MANY ? FAR : FAR_MANY;
     vor_status status;
 
     if (vor_point_lists_look(&seeds->view, &seeds->point_lists, seeds->xyz, far))
         return VOR_OK;
-    status = vor_point_lists_index(&seeds->point_lists, seeds->xyz, seeds->run, err);
+    status = vor_point_lists_index(&seeds->point_lists, seeds->xyz, run, err);
     if (status == VOR_OK)
         (void)vor_point_lists_look(&seeds->view, &seeds->point_lists, seeds->xyz, far);
     return status;
@@ -104,7 +100,7 @@ struct vor_counts vor_seeds_counts(const struct vor_seeds *seeds)
 {
     struct vor_counts counts = {.queries = seeds->point_lists.indexed * seeds->n};
 
-    for (unsigned i = 0; i < vor_pool_threads(seeds->run->pool); i++) {
+    for (unsigned i = 0; i < vor_pool_threads(seeds->run.pool); i++) {
         counts.queries += seeds->scratch[i].queries;
         counts.cells += seeds->scratch[i].cells;
         counts.bisectors += seeds->scratch[i].bisectors;
@@ -170,17 +166,17 @@ enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch 
 
 /* Whether the input goes on around the seed at hand. */
 static int far_from_border(const struct vor_seeds *seeds, const struct vor_scratch *scratch,
-                           const double x[3], double radius)
+                           const double x[3], const struct vor_recall *how)
 {
     const struct vor_place *here = &scratch->here;
-    double local[3], side[2], inside = seeds->keep_holes ? VOR_HOLE_INSIDE : 1;
+    double local[3], side[2], inside = how->keep_holes ? VOR_HOLE_INSIDE : 1;
 
-    if (!seeds->keep_border)
+    if (!seeds->policy.keep_border)
         return 1;
     vor_surface_to_local(&here->surface, x, local);
     return vor_boundary_within(here->near, here->k, x,
                                inside * vor_boundary_spacing(here->near, here->k, x)) &&
-           isinf(vor_boundary_room(&here->surface, here->near, here->k, local, radius, side));
+           isinf(vor_boundary_room(&here->surface, here->near, here->k, local, how->radius, side));
 }
 
 int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
@@ -188,29 +184,30 @@ int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_scratch *sc
 {
     unsigned k = scratch->here.k;
 
-    return seeds->refined && k >= VOR_REFINED_MIN && k <= VOR_REFINED_MAX &&
+    return k >= VOR_REFINED_MIN && k <= VOR_REFINED_MAX &&
            vor_surface_refine(surface, scratch->here.near, k, &seeds->xyz[3 * i]);
 }
 
 enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scratch *scratch,
-                                       size_t i, double radius, double slack)
+                                       size_t i, const struct vor_recall *how)
 {
     struct vor_last_fit *last = &seeds->last_fit[i];
-    double most = slack * last->surface.spacing, x[3];
+    double most = how->slack * last->surface.spacing, x[3];
 
-    if (last->interior && (last->refined || !seeds->refined) &&
+    if (last->interior && (last->refined || !how->refine) &&
         vor_distance2f(&seeds->xyz[3 * i], last->place) <= most * most) {
         scratch->here.surface = scratch->onto = last->surface;
     } else {
         if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
             return VOR_SURFACE_NONE;
         vor_seeds_position(seeds, i, x);
-        last->interior = (unsigned char)far_from_border(seeds, scratch, x, radius);
+        last->interior = (unsigned char)far_from_border(seeds, scratch, x, how);
         scratch->onto = scratch->here.surface;
-        (void)vor_seeds_refine(seeds, scratch, i, &scratch->onto);
+        if (how->refine)
+            (void)vor_seeds_refine(seeds, scratch, i, &scratch->onto);
         if (last->interior) { /* nothing else is asked of it */
             scratch->here.surface = last->surface = scratch->onto;
-            last->refined = (unsigned char)seeds->refined;
+            last->refined = (unsigned char)how->refine;
         }
     }
     scratch->interior = last->interior;
@@ -256,7 +253,7 @@ static int goes_on(const struct vor_seeds *seeds, size_t i, const double foot[3]
     struct vor_place around;
     uint32_t index[VOR_NEIGHBORS_MAX];
 
-    memset(index, 0, k * sizeof *index); /* the analysers want it said */
+    memset(index, 0, k * sizeof *index); /* clang-analyzer cannot see that k >= 1 */
     gather(seeds, &around, index, vor_input_lists_around(&seeds->input_lists, i, at, k, index));
     return vor_boundary_beyond(around.near, around.k, foot, x, INFINITY);
 }
@@ -276,7 +273,7 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, s
     /* Mostly the points at hand tell, and save a search. Not of sheets: they may be on another. */
     if (length <= VOR_HOLE_MARGIN * spacing ||
         vor_boundary_beyond(near, k, foot, x, vor_boundary_reach(near, k, x) - length) ||
-        (!seeds->domain->sheets && goes_on(seeds, i, foot, x, k)) ||
+        (!seeds->domain->known.sheets && goes_on(seeds, i, foot, x, k)) ||
         vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) == VOR_SURFACE_NONE ||
         vor_boundary_beyond(other->near, other->k, foot, x, INFINITY) ||
         vor_boundary_regularity(other->near, other->k, other->surface.spacing) < VOR_HOLE_REGULAR)
@@ -379,7 +376,7 @@ static void end_at_border(const struct vor_seeds *seeds, struct vor_scratch *scr
 {
     double side[2],
         room = vor_boundary_room(&scratch->here.surface, scratch->here.near, scratch->here.k,
-                                 scratch->cell.seed, scratch->radius / seeds->widen, side);
+                                 scratch->cell.seed, scratch->radius / seeds->policy.widen, side);
 
     if (room < scratch->radius)
         vor_cell_clip(&scratch->cell, (double[3]){2 * room * side[0], 2 * room * side[1], 0});
@@ -406,11 +403,11 @@ void vor_seeds_clip(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t
 
     vor_seeds_position(seeds, i, x);
     vor_surface_to_local(&scratch->here.surface, x, local);
-    scratch->radius = seeds->widen * patch_radius(crowd);
+    scratch->radius = seeds->policy.widen * patch_radius(crowd);
     vor_cell_begin(&scratch->cell, flat ? &seeds->flat : vor_seeds_disc(seeds, scratch),
                    &scratch->here.surface, local, scratch->radius);
     scratch->triangles += scratch->cell.count;
-    if (seeds->keep_border && !scratch->interior)
+    if (seeds->policy.keep_border && !scratch->interior)
         end_at_border(seeds, scratch);
     while (j < crowd->count && clip_by(seeds, scratch, i, crowd->index[j]))
         j++;

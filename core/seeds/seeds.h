@@ -5,23 +5,15 @@
 
 #include "core/base/run.h"
 #include "core/geom/boundary.h"
-#include "core/geom/cell.h"
-#include "core/geom/surface.h"
 #include "core/input/domain.h"
-#include "core/input/neighbors.h"
 #include "core/knn/input_lists.h"
 #include "core/knn/point_lists.h"
+#include "core/seeds/scratch.h"
+#include "core/spec.h"
 
 #define VOR_SEEDS_BLOCK 256    /* seeds a task; also the unit of the sums */
 #define VOR_SEEDS_LISTED 20    /* neighbours in the list of each seed */
 #define VOR_SEEDS_MORE_MAX 256 /* neighbours looked at when those do not secure a cell */
-
-/** Input points around a place, nearest first, and the surface fitted to them. */
-struct vor_place {
-    unsigned k; /**< how many */
-    float near[3 * VOR_NEIGHBORS_MAX];
-    struct vor_surface surface;
-};
 
 /** What is kept of a seed's last fit. */
 struct vor_last_fit {
@@ -33,48 +25,44 @@ struct vor_last_fit {
     unsigned char refined : 1;  /**< a finer fit was tried */
 };
 
-/** Scratch of one worker, and what it counts. */
-struct vor_scratch {
-    struct vor_place here, there; /**< of the seed at hand, and of where it wants to go */
-    struct vor_place foot;        /**< of the input point nearest to one of these */
-    struct vor_surface onto;      /**< set by vor_seeds_recall: what the seed moves along */
-    int interior;                 /**< the seed at hand is known to be far from the border */
-    struct vor_crowd crowd;       /**< seeds around the seed at hand */
-    struct vor_cell cell;
-    double radius;                        /**< of the patch */
-    uint64_t queries;                     /**< searches of either index */
-    uint64_t cells, bisectors, triangles; /**< computed; that cut them; of their patches */
+/** How the cells of all seeds are made; chosen once. */
+struct vor_seeds_policy {
+    int keep_border; /**< cells end where the input ends, and points stay inside it */
+    double widen;    /**< patches are this many times as wide as usual */
 };
 
 /** n points on the domain, in its normalised coordinates. */
 struct vor_seeds {
     const struct vor_domain *domain; /**< that surfaces are fitted to: the whole, or some of it */
     const struct vor_domain *whole;  /**< that the seeds are to end on */
-    const struct vor_run *run;
+    struct vor_run run; /**< that a stop does not cut short; loops that it may, have their own */
     size_t n;
-    const struct vor_neighbors *neighbors; /**< how many input points a surface is fitted to */
-    int refined;     /**< vor_seeds_recall tries vor_surface_refine; 0 at first */
-    int keep_holes;  /**< holes are told from gaps: vor_seeds_hold; set by vor_attach */
-    int keep_border; /**< cells end where the input ends; set by vor_seeds_init, may be changed */
-    float *xyz;      /**< n x 3 */
+    struct vor_seeds_policy policy;
+    float *xyz;                         /**< n x 3 */
     struct vor_input_lists input_lists; /**< candidates among the input, for each seed */
     struct vor_last_fit *last_fit;      /**< n */
     struct vor_point_lists point_lists; /**< neighbours among the seeds */
     struct vor_point_lists_view view;   /**< of xyz, as of the last index */
-    double widen; /**< patches are this many times as wide as usual; 1 after vor_seeds_init */
-    double area;  /**< of the surface, from the draw that these seeds were started from */
+    double area; /**< of the surface, from the draw that these seeds were started from */
     struct vor_disc flat, disc, fine; /**< patches, by how much they bend */
     struct vor_scratch *scratch;      /**< one for each thread of the pool */
 };
 
-/** n seeds with unset positions; n >= 1; neighbors, which must outlive them, lowered to the size
- * of the domain.
+/** n >= 1 seeds with unset positions. A fit takes as many points as domain->known says, lowered to
+ *  the size of the domain. The domain must outlive them, and so must run's watches.
  *
  *  @retval VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain,
-                                        size_t n, const struct vor_neighbors *neighbors,
+                                        size_t n, struct vor_seeds_policy policy,
                                         const struct vor_run *run, struct vor_error *err);
 
+/** Cells as a request wants them. */
+static inline struct vor_seeds_policy vor_seeds_policy_of(const struct vor_spec *spec)
+{
+    return (struct vor_seeds_policy){spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP, 1};
+}
+
+/** seeds may be all zero. */
 void vor_seeds_free(struct vor_seeds *seeds);
 
 /** From now on surfaces are fitted to `domain`: the whole one, or at least seeds->input_lists.wide
@@ -87,21 +75,30 @@ void vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain);
  *
  *  @retval VOR_E_NOMEM
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for */
-VOR_NODISCARD vor_status vor_seeds_index(struct vor_seeds *seeds, struct vor_error *err);
+VOR_NODISCARD vor_status vor_seeds_index(struct vor_seeds *seeds, const struct vor_run *run,
+                                         struct vor_error *err);
 
 /** Gathers scratch->here for seed i, wherever that is by now. Only one thread at a time may ask for
  * i. */
 enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i);
 
-/** As vor_seeds_fit, but content with the last fit where that found the seed inside the input, no
- * border within `radius` of it, and it moved by at most `slack` of the input's spacing since;
- * scratch->interior tells, and then scratch->here.near is not set. scratch->onto is the fit,
- * refined where seeds->refined asks for it. */
-enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scratch *scratch,
-                                       size_t i, double radius, double slack);
+/** When a last fit still serves. */
+struct vor_recall {
+    double radius;  /**< no edge within it, then none is looked for */
+    double slack;   /**< input spacings that a seed may move from its last fit */
+    int keep_holes; /**< holes are told from gaps of the sampling (vor_attach) */
+    int refine;     /**< vor_seeds_refine is tried */
+};
 
-/** Fits *surface, that of scratch->here around seed i, to fewer neighbours where seeds->refined and
- * k allow it and vor_surface_refine finds that better. Returns whether it did. */
+/** As vor_seeds_fit, but content with the last fit where that found the seed inside the input, no
+ *  border within how->radius of it, and it moved by at most how->slack since; scratch->interior
+ *  says so, and then scratch->here.near is not set. scratch->onto is the fit, refined where
+ *  how->refine asks for it. */
+enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scratch *scratch,
+                                       size_t i, const struct vor_recall *how);
+
+/** Fits *surface, that of scratch->here around seed i, to fewer neighbours where k allows it and
+ *  vor_surface_refine finds that better. Returns whether it did. */
 int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
                      struct vor_surface *surface);
 
@@ -132,10 +129,7 @@ enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor
  *  (j, i), so that they part: from what i and j are, nothing else. */
 void vor_seeds_part(size_t i, size_t j, double length, double offset[2]);
 
-/** Sum of a counter over the workers. */
-struct vor_counts {
-    uint64_t queries, cells, bisectors, triangles;
-};
+/** Sums over the workers. */
 struct vor_counts vor_seeds_counts(const struct vor_seeds *seeds);
 
 /** What is known of the border around x, where `place`, here or there, was gathered. */

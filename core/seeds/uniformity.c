@@ -10,6 +10,7 @@ struct even {
     const struct vor_seeds *seeds;
     struct vor_point_lists_view view;
     float *nearest;
+    const struct vor_run *run;
 };
 
 /* Negative where even the widest search leaves it open. */
@@ -78,7 +79,7 @@ static size_t count_open(const struct even *even)
 /* By an index of the positions. */
 static vor_status search_all(const struct even *even, struct vor_error *err)
 {
-    const struct vor_run *run = even->seeds->run;
+    const struct vor_run *run = even->run;
     struct vor_knn *knn;
     vor_status status = vor_knn_build(&knn, even->view.xyz, even->seeds->n, run->memory, err);
 
@@ -95,12 +96,12 @@ static vor_status search_all(const struct even *even, struct vor_error *err)
 static vor_status measure(struct even *even, struct vor_error *err)
 {
     const struct vor_seeds *seeds = even->seeds;
-    vor_status status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, list_block, even, err);
+    vor_status status = vor_run_for(even->run, seeds->n, VOR_SEEDS_BLOCK, list_block, even, err);
 
     if (status != VOR_OK || count_open(even) == 0)
         return status;
     if (count_open(even) <= seeds->n / OPEN_SHARE) {
-        status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, wide_block, even, err);
+        status = vor_run_for(even->run, seeds->n, VOR_SEEDS_BLOCK, wide_block, even, err);
         if (status != VOR_OK || count_open(even) == 0)
             return status;
     }
@@ -109,9 +110,9 @@ static vor_status measure(struct even *even, struct vor_error *err)
 
 vor_status vor_seeds_uniformity(struct vor_uniformity *out, float *nearest,
                                 const struct vor_seeds *seeds, const float *xyz,
-                                struct vor_error *err)
+                                const struct vor_run *run, struct vor_error *err)
 {
-    struct even even = {.seeds = seeds, .nearest = nearest};
+    struct even even = {.seeds = seeds, .nearest = nearest, .run = run};
     vor_status status = VOR_OK;
 
     even.view.xyz = xyz;
@@ -129,18 +130,11 @@ vor_status vor_seeds_uniformity(struct vor_uniformity *out, float *nearest,
 vor_status vor_seeds_uniformity_now(struct vor_uniformity *out, float *nearest,
                                     struct vor_seeds *seeds, struct vor_error *err)
 {
-    const struct vor_run *run = seeds->run;
-    struct vor_run no_stop_run = *run;
-    struct vor_no_stop no_stop;
-    vor_status status;
+    vor_status status = vor_seeds_index(seeds, &seeds->run, err);
 
-    no_stop_run.watch = vor_no_stop_watch(&no_stop, run->watch);
-    seeds->run = &no_stop_run;
-    status = vor_seeds_index(seeds, err);
-    if (status == VOR_OK)
-        status = vor_seeds_uniformity(out, nearest, seeds, seeds->xyz, err);
-    seeds->run = run;
-    return status;
+    if (status != VOR_OK)
+        return status;
+    return vor_seeds_uniformity(out, nearest, seeds, seeds->xyz, &seeds->run, err);
 }
 
 struct six {
@@ -164,14 +158,14 @@ static void six_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
 vor_status vor_seeds_six_share(double *out, struct vor_seeds *seeds, struct vor_error *err)
 {
-    struct vor_memory *memory = seeds->run->memory;
+    struct vor_memory *memory = seeds->run.memory;
     struct six six = {seeds, vor_calloc(memory, seeds->n, 1)};
     size_t count = 0;
     vor_status status;
 
     if (six.is == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the cells of %zu points", seeds->n);
-    status = vor_run_for(seeds->run, seeds->n, VOR_SEEDS_BLOCK, six_block, &six, err);
+    status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, six_block, &six, err);
     for (size_t i = 0; i < seeds->n; i++)
         count += six.is[i];
     vor_free(memory, six.is);

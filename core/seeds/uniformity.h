@@ -17,7 +17,7 @@
  *  @retval VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_seeds_uniformity(struct vor_uniformity *out, float *nearest,
                                               const struct vor_seeds *seeds, const float *xyz,
-                                              struct vor_error *err);
+                                              const struct vor_run *run, struct vor_error *err);
 
 /** Share of the seeds, as of the last index, whose cell in the tangent plane has six sides.
  *

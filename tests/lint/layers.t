@@ -122,7 +122,7 @@ my %pending = map { $_ => 1 } (
     'server/store/row.h server/jobs/job.h',
     'server/store/store.h server/jobs/job.h',
 );
-my %pending_circle = map { $_ => 1 } qw(core/cvt/lloyd proto/codec server/api/app server/api/handlers/submit
+my %pending_circle = map { $_ => 1 } qw(proto/codec server/api/app server/api/handlers/submit
     server/cli/cli server/http/gate server/work/internal);
 
 # The edges between the units of these files: path => text.

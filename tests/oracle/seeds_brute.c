@@ -26,15 +26,15 @@ static void open_bed(struct bed *bed, uint64_t seed, size_t points, size_t n)
     else
         vt_cloud_box(&bed->cloud, seed, points);
     vt_assert_ok(vor_domain_init(&bed->domain, &bed->cloud, &bed->engine.run, &vt_err));
-    vt_assert_ok(vor_seeds_init(&bed->seeds, &bed->domain, n, &bed->engine.neighbors,
-                                &bed->engine.run, &vt_err));
+    vt_assert_ok(
+        vor_seeds_init(&bed->seeds, &bed->domain, n, vt_policy, &bed->engine.run, &vt_err));
     for (size_t i = 0; i < 3 * n; i++) {
         size_t from = (size_t)vor_rng_below(seed, 41, i / 3, bed->domain.n);
 
         bed->seeds.xyz[i] =
             bed->domain.xyz[3 * from + i % 3] + (float)(0.01 * (vt_unit(seed + 9, i) - 0.5));
     }
-    vt_assert_ok(vor_seeds_index(&bed->seeds, &vt_err));
+    vt_assert_ok(vor_seeds_index(&bed->seeds, &bed->seeds.run, &vt_err));
 }
 
 static void close_bed(struct bed *bed)
@@ -64,8 +64,8 @@ static void clip_by_all(struct vor_cell *cell, const struct vor_seeds *seeds,
     vor_surface_to_local(surface, x, local);
     vor_cell_begin(cell, vor_seeds_disc(seeds, scratch), surface, local, scratch->radius);
     room = vor_boundary_room(surface, scratch->here.near, scratch->here.k, local,
-                             scratch->radius / seeds->widen, side);
-    if (seeds->keep_border && room < scratch->radius)
+                             scratch->radius / seeds->policy.widen, side);
+    if (seeds->policy.keep_border && room < scratch->radius)
         vor_cell_clip(cell, (double[3]){2 * room * side[0], 2 * room * side[1], 0});
     for (size_t j = 0; j < seeds->n; j++) {
         double other[3], offset[3];
@@ -109,7 +109,7 @@ START_TEST(a_cell_that_stops_at_the_security_radius_is_clipped_by_all_seeds)
             struct bed bed;
 
             open_bed(&bed, (uint64_t)_i, 3000, counts[k]);
-            bed.seeds.keep_border = keep;
+            bed.seeds.policy.keep_border = keep;
             for (size_t i = 0; i < bed.seeds.n; i++)
                 compare_cells(&bed.seeds, i);
             close_bed(&bed);
@@ -147,9 +147,9 @@ START_TEST(a_cell_from_lists_of_before_is_clipped_by_all_seeds_as_they_are_now)
             struct bed bed;
 
             open_bed(&bed, (uint64_t)_i, 3000, counts[k]);
-            bed.seeds.widen = widen[j];
+            bed.seeds.policy.widen = widen[j];
             jump(&bed.seeds, (uint64_t)(10 * _i + j), jumpers[j]);
-            vt_assert_ok(vor_seeds_index(&bed.seeds, &vt_err));
+            vt_assert_ok(vor_seeds_index(&bed.seeds, &bed.seeds.run, &vt_err));
             ck_assert_uint_eq(bed.seeds.point_lists.indexed, 1);
             for (size_t i = 0; i < bed.seeds.n; i++)
                 compare_cells(&bed.seeds, i);
@@ -178,8 +178,7 @@ START_TEST(a_seed_is_recalled_where_it_was_fitted_and_no_border_is_near)
     size_t interior = 0, border = 0;
 
     open_bed(&bed, (uint64_t)_i, 3000, ALL);
-    vt_assert_ok(
-        vor_seeds_init(&twin, &bed.domain, ALL, &bed.engine.neighbors, &bed.engine.run, &vt_err));
+    vt_assert_ok(vor_seeds_init(&twin, &bed.domain, ALL, vt_policy, &bed.engine.run, &vt_err));
     memcpy(twin.xyz, bed.seeds.xyz, 3 * ALL * sizeof *twin.xyz);
     scratch = &bed.seeds.scratch[0];
     fresh = &twin.scratch[0];
@@ -187,12 +186,12 @@ START_TEST(a_seed_is_recalled_where_it_was_fitted_and_no_border_is_near)
         const struct vor_surface *surface = &fresh->here.surface;
         float *x = &bed.seeds.xyz[3 * i], *y = &twin.xyz[3 * i];
         double radius = 1.5 * bed.seeds.point_lists.spacing, at[3], local[3], side[2];
+        struct vor_recall how = {.radius = radius, .slack = allowed};
         float step;
 
         ck_assert_int_eq(vor_seeds_fit(&twin, fresh, i), VOR_SURFACE_QUADRIC);
         for (int time = 0; time < 2; time++) {
-            ck_assert_int_eq(vor_seeds_recall(&bed.seeds, scratch, i, radius, allowed),
-                             VOR_SURFACE_QUADRIC);
+            ck_assert_int_eq(vor_seeds_recall(&bed.seeds, scratch, i, &how), VOR_SURFACE_QUADRIC);
             ck_assert(same_surface(&scratch->here.surface, surface));
         }
         vor_seeds_position(&twin, i, at);
@@ -207,11 +206,11 @@ START_TEST(a_seed_is_recalled_where_it_was_fitted_and_no_border_is_near)
         border += scratch->interior == 0;
         step = (float)(allowed * surface->spacing);
         x[0] = y[0] = y[0] + 0.9f * step;
-        (void)vor_seeds_recall(&bed.seeds, scratch, i, radius, allowed);
+        (void)vor_seeds_recall(&bed.seeds, scratch, i, &how);
         if (scratch->interior && bed.seeds.last_fit[i].place[0] != x[0])
             ck_assert(same_surface(&scratch->here.surface, surface));
         x[0] = y[0] = y[0] + 5 * step;
-        ck_assert_int_eq(vor_seeds_recall(&bed.seeds, scratch, i, radius, allowed),
+        ck_assert_int_eq(vor_seeds_recall(&bed.seeds, scratch, i, &how),
                          vor_seeds_fit(&twin, fresh, i));
         ck_assert(memcmp(bed.seeds.last_fit[i].place, x, 3 * sizeof *x) == 0);
     }
@@ -285,7 +284,8 @@ START_TEST(nearest_distances_after_a_move_are_those_of_a_look_at_every_seed)
 
             open_bed(&bed, (uint64_t)_i, 2000, n);
             move_all(moved, &bed.seeds, (uint64_t)(100 * k + m), moves[m]);
-            vt_assert_ok(vor_seeds_uniformity(&even, nearest, &bed.seeds, moved, &vt_err));
+            vt_assert_ok(
+                vor_seeds_uniformity(&even, nearest, &bed.seeds, moved, &bed.seeds.run, &vt_err));
             for (size_t i = 0; i < n; i++) {
                 double brute = n > 1 ? nearest_other(moved, n, i) : 0;
 
@@ -318,10 +318,10 @@ START_TEST(a_crowd_that_scatters_is_measured_exactly)
             (float)(crowd ? 0.5 + 1e-5 * vt_unit(3, 2 * i + 1) : (double)(i / SIDE) / SIDE);
         bed.seeds.xyz[3 * i + 2] = 0;
     }
-    vt_assert_ok(vor_seeds_index(&bed.seeds, &vt_err));
+    vt_assert_ok(vor_seeds_index(&bed.seeds, &bed.seeds.run, &vt_err));
     move_all(moved, &bed.seeds, 7, 1e-3);
     memcpy(moved, bed.seeds.xyz, SIDE * SIDE * 3 * sizeof *moved);
-    vt_assert_ok(vor_seeds_uniformity(&even, nearest, &bed.seeds, moved, &vt_err));
+    vt_assert_ok(vor_seeds_uniformity(&even, nearest, &bed.seeds, moved, &bed.seeds.run, &vt_err));
     for (size_t i = SIDE * SIDE; i < ALL; i++) {
         double brute = nearest_other(moved, ALL, i);
 

@@ -116,8 +116,7 @@ START_TEST(eq_5_a_hexagonal_lattice_in_a_plane_stands_still)
     vt_engine_open(&engine, 1);
     vt_cloud_square(&cloud, 1, 4000);
     vt_assert_ok(vor_domain_init(&domain, &cloud, &engine.run, &vt_err));
-    vt_assert_ok(
-        vor_seeds_init(&seeds, &domain, SIDE * SIDE, &engine.neighbors, &engine.run, &vt_err));
+    vt_assert_ok(vor_seeds_init(&seeds, &domain, SIDE * SIDE, vt_policy, &engine.run, &vt_err));
     for (size_t i = 0; i < SIDE * SIDE; i++) {
         double row = (double)(i / SIDE), column = (double)(i % SIDE);
 
@@ -126,7 +125,7 @@ START_TEST(eq_5_a_hexagonal_lattice_in_a_plane_stands_still)
         seeds.xyz[3 * i + 1] = (float)((0.2 + h * row * sqrt(3) / 2) / domain.unit);
         seeds.xyz[3 * i + 2] = 0;
     }
-    vt_assert_ok(vor_seeds_index(&seeds, &vt_err));
+    vt_assert_ok(vor_seeds_index(&seeds, &seeds.run, &vt_err));
     for (size_t i = 0; i < SIDE * SIDE; i++) {
         struct vor_moments m;
         double scale = domain.unit * domain.unit;
@@ -234,7 +233,7 @@ static double delta_from(const struct vor_cloud *cloud, uint64_t seed, int rando
     struct vt_engine engine;
     struct vor_domain domain;
     struct vor_seeds seeds;
-    struct vor_cvt_result result;
+    struct vor_outcome told = {0};
     struct vor_uniformity even;
     struct vor_knn *knn;
     float nearest[START];
@@ -247,11 +246,9 @@ static double delta_from(const struct vor_cloud *cloud, uint64_t seed, int rando
     vt_engine_count(&engine, "seed", (size_t)seed);
     vt_assert_ok(vor_domain_init(&domain, cloud, &engine.run, &vt_err));
     if (random)
-        vt_assert_ok(
-            vor_seeds_init(&seeds, &domain, START, &engine.neighbors, &engine.run, &vt_err));
+        vt_assert_ok(vor_seeds_init(&seeds, &domain, START, vt_policy, &engine.run, &vt_err));
     else
-        vt_assert_ok(vor_start_seeds(&seeds, &domain, START, &engine.neighbors, &engine.spec,
-                                     &engine.run, &vt_err));
+        vt_assert_ok(vor_start_seeds(&seeds, &domain, START, &engine.spec, &engine.run, &vt_err));
     *left = 0;
     for (size_t i = 0; i < START; i++) {
         size_t from = (size_t)vor_rng_below(seed, 71, i, domain.n);
@@ -261,7 +258,7 @@ static double delta_from(const struct vor_cloud *cloud, uint64_t seed, int rando
         *left += (double)seeds.xyz[3 * i] * domain.unit + domain.shift[0] < 0.5;
     }
     *left /= START;
-    vt_assert_ok(vor_cvt_run(&seeds, &result, &engine.spec, 0, &vt_err));
+    vt_assert_ok(vor_lloyd_run(&seeds, &told, &engine.spec, &engine.run, &vt_err));
     vt_assert_ok(vor_knn_build(&knn, seeds.xyz, START, &vt_memory, &vt_err));
     vt_assert_ok(vor_nearest_distances(nearest, seeds.xyz, START, knn, &engine.run, &vt_err));
     vor_uniformity_from(&even, nearest, START);

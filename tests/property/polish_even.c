@@ -285,7 +285,7 @@ START_TEST(seeds_at_one_place_or_over_one_another_part)
     struct vor_cloud in;
     struct vor_domain domain;
     struct vor_seeds seeds;
-    struct vor_cvt_result result = {.stopped = VOR_STOPPED_ITERATIONS};
+    struct vor_outcome told = {.stopped = VOR_STOPPED_ITERATIONS};
     struct vor_uniformity before, after;
     float nearest[TO];
 
@@ -293,15 +293,14 @@ START_TEST(seeds_at_one_place_or_over_one_another_part)
     vt_engine_open(&engine, 2);
     vt_engine_set(&engine, "neighbors", "20");
     vt_assert_ok(vor_domain_init(&domain, &in, &engine.run, &vt_err));
-    vt_assert_ok(vor_start_seeds(&seeds, &domain, TO, &engine.neighbors, &engine.spec, &engine.run,
-                                 &vt_err));
+    vt_assert_ok(vor_start_seeds(&seeds, &domain, TO, &engine.spec, &engine.run, &vt_err));
     stack(&seeds, shares[_i]);
-    vt_assert_ok(vor_seeds_index(&seeds, &vt_err));
-    vt_assert_ok(vor_seeds_uniformity(&before, nearest, &seeds, seeds.xyz, &vt_err));
+    vt_assert_ok(vor_seeds_index(&seeds, &seeds.run, &vt_err));
+    vt_assert_ok(vor_seeds_uniformity(&before, nearest, &seeds, seeds.xyz, &seeds.run, &vt_err));
     ck_assert_double_lt(before.min, 0.1 * before.mean);
-    vt_assert_ok(vor_repel(&seeds, &result, &engine.spec, 0, &vt_err));
-    vt_assert_ok(vor_seeds_index(&seeds, &vt_err));
-    vt_assert_ok(vor_seeds_uniformity(&after, nearest, &seeds, seeds.xyz, &vt_err));
+    vt_assert_ok(vor_repel(&seeds, &told, 0, &engine.spec, &engine.run, &vt_err));
+    vt_assert_ok(vor_seeds_index(&seeds, &seeds.run, &vt_err));
+    vt_assert_ok(vor_seeds_uniformity(&after, nearest, &seeds, seeds.xyz, &seeds.run, &vt_err));
     ck_assert_uint_eq(after.coincident, 0);
     ck_assert_double_gt(after.min, 0.5 * after.mean);
     vor_seeds_free(&seeds);

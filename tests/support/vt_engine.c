@@ -12,7 +12,6 @@ void vt_engine_open(struct vt_engine *engine, unsigned threads)
     engine->run.pool = engine->pool;
     engine->run.memory = &vt_memory;
     vor_spec_init(&engine->spec);
-    vor_neighbors_fix(&engine->neighbors, 20);
 }
 
 void vt_engine_close(struct vt_engine *engine)

@@ -4,16 +4,16 @@
 #define VT_ENGINE_H
 
 #include "core/engine.h"
-#include "core/input/neighbors.h"
 #include "tests/support/vt.h"
 
-/** A pool of threads, a run on it that allocates from vt_memory, a request at its defaults, 20
- * neighbours for those who go below the engine. */
+/** Cells that end where the input does, and patches of the usual width. */
+#define vt_policy ((struct vor_seeds_policy){.keep_border = 1, .widen = 1})
+
+/** A pool of threads, a run on it that allocates from vt_memory, a request at its defaults. */
 struct vt_engine {
     struct vor_pool *pool;
     struct vor_run run;
     struct vor_spec spec;
-    struct vor_neighbors neighbors;
 };
 
 void vt_engine_open(struct vt_engine *engine, unsigned threads);

@@ -1,24 +1,18 @@
 #include "tests/support/vt_stages.h"
 
+#include "core/cvt/lloyd.h"
 #include "core/cvt/start.h"
-#include "core/input/lattice.h"
-#include "core/input/neighbors.h"
-#include "core/input/outliers.h"
-#include "core/input/sheets.h"
-#include "core/method.h"
-#include "core/output/compare.h"
-#include "core/output/order.h"
-#include "core/output/transfer.h"
+#include "core/geom/patch.h"
+#include "core/input/input.h"
+#include "core/input/thin.h"
+#include "core/output/output.h"
+#include "core/seeds/area.h"
 #include "core/seeds/attach.h"
 #include "core/seeds/repel.h"
-#include "core/seeds/uniformity.h"
 #include "tests/support/vt.h"
 
 #include <math.h>
 #include <string.h>
-
-/* As in core/engine.c. */
-enum { THINNED = 5, THINNED_FOR = 20, THINNED_LEAST = 20000 };
 
 const char *vt_stage_word(enum vt_stage stage)
 {
@@ -194,47 +188,20 @@ static void hash_report(uint64_t *hash, const struct vor_report *report, const s
     add_spec(hash, &report->parameters);
 }
 
-/* One run from the inside, as struct engine of core/engine.c. */
+/* One run from the inside, as core/engine.c and core/cvt/cvt.c string it together. */
 struct stages {
     const struct vor_cloud *in;
     struct told told;
-    struct vor_run run, no_stop_run;
+    struct vor_run run, whole; /* whole: for what a stop must not cut short */
     struct vor_no_stop no_stop;
     struct vor_spec spec;
     struct vor_domain domain, thin;
-    struct vor_neighbors neighbors;
     struct vor_seeds seeds;
-    struct vor_cvt_result result;
-    struct vor_uniformity even;
+    struct vor_outcome outcome;
     struct vor_report report;
     size_t n;
     double area;
 };
-
-static void leave_lattice(struct stages *s)
-{
-    struct vor_lattice lattice;
-    size_t moved = 0;
-
-    vt_assert_ok(vor_lattice_find(&lattice, &s->domain, &s->no_stop_run, &vt_err));
-    if (lattice.matters)
-        vt_assert_ok(vor_lattice_smooth(&s->domain, &moved, &lattice, &s->no_stop_run, &vt_err));
-    for (int c = 0; c < 3; c++)
-        s->report.lattice[c] = lattice.cell[c] * s->domain.unit;
-    s->report.off_lattice = moved;
-}
-
-static void resolve_neighbors(struct stages *s)
-{
-    double *value = &s->spec.value[VOR_PARAM_NEIGHBORS];
-
-    if (*value != VOR_UNSET) {
-        vor_neighbors_fix(&s->neighbors, (unsigned)*value);
-        return;
-    }
-    vt_assert_ok(vor_neighbors_choose(&s->neighbors, &s->domain, &s->no_stop_run, &vt_err));
-    *value = s->neighbors.usual;
-}
 
 static void resolve_target(struct stages *s)
 {
@@ -243,14 +210,12 @@ static void resolve_target(struct stages *s)
     if (vor_spec_given(&s->spec, VOR_PARAM_SPACING)) {
         double spacing = s->spec.value[VOR_PARAM_SPACING] / s->domain.unit;
 
-        vt_assert_ok(vor_seeds_area(&s->area, &s->domain, &s->neighbors, &s->spec, &s->no_stop_run,
-                                    &vt_err));
-        n = rint(s->area / (0.86602540378443865 * spacing * spacing));
+        vt_assert_ok(vor_area_of_surface(
+            &s->area, &s->domain, (uint64_t)s->spec.value[VOR_PARAM_SEED], &s->whole, &vt_err));
+        n = rint(s->area / (VOR_HEXAGON_HEIGHT * spacing * spacing));
     }
     vt_assert_ok(vor_spec_check_target(&s->spec, n, s->in->n, &vt_err));
     s->n = (size_t)n;
-    s->report.parameters = s->spec;
-    s->report.parameters.value[VOR_PARAM_POINTS] = n;
 }
 
 /* Input: the points that surfaces are fitted to, what was found out about them, and how many points
@@ -258,7 +223,8 @@ static void resolve_target(struct stages *s)
 static void hash_input(uint64_t *hash, const struct stages *s)
 {
     const struct vor_domain *domain = &s->domain;
-    const struct vor_neighbors *neighbors = &s->neighbors;
+    const struct vor_conditioning *known = &domain->known;
+    const struct vor_neighbors *neighbors = &known->neighbors;
 
     start_hash(hash);
     add_positions(hash, domain->xyz, domain->n);
@@ -266,11 +232,12 @@ static void hash_input(uint64_t *hash, const struct stages *s)
     add_doubles(hash, domain->shift, 3);
     add_double(hash, domain->unit);
     add_double(hash, domain->sparse);
-    add_count(hash, domain->sheets != 0);
-    add_count(hash, domain->rounded != 0);
-    add_count(hash, s->report.outliers);
-    add_doubles(hash, s->report.lattice, 3);
-    add_count(hash, s->report.off_lattice);
+    add_count(hash, known->sheets != 0);
+    add_count(hash, !vor_domain_is_exact(domain));
+    add_count(hash, known->outliers);
+    for (int c = 0; c < 3; c++)
+        add_double(hash, known->lattice.cell[c] * domain->unit);
+    add_count(hash, known->off_lattice);
     add_count(hash, neighbors->usual);
     add_count(hash, neighbors->most);
     add_positions(hash, neighbors->xyz, neighbors->places);
@@ -281,16 +248,7 @@ static void hash_input(uint64_t *hash, const struct stages *s)
 
 static void run_input(struct stages *s)
 {
-    vt_assert_ok(vor_domain_init(&s->domain, s->in, &s->no_stop_run, &vt_err));
-    if (s->spec.value[VOR_PARAM_OUTLIERS] == VOR_OUTLIERS_DROP) {
-        size_t dropped = 0;
-
-        vt_assert_ok(vor_outliers_drop(&s->domain, &dropped, &s->no_stop_run, &vt_err));
-        s->report.outliers = dropped;
-    }
-    leave_lattice(s);
-    vt_assert_ok(vor_sheets_find(&s->domain, &s->no_stop_run, &vt_err));
-    resolve_neighbors(s);
+    vt_assert_ok(vor_input_prepare(&s->domain, s->in, &s->spec, &s->whole, &vt_err));
     resolve_target(s);
 }
 
@@ -305,16 +263,9 @@ static void hash_start(uint64_t *hash, const struct stages *s)
 
 static void run_start(struct stages *s)
 {
-    double more, wanted;
-
-    vt_assert_ok(vor_start_seeds(&s->seeds, &s->domain, s->n, &s->neighbors, &s->spec,
-                                 &s->no_stop_run, &vt_err));
-    more = fmax(1, (double)s->neighbors.most / THINNED_FOR);
-    wanted = fmax(THINNED * more * (double)s->n, THINNED_LEAST);
-    if ((double)s->domain.n < 2 * wanted || !(s->seeds.area > 0))
-        return;
-    vt_assert_ok(vor_domain_thin(&s->thin, &s->domain, sqrt(s->seeds.area / wanted),
-                                 &s->no_stop_run, &vt_err));
+    vt_assert_ok(vor_start_seeds(&s->seeds, &s->domain, s->n, &s->spec, &s->run, &vt_err));
+    vt_assert_ok(
+        vor_domain_thin_for(&s->thin, &s->domain, s->n, s->seeds.area, &s->whole, &vt_err));
     if (s->thin.n >= s->seeds.input_lists.wide)
         vor_seeds_onto(&s->seeds, &s->thin);
 }
@@ -322,24 +273,23 @@ static void run_start(struct stages *s)
 /* Iterate: the most even iterate, why the loop ended, and what it told. */
 static void hash_iterate(uint64_t *hash, struct stages *s)
 {
+    double unit = s->domain.unit;
+
     start_hash(hash);
     add_positions(hash, s->seeds.xyz, s->seeds.n);
-    add_count(hash, s->result.iterations);
-    add_count(hash, s->result.stopped);
-    add_count(hash, s->result.held);
-    add_count(hash, s->result.held_ever);
-    add_count(hash, s->result.fallback_plane);
-    add_count(hash, s->result.fallback_left);
-    add_double(hash, s->result.area);
+    add_count(hash, s->outcome.steps[VOR_RUN_STAGE_ITERATE]);
+    add_count(hash, s->outcome.stopped);
+    add_count(hash, s->outcome.held);
+    add_count(hash, s->outcome.held_ever);
+    add_count(hash, s->outcome.fallback_plane);
+    add_count(hash, s->outcome.fallback_left);
+    add_double(hash, s->outcome.area * unit * unit);
     add_told(hash, &s->told);
 }
 
 static void run_iterate(struct stages *s)
 {
-    const struct vor_method *method = vor_method((unsigned)s->spec.value[VOR_PARAM_METHOD]);
-
-    s->seeds.run = &s->run;
-    vt_assert_ok(method->run(&s->seeds, &s->result, &s->spec, 0, &vt_err));
+    vt_assert_ok(vor_lloyd_run(&s->seeds, &s->outcome, &s->spec, &s->run, &vt_err));
 }
 
 /* Even out: where the points end, how many steps that took, and what was told of them. */
@@ -347,106 +297,34 @@ static void hash_even_out(uint64_t *hash, struct stages *s)
 {
     start_hash(hash);
     add_positions(hash, s->seeds.xyz, s->seeds.n);
-    add_count(hash, s->result.polish_steps);
-    add_count(hash, s->result.stopped);
+    add_count(hash, s->outcome.steps[VOR_RUN_STAGE_POLISH]);
+    add_count(hash, s->outcome.stopped);
     add_told(hash, &s->told);
 }
 
 static void run_even_out(struct stages *s)
 {
-    s->seeds.run = &s->no_stop_run;
-    vt_assert_ok(vor_attach(&s->seeds, &vt_err));
-    s->seeds.run = &s->run;
-    vt_assert_ok(vor_repel(&s->seeds, &s->result, &s->spec, 0, &vt_err));
-    s->seeds.run = &s->no_stop_run;
-    vt_assert_ok(vor_attach_to_whole(&s->seeds, &vt_err));
-    if (s->result.polish_steps > 0)
+    int keep_holes;
+
+    vt_assert_ok(vor_attach(&s->seeds, &keep_holes, &vt_err));
+    vt_assert_ok(vor_repel(&s->seeds, &s->outcome, keep_holes, &s->spec, &s->run, &vt_err));
+    vt_assert_ok(vor_attach_to_whole(&s->seeds, keep_holes, &vt_err));
+    if (s->outcome.steps[VOR_RUN_STAGE_POLISH] > 0)
         vt_assert_ok(vor_attach_last(&s->seeds, &vt_err));
 }
 
-static struct vor_apart in_unit(const struct vor_compare_apart *apart, double unit)
+static void run_output(struct stages *s, struct vor_cloud *out)
 {
-    return (struct vor_apart){apart->mean * unit, apart->rms * unit, apart->max * unit,
-                              apart->points};
-}
-
-/* Distances to the input, the border, and the numbers of neighbours. */
-static void account_for(struct stages *s)
-{
-    struct vor_report *report = &s->report;
-    struct vor_comparison account;
-
-    vt_assert_ok(vor_compare(&account, &s->seeds, s->even.mean, &vt_err));
-    report->in_to_out = in_unit(&account.in_to_out, s->domain.unit);
-    report->out_to_in = in_unit(&account.out_to_in, s->domain.unit);
-    report->boundary_points = account.border;
-    for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX; k++)
-        if (account.fitted[k] > 0)
-            report->fitted[report->fitted_count++] = (struct vor_fitted){k, account.fitted[k]};
-}
-
-/* What is measured on the result before it is handed back. */
-static void measure(struct stages *s)
-{
-    float *nearest = vor_malloc(s->run.memory, s->n, sizeof *nearest);
-    struct vor_counts counts;
-
-    ck_assert_ptr_nonnull(nearest);
-    vt_assert_ok(vor_seeds_index(&s->seeds, &vt_err));
-    vt_assert_ok(vor_seeds_uniformity(&s->even, nearest, &s->seeds, s->seeds.xyz, &vt_err));
-    vt_assert_ok(vor_seeds_six_share(&s->report.six_share, &s->seeds, &vt_err));
-    vor_free(s->run.memory, nearest);
-    counts = vor_seeds_counts(&s->seeds);
-    s->report.queries = counts.queries;
-    if (counts.cells > 0) {
-        s->report.bisectors_per_cell = (double)counts.bisectors / (double)counts.cells;
-        s->report.triangles_per_cell = (double)counts.triangles / (double)counts.cells;
-    }
-    account_for(s);
-}
-
-static void hand_back(struct stages *s, struct vor_cloud *out)
-{
-    double spacing = s->even.mean * s->domain.unit;
-    uint32_t *order = NULL;
-
-    if (s->spec.value[VOR_PARAM_ORDER] == VOR_ORDER_PROGRESSIVE) {
-        order = vor_malloc(s->run.memory, s->n, sizeof *order);
-        ck_assert_ptr_nonnull(order);
-        vt_assert_ok(vor_order_progressive(order, s->seeds.xyz, s->seeds.n, s->even.mean,
-                                           s->seeds.run, &vt_err));
-    }
-    vt_assert_ok(vor_transfer(out, s->in, &s->seeds, spacing, &s->spec, &vt_err));
-    if (order != NULL)
-        vt_assert_ok(vor_cloud_reorder(out, order, &vt_err));
-    vor_free(s->run.memory, order);
-}
-
-/* What is not in the report yet. */
-static void finish_report(struct stages *s)
-{
+    struct vor_placed placed = {s->in, &s->seeds, &s->outcome, &s->spec};
     struct vor_report *report = &s->report;
     double unit = s->domain.unit;
 
-    report->points_in = s->in->n;
-    report->points_out = s->n;
-    report->delta = s->even.delta;
-    report->sigma = s->even.sigma * unit;
-    report->epsilon = s->even.epsilon;
-    report->spacing_mean = s->even.mean * unit;
-    report->iterations = s->result.iterations;
-    report->polish_steps = s->result.polish_steps;
-    report->stopped = s->result.stopped;
-    report->held = s->result.held;
-    report->held_ever = s->result.held_ever;
-    report->fallback_plane = s->result.fallback_plane;
-    report->fallback_left = s->result.fallback_left;
-    report->area = s->result.iterations > 0 ? s->result.area : s->seeds.area * unit * unit;
+    vt_assert_ok(vor_output_make(out, report, &placed, &vt_err));
+    report->parameters = s->spec;
+    report->parameters.value[VOR_PARAM_POINTS] = (double)s->n;
+    report->parameters.value[VOR_PARAM_NEIGHBORS] = s->domain.known.neighbors.usual;
     if (vor_spec_given(&s->spec, VOR_PARAM_SPACING))
         report->area = s->area * unit * unit;
-    report->min_over_mean = s->even.mean > 0 ? s->even.min / s->even.mean : 0;
-    report->max_over_mean = s->even.mean > 0 ? s->even.max / s->even.mean : 0;
-    report->list_rebuilds = s->seeds.point_lists.indexed;
 }
 
 void vt_stages_drive(uint64_t hash[VT_STAGE_COUNT], const struct vt_stages_run *run)
@@ -458,8 +336,8 @@ void vt_stages_drive(uint64_t hash[VT_STAGE_COUNT], const struct vt_stages_run *
     vt_assert_ok(vor_pool_create(&s.run.pool, run->threads, &vt_err));
     s.run.memory = &vt_memory;
     s.run.watch = &s.told.watch;
-    s.no_stop_run = s.run;
-    s.no_stop_run.watch = vor_no_stop_watch(&s.no_stop, s.run.watch);
+    s.run.no_stop = vor_no_stop_watch(&s.no_stop, s.run.watch);
+    s.whole = vor_run_unstoppable(&s.run);
     run_input(&s);
     hash_input(&hash[VT_STAGE_INPUT], &s);
     run_start(&s);
@@ -468,11 +346,9 @@ void vt_stages_drive(uint64_t hash[VT_STAGE_COUNT], const struct vt_stages_run *
     hash_iterate(&hash[VT_STAGE_ITERATE], &s);
     run_even_out(&s);
     hash_even_out(&hash[VT_STAGE_EVEN_OUT], &s);
-    measure(&s);
     vor_cloud_init(&out, &vt_memory);
-    hand_back(&s, &out);
+    run_output(&s, &out);
     hash_cloud(&hash[VT_STAGE_OUTPUT], &out);
-    finish_report(&s);
     hash_report(&hash[VT_STAGE_REPORT], &s.report, &s.told);
 
     vor_cloud_free(&out);

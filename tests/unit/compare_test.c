@@ -19,8 +19,8 @@ static void open_bed(struct bed *bed, const struct vor_cloud *in, size_t n)
 {
     vt_engine_open(&bed->engine, 2);
     vt_assert_ok(vor_domain_init(&bed->domain, in, &bed->engine.run, &vt_err));
-    vt_assert_ok(vor_seeds_init(&bed->seeds, &bed->domain, n, &bed->engine.neighbors,
-                                &bed->engine.run, &vt_err));
+    vt_assert_ok(
+        vor_seeds_init(&bed->seeds, &bed->domain, n, vt_policy, &bed->engine.run, &vt_err));
 }
 
 static void close_bed(struct bed *bed)
@@ -49,8 +49,8 @@ START_TEST(in_the_middle_of_the_squares_of_a_lattice_all_distances_are_half_a_di
         for (size_t c = 0; c < 3; c++)
             bed.seeds.xyz[3 * i + c] = (float)((x[c] - bed.domain.shift[c]) * spacing);
     }
-    vt_assert_ok(vor_seeds_index(&bed.seeds, &vt_err));
-    vt_assert_ok(vor_compare(&account, &bed.seeds, spacing, &vt_err));
+    vt_assert_ok(vor_seeds_index(&bed.seeds, &bed.seeds.run, &vt_err));
+    vt_assert_ok(vor_compare(&account, &bed.seeds, spacing, 0, &vt_err));
     ck_assert_uint_eq(account.in_to_out.points, SIDE * SIDE);
     ck_assert_uint_eq(account.out_to_in.points, (SIDE - 1) * (SIDE - 1));
     ck_assert_double_eq_tol(account.in_to_out.mean, half, 1e-6);

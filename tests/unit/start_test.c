@@ -20,8 +20,8 @@ static void start(struct bed *bed, uint64_t seed, unsigned threads, size_t n)
     vt_engine_set(&bed->engine, "neighbors", "20");
     vt_engine_count(&bed->engine, "seed", (size_t)seed);
     vt_assert_ok(vor_domain_init(&bed->domain, &bed->cloud, &bed->engine.run, &vt_err));
-    vt_assert_ok(vor_start_seeds(&bed->seeds, &bed->domain, n, &bed->engine.neighbors,
-                                 &bed->engine.spec, &bed->engine.run, &vt_err));
+    vt_assert_ok(vor_start_seeds(&bed->seeds, &bed->domain, n, &bed->engine.spec, &bed->engine.run,
+                                 &vt_err));
     ck_assert_uint_eq(bed->seeds.n, n);
 }
 
@@ -171,8 +171,8 @@ START_TEST(a_start_that_does_not_fit_is_refused_whole)
     for (fail = 1; status != VOR_OK && fail < 100; fail++) {
         vor_memory_init(&memory, SIZE_MAX);
         memory.fail_at = fail;
-        status = vor_start_seeds(&bed.seeds, &bed.domain, FEW, &bed.engine.neighbors,
-                                 &bed.engine.spec, &bed.engine.run, &vt_err);
+        status = vor_start_seeds(&bed.seeds, &bed.domain, FEW, &bed.engine.spec, &bed.engine.run,
+                                 &vt_err);
         if (status == VOR_OK)
             vor_seeds_free(&bed.seeds);
         else

@@ -1,5 +1,6 @@
 /* The thinner domain that dense inputs are iterated on, and how seeds get off it. */
 #include "core/cvt/start.h"
+#include "core/input/thin.h"
 #include "core/seeds/attach.h"
 #include "tests/support/vt_engine.h"
 
@@ -172,22 +173,28 @@ START_TEST(who_lands_lies_on_the_surface_of_the_whole)
 
     make_waves(&bed.cloud, (uint64_t)_i);
     start(&bed, 2, GAP);
-    vt_assert_ok(vor_start_seeds(&seeds, &bed.whole, FEW, &bed.engine.neighbors, &bed.engine.spec,
-                                 &bed.engine.run, &vt_err));
+    vt_assert_ok(
+        vor_start_seeds(&seeds, &bed.whole, FEW, &bed.engine.spec, &bed.engine.run, &vt_err));
     vor_seeds_onto(&seeds, &bed.thin);
     ck_assert_ptr_eq(seeds.domain, &bed.thin);
     project_all(&seeds);
     before = off_waves(&seeds);
-    vt_assert_ok(vor_attach_to_whole(&seeds, &vt_err));
+    vt_assert_ok(vor_attach_to_whole(&seeds, 0, &vt_err));
     ck_assert_ptr_eq(seeds.domain, &bed.whole);
     ck_assert_msg(off_waves(&seeds) < before / 10, "%g off after %g", off_waves(&seeds), before);
     landed = vt_hash(seeds.xyz, 3 * FEW * sizeof *seeds.xyz);
-    vt_assert_ok(vor_attach_to_whole(&seeds, &vt_err)); /* nothing more to do */
+    vt_assert_ok(vor_attach_to_whole(&seeds, 0, &vt_err)); /* nothing more to do */
     ck_assert(vt_hash(seeds.xyz, 3 * FEW * sizeof *seeds.xyz) == landed);
     vor_seeds_free(&seeds);
     end(&bed);
 }
 END_TEST
+
+static enum vor_answer say_continue(void *ctx)
+{
+    (void)ctx;
+    return VOR_CONTINUE;
+}
 
 static enum vor_answer say_stop(void *ctx)
 {
@@ -203,21 +210,24 @@ static enum vor_answer say_cancel(void *ctx)
 
 START_TEST(a_stop_does_not_keep_seeds_from_landing_and_a_cancel_does)
 {
-    struct vor_watch watch = {.poll = say_stop};
+    struct vor_watch watch = {.poll = say_continue};
+    struct vor_no_stop no_stop;
     struct vor_seeds seeds;
     struct bed bed;
 
     make_waves(&bed.cloud, 1);
     start(&bed, 2, GAP);
-    vt_assert_ok(vor_start_seeds(&seeds, &bed.whole, FEW, &bed.engine.neighbors, &bed.engine.spec,
-                                 &bed.engine.run, &vt_err));
-    vor_seeds_onto(&seeds, &bed.thin);
     bed.engine.run.watch = &watch;
-    vt_assert_ok(vor_attach_to_whole(&seeds, &vt_err));
+    bed.engine.run.no_stop = vor_no_stop_watch(&no_stop, &watch);
+    vt_assert_ok(
+        vor_start_seeds(&seeds, &bed.whole, FEW, &bed.engine.spec, &bed.engine.run, &vt_err));
+    vor_seeds_onto(&seeds, &bed.thin);
+    watch.poll = say_stop;
+    vt_assert_ok(vor_attach_to_whole(&seeds, 0, &vt_err));
     ck_assert_ptr_eq(seeds.domain, &bed.whole);
     vor_seeds_onto(&seeds, &bed.thin);
     watch.poll = say_cancel;
-    vt_assert_fails(VOR_E_CANCELLED, vor_attach_to_whole(&seeds, &vt_err));
+    vt_assert_fails(VOR_E_CANCELLED, vor_attach_to_whole(&seeds, 0, &vt_err));
     vor_seeds_free(&seeds);
     end(&bed);
 }

@@ -1,0 +1,65 @@
+#include "core/cvt/cvt.h"
+
+#include "core/cvt/lloyd.h"
+#include "core/cvt/start.h"
+#include "core/input/thin.h"
+#include "core/seeds/attach.h"
+#include "core/seeds/repel.h"
+
+/* Starts the seeds, and where the input is dense puts them onto a thinner one, which is then in
+ * *thin. */
+static vor_status start(struct vor_seeds *seeds, struct vor_domain *thin,
+                        const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
+                        const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status = vor_start_seeds(seeds, domain, n, spec, run, err);
+
+    if (status == VOR_OK)
+        status = vor_domain_thin_for(thin, domain, n, seeds->area, &seeds->run, err);
+    if (status == VOR_OK && thin->n >= seeds->input_lists.wide)
+        vor_seeds_onto(seeds, thin);
+    return status;
+}
+
+/* Evens the seeds out and moves them to where they end: on the whole of the input, and inside it.
+ */
+static vor_status even_out(struct vor_seeds *seeds, struct vor_outcome *told,
+                           const struct vor_spec *spec, const struct vor_run *run,
+                           struct vor_error *err)
+{
+    double before = vor_run_clock(run);
+    int keep_holes;
+    vor_status status = vor_attach(seeds, &keep_holes, err);
+
+    if (status == VOR_OK)
+        status = vor_repel(seeds, told, keep_holes, spec, run, err);
+    if (status == VOR_OK)
+        status = vor_attach_to_whole(seeds, keep_holes, err);
+    if (status == VOR_OK && told->steps[VOR_RUN_STAGE_POLISH] > 0)
+        status = vor_attach_last(seeds, err);
+    told->seconds[VOR_RUN_STAGE_POLISH] = vor_run_clock(run) - before;
+    return status;
+}
+
+vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
+                       const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
+                       const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_domain thin = {.n = 0};
+    struct vor_seeds seeds = {.n = 0};
+    double before = vor_run_clock(run);
+    vor_status status = start(&seeds, &thin, domain, n, spec, run, err);
+
+    told->seconds_start = vor_run_clock(run) - before;
+    if (status == VOR_OK)
+        status = vor_lloyd_run(&seeds, told, spec, run, err);
+    if (status == VOR_OK)
+        status = even_out(&seeds, told, spec, run, err);
+    vor_domain_free(&thin);
+    if (status != VOR_OK) {
+        vor_seeds_free(&seeds);
+        return status;
+    }
+    *out = seeds;
+    return VOR_OK;
+}

@@ -1,0 +1,45 @@
+#include "core/opt/keep_best.h"
+
+#include <math.h>
+#include <string.h>
+
+vor_status vor_keep_best_init(struct vor_keep_best *out, size_t n, struct vor_memory *memory,
+                              struct vor_error *err)
+{
+    *out = (struct vor_keep_best){.memory = memory, .n = n, .delta = INFINITY};
+    out->xyz = vor_malloc(memory, n, 3 * sizeof *out->xyz);
+    if (out->xyz == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the most even of %zu points", n);
+    return VOR_OK;
+}
+
+void vor_keep_best_free(struct vor_keep_best *best)
+{
+    if (best->memory == NULL)
+        return;
+    vor_free(best->memory, best->xyz);
+    memset(best, 0, sizeof *best);
+}
+
+void vor_keep_best_offer(struct vor_keep_best *best, const float *xyz, double delta)
+{
+    if (delta < best->delta)
+        vor_keep_best_restart(best, xyz, delta);
+}
+
+void vor_keep_best_restart(struct vor_keep_best *best, const float *xyz, double delta)
+{
+    best->delta = delta;
+    memcpy(best->xyz, xyz, 3 * best->n * sizeof *xyz);
+}
+
+int vor_stop_even_enough(const struct vor_spec *spec, double delta)
+{
+    return vor_spec_given(spec, VOR_PARAM_DELTA) && delta <= spec->value[VOR_PARAM_DELTA];
+}
+
+int vor_stop_out_of_time(const struct vor_spec *spec, double share, double seconds, double took)
+{
+    return vor_spec_given(spec, VOR_PARAM_SECONDS) &&
+           seconds + took > share * spec->value[VOR_PARAM_SECONDS];
+}

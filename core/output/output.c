@@ -1,0 +1,152 @@
+#include "core/output/output.h"
+
+#include "core/output/compare.h"
+#include "core/output/order.h"
+#include "core/output/transfer.h"
+#include "core/seeds/uniformity.h"
+
+#include <assert.h>
+
+/* The cloud, in the order asked for. */
+static vor_status hand_out(struct vor_cloud *out, const struct vor_placed *placed,
+                           const struct vor_uniformity *even, struct vor_error *err)
+{
+    struct vor_seeds *seeds = placed->seeds;
+    struct vor_memory *memory = seeds->run.memory;
+    double spacing = even->mean * seeds->domain->unit;
+    uint32_t *order = NULL;
+    vor_status status = VOR_OK;
+
+    if (placed->spec->value[VOR_PARAM_ORDER] == VOR_ORDER_PROGRESSIVE) {
+        order = vor_malloc(memory, seeds->n, sizeof *order);
+        if (order == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "order of %zu points", seeds->n);
+        status = vor_order_progressive(order, seeds->xyz, seeds->n, even->mean, &seeds->run, err);
+    }
+    if (status == VOR_OK)
+        status = vor_transfer(out, placed->in, seeds, spacing, placed->spec, err);
+    if (status == VOR_OK && order != NULL) {
+        status = vor_cloud_reorder(out, order, err);
+        if (status != VOR_OK)
+            vor_cloud_free(out);
+    }
+    vor_free(memory, order);
+    return status;
+}
+
+static struct vor_apart in_unit(const struct vor_compare_apart *apart, double unit)
+{
+    return (struct vor_apart){apart->mean * unit, apart->rms * unit, apart->max * unit,
+                              apart->points};
+}
+
+/* How far the result is from the input, and how many neighbours its surfaces were fitted to. */
+static void report_comparison(struct vor_report *report, const struct vor_comparison *found,
+                              double unit)
+{
+    report->in_to_out = in_unit(&found->in_to_out, unit);
+    report->out_to_in = in_unit(&found->out_to_in, unit);
+    report->boundary_points = found->border;
+    for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX; k++)
+        if (found->fitted[k] > 0) {
+            assert(report->fitted_count < VOR_FITTED_MAX);
+            report->fitted[report->fitted_count++] = (struct vor_fitted){k, found->fitted[k]};
+        }
+}
+
+static void report_uniformity(struct vor_report *report, const struct vor_uniformity *even,
+                              double unit)
+{
+    report->delta = even->delta;
+    report->sigma = even->sigma * unit;
+    report->epsilon = even->epsilon;
+    report->spacing_mean = even->mean * unit;
+    report->min_over_mean = even->mean > 0 ? even->min / even->mean : 0;
+    report->max_over_mean = even->mean > 0 ? even->max / even->mean : 0;
+}
+
+/* What was found out about the input, and done to it. */
+static void report_input(struct vor_report *report, const struct vor_domain *domain)
+{
+    const struct vor_conditioning *known = &domain->known;
+
+    report->outliers = known->outliers;
+    for (int c = 0; c < 3; c++)
+        report->lattice[c] = known->lattice.cell[c] * domain->unit;
+    report->off_lattice = known->off_lattice;
+}
+
+/* What the method said. */
+static void report_method(struct vor_report *report, const struct vor_placed *placed)
+{
+    const struct vor_outcome *told = placed->told;
+    const struct vor_seeds *seeds = placed->seeds;
+    double unit = seeds->domain->unit, area = told->area > 0 ? told->area : seeds->area;
+
+    report->stopped = told->stopped;
+    report->iterations = told->steps[VOR_RUN_STAGE_ITERATE];
+    report->polish_steps = told->steps[VOR_RUN_STAGE_POLISH];
+    for (unsigned stage = 0; stage < VOR_RUN_STAGE_COUNT; stage++)
+        if (told->stages >> stage & 1)
+            vor_report_stage(report, (enum vor_run_stage)stage, told->steps[stage],
+                             told->seconds[stage]);
+    report->held = told->held;
+    report->held_ever = told->held_ever;
+    report->fallback_plane = told->fallback_plane;
+    report->fallback_left = told->fallback_left;
+    report->area = area * unit * unit;
+}
+
+static void report_counts(struct vor_report *report, const struct vor_counts *counts)
+{
+    report->queries = counts->queries;
+    if (counts->cells == 0)
+        return;
+    report->bisectors_per_cell = (double)counts->bisectors / (double)counts->cells;
+    report->triangles_per_cell = (double)counts->triangles / (double)counts->cells;
+}
+
+/* How even the points are. */
+static vor_status measure(struct vor_uniformity *even, struct vor_seeds *seeds,
+                          struct vor_error *err)
+{
+    float *nearest = vor_malloc(seeds->run.memory, seeds->n, sizeof *nearest);
+    vor_status status;
+
+    if (nearest == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", seeds->n);
+    status = vor_seeds_uniformity_now(even, nearest, seeds, err);
+    vor_free(seeds->run.memory, nearest);
+    return status;
+}
+
+vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
+                           const struct vor_placed *placed, struct vor_error *err)
+{
+    struct vor_seeds *seeds = placed->seeds;
+    double unit = seeds->domain->unit;
+    struct vor_uniformity even;
+    struct vor_comparison found;
+    struct vor_counts counts = {0};
+    vor_status status = measure(&even, seeds, err);
+
+    if (status == VOR_OK)
+        status = vor_seeds_six_share(&report->six_share, seeds, err);
+    if (status == VOR_OK) {
+        counts = vor_seeds_counts(seeds); /* not those of the comparison */
+        status = vor_compare(&found, seeds, even.mean, placed->told->refined, err);
+    }
+    if (status == VOR_OK)
+        status = hand_out(out, placed, &even, err);
+    if (status != VOR_OK)
+        return status;
+    report->points_in = placed->in->n;
+    report->points_out = seeds->n;
+    report_input(report, seeds->domain);
+    report_method(report, placed);
+    report_uniformity(report, &even, unit);
+    report_comparison(report, &found, unit);
+    report_counts(report, &counts);
+    report->list_rebuilds = seeds->point_lists.indexed;
+    return VOR_OK;
+}

@@ -1,0 +1,88 @@
+#include "core/seeds/area.h"
+
+#include "core/base/rng.h"
+#include "core/geom/integrate.h"
+
+/* Cells of a random draw are uneven: the largest reach beyond the usual patch, and their area would
+ * be missed. */
+#define WIDEN 1.3
+
+enum { STREAM_DRAW = 1, SURFACE_SEEDS = 20000 };
+
+void vor_area_draw(struct vor_seeds *seeds, uint64_t seed)
+{
+    const struct vor_domain *domain = seeds->domain;
+    size_t before = 0;
+
+    for (size_t i = 0; i < seeds->n; i++) {
+        double t = (double)i + vor_rng_unit(seed, STREAM_DRAW, i);
+        size_t at = (size_t)(t / (double)seeds->n * (double)domain->n);
+
+        if (i > 0 && at <= before)
+            at = before + 1;
+        if (at > domain->n - (seeds->n - i))
+            at = domain->n - (seeds->n - i);
+        before = at;
+        for (size_t c = 0; c < 3; c++)
+            seeds->xyz[3 * i + c] = domain->xyz[3 * at + c];
+    }
+}
+
+struct areas {
+    struct vor_seeds *seeds;
+    double *end;
+};
+
+static void measure_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct areas *areas = ctx;
+    struct vor_scratch *scratch = &areas->seeds->scratch[worker];
+    struct vor_moments moments;
+
+    for (size_t i = begin; i < end; i++) {
+        areas->end[i] = 0;
+        if (vor_seeds_cell(areas->seeds, scratch, i) != VOR_SURFACE_NONE &&
+            vor_cell_moments(&moments, &scratch->cell))
+            areas->end[i] = moments.area;
+    }
+}
+
+vor_status vor_area_cells(double *end, struct vor_seeds *seeds, struct vor_error *err)
+{
+    struct areas areas = {seeds, end};
+    double sum = 0;
+    vor_status status = vor_seeds_index(seeds, &seeds->run, err);
+
+    if (status == VOR_OK)
+        status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, measure_block, &areas, err);
+    if (status != VOR_OK)
+        return status;
+    for (size_t i = 0; i < seeds->n; i++)
+        end[i] = sum += end[i];
+    if (!(sum > 0))
+        return vor_fail(err, VOR_E_DEGENERATE, "no surface around any of %zu points", seeds->n);
+    return VOR_OK;
+}
+
+vor_status vor_area_of_surface(double *out, const struct vor_domain *domain, uint64_t seed,
+                               const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_seeds_policy policy = {.keep_border = 1, .widen = WIDEN};
+    size_t n = domain->n / 2 < SURFACE_SEEDS ? (domain->n + 1) / 2 : SURFACE_SEEDS;
+    struct vor_seeds seeds = {0};
+    double *end = vor_malloc(run->memory, n, sizeof *end);
+    vor_status status;
+
+    if (end == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "areas of %zu cells", n);
+    status = vor_seeds_init(&seeds, domain, n, policy, run, err);
+    if (status == VOR_OK) {
+        vor_area_draw(&seeds, seed);
+        status = vor_area_cells(end, &seeds, err);
+    }
+    if (status == VOR_OK)
+        *out = end[n - 1];
+    vor_free(run->memory, end);
+    vor_seeds_free(&seeds);
+    return status;
+}
