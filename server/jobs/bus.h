@@ -1,7 +1,7 @@
 /** The events of one job, in order, for any number of readers at any speed.
  *
  *  A bus keeps every event of the current attempt (records and a few changes of state: at most
- *  VOR_EVENTS_MAX, 96 bytes each). A reader is nothing but a position, so a slow one costs no
+ *  VOR_EVENTS_MAX, 120 bytes each). A reader is nothing but a position, so a slow one costs no
  *  memory. Events are numbered 1, 2, ... within an attempt; "attempt.number" is the id of SSE. */
 #ifndef VOR_SERVER_JOBS_BUS_H
 #define VOR_SERVER_JOBS_BUS_H
@@ -54,7 +54,7 @@ int vor_job_status_over(enum vor_job_status status);
 #define VOR_EVENT_TABLE(X)                                                                         \
     X(REPLACED, "replaced") /* first event of an attempt after the first: readers start anew */    \
     X(STATUS, "status")     /* status or stage changed */                                          \
-    X(PROGRESS, "progress") /* an iteration is done: record holds it */                            \
+    X(PROGRESS, "progress") /* a step of the run is done: record holds it */                       \
     X(END, "end")           /* the last event: status is final */
 
 enum vor_event_kind {
@@ -76,6 +76,7 @@ struct vor_event {
     enum vor_stage stage;
     int progress;             /**< 0 .. 100 */
     int64_t time_ms;          /**< wall clock */
+    double eta_seconds;       /**< PROGRESS: until the run is done; -1 when not known; else 0 */
     struct vor_record record; /**< PROGRESS; else zero */
 };
 
@@ -138,15 +139,5 @@ void vor_bus_subscribe(struct vor_bus *bus, struct vor_subscriber *subscriber);
 /** When this returns, wake is not running and will not be called again: do not call it while
  *  holding a lock that wake takes. One that never subscribed is fine. */
 void vor_bus_unsubscribe(struct vor_bus *bus, struct vor_subscriber *subscriber);
-
-/** Everything published so far as bytes (malloc, the caller frees), and back: what the store keeps
- *  as the trace of a job that ended.
- *
- *  pack:   @retval VOR_E_NOMEM
- *  unpack: @retval VOR_E_FORMAT the bytes are not a trace, VOR_E_NOMEM */
-VOR_NODISCARD vor_status vor_bus_pack(struct vor_bus *bus, uint8_t **bytes, size_t *size,
-                                      struct vor_error *err);
-VOR_NODISCARD vor_status vor_bus_unpack(struct vor_bus **out, const uint8_t *bytes, size_t size,
-                                        struct vor_error *err);
 
 #endif

@@ -23,6 +23,14 @@ struct vor_job {
  * result 5, encoding the rest. */
 enum { PREPARED = 10, OPTIMIZED = 90, MEASURED = 95 };
 
+/* Seconds until iterations and polish end at their pace so far, -1 before there is a pace. */
+static double estimate(const struct vor_job_view *view, const struct vor_pace *pace)
+{
+    if (view->stage != VOR_STAGE_OPTIMIZE)
+        return -1;
+    return vor_pace_left(&view->spec, &pace->first, &view->record);
+}
+
 /* What a change of state looks like to those who follow; the caller holds job->change. */
 static void publish(struct vor_job *job, enum vor_event_kind kind, int64_t now_ms)
 {
@@ -32,8 +40,10 @@ static void publish(struct vor_job *job, enum vor_event_kind kind, int64_t now_m
     event.status = job->view.status;
     event.stage = job->view.stage;
     event.progress = job->view.progress;
-    if (kind == VOR_EVENT_PROGRESS)
+    if (kind == VOR_EVENT_PROGRESS) {
         event.record = job->view.record;
+        event.eta_seconds = estimate(&job->view, &job->pace);
+    }
     pthread_mutex_unlock(&job->state);
     (void)vor_bus_publish(job->bus, &event); /* out of memory: one point of a chart is missing */
 }
@@ -87,14 +97,6 @@ const struct vor_uuid *vor_job_id(const struct vor_job *job)
 struct vor_bus *vor_job_bus(const struct vor_job *job)
 {
     return job->bus;
-}
-
-/* Seconds until iterations and polish end at their pace so far, -1 before there is a pace. */
-static double estimate(const struct vor_job_view *view, const struct vor_pace *pace)
-{
-    if (view->stage != VOR_STAGE_OPTIMIZE)
-        return -1;
-    return vor_pace_left(&view->spec, &pace->first, &view->record);
 }
 
 static void describe(struct vor_job_view *view)

@@ -60,7 +60,7 @@ VOR_NODISCARD vor_status vor_store_release(struct vor_store *store, const struct
 /** What goes into the row with the final state besides the view; either may be NULL. Borrowed. */
 struct vor_store_ending {
     const char *report;   /**< JSON */
-    const uint8_t *trace; /**< vor_bus_pack */
+    const uint8_t *trace; /**< vor_trace_pack */
     size_t trace_size;
 };
 

@@ -1,6 +1,7 @@
 /* What handlers ask of the worker about single jobs. */
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/jobs/trace.h"
 #include "server/work/internal.h"
 
 #include <stdio.h>
@@ -187,7 +188,7 @@ static vor_status stored_bus(struct vor_worker *worker, const struct vor_job_vie
 
     if (status != VOR_OK)
         return status;
-    if (trace == NULL || vor_bus_unpack(&bus, trace, size, NULL) != VOR_OK)
+    if (trace == NULL || vor_trace_unpack(&bus, trace, size, NULL) != VOR_OK)
         bus = vor_bus_create(row->attempt);
     free(trace);
     if (bus == NULL || (vor_job_status_over(row->status) && vor_bus_publish(bus, &end) != VOR_OK)) {

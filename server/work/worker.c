@@ -2,6 +2,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/jobs/trace.h"
 #include "server/work/internal.h"
 
 #include <assert.h>
@@ -261,7 +262,7 @@ vor_status vor_worker_finish(struct vor_worker *worker, struct vor_job *job,
 {
     struct vor_store_ending ending = {.report = report};
     uint8_t *trace = NULL;
-    vor_status status = vor_bus_pack(vor_job_bus(job), &trace, &ending.trace_size, err);
+    vor_status status = vor_trace_pack(vor_job_bus(job), &trace, &ending.trace_size, err);
 
     *changed = 0;
     ending.trace = trace;

@@ -77,9 +77,6 @@ static void write_status(struct stream *stream, struct vor_request *request,
 static void write_progress(const struct stream *stream, const struct vor_event *event,
                            const struct vor_spec *spec, struct vor_text *text)
 {
-    static const struct vor_record start = {0};
-    double left = vor_pace_left(spec, &start, &event->record);
-
     vor_json_begin_object(text);
     vor_json_put_string(text, "jobID", stream->id.text);
     vor_json_put_u64(text, "attempt", event->attempt);
@@ -88,7 +85,7 @@ static void write_progress(const struct stream *stream, const struct vor_event *
     vor_json_put_u64(text, "maxPolish", vor_pace_polish(spec));
     vor_json_record_members(text, &event->record);
     vor_json_put_i64(text, "progress", event->progress);
-    vor_json_put_double(text, "eta", left >= 0 ? left : NAN);
+    vor_json_put_double(text, "eta", event->eta_seconds >= 0 ? event->eta_seconds : NAN);
     vor_json_end_object(text);
 }
 

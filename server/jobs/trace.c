@@ -1,0 +1,264 @@
+#include "server/jobs/trace.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A trace, little endian: the magic, attempt, count of events and, since "VTR3", bytes of a record
+ * (4 bytes each); then for every event kind, status, stage and progress (a byte each) and time (8);
+ * a progress event goes on with the estimate (8, since "VTR3") and its record. In "VTR3" a record
+ * has the members of its table in their order, so a build that knows more of them reads those that
+ * are there, and one that knows fewer skips the rest. "VTR2" was written before records had a
+ * stage. A trace with another magic is refused, and the job is left with its end. */
+enum {
+    MAGIC_SIZE = 4,
+    HEADER_SIZE = 16,
+    HEADER_SIZE_2 = 12,
+    EVENT_SIZE = 12,
+    ETA_SIZE = 8,
+    RECORD_SIZE_2 = 64
+};
+
+static const char magic[MAGIC_SIZE] = {'V', 'T', 'R', '3'},
+                  magic_2[MAGIC_SIZE] = {'V', 'T', 'R', '2'};
+
+static uint8_t *put(uint8_t *at, uint64_t value, size_t bytes)
+{
+    for (size_t i = 0; i < bytes; i++)
+        *at++ = (uint8_t)(value >> (8 * i));
+    return at;
+}
+
+static const uint8_t *get(const uint8_t *at, uint64_t *value, size_t bytes)
+{
+    *value = 0;
+    for (size_t i = 0; i < bytes; i++)
+        *value |= (uint64_t)*at++ << (8 * i);
+    return at;
+}
+
+static uint8_t *put_real(uint8_t *at, double value)
+{
+    uint64_t bits;
+
+    memcpy(&bits, &value, sizeof bits);
+    return put(at, bits, 8);
+}
+
+static const uint8_t *get_real(const uint8_t *at, double *value)
+{
+    uint64_t bits;
+
+    at = get(at, &bits, 8);
+    memcpy(value, &bits, sizeof bits);
+    return at;
+}
+
+/* Bytes that a member of a record takes; numbers and words are all it has. */
+static size_t packed_size(const struct vor_member *row)
+{
+    return row->kind == VOR_MEMBER_U32 || row->kind == VOR_MEMBER_WORD ? 4 : 8;
+}
+
+static size_t record_size(void)
+{
+    size_t size = 0;
+
+    for (unsigned i = 0; i < vor_record_members.count; i++)
+        size += packed_size(&vor_record_members.rows[i]);
+    return size;
+}
+
+static uint8_t *put_record(uint8_t *at, const struct vor_record *record)
+{
+    for (unsigned i = 0; i < vor_record_members.count; i++) {
+        const struct vor_member *row = &vor_record_members.rows[i];
+        const void *member = vor_member_at(row, record);
+
+        if (row->kind == VOR_MEMBER_REAL)
+            at = put_real(at, *(const double *)member);
+        else if (row->kind == VOR_MEMBER_U64)
+            at = put(at, *(const uint64_t *)member, 8);
+        else
+            at = put(at, *(const uint32_t *)member, 4);
+    }
+    return at;
+}
+
+/* Reads the members that `size` bytes hold; false when one of them is a word that there is not. */
+static int get_record(struct vor_record *out, const uint8_t *at, size_t size)
+{
+    for (unsigned i = 0; i < vor_record_members.count; i++) {
+        const struct vor_member *row = &vor_record_members.rows[i];
+        void *member = (unsigned char *)out + row->offset;
+        uint64_t value;
+
+        if (size < packed_size(row))
+            return 1;
+        size -= packed_size(row);
+        if (row->kind == VOR_MEMBER_REAL) {
+            at = get_real(at, member);
+            continue;
+        }
+        at = get(at, &value, packed_size(row));
+        if (row->kind == VOR_MEMBER_WORD && value >= row->word_count)
+            return 0;
+        if (row->kind == VOR_MEMBER_U64)
+            *(uint64_t *)member = value;
+        else
+            *(uint32_t *)member = (uint32_t)value;
+    }
+    return 1;
+}
+
+/* A record of a "VTR2": iteration and polish (4 bytes each), held, then the doubles. */
+static void get_record_2(struct vor_record *out, const uint8_t *at)
+{
+    double *const reals[] = {&out->delta,  &out->sigma,    &out->epsilon,
+                             &out->energy, &out->max_move, &out->seconds};
+    uint64_t value;
+
+    at = get(at, &value, 4);
+    out->iteration = (uint32_t)value;
+    at = get(at, &value, 4);
+    out->polish = (uint32_t)value;
+    at = get(at, &out->held, 8);
+    for (size_t i = 0; i < sizeof reals / sizeof reals[0]; i++)
+        at = get_real(at, reals[i]);
+    vor_record_infer_stage(out);
+}
+
+static uint8_t *put_event(uint8_t *at, const struct vor_event *event)
+{
+    at = put(at, (uint64_t)event->kind, 1);
+    at = put(at, (uint64_t)event->status, 1);
+    at = put(at, (uint64_t)event->stage, 1);
+    at = put(at, (uint64_t)event->progress, 1);
+    at = put(at, (uint64_t)event->time_ms, 8);
+    if (event->kind != VOR_EVENT_PROGRESS)
+        return at;
+    return put_record(put_real(at, event->eta_seconds), &event->record);
+}
+
+/* The bytes of a trace that are still to be read. */
+struct trace {
+    const uint8_t *at, *end;
+    size_t record; /* bytes of a record; 0: as "VTR2" has it */
+};
+
+/* The estimate and the record of a progress event; false when the bytes run out or are none. */
+static int get_progress(struct vor_event *out, struct trace *trace)
+{
+    size_t left = (size_t)(trace->end - trace->at);
+
+    out->eta_seconds = -1;
+    if (trace->record == 0) {
+        if (left < RECORD_SIZE_2)
+            return 0;
+        get_record_2(&out->record, trace->at);
+        trace->at += RECORD_SIZE_2;
+        return 1;
+    }
+    if (left < ETA_SIZE || left - ETA_SIZE < trace->record)
+        return 0;
+    trace->at = get_real(trace->at, &out->eta_seconds);
+    if (!get_record(&out->record, trace->at, trace->record))
+        return 0;
+    trace->at += trace->record;
+    return 1;
+}
+
+/* False when the bytes run out or are no event. */
+static int get_event(struct vor_event *out, struct trace *trace)
+{
+    uint64_t kind, status, stage, progress, time_ms;
+    const uint8_t *at = trace->at;
+
+    if (trace->end - at < EVENT_SIZE)
+        return 0;
+    at = get(get(get(get(at, &kind, 1), &status, 1), &stage, 1), &progress, 1);
+    trace->at = get(at, &time_ms, 8);
+    if (kind >= VOR_EVENT_KINDS || status >= VOR_JOB_STATUSES || stage >= VOR_STAGES ||
+        progress > 100)
+        return 0;
+    *out = (struct vor_event){.kind = (enum vor_event_kind)kind,
+                              .status = (enum vor_job_status)status,
+                              .stage = (enum vor_stage)stage,
+                              .progress = (int)progress,
+                              .time_ms = (int64_t)time_ms};
+    return kind != VOR_EVENT_PROGRESS || get_progress(out, trace);
+}
+
+vor_status vor_trace_pack(struct vor_bus *bus, uint8_t **bytes, size_t *size, struct vor_error *err)
+{
+    struct vor_position position = {0, 0};
+    uint32_t count = vor_bus_newest(bus).number;
+    uint8_t *data = malloc(HEADER_SIZE + count * (EVENT_SIZE + ETA_SIZE + record_size())), *at;
+    struct vor_event event;
+
+    if (data == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "a trace of %u events", (unsigned)count);
+    memcpy(data, magic, sizeof magic);
+    at = put(put(data + sizeof magic, vor_bus_attempt(bus), 4), count, 4);
+    at = put(at, record_size(), 4);
+    while (position.number < count && vor_bus_read(bus, &position, VOR_READ_EVERY, &event, 1) == 1)
+        at = put_event(at, &event);
+    *size = (size_t)(at - data);
+    *bytes = data;
+    return VOR_OK;
+}
+
+static vor_status unpack_events(struct vor_bus *bus, struct trace *trace, uint64_t count,
+                                struct vor_error *err)
+{
+    for (uint64_t i = 0; i < count; i++) {
+        struct vor_event event;
+
+        if (!get_event(&event, trace))
+            return vor_fail(err, VOR_E_FORMAT, "event %llu of the trace is damaged",
+                            (unsigned long long)i + 1);
+        if (vor_bus_publish(bus, &event) != VOR_OK)
+            return vor_fail(err, VOR_E_NOMEM, "a trace of %llu events", (unsigned long long)count);
+    }
+    return VOR_OK;
+}
+
+/* Reads the header of a trace, old or new; false when it is none. */
+static int get_header(struct trace *trace, uint64_t *attempt, uint64_t *count, const uint8_t *bytes,
+                      size_t size)
+{
+    uint64_t record = 0;
+
+    if (size >= HEADER_SIZE && memcmp(bytes, magic, sizeof magic) == 0) {
+        (void)get(bytes + HEADER_SIZE_2, &record, 4);
+        if (record == 0)
+            return 0;
+    } else if (size < HEADER_SIZE_2 || memcmp(bytes, magic_2, sizeof magic_2) != 0) {
+        return 0;
+    }
+    (void)get(get(bytes + MAGIC_SIZE, attempt, 4), count, 4);
+    *trace = (struct trace){bytes + (record > 0 ? HEADER_SIZE : HEADER_SIZE_2), bytes + size,
+                            (size_t)record};
+    return 1;
+}
+
+vor_status vor_trace_unpack(struct vor_bus **out, const uint8_t *bytes, size_t size,
+                            struct vor_error *err)
+{
+    uint64_t attempt, count;
+    struct trace trace;
+    struct vor_bus *bus;
+    vor_status status;
+
+    if (!get_header(&trace, &attempt, &count, bytes, size))
+        return vor_fail(err, VOR_E_FORMAT, "%zu bytes are not a trace", size);
+    bus = vor_bus_create((uint32_t)attempt);
+    if (bus == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "a trace of %zu bytes", size);
+    status = unpack_events(bus, &trace, count, err);
+    if (status != VOR_OK) {
+        vor_bus_release(bus);
+        return status;
+    }
+    *out = bus;
+    return VOR_OK;
+}
