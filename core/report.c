@@ -1,6 +1,8 @@
 #include "core/report.h"
 
 #include <assert.h>
+#include <stdio.h>
+#include <string.h>
 
 _Static_assert(sizeof(enum vor_run_stage) == sizeof(unsigned) &&
                    sizeof(enum vor_stopped) == sizeof(unsigned),
@@ -21,9 +23,18 @@ static const char *const stage_words[VOR_RUN_STAGE_COUNT] = {
 
 const struct vor_run_stage_info *vor_run_stage_info(enum vor_run_stage stage)
 {
-    static const struct vor_run_stage_info other = {"step", "Step", "A stage of another build"};
+    static const struct vor_run_stage_info other = {"step", "step", "A stage of another build"};
 
     return (unsigned)stage < VOR_RUN_STAGE_COUNT ? &stages[stage] : &other;
+}
+
+enum vor_run_stage vor_run_stage_find(const char *name)
+{
+    int i = 0;
+
+    while (i < VOR_RUN_STAGE_COUNT && strcmp(stage_words[i], name) != 0)
+        i++;
+    return (enum vor_run_stage)i;
 }
 
 static const char *const stopped_words[VOR_STOPPED_COUNT] = {
@@ -120,4 +131,20 @@ void vor_report_stage(struct vor_report *report, enum vor_run_stage stage, uint3
         report->stages[report->stages_count++] = (struct vor_stage_done){.stage = stage};
     report->stages[at].steps += steps;
     report->stages[at].seconds += seconds;
+}
+
+const char *vor_report_steps(const struct vor_report *report, char *out, size_t size)
+{
+    size_t at = 0;
+
+    assert(size > 0);
+    out[0] = '\0';
+    for (unsigned i = 0; i < report->stages_count && at < size; i++) {
+        const struct vor_stage_done *done = &report->stages[i];
+        const char *before = i == 0 ? "" : i + 1 < report->stages_count ? ", " : " and ";
+
+        at += (size_t)snprintf(out + at, size - at, "%s%u %ss", before, (unsigned)done->steps,
+                               vor_run_stage_info(done->stage)->step);
+    }
+    return out;
 }

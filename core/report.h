@@ -16,8 +16,8 @@
 /** Stages that a run may go through: identifier, name, what one of its steps is called, sentence.
  * Traces keep the number of a row, so rows are only ever added, at the end. */
 #define VOR_RUN_STAGE_TABLE(X)                                                                     \
-    X(ITERATE, "iterate", "Iteration", "Moves each point towards the middle of its cell")          \
-    X(POLISH, "polish", "Polish step", "Moves points away from their neighbours")                  \
+    X(ITERATE, "iterate", "iteration", "Moves each point towards the middle of its cell")          \
+    X(POLISH, "polish", "polish step", "Moves points away from their neighbours")                  \
     VOR_EXTRA_RUN_STAGES(X)
 
 enum vor_run_stage {
@@ -35,6 +35,9 @@ struct vor_run_stage_info {
 /** The row of a stage. Any other number, as a record of another build may have, gets a row that
  * says no more than "step". */
 const struct vor_run_stage_info *vor_run_stage_info(enum vor_run_stage stage);
+
+/** The stage of that name; VOR_RUN_STAGE_COUNT when there is none. */
+enum vor_run_stage vor_run_stage_find(const char *name);
 
 #define VOR_FIELD_RUN_STAGE(field) enum vor_run_stage field;
 
@@ -218,6 +221,10 @@ extern const struct vor_members vor_report_members;
  * stage before counts on. stage must be a row of the table. */
 void vor_report_stage(struct vor_report *report, enum vor_run_stage stage, uint32_t steps,
                       double seconds);
+
+/** Writes the steps that the run took of each stage, "12 iterations and 100 polish steps", cut to
+ * fit. Returns out. */
+const char *vor_report_steps(const struct vor_report *report, char *out, size_t size);
 
 /** How evenly a cloud is spread and, with a reference, how far it is from that; names and
  * definitions of Xiao 2024 Sec. V-B. Lengths beside a reference are over the diagonal of its

@@ -4,9 +4,11 @@
 #ifndef VOR_PROTO_JSON_H
 #define VOR_PROTO_JSON_H
 
+#include "proto/json/json_members.h"
 #include "proto/json/json_process.h"
 #include "proto/json/json_read.h"
 #include "proto/json/json_scan.h"
+#include "proto/json/json_spec.h"
 #include "proto/json/json_values.h"
 #include "proto/json/json_write.h"
 

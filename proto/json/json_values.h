@@ -5,52 +5,19 @@
 
 #include "core/base/status.h"
 #include "core/report.h"
-#include "core/spec.h"
 #include "proto/json/json_read.h"
 #include "proto/text.h"
 
 #include <stddef.h>
 #include <stdint.h>
 
-/** The one progress record of SSE, NDJSON and trace: {"iteration","polish","delta","sigma",
- *  "epsilon","energy","max_move","held","seconds"}. The second form writes the members into an open
- *  object. */
+/** The one progress record of SSE, NDJSON and trace, as an object. */
 void vor_json_record(struct vor_text *text, const struct vor_record *record);
-void vor_json_record_members(struct vor_text *text, const struct vor_record *record);
 
-/** Reads a record out of an object that may hold more; what is missing or no number is 0. False
- *  when there is no iteration. */
+/** Reads a record out of an object that may hold more; what is missing or no number is 0. A record
+ * without run_stage, of a build that had none, is given the stage that its iteration and polish say
+ * (vor_record_infer_stage). False, and *out as it was, when there is no iteration. */
 int vor_json_record_read(struct vor_record *out, const struct vor_json *object);
-
-/** The report of a run: points {in, out}, delta, sigma, epsilon, iterations, polish_steps, stopped,
- * seconds {read, index, init, iterate, polish, write}, memory_peak_bytes, outliers, lattice
- * {x, y, z, moved}, in_to_out and out_to_in {mean, rms, max, points}, boundary_points,
- * neighbors_histogram [{neighbors, points}], held, held_ever, fallbacks {plane, left}, area,
- * spacing, min_over_mean, max_over_mean, six_share, bisectors_per_cell, triangles_per_cell,
- * queries, list_rebuilds, parameters. The steps done have a name of their own, because "polish"
- * among the parameters is how many were allowed. */
-void vor_json_report(struct vor_text *text, const struct vor_report *report);
-
-/** A measure: n, delta, sigma, epsilon, mean_nn, min_over_mean, max_over_mean, coincident and, with
- *  a reference, "input" {far_over_knn6_mean, far_over_knn6_p999, out_to_ref_mean, out_to_ref_rms,
- *  out_to_ref_max, ref_to_out_mean, ref_to_out_rms, ref_to_out_max, hausdorff, chamfer, d1_mse,
- *  d1_psnr, d2_mse, d2_psnr, peak}. An infinite psnr is null. */
-void vor_json_measure(struct vor_text *text, const struct vor_measure *measure);
-
-/** A request as an object: numbers as numbers, choices and auto as strings, unset ones left out. */
-void vor_json_spec(struct vor_text *text, const struct vor_spec *spec);
-
-/** Sets what an object's members name; the others keep what spec has.
- *
- *  @param[in,out] spec     unchanged on failure
- *  @param[out]    pointer  JSON pointer to the member at fault below object, "" on success or when
- *                          object itself is at fault; cut at its size
- *  @retval VOR_E_PARAM object is no object, a member is unknown (parameter names it), of the wrong
- *                      type or out of range. vor_spec_check is the caller's to call. */
-#define VOR_JSON_POINTER_MAX 80
-VOR_NODISCARD vor_status vor_json_spec_read(struct vor_spec *spec, const struct vor_json *object,
-                                            char pointer[VOR_JSON_POINTER_MAX],
-                                            struct vor_error *err);
 
 /** One entry of a problem's errors[]: exactly one of pointer and parameter is set. */
 struct vor_problem_error {

@@ -122,13 +122,14 @@ static vor_status save(struct here *r, struct vor_error *err)
 
 static vor_status finish(struct here *r, struct vor_error *err)
 {
+    struct vor_document report = {"report", &vor_report_members, &r->report};
     struct vor_text text;
     vor_status status;
 
     r->report.parameters.value[VOR_PARAM_FORMAT] =
         r->format == vor_format(VOR_FORMAT_DRC) ? VOR_FORMAT_DRC : VOR_FORMAT_PLY;
     vor_text_init(&text, 0);
-    vor_json_report(&text, &r->report);
+    vor_json_document(&text, &report);
     status = vor_text_status(&text, err);
     if (status == VOR_OK)
         status = vor_progress_finish(&r->progress, text.data, text.size, err);

@@ -7,11 +7,12 @@
 
 static vor_status print(const struct vor_measure *measure, struct vor_error *err)
 {
+    struct vor_document document = {"measure", &vor_measure_members, measure};
     struct vor_text text;
     vor_status status;
 
     vor_text_init(&text, 0);
-    vor_json_measure(&text, measure);
+    vor_json_document(&text, &document);
     vor_text_puts(&text, "\n");
     status = vor_text_status(&text, err);
     if (status == VOR_OK &&

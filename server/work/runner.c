@@ -171,7 +171,7 @@ static vor_status execute(struct run *run, struct vor_error *err)
 
 static void describe_success(struct run *run, struct vor_job_view *row)
 {
-    char polish[32] = "";
+    char steps[64];
 
     row->progress = 100;
     row->output = run->output;
@@ -179,13 +179,9 @@ static void describe_success(struct run *run, struct vor_job_view *row)
     row->record.delta = run->report.delta;
     row->record.sigma = run->report.sigma;
     row->record.epsilon = run->report.epsilon;
-    if (run->report.polish_steps > 0)
-        (void)snprintf(polish, sizeof polish, " and %u polish steps",
-                       (unsigned)run->report.polish_steps);
-    (void)snprintf(row->message, sizeof row->message,
-                   "%llu points after %u iterations%s, delta %.4f",
-                   (unsigned long long)run->output.points, (unsigned)run->report.iterations, polish,
-                   run->report.delta);
+    (void)snprintf(row->message, sizeof row->message, "%llu points after %s, delta %.4f",
+                   (unsigned long long)run->output.points,
+                   vor_report_steps(&run->report, steps, sizeof steps), run->report.delta);
 }
 
 static void describe_failure(struct vor_job_view *row, const struct vor_error *problem)
@@ -226,13 +222,14 @@ static vor_status finish_once(struct run *run, const struct vor_error *problem, 
  * again, and nobody was told otherwise. */
 static void finish(struct run *run, const struct vor_error *problem)
 {
+    struct vor_document document = {"report", &vor_report_members, &run->report};
     struct vor_text report;
     struct vor_error err;
     const char *json = NULL;
 
     vor_text_init(&report, 0);
     if (problem == NULL)
-        vor_json_report(&report, &run->report);
+        vor_json_document(&report, &document);
     if (vor_text_status(&report, NULL) == VOR_OK)
         json = report.data; /* NULL when there is none */
     while (finish_once(run, problem, json, &err) != VOR_OK) {

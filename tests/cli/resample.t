@@ -48,12 +48,12 @@ subtest 'lines of JSON' => sub {
     my $report = pop @records;
     is "$code$stderr", '0', 'all is well';
     is_deeply [map { $_->{iteration} } @records], [0 .. 6], 'there is a record for each iteration';
-    my $shape = join ' ', sort qw(iteration polish delta sigma epsilon energy max_move held seconds);
+    my $shape = join ' ', sort qw(iteration polish delta sigma epsilon energy max_move held seconds run_stage step of ahead);
     is_deeply [map { $_->{polish} } @records], [(0) x 7], 'none is of a polish that was not asked for';
     is join(' ', sort keys %$_), $shape, "record $_->{iteration} has its shape" for @records;
     cmp_ok $records[-1]{delta}, '<', $records[0]{delta}, 'delta falls';
     is join(' ', sort keys %$report),
-        join(' ', sort qw(points delta sigma epsilon iterations polish_steps stopped seconds
+        join(' ', sort qw(points delta sigma epsilon iterations polish_steps stopped stages seconds
             memory_peak_bytes outliers lattice in_to_out out_to_in boundary_points neighbors_histogram held held_ever fallbacks parameters area spacing min_over_mean max_over_mean
             six_share bisectors_per_cell triangles_per_cell queries list_rebuilds)), 'the report has its shape';
     is join(' ', sort keys %{ $report->{seconds} }), 'index init iterate polish read write', 'so have its seconds';
@@ -67,6 +67,7 @@ subtest 'lines of JSON' => sub {
     is $report->{polish_steps}, 0, 'it counts no step of a polish';
     is_deeply $report->{points}, { in => 4000, out => 500 }, 'it counts the points';
     is "$report->{iterations} $report->{stopped}", '6 iterations', 'it says why it stopped';
+    is_deeply [map { "$_->{stage} $_->{steps}" } @{ $report->{stages} }], ['iterate 6'], 'and what it went through';
     cmp_ok $report->{seconds}{$_}, '>', 0, "it has the seconds of $_"
         for qw(read index init iterate write);
     cmp_ok abs($report->{area} - 12.566), '<', 0.3, 'it has the area of the sphere';
@@ -88,6 +89,12 @@ subtest 'the polish' => sub {
     is $steps[-1], $report->{polish_steps}, 'the last one has the steps of the report';
     cmp_ok $report->{polish_steps}, '<=', 40, 'there are no more than allowed';
     is $report->{parameters}{polish}, 40, 'which the report repeats';
+    is_deeply [map { $_->{stage} } @{ $report->{stages} }], ['iterate', 'polish'], 'it went through both stages';
+    is $report->{stages}[1]{seconds}, $report->{seconds}{polish}, 'with the seconds of each';
+    my ($first) = grep { $_->{polish} } @records;
+    is "$records[6]{run_stage} $records[6]{step} $records[6]{of} $records[6]{ahead}", 'iterate 6 6 40',
+        'the last iteration knows what comes';
+    is "$first->{run_stage} $first->{step} $first->{of} $first->{ahead}", 'polish 10 40 0', 'so does the polish';
     ($code, $stdout, $stderr) = run(['resample', $in, @polished, '-o', "$folder/p.ply"]);
     my $counted = $report->{polish_steps} > 0 ? " and $report->{polish_steps} polish steps" : '';
     like $stderr, qr/ after 6 iterations$counted \(\w+\), \d+\.\d s\n\z/, 'the summary tells both';

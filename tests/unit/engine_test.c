@@ -70,16 +70,6 @@ static void close_job(struct job *job)
     vt_assert_no_leak();
 }
 
-START_TEST(every_reason_to_stop_has_its_word)
-{
-    static const char *const words[VOR_STOPPED_COUNT] = {"iterations", "delta", "seconds",
-                                                         "plateau", "stopped"};
-
-    for (int i = 0; i < VOR_STOPPED_COUNT; i++)
-        ck_assert_str_eq(vor_stopped_word((enum vor_stopped)i), words[i]);
-}
-END_TEST
-
 START_TEST(explicit_iterations_are_run_to_the_last)
 {
     static const size_t counts[5] = {0, 1, 2, 17, 60};
@@ -520,7 +510,6 @@ int main(void)
 {
     Suite *suite = suite_create("engine");
 
-    vt_add(suite, every_reason_to_stop_has_its_word);
     vt_add(suite, explicit_iterations_are_run_to_the_last);
     vt_add(suite, a_plateau_ends_the_default_only);
     vt_add(suite, a_request_without_more_iterates_briefly_and_is_polished);

@@ -32,11 +32,16 @@ static const struct vor_record record = {.iteration = 37,
                                          .energy = 1.9e-5,
                                          .max_move = 0.5,
                                          .held = 2,
-                                         .seconds = 1.25};
+                                         .seconds = 1.25,
+                                         .stage = VOR_RUN_STAGE_POLISH,
+                                         .step = 30,
+                                         .of = 100,
+                                         .ahead = 5};
 
 #define RECORD                                                                                     \
     "{\"iteration\":37,\"polish\":30,\"delta\":0.0813,\"sigma\":0.000211,\"epsilon\":0.9967,"      \
-    "\"energy\":1.9e-05,\"max_move\":0.5,\"held\":2,\"seconds\":1.25}"
+    "\"energy\":1.9e-05,\"max_move\":0.5,\"held\":2,\"seconds\":1.25,\"run_stage\":\"polish\","    \
+    "\"step\":30,\"of\":100,\"ahead\":5}"
 
 START_TEST(a_record_has_its_shape)
 {
@@ -52,15 +57,7 @@ START_TEST(a_record_comes_back)
     struct vor_record back;
 
     ck_assert(vor_json_record_read(&back, json));
-    ck_assert_uint_eq(back.iteration, 37);
-    ck_assert_uint_eq(back.polish, 30);
-    ck_assert_double_eq(back.delta, record.delta);
-    ck_assert_double_eq(back.sigma, record.sigma);
-    ck_assert_double_eq(back.epsilon, record.epsilon);
-    ck_assert_double_eq(back.energy, record.energy);
-    ck_assert_double_eq(back.max_move, record.max_move);
-    ck_assert_uint_eq(back.held, 2);
-    ck_assert_double_eq(back.seconds, 1.25);
+    ck_assert_mem_eq(&back, &record, sizeof record);
     vor_json_free(json);
     json = parsed("{\"delta\":1}");
     ck_assert(!vor_json_record_read(&back, json));
@@ -72,57 +69,99 @@ START_TEST(a_record_comes_back)
     json = parsed("{\"iteration\":5,\"delta\":0.1}"); /* kept by a build without the polish */
     ck_assert(vor_json_record_read(&back, json));
     ck_assert(back.iteration == 5 && back.polish == 0);
+    ck_assert(back.stage == VOR_RUN_STAGE_ITERATE && back.step == 5 && back.of == 0);
     vor_json_free(json);
+}
+END_TEST
+
+/* As the store kept metrics, and daemons sent progress, before records had a stage. */
+START_TEST(a_record_without_a_stage_gets_the_one_it_was_in)
+{
+    struct vor_json *json =
+        parsed("{\"iteration\":12,\"polish\":40,\"delta\":0.05,\"sigma\":1,\"epsilon\":0.9,"
+               "\"energy\":2,\"max_move\":3,\"held\":4,\"seconds\":5}");
+    struct vor_record back;
+
+    ck_assert(vor_json_record_read(&back, json));
+    ck_assert_int_eq(back.stage, VOR_RUN_STAGE_POLISH);
+    ck_assert_uint_eq(back.step, 40);
+    ck_assert_uint_eq(back.of, 0);
+    ck_assert_uint_eq(back.ahead, 0);
+    ck_assert_double_eq(back.seconds, 5);
+    vor_json_free(json);
+}
+END_TEST
+
+START_TEST(a_stage_of_another_build_is_none_of_ours)
+{
+    struct vor_json *json =
+        parsed("{\"iteration\":0,\"run_stage\":\"melt\",\"step\":3,\"of\":7,\"ahead\":9}");
+    struct vor_record back;
+
+    ck_assert(vor_json_record_read(&back, json));
+    ck_assert_uint_eq(back.stage, VOR_RUN_STAGE_COUNT);
+    ck_assert(back.step == 3 && back.of == 7 && back.ahead == 9);
+    vor_json_free(json);
+    vor_text_init(&text, 0);
+    vor_json_record(&text, &back);
+    ck_assert_ptr_nonnull(strstr(text.data, "\"run_stage\":null"));
+    vor_text_free(&text);
 }
 END_TEST
 
 START_TEST(a_report_has_its_shape)
 {
-    struct vor_report report = {.points_in = 35947,
-                                .points_out = 5000,
-                                .delta = 0.07,
-                                .sigma = 0.001,
-                                .epsilon = 0.99,
-                                .iterations = 50,
-                                .polish_steps = 40,
-                                .stopped = VOR_STOPPED_ITERATIONS,
-                                .seconds_read = 1,
-                                .seconds_index = 2,
-                                .seconds_init = 3,
-                                .seconds_iterate = 4,
-                                .seconds_polish = 4.5,
-                                .seconds_write = 5,
-                                .memory_peak_bytes = 123456789,
-                                .held = 6,
-                                .held_ever = 7,
-                                .outliers = 5,
-                                .lattice = {0.5, 0.25, 0},
-                                .off_lattice = 12,
-                                .in_to_out = {0.125, 0.25, 0.375, 35000},
-                                .out_to_in = {0.5, 0.625, 0.75, 5000},
-                                .boundary_points = 13,
-                                .fitted = {{12, 700}, {20, 4300}},
-                                .fitted_count = 2,
-                                .fallback_plane = 8,
-                                .fallback_left = 9,
-                                .area = 10.5,
-                                .spacing_mean = 0.25,
-                                .min_over_mean = 0.75,
-                                .max_over_mean = 1.25,
-                                .six_share = 0.875,
-                                .bisectors_per_cell = 6.5,
-                                .triangles_per_cell = 24.5,
-                                .queries = 10000000000,
-                                .list_rebuilds = 11};
+    struct vor_report report = {
+        .points_in = 35947,
+        .points_out = 5000,
+        .delta = 0.07,
+        .sigma = 0.001,
+        .epsilon = 0.99,
+        .iterations = 50,
+        .polish_steps = 40,
+        .stopped = VOR_STOPPED_ITERATIONS,
+        .stages = {{VOR_RUN_STAGE_ITERATE, 50, 4}, {VOR_RUN_STAGE_POLISH, 40, 4.5}},
+        .stages_count = 2,
+        .seconds_read = 1,
+        .seconds_index = 2,
+        .seconds_init = 3,
+        .seconds_iterate = 4,
+        .seconds_polish = 4.5,
+        .seconds_write = 5,
+        .memory_peak_bytes = 123456789,
+        .held = 6,
+        .held_ever = 7,
+        .outliers = 5,
+        .lattice = {0.5, 0.25, 0},
+        .off_lattice = 12,
+        .in_to_out = {0.125, 0.25, 0.375, 35000},
+        .out_to_in = {0.5, 0.625, 0.75, 5000},
+        .boundary_points = 13,
+        .fitted = {{12, 700}, {20, 4300}},
+        .fitted_count = 2,
+        .fallback_plane = 8,
+        .fallback_left = 9,
+        .area = 10.5,
+        .spacing_mean = 0.25,
+        .min_over_mean = 0.75,
+        .max_over_mean = 1.25,
+        .six_share = 0.875,
+        .bisectors_per_cell = 6.5,
+        .triangles_per_cell = 24.5,
+        .queries = 10000000000,
+        .list_rebuilds = 11};
+    struct vor_document document = {"report", &vor_report_members, &report};
 
     vor_spec_init(&report.parameters);
     vt_assert_ok(vor_spec_set(&report.parameters, "points", "5000", &vt_err));
     vt_assert_ok(vor_spec_set(&report.parameters, "polish", "60", &vt_err));
     vor_text_init(&text, 0);
-    vor_json_report(&text, &report);
+    vor_json_document(&text, &document);
     expect(
         "{\"points\":{\"in\":35947,\"out\":5000},\"delta\":0.07,\"sigma\":0.001,"
         "\"epsilon\":0.99,\"iterations\":50,\"polish_steps\":40,\"stopped\":\"iterations\","
+        "\"stages\":[{\"stage\":\"iterate\",\"steps\":50,\"seconds\":4},"
+        "{\"stage\":\"polish\",\"steps\":40,\"seconds\":4.5}],"
         "\"seconds\":{\"read\":1,\"index\":2,\"init\":3,\"iterate\":4,\"polish\":4.5,\"write\":5},"
         "\"memory_peak_bytes\":123456789,"
         "\"outliers\":5,\"lattice\":{\"x\":0.5,\"y\":0.25,\"z\":0,\"moved\":12},\"in_to_out\":{"
@@ -167,14 +206,15 @@ START_TEST(a_measure_is_written_in_this_shape)
                                   .d2_mse = 13,
                                   .d2_psnr = (double)INFINITY,
                                   .peak = 15};
+    struct vor_document document = {"measure", &vor_measure_members, &measure};
 
     vor_text_init(&text, 0);
-    vor_json_measure(&text, &measure);
+    vor_json_document(&text, &document);
     expect("{\"n\":3,\"delta\":0.1,\"sigma\":0.2,\"epsilon\":0.3,\"mean_nn\":0.4,"
            "\"min_over_mean\":0.5,\"max_over_mean\":0.6,\"coincident\":2}");
     measure.has_reference = 1;
     vor_text_init(&text, 0);
-    vor_json_measure(&text, &measure);
+    vor_json_document(&text, &document);
     expect("{\"n\":3,\"delta\":0.1,\"sigma\":0.2,\"epsilon\":0.3,\"mean_nn\":0.4,"
            "\"min_over_mean\":0.5,\"max_over_mean\":0.6,\"coincident\":2,\"input\":{"
            "\"far_over_knn6_mean\":1,\"far_over_knn6_p999\":2,\"out_to_ref_mean\":3,"
@@ -480,6 +520,8 @@ int main(void)
 
     vt_add(suite, a_record_has_its_shape);
     vt_add(suite, a_record_comes_back);
+    vt_add(suite, a_record_without_a_stage_gets_the_one_it_was_in);
+    vt_add(suite, a_stage_of_another_build_is_none_of_ours);
     vt_add(suite, a_report_has_its_shape);
     vt_add(suite, a_measure_is_written_in_this_shape);
     vt_add_loop(suite, every_request_comes_back, 10);

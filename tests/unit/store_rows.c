@@ -194,7 +194,11 @@ START_TEST(a_successful_end_comes_back_with_report_trace_and_record)
                                      .energy = 1e300,
                                      .max_move = 0.1 + 0.2,
                                      .held = 7,
-                                     .seconds = 3.5};
+                                     .seconds = 3.5,
+                                     .stage = VOR_RUN_STAGE_POLISH,
+                                     .step = 30,
+                                     .of = 100,
+                                     .ahead = 7};
     row.output = (struct vor_job_output){.format = 1, .points = 10, .bytes = 99};
     strcpy(row.output.sha256, "beef");
     strcpy(row.message, "10 points");

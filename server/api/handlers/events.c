@@ -1,10 +1,10 @@
 /* The events of a job as a stream (SSE or NDJSON) and, afterwards, as a table. A slow reader gets
  * the latest progress, never a longer queue; ten times a second is enough for any. */
+#include "proto/csv.h"
 #include "proto/sse.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
-#include "server/jobs/pace.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,6 +24,8 @@ struct stream {
     bool is_replay; /* every event up to the newest at the beginning */
     bool is_lines;  /* NDJSON */
     bool began, ended;
+    bool has_spec;        /* spec is set */
+    struct vor_spec spec; /* the job's request: it never changes */
     double sent_at, progress_at;
     struct vor_text text; /* what waits to be sent, from taken on */
     size_t taken;
@@ -74,16 +76,35 @@ static void write_status(struct stream *stream, struct vor_request *request,
     vor_job_write(stream->app, request, &view, text);
 }
 
-static void write_progress(const struct stream *stream, const struct vor_event *event,
-                           const struct vor_spec *spec, struct vor_text *text)
+/* The request of the job; one that allows nothing when the job is gone. Asked for once: a replay of
+ * thousands of events would read and parse the job's row for each. */
+static const struct vor_spec *spec_of(struct stream *stream)
 {
+    struct vor_job_view view;
+    struct vor_error err;
+
+    if (!stream->has_spec &&
+        vor_worker_get(stream->app->worker, &stream->id, &view, &err) == VOR_DONE)
+        stream->spec = view.spec;
+    stream->has_spec = true;
+    return &stream->spec;
+}
+
+/* Of the two limits, which are older than stages, only a run that iterates and polishes makes use.
+ */
+static void write_progress(struct stream *stream, const struct vor_event *event,
+                           struct vor_text *text)
+{
+    const struct vor_spec *spec = spec_of(stream);
+    double polish = spec->value[VOR_PARAM_POLISH];
+
     vor_json_begin_object(text);
     vor_json_put_string(text, "jobID", stream->id.text);
     vor_json_put_u64(text, "attempt", event->attempt);
     vor_json_put_string(text, "stage", vor_stage_word(event->stage));
     vor_json_put_u64(text, "maxIterations", vor_spec_iterations(spec));
-    vor_json_put_u64(text, "maxPolish", vor_pace_polish(spec));
-    vor_json_record_members(text, &event->record);
+    vor_json_put_u64(text, "maxPolish", polish > 0 ? (uint64_t)polish : 0);
+    vor_json_members(text, &vor_record_members, &event->record);
     vor_json_put_i64(text, "progress", event->progress);
     vor_json_put_double(text, "eta", event->eta_seconds >= 0 ? event->eta_seconds : NAN);
     vor_json_end_object(text);
@@ -111,27 +132,12 @@ static void write_end(struct stream *stream, struct vor_request *request,
     vor_json_end_object(text);
 }
 
-/* The request of the job; one that allows nothing when the job is gone. */
-static struct vor_spec spec_of(struct stream *stream)
-{
-    static const struct vor_spec nothing = {.process = NULL};
-    struct vor_job_view view;
-    struct vor_error err;
-
-    if (vor_worker_get(stream->app->worker, &stream->id, &view, &err) != VOR_DONE)
-        return nothing;
-    return view.spec;
-}
-
 static void write_data(struct stream *stream, struct vor_request *request,
                        const struct vor_event *event, struct vor_text *text)
 {
-    struct vor_spec spec;
-
     switch (event->kind) {
     case VOR_EVENT_PROGRESS:
-        spec = spec_of(stream);
-        write_progress(stream, event, &spec, text);
+        write_progress(stream, event, text);
         return;
     case VOR_EVENT_END:
         write_end(stream, request, event, text);
@@ -341,23 +347,6 @@ enum vor_next vor_handle_events(void *ctx, struct vor_request *request, enum vor
     return vor_events_reply(ctx, request, &id, position, last != NULL);
 }
 
-static void trace_line(struct vor_text *text, const struct vor_record *record)
-{
-    const double values[] = {record->delta,  record->sigma,    record->epsilon,
-                             record->energy, record->max_move, (double)record->held,
-                             record->seconds};
-    char number[VOR_JSON_NUMBER_MAX];
-
-    vor_text_printf(text, "%u,%u", record->iteration, record->polish);
-    for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
-        number[0] = '\0';
-        if (isfinite(values[i]))
-            (void)vor_json_format_double(number, values[i]);
-        vor_text_printf(text, ",%s", number);
-    }
-    vor_text_puts(text, "\n");
-}
-
 static void write_trace(struct vor_bus *bus, bool is_table, struct vor_text *text)
 {
     struct vor_position position = {0, 0};
@@ -369,7 +358,7 @@ static void write_trace(struct vor_bus *bus, bool is_table, struct vor_text *tex
             if (events[i].kind != VOR_EVENT_PROGRESS)
                 continue;
             if (is_table)
-                trace_line(text, &events[i].record);
+                vor_csv_line(text, &vor_record_members, &events[i].record);
             else
                 vor_json_record(text, &events[i].record);
         }
@@ -394,7 +383,7 @@ enum vor_next vor_handle_trace(void *ctx, struct vor_request *request, enum vor_
         return vor_outcome_reply(app, request, outcome, &err, &id);
     vor_text_init(&text, 0);
     if (is_table) {
-        vor_text_puts(&text, "iteration,polish,delta,sigma,epsilon,energy,max_move,held,seconds\n");
+        vor_csv_head(&text, &vor_record_members);
         write_trace(bus, true, &text);
     } else {
         vor_json_begin_object(&text);

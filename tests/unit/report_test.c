@@ -1,0 +1,165 @@
+/* The tables of what a run tells: their names make sense in JSON, and rows that others keep stay
+ * where they are. */
+#include "core/report.h"
+#include "tests/support/vt.h"
+
+#include <string.h>
+
+static const struct vor_members *const all[] = {&vor_record_members, &vor_report_members,
+                                                &vor_measure_members};
+enum { TABLES = sizeof all / sizeof all[0] };
+
+/* The name of the object that a row is in, "" for none. */
+static void object_of(char out[64], const struct vor_member *row)
+{
+    const char *dot = strchr(row->name, '.');
+    size_t length = dot != NULL ? (size_t)(dot - row->name) : 0;
+
+    if (row->kind == VOR_MEMBER_VECTOR || row->kind == VOR_MEMBER_OPTIONAL)
+        length = strlen(row->name);
+    ck_assert_uint_lt(length, 64);
+    memcpy(out, row->name, length);
+    out[length] = '\0';
+}
+
+START_TEST(every_row_has_a_name_of_its_own_and_a_sentence)
+{
+    const struct vor_members *members = all[_i];
+
+    for (unsigned i = 0; i < members->count; i++) {
+        const struct vor_member *row = &members->rows[i];
+        const char *dot = strchr(row->name, '.');
+
+        ck_assert_msg(row->sentence[0] != '\0', "%s", row->name);
+        ck_assert_msg(dot == NULL || strchr(dot + 1, '.') == NULL, "%s", row->name);
+        ck_assert_uint_lt(row->offset, members->size);
+        for (unsigned j = 0; j < i; j++)
+            ck_assert_msg(strcmp(members->rows[j].name, row->name) != 0, "%s", row->name);
+    }
+}
+END_TEST
+
+/* Else the object would be in the JSON twice. */
+START_TEST(the_rows_of_an_object_stand_next_to_each_other)
+{
+    const struct vor_members *members = all[_i];
+
+    for (unsigned i = 1; i < members->count; i++) {
+        char object[64], before[64], earlier[64];
+
+        object_of(object, &members->rows[i]);
+        object_of(before, &members->rows[i - 1]);
+        if (object[0] == '\0' || strcmp(object, before) == 0)
+            continue;
+        for (unsigned j = 0; j + 1 < i; j++) {
+            object_of(earlier, &members->rows[j]);
+            ck_assert_msg(strcmp(object, earlier) != 0, "%s", members->rows[i].name);
+        }
+    }
+}
+END_TEST
+
+/* Traces keep the numbers of stages and the order of members; CSV readers count on the columns. */
+START_TEST(rows_are_only_ever_added)
+{
+    static const char *const stages[] = {"iterate", "polish"};
+    static const char *const names[] = {"iteration", "polish",   "delta", "sigma",   "epsilon",
+                                        "energy",    "max_move", "held",  "seconds", "run_stage",
+                                        "step",      "of",       "ahead"};
+
+    ck_assert_uint_ge(VOR_RUN_STAGE_COUNT, sizeof stages / sizeof stages[0]);
+    for (int i = 0; i < (int)(sizeof stages / sizeof stages[0]); i++)
+        ck_assert_str_eq(vor_run_stage_info((enum vor_run_stage)i)->name, stages[i]);
+    ck_assert_uint_ge(vor_record_members.count, sizeof names / sizeof names[0]);
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+        ck_assert_str_eq(vor_record_members.rows[i].name, names[i]);
+}
+END_TEST
+
+/* CSV and traces take nothing else. */
+START_TEST(a_record_has_numbers_and_words_only)
+{
+    for (unsigned i = 0; i < vor_record_members.count; i++) {
+        const struct vor_member *row = &vor_record_members.rows[i];
+
+        ck_assert_msg(row->kind == VOR_MEMBER_U32 || row->kind == VOR_MEMBER_U64 ||
+                          row->kind == VOR_MEMBER_REAL || row->kind == VOR_MEMBER_WORD,
+                      "%s", row->name);
+        ck_assert_msg(strchr(row->name, '.') == NULL, "%s", row->name);
+    }
+}
+END_TEST
+
+START_TEST(stages_are_found_by_their_names)
+{
+    for (int i = 0; i < VOR_RUN_STAGE_COUNT; i++) {
+        const struct vor_run_stage_info *info = vor_run_stage_info((enum vor_run_stage)i);
+
+        ck_assert_int_eq(vor_run_stage_find(info->name), i);
+        ck_assert(info->step[0] != '\0' && info->sentence[0] != '\0');
+    }
+    ck_assert_int_eq(vor_run_stage_find("melt"), VOR_RUN_STAGE_COUNT);
+    ck_assert_str_eq(vor_run_stage_info(VOR_RUN_STAGE_COUNT)->step, "step");
+    ck_assert_str_eq(vor_run_stage_info((enum vor_run_stage)1000)->step, "step");
+}
+END_TEST
+
+START_TEST(every_reason_to_stop_has_a_word_of_its_own)
+{
+    for (int i = 0; i < VOR_STOPPED_COUNT; i++)
+        for (int j = 0; j < i; j++)
+            ck_assert_str_ne(vor_stopped_word((enum vor_stopped)i),
+                             vor_stopped_word((enum vor_stopped)j));
+}
+END_TEST
+
+START_TEST(a_stage_that_is_gone_through_twice_is_told_once)
+{
+    struct vor_report report = {0};
+    char text[64], little[10];
+
+    ck_assert_str_eq(vor_report_steps(&report, text, sizeof text), "");
+    vor_report_stage(&report, VOR_RUN_STAGE_POLISH, 30, 0.5);
+    ck_assert_str_eq(vor_report_steps(&report, text, sizeof text), "30 polish steps");
+    vor_report_stage(&report, VOR_RUN_STAGE_ITERATE, 8, 2);
+    vor_report_stage(&report, VOR_RUN_STAGE_POLISH, 12, 0.25);
+    ck_assert_uint_eq(report.stages_count, 2);
+    ck_assert_int_eq(report.stages[0].stage, VOR_RUN_STAGE_POLISH);
+    ck_assert_uint_eq(report.stages[0].steps, 42);
+    ck_assert_double_eq(report.stages[0].seconds, 0.75);
+    ck_assert_int_eq(report.stages[1].stage, VOR_RUN_STAGE_ITERATE);
+    ck_assert_uint_eq(report.stages[1].steps, 8);
+    ck_assert_str_eq(vor_report_steps(&report, text, sizeof text),
+                     "42 polish steps and 8 iterations");
+    ck_assert_str_eq(vor_report_steps(&report, little, sizeof little), "42 polish");
+}
+END_TEST
+
+START_TEST(a_record_from_before_stages_is_given_one)
+{
+    struct vor_record record = {.iteration = 12, .of = 9, .ahead = 9};
+
+    vor_record_infer_stage(&record);
+    ck_assert_int_eq(record.stage, VOR_RUN_STAGE_ITERATE);
+    ck_assert(record.step == 12 && record.of == 0 && record.ahead == 0);
+    record.polish = 40;
+    vor_record_infer_stage(&record);
+    ck_assert_int_eq(record.stage, VOR_RUN_STAGE_POLISH);
+    ck_assert(record.step == 40 && record.of == 0 && record.ahead == 0);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("report");
+
+    vt_add_loop(suite, every_row_has_a_name_of_its_own_and_a_sentence, TABLES);
+    vt_add_loop(suite, the_rows_of_an_object_stand_next_to_each_other, TABLES);
+    vt_add(suite, rows_are_only_ever_added);
+    vt_add(suite, a_record_has_numbers_and_words_only);
+    vt_add(suite, stages_are_found_by_their_names);
+    vt_add(suite, every_reason_to_stop_has_a_word_of_its_own);
+    vt_add(suite, a_stage_that_is_gone_through_twice_is_told_once);
+    vt_add(suite, a_record_from_before_stages_is_given_one);
+    return vt_run(suite);
+}
