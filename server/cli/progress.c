@@ -1,6 +1,5 @@
 #include "server/cli/progress.h"
 
-#include "proto/json/json.h"
 #include "server/base/clock.h"
 
 #include <stdlib.h>
@@ -10,7 +9,8 @@
 
 #define REDRAW_SECONDS 0.1
 #define BAR_MAX 40
-#define WORDS_WIDTH 59 /* columns beside the bar */
+#define REST_WIDTH                                                                                 \
+    42 /* columns of what follows the steps, without the bar: percent, delta, seconds left */
 
 void vor_progress_start(struct vor_progress *progress, const struct vor_cli *cli)
 {
@@ -71,21 +71,26 @@ static void add_bar(struct vor_text *line, int width, double fraction)
     vor_text_puts(line, "] ");
 }
 
+/* "iterate   20/50   "; without the limit where that is not known. */
+static void add_steps(struct vor_text *line, const struct vor_record *record)
+{
+    vor_text_printf(line, "%s %4u", vor_run_stage_info(record->stage)->name,
+                    (unsigned)record->step);
+    if (record->of > 0 || record->step == 0)
+        vor_text_printf(line, "/%-4u", (unsigned)record->of);
+    vor_text_puts(line, " ");
+}
+
 static void draw(struct vor_progress *progress, const struct vor_record *record)
 {
     const struct vor_spec *spec = &progress->cli->spec;
-    double fraction = vor_pace_done(spec, record);
-    double left = vor_pace_left(spec, &progress->pace.first, record);
+    double fraction = vor_pace_done(&progress->pace, spec);
+    double left = vor_pace_left(&progress->pace, spec);
     struct vor_text line;
 
     vor_text_init(&line, 0);
-    if (record->polish > 0)
-        vor_text_printf(&line, "polish %4u/%-4u ", (unsigned)record->polish,
-                        (unsigned)vor_pace_polish(spec));
-    else
-        vor_text_printf(&line, "%4u/%-4u ", (unsigned)record->iteration,
-                        (unsigned)vor_spec_iterations(spec));
-    add_bar(&line, progress->columns - WORDS_WIDTH, fraction);
+    add_steps(&line, record);
+    add_bar(&line, progress->columns - REST_WIDTH - (int)line.size, fraction);
     vor_text_printf(&line, "%3.0f %%  delta %.4f", 100 * fraction, record->delta);
     if (left >= 0)
         vor_text_printf(&line, "  %.0f s left", left);
@@ -116,21 +121,71 @@ static double number_at(const struct vor_json *json, const char *name)
     return number;
 }
 
+static uint32_t count_at(const struct vor_json *json, const char *name)
+{
+    double number = number_at(json, name);
+
+    return number >= 0 && number <= UINT32_MAX ? (uint32_t)number : 0;
+}
+
+/* The limits of a stage as a daemon that does not tell stages tells them. */
+static void read_limits(struct vor_record *record, const struct vor_json *event)
+{
+    uint32_t polish = count_at(event, "maxPolish");
+
+    if (record->stage == VOR_RUN_STAGE_POLISH) {
+        record->of = polish;
+        return;
+    }
+    record->of = count_at(event, "maxIterations");
+    record->ahead = polish;
+}
+
+void vor_progress_event(struct vor_progress *progress, const struct vor_json *event)
+{
+    struct vor_record record;
+
+    if (!vor_json_record_read(&record, event))
+        return;
+    if (vor_json_get(event, "run_stage") == NULL)
+        read_limits(&record, event);
+    vor_progress_record(progress, &record);
+}
+
+/* The stages of a report; of a daemon that does not list them, those that it had. */
+static void read_stages(struct vor_report *out, const struct vor_json *report)
+{
+    const struct vor_json *list = vor_json_get(report, "stages");
+
+    for (const struct vor_json *s = vor_json_first(list); s != NULL; s = vor_json_next(s)) {
+        const char *name = vor_json_get_string(vor_json_get(s, "stage"));
+        enum vor_run_stage stage = vor_run_stage_find(name != NULL ? name : "");
+
+        if (stage != VOR_RUN_STAGE_COUNT)
+            vor_report_stage(out, stage, count_at(s, "steps"), 0);
+    }
+    if (list != NULL)
+        return;
+    vor_report_stage(out, VOR_RUN_STAGE_ITERATE, count_at(report, "iterations"), 0);
+    if (count_at(report, "polish_steps") > 0)
+        vor_report_stage(out, VOR_RUN_STAGE_POLISH, count_at(report, "polish_steps"), 0);
+}
+
 static void summarise(const struct vor_progress *progress, const struct vor_json *report)
 {
     const struct vor_json *seconds = vor_json_get(report, "seconds");
     const char *stopped = vor_json_get_string(vor_json_get(report, "stopped"));
-    double sum = 0, polish = number_at(report, "polish_steps"), number;
-    char line[256], polished[40] = "";
+    struct vor_report told = {0};
+    char line[256], steps[128];
+    double sum = 0, number;
 
     for (const struct vor_json *s = vor_json_first(seconds); s != NULL; s = vor_json_next(s))
         sum += vor_json_get_number(s, &number) ? number : 0;
-    if (polish > 0)
-        (void)snprintf(polished, sizeof polished, " and %.0f polish steps", polish);
-    (void)snprintf(line, sizeof line,
-                   "%.0f points, delta %.4f after %.0f iterations%s (%.20s), %.1f s",
+    read_stages(&told, report);
+    (void)snprintf(line, sizeof line, "%.0f points, delta %.4f after %s (%.20s), %.1f s",
                    number_at(vor_json_get(report, "points"), "out"), number_at(report, "delta"),
-                   number_at(report, "iterations"), polished, stopped != NULL ? stopped : "?", sum);
+                   vor_report_steps(&told, steps, sizeof steps), stopped != NULL ? stopped : "?",
+                   sum);
     vor_cli_say(progress->cli->option[VOR_OPTION_OUTPUT], line);
 }
 

@@ -4,6 +4,7 @@
 #define VOR_CLI_PROGRESS_H
 
 #include "core/report.h"
+#include "proto/json/json.h"
 #include "server/cli/cli.h"
 #include "server/jobs/pace.h"
 
@@ -25,12 +26,16 @@ void vor_progress_note(struct vor_progress *progress, const char *note);
 
 void vor_progress_record(struct vor_progress *progress, const struct vor_record *record);
 
+/** The same from the data of a daemon's progress event, of a daemon that tells no stages too. What
+ * holds no record is passed over. */
+void vor_progress_event(struct vor_progress *progress, const struct vor_json *event);
+
 /** Takes the bar off the terminal, so that a line can be printed. */
 void vor_progress_clear(struct vor_progress *progress);
 
 /** The end of a job that went well: the report as the last line, or one sentence on stderr.
  *
- *  @param[in] report JSON as vor_json_report writes it, size bytes
+ *  @param[in] report JSON as vor_json_document writes it, size bytes
  *  @retval VOR_E_REQUEST report is none
  *  @retval VOR_E_IO      the lines cannot be written */
 VOR_NODISCARD vor_status vor_progress_finish(struct vor_progress *progress, const char *report,

@@ -213,14 +213,13 @@ static int on_event(void *ctx, const struct vor_sse_arrival *event)
 {
     struct there *t = ctx;
     struct vor_json *json = NULL;
-    struct vor_record record;
 
     if (vor_json_parse(&json, event->data, event->size, NULL) != VOR_OK)
         return 0;
-    if (strcmp(event->name, "progress") == 0 && vor_json_record_read(&record, json))
-        vor_progress_record(&t->progress, &record);
+    if (strcmp(event->name, "progress") == 0)
+        vor_progress_event(&t->progress, json);
     else if (strcmp(event->name, "replaced") == 0)
-        t->progress.pace.began = 0;
+        t->progress.pace = (struct vor_pace){0};
     else if (strcmp(event->name, "status") == 0)
         show_status(t, json);
     else if (strcmp(event->name, "end") == 0)

@@ -2,6 +2,7 @@
 
 #include "server/jobs/pace.h"
 
+#include <ctype.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -19,16 +20,15 @@ struct vor_job {
     struct vor_pace pace; /* of this attempt, for the estimate */
 };
 
-/* Percent done when a stage ends: preparing is 10 of 100, iterations and polish 80, measuring the
+/* Percent done when a stage ends: preparing is 10 of 100, the stages of the run 80, measuring the
  * result 5, encoding the rest. */
 enum { PREPARED = 10, OPTIMIZED = 90, MEASURED = 95 };
 
-/* Seconds until iterations and polish end at their pace so far, -1 before there is a pace. */
-static double estimate(const struct vor_job_view *view, const struct vor_pace *pace)
+/* Seconds until the last stage of the run ends, -1 before there is a pace; the caller holds
+ * job->state. */
+static double estimate(const struct vor_job *job)
 {
-    if (view->stage != VOR_STAGE_OPTIMIZE)
-        return -1;
-    return vor_pace_left(&view->spec, &pace->first, &view->record);
+    return job->view.stage == VOR_STAGE_OPTIMIZE ? vor_pace_left(&job->pace, &job->view.spec) : -1;
 }
 
 /* What a change of state looks like to those who follow; the caller holds job->change. */
@@ -42,7 +42,7 @@ static void publish(struct vor_job *job, enum vor_event_kind kind, int64_t now_m
     event.progress = job->view.progress;
     if (kind == VOR_EVENT_PROGRESS) {
         event.record = job->view.record;
-        event.eta_seconds = estimate(&job->view, &job->pace);
+        event.eta_seconds = estimate(job);
     }
     pthread_mutex_unlock(&job->state);
     (void)vor_bus_publish(job->bus, &event); /* out of memory: one point of a chart is missing */
@@ -99,6 +99,19 @@ struct vor_bus *vor_job_bus(const struct vor_job *job)
     return job->bus;
 }
 
+/* "Iteration 3 of at most 12" */
+static void describe_step(struct vor_job_view *view)
+{
+    const struct vor_record *record = &view->record;
+    const char *step = vor_run_stage_info(record->stage)->step;
+    char most[32] = "";
+
+    if (record->of > 0 || record->step == 0)
+        (void)snprintf(most, sizeof most, " of at most %u", (unsigned)record->of);
+    (void)snprintf(view->message, sizeof view->message, "%c%s %u%s",
+                   toupper((unsigned char)step[0]), step + 1, (unsigned)record->step, most);
+}
+
 static void describe(struct vor_job_view *view)
 {
     static const char *const sentences[VOR_STAGES] = {
@@ -107,13 +120,8 @@ static void describe(struct vor_job_view *view)
         [VOR_STAGE_ENCODE] = "Encoding the result",
     };
 
-    if (view->stage == VOR_STAGE_OPTIMIZE && view->record.polish > 0)
-        (void)snprintf(view->message, sizeof view->message, "Polish step %u of at most %u",
-                       (unsigned)view->record.polish, (unsigned)vor_pace_polish(&view->spec));
-    else if (view->stage == VOR_STAGE_OPTIMIZE)
-        (void)snprintf(view->message, sizeof view->message, "Iteration %u of at most %u",
-                       (unsigned)view->record.iteration,
-                       (unsigned)vor_spec_iterations(&view->spec));
+    if (view->stage == VOR_STAGE_OPTIMIZE)
+        describe_step(view);
     else
         (void)snprintf(view->message, sizeof view->message, "%s", sentences[view->stage]);
 }
@@ -122,7 +130,7 @@ void vor_job_view(struct vor_job *job, struct vor_job_view *out)
 {
     pthread_mutex_lock(&job->state);
     *out = job->view;
-    out->eta_seconds = estimate(&job->view, &job->pace);
+    out->eta_seconds = estimate(job);
     pthread_mutex_unlock(&job->state);
     if (!vor_job_status_over(out->status))
         describe(out);
@@ -190,9 +198,10 @@ void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms)
 }
 
 /* The little more keeps 0.3 of 80, which is 23.999..., at 24. */
-static int progress_of(const struct vor_spec *spec, const struct vor_record *record)
+static int progress_of(const struct vor_job *job)
 {
-    return PREPARED + (int)((OPTIMIZED - PREPARED) * vor_pace_done(spec, record) + 1e-9);
+    return PREPARED +
+           (int)((OPTIMIZED - PREPARED) * vor_pace_done(&job->pace, &job->view.spec) + 1e-9);
 }
 
 void vor_job_progress(struct vor_job *job, const struct vor_record *record, int64_t now_ms)
@@ -204,13 +213,13 @@ void vor_job_progress(struct vor_job *job, const struct vor_record *record, int6
     pthread_mutex_lock(&job->state);
     entered = job->view.stage != VOR_STAGE_OPTIMIZE;
     if (entered)
-        job->pace.began = 0;
+        job->pace = (struct vor_pace){0};
     vor_pace_add(&job->pace, record);
     job->view.stage = VOR_STAGE_OPTIMIZE;
     job->view.has_record = 1;
     job->view.record = *record;
     job->view.updated = now_ms;
-    raise_progress(&job->view, progress_of(&job->view.spec, record));
+    raise_progress(&job->view, progress_of(job));
     pthread_mutex_unlock(&job->state);
     if (entered)
         publish(job, VOR_EVENT_STATUS, now_ms);

@@ -49,7 +49,7 @@ struct vor_job_view {
     int progress;         /**< 0 .. 100, never decreases; 100 only when successful */
     uint32_t attempt;     /**< from 1; the next one while the job waits */
     long queue_position;  /**< 0 is next; -1 when not waiting */
-    double eta_seconds;   /**< until the end of iterations and polish; -1 when not known */
+    double eta_seconds;   /**< until the last stage of the run ends; -1 when not known */
     struct vor_spec spec; /**< FORMAT is always given */
     struct vor_job_input input;
     struct vor_job_output output; /**< successful */
@@ -92,7 +92,7 @@ void vor_job_begin(struct vor_job *job, int64_t now_ms);
 /** Enters a stage of a running job. Publishes STATUS. */
 void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms);
 
-/** Takes in an iteration, or some steps of the polish. Publishes PROGRESS (and STATUS at the first
+/** Takes in a record of the run. Publishes PROGRESS (and STATUS at the first
  *  one: prepare is over). */
 void vor_job_progress(struct vor_job *job, const struct vor_record *record, int64_t now_ms);
 

@@ -2,54 +2,54 @@
 
 #include <math.h>
 
-uint32_t vor_pace_polish(const struct vor_spec *spec)
+/* Whether a record says how many steps its stage takes. One that did not begin needs none. */
+static int is_known(const struct vor_record *record)
 {
-    return (uint32_t)spec->value[VOR_PARAM_POLISH];
+    return record->of > 0 || record->step == 0;
 }
 
-/* Iterations and steps of the polish that may still come. */
-static double steps_left(const struct vor_spec *spec, const struct vor_record *record)
+/* Steps that may still come. */
+static double steps_left(const struct vor_record *record)
 {
-    double iterations = (double)vor_spec_iterations(spec) - record->iteration;
-    double polish = (double)vor_pace_polish(spec) - record->polish;
-
-    if (record->polish > 0)
-        iterations = 0;
-    return fmax(iterations, 0) + fmax(polish, 0);
+    return fmax((double)record->of - record->step, 0) + record->ahead;
 }
 
-double vor_pace_done(const struct vor_spec *spec, const struct vor_record *record)
+/* Steps from one record to a later one; of a stage between them, none is known. */
+static double steps_between(const struct vor_record *from, const struct vor_record *to)
 {
-    double all = (double)vor_spec_iterations(spec) + vor_pace_polish(spec);
-    double budget = spec->value[VOR_PARAM_SECONDS];
-    double done = all > 0 ? (all - steps_left(spec, record)) / all : 1;
-
-    if (vor_spec_given(spec, VOR_PARAM_SECONDS) && budget > 0)
-        done = fmax(done, record->seconds / budget);
-    return fmin(done, 1);
-}
-
-double vor_pace_left(const struct vor_spec *spec, const struct vor_record *first,
-                     const struct vor_record *record)
-{
-    double steps =
-        ((double)record->iteration - first->iteration) + ((double)record->polish - first->polish);
-    double left;
-
-    if (steps <= 0)
-        return -1;
-    left = (record->seconds - first->seconds) / steps * steps_left(spec, record);
-    if (vor_spec_given(spec, VOR_PARAM_SECONDS))
-        left = fmin(left, fmax(spec->value[VOR_PARAM_SECONDS] - record->seconds, 0));
-    return left;
+    return from->stage == to->stage ? (double)to->step - from->step : to->step;
 }
 
 void vor_pace_add(struct vor_pace *pace, const struct vor_record *record)
 {
     if (!pace->began)
-        pace->first = *record;
-    else if (record->polish > 0 && pace->last.polish == 0)
-        pace->first = pace->last;
+        pace->origin = *record;
+    else if (record->stage != pace->last.stage)
+        pace->origin = pace->last;
     pace->began = 1;
+    pace->all = fmax(pace->all, (double)record->of + record->ahead);
     pace->last = *record;
+}
+
+double vor_pace_done(const struct vor_pace *pace, const struct vor_spec *spec)
+{
+    double budget = spec->value[VOR_PARAM_SECONDS], done = 0;
+
+    if (pace->began && is_known(&pace->last))
+        done = pace->all > 0 ? (pace->all - steps_left(&pace->last)) / pace->all : 1;
+    if (vor_spec_given(spec, VOR_PARAM_SECONDS) && budget > 0)
+        done = fmax(done, pace->last.seconds / budget);
+    return fmax(fmin(done, 1), 0);
+}
+
+double vor_pace_left(const struct vor_pace *pace, const struct vor_spec *spec)
+{
+    double steps = steps_between(&pace->origin, &pace->last), left;
+
+    if (steps <= 0 || !is_known(&pace->last))
+        return -1;
+    left = (pace->last.seconds - pace->origin.seconds) / steps * steps_left(&pace->last);
+    if (vor_spec_given(spec, VOR_PARAM_SECONDS))
+        left = fmin(left, fmax(spec->value[VOR_PARAM_SECONDS] - pace->last.seconds, 0));
+    return left;
 }

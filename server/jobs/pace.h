@@ -1,35 +1,34 @@
-/** How far a run is and how long it still takes, from its records and what its request allows. The
- *  daemon and the command line both reckon with this. */
+/** How far a run is and how long it still takes, from its records and the time that its request
+ * allows. The daemon and the command line both reckon with this. */
 #ifndef VOR_SERVER_JOBS_PACE_H
 #define VOR_SERVER_JOBS_PACE_H
 
 #include "core/report.h"
 #include "core/spec.h"
 
-#include <stdint.h>
-
-/** Steps of the polish that the request allows at most. */
-uint32_t vor_pace_polish(const struct vor_spec *spec);
-
-/** Share of the run that is done, 0 .. 1. Iterations and steps of the polish count alike; once the
- *  polish has begun, the iterations are done, however many there were. A budget of seconds counts
- *  where more of it is used up. */
-double vor_pace_done(const struct vor_spec *spec, const struct vor_record *record);
-
-/** Seconds from `record` until all that the request allows is done, at the pace since `first` (all
- *  zero: since the run began); -1 while there is no pace. A step of the polish is taken to last as
- *  long as an iteration until there has been one: rather too long than too short. */
-double vor_pace_left(const struct vor_spec *spec, const struct vor_record *first,
-                     const struct vor_record *record);
-
-/** The record that the pace is reckoned from: the first one, and in the polish, whose steps take
- *  another time than iterations, the last one before it. All zero before the first record. */
+/** What is kept of the records of a run. All zero before the first. */
 struct vor_pace {
     int began;
-    struct vor_record first, last;
+    double all; /**< steps that the run takes at most: those of its first stage and all ahead */
+    struct vor_record last;
+    /** The record that the pace is reckoned from: the first one and, in a later stage, whose steps
+     * take another time, the last one before that. */
+    struct vor_record origin;
 };
 
-/** Takes in the next record of the run. */
+/** Takes in the next record of the run. A run that begins again starts with an empty pace. */
 void vor_pace_add(struct vor_pace *pace, const struct vor_record *record);
+
+/** Share of the run that is done, 0 .. 1. The steps of all stages count alike, and those that a
+ * stage did not need are done once the next one has begun. A budget of seconds counts where more of
+ * it is used up. 0 before the first record, and where a record does not say how many steps its
+ * stage takes. */
+double vor_pace_done(const struct vor_pace *pace, const struct vor_spec *spec);
+
+/** Seconds from the last record until all steps that may come are done, or the budget is used up;
+ * -1 while there is no pace: before the second record, and where a record does not say how many
+ * steps its stage takes. A step of a stage is taken to last as long as one of the stage before
+ * until there has been one: rather too long than too short. */
+double vor_pace_left(const struct vor_pace *pace, const struct vor_spec *spec);
 
 #endif

@@ -48,29 +48,45 @@ static const char *bar_of(const struct vor_cli *cli, int columns, struct vor_rec
 
 START_TEST(a_bar_shows_the_iteration_and_what_is_left_of_all)
 {
-    struct vor_record first = {.seconds = 1},
-                      second = {.iteration = 20, .delta = 0.25, .seconds = 5};
+    struct vor_record first = {.of = 50, .seconds = 1},
+                      second = {.step = 20, .of = 50, .delta = 0.25, .seconds = 5};
     struct vor_cli cli;
 
-    make_cli(&cli, 50, 0);
-    ck_assert_str_eq(bar_of(&cli, 69, first, second),
-                     "\r\x1b[K  20/50   [####------]  40 %  delta 0.2500  6 s left");
     make_cli(&cli, 50, 150);
-    ck_assert_str_eq(bar_of(&cli, 69, first, second),
-                     "\r\x1b[K  20/50   [#---------]  10 %  delta 0.2500  36 s left");
+    ck_assert_str_eq(bar_of(&cli, 70, first, second),
+                     "\r\x1b[Kiterate   20/50   [####------]  40 %  delta 0.2500  6 s left");
+    first.ahead = second.ahead = 150;
+    ck_assert_str_eq(bar_of(&cli, 70, first, second),
+                     "\r\x1b[Kiterate   20/50   [#---------]  10 %  delta 0.2500  36 s left");
+}
+END_TEST
+
+START_TEST(a_bar_does_not_show_limits_that_are_not_known)
+{
+    struct vor_record first = {.seconds = 1}, second = {.step = 20, .delta = 0.25, .seconds = 5};
+    struct vor_cli cli;
+
+    make_cli(&cli, 50, 150);
+    ck_assert_str_eq(bar_of(&cli, 65, first, second),
+                     "\r\x1b[Kiterate   20 [----------]   0 %  delta 0.2500");
+    second.stage = VOR_RUN_STAGE_COUNT; /* of a daemon that has more of them */
+    second.of = 40;
+    ck_assert_str_eq(bar_of(&cli, 67, first, second),
+                     "\r\x1b[Kstep   20/40   [#####-----]  50 %  delta 0.2500  4 s left");
 }
 END_TEST
 
 START_TEST(a_bar_shows_the_polish_at_its_own_pace)
 {
-    struct vor_record first = {.iteration = 50, .seconds = 11};
-    struct vor_record second = {.iteration = 50, .polish = 30, .delta = 0.031, .seconds = 14};
+    struct vor_record first = {.step = 50, .of = 50, .ahead = 150, .seconds = 11};
+    struct vor_record second = {
+        .stage = VOR_RUN_STAGE_POLISH, .step = 30, .of = 150, .delta = 0.031, .seconds = 14};
     struct vor_cli cli;
 
     make_cli(&cli, 50, 150);
     ck_assert_str_eq(bar_of(&cli, 69, first, second),
                      "\r\x1b[Kpolish   30/150  [####------]  40 %  delta 0.0310  12 s left");
-    second.polish = 150;
+    second.step = 150;
     ck_assert_str_eq(bar_of(&cli, 69, first, second),
                      "\r\x1b[Kpolish  150/150  [##########] 100 %  delta 0.0310  0 s left");
 }
@@ -78,8 +94,9 @@ END_TEST
 
 START_TEST(a_bar_fits_into_its_line)
 {
-    struct vor_record first = {.iteration = 9999, .seconds = 1};
-    struct vor_record second = {.iteration = 9999, .polish = 9999, .delta = 0.4, .seconds = 1e9};
+    struct vor_record first = {.step = 9999, .of = 10000, .ahead = 10000, .seconds = 1};
+    struct vor_record second = {
+        .stage = VOR_RUN_STAGE_POLISH, .step = 9999, .of = 10000, .delta = 0.4, .seconds = 1e9};
     struct vor_cli cli;
 
     make_cli(&cli, 10000, 10000);
@@ -109,6 +126,59 @@ START_TEST(a_bar_is_not_drawn_for_every_record)
     ck_assert_uint_ge(drawn, 1);
     ck_assert_uint_lt(drawn, 20);
     (void)fclose(progress.bar);
+}
+END_TEST
+
+/* The bar after two events of a daemon. */
+static const char *bar_of_events(const char *first, const char *second)
+{
+    struct vor_progress progress = {.columns = 69};
+    struct vor_json *json = NULL;
+    struct vor_cli cli;
+    const char *text;
+
+    make_cli(&cli, 1, 1);
+    progress.cli = &cli;
+    vt_assert_ok(vor_json_parse(&json, first, strlen(first), &vt_err));
+    vor_progress_event(&progress, json);
+    vor_json_free(json);
+    progress.bar = tmpfile();
+    ck_assert_ptr_nonnull(progress.bar);
+    vt_assert_ok(vor_json_parse(&json, second, strlen(second), &vt_err));
+    vor_progress_event(&progress, json);
+    vor_json_free(json);
+    text = content(progress.bar);
+    (void)fclose(progress.bar);
+    return text;
+}
+
+START_TEST(a_bar_follows_a_daemon_that_tells_stages)
+{
+    ck_assert_str_eq(
+        bar_of_events(
+            "{\"iteration\":8,\"polish\":0,\"delta\":0.1,\"seconds\":2,\"maxIterations\":9,"
+            "\"maxPolish\":9,\"run_stage\":\"iterate\",\"step\":8,\"of\":50,\"ahead\":150}",
+            "{\"iteration\":8,\"polish\":30,\"delta\":0.125,\"seconds\":5,\"maxIterations\":9,"
+            "\"maxPolish\":9,\"run_stage\":\"polish\",\"step\":30,\"of\":150,\"ahead\":0}"),
+        "\r\x1b[Kpolish   30/150  [####------]  40 %  delta 0.1250  12 s left");
+}
+END_TEST
+
+START_TEST(a_bar_follows_a_daemon_that_tells_no_stages)
+{
+    static const char *const events[] = {
+        "{\"iteration\":0,\"polish\":0,\"delta\":0.1,\"seconds\":1,\"maxIterations\":50,"
+        "\"maxPolish\":150}",
+        "{\"iteration\":20,\"polish\":0,\"delta\":0.25,\"seconds\":5,\"maxIterations\":50,"
+        "\"maxPolish\":150}",
+        "{\"iteration\":20,\"polish\":30,\"delta\":0.125,\"seconds\":8,\"maxIterations\":50,"
+        "\"maxPolish\":150}"};
+
+    ck_assert_str_eq(bar_of_events(events[0], events[1]),
+                     "\r\x1b[Kiterate   20/50   [---------]  10 %  delta 0.2500  36 s left");
+    ck_assert_str_eq(bar_of_events(events[1], events[2]),
+                     "\r\x1b[Kpolish   30/150  [####------]  40 %  delta 0.1250  12 s left");
+    ck_assert_str_eq(bar_of_events(events[1], "{\"delta\":1}"), "");
 }
 END_TEST
 
@@ -147,6 +217,11 @@ START_TEST(the_summary_names_iterations_and_polish_steps)
                              "\"polish_steps\":0,\"stopped\":\"iterations\",\"seconds\":{}}"),
                      "voronoid: out.ply: 7 points, delta 0.5000 after 6 iterations (iterations), "
                      "0.0 s\n");
+    ck_assert_str_eq(summary("{\"points\":{\"out\":7},\"delta\":0.5,\"iterations\":6,\"stages\":["
+                             "{\"stage\":\"polish\",\"steps\":4},{\"stage\":\"melt\",\"steps\":3},"
+                             "{\"stage\":\"iterate\",\"steps\":5}],\"stopped\":\"delta\"}"),
+                     "voronoid: out.ply: 7 points, delta 0.5000 after 4 polish steps and 5 "
+                     "iterations (delta), 0.0 s\n");
 }
 END_TEST
 
@@ -155,9 +230,12 @@ int main(void)
     Suite *suite = suite_create("cli_progress");
 
     vt_add(suite, a_bar_shows_the_iteration_and_what_is_left_of_all);
+    vt_add(suite, a_bar_does_not_show_limits_that_are_not_known);
     vt_add(suite, a_bar_shows_the_polish_at_its_own_pace);
     vt_add(suite, a_bar_fits_into_its_line);
     vt_add(suite, a_bar_is_not_drawn_for_every_record);
+    vt_add(suite, a_bar_follows_a_daemon_that_tells_stages);
+    vt_add(suite, a_bar_follows_a_daemon_that_tells_no_stages);
     vt_add(suite, the_summary_names_iterations_and_polish_steps);
     return vt_run(suite);
 }

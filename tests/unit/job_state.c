@@ -8,33 +8,40 @@
 #include <stdio.h>
 #include <string.h>
 
-static struct vor_record record_of(uint32_t iteration, double seconds)
+/* A record of the iterations and one of the polish, of a run that allows so many of each. */
+static struct vor_record record_of(uint32_t iteration, double seconds, uint32_t of, uint32_t ahead)
 {
-    return (struct vor_record){.iteration = iteration, .delta = 0.2, .seconds = seconds};
+    return (struct vor_record){.iteration = iteration,
+                               .delta = 0.2,
+                               .seconds = seconds,
+                               .stage = VOR_RUN_STAGE_ITERATE,
+                               .step = iteration,
+                               .of = of,
+                               .ahead = ahead};
 }
 
-static struct vor_record polished(uint32_t iteration, uint32_t polish, double seconds)
+static struct vor_record polished(uint32_t iteration, uint32_t polish, double seconds, uint32_t of)
 {
-    return (struct vor_record){
-        .iteration = iteration, .polish = polish, .delta = 0.1, .seconds = seconds};
+    return (struct vor_record){.iteration = iteration,
+                               .polish = polish,
+                               .delta = 0.1,
+                               .seconds = seconds,
+                               .stage = VOR_RUN_STAGE_POLISH,
+                               .step = polish,
+                               .of = of};
 }
 
-static struct vor_job *running_job_polish(const char *name, double value, double polish)
+/* A job that runs; name may be NULL, else it and value are a wish. */
+static struct vor_job *running_job(const char *name, double value)
 {
     struct vor_job_view row = vt_row(10);
     struct vor_job *job;
 
-    vt_assert_ok(vor_spec_set_number(&row.spec, "polish", polish, &vt_err));
     if (name != NULL)
         vt_assert_ok(vor_spec_set_number(&row.spec, name, value, &vt_err));
     job = vor_job_create(&row);
     vor_job_begin(job, 1000);
     return job;
-}
-
-static struct vor_job *running_job(const char *name, double value)
-{
-    return running_job_polish(name, value, 0);
 }
 
 static void end_as(struct vor_job *job, enum vor_job_status status)
@@ -51,12 +58,12 @@ static void end_as(struct vor_job *job, enum vor_job_status status)
 
 START_TEST(progress_follows_the_iterations_and_never_falls)
 {
-    struct vor_job *job = running_job("iterations", 50);
+    struct vor_job *job = running_job(NULL, 0);
     struct vor_job_view view;
     int last = 0;
 
     for (uint32_t i = 0; i <= 50; i++) {
-        struct vor_record record = record_of(i, i);
+        struct vor_record record = record_of(i, i, 50, 0);
 
         vor_job_progress(job, &record, 1000);
         vor_job_view(job, &view);
@@ -75,18 +82,18 @@ END_TEST
 /* 20 iterations and 60 steps share the 80 percent by their counts. */
 START_TEST(the_polish_has_its_share_of_the_progress)
 {
-    struct vor_job *job = running_job_polish("iterations", 20, 60);
+    struct vor_job *job = running_job(NULL, 0);
     struct vor_job_view view;
 
     for (uint32_t i = 0; i <= 20; i++) {
-        struct vor_record record = record_of(i, i);
+        struct vor_record record = record_of(i, i, 20, 60);
 
         vor_job_progress(job, &record, 1000);
         vor_job_view(job, &view);
         ck_assert_int_eq(view.progress, 10 + (int)i);
     }
     for (uint32_t step = 10; step <= 60; step += 10) {
-        struct vor_record record = polished(20, step, 20 + step * 0.125);
+        struct vor_record record = polished(20, step, 20 + step * 0.125, 60);
         char message[64];
 
         vor_job_progress(job, &record, 1000);
@@ -103,8 +110,8 @@ END_TEST
  */
 START_TEST(the_polish_ends_the_iterations_for_the_progress)
 {
-    struct vor_job *job = running_job_polish(NULL, 0, 100);
-    struct vor_record last = record_of(8, 4), step = polished(8, 10, 5);
+    struct vor_job *job = running_job(NULL, 0);
+    struct vor_record last = record_of(8, 4, 12, 100), step = polished(8, 10, 5, 100);
     struct vor_job_view view;
 
     vor_job_progress(job, &last, 1000);
@@ -121,8 +128,9 @@ END_TEST
  * iterations took no longer counts. */
 START_TEST(the_estimate_of_the_polish_is_at_its_own_pace)
 {
-    struct vor_job *job = running_job_polish("iterations", 50, 100);
-    struct vor_record records[3] = {record_of(0, 2), record_of(10, 7), polished(10, 20, 8)};
+    struct vor_job *job = running_job(NULL, 0);
+    struct vor_record records[3] = {record_of(0, 2, 50, 100), record_of(10, 7, 50, 100),
+                                    polished(10, 20, 8, 100)};
     struct vor_job_view view;
 
     vor_job_progress(job, &records[0], 1000);
@@ -136,10 +144,53 @@ START_TEST(the_estimate_of_the_polish_is_at_its_own_pace)
 }
 END_TEST
 
+/* Who follows the events is told the same estimate as who asks for the job. */
+START_TEST(an_event_has_the_estimate_of_its_moment)
+{
+    struct vor_job *job = running_job(NULL, 0);
+    struct vor_record records[3] = {record_of(0, 2, 50, 100), record_of(10, 7, 50, 100),
+                                    polished(10, 20, 8, 100)};
+    static const double wanted[3] = {-1, 140 * 0.5, 80 * 0.05};
+    struct vor_position position = {0, 0};
+    struct vor_event events[8];
+    size_t count, seen = 0;
+
+    for (int i = 0; i < 3; i++)
+        vor_job_progress(job, &records[i], 1000);
+    count = vor_bus_read(vor_job_bus(job), &position, VOR_READ_EVERY, events, 8);
+    for (size_t i = 0; i < count; i++) {
+        if (events[i].kind != VOR_EVENT_PROGRESS)
+            continue;
+        ck_assert_double_eq_tol(events[i].eta_seconds, wanted[seen], 1e-9);
+        seen++;
+    }
+    ck_assert_uint_eq(seen, 3);
+    vor_job_release(job);
+}
+END_TEST
+
+/* A stage is told by its own word, and its limit only where it has one. */
+START_TEST(the_message_names_the_step_of_the_stage)
+{
+    struct vor_job *job = running_job(NULL, 0);
+    struct vor_record record = {.stage = VOR_RUN_STAGE_POLISH, .step = 3, .of = 7};
+    struct vor_job_view view;
+
+    vor_job_progress(job, &record, 1000);
+    vor_job_view(job, &view);
+    ck_assert_str_eq(view.message, "Polish step 3 of at most 7");
+    record.of = 0;
+    vor_job_progress(job, &record, 1000);
+    vor_job_view(job, &view);
+    ck_assert_str_eq(view.message, "Polish step 3");
+    vor_job_release(job);
+}
+END_TEST
+
 START_TEST(a_time_budget_drives_progress_and_estimate)
 {
     struct vor_job *job = running_job("seconds", 20);
-    struct vor_record first = record_of(0, 1), later = record_of(3, 10);
+    struct vor_record first = record_of(0, 1, 100, 0), later = record_of(3, 10, 100, 0);
     struct vor_job_view view;
 
     vor_job_progress(job, &first, 1000);
@@ -155,8 +206,8 @@ END_TEST
 
 START_TEST(the_estimate_is_the_pace_times_what_is_left)
 {
-    struct vor_job *job = running_job("iterations", 40);
-    struct vor_record first = record_of(0, 2), later = record_of(10, 7);
+    struct vor_job *job = running_job(NULL, 0);
+    struct vor_record first = record_of(0, 2, 40, 0), later = record_of(10, 7, 40, 0);
     struct vor_job_view view;
 
     vor_job_progress(job, &first, 1000);
@@ -170,8 +221,8 @@ END_TEST
 
 START_TEST(zero_iterations_are_done_at_once)
 {
-    struct vor_job *job = running_job("iterations", 0);
-    struct vor_record record = record_of(0, 0);
+    struct vor_job *job = running_job(NULL, 0);
+    struct vor_record record = record_of(0, 0, 0, 0);
     struct vor_job_view view;
 
     vor_job_progress(job, &record, 1000);
@@ -184,7 +235,7 @@ END_TEST
 START_TEST(a_job_that_is_over_does_not_change)
 {
     struct vor_job *job = running_job(NULL, 0);
-    struct vor_record record = record_of(7, 1);
+    struct vor_record record = record_of(7, 1, 12, 0);
     struct vor_position end, position = {0, 0};
     struct vor_job_view view;
     struct vor_event events[8];
@@ -240,7 +291,7 @@ END_TEST
 static void *iterate(void *arg)
 {
     for (uint32_t i = 0; i < 5000; i++) {
-        struct vor_record record = record_of(i, i);
+        struct vor_record record = record_of(i, i, 5000, 0);
 
         vor_job_progress(arg, &record, 1000);
     }
@@ -281,6 +332,8 @@ int main(void)
     vt_add(suite, the_polish_has_its_share_of_the_progress);
     vt_add(suite, the_polish_ends_the_iterations_for_the_progress);
     vt_add(suite, the_estimate_of_the_polish_is_at_its_own_pace);
+    vt_add(suite, an_event_has_the_estimate_of_its_moment);
+    vt_add(suite, the_message_names_the_step_of_the_stage);
     vt_add(suite, a_time_budget_drives_progress_and_estimate);
     vt_add(suite, the_estimate_is_the_pace_times_what_is_left);
     vt_add(suite, zero_iterations_are_done_at_once);

@@ -1,131 +1,182 @@
-/* How far a run is: iterations and polish by their counts, the time left by their pace. */
+/* How far a run is: the steps of its stages by their counts, the time left by their pace. */
 #include "server/jobs/pace.h"
 #include "tests/support/vt.h"
 
-static struct vor_record at(uint32_t iteration, uint32_t polish, double seconds)
+/* Rows of the table for a run of three stages; the last stands for what another method has. */
+enum { FIRST = VOR_RUN_STAGE_ITERATE, SECOND = VOR_RUN_STAGE_POLISH, THIRD = VOR_RUN_STAGE_COUNT };
+
+static struct vor_record at(int stage, uint32_t step, uint32_t of, uint32_t ahead, double seconds)
 {
-    return (struct vor_record){.iteration = iteration, .polish = polish, .seconds = seconds};
+    return (struct vor_record){.stage = (enum vor_run_stage)stage,
+                               .step = step,
+                               .of = of,
+                               .ahead = ahead,
+                               .seconds = seconds};
 }
 
-static struct vor_spec request(double iterations, double polish)
+/* A request with a budget of so many seconds; without one below 0. */
+static struct vor_spec request(double seconds)
 {
     struct vor_spec spec;
 
     vor_spec_init(&spec);
-    vt_assert_ok(vor_spec_set_number(&spec, "iterations", iterations, &vt_err));
-    vt_assert_ok(vor_spec_set_number(&spec, "polish", polish, &vt_err));
+    if (seconds >= 0)
+        vt_assert_ok(vor_spec_set_number(&spec, "seconds", seconds, &vt_err));
     return spec;
 }
 
-static double done(const struct vor_spec *spec, struct vor_record record)
+/* The pace of a run of these records, of which the first is 0 steps of FIRST. */
+static struct vor_pace pace_of(const struct vor_record *records, size_t count)
 {
-    return vor_pace_done(spec, &record);
+    struct vor_pace pace = {0};
+
+    for (size_t i = 0; i < count; i++)
+        vor_pace_add(&pace, &records[i]);
+    return pace;
 }
 
-static double left(const struct vor_spec *spec, struct vor_record first, struct vor_record record)
+static double done_after(struct vor_record first, struct vor_record last, double budget)
 {
-    return vor_pace_left(spec, &first, &record);
+    struct vor_pace pace = pace_of((struct vor_record[]){first, last}, 2);
+    struct vor_spec spec = request(budget);
+
+    return vor_pace_done(&pace, &spec);
 }
 
-START_TEST(the_defaults_are_those_of_the_table_and_the_engine)
+static double left_after(struct vor_record first, struct vor_record last, double budget)
 {
-    struct vor_spec spec;
+    struct vor_pace pace = pace_of((struct vor_record[]){first, last}, 2);
+    struct vor_spec spec = request(budget);
 
-    vor_spec_init(&spec);
-    ck_assert_uint_eq(vor_spec_iterations(&spec), 12);
-    ck_assert(vor_pace_polish(&spec) == vor_parameter_info(VOR_PARAM_POLISH)->fallback);
-    ck_assert_uint_gt(vor_pace_polish(&spec), 0);
-    vt_assert_ok(vor_spec_set_number(&spec, "polish", 1, &vt_err));
-    ck_assert_uint_eq(vor_spec_iterations(&spec), 12);
-    vt_assert_ok(vor_spec_set_number(&spec, "polish", 0, &vt_err));
-    ck_assert_uint_eq(vor_spec_iterations(&spec), 100);
-    spec = request(37, 0);
-    ck_assert_uint_eq(vor_spec_iterations(&spec), 37);
-    spec = request(37, 5);
-    ck_assert_uint_eq(vor_spec_iterations(&spec), 37);
-    spec = request(0, 0);
-    ck_assert_uint_eq(vor_spec_iterations(&spec), 0);
-    ck_assert_uint_eq(vor_pace_polish(&spec), 0);
+    return vor_pace_left(&pace, &spec);
 }
-END_TEST
 
-START_TEST(iterations_and_steps_count_alike)
+START_TEST(steps_of_all_stages_count_alike)
 {
-    struct vor_spec spec = request(30, 70);
+    struct vor_record first = at(FIRST, 0, 30, 70, 0);
 
-    ck_assert_double_eq(done(&spec, at(0, 0, 0)), 0);
-    ck_assert_double_eq_tol(done(&spec, at(12, 0, 9)), 0.12, 1e-12);
-    ck_assert_double_eq_tol(done(&spec, at(30, 0, 9)), 0.30, 1e-12);
-    ck_assert_double_eq_tol(done(&spec, at(30, 7, 9)), 0.37, 1e-12);
-    ck_assert_double_eq(done(&spec, at(30, 70, 9)), 1);
-    ck_assert_double_eq_tol(done(&spec, at(11, 7, 9)), 0.37, 1e-12); /* the rest did not come */
+    ck_assert_double_eq(done_after(first, first, -1), 0);
+    ck_assert_double_eq_tol(done_after(first, at(FIRST, 12, 30, 70, 9), -1), 0.12, 1e-12);
+    ck_assert_double_eq_tol(done_after(first, at(FIRST, 30, 30, 70, 9), -1), 0.30, 1e-12);
+    ck_assert_double_eq_tol(done_after(first, at(SECOND, 7, 70, 0, 9), -1), 0.37, 1e-12);
+    ck_assert_double_eq(done_after(first, at(SECOND, 70, 70, 0, 9), -1), 1);
 }
 END_TEST
 
-START_TEST(without_a_polish_the_iterations_are_all)
+START_TEST(one_stage_alone_is_all)
 {
-    struct vor_spec spec = request(40, 0);
-
-    ck_assert_double_eq_tol(done(&spec, at(10, 0, 1)), 0.25, 1e-12);
-    ck_assert_double_eq(done(&spec, at(40, 0, 1)), 1);
-    spec = request(0, 50);
-    ck_assert_double_eq(done(&spec, at(0, 0, 1)), 0);
-    ck_assert_double_eq_tol(done(&spec, at(0, 10, 1)), 0.2, 1e-12);
-    spec = request(0, 0);
-    ck_assert_double_eq(done(&spec, at(0, 0, 0)), 1);
+    ck_assert_double_eq_tol(done_after(at(FIRST, 0, 40, 0, 0), at(FIRST, 10, 40, 0, 1), -1), 0.25,
+                            1e-12);
+    ck_assert_double_eq(done_after(at(FIRST, 0, 40, 0, 0), at(FIRST, 40, 40, 0, 1), -1), 1);
+    ck_assert_double_eq(done_after(at(FIRST, 0, 0, 50, 0), at(FIRST, 0, 0, 50, 1), -1), 0);
+    ck_assert_double_eq_tol(done_after(at(FIRST, 0, 0, 50, 0), at(SECOND, 10, 50, 0, 1), -1), 0.2,
+                            1e-12);
+    ck_assert_double_eq(done_after(at(FIRST, 0, 0, 0, 0), at(FIRST, 0, 0, 0, 0), -1), 1);
 }
 END_TEST
 
-/* What another build sends need not keep to what this one allows. */
+/* Whoever follows a run from its middle counts what is ahead and what its stage has behind it. */
+START_TEST(a_run_may_be_seen_from_its_middle)
+{
+    ck_assert_double_eq_tol(done_after(at(FIRST, 8, 12, 88, 1), at(FIRST, 10, 12, 88, 2), -1), 0.1,
+                            1e-12);
+    ck_assert_double_eq_tol(done_after(at(SECOND, 20, 80, 0, 1), at(SECOND, 60, 80, 0, 2), -1),
+                            0.75, 1e-12);
+    ck_assert_double_eq_tol(left_after(at(SECOND, 20, 80, 0, 1), at(SECOND, 60, 80, 0, 2), -1), 0.5,
+                            1e-12);
+}
+END_TEST
+
+/* What another build sends need not keep to what it said. */
 START_TEST(more_than_was_allowed_is_all)
 {
-    struct vor_spec spec = request(10, 10);
+    struct vor_record first = at(FIRST, 0, 10, 10, 0);
 
-    ck_assert_double_eq_tol(done(&spec, at(4000000000, 0, 1)), 0.5, 1e-12);
-    ck_assert_double_eq(done(&spec, at(0, 4000000000, 1)), 1);
-    ck_assert_double_eq(left(&spec, at(0, 0, 0), at(0, 4000000000, 1)), 0);
+    ck_assert_double_eq_tol(done_after(first, at(FIRST, 4000000000, 10, 10, 1), -1), 0.5, 1e-12);
+    ck_assert_double_eq(done_after(first, at(SECOND, 4000000000, 10, 0, 1), -1), 1);
+    ck_assert_double_eq(left_after(first, at(SECOND, 4000000000, 10, 0, 1), -1), 0);
+    ck_assert_double_eq_tol(done_after(first, at(FIRST, 20, 100, 100, 1), -1), 0.1, 1e-12);
 }
 END_TEST
 
 START_TEST(a_budget_counts_where_more_of_it_is_used_up)
 {
-    struct vor_spec spec = request(100, 100);
+    struct vor_record first = at(FIRST, 0, 100, 100, 0);
 
-    vt_assert_ok(vor_spec_set_number(&spec, "seconds", 20, &vt_err));
-    ck_assert_double_eq_tol(done(&spec, at(10, 0, 15)), 0.75, 1e-12);
-    ck_assert_double_eq_tol(done(&spec, at(100, 80, 15)), 0.9, 1e-12);
-    ck_assert_double_eq(done(&spec, at(10, 0, 25)), 1);
-    ck_assert_double_eq_tol(left(&spec, at(0, 0, 0), at(10, 0, 15)), 5, 1e-12);
-    ck_assert_double_eq_tol(left(&spec, at(100, 0, 10), at(100, 90, 19)), 1, 1e-12);
-    ck_assert_double_eq(left(&spec, at(0, 0, 0), at(10, 0, 25)), 0);
-    vt_assert_ok(vor_spec_set_number(&spec, "seconds", 0, &vt_err));
-    ck_assert_double_eq_tol(done(&spec, at(10, 0, 1)), 0.05, 1e-12); /* not by zero */
-    ck_assert_double_eq(left(&spec, at(0, 0, 0), at(10, 0, 1)), 0);
+    ck_assert_double_eq_tol(done_after(first, at(FIRST, 10, 100, 100, 15), 20), 0.75, 1e-12);
+    ck_assert_double_eq_tol(done_after(first, at(SECOND, 80, 100, 0, 15), 20), 0.9, 1e-12);
+    ck_assert_double_eq(done_after(first, at(FIRST, 10, 100, 100, 25), 20), 1);
+    ck_assert_double_eq_tol(left_after(first, at(FIRST, 10, 100, 100, 15), 20), 5, 1e-12);
+    ck_assert_double_eq_tol(
+        left_after(at(FIRST, 100, 100, 100, 10), at(SECOND, 90, 100, 0, 19), 20), 1, 1e-12);
+    ck_assert_double_eq(left_after(first, at(FIRST, 10, 100, 100, 25), 20), 0);
+    ck_assert_double_eq_tol(done_after(first, at(FIRST, 10, 100, 100, 1), 0), 0.05,
+                            1e-12); /* not by zero */
+    ck_assert_double_eq(left_after(first, at(FIRST, 10, 100, 100, 1), 0), 0);
 }
 END_TEST
 
 START_TEST(there_is_no_pace_before_the_second_record)
 {
-    struct vor_spec spec = request(100, 100);
+    struct vor_pace pace = {0};
+    struct vor_spec spec = request(-1);
 
-    ck_assert_double_eq(left(&spec, at(0, 0, 0), at(0, 0, 3)), -1);
-    ck_assert_double_eq(left(&spec, at(5, 0, 1), at(5, 0, 1)), -1);
-    ck_assert_double_eq_tol(left(&spec, at(0, 0, 2), at(20, 0, 12)), 90, 1e-12);
+    ck_assert_double_eq(vor_pace_left(&pace, &spec), -1);
+    ck_assert_double_eq(vor_pace_done(&pace, &spec), 0);
+    ck_assert_double_eq(left_after(at(FIRST, 0, 100, 100, 3), at(FIRST, 0, 100, 100, 3), -1), -1);
+    ck_assert_double_eq(left_after(at(FIRST, 5, 100, 100, 1), at(FIRST, 5, 100, 100, 1), -1), -1);
+    ck_assert_double_eq_tol(left_after(at(FIRST, 0, 100, 100, 2), at(FIRST, 20, 100, 100, 12), -1),
+                            90, 1e-12);
 }
 END_TEST
 
-START_TEST(the_polish_has_a_pace_of_its_own)
+START_TEST(each_of_three_stages_has_a_pace_of_its_own)
 {
-    struct vor_spec spec = request(20, 100);
-    struct vor_pace pace = {0};
-    struct vor_record records[5] = {at(0, 0, 1), at(10, 0, 21), at(20, 0, 41), at(20, 10, 42),
-                                    at(20, 20, 43)};
-    static const double wanted[5] = {-1, 220, 200, 9, 8};
+    const struct vor_record records[] = {
+        at(FIRST, 0, 20, 150, 1),    at(FIRST, 10, 20, 150, 21),  at(FIRST, 20, 20, 150, 41),
+        at(SECOND, 10, 100, 50, 42), at(SECOND, 90, 100, 50, 50), at(SECOND, 100, 100, 50, 51),
+        at(THIRD, 1, 50, 0, 61),     at(THIRD, 2, 50, 0, 71),     at(THIRD, 50, 50, 0, 551)};
+    static const double left[] = {-1, 320, 300, 14, 6, 5, 490, 480, 0};
+    static const double done[] = {0, 10, 20, 30, 110, 120, 121, 122, 170};
+    struct vor_spec spec = request(-1);
 
-    for (int i = 0; i < 5; i++) {
-        vor_pace_add(&pace, &records[i]);
-        ck_assert_double_eq_tol(vor_pace_left(&spec, &pace.first, &pace.last), wanted[i], 1e-9);
-        ck_assert_double_eq(pace.last.seconds, records[i].seconds);
+    for (size_t i = 0; i < sizeof records / sizeof records[0]; i++) {
+        struct vor_pace pace = pace_of(records, i + 1);
+
+        ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), left[i], 1e-9);
+        ck_assert_double_eq_tol(vor_pace_done(&pace, &spec), done[i] / 170, 1e-12);
+    }
+}
+END_TEST
+
+/* A plateau after 8 of 12: the four that did not come are done, and take no time. */
+START_TEST(a_stage_that_ends_early_is_done)
+{
+    const struct vor_record records[] = {at(FIRST, 0, 12, 100, 1), at(FIRST, 8, 12, 100, 9),
+                                         at(SECOND, 10, 100, 0, 10)};
+    struct vor_pace pace = pace_of(records, 3);
+    struct vor_spec spec = request(-1);
+
+    ck_assert_double_eq_tol(vor_pace_done(&pace, &spec), 22.0 / 112, 1e-12);
+    ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), 9, 1e-12);
+}
+END_TEST
+
+/* Records of a trace from before stages: of is 0, whatever the step. */
+START_TEST(without_a_limit_there_is_neither_share_nor_time_left)
+{
+    const struct vor_record records[] = {at(FIRST, 0, 0, 0, 1), at(FIRST, 8, 0, 0, 9),
+                                         at(SECOND, 10, 0, 0, 10)};
+
+    for (size_t count = 2; count <= 3; count++) {
+        struct vor_pace pace = pace_of(records, count);
+        struct vor_spec spec = request(-1);
+
+        ck_assert_double_eq(vor_pace_done(&pace, &spec), 0);
+        ck_assert_double_eq(vor_pace_left(&pace, &spec), -1);
+        spec = request(40);
+        ck_assert_double_eq_tol(vor_pace_done(&pace, &spec), records[count - 1].seconds / 40,
+                                1e-12);
     }
 }
 END_TEST
@@ -134,12 +185,14 @@ int main(void)
 {
     Suite *suite = suite_create("pace");
 
-    vt_add(suite, the_defaults_are_those_of_the_table_and_the_engine);
-    vt_add(suite, iterations_and_steps_count_alike);
-    vt_add(suite, without_a_polish_the_iterations_are_all);
+    vt_add(suite, steps_of_all_stages_count_alike);
+    vt_add(suite, one_stage_alone_is_all);
+    vt_add(suite, a_run_may_be_seen_from_its_middle);
     vt_add(suite, more_than_was_allowed_is_all);
     vt_add(suite, a_budget_counts_where_more_of_it_is_used_up);
     vt_add(suite, there_is_no_pace_before_the_second_record);
-    vt_add(suite, the_polish_has_a_pace_of_its_own);
+    vt_add(suite, each_of_three_stages_has_a_pace_of_its_own);
+    vt_add(suite, a_stage_that_ends_early_is_done);
+    vt_add(suite, without_a_limit_there_is_neither_share_nor_time_left);
     return vt_run(suite);
 }

@@ -534,6 +534,24 @@ START_TEST(an_input_too_large_for_its_process_is_told_so)
 }
 END_TEST
 
+START_TEST(iterations_not_given_are_fewer_before_a_polish)
+{
+    struct vor_spec spec = request_for("resample");
+
+    ck_assert_uint_eq(vor_spec_iterations(&spec), 12);
+    vt_assert_ok(vor_spec_set(&spec, "polish", "1", &vt_err));
+    ck_assert_uint_eq(vor_spec_iterations(&spec), 12);
+    vt_assert_ok(vor_spec_set(&spec, "polish", "0", &vt_err));
+    ck_assert_uint_eq(vor_spec_iterations(&spec), 100);
+    vt_assert_ok(vor_spec_set(&spec, "iterations", "37", &vt_err));
+    ck_assert_uint_eq(vor_spec_iterations(&spec), 37);
+    vt_assert_ok(vor_spec_set(&spec, "polish", "5", &vt_err));
+    ck_assert_uint_eq(vor_spec_iterations(&spec), 37);
+    vt_assert_ok(vor_spec_set(&spec, "iterations", "0", &vt_err));
+    ck_assert_uint_eq(vor_spec_iterations(&spec), 0);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("spec_table");
@@ -559,5 +577,6 @@ int main(void)
     vt_add_loop(suite, a_target_is_held_against_the_input_as_its_process_wants, 7);
     vt_add(suite, a_target_that_comes_of_ratio_or_spacing_is_said_beside_them);
     vt_add(suite, an_input_too_large_for_its_process_is_told_so);
+    vt_add(suite, iterations_not_given_are_fewer_before_a_polish);
     return vt_run(suite);
 }
