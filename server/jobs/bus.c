@@ -15,51 +15,15 @@ struct vor_bus {
     struct vor_subscriber *subscribers;
 };
 
-static const char *const status_words[VOR_JOB_STATUSES] = {
-#define STATUS_ROW(name, word) word,
-    VOR_JOB_STATUS_TABLE(STATUS_ROW)
-#undef STATUS_ROW
-};
-
-static const char *const stage_words[VOR_STAGES] = {
-#define STAGE_ROW(name, word) word,
-    VOR_STAGE_TABLE(STAGE_ROW)
-#undef STAGE_ROW
-};
-
 static const char *const event_words[VOR_EVENT_KINDS] = {
 #define EVENT_ROW(name, word) word,
     VOR_EVENT_TABLE(EVENT_ROW)
 #undef EVENT_ROW
 };
 
-const char *vor_job_status_word(enum vor_job_status status)
-{
-    return status_words[status];
-}
-
-const char *vor_stage_word(enum vor_stage stage)
-{
-    return stage_words[stage];
-}
-
 const char *vor_event_word(enum vor_event_kind kind)
 {
     return event_words[kind];
-}
-
-enum vor_job_status vor_job_status_find(const char *word)
-{
-    int i = 0;
-
-    while (i < VOR_JOB_STATUSES && strcmp(status_words[i], word) != 0)
-        i++;
-    return (enum vor_job_status)i;
-}
-
-int vor_job_status_over(enum vor_job_status status)
-{
-    return status != VOR_JOB_ACCEPTED && status != VOR_JOB_RUNNING;
 }
 
 /* Digits up to `stop` as a number that fits; NULL when it is none, else what follows it. */

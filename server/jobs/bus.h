@@ -6,49 +6,11 @@
 #ifndef VOR_SERVER_JOBS_BUS_H
 #define VOR_SERVER_JOBS_BUS_H
 
-#include "core/base/status.h"
 #include "core/report.h"
+#include "server/store/row.h"
 
 #include <stddef.h>
 #include <stdint.h>
-
-/** A job's life: identifier, word of statusInfo. */
-#define VOR_JOB_STATUS_TABLE(X)                                                                    \
-    X(ACCEPTED, "accepted")                                                                        \
-    X(RUNNING, "running")                                                                          \
-    X(SUCCESSFUL, "successful")                                                                    \
-    X(FAILED, "failed")                                                                            \
-    X(DISMISSED, "dismissed")
-
-enum vor_job_status {
-#define VOR_JOB_STATUS_ENUM(name, word) VOR_JOB_##name,
-    VOR_JOB_STATUS_TABLE(VOR_JOB_STATUS_ENUM)
-#undef VOR_JOB_STATUS_ENUM
-        VOR_JOB_STATUSES
-};
-
-/** What a job is at: identifier, word. */
-#define VOR_STAGE_TABLE(X)                                                                         \
-    X(QUEUED, "queued")                                                                            \
-    X(PREPARE, "prepare")                                                                          \
-    X(OPTIMIZE, "optimize")                                                                        \
-    X(ENCODE, "encode")
-
-enum vor_stage {
-#define VOR_STAGE_ENUM(name, word) VOR_STAGE_##name,
-    VOR_STAGE_TABLE(VOR_STAGE_ENUM)
-#undef VOR_STAGE_ENUM
-        VOR_STAGES
-};
-
-const char *vor_job_status_word(enum vor_job_status status);
-const char *vor_stage_word(enum vor_stage stage);
-
-/** The status of that word; VOR_JOB_STATUSES when there is none. */
-enum vor_job_status vor_job_status_find(const char *word);
-
-/** True for successful, failed and dismissed. */
-int vor_job_status_over(enum vor_job_status status);
 
 /** Kinds of events: identifier, name in SSE. */
 #define VOR_EVENT_TABLE(X)                                                                         \

@@ -1,14 +1,12 @@
-/** A job: what is known about it (a plain value) and, while it waits or runs, the live thing. */
+/** A job that waits or runs: its row kept current, its bus, and what was asked of its run. */
 #ifndef VOR_SERVER_JOBS_JOB_H
 #define VOR_SERVER_JOBS_JOB_H
 
 #include "core/base/watch.h"
 #include "core/report.h"
-#include "server/base/digest.h"
-#include "server/base/uuid.h"
 #include "server/jobs/bus.h"
+#include "server/store/row.h"
 
-#include <stddef.h>
 #include <stdint.h>
 
 /** How the operations on jobs end. */
@@ -19,46 +17,6 @@ enum vor_outcome {
     VOR_FULL,     /**< the queue is full: 429 */
     VOR_DRAINING, /**< the daemon is going down: 503 */
     VOR_FAILED    /**< err says why */
-};
-
-/** What a client sent, known before the job exists. */
-struct vor_job_input {
-    unsigned format;              /**< index of vor_format */
-    uint64_t points;              /**< decoded */
-    uint64_t bytes;               /**< of the upload */
-    char sha256[VOR_DIGEST_SIZE]; /**< of the upload */
-    double seconds;               /**< decoding took */
-};
-
-/** What a client gets. */
-struct vor_job_output {
-    unsigned format;
-    uint64_t points, bytes;
-    char sha256[VOR_DIGEST_SIZE];
-    uint64_t report_bytes; /**< of the report as JSON; 0 for none */
-};
-
-/** Everything statusInfo says; a row of the store and a snapshot of a live job alike. Plain value,
- *  owns nothing. Times are wall-clock milliseconds, 0 for not yet. */
-struct vor_job_view {
-    struct vor_uuid id;
-    int64_t seq;      /**< order of acceptance, from 1 */
-    char process[32]; /**< "resample" */
-    enum vor_job_status status;
-    enum vor_stage stage;
-    int progress;         /**< 0 .. 100, never decreases; 100 only when successful */
-    uint32_t attempt;     /**< from 1; the next one while the job waits */
-    long queue_position;  /**< 0 is next; -1 when not waiting */
-    double eta_seconds;   /**< until the last stage of the run ends; -1 when not known */
-    struct vor_spec spec; /**< FORMAT is always given */
-    struct vor_job_input input;
-    struct vor_job_output output; /**< successful */
-    int has_record;
-    struct vor_record record; /**< the latest */
-    struct vor_error problem; /**< failed; status VOR_OK otherwise */
-    char message[128];        /**< a sentence for people: what it does, or why it ended */
-    int expired;              /**< result and report are gone: 410 */
-    int64_t created, started, updated, finished, expires;
 };
 
 /** A job that waits or runs. Counted references; thread-safe. */

@@ -1,27 +1,91 @@
-/** The parts of a job's row that are kept as JSON text. Only stores include this. */
+/** A job as a plain value: what its row in the store says, what a live job says of itself, what
+ *  statusInfo shows. The words of its states are the store's and the API's alike. */
 #ifndef VOR_SERVER_STORE_ROW_H
 #define VOR_SERVER_STORE_ROW_H
 
-#include "proto/json/json.h"
-#include "server/jobs/job.h"
+#include "core/report.h"
+#include "core/spec.h"
+#include "server/base/digest.h"
+#include "server/base/uuid.h"
 
-/** request: vor_json_spec; metrics: vor_json_record, empty without a record; problem: {"status",
- *  "parameter", "message", "byteOffset", "limit", "got"}, empty without one. */
-struct vor_row_text {
-    struct vor_text request, metrics, problem;
+#include <stdint.h>
+
+/** The states of a job: identifier, word of statusInfo. A store keeps the word. */
+#define VOR_JOB_STATUS_TABLE(X)                                                                    \
+    X(ACCEPTED, "accepted")                                                                        \
+    X(RUNNING, "running")                                                                          \
+    X(SUCCESSFUL, "successful")                                                                    \
+    X(FAILED, "failed")                                                                            \
+    X(DISMISSED, "dismissed")
+
+enum vor_job_status {
+#define VOR_JOB_STATUS_ENUM(name, word) VOR_JOB_##name,
+    VOR_JOB_STATUS_TABLE(VOR_JOB_STATUS_ENUM)
+#undef VOR_JOB_STATUS_ENUM
+        VOR_JOB_STATUSES
 };
 
-/** Writes the three; the caller frees them, also after a failure.
- *
- *  @retval VOR_E_NOMEM */
-VOR_NODISCARD vor_status vor_row_write(struct vor_row_text *out, const struct vor_job_view *row,
-                                       struct vor_error *err);
-void vor_row_text_free(struct vor_row_text *text);
+/** The stages of a job: identifier, word of statusInfo. A trace keeps the number. */
+#define VOR_STAGE_TABLE(X)                                                                         \
+    X(QUEUED, "queued")                                                                            \
+    X(PREPARE, "prepare")                                                                          \
+    X(OPTIMIZE, "optimize")                                                                        \
+    X(ENCODE, "encode")
 
-/** Reads the three (each may be NULL) back into a row. What cannot be read, because another version
- *  wrote it, is left at its default: a request without points then fails vor_spec_check. The
- *  row's process is read before. */
-void vor_row_read(struct vor_job_view *row, const char *request, const char *metrics,
-                  const char *problem);
+enum vor_stage {
+#define VOR_STAGE_ENUM(name, word) VOR_STAGE_##name,
+    VOR_STAGE_TABLE(VOR_STAGE_ENUM)
+#undef VOR_STAGE_ENUM
+        VOR_STAGES
+};
+
+const char *vor_job_status_word(enum vor_job_status status);
+const char *vor_stage_word(enum vor_stage stage);
+
+/** The status of that word; VOR_JOB_STATUSES when there is none. */
+enum vor_job_status vor_job_status_find(const char *word);
+
+/** True for successful, failed and dismissed. */
+int vor_job_status_over(enum vor_job_status status);
+
+/** The input of a job, as the admission found it. */
+struct vor_job_input {
+    unsigned format;              /**< index of vor_format */
+    uint64_t points;              /**< decoded */
+    uint64_t bytes;               /**< of the upload */
+    char sha256[VOR_DIGEST_SIZE]; /**< of the upload */
+    double seconds;               /**< decoding took */
+};
+
+/** The result of a job. */
+struct vor_job_output {
+    unsigned format; /**< index of vor_format */
+    uint64_t points, bytes;
+    char sha256[VOR_DIGEST_SIZE];
+    uint64_t report_bytes; /**< of the report as JSON; 0 for none */
+};
+
+/** Everything that statusInfo says: a row of the store, or a snapshot of a live job. A plain value
+ *  that owns nothing. Times are wall-clock milliseconds, 0 for not yet. */
+struct vor_job_view {
+    struct vor_uuid id;
+    int64_t seq;      /**< order of acceptance, from 1 */
+    char process[32]; /**< "resample" */
+    enum vor_job_status status;
+    enum vor_stage stage;
+    int progress;         /**< 0 .. 100, never decreases; 100 only when successful */
+    uint32_t attempt;     /**< from 1; the next one while the job waits */
+    long queue_position;  /**< 0 is next; -1 when not waiting */
+    double eta_seconds;   /**< until the last stage of the run ends; -1 when not known */
+    struct vor_spec spec; /**< FORMAT is always given */
+    struct vor_job_input input;
+    struct vor_job_output output; /**< successful */
+    int has_record;
+    struct vor_record record; /**< the latest */
+    struct vor_error problem; /**< failed; status VOR_OK otherwise */
+    char message[128];        /**< a sentence for people: what it does, or why it ended */
+    int expired;              /**< result and report are gone: 410 */
+    int64_t created, started, updated, finished, expires;
+};
 
 #endif

@@ -2,7 +2,7 @@
 #include "server/store/store.h"
 
 #include "server/base/disk.h"
-#include "server/store/row.h"
+#include "server/store/row_text.h"
 #include "server/store/sqlite.h"
 
 #include <assert.h>

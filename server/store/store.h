@@ -12,7 +12,7 @@
 #ifndef VOR_SERVER_STORE_H
 #define VOR_SERVER_STORE_H
 
-#include "server/jobs/job.h"
+#include "server/store/row.h"
 
 #include <stddef.h>
 #include <stdint.h>

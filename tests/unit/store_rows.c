@@ -1,6 +1,6 @@
 /* The store: a row comes back as it went in, changes happen once, and a kill loses nothing. */
 #include "server/base/clock.h"
-#include "server/store/row.h"
+#include "server/store/row_text.h"
 #include "server/store/store.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
