@@ -21,15 +21,6 @@ static struct {
     enum vor_log_level level;
 } sink = {PTHREAD_MUTEX_INITIALIZER, STDERR_FILENO, VOR_LOG_INFO};
 
-enum vor_log_level vor_log_level_find(const char *word)
-{
-    int i = 0;
-
-    while (i < VOR_LOG_LEVELS && strcmp(words[i], word) != 0)
-        i++;
-    return (enum vor_log_level)i;
-}
-
 void vor_log_open(int fd, enum vor_log_level level)
 {
     pthread_mutex_lock(&sink.mutex);

@@ -20,9 +20,6 @@ enum vor_log_level {
         VOR_LOG_LEVELS
 };
 
-/** The level of that word; VOR_LOG_LEVELS when there is none. */
-enum vor_log_level vor_log_level_find(const char *word);
-
 /** Where lines go (a file descriptor, borrowed) and which: level and above. Until then standard
  *  error, info. */
 void vor_log_open(int fd, enum vor_log_level level);

@@ -439,24 +439,6 @@ vor_status vor_store_list(struct vor_store *store, const struct vor_job_filter *
                             filter->duration_min, filter->duration_max, filter->now);
 }
 
-static int count_row(void *ctx, struct vor_sqlite_row *row)
-{
-    uint64_t *counts = ctx;
-    enum vor_job_status status = vor_job_status_find(vor_sqlite_text(row));
-
-    counts[status] = (uint64_t)vor_sqlite_number(row);
-    return 1;
-}
-
-vor_status vor_store_count(struct vor_store *store, uint64_t counts[VOR_JOB_STATUSES],
-                           struct vor_error *err)
-{
-    memset(counts, 0, VOR_JOB_STATUSES * sizeof counts[0]);
-    return vor_sqlite_query(store->db, count_row, counts, err,
-                            "SELECT status, count(*) FROM job WHERE expired = 0 GROUP BY status",
-                            "");
-}
-
 /* --- time ------------------------------------------------------------------------------------- */
 
 struct expiry {

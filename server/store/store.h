@@ -105,10 +105,6 @@ VOR_NODISCARD vor_status vor_store_list(struct vor_store *store,
                                         int (*each)(void *ctx, const struct vor_job_view *row),
                                         void *ctx, struct vor_error *err);
 
-/** Jobs by status, without the expired ones. */
-VOR_NODISCARD vor_status vor_store_count(struct vor_store *store, uint64_t counts[VOR_JOB_STATUSES],
-                                         struct vor_error *err);
-
 /** Removes a job that is over.
  *
  *  @param[out] changed  0 when it is unknown or not over */

@@ -22,12 +22,11 @@ struct vor_worker {
     struct vor_worker_config config;
     struct vor_queue *queue;
     pthread_mutex_t mutex;  /* everything below */
-    pthread_cond_t changed; /* running, draining, aborting, closing; on the monotonic clock */
+    pthread_cond_t changed; /* running, draining, aborting; on the monotonic clock */
     struct vor_live *live;
     size_t running;
     int draining; /* nothing is claimed or accepted any more */
     int aborting; /* what runs was asked to end; its rows go back to accepted */
-    int closing;
     pthread_t runners[VOR_WORKER_JOBS_MAX];
     unsigned runner_count;
     pthread_t sweeper;

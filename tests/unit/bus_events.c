@@ -135,13 +135,14 @@ END_TEST
 START_TEST(nothing_follows_the_end)
 {
     struct vor_bus *bus = filled(1, 2, 1);
-    struct vor_position end = {0, 0};
+    struct vor_position end = {0, 0}, position = {0, 0};
+    struct vor_event events[8];
 
     publish(bus, VOR_EVENT_PROGRESS, 3);
     publish(bus, VOR_EVENT_END, 4);
     ck_assert(vor_bus_ended(bus, &end));
     ck_assert_uint_eq(end.number, 4);
-    ck_assert_uint_eq(vor_bus_newest(bus).number, 4);
+    ck_assert_uint_eq(vor_bus_read(bus, &position, VOR_READ_EVERY, events, 8), 4);
     vor_bus_release(bus);
     bus = filled(1, 2, 0);
     ck_assert(!vor_bus_ended(bus, NULL));

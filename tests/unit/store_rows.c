@@ -361,12 +361,17 @@ static struct seen list(struct vor_store *store, struct vor_job_filter filter, s
     return seen;
 }
 
+/* Rows of that status. */
+static size_t count(struct vor_store *store, enum vor_job_status status)
+{
+    return list(store, (struct vor_job_filter){.limit = 64, .statuses = 1u << status}, 0).count;
+}
+
 START_TEST(a_list_is_newest_first_filtered_and_continued_by_its_cursor)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
     struct vor_job_view rows[10];
-    uint64_t counts[VOR_JOB_STATUSES];
     struct seen seen;
 
     for (int i = 0; i < 10; i++)
@@ -394,11 +399,6 @@ START_TEST(a_list_is_newest_first_filtered_and_continued_by_its_cursor)
     ck_assert_uint_eq(seen.count, 10);
     seen = list(store, (struct vor_job_filter){.limit = 64, .process = "' OR 1=1 --"}, 0);
     ck_assert_uint_eq(seen.count, 0);
-    vt_assert_ok(vor_store_count(store, counts, &vt_err));
-    ck_assert_uint_eq(counts[VOR_JOB_ACCEPTED], 8);
-    ck_assert_uint_eq(counts[VOR_JOB_RUNNING], 1);
-    ck_assert_uint_eq(counts[VOR_JOB_SUCCESSFUL], 0);
-    ck_assert_uint_eq(counts[VOR_JOB_FAILED], 1);
     vor_store_close(store);
     vt_dir_remove(dir);
 }
@@ -720,7 +720,6 @@ START_TEST(of_two_threads_that_end_a_job_one_wins)
     struct vor_store *store = vt_dir_store(dir);
     struct vor_job_view rows[RACES];
     struct racer a = {store, rows, VOR_JOB_FAILED, 0}, b = {store, rows, VOR_JOB_DISMISSED, 0};
-    uint64_t counts[VOR_JOB_STATUSES];
     pthread_t threads[2];
 
     for (int i = 0; i < RACES; i++)
@@ -730,9 +729,8 @@ START_TEST(of_two_threads_that_end_a_job_one_wins)
     pthread_join(threads[0], NULL);
     pthread_join(threads[1], NULL);
     ck_assert_int_eq(a.won + b.won, RACES);
-    vt_assert_ok(vor_store_count(store, counts, &vt_err));
-    ck_assert_uint_eq(counts[VOR_JOB_FAILED], (uint64_t)a.won);
-    ck_assert_uint_eq(counts[VOR_JOB_DISMISSED], (uint64_t)b.won);
+    ck_assert_uint_eq(count(store, VOR_JOB_FAILED), (size_t)a.won);
+    ck_assert_uint_eq(count(store, VOR_JOB_DISMISSED), (size_t)b.won);
     vor_store_close(store);
     vt_dir_remove(dir);
 }
