@@ -26,6 +26,15 @@ int vor_error_storage_full(const struct vor_error *err)
     return err->status == VOR_E_IO && (err->got == ENOSPC || err->got == EDQUOT);
 }
 
+const char *vor_storage_place(const char *where, const char *scheme)
+{
+    size_t length = strlen(scheme);
+
+    if (strncmp(where, scheme, length) != 0 || where[length] != ':' || where[length + 1] == '\0')
+        return NULL;
+    return where + length + 1;
+}
+
 /* Makes the entry of path in its parent directory durable. */
 static int sync_parent(const char *path)
 {

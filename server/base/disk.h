@@ -10,6 +10,10 @@ vor_status vor_fail_errno(struct vor_error *err, int number, const char *what);
 /** True when err is the VOR_E_IO of a full disk or quota: 507 rather than 503. */
 int vor_error_storage_full(const struct vor_error *err);
 
+/** What follows "SCHEME:" in `where`, as in "sqlite:PATH"; NULL when `where` has another scheme or
+ *  nothing follows. Borrowed from `where`. */
+const char *vor_storage_place(const char *where, const char *scheme);
+
 /** Makes a directory and its parents, mode 0700; one that is there is fine.
  *
  *  @retval VOR_E_IO */

@@ -1,224 +1,527 @@
+/* The rows in SQL. The connections are behind sqlite_database.h. */
 #include "server/store/sqlite.h"
 
+#include "server/base/disk.h"
+#include "server/store/row_text.h"
+#include "server/store/sqlite_database.h"
+
 #include <errno.h>
-#include <pthread.h>
-#include <sqlite3.h>
-#include <stdarg.h>
-#include <stdatomic.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
-struct connection {
-    sqlite3 *handle;
-    pthread_mutex_t mutex;
+struct store {
+    struct vor_store base;
+    int lock;
+    struct vor_sqlite *db;
 };
 
-struct vor_sqlite {
-    atomic_int broken;
-    struct connection writer, reader;
-};
-
-struct vor_sqlite_row {
-    sqlite3_stmt *statement;
-    int column; /* the next one */
-};
-
-enum { BUSY_MS = 5000 };
-
-static int is_disk_full(int number)
+static struct vor_sqlite *db_of(struct vor_store *store)
 {
-    return number == ENOSPC || number == EDQUOT;
+    return ((struct store *)store)->db;
 }
 
-/* Call with the connection's mutex held: the reason is the connection's last one. */
-static vor_status fail(struct vor_sqlite *db, struct connection *connection, int code,
-                       struct vor_error *err)
-{
-    int kind = code & 0xff, number = 0;
+enum { SCHEMA_VERSION = 1 };
 
-    if (kind == SQLITE_FULL)
-        number = ENOSPC;
-    else if (kind == SQLITE_IOERR || kind == SQLITE_CANTOPEN)
-        number = sqlite3_system_errno(connection->handle);
-    if ((kind == SQLITE_IOERR && !is_disk_full(number)) || kind == SQLITE_CORRUPT)
-        atomic_store(&db->broken, 1);
-    (void)vor_fail(err, VOR_E_IO, "the job store: %s", sqlite3_errmsg(connection->handle));
-    if (err != NULL)
-        err->got = (uint64_t)number;
-    return VOR_E_IO;
+static const char schema[] =
+    "CREATE TABLE job ("
+    " seq INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT NOT NULL UNIQUE, process_id TEXT NOT NULL,"
+    " status TEXT NOT NULL"
+    "  CHECK (status IN ('accepted','running','successful','failed','dismissed')),"
+    " progress INTEGER NOT NULL DEFAULT 0, message TEXT NOT NULL DEFAULT '',"
+    " request TEXT NOT NULL, metrics TEXT, problem TEXT, report TEXT, trace BLOB,"
+    " input_format INTEGER NOT NULL, input_points INTEGER NOT NULL, input_bytes INTEGER NOT NULL,"
+    " input_sha256 TEXT NOT NULL, input_seconds REAL NOT NULL,"
+    " output_format INTEGER NOT NULL DEFAULT 0, output_points INTEGER NOT NULL DEFAULT 0,"
+    " output_bytes INTEGER NOT NULL DEFAULT 0, output_sha256 TEXT NOT NULL DEFAULT '',"
+    " attempt INTEGER NOT NULL DEFAULT 0, crashes INTEGER NOT NULL DEFAULT 0,"
+    " created INTEGER NOT NULL, started INTEGER NOT NULL DEFAULT 0, updated INTEGER NOT NULL,"
+    " finished INTEGER NOT NULL DEFAULT 0, expires INTEGER NOT NULL DEFAULT 0,"
+    " expired INTEGER NOT NULL DEFAULT 0);"
+    "CREATE INDEX job_status ON job (status, seq) WHERE expired = 0;"
+    "CREATE INDEX job_expires ON job (expires) WHERE expires > 0;";
+
+/* --- opening ---------------------------------------------------------------------------------- */
+
+static int take_number(void *ctx, struct vor_sqlite_row *row)
+{
+    *(int64_t *)ctx = vor_sqlite_number(row);
+    return 1;
 }
 
-static vor_status run(struct vor_sqlite *db, struct connection *connection, const char *sql,
-                      struct vor_error *err)
+static vor_status migrate(struct store *store, struct vor_error *err)
 {
-    int code = sqlite3_exec(connection->handle, sql, NULL, NULL, NULL);
+    int64_t version = -1;
+    vor_status status =
+        vor_sqlite_query(store->db, take_number, &version, err, "PRAGMA user_version", "");
+    char sql[sizeof schema + 64];
 
-    return code == SQLITE_OK ? VOR_OK : fail(db, connection, code, err);
+    if (status != VOR_OK || version == SCHEMA_VERSION)
+        return status;
+    if (version > SCHEMA_VERSION)
+        return vor_fail(err, VOR_E_IO,
+                        "the job store is of schema %lld, this program knows up to %d",
+                        (long long)version, SCHEMA_VERSION);
+    (void)snprintf(sql, sizeof sql, "BEGIN;%sPRAGMA user_version=%d;COMMIT;", schema,
+                   SCHEMA_VERSION);
+    return vor_sqlite_run(store->db, sql, err);
 }
 
-static vor_status connect(struct vor_sqlite *db, struct connection *connection, const char *path,
-                          const char *pragmas, struct vor_error *err)
+static vor_status open_file(struct store *store, const char *path, long *holder,
+                            struct vor_error *err)
 {
-    int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
-    int code = sqlite3_open_v2(path, &connection->handle, flags, NULL);
+    const char *slash = strrchr(path, '/');
+    char name[4096];
+    vor_status status = VOR_OK;
 
-    if (code != SQLITE_OK)
-        return fail(db, connection, code, err);
-    (void)sqlite3_extended_result_codes(connection->handle, 1);
-    (void)sqlite3_busy_timeout(connection->handle, BUSY_MS);
-    return run(db, connection, pragmas, err);
+    if ((size_t)snprintf(name, sizeof name, "%s.lock", path) >= sizeof name)
+        return vor_fail_errno(err, ENAMETOOLONG, "the job store");
+    if (slash != NULL && slash != path) {
+        char *folder = strndup(path, (size_t)(slash - path));
+
+        status = folder != NULL ? vor_storage_directory(folder, err)
+                                : vor_fail(err, VOR_E_NOMEM, "the path of the job store");
+        free(folder);
+    }
+    if (status == VOR_OK)
+        status = vor_storage_lock(&store->lock, name, holder, err);
+    if (status == VOR_OK)
+        status = vor_sqlite_open(&store->db, path, err);
+    return status == VOR_OK ? migrate(store, err) : status;
 }
 
-vor_status vor_sqlite_open(struct vor_sqlite **out, const char *path, struct vor_error *err)
+static void close_store(struct vor_store *base)
 {
-    struct vor_sqlite *db = calloc(1, sizeof *db);
+    struct store *store = (struct store *)base;
+
+    vor_sqlite_close(store->db);
+    if (store->lock >= 0)
+        close(store->lock);
+    free(store);
+}
+
+static vor_status open_store(struct vor_store **out, const char *place, long *holder,
+                             struct vor_error *err)
+{
+    struct store *store = calloc(1, sizeof *store);
     vor_status status;
 
-    if (db == NULL)
+    if (store == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the job store");
-    atomic_init(&db->broken, 0);
-    pthread_mutex_init(&db->writer.mutex, NULL);
-    pthread_mutex_init(&db->reader.mutex, NULL);
-    status =
-        connect(db, &db->writer, path, "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;", err);
-    if (status == VOR_OK)
-        status = connect(db, &db->reader, path, "PRAGMA query_only=ON;", err);
+    store->lock = -1;
+    status = open_file(store, place, holder, err);
     if (status != VOR_OK) {
-        vor_sqlite_close(db);
+        close_store(&store->base);
         return status;
     }
-    *out = db;
+    *out = &store->base;
     return VOR_OK;
 }
 
-void vor_sqlite_close(struct vor_sqlite *db)
+static vor_status check(struct vor_store *store, struct vor_error *err)
 {
-    if (db == NULL)
-        return;
-    (void)sqlite3_close(db->reader.handle);
-    (void)sqlite3_close(db->writer.handle);
-    pthread_mutex_destroy(&db->reader.mutex);
-    pthread_mutex_destroy(&db->writer.mutex);
-    free(db);
+    int64_t rows;
+
+    if (vor_sqlite_broken(db_of(store)))
+        return vor_fail(err, VOR_E_IO, "the job store is out of order since its disk failed");
+    return vor_sqlite_query(db_of(store), take_number, &rows, err, "SELECT seq FROM job LIMIT 1",
+                            "");
 }
 
-int vor_sqlite_broken(struct vor_sqlite *db)
+/* --- changes ---------------------------------------------------------------------------------- */
+
+static vor_status insert(struct vor_store *store, struct vor_job_view *row, struct vor_error *err)
 {
-    return atomic_load(&db->broken);
+    const struct vor_job_input *input = &row->input;
+    struct vor_row_text text;
+    struct vor_sqlite_change result;
+    vor_status status = vor_row_write(&text, row, err);
+
+    if (status == VOR_OK)
+        status = vor_sqlite_change(
+            db_of(store), &result, err,
+            "INSERT INTO job (id, process_id, status, message, request, input_format,"
+            " input_points, input_bytes, input_sha256, input_seconds, created, updated)"
+            " VALUES (?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?, ?) RETURNING seq",
+            "ttttiiitrii", row->id.text, row->process, row->message, text.request.data,
+            (int64_t)input->format, (int64_t)input->points, (int64_t)input->bytes, input->sha256,
+            input->seconds, row->created, row->created);
+    if (status == VOR_OK)
+        row->seq = result.value;
+    vor_row_text_free(&text);
+    return status;
 }
 
-vor_status vor_sqlite_run(struct vor_sqlite *db, const char *sql, struct vor_error *err)
+static vor_status claim(struct vor_store *store, const struct vor_uuid *id, int64_t now_ms,
+                        uint32_t *attempt, int *changed, struct vor_error *err)
 {
+    struct vor_sqlite_change result;
+    vor_status status =
+        vor_sqlite_change(db_of(store), &result, err,
+                          "UPDATE job SET status = 'running', attempt = attempt + 1, updated = ?2,"
+                          " started = CASE started WHEN 0 THEN ?2 ELSE started END"
+                          " WHERE id = ?1 AND status = 'accepted' RETURNING attempt",
+                          "ti", id->text, now_ms);
+
+    *changed = result.rows;
+    *attempt = (uint32_t)result.value;
+    return status;
+}
+
+static vor_status beat(struct vor_store *store, const struct vor_job_view *row,
+                       struct vor_error *err)
+{
+    struct vor_row_text text;
+    struct vor_sqlite_change result;
+    vor_status status = vor_row_write(&text, row, err);
+
+    if (status == VOR_OK)
+        status = vor_sqlite_change(
+            db_of(store), &result, err,
+            "UPDATE job SET progress = max(progress, ?3), metrics = ?4, updated = ?5"
+            " WHERE id = ?1 AND attempt = ?2 AND status = 'running'",
+            "tiiti", row->id.text, (int64_t)row->attempt, (int64_t)row->progress, text.metrics.data,
+            row->updated);
+    vor_row_text_free(&text);
+    return status;
+}
+
+static vor_status release(struct vor_store *store, const struct vor_uuid *id, uint32_t attempt,
+                          int64_t now_ms, int *changed, struct vor_error *err)
+{
+    struct vor_sqlite_change result;
+    vor_status status = vor_sqlite_change(db_of(store), &result, err,
+                                          "UPDATE job SET status = 'accepted', updated = ?3"
+                                          " WHERE id = ?1 AND attempt = ?2 AND status = 'running'",
+                                          "tii", id->text, (int64_t)attempt, now_ms);
+
+    *changed = result.rows;
+    return status;
+}
+
+static vor_status finish(struct vor_store *store, const struct vor_job_view *row, uint32_t attempt,
+                         const struct vor_store_ending *ending, int *changed, struct vor_error *err)
+{
+    const struct vor_job_output *output = &row->output;
+    struct vor_sqlite_change result = {0};
+    struct vor_row_text text;
+    vor_status status = vor_row_write(&text, row, err);
+
+    if (status == VOR_OK)
+        status = vor_sqlite_change(
+            db_of(store), &result, err,
+            "UPDATE job SET status = ?3, progress = ?4, message = ?5, metrics = ?6,"
+            " problem = ?7, report = ?8, trace = ?9, output_format = ?10,"
+            " output_points = ?11, output_bytes = ?12, output_sha256 = ?13,"
+            " updated = ?14, finished = ?14, expires = ?15, attempt = ?16"
+            " WHERE id = ?1 AND CASE ?2 WHEN 0 THEN status IN ('accepted', 'running')"
+            " ELSE status = 'running' AND attempt = ?2 END",
+            "titittttbiiitiii", row->id.text, (int64_t)attempt, vor_job_status_word(row->status),
+            (int64_t)row->progress, row->message, text.metrics.data, text.problem.data,
+            ending->report, ending->trace, ending->trace_size, (int64_t)output->format,
+            (int64_t)output->points, (int64_t)output->bytes, output->sha256, row->finished,
+            row->expires, (int64_t)row->attempt);
+    *changed = result.rows;
+    vor_row_text_free(&text);
+    return status;
+}
+
+static vor_status remove_row(struct vor_store *store, const struct vor_uuid *id, int *changed,
+                             struct vor_error *err)
+{
+    struct vor_sqlite_change result;
+    vor_status status = vor_sqlite_change(
+        db_of(store), &result, err,
+        "DELETE FROM job WHERE id = ? AND status NOT IN ('accepted', 'running')", "t", id->text);
+
+    *changed = result.rows;
+    return status;
+}
+
+/* --- reading ---------------------------------------------------------------------------------- */
+
+#define ROW_COLUMNS                                                                                \
+    "id, seq, process_id, status, progress, message, request, metrics, problem,"                   \
+    " input_format, input_points, input_bytes, input_sha256, input_seconds,"                       \
+    " output_format, output_points, output_bytes, output_sha256,"                                  \
+    " length(CAST(report AS BLOB)),"                                                               \
+    " attempt, created, started, updated, finished, expires, expired"
+
+static void copy_text(char *out, size_t size, struct vor_sqlite_row *from)
+{
+    const char *text = vor_sqlite_text(from);
+
+    (void)snprintf(out, size, "%s", text != NULL ? text : "");
+}
+
+/* How far a job got, as far as its row tells. */
+static enum vor_stage stage_of(const struct vor_job_view *row)
+{
+    if (row->status == VOR_JOB_ACCEPTED || row->started == 0)
+        return VOR_STAGE_QUEUED;
+    if (row->status == VOR_JOB_SUCCESSFUL)
+        return VOR_STAGE_ENCODE;
+    return row->has_record ? VOR_STAGE_OPTIMIZE : VOR_STAGE_PREPARE;
+}
+
+static void read_files(struct vor_job_view *out, struct vor_sqlite_row *from)
+{
+    out->input.format = (unsigned)vor_sqlite_number(from);
+    out->input.points = (uint64_t)vor_sqlite_number(from);
+    out->input.bytes = (uint64_t)vor_sqlite_number(from);
+    copy_text(out->input.sha256, sizeof out->input.sha256, from);
+    out->input.seconds = vor_sqlite_real(from);
+    out->output.format = (unsigned)vor_sqlite_number(from);
+    out->output.points = (uint64_t)vor_sqlite_number(from);
+    out->output.bytes = (uint64_t)vor_sqlite_number(from);
+    copy_text(out->output.sha256, sizeof out->output.sha256, from);
+    out->output.report_bytes = (uint64_t)vor_sqlite_number(from);
+}
+
+static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)
+{
+    const char *request, *metrics, *problem;
+
+    *out = (struct vor_job_view){.queue_position = -1, .eta_seconds = -1};
+    copy_text(out->id.text, sizeof out->id.text, row);
+    out->seq = vor_sqlite_number(row);
+    copy_text(out->process, sizeof out->process, row);
+    out->status = vor_job_status_find(vor_sqlite_text(row));
+    out->progress = (int)vor_sqlite_number(row);
+    copy_text(out->message, sizeof out->message, row);
+    request = vor_sqlite_text(row);
+    metrics = vor_sqlite_text(row);
+    problem = vor_sqlite_text(row);
+    vor_row_read(out, request, metrics, problem);
+    read_files(out, row);
+    out->attempt = (uint32_t)vor_sqlite_number(row);
+    if (out->status == VOR_JOB_ACCEPTED || out->attempt == 0)
+        out->attempt++;
+    out->created = vor_sqlite_number(row);
+    out->started = vor_sqlite_number(row);
+    out->updated = vor_sqlite_number(row);
+    out->finished = vor_sqlite_number(row);
+    out->expires = vor_sqlite_number(row);
+    out->expired = (int)vor_sqlite_number(row);
+    out->stage = stage_of(out);
+}
+
+struct taken {
+    struct vor_job_view *row;
+    int found;
+};
+
+static int take_row(void *ctx, struct vor_sqlite_row *row)
+{
+    struct taken *taken = ctx;
+
+    read_row(taken->row, row);
+    taken->found = 1;
+    return 0;
+}
+
+static vor_status get(struct vor_store *store, const struct vor_uuid *id, struct vor_job_view *out,
+                      int *found, struct vor_error *err)
+{
+    struct taken taken = {.row = out};
+    vor_status status =
+        vor_sqlite_query(db_of(store), take_row, &taken, err,
+                         "SELECT " ROW_COLUMNS " FROM job WHERE id = ?", "t", id->text);
+
+    *found = taken.found;
+    return status;
+}
+
+/* Bytes of one column, with a NUL behind them. */
+struct bytes {
+    uint8_t *data;
+    size_t size;
+    int failed;
+};
+
+static int take_bytes(void *ctx, struct vor_sqlite_row *row)
+{
+    struct bytes *bytes = ctx;
+    const void *data = vor_sqlite_bytes(row, &bytes->size);
+
+    if (data == NULL)
+        return 0;
+    bytes->data = malloc(bytes->size + 1);
+    if (bytes->data == NULL) {
+        bytes->failed = 1;
+        return 0;
+    }
+    memcpy(bytes->data, data, bytes->size);
+    bytes->data[bytes->size] = '\0';
+    return 0;
+}
+
+static vor_status get_report(struct vor_store *store, const struct vor_uuid *id, char **report,
+                             struct vor_error *err)
+{
+    struct bytes bytes = {0};
+    vor_status status = vor_sqlite_query(db_of(store), take_bytes, &bytes, err,
+                                         "SELECT report FROM job WHERE id = ?", "t", id->text);
+
+    if (bytes.failed)
+        status = vor_fail(err, VOR_E_NOMEM, "a report of %zu bytes", bytes.size);
+    *report = (char *)bytes.data;
+    return status;
+}
+
+static vor_status get_trace(struct vor_store *store, const struct vor_uuid *id, uint8_t **trace,
+                            size_t *size, struct vor_error *err)
+{
+    struct bytes bytes = {0};
+    vor_status status = vor_sqlite_query(db_of(store), take_bytes, &bytes, err,
+                                         "SELECT trace FROM job WHERE id = ?", "t", id->text);
+
+    if (bytes.failed)
+        status = vor_fail(err, VOR_E_NOMEM, "a trace of %zu bytes", bytes.size);
+    *trace = bytes.data;
+    *size = bytes.data != NULL ? bytes.size : 0;
+    return status;
+}
+
+struct listing {
+    int (*each)(void *ctx, const struct vor_job_view *row);
+    void *ctx;
+};
+
+static int list_row(void *ctx, struct vor_sqlite_row *statement)
+{
+    struct listing *listing = ctx;
+    struct vor_job_view row;
+
+    read_row(&row, statement);
+    return listing->each(listing->ctx, &row);
+}
+
+/* ",accepted,running," of a set of statuses; "" for all. */
+static void status_words(char *out, size_t size, unsigned statuses)
+{
+    size_t at = 0;
+
+    out[0] = '\0';
+    for (int i = 0; i < VOR_JOB_STATUSES; i++)
+        if (statuses & (1u << i))
+            at += (size_t)snprintf(out + at, size - at, "%s%s,", at == 0 ? "," : "",
+                                   vor_job_status_word((enum vor_job_status)i));
+}
+
+/* Milliseconds that a started job has run; ?9 is now. */
+#define DURATION "CASE finished WHEN 0 THEN ?9 ELSE finished END - started"
+
+static vor_status list_rows(struct vor_store *store, const struct vor_job_filter *filter,
+                            int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
+                            struct vor_error *err)
+{
+    struct listing listing = {.each = each, .ctx = ctx};
+    char statuses[64];
+
+    status_words(statuses, sizeof statuses, filter->statuses);
+    return vor_sqlite_query(db_of(store), list_row, &listing, err,
+                            "SELECT " ROW_COLUMNS " FROM job WHERE expired = 0"
+                            " AND (?1 = '' OR instr(?1, ',' || status || ',') > 0)"
+                            " AND (?2 IS NULL OR process_id = ?2) AND (?3 = 0 OR seq < ?3)"
+                            " AND created >= ?5 AND (?6 = 0 OR created <= ?6)"
+                            " AND (?7 = 0 OR (started > 0 AND " DURATION " >= ?7))"
+                            " AND (?8 = 0 OR (started > 0 AND " DURATION " <= ?8))"
+                            " ORDER BY seq DESC LIMIT ?4",
+                            "ttiiiiiii", statuses, filter->process, filter->before_seq,
+                            (int64_t)filter->limit, filter->created_from, filter->created_to,
+                            filter->duration_min, filter->duration_max, filter->now);
+}
+
+/* --- time ------------------------------------------------------------------------------------- */
+
+struct expiry {
+    struct vor_uuid *ids;
+    size_t count;
+};
+
+static int take_id(void *ctx, struct vor_sqlite_row *row)
+{
+    struct expiry *expiry = ctx;
+
+    copy_text(expiry->ids[expiry->count].text, sizeof expiry->ids[0].text, row);
+    expiry->count++;
+    return 1;
+}
+
+static vor_status expire(struct vor_store *store, int64_t now_ms, struct vor_uuid *ids, size_t max,
+                         size_t *count, struct vor_error *err)
+{
+    struct expiry expiry = {.ids = ids};
+    struct vor_sqlite_change result;
+    vor_status status = vor_sqlite_query(db_of(store), take_id, &expiry, err,
+                                         "SELECT id FROM job WHERE expires > 0 AND expires <= ?"
+                                         " AND expired = 0 ORDER BY expires LIMIT ?",
+                                         "ii", now_ms, (int64_t)max);
+
+    for (size_t i = 0; i < expiry.count && status == VOR_OK; i++)
+        status = vor_sqlite_change(
+            db_of(store), &result, err,
+            "UPDATE job SET expired = 1, report = NULL, trace = NULL WHERE id = ?", "t",
+            ids[i].text);
+    if (status == VOR_OK)
+        status = vor_sqlite_change(db_of(store), &result, err,
+                                   "DELETE FROM job WHERE expires > 0 AND expires <= ?1"
+                                   " AND expired = 1 AND expires + (expires - finished) <= ?1",
+                                   "i", now_ms);
+    *count = status == VOR_OK ? expiry.count : 0;
+    return status;
+}
+
+static vor_status recover(struct vor_store *store, unsigned crashes_max, int64_t now_ms,
+                          int64_t expires_ms, struct vor_recovered *recovered,
+                          struct vor_error *err)
+{
+    struct vor_job_view row = {.problem = {.status = VOR_OK}};
+    struct vor_row_text text;
+    struct vor_sqlite_change result = {0};
     vor_status status;
 
-    pthread_mutex_lock(&db->writer.mutex);
-    status = run(db, &db->writer, sql, err);
-    pthread_mutex_unlock(&db->writer.mutex);
+    (void)vor_fail(&row.problem, VOR_E_INTERNAL,
+                   "the daemon ended %u times while it worked on this job", crashes_max);
+    status = vor_row_write(&text, &row, err);
+    if (status == VOR_OK)
+        status =
+            vor_sqlite_change(db_of(store), &result, err,
+                              "UPDATE job SET status = 'failed', problem = ?2, message = ?3,"
+                              " updated = ?4, finished = ?4, expires = ?5, crashes = crashes + 1"
+                              " WHERE status = 'running' AND crashes + 1 >= ?1",
+                              "ittii", (int64_t)crashes_max, text.problem.data, row.problem.message,
+                              now_ms, expires_ms);
+    recovered->failed = (uint64_t)result.rows;
+    if (status == VOR_OK)
+        status = vor_sqlite_change(
+            db_of(store), &result, err,
+            "UPDATE job SET status = 'accepted', crashes = crashes + 1, updated = ?"
+            " WHERE status = 'running'",
+            "i", now_ms);
+    recovered->requeued = (uint64_t)result.rows;
+    vor_row_text_free(&text);
     return status;
 }
 
-static int bind_all(sqlite3_stmt *statement, const char *types, va_list *args)
-{
-    int code = SQLITE_OK;
-
-    for (int at = 1; *types != '\0' && code == SQLITE_OK; at++, types++) {
-        if (*types == 't') {
-            code = sqlite3_bind_text(statement, at, va_arg(*args, const char *), -1, SQLITE_STATIC);
-        } else if (*types == 'i') {
-            code = sqlite3_bind_int64(statement, at, va_arg(*args, int64_t));
-        } else if (*types == 'r') {
-            code = sqlite3_bind_double(statement, at, va_arg(*args, double));
-        } else {
-            const void *bytes = va_arg(*args, const void *);
-
-            code = sqlite3_bind_blob64(statement, at, bytes, va_arg(*args, size_t), SQLITE_STATIC);
-        }
-    }
-    return code;
-}
-
-/* Prepares a statement, binds its parameters, takes the first step. */
-static int start(sqlite3_stmt **out, struct connection *connection, const char *sql,
-                 const char *types, va_list *args)
-{
-    int code = sqlite3_prepare_v2(connection->handle, sql, -1, out, NULL);
-
-    if (code == SQLITE_OK)
-        code = bind_all(*out, types, args);
-    return code == SQLITE_OK ? sqlite3_step(*out) : code;
-}
-
-vor_status vor_sqlite_change(struct vor_sqlite *db, struct vor_sqlite_change *out,
-                             struct vor_error *err, const char *sql, const char *types, ...)
-{
-    sqlite3_stmt *statement = NULL;
-    vor_status status = VOR_OK;
-    va_list args;
-    int code;
-
-    *out = (struct vor_sqlite_change){0};
-    if (vor_sqlite_broken(db))
-        return vor_fail(err, VOR_E_IO, "the job store is out of order since its disk failed");
-    pthread_mutex_lock(&db->writer.mutex);
-    va_start(args, types);
-    code = start(&statement, &db->writer, sql, types, &args);
-    va_end(args);
-    if (code == SQLITE_ROW)
-        out->value = sqlite3_column_int64(statement, 0);
-    while (code == SQLITE_ROW)
-        code = sqlite3_step(statement);
-    if (code == SQLITE_DONE)
-        out->rows = sqlite3_changes(db->writer.handle);
-    else
-        status = fail(db, &db->writer, code, err);
-    (void)sqlite3_finalize(statement); /* its failure is that of the last step */
-    pthread_mutex_unlock(&db->writer.mutex);
-    return status;
-}
-
-int64_t vor_sqlite_number(struct vor_sqlite_row *row)
-{
-    return sqlite3_column_int64(row->statement, row->column++);
-}
-
-double vor_sqlite_real(struct vor_sqlite_row *row)
-{
-    return sqlite3_column_double(row->statement, row->column++);
-}
-
-const char *vor_sqlite_text(struct vor_sqlite_row *row)
-{
-    return (const char *)sqlite3_column_text(row->statement, row->column++);
-}
-
-const void *vor_sqlite_bytes(struct vor_sqlite_row *row, size_t *size)
-{
-    const void *bytes = sqlite3_column_blob(row->statement, row->column);
-
-    *size = (size_t)sqlite3_column_bytes(row->statement, row->column++);
-    return bytes;
-}
-
-vor_status vor_sqlite_query(struct vor_sqlite *db,
-                            int (*each)(void *ctx, struct vor_sqlite_row *row), void *ctx,
-                            struct vor_error *err, const char *sql, const char *types, ...)
-{
-    struct vor_sqlite_row row = {0};
-    vor_status status = VOR_OK;
-    va_list args;
-    int code;
-
-    pthread_mutex_lock(&db->reader.mutex);
-    va_start(args, types);
-    code = start(&row.statement, &db->reader, sql, types, &args);
-    va_end(args);
-    for (; code == SQLITE_ROW; code = sqlite3_step(row.statement)) {
-        row.column = 0;
-        if (!each(ctx, &row))
-            break;
-    }
-    if (code != SQLITE_ROW && code != SQLITE_DONE)
-        status = fail(db, &db->reader, code, err);
-    (void)sqlite3_finalize(row.statement);
-    pthread_mutex_unlock(&db->reader.mutex);
-    return status;
-}
+const struct vor_store_driver vor_store_sqlite = {
+    .scheme = "sqlite",
+    .place = "PATH",
+    .open = open_store,
+    .close = close_store,
+    .check = check,
+    .insert = insert,
+    .claim = claim,
+    .beat = beat,
+    .release = release,
+    .finish = finish,
+    .remove = remove_row,
+    .get = get,
+    .report = get_report,
+    .trace = get_trace,
+    .list = list_rows,
+    .expire = expire,
+    .recover = recover,
+};

@@ -1,203 +1,88 @@
-/* The rows in SQL. The database itself is behind store_sqlite.h; PATH.lock says that it is ours. */
 #include "server/store/store.h"
 
 #include "server/base/disk.h"
-#include "server/store/row_text.h"
 #include "server/store/sqlite.h"
 
 #include <assert.h>
-#include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 
-struct vor_store {
-    int lock;
-    struct vor_sqlite *db;
-};
+static const struct vor_store_driver *const drivers[] = {&vor_store_sqlite};
 
-enum { SCHEMA_VERSION = 1 };
-
-static const char schema[] =
-    "CREATE TABLE job ("
-    " seq INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT NOT NULL UNIQUE, process_id TEXT NOT NULL,"
-    " status TEXT NOT NULL"
-    "  CHECK (status IN ('accepted','running','successful','failed','dismissed')),"
-    " progress INTEGER NOT NULL DEFAULT 0, message TEXT NOT NULL DEFAULT '',"
-    " request TEXT NOT NULL, metrics TEXT, problem TEXT, report TEXT, trace BLOB,"
-    " input_format INTEGER NOT NULL, input_points INTEGER NOT NULL, input_bytes INTEGER NOT NULL,"
-    " input_sha256 TEXT NOT NULL, input_seconds REAL NOT NULL,"
-    " output_format INTEGER NOT NULL DEFAULT 0, output_points INTEGER NOT NULL DEFAULT 0,"
-    " output_bytes INTEGER NOT NULL DEFAULT 0, output_sha256 TEXT NOT NULL DEFAULT '',"
-    " attempt INTEGER NOT NULL DEFAULT 0, crashes INTEGER NOT NULL DEFAULT 0,"
-    " created INTEGER NOT NULL, started INTEGER NOT NULL DEFAULT 0, updated INTEGER NOT NULL,"
-    " finished INTEGER NOT NULL DEFAULT 0, expires INTEGER NOT NULL DEFAULT 0,"
-    " expired INTEGER NOT NULL DEFAULT 0);"
-    "CREATE INDEX job_status ON job (status, seq) WHERE expired = 0;"
-    "CREATE INDEX job_expires ON job (expires) WHERE expires > 0;";
-
-/* --- opening ---------------------------------------------------------------------------------- */
-
-static int take_number(void *ctx, struct vor_sqlite_row *row)
+const struct vor_store_driver *vor_store_driver_at(unsigned index)
 {
-    *(int64_t *)ctx = vor_sqlite_number(row);
-    return 1;
+    return index < sizeof drivers / sizeof drivers[0] ? drivers[index] : NULL;
 }
 
-static vor_status migrate(struct vor_store *store, struct vor_error *err)
+static vor_status refuse(const char *where, struct vor_error *err)
 {
-    int64_t version = -1;
-    vor_status status =
-        vor_sqlite_query(store->db, take_number, &version, err, "PRAGMA user_version", "");
-    char sql[sizeof schema + 64];
+    const struct vor_store_driver *driver;
+    char forms[128] = "";
+    size_t at = 0;
 
-    if (status != VOR_OK || version == SCHEMA_VERSION)
-        return status;
-    if (version > SCHEMA_VERSION)
-        return vor_fail(err, VOR_E_IO,
-                        "the job store is of schema %lld, this program knows up to %d",
-                        (long long)version, SCHEMA_VERSION);
-    (void)snprintf(sql, sizeof sql, "BEGIN;%sPRAGMA user_version=%d;COMMIT;", schema,
-                   SCHEMA_VERSION);
-    return vor_sqlite_run(store->db, sql, err);
+    for (unsigned i = 0; (driver = vor_store_driver_at(i)) != NULL && at < sizeof forms; i++)
+        at += (size_t)snprintf(forms + at, sizeof forms - at, "%s%s:%s", i > 0 ? " or " : "",
+                               driver->scheme, driver->place);
+    return vor_fail_param(err, VOR_E_PARAM, "store", "store is \"%.80s\", want %s", where, forms);
 }
 
-static vor_status open_file(struct vor_store *store, const char *path, long *holder,
-                            struct vor_error *err)
+static vor_status open_with(const struct vor_store_driver *driver, struct vor_store **out,
+                            const char *place, long *holder, struct vor_error *err)
 {
-    const char *slash = strrchr(path, '/');
-    char name[4096];
-    vor_status status = VOR_OK;
+    vor_status status = driver->open(out, place, holder, err);
 
-    if ((size_t)snprintf(name, sizeof name, "%s.lock", path) >= sizeof name)
-        return vor_fail_errno(err, ENAMETOOLONG, "the job store");
-    if (slash != NULL && slash != path) {
-        char *folder = strndup(path, (size_t)(slash - path));
-
-        status = folder != NULL ? vor_storage_directory(folder, err)
-                                : vor_fail(err, VOR_E_NOMEM, "the path of the job store");
-        free(folder);
-    }
     if (status == VOR_OK)
-        status = vor_storage_lock(&store->lock, name, holder, err);
-    if (status == VOR_OK)
-        status = vor_sqlite_open(&store->db, path, err);
-    return status == VOR_OK ? migrate(store, err) : status;
+        (*out)->driver = driver;
+    return status;
 }
 
 vor_status vor_store_open(struct vor_store **out, const char *where, long *holder,
                           struct vor_error *err)
 {
-    struct vor_store *store;
-    vor_status status;
+    const struct vor_store_driver *driver;
 
     *holder = 0;
-    if (strncmp(where, "sqlite:", 7) != 0 || where[7] == '\0')
-        return vor_fail_param(err, VOR_E_PARAM, "store", "store is \"%.80s\", want sqlite:PATH",
-                              where);
-    store = calloc(1, sizeof *store);
-    if (store == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the job store");
-    store->lock = -1;
-    status = open_file(store, where + 7, holder, err);
-    if (status != VOR_OK) {
-        vor_store_close(store);
-        return status;
+    for (unsigned i = 0; (driver = vor_store_driver_at(i)) != NULL; i++) {
+        const char *place = vor_storage_place(where, driver->scheme);
+
+        if (place != NULL)
+            return open_with(driver, out, place, holder, err);
     }
-    *out = store;
-    return VOR_OK;
+    return refuse(where, err);
 }
 
 void vor_store_close(struct vor_store *store)
 {
-    if (store == NULL)
-        return;
-    vor_sqlite_close(store->db);
-    if (store->lock >= 0)
-        close(store->lock);
-    free(store);
+    if (store != NULL)
+        store->driver->close(store);
 }
 
 vor_status vor_store_check(struct vor_store *store, struct vor_error *err)
 {
-    int64_t rows;
-
-    if (vor_sqlite_broken(store->db))
-        return vor_fail(err, VOR_E_IO, "the job store is out of order since its disk failed");
-    return vor_sqlite_query(store->db, take_number, &rows, err, "SELECT seq FROM job LIMIT 1", "");
+    return store->driver->check(store, err);
 }
-
-/* --- changes ---------------------------------------------------------------------------------- */
 
 vor_status vor_store_insert(struct vor_store *store, struct vor_job_view *row,
                             struct vor_error *err)
 {
-    const struct vor_job_input *input = &row->input;
-    struct vor_row_text text;
-    struct vor_sqlite_change result;
-    vor_status status = vor_row_write(&text, row, err);
-
-    if (status == VOR_OK)
-        status = vor_sqlite_change(
-            store->db, &result, err,
-            "INSERT INTO job (id, process_id, status, message, request, input_format,"
-            " input_points, input_bytes, input_sha256, input_seconds, created, updated)"
-            " VALUES (?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?, ?) RETURNING seq",
-            "ttttiiitrii", row->id.text, row->process, row->message, text.request.data,
-            (int64_t)input->format, (int64_t)input->points, (int64_t)input->bytes, input->sha256,
-            input->seconds, row->created, row->created);
-    if (status == VOR_OK)
-        row->seq = result.value;
-    vor_row_text_free(&text);
-    return status;
+    return store->driver->insert(store, row, err);
 }
 
 vor_status vor_store_claim(struct vor_store *store, const struct vor_uuid *id, int64_t now_ms,
                            uint32_t *attempt, int *changed, struct vor_error *err)
 {
-    struct vor_sqlite_change result;
-    vor_status status =
-        vor_sqlite_change(store->db, &result, err,
-                          "UPDATE job SET status = 'running', attempt = attempt + 1, updated = ?2,"
-                          " started = CASE started WHEN 0 THEN ?2 ELSE started END"
-                          " WHERE id = ?1 AND status = 'accepted' RETURNING attempt",
-                          "ti", id->text, now_ms);
-
-    *changed = result.rows;
-    *attempt = (uint32_t)result.value;
-    return status;
+    return store->driver->claim(store, id, now_ms, attempt, changed, err);
 }
 
 vor_status vor_store_beat(struct vor_store *store, const struct vor_job_view *row,
                           struct vor_error *err)
 {
-    struct vor_row_text text;
-    struct vor_sqlite_change result;
-    vor_status status = vor_row_write(&text, row, err);
-
-    if (status == VOR_OK)
-        status = vor_sqlite_change(
-            store->db, &result, err,
-            "UPDATE job SET progress = max(progress, ?3), metrics = ?4, updated = ?5"
-            " WHERE id = ?1 AND attempt = ?2 AND status = 'running'",
-            "tiiti", row->id.text, (int64_t)row->attempt, (int64_t)row->progress, text.metrics.data,
-            row->updated);
-    vor_row_text_free(&text);
-    return status;
+    return store->driver->beat(store, row, err);
 }
 
 vor_status vor_store_release(struct vor_store *store, const struct vor_uuid *id, uint32_t attempt,
                              int64_t now_ms, int *changed, struct vor_error *err)
 {
-    struct vor_sqlite_change result;
-    vor_status status = vor_sqlite_change(store->db, &result, err,
-                                          "UPDATE job SET status = 'accepted', updated = ?3"
-                                          " WHERE id = ?1 AND attempt = ?2 AND status = 'running'",
-                                          "tii", id->text, (int64_t)attempt, now_ms);
-
-    *changed = result.rows;
-    return status;
+    return store->driver->release(store, id, attempt, now_ms, changed, err);
 }
 
 vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *row,
@@ -205,308 +90,52 @@ vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *
                             struct vor_error *err)
 {
     static const struct vor_store_ending nothing;
-    const struct vor_job_output *output = &row->output;
-    struct vor_sqlite_change result = {0};
-    struct vor_row_text text;
-    vor_status status = vor_row_write(&text, row, err);
 
     assert(vor_job_status_over(row->status));
-    if (ending == NULL)
-        ending = &nothing;
-    if (status == VOR_OK)
-        status = vor_sqlite_change(
-            store->db, &result, err,
-            "UPDATE job SET status = ?3, progress = ?4, message = ?5, metrics = ?6,"
-            " problem = ?7, report = ?8, trace = ?9, output_format = ?10,"
-            " output_points = ?11, output_bytes = ?12, output_sha256 = ?13,"
-            " updated = ?14, finished = ?14, expires = ?15, attempt = ?16"
-            " WHERE id = ?1 AND CASE ?2 WHEN 0 THEN status IN ('accepted', 'running')"
-            " ELSE status = 'running' AND attempt = ?2 END",
-            "titittttbiiitiii", row->id.text, (int64_t)attempt, vor_job_status_word(row->status),
-            (int64_t)row->progress, row->message, text.metrics.data, text.problem.data,
-            ending->report, ending->trace, ending->trace_size, (int64_t)output->format,
-            (int64_t)output->points, (int64_t)output->bytes, output->sha256, row->finished,
-            row->expires, (int64_t)row->attempt);
-    *changed = result.rows;
-    vor_row_text_free(&text);
-    return status;
-}
-
-vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, int *changed,
-                            struct vor_error *err)
-{
-    struct vor_sqlite_change result;
-    vor_status status = vor_sqlite_change(
-        store->db, &result, err,
-        "DELETE FROM job WHERE id = ? AND status NOT IN ('accepted', 'running')", "t", id->text);
-
-    *changed = result.rows;
-    return status;
-}
-
-/* --- reading ---------------------------------------------------------------------------------- */
-
-#define ROW_COLUMNS                                                                                \
-    "id, seq, process_id, status, progress, message, request, metrics, problem,"                   \
-    " input_format, input_points, input_bytes, input_sha256, input_seconds,"                       \
-    " output_format, output_points, output_bytes, output_sha256,"                                  \
-    " length(CAST(report AS BLOB)),"                                                               \
-    " attempt, created, started, updated, finished, expires, expired"
-
-static void copy_text(char *out, size_t size, struct vor_sqlite_row *from)
-{
-    const char *text = vor_sqlite_text(from);
-
-    (void)snprintf(out, size, "%s", text != NULL ? text : "");
-}
-
-/* How far a job got, as far as its row tells. */
-static enum vor_stage stage_of(const struct vor_job_view *row)
-{
-    if (row->status == VOR_JOB_ACCEPTED || row->started == 0)
-        return VOR_STAGE_QUEUED;
-    if (row->status == VOR_JOB_SUCCESSFUL)
-        return VOR_STAGE_ENCODE;
-    return row->has_record ? VOR_STAGE_OPTIMIZE : VOR_STAGE_PREPARE;
-}
-
-static void read_files(struct vor_job_view *out, struct vor_sqlite_row *from)
-{
-    out->input.format = (unsigned)vor_sqlite_number(from);
-    out->input.points = (uint64_t)vor_sqlite_number(from);
-    out->input.bytes = (uint64_t)vor_sqlite_number(from);
-    copy_text(out->input.sha256, sizeof out->input.sha256, from);
-    out->input.seconds = vor_sqlite_real(from);
-    out->output.format = (unsigned)vor_sqlite_number(from);
-    out->output.points = (uint64_t)vor_sqlite_number(from);
-    out->output.bytes = (uint64_t)vor_sqlite_number(from);
-    copy_text(out->output.sha256, sizeof out->output.sha256, from);
-    out->output.report_bytes = (uint64_t)vor_sqlite_number(from);
-}
-
-static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)
-{
-    const char *request, *metrics, *problem;
-
-    *out = (struct vor_job_view){.queue_position = -1, .eta_seconds = -1};
-    copy_text(out->id.text, sizeof out->id.text, row);
-    out->seq = vor_sqlite_number(row);
-    copy_text(out->process, sizeof out->process, row);
-    out->status = vor_job_status_find(vor_sqlite_text(row));
-    out->progress = (int)vor_sqlite_number(row);
-    copy_text(out->message, sizeof out->message, row);
-    request = vor_sqlite_text(row);
-    metrics = vor_sqlite_text(row);
-    problem = vor_sqlite_text(row);
-    vor_row_read(out, request, metrics, problem);
-    read_files(out, row);
-    out->attempt = (uint32_t)vor_sqlite_number(row);
-    if (out->status == VOR_JOB_ACCEPTED || out->attempt == 0)
-        out->attempt++;
-    out->created = vor_sqlite_number(row);
-    out->started = vor_sqlite_number(row);
-    out->updated = vor_sqlite_number(row);
-    out->finished = vor_sqlite_number(row);
-    out->expires = vor_sqlite_number(row);
-    out->expired = (int)vor_sqlite_number(row);
-    out->stage = stage_of(out);
-}
-
-struct taken {
-    struct vor_job_view *row;
-    int found;
-};
-
-static int take_row(void *ctx, struct vor_sqlite_row *row)
-{
-    struct taken *taken = ctx;
-
-    read_row(taken->row, row);
-    taken->found = 1;
-    return 0;
+    return store->driver->finish(store, row, attempt, ending != NULL ? ending : &nothing, changed,
+                                 err);
 }
 
 vor_status vor_store_get(struct vor_store *store, const struct vor_uuid *id,
                          struct vor_job_view *out, int *found, struct vor_error *err)
 {
-    struct taken taken = {.row = out};
-    vor_status status =
-        vor_sqlite_query(store->db, take_row, &taken, err,
-                         "SELECT " ROW_COLUMNS " FROM job WHERE id = ?", "t", id->text);
-
-    *found = taken.found;
-    return status;
-}
-
-/* Bytes of one column, with a NUL behind them. */
-struct bytes {
-    uint8_t *data;
-    size_t size;
-    int failed;
-};
-
-static int take_bytes(void *ctx, struct vor_sqlite_row *row)
-{
-    struct bytes *bytes = ctx;
-    const void *data = vor_sqlite_bytes(row, &bytes->size);
-
-    if (data == NULL)
-        return 0;
-    bytes->data = malloc(bytes->size + 1);
-    if (bytes->data == NULL) {
-        bytes->failed = 1;
-        return 0;
-    }
-    memcpy(bytes->data, data, bytes->size);
-    bytes->data[bytes->size] = '\0';
-    return 0;
+    return store->driver->get(store, id, out, found, err);
 }
 
 vor_status vor_store_report(struct vor_store *store, const struct vor_uuid *id, char **report,
                             struct vor_error *err)
 {
-    struct bytes bytes = {0};
-    vor_status status = vor_sqlite_query(store->db, take_bytes, &bytes, err,
-                                         "SELECT report FROM job WHERE id = ?", "t", id->text);
-
-    if (bytes.failed)
-        status = vor_fail(err, VOR_E_NOMEM, "a report of %zu bytes", bytes.size);
-    *report = (char *)bytes.data;
-    return status;
+    return store->driver->report(store, id, report, err);
 }
 
 vor_status vor_store_trace(struct vor_store *store, const struct vor_uuid *id, uint8_t **trace,
                            size_t *size, struct vor_error *err)
 {
-    struct bytes bytes = {0};
-    vor_status status = vor_sqlite_query(store->db, take_bytes, &bytes, err,
-                                         "SELECT trace FROM job WHERE id = ?", "t", id->text);
-
-    if (bytes.failed)
-        status = vor_fail(err, VOR_E_NOMEM, "a trace of %zu bytes", bytes.size);
-    *trace = bytes.data;
-    *size = bytes.data != NULL ? bytes.size : 0;
-    return status;
+    return store->driver->trace(store, id, trace, size, err);
 }
-
-struct listing {
-    int (*each)(void *ctx, const struct vor_job_view *row);
-    void *ctx;
-};
-
-static int list_row(void *ctx, struct vor_sqlite_row *statement)
-{
-    struct listing *listing = ctx;
-    struct vor_job_view row;
-
-    read_row(&row, statement);
-    return listing->each(listing->ctx, &row);
-}
-
-/* ",accepted,running," of a set of statuses; "" for all. */
-static void status_words(char *out, size_t size, unsigned statuses)
-{
-    size_t at = 0;
-
-    out[0] = '\0';
-    for (int i = 0; i < VOR_JOB_STATUSES; i++)
-        if (statuses & (1u << i))
-            at += (size_t)snprintf(out + at, size - at, "%s%s,", at == 0 ? "," : "",
-                                   vor_job_status_word((enum vor_job_status)i));
-}
-
-/* Milliseconds that a started job has run; ?9 is now. */
-#define DURATION "CASE finished WHEN 0 THEN ?9 ELSE finished END - started"
 
 vor_status vor_store_list(struct vor_store *store, const struct vor_job_filter *filter,
                           int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
                           struct vor_error *err)
 {
-    struct listing listing = {.each = each, .ctx = ctx};
-    char statuses[64];
-
-    status_words(statuses, sizeof statuses, filter->statuses);
-    return vor_sqlite_query(store->db, list_row, &listing, err,
-                            "SELECT " ROW_COLUMNS " FROM job WHERE expired = 0"
-                            " AND (?1 = '' OR instr(?1, ',' || status || ',') > 0)"
-                            " AND (?2 IS NULL OR process_id = ?2) AND (?3 = 0 OR seq < ?3)"
-                            " AND created >= ?5 AND (?6 = 0 OR created <= ?6)"
-                            " AND (?7 = 0 OR (started > 0 AND " DURATION " >= ?7))"
-                            " AND (?8 = 0 OR (started > 0 AND " DURATION " <= ?8))"
-                            " ORDER BY seq DESC LIMIT ?4",
-                            "ttiiiiiii", statuses, filter->process, filter->before_seq,
-                            (int64_t)filter->limit, filter->created_from, filter->created_to,
-                            filter->duration_min, filter->duration_max, filter->now);
+    return store->driver->list(store, filter, each, ctx, err);
 }
 
-/* --- time ------------------------------------------------------------------------------------- */
-
-struct expiry {
-    struct vor_uuid *ids;
-    size_t count;
-};
-
-static int take_id(void *ctx, struct vor_sqlite_row *row)
+vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, int *changed,
+                            struct vor_error *err)
 {
-    struct expiry *expiry = ctx;
-
-    copy_text(expiry->ids[expiry->count].text, sizeof expiry->ids[0].text, row);
-    expiry->count++;
-    return 1;
+    return store->driver->remove(store, id, changed, err);
 }
 
 vor_status vor_store_expire(struct vor_store *store, int64_t now_ms, struct vor_uuid *ids,
                             size_t max, size_t *count, struct vor_error *err)
 {
-    struct expiry expiry = {.ids = ids};
-    struct vor_sqlite_change result;
-    vor_status status = vor_sqlite_query(store->db, take_id, &expiry, err,
-                                         "SELECT id FROM job WHERE expires > 0 AND expires <= ?"
-                                         " AND expired = 0 ORDER BY expires LIMIT ?",
-                                         "ii", now_ms, (int64_t)max);
-
-    for (size_t i = 0; i < expiry.count && status == VOR_OK; i++)
-        status = vor_sqlite_change(
-            store->db, &result, err,
-            "UPDATE job SET expired = 1, report = NULL, trace = NULL WHERE id = ?", "t",
-            ids[i].text);
-    if (status == VOR_OK)
-        status = vor_sqlite_change(store->db, &result, err,
-                                   "DELETE FROM job WHERE expires > 0 AND expires <= ?1"
-                                   " AND expired = 1 AND expires + (expires - finished) <= ?1",
-                                   "i", now_ms);
-    *count = status == VOR_OK ? expiry.count : 0;
-    return status;
+    return store->driver->expire(store, now_ms, ids, max, count, err);
 }
 
 vor_status vor_store_recover(struct vor_store *store, unsigned crashes_max, int64_t now_ms,
                              int64_t expires_ms, struct vor_recovered *recovered,
                              struct vor_error *err)
 {
-    struct vor_job_view row = {.problem = {.status = VOR_OK}};
-    struct vor_row_text text;
-    struct vor_sqlite_change result = {0};
-    vor_status status;
-
-    (void)vor_fail(&row.problem, VOR_E_INTERNAL,
-                   "the daemon ended %u times while it worked on this job", crashes_max);
-    status = vor_row_write(&text, &row, err);
-    if (status == VOR_OK)
-        status =
-            vor_sqlite_change(store->db, &result, err,
-                              "UPDATE job SET status = 'failed', problem = ?2, message = ?3,"
-                              " updated = ?4, finished = ?4, expires = ?5, crashes = crashes + 1"
-                              " WHERE status = 'running' AND crashes + 1 >= ?1",
-                              "ittii", (int64_t)crashes_max, text.problem.data, row.problem.message,
-                              now_ms, expires_ms);
-    recovered->failed = (uint64_t)result.rows;
-    if (status == VOR_OK)
-        status = vor_sqlite_change(
-            store->db, &result, err,
-            "UPDATE job SET status = 'accepted', crashes = crashes + 1, updated = ?"
-            " WHERE status = 'running'",
-            "i", now_ms);
-    recovered->requeued = (uint64_t)result.rows;
-    vor_row_text_free(&text);
-    return status;
+    return store->driver->recover(store, crashes_max, now_ms, expires_ms, recovered, err);
 }

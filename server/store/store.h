@@ -1,31 +1,29 @@
-/** The rows of the jobs: what survives a crash. SQLite in WAL mode with synchronous=FULL.
+/** The rows of the jobs: what survives a crash. The door to whichever driver --store names.
  *
  *  Every change is durable when its function returns, and returns what it changed: the store
- * decides who wins when a job ends twice at the same time. Thread-safe; reads do not wait for
- * writes.
+ *  decides who wins when a job ends twice at the same time. Thread-safe; a read does not wait for a
+ *  change.
  *
  *  Every function fails with VOR_E_IO when the database refuses (vor_error_storage_full tells a
- * full disk apart). After a failed fsync nothing is known about the disk any more: every later
- * change is refused and vor_store_check says so; only a restart helps.
+ *  full disk apart). After a failed fsync nothing is known about the disk any more: every later
+ *  change is refused and vor_store_check says so; only a restart helps.
  *
- *  Cost: a change is one transaction and one fsync, 0.2 to 5 ms; a read some 20 microseconds. */
+ *  Cost: a change waits for the disk (not for HTTP threads), a read does not. */
 #ifndef VOR_SERVER_STORE_H
 #define VOR_SERVER_STORE_H
 
-#include "server/store/row.h"
+#include "server/store/driver.h"
 
-#include <stddef.h>
-#include <stdint.h>
+/** Driver number `index`, NULL past the last. */
+const struct vor_store_driver *vor_store_driver_at(unsigned index);
 
-struct vor_store;
-
-/** Opens "sqlite:PATH" (made if missing, with its directory), takes its lock, brings its schema up
- *  to date.
+/** Opens "SCHEME:PLACE" ("sqlite:PATH": made if missing, with its directory), takes its lock and
+ *  brings its schema up to date.
  *
  *  @param[out] holder  0, or the process that has the store already (-1 when it has not said
  *                      which); the caller ends with exit code 75
  *
- *  @retval VOR_E_PARAM no "sqlite:" in front
+ *  @retval VOR_E_PARAM no driver has this scheme, or nothing follows it
  *  @retval VOR_E_IO    locked (holder is not 0), not a database, or of a newer version */
 VOR_NODISCARD vor_status vor_store_open(struct vor_store **out, const char *where, long *holder,
                                         struct vor_error *err);
@@ -57,13 +55,6 @@ VOR_NODISCARD vor_status vor_store_release(struct vor_store *store, const struct
                                            uint32_t attempt, int64_t now_ms, int *changed,
                                            struct vor_error *err);
 
-/** What goes into the row with the final state besides the view; either may be NULL. Borrowed. */
-struct vor_store_ending {
-    const char *report;   /**< JSON */
-    const uint8_t *trace; /**< vor_trace_pack */
-    size_t trace_size;
-};
-
 /** accepted or running -> row->status (a final one), with progress, record, output, problem,
  *  message, finished and expires of the row.
  *
@@ -87,17 +78,6 @@ VOR_NODISCARD vor_status vor_store_report(struct vor_store *store, const struct 
 VOR_NODISCARD vor_status vor_store_trace(struct vor_store *store, const struct vor_uuid *id,
                                          uint8_t **trace, size_t *size, struct vor_error *err);
 
-/** Which jobs to list. Zero is "all". */
-struct vor_job_filter {
-    unsigned statuses;   /**< bit 1 << VOR_JOB_...; 0 for all */
-    const char *process; /**< borrowed; NULL for all */
-    int64_t before_seq;  /**< only those with a smaller seq: the cursor; 0 from the newest */
-    int64_t created_from, created_to;   /**< wall clock, inclusive; 0 for any */
-    int64_t duration_min, duration_max; /**< ms since the start, of those that started; 0 for any */
-    int64_t now;                        /**< wall clock: the end of what still runs */
-    size_t limit;                       /**< 1 .. 10000 */
-};
-
 /** Calls each for the jobs that match and have not expired, newest first. each must not call the
  *  store and ends the list by returning 0. */
 VOR_NODISCARD vor_status vor_store_list(struct vor_store *store,
@@ -119,12 +99,8 @@ VOR_NODISCARD vor_status vor_store_expire(struct vor_store *store, int64_t now_m
                                           struct vor_error *err);
 
 /** At start, before anything else: what was running when the daemon died becomes accepted again, or
- *  failed (VOR_E_INTERNAL) when that happened crashes_max times. recovered gets how many of each.
- */
-struct vor_recovered {
-    uint64_t requeued, failed;
-};
-
+ *  failed (VOR_E_INTERNAL) when that has happened crashes_max times. recovered gets how many of
+ *  each. */
 VOR_NODISCARD vor_status vor_store_recover(struct vor_store *store, unsigned crashes_max,
                                            int64_t now_ms, int64_t expires_ms,
                                            struct vor_recovered *recovered, struct vor_error *err);

@@ -19,7 +19,7 @@ my %door = (
     'cjson/cJSON.h' => qr{^proto/json/json_read\.c$},
     'cJSON.h'       => qr{^proto/json/json_read\.c$},
     'flann/flann.h' => qr{^core/knn/knn_flann\.c$},
-    'sqlite3.h'     => qr{^server/store/sqlite\.c$},
+    'sqlite3.h'     => qr{^server/store/sqlite_database\.c$},
     'curl/curl.h'   => qr{^server/cli/remote\.c$},
 );
 my @doors = (

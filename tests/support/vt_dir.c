@@ -67,15 +67,20 @@ struct vor_blobs *vt_dir_blobs(const char *path)
     return blobs;
 }
 
-struct vor_store *vt_dir_store(const char *path)
+struct vor_store *vt_dir_store_of(const struct vor_store_driver *driver, const char *path)
 {
     struct vor_store *store = NULL;
     char where[512];
     long holder;
 
-    (void)snprintf(where, sizeof where, "sqlite:%s/jobs.sqlite", path);
+    (void)snprintf(where, sizeof where, "%s:%s/jobs.%s", driver->scheme, path, driver->scheme);
     vt_assert_ok(vor_store_open(&store, where, &holder, &vt_err));
     return store;
+}
+
+struct vor_store *vt_dir_store(const char *path)
+{
+    return vt_dir_store_of(vor_store_driver_at(0), path);
 }
 
 struct vor_blob_writer *vt_upload(struct vor_blobs *blobs, const void *bytes, size_t size)

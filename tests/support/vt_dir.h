@@ -21,6 +21,9 @@ int vt_dir_count(const char *path, const char *name);
 struct vor_blobs *vt_dir_blobs(const char *path);
 struct vor_store *vt_dir_store(const char *path);
 
+/** The same with a driver of the table instead of the one that a daemon has by default. */
+struct vor_store *vt_dir_store_of(const struct vor_store_driver *driver, const char *path);
+
 /** The bytes of a cloud as PLY in an upload. */
 struct vor_blob_writer *vt_upload_cloud(struct vor_blobs *blobs, const struct vor_cloud *cloud);
 

@@ -16,6 +16,28 @@
 
 /* --- helpers ---------------------------------------------------------------------------------- */
 
+/* A test of what every driver promises runs for each: its loops are dealt out to them in turn. */
+static unsigned drivers(void)
+{
+    unsigned count = 0;
+
+    while (vor_store_driver_at(count) != NULL)
+        count++;
+    return count;
+}
+
+/* The store of loop i's driver. */
+static struct vor_store *open_store(int i, const char *dir)
+{
+    return vt_dir_store_of(vor_store_driver_at((unsigned)i % drivers()), dir);
+}
+
+/* What is left of i for the test itself. */
+static int loop_of(int i)
+{
+    return i / (int)drivers();
+}
+
 static struct vor_job_view insert(struct vor_store *store, unsigned points)
 {
     struct vor_job_view row = vt_row(points);
@@ -84,7 +106,7 @@ static struct vor_recovered recover(struct vor_store *store, unsigned crashes_ma
 START_TEST(a_row_comes_back_as_it_was_inserted)
 {
     const char *dir = vt_dir_make();
-    struct vor_store *store = vt_dir_store(dir);
+    struct vor_store *store = open_store(_i, dir);
     struct vor_job_view row = vt_row(4321), back;
 
     row.input = (struct vor_job_input){
@@ -99,7 +121,7 @@ START_TEST(a_row_comes_back_as_it_was_inserted)
     ck_assert_int_eq(row.seq, 1);
     vor_store_close(store);
 
-    store = vt_dir_store(dir);
+    store = open_store(_i, dir);
     back = get(store, &row.id);
     ck_assert_int_eq(back.status, VOR_JOB_ACCEPTED);
     ck_assert_int_eq(back.stage, VOR_STAGE_QUEUED);
@@ -124,13 +146,13 @@ END_TEST
 START_TEST(a_request_comes_back_with_its_process_and_what_that_allows)
 {
     const char *dir = vt_dir_make();
-    struct vor_store *store = vt_dir_store(dir);
-    const struct vor_process_info *process = vor_process_info((unsigned)_i);
+    struct vor_store *store = open_store(_i, dir);
+    const struct vor_process_info *process = vor_process_info((unsigned)loop_of(_i));
     struct vor_job_view row = vt_row(50), back;
 
     vor_spec_preset(&row.spec, process);
     vt_assert_ok(vor_spec_set(&row.spec, "ratio", "1", &vt_err));
-    vt_assert_ok(vor_spec_set(&row.spec, "outliers", _i % 2 ? "keep" : "drop", &vt_err));
+    vt_assert_ok(vor_spec_set(&row.spec, "outliers", loop_of(_i) % 2 ? "keep" : "drop", &vt_err));
     (void)snprintf(row.process, sizeof row.process, "%s", process->id);
     vt_assert_ok(vor_store_insert(store, &row, &vt_err));
     back = get(store, &row.id);
@@ -173,7 +195,7 @@ END_TEST
 START_TEST(a_successful_end_comes_back_with_report_trace_and_record)
 {
     const char *dir = vt_dir_make();
-    struct vor_store *store = vt_dir_store(dir);
+    struct vor_store *store = open_store(_i, dir);
     struct vor_job_view row = insert(store, 10), back;
     static const uint8_t trace_in[] = {0, 1, 2, 255, 0};
     struct vor_store_ending ending = {"{\"delta\":0.07}", trace_in, sizeof trace_in};
@@ -233,7 +255,7 @@ END_TEST
 START_TEST(a_failure_comes_back_with_its_problem)
 {
     const char *dir = vt_dir_make();
-    struct vor_store *store = vt_dir_store(dir);
+    struct vor_store *store = open_store(_i, dir);
     struct vor_job_view row = insert(store, 10), back;
     char *report;
 
@@ -258,7 +280,7 @@ END_TEST
 START_TEST(a_job_is_claimed_once)
 {
     const char *dir = vt_dir_make();
-    struct vor_store *store = vt_dir_store(dir);
+    struct vor_store *store = open_store(_i, dir);
     struct vor_job_view row = insert(store, 10), back;
     struct vor_uuid stranger = vt_row(1).id;
 
@@ -276,7 +298,7 @@ END_TEST
 START_TEST(the_first_end_wins)
 {
     const char *dir = vt_dir_make();
-    struct vor_store *store = vt_dir_store(dir);
+    struct vor_store *store = open_store(_i, dir);
     struct vor_job_view row = insert(store, 10);
     uint32_t attempt = claim(store, &row.id);
 
@@ -292,7 +314,7 @@ END_TEST
 START_TEST(only_the_running_attempt_may_end_beat_or_release)
 {
     const char *dir = vt_dir_make();
-    struct vor_store *store = vt_dir_store(dir);
+    struct vor_store *store = open_store(_i, dir);
     struct vor_job_view row = insert(store, 10);
 
     ck_assert(!finish(store, row, VOR_JOB_SUCCESSFUL, 1)); /* still waits */
@@ -321,7 +343,7 @@ END_TEST
 START_TEST(only_a_job_that_is_over_can_be_removed)
 {
     const char *dir = vt_dir_make();
-    struct vor_store *store = vt_dir_store(dir);
+    struct vor_store *store = open_store(_i, dir);
     struct vor_job_view row = insert(store, 10);
     int found;
 
@@ -370,7 +392,7 @@ static size_t count(struct vor_store *store, enum vor_job_status status)
 START_TEST(a_list_is_newest_first_filtered_and_continued_by_its_cursor)
 {
     const char *dir = vt_dir_make();
-    struct vor_store *store = vt_dir_store(dir);
+    struct vor_store *store = open_store(_i, dir);
     struct vor_job_view rows[10];
     struct seen seen;
 
@@ -409,7 +431,7 @@ END_TEST
 START_TEST(results_expire_then_are_forgotten)
 {
     const char *dir = vt_dir_make();
-    struct vor_store *store = vt_dir_store(dir);
+    struct vor_store *store = open_store(_i, dir);
     struct vor_job_view rows[3], back;
     struct vor_store_ending ending = {.report = "{}"};
     struct vor_uuid ids[2];
@@ -451,7 +473,7 @@ END_TEST
 START_TEST(what_ran_in_a_crash_waits_again_until_it_crashed_too_often)
 {
     const char *dir = vt_dir_make();
-    struct vor_store *store = vt_dir_store(dir);
+    struct vor_store *store = open_store(_i, dir);
     struct vor_job_view waits = insert(store, 10), runs = insert(store, 10), back;
     struct vor_recovered recovered;
 
@@ -485,6 +507,7 @@ enum kill_point { AFTER_INSERT, AFTER_CLAIM, AFTER_FINISH, AFTER_REMOVE, KILL_PO
 
 struct killed {
     const char *dir;
+    int i;
     enum kill_point point;
     struct vor_job_view row;
 };
@@ -492,7 +515,7 @@ struct killed {
 static void act_until_killed(void *ctx)
 {
     struct killed *killed = ctx;
-    struct vor_store *store = vt_dir_store(killed->dir);
+    struct vor_store *store = open_store(killed->i, killed->dir);
 
     vt_assert_ok(vor_store_insert(store, &killed->row, &vt_err));
     if (killed->point >= AFTER_CLAIM)
@@ -506,7 +529,8 @@ static void act_until_killed(void *ctx)
 
 START_TEST(what_was_answered_before_a_kill_is_there_after_it)
 {
-    struct killed killed = {.dir = vt_dir_make(), .point = (enum kill_point)_i, .row = vt_row(7)};
+    struct killed killed = {
+        .dir = vt_dir_make(), .i = _i, .point = (enum kill_point)loop_of(_i), .row = vt_row(7)};
     static const enum vor_job_status expected[] = {
         [AFTER_INSERT] = VOR_JOB_ACCEPTED,
         [AFTER_CLAIM] = VOR_JOB_RUNNING,
@@ -517,7 +541,7 @@ START_TEST(what_was_answered_before_a_kill_is_there_after_it)
     int found;
 
     vt_killed(act_until_killed, &killed);
-    store = vt_dir_store(killed.dir);
+    store = open_store(_i, killed.dir);
     vt_assert_ok(vor_store_check(store, &vt_err));
     vt_assert_ok(vor_store_get(store, &killed.row.id, &row, &found, &vt_err));
     ck_assert_int_eq(found, killed.point != AFTER_REMOVE);
@@ -530,13 +554,13 @@ END_TEST
 
 struct torn {
     const char *dir;
-    int fd;
+    int i, fd;
 };
 
 /* Inserts for ever, telling after each one that it is done. */
 static void insert_for_ever(struct torn *torn)
 {
-    struct vor_store *store = vt_dir_store(torn->dir);
+    struct vor_store *store = open_store(torn->i, torn->dir);
 
     for (;;) {
         struct vor_job_view row = insert(store, 10);
@@ -548,10 +572,11 @@ static void insert_for_ever(struct torn *torn)
 /* Killed from outside, at any instant: every row that was acknowledged is there. */
 START_TEST(no_acknowledged_row_is_lost_by_a_kill_at_any_instant)
 {
-    struct torn torn = {.dir = vt_dir_make()};
+    struct torn torn = {.dir = vt_dir_make(), .i = _i};
     struct vor_store *store;
     struct vor_job_view row;
-    struct timespec pause = {.tv_nsec = 1000000 * (20 + (long)(60 * vt_unit(3, (uint64_t)_i)))};
+    struct timespec pause = {.tv_nsec =
+                                 1000000 * (20 + (long)(60 * vt_unit(3, (uint64_t)loop_of(_i))))};
     struct vor_uuid id;
     int ends[2], found, count = 0;
     pid_t child;
@@ -566,7 +591,7 @@ START_TEST(no_acknowledged_row_is_lost_by_a_kill_at_any_instant)
     nanosleep(&pause, NULL);
     kill(child, SIGKILL);
     waitpid(child, NULL, 0);
-    store = vt_dir_store(torn.dir);
+    store = open_store(_i, torn.dir);
     do {
         vt_assert_ok(vor_store_get(store, &id, &row, &found, &vt_err));
         ck_assert_msg(found, "row %s is lost", id.text);
@@ -717,7 +742,7 @@ static void *race(void *arg)
 START_TEST(of_two_threads_that_end_a_job_one_wins)
 {
     const char *dir = vt_dir_make();
-    struct vor_store *store = vt_dir_store(dir);
+    struct vor_store *store = open_store(_i, dir);
     struct vor_job_view rows[RACES];
     struct racer a = {store, rows, VOR_JOB_FAILED, 0}, b = {store, rows, VOR_JOB_DISMISSED, 0};
     pthread_t threads[2];
@@ -739,25 +764,26 @@ END_TEST
 int main(void)
 {
     Suite *suite = suite_create("store_rows");
+    int times = (int)drivers();
 
-    vt_add(suite, a_row_comes_back_as_it_was_inserted);
-    vt_add_loop(suite, a_request_comes_back_with_its_process_and_what_that_allows, 4);
+    vt_add_loop(suite, a_row_comes_back_as_it_was_inserted, times);
+    vt_add_loop(suite, a_request_comes_back_with_its_process_and_what_that_allows, 4 * times);
     vt_add(suite, a_request_that_cannot_be_read_is_not_made_up);
-    vt_add(suite, a_successful_end_comes_back_with_report_trace_and_record);
-    vt_add(suite, a_failure_comes_back_with_its_problem);
-    vt_add(suite, a_job_is_claimed_once);
-    vt_add(suite, the_first_end_wins);
-    vt_add(suite, only_the_running_attempt_may_end_beat_or_release);
-    vt_add(suite, only_a_job_that_is_over_can_be_removed);
-    vt_add(suite, a_list_is_newest_first_filtered_and_continued_by_its_cursor);
-    vt_add(suite, results_expire_then_are_forgotten);
-    vt_add(suite, what_ran_in_a_crash_waits_again_until_it_crashed_too_often);
-    vt_add_loop(suite, what_was_answered_before_a_kill_is_there_after_it, KILL_POINTS);
-    vt_add_loop(suite, no_acknowledged_row_is_lost_by_a_kill_at_any_instant, 8);
+    vt_add_loop(suite, a_successful_end_comes_back_with_report_trace_and_record, times);
+    vt_add_loop(suite, a_failure_comes_back_with_its_problem, times);
+    vt_add_loop(suite, a_job_is_claimed_once, times);
+    vt_add_loop(suite, the_first_end_wins, times);
+    vt_add_loop(suite, only_the_running_attempt_may_end_beat_or_release, times);
+    vt_add_loop(suite, only_a_job_that_is_over_can_be_removed, times);
+    vt_add_loop(suite, a_list_is_newest_first_filtered_and_continued_by_its_cursor, times);
+    vt_add_loop(suite, results_expire_then_are_forgotten, times);
+    vt_add_loop(suite, what_ran_in_a_crash_waits_again_until_it_crashed_too_often, times);
+    vt_add_loop(suite, what_was_answered_before_a_kill_is_there_after_it, KILL_POINTS * times);
+    vt_add_loop(suite, no_acknowledged_row_is_lost_by_a_kill_at_any_instant, 8 * times);
     vt_add(suite, a_second_daemon_is_refused_with_the_holder_s_name);
     vt_add(suite, what_is_no_store_is_refused);
     vt_add(suite, a_store_of_a_newer_version_is_refused_and_left_alone);
     vt_add(suite, a_store_whose_disk_failed_takes_no_more_and_says_so);
-    vt_add(suite, of_two_threads_that_end_a_job_one_wins);
+    vt_add_loop(suite, of_two_threads_that_end_a_job_one_wins, times);
     return vt_run(suite);
 }

@@ -1,0 +1,82 @@
+/** What a store of rows is made of: a table of functions, one table for each kind of database. A
+ *  driver's own header declares its table, and store.c lists it. Callers include store.h.
+ *
+ *  A driver keeps its statements, its schema and the upgrades of the schema to itself. Every
+ *  function may be called from any thread, and a change is durable when its function returns.
+ *  Whoever runs a job names, in each change of its row, the attempt that claim gave him; once the
+ *  job has been given to somebody else, such a change does nothing. */
+#ifndef VOR_SERVER_STORE_DRIVER_H
+#define VOR_SERVER_STORE_DRIVER_H
+
+#include "core/base/status.h"
+#include "server/store/row.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/** A driver's store begins with this; the door fills it in. */
+struct vor_store {
+    const struct vor_store_driver *driver;
+};
+
+/** What goes into the row with the final state besides the view; either may be NULL. Borrowed. */
+struct vor_store_ending {
+    const char *report;   /**< JSON */
+    const uint8_t *trace; /**< vor_trace_pack */
+    size_t trace_size;
+};
+
+/** Which jobs to list. Zero is "all". */
+struct vor_job_filter {
+    unsigned statuses;   /**< bit 1 << VOR_JOB_...; 0 for all */
+    const char *process; /**< borrowed; NULL for all */
+    int64_t before_seq;  /**< only those with a smaller seq: the cursor; 0 from the newest */
+    int64_t created_from, created_to;   /**< wall clock, inclusive; 0 for any */
+    int64_t duration_min, duration_max; /**< ms since the start, of those that started; 0 for any */
+    int64_t now;                        /**< wall clock: the end of what still runs */
+    size_t limit;                       /**< 1 .. 10000 */
+};
+
+/** How many jobs a recovery put back into line, and how many it gave up. */
+struct vor_recovered {
+    uint64_t requeued, failed;
+};
+
+/** The functions of a driver. Each does what the function of store.h with its name promises. */
+struct vor_store_driver {
+    const char *scheme; /**< "sqlite": what stands before the colon of --store */
+    const char *place;  /**< "PATH": what stands after it, for messages */
+    vor_status (*open)(struct vor_store **out, const char *place, long *holder,
+                       struct vor_error *err);
+    void (*close)(struct vor_store *store);
+    vor_status (*check)(struct vor_store *store, struct vor_error *err);
+    vor_status (*insert)(struct vor_store *store, struct vor_job_view *row, struct vor_error *err);
+    vor_status (*claim)(struct vor_store *store, const struct vor_uuid *id, int64_t now_ms,
+                        uint32_t *attempt, int *changed, struct vor_error *err);
+    vor_status (*beat)(struct vor_store *store, const struct vor_job_view *row,
+                       struct vor_error *err);
+    vor_status (*release)(struct vor_store *store, const struct vor_uuid *id, uint32_t attempt,
+                          int64_t now_ms, int *changed, struct vor_error *err);
+    /** ending is not NULL here. */
+    vor_status (*finish)(struct vor_store *store, const struct vor_job_view *row, uint32_t attempt,
+                         const struct vor_store_ending *ending, int *changed,
+                         struct vor_error *err);
+    vor_status (*remove)(struct vor_store *store, const struct vor_uuid *id, int *changed,
+                         struct vor_error *err);
+    vor_status (*get)(struct vor_store *store, const struct vor_uuid *id, struct vor_job_view *out,
+                      int *found, struct vor_error *err);
+    vor_status (*report)(struct vor_store *store, const struct vor_uuid *id, char **report,
+                         struct vor_error *err);
+    vor_status (*trace)(struct vor_store *store, const struct vor_uuid *id, uint8_t **trace,
+                        size_t *size, struct vor_error *err);
+    vor_status (*list)(struct vor_store *store, const struct vor_job_filter *filter,
+                       int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
+                       struct vor_error *err);
+    vor_status (*expire)(struct vor_store *store, int64_t now_ms, struct vor_uuid *ids, size_t max,
+                         size_t *count, struct vor_error *err);
+    vor_status (*recover)(struct vor_store *store, unsigned crashes_max, int64_t now_ms,
+                          int64_t expires_ms, struct vor_recovered *recovered,
+                          struct vor_error *err);
+};
+
+#endif

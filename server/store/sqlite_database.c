@@ -1,0 +1,224 @@
+#include "server/store/sqlite_database.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <sqlite3.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+
+struct connection {
+    sqlite3 *handle;
+    pthread_mutex_t mutex;
+};
+
+struct vor_sqlite {
+    atomic_int broken;
+    struct connection writer, reader;
+};
+
+struct vor_sqlite_row {
+    sqlite3_stmt *statement;
+    int column; /* the next one */
+};
+
+enum { BUSY_MS = 5000 };
+
+static int is_disk_full(int number)
+{
+    return number == ENOSPC || number == EDQUOT;
+}
+
+/* Call with the connection's mutex held: the reason is the connection's last one. */
+static vor_status fail(struct vor_sqlite *db, struct connection *connection, int code,
+                       struct vor_error *err)
+{
+    int kind = code & 0xff, number = 0;
+
+    if (kind == SQLITE_FULL)
+        number = ENOSPC;
+    else if (kind == SQLITE_IOERR || kind == SQLITE_CANTOPEN)
+        number = sqlite3_system_errno(connection->handle);
+    if ((kind == SQLITE_IOERR && !is_disk_full(number)) || kind == SQLITE_CORRUPT)
+        atomic_store(&db->broken, 1);
+    (void)vor_fail(err, VOR_E_IO, "the job store: %s", sqlite3_errmsg(connection->handle));
+    if (err != NULL)
+        err->got = (uint64_t)number;
+    return VOR_E_IO;
+}
+
+static vor_status run(struct vor_sqlite *db, struct connection *connection, const char *sql,
+                      struct vor_error *err)
+{
+    int code = sqlite3_exec(connection->handle, sql, NULL, NULL, NULL);
+
+    return code == SQLITE_OK ? VOR_OK : fail(db, connection, code, err);
+}
+
+static vor_status connect(struct vor_sqlite *db, struct connection *connection, const char *path,
+                          const char *pragmas, struct vor_error *err)
+{
+    int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
+    int code = sqlite3_open_v2(path, &connection->handle, flags, NULL);
+
+    if (code != SQLITE_OK)
+        return fail(db, connection, code, err);
+    (void)sqlite3_extended_result_codes(connection->handle, 1);
+    (void)sqlite3_busy_timeout(connection->handle, BUSY_MS);
+    return run(db, connection, pragmas, err);
+}
+
+vor_status vor_sqlite_open(struct vor_sqlite **out, const char *path, struct vor_error *err)
+{
+    struct vor_sqlite *db = calloc(1, sizeof *db);
+    vor_status status;
+
+    if (db == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the job store");
+    atomic_init(&db->broken, 0);
+    pthread_mutex_init(&db->writer.mutex, NULL);
+    pthread_mutex_init(&db->reader.mutex, NULL);
+    status =
+        connect(db, &db->writer, path, "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;", err);
+    if (status == VOR_OK)
+        status = connect(db, &db->reader, path, "PRAGMA query_only=ON;", err);
+    if (status != VOR_OK) {
+        vor_sqlite_close(db);
+        return status;
+    }
+    *out = db;
+    return VOR_OK;
+}
+
+void vor_sqlite_close(struct vor_sqlite *db)
+{
+    if (db == NULL)
+        return;
+    (void)sqlite3_close(db->reader.handle);
+    (void)sqlite3_close(db->writer.handle);
+    pthread_mutex_destroy(&db->reader.mutex);
+    pthread_mutex_destroy(&db->writer.mutex);
+    free(db);
+}
+
+int vor_sqlite_broken(struct vor_sqlite *db)
+{
+    return atomic_load(&db->broken);
+}
+
+vor_status vor_sqlite_run(struct vor_sqlite *db, const char *sql, struct vor_error *err)
+{
+    vor_status status;
+
+    pthread_mutex_lock(&db->writer.mutex);
+    status = run(db, &db->writer, sql, err);
+    pthread_mutex_unlock(&db->writer.mutex);
+    return status;
+}
+
+static int bind_all(sqlite3_stmt *statement, const char *types, va_list *args)
+{
+    int code = SQLITE_OK;
+
+    for (int at = 1; *types != '\0' && code == SQLITE_OK; at++, types++) {
+        if (*types == 't') {
+            code = sqlite3_bind_text(statement, at, va_arg(*args, const char *), -1, SQLITE_STATIC);
+        } else if (*types == 'i') {
+            code = sqlite3_bind_int64(statement, at, va_arg(*args, int64_t));
+        } else if (*types == 'r') {
+            code = sqlite3_bind_double(statement, at, va_arg(*args, double));
+        } else {
+            const void *bytes = va_arg(*args, const void *);
+
+            code = sqlite3_bind_blob64(statement, at, bytes, va_arg(*args, size_t), SQLITE_STATIC);
+        }
+    }
+    return code;
+}
+
+/* Prepares a statement, binds its parameters, takes the first step. */
+static int start(sqlite3_stmt **out, struct connection *connection, const char *sql,
+                 const char *types, va_list *args)
+{
+    int code = sqlite3_prepare_v2(connection->handle, sql, -1, out, NULL);
+
+    if (code == SQLITE_OK)
+        code = bind_all(*out, types, args);
+    return code == SQLITE_OK ? sqlite3_step(*out) : code;
+}
+
+vor_status vor_sqlite_change(struct vor_sqlite *db, struct vor_sqlite_change *out,
+                             struct vor_error *err, const char *sql, const char *types, ...)
+{
+    sqlite3_stmt *statement = NULL;
+    vor_status status = VOR_OK;
+    va_list args;
+    int code;
+
+    *out = (struct vor_sqlite_change){0};
+    if (vor_sqlite_broken(db))
+        return vor_fail(err, VOR_E_IO, "the job store is out of order since its disk failed");
+    pthread_mutex_lock(&db->writer.mutex);
+    va_start(args, types);
+    code = start(&statement, &db->writer, sql, types, &args);
+    va_end(args);
+    if (code == SQLITE_ROW)
+        out->value = sqlite3_column_int64(statement, 0);
+    while (code == SQLITE_ROW)
+        code = sqlite3_step(statement);
+    if (code == SQLITE_DONE)
+        out->rows = sqlite3_changes(db->writer.handle);
+    else
+        status = fail(db, &db->writer, code, err);
+    (void)sqlite3_finalize(statement); /* its failure is that of the last step */
+    pthread_mutex_unlock(&db->writer.mutex);
+    return status;
+}
+
+int64_t vor_sqlite_number(struct vor_sqlite_row *row)
+{
+    return sqlite3_column_int64(row->statement, row->column++);
+}
+
+double vor_sqlite_real(struct vor_sqlite_row *row)
+{
+    return sqlite3_column_double(row->statement, row->column++);
+}
+
+const char *vor_sqlite_text(struct vor_sqlite_row *row)
+{
+    return (const char *)sqlite3_column_text(row->statement, row->column++);
+}
+
+const void *vor_sqlite_bytes(struct vor_sqlite_row *row, size_t *size)
+{
+    const void *bytes = sqlite3_column_blob(row->statement, row->column);
+
+    *size = (size_t)sqlite3_column_bytes(row->statement, row->column++);
+    return bytes;
+}
+
+vor_status vor_sqlite_query(struct vor_sqlite *db,
+                            int (*each)(void *ctx, struct vor_sqlite_row *row), void *ctx,
+                            struct vor_error *err, const char *sql, const char *types, ...)
+{
+    struct vor_sqlite_row row = {0};
+    vor_status status = VOR_OK;
+    va_list args;
+    int code;
+
+    pthread_mutex_lock(&db->reader.mutex);
+    va_start(args, types);
+    code = start(&row.statement, &db->reader, sql, types, &args);
+    va_end(args);
+    for (; code == SQLITE_ROW; code = sqlite3_step(row.statement)) {
+        row.column = 0;
+        if (!each(ctx, &row))
+            break;
+    }
+    if (code != SQLITE_ROW && code != SQLITE_DONE)
+        status = fail(db, &db->reader, code, err);
+    (void)sqlite3_finalize(row.statement);
+    pthread_mutex_unlock(&db->reader.mutex);
+    return status;
+}

@@ -1,0 +1,62 @@
+/** A database of SQLite: one connection that writes, durably, and one that reads, so that no reader
+ *  waits for an fsync. The only door to the library; sqlite.c alone includes this. Thread-safe. */
+#ifndef VOR_SERVER_STORE_SQLITE_DATABASE_H
+#define VOR_SERVER_STORE_SQLITE_DATABASE_H
+
+#include "core/base/status.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+struct vor_sqlite;
+
+/** Opens or makes the file, in WAL mode with synchronous=FULL.
+ *
+ *  @retval VOR_E_IO not a database, or the disk refuses; VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_sqlite_open(struct vor_sqlite **out, const char *path,
+                                         struct vor_error *err);
+
+/** db may be NULL. */
+void vor_sqlite_close(struct vor_sqlite *db);
+
+/** True since an fsync failed or the file proved damaged: what is on the disk is not known any more
+ *  and every change is refused. */
+int vor_sqlite_broken(struct vor_sqlite *db);
+
+/** Runs statements without parameters.
+ *
+ *  @retval VOR_E_IO */
+VOR_NODISCARD vor_status vor_sqlite_run(struct vor_sqlite *db, const char *sql,
+                                        struct vor_error *err);
+
+/** How many rows a change touched, and the first value it returned (0 without RETURNING). */
+struct vor_sqlite_change {
+    int rows;
+    int64_t value;
+};
+
+/** One statement, one transaction: durable when VOR_OK is returned. `types` says what follows, for
+ *  the statement's parameters from the first on: t text (or NULL), i int64_t, r double, b bytes
+ *  (pointer or NULL, then size_t); all borrowed for the call.
+ *
+ *  @retval VOR_E_IO nothing was changed; `got` of err is ENOSPC when the disk is full */
+VOR_NODISCARD vor_status vor_sqlite_change(struct vor_sqlite *db, struct vor_sqlite_change *out,
+                                           struct vor_error *err, const char *sql,
+                                           const char *types, ...);
+
+/** A row of a query: its columns, one after the other. Texts and bytes last until each returns. */
+struct vor_sqlite_row;
+int64_t vor_sqlite_number(struct vor_sqlite_row *row);
+double vor_sqlite_real(struct vor_sqlite_row *row);
+const char *vor_sqlite_text(struct vor_sqlite_row *row); /**< NULL for null */
+const void *vor_sqlite_bytes(struct vor_sqlite_row *row, size_t *size);
+
+/** Calls each for every row while it answers not 0. each must not query the same database.
+ *
+ *  @retval VOR_E_IO */
+VOR_NODISCARD vor_status vor_sqlite_query(struct vor_sqlite *db,
+                                          int (*each)(void *ctx, struct vor_sqlite_row *row),
+                                          void *ctx, struct vor_error *err, const char *sql,
+                                          const char *types, ...);
+
+#endif
