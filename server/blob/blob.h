@@ -1,34 +1,25 @@
-/** Bytes that outlive a request: decoded uploads and results, by job and kind. */
+/** Bytes that outlive a request, by job and name: decoded uploads and results. The door to
+ * whichever driver --blobs names. */
 #ifndef VOR_SERVER_BLOB_H
 #define VOR_SERVER_BLOB_H
 
-#include "core/base/status.h"
 #include "proto/codec.h"
-#include "server/base/digest.h"
-#include "server/base/uuid.h"
+#include "server/blob/driver.h"
 
-#include <stdint.h>
+/** The decoded, checked cloud that a job works on (vor_dump_write); kept until the job ends. */
+#define VOR_BLOB_INPUT "input"
+/** The encoded result; kept until the job expires or is removed. */
+#define VOR_BLOB_CLOUD "cloud"
 
-/** What a job keeps: identifier, suffix of the file. */
-#define VOR_BLOB_TABLE(X)                                                                          \
-    X(INPUT, "input") /* the decoded, checked cloud (vor_dump_write); until the job ends */        \
-    X(CLOUD, "cloud") /* the encoded result; until the job expires or is removed */
+/** Driver number `index`, NULL past the last. */
+const struct vor_blob_driver *vor_blob_driver_at(unsigned index);
 
-enum vor_blob_kind {
-#define VOR_BLOB_ENUM(name, suffix) VOR_BLOB_##name,
-    VOR_BLOB_TABLE(VOR_BLOB_ENUM)
-#undef VOR_BLOB_ENUM
-        VOR_BLOB_KINDS
-};
-
-/** All blobs of a daemon. Thread-safe. */
-struct vor_blobs;
-
-/** Opens "dir:PATH" (made if missing), takes its lock and removes what unfinished writes left.
+/** Opens "SCHEME:PLACE" ("dir:PATH": made if missing), takes its lock and removes what unfinished
+ *  writes left.
  *
  *  @param[out] holder  as vor_storage_lock
  *
- *  @retval VOR_E_PARAM no "dir:" in front
+ *  @retval VOR_E_PARAM no driver has this scheme, or nothing follows it
  *  @retval VOR_E_IO    another process has it (holder is not 0), or the disk refuses */
 VOR_NODISCARD vor_status vor_blobs_open(struct vor_blobs **out, const char *where, long *holder,
                                         struct vor_error *err);
@@ -42,11 +33,10 @@ void vor_blobs_close(struct vor_blobs *blobs);
 VOR_NODISCARD vor_status vor_blobs_space(struct vor_blobs *blobs, uint64_t *available,
                                          uint64_t *total, struct vor_error *err);
 
-/** A file being written, with its size and SHA-256 so far. One thread at a time. It is nothing
- * until committed: a crash leaves a temporary file that the next vor_blobs_open removes. */
-struct vor_blob_writer;
-
-/** @retval VOR_E_IO (vor_error_storage_full tells a full disk apart), VOR_E_NOMEM */
+/** Begins a blob, of which size and SHA-256 are known as it grows. A writer belongs to one thread
+ * at a time. Nothing of it is kept until it is committed, not after a crash either.
+ *
+ *  @retval VOR_E_IO (vor_error_storage_full tells a full disk apart), VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_blob_create(struct vor_blobs *blobs, struct vor_blob_writer **out,
                                          struct vor_error *err);
 
@@ -54,7 +44,7 @@ VOR_NODISCARD vor_status vor_blob_create(struct vor_blobs *blobs, struct vor_blo
 VOR_NODISCARD vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes,
                                          size_t size, struct vor_error *err);
 
-/** The same as a sink for codecs. When a codec then fails with VOR_E_IO, vor_blob_failure has the
+/** The same as a sink for codecs. When a codec fails with VOR_E_IO, vor_blob_failure has the
  *  reason. */
 struct vor_sink vor_blob_sink(struct vor_blob_writer *writer);
 
@@ -68,16 +58,18 @@ void vor_blob_sha256(const struct vor_blob_writer *writer, char out[VOR_DIGEST_S
 /** The file, for reading (pread, mmap); borrowed until commit or discard. */
 int vor_blob_fd(const struct vor_blob_writer *writer);
 
-/** Makes the bytes durable under (id, kind), replacing what was there: fsync, rename, fsync of the
- *  directory. The writer is gone either way.
+/** Makes the bytes durable as `name` of job id, in place of what was there. The writer is gone
+ * either way.
+ *
+ *  @param[in] name  1 .. VOR_BLOB_NAME_MAX of a-z, 0-9, '-' and '_', as everywhere below
  *
  *  @retval VOR_E_IO nothing (or the former blob) is there
  *
- *  Cost: 0.5 ms for 1 KB, 40 ms for 12 MB: not for HTTP threads. */
+ *  Cost: waits for the disk; not for HTTP threads. */
 VOR_NODISCARD vor_status vor_blob_commit(struct vor_blob_writer *writer, const struct vor_uuid *id,
-                                         enum vor_blob_kind kind, struct vor_error *err);
+                                         const char *name, struct vor_error *err);
 
-/** Removes the temporary file. writer may be NULL. */
+/** Ends a writer and leaves nothing. writer may be NULL. */
 void vor_blob_discard(struct vor_blob_writer *writer);
 
 /** Opens a blob for reading; the caller closes *fd, which stays readable after a drop.
@@ -86,23 +78,23 @@ void vor_blob_discard(struct vor_blob_writer *writer);
  *
  *  @retval VOR_E_IO */
 VOR_NODISCARD vor_status vor_blob_get(struct vor_blobs *blobs, const struct vor_uuid *id,
-                                      enum vor_blob_kind kind, int *fd, uint64_t *size, int *found,
+                                      const char *name, int *fd, uint64_t *size, int *found,
                                       struct vor_error *err);
 
-/** Removes a blob; that there is none is fine.
+/** Removes a blob; it is no error when there is none.
  *
  *  @retval VOR_E_IO */
 VOR_NODISCARD vor_status vor_blob_drop(struct vor_blobs *blobs, const struct vor_uuid *id,
-                                       enum vor_blob_kind kind, struct vor_error *err);
+                                       const char *name, struct vor_error *err);
 
-/** Drops every blob that keep answers 0 for, and every file that is no blob.
+/** Drops every blob that keep answers 0 for, and whatever else lies among the blobs.
  *
  *  @param[out] dropped  how many
  *
- *  @retval VOR_E_IO the directory cannot be read */
+ *  @retval VOR_E_IO the blobs cannot be listed */
 VOR_NODISCARD vor_status vor_blobs_sweep(struct vor_blobs *blobs,
                                          int (*keep)(void *ctx, const struct vor_uuid *id,
-                                                     enum vor_blob_kind kind),
+                                                     const char *name),
                                          void *ctx, size_t *dropped, struct vor_error *err);
 
 #endif

@@ -61,7 +61,7 @@ VOR_NODISCARD vor_status vor_worker_finish(struct vor_worker *worker, struct vor
                                            const char *report, int *changed, struct vor_error *err);
 
 /** Removes bytes that nobody needs any more; a failure is logged, the next start removes them. */
-void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, enum vor_blob_kind kind);
+void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, const char *name);
 
 /** Claims, runs and ends one job that was popped from the queue. */
 void vor_worker_run(struct vor_worker *worker, struct vor_job *job);

@@ -4,6 +4,7 @@
 #include "server/work/internal.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 enum { BATCH = 256 };
@@ -114,7 +115,7 @@ static vor_status recover_queue(struct vor_worker *worker, struct vor_error *err
 }
 
 /* A blob is kept when its row needs it, or when that cannot be found out. */
-static int is_needed(void *ctx, const struct vor_uuid *id, enum vor_blob_kind kind)
+static int is_needed(void *ctx, const struct vor_uuid *id, const char *name)
 {
     struct vor_worker *worker = ctx;
     struct vor_job_view row;
@@ -124,8 +125,8 @@ static int is_needed(void *ctx, const struct vor_uuid *id, enum vor_blob_kind ki
         return 1;
     if (!found || row.expired)
         return 0;
-    return kind == VOR_BLOB_INPUT ? row.status == VOR_JOB_ACCEPTED
-                                  : row.status == VOR_JOB_SUCCESSFUL;
+    return strcmp(name, VOR_BLOB_INPUT) == 0 ? row.status == VOR_JOB_ACCEPTED
+                                             : row.status == VOR_JOB_SUCCESSFUL;
 }
 
 vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err)

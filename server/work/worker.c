@@ -274,11 +274,11 @@ vor_status vor_worker_finish(struct vor_worker *worker, struct vor_job *job,
     return status;
 }
 
-void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, enum vor_blob_kind kind)
+void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, const char *name)
 {
     struct vor_error err;
 
-    if (vor_blob_drop(worker->config.blobs, id, kind, &err) != VOR_OK)
+    if (vor_blob_drop(worker->config.blobs, id, name, &err) != VOR_OK)
         vor_log(VOR_LOG_WARN, "bytes left behind", VOR_TEXT("job", id->text),
                 VOR_TEXT("error", err.message));
 }

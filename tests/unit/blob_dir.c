@@ -22,15 +22,14 @@ static struct vor_uuid fresh_id(void)
 }
 
 /* The bytes of a blob as text, "" when there is none. */
-static const char *content(struct vor_blobs *blobs, const struct vor_uuid *id,
-                           enum vor_blob_kind kind)
+static const char *content(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name)
 {
     static char text[256];
     uint64_t size;
     int fd, found;
 
     text[0] = '\0';
-    vt_assert_ok(vor_blob_get(blobs, id, kind, &fd, &size, &found, &vt_err));
+    vt_assert_ok(vor_blob_get(blobs, id, name, &fd, &size, &found, &vt_err));
     if (!found) {
         ck_assert_int_eq(fd, -1);
         return text;
@@ -42,10 +41,10 @@ static const char *content(struct vor_blobs *blobs, const struct vor_uuid *id,
     return text;
 }
 
-static void store_text(struct vor_blobs *blobs, const struct vor_uuid *id, enum vor_blob_kind kind,
+static void store_text(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                        const char *text)
 {
-    vt_assert_ok(vor_blob_commit(vt_upload(blobs, text, strlen(text)), id, kind, &vt_err));
+    vt_assert_ok(vor_blob_commit(vt_upload(blobs, text, strlen(text)), id, name, &vt_err));
 }
 
 START_TEST(a_committed_blob_comes_back_byte_for_byte)
@@ -60,9 +59,12 @@ START_TEST(a_committed_blob_comes_back_byte_for_byte)
     ck_assert_str_eq(content(blobs, &id, VOR_BLOB_CLOUD), "the cloud");
     store_text(blobs, &id, VOR_BLOB_CLOUD, "a newer one");
     ck_assert_str_eq(content(blobs, &id, VOR_BLOB_CLOUD), "a newer one");
+    store_text(blobs, &id, "a-name_of-24-bytes-is-ok", "another one");
+    ck_assert_str_eq(content(blobs, &id, "a-name_of-24-bytes-is-ok"), "another one");
     vor_blobs_close(blobs);
 
     blobs = vt_dir_blobs(dir); /* and after a restart */
+    ck_assert_str_eq(content(blobs, &id, "a-name_of-24-bytes-is-ok"), "another one");
     ck_assert_str_eq(content(blobs, &id, VOR_BLOB_CLOUD), "a newer one");
     vor_blobs_close(blobs);
     vt_dir_remove(dir);
@@ -173,9 +175,9 @@ START_TEST(what_was_committed_outlives_a_kill)
 END_TEST
 
 /* Keeps the inputs of one job. */
-static int keep_input_of(void *ctx, const struct vor_uuid *id, enum vor_blob_kind kind)
+static int keep_input_of(void *ctx, const struct vor_uuid *id, const char *name)
 {
-    return kind == VOR_BLOB_INPUT && strcmp(id->text, ctx) == 0;
+    return strcmp(name, VOR_BLOB_INPUT) == 0 && strcmp(id->text, ctx) == 0;
 }
 
 START_TEST(a_sweep_drops_what_nobody_needs_and_what_is_no_blob)
@@ -242,6 +244,7 @@ START_TEST(a_second_opener_and_a_wrong_name_are_refused)
     vt_assert_fails(VOR_E_PARAM, vor_blobs_open(&second, where + 4, &holder, &vt_err));
     ck_assert_str_eq(vt_err.parameter, "blobs");
     vt_assert_fails(VOR_E_PARAM, vor_blobs_open(&second, "dir:", &holder, &vt_err));
+    ck_assert_str_eq(vt_err.message, "blobs is \"dir:\", want dir:PATH");
     vt_assert_fails(VOR_E_IO, vor_blobs_open(&second, "dir:/dev/null/x", &holder, &vt_err));
     ck_assert_int_eq(holder, 0);
     ck_assert_ptr_null(second);

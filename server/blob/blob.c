@@ -1,0 +1,196 @@
+#include "server/blob/blob.h"
+
+#include "server/base/disk.h"
+#include "server/blob/dir.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+static const struct vor_blob_driver *const drivers[] = {&vor_blob_dir};
+
+const struct vor_blob_driver *vor_blob_driver_at(unsigned index)
+{
+    return index < sizeof drivers / sizeof drivers[0] ? drivers[index] : NULL;
+}
+
+/* --- opening ---------------------------------------------------------------------------------- */
+
+static vor_status refuse(const char *where, struct vor_error *err)
+{
+    const struct vor_blob_driver *driver;
+    char forms[128] = "";
+    size_t at = 0;
+
+    for (unsigned i = 0; (driver = vor_blob_driver_at(i)) != NULL && at < sizeof forms; i++)
+        at += (size_t)snprintf(forms + at, sizeof forms - at, "%s%s:%s", i > 0 ? " or " : "",
+                               driver->scheme, driver->place);
+    return vor_fail_param(err, VOR_E_PARAM, "blobs", "blobs is \"%.80s\", want %s", where, forms);
+}
+
+static vor_status open_with(const struct vor_blob_driver *driver, struct vor_blobs **out,
+                            const char *place, long *holder, struct vor_error *err)
+{
+    vor_status status = driver->open(out, place, holder, err);
+
+    if (status == VOR_OK)
+        (*out)->driver = driver;
+    return status;
+}
+
+vor_status vor_blobs_open(struct vor_blobs **out, const char *where, long *holder,
+                          struct vor_error *err)
+{
+    const struct vor_blob_driver *driver;
+
+    *holder = 0;
+    for (unsigned i = 0; (driver = vor_blob_driver_at(i)) != NULL; i++) {
+        const char *place = vor_storage_place(where, driver->scheme);
+
+        if (place != NULL)
+            return open_with(driver, out, place, holder, err);
+    }
+    return refuse(where, err);
+}
+
+void vor_blobs_close(struct vor_blobs *blobs)
+{
+    if (blobs != NULL)
+        blobs->driver->close(blobs);
+}
+
+vor_status vor_blobs_space(struct vor_blobs *blobs, uint64_t *available, uint64_t *total,
+                           struct vor_error *err)
+{
+    return blobs->driver->space(blobs, available, total, err);
+}
+
+/* --- writing ---------------------------------------------------------------------------------- */
+
+vor_status vor_blob_create(struct vor_blobs *blobs, struct vor_blob_writer **out,
+                           struct vor_error *err)
+{
+    struct vor_blob_writer *writer = NULL;
+    vor_status status = blobs->driver->create(blobs, &writer, err);
+
+    if (status != VOR_OK)
+        return status;
+    writer->blobs = blobs;
+    writer->digest = vor_digest_create();
+    if (writer->digest == NULL) {
+        vor_blob_discard(writer);
+        return vor_fail(err, VOR_E_NOMEM, "the digest of a blob");
+    }
+    *out = writer;
+    return VOR_OK;
+}
+
+vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes, size_t size,
+                           struct vor_error *err)
+{
+    const char *at = bytes;
+    size_t left = size;
+
+    while (writer->failure.status == VOR_OK && left > 0) {
+        ssize_t wrote = write(writer->fd, at, left);
+
+        if (wrote < 0 && errno != EINTR)
+            (void)vor_fail_errno(&writer->failure, errno, "a temporary file");
+        if (wrote <= 0)
+            continue;
+        at += wrote;
+        left -= (size_t)wrote;
+    }
+    if (writer->failure.status != VOR_OK)
+        return vor_blob_failure(writer, err);
+    vor_digest_update(writer->digest, bytes, size);
+    writer->size += size;
+    return VOR_OK;
+}
+
+static int sink_write(void *ctx, const void *bytes, size_t size)
+{
+    return vor_blob_append(ctx, bytes, size, NULL) == VOR_OK ? 0 : -1;
+}
+
+struct vor_sink vor_blob_sink(struct vor_blob_writer *writer)
+{
+    return (struct vor_sink){.ctx = writer, .write = sink_write};
+}
+
+vor_status vor_blob_failure(const struct vor_blob_writer *writer, struct vor_error *err)
+{
+    if (err != NULL && writer->failure.status != VOR_OK)
+        *err = writer->failure;
+    return writer->failure.status;
+}
+
+uint64_t vor_blob_size(const struct vor_blob_writer *writer)
+{
+    return writer->size;
+}
+
+void vor_blob_sha256(const struct vor_blob_writer *writer, char out[VOR_DIGEST_SIZE])
+{
+    vor_digest_hex(writer->digest, out);
+}
+
+int vor_blob_fd(const struct vor_blob_writer *writer)
+{
+    return writer->fd;
+}
+
+static int is_name(const char *name)
+{
+    size_t length = strlen(name);
+
+    return length >= 1 && length <= VOR_BLOB_NAME_MAX &&
+           strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789-_") == length;
+}
+
+vor_status vor_blob_commit(struct vor_blob_writer *writer, const struct vor_uuid *id,
+                           const char *name, struct vor_error *err)
+{
+    vor_status status = vor_blob_failure(writer, err);
+
+    assert(is_name(name));
+    if (status == VOR_OK)
+        status = writer->blobs->driver->commit(writer, id, name, err);
+    vor_blob_discard(writer);
+    return status;
+}
+
+void vor_blob_discard(struct vor_blob_writer *writer)
+{
+    if (writer == NULL)
+        return;
+    vor_digest_destroy(writer->digest);
+    writer->blobs->driver->discard(writer);
+}
+
+/* --- reading and removing --------------------------------------------------------------------- */
+
+vor_status vor_blob_get(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+                        int *fd, uint64_t *size, int *found, struct vor_error *err)
+{
+    *fd = -1;
+    *size = 0;
+    *found = 0;
+    return blobs->driver->get(blobs, id, name, fd, size, found, err);
+}
+
+vor_status vor_blob_drop(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+                         struct vor_error *err)
+{
+    return blobs->driver->drop(blobs, id, name, err);
+}
+
+vor_status vor_blobs_sweep(struct vor_blobs *blobs,
+                           int (*keep)(void *ctx, const struct vor_uuid *id, const char *name),
+                           void *ctx, size_t *dropped, struct vor_error *err)
+{
+    *dropped = 0;
+    return blobs->driver->sweep(blobs, keep, ctx, dropped, err);
+}

@@ -1,0 +1,60 @@
+/** What a store of blobs is made of: a table of functions, one table for each kind of place. A
+ *  driver's own header declares its table, and blob.c lists it. Callers include blob.h.
+ *
+ *  A blob is written to a file and read from a file, whatever the driver does with it in between:
+ *  codecs map it, and HTTP sends it without a copy. Every function may be called from any thread.
+ */
+#ifndef VOR_SERVER_BLOB_DRIVER_H
+#define VOR_SERVER_BLOB_DRIVER_H
+
+#include "core/base/status.h"
+#include "server/base/digest.h"
+#include "server/base/uuid.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum { VOR_BLOB_NAME_MAX = 24 }; /**< bytes of a blob's name */
+
+/** A driver's blobs begin with this; the door fills it in. */
+struct vor_blobs {
+    const struct vor_blob_driver *driver;
+};
+
+/** A blob being written. A driver's writer begins with this; the driver opens fd, the door does the
+ *  rest. */
+struct vor_blob_writer {
+    struct vor_blobs *blobs;
+    int fd; /**< open for reading and writing; the driver closes it */
+    uint64_t size;
+    struct vor_digest *digest;
+    struct vor_error failure; /**< of the first append that failed; else its status is VOR_OK */
+};
+
+/** The functions of a driver. Each does what the function of blob.h with its name promises. */
+struct vor_blob_driver {
+    const char *scheme; /**< "dir": what stands before the colon of --blobs */
+    const char *place;  /**< "PATH": what stands after it, for messages */
+    vor_status (*open)(struct vor_blobs **out, const char *place, long *holder,
+                       struct vor_error *err);
+    void (*close)(struct vor_blobs *blobs);
+    vor_status (*space)(struct vor_blobs *blobs, uint64_t *available, uint64_t *total,
+                        struct vor_error *err);
+    /** Makes a writer with its fd. */
+    vor_status (*create)(struct vor_blobs *blobs, struct vor_blob_writer **out,
+                         struct vor_error *err);
+    /** Makes its bytes durable; discard follows in any case. */
+    vor_status (*commit)(struct vor_blob_writer *writer, const struct vor_uuid *id,
+                         const char *name, struct vor_error *err);
+    /** Frees the writer, and removes its bytes unless they were committed. */
+    void (*discard)(struct vor_blob_writer *writer);
+    vor_status (*get)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name, int *fd,
+                      uint64_t *size, int *found, struct vor_error *err);
+    vor_status (*drop)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+                       struct vor_error *err);
+    vor_status (*sweep)(struct vor_blobs *blobs,
+                        int (*keep)(void *ctx, const struct vor_uuid *id, const char *name),
+                        void *ctx, size_t *dropped, struct vor_error *err);
+};
+
+#endif
