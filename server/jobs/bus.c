@@ -180,6 +180,16 @@ int vor_bus_ended(struct vor_bus *bus, struct vor_position *end)
     return ended;
 }
 
+struct vor_position vor_bus_newest(struct vor_bus *bus)
+{
+    struct vor_position newest = {.attempt = bus->attempt};
+
+    pthread_mutex_lock(&bus->mutex);
+    newest.number = (uint32_t)bus->count;
+    pthread_mutex_unlock(&bus->mutex);
+    return newest;
+}
+
 void vor_bus_subscribe(struct vor_bus *bus, struct vor_subscriber *subscriber)
 {
     pthread_mutex_lock(&bus->waking);

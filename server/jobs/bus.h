@@ -84,6 +84,9 @@ size_t vor_bus_read(struct vor_bus *bus, struct vor_position *position, enum vor
 /** True when END was published, and where it is (NULL if not wanted). */
 int vor_bus_ended(struct vor_bus *bus, struct vor_position *end);
 
+/** Where the newest event is: a reader that starts there sees only what comes. */
+struct vor_position vor_bus_newest(struct vor_bus *bus);
+
 /** Asks for wake to be called after every publish, from the publisher's thread. wake must be quick,
  *  may read the bus, must not subscribe or unsubscribe. Keep the struct until unsubscribed; the
  *  caller fills in wake and ctx. */

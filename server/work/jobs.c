@@ -2,7 +2,7 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/jobs/trace.h"
-#include "server/work/internal.h"
+#include "server/work/live.h"
 
 #include <stdio.h>
 #include <stdlib.h>

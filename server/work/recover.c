@@ -1,7 +1,8 @@
 /* Start-up is recovery: whatever the last run left, however it ended, is put in order. */
+#include "server/work/recover.h"
+
 #include "server/base/clock.h"
 #include "server/base/log.h"
-#include "server/work/internal.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -127,6 +128,24 @@ static int is_needed(void *ctx, const struct vor_uuid *id, const char *name)
         return 0;
     return strcmp(name, VOR_BLOB_INPUT) == 0 ? row.status == VOR_JOB_ACCEPTED
                                              : row.status == VOR_JOB_SUCCESSFUL;
+}
+
+vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
+{
+    struct vor_uuid ids[BATCH];
+    size_t count = BATCH, total = 0;
+    vor_status status = VOR_OK;
+
+    while (status == VOR_OK && count == BATCH) {
+        status =
+            vor_store_expire(worker->config.store, vor_clock_wall_ms(), ids, BATCH, &count, err);
+        for (size_t i = 0; i < count; i++)
+            vor_worker_drop(worker, &ids[i], VOR_BLOB_CLOUD);
+        total += count;
+    }
+    if (total > 0)
+        vor_log(VOR_LOG_INFO, "results expired", VOR_COUNT("jobs", total));
+    return status;
 }
 
 vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err)

@@ -1,10 +1,11 @@
 /* One run of one job: its cloud, the engine, the encoded result, its last row. */
+#include "server/work/runner.h"
+
 #include "core/engine.h"
 #include "proto/codec.h"
 #include "proto/json/json.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
-#include "server/work/internal.h"
 
 #include <errno.h>
 #include <math.h>

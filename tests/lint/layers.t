@@ -120,7 +120,7 @@ sub bare {
 my %pending = map { $_ => 1 } (
 );
 my %pending_circle = map { $_ => 1 } qw(proto/codec server/api/app server/api/handlers/submit
-    server/cli/cli server/http/gate server/work/internal);
+    server/cli/cli server/http/gate);
 
 # The edges between the units of these files: path => text.
 sub edges_of {

@@ -1,6 +1,7 @@
-/** What the files of the worker share. */
-#ifndef VOR_SERVER_WORK_INTERNAL_H
-#define VOR_SERVER_WORK_INTERNAL_H
+/** The worker's state: the jobs that wait or run, and how many run. The files of this room share
+ * it; nobody else includes this. */
+#ifndef VOR_SERVER_WORK_LIVE_H
+#define VOR_SERVER_WORK_LIVE_H
 
 #include "server/jobs/queue.h"
 #include "server/work/worker.h"
@@ -43,6 +44,15 @@ VOR_NODISCARD vor_status vor_worker_remember(struct vor_worker *worker, struct v
                                              struct vor_error *err);
 void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job);
 
+/** A runner begins with a job, which counts as running from then on; false, and it must not run it,
+ *  when the daemon goes down. */
+int vor_worker_enter(struct vor_worker *worker, const struct vor_job *job);
+void vor_worker_leave(struct vor_worker *worker);
+
+/** Waits until something changed or the deadline (vor_clock_seconds) is over; the mutex is held.
+ * True when it is over. */
+int vor_worker_wait_until(struct vor_worker *worker, double deadline);
+
 /** Waits up to `seconds`; returns at once when the daemon goes down. True when it does. */
 int vor_worker_pause(struct vor_worker *worker, double seconds);
 
@@ -60,15 +70,7 @@ VOR_NODISCARD vor_status vor_worker_finish(struct vor_worker *worker, struct vor
                                            const struct vor_job_view *row, uint32_t attempt,
                                            const char *report, int *changed, struct vor_error *err);
 
-/** Removes bytes that nobody needs any more; a failure is logged, the next start removes them. */
+/** Removes bytes that nobody needs any more. A failure is logged; the next start removes them. */
 void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, const char *name);
-
-/** Claims, runs and ends one job that was popped from the queue. */
-void vor_worker_run(struct vor_worker *worker, struct vor_job *job);
-
-/** Puts back in order what a former run left.
- *
- *  @retval VOR_E_IO, VOR_E_NOMEM */
-VOR_NODISCARD vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err);
 
 #endif

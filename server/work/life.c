@@ -1,0 +1,134 @@
+/* The worker from its start to its end: recovery, threads, draining. */
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/work/live.h"
+#include "server/work/recover.h"
+#include "server/work/runner.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum { SWEEP_SECONDS = 60 };
+
+static void *runner_main(void *arg)
+{
+    struct vor_worker *worker = arg;
+    struct vor_job *job;
+
+    while ((job = vor_queue_pop(worker->queue)) != NULL) {
+        if (vor_worker_enter(worker, job)) {
+            vor_worker_run(worker, job);
+            vor_worker_forget(worker, job);
+            vor_worker_leave(worker);
+        }
+        vor_job_release(job);
+    }
+    return NULL;
+}
+
+static void *sweeper_main(void *arg)
+{
+    struct vor_worker *worker = arg;
+
+    while (!vor_worker_pause(worker, SWEEP_SECONDS)) {
+        struct vor_error err;
+
+        if (vor_worker_sweep(worker, &err) != VOR_OK)
+            vor_log(VOR_LOG_ERROR, "sweeping failed", VOR_TEXT("error", err.message));
+    }
+    return NULL;
+}
+
+static vor_status start_threads(struct vor_worker *worker, struct vor_error *err)
+{
+    while (worker->runner_count < worker->config.jobs) {
+        if (pthread_create(&worker->runners[worker->runner_count], NULL, runner_main, worker) != 0)
+            return vor_fail(err, VOR_E_NOMEM, "cannot start %u runners", worker->config.jobs);
+        worker->runner_count++;
+    }
+    if (pthread_create(&worker->sweeper, NULL, sweeper_main, worker) != 0)
+        return vor_fail(err, VOR_E_NOMEM, "cannot start the sweeper");
+    worker->sweeper_started = 1;
+    return VOR_OK;
+}
+
+static void init_locks(struct vor_worker *worker)
+{
+    pthread_condattr_t monotonic;
+
+    pthread_mutex_init(&worker->mutex, NULL);
+    pthread_condattr_init(&monotonic);
+    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
+    pthread_cond_init(&worker->changed, &monotonic);
+    pthread_condattr_destroy(&monotonic);
+}
+
+vor_status vor_worker_create(struct vor_worker **out, const struct vor_worker_config *config,
+                             struct vor_error *err)
+{
+    struct vor_worker *worker = calloc(1, sizeof *worker);
+    vor_status status = VOR_OK;
+
+    assert(config->jobs >= 1 && config->jobs <= VOR_WORKER_JOBS_MAX && config->queue >= 1);
+    if (worker == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the worker");
+    worker->config = *config;
+    init_locks(worker);
+    worker->queue = vor_queue_create(config->queue);
+    if (worker->queue == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "the queue");
+    if (status == VOR_OK)
+        status = vor_worker_recover(worker, err);
+    if (status == VOR_OK)
+        status = start_threads(worker, err);
+    if (status != VOR_OK) {
+        vor_worker_destroy(worker);
+        return status;
+    }
+    *out = worker;
+    return VOR_OK;
+}
+
+/* Asks whatever runs to end; the mutex is held. */
+static void abort_running(struct vor_worker *worker)
+{
+    worker->aborting = 1;
+    for (struct vor_live *live = worker->live; live != NULL; live = live->next)
+        if (live->running)
+            vor_job_ask(live->job, VOR_CANCEL);
+}
+
+void vor_worker_drain(struct vor_worker *worker, double seconds)
+{
+    double deadline = vor_clock_seconds() + seconds;
+
+    if (worker->queue != NULL)
+        vor_queue_close(worker->queue);
+    pthread_mutex_lock(&worker->mutex);
+    worker->draining = 1;
+    pthread_cond_broadcast(&worker->changed);
+    while (worker->running > 0 && !vor_worker_wait_until(worker, deadline))
+        continue;
+    abort_running(worker);
+    while (worker->running > 0)
+        pthread_cond_wait(&worker->changed, &worker->mutex);
+    pthread_mutex_unlock(&worker->mutex);
+}
+
+void vor_worker_destroy(struct vor_worker *worker)
+{
+    if (worker == NULL)
+        return;
+    vor_worker_drain(worker, 0);
+    for (unsigned i = 0; i < worker->runner_count; i++)
+        pthread_join(worker->runners[i], NULL);
+    if (worker->sweeper_started)
+        pthread_join(worker->sweeper, NULL);
+    vor_queue_destroy(worker->queue);
+    while (worker->live != NULL)
+        vor_worker_forget(worker, worker->live->job);
+    pthread_cond_destroy(&worker->changed);
+    pthread_mutex_destroy(&worker->mutex);
+    free(worker);
+}

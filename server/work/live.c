@@ -1,0 +1,154 @@
+#include "server/work/live.h"
+
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/jobs/trace.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* --- the list of live jobs -------------------------------------------------------------------- */
+
+/* The place of a job in the list, or that of NULL at its end; the mutex is held. */
+static struct vor_live **place_of(struct vor_worker *worker, const struct vor_uuid *id)
+{
+    struct vor_live **at = &worker->live;
+
+    while (*at != NULL && strcmp(vor_job_id((*at)->job)->text, id->text) != 0)
+        at = &(*at)->next;
+    return at;
+}
+
+struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid *id)
+{
+    struct vor_job *job = NULL;
+    struct vor_live *live;
+
+    pthread_mutex_lock(&worker->mutex);
+    live = *place_of(worker, id);
+    if (live != NULL)
+        job = vor_job_retain(live->job);
+    pthread_mutex_unlock(&worker->mutex);
+    return job;
+}
+
+vor_status vor_worker_remember(struct vor_worker *worker, struct vor_job *job,
+                               struct vor_error *err)
+{
+    struct vor_live *live = calloc(1, sizeof *live);
+
+    if (live == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "a job");
+    live->job = vor_job_retain(job);
+    pthread_mutex_lock(&worker->mutex);
+    live->next = worker->live;
+    worker->live = live;
+    pthread_mutex_unlock(&worker->mutex);
+    return VOR_OK;
+}
+
+void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job)
+{
+    struct vor_live **at, *live;
+
+    pthread_mutex_lock(&worker->mutex);
+    at = place_of(worker, vor_job_id(job));
+    live = *at;
+    if (live != NULL)
+        *at = live->next;
+    pthread_mutex_unlock(&worker->mutex);
+    if (live != NULL)
+        vor_job_release(live->job);
+    free(live);
+}
+
+/* --- waiting and running ---------------------------------------------------------------------- */
+
+int vor_worker_wait_until(struct vor_worker *worker, double deadline)
+{
+    struct timespec at = {.tv_sec = (time_t)deadline};
+
+    at.tv_nsec = (long)((deadline - (double)at.tv_sec) * 1e9);
+    return pthread_cond_timedwait(&worker->changed, &worker->mutex, &at) == ETIMEDOUT;
+}
+
+int vor_worker_pause(struct vor_worker *worker, double seconds)
+{
+    double deadline = vor_clock_seconds() + seconds;
+    int down;
+
+    pthread_mutex_lock(&worker->mutex);
+    while (!worker->draining && !vor_worker_wait_until(worker, deadline))
+        continue;
+    down = worker->draining;
+    pthread_mutex_unlock(&worker->mutex);
+    return down;
+}
+
+int vor_worker_enter(struct vor_worker *worker, const struct vor_job *job)
+{
+    int allowed;
+
+    pthread_mutex_lock(&worker->mutex);
+    allowed = !worker->draining;
+    if (allowed) {
+        struct vor_live *live = *place_of(worker, vor_job_id(job));
+
+        worker->running++;
+        if (live != NULL)
+            live->running = 1;
+    }
+    pthread_mutex_unlock(&worker->mutex);
+    return allowed;
+}
+
+void vor_worker_leave(struct vor_worker *worker)
+{
+    pthread_mutex_lock(&worker->mutex);
+    worker->running--;
+    pthread_cond_broadcast(&worker->changed);
+    pthread_mutex_unlock(&worker->mutex);
+}
+
+/* --- ending ----------------------------------------------------------------------------------- */
+
+void vor_worker_ending(struct vor_worker *worker, struct vor_job *job, enum vor_job_status status,
+                       struct vor_job_view *out)
+{
+    vor_job_view(job, out);
+    out->status = status;
+    out->queue_position = -1;
+    out->eta_seconds = -1;
+    out->finished = vor_clock_wall_ms();
+    out->updated = out->finished;
+    out->expires = out->finished + (int64_t)(worker->config.ttl_seconds * 1000);
+}
+
+vor_status vor_worker_finish(struct vor_worker *worker, struct vor_job *job,
+                             const struct vor_job_view *row, uint32_t attempt, const char *report,
+                             int *changed, struct vor_error *err)
+{
+    struct vor_store_ending ending = {.report = report};
+    uint8_t *trace = NULL;
+    vor_status status = vor_trace_pack(vor_job_bus(job), &trace, &ending.trace_size, err);
+
+    *changed = 0;
+    ending.trace = trace;
+    if (status == VOR_OK)
+        status = vor_store_finish(worker->config.store, row, attempt, &ending, changed, err);
+    if (status == VOR_OK && *changed)
+        vor_job_end(job, row);
+    free(trace);
+    return status;
+}
+
+void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, const char *name)
+{
+    struct vor_error err;
+
+    if (vor_blob_drop(worker->config.blobs, id, name, &err) != VOR_OK)
+        vor_log(VOR_LOG_WARN, "bytes left behind", VOR_TEXT("job", id->text),
+                VOR_TEXT("error", err.message));
+}

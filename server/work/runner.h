@@ -1,0 +1,11 @@
+/** One run of one job: from the claim to its last row. */
+#ifndef VOR_SERVER_WORK_RUNNER_H
+#define VOR_SERVER_WORK_RUNNER_H
+
+#include "server/work/live.h"
+
+/** Claims, runs and ends a job that was popped from the queue. Returns when it is over, or was
+ * given back because the daemon goes down. */
+void vor_worker_run(struct vor_worker *worker, struct vor_job *job);
+
+#endif
