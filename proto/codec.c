@@ -1,8 +1,8 @@
 #include "proto/codec.h"
 
+#include "core/base/quote.h"
 #include "proto/draco/draco.h"
 #include "proto/ply/ply.h"
-#include "proto/quote.h"
 
 #include <string.h>
 #include <strings.h>

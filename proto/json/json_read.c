@@ -1,7 +1,7 @@
 #include "proto/json/json_read.h"
+#include "core/base/quote.h"
 #include "proto/json/json_scan.h"
 #include "proto/json/json_write.h"
-#include "proto/quote.h"
 
 #include <cjson/cJSON.h>
 

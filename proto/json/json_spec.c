@@ -1,7 +1,7 @@
 #include "proto/json/json_spec.h"
 
+#include "core/base/quote.h"
 #include "proto/json/json_write.h"
-#include "proto/quote.h"
 
 #include <string.h>
 

@@ -1,5 +1,5 @@
 #include "proto/json/json_write.h"
-#include "proto/utf8.h"
+#include "core/base/utf8.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -3,8 +3,8 @@
  * count. */
 #include "proto/ply/ply_body.h"
 
+#include "core/base/quote.h"
 #include "proto/ply/ply_number.h"
-#include "proto/quote.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,7 @@
  * scalar by scalar. */
 #include "proto/ply/ply_body.h"
 
-#include "proto/quote.h"
+#include "core/base/quote.h"
 
 #include <assert.h>
 #include <math.h>

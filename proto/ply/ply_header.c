@@ -1,6 +1,6 @@
 #include "proto/ply/ply_header.h"
 
-#include "proto/quote.h"
+#include "core/base/quote.h"
 
 #include <string.h>
 

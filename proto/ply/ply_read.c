@@ -1,7 +1,7 @@
 #include "proto/ply/ply.h"
 
+#include "core/base/quote.h"
 #include "proto/ply/ply_body.h"
-#include "proto/quote.h"
 
 #include <string.h>
 

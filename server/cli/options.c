@@ -2,8 +2,8 @@
 #include "server/cli/cli.h"
 
 #include "core/base/parallel.h"
+#include "core/base/quote.h"
 #include "core/engine.h"
-#include "proto/quote.h"
 #include "server/base/machine.h"
 
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* The table of formats: how a format is recognised, and what becomes of bytes that are none. */
+#include "core/base/quote.h"
 #include "proto/codec.h"
-#include "proto/quote.h"
 #include "tests/support/vt.h"
 
 #include <stdlib.h>

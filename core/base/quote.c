@@ -1,4 +1,4 @@
-#include "proto/quote.h"
+#include "core/base/quote.h"
 
 #include <assert.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /** UTF-8, RFC 3629. */
-#ifndef VOR_PROTO_UTF8_H
-#define VOR_PROTO_UTF8_H
+#ifndef VOR_BASE_UTF8_H
+#define VOR_BASE_UTF8_H
 
 #include <stddef.h>
 

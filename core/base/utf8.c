@@ -1,4 +1,4 @@
-#include "proto/utf8.h"
+#include "core/base/utf8.h"
 
 size_t vor_utf8_length(const unsigned char *p, size_t left)
 {

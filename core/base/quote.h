@@ -1,6 +1,6 @@
 /** Bytes from outside, fit to be shown in a message. */
-#ifndef VOR_PROTO_QUOTE_H
-#define VOR_PROTO_QUOTE_H
+#ifndef VOR_BASE_QUOTE_H
+#define VOR_BASE_QUOTE_H
 
 #include <stddef.h>
 
