@@ -1,94 +1,47 @@
 #include "core/spec.h"
 
+#include "core/base/quote.h"
+#include "core/spec/kinds.h"
+
 #include <assert.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-static const struct vor_parameter_info infos[VOR_PARAMETER_COUNT] = {
-#define INFO_ROW(id, name, kind, unit, min, max, fallback, choices, sentence)                      \
-    {#name, VOR_KIND_##kind, unit, min, max, fallback, choices, sentence},
-    VOR_PARAMETER_TABLE(INFO_ROW)
-#undef INFO_ROW
-};
-
-static const struct vor_process_info processes[] = {
-#define PROCESS_ROW(id, name, ratio_min, ratio_max, title, sentence)                               \
-    {#name, ratio_min, ratio_max, title, sentence},
-    VOR_PROCESS_TABLE(PROCESS_ROW)
-#undef PROCESS_ROW
-};
-
-enum { PROCESS_COUNT = sizeof processes / sizeof processes[0] };
-
 enum {
-#define PROCESS_INDEX(id, name, ratio_min, ratio_max, title, sentence) PROCESS_##id,
-    VOR_PROCESS_TABLE(PROCESS_INDEX)
-#undef PROCESS_INDEX
+    SHOWN_SIZE = 64, /* of a value in a message */
+
+/* All names with a comma and a blank each. */
+#define NAME_SIZE(id, name, kind, group, unit, min, max, fallback, choices, sentence)              \
+    +(int)sizeof #name + 1
+    NAMES_SIZE = 1 VOR_PARAMETER_TABLE(NAME_SIZE),
+#undef NAME_SIZE
+    PARAMETER_SIZE = sizeof((struct vor_error *)NULL)->parameter,
+    MESSAGE_SIZE = sizeof((struct vor_error *)NULL)->message,
+    REST_SIZE = 160 /* of a message: its other words */
 };
 
-static const struct {
-    unsigned process;
-    enum vor_parameter parameter;
-    double value;
-} presets[] = {
-#define PRESET_ROW(process, parameter, value) {PROCESS_##process, VOR_PARAM_##parameter, value},
-    VOR_PRESET_TABLE(PRESET_ROW)
-#undef PRESET_ROW
-};
+/* A message that the tables can produce fits whole, with the name and the value at fault. */
+_Static_assert(NAMES_SIZE + PARAMETER_SIZE + REST_SIZE <= MESSAGE_SIZE, "the names do not fit");
+_Static_assert(VOR_KIND_WORDS_SIZE + PARAMETER_SIZE + SHOWN_SIZE + REST_SIZE <= MESSAGE_SIZE,
+               "what a parameter wants does not fit");
 
-enum { PRESET_COUNT = sizeof presets / sizeof presets[0] };
-
-const struct vor_parameter_info *vor_parameter_info(enum vor_parameter parameter)
-{
-    assert((unsigned)parameter < VOR_PARAMETER_COUNT);
-    return &infos[parameter];
-}
-
-enum vor_parameter vor_parameter_find(const char *name)
-{
-    int i = 0;
-
-    while (i < VOR_PARAMETER_COUNT && strcmp(infos[i].name, name) != 0)
-        i++;
-    return (enum vor_parameter)i;
-}
-
-size_t vor_parameter_choice(enum vor_parameter parameter, unsigned index, const char **word)
-{
-    const char *at = vor_parameter_info(parameter)->choices;
-    size_t length;
-
-    for (;; at += length + 1) {
-        length = strcspn(at, " ");
-        if (index-- == 0) {
-            *word = at;
-            return length;
-        }
-        if (at[length] == '\0')
-            return 0;
-    }
-}
-
-struct vor_parameter_info vor_process_parameter(const struct vor_process_info *process,
-                                                enum vor_parameter parameter)
-{
-    struct vor_parameter_info info = *vor_parameter_info(parameter);
-
-    assert(process != NULL);
-    for (int i = 0; i < PRESET_COUNT; i++)
-        if (&processes[presets[i].process] == process && presets[i].parameter == parameter)
-            info.fallback = presets[i].value;
-    if (parameter == VOR_PARAM_RATIO) {
-        info.min = fmax(info.min, process->ratio_min);
-        info.max = fmin(info.max, process->ratio_max);
-    }
-    return info;
-}
+/* Words stand in a message with a comma and a blank between instead of a blank, and at most twice,
+ * once for each form; a request's texts fit where one value does. */
+#define CHECK_PARAMETER(id, name, kind, group, unit, min, max, fallback, choices, sentence)        \
+    _Static_assert(sizeof #name <= PARAMETER_SIZE, "the name of a parameter is too long");         \
+    _Static_assert(2 * sizeof(choices) + REST_SIZE <= VOR_KIND_WORDS_SIZE, "too many choices");    \
+    _Static_assert(sizeof(choices) + VOR_SPEC_TEXTS_SIZE <= VOR_SPEC_VALUE_SIZE, "as text, too");
+VOR_PARAMETER_TABLE(CHECK_PARAMETER)
+#undef CHECK_PARAMETER
+#define CHECK_PROCESS(id, name, http, groups, methods, least, most, inputs, outputs, title, text)  \
+    _Static_assert(sizeof #name <= PARAMETER_SIZE, "the id of a process is too long");
+VOR_PROCESS_TABLE(CHECK_PROCESS)
+#undef CHECK_PROCESS
 
 void vor_spec_preset(struct vor_spec *spec, const struct vor_process_info *process)
 {
+    memset(spec, 0, sizeof *spec);
     spec->process = process;
     for (int i = 0; i < VOR_PARAMETER_COUNT; i++)
         spec->value[i] = vor_process_parameter(process, (enum vor_parameter)i).fallback;
@@ -97,130 +50,153 @@ void vor_spec_preset(struct vor_spec *spec, const struct vor_process_info *proce
 
 void vor_spec_init(struct vor_spec *spec)
 {
-    vor_spec_preset(spec, &processes[PROCESS_RESAMPLE]);
+    vor_spec_preset(spec, vor_process_info(0));
 }
 
-static vor_status unknown_name(const char *name, struct vor_error *err)
+/* The texts of a request: those of the parameters that have one, in their order. */
+
+static int has_text(const struct vor_spec *spec, int parameter)
 {
-    char names[200] = "";
+    enum vor_form form =
+        vor_kind_form_of(vor_parameter_info((enum vor_parameter)parameter), spec->value[parameter]);
+
+    return form == VOR_FORM_TEXT || form == VOR_FORM_NAME;
+}
+
+const char *vor_spec_name(const struct vor_spec *spec, enum vor_parameter parameter)
+{
+    const char *text = spec->texts;
+
+    if (!has_text(spec, (int)parameter))
+        return NULL;
+    for (int i = 0; i < (int)parameter; i++)
+        if (has_text(spec, i))
+            text += strlen(text) + 1;
+    return text;
+}
+
+/* Sets a value and lays the texts out anew. */
+static vor_status store(struct vor_spec *spec, enum vor_parameter parameter,
+                        const struct vor_value *value, struct vor_error *err)
+{
+    struct vor_spec next = *spec;
     size_t at = 0;
 
-    for (int i = 0; i < VOR_PARAMETER_COUNT && at < sizeof names; i++)
-        at += (size_t)snprintf(names + at, sizeof names - at, "%s%s", i > 0 ? ", " : "",
-                               infos[i].name);
-    return vor_fail_param(err, VOR_E_PARAM, name, "no parameter %.20s; there are %s", name, names);
+    next.value[parameter] = value->number;
+    memset(next.texts, 0, sizeof next.texts);
+    for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
+        const char *text =
+            i == (int)parameter ? value->text : vor_spec_name(spec, (enum vor_parameter)i);
+        size_t size = text != NULL ? strlen(text) + 1 : 0;
+
+        if (size > sizeof next.texts - at)
+            return vor_fail_param(err, VOR_E_PARAM, vor_parameter_info(parameter)->name,
+                                  "%s has %zu bytes, want at most %d in all texts of a request",
+                                  vor_parameter_info(parameter)->name, strlen(value->text),
+                                  VOR_SPEC_TEXTS_SIZE);
+        if (size > 0)
+            memcpy(next.texts + at, text, size);
+        at += size;
+    }
+    *spec = next;
+    return VOR_OK;
 }
 
-/* "a, b or c" for messages. */
-static void list_choices(const struct vor_parameter_info *info, char *out, size_t size)
+/* Refusals. */
+
+static vor_status refuse_name(const struct vor_process_info *process, const char *name,
+                              struct vor_error *err)
 {
+    char quoted[PARAMETER_SIZE], names[NAMES_SIZE] = "none";
     size_t at = 0;
 
-    for (const char *c = info->choices; *c != '\0' && at + 2 < size; c++) {
-        if (*c == ' ')
-            out[at++] = ',';
-        out[at++] = *c;
-    }
-    out[at] = '\0';
+    for (int i = 0; i < VOR_PARAMETER_COUNT; i++)
+        if (vor_process_takes(process, (enum vor_parameter)i))
+            at += (size_t)snprintf(names + at, sizeof names - at, "%s%s", at > 0 ? ", " : "",
+                                   vor_parameter_info((enum vor_parameter)i)->name);
+    vor_quote(quoted, sizeof quoted, name, strlen(name));
+    return vor_fail_param(err, VOR_E_PARAM, quoted, "%s has no parameter %s; it takes %s",
+                          process->id, quoted, names);
 }
 
-static vor_status bad_choice(const struct vor_parameter_info *info, const char *text,
-                             struct vor_error *err)
+static vor_status refuse_value(const struct vor_parameter_info *info, const char *what,
+                               struct vor_error *err)
 {
-    char words[64];
+    char want[VOR_KIND_WORDS_SIZE];
 
-    list_choices(info, words, sizeof words);
-    return vor_fail_param(err, VOR_E_PARAM, info->name, "%s is \"%.40s\", want one of %s",
-                          info->name, text, words);
+    vor_kind_want(info, want);
+    return vor_fail_param(err, VOR_E_PARAM, info->name, "%s is %s, want %s", info->name, what,
+                          want);
 }
 
-static vor_status bad_number(const struct vor_parameter_info *info, const char *text,
-                             struct vor_error *err)
+/* A text that is no word stands in quotes. */
+static vor_status refuse_text(const struct vor_parameter_info *info, const char *text,
+                              struct vor_error *err)
 {
-    int whole = info->kind != VOR_KIND_REAL;
+    char quoted[SHOWN_SIZE - 2], what[SHOWN_SIZE];
+    int is_number = vor_kind_has_shape(info->kind, VOR_SHAPE_NUMBER);
 
-    return vor_fail_param(
-        err, VOR_E_PARAM, info->name, "%s is %.40s, want %s from %.16g to %.16g%s", info->name,
-        text[0] != '\0' ? text : "empty", whole ? "a whole number" : "a number", info->min,
-        info->max, info->kind == VOR_KIND_COUNT_OR_AUTO ? " or auto" : "");
+    if (text[0] == '\0')
+        return refuse_value(info, "empty", err);
+    vor_quote(quoted, sizeof quoted, text, strlen(text));
+    (void)snprintf(what, sizeof what, is_number ? "%s" : "\"%s\"", quoted);
+    return refuse_value(info, what, err);
 }
 
-static int in_range(const struct vor_parameter_info *info, double number)
+/* The parameter of that name as the process has it. */
+static vor_status find(const struct vor_spec *spec, const char *name, enum vor_parameter *out,
+                       struct vor_parameter_info *info, struct vor_error *err)
 {
-    if (!(number >= info->min && number <= info->max))
-        return 0;
-    return info->kind == VOR_KIND_REAL || number == rint(number);
+    *out = vor_parameter_find(name);
+    if (*out == VOR_PARAMETER_COUNT || !vor_process_takes(spec->process, *out))
+        return refuse_name(spec->process, name, err);
+    *info = vor_process_parameter(spec->process, *out);
+    return VOR_OK;
 }
 
-/* A decimal number and nothing else. strtod would also take hexadecimal, blanks, "inf" and, in some
- * locales, a comma: only digits, sign, point and exponent reach it, and only in the C locale that a
- * program starts with. */
-static int parse_number(const char *text, double *out)
+vor_status vor_spec_refuse(const struct vor_spec *spec, const char *name, const char *what,
+                           struct vor_error *err)
 {
-    char *end;
+    struct vor_parameter_info info;
+    enum vor_parameter parameter;
+    vor_status status = find(spec, name, &parameter, &info, err);
 
-    if (text[0] == '\0' || strlen(text) > 40 || text[strspn(text, "+-.0123456789eE")] != '\0' ||
-        strcspn(text, "0123456789") == strlen(text))
-        return 0;
-    *out = strtod(text, &end);
-    return *end == '\0' && isfinite(*out);
+    return status == VOR_OK ? refuse_value(&info, what, err) : status;
 }
 
-static vor_status set_choice(struct vor_spec *spec, enum vor_parameter parameter, const char *text,
-                             struct vor_error *err)
+vor_status vor_spec_set_as(struct vor_spec *spec, const char *name, enum vor_shape shape,
+                           const char *text, struct vor_error *err)
 {
-    const char *word;
-    size_t length;
+    struct vor_parameter_info info;
+    enum vor_parameter parameter;
+    struct vor_value value;
+    vor_status status = find(spec, name, &parameter, &info, err);
 
-    for (unsigned i = 0; (length = vor_parameter_choice(parameter, i, &word)) > 0; i++) {
-        if (strlen(text) != length || memcmp(word, text, length) != 0)
-            continue;
-        spec->value[parameter] = i;
-        return VOR_OK;
-    }
-    return bad_choice(&infos[parameter], text, err);
+    if (status != VOR_OK)
+        return status;
+    if (!vor_kind_has_shape(info.kind, shape))
+        return refuse_value(&info, vor_shape_word(shape), err);
+    if (!vor_kind_read(&info, shape, text, &value))
+        return refuse_text(&info, text, err);
+    return store(spec, parameter, &value, err);
 }
 
 vor_status vor_spec_set(struct vor_spec *spec, const char *name, const char *text,
                         struct vor_error *err)
 {
-    enum vor_parameter parameter = vor_parameter_find(name);
-    struct vor_parameter_info info;
-    double number;
-
-    if (parameter == VOR_PARAMETER_COUNT)
-        return unknown_name(name, err);
-    info = vor_process_parameter(spec->process, parameter);
-    if (info.kind == VOR_KIND_CHOICE)
-        return set_choice(spec, parameter, text, err);
-    if (info.kind == VOR_KIND_COUNT_OR_AUTO && strcmp(text, "auto") == 0) {
-        spec->value[parameter] = VOR_UNSET;
-        return VOR_OK;
-    }
-    if (!parse_number(text, &number) || !in_range(&info, number))
-        return bad_number(&info, text, err);
-    spec->value[parameter] = number;
-    return VOR_OK;
+    return vor_spec_set_as(spec, name, VOR_SHAPE_ANY, text, err);
 }
 
 vor_status vor_spec_set_number(struct vor_spec *spec, const char *name, double number,
                                struct vor_error *err)
 {
-    enum vor_parameter parameter = vor_parameter_find(name);
-    struct vor_parameter_info info;
     char text[32];
 
-    if (parameter == VOR_PARAMETER_COUNT)
-        return unknown_name(name, err);
-    info = vor_process_parameter(spec->process, parameter);
     (void)snprintf(text, sizeof text, "%.17g", number);
-    if (info.kind == VOR_KIND_CHOICE)
-        return bad_choice(&info, text, err);
-    if (!in_range(&info, number))
-        return bad_number(&info, text, err);
-    spec->value[parameter] = number;
-    return VOR_OK;
+    return vor_spec_set_as(spec, name, VOR_SHAPE_NUMBER, text, err);
 }
+
+/* Checks. */
 
 static int counts_given(const struct vor_spec *spec)
 {
@@ -228,11 +204,16 @@ static int counts_given(const struct vor_spec *spec)
            vor_spec_given(spec, VOR_PARAM_SPACING);
 }
 
+static int has_target(const struct vor_spec *spec)
+{
+    return vor_process_takes(spec->process, VOR_PARAM_POINTS);
+}
+
 vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err)
 {
     int given = counts_given(spec);
 
-    if (given == 1)
+    if (given == 1 || !has_target(spec))
         return VOR_OK;
     return vor_fail_param(err, VOR_E_PARAM, "points",
                           "%d of points, ratio and spacing are given, want exactly one", given);
@@ -240,10 +221,45 @@ vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err)
 
 vor_status vor_spec_complete(struct vor_spec *spec, struct vor_error *err)
 {
-    if (counts_given(spec) == 0)
+    if (counts_given(spec) == 0 && has_target(spec))
         spec->value[VOR_PARAM_RATIO] =
             vor_process_parameter(spec->process, VOR_PARAM_RATIO).fallback;
     return vor_spec_check(spec, err);
+}
+
+/* True when the process has an input of that name and it is there. */
+static int comes_along(const struct vor_process_info *process, const char *name, unsigned inputs)
+{
+    for (unsigned i = 0; process->inputs[i].name != NULL; i++)
+        if (strcmp(process->inputs[i].name, name) == 0)
+            return (inputs >> i & 1) != 0;
+    return 0;
+}
+
+vor_status vor_spec_check_inputs(const struct vor_spec *spec, unsigned inputs,
+                                 struct vor_error *err)
+{
+    const struct vor_process_info *process = spec->process;
+    const struct vor_artefact_info *input;
+    char text[VOR_SPEC_VALUE_SIZE];
+
+    for (unsigned i = 0; (input = &process->inputs[i])->name != NULL; i++)
+        if (input->is_required && (inputs >> i & 1) == 0)
+            return vor_fail_param(err, VOR_E_PARAM, input->name, "%s has no %s, and needs one",
+                                  process->id, input->name);
+    for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
+        enum vor_parameter parameter = (enum vor_parameter)i;
+        const char *needed = vor_parameter_needs(parameter);
+        struct vor_parameter_info info = vor_process_parameter(process, parameter);
+
+        if (needed == NULL || spec->value[i] == info.fallback ||
+            comes_along(process, needed, inputs))
+            continue;
+        vor_spec_text(spec, parameter, text);
+        return vor_fail_param(err, VOR_E_PARAM, info.name, "%s is %.*s without a %s", info.name,
+                              SHOWN_SIZE, text, needed);
+    }
+    return VOR_OK;
 }
 
 double vor_spec_target(const struct vor_spec *spec, uint64_t input)
@@ -263,17 +279,18 @@ static enum vor_parameter count_given(const struct vor_spec *spec)
 vor_status vor_spec_check_target(const struct vor_spec *spec, double target, uint64_t input,
                                  struct vor_error *err)
 {
-    const struct vor_parameter_info *points = &infos[VOR_PARAM_POINTS];
+    const struct vor_parameter_info *points = vor_parameter_info(VOR_PARAM_POINTS);
     const struct vor_process_info *process = spec->process;
     enum vor_parameter from = count_given(spec);
+    const char *name = vor_parameter_info(from)->name;
     double least = fmax(points->min, process->ratio_min * (double)input);
     double most = fmin(points->max, process->ratio_max * (double)input);
     char asked[48] = "", times[32] = "up to";
 
-    if (target >= least && target <= most)
+    if ((target >= least && target <= most) || !has_target(spec))
         return VOR_OK;
     if (least > most)
-        return vor_fail_param(err, VOR_E_TARGET, infos[from].name,
+        return vor_fail_param(err, VOR_E_TARGET, name,
                               "%s of %llu points asks for %.0f or more, want at most %.0f",
                               process->id, (unsigned long long)input, least, most);
     if (from != VOR_PARAM_POINTS)
@@ -281,16 +298,22 @@ vor_status vor_spec_check_target(const struct vor_spec *spec, double target, uin
     if (process->ratio_min > 0)
         (void)snprintf(times, sizeof times, "%g to", process->ratio_min);
     return vor_fail_param(
-        err, VOR_E_TARGET, infos[from].name,
-        "%s is %.10g%s, want %.0f to %.0f: %s gives %s %g for each of the input's %llu",
-        infos[from].name, spec->value[from], asked, least, most, process->id, times,
-        process->ratio_max, (unsigned long long)input);
+        err, VOR_E_TARGET, name,
+        "%s is %.10g%s, want %.0f to %.0f: %s gives %s %g for each of the input's %llu", name,
+        spec->value[from], asked, least, most, process->id, times, process->ratio_max,
+        (unsigned long long)input);
+}
+
+enum vor_form vor_spec_form(const struct vor_spec *spec, enum vor_parameter parameter)
+{
+    if (spec->process == NULL || !vor_process_takes(spec->process, parameter))
+        return VOR_FORM_NONE;
+    return vor_kind_form_of(vor_parameter_info(parameter), spec->value[parameter]);
 }
 
 int vor_spec_given(const struct vor_spec *spec, enum vor_parameter parameter)
 {
-    return vor_parameter_info(parameter)->kind == VOR_KIND_COUNT_OR_AUTO ||
-           spec->value[parameter] != VOR_UNSET;
+    return vor_kind_form_of(vor_parameter_info(parameter), spec->value[parameter]) != VOR_FORM_NONE;
 }
 
 uint32_t vor_spec_iterations(const struct vor_spec *spec)
@@ -302,37 +325,10 @@ uint32_t vor_spec_iterations(const struct vor_spec *spec)
     return spec->value[VOR_PARAM_POLISH] > 0 ? BEFORE_POLISH : ALONE;
 }
 
-const char *vor_spec_text(const struct vor_spec *spec, enum vor_parameter parameter, char *out,
-                          size_t size)
+const char *vor_spec_text(const struct vor_spec *spec, enum vor_parameter parameter,
+                          char out[VOR_SPEC_VALUE_SIZE])
 {
-    const struct vor_parameter_info *info = vor_parameter_info(parameter);
-    double value = spec->value[parameter];
-    const char *word = "";
-
-    assert(size > 0);
-    out[0] = '\0';
-    if (value == VOR_UNSET) {
-        if (info->kind == VOR_KIND_COUNT_OR_AUTO)
-            (void)snprintf(out, size, "auto");
-    } else if (info->kind == VOR_KIND_CHOICE) {
-        size_t length = vor_parameter_choice(parameter, (unsigned)value, &word);
-
-        (void)snprintf(out, size, "%.*s", (int)length, word);
-    } else {
-        (void)snprintf(out, size, "%.17g", value);
-    }
+    vor_kind_write(vor_parameter_info(parameter), spec->value[parameter],
+                   vor_spec_name(spec, parameter), out, VOR_SPEC_VALUE_SIZE);
     return out;
-}
-
-const struct vor_process_info *vor_process_info(unsigned index)
-{
-    return index < PROCESS_COUNT ? &processes[index] : NULL;
-}
-
-const struct vor_process_info *vor_process_find(const char *id)
-{
-    for (unsigned i = 0; i < PROCESS_COUNT; i++)
-        if (strcmp(processes[i].id, id) == 0)
-            return &processes[i];
-    return NULL;
 }

@@ -38,7 +38,8 @@ typedef enum vor_status {
 struct vor_error {
     vor_status status;
     char parameter[32];  /**< name of the offending parameter, or "" */
-    char message[256];   /**< one sentence with the value and the allowed range, no newline */
+    char message[1024];  /**< one sentence with the value and the allowed range, no newline; holds
+                              whatever the tables of requests can say (core/spec.c) */
     int64_t byte_offset; /**< where in the input, or -1 */
     uint64_t limit, got; /**< E_LIMIT: the limit and what was declared; else 0 */
 };

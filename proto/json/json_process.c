@@ -2,61 +2,8 @@
  * of the formats: what is described is what is accepted. */
 #include "proto/json/json_process.h"
 #include "proto/codec.h"
+#include "proto/json/json_spec.h"
 #include "proto/json/json_write.h"
-
-static void put_range(struct vor_text *text, const struct vor_parameter_info *info)
-{
-    vor_json_put_string(text, "type", info->kind == VOR_KIND_REAL ? "number" : "integer");
-    vor_json_put_double(text, "minimum", info->min);
-    vor_json_put_double(text, "maximum", info->max);
-}
-
-static void put_choices(struct vor_text *text, enum vor_parameter parameter)
-{
-    const char *word;
-    size_t length;
-
-    vor_json_put_string(text, "type", "string");
-    vor_json_key(text, "enum");
-    vor_json_begin_array(text);
-    for (unsigned i = 0; (length = vor_parameter_choice(parameter, i, &word)) > 0; i++)
-        vor_json_bytes(text, word, length);
-    vor_json_end_array(text);
-}
-
-static void put_range_or_auto(struct vor_text *text, const struct vor_parameter_info *info)
-{
-    vor_json_key(text, "oneOf");
-    vor_json_begin_array(text);
-    vor_json_begin_object(text);
-    put_range(text, info);
-    vor_json_end_object(text);
-    vor_json_begin_object(text);
-    vor_json_put_string(text, "type", "string");
-    vor_json_key(text, "enum");
-    vor_json_begin_array(text);
-    vor_json_string(text, "auto");
-    vor_json_end_array(text);
-    vor_json_end_object(text);
-    vor_json_end_array(text);
-}
-
-static void put_default(struct vor_text *text, enum vor_parameter parameter,
-                        const struct vor_parameter_info *info)
-{
-    struct vor_spec spec;
-    char word[64];
-
-    vor_spec_init(&spec);
-    spec.value[parameter] = info->fallback;
-    if (!vor_spec_given(&spec, parameter))
-        return;
-    vor_json_key(text, "default");
-    if (info->kind == VOR_KIND_CHOICE || info->fallback == VOR_UNSET)
-        vor_json_string(text, vor_spec_text(&spec, parameter, word, sizeof word));
-    else
-        vor_json_double(text, info->fallback);
-}
 
 static void put_parameter(struct vor_text *text, const struct vor_process_info *process,
                           enum vor_parameter parameter)
@@ -70,17 +17,7 @@ static void put_parameter(struct vor_text *text, const struct vor_process_info *
     vor_json_put_u64(text, "minOccurs", 0);
     vor_json_put_u64(text, "maxOccurs", 1);
     vor_json_key(text, "schema");
-    vor_json_begin_object(text);
-    if (info.kind == VOR_KIND_CHOICE)
-        put_choices(text, parameter);
-    else if (info.kind == VOR_KIND_COUNT_OR_AUTO)
-        put_range_or_auto(text, &info);
-    else
-        put_range(text, &info);
-    put_default(text, parameter, &info);
-    if (info.unit[0] != '\0')
-        vor_json_put_string(text, "x-unit", info.unit);
-    vor_json_end_object(text);
+    vor_json_parameter_schema(text, process, parameter);
     vor_json_end_object(text);
 }
 
@@ -88,7 +25,6 @@ static void put_cloud_schema(struct vor_text *text)
 {
     const struct vor_format *format;
 
-    vor_json_key(text, "schema");
     vor_json_begin_object(text);
     vor_json_key(text, "oneOf");
     vor_json_begin_array(text);
@@ -103,42 +39,50 @@ static void put_cloud_schema(struct vor_text *text)
     vor_json_end_object(text);
 }
 
-static void put_inputs(struct vor_text *text, const struct vor_process_info *process)
+static void put_document_schema(struct vor_text *text)
 {
-    vor_json_key(text, "inputs");
-    vor_json_begin_object(text);
-    vor_json_key(text, "cloud");
-    vor_json_begin_object(text);
-    vor_json_put_string(text, "title", "cloud");
-    vor_json_put_string(text, "description",
-                        "The point cloud, as the body of the request; recognised by its bytes");
-    put_cloud_schema(text);
-    vor_json_end_object(text);
-    for (int i = 0; i < VOR_PARAMETER_COUNT; i++)
-        put_parameter(text, process, (enum vor_parameter)i);
-    vor_json_end_object(text);
-}
-
-static void put_outputs(struct vor_text *text)
-{
-    vor_json_key(text, "outputs");
-    vor_json_begin_object(text);
-    vor_json_key(text, "cloud");
-    vor_json_begin_object(text);
-    vor_json_put_string(text, "title", "cloud");
-    vor_json_put_string(text, "description", "The cloud that comes of it");
-    put_cloud_schema(text);
-    vor_json_end_object(text);
-    vor_json_key(text, "report");
-    vor_json_begin_object(text);
-    vor_json_put_string(text, "title", "report");
-    vor_json_put_string(text, "description", "What the run did and how even the result is");
-    vor_json_key(text, "schema");
     vor_json_begin_object(text);
     vor_json_put_string(text, "type", "object");
     vor_json_put_string(text, "contentMediaType", "application/json");
     vor_json_end_object(text);
+}
+
+static void put_artefact(struct vor_text *text, const struct vor_artefact_info *artefact)
+{
+    static void (*const schemas[])(struct vor_text *) = {
+        [VOR_ARTEFACT_CLOUD] = put_cloud_schema,
+        [VOR_ARTEFACT_DOCUMENT] = put_document_schema,
+    };
+
+    vor_json_key(text, artefact->name);
+    vor_json_begin_object(text);
+    vor_json_put_string(text, "title", artefact->name);
+    vor_json_put_string(text, "description", artefact->sentence);
+    if (!artefact->is_required)
+        vor_json_put_u64(text, "minOccurs", 0);
+    vor_json_key(text, "schema");
+    schemas[artefact->kind](text);
     vor_json_end_object(text);
+}
+
+static void put_inputs(struct vor_text *text, const struct vor_process_info *process)
+{
+    vor_json_key(text, "inputs");
+    vor_json_begin_object(text);
+    for (unsigned i = 0; process->inputs[i].name != NULL; i++)
+        put_artefact(text, &process->inputs[i]);
+    for (int i = 0; i < VOR_PARAMETER_COUNT; i++)
+        if (vor_process_takes(process, (enum vor_parameter)i))
+            put_parameter(text, process, (enum vor_parameter)i);
+    vor_json_end_object(text);
+}
+
+static void put_outputs(struct vor_text *text, const struct vor_process_info *process)
+{
+    vor_json_key(text, "outputs");
+    vor_json_begin_object(text);
+    for (unsigned i = 0; process->outputs[i].name != NULL; i++)
+        put_artefact(text, &process->outputs[i]);
     vor_json_end_object(text);
 }
 
@@ -181,6 +125,6 @@ void vor_json_process(struct vor_text *text, const struct vor_process_info *proc
     vor_json_begin_object(text);
     put_summary(text, process, links, link_count);
     put_inputs(text, process);
-    put_outputs(text);
+    put_outputs(text, process);
     vor_json_end_object(text);
 }

@@ -4,6 +4,7 @@
 #include "core/base/parallel.h"
 #include "core/base/quote.h"
 #include "core/engine.h"
+#include "core/spec/kinds.h"
 #include "server/base/machine.h"
 
 #include <stdlib.h>
@@ -52,7 +53,9 @@ enum vor_command vor_cli_find(const char *name)
 /* The process that a command runs; NULL when it runs none. */
 static const struct vor_process_info *process_of(enum vor_command command)
 {
-    return vor_process_find(commands[command].name);
+    const struct vor_process_info *process = vor_process_find(commands[command].name);
+
+    return process != NULL && process->outputs[0].kind == VOR_ARTEFACT_CLOUD ? process : NULL;
 }
 
 static int takes(enum vor_command command, int option)
@@ -113,24 +116,26 @@ static vor_status set_parameter(struct reader *r, enum vor_parameter parameter, 
                                 const char *attached)
 {
     const char *value = take_value(r, shown, attached);
-    char quoted[64];
 
     if (value == NULL)
         return VOR_E_PARAM;
     r->cli->given[parameter] = 1;
-    vor_quote(quoted, sizeof quoted, value, strlen(value));
-    return vor_spec_set(&r->cli->spec, vor_parameter_info(parameter)->name, quoted, r->err);
+    return vor_spec_set(&r->cli->spec, vor_parameter_info(parameter)->name, value, r->err);
 }
 
 static enum vor_parameter find_parameter(const struct reader *r, const char *name, size_t length)
 {
+    enum vor_parameter parameter;
     char word[64];
 
     if (process_of(r->cli->command) == NULL || length >= sizeof word)
         return VOR_PARAMETER_COUNT;
     memcpy(word, name, length);
     word[length] = '\0';
-    return vor_parameter_find(word);
+    parameter = vor_parameter_find(word);
+    return parameter != VOR_PARAMETER_COUNT && vor_process_takes(r->cli->spec.process, parameter)
+               ? parameter
+               : VOR_PARAMETER_COUNT;
 }
 
 /* --name, --name value, --name=value */
@@ -282,20 +287,14 @@ vor_status vor_cli_read(struct vor_cli *out, enum vor_command command, int argc,
 static void print_values(FILE *out, enum vor_parameter parameter,
                          const struct vor_parameter_info *info)
 {
+    char values[VOR_KIND_WORDS_SIZE], text[VOR_SPEC_VALUE_SIZE];
     struct vor_spec spec;
-    char text[64];
 
     vor_spec_init(&spec);
     spec.value[parameter] = info->fallback;
-    vor_spec_text(&spec, parameter, text, sizeof text);
-    if (info->kind == VOR_KIND_CHOICE) {
-        for (const char *c = info->choices; *c != '\0'; c++)
-            *c == ' ' ? (void)fputs(" | ", out) : (void)fputc(*c, out);
-    } else {
-        fprintf(out, "%.10g to %.16g%s%s%s", info->min, info->max, info->unit[0] ? " " : "",
-                info->unit, info->kind == VOR_KIND_COUNT_OR_AUTO ? " | auto" : "");
-    }
-    fprintf(out, "%s%s\n", text[0] != '\0' ? ", default " : "", text);
+    vor_spec_text(&spec, parameter, text);
+    vor_kind_values(info, values);
+    fprintf(out, "%s%s%s\n", values, text[0] != '\0' ? ", default " : "", text);
 }
 
 static void print_options(FILE *out, enum vor_command command)
@@ -330,6 +329,8 @@ void vor_cli_help(FILE *out, enum vor_command command)
         enum vor_parameter parameter = (enum vor_parameter)i;
         struct vor_parameter_info info = vor_process_parameter(process, parameter);
 
+        if (!vor_process_takes(process, parameter))
+            continue;
         fprintf(out, "  %s --%s VALUE\n      %s\n      ", i == VOR_PARAM_POINTS ? "-n," : "   ",
                 info.name, info.sentence);
         print_values(out, parameter, &info);

@@ -107,7 +107,7 @@ static void build_url(struct vor_text *url, const struct vor_cli *cli)
     const char *server = cli->option[VOR_OPTION_SERVER], *separator = "?";
     const struct vor_format *format = vor_format_by_suffix(cli->option[VOR_OPTION_OUTPUT]);
     size_t length = strlen(server);
-    char value[64];
+    char value[VOR_SPEC_VALUE_SIZE];
 
     while (length > 0 && server[length - 1] == '/')
         length--;
@@ -115,7 +115,7 @@ static void build_url(struct vor_text *url, const struct vor_cli *cli)
     vor_text_printf(url, "/v1/%s", cli->spec.process->id);
     for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
         enum vor_parameter parameter = (enum vor_parameter)i;
-        const char *text = vor_spec_text(&cli->spec, parameter, value, sizeof value);
+        const char *text = vor_spec_text(&cli->spec, parameter, value);
 
         if (!cli->given[i] && (i != VOR_PARAM_FORMAT || format == NULL))
             continue;

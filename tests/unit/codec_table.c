@@ -18,7 +18,7 @@ START_TEST(formats_have_the_index_and_the_word_of_the_parameter)
 
     for (unsigned i = 0; i < 2; i++) {
         const struct vor_format *format = vor_format(i);
-        size_t length = vor_parameter_choice(VOR_PARAM_FORMAT, i, &word);
+        size_t length = vor_parameter_choice(vor_parameter_info(VOR_PARAM_FORMAT), i, &word);
 
         ck_assert_uint_eq(strlen(format->name), length);
         ck_assert_mem_eq(format->name, word, length);
@@ -34,7 +34,7 @@ START_TEST(formats_have_the_index_and_the_word_of_the_parameter)
     ck_assert_str_eq(vor_format(VOR_FORMAT_DRC)->media_type, "application/draco");
     ck_assert_ptr_null(vor_format(2));
     ck_assert_ptr_null(vor_format(UINT32_MAX));
-    ck_assert_uint_eq(vor_parameter_choice(VOR_PARAM_FORMAT, 2, &word), 0);
+    ck_assert_uint_eq(vor_parameter_choice(vor_parameter_info(VOR_PARAM_FORMAT), 2, &word), 0);
 }
 END_TEST
 

@@ -1,4 +1,4 @@
-/* The values the product speaks: their exact shape, and requests read back. */
+/* The values the product speaks: their exact shape. */
 #include "proto/json/json.h"
 #include "tests/support/vt.h"
 
@@ -224,108 +224,6 @@ START_TEST(a_measure_is_written_in_this_shape)
 }
 END_TEST
 
-/* A value for a parameter, drawn at random: within its range, at its ends, or one of its words. */
-static double draw(enum vor_parameter parameter, uint64_t seed)
-{
-    const struct vor_parameter_info *info = vor_parameter_info(parameter);
-    uint64_t index = (uint64_t)parameter;
-    double u = vt_unit(seed, index), value;
-    const char *word;
-    unsigned words = 0;
-
-    if (u < 0.2)
-        return info->fallback;
-    if (info->kind == VOR_KIND_CHOICE) {
-        while (vor_parameter_choice(parameter, words, &word) > 0)
-            words++;
-        return (double)vor_rng_below(seed, 7, index, words);
-    }
-    if (info->kind == VOR_KIND_COUNT_OR_AUTO && u < 0.3)
-        return VOR_UNSET;
-    value = info->min + (info->max - info->min) * vt_unit(seed, 100 + index);
-    if (u > 0.9)
-        value = u > 0.95 ? info->min : info->max;
-    return info->kind == VOR_KIND_REAL ? value : floor(value);
-}
-
-/* Property: what a request is written as, it is read from. */
-START_TEST(every_request_comes_back)
-{
-    for (uint64_t i = 0; i < 100; i++) {
-        struct vor_spec spec, back;
-        struct vor_json *json;
-        char pointer[VOR_JSON_POINTER_MAX];
-
-        vor_spec_init(&spec);
-        vor_spec_init(&back);
-        for (int p = 0; p < VOR_PARAMETER_COUNT; p++)
-            spec.value[p] = draw((enum vor_parameter)p, (uint64_t)_i * 1000 + i);
-        vor_text_init(&text, 0);
-        vor_json_spec(&text, &spec);
-        json = parsed(text.data);
-        for (int p = 0; p < VOR_PARAMETER_COUNT; p++)
-            back.value[p] = VOR_UNSET;
-        vt_assert_ok(vor_json_spec_read(&back, json, pointer, &vt_err));
-        ck_assert_str_eq(pointer, "");
-        for (int p = 0; p < VOR_PARAMETER_COUNT; p++)
-            ck_assert_msg(spec.value[p] == back.value[p], "%s: %.17g is not %.17g in %s",
-                          vor_parameter_info((enum vor_parameter)p)->name, back.value[p],
-                          spec.value[p], text.data);
-        vor_json_free(json);
-        vor_text_free(&text);
-    }
-}
-END_TEST
-
-struct refused {
-    const char *json, *pointer, *parameter, *message;
-};
-
-static const struct refused refused[] = {
-    {"[]", "", "", "the parameters are an array, want an object"},
-    {"{\"points\":\"100\"}", "/points", "points",
-     "points is a string, want a number from 1 to 10000000"},
-    {"{\"points\":null}", "/points", "points", "points is null, want a number from 1 to 10000000"},
-    {"{\"seed\":2,\"points\":0}", "/points", "points",
-     "points is 0, want a whole number from 1 to 10000000"},
-    {"{\"points\":1.5}", "/points", "points",
-     "points is 1.5, want a whole number from 1 to 10000000"},
-    {"{\"points\":[1]}", "/points", "points",
-     "points is an array, want a number from 1 to 10000000"},
-    {"{\"points\":true}", "/points", "points",
-     "points is a boolean, want a number from 1 to 10000000"},
-    {"{\"neighbors\":\"Auto\"}", "/neighbors", "neighbors",
-     "neighbors is a string, want a number from 6 to 500 or \"auto\""},
-    {"{\"boundary\":1}", "/boundary", "boundary", "boundary is \"1\", want one of keep, free"},
-    {"{\"boundary\":{}}", "/boundary", "boundary",
-     "boundary is an object, want one of the words keep free"},
-    {"{\"boundary\":\"kee\\np\"}", "/boundary", "boundary",
-     "boundary is \"kee\\x0ap\", want one of keep, free"},
-    {"{\"a/b~c\":1}", "/a~1b~0c", "a/b~c", NULL},
-    {"{\"new\\nline\":1}", "/new\nline", "new\\x0aline", NULL},
-    {"{\"Points\":1}", "/Points", "Points", NULL},
-};
-
-START_TEST(a_wrong_member_is_named_and_nothing_is_set)
-{
-    const struct refused *r = &refused[_i];
-    struct vor_json *json = parsed(r->json);
-    struct vor_spec spec, before;
-    char pointer[VOR_JSON_POINTER_MAX];
-
-    vor_spec_init(&spec);
-    before = spec;
-    vt_assert_fails(VOR_E_PARAM, vor_json_spec_read(&spec, json, pointer, &vt_err));
-    ck_assert_str_eq(pointer, r->pointer);
-    ck_assert_str_eq(vt_err.parameter, r->parameter);
-    if (r->message != NULL)
-        ck_assert_str_eq(vt_err.message, r->message);
-    ck_assert_ptr_null(strchr(vt_err.message, '\n'));
-    ck_assert_mem_eq(&spec, &before, sizeof spec);
-    vor_json_free(json);
-}
-END_TEST
-
 START_TEST(a_problem_has_its_shape)
 {
     static const struct vor_problem_error errors[] = {
@@ -423,97 +321,6 @@ START_TEST(a_status_has_its_shape)
 }
 END_TEST
 
-static const struct vor_json *at(const struct vor_json *json, const char *a, const char *b,
-                                 const char *c)
-{
-    return vor_json_get(vor_json_get(vor_json_get(json, a), b), c);
-}
-
-static double number_at(const struct vor_json *json, const char *name, const char *word)
-{
-    double number = NAN;
-
-    (void)vor_json_get_number(vor_json_get(at(json, "inputs", name, "schema"), word), &number);
-    return number;
-}
-
-/* Ranges and defaults of the process, and not those of the table; NaN: there is none. */
-START_TEST(a_process_describes_its_preset)
-{
-    static const struct {
-        const char *id;
-        double least, most, ratio;
-        const char *outliers;
-    } cases[] = {{"resample", 1e-6, 16, NAN, "keep"},
-                 {"denoise", 1e-6, 16, 1, "drop"},
-                 {"upsample", 1, 16, 4, "keep"},
-                 {"simplify", 1e-6, 1, NAN, "keep"}};
-    struct vor_json *json;
-    double ratio;
-
-    vor_text_init(&text, 0);
-    vor_json_process(&text, vor_process_find(cases[_i].id), NULL, 0);
-    json = parsed(text.data);
-    ck_assert_str_eq(vor_json_get_string(vor_json_get(json, "id")), cases[_i].id);
-    ck_assert_double_eq(number_at(json, "ratio", "minimum"), cases[_i].least);
-    ck_assert_double_eq(number_at(json, "ratio", "maximum"), cases[_i].most);
-    ratio = number_at(json, "ratio", "default");
-    ck_assert(ratio == cases[_i].ratio || (isnan(ratio) && isnan(cases[_i].ratio)));
-    ck_assert_str_eq(
-        vor_json_get_string(vor_json_get(at(json, "inputs", "outliers", "schema"), "default")),
-        cases[_i].outliers);
-    vor_json_free(json);
-    vor_text_free(&text);
-}
-END_TEST
-
-/* The description is what the parameter table says, parameter by parameter. */
-START_TEST(a_process_describes_every_parameter)
-{
-    struct vor_json *json;
-
-    vor_text_init(&text, 0);
-    vor_json_process(&text, vor_process_info(0), NULL, 0);
-    json = parsed(text.data);
-    ck_assert_str_eq(vor_json_get_string(vor_json_get(json, "id")), "resample");
-    ck_assert_str_eq(vor_json_get_string(vor_json_get(json, "version")), VOR_VERSION);
-    ck_assert_uint_eq(vor_json_count(vor_json_get(json, "jobControlOptions")), 3);
-    ck_assert_uint_eq(vor_json_count(vor_json_get(json, "inputs")), VOR_PARAMETER_COUNT + 1);
-    for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
-        const struct vor_parameter_info *info = vor_parameter_info((enum vor_parameter)i);
-        const struct vor_json *schema = at(json, "inputs", info->name, "schema");
-        const struct vor_json *range = vor_json_first(vor_json_get(schema, "oneOf"));
-        double number = NAN;
-
-        if (info->kind == VOR_KIND_CHOICE) {
-            ck_assert_str_eq(vor_json_get_string(vor_json_get(schema, "type")), "string");
-            ck_assert_uint_ge(vor_json_count(vor_json_get(schema, "enum")), 1);
-            continue;
-        }
-        range = info->kind == VOR_KIND_COUNT_OR_AUTO ? range : schema;
-        ck_assert(vor_json_get_number(vor_json_get(range, "minimum"), &number));
-        ck_assert_double_eq(number, info->min);
-        ck_assert(vor_json_get_number(vor_json_get(range, "maximum"), &number));
-        ck_assert_double_eq(number, info->max);
-        ck_assert_str_eq(vor_json_get_string(vor_json_get(range, "type")),
-                         info->kind == VOR_KIND_REAL ? "number" : "integer");
-        if (info->fallback != VOR_UNSET) {
-            ck_assert(vor_json_get_number(vor_json_get(schema, "default"), &number));
-            ck_assert_double_eq(number, info->fallback);
-        }
-    }
-    ck_assert_str_eq(
-        vor_json_get_string(vor_json_get(at(json, "inputs", "seconds", "schema"), "x-unit")), "s");
-    ck_assert_str_eq(
-        vor_json_get_string(vor_json_get(at(json, "inputs", "quantization", "schema"), "default")),
-        "auto");
-    ck_assert_ptr_nonnull(at(json, "outputs", "cloud", "schema"));
-    ck_assert_ptr_nonnull(at(json, "outputs", "report", "schema"));
-    vor_json_free(json);
-    vor_text_free(&text);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("json_values");
@@ -524,12 +331,7 @@ int main(void)
     vt_add(suite, a_stage_of_another_build_is_none_of_ours);
     vt_add(suite, a_report_has_its_shape);
     vt_add(suite, a_measure_is_written_in_this_shape);
-    vt_add_loop(suite, every_request_comes_back, 10);
-    vt_add_loop(suite, a_wrong_member_is_named_and_nothing_is_set,
-                (int)(sizeof refused / sizeof refused[0]));
     vt_add(suite, a_problem_has_its_shape);
     vt_add(suite, a_status_has_its_shape);
-    vt_add_loop(suite, a_process_describes_its_preset, 4);
-    vt_add(suite, a_process_describes_every_parameter);
     return vt_run(suite);
 }

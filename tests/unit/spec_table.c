@@ -8,7 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { PROCESSES = 4 };
+/* The first four spread points and have a target, the last measures. */
+enum { PROCESSES = 5, SPREADING = 4 };
 
 /* _i names the parameter in the loops below. */
 static const struct vor_parameter_info *info_of(int i)
@@ -21,19 +22,34 @@ static double value_of(const struct vor_spec *spec, int i)
     return spec->value[i];
 }
 
-static int is_number(const struct vor_parameter_info *info)
-{
-    return info->kind != VOR_KIND_CHOICE;
-}
-
 static int is_whole(const struct vor_parameter_info *info)
 {
-    return info->kind == VOR_KIND_COUNT || info->kind == VOR_KIND_COUNT_OR_AUTO;
+    return vor_kind_form(info->kind, 0) == VOR_FORM_WHOLE;
 }
 
-static const char *print(char out[64], double number)
+static int is_number(const struct vor_parameter_info *info)
 {
-    (void)snprintf(out, 64, "%.17g", number);
+    return is_whole(info) || vor_kind_form(info->kind, 0) == VOR_FORM_REAL;
+}
+
+static int has_auto(const struct vor_parameter_info *info)
+{
+    return vor_kind_form(info->kind, 1) == VOR_FORM_AUTO;
+}
+
+/* A request for the first process that takes parameter i. */
+static void init_for(struct vor_spec *spec, int i)
+{
+    unsigned process = 0;
+
+    while (!vor_process_takes(vor_process_info(process), (enum vor_parameter)i))
+        process++;
+    vor_spec_preset(spec, vor_process_info(process));
+}
+
+static const char *print(char *out, double number)
+{
+    (void)snprintf(out, 32, "%.17g", number);
     return out;
 }
 
@@ -42,9 +58,9 @@ static void assert_out_of_range(int i, double number)
 {
     const struct vor_parameter_info *info = info_of(i);
     struct vor_spec spec, before;
-    char text[64];
+    char text[VOR_SPEC_VALUE_SIZE];
 
-    vor_spec_init(&spec);
+    init_for(&spec, i);
     before = spec;
     for (int door = 0; door < 2; door++) {
         vor_status status = door == 0
@@ -63,13 +79,13 @@ static void assert_taken(int i, double number)
 {
     const struct vor_parameter_info *info = info_of(i);
     struct vor_spec spec;
-    char text[64];
+    char text[VOR_SPEC_VALUE_SIZE];
 
-    vor_spec_init(&spec);
+    init_for(&spec, i);
     vt_assert_ok(vor_spec_set(&spec, info->name, print(text, number), &vt_err));
     ck_assert(value_of(&spec, i) == number);
     ck_assert(vor_spec_given(&spec, (enum vor_parameter)i));
-    vor_spec_init(&spec);
+    init_for(&spec, i);
     vt_assert_ok(vor_spec_set_number(&spec, info->name, number, &vt_err));
     ck_assert(value_of(&spec, i) == number);
 }
@@ -85,7 +101,7 @@ START_TEST(a_parameter_has_a_name_a_sentence_and_a_default_in_its_range)
     ck_assert_uint_lt(strlen(info->name), sizeof vt_err.parameter);
     ck_assert_uint_gt(strlen(info->sentence), 10);
     ck_assert_int_eq(vor_parameter_find(info->name), _i);
-    vor_spec_init(&spec);
+    init_for(&spec, _i);
     ck_assert(value_of(&spec, _i) == info->fallback);
     if (info->fallback != VOR_UNSET && is_number(info))
         ck_assert(info->fallback >= info->min && info->fallback <= info->max);
@@ -121,7 +137,7 @@ START_TEST(a_whole_number_has_no_fraction)
     if (!is_whole(info))
         return;
     assert_out_of_range(_i, info->min + 0.5);
-    vor_spec_init(&spec);
+    init_for(&spec, _i);
     vt_assert_fails(VOR_E_PARAM, vor_spec_set_number(&spec, info->name, NAN, &vt_err));
     vt_assert_fails(VOR_E_PARAM, vor_spec_set_number(&spec, info->name, INFINITY, &vt_err));
 }
@@ -148,7 +164,7 @@ START_TEST(junk_is_refused_and_shown)
     for (size_t k = 0; k < sizeof junk / sizeof junk[0]; k++) {
         struct vor_spec spec, before;
 
-        vor_spec_init(&spec);
+        init_for(&spec, _i);
         before = spec;
         ck_assert_msg(vor_spec_set(&spec, info->name, junk[k], &vt_err) == VOR_E_PARAM,
                       "%s takes \"%s\"", info->name, junk[k]);
@@ -170,21 +186,21 @@ START_TEST(a_choice_takes_each_of_its_words_and_no_number)
 
     if (is_number(info))
         return;
-    for (k = 0; (length = vor_parameter_choice((enum vor_parameter)_i, k, &word)) > 0; k++) {
-        char text[32], back[32];
+    for (k = 0; (length = vor_parameter_choice(info, k, &word)) > 0; k++) {
+        char text[VOR_SPEC_VALUE_SIZE], back[VOR_SPEC_VALUE_SIZE];
 
         (void)snprintf(text, sizeof text, "%.*s", (int)length, word);
-        vor_spec_init(&spec);
+        init_for(&spec, _i);
         vt_assert_ok(vor_spec_set(&spec, info->name, text, &vt_err));
         ck_assert(value_of(&spec, _i) == k);
-        ck_assert_str_eq(vor_spec_text(&spec, (enum vor_parameter)_i, back, sizeof back), text);
+        ck_assert_str_eq(vor_spec_text(&spec, (enum vor_parameter)_i, back), text);
         text[0] = (char)toupper((unsigned char)text[0]);
         vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, info->name, text, &vt_err));
         ck_assert_ptr_nonnull(strstr(vt_err.message, back)); /* the words are listed */
         total += length + (k > 0);
     }
     ck_assert_uint_gt(k, 0);
-    ck_assert_uint_eq(total, strlen(info->choices));
+    ck_assert_uint_eq(total, strlen(info->choices) - strspn(info->choices, " "));
     ck_assert(info->fallback == VOR_UNSET || info->fallback < k);
     vt_assert_fails(VOR_E_PARAM, vor_spec_set_number(&spec, info->name, 0, &vt_err));
     ck_assert_str_eq(vt_err.parameter, info->name);
@@ -195,17 +211,17 @@ START_TEST(auto_is_taken_where_it_means_something)
 {
     const struct vor_parameter_info *info = info_of(_i);
     struct vor_spec spec;
-    char text[32];
+    char text[VOR_SPEC_VALUE_SIZE];
 
-    vor_spec_init(&spec);
-    if (info->kind != VOR_KIND_COUNT_OR_AUTO) {
+    init_for(&spec, _i);
+    if (!has_auto(info)) {
         vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, info->name, "auto", &vt_err));
         return;
     }
     vt_assert_ok(vor_spec_set(&spec, info->name, "auto", &vt_err));
     ck_assert(value_of(&spec, _i) == VOR_UNSET);
     ck_assert(vor_spec_given(&spec, (enum vor_parameter)_i));
-    ck_assert_str_eq(vor_spec_text(&spec, (enum vor_parameter)_i, text, sizeof text), "auto");
+    ck_assert_str_eq(vor_spec_text(&spec, (enum vor_parameter)_i, text), "auto");
     vt_assert_fails(VOR_E_PARAM, vor_spec_set_number(&spec, info->name, VOR_UNSET, &vt_err));
 }
 END_TEST
@@ -218,16 +234,15 @@ START_TEST(text_of_a_value_reads_back_as_the_value)
     for (uint64_t k = 0; is_number(info) && k < 200; k++) {
         double number = info->min + vt_unit(k, (uint64_t)_i) * (info->max - info->min);
         struct vor_spec spec, back;
-        char text[64];
+        char text[VOR_SPEC_VALUE_SIZE];
 
         if (is_whole(info))
             number = floor(number);
-        vor_spec_init(&spec);
+        init_for(&spec, _i);
         back = spec;
         vt_assert_ok(vor_spec_set_number(&spec, info->name, number, &vt_err));
         vt_assert_ok(vor_spec_set(&back, info->name,
-                                  vor_spec_text(&spec, (enum vor_parameter)_i, text, sizeof text),
-                                  &vt_err));
+                                  vor_spec_text(&spec, (enum vor_parameter)_i, text), &vt_err));
         ck_assert_mem_eq(&spec, &back, sizeof spec);
     }
 }
@@ -237,45 +252,60 @@ START_TEST(what_is_not_given_has_no_text)
 {
     const struct vor_parameter_info *info = info_of(_i);
     struct vor_spec spec;
-    char text[32];
+    char text[VOR_SPEC_VALUE_SIZE];
 
-    vor_spec_init(&spec);
-    if (info->fallback != VOR_UNSET || info->kind == VOR_KIND_COUNT_OR_AUTO) {
+    init_for(&spec, _i);
+    if (info->fallback != VOR_UNSET || has_auto(info)) {
         ck_assert(vor_spec_given(&spec, (enum vor_parameter)_i));
         return;
     }
     ck_assert(!vor_spec_given(&spec, (enum vor_parameter)_i));
-    ck_assert_str_eq(vor_spec_text(&spec, (enum vor_parameter)_i, text, sizeof text), "");
+    ck_assert_str_eq(vor_spec_text(&spec, (enum vor_parameter)_i, text), "");
 }
 END_TEST
 
-START_TEST(an_unknown_name_lists_the_names_there_are)
+/* The name of a parameter stands in a message as a word of its own. */
+static int names(const char *message, const char *name)
 {
-    static const char *const names[] = {
-        "",
-        "pints",
-        "Points",
-        "points ",
-        "point",
-        "pointss",
-        "a_name_that_is_far_too_long_to_be_shown_as_a_whole_in_any_message"};
+    const char *list = strstr(message, "; it takes ");
+    size_t length = strlen(name);
 
-    for (size_t k = 0; k < sizeof names / sizeof names[0]; k++)
-        for (int door = 0; door < 2; door++) {
-            struct vor_spec spec, before;
-            vor_status status;
+    for (const char *at = list; at != NULL && (at = strstr(at, name)) != NULL; at += length)
+        if (at[-1] == ' ' && (at[length] == ',' || at[length] == '\0'))
+            return 1;
+    return 0;
+}
 
-            vor_spec_init(&spec);
-            before = spec;
-            status = door == 0 ? vor_spec_set(&spec, names[k], "7", &vt_err)
-                               : vor_spec_set_number(&spec, names[k], 7, &vt_err);
-            ck_assert_int_eq(status, VOR_E_PARAM);
-            for (int i = 0; i < VOR_PARAMETER_COUNT; i++)
-                ck_assert_msg(strstr(vt_err.message, info_of(i)->name) != NULL, "no %s in: %s",
-                              info_of(i)->name, vt_err.message);
-            ck_assert_mem_eq(&spec, &before, sizeof spec);
-            ck_assert_int_eq(vor_parameter_find(names[k]), VOR_PARAMETER_COUNT);
-        }
+/* Unknown names, and those of parameters that other processes take: _i is the process. */
+START_TEST(a_name_that_a_process_does_not_take_is_refused_with_those_it_takes)
+{
+    static const char *const strangers[] = {
+        "",          "pints",
+        "Points",    "points ",
+        "point",     "pointss",
+        "new\nline", "a_name_that_is_far_too_long_to_be_shown_as_a_whole_in_any_message"};
+    enum { STRANGERS = sizeof strangers / sizeof strangers[0] };
+    const struct vor_process_info *process = vor_process_info((unsigned)_i);
+
+    for (int k = 0; k < STRANGERS + VOR_PARAMETER_COUNT; k++) {
+        const char *name = k < STRANGERS ? strangers[k] : info_of(k - STRANGERS)->name;
+        struct vor_spec spec, before;
+
+        if (k >= STRANGERS && vor_process_takes(process, (enum vor_parameter)(k - STRANGERS)))
+            continue;
+        vor_spec_preset(&spec, process);
+        before = spec;
+        vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, name, "7", &vt_err));
+        vt_assert_fails(VOR_E_PARAM, vor_spec_set_number(&spec, name, 7, &vt_err));
+        vt_assert_fails(VOR_E_PARAM, vor_spec_refuse(&spec, name, "a thing", &vt_err));
+        ck_assert_int_eq(strncmp(vt_err.message, process->id, strlen(process->id)), 0);
+        for (int i = 0; i < VOR_PARAMETER_COUNT; i++)
+            ck_assert_msg(names(vt_err.message, info_of(i)->name) ==
+                              vor_process_takes(process, (enum vor_parameter)i),
+                          "%s in: %s", info_of(i)->name, vt_err.message);
+        ck_assert_ptr_null(strchr(vt_err.message, '\n'));
+        ck_assert_mem_eq(&spec, &before, sizeof spec);
+    }
 }
 END_TEST
 
@@ -372,14 +402,14 @@ START_TEST(a_process_differs_from_the_table_by_its_preset_alone)
         struct vor_parameter_info info = vor_process_parameter(process, parameter);
         const char *preset = preset_of(process->id, info.name);
         struct vor_spec shown = spec;
-        char text[64];
+        char text[VOR_SPEC_VALUE_SIZE];
 
         shown.value[i] = info.fallback;
         if (preset == NULL)
             ck_assert_msg(info.fallback == info_of(i)->fallback, "%s of %s", info.name,
                           process->id);
         else
-            ck_assert_str_eq(vor_spec_text(&shown, parameter, text, sizeof text), preset);
+            ck_assert_str_eq(vor_spec_text(&shown, parameter, text), preset);
         ck_assert(value_of(&spec, i) == (i == VOR_PARAM_RATIO ? VOR_UNSET : info.fallback));
         ck_assert_str_eq(info.name, info_of(i)->name);
         ck_assert(i == VOR_PARAM_RATIO ||
@@ -447,7 +477,7 @@ START_TEST(a_ratio_that_its_process_does_not_allow_is_refused_with_the_range)
 
     for (int k = 0; k < 2; k++) {
         struct vor_spec spec = request_for(cases[_i].process), before = spec;
-        char text[64], value[64];
+        char text[VOR_SPEC_VALUE_SIZE], value[64];
 
         print(text, cases[_i].refused[k]);
         vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, "ratio", text, &vt_err));
@@ -552,9 +582,76 @@ START_TEST(iterations_not_given_are_fewer_before_a_polish)
 }
 END_TEST
 
+/* A process that takes no points has no target to miss. */
+START_TEST(a_measure_asks_for_no_number_of_points)
+{
+    struct vor_spec spec = request_for("measure");
+
+    vt_assert_ok(vor_spec_complete(&spec, &vt_err));
+    vt_assert_ok(vor_spec_check(&spec, &vt_err));
+    ck_assert(vor_spec_target(&spec, 100) == VOR_UNSET);
+    vt_assert_ok(vor_spec_check_target(&spec, VOR_UNSET, 100, &vt_err));
+}
+END_TEST
+
+START_TEST(a_process_has_inputs_and_outputs_with_names_of_their_own)
+{
+    const struct vor_process_info *process = vor_process_info((unsigned)_i);
+
+    ck_assert_ptr_nonnull(process->inputs[0].name);
+    ck_assert_int_eq(process->inputs[0].is_required, 1);
+    ck_assert_ptr_nonnull(process->outputs[0].name);
+    for (int k = 0; process->inputs[k].name != NULL; k++) {
+        ck_assert_int_lt(k, VOR_INPUTS_MAX);
+        ck_assert_uint_gt(strlen(process->inputs[k].sentence), 10);
+        ck_assert_int_eq(vor_parameter_find(process->inputs[k].name), VOR_PARAMETER_COUNT);
+        for (int j = 0; j < k; j++)
+            ck_assert_str_ne(process->inputs[j].name, process->inputs[k].name);
+    }
+    for (int k = 0; process->outputs[k].name != NULL; k++) {
+        ck_assert_int_lt(k, VOR_OUTPUTS_MAX);
+        ck_assert_uint_gt(strlen(process->outputs[k].sentence), 10);
+        for (int j = 0; j < k; j++)
+            ck_assert_str_ne(process->outputs[j].name, process->outputs[k].name);
+    }
+}
+END_TEST
+
+START_TEST(an_input_that_is_required_must_come_along)
+{
+    struct vor_spec spec = request_for(_i == 0 ? "resample" : "measure");
+
+    vt_assert_ok(vor_spec_check_inputs(&spec, 1, &vt_err));
+    vt_assert_fails(VOR_E_PARAM, vor_spec_check_inputs(&spec, 0, &vt_err));
+    ck_assert_str_eq(vt_err.parameter, "cloud");
+    vt_assert_fails(VOR_E_PARAM, vor_spec_check_inputs(&spec, 2, &vt_err));
+    ck_assert_str_eq(vt_err.message, _i == 0 ? "resample has no cloud, and needs one"
+                                             : "measure has no cloud, and needs one");
+}
+END_TEST
+
+START_TEST(a_peak_needs_a_reference)
+{
+    struct vor_spec spec = request_for("measure");
+
+    vt_assert_ok(vor_spec_set(&spec, "peak", "auto", &vt_err));
+    vt_assert_ok(vor_spec_check_inputs(&spec, 1, &vt_err));
+    vt_assert_ok(vor_spec_set(&spec, "peak", "1023", &vt_err));
+    vt_assert_ok(vor_spec_check_inputs(&spec, 3, &vt_err));
+    vt_assert_fails(VOR_E_PARAM, vor_spec_check_inputs(&spec, 1, &vt_err));
+    ck_assert_str_eq(vt_err.message, "peak is 1023 without a reference");
+    ck_assert_str_eq(vt_err.parameter, "peak");
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("spec_table");
+
+    vt_add(suite, a_measure_asks_for_no_number_of_points);
+    vt_add_loop(suite, a_process_has_inputs_and_outputs_with_names_of_their_own, PROCESSES);
+    vt_add_loop(suite, an_input_that_is_required_must_come_along, 2);
+    vt_add(suite, a_peak_needs_a_reference);
 
     vt_add_loop(suite, a_parameter_has_a_name_a_sentence_and_a_default_in_its_range,
                 VOR_PARAMETER_COUNT);
@@ -565,15 +662,16 @@ int main(void)
     vt_add_loop(suite, auto_is_taken_where_it_means_something, VOR_PARAMETER_COUNT);
     vt_add_loop(suite, text_of_a_value_reads_back_as_the_value, VOR_PARAMETER_COUNT);
     vt_add_loop(suite, what_is_not_given_has_no_text, VOR_PARAMETER_COUNT);
-    vt_add(suite, an_unknown_name_lists_the_names_there_are);
+    vt_add_loop(suite, a_name_that_a_process_does_not_take_is_refused_with_those_it_takes,
+                PROCESSES);
     vt_add_loop(suite, exactly_one_of_points_ratio_and_spacing_is_given, 8);
     vt_add(suite, numbers_may_be_written_in_every_decimal_way);
     vt_add(suite, processes_are_found_by_their_id);
     vt_add_loop(suite, a_process_differs_from_the_table_by_its_preset_alone, PROCESSES);
-    vt_add_loop(suite, a_request_without_a_count_gets_that_of_its_process_or_is_refused, PROCESSES);
-    vt_add_loop(suite, what_a_caller_gives_wins_over_the_preset, PROCESSES);
+    vt_add_loop(suite, a_request_without_a_count_gets_that_of_its_process_or_is_refused, SPREADING);
+    vt_add_loop(suite, what_a_caller_gives_wins_over_the_preset, SPREADING);
     vt_add_loop(suite, a_ratio_that_its_process_does_not_allow_is_refused_with_the_range,
-                PROCESSES);
+                SPREADING);
     vt_add_loop(suite, a_target_is_held_against_the_input_as_its_process_wants, 7);
     vt_add(suite, a_target_that_comes_of_ratio_or_spacing_is_said_beside_them);
     vt_add(suite, an_input_too_large_for_its_process_is_told_so);

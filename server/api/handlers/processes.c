@@ -42,6 +42,8 @@ enum vor_next vor_handle_processes(void *ctx, struct vor_request *request, enum 
     vor_json_key(&text, "processes");
     vor_json_begin_array(&text);
     for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++) {
+        if (!process->on_http)
+            continue;
         make_links(ctx, request, process->id, &links);
         vor_json_process_summary(&text, process, links.links, PROCESS_LINKS);
     }
@@ -65,7 +67,7 @@ enum vor_next vor_handle_process(void *ctx, struct vor_request *request, enum vo
     (void)step;
     (void)snprintf(id, sizeof id, "%.*s", (int)(length < 60 ? length : 60), segment);
     process = vor_process_find(id);
-    if (process == NULL)
+    if (process == NULL || !process->on_http)
         return vor_problem_say(ctx, request, "no-such-process",
                                "there is no process %s; /v1/processes lists them", id);
     make_links(ctx, request, process->id, &links);

@@ -30,7 +30,7 @@ static bool begin_spec(struct vor_app *app, struct vor_request *request, struct 
         length = vor_path_segment(path, 2, &segment);
     (void)snprintf(id, sizeof id, "%.*s", (int)(length < 60 ? length : 60), segment);
     process = vor_process_find(id);
-    if (process == NULL) {
+    if (process == NULL || !process->on_http) {
         vor_problem_say(app, request, "no-such-process",
                         "there is no process %s; /v1/processes lists them", id);
         return false;

@@ -1,0 +1,306 @@
+/** What can be asked for: the tables of parameters and of processes. The command line, the query
+ *  string, JSON, the process descriptions, the routes and the docs all read them. Included through
+ *  core/spec.h. */
+#ifndef VOR_SPEC_TABLES_H
+#define VOR_SPEC_TABLES_H
+
+#include "core/base/extensions.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/** Forms: the ways in which one value may be written. */
+enum vor_form {
+    VOR_FORM_WHOLE,  /**< a whole number */
+    VOR_FORM_REAL,   /**< a finite number */
+    VOR_FORM_CHOICE, /**< one of the words; the value is its index */
+    VOR_FORM_WORD,   /**< one of the words beside a number; the value is VOR_WORD(index) */
+    VOR_FORM_NAME,   /**< a word that ends in :NAME, with a name for NAME; the value is its index */
+    VOR_FORM_FLAG,   /**< true or false; 1 or 0 */
+    VOR_FORM_TEXT,   /**< UTF-8 without control characters; the value is 1 */
+    VOR_FORM_LIST,   /**< some of the words, or "none"; bit i of the value is word i */
+    VOR_FORM_AUTO,   /**< the word auto; the value is VOR_UNSET */
+    VOR_FORM_NONE    /**< no form: how many there are */
+};
+
+/** How a caller's notation writes a value: plain text may stand for any form, JSON tells them
+ * apart. */
+enum vor_shape {
+    VOR_SHAPE_ANY,
+    VOR_SHAPE_NUMBER,
+    VOR_SHAPE_BOOLEAN,
+    VOR_SHAPE_STRING,
+    VOR_SHAPE_ARRAY
+};
+
+/** Kinds: how a parameter is written. Identifier, form, other form. */
+#define VOR_KIND_TABLE(X)                                                                          \
+    X(COUNT, WHOLE, NONE)                                                                          \
+    X(REAL, REAL, NONE)                                                                            \
+    X(CHOICE, CHOICE, NONE)                                                                        \
+    X(FLAG, FLAG, NONE)                                                                            \
+    X(TEXT, TEXT, NONE)                                                                            \
+    X(LIST, LIST, NONE)                                                                            \
+    X(CHOICE_OR_NAME, CHOICE, NAME)                                                                \
+    X(COUNT_OR_AUTO, WHOLE, AUTO)                                                                  \
+    X(REAL_OR_AUTO, REAL, AUTO)                                                                    \
+    X(REAL_OR_WORD, REAL, WORD)                                                                    \
+    X(LIST_OR_AUTO, LIST, AUTO)
+
+enum vor_kind {
+#define VOR_KIND_ENUM(id, form, other) VOR_KIND_##id,
+    VOR_KIND_TABLE(VOR_KIND_ENUM)
+#undef VOR_KIND_ENUM
+        VOR_KINDS
+};
+
+/** Stands for "auto" where the kind has it, else for "not given". Ranges begin above it. */
+#define VOR_UNSET (-1.0)
+
+/** Word number `index` of a REAL_OR_WORD. */
+#define VOR_WORD(index) (-2.0 - (index))
+
+/** Groups: a process takes whole groups of parameters. Identifier, title in the help. */
+#define VOR_GROUP_TABLE(X)                                                                         \
+    X(TARGET, "How many points")                                                                   \
+    X(SPREAD, "How they are spread")                                                               \
+    X(CVT, "Iterations and polish")                                                                \
+    X(INPUT, "The input")                                                                          \
+    X(OUTPUT, "The result")                                                                        \
+    X(FORMAT, "Its format")                                                                        \
+    X(MEASURE, "The measure")                                                                      \
+    VOR_EXTRA_GROUPS(X)
+
+enum vor_group {
+#define VOR_GROUP_ENUM(id, title) VOR_GROUP_##id,
+    VOR_GROUP_TABLE(VOR_GROUP_ENUM)
+#undef VOR_GROUP_ENUM
+        VOR_GROUP_COUNT
+};
+
+/** Methods: identifier, word. The engine's table has a row for each, at the same index. */
+#define VOR_METHOD_CHOICE_TABLE(X)                                                                 \
+    X(CVT, "cvt")                                                                                  \
+    VOR_EXTRA_METHOD_CHOICES(X)
+
+enum vor_method_choice {
+#define VOR_METHOD_ENUM(id, word) VOR_METHOD_##id,
+    VOR_METHOD_CHOICE_TABLE(VOR_METHOD_ENUM)
+#undef VOR_METHOD_ENUM
+        VOR_METHODS
+};
+
+#define VOR_METHOD_WORD(id, word) " " word
+#define VOR_METHOD_WORDS VOR_METHOD_CHOICE_TABLE(VOR_METHOD_WORD)
+
+/** Parameters: identifier, name, kind, group, unit, min, max, default, choices, sentence. min and
+ *  max are the range of a number, or how many bytes a text or a name may have. A default of
+ * VOR_UNSET is auto, or none; a text has none. Choices are words with blanks between. */
+#define VOR_PARAMETER_TABLE(X)                                                                     \
+    X(POINTS, points, COUNT, TARGET, "points", 1, 10000000, VOR_UNSET, "",                         \
+      "Number of points of the result; one of points, ratio and spacing says how many")            \
+    X(RATIO, ratio, REAL, TARGET, "", 1e-6, 16, VOR_UNSET, "",                                     \
+      "Number of points of the result over that of the input; a default holds only without the "   \
+      "other two")                                                                                 \
+    X(SPACING, spacing, REAL, TARGET, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",             \
+      "Distance between neighbours of the result; points = area / (sqrt(3)/2 spacing^2)")          \
+    X(METHOD, method, CHOICE, SPREAD, "", 0, 0, VOR_METHOD_CVT, VOR_METHOD_WORDS,                  \
+      "How the points are spread")                                                                 \
+    X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, 0, "quadric",                                        \
+      "Local surface that stands for the input")                                                   \
+    X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
+      "Iterations; not given: at most 12, or 100 where no polish follows, and the plateau")        \
+    X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "", "Stop once delta is this low")            \
+    X(SECONDS, seconds, REAL, CVT, "s", 0, 86400, VOR_UNSET, "", "Stop after this much time")      \
+    X(NEIGHBORS, neighbors, COUNT_OR_AUTO, SPREAD, "points", 6, 500, VOR_UNSET, "",                \
+      "Input points that a local surface is fitted to; auto: as many as the input's noise asks "   \
+      "for, region by region")                                                                     \
+    X(ANDERSON, anderson, COUNT, CVT, "", 0, 16, VOR_UNSET, "",                                    \
+      "Window of the Anderson acceleration; 0 is plain Lloyd; momentum when not given")            \
+    X(POLISH, polish, COUNT, CVT, "", 0, 10000, 100, "",                                           \
+      "Most steps of repulsion after the iterations, which even the spacing out; 0 is none")       \
+    X(BOUNDARY, boundary, CHOICE, SPREAD, "", 0, 0, VOR_BOUNDARY_KEEP, "keep free",                \
+      "keep: no point leaves the input at its border; free: no restriction")                       \
+    X(OUTLIERS, outliers, CHOICE, INPUT, "", 0, 0, VOR_OUTLIERS_KEEP, "keep drop",                 \
+      "drop: input points that none of those around them count among their nearest are ignored")   \
+    X(SEED, seed, COUNT, SPREAD, "", 0, 9007199254740991, 1, "", "Seed of every random choice")    \
+    X(ORDER, order, CHOICE, OUTPUT, "", 0, 0, VOR_ORDER_SPATIAL, "spatial progressive",            \
+      "Of the points of the result. spatial: neighbours mostly follow each other; progressive: "   \
+      "the first ones, however many, lie evenly over the whole")                                   \
+    X(FORMAT, format, CHOICE, FORMAT, "", 0, 0, VOR_UNSET, "ply drc",                              \
+      "Format of the result; else by file suffix, Accept, or the input's")                         \
+    X(QUANTIZATION, quantization, COUNT_OR_AUTO, FORMAT, "bits", 0, 30, VOR_UNSET, "",             \
+      "Bits a coordinate in Draco; 0 is lossless, auto keeps cells below spacing / 200")           \
+    X(COMPRESSION, compression, COUNT, FORMAT, "", 0, 10, 7, "",                                   \
+      "Effort of Draco, 10 is the smallest")                                                       \
+    X(ATTRIBUTES, attributes, CHOICE, OUTPUT, "", 0, 0, VOR_ATTRIBUTES_NEAREST, "nearest drop",    \
+      "nearest: from the nearest input point; drop: positions only")                               \
+    X(NORMALS, normals, CHOICE, OUTPUT, "", 0, 0, VOR_NORMALS_NEAREST, "nearest fit drop",         \
+      "nearest: from the nearest input point; fit: of the local surface; drop: none")              \
+    X(PEAK, peak, REAL_OR_AUTO, MEASURE, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",          \
+      "Peak of d1_psnr and d2_psnr; auto: the largest distance of a reference point to its "       \
+      "nearest other one")                                                                         \
+    VOR_EXTRA_PARAMETERS(X)
+
+enum vor_parameter {
+#define VOR_PARAMETER_ENUM(id, name, kind, group, unit, min, max, def, choices, sentence)          \
+    VOR_PARAM_##id,
+    VOR_PARAMETER_TABLE(VOR_PARAMETER_ENUM)
+#undef VOR_PARAMETER_ENUM
+        VOR_PARAMETER_COUNT
+};
+
+enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE };
+enum { VOR_OUTLIERS_KEEP, VOR_OUTLIERS_DROP };
+enum { VOR_ORDER_SPATIAL, VOR_ORDER_PROGRESSIVE };
+enum { VOR_FORMAT_PLY, VOR_FORMAT_DRC };
+enum { VOR_ATTRIBUTES_NEAREST, VOR_ATTRIBUTES_DROP };
+enum { VOR_NORMALS_NEAREST, VOR_NORMALS_FIT, VOR_NORMALS_DROP };
+
+/** One row of the table of parameters. */
+struct vor_parameter_info {
+    const char *name;
+    enum vor_kind kind;
+    enum vor_group group;
+    const char *unit;    /**< "" for none */
+    double min, max;     /**< inclusive: of a number, or of the bytes of a text or a name */
+    double fallback;     /**< default */
+    const char *choices; /**< words with blanks between; "" for none */
+    const char *sentence;
+    uint64_t allowed; /**< bit i: choice i may be taken */
+};
+
+/** What goes into a run and comes out of it. */
+enum vor_artefact_kind { VOR_ARTEFACT_CLOUD, VOR_ARTEFACT_DOCUMENT };
+
+/** A named input or output of a process. */
+struct vor_artefact_info {
+    const char *name; /**< NULL ends a list */
+    enum vor_artefact_kind kind;
+    int is_required; /**< of an input; an output always comes */
+    const char *sentence;
+};
+
+#define VOR_INPUTS_MAX 4
+#define VOR_OUTPUTS_MAX 4
+
+/** Lists of inputs and of outputs, the main one first. A list must be a macro of its own: the
+ * commas between its braces would part the columns of a row. */
+#define VOR_CLOUD_IN                                                                               \
+    {                                                                                              \
+        {"cloud", VOR_ARTEFACT_CLOUD, 1,                                                           \
+         "The point cloud, recognised by its bytes; over HTTP the body of the request"},           \
+    }
+#define VOR_CLOUD_AND_REFERENCE_IN                                                                 \
+    {                                                                                              \
+        {"cloud", VOR_ARTEFACT_CLOUD, 1, "The point cloud, recognised by its bytes"},              \
+            {"reference", VOR_ARTEFACT_CLOUD, 0,                                                   \
+             "A cloud to tell the distances to, from it and back"},                                \
+    }
+#define VOR_CLOUD_OUT                                                                              \
+    {                                                                                              \
+        {"cloud", VOR_ARTEFACT_CLOUD, 1, "The cloud that comes of it"},                            \
+            {"report", VOR_ARTEFACT_DOCUMENT, 1, "What the run did and how even the result is"},   \
+    }
+#define VOR_MEASURE_OUT                                                                            \
+    {                                                                                              \
+        {"measure", VOR_ARTEFACT_DOCUMENT, 1,                                                      \
+         "How even the cloud is and, with a reference, the distances"},                            \
+    }
+
+/** Sets of groups and of methods. */
+#define VOR_IN(group) (1u << VOR_GROUP_##group)
+#define VOR_BY(method) (1u << VOR_METHOD_##method)
+#define VOR_SPREAD_GROUPS                                                                          \
+    (VOR_IN(TARGET) | VOR_IN(SPREAD) | VOR_IN(CVT) | VOR_IN(INPUT) | VOR_IN(OUTPUT) |              \
+     VOR_IN(FORMAT))
+#define VOR_EVERY_METHOD (~0u)
+
+/** Processes: identifier, id, whether HTTP offers it (1 or 0: while a request has one body, only
+ * what runs on one cloud), groups of parameters that it takes, methods that it may use, least and
+ * most points of the result over those of the input (0, 0 where it does not take TARGET), inputs,
+ * outputs, title, sentence. Which function runs it is the engine's to say. */
+#define VOR_PROCESS_TABLE(X)                                                                       \
+    X(RESAMPLE, resample, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,             \
+      VOR_CLOUD_OUT, "Resample a point cloud",                                                     \
+      "Spreads exactly the number of points asked for evenly over the surface the input "          \
+      "describes")                                                                                 \
+    X(DENOISE, denoise, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,               \
+      VOR_CLOUD_OUT, "Denoise a point cloud",                                                      \
+      "Spreads as many points as the input has, or as asked for, evenly over the surface it "      \
+      "describes, which smooths its noise and leaves its outliers out")                            \
+    X(UPSAMPLE, upsample, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 1, 16, VOR_CLOUD_IN,             \
+      VOR_CLOUD_OUT, "Upsample a point cloud",                                                     \
+      "Spreads four times as many points as the input has, or as asked for, evenly over the "      \
+      "surface it describes")                                                                      \
+    X(SIMPLIFY, simplify, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 1, VOR_CLOUD_IN,              \
+      VOR_CLOUD_OUT, "Simplify a point cloud",                                                     \
+      "Spreads at most as many points as the input has, exactly the number asked for, evenly "     \
+      "over the surface it describes")                                                             \
+    X(MEASURE, measure, 0, VOR_IN(MEASURE), 0, 0, 0, VOR_CLOUD_AND_REFERENCE_IN, VOR_MEASURE_OUT,  \
+      "Measure a point cloud",                                                                     \
+      "Tells how evenly a cloud is spread and, where there is a reference, how far the two lie "   \
+      "from each other")                                                                           \
+    VOR_EXTRA_PROCESSES(X)
+
+/** Defaults in which a process differs from the table of parameters: process, parameter, value. The
+ *  one of ratio stands in where none of points, ratio and spacing is given. */
+#define VOR_PRESET_TABLE(X)                                                                        \
+    X(DENOISE, RATIO, 1)                                                                           \
+    X(DENOISE, OUTLIERS, VOR_OUTLIERS_DROP)                                                        \
+    X(UPSAMPLE, RATIO, 4)                                                                          \
+    X(UPSAMPLE, ITERATIONS, 1)                                                                     \
+    X(UPSAMPLE, POLISH, 8)                                                                         \
+    VOR_EXTRA_PRESETS(X)
+
+/** Parameters that mean something only beside an optional input: parameter, name of the input. */
+#define VOR_NEED_TABLE(X)                                                                          \
+    X(PEAK, "reference")                                                                           \
+    VOR_EXTRA_NEEDS(X)
+
+/** One row of the table of processes. */
+struct vor_process_info {
+    const char *id;
+    int on_http;                 /**< HTTP offers it */
+    unsigned groups, methods;    /**< bit i: takes group i, may use method i */
+    double ratio_min, ratio_max; /**< points of the result over those of the input, inclusive */
+    struct vor_artefact_info inputs[VOR_INPUTS_MAX + 1];   /**< at least one, required */
+    struct vor_artefact_info outputs[VOR_OUTPUTS_MAX + 1]; /**< at least one */
+    const char *title, *sentence;
+};
+
+/** Process number `index`, NULL past the last; vor_process_find by id, NULL when there is none. */
+const struct vor_process_info *vor_process_info(unsigned index);
+const struct vor_process_info *vor_process_find(const char *id);
+
+/** True when the process takes the parameter. */
+int vor_process_takes(const struct vor_process_info *process, enum vor_parameter parameter);
+
+/** Row of the table of parameters. */
+const struct vor_parameter_info *vor_parameter_info(enum vor_parameter parameter);
+
+/** The same row as a process has it: with its default, its range of ratio and its methods. */
+struct vor_parameter_info vor_process_parameter(const struct vor_process_info *process,
+                                                enum vor_parameter parameter);
+
+/** Finds a parameter by name; VOR_PARAMETER_COUNT when there is none. */
+enum vor_parameter vor_parameter_find(const char *name);
+
+/** The input that a parameter means nothing without; NULL when it needs none. */
+const char *vor_parameter_needs(enum vor_parameter parameter);
+
+/** Title of a group, for the help. */
+const char *vor_group_title(enum vor_group group);
+
+/** Word number `index` of the row's choices as "%.*s" arguments: its length, 0 past the last.
+ *  Whether it is allowed is not asked. */
+size_t vor_parameter_choice(const struct vor_parameter_info *info, unsigned index,
+                            const char **word);
+
+/** True when a list has word number `index`. */
+int vor_list_has(double value, unsigned index);
+
+/** Form number `index` of a kind; VOR_FORM_NONE past the last. */
+enum vor_form vor_kind_form(enum vor_kind kind, unsigned index);
+
+#endif
