@@ -3,29 +3,29 @@
 #ifndef VOR_ENGINE_H
 #define VOR_ENGINE_H
 
-#include "core/base/run.h"
-#include "core/cloud/cloud.h"
+#include "core/process.h"
 #include "core/report.h"
-#include "core/spec.h"
 
-/** Resamples a cloud.
+/** Runs the process of the request.
  *
- *  @param[out] out     an initialised, empty cloud; filled only when VOR_OK is returned
- *  @param[out] report  filled only when VOR_OK is returned
- *  @param[in]  in      checked (vor_cloud_check); borrowed for the call
- *  @param[in]  spec    checked (vor_spec_check)
- *  @param[out] err     may be NULL
+ *  @param[out] out   initialised, empty; gets every output of the process's row when VOR_OK is
+ *                    returned; to be freed in any case
+ *  @param[in]  in    every required input of the row, clouds checked (vor_cloud_check); borrowed
+ *                    for the call
+ *  @param[in]  spec  checked (vor_spec_check, vor_spec_check_inputs)
+ *  @param[out] err   may be NULL
  *
  *  @retval VOR_E_TARGET     the number of points asked for, or what ratio or spacing come to, is
- * out of range (vor_spec_check_target)
+ *                           out of range (vor_spec_check_target)
  *  @retval VOR_E_DEGENERATE the cloud has no surface: fewer than four distinct points, or all on a
- * line
+ *                           line; a measure as vor_measure_clouds
  *  @retval VOR_E_NOMEM      the job does not fit under its cap
  *  @retval VOR_E_CANCELLED  the watch answered VOR_CANCEL
  *
- *  Departure: where the input has ten times as many points as asked for, and 40,000, it is thinned
- *  for all but the last iterations or steps: to about five points a seed, 20,000 at least.
+ *  The report's seconds of reading and writing are the caller's to fill in; a run leaves them 0.
  *
+ *  Departure (the processes that spread points): where the input has ten times as many points as
+ *  asked for, and 40,000, it is thinned for all but the last iterations or steps (input/thin.h).
  *  Departure: where the input's coordinates were rounded to cells that are not small against its
  *  spacing, its points are first moved within them (input/lattice.h).
  *
@@ -38,27 +38,8 @@
  *
  *  Cost: O(N log N) for the index, O(n) an iteration, O(n log n) a progressive order. Thread-safe.
  *  The same bytes for any number of threads, unless a time budget or the caller ended the run. */
-VOR_NODISCARD vor_status vor_engine_run(struct vor_cloud *out, struct vor_report *report,
-                                        const struct vor_cloud *in, const struct vor_spec *spec,
-                                        const struct vor_run *run, struct vor_error *err);
-
-/** Range of a peak that is given. */
-#define VOR_PEAK_MIN 1e-30
-#define VOR_PEAK_MAX 1e30
-
-/** Measures a cloud, and its distances to a reference where one is given (else NULL). Different
- *  origins are honoured; positions are float32 about the middle of both clouds. D2 needs the
- * reference's normals; those it does not carry are fitted.
- *
- *  @param[in] peak VOR_PEAK_MIN .. VOR_PEAK_MAX, or 0 for the largest distance of a reference point
- *                  to its nearest other one
- *  @retval VOR_E_DEGENERATE fewer than two points, or every point coincides; a reference of fewer
- *                           than seven points or of no extent
- *  @retval VOR_E_NOMEM, VOR_E_CANCELLED  as vor_engine_run
- *
- *  Cost: O(n log n). Deterministic for any number of threads. */
-VOR_NODISCARD vor_status vor_engine_measure(struct vor_measure *out, const struct vor_cloud *cloud,
-                                            const struct vor_cloud *reference, double peak,
-                                            const struct vor_run *run, struct vor_error *err);
+VOR_NODISCARD vor_status vor_engine_run(struct vor_artefacts *out, const struct vor_artefacts *in,
+                                        const struct vor_spec *spec, const struct vor_run *run,
+                                        struct vor_error *err);
 
 #endif

@@ -40,5 +40,8 @@
 #ifndef VOR_EXTRA_METHODS
 #define VOR_EXTRA_METHODS(X)
 #endif
+#ifndef VOR_EXTRA_RUNNERS
+#define VOR_EXTRA_RUNNERS(X)
+#endif
 
 #endif

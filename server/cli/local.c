@@ -95,10 +95,24 @@ static vor_status load(struct here *r, struct vor_error *err)
 static vor_status run_engine(struct here *r, struct vor_error *err)
 {
     double seconds_read = r->report.seconds_read;
+    struct vor_artefacts in, out;
+    const struct vor_report *report;
     vor_status status;
 
     vor_progress_note(&r->progress, "preparing");
-    status = vor_engine_run(&r->out, &r->report, &r->in, &r->cli->spec, &r->work.run, err);
+    vor_artefacts_init(&in, &r->work.memory);
+    vor_artefacts_init(&out, &r->work.memory);
+    vor_artefacts_put_cloud(&in, "cloud", &r->in);
+    status = vor_engine_run(&out, &in, &r->cli->spec, &r->work.run, err);
+    vor_artefacts_free(&in);
+    report = vor_artefacts_values(&out, "report", &vor_report_members);
+    if (status == VOR_OK) {
+        r->report = *report;
+        r->out = *vor_artefacts_cloud(&out, "cloud");
+        out.count = 0;
+        vor_free(&r->work.memory, (void *)(uintptr_t)report);
+    }
+    vor_artefacts_free(&out);
     r->report.seconds_read = seconds_read;
     return status;
 }

@@ -237,9 +237,9 @@ static vor_status resolve_peak(struct vor_cli *cli, struct vor_error *err)
     /* strtod alone would take blanks, hexadecimal numbers, infinity and nan. */
     cli->peak = strtod(text, &end);
     if (end == text || text[strspn(text, "0123456789.eE+-")] != '\0' || *end != '\0' ||
-        !(cli->peak >= VOR_PEAK_MIN && cli->peak <= VOR_PEAK_MAX))
+        !(cli->peak >= 1e-30 && cli->peak <= 1e30))
         return vor_fail_param(err, VOR_E_PARAM, "peak", "peak is %s, want a number from %g to %g",
-                              shown, VOR_PEAK_MIN, VOR_PEAK_MAX);
+                              shown, 1e-30, 1e30);
     if (cli->option[VOR_OPTION_REFERENCE] == NULL)
         return vor_fail_param(err, VOR_E_PARAM, "peak",
                               "peak is %s without a reference: give --reference FILE too", shown);

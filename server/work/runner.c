@@ -93,20 +93,23 @@ static vor_status read_input(struct run *run, struct vor_cloud *cloud, struct vo
     return status;
 }
 
-static vor_status optimize(struct run *run, struct vor_cloud *out, struct vor_error *err)
+static vor_status optimize(struct run *run, struct vor_artefacts *out, struct vor_error *err)
 {
     struct vor_watch watch = {
         .ctx = run, .progress = take_progress, .poll = poll_job, .clock = read_clock};
     struct vor_run engine = {
         .pool = run->worker->config.pool, .memory = &run->memory, .watch = &watch};
-    struct vor_cloud in;
+    struct vor_artefacts in;
+    struct vor_cloud cloud;
     vor_status status;
 
-    vor_cloud_init(&in, &run->memory);
-    status = read_input(run, &in, err);
+    vor_artefacts_init(&in, &run->memory);
+    vor_cloud_init(&cloud, &run->memory);
+    status = read_input(run, &cloud, err);
+    vor_artefacts_put_cloud(&in, "cloud", &cloud);
     if (status == VOR_OK)
-        status = vor_engine_run(out, &run->report, &in, &run->view.spec, &engine, err);
-    vor_cloud_free(&in);
+        status = vor_engine_run(out, &in, &run->view.spec, &engine, err);
+    vor_artefacts_free(&in);
     return status;
 }
 
@@ -152,18 +155,22 @@ static vor_status encode(struct run *run, const struct vor_cloud *cloud, struct 
 
 static vor_status execute(struct run *run, struct vor_error *err)
 {
-    struct vor_cloud out;
+    struct vor_report *report;
+    struct vor_artefacts out;
     vor_status status;
 
     vor_memory_init(&run->memory, run->worker->config.memory);
-    vor_cloud_init(&out, &run->memory);
+    vor_artefacts_init(&out, &run->memory);
     status = optimize(run, &out, err);
+    report = vor_artefacts_values(&out, "report", &vor_report_members);
+    if (report != NULL)
+        run->report = *report;
     run->report.seconds_read = run->view.input.seconds;
     if (status == VOR_OK && vor_job_asked(run->job) == VOR_CANCEL)
         status = vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
     if (status == VOR_OK)
-        status = encode(run, &out, err);
-    vor_cloud_free(&out);
+        status = encode(run, vor_artefacts_cloud(&out, "cloud"), err);
+    vor_artefacts_free(&out);
     run->report.memory_peak_bytes = atomic_load(&run->memory.peak);
     return status;
 }

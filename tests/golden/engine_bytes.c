@@ -88,8 +88,8 @@ static void *run_shared(void *ctx)
     struct shared_run *shared = ctx;
 
     vor_cloud_init(&shared->out, &vt_memory);
-    shared->status = vor_engine_run(&shared->out, &shared->report, &shared->in,
-                                    &shared->engine.spec, &shared->engine.run, NULL);
+    shared->status = vt_run_engine(&shared->out, &shared->report, &shared->in, &shared->engine.spec,
+                                   &shared->engine.run, NULL);
     return NULL;
 }
 

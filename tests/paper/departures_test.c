@@ -1,6 +1,7 @@
 /* What we claim beside Xiao et al. 2024: momentum in the place of the Anderson mix, and a polish.
  * Each is compared with the paper's own on clouds of which the truth is known, with enough points
  * that the delta of a run hardly depends on the draw. */
+#include "core/metrics/measure.h"
 #include "tests/support/vt_shape.h"
 #include "tests/support/vt_trace.h"
 
@@ -72,7 +73,7 @@ static double coverage(const struct vor_cloud *out, const struct vor_cloud *surf
     struct vor_measure measure;
 
     vt_engine_open(&engine, 2);
-    vt_assert_ok(vor_engine_measure(&measure, out, surface, 0, &engine.run, &vt_err));
+    vt_assert_ok(vor_measure_clouds(&measure, out, surface, 0, &engine.run, &vt_err));
     vt_engine_close(&engine);
     return measure.ref_to_out_mean;
 }

@@ -248,7 +248,7 @@ static void run_shape(int shape, size_t points, size_t n, const char *boundary)
     vt_engine_set(&engine, "normals", "fit");
     vt_engine_set(&engine, "boundary", boundary);
     vor_cloud_init(&out, &vt_memory);
-    status = vor_engine_run(&out, &report, &in, &engine.spec, &engine.run, &vt_err);
+    status = vt_run_engine(&out, &report, &in, &engine.spec, &engine.run, &vt_err);
     if (status == VOR_OK) {
         ck_assert_msg(shapes[shape].must != 0, "%s: a result of what has no surface", name);
         assert_result(&out, &report, n, name);
@@ -289,7 +289,7 @@ START_TEST(a_cloud_without_a_surface_is_refused_at_every_size)
             vt_engine_set(&engine, "points", "3");
             vor_cloud_init(&out, &vt_memory);
             vt_assert_fails(VOR_E_DEGENERATE,
-                            vor_engine_run(&out, &report, &in, &engine.spec, &engine.run, &vt_err));
+                            vt_run_engine(&out, &report, &in, &engine.spec, &engine.run, &vt_err));
             ck_assert_ptr_nonnull(strstr(vt_err.message, "at least 4"));
             vor_cloud_free(&in);
             vt_engine_close(&engine);

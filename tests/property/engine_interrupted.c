@@ -1,5 +1,6 @@
 /* A run that is cancelled, stopped or short of memory at any moment: a clear status, nothing
  * written, nothing left behind. */
+#include "core/metrics/measure.h"
 #include "tests/support/vt_engine.h"
 
 #include <stdatomic.h>
@@ -139,7 +140,7 @@ START_TEST(a_failure_of_any_allocation_ends_clearly_and_leaks_nothing)
         memory.fail_at = fail;
         vor_cloud_init(&out, &memory);
         report.points_out = 77;
-        status = vor_engine_run(&out, &report, &in, &engine.spec, &engine.run, &vt_err);
+        status = vt_run_engine(&out, &report, &in, &engine.spec, &engine.run, &vt_err);
         if (status != VOR_OK) {
             ck_assert_msg(status == VOR_E_NOMEM, "allocation %zu: %s", fail, vt_err.message);
             ck_assert(vt_err.message[0] != '\0');
@@ -179,9 +180,9 @@ START_TEST(a_job_beyond_its_cap_is_refused_and_within_its_peak_it_runs)
         vor_cloud_init(&out, &memory);
         if (share < 8)
             vt_assert_fails(VOR_E_NOMEM,
-                            vor_engine_run(&out, &report, &in, &engine.spec, &engine.run, &vt_err));
+                            vt_run_engine(&out, &report, &in, &engine.spec, &engine.run, &vt_err));
         else
-            vt_assert_ok(vor_engine_run(&out, &report, &in, &engine.spec, &engine.run, &vt_err));
+            vt_assert_ok(vt_run_engine(&out, &report, &in, &engine.spec, &engine.run, &vt_err));
         ck_assert_uint_le(atomic_load(&memory.peak), memory.cap);
         vor_cloud_free(&out);
         ck_assert_uint_eq(atomic_load(&memory.used), 0);
@@ -209,7 +210,7 @@ START_TEST(a_measure_short_of_memory_or_cancelled_leaks_nothing)
         vor_memory_init(&memory, SIZE_MAX);
         memory.fail_at = fail;
         ck_assert_uint_eq(measure.n, 77);
-        status = vor_engine_measure(&measure, &in, &reference, 0, &engine.run, &vt_err);
+        status = vor_measure_clouds(&measure, &in, &reference, 0, &engine.run, &vt_err);
         ck_assert(status == VOR_OK || status == VOR_E_NOMEM);
         ck_assert_uint_eq(atomic_load(&memory.used), 0);
     }
@@ -217,7 +218,7 @@ START_TEST(a_measure_short_of_memory_or_cancelled_leaks_nothing)
     engine.run.watch = &watch;
     vor_memory_init(&memory, SIZE_MAX);
     vt_assert_fails(VOR_E_CANCELLED,
-                    vor_engine_measure(&measure, &in, &reference, 0, &engine.run, &vt_err));
+                    vor_measure_clouds(&measure, &in, &reference, 0, &engine.run, &vt_err));
     ck_assert_uint_eq(atomic_load(&memory.used), 0);
     vor_cloud_free(&reference);
     vor_cloud_free(&in);

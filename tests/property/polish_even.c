@@ -1,6 +1,7 @@
 /* The polish: how much more even the points get, and what it must not cost: no wider holes, no
  * farther from the surface, no farther out at a border, never less even than it began. */
 #include "core/cvt/start.h"
+#include "core/metrics/measure.h"
 #include "core/seeds/repel.h"
 #include "core/seeds/uniformity.h"
 #include "tests/support/vt_engine.h"
@@ -61,9 +62,9 @@ static void measure_pair(struct pair *pair, const struct vor_cloud *from)
 
     vt_engine_open(&engine, 2);
     vt_assert_ok(
-        vor_engine_measure(&pair->hole_before, &pair->before, from, 0, &engine.run, &vt_err));
+        vor_measure_clouds(&pair->hole_before, &pair->before, from, 0, &engine.run, &vt_err));
     vt_assert_ok(
-        vor_engine_measure(&pair->hole_after, &pair->after, from, 0, &engine.run, &vt_err));
+        vor_measure_clouds(&pair->hole_after, &pair->after, from, 0, &engine.run, &vt_err));
     vt_engine_close(&engine);
 }
 

@@ -42,7 +42,32 @@ vor_status vt_engine_try(struct vt_engine *engine, struct vor_cloud *out, struct
     vt_assert_ok(vor_spec_check(&engine->spec, &vt_err));
     vor_cloud_init(out, engine->run.memory);
     memset(report, 0, sizeof *report);
-    return vor_engine_run(out, report, in, &engine->spec, &engine->run, &vt_err);
+    return vt_run_engine(out, report, in, &engine->spec, &engine->run, &vt_err);
+}
+
+vor_status vt_run_engine(struct vor_cloud *out, struct vor_report *report,
+                         const struct vor_cloud *in, const struct vor_spec *spec,
+                         const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_artefacts inputs, outputs;
+    vor_status status;
+
+    vor_artefacts_init(&inputs, run->memory);
+    vor_artefacts_init(&outputs, run->memory);
+    inputs.item[inputs.count++] =
+        (struct vor_artefact){.name = "cloud", .kind = VOR_ARTEFACT_CLOUD, .cloud = *in};
+    status = vor_engine_run(&outputs, &inputs, spec, run, err);
+    if (status == VOR_OK) {
+        struct vor_report *told = vor_artefacts_values(&outputs, "report", &vor_report_members);
+
+        ck_assert_uint_eq(outputs.count, 2);
+        *report = *told;
+        *out = *vor_artefacts_cloud(&outputs, "cloud");
+        vor_free(run->memory, told);
+        outputs.count = 0; /* both are the caller's now */
+    }
+    vor_artefacts_free(&outputs);
+    return status;
 }
 
 void vt_cloud_make(struct vor_cloud *cloud, size_t n)

@@ -31,6 +31,12 @@ void vt_engine_resample(struct vt_engine *engine, struct vor_cloud *out, struct 
 vor_status vt_engine_try(struct vt_engine *engine, struct vor_cloud *out, struct vor_report *report,
                          const struct vor_cloud *in);
 
+/** vor_engine_run of a process with one cloud in, a cloud and a report out. out is initialised and
+ * empty; in is borrowed; report is untouched on failure. */
+vor_status vt_run_engine(struct vor_cloud *out, struct vor_report *report,
+                         const struct vor_cloud *in, const struct vor_spec *spec,
+                         const struct vor_run *run, struct vor_error *err);
+
 /** A cloud of n points with unset positions. */
 void vt_cloud_make(struct vor_cloud *cloud, size_t n);
 

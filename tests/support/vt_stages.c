@@ -1,4 +1,5 @@
 #include "tests/support/vt_stages.h"
+#include "tests/support/vt_engine.h"
 
 #include "core/cvt/lloyd.h"
 #include "core/cvt/start.h"
@@ -372,7 +373,7 @@ void vt_stages_engine(uint64_t hash[VT_STAGE_COUNT], const struct vt_stages_run 
     engine_run.watch = &told.watch;
     vt_assert_ok(vor_pool_create(&engine_run.pool, run->threads, &vt_err));
     vor_cloud_init(&out, &vt_memory);
-    vt_assert_ok(vor_engine_run(&out, &report, run->in, &run->spec, &engine_run, &vt_err));
+    vt_assert_ok(vt_run_engine(&out, &report, run->in, &run->spec, &engine_run, &vt_err));
     hash_cloud(&hash[VT_STAGE_OUTPUT], &out);
     hash_report(&hash[VT_STAGE_REPORT], &report, &told);
     vor_cloud_free(&out);

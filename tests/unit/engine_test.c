@@ -1,4 +1,5 @@
 /* The door of the engine: targets, stops, the report, measures. */
+#include "core/metrics/measure.h"
 #include "tests/support/vt_engine.h"
 
 #include <math.h>
@@ -256,9 +257,8 @@ START_TEST(a_caller_who_cancels_gets_nothing)
         vt_engine_set(&job.engine, "points", "150");
         vor_cloud_init(&job.out, &vt_memory);
         job.report.points_out = 77;
-        vt_assert_fails(VOR_E_CANCELLED,
-                        vor_engine_run(&job.out, &job.report, &job.in, &job.engine.spec,
-                                       &job.engine.run, &vt_err));
+        vt_assert_fails(VOR_E_CANCELLED, vt_run_engine(&job.out, &job.report, &job.in,
+                                                       &job.engine.spec, &job.engine.run, &vt_err));
         ck_assert_uint_eq(job.spy.records, at);
         ck_assert(job.out.n == 0 && job.out.xyz == NULL && job.out.attribute_count == 0);
         ck_assert_uint_eq(job.report.points_out, 77);
@@ -278,7 +278,7 @@ START_TEST(the_report_says_what_the_result_is)
     vt_engine_set(&job.engine, "neighbors", "auto");
     vt_engine_set(&job.engine, "iterations", "10");
     run_job(&job);
-    vt_assert_ok(vor_engine_measure(&measure, &job.out, &job.in, 0, &job.engine.run, &vt_err));
+    vt_assert_ok(vor_measure_clouds(&measure, &job.out, &job.in, 0, &job.engine.run, &vt_err));
     ck_assert_uint_eq(job.report.points_in, N);
     ck_assert_uint_eq(job.report.points_out, N / 4);
     ck_assert_double_eq_tol(job.report.delta, measure.delta, 1e-5);
@@ -300,8 +300,8 @@ END_TEST
 static void assert_refused(struct job *job, vor_status status, const char *parameter)
 {
     vor_cloud_init(&job->out, &vt_memory);
-    vt_assert_fails(status, vor_engine_run(&job->out, &job->report, &job->in, &job->engine.spec,
-                                           &job->engine.run, &vt_err));
+    vt_assert_fails(status, vt_run_engine(&job->out, &job->report, &job->in, &job->engine.spec,
+                                          &job->engine.run, &vt_err));
     ck_assert_str_eq(vt_err.parameter, parameter);
     ck_assert_uint_eq(job->out.n, 0);
     ck_assert_uint_eq(job->report.points_out, 0);
@@ -406,7 +406,7 @@ START_TEST(a_measure_has_its_hand_computed_values)
     vt_cloud_make(&cloud, 3);
     memcpy(cloud.xyz, xyz, sizeof xyz);
     cloud.origin[0] = 500000;
-    vt_assert_ok(vor_engine_measure(&m, &cloud, NULL, 0, &engine.run, &vt_err));
+    vt_assert_ok(vor_measure_clouds(&m, &cloud, NULL, 0, &engine.run, &vt_err));
     ck_assert_uint_eq(m.n, 3);
     ck_assert(!m.has_reference);
     ck_assert_double_eq_tol(m.mean_nn, 4.0 / 3, 1e-7);
@@ -420,7 +420,7 @@ START_TEST(a_measure_has_its_hand_computed_values)
         reference.xyz[i] = i % 3 == 0 ? (float)(i / 3) - 2 : 0;
     reference.origin[0] = 500002;
     reference.origin[1] = 0.5;
-    vt_assert_ok(vor_engine_measure(&m, &cloud, &reference, 0, &engine.run, &vt_err));
+    vt_assert_ok(vor_measure_clouds(&m, &cloud, &reference, 0, &engine.run, &vt_err));
     ck_assert(m.has_reference);
     ck_assert_double_eq_tol(m.out_to_ref_mean, 0.5 / 6, 1e-6);
     ck_assert_double_eq_tol(m.out_to_ref_max, 0.5 / 6, 1e-6);
@@ -441,7 +441,7 @@ START_TEST(coincident_points_are_counted_by_a_measure)
     vt_engine_open(&engine, 1);
     vt_cloud_cube(&cloud, 1, 100);
     memcpy(cloud.xyz, &cloud.xyz[30], 3 * sizeof *cloud.xyz);
-    vt_assert_ok(vor_engine_measure(&m, &cloud, NULL, 0, &engine.run, &vt_err));
+    vt_assert_ok(vor_measure_clouds(&m, &cloud, NULL, 0, &engine.run, &vt_err));
     ck_assert_uint_eq(m.coincident, 2);
     ck_assert(m.min_over_mean == 0);
     vor_cloud_free(&cloud);
@@ -462,12 +462,12 @@ START_TEST(a_measure_of_no_extent_is_refused)
         for (size_t i = 0; i < 3 * n; i++)
             cloud.xyz[i] = 3;
         vt_assert_fails(VOR_E_DEGENERATE,
-                        vor_engine_measure(&m, &cloud, NULL, 0, &engine.run, &vt_err));
+                        vor_measure_clouds(&m, &cloud, NULL, 0, &engine.run, &vt_err));
         vor_cloud_free(&cloud);
     }
     vt_cloud_cube(&cloud, 1, 50);
     vt_assert_fails(VOR_E_DEGENERATE,
-                    vor_engine_measure(&m, &cloud, &reference, 0, &engine.run, &vt_err));
+                    vor_measure_clouds(&m, &cloud, &reference, 0, &engine.run, &vt_err));
     ck_assert_uint_eq(m.n, 77);
     vor_cloud_free(&cloud);
     vor_cloud_free(&reference);
@@ -486,13 +486,13 @@ START_TEST(a_measure_has_no_scale)
     vt_engine_open(&engine, 2);
     vt_cloud_sphere(&a, 3, 700);
     vt_cloud_sphere(&b, 4, 900);
-    vt_assert_ok(vor_engine_measure(&m, &a, &b, 0, &engine.run, &vt_err));
+    vt_assert_ok(vor_measure_clouds(&m, &a, &b, 0, &engine.run, &vt_err));
     for (size_t i = 0; i < 2100; i++)
         a.xyz[i] *= 3.28084f;
     for (size_t i = 0; i < 2700; i++)
         b.xyz[i] *= 3.28084f;
     a.origin[2] = b.origin[2] = -4e6;
-    vt_assert_ok(vor_engine_measure(&k, &a, &b, 0, &engine.run, &vt_err));
+    vt_assert_ok(vor_measure_clouds(&k, &a, &b, 0, &engine.run, &vt_err));
     ck_assert_double_eq_tol(k.delta, m.delta, 1e-6);
     ck_assert_double_eq_tol(k.epsilon, m.epsilon, 1e-6);
     ck_assert_double_eq_tol(k.mean_nn / 3.28084, m.mean_nn, 1e-6);

@@ -1,0 +1,115 @@
+#include "core/metrics/measure.h"
+
+#include "core/cloud/frame.h"
+#include "core/knn/knn.h"
+#include "core/metrics/distance.h"
+#include "core/metrics/distortion.h"
+#include "core/metrics/uniformity.h"
+
+#include <assert.h>
+#include <math.h>
+
+static vor_status measure_even(struct vor_measure *out, const float *xyz, size_t n, double unit,
+                               const struct vor_run *run, struct vor_error *err)
+{
+    float *nearest = vor_malloc(run->memory, n, sizeof *nearest);
+    struct vor_uniformity even;
+    struct vor_knn *knn = NULL;
+    vor_status status;
+
+    if (nearest == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", n);
+    status = vor_knn_build(&knn, xyz, n, run->memory, err);
+    if (status == VOR_OK)
+        status = vor_nearest_distances(nearest, xyz, n, knn, run, err);
+    if (status == VOR_OK) {
+        vor_uniformity_from(&even, nearest, n);
+        if (!(even.mean > 0))
+            status = vor_fail(err, VOR_E_DEGENERATE, "%zu points, all in one place, want two", n);
+    }
+    if (status == VOR_OK)
+        *out = (struct vor_measure){.n = n,
+                                    .delta = even.delta,
+                                    .sigma = even.sigma * unit,
+                                    .epsilon = even.epsilon,
+                                    .mean_nn = even.mean * unit,
+                                    .min_over_mean = even.min / even.mean,
+                                    .max_over_mean = even.max / even.mean,
+                                    .coincident = even.coincident};
+    vor_knn_free(knn);
+    vor_free(run->memory, nearest);
+    return status;
+}
+
+static void put_distances(struct vor_measure *measure, const struct vor_distances *distances)
+{
+    measure->has_reference = 1;
+    measure->far_over_knn6_mean = distances->far_over_knn6_mean;
+    measure->far_over_knn6_p999 = distances->far_over_knn6_p999;
+    measure->out_to_ref_mean = distances->out_to_ref_mean;
+    measure->out_to_ref_rms = distances->out_to_ref_rms;
+    measure->out_to_ref_max = distances->out_to_ref_max;
+    measure->ref_to_out_mean = distances->ref_to_out_mean;
+    measure->ref_to_out_rms = distances->ref_to_out_rms;
+    measure->ref_to_out_max = distances->ref_to_out_max;
+    measure->hausdorff = distances->hausdorff;
+    measure->chamfer = distances->chamfer;
+}
+
+static void put_distortion(struct vor_measure *measure, const struct vor_distortion *distortion,
+                           double unit, double peak)
+{
+    measure->peak = peak > 0 ? peak : distortion->peak * unit;
+    measure->d1_mse = distortion->d1_mse * unit * unit;
+    measure->d2_mse = distortion->d2_mse * unit * unit;
+    measure->d1_psnr = vor_distortion_psnr(distortion->d1_mse, measure->peak / unit);
+    measure->d2_psnr = vor_distortion_psnr(distortion->d2_mse, measure->peak / unit);
+}
+
+/* Adds what there is to say of the distances between two clouds in a frame of that unit. */
+static vor_status measure_against(struct vor_measure *measure,
+                                  const struct vor_distortion_pair *pair, double unit, double peak,
+                                  const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_distances distances;
+    struct vor_distortion distortion;
+    vor_status status =
+        vor_distances_measure(&distances, pair->xyz, pair->n, pair->reference, pair->m, run, err);
+
+    if (status == VOR_OK)
+        status = vor_distortion_measure(&distortion, pair, run, err);
+    if (status != VOR_OK)
+        return status;
+    put_distances(measure, &distances);
+    put_distortion(measure, &distortion, unit, peak);
+    return VOR_OK;
+}
+
+vor_status vor_measure_clouds(struct vor_measure *out, const struct vor_cloud *cloud,
+                              const struct vor_cloud *reference, double peak,
+                              const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_frame frame;
+    struct vor_measure measure;
+    float *xyz = NULL, *other = NULL;
+    vor_status status;
+
+    assert(peak == 0 || (isfinite(peak) && peak > 0));
+    vor_frame_choose(&frame, cloud, reference);
+    status = vor_frame_positions(&xyz, cloud, &frame, run->memory, err);
+    if (status == VOR_OK)
+        status = measure_even(&measure, xyz, cloud->n, frame.unit, run, err);
+    if (status == VOR_OK && reference != NULL)
+        status = vor_frame_positions(&other, reference, &frame, run->memory, err);
+    if (status == VOR_OK && reference != NULL) {
+        struct vor_distortion_pair pair = {xyz, other, cloud->n, reference->n,
+                                           vor_cloud_find(reference, VOR_NORMAL)};
+
+        status = measure_against(&measure, &pair, frame.unit, peak, run, err);
+    }
+    if (status == VOR_OK)
+        *out = measure;
+    vor_free(run->memory, other);
+    vor_free(run->memory, xyz);
+    return status;
+}

@@ -1,0 +1,79 @@
+#include "core/process.h"
+
+#include <assert.h>
+#include <string.h>
+
+void vor_artefacts_init(struct vor_artefacts *set, struct vor_memory *memory)
+{
+    memset(set, 0, sizeof *set);
+    set->memory = memory;
+}
+
+void vor_artefacts_free(struct vor_artefacts *set)
+{
+    for (unsigned i = 0; i < set->count; i++) {
+        if (set->item[i].kind == VOR_ARTEFACT_CLOUD)
+            vor_cloud_free(&set->item[i].cloud);
+        else
+            vor_free(set->memory, set->item[i].values);
+    }
+    set->count = 0;
+}
+
+static struct vor_artefact *add(struct vor_artefacts *set, const char *name,
+                                enum vor_artefact_kind kind)
+{
+    struct vor_artefact *item;
+
+    assert(set->count < VOR_ARTEFACTS_MAX && vor_artefacts_find(set, name) == NULL);
+    item = &set->item[set->count++];
+    memset(item, 0, sizeof *item);
+    item->name = name;
+    item->kind = kind;
+    return item;
+}
+
+void vor_artefacts_put_cloud(struct vor_artefacts *set, const char *name, struct vor_cloud *cloud)
+{
+    add(set, name, VOR_ARTEFACT_CLOUD)->cloud = *cloud;
+    vor_cloud_init(cloud, cloud->memory);
+}
+
+void *vor_artefacts_put_document(struct vor_artefacts *set, const char *name,
+                                 const struct vor_members *members, struct vor_error *err)
+{
+    void *values = vor_calloc(set->memory, 1, members->size);
+    struct vor_artefact *item;
+
+    if (values == NULL) {
+        (void)vor_fail(err, VOR_E_NOMEM, "the document %s", name);
+        return NULL;
+    }
+    item = add(set, name, VOR_ARTEFACT_DOCUMENT);
+    item->values = values;
+    item->document = (struct vor_document){name, members, values};
+    return values;
+}
+
+const struct vor_artefact *vor_artefacts_find(const struct vor_artefacts *set, const char *name)
+{
+    for (unsigned i = 0; i < set->count; i++)
+        if (strcmp(set->item[i].name, name) == 0)
+            return &set->item[i];
+    return NULL;
+}
+
+const struct vor_cloud *vor_artefacts_cloud(const struct vor_artefacts *set, const char *name)
+{
+    const struct vor_artefact *item = vor_artefacts_find(set, name);
+
+    return item != NULL && item->kind == VOR_ARTEFACT_CLOUD ? &item->cloud : NULL;
+}
+
+void *vor_artefacts_values(struct vor_artefacts *set, const char *name,
+                           const struct vor_members *members)
+{
+    const struct vor_artefact *item = vor_artefacts_find(set, name);
+
+    return item != NULL && item->document.members == members ? item->values : NULL;
+}
