@@ -111,6 +111,23 @@ static const struct vor_member measure_rows[] = {
 
 const struct vor_members vor_measure_members = VOR_MEMBERS(struct vor_measure, measure_rows);
 
+const struct vor_members *vor_document_members(const char *name)
+{
+    static const struct {
+        const char *name;
+        const struct vor_members *members;
+    } documents[] = {
+#define DOCUMENT_ROW(word, description) {(word), &(description)},
+        VOR_DOCUMENT_TABLE(DOCUMENT_ROW)
+#undef DOCUMENT_ROW
+    };
+
+    for (size_t i = 0; i < sizeof documents / sizeof documents[0]; i++)
+        if (strcmp(documents[i].name, name) == 0)
+            return documents[i].members;
+    return NULL;
+}
+
 void vor_record_infer_stage(struct vor_record *record)
 {
     record->stage = record->polish > 0 ? VOR_RUN_STAGE_POLISH : VOR_RUN_STAGE_ITERATE;

@@ -280,4 +280,13 @@ struct vor_measure {
 
 extern const struct vor_members vor_measure_members;
 
+/** Documents that processes hand out: name, description. */
+#define VOR_DOCUMENT_TABLE(X)                                                                      \
+    X("report", vor_report_members)                                                                \
+    X("measure", vor_measure_members)                                                              \
+    VOR_EXTRA_DOCUMENTS(X)
+
+/** The description of the document of that name; NULL when there is none. */
+const struct vor_members *vor_document_members(const char *name);
+
 #endif

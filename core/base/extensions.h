@@ -16,6 +16,10 @@
 #define VOR_EXTRA_RUN_STAGES(X)
 #endif
 
+#ifndef VOR_EXTRA_DOCUMENTS
+#define VOR_EXTRA_DOCUMENTS(X)
+#endif
+
 /* core/spec/tables.h */
 #ifndef VOR_EXTRA_GROUPS
 #define VOR_EXTRA_GROUPS(X)

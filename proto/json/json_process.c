@@ -1,7 +1,9 @@
 /* Descriptions of the processes (OGC API - Processes, core), made of the tables in core/spec.h and
  * of the formats: what is described is what is accepted. */
 #include "proto/json/json_process.h"
+#include "core/report.h"
 #include "proto/codec.h"
+#include "proto/json/json_members.h"
 #include "proto/json/json_spec.h"
 #include "proto/json/json_write.h"
 
@@ -21,10 +23,11 @@ static void put_parameter(struct vor_text *text, const struct vor_process_info *
     vor_json_end_object(text);
 }
 
-static void put_cloud_schema(struct vor_text *text)
+static void put_cloud_schema(struct vor_text *text, const char *name)
 {
     const struct vor_format *format;
 
+    (void)name;
     vor_json_begin_object(text);
     vor_json_key(text, "oneOf");
     vor_json_begin_array(text);
@@ -39,17 +42,22 @@ static void put_cloud_schema(struct vor_text *text)
     vor_json_end_object(text);
 }
 
-static void put_document_schema(struct vor_text *text)
+static void put_document_schema(struct vor_text *text, const char *name)
 {
+    const struct vor_members *members = vor_document_members(name);
+
     vor_json_begin_object(text);
-    vor_json_put_string(text, "type", "object");
+    if (members != NULL)
+        vor_json_members_schema(text, members);
+    else
+        vor_json_put_string(text, "type", "object");
     vor_json_put_string(text, "contentMediaType", "application/json");
     vor_json_end_object(text);
 }
 
 static void put_artefact(struct vor_text *text, const struct vor_artefact_info *artefact)
 {
-    static void (*const schemas[])(struct vor_text *) = {
+    static void (*const schemas[])(struct vor_text *, const char *) = {
         [VOR_ARTEFACT_CLOUD] = put_cloud_schema,
         [VOR_ARTEFACT_DOCUMENT] = put_document_schema,
     };
@@ -61,7 +69,7 @@ static void put_artefact(struct vor_text *text, const struct vor_artefact_info *
     if (!artefact->is_required)
         vor_json_put_u64(text, "minOccurs", 0);
     vor_json_key(text, "schema");
-    schemas[artefact->kind](text);
+    schemas[artefact->kind](text, artefact->name);
     vor_json_end_object(text);
 }
 
@@ -83,6 +91,15 @@ static void put_outputs(struct vor_text *text, const struct vor_process_info *pr
     vor_json_begin_object(text);
     for (unsigned i = 0; process->outputs[i].name != NULL; i++)
         put_artefact(text, &process->outputs[i]);
+    vor_json_end_object(text);
+}
+
+/* What is told while it runs. */
+static void put_record(struct vor_text *text)
+{
+    vor_json_key(text, "x-record");
+    vor_json_begin_object(text);
+    vor_json_members_schema(text, &vor_record_members);
     vor_json_end_object(text);
 }
 
@@ -126,5 +143,6 @@ void vor_json_process(struct vor_text *text, const struct vor_process_info *proc
     put_summary(text, process, links, link_count);
     put_inputs(text, process);
     put_outputs(text, process);
+    put_record(text);
     vor_json_end_object(text);
 }

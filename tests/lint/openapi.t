@@ -1,7 +1,7 @@
 #!/usr/bin/perl
 # openapi.yaml says what the route table says: paths, methods, statuses; the parameters of each
 # process are those of its description, with their ranges and defaults; and a record, the data of a
-# progress event and a report have the members that are described.
+# progress event and a report have the members that are described, with their types.
 use strict;
 use warnings;
 use FindBin;
@@ -99,8 +99,70 @@ is_deeply [sort keys %{ json($event->{data}) }],
 my $report = json($daemon->get("/v1/jobs/$id/results/report"));
 my $described = block('schemas', 'report');
 is_deeply [sort keys %$report], members($described, 8), 'so has a report';
-my ($seconds) = $described =~ /^        seconds:\n((?:          .*\n)+)/m;
-is_deeply [sort keys %{ $report->{seconds} }], members($seconds, 12), 'with its seconds';
+
+# The tables of the report and the record, as a process describes them, against the schemas here.
+my $process = json($daemon->get('/v1/processes/resample'));
+for my $case (['report', $process->{outputs}{report}{schema}, $report], ['record', $process->{'x-record'}, $record]) {
+    my ($name, $table, $told) = @$case;
+    my $schema = read_schema(block('schemas', $name));
+    cmp_ok scalar keys %{ $schema->{properties} }, '>', 10, "the schema of a $name can be read";
+    is_deeply $schema, bare($table), "the schema of a $name is that of its table";
+    is_deeply [undescribed($told, $table, $name)], [], "a $name has those members and no others";
+}
+
+# What of a schema both must say: type, words, names; all of them are required.
+sub bare {
+    my ($schema) = @_;
+    my %bare = map { $_ => $schema->{$_} } grep { defined $schema->{$_} } qw(type enum);
+    if (my $properties = $schema->{properties}) {
+        $bare{properties} = { map { $_ => bare($properties->{$_}) } keys %$properties };
+        $bare{required} = [sort @{ $schema->{required} }];
+    }
+    $bare{items} = bare($schema->{items}) if $schema->{items};
+    return \%bare;
+}
+
+# The keys of a block mapping, each with what stands behind it.
+sub parts {
+    my ($text) = @_;
+    my ($blanks) = $text =~ /^( *)/;
+    my %part;
+    while ($text =~ /^$blanks([\w-]+):(.*\n(?:(?:$blanks +.*)?\n)*)/mg) { $part{$1} = $2 }
+    s/^\n// for values %part;
+    return %part;
+}
+
+# The same from the YAML of a schema: its lines in one block, or braces in one line.
+sub read_schema {
+    my ($text) = @_;
+    my %schema;
+    if ($text =~ /^\s*\{(.*)\}\s*$/) {
+        my $inside = $1;
+        $schema{type} = $1 if $inside =~ /\btype: (\w+)/;
+        $schema{enum} = [split /, /, $1] if $inside =~ /\benum: \[([^\]]*)\]/;
+        return \%schema;
+    }
+    my %part = parts($text);
+    $schema{type} = $1 if ($part{type} // '') =~ /(\w+)/;
+    $schema{enum} = [split /, /, $1] if ($part{enum} // '') =~ /\[([^\]]*)\]/;
+    $schema{required} = [sort split /,\s*/, $1] if ($part{required} // '') =~ /\[([^\]]*)\]/;
+    $schema{items} = read_schema($part{items}) if $part{items};
+    my %property = parts($part{properties} // '');
+    $schema{properties} = { map { $_ => read_schema($property{$_}) } keys %property } if %property;
+    return \%schema;
+}
+
+# Where a value and its schema do not have the same members.
+sub undescribed {
+    my ($value, $schema, $at) = @_;
+    if (ref $value eq 'ARRAY') { return map { undescribed($_, $schema->{items}, "$at\[]") } @$value }
+    return () unless ref $value eq 'HASH' && $schema->{properties};
+    my %names = map { $_ => 1 } keys %$value, keys %{ $schema->{properties} };
+    return map {
+        exists $value->{$_} && $schema->{properties}{$_}
+            ? undescribed($value->{$_}, $schema->{properties}{$_}, "$at.$_") : "$at.$_"
+    } sort keys %names;
+}
 SKIP: {
     skip 'python3 with yaml is not installed', 1
         if system('python3 -c "import yaml" 2>/dev/null') != 0;

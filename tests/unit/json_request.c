@@ -167,6 +167,28 @@ START_TEST(a_process_describes_its_preset)
 }
 END_TEST
 
+/* A cloud has no members; the schema of a document names all of its own. _i is the process. */
+START_TEST(a_process_describes_the_documents_that_it_gives)
+{
+    const struct vor_process_info *process = vor_process_info((unsigned)_i);
+    struct vor_json *json;
+
+    vor_text_init(&text, 0);
+    vor_json_process(&text, process, NULL, 0);
+    json = parsed(text.data);
+    for (const struct vor_artefact_info *output = process->outputs; output->name != NULL;
+         output++) {
+        const struct vor_json *schema = at(json, "outputs", output->name, "schema");
+
+        ck_assert_int_eq(vor_json_get(vor_json_get(schema, "properties"), "delta") != NULL,
+                         output->kind == VOR_ARTEFACT_DOCUMENT);
+    }
+    ck_assert_ptr_nonnull(at(json, "x-record", "properties", "run_stage"));
+    vor_json_free(json);
+    vor_text_free(&text);
+}
+END_TEST
+
 /* The description is what the tables say, parameter by parameter: _i is the process. */
 START_TEST(a_process_describes_what_it_takes)
 {
@@ -241,6 +263,7 @@ int main(void)
     vt_add_loop(suite, a_wrong_member_is_named_and_nothing_is_set,
                 (int)(sizeof refused / sizeof refused[0]));
     vt_add_loop(suite, a_process_describes_its_preset, 4);
+    vt_add_loop(suite, a_process_describes_the_documents_that_it_gives, 5);
     vt_add_loop(suite, a_process_describes_what_it_takes, 5);
     vt_add(suite, a_description_has_units_and_defaults);
     return vt_run(suite);

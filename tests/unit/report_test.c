@@ -90,6 +90,14 @@ START_TEST(a_record_has_numbers_and_words_only)
 }
 END_TEST
 
+START_TEST(documents_are_found_by_their_names)
+{
+    ck_assert_ptr_eq(vor_document_members("report"), &vor_report_members);
+    ck_assert_ptr_eq(vor_document_members("measure"), &vor_measure_members);
+    ck_assert_ptr_null(vor_document_members("cloud"));
+}
+END_TEST
+
 START_TEST(stages_are_found_by_their_names)
 {
     for (int i = 0; i < VOR_RUN_STAGE_COUNT; i++) {
@@ -157,6 +165,7 @@ int main(void)
     vt_add_loop(suite, the_rows_of_an_object_stand_next_to_each_other, TABLES);
     vt_add(suite, rows_are_only_ever_added);
     vt_add(suite, a_record_has_numbers_and_words_only);
+    vt_add(suite, documents_are_found_by_their_names);
     vt_add(suite, stages_are_found_by_their_names);
     vt_add(suite, every_reason_to_stop_has_a_word_of_its_own);
     vt_add(suite, a_stage_that_is_gone_through_twice_is_told_once);
