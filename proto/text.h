@@ -6,8 +6,8 @@
 
 #include <stddef.h>
 
-/** Text that grows up to a cap. A failure sticks: what is added after it is dropped, so that a
- *  writer is checked once, at its end. Not thread-safe. */
+/** Text that grows up to a cap. A failure sticks: later additions are dropped, so a writer checks
+ *  once, at its end. Not thread-safe. */
 struct vor_text {
     char *data;  /**< size bytes and a NUL after them; NULL as long as nothing was added */
     size_t size; /**< without the NUL */

@@ -8,6 +8,7 @@
 #define VOR_BASE_EXTENSIONS_H
 
 #ifdef VOR_EXTENSIONS
+/* cppcheck-suppress preprocessorErrorDirective */
 #include VOR_EXTENSIONS
 #endif
 

@@ -1,6 +1,6 @@
-/** All of JSON: writing text, reading strangers' text, and the values that this product speaks.
- * cJSON only reads; what is written here is written by ourselves. Files of proto/json/ include the
- * part that they need, never this one. */
+/** All of JSON: writing, reading bytes from outside, and the values of this product. cJSON only
+ *  reads; json_write.h writes. Files in proto/json/ include the headers that they need, never this
+ *  one, or they would go round in a circle. */
 #ifndef VOR_PROTO_JSON_H
 #define VOR_PROTO_JSON_H
 

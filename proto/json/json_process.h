@@ -8,8 +8,8 @@
 
 #include <stddef.h>
 
-/** A process: the summary of a list, or the whole description with inputs from the parameter table
- *  and outputs cloud and report, and "x-record", the schema of its progress records. Links as
+/** Writes the summary of a process for a list, or its whole description: inputs from the parameter
+ *  table, outputs cloud and report, and "x-record", the schema of its progress records. Links as in
  *  vor_json_links. */
 void vor_json_process_summary(struct vor_text *text, const struct vor_process_info *process,
                               const struct vor_link *links, size_t link_count);

@@ -7,7 +7,7 @@
 
 #include <stddef.h>
 
-/** A value read. The one vor_json_parse yields owns all others and their strings. */
+/** A value that was read. The one that vor_json_parse returns owns all others and their strings. */
 struct vor_json;
 
 enum vor_json_kind {
@@ -36,7 +36,8 @@ enum vor_json_kind vor_json_kind(const struct vor_json *value);
 /** "null", "a boolean", "a number", "a string", "an array", "an object": for messages. */
 const char *vor_json_kind_word(const struct vor_json *value);
 
-/** Getters. value may be NULL, so that they chain. Names are compared byte for byte. */
+/** The getters take NULL for value, so that calls can be nested. They compare names byte for byte.
+ */
 
 /** Member of an object; NULL when there is none or value is no object. */
 const struct vor_json *vor_json_get(const struct vor_json *value, const char *name);
@@ -57,7 +58,7 @@ const char *vor_json_name(const struct vor_json *member);
 /** Elements or members. O(their number). */
 size_t vor_json_count(const struct vor_json *value);
 
-/** Writes a value that was read, in one line. */
+/** Writes a value that was read, in one line, numbers as vor_json_double does. */
 void vor_json_copy(struct vor_text *text, const struct vor_json *value);
 
 #endif

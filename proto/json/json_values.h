@@ -1,5 +1,5 @@
-/** The values that this product speaks, each written by one function: whatever shows a record or a
- * request shows it in the same shape. */
+/** Records, problems, links and the status of a job, each written by one function, so that they
+ * have the same shape everywhere. */
 #ifndef VOR_PROTO_JSON_VALUES_H
 #define VOR_PROTO_JSON_VALUES_H
 
@@ -11,12 +11,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** The one progress record of SSE, NDJSON and trace, as an object. */
+/** Writes a progress record as an object, the same in SSE, NDJSON and traces. */
 void vor_json_record(struct vor_text *text, const struct vor_record *record);
 
-/** Reads a record out of an object that may hold more; what is missing or no number is 0. A record
- * without run_stage, of a build that had none, is given the stage that its iteration and polish say
- * (vor_record_infer_stage). False, and *out as it was, when there is no iteration. */
+/** Reads a record from an object, which may have other members, as vor_json_members_read does. A
+ *  record without run_stage was written by a build that had none: vor_record_infer_stage gives it
+ *  one. Returns 0 and leaves *out alone when the object has no iteration. */
 int vor_json_record_read(struct vor_record *out, const struct vor_json *object);
 
 /** One entry of a problem's errors[]: exactly one of pointer and parameter is set. */

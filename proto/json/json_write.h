@@ -1,4 +1,4 @@
-/** Writes JSON. */
+/** Writes JSON, value after value, as it is produced. */
 #ifndef VOR_PROTO_JSON_WRITE_H
 #define VOR_PROTO_JSON_WRITE_H
 
@@ -7,13 +7,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** The streaming writer: values in the order in which they stand. Commas are put in; that keys and
- *  values alternate and brackets match is the caller's duty.
+/** The writer puts the commas in. The caller must alternate keys and values in an object and close
+ *  each bracket.
  *
- *  Strings may hold any bytes: control characters (C0, DEL) are escaped, what is not UTF-8 becomes
- *  U+FFFD, so the text is valid JSON whatever comes in. A NULL string is null. Doubles are written
- *  with the fewest of 15, 16 or 17 digits that read back as the same value; NaN and infinities are
- *  null. Nothing depends on the locale. */
+ *  Strings may hold any bytes: the writer escapes control characters (C0, DEL) and writes U+FFFD
+ *  for bytes that are not UTF-8, so the text is always valid JSON. A NULL string becomes null.
+ *  Doubles get the fewest of 15, 16 or 17 digits that read back as the same value; NaN and
+ *  infinities become null. Nothing depends on the locale. A failure sticks to the text. */
 void vor_json_begin_object(struct vor_text *text);
 void vor_json_end_object(struct vor_text *text);
 void vor_json_begin_array(struct vor_text *text);
@@ -27,10 +27,10 @@ void vor_json_i64(struct vor_text *text, int64_t value);
 void vor_json_bool(struct vor_text *text, int value);
 void vor_json_null(struct vor_text *text);
 
-/** A value that is JSON already: size bytes, valid by the caller's word. */
+/** Writes size bytes that are JSON already; the caller vouches for that. */
 void vor_json_raw(struct vor_text *text, const char *json, size_t size);
 
-/** Key and value in one call. */
+/** Writes a key and its value. */
 void vor_json_put_string(struct vor_text *text, const char *key, const char *value);
 void vor_json_put_double(struct vor_text *text, const char *key, double value);
 void vor_json_put_u64(struct vor_text *text, const char *key, uint64_t value);

@@ -58,7 +58,7 @@ static void write_line(struct vor_progress *progress, const struct vor_record *r
     vor_text_free(&text);
 }
 
-/* "[####----] ", or nothing where there is no room. */
+/* Adds "[####----] ", or nothing where there is no room. */
 static void add_bar(struct vor_text *line, int width, double fraction)
 {
     if (width < 1)
@@ -71,7 +71,7 @@ static void add_bar(struct vor_text *line, int width, double fraction)
     vor_text_puts(line, "] ");
 }
 
-/* "iterate   20/50   "; without the limit where that is not known. */
+/* Adds "iterate   20/50   ", without the limit when it is not known. */
 static void add_steps(struct vor_text *line, const struct vor_record *record)
 {
     vor_text_printf(line, "%s %4u", vor_run_stage_info(record->stage)->name,
@@ -128,7 +128,7 @@ static uint32_t count_at(const struct vor_json *json, const char *name)
     return number >= 0 && number <= UINT32_MAX ? (uint32_t)number : 0;
 }
 
-/* The limits of a stage as a daemon that does not tell stages tells them. */
+/* Sets the limits of a stage from an event of a daemon that does not know stages. */
 static void read_limits(struct vor_record *record, const struct vor_json *event)
 {
     uint32_t polish = count_at(event, "maxPolish");
@@ -152,7 +152,7 @@ void vor_progress_event(struct vor_progress *progress, const struct vor_json *ev
     vor_progress_record(progress, &record);
 }
 
-/* The stages of a report; of a daemon that does not list them, those that it had. */
+/* Reads the stages of a report; a daemon that does not list them iterates and polishes. */
 static void read_stages(struct vor_report *out, const struct vor_json *report)
 {
     const struct vor_json *list = vor_json_get(report, "stages");

@@ -19,15 +19,17 @@ struct vor_progress {
     struct vor_pace pace; /**< what the time left is reckoned from */
 };
 
+/** Sets up what the command's options, its output and the terminal ask for. cli is borrowed. */
 void vor_progress_start(struct vor_progress *progress, const struct vor_cli *cli);
 
 /** A word about what is going on, on the bar only. */
 void vor_progress_note(struct vor_progress *progress, const char *note);
 
+/** Shows a record: a line of JSON, or the bar, ten times a second at most. */
 void vor_progress_record(struct vor_progress *progress, const struct vor_record *record);
 
-/** The same from the data of a daemon's progress event, of a daemon that tells no stages too. What
- * holds no record is passed over. */
+/** Shows the record in the data of a daemon's progress event, also of a daemon that knows no
+ * stages. Ignores data without a record. */
 void vor_progress_event(struct vor_progress *progress, const struct vor_json *event);
 
 /** Takes the bar off the terminal, so that a line can be printed. */

@@ -26,7 +26,7 @@ const char *vor_event_word(enum vor_event_kind kind)
     return event_words[kind];
 }
 
-/* Digits up to `stop` as a number that fits; NULL when it is none, else what follows it. */
+/* Reads a decimal number that fits; returns what follows it, NULL when there is none. */
 static const char *parse_u32(uint32_t *out, const char *text)
 {
     uint64_t value = 0;
@@ -145,7 +145,7 @@ vor_status vor_bus_publish(struct vor_bus *bus, const struct vor_event *event)
     return fits ? VOR_OK : VOR_E_NOMEM;
 }
 
-/* Superseded by the event after it, for a reader who only wants the latest. */
+/* Whether a reader of the latest progress may skip an event, because the next one says more. */
 static int superseded_locked(const struct vor_bus *bus, size_t i)
 {
     return i + 1 < bus->count && bus->events[i].kind == VOR_EVENT_PROGRESS &&

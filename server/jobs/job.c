@@ -31,7 +31,7 @@ static double estimate(const struct vor_job *job)
     return job->view.stage == VOR_STAGE_OPTIMIZE ? vor_pace_left(&job->pace, &job->view.spec) : -1;
 }
 
-/* What a change of state looks like to those who follow; the caller holds job->change. */
+/* Publishes an event with the state of the job; the caller holds job->change. */
 static void publish(struct vor_job *job, enum vor_event_kind kind, int64_t now_ms)
 {
     struct vor_event event = {.kind = kind, .time_ms = now_ms};
@@ -197,7 +197,7 @@ void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms)
     end_change(job);
 }
 
-/* The little more keeps 0.3 of 80, which is 23.999..., at 24. */
+/* 0.3 of 80 comes to 23.999...; the small addend makes it 24. */
 static int progress_of(const struct vor_job *job)
 {
     return PREPARED +

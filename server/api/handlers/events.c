@@ -53,7 +53,7 @@ static void on_event(void *ctx, enum vor_event_kind kind)
         vor_waker_wake(stream->waker);
 }
 
-/* The job as it was at the event: what is known now, with the event's own state. */
+/* Writes the job as it is now, but in the state that it had at the event. */
 static void write_status(struct stream *stream, struct vor_request *request,
                          const struct vor_event *event, struct vor_text *text)
 {
@@ -76,8 +76,8 @@ static void write_status(struct stream *stream, struct vor_request *request,
     vor_job_write(stream->app, request, &view, text);
 }
 
-/* The request of the job; one that allows nothing when the job is gone. Asked for once: a replay of
- * thousands of events would read and parse the job's row for each. */
+/* The request of the job; all zero when the job is gone. Asks only once, because the store reads
+ * and parses the row of a job that is over, and a replay has thousands of events. */
 static const struct vor_spec *spec_of(struct stream *stream)
 {
     struct vor_job_view view;
@@ -90,8 +90,8 @@ static const struct vor_spec *spec_of(struct stream *stream)
     return &stream->spec;
 }
 
-/* Of the two limits, which are older than stages, only a run that iterates and polishes makes use.
- */
+/* maxIterations and maxPolish are older than stages: they mean something to a run that iterates and
+ * polishes. */
 static void write_progress(struct stream *stream, const struct vor_event *event,
                            struct vor_text *text)
 {
@@ -179,7 +179,7 @@ static void write_event(struct stream *stream, struct vor_request *request,
         stream->ended = true;
 }
 
-/* Takes over what waits on the bus; false when nothing does. */
+/* Writes the events that wait on the bus; false when there are none. */
 static bool take_events(struct stream *stream, struct vor_request *request)
 {
     struct vor_event events[BATCH];
@@ -201,7 +201,7 @@ static void say_goodbye(struct stream *stream, unsigned retry_ms)
     stream->ended = true;
 }
 
-/* Puts something into the text or ends the stream; false when there is nothing to do yet. */
+/* Adds to the text or ends the stream; false when there is nothing to do yet. */
 static bool fill(struct stream *stream, struct vor_request *request)
 {
     double beat = stream->app->config->number[VOR_SET_HEARTBEAT];
@@ -282,7 +282,7 @@ static struct stream *stream_create(struct vor_app *app, struct vor_request *req
     return stream;
 }
 
-/* An EventSource that is refused with a status never comes back; one whose stream ends does. */
+/* An EventSource never comes back after an error status; it does after the end of a stream. */
 static enum vor_next reply_crowded(struct vor_request *request)
 {
     struct vor_text text;
