@@ -192,6 +192,29 @@ START_TEST(a_request_that_cannot_be_read_is_not_made_up)
 }
 END_TEST
 
+/* As builds before records had a stage kept them. */
+START_TEST(metrics_without_a_stage_are_read)
+{
+    struct vor_job_view row;
+
+    memset(&row, 0, sizeof row);
+    (void)snprintf(row.process, sizeof row.process, "resample");
+    vor_row_read(
+        &row, "{\"points\":400}",
+        "{\"iteration\":6,\"polish\":30,\"delta\":0.0189,\"sigma\":0.0025,\"epsilon\":0.99,"
+        "\"energy\":0.067,\"max_move\":0.0028,\"held\":2,\"seconds\":0.066}",
+        NULL);
+    ck_assert(row.has_record);
+    ck_assert(row.record.iteration == 6 && row.record.polish == 30 && row.record.held == 2);
+    ck_assert_double_eq(row.record.delta, 0.0189);
+    ck_assert_double_eq(row.record.seconds, 0.066);
+    ck_assert_int_eq(row.record.stage, VOR_RUN_STAGE_POLISH);
+    ck_assert_uint_eq(row.record.step, 30);
+    vor_row_read(&row, "{\"points\":400}", "{\"delta\":1}", NULL);
+    ck_assert(!row.has_record);
+}
+END_TEST
+
 START_TEST(a_successful_end_comes_back_with_report_trace_and_record)
 {
     const char *dir = vt_dir_make();
@@ -769,6 +792,7 @@ int main(void)
     vt_add_loop(suite, a_row_comes_back_as_it_was_inserted, times);
     vt_add_loop(suite, a_request_comes_back_with_its_process_and_what_that_allows, 4 * times);
     vt_add(suite, a_request_that_cannot_be_read_is_not_made_up);
+    vt_add(suite, metrics_without_a_stage_are_read);
     vt_add_loop(suite, a_successful_end_comes_back_with_report_trace_and_record, times);
     vt_add_loop(suite, a_failure_comes_back_with_its_problem, times);
     vt_add_loop(suite, a_job_is_claimed_once, times);
