@@ -212,7 +212,8 @@ static void add_trace_of(struct bytes *bytes, size_t members, size_t more)
     add_real(bytes, 1.5);
     for (size_t i = 0; i < members; i++)
         add(bytes, 1, sizes[i]);
-    add(bytes, 0, more);
+    for (size_t i = 0; i < more; i++)
+        add(bytes, 0, 1);
     add_event(bytes, VOR_EVENT_END, VOR_JOB_FAILED, 10, 6);
 }
 
