@@ -108,7 +108,7 @@ START_TEST(quantised_points_move_by_at_most_half_a_cell)
     ck_assert_mem_eq(back.origin, cloud.origin, sizeof cloud.origin);
     ck_assert_int_eq(back.position_type, cloud.position_type);
     for (size_t i = 0; i < back.n; i++) {
-        must(!(_i & 1) || numbers[i] == i, "point %zu is not in its place", i);
+        ck_assert_msg(!(_i & 1) || numbers[i] == i, "point %zu is not in its place", i);
         for (size_t c = 0; c < 3; c++)
             must_be_near(back.xyz[3 * i + c], cloud.xyz[3 * numbers[i] + c], bound);
     }

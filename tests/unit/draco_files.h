@@ -9,16 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** ck_assert_msg and ck_assert_double_eq_tol for loops over points: Check makes a system call for
- *  every assertion that holds. */
-#define must(condition, ...)                                                                       \
-    do {                                                                                           \
-        if (!(condition))                                                                          \
-            ck_abort_msg(__VA_ARGS__);                                                             \
-    } while (0)
+/** Asserts that `got` is `want` within a tolerance, which may be met exactly. */
 #define must_be_near(got, want, tolerance)                                                         \
-    must(fabs((double)(got) - (double)(want)) <= (tolerance), "%s is %.9g, want %.9g within %g",   \
-         #got, (double)(got), (double)(want), (double)(tolerance))
+    ck_assert_msg(fabs((double)(got) - (double)(want)) <= (tolerance),                             \
+                  "%s is %.9g, want %.9g within %g", #got, (double)(got), (double)(want),          \
+                  (double)(tolerance))
 
 static const struct vor_limits draco_limits = VOR_LIMITS_DEFAULT;
 
@@ -86,8 +81,8 @@ static inline uint32_t *draco_numbers(const struct vor_cloud *cloud)
     ck_assert_int_eq(id->type, VOR_UINT32);
     memcpy(out, id->data, cloud->n * sizeof *out);
     for (size_t i = 0; i < cloud->n; i++) {
-        must(out[i] < cloud->n, "point %u of %zu", out[i], cloud->n);
-        must(!seen[out[i]], "point %u comes twice", out[i]);
+        ck_assert_msg(out[i] < cloud->n, "point %u of %zu", out[i], cloud->n);
+        ck_assert_msg(!seen[out[i]], "point %u comes twice", out[i]);
         seen[out[i]] = 1;
     }
     free(seen);
@@ -111,9 +106,9 @@ static inline void draco_assert_same(const struct vor_cloud *got, const struct v
     for (size_t i = 0; i < got->n; i++) {
         size_t j = numbers != NULL ? numbers[i] : i;
 
-        must(memcmp((const char *)a->data + i * width, (const char *)b->data + j * width, width) ==
-                 0,
-             "attribute %s of point %zu differs", name, j);
+        ck_assert_msg(memcmp((const char *)a->data + i * width, (const char *)b->data + j * width,
+                             width) == 0,
+                      "attribute %s of point %zu differs", name, j);
     }
 }
 

@@ -55,7 +55,7 @@ static void check_full(int bits, int keep_order)
                          ((const float *)was_normal->data)[3 * j + c], 1e-3);
         must_be_near(((const float *)intensity->data)[i], ((const float *)was_intensity->data)[j],
                      1000 / 65535.0 * 0.51);
-        must(!keep_order || i == j, "point %zu is not in its place", i);
+        ck_assert_msg(!keep_order || i == j, "point %zu is not in its place", i);
     }
     free(numbers);
     vor_cloud_free(&back);
