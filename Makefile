@@ -46,12 +46,24 @@ SUPPORT_SRC := $(sort $(wildcard tests/support/*.c))
 TEST_SRC := $(sort $(foreach room,$(TEST_ROOMS),$(wildcard tests/$(room)/*.c)))
 TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC)))
 TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t $(if $(filter-out tsan,$(config)),tests/cli/*.t tests/lint/*.t)))
+# These tell time, or need a port that is the same everywhere: nothing runs beside them.
+TEST_ALONE := tests/http/slow.t tests/http/readme.t
 BENCH_SRC := $(sort $(wildcard tests/bench/*.c))
 BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(B)/tests/bench/wlop
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all help demo test check soak bench fuzz lint format image clean
+GOALS := all help demo test check soak bench fuzz lint format image clean
+.PHONY: $(GOALS)
+
+# Every core is used unless -j says otherwise. Of several goals typed together one ends before the next begins.
+JOBS ?= $(shell nproc)
+ifeq ($(MAKELEVEL),0)
+MAKEFLAGS += -j$(JOBS)
+ifneq ($(word 2,$(filter $(GOALS),$(MAKECMDGOALS))),)
+.NOTPARALLEL:
+endif
+endif
 
 all: $(BIN) ## build the binary (default)
 
@@ -107,7 +119,8 @@ test: ## install what is missing, build, and run every test (V=1 is verbose)
 	@$(MAKE) --no-print-directory check
 
 check: all $(TEST_BIN) ## run every test with what is installed
-	@VORONOID=$(BIN) prove --failures --timer $(if $(V),-v) --exec '' $(TEST_BIN) $(TEST_SCRIPTS)
+	@VORONOID=$(BIN) tests/support/check.sh $(B) $(JOBS) $(filter-out $(TEST_ALONE),$(TEST_SCRIPTS)) $(TEST_BIN) -- \
+	    $(filter $(TEST_ALONE),$(TEST_SCRIPTS))
 
 soak: ## install what is missing, build, and run every golden case at 1, 2, 3 and 8 threads (some minutes)
 	@docker/install.sh build test
@@ -125,7 +138,7 @@ FUZZ := $(patsubst tests/fuzz/%_fuzz.c,%,$(wildcard tests/fuzz/*_fuzz.c))
 
 fuzz: ## fuzz every reader for FUZZ_SECONDS each, from the kept corpus
 	@$(MAKE) --no-print-directory config=fuzz CC=clang CXX=clang++ $(FUZZ:%=build/fuzz/tests/fuzz/%_fuzz)
-	@tests/fuzz/run.sh build/fuzz $(FUZZ_SECONDS) $(FUZZ)
+	@tests/fuzz/run.sh build/fuzz $(FUZZ_SECONDS) $(JOBS) $(FUZZ)
 
 build/fuzz/tests/fuzz/%_fuzz: build/fuzz/tests/fuzz/%_fuzz.o build/fuzz/libvoronoid.a
 	@echo "  LINK $@"
@@ -134,7 +147,7 @@ build/fuzz/tests/fuzz/%_fuzz: build/fuzz/tests/fuzz/%_fuzz.o build/fuzz/libvoron
 lint: ## formatting, include law, static analysis, shell and YAML
 	@docker/install.sh build test lint
 	@$(MAKE) --no-print-directory all
-	@VORONOID=$(BIN) prove --exec '' $(sort $(wildcard tests/lint/*.t))
+	@VORONOID=$(BIN) prove -j$(JOBS) --exec '' $(sort $(wildcard tests/lint/*.t))
 	@tests/lint/static.sh
 
 format: ## clang-format every C file
