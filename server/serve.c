@@ -117,7 +117,9 @@ static vor_status open_http(struct daemon *daemon, struct vor_error *err)
     return vor_http_open(&daemon->app.http, &options, err);
 }
 
-/* No job is touched before it is certain that this daemon can be reached. */
+/* The address comes before the jobs, so that a daemon whose address is taken touches none. Who
+ * connects meanwhile is answered once every job of a former life is back in line: the threads come
+ * last. */
 static vor_status start(struct daemon *daemon, struct vor_error *err)
 {
     vor_status status = open_storage(daemon, err);

@@ -187,10 +187,9 @@ vor_status vor_blob_drop(struct vor_blobs *blobs, const struct vor_uuid *id, con
     return blobs->driver->drop(blobs, id, name, err);
 }
 
-vor_status vor_blobs_sweep(struct vor_blobs *blobs,
-                           int (*keep)(void *ctx, const struct vor_uuid *id, const char *name),
-                           void *ctx, size_t *dropped, struct vor_error *err)
+vor_status vor_blobs_list(struct vor_blobs *blobs,
+                          void (*each)(void *ctx, const struct vor_uuid *id, const char *name),
+                          void *ctx, struct vor_error *err)
 {
-    *dropped = 0;
-    return blobs->driver->sweep(blobs, keep, ctx, dropped, err);
+    return blobs->driver->list(blobs, each, ctx, err);
 }

@@ -15,7 +15,7 @@
 const struct vor_blob_driver *vor_blob_driver_at(unsigned index);
 
 /** Opens "SCHEME:PLACE" ("dir:PATH": made if missing), takes its lock and removes what unfinished
- *  writes left.
+ *  writes left, and whatever else is no blob.
  *
  *  @param[out] holder  as vor_storage_lock
  *
@@ -87,14 +87,12 @@ VOR_NODISCARD vor_status vor_blob_get(struct vor_blobs *blobs, const struct vor_
 VOR_NODISCARD vor_status vor_blob_drop(struct vor_blobs *blobs, const struct vor_uuid *id,
                                        const char *name, struct vor_error *err);
 
-/** Drops every blob that keep answers 0 for, and whatever else lies among the blobs.
- *
- *  @param[out] dropped  how many
+/** Calls each for every blob that there is, in any order; each must not call the blobs.
  *
  *  @retval VOR_E_IO the blobs cannot be listed */
-VOR_NODISCARD vor_status vor_blobs_sweep(struct vor_blobs *blobs,
-                                         int (*keep)(void *ctx, const struct vor_uuid *id,
+VOR_NODISCARD vor_status vor_blobs_list(struct vor_blobs *blobs,
+                                        void (*each)(void *ctx, const struct vor_uuid *id,
                                                      const char *name),
-                                         void *ctx, size_t *dropped, struct vor_error *err);
+                                        void *ctx, struct vor_error *err);
 
 #endif

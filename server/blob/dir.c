@@ -90,6 +90,15 @@ static void unlink_tmp(void *ctx, const char *name)
     (void)unlinkat(((struct directory *)ctx)->tmp, name, 0);
 }
 
+/* What lies among the blobs and is none, by its name. */
+static void unlink_rubbish(void *ctx, const char *name)
+{
+    struct vor_uuid id;
+
+    if (parse_file(&id, name) == NULL)
+        (void)unlinkat(((struct directory *)ctx)->keep, name, 0);
+}
+
 static vor_status open_parts(struct directory *directory, const char *path, long *holder,
                              struct vor_error *err)
 {
@@ -104,7 +113,8 @@ static vor_status open_parts(struct directory *directory, const char *path, long
     status = vor_storage_lock(&directory->lock, lock, holder, err);
     if (status != VOR_OK)
         return status;
-    return each_name(directory->tmp, unlink_tmp, directory, err);
+    status = each_name(directory->tmp, unlink_tmp, directory, err);
+    return status == VOR_OK ? each_name(directory->keep, unlink_rubbish, directory, err) : status;
 }
 
 static void close_blobs(struct vor_blobs *blobs)
@@ -241,34 +251,28 @@ static vor_status drop(struct vor_blobs *blobs, const struct vor_uuid *id, const
     return VOR_OK;
 }
 
-struct sweep {
-    struct directory *directory;
-    int (*keep)(void *ctx, const struct vor_uuid *id, const char *name);
+struct listing {
+    void (*each)(void *ctx, const struct vor_uuid *id, const char *name);
     void *ctx;
-    size_t dropped;
 };
 
-static void sweep_one(void *ctx, const char *file)
+static void list_one(void *ctx, const char *file)
 {
-    struct sweep *sweep = ctx;
+    const struct listing *listing = ctx;
     struct vor_uuid id;
     const char *name = parse_file(&id, file);
 
-    if (name != NULL && sweep->keep(sweep->ctx, &id, name))
-        return;
-    if (unlinkat(sweep->directory->keep, file, 0) == 0)
-        sweep->dropped++;
+    if (name != NULL)
+        listing->each(listing->ctx, &id, name);
 }
 
-static vor_status sweep(struct vor_blobs *blobs,
-                        int (*keep)(void *ctx, const struct vor_uuid *id, const char *name),
-                        void *ctx, size_t *dropped, struct vor_error *err)
+static vor_status list(struct vor_blobs *blobs,
+                       void (*each)(void *ctx, const struct vor_uuid *id, const char *name),
+                       void *ctx, struct vor_error *err)
 {
-    struct sweep sweep = {.directory = (struct directory *)blobs, .keep = keep, .ctx = ctx};
-    vor_status status = each_name(sweep.directory->keep, sweep_one, &sweep, err);
+    struct listing listing = {.each = each, .ctx = ctx};
 
-    *dropped = sweep.dropped;
-    return status;
+    return each_name(((struct directory *)blobs)->keep, list_one, &listing, err);
 }
 
 const struct vor_blob_driver vor_blob_dir = {
@@ -282,5 +286,5 @@ const struct vor_blob_driver vor_blob_dir = {
     .discard = discard,
     .get = get,
     .drop = drop,
-    .sweep = sweep,
+    .list = list,
 };

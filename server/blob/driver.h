@@ -52,9 +52,9 @@ struct vor_blob_driver {
                       uint64_t *size, int *found, struct vor_error *err);
     vor_status (*drop)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                        struct vor_error *err);
-    vor_status (*sweep)(struct vor_blobs *blobs,
-                        int (*keep)(void *ctx, const struct vor_uuid *id, const char *name),
-                        void *ctx, size_t *dropped, struct vor_error *err);
+    vor_status (*list)(struct vor_blobs *blobs,
+                       void (*each)(void *ctx, const struct vor_uuid *id, const char *name),
+                       void *ctx, struct vor_error *err);
 };
 
 #endif

@@ -12,7 +12,7 @@ struct entry {
 struct vor_queue {
     pthread_mutex_t mutex;
     pthread_cond_t ready;
-    struct entry *head;
+    struct entry *head, *last;
     struct entry *spare; /* one for every booked place: pushing cannot fail */
     size_t waiting, booked, capacity;
     int closed;
@@ -92,15 +92,19 @@ void vor_queue_cancel(struct vor_queue *queue)
     free(entry);
 }
 
-/* Puts an entry where its seq belongs; the mutex is held. */
+/* Puts an entry where its seq belongs, which nearly always is the end; the mutex is held. */
 static void insert(struct vor_queue *queue, struct entry *entry, struct vor_job *job, int64_t seq)
 {
     struct entry **at = &queue->head;
 
+    if (queue->last != NULL && queue->last->seq < seq)
+        at = &queue->last->next;
     while (*at != NULL && (*at)->seq < seq)
         at = &(*at)->next;
     *entry = (struct entry){.job = vor_job_retain(job), .seq = seq, .next = *at};
     *at = entry;
+    if (entry->next == NULL)
+        queue->last = entry;
     queue->waiting++;
     pthread_cond_signal(&queue->ready);
 }
@@ -136,6 +140,8 @@ struct vor_job *vor_queue_pop(struct vor_queue *queue)
     if (!queue->closed) {
         entry = queue->head;
         queue->head = entry->next;
+        if (queue->head == NULL)
+            queue->last = NULL;
         queue->waiting--;
         job = entry->job;
     }
@@ -146,14 +152,16 @@ struct vor_job *vor_queue_pop(struct vor_queue *queue)
 
 int vor_queue_remove(struct vor_queue *queue, const struct vor_job *job)
 {
-    struct entry **at, *entry;
+    struct entry **at, *entry, *before = NULL;
 
     pthread_mutex_lock(&queue->mutex);
     for (at = &queue->head; *at != NULL && (*at)->job != job; at = &(*at)->next)
-        continue;
+        before = *at;
     entry = *at;
     if (entry != NULL) {
         *at = entry->next;
+        if (queue->last == entry)
+            queue->last = before;
         entry->next = NULL;
         queue->waiting--;
     }

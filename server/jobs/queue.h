@@ -22,11 +22,12 @@ enum vor_outcome vor_queue_reserve(struct vor_queue *queue);
 /** Gives a booked place back. */
 void vor_queue_cancel(struct vor_queue *queue);
 
-/** Puts a job into its booked place by its seq; takes a reference. Never fails; once closed, the
- * job waits for the next start of the daemon. */
+/** Puts a job into its booked place by its seq; takes a reference. Never fails; once the queue is
+ *  closed, the job waits for the next start of the daemon. */
 void vor_queue_push(struct vor_queue *queue, struct vor_job *job, int64_t seq);
 
-/** The same for a job of a former run, which needs no booking: the bound does not hold for it.
+/** The same for a job of a former life of the daemon. It needs no booking: every one of them is
+ *  taken, however many the queue has room for.
  *
  *  @retval VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_queue_restore(struct vor_queue *queue, struct vor_job *job,

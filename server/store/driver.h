@@ -72,6 +72,9 @@ struct vor_store_driver {
     vor_status (*list)(struct vor_store *store, const struct vor_job_filter *filter,
                        int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
                        struct vor_error *err);
+    vor_status (*waiting)(struct vor_store *store,
+                          int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
+                          struct vor_error *err);
     vor_status (*expire)(struct vor_store *store, int64_t now_ms, struct vor_uuid *ids, size_t max,
                          size_t *count, struct vor_error *err);
     vor_status (*recover)(struct vor_store *store, unsigned crashes_max, int64_t now_ms,

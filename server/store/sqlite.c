@@ -131,16 +131,21 @@ static vor_status check(struct vor_store *store, struct vor_error *err)
 
 /* --- changes ---------------------------------------------------------------------------------- */
 
+static void take_seq(void *ctx, struct vor_sqlite_row *row)
+{
+    *(int64_t *)ctx = vor_sqlite_number(row);
+}
+
 static vor_status insert(struct vor_store *store, struct vor_job_view *row, struct vor_error *err)
 {
     const struct vor_job_input *input = &row->input;
     struct vor_row_text text;
-    struct vor_sqlite_change result;
+    int64_t seq = 0;
     vor_status status = vor_row_write(&text, row, err);
 
     if (status == VOR_OK)
-        status = vor_sqlite_change(
-            db_of(store), &result, err,
+        status = vor_sqlite_change_each(
+            db_of(store), take_seq, &seq, err,
             "INSERT INTO job (id, process_id, status, message, request, input_format,"
             " input_points, input_bytes, input_sha256, input_seconds, created, updated)"
             " VALUES (?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?, ?) RETURNING seq",
@@ -148,24 +153,37 @@ static vor_status insert(struct vor_store *store, struct vor_job_view *row, stru
             (int64_t)input->format, (int64_t)input->points, (int64_t)input->bytes, input->sha256,
             input->seconds, row->created, row->created);
     if (status == VOR_OK)
-        row->seq = result.value;
+        row->seq = seq;
     vor_row_text_free(&text);
     return status;
+}
+
+struct claimed {
+    int changed;
+    uint32_t attempt;
+};
+
+static void take_attempt(void *ctx, struct vor_sqlite_row *row)
+{
+    struct claimed *claimed = ctx;
+
+    claimed->changed = 1;
+    claimed->attempt = (uint32_t)vor_sqlite_number(row);
 }
 
 static vor_status claim(struct vor_store *store, const struct vor_uuid *id, int64_t now_ms,
                         uint32_t *attempt, int *changed, struct vor_error *err)
 {
-    struct vor_sqlite_change result;
-    vor_status status =
-        vor_sqlite_change(db_of(store), &result, err,
-                          "UPDATE job SET status = 'running', attempt = attempt + 1, updated = ?2,"
-                          " started = CASE started WHEN 0 THEN ?2 ELSE started END"
-                          " WHERE id = ?1 AND status = 'accepted' RETURNING attempt",
-                          "ti", id->text, now_ms);
+    struct claimed claimed = {0};
+    vor_status status = vor_sqlite_change_each(
+        db_of(store), take_attempt, &claimed, err,
+        "UPDATE job SET status = 'running', attempt = attempt + 1, updated = ?2,"
+        " started = CASE started WHEN 0 THEN ?2 ELSE started END"
+        " WHERE id = ?1 AND status = 'accepted' RETURNING attempt",
+        "ti", id->text, now_ms);
 
-    *changed = result.rows;
-    *attempt = (uint32_t)result.value;
+    *changed = claimed.changed;
+    *attempt = claimed.attempt;
     return status;
 }
 
@@ -173,12 +191,12 @@ static vor_status beat(struct vor_store *store, const struct vor_job_view *row,
                        struct vor_error *err)
 {
     struct vor_row_text text;
-    struct vor_sqlite_change result;
+    int changed;
     vor_status status = vor_row_write(&text, row, err);
 
     if (status == VOR_OK)
         status = vor_sqlite_change(
-            db_of(store), &result, err,
+            db_of(store), &changed, err,
             "UPDATE job SET progress = max(progress, ?3), metrics = ?4, updated = ?5"
             " WHERE id = ?1 AND attempt = ?2 AND status = 'running'",
             "tiiti", row->id.text, (int64_t)row->attempt, (int64_t)row->progress, text.metrics.data,
@@ -190,27 +208,23 @@ static vor_status beat(struct vor_store *store, const struct vor_job_view *row,
 static vor_status release(struct vor_store *store, const struct vor_uuid *id, uint32_t attempt,
                           int64_t now_ms, int *changed, struct vor_error *err)
 {
-    struct vor_sqlite_change result;
-    vor_status status = vor_sqlite_change(db_of(store), &result, err,
-                                          "UPDATE job SET status = 'accepted', updated = ?3"
-                                          " WHERE id = ?1 AND attempt = ?2 AND status = 'running'",
-                                          "tii", id->text, (int64_t)attempt, now_ms);
-
-    *changed = result.rows;
-    return status;
+    return vor_sqlite_change(db_of(store), changed, err,
+                             "UPDATE job SET status = 'accepted', updated = ?3"
+                             " WHERE id = ?1 AND attempt = ?2 AND status = 'running'",
+                             "tii", id->text, (int64_t)attempt, now_ms);
 }
 
 static vor_status finish(struct vor_store *store, const struct vor_job_view *row, uint32_t attempt,
                          const struct vor_store_ending *ending, int *changed, struct vor_error *err)
 {
     const struct vor_job_output *output = &row->output;
-    struct vor_sqlite_change result = {0};
     struct vor_row_text text;
     vor_status status = vor_row_write(&text, row, err);
 
+    *changed = 0;
     if (status == VOR_OK)
         status = vor_sqlite_change(
-            db_of(store), &result, err,
+            db_of(store), changed, err,
             "UPDATE job SET status = ?3, progress = ?4, message = ?5, metrics = ?6,"
             " problem = ?7, report = ?8, trace = ?9, output_format = ?10,"
             " output_points = ?11, output_bytes = ?12, output_sha256 = ?13,"
@@ -222,7 +236,6 @@ static vor_status finish(struct vor_store *store, const struct vor_job_view *row
             ending->report, ending->trace, ending->trace_size, (int64_t)output->format,
             (int64_t)output->points, (int64_t)output->bytes, output->sha256, row->finished,
             row->expires, (int64_t)row->attempt);
-    *changed = result.rows;
     vor_row_text_free(&text);
     return status;
 }
@@ -230,13 +243,9 @@ static vor_status finish(struct vor_store *store, const struct vor_job_view *row
 static vor_status remove_row(struct vor_store *store, const struct vor_uuid *id, int *changed,
                              struct vor_error *err)
 {
-    struct vor_sqlite_change result;
-    vor_status status = vor_sqlite_change(
-        db_of(store), &result, err,
+    return vor_sqlite_change(
+        db_of(store), changed, err,
         "DELETE FROM job WHERE id = ? AND status NOT IN ('accepted', 'running')", "t", id->text);
-
-    *changed = result.rows;
-    return status;
 }
 
 /* --- reading ---------------------------------------------------------------------------------- */
@@ -413,6 +422,18 @@ static void status_words(char *out, size_t size, unsigned statuses)
 /* Milliseconds that a started job has run; ?9 is now. */
 #define DURATION "CASE finished WHEN 0 THEN ?9 ELSE finished END - started"
 
+static vor_status waiting(struct vor_store *store,
+                          int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
+                          struct vor_error *err)
+{
+    struct listing listing = {.each = each, .ctx = ctx};
+
+    return vor_sqlite_query(db_of(store), list_row, &listing, err,
+                            "SELECT " ROW_COLUMNS
+                            " FROM job WHERE status = 'accepted' AND expired = 0 ORDER BY seq",
+                            "");
+}
+
 static vor_status list_rows(struct vor_store *store, const struct vor_job_filter *filter,
                             int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
                             struct vor_error *err)
@@ -441,32 +462,28 @@ struct expiry {
     size_t count;
 };
 
-static int take_id(void *ctx, struct vor_sqlite_row *row)
+static void take_id(void *ctx, struct vor_sqlite_row *row)
 {
     struct expiry *expiry = ctx;
 
     copy_text(expiry->ids[expiry->count].text, sizeof expiry->ids[0].text, row);
     expiry->count++;
-    return 1;
 }
 
 static vor_status expire(struct vor_store *store, int64_t now_ms, struct vor_uuid *ids, size_t max,
                          size_t *count, struct vor_error *err)
 {
     struct expiry expiry = {.ids = ids};
-    struct vor_sqlite_change result;
-    vor_status status = vor_sqlite_query(db_of(store), take_id, &expiry, err,
-                                         "SELECT id FROM job WHERE expires > 0 AND expires <= ?"
-                                         " AND expired = 0 ORDER BY expires LIMIT ?",
-                                         "ii", now_ms, (int64_t)max);
+    int forgotten;
+    vor_status status = vor_sqlite_change_each(
+        db_of(store), take_id, &expiry, err,
+        "UPDATE job SET expired = 1, report = NULL, trace = NULL WHERE seq IN"
+        " (SELECT seq FROM job WHERE expires > 0 AND expires <= ? AND expired = 0"
+        " ORDER BY expires LIMIT ?) RETURNING id",
+        "ii", now_ms, (int64_t)max);
 
-    for (size_t i = 0; i < expiry.count && status == VOR_OK; i++)
-        status = vor_sqlite_change(
-            db_of(store), &result, err,
-            "UPDATE job SET expired = 1, report = NULL, trace = NULL WHERE id = ?", "t",
-            ids[i].text);
     if (status == VOR_OK)
-        status = vor_sqlite_change(db_of(store), &result, err,
+        status = vor_sqlite_change(db_of(store), &forgotten, err,
                                    "DELETE FROM job WHERE expires > 0 AND expires <= ?1"
                                    " AND expired = 1 AND expires + (expires - finished) <= ?1",
                                    "i", now_ms);
@@ -480,7 +497,7 @@ static vor_status recover(struct vor_store *store, unsigned crashes_max, int64_t
 {
     struct vor_job_view row = {.problem = {.status = VOR_OK}};
     struct vor_row_text text;
-    struct vor_sqlite_change result = {0};
+    int failed = 0, requeued = 0;
     vor_status status;
 
     (void)vor_fail(&row.problem, VOR_E_INTERNAL,
@@ -488,20 +505,20 @@ static vor_status recover(struct vor_store *store, unsigned crashes_max, int64_t
     status = vor_row_write(&text, &row, err);
     if (status == VOR_OK)
         status =
-            vor_sqlite_change(db_of(store), &result, err,
+            vor_sqlite_change(db_of(store), &failed, err,
                               "UPDATE job SET status = 'failed', problem = ?2, message = ?3,"
                               " updated = ?4, finished = ?4, expires = ?5, crashes = crashes + 1"
                               " WHERE status = 'running' AND crashes + 1 >= ?1",
                               "ittii", (int64_t)crashes_max, text.problem.data, row.problem.message,
                               now_ms, expires_ms);
-    recovered->failed = (uint64_t)result.rows;
     if (status == VOR_OK)
         status = vor_sqlite_change(
-            db_of(store), &result, err,
+            db_of(store), &requeued, err,
             "UPDATE job SET status = 'accepted', crashes = crashes + 1, updated = ?"
             " WHERE status = 'running'",
             "i", now_ms);
-    recovered->requeued = (uint64_t)result.rows;
+    recovered->failed = (uint64_t)failed;
+    recovered->requeued = (uint64_t)requeued;
     vor_row_text_free(&text);
     return status;
 }
@@ -522,6 +539,7 @@ const struct vor_store_driver vor_store_sqlite = {
     .report = get_report,
     .trace = get_trace,
     .list = list_rows,
+    .waiting = waiting,
     .expire = expire,
     .recover = recover,
 };

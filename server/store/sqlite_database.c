@@ -147,34 +147,6 @@ static int start(sqlite3_stmt **out, struct connection *connection, const char *
     return code == SQLITE_OK ? sqlite3_step(*out) : code;
 }
 
-vor_status vor_sqlite_change(struct vor_sqlite *db, struct vor_sqlite_change *out,
-                             struct vor_error *err, const char *sql, const char *types, ...)
-{
-    sqlite3_stmt *statement = NULL;
-    vor_status status = VOR_OK;
-    va_list args;
-    int code;
-
-    *out = (struct vor_sqlite_change){0};
-    if (vor_sqlite_broken(db))
-        return vor_fail(err, VOR_E_IO, "the job store is out of order since its disk failed");
-    pthread_mutex_lock(&db->writer.mutex);
-    va_start(args, types);
-    code = start(&statement, &db->writer, sql, types, &args);
-    va_end(args);
-    if (code == SQLITE_ROW)
-        out->value = sqlite3_column_int64(statement, 0);
-    while (code == SQLITE_ROW)
-        code = sqlite3_step(statement);
-    if (code == SQLITE_DONE)
-        out->rows = sqlite3_changes(db->writer.handle);
-    else
-        status = fail(db, &db->writer, code, err);
-    (void)sqlite3_finalize(statement); /* its failure is that of the last step */
-    pthread_mutex_unlock(&db->writer.mutex);
-    return status;
-}
-
 int64_t vor_sqlite_number(struct vor_sqlite_row *row)
 {
     return sqlite3_column_int64(row->statement, row->column++);
@@ -196,6 +168,66 @@ const void *vor_sqlite_bytes(struct vor_sqlite_row *row, size_t *size)
 
     *size = (size_t)sqlite3_column_bytes(row->statement, row->column++);
     return bytes;
+}
+
+/* A change: who gets the rows that it returns (each may be NULL), and how many it changed. */
+struct change {
+    void (*each)(void *ctx, struct vor_sqlite_row *row);
+    void *ctx;
+    int rows;
+};
+
+static vor_status change(struct vor_sqlite *db, struct change *change, struct vor_error *err,
+                         const char *sql, const char *types, va_list *args)
+{
+    struct vor_sqlite_row row = {0};
+    vor_status status = VOR_OK;
+    int code;
+
+    if (vor_sqlite_broken(db))
+        return vor_fail(err, VOR_E_IO, "the job store is out of order since its disk failed");
+    pthread_mutex_lock(&db->writer.mutex);
+    code = start(&row.statement, &db->writer, sql, types, args);
+    for (; code == SQLITE_ROW; code = sqlite3_step(row.statement)) {
+        row.column = 0;
+        if (change->each != NULL)
+            change->each(change->ctx, &row);
+    }
+    if (code == SQLITE_DONE)
+        change->rows = sqlite3_changes(db->writer.handle);
+    else
+        status = fail(db, &db->writer, code, err);
+    (void)sqlite3_finalize(row.statement); /* its failure is that of the last step */
+    pthread_mutex_unlock(&db->writer.mutex);
+    return status;
+}
+
+vor_status vor_sqlite_change(struct vor_sqlite *db, int *rows, struct vor_error *err,
+                             const char *sql, const char *types, ...)
+{
+    struct change plain = {.each = NULL};
+    vor_status status;
+    va_list args;
+
+    va_start(args, types);
+    status = change(db, &plain, err, sql, types, &args);
+    va_end(args);
+    *rows = plain.rows;
+    return status;
+}
+
+vor_status vor_sqlite_change_each(struct vor_sqlite *db,
+                                  void (*each)(void *ctx, struct vor_sqlite_row *row), void *ctx,
+                                  struct vor_error *err, const char *sql, const char *types, ...)
+{
+    struct change returning = {.each = each, .ctx = ctx};
+    vor_status status;
+    va_list args;
+
+    va_start(args, types);
+    status = change(db, &returning, err, sql, types, &args);
+    va_end(args);
+    return status;
 }
 
 vor_status vor_sqlite_query(struct vor_sqlite *db,

@@ -29,27 +29,29 @@ int vor_sqlite_broken(struct vor_sqlite *db);
 VOR_NODISCARD vor_status vor_sqlite_run(struct vor_sqlite *db, const char *sql,
                                         struct vor_error *err);
 
-/** How many rows a change touched, and the first value it returned (0 without RETURNING). */
-struct vor_sqlite_change {
-    int rows;
-    int64_t value;
-};
-
-/** One statement, one transaction: durable when VOR_OK is returned. `types` says what follows, for
- *  the statement's parameters from the first on: t text (or NULL), i int64_t, r double, b bytes
- *  (pointer or NULL, then size_t); all borrowed for the call.
- *
- *  @retval VOR_E_IO nothing was changed; `got` of err is ENOSPC when the disk is full */
-VOR_NODISCARD vor_status vor_sqlite_change(struct vor_sqlite *db, struct vor_sqlite_change *out,
-                                           struct vor_error *err, const char *sql,
-                                           const char *types, ...);
-
 /** A row of a query: its columns, one after the other. Texts and bytes last until each returns. */
 struct vor_sqlite_row;
 int64_t vor_sqlite_number(struct vor_sqlite_row *row);
 double vor_sqlite_real(struct vor_sqlite_row *row);
 const char *vor_sqlite_text(struct vor_sqlite_row *row); /**< NULL for null */
 const void *vor_sqlite_bytes(struct vor_sqlite_row *row, size_t *size);
+
+/** One statement, one transaction: durable when VOR_OK is returned. `types` says what follows, for
+ *  the statement's parameters from the first on: t text (or NULL), i int64_t, r double, b bytes
+ *  (pointer or NULL, then size_t); all borrowed for the call.
+ *
+ *  @param[out] rows  how many the statement changed
+ *
+ *  @retval VOR_E_IO nothing was changed; `got` of err is ENOSPC when the disk is full */
+VOR_NODISCARD vor_status vor_sqlite_change(struct vor_sqlite *db, int *rows, struct vor_error *err,
+                                           const char *sql, const char *types, ...);
+
+/** The same for a statement with RETURNING: each gets every row that it returns, before the change
+ *  is durable. What each was told is void unless VOR_OK is returned. */
+VOR_NODISCARD vor_status vor_sqlite_change_each(struct vor_sqlite *db,
+                                                void (*each)(void *ctx, struct vor_sqlite_row *row),
+                                                void *ctx, struct vor_error *err, const char *sql,
+                                                const char *types, ...);
 
 /** Calls each for every row while it answers not 0. each must not query the same database.
  *

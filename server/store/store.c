@@ -121,6 +121,13 @@ vor_status vor_store_list(struct vor_store *store, const struct vor_job_filter *
     return store->driver->list(store, filter, each, ctx, err);
 }
 
+vor_status vor_store_waiting(struct vor_store *store,
+                             int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
+                             struct vor_error *err)
+{
+    return store->driver->waiting(store, each, ctx, err);
+}
+
 vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, int *changed,
                             struct vor_error *err)
 {

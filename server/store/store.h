@@ -85,15 +85,23 @@ VOR_NODISCARD vor_status vor_store_list(struct vor_store *store,
                                         int (*each)(void *ctx, const struct vor_job_view *row),
                                         void *ctx, struct vor_error *err);
 
+/** Calls each for every accepted job, in the order of acceptance. each must not call the store and
+ *  ends the list by returning 0. */
+VOR_NODISCARD vor_status vor_store_waiting(struct vor_store *store,
+                                           int (*each)(void *ctx, const struct vor_job_view *row),
+                                           void *ctx, struct vor_error *err);
+
 /** Removes a job that is over.
  *
  *  @param[out] changed  0 when it is unknown or not over */
 VOR_NODISCARD vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id,
                                           int *changed, struct vor_error *err);
 
-/** Marks up to max jobs whose time is over as expired, drops their report and trace and lists them:
- *  the caller then drops their blobs. Forgets jobs that expired longer ago than they lived. Call
- *  again while count is max. */
+/** Marks up to max jobs whose time is over as expired, those first whose time was over first, and
+ *  drops their report and trace. ids gets them in any order: the caller then drops their blobs.
+ *  Forgets jobs that expired longer ago than they lived. Call again while count is max.
+ *
+ *  Cost: two changes, however many jobs there are. */
 VOR_NODISCARD vor_status vor_store_expire(struct vor_store *store, int64_t now_ms,
                                           struct vor_uuid *ids, size_t max, size_t *count,
                                           struct vor_error *err);

@@ -249,8 +249,10 @@ static enum vor_outcome dismiss_live(struct vor_worker *worker, struct vor_job *
     if (!changed)
         return VOR_CONFLICT;
     vor_job_ask(job, VOR_CANCEL);
-    if (vor_queue_remove(worker->queue, job))
+    if (vor_queue_remove(worker->queue, job)) {
         vor_worker_forget(worker, job); /* else a runner has it and will */
+        vor_worker_drop(worker, &out->id, VOR_BLOB_CLOUD); /* of an attempt before a crash */
+    }
     vor_worker_drop(worker, &out->id, VOR_BLOB_INPUT);
     vor_log(VOR_LOG_INFO, "job dismissed", VOR_TEXT("job", out->id.text), VOR_TEXT("why", why));
     return VOR_DONE;
@@ -271,6 +273,7 @@ static enum vor_outcome dismiss_row(struct vor_worker *worker, const char *why,
     if (vor_store_finish(worker->config.store, row, 0, NULL, &changed, err) != VOR_OK)
         return VOR_FAILED;
     vor_worker_drop(worker, &row->id, VOR_BLOB_INPUT);
+    vor_worker_drop(worker, &row->id, VOR_BLOB_CLOUD);
     return changed ? VOR_DONE : VOR_CONFLICT;
 }
 

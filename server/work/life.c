@@ -31,12 +31,13 @@ static void *sweeper_main(void *arg)
 {
     struct vor_worker *worker = arg;
 
-    while (!vor_worker_pause(worker, SWEEP_SECONDS)) {
+    vor_worker_drop_strays(worker);
+    do {
         struct vor_error err;
 
         if (vor_worker_sweep(worker, &err) != VOR_OK)
             vor_log(VOR_LOG_ERROR, "sweeping failed", VOR_TEXT("error", err.message));
-    }
+    } while (!vor_worker_pause(worker, SWEEP_SECONDS));
     return NULL;
 }
 
@@ -125,6 +126,7 @@ void vor_worker_destroy(struct vor_worker *worker)
         pthread_join(worker->runners[i], NULL);
     if (worker->sweeper_started)
         pthread_join(worker->sweeper, NULL);
+    vor_found_free(&worker->found);
     vor_queue_destroy(worker->queue);
     while (worker->live != NULL)
         vor_worker_forget(worker, worker->live->job);

@@ -64,6 +64,12 @@ void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job)
     free(live);
 }
 
+void vor_found_free(struct vor_found *found)
+{
+    free(found->blobs);
+    *found = (struct vor_found){.blobs = NULL};
+}
+
 /* --- waiting and running ---------------------------------------------------------------------- */
 
 int vor_worker_wait_until(struct vor_worker *worker, double deadline)

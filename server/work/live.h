@@ -17,6 +17,19 @@ struct vor_live {
     struct vor_live *next;
 };
 
+/** The blobs that were there at the start. */
+struct vor_found_blob {
+    struct vor_uuid id;
+    char name[VOR_BLOB_NAME_MAX + 1];
+};
+
+struct vor_found {
+    struct vor_found_blob *blobs; /**< owned */
+    size_t count, capacity;
+};
+
+void vor_found_free(struct vor_found *found);
+
 /** Locks are taken in this order: a job's change, the store's, `mutex`, a job's state, the queue's.
  */
 struct vor_worker {
@@ -32,6 +45,7 @@ struct vor_worker {
     unsigned runner_count;
     pthread_t sweeper;
     int sweeper_started;
+    struct vor_found found; /* the sweeper's, once it runs */
 };
 
 /** The live job of that id with a reference for the caller, NULL when there is none. */

@@ -5,25 +5,9 @@
 #include "server/base/log.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-enum { BATCH = 256 };
-
-struct batch {
-    struct vor_uuid ids[BATCH];
-    size_t count;
-    int64_t before_seq;
-};
-
-static int take_id(void *ctx, const struct vor_job_view *row)
-{
-    struct batch *batch = ctx;
-
-    batch->ids[batch->count++] = row->id;
-    batch->before_seq = row->seq;
-    return 1;
-}
 
 static int64_t expiry(const struct vor_worker *worker, int64_t now)
 {
@@ -81,57 +65,118 @@ static vor_status requeue(struct vor_worker *worker, const struct vor_job_view *
     return status;
 }
 
-static vor_status recover_one(struct vor_worker *worker, const struct vor_uuid *id,
-                              struct vor_error *err)
-{
+/* --- the queue -------------------------------------------------------------------------------- */
+
+/* A job that cannot be run again, and why. */
+struct lost {
     struct vor_job_view row;
     struct vor_error why;
-    vor_status status;
-    int found;
+    struct lost *next;
+};
 
-    status = vor_store_get(worker->config.store, id, &row, &found, err);
-    if (status != VOR_OK || !found)
-        return status;
-    if (check_row(worker, &row, &why) != VOR_OK)
-        return fail_row(worker, &row, &why, err);
-    return requeue(worker, &row, err);
+struct recovery {
+    struct vor_worker *worker;
+    struct lost *lost; /* to be told to the store once the list is read */
+    vor_status status;
+    struct vor_error *err;
+};
+
+static vor_status note_lost(struct recovery *recovery, const struct vor_job_view *row,
+                            const struct vor_error *why)
+{
+    struct lost *lost = malloc(sizeof *lost);
+
+    if (lost == NULL)
+        return vor_fail(recovery->err, VOR_E_NOMEM, "a job");
+    *lost = (struct lost){.row = *row, .why = *why, .next = recovery->lost};
+    recovery->lost = lost;
+    return VOR_OK;
 }
 
-/* Fills the queue with the accepted jobs. */
+static int recover_one(void *ctx, const struct vor_job_view *row)
+{
+    struct recovery *recovery = ctx;
+    struct vor_error why;
+
+    if (check_row(recovery->worker, row, &why) != VOR_OK)
+        recovery->status = note_lost(recovery, row, &why);
+    else
+        recovery->status = requeue(recovery->worker, row, recovery->err);
+    return recovery->status == VOR_OK;
+}
+
 static vor_status recover_queue(struct vor_worker *worker, struct vor_error *err)
 {
-    struct batch batch = {.before_seq = 0};
-    vor_status status = VOR_OK;
+    struct recovery recovery = {.worker = worker, .err = err};
+    vor_status status = vor_store_waiting(worker->config.store, recover_one, &recovery, err);
 
-    do {
-        struct vor_job_filter filter = {
-            .statuses = 1u << VOR_JOB_ACCEPTED, .before_seq = batch.before_seq, .limit = BATCH};
+    if (status == VOR_OK)
+        status = recovery.status;
+    while (recovery.lost != NULL) {
+        struct lost *lost = recovery.lost;
 
-        batch.count = 0;
-        status = vor_store_list(worker->config.store, &filter, take_id, &batch, err);
-        for (size_t i = 0; i < batch.count && status == VOR_OK; i++)
-            status = recover_one(worker, &batch.ids[i], err);
-    } while (status == VOR_OK && batch.count == BATCH);
+        recovery.lost = lost->next;
+        if (status == VOR_OK)
+            status = fail_row(worker, &lost->row, &lost->why, err);
+        free(lost);
+    }
     return status;
 }
 
-/* A blob is kept when its row needs it, or when that cannot be found out. */
-static int is_needed(void *ctx, const struct vor_uuid *id, const char *name)
+/* --- the blobs -------------------------------------------------------------------------------- */
+
+static void note_blob(void *ctx, const struct vor_uuid *id, const char *name)
 {
-    struct vor_worker *worker = ctx;
+    struct vor_found *found = &((struct vor_worker *)ctx)->found;
+
+    if (found->count == found->capacity) {
+        size_t capacity = found->capacity > 0 ? 2 * found->capacity : 256;
+        struct vor_found_blob *blobs = realloc(found->blobs, capacity * sizeof *blobs);
+
+        if (blobs == NULL)
+            return; /* it is looked at after the next start */
+        found->blobs = blobs;
+        found->capacity = capacity;
+    }
+    found->blobs[found->count].id = *id;
+    (void)snprintf(found->blobs[found->count].name, sizeof found->blobs[0].name, "%s", name);
+    found->count++;
+}
+
+/* A job that is not over needs all its blobs: it may be writing its result. One that is over needs
+ * none but the result of a success. What cannot be found out is needed, too. */
+static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blob)
+{
     struct vor_job_view row;
     int found;
 
-    if (vor_store_get(worker->config.store, id, &row, &found, NULL) != VOR_OK)
+    if (vor_store_get(worker->config.store, &blob->id, &row, &found, NULL) != VOR_OK)
         return 1;
     if (!found || row.expired)
         return 0;
-    return strcmp(name, VOR_BLOB_INPUT) == 0 ? row.status == VOR_JOB_ACCEPTED
-                                             : row.status == VOR_JOB_SUCCESSFUL;
+    return !vor_job_status_over(row.status) ||
+           (row.status == VOR_JOB_SUCCESSFUL && strcmp(blob->name, VOR_BLOB_INPUT) != 0);
+}
+
+void vor_worker_drop_strays(struct vor_worker *worker)
+{
+    struct vor_found *found = &worker->found;
+    size_t dropped = 0;
+
+    for (size_t i = 0; i < found->count && !vor_worker_pause(worker, 0); i++) {
+        if (is_needed(worker, &found->blobs[i]))
+            continue;
+        vor_worker_drop(worker, &found->blobs[i].id, found->blobs[i].name);
+        dropped++;
+    }
+    vor_found_free(found);
+    if (dropped > 0)
+        vor_log(VOR_LOG_INFO, "strays removed", VOR_COUNT("files", dropped));
 }
 
 vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
 {
+    enum { BATCH = 256 };
     struct vor_uuid ids[BATCH];
     size_t count = BATCH, total = 0;
     vor_status status = VOR_OK;
@@ -152,19 +197,15 @@ vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err)
 {
     int64_t now = vor_clock_wall_ms();
     struct vor_recovered recovered = {0};
-    size_t dropped = 0;
     vor_status status = vor_store_recover(worker->config.store, worker->config.crashes_max, now,
                                           expiry(worker, now), &recovered, err);
 
     if (status == VOR_OK)
-        status = vor_worker_sweep(worker, err);
-    if (status == VOR_OK)
         status = recover_queue(worker, err);
     if (status == VOR_OK)
-        status = vor_blobs_sweep(worker->config.blobs, is_needed, worker, &dropped, err);
+        status = vor_blobs_list(worker->config.blobs, note_blob, worker, err);
     if (status == VOR_OK)
         vor_log(VOR_LOG_INFO, "recovered", VOR_COUNT("waiting", vor_queue_depth(worker->queue)),
-                VOR_COUNT("requeued", recovered.requeued), VOR_COUNT("failed", recovered.failed),
-                VOR_COUNT("files_removed", dropped));
+                VOR_COUNT("requeued", recovered.requeued), VOR_COUNT("failed", recovered.failed));
     return status;
 }

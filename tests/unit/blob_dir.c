@@ -174,29 +174,59 @@ START_TEST(what_was_committed_outlives_a_kill)
 }
 END_TEST
 
-/* Keeps the inputs of one job. */
-static int keep_input_of(void *ctx, const struct vor_uuid *id, const char *name)
+struct listed {
+    char names[4][80];
+    int count;
+};
+
+static void note(void *ctx, const struct vor_uuid *id, const char *name)
 {
-    return strcmp(name, VOR_BLOB_INPUT) == 0 && strcmp(id->text, ctx) == 0;
+    struct listed *listed = ctx;
+
+    ck_assert_int_lt(listed->count, 4);
+    (void)snprintf(listed->names[listed->count++], sizeof listed->names[0], "%s %s", id->text,
+                   name);
 }
 
-START_TEST(a_sweep_drops_what_nobody_needs_and_what_is_no_blob)
+static int is_listed(const struct listed *listed, const struct vor_uuid *id, const char *name)
 {
+    char want[80];
+    int times = 0;
+
+    (void)snprintf(want, sizeof want, "%s %s", id->text, name);
+    for (int i = 0; i < listed->count; i++)
+        times += strcmp(listed->names[i], want) == 0;
+    return times == 1;
+}
+
+START_TEST(a_list_has_every_blob_and_an_opening_drops_what_is_no_blob)
+{
+    static const char *const rubbish[] = {"rubbish", "0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11",
+                                          "0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11.",
+                                          "0193B5F2-7c1e-7f7a-9d3e-2a6c1f0b8e11.input"};
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
-    struct vor_uuid wanted = fresh_id(), other = fresh_id();
+    struct vor_uuid one = fresh_id(), other = fresh_id();
+    struct listed listed = {.count = 0};
     char path[512];
-    size_t dropped;
 
-    store_text(blobs, &wanted, VOR_BLOB_INPUT, "wanted");
-    store_text(blobs, &wanted, VOR_BLOB_CLOUD, "not");
-    store_text(blobs, &other, VOR_BLOB_INPUT, "not");
-    (void)snprintf(path, sizeof path, "%s/blobs/keep/rubbish", dir);
-    close(open(path, O_CREAT | O_WRONLY, 0600));
-    vt_assert_ok(vor_blobs_sweep(blobs, keep_input_of, wanted.text, &dropped, &vt_err));
-    ck_assert_uint_eq(dropped, 3);
-    ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 1);
-    ck_assert_str_eq(content(blobs, &wanted, VOR_BLOB_INPUT), "wanted");
+    store_text(blobs, &one, VOR_BLOB_INPUT, "a");
+    store_text(blobs, &one, VOR_BLOB_CLOUD, "b");
+    store_text(blobs, &other, "report-2", "c");
+    vor_blob_discard(vt_upload(blobs, "d", 1));
+    for (size_t i = 0; i < sizeof rubbish / sizeof rubbish[0]; i++) {
+        (void)snprintf(path, sizeof path, "%s/blobs/keep/%s", dir, rubbish[i]);
+        close(open(path, O_CREAT | O_WRONLY, 0600));
+    }
+    vor_blobs_close(blobs);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 7);
+    blobs = vt_dir_blobs(dir);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 3);
+    vt_assert_ok(vor_blobs_list(blobs, note, &listed, &vt_err));
+    ck_assert_int_eq(listed.count, 3);
+    ck_assert(is_listed(&listed, &one, VOR_BLOB_INPUT));
+    ck_assert(is_listed(&listed, &one, VOR_BLOB_CLOUD));
+    ck_assert(is_listed(&listed, &other, "report-2"));
     vor_blobs_close(blobs);
     vt_dir_remove(dir);
 }
@@ -277,7 +307,7 @@ int main(void)
     vt_add(suite, an_open_blob_stays_readable_after_it_was_dropped);
     vt_add(suite, what_a_killed_writer_left_is_gone_after_the_next_start);
     vt_add(suite, what_was_committed_outlives_a_kill);
-    vt_add(suite, a_sweep_drops_what_nobody_needs_and_what_is_no_blob);
+    vt_add(suite, a_list_has_every_blob_and_an_opening_drops_what_is_no_blob);
     vt_add(suite, a_writer_that_failed_cannot_be_committed);
     vt_add(suite, a_second_opener_and_a_wrong_name_are_refused);
     vt_add(suite, the_disk_s_space_is_known);

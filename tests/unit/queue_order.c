@@ -48,6 +48,41 @@ START_TEST(jobs_leave_in_the_order_of_acceptance_whatever_the_order_of_pushing)
 }
 END_TEST
 
+/* Property: whatever is pushed, popped and taken out in whatever order, the queue is a list sorted
+ * by seq. */
+START_TEST(the_queue_agrees_with_a_sorted_list)
+{
+    enum { JOBS = 60, STEPS = 400 };
+    struct vor_queue *queue = vor_queue_create(JOBS);
+    struct vor_job *waits[JOBS + 1] = {NULL}; /* by seq */
+    uint64_t draw = 0;
+
+    for (int i = 0; i < STEPS; i++) {
+        int seq = 1 + (int)(vt_unit((uint64_t)_i, draw++) * JOBS), first = 1;
+        long position = 0;
+
+        while (first < JOBS && waits[first] == NULL)
+            first++;
+        if (waits[seq] == NULL) {
+            waits[seq] = enqueue(queue, seq);
+        } else if (i % 3 == 0) {
+            struct vor_job *popped = vor_queue_pop(queue);
+
+            ck_assert_ptr_eq(popped, waits[first]);
+            vor_job_release(popped);
+            waits[first] = NULL;
+        } else {
+            ck_assert(vor_queue_remove(queue, waits[seq]));
+            waits[seq] = NULL;
+        }
+        for (int k = 1; k <= JOBS; k++)
+            if (waits[k] != NULL)
+                ck_assert_int_eq(vor_queue_position(queue, waits[k]), position++);
+    }
+    vor_queue_destroy(queue);
+}
+END_TEST
+
 START_TEST(a_booked_place_counts_until_it_is_given_back)
 {
     struct vor_queue *queue = vor_queue_create(2);
@@ -176,6 +211,7 @@ int main(void)
     Suite *suite = suite_create("queue_order");
 
     vt_add(suite, jobs_leave_in_the_order_of_acceptance_whatever_the_order_of_pushing);
+    vt_add_loop(suite, the_queue_agrees_with_a_sorted_list, 6);
     vt_add(suite, a_booked_place_counts_until_it_is_given_back);
     vt_add(suite, a_full_queue_takes_the_next_job_once_one_left);
     vt_add(suite, a_removed_job_is_never_popped);

@@ -1,0 +1,16 @@
+/** A disk that takes its time: fsync and fdatasync of the whole process, SQLite's among them, pass
+ *  through a gate. It is open until a test closes it, and shared with the children of the test. */
+#ifndef VT_SYNC_H
+#define VT_SYNC_H
+
+/** Lets so many syncs pass from now on; those that come after them wait, 10 seconds at most. */
+void vt_sync_close_after(int passing);
+
+/** Lets all pass again, those that wait first of all. False when one had waited to the end of its
+ * 10 seconds: somebody who should have opened the gate waited for that sync. */
+int vt_sync_open(void);
+
+/** How many wait at the gate. */
+int vt_sync_waiting(void);
+
+#endif

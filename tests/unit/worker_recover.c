@@ -1,0 +1,268 @@
+/* The first moments of a daemon: what a former life left is in line before anybody is answered, and
+ * nobody waits for the tidying up. */
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/work/admit.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_daemon.h"
+#include "tests/support/vt_dir.h"
+#include "tests/support/vt_sync.h"
+
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+/* A former life: store and blobs, without a worker. */
+struct life {
+    const char *dir;
+    struct vor_store *store;
+    struct vor_blobs *blobs;
+};
+
+static struct life begin_life(void)
+{
+    struct life life = {.dir = vt_dir_make()};
+
+    life.store = vt_dir_store(life.dir);
+    life.blobs = vt_dir_blobs(life.dir);
+    return life;
+}
+
+/* As a crash would end it: rows stay as they are. */
+static void end_life(struct life *life)
+{
+    vor_store_close(life->store);
+    vor_blobs_close(life->blobs);
+}
+
+static void keep(struct life *life, const struct vor_uuid *id, const char *name)
+{
+    vt_assert_ok(vor_blob_commit(vt_upload(life->blobs, "rubbish", 7), id, name, &vt_err));
+}
+
+/* A job that waits and fails once it runs: its input is no cloud. */
+static struct vor_job_view leave_waiting(struct life *life)
+{
+    struct vor_job_view row = vt_row(10);
+
+    keep(life, &row.id, VOR_BLOB_INPUT);
+    vt_assert_ok(vor_store_insert(life->store, &row, &vt_err));
+    return row;
+}
+
+/* A job that waits and runs until it is told to end. */
+static struct vor_uuid leave_endless(struct life *life)
+{
+    struct vor_admit_limits limits = {.codec = VOR_LIMITS_DEFAULT, .memory = (size_t)1 << 30};
+    struct vor_job_view row = vt_row(300);
+    struct vor_blob_writer *upload;
+    struct vor_cloud cloud;
+
+    row.spec = vt_request(300, 10000);
+    vt_assert_ok(vor_spec_set(&row.spec, "format", "ply", &vt_err));
+    vt_cloud_sphere(&cloud, 1, 500);
+    upload = vt_upload_cloud(life->blobs, &cloud);
+    vt_assert_ok(vor_admit_file(&row.id, &row.input, life->blobs, upload, &limits, &vt_err));
+    vor_blob_discard(upload);
+    vor_cloud_free(&cloud);
+    vt_assert_ok(vor_store_insert(life->store, &row, &vt_err));
+    return row.id;
+}
+
+static void claim(struct life *life, const struct vor_uuid *id)
+{
+    uint32_t attempt;
+    int changed;
+
+    vt_assert_ok(
+        vor_store_claim(life->store, id, vor_clock_wall_ms(), &attempt, &changed, &vt_err));
+    ck_assert(changed);
+}
+
+static void nap(void)
+{
+    struct timespec pause = {.tv_nsec = 1000000};
+
+    nanosleep(&pause, NULL);
+}
+
+/* The rows of a former life, in the order of acceptance. */
+enum { ROWS = 40, WORN_OUT = 7 };
+
+/* Every fifth one was running; one of them has been in the crashes of a worker's whole patience. */
+static void leave_rows(struct life *life, struct vor_job_view rows[ROWS])
+{
+    for (int i = 0; i < ROWS; i++)
+        rows[i] = leave_waiting(life);
+    for (int crash = 0; crash < 2; crash++) {
+        struct vor_recovered recovered;
+
+        claim(life, &rows[WORN_OUT].id);
+        vt_assert_ok(vor_store_recover(life->store, 3, 1, 2, &recovered, &vt_err));
+    }
+    claim(life, &rows[WORN_OUT].id);
+    for (int i = 0; i < ROWS; i += 5)
+        claim(life, &rows[i].id);
+}
+
+START_TEST(every_job_of_a_former_life_is_in_line_before_the_worker_is_there)
+{
+    struct vt_daemon_options options = {.jobs = 1, .queue = 4};
+    struct life life = begin_life();
+    struct vor_uuid blocker = leave_endless(&life), refused;
+    struct vor_job_view rows[ROWS], view;
+    struct vor_spec spec = vt_request(10, 1);
+    struct vor_worker_load load;
+    struct vt_daemon daemon;
+    struct vor_cloud cloud;
+    int64_t started = 0;
+
+    leave_rows(&life, rows);
+    claim(&life, &blocker);
+    end_life(&life);
+    vt_daemon_start(&daemon, life.dir, &options);
+    vor_worker_load(daemon.worker, &load);
+    ck_assert_uint_eq(load.waiting + load.running,
+                      ROWS); /* the worn-out one less, the blocker more */
+    ck_assert_int_eq(vor_worker_room(daemon.worker), VOR_FULL);
+    vt_cloud_sphere(&cloud, 1, 100);
+    ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &refused), VOR_FULL);
+    view = vt_daemon_get(&daemon, &rows[WORN_OUT].id);
+    ck_assert_int_eq(view.status, VOR_JOB_FAILED);
+    ck_assert_str_eq(view.message, "the daemon ended 3 times while it worked on this job");
+    ck_assert_uint_eq(vt_daemon_wait_iteration(&daemon, &blocker, 0).attempt, 2);
+    for (int i = 0; i < ROWS; i++) {
+        if (i == WORN_OUT)
+            continue;
+        view = vt_daemon_get(&daemon, &rows[i].id);
+        ck_assert_int_eq(view.status, VOR_JOB_ACCEPTED);
+        ck_assert_int_eq(view.queue_position, i - (i > WORN_OUT));
+        ck_assert_uint_eq(view.attempt, i % 5 == 0 ? 2 : 1);
+    }
+    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &blocker, "off you go", &vt_err), VOR_DONE);
+    for (int i = 0; i < ROWS; i++) {
+        if (i == WORN_OUT)
+            continue;
+        view = vt_daemon_wait_over(&daemon, &rows[i].id);
+        ck_assert_int_eq(view.status, VOR_JOB_FAILED);
+        if (i % 5 != 0) { /* those that ran before keep the time when they first started */
+            ck_assert_int_ge(view.started, started);
+            started = view.started;
+        }
+    }
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(life.dir);
+}
+END_TEST
+
+static void leave_expired(struct life *life, struct vor_job_view *row)
+{
+    int changed;
+
+    *row = vt_row(10);
+    vt_assert_ok(vor_store_insert(life->store, row, &vt_err));
+    keep(life, &row->id, VOR_BLOB_CLOUD);
+    row->status = VOR_JOB_SUCCESSFUL;
+    row->finished = vor_clock_wall_ms() - 3600000;
+    row->expires = vor_clock_wall_ms();
+    vt_assert_ok(vor_store_finish(life->store, row, 0, NULL, &changed, &vt_err));
+}
+
+/* Regression: the start wrote every expired row before it looked at the jobs that waited. */
+START_TEST(a_start_does_not_wait_for_what_has_expired)
+{
+    enum { EXPIRED = 40, SYNCS = 8 }; /* of the recovery itself, with the first of a log file */
+    struct life life = begin_life();
+    struct vor_uuid endless = leave_endless(&life);
+    struct vor_job_view rows[EXPIRED];
+    struct vt_daemon daemon;
+
+    for (int i = 0; i < EXPIRED; i++)
+        leave_expired(&life, &rows[i]);
+    claim(&life, &endless);
+    end_life(&life);
+    vt_sync_close_after(SYNCS);
+    vt_daemon_start(&daemon, life.dir, NULL);
+    ck_assert(!vor_job_status_over(vt_daemon_get(&daemon, &endless).status));
+    ck_assert(vt_sync_open());
+    for (int i = 0; i < EXPIRED; i++)
+        while (!vt_daemon_get(&daemon, &rows[i].id).expired)
+            nap();
+    while (vt_dir_count(life.dir, "blobs/keep") > 1)
+        nap();
+    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &endless, "enough", &vt_err), VOR_DONE);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(life.dir);
+}
+END_TEST
+
+/* An upload that is admitted while strays are looked for has bytes and no row yet. */
+START_TEST(bytes_that_came_after_the_start_are_no_strays)
+{
+    enum { STRAYS = 60 };
+    struct vor_admit_limits limits = {.codec = VOR_LIMITS_DEFAULT, .memory = (size_t)1 << 30};
+    struct vor_spec spec = vt_request(20, 1);
+    struct life life = begin_life();
+    struct vor_blob_writer *upload;
+    struct vor_job_input input;
+    struct vt_daemon daemon;
+    struct vor_cloud cloud;
+    struct vor_uuid id;
+
+    for (int i = 0; i < STRAYS; i++) {
+        id = vt_row(1).id;
+        keep(&life, &id, VOR_BLOB_INPUT);
+    }
+    end_life(&life);
+    vt_daemon_start(&daemon, life.dir, NULL);
+    vt_cloud_sphere(&cloud, 1, 100);
+    upload = vt_upload_cloud(daemon.blobs, &cloud);
+    vt_assert_ok(vor_admit_file(&id, &input, daemon.blobs, upload, &limits, &vt_err));
+    vor_blob_discard(upload);
+    while (vt_dir_count(life.dir, "blobs/keep") > 1)
+        nap();
+    ck_assert_int_eq(vor_worker_submit(daemon.worker, &id, &input, &spec, NULL, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(life.dir);
+}
+END_TEST
+
+/* A crash between a result's bytes and its row leaves them to the next attempt, or to nobody. */
+START_TEST(the_bytes_of_a_crashed_attempt_go_when_its_job_is_dismissed)
+{
+    struct vt_daemon_options options = {.jobs = 1};
+    struct life life = begin_life();
+    struct vor_uuid runs = leave_endless(&life);
+    struct vor_job_view waits = leave_waiting(&life);
+    struct vt_daemon daemon;
+
+    keep(&life, &waits.id, VOR_BLOB_CLOUD);
+    claim(&life, &waits.id);
+    end_life(&life);
+    vt_daemon_start(&daemon, life.dir, &options);
+    (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
+    if (_i == 1)
+        vor_worker_drain(daemon.worker, 0); /* no job is live any more */
+    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &waits.id, "enough", &vt_err), VOR_DONE);
+    ck_assert_int_eq(vt_dir_count(life.dir, "blobs/keep"), 1);
+    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &runs, "enough", &vt_err), VOR_DONE);
+    vt_daemon_stop(&daemon);
+    ck_assert_int_eq(vt_dir_count(life.dir, "blobs/keep"), 0);
+    vt_dir_remove(life.dir);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("worker_recover");
+
+    vor_log_open(2, VOR_LOG_OFF);
+    vt_add(suite, every_job_of_a_former_life_is_in_line_before_the_worker_is_there);
+    vt_add(suite, a_start_does_not_wait_for_what_has_expired);
+    vt_add(suite, bytes_that_came_after_the_start_are_no_strays);
+    vt_add_loop(suite, the_bytes_of_a_crashed_attempt_go_when_its_job_is_dismissed, 2);
+    return vt_run(suite);
+}
