@@ -115,8 +115,8 @@ static vor_status refuse_name(const struct vor_process_info *process, const char
             at += (size_t)snprintf(names + at, sizeof names - at, "%s%s", at > 0 ? ", " : "",
                                    vor_parameter_info((enum vor_parameter)i)->name);
     vor_quote(quoted, sizeof quoted, name, strlen(name));
-    return vor_fail_param(err, VOR_E_PARAM, quoted, "%s has no parameter %s; it takes %s",
-                          process->id, quoted, names);
+    return vor_fail_param(err, VOR_E_PARAM, quoted, "no parameter %s; %s takes %s", quoted,
+                          process->id, names);
 }
 
 static vor_status refuse_value(const struct vor_parameter_info *info, const char *what,
@@ -230,10 +230,9 @@ vor_status vor_spec_complete(struct vor_spec *spec, struct vor_error *err)
 /* True when the process has an input of that name and it is there. */
 static int comes_along(const struct vor_process_info *process, const char *name, unsigned inputs)
 {
-    for (unsigned i = 0; process->inputs[i].name != NULL; i++)
-        if (strcmp(process->inputs[i].name, name) == 0)
-            return (inputs >> i & 1) != 0;
-    return 0;
+    const struct vor_artefact_info *input = vor_artefact_find(process->inputs, name);
+
+    return input != NULL && (inputs >> (input - process->inputs) & 1) != 0;
 }
 
 vor_status vor_spec_check_inputs(const struct vor_spec *spec, unsigned inputs,

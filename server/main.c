@@ -1,5 +1,6 @@
 #include "server/base/config.h"
 #include "server/cli/cli.h"
+#include "server/cli/say.h"
 #include "server/serve.h"
 
 #include <stdio.h>
@@ -17,11 +18,8 @@ static int help(const char *command)
     } else if (strcmp(command, "serve") == 0) {
         fputs("usage: voronoid serve [SETTING]...\nRun the daemon.\n\nSettings:\n", stdout);
         vor_config_help(stdout);
-    } else if (vor_cli_find(command) == VOR_COMMAND_COUNT) {
-        vor_cli_say(command, "no such command; see voronoid --help");
-        return VOR_EXIT_USAGE;
     } else {
-        vor_cli_help(stdout, vor_cli_find(command));
+        return vor_cli_help(stdout, command);
     }
     return fflush(stdout) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;
 }

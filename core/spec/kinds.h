@@ -1,5 +1,5 @@
 /** What the kinds of parameters have in common: each is one or two forms, and each form is one row
- * of functions. For core/spec.c, which keeps the values. */
+ *  of functions. For core/spec.c, which keeps the values, and for the help. */
 #ifndef VOR_SPEC_KINDS_H
 #define VOR_SPEC_KINDS_H
 

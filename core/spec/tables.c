@@ -125,6 +125,14 @@ const struct vor_process_info *vor_process_find(const char *id)
     return NULL;
 }
 
+const struct vor_artefact_info *vor_artefact_find(const struct vor_artefact_info *list,
+                                                  const char *name)
+{
+    while (list->name != NULL && strcmp(list->name, name) != 0)
+        list++;
+    return list->name != NULL ? list : NULL;
+}
+
 int vor_process_takes(const struct vor_process_info *process, enum vor_parameter parameter)
 {
     return (process->groups >> vor_parameter_info(parameter)->group & 1) != 0;

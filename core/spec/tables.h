@@ -273,6 +273,11 @@ struct vor_process_info {
 const struct vor_process_info *vor_process_info(unsigned index);
 const struct vor_process_info *vor_process_find(const char *id);
 
+/** The input or output of that name in a list that ends with a name of NULL; NULL when there is
+ *  none. */
+const struct vor_artefact_info *vor_artefact_find(const struct vor_artefact_info *list,
+                                                  const char *name);
+
 /** True when the process takes the parameter. */
 int vor_process_takes(const struct vor_process_info *process, enum vor_parameter parameter);
 

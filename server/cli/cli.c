@@ -1,133 +1,100 @@
 #include "server/cli/cli.h"
 
+#include "server/cli/health.h"
+#include "server/cli/help.h"
+#include "server/cli/here.h"
+#include "server/cli/interrupt.h"
+#include "server/cli/options.h"
+#include "server/cli/say.h"
+#include "server/cli/there.h"
+
 #include <signal.h>
-#include <stdatomic.h>
-#include <stdio.h>
 #include <string.h>
 
-static atomic_int caught; /* the first signal; lock-free, so that a handler may set it */
+/* The commands that run no process. */
+static const struct vor_command others[] = {
+    {"health", "Ask whether a daemon is ready", "Asks whether a daemon is ready to take jobs",
+     VOR_COMMAND_ASKS, NULL, vor_cli_health},
+};
 
-static void on_signal(int signal)
+enum { OTHERS = sizeof others / sizeof others[0] };
+
+static int run_process(const struct vor_cli *cli)
 {
-    int none = 0;
-
-    (void)atomic_compare_exchange_strong(&caught, &none, signal);
+    return cli->option[VOR_OPTION_SERVER] != NULL ? vor_cli_process_there(cli)
+                                                  : vor_cli_process_here(cli);
 }
 
-void vor_interrupt_catch(void)
+static struct vor_command command_of(const struct vor_process_info *process)
 {
-    struct sigaction action;
+    unsigned does = VOR_COMMAND_RUNS | (process->on_http ? VOR_COMMAND_REMOTE : 0u);
 
-    memset(&action, 0, sizeof action);
-    sigemptyset(&action.sa_mask);
-    action.sa_handler = on_signal;
-    (void)sigaction(SIGINT, &action, NULL);
-    (void)sigaction(SIGTERM, &action, NULL);
+    return (struct vor_command){process->id, process->title, process->sentence,
+                                does,        process,        run_process};
 }
 
-int vor_interrupt_seen(void)
+/* The command of that name; false after it was said that there is none. */
+static int find(struct vor_command *out, const char *name)
 {
-    return atomic_load_explicit(&caught, memory_order_relaxed);
-}
+    const struct vor_process_info *process = vor_process_find(name);
 
-vor_status vor_interrupt_fail(struct vor_error *err)
-{
-    return vor_fail(err, VOR_E_CANCELLED, "cancelled");
-}
-
-int vor_interrupt_exit_code(void)
-{
-    return vor_interrupt_seen() == SIGINT ? VOR_EXIT_INTERRUPTED : VOR_EXIT_CANCELLED;
-}
-
-/* Control characters would break the line, or the terminal. */
-static void print_line(const char *text)
-{
-    for (; *text != '\0'; text++) {
-        unsigned char c = (unsigned char)*text;
-
-        fputc(c < 0x20 || c == 0x7f ? '?' : c, stderr);
+    if (process != NULL) {
+        *out = command_of(process);
+        return 1;
     }
+    for (int i = 0; i < OTHERS; i++)
+        if (strcmp(others[i].name, name) == 0) {
+            *out = others[i];
+            return 1;
+        }
+    vor_cli_say(name, "no such command; see voronoid --help");
+    return 0;
 }
 
-void vor_cli_say(const char *subject, const char *message)
+static int printed(FILE *out)
 {
-    fputs("voronoid: ", stderr);
-    if (subject != NULL) {
-        print_line(subject);
-        fputs(": ", stderr);
-    }
-    print_line(message);
-    fputc('\n', stderr);
-}
-
-int vor_cli_exit_code(int http, const char *type)
-{
-    const char *slug = type != NULL ? strrchr(type, '/') : NULL;
-
-    slug = slug != NULL ? slug + 1 : type != NULL ? type : "";
-    if (strcmp(slug, "invalid-parameter") == 0 ||
-        strcmp(slug, "invalid-query-parameter-value") == 0)
-        return VOR_EXIT_USAGE;
-    switch (http) {
-    case 200:
-        return VOR_EXIT_OK;
-    case 400:
-    case 413:
-    case 415:
-    case 422:
-        return VOR_EXIT_REJECTED;
-    case 429:
-    case 503:
-        return VOR_EXIT_UNREACHABLE;
-    case 499:
-        return VOR_EXIT_CANCELLED;
-    default:
-        return VOR_EXIT_FAILED;
-    }
-}
-
-int vor_cli_fail(const char *subject, const struct vor_error *err)
-{
-    if (err->status == VOR_E_CANCELLED) {
-        vor_cli_say(subject, vor_interrupt_seen() ? "cancelled" : err->message);
-        return vor_interrupt_exit_code();
-    }
-    vor_cli_say(subject, err->message);
-    return vor_cli_exit_code(vor_status_http(err->status), vor_status_slug(err->status));
-}
-
-static int run(const struct vor_cli *cli)
-{
-    switch (cli->command) {
-    case VOR_COMMAND_MEASURE:
-        return vor_cli_measure(cli);
-    case VOR_COMMAND_HEALTH:
-        return vor_cli_health(cli);
-    default:
-        return cli->option[VOR_OPTION_SERVER] != NULL ? vor_cli_process_there(cli)
-                                                      : vor_cli_process_here(cli);
-    }
+    return fflush(out) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;
 }
 
 int vor_cli_main(int argc, char **argv)
 {
-    enum vor_command command = vor_cli_find(argv[0]);
-    struct vor_cli cli = {.command = command};
     struct vor_error err = {.status = VOR_OK};
+    struct vor_command command;
+    struct vor_cli cli;
 
-    if (command == VOR_COMMAND_COUNT) {
-        vor_cli_say(argv[0], "no such command; see voronoid --help");
+    if (!find(&command, argv[0]))
         return VOR_EXIT_USAGE;
-    }
-    if (vor_cli_read(&cli, command, argc, argv, &err) != VOR_OK)
-        return vor_cli_fail(argv[0], &err);
+    if (vor_cli_read(&cli, &command, argc, argv, &err) != VOR_OK)
+        return vor_cli_fail(command.name, &err);
     if (cli.option[VOR_OPTION_HELP] != NULL) {
-        vor_cli_help(stdout, command);
-        return fflush(stdout) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;
+        vor_help_command(stdout, &command);
+        return printed(stdout);
     }
     /* A reader that left shows as an error of the write, not as our sudden death. */
     (void)signal(SIGPIPE, SIG_IGN);
     vor_interrupt_catch();
-    return run(&cli);
+    return command.run(&cli);
+}
+
+int vor_cli_help(FILE *out, const char *name)
+{
+    struct vor_command command;
+
+    if (!find(&command, name))
+        return VOR_EXIT_USAGE;
+    vor_help_command(out, &command);
+    return printed(out);
+}
+
+void vor_cli_overview(FILE *out)
+{
+    const struct vor_process_info *process;
+
+    vor_help_begin(out);
+    vor_help_line(out, "serve", "Run the daemon");
+    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++)
+        vor_help_line(out, process->id, process->title);
+    for (int i = 0; i < OTHERS; i++)
+        vor_help_line(out, others[i].name, others[i].title);
+    vor_help_end(out);
 }

@@ -1,6 +1,6 @@
 #include "server/cli/files.h"
 
-#include "server/cli/cli.h"
+#include "server/cli/interrupt.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,16 +1,18 @@
-/* voronoid health: whether a daemon takes jobs; for scripts and container probes. */
-#include "server/cli/cli.h"
+#include "server/cli/health.h"
+
 #include "server/cli/remote.h"
+#include "server/cli/say.h"
 
 #include <string.h>
 
+#define SERVER_DEFAULT "http://127.0.0.1:8080"
 #define HEALTH_SECONDS 5
 
 static int report(const char *server, const struct vor_remote_call *call)
 {
     struct vor_json *json;
+    struct vor_text line;
     const char *detail;
-    char line[256];
 
     if (call->http == 200) {
         printf("%s: ready\n", server);
@@ -18,9 +20,11 @@ static int report(const char *server, const struct vor_remote_call *call)
     }
     json = vor_remote_json(call);
     detail = vor_json_get_string(vor_json_get(json, "detail"));
-    (void)snprintf(line, sizeof line, "not ready: the server answered %d%s%.180s", call->http,
-                   detail != NULL ? ": " : "", detail != NULL ? detail : "");
-    vor_cli_say(server, line);
+    vor_text_init(&line, 0);
+    vor_text_printf(&line, "not ready: the server answered %d%s%s", call->http,
+                    detail != NULL ? ": " : "", detail != NULL ? detail : "");
+    vor_cli_say(server, line.data != NULL ? line.data : "not ready");
+    vor_text_free(&line);
     vor_json_free(json);
     return VOR_EXIT_UNREACHABLE;
 }
@@ -35,7 +39,7 @@ int vor_cli_health(const struct vor_cli *cli)
     size_t length;
     int code;
 
-    server = server != NULL ? server : VOR_SERVER_DEFAULT;
+    server = server != NULL ? server : SERVER_DEFAULT;
     length = strlen(server);
     while (length > 0 && server[length - 1] == '/')
         length--;

@@ -1,37 +1,21 @@
-/* What stands on the command line, read by the tables. */
-#include "server/cli/cli.h"
+#include "server/cli/options.h"
 
 #include "core/base/parallel.h"
 #include "core/base/quote.h"
-#include "core/engine.h"
-#include "core/spec/kinds.h"
 #include "server/base/machine.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
-struct option_row {
-    const char *name, *value, *variable, *sentence;
-    unsigned commands;
-    char letter;
-};
-
-static const struct option_row options[VOR_OPTION_COUNT] = {
+static const struct vor_option_info options[VOR_OPTION_COUNT] = {
 #define OPTION_ROW(id, name, letter, value, variable, commands, sentence)                          \
     {name, value, variable, sentence, commands, letter},
     VOR_OPTION_TABLE(OPTION_ROW)
 #undef OPTION_ROW
 };
 
-struct command_row {
-    const char *name, *operand, *sentence;
-};
-
-static const struct command_row commands[VOR_COMMAND_COUNT] = {
-#define COMMAND_ROW(id, name, operand, sentence) {name, operand, sentence},
-    VOR_COMMAND_TABLE(COMMAND_ROW)
-#undef COMMAND_ROW
-};
+enum { SHOWN_SIZE = 48 /* of what a caller wrote, in a message */ };
 
 /* Where the reading stands. */
 struct reader {
@@ -41,51 +25,62 @@ struct reader {
     struct vor_error *err;
 };
 
-enum vor_command vor_cli_find(const char *name)
+const struct vor_option_info *vor_option_info(enum vor_option option)
 {
-    int i = 0;
-
-    while (i < VOR_COMMAND_COUNT && strcmp(commands[i].name, name) != 0)
-        i++;
-    return (enum vor_command)i;
+    assert((unsigned)option < VOR_OPTION_COUNT);
+    return &options[option];
 }
 
-/* The process that a command runs; NULL when it runs none. */
-static const struct vor_process_info *process_of(enum vor_command command)
+static int is_name(const char *text, size_t length, const char *name)
 {
-    const struct vor_process_info *process = vor_process_find(commands[command].name);
-
-    return process != NULL && process->outputs[0].kind == VOR_ARTEFACT_CLOUD ? process : NULL;
-}
-
-static int takes(enum vor_command command, int option)
-{
-    return (options[option].commands >> command & 1) != 0;
+    return strlen(name) == length && memcmp(text, name, length) == 0;
 }
 
 /* The option of that name (length bytes) or letter, VOR_OPTION_COUNT when the command has none. */
-static int find_option(enum vor_command command, const char *name, size_t length, char letter)
+static int find_option(const struct vor_command *command, const char *name, size_t length,
+                       char letter)
 {
     int i = 0;
 
     for (; i < VOR_OPTION_COUNT; i++) {
-        if (!takes(command, i))
+        if ((options[i].commands & command->does) == 0)
             continue;
-        if (letter != 0
-                ? options[i].letter == letter
-                : strlen(options[i].name) == length && memcmp(options[i].name, name, length) == 0)
+        if (letter != 0 ? options[i].letter == letter : is_name(name, length, options[i].name))
             break;
     }
     return i;
 }
 
+/* The input of that name that is an option; 0, the operand, when there is none. */
+static unsigned find_input(const struct vor_command *command, const char *name, size_t length)
+{
+    const struct vor_process_info *process = command->process;
+
+    for (unsigned i = 1; process != NULL && process->inputs[i].name != NULL; i++)
+        if (is_name(name, length, process->inputs[i].name))
+            return i;
+    return 0;
+}
+
+/* The parameter of that name, whether the process takes it or not; VOR_PARAMETER_COUNT when there
+ * is none, or no process. */
+static enum vor_parameter find_parameter(const struct vor_command *command, const char *name,
+                                         size_t length)
+{
+    int i = 0;
+
+    while (i < VOR_PARAMETER_COUNT &&
+           !is_name(name, length, vor_parameter_info((enum vor_parameter)i)->name))
+        i++;
+    return command->process != NULL ? (enum vor_parameter)i : VOR_PARAMETER_COUNT;
+}
+
 static vor_status no_option(const struct reader *r, const char *text)
 {
-    char quoted[48];
+    char quoted[SHOWN_SIZE];
 
     return vor_fail(r->err, VOR_E_PARAM, "no option %s; see voronoid %s --help",
-                    vor_quote(quoted, sizeof quoted, text, strlen(text)),
-                    commands[r->cli->command].name);
+                    vor_quote(quoted, sizeof quoted, text, strlen(text)), r->cli->command->name);
 }
 
 /* The value of the option at hand: what is attached to it, or the next word; NULL is a failure that
@@ -112,30 +107,31 @@ static vor_status set_option(struct reader *r, int option, const char *shown, co
     return VOR_OK;
 }
 
+static vor_status set_input(struct reader *r, unsigned input, const char *shown,
+                            const char *attached)
+{
+    r->cli->input[input] = take_value(r, shown, attached);
+    return r->cli->input[input] != NULL ? VOR_OK : VOR_E_PARAM;
+}
+
+/* A flag that stands alone is true; what follows it is not its value. */
 static vor_status set_parameter(struct reader *r, enum vor_parameter parameter, const char *shown,
                                 const char *attached)
 {
-    const char *value = take_value(r, shown, attached);
+    const struct vor_parameter_info *info = vor_parameter_info(parameter);
+    struct vor_spec *spec = &r->cli->spec;
+    const char *value;
 
+    if (!vor_process_takes(spec->process, parameter))
+        return vor_spec_set(spec, info->name, "", r->err); /* refuses the name */
+    if (info->kind == VOR_KIND_FLAG && attached == NULL)
+        value = "true";
+    else
+        value = take_value(r, shown, attached);
     if (value == NULL)
         return VOR_E_PARAM;
     r->cli->given[parameter] = 1;
-    return vor_spec_set(&r->cli->spec, vor_parameter_info(parameter)->name, value, r->err);
-}
-
-static enum vor_parameter find_parameter(const struct reader *r, const char *name, size_t length)
-{
-    enum vor_parameter parameter;
-    char word[64];
-
-    if (process_of(r->cli->command) == NULL || length >= sizeof word)
-        return VOR_PARAMETER_COUNT;
-    memcpy(word, name, length);
-    word[length] = '\0';
-    parameter = vor_parameter_find(word);
-    return parameter != VOR_PARAMETER_COUNT && vor_process_takes(r->cli->spec.process, parameter)
-               ? parameter
-               : VOR_PARAMETER_COUNT;
+    return vor_spec_set(spec, info->name, value, r->err);
 }
 
 /* --name, --name value, --name=value */
@@ -143,14 +139,18 @@ static vor_status read_long(struct reader *r, const char *text)
 {
     const char *name = text + 2, *equals = strchr(name, '=');
     size_t length = equals != NULL ? (size_t)(equals - name) : strlen(name);
-    int option = find_option(r->cli->command, name, length, 0);
-    enum vor_parameter parameter = find_parameter(r, name, length);
+    const struct vor_command *command = r->cli->command;
     const char *attached = equals != NULL ? equals + 1 : NULL;
-    char shown[40];
+    int option = find_option(command, name, length, 0);
+    unsigned input = find_input(command, name, length);
+    enum vor_parameter parameter = find_parameter(command, name, length);
+    char shown[SHOWN_SIZE];
 
     vor_quote(shown, sizeof shown, text, length + 2);
     if (option != VOR_OPTION_COUNT)
         return set_option(r, option, shown, attached);
+    if (input > 0)
+        return set_input(r, input, shown, attached);
     if (parameter != VOR_PARAMETER_COUNT)
         return set_parameter(r, parameter, shown, attached);
     return no_option(r, shown);
@@ -161,23 +161,25 @@ static vor_status read_short(struct reader *r, const char *text)
 {
     const char shown[] = {'-', text[1], '\0'};
     const char *attached = text[2] != '\0' ? text + 2 : NULL;
-    int option = find_option(r->cli->command, NULL, 0, text[1]);
+    const struct vor_command *command = r->cli->command;
+    int option = find_option(command, NULL, 0, text[1]);
 
     if (option != VOR_OPTION_COUNT)
         return set_option(r, option, shown, attached);
-    if (text[1] == 'n' && process_of(r->cli->command) != NULL)
+    if (text[1] == 'n' && command->process != NULL &&
+        vor_process_takes(command->process, VOR_PARAM_POINTS))
         return set_parameter(r, VOR_PARAM_POINTS, shown, attached);
     return no_option(r, text);
 }
 
 static vor_status read_operand(struct reader *r, const char *text)
 {
-    char quoted[64];
+    char quoted[SHOWN_SIZE];
 
-    if (commands[r->cli->command].operand[0] == '\0' || r->cli->input != NULL)
+    if (r->cli->command->process == NULL || r->cli->input[0] != NULL)
         return vor_fail(r->err, VOR_E_PARAM, "one operand too many: %s",
                         vor_quote(quoted, sizeof quoted, text, strlen(text)));
-    r->cli->input = text;
+    r->cli->input[0] = text;
     return VOR_OK;
 }
 
@@ -202,7 +204,8 @@ static vor_status read_words(struct reader *r)
 static void read_environment(struct vor_cli *cli)
 {
     for (int i = 0; i < VOR_OPTION_COUNT; i++)
-        if (cli->option[i] == NULL && takes(cli->command, i) && options[i].variable[0] != '\0')
+        if (cli->option[i] == NULL && (options[i].commands & cli->command->does) != 0 &&
+            options[i].variable[0] != '\0')
             cli->option[i] = getenv(options[i].variable);
     /* An empty URL is none, so that the variable can be overridden. */
     if (cli->option[VOR_OPTION_SERVER] != NULL && cli->option[VOR_OPTION_SERVER][0] == '\0')
@@ -213,7 +216,7 @@ static vor_status resolve_threads(struct vor_cli *cli, struct vor_error *err)
 {
     const char *text = cli->option[VOR_OPTION_THREADS];
     unsigned long threads;
-    char *end, quoted[48];
+    char *end, quoted[SHOWN_SIZE];
 
     threads = text != NULL ? strtoul(text, &end, 10) : 0;
     if (text != NULL &&
@@ -225,126 +228,88 @@ static vor_status resolve_threads(struct vor_cli *cli, struct vor_error *err)
     return VOR_OK;
 }
 
-static vor_status resolve_peak(struct vor_cli *cli, struct vor_error *err)
+/* A cloud needs a place to go to; a document is printed when it has none. */
+static vor_status resolve_output(struct vor_cli *cli, struct vor_error *err)
 {
-    const char *text = cli->option[VOR_OPTION_PEAK], *shown = "empty";
-    char *end, quoted[48];
+    const struct vor_artefact_info *main_output = &cli->command->process->outputs[0];
+    const char **output = &cli->option[VOR_OPTION_OUTPUT];
 
-    if (text == NULL)
+    if (*output == NULL && main_output->kind == VOR_ARTEFACT_DOCUMENT)
+        *output = "-";
+    if (*output == NULL || (*output)[0] == '\0')
+        return vor_fail(err, VOR_E_PARAM, "no output: give -o FILE, or -o - for stdout");
+    return VOR_OK;
+}
+
+/* A parameter or the process itself may need an input that is an option. */
+static vor_status check_inputs(const struct vor_cli *cli, struct vor_error *err)
+{
+    const struct vor_process_info *process = cli->command->process;
+    const char *needed = NULL;
+    struct vor_error why;
+    unsigned inputs = 0;
+
+    for (unsigned i = 0; process->inputs[i].name != NULL; i++)
+        inputs |= cli->input[i] != NULL ? 1u << i : 0;
+    if (vor_spec_check_inputs(&cli->spec, inputs, &why) == VOR_OK)
         return VOR_OK;
-    if (text[0] != '\0')
-        shown = vor_quote(quoted, sizeof quoted, text, strlen(text));
-    /* strtod alone would take blanks, hexadecimal numbers, infinity and nan. */
-    cli->peak = strtod(text, &end);
-    if (end == text || text[strspn(text, "0123456789.eE+-")] != '\0' || *end != '\0' ||
-        !(cli->peak >= 1e-30 && cli->peak <= 1e30))
-        return vor_fail_param(err, VOR_E_PARAM, "peak", "peak is %s, want a number from %g to %g",
-                              shown, 1e-30, 1e30);
-    if (cli->option[VOR_OPTION_REFERENCE] == NULL)
-        return vor_fail_param(err, VOR_E_PARAM, "peak",
-                              "peak is %s without a reference: give --reference FILE too", shown);
+    needed = find_input(cli->command, why.parameter, strlen(why.parameter)) > 0
+                 ? why.parameter
+                 : vor_parameter_needs(vor_parameter_find(why.parameter));
+    return vor_fail_param(err, why.status, why.parameter, "%s: give --%s FILE too", why.message,
+                          needed);
+}
+
+static vor_status check_files(const struct vor_cli *cli, struct vor_error *err)
+{
+    const struct vor_process_info *process = cli->command->process;
+    int stdins = 0;
+
+    if (cli->input[0] == NULL)
+        return vor_fail(err, VOR_E_PARAM, "no input: give a file, or - for stdin");
+    for (unsigned i = 0; process->inputs[i].name != NULL; i++) {
+        if (cli->input[i] == NULL)
+            continue;
+        stdins += strcmp(cli->input[i], "-") == 0;
+        if (i > 0 && cli->option[VOR_OPTION_SERVER] != NULL)
+            return vor_fail(err, VOR_E_PARAM,
+                            "--%s does not go with --server: a request carries one cloud",
+                            process->inputs[i].name);
+    }
+    if (stdins > 1)
+        return vor_fail(err, VOR_E_PARAM, "both clouds are -, and there is only one stdin");
     return VOR_OK;
 }
 
 static vor_status check(struct vor_cli *cli, struct vor_error *err)
 {
-    const char *operand = commands[cli->command].operand;
-    const char *reference = cli->option[VOR_OPTION_REFERENCE];
+    vor_status status;
 
-    if (operand[0] != '\0' && cli->input == NULL)
-        return vor_fail(err, VOR_E_PARAM, "no input: give a file, or - for stdin");
-    if (reference != NULL && strcmp(reference, "-") == 0 && strcmp(cli->input, "-") == 0)
-        return vor_fail(err, VOR_E_PARAM, "both clouds are -, and there is only one stdin");
-    if (process_of(cli->command) == NULL)
+    if (cli->command->process == NULL)
         return VOR_OK;
-    if (cli->option[VOR_OPTION_OUTPUT] == NULL || cli->option[VOR_OPTION_OUTPUT][0] == '\0')
-        return vor_fail(err, VOR_E_PARAM, "no output: give -o FILE, or -o - for stdout");
-    return vor_spec_complete(&cli->spec, err);
+    status = check_files(cli, err);
+    if (status == VOR_OK)
+        status = resolve_output(cli, err);
+    if (status == VOR_OK)
+        status = vor_spec_complete(&cli->spec, err);
+    return status == VOR_OK ? check_inputs(cli, err) : status;
 }
 
-vor_status vor_cli_read(struct vor_cli *out, enum vor_command command, int argc, char **argv,
-                        struct vor_error *err)
+vor_status vor_cli_read(struct vor_cli *out, const struct vor_command *command, int argc,
+                        char **argv, struct vor_error *err)
 {
     struct reader r = {out, argv, argc, 0, err};
     vor_status status;
 
     memset(out, 0, sizeof *out);
     out->command = command;
-    if (process_of(command) != NULL)
-        vor_spec_preset(&out->spec, process_of(command));
+    if (command->process != NULL)
+        vor_spec_preset(&out->spec, command->process);
     status = read_words(&r);
     if (out->option[VOR_OPTION_HELP] != NULL)
         return VOR_OK;
     read_environment(out);
     if (status == VOR_OK)
         status = resolve_threads(out, err);
-    if (status == VOR_OK)
-        status = resolve_peak(out, err);
     return status == VOR_OK ? check(out, err) : status;
-}
-
-/* "from 1 to 10000000 points, default 100" or "keep | free, default keep". */
-static void print_values(FILE *out, enum vor_parameter parameter,
-                         const struct vor_parameter_info *info)
-{
-    char values[VOR_KIND_WORDS_SIZE], text[VOR_SPEC_VALUE_SIZE];
-    struct vor_spec spec;
-
-    vor_spec_init(&spec);
-    spec.value[parameter] = info->fallback;
-    vor_spec_text(&spec, parameter, text);
-    vor_kind_values(info, values);
-    fprintf(out, "%s%s%s\n", values, text[0] != '\0' ? ", default " : "", text);
-}
-
-static void print_options(FILE *out, enum vor_command command)
-{
-    for (int i = 0; i < VOR_OPTION_COUNT; i++) {
-        const struct option_row *o = &options[i];
-
-        if (!takes(command, i))
-            continue;
-        fprintf(out, "  %c%c%c --%s%s%s\n      %s", o->letter ? '-' : ' ',
-                o->letter ? o->letter : ' ', o->letter ? ',' : ' ', o->name, o->value[0] ? " " : "",
-                o->value, o->sentence);
-        if (o->variable[0] != '\0')
-            fprintf(out, " (env: %s)", o->variable);
-        fputc('\n', out);
-    }
-}
-
-void vor_cli_help(FILE *out, enum vor_command command)
-{
-    const struct command_row *c = &commands[command];
-    const struct vor_process_info *process = process_of(command);
-
-    fprintf(out, "usage: voronoid %s%s%s [OPTION]...\n%s.%s\n\nOptions:\n", c->name,
-            c->operand[0] ? " " : "", c->operand, c->sentence,
-            c->operand[0] ? " - as a file is stdin or stdout." : "");
-    print_options(out, command);
-    if (process == NULL)
-        return;
-    fputs("\nParameters of the request, the same over HTTP:\n", out);
-    for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
-        enum vor_parameter parameter = (enum vor_parameter)i;
-        struct vor_parameter_info info = vor_process_parameter(process, parameter);
-
-        if (!vor_process_takes(process, parameter))
-            continue;
-        fprintf(out, "  %s --%s VALUE\n      %s\n      ", i == VOR_PARAM_POINTS ? "-n," : "   ",
-                info.name, info.sentence);
-        print_values(out, parameter, &info);
-    }
-}
-
-void vor_cli_overview(FILE *out)
-{
-    fputs("usage: voronoid COMMAND [OPTION]...\n\nCommands:\n", out);
-    fprintf(out, "  %-9s %s\n", "serve", "Run the daemon");
-    for (int i = 0; i < VOR_COMMAND_COUNT; i++)
-        fprintf(out, "  %-9s %s\n", commands[i].name, commands[i].sentence);
-    fputs("\nvoronoid COMMAND --help shows the options of a command, voronoid --version the "
-          "version.\nExit codes: 0 ok, 1 failed, 2 usage, 3 input rejected, 4 cancelled (130 on "
-          "^C), 5 server unreachable\nor busy.\n",
-          out);
 }

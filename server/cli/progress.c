@@ -1,6 +1,7 @@
 #include "server/cli/progress.h"
 
 #include "server/base/clock.h"
+#include "server/cli/say.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -5,7 +5,7 @@
 
 #include "core/report.h"
 #include "proto/json/json.h"
-#include "server/cli/cli.h"
+#include "server/cli/options.h"
 #include "server/jobs/pace.h"
 
 #include <stdio.h>

@@ -1,6 +1,6 @@
 #include "server/cli/remote.h"
 
-#include "server/cli/cli.h"
+#include "server/cli/interrupt.h"
 
 #include <curl/curl.h>
 

@@ -1,12 +1,16 @@
 /* voronoid PROCESS --server URL: the same job, done by a daemon. The body goes up, the events come
  * back, and when they end, the result. A stream that breaks off is taken up where it ended; ^C
  * dismisses the job. */
+#include "server/cli/there.h"
+
 #include "proto/codec.h"
 #include "proto/sse.h"
 #include "server/base/clock.h"
 #include "server/cli/files.h"
+#include "server/cli/interrupt.h"
 #include "server/cli/progress.h"
 #include "server/cli/remote.h"
+#include "server/cli/say.h"
 
 #include <string.h>
 #include <sys/stat.h>
@@ -47,7 +51,7 @@ static int no_answer(struct there *t)
     vor_progress_clear(&t->progress);
     if (vor_interrupt_seen()) {
         (void)vor_fail(&t->err, VOR_E_CANCELLED, "cancelled");
-        return vor_cli_fail(t->cli->input, &t->err);
+        return vor_cli_fail(t->cli->input[0], &t->err);
     }
     vor_cli_say(server_of(t), t->err.message);
     return VOR_EXIT_UNREACHABLE;
@@ -64,17 +68,19 @@ static const char *text_at(const struct vor_json *json, const char *name)
 static int say_problem(struct there *t, const struct vor_json *json, int http)
 {
     const char *title = text_at(json, "title"), *detail = text_at(json, "detail");
-    char line[1024];
+    struct vor_text line;
     double number;
 
     if (vor_json_get_number(vor_json_get(json, "status"), &number) && number >= 100 && number < 600)
         http = (int)number;
+    vor_text_init(&line, 0);
     if (title[0] == '\0')
-        (void)snprintf(line, sizeof line, "the server answered %d", http);
+        vor_text_printf(&line, "the server answered %d", http);
     else
-        (void)snprintf(line, sizeof line, "%s%s%s", title, detail[0] != '\0' ? ": " : "", detail);
+        vor_text_printf(&line, "%s%s%s", title, detail[0] != '\0' ? ": " : "", detail);
     vor_progress_clear(&t->progress);
-    vor_cli_say(t->cli->input, line);
+    vor_cli_say(t->cli->input[0], line.data != NULL ? line.data : title);
+    vor_text_free(&line);
     return vor_cli_exit_code(http, text_at(json, "type"));
 }
 
@@ -100,11 +106,19 @@ static void append_escaped(struct vor_text *url, const char *text)
     }
 }
 
+static void add_pair(struct vor_text *url, const char *separator, enum vor_parameter parameter,
+                     const char *value)
+{
+    vor_text_printf(url, "%s%s=", separator, vor_parameter_info(parameter)->name);
+    append_escaped(url, value);
+}
+
 /* Only what was said is sent: the server's own defaults hold for the rest. The format follows the
  * suffix of the output, as it does here. */
 static void build_url(struct vor_text *url, const struct vor_cli *cli)
 {
     const char *server = cli->option[VOR_OPTION_SERVER], *separator = "?";
+    const struct vor_process_info *process = cli->spec.process;
     const struct vor_format *format = vor_format_by_suffix(cli->option[VOR_OPTION_OUTPUT]);
     size_t length = strlen(server);
     char value[VOR_SPEC_VALUE_SIZE];
@@ -112,15 +126,16 @@ static void build_url(struct vor_text *url, const struct vor_cli *cli)
     while (length > 0 && server[length - 1] == '/')
         length--;
     vor_text_add(url, server, length);
-    vor_text_printf(url, "/v1/%s", cli->spec.process->id);
+    vor_text_printf(url, "/v1/%s", process->id);
     for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
         enum vor_parameter parameter = (enum vor_parameter)i;
-        const char *text = vor_spec_text(&cli->spec, parameter, value);
 
-        if (!cli->given[i] && (i != VOR_PARAM_FORMAT || format == NULL))
+        if (cli->given[i])
+            add_pair(url, separator, parameter, vor_spec_text(&cli->spec, parameter, value));
+        else if (i == VOR_PARAM_FORMAT && format != NULL && vor_process_takes(process, parameter))
+            add_pair(url, separator, parameter, format->name);
+        else
             continue;
-        vor_text_printf(url, "%s%s=", separator, vor_parameter_info(parameter)->name);
-        append_escaped(url, cli->given[i] ? text : format->name);
         separator = "&";
     }
 }
@@ -129,7 +144,7 @@ static void build_url(struct vor_text *url, const struct vor_cli *cli)
  * length must be known. */
 static vor_status open_body(struct there *t, FILE **body, int64_t *size)
 {
-    const char *path = t->cli->input;
+    const char *path = t->cli->input[0];
     struct stat info;
     vor_status status;
 
@@ -176,7 +191,7 @@ static int submit(struct there *t)
     int code;
 
     if (open_body(t, &body, &size) != VOR_OK)
-        return vor_cli_fail(t->cli->input, &t->err);
+        return vor_cli_fail(t->cli->input[0], &t->err);
     vor_progress_note(&t->progress, "sending");
     vor_text_init(&url, VOR_REMOTE_URL_MAX - 1);
     build_url(&url, t->cli);
@@ -327,7 +342,7 @@ static int say_failure(struct there *t)
 
     if (strcmp(t->status, "dismissed") == 0) {
         vor_progress_clear(&t->progress);
-        vor_cli_say(t->cli->input, "the job was dismissed");
+        vor_cli_say(t->cli->input[0], "the job was dismissed");
         return VOR_EXIT_CANCELLED;
     }
     code = ask(t, &json, &status);
@@ -339,9 +354,9 @@ static int say_failure(struct there *t)
     return code;
 }
 
-static int fetch_cloud(struct there *t)
+static int fetch_main(struct there *t)
 {
-    char url[VOR_REMOTE_URL_MAX + 16];
+    char url[VOR_REMOTE_URL_MAX + 64];
     struct vor_remote_call call = {.method = "GET",
                                    .url = url,
                                    .take = vor_output_write,
@@ -349,7 +364,7 @@ static int fetch_cloud(struct there *t)
                                    .stall_seconds = STALL_SECONDS};
     int code = VOR_EXIT_OK;
 
-    (void)snprintf(url, sizeof url, "%s/results/cloud", t->job);
+    (void)snprintf(url, sizeof url, "%s/results/%s", t->job, t->cli->spec.process->outputs[0].name);
     vor_progress_note(&t->progress, "receiving");
     if (vor_remote_perform(t->remote, &call, &t->err) != VOR_OK)
         code = no_answer(t);
@@ -368,6 +383,8 @@ static int fetch_report(struct there *t)
     struct vor_remote_call call = {.method = "GET", .url = url, .timeout_seconds = 30};
     int code = VOR_EXIT_OK;
 
+    if (vor_artefact_find(t->cli->spec.process->outputs, "report") == NULL)
+        return VOR_EXIT_OK;
     (void)snprintf(url, sizeof url, "%s/results/report", t->job);
     if (vor_remote_perform(t->remote, &call, &t->err) != VOR_OK)
         code = no_answer(t);
@@ -400,7 +417,7 @@ static int work(struct there *t)
     if (code == VOR_EXIT_OK && strcmp(t->status, "successful") != 0)
         code = say_failure(t);
     else if (code == VOR_EXIT_OK)
-        code = fetch_cloud(t);
+        code = fetch_main(t);
     if (code == VOR_EXIT_OK)
         code = fetch_report(t);
     if (vor_interrupt_seen() && t->job[0] != '\0' && !is_over(t))

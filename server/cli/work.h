@@ -5,7 +5,7 @@
 
 #include "core/engine.h"
 #include "proto/codec.h"
-#include "server/cli/cli.h"
+#include "server/cli/options.h"
 #include "server/cli/progress.h"
 
 struct vor_work {

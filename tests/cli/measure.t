@@ -97,14 +97,33 @@ subtest 'a peak that is none' => sub {
         my ($code, $stdout, $stderr) = run(['measure', @pair, "--peak=$value"]);
         my $shown = quotemeta $value;
         is "$code$stdout", '2', "'$value' is a usage error";
-        like $stderr, qr/\Avoronoid: measure: peak is [^\n]*$shown[^\n]*, want a number from 1e-30 to 1e\+30\n\z/,
+        like $stderr, qr/\Avoronoid: measure: peak is [^\n]*$shown[^\n]*, want a number from 1e-30 to 1e\+30 or auto\n\z/,
             "'$value' is named";
     }
     my ($code, $stdout, $stderr) = run(['measure', @pair, '--peak=']);
-    is "$code$stdout$stderr", "2voronoid: measure: peak is empty, want a number from 1e-30 to 1e+30\n", 'nothing';
+    is "$code$stdout$stderr", "2voronoid: measure: peak is empty, want a number from 1e-30 to 1e+30 or auto\n", 'nothing';
     ($code, $stdout, $stderr) = run(['measure', $pair[0], '--peak', 1023]);
     is "$code$stdout$stderr",
         "2voronoid: measure: peak is 1023 without a reference: give --reference FILE too\n", 'no reference';
+    my (undef, $default) = run(['measure', @pair]);
+    is((run(['measure', @pair, '--peak=auto']))[1], $default, 'auto is the default');
+    is +(run(['measure', $pair[0], '--peak=auto']))[0], 0, 'and means nothing without a reference';
+};
+
+subtest 'a document goes where it is sent' => sub {
+    my ($code, $stdout) = run(['measure', "$folder/grid.ply"]);
+    is slurp("$folder/grid.ply") =~ /^element vertex (\d+)$/m ? $1 : 0, decode_json($stdout)->{n}, 'it is printed';
+    is +(run(['measure', "$folder/grid.ply", '-o', '-']))[1], $stdout, 'or printed on request';
+    my ($got, $printed, $errors) = run(['measure', "$folder/grid.ply", '-o', "$folder/measure.json"]);
+    is "$got$printed$errors", '0', 'or written, without a word';
+    is slurp("$folder/measure.json"), $stdout, 'the same bytes';
+    ($got, $printed, $errors) = run(['measure', "$folder/grid.ply", '-o', "$folder/no/measure.json"]);
+    is "$got$printed$errors", "1voronoid: $folder/no/measure.json: cannot be written: No such file or directory\n",
+        'or refused before it is made';
+    ($got, $printed, $errors) = run(['measure', "$folder/grid.ply", '--json', '--quiet']);
+    is "$got$printed$errors", "0$stdout", 'lines of a run without records are none';
+    is +(run(['measure', "$folder/grid.ply"], env => { VORONOID_SERVER => 'http://127.0.0.1:1' }))[1], $stdout,
+        'a daemon in the environment is not asked';
 };
 
 subtest 'refusals' => sub {

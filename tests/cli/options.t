@@ -54,6 +54,12 @@ for my $case (
     my ($said) = $text =~ /--$name VALUE\n[^\n]+\n      ([^\n]+)\n/;
     is $said, $values, "the help of $command shows range and default of $name";
 }
+my (undef, $of_measure) = run(['measure', '--help']);
+like $of_measure, qr/^usage: voronoid measure IN /, 'the help of measure names its operand';
+like $of_measure, qr/^      --reference FILE\n/m, 'and its other input';
+like $of_measure, qr/^      --peak VALUE\n[^\n]+\n      1e-30 to 1e\+30 unit of the cloud \| auto, default auto\n/m, 'and its parameter';
+unlike $of_measure, qr/--(?:points|server|seed|format)\b/, 'and nothing that it does not take';
+unlike $help, qr/--(?:peak|reference)\b/, 'nor does that of resample';
 like $help, qr/6 to 500 points \| auto, default auto/, 'it shows range, auto and default';
 like $help, qr/--polish VALUE\n      Most steps [^\n]+\n      0 to 10000, default \d+\n/, 'it explains the polish';
 like $help, qr/env: VORONOID_SERVER/, 'it shows environment variables';
@@ -70,10 +76,19 @@ refused 'an unknown option with a value', ['resample', '--no=1'], 2,
     'resample: no option --no; see voronoid resample --help';
 refused 'an unknown letter', ['resample', '-x'], 2,
     'resample: no option -x; see voronoid resample --help';
-refused 'an option of another command', ['measure', $in, '--output', $out], 2,
-    'measure: no option --output; see voronoid measure --help';
-refused 'a parameter of another command', ['measure', $in, '--points', 5], 2,
-    'measure: no option --points; see voronoid measure --help';
+refused 'an option of another command', ['measure', $in, '--server', 'http://127.0.0.1:1'], 2,
+    'measure: no option --server; see voronoid measure --help';
+refused 'an input of another command', ['resample', $in, @points, '-o', $out, '--reference', $in], 2,
+    'resample: no option --reference; see voronoid resample --help';
+refused 'a parameter of another process', ['measure', $in, '--points', 5], 2,
+    'measure: no parameter points; measure takes peak';
+refused 'a letter of another process', ['measure', $in, '-n', 5], 2, 'measure: no option -n; see voronoid measure --help';
+refused 'a parameter of a command without a process', ['health', '--points', 5], 2,
+    'health: no option --points; see voronoid health --help';
+refused 'a parameter of measure', ['denoise', $in, '-o', $out, '--peak=1'], 2,
+    'denoise: no parameter peak; denoise takes points, ratio, spacing, method, patch, iterations, delta, '
+    . 'seconds, neighbors, anderson, polish, boundary, outliers, seed, order, format, quantization, compression, '
+    . 'attributes, normals';
 refused 'an option with a newline', ['resample', "--a\nb"], 2,
     'resample: no option --a\\x5cx0ab; see voronoid resample --help';
 refused 'no value', ['resample', $in, '-o', $out, '-n'], 2, 'resample: -n needs a value';

@@ -1,0 +1,174 @@
+#include "server/cli/here.h"
+
+#include "proto/json/json.h"
+#include "server/base/clock.h"
+#include "server/cli/files.h"
+#include "server/cli/say.h"
+#include "server/cli/work.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* One run: whatever is at fault when it fails is named by `subject`. */
+struct here {
+    const struct vor_cli *cli;
+    const char *subject;
+    struct vor_work work;
+    struct vor_progress progress;
+    struct vor_artefacts in, out;
+    const struct vor_format *format; /* of the main input, then of the result */
+    struct vor_output output;
+    struct vor_report *report; /* among the outputs; NULL where the process has none */
+    double seconds_read, seconds_write;
+};
+
+static const struct vor_format *format_of_result(const struct vor_cli *cli,
+                                                 const struct vor_format *input)
+{
+    const struct vor_format *by_suffix = vor_format_by_suffix(cli->option[VOR_OPTION_OUTPUT]);
+
+    if (vor_spec_given(&cli->spec, VOR_PARAM_FORMAT))
+        return vor_format((unsigned)cli->spec.value[VOR_PARAM_FORMAT]);
+    return by_suffix != NULL ? by_suffix : input;
+}
+
+/* The inputs that files were given for, by the names of the process's row. */
+static vor_status load(struct here *r, struct vor_error *err)
+{
+    const struct vor_artefact_info *inputs = r->cli->spec.process->inputs;
+    double began = vor_clock_seconds();
+    vor_status status = VOR_OK;
+
+    vor_progress_note(&r->progress, "reading");
+    for (unsigned i = 0; inputs[i].name != NULL && status == VOR_OK; i++) {
+        struct vor_cloud cloud;
+
+        if (r->cli->input[i] == NULL)
+            continue;
+        r->subject = r->cli->input[i];
+        status = vor_work_load(&r->work, &cloud, i == 0 ? &r->format : NULL, r->subject, err);
+        vor_artefacts_put_cloud(&r->in, inputs[i].name, &cloud);
+    }
+    r->seconds_read = vor_clock_seconds() - began;
+    return status;
+}
+
+static vor_status run(struct here *r, struct vor_error *err)
+{
+    vor_status status;
+
+    vor_progress_note(&r->progress, "preparing");
+    status = vor_engine_run(&r->out, &r->in, &r->cli->spec, &r->work.run, err);
+    if (status == VOR_OK)
+        r->report = vor_artefacts_values(&r->out, "report", &vor_report_members);
+    return status;
+}
+
+static vor_status save_cloud(struct here *r, const struct vor_cloud *cloud, struct vor_error *err)
+{
+    struct vor_sink sink = {&r->output, vor_output_write};
+    struct vor_write_options options;
+
+    vor_write_options_from(&options, &r->cli->spec,
+                           r->report != NULL ? r->report->spacing_mean : 0);
+    return r->format->write(&sink, cloud, &options, err);
+}
+
+static vor_status save_document(struct here *r, const struct vor_document *document,
+                                struct vor_error *err)
+{
+    struct vor_text text;
+    vor_status status;
+
+    vor_text_init(&text, 0);
+    vor_json_document(&text, document);
+    vor_text_puts(&text, "\n");
+    status = vor_text_status(&text, err);
+    if (status == VOR_OK && vor_output_write(&r->output, text.data, text.size) != 0)
+        status = vor_fail(err, VOR_E_IO, "the document cannot be written");
+    vor_text_free(&text);
+    return status;
+}
+
+/* Writes the main output. */
+static vor_status save(struct here *r, struct vor_error *err)
+{
+    const struct vor_artefact *result =
+        vor_artefacts_find(&r->out, r->cli->spec.process->outputs[0].name);
+    double began = vor_clock_seconds();
+    vor_status status = result->kind == VOR_ARTEFACT_CLOUD
+                            ? save_cloud(r, &result->cloud, err)
+                            : save_document(r, &result->document, err);
+
+    if (status == VOR_E_IO)
+        status = vor_output_fail(&r->output, err);
+    if (status == VOR_OK)
+        status = vor_output_commit(&r->output, err);
+    r->seconds_write = vor_clock_seconds() - began;
+    return status;
+}
+
+/* The end of a run that has a report. */
+static vor_status finish(struct here *r, struct vor_error *err)
+{
+    struct vor_text text;
+    vor_status status;
+
+    if (r->report == NULL)
+        return VOR_OK;
+    r->report->seconds_read = r->seconds_read;
+    r->report->seconds_write = r->seconds_write;
+    r->report->parameters.value[VOR_PARAM_FORMAT] =
+        r->format == vor_format(VOR_FORMAT_DRC) ? VOR_FORMAT_DRC : VOR_FORMAT_PLY;
+    vor_text_init(&text, 0);
+    vor_json_document(&text, &vor_artefacts_find(&r->out, "report")->document);
+    status = vor_text_status(&text, err);
+    if (status == VOR_OK)
+        status = vor_progress_finish(&r->progress, text.data, text.size, err);
+    vor_text_free(&text);
+    return status;
+}
+
+/* The output is opened before the work begins: a name that cannot be written is told at once. */
+static vor_status work(struct here *r, struct vor_error *err)
+{
+    vor_status status = load(r, err);
+
+    if (status != VOR_OK)
+        return status;
+    r->format = format_of_result(r->cli, r->format);
+    r->subject = r->cli->option[VOR_OPTION_OUTPUT];
+    status = vor_output_open(&r->output, r->subject, err);
+    if (status != VOR_OK)
+        return status;
+    r->subject = r->cli->input[0];
+    status = run(r, err);
+    if (status != VOR_OK)
+        return status;
+    r->subject = r->cli->option[VOR_OPTION_OUTPUT];
+    status = save(r, err);
+    return status == VOR_OK ? finish(r, err) : status;
+}
+
+int vor_cli_process_here(const struct vor_cli *cli)
+{
+    struct here r;
+    struct vor_error err;
+    vor_status status;
+
+    memset(&r, 0, sizeof r);
+    r.cli = cli;
+    r.subject = cli->input[0];
+    vor_progress_start(&r.progress, cli);
+    status = vor_work_start(&r.work, cli, &r.progress, &err);
+    vor_artefacts_init(&r.in, &r.work.memory);
+    vor_artefacts_init(&r.out, &r.work.memory);
+    if (status == VOR_OK)
+        status = work(&r, &err);
+    vor_progress_clear(&r.progress);
+    vor_output_abandon(&r.output);
+    vor_artefacts_free(&r.in);
+    vor_artefacts_free(&r.out);
+    vor_work_end(&r.work);
+    return status == VOR_OK ? VOR_EXIT_OK : vor_cli_fail(r.subject, &err);
+}

@@ -1,0 +1,64 @@
+#include "server/cli/say.h"
+
+#include "server/cli/interrupt.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Control characters would break the line, or the terminal. */
+static void print_line(const char *text)
+{
+    for (; *text != '\0'; text++) {
+        unsigned char c = (unsigned char)*text;
+
+        fputc(c < 0x20 || c == 0x7f ? '?' : c, stderr);
+    }
+}
+
+void vor_cli_say(const char *subject, const char *message)
+{
+    fputs("voronoid: ", stderr);
+    if (subject != NULL) {
+        print_line(subject);
+        fputs(": ", stderr);
+    }
+    print_line(message);
+    fputc('\n', stderr);
+}
+
+int vor_cli_exit_code(int http, const char *type)
+{
+    const char *slug = type != NULL ? strrchr(type, '/') : NULL;
+
+    slug = slug != NULL ? slug + 1 : type != NULL ? type : "";
+    if (strcmp(slug, "invalid-parameter") == 0 ||
+        strcmp(slug, "invalid-query-parameter-value") == 0)
+        return VOR_EXIT_USAGE;
+    switch (http) {
+    case 200:
+        return VOR_EXIT_OK;
+    case 400:
+    case 413:
+    case 415:
+    case 422:
+        return VOR_EXIT_REJECTED;
+    case 429:
+    case 503:
+        return VOR_EXIT_UNREACHABLE;
+    case 499:
+        return VOR_EXIT_CANCELLED;
+    default:
+        return VOR_EXIT_FAILED;
+    }
+}
+
+int vor_cli_fail(const char *subject, const struct vor_error *err)
+{
+    if (err->status == VOR_E_CANCELLED) {
+        vor_cli_say(subject, vor_interrupt_seen() ? "cancelled" : err->message);
+        return vor_interrupt_seen() == SIGINT ? VOR_EXIT_INTERRUPTED : VOR_EXIT_CANCELLED;
+    }
+    vor_cli_say(subject, err->message);
+    return vor_cli_exit_code(vor_status_http(err->status), vor_status_slug(err->status));
+}

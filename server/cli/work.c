@@ -1,0 +1,59 @@
+#include "server/cli/work.h"
+
+#include "server/base/clock.h"
+#include "server/cli/files.h"
+#include "server/cli/interrupt.h"
+
+#include <string.h>
+
+static enum vor_answer on_poll(void *ctx)
+{
+    (void)ctx;
+    return vor_interrupt_seen() ? VOR_CANCEL : VOR_CONTINUE;
+}
+
+static enum vor_answer on_progress(void *ctx, const struct vor_record *record)
+{
+    if (ctx != NULL)
+        vor_progress_record(ctx, record);
+    return on_poll(NULL);
+}
+
+static double on_clock(void *ctx)
+{
+    (void)ctx;
+    return vor_clock_seconds();
+}
+
+vor_status vor_work_start(struct vor_work *work, const struct vor_cli *cli,
+                          struct vor_progress *progress, struct vor_error *err)
+{
+    memset(work, 0, sizeof *work);
+    vor_memory_init(&work->memory, SIZE_MAX);
+    work->watch = (struct vor_watch){progress, on_progress, on_poll, on_clock};
+    work->run.memory = &work->memory;
+    work->run.watch = &work->watch;
+    return vor_pool_create(&work->run.pool, cli->threads, err);
+}
+
+void vor_work_end(struct vor_work *work)
+{
+    vor_pool_destroy(work->run.pool);
+    work->run.pool = NULL;
+}
+
+vor_status vor_work_load(struct vor_work *work, struct vor_cloud *cloud,
+                         const struct vor_format **format, const char *path, struct vor_error *err)
+{
+    struct vor_limits limits = VOR_LIMITS_DEFAULT;
+    struct vor_input input;
+    vor_status status;
+
+    limits.points = VOR_POINTS_MAX;
+    vor_cloud_init(cloud, &work->memory);
+    status = vor_input_read(&input, path, err);
+    if (status == VOR_OK)
+        status = vor_codec_read(cloud, format, input.bytes, input.size, &limits, err);
+    vor_input_free(&input);
+    return status;
+}
