@@ -49,6 +49,20 @@ int vor_type_parse(enum vor_type *out, const char *name, size_t length)
     return 0;
 }
 
+double vor_attribute_scalar(const struct vor_attribute *attribute, size_t at)
+{
+    switch (attribute->type) {
+#define SCALAR_CASE(id, ctype, ply, sized)                                                         \
+    case VOR_##id:                                                                                 \
+        return (double)((const ctype *)attribute->data)[at];
+        VOR_TYPE_TABLE(SCALAR_CASE)
+#undef SCALAR_CASE
+    case VOR_TYPE_COUNT:
+        break;
+    }
+    return 0;
+}
+
 void vor_cloud_init(struct vor_cloud *cloud, struct vor_memory *memory)
 {
     memset(cloud, 0, sizeof *cloud);

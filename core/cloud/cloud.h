@@ -57,6 +57,10 @@ struct vor_attribute {
     void *data;          /**< n * components scalars of type, owned by the cloud */
 };
 
+/** Scalar number `at` of an attribute (value i has components i * components ...), whatever its
+ * type. 64-bit integers beyond 2^53 are rounded. */
+double vor_attribute_scalar(const struct vor_attribute *attribute, size_t at);
+
 /** n points: point i lies at origin + xyz[3 i .. 3 i + 2], in the input's own unit.
  *
  *  Where the source coordinates are float32, origin is 0 and xyz holds them bit for bit. Where they

@@ -144,19 +144,6 @@ static vor_status find_peak(double *out, const struct side *side, const struct v
     return status;
 }
 
-static double scalar(const struct vor_attribute *attribute, size_t at)
-{
-    switch (attribute->type) {
-#define SCALAR_CASE(id, ctype, ply, sized)                                                         \
-    case VOR_##id:                                                                                 \
-        return (double)((const ctype *)attribute->data)[at];
-        VOR_TYPE_TABLE(SCALAR_CASE)
-#undef SCALAR_CASE
-    default:
-        return 0;
-    }
-}
-
 struct normals {
     struct side *side;
     const struct vor_attribute *carried; /* NULL: none */
@@ -170,8 +157,8 @@ static int take_normal(const struct normals *normals, size_t i)
     if (normals->carried == NULL)
         return 0;
     for (size_t c = 0; c < 3; c++)
-        normal[c] = scalar(normals->carried,
-                           (size_t)normals->side->source[i] * normals->carried->components + c);
+        normal[c] = vor_attribute_scalar(
+            normals->carried, (size_t)normals->side->source[i] * normals->carried->components + c);
     length = sqrt(vor_dot(normal, normal));
     if (!(length > 0 && isfinite(length)))
         return 0;

@@ -16,30 +16,16 @@ struct transfer {
     const struct vor_attribute *in_normal;
 };
 
-/* Component c of value i, as double. */
-static double scalar(const struct vor_attribute *attribute, size_t i, size_t c)
-{
-    size_t at = i * attribute->components + c;
-
-    if (attribute->type == VOR_FLOAT64)
-        return ((const double *)attribute->data)[at];
-    if (attribute->type == VOR_FLOAT32)
-        return (double)((const float *)attribute->data)[at];
-    if (attribute->type == VOR_INT8)
-        return ((const int8_t *)attribute->data)[at];
-    if (attribute->type == VOR_INT16)
-        return ((const int16_t *)attribute->data)[at];
-    return 0;
-}
-
 /* Which way a fitted normal points at seed i. */
 static double side(const struct transfer *transfer, size_t i, const double normal[3])
 {
+    const struct vor_attribute *carried = transfer->in_normal;
     double reference[3];
 
     for (size_t c = 0; c < 3; c++)
-        reference[c] = transfer->in_normal != NULL
-                           ? scalar(transfer->in_normal, transfer->nearest[i], c)
+        reference[c] = carried != NULL
+                           ? vor_attribute_scalar(
+                                 carried, transfer->nearest[i] * (size_t)carried->components + c)
                            : (double)transfer->seeds->xyz[3 * i + c];
     return vor_dot(reference, normal) < 0 ? -1 : 1;
 }
