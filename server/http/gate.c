@@ -1,5 +1,6 @@
-#include "server/http/internal.h"
+#include "server/http/gate.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>

@@ -1,5 +1,5 @@
-/** Requests in, answers out. http.c is the only file that includes microhttpd.h; nothing in this
- *  header shows it.
+/** Requests in, answers out: the door to this room. Nothing in this header shows the library under
+ *  it.
  *
  *  A handler is a function called one step after another, always on one of the HTTP threads, never
  *  twice at a time for one request, and never allowed to block:

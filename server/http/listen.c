@@ -1,13 +1,25 @@
-#include "server/http/internal.h"
+/* The door to the network: the socket, the library's threads on it, and their end. */
+#include "server/http/exchange.h"
+#include "server/http/http.h"
+#include "server/http/peer.h"
+#include "server/http/state.h"
 
 #include <errno.h>
+#include <microhttpd.h>
 #include <netdb.h>
+#include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-enum { BACKLOG = 1024 };
+enum {
+    BACKLOG = 1024,
+    STUCK_SECONDS = 45,
+    CONNECTION_BYTES = 49152 /* what the library keeps for a connection: the longest header block,
+                                and room to read a body and to answer */
+};
 
 static int open_listener(const struct addrinfo *at)
 {
@@ -23,7 +35,8 @@ static int open_listener(const struct addrinfo *at)
     return -1;
 }
 
-vor_status vor_listen(int *out, const struct vor_http_options *options, struct vor_error *err)
+static vor_status open_socket(int *out, const struct vor_http_options *options,
+                              struct vor_error *err)
 {
     struct addrinfo hints = {.ai_flags = AI_PASSIVE, .ai_socktype = SOCK_STREAM};
     struct addrinfo *list = NULL;
@@ -46,7 +59,7 @@ vor_status vor_listen(int *out, const struct vor_http_options *options, struct v
     return VOR_OK;
 }
 
-void vor_listen_address(int fd, char out[80])
+static void read_address(int fd, char out[80])
 {
     struct sockaddr_storage bound;
     socklen_t size = sizeof bound;
@@ -57,4 +70,135 @@ void vor_listen_address(int fd, char out[80])
         (void)getnameinfo((struct sockaddr *)&bound, size, host, sizeof host, port, sizeof port,
                           NI_NUMERICHOST | NI_NUMERICSERV);
     (void)snprintf(out, 80, bound.ss_family == AF_INET6 ? "[%s]:%s" : "%s:%s", host, port);
+}
+
+static void on_connection(void *cls, struct MHD_Connection *connection, void **socket_context,
+                          enum MHD_ConnectionNotificationCode code)
+{
+    struct vor_http *http = cls;
+    const union MHD_ConnectionInfo *info;
+
+    if (code == MHD_CONNECTION_NOTIFY_CLOSED) {
+        vor_peer_leave(http->watchman, *socket_context);
+        *socket_context = NULL;
+        return;
+    }
+    info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    if (info != NULL)
+        *socket_context = vor_peer_enter(http->watchman, info->connect_fd);
+}
+
+static void on_log(void *cls, const char *format, va_list args) VOR_PRINTF(2, 0);
+
+static void on_log(void *cls, const char *format, va_list args)
+{
+    struct vor_http *http = cls;
+    char line[512];
+
+    (void)vsnprintf(line, sizeof line, format, args);
+    line[strcspn(line, "\n")] = '\0';
+    http->options.log(http->options.ctx, line);
+}
+
+static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
+{
+    const struct vor_http_options *options = &http->options;
+
+    /* The library shares its connections out to its threads and drops what is above: give it twice
+     * as many, so that it is us who refuse. */
+    return MHD_start_daemon(
+        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG, 0, NULL, NULL,
+        vor_exchange_step, http, MHD_OPTION_EXTERNAL_LOGGER, on_log, http, MHD_OPTION_LISTEN_SOCKET,
+        fd, MHD_OPTION_THREAD_POOL_SIZE, options->threads > 1 ? options->threads : 0u,
+#if MHD_VERSION >= 0x01000000
+        MHD_OPTION_CLIENT_DISCIPLINE_LVL, 1,
+#else
+        MHD_OPTION_STRICT_FOR_CLIENT, 1,
+#endif
+        MHD_OPTION_CONNECTION_LIMIT, 2 * options->connections, MHD_OPTION_CONNECTION_TIMEOUT,
+        (unsigned)STUCK_SECONDS, MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_BYTES,
+        MHD_OPTION_NOTIFY_CONNECTION, on_connection, http, MHD_OPTION_NOTIFY_COMPLETED,
+        vor_exchange_end, http, MHD_OPTION_URI_LOG_CALLBACK, vor_exchange_begin, http,
+        MHD_OPTION_END);
+}
+
+vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *options,
+                         struct vor_error *err)
+{
+    const struct vor_deadlines deadlines = {options->header_seconds, options->keep_seconds,
+                                            options->body_seconds, options->body_idle_seconds,
+                                            options->body_rate};
+    struct vor_http *http = calloc(1, sizeof *http);
+    vor_status status;
+
+    if (http == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "no memory to listen");
+    http->options = *options;
+    http->fd = -1;
+    status = open_socket(&http->fd, options, err);
+    if (status == VOR_OK)
+        status = vor_watchman_start(&http->watchman, &deadlines, err);
+    if (status != VOR_OK) {
+        vor_http_stop(http);
+        return status;
+    }
+    read_address(http->fd, http->address);
+    *out = http;
+    return VOR_OK;
+}
+
+vor_status vor_http_start(struct vor_http *http, struct vor_error *err)
+{
+    http->daemon = start_daemon(http, http->fd);
+    if (http->daemon == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the HTTP threads cannot be started");
+    http->fd = -1;
+    return VOR_OK;
+}
+
+const char *vor_http_address(const struct vor_http *http)
+{
+    return http->address;
+}
+
+void vor_http_quiesce(struct vor_http *http)
+{
+    atomic_store(&http->quiesced, true);
+    http->fd = MHD_quiesce_daemon(http->daemon);
+    vor_watchman_quiesce(http->watchman);
+}
+
+unsigned vor_http_busy(const struct vor_http *http)
+{
+    return atomic_load(&http->busy);
+}
+
+unsigned vor_http_connections(const struct vor_http *http)
+{
+    return vor_watchman_count(http->watchman);
+}
+
+void vor_http_wake_all(struct vor_http *http)
+{
+    vor_watchman_wake_all(http->watchman);
+}
+
+void vor_http_close_waiting(struct vor_http *http)
+{
+    atomic_store(&http->closing, true);
+    vor_watchman_wake_all(http->watchman);
+}
+
+void vor_http_stop(struct vor_http *http)
+{
+    if (http == NULL)
+        return;
+    if (http->daemon != NULL) {
+        vor_http_close_waiting(http);
+        MHD_stop_daemon(http->daemon);
+    }
+    if (http->fd >= 0)
+        (void)close(http->fd);
+    vor_watchman_stop(http->watchman);
+    free(http);
 }

@@ -2,14 +2,17 @@
  * not look at a suspended connection at all; so every connection is listed here and one thread
  * walks the list: it cuts what is late and wakes a waiting request whose peer has left. */
 #define _GNU_SOURCE /* POLLRDHUP */
+#include "server/http/peer.h"
+
 #include "server/base/clock.h"
-#include "server/http/internal.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
+#include <pthread.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
@@ -19,6 +22,25 @@
 enum { LINGER_MAX = 64, PEER_TIMEOUT_MS = 20000 };
 static const double linger_seconds = 5, look_seconds = 0.5;
 static const int tick_ms = 100;
+
+/* Every member is guarded by the watchman's lock. */
+struct vor_peer {
+    struct vor_peer *next, *previous;
+    uint64_t serial;
+    int fd;
+    enum vor_phase phase;
+    double since;            /* the phase began */
+    double last;             /* last piece of the body */
+    double look_at;          /* when to look next whether it has left */
+    uint64_t bytes;          /* of this body */
+    bool waiting;            /* its request is suspended: watch for the peer leaving */
+    bool cut;                /* shut down by the sweeper */
+    bool linger;             /* read on after the close, so that the reply is not reset away */
+    double wake_at;          /* 0: no timer */
+    struct vor_waker *waker; /* of the request under way, or NULL */
+    char *late;              /* raw 408 to send when the body is late, or NULL */
+    bool told_late;          /* and it was */
+};
 
 struct lingering {
     int fd;

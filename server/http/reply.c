@@ -1,4 +1,6 @@
-#include "server/http/internal.h"
+#include "server/http/reply.h"
+
+#include "server/http/request.h"
 
 #include <assert.h>
 #include <inttypes.h>

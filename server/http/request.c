@@ -1,5 +1,9 @@
+#include "server/http/request.h"
+
 #include "server/base/clock.h"
-#include "server/http/internal.h"
+#include "server/http/peer.h"
+#include "server/http/state.h"
+#include "server/http/waker.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -153,4 +157,24 @@ void vor_request_take_body(struct vor_request *request, const struct vor_body_si
 {
     request->sink = *sink;
     request->limit = limit;
+}
+
+struct vor_waker *vor_request_waker(struct vor_request *request)
+{
+    return vor_waker_hold(request->waker);
+}
+
+int vor_request_gone(const struct vor_request *request)
+{
+    return vor_waker_is_gone(request->waker);
+}
+
+int vor_request_closing(const struct vor_request *request)
+{
+    return atomic_load(&request->http->closing);
+}
+
+void vor_request_wake_after(struct vor_request *request, double seconds)
+{
+    vor_peer_timer(request->http->watchman, request->peer, seconds);
 }

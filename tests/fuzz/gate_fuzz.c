@@ -1,7 +1,7 @@
 /* Any bytes as a request's head, cut into lines by the target itself as the library would. What
  * passes the gate has no byte, no framing and no target that a handler must be afraid of, and its
  * query, when it can be split, holds neither escapes nor control bytes. */
-#include "server/http/internal.h"
+#include "server/http/gate.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,121 +1,25 @@
-#include "server/http/http.h"
-#include "server/base/clock.h"
-#include "server/http/internal.h"
+#include "server/http/exchange.h"
 
-#include <microhttpd.h>
-#include <stdarg.h>
-#include <stdatomic.h>
+#include "server/base/clock.h"
+#include "server/http/peer.h"
+#include "server/http/reply.h"
+#include "server/http/request.h"
+#include "server/http/state.h"
+#include "server/http/waker.h"
+
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
-enum { STREAM_BLOCK = 16384, STUCK_SECONDS = 45 };
-
-struct vor_http {
-    struct vor_http_options options;
-    struct MHD_Daemon *daemon;
-    struct vor_watchman *watchman;
-    char address[80];
-    int fd; /* listening; the library's from start to quiesce, -1 then */
-    atomic_uint busy;
-    atomic_bool quiesced, closing;
-};
-
-/* Suspending and resuming must not cross: both happen under this lock, and a wake that finds the
- * request awake is kept for the next attempt to sleep. */
-struct vor_waker {
-    pthread_mutex_t lock;
-    atomic_uint holds;
-    struct MHD_Connection *connection;
-    bool suspended, pending, gone, over;
-};
-
-static struct vor_waker *waker_create(struct MHD_Connection *connection)
-{
-    struct vor_waker *waker = calloc(1, sizeof *waker);
-
-    if (waker == NULL)
-        return NULL;
-    (void)pthread_mutex_init(&waker->lock, NULL);
-    atomic_init(&waker->holds, 1);
-    waker->connection = connection;
-    return waker;
-}
-
-struct vor_waker *vor_waker_hold(struct vor_waker *waker)
-{
-    (void)atomic_fetch_add(&waker->holds, 1);
-    return waker;
-}
-
-void vor_waker_drop(struct vor_waker *waker)
-{
-    if (waker == NULL || atomic_fetch_sub(&waker->holds, 1) != 1)
-        return;
-    (void)pthread_mutex_destroy(&waker->lock);
-    free(waker);
-}
-
-void vor_waker_wake(struct vor_waker *waker)
-{
-    (void)pthread_mutex_lock(&waker->lock);
-    if (!waker->over && waker->suspended) {
-        waker->suspended = false;
-        MHD_resume_connection(waker->connection);
-    } else {
-        waker->pending = true;
-    }
-    (void)pthread_mutex_unlock(&waker->lock);
-}
-
-void vor_waker_gone(struct vor_waker *waker)
-{
-    (void)pthread_mutex_lock(&waker->lock);
-    waker->gone = true;
-    (void)pthread_mutex_unlock(&waker->lock);
-}
-
-struct vor_waker *vor_request_waker(struct vor_request *request)
-{
-    return vor_waker_hold(request->waker);
-}
-
-int vor_request_gone(const struct vor_request *request)
-{
-    bool gone;
-
-    (void)pthread_mutex_lock(&request->waker->lock);
-    gone = request->waker->gone;
-    (void)pthread_mutex_unlock(&request->waker->lock);
-    return gone;
-}
-
-int vor_request_closing(const struct vor_request *request)
-{
-    return atomic_load(&request->http->closing);
-}
-
-void vor_request_wake_after(struct vor_request *request, double seconds)
-{
-    vor_peer_timer(request->http->watchman, request->peer, seconds);
-}
+enum { STREAM_BLOCK = 16384 };
 
 /* False when a wake came first, or nobody would come to wake it: then go on at once. */
 static bool request_sleep(struct vor_request *request)
 {
-    struct vor_waker *waker = request->waker;
     bool sleeps;
 
     vor_peer_wait(request->http->watchman, request->peer, true);
-    (void)pthread_mutex_lock(&waker->lock);
-    sleeps = !waker->pending && !waker->gone && !vor_request_closing(request);
-    waker->pending = false;
-    if (sleeps) {
-        waker->suspended = true;
-        MHD_suspend_connection(waker->connection);
-    }
-    (void)pthread_mutex_unlock(&waker->lock);
+    sleeps = vor_waker_sleep(request->waker, vor_request_closing(request));
     if (!sleeps)
         vor_peer_wait(request->http->watchman, request->peer, false);
     return sleeps;
@@ -373,7 +277,7 @@ static enum MHD_Result take_piece(struct vor_request *request, const char *bytes
     return MHD_YES;
 }
 
-static enum MHD_Result on_request(void *cls, struct MHD_Connection *connection, const char *url,
+enum MHD_Result vor_exchange_step(void *cls, struct MHD_Connection *connection, const char *url,
                                   const char *method, const char *version, const char *data,
                                   size_t *size, void **con_cls)
 {
@@ -413,8 +317,8 @@ static void request_free(struct vor_request *request)
     free(request);
 }
 
-/* The request line is in; this is the only place that shows the target as it was sent. */
-static void *on_target(void *cls, const char *target, struct MHD_Connection *connection)
+/* This is the only place that shows the target as it was sent. */
+void *vor_exchange_begin(void *cls, const char *target, struct MHD_Connection *connection)
 {
     struct vor_http *http = cls;
     const union MHD_ConnectionInfo *info =
@@ -431,7 +335,7 @@ static void *on_target(void *cls, const char *target, struct MHD_Connection *con
     request->path = "";
     request->target = strdup(target);
     request->head.target = request->target;
-    request->waker = waker_create(connection);
+    request->waker = vor_waker_create(connection);
     if (request->target == NULL || request->waker == NULL) {
         free(request->target);
         vor_waker_drop(request->waker);
@@ -443,8 +347,8 @@ static void *on_target(void *cls, const char *target, struct MHD_Connection *con
     return request;
 }
 
-static void on_completed(void *cls, struct MHD_Connection *connection, void **con_cls,
-                         enum MHD_RequestTerminationCode code)
+void vor_exchange_end(void *cls, struct MHD_Connection *connection, void **con_cls,
+                      enum MHD_RequestTerminationCode code)
 {
     struct vor_http *http = cls;
     struct vor_request *request = *con_cls;
@@ -453,9 +357,7 @@ static void on_completed(void *cls, struct MHD_Connection *connection, void **co
     if (request == NULL)
         return;
     *con_cls = NULL;
-    (void)pthread_mutex_lock(&request->waker->lock);
-    request->waker->over = true;
-    (void)pthread_mutex_unlock(&request->waker->lock);
+    vor_waker_end(request->waker);
     if (vor_peer_end(http->watchman, request->peer)) {
         request->reply.http = 408;
         request->problem = "upload-timeout";
@@ -467,134 +369,4 @@ static void on_completed(void *cls, struct MHD_Connection *connection, void **co
     } else {
         request_free(request);
     }
-}
-
-static void on_connection(void *cls, struct MHD_Connection *connection, void **socket_context,
-                          enum MHD_ConnectionNotificationCode code)
-{
-    struct vor_http *http = cls;
-    const union MHD_ConnectionInfo *info;
-
-    if (code == MHD_CONNECTION_NOTIFY_CLOSED) {
-        vor_peer_leave(http->watchman, *socket_context);
-        *socket_context = NULL;
-        return;
-    }
-    info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-    if (info != NULL)
-        *socket_context = vor_peer_enter(http->watchman, info->connect_fd);
-}
-
-static void on_log(void *cls, const char *format, va_list args) VOR_PRINTF(2, 0);
-
-static void on_log(void *cls, const char *format, va_list args)
-{
-    struct vor_http *http = cls;
-    char line[512];
-
-    (void)vsnprintf(line, sizeof line, format, args);
-    line[strcspn(line, "\n")] = '\0';
-    http->options.log(http->options.ctx, line);
-}
-
-static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
-{
-    const struct vor_http_options *options = &http->options;
-
-    /* The library shares its connections out to its threads and drops what is above: give it twice
-     * as many, so that it is us who refuse. */
-    return MHD_start_daemon(
-        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG, 0, NULL, NULL,
-        on_request, http, MHD_OPTION_EXTERNAL_LOGGER, on_log, http, MHD_OPTION_LISTEN_SOCKET, fd,
-        MHD_OPTION_THREAD_POOL_SIZE, options->threads > 1 ? options->threads : 0u,
-#if MHD_VERSION >= 0x01000000
-        MHD_OPTION_CLIENT_DISCIPLINE_LVL, 1,
-#else
-        MHD_OPTION_STRICT_FOR_CLIENT, 1,
-#endif
-        MHD_OPTION_CONNECTION_LIMIT, 2 * options->connections, MHD_OPTION_CONNECTION_TIMEOUT,
-        (unsigned)STUCK_SECONDS, MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)VOR_CONNECTION_BYTES,
-        MHD_OPTION_NOTIFY_CONNECTION, on_connection, http, MHD_OPTION_NOTIFY_COMPLETED,
-        on_completed, http, MHD_OPTION_URI_LOG_CALLBACK, on_target, http, MHD_OPTION_END);
-}
-
-vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *options,
-                         struct vor_error *err)
-{
-    const struct vor_deadlines deadlines = {options->header_seconds, options->keep_seconds,
-                                            options->body_seconds, options->body_idle_seconds,
-                                            options->body_rate};
-    struct vor_http *http = calloc(1, sizeof *http);
-    vor_status status;
-
-    if (http == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "no memory to listen");
-    http->options = *options;
-    http->fd = -1;
-    status = vor_listen(&http->fd, options, err);
-    if (status == VOR_OK)
-        status = vor_watchman_start(&http->watchman, &deadlines, err);
-    if (status != VOR_OK) {
-        vor_http_stop(http);
-        return status;
-    }
-    vor_listen_address(http->fd, http->address);
-    *out = http;
-    return VOR_OK;
-}
-
-vor_status vor_http_start(struct vor_http *http, struct vor_error *err)
-{
-    http->daemon = start_daemon(http, http->fd);
-    if (http->daemon == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the HTTP threads cannot be started");
-    http->fd = -1;
-    return VOR_OK;
-}
-
-const char *vor_http_address(const struct vor_http *http)
-{
-    return http->address;
-}
-
-void vor_http_quiesce(struct vor_http *http)
-{
-    atomic_store(&http->quiesced, true);
-    http->fd = MHD_quiesce_daemon(http->daemon);
-    vor_watchman_quiesce(http->watchman);
-}
-
-unsigned vor_http_busy(const struct vor_http *http)
-{
-    return atomic_load(&http->busy);
-}
-
-unsigned vor_http_connections(const struct vor_http *http)
-{
-    return vor_watchman_count(http->watchman);
-}
-
-void vor_http_wake_all(struct vor_http *http)
-{
-    vor_watchman_wake_all(http->watchman);
-}
-
-void vor_http_close_waiting(struct vor_http *http)
-{
-    atomic_store(&http->closing, true);
-    vor_watchman_wake_all(http->watchman);
-}
-
-void vor_http_stop(struct vor_http *http)
-{
-    if (http == NULL)
-        return;
-    if (http->daemon != NULL) {
-        vor_http_close_waiting(http);
-        MHD_stop_daemon(http->daemon);
-    }
-    if (http->fd >= 0)
-        (void)close(http->fd);
-    vor_watchman_stop(http->watchman);
-    free(http);
 }

@@ -1,0 +1,44 @@
+/** What a request must look like before anybody acts on it. Pure functions on strings. */
+#ifndef VOR_SERVER_HTTP_GATE_H
+#define VOR_SERVER_HTTP_GATE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum {
+    VOR_TARGET_MAX = 8192,  /**< bytes of a request target */
+    VOR_FIELDS_MAX = 100,   /**< header fields of a request */
+    VOR_HEADER_MAX = 32768, /**< bytes of a header block, request line and all */
+    VOR_QUERY_MAX = 64      /**< pairs of a query */
+};
+
+struct vor_field {
+    const char *name, *value;
+};
+
+/** A header block as it came; strings are borrowed for the request. */
+struct vor_head {
+    const char *target; /**< raw, as on the request line */
+    const char *version;
+    size_t field_count; /**< VOR_FIELDS_MAX + 1 when there were more */
+    struct vor_field fields[VOR_FIELDS_MAX];
+};
+
+/** First value of a field by name (any case), or NULL. */
+const char *vor_head_find(const struct vor_head *head, const char *name);
+
+/** The slug of the problem ("smuggled-framing", "malformed-request") and its sentence, or NULL when
+ *  the head is sound. Never looks at the body. */
+const char *vor_gate_check(const struct vor_head *head, const char **detail);
+
+/** Declared length of the body: -1 chunked, 0 none. head has passed the gate. */
+int64_t vor_gate_length(const struct vor_head *head);
+
+/** Splits and decodes the query in place: pairs point into text. Returns how many there are, or -1
+ *  when an escape is malformed, a control byte is hidden in one, or there are more than max. */
+int vor_query_split(char *text, struct vor_field *pairs, int max);
+
+/** A name for a request: sane (may be NULL) if it is, else a random UUID. */
+void vor_request_id_make(char out[72], const char *sane);
+
+#endif

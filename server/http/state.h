@@ -1,0 +1,22 @@
+/** What the files of this room share of the whole: options, counters, the watch over the peers. */
+#ifndef VOR_SERVER_HTTP_STATE_H
+#define VOR_SERVER_HTTP_STATE_H
+
+#include "server/http/http.h"
+
+#include <stdatomic.h>
+
+struct MHD_Daemon;
+struct vor_watchman;
+
+struct vor_http {
+    struct vor_http_options options;
+    struct MHD_Daemon *daemon;
+    struct vor_watchman *watchman;
+    char address[80];
+    int fd;           /**< listening; the library's from start to quiesce, -1 then */
+    atomic_uint busy; /**< requests under way */
+    atomic_bool quiesced, closing;
+};
+
+#endif

@@ -1,0 +1,92 @@
+#include "server/http/waker.h"
+
+#include <microhttpd.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+
+/* Suspending and resuming must not cross: both happen under this lock, and a wake that finds the
+ * request awake is kept for the next attempt to sleep. */
+struct vor_waker {
+    pthread_mutex_t lock;
+    atomic_uint holds;
+    struct MHD_Connection *connection;
+    bool suspended, pending, gone, over;
+};
+
+struct vor_waker *vor_waker_create(struct MHD_Connection *connection)
+{
+    struct vor_waker *waker = calloc(1, sizeof *waker);
+
+    if (waker == NULL)
+        return NULL;
+    (void)pthread_mutex_init(&waker->lock, NULL);
+    atomic_init(&waker->holds, 1);
+    waker->connection = connection;
+    return waker;
+}
+
+struct vor_waker *vor_waker_hold(struct vor_waker *waker)
+{
+    (void)atomic_fetch_add(&waker->holds, 1);
+    return waker;
+}
+
+void vor_waker_drop(struct vor_waker *waker)
+{
+    if (waker == NULL || atomic_fetch_sub(&waker->holds, 1) != 1)
+        return;
+    (void)pthread_mutex_destroy(&waker->lock);
+    free(waker);
+}
+
+void vor_waker_wake(struct vor_waker *waker)
+{
+    (void)pthread_mutex_lock(&waker->lock);
+    if (!waker->over && waker->suspended) {
+        waker->suspended = false;
+        MHD_resume_connection(waker->connection);
+    } else {
+        waker->pending = true;
+    }
+    (void)pthread_mutex_unlock(&waker->lock);
+}
+
+bool vor_waker_sleep(struct vor_waker *waker, bool closing)
+{
+    bool sleeps;
+
+    (void)pthread_mutex_lock(&waker->lock);
+    sleeps = !waker->pending && !waker->gone && !closing;
+    waker->pending = false;
+    if (sleeps) {
+        waker->suspended = true;
+        MHD_suspend_connection(waker->connection);
+    }
+    (void)pthread_mutex_unlock(&waker->lock);
+    return sleeps;
+}
+
+void vor_waker_gone(struct vor_waker *waker)
+{
+    (void)pthread_mutex_lock(&waker->lock);
+    waker->gone = true;
+    (void)pthread_mutex_unlock(&waker->lock);
+}
+
+bool vor_waker_is_gone(struct vor_waker *waker)
+{
+    bool gone;
+
+    (void)pthread_mutex_lock(&waker->lock);
+    gone = waker->gone;
+    (void)pthread_mutex_unlock(&waker->lock);
+    return gone;
+}
+
+void vor_waker_end(struct vor_waker *waker)
+{
+    (void)pthread_mutex_lock(&waker->lock);
+    waker->over = true;
+    (void)pthread_mutex_unlock(&waker->lock);
+}

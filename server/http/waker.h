@@ -1,0 +1,28 @@
+/** Suspending a request and calling it back. */
+#ifndef VOR_SERVER_HTTP_WAKER_H
+#define VOR_SERVER_HTTP_WAKER_H
+
+#include "server/http/http.h"
+
+#include <stdbool.h>
+
+struct MHD_Connection;
+
+/** A waker for the request on this connection, with one hold; NULL when memory is out. */
+struct vor_waker *vor_waker_create(struct MHD_Connection *connection);
+
+/** One hold more; vor_waker_drop gives one back. */
+struct vor_waker *vor_waker_hold(struct vor_waker *waker);
+
+/** Suspends the request on the HTTP thread that calls. False, and it is not suspended, when it was
+ *  woken since it last slept, when its peer has left, or when `closing`. */
+bool vor_waker_sleep(struct vor_waker *waker, bool closing);
+
+/** Marks that the peer left, and tells. */
+void vor_waker_gone(struct vor_waker *waker);
+bool vor_waker_is_gone(struct vor_waker *waker);
+
+/** The request is over: its connection is not touched any more. */
+void vor_waker_end(struct vor_waker *waker);
+
+#endif
