@@ -162,6 +162,7 @@ static void *drain(void *ctx)
     vor_http_wake_all(daemon->app.http);
     vor_worker_drain(daemon->app.worker, daemon->config.number[VOR_SET_DRAIN_TIMEOUT]);
     vor_http_quiesce(daemon->app.http);
+    vor_worker_settle(daemon->app.worker, QUIET_SECONDS);
     vor_http_close_waiting(daemon->app.http);
     wait_quiet(daemon);
     (void)kill(getpid(), SIGUSR2);

@@ -13,13 +13,18 @@
 
 enum { STREAM_BLOCK = 16384 };
 
-/* False when a wake came first, or nobody would come to wake it: then go on at once. */
-static bool request_sleep(struct vor_request *request)
+/* False when a wake came first, or nobody would come to wake it: then go on at once. One that stays
+ * is not woken when its peer leaves. Closing wakes all: who finds it not yet begun here has that
+ * wake kept for him. */
+static bool request_sleep(struct vor_request *request, bool stays)
 {
     bool sleeps;
 
-    vor_peer_wait(request->http->watchman, request->peer, true);
-    sleeps = vor_waker_sleep(request->waker, vor_request_closing(request));
+    if (vor_request_closing(request))
+        return false;
+    if (!stays)
+        vor_peer_wait(request->http->watchman, request->peer, true);
+    sleeps = vor_waker_sleep(request->waker, stays);
     if (!sleeps)
         vor_peer_wait(request->http->watchman, request->peer, false);
     return sleeps;
@@ -42,7 +47,7 @@ static ssize_t on_read(void *cls, uint64_t position, char *out, size_t size)
             return MHD_CONTENT_READER_END_OF_STREAM;
         if (vor_request_gone(request))
             return MHD_CONTENT_READER_END_WITH_ERROR;
-        if (request_sleep(request))
+        if (request_sleep(request, false))
             return 0;
         if (vor_request_closing(request))
             return MHD_CONTENT_READER_END_OF_STREAM;
@@ -97,8 +102,7 @@ static void add_fields(struct vor_request *request, struct MHD_Response *respons
 static enum MHD_Result queue_reply(struct vor_request *request)
 {
     struct vor_http *http = request->http;
-    bool early = request->length != 0 && request->stage < VOR_AT_WAIT &&
-                 (request->length < 0 || request->received < (uint64_t)request->length);
+    bool early = request->length != 0 && !request->whole;
     struct MHD_Response *response = make_response(request);
     enum MHD_Result result;
 
@@ -176,7 +180,9 @@ static enum MHD_Result run(struct vor_request *request, enum vor_step step)
     const struct vor_http_options *options = &request->http->options;
 
     for (;;) {
-        switch (options->handler(options->ctx, request, step)) {
+        enum vor_next next = options->handler(options->ctx, request, step);
+
+        switch (next) {
         case VOR_NEXT_REPLY:
             return queue_reply(request);
         case VOR_NEXT_BODY:
@@ -187,9 +193,10 @@ static enum MHD_Result run(struct vor_request *request, enum vor_step step)
             step = VOR_STEP_BODY;
             break;
         case VOR_NEXT_WAIT:
+        case VOR_NEXT_STAY:
             request->stage = VOR_AT_WAIT;
             vor_peer_phase(request->http->watchman, request->peer, VOR_PHASE_SERVE);
-            if (request_sleep(request))
+            if (request_sleep(request, next == VOR_NEXT_STAY))
                 return MHD_YES;
             step = VOR_STEP_WAKE;
             break;
@@ -295,6 +302,7 @@ enum MHD_Result vor_exchange_step(void *cls, struct MHD_Connection *connection, 
         return run(request, VOR_STEP_HEAD);
     case VOR_AT_BODY:
         vor_peer_phase(request->http->watchman, request->peer, VOR_PHASE_SERVE);
+        request->whole = true;
         request->stage = VOR_AT_WAIT;
         return run(request, VOR_STEP_BODY);
     case VOR_AT_WAIT:

@@ -6,7 +6,7 @@
  *
  *    HEAD  the header block is in and passed the gate (framing, Host, Origin, limits)
  *    BODY  the body is in, if the answer to HEAD was VOR_NEXT_BODY
- *    WAKE  vor_waker_wake was called, or the peer left, after VOR_NEXT_WAIT
+ *    WAKE  vor_waker_wake was called, or the peer left, after VOR_NEXT_WAIT or VOR_NEXT_STAY
  *
  *  and says what comes next. Waiting costs no thread: the connection is suspended. */
 #ifndef VOR_SERVER_HTTP_H
@@ -30,7 +30,8 @@ enum vor_step { VOR_STEP_HEAD, VOR_STEP_BODY, VOR_STEP_WAKE };
 enum vor_next {
     VOR_NEXT_REPLY, /**< one of vor_reply_* was called */
     VOR_NEXT_BODY,  /**< only from HEAD, after vor_request_take_body */
-    VOR_NEXT_WAIT   /**< call me when woken */
+    VOR_NEXT_WAIT,  /**< call me when woken, or when the peer leaves */
+    VOR_NEXT_STAY   /**< call me when woken; the peer may leave, or have left, all the same */
 };
 
 typedef enum vor_next (*vor_handler)(void *ctx, struct vor_request *request, enum vor_step step);

@@ -57,6 +57,7 @@ struct vor_request {
     int64_t length;
     struct vor_body_sink sink;
     uint64_t limit, received, sent;
+    bool whole; /**< the body was taken and is in */
     void *state;
     void (*release)(void *state);
     struct vor_reply reply;

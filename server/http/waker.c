@@ -52,12 +52,12 @@ void vor_waker_wake(struct vor_waker *waker)
     (void)pthread_mutex_unlock(&waker->lock);
 }
 
-bool vor_waker_sleep(struct vor_waker *waker, bool closing)
+bool vor_waker_sleep(struct vor_waker *waker, bool stays)
 {
     bool sleeps;
 
     (void)pthread_mutex_lock(&waker->lock);
-    sleeps = !waker->pending && !waker->gone && !closing;
+    sleeps = !waker->pending && (stays || !waker->gone);
     waker->pending = false;
     if (sleeps) {
         waker->suspended = true;

@@ -14,9 +14,9 @@ struct vor_waker *vor_waker_create(struct MHD_Connection *connection);
 /** One hold more; vor_waker_drop gives one back. */
 struct vor_waker *vor_waker_hold(struct vor_waker *waker);
 
-/** Suspends the request on the HTTP thread that calls. False, and it is not suspended, when it was
- *  woken since it last slept, when its peer has left, or when `closing`. */
-bool vor_waker_sleep(struct vor_waker *waker, bool closing);
+/** Suspends the request, from within one of its steps. False, and it is not suspended, when it was
+ *  woken since it last slept, or when its peer has left, unless it stays all the same. */
+bool vor_waker_sleep(struct vor_waker *waker, bool stays);
 
 /** Marks that the peer left, and tells. */
 void vor_waker_gone(struct vor_waker *waker);

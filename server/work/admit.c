@@ -5,20 +5,13 @@
 
 #include <assert.h>
 #include <errno.h>
-#include <pthread.h>
 #include <stdlib.h>
 #include <sys/mman.h>
 
 struct vor_admit {
     struct vor_blobs *blobs;
     struct vor_admit_limits limits;
-    pthread_mutex_t mutex;
-    pthread_cond_t ready;
-    struct vor_admission *head, **tail; /* wait, in order */
-    size_t waiting, waiting_max;
-    int closing;
-    unsigned started;
-    pthread_t thread[];
+    struct vor_crew *crew;
 };
 
 static vor_status keep_cloud(const struct vor_cloud *cloud, struct vor_blobs *blobs,
@@ -93,77 +86,37 @@ vor_status vor_admit_file(struct vor_uuid *id, struct vor_job_input *input, stru
     return VOR_OK;
 }
 
-/* The next upload, NULL once there is none and none will come. */
-static struct vor_admission *next_admission(struct vor_admit *admit)
+static void run_admission(void *ctx)
 {
-    struct vor_admission *admission;
+    struct vor_admission *admission = ctx;
+    struct vor_admit *admit = admission->admit;
 
-    pthread_mutex_lock(&admit->mutex);
-    while (admit->head == NULL && !admit->closing)
-        pthread_cond_wait(&admit->ready, &admit->mutex);
-    admission = admit->head;
-    if (admission != NULL) {
-        admit->head = admission->next;
-        if (admit->head == NULL)
-            admit->tail = &admit->head;
-        admit->waiting--;
-    }
-    pthread_mutex_unlock(&admit->mutex);
-    return admission;
-}
-
-static int is_closing(struct vor_admit *admit)
-{
-    int closing;
-
-    pthread_mutex_lock(&admit->mutex);
-    closing = admit->closing;
-    pthread_mutex_unlock(&admit->mutex);
-    return closing;
-}
-
-static void *admit_main(void *arg)
-{
-    struct vor_admit *admit = arg;
-    struct vor_admission *admission;
-
-    while ((admission = next_admission(admit)) != NULL) {
-        if (is_closing(admit))
-            admission->status =
-                vor_fail(&admission->error, VOR_E_CANCELLED, "the daemon is going down");
-        else
-            admission->status =
-                vor_admit_file(&admission->id, &admission->input, admit->blobs, admission->upload,
-                               &admit->limits, &admission->error);
-        if (admission->status == VOR_OK)
-            admission->error.status = VOR_OK;
-        vor_blob_discard(admission->upload);
-        admission->upload = NULL;
-        admission->done(admission);
-    }
-    return NULL;
+    if (vor_crew_closing(admit->crew))
+        admission->status =
+            vor_fail(&admission->error, VOR_E_CANCELLED, "the daemon is going down");
+    else
+        admission->status = vor_admit_file(&admission->id, &admission->input, admit->blobs,
+                                           admission->upload, &admit->limits, &admission->error);
+    if (admission->status == VOR_OK)
+        admission->error.status = VOR_OK;
+    vor_blob_discard(admission->upload);
+    admission->upload = NULL;
+    admission->done(admission);
 }
 
 vor_status vor_admit_create(struct vor_admit **out, struct vor_blobs *blobs,
                             const struct vor_admit_limits *limits, unsigned threads,
                             size_t waiting_max, struct vor_error *err)
 {
-    struct vor_admit *admit = calloc(1, sizeof *admit + threads * sizeof admit->thread[0]);
+    struct vor_admit *admit = calloc(1, sizeof *admit);
 
-    assert(threads >= 1 && waiting_max >= 1);
     if (admit == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "admission with %u threads", threads);
+        return vor_fail(err, VOR_E_NOMEM, "the admission");
     admit->blobs = blobs;
     admit->limits = *limits;
-    admit->tail = &admit->head;
-    admit->waiting_max = waiting_max;
-    pthread_mutex_init(&admit->mutex, NULL);
-    pthread_cond_init(&admit->ready, NULL);
-    for (; admit->started < threads; admit->started++) {
-        if (pthread_create(&admit->thread[admit->started], NULL, admit_main, admit) == 0)
-            continue;
-        vor_admit_destroy(admit);
-        return vor_fail(err, VOR_E_NOMEM, "cannot start %u admission threads", threads);
+    if (vor_crew_create(&admit->crew, threads, waiting_max, err) != VOR_OK) {
+        free(admit);
+        return VOR_E_NOMEM;
     }
     *out = admit;
     return VOR_OK;
@@ -173,33 +126,13 @@ void vor_admit_destroy(struct vor_admit *admit)
 {
     if (admit == NULL)
         return;
-    pthread_mutex_lock(&admit->mutex);
-    admit->closing = 1;
-    pthread_cond_broadcast(&admit->ready);
-    pthread_mutex_unlock(&admit->mutex);
-    for (unsigned i = 0; i < admit->started; i++)
-        pthread_join(admit->thread[i], NULL);
-    pthread_cond_destroy(&admit->ready);
-    pthread_mutex_destroy(&admit->mutex);
+    vor_crew_destroy(admit->crew);
     free(admit);
 }
 
 enum vor_outcome vor_admit_submit(struct vor_admit *admit, struct vor_admission *admission)
 {
-    enum vor_outcome outcome = VOR_DONE;
-
-    pthread_mutex_lock(&admit->mutex);
-    if (admit->closing) {
-        outcome = VOR_DRAINING;
-    } else if (admit->waiting >= admit->waiting_max) {
-        outcome = VOR_FULL;
-    } else {
-        admission->next = NULL;
-        *admit->tail = admission;
-        admit->tail = &admission->next;
-        admit->waiting++;
-        pthread_cond_signal(&admit->ready);
-    }
-    pthread_mutex_unlock(&admit->mutex);
-    return outcome;
+    admission->admit = admit;
+    admission->task = (struct vor_task){.run = run_admission, .ctx = admission};
+    return vor_crew_take(admit->crew, &admission->task);
 }

@@ -6,6 +6,7 @@
 #include "proto/limits.h"
 #include "server/blob/blob.h"
 #include "server/jobs/job.h"
+#include "server/work/crew.h"
 
 #include <stddef.h>
 
@@ -45,7 +46,8 @@ struct vor_admission {
     struct vor_error error;
     struct vor_uuid id;
     struct vor_job_input input;
-    struct vor_admission *next; /**< admission's own */
+    struct vor_admit *admit; /**< from here: the admission's own */
+    struct vor_task task;
 };
 
 /** Starts `threads` (at least 1) threads; at most `waiting_max` uploads wait for one.

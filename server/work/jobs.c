@@ -250,7 +250,7 @@ static enum vor_outcome dismiss_live(struct vor_worker *worker, struct vor_job *
         return VOR_CONFLICT;
     vor_job_ask(job, VOR_CANCEL);
     if (vor_queue_remove(worker->queue, job)) {
-        vor_worker_forget(worker, job); /* else a runner has it and will */
+        vor_worker_forget(worker, job);                    /* else a runner has it and will */
         vor_worker_drop(worker, &out->id, VOR_BLOB_CLOUD); /* of an attempt before a crash */
     }
     vor_worker_drop(worker, &out->id, VOR_BLOB_INPUT);
@@ -336,6 +336,34 @@ enum vor_outcome vor_worker_cancel(struct vor_worker *worker, const struct vor_u
     struct vor_job_view view;
 
     return dismiss(worker, id, why, &view, err);
+}
+
+static void run_dismissal(void *ctx)
+{
+    struct vor_dismissal *dismissal = ctx;
+    struct vor_worker *worker = dismissal->worker;
+
+    dismissal->outcome =
+        dismissal->is_cancel
+            ? vor_worker_cancel(worker, &dismissal->id, dismissal->why, &dismissal->error)
+            : vor_worker_dismiss(worker, &dismissal->id, dismissal->why, &dismissal->view,
+                                 &dismissal->error);
+    dismissal->done(dismissal);
+}
+
+void vor_worker_dismiss_soon(struct vor_worker *worker, struct vor_dismissal *dismissal)
+{
+    dismissal->worker = worker;
+    dismissal->task = (struct vor_task){.run = run_dismissal, .ctx = dismissal};
+    if (vor_crew_take(worker->crew, &dismissal->task) == VOR_DONE)
+        return;
+    dismissal->outcome = VOR_DRAINING; /* the crew's room has no bound: it has closed */
+    dismissal->done(dismissal);
+}
+
+void vor_worker_settle(struct vor_worker *worker, double seconds)
+{
+    vor_crew_settle(worker->crew, seconds);
 }
 
 enum vor_outcome vor_worker_stop(struct vor_worker *worker, const struct vor_uuid *id,

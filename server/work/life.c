@@ -6,10 +6,13 @@
 #include "server/work/runner.h"
 
 #include <assert.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <time.h>
 
-enum { SWEEP_SECONDS = 60 };
+/* Dismissals wait for the one connection that writes: a second thread only saves them each other's
+ * removal of bytes. */
+enum { SWEEP_SECONDS = 60, CREW_THREADS = 2 };
 
 static void *runner_main(void *arg)
 {
@@ -82,6 +85,8 @@ vor_status vor_worker_create(struct vor_worker **out, const struct vor_worker_co
     if (status == VOR_OK)
         status = vor_worker_recover(worker, err);
     if (status == VOR_OK)
+        status = vor_crew_create(&worker->crew, CREW_THREADS, SIZE_MAX, err);
+    if (status == VOR_OK)
         status = start_threads(worker, err);
     if (status != VOR_OK) {
         vor_worker_destroy(worker);
@@ -122,6 +127,7 @@ void vor_worker_destroy(struct vor_worker *worker)
     if (worker == NULL)
         return;
     vor_worker_drain(worker, 0);
+    vor_crew_destroy(worker->crew);
     for (unsigned i = 0; i < worker->runner_count; i++)
         pthread_join(worker->runners[i], NULL);
     if (worker->sweeper_started)

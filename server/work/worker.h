@@ -10,6 +10,7 @@
 #include "server/blob/blob.h"
 #include "server/jobs/job.h"
 #include "server/store/store.h"
+#include "server/work/crew.h"
 
 #include <stddef.h>
 
@@ -99,7 +100,7 @@ VOR_NODISCARD enum vor_outcome vor_worker_events(struct vor_worker *worker,
  *
  *  @retval VOR_DONE, VOR_UNKNOWN, VOR_FAILED
  *
- *  Cost: an fsync. */
+ *  Cost: an fsync; not for HTTP threads. */
 VOR_NODISCARD enum vor_outcome vor_worker_dismiss(struct vor_worker *worker,
                                                   const struct vor_uuid *id, const char *why,
                                                   struct vor_job_view *out, struct vor_error *err);
@@ -110,6 +111,27 @@ VOR_NODISCARD enum vor_outcome vor_worker_dismiss(struct vor_worker *worker,
 VOR_NODISCARD enum vor_outcome vor_worker_cancel(struct vor_worker *worker,
                                                  const struct vor_uuid *id, const char *why,
                                                  struct vor_error *err);
+
+/** One of the two on its way: a thread of the worker does it, for whoever must not wait for the
+ * disk. The caller fills in what comes first and keeps the struct until done is called. */
+struct vor_dismissal {
+    struct vor_uuid id;
+    const char *why;                               /**< borrowed */
+    int is_cancel;                                 /**< vor_worker_cancel, and view stays empty */
+    void (*done)(struct vor_dismissal *dismissal); /**< on that thread; may free the struct */
+    void *ctx;
+    enum vor_outcome outcome; /**< from here: the answer */
+    struct vor_error error;
+    struct vor_job_view view;
+    struct vor_worker *worker; /**< from here: the worker's own */
+    struct vor_task task;
+};
+
+/** Hands it over; done will be called, exactly once. Does not block. */
+void vor_worker_dismiss_soon(struct vor_worker *worker, struct vor_dismissal *dismissal);
+
+/** Waits until everything handed over is done, `seconds` at most. */
+void vor_worker_settle(struct vor_worker *worker, double seconds);
 
 /** Ends a running job with the best cloud so far; it becomes successful. Does not wait.
  *

@@ -23,6 +23,8 @@ enum vor_next vor_handle_job(void *app, struct vor_request *request, enum vor_st
 
 /** jobs.c */
 enum vor_next vor_handle_jobs(void *app, struct vor_request *request, enum vor_step step);
+
+/** job_end.c */
 enum vor_next vor_handle_dismiss(void *app, struct vor_request *request, enum vor_step step);
 enum vor_next vor_handle_stop(void *app, struct vor_request *request, enum vor_step step);
 

@@ -60,58 +60,6 @@ bool vor_job_look_up(struct vor_app *app, struct vor_request *request, struct vo
     return false;
 }
 
-static enum vor_next reply_job(struct vor_app *app, struct vor_request *request, int http,
-                               const struct vor_job_view *view)
-{
-    struct vor_text text;
-
-    vor_text_init(&text, 0);
-    vor_job_write(app, request, view, &text);
-    vor_text_puts(&text, "\n");
-    vor_reply_header(request, "Cache-Control", "no-store");
-    return vor_app_reply(app, request, http, "application/json", &text);
-}
-
-enum vor_next vor_handle_dismiss(void *ctx, struct vor_request *request, enum vor_step step)
-{
-    struct vor_app *app = ctx;
-    struct vor_job_view view;
-    struct vor_error err;
-    struct vor_uuid id;
-    enum vor_outcome outcome;
-
-    (void)step;
-    if (!vor_job_of_path(app, request, &id))
-        return VOR_NEXT_REPLY;
-    outcome = vor_worker_dismiss(app->worker, &id, "dismissed by the caller", &view, &err);
-    if (outcome != VOR_DONE)
-        return vor_outcome_reply(app, request, outcome, &err, &id);
-    return reply_job(app, request, 200, &view);
-}
-
-enum vor_next vor_handle_stop(void *ctx, struct vor_request *request, enum vor_step step)
-{
-    struct vor_app *app = ctx;
-    struct vor_job_view view;
-    struct vor_error err;
-    enum vor_outcome outcome;
-
-    (void)step;
-    if (!vor_job_look_up(app, request, &view))
-        return VOR_NEXT_REPLY;
-    outcome = vor_worker_stop(app->worker, &view.id, &err);
-    if (outcome == VOR_CONFLICT) {
-        struct vor_problem problem = VOR_PROBLEM_INIT("not-running");
-
-        problem.detail = "only a running job can be stopped";
-        problem.job_id = view.id.text;
-        return vor_problem_reply(app, request, &problem);
-    }
-    if (outcome != VOR_DONE)
-        return vor_outcome_reply(app, request, outcome, &err, &view.id);
-    return reply_job(app, request, 202, &view);
-}
-
 /* The list as it is written; one job more than asked for tells that there is a next page. */
 struct listing {
     struct vor_app *app;

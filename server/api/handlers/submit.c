@@ -25,7 +25,7 @@ struct submission {
     double deadline; /* of the wait; 0 for none */
     struct vor_blob_writer *upload;
     struct vor_waker *waker;
-    pthread_mutex_t lock; /* guards the next three */
+    pthread_mutex_t lock; /* guards holds, abandoned and admitted */
     int holds;
     bool abandoned; /* nobody waits for admission any more */
     bool admitted;  /* the members below are set */
@@ -34,7 +34,8 @@ struct submission {
     enum vor_outcome outcome;
     struct vor_error error;
     struct vor_job_view view;
-    struct vor_bus *bus; /* once a caller waits for the end */
+    struct vor_dismissal cancel; /* once the caller has left */
+    struct vor_bus *bus;         /* once a caller waits for the end */
     struct vor_subscriber subscriber;
 };
 
@@ -63,13 +64,26 @@ static void drop_input(struct vor_app *app, const struct vor_uuid *id)
                 VOR_TEXT("detail", err.message));
 }
 
-static void cancel_job(struct vor_app *app, const struct vor_uuid *id)
+static void on_cancelled(struct vor_dismissal *cancel)
 {
-    struct vor_error err;
+    if (cancel->outcome == VOR_FAILED)
+        vor_log(VOR_LOG_WARN, "job not cancelled", VOR_TEXT("job", cancel->id.text),
+                VOR_TEXT("detail", cancel->error.message));
+    drop(cancel->ctx);
+}
 
-    if (vor_worker_cancel(app->worker, id, "the caller left", &err) == VOR_FAILED)
-        vor_log(VOR_LOG_WARN, "job not cancelled", VOR_TEXT("job", id->text),
-                VOR_TEXT("detail", err.message));
+/* Nobody waits for the job any more; a thread of the worker ends it. */
+static void cancel_job(struct submission *submission)
+{
+    submission->cancel = (struct vor_dismissal){.id = submission->admission.id,
+                                                .why = "the caller left",
+                                                .is_cancel = 1,
+                                                .done = on_cancelled,
+                                                .ctx = submission};
+    (void)pthread_mutex_lock(&submission->lock);
+    submission->holds++;
+    (void)pthread_mutex_unlock(&submission->lock);
+    vor_worker_dismiss_soon(submission->app->worker, &submission->cancel);
 }
 
 /* The request is over. The library may have seen the caller leave before we were asked again: then
@@ -90,7 +104,7 @@ static void release(void *state)
     }
     if (left && submission->head.mode == VOR_SUBMIT_SYNC && !submission->settled &&
         !atomic_load(&app->draining))
-        cancel_job(app, &submission->admission.id);
+        cancel_job(submission);
     drop(submission);
 }
 
@@ -194,7 +208,7 @@ static void on_admitted(struct vor_admission *admission)
     abandoned = submission->abandoned;
     (void)pthread_mutex_unlock(&submission->lock);
     if (abandoned && submission->outcome == VOR_DONE && submission->head.mode == VOR_SUBMIT_SYNC)
-        cancel_job(app, &admission->id);
+        cancel_job(submission);
     vor_waker_wake(submission->waker);
     drop(submission);
 }

@@ -1,0 +1,115 @@
+/* Ending a job before its time: DELETE and stop. A dismissal waits for the disk, so a thread of the
+ * worker does it while the request is suspended. The request may be over before that thread is
+ * done, so both hold the same struct. */
+#include "server/api/handlers/handlers.h"
+#include "server/api/problem.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+
+struct dismissal {
+    struct vor_dismissal work;
+    struct vor_waker *waker;
+    atomic_int holds;     /* the request's and the worker's */
+    atomic_bool answered; /* work has its answer */
+};
+
+static void drop(void *state)
+{
+    struct dismissal *dismissal = state;
+
+    if (atomic_fetch_sub(&dismissal->holds, 1) != 1)
+        return;
+    vor_waker_drop(dismissal->waker);
+    free(dismissal);
+}
+
+/* On a thread of the worker. */
+static void on_dismissed(struct vor_dismissal *work)
+{
+    struct dismissal *dismissal = work->ctx;
+
+    atomic_store(&dismissal->answered, true);
+    vor_waker_wake(dismissal->waker);
+    drop(dismissal);
+}
+
+static enum vor_next reply_job(struct vor_app *app, struct vor_request *request, int http,
+                               const struct vor_job_view *view)
+{
+    struct vor_text text;
+
+    vor_text_init(&text, 0);
+    vor_job_write(app, request, view, &text);
+    vor_text_puts(&text, "\n");
+    vor_reply_header(request, "Cache-Control", "no-store");
+    return vor_app_reply(app, request, http, "application/json", &text);
+}
+
+static enum vor_next begin(struct vor_app *app, struct vor_request *request)
+{
+    struct dismissal *dismissal;
+    struct vor_error err;
+    struct vor_uuid id;
+
+    if (!vor_job_of_path(app, request, &id))
+        return VOR_NEXT_REPLY;
+    if (vor_request_closing(request))
+        return vor_outcome_reply(app, request, VOR_DRAINING, NULL, &id);
+    dismissal = calloc(1, sizeof *dismissal);
+    if (dismissal == NULL) {
+        (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
+        return vor_problem_error(app, request, &err, NULL);
+    }
+    dismissal->work = (struct vor_dismissal){
+        .id = id, .why = "dismissed by the caller", .done = on_dismissed, .ctx = dismissal};
+    dismissal->waker = vor_request_waker(request);
+    atomic_init(&dismissal->holds, 2);
+    atomic_init(&dismissal->answered, false);
+    vor_request_set_state(request, dismissal, drop);
+    vor_worker_dismiss_soon(app->worker, &dismissal->work);
+    return VOR_NEXT_STAY;
+}
+
+enum vor_next vor_handle_dismiss(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    struct vor_app *app = ctx;
+    const struct dismissal *dismissal = vor_request_state(request);
+
+    if (step == VOR_STEP_HEAD)
+        return begin(app, request);
+    if (!atomic_load(&dismissal->answered)) {
+        if (!vor_request_closing(request))
+            return VOR_NEXT_STAY;
+        return vor_problem_say(app, request, "draining",
+                               "the daemon is going down; whether the job is dismissed, its next "
+                               "start tells");
+    }
+    if (dismissal->work.outcome != VOR_DONE)
+        return vor_outcome_reply(app, request, dismissal->work.outcome, &dismissal->work.error,
+                                 &dismissal->work.id);
+    return reply_job(app, request, 200, &dismissal->work.view);
+}
+
+enum vor_next vor_handle_stop(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    struct vor_app *app = ctx;
+    struct vor_job_view view;
+    struct vor_error err;
+    enum vor_outcome outcome;
+
+    (void)step;
+    if (!vor_job_look_up(app, request, &view))
+        return VOR_NEXT_REPLY;
+    outcome = vor_worker_stop(app->worker, &view.id, &err);
+    if (outcome == VOR_CONFLICT) {
+        struct vor_problem problem = VOR_PROBLEM_INIT("not-running");
+
+        problem.detail = "only a running job can be stopped";
+        problem.job_id = view.id.text;
+        return vor_problem_reply(app, request, &problem);
+    }
+    if (outcome != VOR_DONE)
+        return vor_outcome_reply(app, request, outcome, &err, &view.id);
+    return reply_job(app, request, 202, &view);
+}

@@ -1,0 +1,149 @@
+/* The crew: every task once, in order, within its bound, and none forgotten at the end. */
+#include "server/base/clock.h"
+#include "server/work/crew.h"
+#include "tests/support/vt.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <time.h>
+
+enum { TASKS = 20 };
+
+/* Tasks that note the order in which they run; the gate holds each of them until it is opened. */
+struct work {
+    struct vor_task tasks[TASKS];
+    struct vor_crew *crew;
+    atomic_int held, begun;
+    int order[TASKS];
+    atomic_int closing_seen;
+};
+
+struct job {
+    struct work *work;
+    int number;
+};
+
+static struct job jobs[TASKS];
+
+static void nap(void)
+{
+    struct timespec pause = {.tv_nsec = 1000000};
+
+    nanosleep(&pause, NULL);
+}
+
+static void run_one(void *ctx)
+{
+    struct job *job = ctx;
+    int at = atomic_fetch_add(&job->work->begun, 1);
+
+    job->work->order[at] = job->number;
+    while (atomic_load(&job->work->held))
+        nap();
+    if (vor_crew_closing(job->work->crew))
+        atomic_fetch_add(&job->work->closing_seen, 1);
+}
+
+static void begin(struct work *work, unsigned threads, size_t waiting_max, int held)
+{
+    *work = (struct work){.crew = NULL};
+    atomic_init(&work->held, held);
+    for (int i = 0; i < TASKS; i++) {
+        jobs[i] = (struct job){work, i};
+        work->tasks[i] = (struct vor_task){.run = run_one, .ctx = &jobs[i]};
+    }
+    vt_assert_ok(vor_crew_create(&work->crew, threads, waiting_max, &vt_err));
+}
+
+START_TEST(tasks_begin_in_the_order_in_which_they_came)
+{
+    struct work work;
+
+    begin(&work, 1, TASKS, 0);
+    for (int i = 0; i < TASKS; i++)
+        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
+    vor_crew_settle(work.crew, 60);
+    ck_assert_int_eq(atomic_load(&work.begun), TASKS);
+    for (int i = 0; i < TASKS; i++)
+        ck_assert_int_eq(work.order[i], i);
+    vor_crew_destroy(work.crew);
+    ck_assert_int_eq(atomic_load(&work.begun), TASKS); /* each once */
+}
+END_TEST
+
+START_TEST(no_more_tasks_wait_than_may)
+{
+    struct work work;
+
+    begin(&work, 2, 3, 1);
+    for (int i = 0; i < 2; i++)
+        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
+    while (atomic_load(&work.begun) < 2) /* two run at the same time, and do not wait any more */
+        nap();
+    for (int i = 2; i < 5; i++)
+        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
+    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5]), VOR_FULL);
+    atomic_store(&work.held, 0);
+    vor_crew_settle(work.crew, 60);
+    ck_assert_int_eq(atomic_load(&work.begun), 5);
+    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5]), VOR_DONE);
+    vor_crew_destroy(work.crew);
+    ck_assert_int_eq(atomic_load(&work.begun), 6);
+}
+END_TEST
+
+static void *destroy(void *crew)
+{
+    vor_crew_destroy(crew);
+    return NULL;
+}
+
+START_TEST(what_waits_at_the_end_is_done_and_nothing_more_is_taken)
+{
+    enum vor_outcome outcome;
+    struct work work;
+    pthread_t thread;
+
+    begin(&work, 1, 4, 1);
+    for (int i = 0; i < 4; i++)
+        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
+    while (atomic_load(&work.begun) == 0)
+        nap();
+    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[4]), VOR_DONE); /* now four wait */
+    ck_assert_int_eq(pthread_create(&thread, NULL, destroy, work.crew), 0);
+    while ((outcome = vor_crew_take(work.crew, &work.tasks[5])) == VOR_FULL)
+        nap();
+    ck_assert_int_eq(outcome, VOR_DRAINING);
+    atomic_store(&work.held, 0);
+    pthread_join(thread, NULL);
+    ck_assert_int_eq(atomic_load(&work.begun), 5);
+    ck_assert_int_eq(atomic_load(&work.closing_seen), 5);
+}
+END_TEST
+
+START_TEST(settling_gives_up_after_its_time)
+{
+    struct work work;
+    double began;
+
+    begin(&work, 1, 4, 1);
+    vor_crew_settle(work.crew, 60); /* nothing to wait for */
+    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[0]), VOR_DONE);
+    began = vor_clock_seconds();
+    vor_crew_settle(work.crew, 0.05);
+    ck_assert_double_ge(vor_clock_seconds() - began, 0.05);
+    atomic_store(&work.held, 0);
+    vor_crew_destroy(work.crew);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("crew_tasks");
+
+    vt_add(suite, tasks_begin_in_the_order_in_which_they_came);
+    vt_add(suite, no_more_tasks_wait_than_may);
+    vt_add(suite, what_waits_at_the_end_is_done_and_nothing_more_is_taken);
+    vt_add(suite, settling_gives_up_after_its_time);
+    return vt_run(suite);
+}
