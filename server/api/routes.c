@@ -12,17 +12,21 @@ static const struct vor_route routes[] = {
 #define ROUTE_ROW(method, path, handler, codes) {VOR_##method, path, handler, codes},
     VOR_ROUTE_TABLE(ROUTE_ROW)
 #undef ROUTE_ROW
+/* The column says 1 or 0: picks the row, or nothing. */
+#define OFFERED_1(name) {VOR_POST, "/v1/" #name, vor_handle_submit, VOR_CODES_SUBMIT},
+#define OFFERED_0(name)
+#define PROCESS_ROUTE(id, name, http, groups, methods, least, most, inputs, outputs, title, text)  \
+    OFFERED_##http(name)
+        VOR_PROCESS_TABLE(PROCESS_ROUTE)
+#undef PROCESS_ROUTE
+#undef OFFERED_0
+#undef OFFERED_1
 };
 
 enum { ROUTE_COUNT = sizeof routes / sizeof routes[0], RESERVE = 32 };
 
 static const char *const method_words[VOR_METHOD_COUNT] = {"GET", "HEAD", "POST", "DELETE",
                                                            "OPTIONS"};
-
-const struct vor_route *vor_route_row(unsigned index)
-{
-    return index < ROUTE_COUNT ? &routes[index] : NULL;
-}
 
 void vor_routes_print(FILE *out)
 {

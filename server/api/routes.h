@@ -12,7 +12,8 @@
 
 /** Routes: method, path, handler, statuses besides those that the HTTP layer may give to any
  *  request (400 framing, 403 Host and Origin, 503 connections). A {segment} matches anything but
- *  nothing. GET brings HEAD along, every path OPTIONS. */
+ *  nothing. GET brings HEAD along, every path OPTIONS. Each process that HTTP offers
+ *  (VOR_PROCESS_TABLE) has a route POST /v1/PROCESS besides. */
 #define VOR_ROUTE_TABLE(X)                                                                         \
     X(GET, "/", vor_handle_landing, "200")                                                         \
     X(GET, "/livez", vor_handle_livez, "200")                                                      \
@@ -24,10 +25,6 @@
     X(GET, "/v1/processes", vor_handle_processes, "200")                                           \
     X(GET, "/v1/processes/{processID}", vor_handle_process, "200 404")                             \
     X(POST, "/v1/processes/{processID}/execution", vor_handle_submit, VOR_CODES_SUBMIT " 404")     \
-    X(POST, "/v1/resample", vor_handle_submit, VOR_CODES_SUBMIT)                                   \
-    X(POST, "/v1/denoise", vor_handle_submit, VOR_CODES_SUBMIT)                                    \
-    X(POST, "/v1/upsample", vor_handle_submit, VOR_CODES_SUBMIT)                                   \
-    X(POST, "/v1/simplify", vor_handle_submit, VOR_CODES_SUBMIT)                                   \
     X(GET, "/v1/jobs", vor_handle_jobs, "200 400 503")                                             \
     X(GET, "/v1/jobs/{jobID}", vor_handle_job, "200 304 404 410 503")                              \
     X(DELETE, "/v1/jobs/{jobID}", vor_handle_dismiss, "200 403 404 503 507")                       \
@@ -44,9 +41,6 @@ struct vor_route {
     vor_handler handler;
     const char *codes;
 };
-
-/** Route number `index`, NULL past the last. */
-const struct vor_route *vor_route_row(unsigned index);
 
 /** "METHOD PATH CODE CODE ..." a line. */
 void vor_routes_print(FILE *out);

@@ -91,6 +91,14 @@ my (undef, undef, $kept) = done("/v1/denoise?$brief&outliers=keep", $dirty);
 is $kept->{outliers}, 0, 'but for a caller who wants them kept';
 is $kept->{parameters}{outliers}, 'keep', 'as the report says';
 
+# A process of two clouds is not offered while a body is one; its parameter is foreign to the others.
+is_problem($daemon->get('/v1/processes/measure'), 404, 'no-such-process', 'measure is not described');
+is_problem($daemon->post('/v1/processes/measure/execution', $cloud), 404, 'no-such-process', 'nor executed');
+is_problem($daemon->post('/v1/measure', $cloud), 404, 'no-such-resource', 'nor has it a path of its own');
+ok !exists json($daemon->get("/v1/processes/$_"))->{inputs}{peak}, "$_ does not describe peak" for sort keys %as;
+my $names = join ', ', qw(points ratio spacing method patch iterations delta seconds neighbors anderson polish boundary
+    outliers seed order format quantization compression attributes normals);
+
 # Refusals that the head decides, and those that the cloud does: both ways to run a process.
 for my $case (
     ['upsample', 'ratio=0.5', 400, qr/^ratio is 0\.5, want a number from 1 to 16$/, 'ratio'],
@@ -101,7 +109,9 @@ for my $case (
     ['simplify', 'outliers=drop', 400, qr/^0 of points, ratio and spacing/, 'points'],
     ['resample', '', 400, qr/^0 of points, ratio and spacing/, 'points'],
     ['denoise', 'ratio=16.5', 400, qr/^ratio is 16\.5, want a number from 1e-06 to 16$/, 'ratio'],
-    ['denoise', 'pionts=5', 400, qr/no parameter pionts/, 'pionts'],
+    ['denoise', 'pionts=5', 400, qr/^no parameter pionts; denoise takes $names$/, 'pionts'],
+    ['simplify', 'points=5&peak=1', 400, qr/^no parameter peak; simplify takes $names$/, 'peak'],
+    ['resample', 'points=5&p%c3%a9q=1', 400, qr/^no parameter p\\xc3\\xa9q; resample takes $names$/, 'p\\xc3\\xa9q'],
     ['upsample', 'points=599', 422, qr/^points is 599, want 600 to 9600: upsample gives 1 to 16 for each of the input's 600$/],
     ['upsample', 'points=9601', 422, qr/^points is 9601, want 600 to 9600: /],
     ['upsample', 'spacing=0.5', 422, qr/^spacing is 0\.5 and asks for \d\d points, want 600 to 9600: upsample /],

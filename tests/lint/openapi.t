@@ -1,7 +1,7 @@
 #!/usr/bin/perl
 # openapi.yaml says what the route table says: paths, methods, statuses; the parameters of each
-# process are those of its description, with their ranges and defaults; and a record, the data of a
-# progress event and a report have the members that are described, with their types.
+# process are those of its description, with types, ranges, words and defaults; and a record, the
+# data of a progress event and a report have the members that are described, with their types.
 use strict;
 use warnings;
 use FindBin;
@@ -51,27 +51,69 @@ for my $route (sort keys %routes) {
 
 my $daemon = Vt->start;
 my @processes = map { $_->{id} } @{ json($daemon->get('/v1/processes'))->{processes} };
-cmp_ok scalar(@processes), '>=', 4, 'there are processes';
+is_deeply [sort map { m{^POST /v1/(\w+)$} ? $1 : () } keys %operations], [sort @processes],
+    'every process that is offered has a path of its own';
+my (%taken, %given);
 for my $process (@processes) {
-    my $inputs = json($daemon->get("/v1/processes/$process"))->{inputs};
+    my $described = json($daemon->get("/v1/processes/$process"));
+    my %schemas = map { $_ => $described->{inputs}{$_}{schema} }
+        grep { !is_cloud($described->{inputs}{$_}{schema}) } keys %{ $described->{inputs} };
     my @uses = grep { $_ ne 'prefer' } @{ $uses{"POST /v1/$process"} // [] };
     my %component = map { name_of($_) => $_ } @uses;
-    is_deeply [sort map { name_of($_) } @uses], [sort grep { $_ ne 'cloud' } keys %$inputs],
-        "$process: its parameters are documented, each once";
-    for my $name (grep { $component{$_} } sort keys %$inputs) {
-        my $schema = $inputs->{$name}{schema};
-        my %range = (%$schema, $schema->{oneOf} ? %{ $schema->{oneOf}[0] } : ());
-        my $text = block('parameters', $component{$name});
-        for my $word (qw(minimum maximum default)) {
-            my ($said) = $text =~ /\b$word: ([^\s,}]+)/;
-            is $said // 'none', $range{$word} // 'none', "$process, $name: $word" and next
-                if ($range{$word} // '') !~ /^[-+.e\d]+$/i;
-            cmp_ok $said // 'nan', '==', $range{$word}, "$process, $name: $word";
-        }
-    }
+    is_deeply [sort map { name_of($_) } @uses], [sort keys %schemas],
+        "$process: its parameters are documented, each once, and no other";
+    is_deeply plain(schema_of(block('parameters', $component{$_}))), plain($schemas{$_}),
+        "$process, $_: types, ranges, words and default" for grep { $component{$_} } sort keys %schemas;
+    $taken{$_} = 1 for keys %schemas;
+    $given{$_} = 1 for keys %{ $described->{outputs} };
 }
-is_deeply $uses{'POST /v1/processes/{processID}/execution'}, ['processID', @{ $uses{'POST /v1/resample'} }],
-    'the execution of a process takes the parameters of resample';
+is_deeply [sort map { name_of($_) } @{ $uses{'POST /v1/processes/{processID}/execution'} }],
+    [sort 'Prefer', 'processID', keys %taken], 'the execution of a process takes what any of them takes';
+is_deeply [sort @{ schema_of(block('parameters', 'output'))->{enum} }], [sort keys %given],
+    'every output has its name in the path';
+
+# A cloud is an input, not a parameter.
+sub is_cloud { return $_[0]{oneOf} && ($_[0]{oneOf}[0]{contentEncoding} // '') eq 'binary' }
+
+# The schema of a component, in the two ways in which the file writes one: in braces, or as a block with oneOf.
+sub schema_of {
+    my ($text) = @_;
+    my ($line, $members) = $text =~ /^      schema:(.*)\n((?:        .*\n)*)/m or return {};
+    return flow($line) if $line =~ /\S/;
+    my %schema = $members =~ /^        (\w+): (\S.*)$/mg;
+    $_ = flow($_) for values %schema;
+    $schema{oneOf} = [map { flow($_) } $members =~ /^          - (\{.*\})$/mg];
+    return \%schema;
+}
+
+# A value in YAML's flow style: {a: b}, [a, b] or a word.
+sub flow {
+    my ($text) = @_;
+    my @tokens = $text =~ /[{}\[\],]|\w+:(?= )|"(?:[^"\\]|\\.)*"|[^{}\[\],\s]+/g;
+    my $read;
+    $read = sub {
+        my $token = shift @tokens;
+        my ($object, $list) = ($token eq '{', $token eq '[');
+        return $token =~ s/^"(.*)"$/$1/r unless $object || $list;
+        my (%members, @elements);
+        while ((my $next = shift @tokens) !~ /^[}\]]$/) {
+            next if $next eq ',';
+            if ($object) { $members{ $next =~ s/:$//r } = $read->() }
+            else { push @elements, $next }
+        }
+        return $object ? \%members : \@elements;
+    };
+    return $read->();
+}
+
+# The same with every number written in one way, truth as a word, and without units.
+sub plain {
+    my ($value) = @_;
+    return { map { $_ => plain($value->{$_}) } grep { $_ ne 'x-unit' } keys %$value } if ref $value eq 'HASH';
+    return [map { plain($_) } @$value] if ref $value eq 'ARRAY';
+    return $value ? 'true' : 'false' if JSON::PP::is_bool($value);
+    return $value =~ /^[-+]?[\d.]+(?:e[-+]?\d+)?$/i ? $value + 0 : $value;
+}
 
 # The name that a parameter has in a request.
 sub name_of { return block('parameters', $_[0]) =~ /^ +name: (\S+)$/m ? $1 : $_[0] }

@@ -38,6 +38,12 @@ enum vor_next vor_handle_result(void *app, struct vor_request *request, enum vor
 
 /** What they share. */
 
+/** The process that segment `index` of the path names, of those that HTTP offers.
+ *
+ *  @return NULL after a no-such-process problem has been replied */
+const struct vor_process_info *vor_process_of_path(struct vor_app *app, struct vor_request *request,
+                                                   unsigned index);
+
 /** Reads the {jobID} of the path.
  *
  *  @return true, or false after a no-such-job problem has been replied */

@@ -1,3 +1,4 @@
+#include "core/base/quote.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/problem.h"
 
@@ -55,21 +56,33 @@ enum vor_next vor_handle_processes(void *ctx, struct vor_request *request, enum 
     return vor_app_reply(ctx, request, 200, "application/json", &text);
 }
 
-enum vor_next vor_handle_process(void *ctx, struct vor_request *request, enum vor_step step)
+const struct vor_process_info *vor_process_of_path(struct vor_app *app, struct vor_request *request,
+                                                   unsigned index)
 {
-    const char *segment;
-    size_t length = vor_path_segment(vor_request_path(request), 2, &segment);
     const struct vor_process_info *process;
-    struct process_links links = {0};
-    struct vor_text text;
+    const char *segment;
+    size_t length = vor_path_segment(vor_request_path(request), index, &segment);
     char id[64];
 
+    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++)
+        if (process->on_http && strlen(process->id) == length &&
+            memcmp(process->id, segment, length) == 0)
+            return process;
+    vor_problem_say(app, request, "no-such-process",
+                    "there is no process %s; /v1/processes lists them",
+                    vor_quote(id, sizeof id, segment, length));
+    return NULL;
+}
+
+enum vor_next vor_handle_process(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    const struct vor_process_info *process = vor_process_of_path(ctx, request, 2);
+    struct process_links links = {0};
+    struct vor_text text;
+
     (void)step;
-    (void)snprintf(id, sizeof id, "%.*s", (int)(length < 60 ? length : 60), segment);
-    process = vor_process_find(id);
-    if (process == NULL || !process->on_http)
-        return vor_problem_say(ctx, request, "no-such-process",
-                               "there is no process %s; /v1/processes lists them", id);
+    if (process == NULL)
+        return VOR_NEXT_REPLY;
     make_links(ctx, request, process->id, &links);
     vor_text_init(&text, 0);
     vor_json_process(&text, process, links.links, PROCESS_LINKS);

@@ -3,7 +3,7 @@
  * stream, or waits for the result.
  *
  * The request may be over while admission still works for it, so both hold the same struct. */
-#include "server/api/handlers/submit.h"
+#include "server/api/handlers/submit_head.h"
 
 #include "server/api/handlers/handlers.h"
 #include "server/api/problem.h"

@@ -1,5 +1,6 @@
-#include "server/api/handlers/submit.h"
+#include "server/api/handlers/submit_head.h"
 
+#include "core/base/quote.h"
 #include "proto/codec.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/prefer.h"
@@ -17,26 +18,19 @@ struct acceptance {
     double quality;  /* of it, 0 for none */
 };
 
-/* A request for the process that the path names, at its defaults. */
+/* A request for the process that the path names, at its defaults: /v1/PROCESS, or
+ * /v1/processes/PROCESS/execution. */
 static bool begin_spec(struct vor_app *app, struct vor_request *request, struct vor_spec *spec)
 {
     const struct vor_process_info *process;
     const char *segment;
-    const char *path = vor_request_path(request);
-    size_t length = vor_path_segment(path, 1, &segment);
-    char id[64];
+    size_t length = vor_path_segment(vor_request_path(request), 1, &segment);
+    bool is_long = length == strlen("processes") && strncmp(segment, "processes", length) == 0;
 
-    if (length == strlen("processes") && strncmp(segment, "processes", length) == 0)
-        length = vor_path_segment(path, 2, &segment);
-    (void)snprintf(id, sizeof id, "%.*s", (int)(length < 60 ? length : 60), segment);
-    process = vor_process_find(id);
-    if (process == NULL || !process->on_http) {
-        vor_problem_say(app, request, "no-such-process",
-                        "there is no process %s; /v1/processes lists them", id);
-        return false;
-    }
-    vor_spec_preset(spec, process);
-    return true;
+    process = vor_process_of_path(app, request, is_long ? 2 : 1);
+    if (process != NULL)
+        vor_spec_preset(spec, process);
+    return process != NULL;
 }
 
 static vor_status read_pairs(struct vor_request *request, struct vor_spec *spec,
@@ -46,10 +40,12 @@ static vor_status read_pairs(struct vor_request *request, struct vor_spec *spec,
 
     for (unsigned i = 0; (name = vor_request_query_name(request, i)) != NULL; i++) {
         const char *value = vor_request_query_value(request, i);
+        char quoted[sizeof err->parameter];
         vor_status status;
 
         if (vor_request_query(request, name) != value)
-            return vor_fail_param(err, VOR_E_PARAM, name, "%.30s is given more than once", name);
+            return vor_fail_param(err, VOR_E_PARAM, name, "%s is given more than once",
+                                  vor_quote(quoted, sizeof quoted, name, strlen(name)));
         status = vor_spec_set(spec, name, value, err);
         if (status != VOR_OK)
             return status;
@@ -128,20 +124,23 @@ static void read_accept(struct vor_request *request, struct acceptance *accept)
     }
 }
 
+/* True when Accept leaves room for whatever comes: there is none, or it names all or a stream. */
+static bool accepts_all(const struct acceptance *accept)
+{
+    return !accept->given || accept->any || accept->stream;
+}
+
 /* The parameter decides, then Accept; what neither decides is the input's format. */
 static bool choose_format(struct vor_app *app, struct vor_request *request,
                           const struct acceptance *accept, struct vor_submit_head *out)
 {
-    bool fits_all = !accept->given || accept->any || accept->stream ||
-                    (accept->json && out->mode == VOR_SUBMIT_ASYNC);
-
     if (vor_spec_given(&out->spec, VOR_PARAM_FORMAT))
         return true;
     if (accept->quality > 0) {
         out->spec.value[VOR_PARAM_FORMAT] = accept->format;
         return true;
     }
-    if (fits_all)
+    if (accepts_all(accept) || (accept->json && out->mode == VOR_SUBMIT_ASYNC))
         return true;
     vor_problem_say(app, request, "not-acceptable",
                     "Accept names none of %s, %s, text/event-stream and */*",
@@ -149,8 +148,25 @@ static bool choose_format(struct vor_app *app, struct vor_request *request,
     return false;
 }
 
+/* A document is JSON. */
+static bool check_document(struct vor_app *app, struct vor_request *request,
+                           const struct acceptance *accept, struct vor_submit_head *out)
+{
+    (void)out;
+    if (accepts_all(accept) || accept->json)
+        return true;
+    vor_problem_say(app, request, "not-acceptable",
+                    "Accept names none of application/json, text/event-stream and */*");
+    return false;
+}
+
 bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vor_submit_head *out)
 {
+    static bool (*const accepts[])(struct vor_app *, struct vor_request *,
+                                   const struct acceptance *, struct vor_submit_head *) = {
+        [VOR_ARTEFACT_CLOUD] = choose_format,
+        [VOR_ARTEFACT_DOCUMENT] = check_document,
+    };
     struct vor_preferences preferences;
     struct acceptance accept;
 
@@ -165,5 +181,5 @@ bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vo
         out->mode = VOR_SUBMIT_STREAM;
     else if (out->is_async && out->wait_seconds <= 0)
         out->mode = VOR_SUBMIT_ASYNC;
-    return choose_format(app, request, &accept, out);
+    return accepts[out->spec.process->outputs[0].kind](app, request, &accept, out);
 }

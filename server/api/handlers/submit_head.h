@@ -1,6 +1,6 @@
 /** What a request to start a job asks for, read off its head before its body comes. */
-#ifndef VOR_SERVER_API_HANDLERS_SUBMIT_H
-#define VOR_SERVER_API_HANDLERS_SUBMIT_H
+#ifndef VOR_SERVER_API_HANDLERS_SUBMIT_HEAD_H
+#define VOR_SERVER_API_HANDLERS_SUBMIT_HEAD_H
 
 #include "server/api/app.h"
 
