@@ -199,22 +199,53 @@ static vor_status stored_bus(struct vor_worker *worker, const struct vor_job_vie
     return VOR_OK;
 }
 
+enum vor_outcome vor_worker_follow(struct vor_worker *worker, const struct vor_uuid *id,
+                                   struct vor_followed *out, struct vor_error *err)
+{
+    enum vor_outcome outcome;
+
+    out->bus = NULL;
+    out->job = vor_worker_find(worker, id);
+    if (out->job != NULL) {
+        out->bus = vor_bus_retain(vor_job_bus(out->job));
+        vor_worker_followed(worker, out, &out->row);
+        return VOR_DONE;
+    }
+    outcome = row_view(worker, id, &out->row, err);
+    if (outcome != VOR_DONE)
+        return outcome;
+    return stored_bus(worker, &out->row, &out->bus, err) == VOR_OK ? VOR_DONE : VOR_FAILED;
+}
+
+void vor_worker_followed(struct vor_worker *worker, const struct vor_followed *followed,
+                         struct vor_job_view *out)
+{
+    if (followed->job == NULL) {
+        *out = followed->row;
+        return;
+    }
+    vor_job_view(followed->job, out);
+    out->queue_position = vor_queue_position(worker->queue, followed->job);
+}
+
+void vor_worker_unfollow(struct vor_followed *followed)
+{
+    vor_bus_release(followed->bus);
+    vor_job_release(followed->job);
+    followed->bus = NULL;
+    followed->job = NULL;
+}
+
 enum vor_outcome vor_worker_events(struct vor_worker *worker, const struct vor_uuid *id,
                                    struct vor_bus **out, struct vor_error *err)
 {
-    struct vor_job *job = vor_worker_find(worker, id);
-    struct vor_job_view row;
-    enum vor_outcome outcome;
+    struct vor_followed followed;
+    enum vor_outcome outcome = vor_worker_follow(worker, id, &followed, err);
 
-    if (job != NULL) {
-        *out = vor_bus_retain(vor_job_bus(job));
-        vor_job_release(job);
-        return VOR_DONE;
-    }
-    outcome = row_view(worker, id, &row, err);
-    if (outcome != VOR_DONE)
-        return outcome;
-    return stored_bus(worker, &row, out, err) == VOR_OK ? VOR_DONE : VOR_FAILED;
+    if (outcome == VOR_DONE)
+        *out = vor_bus_retain(followed.bus);
+    vor_worker_unfollow(&followed);
+    return outcome;
 }
 
 vor_status vor_worker_report(struct vor_worker *worker, const struct vor_uuid *id, char **report,

@@ -85,10 +85,31 @@ VOR_NODISCARD vor_status vor_worker_list(struct vor_worker *worker,
                                          int (*each)(void *ctx, const struct vor_job_view *row),
                                          void *ctx, struct vor_error *err);
 
-/** The events of a job, live or from its trace; the caller releases *out. A job without a trace
- *  (it expired, or ended before it began) gets a bus with nothing but its END.
+/** A job and its events, for as long as somebody follows them. */
+struct vor_followed {
+    struct vor_job *job; /**< NULL when it was not live */
+    struct vor_bus *bus; /**< the live one, or that of the trace; a job without a trace (it expired,
+                            or ended before it began) has nothing but its END */
+    struct vor_job_view row; /**< as it was at the beginning */
+};
+
+/** Begins to follow; the caller ends it with vor_worker_unfollow.
  *
- *  @retval VOR_DONE, VOR_UNKNOWN, VOR_FAILED */
+ *  @retval VOR_DONE, VOR_UNKNOWN, VOR_FAILED
+ *
+ *  Cost: two reads of the store for a job that is not live, however many its events. */
+VOR_NODISCARD enum vor_outcome vor_worker_follow(struct vor_worker *worker,
+                                                 const struct vor_uuid *id,
+                                                 struct vor_followed *out, struct vor_error *err);
+
+/** The job as it is now. Never asks the store: a job that is not live does not change. */
+void vor_worker_followed(struct vor_worker *worker, const struct vor_followed *followed,
+                         struct vor_job_view *out);
+
+/** Lets go of job and bus, which are NULL then; twice is fine. */
+void vor_worker_unfollow(struct vor_followed *followed);
+
+/** The same for who only wants the events; the caller releases *out. */
 VOR_NODISCARD enum vor_outcome vor_worker_events(struct vor_worker *worker,
                                                  const struct vor_uuid *id, struct vor_bus **out,
                                                  struct vor_error *err);

@@ -83,6 +83,21 @@ is $_->{progress}, 10 + int(80 * (10 + $_->{polish}) / 60 + 1e-9), "so have $_->
 is $_->{maxPolish}, 50, 'a record tells how many steps there may be' for $steps[0];
 cmp_ok $_->{eta}, '>=', 0, 'the time left is known' for @steps[1 .. $#steps];
 
+# A long replay: what it tells of the job was fetched when it began.
+my $big = $daemon->submit('points=20&iterations=10000&polish=10000&delta=0', sphere_ply(40));
+is $daemon->finish($big)->{status}, 'successful', 'a job with many records ends';
+my $replay = $daemon->events("/v1/jobs/$big/events", headers => { 'Last-Event-ID' => '1.1' });
+my @early = map { $replay->next_event } 1 .. 5;
+is $daemon->request('DELETE', "/v1/jobs/$big")->{status}, 200, 'it is removed during a replay';
+$replay->unchunk while $replay->more;
+my @late = $replay->{text} =~ /^event: progress\ndata: (.*)/mg;
+cmp_ok scalar(@late), '>', 10000, 'which goes on to its end';
+is scalar(grep { !/"maxIterations":10000\b/ || !/"maxPolish":10000\b/ } @late), 0,
+    'and knows the request of the job all along';
+my @states = $replay->{text} =~ /^event: status\ndata: (.*)/mg;
+cmp_ok scalar(@states), '>', 0, 'states come late in a replay, too';
+is scalar(grep { !/"jobID":"$big"/ } @states), 0, 'with the job they are of';
+
 # NDJSON.
 my @lines = map { json($_) } grep { length } split /\n/,
     $daemon->get("/v1/jobs/$id/events", headers => { Accept => 'application/x-ndjson' })->{content};

@@ -19,6 +19,8 @@ void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
     *daemon = (struct vt_daemon){.dir = dir};
     daemon->blobs = vt_dir_blobs(dir);
     daemon->store = vt_dir_store(dir);
+    if (options->prepare != NULL)
+        options->prepare(daemon);
     vt_assert_ok(vor_pool_create(&daemon->pool, 2, &vt_err));
     config.store = daemon->store;
     config.blobs = daemon->blobs;

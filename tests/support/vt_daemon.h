@@ -19,6 +19,8 @@ struct vt_daemon_options {
     unsigned jobs;
     size_t queue, memory;
     double ttl_seconds;
+    void (*prepare)(
+        struct vt_daemon *daemon); /**< once store and blobs are open; NULL for nothing */
 };
 
 void vt_daemon_start(struct vt_daemon *daemon, const char *dir,

@@ -9,6 +9,7 @@
 #include "tests/support/vt_dir.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -155,6 +156,81 @@ START_TEST(the_events_of_a_job_are_the_same_live_and_from_its_trace)
         ck_assert_uint_eq(records[1], 0);
     vor_bus_release(live);
     vor_bus_release(stored);
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+/* A driver like the real one that counts the reads of single jobs. */
+static struct {
+    struct vor_store_driver driver;
+    const struct vor_store_driver *real;
+    atomic_int rows, traces;
+} counting;
+
+static vor_status counted_get(struct vor_store *store, const struct vor_uuid *id,
+                              struct vor_job_view *out, int *found, struct vor_error *err)
+{
+    atomic_fetch_add(&counting.rows, 1);
+    return counting.real->get(store, id, out, found, err);
+}
+
+static vor_status counted_trace(struct vor_store *store, const struct vor_uuid *id, uint8_t **trace,
+                                size_t *size, struct vor_error *err)
+{
+    atomic_fetch_add(&counting.traces, 1);
+    return counting.real->trace(store, id, trace, size, err);
+}
+
+static void count_reads(struct vt_daemon *daemon)
+{
+    counting.real = daemon->store->driver;
+    counting.driver = *counting.real;
+    counting.driver.get = counted_get;
+    counting.driver.trace = counted_trace;
+    daemon->store->driver = &counting.driver;
+}
+
+/* Regression: a stream asked the store for the row at each of its events. */
+START_TEST(who_follows_a_job_asks_the_store_once_however_many_its_events)
+{
+    struct vor_position position = {0, 0};
+    struct vor_followed followed, live;
+    struct vor_job_view view, stored;
+    struct vt_daemon daemon;
+    struct vor_event event;
+    struct vor_cloud cloud;
+    struct vor_uuid id;
+    int events = 0;
+
+    vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.prepare = count_reads});
+    vt_cloud_sphere(&cloud, 1, 300);
+    id = submit(&daemon, &cloud, vt_request(100, 50));
+    ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, &live, &vt_err), VOR_DONE);
+    while (!vor_bus_ended(live.bus, NULL))
+        vor_worker_followed(daemon.worker, &live, &view);
+    wait_idle(&daemon);
+    ck_assert_int_eq(atomic_load(&counting.rows), 0);
+    ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, &followed, &vt_err), VOR_DONE);
+    ck_assert_ptr_null(followed.job);
+    while (vor_bus_read(followed.bus, &position, VOR_READ_EVERY, &event, 1) == 1) {
+        vor_worker_followed(daemon.worker, &followed, &stored);
+        events++;
+    }
+    ck_assert_int_gt(events, 50);
+    ck_assert_int_eq(atomic_load(&counting.rows), 1);
+    ck_assert_int_eq(atomic_load(&counting.traces), 1);
+    vor_worker_followed(daemon.worker, &live, &view); /* over, and still in hand */
+    ck_assert_int_eq(view.status, VOR_JOB_SUCCESSFUL);
+    ck_assert_int_eq(stored.status, VOR_JOB_SUCCESSFUL);
+    ck_assert_str_eq(view.message, stored.message);
+    ck_assert_int_eq(view.finished, stored.finished);
+    ck_assert_mem_eq(&view.spec, &stored.spec, sizeof view.spec);
+    ck_assert_mem_eq(&live.row.spec, &stored.spec, sizeof view.spec);
+    vor_worker_unfollow(&live);
+    vor_worker_unfollow(&followed);
+    vor_worker_unfollow(&followed);
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
     vt_dir_remove(daemon.dir);
@@ -573,6 +649,7 @@ int main(void)
     vor_log_open(2, VOR_LOG_ERROR);
     vt_add(suite, a_job_ends_with_exactly_the_points_asked_for);
     vt_add_loop(suite, the_events_of_a_job_are_the_same_live_and_from_its_trace, 2);
+    vt_add(suite, who_follows_a_job_asks_the_store_once_however_many_its_events);
     vt_add(suite, a_running_job_is_dismissed_at_once_and_its_cores_are_free);
     vt_add(suite, a_waiting_job_is_dismissed_without_running);
     vt_add(suite, a_job_dismissed_while_it_encodes_leaves_no_bytes);

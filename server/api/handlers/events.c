@@ -16,7 +16,7 @@ static const double progress_pause = 0.1;
 struct stream {
     struct vor_app *app;
     struct vor_uuid id;
-    struct vor_bus *bus;
+    struct vor_followed followed; /* what was asked of the worker, once for the whole stream */
     struct vor_subscriber subscriber;
     struct vor_waker *waker;
     atomic_bool armed; /* progress may wake the request */
@@ -24,8 +24,6 @@ struct stream {
     bool is_replay; /* every event up to the newest at the beginning */
     bool is_lines;  /* NDJSON */
     bool began, ended;
-    bool has_spec;        /* spec is set */
-    struct vor_spec spec; /* the job's request: it never changes */
     double sent_at, progress_at;
     struct vor_text text; /* what waits to be sent, from taken on */
     size_t taken;
@@ -35,10 +33,9 @@ static void release(void *state)
 {
     struct stream *stream = state;
 
-    if (stream->bus != NULL) {
-        vor_bus_unsubscribe(stream->bus, &stream->subscriber);
-        vor_bus_release(stream->bus);
-    }
+    if (stream->followed.bus != NULL)
+        vor_bus_unsubscribe(stream->followed.bus, &stream->subscriber);
+    vor_worker_unfollow(&stream->followed);
     (void)atomic_fetch_sub(&stream->app->streams, 1);
     vor_waker_drop(stream->waker);
     vor_text_free(&stream->text);
@@ -58,12 +55,8 @@ static void write_status(struct stream *stream, struct vor_request *request,
                          const struct vor_event *event, struct vor_text *text)
 {
     struct vor_job_view view;
-    struct vor_error err;
 
-    if (vor_worker_get(stream->app->worker, &stream->id, &view, &err) != VOR_DONE) {
-        vor_text_puts(text, "{}");
-        return;
-    }
+    vor_worker_followed(stream->app->worker, &stream->followed, &view);
     if (view.status != event->status) {
         view.finished = 0;
         view.message[0] = '\0';
@@ -76,26 +69,12 @@ static void write_status(struct stream *stream, struct vor_request *request,
     vor_job_write(stream->app, request, &view, text);
 }
 
-/* The request of the job; all zero when the job is gone. Asks only once, because the store reads
- * and parses the row of a job that is over, and a replay has thousands of events. */
-static const struct vor_spec *spec_of(struct stream *stream)
-{
-    struct vor_job_view view;
-    struct vor_error err;
-
-    if (!stream->has_spec &&
-        vor_worker_get(stream->app->worker, &stream->id, &view, &err) == VOR_DONE)
-        stream->spec = view.spec;
-    stream->has_spec = true;
-    return &stream->spec;
-}
-
 /* maxIterations and maxPolish are older than stages: they mean something to a run that iterates and
  * polishes. */
-static void write_progress(struct stream *stream, const struct vor_event *event,
+static void write_progress(const struct stream *stream, const struct vor_event *event,
                            struct vor_text *text)
 {
-    const struct vor_spec *spec = spec_of(stream);
+    const struct vor_spec *spec = &stream->followed.row.spec;
     double polish = spec->value[VOR_PARAM_POLISH];
 
     vor_json_begin_object(text);
@@ -184,7 +163,7 @@ static bool take_events(struct stream *stream, struct vor_request *request)
 {
     struct vor_event events[BATCH];
     size_t count =
-        vor_bus_read(stream->bus, &stream->position,
+        vor_bus_read(stream->followed.bus, &stream->position,
                      stream->is_replay ? VOR_READ_EVERY : VOR_READ_LATEST, events, BATCH);
 
     if (count == 0)
@@ -219,7 +198,7 @@ static bool fill(struct stream *stream, struct vor_request *request)
         return true;
     }
     if (!stream->is_replay && now - stream->progress_at < progress_pause &&
-        !vor_bus_ended(stream->bus, NULL)) {
+        !vor_bus_ended(stream->followed.bus, NULL)) {
         atomic_store(&stream->armed, false);
         vor_request_wake_after(request, progress_pause);
     } else {
@@ -313,10 +292,10 @@ enum vor_next vor_events_reply(struct vor_app *app, struct vor_request *request,
         (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a stream");
         return vor_problem_error(app, request, &err, NULL);
     }
-    outcome = vor_worker_events(app->worker, id, &stream->bus, &err);
+    outcome = vor_worker_follow(app->worker, id, &stream->followed, &err);
     if (outcome != VOR_DONE)
         return vor_outcome_reply(app, request, outcome, &err, id);
-    if (is_replay && vor_bus_ended(stream->bus, &end) && end.attempt == position.attempt &&
+    if (is_replay && vor_bus_ended(stream->followed.bus, &end) && end.attempt == position.attempt &&
         end.number == position.number) {
         vor_reply_bytes(request, 204, NULL, "", 0);
         return VOR_NEXT_REPLY;
@@ -324,7 +303,7 @@ enum vor_next vor_events_reply(struct vor_app *app, struct vor_request *request,
     stream->position = position;
     stream->is_replay = is_replay;
     stream->subscriber = (struct vor_subscriber){.wake = on_event, .ctx = stream};
-    vor_bus_subscribe(stream->bus, &stream->subscriber);
+    vor_bus_subscribe(stream->followed.bus, &stream->subscriber);
     vor_reply_stream(request, 200, stream->is_lines ? "application/x-ndjson" : "text/event-stream",
                      read_stream, stream);
     return VOR_NEXT_REPLY;
