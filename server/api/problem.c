@@ -1,5 +1,6 @@
 #include "server/api/problem.h"
 
+#include "server/api/accept.h"
 #include "server/base/disk.h"
 
 #include <assert.h>
@@ -168,6 +169,19 @@ enum vor_next vor_problem_error(struct vor_app *app, struct vor_request *request
 
     from_error(err, job_id, &problem);
     return vor_problem_reply(app, request, &problem);
+}
+
+enum vor_next vor_app_reply(struct vor_app *app, struct vor_request *request, int http,
+                            const char *media_type, struct vor_text *text)
+{
+    struct vor_error err;
+
+    if (vor_text_status(text, &err) != VOR_OK)
+        vor_problem_error(app, request, &err, NULL);
+    else
+        vor_reply_bytes(request, http, media_type, text->data, text->size);
+    vor_text_free(text);
+    return VOR_NEXT_REPLY;
 }
 
 void vor_problem_describe(struct vor_app *app, struct vor_request *request,

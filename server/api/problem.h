@@ -2,7 +2,8 @@
 #ifndef VOR_SERVER_API_PROBLEM_H
 #define VOR_SERVER_API_PROBLEM_H
 
-#include "server/api/app.h"
+#include "proto/json/json.h"
+#include "server/api/links.h"
 
 /** Problems besides those of VOR_STATUS_TABLE: slug, HTTP status, retryable, whether the type is
  *  OGC's, title. */
@@ -60,6 +61,10 @@ enum vor_next vor_problem_say(struct vor_app *app, struct vor_request *request, 
 /** From an error of the engine, a codec or the store. job_id may be NULL. */
 enum vor_next vor_problem_error(struct vor_app *app, struct vor_request *request,
                                 const struct vor_error *err, const char *job_id);
+
+/** Replies with a document and frees it; one that could not be built becomes a problem. */
+enum vor_next vor_app_reply(struct vor_app *app, struct vor_request *request, int http,
+                            const char *media_type, struct vor_text *text);
 
 /** The room for the strings of a description. */
 struct vor_problem_room {

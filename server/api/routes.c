@@ -1,6 +1,7 @@
 #include "server/api/routes.h"
 
 #include "server/api/handlers/handlers.h"
+#include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/log.h"
 

@@ -2,7 +2,9 @@
  * the latest progress, never a longer queue; ten times a second is enough for any. */
 #include "proto/csv.h"
 #include "proto/sse.h"
+#include "server/api/accept.h"
 #include "server/api/handlers/handlers.h"
+#include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
 

@@ -1,5 +1,6 @@
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/openapi.h"
+#include "server/api/links.h"
 #include "server/api/problem.h"
 
 #include <string.h>

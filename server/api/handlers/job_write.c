@@ -1,5 +1,6 @@
 #include "proto/codec.h"
 #include "server/api/handlers/handlers.h"
+#include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
 

@@ -1,4 +1,5 @@
 #include "server/api/handlers/handlers.h"
+#include "server/api/links.h"
 #include "server/api/problem.h"
 
 #include <ctype.h>

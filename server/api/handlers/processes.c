@@ -1,5 +1,6 @@
 #include "core/base/quote.h"
 #include "server/api/handlers/handlers.h"
+#include "server/api/links.h"
 #include "server/api/problem.h"
 
 #include <stdio.h>

@@ -1,6 +1,7 @@
 #include "proto/codec.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/range.h"
+#include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/digest.h"
 #include "server/blob/blob.h"

@@ -6,6 +6,7 @@
 #include "server/api/handlers/submit_head.h"
 
 #include "server/api/handlers/handlers.h"
+#include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
 #include "server/base/disk.h"

@@ -4,6 +4,7 @@
 #include "proto/codec.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/prefer.h"
+#include "server/api/links.h"
 #include "server/api/problem.h"
 
 #include <stdio.h>

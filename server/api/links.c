@@ -1,6 +1,4 @@
-#include "server/api/app.h"
-
-#include "server/api/problem.h"
+#include "server/api/links.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -87,36 +85,4 @@ size_t vor_path_segment(const char *path, unsigned index, const char **out)
     }
     *out = "";
     return 0;
-}
-
-enum vor_next vor_app_reply(struct vor_app *app, struct vor_request *request, int http,
-                            const char *media_type, struct vor_text *text)
-{
-    struct vor_error err;
-
-    if (vor_text_status(text, &err) != VOR_OK)
-        vor_problem_error(app, request, &err, NULL);
-    else
-        vor_reply_bytes(request, http, media_type, text->data, text->size);
-    vor_text_free(text);
-    return VOR_NEXT_REPLY;
-}
-
-bool vor_accepts(const struct vor_request *request, const char *media_type, bool absent)
-{
-    unsigned index = 0;
-    const char *value = vor_request_header_next(request, "Accept", &index);
-    size_t want = strlen(media_type);
-
-    if (value == NULL)
-        return absent;
-    for (; value != NULL; value = vor_request_header_next(request, "Accept", &index)) {
-        while (*value != '\0') {
-            value += strspn(value, ", \t");
-            if (strncasecmp(value, media_type, want) == 0 && strchr(",; \t", value[want]) != NULL)
-                return true;
-            value += strcspn(value, ",");
-        }
-    }
-    return false;
 }
