@@ -92,14 +92,10 @@ static void add_headers(struct vor_request *request, const struct vor_problem *p
                         const struct vor_problem_doc *doc)
 {
     char seconds[16];
-    unsigned retry = problem->retry_after;
 
-    if (retry == 0 && doc->retryable)
-        retry = RETRY_SECONDS;
-    if (retry > 0) {
-        (void)snprintf(seconds, sizeof seconds, "%u", retry);
+    (void)snprintf(seconds, sizeof seconds, "%d", RETRY_SECONDS);
+    if (doc->retryable)
         vor_reply_header(request, "Retry-After", seconds);
-    }
     if (problem->allow != NULL)
         vor_reply_header(request, "Allow", problem->allow);
     vor_reply_header(request, "Cache-Control", "no-store");

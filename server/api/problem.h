@@ -41,8 +41,7 @@ struct vor_problem {
     const char *job_id;
     uint64_t limit, got;
     int64_t byte_offset, queue_depth;
-    unsigned retry_after; /**< seconds */
-    const char *allow;    /**< for the Allow header */
+    const char *allow; /**< for the Allow header */
 };
 
 #define VOR_PROBLEM_INIT(name)                                                                     \

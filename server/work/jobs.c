@@ -23,7 +23,6 @@ enum vor_outcome vor_worker_room(struct vor_worker *worker)
 void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out)
 {
     out->waiting = vor_queue_depth(worker->queue);
-    out->capacity = vor_queue_capacity(worker->queue);
     pthread_mutex_lock(&worker->mutex);
     out->running = worker->running;
     pthread_mutex_unlock(&worker->mutex);

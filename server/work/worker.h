@@ -52,7 +52,7 @@ enum vor_outcome vor_worker_room(struct vor_worker *worker);
 
 /** Jobs that wait, and that run. */
 struct vor_worker_load {
-    size_t waiting, capacity, running;
+    size_t waiting, running;
 };
 void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out);
 
