@@ -117,10 +117,8 @@ static vor_status open_parts(struct directory *directory, const char *path, long
     return status == VOR_OK ? each_name(directory->keep, unlink_rubbish, directory, err) : status;
 }
 
-static void close_blobs(struct vor_blobs *blobs)
+static void free_directory(struct directory *directory)
 {
-    struct directory *directory = (struct directory *)blobs;
-
     if (directory->keep >= 0)
         close(directory->keep);
     if (directory->tmp >= 0)
@@ -128,6 +126,11 @@ static void close_blobs(struct vor_blobs *blobs)
     if (directory->lock >= 0)
         close(directory->lock);
     free(directory);
+}
+
+static void close_blobs(struct vor_blobs *blobs)
+{
+    free_directory((struct directory *)blobs);
 }
 
 static vor_status open_blobs(struct vor_blobs **out, const char *place, long *holder,
@@ -141,10 +144,10 @@ static vor_status open_blobs(struct vor_blobs **out, const char *place, long *ho
     *directory = (struct directory){.lock = -1, .keep = -1, .tmp = -1};
     status = open_parts(directory, place, holder, err);
     if (status != VOR_OK) {
-        close_blobs(&directory->base);
+        free_directory(directory);
         return status;
     }
-    *out = &directory->base;
+    *out = (struct vor_blobs *)directory;
     return VOR_OK;
 }
 
@@ -182,7 +185,7 @@ static vor_status create(struct vor_blobs *blobs, struct vor_blob_writer **out,
         free(writer);
         return status;
     }
-    *out = &writer->base;
+    *out = (struct vor_blob_writer *)writer;
     return VOR_OK;
 }
 

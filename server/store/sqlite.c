@@ -91,14 +91,17 @@ static vor_status open_file(struct store *store, const char *path, long *holder,
     return status == VOR_OK ? migrate(store, err) : status;
 }
 
-static void close_store(struct vor_store *base)
+static void free_store(struct store *store)
 {
-    struct store *store = (struct store *)base;
-
     vor_sqlite_close(store->db);
     if (store->lock >= 0)
         close(store->lock);
     free(store);
+}
+
+static void close_store(struct vor_store *store)
+{
+    free_store((struct store *)store);
 }
 
 static vor_status open_store(struct vor_store **out, const char *place, long *holder,
@@ -112,10 +115,10 @@ static vor_status open_store(struct vor_store **out, const char *place, long *ho
     store->lock = -1;
     status = open_file(store, place, holder, err);
     if (status != VOR_OK) {
-        close_store(&store->base);
+        free_store(store);
         return status;
     }
-    *out = &store->base;
+    *out = (struct vor_store *)store;
     return VOR_OK;
 }
 
