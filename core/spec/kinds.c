@@ -88,11 +88,18 @@ static int owns_number(const struct vor_parameter_info *info, double value)
     return value > VOR_UNSET;
 }
 
+/* With the fewest of 15, 16 and 17 digits that read back as the value. */
 static void write_number(const struct vor_parameter_info *info, double value, const char *name,
                          struct line *out)
 {
+    char text[32];
+    int digits = 15;
+
     (void)info, (void)name;
-    add(out, "%.17g", value);
+    do
+        (void)snprintf(text, sizeof text, "%.*g", digits, value);
+    while (strtod(text, NULL) != value && ++digits <= 17);
+    add(out, "%s", text);
 }
 
 static void want_whole(const struct vor_parameter_info *info, struct line *out)

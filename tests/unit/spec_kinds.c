@@ -1,0 +1,338 @@
+/* Each kind of parameter on a row of the test's own: what it takes, what it refuses, how it is
+ * written, and what it says that it wants. */
+#include "core/spec/kinds.h"
+#include "tests/support/vt.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define WORDS "mls outliers thin"
+
+static const struct vor_parameter_info rows[VOR_KINDS] = {
+    [VOR_KIND_COUNT] = {.min = 0, .max = 9007199254740991, .unit = "points", .choices = ""},
+    [VOR_KIND_REAL] = {.min = 1e-30, .max = 1e30, .unit = "", .choices = ""},
+    [VOR_KIND_CHOICE] = {.unit = "", .choices = WORDS},
+    [VOR_KIND_FLAG] = {.unit = "", .choices = ""},
+    [VOR_KIND_TEXT] = {.min = 1, .max = 8, .unit = "", .choices = ""},
+    [VOR_KIND_LIST] = {.unit = "", .choices = WORDS},
+    [VOR_KIND_CHOICE_OR_NAME] = {.min = 1, .max = 8, .unit = "", .choices = "even attribute:NAME"},
+    [VOR_KIND_COUNT_OR_AUTO] = {.min = 6, .max = 500, .unit = "points", .choices = ""},
+    [VOR_KIND_REAL_OR_AUTO] = {.min = 0, .max = 2.5, .unit = "s", .choices = ""},
+    [VOR_KIND_REAL_OR_WORD] = {.min = 0, .max = 10, .unit = "", .choices = "mean max"},
+    [VOR_KIND_LIST_OR_AUTO] = {.unit = "", .choices = WORDS},
+};
+
+static struct vor_parameter_info row_of(enum vor_kind kind)
+{
+    struct vor_parameter_info row = rows[kind];
+
+    row.kind = kind;
+    row.name = "it";
+    row.allowed = ~0ull;
+    return row;
+}
+
+/* Vectors: a text, the value it stands for, its form and how it is written back. */
+static const struct {
+    enum vor_kind kind;
+    const char *text;
+    double value;
+    enum vor_form form;
+    const char *written; /* NULL: as text */
+} taken[] = {
+    {VOR_KIND_COUNT, "0", 0, VOR_FORM_WHOLE, NULL},
+    {VOR_KIND_COUNT, "9007199254740991", 9007199254740991, VOR_FORM_WHOLE, NULL},
+    {VOR_KIND_COUNT, "+1.20e2", 120, VOR_FORM_WHOLE, "120"},
+    {VOR_KIND_REAL, "1e-30", 1e-30, VOR_FORM_REAL, NULL},
+    {VOR_KIND_REAL, "0.10000000000000001", 0.1, VOR_FORM_REAL, "0.1"},
+    {VOR_KIND_REAL, "0.30000000000000004", 0.30000000000000004, VOR_FORM_REAL, NULL},
+    {VOR_KIND_REAL, "0.5", 0.5, VOR_FORM_REAL, NULL},
+    {VOR_KIND_CHOICE, "mls", 0, VOR_FORM_CHOICE, NULL},
+    {VOR_KIND_CHOICE, "thin", 2, VOR_FORM_CHOICE, NULL},
+    {VOR_KIND_FLAG, "true", 1, VOR_FORM_FLAG, NULL},
+    {VOR_KIND_FLAG, "false", 0, VOR_FORM_FLAG, NULL},
+    {VOR_KIND_TEXT, "a", 1, VOR_FORM_TEXT, NULL},
+    {VOR_KIND_TEXT, "a \"b\" \\c", 1, VOR_FORM_TEXT, NULL},
+    {VOR_KIND_TEXT, "\xc3\xa9\xe2\x82\xac\xc2\xb2x", 1, VOR_FORM_TEXT, NULL},
+    {VOR_KIND_LIST, "none", 0, VOR_FORM_LIST, NULL},
+    {VOR_KIND_LIST, "outliers", 2, VOR_FORM_LIST, NULL},
+    {VOR_KIND_LIST, "thin,mls", 5, VOR_FORM_LIST, "mls,thin"},
+    {VOR_KIND_LIST, "mls,outliers,thin", 7, VOR_FORM_LIST, NULL},
+    {VOR_KIND_CHOICE_OR_NAME, "even", 0, VOR_FORM_CHOICE, NULL},
+    {VOR_KIND_CHOICE_OR_NAME, "attribute:a", 1, VOR_FORM_NAME, NULL},
+    {VOR_KIND_CHOICE_OR_NAME, "attribute:a:b c,d", 1, VOR_FORM_NAME, NULL},
+    {VOR_KIND_COUNT_OR_AUTO, "6", 6, VOR_FORM_WHOLE, NULL},
+    {VOR_KIND_COUNT_OR_AUTO, "auto", VOR_UNSET, VOR_FORM_AUTO, NULL},
+    {VOR_KIND_REAL_OR_AUTO, "0", 0, VOR_FORM_REAL, NULL},
+    {VOR_KIND_REAL_OR_AUTO, "2.5", 2.5, VOR_FORM_REAL, NULL},
+    {VOR_KIND_REAL_OR_AUTO, "auto", VOR_UNSET, VOR_FORM_AUTO, NULL},
+    {VOR_KIND_REAL_OR_WORD, "0", 0, VOR_FORM_REAL, NULL},
+    {VOR_KIND_REAL_OR_WORD, "mean", VOR_WORD(0), VOR_FORM_WORD, NULL},
+    {VOR_KIND_REAL_OR_WORD, "max", VOR_WORD(1), VOR_FORM_WORD, NULL},
+    {VOR_KIND_LIST_OR_AUTO, "auto", VOR_UNSET, VOR_FORM_AUTO, NULL},
+    {VOR_KIND_LIST_OR_AUTO, "none", 0, VOR_FORM_LIST, NULL},
+    {VOR_KIND_LIST_OR_AUTO, "mls", 1, VOR_FORM_LIST, NULL},
+};
+
+START_TEST(a_text_is_read_as_its_value_and_written_back)
+{
+    struct vor_parameter_info row = row_of(taken[_i].kind);
+    struct vor_value value;
+    char text[64];
+
+    ck_assert_msg(vor_kind_read(&row, VOR_SHAPE_ANY, taken[_i].text, &value), "%s", taken[_i].text);
+    ck_assert(value.number == taken[_i].value);
+    ck_assert_int_eq(vor_kind_form_of(&row, value.number), taken[_i].form);
+    vor_kind_write(&row, value.number, value.text, text, sizeof text);
+    ck_assert_str_eq(text, taken[_i].written != NULL ? taken[_i].written : taken[_i].text);
+}
+END_TEST
+
+static const struct {
+    enum vor_kind kind;
+    const char *text;
+} refused[] = {
+    {VOR_KIND_COUNT, "-1"},
+    {VOR_KIND_COUNT, "0.5"},
+    {VOR_KIND_COUNT, "9007199254740993"},
+    {VOR_KIND_COUNT, "auto"},
+    {VOR_KIND_REAL, "0"},
+    {VOR_KIND_REAL, "1.1e30"},
+    {VOR_KIND_REAL, "nan"},
+    {VOR_KIND_REAL, "1e999"},
+    {VOR_KIND_CHOICE, "ml"},
+    {VOR_KIND_CHOICE, "mlss"},
+    {VOR_KIND_CHOICE, "mls outliers"},
+    {VOR_KIND_CHOICE, "0"},
+    {VOR_KIND_FLAG, "1"},
+    {VOR_KIND_FLAG, "yes"},
+    {VOR_KIND_FLAG, "True"},
+    {VOR_KIND_TEXT, "123456789"},                                /* nine bytes */
+    {VOR_KIND_TEXT, "\xc3\xa9\xc3\xa9\xc3\xa9\xc3\xa9\xc3\xa9"}, /* five characters, ten bytes */
+    {VOR_KIND_TEXT, "a\nb"},
+    {VOR_KIND_TEXT, "a\x7f"},
+    {VOR_KIND_TEXT, "\xc3"},
+    {VOR_KIND_TEXT, "\xed\xa0\x80"}, /* a surrogate */
+    {VOR_KIND_LIST, "mls,"},
+    {VOR_KIND_LIST, ",mls"},
+    {VOR_KIND_LIST, "mls,,thin"},
+    {VOR_KIND_LIST, "mls,mls"},
+    {VOR_KIND_LIST, "mls thin"},
+    {VOR_KIND_LIST, "mls,none"},
+    {VOR_KIND_LIST, "auto"},
+    {VOR_KIND_CHOICE_OR_NAME, "attribute:"},
+    {VOR_KIND_CHOICE_OR_NAME, "attribute:NAMENAMEN"},
+    {VOR_KIND_CHOICE_OR_NAME, "attribute"},
+    {VOR_KIND_CHOICE_OR_NAME, "even:x"},
+    {VOR_KIND_CHOICE_OR_NAME, "attribute:a\tb"},
+    {VOR_KIND_COUNT_OR_AUTO, "5"},
+    {VOR_KIND_COUNT_OR_AUTO, "Auto"},
+    {VOR_KIND_COUNT_OR_AUTO, "-1"},
+    {VOR_KIND_REAL_OR_AUTO, "2.6"},
+    {VOR_KIND_REAL_OR_AUTO, "-1"},
+    {VOR_KIND_REAL_OR_WORD, "-2"},
+    {VOR_KIND_REAL_OR_WORD, "11"},
+    {VOR_KIND_REAL_OR_WORD, "min"},
+    {VOR_KIND_LIST_OR_AUTO, "mls,auto"},
+    {VOR_KIND_LIST_OR_AUTO, "-1"},
+};
+
+START_TEST(what_is_not_of_the_kind_is_refused)
+{
+    struct vor_parameter_info row = row_of(refused[_i].kind);
+    struct vor_value value = {42, "untouched"};
+
+    ck_assert_msg(!vor_kind_read(&row, VOR_SHAPE_ANY, refused[_i].text, &value), "%s",
+                  refused[_i].text);
+    ck_assert(value.number == 42);
+    ck_assert_str_eq(value.text, "untouched");
+}
+END_TEST
+
+START_TEST(no_kind_takes_nothing)
+{
+    struct vor_parameter_info row = row_of((enum vor_kind)_i);
+    struct vor_value value;
+
+    ck_assert(!vor_kind_read(&row, VOR_SHAPE_ANY, "", &value));
+    ck_assert(!vor_kind_read(&row, VOR_SHAPE_ANY, "\x01", &value));
+}
+END_TEST
+
+/* JSON tells shapes apart: which of them a kind has, and that the same text is refused in another.
+ */
+START_TEST(a_kind_takes_the_shapes_of_its_forms_alone)
+{
+    enum { N = 1 << VOR_SHAPE_NUMBER, B = 1 << VOR_SHAPE_BOOLEAN, S = 1 << VOR_SHAPE_STRING };
+    enum { A = 1 << VOR_SHAPE_ARRAY };
+    static const unsigned shapes[VOR_KINDS] = {[VOR_KIND_COUNT] = N,
+                                               [VOR_KIND_REAL] = N,
+                                               [VOR_KIND_CHOICE] = S,
+                                               [VOR_KIND_FLAG] = B,
+                                               [VOR_KIND_TEXT] = S,
+                                               [VOR_KIND_LIST] = A,
+                                               [VOR_KIND_CHOICE_OR_NAME] = S,
+                                               [VOR_KIND_COUNT_OR_AUTO] = N | S,
+                                               [VOR_KIND_REAL_OR_AUTO] = N | S,
+                                               [VOR_KIND_REAL_OR_WORD] = N | S,
+                                               [VOR_KIND_LIST_OR_AUTO] = A | S};
+    static const enum vor_shape shape_of[VOR_FORM_NONE] = {
+        [VOR_FORM_WHOLE] = VOR_SHAPE_NUMBER,  [VOR_FORM_REAL] = VOR_SHAPE_NUMBER,
+        [VOR_FORM_CHOICE] = VOR_SHAPE_STRING, [VOR_FORM_WORD] = VOR_SHAPE_STRING,
+        [VOR_FORM_NAME] = VOR_SHAPE_STRING,   [VOR_FORM_FLAG] = VOR_SHAPE_BOOLEAN,
+        [VOR_FORM_TEXT] = VOR_SHAPE_STRING,   [VOR_FORM_LIST] = VOR_SHAPE_ARRAY,
+        [VOR_FORM_AUTO] = VOR_SHAPE_STRING};
+
+    for (int shape = VOR_SHAPE_NUMBER; shape <= VOR_SHAPE_ARRAY; shape++) {
+        ck_assert_int_eq(vor_kind_has_shape((enum vor_kind)_i, (enum vor_shape)shape),
+                         shapes[_i] >> shape & 1);
+        for (size_t k = 0; k < sizeof taken / sizeof taken[0]; k++) {
+            struct vor_parameter_info row = row_of(taken[k].kind);
+            struct vor_value value;
+
+            if ((int)taken[k].kind == _i)
+                ck_assert_int_eq(vor_kind_read(&row, (enum vor_shape)shape, taken[k].text, &value),
+                                 (int)shape_of[taken[k].form] == shape);
+        }
+    }
+}
+END_TEST
+
+START_TEST(a_kind_says_what_it_wants)
+{
+    static const struct {
+        const char *want, *values;
+    } says[VOR_KINDS] = {
+        [VOR_KIND_COUNT] = {"a whole number from 0 to 9007199254740991",
+                            "0 to 9007199254740991 points"},
+        [VOR_KIND_REAL] = {"a number from 1e-30 to 1e+30", "1e-30 to 1e+30"},
+        [VOR_KIND_CHOICE] = {"one of mls, outliers, thin", "mls | outliers | thin"},
+        [VOR_KIND_FLAG] = {"true or false", "true | false"},
+        [VOR_KIND_TEXT] = {"text of 1 to 8 bytes", "text of 1 to 8 bytes"},
+        [VOR_KIND_LIST] = {"each at most once and with commas between, words of mls, outliers, "
+                           "thin, or none",
+                           "some of mls,outliers,thin | none"},
+        [VOR_KIND_CHOICE_OR_NAME] = {"one of even or attribute:NAME of 1 to 8 bytes",
+                                     "even | attribute:NAME"},
+        [VOR_KIND_COUNT_OR_AUTO] = {"a whole number from 6 to 500 or auto",
+                                    "6 to 500 points | auto"},
+        [VOR_KIND_REAL_OR_AUTO] = {"a number from 0 to 2.5 or auto", "0 to 2.5 s | auto"},
+        [VOR_KIND_REAL_OR_WORD] = {"a number from 0 to 10 or one of mean, max",
+                                   "0 to 10 | mean | max"},
+        [VOR_KIND_LIST_OR_AUTO] = {"each at most once and with commas between, words of mls, "
+                                   "outliers, thin, or none or auto",
+                                   "some of mls,outliers,thin | none | auto"},
+    };
+    struct vor_parameter_info row = row_of((enum vor_kind)_i);
+    char text[VOR_KIND_WORDS_SIZE];
+
+    vor_kind_want(&row, text);
+    ck_assert_str_eq(text, says[_i].want);
+    vor_kind_values(&row, text);
+    ck_assert_str_eq(text, says[_i].values);
+}
+END_TEST
+
+/* A word that a process does not allow is neither taken nor offered. */
+START_TEST(a_word_that_is_not_allowed_is_no_word)
+{
+    static const enum vor_kind kinds[] = {VOR_KIND_CHOICE, VOR_KIND_LIST};
+    struct vor_parameter_info row = row_of(kinds[_i]);
+    char text[VOR_KIND_WORDS_SIZE];
+    struct vor_value value;
+
+    row.allowed = 5; /* mls and thin */
+    ck_assert(vor_kind_read(&row, VOR_SHAPE_ANY, "thin", &value));
+    ck_assert(value.number == (_i == 0 ? 2 : 4));
+    ck_assert(!vor_kind_read(&row, VOR_SHAPE_ANY, "outliers", &value));
+    vor_kind_want(&row, text);
+    ck_assert_ptr_null(strstr(text, "outliers"));
+    ck_assert_ptr_nonnull(strstr(text, "mls, thin"));
+}
+END_TEST
+
+/* A value of a kind, drawn at random, with the name it has. */
+static double draw(const struct vor_parameter_info *row, uint64_t seed, char name[16])
+{
+    enum vor_form first = vor_kind_form(row->kind, 0), other = vor_kind_form(row->kind, 1);
+    double u = vt_unit(seed, 0), v = vt_unit(seed, 1);
+    enum vor_form form = other != VOR_FORM_NONE && u < 0.3 ? other : first;
+    static const char letters[] = "ab:, \"\\~/%&=#'{}";
+
+    name[0] = '\0';
+    for (int i = 0; i <= (int)(v * 7.99); i++) {
+        name[i] = letters[(int)(vt_unit(seed, 2 + (uint64_t)i) * (sizeof letters - 1))];
+        name[i + 1] = '\0';
+    }
+    switch (form) {
+    case VOR_FORM_WHOLE:
+        return floor(row->min + v * (row->max - row->min));
+    case VOR_FORM_REAL:
+        return row->min + v * (row->max - row->min);
+    case VOR_FORM_CHOICE:
+        return first == VOR_FORM_CHOICE && other == VOR_FORM_NAME ? 0 : floor(v * 3);
+    case VOR_FORM_WORD:
+        return VOR_WORD(floor(v * 2));
+    case VOR_FORM_NAME:
+    case VOR_FORM_TEXT:
+        return 1;
+    case VOR_FORM_FLAG:
+        return v < 0.5;
+    case VOR_FORM_LIST:
+        return floor(v * 8);
+    default:
+        return VOR_UNSET;
+    }
+}
+
+/* Property: value -> text -> the same value and name. */
+START_TEST(every_value_reads_back_from_its_text)
+{
+    struct vor_parameter_info row = row_of((enum vor_kind)_i);
+
+    for (uint64_t seed = 0; seed < 300; seed++) {
+        char name[16], text[64], again[64];
+        double number = draw(&row, seed, name);
+        struct vor_value value;
+
+        vor_kind_write(&row, number, name, text, sizeof text);
+        ck_assert_msg(vor_kind_read(&row, VOR_SHAPE_ANY, text, &value), "%s", text);
+        ck_assert_msg(value.number == number, "%s is %.17g and not %.17g", text, value.number,
+                      number);
+        vor_kind_write(&row, value.number, value.text, again, sizeof again);
+        ck_assert_str_eq(again, text);
+    }
+}
+END_TEST
+
+START_TEST(a_value_that_is_not_given_has_no_form_and_no_text)
+{
+    static const enum vor_kind kinds[] = {
+        VOR_KIND_COUNT, VOR_KIND_REAL, VOR_KIND_CHOICE,         VOR_KIND_FLAG,
+        VOR_KIND_TEXT,  VOR_KIND_LIST, VOR_KIND_CHOICE_OR_NAME, VOR_KIND_REAL_OR_WORD};
+    struct vor_parameter_info row = row_of(kinds[_i]);
+    char text[16] = "x";
+
+    ck_assert_int_eq(vor_kind_form_of(&row, VOR_UNSET), VOR_FORM_NONE);
+    vor_kind_write(&row, VOR_UNSET, NULL, text, sizeof text);
+    ck_assert_str_eq(text, "");
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("spec_kinds");
+
+    vt_add_loop(suite, a_text_is_read_as_its_value_and_written_back,
+                (int)(sizeof taken / sizeof taken[0]));
+    vt_add_loop(suite, what_is_not_of_the_kind_is_refused,
+                (int)(sizeof refused / sizeof refused[0]));
+    vt_add_loop(suite, no_kind_takes_nothing, VOR_KINDS);
+    vt_add_loop(suite, a_kind_takes_the_shapes_of_its_forms_alone, VOR_KINDS);
+    vt_add_loop(suite, a_kind_says_what_it_wants, VOR_KINDS);
+    vt_add_loop(suite, a_word_that_is_not_allowed_is_no_word, 2);
+    vt_add_loop(suite, every_value_reads_back_from_its_text, VOR_KINDS);
+    vt_add_loop(suite, a_value_that_is_not_given_has_no_form_and_no_text, 8);
+    return vt_run(suite);
+}
