@@ -1,0 +1,56 @@
+/* Any text for a parameter of any kind, in any shape. What is taken has a form of the kind, and a
+ * text of its own from which the same value is read in the same shape; what is refused leaves the
+ * value as it was. The first two bytes choose kind and shape. */
+#include "core/spec/kinds.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
+
+enum { TEXT_MAX = 300 };
+
+static void require(int holds, const char *what)
+{
+    if (holds)
+        return;
+    fprintf(stderr, "spec_fuzz: %s\n", what);
+    abort();
+}
+
+static void check(const struct vor_parameter_info *row, enum vor_shape shape, const char *text)
+{
+    struct vor_value value = {42, NULL}, again;
+    char written[TEXT_MAX + 64], twice[TEXT_MAX + 64];
+
+    if (!vor_kind_read(row, shape, text, &value)) {
+        require(value.number == 42 && value.text == NULL, "a refusal changes the value");
+        return;
+    }
+    require(vor_kind_form_of(row, value.number) != VOR_FORM_NONE, "a value without a form");
+    vor_kind_write(row, value.number, value.text, written, sizeof written);
+    require(vor_kind_read(row, shape, written, &again), "our own text is refused");
+    require(again.number == value.number, "a text stands for another value");
+    vor_kind_write(row, again.number, again.text, twice, sizeof twice);
+    require(strcmp(written, twice) == 0, "a text changes when it is read and written again");
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    struct vor_parameter_info row = {.name = "it",
+                                     .unit = "",
+                                     .min = 0,
+                                     .max = 200,
+                                     .choices = "mls outliers thin attribute:NAME",
+                                     .allowed = ~0ull};
+    char text[TEXT_MAX];
+
+    if (size < 2 || size - 2 >= sizeof text)
+        return 0;
+    row.kind = (enum vor_kind)(bytes[0] % VOR_KINDS);
+    memcpy(text, bytes + 2, size - 2);
+    text[size - 2] = '\0';
+    check(&row, (enum vor_shape)(bytes[1] % (VOR_SHAPE_ARRAY + 1)), text);
+    return 0;
+}

@@ -1,0 +1,328 @@
+/* Requests with parameters of every kind, by tables that have rows of the tests' own: text, JSON,
+ * the texts of a request, and what a process describes. No file of the product knows these rows. */
+#include "proto/json/json.h"
+#include "tests/support/vt.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static struct vor_spec request(void)
+{
+    struct vor_spec spec;
+
+    ck_assert_ptr_nonnull(vor_process_find("kinds"));
+    vor_spec_preset(&spec, vor_process_find("kinds"));
+    return spec;
+}
+
+static struct vor_json *parsed(const char *json)
+{
+    struct vor_json *out = NULL;
+
+    vt_assert_ok(vor_json_parse(&out, json, strlen(json), &vt_err));
+    return out;
+}
+
+/* The request as JSON (static storage). */
+static const char *written(const struct vor_spec *spec)
+{
+    static char kept[4096];
+    struct vor_text text;
+
+    vor_text_init(&text, 0);
+    vor_json_spec(&text, spec);
+    vt_assert_ok(vor_text_status(&text, &vt_err));
+    vt_assert_ok(vor_json_scan(text.data, text.size, &vt_err));
+    ck_assert_uint_lt(text.size, sizeof kept);
+    memcpy(kept, text.data, text.size + 1);
+    vor_text_free(&text);
+    return kept;
+}
+
+static void read_json(struct vor_spec *spec, const char *text)
+{
+    char pointer[VOR_JSON_POINTER_MAX];
+    struct vor_json *json = parsed(text);
+
+    vt_assert_ok(vor_json_spec_read(spec, json, pointer, &vt_err));
+    vor_json_free(json);
+}
+
+#define SPREAD                                                                                     \
+    "\"method\":\"cvt\",\"patch\":\"quadric\",\"neighbors\":\"auto\",\"boundary\":\"keep\","       \
+    "\"seed\":1,"
+
+START_TEST(a_preset_has_the_defaults_of_its_rows)
+{
+    struct vor_spec spec = request();
+
+    ck_assert_str_eq(written(&spec),
+                     "{" SPREAD "\"closed\":true,\"filters\":[\"outliers\"],\"density\":\"even\","
+                     "\"steps\":\"auto\",\"angle\":\"mean\",\"reach\":\"auto\"}");
+}
+END_TEST
+
+START_TEST(every_kind_is_read_from_json_and_written_back)
+{
+    static const char text[] =
+        "{\"label\":\"a \\\"b\\\" \xc3\xa9\",\"closed\":false,\"filters\":[\"mls\",\"thin\"],"
+        "\"density\":\"attribute:a,b:c\",\"title\":\"\",\"steps\":[],\"angle\":45.5,\"reach\":0}";
+    struct vor_spec spec = request(), back = request();
+
+    read_json(&spec, text);
+    ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_LABEL), "a \"b\" \xc3\xa9");
+    ck_assert(spec.value[VOR_PARAM_CLOSED] == 0);
+    ck_assert(spec.value[VOR_PARAM_FILTERS] == 5);
+    ck_assert(vor_list_has(spec.value[VOR_PARAM_FILTERS], 2));
+    ck_assert(!vor_list_has(spec.value[VOR_PARAM_FILTERS], 1));
+    ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_DENSITY), "a,b:c");
+    ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_TITLE), "");
+    ck_assert(spec.value[VOR_PARAM_STEPS] == 0);
+    ck_assert(spec.value[VOR_PARAM_ANGLE] == 45.5);
+    ck_assert_ptr_null(vor_spec_name(&spec, VOR_PARAM_ANGLE));
+    read_json(&back, written(&spec));
+    ck_assert_mem_eq(&spec, &back, sizeof spec);
+}
+END_TEST
+
+static const struct {
+    const char *name, *text, *json;
+} values[] = {
+    {"label", "hello", "\"hello\""},
+    {"closed", "true", "true"},
+    {"closed", "false", "false"},
+    {"filters", "mls,outliers,thin", "[\"mls\",\"outliers\",\"thin\"]"},
+    {"filters", "none", "[]"},
+    {"density", "even", "\"even\""},
+    {"density", "attribute:none", "\"attribute:none\""},
+    {"title", "none", "\"none\""},
+    {"steps", "auto", "\"auto\""},
+    {"steps", "down", "[\"down\"]"},
+    {"angle", "max", "\"max\""},
+    {"angle", "90", "90"},
+    {"reach", "auto", "\"auto\""},
+    {"reach", "0.125", "0.125"},
+    {"method", "slower", "\"slower\""},
+};
+
+START_TEST(text_and_json_say_the_same)
+{
+    struct vor_spec by_text = request(), by_json = request(), again = request();
+    enum vor_parameter parameter = vor_parameter_find(values[_i].name);
+    char json[128], text[VOR_SPEC_VALUE_SIZE];
+
+    vt_assert_ok(vor_spec_set(&by_text, values[_i].name, values[_i].text, &vt_err));
+    (void)snprintf(json, sizeof json, "{\"%s\":%s}", values[_i].name, values[_i].json);
+    read_json(&by_json, json);
+    ck_assert_mem_eq(&by_text, &by_json, sizeof by_text);
+    (void)snprintf(json, sizeof json, "\"%s\":%s", values[_i].name, values[_i].json);
+    ck_assert_msg(strstr(written(&by_json), json) != NULL, "no %s in %s", json, written(&by_json));
+    vor_spec_text(&by_json, parameter, text);
+    ck_assert_str_eq(text, values[_i].text);
+    vt_assert_ok(vor_spec_set(&again, values[_i].name, text, &vt_err));
+    ck_assert_mem_eq(&again, &by_json, sizeof again);
+}
+END_TEST
+
+static const struct {
+    const char *name, *json, *message;
+} refused[] = {
+    {"label", "5", "label is a number, want text of 1 to 300 bytes"},
+    {"label", "\"\"", "label is empty, want text of 1 to 300 bytes"},
+    {"label", "\"a\\nb\"", "label is \"a\\x0ab\", want text of 1 to 300 bytes"},
+    {"closed", "\"true\"", "closed is a string, want true or false"},
+    {"closed", "1", "closed is a number, want true or false"},
+    {"filters", "\"mls\"",
+     "filters is a string, want each at most once and with commas between, words of mls, outliers, "
+     "thin, or none"},
+    {"filters", "[\"mls\",5]",
+     "filters is \"mls,5\", want each at most once and with commas between, words of mls, "
+     "outliers, thin, or none"},
+    {"filters", "[\"mls,thin\"]",
+     "filters is \"\\x22mls,thin\\x22\", want each at most once and with commas between, words of "
+     "mls, outliers, thin, or none"},
+    {"filters", "[\"\"]",
+     "filters is \"\\x22\\x22\", want each at most once and with commas between, words of mls, "
+     "outliers, thin, or none"},
+    {"filters", "{}",
+     "filters is an object, want each at most once and with commas between, words of mls, "
+     "outliers, thin, or none"},
+    {"density", "\"odd\"",
+     "density is \"odd\", want one of even or attribute:NAME of 1 to 200 bytes"},
+    {"density", "\"attribute:\"",
+     "density is \"attribute:\", want one of even or attribute:NAME of 1 to 200 bytes"},
+    {"angle", "91", "angle is 91, want a number from 0 to 90 or one of mean, max"},
+    {"angle", "\"min\"", "angle is min, want a number from 0 to 90 or one of mean, max"},
+    {"angle", "null", "angle is null, want a number from 0 to 90 or one of mean, max"},
+    {"reach", "-1", "reach is -1, want a number from 0 to 1 or auto"},
+    {"method", "\"slow\"", "method is \"slow\", want one of cvt, slower"},
+    {"points", "5",
+     "no parameter points; kinds takes method, patch, neighbors, boundary, seed, label, closed, "
+     "filters, density, title, steps, angle, reach"},
+};
+
+START_TEST(a_wrong_value_is_named_with_what_is_wanted)
+{
+    struct vor_spec spec = request(), before = spec;
+    char pointer[VOR_JSON_POINTER_MAX], text[128];
+    struct vor_json *json;
+
+    (void)snprintf(text, sizeof text, "{\"%s\":%s}", refused[_i].name, refused[_i].json);
+    json = parsed(text);
+    vt_assert_fails(VOR_E_PARAM, vor_json_spec_read(&spec, json, pointer, &vt_err));
+    ck_assert_str_eq(vt_err.message, refused[_i].message);
+    ck_assert_str_eq(vt_err.parameter, refused[_i].name);
+    ck_assert_str_eq(pointer + 1, refused[_i].name);
+    ck_assert_mem_eq(&spec, &before, sizeof spec);
+    vor_json_free(json);
+}
+END_TEST
+
+/* In whatever order texts are set, and however often, equal requests are equal bytes. */
+START_TEST(texts_lie_in_the_order_of_the_parameters)
+{
+    static const char *const names[3] = {"label", "density", "title"};
+    static const char *const texts[3] = {"one", "attribute:two", "three"};
+    static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                     {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    struct vor_spec wanted = request(), spec = request();
+
+    for (int i = 0; i < 3; i++)
+        vt_assert_ok(vor_spec_set(&wanted, names[i], texts[i], &vt_err));
+    for (int i = 0; i < 3; i++)
+        vt_assert_ok(
+            vor_spec_set(&spec, names[orders[_i][i]], "attribute:longer than before", &vt_err));
+    for (int i = 0; i < 3; i++)
+        vt_assert_ok(vor_spec_set(&spec, names[orders[_i][i]], texts[orders[_i][i]], &vt_err));
+    ck_assert_mem_eq(&spec, &wanted, sizeof spec);
+    ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_LABEL), "one");
+    ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_DENSITY), "two");
+    ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_TITLE), "three");
+    vt_assert_ok(vor_spec_set(&spec, "density", "even", &vt_err));
+    ck_assert_ptr_null(vor_spec_name(&spec, VOR_PARAM_DENSITY));
+    ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_TITLE), "three");
+}
+END_TEST
+
+/* 300 bytes for one, 511 for all with a NUL each: the last byte fits, the next one does not. */
+START_TEST(texts_fit_into_a_request_or_are_refused)
+{
+    struct vor_spec spec = request(), before;
+    char text[VOR_SPEC_TEXTS_SIZE];
+    const size_t left = VOR_SPEC_TEXTS_SIZE - 301 - 1;
+
+    memset(text, 'x', sizeof text);
+    text[300] = '\0';
+    vt_assert_ok(vor_spec_set(&spec, "label", text, &vt_err));
+    text[left] = '\0';
+    vt_assert_ok(vor_spec_set(&spec, "title", text, &vt_err));
+    ck_assert_uint_eq(strlen(vor_spec_name(&spec, VOR_PARAM_TITLE)), left);
+    before = spec;
+    text[left] = 'x';
+    text[left + 1] = '\0';
+    vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, "title", text, &vt_err));
+    ck_assert_str_eq(vt_err.message,
+                     "title has 211 bytes, want at most 512 in all texts of a request");
+    ck_assert_str_eq(vt_err.parameter, "title");
+    ck_assert_mem_eq(&spec, &before, sizeof spec);
+    vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, "density", "attribute:a", &vt_err));
+    ck_assert_str_eq(vt_err.parameter, "density");
+    ck_assert_mem_eq(&spec, &before, sizeof spec);
+    vt_assert_ok(vor_spec_set(&spec, "label", "short", &vt_err));
+    vt_assert_ok(vor_spec_set(&spec, "density", "attribute:a", &vt_err));
+}
+END_TEST
+
+/* The schema of an input of the description, in one line (static storage). */
+static const char *schema(const char *name)
+{
+    static char kept[1024];
+    struct vor_text text, part;
+    struct vor_json *json;
+
+    vor_text_init(&text, 0);
+    vor_text_init(&part, 0);
+    vor_json_process(&text, vor_process_find("kinds"), NULL, 0);
+    json = parsed(text.data);
+    vor_json_copy(&part, vor_json_get(vor_json_get(vor_json_get(json, "inputs"), name), "schema"));
+    ck_assert_uint_lt(part.size, sizeof kept);
+    memcpy(kept, part.data, part.size + 1);
+    vor_json_free(json);
+    vor_text_free(&text);
+    vor_text_free(&part);
+    return kept;
+}
+
+static const struct {
+    const char *name, *schema;
+} schemas[] = {
+    {"label", "{\"type\":\"string\",\"minLength\":1,\"maxLength\":300}"},
+    {"title", "{\"type\":\"string\",\"minLength\":0,\"maxLength\":300}"},
+    {"closed", "{\"type\":\"boolean\",\"default\":true}"},
+    {"filters", "{\"type\":\"array\",\"uniqueItems\":true,\"items\":{\"type\":\"string\",\"enum\":["
+                "\"mls\",\"outliers\",\"thin\"]},\"default\":[\"outliers\"]}"},
+    {"density", "{\"oneOf\":[{\"type\":\"string\",\"enum\":[\"even\"]},{\"type\":\"string\","
+                "\"pattern\":\"^(attribute):.{1,200}$\"}],\"default\":\"even\"}"},
+    {"steps", "{\"oneOf\":[{\"type\":\"array\",\"uniqueItems\":true,\"items\":{\"type\":\"string\","
+              "\"enum\":[\"up\",\"down\"]}},{\"type\":\"string\",\"enum\":[\"auto\"]}],"
+              "\"default\":\"auto\"}"},
+    {"angle", "{\"oneOf\":[{\"type\":\"number\",\"minimum\":0,\"maximum\":90},{\"type\":\"string\","
+              "\"enum\":[\"mean\",\"max\"]}],\"default\":\"mean\",\"x-unit\":\"degrees\"}"},
+    {"reach", "{\"oneOf\":[{\"type\":\"number\",\"minimum\":0,\"maximum\":1},{\"type\":\"string\","
+              "\"enum\":[\"auto\"]}],\"default\":\"auto\"}"},
+    {"method", "{\"type\":\"string\",\"enum\":[\"cvt\",\"slower\"],\"default\":\"cvt\"}"},
+};
+
+START_TEST(a_kind_has_its_schema)
+{
+    ck_assert_str_eq(schema(schemas[_i].name), schemas[_i].schema);
+}
+END_TEST
+
+START_TEST(inputs_that_are_required_or_needed_must_come_along)
+{
+    struct vor_spec spec = request();
+
+    vt_assert_fails(VOR_E_PARAM, vor_spec_check_inputs(&spec, 1, &vt_err));
+    ck_assert_str_eq(vt_err.parameter, "second");
+    vt_assert_ok(vor_spec_check_inputs(&spec, 3, &vt_err));
+    vt_assert_ok(vor_spec_set(&spec, "title", "of the third", &vt_err));
+    vt_assert_fails(VOR_E_PARAM, vor_spec_check_inputs(&spec, 3, &vt_err));
+    ck_assert_str_eq(vt_err.message, "title is of the third without a third");
+    vt_assert_ok(vor_spec_check_inputs(&spec, 7, &vt_err));
+}
+END_TEST
+
+/* What the product asks of its requests does not change by rows that it does not know. */
+START_TEST(other_processes_do_not_take_the_new_rows)
+{
+    struct vor_spec spec;
+
+    vor_spec_init(&spec);
+    vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, "label", "x", &vt_err));
+    ck_assert_ptr_null(strstr(vt_err.message, "density"));
+    ck_assert_ptr_null(strstr(written(&spec), "closed"));
+    ck_assert(vor_spec_form(&spec, VOR_PARAM_REACH) == VOR_FORM_NONE);
+    ck_assert(spec.value[VOR_PARAM_REACH] == 0.25); /* the table's default, for whatever runs */
+    vt_assert_ok(vor_spec_set(&spec, "method", "slow", &vt_err));
+    ck_assert(spec.value[VOR_PARAM_METHOD] == VOR_METHOD_SLOW);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("requests");
+
+    vt_add(suite, a_preset_has_the_defaults_of_its_rows);
+    vt_add(suite, every_kind_is_read_from_json_and_written_back);
+    vt_add_loop(suite, text_and_json_say_the_same, (int)(sizeof values / sizeof values[0]));
+    vt_add_loop(suite, a_wrong_value_is_named_with_what_is_wanted,
+                (int)(sizeof refused / sizeof refused[0]));
+    vt_add_loop(suite, texts_lie_in_the_order_of_the_parameters, 6);
+    vt_add(suite, texts_fit_into_a_request_or_are_refused);
+    vt_add_loop(suite, a_kind_has_its_schema, (int)(sizeof schemas / sizeof schemas[0]));
+    vt_add(suite, inputs_that_are_required_or_needed_must_come_along);
+    vt_add(suite, other_processes_do_not_take_the_new_rows);
+    return vt_run(suite);
+}
