@@ -75,6 +75,16 @@ const char *vor_spec_name(const struct vor_spec *spec, enum vor_parameter parame
     return text;
 }
 
+static vor_status refuse_size(enum vor_parameter parameter, const struct vor_value *value,
+                              struct vor_error *err)
+{
+    const char *name = vor_parameter_info(parameter)->name;
+
+    return vor_fail_param(err, VOR_E_PARAM, name,
+                          "%s has %zu bytes, want at most %d in all texts of a request", name,
+                          value->text != NULL ? strlen(value->text) : 0, VOR_SPEC_TEXTS_SIZE);
+}
+
 /* Sets a value and lays the texts out anew. */
 static vor_status store(struct vor_spec *spec, enum vor_parameter parameter,
                         const struct vor_value *value, struct vor_error *err)
@@ -87,15 +97,14 @@ static vor_status store(struct vor_spec *spec, enum vor_parameter parameter,
     for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
         const char *text =
             i == (int)parameter ? value->text : vor_spec_name(spec, (enum vor_parameter)i);
-        size_t size = text != NULL ? strlen(text) + 1 : 0;
+        size_t size;
 
+        if (text == NULL)
+            continue;
+        size = strlen(text) + 1;
         if (size > sizeof next.texts - at)
-            return vor_fail_param(err, VOR_E_PARAM, vor_parameter_info(parameter)->name,
-                                  "%s has %zu bytes, want at most %d in all texts of a request",
-                                  vor_parameter_info(parameter)->name, strlen(value->text),
-                                  VOR_SPEC_TEXTS_SIZE);
-        if (size > 0)
-            memcpy(next.texts + at, text, size);
+            return refuse_size(parameter, value, err);
+        memcpy(next.texts + at, text, size);
         at += size;
     }
     *spec = next;
@@ -143,15 +152,15 @@ static vor_status refuse_text(const struct vor_parameter_info *info, const char 
     return refuse_value(info, what, err);
 }
 
-/* The parameter of that name as the process has it. */
-static vor_status find(const struct vor_spec *spec, const char *name, enum vor_parameter *out,
-                       struct vor_parameter_info *info, struct vor_error *err)
+/* The parameter of that name as the process has it; false when it takes none. */
+static int find(const struct vor_spec *spec, const char *name, enum vor_parameter *out,
+                struct vor_parameter_info *info)
 {
     *out = vor_parameter_find(name);
     if (*out == VOR_PARAMETER_COUNT || !vor_process_takes(spec->process, *out))
-        return refuse_name(spec->process, name, err);
+        return 0;
     *info = vor_process_parameter(spec->process, *out);
-    return VOR_OK;
+    return 1;
 }
 
 vor_status vor_spec_refuse(const struct vor_spec *spec, const char *name, const char *what,
@@ -159,9 +168,9 @@ vor_status vor_spec_refuse(const struct vor_spec *spec, const char *name, const 
 {
     struct vor_parameter_info info;
     enum vor_parameter parameter;
-    vor_status status = find(spec, name, &parameter, &info, err);
 
-    return status == VOR_OK ? refuse_value(&info, what, err) : status;
+    return find(spec, name, &parameter, &info) ? refuse_value(&info, what, err)
+                                               : refuse_name(spec->process, name, err);
 }
 
 vor_status vor_spec_set_as(struct vor_spec *spec, const char *name, enum vor_shape shape,
@@ -170,10 +179,9 @@ vor_status vor_spec_set_as(struct vor_spec *spec, const char *name, enum vor_sha
     struct vor_parameter_info info;
     enum vor_parameter parameter;
     struct vor_value value;
-    vor_status status = find(spec, name, &parameter, &info, err);
 
-    if (status != VOR_OK)
-        return status;
+    if (!find(spec, name, &parameter, &info))
+        return refuse_name(spec->process, name, err);
     if (!vor_kind_has_shape(info.kind, shape))
         return refuse_value(&info, vor_shape_word(shape), err);
     if (!vor_kind_read(&info, shape, text, &value))

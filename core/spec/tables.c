@@ -14,7 +14,7 @@ static const struct vor_parameter_info infos[VOR_PARAMETER_COUNT] = {
 static const struct vor_process_info processes[] = {
 #define PROCESS_ROW(id, name, http, groups, methods, least, most, inputs, outputs, title,          \
                     sentence)                                                                      \
-    {#name, http, groups, methods, least, most, inputs, outputs, title, sentence},
+    {#name, http, groups, methods, least, most, VOR_LIST inputs, VOR_LIST outputs, title, sentence},
     VOR_PROCESS_TABLE(PROCESS_ROW)
 #undef PROCESS_ROW
 };

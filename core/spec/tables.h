@@ -184,29 +184,24 @@ struct vor_artefact_info {
 #define VOR_INPUTS_MAX 4
 #define VOR_OUTPUTS_MAX 4
 
-/** Lists of inputs and of outputs, the main one first. A list must be a macro of its own: the
- * commas between its braces would part the columns of a row. */
+/** Lists of inputs and of outputs, the main one first. A list stands in parentheses, which keep its
+ *  commas from parting the columns of a row. */
+#define VOR_LIST(...)                                                                              \
+    {                                                                                              \
+        __VA_ARGS__                                                                                \
+    }
 #define VOR_CLOUD_IN                                                                               \
-    {                                                                                              \
-        {"cloud", VOR_ARTEFACT_CLOUD, 1,                                                           \
-         "The point cloud, recognised by its bytes; over HTTP the body of the request"},           \
-    }
+    ({"cloud", VOR_ARTEFACT_CLOUD, 1,                                                              \
+      "The point cloud, recognised by its bytes; over HTTP the body of the request"})
 #define VOR_CLOUD_AND_REFERENCE_IN                                                                 \
-    {                                                                                              \
-        {"cloud", VOR_ARTEFACT_CLOUD, 1, "The point cloud, recognised by its bytes"},              \
-            {"reference", VOR_ARTEFACT_CLOUD, 0,                                                   \
-             "A cloud to tell the distances to, from it and back"},                                \
-    }
+    ({"cloud", VOR_ARTEFACT_CLOUD, 1, "The point cloud, recognised by its bytes"},                 \
+     {"reference", VOR_ARTEFACT_CLOUD, 0, "A cloud to tell the distances to, from it and back"})
 #define VOR_CLOUD_OUT                                                                              \
-    {                                                                                              \
-        {"cloud", VOR_ARTEFACT_CLOUD, 1, "The cloud that comes of it"},                            \
-            {"report", VOR_ARTEFACT_DOCUMENT, 1, "What the run did and how even the result is"},   \
-    }
+    ({"cloud", VOR_ARTEFACT_CLOUD, 1, "The cloud that comes of it"},                               \
+     {"report", VOR_ARTEFACT_DOCUMENT, 1, "What the run did and how even the result is"})
 #define VOR_MEASURE_OUT                                                                            \
-    {                                                                                              \
-        {"measure", VOR_ARTEFACT_DOCUMENT, 1,                                                      \
-         "How even the cloud is and, with a reference, the distances"},                            \
-    }
+    ({"measure", VOR_ARTEFACT_DOCUMENT, 1,                                                         \
+      "How even the cloud is and, with a reference, the distances"})
 
 /** Sets of groups and of methods. */
 #define VOR_IN(group) (1u << VOR_GROUP_##group)

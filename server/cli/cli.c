@@ -60,7 +60,7 @@ int vor_cli_main(int argc, char **argv)
 {
     struct vor_error err = {.status = VOR_OK};
     struct vor_command command;
-    struct vor_cli cli;
+    struct vor_cli cli = {.command = &command};
 
     if (!find(&command, argv[0]))
         return VOR_EXIT_USAGE;

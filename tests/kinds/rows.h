@@ -20,15 +20,10 @@
     X(REACH, reach, REAL_OR_AUTO, KINDS, "", 0, 1, 0.25, "", "A number or auto")
 
 #define VT_KINDS_IN                                                                                \
-    {                                                                                              \
-        {"first", VOR_ARTEFACT_CLOUD, 1, "The one cloud"},                                         \
-            {"second", VOR_ARTEFACT_CLOUD, 1, "The other cloud"},                                  \
-            {"third", VOR_ARTEFACT_CLOUD, 0, "What nobody needs"},                                 \
-    }
-#define VT_KINDS_OUT                                                                               \
-    {                                                                                              \
-        {"words", VOR_ARTEFACT_DOCUMENT, 1, "What was asked for"},                                 \
-    }
+    ({"first", VOR_ARTEFACT_CLOUD, 1, "The one cloud"},                                            \
+     {"second", VOR_ARTEFACT_CLOUD, 1, "The other cloud"},                                         \
+     {"third", VOR_ARTEFACT_CLOUD, 0, "What nobody needs"})
+#define VT_KINDS_OUT ({"words", VOR_ARTEFACT_DOCUMENT, 1, "What was asked for"})
 
 #define VOR_EXTRA_PROCESSES(X)                                                                     \
     X(KINDS, kinds, 0, VOR_IN(KINDS) | VOR_IN(SPREAD), VOR_BY(CVT) | VOR_BY(SLOWER), 0, 0,         \
