@@ -1,6 +1,6 @@
 /* A head, a row for each attribute, then the positions and the values, all as they lie in memory:
  * the file never leaves the machine that wrote it, and `order` tells when it did. */
-#include "proto/codec.h"
+#include "proto/dump.h"
 
 #include <string.h>
 

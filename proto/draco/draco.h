@@ -2,7 +2,7 @@
 #ifndef VOR_PROTO_DRACO_H
 #define VOR_PROTO_DRACO_H
 
-#include "proto/codec.h"
+#include "proto/format.h"
 
 /** Reads a point cloud, or the vertices of a mesh, of bitstream 1.0 .. 1.3 and 2.0 .. 2.3 (meshes:
  *  2.2).

@@ -2,7 +2,7 @@
 #ifndef VOR_PROTO_PLY_H
 #define VOR_PROTO_PLY_H
 
-#include "proto/codec.h"
+#include "proto/format.h"
 
 /** Reads the element `vertex` of an ascii, binary_little_endian or binary_big_endian file.
  *

@@ -1,4 +1,5 @@
 #include "server/work/admit.h"
+#include "proto/dump.h"
 
 #include "server/base/clock.h"
 #include "server/base/disk.h"

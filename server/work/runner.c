@@ -3,6 +3,7 @@
 
 #include "core/engine.h"
 #include "proto/codec.h"
+#include "proto/dump.h"
 #include "proto/json/json.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"

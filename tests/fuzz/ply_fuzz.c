@@ -3,6 +3,7 @@
  *
  * Build with -fsanitize=fuzzer,address,undefined; -dict=tests/fuzz/ply.dict helps. */
 #include "proto/codec.h"
+#include "proto/dump.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,6 @@
 /* Admission: strangers' bytes become a durable, checked cloud, or an error and nothing else. */
 #include "proto/codec.h"
+#include "proto/dump.h"
 #include "server/base/disk.h"
 #include "server/work/admit.h"
 #include "tests/support/vt.h"

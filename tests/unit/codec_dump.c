@@ -1,5 +1,6 @@
 /* The dump of a decoded cloud: exact, and refused where a byte of its tables is wrong. */
 #include "proto/codec.h"
+#include "proto/dump.h"
 #include "tests/support/vt.h"
 
 #include <stdlib.h>

@@ -1,0 +1,15 @@
+/** A decoded cloud as a job keeps it. */
+#ifndef VOR_PROTO_DUMP_H
+#define VOR_PROTO_DUMP_H
+
+#include "proto/format.h"
+
+/** Our own exact dump of a decoded cloud, for the machine that wrote it: what a job keeps so that
+ * no retry parses the upload again. The reader checks sizes and finiteness but is not for
+ * strangers' bytes. Same failures as vor_format.read and .write. */
+VOR_NODISCARD vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *cloud,
+                                        struct vor_error *err);
+VOR_NODISCARD vor_status vor_dump_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
+                                       struct vor_error *err);
+
+#endif
