@@ -12,7 +12,7 @@ for stage in "$@"; do
     done <"$here/packages.txt"
 done
 [ -n "$missing" ] || exit 0
-export DEBIAN_FRONTEND=noninteractive
+export DEBIAN_FRONTEND=noninteractive LC_ALL=C
 if [ "$(id -u)" = 0 ]; then
     as_root=
 elif command -v sudo >/dev/null 2>&1 && sudo -n true 2>/dev/null; then
@@ -22,8 +22,27 @@ else
     echo "apt-get install -y --no-install-recommends$missing" >&2
     exit 1
 fi
-# shellcheck disable=SC2086 # lists of words
+
+# apt-get, which fails at once while another apt holds a lock: waits up to five minutes for that one to end.
+apt_get()
 {
-    $as_root apt-get update -q
-    $as_root apt-get install -y -q --no-install-recommends $missing
+    errors=$(mktemp)
+    waited=0
+    # shellcheck disable=SC2086 # "sudo -n" is two words
+    until $as_root apt-get "$@" 2>"$errors"; do
+        if [ "$waited" -ge 300 ] || ! grep -qE 'Could not get lock|Unable to (lock|acquire)' "$errors"; then
+            cat "$errors" >&2
+            rm -f "$errors"
+            return 1
+        fi
+        [ "$waited" -gt 0 ] || echo "Another apt is at work: waiting for it, up to five minutes." >&2
+        sleep 2
+        waited=$((waited + 2))
+    done
+    cat "$errors" >&2
+    rm -f "$errors"
 }
+
+apt_get update -q
+# shellcheck disable=SC2086 # a list of words
+apt_get install -y -q --no-install-recommends $missing

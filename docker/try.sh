@@ -12,15 +12,10 @@ trap 'kill $(jobs -p) 2>/dev/null || true; wait; rm -rf "$work"' EXIT
 awk 'BEGIN { srand(3); print "ply\nformat ascii 1.0\nelement vertex 3000\nproperty float x\nproperty float y\nproperty float z\nend_header"
     for (i = 0; i < 3000; i++) { z = 2 * rand() - 1; a = 6.2831853 * rand(); r = sqrt(1 - z * z); print r * cos(a), r * sin(a), z } }' \
     >"$work/sphere.ply"
+: >"$work/log"
 setpriv --no-new-privs chroot --userspec=65532:65532 "$root" /usr/bin/voronoid serve \
-    --listen 127.0.0.1:0 --data /var/lib/voronoid 2>"$work/log" &
-url=
-for _ in $(seq 100); do
-    url=$(sed -n 's/.*"address":"\([^"]*\)".*/http:\/\/\1/p' "$work/log" | head -n 1)
-    [ -z "$url" ] || break
-    sleep 0.1
-done
-[ -n "$url" ] || { cat "$work/log" >&2; exit 1; }
+    --listen 127.0.0.1:0 --data /var/lib/voronoid 2>>"$work/log" &
+url=$(tests/demo/listening.sh "$work/log" $!)
 chroot --userspec=65532:65532 "$root" /usr/bin/voronoid health --server "$url"
 curl -sSf -X POST -T "$work/sphere.ply" -o "$work/out.drc" "$url/v1/resample?points=500&format=drc"
 head -c 5 "$work/out.drc" | grep -q DRACO

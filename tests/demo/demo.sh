@@ -11,18 +11,11 @@ points=${POINTS:-10000}
 start_daemon()
 {
     data=$(mktemp -d)
-    "$voronoid" serve --listen 127.0.0.1:0 --data "$data" 2>"$out/daemon.log" &
+    : >"$out/daemon.log" # here, not in the child: the log of an earlier demo must not be read
+    "$voronoid" serve --listen 127.0.0.1:0 --data "$data" 2>>"$out/daemon.log" &
     daemon=$!
     trap stop_daemon EXIT
-    for _ in $(seq 100); do
-        url=$(sed -n 's/.*"address":"\([^"]*\)".*/http:\/\/\1/p' "$out/daemon.log" | head -n 1)
-        [ -z "$url" ] || return 0
-        kill -0 "$daemon" 2>/dev/null || break
-        sleep 0.1
-    done
-    echo "the daemon did not start:" >&2
-    cat "$out/daemon.log" >&2
-    exit 1
+    url=$(tests/demo/listening.sh "$out/daemon.log" "$daemon")
 }
 
 stop_daemon()
