@@ -85,7 +85,7 @@ struct vor_config {
 
 /** --flag VALUE and --flag=VALUE of argv[1 .. argc - 1], for the others the environment, then the
  *  default; then DATA, STORE, BLOBS, host and port are worked out. getenv is the environment to
- * read.
+ *  read.
  *
  *  @retval VOR_E_PARAM an unknown flag, a value missing or out of range (message: flag, value and
  *                      range), LISTEN not HOST:PORT, not a loopback address without NO_AUTH,

@@ -1,5 +1,5 @@
 /** Bytes that outlive a request, by job and name: decoded uploads and results. The door to
- * whichever driver --blobs names. */
+ *  whichever driver --blobs names. */
 #ifndef VOR_SERVER_BLOB_H
 #define VOR_SERVER_BLOB_H
 
@@ -34,7 +34,7 @@ VOR_NODISCARD vor_status vor_blobs_space(struct vor_blobs *blobs, uint64_t *avai
                                          uint64_t *total, struct vor_error *err);
 
 /** Begins a blob, of which size and SHA-256 are known as it grows. A writer belongs to one thread
- * at a time. Nothing of it is kept until it is committed, not after a crash either.
+ *  at a time. Nothing of it is kept until it is committed, not after a crash either.
  *
  *  @retval VOR_E_IO (vor_error_storage_full tells a full disk apart), VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_blob_create(struct vor_blobs *blobs, struct vor_blob_writer **out,
@@ -59,7 +59,7 @@ void vor_blob_sha256(const struct vor_blob_writer *writer, char out[VOR_DIGEST_S
 int vor_blob_fd(const struct vor_blob_writer *writer);
 
 /** Makes the bytes durable as `name` of job id, in place of what was there. The writer is gone
- * either way.
+ *  either way.
  *
  *  @param[in] name  1 .. VOR_BLOB_NAME_MAX of a-z, 0-9, '-' and '_', as everywhere below
  *

@@ -13,9 +13,9 @@
 
 enum { STREAM_BLOCK = 16384 };
 
-/* False when a wake came first, or nobody would come to wake it: then go on at once. One that stays
- * is not woken when its peer leaves. Closing wakes all: who finds it not yet begun here has that
- * wake kept for him. */
+/* Suspends the request; false when it should go on at once, because it was woken already or the
+ * daemon closes. A request that stays is not woken when its peer leaves. Closing sets its flag
+ * first and wakes all then, so a request that misses the flag here has the wake kept for it. */
 static bool request_sleep(struct vor_request *request, bool stays)
 {
     bool sleeps;
@@ -54,7 +54,8 @@ static ssize_t on_read(void *cls, uint64_t position, char *out, size_t size)
     }
 }
 
-/* The library's form of the recorded reply; what it takes over is taken out of the record. */
+/* Makes the library's form of the recorded reply, and takes out of the record what the library now
+ * owns. */
 static struct MHD_Response *make_response(struct vor_request *request)
 {
     struct vor_reply *reply = &request->reply;
@@ -126,7 +127,8 @@ static void refuse(struct vor_request *request, const struct vor_refusal *refusa
     vor_reply_close(request);
 }
 
-/* While a body arrives the library takes no reply: write it ourselves, then drop the connection. */
+/* The library takes no reply while a body arrives: we write it ourselves, then drop the
+ * connection. */
 static enum MHD_Result abort_body(struct vor_request *request, const struct vor_refusal *refusal)
 {
     const union MHD_ConnectionInfo *info =
@@ -143,8 +145,8 @@ static enum MHD_Result abort_body(struct vor_request *request, const struct vor_
     return MHD_NO;
 }
 
-/* What the sweeper sends when the body is late: it must not touch the request, so it is made now.
- */
+/* Makes the reply that the sweeper sends when the body is late. The sweeper must not touch the
+ * request, so the reply is made before. */
 static void prepare_late(struct vor_request *request)
 {
     struct vor_refusal late = {408, "upload-timeout",
@@ -235,8 +237,8 @@ static const char *check_head(struct vor_request *request, const char **detail)
     return "malformed-request";
 }
 
-/* Requests without a body wait for the second call: a reply to the first one would close their
- * connection. */
+/* The library closes the connection of a request that is answered in this first call. So a request
+ * without a body is answered in the second one. */
 static enum MHD_Result first_call(struct vor_request *request, const char *method,
                                   const char *version)
 {

@@ -1,5 +1,5 @@
 /** A request from its first line to the last byte of its reply: the library's callbacks. Their
- * first argument is the struct vor_http. */
+ *  first argument is the struct vor_http. */
 #ifndef VOR_SERVER_HTTP_EXCHANGE_H
 #define VOR_SERVER_HTTP_EXCHANGE_H
 

@@ -127,7 +127,7 @@ const char *vor_request_id(const struct vor_request *request);
 /** Declared Content-Length, or -1. */
 int64_t vor_request_length(const struct vor_request *request);
 
-/** True once the peer closed its side; the reply goes nowhere, but must be made. */
+/** True once the peer has closed its side. A reply must be made all the same. */
 int vor_request_gone(const struct vor_request *request);
 
 /** True once vor_http_close_waiting was called: wait no longer. */

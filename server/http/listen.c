@@ -104,8 +104,8 @@ static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
 {
     const struct vor_http_options *options = &http->options;
 
-    /* The library shares its connections out to its threads and drops what is above: give it twice
-     * as many, so that it is us who refuse. */
+    /* The library divides its limit of connections among its threads and drops those above it
+     * without an answer. With twice as many, the refusals are ours. */
     return MHD_start_daemon(
         MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG, 0, NULL, NULL,
         vor_exchange_step, http, MHD_OPTION_EXTERNAL_LOGGER, on_log, http, MHD_OPTION_LISTEN_SOCKET,

@@ -74,12 +74,13 @@ static void poke(const struct vor_watchman *watchman)
 {
     uint64_t one = 1;
 
-    /* A full counter has poked already. */
+    /* A write to a full counter fails, but then a poke is pending already. */
     if (write(watchman->poke, &one, sizeof one) < 0)
         return;
 }
 
-/* Room to poll and to call every peer; without memory the sweep does without the newest ones. */
+/* Makes room to poll and to call every peer. When memory is out, the newest peers are not watched.
+ */
 static void grow(struct vor_watchman *watchman)
 {
     size_t want = watchman->count + LINGER_MAX + 1;
@@ -137,7 +138,7 @@ static struct vor_peer *find_serial(struct vor_watchman *watchman, uint64_t seri
     return peer;
 }
 
-/* A descriptor may have been closed and taken again since it was collected; the serial tells. */
+/* A descriptor may have been closed and reused since it was collected; the serial number tells. */
 static void note_departures(struct vor_watchman *watchman)
 {
     size_t first = watchman->poll_count - watchman->watched;
@@ -155,8 +156,8 @@ static void note_departures(struct vor_watchman *watchman)
     }
 }
 
-/* Reads on what a refused client still sends: closing with bytes unread would reset the connection
- * and take the reply with it. */
+/* Reads what a refused client still sends. Closing a socket with unread bytes resets the
+ * connection, and the client may lose the reply. */
 static void drain_lingering(struct vor_watchman *watchman, double now)
 {
     static const size_t pieces_max = 64;
@@ -196,8 +197,8 @@ static bool is_late(const struct vor_watchman *watchman, const struct vor_peer *
     return false;
 }
 
-/* The library waits for edges, and loses the one of an end that came together with the last bytes.
- * Nothing is cut while it may still be at work on these. */
+/* The library uses edge-triggered events and misses a close that arrives together with the last
+ * bytes. Nothing is cut while the library may still work on those bytes. */
 static bool has_left(struct vor_peer *peer, double now)
 {
     char byte;

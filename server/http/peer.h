@@ -1,6 +1,6 @@
 /** Deadlines and departures, which the library does not watch: a thread walks all connections, cuts
  *  what is late, and wakes a waiting request when its peer leaves. A peer may be NULL everywhere:
- * it is one that is not watched. Thread-safe; nothing here blocks. */
+ *  it is one that is not watched. Thread-safe; nothing here blocks. */
 #ifndef VOR_SERVER_HTTP_PEER_H
 #define VOR_SERVER_HTTP_PEER_H
 

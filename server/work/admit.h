@@ -1,5 +1,5 @@
-/** Untrusted bytes become a decoded, checked cloud, once, before a job exists. The one place that
- *  decodes for the daemon. */
+/** Decodes and checks what clients upload, once, before a job exists. No other file of the daemon
+ *  decodes. */
 #ifndef VOR_SERVER_WORK_ADMIT_H
 #define VOR_SERVER_WORK_ADMIT_H
 
@@ -32,7 +32,7 @@ VOR_NODISCARD vor_status vor_admit_file(struct vor_uuid *id, struct vor_job_inpu
                                         const struct vor_admit_limits *limits,
                                         struct vor_error *err);
 
-/** Threads that do this off the HTTP threads. */
+/** A pool of threads that admit uploads, so that HTTP threads do not wait. */
 struct vor_admit;
 
 /** One upload on its way. The caller fills in upload, done and ctx and keeps the struct until done

@@ -1,5 +1,5 @@
 /** Threads for what may block: HTTP threads hand it over and go on. Tasks begin in the order in
- * which they were handed over. Thread-safe. */
+ *  which they were handed over. Thread-safe. */
 #ifndef VOR_SERVER_WORK_CREW_H
 #define VOR_SERVER_WORK_CREW_H
 

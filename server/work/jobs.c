@@ -30,7 +30,7 @@ void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out)
 
 /* --- accepting -------------------------------------------------------------------------------- */
 
-/* What the engine would refuse minutes later is refused now, as far as it is known now. */
+/* Refuses now what the engine would refuse minutes later, as far as that can be known now. */
 static vor_status check_target(const struct vor_spec *spec, const struct vor_job_input *input,
                                struct vor_error *err)
 {
@@ -387,7 +387,7 @@ void vor_worker_dismiss_soon(struct vor_worker *worker, struct vor_dismissal *di
     dismissal->task = (struct vor_task){.run = run_dismissal, .ctx = dismissal};
     if (vor_crew_take(worker->crew, &dismissal->task) == VOR_DONE)
         return;
-    dismissal->outcome = VOR_DRAINING; /* the crew's room has no bound: it has closed */
+    dismissal->outcome = VOR_DRAINING; /* a crew without a bound refuses only once it closes */
     dismissal->done(dismissal);
 }
 

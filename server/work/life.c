@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <time.h>
 
-/* Dismissals wait for the one connection that writes: a second thread only saves them each other's
- * removal of bytes. */
+/* The store has one connection that writes, so a second thread only helps while the first one
+ * removes files. */
 enum { SWEEP_SECONDS = 60, CREW_THREADS = 2 };
 
 static void *runner_main(void *arg)

@@ -1,5 +1,5 @@
 /** The worker's state: the jobs that wait or run, and how many run. The files of this room share
- * it; nobody else includes this. */
+ *  it; nobody else includes this. */
 #ifndef VOR_SERVER_WORK_LIVE_H
 #define VOR_SERVER_WORK_LIVE_H
 
@@ -52,20 +52,20 @@ struct vor_worker {
 /** The live job of that id with a reference for the caller, NULL when there is none. */
 struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid *id);
 
-/** Adds a job to, takes it off the list of live ones; the list has its own reference.
+/** Adds a job to the list of live ones, or takes it off. The list has a reference of its own.
  *
  *  @retval VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_worker_remember(struct vor_worker *worker, struct vor_job *job,
                                              struct vor_error *err);
 void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job);
 
-/** A runner begins with a job, which counts as running from then on; false, and it must not run it,
- *  when the daemon goes down. */
+/** Counts a job as running, until vor_worker_leave. False when the daemon goes down; the job must
+ *  not be run then. */
 int vor_worker_enter(struct vor_worker *worker, const struct vor_job *job);
 void vor_worker_leave(struct vor_worker *worker);
 
 /** Waits until something changed or the deadline (vor_clock_seconds) is over; the mutex is held.
- * True when it is over. */
+ *  True when it is over. */
 int vor_worker_wait_until(struct vor_worker *worker, double deadline);
 
 /** Waits up to `seconds`; returns at once when the daemon goes down. True when it does. */

@@ -143,8 +143,9 @@ static void note_blob(void *ctx, const struct vor_uuid *id, const char *name)
     found->count++;
 }
 
-/* A job that is not over needs all its blobs: it may be writing its result. One that is over needs
- * none but the result of a success. What cannot be found out is needed, too. */
+/* A job that is not over needs all its blobs; it may be writing its result just now. A job that is
+ * over needs only the result, if it was successful. When the store cannot be read, a blob counts as
+ * needed. */
 static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blob)
 {
     struct vor_job_view row;

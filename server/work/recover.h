@@ -1,6 +1,5 @@
-/** Putting back in order what a former life of the daemon left. What is needed before anybody is
- *  answered comes first and takes as long as there are jobs that wait; tidying up comes later, on
- *  the sweeper's thread. */
+/** Recovery: puts in order what a former life of the daemon left. Jobs come first, before anybody
+ *  is answered; files are tidied up later, on the sweeper's thread. */
 #ifndef VOR_SERVER_WORK_RECOVER_H
 #define VOR_SERVER_WORK_RECOVER_H
 

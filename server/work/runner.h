@@ -5,7 +5,7 @@
 #include "server/work/live.h"
 
 /** Claims, runs and ends a job that was popped from the queue. Returns when it is over, or was
- * given back because the daemon goes down. */
+ *  given back because the daemon goes down. */
 void vor_worker_run(struct vor_worker *worker, struct vor_job *job);
 
 #endif

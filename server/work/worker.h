@@ -28,8 +28,8 @@ struct vor_worker_config {
 };
 
 /** Puts every job that a former life of the daemon left waiting or running back into the queue, in
- *  the order of acceptance, or fails it with a reason; then starts the threads. Expired results,
- * and bytes that no job needs, are removed behind the caller's back.
+ *  the order of acceptance, or fails it with a reason; then starts the threads. The sweeper then
+ *  removes expired results and bytes that no job needs.
  *
  *  @retval VOR_E_IO, VOR_E_NOMEM
  *
@@ -106,10 +106,10 @@ VOR_NODISCARD enum vor_outcome vor_worker_follow(struct vor_worker *worker,
 void vor_worker_followed(struct vor_worker *worker, const struct vor_followed *followed,
                          struct vor_job_view *out);
 
-/** Lets go of job and bus, which are NULL then; twice is fine. */
+/** Releases job and bus and sets them to NULL. May be called twice. */
 void vor_worker_unfollow(struct vor_followed *followed);
 
-/** The same for who only wants the events; the caller releases *out. */
+/** The events alone; the caller releases *out with vor_bus_release. */
 VOR_NODISCARD enum vor_outcome vor_worker_events(struct vor_worker *worker,
                                                  const struct vor_uuid *id, struct vor_bus **out,
                                                  struct vor_error *err);
@@ -126,19 +126,20 @@ VOR_NODISCARD enum vor_outcome vor_worker_dismiss(struct vor_worker *worker,
                                                   const struct vor_uuid *id, const char *why,
                                                   struct vor_job_view *out, struct vor_error *err);
 
-/** The same, but only if the job is not over: for a caller who left.
+/** Dismisses a job only if it is not over, because its caller left.
  *
  *  @retval VOR_CONFLICT the job is over; nothing is removed */
 VOR_NODISCARD enum vor_outcome vor_worker_cancel(struct vor_worker *worker,
                                                  const struct vor_uuid *id, const char *why,
                                                  struct vor_error *err);
 
-/** One of the two on its way: a thread of the worker does it, for whoever must not wait for the
- * disk. The caller fills in what comes first and keeps the struct until done is called. */
+/** A dismissal or cancellation that a thread of the worker carries out, for callers that must not
+ *  wait for the disk. The caller fills in the first five members and keeps the struct until done
+ *  is called. */
 struct vor_dismissal {
     struct vor_uuid id;
     const char *why;                               /**< borrowed */
-    int is_cancel;                                 /**< vor_worker_cancel, and view stays empty */
+    int is_cancel;                                 /**< cancel; view is not set then */
     void (*done)(struct vor_dismissal *dismissal); /**< on that thread; may free the struct */
     void *ctx;
     enum vor_outcome outcome; /**< from here: the answer */
