@@ -143,7 +143,7 @@ static void stop(struct daemon *daemon)
     vor_store_close(daemon->app.store);
 }
 
-/* Until nobody waits for an answer, or for long enough. */
+/* Waits until no request is under way, QUIET_SECONDS at most. */
 static void wait_quiet(struct daemon *daemon)
 {
     double until = vor_clock_seconds() + QUIET_SECONDS;
@@ -153,7 +153,8 @@ static void wait_quiet(struct daemon *daemon)
         (void)nanosleep(&pause, NULL);
 }
 
-/* The caller waits for the second signal meanwhile; this thread ends by sending it. */
+/* Drains the daemon on a thread of its own, while the main thread waits for a second signal. Ends
+ * by sending that signal itself. */
 static void *drain(void *ctx)
 {
     struct daemon *daemon = ctx;
@@ -178,7 +179,7 @@ static int wait_signal(const struct daemon *daemon)
     return number;
 }
 
-/* SIGUSR2 comes from drain; before the first SIGTERM it means nothing. */
+/* SIGUSR2 comes from drain. Before the first SIGTERM it is ignored. */
 static void block_signals(struct daemon *daemon)
 {
     static const int numbers[] = {SIGTERM, SIGINT, SIGUSR2};

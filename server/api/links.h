@@ -1,4 +1,4 @@
-/** Addresses: whose they are, how ours are written, how a path is cut. */
+/** Addresses: tells ours from others, writes ours, cuts a path into segments. */
 #ifndef VOR_SERVER_API_LINKS_H
 #define VOR_SERVER_API_LINKS_H
 
@@ -9,8 +9,9 @@ enum { VOR_URL_MAX = 512 };
 /** True for NAME, NAME:PORT and [ADDRESS]:PORT as far as their bytes go. */
 bool vor_host_is_sound(const char *host);
 
-/** May a request for this Host be answered? Behind a page's name that was re-bound to this machine
- *  the Host is still the page's. Always true when other machines may call. */
+/** True when a request for this Host may be answered: it names this machine or --public-url, or
+ *  other machines may call as well. A web page that re-binds its own name to this machine still
+ *  sends that name as Host. */
 bool vor_host_is_ours(const struct vor_app *app, const char *host);
 
 /** Absolute address of path ("/v1/jobs/..."): --public-url, else http:// and the Host of the

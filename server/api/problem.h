@@ -53,11 +53,11 @@ struct vor_problem {
 enum vor_next vor_problem_reply(struct vor_app *app, struct vor_request *request,
                                 const struct vor_problem *problem);
 
-/** Slug and one sentence. */
+/** Replies with a problem of this slug and one sentence. */
 enum vor_next vor_problem_say(struct vor_app *app, struct vor_request *request, const char *slug,
                               const char *format, ...) VOR_PRINTF(4, 5);
 
-/** From an error of the engine, a codec or the store. job_id may be NULL. */
+/** Replies with the problem of an error of the engine, a codec or the store. job_id may be NULL. */
 enum vor_next vor_problem_error(struct vor_app *app, struct vor_request *request,
                                 const struct vor_error *err, const char *job_id);
 
@@ -65,15 +65,15 @@ enum vor_next vor_problem_error(struct vor_app *app, struct vor_request *request
 enum vor_next vor_app_reply(struct vor_app *app, struct vor_request *request, int http,
                             const char *media_type, struct vor_text *text);
 
-/** The room for the strings of a description. */
+/** Memory for the strings of a description. */
 struct vor_problem_room {
     char type[VOR_URL_MAX];
     char instance[96];
     struct vor_problem_error error;
 };
 
-/** The same error as part of a document (statusInfo's exception). err, room and job_id must outlive
- *  doc. */
+/** Describes an error as a part of another document (statusInfo's exception). err, room and job_id
+ *  must outlive doc. */
 void vor_problem_describe(struct vor_app *app, struct vor_request *request,
                           const struct vor_error *err, const char *job_id,
                           struct vor_problem_room *room, struct vor_problem_doc *doc);

@@ -1,4 +1,4 @@
-/** What store and blobs share: how a disk's failure is told, and who may use a directory. */
+/** What store and blobs share: errors of the disk, directories, locks. */
 #ifndef VOR_SERVER_BASE_DISK_H
 #define VOR_SERVER_BASE_DISK_H
 
@@ -14,7 +14,7 @@ int vor_error_storage_full(const struct vor_error *err);
  *  nothing follows. Borrowed from `where`. */
 const char *vor_storage_place(const char *where, const char *scheme);
 
-/** Makes a directory and its parents, mode 0700; one that is there is fine.
+/** Makes a directory and its parents, mode 0700, unless they exist.
  *
  *  @retval VOR_E_IO */
 VOR_NODISCARD vor_status vor_storage_directory(const char *path, struct vor_error *err);

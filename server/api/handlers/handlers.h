@@ -78,8 +78,10 @@ enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *reques
 enum vor_next vor_result_whole(struct vor_app *app, struct vor_request *request,
                                const struct vor_job_view *view);
 
-/** Replies with the events of a job, from *position on ({0, 0}: what matters now). state, if not
- *  NULL, is released with the stream. The request must have no state yet. */
+/** Replies with the events of a job after `position` ({0, 0}: from the first one that matters now).
+ *  The request's state is released first; the stream becomes its state.
+ *
+ *  @param[in] is_replay  every event counts, not only the latest progress */
 enum vor_next vor_events_reply(struct vor_app *app, struct vor_request *request,
                                const struct vor_uuid *id, struct vor_position position,
                                bool is_replay);

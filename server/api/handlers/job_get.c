@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A caller who waits for a change. */
+/* The state of a request that waits for a change. */
 struct poll {
     double seconds, deadline;
     struct vor_waker *waker;
@@ -62,7 +62,7 @@ static bool begin_poll(struct vor_app *app, struct vor_request *request, double 
     return true;
 }
 
-/* Nothing has changed: wait on? */
+/* True when the request should wait on; nothing has changed yet. */
 static bool waits_on(struct vor_request *request, const struct vor_job_view *view)
 {
     struct poll *poll = vor_request_state(request);

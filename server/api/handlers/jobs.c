@@ -61,7 +61,8 @@ bool vor_job_look_up(struct vor_app *app, struct vor_request *request, struct vo
     return false;
 }
 
-/* The list as it is written; one job more than asked for tells that there is a next page. */
+/* The list while it is written. It asks for one job more than the page has: then there is a next
+ * page. */
 struct listing {
     struct vor_app *app;
     struct vor_request *request;
@@ -85,7 +86,7 @@ static int list_one(void *ctx, const struct vor_job_view *view)
     return 1;
 }
 
-/* Query bytes that are neither delimiters nor in need of an escape. */
+/* Writes a value of a query, with escapes where they are needed. */
 static void put_escaped(struct vor_text *text, const char *value)
 {
     for (; *value != '\0'; value++) {
@@ -98,7 +99,7 @@ static void put_escaped(struct vor_text *text, const char *value)
     }
 }
 
-/* /v1/jobs with the query as it came, but for the cursor. */
+/* Writes a link to /v1/jobs with the query of this request and another cursor. */
 static void put_list_link(struct listing *list, const char *rel, const char *cursor)
 {
     char base[VOR_URL_MAX];

@@ -1,4 +1,4 @@
-/** What a caller would like, besides what he asks for (RFC 7240). */
+/** The preferences of a request (RFC 7240). */
 #ifndef VOR_SERVER_API_HANDLERS_PREFER_H
 #define VOR_SERVER_API_HANDLERS_PREFER_H
 

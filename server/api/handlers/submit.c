@@ -55,7 +55,7 @@ static void drop(struct submission *submission)
     free(submission);
 }
 
-/* Nobody hears of a failure here but the log. */
+/* Drops the input of a job that will not be. A failure is only logged. */
 static void drop_input(struct vor_app *app, const struct vor_uuid *id)
 {
     struct vor_error err;
@@ -185,7 +185,7 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     return VOR_NEXT_BODY;
 }
 
-/* On an admission thread: the cloud is decoded, or is not. */
+/* Called on an admission thread once the upload is decoded or refused. */
 static void on_admitted(struct vor_admission *admission)
 {
     struct submission *submission = admission->ctx;
@@ -231,7 +231,8 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
     return vor_outcome_reply(app, request, outcome, NULL, NULL);
 }
 
-/* Where the job is, and which preferences the reply follows: a stream follows none. */
+/* Adds the address of the job, and the preferences that the reply follows; a stream follows none.
+ */
 static void add_job_headers(struct vor_app *app, struct vor_request *request,
                             const struct submission *submission, bool is_async)
 {
@@ -261,7 +262,7 @@ static enum vor_next reply_accepted(struct vor_app *app, struct vor_request *req
     struct vor_text text;
 
     submission->settled = true;
-    /* What is known by now; what was known at acceptance if the row cannot be read. */
+    /* The job as it is now, or as it was accepted when the row cannot be read. */
     if (vor_worker_get(app->worker, &submission->view.id, &view, &err) != VOR_DONE)
         view = submission->view;
     add_job_headers(app, request, submission, true);
@@ -278,7 +279,7 @@ static void on_event(void *ctx, enum vor_event_kind kind)
         vor_waker_wake(ctx);
 }
 
-/* The caller waits: how did it end? */
+/* Answers a caller who has waited for the end of the job. */
 static enum vor_next reply_ended(struct vor_app *app, struct vor_request *request,
                                  struct submission *submission)
 {
