@@ -21,23 +21,29 @@ enum {
     REST_SIZE = 160 /* of a message: its other words */
 };
 
-/* A message that the tables can produce fits whole, with the name and the value at fault. */
+/* Every message that the tables can produce fits, with the name and the value at fault. */
 _Static_assert(NAMES_SIZE + PARAMETER_SIZE + REST_SIZE <= MESSAGE_SIZE, "the names do not fit");
 _Static_assert(VOR_KIND_WORDS_SIZE + PARAMETER_SIZE + SHOWN_SIZE + REST_SIZE <= MESSAGE_SIZE,
                "what a parameter wants does not fit");
 
-/* Words stand in a message with a comma and a blank between instead of a blank, and at most twice,
- * once for each form; a request's texts fit where one value does. */
+/* In a message, words have ", " between them where the row has a blank, so they take less than
+ * twice the room. A value as text is at most all words, or one of them and a text. */
 #define CHECK_PARAMETER(id, name, kind, group, unit, min, max, fallback, choices, sentence)        \
     _Static_assert(sizeof #name <= PARAMETER_SIZE, "the name of a parameter is too long");         \
     _Static_assert(2 * sizeof(choices) + REST_SIZE <= VOR_KIND_WORDS_SIZE, "too many choices");    \
-    _Static_assert(sizeof(choices) + VOR_SPEC_TEXTS_SIZE <= VOR_SPEC_VALUE_SIZE, "as text, too");
+    _Static_assert(sizeof(choices) + VOR_SPEC_TEXTS_SIZE <= VOR_SPEC_VALUE_SIZE,                   \
+                   "a value does not fit as text");
 VOR_PARAMETER_TABLE(CHECK_PARAMETER)
 #undef CHECK_PARAMETER
+#define LIST_SIZE(list) (sizeof((const struct vor_artefact_info[])VOR_LIST list))
 #define CHECK_PROCESS(id, name, http, groups, methods, least, most, inputs, outputs, title, text)  \
-    _Static_assert(sizeof #name <= PARAMETER_SIZE, "the id of a process is too long");
+    _Static_assert(sizeof #name <= PARAMETER_SIZE, "the id of a process is too long");             \
+    _Static_assert(LIST_SIZE(inputs) <= VOR_INPUTS_MAX * sizeof(struct vor_artefact_info) &&       \
+                       LIST_SIZE(outputs) <= VOR_OUTPUTS_MAX * sizeof(struct vor_artefact_info),   \
+                   "a process has too many inputs or outputs");
 VOR_PROCESS_TABLE(CHECK_PROCESS)
 #undef CHECK_PROCESS
+#undef LIST_SIZE
 
 void vor_spec_preset(struct vor_spec *spec, const struct vor_process_info *process)
 {

@@ -12,37 +12,36 @@
 /** Bytes that the texts and names of a request may have together, each with a NUL. */
 #define VOR_SPEC_TEXTS_SIZE 512
 
-/** A request: a process (a row of the table) and one value for each parameter. A plain value that
- *  owns nothing, to be copied by assignment; two that ask for the same are the same bytes. One that
- *  is all zero has no process; vor_spec_form finds nothing in it.
+/** A request: a process (a row of the table) and one value for each parameter. It owns nothing and
+ *  is copied by assignment; equal requests are equal bytes. A request of zero bytes has no process,
+ *  and vor_spec_form finds no value in it.
  *
- *  Counts are exact in a double up to 2^53; how other forms stand there says enum vor_form. The
- * value of a parameter that the process does not take is the default of the table, so that what
- * runs it may read all. A text or a name is set by vor_spec_set and its like alone. */
+ *  enum vor_form says which number stands for a value; counts are exact up to 2^53. A parameter
+ * that the process does not take has the default of the table, so that the engine may read every
+ * value. Only vor_spec_set and the functions like it set a text or a name. */
 struct vor_spec {
     const struct vor_process_info *process;
     double value[VOR_PARAMETER_COUNT];
     char texts[VOR_SPEC_TEXTS_SIZE]; /**< one after another, in the order of the parameters */
 };
 
-/** A request for a process, with every parameter at the process's default and none of points, ratio
- *  and spacing given; vor_spec_init: for resample. */
+/** Makes a request for a process: every parameter has the process's default, but none of points,
+ *  ratio and spacing is given. vor_spec_init: for resample. */
 void vor_spec_preset(struct vor_spec *spec, const struct vor_process_info *process);
 void vor_spec_init(struct vor_spec *spec);
 
-/** Sets one parameter from text, as the command line and the query string carry it. Numbers are
- *  read without regard to the locale; a flag is true or false; a list is words with commas between,
- *  or none. name and text may hold any bytes: messages quote them.
+/** Sets one parameter from text, as the command line and the query string carry it. The locale does
+ *  not matter. A flag is written true or false, a list as words with commas between, or none. name
+ *  and text may hold any bytes: messages quote them.
  *
- *  @retval VOR_E_PARAM the process has no parameter of that name (the message lists those it
- * takes), the text is not of the kind or out of range (the message names value and range), or all
- * texts together do not fit; spec is unchanged */
+ *  @retval VOR_E_PARAM the process takes no parameter of that name (the message lists those it
+ *                      takes); the text is not of the kind or out of range (the message names value
+ *                      and range); or the texts of the request do not fit. spec is unchanged */
 VOR_NODISCARD vor_status vor_spec_set(struct vor_spec *spec, const char *name, const char *text,
                                       struct vor_error *err);
 
-/** The same from a notation that tells shapes apart, as JSON does: text stands for a number, a
- *  boolean (true, false), a string or an array (as a list is written) and is taken for nothing
- * else.
+/** The same from a notation that tells shapes apart, as JSON does: text is a number, a boolean
+ * (true or false), a string or an array (written as a list), and is read as nothing else.
  *
  *  @retval VOR_E_PARAM as vor_spec_set; also when the kind has no such shape */
 VOR_NODISCARD vor_status vor_spec_set_as(struct vor_spec *spec, const char *name,
@@ -53,36 +52,38 @@ VOR_NODISCARD vor_status vor_spec_set_as(struct vor_spec *spec, const char *name
 VOR_NODISCARD vor_status vor_spec_set_number(struct vor_spec *spec, const char *name, double number,
                                              struct vor_error *err);
 
-/** Refuses a value that has no text: "NAME is WHAT, want ...", or the name as vor_spec_set does.
+/** Refuses a value that no text stands for, an object say: "NAME is WHAT, want ...". A name that
+ * the process does not take is refused as vor_spec_set does.
  *
  *  @retval VOR_E_PARAM always */
 vor_status vor_spec_refuse(const struct vor_spec *spec, const char *name, const char *what,
                            struct vor_error *err);
 
-/** Checks what concerns several parameters: where the process takes points, ratio and spacing,
- *  exactly one of them is given.
+/** Checks what concerns several parameters: if the process takes points, ratio and spacing, exactly
+ *  one of them is given.
  *
  *  @retval VOR_E_PARAM otherwise */
 VOR_NODISCARD vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err);
 
-/** Ends a request that a caller made: where the process takes the three and none is given, ratio
- * gets the process's default, if there is one. Then as vor_spec_check. */
+/** Completes a request that a caller made: if the process takes the three and none is given, ratio
+ *  gets the process's default, if it has one. Then checks it, as vor_spec_check. */
 VOR_NODISCARD vor_status vor_spec_complete(struct vor_spec *spec, struct vor_error *err);
 
-/** Checks which inputs come along: those that are required do, and so does the one that a parameter
- *  needs which is given.
+/** Checks which inputs come with the request: every required one does, and so does the input that a
+ *  parameter needs (VOR_NEED_TABLE) if the parameter differs from its default.
  *
- *  @param[in] inputs bit i: input i of the process is there
- *  @retval VOR_E_PARAM otherwise; parameter is that of the message, or the name of the input */
+ *  @param[in] inputs bit i: input i of the process comes
+ *  @retval VOR_E_PARAM otherwise; err->parameter is the parameter, or the input that is missing */
 VOR_NODISCARD vor_status vor_spec_check_inputs(const struct vor_spec *spec, unsigned inputs,
                                                struct vor_error *err);
 
-/** Points that a checked request asks for of an input of that many; VOR_UNSET where spacing
- *  decides, which only the engine can tell, and where the process has no such target. */
+/** Number of points that a checked request asks for, given the number of points of the input.
+ *  VOR_UNSET if spacing decides, because only the engine knows the area, and if the process has no
+ *  such target. */
 double vor_spec_target(const struct vor_spec *spec, uint64_t input);
 
-/** Checks what points, ratio or spacing come to against the range of points and what the process
- *  allows for an input of that many. A process without such a target allows all.
+/** Checks the number of points asked for against the range of points, and against what the process
+ *  allows for an input of that many. A process without such a target allows any.
  *
  *  @param[in] target vor_spec_target, or what spacing comes to; may be NaN
  *  @retval VOR_E_TARGET out of range (the message names the value, what it comes to and the range)
@@ -93,23 +94,23 @@ VOR_NODISCARD vor_status vor_spec_check_target(const struct vor_spec *spec, doub
 /** Bytes of the longest text that vor_spec_text writes, with the NUL. */
 #define VOR_SPEC_VALUE_SIZE 640
 
-/** Writes a parameter's value as text, so that vor_spec_set reads the same value from it; "" when
- * it is not given. Returns out. */
+/** Writes a parameter's value as text from which vor_spec_set reads the same value; "" if it is not
+ *  given. Returns out. */
 const char *vor_spec_text(const struct vor_spec *spec, enum vor_parameter parameter,
                           char out[VOR_SPEC_VALUE_SIZE]);
 
-/** The text of a TEXT, or the name in a CHOICE_OR_NAME: lies in spec. NULL where there is none. */
+/** The text of a TEXT, or the name in a CHOICE_OR_NAME; points into spec. NULL if there is none. */
 const char *vor_spec_name(const struct vor_spec *spec, enum vor_parameter parameter);
 
-/** The form that a parameter's value has; VOR_FORM_NONE when it is not given, or the process does
- *  not take it. */
+/** The form of a parameter's value; VOR_FORM_NONE if it is not given, or the process does not take
+ *  the parameter. */
 enum vor_form vor_spec_form(const struct vor_spec *spec, enum vor_parameter parameter);
 
 /** True when the parameter has a value (given, or by default); auto counts as one. */
 int vor_spec_given(const struct vor_spec *spec, enum vor_parameter parameter);
 
-/** Iterations that the request allows: those given, else 12 where a polish follows and 100 where
- * none does. */
+/** Most iterations that the request allows: those given, else 12 before a polish and 100 without
+ *  one. */
 uint32_t vor_spec_iterations(const struct vor_spec *spec);
 
 #endif

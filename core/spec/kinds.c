@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Text that is put together in a buffer; what does not fit is cut. */
+/* A buffer that text is appended to; cuts what does not fit. */
 struct line {
     char *text;
     size_t size, at;
@@ -118,15 +118,15 @@ static void list_range(const struct vor_parameter_info *info, struct line *out)
         info->unit);
 }
 
-/* Words. One with a colon stands for those of NAME. */
+/* Words. A word with a colon is a pattern of the form NAME. */
 
 static int is_named(const char *word, size_t length)
 {
     return memchr(word, ':', length) != NULL;
 }
 
-/* The next choice from *index on that may be taken and is named or not: its length, 0 past the
- * last; *index is its own. */
+/* Finds the next allowed choice from *index on, among those with a colon or those without. Returns
+ * its length, 0 past the last, and sets *index to its index. */
 static size_t next_choice(const struct vor_parameter_info *info, int named, unsigned *index,
                           const char **word)
 {
@@ -222,8 +222,8 @@ static void write_word(const struct vor_parameter_info *info, double value, cons
 
 /* Texts. */
 
-/* UTF-8 without control characters, min to max bytes of it: what comes back unchanged from JSON, a
- * query and a terminal. */
+/* Texts are UTF-8 without control characters, because these come back unchanged from JSON, a query
+ * and a terminal. */
 static int is_text(const struct vor_parameter_info *info, const char *text)
 {
     size_t size = strlen(text), length;
@@ -445,7 +445,7 @@ const char *vor_shape_word(enum vor_shape shape)
     return shape_words[shape];
 }
 
-/* Form number `index` of a kind as a row; NULL past the last. */
+/* The row of form number `index` of a kind; NULL past the last. */
 static const struct form *form_of(enum vor_kind kind, unsigned index)
 {
     enum vor_form form = vor_kind_form(kind, index);

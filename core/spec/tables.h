@@ -20,11 +20,10 @@ enum vor_form {
     VOR_FORM_TEXT,   /**< UTF-8 without control characters; the value is 1 */
     VOR_FORM_LIST,   /**< some of the words, or "none"; bit i of the value is word i */
     VOR_FORM_AUTO,   /**< the word auto; the value is VOR_UNSET */
-    VOR_FORM_NONE    /**< no form: how many there are */
+    VOR_FORM_NONE    /**< of a value that is not given; also the number of forms */
 };
 
-/** How a caller's notation writes a value: plain text may stand for any form, JSON tells them
- * apart. */
+/** What a caller's notation tells of a value: plain text may be in any form, JSON has shapes. */
 enum vor_shape {
     VOR_SHAPE_ANY,
     VOR_SHAPE_NUMBER,
@@ -54,10 +53,11 @@ enum vor_kind {
         VOR_KINDS
 };
 
-/** Stands for "auto" where the kind has it, else for "not given". Ranges begin above it. */
+/** The value that means "auto" if the kind has that word, else "not given". Every range begins
+ *  above it. */
 #define VOR_UNSET (-1.0)
 
-/** Word number `index` of a REAL_OR_WORD. */
+/** The value that means word number `index` of a REAL_OR_WORD. */
 #define VOR_WORD(index) (-2.0 - (index))
 
 /** Groups: a process takes whole groups of parameters. Identifier, title in the help. */
@@ -94,8 +94,9 @@ enum vor_method_choice {
 #define VOR_METHOD_WORDS VOR_METHOD_CHOICE_TABLE(VOR_METHOD_WORD)
 
 /** Parameters: identifier, name, kind, group, unit, min, max, default, choices, sentence. min and
- *  max are the range of a number, or how many bytes a text or a name may have. A default of
- * VOR_UNSET is auto, or none; a text has none. Choices are words with blanks between. */
+ *  max are the range of a number, or of the bytes of a text or a name. The default VOR_UNSET means
+ *  auto if the kind has that word, else that there is none; a text has no default. Choices are
+ * words with blanks between. */
 #define VOR_PARAMETER_TABLE(X)                                                                     \
     X(POINTS, points, COUNT, TARGET, "points", 1, 10000000, VOR_UNSET, "",                         \
       "Number of points of the result; one of points, ratio and spacing says how many")            \
@@ -184,8 +185,8 @@ struct vor_artefact_info {
 #define VOR_INPUTS_MAX 4
 #define VOR_OUTPUTS_MAX 4
 
-/** Lists of inputs and of outputs, the main one first. A list stands in parentheses, which keep its
- *  commas from parting the columns of a row. */
+/** Lists of inputs and of outputs, the main one first. A list stands in parentheses, so that its
+ *  commas do not separate columns of a row. */
 #define VOR_LIST(...)                                                                              \
     {                                                                                              \
         __VA_ARGS__                                                                                \
@@ -211,10 +212,10 @@ struct vor_artefact_info {
      VOR_IN(FORMAT))
 #define VOR_EVERY_METHOD (~0u)
 
-/** Processes: identifier, id, whether HTTP offers it (1 or 0: while a request has one body, only
- * what runs on one cloud), groups of parameters that it takes, methods that it may use, least and
- * most points of the result over those of the input (0, 0 where it does not take TARGET), inputs,
- * outputs, title, sentence. Which function runs it is the engine's to say. */
+/** Processes: identifier, id, whether HTTP offers it (1 or 0; as long as a request has one body,
+ * only a process that runs on one cloud), groups of parameters that it takes, methods that it may
+ * use, least and most points of the result over those of the input (0, 0 without the group TARGET),
+ *  inputs, outputs, title, sentence. core/engine.c says which function runs it. */
 #define VOR_PROCESS_TABLE(X)                                                                       \
     X(RESAMPLE, resample, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,             \
       VOR_CLOUD_OUT, "Resample a point cloud",                                                     \
@@ -238,8 +239,8 @@ struct vor_artefact_info {
       "from each other")                                                                           \
     VOR_EXTRA_PROCESSES(X)
 
-/** Defaults in which a process differs from the table of parameters: process, parameter, value. The
- *  one of ratio stands in where none of points, ratio and spacing is given. */
+/** Defaults of a process that differ from the table of parameters: process, parameter, value. That
+ * of ratio holds only if none of points, ratio and spacing is given. */
 #define VOR_PRESET_TABLE(X)                                                                        \
     X(DENOISE, RATIO, 1)                                                                           \
     X(DENOISE, OUTLIERS, VOR_OUTLIERS_DROP)                                                        \
@@ -248,7 +249,7 @@ struct vor_artefact_info {
     X(UPSAMPLE, POLISH, 8)                                                                         \
     VOR_EXTRA_PRESETS(X)
 
-/** Parameters that mean something only beside an optional input: parameter, name of the input. */
+/** Parameters that mean nothing without an optional input: parameter, name of the input. */
 #define VOR_NEED_TABLE(X)                                                                          \
     X(PEAK, "reference")                                                                           \
     VOR_EXTRA_NEEDS(X)
@@ -286,14 +287,14 @@ struct vor_parameter_info vor_process_parameter(const struct vor_process_info *p
 /** Finds a parameter by name; VOR_PARAMETER_COUNT when there is none. */
 enum vor_parameter vor_parameter_find(const char *name);
 
-/** The input that a parameter means nothing without; NULL when it needs none. */
+/** The input without which a parameter means nothing (VOR_NEED_TABLE); NULL if it needs none. */
 const char *vor_parameter_needs(enum vor_parameter parameter);
 
 /** Title of a group, for the help. */
 const char *vor_group_title(enum vor_group group);
 
-/** Word number `index` of the row's choices as "%.*s" arguments: its length, 0 past the last.
- *  Whether it is allowed is not asked. */
+/** Word number `index` of the row's choices, allowed or not, as "%.*s" arguments: returns its
+ * length, 0 past the last. */
 size_t vor_parameter_choice(const struct vor_parameter_info *info, unsigned index,
                             const char **word);
 

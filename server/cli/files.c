@@ -14,7 +14,7 @@ static vor_status cannot(struct vor_error *err, const char *what, int error)
     return vor_fail(err, VOR_E_IO, "cannot be %s: %s", what, strerror(error));
 }
 
-/* The size to begin with, and whether path is something that can be read at all. */
+/* Opens an input and sets the size to allocate first. Refuses a folder. */
 static vor_status open_input(int *fd, size_t *size, const char *path, struct vor_error *err)
 {
     struct stat info;
@@ -26,7 +26,7 @@ static vor_status open_input(int *fd, size_t *size, const char *path, struct vor
     if (S_ISDIR(info.st_mode))
         return cannot(err, "read", EISDIR);
     if (S_ISREG(info.st_mode) && info.st_size > 0)
-        *size = (size_t)info.st_size + 1; /* so that the end is seen without growing */
+        *size = (size_t)info.st_size + 1; /* so that read sees the end before the buffer is full */
     return VOR_OK;
 }
 
@@ -76,7 +76,7 @@ void vor_input_free(struct vor_input *input)
     input->size = 0;
 }
 
-/* A new file beside path, with the rights a new file gets. */
+/* Makes a new file beside path, with the rights that a new file gets. */
 static int open_temporary(struct vor_output *out)
 {
     const char *slash = strrchr(out->path, '/');
@@ -100,7 +100,7 @@ static int open_temporary(struct vor_output *out)
     return fd;
 }
 
-/* A link is followed, so that the file it leads to is replaced and not the link. */
+/* Follows a link, so that the file is replaced and not the link. */
 static int resolve(struct vor_output *out, const char *path)
 {
     char real[PATH_MAX];
@@ -159,7 +159,7 @@ vor_status vor_output_fail(const struct vor_output *output, struct vor_error *er
     return cannot(err, "written", output->error != 0 ? output->error : EIO);
 }
 
-/* Bytes, then name: a crash between leaves the old file. */
+/* Syncs the bytes before the file takes its name: a crash in between leaves the old file. */
 static int complete(struct vor_output *output)
 {
     if (fflush(output->file) != 0)

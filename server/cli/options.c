@@ -17,7 +17,7 @@ static const struct vor_option_info options[VOR_OPTION_COUNT] = {
 
 enum { SHOWN_SIZE = 48 /* of what a caller wrote, in a message */ };
 
-/* Where the reading stands. */
+/* The word that is being read, and where it goes. */
 struct reader {
     struct vor_cli *cli;
     char **argv;

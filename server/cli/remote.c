@@ -61,7 +61,7 @@ static size_t on_bytes(char *bytes, size_t unit, size_t count, void *ctx)
     return call->text.failed ? CURL_WRITEFUNC_ERROR : size;
 }
 
-/* Location may be relative: it is resolved against what was asked for. */
+/* Location may be relative to the URL of the call. */
 static void keep_location(struct vor_remote_call *call, const char *value, size_t size)
 {
     CURLU *url = curl_url();
@@ -103,7 +103,7 @@ static size_t on_body(char *bytes, size_t unit, size_t count, void *ctx)
     return ferror(exchange->call->body) ? CURL_READFUNC_ABORT : size;
 }
 
-/* Asked for when a kept connection turns out to be dead and the body must be sent again. */
+/* curl calls this when a kept connection is dead and it must send the body again. */
 static int on_rewind(void *ctx, curl_off_t offset, int origin)
 {
     struct exchange *exchange = ctx;

@@ -16,7 +16,7 @@
 #include <sys/stat.h>
 #include <time.h>
 
-/* Tries to reach a server that does not answer, in a row. */
+/* Most tries in a row to reach a server that does not answer. */
 #define TRIES_MAX 5
 #define RETRY_MS_DEFAULT 2000
 #define STALL_SECONDS 120
@@ -64,7 +64,7 @@ static const char *text_at(const struct vor_json *json, const char *name)
     return text != NULL ? text : "";
 }
 
-/* A problem as one line. json may be no problem at all: then there is only the status. */
+/* Says a problem in one line. If json is no problem, says the status alone. */
 static int say_problem(struct there *t, const struct vor_json *json, int http)
 {
     const char *title = text_at(json, "title"), *detail = text_at(json, "detail");
@@ -113,8 +113,8 @@ static void add_pair(struct vor_text *url, const char *separator, enum vor_param
     append_escaped(url, value);
 }
 
-/* Only what was said is sent: the server's own defaults hold for the rest. The format follows the
- * suffix of the output, as it does here. */
+/* Sends only the parameters that were given: the server's own defaults hold for the rest. The
+ * format follows the suffix of the output, as it does here. */
 static void build_url(struct vor_text *url, const struct vor_cli *cli)
 {
     const char *server = cli->option[VOR_OPTION_SERVER], *separator = "?";
@@ -274,7 +274,7 @@ static vor_status listen(struct there *t)
     return status;
 }
 
-/* GET of the job; *json is the statusInfo. A refusal is said, and its exit code returned. */
+/* Asks how the job is doing; *json is its statusInfo. Says a refusal and returns its exit code. */
 static int ask(struct there *t, struct vor_json **json, vor_status *status)
 {
     struct vor_remote_call call = {.method = "GET", .url = t->job, .timeout_seconds = 30};
@@ -295,7 +295,7 @@ static int ask(struct there *t, struct vor_json **json, vor_status *status)
     return code;
 }
 
-/* Waits as long as the server asks to, or until a signal. */
+/* Waits as long as the server asks to, or until a signal comes. */
 static void pause_before_retry(const struct there *t)
 {
     int ms = t->parser.retry_ms >= 0 ? t->parser.retry_ms : RETRY_MS_DEFAULT;
@@ -333,7 +333,7 @@ static int follow(struct there *t)
     return VOR_EXIT_OK;
 }
 
-/* What a job that did not succeed says. */
+/* Says why a job did not succeed. */
 static int say_failure(struct there *t)
 {
     struct vor_json *json = NULL;

@@ -94,6 +94,7 @@ START_TEST(a_parameter_has_a_name_a_sentence_and_a_default_in_its_range)
 {
     const struct vor_parameter_info *info = info_of(_i);
     struct vor_spec spec;
+    const char *word;
 
     ck_assert_uint_gt(strlen(info->name), 2);
     for (const char *c = info->name; *c != '\0'; c++)
@@ -101,6 +102,7 @@ START_TEST(a_parameter_has_a_name_a_sentence_and_a_default_in_its_range)
     ck_assert_uint_lt(strlen(info->name), sizeof vt_err.parameter);
     ck_assert_uint_gt(strlen(info->sentence), 10);
     ck_assert_int_eq(vor_parameter_find(info->name), _i);
+    ck_assert_uint_eq(vor_parameter_choice(info, 53, &word), 0); /* a bit each in a double */
     init_for(&spec, _i);
     ck_assert(value_of(&spec, _i) == info->fallback);
     if (info->fallback != VOR_UNSET && is_number(info))
