@@ -4,6 +4,7 @@
 #include "proto/json/json_write.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -160,6 +161,14 @@ static double number_of(const struct vor_json *value)
     return number;
 }
 
+/* The number that a REAL was written as: null is one that is not finite. */
+static double real_of(const struct vor_json *value)
+{
+    int is_null = value != NULL && vor_json_kind(value) == VOR_JSON_NULL;
+
+    return is_null ? (double)NAN : number_of(value);
+}
+
 /* A whole number of 0 .. max; anything else is 0. */
 static uint64_t count_of(const struct vor_json *value, double max)
 {
@@ -196,7 +205,7 @@ void vor_json_members_read(void *values, const struct vor_members *members,
             *(uint64_t *)member = count_of(value, COUNT_MAX);
             break;
         case VOR_MEMBER_REAL:
-            *(double *)member = number_of(value);
+            *(double *)member = real_of(value);
             break;
         case VOR_MEMBER_WORD:
             *(unsigned *)member = word_of(value, row);

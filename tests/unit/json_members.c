@@ -224,6 +224,19 @@ START_TEST(what_is_missing_or_wrong_is_nothing)
 }
 END_TEST
 
+START_TEST(a_number_that_is_not_finite_stays_so)
+{
+    struct crate crate = {.height = (double)INFINITY};
+
+    vor_text_init(&text, 0);
+    vor_json_begin_object(&text);
+    vor_json_members(&text, &crate_members, &crate);
+    vor_json_end_object(&text);
+    ck_assert(isnan(read_crate(text.data).height));
+    vor_text_free(&text);
+}
+END_TEST
+
 START_TEST(a_line_of_the_table_has_a_column_for_each_member)
 {
     struct crate crate = {3, 10000000000000001u, 0.1, SOUR};
@@ -248,6 +261,7 @@ int main(void)
     vt_add(suite, the_schema_names_every_member_with_its_unit);
     vt_add(suite, members_come_back);
     vt_add(suite, what_is_missing_or_wrong_is_nothing);
+    vt_add(suite, a_number_that_is_not_finite_stays_so);
     vt_add(suite, a_line_of_the_table_has_a_column_for_each_member);
     return vt_run(suite);
 }
