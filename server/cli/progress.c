@@ -3,6 +3,7 @@
 #include "server/base/clock.h"
 #include "server/cli/say.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -92,7 +93,9 @@ static void draw(struct vor_progress *progress, const struct vor_record *record)
     vor_text_init(&line, 0);
     add_steps(&line, record);
     add_bar(&line, progress->columns - REST_WIDTH - (int)line.size, fraction);
-    vor_text_printf(&line, "%3.0f %%  delta %.4f", 100 * fraction, record->delta);
+    vor_text_printf(&line, "%3.0f %%", 100 * fraction);
+    if (isfinite(record->delta)) /* not every stage knows it */
+        vor_text_printf(&line, "  delta %.4f", record->delta);
     if (left >= 0)
         vor_text_printf(&line, "  %.0f s left", left);
     if (!line.failed)

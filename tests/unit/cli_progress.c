@@ -3,6 +3,7 @@
 #include "server/cli/progress.h"
 #include "tests/support/vt.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -89,6 +90,18 @@ START_TEST(a_bar_shows_the_polish_at_its_own_pace)
     second.step = 150;
     ck_assert_str_eq(bar_of(&cli, 69, first, second),
                      "\r\x1b[Kpolish  150/150  [##########] 100 %  delta 0.0310  0 s left");
+}
+END_TEST
+
+START_TEST(a_bar_leaves_out_what_a_stage_does_not_know)
+{
+    struct vor_record first = {.of = 50, .delta = (double)NAN, .seconds = 1},
+                      second = {.step = 20, .of = 50, .delta = (double)NAN, .seconds = 5};
+    struct vor_cli cli;
+
+    make_cli(&cli, 50, 0);
+    ck_assert_str_eq(bar_of(&cli, 70, first, second),
+                     "\r\x1b[Kiterate   20/50   [####------]  40 %  6 s left");
 }
 END_TEST
 
@@ -232,6 +245,7 @@ int main(void)
     vt_add(suite, a_bar_shows_the_iteration_and_what_is_left_of_all);
     vt_add(suite, a_bar_does_not_show_limits_that_are_not_known);
     vt_add(suite, a_bar_shows_the_polish_at_its_own_pace);
+    vt_add(suite, a_bar_leaves_out_what_a_stage_does_not_know);
     vt_add(suite, a_bar_fits_into_its_line);
     vt_add(suite, a_bar_is_not_drawn_for_every_record);
     vt_add(suite, a_bar_follows_a_daemon_that_tells_stages);
