@@ -31,21 +31,12 @@ struct engine {
     const struct vor_cloud *in;
     struct vor_spec spec;
     struct vor_run run, whole; /* whole: for what a stop must not cut short */
-    struct vor_no_stop no_stop;
     struct vor_domain domain;
     struct vor_seeds seeds;
     struct vor_outcome told;
     struct vor_report report;
     double area; /* that spacing was turned into points with, normalised; else 0 */
 };
-
-static void begin(struct engine *engine, const struct vor_run *run)
-{
-    engine->run = *run;
-    engine->run.began = vor_run_clock(run);
-    engine->run.no_stop = vor_no_stop_watch(&engine->no_stop, run->watch);
-    engine->whole = vor_run_unstoppable(&engine->run);
-}
 
 /* How many points the request comes to. */
 static vor_status resolve_target(struct engine *engine, size_t *n, struct vor_error *err)
@@ -118,7 +109,10 @@ static vor_status run_resample(struct vor_artefacts *out, const struct vor_artef
                                struct vor_error *err)
 {
     struct vor_report *report = vor_artefacts_put_document(out, "report", &vor_report_members, err);
-    struct engine engine = {.in = vor_artefacts_cloud(in, "cloud"), .spec = *spec};
+    struct engine engine = {.in = vor_artefacts_cloud(in, "cloud"),
+                            .spec = *spec,
+                            .run = *run,
+                            .whole = vor_run_unstoppable(run)};
     struct vor_cloud cloud;
     vor_status status;
     size_t n = 0;
@@ -126,7 +120,6 @@ static vor_status run_resample(struct vor_artefacts *out, const struct vor_artef
     if (report == NULL)
         return VOR_E_NOMEM;
     vor_cloud_init(&cloud, run->memory);
-    begin(&engine, run);
     status = prepare(&engine, &n, err);
     if (status == VOR_OK)
         status = place(&engine, n, err);
@@ -178,10 +171,14 @@ vor_status vor_engine_run(struct vor_artefacts *out, const struct vor_artefacts 
                           struct vor_error *err)
 {
     const struct vor_process *process = process_of(spec);
+    struct vor_run begun = *run;
+    struct vor_no_stop no_stop;
     vor_status status;
 
     assert(process != NULL);
-    status = process->run(out, in, spec, run, err);
+    begun.began = vor_run_clock(run);
+    begun.no_stop = vor_no_stop_watch(&no_stop, run->watch);
+    status = process->run(out, in, spec, &begun, err);
     for (const struct vor_artefact_info *o = spec->process->outputs; o->name != NULL; o++)
         assert(status != VOR_OK || vor_artefacts_find(out, o->name) != NULL);
     return status;

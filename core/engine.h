@@ -13,6 +13,7 @@
  *  @param[in]  in    every required input of the row, clouds checked (vor_cloud_check); borrowed
  *                    for the call
  *  @param[in]  spec  checked (vor_spec_check, vor_spec_check_inputs)
+ *  @param[in]  run   pool, memory and watch are read; the run begins with this call
  *  @param[out] err   may be NULL
  *
  *  @retval VOR_E_TARGET     the number of points asked for, or what ratio or spacing come to, is

@@ -60,6 +60,7 @@ struct vor_process {
      *  @param[in]  in    every required input of the row is there, clouds are checked
      *                    (vor_cloud_check)
      *  @param[in]  spec  checked (vor_spec_check); spec->process is the row
+     *  @param[in]  run   began just now: began and no_stop are set
      *
      *  Fails as the process says; whatever is in *out then is the caller's to free. */
     vor_status (*run)(struct vor_artefacts *out, const struct vor_artefacts *in,
