@@ -73,6 +73,14 @@ static vor_status prepare(struct engine *engine, size_t *n, struct vor_error *er
     return status;
 }
 
+/* Notes how long the stages took: what is no polish counts as iterations. */
+static void report_stages(struct vor_report *report, const struct vor_outcome *told)
+{
+    for (int stage = 0; stage < VOR_RUN_STAGE_COUNT; stage++)
+        *(stage == VOR_RUN_STAGE_POLISH ? &report->seconds_polish : &report->seconds_iterate) +=
+            told->seconds[stage];
+}
+
 static vor_status place(struct engine *engine, size_t n, struct vor_error *err)
 {
     const struct vor_method *method = method_of(&engine->spec);
@@ -80,8 +88,7 @@ static vor_status place(struct engine *engine, size_t n, struct vor_error *err)
                                     &engine->spec, &engine->run, err);
 
     engine->report.seconds_init += engine->told.seconds_start;
-    engine->report.seconds_iterate = engine->told.seconds[VOR_RUN_STAGE_ITERATE];
-    engine->report.seconds_polish = engine->told.seconds[VOR_RUN_STAGE_POLISH];
+    report_stages(&engine->report, &engine->told);
     return status;
 }
 

@@ -160,7 +160,8 @@ struct vor_stage_done {
     X(REAL, seconds_read, "seconds.read", "s", "Decoding the input")                               \
     X(REAL, seconds_index, "seconds.index", "s", "Sorting and indexing the input")                 \
     X(REAL, seconds_init, "seconds.init", "s", "Placing the first points")                         \
-    X(REAL, seconds_iterate, "seconds.iterate", "s", "Iterations")                                 \
+    X(REAL, seconds_iterate, "seconds.iterate", "s",                                               \
+      "Iterations, or the stages that a method has in their place")                                \
     X(REAL, seconds_polish, "seconds.polish", "s",                                                 \
       "Polish, and moving points outside the input onto it before and after")                      \
     X(REAL, seconds_write, "seconds.write", "s", "Encoding the result")                            \
