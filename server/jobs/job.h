@@ -10,7 +10,7 @@
 #include <stdint.h>
 
 /** How the operations on jobs end. */
-enum vor_outcome {
+enum vor_job_outcome {
     VOR_DONE,
     VOR_UNKNOWN,  /**< no such job */
     VOR_CONFLICT, /**< the job is not in a state that allows it */

@@ -52,10 +52,10 @@ void vor_queue_destroy(struct vor_queue *queue)
     free(queue);
 }
 
-enum vor_outcome vor_queue_reserve(struct vor_queue *queue)
+enum vor_job_outcome vor_queue_reserve(struct vor_queue *queue)
 {
     struct entry *entry = calloc(1, sizeof *entry);
-    enum vor_outcome outcome = VOR_FULL;
+    enum vor_job_outcome outcome = VOR_FULL;
 
     pthread_mutex_lock(&queue->mutex);
     if (queue->closed) {

@@ -17,7 +17,7 @@ void vor_queue_destroy(struct vor_queue *queue);
 /** Books a place for a job that is about to be accepted.
  *
  *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING (closed) */
-enum vor_outcome vor_queue_reserve(struct vor_queue *queue);
+enum vor_job_outcome vor_queue_reserve(struct vor_queue *queue);
 
 /** Gives a booked place back. */
 void vor_queue_cancel(struct vor_queue *queue);

@@ -131,7 +131,7 @@ void vor_admit_destroy(struct vor_admit *admit)
     free(admit);
 }
 
-enum vor_outcome vor_admit_submit(struct vor_admit *admit, struct vor_admission *admission)
+enum vor_job_outcome vor_admit_submit(struct vor_admit *admit, struct vor_admission *admission)
 {
     admission->admit = admit;
     admission->task = (struct vor_task){.run = run_admission, .ctx = admission};

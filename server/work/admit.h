@@ -65,7 +65,7 @@ void vor_admit_destroy(struct vor_admit *admit);
  *
  *  @retval VOR_DONE      done will be called, exactly once
  *  @retval VOR_FULL, VOR_DRAINING  nothing was taken over */
-VOR_NODISCARD enum vor_outcome vor_admit_submit(struct vor_admit *admit,
-                                                struct vor_admission *admission);
+VOR_NODISCARD enum vor_job_outcome vor_admit_submit(struct vor_admit *admit,
+                                                    struct vor_admission *admission);
 
 #endif

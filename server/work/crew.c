@@ -108,9 +108,9 @@ void vor_crew_destroy(struct vor_crew *crew)
     free(crew);
 }
 
-enum vor_outcome vor_crew_take(struct vor_crew *crew, struct vor_task *task)
+enum vor_job_outcome vor_crew_take(struct vor_crew *crew, struct vor_task *task)
 {
-    enum vor_outcome outcome = VOR_DONE;
+    enum vor_job_outcome outcome = VOR_DONE;
 
     pthread_mutex_lock(&crew->mutex);
     if (crew->closing) {

@@ -31,7 +31,7 @@ void vor_crew_destroy(struct vor_crew *crew);
  *  @retval VOR_DONE      run will be called, exactly once
  *  @retval VOR_FULL      waiting_max tasks wait
  *  @retval VOR_DRAINING  vor_crew_destroy was called */
-VOR_NODISCARD enum vor_outcome vor_crew_take(struct vor_crew *crew, struct vor_task *task);
+VOR_NODISCARD enum vor_job_outcome vor_crew_take(struct vor_crew *crew, struct vor_task *task);
 
 /** True once vor_crew_destroy was called: a task that is long had better not begin. */
 int vor_crew_closing(struct vor_crew *crew);

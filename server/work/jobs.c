@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum vor_outcome vor_worker_room(struct vor_worker *worker)
+enum vor_job_outcome vor_worker_room(struct vor_worker *worker)
 {
     int draining;
 
@@ -81,10 +81,10 @@ static vor_status accept_job(struct vor_worker *worker, struct vor_job_view *row
     return status;
 }
 
-static enum vor_outcome submit(struct vor_worker *worker, struct vor_job_view *row,
-                               struct vor_error *err)
+static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_view *row,
+                                   struct vor_error *err)
 {
-    enum vor_outcome outcome = vor_queue_reserve(worker->queue);
+    enum vor_job_outcome outcome = vor_queue_reserve(worker->queue);
 
     if (outcome != VOR_DONE)
         return outcome;
@@ -98,11 +98,12 @@ static enum vor_outcome submit(struct vor_worker *worker, struct vor_job_view *r
     return VOR_DONE;
 }
 
-enum vor_outcome vor_worker_submit(struct vor_worker *worker, const struct vor_uuid *id,
-                                   const struct vor_job_input *input, const struct vor_spec *spec,
-                                   struct vor_job_view *out, struct vor_error *err)
+enum vor_job_outcome vor_worker_submit(struct vor_worker *worker, const struct vor_uuid *id,
+                                       const struct vor_job_input *input,
+                                       const struct vor_spec *spec, struct vor_job_view *out,
+                                       struct vor_error *err)
 {
-    enum vor_outcome outcome = VOR_FAILED;
+    enum vor_job_outcome outcome = VOR_FAILED;
     struct vor_job_view row;
 
     first_row(&row, id, input, spec);
@@ -130,8 +131,8 @@ static int live_view(struct vor_worker *worker, const struct vor_uuid *id, struc
     return 1;
 }
 
-static enum vor_outcome row_view(struct vor_worker *worker, const struct vor_uuid *id,
-                                 struct vor_job_view *out, struct vor_error *err)
+static enum vor_job_outcome row_view(struct vor_worker *worker, const struct vor_uuid *id,
+                                     struct vor_job_view *out, struct vor_error *err)
 {
     int found;
 
@@ -140,8 +141,8 @@ static enum vor_outcome row_view(struct vor_worker *worker, const struct vor_uui
     return found ? VOR_DONE : VOR_UNKNOWN;
 }
 
-enum vor_outcome vor_worker_get(struct vor_worker *worker, const struct vor_uuid *id,
-                                struct vor_job_view *out, struct vor_error *err)
+enum vor_job_outcome vor_worker_get(struct vor_worker *worker, const struct vor_uuid *id,
+                                    struct vor_job_view *out, struct vor_error *err)
 {
     return live_view(worker, id, out) ? VOR_DONE : row_view(worker, id, out, err);
 }
@@ -198,10 +199,10 @@ static vor_status stored_bus(struct vor_worker *worker, const struct vor_job_vie
     return VOR_OK;
 }
 
-enum vor_outcome vor_worker_follow(struct vor_worker *worker, const struct vor_uuid *id,
-                                   struct vor_followed *out, struct vor_error *err)
+enum vor_job_outcome vor_worker_follow(struct vor_worker *worker, const struct vor_uuid *id,
+                                       struct vor_followed *out, struct vor_error *err)
 {
-    enum vor_outcome outcome;
+    enum vor_job_outcome outcome;
 
     out->bus = NULL;
     out->job = vor_worker_find(worker, id);
@@ -235,11 +236,11 @@ void vor_worker_unfollow(struct vor_followed *followed)
     followed->job = NULL;
 }
 
-enum vor_outcome vor_worker_events(struct vor_worker *worker, const struct vor_uuid *id,
-                                   struct vor_bus **out, struct vor_error *err)
+enum vor_job_outcome vor_worker_events(struct vor_worker *worker, const struct vor_uuid *id,
+                                       struct vor_bus **out, struct vor_error *err)
 {
     struct vor_followed followed;
-    enum vor_outcome outcome = vor_worker_follow(worker, id, &followed, err);
+    enum vor_job_outcome outcome = vor_worker_follow(worker, id, &followed, err);
 
     if (outcome == VOR_DONE)
         *out = vor_bus_retain(followed.bus);
@@ -261,9 +262,9 @@ static void explain(struct vor_job_view *row, const char *why)
 }
 
 /* Dismisses a live job: VOR_CONFLICT when it is over. */
-static enum vor_outcome dismiss_live(struct vor_worker *worker, struct vor_job *job,
-                                     const char *why, struct vor_job_view *out,
-                                     struct vor_error *err)
+static enum vor_job_outcome dismiss_live(struct vor_worker *worker, struct vor_job *job,
+                                         const char *why, struct vor_job_view *out,
+                                         struct vor_error *err)
 {
     vor_status status;
     int changed;
@@ -289,8 +290,8 @@ static enum vor_outcome dismiss_live(struct vor_worker *worker, struct vor_job *
 }
 
 /* Dismisses a job that waits for the next start of the daemon: VOR_CONFLICT when it is over. */
-static enum vor_outcome dismiss_row(struct vor_worker *worker, const char *why,
-                                    struct vor_job_view *row, struct vor_error *err)
+static enum vor_job_outcome dismiss_row(struct vor_worker *worker, const char *why,
+                                        struct vor_job_view *row, struct vor_error *err)
 {
     int changed;
 
@@ -309,11 +310,12 @@ static enum vor_outcome dismiss_row(struct vor_worker *worker, const char *why,
 
 /* Dismisses a job that is not over, live or not; *out gets its last view in any case but
  * VOR_UNKNOWN and VOR_FAILED. */
-static enum vor_outcome dismiss(struct vor_worker *worker, const struct vor_uuid *id,
-                                const char *why, struct vor_job_view *out, struct vor_error *err)
+static enum vor_job_outcome dismiss(struct vor_worker *worker, const struct vor_uuid *id,
+                                    const char *why, struct vor_job_view *out,
+                                    struct vor_error *err)
 {
     struct vor_job *job = vor_worker_find(worker, id);
-    enum vor_outcome outcome = VOR_CONFLICT;
+    enum vor_job_outcome outcome = VOR_CONFLICT;
 
     if (job != NULL)
         outcome = dismiss_live(worker, job, why, out, err);
@@ -324,8 +326,8 @@ static enum vor_outcome dismiss(struct vor_worker *worker, const struct vor_uuid
     return outcome == VOR_DONE ? dismiss_row(worker, why, out, err) : outcome;
 }
 
-static enum vor_outcome remove_job(struct vor_worker *worker, const struct vor_uuid *id,
-                                   struct vor_error *err)
+static enum vor_job_outcome remove_job(struct vor_worker *worker, const struct vor_uuid *id,
+                                       struct vor_error *err)
 {
     struct vor_job *job;
     int changed;
@@ -344,12 +346,12 @@ static enum vor_outcome remove_job(struct vor_worker *worker, const struct vor_u
     return VOR_DONE;
 }
 
-enum vor_outcome vor_worker_dismiss(struct vor_worker *worker, const struct vor_uuid *id,
-                                    const char *why, struct vor_job_view *out,
-                                    struct vor_error *err)
+enum vor_job_outcome vor_worker_dismiss(struct vor_worker *worker, const struct vor_uuid *id,
+                                        const char *why, struct vor_job_view *out,
+                                        struct vor_error *err)
 {
     struct vor_job_view view;
-    enum vor_outcome outcome = dismiss(worker, id, why, &view, err);
+    enum vor_job_outcome outcome = dismiss(worker, id, why, &view, err);
 
     if (outcome == VOR_CONFLICT)
         outcome = remove_job(worker, id, err);
@@ -360,8 +362,8 @@ enum vor_outcome vor_worker_dismiss(struct vor_worker *worker, const struct vor_
     return VOR_DONE;
 }
 
-enum vor_outcome vor_worker_cancel(struct vor_worker *worker, const struct vor_uuid *id,
-                                   const char *why, struct vor_error *err)
+enum vor_job_outcome vor_worker_cancel(struct vor_worker *worker, const struct vor_uuid *id,
+                                       const char *why, struct vor_error *err)
 {
     struct vor_job_view view;
 
@@ -396,12 +398,12 @@ void vor_worker_settle(struct vor_worker *worker, double seconds)
     vor_crew_settle(worker->crew, seconds);
 }
 
-enum vor_outcome vor_worker_stop(struct vor_worker *worker, const struct vor_uuid *id,
-                                 struct vor_error *err)
+enum vor_job_outcome vor_worker_stop(struct vor_worker *worker, const struct vor_uuid *id,
+                                     struct vor_error *err)
 {
     struct vor_job *job = vor_worker_find(worker, id);
     struct vor_job_view view = {.status = VOR_JOB_ACCEPTED};
-    enum vor_outcome outcome;
+    enum vor_job_outcome outcome;
 
     if (job != NULL) {
         vor_job_view(job, &view);

@@ -48,7 +48,7 @@ void vor_worker_destroy(struct vor_worker *worker);
 /** Would a job be taken now? For an early answer; vor_worker_submit decides.
  *
  *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING */
-enum vor_outcome vor_worker_room(struct vor_worker *worker);
+enum vor_job_outcome vor_worker_room(struct vor_worker *worker);
 
 /** Jobs that wait, and that run. */
 struct vor_worker_load {
@@ -67,17 +67,17 @@ void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out);
  *                      run can tell; VOR_E_IO; VOR_E_NOMEM
  *
  *  Cost: an fsync; not for HTTP threads. */
-VOR_NODISCARD enum vor_outcome vor_worker_submit(struct vor_worker *worker,
-                                                 const struct vor_uuid *id,
-                                                 const struct vor_job_input *input,
-                                                 const struct vor_spec *spec,
-                                                 struct vor_job_view *out, struct vor_error *err);
+VOR_NODISCARD enum vor_job_outcome
+vor_worker_submit(struct vor_worker *worker, const struct vor_uuid *id,
+                  const struct vor_job_input *input, const struct vor_spec *spec,
+                  struct vor_job_view *out, struct vor_error *err);
 
 /** What is known about a job, live or from its row.
  *
  *  @retval VOR_DONE, VOR_UNKNOWN, VOR_FAILED */
-VOR_NODISCARD enum vor_outcome vor_worker_get(struct vor_worker *worker, const struct vor_uuid *id,
-                                              struct vor_job_view *out, struct vor_error *err);
+VOR_NODISCARD enum vor_job_outcome vor_worker_get(struct vor_worker *worker,
+                                                  const struct vor_uuid *id,
+                                                  struct vor_job_view *out, struct vor_error *err);
 
 /** vor_store_list with what is live brought up to date. each must not call the worker. */
 VOR_NODISCARD vor_status vor_worker_list(struct vor_worker *worker,
@@ -98,9 +98,10 @@ struct vor_followed {
  *  @retval VOR_DONE, VOR_UNKNOWN, VOR_FAILED
  *
  *  Cost: two reads of the store for a job that is not live, however many its events. */
-VOR_NODISCARD enum vor_outcome vor_worker_follow(struct vor_worker *worker,
-                                                 const struct vor_uuid *id,
-                                                 struct vor_followed *out, struct vor_error *err);
+VOR_NODISCARD enum vor_job_outcome vor_worker_follow(struct vor_worker *worker,
+                                                     const struct vor_uuid *id,
+                                                     struct vor_followed *out,
+                                                     struct vor_error *err);
 
 /** The job as it is now. Never asks the store: a job that is not live does not change. */
 void vor_worker_followed(struct vor_worker *worker, const struct vor_followed *followed,
@@ -110,9 +111,9 @@ void vor_worker_followed(struct vor_worker *worker, const struct vor_followed *f
 void vor_worker_unfollow(struct vor_followed *followed);
 
 /** The events alone; the caller releases *out with vor_bus_release. */
-VOR_NODISCARD enum vor_outcome vor_worker_events(struct vor_worker *worker,
-                                                 const struct vor_uuid *id, struct vor_bus **out,
-                                                 struct vor_error *err);
+VOR_NODISCARD enum vor_job_outcome vor_worker_events(struct vor_worker *worker,
+                                                     const struct vor_uuid *id,
+                                                     struct vor_bus **out, struct vor_error *err);
 
 /** DELETE: a job that waits or runs becomes dismissed at once (its cores are free within a block of
  *  work); one that is over is removed with its bytes. *out (may be NULL) then says dismissed.
@@ -122,16 +123,17 @@ VOR_NODISCARD enum vor_outcome vor_worker_events(struct vor_worker *worker,
  *  @retval VOR_DONE, VOR_UNKNOWN, VOR_FAILED
  *
  *  Cost: an fsync; not for HTTP threads. */
-VOR_NODISCARD enum vor_outcome vor_worker_dismiss(struct vor_worker *worker,
-                                                  const struct vor_uuid *id, const char *why,
-                                                  struct vor_job_view *out, struct vor_error *err);
+VOR_NODISCARD enum vor_job_outcome vor_worker_dismiss(struct vor_worker *worker,
+                                                      const struct vor_uuid *id, const char *why,
+                                                      struct vor_job_view *out,
+                                                      struct vor_error *err);
 
 /** Dismisses a job only if it is not over, because its caller left.
  *
  *  @retval VOR_CONFLICT the job is over; nothing is removed */
-VOR_NODISCARD enum vor_outcome vor_worker_cancel(struct vor_worker *worker,
-                                                 const struct vor_uuid *id, const char *why,
-                                                 struct vor_error *err);
+VOR_NODISCARD enum vor_job_outcome vor_worker_cancel(struct vor_worker *worker,
+                                                     const struct vor_uuid *id, const char *why,
+                                                     struct vor_error *err);
 
 /** A dismissal or cancellation that a thread of the worker carries out, for callers that must not
  *  wait for the disk. The caller fills in the first five members and keeps the struct until done
@@ -142,7 +144,7 @@ struct vor_dismissal {
     int is_cancel;                                 /**< cancel; view is not set then */
     void (*done)(struct vor_dismissal *dismissal); /**< on that thread; may free the struct */
     void *ctx;
-    enum vor_outcome outcome; /**< from here: the answer */
+    enum vor_job_outcome outcome; /**< from here: the answer */
     struct vor_error error;
     struct vor_job_view view;
     struct vor_worker *worker; /**< from here: the worker's own */
@@ -159,8 +161,8 @@ void vor_worker_settle(struct vor_worker *worker, double seconds);
  *
  *  @retval VOR_DONE, VOR_UNKNOWN, VOR_FAILED
  *  @retval VOR_CONFLICT the job does not run */
-VOR_NODISCARD enum vor_outcome vor_worker_stop(struct vor_worker *worker, const struct vor_uuid *id,
-                                               struct vor_error *err);
+VOR_NODISCARD enum vor_job_outcome
+vor_worker_stop(struct vor_worker *worker, const struct vor_uuid *id, struct vor_error *err);
 
 /** The report of a successful job (malloc, the caller frees), NULL when there is none.
  *

@@ -52,8 +52,8 @@ struct vor_spec vt_request(unsigned points, int iterations)
     return spec;
 }
 
-enum vor_outcome vt_daemon_submit(struct vt_daemon *daemon, const struct vor_cloud *cloud,
-                                  const struct vor_spec *spec, struct vor_uuid *id)
+enum vor_job_outcome vt_daemon_submit(struct vt_daemon *daemon, const struct vor_cloud *cloud,
+                                      const struct vor_spec *spec, struct vor_uuid *id)
 {
     struct vor_admit_limits limits = {.codec = VOR_LIMITS_DEFAULT, .memory = (size_t)1 << 30};
     struct vor_blob_writer *upload = vt_upload_cloud(daemon->blobs, cloud);

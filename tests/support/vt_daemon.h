@@ -32,8 +32,8 @@ void vt_daemon_stop(struct vt_daemon *daemon);
 struct vor_spec vt_request(unsigned points, int iterations);
 
 /** Admits a cloud and submits it; *id gets the job's id when VOR_DONE is returned. */
-enum vor_outcome vt_daemon_submit(struct vt_daemon *daemon, const struct vor_cloud *cloud,
-                                  const struct vor_spec *spec, struct vor_uuid *id);
+enum vor_job_outcome vt_daemon_submit(struct vt_daemon *daemon, const struct vor_cloud *cloud,
+                                      const struct vor_spec *spec, struct vor_uuid *id);
 
 struct vor_job_view vt_daemon_get(struct vt_daemon *daemon, const struct vor_uuid *id);
 

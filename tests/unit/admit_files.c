@@ -257,7 +257,7 @@ START_TEST(what_waits_when_the_daemon_goes_is_answered_as_cancelled)
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
     struct vor_admission busy = {.done = answered}, waits = {.done = answered}, late = waits;
-    enum vor_outcome outcome;
+    enum vor_job_outcome outcome;
     struct vor_admit *admit;
     struct answers answers;
     struct vor_cloud cloud;

@@ -100,7 +100,7 @@ static void *destroy(void *crew)
 
 START_TEST(what_waits_at_the_end_is_done_and_nothing_more_is_taken)
 {
-    enum vor_outcome outcome;
+    enum vor_job_outcome outcome;
     struct work work;
     pthread_t thread;
 

@@ -282,7 +282,7 @@ enum vor_next vor_events_reply(struct vor_app *app, struct vor_request *request,
 {
     struct vor_error err;
     struct stream *stream;
-    enum vor_outcome outcome;
+    enum vor_job_outcome outcome;
     struct vor_position end;
 
     vor_reply_header(request, "Cache-Control", "no-store");
@@ -354,7 +354,7 @@ enum vor_next vor_handle_trace(void *ctx, struct vor_request *request, enum vor_
     struct vor_error err;
     struct vor_text text;
     struct vor_uuid id;
-    enum vor_outcome outcome;
+    enum vor_job_outcome outcome;
 
     (void)step;
     if (!vor_job_of_path(app, request, &id))

@@ -56,7 +56,7 @@ bool vor_job_look_up(struct vor_app *app, struct vor_request *request, struct vo
 
 /** Replies to an outcome that is not VOR_DONE: no-such-job, queue-full, draining, or err. */
 enum vor_next vor_outcome_reply(struct vor_app *app, struct vor_request *request,
-                                enum vor_outcome outcome, const struct vor_error *err,
+                                enum vor_job_outcome outcome, const struct vor_error *err,
                                 const struct vor_uuid *id);
 
 /** jobs_filter.c: which jobs a list is asked for.

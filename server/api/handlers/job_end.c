@@ -96,7 +96,7 @@ enum vor_next vor_handle_stop(void *ctx, struct vor_request *request, enum vor_s
     struct vor_app *app = ctx;
     struct vor_job_view view;
     struct vor_error err;
-    enum vor_outcome outcome;
+    enum vor_job_outcome outcome;
 
     (void)step;
     if (!vor_job_look_up(app, request, &view))

@@ -40,7 +40,7 @@ static bool begin_poll(struct vor_app *app, struct vor_request *request, double 
     struct vor_error err;
     struct vor_uuid id;
     struct poll *poll;
-    enum vor_outcome outcome;
+    enum vor_job_outcome outcome;
 
     if (!vor_job_of_path(app, request, &id))
         return false;

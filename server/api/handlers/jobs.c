@@ -20,7 +20,7 @@ bool vor_job_of_path(struct vor_app *app, struct vor_request *request, struct vo
 }
 
 enum vor_next vor_outcome_reply(struct vor_app *app, struct vor_request *request,
-                                enum vor_outcome outcome, const struct vor_error *err,
+                                enum vor_job_outcome outcome, const struct vor_error *err,
                                 const struct vor_uuid *id)
 {
     struct vor_problem full = VOR_PROBLEM_INIT("queue-full");
@@ -50,7 +50,7 @@ bool vor_job_look_up(struct vor_app *app, struct vor_request *request, struct vo
 {
     struct vor_error err;
     struct vor_uuid id;
-    enum vor_outcome outcome;
+    enum vor_job_outcome outcome;
 
     if (!vor_job_of_path(app, request, &id))
         return false;

@@ -32,7 +32,7 @@ struct submission {
     bool admitted;  /* the members below are set */
     bool settled;   /* the caller of a synchronous call got an answer */
     struct vor_admission admission;
-    enum vor_outcome outcome;
+    enum vor_job_outcome outcome;
     struct vor_error error;
     struct vor_job_view view;
     struct vor_dismissal cancel; /* once the caller has left */
@@ -158,7 +158,7 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     struct submission *submission;
     struct vor_body_sink sink;
     struct vor_error err;
-    enum vor_outcome room;
+    enum vor_job_outcome room;
 
     if (!vor_submit_read(app, request, &head))
         return VOR_NEXT_REPLY;
@@ -217,7 +217,7 @@ static void on_admitted(struct vor_admission *admission)
 static enum vor_next admit(struct vor_app *app, struct vor_request *request,
                            struct submission *submission)
 {
-    enum vor_outcome outcome;
+    enum vor_job_outcome outcome;
 
     submission->admission = (struct vor_admission){
         .upload = submission->upload, .done = on_admitted, .ctx = submission};
@@ -285,7 +285,7 @@ static enum vor_next reply_ended(struct vor_app *app, struct vor_request *reques
 {
     struct vor_job_view view;
     struct vor_error err;
-    enum vor_outcome outcome = vor_worker_get(app->worker, &submission->view.id, &view, &err);
+    enum vor_job_outcome outcome = vor_worker_get(app->worker, &submission->view.id, &view, &err);
 
     submission->settled = true;
     add_job_headers(app, request, submission, false);
@@ -322,7 +322,7 @@ static enum vor_next wait_for_end(struct vor_app *app, struct vor_request *reque
 static enum vor_next start_wait(struct vor_app *app, struct vor_request *request,
                                 struct submission *submission)
 {
-    enum vor_outcome outcome =
+    enum vor_job_outcome outcome =
         vor_worker_events(app->worker, &submission->view.id, &submission->bus, &submission->error);
 
     if (outcome != VOR_DONE)
