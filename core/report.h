@@ -82,7 +82,8 @@ void vor_record_infer_stage(struct vor_record *record);
     X(DELTA, "delta")                                                                              \
     X(SECONDS, "seconds")                                                                          \
     X(PLATEAU, "plateau")                                                                          \
-    X(CALLER, "stopped")
+    X(CALLER, "stopped")                                                                           \
+    VOR_EXTRA_STOPPED(X)
 
 enum vor_stopped {
 #define VOR_STOPPED_ENUM(id, word) VOR_STOPPED_##id,

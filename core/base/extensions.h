@@ -16,7 +16,9 @@
 #ifndef VOR_EXTRA_RUN_STAGES
 #define VOR_EXTRA_RUN_STAGES(X)
 #endif
-
+#ifndef VOR_EXTRA_STOPPED
+#define VOR_EXTRA_STOPPED(X)
+#endif
 #ifndef VOR_EXTRA_DOCUMENTS
 #define VOR_EXTRA_DOCUMENTS(X)
 #endif
@@ -24,6 +26,9 @@
 /* core/spec/tables.h */
 #ifndef VOR_EXTRA_GROUPS
 #define VOR_EXTRA_GROUPS(X)
+#endif
+#ifndef VOR_EXTRA_SPREAD_GROUPS /* a set, not a list */
+#define VOR_EXTRA_SPREAD_GROUPS 0
 #endif
 #ifndef VOR_EXTRA_METHOD_CHOICES
 #define VOR_EXTRA_METHOD_CHOICES(X)
