@@ -1,4 +1,4 @@
-# config=release|debug|asan|tsan|cover picks flags and build/<config>/. `make help` lists the targets.
+# config=release|debug|asan|tsan|cover|toy picks flags and build/<config>/. `make help` lists the targets.
 config ?= release
 B := build/$(config)
 
@@ -17,23 +17,29 @@ flags.debug := -O0 -g3 $(HARDEN)
 flags.asan := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined
 flags.tsan := -O1 -g -fno-omit-frame-pointer -fsanitize=thread
 flags.cover := -O0 -g --coverage
+flags.toy := -O1 -g $(HARDEN)
 flags.fuzz := -O1 -g -fno-omit-frame-pointer -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
 flags := $(flags.$(config))
 ifeq ($(flags),)
-$(error config=$(config) is not one of release, debug, asan, tsan, cover)
+$(error config=$(config) is not one of release, debug, asan, tsan, cover, toy)
 endif
 
+# config=toy is the product with more rows in its tables (core/base/extensions.h). Only `all` is made of it: `check` of
+# the release drives the binary, by tests/toy.
+TOY := tests/support/toy
+EXTENSIONS := $(if $(filter toy,$(config)),-DVOR_EXTENSIONS='"$(TOY)/toy.h"')
+
 # Same bytes on every machine: no contraction into fused multiply-add.
-COMMON := $(flags) -ffp-contract=off -fno-math-errno -pthread -I. -MMD -MP -DVOR_VERSION='"$(VERSION)"' \
+COMMON := $(flags) -ffp-contract=off -fno-math-errno -pthread -I. -MMD -MP -DVOR_VERSION='"$(VERSION)"' $(EXTENSIONS) \
           $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
 ALL_CFLAGS := -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE $(CWARN) $(COMMON) $(CFLAGS)
 ALL_CXXFLAGS := -std=c++17 $(WARN) $(COMMON) $(CXXFLAGS)
 # FLANN's pkg-config file drags in HDF5 and MPI, which only its own tools use.
 LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lflann -lm -lstdc++
 TEST_LIBS := $(shell pkg-config --libs check 2>/dev/null)
-LINK := $(CXX) $(flags) $(if $(filter release debug,$(config)),$(LDHARDEN)) -pthread $(LDFLAGS)
+LINK := $(CXX) $(flags) $(if $(filter release debug toy,$(config)),$(LDHARDEN)) -pthread $(LDFLAGS)
 
-SRC := $(sort $(shell find core proto server -name '*.c' -o -name '*.cc'))
+SRC := $(sort $(shell find core proto server -name '*.c' -o -name '*.cc') $(if $(EXTENSIONS),$(wildcard $(TOY)/*.c)))
 LIB_SRC := $(filter-out server/main.c,$(SRC))
 obj = $(addprefix $(B)/,$(addsuffix .o,$(basename $(1))))
 LIB := $(B)/libvoronoid.a
@@ -50,6 +56,8 @@ KINDS_OBJ := $(addprefix $(B)/kinds/,$(addsuffix .o,core/spec core/spec/tables c
 KINDS_BIN := $(addprefix $(B)/,$(basename $(wildcard tests/kinds/*.c)))
 TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC))) $(KINDS_BIN)
 TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t $(if $(filter-out tsan,$(config)),tests/cli/*.t tests/lint/*.t)))
+TOY_SCRIPTS := $(if $(filter release,$(config)),$(sort $(wildcard tests/toy/*.t)))
+TEST_SCRIPTS += $(TOY_SCRIPTS)
 # These tell time, or need a port that is the same everywhere: nothing runs beside them.
 TEST_ALONE := tests/http/slow.t tests/http/readme.t
 BENCH_SRC := $(sort $(wildcard tests/bench/*.c))
@@ -73,7 +81,7 @@ all: $(BIN) ## build the binary (default)
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z]+:.*## /{printf "  %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
-	@echo '  config=release|debug|asan|tsan|cover picks flags and build/<config>/'
+	@echo '  config=release|debug|asan|tsan|cover|toy picks flags and build/<config>/'
 
 $(B)/%.o: %.c
 	@mkdir -p $(@D)
@@ -132,7 +140,11 @@ test: ## install what is missing, build, and run every test (V=1 is verbose)
 	@docker/install.sh build test
 	@$(MAKE) --no-print-directory check
 
-check: all $(TEST_BIN) ## run every test with what is installed
+.PHONY: toy
+toy:
+	@$(MAKE) --no-print-directory config=toy all
+
+check: all $(if $(TOY_SCRIPTS),toy) $(TEST_BIN) ## run every test with what is installed
 	@VORONOID=$(BIN) tests/support/check.sh $(B) $(JOBS) $(filter-out $(TEST_ALONE),$(TEST_SCRIPTS)) $(TEST_BIN) -- \
 	    $(filter $(TEST_ALONE),$(TEST_SCRIPTS))
 
