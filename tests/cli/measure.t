@@ -155,7 +155,7 @@ SKIP: {
     skip 'measure agrees with the yardstick: no ../shared/yardstick/metrics.py', 1 unless $metrics;
     my @python = ('/usr/bin/python3', $metrics);
     skip 'measure agrees with the yardstick: no numpy and scipy', 1
-        if system('/usr/bin/python3 -c "import numpy, scipy" 2>/dev/null') != 0;
+        if !$ENV{CI} && system('/usr/bin/python3 -c "import numpy, scipy" 2>/dev/null') != 0;
     my $a = spew("$folder/a.ply", sphere(3000, 1));
     my $b = spew("$folder/b.ply", sphere(4000, 2));
     run(['resample', $b, '-n', 1000, '--iterations', 5, '-q', '-o', "$folder/c.ply"]);

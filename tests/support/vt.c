@@ -122,6 +122,17 @@ const char *vt_data(const char *name)
     return access(path, R_OK) == 0 ? path : NULL;
 }
 
+const char *vt_data_or_skip(const char *name)
+{
+    const char *path = vt_data(name);
+
+    ck_assert_msg(path != NULL || getenv("CI") == NULL,
+                  "../shared/data/%s is not there, and CI is set: its tests must run", name);
+    if (path == NULL)
+        (void)printf("# skipped: ../shared/data/%s is not there\n", name);
+    return path;
+}
+
 int vt_bytes_write(void *ctx, const void *data, size_t size)
 {
     struct vt_bytes *bytes = ctx;

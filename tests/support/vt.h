@@ -70,8 +70,12 @@ void vt_cloud_square(struct vor_cloud *cloud, uint64_t seed, size_t n);
 /** A whole file in memory (malloc), or NULL; *size gets its length. */
 uint8_t *vt_slurp(const char *path, size_t *size);
 
-/** Path of a file in ../shared/data, or NULL when it is not there: then print a skip by name. */
+/** Path of a file in ../shared/data, or NULL when it is not there. */
 const char *vt_data(const char *name);
+
+/** The same for a test that is skipped without it: prints a comment that names it, and returns
+ * NULL; fails the test where CI is set, which has them all. */
+const char *vt_data_or_skip(const char *name);
 
 /** A sink (proto/codec.h) that collects bytes. */
 struct vt_bytes {

@@ -16,7 +16,9 @@ static int read_data(struct vor_cloud *out, const char *name)
 {
     struct vt_bytes bytes = {0};
 
-    if (!slurp(&bytes, vt_data(name), name))
+    const char *path = vt_data_or_skip(name);
+
+    if (path == NULL || !slurp(&bytes, path, name))
         return 0;
     vt_assert_ok(draco_decode(out, &bytes));
     free(bytes.data);

@@ -90,14 +90,12 @@ enum { AUTZEN = 1, SCANS = sizeof scans / sizeof scans[0] };
 /* False where the file is not there. */
 static int open_scan(struct vor_cloud *cloud, const char *name)
 {
-    const char *path = vt_data(name);
+    const char *path = vt_data_or_skip(name);
     size_t size;
     uint8_t *bytes;
 
-    if (path == NULL) {
-        (void)printf("# skipped: ../shared/data/%s is not there\n", name);
+    if (path == NULL)
         return 0;
-    }
     bytes = vt_slurp(path, &size);
     ck_assert_ptr_nonnull(bytes);
     vor_cloud_init(cloud, &vt_memory);
