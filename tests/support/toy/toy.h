@@ -58,18 +58,12 @@
       "Distances from the other cloud to this one are told, too")
 
 #define VOR_TOY_TWO_IN                                                                             \
-    {                                                                                              \
-        {"cloud", VOR_ARTEFACT_CLOUD, 1, "The point cloud, recognised by its bytes"},              \
-            {"other", VOR_ARTEFACT_CLOUD, 1, "The cloud beside it"},                               \
-    }
+    ({"cloud", VOR_ARTEFACT_CLOUD, 1, "The point cloud, recognised by its bytes"},                 \
+     {"other", VOR_ARTEFACT_CLOUD, 1, "The cloud beside it"})
 #define VOR_TOY_CENSUS_OUT                                                                         \
-    {                                                                                              \
-        {"census", VOR_ARTEFACT_DOCUMENT, 1, "How many points there are, and where"},              \
-    }
+    ({"census", VOR_ARTEFACT_DOCUMENT, 1, "How many points there are, and where"})
 #define VOR_TOY_OVERLAP_OUT                                                                        \
-    {                                                                                              \
-        {"overlap", VOR_ARTEFACT_DOCUMENT, 1, "How many points are near the other cloud"},         \
-    }
+    ({"overlap", VOR_ARTEFACT_DOCUMENT, 1, "How many points are near the other cloud"})
 
 #define VOR_EXTRA_PROCESSES(X)                                                                     \
     X(EXCERPT, excerpt, 1, VOR_SPREAD_GROUPS & ~VOR_IN(CVT), VOR_BY(TOY), 0, 1, VOR_CLOUD_IN,      \
