@@ -20,12 +20,28 @@ static double steps_between(const struct vor_record *from, const struct vor_reco
     return from->stage == to->stage ? (double)to->step - from->step : to->step;
 }
 
+/* Seconds that a step takes: of the stage at hand, of the one before it until there has been one; 0
+ * where none has. */
+static double step_seconds(const struct vor_pace *pace)
+{
+    double steps = steps_between(&pace->origin, &pace->last);
+
+    return steps > 0 ? (pace->last.seconds - pace->origin.seconds) / steps : pace->before;
+}
+
+static int has_pace(const struct vor_pace *pace)
+{
+    return steps_between(&pace->origin, &pace->last) > 0 || pace->before > 0;
+}
+
 void vor_pace_add(struct vor_pace *pace, const struct vor_record *record)
 {
-    if (!pace->began)
+    if (!pace->began) {
         pace->origin = *record;
-    else if (record->stage != pace->last.stage)
-        pace->origin = pace->last;
+    } else if (record->stage != pace->last.stage) {
+        pace->before = step_seconds(pace);
+        pace->origin = record->step > 0 ? pace->last : *record;
+    }
     pace->began = 1;
     pace->all = fmax(pace->all, (double)record->of + record->ahead);
     pace->last = *record;
@@ -44,11 +60,11 @@ double vor_pace_done(const struct vor_pace *pace, const struct vor_spec *spec)
 
 double vor_pace_left(const struct vor_pace *pace, const struct vor_spec *spec)
 {
-    double steps = steps_between(&pace->origin, &pace->last), left;
+    double left;
 
-    if (steps <= 0 || !is_known(&pace->last))
+    if (!has_pace(pace) || !is_known(&pace->last))
         return -1;
-    left = (pace->last.seconds - pace->origin.seconds) / steps * steps_left(&pace->last);
+    left = step_seconds(pace) * steps_left(&pace->last);
     if (vor_spec_given(spec, VOR_PARAM_SECONDS))
         left = fmin(left, fmax(spec->value[VOR_PARAM_SECONDS] - pace->last.seconds, 0));
     return left;

@@ -9,10 +9,11 @@
 /** What is kept of the records of a run. All zero before the first. */
 struct vor_pace {
     int began;
-    double all; /**< steps that the run takes at most: those of its first stage and all ahead */
+    double all;    /**< steps that the run takes at most: those of its first stage and all ahead */
+    double before; /**< seconds that a step of the stage before took; 0 where that is not known */
     struct vor_record last;
     /** The record that the pace is reckoned from: the first one and, in a later stage, whose steps
-     * take another time, the last one before that. */
+     * take another time, that of its 0 steps, or where there was none, the last one before it. */
     struct vor_record origin;
 };
 

@@ -149,6 +149,24 @@ START_TEST(each_of_three_stages_has_a_pace_of_its_own)
 }
 END_TEST
 
+/* A stage may tell that it begins, as the first one does. */
+START_TEST(a_stage_that_begins_has_the_pace_of_the_one_before)
+{
+    const struct vor_record records[] = {at(FIRST, 0, 20, 150, 1),   at(FIRST, 20, 20, 150, 41),
+                                         at(SECOND, 0, 100, 50, 45), at(SECOND, 10, 100, 50, 55),
+                                         at(THIRD, 0, 50, 0, 150),   at(THIRD, 1, 50, 0, 152)};
+    static const double left[] = {-1, 300, 300, 140, 50, 98};
+    struct vor_spec spec = request(-1);
+
+    for (size_t i = 0; i < sizeof records / sizeof records[0]; i++) {
+        struct vor_pace pace = pace_of(records, i + 1);
+
+        ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), left[i], 1e-9);
+    }
+    ck_assert_double_eq(left_after(at(FIRST, 0, 0, 50, 1), at(SECOND, 0, 50, 0, 2), -1), -1);
+}
+END_TEST
+
 /* A plateau after 8 of 12: the four that did not come are done, and take no time. */
 START_TEST(a_stage_that_ends_early_is_done)
 {
@@ -192,6 +210,7 @@ int main(void)
     vt_add(suite, a_budget_counts_where_more_of_it_is_used_up);
     vt_add(suite, there_is_no_pace_before_the_second_record);
     vt_add(suite, each_of_three_stages_has_a_pace_of_its_own);
+    vt_add(suite, a_stage_that_begins_has_the_pace_of_the_one_before);
     vt_add(suite, a_stage_that_ends_early_is_done);
     vt_add(suite, without_a_limit_there_is_neither_share_nor_time_left);
     return vt_run(suite);
