@@ -116,7 +116,7 @@ static void describe(struct vor_job_view *view)
 {
     static const char *const sentences[VOR_STAGES] = {
         [VOR_STAGE_QUEUED] = "Waiting for its turn",
-        [VOR_STAGE_PREPARE] = "Indexing the input and placing the first points",
+        [VOR_STAGE_PREPARE] = "Preparing the input",
         [VOR_STAGE_ENCODE] = "Encoding the result",
     };
 
