@@ -71,20 +71,27 @@ static void write_status(struct stream *stream, struct vor_request *request,
     vor_job_write(stream->app, request, &view, text);
 }
 
+/* How many steps a parameter allows; 0 where the process does not take it. */
+static uint64_t steps_of(const struct vor_spec *spec, enum vor_parameter parameter, double steps)
+{
+    return vor_process_takes(spec->process, parameter) && steps > 0 ? (uint64_t)steps : 0;
+}
+
 /* maxIterations and maxPolish are older than stages: they mean something to a run that iterates and
  * polishes. */
 static void write_progress(const struct stream *stream, const struct vor_event *event,
                            struct vor_text *text)
 {
     const struct vor_spec *spec = &stream->followed.row.spec;
-    double polish = spec->value[VOR_PARAM_POLISH];
 
     vor_json_begin_object(text);
     vor_json_put_string(text, "jobID", stream->id.text);
     vor_json_put_u64(text, "attempt", event->attempt);
     vor_json_put_string(text, "stage", vor_stage_word(event->stage));
-    vor_json_put_u64(text, "maxIterations", vor_spec_iterations(spec));
-    vor_json_put_u64(text, "maxPolish", polish > 0 ? (uint64_t)polish : 0);
+    vor_json_put_u64(text, "maxIterations",
+                     steps_of(spec, VOR_PARAM_ITERATIONS, vor_spec_iterations(spec)));
+    vor_json_put_u64(text, "maxPolish",
+                     steps_of(spec, VOR_PARAM_POLISH, spec->value[VOR_PARAM_POLISH]));
     vor_json_members(text, &vor_record_members, &event->record);
     vor_json_put_i64(text, "progress", event->progress);
     vor_json_put_double(text, "eta", event->eta_seconds >= 0 ? event->eta_seconds : NAN);
