@@ -21,7 +21,7 @@ struct vor_store {
 
 /** What goes into the row with the final state besides the view; either may be NULL. Borrowed. */
 struct vor_store_ending {
-    const char *report;   /**< JSON */
+    const char *report;   /**< JSON: the output that is kept in the row */
     const uint8_t *trace; /**< vor_trace_pack */
     size_t trace_size;
 };
@@ -35,6 +35,12 @@ struct vor_job_filter {
     int64_t duration_min, duration_max; /**< ms since the start, of those that started; 0 for any */
     int64_t now;                        /**< wall clock: the end of what still runs */
     size_t limit;                       /**< 1 .. 10000 */
+};
+
+/** A job that has just expired: its blobs are to be dropped. */
+struct vor_expired {
+    struct vor_uuid id;
+    char process[32]; /**< as in the view */
 };
 
 /** How many jobs a recovery put back into line, and how many it gave up. */
@@ -75,8 +81,8 @@ struct vor_store_driver {
     vor_status (*waiting)(struct vor_store *store,
                           int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
                           struct vor_error *err);
-    vor_status (*expire)(struct vor_store *store, int64_t now_ms, struct vor_uuid *ids, size_t max,
-                         size_t *count, struct vor_error *err);
+    vor_status (*expire)(struct vor_store *store, int64_t now_ms, struct vor_expired *expired,
+                         size_t max, size_t *count, struct vor_error *err);
     vor_status (*recover)(struct vor_store *store, unsigned crashes_max, int64_t now_ms,
                           int64_t expires_ms, struct vor_recovered *recovered,
                           struct vor_error *err);

@@ -33,6 +33,11 @@ enum vor_job_status vor_job_status_find(const char *word)
     return (enum vor_job_status)i;
 }
 
+int vor_output_in_row(const struct vor_artefact_info *output)
+{
+    return output->kind == VOR_ARTEFACT_DOCUMENT && strcmp(output->name, "report") == 0;
+}
+
 int vor_job_status_over(enum vor_job_status status)
 {
     return status != VOR_JOB_ACCEPTED && status != VOR_JOB_RUNNING;

@@ -48,7 +48,7 @@ enum vor_job_status vor_job_status_find(const char *word);
 /** True for successful, failed and dismissed. */
 int vor_job_status_over(enum vor_job_status status);
 
-/** The input of a job, as the admission found it. */
+/** An input of a job, as the admission found it. */
 struct vor_job_input {
     unsigned format;              /**< index of vor_format */
     uint64_t points;              /**< decoded */
@@ -57,13 +57,17 @@ struct vor_job_input {
     double seconds;               /**< decoding took */
 };
 
-/** The result of a job. */
+/** An output of a job that was successful. */
 struct vor_job_output {
-    unsigned format; /**< index of vor_format */
-    uint64_t points, bytes;
-    char sha256[VOR_DIGEST_SIZE];
-    uint64_t report_bytes; /**< of the report as JSON; 0 for none */
+    unsigned format;              /**< of a cloud: index of vor_format; else 0 */
+    uint64_t points;              /**< of a cloud; else 0 */
+    uint64_t bytes;               /**< of the file, or of the document as JSON */
+    char sha256[VOR_DIGEST_SIZE]; /**< likewise; "" of one that is kept in the row */
 };
+
+/** True for an output that is kept in the row of its job, as text, and not among the blobs: the
+ *  document "report". Stores of all versions have it there. */
+int vor_output_in_row(const struct vor_artefact_info *output);
 
 /** Everything that statusInfo says: a row of the store, or a snapshot of a live job. A plain value
  *  that owns nothing. Times are wall-clock milliseconds, 0 for not yet. */
@@ -77,9 +81,12 @@ struct vor_job_view {
     uint32_t attempt;     /**< from 1; the next one while the job waits */
     long queue_position;  /**< 0 is next; -1 when not waiting */
     double eta_seconds;   /**< until the last stage of the run ends; -1 when not known */
-    struct vor_spec spec; /**< FORMAT is always given */
-    struct vor_job_input input;
-    struct vor_job_output output; /**< successful */
+    struct vor_spec spec; /**< FORMAT is given where the process takes it */
+    int request_lost;     /**< this version cannot read the request: spec is the default, or one of
+                               another process, and must not be run */
+    unsigned inputs;      /**< bit i: input i of the process came along; the main one always does */
+    struct vor_job_input input[VOR_INPUTS_MAX];    /**< in the order of the process's inputs */
+    struct vor_job_output output[VOR_OUTPUTS_MAX]; /**< likewise of its outputs; successful */
     int has_record;
     struct vor_record record; /**< the latest */
     struct vor_error problem; /**< failed; status VOR_OK otherwise */

@@ -15,30 +15,96 @@ static void write_problem(struct vor_text *text, const struct vor_error *problem
     vor_json_end_object(text);
 }
 
+/* Members that inputs and outputs have alike. */
+static void begin_artefact(struct vor_text *text, const char *name, unsigned format,
+                           uint64_t points, uint64_t bytes)
+{
+    vor_json_key(text, name);
+    vor_json_begin_object(text);
+    vor_json_put_u64(text, "format", format);
+    vor_json_put_u64(text, "points", points);
+    vor_json_put_u64(text, "bytes", bytes);
+}
+
+static void write_inputs(struct vor_text *text, const struct vor_job_view *row)
+{
+    vor_json_begin_object(text);
+    for (unsigned i = 1; row->spec.process->inputs[i].name != NULL; i++) {
+        const struct vor_job_input *input = &row->input[i];
+
+        if ((row->inputs >> i & 1) == 0)
+            continue;
+        begin_artefact(text, row->spec.process->inputs[i].name, input->format, input->points,
+                       input->bytes);
+        vor_json_put_string(text, "sha256", input->sha256);
+        vor_json_put_double(text, "seconds", input->seconds);
+        vor_json_end_object(text);
+    }
+    vor_json_end_object(text);
+}
+
+static void write_outputs(struct vor_text *text, const struct vor_job_view *row)
+{
+    const struct vor_artefact_info *outputs = row->spec.process->outputs;
+    int any = 0;
+
+    for (unsigned i = 1; outputs[i].name != NULL; i++) {
+        const struct vor_job_output *output = &row->output[i];
+
+        if (vor_output_in_row(&outputs[i]))
+            continue;
+        if (!any)
+            vor_json_begin_object(text);
+        any = 1;
+        begin_artefact(text, outputs[i].name, output->format, output->points, output->bytes);
+        vor_json_put_string(text, "sha256", output->sha256);
+        vor_json_end_object(text);
+    }
+    if (any)
+        vor_json_end_object(text);
+}
+
+enum { TEXTS = 5 };
+
+static void texts_of(struct vor_row_text *row, struct vor_text *out[TEXTS])
+{
+    out[0] = &row->request;
+    out[1] = &row->metrics;
+    out[2] = &row->problem;
+    out[3] = &row->inputs;
+    out[4] = &row->outputs;
+}
+
 vor_status vor_row_write(struct vor_row_text *out, const struct vor_job_view *row,
                          struct vor_error *err)
 {
-    vor_status status;
+    struct vor_text *texts[TEXTS];
+    vor_status status = VOR_OK;
 
-    vor_text_init(&out->request, 0);
-    vor_text_init(&out->metrics, 0);
-    vor_text_init(&out->problem, 0);
+    texts_of(out, texts);
+    for (int i = 0; i < TEXTS; i++)
+        vor_text_init(texts[i], 0);
     vor_json_spec(&out->request, &row->spec);
     if (row->has_record)
         vor_json_record(&out->metrics, &row->record);
     if (row->problem.status != VOR_OK)
         write_problem(&out->problem, &row->problem);
-    status = vor_text_status(&out->request, err);
-    if (status == VOR_OK)
-        status = vor_text_status(&out->metrics, err);
-    return status == VOR_OK ? vor_text_status(&out->problem, err) : status;
+    if (row->inputs >> 1 != 0)
+        write_inputs(&out->inputs, row);
+    if (row->status == VOR_JOB_SUCCESSFUL)
+        write_outputs(&out->outputs, row);
+    for (int i = 0; i < TEXTS && status == VOR_OK; i++)
+        status = vor_text_status(texts[i], err);
+    return status;
 }
 
 void vor_row_text_free(struct vor_row_text *text)
 {
-    vor_text_free(&text->request);
-    vor_text_free(&text->metrics);
-    vor_text_free(&text->problem);
+    struct vor_text *texts[TEXTS];
+
+    texts_of(text, texts);
+    for (int i = 0; i < TEXTS; i++)
+        vor_text_free(texts[i]);
 }
 
 /* NULL when there is no text, or none that can be read. */
@@ -52,18 +118,21 @@ static struct vor_json *parse(const char *text)
 }
 
 /* A request for a process that is not known any more cannot be read either. */
-static void read_request(struct vor_spec *spec, const char *id, const struct vor_json *request)
+static void read_request(struct vor_job_view *row, const struct vor_json *request)
 {
-    const struct vor_process_info *process = vor_process_find(id);
+    const struct vor_process_info *process = vor_process_find(row->process);
     char pointer[VOR_JSON_POINTER_MAX];
 
+    row->request_lost = 1;
     if (process == NULL) {
-        vor_spec_init(spec);
+        vor_spec_init(&row->spec);
         return;
     }
-    vor_spec_preset(spec, process);
-    if (request != NULL && vor_json_spec_read(spec, request, pointer, NULL) != VOR_OK)
-        vor_spec_preset(spec, process);
+    vor_spec_preset(&row->spec, process);
+    if (request != NULL && vor_json_spec_read(&row->spec, request, pointer, NULL) == VOR_OK)
+        row->request_lost = 0;
+    else
+        vor_spec_preset(&row->spec, process);
 }
 
 static vor_status find_status(const char *slug)
@@ -103,17 +172,57 @@ static void read_problem(struct vor_error *out, const struct vor_json *problem)
     out->got = (uint64_t)number(problem, "got", 0);
 }
 
-void vor_row_read(struct vor_job_view *row, const char *request, const char *metrics,
-                  const char *problem)
+static void read_inputs(struct vor_job_view *row, const struct vor_json *inputs)
 {
-    struct vor_json *json = parse(request);
+    const struct vor_artefact_info *infos = row->spec.process->inputs;
 
-    read_request(&row->spec, row->process, json);
+    row->inputs = 1;
+    for (unsigned i = 1; infos[i].name != NULL; i++) {
+        const struct vor_json *json = vor_json_get(inputs, infos[i].name);
+        struct vor_job_input *input = &row->input[i];
+
+        if (json == NULL)
+            continue;
+        row->inputs |= 1u << i;
+        input->format = (unsigned)number(json, "format", 0);
+        input->points = (uint64_t)number(json, "points", 0);
+        input->bytes = (uint64_t)number(json, "bytes", 0);
+        copy(input->sha256, sizeof input->sha256, json, "sha256");
+        input->seconds = number(json, "seconds", 0);
+    }
+}
+
+static void read_outputs(struct vor_job_view *row, const struct vor_json *outputs)
+{
+    const struct vor_artefact_info *infos = row->spec.process->outputs;
+
+    for (unsigned i = 1; infos[i].name != NULL; i++) {
+        const struct vor_json *json = vor_json_get(outputs, infos[i].name);
+        struct vor_job_output *output = &row->output[i];
+
+        output->format = (unsigned)number(json, "format", 0);
+        output->points = (uint64_t)number(json, "points", 0);
+        output->bytes = (uint64_t)number(json, "bytes", 0);
+        copy(output->sha256, sizeof output->sha256, json, "sha256");
+    }
+}
+
+void vor_row_read(struct vor_job_view *row, const struct vor_row_columns *columns)
+{
+    struct vor_json *json = parse(columns->request);
+
+    read_request(row, json);
     vor_json_free(json);
-    json = parse(metrics);
+    json = parse(columns->metrics);
     row->has_record = json != NULL && vor_json_record_read(&row->record, json);
     vor_json_free(json);
-    json = parse(problem);
+    json = parse(columns->problem);
     read_problem(&row->problem, json);
+    vor_json_free(json);
+    json = parse(columns->inputs);
+    read_inputs(row, json);
+    vor_json_free(json);
+    json = parse(columns->outputs);
+    read_outputs(row, json);
     vor_json_free(json);
 }

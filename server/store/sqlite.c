@@ -22,9 +22,11 @@ static struct vor_sqlite *db_of(struct vor_store *store)
     return ((struct store *)store)->db;
 }
 
-enum { SCHEMA_VERSION = 1 };
-
-static const char schema[] =
+/* What brings the schema from each version to the next one, from an empty file on. A store keeps
+ * its version, so a step is never changed: what comes later is a step of its own, and must leave
+ * the rows that are there as good as they were. */
+static const char *const steps[] = {
+    /* 1 */
     "CREATE TABLE job ("
     " seq INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT NOT NULL UNIQUE, process_id TEXT NOT NULL,"
     " status TEXT NOT NULL"
@@ -40,7 +42,12 @@ static const char schema[] =
     " finished INTEGER NOT NULL DEFAULT 0, expires INTEGER NOT NULL DEFAULT 0,"
     " expired INTEGER NOT NULL DEFAULT 0);"
     "CREATE INDEX job_status ON job (status, seq) WHERE expired = 0;"
-    "CREATE INDEX job_expires ON job (expires) WHERE expires > 0;";
+    "CREATE INDEX job_expires ON job (expires) WHERE expires > 0;",
+    /* 2: inputs and outputs beside the main ones */
+    "ALTER TABLE job ADD COLUMN inputs TEXT; ALTER TABLE job ADD COLUMN outputs TEXT;",
+};
+
+enum { SCHEMA_VERSION = sizeof steps / sizeof steps[0] };
 
 /* --- opening ---------------------------------------------------------------------------------- */
 
@@ -50,22 +57,36 @@ static int take_number(void *ctx, struct vor_sqlite_row *row)
     return 1;
 }
 
+static vor_status upgrade(struct store *store, int64_t version, struct vor_error *err)
+{
+    struct vor_text sql;
+    vor_status status;
+
+    vor_text_init(&sql, 0);
+    vor_text_puts(&sql, "BEGIN;");
+    for (; version < SCHEMA_VERSION; version++)
+        vor_text_puts(&sql, steps[version]);
+    vor_text_printf(&sql, "PRAGMA user_version=%d;COMMIT;", SCHEMA_VERSION);
+    status = vor_text_status(&sql, err);
+    if (status == VOR_OK)
+        status = vor_sqlite_run(store->db, sql.data, err);
+    vor_text_free(&sql);
+    return status;
+}
+
 static vor_status migrate(struct store *store, struct vor_error *err)
 {
     int64_t version = -1;
     vor_status status =
         vor_sqlite_query(store->db, take_number, &version, err, "PRAGMA user_version", "");
-    char sql[sizeof schema + 64];
 
     if (status != VOR_OK || version == SCHEMA_VERSION)
         return status;
-    if (version > SCHEMA_VERSION)
+    if (version < 0 || version > SCHEMA_VERSION)
         return vor_fail(err, VOR_E_IO,
                         "the job store is of schema %lld, this program knows up to %d",
                         (long long)version, SCHEMA_VERSION);
-    (void)snprintf(sql, sizeof sql, "BEGIN;%sPRAGMA user_version=%d;COMMIT;", schema,
-                   SCHEMA_VERSION);
-    return vor_sqlite_run(store->db, sql, err);
+    return upgrade(store, version, err);
 }
 
 static vor_status open_file(struct store *store, const char *path, long *holder,
@@ -141,7 +162,7 @@ static void take_seq(void *ctx, struct vor_sqlite_row *row)
 
 static vor_status insert(struct vor_store *store, struct vor_job_view *row, struct vor_error *err)
 {
-    const struct vor_job_input *input = &row->input;
+    const struct vor_job_input *input = &row->input[0];
     struct vor_row_text text;
     int64_t seq = 0;
     vor_status status = vor_row_write(&text, row, err);
@@ -149,12 +170,12 @@ static vor_status insert(struct vor_store *store, struct vor_job_view *row, stru
     if (status == VOR_OK)
         status = vor_sqlite_change_each(
             db_of(store), take_seq, &seq, err,
-            "INSERT INTO job (id, process_id, status, message, request, input_format,"
+            "INSERT INTO job (id, process_id, status, message, request, inputs, input_format,"
             " input_points, input_bytes, input_sha256, input_seconds, created, updated)"
-            " VALUES (?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?, ?) RETURNING seq",
-            "ttttiiitrii", row->id.text, row->process, row->message, text.request.data,
-            (int64_t)input->format, (int64_t)input->points, (int64_t)input->bytes, input->sha256,
-            input->seconds, row->created, row->created);
+            " VALUES (?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) RETURNING seq",
+            "tttttiiitrii", row->id.text, row->process, row->message, text.request.data,
+            text.inputs.data, (int64_t)input->format, (int64_t)input->points, (int64_t)input->bytes,
+            input->sha256, input->seconds, row->created, row->created);
     if (status == VOR_OK)
         row->seq = seq;
     vor_row_text_free(&text);
@@ -220,7 +241,7 @@ static vor_status release(struct vor_store *store, const struct vor_uuid *id, ui
 static vor_status finish(struct vor_store *store, const struct vor_job_view *row, uint32_t attempt,
                          const struct vor_store_ending *ending, int *changed, struct vor_error *err)
 {
-    const struct vor_job_output *output = &row->output;
+    const struct vor_job_output *output = &row->output[0];
     struct vor_row_text text;
     vor_status status = vor_row_write(&text, row, err);
 
@@ -231,14 +252,14 @@ static vor_status finish(struct vor_store *store, const struct vor_job_view *row
             "UPDATE job SET status = ?3, progress = ?4, message = ?5, metrics = ?6,"
             " problem = ?7, report = ?8, trace = ?9, output_format = ?10,"
             " output_points = ?11, output_bytes = ?12, output_sha256 = ?13,"
-            " updated = ?14, finished = ?14, expires = ?15, attempt = ?16"
+            " updated = ?14, finished = ?14, expires = ?15, attempt = ?16, outputs = ?17"
             " WHERE id = ?1 AND CASE ?2 WHEN 0 THEN status IN ('accepted', 'running')"
             " ELSE status = 'running' AND attempt = ?2 END",
-            "titittttbiiitiii", row->id.text, (int64_t)attempt, vor_job_status_word(row->status),
+            "titittttbiiitiiit", row->id.text, (int64_t)attempt, vor_job_status_word(row->status),
             (int64_t)row->progress, row->message, text.metrics.data, text.problem.data,
             ending->report, ending->trace, ending->trace_size, (int64_t)output->format,
             (int64_t)output->points, (int64_t)output->bytes, output->sha256, row->finished,
-            row->expires, (int64_t)row->attempt);
+            row->expires, (int64_t)row->attempt, text.outputs.data);
     vor_row_text_free(&text);
     return status;
 }
@@ -254,7 +275,7 @@ static vor_status remove_row(struct vor_store *store, const struct vor_uuid *id,
 /* --- reading ---------------------------------------------------------------------------------- */
 
 #define ROW_COLUMNS                                                                                \
-    "id, seq, process_id, status, progress, message, request, metrics, problem,"                   \
+    "id, seq, process_id, status, progress, message, request, metrics, problem, inputs, outputs,"  \
     " input_format, input_points, input_bytes, input_sha256, input_seconds,"                       \
     " output_format, output_points, output_bytes, output_sha256,"                                  \
     " length(CAST(report AS BLOB)),"                                                               \
@@ -277,23 +298,37 @@ static enum vor_stage stage_of(const struct vor_job_view *row)
     return row->has_record ? VOR_STAGE_OPTIMIZE : VOR_STAGE_PREPARE;
 }
 
-static void read_files(struct vor_job_view *out, struct vor_sqlite_row *from)
+/* The columns of the main input and the main output. */
+static void read_main(struct vor_job_view *out, struct vor_sqlite_row *from)
 {
-    out->input.format = (unsigned)vor_sqlite_number(from);
-    out->input.points = (uint64_t)vor_sqlite_number(from);
-    out->input.bytes = (uint64_t)vor_sqlite_number(from);
-    copy_text(out->input.sha256, sizeof out->input.sha256, from);
-    out->input.seconds = vor_sqlite_real(from);
-    out->output.format = (unsigned)vor_sqlite_number(from);
-    out->output.points = (uint64_t)vor_sqlite_number(from);
-    out->output.bytes = (uint64_t)vor_sqlite_number(from);
-    copy_text(out->output.sha256, sizeof out->output.sha256, from);
-    out->output.report_bytes = (uint64_t)vor_sqlite_number(from);
+    struct vor_job_input *input = &out->input[0];
+    struct vor_job_output *output = &out->output[0];
+
+    input->format = (unsigned)vor_sqlite_number(from);
+    input->points = (uint64_t)vor_sqlite_number(from);
+    input->bytes = (uint64_t)vor_sqlite_number(from);
+    copy_text(input->sha256, sizeof input->sha256, from);
+    input->seconds = vor_sqlite_real(from);
+    output->format = (unsigned)vor_sqlite_number(from);
+    output->points = (uint64_t)vor_sqlite_number(from);
+    output->bytes = (uint64_t)vor_sqlite_number(from);
+    copy_text(output->sha256, sizeof output->sha256, from);
+}
+
+/* The length of the output that is kept in the row. */
+static void read_length(struct vor_job_view *out, struct vor_sqlite_row *from)
+{
+    const struct vor_artefact_info *outputs = out->spec.process->outputs;
+    uint64_t length = (uint64_t)vor_sqlite_number(from);
+
+    for (unsigned i = 0; outputs[i].name != NULL; i++)
+        if (vor_output_in_row(&outputs[i]))
+            out->output[i].bytes = length;
 }
 
 static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)
 {
-    const char *request, *metrics, *problem;
+    struct vor_row_columns columns;
 
     *out = (struct vor_job_view){.queue_position = -1, .eta_seconds = -1};
     copy_text(out->id.text, sizeof out->id.text, row);
@@ -302,11 +337,14 @@ static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)
     out->status = vor_job_status_find(vor_sqlite_text(row));
     out->progress = (int)vor_sqlite_number(row);
     copy_text(out->message, sizeof out->message, row);
-    request = vor_sqlite_text(row);
-    metrics = vor_sqlite_text(row);
-    problem = vor_sqlite_text(row);
-    vor_row_read(out, request, metrics, problem);
-    read_files(out, row);
+    columns.request = vor_sqlite_text(row);
+    columns.metrics = vor_sqlite_text(row);
+    columns.problem = vor_sqlite_text(row);
+    columns.inputs = vor_sqlite_text(row);
+    columns.outputs = vor_sqlite_text(row);
+    vor_row_read(out, &columns);
+    read_main(out, row);
+    read_length(out, row);
     out->attempt = (uint32_t)vor_sqlite_number(row);
     if (out->status == VOR_JOB_ACCEPTED || out->attempt == 0)
         out->attempt++;
@@ -461,28 +499,29 @@ static vor_status list_rows(struct vor_store *store, const struct vor_job_filter
 /* --- time ------------------------------------------------------------------------------------- */
 
 struct expiry {
-    struct vor_uuid *ids;
+    struct vor_expired *expired;
     size_t count;
 };
 
-static void take_id(void *ctx, struct vor_sqlite_row *row)
+static void take_expired(void *ctx, struct vor_sqlite_row *row)
 {
     struct expiry *expiry = ctx;
+    struct vor_expired *one = &expiry->expired[expiry->count++];
 
-    copy_text(expiry->ids[expiry->count].text, sizeof expiry->ids[0].text, row);
-    expiry->count++;
+    copy_text(one->id.text, sizeof one->id.text, row);
+    copy_text(one->process, sizeof one->process, row);
 }
 
-static vor_status expire(struct vor_store *store, int64_t now_ms, struct vor_uuid *ids, size_t max,
-                         size_t *count, struct vor_error *err)
+static vor_status expire(struct vor_store *store, int64_t now_ms, struct vor_expired *expired,
+                         size_t max, size_t *count, struct vor_error *err)
 {
-    struct expiry expiry = {.ids = ids};
+    struct expiry expiry = {.expired = expired};
     int forgotten;
     vor_status status = vor_sqlite_change_each(
-        db_of(store), take_id, &expiry, err,
+        db_of(store), take_expired, &expiry, err,
         "UPDATE job SET expired = 1, report = NULL, trace = NULL WHERE seq IN"
         " (SELECT seq FROM job WHERE expires > 0 AND expires <= ? AND expired = 0"
-        " ORDER BY expires LIMIT ?) RETURNING id",
+        " ORDER BY expires LIMIT ?) RETURNING id, process_id",
         "ii", now_ms, (int64_t)max);
 
     if (status == VOR_OK)

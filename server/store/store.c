@@ -134,10 +134,10 @@ vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, 
     return store->driver->remove(store, id, changed, err);
 }
 
-vor_status vor_store_expire(struct vor_store *store, int64_t now_ms, struct vor_uuid *ids,
+vor_status vor_store_expire(struct vor_store *store, int64_t now_ms, struct vor_expired *expired,
                             size_t max, size_t *count, struct vor_error *err)
 {
-    return store->driver->expire(store, now_ms, ids, max, count, err);
+    return store->driver->expire(store, now_ms, expired, max, count, err);
 }
 
 vor_status vor_store_recover(struct vor_store *store, unsigned crashes_max, int64_t now_ms,

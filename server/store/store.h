@@ -34,7 +34,7 @@ void vor_store_close(struct vor_store *store);
 /** Is it in working order? For /readyz. */
 VOR_NODISCARD vor_status vor_store_check(struct vor_store *store, struct vor_error *err);
 
-/** Adds an accepted job; sets row->seq. Its input blob must be durable before. */
+/** Adds an accepted job; sets row->seq. The blobs of its inputs must be durable before. */
 VOR_NODISCARD vor_status vor_store_insert(struct vor_store *store, struct vor_job_view *row,
                                           struct vor_error *err);
 
@@ -55,7 +55,7 @@ VOR_NODISCARD vor_status vor_store_release(struct vor_store *store, const struct
                                            uint32_t attempt, int64_t now_ms, int *changed,
                                            struct vor_error *err);
 
-/** accepted or running -> row->status (a final one), with progress, record, output, problem,
+/** accepted or running -> row->status (a final one), with progress, record, outputs, problem,
  *  message, finished and expires of the row.
  *
  *  @param[in]  attempt  only if this is the running attempt; 0 for whichever, also a waiting job
@@ -98,12 +98,12 @@ VOR_NODISCARD vor_status vor_store_remove(struct vor_store *store, const struct 
                                           int *changed, struct vor_error *err);
 
 /** Marks up to max jobs whose time is over as expired, those first whose time was over first, and
- *  drops their report and trace. ids gets them in any order: the caller then drops their blobs.
- *  Forgets jobs that expired longer ago than they lived. Call again while count is max.
+ *  drops their report and trace. expired gets them in any order: the caller then drops their
+ *  blobs. Forgets jobs that expired longer ago than they lived. Call again while count is max.
  *
  *  Cost: two changes, however many jobs there are. */
 VOR_NODISCARD vor_status vor_store_expire(struct vor_store *store, int64_t now_ms,
-                                          struct vor_uuid *ids, size_t max, size_t *count,
+                                          struct vor_expired *expired, size_t max, size_t *count,
                                           struct vor_error *err);
 
 /** At start, before anything else: what was running when the daemon died becomes accepted again, or

@@ -49,7 +49,8 @@ static void first_row(struct vor_job_view *row, const struct vor_uuid *id,
                                  .queue_position = -1,
                                  .eta_seconds = -1,
                                  .spec = *spec,
-                                 .input = *input,
+                                 .inputs = 1,
+                                 .input = {*input},
                                  .created = vor_clock_wall_ms()};
     (void)snprintf(row->process, sizeof row->process, "%s", spec->process->id);
     row->updated = row->created;
@@ -93,8 +94,8 @@ static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_vie
         return VOR_FAILED;
     }
     vor_log(VOR_LOG_INFO, "job accepted", VOR_TEXT("job", row->id.text),
-            VOR_TEXT("process", row->process), VOR_COUNT("points", row->input.points),
-            VOR_COUNT("bytes", row->input.bytes));
+            VOR_TEXT("process", row->process), VOR_COUNT("points", row->input[0].points),
+            VOR_COUNT("bytes", row->input[0].bytes));
     return VOR_DONE;
 }
 

@@ -29,7 +29,7 @@ static vor_status check_row(struct vor_worker *worker, const struct vor_job_view
         return status;
     if (!found)
         return vor_fail(why, VOR_E_INTERNAL, "the job's input was lost with the last run");
-    if (vor_spec_check(&row->spec, NULL) != VOR_OK)
+    if (row->request_lost || vor_spec_check(&row->spec, NULL) != VOR_OK)
         return vor_fail(why, VOR_E_INTERNAL, "the job's request cannot be read by this version");
     return VOR_OK;
 }
@@ -178,15 +178,15 @@ void vor_worker_drop_strays(struct vor_worker *worker)
 vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
 {
     enum { BATCH = 256 };
-    struct vor_uuid ids[BATCH];
+    struct vor_expired expired[BATCH];
     size_t count = BATCH, total = 0;
     vor_status status = VOR_OK;
 
     while (status == VOR_OK && count == BATCH) {
-        status =
-            vor_store_expire(worker->config.store, vor_clock_wall_ms(), ids, BATCH, &count, err);
+        status = vor_store_expire(worker->config.store, vor_clock_wall_ms(), expired, BATCH, &count,
+                                  err);
         for (size_t i = 0; i < count; i++)
-            vor_worker_drop(worker, &ids[i], VOR_BLOB_CLOUD);
+            vor_worker_drop(worker, &expired[i].id, VOR_BLOB_CLOUD);
         total += count;
     }
     if (total > 0)

@@ -166,7 +166,7 @@ static vor_status execute(struct run *run, struct vor_error *err)
     report = vor_artefacts_values(&out, "report", &vor_report_members);
     if (report != NULL)
         run->report = *report;
-    run->report.seconds_read = run->view.input.seconds;
+    run->report.seconds_read = run->view.input[0].seconds;
     if (status == VOR_OK && vor_job_asked(run->job) == VOR_CANCEL)
         status = vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
     if (status == VOR_OK)
@@ -183,7 +183,7 @@ static void describe_success(struct run *run, struct vor_job_view *row)
     char steps[64];
 
     row->progress = 100;
-    row->output = run->output;
+    row->output[0] = run->output;
     /* The last record need not be that of the cloud that is handed out. */
     row->record.delta = run->report.delta;
     row->record.sigma = run->report.sigma;
@@ -216,7 +216,7 @@ static vor_status finish_once(struct run *run, const struct vor_error *problem, 
         describe_failure(&row, problem);
     else
         describe_success(run, &row);
-    row.output.report_bytes = report != NULL ? strlen(report) : 0;
+    row.output[1].bytes = report != NULL ? strlen(report) : 0;
     status = vor_worker_finish(run->worker, run->job, &row, run->attempt, report, &changed, err);
     if (status == VOR_OK && !changed) {
         row.status = VOR_JOB_DISMISSED; /* somebody changed the row behind our back: readers must
@@ -287,8 +287,8 @@ static void clean_up(struct run *run, double began)
         vor_worker_drop(run->worker, &view.id, VOR_BLOB_CLOUD);
     vor_log(VOR_LOG_INFO, "job ended", VOR_TEXT("job", view.id.text),
             VOR_TEXT("status", vor_job_status_word(view.status)), VOR_TEXT("message", view.message),
-            VOR_COUNT("attempt", view.attempt), VOR_COUNT("points", view.output.points),
-            VOR_COUNT("bytes", view.output.bytes),
+            VOR_COUNT("attempt", view.attempt), VOR_COUNT("points", view.output[0].points),
+            VOR_COUNT("bytes", view.output[0].bytes),
             VOR_REAL("dur_s", round((vor_clock_seconds() - began) * 1e6) / 1e6));
 }
 

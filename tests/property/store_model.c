@@ -111,10 +111,10 @@ static void do_remove(struct model *model, struct model_job *job)
 
 static void do_expire(struct model *model)
 {
-    struct vor_uuid ids[JOBS];
+    struct vor_expired expired[JOBS];
     size_t count, expected = 0;
 
-    vt_assert_ok(vor_store_expire(model->store, model->now, ids, JOBS, &count, &vt_err));
+    vt_assert_ok(vor_store_expire(model->store, model->now, expired, JOBS, &count, &vt_err));
     for (size_t i = 0; i < model->count; i++) {
         struct model_job *job = &model->jobs[i];
 

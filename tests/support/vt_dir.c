@@ -106,15 +106,16 @@ struct vor_blob_writer *vt_upload_cloud(struct vor_blobs *blobs, const struct vo
 
 struct vor_job_view vt_row(unsigned points)
 {
-    struct vor_job_view row = {.attempt = 1, .input = {.points = 100, .bytes = 1234}};
+    struct vor_job_view row = {
+        .attempt = 1, .inputs = 1, .input = {{.points = 100, .bytes = 1234}}};
 
     vt_assert_ok(vor_uuid_make(&row.id, &vt_err));
     vor_spec_init(&row.spec);
     vt_assert_ok(vor_spec_set_number(&row.spec, "points", points, &vt_err));
     vt_assert_ok(vor_spec_set(&row.spec, "format", "ply", &vt_err));
     strcpy(row.process, "resample");
-    strcpy(row.input.sha256, "00");
-    row.input.seconds = 0.25;
+    strcpy(row.input[0].sha256, "00");
+    row.input[0].seconds = 0.25;
     row.created = vor_clock_wall_ms();
     row.updated = row.created;
     row.queue_position = -1;

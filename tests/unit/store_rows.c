@@ -1,6 +1,5 @@
 /* The store: a row comes back as it went in, changes happen once, and a kill loses nothing. */
 #include "server/base/clock.h"
-#include "server/store/row_text.h"
 #include "server/store/store.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
@@ -109,9 +108,9 @@ START_TEST(a_row_comes_back_as_it_was_inserted)
     struct vor_store *store = open_store(_i, dir);
     struct vor_job_view row = vt_row(4321), back;
 
-    row.input = (struct vor_job_input){
+    row.input[0] = (struct vor_job_input){
         .format = 1, .points = 812344, .bytes = UINT64_C(1) << 40, .seconds = 0.1};
-    memset(row.input.sha256, 'a', 64);
+    memset(row.input[0].sha256, 'a', 64);
     vt_assert_ok(vor_spec_set(&row.spec, "neighbors", "auto", &vt_err));
     vt_assert_ok(vor_spec_set(&row.spec, "boundary", "free", &vt_err));
     vt_assert_ok(vor_spec_set(&row.spec, "delta", "0.07", &vt_err));
@@ -128,11 +127,11 @@ START_TEST(a_row_comes_back_as_it_was_inserted)
     ck_assert_int_eq(back.seq, 1);
     ck_assert_str_eq(back.process, "resample");
     ck_assert_mem_eq(&back.spec, &row.spec, sizeof row.spec);
-    ck_assert_uint_eq(back.input.format, 1);
-    ck_assert_uint_eq(back.input.points, 812344);
-    ck_assert_uint_eq(back.input.bytes, UINT64_C(1) << 40);
-    ck_assert_double_eq(back.input.seconds, 0.1);
-    ck_assert_str_eq(back.input.sha256, row.input.sha256);
+    ck_assert_uint_eq(back.input[0].format, 1);
+    ck_assert_uint_eq(back.input[0].points, 812344);
+    ck_assert_uint_eq(back.input[0].bytes, UINT64_C(1) << 40);
+    ck_assert_double_eq(back.input[0].seconds, 0.1);
+    ck_assert_str_eq(back.input[0].sha256, row.input[0].sha256);
     ck_assert_uint_eq(back.attempt, 1);
     ck_assert_int_eq(back.created, row.created);
     ck_assert_int_eq(back.started, 0);
@@ -163,55 +162,32 @@ START_TEST(a_request_comes_back_with_its_process_and_what_that_allows)
 }
 END_TEST
 
-/* Else a job of another version would run with defaults that nobody asked for. */
-START_TEST(a_request_that_cannot_be_read_is_not_made_up)
+START_TEST(inputs_beside_the_main_one_come_back)
 {
-    static const struct {
-        const char *process, *request;
-    } cases[] = {{"resample", "{\"points\":\"many\"}"},
-                 {"upsample", "{\"points\":\"many\"}"},
-                 {"denoise", "{\"ratio\":99}"},
-                 {"upsample", "{\"ratio\":0.5}"},
-                 {"simplify", "{\"ratio\":2}"},
-                 {"upsample", NULL},
-                 {"denoise", "{"},
-                 {"remesh", "{\"points\":50}"},
-                 {"", "{\"points\":50}"}};
-    struct vor_job_view row;
+    const char *dir = vt_dir_make();
+    struct vor_store *store = open_store(_i, dir);
+    struct vor_job_view row = vt_row(10), back;
 
-    memset(&row, 0, sizeof row);
-    (void)snprintf(row.process, sizeof row.process, "resample");
-    vor_row_read(&row, "{\"points\":50}", NULL, NULL);
-    vt_assert_ok(vor_spec_check(&row.spec, &vt_err));
-    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
-        (void)snprintf(row.process, sizeof row.process, "%s", cases[k].process);
-        vor_row_read(&row, cases[k].request, NULL, NULL);
-        ck_assert_msg(vor_spec_check(&row.spec, &vt_err) == VOR_E_PARAM, "%s %s", cases[k].process,
-                      cases[k].request != NULL ? cases[k].request : "without a request");
+    vor_spec_preset(&row.spec, vor_process_find("measure"));
+    strcpy(row.process, "measure");
+    row.inputs = 3;
+    row.input[1] = (struct vor_job_input){
+        .format = 1, .points = 17, .bytes = UINT64_C(1) << 40, .seconds = 0.1};
+    memset(row.input[1].sha256, 'b', 64);
+    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    back = get(store, &row.id);
+    ck_assert_uint_eq(back.inputs, 3);
+    for (unsigned i = 0; i < VOR_INPUTS_MAX; i++) {
+        ck_assert_uint_eq(back.input[i].format, row.input[i].format);
+        ck_assert_uint_eq(back.input[i].points, row.input[i].points);
+        ck_assert_uint_eq(back.input[i].bytes, row.input[i].bytes);
+        ck_assert_str_eq(back.input[i].sha256, row.input[i].sha256);
+        ck_assert_double_eq(back.input[i].seconds, row.input[i].seconds);
     }
-}
-END_TEST
-
-/* As builds before records had a stage kept them. */
-START_TEST(metrics_without_a_stage_are_read)
-{
-    struct vor_job_view row;
-
-    memset(&row, 0, sizeof row);
-    (void)snprintf(row.process, sizeof row.process, "resample");
-    vor_row_read(
-        &row, "{\"points\":400}",
-        "{\"iteration\":6,\"polish\":30,\"delta\":0.0189,\"sigma\":0.0025,\"epsilon\":0.99,"
-        "\"energy\":0.067,\"max_move\":0.0028,\"held\":2,\"seconds\":0.066}",
-        NULL);
-    ck_assert(row.has_record);
-    ck_assert(row.record.iteration == 6 && row.record.polish == 30 && row.record.held == 2);
-    ck_assert_double_eq(row.record.delta, 0.0189);
-    ck_assert_double_eq(row.record.seconds, 0.066);
-    ck_assert_int_eq(row.record.stage, VOR_RUN_STAGE_POLISH);
-    ck_assert_uint_eq(row.record.step, 30);
-    vor_row_read(&row, "{\"points\":400}", "{\"delta\":1}", NULL);
-    ck_assert(!row.has_record);
+    ck_assert(finish(store, row, VOR_JOB_SUCCESSFUL, 0));
+    ck_assert_uint_eq(get(store, &row.id).inputs, 3);
+    vor_store_close(store);
+    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -244,8 +220,8 @@ START_TEST(a_successful_end_comes_back_with_report_trace_and_record)
                                      .step = 30,
                                      .of = 100,
                                      .ahead = 7};
-    row.output = (struct vor_job_output){.format = 1, .points = 10, .bytes = 99};
-    strcpy(row.output.sha256, "beef");
+    row.output[0] = (struct vor_job_output){.format = 1, .points = 10, .bytes = 99};
+    strcpy(row.output[0].sha256, "beef");
     strcpy(row.message, "10 points");
     row.finished = 7000;
     row.expires = 8000;
@@ -256,10 +232,11 @@ START_TEST(a_successful_end_comes_back_with_report_trace_and_record)
     ck_assert_int_eq(back.progress, 100);
     ck_assert_int_eq(back.stage, VOR_STAGE_ENCODE);
     ck_assert_mem_eq(&back.record, &row.record, sizeof row.record);
-    ck_assert_uint_eq(back.output.format, 1);
-    ck_assert_uint_eq(back.output.points, 10);
-    ck_assert_uint_eq(back.output.bytes, 99);
-    ck_assert_str_eq(back.output.sha256, "beef");
+    ck_assert_uint_eq(back.output[0].format, 1);
+    ck_assert_uint_eq(back.output[0].points, 10);
+    ck_assert_uint_eq(back.output[0].bytes, 99);
+    ck_assert_str_eq(back.output[0].sha256, "beef");
+    ck_assert_uint_eq(back.output[1].bytes, strlen(ending.report)); /* of resample: the report */
     ck_assert_str_eq(back.message, "10 points");
     ck_assert_int_eq(back.finished, 7000);
     ck_assert_int_eq(back.expires, 8000);
@@ -483,7 +460,7 @@ START_TEST(results_expire_then_are_forgotten)
     struct vor_store *store = open_store(_i, dir);
     struct vor_job_view rows[3], back;
     struct vor_store_ending ending = {.report = "{}"};
-    struct vor_uuid ids[2];
+    struct vor_expired expired[2];
     size_t count;
     char *report;
     int changed, found;
@@ -496,21 +473,22 @@ START_TEST(results_expire_then_are_forgotten)
         vt_assert_ok(vor_store_finish(store, &rows[i], 0, &ending, &changed, &vt_err));
     }
     (void)insert(store, 10); /* waits: never expires */
-    vt_assert_ok(vor_store_expire(store, 1999, ids, 2, &count, &vt_err));
+    vt_assert_ok(vor_store_expire(store, 1999, expired, 2, &count, &vt_err));
     ck_assert_uint_eq(count, 0);
-    vt_assert_ok(vor_store_expire(store, 2002, ids, 2, &count, &vt_err));
+    vt_assert_ok(vor_store_expire(store, 2002, expired, 2, &count, &vt_err));
     ck_assert_uint_eq(count, 2);
     for (int i = 0; i < 2; i++) /* the first two, in any order */
-        ck_assert(strcmp(ids[0].text, rows[i].id.text) == 0 ||
-                  strcmp(ids[1].text, rows[i].id.text) == 0);
-    vt_assert_ok(vor_store_expire(store, 2002, ids, 2, &count, &vt_err));
+        ck_assert(strcmp(expired[0].id.text, rows[i].id.text) == 0 ||
+                  strcmp(expired[1].id.text, rows[i].id.text) == 0);
+    ck_assert_str_eq(expired[0].process, "resample");
+    vt_assert_ok(vor_store_expire(store, 2002, expired, 2, &count, &vt_err));
     ck_assert_uint_eq(count, 1);
     back = get(store, &rows[0].id);
     ck_assert(back.expired);
     vt_assert_ok(vor_store_report(store, &rows[0].id, &report, &vt_err));
     ck_assert_ptr_null(report);
     ck_assert_uint_eq(list(store, (struct vor_job_filter){.limit = 9}, 0).count, 1);
-    vt_assert_ok(vor_store_expire(store, 3000, ids, 2, &count, &vt_err));
+    vt_assert_ok(vor_store_expire(store, 3000, expired, 2, &count, &vt_err));
     vt_assert_ok(vor_store_get(store, &rows[0].id, &back, &found, &vt_err));
     ck_assert(!found);
     vt_assert_ok(vor_store_get(store, &rows[1].id, &back, &found, &vt_err));
@@ -728,7 +706,7 @@ START_TEST(a_store_of_a_newer_version_is_refused_and_left_alone)
     (void)snprintf(where, sizeof where, "sqlite:%s/jobs.sqlite", dir);
     file = fopen(where + 7, "r+");
     ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
-    ck_assert_int_eq(fgetc(file), 1);
+    ck_assert_int_eq(fgetc(file), 2);
     ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
     ck_assert_int_eq(fputc(9, file), 9);
     fclose(file);
@@ -818,8 +796,7 @@ int main(void)
 
     vt_add_loop(suite, a_row_comes_back_as_it_was_inserted, times);
     vt_add_loop(suite, a_request_comes_back_with_its_process_and_what_that_allows, 4 * times);
-    vt_add(suite, a_request_that_cannot_be_read_is_not_made_up);
-    vt_add(suite, metrics_without_a_stage_are_read);
+    vt_add_loop(suite, inputs_beside_the_main_one_come_back, times);
     vt_add_loop(suite, a_successful_end_comes_back_with_report_trace_and_record, times);
     vt_add_loop(suite, a_failure_comes_back_with_its_problem, times);
     vt_add_loop(suite, a_job_is_claimed_once, times);

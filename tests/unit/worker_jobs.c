@@ -75,13 +75,13 @@ START_TEST(a_job_ends_with_exactly_the_points_asked_for)
     view = vt_daemon_wait_over(&daemon, &id);
     ck_assert_msg(view.status == VOR_JOB_SUCCESSFUL, "%s", view.message);
     ck_assert_int_eq(view.progress, 100);
-    ck_assert_uint_eq(view.output.points, 300);
+    ck_assert_uint_eq(view.output[0].points, 300);
     ck_assert_uint_eq(view.record.iteration, 5);
     ck_assert_int_ge(view.started, view.created);
     ck_assert_int_ge(view.finished, view.started);
     ck_assert_int_eq(view.expires, view.finished + 3600 * 1000);
     bytes = vt_daemon_result(&daemon, &id, &size);
-    ck_assert_uint_eq(size, view.output.bytes);
+    ck_assert_uint_eq(size, view.output[0].bytes);
     vor_cloud_init(&result, &vt_memory);
     vt_assert_ok(vor_codec_read(&result, NULL, bytes, size, &(struct vor_limits)VOR_LIMITS_DEFAULT,
                                 &vt_err));
@@ -95,7 +95,7 @@ START_TEST(a_job_ends_with_exactly_the_points_asked_for)
     ck_assert(vor_json_get_number(vor_json_get(vor_json_get(report, "seconds"), "write"), &number));
     ck_assert_double_gt(number, 0);
     ck_assert(vor_json_get_number(vor_json_get(vor_json_get(report, "seconds"), "read"), &number));
-    ck_assert_double_eq(number, view.input.seconds);
+    ck_assert_double_eq(number, view.input[0].seconds);
     wait_idle(&daemon);
     ck_assert_int_eq(kept(&daemon), 1); /* the result; the input is gone */
     vor_json_free(report);
@@ -337,7 +337,7 @@ START_TEST(a_stopped_job_is_successful_with_the_best_cloud_so_far)
     ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_DONE);
     view = vt_daemon_wait_over(&daemon, &id);
     ck_assert_msg(view.status == VOR_JOB_SUCCESSFUL, "%s", view.message);
-    ck_assert_uint_eq(view.output.points, 300);
+    ck_assert_uint_eq(view.output[0].points, 300);
     vt_assert_ok(vor_worker_report(daemon.worker, &id, &json, &vt_err));
     ck_assert_ptr_nonnull(strstr(json, "\"stopped\":\"stopped\""));
     free(json);
@@ -491,7 +491,7 @@ START_TEST(a_job_bears_its_process_and_does_what_it_says)
     ck_assert_str_eq(view.process, process->id);
     ck_assert_ptr_eq(view.spec.process, process);
     ck_assert_int_eq(view.status, VOR_JOB_SUCCESSFUL);
-    ck_assert_uint_eq(view.output.points, counts[_i]);
+    ck_assert_uint_eq(view.output[0].points, counts[_i]);
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
     vt_dir_remove(daemon.dir);

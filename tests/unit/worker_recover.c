@@ -62,7 +62,7 @@ static struct vor_uuid leave_endless(struct life *life)
     vt_assert_ok(vor_spec_set(&row.spec, "format", "ply", &vt_err));
     vt_cloud_sphere(&cloud, 1, 500);
     upload = vt_upload_cloud(life->blobs, &cloud);
-    vt_assert_ok(vor_admit_file(&row.id, &row.input, life->blobs, upload, &limits, &vt_err));
+    vt_assert_ok(vor_admit_file(&row.id, &row.input[0], life->blobs, upload, &limits, &vt_err));
     vor_blob_discard(upload);
     vor_cloud_free(&cloud);
     vt_assert_ok(vor_store_insert(life->store, &row, &vt_err));

@@ -58,15 +58,15 @@ static void add_links(struct vor_app *app, struct vor_request *request,
         add_link(room, "cancel", NULL, "DELETE to dismiss", -1);
     }
     if (view->status == VOR_JOB_SUCCESSFUL && !view->expired) {
-        const struct vor_format *format = vor_format(view->output.format);
+        const struct vor_format *format = vor_format(view->output[0].format);
 
         vor_app_job_url(app, request, &view->id, "/results", urls[room->info.link_count]);
         add_link(room, "http://www.opengis.net/def/rel/ogc/1.0/results", json, NULL, -1);
         vor_app_job_url(app, request, &view->id, "/results/cloud", urls[room->info.link_count]);
         add_link(room, "item", format != NULL ? format->media_type : NULL, "cloud",
-                 (int64_t)view->output.bytes);
+                 (int64_t)view->output[0].bytes);
         vor_app_job_url(app, request, &view->id, "/results/report", urls[room->info.link_count]);
-        add_link(room, "item", json, "report", (int64_t)view->output.report_bytes);
+        add_link(room, "item", json, "report", (int64_t)view->output[1].bytes);
     }
     vor_app_url(app, request, "/v1/jobs", urls[room->info.link_count]);
     add_link(room, "up", json, NULL, -1);
@@ -74,10 +74,10 @@ static void add_links(struct vor_app *app, struct vor_request *request,
 
 static uint64_t target_points(const struct vor_job_view *view)
 {
-    double target = vor_spec_target(&view->spec, view->input.points);
+    double target = vor_spec_target(&view->spec, view->input[0].points);
 
     if (view->status == VOR_JOB_SUCCESSFUL)
-        return view->output.points;
+        return view->output[0].points;
     return target > 0 ? (uint64_t)target : 0;
 }
 
@@ -110,10 +110,10 @@ void vor_job_write(struct vor_app *app, struct vor_request *request,
     info->stage = vor_job_status_over(view->status) ? NULL : vor_stage_word(view->stage);
     info->queue_position = view->queue_position;
     info->eta = view->eta_seconds;
-    info->input_format = lower_label(view->input.format, room.input_format);
-    info->input_points = view->input.points;
-    info->input_bytes = view->input.bytes;
-    info->input_sha256 = view->input.sha256;
+    info->input_format = lower_label(view->input[0].format, room.input_format);
+    info->input_points = view->input[0].points;
+    info->input_bytes = view->input[0].bytes;
+    info->input_sha256 = view->input[0].sha256;
     info->target_points = target_points(view);
     if (vor_spec_given(&view->spec, VOR_PARAM_FORMAT))
         info->target_format =

@@ -60,7 +60,7 @@ enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *reques
 static bool open_cloud(struct vor_app *app, struct vor_request *request,
                        const struct vor_job_view *view, struct output *out)
 {
-    const struct vor_format *format = vor_format(view->output.format);
+    const struct vor_format *format = vor_format(view->output[0].format);
     struct vor_error err;
     int found = 0;
 
@@ -74,7 +74,7 @@ static bool open_cloud(struct vor_app *app, struct vor_request *request,
         return false;
     }
     out->media_type = format->media_type;
-    (void)snprintf(out->etag, sizeof out->etag, "\"%s\"", view->output.sha256);
+    (void)snprintf(out->etag, sizeof out->etag, "\"%s\"", view->output[0].sha256);
     (void)snprintf(out->name, sizeof out->name, "%s%s", view->id.text, format->suffix);
     return true;
 }
@@ -237,7 +237,7 @@ enum vor_next vor_handle_results(void *ctx, struct vor_request *request, enum vo
     (void)step;
     if (!vor_job_look_up(app, request, &view))
         return VOR_NEXT_REPLY;
-    format = vor_format(view.output.format);
+    format = vor_format(view.output[0].format);
     if (view.status != VOR_JOB_SUCCESSFUL || view.expired || format == NULL)
         return vor_result_missing(app, request, &view);
     vor_text_init(&text, 0);
