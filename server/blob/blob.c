@@ -16,6 +16,16 @@ const struct vor_blob_driver *vor_blob_driver_at(unsigned index)
     return index < sizeof drivers / sizeof drivers[0] ? drivers[index] : NULL;
 }
 
+const char *vor_blob_of_input(const char *input, char out[VOR_BLOB_NAME_MAX + 1])
+{
+    int is_cloud = strcmp(input, "cloud") == 0;
+    int length = snprintf(out, VOR_BLOB_NAME_MAX + 1, "input%s%s", is_cloud ? "" : "-",
+                          is_cloud ? "" : input);
+
+    assert(length <= VOR_BLOB_NAME_MAX);
+    return out;
+}
+
 /* --- opening ---------------------------------------------------------------------------------- */
 
 static vor_status refuse(const char *where, struct vor_error *err)

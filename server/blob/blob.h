@@ -1,15 +1,24 @@
 /** Bytes that outlive a request, by job and name: decoded uploads and results. The door to
- *  whichever driver --blobs names. */
+ *  whichever driver --blobs names.
+ *
+ *  Which blob of a job is which of its artefacts, in directories of all versions:
+ *
+ *    "input"       the input cloud: decoded and checked (vor_dump_write), kept until the job ends
+ *    "input-NAME"  the input of that name, likewise
+ *    "NAME"        the output of that name: a cloud in its format or a document in JSON, kept until
+ *                  the job expires or is removed
+ *
+ *  So no output is called "input", nor anything that begins with "input-". */
 #ifndef VOR_SERVER_BLOB_H
 #define VOR_SERVER_BLOB_H
 
 #include "proto/codec.h"
 #include "server/blob/driver.h"
 
-/** The decoded, checked cloud that a job works on (vor_dump_write); kept until the job ends. */
-#define VOR_BLOB_INPUT "input"
-/** The encoded result; kept until the job expires or is removed. */
-#define VOR_BLOB_CLOUD "cloud"
+/** The name of the blob of an input, as above. Returns out.
+ *
+ *  @param[in] input  the input's name, at most VOR_BLOB_NAME_MAX - 6 bytes */
+const char *vor_blob_of_input(const char *input, char out[VOR_BLOB_NAME_MAX + 1]);
 
 /** Driver number `index`, NULL past the last. */
 const struct vor_blob_driver *vor_blob_driver_at(unsigned index);

@@ -14,7 +14,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { VOR_BLOB_NAME_MAX = 24 }; /**< bytes of a blob's name */
+enum { VOR_BLOB_NAME_MAX = 40 }; /**< bytes of a blob's name */
 
 /** A driver's blobs begin with this; the door fills it in. */
 struct vor_blobs {

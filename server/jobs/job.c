@@ -112,6 +112,7 @@ static void describe_step(struct vor_job_view *view)
                    toupper((unsigned char)step[0]), step + 1, (unsigned)record->step, most);
 }
 
+/* A process without a method places no points: all of its work is done before the first record. */
 static void describe(struct vor_job_view *view)
 {
     static const char *const sentences[VOR_STAGES] = {
@@ -119,11 +120,14 @@ static void describe(struct vor_job_view *view)
         [VOR_STAGE_PREPARE] = "Preparing the input",
         [VOR_STAGE_ENCODE] = "Encoding the result",
     };
+    const char *sentence = sentences[view->stage];
 
+    if (view->stage == VOR_STAGE_PREPARE && view->spec.process->methods == 0)
+        sentence = "Working on the input";
     if (view->stage == VOR_STAGE_OPTIMIZE)
         describe_step(view);
     else
-        (void)snprintf(view->message, sizeof view->message, "%s", sentences[view->stage]);
+        (void)snprintf(view->message, sizeof view->message, "%s", sentence);
 }
 
 void vor_job_view(struct vor_job *job, struct vor_job_view *out)

@@ -3,6 +3,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/disk.h"
+#include "server/base/log.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -16,8 +17,9 @@ struct vor_admit {
 };
 
 static vor_status keep_cloud(const struct vor_cloud *cloud, struct vor_blobs *blobs,
-                             const struct vor_uuid *id, struct vor_error *err)
+                             const struct vor_uuid *id, const char *name, struct vor_error *err)
 {
+    char blob[VOR_BLOB_NAME_MAX + 1];
     struct vor_blob_writer *writer;
     struct vor_sink sink;
     vor_status status = vor_blob_create(blobs, &writer, err);
@@ -31,7 +33,7 @@ static vor_status keep_cloud(const struct vor_cloud *cloud, struct vor_blobs *bl
         vor_blob_discard(writer);
         return status;
     }
-    return vor_blob_commit(writer, id, VOR_BLOB_INPUT, err);
+    return vor_blob_commit(writer, id, vor_blob_of_input(name, blob), err);
 }
 
 static vor_status decode(struct vor_cloud *cloud, struct vor_job_input *input,
@@ -60,31 +62,45 @@ static vor_status decode(struct vor_cloud *cloud, struct vor_job_input *input,
     return VOR_OK;
 }
 
-vor_status vor_admit_file(struct vor_uuid *id, struct vor_job_input *input, struct vor_blobs *blobs,
+vor_status vor_admit_file(struct vor_admitted *admitted, const char *name, struct vor_blobs *blobs,
                           struct vor_blob_writer *upload, const struct vor_admit_limits *limits,
                           struct vor_error *err)
 {
+    struct vor_admitted_input input = {.name = name};
     double began = vor_clock_seconds();
-    struct vor_job_input found = {0};
+    struct vor_uuid id = admitted->id;
     struct vor_memory memory;
     struct vor_cloud cloud;
-    struct vor_uuid fresh;
     vor_status status;
 
+    assert(admitted->count < VOR_INPUTS_MAX);
     vor_memory_init(&memory, limits->memory);
     vor_cloud_init(&cloud, &memory);
-    status = decode(&cloud, &found, upload, &limits->codec, err);
-    found.seconds = vor_clock_seconds() - began;
+    status = decode(&cloud, &input.found, upload, &limits->codec, err);
+    input.found.seconds = vor_clock_seconds() - began;
+    if (status == VOR_OK && admitted->count == 0)
+        status = vor_uuid_make(&id, err);
     if (status == VOR_OK)
-        status = vor_uuid_make(&fresh, err);
-    if (status == VOR_OK)
-        status = keep_cloud(&cloud, blobs, &fresh, err);
+        status = keep_cloud(&cloud, blobs, &id, name, err);
     vor_cloud_free(&cloud);
     if (status != VOR_OK)
         return status;
-    *id = fresh;
-    *input = found;
+    admitted->id = id;
+    admitted->item[admitted->count++] = input;
     return VOR_OK;
+}
+
+void vor_admit_drop(struct vor_blobs *blobs, const struct vor_admitted *admitted)
+{
+    for (unsigned i = 0; i < admitted->count; i++) {
+        char blob[VOR_BLOB_NAME_MAX + 1];
+        struct vor_error err;
+
+        if (vor_blob_drop(blobs, &admitted->id, vor_blob_of_input(admitted->item[i].name, blob),
+                          &err) != VOR_OK)
+            vor_log(VOR_LOG_WARN, "input not dropped", VOR_TEXT("job", admitted->id.text),
+                    VOR_TEXT("input", admitted->item[i].name), VOR_TEXT("error", err.message));
+    }
 }
 
 static void run_admission(void *ctx)
@@ -96,7 +112,7 @@ static void run_admission(void *ctx)
         admission->status =
             vor_fail(&admission->error, VOR_E_CANCELLED, "the daemon is going down");
     else
-        admission->status = vor_admit_file(&admission->id, &admission->input, admit->blobs,
+        admission->status = vor_admit_file(&admission->admitted, admission->name, admit->blobs,
                                            admission->upload, &admit->limits, &admission->error);
     if (admission->status == VOR_OK)
         admission->error.status = VOR_OK;

@@ -16,37 +16,54 @@ struct vor_admit_limits {
     size_t memory; /**< bytes */
 };
 
-/** Decodes and checks the bytes of an upload and keeps the cloud as blob (id, INPUT), durably.
+/** The inputs of a job to be: their bytes are kept, but no row needs them yet. A plain value, all
+ *  zero before the first input. */
+struct vor_admitted {
+    struct vor_uuid id; /**< of the job to be; "" before the first input */
+    unsigned count;
+    struct vor_admitted_input {
+        const char *name; /**< borrowed */
+        struct vor_job_input found;
+    } item[VOR_INPUTS_MAX];
+};
+
+/** Decodes and checks the bytes of an upload and keeps the cloud, durably, as blob of an input.
  *
- *  @param[out] id      a fresh identifier: that of the job to be
- *  @param[out] input   what was found
- *  @param[in]  upload  borrowed
+ *  @param[in,out] admitted  gets one input more, and with the first one a fresh identifier;
+ *                           unchanged on failure
+ *  @param[in]     name      of the input, out of the process's row; there is none of it yet, and
+ *                           room for one more. Must outlive *admitted
+ *  @param[in]     upload    borrowed
  *
  *  @retval VOR_E_EMPTY  no bytes, or no points
  *  @retval VOR_E_IO     the disk refuses (vor_error_storage_full tells a full one apart)
- *  @retval others       as vor_codec_read; then there is no blob
+ *  @retval others       as vor_codec_read; then this input has no blob
  *
  *  Cost: that of decoding and of writing 12 bytes a point and the attributes, with fsync. */
-VOR_NODISCARD vor_status vor_admit_file(struct vor_uuid *id, struct vor_job_input *input,
+VOR_NODISCARD vor_status vor_admit_file(struct vor_admitted *admitted, const char *name,
                                         struct vor_blobs *blobs, struct vor_blob_writer *upload,
                                         const struct vor_admit_limits *limits,
                                         struct vor_error *err);
 
+/** Removes the bytes of inputs that will be no job's. A failure is logged; the next start removes
+ *  them. */
+void vor_admit_drop(struct vor_blobs *blobs, const struct vor_admitted *admitted);
+
 /** A pool of threads that admit uploads, so that HTTP threads do not wait. */
 struct vor_admit;
 
-/** One upload on its way. The caller fills in upload, done and ctx and keeps the struct until done
- *  was called. */
+/** One upload on its way. The caller fills in name, upload, done and ctx and keeps the struct until
+ *  done was called. */
 struct vor_admission {
+    const char *name;                              /**< of the input, as vor_admit_file has it */
     struct vor_blob_writer *upload;                /**< taken over, discarded before done */
     void (*done)(struct vor_admission *admission); /**< on an admission thread; may block, e.g. on
                                                         vor_worker_submit */
     void *ctx;
     vor_status status; /**< from here: the answer */
     struct vor_error error;
-    struct vor_uuid id;
-    struct vor_job_input input;
-    struct vor_admit *admit; /**< from here: the admission's own */
+    struct vor_admitted admitted; /**< this input alone, when status is VOR_OK */
+    struct vor_admit *admit;      /**< from here: the admission's own */
     struct vor_task task;
 };
 

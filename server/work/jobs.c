@@ -40,7 +40,7 @@ static vor_status check_target(const struct vor_spec *spec, const struct vor_job
 }
 
 static void first_row(struct vor_job_view *row, const struct vor_uuid *id,
-                      const struct vor_job_input *input, const struct vor_spec *spec)
+                      const struct vor_spec *spec)
 {
     *row = (struct vor_job_view){.id = *id,
                                  .status = VOR_JOB_ACCEPTED,
@@ -49,14 +49,34 @@ static void first_row(struct vor_job_view *row, const struct vor_uuid *id,
                                  .queue_position = -1,
                                  .eta_seconds = -1,
                                  .spec = *spec,
-                                 .inputs = 1,
-                                 .input = {*input},
                                  .created = vor_clock_wall_ms()};
     (void)snprintf(row->process, sizeof row->process, "%s", spec->process->id);
     row->updated = row->created;
     row->problem.byte_offset = -1;
-    if (!vor_spec_given(spec, VOR_PARAM_FORMAT))
-        row->spec.value[VOR_PARAM_FORMAT] = input->format;
+}
+
+/* Puts the inputs into their places in the row. */
+static vor_status take_inputs(struct vor_job_view *row, const struct vor_admitted *admitted,
+                              struct vor_error *err)
+{
+    const struct vor_process_info *process = row->spec.process;
+    vor_status status;
+
+    for (unsigned i = 0; i < admitted->count; i++) {
+        const char *name = admitted->item[i].name;
+        const struct vor_artefact_info *info = vor_artefact_find(process->inputs, name);
+
+        if (info == NULL)
+            return vor_fail_param(err, VOR_E_PARAM, name, "%s takes no input %s", process->id,
+                                  name);
+        row->inputs |= 1u << (info - process->inputs);
+        row->input[info - process->inputs] = admitted->item[i].found;
+    }
+    status = vor_spec_check_inputs(&row->spec, row->inputs, err);
+    if (status == VOR_OK && vor_process_takes(process, VOR_PARAM_FORMAT) &&
+        !vor_spec_given(&row->spec, VOR_PARAM_FORMAT))
+        row->spec.value[VOR_PARAM_FORMAT] = row->input[0].format;
+    return status;
 }
 
 /* Makes the row durable and the job live, for a place in the queue that is booked. */
@@ -99,19 +119,20 @@ static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_vie
     return VOR_DONE;
 }
 
-enum vor_job_outcome vor_worker_submit(struct vor_worker *worker, const struct vor_uuid *id,
-                                       const struct vor_job_input *input,
+enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
+                                       const struct vor_admitted *admitted,
                                        const struct vor_spec *spec, struct vor_job_view *out,
                                        struct vor_error *err)
 {
     enum vor_job_outcome outcome = VOR_FAILED;
     struct vor_job_view row;
 
-    first_row(&row, id, input, spec);
-    if (check_target(spec, input, err) == VOR_OK)
+    first_row(&row, &admitted->id, spec);
+    if (take_inputs(&row, admitted, err) == VOR_OK &&
+        check_target(spec, &row.input[0], err) == VOR_OK)
         outcome = submit(worker, &row, err);
     if (outcome != VOR_DONE)
-        vor_worker_drop(worker, id, VOR_BLOB_INPUT);
+        vor_admit_drop(worker->config.blobs, admitted);
     else if (out != NULL)
         *out = row;
     return outcome;
@@ -282,10 +303,10 @@ static enum vor_job_outcome dismiss_live(struct vor_worker *worker, struct vor_j
         return VOR_CONFLICT;
     vor_job_ask(job, VOR_CANCEL);
     if (vor_queue_remove(worker->queue, job)) {
-        vor_worker_forget(worker, job);                    /* else a runner has it and will */
-        vor_worker_drop(worker, &out->id, VOR_BLOB_CLOUD); /* of an attempt before a crash */
+        vor_worker_forget(worker, job);                          /* else a runner has it and will */
+        vor_worker_drop_outputs(worker, &out->id, out->process); /* of an attempt before a crash */
     }
-    vor_worker_drop(worker, &out->id, VOR_BLOB_INPUT);
+    vor_worker_drop_inputs(worker, &out->id, out->process);
     vor_log(VOR_LOG_INFO, "job dismissed", VOR_TEXT("job", out->id.text), VOR_TEXT("why", why));
     return VOR_DONE;
 }
@@ -304,8 +325,8 @@ static enum vor_job_outcome dismiss_row(struct vor_worker *worker, const char *w
     explain(row, why);
     if (vor_store_finish(worker->config.store, row, 0, NULL, &changed, err) != VOR_OK)
         return VOR_FAILED;
-    vor_worker_drop(worker, &row->id, VOR_BLOB_INPUT);
-    vor_worker_drop(worker, &row->id, VOR_BLOB_CLOUD);
+    vor_worker_drop_inputs(worker, &row->id, row->process);
+    vor_worker_drop_outputs(worker, &row->id, row->process);
     return changed ? VOR_DONE : VOR_CONFLICT;
 }
 
@@ -327,9 +348,11 @@ static enum vor_job_outcome dismiss(struct vor_worker *worker, const struct vor_
     return outcome == VOR_DONE ? dismiss_row(worker, why, out, err) : outcome;
 }
 
-static enum vor_job_outcome remove_job(struct vor_worker *worker, const struct vor_uuid *id,
+/* Removes a job that is over; row is its last view. */
+static enum vor_job_outcome remove_job(struct vor_worker *worker, const struct vor_job_view *row,
                                        struct vor_error *err)
 {
+    const struct vor_uuid *id = &row->id;
     struct vor_job *job;
     int changed;
 
@@ -341,8 +364,8 @@ static enum vor_job_outcome remove_job(struct vor_worker *worker, const struct v
     if (job != NULL)
         vor_worker_forget(worker, job); /* its runner has not unwound yet */
     vor_job_release(job);
-    vor_worker_drop(worker, id, VOR_BLOB_INPUT);
-    vor_worker_drop(worker, id, VOR_BLOB_CLOUD);
+    vor_worker_drop_inputs(worker, id, row->process);
+    vor_worker_drop_outputs(worker, id, row->process);
     vor_log(VOR_LOG_INFO, "job removed", VOR_TEXT("job", id->text));
     return VOR_DONE;
 }
@@ -355,7 +378,7 @@ enum vor_job_outcome vor_worker_dismiss(struct vor_worker *worker, const struct 
     enum vor_job_outcome outcome = dismiss(worker, id, why, &view, err);
 
     if (outcome == VOR_CONFLICT)
-        outcome = remove_job(worker, id, err);
+        outcome = remove_job(worker, &view, err);
     if (outcome != VOR_DONE || out == NULL)
         return outcome;
     view.status = VOR_JOB_DISMISSED;

@@ -158,3 +158,23 @@ void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, const
         vor_log(VOR_LOG_WARN, "bytes left behind", VOR_TEXT("job", id->text),
                 VOR_TEXT("error", err.message));
 }
+
+void vor_worker_drop_inputs(struct vor_worker *worker, const struct vor_uuid *id,
+                            const char *process)
+{
+    const struct vor_process_info *info = vor_process_find(process);
+    char blob[VOR_BLOB_NAME_MAX + 1];
+
+    for (unsigned i = 0; info != NULL && info->inputs[i].name != NULL; i++)
+        vor_worker_drop(worker, id, vor_blob_of_input(info->inputs[i].name, blob));
+}
+
+void vor_worker_drop_outputs(struct vor_worker *worker, const struct vor_uuid *id,
+                             const char *process)
+{
+    const struct vor_process_info *info = vor_process_find(process);
+
+    for (unsigned i = 0; info != NULL && info->outputs[i].name != NULL; i++)
+        if (!vor_output_in_row(&info->outputs[i]))
+            vor_worker_drop(worker, id, info->outputs[i].name);
+}

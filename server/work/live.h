@@ -85,7 +85,14 @@ VOR_NODISCARD vor_status vor_worker_finish(struct vor_worker *worker, struct vor
                                            const struct vor_job_view *row, uint32_t attempt,
                                            const char *report, int *changed, struct vor_error *err);
 
-/** Removes bytes that nobody needs any more. A failure is logged; the next start removes them. */
+/** Removes a blob that nobody needs any more. A failure is logged; the next start removes it. */
 void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, const char *name);
+
+/** The same for the inputs, and for the outputs, of a job of that process; those of a process that
+ *  this version does not know are left to the next start. */
+void vor_worker_drop_inputs(struct vor_worker *worker, const struct vor_uuid *id,
+                            const char *process);
+void vor_worker_drop_outputs(struct vor_worker *worker, const struct vor_uuid *id,
+                             const char *process);
 
 #endif

@@ -14,22 +14,37 @@ static int64_t expiry(const struct vor_worker *worker, int64_t now)
     return now + (int64_t)(worker->config.ttl_seconds * 1000);
 }
 
+static vor_status check_input(struct vor_worker *worker, const struct vor_uuid *id,
+                              const char *name, struct vor_error *why)
+{
+    char blob[VOR_BLOB_NAME_MAX + 1];
+    uint64_t size;
+    int fd, found;
+    vor_status status = vor_blob_get(worker->config.blobs, id, vor_blob_of_input(name, blob), &fd,
+                                     &size, &found, why);
+
+    if (fd >= 0)
+        close(fd);
+    if (status == VOR_OK && !found)
+        status =
+            vor_fail(why, VOR_E_INTERNAL, "the job's input %s was lost with the last run", name);
+    return status;
+}
+
 /* Why a job cannot be run again; VOR_OK when it can. */
 static vor_status check_row(struct vor_worker *worker, const struct vor_job_view *row,
                             struct vor_error *why)
 {
-    uint64_t size;
-    int fd, found;
-    vor_status status =
-        vor_blob_get(worker->config.blobs, &row->id, VOR_BLOB_INPUT, &fd, &size, &found, why);
+    const struct vor_artefact_info *inputs = row->spec.process->inputs;
+    vor_status status = VOR_OK;
 
-    if (fd >= 0)
-        close(fd);
+    for (unsigned i = 0; inputs[i].name != NULL && status == VOR_OK; i++)
+        if ((row->inputs >> i & 1) != 0)
+            status = check_input(worker, &row->id, inputs[i].name, why);
     if (status != VOR_OK)
         return status;
-    if (!found)
-        return vor_fail(why, VOR_E_INTERNAL, "the job's input was lost with the last run");
-    if (row->request_lost || vor_spec_check(&row->spec, NULL) != VOR_OK)
+    if (row->request_lost || vor_spec_check(&row->spec, NULL) != VOR_OK ||
+        vor_spec_check_inputs(&row->spec, row->inputs, NULL) != VOR_OK)
         return vor_fail(why, VOR_E_INTERNAL, "the job's request cannot be read by this version");
     return VOR_OK;
 }
@@ -143,11 +158,13 @@ static void note_blob(void *ctx, const struct vor_uuid *id, const char *name)
     found->count++;
 }
 
-/* A job that is not over needs all its blobs; it may be writing its result just now. A job that is
- * over needs only the result, if it was successful. When the store cannot be read, a blob counts as
- * needed. */
+/* A job that is not over needs all its blobs; it may be writing its outputs just now. A job that is
+ * over needs only its outputs, if it was successful. When the store cannot be read, or the process
+ * is not known, a blob counts as needed. */
 static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blob)
 {
+    const struct vor_process_info *process;
+    const struct vor_artefact_info *output;
     struct vor_job_view row;
     int found;
 
@@ -155,8 +172,11 @@ static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blo
         return 1;
     if (!found || row.expired)
         return 0;
-    return !vor_job_status_over(row.status) ||
-           (row.status == VOR_JOB_SUCCESSFUL && strcmp(blob->name, VOR_BLOB_INPUT) != 0);
+    process = vor_process_find(row.process);
+    if (!vor_job_status_over(row.status) || process == NULL)
+        return 1;
+    output = vor_artefact_find(process->outputs, blob->name);
+    return row.status == VOR_JOB_SUCCESSFUL && output != NULL && !vor_output_in_row(output);
 }
 
 void vor_worker_drop_strays(struct vor_worker *worker)
@@ -186,7 +206,7 @@ vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
         status = vor_store_expire(worker->config.store, vor_clock_wall_ms(), expired, BATCH, &count,
                                   err);
         for (size_t i = 0; i < count; i++)
-            vor_worker_drop(worker, &expired[i].id, VOR_BLOB_CLOUD);
+            vor_worker_drop_outputs(worker, &expired[i].id, expired[i].process);
         total += count;
     }
     if (total > 0)

@@ -1,20 +1,15 @@
-/* One run of one job: its cloud, the engine, the encoded result, its last row. */
+/* One run of one job: its inputs, the engine, its outputs, its last row. */
 #include "server/work/runner.h"
 
 #include "core/engine.h"
-#include "proto/codec.h"
-#include "proto/dump.h"
 #include "proto/json/json.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/work/artefacts.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 static const double beat_seconds = 2;  /* between two notes of the progress in the store */
 static const double retry_seconds = 1; /* while the store's disk is full */
@@ -26,8 +21,10 @@ struct run {
     uint32_t attempt;
     double beat; /* when the store was last told */
     struct vor_memory memory;
+    int has_report; /* the process has one, and the run came to its end */
     struct vor_report report;
-    struct vor_job_output output;
+    struct vor_text kept; /* the output that is kept in the row, as JSON; empty for none */
+    struct vor_job_output output[VOR_OUTPUTS_MAX];
 };
 
 /* --- the engine's questions ------------------------------------------------------------------- */
@@ -69,128 +66,128 @@ static enum vor_answer take_progress(void *ctx, const struct vor_record *record)
 
 /* --- the three steps -------------------------------------------------------------------------- */
 
-/* Reads the cloud that the admission kept. */
-static vor_status read_input(struct run *run, struct vor_cloud *cloud, struct vor_error *err)
-{
-    uint64_t size;
-    vor_status status;
-    void *bytes;
-    int fd, found;
-
-    status = vor_blob_get(run->worker->config.blobs, &run->view.id, VOR_BLOB_INPUT, &fd, &size,
-                          &found, err);
-    if (status != VOR_OK)
-        return status;
-    if (!found)
-        return vor_fail(err, VOR_E_INTERNAL, "the job's input is gone");
-    bytes = size > 0 ? mmap(NULL, size, PROT_READ, MAP_PRIVATE, fd, 0) : MAP_FAILED;
-    if (bytes == MAP_FAILED) {
-        status = vor_fail(err, VOR_E_IO, "the job's input cannot be mapped: %s", strerror(errno));
-    } else {
-        status = vor_dump_read(cloud, bytes, size, err);
-        (void)munmap(bytes, size);
-    }
-    close(fd);
-    return status;
-}
-
-static vor_status optimize(struct run *run, struct vor_artefacts *out, struct vor_error *err)
+/* Runs the engine on the job's inputs. */
+static vor_status compute(struct run *run, struct vor_artefacts *out, struct vor_error *err)
 {
     struct vor_watch watch = {
         .ctx = run, .progress = take_progress, .poll = poll_job, .clock = read_clock};
     struct vor_run engine = {
         .pool = run->worker->config.pool, .memory = &run->memory, .watch = &watch};
     struct vor_artefacts in;
-    struct vor_cloud cloud;
     vor_status status;
 
     vor_artefacts_init(&in, &run->memory);
-    vor_cloud_init(&cloud, &run->memory);
-    status = read_input(run, &cloud, err);
-    vor_artefacts_put_cloud(&in, "cloud", &cloud);
+    status = vor_artefacts_load(&in, run->worker->config.blobs, &run->view, err);
     if (status == VOR_OK)
         status = vor_engine_run(out, &in, &run->view.spec, &engine, err);
     vor_artefacts_free(&in);
     return status;
 }
 
-static vor_status write_cloud(struct run *run, struct vor_blob_writer *writer,
-                              const struct vor_cloud *cloud, struct vor_error *err)
+/* Makes the outputs that are blobs durable. */
+static vor_status save_blobs(struct run *run, const struct vor_artefacts *out, double spacing,
+                             struct vor_error *err)
 {
-    const struct vor_format *format = vor_format(run->output.format);
-    struct vor_sink sink = vor_blob_sink(writer);
-    struct vor_write_options options;
-    vor_status status;
+    const struct vor_artefact_info *outputs = run->view.spec.process->outputs;
+    vor_status status = VOR_OK;
 
-    vor_write_options_from(&options, &run->report.parameters, run->report.spacing_mean);
-    status = format->write(&sink, cloud, &options, err);
-    if (status == VOR_E_IO && vor_blob_failure(writer, err) == VOR_OK)
-        return vor_fail(err, VOR_E_INTERNAL, "the %s writer gave up", format->label);
+    for (unsigned i = 0; outputs[i].name != NULL && status == VOR_OK; i++)
+        if (!vor_output_in_row(&outputs[i]))
+            status = vor_artefact_save(&run->output[i], run->worker->config.blobs, &run->view,
+                                       vor_artefacts_find(out, outputs[i].name), spacing, err);
     return status;
 }
 
-/* Encodes the result and makes it durable. */
-static vor_status encode(struct run *run, const struct vor_cloud *cloud, struct vor_error *err)
+/* What the engine cannot know of the report. */
+static void complete_report(const struct run *run, struct vor_report *report, double began)
 {
+    report->seconds_read = 0;
+    for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
+        report->seconds_read += run->view.input[i].seconds;
+    report->seconds_write = vor_clock_seconds() - began;
+    report->memory_peak_bytes = atomic_load(&run->memory.peak);
+}
+
+/* Writes the output that goes into the row. */
+static vor_status write_kept(struct run *run, const struct vor_artefacts *out,
+                             struct vor_error *err)
+{
+    const struct vor_artefact_info *outputs = run->view.spec.process->outputs;
+
+    for (unsigned i = 0; outputs[i].name != NULL; i++) {
+        if (!vor_output_in_row(&outputs[i]))
+            continue;
+        vor_json_document(&run->kept, &vor_artefacts_find(out, outputs[i].name)->document);
+        run->output[i].bytes = run->kept.size;
+    }
+    return vor_text_status(&run->kept, err);
+}
+
+static vor_status save(struct run *run, struct vor_artefacts *out, struct vor_error *err)
+{
+    struct vor_report *report = vor_artefacts_values(out, "report", &vor_report_members);
     double began = vor_clock_seconds();
-    struct vor_blob_writer *writer;
     vor_status status;
 
     vor_job_stage(run->job, VOR_STAGE_ENCODE, vor_clock_wall_ms());
-    run->output.format = (unsigned)run->view.spec.value[VOR_PARAM_FORMAT];
-    run->output.points = cloud->n;
-    status = vor_blob_create(run->worker->config.blobs, &writer, err);
+    status = save_blobs(run, out, report != NULL ? report->spacing_mean : 0, err);
     if (status != VOR_OK)
         return status;
-    status = write_cloud(run, writer, cloud, err);
-    if (status != VOR_OK) {
-        vor_blob_discard(writer);
-        return status;
+    if (report != NULL) {
+        complete_report(run, report, began);
+        run->has_report = 1;
+        run->report = *report;
     }
-    run->output.bytes = vor_blob_size(writer);
-    vor_blob_sha256(writer, run->output.sha256);
-    status = vor_blob_commit(writer, &run->view.id, VOR_BLOB_CLOUD, err);
-    run->report.seconds_write = vor_clock_seconds() - began;
-    return status;
+    return write_kept(run, out, err);
 }
 
 static vor_status execute(struct run *run, struct vor_error *err)
 {
-    struct vor_report *report;
     struct vor_artefacts out;
     vor_status status;
 
     vor_memory_init(&run->memory, run->worker->config.memory);
     vor_artefacts_init(&out, &run->memory);
-    status = optimize(run, &out, err);
-    report = vor_artefacts_values(&out, "report", &vor_report_members);
-    if (report != NULL)
-        run->report = *report;
-    run->report.seconds_read = run->view.input[0].seconds;
+    status = compute(run, &out, err);
     if (status == VOR_OK && vor_job_asked(run->job) == VOR_CANCEL)
         status = vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
     if (status == VOR_OK)
-        status = encode(run, vor_artefacts_cloud(&out, "cloud"), err);
+        status = save(run, &out, err);
     vor_artefacts_free(&out);
-    run->report.memory_peak_bytes = atomic_load(&run->memory.peak);
     return status;
 }
 
 /* --- the end ---------------------------------------------------------------------------------- */
 
-static void describe_success(struct run *run, struct vor_job_view *row)
+/* "300 points after 12 iterations, delta 0.0212" of a run with a report; else what the main output
+ * is. */
+static void describe_outputs(const struct run *run, char *out, size_t size)
 {
+    const struct vor_artefact_info *main = &run->view.spec.process->outputs[0];
     char steps[64];
 
+    if (run->has_report)
+        (void)snprintf(out, size, "%llu points after %s, delta %.4f",
+                       (unsigned long long)run->output[0].points,
+                       vor_report_steps(&run->report, steps, sizeof steps), run->report.delta);
+    else if (main->kind == VOR_ARTEFACT_CLOUD)
+        (void)snprintf(out, size, "%llu points", (unsigned long long)run->output[0].points);
+    else
+        (void)snprintf(out, size, "%s is ready, %llu bytes", main->name,
+                       (unsigned long long)run->output[0].bytes);
+}
+
+static void describe_success(const struct run *run, struct vor_job_view *row)
+{
     row->progress = 100;
-    row->output[0] = run->output;
-    /* The last record need not be that of the cloud that is handed out. */
-    row->record.delta = run->report.delta;
-    row->record.sigma = run->report.sigma;
-    row->record.epsilon = run->report.epsilon;
-    (void)snprintf(row->message, sizeof row->message, "%llu points after %s, delta %.4f",
-                   (unsigned long long)run->output.points,
-                   vor_report_steps(&run->report, steps, sizeof steps), run->report.delta);
+    memcpy(row->output, run->output, sizeof row->output);
+    if (run->has_report) {
+        /* The last record need not be that of the cloud that is handed out. */
+        row->record.delta = run->report.delta;
+        row->record.sigma = run->report.sigma;
+        row->record.epsilon = run->report.epsilon;
+    }
+    describe_outputs(run, row->message, sizeof row->message);
 }
 
 static void describe_failure(struct vor_job_view *row, const struct vor_error *problem)
@@ -201,9 +198,10 @@ static void describe_failure(struct vor_job_view *row, const struct vor_error *p
 }
 
 /* Writes the last row once, of a success when problem is NULL; a failure asks for another try. */
-static vor_status finish_once(struct run *run, const struct vor_error *problem, const char *report,
+static vor_status finish_once(struct run *run, const struct vor_error *problem,
                               struct vor_error *err)
 {
+    const char *kept = problem == NULL ? run->kept.data : NULL;
     int changed = 0;
     struct vor_job_view row;
     vor_status status;
@@ -216,8 +214,7 @@ static vor_status finish_once(struct run *run, const struct vor_error *problem, 
         describe_failure(&row, problem);
     else
         describe_success(run, &row);
-    row.output[1].bytes = report != NULL ? strlen(report) : 0;
-    status = vor_worker_finish(run->worker, run->job, &row, run->attempt, report, &changed, err);
+    status = vor_worker_finish(run->worker, run->job, &row, run->attempt, kept, &changed, err);
     if (status == VOR_OK && !changed) {
         row.status = VOR_JOB_DISMISSED; /* somebody changed the row behind our back: readers must
                                            not wait for ever */
@@ -231,23 +228,14 @@ static vor_status finish_once(struct run *run, const struct vor_error *problem, 
  * again, and nobody was told otherwise. */
 static void finish(struct run *run, const struct vor_error *problem)
 {
-    struct vor_document document = {"report", &vor_report_members, &run->report};
-    struct vor_text report;
     struct vor_error err;
-    const char *json = NULL;
 
-    vor_text_init(&report, 0);
-    if (problem == NULL)
-        vor_json_document(&report, &document);
-    if (vor_text_status(&report, NULL) == VOR_OK)
-        json = report.data; /* NULL when there is none */
-    while (finish_once(run, problem, json, &err) != VOR_OK) {
+    while (finish_once(run, problem, &err) != VOR_OK) {
         vor_log(VOR_LOG_ERROR, "the end of a job cannot be stored",
                 VOR_TEXT("job", run->view.id.text), VOR_TEXT("error", err.message));
         if (vor_worker_pause(run->worker, retry_seconds))
             break;
     }
-    vor_text_free(&report);
 }
 
 static int is_aborting(struct vor_worker *worker)
@@ -282,9 +270,9 @@ static void clean_up(struct run *run, double began)
     vor_job_view(run->job, &view);
     if (!vor_job_status_over(view.status))
         return;
-    vor_worker_drop(run->worker, &view.id, VOR_BLOB_INPUT);
+    vor_worker_drop_inputs(run->worker, &view.id, view.process);
     if (view.status != VOR_JOB_SUCCESSFUL)
-        vor_worker_drop(run->worker, &view.id, VOR_BLOB_CLOUD);
+        vor_worker_drop_outputs(run->worker, &view.id, view.process);
     vor_log(VOR_LOG_INFO, "job ended", VOR_TEXT("job", view.id.text),
             VOR_TEXT("status", vor_job_status_word(view.status)), VOR_TEXT("message", view.message),
             VOR_COUNT("attempt", view.attempt), VOR_COUNT("points", view.output[0].points),
@@ -315,6 +303,7 @@ void vor_worker_run(struct vor_worker *worker, struct vor_job *job)
     struct vor_error problem;
     vor_status status;
 
+    vor_text_init(&run.kept, 0);
     vor_job_view(job, &run.view);
     if (claim(&run)) {
         vor_log(VOR_LOG_INFO, "job started", VOR_TEXT("job", run.view.id.text),
@@ -327,4 +316,5 @@ void vor_worker_run(struct vor_worker *worker, struct vor_job *job)
             finish(&run, status == VOR_OK ? NULL : &problem);
     }
     clean_up(&run, began);
+    vor_text_free(&run.kept);
 }

@@ -10,6 +10,7 @@
 #include "server/blob/blob.h"
 #include "server/jobs/job.h"
 #include "server/store/store.h"
+#include "server/work/admit.h"
 #include "server/work/crew.h"
 
 #include <stddef.h>
@@ -56,21 +57,22 @@ struct vor_worker_load {
 };
 void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out);
 
-/** Accepts a job for an upload that vor_admit_file took in: the row is durable when this returns.
+/** Accepts a job for inputs that vor_admit_file took in: the row is durable when this returns.
  *
- *  @param[in]  id, input  from the admission; its INPUT blob is dropped unless VOR_DONE is returned
- *  @param[in]  spec       checked (vor_spec_check); a format not given becomes the input's
- *  @param[out] out        the job's first view; may be NULL
+ *  @param[in]  admitted  its blobs are dropped unless VOR_DONE is returned
+ *  @param[in]  spec      checked (vor_spec_check); a format not given becomes that of the main
+ * input where the process takes one
+ *  @param[out] out       the job's first view; may be NULL
  *
  *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING
- *  @retval VOR_FAILED  err: VOR_E_TARGET as vor_spec_check_target, but for spacing, which only the
- *                      run can tell; VOR_E_IO; VOR_E_NOMEM
+ *  @retval VOR_FAILED  err: VOR_E_PARAM an input that the process does not take, or as
+ *                      vor_spec_check_inputs; VOR_E_TARGET as vor_spec_check_target, but for
+ *                      spacing, which only the run can tell; VOR_E_IO; VOR_E_NOMEM
  *
  *  Cost: an fsync; not for HTTP threads. */
 VOR_NODISCARD enum vor_job_outcome
-vor_worker_submit(struct vor_worker *worker, const struct vor_uuid *id,
-                  const struct vor_job_input *input, const struct vor_spec *spec,
-                  struct vor_job_view *out, struct vor_error *err);
+vor_worker_submit(struct vor_worker *worker, const struct vor_admitted *admitted,
+                  const struct vor_spec *spec, struct vor_job_view *out, struct vor_error *err);
 
 /** What is known about a job, live or from its row.
  *
@@ -164,7 +166,8 @@ void vor_worker_settle(struct vor_worker *worker, double seconds);
 VOR_NODISCARD enum vor_job_outcome
 vor_worker_stop(struct vor_worker *worker, const struct vor_uuid *id, struct vor_error *err);
 
-/** The report of a successful job (malloc, the caller frees), NULL when there is none.
+/** The output of a successful job that is kept in its row (vor_output_in_row), as JSON (malloc, the
+ *  caller frees); NULL when there is none. All others are blobs.
  *
  *  @retval VOR_E_IO, VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_worker_report(struct vor_worker *worker, const struct vor_uuid *id,

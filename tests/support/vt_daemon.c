@@ -1,6 +1,5 @@
 #include "tests/support/vt_daemon.h"
 
-#include "server/work/admit.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
 
@@ -52,16 +51,34 @@ struct vor_spec vt_request(unsigned points, int iterations)
     return spec;
 }
 
+void vt_admit(struct vor_admitted *admitted, struct vor_blobs *blobs, const char *name,
+              const struct vor_cloud *cloud)
+{
+    struct vor_admit_limits limits = {.codec = VOR_LIMITS_DEFAULT, .memory = (size_t)1 << 30};
+    struct vor_blob_writer *upload = vt_upload_cloud(blobs, cloud);
+
+    vt_assert_ok(vor_admit_file(admitted, name, blobs, upload, &limits, &vt_err));
+    vor_blob_discard(upload);
+}
+
+enum vor_job_outcome vt_daemon_submit_inputs(struct vt_daemon *daemon,
+                                             const struct vt_input *inputs,
+                                             const struct vor_spec *spec, struct vor_uuid *id)
+{
+    struct vor_admitted admitted = {.count = 0};
+
+    for (; inputs->name != NULL; inputs++)
+        vt_admit(&admitted, daemon->blobs, inputs->name, inputs->cloud);
+    *id = admitted.id;
+    return vor_worker_submit(daemon->worker, &admitted, spec, NULL, &vt_err);
+}
+
 enum vor_job_outcome vt_daemon_submit(struct vt_daemon *daemon, const struct vor_cloud *cloud,
                                       const struct vor_spec *spec, struct vor_uuid *id)
 {
-    struct vor_admit_limits limits = {.codec = VOR_LIMITS_DEFAULT, .memory = (size_t)1 << 30};
-    struct vor_blob_writer *upload = vt_upload_cloud(daemon->blobs, cloud);
-    struct vor_job_input input;
+    struct vt_input inputs[] = {{"cloud", cloud}, {NULL, NULL}};
 
-    vt_assert_ok(vor_admit_file(id, &input, daemon->blobs, upload, &limits, &vt_err));
-    vor_blob_discard(upload);
-    return vor_worker_submit(daemon->worker, id, &input, spec, NULL, &vt_err);
+    return vt_daemon_submit_inputs(daemon, inputs, spec, id);
 }
 
 struct vor_job_view vt_daemon_get(struct vt_daemon *daemon, const struct vor_uuid *id)
@@ -101,17 +118,24 @@ struct vor_job_view vt_daemon_wait_iteration(struct vt_daemon *daemon, const str
     return view;
 }
 
-uint8_t *vt_daemon_result(struct vt_daemon *daemon, const struct vor_uuid *id, size_t *size)
+uint8_t *vt_daemon_output(struct vt_daemon *daemon, const struct vor_uuid *id, const char *name,
+                          size_t *size)
 {
     uint8_t *bytes;
     uint64_t length;
     int fd, found;
 
-    vt_assert_ok(vor_blob_get(daemon->blobs, id, VOR_BLOB_CLOUD, &fd, &length, &found, &vt_err));
+    vt_assert_ok(vor_blob_get(daemon->blobs, id, name, &fd, &length, &found, &vt_err));
     ck_assert(found);
     bytes = malloc(length + 1);
     ck_assert_int_eq(read(fd, bytes, length), (ssize_t)length);
+    bytes[length] = '\0';
     close(fd);
     *size = length;
     return bytes;
+}
+
+uint8_t *vt_daemon_result(struct vt_daemon *daemon, const struct vor_uuid *id, size_t *size)
+{
+    return vt_daemon_output(daemon, id, "cloud", size);
 }

@@ -31,7 +31,22 @@ void vt_daemon_stop(struct vt_daemon *daemon);
  *  polish, so that there is a record an iteration and no more work than the test asks for. */
 struct vor_spec vt_request(unsigned points, int iterations);
 
-/** Admits a cloud and submits it; *id gets the job's id when VOR_DONE is returned. */
+/** Admits a cloud for the input of that name. */
+void vt_admit(struct vor_admitted *admitted, struct vor_blobs *blobs, const char *name,
+              const struct vor_cloud *cloud);
+
+/** A cloud for an input; a name of NULL ends a list. */
+struct vt_input {
+    const char *name;
+    const struct vor_cloud *cloud;
+};
+
+/** Admits clouds and submits them; *id is the job's when VOR_DONE is returned. */
+enum vor_job_outcome vt_daemon_submit_inputs(struct vt_daemon *daemon,
+                                             const struct vt_input *inputs,
+                                             const struct vor_spec *spec, struct vor_uuid *id);
+
+/** The same with one, for the input "cloud". */
 enum vor_job_outcome vt_daemon_submit(struct vt_daemon *daemon, const struct vor_cloud *cloud,
                                       const struct vor_spec *spec, struct vor_uuid *id);
 
@@ -42,7 +57,11 @@ struct vor_job_view vt_daemon_wait_over(struct vt_daemon *daemon, const struct v
 struct vor_job_view vt_daemon_wait_iteration(struct vt_daemon *daemon, const struct vor_uuid *id,
                                              unsigned iteration);
 
-/** The result's bytes (malloc). */
+/** The bytes of an output that is a blob (malloc), with a NUL behind them. */
+uint8_t *vt_daemon_output(struct vt_daemon *daemon, const struct vor_uuid *id, const char *name,
+                          size_t *size);
+
+/** The same of the output "cloud". */
 uint8_t *vt_daemon_result(struct vt_daemon *daemon, const struct vor_uuid *id, size_t *size);
 
 #endif

@@ -28,7 +28,7 @@ static void load(struct vor_blobs *blobs, const struct vor_uuid *id, struct vor_
     int fd, found;
     void *bytes;
 
-    vt_assert_ok(vor_blob_get(blobs, id, VOR_BLOB_INPUT, &fd, &size, &found, &vt_err));
+    vt_assert_ok(vor_blob_get(blobs, id, "input", &fd, &size, &found, &vt_err));
     ck_assert(found);
     bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, fd, 0);
     ck_assert_ptr_ne(bytes, MAP_FAILED);
@@ -44,21 +44,24 @@ START_TEST(an_admitted_cloud_is_kept_as_it_was)
     struct vor_blobs *blobs = vt_dir_blobs(dir);
     struct vor_cloud cloud, back;
     struct vor_blob_writer *upload;
+    struct vor_admitted admitted = {.count = 0};
     struct vor_job_input input;
     char sha256[VOR_DIGEST_SIZE];
-    struct vor_uuid id;
 
     vt_cloud_cube(&cloud, (uint64_t)_i, 50 + (size_t)_i);
     upload = vt_upload_cloud(blobs, &cloud);
-    vt_assert_ok(vor_admit_file(&id, &input, blobs, upload, &limits, &vt_err));
+    vt_assert_ok(vor_admit_file(&admitted, "cloud", blobs, upload, &limits, &vt_err));
     vor_blob_sha256(upload, sha256);
+    ck_assert_uint_eq(admitted.count, 1);
+    ck_assert_str_eq(admitted.item[0].name, "cloud");
+    input = admitted.item[0].found;
     ck_assert_uint_eq(input.format, VOR_FORMAT_PLY);
     ck_assert_uint_eq(input.points, cloud.n);
     ck_assert_uint_eq(input.bytes, vor_blob_size(upload));
     ck_assert_str_eq(input.sha256, sha256);
     ck_assert_double_ge(input.seconds, 0);
     vor_blob_discard(upload);
-    load(blobs, &id, &back);
+    load(blobs, &admitted.id, &back);
     ck_assert_uint_eq(back.n, cloud.n);
     ck_assert_mem_eq(back.xyz, cloud.xyz, 3 * cloud.n * sizeof(float));
     vor_cloud_free(&back);
@@ -89,18 +92,18 @@ START_TEST(what_cannot_be_decoded_leaves_nothing)
     };
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
-    struct vor_uuid id = {"untouched"};
-    struct vor_job_input input = {.points = 77};
+    struct vor_admitted admitted = {.id = {"untouched"}, .item[0].found.points = 77};
 
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         struct vor_blob_writer *upload = vt_upload(blobs, bad[i].bytes, strlen(bad[i].bytes));
 
         vt_assert_fails(bad[i].status,
-                        vor_admit_file(&id, &input, blobs, upload, &limits, &vt_err));
+                        vor_admit_file(&admitted, "cloud", blobs, upload, &limits, &vt_err));
         vor_blob_discard(upload);
     }
-    ck_assert_str_eq(id.text, "untouched");
-    ck_assert_uint_eq(input.points, 77);
+    ck_assert_str_eq(admitted.id.text, "untouched");
+    ck_assert_uint_eq(admitted.count, 0);
+    ck_assert_uint_eq(admitted.item[0].found.points, 77);
     ck_assert_int_eq(kept(dir), 0);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_blobs_close(blobs);
@@ -114,17 +117,18 @@ START_TEST(a_cloud_that_does_not_fit_is_refused_before_it_is_kept)
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
     struct vor_blob_writer *upload;
-    struct vor_job_input input;
+    struct vor_admitted admitted = {.count = 0};
     struct vor_cloud cloud;
-    struct vor_uuid id;
 
     vt_cloud_cube(&cloud, 1, 1000);
     upload = vt_upload_cloud(blobs, &cloud);
     small.memory = 1000;
-    vt_assert_fails(VOR_E_NOMEM, vor_admit_file(&id, &input, blobs, upload, &small, &vt_err));
+    vt_assert_fails(VOR_E_NOMEM,
+                    vor_admit_file(&admitted, "cloud", blobs, upload, &small, &vt_err));
     small.memory = limits.memory;
     small.codec.points = 999;
-    vt_assert_fails(VOR_E_LIMIT, vor_admit_file(&id, &input, blobs, upload, &small, &vt_err));
+    vt_assert_fails(VOR_E_LIMIT,
+                    vor_admit_file(&admitted, "cloud", blobs, upload, &small, &vt_err));
     ck_assert_uint_eq(vt_err.limit, 999);
     ck_assert_uint_eq(vt_err.got, 1000);
     ck_assert_int_eq(kept(dir), 0);
@@ -192,7 +196,7 @@ START_TEST(every_upload_is_answered_once)
     vt_cloud_cube(&cloud, 1, 500);
     vt_assert_ok(vor_admit_create(&admit, blobs, &limits, 3, UPLOADS, &vt_err));
     for (int i = 0; i < UPLOADS; i++) {
-        admissions[i] = (struct vor_admission){.done = answered, .ctx = &answers};
+        admissions[i] = (struct vor_admission){.name = "cloud", .done = answered, .ctx = &answers};
         admissions[i].upload =
             i % 4 == 3 ? vt_upload(blobs, "rubbish", 7) : vt_upload_cloud(blobs, &cloud);
         ck_assert_int_eq(vor_admit_submit(admit, &admissions[i]), VOR_DONE);
@@ -217,7 +221,7 @@ START_TEST(waiting_uploads_are_bounded_and_answered_when_the_daemon_goes)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
-    struct vor_admission busy = {.done = answered}, waits = {.done = answered}, over = waits;
+    struct vor_admission busy = {.name = "cloud", .done = answered}, waits = busy, over = busy;
     struct vor_admit *admit;
     struct answers answers;
     struct vor_cloud cloud;
@@ -256,7 +260,7 @@ START_TEST(what_waits_when_the_daemon_goes_is_answered_as_cancelled)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
-    struct vor_admission busy = {.done = answered}, waits = {.done = answered}, late = waits;
+    struct vor_admission busy = {.name = "cloud", .done = answered}, waits = busy, late = busy;
     enum vor_job_outcome outcome;
     struct vor_admit *admit;
     struct answers answers;

@@ -53,19 +53,19 @@ START_TEST(a_committed_blob_comes_back_byte_for_byte)
     struct vor_blobs *blobs = vt_dir_blobs(dir);
     struct vor_uuid id = fresh_id();
 
-    store_text(blobs, &id, VOR_BLOB_INPUT, "the input");
-    store_text(blobs, &id, VOR_BLOB_CLOUD, "the cloud");
-    ck_assert_str_eq(content(blobs, &id, VOR_BLOB_INPUT), "the input");
-    ck_assert_str_eq(content(blobs, &id, VOR_BLOB_CLOUD), "the cloud");
-    store_text(blobs, &id, VOR_BLOB_CLOUD, "a newer one");
-    ck_assert_str_eq(content(blobs, &id, VOR_BLOB_CLOUD), "a newer one");
+    store_text(blobs, &id, "input", "the input");
+    store_text(blobs, &id, "cloud", "the cloud");
+    ck_assert_str_eq(content(blobs, &id, "input"), "the input");
+    ck_assert_str_eq(content(blobs, &id, "cloud"), "the cloud");
+    store_text(blobs, &id, "cloud", "a newer one");
+    ck_assert_str_eq(content(blobs, &id, "cloud"), "a newer one");
     store_text(blobs, &id, "a-name_of-24-bytes-is-ok", "another one");
     ck_assert_str_eq(content(blobs, &id, "a-name_of-24-bytes-is-ok"), "another one");
     vor_blobs_close(blobs);
 
     blobs = vt_dir_blobs(dir); /* and after a restart */
     ck_assert_str_eq(content(blobs, &id, "a-name_of-24-bytes-is-ok"), "another one");
-    ck_assert_str_eq(content(blobs, &id, VOR_BLOB_CLOUD), "a newer one");
+    ck_assert_str_eq(content(blobs, &id, "cloud"), "a newer one");
     vor_blobs_close(blobs);
     vt_dir_remove(dir);
 }
@@ -116,14 +116,14 @@ START_TEST(an_open_blob_stays_readable_after_it_was_dropped)
     int fd, found;
     char text[4] = "";
 
-    store_text(blobs, &id, VOR_BLOB_CLOUD, "abc");
-    vt_assert_ok(vor_blob_get(blobs, &id, VOR_BLOB_CLOUD, &fd, &size, &found, &vt_err));
-    vt_assert_ok(vor_blob_drop(blobs, &id, VOR_BLOB_CLOUD, &vt_err));
-    vt_assert_ok(vor_blob_drop(blobs, &id, VOR_BLOB_CLOUD, &vt_err));
+    store_text(blobs, &id, "cloud", "abc");
+    vt_assert_ok(vor_blob_get(blobs, &id, "cloud", &fd, &size, &found, &vt_err));
+    vt_assert_ok(vor_blob_drop(blobs, &id, "cloud", &vt_err));
+    vt_assert_ok(vor_blob_drop(blobs, &id, "cloud", &vt_err));
     ck_assert_int_eq(read(fd, text, 3), 3);
     ck_assert_str_eq(text, "abc");
     close(fd);
-    ck_assert_str_eq(content(blobs, &id, VOR_BLOB_CLOUD), "");
+    ck_assert_str_eq(content(blobs, &id, "cloud"), "");
     vor_blobs_close(blobs);
     vt_dir_remove(dir);
 }
@@ -142,7 +142,7 @@ static void die_writing(void *ctx)
     struct vor_blob_writer *writer = vt_upload(blobs, "half of i", 9);
 
     if (crash->committed)
-        vt_assert_ok(vor_blob_commit(writer, &crash->id, VOR_BLOB_INPUT, &vt_err));
+        vt_assert_ok(vor_blob_commit(writer, &crash->id, "input", &vt_err));
     raise(SIGKILL);
 }
 
@@ -155,7 +155,7 @@ START_TEST(what_a_killed_writer_left_is_gone_after_the_next_start)
     ck_assert_int_eq(vt_dir_count(crash.dir, "blobs/tmp"), 1);
     blobs = vt_dir_blobs(crash.dir);
     ck_assert_int_eq(vt_dir_count(crash.dir, "blobs/tmp"), 0);
-    ck_assert_str_eq(content(blobs, &crash.id, VOR_BLOB_INPUT), "");
+    ck_assert_str_eq(content(blobs, &crash.id, "input"), "");
     vor_blobs_close(blobs);
     vt_dir_remove(crash.dir);
 }
@@ -168,7 +168,7 @@ START_TEST(what_was_committed_outlives_a_kill)
 
     vt_killed(die_writing, &crash);
     blobs = vt_dir_blobs(crash.dir);
-    ck_assert_str_eq(content(blobs, &crash.id, VOR_BLOB_INPUT), "half of i");
+    ck_assert_str_eq(content(blobs, &crash.id, "input"), "half of i");
     vor_blobs_close(blobs);
     vt_dir_remove(crash.dir);
 }
@@ -210,8 +210,8 @@ START_TEST(a_list_has_every_blob_and_an_opening_drops_what_is_no_blob)
     struct listed listed = {.count = 0};
     char path[512];
 
-    store_text(blobs, &one, VOR_BLOB_INPUT, "a");
-    store_text(blobs, &one, VOR_BLOB_CLOUD, "b");
+    store_text(blobs, &one, "input", "a");
+    store_text(blobs, &one, "cloud", "b");
     store_text(blobs, &other, "report-2", "c");
     vor_blob_discard(vt_upload(blobs, "d", 1));
     for (size_t i = 0; i < sizeof rubbish / sizeof rubbish[0]; i++) {
@@ -224,8 +224,8 @@ START_TEST(a_list_has_every_blob_and_an_opening_drops_what_is_no_blob)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 3);
     vt_assert_ok(vor_blobs_list(blobs, note, &listed, &vt_err));
     ck_assert_int_eq(listed.count, 3);
-    ck_assert(is_listed(&listed, &one, VOR_BLOB_INPUT));
-    ck_assert(is_listed(&listed, &one, VOR_BLOB_CLOUD));
+    ck_assert(is_listed(&listed, &one, "input"));
+    ck_assert(is_listed(&listed, &one, "cloud"));
     ck_assert(is_listed(&listed, &other, "report-2"));
     vor_blobs_close(blobs);
     vt_dir_remove(dir);
@@ -251,9 +251,9 @@ START_TEST(a_writer_that_failed_cannot_be_committed)
     vt_assert_fails(VOR_E_IO, vor_blob_append(writer, "x", 1, &vt_err));
     ck_assert_uint_eq(vt_err.got, EFBIG);
     ck_assert(!vor_error_storage_full(&vt_err));
-    vt_assert_fails(VOR_E_IO, vor_blob_commit(writer, &id, VOR_BLOB_CLOUD, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_blob_commit(writer, &id, "cloud", &vt_err));
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
-    ck_assert_str_eq(content(blobs, &id, VOR_BLOB_CLOUD), "");
+    ck_assert_str_eq(content(blobs, &id, "cloud"), "");
     limit.rlim_cur = limit.rlim_max;
     (void)setrlimit(RLIMIT_FSIZE, &limit);
     vor_blobs_close(blobs);

@@ -77,11 +77,10 @@ START_TEST(a_blob_that_does_not_fit_is_refused_as_such)
     fill(dir);
     vt_assert_fails(VOR_E_IO, vor_blob_append(writer, bytes, sizeof bytes, &vt_err));
     ck_assert(vor_error_storage_full(&vt_err));
-    vt_assert_fails(VOR_E_IO, vor_blob_commit(writer, &id, VOR_BLOB_INPUT, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_blob_commit(writer, &id, "input", &vt_err));
     ck_assert(vor_error_storage_full(&vt_err));
     make_room(dir);
-    vt_assert_ok(
-        vor_blob_commit(vt_upload(blobs, bytes, sizeof bytes), &id, VOR_BLOB_INPUT, &vt_err));
+    vt_assert_ok(vor_blob_commit(vt_upload(blobs, bytes, sizeof bytes), &id, "input", &vt_err));
     vor_blobs_close(blobs);
     remove_disk(dir);
 }

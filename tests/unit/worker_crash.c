@@ -237,15 +237,15 @@ START_TEST(a_row_without_its_bytes_fails_with_a_reason_and_bytes_without_a_row_g
     struct vor_blobs *blobs = vt_dir_blobs(daemon.dir);
 
     vt_assert_ok(vor_store_insert(store, &row, &vt_err));
-    vt_assert_ok(vor_blob_commit(vt_upload(blobs, "x", 1), &stray, VOR_BLOB_INPUT, &vt_err));
-    vt_assert_ok(vor_blob_commit(vt_upload(blobs, "y", 1), &stray, VOR_BLOB_CLOUD, &vt_err));
+    vt_assert_ok(vor_blob_commit(vt_upload(blobs, "x", 1), &stray, "input", &vt_err));
+    vt_assert_ok(vor_blob_commit(vt_upload(blobs, "y", 1), &stray, "cloud", &vt_err));
     vor_store_close(store);
     vor_blobs_close(blobs);
     vt_daemon_start(&daemon, daemon.dir, NULL);
     view = vt_daemon_get(&daemon, &row.id);
     ck_assert_int_eq(view.status, VOR_JOB_FAILED);
     ck_assert_int_eq(view.problem.status, VOR_E_INTERNAL);
-    ck_assert_ptr_nonnull(strstr(view.message, "input was lost"));
+    ck_assert_ptr_nonnull(strstr(view.message, "input cloud was lost"));
     while (vt_dir_count(daemon.dir, "blobs/keep") > 0) /* the sweeper's work */
         nanosleep(&pause, NULL);
     vt_daemon_stop(&daemon);
@@ -262,7 +262,7 @@ START_TEST(damaged_bytes_fail_the_job_and_not_the_daemon)
 
     vt_assert_ok(vor_store_insert(store, &row, &vt_err));
     vt_assert_ok(
-        vor_blob_commit(vt_upload(blobs, "rubbish", (size_t)_i), &row.id, VOR_BLOB_INPUT, &vt_err));
+        vor_blob_commit(vt_upload(blobs, "rubbish", (size_t)_i), &row.id, "input", &vt_err));
     vor_store_close(store);
     vor_blobs_close(blobs);
     vt_daemon_start(&daemon, daemon.dir, NULL);

@@ -2,7 +2,6 @@
  * nobody waits for the tidying up. */
 #include "server/base/clock.h"
 #include "server/base/log.h"
-#include "server/work/admit.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
@@ -45,7 +44,7 @@ static struct vor_job_view leave_waiting(struct life *life)
 {
     struct vor_job_view row = vt_row(10);
 
-    keep(life, &row.id, VOR_BLOB_INPUT);
+    keep(life, &row.id, "input");
     vt_assert_ok(vor_store_insert(life->store, &row, &vt_err));
     return row;
 }
@@ -53,17 +52,16 @@ static struct vor_job_view leave_waiting(struct life *life)
 /* A job that waits and runs until it is told to end. */
 static struct vor_uuid leave_endless(struct life *life)
 {
-    struct vor_admit_limits limits = {.codec = VOR_LIMITS_DEFAULT, .memory = (size_t)1 << 30};
+    struct vor_admitted admitted = {.count = 0};
     struct vor_job_view row = vt_row(300);
-    struct vor_blob_writer *upload;
     struct vor_cloud cloud;
 
     row.spec = vt_request(300, 10000);
     vt_assert_ok(vor_spec_set(&row.spec, "format", "ply", &vt_err));
     vt_cloud_sphere(&cloud, 1, 500);
-    upload = vt_upload_cloud(life->blobs, &cloud);
-    vt_assert_ok(vor_admit_file(&row.id, &row.input[0], life->blobs, upload, &limits, &vt_err));
-    vor_blob_discard(upload);
+    vt_admit(&admitted, life->blobs, "cloud", &cloud);
+    row.id = admitted.id;
+    row.input[0] = admitted.item[0].found;
     vor_cloud_free(&cloud);
     vt_assert_ok(vor_store_insert(life->store, &row, &vt_err));
     return row.id;
@@ -162,7 +160,7 @@ static void leave_expired(struct life *life, struct vor_job_view *row)
 
     *row = vt_row(10);
     vt_assert_ok(vor_store_insert(life->store, row, &vt_err));
-    keep(life, &row->id, VOR_BLOB_CLOUD);
+    keep(life, &row->id, "cloud");
     row->status = VOR_JOB_SUCCESSFUL;
     row->finished = vor_clock_wall_ms() - 3600000;
     row->expires = vor_clock_wall_ms();
@@ -201,29 +199,25 @@ END_TEST
 START_TEST(bytes_that_came_after_the_start_are_no_strays)
 {
     enum { STRAYS = 60 };
-    struct vor_admit_limits limits = {.codec = VOR_LIMITS_DEFAULT, .memory = (size_t)1 << 30};
+    struct vor_admitted admitted = {.count = 0};
     struct vor_spec spec = vt_request(20, 1);
     struct life life = begin_life();
-    struct vor_blob_writer *upload;
-    struct vor_job_input input;
     struct vt_daemon daemon;
     struct vor_cloud cloud;
     struct vor_uuid id;
 
     for (int i = 0; i < STRAYS; i++) {
         id = vt_row(1).id;
-        keep(&life, &id, VOR_BLOB_INPUT);
+        keep(&life, &id, "input");
     }
     end_life(&life);
     vt_daemon_start(&daemon, life.dir, NULL);
     vt_cloud_sphere(&cloud, 1, 100);
-    upload = vt_upload_cloud(daemon.blobs, &cloud);
-    vt_assert_ok(vor_admit_file(&id, &input, daemon.blobs, upload, &limits, &vt_err));
-    vor_blob_discard(upload);
+    vt_admit(&admitted, daemon.blobs, "cloud", &cloud);
     while (vt_dir_count(life.dir, "blobs/keep") > 1)
         nap();
-    ck_assert_int_eq(vor_worker_submit(daemon.worker, &id, &input, &spec, NULL, &vt_err), VOR_DONE);
-    ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
+    ck_assert_int_eq(vor_worker_submit(daemon.worker, &admitted, &spec, NULL, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vt_daemon_wait_over(&daemon, &admitted.id).status, VOR_JOB_SUCCESSFUL);
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
     vt_dir_remove(life.dir);
@@ -239,7 +233,7 @@ START_TEST(the_bytes_of_a_crashed_attempt_go_when_its_job_is_dismissed)
     struct vor_job_view waits = leave_waiting(&life);
     struct vt_daemon daemon;
 
-    keep(&life, &waits.id, VOR_BLOB_CLOUD);
+    keep(&life, &waits.id, "cloud");
     claim(&life, &waits.id);
     end_life(&life);
     vt_daemon_start(&daemon, life.dir, &options);

@@ -64,7 +64,7 @@ static bool open_cloud(struct vor_app *app, struct vor_request *request,
     struct vor_error err;
     int found = 0;
 
-    if (vor_blob_get(app->blobs, &view->id, VOR_BLOB_CLOUD, &out->fd, &out->size, &found, &err) !=
+    if (vor_blob_get(app->blobs, &view->id, "cloud", &out->fd, &out->size, &found, &err) !=
         VOR_OK) {
         vor_problem_error(app, request, &err, view->id.text);
         return false;

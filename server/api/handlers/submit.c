@@ -55,16 +55,6 @@ static void drop(struct submission *submission)
     free(submission);
 }
 
-/* Drops the input of a job that will not be. A failure is only logged. */
-static void drop_input(struct vor_app *app, const struct vor_uuid *id)
-{
-    struct vor_error err;
-
-    if (vor_blob_drop(app->blobs, id, VOR_BLOB_INPUT, &err) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "input not dropped", VOR_TEXT("job", id->text),
-                VOR_TEXT("detail", err.message));
-}
-
 static void on_cancelled(struct vor_dismissal *cancel)
 {
     if (cancel->outcome == VOR_FAILED)
@@ -76,7 +66,7 @@ static void on_cancelled(struct vor_dismissal *cancel)
 /* Nobody waits for the job any more; a thread of the worker ends it. */
 static void cancel_job(struct submission *submission)
 {
-    submission->cancel = (struct vor_dismissal){.id = submission->admission.id,
+    submission->cancel = (struct vor_dismissal){.id = submission->admission.admitted.id,
                                                 .why = "the caller left",
                                                 .is_cancel = 1,
                                                 .done = on_cancelled,
@@ -199,11 +189,11 @@ static void on_admitted(struct vor_admission *admission)
     if (admission->status != VOR_OK)
         submission->error = admission->error;
     else if (abandoned)
-        drop_input(app, &admission->id);
+        vor_admit_drop(app->blobs, &admission->admitted);
     else
         submission->outcome =
-            vor_worker_submit(app->worker, &admission->id, &admission->input,
-                              &submission->head.spec, &submission->view, &submission->error);
+            vor_worker_submit(app->worker, &admission->admitted, &submission->head.spec,
+                              &submission->view, &submission->error);
     (void)pthread_mutex_lock(&submission->lock);
     submission->admitted = true;
     abandoned = submission->abandoned;
@@ -220,7 +210,10 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
     enum vor_job_outcome outcome;
 
     submission->admission = (struct vor_admission){
-        .upload = submission->upload, .done = on_admitted, .ctx = submission};
+        .name = submission->head.spec.process->inputs[0].name, /* the body is the main input */
+        .upload = submission->upload,
+        .done = on_admitted,
+        .ctx = submission};
     submission->holds++; /* nobody else has it yet */
     outcome = vor_admit_submit(app->admit, &submission->admission);
     if (outcome == VOR_DONE) {

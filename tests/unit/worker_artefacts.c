@@ -1,0 +1,550 @@
+/* Jobs with inputs and outputs by name: `measure` takes two clouds through the same machinery as
+ * any job, and hands out a document. */
+#include "core/engine.h"
+#include "proto/codec.h"
+#include "proto/json/json.h"
+#include "server/base/log.h"
+#include "server/work/worker.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_daemon.h"
+#include "tests/support/vt_dir.h"
+
+#include <signal.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+static const struct vt_daemon_options one_runner = {.jobs = 1};
+
+static int kept(const struct vt_daemon *daemon)
+{
+    return vt_dir_count(daemon->dir, "blobs/keep");
+}
+
+static void nap(void)
+{
+    struct timespec pause = {.tv_nsec = 1000000};
+
+    nanosleep(&pause, NULL);
+}
+
+/* Until the runners have unwound. */
+static void wait_idle(struct vt_daemon *daemon)
+{
+    struct vor_worker_load load;
+
+    do {
+        nap();
+        vor_worker_load(daemon->worker, &load);
+    } while (load.running > 0 || load.waiting > 0);
+}
+
+/* A request to measure a cloud, and two clouds of a sphere. */
+struct pair {
+    struct vor_spec spec;
+    struct vor_cloud cloud, reference;
+    struct vt_input inputs[3]; /* both */
+};
+
+static void pair_make(struct pair *pair)
+{
+    vor_spec_preset(&pair->spec, vor_process_find("measure"));
+    vt_cloud_sphere(&pair->cloud, 1, 400);
+    vt_cloud_sphere(&pair->reference, 2, 900);
+    pair->inputs[0] = (struct vt_input){"cloud", &pair->cloud};
+    pair->inputs[1] = (struct vt_input){"reference", &pair->reference};
+    pair->inputs[2] = (struct vt_input){NULL, NULL};
+}
+
+static void pair_free(struct pair *pair)
+{
+    vor_cloud_free(&pair->cloud);
+    vor_cloud_free(&pair->reference);
+}
+
+static struct vor_uuid submit(struct vt_daemon *daemon, const struct pair *pair)
+{
+    struct vor_uuid id;
+
+    ck_assert_int_eq(vt_daemon_submit_inputs(daemon, pair->inputs, &pair->spec, &id), VOR_DONE);
+    return id;
+}
+
+static void expect_successful(const struct vor_job_view *view)
+{
+    ck_assert_msg(view->status == VOR_JOB_SUCCESSFUL, "%s", view->message);
+}
+
+/* A job that runs until it is told to end. */
+static struct vor_uuid submit_endless(struct vt_daemon *daemon)
+{
+    struct vor_spec spec = vt_request(300, 10000);
+    struct vor_cloud cloud;
+    struct vor_uuid id;
+
+    vt_cloud_sphere(&cloud, 1, 500);
+    ck_assert_int_eq(vt_daemon_submit(daemon, &cloud, &spec, &id), VOR_DONE);
+    vor_cloud_free(&cloud);
+    (void)vt_daemon_wait_iteration(daemon, &id, 0);
+    return id;
+}
+
+/* --- what comes out --------------------------------------------------------------------------- */
+
+static void copy_into(struct vor_artefacts *set, const char *name, const struct vor_cloud *cloud)
+{
+    struct vor_cloud copy;
+
+    vor_cloud_init(&copy, &vt_memory);
+    vt_assert_ok(vor_cloud_resize(&copy, cloud->n, &vt_err));
+    memcpy(copy.xyz, cloud->xyz, 3 * cloud->n * sizeof *cloud->xyz);
+    vor_artefacts_put_cloud(set, name, &copy);
+}
+
+/* The document that the engine hands out for the first `count` inputs of a pair, as JSON. */
+static void direct(const struct pair *pair, unsigned count, struct vor_text *json)
+{
+    struct vor_run run = {.memory = &vt_memory};
+    struct vor_artefacts in, out;
+
+    vor_artefacts_init(&in, &vt_memory);
+    vor_artefacts_init(&out, &vt_memory);
+    for (unsigned i = 0; i < count; i++)
+        copy_into(&in, pair->inputs[i].name, pair->inputs[i].cloud);
+    vt_assert_ok(vor_pool_create(&run.pool, 2, &vt_err));
+    vt_assert_ok(vor_engine_run(&out, &in, &pair->spec, &run, &vt_err));
+    vor_text_init(json, 0);
+    vor_json_document(json, &vor_artefacts_find(&out, "measure")->document);
+    vt_assert_ok(vor_text_status(json, &vt_err));
+    vor_pool_destroy(run.pool);
+    vor_artefacts_free(&in);
+    vor_artefacts_free(&out);
+}
+
+/* The document of a job, as its blob and its row have it. */
+static void expect_document(struct vt_daemon *daemon, const struct vor_uuid *id,
+                            const struct vor_text *wanted)
+{
+    struct vor_job_view view = vt_daemon_get(daemon, id);
+    size_t size;
+    uint8_t *bytes = vt_daemon_output(daemon, id, "measure", &size);
+
+    ck_assert_str_eq((char *)bytes, wanted->data);
+    ck_assert_uint_eq(view.output[0].bytes, size);
+    ck_assert_uint_eq(view.output[0].points, 0);
+    ck_assert_uint_eq(strlen(view.output[0].sha256), VOR_DIGEST_SIZE - 1);
+    free(bytes);
+}
+
+/* With a reference, the inputs in either order; and without. */
+START_TEST(a_document_is_what_the_engine_gives)
+{
+    struct vt_input backwards[3], *given;
+    struct vor_text wanted;
+    struct vor_job_view view;
+    struct vt_daemon daemon;
+    struct vor_uuid id;
+    struct pair pair;
+    char message[64], *report;
+
+    vt_daemon_start(&daemon, vt_dir_make(), NULL);
+    pair_make(&pair);
+    if (_i == 2)
+        pair.inputs[1].name = NULL;
+    else
+        vt_assert_ok(vor_spec_set(&pair.spec, "peak", "2.5", &vt_err));
+    memcpy(backwards, pair.inputs, sizeof backwards);
+    backwards[0] = pair.inputs[1];
+    backwards[1] = pair.inputs[0];
+    given = _i == 1 ? backwards : pair.inputs;
+    direct(&pair, _i == 2 ? 1 : 2, &wanted);
+    ck_assert_int_eq(vt_daemon_submit_inputs(&daemon, given, &pair.spec, &id), VOR_DONE);
+    (void)vt_daemon_wait_over(&daemon, &id);
+    wait_idle(&daemon);
+    view = vt_daemon_get(&daemon, &id);
+    expect_successful(&view);
+    expect_document(&daemon, &id, &wanted);
+    ck_assert_int_eq(kept(&daemon), 1);
+    (void)snprintf(message, sizeof message, "measure is ready, %zu bytes", wanted.size);
+    ck_assert_str_eq(view.message, message);
+    ck_assert_int_eq(view.progress, 100);
+    ck_assert(!view.has_record);
+    ck_assert_uint_eq(view.inputs, _i == 2 ? 1 : 3);
+    ck_assert_uint_eq(view.input[0].points, 400);
+    ck_assert_uint_eq(view.input[1].points, _i == 2 ? 0 : 900);
+    vt_assert_ok(vor_worker_report(daemon.worker, &id, &report, &vt_err));
+    ck_assert_ptr_null(report);
+    vor_text_free(&wanted);
+    pair_free(&pair);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+static unsigned events_of(struct vt_daemon *daemon, const struct vor_uuid *id,
+                          struct vor_event *last)
+{
+    struct vor_position position = {0, 0};
+    struct vor_bus *bus;
+    unsigned count = 0;
+
+    ck_assert_int_eq(vor_worker_events(daemon->worker, id, &bus, &vt_err), VOR_DONE);
+    while (vor_bus_read(bus, &position, VOR_READ_EVERY, last, 1) == 1)
+        count++;
+    vor_bus_release(bus);
+    return count;
+}
+
+START_TEST(a_job_without_records_tells_its_stages_and_its_end)
+{
+    struct vt_daemon daemon;
+    struct vor_job_view view;
+    struct vor_event last;
+    struct vor_uuid blocker, id;
+    struct pair pair;
+
+    vt_daemon_start(&daemon, vt_dir_make(), &one_runner);
+    pair_make(&pair);
+    blocker = submit_endless(&daemon);
+    id = submit(&daemon, &pair);
+    view = vt_daemon_get(&daemon, &id);
+    ck_assert_str_eq(view.message, "Waiting for its turn");
+    ck_assert_int_eq(view.queue_position, 0);
+    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &blocker, "off you go", &vt_err), VOR_DONE);
+    view = vt_daemon_wait_over(&daemon, &id);
+    expect_successful(&view);
+    ck_assert_uint_eq(events_of(&daemon, &id, &last), 4); /* waits, prepares, encodes, ends */
+    ck_assert_int_eq(last.kind, VOR_EVENT_END);
+    ck_assert_int_eq(last.status, VOR_JOB_SUCCESSFUL);
+    pair_free(&pair);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+/* --- refusals --------------------------------------------------------------------------------- */
+
+START_TEST(what_a_process_cannot_work_on_is_refused_and_leaves_nothing)
+{
+    static const struct {
+        const char *process, *peak;
+        unsigned inputs; /* bit 0: cloud, bit 1: reference */
+        const char *parameter, *says;
+    } cases[] = {
+        {"measure", NULL, 0, "cloud", "measure has no cloud, and needs one"},
+        {"measure", NULL, 2, "cloud", "measure has no cloud, and needs one"},
+        {"measure", "2", 1, "peak", "peak is 2 without a reference"},
+        {"resample", NULL, 3, "reference", "resample takes no input reference"},
+        {"resample", NULL, 2, "reference", "resample takes no input reference"},
+        {"resample", NULL, 0, "cloud", "resample has no cloud, and needs one"},
+    };
+    struct vt_daemon daemon;
+    struct vor_uuid id;
+    struct pair pair;
+
+    vt_daemon_start(&daemon, vt_dir_make(), NULL);
+    pair_make(&pair);
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        struct vt_input given[3] = {{NULL, NULL}};
+        unsigned count = 0;
+
+        vor_spec_preset(&pair.spec, vor_process_find(cases[k].process));
+        if (vor_process_takes(pair.spec.process, VOR_PARAM_POINTS))
+            vt_assert_ok(vor_spec_set(&pair.spec, "points", "50", &vt_err));
+        if (cases[k].peak != NULL)
+            vt_assert_ok(vor_spec_set(&pair.spec, "peak", cases[k].peak, &vt_err));
+        for (unsigned i = 0; i < 2; i++)
+            if (cases[k].inputs >> i & 1)
+                given[count++] = pair.inputs[i];
+        ck_assert_int_eq(vt_daemon_submit_inputs(&daemon, given, &pair.spec, &id), VOR_FAILED);
+        ck_assert_int_eq(vt_err.status, VOR_E_PARAM);
+        ck_assert_str_eq(vt_err.parameter, cases[k].parameter);
+        ck_assert_str_eq(vt_err.message, cases[k].says);
+        ck_assert_int_eq(kept(&daemon), 0);
+    }
+    pair_free(&pair);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+/* --- crashes ---------------------------------------------------------------------------------- */
+
+struct crash {
+    const char *dir;
+    const struct pair *pair;
+    int fd;           /* told the id */
+    uint32_t instant; /* die while this event of the job is published */
+};
+
+static void die_at_instant(void *ctx, enum vor_event_kind kind)
+{
+    struct crash *crash = ctx;
+
+    (void)kind;
+    if (--crash->instant == 1) /* the first event came before the subscriber */
+        raise(SIGKILL);
+}
+
+/* Submits behind a job that never ends, tells the id, lets it run. */
+static void run_and_die(void *ctx)
+{
+    struct crash *crash = ctx;
+    struct vor_subscriber subscriber = {.wake = die_at_instant, .ctx = crash};
+    struct vor_uuid blocker, id;
+    struct vt_daemon daemon;
+    struct vor_bus *bus;
+
+    vt_daemon_start(&daemon, crash->dir, &one_runner);
+    blocker = submit_endless(&daemon);
+    id = submit(&daemon, crash->pair);
+    (void)!write(crash->fd, &id, sizeof id);
+    if (crash->instant == 1)
+        raise(SIGKILL);
+    ck_assert_int_eq(vor_worker_events(daemon.worker, &id, &bus, &vt_err), VOR_DONE);
+    vor_bus_subscribe(bus, &subscriber);
+    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &blocker, "off you go", &vt_err), VOR_DONE);
+    for (;;)
+        pause();
+}
+
+/* Killed while it waits, when it was claimed, before its document is written, and with its last row
+ * just written: the next life has both clouds, and the same document. */
+START_TEST(both_inputs_survive_kill_9)
+{
+    struct crash crash = {.instant = (uint32_t)_i + 1};
+    struct vor_text wanted;
+    struct vor_job_view view;
+    struct vt_daemon daemon;
+    struct vor_uuid id;
+    struct pair pair;
+    char dir[256];
+    int ends[2];
+
+    pair_make(&pair);
+    direct(&pair, 2, &wanted);
+    (void)snprintf(dir, sizeof dir, "%s", vt_dir_make());
+    ck_assert_int_eq(pipe(ends), 0);
+    crash.dir = dir;
+    crash.pair = &pair;
+    crash.fd = ends[1];
+    vt_killed(run_and_die, &crash);
+    ck_assert_int_eq(read(ends[0], &id, sizeof id), sizeof id);
+    vt_daemon_start(&daemon, dir, NULL);
+    view = vt_daemon_wait_over(&daemon, &id);
+    expect_successful(&view);
+    ck_assert_uint_eq(view.inputs, 3);
+    ck_assert_uint_eq(view.input[1].points, 900);
+    ck_assert_uint_eq(strlen(view.input[1].sha256), VOR_DIGEST_SIZE - 1);
+    ck_assert_uint_eq(view.attempt, _i == 1 || _i == 2 ? 2 : 1);
+    expect_document(&daemon, &id, &wanted);
+    vor_text_free(&wanted);
+    pair_free(&pair);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* A job that waits in a directory whose daemon is down. */
+static struct vor_uuid leave_waiting(const char *dir)
+{
+    struct vt_daemon daemon;
+    struct vor_uuid blocker, id;
+    struct pair pair;
+
+    vt_daemon_start(&daemon, dir, &one_runner);
+    pair_make(&pair);
+    blocker = submit_endless(&daemon);
+    id = submit(&daemon, &pair);
+    vor_worker_drain(daemon.worker, 0);
+    ck_assert_int_eq(vor_worker_dismiss(daemon.worker, &blocker, "", NULL, &vt_err), VOR_DONE);
+    vt_daemon_stop(&daemon);
+    pair_free(&pair);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 2);
+    return id;
+}
+
+START_TEST(a_job_that_lost_an_input_fails_and_names_it)
+{
+    static const char *const inputs[] = {"cloud", "reference"};
+    const char *dir = vt_dir_make();
+    struct vor_uuid id = leave_waiting(dir);
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    char blob[VOR_BLOB_NAME_MAX + 1], says[64];
+    struct vor_job_view view;
+    struct vt_daemon daemon;
+
+    vt_assert_ok(vor_blob_drop(blobs, &id, vor_blob_of_input(inputs[_i], blob), &vt_err));
+    vor_blobs_close(blobs);
+    vt_daemon_start(&daemon, dir, NULL);
+    view = vt_daemon_get(&daemon, &id);
+    ck_assert_int_eq(view.status, VOR_JOB_FAILED);
+    (void)snprintf(says, sizeof says, "the job's input %s was lost with the last run", inputs[_i]);
+    ck_assert_str_eq(view.message, says);
+    while (kept(&daemon) > 0) /* the other one: the sweeper's work */
+        nap();
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* Else it would be run with defaults that nobody asked for: all of this process's are allowed. */
+START_TEST(a_job_whose_request_cannot_be_read_is_not_run)
+{
+    const char *dir = vt_dir_make();
+    struct vor_uuid id = leave_waiting(dir);
+    struct vor_job_view view;
+    struct vt_daemon daemon;
+    sqlite3 *db = NULL;
+    char path[512];
+
+    (void)snprintf(path, sizeof path, "%s/jobs.sqlite", dir);
+    ck_assert_int_eq(sqlite3_open(path, &db), SQLITE_OK);
+    ck_assert_int_eq(sqlite3_exec(db,
+                                  "UPDATE job SET request = '{\"peak\":\"high\"}'"
+                                  " WHERE status = 'accepted'",
+                                  NULL, NULL, NULL),
+                     SQLITE_OK);
+    ck_assert_int_eq(sqlite3_changes(db), 1);
+    sqlite3_close(db);
+    vt_daemon_start(&daemon, dir, NULL);
+    view = vt_daemon_get(&daemon, &id);
+    ck_assert_int_eq(view.status, VOR_JOB_FAILED);
+    ck_assert_str_eq(view.message, "the job's request cannot be read by this version");
+    while (kept(&daemon) > 0)
+        nap();
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* --- what is left ----------------------------------------------------------------------------- */
+
+static void keep(const char *dir, const struct vor_uuid *id, const char *name)
+{
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+
+    vt_assert_ok(vor_blob_commit(vt_upload(blobs, "rubbish", 7), id, name, &vt_err));
+    vor_blobs_close(blobs);
+}
+
+START_TEST(a_start_removes_what_is_no_output_of_a_success)
+{
+    const char *dir = vt_dir_make();
+    struct vt_daemon daemon;
+    struct vor_job_view view;
+    struct vor_uuid id;
+    struct pair pair;
+    size_t size;
+
+    vt_daemon_start(&daemon, dir, NULL);
+    pair_make(&pair);
+    id = submit(&daemon, &pair);
+    view = vt_daemon_wait_over(&daemon, &id);
+    expect_successful(&view);
+    vt_daemon_stop(&daemon);
+    keep(dir, &id, "input");
+    keep(dir, &id, "input-reference");
+    keep(dir, &id, "cloud"); /* resample has one, measure has none */
+    vt_daemon_start(&daemon, dir, NULL);
+    while (kept(&daemon) > 1)
+        nap();
+    free(vt_daemon_output(&daemon, &id, "measure", &size));
+    ck_assert_uint_eq(size, view.output[0].bytes);
+    pair_free(&pair);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+enum ending { REMOVED, EXPIRED, DISMISSED_WAITING, DISMISSED_AT_ANY_TIME, REFUSED, ENDINGS };
+
+static void end_job(struct vt_daemon *daemon, struct pair *pair, enum ending ending)
+{
+    struct timespec ttl = {.tv_nsec = 60000000};
+    struct vor_uuid id = submit(daemon, pair);
+
+    if (ending != DISMISSED_WAITING && ending != DISMISSED_AT_ANY_TIME) {
+        (void)vt_daemon_wait_over(daemon, &id);
+        wait_idle(daemon);
+        ck_assert_int_eq(kept(daemon), ending == REFUSED ? 0 : 1);
+    }
+    if (ending == EXPIRED) {
+        nanosleep(&ttl, NULL);
+        vt_assert_ok(vor_worker_sweep(daemon->worker, &vt_err));
+    } else if (ending != REFUSED) {
+        ck_assert_int_eq(vor_worker_dismiss(daemon->worker, &id, "", NULL, &vt_err), VOR_DONE);
+    }
+}
+
+/* However a job ends, nothing of it is left once its results are not. */
+START_TEST(the_bytes_of_a_job_all_go)
+{
+    struct vt_daemon_options options = {.jobs = 1, .ttl_seconds = _i == EXPIRED ? 0.05 : 0};
+    struct vt_daemon daemon;
+    struct vor_uuid blocker;
+    struct pair pair;
+
+    vt_daemon_start(&daemon, vt_dir_make(), &options);
+    pair_make(&pair);
+    if (_i == REFUSED)
+        memset(pair.reference.xyz, 0, 3 * pair.reference.n * sizeof(float));
+    if (_i == DISMISSED_WAITING)
+        blocker = submit_endless(&daemon);
+    for (int k = 0; k < (_i == DISMISSED_AT_ANY_TIME ? 12 : 1); k++)
+        end_job(&daemon, &pair, (enum ending)_i);
+    if (_i == DISMISSED_WAITING) {
+        ck_assert_int_eq(kept(&daemon), 1); /* the other one's input */
+        ck_assert_int_eq(vor_worker_cancel(daemon.worker, &blocker, "enough", &vt_err), VOR_DONE);
+    }
+    wait_idle(&daemon);
+    ck_assert_int_eq(kept(&daemon), 0);
+    ck_assert_int_eq(vt_dir_count(daemon.dir, "blobs/tmp"), 0);
+    pair_free(&pair);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+/* --- names ------------------------------------------------------------------------------------ */
+
+START_TEST(no_two_artefacts_of_a_process_share_a_blob)
+{
+    const struct vor_process_info *process;
+    char blob[VOR_BLOB_NAME_MAX + 1];
+
+    ck_assert_str_eq(vor_blob_of_input("cloud", blob), "input");
+    ck_assert_str_eq(vor_blob_of_input("reference", blob), "input-reference");
+    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++) {
+        for (unsigned k = 0; process->outputs[k].name != NULL; k++) {
+            const char *name = process->outputs[k].name;
+
+            ck_assert_msg(strcmp(name, "input") != 0 && strncmp(name, "input-", 6) != 0, "%s",
+                          name);
+            ck_assert_uint_le(strlen(name), VOR_BLOB_NAME_MAX);
+        }
+        for (unsigned k = 0; process->inputs[k].name != NULL; k++)
+            ck_assert_uint_le(strlen(process->inputs[k].name), VOR_BLOB_NAME_MAX - 6);
+    }
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("worker_artefacts");
+
+    vor_log_open(2, VOR_LOG_OFF);
+    vt_add_loop(suite, a_document_is_what_the_engine_gives, 3);
+    vt_add(suite, a_job_without_records_tells_its_stages_and_its_end);
+    vt_add(suite, what_a_process_cannot_work_on_is_refused_and_leaves_nothing);
+    vt_add_loop(suite, both_inputs_survive_kill_9, 4);
+    vt_add_loop(suite, a_job_that_lost_an_input_fails_and_names_it, 2);
+    vt_add(suite, a_job_whose_request_cannot_be_read_is_not_run);
+    vt_add(suite, a_start_removes_what_is_no_output_of_a_success);
+    vt_add_loop(suite, the_bytes_of_a_job_all_go, ENDINGS);
+    vt_add(suite, no_two_artefacts_of_a_process_share_a_blob);
+    return vt_run(suite);
+}
