@@ -7,7 +7,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { WAIT_MS = 10000 };
+enum { WAIT_MS = 30000 };
 
 struct gate {
     atomic_int closed, passing, waiting, overdue;

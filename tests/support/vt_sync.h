@@ -3,11 +3,11 @@
 #ifndef VT_SYNC_H
 #define VT_SYNC_H
 
-/** Lets so many syncs pass from now on; those that come after them wait, 10 seconds at most. */
+/** Lets so many syncs pass from now on; those that come after them wait, 30 seconds at most. */
 void vt_sync_close_after(int passing);
 
-/** Lets all pass again, those that wait first of all. False when one had waited to the end of its
- * 10 seconds: somebody who should have opened the gate waited for that sync. */
+/** Lets all pass again, those that wait first of all. False when one of them waited all of its
+ *  30 seconds: whoever should have opened the gate waited for that sync. */
 int vt_sync_open(void);
 
 /** How many wait at the gate. */
