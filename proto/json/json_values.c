@@ -93,14 +93,27 @@ void vor_json_links(struct vor_text *text, const struct vor_link *links, size_t 
     vor_json_end_array(text);
 }
 
-static void put_input(struct vor_text *text, const struct vor_status_info *info)
+static void put_input(struct vor_text *text, const char *key, const struct vor_input_info *input)
 {
-    vor_json_key(text, "input");
+    vor_json_key(text, key);
     vor_json_begin_object(text);
-    vor_json_put_string(text, "format", info->input_format);
-    vor_json_put_u64(text, "points", info->input_points);
-    vor_json_put_u64(text, "bytes", info->input_bytes);
-    put_if_given(text, "sha256", info->input_sha256);
+    vor_json_put_string(text, "format", input->format);
+    vor_json_put_u64(text, "points", input->points);
+    vor_json_put_u64(text, "bytes", input->bytes);
+    put_if_given(text, "sha256", input->sha256);
+    vor_json_end_object(text);
+}
+
+static void put_inputs(struct vor_text *text, const struct vor_status_info *info)
+{
+    if (info->input_count > 0)
+        put_input(text, "input", &info->inputs[0]);
+    if (info->input_count < 2)
+        return;
+    vor_json_key(text, "inputs");
+    vor_json_begin_object(text);
+    for (size_t i = 0; i < info->input_count; i++)
+        put_input(text, info->inputs[i].name, &info->inputs[i]);
     vor_json_end_object(text);
 }
 
@@ -130,8 +143,7 @@ static void put_own_members(struct vor_text *text, const struct vor_status_info 
         vor_json_double(text, info->eta);
     else
         vor_json_null(text);
-    if (info->input_format != NULL)
-        put_input(text, info);
+    put_inputs(text, info);
     if (info->target_points > 0 || is_given(info->target_format))
         put_target(text, info);
     vor_json_key(text, "metrics");

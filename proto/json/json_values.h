@@ -60,6 +60,14 @@ struct vor_link {
 /** [{"rel","type","title","href","length"}, ...] */
 void vor_json_links(struct vor_text *text, const struct vor_link *links, size_t count);
 
+/** An input of a job. Strings are borrowed; sha256 may be NULL. */
+struct vor_input_info {
+    const char *name;   /**< "cloud" */
+    const char *format; /**< "ply" or "draco" */
+    uint64_t points, bytes;
+    const char *sha256; /**< hex; NULL: left out */
+};
+
 /** A job as the service shows it (OGC API - Processes statusInfo, both drafts, with our own members
  *  under "voronoid"). Strings are borrowed; begin with VOR_STATUS_INFO_INIT. */
 struct vor_status_info {
@@ -70,13 +78,13 @@ struct vor_status_info {
     int progress;           /**< 0 .. 100; -1: left out */
     const char *created, *started, *updated, *finished; /**< RFC 3339; NULL or "": left out */
 
-    unsigned attempt;         /**< 0 before the first */
-    const char *stage;        /**< NULL: null */
-    int64_t queue_position;   /**< -1: null */
-    double eta;               /**< seconds; negative: null */
-    const char *input_format; /**< NULL: no input member */
-    uint64_t input_points, input_bytes;
-    const char *input_sha256;                /**< hex; NULL: left out */
+    unsigned attempt;       /**< 0 before the first */
+    const char *stage;      /**< NULL: null */
+    int64_t queue_position; /**< -1: null */
+    double eta;             /**< seconds; negative: null */
+    /** The first is the member input; where there are more, all are in the member inputs. */
+    const struct vor_input_info *inputs;
+    size_t input_count;
     uint64_t target_points;                  /**< 0: left out (not known before the area is) */
     const char *target_format;               /**< NULL: left out */
     const struct vor_record *metrics;        /**< NULL: null */

@@ -68,6 +68,15 @@ const char *vor_app_job_url(const struct vor_app *app, const struct vor_request 
     return vor_app_url(app, request, path, out);
 }
 
+const char *vor_app_result_url(const struct vor_app *app, const struct vor_request *request,
+                               const struct vor_uuid *id, const char *output, char out[VOR_URL_MAX])
+{
+    char suffix[64];
+
+    (void)snprintf(suffix, sizeof suffix, "/results/%s", output);
+    return vor_app_job_url(app, request, id, suffix, out);
+}
+
 size_t vor_path_segment(const char *path, unsigned index, const char **out)
 {
     for (;;) {

@@ -23,6 +23,11 @@ const char *vor_app_url(const struct vor_app *app, const struct vor_request *req
 const char *vor_app_job_url(const struct vor_app *app, const struct vor_request *request,
                             const struct vor_uuid *id, const char *suffix, char out[VOR_URL_MAX]);
 
+/** The same for an output of a job. */
+const char *vor_app_result_url(const struct vor_app *app, const struct vor_request *request,
+                               const struct vor_uuid *id, const char *output,
+                               char out[VOR_URL_MAX]);
+
 /** Segment number `index` (from 0) of a path; its length, 0 past the last. */
 size_t vor_path_segment(const char *path, unsigned index, const char **out);
 

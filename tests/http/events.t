@@ -35,6 +35,9 @@ is $events[-1]{event}, 'end', 'the last event is the end';
 my $end = json($events[-1]{data});
 is $end->{status}, 'successful', 'the end has the status';
 is $end->{href}, "$daemon->{url}/v1/jobs/$id/results/cloud", 'and the address of the result';
+is_deeply $end->{outputs}, { map { $_ => "$daemon->{url}/v1/jobs/$id/results/$_" } qw(cloud report) },
+    'and those of all outputs';
+is $end->{report}, $end->{outputs}{report}, 'the report is one of them';
 is scalar(grep { $_->{event} eq 'end' } @events), 1, 'there is one end';
 ok never_falls(map { number($_) } @events), 'numbers never fall';
 ok !(grep { $_->{id} !~ /^1\.[1-9][0-9]*$/ } @events), 'ids are ATTEMPT.NUMBER';

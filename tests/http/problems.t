@@ -109,6 +109,9 @@ is_problem($daemon->get("/v1/jobs/$job/results"), 422, 'degenerate-cloud',
     'its results answer with the problem');
 is_problem($daemon->get("/v1/jobs/$job/results/cloud"), 422, 'degenerate-cloud', 'its cloud too');
 
+is json($daemon->get("/v1/jobs/$job/results/mesh"))->{detail}, 'there is no output mesh, want cloud or report',
+    'who asks for an output that is none is told which there are';
+
 # Paths and methods.
 for my $case (
     ['GET', '/nope', 404, 'no-such-resource'], ['GET', '/v1', 404, 'no-such-resource'],

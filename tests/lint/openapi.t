@@ -138,6 +138,14 @@ my ($event) = grep { $_->{event} eq 'progress' }
 is_deeply [sort keys %{ json($event->{data}) }],
     [sort @{ members(block('schemas', 'record'), 8) }, @{ members(block('schemas', 'progressEvent'), 12) }],
     'so has the data of a progress event';
+my ($end) = grep { $_->{event} eq 'end' } $daemon->events("/v1/jobs/$id/events")->all;
+is_deeply [sort keys %{ json($end->{data}) }], members(block('schemas', 'endEvent'), 8), 'so has that of the end';
+my @outputs = sort keys %{ json($daemon->get('/v1/processes/resample'))->{outputs} };
+is_deeply [sort keys %{ json($end->{data})->{outputs} }], \@outputs, 'which has the outputs of the process';
+my $results = json($daemon->get("/v1/jobs/$id/results"));
+is_deeply [sort keys %$results], \@outputs, 'and so have the results';
+is_deeply [sort keys %{ $results->{$_} }], members(block('schemas', 'results'), 10), "$_ with the members described"
+    for @outputs;
 my $report = json($daemon->get("/v1/jobs/$id/results/report"));
 my $described = block('schemas', 'report');
 is_deeply [sort keys %$report], members($described, 8), 'so has a report';

@@ -267,6 +267,8 @@ START_TEST(a_status_has_its_shape)
         {"self", "application/json", NULL, "http://h/v1/jobs/1", -1},
         {"item", "application/ply", "cloud", "http://h/v1/jobs/1/results/cloud", 60},
     };
+    static const struct vor_input_info inputs[] = {{"cloud", "draco", 2, 3, "ab"},
+                                                   {"reference", "ply", 5, 7, NULL}};
     struct vor_status_info info = VOR_STATUS_INFO_INIT;
     struct vor_problem_doc problem = VOR_PROBLEM_DOC_INIT;
 
@@ -290,10 +292,8 @@ START_TEST(a_status_has_its_shape)
     info.stage = "optimize";
     info.queue_position = 0;
     info.eta = 9.5;
-    info.input_format = "draco";
-    info.input_points = 2;
-    info.input_bytes = 3;
-    info.input_sha256 = "ab";
+    info.inputs = inputs;
+    info.input_count = 1;
     info.target_points = 4;
     info.target_format = "ply";
     info.metrics = &record;
@@ -314,9 +314,15 @@ START_TEST(a_status_has_its_shape)
            "\"href\":\"http://h/v1/jobs/1\"},{\"rel\":\"item\",\"type\":\"application/ply\","
            "\"title\":\"cloud\",\"href\":\"http://h/v1/jobs/1/results/cloud\",\"length\":60}]}");
     info.exception_json = "{\"x\":1}";
+    info.input_count = 2;
     vor_text_init(&text, 0);
     vor_json_status_info(&text, &info);
     ck_assert_ptr_nonnull(strstr(text.data, "\"exception\":{\"x\":1},\"links\""));
+    ck_assert_ptr_nonnull(strstr(
+        text.data, "\"input\":{\"format\":\"draco\",\"points\":2,\"bytes\":3,\"sha256\":\"ab\"},"
+                   "\"inputs\":{\"cloud\":{\"format\":\"draco\",\"points\":2,\"bytes\":3,"
+                   "\"sha256\":\"ab\"},\"reference\":{\"format\":\"ply\",\"points\":5,"
+                   "\"bytes\":7}},\"target\""));
     vor_text_free(&text);
 }
 END_TEST

@@ -5,6 +5,7 @@
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
+#include "tests/support/vt_serve.h"
 
 #include <sqlite3.h>
 #include <stdio.h>
@@ -266,6 +267,39 @@ START_TEST(every_job_is_there_with_report_trace_and_result)
 }
 END_TEST
 
+START_TEST(its_results_are_downloaded)
+{
+    static const struct {
+        const char *path, *type, *holds;
+    } cases[] = {
+        {"/results/cloud", "Content-Type: application/ply", "\r\n\r\nthe cloud"},
+        {"/results/cloud", "ETag: \"33b7b8bb82722ff729172fda9a439d45", "filename=\"" DONE ".ply\""},
+        {"/results/report", "Content-Type: application/json", "\r\n\r\n{\"points\":{\"in\":60,"},
+        {"/results", "Content-Type: application/json",
+         "/results/cloud\",\"type\":\"application/ply"},
+        {"", "Content-Type: application/json", "\"title\":\"cloud\""},
+        {"/trace", "Content-Type: application/json", "\"polish\":10"},
+    };
+    struct old old = begin();
+    struct vt_serve serve;
+    char line[256];
+    const char *text;
+
+    run(&old, done);
+    keep(&old, DONE ".cloud", "the cloud");
+    end(&old);
+    vt_serve_start(&serve, old.dir);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        (void)snprintf(line, sizeof line, "GET /v1/jobs/" DONE "%s", cases[i].path);
+        ck_assert_int_eq(vt_serve_call(&serve, line, "", &text), 200);
+        ck_assert_msg(strstr(text, cases[i].type) != NULL, "%s: %s", cases[i].path, text);
+        ck_assert_msg(strstr(text, cases[i].holds) != NULL, "%s: %s", cases[i].path, text);
+    }
+    ck_assert_int_eq(vt_serve_stop(&serve), 0);
+    vt_dir_remove(old.dir);
+}
+END_TEST
+
 START_TEST(what_waited_or_ran_is_run_to_its_end)
 {
     struct old old = begin();
@@ -318,6 +352,7 @@ int main(void)
 
     vor_log_open(2, VOR_LOG_ERROR);
     vt_add(suite, every_job_is_there_with_report_trace_and_result);
+    vt_add(suite, its_results_are_downloaded);
     vt_add(suite, what_waited_or_ran_is_run_to_its_end);
     vt_add_loop(suite, its_jobs_are_removed_and_expire_with_their_bytes, 2);
     return vt_run(suite);

@@ -98,6 +98,26 @@ static void write_progress(const struct stream *stream, const struct vor_event *
     vor_json_end_object(text);
 }
 
+/* href and report are older than outputs, which has them all by name. */
+static void write_outputs(struct stream *stream, struct vor_request *request,
+                          const struct vor_artefact_info *outputs, struct vor_text *text)
+{
+    const struct vor_uuid *id = &stream->id;
+    char url[VOR_URL_MAX];
+
+    vor_json_put_string(text, "href",
+                        vor_app_result_url(stream->app, request, id, outputs[0].name, url));
+    if (vor_artefact_find(outputs, "report") != NULL)
+        vor_json_put_string(text, "report",
+                            vor_app_result_url(stream->app, request, id, "report", url));
+    vor_json_key(text, "outputs");
+    vor_json_begin_object(text);
+    for (unsigned i = 0; outputs[i].name != NULL; i++)
+        vor_json_put_string(text, outputs[i].name,
+                            vor_app_result_url(stream->app, request, id, outputs[i].name, url));
+    vor_json_end_object(text);
+}
+
 static void write_end(struct stream *stream, struct vor_request *request,
                       const struct vor_event *event, struct vor_text *text)
 {
@@ -106,17 +126,11 @@ static void write_end(struct stream *stream, struct vor_request *request,
     vor_json_begin_object(text);
     vor_json_put_string(text, "jobID", stream->id.text);
     vor_json_put_string(text, "status", vor_job_status_word(event->status));
-    if (event->status == VOR_JOB_SUCCESSFUL) {
-        vor_json_put_string(
-            text, "href",
-            vor_app_job_url(stream->app, request, &stream->id, "/results/cloud", url));
-        vor_json_put_string(
-            text, "report",
-            vor_app_job_url(stream->app, request, &stream->id, "/results/report", url));
-    } else {
+    if (event->status == VOR_JOB_SUCCESSFUL)
+        write_outputs(stream, request, stream->followed.row.spec.process->outputs, text);
+    else
         vor_json_put_string(text, "href",
                             vor_app_job_url(stream->app, request, &stream->id, "", url));
-    }
     vor_json_end_object(text);
 }
 

@@ -66,6 +66,10 @@ struct vor_job_filter;
 bool vor_job_filter_read(struct vor_app *app, struct vor_request *request,
                          struct vor_job_filter *out);
 
+/** The media type of output `index` of a successful job; NULL when this version does not know its
+ *  format. */
+const char *vor_output_media_type(const struct vor_job_view *view, unsigned index);
+
 /** Appends the statusInfo of a job to a document. */
 void vor_job_write(struct vor_app *app, struct vor_request *request,
                    const struct vor_job_view *view, struct vor_text *text);
@@ -74,7 +78,7 @@ void vor_job_write(struct vor_app *app, struct vor_request *request,
 enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *request,
                                  const struct vor_job_view *view);
 
-/** Replies 200 with the whole resulting cloud of a successful job (a synchronous call). */
+/** Replies 200 with the whole main output of a successful job (a synchronous call). */
 enum vor_next vor_result_whole(struct vor_app *app, struct vor_request *request,
                                const struct vor_job_view *view);
 

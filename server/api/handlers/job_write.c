@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { LINKS_MAX = 8 };
+enum { LINKS_MAX = 5 + VOR_OUTPUTS_MAX };
 
 /* Everything a statusInfo borrows. */
 struct info_room {
@@ -16,10 +16,20 @@ struct info_room {
     struct vor_link links[LINKS_MAX];
     char urls[LINKS_MAX][VOR_URL_MAX];
     char times[4][VOR_CLOCK_TEXT_SIZE];
-    char input_format[16], target_format[16];
+    struct vor_input_info inputs[VOR_INPUTS_MAX];
+    char input_formats[VOR_INPUTS_MAX][16], target_format[16];
     struct vor_problem_room problem;
     struct vor_problem_doc exception;
 };
+
+const char *vor_output_media_type(const struct vor_job_view *view, unsigned index)
+{
+    const struct vor_format *format = vor_format(view->output[index].format);
+
+    if (view->spec.process->outputs[index].kind != VOR_ARTEFACT_CLOUD)
+        return "application/json";
+    return format != NULL ? format->media_type : NULL;
+}
 
 static const char *lower_label(unsigned format, char out[16])
 {
@@ -40,6 +50,21 @@ static void add_link(struct info_room *room, const char *rel, const char *type, 
     room->info.link_count++;
 }
 
+static void add_result_links(struct vor_app *app, struct vor_request *request,
+                             const struct vor_job_view *view, struct info_room *room)
+{
+    const struct vor_artefact_info *outputs = view->spec.process->outputs;
+    char(*urls)[VOR_URL_MAX] = room->urls;
+
+    vor_app_job_url(app, request, &view->id, "/results", urls[room->info.link_count]);
+    add_link(room, "http://www.opengis.net/def/rel/ogc/1.0/results", "application/json", NULL, -1);
+    for (unsigned i = 0; outputs[i].name != NULL; i++) {
+        vor_app_result_url(app, request, &view->id, outputs[i].name, urls[room->info.link_count]);
+        add_link(room, "item", vor_output_media_type(view, i), outputs[i].name,
+                 (int64_t)view->output[i].bytes);
+    }
+}
+
 static void add_links(struct vor_app *app, struct vor_request *request,
                       const struct vor_job_view *view, struct info_room *room)
 {
@@ -57,17 +82,8 @@ static void add_links(struct vor_app *app, struct vor_request *request,
         vor_app_job_url(app, request, &view->id, "", urls[room->info.link_count]);
         add_link(room, "cancel", NULL, "DELETE to dismiss", -1);
     }
-    if (view->status == VOR_JOB_SUCCESSFUL && !view->expired) {
-        const struct vor_format *format = vor_format(view->output[0].format);
-
-        vor_app_job_url(app, request, &view->id, "/results", urls[room->info.link_count]);
-        add_link(room, "http://www.opengis.net/def/rel/ogc/1.0/results", json, NULL, -1);
-        vor_app_job_url(app, request, &view->id, "/results/cloud", urls[room->info.link_count]);
-        add_link(room, "item", format != NULL ? format->media_type : NULL, "cloud",
-                 (int64_t)view->output[0].bytes);
-        vor_app_job_url(app, request, &view->id, "/results/report", urls[room->info.link_count]);
-        add_link(room, "item", json, "report", (int64_t)view->output[1].bytes);
-    }
+    if (view->status == VOR_JOB_SUCCESSFUL && !view->expired)
+        add_result_links(app, request, view, room);
     vor_app_url(app, request, "/v1/jobs", urls[room->info.link_count]);
     add_link(room, "up", json, NULL, -1);
 }
@@ -94,6 +110,26 @@ static void fill_times(const struct vor_job_view *view, struct info_room *room)
     room->info.finished = time_text(view->finished, room->times[3]);
 }
 
+static void fill_inputs(const struct vor_job_view *view, struct info_room *room)
+{
+    const struct vor_artefact_info *inputs = view->spec.process->inputs;
+
+    for (unsigned i = 0; inputs[i].name != NULL; i++) {
+        const struct vor_job_input *input = &view->input[i];
+
+        if ((view->inputs >> i & 1) == 0)
+            continue;
+        room->inputs[room->info.input_count++] = (struct vor_input_info){
+            .name = inputs[i].name,
+            .format = lower_label(input->format, room->input_formats[i]),
+            .points = input->points,
+            .bytes = input->bytes,
+            .sha256 = input->sha256,
+        };
+    }
+    room->info.inputs = room->inputs;
+}
+
 void vor_job_write(struct vor_app *app, struct vor_request *request,
                    const struct vor_job_view *view, struct vor_text *text)
 {
@@ -110,10 +146,7 @@ void vor_job_write(struct vor_app *app, struct vor_request *request,
     info->stage = vor_job_status_over(view->status) ? NULL : vor_stage_word(view->stage);
     info->queue_position = view->queue_position;
     info->eta = view->eta_seconds;
-    info->input_format = lower_label(view->input[0].format, room.input_format);
-    info->input_points = view->input[0].points;
-    info->input_bytes = view->input[0].bytes;
-    info->input_sha256 = view->input[0].sha256;
+    fill_inputs(view, &room);
     info->target_points = target_points(view);
     if (vor_spec_given(&view->spec, VOR_PARAM_FORMAT))
         info->target_format =

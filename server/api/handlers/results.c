@@ -15,7 +15,7 @@
 /* One output, ready to be sent whole or in part: bytes in memory, or a file. */
 struct output {
     const char *media_type;
-    char name[64]; /* file name for Content-Disposition */
+    char name[96]; /* file name for Content-Disposition */
     char etag[VOR_ETAG_SIZE];
     uint64_t size;
     char *bytes; /* owned; NULL for a file */
@@ -56,31 +56,29 @@ enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *reques
                         view->id.text);
 }
 
-/* The cloud of a successful job; false after a problem has been replied. */
-static bool open_cloud(struct vor_app *app, struct vor_request *request,
-                       const struct vor_job_view *view, struct output *out)
+/* An output that is a blob; false after a problem has been replied. */
+static bool open_blob(struct vor_app *app, struct vor_request *request,
+                      const struct vor_job_view *view, unsigned index, struct output *out)
 {
-    const struct vor_format *format = vor_format(view->output[0].format);
+    const char *name = view->spec.process->outputs[index].name;
     struct vor_error err;
     int found = 0;
 
-    if (vor_blob_get(app->blobs, &view->id, "cloud", &out->fd, &out->size, &found, &err) !=
-        VOR_OK) {
+    if (vor_blob_get(app->blobs, &view->id, name, &out->fd, &out->size, &found, &err) != VOR_OK) {
         vor_problem_error(app, request, &err, view->id.text);
         return false;
     }
-    if (!found || format == NULL) {
+    if (!found) {
         vor_result_missing(app, request, view);
         return false;
     }
-    out->media_type = format->media_type;
-    (void)snprintf(out->etag, sizeof out->etag, "\"%s\"", view->output[0].sha256);
-    (void)snprintf(out->name, sizeof out->name, "%s%s", view->id.text, format->suffix);
+    (void)snprintf(out->etag, sizeof out->etag, "\"%s\"", view->output[index].sha256);
     return true;
 }
 
-static bool open_report(struct vor_app *app, struct vor_request *request,
-                        const struct vor_job_view *view, struct output *out)
+/* The output that is kept in the row. */
+static bool open_kept(struct vor_app *app, struct vor_request *request,
+                      const struct vor_job_view *view, struct output *out)
 {
     struct vor_error err;
     vor_status status = vor_worker_report(app->worker, &view->id, &out->bytes, &err);
@@ -95,14 +93,40 @@ static bool open_report(struct vor_app *app, struct vor_request *request,
     }
     out->size = strlen(out->bytes);
     vor_digest_etag(out->bytes, (size_t)out->size, out->etag);
-    out->media_type = "application/json";
-    (void)snprintf(out->name, sizeof out->name, "%s.json", view->id.text);
     return true;
+}
+
+/* The file name of an output: that of the job, with the output's name in it but for the main one
+ * and the report, which a client tells apart by their suffixes. */
+static void name_file(const struct vor_job_view *view, unsigned index, char *out, size_t size)
+{
+    const struct vor_artefact_info *output = &view->spec.process->outputs[index];
+    const struct vor_format *format = vor_format(view->output[index].format);
+    bool is_plain = index == 0 || vor_output_in_row(output);
+
+    (void)snprintf(out, size, "%s%s%s%s", view->id.text, is_plain ? "" : "-",
+                   is_plain ? "" : output->name,
+                   output->kind == VOR_ARTEFACT_CLOUD ? format->suffix : ".json");
+}
+
+/* Output number `index` of a successful job; false after a problem has been replied. */
+static bool open_output(struct vor_app *app, struct vor_request *request,
+                        const struct vor_job_view *view, unsigned index, struct output *out)
+{
+    out->media_type = vor_output_media_type(view, index);
+    if (out->media_type == NULL) {
+        vor_result_missing(app, request, view);
+        return false;
+    }
+    name_file(view, index, out->name, sizeof out->name);
+    return vor_output_in_row(&view->spec.process->outputs[index])
+               ? open_kept(app, request, view, out)
+               : open_blob(app, request, view, index, out);
 }
 
 static void add_headers(struct vor_request *request, const struct output *out)
 {
-    char disposition[96];
+    char disposition[160];
 
     (void)snprintf(disposition, sizeof disposition, "attachment; filename=\"%s\"", out->name);
     vor_reply_header(request, "ETag", out->etag);
@@ -180,7 +204,7 @@ enum vor_next vor_result_whole(struct vor_app *app, struct vor_request *request,
 {
     struct output out = {.fd = -1};
 
-    if (open_cloud(app, request, view, &out)) {
+    if (open_output(app, request, view, 0, &out)) {
         add_headers(request, &out);
         send_part(request, 200, &out, 0, out.size);
     }
@@ -188,62 +212,83 @@ enum vor_next vor_result_whole(struct vor_app *app, struct vor_request *request,
     return VOR_NEXT_REPLY;
 }
 
+/* "cloud", "cloud or report", "cloud, mesh or report". */
+static void list_outputs(const struct vor_artefact_info *outputs, char *out, size_t size)
+{
+    size_t at = 0;
+
+    out[0] = '\0';
+    for (unsigned i = 0; outputs[i].name != NULL && at < size; i++) {
+        const char *before = outputs[i + 1].name != NULL ? ", " : " or ";
+
+        at += (size_t)snprintf(out + at, size - at, "%s%s", i > 0 ? before : "", outputs[i].name);
+    }
+}
+
+static enum vor_next reply_no_such_output(struct vor_app *app, struct vor_request *request,
+                                          const struct vor_job_view *view, const char *name)
+{
+    char names[256];
+
+    list_outputs(view->spec.process->outputs, names, sizeof names);
+    return vor_problem_say(app, request, "no-such-output", "there is no output %s, want %s", name,
+                           names);
+}
+
 enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor_step step)
 {
+    const struct vor_artefact_info *outputs, *output;
     struct vor_app *app = ctx;
     struct output out = {.fd = -1};
     struct vor_job_view view;
-    const char *name;
-    size_t length = vor_path_segment(vor_request_path(request), 4, &name);
-    bool is_cloud = length == 5 && memcmp(name, "cloud", 5) == 0;
-    bool is_report = length == 6 && memcmp(name, "report", 6) == 0;
+    const char *segment;
+    size_t length = vor_path_segment(vor_request_path(request), 4, &segment);
+    char name[64];
 
     (void)step;
     if (!vor_job_look_up(app, request, &view))
         return VOR_NEXT_REPLY;
-    if (!is_cloud && !is_report)
-        return vor_problem_say(app, request, "no-such-output",
-                               "there is no output %.*s, want cloud or report",
-                               (int)(length < 60 ? length : 60), name);
+    (void)snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), segment);
+    outputs = view.spec.process->outputs;
+    output = vor_artefact_find(outputs, name);
+    if (output == NULL)
+        return reply_no_such_output(app, request, &view, name);
     if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
         return vor_result_missing(app, request, &view);
-    if (is_cloud ? open_cloud(app, request, &view, &out) : open_report(app, request, &view, &out))
+    if (open_output(app, request, &view, (unsigned)(output - outputs), &out))
         reply_output(app, request, &out);
     output_close(&out);
     return VOR_NEXT_REPLY;
 }
 
 static void put_output(struct vor_app *app, struct vor_request *request,
-                       const struct vor_job_view *view, const char *name, const char *media_type,
-                       struct vor_text *text)
+                       const struct vor_job_view *view, unsigned index, struct vor_text *text)
 {
-    char url[VOR_URL_MAX], suffix[32];
+    const char *name = view->spec.process->outputs[index].name;
+    char url[VOR_URL_MAX];
 
-    (void)snprintf(suffix, sizeof suffix, "/results/%s", name);
     vor_json_key(text, name);
     vor_json_begin_object(text);
-    vor_json_put_string(text, "href", vor_app_job_url(app, request, &view->id, suffix, url));
-    vor_json_put_string(text, "type", media_type);
+    vor_json_put_string(text, "href", vor_app_result_url(app, request, &view->id, name, url));
+    vor_json_put_string(text, "type", vor_output_media_type(view, index));
     vor_json_end_object(text);
 }
 
 enum vor_next vor_handle_results(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_app *app = ctx;
-    const struct vor_format *format;
     struct vor_job_view view;
     struct vor_text text;
 
     (void)step;
     if (!vor_job_look_up(app, request, &view))
         return VOR_NEXT_REPLY;
-    format = vor_format(view.output[0].format);
-    if (view.status != VOR_JOB_SUCCESSFUL || view.expired || format == NULL)
+    if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
         return vor_result_missing(app, request, &view);
     vor_text_init(&text, 0);
     vor_json_begin_object(&text);
-    put_output(app, request, &view, "cloud", format->media_type, &text);
-    put_output(app, request, &view, "report", "application/json", &text);
+    for (unsigned i = 0; view.spec.process->outputs[i].name != NULL; i++)
+        put_output(app, request, &view, i, &text);
     vor_json_end_object(&text);
     vor_text_puts(&text, "\n");
     vor_reply_header(request, "Cache-Control", "no-store");
