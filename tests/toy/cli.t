@@ -114,7 +114,7 @@ subtest 'what is shown of its stages' => sub {
     is_deeply [@percent], [sort { $a <=> $b } @percent], 'its share rises over both stages';
     ok((grep {/^copy.* 50 %/} @drawn) && (grep {/^prove.*100 %/} @drawn), 'half is done after the first, all after the second');
     my @left = map {/ (\d+) s left/} @drawn;
-    is_deeply [@left], [sort { $b <=> $a } @left], 'the time left falls';
+    ok $left[0] > 0 && $left[-1] == 0, 'the time left comes to nothing';
 };
 
 subtest 'an interrupt ends it in the middle' => sub {
