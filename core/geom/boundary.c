@@ -2,7 +2,7 @@
 
 #include "core/base/linalg.h"
 
-/* Squared distance from x to the nearest of the points, and which it is. */
+/* Squared distance from x to the nearest of the points; *which is its index. */
 static double nearest2(const float *near, unsigned k, const double x[3], unsigned *which)
 {
     double best = INFINITY;
@@ -20,7 +20,7 @@ static double nearest2(const float *near, unsigned k, const double x[3], unsigne
     return best;
 }
 
-/* How far the points go on from the seed towards side. */
+/* How far the points extend beyond the seed in the direction of side. */
 static double extent_towards(const struct vor_surface *frame, const double seed[3],
                              const double side[2], const float *near, unsigned k)
 {
@@ -161,8 +161,7 @@ int vor_boundary_inside(const struct vor_surface *surface, const float *near, un
     return vor_boundary_within(near, k, x, surface->spacing);
 }
 
-/* True when all neighbours lie to one side of x, seen along the surface: the direction looked along
- * is that to their mean. */
+/* True when all neighbours lie on one side of x: that of their mean, seen along the surface. */
 static int one_sided(const struct vor_surface *surface, const float *near, unsigned k,
                      const double x[3])
 {
@@ -183,7 +182,7 @@ static int one_sided(const struct vor_surface *surface, const float *near, unsig
     return 1;
 }
 
-/* How far x may be from the nearest point. */
+/* The distance that x may have from the nearest point. */
 static double allowed_distance(const struct vor_border *border, double spacings, const double x[3])
 {
     if (one_sided(border->surface, border->near, border->k, x))

@@ -66,7 +66,7 @@ void vor_cell_begin(struct vor_cell *cell, const struct vor_disc *disc,
     }
 }
 
-/* Where the way from a to b meets the plane, given on which side of it and how far they are. */
+/* The point where the edge from a to b meets the plane, from their signed distances to it. */
 static void cut_edge(double cut[4], const double a[3], const double b[3], double side_a,
                      double side_b)
 {
@@ -79,7 +79,8 @@ static void cut_edge(double cut[4], const double a[3], const double b[3], double
     cut[3] = x * x + y * y + z * z;
 }
 
-/* Sutherland and Hodgman against one plane: side[i] <= 0 is kept. from and to differ. */
+/* Clips by one plane (Sutherland and Hodgman 1974): corners with side[i] <= 0 stay. from and to are
+ * different polygons. */
 static void clip_polygon(struct vor_polygon *to, const struct vor_polygon *from, const double *side)
 {
     unsigned n = from->count, count = 0;
@@ -96,8 +97,8 @@ static void clip_polygon(struct vor_polygon *to, const struct vor_polygon *from,
     find_radius(to);
 }
 
-/* The same in place, where the corners outside, some but not all, follow on one another: those of a
- * convex polygon do but for rounding. */
+/* The same in place. Some corners are outside, not all, and they follow one another, as they do in
+ * a convex polygon unless rounding interferes. */
 static void clip_in_place(struct vor_polygon *polygon, const double *side)
 {
     double(*vertex)[4] = polygon->vertex, leave[4], enter[4];
@@ -137,13 +138,13 @@ static void copy_polygon(struct vor_polygon *to, const struct vor_polygon *from)
     memcpy(to->vertex, from->vertex, from->count * sizeof from->vertex[0]);
 }
 
-/* Clips a polygon of which some corners are outside, at `turns` edges. */
+/* Clips a polygon with some corners outside, whose boundary crosses the plane at `turns` edges. */
 static void clip_piece(struct vor_polygon *polygon, const double *side, unsigned turns)
 {
     struct vor_polygon clipped;
 
     if (polygon->count >= VOR_POLYGON_MAX - 1)
-        return; /* a convex polygon gains at most one corner a cut; one this rich is left uncut */
+        return; /* full (VOR_POLYGON_MAX): left uncut */
     if (turns == 2) {
         clip_in_place(polygon, side);
         return;
@@ -155,7 +156,8 @@ static void clip_piece(struct vor_polygon *polygon, const double *side, unsigned
 void vor_cell_clip(struct vor_cell *cell, const double offset[3])
 {
     double length2 = vor_dot(offset, offset), limit = length2 / 2, far = 0;
-    double side[VOR_POLYGON_MAX] = {0}; /* the analysers want it said */
+    double side[VOR_POLYGON_MAX] = {
+        0}; /* clang-analyzer cannot see that every polygon has corners */
     unsigned kept = 0;
     int cut = 0;
 
@@ -163,7 +165,7 @@ void vor_cell_clip(struct vor_cell *cell, const double offset[3])
         struct vor_polygon *polygon = &cell->piece[i];
         unsigned outside = 0, turns = 0;
 
-        /* No corner reaches half way to the other seed. */
+        /* Otherwise no corner reaches half way to the other seed. */
         if (4 * polygon->radius2 > length2) {
             for (unsigned j = 0; j < polygon->count; j++) {
                 side[j] = vor_dot(polygon->vertex[j], offset) - limit;

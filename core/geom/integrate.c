@@ -42,7 +42,7 @@ int vor_cell_moments(struct vor_moments *out, const struct vor_cell *cell)
     return isfinite(out->centroid[0]) && isfinite(out->centroid[1]) && isfinite(out->centroid[2]);
 }
 
-/* Even over a triangle: the square folded along its diagonal. */
+/* A uniform point of a triangle: the unit square is folded along its diagonal. */
 static void sample_triangle(double out[3], const double *a, const double *b, const double *c,
                             double s, double t)
 {
@@ -71,7 +71,7 @@ void vor_cell_sample(const struct vor_cell *cell, const double unit[3], double l
         for (unsigned j = 2; j < polygon->count; j++) {
             const double *b = polygon->vertex[j - 1], *c = polygon->vertex[j];
 
-            /* Rounding may leave a crumb after the last triangle: any but the first overwrites. */
+            /* The point is set before the test: rounding may leave an area after the last one. */
             sample_triangle(local, a, b, c, unit[1], unit[2]);
             left -= triangle_area(a, b, c);
             if (left < 0)

@@ -12,11 +12,12 @@ enum { ROUNDS = 12, LEAST_POINTS = 12, LEAST_IN_LAYER = 4, TERMS = 5 };
 #define OVER 1.55   /* times what white noise has: how far a point is from the other layers */
 #define RANK 1e-6   /* smallest relative pivot of the shared quadric */
 
+/* The points of a neighbourhood, in the frame of the layers. */
 struct stack {
     unsigned k;
     double x[VOR_NEIGHBORS_MAX][TERMS]; /* u, v, uu, uv, vv; lengths over the reach */
     double w[VOR_NEIGHBORS_MAX];
-    double height[VOR_NEIGHBORS_MAX]; /* over the shared quadric */
+    double height[VOR_NEIGHBORS_MAX]; /* of each point over the shared quadric */
     double sorted[VOR_NEIGHBORS_MAX];
 };
 
@@ -29,7 +30,8 @@ static void terms(double x[TERMS], double u, double v)
     x[4] = v * v;
 }
 
-/* Heights are off the quadric, but off the plane where few points make it. */
+/* Fills the stack. The first heights are over the surface's quadric, or, where that was fitted to
+ * few points, over its tangent plane (`plane`). */
 static void gather(struct stack *out, const struct vor_surface *surface, const float *near,
                    unsigned k, int plane)
 {
@@ -50,7 +52,7 @@ static void gather(struct stack *out, const struct vor_surface *surface, const f
     }
 }
 
-/* Shell's sort, gaps of Knuth. */
+/* Shell's sort with Knuth's gaps. */
 static void sort(struct stack *stack)
 {
     double *h = stack->sorted;
@@ -67,7 +69,8 @@ static void sort(struct stack *stack)
         }
 }
 
-/* The split of the sorted heights in two that leaves the least variance within (Otsu 1979). */
+/* The height that splits the sorted heights in two with the least variance within the parts (Otsu
+ * 1979, "A threshold selection method from gray-level histograms"). */
 static double best_split(const struct stack *stack)
 {
     const double *h = stack->sorted;
@@ -88,7 +91,7 @@ static double best_split(const struct stack *stack)
     return at;
 }
 
-/* Labels by one split; returns whether any changed. */
+/* Labels the points by one split. Returns whether any label changed. */
 static int split(struct vor_layers *layers, const struct stack *stack)
 {
     double at = best_split(stack);
@@ -104,7 +107,7 @@ static int split(struct vor_layers *layers, const struct stack *stack)
     return changed;
 }
 
-/* Labels by every gap that is nearly as wide as the widest. */
+/* Labels the points by every gap that is at least SAME times as wide as the widest. */
 static void split_all(struct vor_layers *layers, struct stack *stack)
 {
     double widest = 0, cut[VOR_LAYERS_MAX] = {0};
@@ -131,7 +134,7 @@ static void split_all(struct vor_layers *layers, struct stack *stack)
     }
 }
 
-/* Means of the terms and of w in each layer, and how many points it has. */
+/* Means of the terms and of w in each layer, and the number of its points. */
 struct means {
     double n[VOR_LAYERS_MAX], x[VOR_LAYERS_MAX][TERMS], w[VOR_LAYERS_MAX];
 };
@@ -154,8 +157,8 @@ static void average(struct means *means, const struct vor_layers *layers, const 
     }
 }
 
-/* The quadric that the layers share, their heights, and the points' heights over it; false where
- * it is not determined. */
+/* Fits the quadric that the layers share, and computes their heights and the points' heights over
+ * it. Returns false when the points do not determine it. */
 static int share(struct vor_layers *layers, struct stack *stack)
 {
     double a[TERMS * TERMS] = {0};
@@ -190,8 +193,8 @@ static int share(struct vor_layers *layers, struct stack *stack)
     return 1;
 }
 
-/* Whether what is empty between layers is wide: against the distances of the points from their own
- * layer, and against the spacing. */
+/* Whether the gaps between layers are wide compared with the points' distances from their own layer
+ * and with the spacing. */
 static int clear_between(const struct vor_layers *layers, const struct stack *stack, double spacing)
 {
     double low[VOR_LAYERS_MAX], high[VOR_LAYERS_MAX], sum = 0;
@@ -219,7 +222,7 @@ static int clear_between(const struct vor_layers *layers, const struct stack *st
     return 1;
 }
 
-/* Distance along the surface from point i to the nearest one of another layer, squared. */
+/* Squared distance along the surface from point i to the nearest point of another layer. */
 static double other2(const struct vor_layers *layers, const struct stack *stack, unsigned i)
 {
     double least = INFINITY;
@@ -233,8 +236,9 @@ static double other2(const struct vor_layers *layers, const struct stack *stack,
     return least;
 }
 
-/* Whether each layer, but the one with the most points, lies over the others: in white noise the
- * nearest point of a density is half its spacing away. */
+/* Whether each layer, except the one with the most points, lies over the others. In white noise the
+ * nearest point is half a spacing away on average (Clark and Evans 1954): so far is a point from
+ * the others' if they lie over it. */
 static int one_over_another(const struct vor_layers *layers, const struct stack *stack,
                             double spacing)
 {
@@ -253,6 +257,7 @@ static int one_over_another(const struct vor_layers *layers, const struct stack 
     return 1;
 }
 
+/* Looks for layers over the tangent plane of the `few` nearest points. */
 static int find_in(struct vor_layers *out, const float *near, unsigned k, unsigned few)
 {
     struct stack stack;

@@ -1,47 +1,64 @@
-/** Sheets that lie one above the other, told apart within a neighbourhood: points on several
- *  parallel quadrics with nothing in between.
+/** Separates sheets that lie one above the other within a neighbourhood: points on several parallel
+ *  quadrics with nothing in between.
  *
- *  Source: none of the papers fits to one sheet; Xiao 2024 Sec. III-B takes the nearest points
- *  whichever sheet they are on. Lv 2022 Sec. 3.2 and 4.1 reject neighbours across a thin sheet by
+ *  Source: none of the papers fits to one sheet. Xiao 2024 Sec. III-B takes the nearest points,
+ *  whichever sheet they are on; Lv 2022 Sec. 3.2 and 4.1 reject neighbours across a thin sheet by
  *  geodesic distances.
+ *  Departure from Lv: by shape, not by distances. Where two sheets of white noise are nearer to
+ *  each other than their spacing, any neighbour graph has edges from one to the other everywhere,
+ *  and the paper's satellites do not separate them.
  *
- *  Departure from Lv: by shape, not by distances. White noise on two sheets nearer than its spacing
- *  has edges of any graph across everywhere, and the satellites of the paper do not part them.
- *
- *  Heights over the tangent plane are parted in two, the quadric that both parts share is found by
- *  least squares, heights are taken over it and parted again, until nothing changes. What has come
- *  of it are layers where
- *  - what is empty between them is wide against what the points are off their own layer: noise
+ *  The algorithm splits the heights over the tangent plane in two, fits the quadric that both parts
+ *  share by least squares, takes the heights over that quadric and splits them again, until nothing
+ *  changes. The parts are layers if
+ *  - the empty gap between them is wide compared with how far points lie off their own layer; noise
  *    leaves no such gap,
- *  - each lies over another one, not beside it as the terraces of a staircase do. */
+ *  - each part lies over another one, not beside it as the terraces of a staircase do.
+ *
+ *  Measured on 20,000 points of white noise on each of two squares or spheres, 5,000 out, default
+ *  request, gaps of half an input spacing to three, and of one to two with noise of a tenth of the
+ *  gap: at most one point lies off both sheets by more than a tenth of the gap, away from the
+ *  border. Without layers, on flat sheets at gaps of one and two, every point did. Three sheets and
+ *  more within one neighbourhood are mostly not separated. */
 #ifndef VOR_GEOM_LAYERS_H
 #define VOR_GEOM_LAYERS_H
 
 #include "core/geom/surface.h"
 
+/** Most layers that are separated. More gaps than that are noise: then there is one layer. */
 enum { VOR_LAYERS_MAX = 8 };
 
+/** Square of the share of the spacing that points may be off their surface (rms) and still lie on
+ *  one layer: 0.08. */
+#define VOR_LAYERS_POSSIBLE2 0.0064
+
 struct vor_layers {
-    unsigned count;                      /**< 1 where no layers can be told apart */
+    unsigned count;                      /**< 1: no layers were found */
     unsigned char of[VOR_NEIGHBORS_MAX]; /**< the layer of each point, from below */
-    struct vor_surface frame;            /**< of what follows; lengths over its reach */
-    double shape[5];                     /**< that the layers share: u, v, uu, uv, vv */
-    double height[VOR_LAYERS_MAX];       /**< of each, ascending */
+    struct vor_surface frame;            /**< frame of shape and height, whose lengths are over
+                                              its reach */
+    double shape[5];                     /**< coefficients of u, v, uu, uv, vv that layers share */
+    double height[VOR_LAYERS_MAX];       /**< constant term of each layer, ascending */
 };
 
-/** True where points are so far off the surface fitted to them, 0.08 of their spacing rms, that
- * they may lie on more than one. */
+/** True when the points may lie on more than one layer: their rms distance from the surface that
+ *  was fitted to them is more than 0.08 spacings. O(1). */
 static inline int vor_layers_possible(const struct vor_surface *surface)
 {
-    return surface->off2 > 0.0064 * surface->spacing * surface->spacing;
+    return surface->off2 > VOR_LAYERS_POSSIBLE2 * surface->spacing * surface->spacing;
 }
 
-/** Tells layers apart among k points (k x 3 floats), nearest first. A few tangent planes are tried,
- *  of all the points and of the nearest alone. O(k log k), and O(k^2) where there are layers.
- *  Depends on nothing but its arguments. */
+/** Looks for layers among points. Tries a few tangent planes: that of all points, then those of the
+ *  nearest few.
+ *
+ *  @param[out] out   count is 1 and all of `of` 0 when no layers were found
+ *  @param[in]  near  k x 3 floats, nearest first
+ *  @param[in]  k     at most VOR_NEIGHBORS_MAX; fewer than 12 have no layers
+ *
+ *  Cannot fail. O(k log k), O(k^2) where there are layers. Depends on nothing but its arguments. */
 void vor_layers_find(struct vor_layers *out, const float *near, unsigned k);
 
-/** The layer nearest to x; 0 where there is one. */
+/** Index of the layer nearest to x, in world coordinates; 0 where there is only one. O(1). */
 unsigned vor_layers_nearest(const struct vor_layers *layers, const double x[3]);
 
 #endif

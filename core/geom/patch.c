@@ -3,7 +3,7 @@
 #include <assert.h>
 #include <string.h>
 
-/* Index of vertex `step` (0 .. 6 ring - 1, counter-clockwise) of a ring. */
+/* Index of vertex number `step` of a ring: 0 .. 6 ring - 1, counter-clockwise. */
 static unsigned ring_vertex(unsigned ring, unsigned step)
 {
     if (ring == 0)

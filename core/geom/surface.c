@@ -12,7 +12,7 @@
 #define TRUSTED 2.0       /* times the wider fit's variance: how far x may move along, squared */
 #define QUADRIC_RANK 1e-3 /* smallest relative pivot: below it, a plane is all they determine */
 
-/* Neighbours relative to the first one, the sum of their weights and their mean. */
+/* The neighbours relative to the first one, their weighted mean and the sum of their weights. */
 struct neighborhood {
     unsigned k;
     double total; /* of the weights */
@@ -20,7 +20,7 @@ struct neighborhood {
     double x[VOR_NEIGHBORS_MAX][3];
 };
 
-/* Of neighbour i; inlined, and free where all are 1. */
+/* x times the weight of neighbour i. Inlined, so that it costs nothing where weight is NULL. */
 VOR_INLINE double weigh(const float *weight, unsigned i, double x)
 {
     return weight != NULL ? (double)weight[i] * x : x;
@@ -42,7 +42,8 @@ VOR_INLINE void gather(struct neighborhood *out, const float *near, const float 
         out->mean[c] /= out->total;
 }
 
-/* Axes from the principal directions; false when there is no plane. */
+/* Sets the axes from the principal directions, and the spacing. Returns false when the points lie
+ * on a line. */
 VOR_INLINE int find_axes(struct vor_surface *out, const struct neighborhood *hood,
                          const float *weight)
 {
@@ -92,7 +93,8 @@ static void to_frame(struct vor_surface *out, struct neighborhood *hood)
     out->reach = sqrt(reach2);
 }
 
-/* Sums of u^a v^b (a + b <= 4) and of w u^a v^b (a + b <= 2), lengths over the reach. */
+/* Weighted sums: s[a][b] of u^a v^b with a + b <= 4, w[] of w u^a v^b with a + b <= 2, ww of w^2.
+ * Lengths are over the reach. */
 struct moments {
     double s[5][5];
     double w[6], ww;
@@ -133,8 +135,8 @@ VOR_INLINE void sum_moments(struct moments *out, const struct neighborhood *hood
     out->s[0][0] = hood->total;
 }
 
-/* Least squares over the first `terms` of 1, u, v, uu, uv, vv; false when they are not determined.
- */
+/* Least squares over the first `terms` of 1, u, v, uu, uv, vv. Returns false when the points do not
+ * determine them. */
 static int solve(double c[6], const struct moments *moments, int terms, double rank)
 {
     static const int up[6] = {0, 1, 0, 2, 1, 0}, vp[6] = {0, 0, 1, 0, 1, 2};
@@ -148,7 +150,7 @@ static int solve(double c[6], const struct moments *moments, int terms, double r
     return vor_solve_spd(a, c, terms, rank) > 0;
 }
 
-/* What least squares leave of the sum of ww. */
+/* The residual of least squares: what is left of the sum of w^2. */
 static double left(const struct moments *moments, const double c[6])
 {
     double sum = moments->ww;
@@ -240,7 +242,7 @@ void vor_surface_project(const struct vor_surface *surface, double local[3])
 
     height = vor_surface_height(surface, u, v, gradient);
     for (int i = 0; i < 3; i++) {
-        /* The foot is where (local - foot) is along the normal (-gu, -gv, 1). */
+        /* At the foot, local - foot is parallel to the normal (-gu, -gv, 1). */
         double residual =
             local[2] - height + gradient[0] * (u - local[0]) + gradient[1] * (v - local[1]);
         double t = residual / (1 + gradient[0] * gradient[0] + gradient[1] * gradient[1]);
@@ -275,7 +277,7 @@ void vor_surface_normal(const struct vor_surface *surface, const double local[3]
             length;
 }
 
-/* Variance of the neighbours about the quadric fitted to them. */
+/* Variance of the neighbours about the quadric that was fitted to them. */
 static double residual2(const struct vor_surface *surface, const float *near, unsigned k)
 {
     double sum = 0;
@@ -291,7 +293,7 @@ static double residual2(const struct vor_surface *surface, const float *near, un
     return sum / (k - 6);
 }
 
-/* The `few` of the neighbours that are nearest to x, nearest first. */
+/* Copies the `few` neighbours nearest to x to out, nearest first. */
 static void take_nearest(float *out, const float *near, unsigned k, unsigned few, const float x[3])
 {
     double distance2[VOR_REFINED_MAX];

@@ -1,13 +1,14 @@
 /** The local surface that stands for the input around a seed: a quadric over the tangent plane at
- * the nearest input point.
+ *  the nearest input point.
  *
  *  Source: Xiao et al. 2024, "Accelerated Lloyd's method for resampling 3D point clouds", Sec.
- * III-B, Eq. 3 and 4, steps 1, 2 and 4.
+ *  III-B, Eq. 3 and 4, steps 1, 2 and 4.
  *
- *  Departure: the frame is any orthonormal one whose third axis is the normal (the printed rotation
- *  is not one). Departure: beyond the neighbourhood the quadric goes on as its tangent plane, so
- * that no patch that is wider than its data runs away with the square of the distance; measured,
- * such extrapolation throws points off closed clouds. */
+ *  Departure: the frame is any orthonormal one whose third axis is the normal; the matrix that the
+ *  paper prints is not a rotation.
+ *  Departure: beyond the neighbourhood the surface continues as the quadric's tangent plane. A
+ *  patch wider than its data would otherwise leave the surface with the square of the distance;
+ *  measured, such extrapolation throws points off closed clouds. */
 #ifndef VOR_GEOM_SURFACE_H
 #define VOR_GEOM_SURFACE_H
 
@@ -20,7 +21,8 @@ enum vor_surface_kind {
     VOR_SURFACE_QUADRIC /**< w = c0 + c1 u + c2 v + c3 uu + c4 uv + c5 vv */
 };
 
-/** Local coordinates (u, v, w) = axis * (x - origin); lengths in the cloud's unit. */
+/** A fitted surface. Local coordinates are (u, v, w) = axis * (x - origin); lengths are in the unit
+ *  of the points, which is the domain's normalised one in a run. */
 struct vor_surface {
     enum vor_surface_kind kind;
     double origin[3];  /**< nearest input point */
@@ -28,53 +30,68 @@ struct vor_surface {
     double c[6];       /**< coefficients of w(u, v) */
     double center[2];  /**< mean of the neighbours in (u, v) */
     double reach;      /**< largest tangential distance of a neighbour from center */
-    double spacing;    /**< of the input here: what a square lattice of the same density has */
+    double spacing;    /**< of the input here: that of a square lattice of the same density */
     double off2;       /**< mean square of the neighbours' heights over the surface */
 };
 
+/** Most points that a surface is fitted to: arrays on the stack have that size. The parameter
+ *  `neighbors` goes up to 500. */
 #define VOR_NEIGHBORS_MAX 512
 
-/** Fits a surface to k points.
+/** Fits a surface to k points by least squares.
  *
  *  @param[in] near  k x 3 floats, nearest to the seed first; origin is near[0]
  *  @param[in] k     1 .. VOR_NEIGHBORS_MAX
  *
- *  Total: never fails, kind says what was found. O(k). Depends on nothing but its arguments. */
+ *  Cannot fail: kind says what was found. O(k). Thread-safe; depends on nothing but its arguments.
+ */
 void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k);
 
-/** The same where neighbour i counts weight[i] > 0 times (the first six weights at least, the
- * others may be 0); with equal weights the same surface up to rounding. spacing is 0: weights hide
- * it. */
+/** The same with weights: neighbour i counts weight[i] times. The first six weights are positive,
+ *  the others may be 0. Equal weights give the surface of vor_surface_fit up to rounding. spacing
+ *  is set to 0, because it cannot be computed from weighted points. */
 void vor_surface_fit_weighted(struct vor_surface *out, const float *near, const float *weight,
                               unsigned k);
 
-/** Height w and (where gradient is not NULL) slopes dw/du, dw/dv over (u, v). */
+/** Height w over (u, v). gradient, unless NULL, receives dw/du and dw/dv. kind is not NONE. O(1).
+ */
 double vor_surface_height(const struct vor_surface *surface, double u, double v,
                           double gradient[2]);
 
-/** Into and out of local coordinates. */
+/** Transforms world coordinates into local ones, and back. O(1). */
 void vor_surface_to_local(const struct vor_surface *surface, const double x[3], double local[3]);
 void vor_surface_to_world(const struct vor_surface *surface, const double local[3], double x[3]);
 
-/** Moves a local point to the nearest point of the surface, by Gauss-Newton along the normal.
+/** Moves a local point to the nearest point of the surface, by three Gauss-Newton steps along the
+ *  normal. kind is not NONE. O(1).
  *
- *  Source: Xiao 2024, Sec. IV-D. Departure: onto the quadric itself, not onto the nearest triangle
- * of its mesh, so that the result does not depend on how finely the patch is meshed. */
+ *  Source: Xiao 2024, Sec. IV-D. Departure: it projects onto the quadric itself, not onto the
+ *  nearest triangle of its mesh, so that the result does not depend on how finely the patch is
+ *  meshed. */
 void vor_surface_project(const struct vor_surface *surface, double local[3]);
 
-/** Moves x, in world coordinates, to the nearest point of the surface. */
+/** vor_surface_project for x in world coordinates. */
 void vor_surface_put(const struct vor_surface *surface, double x[3]);
 
-/** Unit normal of the surface at local (u, v), in world axes. */
+/** Unit normal, in world axes, over local (u, v); which of the two sides is arbitrary. O(1). */
 void vor_surface_normal(const struct vor_surface *surface, const double local[3], double normal[3]);
 
-/** Fits anew to the twelve of the k neighbours that are nearest to x, where those lie half as far
- * about their quadric, in variance, as all of them about theirs: at an edge or a crease that the
- * wider fit rounds off. Not where the neighbourhood is thick, nor where x would move farther along
- * with it than the wider fit is off. Source: none of the papers; they fit to one number of
- * neighbours everywhere. 13 <= k <= VOR_REFINED_MAX: more are for inputs with noise. O(k).
+/** Replaces the surface by one fitted to the VOR_REFINED_TO neighbours nearest to x, where their
+ *  variance about it is at most half of that of all k neighbours about the wide fit: at an edge or
+ *  a crease that the wide fit rounds off. Keeps the wide fit where the neighbourhood is thick, and
+ *  where the finer one would move x farther than the wide fit's own error.
  *
- *  @return whether it did */
+ *  Source: none of the papers; they fit to the same number of neighbours everywhere. Measured:
+ *  igea, 30,000 points of white noise to 10,000, rms distance to the true surface over the diagonal
+ *  2.2e-4 with it, 2.7e-4 without.
+ *
+ *  @param[in] near  the k x 3 points that the surface was fitted to
+ *  @param[in] k     VOR_REFINED_MIN .. VOR_REFINED_MAX
+ *  @param[in] x     world coordinates
+ *
+ *  @return whether it replaced the surface
+ *
+ *  O(k). Depends on nothing but its arguments. */
 int vor_surface_refine(struct vor_surface *surface, const float *near, unsigned k,
                        const float x[3]);
 
