@@ -5,50 +5,51 @@
 
 #include <stdatomic.h>
 
-struct settle {
+struct attach {
     struct vor_seeds *seeds;
-    int landing; /* the surface at hand is new to the seeds */
-    int keep_holes;
-    size_t every; /* of so many seeds one is counted */
-    atomic_size_t beyond;
+    int onto_whole;       /* the seeds change to the surface of the whole input */
+    int keep_holes;       /* seeds in holes go back to the rim */
+    size_t every;         /* every so many seeds, one is counted */
+    atomic_size_t beyond; /* seeds counted so far that are in a hole */
 };
 
-/* Counts the seeds that vor_seeds_hold would move. */
+/* Counts the seeds that vor_seeds_hold would move, without moving them. */
 static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
-    struct settle *settle = ctx;
-    struct vor_seeds *seeds = settle->seeds;
+    struct attach *attach = ctx;
+    struct vor_seeds *seeds = attach->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
     size_t beyond = 0;
     double x[3];
 
-    for (size_t i = begin; i < end; i += settle->every) {
+    for (size_t i = begin; i < end; i += attach->every) {
         vor_seeds_position(seeds, i, x);
         beyond += vor_seeds_fit(seeds, scratch, i) != VOR_SURFACE_NONE &&
                   vor_seeds_hold(seeds, scratch, i, x);
     }
-    atomic_fetch_add(&settle->beyond, beyond);
+    atomic_fetch_add(&attach->beyond, beyond);
 }
 
-static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
+/* Moves the seeds of a block to where a result may be. */
+static void attach_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
-    const struct settle *settle = ctx;
-    struct vor_seeds *seeds = settle->seeds;
+    const struct attach *attach = ctx;
+    struct vor_seeds *seeds = attach->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
     struct vor_border border;
 
     for (size_t i = begin; i < end; i++) {
-        int moved = settle->landing;
+        int moved = attach->onto_whole;
         double x[3];
 
         vor_seeds_position(seeds, i, x);
         if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
             continue;
-        if (settle->landing)
+        if (attach->onto_whole)
             vor_surface_put(&scratch->here.surface, x);
         if (seeds->policy.keep_border) {
             vor_seeds_border(seeds, scratch, &scratch->here, &border, x);
-            moved |= settle->keep_holes && vor_seeds_hold(seeds, scratch, i, x);
+            moved |= attach->keep_holes && vor_seeds_hold(seeds, scratch, i, x);
             moved |= vor_boundary_restrict(&border, VOR_OUTSIDE_IN_RESULT, x);
         }
         for (size_t c = 0; moved && c < 3; c++)
@@ -58,24 +59,25 @@ static void settle_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
 vor_status vor_attach(struct vor_seeds *seeds, int *keep_holes, struct vor_error *err)
 {
-    struct settle settle = {.seeds = seeds, .every = 1 + seeds->n / VOR_GAPS_COUNTED};
+    struct attach attach = {.seeds = seeds, .every = 1 + seeds->n / VOR_GAPS_COUNTED};
     vor_status status;
 
     *keep_holes = 0;
     if (!seeds->policy.keep_border)
         return VOR_OK;
-    status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, count_block, &settle, err);
+    status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, count_block, &attach, err);
     if (status != VOR_OK)
         return status;
-    settle.keep_holes = (double)(settle.beyond * settle.every) <= VOR_GAPS_SHARE * (double)seeds->n;
-    *keep_holes = settle.keep_holes;
-    return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &settle, err);
+    attach.keep_holes = (double)(attach.beyond * attach.every) <= VOR_GAPS_SHARE * (double)seeds->n;
+    *keep_holes = attach.keep_holes;
+    return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, attach_block, &attach, err);
 }
 
+/* Moves the seeds of a block that are too far from all of the input. */
 static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
-    const struct settle *settle = ctx;
-    struct vor_seeds *seeds = settle->seeds;
+    const struct attach *attach = ctx;
+    struct vor_seeds *seeds = attach->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
     double near = VOR_OUTSIDE_ONE_SIDED * VOR_OUTSIDE_IN_RESULT * seeds->domain->sparse;
     double near2 = near * near;
@@ -87,7 +89,7 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
         struct vor_border border;
         double x[3];
 
-        /* An input point that was the nearest of late is near enough. */
+        /* Spares the search: the input point that was nearest last time is near enough. */
         if (vor_distance2f(foot, &seeds->xyz[3 * i]) <= near2)
             continue;
         vor_seeds_position(seeds, i, x);
@@ -103,19 +105,19 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
 vor_status vor_attach_last(struct vor_seeds *seeds, struct vor_error *err)
 {
-    struct settle settle = {.seeds = seeds};
+    struct attach attach = {.seeds = seeds};
 
     if (!seeds->policy.keep_border)
         return VOR_OK;
-    return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, end_block, &settle, err);
+    return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, end_block, &attach, err);
 }
 
 vor_status vor_attach_to_whole(struct vor_seeds *seeds, int keep_holes, struct vor_error *err)
 {
-    struct settle settle = {.seeds = seeds, .landing = 1, .keep_holes = keep_holes};
+    struct attach attach = {.seeds = seeds, .onto_whole = 1, .keep_holes = keep_holes};
 
     if (vor_seeds_on_whole(seeds))
         return VOR_OK;
     vor_seeds_onto(seeds, seeds->whole);
-    return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, settle_block, &settle, err);
+    return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, attach_block, &attach, err);
 }

@@ -1,30 +1,40 @@
-/** Where the seeds come to rest: inside the input, and on all of it. */
+/** Attaches the seeds to the input: moves those that lie outside onto it, and all of them onto the
+ *  whole of a thinned input. */
 #ifndef VOR_SEEDS_ATTACH_H
 #define VOR_SEEDS_ATTACH_H
 
 #include "core/seeds/seeds.h"
 
-/** Moves seeds that lie outside the input onto where a result may be; nothing where
- *  seeds->policy.keep_border is not set.
+/** After the iterations: moves seeds that lie outside the input to VOR_OUTSIDE_IN_RESULT spacings
+ *  of it, and, unless the holes are gaps of the sampling, seeds in holes back to their rims
+ *  (geom/boundary.h, rules 1 and 3). Does nothing where seeds->policy.keep_border is not set.
  *
- *  @param[out] keep_holes  whether holes are told from gaps of the sampling (geom/boundary.h, rule
- *                          3): what the steps after this need
+ *  @param[out] keep_holes  whether holes are kept open (rule 3); the steps after this need it
  *
- *  @retval VOR_E_CANCELLED  as vor_run_for */
+ *  @retval VOR_E_CANCELLED  as vor_run_for
+ *
+ *  O(n log n) at worst, on the run's pool. The same positions for any number of threads. */
 VOR_NODISCARD vor_status vor_attach(struct vor_seeds *seeds, int *keep_holes,
                                     struct vor_error *err);
 
-/** Puts seeds that are on a thinner domain onto the whole one, projects them onto its surface and
- *  moves them inside; nothing where they are on it.
+/** Moves seeds from a thinned domain to the whole one: projects them onto its surface and applies
+ *  rules 1 and 3 as vor_attach does. Does nothing where they are on the whole domain.
  *
- *  @retval VOR_E_CANCELLED  as vor_run_for */
+ *  @param[in] keep_holes  as vor_attach found it
+ *
+ *  @retval VOR_E_CANCELLED  as vor_run_for
+ *
+ *  O(n log n), on the run's pool. The same positions for any number of threads. */
 VOR_NODISCARD vor_status vor_attach_to_whole(struct vor_seeds *seeds, int keep_holes,
                                              struct vor_error *err);
 
-/** After evening out: moves seeds that still are farther from the input than 1.5 times where that
- *  is sparsest (vor_domain.sparse) to that distance.
+/** After evening out: moves seeds that are still outside to VOR_OUTSIDE_IN_RESULT spacings of the
+ *  input, where spacing is that of the sparsest part (vor_domain.sparse). Does nothing where
+ *  seeds->policy.keep_border is not set.
  *
- *  @retval VOR_E_CANCELLED  as vor_run_for */
+ *  @retval VOR_E_CANCELLED  as vor_run_for
+ *
+ *  O(n), on the run's pool. The same positions for any number of threads. */
 VOR_NODISCARD vor_status vor_attach_last(struct vor_seeds *seeds, struct vor_error *err);
 
 #endif

@@ -8,33 +8,76 @@
 
 #include <string.h>
 
+/* The exponent S and the shape of the force. Figures "at a / b / c" belong to the chosen value b, a
+ * lower a and a higher c, on the inputs and with the spread of geom/boundary.h; six is the share of
+ * points with six neighbours (spread 1 %). */
+
 enum {
-    SOFT = 4,         /* S at the first step */
-    HARD = 14,        /* and at the last */
-    HARDER = 7,       /* from this S on, it reaches less far */
-    CELLS_EVERY = 3,  /* steps */
-    QUIET_EVERY = 6,  /* steps, where there was no hole, nor nearly one */
-    ON_WHOLE = 40,    /* last steps, on the whole of the input */
-    FRESH = 16,       /* last steps, on surfaces fitted anew more often */
-    EVEN_EVERY = 5,   /* steps; delta is looked at then and in the last FRESH */
-    RECORD_EVERY = 10 /* steps */
+    /* S at the first step. At 2 / 4 / 8: six on igea 0.815 / 0.812 / 0.785, delta the same. */
+    SOFT = 4,
+    /* S at the last step. At 7 / 14 / 28: delta of igea 0.0233 / 0.0176 / 0.0127, of bunny 0.0245 /
+     * 0.0185 / 0.0131; six 0.835 / 0.812 / 0.767 and 0.815 / 0.783 / 0.729. */
+    HARD = 14,
+    /* From this S on the force reaches HARD_REACH. At 5 / 7 / 14 no figure moves but searches. */
+    HARDER = 7,
+    /* Steps from one look for holes to the next. At 1 / 3 / 6: CPU of igea 0.72 / 0.58 / 0.51 s,
+     * searches on autzen 240 / 198 / 185 thousand; delta the same. */
+    CELLS_EVERY = 3,
+    /* The same around a point with no hole near. At 3 / 6 / 12: triangles a cell on autzen 9.6
+     * / 10.6 / 11.0, nothing else moves. A multiple of CELLS_EVERY. */
+    QUIET_EVERY = 6,
+    /* Last steps, on the whole of a thinned input. At 20 / 40 / 80: armadillo, 300,000 to 4,000,
+     * rms 0.56e-4 / 0.58e-4 / 0.59e-4, delta 0.0231 / 0.0238 / 0.0234, searches 83 / 91 / 102
+     * thousand. */
+    ON_WHOLE = 40,
+    /* Last steps, on surfaces that are fitted again sooner (SLACK_FRESH), and measured one by one.
+     * At 8 / 16 / 32 no figure moves beyond the spread. */
+    FRESH = 16,
+    /* Steps from one measurement of delta to the next, before the last FRESH. At 3 / 5 / 10 no
+     * figure moves beyond the spread; a measurement costs a pass over the lists. */
+    EVEN_EVERY = 5,
+    /* Steps from one record for the watch to the next. */
+    RECORD_EVERY = 10
 };
 
-#define GAIN 0.2       /* of the force, over 2 S */
-#define MOMENTUM 0.7   /* share of the last step that is added to the next */
-#define STEP_MAX 0.05  /* spacings */
-#define FORCE_MAX 50.0 /* (h/d)^(2S) of a pair that is much too near */
-#define OVERLAP                                                                                    \
-    0.1 /* spacings: nearer pairs part along the surface, whatever else pulls at them              \
-         */
-#define FORCE_REACH 2.0 /* spacings that soft repulsion reaches */
-#define HARD_REACH 1.5  /* and S of HARDER and more: beyond, it is below a 290th */
-#define HOLE 0.65       /* pitches from a hole's middle to the points around it: more is too wide */
-#define HOLE_EXCESS 0.15 /* pitches beyond that count no more */
-#define HOLE_NEAR 0.62   /* pitches; less is nowhere near a hole */
-#define HOLE_PULL 0.15   /* share of the excess that one step goes */
-#define SLACK 0.5       /* input spacings that a point may move before its surface is fitted anew */
-#define SLACK_FRESH 0.1 /* the same in the last steps */
+/* Step over the sum of forces, times 2 S. At 0.1 / 0.2 / 0.4: delta of fandisk 0.0222 / 0.0197 /
+ * 0.0201, of bunny 0.0202 / 0.0185 / 0.0178, max on fandisk 4.8e-3 / 4.5e-3 / 7.4e-3. */
+#define GAIN 0.2
+/* Share of the last step that is added to the next. At 0.35 / 0.7 / 0.9: six on igea 0.746 / 0.812
+ * / 0.856, delta of fandisk 0.0208 / 0.0197 / 0.0229. */
+#define MOMENTUM 0.7
+/* Longest step, in spacings. At 0.025 / 0.05 / 0.1: searches on autzen 171 / 198 / 229 thousand,
+ * max on fandisk 4.1e-3 / 4.5e-3 / 8.2e-3, delta the same. */
+#define STEP_MAX 0.05
+/* Largest (h/d)^(2S) of a pair. Steps are bounded, so 25 / 50 / 100 move no figure; it keeps the
+ * sum of forces finite. */
+#define FORCE_MAX 50.0
+/* Spacings: nearer pairs part along the surface, and by a force of that length. At 0.05 / 0.1 / 0.2
+ * no figure moves; it matters where points coincide. */
+#define OVERLAP 0.1
+/* Spacings that soft repulsion reaches. At 1.5 / 2 / 2.5 no figure moves beyond the spread. */
+#define FORCE_REACH 2.0
+/* The same for S of HARDER and more, where the force beyond it is below a 290th of that at h.
+ * At 1.25 / 1.5 / 2: searches on autzen 190 / 198 / 210 thousand, nothing else moves. */
+#define HARD_REACH 1.5
+/* Pitches from the middle of a hole to the points around it: a hole is larger. In a lattice it is
+ * 0.577. At 0.6 / 0.65 / 0.7: delta of igea 0.0218 / 0.0176 / 0.0169, of fandisk 0.0235 / 0.0197 /
+ * 0.0188; largest gap on igea 0.713 / 0.706 / 0.732 spacings. */
+#define HOLE 0.65
+/* Pitches beyond HOLE that count at most. At 0.075 / 0.15 / 0.3: max on fandisk 5.4e-3 / 4.5e-3 /
+ * 5.5e-3, nothing else moves. */
+#define HOLE_EXCESS 0.15
+/* Pitches: with no hole wider than this, a point is looked at less often (QUIET_EVERY). At 0.58 /
+ * 0.62 / 0.65 no figure moves beyond the spread. */
+#define HOLE_NEAR 0.62
+/* Share of the excess that one step goes. At 0.075 / 0.15 / 0.3: delta of fandisk 0.0185 / 0.0197 /
+ * 0.0212, largest gap on igea 0.734 / 0.706 / 0.692 spacings. */
+#define HOLE_PULL 0.15
+/* Input spacings that a point may move before its surface is fitted again. At 0.25 / 0.5 / 1: max
+ * on fandisk 4.1e-3 / 4.5e-3 / 5.1e-3, nothing else moves. */
+#define SLACK 0.5
+/* The same in the last FRESH steps. At 0.05 / 0.1 / 0.2 no figure moves beyond the spread. */
+#define SLACK_FRESH 0.1
 
 struct polish {
     struct vor_seeds *seeds;
@@ -83,7 +126,7 @@ static vor_status alloc_polish(struct polish *polish, struct vor_error *err)
     return vor_keep_best_init(&polish->best, n, memory, err);
 }
 
-/* The corner of the cell that is farthest from its seed; NULL when nothing is left of it. */
+/* The corner of the cell farthest from its seed; NULL when the cell is empty. */
 static const double *farthest_corner(const struct vor_cell *cell)
 {
     const double *corner = NULL;
@@ -102,7 +145,7 @@ static const double *farthest_corner(const struct vor_cell *cell)
     return corner;
 }
 
-/* Notes where the hole next to seed i pulls it. */
+/* Sets the pull of the hole next to seed i, and whether no hole is near. */
 static void find_hole(struct polish *polish, const struct vor_scratch *scratch, size_t i)
 {
     const struct vor_surface *surface = &scratch->here.surface;
@@ -124,7 +167,7 @@ static void find_hole(struct polish *polish, const struct vor_scratch *scratch, 
                      corner[2] * surface->axis[2][c]));
 }
 
-/* x^n for n >= 1, the same on every machine. */
+/* x^n for n >= 1 by squaring; pow differs between machines. */
 static double power(double x, unsigned n)
 {
     double y = 1;
@@ -137,8 +180,9 @@ static double power(double x, unsigned n)
     return y;
 }
 
-/* Which way seed i has to go to get away from seed j, that far from it. Where they all but coincide
- * the offset says little about it, and its length less: that way is one along the surface. */
+/* The vector that seed i moves along to get away from seed j, which is `distance` away. Where they
+ * nearly coincide, their offset has neither a useful direction nor a useful length: then it is a
+ * vector of OVERLAP spacings along the surface. */
 static void away(const struct polish *polish, const struct vor_scratch *scratch, size_t i, size_t j,
                  double distance, double out[3])
 {
@@ -162,13 +206,13 @@ static void away(const struct polish *polish, const struct vor_scratch *scratch,
                  (side[0] * surface->axis[0][c] + side[1] * surface->axis[1][c]);
 }
 
-/* Spacings that repulsion reaches in this step. */
+/* How far repulsion reaches in this step, in spacings. */
 static double force_reach(const struct polish *polish)
 {
     return polish->power < HARDER ? FORCE_REACH : HARD_REACH;
 }
 
-/* Sum of the forces of the crowd on seed i. */
+/* Sums the forces of the crowd on seed i. */
 static void repulsion(const struct polish *polish, const struct vor_scratch *scratch, size_t i,
                       double force[3])
 {
@@ -191,8 +235,8 @@ static void repulsion(const struct polish *polish, const struct vor_scratch *scr
     }
 }
 
-/* Takes the part along the unit vector direction out of v, only if it points that way when
- * `one_way`. */
+/* Removes the part of v along the unit vector `direction`; with `one_way` only if v points that
+ * way. */
 static void remove_part(double v[3], const double direction[3], int one_way)
 {
     double along = vor_dot(v, direction);
@@ -203,7 +247,7 @@ static void remove_part(double v[3], const double direction[3], int one_way)
         v[c] -= along * direction[c];
 }
 
-/* Leaves what is tangential, and at the border does not lead out. */
+/* Reduces v to its tangential part, and at the border to what does not lead out. */
 static void keep_on_surface(const struct polish *polish, const struct vor_scratch *scratch,
                             const double x[3], double v[3])
 {
@@ -224,7 +268,7 @@ static void keep_on_surface(const struct polish *polish, const struct vor_scratc
     remove_part(v, out, 1);
 }
 
-/* Whether a seed that goes from x to y would leave the input, or go on into a hole of it. */
+/* Whether a seed that moves from x to y leaves the input, or moves farther away from it. */
 static int leaves_input(const struct vor_seeds *seeds, const struct vor_scratch *scratch,
                         const double x[3], const double y[3])
 {
@@ -238,7 +282,7 @@ static int leaves_input(const struct vor_seeds *seeds, const struct vor_scratch 
     return vor_boundary_leaves(&border, VOR_OUTSIDE_EVENING, x, y);
 }
 
-/* Where seed i goes; its surface and neighbours are on the scratch. */
+/* Moves seed i, whose surface and neighbours are in the scratch. */
 static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
 {
     const struct vor_seeds *seeds = polish->seeds;
@@ -305,7 +349,7 @@ static double longest_step(const struct polish *polish)
     return sqrt(longest);
 }
 
-/* One step: from seeds->xyz to seeds->xyz. */
+/* One step of all seeds, in seeds->xyz. */
 static vor_status step_once(struct polish *polish, struct vor_error *err)
 {
     struct vor_seeds *seeds = polish->seeds;
@@ -321,7 +365,7 @@ static vor_status step_once(struct polish *polish, struct vor_error *err)
     return VOR_OK;
 }
 
-/* Looks how even the positions are, and keeps the most even ones. */
+/* Measures how even the positions are, and keeps them if they are the most even so far. */
 static vor_status look(struct polish *polish, struct vor_error *err)
 {
     const struct vor_seeds *seeds = polish->seeds;
@@ -356,7 +400,7 @@ static int even_enough(const struct polish *polish)
     return vor_stop_even_enough(polish->spec, polish->best.delta);
 }
 
-/* Whether the request's own stops are reached, now that a step took `took` seconds. */
+/* Whether a stop of the request is reached; the last step took `took` seconds. */
 static int finished(const struct polish *polish, double took)
 {
     if (vor_seeds_on_whole(polish->seeds) && even_enough(polish))
@@ -368,8 +412,8 @@ static int finished(const struct polish *polish, double took)
     return 1;
 }
 
-/* Takes the positions at hand for those to begin with, or, once they are on the whole of the input,
- * to go on with. */
+/* Takes the present positions as the first ones, whose evenness the next have to beat: at the
+ * beginning, and again when the seeds have moved to the whole of the input. */
 static vor_status take(struct polish *polish, struct vor_error *err)
 {
     struct vor_seeds *seeds = polish->seeds;
@@ -390,7 +434,7 @@ static vor_status onto_whole(struct polish *polish, struct vor_error *err)
     return status == VOR_OK ? take(polish, err) : status;
 }
 
-/* Sets what the next of `steps` steps is done with. */
+/* Sets the parameters of the next of `steps` steps. */
 static void harden(struct polish *polish, unsigned steps)
 {
     unsigned done = polish->record.polish;
@@ -407,9 +451,9 @@ static int look_is_due(const struct polish *polish, unsigned steps)
     return polish->record.polish % EVEN_EVERY == 0 || polish->record.polish + FRESH >= steps;
 }
 
-/* One step and what follows from it.
+/* One step, then measures if that is due.
  *
- * @param[out] ended  one of the request's stops is reached */
+ * @param[out] ended  a stop of the request is reached */
 static vor_status advance(struct polish *polish, unsigned steps, int *ended, struct vor_error *err)
 {
     double before = polish->record.seconds;
@@ -424,7 +468,8 @@ static vor_status advance(struct polish *polish, unsigned steps, int *ended, str
     *ended = finished(polish, polish->record.seconds - before);
     if (status == VOR_OK && (*ended || look_is_due(polish, steps))) {
         status = look(polish, err);
-        polish->record.polish -= status == VOR_E_STOPPED; /* that one is not handed back */
+        polish->record.polish -=
+            status == VOR_E_STOPPED; /* a step that was not measured is not handed back */
         *ended = finished(polish, polish->record.seconds - before);
     }
     return status;

@@ -1,28 +1,32 @@
 /** Evening out (the stage `polish` of a run): short-range repulsion between neighbours on the local
- * quadrics, after a method has spread the points. Nearest-neighbour distances even out far below
- * what a centroidal Voronoi tessellation leaves.
+ *  quadrics, after a method has spread the points. Nearest-neighbour distances become far more even
+ *  than in a centroidal Voronoi tessellation.
  *
  *  Source: none of the papers. Each step moves a point along the tangent plane by the sum of
- * (h/d)^(2S) over its neighbours at distance d, h the mean spacing, with momentum, at most 5 % of
- * h, and projects it onto the quadric. S rises from 4 to 14: soft repulsion grows regions of one
- * orientation, hard repulsion evens the distances out. Repulsion alone opens holes where regions
- * meet; so, every few steps, the farthest corner of each point's Voronoi cell is found, and where
- * that is farther than a hole among equal distances need be, the point is pulled towards it. Points
- * at the border are not pushed out, and where the input is more than 1.2 spacings away a point goes
- * along it or nearer, not on into the hole. In the second half of the steps the surfaces of an
- * exact input keep its edges (vor_surface_refine); points that were moved off a lattice are not
- * exact. */
+ *  (h/d)^(2S) over its neighbours at distance d, with h the mean spacing, adds a share of its last
+ *  step, and projects it onto the quadric; a step is at most 5 % of h. S rises from 4 to 14: soft
+ *  repulsion grows regions of one orientation, hard repulsion evens the distances out. Repulsion
+ *  alone opens holes where regions meet. So every few steps the farthest corner of each point's
+ *  Voronoi cell is found; where that is farther away than in a lattice, the point is pulled towards
+ *  it. Points at the border are not pushed out, and a point more than VOR_OUTSIDE_EVENING spacings
+ *  from the input moves along it or towards it, not farther away. In the second half of the steps
+ *  the surfaces of an exact input keep its edges (vor_surface_refine); an input whose points were
+ *  moved off a lattice is not exact.
+ *
+ *  Holes are looked for every third step, every sixth step around a point with no hole near it.
+ *  Away from the border a surface is used again until its seed has moved half a spacing of the
+ *  input, a tenth in the last 16 steps. */
 #ifndef VOR_SEEDS_REPEL_H
 #define VOR_SEEDS_REPEL_H
 
 #include "core/seeds/outcome.h"
 #include "core/seeds/seeds.h"
 
-/** Evens the seeds out and leaves the most even positions of all, those it began with included, in
- *  seeds->xyz. Ends after the steps that the request allows, or at its delta or seconds, or when
- * the watch says so. Does nothing where the request allows no steps or the caller stopped the run.
+/** Evens the seeds out. seeds->xyz ends as the most even positions of all, those at the beginning
+ *  included. The steps end at the number that the request allows, at its delta or seconds, or when
+ *  the watch says so. Does nothing where the request allows no steps or the caller stopped the run.
  *
- *  @param[in,out] told        of the method so far; takes in this stage, and stopped may change
+ *  @param[in,out] told        what the method did so far; this stage is added, stopped may change
  *  @param[in]     keep_holes  as vor_attach found it
  *  @param[in]     spec        read: polish, delta, seconds
  *  @param[in]     run         may be stopped
@@ -30,7 +34,7 @@
  *  @retval VOR_E_CANCELLED the watch answered VOR_CANCEL
  *  @retval VOR_E_NOMEM  52 n bytes do not fit
  *
- *  O(steps n). The same positions for any number of threads. */
+ *  O(steps n), on the run's pool. The same positions for any number of threads. */
 VOR_NODISCARD vor_status vor_repel(struct vor_seeds *seeds, struct vor_outcome *told,
                                    int keep_holes, const struct vor_spec *spec,
                                    const struct vor_run *run, struct vor_error *err);

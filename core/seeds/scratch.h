@@ -1,4 +1,4 @@
-/** What one worker has at hand while it computes something for a seed, and what it counts. */
+/** What one worker needs while it computes something for a seed, and what it counts. */
 #ifndef VOR_SEEDS_SCRATCH_H
 #define VOR_SEEDS_SCRATCH_H
 
@@ -6,26 +6,29 @@
 #include "core/geom/surface.h"
 #include "core/knn/point_lists.h"
 
-/** Input points around a place, nearest first, and the surface fitted to them. */
+/** Input points around a place, the nearest first, and the surface fitted to them. Normalised
+ *  units. */
 struct vor_place {
-    unsigned k; /**< how many */
+    unsigned k; /**< points in near */
     float near[3 * VOR_NEIGHBORS_MAX];
     struct vor_surface surface;
 };
 
+/** One for each worker; about 100 KB. The seed is the one that the worker is computing. */
 struct vor_scratch {
-    struct vor_place here, there; /**< of the seed at hand, and of where it wants to go */
-    struct vor_place foot;        /**< of the input point nearest to one of these */
-    struct vor_surface onto;      /**< set by vor_seeds_recall: what the seed moves along */
-    int interior;                 /**< the seed at hand is known to be far from the border */
-    struct vor_crowd crowd;       /**< seeds around the seed at hand */
+    struct vor_place here, there; /**< around the seed, and around the place it is meant to go to */
+    struct vor_place foot;        /**< around the input point nearest to one of these */
+    struct vor_surface onto;      /**< set by vor_seeds_recall: the surface the seed moves along */
+    int interior;                 /**< the seed is known to be far from the border */
+    struct vor_crowd crowd;       /**< seeds around the seed */
     struct vor_cell cell;
     double radius;                        /**< of the patch */
     uint64_t queries;                     /**< searches of either index */
-    uint64_t cells, bisectors, triangles; /**< computed; that cut them; of their patches */
+    uint64_t cells, bisectors, triangles; /**< cells computed, planes that cut them, triangles of
+                                               their patches */
 };
 
-/** Sums of those counters over the workers. */
+/** Sums of these counters over the workers. */
 struct vor_counts {
     uint64_t queries, cells, bisectors, triangles;
 };

@@ -27,7 +27,7 @@ static unsigned at_most_all(const struct vor_seeds *seeds, unsigned k)
     return k < seeds->domain->n ? k : (unsigned)seeds->domain->n;
 }
 
-/* How many input points a surface at x is to be fitted to. */
+/* How many input points a surface at x is fitted to. */
 static unsigned asked(const struct vor_seeds *seeds, const float x[3])
 {
     return at_most_all(seeds, vor_neighbors_at(&seeds->whole->known.neighbors, x));
@@ -118,7 +118,8 @@ static void gather(const struct vor_seeds *seeds, struct vor_place *place, const
                3 * sizeof *place->near);
 }
 
-/* The points for the surface of seed i. How many it asks anew with each new list. */
+/* Finds the input points for the surface of seed i. Their number is looked up with each new list.
+ */
 static enum vor_input_lists_found search(struct vor_seeds *seeds, struct vor_scratch *scratch,
                                          size_t i, const uint32_t **index)
 {
@@ -149,7 +150,8 @@ enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch 
 
     scratch->interior = 0;
     gather(seeds, here, index, last->k);
-    /* Of the same points another may be the nearest, and so the sheet another. */
+    /* With layers the sheet may change though the points are the same, as another may be nearest.
+     */
     if (found != VOR_INPUT_LISTS_SAME || last->layered || last->refined) {
         double at[3];
 
@@ -164,7 +166,7 @@ enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch 
     return here->surface.kind;
 }
 
-/* Whether the input goes on around the seed at hand. */
+/* Whether the input surrounds the seed, at x, with no border within how->radius. */
 static int far_from_border(const struct vor_seeds *seeds, const struct vor_scratch *scratch,
                            const double x[3], const struct vor_recall *how)
 {
@@ -205,7 +207,7 @@ enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scrat
         scratch->onto = scratch->here.surface;
         if (how->refine)
             (void)vor_seeds_refine(seeds, scratch, i, &scratch->onto);
-        if (last->interior) { /* nothing else is asked of it */
+        if (last->interior) { /* nobody asks for the wider fit */
             scratch->here.surface = last->surface = scratch->onto;
             last->refined = (unsigned char)how->refine;
         }
@@ -244,8 +246,8 @@ void vor_seeds_border(const struct vor_seeds *seeds, struct vor_scratch *scratch
         border->spacing = fmin(scratch->foot.surface.spacing, sparse);
 }
 
-/* Whether the input goes on beyond x, as seen from the input point at `foot`, by what the list of
- * seed i tells of the points around that: false where it does not tell. */
+/* Whether the input goes on beyond x, as seen from the input point at `foot`, judged by those
+ * points around it that the list of seed i holds for certain: false when they do not show it. */
 static int goes_on(const struct vor_seeds *seeds, size_t i, const double foot[3], const double x[3],
                    unsigned k)
 {
@@ -270,7 +272,8 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, s
         return 0;
     length = vor_boundary_foot(near, k, x, foot);
     spacing = vor_boundary_spacing(near, k, x);
-    /* Mostly the points at hand tell, and save a search. Not of sheets: they may be on another. */
+    /* Mostly the points at hand decide, which saves a search. With sheets the list does not: its
+     * points may be on another one. */
     if (length <= VOR_HOLE_MARGIN * spacing ||
         vor_boundary_beyond(near, k, foot, x, vor_boundary_reach(near, k, x) - length) ||
         (!seeds->domain->known.sheets && goes_on(seeds, i, foot, x, k)) ||
@@ -283,7 +286,8 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, s
     return 1;
 }
 
-/* Mean distance to the six nearest seeds; with fewer seeds the patch spans the whole domain. */
+/* Mean distance to the six nearest seeds (Xiao 2024, Sec. III-B step 2). With fewer seeds it is 2,
+ * which spans the whole domain. */
 static double patch_radius(const struct vor_crowd *crowd)
 {
     double sum = 0;
@@ -295,7 +299,6 @@ static double patch_radius(const struct vor_crowd *crowd)
     return sum / 6;
 }
 
-/* Coincident seeds get an offset of their own, opposite for the two, so that they part. */
 void vor_seeds_part(size_t i, size_t j, double length, double offset[2])
 {
     uint64_t low = i < j ? i : j, high = i < j ? j : i;
@@ -305,7 +308,7 @@ void vor_seeds_part(size_t i, size_t j, double length, double offset[2])
     offset[1] = sign * length * (vor_rng_unit(low, 7, 2 * high + 1) - 0.5);
 }
 
-/* Where seed j lies as seen from seed i, in the surface's axes; never at the same place. */
+/* Offset from seed i to seed j in the surface's axes, not zero even if they coincide. */
 static void offset_of(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
                       size_t j, double offset[3])
 {
@@ -321,6 +324,7 @@ static void offset_of(const struct vor_seeds *seeds, const struct vor_scratch *s
     offset[2] = 0;
 }
 
+/* Clips by the bisector with seed j. Returns false when seed j is too far to cut anything. */
 static int clip_by(const struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i, size_t j)
 {
     double offset[3] = {0};
@@ -332,8 +336,8 @@ static int clip_by(const struct vor_seeds *seeds, struct vor_scratch *scratch, s
     return 1;
 }
 
-/* Looks farther while what the list is sure of does not secure the cell. Seeds come in no strict
- * order, so that each is judged by itself. */
+/* Searches farther and farther until the seeds known for certain secure the cell. A search does not
+ * return them in strict order of their present distance, so each is tested by itself. */
 static void clip_more(const struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i)
 {
     uint32_t index[VOR_SEEDS_MORE_MAX];
@@ -341,7 +345,7 @@ static void clip_more(const struct vor_seeds *seeds, struct vor_scratch *scratch
     size_t width = 2 * (seeds->point_lists.listed + 1), done = 0;
     double sure = scratch->crowd.sure;
 
-    /* Of the jumpers, the crowd has only those nearer than it is sure of. */
+    /* The crowd holds only the jumpers nearer than crowd.sure. */
     if (!(sure > 0 && vor_cell_secure(&scratch->cell, sure * sure)))
         for (unsigned j = 0; j < seeds->view.jumpers; j++)
             if (seeds->view.jumper[j] != i)
@@ -372,6 +376,7 @@ const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds,
     return bend > BEND_FLAT ? &seeds->disc : &seeds->flat;
 }
 
+/* Rule 2 of geom/boundary.h: clips the cell where the input ends. */
 static void end_at_border(const struct vor_seeds *seeds, struct vor_scratch *scratch)
 {
     double side[2],

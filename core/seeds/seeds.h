@@ -1,5 +1,9 @@
-/** The seeds, their neighbours among themselves, and what every method computes for one of them:
- * local surface, patch, restricted Voronoi cell. */
+/** The seeds, their neighbours among themselves, and what every method computes for a seed: local
+ *  surface, patch, restricted Voronoi cell.
+ *
+ *  Functions that take a scratch may run on all threads of the pool, each with its own; only one
+ *  thread at a time may ask about seed i, because that may renew its lists. They cannot fail. What
+ *  they compute does not depend on the number of threads. */
 #ifndef VOR_SEEDS_H
 #define VOR_SEEDS_H
 
@@ -15,17 +19,17 @@
 #define VOR_SEEDS_LISTED 20    /* neighbours in the list of each seed */
 #define VOR_SEEDS_MORE_MAX 256 /* neighbours looked at when those do not secure a cell */
 
-/** What is kept of a seed's last fit. */
+/** A seed's last fit. */
 struct vor_last_fit {
     struct vor_surface surface;
     float place[3];             /**< where the seed was */
-    uint16_t k;                 /**< input points it was fitted to, or is to be; 0: not known yet */
+    uint16_t k;                 /**< points that it was or will be fitted to; 0: not known yet */
     unsigned char interior : 1; /**< no border of the input is near that place */
-    unsigned char layered : 1;  /**< fitted to one sheet of several */
+    unsigned char layered : 1;  /**< fitted to one of several sheets */
     unsigned char refined : 1;  /**< a finer fit was tried */
 };
 
-/** How the cells of all seeds are made; chosen once. */
+/** How cells are made, the same for all seeds; chosen once. */
 struct vor_seeds_policy {
     int keep_border; /**< cells end where the input ends, and points stay inside it */
     double widen;    /**< patches are this many times as wide as usual */
@@ -33,9 +37,9 @@ struct vor_seeds_policy {
 
 /** n points on the domain, in its normalised coordinates. */
 struct vor_seeds {
-    const struct vor_domain *domain; /**< that surfaces are fitted to: the whole, or some of it */
-    const struct vor_domain *whole;  /**< that the seeds are to end on */
-    struct vor_run run; /**< that a stop does not cut short; loops that it may, have their own */
+    const struct vor_domain *domain; /**< surfaces are fitted to it: the whole, or a thinned one */
+    const struct vor_domain *whole;  /**< the domain that the seeds end on */
+    struct vor_run run; /**< not interrupted by a stop; loops that a stop may end get their own */
     size_t n;
     struct vor_seeds_policy policy;
     float *xyz;                         /**< n x 3 */
@@ -43,20 +47,22 @@ struct vor_seeds {
     struct vor_last_fit *last_fit;      /**< n */
     struct vor_point_lists point_lists; /**< neighbours among the seeds */
     struct vor_point_lists_view view;   /**< of xyz, as of the last index */
-    double area; /**< of the surface, from the draw that these seeds were started from */
-    struct vor_disc flat, disc, fine; /**< patches, by how much they bend */
+    double area; /**< of the surface in squared normalised units, as the start estimated it */
+    struct vor_disc flat, disc, fine; /**< patches, from flat to strongly bent */
     struct vor_scratch *scratch;      /**< one for each thread of the pool */
 };
 
-/** n >= 1 seeds with unset positions. A fit takes as many points as domain->known says, lowered to
- *  the size of the domain. The domain must outlive them, and so must run's watches.
+/** Makes n >= 1 seeds with unset positions. A fit takes as many points as domain->known says, at
+ *  most all of the domain. The domain and run's watches must outlive the seeds.
  *
- *  @retval VOR_E_NOMEM */
+ *  @param[out] out  free with vor_seeds_free; untouched on failure
+ *
+ *  @retval VOR_E_NOMEM  O(n k) bytes do not fit */
 VOR_NODISCARD vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain,
                                         size_t n, struct vor_seeds_policy policy,
                                         const struct vor_run *run, struct vor_error *err);
 
-/** Cells as a request wants them. */
+/** The policy of a request: keep_border as `boundary` says, patches of the usual width. */
 static inline struct vor_seeds_policy vor_seeds_policy_of(const struct vor_spec *spec)
 {
     return (struct vor_seeds_policy){spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP, 1};
@@ -65,84 +71,91 @@ static inline struct vor_seeds_policy vor_seeds_policy_of(const struct vor_spec 
 /** seeds may be all zero. */
 void vor_seeds_free(struct vor_seeds *seeds);
 
-/** From now on surfaces are fitted to `domain`: the whole one, or at least seeds->input_lists.wide
- * of its points. What is known of the input around the seeds is forgotten, what they know of each
- * other stays. */
+/** Fits surfaces to another domain from now on: the whole one, or a thinned one of at least
+ *  seeds->input_lists.wide points. Forgets the lists of input points and the last fits; the seeds'
+ *  lists of each other stay. O(n). */
 void vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain);
 
-/** Takes note of where the seeds are now, and makes their lists anew where too many moved too far
- * for the old ones; positions must not change while cells are computed.
+/** Takes the seeds' present positions as those that the following calls ask about, and makes their
+ *  lists of each other anew if too many have moved too far for the old ones. Positions must not
+ *  change while cells are computed.
  *
  *  @retval VOR_E_NOMEM
- *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for */
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
+ *
+ *  O(n), O(n log n) when the lists are made anew. */
 VOR_NODISCARD vor_status vor_seeds_index(struct vor_seeds *seeds, const struct vor_run *run,
                                          struct vor_error *err);
 
-/** Gathers scratch->here for seed i, wherever that is by now. Only one thread at a time may ask for
- * i. */
+/** Gathers the input points around seed i in scratch->here and fits its surface, unless these
+ *  points gave it before. Returns its kind. O(k), O(k log n) when a list is made anew. */
 enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i);
 
-/** When a last fit still serves. */
+/** When a last fit may be used again. */
 struct vor_recall {
-    double radius;  /**< no edge within it, then none is looked for */
+    double radius;  /**< a seed without an edge within it is interior; normalised */
     double slack;   /**< input spacings that a seed may move from its last fit */
-    int keep_holes; /**< holes are told from gaps of the sampling (vor_attach) */
+    int keep_holes; /**< holes are kept open (vor_attach) */
     int refine;     /**< vor_seeds_refine is tried */
 };
 
-/** As vor_seeds_fit, but content with the last fit where that found the seed inside the input, no
- *  border within how->radius of it, and it moved by at most how->slack since; scratch->interior
- *  says so, and then scratch->here.near is not set. scratch->onto is the fit, refined where
- *  how->refine asks for it. */
+/** vor_seeds_fit, or the last fit if that found the seed inside the input with no border within
+ *  how->radius, and the seed has moved by at most how->slack since. Sets scratch->interior: then
+ *  only scratch->here.surface is valid, scratch->here.near is not. scratch->onto is the surface to
+ *  move along, refined if how->refine asks for it. */
 enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scratch *scratch,
                                        size_t i, const struct vor_recall *how);
 
-/** Fits *surface, that of scratch->here around seed i, to fewer neighbours where k allows it and
- *  vor_surface_refine finds that better. Returns whether it did. */
+/** vor_surface_refine of *surface, a copy of that of scratch->here around seed i, if k allows it.
+ *  Returns whether the surface was replaced. */
 int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
                      struct vor_surface *surface);
 
-/** scratch->crowd, as of the last index. Only one thread at a time may ask for i. */
+/** Gathers the seeds around seed i in scratch->crowd, as of the last index
+ *  (vor_point_lists_crowd). */
 void vor_seeds_crowd(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i);
 
-/** The same, but content with those within `distance`, in no order. */
+/** The same for seeds within `distance` (normalised), in no order (vor_point_lists_within). */
 void vor_seeds_within(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i,
                       double distance);
 
-/** The cell of seed i in scratch->cell, from scratch->here and scratch->crowd: out of a patch as
- * fine as the surface bends, or where `flat` out of the tangent plane. */
+/** Clips the cell of seed i into scratch->cell, from scratch->here and scratch->crowd: from the
+ *  patch that vor_seeds_disc picks, or if `flat` from the tangent plane. */
 void vor_seeds_clip(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i, int flat);
 
-/** vor_seeds_fit, vor_seeds_crowd and vor_seeds_clip, unless the kind is NONE. */
+/** vor_seeds_fit, and unless its kind is NONE vor_seeds_crowd and vor_seeds_clip. */
 enum vor_surface_kind vor_seeds_cell(struct vor_seeds *seeds, struct vor_scratch *scratch,
                                      size_t i);
 
-/** The mesh for a patch of scratch->radius on the surface of scratch->here. */
+/** The disc for a patch of scratch->radius on the surface of scratch->here: the more that bends,
+ *  the finer. O(1). */
 const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds,
                                       const struct vor_scratch *scratch);
 
-/** Gathers a place of the scratch, there or foot, around any x, by a search of its own. */
+/** Gathers the input points around any place x in scratch->there or scratch->foot by a search, and
+ *  fits a surface. Returns its kind. O(k log n). */
 enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_scratch *scratch,
                                        struct vor_place *place, const double x[3]);
 
-/** A tangential offset of about that length for two seeds that lie at the same place, opposite for
- *  (j, i), so that they part: from what i and j are, nothing else. */
+/** A tangential offset of about `length` by which seed i sees a coincident seed j, so that the two
+ *  move apart: opposite for (j, i). Depends on i and j alone. */
 void vor_seeds_part(size_t i, size_t j, double length, double offset[2]);
 
-/** Sums over the workers. */
+/** Sums of the counters over the workers. O(threads). */
 struct vor_counts vor_seeds_counts(const struct vor_seeds *seeds);
 
-/** What is known of the border around x, where `place`, here or there, was gathered. */
+/** Fills *border for x from scratch->here or scratch->there (`place`), which was gathered around x.
+ *  Searches once (scratch->foot) when x is farther than a spacing from the input. */
 void vor_seeds_border(const struct vor_seeds *seeds, struct vor_scratch *scratch,
                       const struct vor_place *place, struct vor_border *border, const double x[3]);
 
-/** Moves x, near seed i, which scratch->here was gathered around, straight back towards the input
- * where it lies too far into a hole or beyond an edge of a regular input. Returns whether it did.
- */
+/** Rule 3 of geom/boundary.h. If x lies too far into a hole of a regular input, or beyond its edge,
+ *  moves it straight towards the nearest input point. scratch->here was gathered around seed i, and
+ *  x is near it. Returns whether x was moved. */
 int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i,
                    double x[3]);
 
-/** Whether surfaces are fitted to all of what the seeds are to end on. */
+/** Whether surfaces are fitted to the whole domain. */
 static inline int vor_seeds_on_whole(const struct vor_seeds *seeds)
 {
     return seeds->domain == seeds->whole;

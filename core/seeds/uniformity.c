@@ -6,6 +6,7 @@ enum { OPEN_SHARE = 16 };
 
 #define FAR 0.6 /* spacings that a seed may have moved before it is looked at apart */
 
+/* Positions whose uniformity is asked for. */
 struct even {
     const struct vor_seeds *seeds;
     struct vor_point_lists_view view;
@@ -13,7 +14,8 @@ struct even {
     const struct vor_run *run;
 };
 
-/* Negative where even the widest search leaves it open. */
+/* Distance from seed i to its nearest neighbour by wider and wider searches; negative when even the
+ * widest is not certain. */
 static double nearest_wide(const struct even *even, size_t i, struct vor_scratch *scratch)
 {
     const struct vor_seeds *seeds = even->seeds;
@@ -46,7 +48,7 @@ static double nearest_wide(const struct even *even, size_t i, struct vor_scratch
     }
 }
 
-/* From the lists; negative where a seed from beyond the list could be nearer. */
+/* Distances from the lists; negative where a seed beyond the list could be nearer. */
 static void list_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     const struct even *even = ctx;
@@ -76,7 +78,7 @@ static size_t count_open(const struct even *even)
     return open;
 }
 
-/* By an index of the positions. */
+/* Distances by a new index of the positions. */
 static vor_status search_all(const struct even *even, struct vor_error *err)
 {
     const struct vor_run *run = even->run;
@@ -91,8 +93,8 @@ static vor_status search_all(const struct even *even, struct vor_error *err)
     return status;
 }
 
-/* By the lists, then one by one where they leave few open, else, or where that does not close all
- * of them, by an index. */
+/* Distances by the lists. Where these leave few seeds open, a search for each of them; where they
+ * leave many, or the searches leave some, an index of all. */
 static vor_status measure(struct even *even, struct vor_error *err)
 {
     const struct vor_seeds *seeds = even->seeds;
