@@ -8,7 +8,7 @@ enum { WIDE_MAX = 1024 };
 
 #define ROUNDING 1.00001f /* what float distances may be off, and more */
 
-/* How many a list of k has. */
+/* Entries of a list that answers k neighbours. */
 static unsigned width(const struct vor_input_lists *lists, unsigned k)
 {
     unsigned wide = k + k / 2 + 2;
@@ -100,16 +100,16 @@ static unsigned nearest(const float *distance2, unsigned begin, unsigned end)
     return at;
 }
 
-/* Brings the k nearest of the list to its front by exchanging the farthest of the front with the
- * nearest of the rest: a query that moved a little needs none or one or two of these. Returns how
- * many, and the distance of the farthest in *last. */
+/* Moves the k nearest of the list to its front by exchanging the farthest of the front with the
+ * nearest of the rest; a query that moved a little needs none or one or two exchanges. Returns
+ * their number; *last is the distance of the farthest of the front. */
 static unsigned select(const struct vor_input_lists *lists, uint32_t *list, unsigned k,
                        const float x[3], float *last)
 {
     float distance2[WIDE_MAX];
     unsigned exchanged = 0, wide = width(lists, k), out, in;
 
-    memset(distance2, 0, wide * sizeof *distance2); /* the analysers want it said */
+    memset(distance2, 0, wide * sizeof *distance2); /* clang-analyzer cannot see that k >= 1 */
     for (unsigned j = 0; j < wide; j++)
         distance2[j] = squared(&lists->reference[3 * (size_t)list[j]], x);
     for (;; exchanged++) {
@@ -152,7 +152,7 @@ enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists,
             float last;
             unsigned exchanged = select(lists, list, k, x, &last);
 
-            /* A point beyond the list is at least reach - moved away. */
+            /* A point that is not in the list is at least reach - moved away. */
             if ((last + moved) * ROUNDING <= lists->reach[i])
                 return exchanged > 0 ? VOR_INPUT_LISTS_OTHER : VOR_INPUT_LISTS_SAME;
         }
@@ -169,7 +169,7 @@ unsigned vor_input_lists_around(const struct vor_input_lists *lists, size_t i, c
     float distance2[WIDE_MAX], sure;
 
     assert(k >= 1 && k <= WIDE_MAX);
-    memset(distance2, 0, k * sizeof *distance2); /* the analysers want it said */
+    memset(distance2, 0, k * sizeof *distance2); /* clang-analyzer cannot see that count <= k */
     if (lists->reach[i] < 0)
         return 0;
     sure = lists->reach[i] - sqrtf(squared(&lists->anchor[3 * i], x));

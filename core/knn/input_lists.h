@@ -1,26 +1,34 @@
-/** Nearest reference points of queries that move a little from call to call: each query keeps a
- * list of candidates, wide enough that the answer can be read off it until the query has moved by
- * the list's margin (the neighbour lists of molecular dynamics: Verlet 1967). */
+/** Nearest reference points of queries that move a little from call to call. Each query has a list
+ *  of candidates, wider than the answer, from which the answer is exact until the query has moved
+ *  by the list's margin.
+ *
+ *  Source: the neighbour lists of molecular dynamics (Verlet 1967, "Computer experiments on
+ *  classical fluids"). Most seeds move less than the distance between their neighbours, so an index
+ *  for each iteration would find what the last one found. */
 #ifndef VOR_KNN_INPUT_LISTS_H
 #define VOR_KNN_INPUT_LISTS_H
 
 #include "core/knn/knn.h"
 
+/** The lists; owns the arrays, borrows knn and reference. */
 struct vor_input_lists {
     struct vor_memory *memory;
     const struct vor_knn *knn;
     const float *reference; /* what knn indexes */
     size_t n, m;            /* queries, reference points */
-    unsigned most, wide;    /* neighbours at most; those that a list of so many has */
-    uint16_t *k;            /* n: how many are wanted of a list */
+    unsigned most, wide;    /* most neighbours of an answer; entries of a list for that many */
+    uint16_t *k;            /* n: neighbours that each list answers */
     uint32_t *list;         /* n x wide, the k nearest first */
     float *anchor;          /* n x 3: where the query was when its list was made */
-    float
-        *reach; /* every point beyond the list is at least this far from the anchor; < 0: no list */
+    float *reach;           /* n: points not in the list are at least this far from the anchor; < 0:
+                               no list */
 };
 
-/** For n queries of up to `most` nearest of m reference points (m x 3 floats, most <= m), without
- * lists yet.
+/** Prepares for n queries of at most `most` nearest of m reference points; makes no list yet.
+ *
+ *  @param[out] out        free with vor_input_lists_free; untouched on failure
+ *  @param[in]  knn        index of the reference points
+ *  @param[in]  reference  m x 3 floats, most <= m; borrowed, as knn, for the life of the lists
  *
  *  @retval VOR_E_NOMEM (6 most + 26) n bytes do not fit */
 VOR_NODISCARD vor_status vor_input_lists_init(struct vor_input_lists *out, size_t n, unsigned most,
@@ -28,33 +36,40 @@ VOR_NODISCARD vor_status vor_input_lists_init(struct vor_input_lists *out, size_
                                               size_t m, struct vor_memory *memory,
                                               struct vor_error *err);
 
-/** From now on the neighbours are those among m other reference points, at least as many as a list
- * holds; every list is forgotten. */
+/** Changes the reference points: m others, at least lists->wide. Forgets every list. O(n). */
 void vor_input_lists_onto(struct vor_input_lists *lists, const struct vor_knn *knn,
                           const float *reference, size_t m);
 
-/** lists may be all zero. */
+/** Frees the lists; they may be all zero. */
 void vor_input_lists_free(struct vor_input_lists *lists);
 
-/** What a search found out. */
+/** What a search tells about its answer. */
 enum vor_input_lists_found {
-    VOR_INPUT_LISTS_SAME,  /**< the set is the one of the query's last search */
-    VOR_INPUT_LISTS_OTHER, /**< it may not be */
-    VOR_INPUT_LISTS_ANEW   /**< nor is the list: the index was searched */
+    VOR_INPUT_LISTS_SAME,  /**< the same set of points as in the query's last search */
+    VOR_INPUT_LISTS_OTHER, /**< perhaps another set, from the same list */
+    VOR_INPUT_LISTS_ANEW   /**< a new list: the index was searched */
 };
 
-/** The k <= most nearest reference points of query i, now at x. Exact. A list is made for one k,
- * and made anew for another. What comes out depends on the query's own moves and ks only, not on
- * who asks when: different queries may be asked by different threads.
+/** Finds the k <= most nearest reference points of query i, which is at x now. Exact. A list is
+ *  made for one k; another k makes it anew.
  *
- *  @param[out] index  k points in any order but the nearest first; valid until the next search for
- *                     i */
+ *  @param[out] index  k points, the nearest first, the others in no order; valid until the next
+ *                     search for i
+ *
+ *  Cannot fail. O(k), O(k log m) with a new list. Different threads may ask for different queries;
+ *  the answer depends only on the moves and ks of query i. */
 enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists, size_t i,
                                                   const float x[3], unsigned k,
                                                   const uint32_t **index);
 
-/** The reference points nearest to any x near query i, nearest first, as far as the list of i
- * surely holds them: as many as that, k at most. */
+/** Finds the reference points nearest to any x near query i, as far as the list of i holds them for
+ *  certain.
+ *
+ *  @param[out] index  room for k; nearest first
+ *
+ *  @return how many there are, at most k
+ *
+ *  O(k^2) at worst, without a search. */
 unsigned vor_input_lists_around(const struct vor_input_lists *lists, size_t i, const float x[3],
                                 unsigned k, uint32_t *index);
 

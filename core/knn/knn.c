@@ -1,4 +1,4 @@
-/* Two structures behind one door: what the caller may not do is caught here, for both. */
+/* The door to two structures: arguments are checked here, for both. */
 #include "core/knn/knn.h"
 
 #include "core/knn/knn_boxes.h"
@@ -16,7 +16,7 @@ enum { BLOCK = 1 << 15 };
 struct vor_knn {
     struct vor_memory *memory;
     size_t n;
-    struct vor_flann *flann; /* one of the two is there */
+    struct vor_flann *flann; /* one of the two is not NULL */
     struct vor_boxes *boxes;
 };
 

@@ -1,13 +1,14 @@
 /* A tree of boxes, 8 wide (Wald, Benthin, Boulos 2008, "Getting rid of packets", for rays), over
  * points along the Morton curve. A range of points is cut where the highest bit of its codes
- * changes, the fullest part first, until there are 8 parts or none has more than 8 points. So boxes
- * hardly overlap; cutting at every 8th, 64th ... point instead needs no codes and is built in a
- * sixth of the time, but a query looks into seven times as many nodes.
+ * changes, the largest part first, until there are 8 parts or none has more than 8 points. So boxes
+ * hardly overlap. Also tried: cutting at every 8th, 64th ... point, which needs no codes and is
+ * built in a sixth of the time, but makes queries seven times as slow. VOR_CLONES saves a third of
+ * a search.
  *
  * The distance to a box is computed by the same operations as that to a point in it, and rounding
- * keeps order: it is never the larger one, and the answers are those of a look at every point.
- * Cuts that the codes do not offer (coincident points, points in any other order) are made in the
- * middle: worse boxes, the same answers. */
+ * preserves order: it is never larger, so the answers are exact. Where codes offer no cut
+ * (coincident points, points in another order), the range is cut in the middle: worse boxes, the
+ * same answers. */
 #include "core/knn/knn_boxes.h"
 
 #include "core/base/morton.h"
@@ -19,13 +20,14 @@
 
 enum {
     LANES = 8,
-    CODED_LEVELS = 64, /* deeper, the codes of sorted points have nothing more to say */
+    CODED_LEVELS = 64, /* deeper, all codes of a range are equal: they have 63 bits */
     LEVELS_MAX = CODED_LEVELS + 32,
     STACK_MAX = LEVELS_MAX * LANES,
-    SUBTREE = 1 << 14 /* points that a task makes the nodes of */
+    SUBTREE = 1 << 14 /* points whose nodes one task makes */
 };
 
-/* Lanes beyond the last child are inside out: infinitely far from everything. */
+/* Up to LANES children. The boxes of unused lanes are inside out, infinitely far from everything.
+ */
 struct node {
     float low[3][LANES], high[3][LANES];
     uint32_t child[LANES]; /* a node, or the first point of a leaf */
@@ -60,13 +62,14 @@ struct build {
     size_t subtrees;
 };
 
-/* Where the next nodes go. Above the subtrees these are there already and are hung in turn. */
+/* Where the next nodes go. When the nodes above the subtrees are made, the subtrees exist already
+ * and are attached in turn. */
 struct cursor {
     size_t node;
-    const struct subtree *subtree; /* NULL: in one */
+    const struct subtree *subtree; /* the next one; NULL inside a subtree */
 };
 
-/* Where to cut begin .. end - 1, at least two points: the first point of the second part. */
+/* The first point of the second part when a range of at least two points is cut. */
 static size_t cut(const uint64_t *code, struct range range)
 {
     size_t low = range.begin, high = range.end - 1;
@@ -87,7 +90,7 @@ static size_t cut(const uint64_t *code, struct range range)
     return high;
 }
 
-/* The children of a node: at[j] .. at[j + 1] - 1; returns how many. */
+/* Cuts a range into the children of a node: child j is at[j] .. at[j + 1] - 1. Returns how many. */
 static unsigned divide(size_t at[LANES + 1], const uint64_t *code, struct range range)
 {
     unsigned parts = 1;
@@ -110,7 +113,7 @@ static unsigned divide(size_t at[LANES + 1], const uint64_t *code, struct range 
     return parts;
 }
 
-/* Nodes of a range; of the parts only those of more than `least` points count. */
+/* Counts the nodes of a range, without parts of at most `least` points. */
 static size_t count_nodes(const uint64_t *code, struct range range, size_t least)
 {
     size_t at[LANES + 1], nodes = 1;
@@ -122,7 +125,8 @@ static size_t count_nodes(const uint64_t *code, struct range range, size_t least
     return nodes;
 }
 
-/* Counts the subtrees below a node above them, or lists them where there is room for the list. */
+/* Counts the subtrees of a range larger than SUBTREE, and lists them if build->subtree has memory.
+ */
 static void list_subtrees(struct build *build, struct range range)
 {
     size_t at[LANES + 1];
@@ -184,7 +188,7 @@ static void make_leaf(const struct build *build, struct node *node, unsigned lan
     node->count[lane] = (uint32_t)n;
 }
 
-/* The box of a node becomes a lane of its parent. */
+/* Makes the box of a node a lane of its parent. */
 static void hang(struct vor_boxes *boxes, size_t parent, size_t lane, size_t at)
 {
     const struct node *below = &boxes->node[at];
@@ -204,7 +208,7 @@ static void hang(struct vor_boxes *boxes, size_t parent, size_t lane, size_t at)
     node->count[lane] = 0;
 }
 
-/* The node of a range is `at`, those below it follow the cursor. */
+/* Makes the node of a range at `at`, and those below it at the cursor. */
 static void make_node(const struct build *build, struct range range, size_t at, struct cursor *next)
 {
     struct vor_boxes *boxes = build->boxes;
@@ -244,7 +248,7 @@ static void make_subtrees(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-/* Finds the subtrees, and their places behind the nodes above them. */
+/* Finds the subtrees, and their places after the nodes above them. */
 static vor_status plan(struct build *build, size_t *nodes, struct vor_error *err)
 {
     struct range all = {0, build->n, 0};
@@ -323,7 +327,7 @@ void vor_boxes_free(struct vor_boxes *boxes)
     vor_free(boxes->memory, boxes);
 }
 
-/* A box that may hold something nearer: of a node, or of a leaf of so many points. */
+/* A box that may hold a nearer point: of a node (count 0), or of a leaf of `count` points. */
 struct visit {
     float distance2;
     uint32_t at, count;
@@ -334,7 +338,7 @@ struct found {
     uint32_t *index;
     float *distance2;
     unsigned count, k;
-    float worst; /* only what is nearer is of use */
+    float worst; /* squared distance that a point must be nearer than */
 };
 
 VOR_INLINE void insert(struct found *found, uint32_t i, float distance2)
@@ -351,8 +355,8 @@ VOR_INLINE void insert(struct found *found, uint32_t i, float distance2)
         found->worst = found->distance2[found->k - 1];
 }
 
-/* The lanes of the first n that are nearer than worst, found without a branch on each; returns how
- * many. */
+/* Lists those of the first n lanes that are nearer than worst, without a branch for each. Returns
+ * how many. */
 VOR_INLINE unsigned nearer(unsigned lane[LANES], const float distance2[LANES], unsigned n,
                            float worst)
 {
@@ -372,7 +376,7 @@ VOR_INLINE void search_leaf(struct found *found, const float *leaf, struct visit
     float distance2[LANES];
     unsigned lane[LANES], count;
 
-    for (size_t j = 0; j < LANES; j++) { /* lanes beyond the leaf are never looked at */
+    for (size_t j = 0; j < LANES; j++) { /* results beyond the leaf are not used */
         float x = xyz[j] - q[0], y = xyz[visit.count + j] - q[1],
               z = xyz[2 * visit.count + j] - q[2];
 
@@ -399,7 +403,7 @@ VOR_INLINE void box_distances(float distance2[LANES], const struct node *node, c
         }
 }
 
-/* Puts the boxes of a node that may hold something nearer on the stack, the nearest on top; returns
+/* Pushes the boxes of a node that may hold a nearer point on the stack, the nearest on top. Returns
  * how many. */
 VOR_INLINE unsigned open_node(struct visit *stack, const struct node *node, const float q[3],
                               float worst)

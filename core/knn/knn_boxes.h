@@ -9,15 +9,17 @@
 
 struct vor_boxes;
 
-/** n >= 1 points (n x 3 floats, all finite), which are copied. O(n) in Morton order, O(n log n) in
- *  any other, on the run's pool; the same tree for any number of threads.
+/** Builds a tree over n >= 1 points (n x 3 floats, all finite), which are copied.
  *
  *  @retval VOR_E_NOMEM what stays (about 20 n bytes, at worst 49 n) and 8 n more do not fit
- *  @retval VOR_E_CANCELLED, VOR_E_STOPPED */
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
+ *
+ *  O(n) in Morton order, O(n log n) in any other, on the run's pool. The same tree for any number
+ *  of threads. */
 VOR_NODISCARD vor_status vor_boxes_build(struct vor_boxes **out, const float *xyz, size_t n,
                                          const struct vor_run *run, struct vor_error *err);
 
-/** boxes may be NULL. */
+/** Frees a tree; boxes may be NULL. */
 void vor_boxes_free(struct vor_boxes *boxes);
 
 /** One row of vor_knn_search. */

@@ -1,12 +1,15 @@
-/* FLANN's single kd-tree (Muja, Lowe 2009): exact, and the same answers every time. The other
- * indexes seed themselves from the machine. What crashes or misleads it knn.c keeps out: no
- * points, more neighbours than points, coordinates that are not finite or overflow when squared. */
+/* FLANN's single kd-tree (Muja and Lowe 2009, "Fast approximate nearest neighbors with automatic
+ * algorithm configuration"): exact, and the same answers every time; its other indexes take seeds
+ * from the machine. knn.c keeps out what crashes or misleads it: no points, more neighbours than
+ * points, coordinates that are not finite or overflow when squared. */
 #include "core/knn/knn_flann.h"
 
 #include <assert.h>
 #include <flann/flann.h>
 
-#define BYTES_PER_POINT 44 /* measured at leaves of 16: 37, plus the allocator's own */
+/* Bytes of an index for each point. Measured with leaves of 16 points: 37, and the allocator's own.
+ */
+#define BYTES_PER_POINT 44
 
 struct vor_flann {
     flann_index_t index;

@@ -10,17 +10,19 @@
 
 struct vor_flann;
 
-/** 1 .. INT32_MAX points (n x 3 floats that square without overflow), which are borrowed.
+/** Indexes 1 .. INT32_MAX points (n x 3 floats that square without overflow), which are borrowed.
  *
  *  @retval VOR_E_NOMEM    about 40 n bytes do not fit
- *  @retval VOR_E_INTERNAL the library did not do it */
+ *  @retval VOR_E_INTERNAL the library failed
+ *
+ *  O(n log n), one thread. */
 VOR_NODISCARD vor_status vor_flann_build(struct vor_flann **out, const float *xyz, size_t n,
                                          struct vor_memory *memory, struct vor_error *err);
 
-/** flann may be NULL. */
+/** Frees an index; flann may be NULL. */
 void vor_flann_free(struct vor_flann *flann);
 
-/** vor_knn_search; count k is at most INT32_MAX. */
+/** vor_knn_search, with count k at most INT32_MAX. */
 void vor_flann_search(const struct vor_flann *flann, const float *queries, size_t count, unsigned k,
                       uint32_t *index, float *distance2);
 

@@ -42,8 +42,8 @@ void vor_point_lists_free(struct vor_point_lists *lists)
     memset(lists, 0, sizeof *lists);
 }
 
-/* The list of point i out of the listed + 1 anchors nearest to its place; among many coincident
- * points it may be missing itself. */
+/* Makes the list of point i from the listed + 1 anchors nearest to its place. Among many coincident
+ * points i itself may not be one of these. */
 static void make_list(struct vor_point_lists *lists, size_t i, const uint32_t *index,
                       const float *distance2)
 {
@@ -114,13 +114,14 @@ static unsigned jumpers_allowed(size_t n)
                                                    : VOR_POINT_LISTS_JUMPERS_MAX;
 }
 
-/* The cell of a coordinate, of which all but jumpers are -1 .. 1; never less for a greater one. */
+/* The cell of a coordinate: 64 cells over -1 .. 1, where all points except jumpers are. Does not
+ * decrease with x. */
 static unsigned cell_of(float x)
 {
     return x <= -1 ? 0 : x >= 1 ? 63 : (unsigned)((x + 1) * 31.999f);
 }
 
-/* Marks the cells that are, at least in part, within `ground` of a jumper to all sides. */
+/* Marks every cell that is, at least in part, within `ground` of a jumper along each axis. */
 static void mark(struct vor_point_lists_view *view, const float at[3])
 {
     unsigned low[3], high[3];
@@ -171,7 +172,8 @@ int vor_point_lists_look(struct vor_point_lists_view *out, const struct vor_poin
     return 1;
 }
 
-/* How far every point but the jumpers and those of i's list is at least from where i is now. */
+/* A distance that all points except the jumpers and those of i's list have at least from where i is
+ * now. */
 static double sure_of(const struct vor_point_lists *lists, const struct vor_point_lists_view *view,
                       size_t i)
 {
@@ -201,8 +203,8 @@ static void insert(struct vor_crowd *crowd, uint32_t j, float d2)
     crowd->index[at] = j;
 }
 
-/* The list in order of the distances as they are now; it is kept so, since it will hardly change
- * until the next question. */
+/* Sorts the list by present distances. It stays sorted, because the order hardly changes until the
+ * next question. */
 static void sort_list(struct vor_crowd *out, struct vor_point_lists *lists,
                       const struct vor_point_lists_view *view, size_t i)
 {
@@ -215,6 +217,7 @@ static void sort_list(struct vor_crowd *out, struct vor_point_lists *lists,
     out->sure = sure_of(lists, view, i);
 }
 
+/* Whether a crowd holds everything to a little beyond the sixth nearest. */
 static int covers(const struct vor_crowd *crowd)
 {
     return crowd->count < 6 ||
@@ -230,7 +233,7 @@ static int holds(const struct vor_crowd *crowd, uint32_t j)
     return 0;
 }
 
-/* Whether a jumper, and be it i itself, is nearer to i than that. */
+/* Whether a jumper, i included, is nearer to i than the limit. */
 static int near_jumper(const struct vor_point_lists_view *view, size_t i, float limit2)
 {
     const float *at = &view->xyz[3 * i];
@@ -247,6 +250,7 @@ static int near_jumper(const struct vor_point_lists_view *view, size_t i, float 
     return found;
 }
 
+/* Adds the jumpers that are nearer than what the crowd holds for certain. */
 static void add_jumpers(struct vor_crowd *crowd, const struct vor_point_lists_view *view, size_t i)
 {
     if (crowd->sure >= 0 && !near_jumper(view, i, (float)(crowd->sure * crowd->sure) * 1.001f))
@@ -254,7 +258,7 @@ static void add_jumpers(struct vor_crowd *crowd, const struct vor_point_lists_vi
     for (unsigned j = 0; j < view->jumpers; j++) {
         float d2 = distance2(view, i, view->jumper[j]);
 
-        /* One farther than all that the list is sure of tells nothing. */
+        /* Farther jumpers may have nearer points, not listed, before them. */
         if (view->jumper[j] != i && (crowd->sure < 0 || (double)d2 < crowd->sure * crowd->sure) &&
             !holds(crowd, view->jumper[j]))
             insert(crowd, view->jumper[j], d2);

@@ -1,7 +1,14 @@
-/** Neighbours among points that all move a little from call to call. Each point keeps a list of
- * candidates around the place where the list was made; the answer can be read off it for as long as
- * nobody has moved too far (the neighbour lists of molecular dynamics: Verlet 1967). The few points
- * that jump are looked at apart, so that one of them does not cost everybody a new list. */
+/** Neighbours among points that all move a little from call to call. Each point has a list of
+ *  candidates around the place where the list was made, from which answers are exact until points
+ *  have moved too far. The few points that move farther (jumpers) are tested one by one, so that
+ *  one of them does not make all lists anew.
+ *
+ *  Source: the neighbour lists of molecular dynamics (Verlet 1967, "Computer experiments on
+ *  classical fluids"); jumpers are not in it.
+ *
+ *  Lists are made anew when positions say so, never by the clock, the thread or the order of the
+ *  questions, and only the thread that asks for a point writes to its list. So a run uses the same
+ *  lists for any number of threads, and counts the same searches. */
 #ifndef VOR_KNN_POINT_LISTS_H
 #define VOR_KNN_POINT_LISTS_H
 
@@ -16,6 +23,7 @@
 /** Cells of a grid of 64 to each side, one bit for each, by words. */
 #define VOR_POINT_LISTS_CELLS (64 * 64)
 
+/** The lists; owns everything. */
 struct vor_point_lists {
     struct vor_memory *memory;
     size_t n;
@@ -23,42 +31,54 @@ struct vor_point_lists {
     struct vor_knn *knn; /* over the anchors; NULL before the first index */
     float *anchor;       /* n x 3: the positions as of the last index */
     float *place;        /* n x 3: where each point was when its list was made */
-    float *reach;     /* n: the anchors of all others but the list are at least this far from it */
-    uint32_t *list;   /* n x listed */
-    double spacing;   /* mean distance to the nearest neighbour, as of the last index */
+    float *reach;   /* n: anchors of points not in the list are at least this far from the place */
+    uint32_t *list; /* n x listed */
+    double spacing; /* mean distance to the nearest neighbour, as of the last index */
     uint64_t indexed; /* times the anchors were indexed */
 };
 
-/** The positions that a question is about. */
+/** The positions that questions are about, beside the anchors. */
 struct vor_point_lists_view {
     const float *xyz; /**< n x 3 */
-    double drift;     /**< no point but the jumpers is farther than this from its anchor */
+    double drift;     /**< every point except the jumpers is within this of its anchor */
     unsigned jumpers;
     uint32_t jumper[VOR_POINT_LISTS_JUMPERS_MAX];
     float jumped[3][VOR_POINT_LISTS_JUMPERS_MAX]; /**< where they are */
-    float ground; /**< around each of them, so far to all sides (0: not at all) ... */
-    uint64_t cells[VOR_POINT_LISTS_CELLS]; /**< ... the cells of a grid are marked */
+    float ground; /**< the cells of a grid within this of a jumper, along each axis, are marked; 0:
+                       the grid is not used */
+    uint64_t cells[VOR_POINT_LISTS_CELLS]; /**< the marks */
 };
 
-/** Lists for n points; listed < n, and at most VOR_POINT_LISTS_LISTED_MAX.
+/** Prepares lists of `listed` neighbours for n points; there are none before the first
+ *  vor_point_lists_index.
+ *
+ *  @param[out] out     free with vor_point_lists_free; untouched on failure
+ *  @param[in]  listed  less than n, at most VOR_POINT_LISTS_LISTED_MAX
  *
  *  @retval VOR_E_NOMEM (4 listed + 28) n bytes do not fit */
 VOR_NODISCARD vor_status vor_point_lists_init(struct vor_point_lists *out, size_t n,
                                               unsigned listed, struct vor_memory *memory,
                                               struct vor_error *err);
 
-/** lists may be all zero. */
+/** Frees the lists; they may be all zero. */
 void vor_point_lists_free(struct vor_point_lists *lists);
 
-/** Makes xyz the anchors, and every list anew.
+/** Makes the positions xyz (n x 3) the anchors, and every list anew. On failure there are no lists.
  *
  *  @retval VOR_E_NOMEM the index does not fit
- *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for */
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
+ *
+ *  O(n log n); the searches run on the run's pool. */
 VOR_NODISCARD vor_status vor_point_lists_index(struct vor_point_lists *lists, const float *xyz,
                                                const struct vor_run *run, struct vor_error *err);
 
-/** How far xyz is from the anchors: points that moved more than `far` spacings are jumpers. False
- * when there are too many of them for the lists to be of use. O(n). */
+/** Compares positions with the anchors. Points that moved by more than `far` spacings are jumpers.
+ *
+ *  @param[out] out  refers to xyz
+ *
+ *  @return false, and *out must not be used, when there are no lists or too many jumpers
+ *
+ *  O(n). */
 int vor_point_lists_look(struct vor_point_lists_view *out, const struct vor_point_lists *lists,
                          const float *xyz, double far);
 
@@ -67,29 +87,37 @@ struct vor_crowd {
     unsigned count;
     uint32_t index[VOR_POINT_LISTS_LISTED_MAX + VOR_POINT_LISTS_JUMPERS_MAX];
     float distance2[VOR_POINT_LISTS_LISTED_MAX + VOR_POINT_LISTS_JUMPERS_MAX];
-    double sure; /**< every point not among them is at least this far */
+    double sure; /**< every point that is not listed is at least this far away; may be negative */
 };
 
-/** Neighbours of point i as the view has it; never i itself. Where its list does not surely hold
- * everything a little beyond the sixth nearest, it is made anew: only one thread may ask for i at a
- * time.
+/** Gathers the neighbours of point i in the view, without i itself. Makes the list of i anew if it
+ *  does not hold for certain everything to a little beyond the sixth nearest: only one thread at a
+ *  time may ask for i.
  *
- *  @return number of searches done */
+ *  @return number of searches done: 0 or 1
+ *
+ *  O(listed + jumpers), and a search. */
 unsigned vor_point_lists_crowd(struct vor_crowd *out, struct vor_point_lists *lists,
                                const struct vor_point_lists_view *view, size_t i);
 
-/** As vor_point_lists_crowd, but content with the neighbours within `distance`, in no order, where
- * the list surely holds them all. */
+/** The neighbours within `distance`, in no order, if the list holds them all for certain; else
+ *  vor_point_lists_crowd. */
 unsigned vor_point_lists_within(struct vor_crowd *out, struct vor_point_lists *lists,
                                 const struct vor_point_lists_view *view, size_t i, double distance);
 
-/** Distance from point i to its nearest neighbour, where the list tells, else -1. */
+/** Distance from point i to its nearest neighbour, or -1 if the list cannot answer for certain.
+ *  O(listed + jumpers). */
 double vor_point_lists_nearest(const struct vor_point_lists *lists,
                                const struct vor_point_lists_view *view, size_t i);
 
-/** The points whose anchors are the `width` (<= n) nearest to where point i is now, itself among
- * them, in index, distance2 being scratch; jumpers may be missing. Returns how far every other
- * point but the jumpers is at least: infinite where there is none. */
+/** Searches for the `width` <= n points whose anchors are nearest to where point i is now; i is
+ *  among them, jumpers may be missing.
+ *
+ *  @param[out] index      width points
+ *  @param[out] distance2  width floats of scratch
+ *
+ *  @return a distance that all other points except the jumpers have at least; infinite if there are
+ *          none */
 double vor_point_lists_wide(const struct vor_point_lists *lists,
                             const struct vor_point_lists_view *view, size_t i, unsigned width,
                             uint32_t *index, float *distance2);
