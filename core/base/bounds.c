@@ -1,6 +1,7 @@
 #include "core/base/bounds.h"
 
-enum { BLOCK = 1 << 15 }; /* three passes over it, from the cache */
+/* Points of one task: three passes over them stay in the cache. */
+enum { BLOCK = 1 << 15 };
 
 struct boxes {
     const float *xyz;

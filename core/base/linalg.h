@@ -5,11 +5,13 @@
 
 #include <math.h>
 
+/** Scalar product. */
 static inline double vor_dot(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/** Cross product; out is neither a nor b. */
 static inline void vor_cross(double out[3], const double a[3], const double b[3])
 {
     out[0] = a[1] * b[2] - a[2] * b[1];
@@ -17,6 +19,7 @@ static inline void vor_cross(double out[3], const double a[3], const double b[3]
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+/** Squared distance of two points, in double precision. */
 static inline double vor_distance2f(const float a[3], const float b[3])
 {
     double x = (double)a[0] - (double)b[0], y = (double)a[1] - (double)b[1],
@@ -25,14 +28,21 @@ static inline double vor_distance2f(const float a[3], const float b[3])
     return x * x + y * y + z * z;
 }
 
-/** Eigenvalues, ascending, and unit eigenvectors (rows of `vectors`, right-handed) of the symmetric
- *  matrix with upper triangle m = {xx, xy, xz, yy, yz, zz}. Cyclic Jacobi; exact zeros stay. Uses
- * no function whose bits differ between machines. */
+/** Computes the eigenvalues, ascending, and unit eigenvectors (rows of `vectors`, right-handed) of
+ *  a symmetric matrix with upper triangle m = {xx, xy, xz, yy, yz, zz}. Cyclic Jacobi method; exact
+ *  zeros stay zero. It uses no function whose bits differ between machines. Cannot fail; O(1). */
 void vor_eigen3(double values[3], double vectors[3][3], const double m[6]);
 
-/** Solves A x = b for symmetric positive definite A of size n <= 20 (row-major, only the lower
- *  triangle is read), by LDL^T in place. Returns the smallest pivot over its diagonal entry, a
- *  measure of rank in [0, 1]; when it is below `rank`, b is unchanged. Else b becomes x. */
+/** Solves A x = b for symmetric positive definite A by LDL^T in place.
+ *
+ *  @param[in,out] a     n x n, row-major; only the lower triangle is read; destroyed
+ *  @param[in,out] b     n; becomes x on success, else unchanged
+ *  @param[in]     rank  smallest pivot over its diagonal entry that is allowed
+ *
+ *  @return the smallest pivot over its diagonal entry, a measure of rank in (0, 1]; 0 if one is
+ *          below `rank` or not positive
+ *
+ *  O(n^3). */
 double vor_solve_spd(double *a, double *b, int n, double rank);
 
 #endif

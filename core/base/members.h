@@ -1,12 +1,12 @@
-/** What the members of a struct are called when they are told to the world.
+/** Describes the members of structs that are written as JSON, CSV or traces.
  *
- *  A struct that is told (progress record, report, measure) is one X-macro table with a row for
- * each member: kind, member of the struct, name, unit, sentence. The table makes the C struct
- * (VOR_FIELD) and the description below (VOR_MEMBER), so each member is spelled once; JSON, CSV,
- * traces and the descriptions of processes follow the description.
+ *  Such a struct (progress record, report, measure) is one X-macro table with a row for each
+ *  member: kind, member of the struct, name, unit, sentence. The table makes the C struct
+ *  (VOR_FIELD) and the description below (VOR_MEMBER), so each member is spelled once; JSON, CSV,
+ *  traces and the descriptions of processes read the description.
  *
  *  A name with dots puts the member into objects: "points.in" is the member "in" of the object
- * "points". Rows that share an object stand next to each other. */
+ *  "points". Rows that share an object stand next to each other. */
 #ifndef VOR_BASE_MEMBERS_H
 #define VOR_BASE_MEMBERS_H
 
@@ -50,7 +50,7 @@ struct vor_members {
 };
 
 /** What a process hands out that is no cloud: a name ("report") and values with their table. Owns
- * nothing. */
+ *  nothing. */
 struct vor_document {
     const char *name;
     const struct vor_members *members;
@@ -64,8 +64,8 @@ static inline const void *vor_member_at(const struct vor_member *member, const v
 }
 
 /** VOR_FIELD declares the member of a row; VOR_MEMBER describes it, given its struct. A table may
- * use kinds of its own, such as an enum or a list: it defines VOR_FIELD_<kind> and
- * VOR_KIND_OF_<kind> for each. */
+ *  use kinds of its own, such as an enum or a list: it defines VOR_FIELD_<kind> and
+ *  VOR_KIND_OF_<kind> for each. */
 #define VOR_FIELD(kind, field, name, unit, sentence) VOR_FIELD_##kind(field)
 #define VOR_FIELD_U32(field) uint32_t field;
 #define VOR_FIELD_U64(field) uint64_t field;

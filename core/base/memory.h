@@ -17,21 +17,24 @@ struct vor_memory {
     size_t fail_at;      /**< tests: the fail_at-th call fails; 0 = never */
 };
 
+/** Starts counting at 0 with a cap in bytes, SIZE_MAX for none. */
 void vor_memory_init(struct vor_memory *memory, size_t cap);
 
-/** count * size bytes, checked for overflow and against the cap; NULL on failure. count or size 0
- *  yields a valid pointer. The memory is 64-byte aligned; calloc zeroes it. */
+/** Allocates count * size bytes, checked for overflow and against the cap. Returns NULL on failure,
+ *  a valid pointer also for 0 bytes. The memory is aligned to 64 bytes; calloc zeroes it. Free it
+ *  with vor_free. Thread-safe. */
 VOR_NODISCARD void *vor_malloc(struct vor_memory *memory, size_t count, size_t size);
 VOR_NODISCARD void *vor_calloc(struct vor_memory *memory, size_t count, size_t size);
 
 /** Grows or shrinks to count * size bytes; p may be NULL; on failure NULL and p stays valid. */
 VOR_NODISCARD void *vor_realloc(struct vor_memory *memory, void *p, size_t count, size_t size);
 
-/** p may be NULL. */
+/** Frees memory from the functions above; p may be NULL. Thread-safe. */
 void vor_free(struct vor_memory *memory, void *p);
 
-/** Books bytes that a library allocates by itself against the cap. False when they do not fit, and
- *  then nothing is booked. */
+/** Counts bytes that a library allocates by itself against the cap. Returns false, and counts
+ *  nothing, when they do not fit. vor_memory_release takes them off the count again. Thread-safe.
+ */
 VOR_NODISCARD int vor_memory_charge(struct vor_memory *memory, size_t bytes);
 void vor_memory_release(struct vor_memory *memory, size_t bytes);
 

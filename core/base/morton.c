@@ -12,15 +12,15 @@
 
 enum {
     CODE_BITS = 63,
-    DIGIT = 12, /* bits split off by all threads */
+    DIGIT = 12, /* bits of one split by all threads */
     BUCKETS = 1 << DIGIT,
-    SMALL_DIGIT = 8, /* by one thread */
+    SMALL_DIGIT = 8, /* bits of one split by one thread */
     SMALL_BUCKETS = 1 << SMALL_DIGIT,
-    BLOCK_MIN = 1 << 14,
-    BLOCKS_MAX = 64,
+    BLOCK_MIN = 1 << 14, /* points of a block at least */
+    BLOCKS_MAX = 64,     /* blocks at most: each has a histogram of BUCKETS */
     BUCKETS_A_TASK = 16,
     BIG_SHARE = 16, /* a bucket of more than 1 / BIG_SHARE of all points is split by all threads */
-    INSERTION_MAX = 24
+    INSERTION_MAX = 24 /* points at most that are sorted by insertion */
 };
 
 struct grid {

@@ -7,20 +7,25 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** order[] gets 0 .. n - 1 (n >= 1) sorted by the Morton code of the points (n x 3 floats, all
- *  finite) in a grid of 2^21 cells a side over their bounding cube; equal codes by x, y, z, then
- *  index, so that coincident points follow each other, first one first. Deterministic. O(n), on the
- *  run's pool; O(n log n) where many points share a cell.
+/** Sorts n >= 1 points (n x 3 floats, all finite) by their Morton codes in a grid of 2^21 cells a
+ *  side over their bounding cube. Points with equal codes are sorted by x, y, z, then index, so
+ *  that coincident points follow each other, the first one first.
+ *
+ *  @param[out] order  n: a permutation of 0 .. n - 1
  *
  *  @retval VOR_E_NOMEM 33 n bytes of scratch and a little do not fit
- *  @retval VOR_E_CANCELLED, VOR_E_STOPPED */
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
+ *
+ *  O(n), on the run's pool; O(n log n) where many points share a cell. The same order for any
+ *  number of threads. */
 VOR_NODISCARD vor_status vor_morton_order(uint32_t *order, const float *xyz, size_t n,
                                           const struct vor_run *run, struct vor_error *err);
 
-/** code[i] gets the Morton code of point i in that grid: 63 bits, ascending in that order. O(n), on
- *  the run's pool.
+/** Computes the Morton code of each point in that grid: code[i] has 63 bits.
  *
- *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED */
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED
+ *
+ *  O(n), on the run's pool. */
 VOR_NODISCARD vor_status vor_morton_codes(uint64_t *code, const float *xyz, size_t n,
                                           const struct vor_run *run, struct vor_error *err);
 

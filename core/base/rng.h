@@ -1,4 +1,4 @@
-/** Random numbers that depend on nothing but (seed, stream, index): no state, no order, no thread.
+/** Random numbers that depend on (seed, stream, index) alone, not on a state, an order or a thread.
  *
  *  Source: the finaliser of SplitMix64 (Steele, Lea, Flood 2014, "Fast splittable pseudorandom
  *  number generators"), applied to a counter. */

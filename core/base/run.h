@@ -1,4 +1,4 @@
-/** Where a run gets its threads and memory from, and whom it tells. */
+/** What a run gets from its caller: threads, memory, and whom to tell. */
 #ifndef VOR_BASE_RUN_H
 #define VOR_BASE_RUN_H
 
@@ -6,17 +6,18 @@
 #include "core/base/parallel.h"
 #include "core/base/watch.h"
 
+/** One run; borrows everything. */
 struct vor_run {
     struct vor_pool *pool;           /**< borrowed */
     struct vor_memory *memory;       /**< the job's; results allocate from it too */
     const struct vor_watch *watch;   /**< may be NULL */
     const struct vor_watch *no_stop; /**< the same, but never answers VOR_STOP (vor_no_stop_watch);
                                           NULL where watch never does */
-    double began; /**< the clock's reading when the run began: records and budgets count from it */
+    double began; /**< the clock when the run began; records and budgets count from it */
 };
 
-/** The run for a part after which there is something to hand back, and which VOR_STOP therefore
- *  must not cut short. Valid as long as run's watches are. */
+/** The same run, not interrupted by VOR_STOP: for the parts before there is a result to hand back.
+ *  Valid as long as run's watches are. */
 static inline struct vor_run vor_run_unstoppable(const struct vor_run *run)
 {
     struct vor_run whole = *run;
@@ -28,7 +29,7 @@ static inline struct vor_run vor_run_unstoppable(const struct vor_run *run)
 
 /** Runs task over 0 .. n - 1 on the run's pool, as vor_parallel_for.
  *
- *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  what the watch answered; rows are missing */
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as the watch answered; some rows are not done */
 VOR_NODISCARD static inline vor_status vor_run_for(const struct vor_run *run, size_t n,
                                                    size_t block, vor_task task, void *ctx,
                                                    struct vor_error *err)
@@ -43,7 +44,7 @@ VOR_NODISCARD static inline vor_status vor_run_for(const struct vor_run *run, si
     }
 }
 
-/** A watch that passes on VOR_CANCEL and nothing else. */
+/** A watch that answers VOR_CANCEL when another one does, and never VOR_STOP. */
 struct vor_no_stop {
     const struct vor_watch *inner;
     struct vor_watch watch;
@@ -56,7 +57,8 @@ static inline enum vor_answer vor_no_stop_poll(void *ctx)
     return no_stop->inner->poll(no_stop->inner->ctx) == VOR_CANCEL ? VOR_CANCEL : VOR_CONTINUE;
 }
 
-/** The watch to use; valid as long as *no_stop and inner (may be NULL) are. */
+/** The watch of *no_stop over inner, which may be NULL; NULL if inner never answers. Valid as long
+ *  as both are. */
 static inline const struct vor_watch *vor_no_stop_watch(struct vor_no_stop *no_stop,
                                                         const struct vor_watch *inner)
 {
@@ -65,8 +67,7 @@ static inline const struct vor_watch *vor_no_stop_watch(struct vor_no_stop *no_s
     return inner != NULL && inner->poll != NULL ? &no_stop->watch : NULL;
 }
 
-/** Seconds by the watch's clock; 0 without one. See vor_run_seconds for those since the run began.
- */
+/** Seconds by the watch's clock, 0 without one; vor_run_seconds counts from the run's beginning. */
 static inline double vor_run_clock(const struct vor_run *run)
 {
     return run->watch != NULL && run->watch->clock != NULL ? run->watch->clock(run->watch->ctx) : 0;

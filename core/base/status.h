@@ -1,4 +1,4 @@
-/** Status codes and the one way a failure is reported. */
+/** Status codes, and the one function that every failure passes through. */
 #ifndef VOR_BASE_STATUS_H
 #define VOR_BASE_STATUS_H
 
@@ -44,7 +44,7 @@ struct vor_error {
     uint64_t limit, got; /**< E_LIMIT: the limit and what was declared; else 0 */
 };
 
-/** Row of the status table; status must be one of the table. */
+/** HTTP status, problem slug and sentence of a row of the table; status must be one. */
 int vor_status_http(vor_status status);
 const char *vor_status_slug(vor_status status);
 const char *vor_status_sentence(vor_status status);

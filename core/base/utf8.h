@@ -4,8 +4,8 @@
 
 #include <stddef.h>
 
-/** Bytes of the UTF-8 character at p, of which `left` bytes are there: 1 .. 4, or 0 when it is none
- *  (overlong, surrogate, beyond U+10FFFF, cut off, or left is 0). */
+/** Length in bytes, 1 .. 4, of the UTF-8 character at p, where `left` bytes may be read; 0 when it
+ *  is none (overlong, surrogate, beyond U+10FFFF, cut off, or left is 0). */
 size_t vor_utf8_length(const unsigned char *p, size_t left);
 
 #endif

@@ -1,5 +1,5 @@
-/** The only two things that travel upward: progress and cancel, through function pointers given
- * from above. The clock comes the same way; core has none of its own. */
+/** Function pointers through which core talks to its caller: progress goes up, cancel and stop come
+ *  down. The clock comes the same way; core has none of its own. */
 #ifndef VOR_BASE_WATCH_H
 #define VOR_BASE_WATCH_H
 
@@ -18,8 +18,8 @@ struct vor_watch {
     void *ctx;
     enum vor_answer (*progress)(void *ctx, const struct vor_record *record);
     enum vor_answer (*poll)(void *ctx);
-    double (*clock)(
-        void *ctx); /**< monotonic seconds; without it, seconds are 0 and no budget ends */
+    /** Monotonic seconds; without it seconds are 0 and no budget ends. */
+    double (*clock)(void *ctx);
 };
 
 #endif

@@ -163,8 +163,8 @@ static vor_status double_bounds(const double *xyz, size_t n, double low[3], doub
 }
 
 /* About half an extent, so that relative coordinates are small: a multiple of 2^(exponent - 6). The
- * odd summand keeps extents that people choose away from where floor jumps; the bounds keep every
- * multiple of the grid within 2^24 of it. */
+ * irrational summand (2 minus the golden ratio) keeps extents that people choose, such as 100, away
+ * from where floor jumps; the bounds keep every coordinate within 2^24 multiples of the grid. */
 static double half_extent(double extent, int exponent)
 {
     double grid = ldexp(1.0, exponent - 25), step = ldexp(1.0, exponent - 6);
@@ -196,7 +196,7 @@ vor_status vor_cloud_set_double(struct vor_cloud *cloud, const double *xyz, stru
         half[c] = half_extent(high[c] - low[c], exponent);
         cloud->origin[c] = low[c] + half[c];
     }
-    /* An integer of at most 2^24 either side of zero, times grid: exact in float32. */
+    /* A multiple of the grid, at most 2^24 of it from zero: exact in float32. */
     for (size_t i = 0; i < 3 * cloud->n; i++)
         cloud->xyz[i] = (float)(rint((xyz[i] - low[i % 3]) / grid) * grid - half[i % 3]);
     cloud->position_type = VOR_FLOAT64;

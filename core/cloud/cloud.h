@@ -8,8 +8,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** Most points any cloud may have: indices are uint32_t and a count must fit an int32_t. */
+/** Most points of a cloud: indices are uint32_t and a count must fit an int32_t. */
 #define VOR_POINTS_MAX ((size_t)INT32_MAX - 1)
+
+/** Most attributes of a cloud. */
 #define VOR_ATTRIBUTES_MAX 64
 
 /** Scalar types: name, C type, PLY 1.0 spelling, sized spelling. */
@@ -58,7 +60,7 @@ struct vor_attribute {
 };
 
 /** Scalar number `at` of an attribute (value i has components i * components ...), whatever its
- * type. 64-bit integers beyond 2^53 are rounded. */
+ *  type. 64-bit integers beyond 2^53 are rounded. */
 double vor_attribute_scalar(const struct vor_attribute *attribute, size_t at);
 
 /** n points: point i lies at origin + xyz[3 i .. 3 i + 2], in the input's own unit.
@@ -70,13 +72,12 @@ struct vor_cloud {
     size_t n;
     double origin[3];
     float *xyz;
-    enum vor_type
-        position_type; /**< FLOAT32 or FLOAT64: what the source had, what PLY output has */
+    enum vor_type position_type; /**< FLOAT32 or FLOAT64: of the source, and of PLY output */
     size_t attribute_count;
     struct vor_attribute attributes[VOR_ATTRIBUTES_MAX];
 };
 
-/** An empty cloud that allocates from memory. */
+/** Makes an empty cloud that allocates from memory. */
 void vor_cloud_init(struct vor_cloud *cloud, struct vor_memory *memory);
 
 /** Frees everything and leaves the cloud as vor_cloud_init does. */
@@ -106,8 +107,8 @@ const struct vor_attribute *vor_cloud_find_name(const struct vor_cloud *cloud, c
 
 /** Sets positions and origin from n x 3 doubles. The relative positions are multiples of a power of
  *  two near extent / 2^25 counted from the lower corner, so that every one is exact in float32 and
- * a cloud that was only shifted gets the same relative positions, bit for bit. position_type
- * becomes FLOAT64.
+ *  a cloud that was only shifted gets the same relative positions, bit for bit. position_type
+ *  becomes FLOAT64.
  *
  *  Cost: one pass; the positions move by at most extent / 2^25.
  *
@@ -116,7 +117,7 @@ const struct vor_attribute *vor_cloud_find_name(const struct vor_cloud *cloud, c
 VOR_NODISCARD vor_status vor_cloud_set_double(struct vor_cloud *cloud, const double *xyz,
                                               struct vor_error *err);
 
-/** Makes point order[k] the k-th, with all that belongs to it.
+/** Reorders the points with their attributes: point order[k] becomes the k-th.
  *
  *  @param[in] order  a permutation of 0 .. n - 1
  *
@@ -127,10 +128,12 @@ VOR_NODISCARD vor_status vor_cloud_reorder(struct vor_cloud *cloud, const uint32
 /** Point i in absolute double coordinates. */
 void vor_cloud_position(const struct vor_cloud *cloud, size_t i, double out[3]);
 
-/** What every codec owes to the rest, checked once where a cloud enters: at least one point, every
+/** Checks what every codec must ensure, once where a cloud enters: at least one point, every
  *  coordinate finite.
  *
- *  @retval VOR_E_EMPTY, VOR_E_NONFINITE */
+ *  @retval VOR_E_EMPTY, VOR_E_NONFINITE
+ *
+ *  O(n). */
 VOR_NODISCARD vor_status vor_cloud_check(const struct vor_cloud *cloud, struct vor_error *err);
 
 #endif
