@@ -11,7 +11,7 @@ struct search {
     float *out;
     const float *queries;
     const struct vor_knn *knn;
-    unsigned k; /* the k-th nearest counts */
+    unsigned k; /* distances are those to the k-th nearest */
 };
 
 static void search_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -45,7 +45,7 @@ static struct vor_stat summarise(const float *d, size_t n)
     return vor_sums_stat(&sums, n);
 }
 
-/* Sorts d. */
+/* Quantile of n distances; sorts d. */
 static double percentile(float *d, size_t n, double share)
 {
     vor_sort_floats(d, n);
@@ -67,7 +67,7 @@ static double diagonal(const float *xyz, size_t n)
     return sqrt(sum);
 }
 
-/* What is told of both directions, given in the frame's unit: over length, the diagonal. */
+/* Sets the distances of both directions, divided by `length`, the diagonal. */
 static void put_directions(struct vor_distances *out, const struct vor_stat *to_reference,
                            const struct vor_stat *to_cloud, double length)
 {
@@ -81,7 +81,8 @@ static void put_directions(struct vor_distances *out, const struct vor_stat *to_
     out->chamfer = out->out_to_ref_mean + out->ref_to_out_mean;
 }
 
-/* Both directions and the reference's own spacing; d has room for the larger of n and m. */
+/* Measures both directions and the reference's own spacing; d has room for the larger of n and m.
+ */
 static vor_status measure(struct vor_distances *out, float *d, const float *xyz, size_t n,
                           const float *reference, size_t m, const struct vor_knn *to_xyz,
                           const struct vor_knn *to_reference, const struct vor_run *run,

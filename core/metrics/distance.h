@@ -4,7 +4,7 @@
 
 #include "core/base/run.h"
 
-/** Names as in struct vor_measure (report.h). */
+/** Each member as in struct vor_measure (report.h), which has its definition. */
 struct vor_distances {
     double far_over_knn6_mean, far_over_knn6_p999;
     double out_to_ref_mean, out_to_ref_rms, out_to_ref_max;
@@ -12,13 +12,15 @@ struct vor_distances {
     double hausdorff, chamfer;
 };
 
-/** From n points to m reference points, both x 3 floats in one frame, each of magnitude at most
- * 1e6.
+/** Measures the distances from n points to m reference points and back.
+ *
+ *  @param[out] out             written only when VOR_OK is returned
+ *  @param[in]  xyz, reference  n x 3 and m x 3 floats in one frame, each of magnitude at most 1e6
  *
  *  @retval VOR_E_DEGENERATE m < 7, or the reference has no extent
- *  @retval VOR_E_NOMEM, VOR_E_CANCELLED
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED
  *
- *  O(n log m + m log n + m log m). */
+ *  O(n log m + m log n + m log m), on the run's pool. The same bits for any number of threads. */
 VOR_NODISCARD vor_status vor_distances_measure(struct vor_distances *out, const float *xyz,
                                                size_t n, const float *reference, size_t m,
                                                const struct vor_run *run, struct vor_error *err);

@@ -9,13 +9,18 @@
 #include <math.h>
 #include <string.h>
 
-/* FEW neighbours tell almost always how many are equally near; TIES is where dmetric stops. */
-enum { BLOCK = 256, CHUNK = 64 * BLOCK, FEW = 6, TIES = 30, NEIGHBORS = 20 };
+enum {
+    BLOCK = 256,        /* points of one task */
+    CHUNK = 64 * BLOCK, /* points whose ties are in memory at a time */
+    FEW = 6,            /* neighbours searched first: hardly ever are more equally near */
+    TIES = 30,          /* most equally near points; dmetric's limit */
+    NEIGHBORS = 20      /* a normal is fitted to as many points as an exact input's surface */
+};
 
 /* One of the two clouds: its distinct points in Morton order. */
 struct side {
     float *xyz, *normal;   /* n x 3 both; a normal of 0 is none */
-    unsigned char *fitted; /* reference: whether that normal has no side */
+    unsigned char *fitted; /* reference: whether that normal is fitted, and its side arbitrary */
     uint32_t *mapped;      /* cloud: how many normals are summed in normal */
     uint32_t *source;      /* index before sorting */
     size_t n;
@@ -39,7 +44,7 @@ static void side_close(struct side *side, struct vor_memory *memory)
     vor_free(memory, side->xyz);
 }
 
-/* Into Morton order, without those that coincide with the one before. */
+/* Copies the points in Morton order, without those that coincide with the one before. */
 static void keep_distinct(struct side *side, const float *xyz, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
@@ -72,7 +77,7 @@ static vor_status side_open(struct side *side, const float *xyz, size_t n,
     return vor_knn_build_sorted(&side->knn, side->xyz, side->n, run, err);
 }
 
-/* Keeps those of count points at index that are nearest to x. */
+/* Reduces ties->index, `count` points, to those nearest to x. */
 static void keep_nearest(struct ties *ties, const struct side *side, const float *x, unsigned count)
 {
     double distance2[TIES];
@@ -118,7 +123,7 @@ static void peak_block(void *ctx, size_t begin, size_t end, unsigned worker)
         uint32_t index[2];
         float distance2[2];
 
-        /* The point itself is one of the two: the first, but where float32 squares underflow. */
+        /* The point itself is one of the two: the first, unless float32 squares underflow. */
         vor_knn_search(peak->side->knn, &xyz[3 * i], 1, 2, index, distance2);
         for (int j = 0; j < 2; j++)
             most = fmax(most, vor_distance2f(&xyz[3 * i], &xyz[3 * (size_t)index[j]]));
@@ -149,7 +154,7 @@ struct normals {
     const struct vor_attribute *carried; /* NULL: none */
 };
 
-/* False where point i carries none that has a direction. */
+/* Takes the normal that point i carries. Returns false when it carries none with a direction. */
 static int take_normal(const struct normals *normals, size_t i)
 {
     double normal[3], length;
@@ -216,7 +221,7 @@ static void add_normal(struct side *cloud, size_t j, const struct side *referenc
     cloud->mapped[j] += !is_none(normal);
 }
 
-/* Every point of `from`, CHUNK at a time, with its nearest ones of `to`. */
+/* The points of `from`, CHUNK at a time, and their nearest ones of `to`. */
 struct mapping {
     const struct side *from, *to;
     struct ties *ties; /* of the points from first on */
@@ -232,7 +237,7 @@ static void mapping_block(void *ctx, size_t begin, size_t end, unsigned worker)
         find_ties(&mapping->ties[i], mapping->to, &mapping->from->xyz[3 * (mapping->first + i)]);
 }
 
-/* Gives the points of the cloud the mean normal of the reference points that map to them. The
+/* Gives each point of the cloud the mean normal of the reference points whose nearest it is. The
  * searches run on all threads, the sums in the order of the points. */
 static vor_status map_normals(struct side *cloud, const struct side *reference,
                               const struct vor_run *run, struct vor_error *err)

@@ -66,7 +66,7 @@ static void put_distortion(struct vor_measure *measure, const struct vor_distort
     measure->d2_psnr = vor_distortion_psnr(distortion->d2_mse, measure->peak / unit);
 }
 
-/* Adds what there is to say of the distances between two clouds in a frame of that unit. */
+/* Adds the distances between two clouds in a frame of that unit. */
 static vor_status measure_against(struct vor_measure *measure,
                                   const struct vor_distortion_pair *pair, double unit, double peak,
                                   const struct vor_run *run, struct vor_error *err)

@@ -14,17 +14,18 @@ static void add(struct vor_sums *sums, double distance2)
     vor_sums_add(sums, sqrt(distance2), distance2);
 }
 
+/* A comparison in progress. */
 struct compare {
     struct vor_seeds *seeds;
     struct vor_sums *block;
     const struct vor_knn *knn; /* over the seeds */
-    size_t points;             /* of the domain, that are looked at */
+    size_t points;             /* of the domain, whose distances are taken */
     double spacing;
     int refined;
     atomic_size_t border, fitted[VOR_NEIGHBORS_MAX + 1];
 };
 
-/* Row i of the points that are looked at. */
+/* Point number i of those whose distances are taken. */
 static const float *looked_at(const struct compare *compare, size_t i)
 {
     const struct vor_domain *domain = compare->seeds->domain;
@@ -51,8 +52,8 @@ static void in_block(void *ctx, size_t begin, size_t end, unsigned worker)
     compare->block[begin / BLOCK] = sums;
 }
 
-/* Directions, along the surface of scratch->here, of the points in the first ring around seed i.
- * Returns how many there are. */
+/* Directions, along the surface of scratch->here, from seed i to the points in the first ring
+ * around it. Returns how many there are. */
 static unsigned directions(const struct compare *compare, const struct vor_scratch *scratch,
                            size_t i, double direction[AROUND][2])
 {
@@ -83,8 +84,7 @@ static unsigned directions(const struct compare *compare, const struct vor_scrat
     return count;
 }
 
-/* Whether one of the directions lies less than the angle of VOR_RIM_FREE_COSINE to the left of a.
- */
+/* Whether a direction lies to the left of a by less than the angle of VOR_RIM_FREE_COSINE. */
 static int followed(double direction[AROUND][2], unsigned count, const double a[2])
 {
     for (unsigned j = 0; j < count; j++) {
@@ -96,7 +96,8 @@ static int followed(double direction[AROUND][2], unsigned count, const double a[
     return 0;
 }
 
-/* Whether the points around seed i leave one side of it free, and which: away from their mean. */
+/* Whether the points around seed i leave one side of it free; that side points away from their
+ * mean. */
 static int free_side(const struct compare *compare, const struct vor_scratch *scratch, size_t i,
                      double side[3])
 {
@@ -119,7 +120,7 @@ static int free_side(const struct compare *compare, const struct vor_scratch *sc
     return 1;
 }
 
-/* Whether the input ends ahead of x. */
+/* Whether the input ends ahead of x, in the direction `side`. */
 static int ends(const struct compare *compare, struct vor_scratch *scratch, const double x[3],
                 const double side[3])
 {
@@ -161,7 +162,7 @@ static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)
         double x[3], side[3];
 
         add(&sums, vor_distance2f(&seeds->xyz[3 * i], scratch->here.near));
-        /* As the last step of the polish did where the seed is now. */
+        /* The surface that the last step of the polish used where the seed is now. */
         fitted[kind != VOR_SURFACE_NONE && compare->refined &&
                        vor_seeds_refine(seeds, scratch, i, &surface)
                    ? VOR_REFINED_TO
@@ -179,7 +180,7 @@ static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)
             atomic_fetch_add(&compare->fitted[k], fitted[k]);
 }
 
-/* Runs a task over n rows and adds up what its blocks found. */
+/* Runs a task over n rows and sums the distances of its blocks. */
 static vor_status over_blocks(struct vor_compare_apart *out, struct compare *compare, size_t n,
                               vor_task task, struct vor_error *err)
 {

@@ -18,16 +18,18 @@
  * point, grows by GROWS when they are fewer. */
 enum { CHOICE = 32, GROWS = 4, POOL_LEAST = 4096 };
 
-enum { BLOCK = 1024, TURN = 4096 }; /* points a task: rated or looked up; chosen */
+/* Points of one task: rated or looked up; chosen. */
+enum { BLOCK = 1024, TURN = 4096 };
 
-/* In the plane a point is the nearest of six at most, in space of twelve. */
+/* Most chosen points that have the next one as their nearest: a point is the nearest of six others
+ * at most in the plane, of twelve in space. */
 enum { TOLD_MAX = 16 };
 
-/* What a slot says of points that are not in the heap. */
+/* Slots of points that are not in the heap: not chosen yet, or chosen. */
 #define WAITS UINT32_MAX
 #define CHOSEN (UINT32_MAX - 1)
 
-/* Points by cubes of space, hashed: those of bucket b are item[start[b]] .. item[start[b + 1] - 1].
+/* Points by cubes of space, hashed. Those of bucket b are item[start[b]] .. item[start[b + 1] - 1].
  */
 struct grid {
     double per_side; /* 1 / side */
@@ -35,6 +37,7 @@ struct grid {
     uint32_t *start, *item;
 };
 
+/* The order in progress. */
 struct order {
     const float *xyz;
     size_t n;
@@ -52,7 +55,8 @@ struct order {
     struct vor_knn *knn;    /* of the chosen points, while the pool grows */
 };
 
-/* Cubes of 64 share a stretch of buckets, so that neighbours are mostly near in memory. */
+/* Blocks of 4 x 4 x 4 cubes share a stretch of buckets, so that neighbours are mostly near in
+ * memory. */
 static size_t bucket_of(const struct grid *grid, const int32_t cell[3])
 {
     uint64_t h = (uint64_t)(uint32_t)(cell[0] >> 2) * UINT64_C(0x9e3779b97f4a7c15);
@@ -69,7 +73,7 @@ static void cell_of(const struct grid *grid, const float x[3], double offset, in
         cell[c] = (int32_t)floor(((double)x[c] + offset) * grid->per_side);
 }
 
-/* The grid of the pool, or of those of it that are chosen, for searches of about that radius. */
+/* Fills the grid with the pool, or with its chosen points, for searches of about that radius. */
 static void fill_grid(struct order *order, double radius, int chosen_only)
 {
     struct grid *grid = &order->grid;
@@ -118,7 +122,7 @@ static void visit_cell(struct order *order, const int32_t cell[3], const float x
     }
 }
 
-/* Calls for every point of the grid nearer to x than radius, in a fixed order. */
+/* Calls a function for each point of the grid within radius of x, in a fixed order. */
 static void around(struct order *order, const float x[3], double radius, visit call, void *ctx)
 {
     int32_t low[3], high[3], at[3];
@@ -144,7 +148,7 @@ static void heap_put(struct order *order, size_t at, uint32_t i)
     order->slot[i] = (uint32_t)at;
 }
 
-/* Point i belongs at `at`, above or below. */
+/* Puts point i into the heap at `at`, or above or below, where it belongs. */
 static void heap_sift(struct order *order, size_t at, uint32_t i)
 {
     for (; at > 0 && comes_before(order, i, order->heap[(at - 1) / 2]); at = (at - 1) / 2)
@@ -179,7 +183,7 @@ static void add_gain(struct order *order, uint32_t i, double gain)
     heap_sift(order, order->slot[i], i);
 }
 
-/* Without a unit. */
+/* Squared deviation of a distance from the wanted one, over the round's distance. */
 static double misfit(const struct order *order, double distance)
 {
     double off = distance / order->least - WANTED;
@@ -192,7 +196,7 @@ static double horizon(const struct order *order)
     return BEYOND * order->least;
 }
 
-/* What is gained where a chosen point that reaches so far to its nearest gets one at a distance. */
+/* Gain when a chosen point, whose nearest is `reach` away, gets a neighbour at a distance. */
 static double gain_of(const struct order *order, double reach, double distance)
 {
     reach = fmin(reach, horizon(order));
@@ -204,7 +208,7 @@ static void sum_gain(struct order *order, void *ctx, uint32_t i, double distance
     *(double *)ctx += gain_of(order, (double)order->reach[i], distance);
 }
 
-/* Of points in the heap, from the grid of the chosen. */
+/* Rates the points of a block of the heap, from the grid of the chosen. */
 static void rate_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct order *order = ctx;
@@ -219,7 +223,7 @@ static void rate_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-/* A chosen point whose nearest has become a nearer one. */
+/* A chosen point that has got a nearer neighbour. */
 struct told {
     uint32_t i;
     double from, to;
@@ -280,7 +284,8 @@ static void choose(struct order *order, uint32_t i)
     }
 }
 
-/* Who can be chosen in this round, not yet rated, beside the grid of those that are. */
+/* Collects the points that can be chosen in this round, not rated yet, and fills the grid with
+ * those chosen. */
 static void begin_round(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct order *order = ctx;
@@ -327,7 +332,7 @@ static void choose_some(void *ctx, size_t begin, size_t end, unsigned worker)
         choose(order, order->heap[0]);
 }
 
-/* All on one thread of the pool. */
+/* Runs a task on one thread of the pool. */
 static vor_status on_one(struct order *order, vor_task task, struct vor_error *err)
 {
     return vor_run_for(order->run, 1, 1, task, order, err);
@@ -365,7 +370,7 @@ static size_t pool_of(const struct order *order)
     return (order->n - 1) / order->stride + 1;
 }
 
-/* How far the pool is from those chosen. */
+/* Finds the distance of each point of the pool to the chosen ones. */
 static vor_status look_up(struct order *order, struct vor_error *err)
 {
     float *xyz = vor_malloc(order->run->memory, order->count, 3 * sizeof *xyz);

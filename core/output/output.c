@@ -7,7 +7,7 @@
 
 #include <assert.h>
 
-/* The cloud, in the order asked for. */
+/* Makes the cloud, in the order that the request says. */
 static vor_status hand_out(struct vor_cloud *out, const struct vor_placed *placed,
                            const struct vor_uniformity *even, struct vor_error *err)
 {
@@ -40,7 +40,7 @@ static struct vor_apart in_unit(const struct vor_compare_apart *apart, double un
                               apart->points};
 }
 
-/* How far the result is from the input, and how many neighbours its surfaces were fitted to. */
+/* Reports the distances to and from the input, and how many neighbours surfaces were fitted to. */
 static void report_comparison(struct vor_report *report, const struct vor_comparison *found,
                               double unit)
 {
@@ -65,7 +65,7 @@ static void report_uniformity(struct vor_report *report, const struct vor_unifor
     report->max_over_mean = even->mean > 0 ? even->max / even->mean : 0;
 }
 
-/* What was found out about the input, and done to it. */
+/* Reports what is known of the input, and what was done to it. */
 static void report_input(struct vor_report *report, const struct vor_domain *domain)
 {
     const struct vor_conditioning *known = &domain->known;
@@ -76,7 +76,7 @@ static void report_input(struct vor_report *report, const struct vor_domain *dom
     report->off_lattice = known->off_lattice;
 }
 
-/* What the method said. */
+/* Reports what the method told. */
 static void report_method(struct vor_report *report, const struct vor_placed *placed)
 {
     const struct vor_outcome *told = placed->told;
@@ -106,7 +106,7 @@ static void report_counts(struct vor_report *report, const struct vor_counts *co
     report->triangles_per_cell = (double)counts->triangles / (double)counts->cells;
 }
 
-/* How even the points are. */
+/* Measures how even the points are. */
 static vor_status measure(struct vor_uniformity *even, struct vor_seeds *seeds,
                           struct vor_error *err)
 {
@@ -133,7 +133,7 @@ vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
     if (status == VOR_OK)
         status = vor_seeds_six_share(&report->six_share, seeds, err);
     if (status == VOR_OK) {
-        counts = vor_seeds_counts(seeds); /* not those of the comparison */
+        counts = vor_seeds_counts(seeds); /* without those of the comparison */
         status = vor_compare(&found, seeds, even.mean, placed->told->refined, err);
     }
     if (status == VOR_OK)

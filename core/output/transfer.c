@@ -16,7 +16,7 @@ struct transfer {
     const struct vor_attribute *in_normal;
 };
 
-/* Which way a fitted normal points at seed i. */
+/* The sign that a fitted normal gets at seed i. */
 static double side(const struct transfer *transfer, size_t i, const double normal[3])
 {
     const struct vor_attribute *carried = transfer->in_normal;
@@ -58,7 +58,7 @@ static void transfer_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-/* Whether float32 around the far end of the cloud is too coarse for this spacing. */
+/* Whether float32 is too coarse for this spacing at the far end of the cloud. */
 static int needs_double(const struct vor_seeds *seeds, double spacing)
 {
     double far = 0;
@@ -89,7 +89,7 @@ static void place(struct transfer *transfer, double spacing)
     for (size_t i = 0; i < 3 * out->n; i++) {
         double x = (double)transfer->seeds->xyz[i] * domain->unit + shift[i % 3];
 
-        /* A seed may lie beyond an input that fills the range of float32. */
+        /* A seed may lie outside an input that fills the range of float32. */
         out->xyz[i] = (float)fmax(-(double)FLT_MAX, fmin(x, (double)FLT_MAX));
     }
 }

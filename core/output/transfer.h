@@ -1,20 +1,28 @@
-/** From seeds to a cloud: positions back in the input's frame, attributes from the nearest input
- * point (Xiao et al. 2024, Sec. V: colours), normals. */
+/** Makes a cloud of seeds: positions in the input's frame, attributes from the nearest input point
+ *  (Xiao et al. 2024, Sec. V, does so for colours), normals. */
 #ifndef VOR_OUTPUT_TRANSFER_H
 #define VOR_OUTPUT_TRANSFER_H
 
 #include "core/seeds/seeds.h"
 #include "core/spec.h"
 
-/** Fills out (initialised, empty) from the seeds and the input they stand for.
+/** Makes a cloud of the seeds and the input that they stand for.
  *
- *  Positions: float32 where the input has float32 and its step there is at most 1 / 200 of the
- * spacing; else double. Attributes and normals: as the request says. Fitted normals take the side
- * of the nearest input normal, without input normals the side away from the middle of the cloud.
+ *  Positions are float32 if the input's are and float32 is fine enough for the spacing
+ *  (STEPS_PER_SPACING in transfer.c), else double. Attributes and normals are as the request says.
+ *  Fitted normals point to the side of the nearest input normal; without input normals, away from
+ *  the origin of the domain's frame.
  *
- *  @param[in] spacing  mean distance between seeds, in the input's unit
+ *  @param[out] out      initialised, empty; filled only when VOR_OK is returned
+ *  @param[in]  in       the cloud that the domain was made of
+ *  @param[in]  seeds    on the whole domain
+ *  @param[in]  spacing  mean distance between seeds, in the input's unit
+ *  @param[in]  spec     read: attributes, normals
  *
- *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_LIMIT (attributes) */
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED
+ *  @retval VOR_E_LIMIT  too many attributes
+ *
+ *  O(n), on the run's pool. The same bytes for any number of threads. */
 VOR_NODISCARD vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in,
                                       struct vor_seeds *seeds, double spacing,
                                       const struct vor_spec *spec, struct vor_error *err);
