@@ -6,8 +6,7 @@
 #include "core/seeds/attach.h"
 #include "core/seeds/repel.h"
 
-/* Starts the seeds, and where the input is dense puts them onto a thinner one, which is then in
- * *thin. */
+/* Starts the seeds. If the input is dense, thins it into *thin and moves the seeds onto that. */
 static vor_status start(struct vor_seeds *seeds, struct vor_domain *thin,
                         const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
                         const struct vor_run *run, struct vor_error *err)
@@ -21,8 +20,7 @@ static vor_status start(struct vor_seeds *seeds, struct vor_domain *thin,
     return status;
 }
 
-/* Evens the seeds out and moves them to where they end: on the whole of the input, and inside it.
- */
+/* Attaches the seeds to the input, evens them out, and attaches them to the whole of it. */
 static vor_status even_out(struct vor_seeds *seeds, struct vor_outcome *told,
                            const struct vor_spec *spec, const struct vor_run *run,
                            struct vor_error *err)

@@ -31,6 +31,7 @@ struct block_sums {
     uint64_t held, plane, left;
 };
 
+/* The iteration. */
 struct cvt {
     struct vor_seeds *seeds;
     const struct vor_spec *spec;
@@ -47,11 +48,12 @@ struct cvt {
     unsigned char *flags;
     struct vor_anderson anderson;
     double past[PLATEAU_WINDOW]; /* best delta of the last iterations */
-    double last_seconds;         /* clock at the last record */
+    double last_seconds;         /* since the run began, at the last record */
     uint32_t limit;              /* of the iterations */
     int level;                   /* a plateau was reached */
 };
 
+/* How many of the last iterations run on the whole of the input. */
 static uint32_t on_whole(const struct cvt *cvt)
 {
     return cvt->limit / ON_WHOLE_SHARE < ON_WHOLE ? cvt->limit / ON_WHOLE_SHARE : ON_WHOLE;
@@ -115,8 +117,8 @@ static void set3(float *out, const double x[3])
         out[c] = (float)x[c];
 }
 
-/* The input does not go on to where the centroid of scratch->cell is: ends the cell where the input
- * does, and finds its centroid x anew. */
+/* The centroid of scratch->cell lies outside: clips the cell where the input ends in that
+ * direction, and computes the centroid x again. */
 static void shorten_cell(struct vor_scratch *scratch, struct vor_moments *moments, double x[3])
 {
     double side[2] = {moments->centroid[0] - scratch->cell.seed[0],
@@ -136,7 +138,7 @@ static void shorten_cell(struct vor_scratch *scratch, struct vor_moments *moment
     vor_surface_put(&scratch->here.surface, x);
 }
 
-/* Whether x, put onto the surface of the input around it, is outside the input. */
+/* Projects x onto the surface of the input around it. Returns whether it is outside the input. */
 static int outside(const struct cvt *cvt, struct vor_scratch *scratch, struct vor_border *border,
                    double x[3])
 {
@@ -147,8 +149,9 @@ static int outside(const struct cvt *cvt, struct vor_scratch *scratch, struct vo
     return vor_boundary_outside(border, VOR_OUTSIDE_MOVING, x);
 }
 
-/* Where seed i may go when it is meant to go to x, the projected centroid. Where the neighbours at
- * hand are not near x, it is the input around x that counts. Returns whether it was held back. */
+/* Changes x, the place that seed i is meant to go to, to one that it may go to (rule 1 of
+ * geom/boundary.h). Judged by the input around x, not by that around the seed. Returns whether the
+ * seed is held back. */
 static int restrict_move(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
                          struct vor_moments *moments, double x[3])
 {
@@ -169,12 +172,13 @@ static int restrict_move(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
     return 1;
 }
 
-/* Stretches the way of seed i to x, its projected centroid, and adds some of its last step. */
+/* Over-relaxation and momentum: stretches the way of seed i to its projected centroid x, and adds a
+ * share of its last step. */
 static void stretch(const struct cvt *cvt, struct vor_scratch *scratch, size_t i, double x[3])
 {
     double k = cvt->iterations, momentum = fmin(MOMENTUM, k / (k + MOMENTUM_SLOW));
-    double way[3] = {0}, step[3] = {0}, most,
-           length; /* clang-analyzer cannot see that c counts to 3 */
+    double way[3] = {0}, step[3] = {0}; /* clang-analyzer cannot see that the loop sets all */
+    double most, length;
 
     for (size_t c = 0; c < 3; c++) {
         way[c] = x[c] - (double)cvt->seeds->xyz[3 * i + c];
@@ -188,8 +192,8 @@ static void stretch(const struct cvt *cvt, struct vor_scratch *scratch, size_t i
     vor_surface_put(&scratch->here.surface, x);
 }
 
-/* Where seed i goes: its cell's projected centroid, or beyond. A seed whose cell is empty, since it
- * lies too far off its own surface, is projected; one without a surface stays. */
+/* Moves seed i to its cell's projected centroid, or beyond. A seed whose cell is empty, because it
+ * lies too far off its own surface, is projected; a seed without a surface stays. */
 static void lloyd_step(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
                        struct block_sums *sums)
 {
@@ -261,7 +265,7 @@ static void add_blocks(struct cvt *cvt)
     cvt->total = total;
 }
 
-/* The Anderson mix of seed i: its tangential part, bounded. */
+/* The Anderson mix for seed i: the centroid plus the tangential part of the difference, bounded. */
 static void mix_step(struct cvt *cvt, size_t i)
 {
     const float *lloyd = &cvt->lloyd[3 * i], *normal = &cvt->normal[3 * i];
@@ -299,7 +303,7 @@ static void mix_block(void *ctx, size_t begin, size_t end, unsigned worker)
     cvt->sums[begin / VOR_SEEDS_BLOCK].max_move = sqrt(longest);
 }
 
-/* Replaces the Lloyd candidate by the mix when that is at least as even. */
+/* Replaces the centroids by the mix if that is at least as even. */
 static vor_status accelerate(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
 {
     const struct vor_seeds *seeds = cvt->seeds;
@@ -323,7 +327,7 @@ static vor_status accelerate(struct cvt *cvt, struct vor_uniformity *even, struc
     return VOR_OK;
 }
 
-/* One iteration: from seeds->xyz to seeds->xyz. */
+/* One iteration of all seeds, in seeds->xyz. */
 static vor_status iterate(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
 {
     struct vor_seeds *seeds = cvt->seeds;
@@ -344,7 +348,7 @@ static vor_status iterate(struct cvt *cvt, struct vor_uniformity *even, struct v
     return VOR_OK;
 }
 
-/* What the method says of itself after an iteration. */
+/* Writes what the method tells of itself after an iteration. */
 static void note(struct cvt *cvt, const struct vor_record *record)
 {
     struct vor_outcome *told = cvt->told;
@@ -356,7 +360,7 @@ static void note(struct cvt *cvt, const struct vor_record *record)
     told->area = cvt->total.area;
 }
 
-/* Tells the watch, and keeps the most even iterate. */
+/* Tells the watch, and keeps the iterate if it is the most even so far. */
 static enum vor_answer record(struct cvt *cvt, const struct vor_uniformity *even)
 {
     const struct vor_watch *watch = cvt->run->watch;
@@ -382,7 +386,7 @@ static enum vor_answer record(struct cvt *cvt, const struct vor_uniformity *even
     return watch->progress(watch->ctx, &record);
 }
 
-/* Whether the gain over the last window is too small to go on. */
+/* Whether delta has fallen too little over the last window to go on. */
 static int plateau(struct cvt *cvt)
 {
     double *slot = &cvt->past[cvt->iterations % PLATEAU_WINDOW], before = *slot;
@@ -391,8 +395,8 @@ static int plateau(struct cvt *cvt)
     return cvt->iterations > PLATEAU_WINDOW && cvt->best.delta > PLATEAU_GAIN * before;
 }
 
-/* Takes note of a plateau: where iterations on the whole of the input are due, they follow. Returns
- * whether none is. */
+/* Ends the iterations on a plateau, unless the request gives their number. Returns whether they end
+ * now; else, at a plateau, only those on the whole of the input follow. */
 static int ends_on_plateau(struct cvt *cvt)
 {
     uint32_t last = cvt->iterations + on_whole(cvt);
@@ -406,7 +410,7 @@ static int ends_on_plateau(struct cvt *cvt)
     return 0;
 }
 
-/* Whether the request's own stops are reached, now that an iteration took `took` seconds. */
+/* Whether a stop of the request is reached; the last iteration took `took` seconds. */
 static int finished(struct cvt *cvt, const struct vor_uniformity *even, double took)
 {
     double share = polish_follows(cvt) ? SECONDS_SHARE : 1;
@@ -424,7 +428,7 @@ static int finished(struct cvt *cvt, const struct vor_uniformity *even, double t
     return 1;
 }
 
-/* Whether the next iterations shall be on the whole of the input. */
+/* Whether the seeds are to move to the whole of the input now. */
 static int whole_is_due(const struct cvt *cvt, const struct vor_uniformity *even)
 {
     return !vor_seeds_on_whole(cvt->seeds) &&
@@ -432,10 +436,10 @@ static int whole_is_due(const struct cvt *cvt, const struct vor_uniformity *even
             (!polish_follows(cvt) && cvt->iterations + on_whole(cvt) >= cvt->limit));
 }
 
-/* Onto the whole of the input: what was the most even before counts no more. */
+/* Moves the seeds to the whole of the input; the most even iterate before that no longer counts. */
 static vor_status onto_whole(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
 {
-    /* Holes are not told from gaps before the iterations have ended (vor_attach). */
+    /* Whether holes are kept open is decided after the iterations (vor_attach). */
     vor_status status = vor_attach_to_whole(cvt->seeds, 0, err);
 
     if (status == VOR_OK)

@@ -24,21 +24,22 @@ enum { PLENTY = 10, DENSITY_K = 33, DENSITY_BLOCK = 64 };
 /* Samples of one cell, so many at a time, spread over it by random points of it; (u, v, w). */
 enum { TOGETHER = 64, RANDOM = 16, ALONE = 3, ROUNDS = 5 };
 
+/* The samples of a cell and the random points that they are chosen from, in (u, v, w). */
 struct spread {
-    size_t n, each; /* random points for each */
+    size_t n, each; /* samples; random points for each of them */
     double at[TOGETHER][3];
     double pool[TOGETHER * RANDOM][3];
 };
 
-/* Running sum of the areas, and what is sampled from it. */
+/* The running sum of the areas of one set of seeds, from which another set is sampled. */
 struct areas {
     struct vor_seeds *from, *to;
-    double *end; /* end[i]: sum of the areas up to and with cell i */
-    double offset;
+    double *end;   /* end[i]: sum of the areas of cells 0 .. i */
+    double offset; /* of the first sample in the running sum, 0 .. 1 samples */
     uint64_t seed;
 };
 
-/* First sample that belongs to the cells after the one whose running sum this is. */
+/* Number of the first sample beyond this value of the running sum. */
 static size_t samples_until(const struct areas *areas, double end)
 {
     double total = areas->end[areas->from->n - 1];
@@ -47,7 +48,8 @@ static size_t samples_until(const struct areas *areas, double end)
     return end >= total || t >= (double)areas->to->n ? areas->to->n : (size_t)t;
 }
 
-/* The patch may reach beyond the input: puts x onto the surface around it, within its bound. */
+/* The patch may extend beyond the input: puts x onto the surface around it, at most
+ * VOR_OUTSIDE_MOVING spacings from the input. */
 static void pull_in(const struct vor_seeds *seeds, struct vor_scratch *scratch, double x[3])
 {
     struct vor_border border;
@@ -59,8 +61,7 @@ static void pull_in(const struct vor_seeds *seeds, struct vor_scratch *scratch, 
     (void)vor_boundary_restrict(&border, VOR_OUTSIDE_MOVING, x);
 }
 
-/* Random points of the cell, so many for each of n samples. One alone gets but a few: the very
- * middle of cells along gaps would leave the rims of these empty. */
+/* Draws random points of the cell for each of n samples, few for a sample alone. */
 static void draw_pool(struct spread *spread, const struct areas *areas, const struct vor_cell *cell,
                       size_t first, size_t n)
 {
@@ -75,12 +76,13 @@ static void draw_pool(struct spread *spread, const struct areas *areas, const st
     }
 }
 
+/* Squared distance along the surface. */
 static double apart2(const double a[3], const double b[3])
 {
     return (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]);
 }
 
-/* Each sample starts at that of its own random points that is farthest from the samples before. */
+/* Puts each sample at that of its own random points that is farthest from the samples before it. */
 static void start_apart(struct spread *spread)
 {
     for (size_t i = 0; i < spread->n; i++) {
@@ -109,7 +111,7 @@ static size_t nearest_sample(const struct spread *spread, const double x[3])
     return nearest;
 }
 
-/* Each sample goes to the middle of the random points that are nearest to it. */
+/* Moves each sample to the mean of the random points nearest to it. */
 static void relax(struct spread *spread)
 {
     double sum[TOGETHER][3], count[TOGETHER] = {0};
@@ -127,6 +129,7 @@ static void relax(struct spread *spread)
             spread->at[i][c] = sum[i][c] / count[i];
 }
 
+/* Sets the position of a sample, on the surface and inside the input. */
 static void place_sample(const struct areas *areas, struct vor_scratch *scratch, size_t sample,
                          double local[3])
 {
@@ -178,8 +181,8 @@ static size_t stretch(const struct vor_seeds *seeds, size_t i)
     return (size_t)((uint64_t)i * seeds->domain->n / seeds->n);
 }
 
-/* The area of a stretch: of the disc that holds the neighbours of one of its points, a share for
- * each point. */
+/* Estimates the area of a stretch: one of its points is drawn, and each point counts as much as one
+ * of the DENSITY_K - 1 neighbours in the disc around that one. */
 static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     const struct areas *areas = ctx;
@@ -203,8 +206,8 @@ static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-/* Takes one point from each of n equal parts of the running sum, all different; false where a
- * stretch has not as many points as that asks of it. */
+/* Takes one point from each of n equal parts of the running sum, all different. Returns false when
+ * a stretch has fewer points than its area asks for. */
 static int pick(const struct areas *areas)
 {
     struct vor_seeds *to = areas->to;
@@ -239,7 +242,7 @@ static int pick(const struct areas *areas)
 
 /* Starts the seeds at input points, as many in each stretch as its area asks for.
  *
- * @param[out] enough  false: some stretch has not that many */
+ * @param[out] enough  false: a stretch has fewer points than that, and the positions are unset */
 static vor_status start_at_points(struct areas *areas, int *enough, struct vor_error *err)
 {
     struct vor_seeds *to = areas->to;
@@ -277,8 +280,9 @@ static double variation(const struct areas *areas)
     return sqrt(fmax(0, sum2 / (double)n / (mean * mean) - 1));
 }
 
-/* Starts the seeds in the cells of areas->from, as many as their areas ask for; where those are
- * very uneven, again in the cells of these, if they are as many. */
+/* Starts the seeds in the cells of areas->from, as many in each as its area asks for. Where the
+ * areas are very uneven and both sets are as large, takes the cells of the started seeds and starts
+ * again. */
 static vor_status sample_cells(struct areas *areas, struct vor_error *err)
 {
     struct vor_seeds *from = areas->from, *to = areas->to;
@@ -304,7 +308,7 @@ static vor_status sample_cells(struct areas *areas, struct vor_error *err)
     return status;
 }
 
-/* Draws input points and starts the seeds in their cells. */
+/* Draws input points, and starts the seeds in their cells. */
 static vor_status start_in_cells(struct areas *areas, struct vor_error *err)
 {
     struct vor_seeds *from = areas->from, *to = areas->to;

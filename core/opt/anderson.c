@@ -47,7 +47,7 @@ void vor_anderson_free(struct vor_anderson *anderson)
     memset(anderson, 0, sizeof *anderson);
 }
 
-/* Stores one block of the new pair and its dot products with every residual held. */
+/* Stores one block of the new pair, and its dot products with every residual stored. */
 static void push_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     const struct push *push = ctx;
@@ -71,7 +71,8 @@ static void push_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-/* gram weights = 1, scaled so that the weights add up to one. */
+/* Solves gram weights = 1 and scales the weights to a sum of 1; without a solution the last pair
+ * has all the weight. */
 static void solve(struct vor_anderson *anderson)
 {
     double a[(VOR_ANDERSON_MAX + 1) * (VOR_ANDERSON_MAX + 1)], trace = 0, sum = 0;
