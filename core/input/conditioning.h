@@ -1,7 +1,7 @@
-/** What was found out about an input, and what was done to it, before anything moves on it.
+/** What is known of an input, and what was done to it, before anything moves on it.
  *
- *  Filled once, by vor_input_prepare (input/input.h), one finding after another; everybody after
- *  that only reads it. */
+ *  vor_input_prepare (input/input.h) fills it once, one finding after another; after that it is
+ *  only read. */
 #ifndef VOR_INPUT_CONDITIONING_H
 #define VOR_INPUT_CONDITIONING_H
 
@@ -9,39 +9,45 @@
 
 /** A lattice that the coordinates were rounded to (input/lattice.h). Lengths are normalised. */
 struct vor_lattice {
-    double cell[3]; /**< along x, y and z; 0 where the coordinates are on no lattice, or have fewer
-                         values than tell one */
+    double cell[3]; /**< sides along x, y and z; 0 for an axis with no lattice, or with too few
+                         different values to find one */
     double spacing; /**< mean distance to the nearest other point; 0 where no axis has a cell */
-    int matters;    /**< every axis has a cell or few values; the cells' rms is more than 0.4 of the
-                         spacing, and none is below a fifth of it */
+    int matters;    /**< the cells are not small against the spacing: every axis has a cell, of at
+                         least EXACT spacings, or few values, and the rms of the cells is more than
+                         SMALL spacings (input/lattice.c) */
 };
 
+/** Places of the input whose number of neighbours is estimated. Sixteen pools of 32 (POOL in
+ *  neighbors.c) fit into them; the estimate costs about 20 ms. */
 enum { VOR_NEIGHBORS_PLACES = 512 };
 
 /** How many input points a surface is fitted to, by where it is (input/neighbors.h). */
 struct vor_neighbors {
-    unsigned usual, most;                /**< of all places taken together; of any */
-    unsigned places;                     /**< VOR_NEIGHBORS_PLACES, or 0: `usual` everywhere */
-    float xyz[3 * VOR_NEIGHBORS_PLACES]; /**< normalised */
-    unsigned char k[VOR_NEIGHBORS_PLACES];
+    unsigned usual, most;                  /**< number for all places together; largest of any */
+    unsigned places;                       /**< VOR_NEIGHBORS_PLACES, or 0: `usual` everywhere */
+    float xyz[3 * VOR_NEIGHBORS_PLACES];   /**< normalised */
+    unsigned char k[VOR_NEIGHBORS_PLACES]; /**< number at each place */
 };
 
-/** The fewest that are chosen: enough for a quadric of an exact input. */
+/** The smallest number that is chosen. A quadric has six coefficients; three times as many
+ *  points keep the fit from following single points, and around a seed in white noise 20 still show
+ *  one surface. */
 #define VOR_NEIGHBORS_FEWEST 20
 
-/** The same number everywhere, 1 to VOR_NEIGHBORS_MAX (geom/surface.h). */
+/** Sets the same number everywhere: 1 .. VOR_NEIGHBORS_MAX (geom/surface.h). */
 static inline void vor_neighbors_fix(struct vor_neighbors *out, unsigned k)
 {
     out->places = 0;
     out->usual = out->most = k;
 }
 
+/** The findings. All zero, with neighbors fixed, means that nothing is known. */
 struct vor_conditioning {
     size_t outliers;                /**< points that were dropped */
     struct vor_lattice lattice;     /**< that the coordinates were rounded to */
-    size_t off_lattice;             /**< points that were moved within their cells; where there are
-                                         any, positions are not exact */
-    int sheets;                     /**< fits look for layers */
+    size_t off_lattice;             /**< points that were moved within their cells; if any were,
+                                         positions are not exact */
+    int sheets;                     /**< the input has sheets: fits look for layers */
     struct vor_neighbors neighbors; /**< how many points a fit takes */
 };
 

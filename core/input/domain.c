@@ -12,8 +12,8 @@ enum { BLOCK = 1 << 16, SAMPLED = 4096, SIXTH = 6 };
 
 #define LINE_RANK 1e-12 /* variance across over variance along: below it, the cloud is a line */
 
-/* Moves the origin only where the cloud is far from it, since a shift costs the small coordinates
- * their last bits. */
+/* Chooses shift and unit. The shift is 0 unless the cloud is far from the origin, because shifting
+ * costs small coordinates their last bits. */
 static void choose_frame(struct vor_domain *out, const struct vor_box *box)
 {
     double low[3], high[3], extent = 0, middle = 0, largest = 0;
@@ -63,7 +63,7 @@ static void normalise_block(void *ctx, size_t begin, size_t end, unsigned worker
                 (float)(((double)work->in->xyz[3 * i + c] - shift[c]) * inverse);
 }
 
-/* Whether point i of the order is the first of its place. */
+/* Whether point i of the order is the first of those that coincide with it. */
 static int is_first(const struct work *work, size_t i)
 {
     return i == 0 || !same_place(&work->unsorted[3 * (size_t)work->order[i]],
@@ -96,7 +96,7 @@ static void gather_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-/* Drops coincident points: how many are left is known before they get memory. */
+/* Copies the distinct points: counts them first, so that they get no more memory than they need. */
 static vor_status gather(struct work *work, struct vor_error *err)
 {
     struct vor_domain *out = work->out;
@@ -137,7 +137,7 @@ static vor_status sort_points(struct vor_domain *out, const struct vor_cloud *in
     return status;
 }
 
-/* Sums over the points of each block. */
+/* Sums over the points, by blocks. */
 struct sums {
     const float *xyz;
     double mean[3];
@@ -221,7 +221,7 @@ static vor_status check_rank(const struct vor_domain *domain, const struct vor_r
     return VOR_OK;
 }
 
-/* Finds how sparse the input is, from points spread over its order. */
+/* Sets sparse from a sample of points at equal steps along the order. */
 static void find_sparse(struct vor_domain *domain)
 {
     size_t n = domain->n < SAMPLED ? domain->n : SAMPLED;

@@ -17,35 +17,41 @@ struct vor_domain {
     uint32_t *source; /**< n */
     double shift[3];
     double unit;
-    double sparse;       /**< the input is hardly anywhere sparser: distance to the sixth neighbour,
-                              the 999th of 1,000 of an even sample */
+    double sparse;       /**< largest spacing that is believed: a quantile of the distances to the
+                              sixth neighbour (SPARSE_SHARE in domain.c) */
     struct vor_knn *knn; /**< over xyz */
-    struct vor_conditioning known; /**< of the input that these points are, or are some of */
+    struct vor_conditioning known; /**< of the input; a thinned domain has that of the whole */
 };
 
-/** Normalises, sorts and indexes a cloud. Nothing is known of it yet: a fit takes
- *  VOR_NEIGHBORS_FEWEST points. On the run's pool; the domain allocates from the run's memory and
- *  keeps neither the run nor in.
+/** Normalises, sorts and indexes a cloud. `known` says that a fit takes VOR_NEIGHBORS_FEWEST
+ *  points, and nothing else. The domain allocates from the run's memory and refers to neither run
+ *  nor in.
+ *
+ *  @param[out] out  free with vor_domain_free; untouched on failure
+ *  @param[in]  in   checked (vor_cloud_check); borrowed for the call
  *
  *  @retval VOR_E_DEGENERATE fewer than four distinct points, or all on a line
  *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED
  *
- *  O(n log n). The same bytes for any number of threads. */
+ *  O(n log n), on the run's pool; 60 bytes a point. The same bytes for any number of threads. */
 VOR_NODISCARD vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
                                          const struct vor_run *run, struct vor_error *err);
 
-/** Indexes the n >= 1 points that are in xyz, and finds how sparse they are.
+/** Indexes the n >= 1 points in xyz, and sets sparse.
  *
- *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED */
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED
+ *
+ *  O(n log n), on the run's pool. */
 VOR_NODISCARD vor_status vor_domain_index(struct vor_domain *domain, const struct vor_run *run,
                                           struct vor_error *err);
 
-/** True where positions are as the input has them, and not moved off a lattice. */
+/** True if no point was moved off a lattice: positions are those of the input. */
 static inline int vor_domain_is_exact(const struct vor_domain *domain)
 {
     return domain->known.off_lattice == 0;
 }
 
+/** Frees the points and the index; domain may be all zero. */
 void vor_domain_free(struct vor_domain *domain);
 
 #endif

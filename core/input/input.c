@@ -13,7 +13,7 @@ static vor_status drop_outliers(struct vor_domain *domain, const struct vor_spec
     return vor_outliers_drop(domain, &domain->known.outliers, run, err);
 }
 
-/* Points that were rounded to a lattice that matters go to where they may have been. */
+/* Looks for a lattice, and if it matters moves the points within their cells. */
 static vor_status leave_lattice(struct vor_domain *domain, const struct vor_run *run,
                                 struct vor_error *err)
 {

@@ -34,22 +34,23 @@ enum {
 #define COUNTED 0.4375 /* what weights leave of the neighbours: (1 / 4)^2 / (1 / 7) */
 #define EXCUSED 1.4    /* of the cells' variance: residuals vary */
 
+/* Quantiles of the gaps that are candidates for the cell. */
 static const double quantiles[] = {0.5, 0.25, 0.1, 0.03, 0.01};
 
-/* What is found along one axis. */
+/* The lattice along one axis. */
 struct found {
-    double cell, offset; /* cell 0: nothing */
+    double cell, offset; /* cell 0: none */
     double limit;        /* how far a value may be off its level */
-    int few;             /* too few levels to tell a cell */
+    int few;             /* too few levels to find a cell */
 };
 
 /* A sample of one axis. */
 struct axis {
     size_t n, levels;
     double value[SAMPLE]; /* ascending */
-    double level[SAMPLE]; /* those of them that differ */
+    double level[SAMPLE]; /* the different ones of them */
     double gap[SAMPLE];   /* between levels, ascending */
-    double rounding;      /* values closer than twice this are one level */
+    double rounding;      /* values nearer than twice this are one level */
 };
 
 static void sample_axis(struct axis *axis, const struct vor_domain *domain, size_t c)
@@ -76,7 +77,8 @@ static void find_levels(struct axis *axis, double rounding)
         vor_sort_doubles(axis->gap, axis->levels - 1);
 }
 
-/* Fits cell and offset to the levels within `width` of where; false when they are on no lattice. */
+/* Fits cell and offset to the levels within `width` of `where`. Returns false when these are on no
+ * lattice. */
 static int refine(const struct axis *axis, double *cell, double *offset, double where, double width)
 {
     double n = 0, lost = 0, i1 = 0, i2 = 0, r1 = 0, ir = 0, det;
@@ -114,7 +116,7 @@ static size_t is_off(const struct found *found, double x)
     return fabs(x - found->cell * rint(x / found->cell)) > found->limit;
 }
 
-/* Whether the sample is on a lattice of about that cell. */
+/* Whether the sample is on a lattice of about that cell; *out is the fitted one. */
 static int follow(struct found *out, const struct axis *axis, double cell)
 {
     double where = axis->value[axis->n / 2], offset = where;
@@ -136,7 +138,7 @@ static int follow(struct found *out, const struct axis *axis, double cell)
     return stray * LUCK <= axis->n;
 }
 
-/* The largest cell that the sample is on. */
+/* Finds the largest cell that the sample is on. */
 static void try_candidates(struct found *out, const struct axis *axis)
 {
     struct found found = {0};
@@ -150,7 +152,7 @@ static void try_candidates(struct found *out, const struct axis *axis)
         }
 }
 
-/* Rounding first: any float32 values are on the lattice of their last bits. */
+/* First with levels rounded, because all float32 values are on the lattice of their last bits. */
 static void find_cell(struct found *out, struct axis *axis, double largest)
 {
     const double roundings[] = {FLOAT32 * largest, 0};
@@ -198,7 +200,7 @@ static double mean_spacing(const struct vor_domain *domain)
     return sum / PLACES;
 }
 
-/* Judges what was found against the spacing. */
+/* Compares the cells with the spacing: whether they matter, and which are real. */
 static void judge(struct vor_lattice *out, const struct check *check, double largest)
 {
     double cells = 0, sum = 0;
@@ -220,7 +222,7 @@ static void judge(struct vor_lattice *out, const struct check *check, double lar
             out->cell[c] = 0;
 }
 
-/* Puts what the sample is on to all points. */
+/* Checks the lattice of the sample against all points. */
 static vor_status check_all(struct vor_lattice *out, struct check *check, double largest,
                             const struct vor_run *run, struct vor_error *err)
 {
@@ -284,7 +286,8 @@ static void gather(struct hood *out, const struct smooth *smooth, size_t i)
         memcpy(&out->near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *out->near);
 }
 
-/* Fits to the k nearest; returns their weighted variance about the surface. */
+/* Fits to the k nearest with the weight (1 - d^2 / d_k^2)^3. Returns their weighted variance about
+ * the surface. */
 static double fit(struct hood *hood, unsigned k)
 {
     double sum = 0, total = 0;
@@ -307,8 +310,9 @@ static double fit(struct hood *hood, unsigned k)
     return total > 0 ? sum / total : INFINITY;
 }
 
-/* What the cells alone may leave of variance in such a fit: a plane that cuts a cell is within half
- * of the cell's width across the plane from its middle, evenly spread at most. */
+/* The variance that cells alone explain in such a fit. A plane that cuts a cell passes its middle
+ * within half of the cell's width across the plane; spread uniformly, that is width^2 / 12, less
+ * what the fit's six coefficients take. */
 static double excused(const struct smooth *smooth, const struct vor_surface *surface, unsigned k)
 {
     double width = 0;
@@ -318,8 +322,8 @@ static double excused(const struct smooth *smooth, const struct vor_surface *sur
     return EXCUSED * width * width / 12 * (1 - 6 / (COUNTED * k));
 }
 
-/* The foot of point i on the widest surface around it that the cells excuse. False when there is
- * none: detail is all there is. */
+/* The foot of point i on the widest surface around it whose residual cells explain. Returns false
+ * when there is none. */
 static int foot_of(const struct smooth *smooth, size_t i, double foot[3])
 {
     struct hood hood;

@@ -1,50 +1,54 @@
-/** An input whose coordinates were rounded to a lattice (voxels, octree cells, a codec's
- * quantisation): its cells are found, and its points moved within them onto a smooth surface.
+/** Finds the lattice that coordinates were rounded to (voxels, octree cells, a codec's
+ *  quantisation), and moves the points within their cells onto a smooth surface.
  *
  *  Source: none of the papers; Xiao 2024 Sec. V-C resamples octree-decoded clouds as they are.
  *
- *  Found: along each axis a sample's distinct values are gaps apart that are all multiples of the
- *  cell. Candidates are a few quantiles of the gaps and their halves, thirds and quarters; each is
- *  followed from one value over the whole axis, fitted anew every time the way doubles, and the
- *  largest that has 999 of 1000 values on it is put to all points.
+ *  Finding: along each axis the gaps between a sample's different values are multiples of the cell.
+ *  Candidates are a few quantiles of the gaps and their halves, thirds and quarters. Each is
+ *  followed from one value over the whole axis and fitted again whenever the distance has doubled.
+ *  The largest one that nearly all of the sample fits is checked against all points.
  *
- *  Smoothed: a point lies somewhere in its cell, and where cells are as large as the spacing, that
- *  is most of what is wrong with it. Each goes to the foot on a quadric that its neighbours weigh
- *  less in the farther they are, but stays in its own cell, the box of that size around where it
- *  was. How far cells put points off a plane is known: where neighbours are farther off the quadric
- *  than that, it misses a detail, and half of them are tried. Where no number of them will do, at
- *  an edge, a point stays.
+ *  Smoothing: where cells are as large as the spacing, the rounding is most of a point's error.
+ *  Each point moves to its foot on a quadric fitted to its neighbours, weighted by distance, but
+ *  stays in its own cell, the box of that size around its old position. The variance that cells add
+ *  to a plane is known. Where neighbours are farther off the quadric than that, it misses a detail,
+ *  and half as many neighbours are tried; where no number fits, at an edge, the point stays.
  *
- *  Not done: a decoder that puts points into the corners of cells instead of their middle leaves a
- *  shift of half a cell that nobody can see. */
+ *  Measured, rms distance to the true surface over the diagonal, without and with smoothing: igea
+ *  in an octree of 6, 7 and 8 bits 1.24e-3, 6.7e-4, 4.4e-4 and 1.16e-3, 6.3e-4, 4.1e-4; a cow at 7
+ *  bits 2.2e-3 and 1.4e-3. What is left is closer to exact, so vor_neighbors_choose takes fewer
+ *  neighbours. Also tried, no better: wider kernels, more rounds, quartics, less weight for cells
+ *  that the surface misses.
+ *
+ *  Not done: a decoder that puts points into the corners of cells instead of their middle shifts
+ *  the cloud by half a cell, which the points do not show. */
 #ifndef VOR_INPUT_LATTICE_H
 #define VOR_INPUT_LATTICE_H
 
 #include "core/input/domain.h"
 
-/** Looks for a lattice. Coordinates may be off it by what float32 rounds off and a hundredth of a
- *  cell, one in a thousand by anything. Fewer than 200 points have none.
+/** Looks for a lattice. Coordinates may be off it by the rounding of float32 and a hundredth of a
+ *  cell, one in a thousand by any distance. Fewer than 200 points have none.
  *
- *  Rounding to float32 itself is a lattice too, far from the origin: one that is found, and
- * reported, only where it matters.
+ *  Far from the origin float32 itself rounds to a lattice; it is reported only if it matters.
  *
  *  @retval VOR_E_NOMEM 100 KB do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
- *  O(n) where there is one, else O(1), a few ms. The same lattice for any number of threads. */
+ *  O(n) if the sample is on a lattice, else O(1); a few ms. The same lattice for any number of
+ *  threads. */
 VOR_NODISCARD vor_status vor_lattice_find(struct vor_lattice *out, const struct vor_domain *domain,
                                           const struct vor_run *run, struct vor_error *err);
 
-/** Moves the points of the domain within their cells; its index is made anew. A surface has up
- *  to twice as many neighbours as vor_neighbors_choose finds: weighted, they count for less than
- * half.
+/** Moves the points of the domain within their cells and indexes them again.
  *
- *  @param[out] moved  how many points are elsewhere now
+ *  @param[out] moved  how many points have a new position
  *
  *  @retval VOR_E_NOMEM 12 n bytes do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for; the domain is to be freed
  *
- *  O(n k), 10 us a point. The same points for any number of threads. */
+ *  O(n k), 6 to 10 us of CPU a point, on the run's pool. The same points for any number of threads.
+ */
 VOR_NODISCARD vor_status vor_lattice_smooth(struct vor_domain *domain, size_t *moved,
                                             const struct vor_lattice *lattice,
                                             const struct vor_run *run, struct vor_error *err);

@@ -27,13 +27,15 @@ enum { POOL = 32 }; /* places that decide for one of them */
 
 static const unsigned ladder[STEPS] = {VOR_NEIGHBORS_FEWEST, 30, 45, 70, 100, MOST};
 
+/* Fits at all places with all numbers. */
 struct survey {
     const struct vor_domain *domain;
-    unsigned steps, most;           /* of the ladder that the domain has points enough for */
+    unsigned steps, most;           /* steps of the ladder that are tried; the last one's number */
     double residual[STEPS][PLACES]; /* variance about the surface */
     double thickness[STEPS][PLACES];
 };
 
+/* Index of the point of a place: places are at equal steps along the order. */
 static size_t place_at(const struct vor_domain *domain, size_t place)
 {
     return (size_t)(((double)place + 0.5) / PLACES * (double)domain->n);
@@ -77,13 +79,13 @@ static void fit_block(void *ctx, size_t begin, size_t end, unsigned worker)
         fit_place(ctx, place);
 }
 
-/* The places that are looked at together, by their numbers. */
+/* Places that are judged together. */
 struct pool {
     size_t count;
     uint16_t place[PLACES];
 };
 
-/* The thickness that all but a few of the places stay below. */
+/* The thickness that all but a few of the places do not reach. */
 static double thickness_of(const struct survey *survey, const struct pool *pool, unsigned step)
 {
     double thickness[PLACES] = {0}, share = pool->count < PLACES ? THICK_SHARE_POOL : THICK_SHARE;
@@ -103,7 +105,7 @@ static double residual_of(const struct survey *survey, const struct pool *pool, 
     return sum / (double)pool->count;
 }
 
-/* The first step at which neighbourhoods are wider than thick. */
+/* The first step at which neighbourhoods are wide enough to show a surface. */
 static unsigned wide_step(const struct survey *survey, const struct pool *pool)
 {
     double thickness[STEPS] = {0}, least = INFINITY;
@@ -115,21 +117,21 @@ static unsigned wide_step(const struct survey *survey, const struct pool *pool)
     }
     while (thickness[step] > (least > THICK ? HELPS * least : THICK))
         step++;
-    /* A shape that is merely coarse: more neighbours lose more than noise would leave. */
+    /* Not where the shape is merely coarse: there more neighbours raise the error. */
     while (step > 0 && residual_of(survey, pool, step) / ladder[step] >
                            residual_of(survey, pool, 0) / ladder[0])
         step--;
     return step;
 }
 
-/* What a fit at that step is off, if its neighbours are off by `noise`: what is left of that, and
- * the detail that is lost. */
+/* Mean square error of a fit at that step if its neighbours have noise of that variance: what is
+ * left of the noise, and the detail that is lost. */
 static double error_of(double residual, unsigned step, double noise)
 {
     return LEVERAGE * noise / ladder[step] + fmax(0, residual - FLUKE * noise);
 }
 
-/* From there on, the step with the least error. */
+/* The step with the least error, from `from` on. */
 static unsigned best_step(const struct survey *survey, const struct pool *pool, unsigned from)
 {
     double noise = residual_of(survey, pool, from), least = INFINITY;
@@ -146,8 +148,8 @@ static unsigned best_step(const struct survey *survey, const struct pool *pool, 
     return best;
 }
 
-/* Whether step s is worth taking instead of the usual one: its error is lower by enough, and not
- * because of a few places, at an edge, alone. */
+/* Whether step s is better than the usual one by enough, and at half of the places at least: not
+ * only at a few, at an edge. */
 static int worth_it(const struct survey *survey, const struct pool *pool, unsigned from, unsigned s,
                     unsigned usual)
 {
@@ -167,7 +169,7 @@ static int worth_it(const struct survey *survey, const struct pool *pool, unsign
     return 2 * agree >= pool->count;
 }
 
-/* The best step for a few places, where all begin at `from` and want `usual`. */
+/* The best step for a few places; all places together begin at `from` and take `usual`. */
 static unsigned local_step(const struct survey *survey, const struct pool *pool, unsigned from,
                            unsigned usual)
 {
@@ -193,7 +195,7 @@ static int nearer(const void *a, const void *b)
     return (int)x->place - (int)y->place;
 }
 
-/* A place and those nearest to it. */
+/* A place and those nearest to it, POOL in all. */
 static void pool_around(struct pool *pool, const struct vor_neighbors *neighbors, size_t place)
 {
     struct nearness all[PLACES];
@@ -222,8 +224,8 @@ static vor_status fit_places(struct survey *survey, unsigned steps, const struct
     return vor_run_for(run, PLACES, BLOCK, fit_block, survey, err);
 }
 
-/* Whether the fewest do everywhere, and are no thicker than more of them: more need not be tried.
- */
+/* Whether the smallest number is best at every place, by the first steps of the ladder: then the
+ * others need not be tried. */
 static int fewest_do(const struct survey *survey, const struct vor_neighbors *at)
 {
     struct pool pool;

@@ -5,9 +5,10 @@
 
 enum { NEIGHBORS = 20, POINTED = 6, LOOKS = 3, LEAST = 200, QUARTER = 4, BLOCK = 4096, BATCH = 64 };
 
+/* One search of all points. */
 struct look {
     const struct vor_domain *domain;
-    _Atomic uint32_t *pointed; /* how many count this point among their nearest */
+    _Atomic uint32_t *pointed; /* how many points have this one among their nearest */
 };
 
 static void point_batch(const struct look *look, size_t begin, size_t count)
@@ -55,7 +56,7 @@ static void remove_lonely(struct vor_domain *domain, const struct look *look)
     domain->n = kept;
 }
 
-/* One look. Returns through *lonely how many it dropped. */
+/* Searches once; *lonely is the number of points it dropped. */
 static vor_status drop(struct vor_domain *domain, size_t *lonely, const struct vor_run *run,
                        struct vor_error *err)
 {

@@ -13,8 +13,10 @@ enum { WIDE_LEAST = 75, WIDE_MAX = VOR_NEIGHBORS_MAX };
     2.25 /* times the neighbours of a fit are looked at: two sheets have enough of them            \
           */
 
-/* Layers are looked for among that share of the points within reach, taken evenly so that they are
- * not many more than that: first where each of two sheets has enough for a fit of its own. */
+/* Attempts, in order, until one finds layers: among that share of the nearest points, of which
+every
+ * stride-th is taken so that about so many are left. The first has enough points of each of two
+ * sheets for a fit of its own. */
 static const struct {
     double share;
     unsigned points;
@@ -26,7 +28,7 @@ static unsigned least(unsigned a, size_t b)
     return a < b ? a : (unsigned)b;
 }
 
-/* Layers among the first k points; every so manyth of them is looked at. */
+/* Looks for layers among the first k points, of which it takes about `points` at equal steps. */
 static void find_layers(struct vor_layers *out, const float *near, unsigned k, unsigned points)
 {
     float some[3 * VOR_NEIGHBORS_MAX];
@@ -37,7 +39,8 @@ static void find_layers(struct vor_layers *out, const float *near, unsigned k, u
     vor_layers_find(out, some, count);
 }
 
-/* The first k points of `wide` on the layer nearest to x, in their order; fewer are repeated. */
+/* Copies the first k of the `most` points of `wide` that are on the layer nearest to x, in their
+ * order; repeats them if they are fewer. */
 static void take_layer(float *near, unsigned k, const struct vor_layers *layers, const double x[3],
                        const float *wide, unsigned most)
 {
@@ -53,7 +56,7 @@ static void take_layer(float *near, unsigned k, const struct vor_layers *layers,
         memcpy(&near[3 * j], &near[3 * (j - taken)], 3 * sizeof *near);
 }
 
-/* Neighbours of x, nearest first. */
+/* The k nearest points of x, nearest first. */
 static void search(float *near, const struct vor_domain *domain, const float x[3], unsigned k)
 {
     float distance2[VOR_NEIGHBORS_MAX];

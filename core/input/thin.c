@@ -20,11 +20,12 @@ struct thinning {
     const struct vor_domain *in;
     struct vor_domain *out;
     double gap2;
-    unsigned char *kept; /* of the points of `in`, which ones */
-    size_t *first;       /* where those of each block go */
+    unsigned char *kept; /* 1 for each point of `in` that is taken */
+    size_t *first;       /* where those of each block go in `out` */
 };
 
-/* Keeps a point that is a gap away from the last ones kept: near in the order is near in space. */
+/* Takes a point that is a gap away from the last ones taken: points near in space are near in the
+ * order. */
 static void choose_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct thinning *thinning = ctx;
