@@ -26,11 +26,11 @@ static const struct vor_method *method_of(const struct vor_spec *spec)
     return &methods[index];
 }
 
-/* One run from the inside. */
+/* A run of a process that spreads points. */
 struct engine {
     const struct vor_cloud *in;
     struct vor_spec spec;
-    struct vor_run run, whole; /* whole: for what a stop must not cut short */
+    struct vor_run run, whole; /* whole: for parts that a stop must not interrupt */
     struct vor_domain domain;
     struct vor_seeds seeds;
     struct vor_outcome told;
@@ -38,7 +38,7 @@ struct engine {
     double area; /* that spacing was turned into points with, normalised; else 0 */
 };
 
-/* How many points the request comes to. */
+/* Computes how many points the request asks for. */
 static vor_status resolve_target(struct engine *engine, size_t *n, struct vor_error *err)
 {
     const struct vor_spec *spec = &engine->spec;

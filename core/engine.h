@@ -8,37 +8,38 @@
 
 /** Runs the process of the request.
  *
- *  @param[out] out   initialised, empty; gets every output of the process's row when VOR_OK is
- *                    returned; to be freed in any case
+ *  @param[out] out   initialised, empty; receives every output of the process's row when VOR_OK is
+ *                    returned; the caller frees it in any case
  *  @param[in]  in    every required input of the row, clouds checked (vor_cloud_check); borrowed
  *                    for the call
  *  @param[in]  spec  checked (vor_spec_check, vor_spec_check_inputs)
  *  @param[in]  run   pool, memory and watch are read; the run begins with this call
  *  @param[out] err   may be NULL
  *
- *  @retval VOR_E_TARGET     the number of points asked for, or what ratio or spacing come to, is
- *                           out of range (vor_spec_check_target)
+ *  @retval VOR_E_TARGET     the number of points, given or from ratio or spacing, is out of range
+ *                           (vor_spec_check_target)
  *  @retval VOR_E_DEGENERATE the cloud has no surface: fewer than four distinct points, or all on a
- *                           line; a measure as vor_measure_clouds
+ *                           line; `measure`: as vor_measure_clouds
  *  @retval VOR_E_NOMEM      the job does not fit under its cap
  *  @retval VOR_E_CANCELLED  the watch answered VOR_CANCEL
  *
- *  The report's seconds of reading and writing are the caller's to fill in; a run leaves them 0.
+ *  A run leaves the report's seconds of reading and writing 0; the caller sets them.
  *
- *  Departure (the processes that spread points): where the input has ten times as many points as
- *  asked for, and 40,000, it is thinned for all but the last iterations or steps (input/thin.h).
- *  Departure: where the input's coordinates were rounded to cells that are not small against its
+ *  Departure (the processes that spread points): an input of ten times as many points as asked for,
+ *  and of 40,000, is thinned for all but the last iterations or steps (input/thin.h).
+ *  Departure: if the input's coordinates were rounded to cells that are not small against its
  *  spacing, its points are first moved within them (input/lattice.h).
  *
- *  Memory: at most 61 bytes for each input point (position, order, index), and for each point of
- *  the result 6 k + 383 (surface, lists, index; k neighbors), twice that while the start is drawn
- *  from cells, that is unless the input has ten times as many points; then 6 k + 492 while
- *  iterating. A progressive order takes 34 instead, after the polish, and a copy of the widest
- *  column. 200 KiB a thread. After the first iteration nothing is allocated but the points' index
- *  when it is made anew, and that order.
+ *  Memory: at most 61 bytes for each input point (position, order, index). For each point of the
+ *  result 6 k + 383 bytes (surface, lists, index; k neighbors), twice that while the start is drawn
+ *  from cells, which is the case unless the input has ten times as many points; then 6 k + 492
+ *  while iterating. After the polish a progressive order takes 34 instead, and a copy of the widest
+ *  column. 200 KiB a thread. After the first iteration a run allocates only that order, and the
+ *  points' index when it is made anew.
  *
- *  Cost: O(N log N) for the index, O(n) an iteration, O(n log n) a progressive order. Thread-safe.
- *  The same bytes for any number of threads, unless a time budget or the caller ended the run. */
+ *  Cost: O(N log N) for the index, O(n) an iteration, O(n log n) a progressive order; on the run's
+ *  pool. Thread-safe. The same bytes for any number of threads, unless a time budget or the caller
+ *  ended the run. */
 VOR_NODISCARD vor_status vor_engine_run(struct vor_artefacts *out, const struct vor_artefacts *in,
                                         const struct vor_spec *spec, const struct vor_run *run,
                                         struct vor_error *err);

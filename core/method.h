@@ -12,17 +12,16 @@ struct vor_method {
     /** Places exactly n >= 1 points on the domain, telling run's watch after each step of a stage
      *  (core/report.h).
      *
-     *  @param[out]    out     to be freed with vor_seeds_free; on the whole domain; untouched on
-     *                         failure
-     *  @param[in,out] told    all zero; filled in
+     *  @param[out]    out     free with vor_seeds_free; on the whole domain; untouched on failure
+     *  @param[in,out] told    all zero at first; the method sets what it did
      *  @param[in]     domain  must outlive *out, as must run's watches
-     *  @param[in]     run     VOR_STOP ends the run with what there is: the method goes on with
-     *                         vor_run_unstoppable where there is nothing to hand back yet
+     *  @param[in]     run     VOR_STOP ends the run with the best positions so far: the method uses
+     *                         vor_run_unstoppable while there are none to hand back
      *
      *  @retval VOR_E_CANCELLED the watch answered VOR_CANCEL
      *  @retval VOR_E_DEGENERATE, VOR_E_NOMEM
      *
-     *  The same points for any number of threads. */
+     *  On the run's pool. The same points for any number of threads. */
     vor_status (*run)(struct vor_seeds *out, struct vor_outcome *told,
                       const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
                       const struct vor_run *run, struct vor_error *err);

@@ -26,18 +26,19 @@ struct vor_artefacts {
     struct vor_artefact item[VOR_ARTEFACTS_MAX];
 };
 
-/** An empty set. Free it with vor_artefacts_free, also after a failed run. */
+/** Makes an empty set. Free it with vor_artefacts_free, also after a failed run. */
 void vor_artefacts_init(struct vor_artefacts *set, struct vor_memory *memory);
 
 /** Frees what is in the set and leaves it empty. set may be all zero. */
 void vor_artefacts_free(struct vor_artefacts *set);
 
-/** Moves a cloud into the set: *cloud is empty afterwards. name outlives the set; there is none of
- *  it yet, and room for one more. */
+/** Moves a cloud into the set: *cloud is empty afterwards. name outlives the set; the set has no
+ *  artefact of that name yet, and fewer than VOR_ARTEFACTS_MAX. */
 void vor_artefacts_put_cloud(struct vor_artefacts *set, const char *name, struct vor_cloud *cloud);
 
-/** Adds a document whose values are all zero, and returns them for the process to fill in: a struct
- *  of members->size bytes. name as above. NULL, and err, when memory is out. */
+/** Adds a document whose values are all zero, a struct of members->size bytes that the set owns,
+ *  and returns the values for the process to set. name as above. NULL, with err set to VOR_E_NOMEM,
+ *  when they do not fit. */
 void *vor_artefacts_put_document(struct vor_artefacts *set, const char *name,
                                  const struct vor_members *members, struct vor_error *err);
 
@@ -47,8 +48,8 @@ const struct vor_artefact *vor_artefacts_find(const struct vor_artefacts *set, c
 /** The cloud of that name; NULL when there is none. */
 const struct vor_cloud *vor_artefacts_cloud(const struct vor_artefacts *set, const char *name);
 
-/** The values of the document of that name if they are described by `members`, to be completed by
- *  the caller of a run; else NULL. */
+/** The values of the document of that name, for the caller of a run to complete; NULL unless
+ *  `members` describes them. */
 void *vor_artefacts_values(struct vor_artefacts *set, const char *name,
                            const struct vor_members *members);
 
@@ -56,7 +57,9 @@ void *vor_artefacts_values(struct vor_artefacts *set, const char *name,
 struct vor_process {
     const char *id; /**< of the row that describes it */
 
-    /** @param[out] out   initialised, empty; gets every output of the row
+    /** Runs the process.
+     *
+     *  @param[out] out   initialised, empty; receives every output of the row
      *  @param[in]  in    every required input of the row is there, clouds are checked
      *                    (vor_cloud_check)
      *  @param[in]  spec  checked (vor_spec_check); spec->process is the row

@@ -1,9 +1,9 @@
-/** What a run tells: its stages, the progress record, the report, the measure. Each is one table;
- * the C struct and the description that JSON, CSV, traces and openapi.yaml's test read are made of
- * it (core/base/members.h).
+/** What a run tells: its stages, the progress record, the report, the measure. Each is one table,
+ *  which makes the C struct and the description that JSON, CSV, traces and openapi.yaml's test read
+ *  (core/base/members.h).
  *
  *  Symbols: delta is Xiao et al. 2024, "Accelerated Lloyd's method for resampling 3D point clouds",
- * Eq. 6; sigma and epsilon Sec. V-B; energy Eq. 2. */
+ *  Eq. 6; sigma and epsilon Sec. V-B; energy Eq. 2. */
 #ifndef VOR_REPORT_H
 #define VOR_REPORT_H
 
@@ -14,7 +14,7 @@
 #include <stdint.h>
 
 /** Stages that a run may go through: identifier, name, what one of its steps is called, sentence.
- * Traces keep the number of a row, so rows are only ever added, at the end. */
+ *  Traces keep the number of a row, so rows are only ever added, at the end. */
 #define VOR_RUN_STAGE_TABLE(X)                                                                     \
     X(ITERATE, "iterate", "iteration", "Moves each point towards the middle of its cell")          \
     X(POLISH, "polish", "polish step", "Moves points away from their neighbours")                  \
@@ -32,8 +32,8 @@ struct vor_run_stage_info {
     const char *name, *step, *sentence;
 };
 
-/** The row of a stage. Any other number, as a record of another build may have, gets a row that
- * says no more than "step". */
+/** The row of a stage. A number that is no stage, as a record of another build may have, gets a row
+ *  that only says "step". */
 const struct vor_run_stage_info *vor_run_stage_info(enum vor_run_stage stage);
 
 /** The stage of that name; VOR_RUN_STAGE_COUNT when there is none. */
@@ -42,8 +42,8 @@ enum vor_run_stage vor_run_stage_find(const char *name);
 #define VOR_FIELD_RUN_STAGE(field) enum vor_run_stage field;
 
 /** What is known after a step of a run: the same record in SSE, NDJSON, traces and the metrics of a
- * job. A run begins with a record of 0 steps of its first stage. Members are only ever added, at
- * the end: traces keep them in this order. */
+ *  job. A run begins with a record of 0 steps of its first stage. Members are only ever added, at
+ *  the end: traces keep them in this order. */
 #define VOR_RECORD_TABLE(X)                                                                        \
     X(U32, iteration, "iteration", "", "Iterations done; 0 is the start")                          \
     X(U32, polish, "polish", "", "Steps of the polish done; 0 while iterations go on")             \
@@ -72,8 +72,8 @@ struct vor_record {
 extern const struct vor_members vor_record_members;
 
 /** Sets stage, step, of and ahead of a record that was written before records had them, from
- * iteration and polish: such a run iterated, then polished. How many steps were allowed was not
- * written: of and ahead become 0. */
+ *  iteration and polish: such a run iterated, then polished. How many steps were allowed was not
+ *  written: of and ahead become 0. */
 void vor_record_infer_stage(struct vor_record *record);
 
 /** Why a run ended: identifier, word in the report. */
@@ -110,7 +110,8 @@ struct vor_apart {
 
 #define VOR_FIELD_APART(field) struct vor_apart field;
 
-/** So many points of the result had their surface fitted to that number of input points. */
+/** How many points of the result have a surface that was fitted to a given number of input points.
+ */
 #define VOR_FITTED_TABLE(X)                                                                        \
     X(U32, neighbors, "neighbors", "points", "Input points that a surface was fitted to")          \
     X(U64, points, "points", "points", "Points of the result that lie on such a surface")
@@ -119,7 +120,9 @@ struct vor_fitted {
     VOR_FITTED_TABLE(VOR_FIELD)
 };
 
-#define VOR_FITTED_MAX 8 /**< different numbers in a report */
+/** Most different numbers in a report: those of the ladder in input/neighbors.c, VOR_REFINED_TO and
+ *  a given one. */
+#define VOR_FITTED_MAX 8
 #define VOR_FIELD_FITTED(field)                                                                    \
     struct vor_fitted field[VOR_FITTED_MAX];                                                       \
     unsigned field##_count;
@@ -140,8 +143,8 @@ struct vor_stage_done {
 
 #define VOR_FIELD_SPEC(field) struct vor_spec field;
 
-/** What a run did. Lengths are in the unit of the cloud. The engine fills all but the seconds of
- * reading and writing, which are the caller's. */
+/** What a run did. Lengths are in the unit of the cloud. The engine sets all but the seconds of
+ *  reading and writing, which the caller sets. */
 #define VOR_REPORT_TABLE(X)                                                                        \
     X(U64, points_in, "points.in", "points", "Points of the input")                                \
     X(U64, points_out, "points.out", "points", "Points of the result")                             \
@@ -219,19 +222,18 @@ struct vor_report {
 
 extern const struct vor_members vor_report_members;
 
-/** Notes in the report that the run took so many steps and seconds of a stage; what it noted of the
- * stage before counts on. stage must be a row of the table. */
+/** Adds steps and seconds to a stage of the report. stage must be a row of the table. */
 void vor_report_stage(struct vor_report *report, enum vor_run_stage stage, uint32_t steps,
                       double seconds);
 
-/** Writes the steps that the run took of each stage, "12 iterations and 100 polish steps", cut to
- * fit. Returns out. */
+/** Writes the steps of each stage, "12 iterations and 100 polish steps", cut to size > 0. Returns
+ *  out. */
 const char *vor_report_steps(const struct vor_report *report, char *out, size_t size);
 
 /** How evenly a cloud is spread and, with a reference, how far it is from that; names and
- * definitions of Xiao 2024 Sec. V-B. Lengths beside a reference are over the diagonal of its
- * bounding box, unless their unit says otherwise; mse and psnr as mpeg-pcc-dmetric
- * (metrics/distortion.h). */
+ *  definitions of Xiao 2024 Sec. V-B. Lengths beside a reference are over the diagonal of its
+ *  bounding box, unless their unit says otherwise; mse and psnr as mpeg-pcc-dmetric
+ *  (metrics/distortion.h). */
 #define VOR_MEASURE_TABLE(X)                                                                       \
     X(U64, n, "n", "points", "Points of the cloud")                                                \
     X(REAL, delta, "delta", "",                                                                    \

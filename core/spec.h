@@ -17,8 +17,8 @@
  *  and vor_spec_form finds no value in it.
  *
  *  enum vor_form says which number stands for a value; counts are exact up to 2^53. A parameter
- * that the process does not take has the default of the table, so that the engine may read every
- * value. Only vor_spec_set and the functions like it set a text or a name. */
+ *  that the process does not take has the default of the table, so that the engine may read every
+ *  value. Only vor_spec_set and the functions like it set a text or a name. */
 struct vor_spec {
     const struct vor_process_info *process;
     double value[VOR_PARAMETER_COUNT];
@@ -41,7 +41,7 @@ VOR_NODISCARD vor_status vor_spec_set(struct vor_spec *spec, const char *name, c
                                       struct vor_error *err);
 
 /** The same from a notation that tells shapes apart, as JSON does: text is a number, a boolean
- * (true or false), a string or an array (written as a list), and is read as nothing else.
+ *  (true or false), a string or an array (written as a list), and is read as nothing else.
  *
  *  @retval VOR_E_PARAM as vor_spec_set; also when the kind has no such shape */
 VOR_NODISCARD vor_status vor_spec_set_as(struct vor_spec *spec, const char *name,
@@ -53,7 +53,7 @@ VOR_NODISCARD vor_status vor_spec_set_number(struct vor_spec *spec, const char *
                                              struct vor_error *err);
 
 /** Refuses a value that no text stands for, an object say: "NAME is WHAT, want ...". A name that
- * the process does not take is refused as vor_spec_set does.
+ *  the process does not take is refused as vor_spec_set does.
  *
  *  @retval VOR_E_PARAM always */
 vor_status vor_spec_refuse(const struct vor_spec *spec, const char *name, const char *what,
