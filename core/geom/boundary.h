@@ -69,9 +69,6 @@
 /** Spacings of the result: with less room than this, a point is not pushed towards the edge. At 0.3
  *  / 0.6 / 1.2: border points of square 142 / 147 / 141; others move no more than with the seed. */
 #define VOR_EDGE_EVENING 0.6
-/** Spacings of the result around a point: if no edge is that near, none is looked for until it has
- *  moved. A bound of the room, so half and double change no figure. */
-#define VOR_EDGE_INTERIOR 1.5
 
 /* --- rule 3: hole ---------------------------------------------------------------------------- */
 

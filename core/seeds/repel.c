@@ -441,7 +441,6 @@ static void harden(struct polish *polish, unsigned steps)
 
     polish->power = SOFT + (HARD - SOFT) * done / (steps > 1 ? steps - 1 : 1);
     polish->cells = done % CELLS_EVERY == 0;
-    polish->recall.radius = VOR_EDGE_INTERIOR * polish->h;
     polish->recall.slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
     polish->recall.refine = 2 * done >= steps && vor_domain_is_exact(polish->seeds->whole);
 }

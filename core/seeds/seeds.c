@@ -166,7 +166,7 @@ enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch 
     return here->surface.kind;
 }
 
-/* Whether the input surrounds the seed, at x, with no border within how->radius. */
+/* Whether the input surrounds the seed, at x, with no border near it. */
 static int far_from_border(const struct vor_seeds *seeds, const struct vor_scratch *scratch,
                            const double x[3], const struct vor_recall *how)
 {
@@ -178,7 +178,8 @@ static int far_from_border(const struct vor_seeds *seeds, const struct vor_scrat
     vor_surface_to_local(&here->surface, x, local);
     return vor_boundary_within(here->near, here->k, x,
                                inside * vor_boundary_spacing(here->near, here->k, x)) &&
-           isinf(vor_boundary_room(&here->surface, here->near, here->k, local, how->radius, side));
+           isinf(vor_boundary_room(&here->surface, here->near, here->k, local, here->surface.reach,
+                                   side));
 }
 
 int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,

@@ -93,14 +93,13 @@ enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch 
 
 /** When a last fit may be used again. */
 struct vor_recall {
-    double radius;  /**< a seed without an edge within it is interior; normalised */
     double slack;   /**< input spacings that a seed may move from its last fit */
     int keep_holes; /**< holes are kept open (vor_attach) */
     int refine;     /**< vor_seeds_refine is tried */
 };
 
-/** vor_seeds_fit, or the last fit if that found the seed inside the input with no border within
- *  how->radius, and the seed has moved by at most how->slack since. Sets scratch->interior: then
+/** vor_seeds_fit, or the last fit if that found the seed inside the input with no border near it and
+ *  the seed has moved by at most how->slack since. Sets scratch->interior: then
  *  only scratch->here.surface is valid, scratch->here.near is not. scratch->onto is the surface to
  *  move along, refined if how->refine asks for it. */
 enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scratch *scratch,
