@@ -33,10 +33,13 @@ sub measure {
     return decode_json(`$binary measure $result --reference $reference`);
 }
 
+# Half as many points in every run as in `make soak`.
+sub half { return $ENV{VT_SOAK} ? $_[0] : $_[0] / 2 }
+
 my %scan = (
-    'building.ply' => { points => 8000, keep => ['segment_index int', 'nx float'] },
-    'b9_training.ply' => { points => 4000, keep => ['x double', 'red uchar', 'label int'] },
-    'hippo1.ply' => { points => 3000, keep => ['x double', 'nz double'] },
+    'building.ply' => { points => half(8000), keep => ['segment_index int', 'nx float'] },
+    'b9_training.ply' => { points => half(4000), keep => ['x double', 'red uchar', 'label int'] },
+    'hippo1.ply' => { points => half(3000), keep => ['x double', 'nz double'] },
 );
 for my $name (sort keys %scan) {
     my $path = `tests/demo/scan.sh $name 2>$dir/err`;
@@ -44,7 +47,7 @@ for my $name (sort keys %scan) {
     SKIP: {
         skip "$name: its Debian package cannot be fetched here", 5 if $? != 0;
         my ($points, $keep) = @{ $scan{$name} }{qw(points keep)};
-        is(system("$binary resample $path -n $points --iterations 20 -o $dir/$name --quiet"), 0, "$name is resampled");
+        is(system("$binary resample $path -n $points --iterations 10 --polish 40 -o $dir/$name --quiet"), 0, "$name is resampled");
         my $even = measure("$dir/$name", $path);
         is($even->{n}, $points, "$name: the number of points asked for");
         is($even->{coincident}, 0, "$name: none share a place");
@@ -55,12 +58,12 @@ for my $name (sort keys %scan) {
 }
 
 # Rough scans, resampled in haste: points over one another would be projected onto the same place.
-for my $scan (['office1.ply', 20000], ['autzen.ply', 8000], ['kitti_000008.ply', 5000]) {
+for my $scan (['office1.ply', half(20000)], ['autzen.ply', half(8000)], ['kitti_000008.ply', half(5000)]) {
     my ($name, $points) = @$scan;
     my $path = shared("data/$name");
     SKIP: {
         skip "$name: no ../shared/data/$name", 3 unless $path;
-        is(system("$binary resample $path -n $points --iterations 4 --polish 60 -o $dir/$name --quiet"), 0, "$name is resampled");
+        is(system("$binary resample $path -n $points --iterations 4 --polish 30 -o $dir/$name --quiet"), 0, "$name is resampled");
         my $even = measure("$dir/$name", $path);
         is($even->{n}, $points, "$name: the number of points asked for");
         is($even->{coincident}, 0, "$name: none share a place");

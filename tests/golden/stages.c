@@ -250,11 +250,6 @@ static void check_engine(const struct golden *line, struct vt_stages_run *run, u
     }
 }
 
-static int soaks(void)
-{
-    return getenv("VT_SOAK") != NULL;
-}
-
 START_TEST(every_stage_comes_to_what_is_written_down)
 {
     static const unsigned threads[3] = {2, 3, 8};
@@ -267,7 +262,7 @@ START_TEST(every_stage_comes_to_what_is_written_down)
     open_run(&run, &cloud, line);
     check_stages(line, &run, 1);
     check_engine(line, &run, 3);
-    for (int k = 0; k < 3 && soaks(); k++)
+    for (int k = 0; k < 3 && vt_soaks(); k++)
         check_stages(line, &run, threads[k]);
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
@@ -387,7 +382,7 @@ int main(void)
     for (int k = 0; k < lines; k++) {
         const struct golden *line = &golden[k];
 
-        if (!line->is_case || (!soaks() && !(line->spread && of_spread++ % EVERY == 0)))
+        if (!line->is_case || (!vt_soaks() && !(line->spread && of_spread++ % EVERY == 0)))
             continue;
         if (!is_missing(line)) {
             add_case(suite, k, every_stage_comes_to_what_is_written_down, line->name, 600);

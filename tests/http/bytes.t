@@ -14,7 +14,7 @@ my $binary = $ENV{VORONOID} // 'build/release/voronoid';
 my $folder = tempdir(CLEANUP => 1);
 
 # A bent sheet with an open border, far from the origin, with a colour, a scalar and noise in its spacing.
-my $count = 6000;
+my $count = 3000;
 my $cloud = "ply\nformat binary_big_endian 1.0\nelement vertex $count\nproperty double x\nproperty double y\n"
     . "property double z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
     . "property float intensity\nend_header\n";
@@ -28,10 +28,10 @@ print $file $cloud;
 close $file or die "in.ply: $!";
 
 my %requests = (
-    'PLY' => 'points=2500&iterations=12&format=ply&normals=fit',
+    'PLY' => 'points=2500&iterations=6&polish=20&format=ply&normals=fit',
     'Draco' => 'ratio=0.3&iterations=12&format=drc&seed=7',
-    'accelerated' => 'points=1500&iterations=8&format=ply&anderson=4&polish=10',
-    'upsampled, plain Lloyd' => 'points=9000&iterations=4&format=ply&anderson=0&polish=0&boundary=free',
+    'accelerated' => 'points=1200&iterations=8&format=ply&anderson=4&polish=10',
+    'upsampled, plain Lloyd' => 'points=4500&iterations=4&format=ply&anderson=0&polish=0&boundary=free',
 );
 my %wanted;
 for my $threads (1, 2, 3, 8) {

@@ -326,7 +326,8 @@ int main(void)
 {
     Suite *suite = suite_create("engine_degenerate");
 
-    vt_add_loop(suite, a_strange_cloud_gives_exactly_the_points_asked_for_or_says_why_not, SHAPES);
+    vt_add_loop(suite, a_strange_cloud_gives_exactly_the_points_asked_for_or_says_why_not,
+                VT_ONCE(SHAPES));
     vt_add(suite, a_cloud_without_a_surface_is_refused_at_every_size);
     vt_add(suite, four_points_make_one_to_sixty_four);
     return vt_run(suite);

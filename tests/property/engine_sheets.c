@@ -94,7 +94,7 @@ START_TEST(one_two_three_and_eight_threads_give_the_same_bytes)
     struct vor_cloud in, out;
     uint64_t first = 0;
 
-    vt_cloud_sheets(&in, 5, N, sqrt(2.0 / N));
+    vt_cloud_sheets(&in, 5, N / 2, sqrt(4.0 / N));
     for (size_t i = 0; i < sizeof threads / sizeof *threads; i++) {
         uint64_t hash = resample(&out, &in, threads[i], "auto");
 
@@ -111,8 +111,8 @@ int main(void)
 {
     Suite *suite = suite_create("engine_sheets");
 
-    vt_add_loop(suite, no_point_lies_between_two_sheets, VT_FEWER(SEEDS));
-    vt_add_loop(suite, nor_where_they_are_noisy, VT_FEWER(SEEDS));
+    vt_add_loop(suite, no_point_lies_between_two_sheets, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_loop(suite, nor_where_they_are_noisy, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add(suite, one_two_three_and_eight_threads_give_the_same_bytes);
     return vt_run(suite);
 }

@@ -36,6 +36,11 @@ void vt_add_case(Suite *suite, const char *name, const TTest *test, int loops)
     suite_add_tcase(suite, tcase);
 }
 
+int vt_soaks(void)
+{
+    return getenv("VT_SOAK") != NULL;
+}
+
 void vt_held(const char *file, int line)
 {
     static _Thread_local long told;

@@ -318,7 +318,7 @@ START_TEST(no_point_leaves_its_cell)
         const struct vt_shape *shape = &vt_shapes[i % VT_SMOOTH];
         struct bed bed;
         double size = (0.5 + 0.6 * (double)i) * spacing(shape);
-        const double cell[3] = {size, size * (1 + 0.2 * (_i % 3)), size};
+        const double cell[3] = {size, size * (1 + 0.2 * ((i + _i) % 3)), size};
 
         shape->make(&bed.cloud, (uint64_t)_i, N);
         snap(&bed.cloud, cell, 0.1);
@@ -515,11 +515,12 @@ int main(void)
     vt_add_loop(suite, a_few_strays_and_gaps_do_not_hide_it_and_many_do, VT_FEWER(SEEDS));
     vt_add_loop(suite, all_points_in_a_plane_leave_one_axis_without, VT_FEWER(SEEDS));
     vt_add_loop(suite, two_sheets_or_a_single_lattice_axis_do_not_matter, VT_FEWER(SEEDS));
-    vt_add_loop(suite, no_point_leaves_its_cell, VT_FEWER(SEEDS));
+    vt_add_loop(suite, no_point_leaves_its_cell, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, one_two_three_and_eight_threads_move_them_to_the_same_places,
-                VT_FEWER(SEEDS));
-    vt_add_loop(suite, points_come_nearer_to_the_surface, VT_FEWER(SEEDS));
-    vt_add_loop(suite, a_result_lies_nearer_to_the_surface_than_without, VT_FEWER(SEEDS));
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_loop(suite, points_come_nearer_to_the_surface, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_loop(suite, a_result_lies_nearer_to_the_surface_than_without,
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, labels_still_come_from_the_nearest_input_point, VT_FEWER(SEEDS));
     vt_add(suite, every_allocation_that_fails_is_reported_and_leaves_no_leak);
     return vt_run(suite);

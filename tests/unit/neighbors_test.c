@@ -267,8 +267,9 @@ int main(void)
     vt_add(suite, one_two_three_and_eight_threads_and_any_power_of_two_find_the_same);
     vt_add_loop(suite, a_few_points_are_never_asked_for_more_than_an_eighth_of_them,
                 VT_FEWER(SEEDS));
-    vt_add_loop(suite, what_it_finds_denoises_and_the_report_says_what_it_was, VT_FEWER(SEEDS));
+    vt_add_loop(suite, what_it_finds_denoises_and_the_report_says_what_it_was,
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, a_cloud_noisy_in_parts_is_off_by_less_than_with_any_one_number,
-                VT_FEWER(SEEDS));
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     return vt_run(suite);
 }
