@@ -125,7 +125,7 @@ vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
 {
     struct vor_seeds *seeds = placed->seeds;
     double unit = seeds->domain->unit;
-    struct vor_uniformity even;
+    struct vor_uniformity even = {0}; /* clang-analyzer cannot see that VOR_E_NOMEM is not VOR_OK */
     struct vor_comparison found;
     struct vor_counts counts = {0};
     vor_status status = measure(&even, seeds, err);
