@@ -4,6 +4,7 @@
 #include "proto/codec.h"
 #include "proto/json/json.h"
 #include "server/base/log.h"
+#include "server/work/artefacts.h"
 #include "server/work/worker.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
@@ -222,6 +223,63 @@ START_TEST(a_job_without_records_tells_its_stages_and_its_end)
     pair_free(&pair);
     vt_daemon_stop(&daemon);
     vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+/* Of a process that does not take a format, in that of the main input. */
+START_TEST(a_cloud_beside_the_main_output_is_saved_under_its_name)
+{
+    const struct vor_format *format;
+    struct vor_job_output saved = {.points = 1};
+    struct vt_daemon daemon = {.dir = vt_dir_make()};
+    struct vor_artefact artefact = {.name = "mesh", .kind = VOR_ARTEFACT_CLOUD};
+    struct vor_job_view row = vt_row(10);
+    struct vor_cloud back;
+    uint8_t *bytes;
+    size_t size;
+
+    daemon.blobs = vt_dir_blobs(daemon.dir);
+    vt_cloud_sphere(&artefact.cloud, 1, 70);
+    vor_spec_preset(&row.spec, vor_process_find("measure"));
+    row.input[0].format = (unsigned)_i;
+    vt_assert_ok(vor_artefact_save(&saved, daemon.blobs, &row, &artefact, 0, &vt_err));
+    bytes = vt_daemon_output(&daemon, &row.id, "mesh", &size);
+    ck_assert_uint_eq(saved.format, (unsigned)_i);
+    ck_assert_uint_eq(saved.points, 70);
+    ck_assert_uint_eq(saved.bytes, size);
+    ck_assert_uint_eq(strlen(saved.sha256), VOR_DIGEST_SIZE - 1);
+    vor_cloud_init(&back, &vt_memory);
+    vt_assert_ok(vor_codec_read(&back, &format, bytes, size, &(struct vor_limits)VOR_LIMITS_DEFAULT,
+                                &vt_err));
+    ck_assert_ptr_eq(format, vor_format((unsigned)_i));
+    ck_assert_uint_eq(back.n, 70);
+    free(bytes);
+    vor_cloud_free(&back);
+    vor_cloud_free(&artefact.cloud);
+    vor_blobs_close(daemon.blobs);
+    vt_dir_remove(daemon.dir);
+}
+END_TEST
+
+START_TEST(an_output_that_cannot_be_written_leaves_nothing)
+{
+    struct vor_job_output saved = {.points = 77};
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_artefact artefact = {.name = "mesh", .kind = VOR_ARTEFACT_CLOUD};
+    struct vor_job_view row = vt_row(10);
+
+    vt_cloud_sphere(&artefact.cloud, 1, 70);
+    vor_spec_preset(&row.spec, vor_process_find("measure"));
+    row.input[0].format = 99; /* as a newer version may have noted it */
+    vt_assert_fails(VOR_E_INTERNAL, vor_artefact_save(&saved, blobs, &row, &artefact, 0, &vt_err));
+    ck_assert_str_eq(vt_err.message, "this version has no format 99");
+    ck_assert_uint_eq(saved.points, 77);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
+    vor_cloud_free(&artefact.cloud);
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -539,6 +597,8 @@ int main(void)
     vor_log_open(2, VOR_LOG_OFF);
     vt_add_loop(suite, a_document_is_what_the_engine_gives, 3);
     vt_add(suite, a_job_without_records_tells_its_stages_and_its_end);
+    vt_add_loop(suite, a_cloud_beside_the_main_output_is_saved_under_its_name, 2);
+    vt_add(suite, an_output_that_cannot_be_written_leaves_nothing);
     vt_add(suite, what_a_process_cannot_work_on_is_refused_and_leaves_nothing);
     vt_add_loop(suite, both_inputs_survive_kill_9, 4);
     vt_add_loop(suite, a_job_that_lost_an_input_fails_and_names_it, 2);
