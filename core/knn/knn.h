@@ -56,9 +56,4 @@ void vor_knn_free(struct vor_knn *knn);
 void vor_knn_search(const struct vor_knn *knn, const float *queries, size_t count, unsigned k,
                     uint32_t *index, float *distance2);
 
-/** The same by computing every distance; points at equal distance come by index. The oracle of the
- *  tests. */
-void vor_knn_brute(const float *xyz, size_t n, const float *queries, size_t count, unsigned k,
-                   uint32_t *index, float *distance2);
-
 #endif

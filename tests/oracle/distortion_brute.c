@@ -5,6 +5,7 @@
 #include "core/knn/knn.h"
 #include "core/metrics/distortion.h"
 #include "tests/support/vt_engine.h"
+#include "tests/support/vt_knn.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -106,7 +107,7 @@ static void fit(struct twin *twin)
     struct vor_surface surface;
 
     for (size_t i = 0; i < twin->n; i++) {
-        vor_knn_brute(twin->xyz, twin->n, &twin->xyz[3 * i], 1, 20, index, distance2);
+        vt_knn_brute(twin->xyz, twin->n, &twin->xyz[3 * i], 1, 20, index, distance2);
         for (size_t j = 0; j < 20; j++)
             memcpy(&near[3 * j], &twin->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
         vor_surface_fit(&surface, near, 20);

@@ -1,6 +1,7 @@
 /* Lists that are reused against looking at every point, while the queries wander. */
 #include "core/knn/input_lists.h"
 #include "tests/support/vt.h"
+#include "tests/support/vt_knn.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -93,7 +94,7 @@ static enum vor_input_lists_found check_query(struct walk *walk, size_t i)
     walk->kept += same;
     ck_assert(how != VOR_INPUT_LISTS_SAME || same);
     ck_assert_uint_eq(vor_input_lists_first(&walk->near, i), index[0]);
-    vor_knn_brute(walk->cloud.xyz, walk->cloud.n, walk->at[i], 1, walk->k, brute, expected);
+    vt_knn_brute(walk->cloud.xyz, walk->cloud.n, walk->at[i], 1, walk->k, brute, expected);
     for (unsigned j = 0; j < walk->k; j++) {
         found[j] = distance2(walk, index[j], walk->at[i]);
         twice += j > 0 && walk->last[i][j] == walk->last[i][j - 1];
@@ -252,7 +253,7 @@ START_TEST(what_a_list_tells_of_places_around_is_true)
             ck_assert_uint_le(told, walk.k);
             ck_assert(a > 0 || told == walk.k);
             ck_assert(a < 3 || told == 0);
-            vor_knn_brute(walk.cloud.xyz, walk.cloud.n, x, 1, walk.k, brute, expected);
+            vt_knn_brute(walk.cloud.xyz, walk.cloud.n, x, 1, walk.k, brute, expected);
             for (unsigned j = 0; j < told; j++)
                 ck_assert(distance2(&walk, index[j], x) == expected[j]);
         }

@@ -4,6 +4,7 @@
 #include "core/base/morton.h"
 #include "core/knn/knn.h"
 #include "tests/support/vt_engine.h"
+#include "tests/support/vt_knn.h"
 
 #include <math.h>
 #include <string.h>
@@ -122,7 +123,7 @@ static void compare(int shape, uint64_t seed, size_t n, unsigned k)
                 q % 2 ? xyz[3 * (q * 37 % n) + c] : (float)(3 * vt_unit(seed + 5, 3 * q + c) - 1);
     vt_assert_ok(vor_knn_build(&knn, xyz, n, &vt_memory, &vt_err));
     vor_knn_search(knn, query, QUERIES, k, index, distance2);
-    vor_knn_brute(xyz, n, query, QUERIES, k, index + QUERIES * k, distance2 + QUERIES * k);
+    vt_knn_brute(xyz, n, query, QUERIES, k, index + QUERIES * k, distance2 + QUERIES * k);
     for (size_t q = 0; q < QUERIES; q++)
         check_row(xyz, n, &query[3 * q], &index[q * k], &distance2[q * k],
                   &distance2[(QUERIES + q) * k], k);

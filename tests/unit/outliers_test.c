@@ -1,6 +1,7 @@
 /* Points that nothing points back to. */
 #include "core/input/outliers.h"
 #include "tests/support/vt_engine.h"
+#include "tests/support/vt_knn.h"
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
@@ -82,7 +83,7 @@ static size_t brute_look(struct vor_cloud *cloud)
         uint32_t index[K + 1];
         float distance2[K + 1];
 
-        vor_knn_brute(cloud->xyz, n, &cloud->xyz[3 * i], 1, K + 1, index, distance2);
+        vt_knn_brute(cloud->xyz, n, &cloud->xyz[3 * i], 1, K + 1, index, distance2);
         for (unsigned j = 0; j <= K; j++)
             pointed[index[j]] += index[j] != i;
     }

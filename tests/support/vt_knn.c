@@ -1,9 +1,9 @@
-#include "core/knn/knn.h"
+#include "tests/support/vt_knn.h"
 
 #include <assert.h>
 
-void vor_knn_brute(const float *xyz, size_t n, const float *queries, size_t count, unsigned k,
-                   uint32_t *index, float *distance2)
+void vt_knn_brute(const float *xyz, size_t n, const float *queries, size_t count, unsigned k,
+                  uint32_t *index, float *distance2)
 {
     assert(k >= 1 && k <= n);
     for (size_t q = 0; q < count; q++, index += k, distance2 += k) {
