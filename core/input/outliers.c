@@ -3,7 +3,25 @@
 #include <stdatomic.h>
 #include <string.h>
 
-enum { NEIGHBORS = 20, POINTED = 6, LOOKS = 3, LEAST = 200, QUARTER = 4, BLOCK = 4096, BATCH = 64 };
+/* Figures are of igea, 12,000 points of white noise and 60 in its box at random, denoised to 3,000:
+ * rms distance to the true surface in 1e-4 of its diagonal (spread 0.1), and points dropped. Some
+ * of the 60 lie near the surface. */
+enum {
+    /* Nearest points that a point points to. At 10 / 20 / 40: rms 5.9 / 5.4 / 5.8, dropped 554 / 41
+     * / 35. */
+    NEIGHBORS = 20,
+    /* A point that fewer others point to is an outlier. At 3 / 6 / 12: rms 5.2 / 5.4 / 5.1, dropped
+     * 40 / 41 / 130; a point at a border has about 10. */
+    POINTED = 6,
+    /* Most searches. Here the first finds all; two outliers side by side need another. */
+    LOOKS = 3,
+    /* Fewer points have no outliers: 20 neighbours are then a tenth of all. */
+    LEAST = 200,
+    /* If more than one point in so many would go, none does. At 2 and 8 nothing changes here. */
+    QUARTER = 4,
+    BLOCK = 4096, /* points of one task */
+    BATCH = 64    /* points of one call of the index */
+};
 
 /* One search of all points. */
 struct look {
