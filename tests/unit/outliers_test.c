@@ -244,6 +244,7 @@ int main(void)
     vt_add(suite, one_two_three_and_eight_threads_drop_the_same);
     vt_add_loop(suite, few_points_have_none, VT_FEWER(SEEDS));
     vt_add_loop(suite, where_more_than_a_quarter_would_go_all_stay, VT_FEWER(SEEDS));
-    vt_add_loop(suite, a_result_without_them_lies_on_the_surface, VT_FEWER(SEEDS));
+    vt_add_loop(suite, a_result_without_them_lies_on_the_surface,
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     return vt_run(suite);
 }

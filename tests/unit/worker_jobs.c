@@ -2,6 +2,7 @@
  * only what its end promises. */
 #include "proto/codec.h"
 #include "proto/json/json.h"
+#include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/work/worker.h"
 #include "tests/support/vt.h"
@@ -152,8 +153,7 @@ START_TEST(the_events_of_a_job_are_the_same_live_and_from_its_trace)
     ck_assert_int_eq(first.status, VOR_JOB_SUCCESSFUL);
     ck_assert_uint_eq(vor_bus_read(stored, &b, VOR_READ_EVERY, &second, 1), 0);
     ck_assert_uint_eq(records[0], 13); /* with iteration 0 */
-    if (_i == 0)
-        ck_assert_uint_eq(records[1], 0);
+    ck_assert_int_eq(records[1] > 0, _i > 0);
     vor_bus_release(live);
     vor_bus_release(stored);
     vor_cloud_free(&cloud);
@@ -301,16 +301,15 @@ START_TEST(a_job_dismissed_while_it_encodes_leaves_no_bytes)
 {
     struct vt_daemon daemon;
     struct vor_cloud cloud;
-    struct vor_job_view view;
+    struct timespec pause = {.tv_nsec = 200000}; /* it encodes for many times that */
     struct vor_uuid id;
 
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
     vt_cloud_sphere(&cloud, 1, 10000);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < VT_SOAK_LOOPS(1, 3); i++) {
         id = submit(&daemon, &cloud, vt_request(100000, 0));
-        do
-            view = vt_daemon_get(&daemon, &id);
-        while (view.stage != VOR_STAGE_ENCODE);
+        while (vt_daemon_get(&daemon, &id).stage != VOR_STAGE_ENCODE)
+            nanosleep(&pause, NULL);
         dismiss(&daemon, &id); /* removed, should it have been quicker */
         wait_idle(&daemon);
         ck_assert_int_eq(kept(&daemon), 0);
@@ -526,30 +525,48 @@ START_TEST(a_finished_job_is_removed_with_its_bytes)
 }
 END_TEST
 
-START_TEST(results_expire_and_say_so)
+/* A job whose result was kept for an hour, until so many minutes ago. */
+static struct vor_uuid ended(struct vt_daemon *daemon, int minutes)
 {
-    struct vt_daemon daemon;
-    struct timespec pause = {.tv_nsec = 550000000}; /* half a second longer it is not forgotten */
-    struct vor_job_view view;
-    struct vor_cloud cloud;
-    struct vor_bus *bus;
-    struct vor_uuid id;
+    const int64_t minute = 60000;
+    struct vor_blob_writer *writer = vt_upload(daemon->blobs, "ply", 3);
+    struct vor_job_view row = vt_row(50);
+    int changed;
 
-    vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.ttl_seconds = 0.5});
-    vt_cloud_sphere(&cloud, 1, 200);
-    id = submit(&daemon, &cloud, vt_request(50, 1));
-    (void)vt_daemon_wait_over(&daemon, &id);
-    wait_idle(&daemon);
-    ck_assert_int_eq(kept(&daemon), 1);
-    nanosleep(&pause, NULL);
+    vt_assert_ok(vor_blob_commit(writer, &row.id, "cloud", &vt_err));
+    vt_assert_ok(vor_store_insert(daemon->store, &row, &vt_err));
+    row.status = VOR_JOB_SUCCESSFUL;
+    row.progress = 100;
+    row.expires = vor_clock_wall_ms() - minutes * minute;
+    row.finished = row.expires - 60 * minute;
+    vt_assert_ok(vor_store_finish(daemon->store, &row, 0, NULL, &changed, &vt_err));
+    ck_assert(changed);
+    return row.id;
+}
+
+START_TEST(results_expire_and_say_so_for_as_long_as_they_were_kept)
+{
+    static const int minutes[3] = {-30, 30, 90}; /* kept, expired, forgotten */
+    static const enum vor_job_outcome outcomes[3] = {VOR_DONE, VOR_DONE, VOR_UNKNOWN};
+    struct vt_daemon daemon;
+    struct vor_job_view view;
+    struct vor_uuid ids[3];
+    struct vor_bus *bus;
+
+    vt_daemon_start(&daemon, vt_dir_make(), NULL);
+    for (int i = 0; i < 3; i++)
+        ids[i] = ended(&daemon, minutes[i]);
+    ck_assert_int_eq(kept(&daemon), 3);
     vt_assert_ok(vor_worker_sweep(daemon.worker, &vt_err));
-    ck_assert_int_eq(kept(&daemon), 0);
-    ck_assert_int_eq(vor_worker_get(daemon.worker, &id, &view, &vt_err), VOR_DONE);
-    ck_assert(view.expired);
-    bus = events(&daemon, &id);
+    ck_assert_int_eq(kept(&daemon), 1);
+    for (int i = 0; i < 3; i++) {
+        view.expired = 0;
+        ck_assert_int_eq(vor_worker_get(daemon.worker, &ids[i], &view, &vt_err), outcomes[i]);
+        ck_assert_int_eq(view.expired, i == 1);
+    }
+    bus = events(&daemon, &ids[1]);
     ck_assert(vor_bus_ended(bus, NULL));
     vor_bus_release(bus);
-    vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
     vt_dir_remove(daemon.dir);
 }
@@ -658,7 +675,7 @@ int main(void)
     vt_add(suite, what_a_process_does_not_allow_is_refused_before_there_is_a_job);
     vt_add_loop(suite, a_job_bears_its_process_and_does_what_it_says, 4);
     vt_add(suite, a_finished_job_is_removed_with_its_bytes);
-    vt_add(suite, results_expire_and_say_so);
+    vt_add(suite, results_expire_and_say_so_for_as_long_as_they_were_kept);
     vt_add(suite, a_list_shows_the_live_state_of_running_jobs);
     vt_add_loop(suite, a_job_interrupted_at_any_instant_ends_once, 6);
     return vt_run(suite);
