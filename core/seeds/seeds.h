@@ -98,10 +98,10 @@ struct vor_recall {
     int refine;     /**< vor_seeds_refine is tried */
 };
 
-/** vor_seeds_fit, or the last fit if that found the seed inside the input with no border near it and
- *  the seed has moved by at most how->slack since. Sets scratch->interior: then
- *  only scratch->here.surface is valid, scratch->here.near is not. scratch->onto is the surface to
- *  move along, refined if how->refine asks for it. */
+/** vor_seeds_fit, or the last fit if that found the seed inside the input with no border near it
+ * and the seed has moved by at most how->slack since. Sets scratch->interior: then only
+ * scratch->here.surface is valid, scratch->here.near is not. scratch->onto is the surface to move
+ * along, refined if how->refine asks for it. */
 enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scratch *scratch,
                                        size_t i, const struct vor_recall *how);
 
