@@ -4,11 +4,15 @@
 #include <math.h>
 #include <string.h>
 
+/* Most entries of a list. */
 enum { WIDE_MAX = 1024 };
 
-#define ROUNDING 1.00001f /* what float distances may be off, and more */
+/* Factor by which a distance in float32 may be off, and more: it has six roundings of 6e-8. */
+#define ROUNDING 1.00001f
 
-/* Entries of a list that answers k neighbours. */
+/* Entries of a list that answers k neighbours: half as many again, the margin for moves. With a
+ * quarter / half / as many again: searches on igea 57 / 45 / 38 thousand, on autzen 217 / 198 / 174
+ * thousand, and 6 bytes a neighbour and seed become 5 / 6 / 8. */
 static unsigned width(const struct vor_input_lists *lists, unsigned k)
 {
     unsigned wide = k + k / 2 + 2;

@@ -8,9 +8,13 @@
 #include <math.h>
 #include <stdatomic.h>
 
+/* Largest coordinate: a domain has 1, a common frame of two clouds 1. Far more than that is a
+ * caller's bug, and squares of it are still far from the end of float32. */
 #define COORDINATE_MAX 1e6f
-#define QUERY_MAX 1e15f /* squared distances stay finite */
+/* Largest coordinate of a query: its squared distances stay finite. */
+#define QUERY_MAX 1e15f
 
+/* Points of one task. */
 enum { BLOCK = 1 << 15 };
 
 struct vor_knn {
