@@ -3,11 +3,18 @@
 #include "core/base/rng.h"
 #include "core/geom/integrate.h"
 
-/* Cells of a random draw are uneven: the largest reach beyond the usual patch, and their area would
- * be missed. */
+/* Cells of a random draw are uneven: the largest extend beyond the usual patch, and their area
+ * would be missing. Patches are so many times as wide. At 1 / 1.3 / 2.6, points that a spacing of 1
+ * / sqrt(3000) of the surface comes to, over 3,000: igea 0.956 / 0.982 / 0.988, cow 0.949 / 0.972 /
+ * 0.979, bunny 1.002 / 1.008 / 1.010. Wider patches cost more bisectors for little.  */
 #define WIDEN 1.3
 
-enum { STREAM_DRAW = 1, SURFACE_SEEDS = 20000 };
+/* Most cells that the area is computed of. With 2,000 / 5,000 / 20,000 the same figures vary by
+ * 0.25 / 0.15 / 0.03 % from seed to seed (cow). */
+enum { SURFACE_SEEDS = 20000 };
+
+/* Stream of random numbers; start.c uses 1 to 3 of a seed of the same, for other draws. */
+enum { STREAM_DRAW = 1 };
 
 void vor_area_draw(struct vor_seeds *seeds, uint64_t seed)
 {

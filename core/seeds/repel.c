@@ -8,75 +8,78 @@
 
 #include <string.h>
 
-/* The exponent S and the shape of the force. Figures "at a / b / c" belong to the chosen value b, a
- * lower a and a higher c, on the inputs and with the spread of geom/boundary.h; six is the share of
- * points with six neighbours (spread 1 %). */
+/* Figures "at a / b / c" belong to the chosen value b, a lower a and a higher c: delta (spread 3 %
+ * from seed to seed), or six, the share of points with six neighbours (spread 1 %), or the largest
+ * distance to the true surface over its diagonal (spread 10 %), on the inputs of geom/boundary.h.
+ */
 
 enum {
-    /* S at the first step. At 2 / 4 / 8: six on igea 0.815 / 0.812 / 0.785, delta the same. */
+    /* The exponent S at the first step. At 2 / 4 / 8: six on igea 0.819 / 0.812 / 0.793, delta the
+     * same. */
     SOFT = 4,
-    /* S at the last step. At 7 / 14 / 28: delta of igea 0.0233 / 0.0176 / 0.0127, of bunny 0.0245 /
-     * 0.0185 / 0.0131; six 0.835 / 0.812 / 0.767 and 0.815 / 0.783 / 0.729. */
+    /* S at the last step. At 7 / 14 / 28: igea 0.0235 / 0.0176 / 0.0129, bunny 0.0244 / 0.0185 /
+     * 0.0138; six 0.825 / 0.812 / 0.765 and 0.810 / 0.783 / 0.734. */
     HARD = 14,
-    /* From this S on the force reaches HARD_REACH. At 5 / 7 / 14 no figure moves but searches. */
+    /* From this S on the force extends to HARD_REACH. At 5 / 7 / 14 only searches change: on autzen
+     * 191 / 198 / 214 thousand. */
     HARDER = 7,
-    /* Steps from one look for holes to the next. At 1 / 3 / 6: CPU of igea 0.72 / 0.58 / 0.51 s,
-     * searches on autzen 240 / 198 / 185 thousand; delta the same. */
+    /* Steps from one look for holes to the next. At 1 / 3 / 6: CPU of autzen 2.0 / 1.7 / 1.3 s,
+     * searches 245 / 198 / 185 thousand, delta the same. */
     CELLS_EVERY = 3,
-    /* The same around a point with no hole near. At 3 / 6 / 12: triangles a cell on autzen 9.6
-     * / 10.6 / 11.0, nothing else moves. A multiple of CELLS_EVERY. */
+    /* The same around a point with no hole near. At 3 / 6 / 12 only triangles change: on autzen 9.8
+     * / 10.6 / 10.9 a cell. A multiple of CELLS_EVERY. */
     QUIET_EVERY = 6,
-    /* Last steps, on the whole of a thinned input. At 20 / 40 / 80: armadillo, 300,000 to 4,000,
-     * rms 0.56e-4 / 0.58e-4 / 0.59e-4, delta 0.0231 / 0.0238 / 0.0234, searches 83 / 91 / 102
-     * thousand. */
+    /* Last steps, on the whole of a thinned input. At 20 / 40 / 80, armadillo, 300,000 to 4,000:
+     * rms distance to the true surface 0.56e-4 / 0.58e-4 / 0.59e-4, six 0.753 / 0.735 / 0.712, CPU
+     * 0.9 / 1.1 / 1.2 s. */
     ON_WHOLE = 40,
     /* Last steps, on surfaces that are fitted again sooner (SLACK_FRESH), and measured one by one.
-     * At 8 / 16 / 32 no figure moves beyond the spread. */
+     * At 8 / 16 / 32: rms distance on fandisk 6.0e-4 / 5.7e-4 / 5.7e-4. */
     FRESH = 16,
-    /* Steps from one measurement of delta to the next, before the last FRESH. At 3 / 5 / 10 no
-     * figure moves beyond the spread; a measurement costs a pass over the lists. */
+    /* Steps from one measurement of delta to the next, before the last FRESH. 3 and 10 move no
+     * figure beyond the spread; a measurement costs a pass over the lists. */
     EVEN_EVERY = 5,
     /* Steps from one record for the watch to the next. */
     RECORD_EVERY = 10
 };
 
-/* Step over the sum of forces, times 2 S. At 0.1 / 0.2 / 0.4: delta of fandisk 0.0222 / 0.0197 /
- * 0.0201, of bunny 0.0202 / 0.0185 / 0.0178, max on fandisk 4.8e-3 / 4.5e-3 / 7.4e-3. */
+/* Step over the sum of forces, times 2 S. At 0.1 / 0.2 / 0.4: fandisk 0.0220 / 0.0197 / 0.0193,
+ * bunny 0.0209 / 0.0185 / 0.0179, largest distance on fandisk 5.1e-3 / 4.5e-3 / 5.6e-3. */
 #define GAIN 0.2
-/* Share of the last step that is added to the next. At 0.35 / 0.7 / 0.9: six on igea 0.746 / 0.812
- * / 0.856, delta of fandisk 0.0208 / 0.0197 / 0.0229. */
+/* Share of the last step that is added to the next. At 0.35 / 0.7 / 0.9: six on igea 0.757 / 0.812
+ * / 0.857, fandisk 0.0202 / 0.0197 / 0.0221. */
 #define MOMENTUM 0.7
-/* Longest step, in spacings. At 0.025 / 0.05 / 0.1: searches on autzen 171 / 198 / 229 thousand,
- * max on fandisk 4.1e-3 / 4.5e-3 / 8.2e-3, delta the same. */
+/* Longest step, in spacings. At 0.025 / 0.05 / 0.1: autzen 0.117 / 0.103 / 0.094 (spread 6 %), its
+ * searches 171 / 198 / 233 thousand, largest distance on fandisk 4.4e-3 / 4.5e-3 / 5.9e-3. */
 #define STEP_MAX 0.05
-/* Largest (h/d)^(2S) of a pair. Steps are bounded, so 25 / 50 / 100 move no figure; it keeps the
- * sum of forces finite. */
+/* Largest (h/d)^(2S) of a pair: keeps the sum of forces finite. Steps are bounded, so 25 and 100
+ * move no figure. */
 #define FORCE_MAX 50.0
-/* Spacings: nearer pairs part along the surface, and by a force of that length. At 0.05 / 0.1 / 0.2
- * no figure moves; it matters where points coincide. */
+/* Spacings: nearer pairs part along the surface, and by a force of that length. It matters where
+ * points coincide; 0.05 and 0.2 move no figure. */
 #define OVERLAP 0.1
-/* Spacings that soft repulsion reaches. At 1.5 / 2 / 2.5 no figure moves beyond the spread. */
+/* Spacings that soft repulsion extends to. At 1.5 / 2 / 2.5 only the largest distance on fandisk
+ * changes: 5.1e-3 / 4.5e-3 / 4.5e-3. */
 #define FORCE_REACH 2.0
 /* The same for S of HARDER and more, where the force beyond it is below a 290th of that at h.
- * At 1.25 / 1.5 / 2: searches on autzen 190 / 198 / 210 thousand, nothing else moves. */
+ * At 1.25 / 1.5 / 2 only searches change: on autzen 192 / 198 / 214 thousand. */
 #define HARD_REACH 1.5
 /* Pitches from the middle of a hole to the points around it: a hole is larger. In a lattice it is
- * 0.577. At 0.6 / 0.65 / 0.7: delta of igea 0.0218 / 0.0176 / 0.0169, of fandisk 0.0235 / 0.0197 /
- * 0.0188; largest gap on igea 0.713 / 0.706 / 0.732 spacings. */
+ * 0.577. At 0.6 / 0.65 / 0.7: igea 0.0216 / 0.0176 / 0.0172, fandisk 0.0235 / 0.0197 / 0.0192;
+ * above, holes stay: largest gap on igea 0.706 spacings at 0.65, 0.732 at 0.7 (one seed). */
 #define HOLE 0.65
-/* Pitches beyond HOLE that count at most. At 0.075 / 0.15 / 0.3: max on fandisk 5.4e-3 / 4.5e-3 /
- * 5.5e-3, nothing else moves. */
+/* Pitches beyond HOLE that count at most. 0.075 and 0.3 move no figure beyond the spread. */
 #define HOLE_EXCESS 0.15
-/* Pitches: with no hole wider than this, a point is looked at less often (QUIET_EVERY). At 0.58 /
- * 0.62 / 0.65 no figure moves beyond the spread. */
+/* Pitches: with no hole wider than this, a point is looked at less often (QUIET_EVERY). 0.58 and
+ * 0.65 move no figure beyond the spread. */
 #define HOLE_NEAR 0.62
-/* Share of the excess that one step goes. At 0.075 / 0.15 / 0.3: delta of fandisk 0.0185 / 0.0197 /
- * 0.0212, largest gap on igea 0.734 / 0.706 / 0.692 spacings. */
+/* Share of the excess that one step goes. At 0.075 / 0.15 / 0.3: igea 0.0172 / 0.0176 / 0.0185,
+ * fandisk 0.0188 / 0.0197 / 0.0218, largest gap on igea 0.728 / 0.706 / 0.713 spacings. */
 #define HOLE_PULL 0.15
-/* Input spacings that a point may move before its surface is fitted again. At 0.25 / 0.5 / 1: max
- * on fandisk 4.1e-3 / 4.5e-3 / 5.1e-3, nothing else moves. */
+/* Input spacings that a point may move before its surface is fitted again. 0.25 and 1 move no
+ * figure beyond the spread. */
 #define SLACK 0.5
-/* The same in the last FRESH steps. At 0.05 / 0.1 / 0.2 no figure moves beyond the spread. */
+/* The same in the last FRESH steps. 0.05 and 0.2 move no figure beyond the spread. */
 #define SLACK_FRESH 0.1
 
 struct polish {

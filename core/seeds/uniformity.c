@@ -2,9 +2,13 @@
 
 #include "core/base/linalg.h"
 
+/* If the lists leave more than one seed in so many open, an index of all is cheaper than a search
+ * for each. 8 and 32 change no count on igea and autzen. */
 enum { OPEN_SHARE = 16 };
 
-#define FAR 0.6 /* spacings that a seed may have moved before it is looked at apart */
+/* Spacings that a seed may have moved before it is a jumper. At 0.3 / 0.6 / 1.2: searches on igea
+ * 64 / 45 / 46 thousand, on autzen 234 / 198 / 231 thousand. */
+#define FAR 0.6
 
 /* Positions whose uniformity is asked for. */
 struct even {
