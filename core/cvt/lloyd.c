@@ -10,18 +10,44 @@
 
 #include <string.h>
 
-enum { PLATEAU_WINDOW = 10, SHORTEN_MAX = 3 };
+/* Figures are delta after 20 iterations without polish: igea, 12,000 points of white noise to
+ * 3,000, "cow" 50,000 points of which one end is ten times as dense to 2,000, "few" 300 points on a
+ * cow. Other seeds move them by 2, 3 and 3 %. */
 
-/* The last iterations, of all of them one in so many, are on the whole of the input. */
+/* Iterations whose gain decides about a plateau. */
+enum { PLATEAU_WINDOW = 10 };
+/* Delta must fall below this share of its value a window ago. At 0.98 / 0.99 / 0.995 igea ends
+ * after 35 / 39 / 43 iterations, at 0.046 each. */
+#define PLATEAU_GAIN 0.99
+
+/* Most times that a cell is clipped where the input ends. 1 and 6 change nothing on bunny, autzen
+ * and a square. */
+enum { SHORTEN_MAX = 3 };
+
+/* The last iterations on the whole of a thinned input: one in ON_WHOLE_SHARE of all, at most
+ * ON_WHOLE. One in 4 / 8 / 16 of 20: armadillo, 300,000 to 4,000, 0.0652 / 0.0654 / 0.0654, rms
+ * distance to the true surface 0.70e-4 / 0.66e-4 / 0.72e-4 (spread 6 %), searches 67 / 59 / 55
+ * thousand. */
 enum { ON_WHOLE = 8, ON_WHOLE_SHARE = 8 };
 
-#define PLATEAU_GAIN 0.99 /* delta must fall below this share of its value a window ago */
-#define MIX_STEP_MAX 0.5  /* of the distance to the nearest neighbour */
-#define SECONDS_SHARE 0.5 /* of the time allowed, where a polish follows */
-#define RELAXATION 1.5    /* times the way to the centroid */
-#define MOMENTUM 0.6      /* of the last step, at most; it grows as k / (k + MOMENTUM_SLOW) */
+/* Longest difference between the mix and the centroid, over the distance to the nearest neighbour:
+ * points cannot swap places. 0.25 and 1 change nothing on igea with a window of 4. */
+#define MIX_STEP_MAX 0.5
+/* Share of the time allowed that iterations take where a polish follows; the other half is for
+ * that. */
+#define SECONDS_SHARE 0.5
+/* Times the way to the centroid. At 1 / 1.5 / 1.9: igea 0.0508 / 0.0482 / 0.0483, few 0.085 / 0.101
+ * / 0.103; 2 is where plain relaxation stops converging. */
+#define RELAXATION 1.5
+/* Share of the last step that is added, at most. At 0.3 / 0.6 / 0.9: igea 0.0510 / 0.0482 / 0.0485,
+ * cow 0.0658 / 0.0709 / 0.0812. */
+#define MOMENTUM 0.6
+/* It grows as k / (k + MOMENTUM_SLOW) with iteration k. 1.5 and 6 change nothing beyond the spread.
+ */
 #define MOMENTUM_SLOW 3.0
-#define LONG_STEP 0.3 /* of the patch radius: no step is stretched beyond it */
+/* Of the patch's radius: a step is not stretched beyond it. At 0.15 / 0.3 / 0.6: igea 0.0490 /
+ * 0.0482 / 0.0486, cow 0.0687 / 0.0709 / 0.0702. */
+#define LONG_STEP 0.3
 
 enum { AT_BORDER = 1, HELD_EVER = 2 }; /* flags of a seed */
 
