@@ -5,7 +5,10 @@
 
 #include <math.h>
 
-enum { BLOCK = 256, SEVENTH = 7 };
+enum {
+    BLOCK = 256, /* points of one task */
+    SEVENTH = 7  /* the sixth neighbour, as the point itself comes first */
+};
 
 struct search {
     float *out;

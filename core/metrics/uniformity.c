@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { BLOCK = 256 };
+enum { BLOCK = 256 }; /* points of one task */
 
 void vor_uniformity_from(struct vor_uniformity *out, const float *nearest, size_t n)
 {

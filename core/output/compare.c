@@ -7,7 +7,12 @@
 #include <stdatomic.h>
 #include <string.h>
 
-enum { BLOCK = 1024, BATCH = 128, AROUND = 32 };
+enum {
+    BLOCK = 1024, /* points of one task */
+    BATCH = 128,  /* points of one call of the index */
+    AROUND = 32 /* most points of a first ring: an even result has six, a draw hardly ever more than
+                   20 */
+};
 
 static void add(struct vor_sums *sums, double distance2)
 {

@@ -5,6 +5,9 @@
 #include <float.h>
 #include <string.h>
 
+/* Steps of float32 that a spacing must have for positions in float32. Rounding of both ends then
+ * adds at most 0.41 / 200 = 0.002 to delta (rms), a tenth of what the most even results have; 0.004
+ * at half of it, 0.001 at double. Draco's quantization=auto uses the same number. */
 #define STEPS_PER_SPACING 200
 
 struct transfer {
