@@ -4,6 +4,7 @@
 
 #include "core/base/run.h"
 #include "core/cloud/cloud.h"
+#include "core/geom/graph.h"
 #include "core/input/conditioning.h"
 #include "core/knn/knn.h"
 
@@ -20,6 +21,8 @@ struct vor_domain {
     double sparse;       /**< largest spacing that is believed: a quantile of the distances to the
                               sixth neighbour (SPARSE_SHARE in domain.c) */
     struct vor_knn *knn; /**< over xyz */
+    struct vor_graph graph;        /**< neighbours on the same sheet, where they were asked for
+                                        (input/adjacency.h) */
     struct vor_conditioning known; /**< of the input; a thinned domain has that of the whole */
 };
 

@@ -1,0 +1,85 @@
+#include "core/geom/graph.h"
+
+#include <assert.h>
+#include <string.h>
+
+vor_status vor_graph_init(struct vor_graph *out, size_t n, unsigned most, struct vor_memory *memory,
+                          struct vor_error *err)
+{
+    struct vor_graph graph = {.memory = memory, .n = n, .most = most};
+
+    assert(most >= 1 && most <= 255);
+    graph.list = vor_malloc(memory, n, most * sizeof *graph.list);
+    graph.count = vor_calloc(memory, n, sizeof *graph.count);
+    graph.own = vor_calloc(memory, n, sizeof *graph.own);
+    graph.normal = vor_calloc(memory, n, 3 * sizeof *graph.normal);
+    if (graph.list == NULL || graph.count == NULL || graph.own == NULL || graph.normal == NULL) {
+        vor_graph_free(&graph);
+        return vor_fail(err, VOR_E_NOMEM, "a graph of %zu points", n);
+    }
+    *out = graph;
+    return VOR_OK;
+}
+
+void vor_graph_free(struct vor_graph *graph)
+{
+    if (graph->memory == NULL)
+        return;
+    vor_free(graph->memory, graph->normal);
+    vor_free(graph->memory, graph->own);
+    vor_free(graph->memory, graph->count);
+    vor_free(graph->memory, graph->list);
+    memset(graph, 0, sizeof *graph);
+}
+
+int vor_graph_has(const struct vor_graph *graph, uint32_t i, uint32_t j)
+{
+    const uint32_t *list = &graph->list[(size_t)i * graph->most];
+
+    for (unsigned a = 0; a < graph->count[i]; a++)
+        if (list[a] == j)
+            return 1;
+    return 0;
+}
+
+/* The root of a point's tree, whose number is the smallest in it. Halves the path on the way. */
+static uint32_t root(uint32_t *parent, uint32_t i)
+{
+    while (parent[i] != i) {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    return i;
+}
+
+static void join(uint32_t *parent, uint32_t i, uint32_t j)
+{
+    uint32_t a = root(parent, i), b = root(parent, j);
+
+    if (a < b)
+        parent[b] = a;
+    else
+        parent[a] = b;
+}
+
+vor_status vor_graph_components(uint32_t *component, size_t *count, const struct vor_graph *graph,
+                                struct vor_error *err)
+{
+    uint32_t *parent = vor_malloc(graph->memory, graph->n, sizeof *parent);
+
+    if (parent == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "components of %zu points", graph->n);
+    for (size_t i = 0; i < graph->n; i++)
+        parent[i] = (uint32_t)i;
+    for (size_t i = 0; i < graph->n; i++)
+        for (unsigned a = 0; a < graph->count[i]; a++)
+            join(parent, (uint32_t)i, graph->list[i * graph->most + a]);
+    *count = 0;
+    for (size_t i = 0; i < graph->n; i++) {
+        uint32_t first = root(parent, (uint32_t)i);
+
+        component[i] = first == i ? (uint32_t)(*count)++ : component[first];
+    }
+    vor_free(graph->memory, parent);
+    return VOR_OK;
+}

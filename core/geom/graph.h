@@ -1,0 +1,54 @@
+/** A graph over points: for each, the neighbours that lie on its sheet, and a normal.
+ *
+ *  Plain arrays; who makes them says what an edge means (input/adjacency.h). */
+#ifndef VOR_GEOM_GRAPH_H
+#define VOR_GEOM_GRAPH_H
+
+#include "core/base/run.h"
+
+#include <stdint.h>
+
+/** The lists of n points. All zero: no graph. */
+struct vor_graph {
+    struct vor_memory *memory;
+    size_t n;
+    unsigned most;        /**< most neighbours of a point */
+    uint32_t *list;       /**< n x most: neighbours of each point, the nearest first */
+    unsigned char *count; /**< n: how many it has */
+    unsigned char *own;   /**< n: 1 where they are not simply the nearest points */
+    float *normal;        /**< n x 3, unit length */
+};
+
+/** Makes n points with no neighbours and normals of zero; most is 1 .. 255.
+ *
+ *  @param[out] out  free with vor_graph_free; untouched on failure
+ *
+ *  @retval VOR_E_NOMEM (4 most + 14) n bytes do not fit */
+VOR_NODISCARD vor_status vor_graph_init(struct vor_graph *out, size_t n, unsigned most,
+                                        struct vor_memory *memory, struct vor_error *err);
+
+/** graph may be all zero. */
+void vor_graph_free(struct vor_graph *graph);
+
+/** True when there is a graph. */
+static inline int vor_graph_is(const struct vor_graph *graph)
+{
+    return graph->list != NULL;
+}
+
+/** True when j is in the list of i. O(most). */
+int vor_graph_has(const struct vor_graph *graph, uint32_t i, uint32_t j);
+
+/** Connected components: two points are in one component if a chain of edges, taken in either
+ *  direction, joins them.
+ *
+ *  @param[out] component  n: 0 .. *count - 1, numbered in the order of their first points
+ *  @param[out] count      how many there are
+ *
+ *  @retval VOR_E_NOMEM 4 n bytes do not fit
+ *
+ *  O(n most), one thread. */
+VOR_NODISCARD vor_status vor_graph_components(uint32_t *component, size_t *count,
+                                              const struct vor_graph *graph, struct vor_error *err);
+
+#endif
