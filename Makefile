@@ -119,6 +119,7 @@ $(B)/tests/kinds/%: $(B)/kinds/tests/kinds/%.o $(KINDS_OBJ) $(B)/tests/support/v
 	@$(LINK) $^ -o $@ $(TEST_LIBS) $(LIBS)
 
 # What only the benchmark needs: no test harness in its programs, and the peer built as its users would build it.
+$(B)/tests/bench/edges: $(B)/tests/support/vt_mesh.o
 $(B)/tests/bench/%: $(B)/tests/bench/%.o $(LIB)
 	@echo "  LINK $@"
 	@$(LINK) $^ -o $@ $(LIBS)
