@@ -64,7 +64,7 @@ struct vor_edges {
 /** Finds the edges of a domain's points.
  *
  *  @param[out] out     free with vor_edges_free; untouched on failure
- *  @param[in]  domain  indexed; read: xyz, knn, known.neighbors
+ *  @param[in]  domain  indexed; read: xyz, knn, known.neighbors, known.sheets
  *
  *  @retval VOR_E_NOMEM 17 bytes a point do not fit, and 12 more while it works
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED

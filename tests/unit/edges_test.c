@@ -116,6 +116,21 @@ START_TEST(what_is_smooth_has_none)
 }
 END_TEST
 
+START_TEST(two_sheets_nearer_than_a_crease_is_wide_have_hardly_any)
+{
+    double spacing = sqrt(2.0 / LARGER);
+
+    for (int gap = 1; gap <= 3; gap++) {
+        struct bed bed;
+
+        vt_cloud_sheets(&bed.cloud, (uint64_t)_i, LARGER, gap * spacing);
+        start(&bed, 2);
+        ck_assert_uint_le(bed.edges.flagged, LARGER / 200);
+        end(&bed);
+    }
+}
+END_TEST
+
 /* Two squares of side 2 and 1 that meet in the y axis, with that angle inside. */
 static void make_wedge(struct vor_cloud *cloud, uint64_t seed, double degrees)
 {
@@ -360,6 +375,7 @@ int main(void)
     vt_add_loop(suite, the_edges_of_a_cube_are_found_and_nothing_else, VT_FEWER(SEEDS));
     vt_add_loop(suite, the_edges_of_a_cube_are_twelve_long, VT_FEWER(2));
     vt_add_loop(suite, what_is_smooth_has_none, VT_FEWER(SEEDS));
+    vt_add_loop(suite, two_sheets_nearer_than_a_crease_is_wide_have_hardly_any, VT_FEWER(2));
     vt_add_loop(suite, a_wedge_has_its_edge_angle_and_direction, VT_FEWER(6));
     vt_add_loop(suite, only_flagged_points_have_a_strength_and_a_direction, VT_FEWER(SEEDS));
     vt_add_loop(suite, the_edges_of_fandisk_are_those_of_its_mesh, VT_FEWER(VT_SOAK_LOOPS(3, 12)));
