@@ -328,6 +328,34 @@ START_TEST(too_few_points_for_a_crease_have_none)
 }
 END_TEST
 
+/* A grid, a volume, and a volume of which half is nearer to one point than float32 can square. */
+static void make_odd(struct vor_cloud *cloud, uint64_t seed, int kind)
+{
+    if (kind == 0)
+        vt_cloud_lattice(cloud, 40);
+    else
+        vt_cloud_cube(cloud, seed, 1600);
+    for (size_t i = 0; kind == 2 && i < 3 * 800; i++)
+        cloud->xyz[i] *= 1e-25F;
+}
+
+START_TEST(no_cloud_is_too_odd_for_finite_figures)
+{
+    struct bed bed;
+
+    make_odd(&bed.cloud, (uint64_t)_i, _i % 3);
+    start(&bed, 2);
+    ck_assert(isfinite(bed.edges.length) && bed.edges.length >= 0);
+    for (size_t i = 0; i < bed.edges.n; i++) {
+        ck_assert(bed.edges.strength[i] >= 0 && bed.edges.strength[i] <= 1);
+        for (size_t c = 0; c < 3; c++)
+            ck_assert_float_le(fabsf(bed.edges.direction[3 * i + c]), 1.00001F);
+    }
+    ck_assert(_i % 3 != 0 || bed.edges.flagged == 0);
+    end(&bed);
+}
+END_TEST
+
 static enum vor_answer cancel(void *ctx)
 {
     (void)ctx;
@@ -383,6 +411,7 @@ int main(void)
     vt_add(suite, one_two_three_and_eight_threads_find_the_same);
     vt_add_loop(suite, a_cloud_twice_as_large_has_the_same_edges_twice_as_long, VT_FEWER(SEEDS));
     vt_add_loop(suite, too_few_points_for_a_crease_have_none, SEEDS);
+    vt_add_loop(suite, no_cloud_is_too_odd_for_finite_figures, 6);
     vt_add(suite, cancel_and_every_failed_allocation_leave_nothing);
     return vt_run(suite);
 }
