@@ -17,7 +17,8 @@ every
  *  input: a low quantile, because detail is there in some places and noise in all.
  *
  *  The neighbours are the nearest in space, and not the lists of a graph (geom/graph.h): those stop
- *  at creases, where normals disagree. Sheets nearer than three spacings are therefore mixed; hardly
+ *  at creases, where normals disagree. Sheets nearer than three spacings are therefore mixed;
+hardly
  *  one of their points fits a crease (at most 0.2 %).
  *
  *  Measured (tests/bench/edges.pl) against the mesh's edges of more than 30 degrees. Spacing:
