@@ -27,11 +27,11 @@ hardly
  *
  *                                     precision  recall  flagged  length / true  CPU us
  *      fandisk, 30,000 points              .993    .974    9.9 %            .92     4.2
- *      the same, noise of .34 spacings     .921    .964     11 %           1.04      15
- *      noise of .09, .17, .51 spacings     .958    .980     10 %            .92     6.8
- *                                          .942    .976     10 %            .91     8.7
- *                                          .881    .879     11 %           1.01      56
- *      noise of .85 spacings               .625    .699      8 %            .78      25
+ *      the same, noise of .34 spacings     .921    .966     11 %           1.04      14
+ *      noise of .09, .17, .51 spacings     .958    .980     10 %            .92     6.0
+ *                                          .942    .977     10 %            .91     7.5
+ *                                          .881    .879     11 %           1.01      48
+ *      noise of .85 spacings               .623    .700      8 %            .79      23
  *      fandisk, 10,000 and 120,000         .989    .935     15 %            .82     4.2
  *                                          .992    .985    5.1 %            .95     2.7
  *      cube, 30,000                        .996    .999    6.0 %           1.00     2.5
@@ -39,7 +39,7 @@ hardly
  *      wedges of 150 and 120 degrees     1, 1   .99, 1    1.8 %       .87, .94
  *      igea, sphere, 30,000                               .10, 0 %                  4.2, 2.2
  *      bunny, armadillo, 30,000                           .13, .48 %                5.0, 6.2
- *      cow, 30,000                         .947    .206    2.0 %                    5.2
+ *      cow, 30,000                         .947    .207    2.0 %                    5.0
  *
  *  The last rows have edges in their meshes that are facets, or folds as wide as the spacing. On
  *  fandisk without noise two misses in three are within two spacings of a corner. */
@@ -72,7 +72,7 @@ struct vor_edges {
  *
  *  O(n log n), on the run's pool: 2 to 5 us a point where fits take
  *  VOR_NEIGHBORS_FEWEST points and there is no noise, 9 with noise, and in proportion where they
- *  take more. The same bytes for any number of threads. */
+ *  take more; most of it is search. The same bytes for any number of threads. */
 VOR_NODISCARD vor_status vor_edges_find(struct vor_edges *out, const struct vor_domain *domain,
                                         const struct vor_run *run, struct vor_error *err);
 
