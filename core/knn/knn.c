@@ -3,6 +3,7 @@
 
 #include "core/knn/knn_boxes.h"
 #include "core/knn/knn_flann.h"
+#include "core/knn/knn_join.h"
 
 #include <assert.h>
 #include <math.h>
@@ -132,4 +133,11 @@ void vor_knn_search(const struct vor_knn *knn, const float *queries, size_t coun
         vor_flann_search(knn->flann, queries, count, k, index, distance2);
     for (size_t i = 0; knn->boxes != NULL && i < count; i++)
         vor_boxes_search(knn->boxes, &queries[3 * i], k, &index[i * k], &distance2[i * k]);
+}
+
+vor_status vor_knn_join(uint32_t *root, size_t *parts, const struct vor_knn *knn, double distance,
+                        const struct vor_run *run, struct vor_error *err)
+{
+    assert(knn->boxes != NULL);
+    return vor_boxes_join(root, parts, knn->boxes, distance, run, err);
 }

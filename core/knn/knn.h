@@ -56,4 +56,25 @@ void vor_knn_free(struct vor_knn *knn);
 void vor_knn_search(const struct vor_knn *knn, const float *queries, size_t count, unsigned k,
                     uint32_t *index, float *distance2);
 
+/** Finds the parts of a cloud that are clear of each other. Points within `distance` of each other
+ *  are in one part. So are the points of a box of the tree at most four distances wide, and those
+ * of two such boxes within a distance: parts clear of all others by nine distances are told apart
+ * for certain, nearer ones where the boxes happen to. Only for an index of sorted points.
+ *
+ *  Source: "friends of friends" (Huchra and Geller 1982), by a walk over pairs of boxes. Departure:
+ *  narrow boxes are taken as a whole, which takes a sixth of the time (WIDTH in knn_join.c).
+ *
+ *  @param[out] root      n: the smallest index of each point's part; unset if *parts is 1
+ *  @param[out] parts     how many there are
+ *  @param[in]  distance  > 0, and not small against the cells of Morton order: else it takes O(n^2)
+ *
+ *  @retval VOR_E_NOMEM a sixth of n bytes do not fit
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
+ *
+ *  O(n); on the run's pool, the last step on one thread. The same parts for any number of threads.
+ */
+VOR_NODISCARD vor_status vor_knn_join(uint32_t *root, size_t *parts, const struct vor_knn *knn,
+                                      double distance, const struct vor_run *run,
+                                      struct vor_error *err);
+
 #endif

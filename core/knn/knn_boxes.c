@@ -13,31 +13,18 @@
 
 #include "core/base/morton.h"
 #include "core/base/vector.h"
+#include "core/knn/knn_tree.h"
 
 #include <assert.h>
 #include <math.h>
 #include <string.h>
 
 enum {
-    LANES = 8,
+    LANES = VOR_BOXES_LANES,
     CODED_LEVELS = 64, /* deeper, all codes of a range are equal: they have 63 bits */
     LEVELS_MAX = CODED_LEVELS + 32,
     STACK_MAX = LEVELS_MAX * LANES,
     SUBTREE = 1 << 14 /* points whose nodes one task makes */
-};
-
-/* Up to LANES children. The boxes of unused lanes are inside out, infinitely far from everything.
- */
-struct node {
-    float low[3][LANES], high[3][LANES];
-    uint32_t child[LANES]; /* a node, or the first point of a leaf */
-    uint32_t count[LANES]; /* points of a leaf; 0: a node */
-};
-
-struct vor_boxes {
-    struct vor_memory *memory;
-    struct node *node; /* [0] is the root */
-    float *leaf;       /* n x 3: of each leaf all x, then all y, then all z; then LANES zeros */
 };
 
 /* Points begin .. end - 1, to become a node that is `level` below the root. */
@@ -154,7 +141,7 @@ static void count_subtrees(void *ctx, size_t begin, size_t end, unsigned worker)
         build->subtree[i].nodes = count_nodes(build->code, build->subtree[i].range, LANES);
 }
 
-static void clear_lane(struct node *node, unsigned lane)
+static void clear_lane(struct vor_boxes_node *node, unsigned lane)
 {
     for (size_t c = 0; c < 3; c++) {
         node->low[c][lane] = INFINITY;
@@ -164,8 +151,8 @@ static void clear_lane(struct node *node, unsigned lane)
     node->count[lane] = 0;
 }
 
-static void make_leaf(const struct build *build, struct node *node, unsigned lane, size_t begin,
-                      size_t end)
+static void make_leaf(const struct build *build, struct vor_boxes_node *node, unsigned lane,
+                      size_t begin, size_t end)
 {
     const float *xyz = &build->xyz[3 * begin];
     float *leaf = &build->boxes->leaf[3 * begin];
@@ -191,8 +178,8 @@ static void make_leaf(const struct build *build, struct node *node, unsigned lan
 /* Makes the box of a node a lane of its parent. */
 static void hang(struct vor_boxes *boxes, size_t parent, size_t lane, size_t at)
 {
-    const struct node *below = &boxes->node[at];
-    struct node *node = &boxes->node[parent];
+    const struct vor_boxes_node *below = &boxes->node[at];
+    struct vor_boxes_node *node = &boxes->node[parent];
 
     for (size_t c = 0; c < 3; c++) {
         float low = below->low[c][0], high = below->high[c][0];
@@ -280,6 +267,7 @@ static vor_status make_tree(struct build *build, struct vor_error *err)
 
     if (status != VOR_OK)
         return status;
+    boxes->nodes = nodes;
     boxes->node = vor_malloc(boxes->memory, nodes, sizeof *boxes->node);
     boxes->leaf = vor_malloc(boxes->memory, build->n + LANES, 3 * sizeof *boxes->leaf);
     if (boxes->node == NULL || boxes->leaf == NULL)
@@ -307,6 +295,7 @@ vor_status vor_boxes_build(struct vor_boxes **out, const float *xyz, size_t n,
         return vor_fail(err, VOR_E_NOMEM, "an index of %zu points", n);
     }
     build.boxes->memory = run->memory;
+    build.boxes->n = n;
     status = make_tree(&build, err);
     vor_free(run->memory, build.subtree);
     vor_free(run->memory, build.code);
@@ -389,7 +378,8 @@ VOR_INLINE void search_leaf(struct found *found, const float *leaf, struct visit
 }
 
 /* Squared distances from q to the boxes of a node. */
-VOR_INLINE void box_distances(float distance2[LANES], const struct node *node, const float q[3])
+VOR_INLINE void box_distances(float distance2[LANES], const struct vor_boxes_node *node,
+                              const float q[3])
 {
     for (size_t j = 0; j < LANES; j++)
         distance2[j] = 0;
@@ -405,8 +395,8 @@ VOR_INLINE void box_distances(float distance2[LANES], const struct node *node, c
 
 /* Pushes the boxes of a node that may hold a nearer point on the stack, the nearest on top. Returns
  * how many. */
-VOR_INLINE unsigned open_node(struct visit *stack, const struct node *node, const float q[3],
-                              float worst)
+VOR_INLINE unsigned open_node(struct visit *stack, const struct vor_boxes_node *node,
+                              const float q[3], float worst)
 {
     float distance2[LANES];
     unsigned lane[LANES], count;
