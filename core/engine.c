@@ -3,9 +3,12 @@
 #include "core/cvt/cvt.h"
 #include "core/geom/patch.h"
 #include "core/input/input.h"
+#include "core/input/islands.h"
 #include "core/metrics/measure.h"
 #include "core/output/output.h"
 #include "core/seeds/area.h"
+#include "core/seeds/fixed.h"
+#include "core/seeds/uniformity.h"
 
 #include <assert.h>
 #include <math.h>
@@ -53,6 +56,8 @@ static vor_status resolve_target(struct engine *engine, size_t *n, struct vor_er
         if (status != VOR_OK)
             return status;
         target = rint(engine->area / (VOR_HEXAGON_HEIGHT * spacing * spacing));
+        if (target <= (double)VOR_POINTS_MAX)
+            target += (double)vor_islands_beside(&engine->domain, (size_t)target);
     }
     status = vor_spec_check_target(spec, target, engine->in->n, err);
     if (status == VOR_OK)
@@ -81,15 +86,66 @@ static void report_stages(struct vor_report *report, const struct vor_outcome *t
             told->seconds[stage];
 }
 
+/* Notes how even the points beside the islands are. */
+static vor_status measure_beside(struct engine *engine, struct vor_error *err)
+{
+    struct vor_seeds *seeds = &engine->seeds;
+    struct vor_uniformity even;
+    float *nearest;
+    vor_status status;
+
+    if (seeds->n == 0)
+        return VOR_OK;
+    nearest = vor_malloc(seeds->run.memory, seeds->n, sizeof *nearest);
+    if (nearest == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", seeds->n);
+    status = vor_seeds_uniformity_now(&even, nearest, seeds, err);
+    if (status == VOR_OK)
+        engine->report.delta_beside = even.delta;
+    vor_free(seeds->run.memory, nearest);
+    return status;
+}
+
+/* Adds the islands' share of the points, and puts their input points back. */
+static vor_status add_islands(struct engine *engine, size_t share, struct vor_error *err)
+{
+    struct vor_domain *domain = &engine->domain;
+    const struct vor_run *run = &engine->whole;
+    struct vor_fixed fixed = {NULL, share};
+    float *xyz;
+    vor_status status;
+
+    if (domain->islands.count == 0)
+        return VOR_OK;
+    xyz = vor_malloc(run->memory, share, 3 * sizeof *xyz);
+    if (xyz == NULL && share > 0)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points on islands", share);
+    fixed.xyz = xyz;
+    status = measure_beside(engine, err);
+    if (status == VOR_OK)
+        status = vor_islands_place(xyz, domain, share, run, err);
+    if (status == VOR_OK)
+        status = vor_islands_return(domain, run, err);
+    if (status == VOR_OK)
+        status = vor_seeds_add_fixed(&engine->seeds, fixed, domain,
+                                     vor_seeds_policy_of(&engine->spec), &engine->run, err);
+    engine->report.on_islands = share;
+    vor_free(run->memory, xyz);
+    return status;
+}
+
 static vor_status place(struct engine *engine, size_t n, struct vor_error *err)
 {
     const struct vor_method *method = method_of(&engine->spec);
-    vor_status status = method->run(&engine->seeds, &engine->told, &engine->domain, n,
-                                    &engine->spec, &engine->run, err);
+    size_t share = vor_islands_share(&engine->domain, n);
+    vor_status status = VOR_OK;
 
+    if (share < n)
+        status = method->run(&engine->seeds, &engine->told, &engine->domain, n - share,
+                             &engine->spec, &engine->run, err);
     engine->report.seconds_init += engine->told.seconds_start;
     report_stages(&engine->report, &engine->told);
-    return status;
+    return status == VOR_OK ? add_islands(engine, share, err) : status;
 }
 
 static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vor_error *err)
@@ -101,6 +157,8 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
 
     if (status != VOR_OK)
         return status;
+    if (report->islands == 0)
+        report->delta_beside = report->delta;
     report->parameters = engine->spec;
     report->parameters.value[VOR_PARAM_POINTS] = (double)engine->seeds.n;
     report->parameters.value[VOR_PARAM_NEIGHBORS] = engine->domain.known.neighbors.usual;

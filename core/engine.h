@@ -30,6 +30,9 @@
  *  Departure: if the input's coordinates were rounded to cells that are not small against its
  *  spacing, its points are first moved within them (input/lattice.h).
  *
+ *  Departure: small parts of the input, clear of all others, get at most their own points, in their
+ *  places (input/islands.h).
+ *
  *  Memory: at most 61 bytes for each input point (position, order, index). For each point of the
  *  result 6 k + 383 bytes (surface, lists, index; k neighbors), twice that while the start is drawn
  *  from cells, which is the case unless the input has ten times as many points; then 6 k + 492

@@ -45,6 +45,8 @@ static inline void vor_neighbors_fix(struct vor_neighbors *out, unsigned k)
 /** The findings. All zero, with neighbors fixed, means that nothing is known. */
 struct vor_conditioning {
     size_t outliers;                /**< points that were dropped */
+    size_t parts;                   /**< that are clear of each other (input/islands.h) */
+    size_t islands, in_islands;     /**< parts that are small, and the points that these hold */
     struct vor_lattice lattice;     /**< that the coordinates were rounded to */
     size_t off_lattice;             /**< points that were moved within their cells; if any were,
                                          positions are not exact */

@@ -221,8 +221,8 @@ static vor_status moments(double m[6], const struct vor_domain *domain, const st
     return status;
 }
 
-static vor_status check_rank(const struct vor_domain *domain, const struct vor_run *run,
-                             struct vor_error *err)
+vor_status vor_domain_check(const struct vor_domain *domain, const struct vor_run *run,
+                            struct vor_error *err)
 {
     double m[6] = {0}, values[3], vectors[3][3];
     vor_status status;
@@ -282,7 +282,7 @@ vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
     choose_frame(&domain, &box);
     status = sort_points(&domain, in, run, err);
     if (status == VOR_OK)
-        status = check_rank(&domain, run, err);
+        status = vor_domain_check(&domain, run, err);
     if (status == VOR_OK)
         status = vor_domain_index(&domain, run, err);
     if (status != VOR_OK) {
@@ -297,8 +297,11 @@ void vor_domain_free(struct vor_domain *domain)
 {
     vor_graph_free(&domain->graph);
     vor_knn_free(domain->knn);
+    vor_free(domain->memory, domain->islands.member);
+    vor_free(domain->memory, domain->islands.first);
     vor_free(domain->memory, domain->source);
     vor_free(domain->memory, domain->xyz);
+    memset(&domain->islands, 0, sizeof domain->islands);
     domain->knn = NULL;
     domain->source = NULL;
     domain->xyz = NULL;

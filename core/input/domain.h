@@ -8,6 +8,14 @@
 #include "core/input/conditioning.h"
 #include "core/knn/knn.h"
 
+/** Parts of the input with few points, clear of all others (input/islands.h). Island i has points
+ *  member[first[i]] .. member[first[i + 1] - 1] of the domain. */
+struct vor_islands {
+    size_t count, points; /**< islands, and the points that they hold */
+    uint32_t *first;      /**< count + 1 */
+    uint32_t *member;     /**< points */
+};
+
 /** Point i of the domain is point source[i] of the input (the first of those that coincide); the
  *  input's relative position is xyz * unit + shift. unit is a power of two, so that scaling loses
  *  nothing; every |xyz| <= 1. */
@@ -23,6 +31,8 @@ struct vor_domain {
     struct vor_knn *knn; /**< over xyz */
     struct vor_graph graph;        /**< neighbours on the same sheet, where they were asked for
                                         (input/adjacency.h) */
+    struct vor_islands islands;    /**< that were taken out: their points follow the n others in xyz
+                                      and source, unless all of the input is islands */
     struct vor_conditioning known; /**< of the input; a thinned domain has that of the whole */
 };
 
@@ -47,6 +57,15 @@ VOR_NODISCARD vor_status vor_domain_init(struct vor_domain *out, const struct vo
  *  O(n log n), on the run's pool. */
 VOR_NODISCARD vor_status vor_domain_index(struct vor_domain *domain, const struct vor_run *run,
                                           struct vor_error *err);
+
+/** Checks that the points span more than a line.
+ *
+ *  @retval VOR_E_DEGENERATE fewer than four points, or all on a line
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED
+ *
+ *  O(n), on the run's pool. */
+VOR_NODISCARD vor_status vor_domain_check(const struct vor_domain *domain,
+                                          const struct vor_run *run, struct vor_error *err);
 
 /** True if no point was moved off a lattice: positions are those of the input. */
 static inline int vor_domain_is_exact(const struct vor_domain *domain)

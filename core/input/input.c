@@ -1,5 +1,6 @@
 #include "core/input/input.h"
 
+#include "core/input/islands.h"
 #include "core/input/lattice.h"
 #include "core/input/neighbors.h"
 #include "core/input/outliers.h"
@@ -8,9 +9,12 @@
 static vor_status drop_outliers(struct vor_domain *domain, const struct vor_spec *spec,
                                 const struct vor_run *run, struct vor_error *err)
 {
+    vor_status status;
+
     if (spec->value[VOR_PARAM_OUTLIERS] != VOR_OUTLIERS_DROP)
         return VOR_OK;
-    return vor_outliers_drop(domain, &domain->known.outliers, run, err);
+    status = vor_outliers_drop(domain, &domain->known.outliers, run, err);
+    return status == VOR_OK ? vor_islands_drop(domain, run, err) : status;
 }
 
 /* Looks for a lattice, and if it matters moves the points within their cells. */
@@ -52,6 +56,8 @@ vor_status vor_input_prepare(struct vor_domain *out, const struct vor_cloud *in,
         status = vor_sheets_find(&domain.known.sheets, &domain, run, err);
     if (status == VOR_OK)
         status = choose_neighbors(&domain, spec, run, err);
+    if (status == VOR_OK)
+        status = vor_islands_take(&domain, run, err);
     if (status != VOR_OK) {
         vor_domain_free(&domain);
         return status;

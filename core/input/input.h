@@ -6,8 +6,8 @@
 #include "core/spec.h"
 
 /** Makes a domain of a cloud. In this order it drops outliers if the request says so, looks for a
- *  lattice and moves the points within its cells if it matters, looks for sheets, and chooses the
- *  number of neighbours per region unless the request gives one.
+ *  lattice and moves the points within its cells if it matters, looks for sheets, chooses the
+ *  number of neighbours per region unless the request gives one, and takes islands out.
  *
  *  @param[out] out   to be freed with vor_domain_free; untouched on failure
  *  @param[in]  in    checked (vor_cloud_check); borrowed for the call

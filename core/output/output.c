@@ -71,6 +71,9 @@ static void report_input(struct vor_report *report, const struct vor_domain *dom
     const struct vor_conditioning *known = &domain->known;
 
     report->outliers = known->outliers;
+    report->parts = known->parts;
+    report->islands = known->islands;
+    report->in_islands = known->in_islands;
     for (int c = 0; c < 3; c++)
         report->lattice[c] = known->lattice.cell[c] * domain->unit;
     report->off_lattice = known->off_lattice;
@@ -147,6 +150,6 @@ vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
     report_uniformity(report, &even, unit);
     report_comparison(report, &found, unit);
     report_counts(report, &counts);
-    report->list_rebuilds = seeds->point_lists.indexed;
+    report->list_rebuilds = seeds->indexed_before + seeds->point_lists.indexed;
     return VOR_OK;
 }

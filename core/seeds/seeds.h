@@ -55,6 +55,7 @@ struct vor_seeds {
     struct vor_last_fit *last_fit;      /**< n */
     struct vor_point_lists point_lists; /**< neighbours among the seeds */
     struct vor_point_lists_view view;   /**< of xyz, as of the last index */
+    uint64_t indexed_before; /**< times that lists were made anew before points were added */
     double area; /**< of the surface in squared normalised units, as the start estimated it */
     struct vor_disc flat, disc, fine; /**< patches, from flat to strongly bent */
     struct vor_scratch *scratch;      /**< one for each thread of the pool */

@@ -1,0 +1,322 @@
+#include "core/input/islands.h"
+
+#include "core/base/linalg.h"
+#include "core/geom/surface.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Times vor_domain.sparse that parts are clear of each other. By all pairs of points,
+ * at 1 / 2 / 4 the small parts of office1 are 90 / 1 / 0, of kitti 9 / 0 / 0, of autzen 13 / 0 / 0:
+ * at 1 they are the ragged ends of these scans. */
+#define CLEAR 2.0
+/* Normalised: a smaller gap is not looked for, because the cells of Morton order, 1e-6 at most, are
+ * not small against it. An input so fine has a point a million spacings away. */
+#define CLEAR_MIN 4e-6
+
+enum {
+    /* Times as many points as a fit takes that a part needs: at half of it, a fit in its middle has
+     * just enough. */
+    FITS = 2,
+    QUARTER = 4, /* if more than one point in so many would be dropped, none is */
+    BLOCK = 64   /* islands of one task */
+};
+
+#define LARGE UINT32_MAX
+
+/* Parts of a domain. */
+struct parts {
+    size_t count;        /* all of them */
+    size_t small, least; /* those of fewer than `least` points, and that number */
+    size_t points;       /* that these hold */
+    uint32_t *root;      /* n: the first point of each point's part */
+    uint32_t *size;      /* n: of the part that begins there */
+};
+
+static void free_parts(struct parts *parts, struct vor_memory *memory)
+{
+    vor_free(memory, parts->size);
+    vor_free(memory, parts->root);
+}
+
+static void count_small(struct parts *parts, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        parts->size[parts->root[i]]++;
+    for (size_t i = 0; i < n; i++)
+        if (parts->size[i] > 0 && parts->size[i] < parts->least) {
+            parts->small++;
+            parts->points += parts->size[i];
+        }
+}
+
+/* Finds the parts; root and size are set only if there are several. */
+static vor_status find_parts(struct parts *parts, const struct vor_domain *domain,
+                             const struct vor_run *run, struct vor_error *err)
+{
+    double clear = CLEAR * domain->sparse;
+    vor_status status;
+
+    parts->count = 1;
+    if (!(clear >= CLEAR_MIN))
+        return VOR_OK;
+    parts->root = vor_malloc(run->memory, domain->n, sizeof *parts->root);
+    if (parts->root == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the parts of %zu points", domain->n);
+    status = vor_knn_join(parts->root, &parts->count, domain->knn, clear, run, err);
+    if (status != VOR_OK || parts->count == 1)
+        return status;
+    parts->size = vor_calloc(run->memory, domain->n, sizeof *parts->size);
+    if (parts->size == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the parts of %zu points", domain->n);
+    count_small(parts, domain->n);
+    return VOR_OK;
+}
+
+/* Lists the points of the small parts, part by part. Afterwards size is LARGE where a large part
+ * begins. */
+static vor_status list_members(struct vor_islands *islands, struct parts *parts, size_t n,
+                               struct vor_memory *memory, struct vor_error *err)
+{
+    uint32_t next = 0;
+    size_t at = 0;
+
+    islands->first = vor_malloc(memory, parts->small + 1, sizeof *islands->first);
+    islands->member = vor_malloc(memory, parts->points, sizeof *islands->member);
+    if (islands->first == NULL || islands->member == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu islands", parts->small);
+    for (size_t i = 0; i < n; i++) {
+        uint32_t size = parts->size[i];
+
+        if (size > 0 && size < parts->least) {
+            parts->size[i] = islands->first[at++] = next;
+            next += size;
+        } else if (size > 0) {
+            parts->size[i] = LARGE;
+        }
+    }
+    islands->first[at] = next;
+    for (size_t i = 0; i < n; i++)
+        if (parts->size[parts->root[i]] != LARGE)
+            islands->member[parts->size[parts->root[i]]++] = (uint32_t)i;
+    islands->count = parts->small;
+    return VOR_OK;
+}
+
+/* Moves the islands' points to the end of the domain, and cuts them off. */
+static vor_status cut_off(struct vor_domain *domain, const struct parts *parts,
+                          struct vor_error *err)
+{
+    struct vor_memory *memory = domain->memory;
+    struct vor_islands *islands = &domain->islands;
+    size_t rest = domain->n - parts->points, kept = 0;
+    float *xyz = vor_malloc(memory, parts->points, 3 * sizeof *xyz);
+    uint32_t *source = vor_malloc(memory, parts->points, sizeof *source);
+
+    if (xyz == NULL || source == NULL) {
+        vor_free(memory, source);
+        vor_free(memory, xyz);
+        return vor_fail(err, VOR_E_NOMEM, "the points of %zu islands", parts->small);
+    }
+    for (size_t i = 0; i < parts->points; i++) {
+        memcpy(&xyz[3 * i], &domain->xyz[3 * (size_t)islands->member[i]], 3 * sizeof *xyz);
+        source[i] = domain->source[islands->member[i]];
+        islands->member[i] = (uint32_t)(rest + i);
+    }
+    for (size_t i = 0; i < domain->n; i++)
+        if (parts->size[parts->root[i]] == LARGE) {
+            memmove(&domain->xyz[3 * kept], &domain->xyz[3 * i], 3 * sizeof *xyz);
+            domain->source[kept++] = domain->source[i];
+        }
+    memcpy(&domain->xyz[3 * rest], xyz, parts->points * 3 * sizeof *xyz);
+    memcpy(&domain->source[rest], source, parts->points * sizeof *source);
+    domain->n = rest;
+    vor_free(memory, source);
+    vor_free(memory, xyz);
+    return VOR_OK;
+}
+
+static void forget(struct vor_domain *domain)
+{
+    vor_free(domain->memory, domain->islands.first);
+    vor_free(domain->memory, domain->islands.member);
+    memset(&domain->islands, 0, sizeof domain->islands);
+}
+
+static vor_status index_again(struct vor_domain *domain, const struct vor_run *run,
+                              struct vor_error *err)
+{
+    vor_knn_free(domain->knn);
+    domain->knn = NULL;
+    return vor_domain_index(domain, run, err);
+}
+
+/* Takes the small parts, of which there are some, out of the domain. */
+static vor_status take_out(struct vor_domain *domain, struct parts *parts,
+                           const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_islands *islands = &domain->islands;
+    vor_status status = list_members(islands, parts, domain->n, domain->memory, err);
+
+    islands->points = parts->points;
+    if (status != VOR_OK || parts->points == domain->n)
+        return status;
+    status = cut_off(domain, parts, err);
+    if (status != VOR_OK)
+        return status;
+    status = vor_domain_check(domain, run, NULL);
+    if (status == VOR_E_DEGENERATE) {
+        domain->n += parts->points;
+        forget(domain);
+    } else if (status != VOR_OK) {
+        return vor_fail(err, status, "looking at the input without its islands");
+    }
+    return index_again(domain, run, err);
+}
+
+vor_status vor_islands_take(struct vor_domain *domain, const struct vor_run *run,
+                            struct vor_error *err)
+{
+    struct parts parts = {.least = (size_t)FITS * domain->known.neighbors.usual};
+    vor_status status = find_parts(&parts, domain, run, err);
+
+    domain->known.parts = parts.count;
+    if (status == VOR_OK && parts.points > 0)
+        status = take_out(domain, &parts, run, err);
+    domain->known.islands = domain->islands.count;
+    domain->known.in_islands = domain->islands.points;
+    free_parts(&parts, run->memory);
+    return status;
+}
+
+vor_status vor_islands_drop(struct vor_domain *domain, const struct vor_run *run,
+                            struct vor_error *err)
+{
+    struct parts parts = {.least = VOR_NEIGHBORS_FEWEST};
+    vor_status status = find_parts(&parts, domain, run, err);
+
+    if (status == VOR_OK && parts.points > 0 && parts.points <= domain->n / QUARTER)
+        status = take_out(domain, &parts, run, err);
+    domain->known.outliers += domain->islands.points;
+    forget(domain);
+    free_parts(&parts, run->memory);
+    return status;
+}
+
+static int all_are_islands(const struct vor_domain *domain)
+{
+    return domain->islands.count > 0 && domain->islands.member[0] < domain->n;
+}
+
+size_t vor_islands_share(const struct vor_domain *domain, size_t n)
+{
+    uint64_t points = domain->islands.points, share;
+
+    if (all_are_islands(domain))
+        return n <= domain->n ? n : 0;
+    share = (uint64_t)n * points / (domain->n + points);
+    return (size_t)(share < points ? share : points);
+}
+
+size_t vor_islands_beside(const struct vor_domain *domain, size_t n)
+{
+    uint64_t points = domain->islands.points, share = (uint64_t)n * points / domain->n;
+
+    if (all_are_islands(domain))
+        return 0;
+    return (size_t)(share < points ? share : points);
+}
+
+/* Islands being given their points. */
+struct placing {
+    const struct vor_domain *domain;
+    size_t share;
+    float *xyz;
+};
+
+static const float *member(const struct placing *placing, size_t i)
+{
+    return &placing->domain->xyz[3 * (size_t)placing->domain->islands.member[i]];
+}
+
+/* How many points the islands before this one get. Islands are in Morton order, so that those that
+ * get one more than others are spread over all of them. */
+static size_t share_before(const struct placing *placing, size_t island)
+{
+    const struct vor_islands *islands = &placing->domain->islands;
+    uint64_t sum = (uint64_t)placing->share * islands->first[island];
+
+    return (size_t)((sum + islands->points / 2) / islands->points);
+}
+
+static void mean_of(const struct placing *placing, size_t first, size_t count, float mean[3])
+{
+    double sum[3] = {0, 0, 0};
+
+    for (size_t i = 0; i < count; i++)
+        for (size_t c = 0; c < 3; c++)
+            sum[c] += (double)member(placing, first + i)[c];
+    for (size_t c = 0; c < 3; c++)
+        mean[c] = (float)(sum[c] / (double)count);
+}
+
+/* Places `wanted` points at those of an island. */
+static void place_island(const struct placing *placing, size_t island, size_t at, size_t wanted)
+{
+    const uint32_t *first = &placing->domain->islands.first[island];
+    size_t count = first[1] - first[0], best = 0;
+    double far2[FITS * VOR_NEIGHBORS_MAX];
+    float mean[3];
+
+    mean_of(placing, first[0], count, mean);
+    for (size_t i = 0; i < count; i++) {
+        far2[i] = vor_distance2f(member(placing, first[0] + i), mean);
+        best = far2[i] < far2[best] ? i : best;
+    }
+    for (size_t i = 0; i < count; i++)
+        far2[i] = INFINITY;
+    for (size_t j = 0; j < wanted; j++) {
+        const float *x = member(placing, first[0] + best);
+
+        memcpy(&placing->xyz[3 * (at + j)], x, 3 * sizeof *x);
+        best = 0;
+        for (size_t i = 0; i < count; i++) {
+            far2[i] = fmin(far2[i], vor_distance2f(member(placing, first[0] + i), x));
+            best = far2[i] > far2[best] ? i : best;
+        }
+    }
+}
+
+static void place_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct placing *placing = ctx;
+
+    (void)worker;
+    for (size_t island = begin; island < end; island++) {
+        size_t at = share_before(placing, island), next = share_before(placing, island + 1);
+
+        if (next > at)
+            place_island(placing, island, at, next - at);
+    }
+}
+
+vor_status vor_islands_place(float *xyz, const struct vor_domain *domain, size_t share,
+                             const struct vor_run *run, struct vor_error *err)
+{
+    struct placing placing = {domain, share, xyz};
+
+    return vor_run_for(run, domain->islands.count, BLOCK, place_block, &placing, err);
+}
+
+vor_status vor_islands_return(struct vor_domain *domain, const struct vor_run *run,
+                              struct vor_error *err)
+{
+    size_t points = all_are_islands(domain) ? 0 : domain->islands.points;
+
+    forget(domain);
+    if (points == 0)
+        return VOR_OK;
+    vor_graph_free(&domain->graph); /* its lists do not have these points */
+    domain->n += points;
+    return index_again(domain, run, err);
+}

@@ -1,0 +1,509 @@
+/* Small parts of the input, clear of all others. */
+#include "core/base/linalg.h"
+#include "core/input/input.h"
+#include "core/input/islands.h"
+#include "tests/support/vt_engine.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { CLUSTERS = 4, STRAYS = 43, SCAN = 4000, SEEDS = 3 };
+
+static const size_t cluster_of[CLUSTERS] = {1, 4, 8, 30};
+
+/* Where a cluster lies: 4 to 8 from the origin. */
+static void middle_of(uint64_t seed, size_t cluster, double x[3])
+{
+    double length = 0, far = 4 + 4 * vt_unit(seed + 50, cluster);
+
+    for (size_t c = 0; c < 3; c++) {
+        x[c] = vt_unit(seed + 60, 3 * cluster + c) - 0.5 + (c == cluster % 3 ? 1.0 : 0.0);
+        length += x[c] * x[c];
+    }
+    for (size_t c = 0; c < 3; c++)
+        x[c] *= (cluster & 1 ? 1 : -1) * far / sqrt(length);
+}
+
+/* Puts `count` points around x, 0.02 apart at most. */
+static void put_cluster(float *xyz, uint64_t seed, size_t count, const double x[3])
+{
+    for (size_t i = 0; i < 3 * count; i++)
+        xyz[i] = (float)(x[i % 3] + 0.02 * (vt_unit(seed, i) - 0.5));
+}
+
+/* The unit sphere, n points, and after them the clusters. */
+static void make_scan(struct vor_cloud *cloud, uint64_t seed, size_t n)
+{
+    size_t at = n;
+
+    vt_cloud_sphere(cloud, seed, n + STRAYS);
+    for (size_t cluster = 0; cluster < CLUSTERS; cluster++) {
+        double x[3];
+
+        middle_of(seed, cluster, x);
+        put_cluster(&cloud->xyz[3 * at], seed + cluster, cluster_of[cluster], x);
+        at += cluster_of[cluster];
+    }
+}
+
+/* `count` clusters of `each` points, 1 apart, on a lattice in the plane z = 0. */
+static void make_clusters(struct vor_cloud *cloud, uint64_t seed, size_t count, size_t each)
+{
+    vt_cloud_make(cloud, count * each);
+    for (size_t i = 0; i < count; i++)
+        put_cluster(&cloud->xyz[3 * i * each], seed + i, each,
+                    (double[3]){(double)(i % 10), (double)(i / 10), 0});
+}
+
+/* Whether a point has the place of one of the points first .. first + count - 1 of the input. */
+static int is_one_of(const float *x, const struct vor_cloud *in, size_t first, size_t count)
+{
+    for (size_t i = first; i < first + count; i++)
+        if (vor_distance2f(x, &in->xyz[3 * i]) == 0)
+            return 1;
+    return 0;
+}
+
+static size_t count_at(const struct vor_cloud *out, const struct vor_cloud *in, size_t first,
+                       size_t count)
+{
+    size_t found = 0;
+
+    for (size_t i = 0; i < out->n; i++)
+        found += (size_t)is_one_of(&out->xyz[3 * i], in, first, count);
+    return found;
+}
+
+/* Results that are not near the unit sphere. */
+static size_t off_sphere(const struct vor_cloud *out)
+{
+    size_t off = 0;
+
+    for (size_t i = 0; i < out->n; i++)
+        off += vor_distance2f(&out->xyz[3 * i], (float[3]){0, 0, 0}) > 1.5 * 1.5;
+    return off;
+}
+
+static void resample(struct vor_cloud *out, struct vor_report *report, const struct vor_cloud *in,
+                     size_t points, const char *outliers)
+{
+    struct vt_engine engine;
+
+    vt_engine_open(&engine, 2);
+    vt_engine_count(&engine, "points", points);
+    vt_engine_set(&engine, "polish", "20");
+    vt_engine_set(&engine, "outliers", outliers);
+    vt_engine_resample(&engine, out, report, in);
+    ck_assert_uint_eq(out->n, points);
+    ck_assert_uint_eq(report->points_out, points);
+    vt_engine_close(&engine);
+}
+
+START_TEST(each_gets_at_most_its_own_points_in_their_places)
+{
+    static const size_t wanted[] = {1, 3, 300, 3000, SCAN, 4 * SCAN};
+
+    for (size_t w = 0; w < sizeof wanted / sizeof *wanted; w++) {
+        struct vor_cloud in, out;
+        struct vor_report report;
+        size_t at = SCAN, all = 0;
+
+        make_scan(&in, (uint64_t)_i, SCAN);
+        resample(&out, &report, &in, wanted[w], "keep");
+        for (size_t cluster = 0; cluster < CLUSTERS; cluster++) {
+            size_t found = count_at(&out, &in, at, cluster_of[cluster]);
+
+            ck_assert_uint_le(found, cluster_of[cluster]);
+            at += cluster_of[cluster];
+            all += found;
+        }
+        ck_assert_uint_eq(all, off_sphere(&out));
+        ck_assert_uint_eq(report.parts, CLUSTERS + 1);
+        ck_assert_uint_eq(report.islands, CLUSTERS);
+        ck_assert_uint_eq(report.in_islands, STRAYS);
+        ck_assert_uint_eq(report.on_islands, all);
+        ck_assert_uint_eq(all, wanted[w] > SCAN ? STRAYS : wanted[w] * STRAYS / (SCAN + STRAYS));
+        vor_cloud_free(&out);
+        vor_cloud_free(&in);
+    }
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(points_beside_islands_are_as_even_as_without_any)
+{
+    enum { LARGE = 100000, POINTS = 1500 };
+    struct vor_cloud in, out;
+    struct vor_report with, without;
+
+    make_scan(&in, (uint64_t)_i, LARGE);
+    resample(&out, &with, &in, POINTS, "keep");
+    vor_cloud_free(&out);
+    ck_assert_uint_eq(with.islands, CLUSTERS);
+    in.n = LARGE;
+    resample(&out, &without, &in, POINTS, "keep");
+    in.n = LARGE + STRAYS;
+    ck_assert_uint_eq(without.islands, 0);
+    ck_assert_double_eq(without.delta_beside, without.delta);
+    ck_assert_double_eq_tol(with.delta_beside / without.delta, 1, 0.08);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(where_all_parts_are_small_each_gets_its_share)
+{
+    static const size_t wanted[] = {100, 200, 800};
+
+    for (size_t w = 0; w < 3; w++) {
+        struct vor_cloud in, out;
+        struct vor_report report;
+
+        make_clusters(&in, (uint64_t)_i, 100, 8);
+        resample(&out, &report, &in, wanted[w], "keep");
+        ck_assert_uint_eq(report.parts, 100);
+        ck_assert_uint_eq(report.on_islands, wanted[w]);
+        ck_assert_uint_eq(vt_coincident(&out), 0);
+        for (size_t i = 0; i < 100; i++)
+            ck_assert_uint_eq(count_at(&out, &in, 8 * i, 8), wanted[w] / 100);
+        vor_cloud_free(&out);
+        vor_cloud_free(&in);
+    }
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(more_points_than_small_parts_have_are_spread_as_before)
+{
+    struct vor_cloud in, out;
+    struct vor_report report;
+
+    make_clusters(&in, (uint64_t)_i, 100, 8);
+    resample(&out, &report, &in, 1600, "keep");
+    ck_assert_uint_eq(report.islands, 100);
+    ck_assert_uint_eq(report.on_islands, 0);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(a_cloud_of_one_small_part_has_no_islands)
+{
+    struct vor_cloud in, out;
+    struct vor_report report;
+
+    vt_cloud_square(&in, (uint64_t)_i, 30);
+    resample(&out, &report, &in, 60, "keep");
+    ck_assert_uint_eq(report.parts, 1);
+    ck_assert_uint_eq(report.islands, 0);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(drop_leaves_out_those_that_a_fit_does_not_fill)
+{
+    struct vor_cloud in, out;
+    struct vor_report report;
+
+    make_scan(&in, (uint64_t)_i, SCAN);
+    resample(&out, &report, &in, 2 * SCAN, "drop");
+    ck_assert_uint_ge(report.outliers, 1 + 4 + 8);
+    ck_assert_uint_eq(count_at(&out, &in, SCAN, 1 + 4 + 8), 0);
+    ck_assert_uint_eq(count_at(&out, &in, SCAN + 13, 30), 30);
+    ck_assert_uint_eq(report.islands, 1);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(drop_keeps_an_input_of_small_parts)
+{
+    struct vor_cloud in, out;
+    struct vor_report report;
+
+    make_clusters(&in, (uint64_t)_i, 50, 15);
+    resample(&out, &report, &in, 500, "drop");
+    ck_assert_uint_eq(report.outliers, 0);
+    for (size_t i = 0; i < 50; i++)
+        ck_assert_uint_eq(count_at(&out, &in, 15 * i, 15), 10);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(a_line_beside_islands_is_no_input_of_its_own)
+{
+    struct vor_cloud in, out;
+    struct vor_report report;
+
+    vt_cloud_make(&in, 200 + 8);
+    for (size_t i = 0; i < 200; i++) {
+        in.xyz[3 * i] = (float)i * 0.01F;
+        in.xyz[3 * i + 1] = in.xyz[3 * i + 2] = 0;
+    }
+    put_cluster(&in.xyz[3 * 200], (uint64_t)_i, 8, (double[3]){1, 3, 0});
+    resample(&out, &report, &in, 50, "keep");
+    ck_assert_uint_eq(report.parts, 2);
+    ck_assert_uint_eq(report.islands, 0);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Each point carries its own number. */
+static void number(struct vor_cloud *cloud)
+{
+    struct vor_attribute *attribute;
+
+    vt_assert_ok(
+        vor_cloud_add_attribute(cloud, "number", VOR_GENERIC, VOR_UINT32, 1, &attribute, &vt_err));
+    for (size_t i = 0; i < cloud->n; i++)
+        ((uint32_t *)attribute->data)[i] = (uint32_t)i;
+}
+
+START_TEST(their_points_bring_attributes_and_normals_in_any_order)
+{
+    struct vt_engine engine;
+    struct vor_cloud in, out;
+    struct vor_report report;
+    const uint32_t *carried;
+    size_t off = 0;
+
+    make_scan(&in, 3, SCAN);
+    number(&in);
+    vt_engine_open(&engine, 2);
+    vt_engine_count(&engine, "points", SCAN);
+    vt_engine_set(&engine, "polish", "5");
+    vt_engine_set(&engine, "order", "progressive");
+    vt_engine_set(&engine, "normals", "fit");
+    vt_engine_resample(&engine, &out, &report, &in);
+    ck_assert_uint_eq(out.n, SCAN);
+    ck_assert_ptr_nonnull(vor_cloud_find(&out, VOR_NORMAL));
+    carried = (const uint32_t *)out.attributes[0].data;
+    for (size_t i = 0; i < out.n; i++)
+        if (is_one_of(&out.xyz[3 * i], &in, SCAN, STRAYS)) {
+            ck_assert(vor_distance2f(&out.xyz[3 * i], &in.xyz[3 * (size_t)carried[i]]) == 0);
+            off++;
+        }
+    ck_assert_uint_eq(off, report.on_islands);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(spacing_asks_for_points_of_the_rest_and_islands_have_theirs_beside)
+{
+    struct vt_engine engine;
+    struct vor_cloud in, out;
+    struct vor_report report;
+
+    make_scan(&in, 2, SCAN);
+    vt_engine_open(&engine, 2);
+    vt_engine_set(&engine, "spacing", "0.05");
+    vt_engine_set(&engine, "polish", "5");
+    vt_engine_resample(&engine, &out, &report, &in);
+    ck_assert_double_eq_tol(report.area, 4 * 3.14159, 0.3);
+    ck_assert_double_eq_tol((double)(out.n - report.on_islands), 12.566 / (0.8660 * 0.0025), 150);
+    ck_assert_uint_eq(report.on_islands, off_sphere(&out));
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(one_two_and_three_threads_give_the_same_bytes)
+{
+    uint64_t first = 0;
+
+    for (unsigned threads = 1; threads <= 3; threads++) {
+        struct vt_engine engine;
+        struct vor_cloud in, out;
+        struct vor_report report;
+        uint64_t hash;
+
+        make_scan(&in, 1, SCAN);
+        vt_engine_open(&engine, threads);
+        vt_engine_count(&engine, "points", SCAN);
+        vt_engine_set(&engine, "polish", "5");
+        vt_engine_resample(&engine, &out, &report, &in);
+        ck_assert_uint_gt(report.on_islands, 0);
+        hash = vt_cloud_hash(&out);
+        first = threads == 1 ? hash : first;
+        ck_assert(hash == first);
+        vor_cloud_free(&out);
+        vor_cloud_free(&in);
+        vt_engine_close(&engine);
+    }
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(memory_that_ends_anywhere_is_an_error_and_leaks_nothing)
+{
+    struct vt_engine engine;
+    struct vor_cloud in;
+    size_t calls, fails = 0;
+
+    make_scan(&in, 1, 400);
+    vt_engine_open(&engine, 1);
+    vt_engine_count(&engine, "points", 300);
+    vt_engine_set(&engine, "polish", "2");
+    vt_engine_set(&engine, "iterations", "2");
+    for (calls = 1;; calls++) {
+        struct vor_cloud out;
+        struct vor_report report;
+        vor_status status;
+
+        vt_memory.fail_at = atomic_load(&vt_memory.calls) + calls;
+        status = vt_engine_try(&engine, &out, &report, &in);
+        vt_memory.fail_at = 0;
+        vor_cloud_free(&out);
+        if (status == VOR_OK)
+            break;
+        ck_assert_int_eq(status, VOR_E_NOMEM);
+        fails++;
+    }
+    ck_assert_uint_gt(fails, 30);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
+static enum vor_answer cancel_later(void *ctx)
+{
+    int *left = ctx;
+
+    return (*left)-- <= 0 ? VOR_CANCEL : VOR_CONTINUE;
+}
+
+START_TEST(a_cancel_anywhere_ends_the_search)
+{
+    struct vt_engine engine;
+    struct vor_cloud in;
+    struct vor_domain domain;
+    int left = 0, polls = 0;
+    struct vor_watch watch = {.ctx = &left, .poll = cancel_later};
+    vor_status status = VOR_E_CANCELLED;
+
+    make_scan(&in, 1, 2000);
+    vt_engine_open(&engine, 1);
+    for (; status == VOR_E_CANCELLED; polls++) {
+        vt_assert_ok(vor_domain_init(&domain, &in, &engine.run, &vt_err));
+        left = polls;
+        engine.run.watch = &watch;
+        status = vor_islands_take(&domain, &engine.run, &vt_err);
+        engine.run.watch = NULL;
+        vor_domain_free(&domain);
+    }
+    ck_assert_int_eq(status, VOR_OK);
+    ck_assert_int_gt(polls, 5);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
+static uint32_t top(const uint32_t *root, uint32_t i)
+{
+    while (root[i] != i)
+        i = root[i];
+    return i;
+}
+
+/* Parts by looking at every pair. */
+static void brute_join(uint32_t *root, const float *xyz, size_t n, double distance)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        root[i] = i;
+        for (uint32_t j = 0; j < i; j++)
+            if (vor_distance2f(&xyz[3 * (size_t)i], &xyz[3 * (size_t)j]) <= distance * distance) {
+                uint32_t a = top(root, i), b = top(root, j);
+
+                root[a > b ? a : b] = a < b ? a : b;
+            }
+    }
+    for (uint32_t i = 0; i < n; i++)
+        root[i] = top(root, i);
+}
+
+/* Blobs of different size and density in the unit cube. */
+static void make_blobs(struct vor_cloud *cloud, uint64_t seed, size_t n)
+{
+    vt_cloud_cube(cloud, seed, n);
+    for (size_t i = 0; i < n; i++) {
+        size_t blob = (size_t)(40 * vt_unit(seed + 1, i) * vt_unit(seed + 2, i));
+
+        for (size_t c = 0; c < 3; c++)
+            cloud->xyz[3 * i + c] =
+                (float)(vt_unit(seed + 3, 3 * blob + c) +
+                        0.15 * vt_unit(seed + 4, blob) * ((double)cloud->xyz[3 * i + c] - 0.5));
+    }
+}
+
+/* Every part is some of those that looking at all pairs finds at the distance, and at nine times
+ * that all parts of it lie in one. */
+START_TEST(joined_parts_lie_between_those_of_one_distance_and_of_nine)
+{
+    enum { N = 1500 };
+    static const double distances[] = {0.003, 0.01, 0.02, 0.05};
+    static uint32_t root[N], near[N], far[N];
+
+    for (size_t d = 0; d < sizeof distances / sizeof *distances; d++) {
+        struct vt_engine engine;
+        struct vor_cloud in;
+        struct vor_domain domain;
+        size_t parts, counted = 0;
+
+        make_blobs(&in, (uint64_t)_i, N);
+        vt_engine_open(&engine, 2);
+        vt_assert_ok(vor_domain_init(&domain, &in, &engine.run, &vt_err));
+        ck_assert_uint_eq(domain.n, N);
+        brute_join(near, domain.xyz, N, distances[d] * 0.999);
+        brute_join(far, domain.xyz, N, distances[d] * 9.001);
+        vt_assert_ok(vor_knn_join(root, &parts, domain.knn, distances[d], &engine.run, &vt_err));
+        for (uint32_t i = 0; i < N && parts > 1; i++) {
+            counted += root[i] == i;
+            ck_assert_uint_le(root[i], i);
+            ck_assert_uint_eq(root[i], root[near[i]]);
+            ck_assert_uint_eq(far[i], far[root[i]]);
+        }
+        ck_assert_uint_eq(parts > 1 ? counted : 1, parts);
+        vor_domain_free(&domain);
+        vor_cloud_free(&in);
+        vt_engine_close(&engine);
+    }
+    vt_assert_no_leak();
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("islands");
+
+    vt_add_loop(suite, each_gets_at_most_its_own_points_in_their_places, VT_FEWER(SEEDS));
+    vt_add_loop(suite, points_beside_islands_are_as_even_as_without_any, VT_FEWER(2));
+    vt_add_loop(suite, where_all_parts_are_small_each_gets_its_share, SEEDS);
+    vt_add(suite, more_points_than_small_parts_have_are_spread_as_before);
+    vt_add_loop(suite, a_cloud_of_one_small_part_has_no_islands, SEEDS);
+    vt_add(suite, drop_leaves_out_those_that_a_fit_does_not_fill);
+    vt_add_loop(suite, drop_keeps_an_input_of_small_parts, SEEDS);
+    vt_add(suite, a_line_beside_islands_is_no_input_of_its_own);
+    vt_add(suite, their_points_bring_attributes_and_normals_in_any_order);
+    vt_add(suite, spacing_asks_for_points_of_the_rest_and_islands_have_theirs_beside);
+    vt_add(suite, one_two_and_three_threads_give_the_same_bytes);
+    vt_add(suite, memory_that_ends_anywhere_is_an_error_and_leaks_nothing);
+    vt_add(suite, a_cancel_anywhere_ends_the_search);
+    vt_add_loop(suite, joined_parts_lie_between_those_of_one_distance_and_of_nine, 8);
+    return vt_run(suite);
+}
