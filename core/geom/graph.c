@@ -42,6 +42,41 @@ int vor_graph_has(const struct vor_graph *graph, uint32_t i, uint32_t j)
     return 0;
 }
 
+/* Points that were found, by a hash of twice as many places: 0 or a point's number plus 1. */
+enum { FOUND = 2 * VOR_GRAPH_AROUND };
+_Static_assert(FOUND == 1024, "the hash has ten bits");
+
+/* Adds a point. Returns whether it is new. */
+static int add_new(uint32_t *found, uint32_t i)
+{
+    uint32_t at = i * 2654435761U >> 22; /* Knuth's multiplier; ten bits, as FOUND has places */
+
+    while (found[at] != 0 && found[at] != i + 1)
+        at = (at + 1) % FOUND;
+    if (found[at] != 0)
+        return 0;
+    found[at] = i + 1;
+    return 1;
+}
+
+unsigned vor_graph_around(const struct vor_graph *graph, uint32_t i, uint32_t *out, unsigned wanted)
+{
+    uint32_t found[FOUND] = {0};
+    unsigned count = 1;
+
+    assert(wanted >= 1 && wanted <= VOR_GRAPH_AROUND);
+    (void)add_new(found, i);
+    out[0] = i;
+    for (unsigned next = 0; next < count && count < wanted; next++) {
+        const uint32_t *list = &graph->list[(size_t)out[next] * graph->most];
+
+        for (unsigned a = 0; a < graph->count[out[next]] && count < wanted; a++)
+            if (add_new(found, list[a]))
+                out[count++] = list[a];
+    }
+    return count;
+}
+
 /* The root of a point's tree, whose number is the smallest in it. Halves the path on the way. */
 static uint32_t root(uint32_t *parent, uint32_t i)
 {

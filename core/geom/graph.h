@@ -39,6 +39,21 @@ static inline int vor_graph_is(const struct vor_graph *graph)
 /** True when j is in the list of i. O(most). */
 int vor_graph_has(const struct vor_graph *graph, uint32_t i, uint32_t j);
 
+/** Points around one, in rings: itself, those of its list, those of theirs that are new, and so on,
+ *  until there are enough.
+ *
+ *  @param[out] out  wanted: the points that were found, i first
+ *  @param[in] wanted  1 .. VOR_GRAPH_AROUND
+ *
+ *  @return how many were found: fewer if no more can be reached
+ *
+ *  O(wanted most). Cannot fail. Depends on nothing but its arguments. */
+unsigned vor_graph_around(const struct vor_graph *graph, uint32_t i, uint32_t *out,
+                          unsigned wanted);
+
+/** Most points that vor_graph_around finds. */
+#define VOR_GRAPH_AROUND 512
+
 /** Connected components: two points are in one component if a chain of edges, taken in either
  *  direction, joins them.
  *
