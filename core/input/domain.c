@@ -72,14 +72,10 @@ struct work {
 static void normalise_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     const struct work *work = ctx;
-    const double *shift = work->out->shift;
-    double inverse = 1 / work->out->unit; /* exact: a power of two, and not the smallest */
 
     (void)worker;
     for (size_t i = begin; i < end; i++)
-        for (size_t c = 0; c < 3; c++)
-            work->unsorted[3 * i + c] =
-                (float)(((double)work->in->xyz[3 * i + c] - shift[c]) * inverse);
+        vor_domain_normalise(work->out, &work->in->xyz[3 * i], &work->unsorted[3 * i]);
 }
 
 /* Whether point i of the order is the first of those that coincide with it. */
@@ -267,6 +263,16 @@ vor_status vor_domain_index(struct vor_domain *domain, const struct vor_run *run
     if (status == VOR_OK)
         find_sparse(domain);
     return status;
+}
+
+vor_status vor_domain_move(struct vor_domain *domain, float *xyz, const struct vor_run *run,
+                           struct vor_error *err)
+{
+    vor_knn_free(domain->knn);
+    vor_free(domain->memory, domain->xyz);
+    domain->knn = NULL;
+    domain->xyz = xyz;
+    return vor_knn_build_sorted(&domain->knn, domain->xyz, domain->n, run, err);
 }
 
 vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,

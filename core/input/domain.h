@@ -67,6 +67,29 @@ VOR_NODISCARD vor_status vor_domain_index(struct vor_domain *domain, const struc
 VOR_NODISCARD vor_status vor_domain_check(const struct vor_domain *domain,
                                           const struct vor_run *run, struct vor_error *err);
 
+/** Where a point of the input, given by its relative position, lies in the domain's frame; in float
+ *  as vor_domain_init has it. */
+static inline void vor_domain_normalise(const struct vor_domain *domain, const float in[3],
+                                        float out[3])
+{
+    double inverse = 1 / domain->unit; /* exact: a power of two, and not the smallest */
+
+    for (int c = 0; c < 3; c++)
+        out[c] = (float)(((double)in[c] - domain->shift[c]) * inverse);
+}
+
+/** Gives the points new positions, and indexes them again. They stay in their order, which should
+ *  still be about that of Morton.
+ *
+ *  @param[in] xyz  domain->n x 3, allocated from domain->memory; the domain's from now on, whatever
+ *                  is returned
+ *
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED  the domain is to be freed
+ *
+ *  O(n), on the run's pool. */
+VOR_NODISCARD vor_status vor_domain_move(struct vor_domain *domain, float *xyz,
+                                         const struct vor_run *run, struct vor_error *err);
+
 /** True if no point was moved off a lattice: positions are those of the input. */
 static inline int vor_domain_is_exact(const struct vor_domain *domain)
 {

@@ -435,9 +435,5 @@ vor_status vor_lattice_smooth(struct vor_domain *domain, size_t *moved,
         return status;
     }
     *moved = atomic_load(&smooth.moved);
-    vor_knn_free(domain->knn);
-    vor_free(domain->memory, domain->xyz);
-    domain->knn = NULL;
-    domain->xyz = smooth.xyz;
-    return vor_knn_build_sorted(&domain->knn, domain->xyz, domain->n, run, err);
+    return vor_domain_move(domain, smooth.xyz, run, err);
 }
