@@ -5,6 +5,7 @@
 #include "core/input/input.h"
 #include "core/input/islands.h"
 #include "core/metrics/measure.h"
+#include "core/output/filtered.h"
 #include "core/output/output.h"
 #include "core/seeds/area.h"
 #include "core/seeds/fixed.h"
@@ -41,13 +42,15 @@ struct engine {
     double area; /* that spacing was turned into points with, normalised; else 0 */
 };
 
-/* Computes how many points the request asks for. */
+/* Computes how many points the request asks for; leaves *n 0 where filters decide. */
 static vor_status resolve_target(struct engine *engine, size_t *n, struct vor_error *err)
 {
     const struct vor_spec *spec = &engine->spec;
     double target = vor_spec_target(spec, engine->in->n);
     vor_status status;
 
+    if (vor_spec_only_filters(spec))
+        return VOR_OK;
     if (vor_spec_given(spec, VOR_PARAM_SPACING)) {
         double spacing = spec->value[VOR_PARAM_SPACING] / engine->domain.unit;
 
@@ -148,19 +151,30 @@ static vor_status place(struct engine *engine, size_t n, struct vor_error *err)
     return status == VOR_OK ? add_islands(engine, share, err) : status;
 }
 
-static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vor_error *err)
+/* Makes the result of the points that a method placed, or if it placed none of the input's. */
+static vor_status make_output(struct engine *engine, struct vor_cloud *out, struct vor_error *err)
 {
     struct vor_placed placed = {engine->in, &engine->seeds, &engine->told, &engine->spec};
+    struct vor_filtered filtered = {engine->in, &engine->domain, &engine->spec};
+
+    if (engine->seeds.n > 0)
+        return vor_output_make(out, &engine->report, &placed, err);
+    return vor_output_filtered(out, &engine->report, &filtered, &engine->whole, err);
+}
+
+static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vor_error *err)
+{
     struct vor_report *report = &engine->report;
     double unit = engine->domain.unit;
-    vor_status status = vor_output_make(out, report, &placed, err);
+    vor_status status = make_output(engine, out, err);
 
     if (status != VOR_OK)
         return status;
-    if (report->islands == 0)
+    if (report->on_islands == 0)
         report->delta_beside = report->delta;
     report->parameters = engine->spec;
-    report->parameters.value[VOR_PARAM_POINTS] = (double)engine->seeds.n;
+    if (engine->seeds.n > 0)
+        report->parameters.value[VOR_PARAM_POINTS] = (double)engine->seeds.n;
     report->parameters.value[VOR_PARAM_NEIGHBORS] = engine->domain.known.neighbors.usual;
     if (engine->area > 0)
         report->area = engine->area * unit * unit;
@@ -186,7 +200,7 @@ static vor_status run_resample(struct vor_artefacts *out, const struct vor_artef
         return VOR_E_NOMEM;
     vor_cloud_init(&cloud, run->memory);
     status = prepare(&engine, &n, err);
-    if (status == VOR_OK)
+    if (status == VOR_OK && n > 0)
         status = place(&engine, n, err);
     if (status == VOR_OK)
         status = finish(&engine, &cloud, err);

@@ -171,13 +171,15 @@ struct vor_stage_done {
     X(REAL, seconds_write, "seconds.write", "s", "Encoding the result")                            \
     X(U64, memory_peak_bytes, "memory_peak_bytes", "bytes",                                        \
       "Most memory that the job held at a time")                                                   \
-    X(U64, outliers, "outliers", "points", "Input points that were ignored")                       \
+    X(U64, outliers, "outliers", "points",                                                         \
+      "Input points that were taken for outliers: ignored, or pulled onto the surface")            \
     X(U64, parts, "components", "", "Parts of the input that lie clear of each other")             \
     X(U64, islands, "islands.components", "",                                                      \
       "Those of them with fewer points than two fits take")                                        \
     X(U64, in_islands, "islands.points_in", "points", "Points of the input that these hold")       \
     X(U64, on_islands, "islands.points_out", "points",                                             \
-      "Points of the result on them, at most as many, in the places of input points")              \
+      "Points of the result on them, at most as many, in the places of input points; 0 where "     \
+      "filters alone make the result")                                                             \
     X(REAL, delta_beside, "islands.delta_beside", "",                                              \
       "delta of the other points of the result; that of all of them counts the gaps around "       \
       "islands")                                                                                   \

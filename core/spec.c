@@ -223,11 +223,19 @@ static int has_target(const struct vor_spec *spec)
     return vor_process_takes(spec->process, VOR_PARAM_POINTS);
 }
 
+int vor_spec_only_filters(const struct vor_spec *spec)
+{
+    double filters = spec->value[VOR_PARAM_FILTERS];
+
+    return counts_given(spec) == 0 && has_target(spec) &&
+           (vor_list_has(filters, VOR_FILTER_MLS) || vor_list_has(filters, VOR_FILTER_OUTLIERS));
+}
+
 vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err)
 {
     int given = counts_given(spec);
 
-    if (given == 1 || !has_target(spec))
+    if (given == 1 || !has_target(spec) || vor_spec_only_filters(spec))
         return VOR_OK;
     return vor_fail_param(err, VOR_E_PARAM, "points",
                           "%d of points, ratio and spacing are given, want exactly one", given);
@@ -235,9 +243,11 @@ vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err)
 
 vor_status vor_spec_complete(struct vor_spec *spec, struct vor_error *err)
 {
-    if (counts_given(spec) == 0 && has_target(spec))
-        spec->value[VOR_PARAM_RATIO] =
-            vor_process_parameter(spec->process, VOR_PARAM_RATIO).fallback;
+    double fallback = vor_process_parameter(spec->process, VOR_PARAM_RATIO).fallback;
+
+    if (counts_given(spec) == 0 && has_target(spec) &&
+        !(fallback == 1 && vor_spec_only_filters(spec)))
+        spec->value[VOR_PARAM_RATIO] = fallback;
     return vor_spec_check(spec, err);
 }
 
@@ -300,7 +310,7 @@ vor_status vor_spec_check_target(const struct vor_spec *spec, double target, uin
     double most = fmin(points->max, process->ratio_max * (double)input);
     char asked[48] = "", times[32] = "up to";
 
-    if ((target >= least && target <= most) || !has_target(spec))
+    if ((target >= least && target <= most) || !has_target(spec) || vor_spec_only_filters(spec))
         return VOR_OK;
     if (least > most)
         return vor_fail_param(err, VOR_E_TARGET, name,

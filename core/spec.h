@@ -59,14 +59,19 @@ VOR_NODISCARD vor_status vor_spec_set_number(struct vor_spec *spec, const char *
 vor_status vor_spec_refuse(const struct vor_spec *spec, const char *name, const char *what,
                            struct vor_error *err);
 
+/** True when filters alone make the result: the request has the filter mls or outliers, and none of
+ *  points, ratio and spacing. Each point of the input is then one of the result, or dropped. */
+int vor_spec_only_filters(const struct vor_spec *spec);
+
 /** Checks what concerns several parameters: if the process takes points, ratio and spacing, exactly
- *  one of them is given.
+ *  one of them is given, or none where filters alone make the result.
  *
  *  @retval VOR_E_PARAM otherwise */
 VOR_NODISCARD vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err);
 
 /** Completes a request that a caller made: if the process takes the three and none is given, ratio
- *  gets the process's default, if it has one. Then checks it, as vor_spec_check. */
+ *  gets the process's default, if it has one. A default of 1, as many points as the input has,
+ * gives way to filters. Then checks the request, as vor_spec_check. */
 VOR_NODISCARD vor_status vor_spec_complete(struct vor_spec *spec, struct vor_error *err);
 
 /** Checks which inputs come with the request: every required one does, and so does the input that a
@@ -78,12 +83,13 @@ VOR_NODISCARD vor_status vor_spec_check_inputs(const struct vor_spec *spec, unsi
                                                struct vor_error *err);
 
 /** Number of points that a checked request asks for, given the number of points of the input.
- *  VOR_UNSET if spacing decides, because only the engine knows the area, and if the process has no
- *  such target. */
+ *  VOR_UNSET if spacing decides, because only the engine knows the area, if filters do, and if the
+ *  process has no such target. */
 double vor_spec_target(const struct vor_spec *spec, uint64_t input);
 
 /** Checks the number of points asked for against the range of points, and against what the process
- *  allows for an input of that many. A process without such a target allows any.
+ *  allows for an input of that many. A process without such a target allows any, and so do filters
+ *  alone.
  *
  *  @param[in] target vor_spec_target, or what spacing comes to; may be NaN
  *  @retval VOR_E_TARGET out of range (the message names the value, what it comes to and the range)

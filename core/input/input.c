@@ -2,29 +2,51 @@
 
 #include "core/input/islands.h"
 #include "core/input/lattice.h"
+#include "core/input/mls.h"
 #include "core/input/neighbors.h"
 #include "core/input/outliers.h"
 #include "core/input/sheets.h"
+#include "core/input/thin.h"
 
-static vor_status drop_outliers(struct vor_domain *domain, const struct vor_spec *spec,
-                                const struct vor_run *run, struct vor_error *err)
+/* What is to be done with outliers: where filters alone make the result, only what they say. */
+static int outliers_of(const struct vor_spec *spec)
 {
-    vor_status status;
+    int asked = (int)spec->value[VOR_PARAM_OUTLIERS];
 
-    if (spec->value[VOR_PARAM_OUTLIERS] != VOR_OUTLIERS_DROP)
-        return VOR_OK;
-    status = vor_outliers_drop(domain, &domain->known.outliers, run, err);
-    return status == VOR_OK ? vor_islands_drop(domain, run, err) : status;
+    if (vor_list_has(spec->value[VOR_PARAM_FILTERS], VOR_FILTER_OUTLIERS))
+        return asked == VOR_OUTLIERS_KEEP ? VOR_OUTLIERS_DROP : asked;
+    return vor_spec_only_filters(spec) ? VOR_OUTLIERS_KEEP : asked;
 }
 
-/* Looks for a lattice, and if it matters moves the points within their cells. */
-static vor_status leave_lattice(struct vor_domain *domain, const struct vor_run *run,
+static vor_status take_outliers(struct vor_outliers *out, struct vor_domain *domain,
+                                const struct vor_spec *spec, const struct vor_run *run,
                                 struct vor_error *err)
 {
+    int closer = vor_list_has(spec->value[VOR_PARAM_FILTERS], VOR_FILTER_OUTLIERS) ||
+                 outliers_of(spec) == VOR_OUTLIERS_PULL;
+    vor_status status;
+
+    if (outliers_of(spec) == VOR_OUTLIERS_KEEP)
+        return VOR_OK;
+    status = vor_outliers_take(out, domain, closer, run, err);
+    if (status == VOR_OK)
+        domain->known.outliers = out->n;
+    if (status == VOR_OK && outliers_of(spec) == VOR_OUTLIERS_DROP)
+        status = vor_islands_drop(domain, run, err);
+    return status;
+}
+
+/* Looks for a lattice, and if it matters moves the points within their cells, unless points are to
+ * stay where they are. */
+static vor_status leave_lattice(struct vor_domain *domain, const struct vor_spec *spec,
+                                const struct vor_run *run, struct vor_error *err)
+{
+    int stay = vor_spec_only_filters(spec) &&
+               !vor_list_has(spec->value[VOR_PARAM_FILTERS], VOR_FILTER_MLS);
     struct vor_conditioning *known = &domain->known;
     vor_status status = vor_lattice_find(&known->lattice, domain, run, err);
 
-    if (status != VOR_OK || !known->lattice.matters)
+    if (status != VOR_OK || !known->lattice.matters || stay)
         return status;
     return vor_lattice_smooth(domain, &known->off_lattice, &known->lattice, run, err);
 }
@@ -40,24 +62,61 @@ static vor_status choose_neighbors(struct vor_domain *domain, const struct vor_s
     return VOR_OK;
 }
 
+/* The filters that come after everything is known. */
+static vor_status filter(struct vor_domain *domain, const struct vor_spec *spec,
+                         const struct vor_run *run, struct vor_error *err)
+{
+    double filters = spec->value[VOR_PARAM_FILTERS];
+    vor_status status = VOR_OK;
+
+    if (vor_list_has(filters, VOR_FILTER_MLS))
+        status = vor_mls_project(domain, run, err);
+    if (status == VOR_OK && vor_list_has(filters, VOR_FILTER_THIN))
+        status = vor_thin_filter(domain, run, err);
+    return status;
+}
+
+/* Takes islands out where a method is to spread points beside them. */
+static vor_status look_for_islands(struct vor_domain *domain, const struct vor_spec *spec,
+                                   const struct vor_run *run, struct vor_error *err)
+{
+    int spread = vor_process_takes(spec->process, VOR_PARAM_POINTS) && !vor_spec_only_filters(spec);
+
+    return spread ? vor_islands_take(domain, run, err) : vor_islands_count(domain, run, err);
+}
+
+/* Finds out everything that is known of a domain, and filters it. */
+static vor_status condition(struct vor_domain *domain, struct vor_outliers *outliers,
+                            const struct vor_spec *spec, const struct vor_run *run,
+                            struct vor_error *err)
+{
+    vor_status status = take_outliers(outliers, domain, spec, run, err);
+
+    if (status == VOR_OK)
+        status = leave_lattice(domain, spec, run, err);
+    if (status == VOR_OK)
+        status = vor_sheets_find(&domain->known.sheets, domain, run, err);
+    if (status == VOR_OK)
+        status = choose_neighbors(domain, spec, run, err);
+    if (status == VOR_OK && outliers_of(spec) == VOR_OUTLIERS_PULL)
+        status = vor_outliers_pull(domain, outliers, run, err);
+    if (status == VOR_OK)
+        status = filter(domain, spec, run, err);
+    return status == VOR_OK ? look_for_islands(domain, spec, run, err) : status;
+}
+
 vor_status vor_input_prepare(struct vor_domain *out, const struct vor_cloud *in,
                              const struct vor_spec *spec, const struct vor_run *run,
                              struct vor_error *err)
 {
+    struct vor_outliers outliers = {.memory = run->memory};
     struct vor_domain domain;
     vor_status status = vor_domain_init(&domain, in, run, err);
 
     if (status != VOR_OK)
         return status;
-    status = drop_outliers(&domain, spec, run, err);
-    if (status == VOR_OK)
-        status = leave_lattice(&domain, run, err);
-    if (status == VOR_OK)
-        status = vor_sheets_find(&domain.known.sheets, &domain, run, err);
-    if (status == VOR_OK)
-        status = choose_neighbors(&domain, spec, run, err);
-    if (status == VOR_OK)
-        status = vor_islands_take(&domain, run, err);
+    status = condition(&domain, &outliers, spec, run, err);
+    vor_outliers_free(&outliers);
     if (status != VOR_OK) {
         vor_domain_free(&domain);
         return status;

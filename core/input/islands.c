@@ -189,6 +189,19 @@ vor_status vor_islands_take(struct vor_domain *domain, const struct vor_run *run
     return status;
 }
 
+vor_status vor_islands_count(struct vor_domain *domain, const struct vor_run *run,
+                             struct vor_error *err)
+{
+    struct parts parts = {.least = (size_t)FITS * domain->known.neighbors.usual};
+    vor_status status = find_parts(&parts, domain, run, err);
+
+    domain->known.parts = parts.count;
+    domain->known.islands = parts.small;
+    domain->known.in_islands = parts.points;
+    free_parts(&parts, run->memory);
+    return status;
+}
+
 vor_status vor_islands_drop(struct vor_domain *domain, const struct vor_run *run,
                             struct vor_error *err)
 {

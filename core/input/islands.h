@@ -32,6 +32,12 @@
 VOR_NODISCARD vor_status vor_islands_take(struct vor_domain *domain, const struct vor_run *run,
                                           struct vor_error *err);
 
+/** Looks for islands as vor_islands_take, and leaves them in: only known says how many there are.
+ *
+ *  Fails and costs as vor_islands_take. */
+VOR_NODISCARD vor_status vor_islands_count(struct vor_domain *domain, const struct vor_run *run,
+                                           struct vor_error *err);
+
 /** Drops parts of fewer than VOR_NEIGHBORS_FEWEST points from the domain, and counts their points
  *  among known.outliers. If more than a quarter of the points would go, all stay.
  *

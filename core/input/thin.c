@@ -24,7 +24,11 @@ enum {
     POINTS_LEAST = 20000,
     /* Times that: an input of fewer points is not thinned, as is one of which more than one in so
      * many would stay. Half of the points is the least that repays a second index. */
-    WORTHWHILE = 2
+    WORTHWHILE = 2,
+    /* Neighbours whose distances say how far the filter thins: Lv 2022, Sec. 3.1. */
+    THREE = 3,
+    /* The filter leaves a domain alone of which it would leave fewer points: a fit takes 20. */
+    LEAST = 20
 };
 
 /* A domain on its way into a thinner one. */
@@ -32,6 +36,7 @@ struct thinning {
     const struct vor_domain *in;
     struct vor_domain *out;
     double gap2;
+    size_t most;         /* more points than that: *out stays empty */
     unsigned char *kept; /* 1 for each point of `in` that is taken */
     size_t *first;       /* where those of each block go in `out` */
 };
@@ -88,7 +93,7 @@ static vor_status thin_points(struct thinning *thinning, const struct vor_run *r
     if (status != VOR_OK)
         return status;
     out->n = vor_running_sum(thinning->first, vor_blocks_of(n, BLOCK));
-    if (out->n > n / WORTHWHILE) {
+    if (out->n > thinning->most) {
         out->n = 0;
         return VOR_OK;
     }
@@ -99,11 +104,12 @@ static vor_status thin_points(struct thinning *thinning, const struct vor_run *r
     return vor_run_for(run, n, BLOCK, thin_block, thinning, err);
 }
 
-vor_status vor_domain_thin(struct vor_domain *out, const struct vor_domain *in, double gap,
-                           const struct vor_run *run, struct vor_error *err)
+/* Thins to a gap unless more than `most` points would stay. */
+static vor_status thin(struct vor_domain *out, const struct vor_domain *in, double gap, size_t most,
+                       const struct vor_run *run, struct vor_error *err)
 {
     struct vor_domain domain = {.memory = run->memory, .unit = in->unit, .known = in->known};
-    struct thinning thinning = {.in = in, .out = &domain, .gap2 = gap * gap};
+    struct thinning thinning = {.in = in, .out = &domain, .gap2 = gap * gap, .most = most};
     vor_status status;
 
     memcpy(domain.shift, in->shift, sizeof domain.shift);
@@ -120,6 +126,12 @@ vor_status vor_domain_thin(struct vor_domain *out, const struct vor_domain *in, 
     return VOR_OK;
 }
 
+vor_status vor_domain_thin(struct vor_domain *out, const struct vor_domain *in, double gap,
+                           const struct vor_run *run, struct vor_error *err)
+{
+    return thin(out, in, gap, in->n / WORTHWHILE, run, err);
+}
+
 vor_status vor_domain_thin_for(struct vor_domain *out, const struct vor_domain *in, size_t n,
                                double area, const struct vor_run *run, struct vor_error *err)
 {
@@ -130,4 +142,69 @@ vor_status vor_domain_thin_for(struct vor_domain *out, const struct vor_domain *
     if ((double)in->n < WORTHWHILE * wanted || !(area > 0))
         return VOR_OK;
     return vor_domain_thin(out, in, sqrt(area / wanted), run, err);
+}
+
+/* Distances of a domain's points to their nearest others. */
+struct apart {
+    const struct vor_domain *domain;
+    double *sum; /* of each block */
+};
+
+static void apart_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct apart *apart = ctx;
+    const struct vor_domain *domain = apart->domain;
+    unsigned k = domain->n > THREE ? THREE + 1 : (unsigned)domain->n;
+    double sum = 0;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        uint32_t index[THREE + 1];
+        float distance2[THREE + 1];
+        double own = 0;
+
+        vor_knn_search(domain->knn, &domain->xyz[3 * i], 1, k, index, distance2);
+        for (unsigned j = 1; j < k; j++)
+            own += sqrt((double)distance2[j]);
+        sum += own / THREE;
+    }
+    apart->sum[begin / BLOCK] = sum;
+}
+
+/* The mean distance of the points to their three nearest others. */
+static vor_status mean_distance(double *out, const struct vor_domain *domain,
+                                const struct vor_run *run, struct vor_error *err)
+{
+    size_t blocks = vor_blocks_of(domain->n, BLOCK);
+    struct apart apart = {domain, vor_malloc(run->memory, blocks, sizeof *apart.sum)};
+    vor_status status;
+
+    *out = 0;
+    if (apart.sum == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", domain->n);
+    status = vor_run_for(run, domain->n, BLOCK, apart_block, &apart, err);
+    for (size_t b = 0; status == VOR_OK && b < blocks; b++)
+        *out += apart.sum[b] / (double)domain->n;
+    vor_free(run->memory, apart.sum);
+    return status;
+}
+
+vor_status vor_thin_filter(struct vor_domain *domain, const struct vor_run *run,
+                           struct vor_error *err)
+{
+    struct vor_domain thinned;
+    double gap;
+    vor_status status = mean_distance(&gap, domain, run, err);
+
+    if (status == VOR_OK)
+        status = thin(&thinned, domain, gap, domain->n, run, err);
+    if (status != VOR_OK)
+        return status;
+    if (thinned.n < LEAST) {
+        vor_domain_free(&thinned);
+        return VOR_OK;
+    }
+    vor_domain_free(domain);
+    *domain = thinned;
+    return VOR_OK;
 }

@@ -54,8 +54,8 @@ static void report_comparison(struct vor_report *report, const struct vor_compar
         }
 }
 
-static void report_uniformity(struct vor_report *report, const struct vor_uniformity *even,
-                              double unit)
+void vor_output_report_uniformity(struct vor_report *report, const struct vor_uniformity *even,
+                                  double unit)
 {
     report->delta = even->delta;
     report->sigma = even->sigma * unit;
@@ -65,8 +65,7 @@ static void report_uniformity(struct vor_report *report, const struct vor_unifor
     report->max_over_mean = even->mean > 0 ? even->max / even->mean : 0;
 }
 
-/* Reports what is known of the input, and what was done to it. */
-static void report_input(struct vor_report *report, const struct vor_domain *domain)
+void vor_output_report_input(struct vor_report *report, const struct vor_domain *domain)
 {
     const struct vor_conditioning *known = &domain->known;
 
@@ -145,9 +144,9 @@ vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
         return status;
     report->points_in = placed->in->n;
     report->points_out = seeds->n;
-    report_input(report, seeds->domain);
+    vor_output_report_input(report, seeds->domain);
     report_method(report, placed);
-    report_uniformity(report, &even, unit);
+    vor_output_report_uniformity(report, &even, unit);
     report_comparison(report, &found, unit);
     report_counts(report, &counts);
     report->list_rebuilds = seeds->indexed_before + seeds->point_lists.indexed;

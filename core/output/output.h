@@ -3,6 +3,7 @@
 #define VOR_OUTPUT_OUTPUT_H
 
 #include "core/cloud/cloud.h"
+#include "core/metrics/uniformity.h"
 #include "core/report.h"
 #include "core/seeds/outcome.h"
 #include "core/seeds/seeds.h"
@@ -28,5 +29,12 @@ struct vor_placed {
  *  O(n log n), on the run's pool. The same bytes for any number of threads. */
 VOR_NODISCARD vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
                                          const struct vor_placed *placed, struct vor_error *err);
+
+/** Reports how even points are; unit is the length of a unit of *even in the cloud's own. */
+void vor_output_report_uniformity(struct vor_report *report, const struct vor_uniformity *even,
+                                  double unit);
+
+/** Reports what is known of the input, and what was done to it. */
+void vor_output_report_input(struct vor_report *report, const struct vor_domain *domain);
 
 #endif

@@ -97,26 +97,25 @@ static void place(struct transfer *transfer, double spacing)
     }
 }
 
-static vor_status copy_attribute(struct transfer *transfer, const struct vor_attribute *from,
-                                 struct vor_error *err)
+static vor_status copy_attribute(struct vor_cloud *out, const struct vor_attribute *from,
+                                 const uint32_t *source, struct vor_error *err)
 {
     struct vor_attribute *to;
     size_t size = from->components * vor_type_size(from->type);
-    vor_status status = vor_cloud_add_attribute(transfer->out, from->name, from->semantic,
-                                                from->type, from->components, &to, err);
+    vor_status status = vor_cloud_add_attribute(out, from->name, from->semantic, from->type,
+                                                from->components, &to, err);
 
     if (status != VOR_OK)
         return status;
-    for (size_t i = 0; i < transfer->out->n; i++)
-        memcpy((char *)to->data + i * size, (const char *)from->data + transfer->nearest[i] * size,
-               size);
+    for (size_t i = 0; i < out->n; i++)
+        memcpy((char *)to->data + i * size, (const char *)from->data + source[i] * size, size);
     return VOR_OK;
 }
 
-static vor_status attributes(struct transfer *transfer, const struct vor_spec *spec,
-                             struct vor_error *err)
+vor_status vor_transfer_attributes(struct vor_cloud *out, const struct vor_cloud *in,
+                                   const uint32_t *source, const float *normal,
+                                   const struct vor_spec *spec, struct vor_error *err)
 {
-    const struct vor_cloud *in = transfer->in;
     int keep_normals = spec->value[VOR_PARAM_NORMALS] == VOR_NORMALS_NEAREST;
     int keep_others = spec->value[VOR_PARAM_ATTRIBUTES] == VOR_ATTRIBUTES_NEAREST;
     struct vor_attribute *to;
@@ -124,12 +123,12 @@ static vor_status attributes(struct transfer *transfer, const struct vor_spec *s
 
     for (size_t i = 0; i < in->attribute_count && status == VOR_OK; i++)
         if (keep_others && (in->attributes[i].semantic != VOR_NORMAL || keep_normals))
-            status = copy_attribute(transfer, &in->attributes[i], err);
-    if (status != VOR_OK || transfer->normal == NULL)
+            status = copy_attribute(out, &in->attributes[i], source, err);
+    if (status != VOR_OK || normal == NULL)
         return status;
-    status = vor_cloud_add_attribute(transfer->out, "normal", VOR_NORMAL, VOR_FLOAT32, 3, &to, err);
+    status = vor_cloud_add_attribute(out, "normal", VOR_NORMAL, VOR_FLOAT32, 3, &to, err);
     if (status == VOR_OK)
-        memcpy(to->data, transfer->normal, 3 * transfer->out->n * sizeof *transfer->normal);
+        memcpy(to->data, normal, 3 * out->n * sizeof *normal);
     return status;
 }
 
@@ -159,7 +158,7 @@ vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in, struc
     if (status != VOR_OK)
         goto done;
     place(&transfer, spacing);
-    status = attributes(&transfer, spec, err);
+    status = vor_transfer_attributes(&cloud, in, transfer.nearest, transfer.normal, spec, err);
     if (status != VOR_OK)
         goto done;
     *out = cloud;

@@ -27,4 +27,20 @@ VOR_NODISCARD vor_status vor_transfer(struct vor_cloud *out, const struct vor_cl
                                       struct vor_seeds *seeds, double spacing,
                                       const struct vor_spec *spec, struct vor_error *err);
 
+/** Gives a cloud the attributes that the request asks for.
+ *
+ *  @param[in,out] out  with positions and no attributes; may have some of them on failure
+ *  @param[in] source   for each point of out, the point of `in` whose values it gets
+ *  @param[in] normal   out->n x 3 fitted normals to add, or NULL
+ *  @param[in] spec     read: attributes, normals
+ *
+ *  @retval VOR_E_NOMEM
+ *  @retval VOR_E_LIMIT  too many attributes
+ *
+ *  O(n). */
+VOR_NODISCARD vor_status vor_transfer_attributes(struct vor_cloud *out, const struct vor_cloud *in,
+                                                 const uint32_t *source, const float *normal,
+                                                 const struct vor_spec *spec,
+                                                 struct vor_error *err);
+
 #endif

@@ -122,8 +122,15 @@ enum vor_method_choice {
       "Most steps of repulsion after the iterations, which even the spacing out; 0 is none")       \
     X(BOUNDARY, boundary, CHOICE, SPREAD, "", 0, 0, VOR_BOUNDARY_KEEP, "keep free",                \
       "keep: no point leaves the input at its border; free: no restriction")                       \
-    X(OUTLIERS, outliers, CHOICE, INPUT, "", 0, 0, VOR_OUTLIERS_KEEP, "keep drop",                 \
-      "drop: input points that none of those around them count among their nearest are ignored")   \
+    X(OUTLIERS, outliers, CHOICE, INPUT, "", 0, 0, VOR_OUTLIERS_KEEP, "keep drop pull",            \
+      "Input points that few of those around them count among their nearest. drop: they are "      \
+      "ignored; pull: they are moved onto the surface")                                            \
+    X(FILTERS, filters, LIST, INPUT, "", 0, 0, 0, "mls outliers thin",                             \
+      "What is done to the input first: outliers, dropped unless the parameter of that name says " \
+      "pull; then mls, which moves each point onto the smooth surface around it; then thin, to "   \
+      "the mean distance to the three nearest. With mls or outliers, and none of points, ratio "   \
+      "and spacing, the result is the filtered points in their order, with their attributes; "     \
+      "upsample keeps its ratio")                                                                  \
     X(SEED, seed, COUNT, SPREAD, "", 0, 9007199254740991, 1, "", "Seed of every random choice")    \
     X(ORDER, order, CHOICE, OUTPUT, "", 0, 0, VOR_ORDER_SPATIAL, "spatial progressive",            \
       "Of the points of the result. spatial: neighbours mostly follow each other; progressive: "   \
@@ -152,7 +159,8 @@ enum vor_parameter {
 };
 
 enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE };
-enum { VOR_OUTLIERS_KEEP, VOR_OUTLIERS_DROP };
+enum { VOR_OUTLIERS_KEEP, VOR_OUTLIERS_DROP, VOR_OUTLIERS_PULL };
+enum { VOR_FILTER_MLS, VOR_FILTER_OUTLIERS, VOR_FILTER_THIN }; /* words of the list filters */
 enum { VOR_ORDER_SPATIAL, VOR_ORDER_PROGRESSIVE };
 enum { VOR_FORMAT_PLY, VOR_FORMAT_DRC };
 enum { VOR_ATTRIBUTES_NEAREST, VOR_ATTRIBUTES_DROP };
@@ -240,7 +248,8 @@ struct vor_artefact_info {
     VOR_EXTRA_PROCESSES(X)
 
 /** Defaults of a process that differ from the table of parameters: process, parameter, value. That
- * of ratio holds only if none of points, ratio and spacing is given. */
+ * of ratio holds only if none of points, ratio and spacing is given; a default of 1 not where
+ * filters alone make the result either (vor_spec_only_filters). */
 #define VOR_PRESET_TABLE(X)                                                                        \
     X(DENOISE, RATIO, 1)                                                                           \
     X(DENOISE, OUTLIERS, VOR_OUTLIERS_DROP)                                                        \

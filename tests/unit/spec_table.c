@@ -166,6 +166,8 @@ START_TEST(junk_is_refused_and_shown)
     for (size_t k = 0; k < sizeof junk / sizeof junk[0]; k++) {
         struct vor_spec spec, before;
 
+        if (info->kind == VOR_KIND_LIST && strcmp(junk[k], "none") == 0)
+            continue;
         init_for(&spec, _i);
         before = spec;
         ck_assert_msg(vor_spec_set(&spec, info->name, junk[k], &vt_err) == VOR_E_PARAM,
@@ -194,7 +196,7 @@ START_TEST(a_choice_takes_each_of_its_words_and_no_number)
         (void)snprintf(text, sizeof text, "%.*s", (int)length, word);
         init_for(&spec, _i);
         vt_assert_ok(vor_spec_set(&spec, info->name, text, &vt_err));
-        ck_assert(value_of(&spec, _i) == k);
+        ck_assert(value_of(&spec, _i) == (info->kind == VOR_KIND_LIST ? 1U << k : k));
         ck_assert_str_eq(vor_spec_text(&spec, (enum vor_parameter)_i, back), text);
         text[0] = (char)toupper((unsigned char)text[0]);
         vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, info->name, text, &vt_err));
@@ -444,6 +446,34 @@ START_TEST(a_request_without_a_count_gets_that_of_its_process_or_is_refused)
 }
 END_TEST
 
+/* Filters that move or drop points stand for a number of points, except in upsample. */
+START_TEST(filters_alone_make_a_result_unless_the_process_has_a_ratio_of_its_own)
+{
+    static const char *const processes[4] = {"resample", "denoise", "simplify", "upsample"};
+    static const char *const filters[4] = {"mls", "outliers", "thin,mls", "thin"};
+
+    for (int k = 0; k < 4; k++) {
+        struct vor_spec spec = request_for(processes[_i]);
+        int only = k < 3 && _i < 3, has_ratio = _i == 1 || _i == 3;
+
+        vt_assert_ok(vor_spec_set(&spec, "filters", filters[k], &vt_err));
+        if (only || has_ratio)
+            vt_assert_ok(vor_spec_complete(&spec, &vt_err));
+        else
+            vt_assert_fails(VOR_E_PARAM, vor_spec_complete(&spec, &vt_err));
+        ck_assert_int_eq(vor_spec_only_filters(&spec), only);
+        ck_assert_int_eq(vor_spec_given(&spec, VOR_PARAM_RATIO), has_ratio && !only);
+        if (only) {
+            ck_assert(vor_spec_target(&spec, 100) == VOR_UNSET);
+            vt_assert_ok(vor_spec_check_target(&spec, VOR_UNSET, 100, &vt_err));
+        }
+        spec.value[VOR_PARAM_RATIO] = VOR_UNSET;
+        vt_assert_ok(vor_spec_set(&spec, "points", "10", &vt_err));
+        ck_assert_int_eq(vor_spec_only_filters(&spec), 0);
+    }
+}
+END_TEST
+
 /* Each of the three counts in each process, and a parameter that has a preset. */
 START_TEST(what_a_caller_gives_wins_over_the_preset)
 {
@@ -672,6 +702,7 @@ int main(void)
     vt_add(suite, processes_are_found_by_their_id);
     vt_add_loop(suite, a_process_differs_from_the_table_by_its_preset_alone, PROCESSES);
     vt_add_loop(suite, a_request_without_a_count_gets_that_of_its_process_or_is_refused, SPREADING);
+    vt_add_loop(suite, filters_alone_make_a_result_unless_the_process_has_a_ratio_of_its_own, 4);
     vt_add_loop(suite, what_a_caller_gives_wins_over_the_preset, SPREADING);
     vt_add_loop(suite, a_ratio_that_its_process_does_not_allow_is_refused_with_the_range,
                 SPREADING);

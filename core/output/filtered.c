@@ -1,0 +1,340 @@
+#include "core/output/filtered.h"
+
+#include "core/base/linalg.h"
+#include "core/base/stat.h"
+#include "core/geom/surface.h"
+#include "core/input/neighbors.h"
+#include "core/input/sheets.h"
+#include "core/metrics/uniformity.h"
+#include "core/output/order.h"
+#include "core/output/output.h"
+#include "core/output/transfer.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+enum { BLOCK = 1024 /* points of one task */ };
+
+#define NONE UINT32_MAX
+
+/* A result in progress. */
+struct work {
+    const struct vor_cloud *in;
+    const struct vor_domain *domain;
+    const struct vor_spec *spec;
+    const struct vor_run *run;
+    const struct vor_domain *all; /* of every point of the input */
+    size_t n;                     /* points of the result */
+    uint32_t *place;           /* for each point of the input: its point of the domain, or NONE */
+    uint32_t *source;          /* for each point of the result: its point of the input */
+    float *was;                /* n x 3: where that was, normalised */
+    float *nearest;            /* n: its distance to the nearest other point of the result */
+    float *normal;             /* n x 3, or NULL */
+    const struct vor_knn *knn; /* over `was` */
+    struct vor_sums *block;
+};
+
+static int has_filter(const struct vor_spec *spec, unsigned filter)
+{
+    return vor_list_has(spec->value[VOR_PARAM_FILTERS], filter);
+}
+
+/* Where point i of the result is, normalised. */
+static const float *is_at(const struct work *work, size_t i)
+{
+    return &work->domain->xyz[3 * (size_t)work->place[work->source[i]]];
+}
+
+static void join_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct work *work = ctx;
+    const struct vor_domain *all = work->all;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        float x[3], distance2;
+        uint32_t index;
+
+        if (work->place[i] != NONE)
+            continue;
+        vor_domain_normalise(all, &work->in->xyz[3 * i], x);
+        vor_knn_search(all->knn, x, 1, 1, &index, &distance2);
+        if (all->source[index] != i)
+            work->place[i] = work->place[all->source[index]];
+    }
+}
+
+/* Gives points that share the place of another one, which alone is in the domain, the same place
+ * there. */
+static vor_status join_twins(struct work *work, struct vor_error *err)
+{
+    struct vor_domain all;
+    vor_status status = vor_domain_init(&all, work->in, work->run, err);
+
+    if (status != VOR_OK)
+        return status;
+    work->all = &all;
+    if (all.n < work->in->n)
+        status = vor_run_for(work->run, work->in->n, BLOCK, join_block, work, err);
+    vor_domain_free(&all);
+    return status;
+}
+
+/* Finds the points of the input that are left, in their order. */
+static vor_status find_points(struct work *work, struct vor_error *err)
+{
+    const struct vor_domain *domain = work->domain;
+    size_t n = work->in->n;
+    vor_status status = VOR_OK;
+
+    work->place = vor_malloc(work->run->memory, n, sizeof *work->place);
+    work->source = vor_malloc(work->run->memory, n, sizeof *work->source);
+    if (work->place == NULL || work->source == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "handing out %zu points", n);
+    for (size_t i = 0; i < n; i++)
+        work->place[i] = NONE;
+    for (size_t i = 0; i < domain->n; i++)
+        work->place[domain->source[i]] = (uint32_t)i;
+    if (domain->n < n && !has_filter(work->spec, VOR_FILTER_THIN))
+        status = join_twins(work, err);
+    for (size_t i = 0; i < n; i++)
+        if (work->place[i] != NONE)
+            work->source[work->n++] = (uint32_t)i;
+    return status;
+}
+
+static void put_position(struct work *work, struct vor_cloud *out, size_t i)
+{
+    const struct vor_domain *domain = work->domain;
+    const float *from = &work->in->xyz[3 * (size_t)work->source[i]], *to = is_at(work, i);
+    float *was = &work->was[3 * i];
+
+    vor_domain_normalise(domain, from, was);
+    for (size_t c = 0; c < 3; c++)
+        out->xyz[3 * i + c] =
+            to[c] == was[c] ? from[c] : (float)((double)to[c] * domain->unit + domain->shift[c]);
+}
+
+/* Sets the unit normal of the surface around point i of the result. */
+static void fit_normal(struct work *work, const struct vor_attribute *carried, size_t i)
+{
+    const struct vor_domain *domain = work->domain;
+    const float *at = is_at(work, i);
+    unsigned k = vor_neighbors_at(&domain->known.neighbors, at);
+    double x[3] = {(double)at[0], (double)at[1], (double)at[2]}, local[3], normal[3] = {0, 0, 1};
+    double side[3] = {x[0], x[1], x[2]};
+    float near[3 * VOR_NEIGHBORS_MAX], distance2[VOR_NEIGHBORS_MAX];
+    uint32_t index[VOR_NEIGHBORS_MAX];
+    struct vor_surface surface;
+
+    k = k < domain->n ? k : (unsigned)domain->n;
+    vor_knn_search(domain->knn, at, 1, k, index, distance2);
+    for (unsigned j = 0; j < k; j++)
+        memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
+    (void)vor_sheets_fit(&surface, near, domain, x, k);
+    if (surface.kind != VOR_SURFACE_NONE) {
+        vor_surface_to_local(&surface, x, local);
+        vor_surface_normal(&surface, local, normal);
+    }
+    for (size_t c = 0; carried != NULL && c < 3; c++)
+        side[c] = vor_attribute_scalar(carried, work->source[i] * (size_t)carried->components + c);
+    for (size_t c = 0; c < 3; c++)
+        work->normal[3 * i + c] = (float)(vor_dot(side, normal) < 0 ? -normal[c] : normal[c]);
+}
+
+static void normal_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct work *work = ctx;
+    const struct vor_attribute *carried = vor_cloud_find(work->in, VOR_NORMAL);
+
+    (void)worker;
+    if (carried != NULL && carried->components < 3)
+        carried = NULL;
+    for (size_t i = begin; i < end; i++)
+        fit_normal(work, carried, i);
+}
+
+static vor_status fit_normals(struct work *work, struct vor_error *err)
+{
+    if (work->spec->value[VOR_PARAM_NORMALS] != VOR_NORMALS_FIT)
+        return VOR_OK;
+    work->normal = vor_malloc(work->run->memory, work->n, 3 * sizeof *work->normal);
+    if (work->normal == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "normals of %zu points", work->n);
+    return vor_run_for(work->run, work->n, BLOCK, normal_block, work, err);
+}
+
+/* Fills an empty cloud. */
+static vor_status make_cloud(struct vor_cloud *out, struct work *work, struct vor_error *err)
+{
+    vor_status status = vor_cloud_resize(out, work->n, err);
+
+    if (status != VOR_OK)
+        return status;
+    work->was = vor_malloc(work->run->memory, work->n, 3 * sizeof *work->was);
+    if (work->was == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "places of %zu points", work->n);
+    out->position_type = work->in->position_type;
+    memcpy(out->origin, work->in->origin, sizeof out->origin);
+    for (size_t i = 0; i < work->n; i++)
+        put_position(work, out, i);
+    status = fit_normals(work, err);
+    if (status != VOR_OK)
+        return status;
+    return vor_transfer_attributes(out, work->in, work->source, work->normal, work->spec, err);
+}
+
+/* Distances to the nearest other point: those within the domain, and 0 where points share a place.
+ */
+static vor_status find_nearest(struct work *work, struct vor_error *err)
+{
+    const struct vor_domain *domain = work->domain;
+    float *own = vor_malloc(work->run->memory, domain->n, sizeof *own);
+    unsigned char *held = vor_calloc(work->run->memory, domain->n, sizeof *held);
+    vor_status status = VOR_OK;
+
+    work->nearest = vor_malloc(work->run->memory, work->n, sizeof *work->nearest);
+    if (own == NULL || held == NULL || work->nearest == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "distances of %zu points", work->n);
+    else
+        status = vor_nearest_distances(own, domain->xyz, domain->n, domain->knn, work->run, err);
+    for (size_t i = 0; status == VOR_OK && i < work->n; i++) {
+        unsigned char *count = &held[work->place[work->source[i]]];
+
+        *count = *count < 2 ? (unsigned char)(*count + 1) : 2;
+    }
+    for (size_t i = 0; status == VOR_OK && i < work->n; i++) {
+        uint32_t at = work->place[work->source[i]];
+
+        work->nearest[i] = held[at] > 1 ? 0 : own[at];
+    }
+    vor_free(work->run->memory, held);
+    vor_free(work->run->memory, own);
+    return status;
+}
+
+static void apart_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct work *work = ctx;
+    struct vor_sums sums[2] = {{0}};
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        uint32_t index;
+        float distance2;
+
+        vor_knn_search(work->domain->knn, &work->was[3 * i], 1, 1, &index, &distance2);
+        vor_sums_add(&sums[0], sqrt((double)distance2), (double)distance2);
+        vor_knn_search(work->knn, is_at(work, i), 1, 1, &index, &distance2);
+        vor_sums_add(&sums[1], sqrt((double)distance2), (double)distance2);
+    }
+    memcpy(&work->block[2 * (begin / BLOCK)], sums, sizeof sums);
+}
+
+static struct vor_apart in_unit(const struct vor_sums *sums, size_t n, double unit)
+{
+    struct vor_stat stat = vor_sums_stat(sums, n);
+
+    return (struct vor_apart){stat.mean * unit, stat.rms * unit, stat.max * unit, n};
+}
+
+/* Reports how far the result and the points that it was made of are from each other. */
+static vor_status report_apart(struct vor_report *report, struct work *work, struct vor_error *err)
+{
+    struct vor_sums all[2] = {{0}};
+    size_t blocks = vor_blocks_of(work->n, BLOCK);
+    struct vor_knn *knn = NULL;
+    vor_status status = vor_knn_build(&knn, work->was, work->n, work->run->memory, err);
+
+    if (status != VOR_OK)
+        return status;
+    work->knn = knn;
+    work->block = vor_malloc(work->run->memory, blocks, 2 * sizeof *work->block);
+    if (work->block == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "distances of %zu points", work->n);
+    else
+        status = vor_run_for(work->run, work->n, BLOCK, apart_block, work, err);
+    for (size_t b = 0; status == VOR_OK && b < 2 * blocks; b++)
+        vor_sums_merge(&all[b % 2], &work->block[b]);
+    if (status == VOR_OK) {
+        report->in_to_out = in_unit(&all[0], work->n, work->domain->unit);
+        report->out_to_in = in_unit(&all[1], work->n, work->domain->unit);
+    }
+    vor_knn_free(knn);
+    return status;
+}
+
+static vor_status reorder(struct vor_cloud *out, struct work *work, double spacing,
+                          struct vor_error *err)
+{
+    uint32_t *order;
+    vor_status status;
+
+    if (work->spec->value[VOR_PARAM_ORDER] != VOR_ORDER_PROGRESSIVE)
+        return VOR_OK;
+    for (size_t i = 0; i < work->n; i++) /* `was` is not needed any more */
+        memcpy(&work->was[3 * i], is_at(work, i), 3 * sizeof *work->was);
+    order = vor_malloc(work->run->memory, work->n, sizeof *order);
+    if (order == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "order of %zu points", work->n);
+    status = vor_order_progressive(order, work->was, work->n, spacing, work->run, err);
+    if (status == VOR_OK)
+        status = vor_cloud_reorder(out, order, err);
+    vor_free(work->run->memory, order);
+    return status;
+}
+
+/* Counts the input's points that are missing as outliers, unless thin has taken some of them. */
+static void report_points(struct vor_report *report, const struct work *work)
+{
+    vor_output_report_input(report, work->domain);
+    report->points_in = work->in->n;
+    report->points_out = work->n;
+    if (work->n < work->in->n && !has_filter(work->spec, VOR_FILTER_THIN))
+        report->outliers = work->in->n - work->n;
+}
+
+static vor_status make(struct vor_cloud *out, struct vor_report *report, struct work *work,
+                       struct vor_error *err)
+{
+    struct vor_uniformity even;
+    vor_status status = find_points(work, err);
+
+    if (status == VOR_OK)
+        status = make_cloud(out, work, err);
+    if (status == VOR_OK)
+        status = find_nearest(work, err);
+    if (status == VOR_OK)
+        status = report_apart(report, work, err);
+    if (status != VOR_OK)
+        return status;
+    vor_uniformity_from(&even, work->nearest, work->n);
+    vor_output_report_uniformity(report, &even, work->domain->unit);
+    report_points(report, work);
+    return reorder(out, work, even.mean, err);
+}
+
+vor_status vor_output_filtered(struct vor_cloud *out, struct vor_report *report,
+                               const struct vor_filtered *filtered, const struct vor_run *run,
+                               struct vor_error *err)
+{
+    struct work work = {
+        .in = filtered->in, .domain = filtered->domain, .spec = filtered->spec, .run = run};
+    struct vor_cloud cloud;
+    vor_status status;
+
+    vor_cloud_init(&cloud, run->memory);
+    status = make(&cloud, report, &work, err);
+    if (status == VOR_OK)
+        *out = cloud;
+    else
+        vor_cloud_free(&cloud);
+    vor_free(run->memory, work.block);
+    vor_free(run->memory, work.nearest);
+    vor_free(run->memory, work.normal);
+    vor_free(run->memory, work.was);
+    vor_free(run->memory, work.source);
+    vor_free(run->memory, work.place);
+    return status;
+}
