@@ -155,7 +155,7 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
     size_t at = 0;
 
     assert(size > 0);
-    out[0] = '\0';
+    (void)snprintf(out, size, "%s", report->stages_count == 0 ? "no steps" : "");
     for (unsigned i = 0; i < report->stages_count && at < size; i++) {
         const struct vor_stage_done *done = &report->stages[i];
         const char *before = i == 0 ? "" : i + 1 < report->stages_count ? ", " : " and ";

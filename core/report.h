@@ -237,8 +237,8 @@ extern const struct vor_members vor_report_members;
 void vor_report_stage(struct vor_report *report, enum vor_run_stage stage, uint32_t steps,
                       double seconds);
 
-/** Writes the steps of each stage, "12 iterations and 100 polish steps", cut to size > 0. Returns
- *  out. */
+/** Writes the steps of each stage, "12 iterations and 100 polish steps" or "no steps", cut to
+ *  size > 0. Returns out. */
 const char *vor_report_steps(const struct vor_report *report, char *out, size_t size);
 
 /** How evenly a cloud is spread and, with a reference, how far it is from that; names and

@@ -63,7 +63,7 @@ for my $process (@listed) {
     for my $name (grep { $_ ne 'iterations' && $_ ne 'polish' } sort keys %{ $described->{inputs} }) {
         my $default = $described->{inputs}{$name}{schema}{default};
         next if !defined $default || $default eq 'auto';
-        is $parameters->{$name}, $default, "$id: $name is at the default described";
+        is_deeply $parameters->{$name}, $default, "$id: $name is at the default described";
     }
     is $daemon->post("/v1/processes/$id/execution?$brief&$wanted->{ask}", $cloud)->{content}, $answer->{content},
         "$id: its execution gives the same bytes";

@@ -126,7 +126,7 @@ START_TEST(a_stage_that_is_gone_through_twice_is_told_once)
     struct vor_report report = {0};
     char text[64], little[10];
 
-    ck_assert_str_eq(vor_report_steps(&report, text, sizeof text), "");
+    ck_assert_str_eq(vor_report_steps(&report, text, sizeof text), "no steps");
     vor_report_stage(&report, VOR_RUN_STAGE_POLISH, 30, 0.5);
     ck_assert_str_eq(vor_report_steps(&report, text, sizeof text), "30 polish steps");
     vor_report_stage(&report, VOR_RUN_STAGE_ITERATE, 8, 2);
