@@ -58,7 +58,7 @@ START_TEST(a_preset_has_the_defaults_of_its_rows)
     struct vor_spec spec = request();
 
     ck_assert_str_eq(written(&spec),
-                     "{" SPREAD "\"closed\":true,\"filters\":[\"outliers\"],\"density\":\"even\","
+                     "{" SPREAD "\"closed\":true,\"sieves\":[\"outliers\"],\"density\":\"even\","
                      "\"steps\":\"auto\",\"angle\":\"mean\",\"reach\":\"auto\"}");
 }
 END_TEST
@@ -66,16 +66,16 @@ END_TEST
 START_TEST(every_kind_is_read_from_json_and_written_back)
 {
     static const char text[] =
-        "{\"label\":\"a \\\"b\\\" \xc3\xa9\",\"closed\":false,\"filters\":[\"mls\",\"thin\"],"
+        "{\"label\":\"a \\\"b\\\" \xc3\xa9\",\"closed\":false,\"sieves\":[\"mls\",\"thin\"],"
         "\"density\":\"attribute:a,b:c\",\"title\":\"\",\"steps\":[],\"angle\":45.5,\"reach\":0}";
     struct vor_spec spec = request(), back = request();
 
     read_json(&spec, text);
     ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_LABEL), "a \"b\" \xc3\xa9");
     ck_assert(spec.value[VOR_PARAM_CLOSED] == 0);
-    ck_assert(spec.value[VOR_PARAM_FILTERS] == 5);
-    ck_assert(vor_list_has(spec.value[VOR_PARAM_FILTERS], 2));
-    ck_assert(!vor_list_has(spec.value[VOR_PARAM_FILTERS], 1));
+    ck_assert(spec.value[VOR_PARAM_SIEVES] == 5);
+    ck_assert(vor_list_has(spec.value[VOR_PARAM_SIEVES], 2));
+    ck_assert(!vor_list_has(spec.value[VOR_PARAM_SIEVES], 1));
     ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_DENSITY), "a,b:c");
     ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_TITLE), "");
     ck_assert(spec.value[VOR_PARAM_STEPS] == 0);
@@ -92,8 +92,8 @@ static const struct {
     {"label", "hello", "\"hello\""},
     {"closed", "true", "true"},
     {"closed", "false", "false"},
-    {"filters", "mls,outliers,thin", "[\"mls\",\"outliers\",\"thin\"]"},
-    {"filters", "none", "[]"},
+    {"sieves", "mls,outliers,thin", "[\"mls\",\"outliers\",\"thin\"]"},
+    {"sieves", "none", "[]"},
     {"density", "even", "\"even\""},
     {"density", "attribute:none", "\"attribute:none\""},
     {"title", "none", "\"none\""},
@@ -133,20 +133,20 @@ static const struct {
     {"label", "\"a\\nb\"", "label is \"a\\x0ab\", want text of 1 to 300 bytes"},
     {"closed", "\"true\"", "closed is a string, want true or false"},
     {"closed", "1", "closed is a number, want true or false"},
-    {"filters", "\"mls\"",
-     "filters is a string, want each at most once and with commas between, words of mls, outliers, "
+    {"sieves", "\"mls\"",
+     "sieves is a string, want each at most once and with commas between, words of mls, outliers, "
      "thin, or none"},
-    {"filters", "[\"mls\",5]",
-     "filters is \"mls,5\", want each at most once and with commas between, words of mls, "
+    {"sieves", "[\"mls\",5]",
+     "sieves is \"mls,5\", want each at most once and with commas between, words of mls, "
      "outliers, thin, or none"},
-    {"filters", "[\"mls,thin\"]",
-     "filters is \"\\x22mls,thin\\x22\", want each at most once and with commas between, words of "
+    {"sieves", "[\"mls,thin\"]",
+     "sieves is \"\\x22mls,thin\\x22\", want each at most once and with commas between, words of "
      "mls, outliers, thin, or none"},
-    {"filters", "[\"\"]",
-     "filters is \"\\x22\\x22\", want each at most once and with commas between, words of mls, "
+    {"sieves", "[\"\"]",
+     "sieves is \"\\x22\\x22\", want each at most once and with commas between, words of mls, "
      "outliers, thin, or none"},
-    {"filters", "{}",
-     "filters is an object, want each at most once and with commas between, words of mls, "
+    {"sieves", "{}",
+     "sieves is an object, want each at most once and with commas between, words of mls, "
      "outliers, thin, or none"},
     {"density", "\"odd\"",
      "density is \"odd\", want one of even or attribute:NAME of 1 to 200 bytes"},
@@ -159,7 +159,7 @@ static const struct {
     {"method", "\"slow\"", "method is \"slow\", want one of cvt, slower"},
     {"points", "5",
      "no parameter points; kinds takes method, patch, neighbors, boundary, seed, label, closed, "
-     "filters, density, title, steps, angle, reach"},
+     "sieves, density, title, steps, angle, reach"},
 };
 
 START_TEST(a_wrong_value_is_named_with_what_is_wanted)
@@ -260,8 +260,8 @@ static const struct {
     {"label", "{\"type\":\"string\",\"minLength\":1,\"maxLength\":300}"},
     {"title", "{\"type\":\"string\",\"minLength\":0,\"maxLength\":300}"},
     {"closed", "{\"type\":\"boolean\",\"default\":true}"},
-    {"filters", "{\"type\":\"array\",\"uniqueItems\":true,\"items\":{\"type\":\"string\",\"enum\":["
-                "\"mls\",\"outliers\",\"thin\"]},\"default\":[\"outliers\"]}"},
+    {"sieves", "{\"type\":\"array\",\"uniqueItems\":true,\"items\":{\"type\":\"string\",\"enum\":["
+               "\"mls\",\"outliers\",\"thin\"]},\"default\":[\"outliers\"]}"},
     {"density", "{\"oneOf\":[{\"type\":\"string\",\"enum\":[\"even\"]},{\"type\":\"string\","
                 "\"pattern\":\"^(attribute):.{1,200}$\"}],\"default\":\"even\"}"},
     {"steps", "{\"oneOf\":[{\"type\":\"array\",\"uniqueItems\":true,\"items\":{\"type\":\"string\","
