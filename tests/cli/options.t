@@ -38,7 +38,7 @@ my %options;
 for my $command (qw(denoise upsample simplify resample)) {
     (undef, $help) = run([$command, '--help']);
     like $help, qr/--\Q$_\E VALUE\n/, "the help of $command has parameter $_"
-        for qw(points ratio spacing method patch iterations delta seconds neighbors anderson polish boundary outliers
+        for qw(points ratio spacing method patch iterations delta seconds neighbors anderson polish boundary outliers filters
         seed order format quantization compression attributes normals);
     ($options{$command}) = $help =~ /\nOptions:\n(.*?)\n\n/s;
     is $options{$command}, $options{denoise}, "and the options of the others";
@@ -46,8 +46,8 @@ for my $command (qw(denoise upsample simplify resample)) {
 for my $case (
     ['resample', 'ratio', '1e-06 to 16'], ['denoise', 'ratio', '1e-06 to 16, default 1'],
     ['upsample', 'ratio', '1 to 16, default 4'], ['simplify', 'ratio', '1e-06 to 1'],
-    ['resample', 'outliers', 'keep | drop, default keep'], ['denoise', 'outliers', 'keep | drop, default drop'],
-    ['upsample', 'outliers', 'keep | drop, default keep'], ['simplify', 'outliers', 'keep | drop, default keep'],
+    ['resample', 'outliers', 'keep | drop | pull, default keep'], ['denoise', 'outliers', 'keep | drop | pull, default drop'],
+    ['upsample', 'outliers', 'keep | drop | pull, default keep'], ['simplify', 'outliers', 'keep | drop | pull, default keep'],
 ) {
     my ($command, $name, $values) = @$case;
     my (undef, $text) = run([$command, '--help']);
@@ -87,7 +87,7 @@ refused 'a parameter of a command without a process', ['health', '--points', 5],
     'health: no option --points; see voronoid health --help';
 refused 'a parameter of measure', ['denoise', $in, '-o', $out, '--peak=1'], 2,
     'denoise: no parameter peak; denoise takes points, ratio, spacing, method, patch, iterations, delta, '
-    . 'seconds, neighbors, anderson, polish, boundary, outliers, seed, order, format, quantization, compression, '
+    . 'seconds, neighbors, anderson, polish, boundary, outliers, filters, seed, order, format, quantization, compression, '
     . 'attributes, normals';
 refused 'an option with a newline', ['resample', "--a\nb"], 2,
     'resample: no option --a\\x5cx0ab; see voronoid resample --help';
