@@ -611,7 +611,7 @@ START_TEST(a_run_that_is_cancelled_anywhere_leaves_nothing)
 
     vt_cloud_sphere(&in, 1, 2 * (size_t)SMALL);
     stray(&in, 1);
-    for (polls = 0; status == VOR_E_CANCELLED && polls < 10000; polls += 5)
+    for (polls = 0; status == VOR_E_CANCELLED && polls < 10000; polls += 13)
         status = interrupted(&in, polls, 0);
     vt_assert_ok(status);
     ck_assert_uint_gt(polls, 20);
