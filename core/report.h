@@ -188,6 +188,9 @@ struct vor_stage_done {
     X(U64, off_lattice, "lattice.moved", "points",                                                 \
       "Input points that were moved within their cell; 0 where cells are small against the "       \
       "spacing of the input")                                                                      \
+    X(U64, one_sided, "one_sided", "",                                                             \
+      "Connected parts of the input that have one side only, as a Moebius band has: no signs of "  \
+      "their normals are consistent. 0 where the run did not look for the sides")                  \
     X(APART, in_to_out, "in_to_out", "",                                                           \
       "Distances from the points of the input to the nearest of the result. Points that share a "  \
       "place count once, ignored outliers not at all, and points that were moved off a lattice "   \

@@ -118,3 +118,83 @@ vor_status vor_graph_components(uint32_t *component, size_t *count, const struct
     vor_free(graph->memory, parent);
     return VOR_OK;
 }
+
+/* Trees on their way into one tree a component. */
+struct span {
+    const struct vor_graph *graph;
+    const unsigned char *edge;
+    uint32_t *parent;
+    unsigned char *odd; /* whether a point's sign differs from its parent's */
+    unsigned level;
+};
+
+/* The root of a point's tree; *odd becomes 1 if their signs differ. Then hangs every point of the
+ * way on the root itself. */
+static uint32_t signed_root(struct span *span, uint32_t i, unsigned *odd)
+{
+    uint32_t *parent = span->parent, top = i;
+    unsigned rest = 0;
+
+    for (; parent[top] != top; top = parent[top])
+        rest ^= span->odd[top];
+    *odd = rest;
+    while (i != top) {
+        uint32_t next = parent[i];
+        unsigned here = span->odd[i];
+
+        parent[i] = top;
+        span->odd[i] = (unsigned char)rest;
+        rest ^= here;
+        i = next;
+    }
+    return top;
+}
+
+/* Joins the trees of both ends of an edge: the later root hangs on the earlier one. */
+static void join_signed(struct span *span, uint32_t i, uint32_t j, unsigned turns)
+{
+    unsigned of_i, of_j;
+    uint32_t a = signed_root(span, i, &of_i), b = signed_root(span, j, &of_j);
+
+    if (a == b)
+        return;
+    span->parent[a < b ? b : a] = a < b ? a : b;
+    span->odd[a < b ? b : a] = (unsigned char)(of_i ^ of_j ^ turns);
+}
+
+/* All edges of one level: a single task, because their order decides. */
+static void span_level(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct span *span = ctx;
+    const struct vor_graph *graph = span->graph;
+
+    (void)begin, (void)end, (void)worker;
+    for (size_t i = 0; i < graph->n; i++)
+        for (unsigned a = 0; a < graph->count[i]; a++) {
+            unsigned edge = span->edge[i * graph->most + a];
+
+            if (edge % VOR_GRAPH_TURNS == span->level)
+                join_signed(span, (uint32_t)i, graph->list[i * graph->most + a],
+                            edge / VOR_GRAPH_TURNS);
+        }
+}
+
+vor_status vor_graph_span(uint32_t *first, unsigned char *odd, const struct vor_graph *graph,
+                          const unsigned char *edge, const struct vor_run *run,
+                          struct vor_error *err)
+{
+    struct span span = {.graph = graph, .edge = edge, .parent = first, .odd = odd};
+    vor_status status = VOR_OK;
+
+    memset(odd, 0, graph->n);
+    for (size_t i = 0; i < graph->n; i++)
+        first[i] = (uint32_t)i;
+    for (; span.level < VOR_GRAPH_LEVELS && status == VOR_OK; span.level++)
+        status = vor_run_for(run, 1, 1, span_level, &span, err);
+    for (size_t i = 0; i < graph->n; i++) {
+        unsigned rest;
+
+        (void)signed_root(&span, (uint32_t)i, &rest);
+    }
+    return status;
+}

@@ -1,5 +1,6 @@
 #include "core/input/input.h"
 
+#include "core/input/carried.h"
 #include "core/input/islands.h"
 #include "core/input/lattice.h"
 #include "core/input/mls.h"
@@ -111,8 +112,10 @@ vor_status vor_input_prepare(struct vor_domain *out, const struct vor_cloud *in,
 {
     struct vor_outliers outliers = {.memory = run->memory};
     struct vor_domain domain;
-    vor_status status = vor_domain_init(&domain, in, run, err);
+    vor_status status = vor_carried_check(in, spec, run, err);
 
+    if (status == VOR_OK)
+        status = vor_domain_init(&domain, in, run, err);
     if (status != VOR_OK)
         return status;
     status = condition(&domain, &outliers, spec, run, err);

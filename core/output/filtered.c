@@ -1,6 +1,5 @@
 #include "core/output/filtered.h"
 
-#include "core/base/linalg.h"
 #include "core/base/stat.h"
 #include "core/geom/surface.h"
 #include "core/input/neighbors.h"
@@ -8,6 +7,7 @@
 #include "core/metrics/uniformity.h"
 #include "core/output/order.h"
 #include "core/output/output.h"
+#include "core/output/sides.h"
 #include "core/output/transfer.h"
 
 #include <assert.h>
@@ -31,6 +31,7 @@ struct work {
     float *was;                /* n x 3: where that was, normalised */
     float *nearest;            /* n: its distance to the nearest other point of the result */
     float *normal;             /* n x 3, or NULL */
+    struct vor_sides sides;    /* of these */
     const struct vor_knn *knn; /* over `was` */
     struct vor_sums *block;
 };
@@ -116,14 +117,13 @@ static void put_position(struct work *work, struct vor_cloud *out, size_t i)
             to[c] == was[c] ? from[c] : (float)((double)to[c] * domain->unit + domain->shift[c]);
 }
 
-/* Sets the unit normal of the surface around point i of the result. */
-static void fit_normal(struct work *work, const struct vor_attribute *carried, size_t i)
+/* The normal of the surface around point i of the result. */
+static void surface_normal(const struct work *work, size_t i, double normal[3])
 {
     const struct vor_domain *domain = work->domain;
     const float *at = is_at(work, i);
     unsigned k = vor_neighbors_at(&domain->known.neighbors, at);
-    double x[3] = {(double)at[0], (double)at[1], (double)at[2]}, local[3], normal[3] = {0, 0, 1};
-    double side[3] = {x[0], x[1], x[2]};
+    double x[3] = {(double)at[0], (double)at[1], (double)at[2]}, local[3];
     float near[3 * VOR_NEIGHBORS_MAX], distance2[VOR_NEIGHBORS_MAX];
     uint32_t index[VOR_NEIGHBORS_MAX];
     struct vor_surface surface;
@@ -133,35 +133,41 @@ static void fit_normal(struct work *work, const struct vor_attribute *carried, s
     for (unsigned j = 0; j < k; j++)
         memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
     (void)vor_sheets_fit(&surface, near, domain, x, k);
-    if (surface.kind != VOR_SURFACE_NONE) {
-        vor_surface_to_local(&surface, x, local);
-        vor_surface_normal(&surface, local, normal);
-    }
-    for (size_t c = 0; carried != NULL && c < 3; c++)
-        side[c] = vor_attribute_scalar(carried, work->source[i] * (size_t)carried->components + c);
-    for (size_t c = 0; c < 3; c++)
-        work->normal[3 * i + c] = (float)(vor_dot(side, normal) < 0 ? -normal[c] : normal[c]);
+    normal[0] = normal[1] = 0;
+    normal[2] = 1;
+    if (surface.kind == VOR_SURFACE_NONE)
+        return;
+    vor_surface_to_local(&surface, x, local);
+    vor_surface_normal(&surface, local, normal);
 }
 
 static void normal_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct work *work = ctx;
-    const struct vor_attribute *carried = vor_cloud_find(work->in, VOR_NORMAL);
 
     (void)worker;
-    if (carried != NULL && carried->components < 3)
-        carried = NULL;
-    for (size_t i = begin; i < end; i++)
-        fit_normal(work, carried, i);
+    for (size_t i = begin; i < end; i++) {
+        double fitted[3];
+
+        surface_normal(work, i, fitted);
+        vor_sides_normal(&work->normal[3 * i], &work->sides, is_at(work, i), work->source[i],
+                         fitted);
+    }
 }
 
-static vor_status fit_normals(struct work *work, struct vor_error *err)
+static vor_status make_normals(struct work *work, struct vor_error *err)
 {
-    if (work->spec->value[VOR_PARAM_NORMALS] != VOR_NORMALS_FIT)
+    struct vor_sides_of of = {work->in, work->domain, work->spec, work->n, 0};
+    vor_status status;
+
+    if (!vor_sides_asked(work->spec))
         return VOR_OK;
     work->normal = vor_malloc(work->run->memory, work->n, 3 * sizeof *work->normal);
     if (work->normal == NULL)
         return vor_fail(err, VOR_E_NOMEM, "normals of %zu points", work->n);
+    status = vor_sides_find(&work->sides, &of, work->run, err);
+    if (status != VOR_OK)
+        return status;
     return vor_run_for(work->run, work->n, BLOCK, normal_block, work, err);
 }
 
@@ -179,7 +185,7 @@ static vor_status make_cloud(struct vor_cloud *out, struct work *work, struct vo
     memcpy(out->origin, work->in->origin, sizeof out->origin);
     for (size_t i = 0; i < work->n; i++)
         put_position(work, out, i);
-    status = fit_normals(work, err);
+    status = make_normals(work, err);
     if (status != VOR_OK)
         return status;
     return vor_transfer_attributes(out, work->in, work->source, work->normal, work->spec, err);
@@ -291,6 +297,7 @@ static void report_points(struct vor_report *report, const struct work *work)
     vor_output_report_input(report, work->domain);
     report->points_in = work->in->n;
     report->points_out = work->n;
+    report->one_sided = work->sides.orientation.one_sided;
     if (work->n < work->in->n && !has_filter(work->spec, VOR_FILTER_THIN))
         report->outliers = work->in->n - work->n;
 }
@@ -332,6 +339,7 @@ vor_status vor_output_filtered(struct vor_cloud *out, struct vor_report *report,
         vor_cloud_free(&cloud);
     vor_free(run->memory, work.block);
     vor_free(run->memory, work.nearest);
+    vor_sides_free(&work.sides, run->memory);
     vor_free(run->memory, work.normal);
     vor_free(run->memory, work.was);
     vor_free(run->memory, work.source);

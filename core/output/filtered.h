@@ -11,7 +11,8 @@
 struct vor_filtered {
     const struct vor_cloud *in;      /**< that the domain was made of */
     const struct vor_domain *domain; /**< filtered */
-    const struct vor_spec *spec;     /**< read: filters, outliers, attributes, normals, order */
+    const struct vor_spec *spec;     /**< read: filters, outliers, attributes, normals,
+                                          inputNormals, order */
 };
 
 /** Makes the result of a request with vor_spec_only_filters.
@@ -19,8 +20,8 @@ struct vor_filtered {
  *  A point of the input goes where its point of the domain is, and stays where it was, bit for bit,
  *  if that was not moved. Points that share a place move together, or are dropped together; with
  *  the filter thin one of them is left. With normals=fit, normals are those of the surface around
- *  the point, on the side of its own normal, or without one away from the origin of the domain's
- *  frame. With order=progressive the points are in that order (output/order.h) instead.
+ *  the point, on the side that output/sides.h finds; with oriented they are its own, with
+ *  consistent signs. With order=progressive the points are in that order (output/order.h) instead.
  *
  *  The report gets the numbers of points and of outliers, how even the result is, and how far it
  *  and the input are from each other, without the points that were dropped. What a method tells
@@ -30,7 +31,7 @@ struct vor_filtered {
  *
  *  @retval VOR_E_NOMEM      8 bytes for each point of the input, 85 for each of the result, and the
  *                           result do not fit; 60 more for each point of the input where the domain
- *                           does not have them all
+ *                           does not have them all, and what vor_sides_find takes
  *  @retval VOR_E_CANCELLED
  *  @retval VOR_E_LIMIT      too many attributes
  *

@@ -2,18 +2,36 @@
 
 #include "core/output/compare.h"
 #include "core/output/order.h"
+#include "core/output/sides.h"
 #include "core/output/transfer.h"
 #include "core/seeds/uniformity.h"
 
 #include <assert.h>
 
+/* Transfers attributes and normals to the points. */
+static vor_status transfer(struct vor_cloud *out, struct vor_report *report,
+                           const struct vor_placed *placed, double spacing, struct vor_error *err)
+{
+    struct vor_seeds *seeds = placed->seeds;
+    struct vor_sides sides = {.carried = NULL};
+    struct vor_transfer_how how = {spacing, placed->spec, &sides};
+    struct vor_sides_of of = {placed->in, seeds->whole, placed->spec, seeds->n, seeds->area};
+    vor_status status = vor_sides_find(&sides, &of, &seeds->run, err);
+
+    if (status == VOR_OK)
+        status = vor_transfer(out, placed->in, seeds, &how, err);
+    report->one_sided = sides.orientation.one_sided;
+    vor_sides_free(&sides, seeds->run.memory);
+    return status;
+}
+
 /* Makes the cloud, in the order that the request says. */
-static vor_status hand_out(struct vor_cloud *out, const struct vor_placed *placed,
-                           const struct vor_uniformity *even, struct vor_error *err)
+static vor_status hand_out(struct vor_cloud *out, struct vor_report *report,
+                           const struct vor_placed *placed, const struct vor_uniformity *even,
+                           struct vor_error *err)
 {
     struct vor_seeds *seeds = placed->seeds;
     struct vor_memory *memory = seeds->run.memory;
-    double spacing = even->mean * seeds->domain->unit;
     uint32_t *order = NULL;
     vor_status status = VOR_OK;
 
@@ -24,7 +42,7 @@ static vor_status hand_out(struct vor_cloud *out, const struct vor_placed *place
         status = vor_order_progressive(order, seeds->xyz, seeds->n, even->mean, &seeds->run, err);
     }
     if (status == VOR_OK)
-        status = vor_transfer(out, placed->in, seeds, spacing, placed->spec, err);
+        status = transfer(out, report, placed, even->mean * seeds->domain->unit, err);
     if (status == VOR_OK && order != NULL) {
         status = vor_cloud_reorder(out, order, err);
         if (status != VOR_OK)
@@ -139,7 +157,7 @@ vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
         status = vor_compare(&found, seeds, even.mean, placed->told->refined, err);
     }
     if (status == VOR_OK)
-        status = hand_out(out, placed, &even, err);
+        status = hand_out(out, report, placed, &even, err);
     if (status != VOR_OK)
         return status;
     report->points_in = placed->in->n;

@@ -13,7 +13,8 @@ struct vor_placed {
     const struct vor_cloud *in;     /**< the cloud that the domain was made of */
     struct vor_seeds *seeds;        /**< on the whole domain */
     const struct vor_outcome *told; /**< what the method told */
-    const struct vor_spec *spec;    /**< read: order, attributes, normals */
+    const struct vor_spec *spec;    /**< read: order, attributes, normals,
+                                         inputNormals */
 };
 
 /** Measures how even the points are, compares them with the input, orders them as the request says,

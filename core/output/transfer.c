@@ -1,8 +1,7 @@
 #include "core/output/transfer.h"
 
-#include "core/base/linalg.h"
-
 #include <float.h>
+#include <math.h>
 #include <string.h>
 
 /* Steps of float32 that a spacing must have for positions in float32. Rounding of both ends then
@@ -14,37 +13,33 @@ struct transfer {
     struct vor_cloud *out;
     const struct vor_cloud *in;
     struct vor_seeds *seeds;
+    const struct vor_transfer_how *how;
     uint32_t *nearest; /* input point nearest to each seed */
     float *normal;     /* n x 3, or NULL */
-    const struct vor_attribute *in_normal;
 };
 
-/* The sign that a fitted normal gets at seed i. */
-static double side(const struct transfer *transfer, size_t i, const double normal[3])
+/* The normal of the local surface at seed i. */
+static void surface_normal(const struct transfer *transfer, const struct vor_scratch *scratch,
+                           size_t i, double normal[3])
 {
-    const struct vor_attribute *carried = transfer->in_normal;
-    double reference[3];
+    double x[3], local[3];
 
-    for (size_t c = 0; c < 3; c++)
-        reference[c] = carried != NULL
-                           ? vor_attribute_scalar(
-                                 carried, transfer->nearest[i] * (size_t)carried->components + c)
-                           : (double)transfer->seeds->xyz[3 * i + c];
-    return vor_dot(reference, normal) < 0 ? -1 : 1;
+    normal[0] = normal[1] = 0;
+    normal[2] = 1;
+    if (scratch->here.surface.kind == VOR_SURFACE_NONE)
+        return;
+    vor_seeds_position(transfer->seeds, i, x);
+    vor_surface_to_local(&scratch->here.surface, x, local);
+    vor_surface_normal(&scratch->here.surface, local, normal);
 }
 
-static void fit_normal(struct transfer *transfer, const struct vor_scratch *scratch, size_t i)
+static void make_normal(struct transfer *transfer, const struct vor_scratch *scratch, size_t i)
 {
-    double x[3], local[3], normal[3] = {0, 0, 1}, sign;
+    double fitted[3];
 
-    if (scratch->here.surface.kind != VOR_SURFACE_NONE) {
-        vor_seeds_position(transfer->seeds, i, x);
-        vor_surface_to_local(&scratch->here.surface, x, local);
-        vor_surface_normal(&scratch->here.surface, local, normal);
-    }
-    sign = side(transfer, i, normal);
-    for (size_t c = 0; c < 3; c++)
-        transfer->normal[3 * i + c] = (float)(sign * normal[c]);
+    surface_normal(transfer, scratch, i, fitted);
+    vor_sides_normal(&transfer->normal[3 * i], transfer->how->sides, &transfer->seeds->xyz[3 * i],
+                     transfer->nearest[i], fitted);
 }
 
 static void transfer_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -57,7 +52,7 @@ static void transfer_block(void *ctx, size_t begin, size_t end, unsigned worker)
         (void)vor_seeds_fit(seeds, scratch, i);
         transfer->nearest[i] = seeds->domain->source[vor_input_lists_first(&seeds->input_lists, i)];
         if (transfer->normal != NULL)
-            fit_normal(transfer, scratch, i);
+            make_normal(transfer, scratch, i);
     }
 }
 
@@ -133,17 +128,15 @@ vor_status vor_transfer_attributes(struct vor_cloud *out, const struct vor_cloud
 }
 
 vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in, struct vor_seeds *seeds,
-                        double spacing, const struct vor_spec *spec, struct vor_error *err)
+                        const struct vor_transfer_how *how, struct vor_error *err)
 {
     const struct vor_run *run = &seeds->run;
     struct vor_cloud cloud;
-    struct transfer transfer = {&cloud, in, seeds, NULL, NULL, vor_cloud_find(in, VOR_NORMAL)};
-    int fit = spec->value[VOR_PARAM_NORMALS] == VOR_NORMALS_FIT;
+    struct transfer transfer = {&cloud, in, seeds, how, NULL, NULL};
+    int fit = vor_sides_asked(how->spec);
     vor_status status;
 
     vor_cloud_init(&cloud, run->memory);
-    if (transfer.in_normal != NULL && transfer.in_normal->components < 3)
-        transfer.in_normal = NULL;
     transfer.nearest = vor_malloc(run->memory, seeds->n, sizeof *transfer.nearest);
     if (fit)
         transfer.normal = vor_malloc(run->memory, seeds->n, 3 * sizeof *transfer.normal);
@@ -157,8 +150,8 @@ vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in, struc
     status = vor_run_for(run, seeds->n, VOR_SEEDS_BLOCK, transfer_block, &transfer, err);
     if (status != VOR_OK)
         goto done;
-    place(&transfer, spacing);
-    status = vor_transfer_attributes(&cloud, in, transfer.nearest, transfer.normal, spec, err);
+    place(&transfer, how->spacing);
+    status = vor_transfer_attributes(&cloud, in, transfer.nearest, transfer.normal, how->spec, err);
     if (status != VOR_OK)
         goto done;
     *out = cloud;

@@ -3,29 +3,37 @@
 #ifndef VOR_OUTPUT_TRANSFER_H
 #define VOR_OUTPUT_TRANSFER_H
 
+#include "core/output/sides.h"
 #include "core/seeds/seeds.h"
 #include "core/spec.h"
+
+/** What decides how a cloud is made. All borrowed. */
+struct vor_transfer_how {
+    double spacing;                /**< mean distance between seeds, in the input's unit */
+    const struct vor_spec *spec;   /**< read: attributes, normals */
+    const struct vor_sides *sides; /**< as the request needs them (vor_sides_find) */
+};
 
 /** Makes a cloud of the seeds and the input that they stand for.
  *
  *  Positions are float32 if the input's are and float32 is fine enough for the spacing
  *  (STEPS_PER_SPACING in transfer.c), else double. Attributes and normals are as the request says.
- *  Fitted normals point to the side of the nearest input normal; without input normals, away from
- *  the origin of the domain's frame.
+ *  Fitted normals point to the side that `sides` says. With normals=oriented the carried ones do,
+ *  in float32 and as long as they are; a point whose nearest input point has none with a direction
+ *  gets a fitted one.
  *
  *  @param[out] out      initialised, empty; filled only when VOR_OK is returned
  *  @param[in]  in       the cloud that the domain was made of
  *  @param[in]  seeds    on the whole domain
- *  @param[in]  spacing  mean distance between seeds, in the input's unit
- *  @param[in]  spec     read: attributes, normals
+ *  @param[in]  how      see there
  *
  *  @retval VOR_E_NOMEM, VOR_E_CANCELLED
  *  @retval VOR_E_LIMIT  too many attributes
  *
  *  O(n), on the run's pool. The same bytes for any number of threads. */
 VOR_NODISCARD vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in,
-                                      struct vor_seeds *seeds, double spacing,
-                                      const struct vor_spec *spec, struct vor_error *err);
+                                      struct vor_seeds *seeds, const struct vor_transfer_how *how,
+                                      struct vor_error *err);
 
 /** Gives a cloud the attributes that the request asks for.
  *

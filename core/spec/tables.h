@@ -131,6 +131,11 @@ enum vor_method_choice {
       "the mean distance to the three nearest. With mls or outliers, and none of points, ratio "   \
       "and spacing, the result is the filtered points in their order, with their attributes; "     \
       "upsample keeps its ratio")                                                                  \
+    X(INPUT_NORMALS, inputNormals, CHOICE, INPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,                \
+      "auto use estimate",                                                                         \
+      "Of the normals that the input carries. use: they decide the sides of fitted ones; "         \
+      "estimate: they are ignored; auto: as use where all are finite and not zero, else those "    \
+      "that are decide which way each connected part faces")                                       \
     X(SEED, seed, COUNT, SPREAD, "", 0, 9007199254740991, 1, "", "Seed of every random choice")    \
     X(ORDER, order, CHOICE, OUTPUT, "", 0, 0, VOR_ORDER_SPATIAL, "spatial progressive",            \
       "Of the points of the result. spatial: neighbours mostly follow each other; progressive: "   \
@@ -143,8 +148,11 @@ enum vor_method_choice {
       "Effort of Draco, 10 is the smallest")                                                       \
     X(ATTRIBUTES, attributes, CHOICE, OUTPUT, "", 0, 0, VOR_ATTRIBUTES_NEAREST, "nearest drop",    \
       "nearest: from the nearest input point; drop: positions only")                               \
-    X(NORMALS, normals, CHOICE, OUTPUT, "", 0, 0, VOR_NORMALS_NEAREST, "nearest fit drop",         \
-      "nearest: from the nearest input point; fit: of the local surface; drop: none")              \
+    X(NORMALS, normals, CHOICE, OUTPUT, "", 0, 0, VOR_NORMALS_NEAREST,                             \
+      "nearest oriented fit drop",                                                                 \
+      "nearest: from the nearest input point; oriented: the same with sides made consistent, as "  \
+      "fit where there are none; fit: of the local surface, outward where no input normals say "   \
+      "which side; drop: none")                                                                    \
     X(PEAK, peak, REAL_OR_AUTO, MEASURE, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",          \
       "Peak of d1_psnr and d2_psnr; auto: the largest distance of a reference point to its "       \
       "nearest other one")                                                                         \
@@ -164,7 +172,8 @@ enum { VOR_FILTER_MLS, VOR_FILTER_OUTLIERS, VOR_FILTER_THIN }; /* words of the l
 enum { VOR_ORDER_SPATIAL, VOR_ORDER_PROGRESSIVE };
 enum { VOR_FORMAT_PLY, VOR_FORMAT_DRC };
 enum { VOR_ATTRIBUTES_NEAREST, VOR_ATTRIBUTES_DROP };
-enum { VOR_NORMALS_NEAREST, VOR_NORMALS_FIT, VOR_NORMALS_DROP };
+enum { VOR_NORMALS_NEAREST, VOR_NORMALS_ORIENTED, VOR_NORMALS_FIT, VOR_NORMALS_DROP };
+enum { VOR_INPUT_NORMALS_AUTO, VOR_INPUT_NORMALS_USE, VOR_INPUT_NORMALS_ESTIMATE };
 
 /** One row of the table of parameters. */
 struct vor_parameter_info {

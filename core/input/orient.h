@@ -1,0 +1,67 @@
+/** Which way the input's surface faces: normals of its points with consistent signs.
+ *
+ *  Source: Huang 2009 ("Consolidation of unorganized point clouds"), as Huang 2013 Sec. 3 takes it,
+ *  after Hoppe 1992: a normal is fitted to each point, and its sign spreads along a minimum
+ * spanning tree of the neighbour graph.
+ *
+ *  Departure: what an edge carries over is the normal mirrored at the plane midway between both
+ *  ends (Koenig and Gumhold 2009, "Consistent propagation of normal orientations in point clouds"),
+ *  not the normal itself: on a circular arc the two mirror each other, so that creases of 90
+ *  degrees and thin parts keep their sides. An edge along a normal costs most, so that noise and
+ *  nearby sheets are crossed last. Measured, points of white noise with the wrong side, of 30,000:
+ *  armadillo 30, 16, 15 (three draws), a plate 1 x 1 x 0.02 1; without the mirror 30, 193, 147 and
+ *  15,212.
+ *  Departure: each connected component then faces away from its own inside. A closed surface has
+ *  more of its normals, by area, leading away from its middle than towards it: the flux of x minus
+ *  the middle through it is three times its volume. The same goes for a dome. Where that flux is
+ *  small, as on a plane, the component faces upward: the largest coordinate of the sum of its
+ *  normals is made positive.
+ *  Departure: a surface with one side only, such as a Moebius band, is counted. */
+#ifndef VOR_INPUT_ORIENT_H
+#define VOR_INPUT_ORIENT_H
+
+#include "core/input/domain.h"
+
+/** Points with normals. All zero: none. */
+struct vor_orientation {
+    struct vor_domain thin; /**< the points; n is 0 if they are those of the domain itself */
+    float *normal;          /**< a unit vector for each point */
+    size_t components;      /**< connected components */
+    size_t one_sided;       /**< those among them that have one side only */
+};
+
+/** What decides besides the points. */
+struct vor_orient_how {
+    size_t points; /**< of the result: a denser input is thinned */
+    double area;   /**< of the surface, in squared normalised units; 0: nothing is thinned */
+    const struct vor_attribute *carried; /**< normals of the domain's input; where three quarters of
+                                              those of a component agree, that side is taken. Those
+                                              that are zero or not finite do not count. Or NULL */
+};
+
+/** Orients the domain, or a thinned copy of it. The domain must outlive *out.
+ *
+ *  Thinned is what has more than POINTS_EACH points for each one of the result, and where fits take
+ *  more than VOR_NEIGHBORS_FEWEST points, so many times more as to make up for it; normals are
+ *  fitted to all points of the domain in any case.
+ *
+ *  @param[out] out  free with vor_orientation_free; untouched on failure
+ *
+ *  @retval VOR_E_NOMEM 135 bytes for each point that is left do not fit: the graph's 94, and 41
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
+ *
+ *  O(n log n), on the run's pool. The same bytes for any number of threads. */
+VOR_NODISCARD vor_status vor_orient(struct vor_orientation *out, const struct vor_domain *domain,
+                                    const struct vor_orient_how *how, const struct vor_run *run,
+                                    struct vor_error *err);
+
+/** Adds up, over the oriented points around x (normalised, of the same domain), which side `normal`
+ *  is on: positive where it agrees with theirs. O(log n). */
+double vor_orientation_side(const struct vor_orientation *orientation,
+                            const struct vor_domain *domain, const float x[3],
+                            const double normal[3]);
+
+/** orientation may be all zero. */
+void vor_orientation_free(struct vor_orientation *orientation, struct vor_memory *memory);
+
+#endif

@@ -1,0 +1,80 @@
+#include "core/output/sides.h"
+
+#include "core/base/linalg.h"
+#include "core/input/carried.h"
+
+/* Whether carried normals alone say the sides: with `use` all were checked. */
+static vor_status carried_decide(struct vor_sides *sides, const struct vor_sides_of *of,
+                                 const struct vor_run *run, struct vor_error *err)
+{
+    size_t bad = 0, first;
+    vor_status status = VOR_OK;
+
+    if (sides->carried == NULL || of->spec->value[VOR_PARAM_NORMALS] != VOR_NORMALS_FIT)
+        return VOR_OK;
+    if (of->spec->value[VOR_PARAM_INPUT_NORMALS] == VOR_INPUT_NORMALS_AUTO)
+        status = vor_carried_count(&bad, &first, sides->carried, of->in->n, run, err);
+    sides->carried_decide = bad == 0;
+    return status;
+}
+
+int vor_sides_asked(const struct vor_spec *spec)
+{
+    double normals = spec->value[VOR_PARAM_NORMALS];
+
+    return normals == VOR_NORMALS_FIT || normals == VOR_NORMALS_ORIENTED;
+}
+
+vor_status vor_sides_find(struct vor_sides *out, const struct vor_sides_of *of,
+                          const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_sides sides = {.domain = of->domain};
+    vor_status status;
+
+    if (!vor_sides_asked(of->spec))
+        return VOR_OK;
+    if (of->spec->value[VOR_PARAM_INPUT_NORMALS] != VOR_INPUT_NORMALS_ESTIMATE)
+        sides.carried = vor_carried(of->in);
+    status = carried_decide(&sides, of, run, err);
+    sides.carried_stay = sides.carried != NULL && !sides.carried_decide &&
+                         of->spec->value[VOR_PARAM_NORMALS] == VOR_NORMALS_ORIENTED;
+    if (status == VOR_OK && !sides.carried_decide)
+        status = vor_orient(&sides.orientation, of->domain,
+                            &(struct vor_orient_how){
+                                .points = of->points, .area = of->area, .carried = sides.carried},
+                            run, err);
+    if (status == VOR_OK)
+        *out = sides;
+    return status;
+}
+
+void vor_sides_free(struct vor_sides *sides, struct vor_memory *memory)
+{
+    vor_orientation_free(&sides->orientation, memory);
+}
+
+/* Whether a normal fitted at x points to the right side. */
+static int agree(const struct vor_sides *sides, const float x[3], uint32_t source,
+                 const double normal[3])
+{
+    double carried[3];
+
+    if (!sides->carried_decide)
+        return vor_orientation_side(&sides->orientation, sides->domain, x, normal) >= 0;
+    (void)vor_carried_normal(sides->carried, source, carried);
+    return vor_dot(carried, normal) >= 0;
+}
+
+void vor_sides_normal(float out[3], const struct vor_sides *sides, const float x[3],
+                      uint32_t source, const double fitted[3])
+{
+    double sign = agree(sides, x, source, fitted) ? 1 : -1, carried[3];
+    const double *normal = fitted;
+
+    if (sides->carried_stay && vor_carried_normal(sides->carried, source, carried)) {
+        normal = carried;
+        sign = vor_dot(fitted, carried) < 0 ? -sign : sign;
+    }
+    for (size_t c = 0; c < 3; c++)
+        out[c] = (float)(sign * normal[c]);
+}
