@@ -98,6 +98,8 @@ my $line = "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\nproperty 
     . "property float z\nend_header\n" . join('', map { "$_ 0 0\n" } 1 .. 9);
 my $flat = $daemon->post('/v1/resample?points=5', $line);
 refused($flat, 422, 'degenerate-cloud', qr/./, 'points on a line');
+refused($daemon->post('/v1/resample?points=10&inputNormals=use', $cloud), 422, 'unusable-normals', qr/carry no normals/,
+    'normals to be used that are not there');
 my $job = json($flat)->{jobID};
 ok defined $job, 'a failed job is named';
 is json($flat)->{instance}, "/v1/jobs/$job", 'as the instance';

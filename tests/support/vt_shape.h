@@ -21,6 +21,16 @@ extern const struct vt_shape vt_shapes[VT_SMOOTH];
 /** n points, even by area, on a torus about the z axis. */
 void vt_cloud_torus(struct vor_cloud *cloud, uint64_t seed, size_t n);
 
+/** Radius of the tube around the trefoil knot, which lies on a torus of radii 2 and 1. */
+#define VT_KNOT_TUBE 0.4
+
+/** n points on a tube around a trefoil knot, even up to the bend of the tube. normal (n x 3, or
+ *  NULL) receives the outward normals. */
+void vt_cloud_knot(struct vor_cloud *cloud, float *normal, uint64_t seed, size_t n);
+
+/** n points, nearly even, on a Moebius band of that width around a circle of radius 1. */
+void vt_cloud_moebius(struct vor_cloud *cloud, uint64_t seed, size_t n, double width);
+
 /** Two square sheets, `gap` apart, n points in all. */
 void vt_cloud_sheets(struct vor_cloud *cloud, uint64_t seed, size_t n, double gap);
 

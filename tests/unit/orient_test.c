@@ -1,0 +1,368 @@
+/* Which way surfaces face: outward, for any shape, anywhere; and what carried normals decide. */
+#include "core/base/linalg.h"
+#include "core/input/orient.h"
+#include "tests/support/vt_engine.h"
+#include "tests/support/vt_shape.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SEEDS = 3, N = 8000 };
+
+/* Outward normal of the torus about its circle at x. */
+static void torus_normal(const double x[3], double normal[3])
+{
+    double r = hypot(x[0], x[1]);
+
+    normal[0] = x[0] - x[0] / r;
+    normal[1] = x[1] - x[1] / r;
+    normal[2] = x[2];
+}
+
+static void radial(const double x[3], double normal[3])
+{
+    memcpy(normal, x, 3 * sizeof *normal);
+}
+
+/* Normals of a result that lead inward; `middle` is taken off its positions. */
+static size_t inward(const struct vor_cloud *out, double middle,
+                     void (*truth)(const double x[3], double normal[3]))
+{
+    const float *normal = vor_cloud_find(out, VOR_NORMAL)->data;
+    size_t count = 0;
+
+    for (size_t i = 0; i < out->n; i++) {
+        double x[3], outward[3], own[3];
+
+        vor_cloud_position(out, i, x);
+        for (size_t c = 0; c < 3; c++) {
+            x[c] -= middle;
+            own[c] = (double)normal[3 * i + c];
+        }
+        truth(x, outward);
+        count += vor_dot(own, outward) <= 0;
+    }
+    return count;
+}
+
+static void resample(struct vor_cloud *out, struct vor_report *report, const struct vor_cloud *in,
+                     const char *normals, const char *carried, unsigned threads)
+{
+    struct vt_engine engine;
+
+    vt_engine_open(&engine, threads);
+    vt_engine_set(&engine, "points", "800");
+    vt_engine_set(&engine, "iterations", "2");
+    vt_engine_set(&engine, "polish", "4");
+    vt_engine_set(&engine, "normals", normals);
+    vt_engine_set(&engine, "inputNormals", carried);
+    vt_engine_resample(&engine, out, report, in);
+    vt_engine_close(&engine);
+}
+
+static void scale(struct vor_cloud *cloud, double factor, double shift)
+{
+    for (size_t i = 0; i < 3 * cloud->n; i++)
+        cloud->xyz[i] = (float)(factor * (double)cloud->xyz[i] + shift);
+}
+
+static float *carry(struct vor_cloud *cloud)
+{
+    struct vor_attribute *attribute;
+
+    vt_assert_ok(
+        vor_cloud_add_attribute(cloud, "normal", VOR_NORMAL, VOR_FLOAT32, 3, &attribute, &vt_err));
+    return attribute->data;
+}
+
+START_TEST(a_sphere_and_a_torus_face_outward_wherever_they_lie)
+{
+    static const double places[] = {0, 0.5, 1000};
+
+    for (size_t k = 0; k < 3; k++) {
+        struct vor_cloud in, out;
+        struct vor_report report;
+
+        vt_cloud_sphere(&in, (uint64_t)_i, N);
+        scale(&in, 0.3, places[k]);
+        resample(&out, &report, &in, "fit", "auto", 2);
+        ck_assert_uint_eq(inward(&out, places[k], radial), 0);
+        vor_cloud_free(&out);
+        vor_cloud_free(&in);
+        vt_cloud_torus(&in, (uint64_t)_i, N);
+        scale(&in, 1, places[k]);
+        resample(&out, &report, &in, "fit", "auto", 2);
+        ck_assert_uint_eq(inward(&out, places[k], torus_normal), 0);
+        ck_assert_uint_eq(report.one_sided, 0);
+        vor_cloud_free(&out);
+        vor_cloud_free(&in);
+    }
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* The oriented points of a cloud, with the domain that they belong to. */
+struct oriented {
+    struct vor_domain domain;
+    struct vor_orientation found;
+};
+
+static vor_status orient(struct oriented *out, const struct vor_cloud *cloud,
+                         const struct vor_run *run)
+{
+    struct vor_orient_how how = {.points = N};
+    vor_status status;
+
+    memset(out, 0, sizeof *out);
+    status = vor_domain_init(&out->domain, cloud, run, &vt_err);
+    if (status == VOR_OK)
+        status = vor_orient(&out->found, &out->domain, &how, run, &vt_err);
+    return status;
+}
+
+static void orient_on(struct oriented *out, const struct vor_cloud *cloud, unsigned threads)
+{
+    struct vt_engine engine;
+
+    vt_engine_open(&engine, threads);
+    vt_assert_ok(orient(out, cloud, &engine.run));
+    vt_engine_close(&engine);
+}
+
+static void done(struct oriented *oriented)
+{
+    vor_orientation_free(&oriented->found, &vt_memory);
+    vor_domain_free(&oriented->domain);
+}
+
+START_TEST(a_knot_faces_outward)
+{
+    float *truth = malloc(3 * N * sizeof *truth);
+    struct vor_cloud cloud;
+    struct oriented oriented;
+
+    vt_cloud_knot(&cloud, truth, (uint64_t)_i, N);
+    orient_on(&oriented, &cloud, 2);
+    ck_assert_uint_eq(oriented.found.components, 1);
+    for (size_t i = 0; i < oriented.domain.n; i++) {
+        const float *own = &oriented.found.normal[3 * i];
+        const float *outward = &truth[3 * (size_t)oriented.domain.source[i]];
+
+        ck_assert(own[0] * outward[0] + own[1] * outward[1] + own[2] * outward[2] > 0);
+    }
+    done(&oriented);
+    vor_cloud_free(&cloud);
+    free(truth);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Three spheres about one middle and a fourth beside them. */
+START_TEST(each_of_nested_and_separate_spheres_faces_away_from_its_own_inside)
+{
+    static const double radius[] = {1, 0.6, 0.3, 0.3};
+    struct vor_cloud cloud;
+    struct oriented oriented;
+
+    vt_cloud_sphere(&cloud, (uint64_t)_i, N);
+    for (size_t i = 0; i < 3 * cloud.n; i++)
+        cloud.xyz[i] = (float)(radius[i / 3 % 4] * (double)cloud.xyz[i] +
+                               (i / 3 % 4 == 3 && i % 3 == 0 ? 2 : 0));
+    orient_on(&oriented, &cloud, 2);
+    ck_assert_uint_eq(oriented.found.components, 4);
+    for (size_t i = 0; i < oriented.domain.n; i++) {
+        double x[3], normal[3];
+
+        vor_cloud_position(&cloud, oriented.domain.source[i], x);
+        x[0] -= oriented.domain.source[i] % 4 == 3 ? 2 : 0;
+        for (size_t c = 0; c < 3; c++)
+            normal[c] = (double)oriented.found.normal[3 * i + c];
+        ck_assert(vor_dot(x, normal) > 0);
+    }
+    done(&oriented);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(a_moebius_band_is_told_from_a_sheet_and_a_torus)
+{
+    static const double widths[] = {0.8, 0.2};
+    struct oriented oriented;
+    struct vor_cloud cloud;
+
+    for (size_t k = 0; k < 2; k++) {
+        vt_cloud_moebius(&cloud, (uint64_t)_i, N, widths[k]);
+        orient_on(&oriented, &cloud, 2);
+        ck_assert_uint_eq(oriented.found.one_sided, 1);
+        done(&oriented);
+        vor_cloud_free(&cloud);
+    }
+    vt_cloud_square(&cloud, (uint64_t)_i, N);
+    orient_on(&oriented, &cloud, 2);
+    ck_assert_uint_eq(oriented.found.one_sided, 0);
+    for (size_t i = 0; i < oriented.domain.n; i++) /* a sheet faces upward */
+        ck_assert(oriented.found.normal[3 * i + 2] > 0);
+    done(&oriented);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(one_two_and_three_threads_orient_alike)
+{
+    struct vor_cloud cloud;
+    uint64_t hash[3];
+
+    vt_cloud_torus(&cloud, (uint64_t)_i, N);
+    for (unsigned threads = 1; threads <= 3; threads++) {
+        struct oriented oriented;
+
+        orient_on(&oriented, &cloud, threads);
+        hash[threads - 1] = vt_hash(oriented.found.normal, 12 * oriented.domain.n);
+        done(&oriented);
+    }
+    ck_assert(hash[0] == hash[1] && hash[0] == hash[2]);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Carried normals of random sign are turned outward, and none of them changes otherwise. */
+START_TEST(oriented_makes_the_signs_of_carried_normals_consistent)
+{
+    struct vor_cloud in, out;
+    struct vor_report report;
+    float *normal;
+
+    vt_cloud_sphere(&in, (uint64_t)_i, N);
+    normal = carry(&in);
+    for (size_t i = 0; i < 3 * in.n; i++)
+        normal[i] = in.xyz[i] * (vt_unit(9, i / 3) < 0.5 ? -2 : 2);
+    resample(&out, &report, &in, "oriented", "auto", 2);
+    ck_assert_uint_eq(inward(&out, 0, radial), 0);
+    normal = vor_cloud_find(&out, VOR_NORMAL)->data;
+    for (size_t i = 0; i < out.n; i++)
+        ck_assert_double_eq_tol(hypot(hypot(normal[3 * i], normal[3 * i + 1]), normal[3 * i + 2]),
+                                2, 1e-5);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Normals that lead inward decide under auto, also if some have no direction; estimate does not
+ * look at them. */
+START_TEST(carried_normals_decide_the_side_unless_they_are_to_be_ignored)
+{
+    for (size_t bad = 0; bad < 2; bad++) {
+        struct vor_cloud in, out;
+        struct vor_report report;
+        float *normal;
+
+        vt_cloud_torus(&in, (uint64_t)_i, N);
+        normal = carry(&in);
+        for (size_t i = 0; i < in.n; i++) {
+            double x[3], outward[3];
+
+            vor_cloud_position(&in, i, x);
+            torus_normal(x, outward);
+            for (size_t c = 0; c < 3; c++)
+                normal[3 * i + c] = bad && i % 7 == 0 ? NAN : (float)-outward[c];
+        }
+        resample(&out, &report, &in, "fit", "auto", 2);
+        ck_assert_uint_eq(inward(&out, 0, torus_normal), out.n);
+        vor_cloud_free(&out);
+        resample(&out, &report, &in, "fit", "estimate", 2);
+        ck_assert_uint_eq(inward(&out, 0, torus_normal), 0);
+        vor_cloud_free(&out);
+        vor_cloud_free(&in);
+    }
+    vt_assert_no_leak();
+}
+END_TEST
+
+static enum vor_answer cancel_later(void *ctx)
+{
+    unsigned *left = ctx;
+
+    return (*left)-- == 0 ? VOR_CANCEL : VOR_CONTINUE;
+}
+
+START_TEST(a_cancel_at_any_time_and_any_failing_allocation_leave_nothing_behind)
+{
+    struct vor_cloud cloud;
+    struct oriented oriented;
+    struct vt_engine engine;
+    size_t before, calls;
+
+    vt_cloud_torus(&cloud, 1, 600);
+    vt_engine_open(&engine, 1);
+    before = atomic_load(&vt_memory.calls);
+    vt_assert_ok(orient(&oriented, &cloud, &engine.run));
+    calls = atomic_load(&vt_memory.calls) - before;
+    done(&oriented);
+    for (size_t at = 1; at <= calls; at++) {
+        vt_memory.fail_at = atomic_load(&vt_memory.calls) + at;
+        vt_assert_fails(VOR_E_NOMEM, orient(&oriented, &cloud, &engine.run));
+        vt_memory.fail_at = 0;
+        done(&oriented);
+    }
+    for (unsigned at = 0; at < 60; at += 3) {
+        unsigned left = at;
+        struct vor_watch watch = {.ctx = &left, .poll = cancel_later};
+
+        engine.run.watch = &watch;
+        vt_assert_fails(VOR_E_CANCELLED, orient(&oriented, &cloud, &engine.run));
+        done(&oriented);
+    }
+    vt_engine_close(&engine);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(normals_that_cannot_be_used_are_refused_with_their_count_and_the_first)
+{
+    struct vor_cloud in, out;
+    struct vor_report report;
+    struct vt_engine engine;
+    float *normal;
+
+    vt_cloud_sphere(&in, 1, 100);
+    vt_engine_open(&engine, 2);
+    vt_engine_set(&engine, "points", "50");
+    vt_engine_set(&engine, "inputNormals", "use");
+    vt_assert_fails(VOR_E_NORMALS, vt_engine_try(&engine, &out, &report, &in));
+    ck_assert_str_eq(vt_err.parameter, "inputNormals");
+    normal = carry(&in);
+    memcpy(normal, in.xyz, 300 * sizeof *normal);
+    normal[3 * 41 + 1] = INFINITY;
+    memset(&normal[3 * 17], 0, 3 * sizeof *normal);
+    vt_assert_fails(VOR_E_NORMALS, vt_engine_try(&engine, &out, &report, &in));
+    ck_assert_str_eq(vt_err.message, "inputNormals is use, but 2 of 100 normals are zero or not "
+                                     "finite, the first at point 17");
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("orient");
+
+    vt_add_loop(suite, a_sphere_and_a_torus_face_outward_wherever_they_lie, VT_ONCE(1));
+    vt_add_loop(suite, a_knot_faces_outward, VT_FEWER(SEEDS));
+    vt_add_loop(suite, each_of_nested_and_separate_spheres_faces_away_from_its_own_inside,
+                VT_FEWER(SEEDS));
+    vt_add_loop(suite, a_moebius_band_is_told_from_a_sheet_and_a_torus, VT_FEWER(SEEDS));
+    vt_add_loop(suite, one_two_and_three_threads_orient_alike, VT_ONCE(1));
+    vt_add_loop(suite, oriented_makes_the_signs_of_carried_normals_consistent, VT_FEWER(SEEDS));
+    vt_add_loop(suite, carried_normals_decide_the_side_unless_they_are_to_be_ignored, VT_ONCE(1));
+    vt_add(suite, a_cancel_at_any_time_and_any_failing_allocation_leave_nothing_behind);
+    vt_add(suite, normals_that_cannot_be_used_are_refused_with_their_count_and_the_first);
+    return vt_run(suite);
+}
