@@ -87,14 +87,16 @@ refused 'a parameter of a command without a process', ['health', '--points', 5],
     'health: no option --points; see voronoid health --help';
 refused 'a parameter of measure', ['denoise', $in, '-o', $out, '--peak=1'], 2,
     'denoise: no parameter peak; denoise takes points, ratio, spacing, method, patch, iterations, delta, '
-    . 'seconds, neighbors, anderson, polish, boundary, outliers, filters, seed, order, format, quantization, compression, '
+    . 'seconds, neighbors, anderson, polish, boundary, outliers, filters, inputNormals, seed, order, format, quantization, '
+    . 'compression, '
     . 'attributes, normals';
 refused 'an option with a newline', ['resample', "--a\nb"], 2,
     'resample: no option --a\\x5cx0ab; see voronoid resample --help';
 my $bare = spew("$folder/zero.ply", "ply\nformat ascii 1.0\nelement vertex 5\n" . join('', map { "property float $_\n" } qw(x y z nx ny nz))
     . "end_header\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 0\n1 1 0 0 0 1\n2 1 0 0 nan 1\n");
 refused 'normals that cannot be used', ['resample', $bare, '-n', 5, '-o', $out, '--inputNormals', 'use'], 3,
-    'inputNormals is use, but 2 of 5 normals are zero or not finite, the first at point 2';
+    "$bare: inputNormals is use, but 2 of 5 normals are zero or not finite, the first at point 2";
+unlink $bare;
 refused 'no value', ['resample', $in, '-o', $out, '-n'], 2, 'resample: -n needs a value';
 refused 'no value of a long option', ['resample', $in, '-o', $out, '--seed'], 2,
     'resample: --seed needs a value';
