@@ -61,7 +61,7 @@ TEST_SCRIPTS += $(TOY_SCRIPTS)
 # These tell time, or need a port that is the same everywhere: nothing runs beside them.
 TEST_ALONE := tests/http/slow.t tests/http/readme.t
 BENCH_SRC := $(sort $(wildcard tests/bench/*.c))
-BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(B)/tests/bench/wlop
+BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(B)/tests/bench/wlop $(B)/tests/bench/orient
 
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -124,7 +124,7 @@ $(B)/tests/bench/%: $(B)/tests/bench/%.o $(LIB)
 	@echo "  LINK $@"
 	@$(LINK) $^ -o $@ $(LIBS)
 
-$(B)/tests/bench/wlop: tests/bench/wlop.cc
+$(B)/tests/bench/wlop $(B)/tests/bench/orient: $(B)/tests/bench/%: tests/bench/%.cc
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
 	@$(CXX) -std=c++17 -O3 -DNDEBUG $< -o $@
