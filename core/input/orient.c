@@ -16,7 +16,9 @@ enum {
     /* Points for each one of the result, and at least: as a thinned domain has (input/thin.c). */
     POINTS_EACH = 5,
     POINTS_LEAST = 20000,
-    AROUND = 3 /* oriented points that decide the side of a place */
+    /* Oriented points that decide the side of a place. Not measured: one suffices where it is
+     * right, and three outvote a single wrong one. */
+    AROUND = 3
 };
 
 /* Weight of an edge along a normal, over that of one between normals at right angles. At 0 / 1 /
@@ -29,11 +31,13 @@ enum {
 /* Times the root of the number of points: more such edges than that make a surface one-sided. They
  * cross a seam, which is as long as the surface is wide. Measured: above. */
 #define SEAM 1.0
-/* Flux over the sum of the distances from the middle, below which a component has no inside: a
- * sphere has 1, a torus knot of tube 0.12 around a ring of 2 has 0.03 or more; a square with noise
- * has 0.001. */
-#define INSIDE 0.01
-/* Share by which the carried normals of a component must agree, less those that do not. */
+/* Flux over the sum of the distances from the middle, below which a component has no inside, over
+ * the length of the mean normal: that is 0 where a surface is closed. Measured, flux and mean
+ * normal: igea 0.87 and 0, a torus knot of tube 0.12 around a ring of 2 0.08 and 0, a plate 1 x 1 x
+ * 0.02 0.12 and 0; autzen, a terrain with buildings, 0.02 and nearly 1. */
+#define INSIDE 0.1
+/* Those carried normals of a component that agree less those that do not, over all of them: beyond
+ * it they say the side. Not measured: those of one scan agree (1), random signs do not (0). */
 #define AGREE 0.5
 
 /* The points to orient and what is found of them. */
@@ -246,7 +250,7 @@ static int faces_inward(const struct component *of)
 
     if (of->counted > 0 && fabs(of->agree) > AGREE * of->counted)
         return of->agree < 0;
-    if (fabs(of->flux) > INSIDE * of->span)
+    if (fabs(of->flux) * of->area > INSIDE * of->span * sqrt(vor_dot(of->normal, of->normal)))
         return of->flux < 0;
     for (int c = 2; c >= 0; c--)
         if (fabs(of->normal[c]) > fabs(largest))

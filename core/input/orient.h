@@ -14,9 +14,9 @@
  *  Departure: each connected component then faces away from its own inside. A closed surface has
  *  more of its normals, by area, leading away from its middle than towards it: the flux of x minus
  *  the middle through it is three times its volume. The same goes for a dome. Where that flux is
- *  small, as on a plane, the component faces upward: the largest coordinate of the sum of its
- *  normals is made positive.
- *  Departure: a surface with one side only, such as a Moebius band, is counted. */
+ *  small against the sum of the normals, as on a terrain, the component faces upward: the largest
+ * coordinate of the sum of its normals is made positive. Departure: a surface with one side only,
+ * such as a Moebius band, is counted. */
 #ifndef VOR_INPUT_ORIENT_H
 #define VOR_INPUT_ORIENT_H
 
