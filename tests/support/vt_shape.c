@@ -118,3 +118,154 @@ double vt_off_mean(const struct vt_shape *shape, const struct vor_cloud *cloud)
     }
     return sum / (double)cloud->n;
 }
+
+static void make_square(struct vor_cloud *cloud, uint64_t seed, size_t n, double gap)
+{
+    (void)gap;
+    vt_cloud_square(cloud, seed, n);
+}
+
+static void make_ball(struct vor_cloud *cloud, uint64_t seed, size_t n, double gap)
+{
+    (void)gap;
+    vt_cloud_sphere(cloud, seed, n);
+}
+
+static void make_cylinder(struct vor_cloud *cloud, uint64_t seed, size_t n, double gap)
+{
+    (void)gap;
+    vt_cloud_make(cloud, n);
+    for (size_t i = 0; i < n; i++) {
+        double turn = 2 * M_PI * vt_unit(seed, 2 * i);
+
+        cloud->xyz[3 * i] = (float)(0.5 * cos(turn));
+        cloud->xyz[3 * i + 1] = (float)(0.5 * sin(turn));
+        cloud->xyz[3 * i + 2] = (float)(2 * vt_unit(seed, 2 * i + 1));
+    }
+}
+
+static void make_fold(struct vor_cloud *cloud, uint64_t seed, size_t n, double gap)
+{
+    double r = gap / 2, bend = M_PI * r;
+
+    vt_cloud_make(cloud, n);
+    for (size_t i = 0; i < n; i++) {
+        double s = (2 + bend) * vt_unit(seed, 2 * i), x = s, z = 0;
+
+        if (s > 1 + bend) {
+            x = 2 + bend - s;
+            z = gap;
+        } else if (s > 1) {
+            x = 1 + r * sin((s - 1) / r);
+            z = r - r * cos((s - 1) / r);
+        }
+        cloud->xyz[3 * i] = (float)x;
+        cloud->xyz[3 * i + 1] = (float)vt_unit(seed, 2 * i + 1);
+        cloud->xyz[3 * i + 2] = (float)z;
+    }
+}
+
+static void make_plate(struct vor_cloud *cloud, uint64_t seed, size_t n, double gap)
+{
+    vt_cloud_make(cloud, n);
+    for (size_t i = 0; i < n; i++) {
+        double face = (2 + 4 * gap) * vt_unit(seed, 3 * i), side = (face - 2) / gap;
+        double u = vt_unit(seed, 3 * i + 1), v = vt_unit(seed, 3 * i + 2);
+        float *x = &cloud->xyz[3 * i];
+
+        x[0] = (float)u;
+        x[1] = (float)v;
+        x[2] = (float)(face < 1 ? 0 : gap);
+        if (face < 2)
+            continue;
+        x[2] = (float)(v * gap);
+        x[side < 2] = (float)((int)side % 2);
+        x[side >= 2] = (float)u;
+    }
+}
+
+static void make_spheres(struct vor_cloud *cloud, uint64_t seed, size_t n, double gap)
+{
+    vt_cloud_sphere(cloud, seed, n);
+    for (size_t i = 0; i < n; i++)
+        cloud->xyz[3 * i] += (float)((i % 2 ? 1 : -1) * (1 + gap / 2));
+}
+
+static double straight(const double a[3], const double b[3])
+{
+    return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
+}
+
+static double along_square(const double a[3], const double b[3], double gap)
+{
+    (void)gap;
+    return straight(a, b);
+}
+
+static double along_ball(const double a[3], const double b[3], double gap)
+{
+    (void)gap;
+    return 2 * asin(fmin(1, straight(a, b) / 2));
+}
+
+static double along_cylinder(const double a[3], const double b[3], double gap)
+{
+    double turn = fabs(atan2(a[1], a[0]) - atan2(b[1], b[0]));
+
+    (void)gap;
+    return hypot(0.5 * fmin(turn, 2 * M_PI - turn), a[2] - b[2]);
+}
+
+/* How far a point is along the profile of the fold. */
+static double unfolded(const double x[3], double gap)
+{
+    double r = gap / 2;
+
+    if (x[0] <= 1)
+        return x[2] < r ? x[0] : 2 + M_PI * r - x[0];
+    return 1 + r * atan2(x[0] - 1, r - x[2]);
+}
+
+static double along_fold(const double a[3], const double b[3], double gap)
+{
+    return hypot(unfolded(a, gap) - unfolded(b, gap), a[1] - b[1]);
+}
+
+static double along_plate(const double a[3], const double b[3], double gap)
+{
+    double least = INFINITY;
+    int from_face = fabs(fabs(a[2] - gap / 2) - gap / 2) < 1e-7;
+    int to_face = fabs(fabs(b[2] - gap / 2) - gap / 2) < 1e-7;
+
+    if (!from_face || !to_face || fabs(a[2] - b[2]) < gap / 2)
+        return straight(a, b);
+    for (int c = 0; c < 2; c++)
+        for (int end = 0; end < 2; end++)
+            least = fmin(least, hypot(fabs(end - a[c]) + fabs(end - b[c]) + gap, a[!c] - b[!c]));
+    return least;
+}
+
+static double along_sheets(const double a[3], const double b[3], double gap)
+{
+    return fabs(a[2] - b[2]) > gap / 2 ? INFINITY : straight(a, b);
+}
+
+static double along_spheres(const double a[3], const double b[3], double gap)
+{
+    return a[0] * b[0] < 0 ? INFINITY : along_ball(a, b, gap);
+}
+
+const struct vt_metric vt_metrics[VT_METRICS] = {
+    [VT_SQUARE] = {"square", make_square, along_square, 1},
+    [VT_BALL] = {"sphere", make_ball, along_ball, 4 * M_PI},
+    [VT_CYLINDER] = {"cylinder", make_cylinder, along_cylinder, 2 * M_PI},
+    [VT_FOLD] = {"fold", make_fold, along_fold, 2},
+    [VT_PLATE] = {"plate", make_plate, along_plate, 2},
+    [VT_SHEETS] = {"two sheets", vt_cloud_sheets, along_sheets, 2},
+    [VT_SPHERES] = {"two spheres", make_spheres, along_spheres, 8 * M_PI},
+};
+
+double vt_spacing(const struct vt_metric *metric, size_t n)
+{
+    return sqrt(metric->area / (double)n);
+}

@@ -34,6 +34,25 @@ void vt_cloud_moebius(struct vor_cloud *cloud, uint64_t seed, size_t n, double w
 /** Two square sheets, `gap` apart, n points in all. */
 void vt_cloud_sheets(struct vor_cloud *cloud, uint64_t seed, size_t n, double gap);
 
+/** Surfaces on which the distance along them is known, some with sheets near to each other. */
+struct vt_metric {
+    const char *name;
+    /** n points, even by area; sheets are `gap` apart. */
+    void (*make)(struct vor_cloud *cloud, uint64_t seed, size_t n, double gap);
+    /** Distance along the surface between two of its points; INFINITY if no way leads. */
+    double (*along)(const double a[3], const double b[3], double gap);
+    double area; /**< for small gaps */
+};
+
+/** The first VT_ONE_SHEET have no sheets. FOLD: two unit squares joined by half a cylinder; PLATE:
+ * a closed box of 1 x 1 x gap, whose exact distances are those from one large face to the other. */
+enum { VT_SQUARE, VT_BALL, VT_CYLINDER, VT_FOLD, VT_PLATE, VT_SHEETS, VT_SPHERES, VT_METRICS };
+enum { VT_ONE_SHEET = VT_FOLD };
+extern const struct vt_metric vt_metrics[VT_METRICS];
+
+/** Distance between neighbours of n points on a lattice over the surface. */
+double vt_spacing(const struct vt_metric *metric, size_t n);
+
 /** Mean distance of a cloud's points to the surface. */
 double vt_off_mean(const struct vt_shape *shape, const struct vor_cloud *cloud);
 

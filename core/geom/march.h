@@ -1,0 +1,58 @@
+/** Distances along a surface that is known by points and their neighbours, by fast marching.
+ *
+ *  Source: Kimmel and Sethian 1998, "Computing geodesic paths on manifolds", over lists of
+ *  neighbours in place of triangles, as Lv et al. 2022, "Intrinsic and isotropic resampling for 3D
+ *  point clouds", Sec. 3.2.
+ *  Departure: between two neighbours that are done the distance is a cubic, from the distances and
+ *  headings at both; a point takes the shortest way that leads through such a pair, or along an
+ *  edge. A plane wave, as in the source, comes out long, and walking along edges 4 % to 8 %; a wave
+ *  from one place in the plane comes out 11 % short on a sphere. */
+#ifndef VOR_GEOM_MARCH_H
+#define VOR_GEOM_MARCH_H
+
+#include "core/geom/graph.h"
+
+/** The edges of a graph in both directions, and the front of a march. */
+struct vor_march {
+    struct vor_memory *memory;
+    const float *xyz; /**< n x 3; borrowed */
+    size_t n;
+    uint32_t *first; /**< n + 1: edges of point i are edge[first[i]] .. edge[first[i + 1] - 1] */
+    uint32_t *edge;
+    uint32_t *heap, *place; /**< n: points of the front, the nearest first; where each is */
+    size_t front;           /**< points in the heap */
+    float *cost;            /**< n: what the front is ordered by */
+    float *heading;         /**< n x 3: where the wave goes at each point, unit length */
+    float *far;             /**< of the march that goes on; borrowed */
+};
+
+/** Makes ready to march over a graph. Two points are neighbours if either has the other in its
+ *  list. The graph is not needed afterwards.
+ *
+ *  @param[out] out  free with vor_march_free; untouched on failure
+ *  @param[in]  xyz  n x 3; must stay as it is while *out lives
+ *
+ *  @retval VOR_E_NOMEM 28 bytes a point and up to 8 an entry of a list do not fit
+ *
+ *  O(n most), one thread. */
+VOR_NODISCARD vor_status vor_march_init(struct vor_march *out, const struct vor_graph *graph,
+                                        const float *xyz, struct vor_error *err);
+
+/** march may be all zero. */
+void vor_march_free(struct vor_march *march);
+
+/** Computes the distance along the surface from the nearest of some points to every point.
+ *
+ *  @param[out] far     n: in the unit of xyz; INFINITY where no chain of edges leads
+ *  @param[in]  source  `sources` indices
+ *
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
+ *
+ *  Over lists of 20 among 20,000 points of white noise, on square, sphere and cylinder beyond ten
+ *  spacings: off by at most 2.6 %, by 0.3 % in the mean. O(n log n + n most^2), one thread. The
+ * same distances for any number of threads. */
+VOR_NODISCARD vor_status vor_march_from(struct vor_march *march, float *far, const uint32_t *source,
+                                        size_t sources, const struct vor_run *run,
+                                        struct vor_error *err);
+
+#endif

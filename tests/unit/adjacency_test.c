@@ -1,0 +1,188 @@
+/* Lists of neighbours that stay on one sheet, on surfaces where the way along them is known. */
+#include "core/geom/march.h"
+#include "core/input/adjacency.h"
+#include "tests/support/vt_engine.h"
+#include "tests/support/vt_shape.h"
+
+#include <math.h>
+
+enum { SEEDS = 3, N = 20000 };
+
+/* Sheets are so many spacings apart. */
+#define APART 3
+
+struct bed {
+    struct vt_engine engine;
+    const struct vt_metric *metric;
+    double gap;
+    struct vor_cloud cloud;
+    struct vor_domain domain;
+    struct vor_graph graph;
+};
+
+static void start(struct bed *bed, int shape, int seed, size_t n, double gap)
+{
+    bed->metric = &vt_metrics[shape];
+    bed->gap = gap;
+    vt_engine_open(&bed->engine, 2);
+    bed->metric->make(&bed->cloud, (uint64_t)seed, n, gap);
+    vt_assert_ok(vor_domain_init(&bed->domain, &bed->cloud, &bed->engine.run, &vt_err));
+    vt_assert_ok(vor_adjacency_make(&bed->graph, &bed->domain, &bed->engine.run, &vt_err));
+}
+
+static void end(struct bed *bed)
+{
+    vor_graph_free(&bed->graph);
+    vor_domain_free(&bed->domain);
+    vor_cloud_free(&bed->cloud);
+    vt_engine_close(&bed->engine);
+    vt_assert_no_leak();
+}
+
+static void position(const struct bed *bed, size_t i, double x[3])
+{
+    vor_cloud_position(&bed->cloud, bed->domain.source[i], x);
+}
+
+static double straight(const double a[3], const double b[3])
+{
+    return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
+}
+
+/* Pairs of neighbours between which the way along the surface is more than twice the straight one.
+ * Round an edge of a plate or along a fold's bend it is at most 1.6 times that. */
+static size_t across(const struct bed *bed)
+{
+    size_t pairs = 0;
+
+    for (size_t i = 0; i < bed->graph.n; i++)
+        for (unsigned a = 0; a < bed->graph.count[i]; a++) {
+            double x[3], y[3];
+
+            position(bed, i, x);
+            position(bed, bed->graph.list[i * bed->graph.most + a], y);
+            pairs += bed->metric->along(x, y, bed->gap) > 2 * straight(x, y);
+        }
+    return pairs;
+}
+
+static void expect_none_across(struct bed *bed)
+{
+    size_t pairs = across(bed), few = 0;
+
+    for (size_t i = 0; i < bed->graph.n; i++)
+        few += bed->graph.count[i] < 8;
+    ck_assert_msg(pairs == 0, "%s: %zu pairs across", bed->metric->name, pairs);
+    ck_assert_msg(few == 0, "%s: %zu points with fewer than 8 neighbours", bed->metric->name, few);
+    end(bed);
+}
+
+START_TEST(no_neighbour_lies_on_the_other_side_of_a_fold)
+{
+    struct bed bed;
+
+    start(&bed, VT_FOLD, _i, N, APART * vt_spacing(&vt_metrics[VT_FOLD], N));
+    expect_none_across(&bed);
+}
+END_TEST
+
+START_TEST(no_neighbour_lies_on_the_other_face_of_a_plate)
+{
+    struct bed bed;
+
+    start(&bed, VT_PLATE, _i, N, 0.02);
+    expect_none_across(&bed);
+}
+END_TEST
+
+/* As the cloud `sheets` that voronoid is measured on, and nearer to each other. */
+START_TEST(no_neighbour_lies_on_the_other_of_two_sheets)
+{
+    struct bed bed;
+
+    start(&bed, VT_SHEETS, _i, 4 * N, 0.02);
+    expect_none_across(&bed);
+    start(&bed, VT_SHEETS, _i, N, APART * vt_spacing(&vt_metrics[VT_SHEETS], N));
+    expect_none_across(&bed);
+}
+END_TEST
+
+START_TEST(no_neighbour_lies_on_the_other_of_two_spheres)
+{
+    struct bed bed;
+
+    start(&bed, VT_SPHERES, _i, N, APART * vt_spacing(&vt_metrics[VT_SPHERES], N));
+    expect_none_across(&bed);
+}
+END_TEST
+
+/* The way along the lists from one point to all others is within 3 % of the one along the surface,
+ * beyond ten spacings, and within 1 % in the mean. */
+static void expect_distances(int shape, int seed)
+{
+    struct bed bed;
+    struct vor_march march;
+    double spacing = vt_spacing(&vt_metrics[shape], N), worst = 0, sum = 0, from[3], to[3], exact;
+    float *far = vor_malloc(&vt_memory, N, sizeof *far);
+    uint32_t source = (uint32_t)(vt_unit(77, (uint64_t)seed) * N);
+
+    start(&bed, shape, seed, N, APART * spacing);
+    vt_assert_ok(vor_march_init(&march, &bed.graph, bed.domain.xyz, &vt_err));
+    vt_assert_ok(vor_march_from(&march, far, &source, 1, &bed.engine.run, &vt_err));
+    position(&bed, source, from);
+    for (size_t i = 0; i < bed.domain.n; i++) {
+        double off;
+
+        position(&bed, i, to);
+        exact = bed.metric->along(from, to, bed.gap);
+        if (exact < 10 * spacing)
+            continue;
+        off = fabs((double)far[i] * bed.domain.unit / exact - 1);
+        worst = fmax(worst, off);
+        sum += off;
+    }
+    ck_assert_msg(worst <= 0.03 && sum <= 0.01 * N, "%s: off by %.2f %%, mean %.2f %%",
+                  bed.metric->name, 100 * worst, 100 * sum / N);
+    vor_march_free(&march);
+    vor_free(&vt_memory, far);
+    end(&bed);
+}
+
+START_TEST(the_way_along_the_lists_is_that_along_a_square)
+{
+    expect_distances(VT_SQUARE, _i);
+}
+END_TEST
+
+START_TEST(the_way_along_the_lists_is_that_along_a_sphere)
+{
+    expect_distances(VT_BALL, _i);
+}
+END_TEST
+
+START_TEST(the_way_along_the_lists_is_that_along_a_cylinder)
+{
+    expect_distances(VT_CYLINDER, _i);
+}
+END_TEST
+
+START_TEST(the_way_along_the_lists_is_that_along_a_fold)
+{
+    expect_distances(VT_FOLD, _i);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("adjacency");
+
+    vt_add_loop(suite, no_neighbour_lies_on_the_other_side_of_a_fold, SEEDS);
+    vt_add_loop(suite, no_neighbour_lies_on_the_other_face_of_a_plate, SEEDS);
+    vt_add_loop(suite, no_neighbour_lies_on_the_other_of_two_sheets, VT_FEWER(SEEDS));
+    vt_add_loop(suite, no_neighbour_lies_on_the_other_of_two_spheres, SEEDS);
+    vt_add_loop(suite, the_way_along_the_lists_is_that_along_a_square, SEEDS);
+    vt_add_loop(suite, the_way_along_the_lists_is_that_along_a_sphere, SEEDS);
+    vt_add_loop(suite, the_way_along_the_lists_is_that_along_a_cylinder, SEEDS);
+    vt_add_loop(suite, the_way_along_the_lists_is_that_along_a_fold, SEEDS);
+    return vt_run(suite);
+}

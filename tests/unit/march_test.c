@@ -1,0 +1,252 @@
+/* Distances along a surface, over the plain nearest neighbours. */
+#include "core/base/linalg.h"
+#include "core/geom/march.h"
+#include "core/input/domain.h"
+#include "tests/support/vt_engine.h"
+#include "tests/support/vt_shape.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SEEDS = 3, N = 20000, MOST = 20 };
+
+/* Sheets of the fold are so many spacings apart: lists of 20 reach over 2.5. */
+#define APART 8
+
+struct bed {
+    struct vt_engine engine;
+    struct vor_cloud cloud;
+    struct vor_domain domain;
+    struct vor_graph graph;
+    struct vor_march march;
+    float *far;
+};
+
+/* bed->cloud is there already; most: entries of a list. */
+static void start(struct bed *bed, unsigned threads, unsigned most)
+{
+    uint32_t index[MOST + 1];
+    float distance2[MOST + 1];
+
+    vt_engine_open(&bed->engine, threads);
+    vt_assert_ok(vor_domain_init(&bed->domain, &bed->cloud, &bed->engine.run, &vt_err));
+    vt_assert_ok(vor_graph_init(&bed->graph, bed->domain.n, most, &vt_memory, &vt_err));
+    for (size_t i = 0; i < bed->domain.n; i++) {
+        vor_knn_search(bed->domain.knn, &bed->domain.xyz[3 * i], 1, most + 1, index, distance2);
+        memcpy(&bed->graph.list[i * most], &index[1], most * sizeof *index);
+        bed->graph.count[i] = (unsigned char)most;
+    }
+    vt_assert_ok(vor_march_init(&bed->march, &bed->graph, bed->domain.xyz, &vt_err));
+    bed->far = vor_malloc(&vt_memory, bed->domain.n, sizeof *bed->far);
+}
+
+static void end(struct bed *bed)
+{
+    vor_free(&vt_memory, bed->far);
+    vor_march_free(&bed->march);
+    vor_graph_free(&bed->graph);
+    vor_domain_free(&bed->domain);
+    vor_cloud_free(&bed->cloud);
+    vt_engine_close(&bed->engine);
+    vt_assert_no_leak();
+}
+
+static void march(struct bed *bed, uint32_t source)
+{
+    vt_assert_ok(vor_march_from(&bed->march, bed->far, &source, 1, &bed->engine.run, &vt_err));
+}
+
+/* Lv 2022, Sec. 3.2: the distances are those along the surface. Beyond ten spacings each is within
+ * 3 %, and their mean error is below 1 %. */
+static void expect_exact(int shape, int seed)
+{
+    const struct vt_metric *metric = &vt_metrics[shape];
+    double spacing = vt_spacing(metric, N), gap = APART * spacing, worst = 0, sum = 0;
+    uint32_t source = (uint32_t)(vt_unit(77, (uint64_t)seed) * N);
+    double from[3], to[3], exact;
+    struct bed bed;
+    size_t count = 0;
+
+    metric->make(&bed.cloud, (uint64_t)seed, N, gap);
+    start(&bed, 2, MOST);
+    march(&bed, source);
+    vor_cloud_position(&bed.cloud, bed.domain.source[source], from);
+    for (size_t i = 0; i < bed.domain.n; i++) {
+        vor_cloud_position(&bed.cloud, bed.domain.source[i], to);
+        exact = metric->along(from, to, gap);
+        if (exact > 10 * spacing) {
+            double off = fabs((double)bed.far[i] * bed.domain.unit / exact - 1);
+
+            worst = fmax(worst, off);
+            sum += off;
+            count++;
+        }
+    }
+    ck_assert_uint_gt(count, N / 2);
+    ck_assert_msg(worst <= 0.03 && sum <= 0.01 * (double)count, "%s: off by %.2f %%, mean %.2f %%",
+                  metric->name, 100 * worst, 100 * sum / (double)count);
+    end(&bed);
+}
+
+START_TEST(distances_are_those_along_a_square)
+{
+    expect_exact(VT_SQUARE, _i);
+}
+END_TEST
+
+START_TEST(distances_are_those_along_a_sphere)
+{
+    expect_exact(VT_BALL, _i);
+}
+END_TEST
+
+START_TEST(distances_are_those_along_a_cylinder)
+{
+    expect_exact(VT_CYLINDER, _i);
+}
+END_TEST
+
+START_TEST(distances_are_those_along_a_fold)
+{
+    expect_exact(VT_FOLD, _i);
+}
+END_TEST
+
+START_TEST(no_way_is_shorter_than_the_straight_one_nor_longer_than_along_edges)
+{
+    struct bed bed;
+
+    vt_cloud_torus(&bed.cloud, (uint64_t)_i, 3000);
+    start(&bed, 2, MOST);
+    march(&bed, 0);
+    for (size_t i = 1; i < bed.domain.n; i++) {
+        float least = INFINITY;
+
+        ck_assert_float_ge(bed.far[i], 0.97F * sqrtf((float)vor_distance2f(
+                                                   bed.domain.xyz, &bed.domain.xyz[3 * i])));
+        for (unsigned a = 0; a < MOST; a++) {
+            uint32_t j = bed.graph.list[i * MOST + a];
+
+            least = fminf(least,
+                          bed.far[j] + sqrtf((float)vor_distance2f(&bed.domain.xyz[3 * (size_t)j],
+                                                                   &bed.domain.xyz[3 * i])));
+        }
+        ck_assert_float_le(bed.far[i], 1.02F * least);
+    }
+    end(&bed);
+}
+END_TEST
+
+START_TEST(points_that_no_chain_leads_to_are_infinitely_far)
+{
+    struct bed bed;
+    size_t reached = 0;
+
+    vt_metrics[VT_SPHERES].make(&bed.cloud, (uint64_t)_i, 4000, 0.5);
+    start(&bed, 2, MOST);
+    march(&bed, 0);
+    for (size_t i = 0; i < bed.domain.n; i++) {
+        reached += bed.far[i] < INFINITY;
+        ck_assert((bed.far[i] < INFINITY) ==
+                  ((bed.domain.xyz[3 * i] < 0) == (bed.domain.xyz[0] < 0)));
+    }
+    ck_assert_uint_eq(reached, 2000);
+    end(&bed);
+}
+END_TEST
+
+/* The only way to a point that no list names leads over its own. */
+START_TEST(edges_lead_both_ways)
+{
+    struct bed bed;
+
+    vt_cloud_square(&bed.cloud, (uint64_t)_i, 500);
+    bed.cloud.xyz[0] = 3;
+    start(&bed, 1, 3);
+    march(&bed, 0);
+    for (size_t i = 0; i < bed.domain.n; i++)
+        if (bed.domain.source[i] == 0)
+            ck_assert_float_lt(bed.far[i], INFINITY);
+    end(&bed);
+}
+END_TEST
+
+START_TEST(several_sources_are_the_nearest_of_each)
+{
+    uint32_t sources[2] = {10, 900};
+    struct bed bed;
+    float *first;
+
+    vt_cloud_square(&bed.cloud, (uint64_t)_i, 2000);
+    start(&bed, 2, MOST);
+    march(&bed, sources[0]);
+    first = bed.far;
+    bed.far = vor_malloc(&vt_memory, bed.domain.n, sizeof *bed.far);
+    march(&bed, sources[1]);
+    for (size_t i = 0; i < bed.domain.n; i++)
+        first[i] = fminf(first[i], bed.far[i]);
+    vt_assert_ok(vor_march_from(&bed.march, bed.far, sources, 2, &bed.engine.run, &vt_err));
+    for (size_t i = 0; i < bed.domain.n; i++)
+        ck_assert_float_eq_tol(bed.far[i], first[i], 0.02F * first[i] + 1e-3F);
+    vor_free(&vt_memory, first);
+    end(&bed);
+}
+END_TEST
+
+START_TEST(one_two_three_and_eight_threads_march_alike)
+{
+    static const unsigned threads_of[4] = {1, 2, 3, 8};
+    uint64_t first = 0;
+
+    for (int t = 0; t < 4; t++) {
+        struct bed bed;
+        uint64_t hash;
+
+        vt_cloud_torus(&bed.cloud, 1, 6000);
+        start(&bed, threads_of[t], MOST);
+        march(&bed, 5);
+        hash = vt_hash(bed.far, bed.domain.n * sizeof *bed.far);
+        first = t == 0 ? hash : first;
+        ck_assert(hash == first);
+        end(&bed);
+    }
+}
+END_TEST
+
+static enum vor_answer cancel(void *ctx)
+{
+    (void)ctx;
+    return VOR_CANCEL;
+}
+
+START_TEST(a_march_can_be_cancelled)
+{
+    const struct vor_watch watch = {.poll = cancel};
+    const uint32_t source = 0;
+    struct bed bed;
+
+    vt_cloud_square(&bed.cloud, 1, 2000);
+    start(&bed, 2, MOST);
+    bed.engine.run.watch = &watch;
+    vt_assert_fails(VOR_E_CANCELLED,
+                    vor_march_from(&bed.march, bed.far, &source, 1, &bed.engine.run, &vt_err));
+    end(&bed);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("march");
+
+    vt_add_loop(suite, distances_are_those_along_a_square, VT_ONCE(SEEDS));
+    vt_add_loop(suite, distances_are_those_along_a_sphere, VT_ONCE(SEEDS));
+    vt_add_loop(suite, distances_are_those_along_a_cylinder, VT_ONCE(SEEDS));
+    vt_add_loop(suite, distances_are_those_along_a_fold, VT_ONCE(SEEDS));
+    vt_add_loop(suite, no_way_is_shorter_than_the_straight_one_nor_longer_than_along_edges, SEEDS);
+    vt_add_loop(suite, points_that_no_chain_leads_to_are_infinitely_far, SEEDS);
+    vt_add_loop(suite, edges_lead_both_ways, SEEDS);
+    vt_add_loop(suite, several_sources_are_the_nearest_of_each, SEEDS);
+    vt_add(suite, one_two_three_and_eight_threads_march_alike);
+    vt_add(suite, a_march_can_be_cancelled);
+    return vt_run(suite);
+}
