@@ -4,6 +4,7 @@
 #include "core/geom/patch.h"
 #include "core/input/input.h"
 #include "core/input/islands.h"
+#include "core/metrics/inspect.h"
 #include "core/metrics/measure.h"
 #include "core/output/filtered.h"
 #include "core/output/output.h"
@@ -228,10 +229,44 @@ static vor_status run_measure(struct vor_artefacts *out, const struct vor_artefa
                               run, err);
 }
 
+static vor_status inspect(struct vor_inspect *out, struct vor_domain *domain,
+                          const struct vor_spec *spec, const struct vor_run *run,
+                          struct vor_error *err)
+{
+    double area = 0, unit = domain->unit;
+    vor_status status =
+        vor_area_of_surface(&area, domain, (uint64_t)spec->value[VOR_PARAM_SEED], run, err);
+
+    out->area = area * unit * unit;
+    return status == VOR_OK ? vor_inspect_domain(out, domain, spec, run, err) : status;
+}
+
+static vor_status run_inspect(struct vor_artefacts *out, const struct vor_artefacts *in,
+                              const struct vor_spec *spec, const struct vor_run *run,
+                              struct vor_error *err)
+{
+    struct vor_inspect *told =
+        vor_artefacts_put_document(out, "inspect", &vor_inspect_members, err);
+    const struct vor_cloud *cloud = vor_artefacts_cloud(in, "cloud");
+    const struct vor_run whole = vor_run_unstoppable(run);
+    struct vor_domain domain;
+    vor_status status;
+
+    if (told == NULL)
+        return VOR_E_NOMEM;
+    status = vor_input_prepare(&domain, cloud, spec, &whole, err);
+    if (status != VOR_OK)
+        return status;
+    told->points = cloud->n;
+    status = inspect(told, &domain, spec, &whole, err);
+    vor_domain_free(&domain);
+    return status;
+}
+
 /* Which function runs a process; a row for each of core/spec/tables.h. */
 static const struct vor_process processes[] = {
     {"resample", run_resample},    {"denoise", run_resample}, {"upsample", run_resample},
-    {"simplify", run_resample},    {"measure", run_measure},
+    {"simplify", run_resample},    {"measure", run_measure},  {"inspect", run_inspect},
 #define PROCESS_ROW(id, run) {id, run},
     VOR_EXTRA_RUNNERS(PROCESS_ROW)
 #undef PROCESS_ROW

@@ -111,6 +111,19 @@ static const struct vor_member measure_rows[] = {
 
 const struct vor_members vor_measure_members = VOR_MEMBERS(struct vor_measure, measure_rows);
 
+static const char *const answered_words[] = {"no", "yes"};
+
+#define VOR_KIND_OF_ANSWERED(type, field)                                                          \
+    .kind = VOR_MEMBER_WORD, .words = answered_words, .word_count = 2
+
+static const struct vor_member inspect_rows[] = {
+#define INSPECT_ROW(...) VOR_MEMBER(struct vor_inspect, __VA_ARGS__)
+    VOR_INSPECT_TABLE(INSPECT_ROW)
+#undef INSPECT_ROW
+};
+
+const struct vor_members vor_inspect_members = VOR_MEMBERS(struct vor_inspect, inspect_rows);
+
 const struct vor_members *vor_document_members(const char *name)
 {
     static const struct {

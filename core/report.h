@@ -298,10 +298,55 @@ struct vor_measure {
 
 extern const struct vor_members vor_measure_members;
 
+/** No and yes, as a member. */
+enum vor_answered { VOR_NO, VOR_YES };
+
+#define VOR_FIELD_ANSWERED(field) enum vor_answered field;
+
+/** What a cloud is like. Lengths are in the unit of the cloud. */
+#define VOR_INSPECT_TABLE(X)                                                                       \
+    X(U64, points, "points.all", "points", "Points of the cloud")                                  \
+    X(U64, distinct, "points.distinct", "points",                                                  \
+      "Points that share no place with an earlier one")                                            \
+    X(U64, outliers, "points.outliers", "points",                                                  \
+      "Points off every surface; 0 where outliers is keep. All that follows is of the others")     \
+    X(U64, components, "components.count", "",                                                     \
+      "Parts without two points, one in each, that are among each other's neighbours")             \
+    X(U64, largest, "components.largest", "points", "Points of the largest")                       \
+    X(U64, small, "components.small", "",                                                          \
+      "Parts of fewer points than twice those of a fit: too few to show a surface")                \
+    X(U64, small_points, "components.small_points", "points", "Points of these together")          \
+    X(REAL, spacing, "spacing.mean", "unit of the cloud",                                          \
+      "Mean distance of a point to the nearest other one")                                         \
+    X(REAL, spacing_p01, "spacing.p01", "unit of the cloud", "One in a hundred is below this")     \
+    X(REAL, spacing_p50, "spacing.p50", "unit of the cloud", "Half of them are below this")        \
+    X(REAL, spacing_p99, "spacing.p99", "unit of the cloud", "One in a hundred is above this")     \
+    X(REAL, noise, "noise", "unit of the cloud",                                                   \
+      "Root mean square distance of points to the surfaces fitted to them, at the median of 512 "  \
+      "places")                                                                                    \
+    X(U32, neighbors, "neighbors", "points",                                                       \
+      "Points that a surface is fitted to, as neighbors=auto chooses for most places")             \
+    X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
+      "Cell that the coordinates were rounded to; 0 where none was found")                         \
+    X(ANSWERED, lattice_matters, "lattice.matters", "",                                            \
+      "Whether the cells are not small against the spacing: points are moved within them")         \
+    X(ANSWERED, sheets, "sheets.found", "",                                                        \
+      "Whether sheets lie nearer to each other than a fit reaches, on much of the cloud")          \
+    X(REAL, own, "sheets.own", "",                                                                 \
+      "Share of the points whose neighbours are not simply the nearest points")                    \
+    X(REAL, area, "area", "unit of the cloud^2", "Area of the surface, from cells of its points")
+
+struct vor_inspect {
+    VOR_INSPECT_TABLE(VOR_FIELD)
+};
+
+extern const struct vor_members vor_inspect_members;
+
 /** Documents that processes hand out: name, description. */
 #define VOR_DOCUMENT_TABLE(X)                                                                      \
     X("report", vor_report_members)                                                                \
     X("measure", vor_measure_members)                                                              \
+    X("inspect", vor_inspect_members)                                                              \
     VOR_EXTRA_DOCUMENTS(X)
 
 /** The description of the document of that name; NULL when there is none. */

@@ -32,6 +32,43 @@ void vor_graph_free(struct vor_graph *graph)
     memset(graph, 0, sizeof *graph);
 }
 
+enum { BLOCK = 256 }; /* points of one task */
+
+struct nearest {
+    struct vor_graph *graph;
+    const struct vor_knn *knn;
+    const float *xyz;
+    unsigned k;
+};
+
+static void nearest_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct nearest *nearest = ctx;
+    struct vor_graph *graph = nearest->graph;
+    uint32_t index[256];
+    float distance2[256];
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        unsigned taken = 0;
+
+        vor_knn_search(nearest->knn, &nearest->xyz[3 * i], 1, nearest->k + 1, index, distance2);
+        for (unsigned j = 0; j <= nearest->k && taken < nearest->k; j++)
+            if (index[j] != i)
+                graph->list[i * graph->most + taken++] = index[j];
+        graph->count[i] = (unsigned char)taken;
+    }
+}
+
+vor_status vor_graph_nearest(struct vor_graph *graph, const struct vor_knn *knn, const float *xyz,
+                             unsigned k, const struct vor_run *run, struct vor_error *err)
+{
+    struct nearest nearest = {graph, knn, xyz, k};
+
+    assert(k >= 1 && k <= graph->most && k < graph->n);
+    return vor_run_for(run, graph->n, BLOCK, nearest_block, &nearest, err);
+}
+
 int vor_graph_has(const struct vor_graph *graph, uint32_t i, uint32_t j)
 {
     const uint32_t *list = &graph->list[(size_t)i * graph->most];
@@ -40,6 +77,59 @@ int vor_graph_has(const struct vor_graph *graph, uint32_t i, uint32_t j)
         if (list[a] == j)
             return 1;
     return 0;
+}
+
+/* A graph, and for each point which entries of its list stay: bit a for entry a. */
+struct mutual {
+    struct vor_graph *graph;
+    uint32_t *stay;
+};
+
+static void mutual_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct mutual *mutual = ctx;
+    const struct vor_graph *graph = mutual->graph;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        mutual->stay[i] = 0;
+        for (unsigned a = 0; a < graph->count[i]; a++)
+            if (vor_graph_has(graph, graph->list[i * graph->most + a], (uint32_t)i))
+                mutual->stay[i] |= (uint32_t)1 << a;
+    }
+}
+
+static void drop_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct mutual *mutual = ctx;
+    struct vor_graph *graph = mutual->graph;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        uint32_t *list = &graph->list[i * graph->most];
+        unsigned taken = 0;
+
+        for (unsigned a = 0; a < graph->count[i]; a++)
+            if (mutual->stay[i] & (uint32_t)1 << a)
+                list[taken++] = list[a];
+        graph->count[i] = (unsigned char)taken;
+    }
+}
+
+vor_status vor_graph_keep_mutual(struct vor_graph *graph, const struct vor_run *run,
+                                 struct vor_error *err)
+{
+    struct mutual mutual = {graph, vor_malloc(graph->memory, graph->n, sizeof *mutual.stay)};
+    vor_status status;
+
+    assert(graph->most <= 32);
+    if (mutual.stay == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "pairs of %zu points", graph->n);
+    status = vor_run_for(run, graph->n, BLOCK, mutual_block, &mutual, err);
+    if (status == VOR_OK)
+        status = vor_run_for(run, graph->n, BLOCK, drop_block, &mutual, err);
+    vor_free(graph->memory, mutual.stay);
+    return status;
 }
 
 /* Points that were found, by a hash of twice as many places: 0 or a point's number plus 1. */

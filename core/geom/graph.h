@@ -5,6 +5,7 @@
 #define VOR_GEOM_GRAPH_H
 
 #include "core/base/run.h"
+#include "core/knn/knn.h"
 
 #include <stdint.h>
 
@@ -35,6 +36,31 @@ static inline int vor_graph_is(const struct vor_graph *graph)
 {
     return graph->list != NULL;
 }
+
+/** Makes the list of each point of the points nearest to it, at most k; own and normal stay as they
+ *  are.
+ *
+ *  @param[in,out] graph  of the points that knn is over
+ *  @param[in]     xyz    n x 3
+ *  @param[in]     k      1 .. graph->most, less than n
+ *
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
+ *
+ *  O(n k log n), on the run's pool. The same lists for any number of threads. */
+VOR_NODISCARD vor_status vor_graph_nearest(struct vor_graph *graph, const struct vor_knn *knn,
+                                           const float *xyz, unsigned k, const struct vor_run *run,
+                                           struct vor_error *err);
+
+/** Drops the entries of lists that are one-sided: j stays in the list of i if i is in that of j.
+ *
+ *  @param[in,out] graph  most is at most 32
+ *
+ *  @retval VOR_E_NOMEM 4 n bytes do not fit
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for; some lists are done
+ *
+ *  O(n most^2), on the run's pool. The same lists for any number of threads. */
+VOR_NODISCARD vor_status vor_graph_keep_mutual(struct vor_graph *graph, const struct vor_run *run,
+                                               struct vor_error *err);
 
 /** True when j is in the list of i. O(most). */
 int vor_graph_has(const struct vor_graph *graph, uint32_t i, uint32_t j);

@@ -44,13 +44,16 @@ static inline void vor_neighbors_fix(struct vor_neighbors *out, unsigned k)
 
 /** The findings. All zero, with neighbors fixed, means that nothing is known. */
 struct vor_conditioning {
-    size_t outliers;                /**< points that were dropped */
+    size_t distinct;                /**< points that share no place with an earlier one */
+    size_t outliers;                /**< points that were dropped, or pulled */
     size_t parts;                   /**< that are clear of each other (input/islands.h) */
     size_t islands, in_islands;     /**< parts that are small, and the points that these hold */
     struct vor_lattice lattice;     /**< that the coordinates were rounded to */
     size_t off_lattice;             /**< points that were moved within their cells; if any were,
                                          positions are not exact */
     int sheets;                     /**< the input has sheets: fits look for layers */
+    int satellites;                 /**< every domain of the input has lists of neighbours by
+                                         satellites (input/satellites.h) */
     struct vor_neighbors neighbors; /**< how many points a fit takes */
 };
 

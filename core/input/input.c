@@ -6,6 +6,7 @@
 #include "core/input/mls.h"
 #include "core/input/neighbors.h"
 #include "core/input/outliers.h"
+#include "core/input/satellites.h"
 #include "core/input/sheets.h"
 #include "core/input/thin.h"
 
@@ -52,6 +53,27 @@ static vor_status leave_lattice(struct vor_domain *domain, const struct vor_spec
     return vor_lattice_smooth(domain, &known->off_lattice, &known->lattice, run, err);
 }
 
+/* Makes the lists of neighbours, if the request asks for such and the domain has none. */
+static vor_status make_lists(struct vor_domain *domain, const struct vor_run *run,
+                             struct vor_error *err)
+{
+    if (!domain->known.satellites || vor_graph_is(&domain->graph))
+        return VOR_OK;
+    return vor_satellites_make(&domain->graph, domain, run, err);
+}
+
+/* Finds out whether the input has sheets, the way that the request says. */
+static vor_status find_sheets(struct vor_domain *domain, const struct vor_spec *spec,
+                              const struct vor_run *run, struct vor_error *err)
+{
+    double intrinsic = spec->value[VOR_PARAM_INTRINSIC];
+
+    domain->known.satellites = intrinsic == VOR_INTRINSIC_SATELLITES;
+    if (intrinsic != VOR_INTRINSIC_LOCAL)
+        return VOR_OK;
+    return vor_sheets_find(&domain->known.sheets, domain, run, err);
+}
+
 static vor_status choose_neighbors(struct vor_domain *domain, const struct vor_spec *spec,
                                    const struct vor_run *run, struct vor_error *err)
 {
@@ -96,14 +118,18 @@ static vor_status condition(struct vor_domain *domain, struct vor_outliers *outl
     if (status == VOR_OK)
         status = leave_lattice(domain, spec, run, err);
     if (status == VOR_OK)
-        status = vor_sheets_find(&domain->known.sheets, domain, run, err);
+        status = find_sheets(domain, spec, run, err);
     if (status == VOR_OK)
         status = choose_neighbors(domain, spec, run, err);
     if (status == VOR_OK && outliers_of(spec) == VOR_OUTLIERS_PULL)
         status = vor_outliers_pull(domain, outliers, run, err);
     if (status == VOR_OK)
+        status = make_lists(domain, run, err);
+    if (status == VOR_OK)
         status = filter(domain, spec, run, err);
-    return status == VOR_OK ? look_for_islands(domain, spec, run, err) : status;
+    if (status == VOR_OK)
+        status = look_for_islands(domain, spec, run, err);
+    return status == VOR_OK ? make_lists(domain, run, err) : status; /* again without islands */
 }
 
 vor_status vor_input_prepare(struct vor_domain *out, const struct vor_cloud *in,
@@ -118,6 +144,7 @@ vor_status vor_input_prepare(struct vor_domain *out, const struct vor_cloud *in,
         status = vor_domain_init(&domain, in, run, err);
     if (status != VOR_OK)
         return status;
+    domain.known.distinct = domain.n;
     status = condition(&domain, &outliers, spec, run, err);
     vor_outliers_free(&outliers);
     if (status != VOR_OK) {

@@ -146,6 +146,7 @@ static void forget(struct vor_domain *domain)
 static vor_status index_again(struct vor_domain *domain, const struct vor_run *run,
                               struct vor_error *err)
 {
+    vor_graph_free(&domain->graph); /* its lists are of other points */
     vor_knn_free(domain->knn);
     domain->knn = NULL;
     return vor_domain_index(domain, run, err);
@@ -329,7 +330,6 @@ vor_status vor_islands_return(struct vor_domain *domain, const struct vor_run *r
     forget(domain);
     if (points == 0)
         return VOR_OK;
-    vor_graph_free(&domain->graph); /* its lists do not have these points */
     domain->n += points;
     return index_again(domain, run, err);
 }

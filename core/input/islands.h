@@ -23,6 +23,7 @@
 /** Looks for islands, parts of fewer than 2 k points (known.neighbors.usual), and takes them out of
  *  the domain: domain->n counts the others, the islands' points come after them in xyz and source.
  *  Where all parts are islands, they stay in. Where the rest would be a line, nothing is taken.
+ *  Lists of neighbours (domain->graph) are freed unless all points stay in.
  *
  *  @retval VOR_E_NOMEM 8 bytes a point, and 24 more for each point of an island, do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED; the domain must be freed after any failure

@@ -20,10 +20,15 @@ enum {
     FLAT = 9 /* points that a normal is fitted to, the point itself among them */
 };
 
+static unsigned least(unsigned a, size_t b)
+{
+    return a < b ? a : (unsigned)b;
+}
+
 struct make {
     const struct vor_domain *domain;
     struct vor_graph *graph; /* until the end: where a march may go */
-    uint32_t *component;     /* n; before there are components: entries of a list that stay */
+    uint32_t *component;     /* n */
     size_t components;
     uint32_t *source; /* for each component: where the next march begins */
     float *far;       /* SATELLITES x n: the distances along the surface */
@@ -35,59 +40,6 @@ struct make {
     uint32_t begin;
     unsigned wide; /* points of both sets; 0: lists are plain */
 };
-
-/* Makes the list of each point of the points nearest to it. */
-static void nearest_block(void *ctx, size_t begin, size_t end, unsigned worker)
-{
-    struct make *make = ctx;
-    struct vor_graph *graph = make->graph;
-    unsigned k = (graph->most < MARCHED ? graph->most : MARCHED) + 1;
-    uint32_t index[MARCHED + 1];
-    float distance2[MARCHED + 1];
-
-    (void)worker;
-    for (size_t i = begin; i < end; i++) {
-        unsigned taken = 0;
-
-        vor_knn_search(make->domain->knn, &make->domain->xyz[3 * i], 1, k, index, distance2);
-        for (unsigned j = 0; j < k && taken + 1 < k; j++)
-            if (index[j] != i)
-                graph->list[i * graph->most + taken++] = index[j];
-        graph->count[i] = (unsigned char)taken;
-    }
-}
-
-/* Notes which entries of each list have the point in theirs. */
-static void mutual_block(void *ctx, size_t begin, size_t end, unsigned worker)
-{
-    struct make *make = ctx;
-    struct vor_graph *graph = make->graph;
-
-    (void)worker;
-    for (size_t i = begin; i < end; i++) {
-        make->component[i] = 0;
-        for (unsigned a = 0; a < graph->count[i]; a++)
-            if (vor_graph_has(graph, graph->list[i * graph->most + a], (uint32_t)i))
-                make->component[i] |= 1u << a;
-    }
-}
-
-/* Drops the others. */
-static void drop_block(void *ctx, size_t begin, size_t end, unsigned worker)
-{
-    struct make *make = ctx;
-    struct vor_graph *graph = make->graph;
-
-    (void)worker;
-    for (size_t i = begin; i < end; i++) {
-        unsigned taken = 0;
-
-        for (unsigned a = 0; a < graph->count[i]; a++)
-            if (make->component[i] & 1u << a)
-                graph->list[i * graph->most + taken++] = graph->list[i * graph->most + a];
-        graph->count[i] = (unsigned char)taken;
-    }
-}
 
 /* Puts the points into the order of their components. */
 static void sort_members(struct make *make)
@@ -215,7 +167,7 @@ static void list_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct make *make = ctx;
     const struct vor_domain *domain = make->domain;
-    unsigned nears = domain->n < WIDE ? (unsigned)domain->n : WIDE;
+    unsigned nears = least(WIDE, domain->n);
     uint32_t near[WIDE], along[WIDE];
     float distance2[WIDE];
 
@@ -302,7 +254,7 @@ vor_status vor_satellites_make(struct vor_graph *out, const struct vor_domain *d
 {
     struct vor_graph graph = {.n = 0};
     struct make make = {.domain = domain, .graph = &graph};
-    unsigned most = domain->n > VOR_ADJACENT ? VOR_ADJACENT : (unsigned)domain->n - 1;
+    unsigned most = least(VOR_ADJACENT, domain->n - 1);
     vor_status status = vor_graph_init(&graph, domain->n, most, run->memory, err);
 
     if (status != VOR_OK)
@@ -311,11 +263,10 @@ vor_status vor_satellites_make(struct vor_graph *out, const struct vor_domain *d
     if (make.component == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "components of %zu points", domain->n);
     if (status == VOR_OK)
-        status = vor_run_for(run, domain->n, BLOCK, nearest_block, &make, err);
+        status =
+            vor_graph_nearest(&graph, domain->knn, domain->xyz, least(MARCHED, most), run, err);
     if (status == VOR_OK)
-        status = vor_run_for(run, domain->n, BLOCK, mutual_block, &make, err);
-    if (status == VOR_OK)
-        status = vor_run_for(run, domain->n, BLOCK, drop_block, &make, err);
+        status = vor_graph_keep_mutual(&graph, run, err);
     if (status == VOR_OK)
         status = make_lists(&make, run, err);
     vor_free(run->memory, make.at);

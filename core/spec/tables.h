@@ -136,6 +136,9 @@ enum vor_method_choice {
       "Of the normals that the input carries. use: they decide the sides of fitted ones; "         \
       "estimate: they are ignored; auto: as use where all are finite and not zero, else those "    \
       "that are decide which way each connected part faces")                                       \
+    X(INTRINSIC, intrinsic, CHOICE, INPUT, "", 0, 0, VOR_INTRINSIC_LOCAL, "local satellites none", \
+      "Which input points lie on one sheet. local: by what lies between them; satellites: by "     \
+      "distances along the surface from three points; none: all that are near")                    \
     X(SEED, seed, COUNT, SPREAD, "", 0, 9007199254740991, 1, "", "Seed of every random choice")    \
     X(ORDER, order, CHOICE, OUTPUT, "", 0, 0, VOR_ORDER_SPATIAL, "spatial progressive",            \
       "Of the points of the result. spatial: neighbours mostly follow each other; progressive: "   \
@@ -169,6 +172,7 @@ enum vor_parameter {
 enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE };
 enum { VOR_OUTLIERS_KEEP, VOR_OUTLIERS_DROP, VOR_OUTLIERS_PULL };
 enum { VOR_FILTER_MLS, VOR_FILTER_OUTLIERS, VOR_FILTER_THIN }; /* words of the list filters */
+enum { VOR_INTRINSIC_LOCAL, VOR_INTRINSIC_SATELLITES, VOR_INTRINSIC_NONE };
 enum { VOR_ORDER_SPATIAL, VOR_ORDER_PROGRESSIVE };
 enum { VOR_FORMAT_PLY, VOR_FORMAT_DRC };
 enum { VOR_ATTRIBUTES_NEAREST, VOR_ATTRIBUTES_DROP };
@@ -221,6 +225,9 @@ struct vor_artefact_info {
     ({"measure", VOR_ARTEFACT_DOCUMENT, 1,                                                         \
       "How even the cloud is and, with a reference, the distances"})
 
+#define VOR_INSPECT_OUT                                                                            \
+    ({"inspect", VOR_ARTEFACT_DOCUMENT, 1, "What the cloud is like: parts, spacing, noise, sheets"})
+
 /** Sets of groups and of methods. */
 #define VOR_IN(group) (1u << VOR_GROUP_##group)
 #define VOR_BY(method) (1u << VOR_METHOD_##method)
@@ -254,6 +261,10 @@ struct vor_artefact_info {
       "Measure a point cloud",                                                                     \
       "Tells how evenly a cloud is spread and, where there is a reference, how far the two lie "   \
       "from each other")                                                                           \
+    X(INSPECT, inspect, 1, VOR_IN(INPUT), 0, 0, 0, VOR_CLOUD_IN, VOR_INSPECT_OUT,                  \
+      "Inspect a point cloud",                                                                     \
+      "Tells what a cloud is like: how many parts it has, how evenly and how exactly its points "  \
+      "lie, and what the other processes find out before they begin")                              \
     VOR_EXTRA_PROCESSES(X)
 
 /** Defaults of a process that differ from the table of parameters: process, parameter, value. That
@@ -262,6 +273,7 @@ struct vor_artefact_info {
 #define VOR_PRESET_TABLE(X)                                                                        \
     X(DENOISE, RATIO, 1)                                                                           \
     X(DENOISE, OUTLIERS, VOR_OUTLIERS_DROP)                                                        \
+    X(INSPECT, OUTLIERS, VOR_OUTLIERS_DROP)                                                        \
     X(UPSAMPLE, RATIO, 4)                                                                          \
     X(UPSAMPLE, ITERATIONS, 1)                                                                     \
     X(UPSAMPLE, POLISH, 8)                                                                         \

@@ -25,9 +25,9 @@ sub refused {
 
 my ($code, $help, $errors) = run(['--help']);
 is "$code$errors", '0', 'voronoid --help ends well';
-like $help, qr/^  \Q$_\E +\S/m, "the overview names $_" for qw(serve resample denoise upsample simplify measure health);
+like $help, qr/^  \Q$_\E +\S/m, "the overview names $_" for qw(serve resample denoise upsample simplify measure inspect health);
 
-for my $command (qw(resample denoise upsample simplify measure health)) {
+for my $command (qw(resample denoise upsample simplify measure inspect health)) {
     ($code, $help, $errors) = run([$command, '--help']);
     is "$code$errors", '0', "voronoid $command --help ends well";
     like $help, qr/^usage: voronoid $command/, "it is the help of $command";
@@ -39,7 +39,7 @@ for my $command (qw(denoise upsample simplify resample)) {
     (undef, $help) = run([$command, '--help']);
     like $help, qr/--\Q$_\E VALUE\n/, "the help of $command has parameter $_"
         for qw(points ratio spacing method patch iterations delta seconds neighbors anderson polish boundary outliers filters
-        seed order format quantization compression attributes normals);
+        inputNormals intrinsic seed order format quantization compression attributes normals);
     ($options{$command}) = $help =~ /\nOptions:\n(.*?)\n\n/s;
     is $options{$command}, $options{denoise}, "and the options of the others";
 }
@@ -87,8 +87,8 @@ refused 'a parameter of a command without a process', ['health', '--points', 5],
     'health: no option --points; see voronoid health --help';
 refused 'a parameter of measure', ['denoise', $in, '-o', $out, '--peak=1'], 2,
     'denoise: no parameter peak; denoise takes points, ratio, spacing, method, patch, iterations, delta, '
-    . 'seconds, neighbors, anderson, polish, boundary, outliers, filters, inputNormals, seed, order, format, quantization, '
-    . 'compression, '
+    . 'seconds, neighbors, anderson, polish, boundary, outliers, filters, inputNormals, intrinsic, seed, order, format, '
+    . 'quantization, compression, '
     . 'attributes, normals';
 refused 'an option with a newline', ['resample', "--a\nb"], 2,
     'resample: no option --a\\x5cx0ab; see voronoid resample --help';

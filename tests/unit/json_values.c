@@ -181,7 +181,7 @@ START_TEST(a_report_has_its_shape)
         "\"bisectors_per_cell\":6.5,\"triangles_per_cell\":24.5,\"queries\":10000000000,"
         "\"list_rebuilds\":11,\"parameters\":{\"points\":5000,\"method\":\"cvt\",\"patch\":"
         "\"quadric\",\"neighbors\":\"auto\",\"polish\":60,\"boundary\":\"keep\",\"outliers\":"
-        "\"keep\",\"filters\":[],"
+        "\"keep\",\"filters\":[],\"inputNormals\":\"auto\",\"intrinsic\":\"local\","
         "\"seed\":1,\"order\":\"spatial\",\"quantization\":\"auto\",\"compression\":7,"
         "\"attributes\":\"nearest\","
         "\"normals\":\"nearest\"}}");
