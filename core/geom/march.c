@@ -9,8 +9,9 @@
 enum { STEPS = 4096 };
 
 /* Way along an edge: adds so much of its length to its cost, because it goes where the wave does
- * only by chance. At 0 / 0.1 / 0.2, worst of nine runs (three seeds of square, sphere, cylinder and
- * fold, 20,000 points of white noise, lists of 20, beyond ten spacings): 2.6 % / 2.7 % / 2.7 %. */
+ * only by chance. At 0 / 0.1 / 0.2, worst of twelve runs (three seeds of square, sphere, cylinder
+ * and fold, 20,000 points of white noise, lists of 20, beyond ten spacings): 2.6 % / 2.7 % / 2.7 %.
+ */
 #define EDGE_COST 0.1
 
 /* Way between two points: least distance of both, in lengths of the segment between them, from
@@ -28,8 +29,7 @@ enum { STEPS = 4096 };
  * / 1: 2.5 % / 2.7 % / 2.8 %. */
 #define MISFIT_COST 0.5
 
-/* Steps that look for the shortest way through a segment. At 3 / 6:
- * 2.7 % / 2.7 %. */
+/* Steps that look for the shortest way through a segment. At 3 / 6: 2.7 % / 2.7 %. */
 #define STEPS_THROUGH 3
 
 /* Way between two points near the source: least cosine between a heading and the one known. At

@@ -8,13 +8,14 @@
  *  three begins at the component's first point and not at a random one. Both sets of neighbours
  *  have three times as many points as a list takes, because the coordinates stretch the surface,
  *  and by another factor in each direction.
- *
  *  Departure: marches go along edges between points that are among each other's ten nearest: longer
  *  ones cross from sheet to sheet.
  *
  *  Limit: on a closed thin plate the three places lie on its rim, from which both faces are equally
  *  far. Of the lists of a plate of 1 x 1 x 0.02 with 20,000 points, 18 % of the neighbours lie on
- *  the other face. */
+ *  the other face.
+ *  Limit: lists have at most VOR_ADJACENT points; fits to more, because of noise, are to the
+ * nearest points. */
 #ifndef VOR_INPUT_SATELLITES_H
 #define VOR_INPUT_SATELLITES_H
 
@@ -28,7 +29,7 @@
  *  @retval VOR_E_NOMEM 94 bytes a point do not fit, and up to 330 more while it works
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
- *  O(n log n); the four marches run in one thread (geom/march.h), 25 us a point, the rest on the
+ *  O(n log n); the four marches run in one thread (geom/march.h), 19 us a point, the rest on the
  *  run's pool. The same lists for any number of threads. */
 VOR_NODISCARD vor_status vor_satellites_make(struct vor_graph *out, const struct vor_domain *domain,
                                              const struct vor_run *run, struct vor_error *err);

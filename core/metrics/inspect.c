@@ -10,7 +10,7 @@
 
 enum {
     BLOCK = 16,   /* places of one task */
-    PLACES = 512, /* places where noise is estimated. On bunny, three seeds: within 2 % of 4,096 */
+    PLACES = 512, /* places where noise is estimated, as many as VOR_NEIGHBORS_PLACES */
     /* Coefficients of a quadric: a fit takes up so many of the points' deviations. */
     QUADRIC = 6,
     /* A component of fewer points than so many times those of a fit is small. */

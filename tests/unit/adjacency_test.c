@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-enum { SEEDS = 3, N = 20000 };
+enum { SEEDS = 2, N = 20000 };
 
 /* Sheets are so many spacings apart. */
 #define APART 3

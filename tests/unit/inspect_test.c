@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SEEDS = 3, N = 5000 };
+enum { SEEDS = 3, N = 5000, FEW = 2500 };
 
 static void set(struct vor_spec *spec, const char *name, const char *value)
 {
@@ -102,13 +102,13 @@ START_TEST(noise_is_told_in_the_unit_of_the_cloud)
         struct vor_cloud cloud;
         struct vor_inspect told;
 
-        vt_cloud_square(&cloud, (uint64_t)_i, N);
-        for (size_t i = 0; i < N; i++) {
+        vt_cloud_square(&cloud, (uint64_t)_i, FEW);
+        for (size_t i = 0; i < FEW; i++) {
             cloud.xyz[3 * i + 2] = (float)(noise * vt_normal((uint64_t)_i + 100, i));
             for (size_t c = 0; c < 3; c++)
                 cloud.xyz[3 * i + c] *= (float)sizes[s];
         }
-        told = inspect(&cloud, words[_i % 3], "keep");
+        told = inspect(&cloud, "none", "keep");
         ck_assert_msg(fabs(told.noise / sizes[s] - noise) < 0.1 * noise, "%g of %g", told.noise,
                       noise * sizes[s]);
         ck_assert_double_eq_tol(told.area / (sizes[s] * sizes[s]), 1, 0.06);

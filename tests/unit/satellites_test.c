@@ -3,13 +3,14 @@
 #include "core/geom/march.h"
 #include "core/input/adjacency.h"
 #include "core/input/satellites.h"
+#include "core/input/thin.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { SEEDS = 3, N = 20000 };
+enum { SEEDS = 2, N = 20000 };
 
 /* Sheets are so many spacings apart. */
 #define APART 3
@@ -214,6 +215,60 @@ START_TEST(one_two_three_and_eight_threads_make_the_same_lists)
 }
 END_TEST
 
+/* Between sheets 3 spacings apart: with satellites 18 points, without 118. */
+START_TEST(a_run_with_satellites_leaves_fewer_points_between_sheets)
+{
+    static const char *const words[] = {"satellites", "none"};
+    const double gap = 3 * sqrt(2. / 3000);
+    size_t between[2] = {0};
+
+    for (int w = 0; w < 2; w++) {
+        struct vt_engine engine;
+        struct vor_cloud in, out;
+        struct vor_report report;
+
+        vt_engine_open(&engine, 2);
+        vt_cloud_sheets(&in, (uint64_t)_i, 3000, gap);
+        vt_engine_count(&engine, "points", 1500);
+        vt_engine_set(&engine, "iterations", "3");
+        vt_engine_set(&engine, "polish", "4");
+        vt_engine_set(&engine, "intrinsic", words[w]);
+        vt_engine_resample(&engine, &out, &report, &in);
+        for (size_t i = 0; i < out.n; i++) {
+            double x[3];
+
+            vor_cloud_position(&out, i, x);
+            between[w] += fabs(x[2] - gap / 2) < 0.45 * gap;
+        }
+        vor_cloud_free(&out);
+        vor_cloud_free(&in);
+        vt_engine_close(&engine);
+    }
+    ck_assert_uint_gt(between[1], 50);
+    ck_assert_uint_lt(between[0], between[1] / 3);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* The thinned domain of an input has lists of its own points. */
+START_TEST(a_thinned_domain_has_lists_of_its_own)
+{
+    struct vor_domain thin;
+    struct bed bed;
+
+    start(&bed, 2, VT_SHEETS, _i, N, 0.1);
+    bed.domain.known.satellites = 1;
+    vt_assert_ok(vor_domain_thin(&thin, &bed.domain, 0.02, &bed.engine.run, &vt_err));
+    ck_assert_uint_gt(thin.n, 0);
+    ck_assert_uint_eq(thin.graph.n, thin.n);
+    for (size_t i = 0; i < thin.n; i++)
+        for (unsigned a = 0; a < thin.graph.count[i]; a++)
+            ck_assert_uint_lt(thin.graph.list[i * thin.graph.most + a], thin.n);
+    vor_domain_free(&thin);
+    end(&bed);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("satellites");
@@ -227,5 +282,7 @@ int main(void)
                 SEEDS);
     vt_add(suite, five_points_have_each_other);
     vt_add(suite, one_two_three_and_eight_threads_make_the_same_lists);
+    vt_add(suite, a_run_with_satellites_leaves_fewer_points_between_sheets);
+    vt_add(suite, a_thinned_domain_has_lists_of_its_own);
     return vt_run(suite);
 }

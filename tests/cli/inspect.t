@@ -1,0 +1,48 @@
+#!/usr/bin/perl
+# voronoid inspect, here and by a daemon of our own: one document.
+use strict;
+use warnings;
+use FindBin;
+use lib $FindBin::Bin;
+use Cli;
+use HTTP::Tiny;
+use JSON::PP;
+use Test::More;
+
+my $folder = scratch();
+my $points = 1500;
+my $in = spew("$folder/in.ply", sphere($points));
+my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2);
+my $http = HTTP::Tiny->new(timeout => 20);
+
+my ($code, $stdout, $stderr) = run(['inspect', $in]);
+is "$code$stderr", '0', 'all is well';
+my $told = decode_json($stdout);
+is_deeply [sort keys %$told], [qw(area components lattice neighbors noise points sheets spacing)], 'the members';
+is_deeply $told->{points}, { all => $points, distinct => $points, outliers => 0 }, 'every point is counted';
+is $told->{components}{count}, 1, 'it is in one part';
+is $told->{sheets}{found}, 'no', 'without sheets';
+cmp_ok abs($told->{area} - 12.566), '<', 0.3, 'of the area of a sphere';
+cmp_ok $told->{spacing}{p01}, '<', $told->{spacing}{p50}, 'quantiles ascend';
+cmp_ok $told->{spacing}{p50}, '<', $told->{spacing}{p99}, 'all of them';
+
+is +(run(['inspect', '-'], stdin => $in))[1], $stdout, 'stdin is the same';
+is +(run(['inspect', $in, '--threads=3']))[1], $stdout, 'so are three threads';
+is +(run(['inspect', $in, '--json', '--quiet']))[1], $stdout, 'and --json';
+is +(run(['inspect', $in, '--server', $daemon->{url}]))[1] =~ s/\n*\z/\n/r, $stdout, 'and a daemon';
+my ($job) = @{ decode_json($http->get("$daemon->{url}/v1/jobs")->{content})->{jobs} };
+is $job->{processID}, 'inspect', 'as a job of that process';
+
+for my $case (
+    ['a parameter that it does not take', ['--points', 5], 'inspect: no parameter points; inspect takes outliers, intrinsic'],
+    ['a word that there is not', ['--intrinsic', 'global'], 'inspect: intrinsic is "global", want one of local, satellites, none'],
+) {
+    my ($name, $arguments, $line) = @$case;
+    my ($got, $printed, $errors) = run(['inspect', $in, @$arguments]);
+    is "$got$printed$errors", "2voronoid: $line\n", $name;
+}
+($code, $stdout, $stderr) = run(['inspect', spew("$folder/one.ply",
+    "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n")]);
+is "$code$stdout", '3', 'a single point is refused';
+like $stderr, qr/\Avoronoid: \S+one\.ply: the cloud has 1 distinct points, want at least 4\n\z/, 'in one line';
+done_testing();

@@ -1,0 +1,57 @@
+#!/usr/bin/perl
+# inspect over HTTP: a process whose only output is a document.
+use strict;
+use warnings;
+use Digest::SHA qw(sha256_hex);
+use FindBin;
+use lib "$FindBin::Bin/../support";
+use Test::More;
+use Vt;
+
+my $daemon = Vt->start;
+my $points = 800;
+my $cloud = sphere_ply($points);
+
+my $described = json($daemon->get('/v1/processes/inspect'));
+is_deeply [sort keys %{ $described->{inputs} }], [qw(cloud intrinsic outliers)], 'its inputs are described';
+is_deeply $described->{inputs}{intrinsic}{schema},
+    { type => 'string', enum => [qw(local satellites none)], default => 'local' }, 'with words and default';
+is $described->{inputs}{outliers}{schema}{default}, 'drop', 'outliers are left aside';
+is_deeply [keys %{ $described->{outputs} }], ['inspect'], 'its output is the document';
+my $schema = $described->{outputs}{inspect}{schema};
+is $schema->{properties}{noise}{'x-unit'}, 'unit of the cloud', 'which has units';
+
+for my $path ('/v1/inspect', '/v1/processes/inspect/execution') {
+    my $answer = $daemon->post($path, $cloud);
+    is $answer->{status}, 200, "POST $path answers" or diag($answer->{content});
+    is $answer->{headers}{'content-type'}, 'application/json', 'with JSON';
+    is $answer->{headers}{etag}, '"' . sha256_hex($answer->{content}) . '"', 'and its ETag';
+    my $told = json($answer);
+    is_deeply [sort keys %$told], [sort keys %{ $schema->{properties} }], 'the document has the members described';
+    is_deeply $told->{points}, { all => $points, distinct => $points, outliers => 0 }, 'it counts the points';
+    my ($id) = $answer->{headers}{location} =~ m{/v1/jobs/([^/]+)\z};
+    is $daemon->get("/v1/jobs/$id/results/inspect")->{content}, $answer->{content}, 'and stays at results';
+    is_deeply [keys %{ json($daemon->get("/v1/jobs/$id/results")) }], ['inspect'], 'which list nothing else';
+    is_problem($daemon->get("/v1/jobs/$id/results/$_"), 404, 'no-such-output', "there is no $_") for qw(cloud report);
+}
+is_problem($daemon->post('/v1/inspect', $cloud, Accept => 'application/ply'), 406, 'not-acceptable', 'it is no cloud');
+is_problem($daemon->post('/v1/inspect?points=5', $cloud), 400, 'invalid-parameter', 'it takes no points');
+is json($daemon->post('/v1/inspect?points=5', $cloud))->{detail}, 'no parameter points; inspect takes outliers, intrinsic',
+    'and says what it takes';
+is_problem($daemon->post('/v1/inspect?intrinsic=global', $cloud), 400, 'invalid-parameter', 'a word that there is not');
+
+my $accepted = $daemon->post('/v1/inspect?intrinsic=satellites&outliers=keep', $cloud, Prefer => 'respond-async');
+is $accepted->{status}, 201, 'a job is accepted';
+my $id = json($accepted)->{jobID};
+my $job = $daemon->finish($id);
+is $job->{status}, 'successful', 'it ends well';
+ok !exists $job->{voronoid}{target}, 'it has no target';
+my ($end) = grep { $_->{event} eq 'end' } $daemon->events("/v1/jobs/$id/events")->all;
+is_deeply [keys %{ json($end->{data})->{outputs} }], ['inspect'], 'its end has the address of the document';
+
+# A line is no surface; the job says so.
+my $line = join '', map { pack 'f<3', $_, 0, 0 } 1 .. 30;
+my $answer = $daemon->post('/v1/inspect',
+    "ply\nformat binary_little_endian 1.0\nelement vertex 30\nproperty float x\nproperty float y\nproperty float z\nend_header\n$line");
+is $answer->{status}, 422, 'a line is refused';
+done_testing();
