@@ -334,6 +334,8 @@ enum vor_answered { VOR_NO, VOR_YES };
       "Whether sheets lie nearer to each other than a fit reaches, on much of the cloud")          \
     X(REAL, own, "sheets.own", "",                                                                 \
       "Share of the points whose neighbours are not simply the nearest points")                    \
+    X(U64, edge_points, "edges.points", "points", "Points that lie on a sharp edge")               \
+    X(REAL, edge_length, "edges.length", "unit of the cloud", "Estimated length of all edges")     \
     X(REAL, area, "area", "unit of the cloud^2", "Area of the surface, from cells of its points")
 
 struct vor_inspect {

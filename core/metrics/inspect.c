@@ -2,6 +2,7 @@
 
 #include "core/base/stat.h"
 #include "core/input/adjacency.h"
+#include "core/input/edges.h"
 #include "core/input/sheets.h"
 #include "core/metrics/uniformity.h"
 
@@ -148,6 +149,18 @@ static vor_status measure_noise(struct vor_inspect *out, const struct vor_domain
     return VOR_OK;
 }
 
+static vor_status measure_edges(struct vor_inspect *out, const struct vor_domain *domain,
+                                const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_edges edges = {.n = 0};
+    vor_status status = vor_edges_find(&edges, domain, run, err);
+
+    out->edge_points = edges.flagged;
+    out->edge_length = edges.length * domain->unit;
+    vor_edges_free(&edges);
+    return status;
+}
+
 /* Notes what is known of the domain. */
 static void note_known(struct vor_inspect *out, const struct vor_domain *domain)
 {
@@ -178,6 +191,8 @@ vor_status vor_inspect_domain(struct vor_inspect *out, struct vor_domain *domain
     status = measure_spacing(out, domain, run, err);
     if (status == VOR_OK)
         status = measure_noise(out, domain, run, err);
+    if (status == VOR_OK)
+        status = measure_edges(out, domain, run, err);
     if (status == VOR_OK)
         status = vor_graph_keep_mutual(&domain->graph, run, err);
     return status == VOR_OK ? find_components(out, &domain->graph, run, err) : status;

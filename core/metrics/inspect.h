@@ -14,7 +14,7 @@
  *  @param[in,out] domain  gets the lists; one-sided entries are dropped
  *  @param[in]     spec    read: intrinsic
  *
- *  @retval VOR_E_NOMEM    the lists (input/adjacency.h) or 12 bytes a point do not fit
+ *  @retval VOR_E_NOMEM    the lists (input/adjacency.h) or 29 bytes a point do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
  *  O(n log n), on the run's pool. The same document for any number of threads. */

@@ -18,7 +18,7 @@ my $http = HTTP::Tiny->new(timeout => 20);
 my ($code, $stdout, $stderr) = run(['inspect', $in]);
 is "$code$stderr", '0', 'all is well';
 my $told = decode_json($stdout);
-is_deeply [sort keys %$told], [qw(area components lattice neighbors noise points sheets spacing)], 'the members';
+is_deeply [sort keys %$told], [qw(area components edges lattice neighbors noise points sheets spacing)], 'the members';
 is_deeply $told->{points}, { all => $points, distinct => $points, outliers => 0 }, 'every point is counted';
 is $told->{components}{count}, 1, 'it is in one part';
 is $told->{sheets}{found}, 'no', 'without sheets';

@@ -269,6 +269,24 @@ START_TEST(one_sided_entries_are_dropped)
 }
 END_TEST
 
+/* The twelve edges of a cube are 12 long; a sphere has none. */
+START_TEST(edges_are_told_in_the_unit_of_the_cloud)
+{
+    struct vor_cloud cloud;
+    struct vor_inspect told;
+
+    vt_cloud_box(&cloud, (uint64_t)_i, 2 * N);
+    for (size_t i = 0; i < 6 * N; i++)
+        cloud.xyz[i] *= 50;
+    told = inspect(&cloud, "none", "keep");
+    ck_assert_double_eq_tol(told.edge_length, 600, 60);
+    ck_assert_uint_gt(told.edge_points, 100);
+    vt_cloud_sphere(&cloud, (uint64_t)_i, N);
+    told = inspect(&cloud, "none", "keep");
+    ck_assert_uint_le(told.edge_points, N / 200);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("inspect");
@@ -282,6 +300,7 @@ int main(void)
     vt_add_loop(suite, sheets_are_found_unless_nobody_looks, VT_ONCE(SEEDS));
     vt_add_loop(suite, one_two_three_and_eight_threads_tell_the_same, 3);
     vt_add_loop(suite, few_points_are_told_of_or_refused, 3);
+    vt_add_loop(suite, edges_are_told_in_the_unit_of_the_cloud, VT_ONCE(2));
     vt_add(suite, one_sided_entries_are_dropped);
     return vt_run(suite);
 }
