@@ -139,6 +139,7 @@ START_TEST(a_report_has_its_shape)
         .delta_beside = 0.0625,
         .lattice = {0.5, 0.25, 0},
         .off_lattice = 12,
+        .one_sided = 3,
         .in_to_out = {0.125, 0.25, 0.375, 35000},
         .out_to_in = {0.5, 0.625, 0.75, 5000},
         .boundary_points = 13,
@@ -171,7 +172,7 @@ START_TEST(a_report_has_its_shape)
         "\"memory_peak_bytes\":123456789,"
         "\"outliers\":5,\"components\":6,\"islands\":{\"components\":4,\"points_in\":43,"
         "\"points_out\":8,\"delta_beside\":0.0625},\"lattice\":{\"x\":0.5,\"y\":0.25,\"z\":0,"
-        "\"moved\":12},\"in_to_out\":{"
+        "\"moved\":12},\"one_sided\":3,\"in_to_out\":{"
         "\"mean\":0.125,\"rms\":0.25,\"max\":0.375,\"points\":35000},\"out_to_in\":{\"mean\":0.5,"
         "\"rms\":0.625,\"max\":0.75,\"points\":5000},\"boundary_points\":13,\"neighbors_"
         "histogram\":[{\"neighbors\":12,\"points\":700},{\"neighbors\":20,\"points\":4300}],"

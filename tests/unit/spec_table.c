@@ -97,8 +97,9 @@ START_TEST(a_parameter_has_a_name_a_sentence_and_a_default_in_its_range)
     const char *word;
 
     ck_assert_uint_gt(strlen(info->name), 2);
+    ck_assert(islower((unsigned char)info->name[0]));
     for (const char *c = info->name; *c != '\0'; c++)
-        ck_assert(islower((unsigned char)*c));
+        ck_assert(isalpha((unsigned char)*c));
     ck_assert_uint_lt(strlen(info->name), sizeof vt_err.parameter);
     ck_assert_uint_gt(strlen(info->sentence), 10);
     ck_assert_int_eq(vor_parameter_find(info->name), _i);
@@ -218,6 +219,8 @@ START_TEST(auto_is_taken_where_it_means_something)
     struct vor_spec spec;
     char text[VOR_SPEC_VALUE_SIZE];
 
+    if (info->kind == VOR_KIND_CHOICE && strstr(info->choices, "auto") != NULL)
+        return; /* a word like the others */
     init_for(&spec, _i);
     if (!has_auto(info)) {
         vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, info->name, "auto", &vt_err));
