@@ -66,6 +66,7 @@ enum vor_kind {
     X(SPREAD, "How they are spread")                                                               \
     X(CVT, "Iterations and polish")                                                                \
     X(INPUT, "The input")                                                                          \
+    X(FILTER, "What is done to it first")                                                          \
     X(OUTPUT, "The result")                                                                        \
     X(FORMAT, "Its format")                                                                        \
     X(MEASURE, "The measure")                                                                      \
@@ -125,13 +126,13 @@ enum vor_method_choice {
     X(OUTLIERS, outliers, CHOICE, INPUT, "", 0, 0, VOR_OUTLIERS_KEEP, "keep drop pull",            \
       "Input points that few of those around them count among their nearest. drop: they are "      \
       "ignored; pull: they are moved onto the surface")                                            \
-    X(FILTERS, filters, LIST, INPUT, "", 0, 0, 0, "mls outliers thin",                             \
+    X(FILTERS, filters, LIST, FILTER, "", 0, 0, 0, "mls outliers thin",                            \
       "What is done to the input first: outliers, dropped unless the parameter of that name says " \
       "pull; then mls, which moves each point onto the smooth surface around it; then thin, to "   \
       "the mean distance to the three nearest. With mls or outliers, and none of points, ratio "   \
       "and spacing, the result is the filtered points in their order, with their attributes; "     \
       "upsample keeps its ratio")                                                                  \
-    X(INPUT_NORMALS, inputNormals, CHOICE, INPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,                \
+    X(INPUT_NORMALS, inputNormals, CHOICE, OUTPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,               \
       "auto use estimate",                                                                         \
       "Of the normals that the input carries. use: they decide the sides of fitted ones; "         \
       "estimate: they are ignored; auto: as use where all are finite and not zero, else those "    \
@@ -232,8 +233,8 @@ struct vor_artefact_info {
 #define VOR_IN(group) (1u << VOR_GROUP_##group)
 #define VOR_BY(method) (1u << VOR_METHOD_##method)
 #define VOR_SPREAD_GROUPS                                                                          \
-    (VOR_IN(TARGET) | VOR_IN(SPREAD) | VOR_IN(CVT) | VOR_IN(INPUT) | VOR_IN(OUTPUT) |              \
-     VOR_IN(FORMAT) | VOR_EXTRA_SPREAD_GROUPS)
+    (VOR_IN(TARGET) | VOR_IN(SPREAD) | VOR_IN(CVT) | VOR_IN(INPUT) | VOR_IN(FILTER) |              \
+     VOR_IN(OUTPUT) | VOR_IN(FORMAT) | VOR_EXTRA_SPREAD_GROUPS)
 #define VOR_EVERY_METHOD (~0u)
 
 /** Processes: identifier, id, whether HTTP offers it (1 or 0; as long as a request has one body,
