@@ -403,7 +403,8 @@ int main(void)
     vt_add_loop(suite, the_edges_of_a_cube_are_found_and_nothing_else, VT_FEWER(SEEDS));
     vt_add_loop(suite, the_edges_of_a_cube_are_twelve_long, VT_FEWER(2));
     vt_add_loop(suite, what_is_smooth_has_none, VT_FEWER(SEEDS));
-    vt_add_loop(suite, two_sheets_nearer_than_a_crease_is_wide_have_hardly_any, VT_FEWER(2));
+    vt_add_loop(suite, two_sheets_nearer_than_a_crease_is_wide_have_hardly_any,
+                VT_FEWER(VT_SOAK_LOOPS(1, 2)));
     vt_add_loop(suite, a_wedge_has_its_edge_angle_and_direction, VT_FEWER(6));
     vt_add_loop(suite, only_flagged_points_have_a_strength_and_a_direction, VT_FEWER(SEEDS));
     vt_add_loop(suite, the_edges_of_fandisk_are_those_of_its_mesh, VT_FEWER(VT_SOAK_LOOPS(3, 12)));

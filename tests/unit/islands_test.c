@@ -91,7 +91,7 @@ static void resample(struct vor_cloud *out, struct vor_report *report, const str
 
     vt_engine_open(&engine, 2);
     vt_engine_count(&engine, "points", points);
-    vt_engine_set(&engine, "polish", "20");
+    vt_engine_set(&engine, "polish", "8");
     vt_engine_set(&engine, "outliers", outliers);
     vt_engine_resample(&engine, out, report, in);
     ck_assert_uint_eq(out->n, points);
@@ -101,7 +101,7 @@ static void resample(struct vor_cloud *out, struct vor_report *report, const str
 
 START_TEST(each_gets_at_most_its_own_points_in_their_places)
 {
-    static const size_t wanted[] = {1, 3, 300, 3000, SCAN, 4 * SCAN};
+    static const size_t wanted[] = {1, 3, 300, 2000, SCAN + SCAN / 2};
 
     for (size_t w = 0; w < sizeof wanted / sizeof *wanted; w++) {
         struct vor_cloud in, out;
@@ -210,7 +210,7 @@ START_TEST(drop_leaves_out_those_that_a_fit_does_not_fill)
     struct vor_report report;
 
     make_scan(&in, (uint64_t)_i, SCAN);
-    resample(&out, &report, &in, 2 * SCAN, "drop");
+    resample(&out, &report, &in, SCAN + 100, "drop");
     ck_assert_uint_ge(report.outliers, 1 + 4 + 8);
     ck_assert_uint_eq(count_at(&out, &in, SCAN, 1 + 4 + 8), 0);
     ck_assert_uint_eq(count_at(&out, &in, SCAN + 13, 30), 30);
@@ -333,7 +333,7 @@ START_TEST(one_two_and_three_threads_give_the_same_bytes)
 
         make_scan(&in, 1, SCAN);
         vt_engine_open(&engine, threads);
-        vt_engine_count(&engine, "points", SCAN);
+        vt_engine_count(&engine, "points", SCAN / 2);
         vt_engine_set(&engine, "polish", "5");
         vt_engine_resample(&engine, &out, &report, &in);
         ck_assert_uint_gt(report.on_islands, 0);
@@ -354,11 +354,11 @@ START_TEST(memory_that_ends_anywhere_is_an_error_and_leaks_nothing)
     struct vor_cloud in;
     size_t calls, fails = 0;
 
-    make_scan(&in, 1, 400);
+    make_scan(&in, 1, 300);
     vt_engine_open(&engine, 1);
-    vt_engine_count(&engine, "points", 300);
+    vt_engine_count(&engine, "points", 200);
     vt_engine_set(&engine, "polish", "2");
-    vt_engine_set(&engine, "iterations", "2");
+    vt_engine_set(&engine, "iterations", "1");
     for (calls = 1;; calls++) {
         struct vor_cloud out;
         struct vor_report report;
@@ -491,8 +491,10 @@ int main(void)
 {
     Suite *suite = suite_create("islands");
 
-    vt_add_loop(suite, each_gets_at_most_its_own_points_in_their_places, VT_FEWER(SEEDS));
-    vt_add_loop(suite, points_beside_islands_are_as_even_as_without_any, VT_FEWER(2));
+    vt_add_loop(suite, each_gets_at_most_its_own_points_in_their_places,
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_loop(suite, points_beside_islands_are_as_even_as_without_any,
+                VT_FEWER(VT_SOAK_LOOPS(1, 2)));
     vt_add_loop(suite, where_all_parts_are_small_each_gets_its_share, SEEDS);
     vt_add(suite, more_points_than_small_parts_have_are_spread_as_before);
     vt_add_loop(suite, a_cloud_of_one_small_part_has_no_islands, SEEDS);

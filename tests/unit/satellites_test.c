@@ -273,9 +273,12 @@ int main(void)
 {
     Suite *suite = suite_create("satellites");
 
-    vt_add_loop(suite, hardly_a_neighbour_lies_on_the_other_side_of_a_fold, VT_FEWER(SEEDS));
-    vt_add_loop(suite, hardly_a_neighbour_lies_on_the_other_of_two_sheets, VT_FEWER(SEEDS));
-    vt_add_loop(suite, hardly_a_neighbour_lies_on_the_other_of_two_spheres, VT_FEWER(SEEDS));
+    vt_add_loop(suite, hardly_a_neighbour_lies_on_the_other_side_of_a_fold,
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_loop(suite, hardly_a_neighbour_lies_on_the_other_of_two_sheets,
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_loop(suite, hardly_a_neighbour_lies_on_the_other_of_two_spheres,
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add(suite, the_faces_of_a_closed_thin_plate_are_not_told_apart);
     vt_add(suite, the_way_along_the_lists_is_that_along_the_surface);
     vt_add_loop(suite, lists_are_the_nearest_first_and_own_where_they_are_not_simply_the_nearest,
