@@ -433,6 +433,61 @@ START_TEST(fitted_normals_are_those_of_the_sphere_and_follow_the_carried_ones)
 }
 END_TEST
 
+/* Of the carried normals, twice as long as they should be, every other one points inward. */
+START_TEST(oriented_normals_are_the_carried_ones_all_outward)
+{
+    const char *const options[] = {"filters", "mls", "normals", "oriented", NULL};
+    struct vor_attribute *carried;
+    struct vor_cloud in, out;
+    struct vor_report report;
+    const float *normal;
+
+    vt_cloud_sphere(&in, (uint64_t)_i, N);
+    vt_assert_ok(
+        vor_cloud_add_attribute(&in, "normal", VOR_NORMAL, VOR_FLOAT32, 3, &carried, &vt_err));
+    for (size_t i = 0; i < 3 * (size_t)N; i++)
+        ((float *)carried->data)[i] = in.xyz[i] * (i / 3 % 2 ? 2.0f : -2.0f);
+    vt_assert_ok(try_filter(&out, &report, &in, 2, options));
+    ck_assert_uint_eq(out.attribute_count, 1);
+    ck_assert_uint_eq(report.one_sided, 0);
+    normal = vor_cloud_find(&out, VOR_NORMAL)->data;
+    for (size_t i = 0; i < 3 * (size_t)N; i++)
+        ck_assert_float_eq_tol(normal[i], 2 * in.xyz[i], 1e-6f);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(islands_are_counted_and_stay_in_their_places_of_the_order)
+{
+    enum { ISLAND = 8 };
+    struct vor_cloud in, out;
+    struct vor_report report;
+
+    vt_cloud_sphere(&in, (uint64_t)_i, N);
+    for (size_t i = 0; i < 3 * (size_t)ISLAND; i++)
+        in.xyz[i] = (float)(5 + 0.02 * vt_unit((uint64_t)_i, i));
+    number(&in);
+    filter(&out, &report, &in, "mls", "keep");
+    ck_assert_uint_eq(out.n, N);
+    for (size_t i = 0; i < N; i++)
+        ck_assert_uint_eq(number_of(&out, i), i);
+    ck_assert_uint_eq(report.parts, 2);
+    ck_assert_uint_eq(report.islands, 1);
+    ck_assert_uint_eq(report.in_islands, ISLAND);
+    ck_assert_uint_eq(report.on_islands, 0);
+    ck_assert_double_eq(report.delta_beside, report.delta);
+    vor_cloud_free(&out);
+    filter(&out, &report, &in, "outliers", "drop");
+    ck_assert_uint_eq(report.outliers, ISLAND);
+    ck_assert_uint_eq(number_of(&out, 0), ISLAND);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
 START_TEST(a_progressive_order_is_one_of_the_same_points)
 {
     const char *const options[] = {"filters", "mls", "order", "progressive", NULL};
@@ -685,6 +740,8 @@ int main(void)
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add(suite, the_order_of_the_words_and_the_number_of_threads_change_nothing);
     vt_add(suite, fitted_normals_are_those_of_the_sphere_and_follow_the_carried_ones);
+    vt_add(suite, oriented_normals_are_the_carried_ones_all_outward);
+    vt_add(suite, islands_are_counted_and_stay_in_their_places_of_the_order);
     vt_add(suite, a_progressive_order_is_one_of_the_same_points);
     vt_add(suite, double_positions_far_from_the_origin_stay_exact);
     vt_add_loop(suite, noisy_sheets_are_not_pulled_together, VT_ONCE(1));

@@ -414,6 +414,37 @@ START_TEST(a_cancel_anywhere_ends_the_search)
 }
 END_TEST
 
+/* What is left without islands has lists of its own points. */
+START_TEST(lists_of_neighbours_are_made_without_islands)
+{
+    struct vt_engine engine;
+    struct vor_cloud in;
+    struct vor_domain domain;
+
+    make_scan(&in, 1, SCAN);
+    vt_engine_open(&engine, 2);
+    vt_engine_set(&engine, "intrinsic", "satellites");
+    vt_assert_ok(vor_input_prepare(&domain, &in, &engine.spec, &engine.run, &vt_err));
+    ck_assert_uint_eq(domain.n, SCAN);
+    ck_assert_uint_eq(domain.islands.count, CLUSTERS);
+    ck_assert_uint_eq(domain.graph.n, SCAN);
+    for (size_t i = 0; i < SCAN; i++) {
+        const uint32_t *list = &domain.graph.list[i * domain.graph.most];
+
+        ck_assert_uint_gt(domain.graph.count[i], 0);
+        for (unsigned a = 0; a < domain.graph.count[i]; a++) {
+            ck_assert_uint_lt(list[a], SCAN);
+            ck_assert_double_lt(
+                vor_distance2f(&domain.xyz[3 * i], &domain.xyz[3 * (size_t)list[a]]), 0.01);
+        }
+    }
+    vor_domain_free(&domain);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
 static uint32_t top(const uint32_t *root, uint32_t i)
 {
     while (root[i] != i)
@@ -506,6 +537,7 @@ int main(void)
     vt_add(suite, one_two_and_three_threads_give_the_same_bytes);
     vt_add(suite, memory_that_ends_anywhere_is_an_error_and_leaks_nothing);
     vt_add(suite, a_cancel_anywhere_ends_the_search);
+    vt_add(suite, lists_of_neighbours_are_made_without_islands);
     vt_add_loop(suite, joined_parts_lie_between_those_of_one_distance_and_of_nine, 8);
     return vt_run(suite);
 }
