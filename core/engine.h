@@ -19,7 +19,7 @@
  *  @retval VOR_E_TARGET     the number of points, given or from ratio or spacing, is out of range
  *                           (vor_spec_check_target)
  *  @retval VOR_E_NORMALS    inputNormals is use, and the cloud has none, or some that are zero or
- * not finite
+ *                           not finite
  *  @retval VOR_E_DEGENERATE the cloud has no surface: fewer than four distinct points, or all on a
  *                           line; `measure`: as vor_measure_clouds
  *  @retval VOR_E_NOMEM      the job does not fit under its cap

@@ -71,7 +71,7 @@ VOR_NODISCARD vor_status vor_spec_check(const struct vor_spec *spec, struct vor_
 
 /** Completes a request that a caller made: if the process takes the three and none is given, ratio
  *  gets the process's default, if it has one. A default of 1, as many points as the input has,
- * gives way to filters. Then checks the request, as vor_spec_check. */
+ *  gives way to filters. Then checks the request, as vor_spec_check. */
 VOR_NODISCARD vor_status vor_spec_complete(struct vor_spec *spec, struct vor_error *err);
 
 /** Checks which inputs come with the request: every required one does, and so does the input that a

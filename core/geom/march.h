@@ -49,8 +49,8 @@ void vor_march_free(struct vor_march *march);
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
  *  Over lists of 20 among 20,000 points of white noise, on square, sphere, cylinder and fold beyond
- * ten spacings: off by at most 2.7 %, by 0.3 % in the mean. O(n log n + n most^2), one thread. The
- * same distances for any number of threads. */
+ *  ten spacings: off by at most 2.7 %, by 0.3 % in the mean. O(n log n + n most^2), one thread. The
+ *  same distances for any number of threads. */
 VOR_NODISCARD vor_status vor_march_from(struct vor_march *march, float *far, const uint32_t *source,
                                         size_t sources, const struct vor_run *run,
                                         struct vor_error *err);

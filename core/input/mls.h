@@ -28,7 +28,7 @@
 #include "core/input/domain.h"
 
 /** Moves every point of a domain, and indexes them again. A point without a surface around it
- * stays.
+ *  stays.
  *
  *  @retval VOR_E_NOMEM 12 n bytes do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for; the domain may have to be freed

@@ -2,7 +2,7 @@
  *
  *  Source: Huang 2009 ("Consolidation of unorganized point clouds"), as Huang 2013 Sec. 3 takes it,
  *  after Hoppe 1992: a normal is fitted to each point, and its sign spreads along a minimum
- * spanning tree of the neighbour graph.
+ *  spanning tree of the neighbour graph.
  *
  *  Departure: what an edge carries over is the normal mirrored at the plane midway between both
  *  ends (Koenig and Gumhold 2009, "Consistent propagation of normal orientations in point clouds"),
@@ -15,8 +15,8 @@
  *  more of its normals, by area, leading away from its middle than towards it: the flux of x minus
  *  the middle through it is three times its volume. The same goes for a dome. Where that flux is
  *  small against the sum of the normals, as on a terrain, the component faces upward: the largest
- * coordinate of the sum of its normals is made positive. Departure: a surface with one side only,
- * such as a Moebius band, is counted. */
+ *  coordinate of the sum of its normals is made positive. Departure: a surface with one side only,
+ *  such as a Moebius band, is counted. */
 #ifndef VOR_INPUT_ORIENT_H
 #define VOR_INPUT_ORIENT_H
 

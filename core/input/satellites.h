@@ -15,7 +15,7 @@
  *  far. Of the lists of a plate of 1 x 1 x 0.02 with 20,000 points, 18 % of the neighbours lie on
  *  the other face.
  *  Limit: lists have at most VOR_ADJACENT points; fits to more, because of noise, are to the
- * nearest points. */
+ *  nearest points. */
 #ifndef VOR_INPUT_SATELLITES_H
 #define VOR_INPUT_SATELLITES_H
 

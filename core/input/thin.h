@@ -36,9 +36,9 @@ VOR_NODISCARD vor_status vor_domain_thin_for(struct vor_domain *out, const struc
                                              struct vor_error *err);
 
 /** Thins a domain itself, to a gap of the mean distance of its points to their three nearest
- * others: evens the density of an uneven input out from above, and leaves about half of one that
- * white noise spread. Lists of neighbours (domain->graph) are gone afterwards. Does nothing if
- * fewer than 20 points would be left.
+ *  others: evens the density of an uneven input out from above, and leaves about half of one that
+ *  white noise spread. Lists of neighbours (domain->graph) are gone afterwards. Does nothing if
+ *  fewer than 20 points would be left.
  *
  *  Source: Lv 2022, Sec. 3.1. Departure: it takes points in their order, the paper the one of each
  *  voxel of that size that is nearest to the voxel's middle; two of those may be as near each other

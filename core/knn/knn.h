@@ -58,8 +58,8 @@ void vor_knn_search(const struct vor_knn *knn, const float *queries, size_t coun
 
 /** Finds the parts of a cloud that are clear of each other. Points within `distance` of each other
  *  are in one part. So are the points of a box of the tree at most four distances wide, and those
- * of two such boxes within a distance: parts clear of all others by nine distances are told apart
- * for certain, nearer ones where the boxes happen to. Only for an index of sorted points.
+ *  of two such boxes within a distance: parts clear of all others by nine distances are told apart
+ *  for certain, nearer ones where the boxes happen to. Only for an index of sorted points.
  *
  *  Source: "friends of friends" (Huchra and Geller 1982), by a walk over pairs of boxes. Departure:
  *  narrow boxes are taken as a whole, which takes a sixth of the time (WIDTH in knn_join.c).

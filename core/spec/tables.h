@@ -269,8 +269,8 @@ struct vor_artefact_info {
     VOR_EXTRA_PROCESSES(X)
 
 /** Defaults of a process that differ from the table of parameters: process, parameter, value. That
- * of ratio holds only if none of points, ratio and spacing is given; a default of 1 not where
- * filters alone make the result either (vor_spec_only_filters). */
+ *  of ratio holds only if none of points, ratio and spacing is given; a default of 1 not where
+ *  filters alone make the result either (vor_spec_only_filters). */
 #define VOR_PRESET_TABLE(X)                                                                        \
     X(DENOISE, RATIO, 1)                                                                           \
     X(DENOISE, OUTLIERS, VOR_OUTLIERS_DROP)                                                        \
