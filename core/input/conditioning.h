@@ -42,6 +42,13 @@ static inline void vor_neighbors_fix(struct vor_neighbors *out, unsigned k)
     out->usual = out->most = k;
 }
 
+/** Which lists of neighbours on one sheet the domains of an input have (input/lists.h). */
+enum vor_lists {
+    VOR_LISTS_NONE,
+    VOR_LISTS_LOCAL,     /**< input/adjacency.h */
+    VOR_LISTS_SATELLITES /**< input/satellites.h */
+};
+
 /** The findings. All zero, with neighbors fixed, means that nothing is known. */
 struct vor_conditioning {
     size_t distinct;                /**< points that share no place with an earlier one */
@@ -52,8 +59,7 @@ struct vor_conditioning {
     size_t off_lattice;             /**< points that were moved within their cells; if any were,
                                          positions are not exact */
     int sheets;                     /**< the input has sheets: fits look for layers */
-    int satellites;                 /**< every domain of the input has lists of neighbours by
-                                         satellites (input/satellites.h) */
+    enum vor_lists lists;           /**< of neighbours, that every domain of the input has */
     struct vor_neighbors neighbors; /**< how many points a fit takes */
 };
 

@@ -1,12 +1,13 @@
 #include "core/input/input.h"
 
+#include "core/input/adjacency.h"
 #include "core/input/carried.h"
 #include "core/input/islands.h"
 #include "core/input/lattice.h"
+#include "core/input/lists.h"
 #include "core/input/mls.h"
 #include "core/input/neighbors.h"
 #include "core/input/outliers.h"
-#include "core/input/satellites.h"
 #include "core/input/sheets.h"
 #include "core/input/thin.h"
 
@@ -53,22 +54,14 @@ static vor_status leave_lattice(struct vor_domain *domain, const struct vor_spec
     return vor_lattice_smooth(domain, &known->off_lattice, &known->lattice, run, err);
 }
 
-/* Makes the lists of neighbours, if the request asks for such and the domain has none. */
-static vor_status make_lists(struct vor_domain *domain, const struct vor_run *run,
-                             struct vor_error *err)
-{
-    if (!domain->known.satellites || vor_graph_is(&domain->graph))
-        return VOR_OK;
-    return vor_satellites_make(&domain->graph, domain, run, err);
-}
-
 /* Finds out whether the input has sheets, the way that the request says. */
 static vor_status find_sheets(struct vor_domain *domain, const struct vor_spec *spec,
                               const struct vor_run *run, struct vor_error *err)
 {
     double intrinsic = spec->value[VOR_PARAM_INTRINSIC];
 
-    domain->known.satellites = intrinsic == VOR_INTRINSIC_SATELLITES;
+    if (intrinsic == VOR_INTRINSIC_SATELLITES)
+        domain->known.lists = VOR_LISTS_SATELLITES;
     if (intrinsic != VOR_INTRINSIC_LOCAL)
         return VOR_OK;
     return vor_sheets_find(&domain->known.sheets, domain, run, err);
@@ -83,6 +76,22 @@ static vor_status choose_neighbors(struct vor_domain *domain, const struct vor_s
         return vor_neighbors_choose(&domain->known.neighbors, domain, run, err);
     vor_neighbors_fix(&domain->known.neighbors, (unsigned)given);
     return VOR_OK;
+}
+
+/* Looks whether lists of neighbours pay. Fits to more points than a list has make no use of one. */
+static vor_status choose_lists(struct vor_domain *domain, const struct vor_spec *spec,
+                               const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status;
+    int pays = 0;
+
+    if (spec->value[VOR_PARAM_INTRINSIC] != VOR_INTRINSIC_LOCAL ||
+        domain->known.neighbors.usual > VOR_ADJACENT)
+        return VOR_OK;
+    status = vor_adjacency_probe(&pays, domain, run, err);
+    if (pays)
+        domain->known.lists = VOR_LISTS_LOCAL;
+    return status;
 }
 
 /* The filters that come after everything is known. */
@@ -121,15 +130,17 @@ static vor_status condition(struct vor_domain *domain, struct vor_outliers *outl
         status = find_sheets(domain, spec, run, err);
     if (status == VOR_OK)
         status = choose_neighbors(domain, spec, run, err);
+    if (status == VOR_OK)
+        status = choose_lists(domain, spec, run, err);
     if (status == VOR_OK && outliers_of(spec) == VOR_OUTLIERS_PULL)
         status = vor_outliers_pull(domain, outliers, run, err);
     if (status == VOR_OK)
-        status = make_lists(domain, run, err);
+        status = vor_lists_make(domain, run, err);
     if (status == VOR_OK)
         status = filter(domain, spec, run, err);
     if (status == VOR_OK)
         status = look_for_islands(domain, spec, run, err);
-    return status == VOR_OK ? make_lists(domain, run, err) : status; /* again without islands */
+    return status == VOR_OK ? vor_lists_make(domain, run, err) : status; /* again without islands */
 }
 
 vor_status vor_input_prepare(struct vor_domain *out, const struct vor_cloud *in,

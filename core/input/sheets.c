@@ -98,6 +98,32 @@ int vor_sheets_gather(float *near, const struct vor_domain *domain, const double
     return layers.count > 1;
 }
 
+unsigned vor_sheets_list(uint32_t *list, const struct vor_domain *domain, uint32_t root, unsigned k)
+{
+    float wide[3 * VOR_NEIGHBORS_MAX], distance2[VOR_NEIGHBORS_MAX];
+    uint32_t index[VOR_NEIGHBORS_MAX];
+    const float *p = &domain->xyz[3 * (size_t)root];
+    double x[3] = {(double)p[0], (double)p[1], (double)p[2]};
+    unsigned most = least((unsigned)fmax(WIDE * k, WIDE_LEAST), domain->n), taken = 0, own;
+    struct vor_layers layers = {.count = 1};
+
+    vor_knn_search(domain->knn, p, 1, most, index, distance2);
+    for (unsigned j = 0; j < most; j++)
+        memcpy(&wide[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *wide);
+    for (unsigned i = 0; i < ATTEMPTS && layers.count == 1; i++)
+        find_layers(&layers, wide, (unsigned)(attempts[i].share * most), attempts[i].points);
+    if (layers.count == 1)
+        return 0;
+    own = vor_layers_nearest(&layers, x);
+    for (unsigned j = 0; j < most && taken < k; j++) {
+        double at[3] = {(double)wide[3 * j], (double)wide[3 * j + 1], (double)wide[3 * j + 2]};
+
+        if (vor_layers_nearest(&layers, at) == own)
+            list[taken++] = index[j];
+    }
+    return taken;
+}
+
 int vor_sheets_fit(struct vor_surface *out, float *near, const struct vor_domain *domain,
                    const double x[3], unsigned k)
 {

@@ -1,7 +1,7 @@
 #include "core/input/thin.h"
 
 #include "core/base/linalg.h"
-#include "core/input/satellites.h"
+#include "core/input/lists.h"
 
 #include <math.h>
 #include <string.h>
@@ -119,8 +119,8 @@ static vor_status thin(struct vor_domain *out, const struct vor_domain *in, doub
     vor_free(run->memory, thinning.kept);
     if (status == VOR_OK && domain.n > 0)
         status = vor_domain_index(&domain, run, err);
-    if (status == VOR_OK && domain.n > 0 && in->known.satellites)
-        status = vor_satellites_make(&domain.graph, &domain, run, err);
+    if (status == VOR_OK)
+        status = vor_lists_make(&domain, run, err);
     if (status != VOR_OK) {
         vor_domain_free(&domain);
         return status;

@@ -2,8 +2,8 @@
 
 #include "core/base/linalg.h"
 #include "core/base/rng.h"
+#include "core/input/lists.h"
 #include "core/input/neighbors.h"
-#include "core/input/sheets.h"
 
 #include <assert.h>
 #include <string.h>
@@ -169,8 +169,8 @@ enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch 
         double at[3];
 
         vor_seeds_position(seeds, i, at);
-        last->layered =
-            (unsigned char)vor_sheets_fit(&last->surface, here->near, seeds->domain, at, last->k);
+        last->layered = (unsigned char)vor_lists_fit(&last->surface, here->near, seeds->domain, at,
+                                                     last->k, index);
     }
     last->refined = 0;
     last->interior = 0;
@@ -241,7 +241,7 @@ enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor
     vor_knn_search(seeds->domain->knn, query, 1, k, index, distance2);
     scratch->queries++;
     gather(seeds, place, index, k);
-    (void)vor_sheets_fit(&place->surface, place->near, seeds->domain, x, k);
+    (void)vor_lists_fit(&place->surface, place->near, seeds->domain, x, k, index);
     return place->surface.kind;
 }
 

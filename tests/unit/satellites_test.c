@@ -257,7 +257,7 @@ START_TEST(a_thinned_domain_has_lists_of_its_own)
     struct bed bed;
 
     start(&bed, 2, VT_SHEETS, _i, N, 0.1);
-    bed.domain.known.satellites = 1;
+    bed.domain.known.lists = VOR_LISTS_SATELLITES;
     vt_assert_ok(vor_domain_thin(&thin, &bed.domain, 0.02, &bed.engine.run, &vt_err));
     ck_assert_uint_gt(thin.n, 0);
     ck_assert_uint_eq(thin.graph.n, thin.n);

@@ -1,0 +1,33 @@
+/** A bounded walk: which of the points around one can be reached along its surface.
+ *
+ *  Source: none of the papers; Lv et al. 2022, "Intrinsic and Isotropic Resampling for 3D Point
+ *  Clouds", Sec. 4.1, asks of neighbours that they are near along the surface too. */
+#ifndef VOR_GEOM_WALK_H
+#define VOR_GEOM_WALK_H
+
+/** Most points of a walk: three times those of a list, so that one of three sheets has enough. */
+enum { VOR_WALK_MOST = 60 };
+
+#include <stdint.h>
+
+/** A walk from the first of `most` points, the others its nearest in order. */
+struct vor_walk {
+    unsigned most;                  /**< 1 .. VOR_WALK_MOST */
+    double arc;                     /**< largest sine of an edge over the surface between the
+                                         normals at its ends */
+    uint32_t index[VOR_WALK_MOST];  /**< the caller's */
+    float distance2[VOR_WALK_MOST]; /**< squared, from the first */
+    float x[VOR_WALK_MOST][3];      /**< positions */
+    float normal[VOR_WALK_MOST][3]; /**< unit length, of any sign */
+    double far[VOR_WALK_MOST];      /**< set by the walk: length of the way; infinite without */
+    unsigned char reached[VOR_WALK_MOST]; /**< set by the walk: 1 where the way is at most 1.5 times
+                                               the straight distance */
+    unsigned char done[VOR_WALK_MOST];    /**< scratch of the walk */
+};
+
+/** Finds the shortest ways (Dijkstra 1959) along edges that stay on the surface: at most 2.2
+ *  spacings of the points long, between normals that agree, no steeper over the surface than arc.
+ *  Sets far and reached. Cannot fail; O(most^2); depends on nothing but the walk. */
+void vor_walk_go(struct vor_walk *walk);
+
+#endif

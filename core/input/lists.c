@@ -1,0 +1,101 @@
+#include "core/input/lists.h"
+
+#include "core/base/linalg.h"
+#include "core/input/adjacency.h"
+#include "core/input/satellites.h"
+#include "core/input/sheets.h"
+
+#include <math.h>
+#include <string.h>
+
+vor_status vor_lists_make(struct vor_domain *domain, const struct vor_run *run,
+                          struct vor_error *err)
+{
+    if (domain->n == 0 || vor_graph_is(&domain->graph))
+        return VOR_OK;
+    switch (domain->known.lists) {
+    case VOR_LISTS_LOCAL:
+        return vor_adjacency_make(&domain->graph, domain, run, err);
+    case VOR_LISTS_SATELLITES:
+        return vor_satellites_make(&domain->graph, domain, run, err);
+    default:
+        return VOR_OK;
+    }
+}
+
+/* Copies the point at root and its neighbours, at most k in all; returns how many. */
+static unsigned copy_list(float *near, const struct vor_domain *domain, uint32_t root, unsigned k)
+{
+    const struct vor_graph *graph = &domain->graph;
+    const uint32_t *list = &graph->list[(size_t)root * graph->most];
+    unsigned count = graph->count[root] + 1u < k ? graph->count[root] + 1u : k;
+
+    memcpy(near, &domain->xyz[3 * (size_t)root], 3 * sizeof *near);
+    for (unsigned j = 1; j < count; j++)
+        memcpy(&near[3 * j], &domain->xyz[3 * (size_t)list[j - 1]], 3 * sizeof *near);
+    return count;
+}
+
+/* The point of index[0 .. k - 1] nearest to x that is on another sheet than the first; the first if
+ * none is. */
+static uint32_t other_sheet(const struct vor_domain *domain, const uint32_t *index, unsigned k,
+                            const double x[3])
+{
+    float at[3] = {(float)x[0], (float)x[1], (float)x[2]};
+    double best = INFINITY;
+    uint32_t root = index[0], found = root;
+
+    for (unsigned j = 1; j < k; j++) {
+        double d2 = vor_distance2f(at, &domain->xyz[3 * (size_t)index[j]]);
+
+        if (d2 < best && !vor_graph_has(&domain->graph, root, index[j]) &&
+            !vor_graph_has(&domain->graph, index[j], root)) {
+            best = d2;
+            found = index[j];
+        }
+    }
+    return found;
+}
+
+/* Distance of x from a surface, along its normal. */
+static double off(const struct vor_surface *s, const double x[3])
+{
+    double local[3];
+
+    if (s->kind == VOR_SURFACE_NONE)
+        return INFINITY;
+    vor_surface_to_local(s, x, local);
+    return fabs(local[2] - vor_surface_height(s, local[0], local[1], NULL));
+}
+
+int vor_lists_fit(struct vor_surface *out, float *near, const struct vor_domain *domain,
+                  const double x[3], unsigned k, const uint32_t *index)
+{
+    const struct vor_graph *graph = &domain->graph;
+    struct vor_surface second;
+    float there[3 * VOR_ADJACENT];
+    uint32_t root = index[0], other;
+    unsigned count, n;
+
+    if (domain->known.lists == VOR_LISTS_NONE || !vor_graph_is(graph) || k > VOR_ADJACENT)
+        return vor_sheets_fit(out, near, domain, x, k);
+    if (!graph->own[root]) {
+        vor_surface_fit(out, near, k);
+        return 0;
+    }
+    other = other_sheet(domain, index, k, x);
+    count = copy_list(near, domain, root, k);
+    vor_surface_fit(out, near, count);
+    if (other != root) {
+        n = copy_list(there, domain, other, k);
+        vor_surface_fit(&second, there, n);
+        if (off(&second, x) < off(out, x)) {
+            *out = second;
+            memcpy(near, there, 3 * n * sizeof *near);
+            count = n;
+        }
+    }
+    for (unsigned j = count; j < k; j++)
+        memcpy(&near[3 * j], &near[3 * (j - count)], 3 * sizeof *near);
+    return 1;
+}

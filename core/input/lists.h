@@ -1,0 +1,34 @@
+/** The lists of neighbours of a domain, made the way that was chosen for its input, and fits to
+ *  them. */
+#ifndef VOR_INPUT_LISTS_H
+#define VOR_INPUT_LISTS_H
+
+#include "core/geom/surface.h"
+#include "core/input/domain.h"
+
+/** Makes domain->graph as known.lists says. Does nothing where there is one, where no lists were
+ *  chosen, and on an empty domain.
+ *
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED  as vor_adjacency_make, vor_satellites_make
+ *
+ *  O(n log n), on the run's pool. The same lists for any number of threads. */
+VOR_NODISCARD vor_status vor_lists_make(struct vor_domain *domain, const struct vor_run *run,
+                                        struct vor_error *err);
+
+/** vor_surface_fit to k points around x, which lie on one sheet if the domain has lists and k is at
+ *  most VOR_ADJACENT: where the list of the input point nearest to x is its own, to that list; and
+ *  where points of another sheet are near, to the sheet that x is nearer to, because between sheets
+ *  nearer than the spacing the nearest input point is often one of the other. Without lists, as
+ *  vor_sheets_fit.
+ *
+ *  @param[in,out] near   k x 3 floats, nearest first; those of the sheet when it returns 1,
+ * repeated if they are fewer
+ *  @param[in]     index  their numbers, that of the nearest first
+ *
+ *  @return whether the fit is to a sheet
+ *
+ *  O(k^2) where it is, else as vor_sheets_fit. Cannot fail. Thread-safe. */
+int vor_lists_fit(struct vor_surface *out, float *near, const struct vor_domain *domain,
+                  const double x[3], unsigned k, const uint32_t *index);
+
+#endif
