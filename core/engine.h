@@ -35,7 +35,8 @@
  *  Departure: small parts of the input, clear of all others, get at most their own points, in their
  *  places (input/islands.h).
  *
- *  Memory: at most 61 bytes for each input point (position, order, index). For each point of the
+ *  Memory: at most 61 bytes for each input point (position, order, index), 94 more where lists of
+ *  neighbours on one sheet are made (input/lists.h) and 28 while they are. For each point of the
  *  result 6 k + 383 bytes (surface, lists, index; k neighbors), twice that while the start is drawn
  *  from cells, which is the case unless the input has ten times as many points; then 6 k + 492
  *  while iterating. After the polish a progressive order takes 34 instead, and a copy of the widest

@@ -54,7 +54,7 @@ vor_status vor_carried_count(size_t *bad, size_t *first, const struct vor_attrib
     count.bad = vor_malloc(run->memory, blocks, 2 * sizeof *count.bad);
     if (count.bad == NULL)
         return vor_fail(err, VOR_E_NOMEM, "counting %zu normals", n);
-    count.first = &count.bad[blocks];
+    count.first = count.bad + blocks;
     status = vor_run_for(run, n, BLOCK, count_block, &count, err);
     *bad = 0;
     *first = n;

@@ -277,7 +277,7 @@ static void mean_of(const struct placing *placing, size_t first, size_t count, f
 /* Places `wanted` points at those of an island. */
 static void place_island(const struct placing *placing, size_t island, size_t at, size_t wanted)
 {
-    const uint32_t *first = &placing->domain->islands.first[island];
+    const uint32_t *first = placing->domain->islands.first + island;
     size_t count = first[1] - first[0], best = 0;
     double far2[FITS * VOR_NEIGHBORS_MAX];
     float mean[3];

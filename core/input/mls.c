@@ -131,6 +131,7 @@ static void project_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct hood hood;
 
     (void)worker;
+    memset(&hood.surface, 0, sizeof hood.surface); /* clang-analyzer cannot see that k >= 1 */
     for (size_t i = begin; i < end; i++) {
         const float *from = &pass->domain->xyz[3 * i];
         double x[3] = {(double)from[0], (double)from[1], (double)from[2]};

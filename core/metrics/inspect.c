@@ -36,11 +36,10 @@ static vor_status make_lists(struct vor_domain *domain, const struct vor_spec *s
     return status;
 }
 
-/* Counts the components; size[i] becomes the points of component i. */
+/* Counts the components; size[i], 0 at first, becomes the points of component i. */
 static void count_components(struct vor_inspect *out, uint32_t *size, const uint32_t *component,
                              size_t n)
 {
-    memset(size, 0, out->components * sizeof *size);
     for (size_t i = 0; i < n; i++)
         size[component[i]]++;
     for (size_t c = 0; c < out->components; c++) {
@@ -62,10 +61,10 @@ static vor_status find_components(struct vor_inspect *out, const struct vor_grap
     if (component != NULL)
         status = vor_graph_components(component, &count, graph, err);
     if (status == VOR_OK)
-        size = vor_malloc(run->memory, count, sizeof *size);
-    if (component == NULL || (status == VOR_OK && size == NULL))
+        size = vor_calloc(run->memory, count, sizeof *size);
+    if (component == NULL || (status == VOR_OK && size == NULL)) {
         status = vor_fail(err, VOR_E_NOMEM, "components of %zu points", graph->n);
-    if (status == VOR_OK) {
+    } else if (status == VOR_OK) {
         out->components = count;
         count_components(out, size, component, graph->n);
     }

@@ -24,8 +24,7 @@ struct work {
     const struct vor_domain *domain;
     const struct vor_spec *spec;
     const struct vor_run *run;
-    const struct vor_domain *all; /* of every point of the input */
-    size_t n;                     /* points of the result */
+    size_t n;                  /* points of the result */
     uint32_t *place;           /* for each point of the input: its point of the domain, or NONE */
     uint32_t *source;          /* for each point of the result: its point of the input */
     float *was;                /* n x 3: where that was, normalised */
@@ -47,10 +46,17 @@ static const float *is_at(const struct work *work, size_t i)
     return &work->domain->xyz[3 * (size_t)work->place[work->source[i]]];
 }
 
+/* A domain of every point of the input, to find twins in. */
+struct twins {
+    struct work *work;
+    struct vor_domain all;
+};
+
 static void join_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
-    const struct work *work = ctx;
-    const struct vor_domain *all = work->all;
+    const struct twins *twins = ctx;
+    const struct vor_domain *all = &twins->all;
+    struct work *work = twins->work;
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
@@ -70,15 +76,14 @@ static void join_block(void *ctx, size_t begin, size_t end, unsigned worker)
  * there. */
 static vor_status join_twins(struct work *work, struct vor_error *err)
 {
-    struct vor_domain all;
-    vor_status status = vor_domain_init(&all, work->in, work->run, err);
+    struct twins twins = {.work = work};
+    vor_status status = vor_domain_init(&twins.all, work->in, work->run, err);
 
     if (status != VOR_OK)
         return status;
-    work->all = &all;
-    if (all.n < work->in->n)
-        status = vor_run_for(work->run, work->in->n, BLOCK, join_block, work, err);
-    vor_domain_free(&all);
+    if (twins.all.n < work->in->n)
+        status = vor_run_for(work->run, work->in->n, BLOCK, join_block, &twins, err);
+    vor_domain_free(&twins.all);
     return status;
 }
 
@@ -191,29 +196,37 @@ static vor_status make_cloud(struct vor_cloud *out, struct work *work, struct vo
     return vor_transfer_attributes(out, work->in, work->source, work->normal, work->spec, err);
 }
 
-/* Distances to the nearest other point: those within the domain, and 0 where points share a place.
- */
+/* Sets the distances from those of the domain's points: 0 where points share a place. held is 0 for
+ * each point of the domain at first. */
+static void spread_nearest(struct work *work, const float *own, unsigned char *held)
+{
+    for (size_t i = 0; i < work->n; i++) {
+        unsigned char *count = &held[work->place[work->source[i]]];
+
+        *count = *count < 2 ? (unsigned char)(*count + 1) : 2;
+    }
+    for (size_t i = 0; i < work->n; i++) {
+        uint32_t at = work->place[work->source[i]];
+
+        work->nearest[i] = held[at] > 1 ? 0 : own[at];
+    }
+}
+
+/* Distances to the nearest other point. */
 static vor_status find_nearest(struct work *work, struct vor_error *err)
 {
     const struct vor_domain *domain = work->domain;
     float *own = vor_malloc(work->run->memory, domain->n, sizeof *own);
     unsigned char *held = vor_calloc(work->run->memory, domain->n, sizeof *held);
-    vor_status status = VOR_OK;
+    vor_status status;
 
     work->nearest = vor_malloc(work->run->memory, work->n, sizeof *work->nearest);
-    if (own == NULL || held == NULL || work->nearest == NULL)
+    if (own == NULL || held == NULL || work->nearest == NULL) {
         status = vor_fail(err, VOR_E_NOMEM, "distances of %zu points", work->n);
-    else
+    } else {
         status = vor_nearest_distances(own, domain->xyz, domain->n, domain->knn, work->run, err);
-    for (size_t i = 0; status == VOR_OK && i < work->n; i++) {
-        unsigned char *count = &held[work->place[work->source[i]]];
-
-        *count = *count < 2 ? (unsigned char)(*count + 1) : 2;
-    }
-    for (size_t i = 0; status == VOR_OK && i < work->n; i++) {
-        uint32_t at = work->place[work->source[i]];
-
-        work->nearest[i] = held[at] > 1 ? 0 : own[at];
+        if (status == VOR_OK)
+            spread_nearest(work, own, held);
     }
     vor_free(work->run->memory, held);
     vor_free(work->run->memory, own);
@@ -257,13 +270,14 @@ static vor_status report_apart(struct vor_report *report, struct work *work, str
         return status;
     work->knn = knn;
     work->block = vor_malloc(work->run->memory, blocks, 2 * sizeof *work->block);
-    if (work->block == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "distances of %zu points", work->n);
-    else
-        status = vor_run_for(work->run, work->n, BLOCK, apart_block, work, err);
-    for (size_t b = 0; status == VOR_OK && b < 2 * blocks; b++)
-        vor_sums_merge(&all[b % 2], &work->block[b]);
+    if (work->block == NULL) {
+        vor_knn_free(knn);
+        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", work->n);
+    }
+    status = vor_run_for(work->run, work->n, BLOCK, apart_block, work, err);
     if (status == VOR_OK) {
+        for (size_t b = 0; b < 2 * blocks; b++)
+            vor_sums_merge(&all[b % 2], &work->block[b]);
         report->in_to_out = in_unit(&all[0], work->n, work->domain->unit);
         report->out_to_in = in_unit(&all[1], work->n, work->domain->unit);
     }

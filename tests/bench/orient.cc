@@ -1,6 +1,6 @@
 /* CGAL's orientation of normals by a minimum spanning tree, the peer of the benchmark: reads a PLY,
- * fits normals, orients them, writes points and normals as PLY, prints the CPU seconds of both steps
- * and how many normals it left unoriented. One thread.
+ * fits normals, orients them, writes points and normals as PLY, prints the CPU seconds of both
+ * steps and how many normals it left unoriented. One thread.
  *
  * usage: orient IN.ply NEIGHBORS OUT.ply */
 #include <CGAL/IO/read_ply_points.h>

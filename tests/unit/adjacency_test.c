@@ -74,7 +74,8 @@ static void expect_across(struct bed *bed, size_t in)
     for (size_t i = 0; i < bed->graph.n; i++)
         few += bed->graph.count[i] < 8;
     ck_assert_msg(pairs <= most, "%s: %zu pairs across", bed->metric->name, pairs);
-    ck_assert_msg(few <= (in > 0 ? 20 : 0), "%s: %zu points with fewer than 8 neighbours", bed->metric->name, few);
+    ck_assert_msg(few <= (in > 0 ? 20 : 0), "%s: %zu points with fewer than 8 neighbours",
+                  bed->metric->name, few);
     end(bed);
 }
 
@@ -180,17 +181,214 @@ START_TEST(the_way_along_the_lists_is_that_along_a_fold)
 }
 END_TEST
 
+/* Points of a shape that the probe is asked about. */
+enum { PROBED = 12000 };
+
+/* Two unit squares that cross along a line, at 30 degrees. */
+static void make_crossing(struct vor_cloud *cloud, uint64_t seed)
+{
+    vt_cloud_make(cloud, PROBED);
+    for (size_t i = 0; i < PROBED; i++) {
+        double u = vt_unit(seed, 2 * i) - 0.5, v = vt_unit(seed, 2 * i + 1);
+
+        cloud->xyz[3 * i] = (float)(u * (i % 2 ? sqrt(0.75) : 1));
+        cloud->xyz[3 * i + 1] = (float)v;
+        cloud->xyz[3 * i + 2] = (float)(i % 2 ? u / 2 : 0);
+    }
+}
+
+/* A rod half a spacing of whose points thick, bent to a ring: thinner than a fit is wide. */
+static void make_rod(struct vor_cloud *cloud, uint64_t seed)
+{
+    vt_cloud_make(cloud, PROBED);
+    for (size_t i = 0; i < PROBED; i++) {
+        double u = 2 * M_PI * vt_unit(seed, 2 * i), v = 2 * M_PI * vt_unit(seed, 2 * i + 1);
+        double radius = 1 + 0.04 * cos(v);
+
+        cloud->xyz[3 * i] = (float)(radius * cos(u));
+        cloud->xyz[3 * i + 1] = (float)(radius * sin(u));
+        cloud->xyz[3 * i + 2] = (float)(0.04 * sin(v));
+    }
+}
+
+/* A slope whose heights are rounded to steps wider than the spacing, as depth cameras do. */
+static void make_steps(struct vor_cloud *cloud, uint64_t seed)
+{
+    vt_cloud_make(cloud, PROBED);
+    for (size_t i = 0; i < PROBED; i++) {
+        double u = vt_unit(seed, 2 * i), v = vt_unit(seed, 2 * i + 1);
+
+        cloud->xyz[3 * i] = (float)u;
+        cloud->xyz[3 * i + 1] = (float)v;
+        cloud->xyz[3 * i + 2] = (float)(floor(20 * u) / 20);
+    }
+}
+
+static int probe(struct vor_cloud *cloud)
+{
+    struct vt_engine engine;
+    struct vor_domain domain;
+    int pays;
+
+    vt_engine_open(&engine, 2);
+    vt_assert_ok(vor_domain_init(&domain, cloud, &engine.run, &vt_err));
+    vt_assert_ok(vor_adjacency_probe(&pays, &domain, &engine.run, &vt_err));
+    vor_domain_free(&domain);
+    vor_cloud_free(cloud);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+    return pays;
+}
+
+START_TEST(the_probe_finds_surfaces_that_cross)
+{
+    struct vor_cloud cloud;
+
+    make_crossing(&cloud, (uint64_t)_i);
+    ck_assert_int_eq(probe(&cloud), 1);
+}
+END_TEST
+
+START_TEST(creases_edges_and_steps_of_depth_are_no_second_sheet)
+{
+    struct vor_cloud cloud;
+
+    vt_cloud_box(&cloud, (uint64_t)_i, PROBED);
+    ck_assert_int_eq(probe(&cloud), 0);
+    make_steps(&cloud, (uint64_t)_i);
+    ck_assert_int_eq(probe(&cloud), 0);
+    vt_cloud_dome(&cloud, (uint64_t)_i, PROBED);
+    ck_assert_int_eq(probe(&cloud), 0);
+    make_rod(&cloud, (uint64_t)_i);
+    ck_assert_int_eq(probe(&cloud), 0);
+}
+END_TEST
+
+/* Rms distance to the nearer one of the crossing squares, where it is not at their borders. */
+static double off_crossing(const struct vor_cloud *out)
+{
+    double sum = 0;
+    size_t n = 0;
+
+    for (size_t i = 0; i < out->n; i++) {
+        double x[3], flat, steep, off;
+
+        vor_cloud_position(out, i, x);
+        if (fabs(x[0]) > 0.35 || x[1] < 0.05 || x[1] > 0.95)
+            continue;
+        flat = fabs(x[2]);
+        steep = fabs(x[2] * sqrt(0.75) - x[0] / 2);
+        off = fmin(flat, steep);
+        sum += off * off;
+        n++;
+    }
+    return sqrt(sum / (double)n);
+}
+
+/* Where surfaces cross, fits to the nearest points run between them. */
+START_TEST(points_lie_twice_as_near_to_crossing_surfaces_as_without_lists)
+{
+    static const char *const words[] = {"local", "none"};
+    double off[2];
+
+    for (int w = 0; w < 2; w++) {
+        struct vt_engine engine;
+        struct vor_cloud in, out;
+        struct vor_report report;
+
+        vt_engine_open(&engine, 2);
+        make_crossing(&in, (uint64_t)_i);
+        vt_engine_count(&engine, "points", PROBED);
+        vt_engine_set(&engine, "iterations", "2");
+        vt_engine_set(&engine, "polish", "8");
+        vt_engine_set(&engine, "intrinsic", words[w]);
+        vt_engine_resample(&engine, &out, &report, &in);
+        ck_assert_uint_eq(out.n, PROBED);
+        off[w] = off_crossing(&out);
+        vor_cloud_free(&out);
+        vor_cloud_free(&in);
+        vt_engine_close(&engine);
+    }
+    ck_assert_double_lt(off[0], 0.5 * off[1]);
+}
+END_TEST
+
+START_TEST(one_two_three_and_eight_threads_make_the_same_lists)
+{
+    static const unsigned threads_of[4] = {1, 2, 3, 8};
+    uint64_t first = 0;
+
+    for (int t = 0; t < 4; t++) {
+        struct vt_engine engine;
+        struct vor_cloud cloud;
+        struct vor_domain domain;
+        struct vor_graph graph;
+        uint64_t hash = 0;
+
+        vt_engine_open(&engine, threads_of[t]);
+        make_crossing(&cloud, 1);
+        vt_assert_ok(vor_domain_init(&domain, &cloud, &engine.run, &vt_err));
+        vt_assert_ok(vor_adjacency_make(&graph, &domain, &engine.run, &vt_err));
+        for (size_t i = 0; i < graph.n; i++)
+            hash = hash * 31 +
+                   vt_hash(&graph.list[i * graph.most], graph.count[i] * sizeof *graph.list);
+        hash = hash * 31 + vt_hash(graph.normal, 3 * graph.n * sizeof *graph.normal);
+        if (t == 0)
+            first = hash;
+        ck_assert_uint_eq(hash, first);
+        vor_graph_free(&graph);
+        vor_domain_free(&domain);
+        vor_cloud_free(&cloud);
+        vt_engine_close(&engine);
+    }
+}
+END_TEST
+
+START_TEST(memory_that_ends_anywhere_is_an_error_and_leaks_nothing)
+{
+    struct vt_engine engine;
+    struct vor_cloud cloud;
+    struct vor_domain domain;
+    struct vor_graph graph;
+    size_t before;
+
+    vt_engine_open(&engine, 1);
+    vt_cloud_dome(&cloud, 1, 500);
+    vt_assert_ok(vor_domain_init(&domain, &cloud, &engine.run, &vt_err));
+    before = atomic_load(&vt_memory.calls);
+    vt_assert_ok(vor_adjacency_make(&graph, &domain, &engine.run, &vt_err));
+    before = atomic_load(&vt_memory.calls) - before;
+    ck_assert_uint_ge(before, 4);
+    vor_graph_free(&graph);
+    for (size_t call = 1; call <= before; call++) {
+        vt_memory.fail_at = atomic_load(&vt_memory.calls) + call;
+        ck_assert_int_eq(vor_adjacency_make(&graph, &domain, &engine.run, &vt_err), VOR_E_NOMEM);
+    }
+    vt_memory.fail_at = 0;
+    vor_domain_free(&domain);
+    vor_cloud_free(&cloud);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("adjacency");
 
-    vt_add_loop(suite, no_neighbour_lies_on_the_other_side_of_a_fold, SEEDS);
-    vt_add_loop(suite, hardly_a_neighbour_lies_on_the_other_face_of_a_plate, SEEDS);
-    vt_add_loop(suite, no_neighbour_lies_on_the_other_of_two_sheets, VT_FEWER(SEEDS));
-    vt_add_loop(suite, no_neighbour_lies_on_the_other_of_two_spheres, SEEDS);
-    vt_add_loop(suite, the_way_along_the_lists_is_that_along_a_square, SEEDS);
-    vt_add_loop(suite, the_way_along_the_lists_is_that_along_a_sphere, SEEDS);
-    vt_add_loop(suite, the_way_along_the_lists_is_that_along_a_cylinder, SEEDS);
-    vt_add_loop(suite, the_way_along_the_lists_is_that_along_a_fold, SEEDS);
+    vt_add_loop(suite, no_neighbour_lies_on_the_other_side_of_a_fold, VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_loop(suite, hardly_a_neighbour_lies_on_the_other_face_of_a_plate,
+                VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_loop(suite, no_neighbour_lies_on_the_other_of_two_sheets, VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_loop(suite, no_neighbour_lies_on_the_other_of_two_spheres, VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_loop(suite, the_way_along_the_lists_is_that_along_a_square, VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_loop(suite, the_way_along_the_lists_is_that_along_a_sphere, VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_loop(suite, the_way_along_the_lists_is_that_along_a_cylinder, VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_loop(suite, the_way_along_the_lists_is_that_along_a_fold, VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_loop(suite, the_probe_finds_surfaces_that_cross, SEEDS);
+    vt_add_loop(suite, creases_edges_and_steps_of_depth_are_no_second_sheet, SEEDS);
+    vt_add_loop(suite, points_lie_twice_as_near_to_crossing_surfaces_as_without_lists, 1);
+    vt_add_loop(suite, one_two_three_and_eight_threads_make_the_same_lists, 1);
+    vt_add_loop(suite, memory_that_ends_anywhere_is_an_error_and_leaks_nothing, 1);
     return vt_run(suite);
 }
