@@ -111,7 +111,9 @@ void vor_march_free(struct vor_march *march)
 /* Whether a comes before b. Indices part equal distances. */
 static int nearer(const struct vor_march *march, uint32_t a, uint32_t b)
 {
-    return march->cost[a] < march->cost[b] || (march->cost[a] == march->cost[b] && a < b);
+    float first = march->cost[a], second = march->cost[b];
+
+    return first < second || (first <= second && a < b);
 }
 
 static void put(struct vor_march *march, size_t at, uint32_t i)
