@@ -120,8 +120,9 @@ START_TEST(every_job_of_a_former_life_is_in_line_before_the_worker_is_there)
     end_life(&life);
     vt_daemon_start(&daemon, life.dir, &options);
     vor_worker_load(daemon.worker, &load);
-    ck_assert_uint_eq(load.waiting + load.running,
-                      ROWS); /* the worn-out one less, the blocker more */
+    /* The worn-out one less, the blocker more, which may be on its way from the line to a runner.
+     */
+    ck_assert_uint_ge(load.waiting + load.running, ROWS - 1);
     ck_assert_int_eq(vor_worker_room(daemon.worker), VOR_FULL);
     vt_cloud_sphere(&cloud, 1, 100);
     ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &refused), VOR_FULL);
@@ -129,6 +130,8 @@ START_TEST(every_job_of_a_former_life_is_in_line_before_the_worker_is_there)
     ck_assert_int_eq(view.status, VOR_JOB_FAILED);
     ck_assert_str_eq(view.message, "the daemon ended 3 times while it worked on this job");
     ck_assert_uint_eq(vt_daemon_wait_iteration(&daemon, &blocker, 0).attempt, 2);
+    vor_worker_load(daemon.worker, &load);
+    ck_assert_uint_eq(load.waiting + load.running, ROWS);
     for (int i = 0; i < ROWS; i++) {
         if (i == WORN_OUT)
             continue;
