@@ -385,12 +385,13 @@ vor_status vor_outliers_pull(struct vor_domain *domain, const struct vor_outlier
         return VOR_OK;
     pull.foot = vor_malloc(run->memory, outliers->n, 3 * sizeof *pull.foot);
     pull.goes = vor_malloc(run->memory, outliers->n, sizeof *pull.goes);
-    if (pull.foot == NULL || pull.goes == NULL)
+    if (pull.foot == NULL || pull.goes == NULL) {
         status = vor_fail(err, VOR_E_NOMEM, "pulling %zu outliers", outliers->n);
-    else
+    } else {
         status = vor_run_for(run, outliers->n, BATCH, pull_block, &pull, err);
-    if (status == VOR_OK)
-        status = insert(domain, &pull, run, err);
+        if (status == VOR_OK)
+            status = insert(domain, &pull, run, err);
+    }
     vor_free(run->memory, pull.goes);
     vor_free(run->memory, pull.foot);
     return status;
