@@ -29,7 +29,7 @@
  *
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
- *  O(log n), about 20 ms where one place in eight is fitted badly, on the run's pool. The same
+ *  O(log n), on the run's pool. The same
  *  answer for any number of threads. */
 VOR_NODISCARD vor_status vor_adjacency_probe(int *pays, const struct vor_domain *domain,
                                              const struct vor_run *run, struct vor_error *err);
@@ -42,7 +42,7 @@ VOR_NODISCARD vor_status vor_adjacency_probe(int *pays, const struct vor_domain 
  *  @retval VOR_E_NOMEM 94 bytes a point do not fit, and 28 more while it works
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
- *  O(n log n), on the run's pool; 4 us a point where fits are good, 60 us where they are bad. The
+ *  O(n log n), on the run's pool, most of it where fits to the nearest points are bad. The
  *  same lists for any number of threads. */
 VOR_NODISCARD vor_status vor_adjacency_make(struct vor_graph *out, const struct vor_domain *domain,
                                             const struct vor_run *run, struct vor_error *err);

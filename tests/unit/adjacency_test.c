@@ -197,7 +197,7 @@ static void make_crossing(struct vor_cloud *cloud, uint64_t seed)
     }
 }
 
-/* A rod half a spacing of whose points thick, bent to a ring: thinner than a fit is wide. */
+/* A rod about seven spacings thick, bent to a ring. */
 static void make_rod(struct vor_cloud *cloud, uint64_t seed)
 {
     vt_cloud_make(cloud, PROBED);
