@@ -294,7 +294,10 @@ static void find_sheet(struct make *make, size_t i)
     if (make->graph->own[i] == LAYER || !begin_walk(&walk, &plain, domain, (uint32_t)i))
         return;
     if (domain->known.sheets && make->first) {
-        n = vor_sheets_list(index, domain, (uint32_t)i, at_most(domain, VOR_ADJACENT));
+        const float *p = point(domain, (uint32_t)i);
+
+        n = vor_sheets_list(index, domain, (double[3]){(double)p[0], (double)p[1], (double)p[2]},
+                            at_most(domain, VOR_ADJACENT));
         if (n >= FEWEST && fit_to(&own, domain, index, n)) {
             set_own(make, i, index, n, &own, LAYER);
             return;

@@ -54,21 +54,10 @@ static void find_layers(struct vor_layers *out, const float *near, unsigned k, u
     vor_layers_find(out, some, count);
 }
 
-/* Copies the first k of the `most` points of `wide` that are on the layer nearest to x, in their
- * order; repeats them if they are fewer. */
-static void take_layer(float *near, unsigned k, const struct vor_layers *layers, const double x[3],
-                       const float *wide, unsigned most)
+static void copy(float *near, const struct vor_domain *domain, const uint32_t *index, unsigned k)
 {
-    unsigned own = vor_layers_nearest(layers, x), taken = 0;
-
-    for (unsigned j = 0; j < most && taken < k; j++) {
-        double at[3] = {(double)wide[3 * j], (double)wide[3 * j + 1], (double)wide[3 * j + 2]};
-
-        if (vor_layers_nearest(layers, at) == own)
-            memcpy(&near[3 * taken++], &wide[3 * j], 3 * sizeof *near);
-    }
-    for (unsigned j = taken; taken > 0 && j < k; j++)
-        memcpy(&near[3 * j], &near[3 * (j - taken)], 3 * sizeof *near);
+    for (unsigned j = 0; j < k; j++)
+        memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
 }
 
 /* The k nearest points of x, nearest first. */
@@ -78,38 +67,22 @@ static void search(float *near, const struct vor_domain *domain, const float x[3
     uint32_t index[VOR_NEIGHBORS_MAX];
 
     vor_knn_search(domain->knn, x, 1, k, index, distance2);
-    for (unsigned j = 0; j < k; j++)
-        memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
+    copy(near, domain, index, k);
 }
 
-int vor_sheets_gather(float *near, const struct vor_domain *domain, const double x[3], unsigned k)
+unsigned vor_sheets_list(uint32_t *list, const struct vor_domain *domain, const double x[3],
+                         unsigned k)
 {
     float query[3] = {(float)x[0], (float)x[1], (float)x[2]}, wide[3 * VOR_NEIGHBORS_MAX];
-    unsigned want = (unsigned)fmax(WIDE * k, WIDE_LEAST);
+    float distance2[VOR_NEIGHBORS_MAX];
+    uint32_t index[VOR_NEIGHBORS_MAX];
+    unsigned want = (unsigned)fmax(WIDE * k, WIDE_LEAST), taken = 0, own;
     unsigned most = least(want < WIDE_MAX ? want : WIDE_MAX, domain->n);
     struct vor_layers layers = {.count = 1};
 
     memset(wide, 0, sizeof wide); /* clang-analyzer cannot see that most >= 1 */
-    search(wide, domain, query, most);
-    for (unsigned i = 0; i < ATTEMPTS && layers.count == 1; i++)
-        find_layers(&layers, wide, (unsigned)(attempts[i].share * most), attempts[i].points);
-    if (layers.count > 1)
-        take_layer(near, k, &layers, x, wide, most);
-    return layers.count > 1;
-}
-
-unsigned vor_sheets_list(uint32_t *list, const struct vor_domain *domain, uint32_t root, unsigned k)
-{
-    float wide[3 * VOR_NEIGHBORS_MAX], distance2[VOR_NEIGHBORS_MAX];
-    uint32_t index[VOR_NEIGHBORS_MAX];
-    const float *p = &domain->xyz[3 * (size_t)root];
-    double x[3] = {(double)p[0], (double)p[1], (double)p[2]};
-    unsigned most = least((unsigned)fmax(WIDE * k, WIDE_LEAST), domain->n), taken = 0, own;
-    struct vor_layers layers = {.count = 1};
-
-    vor_knn_search(domain->knn, p, 1, most, index, distance2);
-    for (unsigned j = 0; j < most; j++)
-        memcpy(&wide[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *wide);
+    vor_knn_search(domain->knn, query, 1, most, index, distance2);
+    copy(wide, domain, index, most);
     for (unsigned i = 0; i < ATTEMPTS && layers.count == 1; i++)
         find_layers(&layers, wide, (unsigned)(attempts[i].share * most), attempts[i].points);
     if (layers.count == 1)
@@ -122,6 +95,19 @@ unsigned vor_sheets_list(uint32_t *list, const struct vor_domain *domain, uint32
             list[taken++] = index[j];
     }
     return taken;
+}
+
+int vor_sheets_gather(float *near, const struct vor_domain *domain, const double x[3], unsigned k)
+{
+    uint32_t list[VOR_NEIGHBORS_MAX];
+    unsigned n = vor_sheets_list(list, domain, x, k);
+
+    if (n == 0)
+        return 0;
+    copy(near, domain, list, n);
+    for (unsigned j = n; j < k; j++)
+        memcpy(&near[3 * j], &near[3 * (j - n)], 3 * sizeof *near);
+    return 1;
 }
 
 int vor_sheets_fit(struct vor_surface *out, float *near, const struct vor_domain *domain,

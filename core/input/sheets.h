@@ -36,9 +36,15 @@ VOR_NODISCARD vor_status vor_sheets_find(int *out, const struct vor_domain *doma
  *  One search; O(k log n + k log k), O(k^2) with layers. Cannot fail. Thread-safe. */
 int vor_sheets_gather(float *near, const struct vor_domain *domain, const double x[3], unsigned k);
 
-/** Lists the k points of the layer that point `root` lies on, the nearest first, from the point
- *  itself on. Returns how many there are; 0 without layers. */
-unsigned vor_sheets_list(uint32_t *list, const struct vor_domain *domain, uint32_t root,
+/** Looks for layers as vor_sheets_gather does.
+ *
+ *  @param[out] list  room for k: the points nearest to x of the layer that x is nearest to, the
+ *                    nearest first
+ *
+ *  @return how many there are, at most k; 0 without layers
+ *
+ *  Costs as vor_sheets_gather. Cannot fail. Thread-safe. */
+unsigned vor_sheets_list(uint32_t *list, const struct vor_domain *domain, const double x[3],
                          unsigned k);
 
 /** vor_surface_fit to k points around x; if the domain has sheets and the points form layers, to k
