@@ -124,7 +124,7 @@ $socket->print("POST /v1/resample?$short HTTP/1.1\r\nHost: localhost\r\nContent-
         . length($cloud) . "\r\n\r\n$cloud");
 $socket->flush;
 my $job = $daemon->submit($short, $cloud);
-wait_until(sub { $daemon->status($job) eq 'running' }, 20);
+wait_until(sub { @{ json($daemon->get('/v1/jobs?status=running'))->{jobs} } == 2 }, 20); # the caller's own too
 my $stream = $daemon->events("/v1/jobs/$job/events", headers => { Accept => 'text/event-stream' });
 $stream->next_event;
 kill 'TERM', $daemon->{pid};
