@@ -134,19 +134,25 @@ static vor_status refuse_name(const struct vor_process_info *process, const char
                           process->id, names);
 }
 
-static vor_status refuse_value(const struct vor_parameter_info *info, const char *what,
-                               struct vor_error *err)
+static vor_status refuse_as(vor_status status, const struct vor_parameter_info *info,
+                            const char *what, struct vor_error *err)
 {
     char want[VOR_KIND_WORDS_SIZE];
 
     vor_kind_want(info, want);
-    return vor_fail_param(err, VOR_E_PARAM, info->name, "%s is %s, want %s", info->name, what,
-                          want);
+    return vor_fail_param(err, status, info->name, "%s is %s, want %s", info->name, what, want);
 }
 
-/* A text that is no word stands in quotes. */
-static vor_status refuse_text(const struct vor_parameter_info *info, const char *text,
-                              struct vor_error *err)
+static vor_status refuse_value(const struct vor_parameter_info *info, const char *what,
+                               struct vor_error *err)
+{
+    return refuse_as(VOR_E_PARAM, info, what, err);
+}
+
+/* A text that is no number stands in quotes. A list with a word that is unknown is well-formed, and
+ * has a status of its own. */
+static vor_status refuse_text(const struct vor_parameter_info *info, enum vor_shape shape,
+                              const char *text, struct vor_error *err)
 {
     char quoted[SHOWN_SIZE - 2], what[SHOWN_SIZE];
     int is_number = vor_kind_has_shape(info->kind, VOR_SHAPE_NUMBER);
@@ -155,7 +161,8 @@ static vor_status refuse_text(const struct vor_parameter_info *info, const char 
         return refuse_value(info, "empty", err);
     vor_quote(quoted, sizeof quoted, text, strlen(text));
     (void)snprintf(what, sizeof what, is_number ? "%s" : "\"%s\"", quoted);
-    return refuse_value(info, what, err);
+    return refuse_as(vor_kind_has_unknown_word(info, shape, text) ? VOR_E_WORD : VOR_E_PARAM, info,
+                     what, err);
 }
 
 /* The parameter of that name as the process has it; false when it takes none. */
@@ -191,7 +198,7 @@ vor_status vor_spec_set_as(struct vor_spec *spec, const char *name, enum vor_sha
     if (!vor_kind_has_shape(info.kind, shape))
         return refuse_value(&info, vor_shape_word(shape), err);
     if (!vor_kind_read(&info, shape, text, &value))
-        return refuse_text(&info, text, err);
+        return refuse_text(&info, shape, text, err);
     return store(spec, parameter, &value, err);
 }
 

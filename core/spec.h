@@ -36,14 +36,17 @@ void vor_spec_init(struct vor_spec *spec);
  *
  *  @retval VOR_E_PARAM the process takes no parameter of that name (the message lists those it
  *                      takes); the text is not of the kind or out of range (the message names value
- *                      and range); or the texts of the request do not fit. spec is unchanged */
+ *                      and range); or the texts of the request do not fit. spec is unchanged
+ *  @retval VOR_E_WORD  a list has a word that is none of the parameter's (the message lists those);
+ *                      spec is unchanged */
 VOR_NODISCARD vor_status vor_spec_set(struct vor_spec *spec, const char *name, const char *text,
                                       struct vor_error *err);
 
 /** The same from a notation that tells shapes apart, as JSON does: text is a number, a boolean
  *  (true or false), a string or an array (written as a list), and is read as nothing else.
  *
- *  @retval VOR_E_PARAM as vor_spec_set; also when the kind has no such shape */
+ *  @retval VOR_E_PARAM as vor_spec_set; also when the kind has no such shape
+ *  @retval VOR_E_WORD  as vor_spec_set; an element of an array that is no word is none of them */
 VOR_NODISCARD vor_status vor_spec_set_as(struct vor_spec *spec, const char *name,
                                          enum vor_shape shape, const char *text,
                                          struct vor_error *err);

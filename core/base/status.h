@@ -13,6 +13,7 @@
 #define VOR_STATUS_TABLE(X)                                                                        \
     X(OK, 200, "ok", 0, "Done")                                                                    \
     X(E_PARAM, 400, "invalid-parameter", 0, "A parameter is invalid")                              \
+    X(E_WORD, 422, "unknown-word", 0, "A list has a word that is unknown")                         \
     X(E_REQUEST, 400, "malformed-request", 0, "The request cannot be read")                        \
     X(E_LIMIT, 413, "too-many-points", 0, "The cloud exceeds a limit")                             \
     X(E_NOMEM, 413, "too-much-memory", 0, "The job needs more memory than it may have")            \

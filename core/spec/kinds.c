@@ -357,6 +357,21 @@ static int read_list(const struct vor_parameter_info *info, const char *text, st
     return 1;
 }
 
+static int has_unknown(const struct vor_parameter_info *info, const char *text)
+{
+    int is_unknown = 0;
+    size_t length;
+
+    for (;; text += length + 1) {
+        length = strcspn(text, ",");
+        if (length == 0)
+            return 0;
+        is_unknown |= find_word(info, text, length) < 0;
+        if (text[length] == '\0')
+            return is_unknown;
+    }
+}
+
 static void write_list(const struct vor_parameter_info *info, double value, const char *name,
                        struct line *out)
 {
@@ -486,6 +501,17 @@ int vor_kind_read(const struct vor_parameter_info *info, enum vor_shape shape, c
         *out = value;
         return 1;
     }
+    return 0;
+}
+
+int vor_kind_has_unknown_word(const struct vor_parameter_info *info, enum vor_shape shape,
+                              const char *text)
+{
+    enum vor_form form;
+
+    for (unsigned i = 0; (form = vor_kind_form(info->kind, i)) != VOR_FORM_NONE; i++)
+        if (form == VOR_FORM_LIST && (shape == VOR_SHAPE_ANY || shape == forms[form].shape))
+            return has_unknown(info, text);
     return 0;
 }
 

@@ -31,6 +31,11 @@ enum vor_form vor_kind_form_of(const struct vor_parameter_info *info, double val
 int vor_kind_read(const struct vor_parameter_info *info, enum vor_shape shape, const char *text,
                   struct vor_value *out);
 
+/** True if text is a list of words for one of the kind's forms of this shape, none of them empty,
+ * and some of them not among the parameter's. */
+int vor_kind_has_unknown_word(const struct vor_parameter_info *info, enum vor_shape shape,
+                              const char *text);
+
 /** Writes a value as text from which vor_kind_read reads the same value; "" if it is not given.
  *  Cuts the text at size. name is the text or the name of a value that has one, else ignored. */
 void vor_kind_write(const struct vor_parameter_info *info, double value, const char *name,

@@ -27,13 +27,24 @@ void vor_cli_say(const char *subject, const char *message)
     fputc('\n', stderr);
 }
 
+/* Whether what is at fault stands on the command line, whatever its HTTP status. */
+static int is_usage(const char *slug)
+{
+    static const char *const slugs[] = {"invalid-parameter", "invalid-query-parameter-value",
+                                        "unknown-word"};
+
+    for (size_t i = 0; i < sizeof slugs / sizeof slugs[0]; i++)
+        if (strcmp(slug, slugs[i]) == 0)
+            return 1;
+    return 0;
+}
+
 int vor_cli_exit_code(int http, const char *type)
 {
     const char *slug = type != NULL ? strrchr(type, '/') : NULL;
 
     slug = slug != NULL ? slug + 1 : type != NULL ? type : "";
-    if (strcmp(slug, "invalid-parameter") == 0 ||
-        strcmp(slug, "invalid-query-parameter-value") == 0)
+    if (is_usage(slug))
         return VOR_EXIT_USAGE;
     switch (http) {
     case 200:

@@ -49,6 +49,16 @@ for my $case (
     refused($answer, 400, 'invalid-parameter', $detail, "?$query");
     is json($answer)->{errors}[0]{parameter}, $parameter, "?$query: errors[] names the parameter";
 }
+# A list that can be read, with a word that is none of its own.
+for my $query ('filters=blur', 'filters=mls,blur', 'points=10&filters=mls,none') {
+    my $answer = $daemon->post("/v1/resample?$query", $cloud);
+    refused($answer, 422, 'unknown-word', qr/^filters is "[a-z,]+", want each at most once .* words of mls, outliers, thin, or none$/,
+        "?$query");
+    is json($answer)->{errors}[0]{parameter}, 'filters', "?$query: errors[] names the parameter";
+    ok !defined json($answer)->{jobID}, "?$query: and there is no job";
+}
+refused($daemon->post("/v1/resample?filters=$_", $cloud), 400, 'invalid-parameter', qr/^filters is .*, want each at most once/,
+    "?filters=$_, which is no list") for '', 'mls,mls', 'mls,';
 is_problem($daemon->post('/v1/resample?points=%zz', $cloud), 400, 'malformed-request',
     'a malformed escape');
 is_problem($daemon->post('/v1/resample?points=1%00', $cloud), 400, 'malformed-request',

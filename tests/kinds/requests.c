@@ -125,9 +125,11 @@ START_TEST(text_and_json_say_the_same)
 }
 END_TEST
 
-static const struct {
+struct refusal {
     const char *name, *json, *message;
-} refused[] = {
+};
+
+static const struct refusal refused[] = {
     {"label", "5", "label is a number, want text of 1 to 300 bytes"},
     {"label", "\"\"", "label is empty, want text of 1 to 300 bytes"},
     {"label", "\"a\\nb\"", "label is \"a\\x0ab\", want text of 1 to 300 bytes"},
@@ -136,14 +138,8 @@ static const struct {
     {"sieves", "\"mls\"",
      "sieves is a string, want each at most once and with commas between, words of mls, outliers, "
      "thin, or none"},
-    {"sieves", "[\"mls\",5]",
-     "sieves is \"mls,5\", want each at most once and with commas between, words of mls, "
-     "outliers, thin, or none"},
-    {"sieves", "[\"mls,thin\"]",
-     "sieves is \"\\x22mls,thin\\x22\", want each at most once and with commas between, words of "
-     "mls, outliers, thin, or none"},
-    {"sieves", "[\"\"]",
-     "sieves is \"\\x22\\x22\", want each at most once and with commas between, words of mls, "
+    {"sieves", "[\"mls\",\"mls\"]",
+     "sieves is \"mls,mls\", want each at most once and with commas between, words of mls, "
      "outliers, thin, or none"},
     {"sieves", "{}",
      "sieves is an object, want each at most once and with commas between, words of mls, "
@@ -162,20 +158,49 @@ static const struct {
      "sieves, density, title, steps, angle, reach"},
 };
 
-START_TEST(a_wrong_value_is_named_with_what_is_wanted)
+static const struct refusal unknown[] = {
+    {"sieves", "[\"thin\",\"blur\"]",
+     "sieves is \"thin,blur\", want each at most once and with commas between, words of mls, "
+     "outliers, thin, or none"},
+    {"sieves", "[\"mls\",5]",
+     "sieves is \"mls,5\", want each at most once and with commas between, words of mls, "
+     "outliers, thin, or none"},
+    {"sieves", "[\"mls,thin\"]",
+     "sieves is \"\\x22mls,thin\\x22\", want each at most once and with commas between, words of "
+     "mls, outliers, thin, or none"},
+    {"sieves", "[\"\"]",
+     "sieves is \"\\x22\\x22\", want each at most once and with commas between, words of mls, "
+     "outliers, thin, or none"},
+    {"steps", "[\"auto\"]",
+     "steps is \"auto\", want each at most once and with commas between, words of up, down, or "
+     "none or auto"},
+};
+
+static void refuses(vor_status status, const struct refusal *refusal)
 {
     struct vor_spec spec = request(), before = spec;
     char pointer[VOR_JSON_POINTER_MAX], text[128];
     struct vor_json *json;
 
-    (void)snprintf(text, sizeof text, "{\"%s\":%s}", refused[_i].name, refused[_i].json);
+    (void)snprintf(text, sizeof text, "{\"%s\":%s}", refusal->name, refusal->json);
     json = parsed(text);
-    vt_assert_fails(VOR_E_PARAM, vor_json_spec_read(&spec, json, pointer, &vt_err));
-    ck_assert_str_eq(vt_err.message, refused[_i].message);
-    ck_assert_str_eq(vt_err.parameter, refused[_i].name);
-    ck_assert_str_eq(pointer + 1, refused[_i].name);
+    vt_assert_fails(status, vor_json_spec_read(&spec, json, pointer, &vt_err));
+    ck_assert_str_eq(vt_err.message, refusal->message);
+    ck_assert_str_eq(vt_err.parameter, refusal->name);
+    ck_assert_str_eq(pointer + 1, refusal->name);
     ck_assert_mem_eq(&spec, &before, sizeof spec);
     vor_json_free(json);
+}
+
+START_TEST(a_wrong_value_is_named_with_what_is_wanted)
+{
+    refuses(VOR_E_PARAM, &refused[_i]);
+}
+END_TEST
+
+START_TEST(an_unknown_element_of_a_list_has_a_status_of_its_own)
+{
+    refuses(VOR_E_WORD, &unknown[_i]);
 }
 END_TEST
 
@@ -319,6 +344,8 @@ int main(void)
     vt_add_loop(suite, text_and_json_say_the_same, (int)(sizeof values / sizeof values[0]));
     vt_add_loop(suite, a_wrong_value_is_named_with_what_is_wanted,
                 (int)(sizeof refused / sizeof refused[0]));
+    vt_add_loop(suite, an_unknown_element_of_a_list_has_a_status_of_its_own,
+                (int)(sizeof unknown / sizeof unknown[0]));
     vt_add_loop(suite, texts_lie_in_the_order_of_the_parameters, 6);
     vt_add(suite, texts_fit_into_a_request_or_are_refused);
     vt_add_loop(suite, a_kind_has_its_schema, (int)(sizeof schemas / sizeof schemas[0]));

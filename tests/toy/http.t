@@ -133,7 +133,7 @@ subtest 'every kind is refused by name and range' => sub {
         ['tell=box,box', qq(tell is "box,box", $lists box, middle, or none)],
         ['among=attribute:', 'among is "attribute:", want one of all or attribute:NAME of 1 to 40 bytes'],
         ['pause=61', 'pause is 61, want a number from 0 to 60 or one of none, blink'],
-        ['axes=w', qq(axes is "w", $lists x, y, z, or none or auto)],
+        ['axes=x,x', qq(axes is "x,x", $lists x, y, z, or none or auto)],
         ['nearby=-1', 'nearby is -1, want a number from 0 to 1e+30 or auto'],
         ['points=5', "no parameter points; census takes $takes, tell"],
         ['backward=true', "no parameter backward; census takes $takes, tell"],
@@ -144,6 +144,10 @@ subtest 'every kind is refused by name and range' => sub {
         is_problem($answer, 400, 'invalid-parameter', $query) or next;
         ref $detail ? like json($answer)->{detail}, $detail, $query : is json($answer)->{detail}, $detail, $query;
         is json($answer)->{errors}[0]{parameter}, (split /=/, $query)[0], 'errors[] names it';
+    }
+    for my $case (['axes=w', qq(axes is "w", $lists x, y, z, or none or auto)], ['tell=all', qq(tell is "all", $lists box, middle, or none)]) {
+        my $unknown = $daemon->post("/v1/census?$case->[0]", $plane);
+        is_problem($unknown, 422, 'unknown-word', $case->[0]) and is json($unknown)->{detail}, $case->[1], $case->[0];
     }
     my $answer = $daemon->post('/v1/resample?points=5&remark=x', $sphere);
     is_problem($answer, 400, 'invalid-parameter', 'resample takes no remark');

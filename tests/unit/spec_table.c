@@ -37,6 +37,14 @@ static int has_auto(const struct vor_parameter_info *info)
     return vor_kind_form(info->kind, 1) == VOR_FORM_AUTO;
 }
 
+/* The status of a refused text: a list's words have one of their own. */
+static vor_status refusal_of(const struct vor_parameter_info *info, const char *text)
+{
+    int is_list = vor_kind_form(info->kind, 0) == VOR_FORM_LIST;
+
+    return is_list && text[0] != '\0' ? VOR_E_WORD : VOR_E_PARAM;
+}
+
 /* A request for the first process that takes parameter i. */
 static void init_for(struct vor_spec *spec, int i)
 {
@@ -172,13 +180,35 @@ START_TEST(junk_is_refused_and_shown)
             continue;
         init_for(&spec, _i);
         before = spec;
-        ck_assert_msg(vor_spec_set(&spec, info->name, junk[k], &vt_err) == VOR_E_PARAM,
-                      "%s takes \"%s\"", info->name, junk[k]);
+        vt_assert_fails(refusal_of(info, junk[k]),
+                        vor_spec_set(&spec, info->name, junk[k], &vt_err));
         ck_assert_str_eq(vt_err.parameter, info->name);
         ck_assert_ptr_nonnull(strstr(vt_err.message, info->name));
         ck_assert_mem_eq(&spec, &before, sizeof spec);
-        ck_assert_int_eq(vor_spec_set(&spec, info->name, junk[k], NULL), VOR_E_PARAM);
+        ck_assert_int_eq(vor_spec_set(&spec, info->name, junk[k], NULL), refusal_of(info, junk[k]));
     }
+}
+END_TEST
+
+/* A list that is not well-formed is a wrong value; one with a word too many is not. */
+START_TEST(an_unknown_word_of_a_list_has_a_status_of_its_own)
+{
+    static const struct {
+        const char *text;
+        vor_status status;
+    } cases[] = {{"blur", VOR_E_WORD},       {"mls,blur", VOR_E_WORD}, {"mls,none", VOR_E_WORD},
+                 {"mls,mls", VOR_E_PARAM},   {"mls,", VOR_E_PARAM},    {",blur", VOR_E_PARAM},
+                 {"blur,,mls", VOR_E_PARAM}, {",", VOR_E_PARAM}};
+    struct vor_spec spec, before;
+
+    vor_spec_init(&spec);
+    before = spec;
+    vt_assert_fails(cases[_i].status, vor_spec_set(&spec, "filters", cases[_i].text, &vt_err));
+    ck_assert_str_eq(vt_err.parameter, "filters");
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "words of mls, outliers, thin, or none"));
+    ck_assert_mem_eq(&spec, &before, sizeof spec);
+    vt_assert_fails(VOR_E_PARAM,
+                    vor_spec_set_as(&spec, "filters", VOR_SHAPE_STRING, cases[_i].text, &vt_err));
 }
 END_TEST
 
@@ -201,7 +231,7 @@ START_TEST(a_choice_takes_each_of_its_words_and_no_number)
         ck_assert(value_of(&spec, _i) == (info->kind == VOR_KIND_LIST ? 1U << k : k));
         ck_assert_str_eq(vor_spec_text(&spec, (enum vor_parameter)_i, back), text);
         text[0] = (char)toupper((unsigned char)text[0]);
-        vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, info->name, text, &vt_err));
+        vt_assert_fails(refusal_of(info, text), vor_spec_set(&spec, info->name, text, &vt_err));
         ck_assert_ptr_nonnull(strstr(vt_err.message, back)); /* the words are listed */
         total += length + (k > 0);
     }
@@ -223,7 +253,7 @@ START_TEST(auto_is_taken_where_it_means_something)
         return; /* a word like the others */
     init_for(&spec, _i);
     if (!has_auto(info)) {
-        vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, info->name, "auto", &vt_err));
+        vt_assert_fails(refusal_of(info, "auto"), vor_spec_set(&spec, info->name, "auto", &vt_err));
         return;
     }
     vt_assert_ok(vor_spec_set(&spec, info->name, "auto", &vt_err));
@@ -704,6 +734,7 @@ int main(void)
     vt_add(suite, processes_are_found_by_their_id);
     vt_add_loop(suite, a_process_differs_from_the_table_by_its_preset_alone, PROCESSES);
     vt_add_loop(suite, a_request_without_a_count_gets_that_of_its_process_or_is_refused, SPREADING);
+    vt_add_loop(suite, an_unknown_word_of_a_list_has_a_status_of_its_own, 8);
     vt_add_loop(suite, filters_alone_make_a_result_unless_the_process_has_a_ratio_of_its_own, 4);
     vt_add_loop(suite, what_a_caller_gives_wins_over_the_preset, SPREADING);
     vt_add_loop(suite, a_ratio_that_its_process_does_not_allow_is_refused_with_the_range,
