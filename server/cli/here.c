@@ -3,6 +3,7 @@
 #include "proto/json/json.h"
 #include "server/base/clock.h"
 #include "server/cli/files.h"
+#include "server/cli/lines.h"
 #include "server/cli/say.h"
 #include "server/cli/work.h"
 
@@ -84,6 +85,8 @@ static vor_status save_document(struct here *r, const struct vor_document *docum
     vor_json_document(&text, document);
     vor_text_puts(&text, "\n");
     status = vor_text_status(&text, err);
+    if (status == VOR_OK && vor_lines_wanted(r->cli))
+        status = vor_lines_from_json(&text, r->cli, err);
     if (status == VOR_OK && vor_output_write(&r->output, text.data, text.size) != 0)
         status = vor_fail(err, VOR_E_IO, "the document cannot be written");
     vor_text_free(&text);

@@ -25,7 +25,7 @@ enum {
       "Threads, 0 to 256, when the work is done here; 0, the default, is one for each core")       \
     X(JSON, "json", 0, "", "", VOR_COMMAND_RUNS,                                                   \
       "One JSON object a line on stdout (on stderr when the result goes there): records, then "    \
-      "the report")                                                                                \
+      "the report; of inspect, its document instead of lines")                                     \
     X(QUIET, "quiet", 'q', "", "", VOR_COMMAND_RUNS, "No progress and no summary")                 \
     X(HELP, "help", 'h', "", "", ~0u, "Print this")
 

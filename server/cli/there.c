@@ -8,6 +8,7 @@
 #include "server/base/clock.h"
 #include "server/cli/files.h"
 #include "server/cli/interrupt.h"
+#include "server/cli/lines.h"
 #include "server/cli/progress.h"
 #include "server/cli/remote.h"
 #include "server/cli/say.h"
@@ -354,12 +355,23 @@ static int say_failure(struct there *t)
     return code;
 }
 
+/* Writes the document that came as lines. */
+static vor_status save_lines(struct there *t, struct vor_text *document)
+{
+    vor_status status = vor_lines_from_json(document, t->cli, &t->err);
+
+    if (status == VOR_OK && vor_output_write(&t->output, document->data, document->size) != 0)
+        status = vor_output_fail(&t->output, &t->err);
+    return status;
+}
+
 static int fetch_main(struct there *t)
 {
+    int in_lines = vor_lines_wanted(t->cli);
     char url[VOR_REMOTE_URL_MAX + 64];
     struct vor_remote_call call = {.method = "GET",
                                    .url = url,
-                                   .take = vor_output_write,
+                                   .take = in_lines ? NULL : vor_output_write,
                                    .ctx = &t->output,
                                    .stall_seconds = STALL_SECONDS};
     int code = VOR_EXIT_OK;
@@ -371,6 +383,7 @@ static int fetch_main(struct there *t)
     else if (call.http != 200)
         code = refused(t, &call);
     else if ((call.was_stopped && vor_output_fail(&t->output, &t->err) != VOR_OK) ||
+             (in_lines && save_lines(t, &call.text) != VOR_OK) ||
              vor_output_commit(&t->output, &t->err) != VOR_OK)
         code = vor_cli_fail(t->cli->option[VOR_OPTION_OUTPUT], &t->err);
     vor_text_free(&call.text);

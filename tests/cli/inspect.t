@@ -15,7 +15,7 @@ my $in = spew("$folder/in.ply", sphere($points));
 my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2);
 my $http = HTTP::Tiny->new(timeout => 20);
 
-my ($code, $stdout, $stderr) = run(['inspect', $in]);
+my ($code, $stdout, $stderr) = run(['inspect', $in, '--json']);
 is "$code$stderr", '0', 'all is well';
 my $told = decode_json($stdout);
 is_deeply [sort keys %$told], [qw(area components edges lattice neighbors noise points sheets spacing)], 'the members';
@@ -26,12 +26,36 @@ cmp_ok abs($told->{area} - 12.566), '<', 0.3, 'of the area of a sphere';
 cmp_ok $told->{spacing}{p01}, '<', $told->{spacing}{p50}, 'quantiles ascend';
 cmp_ok $told->{spacing}{p50}, '<', $told->{spacing}{p99}, 'all of them';
 
-is +(run(['inspect', '-'], stdin => $in))[1], $stdout, 'stdin is the same';
-is +(run(['inspect', $in, '--threads=3']))[1], $stdout, 'so are three threads';
-is +(run(['inspect', $in, '--json', '--quiet']))[1], $stdout, 'and --json';
-is +(run(['inspect', $in, '--server', $daemon->{url}]))[1] =~ s/\n*\z/\n/r, $stdout, 'and a daemon';
+is +(run(['inspect', '-', '--json'], stdin => $in))[1], $stdout, 'stdin is the same';
+is +(run(['inspect', $in, '--json', '--threads=3']))[1], $stdout, 'so are three threads';
+is +(run(['inspect', $in, '--json', '--quiet', '-o', '-']))[1], $stdout, 'and stdout by name';
+is +(run(['inspect', $in, '--json', '--server', $daemon->{url}]))[1] =~ s/\n*\z/\n/r, $stdout, 'and a daemon';
 my ($job) = @{ decode_json($http->get("$daemon->{url}/v1/jobs")->{content})->{jobs} };
 is $job->{processID}, 'inspect', 'as a job of that process';
+
+# Without --json: a line for each member, in the order of the document.
+my ($lines_code, $lines, $lines_errors) = run(['inspect', $in]);
+is "$lines_code$lines_errors", '0', 'all is well with lines';
+my @rows = map { [split ' ', $_, 2] } split /\n/, $lines;
+my @members = qw(points.all points.distinct points.outliers components.count components.largest components.small
+    components.small_points spacing.mean spacing.p01 spacing.p50 spacing.p99 noise neighbors lattice lattice.matters sheets.found
+    sheets.own edges.points edges.length area);
+is_deeply [map { $_->[0] } @rows], \@members, 'every member has a line';
+my %line = map {@$_} @rows;
+is $line{'points.all'}, "$points points", 'a count has its unit';
+is $line{'components.count'}, '1', 'or none';
+is $line{'spacing.mean'}, sprintf('%.6g unit of the cloud', $told->{spacing}{mean}), 'a length has six digits';
+is $line{lattice}, '0 0 0 unit of the cloud', 'a vector its three parts';
+is $line{'lattice.matters'}, 'no', 'beside what is told of it';
+is +(run(['inspect', $in, '--quiet', '-o', '-']))[1], $lines, 'stdout by name is the same';
+is +(run(['inspect', $in, '--server', $daemon->{url}]))[1], $lines, 'so is a daemon';
+my ($to_file, $printed) = run(['inspect', $in, '-o', "$folder/told.json"]);
+is "$to_file$printed", '0', 'nothing is printed where the document goes to a file';
+is slurp("$folder/told.json"), $stdout, 'and the file has it as JSON';
+my ($there_code, $there) = run(['inspect', $in, '-o', "$folder/there.json", '--server', $daemon->{url}]);
+is "$there_code$there", '0', 'nor where a daemon makes it';
+is slurp("$folder/there.json") =~ s/\n*\z/\n/r, $stdout, 'and it is the same';
+like +(run(['inspect', '--help']))[1], qr/--json\n.*; of inspect, its document instead of lines$/m, '--help says so';
 
 for my $case (
     ['a parameter that it does not take', ['--points', 5], 'inspect: no parameter points; inspect takes outliers, intrinsic'],

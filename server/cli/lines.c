@@ -1,0 +1,98 @@
+#include "server/cli/lines.h"
+
+#include "core/report.h"
+#include "proto/json/json.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* Documents that are told in lines. That of measure is JSON even so: programs have read it since
+ * before there were lines. */
+static const char *const documents[] = {"inspect"};
+
+/* Digits of a number: a count is shown whole. */
+enum { REAL_DIGITS = 6, COUNT_DIGITS = 17, NAME_SIZE = 64 /* of a member, with the NUL */ };
+
+int vor_lines_wanted(const struct vor_cli *cli)
+{
+    const char *name = cli->spec.process->outputs[0].name;
+
+    if (cli->option[VOR_OPTION_JSON] != NULL || strcmp(cli->option[VOR_OPTION_OUTPUT], "-") != 0)
+        return 0;
+    for (size_t i = 0; i < sizeof documents / sizeof documents[0]; i++)
+        if (strcmp(documents[i], name) == 0)
+            return 1;
+    return 0;
+}
+
+/* The member of a name with dots; NULL where there is none. */
+static const struct vor_json *find(const struct vor_json *object, const char *name)
+{
+    char part[NAME_SIZE];
+
+    while (object != NULL && name[0] != '\0') {
+        size_t length = strcspn(name, ".");
+
+        (void)snprintf(part, sizeof part, "%.*s", (int)length, name);
+        object = vor_json_get(object, part);
+        name += length + (name[length] == '.');
+    }
+    return object;
+}
+
+/* What is not finite is null in JSON. */
+static void add_value(struct vor_text *out, const struct vor_json *value, int digits)
+{
+    const char *word = vor_json_get_string(value);
+    double number;
+
+    if (word == NULL && vor_json_get_number(value, &number))
+        vor_text_printf(out, "%.*g", digits, number);
+    else
+        vor_text_puts(out, word != NULL ? word : "none");
+}
+
+static void add_line(struct vor_text *out, const struct vor_member *row,
+                     const struct vor_json *value)
+{
+    vor_text_printf(out, "%-24s", row->name);
+    if (row->kind == VOR_MEMBER_VECTOR) {
+        add_value(out, vor_json_get(value, "x"), REAL_DIGITS);
+        vor_text_puts(out, " ");
+        add_value(out, vor_json_get(value, "y"), REAL_DIGITS);
+        vor_text_puts(out, " ");
+        add_value(out, vor_json_get(value, "z"), REAL_DIGITS);
+    } else {
+        add_value(out, value, row->kind == VOR_MEMBER_REAL ? REAL_DIGITS : COUNT_DIGITS);
+    }
+    vor_text_printf(out, "%s%s\n", row->unit[0] != '\0' ? " " : "", row->unit);
+}
+
+vor_status vor_lines_from_json(struct vor_text *text, const struct vor_cli *cli,
+                               struct vor_error *err)
+{
+    const struct vor_members *members = vor_document_members(cli->spec.process->outputs[0].name);
+    struct vor_json *json = NULL;
+    struct vor_text lines;
+    vor_status status =
+        vor_json_parse(&json, text->data != NULL ? text->data : "", text->size, err);
+
+    vor_text_init(&lines, 0);
+    for (unsigned i = 0; status == VOR_OK && i < members->count; i++) {
+        const struct vor_json *value = find(json, members->rows[i].name);
+
+        if (value != NULL)
+            add_line(&lines, &members->rows[i], value);
+    }
+    if (status == VOR_OK)
+        status = vor_text_status(&lines, err);
+    if (status == VOR_OK) {
+        struct vor_text whole = *text;
+
+        *text = lines;
+        lines = whole;
+    }
+    vor_text_free(&lines);
+    vor_json_free(json);
+    return status;
+}
