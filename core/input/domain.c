@@ -23,6 +23,16 @@ enum {
  * / 6.8 / 8.5 on kitti; at 0.99 thin parts of scans lose points. */
 #define SPARSE_SHARE 0.999
 
+/* Lone points that are more than one in a thousand lie beyond a gap in the sorted distances: one is
+ * LONE_GAP times the one before. Such a gap is believed to be the end of the surface if it comes
+ * after LONE_FROM of them. Measured with spheres of 1,000, 2,500 and 10,000 points, 43 lone points
+ * at 4 to 8 radii around each, four seeds: without the gap, 0 of 516 are found to be islands; at a
+ * gap of 4 / 8 / 16, 516 / 516 / 301; after 0.9 / 0.95 / 0.975, 516 / 516 / 344. At a gap of 4, a
+ * floor 20 times as coarse as the rest is taken for 399 islands, at 8 for none. Of 20 scans and
+ * made clouds, none has a gap of more than 1.5 there. */
+#define LONE_FROM 0.95
+#define LONE_GAP 8.0
+
 /* Variance across over variance along, below which the cloud is a line: 1e-6 in length, where the
  * rounding of float32 is 6e-8 of the extent. */
 #define LINE_RANK 1e-12
@@ -236,6 +246,17 @@ vor_status vor_domain_check(const struct vor_domain *domain, const struct vor_ru
     return VOR_OK;
 }
 
+/* The rank of the largest distance that is believed: SPARSE_SHARE, or below the first gap. */
+static size_t rank_below_gap(const float *far2, size_t n)
+{
+    size_t last = vor_quantile_rank(SPARSE_SHARE, n);
+
+    for (size_t i = vor_quantile_rank(LONE_FROM, n); i < last; i++)
+        if ((double)far2[i + 1] > LONE_GAP * LONE_GAP * (double)far2[i])
+            return i;
+    return last;
+}
+
 /* Sets sparse from a sample of points at equal steps along the order. */
 static void find_sparse(struct vor_domain *domain)
 {
@@ -252,7 +273,7 @@ static void find_sparse(struct vor_domain *domain)
         far2[i] = distance2[k - 1];
     }
     vor_sort_floats(far2, n);
-    domain->sparse = sqrt((double)far2[vor_quantile_rank(SPARSE_SHARE, n)]);
+    domain->sparse = sqrt((double)far2[rank_below_gap(far2, n)]);
 }
 
 vor_status vor_domain_index(struct vor_domain *domain, const struct vor_run *run,

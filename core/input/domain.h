@@ -27,7 +27,8 @@ struct vor_domain {
     double shift[3];
     double unit;
     double sparse;       /**< largest spacing that is believed: a quantile of the distances to the
-                              sixth neighbour (SPARSE_SHARE in domain.c) */
+                              sixth neighbour, lone points left out (SPARSE_SHARE and LONE_GAP in
+                              domain.c) */
     struct vor_knn *knn; /**< over xyz */
     struct vor_graph graph;        /**< neighbours on the same sheet, where they were asked for
                                         (input/adjacency.h) */

@@ -14,7 +14,10 @@
  *
  *  Where all parts are that small there is no surface to spread points on. If no more points are
  *  asked for than the input has, each part gets its share by points, in the places of its points;
- *  else all of them are spread on the whole input. */
+ *  else no part can be held to its own points, and all of those asked for are spread on the whole
+ *  input, by the area that fits see: of 100 parts of 8 points and 1,600 asked for, 5 to 23 on each,
+ *  at most as far from its points as these lie apart. Parts of fewer points than the sixth
+ *  neighbour needs are not told apart if there are no others: their gaps are the spacing. */
 #ifndef VOR_INPUT_ISLANDS_H
 #define VOR_INPUT_ISLANDS_H
 

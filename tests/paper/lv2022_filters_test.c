@@ -1,29 +1,12 @@
 /* What we repeat of Lv et al. 2022, "Intrinsic and isotropic resampling for 3D point clouds", Sec.
  * 3.1 and 6.1: noise and outliers as vt_noise.h makes them on the bunny. */
-#include "proto/codec.h"
+#include "tests/support/vt_data.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_noise.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static int open_bunny(struct vor_cloud *cloud)
-{
-    static const struct vor_limits limits = VOR_LIMITS_DEFAULT;
-    const char *path = vt_data_or_skip("bunny.ply");
-    uint8_t *bytes;
-    size_t size;
-
-    if (path == NULL)
-        return 0;
-    bytes = vt_slurp(path, &size);
-    ck_assert_ptr_nonnull(bytes);
-    vor_cloud_init(cloud, &vt_memory);
-    vt_assert_ok(vor_codec_read(cloud, NULL, bytes, size, &limits, &vt_err));
-    free(bytes);
-    return 1;
-}
 
 static void filter(struct vor_cloud *out, const struct vor_cloud *in, const char *filters)
 {
@@ -60,9 +43,9 @@ START_TEST(mls_more_than_halves_the_noise_of_the_bunny)
     struct vor_cloud clean, in, out;
     double *normal, before, after;
 
-    if (!open_bunny(&clean))
+    if (!vt_cloud_open(&clean, "bunny.ply"))
         return;
-    ck_assert(open_bunny(&in));
+    ck_assert(vt_cloud_open(&in, "bunny.ply"));
     normal = malloc(3 * clean.n * sizeof *normal);
     vt_noise_normals(normal, &clean);
     vt_noise_add(&in, 1, level[_i]);
@@ -88,7 +71,7 @@ START_TEST(the_outliers_of_the_bunny_are_found)
     unsigned char *moved;
     size_t at = 0, all = 0, dropped = 0, right = 0;
 
-    if (!open_bunny(&in))
+    if (!vt_cloud_open(&in, "bunny.ply"))
         return;
     moved = malloc(in.n);
     vt_noise_outliers(moved, &in, 1, VT_NOISE_OUTLIERS);
