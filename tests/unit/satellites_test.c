@@ -1,87 +1,37 @@
 /* Lists of neighbours by distances from three satellites. */
 #include "core/base/linalg.h"
-#include "core/geom/march.h"
 #include "core/input/adjacency.h"
 #include "core/input/satellites.h"
 #include "core/input/thin.h"
-#include "tests/support/vt_engine.h"
-#include "tests/support/vt_shape.h"
+#include "tests/support/vt_lists.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { SEEDS = 2, N = 20000 };
+enum { SEEDS = 2, N = 8000, DENSE = 20000 };
 
 /* Sheets are so many spacings apart. */
 #define APART 3
 
-struct bed {
-    struct vt_engine engine;
-    const struct vt_metric *metric;
-    double gap;
-    struct vor_cloud cloud;
-    struct vor_domain domain;
-    struct vor_graph graph;
-};
-
-static void start(struct bed *bed, unsigned threads, int shape, int seed, size_t n, double gap)
+static void start(struct vt_lists *lists, unsigned threads, int shape, int seed, size_t n,
+                  double gap)
 {
-    bed->metric = &vt_metrics[shape];
-    bed->gap = gap;
-    vt_engine_open(&bed->engine, threads);
-    bed->metric->make(&bed->cloud, (uint64_t)seed, n, gap);
-    vt_assert_ok(vor_domain_init(&bed->domain, &bed->cloud, &bed->engine.run, &vt_err));
-    vt_assert_ok(vor_satellites_make(&bed->graph, &bed->domain, &bed->engine.run, &vt_err));
-}
-
-static void end(struct bed *bed)
-{
-    vor_graph_free(&bed->graph);
-    vor_domain_free(&bed->domain);
-    vor_cloud_free(&bed->cloud);
-    vt_engine_close(&bed->engine);
-    vt_assert_no_leak();
-}
-
-static void position(const struct bed *bed, size_t i, double x[3])
-{
-    vor_cloud_position(&bed->cloud, bed->domain.source[i], x);
-}
-
-static double straight(const double a[3], const double b[3])
-{
-    return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
-}
-
-/* Pairs of neighbours between which the way along the surface is more than twice the straight one.
- * Round an edge of a plate or along a fold's bend it is at most 1.6 times that. */
-static size_t across(const struct bed *bed)
-{
-    size_t pairs = 0;
-
-    for (size_t i = 0; i < bed->graph.n; i++)
-        for (unsigned a = 0; a < bed->graph.count[i]; a++) {
-            double x[3], y[3];
-
-            position(bed, i, x);
-            position(bed, bed->graph.list[i * bed->graph.most + a], y);
-            pairs += bed->metric->along(x, y, bed->gap) > 2 * straight(x, y);
-        }
-    return pairs;
+    vt_lists_start(lists, threads, shape, seed, n, gap);
+    vt_assert_ok(vor_satellites_make(&lists->graph, &lists->domain, &lists->engine.run, &vt_err));
 }
 
 /* Lv 2022 Fig. 6 and Sec. 4.1: neighbours across sheets are rejected. Of white noise 3 spacings
  * from the next sheet, one pair in a thousand is not. */
 static void expect_hardly_any_across(int shape, int seed)
 {
-    struct bed bed;
+    struct vt_lists bed;
     size_t pairs;
 
     start(&bed, 2, shape, seed, N, APART * vt_spacing(&vt_metrics[shape], N));
-    pairs = across(&bed);
+    pairs = vt_lists_across(&bed);
     ck_assert_msg(pairs <= N * VOR_ADJACENT / 1000, "%s: %zu pairs across", bed.metric->name,
                   pairs);
-    end(&bed);
+    vt_lists_end(&bed);
 }
 
 START_TEST(hardly_a_neighbour_lies_on_the_other_side_of_a_fold)
@@ -106,11 +56,11 @@ END_TEST
  */
 START_TEST(the_faces_of_a_closed_thin_plate_are_not_told_apart)
 {
-    struct bed bed;
+    struct vt_lists bed;
 
-    start(&bed, 2, VT_PLATE, _i, N, 0.02);
-    ck_assert_uint_gt(across(&bed), N * VOR_ADJACENT / 10);
-    end(&bed);
+    start(&bed, 2, VT_PLATE, _i, DENSE, 0.02);
+    ck_assert_uint_gt(vt_lists_across(&bed), DENSE * VOR_ADJACENT / 10);
+    vt_lists_end(&bed);
 }
 END_TEST
 
@@ -121,26 +71,13 @@ START_TEST(the_way_along_the_lists_is_that_along_the_surface)
     static const int shapes[] = {VT_SQUARE, VT_BALL, VT_CYLINDER, VT_FOLD};
 
     for (size_t s = 0; s < sizeof shapes / sizeof *shapes; s++) {
-        double spacing = vt_spacing(&vt_metrics[shapes[s]], N), sum = 0, from[3], to[3], exact;
-        uint32_t source = (uint32_t)(vt_unit(77, (uint64_t)_i) * N);
-        float *far = vor_malloc(&vt_memory, N, sizeof *far);
-        struct vor_march march;
-        struct bed bed;
+        struct vt_lists bed;
+        struct vt_way way;
 
-        start(&bed, 2, shapes[s], _i, N, APART * spacing);
-        vt_assert_ok(vor_march_init(&march, &bed.graph, bed.domain.xyz, &vt_err));
-        vt_assert_ok(vor_march_from(&march, far, &source, 1, &bed.engine.run, &vt_err));
-        position(&bed, source, from);
-        for (size_t i = 0; i < bed.domain.n; i++) {
-            position(&bed, i, to);
-            exact = bed.metric->along(from, to, bed.gap);
-            if (exact > 10 * spacing)
-                sum += fabs((double)far[i] * bed.domain.unit / exact - 1);
-        }
-        ck_assert_msg(sum <= 0.03 * N, "%s: off by %.2f %%", bed.metric->name, 100 * sum / N);
-        vor_march_free(&march);
-        vor_free(&vt_memory, far);
-        end(&bed);
+        start(&bed, 2, shapes[s], _i, N, APART * vt_spacing(&vt_metrics[shapes[s]], N));
+        way = vt_lists_way(&bed, _i);
+        ck_assert_msg(way.mean <= 0.03, "%s: off by %.2f %%", bed.metric->name, 100 * way.mean);
+        vt_lists_end(&bed);
     }
 }
 END_TEST
@@ -150,7 +87,7 @@ START_TEST(lists_are_the_nearest_first_and_own_where_they_are_not_simply_the_nea
     uint32_t index[VOR_ADJACENT + 1];
     float distance2[VOR_ADJACENT + 1];
     size_t owns = 0;
-    struct bed bed;
+    struct vt_lists bed;
 
     start(&bed, 2, VT_FOLD, _i, 5000, 0.02);
     for (size_t i = 0; i < bed.graph.n; i++) {
@@ -174,21 +111,21 @@ START_TEST(lists_are_the_nearest_first_and_own_where_they_are_not_simply_the_nea
         ck_assert_double_eq_tol(vor_distance2f(normal, zero), 1, 1e-5);
     }
     ck_assert_uint_gt(owns, 0);
-    end(&bed);
+    vt_lists_end(&bed);
 }
 END_TEST
 
 /* Components of too few points for coordinates have plain lists. */
 START_TEST(five_points_have_each_other)
 {
-    struct bed bed;
+    struct vt_lists bed;
 
     start(&bed, 2, VT_BALL, _i, 5, 0);
     for (size_t i = 0; i < 5; i++) {
         ck_assert_uint_eq(bed.graph.count[i], 4);
         ck_assert_uint_eq(bed.graph.own[i], 0);
     }
-    end(&bed);
+    vt_lists_end(&bed);
 }
 END_TEST
 
@@ -198,19 +135,14 @@ START_TEST(one_two_three_and_eight_threads_make_the_same_lists)
     uint64_t first = 0;
 
     for (int t = 0; t < 4; t++) {
-        struct bed bed;
+        struct vt_lists bed;
         uint64_t hash;
 
         start(&bed, threads_of[t], VT_SPHERES, 1, 4000, 0.1);
-        hash = 0;
-        for (size_t i = 0; i < bed.graph.n; i++)
-            hash = hash * 31 + vt_hash(&bed.graph.list[i * bed.graph.most],
-                                       bed.graph.count[i] * sizeof *bed.graph.list);
-        hash += vt_hash(bed.graph.own, bed.graph.n) +
-                vt_hash(bed.graph.normal, 3 * bed.graph.n * sizeof *bed.graph.normal);
+        hash = vt_lists_hash(&bed.graph) + vt_hash(bed.graph.own, bed.graph.n);
         first = t == 0 ? hash : first;
         ck_assert(hash == first);
-        end(&bed);
+        vt_lists_end(&bed);
     }
 }
 END_TEST
@@ -254,7 +186,7 @@ END_TEST
 START_TEST(a_thinned_domain_has_lists_of_its_own)
 {
     struct vor_domain thin;
-    struct bed bed;
+    struct vt_lists bed;
 
     start(&bed, 2, VT_SHEETS, _i, N, 0.1);
     bed.domain.known.lists = VOR_LISTS_SATELLITES;
@@ -265,7 +197,7 @@ START_TEST(a_thinned_domain_has_lists_of_its_own)
         for (unsigned a = 0; a < thin.graph.count[i]; a++)
             ck_assert_uint_lt(thin.graph.list[i * thin.graph.most + a], thin.n);
     vor_domain_free(&thin);
-    end(&bed);
+    vt_lists_end(&bed);
 }
 END_TEST
 
