@@ -40,23 +40,28 @@ static double off_planes(const struct vor_cloud *cloud, const struct vor_cloud *
 START_TEST(mls_more_than_halves_the_noise_of_the_bunny)
 {
     static const double level[2] = {VT_NOISE_LOW, VT_NOISE_HIGH};
-    struct vor_cloud clean, in, out;
-    double *normal, before, after;
+    struct vor_cloud clean;
+    double *normal;
 
     if (!vt_cloud_open(&clean, "bunny.ply"))
         return;
-    ck_assert(vt_cloud_open(&in, "bunny.ply"));
     normal = malloc(3 * clean.n * sizeof *normal);
     vt_noise_normals(normal, &clean);
-    vt_noise_add(&in, 1, level[_i]);
-    filter(&out, &in, "mls");
-    ck_assert_uint_eq(out.n, in.n);
-    before = off_planes(&in, &clean, normal);
-    after = off_planes(&out, &clean, normal);
-    ck_assert_msg(after < 0.4 * before, "%g of %g", after, before);
+    for (int k = 0; k < 2; k++) {
+        struct vor_cloud in, out;
+        double before, after;
+
+        ck_assert(vt_cloud_open(&in, "bunny.ply"));
+        vt_noise_add(&in, 1, level[k]);
+        filter(&out, &in, "mls");
+        ck_assert_uint_eq(out.n, in.n);
+        before = off_planes(&in, &clean, normal);
+        after = off_planes(&out, &clean, normal);
+        ck_assert_msg(after < 0.4 * before, "%g: %g of %g", level[k], after, before);
+        vor_cloud_free(&out);
+        vor_cloud_free(&in);
+    }
     free(normal);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
     vor_cloud_free(&clean);
     vt_assert_no_leak();
 }
@@ -99,7 +104,7 @@ int main(void)
 {
     Suite *suite = suite_create("lv2022_filters");
 
-    vt_add_loop(suite, mls_more_than_halves_the_noise_of_the_bunny, VT_ONCE(2));
+    vt_add(suite, mls_more_than_halves_the_noise_of_the_bunny);
     vt_add(suite, the_outliers_of_the_bunny_are_found);
     return vt_run(suite);
 }

@@ -26,17 +26,23 @@ static void nearest(uint32_t **index, float **distance2, const struct vor_cloud 
     vor_knn_free(knn);
 }
 
+/* l from lists of k points. */
+static void lengths_of(double *length, size_t n, const float *distance2, unsigned k)
+{
+    for (size_t i = 0; i < n; i++) {
+        length[i] = 0;
+        for (size_t j = 1; j <= NEAR; j++)
+            length[i] += sqrt((double)distance2[i * k + j]) / NEAR;
+    }
+}
+
 void vt_noise_lengths(double *length, const struct vor_cloud *cloud)
 {
     uint32_t *index;
     float *distance2;
 
     nearest(&index, &distance2, cloud, NEAR + 1);
-    for (size_t i = 0; i < cloud->n; i++) {
-        length[i] = 0;
-        for (size_t j = 1; j <= NEAR; j++)
-            length[i] += sqrt((double)distance2[i * (NEAR + 1) + j]) / NEAR;
-    }
+    lengths_of(length, cloud->n, distance2, NEAR + 1);
     free(distance2);
     free(index);
 }
@@ -78,14 +84,21 @@ void vt_noise_normals(double *normal, const struct vor_cloud *cloud)
     free(index);
 }
 
-/* l and the normals of a cloud: free() both. */
+/* l and the normals of a cloud, from the same lists: free() both. */
 static void measure(double **length, double **normal, const struct vor_cloud *cloud)
 {
+    uint32_t *index;
+    float *distance2;
+
     *length = malloc(cloud->n * sizeof **length);
     *normal = malloc(cloud->n * 3 * sizeof **normal);
     ck_assert(*length != NULL && *normal != NULL);
-    vt_noise_lengths(*length, cloud);
-    vt_noise_normals(*normal, cloud);
+    nearest(&index, &distance2, cloud, FLAT);
+    lengths_of(*length, cloud->n, distance2, FLAT);
+    for (size_t i = 0; i < cloud->n; i++)
+        plane(&(*normal)[3 * i], cloud, &index[i * FLAT]);
+    free(distance2);
+    free(index);
 }
 
 static void move(float *x, const double normal[3], double by)

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SEEDS = 3, N = 8000 };
+enum { SEEDS = 3, N = 5000 };
 
 /* Outward normal of the torus about its circle at x. */
 static void torus_normal(const double x[3], double normal[3])
@@ -355,12 +355,12 @@ int main(void)
     Suite *suite = suite_create("orient");
 
     vt_add_loop(suite, a_sphere_and_a_torus_face_outward_wherever_they_lie, VT_ONCE(1));
-    vt_add_loop(suite, a_knot_faces_outward, VT_FEWER(SEEDS));
+    vt_add_loop(suite, a_knot_faces_outward, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, each_of_nested_and_separate_spheres_faces_away_from_its_own_inside,
-                VT_FEWER(SEEDS));
-    vt_add_loop(suite, a_moebius_band_is_told_from_a_sheet_and_a_torus, VT_FEWER(SEEDS));
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_loop(suite, a_moebius_band_is_told_from_a_sheet_and_a_torus, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, one_two_and_three_threads_orient_alike, VT_ONCE(1));
-    vt_add_loop(suite, oriented_makes_the_signs_of_carried_normals_consistent, VT_FEWER(SEEDS));
+    vt_add_loop(suite, oriented_makes_the_signs_of_carried_normals_consistent, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, carried_normals_decide_the_side_unless_they_are_to_be_ignored, VT_ONCE(1));
     vt_add(suite, a_cancel_at_any_time_and_any_failing_allocation_leave_nothing_behind);
     vt_add(suite, normals_that_cannot_be_used_are_refused_with_their_count_and_the_first);
