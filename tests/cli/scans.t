@@ -70,12 +70,13 @@ for my $scan (['office1.ply', half(20000)], ['autzen.ply', half(8000)], ['kitti_
     }
 }
 
-# A mesh's vertices, coarse but exact, and a cluttered scan: neither is taken for noisy.
+# A mesh's vertices, coarse but exact, and a cluttered scan: neither is taken for noisy. Which points lie on one sheet is
+# asked after that, and takes the scan twenty times as long.
 for my $name ('cow_mesh.ply', 'scannet.ply') {
     my $path = shared("data/$name");
     SKIP: {
         skip "$name: no ../shared/data/$name", 1 unless $path;
-        like(scalar(`$binary resample $path -n 2000 --iterations 1 --polish 0 -o $dir/$name --json --quiet`),
+        like(scalar(`$binary resample $path -n 2000 --iterations 1 --polish 0 --intrinsic none -o $dir/$name --json --quiet`),
             qr/"neighbors":20\b/, "$name: fitted closely");
     }
 }

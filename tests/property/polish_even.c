@@ -94,7 +94,7 @@ static void assert_evener(const struct pair *pair, const char *name)
 
 static const struct {
     size_t from, to;
-} sizes[] = {{8000, 1500}, {4000, 500}, {2000, 4000}};
+} sizes[] = {{6000, 1100}, {4000, 500}, {1000, 2000}};
 
 enum { SIZES = sizeof sizes / sizeof sizes[0] };
 
@@ -235,12 +235,12 @@ enum { ROUGH = sizeof rough / sizeof rough[0] };
 /* run_pair asserts that delta is no worse, that no two points coincide and that none is lost. */
 START_TEST(a_rough_cloud_is_never_less_even_than_before_the_polish)
 {
-    static const size_t counts[] = {1, 2, 3, 7, 21, 22, 300, 2000};
+    static const size_t counts[] = {1, 2, 3, 7, 21, 22, 150, 1000};
 
     for (size_t k = 0; k < sizeof counts / sizeof counts[0]; k++) {
         struct pair pair;
 
-        rough[_i](&pair.in, (uint64_t)_i, 1200);
+        rough[_i](&pair.in, (uint64_t)_i, 600);
         run_pair(&pair, counts[k], "60", (size_t)_i);
         free_pair(&pair);
     }
@@ -258,7 +258,7 @@ START_TEST(points_on_sheets_nearer_than_the_spacing_do_not_fall_together)
     for (size_t k = 0; k < sizeof gaps / sizeof gaps[0]; k++) {
         struct pair pair;
 
-        vt_cloud_sheets(&pair.in, (uint64_t)_i, 8000, gaps[k] * spacing);
+        vt_cloud_sheets(&pair.in, (uint64_t)_i, 4000, gaps[k] * spacing);
         run_pair(&pair, TO, "120", (size_t)_i);
         ck_assert_msg(pair.end.min_over_mean >= LEAST, "gap %g: least distance %g of the mean",
                       gaps[k], pair.end.min_over_mean);
@@ -332,10 +332,10 @@ START_TEST(one_two_three_and_eight_threads_polish_to_the_same_bytes)
 
         vt_engine_open(&engine, threads[k]);
         vt_engine_set(&engine, "points", "2500");
-        vt_engine_set(&engine, "iterations", "4");
-        vt_engine_set(&engine, "polish", "24");
+        vt_engine_set(&engine, "iterations", "3");
+        vt_engine_set(&engine, "polish", "12");
         vt_engine_resample(&engine, &out, &report, &in);
-        ck_assert_uint_eq(report.polish_steps, 24);
+        ck_assert_uint_eq(report.polish_steps, 12);
         hash[k] = vt_cloud_hash(&out);
         vor_cloud_free(&out);
         vt_engine_close(&engine);

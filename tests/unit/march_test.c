@@ -238,10 +238,10 @@ int main(void)
 {
     Suite *suite = suite_create("march");
 
-    vt_add_loop(suite, distances_are_those_along_a_square, VT_ONCE(SEEDS));
-    vt_add_loop(suite, distances_are_those_along_a_sphere, VT_ONCE(SEEDS));
-    vt_add_loop(suite, distances_are_those_along_a_cylinder, VT_ONCE(SEEDS));
-    vt_add_loop(suite, distances_are_those_along_a_fold, VT_ONCE(SEEDS));
+    vt_add_loop(suite, distances_are_those_along_a_square, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_loop(suite, distances_are_those_along_a_sphere, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_loop(suite, distances_are_those_along_a_cylinder, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_loop(suite, distances_are_those_along_a_fold, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, no_way_is_shorter_than_the_straight_one_nor_longer_than_along_edges, SEEDS);
     vt_add_loop(suite, points_that_no_chain_leads_to_are_infinitely_far, SEEDS);
     vt_add_loop(suite, edges_lead_both_ways, SEEDS);
