@@ -11,15 +11,22 @@
  * at 1 they are the ragged ends of these scans. */
 #define CLEAR 2.0
 /* Normalised: a smaller gap is not looked for, because the cells of Morton order, 1e-6 at most, are
- * not small against it. An input so fine has a point a million spacings away. */
+ * not small against it. An input so fine has a point a million spacings away: no cloud that we have
+ * comes near, nor to half or double of it. */
 #define CLEAR_MIN 4e-6
 
 enum {
     /* Times as many points as a fit takes that a part needs: at half of it, a fit in its middle has
-     * just enough. */
+     * just enough. Beside a sphere of 5,000 points, 5,000 asked for, three seeds: at 1, flat parts
+     * of 20 to 40 points get up to a fifth more results than they have points, as far as 0.7
+     * spacings outside; at 4, parts of 60 and 80 points would be held to their own, which get 77 to
+     * 88 results of 80, at most half a spacing outside. */
     FITS = 2,
-    QUARTER = 4, /* if more than one point in so many would be dropped, none is */
-    BLOCK = 64   /* islands of one task */
+    /* If more than one point in so many would be dropped, none is: such an input consists of small
+     * parts. 20 scans and made clouds have no point in a part that small, so that 2 / 4 / 8 give
+     * the same. */
+    QUARTER = 4,
+    BLOCK = 64 /* islands of one task */
 };
 
 #define LARGE UINT32_MAX

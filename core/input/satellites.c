@@ -15,9 +15,14 @@ enum {
      * clouds, of 2.4 million pairs) at 8 / 10 / 12 / 16: 18 / 214 / 1150 / 13,778; mean error of
      * distances on the fold 0.6 % / 0.6 % / 1 to 24 % / 10 to 28 %. */
     MARCHED = 10,
-    /* Points of each of both sets that a neighbour must be a member of. */
+    /* Points of each of both sets that a neighbour must be a member of. On a fold, two sheets and
+     * two spheres of 20,000 points, two seeds each, at 1.5 / 3 / 6 times VOR_ADJACENT: 95 / 205 /
+     * 328 pairs across, 83 / 99 / 100 % of the lists' places filled, 2.2 / 2.9 / 4.5 s of CPU. */
     WIDE = 3 * VOR_ADJACENT,
-    FLAT = 9 /* points that a normal is fitted to, the point itself among them */
+    /* Points that a normal is fitted to, the point itself among them. At 5 / 9 / 18 normals of a
+     * sphere with noise of a fifth of the spacing are off by 30 / 10 / 4 degrees (rms), and 3.8 /
+     * 5.4 / 7.6 % of those of a cube of 20,000 points by more than 15, at its edges. */
+    FLAT = 9
 };
 
 static unsigned least(unsigned a, size_t b)

@@ -10,11 +10,15 @@
 #include <string.h>
 
 enum {
-    BLOCK = 16,   /* places of one task */
-    PLACES = 512, /* places where noise is estimated, as many as VOR_NEIGHBORS_PLACES */
+    BLOCK = 16, /* places of one task */
+    /* Places where noise is estimated, as many as VOR_NEIGHBORS_PLACES. At 256 / 512 / 1024 the
+     * noise of eight spheres of 20,000 points, four times as large at one pole as at the other, is
+     * told with a spread of 1.1 / 2.1 / 1.9 %, and means within 0.6 % of each other. */
+    PLACES = 512,
     /* Coefficients of a quadric: a fit takes up so many of the points' deviations. */
     QUADRIC = 6,
-    /* A component of fewer points than so many times those of a fit is small. */
+    /* A component of fewer points than so many times those of a fit is small: as FITS in
+     * input/islands.c, so that both documents call the same parts small. */
     SMALL = 2
 };
 
