@@ -8,6 +8,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The bunny; but in make soak, the half of it with the head. */
+static int open_bunny(struct vor_cloud *cloud)
+{
+    const float middle = -0.03F;
+    size_t n = 0;
+
+    if (!vt_cloud_open(cloud, "bunny.ply"))
+        return 0;
+    for (size_t i = 0; i < cloud->n; i++)
+        if (vt_soaks() || cloud->xyz[3 * i] < middle)
+            memmove(&cloud->xyz[3 * n++], &cloud->xyz[3 * i], 3 * sizeof *cloud->xyz);
+    cloud->n = n;
+    return 1;
+}
+
 static void filter(struct vor_cloud *out, const struct vor_cloud *in, const char *filters)
 {
     struct vt_engine engine;
@@ -43,7 +58,7 @@ START_TEST(mls_more_than_halves_the_noise_of_the_bunny)
     struct vor_cloud clean;
     double *normal;
 
-    if (!vt_cloud_open(&clean, "bunny.ply"))
+    if (!open_bunny(&clean))
         return;
     normal = malloc(3 * clean.n * sizeof *normal);
     vt_noise_normals(normal, &clean);
@@ -51,7 +66,7 @@ START_TEST(mls_more_than_halves_the_noise_of_the_bunny)
         struct vor_cloud in, out;
         double before, after;
 
-        ck_assert(vt_cloud_open(&in, "bunny.ply"));
+        ck_assert(open_bunny(&in));
         vt_noise_add(&in, 1, level[k]);
         filter(&out, &in, "mls");
         ck_assert_uint_eq(out.n, in.n);
@@ -76,7 +91,7 @@ START_TEST(the_outliers_of_the_bunny_are_found)
     unsigned char *moved;
     size_t at = 0, all = 0, dropped = 0, right = 0;
 
-    if (!vt_cloud_open(&in, "bunny.ply"))
+    if (!open_bunny(&in))
         return;
     moved = malloc(in.n);
     vt_noise_outliers(moved, &in, 1, VT_NOISE_OUTLIERS);
