@@ -109,7 +109,9 @@ static vor_status thin_points(struct thinning *thinning, const struct vor_run *r
 /* Indexes what is left, and looks for sheets there if the whole shows none: on 80,000 points of two
  * squares four spacings apart a fit sees one square, on 15,000 of them it sees both. Lists suffice:
  * with them and layers, arma2 of 400,000 points (input/adjacency.c) to 10,000 takes 31 CPU s
- * instead of 25, rms distance to the true surface 1.5e-4 both. */
+ * instead of 25, rms distance to the true surface 1.5e-4 both. Whether lists pay is not asked
+ * again: with lists made here, a cow of 200,000 points to 5,000 takes 2.0 CPU s instead of 1.1, rms
+ * 0.95e-4 instead of 0.79e-4. */
 static vor_status know(struct vor_domain *domain, const struct vor_run *run, struct vor_error *err)
 {
     struct vor_conditioning *known = &domain->known;

@@ -68,6 +68,6 @@ table([
 ], \@table, 'delta_sheet, hex_sheet, too_near: among the points of one true sheet, because plain delta rewards merging two. share_off: '
     . 'largest difference of a connected part\'s share of the points from its share of the area, over the latter. truth_max: the '
     . 'farthest that the mesh is from a point, at two million places, in spacings of a hexagonal lattice; truth_over: the share of them '
-    . 'beyond 1.5. One shell and one armadillo alone, of the same input points, have 1.85 and 2.67: gaps of the input. over_vox: CPU '
+    . 'beyond 1.5. One shell and one armadillo alone, of the same input points, have 1.85 and 2.67, at gaps of the input and thin parts. over_vox: CPU '
     . 'over that of sheets_vox120k, whose sheets lie apart. cpu: the whole process, file to file, one thread.');
 finish('sheets');
