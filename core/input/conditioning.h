@@ -58,7 +58,8 @@ struct vor_conditioning {
     struct vor_lattice lattice;     /**< that the coordinates were rounded to */
     size_t off_lattice;             /**< points that were moved within their cells; if any were,
                                          positions are not exact */
-    int sheets;                     /**< the input has sheets: fits look for layers */
+    int seek_sheets;                /**< sheets are looked for, on thinned domains too */
+    int sheets;                     /**< the domain has sheets: fits look for layers */
     enum vor_lists lists;           /**< of neighbours, that every domain of the input has */
     struct vor_neighbors neighbors; /**< how many points a fit takes */
 };

@@ -34,7 +34,8 @@ struct vor_domain {
                                         (input/adjacency.h) */
     struct vor_islands islands;    /**< that were taken out: their points follow the n others in xyz
                                       and source, unless all of the input is islands */
-    struct vor_conditioning known; /**< of the input; a thinned domain has that of the whole */
+    struct vor_conditioning known; /**< of the input; a thinned domain has that of the whole, and
+                                        sheets of its own */
 };
 
 /** Normalises, sorts and indexes a cloud. `known` says that a fit takes VOR_NEIGHBORS_FEWEST

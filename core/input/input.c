@@ -64,6 +64,7 @@ static vor_status find_sheets(struct vor_domain *domain, const struct vor_spec *
         domain->known.lists = VOR_LISTS_SATELLITES;
     if (intrinsic != VOR_INTRINSIC_LOCAL)
         return VOR_OK;
+    domain->known.seek_sheets = 1;
     return vor_sheets_find(&domain->known.sheets, domain, run, err);
 }
 

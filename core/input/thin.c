@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/input/lists.h"
+#include "core/input/sheets.h"
 
 #include <math.h>
 #include <string.h>
@@ -105,6 +106,22 @@ static vor_status thin_points(struct thinning *thinning, const struct vor_run *r
     return vor_run_for(run, n, BLOCK, thin_block, thinning, err);
 }
 
+/* Indexes what is left, and looks for sheets there if the whole shows none: on 80,000 points of two
+ * squares four spacings apart a fit sees one square, on 15,000 of them it sees both. Lists suffice:
+ * with them and layers, arma2 of 400,000 points (input/adjacency.c) to 10,000 takes 31 CPU s
+ * instead of 25, rms distance to the true surface 1.5e-4 both. Whether lists pay is not asked
+ * again: with lists made here, a cow of 200,000 points to 5,000 takes 2.0 CPU s instead of 1.1, rms
+ * 0.95e-4 instead of 0.79e-4. */
+static vor_status know(struct vor_domain *domain, const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_conditioning *known = &domain->known;
+    vor_status status = vor_domain_index(domain, run, err);
+
+    if (status == VOR_OK && known->seek_sheets && !known->sheets && known->lists == VOR_LISTS_NONE)
+        status = vor_sheets_find(&known->sheets, domain, run, err);
+    return status == VOR_OK ? vor_lists_make(domain, run, err) : status;
+}
+
 /* Thins to a gap unless more than `most` points would stay. */
 static vor_status thin(struct vor_domain *out, const struct vor_domain *in, double gap, size_t most,
                        const struct vor_run *run, struct vor_error *err)
@@ -118,9 +135,7 @@ static vor_status thin(struct vor_domain *out, const struct vor_domain *in, doub
     vor_free(run->memory, thinning.first);
     vor_free(run->memory, thinning.kept);
     if (status == VOR_OK && domain.n > 0)
-        status = vor_domain_index(&domain, run, err);
-    if (status == VOR_OK)
-        status = vor_lists_make(&domain, run, err);
+        status = know(&domain, run, err);
     if (status != VOR_OK) {
         vor_domain_free(&domain);
         return status;

@@ -13,7 +13,8 @@
 
 /** Takes some of the points of `in` and indexes them: in their order, each one that is at least
  *  `gap` (normalised) from the last 16 taken in its block. Leaves *out empty if it would keep more
- *  than half of the points.
+ *  than half of the points. What is known of `in` is taken over, but *out may have sheets that are
+ *  too far apart on `in` to be found there.
  *
  *  @param[out] out  free with vor_domain_free; untouched on failure
  *

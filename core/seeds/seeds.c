@@ -2,8 +2,10 @@
 
 #include "core/base/linalg.h"
 #include "core/base/rng.h"
+#include "core/geom/layers.h"
 #include "core/input/lists.h"
 #include "core/input/neighbors.h"
+#include "core/input/sheets.h"
 
 #include <assert.h>
 #include <string.h>
@@ -55,6 +57,7 @@ vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain
 
     assert(n >= 1 && most >= 1 && most <= VOR_NEIGHBORS_MAX);
     seeds.run = vor_run_unstoppable(run);
+    seeds.sheets = domain->known.sheets;
     vor_disc_init(&seeds.flat, 0);
     vor_disc_init(&seeds.disc, RINGS);
     vor_disc_init(&seeds.fine, RINGS_FINE);
@@ -92,6 +95,7 @@ void vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain)
 {
     vor_input_lists_onto(&seeds->input_lists, domain->knn, domain->xyz, domain->n);
     seeds->domain = domain;
+    seeds->sheets |= domain->known.sheets;
     memset(seeds->last_fit, 0, seeds->n * sizeof *seeds->last_fit);
 }
 
@@ -129,6 +133,22 @@ static void gather(const struct vor_seeds *seeds, struct vor_place *place, const
     for (unsigned j = 0; j < k; j++)
         memcpy(&place->near[3 * j], &seeds->domain->xyz[3 * (size_t)index[j]],
                3 * sizeof *place->near);
+}
+
+/* vor_lists_fit, which looks for layers where the domain has sheets. Where only a thinned one has
+ * them, this looks on the whole too: its neighbours reach over to another sheet at the border. */
+static int fit(const struct vor_seeds *seeds, struct vor_surface *out, float *near,
+               const double x[3], unsigned k, const uint32_t *index)
+{
+    const struct vor_domain *domain = seeds->domain;
+
+    if (vor_lists_fit(out, near, domain, x, k, index))
+        return 1;
+    if (!seeds->sheets || domain->known.sheets || !vor_layers_possible(out) ||
+        !vor_sheets_gather(near, domain, x, k))
+        return 0;
+    vor_surface_fit(out, near, k);
+    return 1;
 }
 
 /* Finds the input points for the surface of seed i. Their number is looked up with each new list.
@@ -169,8 +189,7 @@ enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch 
         double at[3];
 
         vor_seeds_position(seeds, i, at);
-        last->layered = (unsigned char)vor_lists_fit(&last->surface, here->near, seeds->domain, at,
-                                                     last->k, index);
+        last->layered = (unsigned char)fit(seeds, &last->surface, here->near, at, last->k, index);
     }
     last->refined = 0;
     last->interior = 0;
@@ -241,7 +260,7 @@ enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor
     vor_knn_search(seeds->domain->knn, query, 1, k, index, distance2);
     scratch->queries++;
     gather(seeds, place, index, k);
-    (void)vor_lists_fit(&place->surface, place->near, seeds->domain, x, k, index);
+    (void)fit(seeds, &place->surface, place->near, x, k, index);
     return place->surface.kind;
 }
 
@@ -290,7 +309,7 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, s
      * points may be on another one. */
     if (length <= VOR_HOLE_MARGIN * spacing ||
         vor_boundary_beyond(near, k, foot, x, vor_boundary_reach(near, k, x) - length) ||
-        (!seeds->domain->known.sheets && goes_on(seeds, i, foot, x, k)) ||
+        (!seeds->sheets && goes_on(seeds, i, foot, x, k)) ||
         vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) == VOR_SURFACE_NONE ||
         vor_boundary_beyond(other->near, other->k, foot, x, INFINITY) ||
         vor_boundary_regularity(other->near, other->k, other->surface.spacing) < VOR_HOLE_REGULAR)

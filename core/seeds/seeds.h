@@ -50,7 +50,8 @@ struct vor_seeds {
     struct vor_run run; /**< not interrupted by a stop; loops that a stop may end get their own */
     size_t n;
     struct vor_seeds_policy policy;
-    float *xyz;                         /**< n x 3 */
+    int sheets; /**< fits look for layers: a domain that they are or were made on has sheets */
+    float *xyz; /**< n x 3 */
     struct vor_input_lists input_lists; /**< candidates among the input, for each seed */
     struct vor_last_fit *last_fit;      /**< n */
     struct vor_point_lists point_lists; /**< neighbours among the seeds */
@@ -82,7 +83,8 @@ void vor_seeds_free(struct vor_seeds *seeds);
 
 /** Fits surfaces to another domain from now on: the whole one, or a thinned one of at least
  *  seeds->input_lists.wide points. Forgets the lists of input points and the last fits; the seeds'
- *  lists of each other stay. O(n). */
+ *  lists of each other stay. Where a thinned domain has sheets, fits to the whole look for layers
+ *  too, because at the border their neighbours extend farther. O(n). */
 void vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain);
 
 /** Takes the seeds' present positions as those that the following calls ask about, and makes their

@@ -1,11 +1,12 @@
-/* Two sheets nearer to each other than the input's spacing: points are on one of them or the other,
- * none in between. */
+/* Two sheets nearer to each other than the spacing of the input or of the result: points are on one
+ * of them or the other, none in between. */
+#include "core/geom/patch.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
 
-enum { SEEDS = 2, N = 8000, POINTS = 1000 };
+enum { SEEDS = 2, N = 8000, POINTS = 1000, DENSE = 60000 };
 
 #define OFF 0.1 /* of the gap: a point farther than that from both sheets is between them */
 
@@ -88,6 +89,24 @@ START_TEST(nor_where_they_are_noisy)
 }
 END_TEST
 
+/* The input is dense: fits to all of it see one sheet, fits to its thinned points see both. */
+START_TEST(nor_where_they_are_half_a_spacing_of_the_result_apart)
+{
+    double gap = 0.5 * sqrt(2 / (VOR_HEXAGON_HEIGHT * POINTS));
+    struct vor_cloud in, out;
+    size_t counts[3];
+
+    vt_cloud_sheets(&in, (uint64_t)_i, DENSE, gap);
+    (void)resample(&out, &in, 2, "auto");
+    count(&out, gap, -1, counts); /* the border too, and what lies beyond it */
+    ck_assert_uint_eq(counts[0], POINTS);
+    ck_assert_msg(counts[1] == 0, "%zu of %d are between", counts[1], POINTS);
+    vor_cloud_free(&in);
+    vor_cloud_free(&out);
+    vt_assert_no_leak();
+}
+END_TEST
+
 START_TEST(one_two_three_and_eight_threads_give_the_same_bytes)
 {
     static const unsigned threads[] = {1, 2, 3, 8};
@@ -113,6 +132,8 @@ int main(void)
 
     vt_add_loop(suite, no_point_lies_between_two_sheets, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, nor_where_they_are_noisy, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_loop(suite, nor_where_they_are_half_a_spacing_of_the_result_apart,
+                VT_FEWER(VT_SOAK_LOOPS(2 * SEEDS, 10 * SEEDS)));
     vt_add(suite, one_two_three_and_eight_threads_give_the_same_bytes);
     return vt_run(suite);
 }

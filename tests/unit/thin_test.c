@@ -1,8 +1,10 @@
 /* The thinner domain that dense inputs are iterated on, and how seeds get off it. */
 #include "core/cvt/start.h"
+#include "core/input/input.h"
 #include "core/input/thin.h"
 #include "core/seeds/attach.h"
 #include "tests/support/vt_engine.h"
+#include "tests/support/vt_shape.h"
 
 #include <math.h>
 #include <string.h>
@@ -10,6 +12,10 @@
 enum { SEEDS = 4, N = 150000, FEW = 500 }; /* N: several blocks */
 
 #define GAP 0.02
+
+/* Points of a unit square, or of two, and their area where there are two. */
+enum { DENSE = 60000 };
+#define DENSE_AREA 2.0
 
 struct bed {
     struct vt_engine engine;
@@ -233,6 +239,41 @@ START_TEST(a_stop_does_not_keep_seeds_from_landing_and_a_cancel_does)
 }
 END_TEST
 
+/* Whether a dense cloud has sheets once it is thinned; it has none before. */
+static int thinned_has_sheets(const struct vor_cloud *cloud, const char *intrinsic)
+{
+    struct vt_engine engine;
+    struct vor_domain whole, thin;
+    int sheets;
+
+    vt_engine_open(&engine, 2);
+    vt_engine_set(&engine, "intrinsic", intrinsic);
+    vt_assert_ok(vor_input_prepare(&whole, cloud, &engine.spec, &engine.run, &vt_err));
+    vt_assert_ok(vor_domain_thin_for(&thin, &whole, FEW, DENSE_AREA, &engine.run, &vt_err));
+    ck_assert_uint_gt(thin.n, 0);
+    ck_assert(!whole.known.sheets);
+    sheets = thin.known.sheets;
+    vor_domain_free(&thin);
+    vor_domain_free(&whole);
+    vt_engine_close(&engine);
+    return sheets;
+}
+
+START_TEST(sheets_that_only_the_thinned_points_show_are_found_there_if_they_are_asked_for)
+{
+    struct vor_cloud one, two;
+
+    vt_cloud_square(&one, 1, DENSE);
+    vt_cloud_sheets(&two, 1, DENSE, 5 * sqrt(DENSE_AREA / DENSE));
+    ck_assert(thinned_has_sheets(&two, "local"));
+    ck_assert(!thinned_has_sheets(&two, "none"));
+    ck_assert(!thinned_has_sheets(&one, "local"));
+    vor_cloud_free(&two);
+    vor_cloud_free(&one);
+    vt_assert_no_leak();
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("thin");
@@ -244,6 +285,7 @@ int main(void)
     vt_add(suite, one_two_three_and_eight_threads_keep_the_same_points);
     vt_add(suite, where_more_than_half_would_be_kept_nothing_is);
     vt_add_loop(suite, who_lands_lies_on_the_surface_of_the_whole, VT_FEWER(SEEDS));
+    vt_add(suite, sheets_that_only_the_thinned_points_show_are_found_there_if_they_are_asked_for);
     vt_add(suite, a_stop_does_not_keep_seeds_from_landing_and_a_cancel_does);
     return vt_run(suite);
 }
