@@ -68,34 +68,52 @@ static double off(const struct vor_surface *s, const double x[3])
     return fabs(local[2] - vor_surface_height(s, local[0], local[1], NULL));
 }
 
-int vor_lists_fit(struct vor_surface *out, float *near, const struct vor_domain *domain,
-                  const double x[3], unsigned k, const uint32_t *index)
+void vor_lists_points(float *near, const struct vor_domain *domain, uint32_t root, unsigned k)
 {
-    const struct vor_graph *graph = &domain->graph;
-    struct vor_surface second;
-    float there[3 * VOR_ADJACENT];
-    uint32_t root = index[0], other;
-    unsigned count, n;
+    unsigned count = copy_list(near, domain, root, k);
 
-    if (domain->known.lists == VOR_LISTS_NONE || !vor_graph_is(graph) || k > VOR_ADJACENT)
-        return vor_sheets_fit(out, near, domain, x, k);
-    if (!graph->own[root]) {
-        vor_surface_fit(out, near, k);
-        return 0;
-    }
-    other = other_sheet(domain, index, k, x);
-    count = copy_list(near, domain, root, k);
-    vor_surface_fit(out, near, count);
-    if (other != root) {
-        n = copy_list(there, domain, other, k);
-        vor_surface_fit(&second, there, n);
-        if (off(&second, x) < off(out, x)) {
-            *out = second;
-            memcpy(near, there, 3 * n * sizeof *near);
-            count = n;
-        }
-    }
     for (unsigned j = count; j < k; j++)
         memcpy(&near[3 * j], &near[3 * (j - count)], 3 * sizeof *near);
-    return 1;
+}
+
+/* Fits to the list of a point. */
+static void fit_to(struct vor_surface *out, const struct vor_domain *domain, uint32_t root,
+                   unsigned k)
+{
+    float near[3 * VOR_ADJACENT];
+    unsigned count = copy_list(near, domain, root, k);
+
+    vor_surface_fit(out, near, count);
+}
+
+struct vor_lists_fitted vor_lists_fit(struct vor_surface *out, float *near,
+                                      const struct vor_domain *domain, const double x[3],
+                                      unsigned k, const uint32_t *index)
+{
+    struct vor_lists_fitted fitted = {.root = VOR_LISTS_NO_ROOT};
+    struct vor_surface second;
+    uint32_t other;
+
+    if (domain->known.lists == VOR_LISTS_NONE || !vor_graph_is(&domain->graph) ||
+        k > VOR_ADJACENT) {
+        fitted.sheet = vor_sheets_fit(out, near, domain, x, k);
+        return fitted;
+    }
+    if (!domain->graph.own[index[0]]) {
+        vor_surface_fit(out, near, k);
+        return fitted;
+    }
+    fitted.sheet = 1;
+    fitted.root = index[0];
+    fit_to(out, domain, fitted.root, k);
+    other = other_sheet(domain, index, k, x);
+    if (other != fitted.root) {
+        fit_to(&second, domain, other, k);
+        if (off(&second, x) < off(out, x)) {
+            *out = second;
+            fitted.root = other;
+        }
+    }
+    vor_lists_points(near, domain, fitted.root, k);
+    return fitted;
 }

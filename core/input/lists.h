@@ -15,20 +15,34 @@
 VOR_NODISCARD vor_status vor_lists_make(struct vor_domain *domain, const struct vor_run *run,
                                         struct vor_error *err);
 
+/** What a fit was made to. */
+struct vor_lists_fitted {
+    int sheet;     /**< 1: to one sheet of several; 0: to the nearest points */
+    uint32_t root; /**< the input point whose list it is; VOR_LISTS_NO_ROOT: no list */
+};
+
+#define VOR_LISTS_NO_ROOT UINT32_MAX
+
 /** vor_surface_fit to k points around x, which lie on one sheet if the domain has lists and k is at
  *  most VOR_ADJACENT: where the list of the input point nearest to x is its own, to that list; and
  *  where points of another sheet are near, to the sheet that x is nearer to, because between sheets
  *  nearer than the spacing the nearest input point is often one of the other. Without lists, as
  *  vor_sheets_fit.
  *
- *  @param[in,out] near   k x 3 floats, nearest first; those of the sheet when it returns 1,
- * repeated if they are fewer
+ *  @param[in,out] near   k x 3 floats, nearest first; those of the sheet if there is one, repeated
+ *                        if they are fewer
  *  @param[in]     index  their numbers, that of the nearest first
  *
- *  @return whether the fit is to a sheet
+ *  O(k^2) where it is to a list, else as vor_sheets_fit. Cannot fail. Thread-safe. */
+struct vor_lists_fitted vor_lists_fit(struct vor_surface *out, float *near,
+                                      const struct vor_domain *domain, const double x[3],
+                                      unsigned k, const uint32_t *index);
+
+/** The points that a fit to the list of a root was made to.
  *
- *  O(k^2) where it is, else as vor_sheets_fit. Cannot fail. Thread-safe. */
-int vor_lists_fit(struct vor_surface *out, float *near, const struct vor_domain *domain,
-                  const double x[3], unsigned k, const uint32_t *index);
+ *  @param[out] near  k x 3 floats: the root and its neighbours, repeated if they are fewer
+ *
+ *  O(k). Cannot fail. Thread-safe. */
+void vor_lists_points(float *near, const struct vor_domain *domain, uint32_t root, unsigned k);
 
 #endif

@@ -137,18 +137,32 @@ static void gather(const struct vor_seeds *seeds, struct vor_place *place, const
 
 /* vor_lists_fit, which looks for layers where the domain has sheets. Where only a thinned one has
  * them, this looks on the whole too: its neighbours reach over to another sheet at the border. */
-static int fit(const struct vor_seeds *seeds, struct vor_surface *out, float *near,
-               const double x[3], unsigned k, const uint32_t *index)
+static struct vor_lists_fitted fit(const struct vor_seeds *seeds, struct vor_place *place,
+                                   struct vor_surface *out, const double x[3],
+                                   const uint32_t *index)
 {
     const struct vor_domain *domain = seeds->domain;
+    struct vor_lists_fitted fitted = vor_lists_fit(out, place->near, domain, x, place->k, index);
 
-    if (vor_lists_fit(out, near, domain, x, k, index))
-        return 1;
-    if (!seeds->sheets || domain->known.sheets || !vor_layers_possible(out) ||
-        !vor_sheets_gather(near, domain, x, k))
-        return 0;
-    vor_surface_fit(out, near, k);
-    return 1;
+    if (!fitted.sheet && seeds->sheets && !domain->known.sheets && vor_layers_possible(out) &&
+        vor_sheets_gather(place->near, domain, x, place->k)) {
+        vor_surface_fit(out, place->near, place->k);
+        fitted.sheet = 1;
+    }
+    return fitted;
+}
+
+/* Fits the surface of seed i to the points that were found around it. */
+static void fit_seed(const struct vor_seeds *seeds, struct vor_place *here,
+                     struct vor_last_fit *last, size_t i, const uint32_t *index)
+{
+    struct vor_lists_fitted fitted;
+    double at[3];
+
+    vor_seeds_position(seeds, i, at);
+    fitted = fit(seeds, here, &last->surface, at, index);
+    last->layered = (unsigned char)fitted.sheet;
+    last->root = fitted.root;
 }
 
 /* Finds the input points for the surface of seed i. Their number is looked up with each new list.
@@ -184,13 +198,14 @@ enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch 
     scratch->interior = 0;
     gather(seeds, here, index, last->k);
     /* With layers the sheet may change though the points are the same, as another may be nearest.
-     */
-    if (found != VOR_INPUT_LISTS_SAME || last->layered || last->refined) {
-        double at[3];
-
-        vor_seeds_position(seeds, i, at);
-        last->layered = (unsigned char)fit(seeds, &last->surface, here->near, at, last->k, index);
-    }
+     * With lists a seed keeps its sheet until the points are others: else seeds between two sheets
+     * change from one to the other again and again. Kept / not: shell60k to 240,000 delta_sheet
+     * 0.078 / 0.080, arma2 0.097 / 0.100, 6 % less CPU. */
+    if (found != VOR_INPUT_LISTS_SAME || last->refined ||
+        (last->layered && last->root == VOR_LISTS_NO_ROOT))
+        fit_seed(seeds, here, last, i, index);
+    else if (last->layered)
+        vor_lists_points(here->near, seeds->domain, last->root, last->k);
     last->refined = 0;
     last->interior = 0;
     memcpy(last->place, x, sizeof last->place);
@@ -260,7 +275,7 @@ enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor
     vor_knn_search(seeds->domain->knn, query, 1, k, index, distance2);
     scratch->queries++;
     gather(seeds, place, index, k);
-    (void)fit(seeds, &place->surface, place->near, x, k, index);
+    (void)fit(seeds, place, &place->surface, x, index);
     return place->surface.kind;
 }
 

@@ -32,6 +32,7 @@ struct vor_last_fit {
     struct vor_surface surface;
     float place[3];             /**< where the seed was */
     uint16_t k;                 /**< points that it was or will be fitted to; 0: not known yet */
+    uint32_t root;              /**< input point whose list it is to, or VOR_LISTS_NO_ROOT */
     unsigned char interior : 1; /**< no border of the input is near that place */
     unsigned char layered : 1;  /**< fitted to one of several sheets */
     unsigned char refined : 1;  /**< a finer fit was tried */
