@@ -285,31 +285,43 @@ static int one_over_another(const struct vor_layers *layers, const struct stack 
     return 1;
 }
 
-/* Looks for layers over the tangent plane of the `few` nearest points. */
-static int find_in(struct vor_layers *out, const float *near, unsigned k, unsigned few)
+/* Splits the heights and fits the shape in turn until nothing changes. Returns whether the parts
+ * are layers. */
+static int settle(struct vor_layers *out, struct stack *stack, double spacing)
+{
+    for (int round = 0; round < ROUNDS; round++) {
+        sort(stack);
+        if (!split(out, stack))
+            break;
+        if (!share(out, stack))
+            return 0;
+    }
+    split_all(out, stack);
+    return out->count > 1 && share(out, stack) && clear_between(out, stack, spacing) &&
+           one_over_another(out, stack, spacing);
+}
+
+/* Looks for layers over the tangent plane of the `few` nearest points; `all` is the surface of all
+ * of them. */
+static int find_in(struct vor_layers *out, const float *near, unsigned k, unsigned few,
+                   const struct vor_surface *all)
 {
     struct stack stack;
-    double spacing;
 
     out->count = 1;
-    vor_surface_fit(&out->frame, near, k);
-    spacing = out->frame.spacing;
+    out->frame = *all;
     if (few < k)
         vor_surface_fit(&out->frame, near, few);
     if (out->frame.kind == VOR_SURFACE_NONE)
         return 0;
-    spacing /= out->frame.reach;
     gather(&stack, &out->frame, near, k, few < k);
-    for (int round = 0; round < ROUNDS; round++) {
-        sort(&stack);
-        if (!split(out, &stack))
-            break;
-        if (!share(out, &stack))
-            return 0;
-    }
-    split_all(out, &stack);
-    return out->count > 1 && share(out, &stack) && clear_between(out, &stack, spacing) &&
-           one_over_another(out, &stack, spacing);
+    return settle(out, &stack, all->spacing / out->frame.reach);
+}
+
+static void none(struct vor_layers *out)
+{
+    out->count = 1;
+    memset(out->of, 0, sizeof out->of);
 }
 
 void vor_layers_find(struct vor_layers *out, const float *near, unsigned k)
@@ -317,12 +329,36 @@ void vor_layers_find(struct vor_layers *out, const float *near, unsigned k)
     /* Points that the tangent plane is fitted to. With the first alone shell is 12.4e-4, with three
      * 7.4e-4. */
     static const unsigned first[] = {VOR_NEIGHBORS_MAX, 8, 14, 26, 5};
+    struct vor_surface all;
 
-    for (size_t i = 0; k >= LEAST_POINTS && i < sizeof first / sizeof *first; i++)
-        if ((i == 0 || first[i] < k) && find_in(out, near, k, first[i]))
-            return;
+    if (k >= LEAST_POINTS) {
+        vor_surface_fit(&all, near, k);
+        for (size_t i = 0; i < sizeof first / sizeof *first; i++)
+            if ((i == 0 || first[i] < k) && find_in(out, near, k, first[i], &all))
+                return;
+    }
+    none(out);
+}
+
+int vor_layers_find_like(struct vor_layers *out, const struct vor_layers *like, const float *near,
+                         unsigned k)
+{
+    struct vor_surface all;
+    struct stack stack;
+
+    if (k < LEAST_POINTS)
+        return 0;
+    vor_surface_fit(&all, near, k);
     out->count = 1;
-    memset(out->of, 0, sizeof out->of);
+    out->frame = like->frame;
+    gather(&stack, &out->frame, near, k, 1);
+    for (unsigned i = 0; i < k; i++)
+        for (int t = 0; t < TERMS; t++)
+            stack.height[i] -= like->shape[t] * stack.x[i][t];
+    if (settle(out, &stack, all.spacing / out->frame.reach))
+        return 1;
+    none(out);
+    return 0;
 }
 
 unsigned vor_layers_nearest(const struct vor_layers *layers, const double x[3])

@@ -59,6 +59,18 @@ static inline int vor_layers_possible(const struct vor_surface *surface)
  *  Cannot fail. O(k log k), O(k^2) where there are layers. Depends on nothing but its arguments. */
 void vor_layers_find(struct vor_layers *out, const float *near, unsigned k);
 
+/** Looks for layers among points as vor_layers_find does, but starts from the shape of layers that
+ *  were found nearby, and tries nothing else: a tenth of the cost where it finds none.
+ *
+ *  @param[in] like  has at least two layers
+ *
+ *  @return whether layers were found
+ *
+ *  Cannot fail. Costs as one tangent plane of vor_layers_find. Depends on nothing but its
+ *  arguments. */
+int vor_layers_find_like(struct vor_layers *out, const struct vor_layers *like, const float *near,
+                         unsigned k);
+
 /** Index of the layer nearest to x, in world coordinates; 0 where there is only one. O(1). */
 unsigned vor_layers_nearest(const struct vor_layers *layers, const double x[3]);
 

@@ -15,27 +15,21 @@
 #define COSINE 0.6
 #define PI 3.14159265358979
 
-/* The length of the edge between two points of a walk; infinite if it leaves the surface. */
-static double edge(const struct vor_walk *walk, unsigned a, unsigned b, double reach2)
+/* The length of the edge between two points of a walk, whose square is l2; infinite if it leaves
+ * the surface. */
+static double edge(const struct vor_walk *walk, unsigned a, unsigned b, double l2)
 {
-    const float *m = walk->normal[a], *n = walk->normal[b];
-    double d[3], l2 = 0, cosine = 0, across = 0, middle2 = 0, sign;
+    double cosine = 0, across = 0, middle2 = 0, sign;
 
-    for (int c = 0; c < 3; c++) {
-        d[c] = (double)walk->x[b][c] - (double)walk->x[a][c];
-        l2 += d[c] * d[c];
-    }
-    if (l2 > reach2)
-        return INFINITY;
     for (int c = 0; c < 3; c++)
-        cosine += (double)m[c] * (double)n[c];
+        cosine += (double)walk->normal[c][a] * (double)walk->normal[c][b];
     if (fabs(cosine) < COSINE)
         return INFINITY;
     sign = cosine < 0 ? -1 : 1;
     for (int c = 0; c < 3; c++) {
-        double middle = (double)m[c] + sign * (double)n[c];
+        double middle = (double)walk->normal[c][a] + sign * (double)walk->normal[c][b];
 
-        across += middle * d[c];
+        across += middle * ((double)walk->x[c][b] - (double)walk->x[c][a]);
         middle2 += middle * middle;
     }
     return across * across <= walk->arc * walk->arc * middle2 * l2 ? sqrt(l2) : INFINITY;
@@ -44,31 +38,52 @@ static double edge(const struct vor_walk *walk, unsigned a, unsigned b, double r
 /* Settles one point, and tells its neighbours the way through it. */
 static void step(struct vor_walk *walk, unsigned from, double reach2)
 {
+    double l2[VOR_WALK_MOST];
+
+    for (unsigned j = 0; j < walk->most; j++) {
+        double x = (double)walk->x[0][j] - (double)walk->x[0][from],
+               y = (double)walk->x[1][j] - (double)walk->x[1][from],
+               z = (double)walk->x[2][j] - (double)walk->x[2][from];
+
+        l2[j] = x * x + y * y + z * z;
+    }
     walk->done[from] = 1;
-    walk->reached[from] = walk->far[from] <= STRETCH * sqrt((double)walk->distance2[from]) + 1e-12;
+    walk->reached[from] = walk->far[from] <= walk->limit[from];
     for (unsigned j = 0; j < walk->most; j++)
-        if (!walk->done[j])
-            walk->far[j] = fmin(walk->far[j], walk->far[from] + edge(walk, from, j, reach2));
+        if (!walk->done[j] && l2[j] <= reach2)
+            walk->far[j] = fmin(walk->far[j], walk->far[from] + edge(walk, from, j, l2[j]));
+}
+
+/* The point with the shortest way of those that are not settled; most: none can be reached. */
+static unsigned nearest(const struct vor_walk *walk)
+{
+    unsigned next = walk->most;
+    double least = INFINITY;
+
+    for (unsigned j = 0; j < walk->most; j++)
+        if (!walk->done[j] && walk->far[j] < least) {
+            least = walk->far[j];
+            next = j;
+        }
+    return next;
 }
 
 void vor_walk_go(struct vor_walk *walk)
 {
     double reach2 = REACH * REACH * PI * (double)walk->distance2[walk->most - 1] / walk->most;
+    unsigned next, sure = 0, found = 0;
 
     memset(walk->done, 0, sizeof walk->done);
     memset(walk->reached, 0, sizeof walk->reached);
-    for (unsigned j = 0; j < walk->most; j++)
+    for (unsigned j = 0; j < walk->most; j++) {
         walk->far[j] = j == 0 ? 0 : INFINITY;
-    for (;;) {
-        unsigned next = walk->most;
-        double nearest = INFINITY;
-
-        for (unsigned j = 0; j < walk->most; j++)
-            if (!walk->done[j] && walk->far[j] < nearest) {
-                nearest = walk->far[j];
-                next = j;
-            }
-        if (next == walk->most)
+        walk->limit[j] = STRETCH * sqrt((double)walk->distance2[j]) + 1e-12;
+    }
+    while (next = nearest(walk), next < walk->most) {
+        /* Ways only get longer: what is known of the first `sure` points stays. */
+        while (sure < walk->most && (walk->done[sure] || walk->far[next] > walk->limit[sure]))
+            found += walk->reached[sure++];
+        if (found >= walk->enough)
             return;
         step(walk, next, reach2);
     }

@@ -17,12 +17,15 @@ struct vor_walk {
                                          normals at its ends */
     uint32_t index[VOR_WALK_MOST];  /**< the caller's */
     float distance2[VOR_WALK_MOST]; /**< squared, from the first */
-    float x[VOR_WALK_MOST][3];      /**< positions */
-    float normal[VOR_WALK_MOST][3]; /**< unit length, of any sign */
+    float x[3][VOR_WALK_MOST];      /**< positions */
+    float normal[3][VOR_WALK_MOST]; /**< unit length, of any sign */
+    unsigned enough;                /**< the walk ends when the first so many that can be reached,
+                                         in the order of the points, are known */
     double far[VOR_WALK_MOST];      /**< set by the walk: length of the way; infinite without */
     unsigned char reached[VOR_WALK_MOST]; /**< set by the walk: 1 where the way is at most 1.5 times
                                                the straight distance */
-    unsigned char done[VOR_WALK_MOST];    /**< scratch of the walk */
+    double limit[VOR_WALK_MOST];          /**< scratch of the walk, as done */
+    unsigned char done[VOR_WALK_MOST];
 };
 
 /** Finds the shortest ways (Dijkstra 1959) along edges that stay on the surface: at most 2.2

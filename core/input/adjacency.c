@@ -23,6 +23,10 @@ enum {
     /* Fewest points of a list. At 8 / 10 / 13: cow 0.062 / 0.063 / 0.064, room 0.0446 / 0.0459 /
      * 0.0489. */
     FEWEST = 8,
+    /* Points of a short list. At 10 / 12: cow 0.059, 3.86 / 0.056, 3.93; without, 0.061, 4.12. Fits
+     * to fewer than 10 would follow noise. */
+    SHORT = 12,
+    QUADRIC = 6, /* coefficients of a quadric: a fit takes up so many of the deviations */
     /* Times that planes and lists are made, each time from the lists before. At 1 / 2 / 3: cow
      * 0.068 / 0.063 / 0.063, room 0.0474 / 0.0459 / 0.0459; at 1 / 2 arma2 0.134, 3.8 / 0.117, 3.4.
      */
@@ -41,6 +45,9 @@ enum { ARCS = sizeof arcs / sizeof *arcs };
 /* A list must lower the variance about the surface to this share. At 0.35 / 0.5 / 0.7: cow 0.066,
  * 4.07 / 0.063, 4.18 / 0.063, 4.24, room 0.0470 / 0.0459 / 0.0456. */
 #define BETTER 0.5
+/* Times less variance that a surface must have about the points of a short list. At 1 / 2 / 4: cow
+ * 0.060, 3.88 / 0.056, 3.93 / 0.060, 4.02. */
+#define FINER 2.0
 /* Least spacing on the list over that of all points. Two sheets are denser together than one; the
  * steps that depth is rounded to are not, and the lists of one step are denser. At 0 / 0.9: cow
  * 0.063 / 0.063; with one round and a cosine of 0.8, at 0.9 / 1.05: cow 0.074 / 0.076. */
@@ -257,9 +264,12 @@ static int begin_walk(struct vor_walk *walk, struct vor_surface *plain,
 static void give_normals(struct vor_walk *walk, const struct make *make)
 {
     for (unsigned j = 0; j < walk->most; j++) {
-        memcpy(walk->x[j], point(make->domain, walk->index[j]), sizeof walk->x[j]);
-        memcpy(walk->normal[j], &make->graph->normal[3 * (size_t)walk->index[j]],
-               sizeof walk->normal[j]);
+        const float *normal = &make->graph->normal[3 * (size_t)walk->index[j]];
+
+        for (int c = 0; c < 3; c++) {
+            walk->x[c][j] = point(make->domain, walk->index[j])[c];
+            walk->normal[c][j] = normal[c];
+        }
     }
 }
 
@@ -273,6 +283,7 @@ static unsigned walk_to_sheet(struct vor_walk *walk, struct vor_surface *own,
         unsigned n;
 
         walk->arc = arcs[a];
+        walk->enough = at_most(domain, VOR_ADJACENT);
         vor_walk_go(walk);
         n = take_reached(walk, at_most(domain, VOR_ADJACENT), index);
         if (n >= FEWEST && fit_to(own, domain, index, n) &&
@@ -282,8 +293,22 @@ static unsigned walk_to_sheet(struct vor_walk *walk, struct vor_surface *own,
     return 0;
 }
 
+/* Cuts a list of n points to the nearest few where a surface fits these far better: lists of thin
+ * parts hold points from round the corner. Returns how many are left. */
+static unsigned shorten(struct vor_surface *own, const struct vor_domain *domain,
+                        const uint32_t *index, unsigned n)
+{
+    struct vor_surface few;
+
+    if (n < SHORT + 3 || !fit_to(&few, domain, index, SHORT) ||
+        FINER * few.off2 * SHORT / (SHORT - QUADRIC) > own->off2 * n / (n - QUADRIC))
+        return n;
+    *own = few;
+    return SHORT;
+}
+
 /* Finds the sheet of point i: among layers where the input has such, else by walks. */
-static void find_sheet(struct make *make, size_t i)
+static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *recent)
 {
     const struct vor_domain *domain = make->domain;
     struct vor_walk walk;
@@ -297,7 +322,7 @@ static void find_sheet(struct make *make, size_t i)
         const float *p = point(domain, (uint32_t)i);
 
         n = vor_sheets_list(index, domain, (double[3]){(double)p[0], (double)p[1], (double)p[2]},
-                            at_most(domain, VOR_ADJACENT));
+                            at_most(domain, VOR_ADJACENT), recent);
         if (n >= FEWEST && fit_to(&own, domain, index, n)) {
             set_own(make, i, index, n, &own, LAYER);
             return;
@@ -305,15 +330,19 @@ static void find_sheet(struct make *make, size_t i)
     }
     give_normals(&walk, make);
     n = walk_to_sheet(&walk, &own, &plain, domain, index);
-    if (n > 0)
+    if (n > 0) {
+        n = shorten(&own, domain, index, n);
         set_own(make, i, index, n, &own, WALKED);
+    }
 }
 
 static void sheet_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
+    struct vor_sheets_recent recent = {.count = 0};
+
     (void)worker;
     for (size_t i = begin; i < end; i++)
-        find_sheet(ctx, i);
+        find_sheet(ctx, i, &recent);
 }
 
 /* Whether an entry of the list of point i lies steeply over it: perhaps on another sheet. */
@@ -355,6 +384,7 @@ static void rest_block(void *ctx, size_t begin, size_t end, unsigned worker)
         give_normals(&walk, make);
         for (unsigned a = 0; a < ARCS && n < FEWEST; a++) {
             walk.arc = arcs[a];
+            walk.enough = at_most(domain, VOR_ADJACENT + 1);
             vor_walk_go(&walk);
             n = take_reached(&walk, at_most(domain, VOR_ADJACENT + 1), index);
         }
@@ -418,28 +448,32 @@ static void probe_normals(struct vor_walk *walk, const struct vor_domain *domain
 
     for (unsigned j = 0; j < walk->most; j++) {
         float distance2[FLAT];
+        const float *x = point(domain, walk->index[j]);
 
-        memcpy(walk->x[j], point(domain, walk->index[j]), sizeof walk->x[j]);
-        vor_knn_search(domain->knn, walk->x[j], 1, k, index[j], distance2);
+        for (int c = 0; c < 3; c++)
+            walk->x[c][j] = x[c];
+        vor_knn_search(domain->knn, x, 1, k, index[j], distance2);
         fit_plane(&plane[j], domain, index[j], k);
     }
     for (unsigned j = 0; j < walk->most; j++) {
-        double r2 = vor_distance2f(walk->x[j], point(domain, index[j][k - 1]));
-        double best = KEEP * cost(&plane[j], walk->x[j], r2);
+        const float *x = point(domain, walk->index[j]);
+        double r2 = vor_distance2f(x, point(domain, index[j][k - 1]));
+        double best = KEEP * cost(&plane[j], x, r2);
         unsigned take = j;
 
         for (unsigned other = 0; other < walk->most; other++) {
             double here;
 
-            if (vor_distance2f(walk->x[j], walk->x[other]) > r2 || other == j)
+            if (vor_distance2f(x, point(domain, walk->index[other])) > r2 || other == j)
                 continue;
-            here = cost(&plane[other], walk->x[j], r2);
+            here = cost(&plane[other], x, r2);
             if (here < best) {
                 best = here;
                 take = other;
             }
         }
-        memcpy(walk->normal[j], plane[take].normal, sizeof walk->normal[j]);
+        for (int c = 0; c < 3; c++)
+            walk->normal[c][j] = plane[take].normal[c];
     }
 }
 
