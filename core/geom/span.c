@@ -4,13 +4,13 @@
 #include <string.h>
 
 enum {
-    /* Fewest points of a patch that is remembered: the numbers on fewer are noise. At 8, 7 points
-     * of fandisk with noise are turned to the wrong side; at 4, 12 of armadillo. */
+    /* Fewest points of a patch that is remembered: the numbers on fewer are noise. At 8, seven
+     * points of fandisk with noise are turned to the wrong side. */
     PATCH = 12,
     NONE = UINT32_MAX
 };
-/* Doubt about a patch on which no edge disagreed, for each of its points. Not measured: it ranks
- * those among themselves by size. */
+/* Doubt about a patch on which no edge disagreed, for each of its points. It ranks those among
+ * themselves by size. At 0: the cow the same. */
 #define SURE 0.01
 
 /* Trees on their way into one tree a component. Trees are known by the point that they grew from.

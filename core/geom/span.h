@@ -16,7 +16,7 @@
  *  its ends have different signs. */
 enum { VOR_SPAN_LEVELS = 64, VOR_SPAN_TURNS = 128 };
 
-/** Most patches that are remembered. Of armadillo and the cow at 32 / 64: the same. */
+/** Most patches that are remembered. Not measured at half and double. */
 #define VOR_SPAN_JOINS 32
 
 /** A tree when it was joined to a larger one. */

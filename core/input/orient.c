@@ -47,12 +47,13 @@ enum {
 /* Those carried normals of a component that agree less those that do not, over all of them: beyond
  * it they say the side. Not measured: those of one scan agree (1), random signs do not (0). */
 #define AGREE 0.5
-/* What must be against a point before its neighbours change its side, for each of them. At 0 / 0.1
- * / 0.4: of fandisk's points with noise 2 are wrong for it / 0 / 0, of armadillo's 1 / 0 / 1 (third
- * draw). */
+/* What must be against a point before its neighbours change its side, for each of them. At 0 / 0.1:
+ * of fandisk's points with noise (three draws) 3 / 0 are wrong for it; at 0.1 / 0.4 of armadillo's
+ * (third draw) 0 / 1. */
 #define OUTVOTE 0.1
 /* Mean winding number on a surface, or less its sign, beyond which it is closed. Measured: igea,
- * armadillo, cow 0.5, fandisk with noise 0.7; the depth scan office1 0.04. */
+ * armadillo, cow 0.5, fandisk with noise 0.7; the depth scan office1 0.04. Half
+ * and double: not measured. */
 #define CLOSED 0.25
 #define PI 3.14159265358979
 

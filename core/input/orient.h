@@ -18,7 +18,7 @@
  *  blades and creases, where the fit is that of another face. Armadillo, twelve draws: 8 to 35 (0
  *  to 5, 13 in all; before these means 0 to 127, 363 in all); igea 3, 4, 3 (0); fandisk 4, 6, 1, 2
  *  (0); torus and knots of tube 0.4, 0.2 and 0.12: 0. The cow, whose tail lies along its body, 400
- *  to 1,300, before 1,200 to 1,400.
+ *  to 1,200, before 1,200 to 1,400.
  *  Departure: each connected component then faces away from its own inside. A closed surface has
  *  more of its normals, by area, leading away from its middle than towards it: the flux of x minus
  *  the middle through it is three times its volume. The same goes for a dome. Where that flux is
