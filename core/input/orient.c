@@ -365,8 +365,12 @@ static vor_status mend(struct orient *orient, const struct vor_winding_points *p
 {
     size_t n = orient->on->n;
     double mean = 0;
-    vor_status status = vor_winding_mean(&mean, &orient->span, points, run, err);
+    vor_status status;
 
+    if (orient->domain->known.neighbors.usual >
+        orient->graph->most) /* noise: lists are too short */
+        return VOR_OK;
+    status = vor_winding_mean(&mean, &orient->span, points, run, err);
     if (status != VOR_OK || fabs(mean) < CLOSED)
         return status;
     vor_span_free(&orient->span);
