@@ -16,7 +16,7 @@ struct vor_graph {
     unsigned most;        /**< most neighbours of a point */
     uint32_t *list;       /**< n x most: neighbours of each point, the nearest first */
     unsigned char *count; /**< n: how many it has */
-    unsigned char *own;   /**< n: 1 where they are not simply the nearest points */
+    unsigned char *own;   /**< n: 1 where fits are made to the list, not to the nearest points */
     float *normal;        /**< n x 3, unit length */
 };
 
@@ -91,27 +91,5 @@ unsigned vor_graph_around(const struct vor_graph *graph, uint32_t i, uint32_t *o
  *  O(n most), one thread. */
 VOR_NODISCARD vor_status vor_graph_components(uint32_t *component, size_t *count,
                                               const struct vor_graph *graph, struct vor_error *err);
-
-/** What an edge is to vor_graph_span, in one byte: its weight, 0 .. VOR_GRAPH_LEVELS - 1, and
- *  VOR_GRAPH_TURNS added if its ends have different signs. */
-enum { VOR_GRAPH_LEVELS = 64, VOR_GRAPH_TURNS = 128 };
-
-/** A spanning tree of least weight for each connected component, and a sign for each point: edges
- *  of the tree join equal signs, or different ones if they turn.
- *
- *  @param[out] first  n: the first point of each point's component
- *  @param[out] odd    n: 0 or 1, the sign; 0 for the first point of a component
- *  @param[in]  edge   n x most: edge[i most + a] is that to the a-th neighbour of point i
- *
- *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
- *
- *  O(n most VOR_GRAPH_LEVELS) comparisons of bytes; measured 1 us a point with 20 neighbours, on
- *  one thread. No memory beside the arrays. The same signs for any number of threads.
- *
- *  Source: Kruskal 1956, "On the shortest spanning subtree of a graph", with weights in levels in
- *  place of a sort. */
-VOR_NODISCARD vor_status vor_graph_span(uint32_t *first, unsigned char *odd,
-                                        const struct vor_graph *graph, const unsigned char *edge,
-                                        const struct vor_run *run, struct vor_error *err);
 
 #endif

@@ -10,7 +10,9 @@
  *  planes, which near another sheet is mostly one that did not mix the two. Where a surface fits
  *  the nearest points badly, layers are looked for (input/sheets.h) if the input has such, which
  *  also part parallel sheets nearer than the spacing; else a walk is tried, and taken if a surface
- *  fits what it reached far better. The planes of the lists then serve a second round.
+ *  fits what it reached far better. The planes of the lists then serve a second round. At last,
+ *  lists lose the points that lie over theirs and not beside it: those on the other face of a thin
+ *  plate.
  *
  *  Measured, CPU s and uniformity beside the nearest points alone: input/adjacency.c. */
 #ifndef VOR_INPUT_ADJACENCY_H
@@ -34,12 +36,12 @@
 VOR_NODISCARD vor_status vor_adjacency_probe(int *pays, const struct vor_domain *domain,
                                              const struct vor_run *run, struct vor_error *err);
 
-/** Makes the lists of the domain's points. graph->own is not 0 where fits are to be made to the
+/** Makes the lists of the domain's points. graph->own is 1 where fits are to be made to the
  *  list; elsewhere the nearest points lie on one surface, or the list helps a fit little.
  *
  *  @param[out] out  free with vor_graph_free; untouched on failure
  *
- *  @retval VOR_E_NOMEM 94 bytes a point do not fit, and 28 more while it works
+ *  @retval VOR_E_NOMEM 94 bytes a point do not fit, and 32 more while it works
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
  *  O(n log n), on the run's pool, most of it where fits to the nearest points are bad. The

@@ -111,7 +111,17 @@ static void put(float x[3], const struct vt_mesh *mesh, size_t i, double s, doub
                        t * mesh->xyz[3 * (size_t)face[2] + c]);
 }
 
-void vt_mesh_sample(float *xyz, const struct vt_mesh *mesh, uint64_t seed, size_t n)
+static void unit_normal(float out[3], const struct vt_mesh *mesh, size_t i)
+{
+    double normal[3], length;
+
+    face_normal(normal, mesh, i);
+    length = fmax(sqrt(vor_dot(normal, normal)), 1e-300);
+    for (size_t c = 0; c < 3; c++)
+        out[c] = (float)(normal[c] / length);
+}
+
+void vt_mesh_sample(float *xyz, float *normal, const struct vt_mesh *mesh, uint64_t seed, size_t n)
 {
     double area = vt_mesh_area(mesh), passed = 0;
     size_t at = 0;
@@ -126,8 +136,11 @@ void vt_mesh_sample(float *xyz, const struct vt_mesh *mesh, uint64_t seed, size_
         place[i] = sum -= log(1 - vor_rng_unit(seed, 0, i));
     for (size_t i = 0; i < mesh->faces && at < n; i++) {
         passed += face_area(mesh, i) / area * sum;
-        for (; at < n && (place[at] < passed || i + 1 == mesh->faces); at++)
+        for (; at < n && (place[at] < passed || i + 1 == mesh->faces); at++) {
             put(&xyz[3 * at], mesh, i, vor_rng_unit(seed, 1, at), vor_rng_unit(seed, 2, at));
+            if (normal != NULL)
+                unit_normal(&normal[3 * at], mesh, i);
+        }
     }
     free(place);
 }

@@ -21,8 +21,9 @@ void vt_mesh_free(struct vt_mesh *mesh);
 
 double vt_mesh_area(const struct vt_mesh *mesh);
 
-/** n points, even by area, white noise: n x 3. */
-void vt_mesh_sample(float *xyz, const struct vt_mesh *mesh, uint64_t seed, size_t n);
+/** n points, even by area, white noise: n x 3. normal (n x 3, or NULL) receives those of their
+ *  faces. */
+void vt_mesh_sample(float *xyz, float *normal, const struct vt_mesh *mesh, uint64_t seed, size_t n);
 
 /** Segments; allocated with malloc. */
 struct vt_segments {

@@ -238,7 +238,7 @@ START_TEST(the_edges_of_fandisk_are_those_of_its_mesh)
         return;
     ck_assert_int_eq(vt_mesh_sharp(&truth, &mesh, 30), 0);
     vt_cloud_make(&bed.cloud, WHOLE);
-    vt_mesh_sample(bed.cloud.xyz, &mesh, (uint64_t)_i, WHOLE);
+    vt_mesh_sample(bed.cloud.xyz, NULL, &mesh, (uint64_t)_i, WHOLE);
     shake(&bed.cloud, (uint64_t)_i, levels[_i % 3].noise * fandisk_diagonal);
     start(&bed, 2);
     assert_at_least(judge(&bed, &truth, vt_mesh_area(&mesh)), levels[_i % 3].least);
@@ -258,7 +258,7 @@ START_TEST(hardly_a_point_of_igea_is_on_one)
     if (!read_mesh(&mesh, "igea_mesh.ply"))
         return;
     vt_cloud_make(&bed.cloud, WHOLE);
-    vt_mesh_sample(bed.cloud.xyz, &mesh, (uint64_t)_i, WHOLE);
+    vt_mesh_sample(bed.cloud.xyz, NULL, &mesh, (uint64_t)_i, WHOLE);
     start(&bed, 2);
     ck_assert_uint_le(bed.edges.flagged, WHOLE * 5 / 1000);
     end(&bed);
