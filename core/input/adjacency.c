@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/geom/layers.h"
+#include "core/geom/plane.h"
 #include "core/geom/surface.h"
 #include "core/geom/walk.h"
 #include "core/input/sheets.h"
@@ -86,17 +87,16 @@ enum { ARCS = sizeof arcs / sizeof *arcs };
 /* Fewest points that were left out, and places of one task. */
 enum { PROBE_OUT = 3, PROBE_BLOCK = 16 };
 
-/* A plane through points. */
-struct plane {
-    float middle[3], normal[3];
-    float flatness; /* variance across it over that along it */
-    int layer;      /* it is that of a layer, which stays */
+/* What is known of a point. */
+struct known {
+    struct vor_plane plane;
+    int layer; /* the list is that of a layer, and stays */
 };
 
 struct make {
     const struct vor_domain *domain;
     struct vor_graph *graph;
-    struct plane *plane;
+    struct known *known;
     int first; /* the first round */
 };
 
@@ -116,35 +116,6 @@ static void copy(float *near, const struct vor_domain *domain, const uint32_t *i
         memcpy(&near[3 * j], point(domain, index[j]), 3 * sizeof *near);
 }
 
-static void fit_plane(struct plane *out, const struct vor_domain *domain, const uint32_t *index,
-                      unsigned k)
-{
-    double mean[3] = {0}, m[6] = {0}, values[3], vectors[3][3], total;
-
-    for (unsigned j = 0; j < k; j++)
-        for (unsigned c = 0; c < 3; c++)
-            mean[c] += (double)point(domain, index[j])[c] / k;
-    for (unsigned j = 0; j < k; j++) {
-        const float *p = point(domain, index[j]);
-        double x = (double)p[0] - mean[0], y = (double)p[1] - mean[1], z = (double)p[2] - mean[2];
-
-        m[0] += x * x;
-        m[1] += x * y;
-        m[2] += x * z;
-        m[3] += y * y;
-        m[4] += y * z;
-        m[5] += z * z;
-    }
-    vor_eigen3(values, vectors, m);
-    total = values[0] + values[1] + values[2];
-    for (unsigned c = 0; c < 3; c++) {
-        out->middle[c] = (float)mean[c];
-        out->normal[c] = (float)vectors[0][c];
-    }
-    out->flatness = (float)(total > 0 ? values[0] / total : 1);
-    out->layer = 0;
-}
-
 static void nearest_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct make *make = ctx;
@@ -162,18 +133,9 @@ static void nearest_block(void *ctx, size_t begin, size_t end, unsigned worker)
             if (index[j] != i)
                 graph->list[i * graph->most + taken++] = index[j];
         graph->count[i] = (unsigned char)taken;
-        fit_plane(&make->plane[i], make->domain, index, at_most(make->domain, FLAT));
+        make->known[i].layer = 0;
+        vor_plane_fit(&make->known[i].plane, make->domain->xyz, index, at_most(make->domain, FLAT));
     }
-}
-
-/* How badly a plane stands for the surface at x; r2 is the square of the radius of a plane. */
-static double cost(const struct plane *plane, const float *x, double r2)
-{
-    double height = 0;
-
-    for (unsigned c = 0; c < 3; c++)
-        height += ((double)x[c] - (double)plane->middle[c]) * (double)plane->normal[c];
-    return (double)plane->flatness + height * height / r2;
 }
 
 static void plane_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -187,12 +149,12 @@ static void plane_block(void *ctx, size_t begin, size_t end, unsigned worker)
         const float *x = point(make->domain, (uint32_t)i);
         unsigned last = graph->count[i] < FLAT - 1 ? graph->count[i] : FLAT - 1;
         double r2 = vor_distance2f(x, point(make->domain, list[last - 1]));
-        const struct plane *take = &make->plane[i];
-        double best = KEEP * cost(take, x, r2);
+        const struct vor_plane *take = &make->known[i].plane;
+        double best = KEEP * vor_plane_cost(take, x, r2);
 
         for (unsigned j = 0; j < last; j++) {
-            const struct plane *plane = &make->plane[list[j]];
-            double here = cost(plane, x, r2);
+            const struct vor_plane *plane = &make->known[list[j]].plane;
+            double here = vor_plane_cost(plane, x, r2);
 
             if (here < best) {
                 best = here;
@@ -229,7 +191,7 @@ static void set_list(struct vor_graph *graph, size_t i, const uint32_t *index, u
 static void set_own(struct make *make, size_t i, const uint32_t *index, unsigned n,
                     const struct vor_surface *surface)
 {
-    struct plane *plane = &make->plane[i];
+    struct vor_plane *plane = &make->known[i].plane;
     double local[3], normal[3], x[3];
 
     set_list(make->graph, i, index, n);
@@ -322,7 +284,7 @@ static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *re
     uint32_t index[VOR_NEIGHBORS_MAX];
     unsigned n;
 
-    if (make->plane[i].layer || !begin_walk(&walk, &plain, domain, (uint32_t)i))
+    if (make->known[i].layer || !begin_walk(&walk, &plain, domain, (uint32_t)i))
         return;
     if (domain->known.sheets && make->first) {
         const float *p = point(domain, (uint32_t)i);
@@ -331,7 +293,7 @@ static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *re
                             at_most(domain, VOR_ADJACENT), recent);
         if (n >= FEWEST && fit_to(&own, domain, index, n)) {
             set_own(make, i, index, n, &own);
-            make->plane[i].layer = 1;
+            make->known[i].layer = 1;
             return;
         }
     }
@@ -463,12 +425,12 @@ vor_status vor_adjacency_make(struct vor_graph *out, const struct vor_domain *do
     if (status != VOR_OK)
         return status;
     make.graph = &graph;
-    make.plane = vor_malloc(run->memory, domain->n, sizeof *make.plane);
-    if (make.plane == NULL)
+    make.known = vor_malloc(run->memory, domain->n, sizeof *make.known);
+    if (make.known == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "planes of %zu points", domain->n);
     else
         status = make_lists(&make, run, err);
-    vor_free(run->memory, make.plane);
+    vor_free(run->memory, make.known);
     if (status != VOR_OK) {
         vor_graph_free(&graph);
         return status;
@@ -487,7 +449,7 @@ struct probe {
 /* Sets the normals of a walk from planes of its points, as the first round would. */
 static void probe_normals(struct vor_walk *walk, const struct vor_domain *domain)
 {
-    struct plane plane[VOR_WALK_MOST];
+    struct vor_plane plane[VOR_WALK_MOST];
     uint32_t index[VOR_WALK_MOST][FLAT];
     unsigned k = at_most(domain, FLAT);
 
@@ -498,12 +460,12 @@ static void probe_normals(struct vor_walk *walk, const struct vor_domain *domain
         for (int c = 0; c < 3; c++)
             walk->x[c][j] = x[c];
         vor_knn_search(domain->knn, x, 1, k, index[j], distance2);
-        fit_plane(&plane[j], domain, index[j], k);
+        vor_plane_fit(&plane[j], domain->xyz, index[j], k);
     }
     for (unsigned j = 0; j < walk->most; j++) {
         const float *x = point(domain, walk->index[j]);
         double r2 = vor_distance2f(x, point(domain, index[j][k - 1]));
-        double best = KEEP * cost(&plane[j], x, r2);
+        double best = KEEP * vor_plane_cost(&plane[j], x, r2);
         unsigned take = j;
 
         for (unsigned other = 0; other < walk->most; other++) {
@@ -511,7 +473,7 @@ static void probe_normals(struct vor_walk *walk, const struct vor_domain *domain
 
             if (vor_distance2f(x, point(domain, walk->index[other])) > r2 || other == j)
                 continue;
-            here = cost(&plane[other], x, r2);
+            here = vor_plane_cost(&plane[other], x, r2);
             if (here < best) {
                 best = here;
                 take = other;

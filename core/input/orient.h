@@ -18,8 +18,9 @@
  *  Measured, of 30,000 points of white noise those whose normal leads into the face they were drawn
  *  from, and in brackets those of which all faces within a spacing agree on it; the others lie on
  *  blades and creases, where the fit is that of another face. Armadillo, ten draws: 12 to 57 (0 in
- *  five, 1 to 35 on fingers in the others, 75 in all); igea and fandisk 1 (0); torus and knots of tube 0.4, 0.2 and 0.12: 0. The cow, whose tail lies along its body, 400
- *  to 1,200, before 1,200 to 1,400.
+ *  five, 1 to 35 on fingers in the others, 75 in all); igea and fandisk 1 (0); torus and knots of
+ *  tube 0.4, 0.2 and 0.12: 0. The cow, whose tail lies along its body, 400 to 1,200, before 1,200
+ *  to 1,400.
  *  Departure: each connected component then faces away from its own inside. A closed surface has
  *  more of its normals, by area, leading away from its middle than towards it: the flux of x minus
  *  the middle through it is three times its volume. The same goes for a dome. Where that flux is

@@ -150,6 +150,44 @@ START_TEST(the_layer_of_a_place_is_the_nearest)
 }
 END_TEST
 
+/* Of bent sheets, layers of one neighbourhood lead to those of another one, and noise has none that
+ * are like them. */
+START_TEST(layers_are_found_from_those_nearby)
+{
+    static const double origin[3] = {0, 0, 0};
+    struct vor_layers first, second;
+    float near[3 * K];
+    unsigned found = 0, tried = 0;
+
+    for (uint64_t seed = 0; seed < SEEDS; seed++) {
+        unsigned own, right = 0;
+
+        sample(near, seed, 2, 1, 0, bowl, 20);
+        vor_layers_find(&first, near, K);
+        if (first.count != 2)
+            continue;
+        tried++;
+        sample(near, seed + 100, 2, 1, 0, bowl, 20);
+        if (!vor_layers_find_like(&second, &first, near, K))
+            continue;
+        own = vor_layers_nearest(&second, origin);
+        for (size_t i = 0; i < K; i++) {
+            double u = (double)near[3 * i], v = (double)near[3 * i + 1],
+                   w = (double)near[3 * i + 2];
+
+            right += (second.of[i] == own) == (w - bowl(u, v, 20) < 0.5);
+        }
+        ck_assert_uint_eq(right, K);
+        found++;
+        sample(near, seed, 1, 0, 0.3, plane, 0);
+        ck_assert_int_eq(vor_layers_find_like(&second, &first, near, K), 0);
+        ck_assert_uint_eq(second.count, 1);
+    }
+    ck_assert_uint_gt(tried, SEEDS / 2);
+    ck_assert_uint_gt(10 * found, 9 * tried);
+}
+END_TEST
+
 START_TEST(too_few_points_or_points_on_a_line_are_one_layer)
 {
     float near[3 * K] = {0};
@@ -196,6 +234,7 @@ int main(void)
     vt_add_loop(suite, two_sheets_are_two_layers_and_each_point_is_on_its_own, 6);
     vt_add(suite, noise_creases_and_staircases_are_one_layer);
     vt_add(suite, the_layer_of_a_place_is_the_nearest);
+    vt_add(suite, layers_are_found_from_those_nearby);
     vt_add(suite, too_few_points_or_points_on_a_line_are_one_layer);
     vt_add_loop(suite, a_fit_knows_how_far_its_points_are_off, 10);
     return vt_run(suite);
