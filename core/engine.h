@@ -37,8 +37,8 @@
  *
  *  Memory: at most 61 bytes for each input point (position, order, index), 94 more where lists of
  *  neighbours on one sheet are made (input/lists.h) and 28 while they are. For each point of the
- *  result 6 k + 383 bytes (surface, lists, index; k neighbors), twice that while the start is drawn
- *  from cells, which is the case unless the input has ten times as many points; then 6 k + 492
+ *  result 6 k + 391 bytes (surface, lists, index; k neighbors), twice that while the start is drawn
+ *  from cells, which is the case unless the input has ten times as many points; then 6 k + 500
  *  while iterating. After the polish a progressive order takes 34 instead, and a copy of the widest
  *  column. 200 KiB a thread. After the first iteration a run allocates only that order, and the
  *  points' index when it is made anew.

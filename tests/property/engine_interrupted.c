@@ -110,7 +110,7 @@ START_TEST(a_stop_at_any_question_hands_back_a_whole_cloud)
         vor_cloud_free(&out);
         vt_assert_no_leak();
     }
-    ck_assert_uint_gt(by_caller, all / 2);
+    ck_assert_uint_gt(by_caller, all / 4); /* the others are asked by normals=fit, at the end */
 }
 END_TEST
 

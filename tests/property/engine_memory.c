@@ -11,8 +11,8 @@ enum { RECORDS = 160, CALLS = 2 }; /* CALLS of the allocator for one index */
  * own, where the input is not ten times as many; or while iterating the candidates, the momentum
  * and a second index of them; a bench for each thread and set. */
 #define EACH_IN 61
-#define EACH_SEED(k) (6 * (k) + 383)
-#define EACH_ITERATED(k) (6 * (k) + 492)
+#define EACH_SEED(k) (6 * (k) + 391)
+#define EACH_ITERATED(k) (6 * (k) + 500)
 #define EACH_THREAD (200 << 10)
 #define ELSE (16 << 10)
 
