@@ -34,7 +34,7 @@ my %requests = (
     'upsampled, plain Lloyd' => 'points=4500&iterations=4&format=ply&anderson=0&polish=0&boundary=free',
 );
 my %wanted;
-for my $threads (1, 2, 3, 8) {
+for my $threads ($binary =~ /tsan/ ? 3 : (1, 2, 3, 8)) {
     for my $name (sort keys %requests) {
         my $out = "$folder/out";
         my @options = map { my ($key, $value) = split /=/; ("--$key", $value) } split /&/, $requests{$name};

@@ -180,12 +180,12 @@ int main(void)
 {
     Suite *suite = suite_create("engine_counts");
 
-    vt_add_loop(suite, the_result_has_exactly_the_points_asked_for,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, any_count_between_is_met_too, VT_FEWER(VT_SOAK_LOOPS(4, 2 * SEEDS)));
-    vt_add_loop(suite, a_start_alone_has_the_points_asked_for, VT_FEWER(SEEDS));
+    vt_add_figures(suite, the_result_has_exactly_the_points_asked_for,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, any_count_between_is_met_too, VT_FEWER(VT_SOAK_LOOPS(4, 2 * SEEDS)));
+    vt_add_figures(suite, a_start_alone_has_the_points_asked_for, VT_FEWER(SEEDS));
     vt_add(suite, a_ratio_is_of_the_inputs_points);
-    vt_add_loop(suite, a_spacing_becomes_points_by_the_area, VT_FEWER(SEEDS));
-    vt_add_loop(suite, the_result_has_about_the_spacing_asked_for, VT_FEWER(SEEDS));
+    vt_add_figures(suite, a_spacing_becomes_points_by_the_area, VT_FEWER(SEEDS));
+    vt_add_figures(suite, the_result_has_about_the_spacing_asked_for, VT_FEWER(SEEDS));
     return vt_run(suite);
 }

@@ -60,7 +60,7 @@ START_TEST(a_cancel_at_any_question_ends_with_nothing)
     unsigned all = questions_of(N, 1);
 
     ck_assert_uint_gt(all, 20);
-    for (unsigned at = 1; at <= all; at++) {
+    for (unsigned at = 1; at <= all; at += VT_STEP) {
         struct trap trap = {.at = at, .answer = VOR_CANCEL};
         struct vor_cloud out;
         struct vor_report report;
@@ -96,7 +96,7 @@ START_TEST(a_stop_at_any_question_hands_back_a_whole_cloud)
 {
     unsigned all = questions_of(N, 1), by_caller = 0;
 
-    for (unsigned at = 1; at <= all; at++) {
+    for (unsigned at = 1; at <= all; at += VT_STEP) {
         struct trap trap = {.at = at, .answer = VOR_STOP};
         struct vor_cloud out;
         struct vor_report report;
@@ -110,7 +110,8 @@ START_TEST(a_stop_at_any_question_hands_back_a_whole_cloud)
         vor_cloud_free(&out);
         vt_assert_no_leak();
     }
-    ck_assert_uint_gt(by_caller, all / 4); /* the others are asked by normals=fit, at the end */
+    /* The others are asked by normals=fit, at the end. */
+    ck_assert_uint_gt(VT_STEP * by_caller, all / 4);
 }
 END_TEST
 
@@ -134,7 +135,7 @@ START_TEST(a_failure_of_any_allocation_ends_clearly_and_leaks_nothing)
     vt_engine_set(&engine, "iterations", "5");
     vt_engine_set(&engine, "polish", "3");
     vt_engine_set(&engine, "normals", "fit");
-    for (fail = 1; status != VOR_OK; fail++) {
+    for (fail = 1; status != VOR_OK; fail += VT_STEP) {
         ck_assert_uint_lt(fail, 1000);
         vor_memory_init(&memory, SIZE_MAX);
         memory.fail_at = fail;
@@ -206,7 +207,7 @@ START_TEST(a_measure_short_of_memory_or_cancelled_leaks_nothing)
     engine.run.memory = &memory;
     vt_cloud_sphere(&in, 1, 3 * N);
     vt_cloud_sphere(&reference, 2, 3 * N);
-    for (size_t fail = 1; status != VOR_OK; fail++) {
+    for (size_t fail = 1; status != VOR_OK; fail += VT_STEP) {
         vor_memory_init(&memory, SIZE_MAX);
         memory.fail_at = fail;
         ck_assert_uint_eq(measure.n, 77);

@@ -216,13 +216,13 @@ int main(void)
 {
     Suite *suite = suite_create("measure_distances");
 
-    vt_add_loop(suite, hausdorff_chamfer_and_d1_are_the_same_from_either_side, SEEDS);
-    vt_add_loop(suite, the_distances_fit_together, SEEDS);
-    vt_add_loop(suite, scale_changes_errors_by_its_square_and_no_psnr, SEEDS);
-    vt_add_loop(suite, twice_the_peak_is_six_decibels, SEEDS);
+    vt_add_loop(suite, hausdorff_chamfer_and_d1_are_the_same_from_either_side, VT_ONCE(SEEDS));
+    vt_add_loop(suite, the_distances_fit_together, VT_ONCE(SEEDS));
+    vt_add_loop(suite, scale_changes_errors_by_its_square_and_no_psnr, VT_ONCE(SEEDS));
+    vt_add_loop(suite, twice_the_peak_is_six_decibels, VT_ONCE(SEEDS));
     vt_add(suite, a_peak_of_either_end_of_the_range_is_finite);
-    vt_add_loop(suite, the_same_figures_for_any_number_of_threads, SEEDS);
-    vt_add_loop(suite, a_cloud_has_no_error_against_itself, SEEDS);
-    vt_add_loop(suite, fitted_normals_stand_for_carried_ones, SEEDS);
+    vt_add_loop(suite, the_same_figures_for_any_number_of_threads, VT_ONCE(SEEDS));
+    vt_add_loop(suite, a_cloud_has_no_error_against_itself, VT_ONCE(SEEDS));
+    vt_add_loop(suite, fitted_normals_stand_for_carried_ones, VT_ONCE(SEEDS));
     return vt_run(suite);
 }

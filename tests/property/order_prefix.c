@@ -278,8 +278,8 @@ int main(void)
 
     vt_add(suite, the_order_is_spatial_where_none_is_asked_for);
     vt_add(suite, any_number_of_threads_gives_the_same_bytes);
-    vt_add_loop(suite, it_is_the_same_points_of_which_the_first_are_even_by_themselves,
-                VT_FEWER(SHAPES));
+    vt_add_figures(suite, it_is_the_same_points_of_which_the_first_are_even_by_themselves,
+                   VT_FEWER(SHAPES));
     vt_add(suite, draco_keeps_the_order);
     return vt_run(suite);
 }

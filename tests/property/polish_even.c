@@ -354,14 +354,15 @@ int main(void)
 {
     Suite *suite = suite_create("polish_even");
 
-    vt_add_loop(suite, a_closed_smooth_cloud_gets_twice_as_even_and_keeps_its_holes_and_its_surface,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH));
-    vt_add_loop(suite, a_start_alone_gets_as_even, VT_FEWER(SEEDS));
-    vt_add_loop(suite, an_open_cloud_gets_more_even_and_nobody_goes_over_the_border,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * OPEN));
-    vt_add_loop(suite, a_rough_cloud_is_never_less_even_than_before_the_polish, VT_FEWER(ROUGH));
-    vt_add_loop(suite, points_on_sheets_nearer_than_the_spacing_do_not_fall_together,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite,
+                   a_closed_smooth_cloud_gets_twice_as_even_and_keeps_its_holes_and_its_surface,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH));
+    vt_add_figures(suite, a_start_alone_gets_as_even, VT_FEWER(SEEDS));
+    vt_add_figures(suite, an_open_cloud_gets_more_even_and_nobody_goes_over_the_border,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * OPEN));
+    vt_add_figures(suite, a_rough_cloud_is_never_less_even_than_before_the_polish, VT_FEWER(ROUGH));
+    vt_add_figures(suite, points_on_sheets_nearer_than_the_spacing_do_not_fall_together,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, seeds_at_one_place_or_over_one_another_part, VT_FEWER(3));
     vt_add_loop(suite, one_two_three_and_eight_threads_polish_to_the_same_bytes, VT_FEWER(3));
     return vt_run(suite);

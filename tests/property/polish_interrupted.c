@@ -213,12 +213,18 @@ static unsigned questions(void)
 }
 
 /* The step at hand is given up; those before it count. */
+/* The moment tried after `at`; the last of all is among them. */
+static unsigned next(unsigned at, unsigned all)
+{
+    return at < all && at + VT_STEP > all ? all : at + VT_STEP;
+}
+
 START_TEST(a_stop_at_any_question_hands_back_the_steps_before_it)
 {
     unsigned all = questions(), by_caller = 0, last = 0;
 
     ck_assert_uint_gt(all, 24);
-    for (unsigned at = 1; at <= all; at++) {
+    for (unsigned at = 1; at <= all; at = next(at, all)) {
         static struct spy spy;
         struct vor_cloud out;
         struct vor_report report;
@@ -239,7 +245,7 @@ START_TEST(a_stop_at_any_question_hands_back_the_steps_before_it)
         }
         done_with(&out);
     }
-    ck_assert_uint_ge(by_caller, 12);
+    ck_assert_uint_ge(VT_STEP * by_caller, 12);
     ck_assert_uint_eq(last, 12);
 }
 END_TEST
@@ -248,7 +254,7 @@ START_TEST(a_cancel_at_any_question_ends_with_nothing)
 {
     unsigned all = questions();
 
-    for (unsigned at = 1; at <= all; at++) {
+    for (unsigned at = 1; at <= all; at = next(at, all)) {
         static struct spy spy;
         struct vor_cloud out;
         struct vor_report report;

@@ -18,18 +18,30 @@ int vt_run(Suite *suite);
 #define vt_add(suite, test) vt_add_loop(suite, test, 0)
 #define vt_add_loop(suite, test, loops) vt_add_case(suite, #test, test, loops)
 
+/** The same for a test of what comes out, whatever the threads: none under ThreadSanitizer, which
+ *  looks at how they meet, in the other tests of the same code. */
+#if defined(__SANITIZE_THREAD__)
+#define vt_add_figures(suite, test, loops) ((void)(test))
+#else
+#define vt_add_figures(suite, test, loops) vt_add_loop(suite, test, loops)
+#endif
+
 /** Loops of a test that costs much. VT_FEWER: a quarter under AddressSanitizer, where each takes
  *  four times as long. Both: one under ThreadSanitizer, where each takes twelve times as long, and
- *  which looks at how threads meet and not at what they come to. */
+ *  which looks at how threads meet and not at what they come to. VT_STEP: of moments tried one by
+ *  one, each 16th there. */
 #if defined(__SANITIZE_THREAD__)
 #define VT_FEWER(loops) 1
 #define VT_ONCE(loops) 1
+#define VT_STEP 16
 #elif defined(__SANITIZE_ADDRESS__)
 #define VT_FEWER(loops) (((loops) + 3) / 4)
 #define VT_ONCE(loops) (loops)
+#define VT_STEP 1
 #else
 #define VT_FEWER(loops) (loops)
 #define VT_ONCE(loops) (loops)
+#define VT_STEP 1
 #endif
 
 /** Loops that are a seed each: `few` in every run, `many` in `make soak`. The same is asserted. */

@@ -229,14 +229,15 @@ int main(void)
     Suite *suite = suite_create("account");
 
     vt_add(suite, in_the_middle_of_the_squares_of_a_lattice_all_distances_are_half_a_diagonal);
-    vt_add_loop(suite, the_border_of_a_square_has_its_length_over_the_spacing,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, the_border_of_a_dome_is_its_rim, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, a_hole_has_a_border_too, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, closed_smooth_clouds_have_no_border, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, edges_are_hardly_ever_taken_for_a_border, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, a_free_boundary_is_counted_too, VT_FEWER(SEEDS));
-    vt_add_loop(suite, gaps_of_a_draw_are_hardly_ever_taken_for_a_border, VT_FEWER(SEEDS));
+    vt_add_figures(suite, the_border_of_a_square_has_its_length_over_the_spacing,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, the_border_of_a_dome_is_its_rim, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, a_hole_has_a_border_too, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, closed_smooth_clouds_have_no_border, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, edges_are_hardly_ever_taken_for_a_border,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, a_free_boundary_is_counted_too, VT_FEWER(SEEDS));
+    vt_add_figures(suite, gaps_of_a_draw_are_hardly_ever_taken_for_a_border, VT_FEWER(SEEDS));
     vt_add_loop(suite, the_histogram_of_neighbors_counts_every_point,
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     return vt_run(suite);

@@ -400,22 +400,23 @@ int main(void)
 {
     Suite *suite = suite_create("edges");
 
-    vt_add_loop(suite, the_edges_of_a_cube_are_found_and_nothing_else,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, the_edges_of_a_cube_are_twelve_long, VT_FEWER(VT_SOAK_LOOPS(1, 2)));
-    vt_add_loop(suite, what_is_smooth_has_none, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, two_sheets_nearer_than_a_crease_is_wide_have_hardly_any,
-                VT_FEWER(VT_SOAK_LOOPS(1, 2)));
-    vt_add_loop(suite, a_wedge_has_its_edge_angle_and_direction, VT_FEWER(VT_SOAK_LOOPS(3, 6)));
+    vt_add_figures(suite, the_edges_of_a_cube_are_found_and_nothing_else,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, the_edges_of_a_cube_are_twelve_long, VT_FEWER(VT_SOAK_LOOPS(1, 2)));
+    vt_add_figures(suite, what_is_smooth_has_none, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, two_sheets_nearer_than_a_crease_is_wide_have_hardly_any,
+                   VT_FEWER(VT_SOAK_LOOPS(1, 2)));
+    vt_add_figures(suite, a_wedge_has_its_edge_angle_and_direction, VT_FEWER(VT_SOAK_LOOPS(3, 6)));
     vt_add_loop(suite, only_flagged_points_have_a_strength_and_a_direction,
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, the_edges_of_fandisk_are_those_of_its_mesh, VT_FEWER(VT_SOAK_LOOPS(3, 12)));
-    vt_add_loop(suite, hardly_a_point_of_igea_is_on_one, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, the_edges_of_fandisk_are_those_of_its_mesh,
+                   VT_FEWER(VT_SOAK_LOOPS(3, 12)));
+    vt_add_figures(suite, hardly_a_point_of_igea_is_on_one, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add(suite, one_two_three_and_eight_threads_find_the_same);
-    vt_add_loop(suite, a_cloud_twice_as_large_has_the_same_edges_twice_as_long,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, a_cloud_twice_as_large_has_the_same_edges_twice_as_long,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, too_few_points_for_a_crease_have_none, SEEDS);
-    vt_add_loop(suite, no_cloud_is_too_odd_for_finite_figures, VT_SOAK_LOOPS(3, 6));
+    vt_add_figures(suite, no_cloud_is_too_odd_for_finite_figures, VT_SOAK_LOOPS(3, 6));
     vt_add(suite, cancel_and_every_failed_allocation_leave_nothing);
     return vt_run(suite);
 }

@@ -278,19 +278,19 @@ int main(void)
 {
     Suite *suite = suite_create("filters");
 
-    vt_add_loop(suite, noise_on_a_plane_and_on_a_sphere_falls_to_less_than_half,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, exact_planes_and_spheres_stay_where_they_are,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, noise_on_a_plane_and_on_a_sphere_falls_to_less_than_half,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, exact_planes_and_spheres_stay_where_they_are,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, the_filter_outliers_drops_strays_and_moves_no_other_point,
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, pull_moves_strays_onto_the_surface_and_keeps_every_point,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, a_resampling_takes_pulled_points_for_a_part_of_the_surface, VT_ONCE(1));
-    vt_add_loop(suite, mls_before_a_resampling_brings_it_nearer_to_the_surface, VT_ONCE(1));
+    vt_add_figures(suite, pull_moves_strays_onto_the_surface_and_keeps_every_point,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, a_resampling_takes_pulled_points_for_a_part_of_the_surface, VT_ONCE(1));
+    vt_add_figures(suite, mls_before_a_resampling_brings_it_nearer_to_the_surface, VT_ONCE(1));
     vt_add_loop(suite, thin_evens_the_density_and_leaves_no_twins,
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, noisy_sheets_are_not_pulled_together, VT_ONCE(1));
+    vt_add_figures(suite, noisy_sheets_are_not_pulled_together, VT_ONCE(1));
     vt_add(suite, lists_of_neighbours_keep_a_point_on_its_sheet);
     vt_add(suite, points_around_one_come_in_rings);
     return vt_run(suite);

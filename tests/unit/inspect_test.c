@@ -292,17 +292,17 @@ int main(void)
 {
     Suite *suite = suite_create("inspect");
 
-    vt_add_loop(suite, an_even_sphere_is_one_part_without_noise_sheets_or_lattice, 3);
-    vt_add_loop(suite, spacing_is_that_of_white_noise, SEEDS);
-    vt_add_loop(suite, noise_is_told_in_the_unit_of_the_cloud, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, parts_are_counted_and_small_ones_too, 3);
+    vt_add_figures(suite, an_even_sphere_is_one_part_without_noise_sheets_or_lattice, 3);
+    vt_add_figures(suite, spacing_is_that_of_white_noise, SEEDS);
+    vt_add_figures(suite, noise_is_told_in_the_unit_of_the_cloud, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, parts_are_counted_and_small_ones_too, 3);
     vt_add_loop(suite, outliers_are_left_aside_and_coincident_points_count_once,
                 VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, a_lattice_is_told_with_its_cell, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, sheets_are_found_unless_nobody_looks, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, a_lattice_is_told_with_its_cell, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, sheets_are_found_unless_nobody_looks, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, one_two_three_and_eight_threads_tell_the_same, 3);
     vt_add_loop(suite, few_points_are_told_of_or_refused, 3);
-    vt_add_loop(suite, edges_are_told_in_the_unit_of_the_cloud, VT_ONCE(VT_SOAK_LOOPS(1, 2)));
+    vt_add_figures(suite, edges_are_told_in_the_unit_of_the_cloud, VT_ONCE(VT_SOAK_LOOPS(1, 2)));
     vt_add(suite, one_sided_entries_are_dropped);
     return vt_run(suite);
 }

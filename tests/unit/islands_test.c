@@ -546,17 +546,17 @@ int main(void)
 {
     Suite *suite = suite_create("islands");
 
-    vt_add_loop(suite, each_gets_at_most_its_own_points_in_their_places,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, points_beside_islands_are_as_even_as_without_any,
-                VT_FEWER(VT_SOAK_LOOPS(1, 2)));
-    vt_add_loop(suite, where_all_parts_are_small_each_gets_its_share, SEEDS);
+    vt_add_figures(suite, each_gets_at_most_its_own_points_in_their_places,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, points_beside_islands_are_as_even_as_without_any,
+                   VT_FEWER(VT_SOAK_LOOPS(1, 2)));
+    vt_add_figures(suite, where_all_parts_are_small_each_gets_its_share, SEEDS);
     vt_add(suite, more_points_than_small_parts_have_are_spread_over_them);
-    vt_add_loop(suite, many_lone_points_are_islands_all_the_same, VT_SOAK_LOOPS(1, 20));
-    vt_add_loop(suite, a_coarse_part_of_the_surface_is_no_islands, VT_SOAK_LOOPS(1, SEEDS));
-    vt_add_loop(suite, a_cloud_of_one_small_part_has_no_islands, SEEDS);
+    vt_add_figures(suite, many_lone_points_are_islands_all_the_same, VT_SOAK_LOOPS(1, 20));
+    vt_add_figures(suite, a_coarse_part_of_the_surface_is_no_islands, VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_figures(suite, a_cloud_of_one_small_part_has_no_islands, SEEDS);
     vt_add(suite, drop_leaves_out_those_that_a_fit_does_not_fill);
-    vt_add_loop(suite, drop_keeps_an_input_of_small_parts, SEEDS);
+    vt_add_figures(suite, drop_keeps_an_input_of_small_parts, SEEDS);
     vt_add(suite, a_line_beside_islands_is_no_input_of_its_own);
     vt_add(suite, their_points_bring_attributes_and_normals_in_any_order);
     vt_add(suite, spacing_asks_for_points_of_the_rest_and_islands_have_theirs_beside);
@@ -564,6 +564,6 @@ int main(void)
     vt_add(suite, memory_that_ends_anywhere_is_an_error_and_leaks_nothing);
     vt_add(suite, a_cancel_anywhere_ends_the_search);
     vt_add(suite, lists_of_neighbours_are_made_without_islands);
-    vt_add_loop(suite, a_real_scan_has_no_islands, 4);
+    vt_add_figures(suite, a_real_scan_has_no_islands, 4);
     return vt_run(suite);
 }

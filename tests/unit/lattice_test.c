@@ -505,23 +505,23 @@ int main(void)
 {
     Suite *suite = suite_create("lattice");
 
-    vt_add_loop(suite, known_lattices_are_found, VT_FEWER(SEEDS));
-    vt_add_loop(suite, clouds_without_one_are_not_taken_for_one, VT_FEWER(SEEDS));
-    vt_add_loop(suite, one_that_was_rotated_is_none, VT_FEWER(SEEDS));
-    vt_add_loop(suite, one_of_small_cells_is_found_and_does_not_matter, VT_FEWER(SEEDS));
-    vt_add_loop(suite, float32_far_away_is_one_only_where_it_is_coarse, VT_FEWER(SEEDS));
-    vt_add_loop(suite, six_digits_do_not_hide_it, VT_FEWER(SEEDS));
-    vt_add_loop(suite, last_bits_do_not_hide_it, VT_FEWER(SEEDS));
-    vt_add_loop(suite, a_few_strays_and_gaps_do_not_hide_it_and_many_do, VT_FEWER(SEEDS));
-    vt_add_loop(suite, all_points_in_a_plane_leave_one_axis_without, VT_FEWER(SEEDS));
-    vt_add_loop(suite, two_sheets_or_a_single_lattice_axis_do_not_matter, VT_FEWER(SEEDS));
-    vt_add_loop(suite, no_point_leaves_its_cell, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, known_lattices_are_found, VT_FEWER(SEEDS));
+    vt_add_figures(suite, clouds_without_one_are_not_taken_for_one, VT_FEWER(SEEDS));
+    vt_add_figures(suite, one_that_was_rotated_is_none, VT_FEWER(SEEDS));
+    vt_add_figures(suite, one_of_small_cells_is_found_and_does_not_matter, VT_FEWER(SEEDS));
+    vt_add_figures(suite, float32_far_away_is_one_only_where_it_is_coarse, VT_FEWER(SEEDS));
+    vt_add_figures(suite, six_digits_do_not_hide_it, VT_FEWER(SEEDS));
+    vt_add_figures(suite, last_bits_do_not_hide_it, VT_FEWER(SEEDS));
+    vt_add_figures(suite, a_few_strays_and_gaps_do_not_hide_it_and_many_do, VT_FEWER(SEEDS));
+    vt_add_figures(suite, all_points_in_a_plane_leave_one_axis_without, VT_FEWER(SEEDS));
+    vt_add_figures(suite, two_sheets_or_a_single_lattice_axis_do_not_matter, VT_FEWER(SEEDS));
+    vt_add_figures(suite, no_point_leaves_its_cell, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, one_two_three_and_eight_threads_move_them_to_the_same_places,
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, points_come_nearer_to_the_surface, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, a_result_lies_nearer_to_the_surface_than_without,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, labels_still_come_from_the_nearest_input_point, VT_FEWER(SEEDS));
+    vt_add_figures(suite, a_result_lies_nearer_to_the_surface_than_without,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, labels_still_come_from_the_nearest_input_point, VT_FEWER(SEEDS));
     vt_add(suite, every_allocation_that_fails_is_reported_and_leaves_no_leak);
     return vt_run(suite);
 }

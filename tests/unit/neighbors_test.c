@@ -260,16 +260,16 @@ int main(void)
 {
     Suite *suite = suite_create("neighbors");
 
-    vt_add_loop(suite, an_exact_cloud_is_fitted_closely, VT_FEWER(SEEDS));
-    vt_add_loop(suite, noise_asks_for_more, VT_FEWER(SEEDS));
-    vt_add_loop(suite, each_region_is_asked_by_itself, VT_FEWER(SEEDS));
-    vt_add_loop(suite, a_lattice_is_noise_too, VT_FEWER(SEEDS));
+    vt_add_figures(suite, an_exact_cloud_is_fitted_closely, VT_FEWER(SEEDS));
+    vt_add_figures(suite, noise_asks_for_more, VT_FEWER(SEEDS));
+    vt_add_figures(suite, each_region_is_asked_by_itself, VT_FEWER(SEEDS));
+    vt_add_figures(suite, a_lattice_is_noise_too, VT_FEWER(SEEDS));
     vt_add(suite, one_two_three_and_eight_threads_and_any_power_of_two_find_the_same);
-    vt_add_loop(suite, a_few_points_are_never_asked_for_more_than_an_eighth_of_them,
-                VT_FEWER(SEEDS));
+    vt_add_figures(suite, a_few_points_are_never_asked_for_more_than_an_eighth_of_them,
+                   VT_FEWER(SEEDS));
     vt_add_loop(suite, what_it_finds_denoises_and_the_report_says_what_it_was,
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, a_cloud_noisy_in_parts_is_off_by_less_than_with_any_one_number,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, a_cloud_noisy_in_parts_is_off_by_less_than_with_any_one_number,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     return vt_run(suite);
 }

@@ -397,13 +397,13 @@ START_TEST(a_cancel_at_any_time_and_any_failing_allocation_leave_nothing_behind)
     vt_assert_ok(orient(&oriented, &cloud, &engine.run));
     calls = atomic_load(&vt_memory.calls) - before;
     done(&oriented);
-    for (size_t at = 1; at <= calls; at++) {
+    for (size_t at = 1; at <= calls; at += VT_STEP) {
         vt_memory.fail_at = atomic_load(&vt_memory.calls) + at;
         vt_assert_fails(VOR_E_NOMEM, orient(&oriented, &cloud, &engine.run));
         vt_memory.fail_at = 0;
         done(&oriented);
     }
-    for (unsigned at = 0; at < 60; at += 3) {
+    for (unsigned at = 0; at < 60; at += 3 * VT_STEP) {
         unsigned left = at;
         struct vor_watch watch = {.ctx = &left, .poll = cancel_later};
 
@@ -447,13 +447,13 @@ int main(void)
 {
     Suite *suite = suite_create("orient");
 
-    vt_add_loop(suite, a_sphere_and_a_torus_face_outward_wherever_they_lie, VT_ONCE(1));
-    vt_add_loop(suite, a_knot_faces_outward, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, meshes_face_outward, VT_ONCE(DRAWS + 2));
-    vt_add_loop(suite, each_of_nested_and_separate_spheres_faces_away_from_its_own_inside,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, a_moebius_band_is_told_from_a_sheet_and_a_torus,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, a_sphere_and_a_torus_face_outward_wherever_they_lie, VT_ONCE(1));
+    vt_add_figures(suite, a_knot_faces_outward, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, meshes_face_outward, VT_ONCE(DRAWS + 2));
+    vt_add_figures(suite, each_of_nested_and_separate_spheres_faces_away_from_its_own_inside,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, a_moebius_band_is_told_from_a_sheet_and_a_torus,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, one_two_and_three_threads_orient_alike, VT_ONCE(1));
     vt_add_loop(suite, oriented_makes_the_signs_of_carried_normals_consistent,
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
