@@ -199,7 +199,7 @@ END_TEST
 
 START_TEST(a_chain_longer_than_is_looked_at_ends_at_its_last_proxy)
 {
-    char chain[40 * 16] = "192.0.2.1", number[16];
+    char chain[40 * 16] = "192.0.2.1", number[32];
 
     for (int i = 1; i < VOR_HOPS_MAX; i++) {
         (void)snprintf(number, sizeof number, ", 10.1.1.%d", i);
