@@ -155,6 +155,11 @@ enum vor_method_choice {
       "Bits a coordinate in Draco; 0 is lossless, auto keeps cells below spacing / 200")           \
     X(COMPRESSION, compression, COUNT, FORMAT, "", 0, 10, 7, "",                                   \
       "Effort of Draco, 10 is the smallest")                                                       \
+    X(ORIGIN, origin, CHOICE_OR_VECTOR, FORMAT, "", -1e30, 1e30, VOR_ORIGIN_AUTO,                  \
+      "auto absolute relative",                                                                    \
+      "What the positions in a Draco file count from. absolute: 0; relative: whole numbers near "  \
+      "the middle of the input; X,Y,Z: that point; auto: absolute unless float32 is too coarse "   \
+      "for it, by the input alone")                                                                \
     X(ATTRIBUTES, attributes, CHOICE, OUTPUT, "", 0, 0, VOR_ATTRIBUTES_NEAREST, "nearest drop",    \
       "nearest: from the nearest input point; drop: positions only")                               \
     X(NORMALS, normals, CHOICE, OUTPUT, "", 0, 0, VOR_NORMALS_NEAREST,                             \
@@ -181,6 +186,7 @@ enum { VOR_FILTER_MLS, VOR_FILTER_OUTLIERS, VOR_FILTER_THIN }; /* words of the l
 enum { VOR_INTRINSIC_LOCAL, VOR_INTRINSIC_SATELLITES, VOR_INTRINSIC_NONE };
 enum { VOR_ORDER_SPATIAL, VOR_ORDER_PROGRESSIVE };
 enum { VOR_FORMAT_PLY, VOR_FORMAT_DRC };
+enum { VOR_ORIGIN_AUTO, VOR_ORIGIN_ABSOLUTE, VOR_ORIGIN_RELATIVE };
 enum { VOR_ATTRIBUTES_NEAREST, VOR_ATTRIBUTES_DROP };
 enum { VOR_NORMALS_NEAREST, VOR_NORMALS_ORIENTED, VOR_NORMALS_FIT, VOR_NORMALS_DROP };
 enum { VOR_INPUT_NORMALS_AUTO, VOR_INPUT_NORMALS_USE, VOR_INPUT_NORMALS_ESTIMATE };
