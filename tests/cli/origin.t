@@ -78,4 +78,18 @@ is $code, 0, 'PLY takes no offence';
 ($code, undef, $err) = run(['resample', "$dir/sheet.ply", '-n', 60, '--origin', '1,2', '-o', "$dir/c.drc"]);
 is $code, 2, 'an origin of two numbers is a mistake';
 like $err, qr/origin is "1,2", want one of auto, absolute, relative or X,Y,Z of numbers from -1e\+30 to 1e\+30/, 'that is named';
+
+# A daemon does and says the same.
+my $daemon = daemon(scratch() . '/data', '127.0.0.1:0', '--threads', 2);
+my @there = ('resample', "$dir/sheet.ply", @quick, '--server', $daemon->{url});
+($code, undef, $err) = run([@there, '-n', 300, '-o', "$dir/there.drc"]);
+is $code, 0, 'a daemon resamples the sheet';
+like $err, qr{there\.drc: positions in the file count from the origin 566050,5933050,0$}m, 'and its origin is told';
+ok slurp("$dir/there.drc") eq slurp("$dir/a.drc"), 'the file is the one that is made here';
+for my $n (3000, 300) {
+    ($code, undef, $err) = run([@there, '-n', $n, '--origin', 'absolute', '-o', "$dir/there.drc"]);
+    is $code, 3, "$n points, absolute, are refused";
+    like $err, qr/float32 has steps of 0\.5 /, "$n points: with the step";
+}
+stop($daemon);
 done_testing;
