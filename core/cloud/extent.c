@@ -89,11 +89,13 @@ double vor_extent_spacing(const struct vor_extent *extent, double n)
 
 void vor_extent_middle(double out[3], const struct vor_extent *extent, double step)
 {
-    double unit = 1, half = 0;
+    double half = 0;
 
     for (int c = 0; c < 3; c++)
         half = fmax(half, extent->high[c] / 2 - extent->low[c] / 2);
-    for (;; unit /= 2) {
+    for (int exponent = 0;; exponent--) {
+        double unit = ldexp(1, exponent);
+
         for (int c = 0; c < 3; c++)
             out[c] = rint((extent->low[c] / 2 + extent->high[c] / 2) / unit) * unit + 0.0;
         if (unit <= half || half == 0 || step <= 0 || vor_extent_step(extent, out) <= step)

@@ -43,6 +43,11 @@ static const char *implied_name(enum vor_semantic semantic)
     return semantic == VOR_NORMAL ? "normal" : semantic == VOR_COLOR ? "color" : "generic";
 }
 
+static int same(const double a[3], const double b[3])
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
 /* Moves the positions into the frame that is asked for. A coordinate whose origin stays is not
  * touched: adding 0 would turn -0 into 0. */
 static vor_status choose_frame(struct plan *plan, const struct vor_write_options *options,
@@ -53,7 +58,7 @@ static vor_status choose_frame(struct plan *plan, const struct vor_write_options
 
     for (int c = 0; c < 3; c++)
         plan->origin[c] = origin[c];
-    if (memcmp(origin, cloud->origin, sizeof cloud->origin) == 0)
+    if (same(origin, cloud->origin))
         return VOR_OK;
     plan->xyz = vor_malloc(cloud->memory, cloud->n, 3 * sizeof *plan->xyz);
     if (plan->xyz == NULL)
