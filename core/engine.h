@@ -25,7 +25,7 @@
  *  @retval VOR_E_NOMEM      the job does not fit under its cap
  *  @retval VOR_E_CANCELLED  the watch answered VOR_CANCEL
  *
- *  A run leaves the report's seconds of reading and writing 0; the caller sets them.
+ *  A run leaves the report's seconds of reading and writing and its origin 0; the caller sets them.
  *
  *  Departure (the processes that spread points): an input of ten times as many points as asked for,
  *  and of 40,000, is thinned for all but the last iterations or steps (input/thin.h).

@@ -144,7 +144,7 @@ struct vor_stage_done {
 #define VOR_FIELD_SPEC(field) struct vor_spec field;
 
 /** What a run did. Lengths are in the unit of the cloud. The engine sets all but the seconds of
- *  reading and writing, which the caller sets. */
+ *  reading and writing and the origin, which the caller sets. */
 #define VOR_REPORT_TABLE(X)                                                                        \
     X(U64, points_in, "points.in", "points", "Points of the input")                                \
     X(U64, points_out, "points.out", "points", "Points of the result")                             \
@@ -226,6 +226,9 @@ struct vor_stage_done {
     X(U64, queries, "queries", "", "Searches of an index, among the input or the points")          \
     X(U64, list_rebuilds, "list_rebuilds", "",                                                     \
       "Times the lists of neighbours of all points were made anew")                                \
+    X(VECTOR, origin, "origin", "unit of the cloud",                                               \
+      "What the positions in the file of the result count from: added to them, it gives those in " \
+      "the coordinates of the input. 0 where these are written as they are, as in PLY")            \
     X(SPEC, parameters, "parameters", "",                                                          \
       "The request, with points filled in from ratio or spacing and auto resolved: neighbors to "  \
       "the usual number")

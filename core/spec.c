@@ -1,6 +1,7 @@
 #include "core/spec.h"
 
 #include "core/base/quote.h"
+#include "core/spec/decimal.h"
 #include "core/spec/kinds.h"
 
 #include <assert.h>
@@ -66,7 +67,7 @@ static int has_text(const struct vor_spec *spec, int parameter)
     enum vor_form form =
         vor_kind_form_of(vor_parameter_info((enum vor_parameter)parameter), spec->value[parameter]);
 
-    return form == VOR_FORM_TEXT || form == VOR_FORM_NAME;
+    return form == VOR_FORM_TEXT || form == VOR_FORM_NAME || form == VOR_FORM_VECTOR;
 }
 
 const char *vor_spec_name(const struct vor_spec *spec, enum vor_parameter parameter)
@@ -79,6 +80,13 @@ const char *vor_spec_name(const struct vor_spec *spec, enum vor_parameter parame
         if (has_text(spec, i))
             text += strlen(text) + 1;
     return text;
+}
+
+int vor_spec_vector(const struct vor_spec *spec, enum vor_parameter parameter, double out[3])
+{
+    return spec->value[parameter] == VOR_VECTOR &&
+           vor_kind_form_of(vor_parameter_info(parameter), VOR_VECTOR) == VOR_FORM_VECTOR &&
+           vor_decimal_read_vector(out, vor_spec_name(spec, parameter));
 }
 
 static vor_status refuse_size(enum vor_parameter parameter, const struct vor_value *value,

@@ -2,6 +2,7 @@
 
 #include "core/base/quote.h"
 #include "proto/draco/draco.h"
+#include "proto/origin.h"
 #include "proto/ply/ply.h"
 
 #include <string.h>
@@ -9,10 +10,10 @@
 
 /* In the order of the words of parameter `format`. */
 static const struct vor_format formats[] = {
-    [VOR_FORMAT_PLY] = {"ply", "PLY", "application/ply", ".ply", "ply", vor_ply_read,
-                        vor_ply_write},
+    [VOR_FORMAT_PLY] = {"ply", "PLY", "application/ply", ".ply", "ply", vor_ply_read, vor_ply_write,
+                        0},
     [VOR_FORMAT_DRC] = {"drc", "Draco", "application/draco", ".drc", "DRACO", vor_draco_read,
-                        vor_draco_write},
+                        vor_draco_write, 1},
 };
 
 enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
@@ -112,13 +113,29 @@ vor_status vor_codec_read(struct vor_cloud *out, const struct vor_format **forma
     return status;
 }
 
-void vor_write_options_from(struct vor_write_options *out, const struct vor_spec *spec,
-                            double spacing)
+vor_status vor_write_options_from(struct vor_write_options *out, const struct vor_format *format,
+                                  const struct vor_spec *spec, const struct vor_result_facts *facts,
+                                  struct vor_error *err)
 {
     double bits = spec->value[VOR_PARAM_QUANTIZATION];
+    struct vor_write_options options = {
+        .quantization_bits = bits == VOR_UNSET ? -1 : (int)bits,
+        .compression = (int)spec->value[VOR_PARAM_COMPRESSION],
+        .keep_order = spec->value[VOR_PARAM_ORDER] == VOR_ORDER_PROGRESSIVE,
+        .spacing = facts->spacing,
+        .has_origin = format->takes_origin,
+    };
+    vor_status status = VOR_OK;
 
-    out->quantization_bits = bits == VOR_UNSET ? -1 : (int)bits;
-    out->compression = (int)spec->value[VOR_PARAM_COMPRESSION];
-    out->keep_order = spec->value[VOR_PARAM_ORDER] == VOR_ORDER_PROGRESSIVE;
-    out->spacing = spacing;
+    if (format->takes_origin)
+        status = vor_origin_resolve(options.origin, spec, &facts->input, facts->spacing, err);
+    if (status == VOR_OK)
+        *out = options;
+    return status;
+}
+
+vor_status vor_write_check(const struct vor_format *format, const struct vor_spec *spec,
+                           const struct vor_extent *input, struct vor_error *err)
+{
+    return format->takes_origin ? vor_origin_check(spec, input, err) : VOR_OK;
 }

@@ -2,6 +2,7 @@
 #ifndef VOR_PROTO_CODEC_H
 #define VOR_PROTO_CODEC_H
 
+#include "core/cloud/extent.h"
 #include "core/spec.h"
 #include "proto/format.h"
 
@@ -28,8 +29,27 @@ VOR_NODISCARD vor_status vor_codec_read(struct vor_cloud *out, const struct vor_
                                         const uint8_t *bytes, size_t size,
                                         const struct vor_limits *limits, struct vor_error *err);
 
-/** Write options from a request and the mean spacing of the cloud to be written. */
-void vor_write_options_from(struct vor_write_options *out, const struct vor_spec *spec,
-                            double spacing);
+/** What the file of a result follows from besides the request. */
+struct vor_result_facts {
+    struct vor_extent input; /**< of the main input */
+    double spacing;          /**< mean distance between neighbours of the result; 0: not known */
+};
+
+/** Write options for a result in a format.
+ *
+ *  @param[out] out  unchanged on failure; its origin is 0 for a format that takes none
+ *  @retval VOR_E_ORIGIN as vor_origin_resolve */
+VOR_NODISCARD vor_status vor_write_options_from(struct vor_write_options *out,
+                                                const struct vor_format *format,
+                                                const struct vor_spec *spec,
+                                                const struct vor_result_facts *facts,
+                                                struct vor_error *err);
+
+/** Refuses before the work what vor_write_options_from would surely refuse after it.
+ *
+ *  @retval VOR_E_ORIGIN as vor_origin_check */
+VOR_NODISCARD vor_status vor_write_check(const struct vor_format *format,
+                                         const struct vor_spec *spec,
+                                         const struct vor_extent *input, struct vor_error *err);
 
 #endif

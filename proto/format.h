@@ -20,6 +20,8 @@ struct vor_write_options {
     int compression;       /**< Draco: 0 .. 10 */
     int keep_order;        /**< Draco: sequential encoding, the order of the points survives */
     double spacing;        /**< mean distance between neighbours, for auto; 0 when not known */
+    int has_origin;        /**< positions are written relative to origin; else to the cloud's own */
+    double origin[3];      /**< only of a format that takes one */
 };
 
 /** One format. Readers take a whole file in memory (the caller maps it), never trust it, allocate
@@ -38,6 +40,7 @@ struct vor_format {
                        const struct vor_limits *limits, struct vor_error *err);
     vor_status (*write)(const struct vor_sink *sink, const struct vor_cloud *cloud,
                         const struct vor_write_options *options, struct vor_error *err);
+    int takes_origin; /**< its positions are float32, relative to an origin; else absolute */
 };
 
 #endif

@@ -2,6 +2,7 @@
 
 #include "core/base/status.h"
 #include "core/base/utf8.h"
+#include "core/spec/decimal.h"
 
 #include <assert.h>
 #include <math.h>
@@ -53,19 +54,12 @@ struct form {
 
 /* Numbers. */
 
-/* A decimal number and nothing else. strtod would also take hexadecimal, blanks, "inf" and, in some
- * locales, a comma: only digits, sign, point and exponent reach it, and only in the C locale that a
- * program starts with. */
 static int read_real(const struct vor_parameter_info *info, const char *text, struct vor_value *out)
 {
     double number;
-    char *end;
 
-    if (text[0] == '\0' || strlen(text) > 40 || text[strspn(text, "+-.0123456789eE")] != '\0' ||
-        strcspn(text, "0123456789") == strlen(text))
-        return 0;
-    number = strtod(text, &end);
-    if (*end != '\0' || !(number >= info->min && number <= info->max))
+    if (!vor_decimal_read(&number, text, strlen(text)) ||
+        !(number >= info->min && number <= info->max))
         return 0;
     out->number = number;
     return 1;
@@ -302,6 +296,39 @@ static void list_names(const struct vor_parameter_info *info, struct line *out)
     list_words(info, 1, " | ", out);
 }
 
+/* Vectors: three numbers with commas between, which stand in the text. */
+
+static int read_vector(const struct vor_parameter_info *info, const char *text,
+                       struct vor_value *out)
+{
+    double numbers[3];
+
+    *out = (struct vor_value){VOR_VECTOR, text};
+    if (!vor_decimal_read_vector(numbers, text))
+        return 0;
+    for (int c = 0; c < 3; c++)
+        if (!(numbers[c] >= info->min && numbers[c] <= info->max))
+            return 0;
+    return 1;
+}
+
+static int owns_vector(const struct vor_parameter_info *info, double value)
+{
+    (void)info;
+    return value == VOR_VECTOR;
+}
+
+static void want_vector(const struct vor_parameter_info *info, struct line *out)
+{
+    add(out, "X,Y,Z of numbers from %.16g to %.16g", info->min, info->max);
+}
+
+static void list_vector(const struct vor_parameter_info *info, struct line *out)
+{
+    (void)info;
+    add(out, "X,Y,Z");
+}
+
 /* Flags. */
 
 static int read_flag(const struct vor_parameter_info *info, const char *text, struct vor_value *out)
@@ -441,6 +468,8 @@ static const struct form forms[VOR_FORM_NONE] = {
     [VOR_FORM_WORD] = {VOR_SHAPE_STRING, read_word, owns_word, write_word, want_choice,
                        list_choices},
     [VOR_FORM_NAME] = {VOR_SHAPE_STRING, read_name, owns_name, write_name, want_name, list_names},
+    [VOR_FORM_VECTOR] = {VOR_SHAPE_STRING, read_vector, owns_vector, write_text, want_vector,
+                         list_vector},
     [VOR_FORM_FLAG] = {VOR_SHAPE_BOOLEAN, read_flag, owns_number, write_flag, want_flag, list_flag},
     [VOR_FORM_TEXT] = {VOR_SHAPE_STRING, read_text, owns_number, write_text, want_text, want_text},
     [VOR_FORM_LIST] = {VOR_SHAPE_ARRAY, read_list, owns_number, write_list, want_list, list_list},

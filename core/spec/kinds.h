@@ -11,7 +11,8 @@ const char *vor_shape_word(enum vor_shape shape);
 /** A value that was read. */
 struct vor_value {
     double number;
-    const char *text; /**< of a text or a name; points into the text that was read. Else NULL */
+    const char *text; /**< of a text, a name or a vector; points into the text that was read. Else
+                           NULL */
 };
 
 /** Most bytes that vor_kind_want and vor_kind_values write, with the NUL; core/spec.c asserts it

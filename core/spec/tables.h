@@ -16,6 +16,7 @@ enum vor_form {
     VOR_FORM_CHOICE, /**< one of the words; the value is its index */
     VOR_FORM_WORD,   /**< one of the words beside a number; the value is VOR_WORD(index) */
     VOR_FORM_NAME,   /**< a word that ends in :NAME, with a name for NAME; the value is its index */
+    VOR_FORM_VECTOR, /**< X,Y,Z, three numbers; the value is VOR_VECTOR, they stand in the text */
     VOR_FORM_FLAG,   /**< true or false; 1 or 0 */
     VOR_FORM_TEXT,   /**< UTF-8 without control characters; the value is 1 */
     VOR_FORM_LIST,   /**< some of the words, or "none"; bit i of the value is word i */
@@ -41,6 +42,7 @@ enum vor_shape {
     X(TEXT, TEXT, NONE)                                                                            \
     X(LIST, LIST, NONE)                                                                            \
     X(CHOICE_OR_NAME, CHOICE, NAME)                                                                \
+    X(CHOICE_OR_VECTOR, CHOICE, VECTOR)                                                            \
     X(COUNT_OR_AUTO, WHOLE, AUTO)                                                                  \
     X(REAL_OR_AUTO, REAL, AUTO)                                                                    \
     X(REAL_OR_WORD, REAL, WORD)                                                                    \
@@ -59,6 +61,9 @@ enum vor_kind {
 
 /** The value that means word number `index` of a REAL_OR_WORD. */
 #define VOR_WORD(index) (-2.0 - (index))
+
+/** The value that means the numbers of a vector, which stand in the text. */
+#define VOR_VECTOR (-2.0)
 
 /** Groups: a process takes whole groups of parameters. Identifier, title in the help. */
 #define VOR_GROUP_TABLE(X)                                                                         \
@@ -95,9 +100,9 @@ enum vor_method_choice {
 #define VOR_METHOD_WORDS VOR_METHOD_CHOICE_TABLE(VOR_METHOD_WORD)
 
 /** Parameters: identifier, name, kind, group, unit, min, max, default, choices, sentence. min and
- *  max are the range of a number, or of the bytes of a text or a name. The default VOR_UNSET means
- *  auto if the kind has that word, else that there is none; a text has no default. Choices are
- * words with blanks between. */
+ *  max are the range of a number, also in a vector, or of the bytes of a text or a name. The
+ * default VOR_UNSET means auto if the kind has that word, else that there is none; a text has no
+ * default. Choices are words with blanks between. */
 #define VOR_PARAMETER_TABLE(X)                                                                     \
     X(POINTS, points, COUNT, TARGET, "points", 1, 10000000, VOR_UNSET, "",                         \
       "Number of points of the result; one of points, ratio and spacing says how many")            \
@@ -150,6 +155,11 @@ enum vor_method_choice {
       "Bits a coordinate in Draco; 0 is lossless, auto keeps cells below spacing / 200")           \
     X(COMPRESSION, compression, COUNT, FORMAT, "", 0, 10, 7, "",                                   \
       "Effort of Draco, 10 is the smallest")                                                       \
+    X(ORIGIN, origin, CHOICE_OR_VECTOR, FORMAT, "", -1e30, 1e30, VOR_ORIGIN_AUTO,                  \
+      "auto absolute relative",                                                                    \
+      "What the positions in a Draco file count from. absolute: 0; relative: whole numbers near "  \
+      "the middle of the input; X,Y,Z: that point; auto: absolute unless float32 is too coarse "   \
+      "for it, by the input alone")                                                                \
     X(ATTRIBUTES, attributes, CHOICE, OUTPUT, "", 0, 0, VOR_ATTRIBUTES_NEAREST, "nearest drop",    \
       "nearest: from the nearest input point; drop: positions only")                               \
     X(NORMALS, normals, CHOICE, OUTPUT, "", 0, 0, VOR_NORMALS_NEAREST,                             \
@@ -176,6 +186,7 @@ enum { VOR_FILTER_MLS, VOR_FILTER_OUTLIERS, VOR_FILTER_THIN }; /* words of the l
 enum { VOR_INTRINSIC_LOCAL, VOR_INTRINSIC_SATELLITES, VOR_INTRINSIC_NONE };
 enum { VOR_ORDER_SPATIAL, VOR_ORDER_PROGRESSIVE };
 enum { VOR_FORMAT_PLY, VOR_FORMAT_DRC };
+enum { VOR_ORIGIN_AUTO, VOR_ORIGIN_ABSOLUTE, VOR_ORIGIN_RELATIVE };
 enum { VOR_ATTRIBUTES_NEAREST, VOR_ATTRIBUTES_DROP };
 enum { VOR_NORMALS_NEAREST, VOR_NORMALS_ORIENTED, VOR_NORMALS_FIT, VOR_NORMALS_DROP };
 enum { VOR_INPUT_NORMALS_AUTO, VOR_INPUT_NORMALS_USE, VOR_INPUT_NORMALS_ESTIMATE };
@@ -186,7 +197,8 @@ struct vor_parameter_info {
     enum vor_kind kind;
     enum vor_group group;
     const char *unit;    /**< "" for none */
-    double min, max;     /**< inclusive: of a number, or of the bytes of a text or a name */
+    double min, max;     /**< inclusive: of a number, also in a vector, or of the bytes of a text or
+                              a name */
     double fallback;     /**< default */
     const char *choices; /**< words with blanks between; "" for none */
     const char *sentence;

@@ -18,8 +18,8 @@
  *  merely coincide are not.
  *
  *  Positions in float32 are kept bit for bit, and where the file has the metadata of
- *  vor_draco_write, origin and position type are restored; positions of other types go through
- *  vor_cloud_set_double.
+ *  vor_draco_write, origin and position type are restored; positions of other types, with the
+ *  origin added to them if there is one, go through vor_cloud_set_double.
  *
  *  Header, metadata and declared counts are walked before the library sees a byte
  *  (proto/draco/draco_gate.h); more points than limits->points or than 64 x size + 100,000 are
@@ -36,13 +36,15 @@ VOR_NODISCARD vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *by
  *  Signature and failures as vor_format.write; also VOR_E_EMPTY and VOR_E_NONFINITE as
  *  vor_cloud_check, and VOR_E_LIMIT when an attribute has more than INT32_MAX scalars.
  *
- *  Positions are written relative to the origin; an origin other than 0 and the position type go
- *  into the geometry metadata (three doubles "voronoid.origin", a text "voronoid.position_type"),
- *  so that a reader that ignores them still gets a valid cloud. Attributes keep type, components
- *  and meaning; a name that the meaning does not imply goes into the attribute's metadata.
+ *  Positions are written relative to the options' origin, rounded once to float32, or without one
+ *  relative to the cloud's own, as they are. An origin other than 0, or of double positions, and
+ *  the position type go into the geometry metadata (doubles "voronoid.origin.x", ".y" and ".z", a
+ *  text "voronoid.position_type"), so that a reader that ignores them still gets a valid cloud.
+ * Attributes keep type, components and meaning; a name that the meaning does not imply goes into
+ * the attribute's metadata.
  *
  *  quantization_bits
- *   - 0: everything is kept bit for bit; sequential encoding.
+ *   - 0: everything is kept bit for bit, positions as rounded above; sequential encoding.
  *   - 1 .. 30: positions move by at most half a cell of extent / (2^bits - 1), plus what float32
  *     rounds off.
  *   - -1: the smallest number of bits whose cells are at most spacing / 200 (spacing 0 counts as

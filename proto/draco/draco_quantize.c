@@ -114,9 +114,10 @@ static int same(const float a[3], const float b[3])
 }
 
 /* Do two points that differ land on one? slots: mask + 1 of them. */
-static int coincide(const struct vor_draco_column *column, const float *xyz, size_t n,
-                    uint32_t *slots, size_t mask)
+static int coincide(const struct vor_draco_column *column, size_t n, uint32_t *slots, size_t mask)
 {
+    const float *xyz = column->data;
+
     memset(slots, 0xff, (mask + 1) * sizeof *slots);
     for (size_t i = 0; i < n; i++) {
         float here[3] = {0}, there[3] = {0};
@@ -157,7 +158,7 @@ vor_status vor_draco_fit_positions(struct vor_draco_column *column, const struct
     column->bits = 1;
     while (column->bits < BITS_MAX && ldexp(1, column->bits) - 1 < wanted)
         column->bits++;
-    while (column->bits > 0 && coincide(column, cloud->xyz, cloud->n, slots, capacity - 1))
+    while (column->bits > 0 && coincide(column, cloud->n, slots, capacity - 1))
         column->bits = column->bits < BITS_MAX ? column->bits + 1 : 0;
     vor_free(cloud->memory, slots);
     return VOR_OK;

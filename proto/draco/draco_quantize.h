@@ -22,10 +22,10 @@ int vor_draco_bound(struct vor_draco_column *column, size_t n);
  *  values survive; else VOR_DRACO_NORMAL_BITS or VOR_DRACO_SCALAR_BITS. */
 void vor_draco_fit_attribute(struct vor_draco_column *column, size_t n);
 
-/** Chooses bits for positions whose low and range are set: the smallest number whose cells are at
- *  most spacing / VOR_DRACO_CELLS_PER_SPACING, and more until no two points that differ fall onto
- *  one; 0 (lossless) when 30 bits do not reach that. spacing 0 (not known) counts as range /
- *  sqrt(n), the spacing of a plane sheet.
+/** Chooses bits for the positions of a cloud, a column whose low and range are set: the smallest
+ * number whose cells are at most spacing / VOR_DRACO_CELLS_PER_SPACING, and more until no two
+ * points that differ fall onto one; 0 (lossless) when 30 bits do not reach that. spacing 0 (not
+ * known) counts as range / sqrt(n), the spacing of a plane sheet.
  *
  *  @retval VOR_E_NOMEM the table of points, at most 11 bytes a point, does not fit under the cap
  *

@@ -20,6 +20,9 @@ struct load {
     uint32_t *points; /* of the file, that become points of the cloud; NULL: all of them */
     size_t n;
     unsigned position; /* index of the attribute */
+    int has_origin;    /* in the metadata, with the type that positions had */
+    double origin[3];
+    char type[16];
     struct vor_error *err;
 };
 
@@ -120,17 +123,20 @@ static vor_status copy_values(const struct load *load, unsigned index, void *out
     return VOR_OK;
 }
 
+static void find_origin(struct load *load)
+{
+    load->has_origin = vor_draco_origin(load->decoded, load->origin, load->type) &&
+                       isfinite(load->origin[0]) && isfinite(load->origin[1]) &&
+                       isfinite(load->origin[2]);
+}
+
 static void restore_origin(const struct load *load)
 {
-    double origin[3];
-    char type[16];
-
-    if (!vor_draco_origin(load->decoded, origin, type) || !isfinite(origin[0]) ||
-        !isfinite(origin[1]) || !isfinite(origin[2]))
+    if (!load->has_origin)
         return;
-    memcpy(load->cloud->origin, origin, sizeof origin);
+    memcpy(load->cloud->origin, load->origin, sizeof load->origin);
     load->cloud->position_type =
-        strcmp(type, vor_type_name_sized(VOR_FLOAT64)) == 0 ? VOR_FLOAT64 : VOR_FLOAT32;
+        strcmp(load->type, vor_type_name_sized(VOR_FLOAT64)) == 0 ? VOR_FLOAT64 : VOR_FLOAT32;
 }
 
 /* Turns count scalars of a type into doubles. */
@@ -164,6 +170,8 @@ static vor_status load_wide_positions(const struct load *load, enum vor_type typ
     if (status != VOR_OK)
         goto done;
     widen(xyz, raw, type, 3 * load->n);
+    for (size_t i = 0; load->has_origin && i < 3 * load->n; i++)
+        xyz[i] += load->origin[i % 3];
     status = vor_cloud_set_double(load->cloud, xyz, load->err);
 done:
     vor_free(memory, xyz);
@@ -256,6 +264,7 @@ static vor_status load_cloud(struct load *load, const struct vor_limits *limits)
     vor_status status = find_position(load);
 
     load->n = vor_draco_points(load->decoded);
+    find_origin(load);
     if (status == VOR_OK && vor_draco_is_mesh(load->decoded))
         status = merge_seams(load);
     if (status != VOR_OK)

@@ -334,13 +334,32 @@ int add_column(draco::PointCloud *cloud, const vor_draco_column &column, size_t 
     return id;
 }
 
+const char *const origin_keys[3] = {"voronoid.origin.x", "voronoid.origin.y", "voronoid.origin.z"};
+
+/* Single doubles, because draco3d (npm) has no getter for an array of them. */
 void add_origin(draco::PointCloud *cloud, const vor_draco_source &source)
 {
     if (cloud->metadata() == nullptr)
         cloud->AddMetadata(std::unique_ptr<draco::GeometryMetadata>(new draco::GeometryMetadata()));
-    cloud->metadata()->AddEntryDoubleArray("voronoid.origin",
-                                           std::vector<double>(source.origin, source.origin + 3));
+    for (int c = 0; c < 3; c++)
+        cloud->metadata()->AddEntryDouble(origin_keys[c], source.origin[c]);
     cloud->metadata()->AddEntryString("voronoid.position_type", source.position_type);
+}
+
+/* The origin as single doubles, or as the array that earlier versions wrote. */
+bool origin_entries(const draco::Metadata *metadata, double origin[3])
+{
+    std::vector<double> values;
+    int found = 0;
+
+    while (found < 3 && metadata->GetEntryDouble(origin_keys[found], &origin[found]))
+        found++;
+    if (found == 3)
+        return true;
+    if (!metadata->GetEntryDoubleArray("voronoid.origin", &values) || values.size() != 3)
+        return false;
+    std::memcpy(origin, values.data(), 3 * sizeof *origin);
+    return true;
 }
 
 bool fill(draco::PointCloud *cloud, const vor_draco_source &source)
@@ -519,13 +538,10 @@ int vor_draco_origin(const vor_draco_decoded *decoded, double origin[3], char ty
     Account account = {decoded->account.meter, 0};
     vor_draco_result result = guarded(&account, nullptr, [&](char *) {
         const draco::Metadata *metadata = decoded->cloud->GetMetadata();
-        std::vector<double> values;
 
         type[0] = '\0';
-        if (metadata == nullptr || !metadata->GetEntryDoubleArray("voronoid.origin", &values) ||
-            values.size() != 3)
+        if (metadata == nullptr || !origin_entries(metadata, origin))
             return VOR_DRACO_REFUSED;
-        std::memcpy(origin, values.data(), 3 * sizeof *origin);
         text_entry(metadata, "voronoid.position_type", type, 16);
         return VOR_DRACO_DONE;
     });

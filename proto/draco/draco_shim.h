@@ -94,8 +94,9 @@ enum vor_draco_result vor_draco_mapping(const struct vor_draco_decoded *decoded,
 enum vor_draco_result vor_draco_values(const struct vor_draco_decoded *decoded, unsigned index,
                                        const uint32_t *points, size_t n, void *out) VOR_NOEXCEPT;
 
-/** The metadata entries "voronoid.origin" (three doubles) and "voronoid.position_type" (type is ""
- *  without it). 0 when there is no origin. */
+/** The metadata entries "voronoid.origin.x", ".y" and ".z" (a double each; or "voronoid.origin",
+ *  three of them, as earlier versions wrote) and "voronoid.position_type" (type is "" without it).
+ *  0 when there is no origin. */
 int vor_draco_origin(const struct vor_draco_decoded *decoded, double origin[3],
                      char type[16]) VOR_NOEXCEPT;
 

@@ -20,6 +20,8 @@ struct plan {
     const struct vor_cloud *cloud;
     struct vor_draco_column columns[VOR_ATTRIBUTES_MAX + 1];
     int64_t *carriers[VOR_ATTRIBUTES_MAX + 1]; /* owned copies of columns in 64 bits */
+    double origin[3];                          /* that positions are relative to */
+    float *xyz;                                /* owned positions; NULL: those of the cloud */
     unsigned count;
     int kd_tree;
 };
@@ -41,14 +43,43 @@ static const char *implied_name(enum vor_semantic semantic)
     return semantic == VOR_NORMAL ? "normal" : semantic == VOR_COLOR ? "color" : "generic";
 }
 
+static int same(const double a[3], const double b[3])
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+/* Moves the positions into the frame that is asked for. A coordinate whose origin stays is not
+ * touched: adding 0 would turn -0 into 0. */
+static vor_status choose_frame(struct plan *plan, const struct vor_write_options *options,
+                               struct vor_error *err)
+{
+    const struct vor_cloud *cloud = plan->cloud;
+    const double *origin = options->has_origin ? options->origin : cloud->origin;
+
+    for (int c = 0; c < 3; c++)
+        plan->origin[c] = origin[c];
+    if (same(origin, cloud->origin))
+        return VOR_OK;
+    plan->xyz = vor_malloc(cloud->memory, cloud->n, 3 * sizeof *plan->xyz);
+    if (plan->xyz == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "positions of %zu points", cloud->n);
+    for (size_t i = 0; i < 3 * cloud->n; i++) {
+        double shift = cloud->origin[i % 3] - origin[i % 3];
+
+        plan->xyz[i] = shift == 0 ? cloud->xyz[i] : (float)((double)cloud->xyz[i] + shift);
+    }
+    return VOR_OK;
+}
+
 static void add_columns(struct plan *plan)
 {
     const struct vor_cloud *cloud = plan->cloud;
 
-    plan->columns[0] = (struct vor_draco_column){.kind = VOR_DRACO_POSITION,
-                                                 .scalar = VOR_DRACO_FLOAT32,
-                                                 .components = 3,
-                                                 .data = cloud->xyz};
+    plan->columns[0] =
+        (struct vor_draco_column){.kind = VOR_DRACO_POSITION,
+                                  .scalar = VOR_DRACO_FLOAT32,
+                                  .components = 3,
+                                  .data = plan->xyz != NULL ? plan->xyz : cloud->xyz};
     plan->count = 1 + (unsigned)cloud->attribute_count;
     for (unsigned i = 1; i < plan->count; i++) {
         const struct vor_attribute *attribute = &cloud->attributes[i - 1];
@@ -239,12 +270,12 @@ static vor_status encode(const struct plan *plan, struct taker *taker, int compr
     const struct vor_cloud *cloud = plan->cloud;
     struct vor_draco_purse purse = {.memory = cloud->memory, .most = SIZE_MAX};
     struct vor_draco_meter meter = vor_draco_purse_meter(&purse);
-    int relative = cloud->position_type == VOR_FLOAT64 || cloud->origin[0] != 0 ||
-                   cloud->origin[1] != 0 || cloud->origin[2] != 0;
+    int relative = cloud->position_type == VOR_FLOAT64 || plan->origin[0] != 0 ||
+                   plan->origin[1] != 0 || plan->origin[2] != 0;
     struct vor_draco_source source = {.n = cloud->n,
                                       .count = plan->count,
                                       .columns = plan->columns,
-                                      .origin = relative ? cloud->origin : NULL,
+                                      .origin = relative ? plan->origin : NULL,
                                       .position_type = vor_type_name_sized(cloud->position_type),
                                       .kd_tree = plan->kd_tree,
                                       .speed = 10 - compression};
@@ -324,6 +355,9 @@ vor_status vor_draco_write(const struct vor_sink *sink, const struct vor_cloud *
     if (plan == NULL)
         return vor_fail(err, VOR_E_NOMEM, "plan of %zu attributes", cloud->attribute_count);
     plan->cloud = cloud;
+    status = choose_frame(plan, options, err);
+    if (status != VOR_OK)
+        goto done;
     add_columns(plan);
     status = quantize(plan, options, err);
     if (status != VOR_OK)
@@ -333,6 +367,7 @@ vor_status vor_draco_write(const struct vor_sink *sink, const struct vor_cloud *
 done:
     for (unsigned i = 0; i < plan->count; i++)
         vor_free(cloud->memory, plan->carriers[i]);
+    vor_free(cloud->memory, plan->xyz);
     vor_free(cloud->memory, plan);
     return status;
 }

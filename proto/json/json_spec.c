@@ -99,6 +99,13 @@ static void schema_name(struct vor_text *text, const struct vor_parameter_info *
     vor_json_put_string(text, "pattern", pattern);
 }
 
+static void schema_vector(struct vor_text *text, const struct vor_parameter_info *info)
+{
+    (void)info;
+    vor_json_put_string(text, "type", "string");
+    vor_json_put_string(text, "pattern", "^[-+.0-9eE]+,[-+.0-9eE]+,[-+.0-9eE]+$");
+}
+
 static void schema_flag(struct vor_text *text, const struct vor_parameter_info *info)
 {
     (void)info;
@@ -138,9 +145,9 @@ static const struct {
 } forms[VOR_FORM_NONE] = {
     [VOR_FORM_WHOLE] = {put_number, schema_whole}, [VOR_FORM_REAL] = {put_number, schema_real},
     [VOR_FORM_CHOICE] = {put_text, schema_words},  [VOR_FORM_WORD] = {put_text, schema_words},
-    [VOR_FORM_NAME] = {put_text, schema_name},     [VOR_FORM_FLAG] = {put_flag, schema_flag},
-    [VOR_FORM_TEXT] = {put_text, schema_text},     [VOR_FORM_LIST] = {put_list, schema_list},
-    [VOR_FORM_AUTO] = {put_text, schema_auto},
+    [VOR_FORM_NAME] = {put_text, schema_name},     [VOR_FORM_VECTOR] = {put_text, schema_vector},
+    [VOR_FORM_FLAG] = {put_flag, schema_flag},     [VOR_FORM_TEXT] = {put_text, schema_text},
+    [VOR_FORM_LIST] = {put_list, schema_list},     [VOR_FORM_AUTO] = {put_text, schema_auto},
 };
 
 void vor_json_spec(struct vor_text *text, const struct vor_spec *spec)

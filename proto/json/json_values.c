@@ -127,6 +127,16 @@ static void put_target(struct vor_text *text, const struct vor_status_info *info
     vor_json_end_object(text);
 }
 
+static void put_origin(struct vor_text *text, const double origin[3])
+{
+    vor_json_key(text, "origin");
+    vor_json_begin_object(text);
+    vor_json_put_double(text, "x", origin[0]);
+    vor_json_put_double(text, "y", origin[1]);
+    vor_json_put_double(text, "z", origin[2]);
+    vor_json_end_object(text);
+}
+
 static void put_own_members(struct vor_text *text, const struct vor_status_info *info)
 {
     vor_json_key(text, "voronoid");
@@ -146,6 +156,8 @@ static void put_own_members(struct vor_text *text, const struct vor_status_info 
     put_inputs(text, info);
     if (info->target_points > 0 || is_given(info->target_format))
         put_target(text, info);
+    if (info->origin != NULL)
+        put_origin(text, info->origin);
     vor_json_key(text, "metrics");
     if (info->metrics != NULL)
         vor_json_record(text, info->metrics);

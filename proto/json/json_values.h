@@ -87,6 +87,7 @@ struct vor_status_info {
     size_t input_count;
     uint64_t target_points;                  /**< 0: left out (not known before the area is) */
     const char *target_format;               /**< NULL: left out */
+    const double *origin;                    /**< three, of the main output; NULL: left out */
     const struct vor_record *metrics;        /**< NULL: null */
     const struct vor_problem_doc *exception; /**< of a failed job; NULL: left out */
     const char *exception_json;              /**< the same, already JSON; wins when not NULL */

@@ -104,7 +104,7 @@ static void add_cors(const struct vor_app *app, struct vor_request *request)
     vor_reply_header(request, "Access-Control-Allow-Origin", origin);
     vor_reply_header(request, "Access-Control-Expose-Headers",
                      "Location, ETag, Retry-After, Content-Range, Accept-Ranges, "
-                     "Content-Disposition, Preference-Applied, X-Request-Id");
+                     "Content-Disposition, Preference-Applied, Voronoid-Origin, X-Request-Id");
     if (vor_request_method(request) != VOR_OPTIONS)
         return;
     vor_reply_header(request, "Access-Control-Allow-Headers",

@@ -18,6 +18,7 @@ struct here {
     struct vor_progress progress;
     struct vor_artefacts in, out;
     const struct vor_format *format; /* of the main input, then of the result */
+    struct vor_result_facts facts;
     struct vor_output output;
     struct vor_report *report; /* among the outputs; NULL where the process has none */
     double seconds_read, seconds_write;
@@ -69,9 +70,14 @@ static vor_status save_cloud(struct here *r, const struct vor_cloud *cloud, stru
 {
     struct vor_sink sink = {&r->output, vor_output_write};
     struct vor_write_options options;
+    vor_status status;
 
-    vor_write_options_from(&options, &r->cli->spec,
-                           r->report != NULL ? r->report->spacing_mean : 0);
+    r->facts.spacing = r->report != NULL ? r->report->spacing_mean : 0;
+    status = vor_write_options_from(&options, r->format, &r->cli->spec, &r->facts, err);
+    if (status != VOR_OK)
+        return status;
+    if (r->report != NULL)
+        memcpy(r->report->origin, options.origin, sizeof r->report->origin);
     return r->format->write(&sink, cloud, &options, err);
 }
 
@@ -132,6 +138,18 @@ static vor_status finish(struct here *r, struct vor_error *err)
     return status;
 }
 
+/* Refuses what can be refused before the work. */
+static vor_status check(struct here *r, struct vor_error *err)
+{
+    const struct vor_process_info *process = r->cli->spec.process;
+
+    if (process->outputs[0].kind != VOR_ARTEFACT_CLOUD)
+        return VOR_OK;
+    r->subject = r->cli->input[0];
+    vor_extent_measure(&r->facts.input, vor_artefacts_cloud(&r->in, process->inputs[0].name));
+    return vor_write_check(r->format, &r->cli->spec, &r->facts.input, err);
+}
+
 /* The output is opened before the work begins: a name that cannot be written is told at once. */
 static vor_status work(struct here *r, struct vor_error *err)
 {
@@ -140,6 +158,9 @@ static vor_status work(struct here *r, struct vor_error *err)
     if (status != VOR_OK)
         return status;
     r->format = format_of_result(r->cli, r->format);
+    status = check(r, err);
+    if (status != VOR_OK)
+        return status;
     r->subject = r->cli->option[VOR_OPTION_OUTPUT];
     status = vor_output_open(&r->output, r->subject, err);
     if (status != VOR_OK)

@@ -1,5 +1,6 @@
 #include "server/cli/progress.h"
 
+#include "proto/origin.h"
 #include "server/base/clock.h"
 #include "server/cli/say.h"
 
@@ -175,6 +176,20 @@ static void read_stages(struct vor_report *out, const struct vor_json *report)
         vor_report_stage(out, VOR_RUN_STAGE_POLISH, count_at(report, "polish_steps"), 0);
 }
 
+/* Says where zero lies in the file of the result, unless it is the input's. */
+static void say_origin(const struct vor_progress *progress, const struct vor_json *report)
+{
+    const struct vor_json *told = vor_json_get(report, "origin");
+    double origin[3] = {number_at(told, "x"), number_at(told, "y"), number_at(told, "z")};
+    char text[VOR_ORIGIN_TEXT_SIZE], line[160];
+
+    if (origin[0] == 0 && origin[1] == 0 && origin[2] == 0)
+        return;
+    (void)snprintf(line, sizeof line, "positions in the file count from the origin %s",
+                   vor_origin_text(origin, text));
+    vor_cli_say(progress->cli->option[VOR_OPTION_OUTPUT], line);
+}
+
 static void summarise(const struct vor_progress *progress, const struct vor_json *report)
 {
     const struct vor_json *seconds = vor_json_get(report, "seconds");
@@ -191,6 +206,7 @@ static void summarise(const struct vor_progress *progress, const struct vor_json
                    vor_report_steps(&told, steps, sizeof steps), stopped != NULL ? stopped : "?",
                    sum);
     vor_cli_say(progress->cli->option[VOR_OPTION_OUTPUT], line);
+    say_origin(progress, report);
 }
 
 vor_status vor_progress_finish(struct vor_progress *progress, const char *report, size_t size,

@@ -63,6 +63,9 @@ struct vor_job_output {
     uint64_t points;              /**< of a cloud; else 0 */
     uint64_t bytes;               /**< of the file, or of the document as JSON */
     char sha256[VOR_DIGEST_SIZE]; /**< likewise; "" of one that is kept in the row */
+    int has_origin;               /**< of a cloud in a format that takes one; rows of before have
+                                       none */
+    double origin[3];             /**< that the positions in the file count from */
 };
 
 /** True for an output that is kept in the row of its job, as text, and not among the blobs: the

@@ -16,14 +16,20 @@ static void write_problem(struct vor_text *text, const struct vor_error *problem
 }
 
 /* Members that inputs and outputs have alike. */
-static void begin_artefact(struct vor_text *text, const char *name, unsigned format,
-                           uint64_t points, uint64_t bytes)
+static void put_artefact(struct vor_text *text, unsigned format, uint64_t points, uint64_t bytes)
 {
-    vor_json_key(text, name);
-    vor_json_begin_object(text);
     vor_json_put_u64(text, "format", format);
     vor_json_put_u64(text, "points", points);
     vor_json_put_u64(text, "bytes", bytes);
+}
+
+static void put_origin(struct vor_text *text, const double origin[3])
+{
+    vor_json_key(text, "origin");
+    vor_json_begin_array(text);
+    for (int c = 0; c < 3; c++)
+        vor_json_double(text, origin[c]);
+    vor_json_end_array(text);
 }
 
 static void write_inputs(struct vor_text *text, const struct vor_job_view *row)
@@ -34,8 +40,9 @@ static void write_inputs(struct vor_text *text, const struct vor_job_view *row)
 
         if ((row->inputs >> i & 1) == 0)
             continue;
-        begin_artefact(text, row->spec.process->inputs[i].name, input->format, input->points,
-                       input->bytes);
+        vor_json_key(text, row->spec.process->inputs[i].name);
+        vor_json_begin_object(text);
+        put_artefact(text, input->format, input->points, input->bytes);
         vor_json_put_string(text, "sha256", input->sha256);
         vor_json_put_double(text, "seconds", input->seconds);
         vor_json_end_object(text);
@@ -48,16 +55,22 @@ static void write_outputs(struct vor_text *text, const struct vor_job_view *row)
     const struct vor_artefact_info *outputs = row->spec.process->outputs;
     int any = 0;
 
-    for (unsigned i = 1; outputs[i].name != NULL; i++) {
+    for (unsigned i = 0; outputs[i].name != NULL; i++) {
         const struct vor_job_output *output = &row->output[i];
 
-        if (vor_output_in_row(&outputs[i]))
+        if (vor_output_in_row(&outputs[i]) || (i == 0 && !output->has_origin))
             continue;
         if (!any)
             vor_json_begin_object(text);
         any = 1;
-        begin_artefact(text, outputs[i].name, output->format, output->points, output->bytes);
-        vor_json_put_string(text, "sha256", output->sha256);
+        vor_json_key(text, outputs[i].name);
+        vor_json_begin_object(text);
+        if (i > 0) {
+            put_artefact(text, output->format, output->points, output->bytes);
+            vor_json_put_string(text, "sha256", output->sha256);
+        }
+        if (output->has_origin)
+            put_origin(text, output->origin);
         vor_json_end_object(text);
     }
     if (any)
@@ -192,14 +205,29 @@ static void read_inputs(struct vor_job_view *row, const struct vor_json *inputs)
     }
 }
 
+static void read_origin(struct vor_job_output *out, const struct vor_json *list)
+{
+    const struct vor_json *number = vor_json_first(list);
+    double origin[3];
+
+    for (int c = 0; c < 3; c++, number = vor_json_next(number))
+        if (number == NULL || !vor_json_get_number(number, &origin[c]))
+            return;
+    out->has_origin = 1;
+    memcpy(out->origin, origin, sizeof origin);
+}
+
 static void read_outputs(struct vor_job_view *row, const struct vor_json *outputs)
 {
     const struct vor_artefact_info *infos = row->spec.process->outputs;
 
-    for (unsigned i = 1; infos[i].name != NULL; i++) {
+    for (unsigned i = 0; infos[i].name != NULL; i++) {
         const struct vor_json *json = vor_json_get(outputs, infos[i].name);
         struct vor_job_output *output = &row->output[i];
 
+        read_origin(output, vor_json_get(json, "origin"));
+        if (i == 0)
+            continue;
         output->format = (unsigned)number(json, "format", 0);
         output->points = (uint64_t)number(json, "points", 0);
         output->bytes = (uint64_t)number(json, "bytes", 0);

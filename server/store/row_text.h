@@ -11,8 +11,10 @@
  *
  *  inputs: those beside the main one, {NAME: {"format", "points", "bytes", "sha256", "seconds"}},
  *  empty without any. outputs: those beside the main one that are blobs, {NAME: {"format",
- *  "points", "bytes", "sha256"}}, empty without any and unless the job is successful. The main
- *  ones are columns of numbers, as they were when a job had no others. */
+ *  "points", "bytes", "sha256", "origin"}}, and of the main one {NAME: {"origin"}}; an origin is an
+ *  array of three numbers, left out where there is none. Empty without any and unless the job is
+ *  successful. Whatever else is known of the main ones is in columns of numbers, as it was when a
+ *  job had no others. */
 struct vor_row_text {
     struct vor_text request, metrics, problem, inputs, outputs;
 };

@@ -77,6 +77,8 @@ vor_status vor_admit_file(struct vor_admitted *admitted, const char *name, struc
     vor_memory_init(&memory, limits->memory);
     vor_cloud_init(&cloud, &memory);
     status = decode(&cloud, &input.found, upload, &limits->codec, err);
+    if (status == VOR_OK)
+        vor_extent_measure(&input.extent, &cloud);
     input.found.seconds = vor_clock_seconds() - began;
     if (status == VOR_OK && admitted->count == 0)
         status = vor_uuid_make(&id, err);

@@ -3,6 +3,7 @@
 #ifndef VOR_SERVER_WORK_ADMIT_H
 #define VOR_SERVER_WORK_ADMIT_H
 
+#include "core/cloud/extent.h"
 #include "proto/limits.h"
 #include "server/blob/blob.h"
 #include "server/jobs/job.h"
@@ -24,6 +25,7 @@ struct vor_admitted {
     struct vor_admitted_input {
         const char *name; /**< borrowed */
         struct vor_job_input found;
+        struct vor_extent extent;
     } item[VOR_INPUTS_MAX];
 };
 

@@ -1,6 +1,5 @@
 #include "server/work/artefacts.h"
 
-#include "proto/codec.h"
 #include "proto/dump.h"
 #include "proto/json/json.h"
 
@@ -65,7 +64,7 @@ vor_status vor_artefacts_load(struct vor_artefacts *in, struct vor_blobs *blobs,
 
 static vor_status write_cloud(struct vor_job_output *out, struct vor_blob_writer *writer,
                               const struct vor_job_view *row, const struct vor_cloud *cloud,
-                              double spacing, struct vor_error *err)
+                              const struct vor_result_facts *facts, struct vor_error *err)
 {
     int is_asked = vor_spec_given(&row->spec, VOR_PARAM_FORMAT);
     struct vor_sink sink = vor_blob_sink(writer);
@@ -78,7 +77,11 @@ static vor_status write_cloud(struct vor_job_output *out, struct vor_blob_writer
     format = vor_format(out->format);
     if (format == NULL)
         return vor_fail(err, VOR_E_INTERNAL, "this version has no format %u", out->format);
-    vor_write_options_from(&options, &row->spec, spacing);
+    status = vor_write_options_from(&options, format, &row->spec, facts, err);
+    if (status != VOR_OK)
+        return status;
+    out->has_origin = options.has_origin;
+    memcpy(out->origin, options.origin, sizeof out->origin);
     status = format->write(&sink, cloud, &options, err);
     if (status == VOR_E_IO && vor_blob_failure(writer, err) == VOR_OK)
         return vor_fail(err, VOR_E_INTERNAL, "the %s writer gave up", format->label);
@@ -102,7 +105,7 @@ static vor_status write_document(struct vor_blob_writer *writer,
 
 vor_status vor_artefact_save(struct vor_job_output *out, struct vor_blobs *blobs,
                              const struct vor_job_view *row, const struct vor_artefact *artefact,
-                             double spacing, struct vor_error *err)
+                             const struct vor_result_facts *facts, struct vor_error *err)
 {
     struct vor_job_output written = {.format = 0};
     struct vor_blob_writer *writer;
@@ -111,7 +114,7 @@ vor_status vor_artefact_save(struct vor_job_output *out, struct vor_blobs *blobs
     if (status != VOR_OK)
         return status;
     status = artefact->kind == VOR_ARTEFACT_CLOUD
-                 ? write_cloud(&written, writer, row, &artefact->cloud, spacing, err)
+                 ? write_cloud(&written, writer, row, &artefact->cloud, facts, err)
                  : write_document(writer, &artefact->document, err);
     if (status != VOR_OK) {
         vor_blob_discard(writer);

@@ -3,6 +3,7 @@
 #define VOR_SERVER_WORK_ARTEFACTS_H
 
 #include "core/process.h"
+#include "proto/codec.h"
 #include "server/blob/blob.h"
 #include "server/store/row.h"
 
@@ -21,16 +22,16 @@ VOR_NODISCARD vor_status vor_artefacts_load(struct vor_artefacts *in, struct vor
  *  for, else that of the job's main input; a document as JSON.
  *
  *  @param[out] out      what was written; only when VOR_OK is returned
- *  @param[in]  spacing  mean distance between neighbours in the cloud, for vor_write_options; 0
- *                       when not known
  *
+ *  @retval VOR_E_ORIGIN   as vor_write_options_from
  *  @retval VOR_E_IO       the disk refuses (vor_error_storage_full tells a full one apart)
  *  @retval VOR_E_NOMEM, VOR_E_INTERNAL  as vor_format.write
  *
  *  Cost: that of encoding, and an fsync. */
 VOR_NODISCARD vor_status vor_artefact_save(struct vor_job_output *out, struct vor_blobs *blobs,
                                            const struct vor_job_view *row,
-                                           const struct vor_artefact *artefact, double spacing,
+                                           const struct vor_artefact *artefact,
+                                           const struct vor_result_facts *facts,
                                            struct vor_error *err);
 
 #endif

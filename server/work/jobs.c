@@ -1,4 +1,5 @@
 /* What handlers ask of the worker about single jobs. */
+#include "proto/codec.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/jobs/trace.h"
@@ -37,6 +38,21 @@ static vor_status check_target(const struct vor_spec *spec, const struct vor_job
     if (vor_spec_given(spec, VOR_PARAM_SPACING))
         return VOR_OK;
     return vor_spec_check_target(spec, vor_spec_target(spec, input->points), input->points, err);
+}
+
+/* Likewise; row has its inputs and its format. */
+static vor_status check_origin(const struct vor_job_view *row, const struct vor_admitted *admitted,
+                               struct vor_error *err)
+{
+    const struct vor_process_info *process = row->spec.process;
+
+    if (!vor_process_takes(process, VOR_PARAM_FORMAT))
+        return VOR_OK;
+    for (unsigned i = 0; i < admitted->count; i++)
+        if (strcmp(admitted->item[i].name, process->inputs[0].name) == 0)
+            return vor_write_check(vor_format((unsigned)row->spec.value[VOR_PARAM_FORMAT]),
+                                   &row->spec, &admitted->item[i].extent, err);
+    return VOR_OK;
 }
 
 static void first_row(struct vor_job_view *row, const struct vor_uuid *id,
@@ -129,7 +145,8 @@ enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
 
     first_row(&row, &admitted->id, spec);
     if (take_inputs(&row, admitted, err) == VOR_OK &&
-        check_target(spec, &row.input[0], err) == VOR_OK)
+        check_target(spec, &row.input[0], err) == VOR_OK &&
+        check_origin(&row, admitted, err) == VOR_OK)
         outcome = submit(worker, &row, err);
     if (outcome != VOR_DONE)
         vor_admit_drop(worker->config.blobs, admitted);

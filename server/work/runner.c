@@ -21,6 +21,7 @@ struct run {
     uint32_t attempt;
     double beat; /* when the store was last told */
     struct vor_memory memory;
+    struct vor_result_facts facts;
     int has_report; /* the process has one, and the run came to its end */
     struct vor_report report;
     struct vor_text kept; /* the output that is kept in the row, as JSON; empty for none */
@@ -78,14 +79,17 @@ static vor_status compute(struct run *run, struct vor_artefacts *out, struct vor
 
     vor_artefacts_init(&in, &run->memory);
     status = vor_artefacts_load(&in, run->worker->config.blobs, &run->view, err);
-    if (status == VOR_OK)
+    if (status == VOR_OK) {
+        vor_extent_measure(&run->facts.input,
+                           vor_artefacts_cloud(&in, run->view.spec.process->inputs[0].name));
         status = vor_engine_run(out, &in, &run->view.spec, &engine, err);
+    }
     vor_artefacts_free(&in);
     return status;
 }
 
 /* Makes the outputs that are blobs durable. */
-static vor_status save_blobs(struct run *run, const struct vor_artefacts *out, double spacing,
+static vor_status save_blobs(struct run *run, const struct vor_artefacts *out,
                              struct vor_error *err)
 {
     const struct vor_artefact_info *outputs = run->view.spec.process->outputs;
@@ -94,7 +98,7 @@ static vor_status save_blobs(struct run *run, const struct vor_artefacts *out, d
     for (unsigned i = 0; outputs[i].name != NULL && status == VOR_OK; i++)
         if (!vor_output_in_row(&outputs[i]))
             status = vor_artefact_save(&run->output[i], run->worker->config.blobs, &run->view,
-                                       vor_artefacts_find(out, outputs[i].name), spacing, err);
+                                       vor_artefacts_find(out, outputs[i].name), &run->facts, err);
     return status;
 }
 
@@ -106,6 +110,7 @@ static void complete_report(const struct run *run, struct vor_report *report, do
         report->seconds_read += run->view.input[i].seconds;
     report->seconds_write = vor_clock_seconds() - began;
     report->memory_peak_bytes = atomic_load(&run->memory.peak);
+    memcpy(report->origin, run->output[0].origin, sizeof report->origin);
 }
 
 /* Writes the output that goes into the row. */
@@ -130,7 +135,8 @@ static vor_status save(struct run *run, struct vor_artefacts *out, struct vor_er
     vor_status status;
 
     vor_job_stage(run->job, VOR_STAGE_ENCODE, vor_clock_wall_ms());
-    status = save_blobs(run, out, report != NULL ? report->spacing_mean : 0, err);
+    run->facts.spacing = report != NULL ? report->spacing_mean : 0;
+    status = save_blobs(run, out, err);
     if (status != VOR_OK)
         return status;
     if (report != NULL) {

@@ -67,7 +67,8 @@ void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out);
  *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING
  *  @retval VOR_FAILED  err: VOR_E_PARAM an input that the process does not take, or as
  *                      vor_spec_check_inputs; VOR_E_TARGET as vor_spec_check_target, but for
- *                      spacing, which only the run can tell; VOR_E_IO; VOR_E_NOMEM
+ *                      spacing, which only the run can tell; VOR_E_ORIGIN as vor_write_check;
+ *                      VOR_E_IO; VOR_E_NOMEM
  *
  *  Cost: an fsync; not for HTTP threads. */
 VOR_NODISCARD enum vor_job_outcome

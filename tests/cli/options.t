@@ -39,7 +39,7 @@ for my $command (qw(denoise upsample simplify resample)) {
     (undef, $help) = run([$command, '--help']);
     like $help, qr/--\Q$_\E VALUE\n/, "the help of $command has parameter $_"
         for qw(points ratio spacing method patch iterations delta seconds neighbors anderson polish boundary outliers filters
-        inputNormals intrinsic seed order format quantization compression attributes normals);
+        inputNormals intrinsic seed order format quantization compression origin attributes normals);
     ($options{$command}) = $help =~ /\nOptions:\n(.*?)\n\n/s;
     is $options{$command}, $options{denoise}, "and the options of the others";
 }
@@ -88,7 +88,7 @@ refused 'a parameter of a command without a process', ['health', '--points', 5],
 refused 'a parameter of measure', ['denoise', $in, '-o', $out, '--peak=1'], 2,
     'denoise: no parameter peak; denoise takes points, ratio, spacing, method, patch, iterations, delta, '
     . 'seconds, neighbors, anderson, polish, boundary, outliers, filters, inputNormals, intrinsic, seed, order, format, '
-    . 'quantization, compression, '
+    . 'quantization, compression, origin, '
     . 'attributes, normals';
 refused 'an option with a newline', ['resample', "--a\nb"], 2,
     'resample: no option --a\\x5cx0ab; see voronoid resample --help';

@@ -97,7 +97,7 @@ is_problem($daemon->post('/v1/processes/measure/execution', $cloud), 404, 'no-su
 is_problem($daemon->post('/v1/measure', $cloud), 404, 'no-such-resource', 'nor has it a path of its own');
 ok !exists json($daemon->get("/v1/processes/$_"))->{inputs}{peak}, "$_ does not describe peak" for sort keys %as;
 my $names = join ', ', qw(points ratio spacing method patch iterations delta seconds neighbors anderson polish boundary
-    outliers filters inputNormals intrinsic seed order format quantization compression attributes normals);
+    outliers filters inputNormals intrinsic seed order format quantization compression origin attributes normals);
 
 # Refusals that the head decides, and those that the cloud does: both ways to run a process.
 for my $case (

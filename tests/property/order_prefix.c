@@ -220,6 +220,7 @@ static void trip(struct vor_cloud *back, const struct vor_cloud *cloud, const ch
                  const char *quantization)
 {
     static const struct vor_limits limits = VOR_LIMITS_DEFAULT;
+    struct vor_result_facts facts = {.spacing = 0.03};
     struct vor_write_options options;
     struct vt_bytes bytes = {0};
     struct vor_sink sink = {&bytes, vt_bytes_write};
@@ -228,7 +229,9 @@ static void trip(struct vor_cloud *back, const struct vor_cloud *cloud, const ch
     vor_spec_init(&spec);
     vt_assert_ok(vor_spec_set(&spec, "order", order, &vt_err));
     vt_assert_ok(vor_spec_set(&spec, "quantization", quantization, &vt_err));
-    vor_write_options_from(&options, &spec, 0.03);
+    vor_extent_measure(&facts.input, cloud);
+    vt_assert_ok(
+        vor_write_options_from(&options, vor_format(VOR_FORMAT_DRC), &spec, &facts, &vt_err));
     vt_assert_ok(vor_format(VOR_FORMAT_DRC)->write(&sink, cloud, &options, &vt_err));
     vor_cloud_init(back, &vt_memory);
     vt_assert_ok(vor_codec_read(back, NULL, bytes.data, bytes.size, &limits, &vt_err));

@@ -178,28 +178,31 @@ END_TEST
 
 START_TEST(options_come_from_the_request)
 {
+    const struct vor_format *drc = vor_format(VOR_FORMAT_DRC);
+    struct vor_result_facts facts = {.input = {.n = 10, .high = {1, 1, 1}, .area = 1},
+                                     .spacing = 0.25};
     struct vor_write_options options;
     struct vor_spec spec;
 
     vor_spec_init(&spec);
-    vor_write_options_from(&options, &spec, 0.25);
+    vt_assert_ok(vor_write_options_from(&options, drc, &spec, &facts, &vt_err));
     ck_assert_int_eq(options.quantization_bits, -1);
     ck_assert_int_eq(options.compression, 7);
     ck_assert_int_eq(options.keep_order, 0);
     ck_assert_double_eq(options.spacing, 0.25);
     vt_assert_ok(vor_spec_set(&spec, "order", "progressive", &vt_err));
-    vor_write_options_from(&options, &spec, 0.25);
+    vt_assert_ok(vor_write_options_from(&options, drc, &spec, &facts, &vt_err));
     ck_assert_int_eq(options.keep_order, 1);
     vt_assert_ok(vor_spec_set(&spec, "quantization", "0", &vt_err));
     vt_assert_ok(vor_spec_set(&spec, "compression", "10", &vt_err));
-    vor_write_options_from(&options, &spec, 0);
+    vt_assert_ok(vor_write_options_from(&options, drc, &spec, &facts, &vt_err));
     ck_assert_int_eq(options.quantization_bits, 0);
     ck_assert_int_eq(options.compression, 10);
     vt_assert_ok(vor_spec_set(&spec, "quantization", "30", &vt_err));
-    vor_write_options_from(&options, &spec, 0);
+    vt_assert_ok(vor_write_options_from(&options, drc, &spec, &facts, &vt_err));
     ck_assert_int_eq(options.quantization_bits, 30);
     vt_assert_ok(vor_spec_set(&spec, "quantization", "auto", &vt_err));
-    vor_write_options_from(&options, &spec, 0);
+    vt_assert_ok(vor_write_options_from(&options, drc, &spec, &facts, &vt_err));
     ck_assert_int_eq(options.quantization_bits, -1);
 }
 END_TEST

@@ -29,7 +29,7 @@ static double draw(const struct vor_process_info *process, enum vor_parameter pa
 
     if (u < 0.2)
         return info->fallback;
-    if (info->kind == VOR_KIND_CHOICE) {
+    if (vor_kind_form(info->kind, 0) == VOR_FORM_CHOICE) { /* without vectors, which need a text */
         while (vor_parameter_choice(info, words, &word) > 0)
             words++;
         return (double)vor_rng_below(seed, 7, index, words);
@@ -41,6 +41,35 @@ static double draw(const struct vor_process_info *process, enum vor_parameter pa
         value = u > 0.95 ? info->min : info->max;
     return is_whole ? floor(value) : value;
 }
+
+START_TEST(a_vector_comes_back_with_its_text)
+{
+    static const char *const texts[] = {"637000,849000,0", "+1e3,-0.5,.25", "0,0,0"};
+    char pointer[VOR_JSON_POINTER_MAX];
+
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        struct vor_spec spec, back;
+        struct vor_json *json;
+        double numbers[3];
+
+        vor_spec_init(&spec);
+        vor_spec_init(&back);
+        vt_assert_ok(vor_spec_set(&spec, "origin", texts[i], &vt_err));
+        ck_assert(vor_spec_vector(&spec, VOR_PARAM_ORIGIN, numbers));
+        vor_text_init(&text, 0);
+        vor_json_spec(&text, &spec);
+        json = parsed(text.data);
+        vt_assert_ok(vor_json_spec_read(&back, json, pointer, &vt_err));
+        ck_assert_mem_eq(&back, &spec, sizeof spec);
+        ck_assert_str_eq(vor_spec_name(&back, VOR_PARAM_ORIGIN), texts[i]);
+        vt_assert_ok(vor_spec_set(&back, "origin", "auto", &vt_err));
+        ck_assert(!vor_spec_vector(&back, VOR_PARAM_ORIGIN, numbers));
+        ck_assert_ptr_null(vor_spec_name(&back, VOR_PARAM_ORIGIN));
+        vor_json_free(json);
+        vor_text_free(&text);
+    }
+}
+END_TEST
 
 /* Property: what a request is written as, it is read from; the processes take turns. */
 START_TEST(every_request_comes_back)
@@ -217,9 +246,11 @@ START_TEST(a_process_describes_what_it_takes)
         if (schema == NULL)
             continue;
         inputs++;
-        if (info->kind == VOR_KIND_CHOICE) {
-            ck_assert_str_eq(vor_json_get_string(vor_json_get(schema, "type")), "string");
-            ck_assert_uint_ge(vor_json_count(vor_json_get(schema, "enum")), 1);
+        if (vor_kind_form(info->kind, 0) == VOR_FORM_CHOICE) {
+            const struct vor_json *words = range != NULL ? range : schema;
+
+            ck_assert_str_eq(vor_json_get_string(vor_json_get(words, "type")), "string");
+            ck_assert_uint_ge(vor_json_count(vor_json_get(words, "enum")), 1);
             continue;
         }
         if (info->kind == VOR_KIND_LIST) {
@@ -266,6 +297,7 @@ int main(void)
     Suite *suite = suite_create("json_request");
 
     vt_add_loop(suite, every_request_comes_back, 10);
+    vt_add(suite, a_vector_comes_back_with_its_text);
     vt_add_loop(suite, a_wrong_member_is_named_and_nothing_is_set,
                 (int)(sizeof refused / sizeof refused[0]));
     vt_add_loop(suite, a_process_describes_its_preset, 4);

@@ -155,7 +155,8 @@ START_TEST(a_report_has_its_shape)
         .bisectors_per_cell = 6.5,
         .triangles_per_cell = 24.5,
         .queries = 10000000000,
-        .list_rebuilds = 11};
+        .list_rebuilds = 11,
+        .origin = {637000, -0.5, 0}};
     struct vor_document document = {"report", &vor_report_members, &report};
 
     vor_spec_init(&report.parameters);
@@ -180,10 +181,12 @@ START_TEST(a_report_has_its_shape)
         "10.5,"
         "\"spacing\":0.25,\"min_over_mean\":0.75,\"max_over_mean\":1.25,\"six_share\":0.875,"
         "\"bisectors_per_cell\":6.5,\"triangles_per_cell\":24.5,\"queries\":10000000000,"
-        "\"list_rebuilds\":11,\"parameters\":{\"points\":5000,\"method\":\"cvt\",\"patch\":"
+        "\"list_rebuilds\":11,\"origin\":{\"x\":637000,\"y\":-0.5,\"z\":0},\"parameters\":{"
+        "\"points\":5000,\"method\":\"cvt\",\"patch\":"
         "\"quadric\",\"neighbors\":\"auto\",\"polish\":60,\"boundary\":\"keep\",\"outliers\":"
         "\"keep\",\"filters\":[],\"inputNormals\":\"auto\",\"intrinsic\":\"local\","
-        "\"seed\":1,\"order\":\"spatial\",\"quantization\":\"auto\",\"compression\":7,"
+        "\"seed\":1,\"order\":\"spatial\",\"quantization\":\"auto\",\"compression\":7,\"origin\":"
+        "\"auto\","
         "\"attributes\":\"nearest\","
         "\"normals\":\"nearest\"}}");
 }

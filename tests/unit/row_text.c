@@ -82,8 +82,9 @@ START_TEST(outputs_beside_the_main_one_are_kept_by_name)
 
     row.status = VOR_JOB_SUCCESSFUL;
     row.spec.process = &process;
-    row.output[2] = (struct vor_job_output){1, 7, 99, "cafe"};
-    row.output[3] = (struct vor_job_output){0, 0, 12, "beef"};
+    row.output[2] =
+        (struct vor_job_output){.format = 1, .points = 7, .bytes = 99, .sha256 = "cafe"};
+    row.output[3] = (struct vor_job_output){.bytes = 12, .sha256 = "beef"};
     vt_assert_ok(vor_row_write(&text, &row, &vt_err));
     ck_assert_str_eq(text.outputs.data, kept);
     vor_row_text_free(&text);
@@ -104,6 +105,35 @@ START_TEST(outputs_beside_the_main_one_are_kept_by_name)
 }
 END_TEST
 
+/* Of the main output too, whose other members are columns. */
+START_TEST(origins_of_outputs_are_kept_to_the_bit)
+{
+    static const double origin[3] = {637000.1, -1.0 / 3, 1e-300};
+    static const char *const strange[] = {
+        "{\"cloud\":{\"origin\":[1,2]}}", "{\"cloud\":{\"origin\":[1,2,null]}}",
+        "{\"cloud\":{\"origin\":\"1,2,3\"}}", "{\"cloud\":7}", "[]"};
+    struct vor_job_view row = vt_row(10), back;
+    struct vor_row_text text;
+
+    row.status = VOR_JOB_SUCCESSFUL;
+    row.output[0].has_origin = 1;
+    memcpy(row.output[0].origin, origin, sizeof origin);
+    vt_assert_ok(vor_row_write(&text, &row, &vt_err));
+    memset(&back, 0, sizeof back);
+    strcpy(back.process, "resample");
+    vor_row_read(&back, &(struct vor_row_columns){.outputs = text.outputs.data});
+    ck_assert_int_eq(back.output[0].has_origin, 1);
+    ck_assert_mem_eq(back.output[0].origin, origin, sizeof origin);
+    vor_row_text_free(&text);
+    for (size_t i = 0; i < sizeof strange / sizeof *strange; i++) {
+        memset(&back, 0, sizeof back);
+        strcpy(back.process, "resample");
+        vor_row_read(&back, &(struct vor_row_columns){.outputs = strange[i]});
+        ck_assert_msg(!back.output[0].has_origin, "%s", strange[i]);
+    }
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("row_text");
@@ -111,5 +141,6 @@ int main(void)
     vt_add(suite, a_request_that_cannot_be_read_is_not_made_up);
     vt_add(suite, metrics_without_a_stage_are_read);
     vt_add(suite, outputs_beside_the_main_one_are_kept_by_name);
+    vt_add(suite, origins_of_outputs_are_kept_to_the_bit);
     return vt_run(suite);
 }

@@ -17,6 +17,7 @@ static const struct vor_parameter_info rows[VOR_KINDS] = {
     [VOR_KIND_TEXT] = {.min = 1, .max = 8, .unit = "", .choices = ""},
     [VOR_KIND_LIST] = {.unit = "", .choices = WORDS},
     [VOR_KIND_CHOICE_OR_NAME] = {.min = 1, .max = 8, .unit = "", .choices = "even attribute:NAME"},
+    [VOR_KIND_CHOICE_OR_VECTOR] = {.min = -10, .max = 1e6, .unit = "", .choices = "auto near"},
     [VOR_KIND_COUNT_OR_AUTO] = {.min = 6, .max = 500, .unit = "points", .choices = ""},
     [VOR_KIND_REAL_OR_AUTO] = {.min = 0, .max = 2.5, .unit = "s", .choices = ""},
     [VOR_KIND_REAL_OR_WORD] = {.min = 0, .max = 10, .unit = "", .choices = "mean max"},
@@ -62,6 +63,9 @@ static const struct {
     {VOR_KIND_CHOICE_OR_NAME, "even", 0, VOR_FORM_CHOICE, NULL},
     {VOR_KIND_CHOICE_OR_NAME, "attribute:a", 1, VOR_FORM_NAME, NULL},
     {VOR_KIND_CHOICE_OR_NAME, "attribute:a:b c,d", 1, VOR_FORM_NAME, NULL},
+    {VOR_KIND_CHOICE_OR_VECTOR, "auto", 0, VOR_FORM_CHOICE, NULL},
+    {VOR_KIND_CHOICE_OR_VECTOR, "near", 1, VOR_FORM_CHOICE, NULL},
+    {VOR_KIND_CHOICE_OR_VECTOR, "-10,1e6,+0.5", VOR_VECTOR, VOR_FORM_VECTOR, NULL},
     {VOR_KIND_COUNT_OR_AUTO, "6", 6, VOR_FORM_WHOLE, NULL},
     {VOR_KIND_COUNT_OR_AUTO, "auto", VOR_UNSET, VOR_FORM_AUTO, NULL},
     {VOR_KIND_REAL_OR_AUTO, "0", 0, VOR_FORM_REAL, NULL},
@@ -126,6 +130,20 @@ static const struct {
     {VOR_KIND_CHOICE_OR_NAME, "attribute"},
     {VOR_KIND_CHOICE_OR_NAME, "even:x"},
     {VOR_KIND_CHOICE_OR_NAME, "attribute:a\tb"},
+    {VOR_KIND_CHOICE_OR_VECTOR, "far"},
+    {VOR_KIND_CHOICE_OR_VECTOR, "1"},
+    {VOR_KIND_CHOICE_OR_VECTOR, "1,2"},
+    {VOR_KIND_CHOICE_OR_VECTOR, "1,2,3,4"},
+    {VOR_KIND_CHOICE_OR_VECTOR, "1,2,3,"},
+    {VOR_KIND_CHOICE_OR_VECTOR, ",1,2"},
+    {VOR_KIND_CHOICE_OR_VECTOR, "1, 2,3"},
+    {VOR_KIND_CHOICE_OR_VECTOR, "1,2,3 "},
+    {VOR_KIND_CHOICE_OR_VECTOR, "1,2,nan"},
+    {VOR_KIND_CHOICE_OR_VECTOR, "1,0x2,3"},
+    {VOR_KIND_CHOICE_OR_VECTOR, "-10.5,0,0"},
+    {VOR_KIND_CHOICE_OR_VECTOR, "0,0,1000001"},
+    {VOR_KIND_CHOICE_OR_VECTOR, "0,1e999,0"},
+    {VOR_KIND_CHOICE_OR_VECTOR, "auto,auto,auto"},
     {VOR_KIND_COUNT_OR_AUTO, "5"},
     {VOR_KIND_COUNT_OR_AUTO, "Auto"},
     {VOR_KIND_COUNT_OR_AUTO, "-1"},
@@ -173,6 +191,7 @@ START_TEST(a_kind_takes_the_shapes_of_its_forms_alone)
                                                [VOR_KIND_TEXT] = S,
                                                [VOR_KIND_LIST] = A,
                                                [VOR_KIND_CHOICE_OR_NAME] = S,
+                                               [VOR_KIND_CHOICE_OR_VECTOR] = S,
                                                [VOR_KIND_COUNT_OR_AUTO] = N | S,
                                                [VOR_KIND_REAL_OR_AUTO] = N | S,
                                                [VOR_KIND_REAL_OR_WORD] = N | S,
@@ -180,9 +199,9 @@ START_TEST(a_kind_takes_the_shapes_of_its_forms_alone)
     static const enum vor_shape shape_of[VOR_FORM_NONE] = {
         [VOR_FORM_WHOLE] = VOR_SHAPE_NUMBER,  [VOR_FORM_REAL] = VOR_SHAPE_NUMBER,
         [VOR_FORM_CHOICE] = VOR_SHAPE_STRING, [VOR_FORM_WORD] = VOR_SHAPE_STRING,
-        [VOR_FORM_NAME] = VOR_SHAPE_STRING,   [VOR_FORM_FLAG] = VOR_SHAPE_BOOLEAN,
-        [VOR_FORM_TEXT] = VOR_SHAPE_STRING,   [VOR_FORM_LIST] = VOR_SHAPE_ARRAY,
-        [VOR_FORM_AUTO] = VOR_SHAPE_STRING};
+        [VOR_FORM_NAME] = VOR_SHAPE_STRING,   [VOR_FORM_VECTOR] = VOR_SHAPE_STRING,
+        [VOR_FORM_FLAG] = VOR_SHAPE_BOOLEAN,  [VOR_FORM_TEXT] = VOR_SHAPE_STRING,
+        [VOR_FORM_LIST] = VOR_SHAPE_ARRAY,    [VOR_FORM_AUTO] = VOR_SHAPE_STRING};
 
     for (int shape = VOR_SHAPE_NUMBER; shape <= VOR_SHAPE_ARRAY; shape++) {
         ck_assert_int_eq(vor_kind_has_shape((enum vor_kind)_i, (enum vor_shape)shape),
@@ -215,6 +234,8 @@ START_TEST(a_kind_says_what_it_wants)
                            "some of mls,outliers,thin | none"},
         [VOR_KIND_CHOICE_OR_NAME] = {"one of even or attribute:NAME of 1 to 8 bytes",
                                      "even | attribute:NAME"},
+        [VOR_KIND_CHOICE_OR_VECTOR] = {"one of auto, near or X,Y,Z of numbers from -10 to 1000000",
+                                       "auto | near | X,Y,Z"},
         [VOR_KIND_COUNT_OR_AUTO] = {"a whole number from 6 to 500 or auto",
                                     "6 to 500 points | auto"},
         [VOR_KIND_REAL_OR_AUTO] = {"a number from 0 to 2.5 or auto", "0 to 2.5 s | auto"},
@@ -271,12 +292,15 @@ static double draw(const struct vor_parameter_info *row, uint64_t seed, char nam
     case VOR_FORM_REAL:
         return row->min + v * (row->max - row->min);
     case VOR_FORM_CHOICE:
-        return first == VOR_FORM_CHOICE && other == VOR_FORM_NAME ? 0 : floor(v * 3);
+        return other == VOR_FORM_NAME ? 0 : floor(v * (other == VOR_FORM_VECTOR ? 2 : 3));
     case VOR_FORM_WORD:
         return VOR_WORD(floor(v * 2));
     case VOR_FORM_NAME:
     case VOR_FORM_TEXT:
         return 1;
+    case VOR_FORM_VECTOR:
+        (void)snprintf(name, 16, "%.0f,%.1f,-%d", 999999 * v, u, (int)(10 * v));
+        return VOR_VECTOR;
     case VOR_FORM_FLAG:
         return v < 0.5;
     case VOR_FORM_LIST:
@@ -309,8 +333,9 @@ END_TEST
 START_TEST(a_value_that_is_not_given_has_no_form_and_no_text)
 {
     static const enum vor_kind kinds[] = {
-        VOR_KIND_COUNT, VOR_KIND_REAL, VOR_KIND_CHOICE,         VOR_KIND_FLAG,
-        VOR_KIND_TEXT,  VOR_KIND_LIST, VOR_KIND_CHOICE_OR_NAME, VOR_KIND_REAL_OR_WORD};
+        VOR_KIND_COUNT,          VOR_KIND_REAL,         VOR_KIND_CHOICE,
+        VOR_KIND_FLAG,           VOR_KIND_TEXT,         VOR_KIND_LIST,
+        VOR_KIND_CHOICE_OR_NAME, VOR_KIND_REAL_OR_WORD, VOR_KIND_CHOICE_OR_VECTOR};
     struct vor_parameter_info row = row_of(kinds[_i]);
     char text[16] = "x";
 
@@ -333,6 +358,6 @@ int main(void)
     vt_add_loop(suite, a_kind_says_what_it_wants, VOR_KINDS);
     vt_add_loop(suite, a_word_that_is_not_allowed_is_no_word, 2);
     vt_add_loop(suite, every_value_reads_back_from_its_text, VOR_KINDS);
-    vt_add_loop(suite, a_value_that_is_not_given_has_no_form_and_no_text, 8);
+    vt_add_loop(suite, a_value_that_is_not_given_has_no_form_and_no_text, 9);
     return vt_run(suite);
 }

@@ -249,7 +249,7 @@ START_TEST(auto_is_taken_where_it_means_something)
     struct vor_spec spec;
     char text[VOR_SPEC_VALUE_SIZE];
 
-    if (info->kind == VOR_KIND_CHOICE && strstr(info->choices, "auto") != NULL)
+    if (vor_kind_form(info->kind, 0) == VOR_FORM_CHOICE && strstr(info->choices, "auto") != NULL)
         return; /* a word like the others */
     init_for(&spec, _i);
     if (!has_auto(info)) {

@@ -231,6 +231,7 @@ START_TEST(a_cloud_beside_the_main_output_is_saved_under_its_name)
 {
     const struct vor_format *format;
     struct vor_job_output saved = {.points = 1};
+    struct vor_result_facts facts = {.spacing = 0};
     struct vt_daemon daemon = {.dir = vt_dir_make()};
     struct vor_artefact artefact = {.name = "mesh", .kind = VOR_ARTEFACT_CLOUD};
     struct vor_job_view row = vt_row(10);
@@ -240,12 +241,14 @@ START_TEST(a_cloud_beside_the_main_output_is_saved_under_its_name)
 
     daemon.blobs = vt_dir_blobs(daemon.dir);
     vt_cloud_sphere(&artefact.cloud, 1, 70);
+    vor_extent_measure(&facts.input, &artefact.cloud);
     vor_spec_preset(&row.spec, vor_process_find("measure"));
     row.input[0].format = (unsigned)_i;
-    vt_assert_ok(vor_artefact_save(&saved, daemon.blobs, &row, &artefact, 0, &vt_err));
+    vt_assert_ok(vor_artefact_save(&saved, daemon.blobs, &row, &artefact, &facts, &vt_err));
     bytes = vt_daemon_output(&daemon, &row.id, "mesh", &size);
     ck_assert_uint_eq(saved.format, (unsigned)_i);
     ck_assert_uint_eq(saved.points, 70);
+    ck_assert_int_eq(saved.has_origin, _i == VOR_FORMAT_DRC);
     ck_assert_uint_eq(saved.bytes, size);
     ck_assert_uint_eq(strlen(saved.sha256), VOR_DIGEST_SIZE - 1);
     vor_cloud_init(&back, &vt_memory);
@@ -264,6 +267,7 @@ END_TEST
 START_TEST(an_output_that_cannot_be_written_leaves_nothing)
 {
     struct vor_job_output saved = {.points = 77};
+    struct vor_result_facts facts = {.spacing = 0};
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
     struct vor_artefact artefact = {.name = "mesh", .kind = VOR_ARTEFACT_CLOUD};
@@ -272,7 +276,8 @@ START_TEST(an_output_that_cannot_be_written_leaves_nothing)
     vt_cloud_sphere(&artefact.cloud, 1, 70);
     vor_spec_preset(&row.spec, vor_process_find("measure"));
     row.input[0].format = 99; /* as a newer version may have noted it */
-    vt_assert_fails(VOR_E_INTERNAL, vor_artefact_save(&saved, blobs, &row, &artefact, 0, &vt_err));
+    vt_assert_fails(VOR_E_INTERNAL,
+                    vor_artefact_save(&saved, blobs, &row, &artefact, &facts, &vt_err));
     ck_assert_str_eq(vt_err.message, "this version has no format 99");
     ck_assert_uint_eq(saved.points, 77);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);

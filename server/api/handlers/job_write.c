@@ -151,6 +151,8 @@ void vor_job_write(struct vor_app *app, struct vor_request *request,
     if (vor_spec_given(&view->spec, VOR_PARAM_FORMAT))
         info->target_format =
             lower_label((unsigned)view->spec.value[VOR_PARAM_FORMAT], room.target_format);
+    if (view->status == VOR_JOB_SUCCESSFUL && view->output[0].has_origin)
+        info->origin = view->output[0].origin;
     info->metrics = view->has_record ? &view->record : NULL;
     if (view->status == VOR_JOB_FAILED) {
         vor_problem_describe(app, request, &view->problem, view->id.text, &room.problem,

@@ -1,4 +1,5 @@
 #include "proto/codec.h"
+#include "proto/origin.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/range.h"
 #include "server/api/links.h"
@@ -17,6 +18,7 @@ struct output {
     const char *media_type;
     char name[96]; /* file name for Content-Disposition */
     char etag[VOR_ETAG_SIZE];
+    char origin[VOR_ORIGIN_TEXT_SIZE]; /* of a cloud that has one; else "" */
     uint64_t size;
     char *bytes; /* owned; NULL for a file */
     int fd;      /* owned until sent; -1 for none */
@@ -73,6 +75,8 @@ static bool open_blob(struct vor_app *app, struct vor_request *request,
         return false;
     }
     (void)snprintf(out->etag, sizeof out->etag, "\"%s\"", view->output[index].sha256);
+    if (view->output[index].has_origin)
+        (void)vor_origin_text(view->output[index].origin, out->origin);
     return true;
 }
 
@@ -133,6 +137,8 @@ static void add_headers(struct vor_request *request, const struct output *out)
     vor_reply_header(request, "Content-Disposition", disposition);
     vor_reply_header(request, "Cache-Control", "private, no-cache");
     vor_reply_header(request, "Accept-Ranges", "bytes");
+    if (out->origin[0] != '\0')
+        vor_reply_header(request, "Voronoid-Origin", out->origin);
 }
 
 static void send_part(struct vor_request *request, int http, struct output *out, uint64_t offset,

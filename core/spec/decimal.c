@@ -1,0 +1,45 @@
+#include "core/spec/decimal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { LENGTH_MAX = 40 };
+
+/* strtod would take more than a decimal number: only digits, sign, point and exponent reach it, and
+ * only in the C locale that a program starts with. */
+int vor_decimal_read(double *out, const char *text, size_t length)
+{
+    char copy[LENGTH_MAX + 1], *end;
+    double number;
+
+    if (length == 0 || length > LENGTH_MAX)
+        return 0;
+    memcpy(copy, text, length);
+    copy[length] = '\0';
+    if (copy[strspn(copy, "+-.0123456789eE")] != '\0' || strpbrk(copy, "0123456789") == NULL)
+        return 0;
+    number = strtod(copy, &end);
+    if (end != copy + length)
+        return 0;
+    *out = number;
+    return 1;
+}
+
+int vor_decimal_read_vector(double out[3], const char *text)
+{
+    double read[3];
+
+    for (int i = 0; i < 3; i++) {
+        size_t length = strcspn(text, ",");
+
+        if (!vor_decimal_read(&read[i], text, length))
+            return 0;
+        text += length;
+        if (i < 2 && *text++ != ',')
+            return 0;
+    }
+    if (*text != '\0')
+        return 0;
+    memcpy(out, read, sizeof read);
+    return 1;
+}

@@ -1,0 +1,168 @@
+/* Where a cloud lies, about how much surface it has, and the steps of float32 from an origin. */
+#include "core/cloud/extent.h"
+#include "tests/support/vt.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum { SEEDS = 20 };
+
+static const double zero[3] = {0, 0, 0};
+
+START_TEST(the_box_is_in_absolute_coordinates)
+{
+    static const float xyz[] = {1, -2, 3, -4, 5, 0.5F};
+    struct vor_extent extent;
+    struct vor_cloud cloud;
+
+    vt_cloud_cube(&cloud, 1, 2);
+    memcpy(cloud.xyz, xyz, sizeof xyz);
+    cloud.origin[0] = 637000.25;
+    cloud.origin[2] = -1e7;
+    vor_extent_measure(&extent, &cloud);
+    ck_assert_uint_eq(extent.n, 2);
+    ck_assert(extent.low[0] == 637000.25 - 4 && extent.high[0] == 637000.25 + 1);
+    ck_assert(extent.low[1] == -2 && extent.high[1] == 5);
+    ck_assert(extent.low[2] == -1e7 + 0.5 && extent.high[2] == -1e7 + 3);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
+/* Vector: n points of a unit square lie 1.0746 / sqrt(n) apart in a hexagonal lattice, and those of
+ * the unit sphere sqrt(4 pi) times as far. */
+START_TEST(the_spacing_is_estimated_within_a_factor)
+{
+    static const size_t counts[] = {40, 200, 1000, 10000, 60000};
+    size_t n = counts[_i % 5];
+    struct vor_extent extent;
+    struct vor_cloud cloud;
+    double square, sphere;
+
+    vt_cloud_square(&cloud, (uint64_t)_i, n);
+    vor_extent_measure(&extent, &cloud);
+    square = vor_extent_spacing(&extent, (double)n) * sqrt((double)n) / 1.0746;
+    vor_cloud_free(&cloud);
+    vt_cloud_sphere(&cloud, (uint64_t)_i, n);
+    vor_extent_measure(&extent, &cloud);
+    sphere =
+        vor_extent_spacing(&extent, (double)n) * sqrt((double)n) / 1.0746 / sqrt(4 * 3.14159265);
+    vor_cloud_free(&cloud);
+    ck_assert_msg(square > 0.6 && square < 1.05, "%zu points of a square: %g", n, square);
+    ck_assert_msg(sphere > 0.6 && sphere < 1.3, "%zu points of a sphere: %g", n, sphere);
+    ck_assert_double_eq_tol(vor_extent_spacing(&extent, (double)n / 4),
+                            2 * vor_extent_spacing(&extent, (double)n), 1e-12);
+}
+END_TEST
+
+START_TEST(the_estimate_depends_on_neither_origin_nor_order)
+{
+    struct vor_extent here, there;
+    struct vor_cloud cloud;
+    uint32_t order[500];
+
+    vt_cloud_sphere(&cloud, (uint64_t)_i, 500);
+    vor_extent_measure(&here, &cloud);
+    cloud.origin[1] = 5849000;
+    for (uint32_t i = 0; i < 500; i++)
+        order[i] = (i * 77 + 5) % 500;
+    vt_assert_ok(vor_cloud_reorder(&cloud, order, &vt_err));
+    vor_extent_measure(&there, &cloud);
+    ck_assert(here.area == there.area);
+    ck_assert(there.low[1] == 5849000 + here.low[1]);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
+START_TEST(points_in_one_place_have_no_area)
+{
+    struct vor_extent extent;
+    struct vor_cloud cloud;
+    double middle[3];
+
+    vt_cloud_cube(&cloud, 3, 7);
+    for (int i = 0; i < 21; i++)
+        cloud.xyz[i] = (float)(i % 3);
+    cloud.origin[0] = 637000.4;
+    vor_extent_measure(&extent, &cloud);
+    ck_assert(extent.area == 0);
+    ck_assert(vor_extent_spacing(&extent, 7) == 0);
+    vor_extent_middle(middle, &extent, 0);
+    ck_assert(middle[0] == 637000 && middle[1] == 1 && middle[2] == 2);
+    vor_extent_middle(middle, &extent, 1e-9);
+    ck_assert(middle[0] == 637000 && middle[1] == 1 && middle[2] == 2);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
+/* Vector: the distance from a float to the next larger one. */
+START_TEST(the_step_is_that_of_float32_at_the_farthest_coordinate)
+{
+    static const double far[] = {1, 1.5, 637123.4, 849254.25, 4e6, 1e-30, 3e38, 0, 1e-45, 0.1};
+
+    for (size_t i = 0; i < sizeof far / sizeof *far; i++) {
+        struct vor_extent extent = {
+            .n = 2, .low = {-far[i] / 2, 0, 0}, .high = {0, far[i], far[i] / 3}};
+        float there = (float)far[i];
+        double step = (double)nextafterf(there, INFINITY) - (double)there;
+
+        if (there < FLT_MIN)
+            step = (double)nextafterf(0, 1);
+        ck_assert_msg(vor_extent_step(&extent, zero) == step, "at %g: %g and not %g", far[i],
+                      vor_extent_step(&extent, zero), step);
+    }
+}
+END_TEST
+
+START_TEST(the_step_counts_from_the_origin_and_ends_with_float32)
+{
+    struct vor_extent extent = {.n = 2, .low = {637000, 0, 0}, .high = {637100, 3, 0}};
+    static const double origin[3] = {637050, 0, 0}, far[3] = {1e39, 0, 0};
+
+    ck_assert(vor_extent_step(&extent, zero) == 0.0625);
+    ck_assert(vor_extent_step(&extent, origin) == 0x1p-18);
+    ck_assert(isinf(vor_extent_step(&extent, far)));
+}
+END_TEST
+
+START_TEST(the_middle_is_whole)
+{
+    struct vor_extent extent = {
+        .n = 9, .low = {637177.98, 849393.5, -10.2}, .high = {639003.73, 853536.2, 10.1}};
+    double middle[3];
+
+    vor_extent_middle(middle, &extent, 0.007);
+    ck_assert(middle[0] == 638091 && middle[1] == 851465 && middle[2] == 0);
+    ck_assert(!signbit(middle[2]));
+}
+END_TEST
+
+/* A cloud of a millionth across, a third from 0: whole numbers would leave nothing of it. */
+START_TEST(the_middle_of_a_tiny_cloud_is_as_fine_as_it_must_be)
+{
+    struct vor_extent extent = {.n = 9, .low = {0.3333333, 0, 0}, .high = {0.3333343, 1e-6, 1e-6}};
+    double middle[3];
+
+    vor_extent_middle(middle, &extent, 1e-8 / 200);
+    ck_assert(vor_extent_step(&extent, middle) <= 1e-8 / 200);
+    for (int c = 0; c < 3; c++)
+        ck_assert(fmod(middle[c], 0x1p-30) == 0);
+    vor_extent_middle(middle, &extent, 1e-7); /* a step that whole numbers reach */
+    ck_assert(middle[0] == 0);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("extent of a cloud");
+
+    vt_add(suite, the_box_is_in_absolute_coordinates);
+    vt_add_loop(suite, the_spacing_is_estimated_within_a_factor, SEEDS);
+    vt_add_loop(suite, the_estimate_depends_on_neither_origin_nor_order, SEEDS);
+    vt_add(suite, points_in_one_place_have_no_area);
+    vt_add(suite, the_step_is_that_of_float32_at_the_farthest_coordinate);
+    vt_add(suite, the_step_counts_from_the_origin_and_ends_with_float32);
+    vt_add(suite, the_middle_is_whole);
+    vt_add(suite, the_middle_of_a_tiny_cloud_is_as_fine_as_it_must_be);
+    return vt_run(suite);
+}
