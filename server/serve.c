@@ -74,8 +74,10 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         .memory = job_memory(config),
         .ttl_seconds = config->number[VOR_SET_RESULT_TTL],
         .crashes_max = CRASHES_MAX,
+        .keep = (uint64_t)config->number[VOR_SET_KEEP_INPUTS],
     };
-    struct vor_admit_limits limits = {.codec = VOR_LIMITS_DEFAULT, .memory = job_memory(config)};
+    struct vor_admit_limits limits = {
+        .codec = VOR_LIMITS_DEFAULT, .memory = job_memory(config), .keep = worker.keep};
     vor_status status = vor_pool_create(&daemon->pool, thread_count(config), err);
 
     limits.codec.points = (size_t)config->number[VOR_SET_POINTS_LIMIT];

@@ -38,6 +38,10 @@ enum vor_setting_kind {
       "Most points an upload may declare")                                                         \
     X(RESULT_TTL, "result-ttl", TIME, "seconds", 1, 31536000, "86400",                             \
       "How long results are kept")                                                                 \
+    X(KEEP_INPUTS, "keep-inputs", BYTES, "bytes", 0, 1e15, "1G",                                   \
+      "Uploads that are kept as long as results, in all; those of jobs that ended first go "       \
+      "first; "                                                                                    \
+      "0 keeps none")                                                                              \
     X(PUBLIC_URL, "public-url", TEXT, "URL", 0, 0, "",                                             \
       "How clients reach this daemon, for absolute links; else http:// and the Host they sent")    \
     X(CORS_ORIGIN, "cors-origin", TEXT, "LIST", 0, 0, "",                                          \

@@ -90,16 +90,42 @@ vor_status vor_admit_file(struct vor_admitted *admitted, const char *name, struc
     return VOR_OK;
 }
 
+void vor_admit_keep(struct vor_admitted *admitted, struct vor_blob_writer *upload,
+                    const struct vor_admit_limits *limits)
+{
+    struct vor_admitted_input *input = &admitted->item[admitted->count - 1];
+    char blob[VOR_BLOB_NAME_MAX + 1];
+    struct vor_error err;
+
+    if (upload == NULL || vor_blob_size(upload) > limits->keep) {
+        vor_blob_discard(upload);
+        return;
+    }
+    input->is_kept = vor_blob_commit(upload, &admitted->id, vor_blob_of_upload(input->name, blob),
+                                     &err) == VOR_OK;
+    if (!input->is_kept)
+        vor_log(VOR_LOG_WARN, "upload not kept", VOR_TEXT("job", admitted->id.text),
+                VOR_TEXT("input", input->name), VOR_TEXT("error", err.message));
+}
+
+static void drop_blob(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name)
+{
+    struct vor_error err;
+
+    if (vor_blob_drop(blobs, id, name, &err) != VOR_OK)
+        vor_log(VOR_LOG_WARN, "input not dropped", VOR_TEXT("job", id->text),
+                VOR_TEXT("blob", name), VOR_TEXT("error", err.message));
+}
+
 void vor_admit_drop(struct vor_blobs *blobs, const struct vor_admitted *admitted)
 {
     for (unsigned i = 0; i < admitted->count; i++) {
+        const struct vor_admitted_input *input = &admitted->item[i];
         char blob[VOR_BLOB_NAME_MAX + 1];
-        struct vor_error err;
 
-        if (vor_blob_drop(blobs, &admitted->id, vor_blob_of_input(admitted->item[i].name, blob),
-                          &err) != VOR_OK)
-            vor_log(VOR_LOG_WARN, "input not dropped", VOR_TEXT("job", admitted->id.text),
-                    VOR_TEXT("input", admitted->item[i].name), VOR_TEXT("error", err.message));
+        drop_blob(blobs, &admitted->id, vor_blob_of_input(input->name, blob));
+        if (input->is_kept)
+            drop_blob(blobs, &admitted->id, vor_blob_of_upload(input->name, blob));
     }
 }
 
@@ -114,9 +140,12 @@ static void run_admission(void *ctx)
     else
         admission->status = vor_admit_file(&admission->admitted, admission->name, admit->blobs,
                                            admission->upload, &admit->limits, &admission->error);
-    if (admission->status == VOR_OK)
+    if (admission->status == VOR_OK) {
         admission->error.status = VOR_OK;
-    vor_blob_discard(admission->upload);
+        vor_admit_keep(&admission->admitted, admission->upload, &admit->limits);
+    } else {
+        vor_blob_discard(admission->upload);
+    }
     admission->upload = NULL;
     admission->done(admission);
 }

@@ -14,6 +14,7 @@
 struct vor_admit_limits {
     struct vor_limits codec;
     size_t memory; /**< bytes */
+    uint64_t keep; /**< uploads of at most so many bytes are kept as they came; 0: none is */
 };
 
 /** The inputs of a job to be: their bytes are kept, but no row needs them yet. A plain value, all
@@ -24,6 +25,7 @@ struct vor_admitted {
     struct vor_admitted_input {
         const char *name; /**< borrowed */
         struct vor_job_input found;
+        int is_kept; /**< the upload has a blob as well */
     } item[VOR_INPUTS_MAX];
 };
 
@@ -44,6 +46,14 @@ VOR_NODISCARD vor_status vor_admit_file(struct vor_admitted *admitted, const cha
                                         struct vor_blobs *blobs, struct vor_blob_writer *upload,
                                         const struct vor_admit_limits *limits,
                                         struct vor_error *err);
+
+/** Keeps the upload that the input added last came from, durably, if the limits allow. Else, and
+ * when the disk refuses, which is logged, the job does without. upload is gone either way; it may
+ * be NULL, and then nothing is kept.
+ *
+ *  Cost: an fsync. */
+void vor_admit_keep(struct vor_admitted *admitted, struct vor_blob_writer *upload,
+                    const struct vor_admit_limits *limits);
 
 /** Removes the bytes of inputs that will be no job's. A failure is logged; the next start removes
  *  them. */

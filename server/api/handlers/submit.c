@@ -192,7 +192,7 @@ static void on_admitted(struct vor_admission *admission)
         vor_admit_drop(app->blobs, &admission->admitted);
     else
         submission->outcome =
-            vor_worker_submit(app->worker, &admission->admitted, &submission->head.spec,
+            vor_worker_submit(app->worker, &admission->admitted, &submission->head.spec, NULL,
                               &submission->view, &submission->error);
     (void)pthread_mutex_lock(&submission->lock);
     submission->admitted = true;
