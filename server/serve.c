@@ -82,6 +82,9 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
 
     limits.codec.points = (size_t)config->number[VOR_SET_POINTS_LIMIT];
     worker.pool = daemon->pool;
+    daemon->app.inflight = vor_inflight_create();
+    if (daemon->app.inflight == NULL && status == VOR_OK)
+        status = vor_fail(err, VOR_E_NOMEM, "the keys of requests");
     if (status == VOR_OK)
         status = vor_worker_create(&daemon->app.worker, &worker, err);
     if (status == VOR_OK)
@@ -140,6 +143,7 @@ static void stop(struct daemon *daemon)
     vor_http_stop(daemon->app.http);
     vor_admit_destroy(daemon->app.admit);
     vor_worker_destroy(daemon->app.worker);
+    vor_inflight_destroy(daemon->app.inflight);
     vor_pool_destroy(daemon->pool);
     vor_blobs_close(daemon->app.blobs);
     vor_store_close(daemon->app.store);

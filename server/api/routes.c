@@ -104,11 +104,12 @@ static void add_cors(const struct vor_app *app, struct vor_request *request)
     vor_reply_header(request, "Access-Control-Allow-Origin", origin);
     vor_reply_header(request, "Access-Control-Expose-Headers",
                      "Location, ETag, Retry-After, Content-Range, Accept-Ranges, "
-                     "Content-Disposition, Preference-Applied, X-Request-Id");
+                     "Content-Disposition, Preference-Applied, X-Request-Id, Idempotent-Replayed");
     if (vor_request_method(request) != VOR_OPTIONS)
         return;
     vor_reply_header(request, "Access-Control-Allow-Headers",
-                     "Accept, Content-Type, If-None-Match, If-Range, Last-Event-ID, Prefer, Range, "
+                     "Accept, Content-Type, Idempotency-Key, If-None-Match, If-Range, "
+                     "Last-Event-ID, Prefer, Range, "
                      "X-Request-Id");
     vor_reply_header(request, "Access-Control-Max-Age", "600");
 }

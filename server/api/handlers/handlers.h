@@ -35,6 +35,7 @@ enum vor_next vor_handle_trace(void *app, struct vor_request *request, enum vor_
 /** results.c */
 enum vor_next vor_handle_results(void *app, struct vor_request *request, enum vor_step step);
 enum vor_next vor_handle_result(void *app, struct vor_request *request, enum vor_step step);
+enum vor_next vor_handle_input(void *app, struct vor_request *request, enum vor_step step);
 
 /** What they share. */
 

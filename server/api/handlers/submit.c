@@ -2,7 +2,10 @@
  * goes to a file; a thread of admission decodes it and accepts the job; then the caller gets 201, a
  * stream, or waits for the result.
  *
- * The request may be over while admission still works for it, so both hold the same struct. */
+ * The request may be over while admission still works for it, so both hold the same struct.
+ *
+ * A request with a key holds it until its job has a row. Its job goes on when the caller leaves,
+ * because the caller can come back: the same request again gets the same job. */
 #include "server/api/handlers/submit_head.h"
 
 #include "server/api/handlers/handlers.h"
@@ -31,6 +34,8 @@ struct submission {
     bool abandoned; /* nobody waits for admission any more */
     bool admitted;  /* the members below are set */
     bool settled;   /* the caller of a synchronous call got an answer */
+    bool in_flight; /* the key is ours */
+    bool replayed;  /* the job is that of an earlier request with this key */
     struct vor_admission admission;
     enum vor_job_outcome outcome;
     struct vor_error error;
@@ -39,6 +44,19 @@ struct submission {
     struct vor_bus *bus;         /* once a caller waits for the end */
     struct vor_subscriber subscriber;
 };
+
+static bool has_key(const struct submission *submission)
+{
+    return submission->head.besides.key.text[0] != '\0';
+}
+
+/* By whoever works for the request, one at a time. */
+static void end_flight(struct submission *submission)
+{
+    if (submission->in_flight)
+        vor_inflight_end(submission->app->inflight, &submission->head.besides.key);
+    submission->in_flight = false;
+}
 
 static void drop(struct submission *submission)
 {
@@ -49,6 +67,7 @@ static void drop(struct submission *submission)
     (void)pthread_mutex_unlock(&submission->lock);
     if (left > 0)
         return;
+    end_flight(submission);
     vor_blob_discard(submission->upload);
     vor_waker_drop(submission->waker);
     (void)pthread_mutex_destroy(&submission->lock);
@@ -94,7 +113,7 @@ static void release(void *state)
         vor_bus_release(submission->bus);
     }
     if (left && submission->head.mode == VOR_SUBMIT_SYNC && !submission->settled &&
-        !atomic_load(&app->draining))
+        !has_key(submission) && !atomic_load(&app->draining))
         cancel_job(submission);
     drop(submission);
 }
@@ -141,6 +160,56 @@ static bool check_disk(struct vor_app *app, struct vor_request *request)
     return false;
 }
 
+/* Takes the key of a request; false after a problem has been replied. */
+static bool begin_flight(struct vor_app *app, struct vor_request *request,
+                         struct submission *submission)
+{
+    enum vor_job_outcome outcome = VOR_DONE;
+    struct vor_error err;
+
+    if (has_key(submission))
+        outcome = vor_inflight_begin(app->inflight, &submission->head.besides.key);
+    if (outcome == VOR_CONFLICT) {
+        vor_problem_say(app, request, "idempotency-in-flight",
+                        "a request with Idempotency-Key %s is under way; try again later",
+                        submission->head.besides.key.text);
+    } else if (outcome != VOR_DONE) {
+        (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
+        vor_problem_error(app, request, &err, NULL);
+    }
+    submission->in_flight = has_key(submission) && outcome == VOR_DONE;
+    return outcome == VOR_DONE;
+}
+
+/* Where the input comes from: a new upload, or that of another job. False after a problem has been
+ * replied. */
+static bool open_upload(struct vor_app *app, struct vor_request *request,
+                        struct submission *submission)
+{
+    struct vor_error err;
+
+    if (submission->head.besides.input.text[0] != '\0')
+        submission->upload = vor_besides_open(app, request, &submission->head.besides);
+    else if (vor_blob_create(app->blobs, &submission->upload, &err) != VOR_OK)
+        vor_problem_error(app, request, &err, NULL);
+    return submission->upload != NULL;
+}
+
+/* True when a job would be taken, or the key is that of one already; else it is answered. */
+static bool check_room(struct vor_app *app, struct vor_request *request,
+                       const struct vor_submit_head *head)
+{
+    enum vor_job_outcome room = vor_worker_room(app->worker);
+    struct vor_job_view view;
+
+    if (room == VOR_DONE || (head->besides.key.text[0] != '\0' &&
+                             vor_worker_find_key(app->worker, &head->besides.key, &view, NULL) ==
+                                 VOR_CONFLICT)) /* without a fingerprint, every job differs */
+        return true;
+    vor_outcome_reply(app, request, room, NULL, NULL);
+    return false;
+}
+
 static enum vor_next begin(struct vor_app *app, struct vor_request *request)
 {
     uint64_t limit = (uint64_t)app->config->number[VOR_SET_BODY_LIMIT];
@@ -148,13 +217,9 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     struct submission *submission;
     struct vor_body_sink sink;
     struct vor_error err;
-    enum vor_job_outcome room;
 
-    if (!vor_submit_read(app, request, &head))
+    if (!vor_submit_read(app, request, &head) || !check_room(app, request, &head))
         return VOR_NEXT_REPLY;
-    room = vor_worker_room(app->worker);
-    if (room != VOR_DONE)
-        return vor_outcome_reply(app, request, room, NULL, NULL);
     if (head.mode == VOR_SUBMIT_STREAM &&
         atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS])
         return vor_problem_say(app, request, "too-many-streams", "%.0f event streams are open",
@@ -168,8 +233,8 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     }
     submission->head = head;
     vor_request_set_state(request, submission, release);
-    if (vor_blob_create(app->blobs, &submission->upload, &err) != VOR_OK)
-        return vor_problem_error(app, request, &err, NULL);
+    if (!begin_flight(app, request, submission) || !open_upload(app, request, submission))
+        return VOR_NEXT_REPLY;
     sink = (struct vor_body_sink){submission, take_piece};
     vor_request_take_body(request, &sink, limit);
     return VOR_NEXT_BODY;
@@ -180,10 +245,12 @@ static void on_admitted(struct vor_admission *admission)
 {
     struct submission *submission = admission->ctx;
     struct vor_app *app = submission->app;
+    const struct vor_job_label label = {submission->head.besides.name,
+                                        &submission->head.besides.key};
     bool abandoned;
 
     (void)pthread_mutex_lock(&submission->lock);
-    abandoned = submission->abandoned;
+    abandoned = submission->abandoned && !has_key(submission);
     (void)pthread_mutex_unlock(&submission->lock);
     submission->outcome = VOR_FAILED;
     if (admission->status != VOR_OK)
@@ -192,11 +259,12 @@ static void on_admitted(struct vor_admission *admission)
         vor_admit_drop(app->blobs, &admission->admitted);
     else
         submission->outcome =
-            vor_worker_submit(app->worker, &admission->admitted, &submission->head.spec, NULL,
+            vor_worker_submit(app->worker, &admission->admitted, &submission->head.spec, &label,
                               &submission->view, &submission->error);
+    end_flight(submission);
     (void)pthread_mutex_lock(&submission->lock);
     submission->admitted = true;
-    abandoned = submission->abandoned;
+    abandoned = submission->abandoned && !has_key(submission);
     (void)pthread_mutex_unlock(&submission->lock);
     if (abandoned && submission->outcome == VOR_DONE && submission->head.mode == VOR_SUBMIT_SYNC)
         cancel_job(submission);
@@ -235,6 +303,8 @@ static void add_job_headers(struct vor_app *app, struct vor_request *request,
     char applied[48];
     int length = 0;
 
+    if (submission->replayed)
+        vor_reply_header(request, "Idempotent-Replayed", "true");
     vor_reply_header(request, "Location",
                      vor_app_job_url(app, request, &submission->view.id, "", url));
     applied[0] = '\0';
@@ -349,6 +419,35 @@ static enum vor_next accepted(struct vor_app *app, struct vor_request *request,
     return start_wait(app, request, submission);
 }
 
+/* The body is in: answers a request whose key is that of a job, and admits any other. */
+static enum vor_next take_body(struct vor_app *app, struct vor_request *request,
+                               struct submission *submission)
+{
+    struct vor_submit_besides *besides = &submission->head.besides;
+    struct vor_error *err = &submission->error;
+    enum vor_job_outcome outcome = VOR_UNKNOWN;
+    char inputs[VOR_DIGEST_SIZE];
+
+    if (has_key(submission)) {
+        vor_blob_sha256(submission->upload, inputs); /* there is but the main one */
+        if (vor_besides_print(besides, &submission->head.spec, inputs, err) != VOR_OK)
+            return vor_problem_error(app, request, err, NULL);
+        outcome = vor_worker_find_key(app->worker, &besides->key, &submission->view, err);
+    }
+    if (outcome == VOR_UNKNOWN)
+        return admit(app, request, submission);
+    if (outcome == VOR_CONFLICT)
+        return vor_problem_say(app, request, "idempotency-key-reused",
+                               "Idempotency-Key %s is that of job %s, which was asked for "
+                               "something else: another process, parameter or input",
+                               besides->key.text, submission->view.id.text);
+    end_flight(submission);
+    submission->admitted = true; /* nobody else has it */
+    submission->replayed = true;
+    submission->outcome = outcome;
+    return accepted(app, request, submission);
+}
+
 enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_app *app = ctx;
@@ -358,7 +457,7 @@ enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor
     if (step == VOR_STEP_HEAD)
         return begin(app, request);
     if (step == VOR_STEP_BODY)
-        return admit(app, request, submission);
+        return take_body(app, request, submission);
     (void)pthread_mutex_lock(&submission->lock);
     admitted = submission->admitted;
     (void)pthread_mutex_unlock(&submission->lock);

@@ -34,7 +34,7 @@ static bool begin_spec(struct vor_app *app, struct vor_request *request, struct 
     return process != NULL;
 }
 
-static vor_status read_pairs(struct vor_request *request, struct vor_spec *spec,
+static vor_status read_pairs(struct vor_request *request, struct vor_submit_head *out,
                              struct vor_error *err)
 {
     const char *name;
@@ -43,22 +43,26 @@ static vor_status read_pairs(struct vor_request *request, struct vor_spec *spec,
         const char *value = vor_request_query_value(request, i);
         char quoted[sizeof err->parameter];
         vor_status status;
+        int taken;
 
         if (vor_request_query(request, name) != value)
             return vor_fail_param(err, VOR_E_PARAM, name, "%s is given more than once",
                                   vor_quote(quoted, sizeof quoted, name, strlen(name)));
-        status = vor_spec_set(spec, name, value, err);
+        status = vor_besides_take(&out->besides, name, value, &taken, err);
+        if (status == VOR_OK && !taken)
+            status = vor_spec_set(&out->spec, name, value, err);
         if (status != VOR_OK)
             return status;
     }
-    return vor_spec_complete(spec, err);
+    return vor_spec_complete(&out->spec, err);
 }
 
-static bool read_spec(struct vor_app *app, struct vor_request *request, struct vor_spec *spec)
+static bool read_spec(struct vor_app *app, struct vor_request *request, struct vor_submit_head *out)
 {
     struct vor_error err;
 
-    if (read_pairs(request, spec, &err) == VOR_OK)
+    if (read_pairs(request, out, &err) == VOR_OK &&
+        vor_besides_read_key(&out->besides, request, &err) == VOR_OK)
         return true;
     vor_problem_error(app, request, &err, NULL);
     return false;
@@ -172,7 +176,7 @@ bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vo
     struct acceptance accept;
 
     memset(out, 0, sizeof *out);
-    if (!begin_spec(app, request, &out->spec) || !read_spec(app, request, &out->spec))
+    if (!begin_spec(app, request, &out->spec) || !read_spec(app, request, out))
         return false;
     read_accept(request, &accept);
     vor_prefer_read(request, &preferences);
