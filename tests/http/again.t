@@ -167,6 +167,14 @@ is $daemon->get('/v1/jobs/' . id_of($rerun) . '/input')->{content}, $cloud, 'but
 my $third = $daemon->post("$quick&input=job:" . id_of($rerun), '');
 is $third->{content}, $first->{content}, 'which can be run again in its turn';
 
+for my $case (['nothing that says so', ''], ['a length of 0', "Content-Length: 0\r\n"]) {
+    like head_of($daemon->raw("POST $quick&input=job:" . id_of($rerun) . " HTTP/1.1\r\nHost: localhost\r\n$case->[1]"
+        . "Connection: close\r\n\r\n")), qr{\AHTTP/1\.1 200 }, "without a body, with $case->[0]";
+}
+like $daemon->raw("POST $quick&input=job:" . id_of($rerun) . " HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n"
+    . "Connection: close\r\n\r\n3\r\nply\r\n0\r\n\r\n"), qr{\AHTTP/1\.1 400 .*goes without a body}s,
+    'a body without a length is one too';
+
 my $unknown = $daemon->post("$quick&input=job:$id", '');
 is_problem($unknown, 404, 'no-such-job', 'the input of a job that is gone is 404');
 like json($unknown)->{detail}, qr/^input is job:$id: there is no such job/, 'which names it';
@@ -233,6 +241,21 @@ $daemon = Vt->start(dir => $daemon->{dir}, 'keep-inputs' => 0);
 ok wait_until(sub { !(() = files('.upload')) }, 10), 'a quota of 0 drops what was kept';
 is_problem($daemon->get('/v1/jobs/' . id_of($daemon->post($quick, $small)) . '/input'), 404, 'input-not-kept',
     'and keeps nothing');
+is $daemon->stop, 0, 'the daemon ends with 0';
+
+# --- a full queue ---------------------------------------------------------------------------------
+
+$daemon = Vt->start(jobs => 1, queue => 1);
+my $runs = $daemon->post($endless, $cloud, keyed('runs', @async));
+ok wait_until(sub { $daemon->status(id_of($runs)) eq 'running' }, 20), 'one job runs';
+my $waits = $daemon->post($endless, $cloud, keyed('waits', @async));
+is_problem($daemon->post($endless, $cloud, keyed('new', @async)), 429, 'queue-full', 'and one waits: there is no room for another');
+my $asked = $daemon->post($endless, $cloud, keyed('waits', @async));
+is "$asked->{status} " . replayed($asked), '201 true', 'but whoever asks for one of them again is answered';
+is_problem($daemon->post($quick, $cloud, keyed('waits', @async)), 422, 'idempotency-key-reused', 'rightly');
+$daemon->request('DELETE', '/v1/jobs/' . id_of($_)) for $waits, $runs;
+my $fits = $daemon->post($quick, $cloud, keyed('new', @async));
+is "$fits->{status} " . replayed($fits), '201 no', 'and the refused one has its key still';
 is $daemon->stop, 0, 'the daemon ends with 0';
 
 # --- expiry --------------------------------------------------------------------------------------
