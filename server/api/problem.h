@@ -22,7 +22,6 @@
     X("upload-timeout", 408, 1, 0, "The upload came too slowly")                                   \
     X("not-running", 409, 0, 0, "The job does not run")                                            \
     X("job-expired", 410, 0, 0, "The results of the job were kept long enough")                    \
-    X("too-many-bytes", 413, 0, 0, "The body exceeds a limit")                                     \
     X("range-not-satisfiable", 416, 0, 0, "The range lies outside the result")                     \
     X("queue-full", 429, 1, 0, "The queue is full")                                                \
     X("too-many-streams", 429, 1, 0, "As many event streams are open as may be")                   \
