@@ -1,11 +1,12 @@
 /* A job from its upload to the answer. The head is read and refused before the body comes; the body
- * goes to a file; a thread of admission decodes it and accepts the job; then the caller gets 201, a
- * stream, or waits for the result.
+ * goes to a file, or to one for each file of a form; a thread of admission decodes it and accepts
+ * the job; then the caller gets 201, a stream, or waits for the result.
  *
  * The request may be over while admission still works for it, so both hold the same struct. */
 #include "server/api/handlers/submit_head.h"
 
 #include "server/api/handlers/handlers.h"
+#include "server/api/handlers/submit_form.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
@@ -23,8 +24,9 @@ static const uint64_t disk_reserve = (uint64_t)16 << 20;
 struct submission {
     struct vor_app *app;
     struct vor_submit_head head;
-    double deadline; /* of the wait; 0 for none */
-    struct vor_blob_writer *upload;
+    double deadline;              /* of the wait; 0 for none */
+    struct vor_submit_form *form; /* NULL when the body is a cloud */
+    struct vor_uploads uploads;
     struct vor_waker *waker;
     pthread_mutex_t lock; /* guards holds, abandoned and admitted */
     int holds;
@@ -49,7 +51,8 @@ static void drop(struct submission *submission)
     (void)pthread_mutex_unlock(&submission->lock);
     if (left > 0)
         return;
-    vor_blob_discard(submission->upload);
+    vor_submit_form_free(submission->form);
+    vor_uploads_discard(&submission->uploads);
     vor_waker_drop(submission->waker);
     (void)pthread_mutex_destroy(&submission->lock);
     free(submission);
@@ -104,7 +107,7 @@ static int take_piece(void *ctx, const void *bytes, size_t size)
     struct submission *submission = ctx;
     struct vor_error err;
 
-    if (vor_blob_append(submission->upload, bytes, size, &err) == VOR_OK)
+    if (vor_blob_append(submission->uploads.item[0].bytes, bytes, size, &err) == VOR_OK)
         return 0;
     return vor_error_storage_full(&err) ? 507 : 503;
 }
@@ -141,6 +144,31 @@ static bool check_disk(struct vor_app *app, struct vor_request *request)
     return false;
 }
 
+/* Where the body goes; false after a problem has been replied. */
+static bool open_sink(struct vor_app *app, struct vor_request *request,
+                      struct submission *submission, struct vor_body_sink *sink)
+{
+    const struct vor_submit_head *head = &submission->head;
+    struct vor_upload *upload = &submission->uploads.item[0]; /* the body is the main input */
+    struct vor_error err;
+
+    if (head->body.is_form) {
+        submission->form =
+            vor_submit_form_begin(app, request, &submission->head, &submission->uploads);
+        *sink = (struct vor_body_sink){submission->form, vor_submit_form_take};
+        return submission->form != NULL;
+    }
+    *upload = (struct vor_upload){.name = head->spec.process->inputs[0].name,
+                                  .is_gzip = head->body.is_gzip};
+    *sink = (struct vor_body_sink){submission, take_piece};
+    if (vor_blob_create(app->blobs, &upload->bytes, &err) != VOR_OK) {
+        vor_problem_error(app, request, &err, NULL);
+        return false;
+    }
+    submission->uploads.count = 1;
+    return true;
+}
+
 static enum vor_next begin(struct vor_app *app, struct vor_request *request)
 {
     uint64_t limit = (uint64_t)app->config->number[VOR_SET_BODY_LIMIT];
@@ -168,9 +196,8 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     }
     submission->head = head;
     vor_request_set_state(request, submission, release);
-    if (vor_blob_create(app->blobs, &submission->upload, &err) != VOR_OK)
-        return vor_problem_error(app, request, &err, NULL);
-    sink = (struct vor_body_sink){submission, take_piece};
+    if (!open_sink(app, request, submission, &sink))
+        return VOR_NEXT_REPLY;
     vor_request_take_body(request, &sink, limit);
     return VOR_NEXT_BODY;
 }
@@ -209,15 +236,14 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
 {
     enum vor_job_outcome outcome;
 
+    if (submission->form != NULL && !vor_submit_form_end(submission->form))
+        return VOR_NEXT_REPLY;
     submission->admission = (struct vor_admission){
-        .name = submission->head.spec.process->inputs[0].name, /* the body is the main input */
-        .upload = submission->upload,
-        .done = on_admitted,
-        .ctx = submission};
+        .uploads = submission->uploads, .done = on_admitted, .ctx = submission};
     submission->holds++; /* nobody else has it yet */
     outcome = vor_admit_submit(app->admit, &submission->admission);
     if (outcome == VOR_DONE) {
-        submission->upload = NULL;
+        submission->uploads.count = 0;
         return VOR_NEXT_WAIT;
     }
     submission->holds--;
