@@ -36,7 +36,9 @@
 struct vor_problem {
     const char *slug;
     const char *detail;
-    const char *parameter; /**< the one at fault */
+    const char *parameter;                  /**< the one at fault */
+    const struct vor_problem_error *errors; /**< instead, if there are several */
+    size_t error_count;
     const char *job_id;
     uint64_t limit, got;
     int64_t byte_offset, queue_depth;

@@ -1,6 +1,6 @@
 #!/usr/bin/perl
 # Jobs as forms (multipart/form-data), as curl -F and browsers send them: fields are parameters, files are inputs by
-# name.
+# name. And JSON, which is told where its parameters belong.
 use strict;
 use warnings;
 use FindBin;
@@ -189,6 +189,31 @@ is $daemon->get('/livez', headers => { 'Sec-Fetch-Site' => 'cross-site' })->{sta
     $daemon = $was;
 }
 
+# JSON.
+my %json = ('Content-Type' => 'application/json');
+my $told = $daemon->post('/v1/processes/resample/execution',
+    '{"inputs":{"points":1000,"filters":["mls"],"format":"drc","cloud":{"href":"x"}},"seed":2,"response":"raw"}', %json);
+refused($told, 400, 'invalid-parameter',
+    qr{^points stands in a JSON body, at /inputs/points; parameters belong in the query, .*: POST /v1/resample\?points=1000&filters=\.\.\.&format=drc&seed=2;},
+    'parameters in JSON');
+is_deeply [map { $_->{pointer} } @{ json($told)->{errors} }], [qw(/inputs/points /inputs/filters /inputs/format /seed)],
+    'errors[] has the place of each';
+for my $case (
+    ['{"points":5}', 400, 'invalid-parameter', qr{^points stands in a JSON body, at /points;}],
+    ['{}', 415, 'unsupported-format', qr/^the body is JSON, want a cloud, or a form/],
+    ['[1,2]', 415, 'unsupported-format', qr/^the body is JSON/],
+    ['{"mesh":{"points":{"points":3}}}', 400, 'invalid-parameter', qr{at /mesh/points;}],
+    ['{"points":5', 400, 'malformed-request', qr/./],
+    ['{"points":5,"points":6}', 400, 'malformed-request', qr/duplicate/],
+    ['', 400, 'malformed-request', qr/./],
+    ['{"a":"' . 'x' x (1 << 20) . '"}', 413, 'too-many-bytes', qr/want at most 1048576/],
+) {
+    my ($body, $status, $slug, $detail) = @$case;
+    refused($daemon->post('/v1/resample', $body, %json), $status, $slug, $detail, 'JSON ' . substr $body, 0, 30);
+}
+is_problem($daemon->post('/v1/resample?points=3', '{"points":5}', 'Content-Type' => 'application/geo+json; charset=utf-8'), 400,
+    'invalid-parameter', 'JSON of another kind');
+is_problem($daemon->post('/v1/processes/nope/execution', '{}', %json), 404, 'no-such-process', 'JSON for a process that is not');
 is scalar(grep { $_->{status} && $_->{status} =~ /^5/ } $daemon->log_lines), 0, 'nothing was our own fault';
 is $daemon->stop, 0, 'it ends with 0';
 done_testing;

@@ -7,6 +7,7 @@
 
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/submit_form.h"
+#include "server/api/handlers/submit_json.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
@@ -381,6 +382,8 @@ enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor
     struct submission *submission = vor_request_state(request);
     bool admitted;
 
+    if (vor_submit_body_is_json(request))
+        return vor_submit_json(app, request, step);
     if (step == VOR_STEP_HEAD)
         return begin(app, request);
     if (step == VOR_STEP_BODY)

@@ -53,3 +53,12 @@ bool vor_submit_body_read(struct vor_app *app, struct vor_request *request,
                     "with a file");
     return false;
 }
+
+bool vor_submit_body_is_json(const struct vor_request *request)
+{
+    const char *type = vor_request_header(request, "Content-Type");
+    size_t length = type != NULL ? strcspn(type, "; \t") : 0;
+
+    return (length == 16 && strncasecmp(type, "application/json", 16) == 0) ||
+           (length > 5 && strncasecmp(type + length - 5, "+json", 5) == 0);
+}

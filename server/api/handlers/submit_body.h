@@ -25,4 +25,7 @@ bool vor_submit_body_read(struct vor_app *app, struct vor_request *request,
  *  @retval 1 gzip, 0 "" or identity, -1 something else */
 int vor_submit_coding(const char *coding);
 
+/** True when the media type is JSON: application/json, or one that ends in +json. */
+bool vor_submit_body_is_json(const struct vor_request *request);
+
 #endif
