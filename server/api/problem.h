@@ -24,7 +24,6 @@
     X("not-running", 409, 0, 0, "The job does not run")                                            \
     X("idempotency-in-flight", 409, 1, 0, "A request with this key is under way")                  \
     X("job-expired", 410, 0, 0, "The results of the job were kept long enough")                    \
-    X("too-many-bytes", 413, 0, 0, "The body exceeds a limit")                                     \
     X("range-not-satisfiable", 416, 0, 0, "The range lies outside the result")                     \
     X("idempotency-key-reused", 422, 0, 0, "The key is that of another request")                   \
     X("queue-full", 429, 1, 0, "The queue is full")                                                \
@@ -40,7 +39,9 @@
 struct vor_problem {
     const char *slug;
     const char *detail;
-    const char *parameter; /**< the one at fault */
+    const char *parameter;                  /**< the one at fault */
+    const struct vor_problem_error *errors; /**< instead, if there are several */
+    size_t error_count;
     const char *job_id;
     uint64_t limit, got;
     int64_t byte_offset, queue_depth;

@@ -129,24 +129,57 @@ void vor_admit_drop(struct vor_blobs *blobs, const struct vor_admitted *admitted
     }
 }
 
+/* Says which of several inputs is at fault. */
+static void name_input(struct vor_error *err, const char *name)
+{
+    struct vor_error was = *err;
+
+    (void)vor_fail_param(err, was.status, name, "%s: %s", name, was.message);
+    err->byte_offset = was.byte_offset;
+    err->limit = was.limit;
+    err->got = was.got;
+}
+
+static vor_status admit_all(struct vor_admission *admission)
+{
+    const struct vor_admit *admit = admission->admit;
+    struct vor_uploads *uploads = &admission->uploads;
+    uint64_t most = admit->limits.inflated;
+    vor_status status = VOR_OK;
+
+    for (unsigned i = 0; i < uploads->count && status == VOR_OK; i++) {
+        struct vor_upload *upload = &uploads->item[i];
+
+        status = vor_upload_inflate(upload, admit->blobs, &most, &admission->error);
+        if (status == VOR_OK)
+            status = vor_admit_file(&admission->admitted, upload->name, admit->blobs, upload->bytes,
+                                    &admit->limits, &admission->error);
+        if (status == VOR_OK) {
+            vor_admit_keep(&admission->admitted, upload->bytes, &admit->limits);
+            upload->bytes = NULL;
+        }
+        if (status != VOR_OK && uploads->count > 1)
+            name_input(&admission->error, upload->name);
+    }
+    if (status != VOR_OK) {
+        vor_admit_drop(admit->blobs, &admission->admitted);
+        admission->admitted.count = 0;
+    }
+    return status;
+}
+
 static void run_admission(void *ctx)
 {
     struct vor_admission *admission = ctx;
-    struct vor_admit *admit = admission->admit;
 
-    if (vor_crew_closing(admit->crew))
+    if (vor_crew_closing(admission->admit->crew))
         admission->status =
             vor_fail(&admission->error, VOR_E_CANCELLED, "the daemon is going down");
     else
-        admission->status = vor_admit_file(&admission->admitted, admission->name, admit->blobs,
-                                           admission->upload, &admit->limits, &admission->error);
-    if (admission->status == VOR_OK) {
+        admission->status = admit_all(admission);
+    if (admission->status == VOR_OK)
         admission->error.status = VOR_OK;
-        vor_admit_keep(&admission->admitted, admission->upload, &admit->limits);
-    } else {
-        vor_blob_discard(admission->upload);
-    }
-    admission->upload = NULL;
+    vor_uploads_discard(&admission->uploads);
     admission->done(admission);
 }
 

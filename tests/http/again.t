@@ -188,6 +188,38 @@ is_problem($daemon->post("$quick&input=job:" . id_of($rerun), $cloud), 400, 'inv
 is_problem($daemon->get("/v1/jobs/$left/input"), 404, 'input-not-kept', 'a dismissed job has no input');
 is_problem($daemon->post("$quick&input=job:$left", ''), 404, 'input-not-kept', 'nor can it be run on again');
 
+# --- forms and gzip ------------------------------------------------------------------------------
+
+# A form of [name, content] pairs; those with a third are files.
+sub form {
+    my (@parts) = @_;
+    return join('', map { "--b\r\nContent-Disposition: form-data; name=\"$_->[0]\"" . ($_->[2] ? "; filename=\"$_->[2]\"" : '')
+        . "\r\n\r\n$_->[1]\r\n" } @parts) . "--b--\r\n";
+}
+my @form = ('Content-Type' => 'multipart/form-data; boundary=b');
+my @quick = (['points', 100], ['iterations', 2], ['polish', 0]);
+my $sent = $daemon->post('/v1/resample', form(@quick, ['name', 'by form'], ['file', $cloud, 'x.ply']), @form, keyed('form', @async));
+is "$sent->{status} " . json($sent)->{voronoid}{name}, '201 by form', 'a form has a key and a name as well';
+my $resent = $daemon->post('/v1/resample', form(['file', $cloud, 'y.ply'], ['name', 'by form'], reverse @quick), @form, keyed('form', @async));
+is replayed($resent) . ' ' . id_of($resent), 'true ' . id_of($sent), 'its parts in another order are the same again';
+is id_of($daemon->post("$quick&name=by%20form", $cloud, keyed('form', @async))), id_of($sent), 'and so is the same without a form';
+is_problem($daemon->post('/v1/resample', form(@quick, ['file', $cloud, 'x']), @form, keyed('form')), 422, 'idempotency-key-reused');
+my $rerun_by_form = $daemon->post('/v1/resample', form(@quick, ['input', 'job:' . id_of($sent)]), @form);
+is $rerun_by_form->{content}, $first->{content}, 'a field input runs again on the input of a job';
+my $measured = $daemon->post('/v1/measure?input=job:' . id_of($sent), form(['reference', $cloud, 'r.ply']), @form);
+is json($measured)->{input}{hausdorff}, 0, 'and the other inputs may come with it';
+is_problem($daemon->post('/v1/resample', form(@quick, ['input', 'job:' . id_of($sent)], ['file', $cloud, 'x']), @form), 400,
+    'invalid-parameter', 'but not the same one');
+is_problem($daemon->post('/v1/resample', form(@quick, ['name', 'a'], ['name', 'b'], ['file', $cloud, 'x']), @form), 400,
+    'invalid-parameter', 'nor two names');
+is_problem($daemon->post('/v1/resample?name=a', form(@quick, ['name', 'b'], ['file', $cloud, 'x']), @form), 400,
+    'invalid-parameter', 'nor one in the query and one in the form');
+require IO::Compress::Gzip;
+IO::Compress::Gzip::gzip(\$cloud, \my $gzipped);
+my $inflated = $daemon->post($quick, $gzipped, 'Content-Encoding' => 'gzip');
+is $daemon->get('/v1/jobs/' . id_of($inflated) . '/input')->{content}, $cloud, 'what came as gzip is kept inflated';
+is $daemon->post("$quick&input=job:" . id_of($inflated), '')->{content}, $first->{content}, 'and runs again';
+
 # --- names ---------------------------------------------------------------------------------------
 
 my $name = "m\x{fc}nster <b>\"'&\\ \x{1f600}";

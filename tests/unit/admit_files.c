@@ -182,6 +182,12 @@ static void let_go(struct answers *answers)
     pthread_mutex_unlock(&answers->mutex);
 }
 
+static void upload_for(struct vor_admission *admission, struct vor_blob_writer *bytes)
+{
+    admission->uploads =
+        (struct vor_uploads){.item = {{.name = "cloud", .bytes = bytes}}, .count = 1};
+}
+
 START_TEST(every_upload_is_answered_once)
 {
     enum { UPLOADS = 20 };
@@ -196,9 +202,9 @@ START_TEST(every_upload_is_answered_once)
     vt_cloud_cube(&cloud, 1, 500);
     vt_assert_ok(vor_admit_create(&admit, blobs, &limits, 3, UPLOADS, &vt_err));
     for (int i = 0; i < UPLOADS; i++) {
-        admissions[i] = (struct vor_admission){.name = "cloud", .done = answered, .ctx = &answers};
-        admissions[i].upload =
-            i % 4 == 3 ? vt_upload(blobs, "rubbish", 7) : vt_upload_cloud(blobs, &cloud);
+        admissions[i] = (struct vor_admission){.done = answered, .ctx = &answers};
+        upload_for(&admissions[i],
+                   i % 4 == 3 ? vt_upload(blobs, "rubbish", 7) : vt_upload_cloud(blobs, &cloud));
         ck_assert_int_eq(vor_admit_submit(admit, &admissions[i]), VOR_DONE);
     }
     wait_answers(&answers, UPLOADS);
@@ -207,7 +213,7 @@ START_TEST(every_upload_is_answered_once)
     for (int i = 0; i < UPLOADS; i++) {
         ck_assert_int_eq(admissions[i].status, i % 4 == 3 ? VOR_E_UNSUPPORTED : VOR_OK);
         ck_assert_int_eq(admissions[i].error.status, i % 4 == 3 ? VOR_E_UNSUPPORTED : VOR_OK);
-        ck_assert_ptr_null(admissions[i].upload);
+        ck_assert_uint_eq(admissions[i].uploads.count, 0);
     }
     ck_assert_int_eq(kept(dir), UPLOADS - UPLOADS / 4);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
@@ -221,7 +227,7 @@ START_TEST(waiting_uploads_are_bounded_and_answered_when_the_daemon_goes)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
-    struct vor_admission busy = {.name = "cloud", .done = answered}, waits = busy, over = busy;
+    struct vor_admission busy = {.done = answered}, waits = busy, over = busy;
     struct vor_admit *admit;
     struct answers answers;
     struct vor_cloud cloud;
@@ -231,15 +237,15 @@ START_TEST(waiting_uploads_are_bounded_and_answered_when_the_daemon_goes)
     vt_cloud_cube(&cloud, 1, 10);
     busy.ctx = waits.ctx = over.ctx = &answers;
     vt_assert_ok(vor_admit_create(&admit, blobs, &limits, 1, 1, &vt_err));
-    busy.upload = vt_upload_cloud(blobs, &cloud);
-    waits.upload = vt_upload_cloud(blobs, &cloud);
-    over.upload = vt_upload_cloud(blobs, &cloud);
+    upload_for(&busy, vt_upload_cloud(blobs, &cloud));
+    upload_for(&waits, vt_upload_cloud(blobs, &cloud));
+    upload_for(&over, vt_upload_cloud(blobs, &cloud));
     ck_assert_int_eq(vor_admit_submit(admit, &busy), VOR_DONE);
     wait_answers(&answers, 1); /* its thread now waits in done */
     ck_assert_int_eq(vor_admit_submit(admit, &waits), VOR_DONE);
     ck_assert_int_eq(vor_admit_submit(admit, &over), VOR_FULL);
-    ck_assert_ptr_nonnull(over.upload);
-    vor_blob_discard(over.upload);
+    ck_assert_uint_eq(over.uploads.count, 1);
+    vor_uploads_discard(&over.uploads);
     let_go(&answers);
     wait_answers(&answers, 2);
     ck_assert_int_eq(waits.status, VOR_OK);
@@ -260,7 +266,7 @@ START_TEST(what_waits_when_the_daemon_goes_is_answered_as_cancelled)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
-    struct vor_admission busy = {.name = "cloud", .done = answered}, waits = busy, late = busy;
+    struct vor_admission busy = {.done = answered}, waits = busy, late = busy;
     enum vor_job_outcome outcome;
     struct vor_admit *admit;
     struct answers answers;
@@ -272,18 +278,18 @@ START_TEST(what_waits_when_the_daemon_goes_is_answered_as_cancelled)
     vt_cloud_cube(&cloud, 1, 10);
     busy.ctx = waits.ctx = late.ctx = &answers;
     vt_assert_ok(vor_admit_create(&admit, blobs, &limits, 1, 1, &vt_err));
-    busy.upload = vt_upload_cloud(blobs, &cloud);
-    waits.upload = vt_upload_cloud(blobs, &cloud);
+    upload_for(&busy, vt_upload_cloud(blobs, &cloud));
+    upload_for(&waits, vt_upload_cloud(blobs, &cloud));
     ck_assert_int_eq(vor_admit_submit(admit, &busy), VOR_DONE);
     wait_answers(&answers, 1);
     ck_assert_int_eq(vor_admit_submit(admit, &waits), VOR_DONE);
     ck_assert_int_eq(pthread_create(&thread, NULL, destroy, admit), 0);
-    late.upload = vt_upload(blobs, "x", 1);
+    upload_for(&late, vt_upload(blobs, "x", 1));
     do /* full, until the other thread has closed it */
         outcome = vor_admit_submit(admit, &late);
     while (outcome == VOR_FULL);
     ck_assert_int_eq(outcome, VOR_DRAINING);
-    vor_blob_discard(late.upload);
+    vor_uploads_discard(&late.uploads);
     let_go(&answers);
     pthread_join(thread, NULL);
     ck_assert_int_eq(busy.status, VOR_OK);

@@ -45,6 +45,10 @@ enum vor_next vor_handle_input(void *app, struct vor_request *request, enum vor_
 const struct vor_process_info *vor_process_of_path(struct vor_app *app, struct vor_request *request,
                                                    unsigned index);
 
+/** The same for a request to start a job: /v1/PROCESS, or /v1/processes/PROCESS/execution. */
+const struct vor_process_info *vor_process_of_submit(struct vor_app *app,
+                                                     struct vor_request *request);
+
 /** Reads the {jobID} of the path.
  *
  *  @return true, or false after a no-such-job problem has been replied */

@@ -1,6 +1,6 @@
 /* A job from its upload to the answer. The head is read and refused before the body comes; the body
- * goes to a file; a thread of admission decodes it and accepts the job; then the caller gets 201, a
- * stream, or waits for the result.
+ * goes to a file, or to one for each file of a form; a thread of admission decodes it and accepts
+ * the job; then the caller gets 201, a stream, or waits for the result.
  *
  * The request may be over while admission still works for it, so both hold the same struct.
  *
@@ -9,6 +9,8 @@
 #include "server/api/handlers/submit_head.h"
 
 #include "server/api/handlers/handlers.h"
+#include "server/api/handlers/submit_form.h"
+#include "server/api/handlers/submit_json.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
@@ -17,6 +19,7 @@
 #include "server/work/admit.h"
 
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,8 +29,9 @@ static const uint64_t disk_reserve = (uint64_t)16 << 20;
 struct submission {
     struct vor_app *app;
     struct vor_submit_head head;
-    double deadline; /* of the wait; 0 for none */
-    struct vor_blob_writer *upload;
+    double deadline;              /* of the wait; 0 for none */
+    struct vor_submit_form *form; /* NULL when the body is a cloud */
+    struct vor_uploads uploads;
     struct vor_waker *waker;
     pthread_mutex_t lock; /* guards holds, abandoned and admitted */
     int holds;
@@ -68,7 +72,8 @@ static void drop(struct submission *submission)
     if (left > 0)
         return;
     end_flight(submission);
-    vor_blob_discard(submission->upload);
+    vor_submit_form_free(submission->form);
+    vor_uploads_discard(&submission->uploads);
     vor_waker_drop(submission->waker);
     (void)pthread_mutex_destroy(&submission->lock);
     free(submission);
@@ -123,7 +128,7 @@ static int take_piece(void *ctx, const void *bytes, size_t size)
     struct submission *submission = ctx;
     struct vor_error err;
 
-    if (vor_blob_append(submission->upload, bytes, size, &err) == VOR_OK)
+    if (vor_blob_append(submission->uploads.item[0].bytes, bytes, size, &err) == VOR_OK)
         return 0;
     return vor_error_storage_full(&err) ? 507 : 503;
 }
@@ -181,20 +186,6 @@ static bool begin_flight(struct vor_app *app, struct vor_request *request,
     return outcome == VOR_DONE;
 }
 
-/* Where the input comes from: a new upload, or that of another job. False after a problem has been
- * replied. */
-static bool open_upload(struct vor_app *app, struct vor_request *request,
-                        struct submission *submission)
-{
-    struct vor_error err;
-
-    if (submission->head.besides.input.text[0] != '\0')
-        submission->upload = vor_besides_open(app, request, &submission->head.besides);
-    else if (vor_blob_create(app->blobs, &submission->upload, &err) != VOR_OK)
-        vor_problem_error(app, request, &err, NULL);
-    return submission->upload != NULL;
-}
-
 /* True when a job would be taken, or the key is that of one already; else it is answered. */
 static bool check_room(struct vor_app *app, struct vor_request *request,
                        const struct vor_submit_head *head)
@@ -208,6 +199,48 @@ static bool check_room(struct vor_app *app, struct vor_request *request,
         return true;
     vor_outcome_reply(app, request, room, NULL, NULL);
     return false;
+}
+
+/* The main input is that of another job, and the body is empty. */
+static struct vor_blob_writer *open_kept(struct vor_app *app, struct vor_request *request,
+                                         const struct vor_submit_besides *besides)
+{
+    struct vor_error err;
+
+    if (vor_request_length(request) == 0)
+        return vor_besides_open(app, request, besides);
+    (void)vor_fail_param(&err, VOR_E_PARAM, "input",
+                         "input is job:%s, which goes without a body that is a cloud",
+                         besides->input.text);
+    vor_problem_error(app, request, &err, NULL);
+    return NULL;
+}
+
+/* Where the body goes; false after a problem has been replied. */
+static bool open_sink(struct vor_app *app, struct vor_request *request,
+                      struct submission *submission, struct vor_body_sink *sink)
+{
+    const struct vor_submit_head *head = &submission->head;
+    struct vor_upload *upload = &submission->uploads.item[0]; /* the body is the main input */
+    struct vor_error err;
+
+    if (head->body.is_form) {
+        submission->form =
+            vor_submit_form_begin(app, request, &submission->head, &submission->uploads);
+        *sink = (struct vor_body_sink){submission->form, vor_submit_form_take};
+        return submission->form != NULL;
+    }
+    *upload = (struct vor_upload){.name = head->spec.process->inputs[0].name,
+                                  .is_gzip = head->body.is_gzip};
+    *sink = (struct vor_body_sink){submission, take_piece};
+    if (head->besides.input.text[0] != '\0') {
+        upload->is_gzip = 0;
+        upload->bytes = open_kept(app, request, &head->besides);
+    } else if (vor_blob_create(app->blobs, &upload->bytes, &err) != VOR_OK) {
+        vor_problem_error(app, request, &err, NULL);
+    }
+    submission->uploads.count = upload->bytes != NULL ? 1 : 0;
+    return upload->bytes != NULL;
 }
 
 static enum vor_next begin(struct vor_app *app, struct vor_request *request)
@@ -233,9 +266,8 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     }
     submission->head = head;
     vor_request_set_state(request, submission, release);
-    if (!begin_flight(app, request, submission) || !open_upload(app, request, submission))
+    if (!begin_flight(app, request, submission) || !open_sink(app, request, submission, &sink))
         return VOR_NEXT_REPLY;
-    sink = (struct vor_body_sink){submission, take_piece};
     vor_request_take_body(request, &sink, limit);
     return VOR_NEXT_BODY;
 }
@@ -278,14 +310,11 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
     enum vor_job_outcome outcome;
 
     submission->admission = (struct vor_admission){
-        .name = submission->head.spec.process->inputs[0].name, /* the body is the main input */
-        .upload = submission->upload,
-        .done = on_admitted,
-        .ctx = submission};
+        .uploads = submission->uploads, .done = on_admitted, .ctx = submission};
     submission->holds++; /* nobody else has it yet */
     outcome = vor_admit_submit(app->admit, &submission->admission);
     if (outcome == VOR_DONE) {
-        submission->upload = NULL;
+        submission->uploads.count = 0;
         return VOR_NEXT_WAIT;
     }
     submission->holds--;
@@ -419,6 +448,26 @@ static enum vor_next accepted(struct vor_app *app, struct vor_request *request,
     return start_wait(app, request, submission);
 }
 
+/* "cloud SHA-256", a line an input, in the order of the process's. */
+static void list_inputs(const struct submission *submission, char *out, size_t size)
+{
+    const struct vor_artefact_info *inputs = submission->head.spec.process->inputs;
+    const struct vor_uploads *uploads = &submission->uploads;
+    size_t at = 0;
+
+    out[0] = '\0';
+    for (unsigned i = 0; inputs[i].name != NULL; i++) {
+        for (unsigned k = 0; k < uploads->count && at < size; k++) {
+            char sha256[VOR_DIGEST_SIZE];
+
+            if (uploads->item[k].name != inputs[i].name)
+                continue;
+            vor_blob_sha256(uploads->item[k].bytes, sha256);
+            at += (size_t)snprintf(out + at, size - at, "%s %s\n", inputs[i].name, sha256);
+        }
+    }
+}
+
 /* The body is in: answers a request whose key is that of a job, and admits any other. */
 static enum vor_next take_body(struct vor_app *app, struct vor_request *request,
                                struct submission *submission)
@@ -426,10 +475,12 @@ static enum vor_next take_body(struct vor_app *app, struct vor_request *request,
     struct vor_submit_besides *besides = &submission->head.besides;
     struct vor_error *err = &submission->error;
     enum vor_job_outcome outcome = VOR_UNKNOWN;
-    char inputs[VOR_DIGEST_SIZE];
+    char inputs[VOR_INPUTS_MAX * (VOR_BLOB_NAME_MAX + 1 + VOR_DIGEST_SIZE) + 1];
 
+    if (submission->form != NULL && !vor_submit_form_end(submission->form))
+        return VOR_NEXT_REPLY;
     if (has_key(submission)) {
-        vor_blob_sha256(submission->upload, inputs); /* there is but the main one */
+        list_inputs(submission, inputs, sizeof inputs);
         if (vor_besides_print(besides, &submission->head.spec, inputs, err) != VOR_OK)
             return vor_problem_error(app, request, err, NULL);
         outcome = vor_worker_find_key(app->worker, &besides->key, &submission->view, err);
@@ -454,6 +505,8 @@ enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor
     struct submission *submission = vor_request_state(request);
     bool admitted;
 
+    if (vor_submit_body_is_json(request))
+        return vor_submit_json(app, request, step);
     if (step == VOR_STEP_HEAD)
         return begin(app, request);
     if (step == VOR_STEP_BODY)

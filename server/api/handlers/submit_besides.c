@@ -71,6 +71,11 @@ vor_status vor_besides_take(struct vor_submit_besides *out, const char *name, co
     return VOR_OK;
 }
 
+bool vor_besides_has(const char *name)
+{
+    return strcmp(name, "name") == 0 || strcmp(name, "input") == 0;
+}
+
 static int is_key_character(char c)
 {
     return c > ' ' && c < 0x7F && strchr("\",\\", c) == NULL;
@@ -137,12 +142,6 @@ struct vor_blob_writer *vor_besides_open(struct vor_app *app, struct vor_request
     enum vor_job_outcome outcome;
     struct vor_error err;
 
-    if (vor_request_length(request) != 0) {
-        (void)vor_fail_param(&err, VOR_E_PARAM, "input",
-                             "input is job:%s, which goes without a body", id->text);
-        vor_problem_error(app, request, &err, NULL);
-        return NULL;
-    }
     outcome = vor_worker_get(app->worker, id, &view, &err);
     if (outcome == VOR_UNKNOWN)
         return refuse(app, request, "no-such-job", "there is no such job", id);

@@ -29,10 +29,13 @@ VOR_NODISCARD vor_status vor_besides_read_key(struct vor_submit_besides *out,
                                               const struct vor_request *request,
                                               struct vor_error *err);
 
+/** True for the names of such pairs. */
+bool vor_besides_has(const char *name);
+
 /** Opens the main input of the job that `input` names, as it came.
  *
  *  @return the bytes as a new upload, to be discarded by the caller; NULL after a problem has been
- *          replied: no-such-job, job-expired, input-not-kept, or the body has a cloud as well */
+ *          replied: no-such-job, job-expired or input-not-kept */
 struct vor_blob_writer *vor_besides_open(struct vor_app *app, struct vor_request *request,
                                          const struct vor_submit_besides *besides);
 
