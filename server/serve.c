@@ -74,12 +74,18 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         .memory = job_memory(config),
         .ttl_seconds = config->number[VOR_SET_RESULT_TTL],
         .crashes_max = CRASHES_MAX,
+        .keep = (uint64_t)config->number[VOR_SET_KEEP_INPUTS],
     };
-    struct vor_admit_limits limits = {.codec = VOR_LIMITS_DEFAULT, .memory = job_memory(config)};
+    struct vor_admit_limits limits = {
+        .codec = VOR_LIMITS_DEFAULT, .memory = job_memory(config), .keep = worker.keep};
     vor_status status = vor_pool_create(&daemon->pool, thread_count(config), err);
 
     limits.codec.points = (size_t)config->number[VOR_SET_POINTS_LIMIT];
+    limits.inflated = (uint64_t)config->number[VOR_SET_BODY_LIMIT];
     worker.pool = daemon->pool;
+    daemon->app.inflight = vor_inflight_create();
+    if (daemon->app.inflight == NULL && status == VOR_OK)
+        status = vor_fail(err, VOR_E_NOMEM, "the keys of requests");
     if (status == VOR_OK)
         status = vor_worker_create(&daemon->app.worker, &worker, err);
     if (status == VOR_OK)
@@ -140,6 +146,7 @@ static void stop(struct daemon *daemon)
     vor_http_stop(daemon->app.http);
     vor_admit_destroy(daemon->app.admit);
     vor_worker_destroy(daemon->app.worker);
+    vor_inflight_destroy(daemon->app.inflight);
     vor_pool_destroy(daemon->pool);
     vor_blobs_close(daemon->app.blobs);
     vor_store_close(daemon->app.store);

@@ -16,6 +16,7 @@
     X(E_WORD, 422, "unknown-word", 0, "A list has a word that is unknown")                         \
     X(E_REQUEST, 400, "malformed-request", 0, "The request cannot be read")                        \
     X(E_LIMIT, 413, "too-many-points", 0, "The cloud exceeds a limit")                             \
+    X(E_BYTES, 413, "too-many-bytes", 0, "The body exceeds a limit")                               \
     X(E_NOMEM, 413, "too-much-memory", 0, "The job needs more memory than it may have")            \
     X(E_UNSUPPORTED, 415, "unsupported-format", 0, "The bytes are in no format this build reads")  \
     X(E_FORMAT, 422, "undecodable-cloud", 0, "The cloud cannot be decoded")                        \
@@ -44,7 +45,7 @@ struct vor_error {
     char message[1024];  /**< one sentence with the value and the allowed range, no newline; holds
                               whatever the tables of requests can say (core/spec.c) */
     int64_t byte_offset; /**< where in the input, or -1 */
-    uint64_t limit, got; /**< E_LIMIT: the limit and what was declared; else 0 */
+    uint64_t limit, got; /**< E_LIMIT, E_BYTES: the limit and what was declared; else 0 */
 };
 
 /** HTTP status, problem slug and sentence of a row of the table; status must be one. */

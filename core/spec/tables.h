@@ -227,10 +227,14 @@ struct vor_artefact_info {
     }
 #define VOR_CLOUD_IN                                                                               \
     ({"cloud", VOR_ARTEFACT_CLOUD, 1,                                                              \
-      "The point cloud, recognised by its bytes; over HTTP the body of the request"})
+      "The point cloud, recognised by its bytes; over HTTP the body of the request, or a part of " \
+      "a form"})
 #define VOR_CLOUD_AND_REFERENCE_IN                                                                 \
-    ({"cloud", VOR_ARTEFACT_CLOUD, 1, "The point cloud, recognised by its bytes"},                 \
-     {"reference", VOR_ARTEFACT_CLOUD, 0, "A cloud to tell the distances to, from it and back"})
+    ({"cloud", VOR_ARTEFACT_CLOUD, 1,                                                              \
+      "The point cloud, recognised by its bytes; over HTTP the body of the request, or a part of " \
+      "a form"},                                                                                   \
+     {"reference", VOR_ARTEFACT_CLOUD, 0,                                                          \
+      "A cloud to tell the distances to, from it and back; over HTTP a part of a form"})
 #define VOR_CLOUD_OUT                                                                              \
     ({"cloud", VOR_ARTEFACT_CLOUD, 1, "The cloud that comes of it"},                               \
      {"report", VOR_ARTEFACT_DOCUMENT, 1, "What the run did and how even the result is"})
@@ -249,10 +253,10 @@ struct vor_artefact_info {
      VOR_IN(OUTPUT) | VOR_IN(FORMAT) | VOR_EXTRA_SPREAD_GROUPS)
 #define VOR_EVERY_METHOD (~0u)
 
-/** Processes: identifier, id, whether HTTP offers it (1 or 0; as long as a request has one body,
- * only a process that runs on one cloud), groups of parameters that it takes, methods that it may
- * use, least and most points of the result over those of the input (0, 0 without the group TARGET),
- *  inputs, outputs, title, sentence. core/engine.c says which function runs it. */
+/** Processes: identifier, id, whether HTTP offers it (1 or 0), groups of parameters that it takes,
+ * methods that it may use, least and most points of the result over those of the input (0, 0
+ * without the group TARGET), inputs, outputs, title, sentence. core/engine.c says which function
+ * runs it. */
 #define VOR_PROCESS_TABLE(X)                                                                       \
     X(RESAMPLE, resample, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,             \
       VOR_CLOUD_OUT, "Resample a point cloud",                                                     \
@@ -270,7 +274,7 @@ struct vor_artefact_info {
       VOR_CLOUD_OUT, "Simplify a point cloud",                                                     \
       "Spreads at most as many points as the input has, exactly the number asked for, evenly "     \
       "over the surface it describes")                                                             \
-    X(MEASURE, measure, 0, VOR_IN(MEASURE), 0, 0, 0, VOR_CLOUD_AND_REFERENCE_IN, VOR_MEASURE_OUT,  \
+    X(MEASURE, measure, 1, VOR_IN(MEASURE), 0, 0, 0, VOR_CLOUD_AND_REFERENCE_IN, VOR_MEASURE_OUT,  \
       "Measure a point cloud",                                                                     \
       "Tells how evenly a cloud is spread and, where there is a reference, how far the two lie "   \
       "from each other")                                                                           \

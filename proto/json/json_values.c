@@ -141,6 +141,7 @@ static void put_own_members(struct vor_text *text, const struct vor_status_info 
 {
     vor_json_key(text, "voronoid");
     vor_json_begin_object(text);
+    put_if_given(text, "name", info->name);
     vor_json_put_u64(text, "attempt", info->attempt);
     vor_json_put_string(text, "stage", info->stage);
     vor_json_key(text, "queuePosition");

@@ -73,6 +73,7 @@ struct vor_input_info {
 struct vor_status_info {
     const char *job_id;     /**< written as jobID and as id */
     const char *process_id; /**< "resample" */
+    const char *name;       /**< that its caller gave it; NULL or "": left out */
     const char *status;     /**< accepted, running, successful, failed, dismissed */
     const char *message;    /**< NULL: left out */
     int progress;           /**< 0 .. 100; -1: left out */

@@ -5,6 +5,7 @@
 #include "proto/json/json.h"
 #include "server/base/config.h"
 #include "server/http/http.h"
+#include "server/jobs/inflight.h"
 #include "server/work/worker.h"
 
 #include <stdatomic.h>
@@ -18,6 +19,7 @@ struct vor_app {
     struct vor_blobs *blobs;
     struct vor_worker *worker;
     struct vor_admit *admit;
+    struct vor_inflight *inflight;
     struct vor_http *http;
     atomic_bool draining; /**< SIGTERM came: /readyz says no, streams end */
     atomic_uint streams;  /**< event streams open */

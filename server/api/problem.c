@@ -81,6 +81,8 @@ static void fill_doc(const struct vor_app *app, const struct vor_request *reques
     doc->got = problem->got;
     doc->byte_offset = problem->byte_offset;
     doc->queue_depth = problem->queue_depth;
+    doc->errors = problem->errors;
+    doc->error_count = problem->error_count;
     if (problem->parameter != NULL && problem->parameter[0] != '\0') {
         room->error = (struct vor_problem_error){NULL, problem->parameter, problem->detail};
         doc->errors = &room->error;

@@ -14,6 +14,7 @@
     X("no-such-resource", 404, 0, 0, "There is nothing at this path")                              \
     X("no-such-process", 404, 0, 1, "There is no such process")                                    \
     X("no-such-job", 404, 0, 1, "There is no such job")                                            \
+    X("input-not-kept", 404, 0, 0, "The job's input is not kept")                                  \
     X("no-such-output", 404, 0, 1, "The job has no such output")                                   \
     X("result-not-ready", 404, 1, 1, "The result is not ready")                                    \
     X("result-not-available", 404, 0, 1, "The job has no result")                                  \
@@ -21,9 +22,10 @@
     X("not-acceptable", 406, 0, 0, "No format this build writes is acceptable")                    \
     X("upload-timeout", 408, 1, 0, "The upload came too slowly")                                   \
     X("not-running", 409, 0, 0, "The job does not run")                                            \
+    X("idempotency-in-flight", 409, 1, 0, "A request with this key is under way")                  \
     X("job-expired", 410, 0, 0, "The results of the job were kept long enough")                    \
-    X("too-many-bytes", 413, 0, 0, "The body exceeds a limit")                                     \
     X("range-not-satisfiable", 416, 0, 0, "The range lies outside the result")                     \
+    X("idempotency-key-reused", 422, 0, 0, "The key is that of another request")                   \
     X("queue-full", 429, 1, 0, "The queue is full")                                                \
     X("too-many-streams", 429, 1, 0, "As many event streams are open as may be")                   \
     X("client-closed", 499, 0, 0, "The caller left")                                               \
@@ -37,7 +39,9 @@
 struct vor_problem {
     const char *slug;
     const char *detail;
-    const char *parameter; /**< the one at fault */
+    const char *parameter;                  /**< the one at fault */
+    const struct vor_problem_error *errors; /**< instead, if there are several */
+    size_t error_count;
     const char *job_id;
     uint64_t limit, got;
     int64_t byte_offset, queue_depth;

@@ -104,13 +104,26 @@ static void add_cors(const struct vor_app *app, struct vor_request *request)
     vor_reply_header(request, "Access-Control-Allow-Origin", origin);
     vor_reply_header(request, "Access-Control-Expose-Headers",
                      "Location, ETag, Retry-After, Content-Range, Accept-Ranges, "
-                     "Content-Disposition, Preference-Applied, Voronoid-Origin, X-Request-Id");
+                     "Content-Disposition, Preference-Applied, Voronoid-Origin, X-Request-Id, "
+                     "Idempotent-Replayed");
     if (vor_request_method(request) != VOR_OPTIONS)
         return;
     vor_reply_header(request, "Access-Control-Allow-Headers",
-                     "Accept, Content-Type, If-None-Match, If-Range, Last-Event-ID, Prefer, Range, "
-                     "X-Request-Id");
+                     "Accept, Content-Encoding, Content-Type, Idempotency-Key, If-None-Match, "
+                     "If-Range, Last-Event-ID, Prefer, Range, X-Request-Id");
     vor_reply_header(request, "Access-Control-Max-Age", "600");
+}
+
+/* A form needs no leave of CORS, and a page may send one without an Origin; but no page can unsay
+ * this header. Pages of --cors-origin may. */
+static bool is_from_other_site(const struct vor_app *app, const struct vor_request *request)
+{
+    const char *site = vor_request_header(request, "Sec-Fetch-Site");
+    const char *origin = vor_request_header(request, "Origin");
+
+    return site != NULL && strcmp(site, "cross-site") == 0 &&
+           (origin == NULL ||
+            !vor_config_list_has(app->config->text[VOR_SET_CORS_ORIGIN], origin, strlen(origin)));
 }
 
 /* True when the request may come from where it comes; else it is answered. */
@@ -132,6 +145,9 @@ static bool check_source(struct vor_app *app, struct vor_request *request)
              !origin_is_ours(app, request, origin))
         vor_problem_say(app, request, "forbidden",
                         "Origin is %.100s, want one of --cors-origin or this daemon's own", origin);
+    else if ((method == VOR_POST || method == VOR_DELETE) && is_from_other_site(app, request))
+        vor_problem_say(app, request, "forbidden",
+                        "Sec-Fetch-Site is cross-site, and its page is none of --cors-origin");
     else
         return true;
     return false;

@@ -8,7 +8,8 @@
 #include <stdio.h>
 
 #define VOR_CODES_SUBMIT                                                                           \
-    "200 201 400 403 406 408 413 415 422 429 500 503 507" /* of every way to start a job */
+    "200 201 400 403 404 406 408 409 410 413 415 422 429 500 503 507" /* of every way to start a   \
+                                                                         job */
 
 /** Routes: method, path, handler, statuses besides those that the HTTP layer may give to any
  *  request (400 framing, 403 Host and Origin, 503 connections). A {segment} matches anything but
@@ -24,12 +25,13 @@
     X(GET, "/v1/", vor_handle_landing, "200")                                                      \
     X(GET, "/v1/processes", vor_handle_processes, "200")                                           \
     X(GET, "/v1/processes/{processID}", vor_handle_process, "200 404")                             \
-    X(POST, "/v1/processes/{processID}/execution", vor_handle_submit, VOR_CODES_SUBMIT " 404")     \
+    X(POST, "/v1/processes/{processID}/execution", vor_handle_submit, VOR_CODES_SUBMIT)            \
     X(GET, "/v1/jobs", vor_handle_jobs, "200 400 503")                                             \
     X(GET, "/v1/jobs/{jobID}", vor_handle_job, "200 304 404 410 503")                              \
     X(DELETE, "/v1/jobs/{jobID}", vor_handle_dismiss, "200 403 404 503 507")                       \
     X(POST, "/v1/jobs/{jobID}/stop", vor_handle_stop, "202 403 404 409 503")                       \
     X(GET, "/v1/jobs/{jobID}/events", vor_handle_events, "200 204 400 404 503")                    \
+    X(GET, "/v1/jobs/{jobID}/input", vor_handle_input, "200 206 304 404 410 416 503")              \
     X(GET, "/v1/jobs/{jobID}/results", vor_handle_results, "200 404 410 413 422 500 503")          \
     X(GET, "/v1/jobs/{jobID}/results/{output}", vor_handle_result,                                 \
       "200 206 304 404 410 413 416 422 500 503")                                                   \

@@ -35,11 +35,16 @@ enum vor_setting_kind {
     X(QUEUE, "queue", COUNT_OF, "jobs", 1, 100000, "256", "Jobs that may wait")                    \
     X(JOB_MEMORY, "job-memory", BYTES, "bytes", 0, 1e15, "0",                                      \
       "Memory a job may take; 0 is 70 % of the machine's, divided by --jobs")                      \
-    X(BODY_LIMIT, "body-limit", BYTES, "bytes", 1, 1e15, "1G", "Largest upload")                   \
+    X(BODY_LIMIT, "body-limit", BYTES, "bytes", 1, 1e15, "1G",                                     \
+      "Largest upload, and what gzip may inflate to")                                              \
     X(POINTS_LIMIT, "points-limit", COUNT_OF, "points", 1, 2147483646, "50000000",                 \
       "Most points an upload may declare")                                                         \
     X(RESULT_TTL, "result-ttl", TIME, "seconds", 1, 31536000, "86400",                             \
       "How long results are kept")                                                                 \
+    X(KEEP_INPUTS, "keep-inputs", BYTES, "bytes", 0, 1e15, "1G",                                   \
+      "Uploads that are kept as long as results, in all; those of jobs that ended first go "       \
+      "first; "                                                                                    \
+      "0 keeps none")                                                                              \
     X(PUBLIC_URL, "public-url", TEXT, "URL", 0, 0, "",                                             \
       "How clients reach this daemon, for absolute links; else the scheme, Host and path that a "  \
       "trusted proxy names; else http:// and the Host they sent")                                  \

@@ -16,14 +16,29 @@ const struct vor_blob_driver *vor_blob_driver_at(unsigned index)
     return index < sizeof drivers / sizeof drivers[0] ? drivers[index] : NULL;
 }
 
-const char *vor_blob_of_input(const char *input, char out[VOR_BLOB_NAME_MAX + 1])
+static const char *name_of(const char *prefix, const char *input, char out[VOR_BLOB_NAME_MAX + 1])
 {
     int is_cloud = strcmp(input, "cloud") == 0;
-    int length = snprintf(out, VOR_BLOB_NAME_MAX + 1, "input%s%s", is_cloud ? "" : "-",
+    int length = snprintf(out, VOR_BLOB_NAME_MAX + 1, "%s%s%s", prefix, is_cloud ? "" : "-",
                           is_cloud ? "" : input);
 
     assert(length <= VOR_BLOB_NAME_MAX);
     return out;
+}
+
+const char *vor_blob_of_input(const char *input, char out[VOR_BLOB_NAME_MAX + 1])
+{
+    return name_of("input", input, out);
+}
+
+const char *vor_blob_of_upload(const char *input, char out[VOR_BLOB_NAME_MAX + 1])
+{
+    return name_of("upload", input, out);
+}
+
+int vor_blob_is_upload(const char *name)
+{
+    return strcmp(name, "upload") == 0 || strncmp(name, "upload-", 7) == 0;
 }
 
 /* --- opening ---------------------------------------------------------------------------------- */
@@ -97,12 +112,28 @@ vor_status vor_blob_create(struct vor_blobs *blobs, struct vor_blob_writer **out
     return VOR_OK;
 }
 
+vor_status vor_blob_reopen(struct vor_blobs *blobs, const struct vor_blob_source *from,
+                           struct vor_blob_writer **out, int *found, struct vor_error *err)
+{
+    vor_status status;
+
+    *out = NULL;
+    *found = 0;
+    status = blobs->driver->reopen(blobs, from, out, found, err);
+    if (status != VOR_OK || !*found)
+        return status;
+    (*out)->blobs = blobs;
+    memcpy((*out)->sha256, from->sha256, sizeof from->sha256);
+    return VOR_OK;
+}
+
 vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes, size_t size,
                            struct vor_error *err)
 {
     const char *at = bytes;
     size_t left = size;
 
+    assert(writer->digest != NULL);
     while (writer->failure.status == VOR_OK && left > 0) {
         ssize_t wrote = write(writer->fd, at, left);
 
@@ -144,7 +175,10 @@ uint64_t vor_blob_size(const struct vor_blob_writer *writer)
 
 void vor_blob_sha256(const struct vor_blob_writer *writer, char out[VOR_DIGEST_SIZE])
 {
-    vor_digest_hex(writer->digest, out);
+    if (writer->digest != NULL)
+        vor_digest_hex(writer->digest, out);
+    else
+        memcpy(out, writer->sha256, VOR_DIGEST_SIZE);
 }
 
 int vor_blob_fd(const struct vor_blob_writer *writer)

@@ -5,10 +5,13 @@
  *
  *    "input"       the input cloud: decoded and checked (vor_dump_write), kept until the job ends
  *    "input-NAME"  the input of that name, likewise
+ *    "upload"      the input cloud as it came, kept for whoever wants it again
+ *    "upload-NAME" the input of that name, likewise
  *    "NAME"        the output of that name: a cloud in its format or a document in JSON, kept until
  *                  the job expires or is removed
  *
- *  So no output is called "input", nor anything that begins with "input-". */
+ *  So no output is called "input" or "upload", nor anything that begins with one of these and a
+ *  hyphen. */
 #ifndef VOR_SERVER_BLOB_H
 #define VOR_SERVER_BLOB_H
 
@@ -19,6 +22,10 @@
  *
  *  @param[in] input  the input's name, at most VOR_BLOB_NAME_MAX - 6 bytes */
 const char *vor_blob_of_input(const char *input, char out[VOR_BLOB_NAME_MAX + 1]);
+
+/** The same for an input as it came, and whether a blob is one. */
+const char *vor_blob_of_upload(const char *input, char out[VOR_BLOB_NAME_MAX + 1]);
+int vor_blob_is_upload(const char *name);
 
 /** Driver number `index`, NULL past the last. */
 const struct vor_blob_driver *vor_blob_driver_at(unsigned index);
@@ -47,6 +54,20 @@ VOR_NODISCARD vor_status vor_blobs_space(struct vor_blobs *blobs, uint64_t *avai
  *
  *  @retval VOR_E_IO (vor_error_storage_full tells a full disk apart), VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_blob_create(struct vor_blobs *blobs, struct vor_blob_writer **out,
+                                         struct vor_error *err);
+
+/** Begins a blob with the bytes of another one, to which nothing can be appended. They stay there
+ *  for this writer when the other one is dropped, and take no room of their own where the driver
+ * can share them.
+ *
+ *  @param[out] found  0 when there is no such blob; *out is then NULL
+ *
+ *  @retval VOR_E_IO, VOR_E_NOMEM
+ *
+ *  Cost: none but opening a file; the commit copies the bytes where they cannot be shared. */
+VOR_NODISCARD vor_status vor_blob_reopen(struct vor_blobs *blobs,
+                                         const struct vor_blob_source *from,
+                                         struct vor_blob_writer **out, int *found,
                                          struct vor_error *err);
 
 /** @retval VOR_E_IO the bytes were not taken; the writer can only be discarded */

@@ -22,7 +22,8 @@ enum { ID_LENGTH = 36, FILE_SIZE = ID_LENGTH + 1 + VOR_BLOB_NAME_MAX + 1 };
 
 struct writer {
     struct vor_blob_writer base;
-    char file[FILE_SIZE]; /* in tmp; "" once it was committed */
+    char file[FILE_SIZE]; /* in tmp; "" once it was committed, and for what is in keep already */
+    char from[FILE_SIZE]; /* in keep: whose bytes these are; "" for new ones */
 };
 
 static void file_of(char out[FILE_SIZE], const struct vor_uuid *id, const char *name)
@@ -163,30 +164,90 @@ static vor_status space(struct vor_blobs *blobs, uint64_t *available, uint64_t *
     return VOR_OK;
 }
 
+/* Opens a file of the writer's own in tmp. */
+static vor_status open_temporary(struct directory *directory, struct writer *writer,
+                                 struct vor_error *err)
+{
+    struct vor_uuid id;
+    vor_status status = vor_uuid_make(&id, err);
+
+    if (status != VOR_OK)
+        return status;
+    writer->base.fd = openat(directory->tmp, id.text, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    if (writer->base.fd < 0)
+        return vor_fail_errno(err, errno, "a temporary file");
+    (void)snprintf(writer->file, sizeof writer->file, "%s", id.text);
+    return VOR_OK;
+}
+
 static vor_status create(struct vor_blobs *blobs, struct vor_blob_writer **out,
                          struct vor_error *err)
 {
-    struct directory *directory = (struct directory *)blobs;
     struct writer *writer = calloc(1, sizeof *writer);
-    struct vor_uuid id;
     vor_status status;
 
     if (writer == NULL)
         return vor_fail(err, VOR_E_NOMEM, "a temporary file");
-    status = vor_uuid_make(&id, err);
-    if (status == VOR_OK) {
-        (void)snprintf(writer->file, sizeof writer->file, "%s", id.text);
-        writer->base.fd =
-            openat(directory->tmp, writer->file, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-        if (writer->base.fd < 0)
-            status = vor_fail_errno(err, errno, "a temporary file");
-    }
+    status = open_temporary((struct directory *)blobs, writer, err);
     if (status != VOR_OK) {
         free(writer);
         return status;
     }
     *out = (struct vor_blob_writer *)writer;
     return VOR_OK;
+}
+
+/* Makes a name in keep durable, or takes it away. */
+static vor_status sync_name(struct directory *directory, const char *file, struct vor_error *err)
+{
+    vor_status status;
+
+    if (fsync(directory->keep) == 0)
+        return VOR_OK;
+    status = vor_fail_errno(err, errno, "making a blob's name durable");
+    (void)unlinkat(directory->keep, file, 0);
+    return status;
+}
+
+/* Appends all bytes of one file to another. */
+static int copy_bytes(int to, int from)
+{
+    char bytes[1 << 16];
+    off_t at = 0;
+
+    for (;;) {
+        ssize_t got = pread(from, bytes, sizeof bytes, at);
+
+        if (got == 0)
+            return 0;
+        if (got < 0 && errno != EINTR)
+            return -1;
+        for (ssize_t put = 0; put < got;) {
+            ssize_t wrote = write(to, bytes + put, (size_t)(got - put));
+
+            if (wrote < 0 && errno != EINTR)
+                return -1;
+            put += wrote > 0 ? wrote : 0;
+        }
+        at += got > 0 ? got : 0;
+    }
+}
+
+/* Gives a writer that reads another blob a file of its own with the same bytes. */
+static vor_status copy_source(struct directory *directory, struct writer *writer,
+                              struct vor_error *err)
+{
+    int from = writer->base.fd;
+    vor_status status = open_temporary(directory, writer, err);
+
+    if (status != VOR_OK) {
+        writer->base.fd = from;
+        return status;
+    }
+    if (copy_bytes(writer->base.fd, from) != 0)
+        status = vor_fail_errno(err, errno, "copying a blob");
+    close(from);
+    return status;
 }
 
 static vor_status commit(struct vor_blob_writer *base, const struct vor_uuid *id, const char *name,
@@ -198,16 +259,20 @@ static vor_status commit(struct vor_blob_writer *base, const struct vor_uuid *id
     vor_status status;
 
     file_of(file, id, name);
+    if (writer->from[0] != '\0') {
+        /* Not on every file system, and not once the other blob is dropped. */
+        if (linkat(directory->keep, writer->from, directory->keep, file, 0) == 0)
+            return sync_name(directory, file, err);
+        status = copy_source(directory, writer, err);
+        if (status != VOR_OK)
+            return status;
+    }
     if (fsync(base->fd) != 0)
         return vor_fail_errno(err, errno, "making a blob durable");
     if (renameat(directory->tmp, writer->file, directory->keep, file) != 0)
         return vor_fail_errno(err, errno, "naming a blob");
     writer->file[0] = '\0';
-    if (fsync(directory->keep) == 0)
-        return VOR_OK;
-    status = vor_fail_errno(err, errno, "making a blob's name durable");
-    (void)unlinkat(directory->keep, file, 0);
-    return status;
+    return sync_name(directory, file, err);
 }
 
 static void discard(struct vor_blob_writer *base)
@@ -240,6 +305,24 @@ static vor_status get(struct vor_blobs *blobs, const struct vor_uuid *id, const 
     *fd = opened;
     *size = (uint64_t)info.st_size;
     *found = 1;
+    return VOR_OK;
+}
+
+static vor_status reopen(struct vor_blobs *blobs, const struct vor_blob_source *from,
+                         struct vor_blob_writer **out, int *found, struct vor_error *err)
+{
+    struct writer *writer = calloc(1, sizeof *writer);
+    vor_status status;
+
+    if (writer == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "a blob to read again");
+    status = get(blobs, &from->id, from->name, &writer->base.fd, &writer->base.size, found, err);
+    if (status != VOR_OK || !*found) {
+        free(writer);
+        return status;
+    }
+    file_of(writer->from, &from->id, from->name);
+    *out = (struct vor_blob_writer *)writer;
     return VOR_OK;
 }
 
@@ -285,6 +368,7 @@ const struct vor_blob_driver vor_blob_dir = {
     .close = close_blobs,
     .space = space,
     .create = create,
+    .reopen = reopen,
     .commit = commit,
     .discard = discard,
     .get = get,

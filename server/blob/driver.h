@@ -21,14 +21,22 @@ struct vor_blobs {
     const struct vor_blob_driver *driver;
 };
 
+/** A blob that is there, and its digest. */
+struct vor_blob_source {
+    struct vor_uuid id;
+    char name[VOR_BLOB_NAME_MAX + 1];
+    char sha256[VOR_DIGEST_SIZE];
+};
+
 /** A blob being written. A driver's writer begins with this; the driver opens fd, the door does the
  *  rest. */
 struct vor_blob_writer {
     struct vor_blobs *blobs;
     int fd; /**< open for reading and writing; the driver closes it */
     uint64_t size;
-    struct vor_digest *digest;
-    struct vor_error failure; /**< of the first append that failed; else its status is VOR_OK */
+    struct vor_digest *digest;    /**< NULL when the bytes are those of another blob */
+    char sha256[VOR_DIGEST_SIZE]; /**< then */
+    struct vor_error failure;     /**< of the first append that failed; else its status is VOR_OK */
 };
 
 /** The functions of a driver. Each does what the function of blob.h with its name promises. */
@@ -43,6 +51,9 @@ struct vor_blob_driver {
     /** Makes a writer with its fd. */
     vor_status (*create)(struct vor_blobs *blobs, struct vor_blob_writer **out,
                          struct vor_error *err);
+    /** Makes a writer whose fd reads that blob, and whose size is its size. */
+    vor_status (*reopen)(struct vor_blobs *blobs, const struct vor_blob_source *from,
+                         struct vor_blob_writer **out, int *found, struct vor_error *err);
     /** Makes its bytes durable; discard follows in any case. */
     vor_status (*commit)(struct vor_blob_writer *writer, const struct vor_uuid *id,
                          const char *name, struct vor_error *err);

@@ -276,6 +276,8 @@ static vor_status check_files(const struct vor_cli *cli, struct vor_error *err)
                             "--%s does not go with --server: a request carries one cloud",
                             process->inputs[i].name);
     }
+    if (cli->option[VOR_OPTION_NAME] != NULL && cli->option[VOR_OPTION_SERVER] == NULL)
+        return vor_fail(err, VOR_E_PARAM, "--name goes with --server: it is the job's there");
     if (stdins > 1)
         return vor_fail(err, VOR_E_PARAM, "both clouds are -, and there is only one stdin");
     return VOR_OK;

@@ -21,6 +21,8 @@ enum {
       "Where the result goes; - is stdout, and the default of a document")                         \
     X(SERVER, "server", 0, "URL", "VORONOID_SERVER", VOR_COMMAND_REMOTE | VOR_COMMAND_ASKS,        \
       "The daemon that does the work (else it is done here) or is asked (health)")                 \
+    X(NAME, "name", 0, "TEXT", "", VOR_COMMAND_REMOTE,                                             \
+      "What the job is called in the daemon's lists, with --server")                               \
     X(THREADS, "threads", 0, "N", "VORONOID_THREADS", VOR_COMMAND_RUNS,                            \
       "Threads, 0 to 256, when the work is done here; 0, the default, is one for each core")       \
     X(JSON, "json", 0, "", "", VOR_COMMAND_RUNS,                                                   \

@@ -119,6 +119,7 @@ static void add_pair(struct vor_text *url, const char *separator, enum vor_param
 static void build_url(struct vor_text *url, const struct vor_cli *cli)
 {
     const char *server = cli->option[VOR_OPTION_SERVER], *separator = "?";
+    const char *name = cli->option[VOR_OPTION_NAME];
     const struct vor_process_info *process = cli->spec.process;
     const struct vor_format *format = vor_format_by_suffix(cli->option[VOR_OPTION_OUTPUT]);
     size_t length = strlen(server);
@@ -138,6 +139,10 @@ static void build_url(struct vor_text *url, const struct vor_cli *cli)
         else
             continue;
         separator = "&";
+    }
+    if (name != NULL) {
+        vor_text_printf(url, "%sname=", separator);
+        append_escaped(url, name);
     }
 }
 

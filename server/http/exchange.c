@@ -128,16 +128,14 @@ static void refuse(struct vor_request *request, const struct vor_refusal *refusa
     vor_reply_close(request);
 }
 
-/* The library takes no reply while a body arrives: we write it ourselves, then drop the
- * connection. */
-static enum MHD_Result abort_body(struct vor_request *request, const struct vor_refusal *refusal)
+/* Ends a request whose reply is recorded. The library takes no reply while a body arrives: we write
+ * it ourselves, then drop the connection. */
+static enum MHD_Result abort_body(struct vor_request *request)
 {
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-    char *raw;
+    char *raw = vor_reply_raw(request);
 
-    refuse(request, refusal);
-    raw = vor_reply_raw(request);
     if (raw != NULL && info != NULL)
         (void)send(info->connect_fd, raw, strlen(raw), MSG_DONTWAIT | MSG_NOSIGNAL);
     free(raw);
@@ -279,13 +277,16 @@ static enum MHD_Result take_piece(struct vor_request *request, const char *bytes
     vor_peer_received(request->http->watchman, request->peer, *size);
     if (request->received > request->limit) {
         vor_refusal_excess(detail, sizeof detail, &refusal, request->limit, request->limit);
-        return abort_body(request, &refusal);
+        refuse(request, &refusal);
+        return abort_body(request);
     }
     http = request->sink.write(request->sink.ctx, bytes, *size);
-    if (http != 0) {
+    if (http > 0) {
         vor_refusal_sink(&refusal, http);
-        return abort_body(request, &refusal);
+        refuse(request, &refusal);
     }
+    if (http != 0)
+        return abort_body(request);
     *size = 0;
     return MHD_YES;
 }

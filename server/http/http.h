@@ -173,8 +173,9 @@ void *vor_request_state(const struct vor_request *request);
 
 /* --- the body --------------------------------------------------------------------------------- */
 
-/** Where a body goes, piece by piece, on the HTTP thread. write returns 0, or an HTTP status (507)
- *  that ends the request with that problem while the body is still arriving. */
+/** Where a body goes, piece by piece, on the HTTP thread. write returns 0; or it ends the request
+ *  while the body is still arriving, by an HTTP status (507), which is answered as that problem, or
+ *  by -1 after one of vor_reply_bytes. */
 struct vor_body_sink {
     void *ctx;
     int (*write)(void *ctx, const void *bytes, size_t size);

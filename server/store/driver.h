@@ -32,12 +32,14 @@ struct vor_job_filter {
     const char *process; /**< borrowed; NULL for all */
     int64_t before_seq;  /**< only those with a smaller seq: the cursor; 0 from the newest */
     int64_t created_from, created_to;   /**< wall clock, inclusive; 0 for any */
+    const char *name;                   /**< borrowed; NULL for any */
     int64_t duration_min, duration_max; /**< ms since the start, of those that started; 0 for any */
     int64_t now;                        /**< wall clock: the end of what still runs */
     size_t limit;                       /**< 1 .. 10000 */
 };
 
-/** A job that has just expired: its blobs are to be dropped. */
+/** A job that has just expired, or whose uploads are kept no longer: its blobs, or those, are to be
+ *  dropped. */
 struct vor_expired {
     struct vor_uuid id;
     char process[32]; /**< as in the view */
@@ -71,6 +73,8 @@ struct vor_store_driver {
                          struct vor_error *err);
     vor_status (*get)(struct vor_store *store, const struct vor_uuid *id, struct vor_job_view *out,
                       int *found, struct vor_error *err);
+    vor_status (*find_key)(struct vor_store *store, const struct vor_job_key *key,
+                           struct vor_job_view *out, int *found, struct vor_error *err);
     vor_status (*report)(struct vor_store *store, const struct vor_uuid *id, char **report,
                          struct vor_error *err);
     vor_status (*trace)(struct vor_store *store, const struct vor_uuid *id, uint8_t **trace,
@@ -83,6 +87,8 @@ struct vor_store_driver {
                           struct vor_error *err);
     vor_status (*expire)(struct vor_store *store, int64_t now_ms, struct vor_expired *expired,
                          size_t max, size_t *count, struct vor_error *err);
+    vor_status (*shed)(struct vor_store *store, uint64_t quota, struct vor_expired *shed,
+                       size_t max, size_t *count, struct vor_error *err);
     vor_status (*recover)(struct vor_store *store, unsigned crashes_max, int64_t now_ms,
                           int64_t expires_ms, struct vor_recovered *recovered,
                           struct vor_error *err);

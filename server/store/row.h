@@ -72,12 +72,29 @@ struct vor_job_output {
  *  document "report". Stores of all versions have it there. */
 int vor_output_in_row(const struct vor_artefact_info *output);
 
+/** The name that a caller gives a job: so many characters at most, which in UTF-8 take up to four
+ *  bytes each, and a NUL. */
+enum { VOR_JOB_NAME_CHARACTERS = 200, VOR_JOB_NAME_SIZE = 4 * VOR_JOB_NAME_CHARACTERS + 1 };
+
+/** Sizes of a key and of who sent it, each with a NUL. */
+enum { VOR_JOB_KEY_SIZE = 256, VOR_JOB_PRINCIPAL_SIZE = 65 };
+
+/** What makes one job of a request that is sent again (the header Idempotency-Key): a key is that
+ * of one job, among the keys of its principal. */
+struct vor_job_key {
+    char principal[VOR_JOB_PRINCIPAL_SIZE]; /**< who sent it; "" as long as all callers are one */
+    char text[VOR_JOB_KEY_SIZE];            /**< "" for no key */
+    char fingerprint[VOR_DIGEST_SIZE];      /**< of what was asked for, inputs included */
+};
+
 /** Everything that statusInfo says: a row of the store, or a snapshot of a live job. A plain value
  *  that owns nothing. Times are wall-clock milliseconds, 0 for not yet. */
 struct vor_job_view {
     struct vor_uuid id;
-    int64_t seq;      /**< order of acceptance, from 1 */
-    char process[32]; /**< "resample" */
+    int64_t seq;                  /**< order of acceptance, from 1 */
+    char process[32];             /**< "resample" */
+    char name[VOR_JOB_NAME_SIZE]; /**< UTF-8, or "" */
+    struct vor_job_key key;
     enum vor_job_status status;
     enum vor_stage stage;
     int progress;         /**< 0 .. 100, never decreases; 100 only when successful */
@@ -90,6 +107,7 @@ struct vor_job_view {
     unsigned inputs;      /**< bit i: input i of the process came along; the main one always does */
     struct vor_job_input input[VOR_INPUTS_MAX];    /**< in the order of the process's inputs */
     struct vor_job_output output[VOR_OUTPUTS_MAX]; /**< likewise of its outputs; successful */
+    uint64_t kept; /**< bytes of its uploads that are kept; 0 when they are not, or no more */
     int has_record;
     struct vor_record record; /**< the latest */
     struct vor_error problem; /**< failed; status VOR_OK otherwise */

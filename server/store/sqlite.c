@@ -4,6 +4,7 @@
 #include "server/base/disk.h"
 #include "server/store/row_text.h"
 #include "server/store/sqlite_database.h"
+#include "server/store/sqlite_many.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -45,6 +46,14 @@ static const char *const steps[] = {
     "CREATE INDEX job_expires ON job (expires) WHERE expires > 0;",
     /* 2: inputs and outputs beside the main ones */
     "ALTER TABLE job ADD COLUMN inputs TEXT; ALTER TABLE job ADD COLUMN outputs TEXT;",
+    /* 3: names, keys, kept uploads */
+    "ALTER TABLE job ADD COLUMN name TEXT NOT NULL DEFAULT '';"
+    "ALTER TABLE job ADD COLUMN principal TEXT NOT NULL DEFAULT '';"
+    "ALTER TABLE job ADD COLUMN idem_key TEXT;"
+    "ALTER TABLE job ADD COLUMN fingerprint TEXT NOT NULL DEFAULT '';"
+    "ALTER TABLE job ADD COLUMN kept INTEGER NOT NULL DEFAULT 0;"
+    "CREATE UNIQUE INDEX job_key ON job (principal, idem_key) WHERE idem_key IS NOT NULL;"
+    "CREATE INDEX job_kept ON job (finished, seq, kept) WHERE kept > 0;",
 };
 
 enum { SCHEMA_VERSION = sizeof steps / sizeof steps[0] };
@@ -171,11 +180,14 @@ static vor_status insert(struct vor_store *store, struct vor_job_view *row, stru
         status = vor_sqlite_change_each(
             db_of(store), take_seq, &seq, err,
             "INSERT INTO job (id, process_id, status, message, request, inputs, input_format,"
-            " input_points, input_bytes, input_sha256, input_seconds, created, updated)"
-            " VALUES (?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) RETURNING seq",
-            "tttttiiitrii", row->id.text, row->process, row->message, text.request.data,
+            " input_points, input_bytes, input_sha256, input_seconds, created, updated, name,"
+            " principal, idem_key, fingerprint, kept)"
+            " VALUES (?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) RETURNING seq",
+            "tttttiiitriitttti", row->id.text, row->process, row->message, text.request.data,
             text.inputs.data, (int64_t)input->format, (int64_t)input->points, (int64_t)input->bytes,
-            input->sha256, input->seconds, row->created, row->created);
+            input->sha256, input->seconds, row->created, row->created, row->name,
+            row->key.principal, row->key.text[0] != '\0' ? row->key.text : NULL,
+            row->key.fingerprint, (int64_t)row->kept);
     if (status == VOR_OK)
         row->seq = seq;
     vor_row_text_free(&text);
@@ -252,14 +264,15 @@ static vor_status finish(struct vor_store *store, const struct vor_job_view *row
             "UPDATE job SET status = ?3, progress = ?4, message = ?5, metrics = ?6,"
             " problem = ?7, report = ?8, trace = ?9, output_format = ?10,"
             " output_points = ?11, output_bytes = ?12, output_sha256 = ?13,"
-            " updated = ?14, finished = ?14, expires = ?15, attempt = ?16, outputs = ?17"
+            " updated = ?14, finished = ?14, expires = ?15, attempt = ?16, outputs = ?17,"
+            " kept = ?18"
             " WHERE id = ?1 AND CASE ?2 WHEN 0 THEN status IN ('accepted', 'running')"
             " ELSE status = 'running' AND attempt = ?2 END",
-            "titittttbiiitiiit", row->id.text, (int64_t)attempt, vor_job_status_word(row->status),
+            "titittttbiiitiiiti", row->id.text, (int64_t)attempt, vor_job_status_word(row->status),
             (int64_t)row->progress, row->message, text.metrics.data, text.problem.data,
             ending->report, ending->trace, ending->trace_size, (int64_t)output->format,
             (int64_t)output->points, (int64_t)output->bytes, output->sha256, row->finished,
-            row->expires, (int64_t)row->attempt, text.outputs.data);
+            row->expires, (int64_t)row->attempt, text.outputs.data, (int64_t)row->kept);
     vor_row_text_free(&text);
     return status;
 }
@@ -279,7 +292,8 @@ static vor_status remove_row(struct vor_store *store, const struct vor_uuid *id,
     " input_format, input_points, input_bytes, input_sha256, input_seconds,"                       \
     " output_format, output_points, output_bytes, output_sha256,"                                  \
     " length(CAST(report AS BLOB)),"                                                               \
-    " attempt, created, started, updated, finished, expires, expired"
+    " attempt, created, started, updated, finished, expires, expired,"                             \
+    " name, principal, idem_key, fingerprint, kept"
 
 static void copy_text(char *out, size_t size, struct vor_sqlite_row *from)
 {
@@ -354,6 +368,11 @@ static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)
     out->finished = vor_sqlite_number(row);
     out->expires = vor_sqlite_number(row);
     out->expired = (int)vor_sqlite_number(row);
+    copy_text(out->name, sizeof out->name, row);
+    copy_text(out->key.principal, sizeof out->key.principal, row);
+    copy_text(out->key.text, sizeof out->key.text, row);
+    copy_text(out->key.fingerprint, sizeof out->key.fingerprint, row);
+    out->kept = (uint64_t)vor_sqlite_number(row);
     out->stage = stage_of(out);
 }
 
@@ -378,6 +397,19 @@ static vor_status get(struct vor_store *store, const struct vor_uuid *id, struct
     vor_status status =
         vor_sqlite_query(db_of(store), take_row, &taken, err,
                          "SELECT " ROW_COLUMNS " FROM job WHERE id = ?", "t", id->text);
+
+    *found = taken.found;
+    return status;
+}
+
+static vor_status find_key(struct vor_store *store, const struct vor_job_key *key,
+                           struct vor_job_view *out, int *found, struct vor_error *err)
+{
+    struct taken taken = {.row = out};
+    vor_status status =
+        vor_sqlite_query(db_of(store), take_row, &taken, err,
+                         "SELECT " ROW_COLUMNS " FROM job WHERE principal = ? AND idem_key = ?",
+                         "tt", key->principal, key->text);
 
     *found = taken.found;
     return status;
@@ -490,79 +522,32 @@ static vor_status list_rows(struct vor_store *store, const struct vor_job_filter
                             " AND created >= ?5 AND (?6 = 0 OR created <= ?6)"
                             " AND (?7 = 0 OR (started > 0 AND " DURATION " >= ?7))"
                             " AND (?8 = 0 OR (started > 0 AND " DURATION " <= ?8))"
+                            " AND (?10 IS NULL OR name = ?10)"
                             " ORDER BY seq DESC LIMIT ?4",
-                            "ttiiiiiii", statuses, filter->process, filter->before_seq,
+                            "ttiiiiiiit", statuses, filter->process, filter->before_seq,
                             (int64_t)filter->limit, filter->created_from, filter->created_to,
-                            filter->duration_min, filter->duration_max, filter->now);
+                            filter->duration_min, filter->duration_max, filter->now, filter->name);
 }
 
-/* --- time ------------------------------------------------------------------------------------- */
-
-struct expiry {
-    struct vor_expired *expired;
-    size_t count;
-};
-
-static void take_expired(void *ctx, struct vor_sqlite_row *row)
-{
-    struct expiry *expiry = ctx;
-    struct vor_expired *one = &expiry->expired[expiry->count++];
-
-    copy_text(one->id.text, sizeof one->id.text, row);
-    copy_text(one->process, sizeof one->process, row);
-}
+/* --- many rows at once ------------------------------------------------------------------------ */
 
 static vor_status expire(struct vor_store *store, int64_t now_ms, struct vor_expired *expired,
                          size_t max, size_t *count, struct vor_error *err)
 {
-    struct expiry expiry = {.expired = expired};
-    int forgotten;
-    vor_status status = vor_sqlite_change_each(
-        db_of(store), take_expired, &expiry, err,
-        "UPDATE job SET expired = 1, report = NULL, trace = NULL WHERE seq IN"
-        " (SELECT seq FROM job WHERE expires > 0 AND expires <= ? AND expired = 0"
-        " ORDER BY expires LIMIT ?) RETURNING id, process_id",
-        "ii", now_ms, (int64_t)max);
+    return vor_sqlite_expire(db_of(store), now_ms, expired, max, count, err);
+}
 
-    if (status == VOR_OK)
-        status = vor_sqlite_change(db_of(store), &forgotten, err,
-                                   "DELETE FROM job WHERE expires > 0 AND expires <= ?1"
-                                   " AND expired = 1 AND expires + (expires - finished) <= ?1",
-                                   "i", now_ms);
-    *count = status == VOR_OK ? expiry.count : 0;
-    return status;
+static vor_status shed(struct vor_store *store, uint64_t quota, struct vor_expired *shed,
+                       size_t max, size_t *count, struct vor_error *err)
+{
+    return vor_sqlite_shed(db_of(store), quota, shed, max, count, err);
 }
 
 static vor_status recover(struct vor_store *store, unsigned crashes_max, int64_t now_ms,
                           int64_t expires_ms, struct vor_recovered *recovered,
                           struct vor_error *err)
 {
-    struct vor_job_view row = {.problem = {.status = VOR_OK}};
-    struct vor_row_text text;
-    int failed = 0, requeued = 0;
-    vor_status status;
-
-    (void)vor_fail(&row.problem, VOR_E_INTERNAL,
-                   "the daemon ended %u times while it worked on this job", crashes_max);
-    status = vor_row_write(&text, &row, err);
-    if (status == VOR_OK)
-        status =
-            vor_sqlite_change(db_of(store), &failed, err,
-                              "UPDATE job SET status = 'failed', problem = ?2, message = ?3,"
-                              " updated = ?4, finished = ?4, expires = ?5, crashes = crashes + 1"
-                              " WHERE status = 'running' AND crashes + 1 >= ?1",
-                              "ittii", (int64_t)crashes_max, text.problem.data, row.problem.message,
-                              now_ms, expires_ms);
-    if (status == VOR_OK)
-        status = vor_sqlite_change(
-            db_of(store), &requeued, err,
-            "UPDATE job SET status = 'accepted', crashes = crashes + 1, updated = ?"
-            " WHERE status = 'running'",
-            "i", now_ms);
-    recovered->failed = (uint64_t)failed;
-    recovered->requeued = (uint64_t)requeued;
-    vor_row_text_free(&text);
-    return status;
+    return vor_sqlite_recover(db_of(store), crashes_max, now_ms, expires_ms, recovered, err);
 }
 
 const struct vor_store_driver vor_store_sqlite = {
@@ -578,10 +563,12 @@ const struct vor_store_driver vor_store_sqlite = {
     .finish = finish,
     .remove = remove_row,
     .get = get,
+    .find_key = find_key,
     .report = get_report,
     .trace = get_trace,
     .list = list_rows,
     .waiting = waiting,
     .expire = expire,
+    .shed = shed,
     .recover = recover,
 };

@@ -102,6 +102,12 @@ vor_status vor_store_get(struct vor_store *store, const struct vor_uuid *id,
     return store->driver->get(store, id, out, found, err);
 }
 
+vor_status vor_store_find_key(struct vor_store *store, const struct vor_job_key *key,
+                              struct vor_job_view *out, int *found, struct vor_error *err)
+{
+    return store->driver->find_key(store, key, out, found, err);
+}
+
 vor_status vor_store_report(struct vor_store *store, const struct vor_uuid *id, char **report,
                             struct vor_error *err)
 {
@@ -138,6 +144,12 @@ vor_status vor_store_expire(struct vor_store *store, int64_t now_ms, struct vor_
                             size_t max, size_t *count, struct vor_error *err)
 {
     return store->driver->expire(store, now_ms, expired, max, count, err);
+}
+
+vor_status vor_store_shed(struct vor_store *store, uint64_t quota, struct vor_expired *shed,
+                          size_t max, size_t *count, struct vor_error *err)
+{
+    return store->driver->shed(store, quota, shed, max, count, err);
 }
 
 vor_status vor_store_recover(struct vor_store *store, unsigned crashes_max, int64_t now_ms,

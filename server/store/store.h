@@ -34,7 +34,9 @@ void vor_store_close(struct vor_store *store);
 /** Is it in working order? For /readyz. */
 VOR_NODISCARD vor_status vor_store_check(struct vor_store *store, struct vor_error *err);
 
-/** Adds an accepted job; sets row->seq. The blobs of its inputs must be durable before. */
+/** Adds an accepted job; sets row->seq. The blobs of its inputs must be durable before.
+ *
+ *  @retval VOR_E_IO also when the row's key is that of another job */
 VOR_NODISCARD vor_status vor_store_insert(struct vor_store *store, struct vor_job_view *row,
                                           struct vor_error *err);
 
@@ -56,7 +58,7 @@ VOR_NODISCARD vor_status vor_store_release(struct vor_store *store, const struct
                                            struct vor_error *err);
 
 /** accepted or running -> row->status (a final one), with progress, record, outputs, problem,
- *  message, finished and expires of the row.
+ *  message, finished, expires and kept of the row.
  *
  *  @param[in]  attempt  only if this is the running attempt; 0 for whichever, also a waiting job
  *  @param[in]  ending   may be NULL
@@ -68,6 +70,14 @@ VOR_NODISCARD vor_status vor_store_finish(struct vor_store *store, const struct 
 /** @param[out] found  0 when there is no such job; *out is then untouched */
 VOR_NODISCARD vor_status vor_store_get(struct vor_store *store, const struct vor_uuid *id,
                                        struct vor_job_view *out, int *found, struct vor_error *err);
+
+/** The job that has this key of this principal; key->fingerprint does not matter. A job has its key
+ *  until it expires or is removed.
+ *
+ *  @param[out] found  0 when there is none; *out is then untouched */
+VOR_NODISCARD vor_status vor_store_find_key(struct vor_store *store, const struct vor_job_key *key,
+                                            struct vor_job_view *out, int *found,
+                                            struct vor_error *err);
 
 /** The report of a job as JSON, the trace as bytes: malloc, the caller frees; NULL when there is
  *  none. The report is NUL-terminated.
@@ -98,13 +108,23 @@ VOR_NODISCARD vor_status vor_store_remove(struct vor_store *store, const struct 
                                           int *changed, struct vor_error *err);
 
 /** Marks up to max jobs whose time is over as expired, those first whose time was over first, and
- *  drops their report and trace. expired gets them in any order: the caller then drops their
- *  blobs. Forgets jobs that expired longer ago than they lived. Call again while count is max.
+ *  drops their report, trace and key. expired gets them in any order: the caller then drops their
+ *  blobs, kept uploads included. Forgets jobs that expired longer ago than they lived. Call again
+ * while count is max.
  *
  *  Cost: two changes, however many jobs there are. */
 VOR_NODISCARD vor_status vor_store_expire(struct vor_store *store, int64_t now_ms,
                                           struct vor_expired *expired, size_t max, size_t *count,
                                           struct vor_error *err);
+
+/** While more than `quota` bytes of uploads are kept, sets `kept` of jobs to 0, of those first that
+ *  ended first, and never of a job that is not over. shed gets up to max of them in any order: the
+ *  caller then drops their uploads. Call again while count is max.
+ *
+ *  Cost: a read as long as the quota holds, else a change. */
+VOR_NODISCARD vor_status vor_store_shed(struct vor_store *store, uint64_t quota,
+                                        struct vor_expired *shed, size_t max, size_t *count,
+                                        struct vor_error *err);
 
 /** At start, before anything else: what was running when the daemon died becomes accepted again, or
  *  failed (VOR_E_INTERNAL) when that has happened crashes_max times. recovered gets how many of

@@ -92,34 +92,96 @@ vor_status vor_admit_file(struct vor_admitted *admitted, const char *name, struc
     return VOR_OK;
 }
 
+void vor_admit_keep(struct vor_admitted *admitted, struct vor_blob_writer *upload,
+                    const struct vor_admit_limits *limits)
+{
+    struct vor_admitted_input *input = &admitted->item[admitted->count - 1];
+    char blob[VOR_BLOB_NAME_MAX + 1];
+    struct vor_error err;
+
+    if (upload == NULL || vor_blob_size(upload) > limits->keep) {
+        vor_blob_discard(upload);
+        return;
+    }
+    input->is_kept = vor_blob_commit(upload, &admitted->id, vor_blob_of_upload(input->name, blob),
+                                     &err) == VOR_OK;
+    if (!input->is_kept)
+        vor_log(VOR_LOG_WARN, "upload not kept", VOR_TEXT("job", admitted->id.text),
+                VOR_TEXT("input", input->name), VOR_TEXT("error", err.message));
+}
+
+static void drop_blob(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name)
+{
+    struct vor_error err;
+
+    if (vor_blob_drop(blobs, id, name, &err) != VOR_OK)
+        vor_log(VOR_LOG_WARN, "input not dropped", VOR_TEXT("job", id->text),
+                VOR_TEXT("blob", name), VOR_TEXT("error", err.message));
+}
+
 void vor_admit_drop(struct vor_blobs *blobs, const struct vor_admitted *admitted)
 {
     for (unsigned i = 0; i < admitted->count; i++) {
+        const struct vor_admitted_input *input = &admitted->item[i];
         char blob[VOR_BLOB_NAME_MAX + 1];
-        struct vor_error err;
 
-        if (vor_blob_drop(blobs, &admitted->id, vor_blob_of_input(admitted->item[i].name, blob),
-                          &err) != VOR_OK)
-            vor_log(VOR_LOG_WARN, "input not dropped", VOR_TEXT("job", admitted->id.text),
-                    VOR_TEXT("input", admitted->item[i].name), VOR_TEXT("error", err.message));
+        drop_blob(blobs, &admitted->id, vor_blob_of_input(input->name, blob));
+        if (input->is_kept)
+            drop_blob(blobs, &admitted->id, vor_blob_of_upload(input->name, blob));
     }
+}
+
+/* Says which of several inputs is at fault. */
+static void name_input(struct vor_error *err, const char *name)
+{
+    struct vor_error was = *err;
+
+    (void)vor_fail_param(err, was.status, name, "%s: %s", name, was.message);
+    err->byte_offset = was.byte_offset;
+    err->limit = was.limit;
+    err->got = was.got;
+}
+
+static vor_status admit_all(struct vor_admission *admission)
+{
+    const struct vor_admit *admit = admission->admit;
+    struct vor_uploads *uploads = &admission->uploads;
+    uint64_t most = admit->limits.inflated;
+    vor_status status = VOR_OK;
+
+    for (unsigned i = 0; i < uploads->count && status == VOR_OK; i++) {
+        struct vor_upload *upload = &uploads->item[i];
+
+        status = vor_upload_inflate(upload, admit->blobs, &most, &admission->error);
+        if (status == VOR_OK)
+            status = vor_admit_file(&admission->admitted, upload->name, admit->blobs, upload->bytes,
+                                    &admit->limits, &admission->error);
+        if (status == VOR_OK) {
+            vor_admit_keep(&admission->admitted, upload->bytes, &admit->limits);
+            upload->bytes = NULL;
+        }
+        if (status != VOR_OK && uploads->count > 1)
+            name_input(&admission->error, upload->name);
+    }
+    if (status != VOR_OK) {
+        vor_admit_drop(admit->blobs, &admission->admitted);
+        admission->admitted.count = 0;
+    }
+    return status;
 }
 
 static void run_admission(void *ctx)
 {
     struct vor_admission *admission = ctx;
-    struct vor_admit *admit = admission->admit;
 
-    if (vor_crew_closing(admit->crew))
+    if (vor_crew_closing(admission->admit->crew))
         admission->status =
             vor_fail(&admission->error, VOR_E_CANCELLED, "the daemon is going down");
     else
-        admission->status = vor_admit_file(&admission->admitted, admission->name, admit->blobs,
-                                           admission->upload, &admit->limits, &admission->error);
+        admission->status = admit_all(admission);
     if (admission->status == VOR_OK)
         admission->error.status = VOR_OK;
-    vor_blob_discard(admission->upload);
-    admission->upload = NULL;
+    vor_uploads_discard(&admission->uploads);
     admission->done(admission);
 }
 

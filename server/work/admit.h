@@ -8,13 +8,16 @@
 #include "server/blob/blob.h"
 #include "server/jobs/job.h"
 #include "server/work/crew.h"
+#include "server/work/upload.h"
 
 #include <stddef.h>
 
 /** What decoding may cost. */
 struct vor_admit_limits {
     struct vor_limits codec;
-    size_t memory; /**< bytes */
+    size_t memory;     /**< bytes */
+    uint64_t inflated; /**< bytes that may come of all gzip uploads of a request */
+    uint64_t keep;     /**< uploads of at most so many bytes are kept as they came; 0: none is */
 };
 
 /** The inputs of a job to be: their bytes are kept, but no row needs them yet. A plain value, all
@@ -26,6 +29,7 @@ struct vor_admitted {
         const char *name; /**< borrowed */
         struct vor_job_input found;
         struct vor_extent extent;
+        int is_kept; /**< the upload has a blob as well */
     } item[VOR_INPUTS_MAX];
 };
 
@@ -47,24 +51,31 @@ VOR_NODISCARD vor_status vor_admit_file(struct vor_admitted *admitted, const cha
                                         const struct vor_admit_limits *limits,
                                         struct vor_error *err);
 
+/** Keeps the upload that the input added last came from, durably, if the limits allow. Else, and
+ * when the disk refuses, which is logged, the job does without. upload is gone either way; it may
+ * be NULL, and then nothing is kept.
+ *
+ *  Cost: an fsync. */
+void vor_admit_keep(struct vor_admitted *admitted, struct vor_blob_writer *upload,
+                    const struct vor_admit_limits *limits);
+
 /** Removes the bytes of inputs that will be no job's. A failure is logged; the next start removes
  *  them. */
 void vor_admit_drop(struct vor_blobs *blobs, const struct vor_admitted *admitted);
 
-/** A pool of threads that admit uploads, so that HTTP threads do not wait. */
+/** A pool of threads that inflate and admit uploads, so that HTTP threads do not wait. */
 struct vor_admit;
 
-/** One upload on its way. The caller fills in name, upload, done and ctx and keeps the struct until
- *  done was called. */
+/** The uploads of a request on their way. The caller fills in uploads (at least one), done and ctx
+ *  and keeps the struct until done was called. */
 struct vor_admission {
-    const char *name;                              /**< of the input, as vor_admit_file has it */
-    struct vor_blob_writer *upload;                /**< taken over, discarded before done */
+    struct vor_uploads uploads;                    /**< taken over, none left before done */
     void (*done)(struct vor_admission *admission); /**< on an admission thread; may block, e.g. on
                                                         vor_worker_submit */
     void *ctx;
-    vor_status status; /**< from here: the answer */
-    struct vor_error error;
-    struct vor_admitted admitted; /**< this input alone, when status is VOR_OK */
+    vor_status status;            /**< from here: the answer */
+    struct vor_error error;       /**< names the input at fault if there are several */
+    struct vor_admitted admitted; /**< all inputs, when status is VOR_OK; else none */
     struct vor_admit *admit;      /**< from here: the admission's own */
     struct vor_task task;
 };

@@ -56,7 +56,7 @@ static vor_status check_origin(const struct vor_job_view *row, const struct vor_
 }
 
 static void first_row(struct vor_job_view *row, const struct vor_uuid *id,
-                      const struct vor_spec *spec)
+                      const struct vor_spec *spec, const struct vor_job_label *label)
 {
     *row = (struct vor_job_view){.id = *id,
                                  .status = VOR_JOB_ACCEPTED,
@@ -69,6 +69,10 @@ static void first_row(struct vor_job_view *row, const struct vor_uuid *id,
     (void)snprintf(row->process, sizeof row->process, "%s", spec->process->id);
     row->updated = row->created;
     row->problem.byte_offset = -1;
+    if (label != NULL && label->name != NULL)
+        (void)snprintf(row->name, sizeof row->name, "%s", label->name);
+    if (label != NULL && label->key != NULL)
+        row->key = *label->key;
 }
 
 /* Puts the inputs into their places in the row. */
@@ -87,6 +91,7 @@ static vor_status take_inputs(struct vor_job_view *row, const struct vor_admitte
                                   name);
         row->inputs |= 1u << (info - process->inputs);
         row->input[info - process->inputs] = admitted->item[i].found;
+        row->kept += admitted->item[i].is_kept ? admitted->item[i].found.bytes : 0;
     }
     status = vor_spec_check_inputs(&row->spec, row->inputs, err);
     if (status == VOR_OK && vor_process_takes(process, VOR_PARAM_FORMAT) &&
@@ -137,22 +142,27 @@ static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_vie
 
 enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
                                        const struct vor_admitted *admitted,
-                                       const struct vor_spec *spec, struct vor_job_view *out,
+                                       const struct vor_spec *spec,
+                                       const struct vor_job_label *label, struct vor_job_view *out,
                                        struct vor_error *err)
 {
     enum vor_job_outcome outcome = VOR_FAILED;
     struct vor_job_view row;
 
-    first_row(&row, &admitted->id, spec);
+    first_row(&row, &admitted->id, spec, label);
     if (take_inputs(&row, admitted, err) == VOR_OK &&
         check_target(spec, &row.input[0], err) == VOR_OK &&
         check_origin(&row, admitted, err) == VOR_OK)
         outcome = submit(worker, &row, err);
-    if (outcome != VOR_DONE)
+    if (outcome != VOR_DONE) {
         vor_admit_drop(worker->config.blobs, admitted);
-    else if (out != NULL)
+        return outcome;
+    }
+    if (row.kept > 0)
+        vor_worker_shed(worker);
+    if (out != NULL)
         *out = row;
-    return outcome;
+    return VOR_DONE;
 }
 
 /* --- looking ---------------------------------------------------------------------------------- */
@@ -184,6 +194,18 @@ enum vor_job_outcome vor_worker_get(struct vor_worker *worker, const struct vor_
                                     struct vor_job_view *out, struct vor_error *err)
 {
     return live_view(worker, id, out) ? VOR_DONE : row_view(worker, id, out, err);
+}
+
+enum vor_job_outcome vor_worker_find_key(struct vor_worker *worker, const struct vor_job_key *key,
+                                         struct vor_job_view *out, struct vor_error *err)
+{
+    int found;
+
+    if (vor_store_find_key(worker->config.store, key, out, &found, err) != VOR_OK)
+        return VOR_FAILED;
+    if (!found)
+        return VOR_UNKNOWN;
+    return strcmp(out->key.fingerprint, key->fingerprint) == 0 ? VOR_DONE : VOR_CONFLICT;
 }
 
 struct listing {
@@ -311,6 +333,7 @@ static enum vor_job_outcome dismiss_live(struct vor_worker *worker, struct vor_j
     if (!vor_job_freeze(job))
         return VOR_CONFLICT;
     vor_worker_ending(worker, job, VOR_JOB_DISMISSED, out);
+    out->kept = 0;
     explain(out, why);
     status = vor_worker_finish(worker, job, out, 0, NULL, &changed, err);
     vor_job_thaw(job);
@@ -324,6 +347,7 @@ static enum vor_job_outcome dismiss_live(struct vor_worker *worker, struct vor_j
         vor_worker_drop_outputs(worker, &out->id, out->process); /* of an attempt before a crash */
     }
     vor_worker_drop_inputs(worker, &out->id, out->process);
+    vor_worker_drop_uploads(worker, &out->id, out->process);
     vor_log(VOR_LOG_INFO, "job dismissed", VOR_TEXT("job", out->id.text), VOR_TEXT("why", why));
     return VOR_DONE;
 }
@@ -337,12 +361,14 @@ static enum vor_job_outcome dismiss_row(struct vor_worker *worker, const char *w
     if (vor_job_status_over(row->status))
         return VOR_CONFLICT;
     row->status = VOR_JOB_DISMISSED;
+    row->kept = 0;
     row->finished = vor_clock_wall_ms();
     row->expires = row->finished + (int64_t)(worker->config.ttl_seconds * 1000);
     explain(row, why);
     if (vor_store_finish(worker->config.store, row, 0, NULL, &changed, err) != VOR_OK)
         return VOR_FAILED;
     vor_worker_drop_inputs(worker, &row->id, row->process);
+    vor_worker_drop_uploads(worker, &row->id, row->process);
     vor_worker_drop_outputs(worker, &row->id, row->process);
     return changed ? VOR_DONE : VOR_CONFLICT;
 }
@@ -382,6 +408,7 @@ static enum vor_job_outcome remove_job(struct vor_worker *worker, const struct v
         vor_worker_forget(worker, job); /* its runner has not unwound yet */
     vor_job_release(job);
     vor_worker_drop_inputs(worker, id, row->process);
+    vor_worker_drop_uploads(worker, id, row->process);
     vor_worker_drop_outputs(worker, id, row->process);
     vor_log(VOR_LOG_INFO, "job removed", VOR_TEXT("job", id->text));
     return VOR_DONE;

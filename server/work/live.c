@@ -169,6 +169,16 @@ void vor_worker_drop_inputs(struct vor_worker *worker, const struct vor_uuid *id
         vor_worker_drop(worker, id, vor_blob_of_input(info->inputs[i].name, blob));
 }
 
+void vor_worker_drop_uploads(struct vor_worker *worker, const struct vor_uuid *id,
+                             const char *process)
+{
+    const struct vor_process_info *info = vor_process_find(process);
+    char blob[VOR_BLOB_NAME_MAX + 1];
+
+    for (unsigned i = 0; info != NULL && info->inputs[i].name != NULL; i++)
+        vor_worker_drop(worker, id, vor_blob_of_upload(info->inputs[i].name, blob));
+}
+
 void vor_worker_drop_outputs(struct vor_worker *worker, const struct vor_uuid *id,
                              const char *process)
 {
@@ -177,4 +187,23 @@ void vor_worker_drop_outputs(struct vor_worker *worker, const struct vor_uuid *i
     for (unsigned i = 0; info != NULL && info->outputs[i].name != NULL; i++)
         if (!vor_output_in_row(&info->outputs[i]))
             vor_worker_drop(worker, id, info->outputs[i].name);
+}
+
+void vor_worker_shed(struct vor_worker *worker)
+{
+    enum { BATCH = 64 };
+    struct vor_expired shed[BATCH];
+    size_t count = BATCH, total = 0;
+    struct vor_error err;
+
+    while (count == BATCH) {
+        if (vor_store_shed(worker->config.store, worker->config.keep, shed, BATCH, &count, &err) !=
+            VOR_OK)
+            vor_log(VOR_LOG_WARN, "uploads not shed", VOR_TEXT("error", err.message));
+        for (size_t i = 0; i < count; i++)
+            vor_worker_drop_uploads(worker, &shed[i].id, shed[i].process);
+        total += count;
+    }
+    if (total > 0)
+        vor_log(VOR_LOG_INFO, "uploads shed", VOR_COUNT("jobs", total));
 }

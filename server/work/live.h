@@ -88,11 +88,19 @@ VOR_NODISCARD vor_status vor_worker_finish(struct vor_worker *worker, struct vor
 /** Removes a blob that nobody needs any more. A failure is logged; the next start removes it. */
 void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, const char *name);
 
-/** The same for the inputs, and for the outputs, of a job of that process; those of a process that
- *  this version does not know are left to the next start. */
+/** The same for the inputs, the uploads that are kept, and the outputs, of a job of that process;
+ *  those of a process that this version does not know are left to the next start. */
 void vor_worker_drop_inputs(struct vor_worker *worker, const struct vor_uuid *id,
                             const char *process);
+void vor_worker_drop_uploads(struct vor_worker *worker, const struct vor_uuid *id,
+                             const char *process);
 void vor_worker_drop_outputs(struct vor_worker *worker, const struct vor_uuid *id,
                              const char *process);
+
+/** Drops uploads of jobs that are over, of those first that ended first, until the quota holds. A
+ *  failure is logged; whoever sheds next tries again.
+ *
+ *  Cost: a read of the store as long as the quota holds. */
+void vor_worker_shed(struct vor_worker *worker);
 
 #endif

@@ -159,8 +159,8 @@ static void note_blob(void *ctx, const struct vor_uuid *id, const char *name)
 }
 
 /* A job that is not over needs all its blobs; it may be writing its outputs just now. A job that is
- * over needs only its outputs, if it was successful. When the store cannot be read, or the process
- * is not known, a blob counts as needed. */
+ * over needs only its outputs, if it was successful, and its uploads as long as its row counts
+ * them. When the store cannot be read, or the process is not known, a blob counts as needed. */
 static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blob)
 {
     const struct vor_process_info *process;
@@ -175,6 +175,8 @@ static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blo
     process = vor_process_find(row.process);
     if (!vor_job_status_over(row.status) || process == NULL)
         return 1;
+    if (vor_blob_is_upload(blob->name))
+        return row.kept > 0;
     output = vor_artefact_find(process->outputs, blob->name);
     return row.status == VOR_JOB_SUCCESSFUL && output != NULL && !vor_output_in_row(output);
 }
@@ -205,12 +207,15 @@ vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
     while (status == VOR_OK && count == BATCH) {
         status = vor_store_expire(worker->config.store, vor_clock_wall_ms(), expired, BATCH, &count,
                                   err);
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; i++) {
             vor_worker_drop_outputs(worker, &expired[i].id, expired[i].process);
+            vor_worker_drop_uploads(worker, &expired[i].id, expired[i].process);
+        }
         total += count;
     }
     if (total > 0)
         vor_log(VOR_LOG_INFO, "results expired", VOR_COUNT("jobs", total));
+    vor_worker_shed(worker);
     return status;
 }
 

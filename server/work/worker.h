@@ -25,6 +25,7 @@ struct vor_worker_config {
     size_t queue;         /**< wait at most, at least 1 */
     size_t memory;        /**< bytes a job may have */
     double ttl_seconds;   /**< results live this long after the job's end */
+    uint64_t keep;        /**< bytes of uploads that are kept; 0 for none */
     unsigned crashes_max; /**< a job that was running in so many crashes of the daemon fails */
 };
 
@@ -57,11 +58,19 @@ struct vor_worker_load {
 };
 void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out);
 
+/** What a job is called, and what makes it the same when it is asked for again; either may be NULL.
+ */
+struct vor_job_label {
+    const char *name;              /**< as vor_job_view.name */
+    const struct vor_job_key *key; /**< of no job: vor_worker_find_key says VOR_UNKNOWN */
+};
+
 /** Accepts a job for inputs that vor_admit_file took in: the row is durable when this returns.
  *
  *  @param[in]  admitted  its blobs are dropped unless VOR_DONE is returned
  *  @param[in]  spec      checked (vor_spec_check); a format not given becomes that of the main
  * input where the process takes one
+ *  @param[in]  label     may be NULL
  *  @param[out] out       the job's first view; may be NULL
  *
  *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING
@@ -73,7 +82,19 @@ void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out);
  *  Cost: an fsync; not for HTTP threads. */
 VOR_NODISCARD enum vor_job_outcome
 vor_worker_submit(struct vor_worker *worker, const struct vor_admitted *admitted,
-                  const struct vor_spec *spec, struct vor_job_view *out, struct vor_error *err);
+                  const struct vor_spec *spec, const struct vor_job_label *label,
+                  struct vor_job_view *out, struct vor_error *err);
+
+/** The job that has a key, as its row was.
+ *
+ *  @retval VOR_DONE      *out is the job, and the key's fingerprint is its own
+ *  @retval VOR_CONFLICT  the job of this key was asked for something else
+ *  @retval VOR_UNKNOWN   no job has the key
+ *  @retval VOR_FAILED */
+VOR_NODISCARD enum vor_job_outcome vor_worker_find_key(struct vor_worker *worker,
+                                                       const struct vor_job_key *key,
+                                                       struct vor_job_view *out,
+                                                       struct vor_error *err);
 
 /** What is known about a job, live or from its row.
  *

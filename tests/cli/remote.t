@@ -193,5 +193,16 @@ subtest 'a daemon that dies and comes back' => sub {
     ok !-e $out, 'nothing is written';
 };
 
+subtest 'a name' => sub {
+    my ($code) = run(['resample', $in, @request, '-o', $out, '-q', '--name', 'five & six', '--server', $url]);
+    is $code, 0, 'all is well';
+    is jobs($url)->[0]{voronoid}{name}, 'five & six', 'the daemon knows the job by it';
+    ($code, undef, my $stderr) = run(['resample', $in, @request, '-o', $out, '-q', '--name', 'x' x 201, '--server', $url]);
+    is $code, 2, 'one that is too long is refused';
+    like $stderr, qr/name is "x+\.\.\.", want 1 to 200 characters/, 'with what one is';
+    ($code, undef, $stderr) = run(['resample', $in, @request, '-o', $out, '--name', 'a']);
+    is "$code $stderr", "2 voronoid: resample: --name goes with --server: it is the job's there\n", 'here there is none';
+};
+
 is((stop($daemon))[0], 0, 'the daemon ends well');
 done_testing;

@@ -58,7 +58,7 @@ for my $process (@processes) {
     my $described = json($daemon->get("/v1/processes/$process"));
     my %schemas = map { $_ => $described->{inputs}{$_}{schema} }
         grep { !is_cloud($described->{inputs}{$_}{schema}) } keys %{ $described->{inputs} };
-    my @uses = grep { $_ ne 'prefer' } @{ $uses{"POST /v1/$process"} // [] };
+    my @uses = grep { !/^(?:prefer|jobName|inputOf|idempotencyKey)$/ } @{ $uses{"POST /v1/$process"} // [] };
     my %component = map { name_of($_) => $_ } @uses;
     is_deeply [sort map { name_of($_) } @uses], [sort keys %schemas],
         "$process: its parameters are documented, each once, and no other";
@@ -68,7 +68,7 @@ for my $process (@processes) {
     $given{$_} = 1 for keys %{ $described->{outputs} };
 }
 is_deeply [sort map { name_of($_) } @{ $uses{'POST /v1/processes/{processID}/execution'} }],
-    [sort 'Prefer', 'processID', keys %taken], 'the execution of a process takes what any of them takes';
+    [sort qw(Prefer processID name input Idempotency-Key), keys %taken], 'the execution of a process takes what any of them takes';
 is_deeply [sort @{ schema_of(block('parameters', 'output'))->{enum} }], [sort keys %given],
     'every output has its name in the path';
 

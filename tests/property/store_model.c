@@ -4,9 +4,10 @@
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
 
+#include <stdio.h>
 #include <string.h>
 
-enum { JOBS = 24, STEPS = 150, CRASHES_MAX = 2, SEEDS = 12 };
+enum { JOBS = 24, STEPS = 150, CRASHES_MAX = 2, SEEDS = 12, KEYS = 5 };
 
 struct model_job {
     int known; /* inserted and not removed */
@@ -16,6 +17,8 @@ struct model_job {
     uint32_t attempt, crashes;
     int expired;
     int64_t finished, expires;
+    uint64_t kept;
+    unsigned key; /* 1 .. KEYS; 0 for none */
 };
 
 struct model {
@@ -37,15 +40,45 @@ static int is_over(const struct model_job *job)
     return vor_job_status_over(job->status);
 }
 
+static struct vor_job_key key_of(unsigned key)
+{
+    struct vor_job_key out = {.principal = ""};
+
+    if (key > 0)
+        (void)snprintf(out.text, sizeof out.text, "key-%u", key);
+    return out;
+}
+
+/* The job that has a key, NULL when it is free. */
+static struct model_job *holder_of(struct model *model, unsigned key)
+{
+    for (size_t i = 0; i < model->count; i++)
+        if (model->jobs[i].known && model->jobs[i].key == key)
+            return &model->jobs[i];
+    return NULL;
+}
+
 static void do_insert(struct model *model)
 {
     struct model_job *job = &model->jobs[model->count];
     struct vor_job_view row = vt_row(10);
+    unsigned key = pick(model, KEYS + 1);
 
     if (model->count == JOBS)
         return;
+    row.key = key_of(key);
+    row.kept = pick(model, 4) * 100;
+    if (key > 0 && holder_of(model, key) != NULL) {
+        vt_assert_fails(VOR_E_IO, vor_store_insert(model->store, &row, &vt_err));
+        return;
+    }
     vt_assert_ok(vor_store_insert(model->store, &row, &vt_err));
-    *job = (struct model_job){.known = 1, .id = row.id, .seq = row.seq, .status = VOR_JOB_ACCEPTED};
+    *job = (struct model_job){.known = 1,
+                              .id = row.id,
+                              .seq = row.seq,
+                              .status = VOR_JOB_ACCEPTED,
+                              .kept = row.kept,
+                              .key = key};
     model->count++;
 }
 
@@ -76,6 +109,7 @@ static void do_finish(struct model *model, struct model_job *job)
     row.id = job->id;
     row.status = ends[pick(model, 3)];
     row.attempt = job->attempt;
+    row.kept = row.status == VOR_JOB_DISMISSED ? 0 : job->kept;
     row.finished = model->now;
     row.expires = model->now + 1 + pick(model, 40);
     vt_assert_ok(vor_store_finish(model->store, &row, attempt, NULL, &changed, &vt_err));
@@ -83,6 +117,7 @@ static void do_finish(struct model *model, struct model_job *job)
     if (!expected)
         return;
     job->status = row.status;
+    job->kept = row.kept;
     job->finished = row.finished;
     job->expires = row.expires;
 }
@@ -122,8 +157,48 @@ static void do_expire(struct model *model)
             continue;
         expected += !job->expired;
         job->expired = 1;
+        job->kept = 0;
+        job->key = 0;
         if (2 * job->expires - job->finished <= model->now)
             job->known = 0;
+    }
+    ck_assert_uint_eq(count, expected);
+}
+
+/* The job that is given up first: of those that are over and keep something, the one that ended
+ * first. */
+static struct model_job *first_to_go(struct model *model)
+{
+    struct model_job *first = NULL;
+
+    for (size_t i = 0; i < model->count; i++) {
+        struct model_job *job = &model->jobs[i];
+
+        if (job->known && is_over(job) && job->kept > 0 &&
+            (first == NULL || job->finished < first->finished))
+            first = job;
+    }
+    return first;
+}
+
+static void do_shed(struct model *model)
+{
+    uint64_t quota = pick(model, 20) * 100, kept = 0;
+    struct vor_expired shed[JOBS];
+    struct model_job *job;
+    size_t count, expected = 0;
+
+    for (size_t i = 0; i < model->count; i++)
+        kept += model->jobs[i].known ? model->jobs[i].kept : 0;
+    vt_assert_ok(vor_store_shed(model->store, quota, shed, JOBS, &count, &vt_err));
+    for (; kept > quota && (job = first_to_go(model)) != NULL; expected++) {
+        size_t i = 0;
+
+        while (i < count && strcmp(shed[i].id.text, job->id.text) != 0)
+            i++;
+        ck_assert_uint_lt(i, count);
+        kept -= job->kept;
+        job->kept = 0;
     }
     ck_assert_uint_eq(count, expected);
 }
@@ -182,7 +257,27 @@ static int compare_row(void *ctx, const struct vor_job_view *row)
     ck_assert_uint_eq(row->attempt, attempt > 0 ? attempt : 1);
     ck_assert_int_eq(row->finished, job->finished);
     ck_assert_int_eq(row->expires, job->expires);
+    ck_assert_uint_eq(row->kept, job->kept);
+    ck_assert_str_eq(row->key.text, key_of(job->key).text);
     return 1;
+}
+
+static void compare_keys(struct model *model)
+{
+    for (unsigned key = 1; key <= KEYS; key++) {
+        struct vor_job_key wanted = key_of(key), foreign = wanted;
+        struct model_job *job = holder_of(model, key);
+        struct vor_job_view row;
+        int found;
+
+        vt_assert_ok(vor_store_find_key(model->store, &wanted, &row, &found, &vt_err));
+        ck_assert_int_eq(found, job != NULL);
+        if (job != NULL)
+            ck_assert_str_eq(row.id.text, job->id.text);
+        strcpy(foreign.principal, "somebody else");
+        vt_assert_ok(vor_store_find_key(model->store, &foreign, &row, &found, &vt_err));
+        ck_assert(!found);
+    }
 }
 
 static void compare_all(struct model *model)
@@ -192,6 +287,7 @@ static void compare_all(struct model *model)
 
     vt_assert_ok(vor_store_list(model->store, &filter, compare_row, &expectation, &vt_err));
     ck_assert_ptr_null(next_listed(&expectation));
+    compare_keys(model);
     for (size_t i = 0; i < model->count; i++) {
         struct vor_job_view row;
         int found;
@@ -205,7 +301,7 @@ static void compare_all(struct model *model)
 
 static void step(struct model *model, const char *dir)
 {
-    unsigned action = pick(model, 20);
+    unsigned action = pick(model, 22);
     struct model_job *job = &model->jobs[pick(model, (unsigned)model->count)];
 
     model->now += pick(model, 4);
@@ -221,6 +317,8 @@ static void step(struct model *model, const char *dir)
         do_remove(model, job);
     else if (action < 18)
         do_expire(model);
+    else if (action < 20)
+        do_shed(model);
     else
         do_crash(model, dir);
 }

@@ -28,6 +28,7 @@ void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
     config.queue = options->queue > 0 ? options->queue : 16;
     config.memory = options->memory > 0 ? options->memory : (size_t)1 << 30;
     config.ttl_seconds = options->ttl_seconds > 0 ? options->ttl_seconds : 3600;
+    config.keep = options->keep;
     vt_assert_ok(vor_worker_create(&daemon->worker, &config, &vt_err));
 }
 
@@ -70,7 +71,7 @@ enum vor_job_outcome vt_daemon_submit_inputs(struct vt_daemon *daemon,
     for (; inputs->name != NULL; inputs++)
         vt_admit(&admitted, daemon->blobs, inputs->name, inputs->cloud);
     *id = admitted.id;
-    return vor_worker_submit(daemon->worker, &admitted, spec, NULL, &vt_err);
+    return vor_worker_submit(daemon->worker, &admitted, spec, NULL, NULL, &vt_err);
 }
 
 enum vor_job_outcome vt_daemon_submit(struct vt_daemon *daemon, const struct vor_cloud *cloud,

@@ -19,6 +19,7 @@ struct vt_daemon_options {
     unsigned jobs;
     size_t queue, memory;
     double ttl_seconds;
+    uint64_t keep; /**< 0 for no uploads */
     void (*prepare)(
         struct vt_daemon *daemon); /**< once store and blobs are open; NULL for nothing */
 };

@@ -182,6 +182,12 @@ static void let_go(struct answers *answers)
     pthread_mutex_unlock(&answers->mutex);
 }
 
+static void upload_for(struct vor_admission *admission, struct vor_blob_writer *bytes)
+{
+    admission->uploads =
+        (struct vor_uploads){.item = {{.name = "cloud", .bytes = bytes}}, .count = 1};
+}
+
 START_TEST(every_upload_is_answered_once)
 {
     enum { UPLOADS = 20 };
@@ -196,9 +202,9 @@ START_TEST(every_upload_is_answered_once)
     vt_cloud_cube(&cloud, 1, 500);
     vt_assert_ok(vor_admit_create(&admit, blobs, &limits, 3, UPLOADS, &vt_err));
     for (int i = 0; i < UPLOADS; i++) {
-        admissions[i] = (struct vor_admission){.name = "cloud", .done = answered, .ctx = &answers};
-        admissions[i].upload =
-            i % 4 == 3 ? vt_upload(blobs, "rubbish", 7) : vt_upload_cloud(blobs, &cloud);
+        admissions[i] = (struct vor_admission){.done = answered, .ctx = &answers};
+        upload_for(&admissions[i],
+                   i % 4 == 3 ? vt_upload(blobs, "rubbish", 7) : vt_upload_cloud(blobs, &cloud));
         ck_assert_int_eq(vor_admit_submit(admit, &admissions[i]), VOR_DONE);
     }
     wait_answers(&answers, UPLOADS);
@@ -207,7 +213,7 @@ START_TEST(every_upload_is_answered_once)
     for (int i = 0; i < UPLOADS; i++) {
         ck_assert_int_eq(admissions[i].status, i % 4 == 3 ? VOR_E_UNSUPPORTED : VOR_OK);
         ck_assert_int_eq(admissions[i].error.status, i % 4 == 3 ? VOR_E_UNSUPPORTED : VOR_OK);
-        ck_assert_ptr_null(admissions[i].upload);
+        ck_assert_uint_eq(admissions[i].uploads.count, 0);
     }
     ck_assert_int_eq(kept(dir), UPLOADS - UPLOADS / 4);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
@@ -221,7 +227,7 @@ START_TEST(waiting_uploads_are_bounded_and_answered_when_the_daemon_goes)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
-    struct vor_admission busy = {.name = "cloud", .done = answered}, waits = busy, over = busy;
+    struct vor_admission busy = {.done = answered}, waits = busy, over = busy;
     struct vor_admit *admit;
     struct answers answers;
     struct vor_cloud cloud;
@@ -231,15 +237,15 @@ START_TEST(waiting_uploads_are_bounded_and_answered_when_the_daemon_goes)
     vt_cloud_cube(&cloud, 1, 10);
     busy.ctx = waits.ctx = over.ctx = &answers;
     vt_assert_ok(vor_admit_create(&admit, blobs, &limits, 1, 1, &vt_err));
-    busy.upload = vt_upload_cloud(blobs, &cloud);
-    waits.upload = vt_upload_cloud(blobs, &cloud);
-    over.upload = vt_upload_cloud(blobs, &cloud);
+    upload_for(&busy, vt_upload_cloud(blobs, &cloud));
+    upload_for(&waits, vt_upload_cloud(blobs, &cloud));
+    upload_for(&over, vt_upload_cloud(blobs, &cloud));
     ck_assert_int_eq(vor_admit_submit(admit, &busy), VOR_DONE);
     wait_answers(&answers, 1); /* its thread now waits in done */
     ck_assert_int_eq(vor_admit_submit(admit, &waits), VOR_DONE);
     ck_assert_int_eq(vor_admit_submit(admit, &over), VOR_FULL);
-    ck_assert_ptr_nonnull(over.upload);
-    vor_blob_discard(over.upload);
+    ck_assert_uint_eq(over.uploads.count, 1);
+    vor_uploads_discard(&over.uploads);
     let_go(&answers);
     wait_answers(&answers, 2);
     ck_assert_int_eq(waits.status, VOR_OK);
@@ -260,7 +266,7 @@ START_TEST(what_waits_when_the_daemon_goes_is_answered_as_cancelled)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
-    struct vor_admission busy = {.name = "cloud", .done = answered}, waits = busy, late = busy;
+    struct vor_admission busy = {.done = answered}, waits = busy, late = busy;
     enum vor_job_outcome outcome;
     struct vor_admit *admit;
     struct answers answers;
@@ -272,23 +278,89 @@ START_TEST(what_waits_when_the_daemon_goes_is_answered_as_cancelled)
     vt_cloud_cube(&cloud, 1, 10);
     busy.ctx = waits.ctx = late.ctx = &answers;
     vt_assert_ok(vor_admit_create(&admit, blobs, &limits, 1, 1, &vt_err));
-    busy.upload = vt_upload_cloud(blobs, &cloud);
-    waits.upload = vt_upload_cloud(blobs, &cloud);
+    upload_for(&busy, vt_upload_cloud(blobs, &cloud));
+    upload_for(&waits, vt_upload_cloud(blobs, &cloud));
     ck_assert_int_eq(vor_admit_submit(admit, &busy), VOR_DONE);
     wait_answers(&answers, 1);
     ck_assert_int_eq(vor_admit_submit(admit, &waits), VOR_DONE);
     ck_assert_int_eq(pthread_create(&thread, NULL, destroy, admit), 0);
-    late.upload = vt_upload(blobs, "x", 1);
+    upload_for(&late, vt_upload(blobs, "x", 1));
     do /* full, until the other thread has closed it */
         outcome = vor_admit_submit(admit, &late);
     while (outcome == VOR_FULL);
     ck_assert_int_eq(outcome, VOR_DRAINING);
-    vor_blob_discard(late.upload);
+    vor_uploads_discard(&late.uploads);
     let_go(&answers);
     pthread_join(thread, NULL);
     ck_assert_int_eq(busy.status, VOR_OK);
     ck_assert_int_eq(waits.status, VOR_E_CANCELLED);
     ck_assert_int_eq(kept(dir), 1);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
+    vor_cloud_free(&cloud);
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* Two inputs of a request, admitted; *admission has the answer. */
+static void admit_two(struct vor_blobs *blobs, struct vor_admission *admission,
+                      struct vor_blob_writer *cloud, struct vor_blob_writer *reference)
+{
+    struct vor_admit_limits roomy = limits;
+    struct vor_admit *admit;
+    struct answers answers;
+
+    init_answers(&answers);
+    roomy.inflated = 1 << 20;
+    *admission = (struct vor_admission){
+        .uploads = {.item = {{.name = "cloud", .bytes = cloud},
+                             {.name = "reference", .bytes = reference, .is_gzip = 1}},
+                    .count = 2},
+        .done = answered,
+        .ctx = &answers};
+    vt_assert_ok(vor_admit_create(&admit, blobs, &roomy, 1, 1, &vt_err));
+    ck_assert_int_eq(vor_admit_submit(admit, admission), VOR_DONE);
+    wait_answers(&answers, 1);
+    vor_admit_destroy(admit);
+    ck_assert_uint_eq(admission->uploads.count, 0);
+}
+
+/* gzip of an ASCII PLY file with the points 0 0 0 and 1 2 3 (gzip -9n). */
+static const uint8_t packed[] = {
+    0x1f, 0x8b, 0x08, 0x00, 0x00, 0x00, 0x00, 0x00, 0x02, 0x03, 0x5d, 0x8a, 0x4d, 0x0a, 0x80, 0x20,
+    0x18, 0x05, 0xf7, 0xdf, 0x29, 0xde, 0x09, 0x42, 0xed, 0x40, 0x21, 0xf9, 0xa4, 0xc0, 0x3f, 0x4c,
+    0x42, 0x3b, 0x7d, 0xae, 0x65, 0x36, 0xc3, 0x30, 0x25, 0x0c, 0xf1, 0xb9, 0x46, 0xdb, 0x60, 0x9f,
+    0xf3, 0xbe, 0xa1, 0x37, 0x25, 0x0c, 0x8c, 0x4c, 0x0d, 0x2f, 0x6b, 0x63, 0x87, 0x91, 0x52, 0x73,
+    0x99, 0x3e, 0xe0, 0x43, 0x9e, 0x67, 0x5f, 0xc3, 0x58, 0xc3, 0x27, 0x4c, 0xee, 0xb8, 0x68, 0x1d,
+    0xab, 0x28, 0x4c, 0x44, 0xc3, 0x60, 0x97, 0x1f, 0x80, 0x70, 0x1b, 0x59, 0x70, 0x00, 0x00, 0x00};
+
+START_TEST(inputs_are_admitted_together_or_none_is)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_admission admission;
+    struct vor_cloud cloud;
+
+    vt_cloud_cube(&cloud, 1, 10);
+    admit_two(blobs, &admission, vt_upload_cloud(blobs, &cloud),
+              vt_upload(blobs, packed, sizeof packed));
+    vt_assert_ok(admission.status);
+    ck_assert_uint_eq(admission.admitted.count, 2);
+    ck_assert_str_eq(admission.admitted.item[1].name, "reference");
+    ck_assert_uint_eq(admission.admitted.item[1].found.points, 2);
+    ck_assert_uint_eq(admission.admitted.item[1].found.bytes, 112); /* as inflated */
+    ck_assert_int_eq(kept(dir), 2);
+    vor_admit_drop(blobs, &admission.admitted);
+    ck_assert_int_eq(kept(dir), 0);
+
+    admit_two(blobs, &admission, vt_upload_cloud(blobs, &cloud),
+              vt_upload(blobs, packed, sizeof packed - 1));
+    ck_assert_int_eq(admission.status, VOR_E_REQUEST);
+    ck_assert_str_eq(admission.error.parameter, "reference");
+    ck_assert_ptr_nonnull(strstr(admission.error.message, "reference: the gzip body is cut short"));
+    ck_assert_int_eq(admission.error.byte_offset, (int64_t)sizeof packed - 1);
+    ck_assert_uint_eq(admission.admitted.count, 0);
+    ck_assert_int_eq(kept(dir), 0);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_cloud_free(&cloud);
     vor_blobs_close(blobs);
@@ -306,5 +378,6 @@ int main(void)
     vt_add(suite, every_upload_is_answered_once);
     vt_add(suite, waiting_uploads_are_bounded_and_answered_when_the_daemon_goes);
     vt_add(suite, what_waits_when_the_daemon_goes_is_answered_as_cancelled);
+    vt_add(suite, inputs_are_admitted_together_or_none_is);
     return vt_run(suite);
 }

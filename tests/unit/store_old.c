@@ -251,6 +251,9 @@ START_TEST(every_job_is_there_with_report_trace_and_result)
     ck_assert_uint_eq(view.output[0].bytes, 288);
     ck_assert_int_eq(strncmp(view.output[0].sha256, "33b7b8bb", 8), 0);
     ck_assert(!view.request_lost);
+    ck_assert_str_eq(view.name, "");
+    ck_assert_str_eq(view.key.text, "");
+    ck_assert_uint_eq(view.kept, 0);
     ck_assert_uint_eq(view.record.iteration, 2);
     expect_report(&daemon, &id);
     expect_trace(&daemon, &id);
@@ -261,7 +264,7 @@ START_TEST(every_job_is_there_with_report_trace_and_result)
     ck_assert_str_eq(view.problem.parameter, "spacing");
     free(bytes);
     vt_daemon_stop(&daemon);
-    ck_assert_int_eq(number(old.dir, "PRAGMA user_version"), 2);
+    ck_assert_int_eq(number(old.dir, "PRAGMA user_version"), 3);
     ck_assert_int_eq(number(old.dir, "SELECT count(*) FROM job WHERE inputs IS NULL"), 2);
     vt_dir_remove(old.dir);
 }

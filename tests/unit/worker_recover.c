@@ -219,7 +219,8 @@ START_TEST(bytes_that_came_after_the_start_are_no_strays)
     vt_admit(&admitted, daemon.blobs, "cloud", &cloud);
     while (vt_dir_count(life.dir, "blobs/keep") > 1)
         nap();
-    ck_assert_int_eq(vor_worker_submit(daemon.worker, &admitted, &spec, NULL, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_worker_submit(daemon.worker, &admitted, &spec, NULL, NULL, &vt_err),
+                     VOR_DONE);
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &admitted.id).status, VOR_JOB_SUCCESSFUL);
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);

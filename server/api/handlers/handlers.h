@@ -35,6 +35,7 @@ enum vor_next vor_handle_trace(void *app, struct vor_request *request, enum vor_
 /** results.c */
 enum vor_next vor_handle_results(void *app, struct vor_request *request, enum vor_step step);
 enum vor_next vor_handle_result(void *app, struct vor_request *request, enum vor_step step);
+enum vor_next vor_handle_input(void *app, struct vor_request *request, enum vor_step step);
 
 /** What they share. */
 
@@ -43,6 +44,10 @@ enum vor_next vor_handle_result(void *app, struct vor_request *request, enum vor
  *  @return NULL after a no-such-process problem has been replied */
 const struct vor_process_info *vor_process_of_path(struct vor_app *app, struct vor_request *request,
                                                    unsigned index);
+
+/** The same for a request to start a job: /v1/PROCESS, or /v1/processes/PROCESS/execution. */
+const struct vor_process_info *vor_process_of_submit(struct vor_app *app,
+                                                     struct vor_request *request);
 
 /** Reads the {jobID} of the path.
  *

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { LINKS_MAX = 5 + VOR_OUTPUTS_MAX };
+enum { LINKS_MAX = 6 + VOR_OUTPUTS_MAX };
 
 /* Everything a statusInfo borrows. */
 struct info_room {
@@ -65,6 +65,16 @@ static void add_result_links(struct vor_app *app, struct vor_request *request,
     }
 }
 
+static void add_input_link(struct vor_app *app, struct vor_request *request,
+                           const struct vor_job_view *view, struct info_room *room)
+{
+    const struct vor_format *format = vor_format(view->input[0].format);
+
+    vor_app_job_url(app, request, &view->id, "/input", room->urls[room->info.link_count]);
+    add_link(room, "input", format != NULL ? format->media_type : NULL, NULL,
+             (int64_t)view->input[0].bytes);
+}
+
 static void add_links(struct vor_app *app, struct vor_request *request,
                       const struct vor_job_view *view, struct info_room *room)
 {
@@ -84,6 +94,8 @@ static void add_links(struct vor_app *app, struct vor_request *request,
     }
     if (view->status == VOR_JOB_SUCCESSFUL && !view->expired)
         add_result_links(app, request, view, room);
+    if (view->kept > 0 && !view->expired)
+        add_input_link(app, request, view, room);
     vor_app_url(app, request, "/v1/jobs", urls[room->info.link_count]);
     add_link(room, "up", json, NULL, -1);
 }
@@ -138,6 +150,7 @@ void vor_job_write(struct vor_app *app, struct vor_request *request,
 
     info->job_id = view->id.text;
     info->process_id = view->process;
+    info->name = view->name;
     info->status = vor_job_status_word(view->status);
     info->message = view->message[0] != '\0' ? view->message : NULL;
     info->progress = view->progress;

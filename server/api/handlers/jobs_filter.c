@@ -59,6 +59,12 @@ static const char *read_process(const char *value, struct vor_job_filter *out)
     return NULL;
 }
 
+static const char *read_name(const char *value, struct vor_job_filter *out)
+{
+    out->name = value;
+    return NULL;
+}
+
 static const char *read_type(const char *value, struct vor_job_filter *out)
 {
     (void)out; /* there is no other */
@@ -178,7 +184,7 @@ static const struct {
 } parameters[] = {
     {"limit", read_limit},          {"cursor", read_cursor},       {"status", read_status},
     {"processID", read_process},    {"type", read_type},           {"datetime", read_datetime},
-    {"minDuration", read_shortest}, {"maxDuration", read_longest},
+    {"minDuration", read_shortest}, {"maxDuration", read_longest}, {"name", read_name},
 };
 
 enum { PARAMETERS = sizeof parameters / sizeof parameters[0] };
@@ -189,9 +195,8 @@ static const char *read_one(const char *name, const char *value, struct vor_job_
     for (int i = 0; i < PARAMETERS; i++)
         if (strcmp(name, parameters[i].name) == 0)
             return parameters[i].read(value, out);
-    return "one of limit, cursor, status, processID, type, datetime, minDuration and maxDuration "
-           "as "
-           "the name";
+    return "one of limit, cursor, status, processID, type, datetime, minDuration, maxDuration and "
+           "name as the name";
 }
 
 bool vor_job_filter_read(struct vor_app *app, struct vor_request *request,

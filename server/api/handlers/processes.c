@@ -75,6 +75,16 @@ const struct vor_process_info *vor_process_of_path(struct vor_app *app, struct v
     return NULL;
 }
 
+const struct vor_process_info *vor_process_of_submit(struct vor_app *app,
+                                                     struct vor_request *request)
+{
+    const char *segment;
+    size_t length = vor_path_segment(vor_request_path(request), 1, &segment);
+    bool is_long = length == strlen("processes") && strncmp(segment, "processes", length) == 0;
+
+    return vor_process_of_path(app, request, is_long ? 2 : 1);
+}
+
 enum vor_next vor_handle_process(void *ctx, struct vor_request *request, enum vor_step step)
 {
     const struct vor_process_info *process = vor_process_of_path(ctx, request, 2);

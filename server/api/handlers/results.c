@@ -300,3 +300,46 @@ enum vor_next vor_handle_results(void *ctx, struct vor_request *request, enum vo
     vor_reply_header(request, "Cache-Control", "no-store");
     return vor_app_reply(app, request, 200, "application/json", &text);
 }
+
+/* The upload of the main input of a job; false after a problem has been replied. */
+static bool open_upload(struct vor_app *app, struct vor_request *request,
+                        const struct vor_job_view *view, struct output *out)
+{
+    const struct vor_format *format = vor_format(view->input[0].format);
+    char blob[VOR_BLOB_NAME_MAX + 1];
+    struct vor_error err;
+    int found = 0;
+
+    (void)vor_blob_of_upload(view->spec.process->inputs[0].name, blob);
+    if (vor_blob_get(app->blobs, &view->id, blob, &out->fd, &out->size, &found, &err) != VOR_OK) {
+        vor_problem_error(app, request, &err, view->id.text);
+        return false;
+    }
+    if (!found) {
+        say_with_job(app, request, "input-not-kept",
+                     "the input of this job is not kept, or no longer", view->id.text);
+        return false;
+    }
+    out->media_type = format != NULL ? format->media_type : "application/octet-stream";
+    (void)snprintf(out->name, sizeof out->name, "%s-input%s", view->id.text,
+                   format != NULL ? format->suffix : "");
+    (void)snprintf(out->etag, sizeof out->etag, "\"%s\"", view->input[0].sha256);
+    return true;
+}
+
+enum vor_next vor_handle_input(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    struct vor_app *app = ctx;
+    struct output out = {.fd = -1};
+    struct vor_job_view view;
+
+    (void)step;
+    if (!vor_job_look_up(app, request, &view))
+        return VOR_NEXT_REPLY;
+    if (view.expired)
+        return vor_result_missing(app, request, &view);
+    if (open_upload(app, request, &view, &out))
+        reply_output(app, request, &out);
+    output_close(&out);
+    return VOR_NEXT_REPLY;
+}

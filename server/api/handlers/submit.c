@@ -1,11 +1,16 @@
 /* A job from its upload to the answer. The head is read and refused before the body comes; the body
- * goes to a file; a thread of admission decodes it and accepts the job; then the caller gets 201, a
- * stream, or waits for the result.
+ * goes to a file, or to one for each file of a form; a thread of admission decodes it and accepts
+ * the job; then the caller gets 201, a stream, or waits for the result.
  *
- * The request may be over while admission still works for it, so both hold the same struct. */
+ * The request may be over while admission still works for it, so both hold the same struct.
+ *
+ * A request with a key holds it until its job has a row. Its job goes on when the caller leaves,
+ * because the caller can come back: the same request again gets the same job. */
 #include "server/api/handlers/submit_head.h"
 
 #include "server/api/handlers/handlers.h"
+#include "server/api/handlers/submit_form.h"
+#include "server/api/handlers/submit_json.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
@@ -14,6 +19,7 @@
 #include "server/work/admit.h"
 
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,14 +29,17 @@ static const uint64_t disk_reserve = (uint64_t)16 << 20;
 struct submission {
     struct vor_app *app;
     struct vor_submit_head head;
-    double deadline; /* of the wait; 0 for none */
-    struct vor_blob_writer *upload;
+    double deadline;              /* of the wait; 0 for none */
+    struct vor_submit_form *form; /* NULL when the body is a cloud */
+    struct vor_uploads uploads;
     struct vor_waker *waker;
     pthread_mutex_t lock; /* guards holds, abandoned and admitted */
     int holds;
     bool abandoned; /* nobody waits for admission any more */
     bool admitted;  /* the members below are set */
     bool settled;   /* the caller of a synchronous call got an answer */
+    bool in_flight; /* the key is ours */
+    bool replayed;  /* the job is that of an earlier request with this key */
     struct vor_admission admission;
     enum vor_job_outcome outcome;
     struct vor_error error;
@@ -39,6 +48,19 @@ struct submission {
     struct vor_bus *bus;         /* once a caller waits for the end */
     struct vor_subscriber subscriber;
 };
+
+static bool has_key(const struct submission *submission)
+{
+    return submission->head.besides.key.text[0] != '\0';
+}
+
+/* By whoever works for the request, one at a time. */
+static void end_flight(struct submission *submission)
+{
+    if (submission->in_flight)
+        vor_inflight_end(submission->app->inflight, &submission->head.besides.key);
+    submission->in_flight = false;
+}
 
 static void drop(struct submission *submission)
 {
@@ -49,7 +71,9 @@ static void drop(struct submission *submission)
     (void)pthread_mutex_unlock(&submission->lock);
     if (left > 0)
         return;
-    vor_blob_discard(submission->upload);
+    end_flight(submission);
+    vor_submit_form_free(submission->form);
+    vor_uploads_discard(&submission->uploads);
     vor_waker_drop(submission->waker);
     (void)pthread_mutex_destroy(&submission->lock);
     free(submission);
@@ -94,7 +118,7 @@ static void release(void *state)
         vor_bus_release(submission->bus);
     }
     if (left && submission->head.mode == VOR_SUBMIT_SYNC && !submission->settled &&
-        !atomic_load(&app->draining))
+        !has_key(submission) && !atomic_load(&app->draining))
         cancel_job(submission);
     drop(submission);
 }
@@ -104,7 +128,7 @@ static int take_piece(void *ctx, const void *bytes, size_t size)
     struct submission *submission = ctx;
     struct vor_error err;
 
-    if (vor_blob_append(submission->upload, bytes, size, &err) == VOR_OK)
+    if (vor_blob_append(submission->uploads.item[0].bytes, bytes, size, &err) == VOR_OK)
         return 0;
     return vor_error_storage_full(&err) ? 507 : 503;
 }
@@ -141,6 +165,84 @@ static bool check_disk(struct vor_app *app, struct vor_request *request)
     return false;
 }
 
+/* Takes the key of a request; false after a problem has been replied. */
+static bool begin_flight(struct vor_app *app, struct vor_request *request,
+                         struct submission *submission)
+{
+    enum vor_job_outcome outcome = VOR_DONE;
+    struct vor_error err;
+
+    if (has_key(submission))
+        outcome = vor_inflight_begin(app->inflight, &submission->head.besides.key);
+    if (outcome == VOR_CONFLICT) {
+        vor_problem_say(app, request, "idempotency-in-flight",
+                        "a request with Idempotency-Key %s is under way; try again later",
+                        submission->head.besides.key.text);
+    } else if (outcome != VOR_DONE) {
+        (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
+        vor_problem_error(app, request, &err, NULL);
+    }
+    submission->in_flight = has_key(submission) && outcome == VOR_DONE;
+    return outcome == VOR_DONE;
+}
+
+/* True when a job would be taken, or the key is that of one already; else it is answered. */
+static bool check_room(struct vor_app *app, struct vor_request *request,
+                       const struct vor_submit_head *head)
+{
+    enum vor_job_outcome room = vor_worker_room(app->worker);
+    struct vor_job_view view;
+
+    if (room == VOR_DONE || (head->besides.key.text[0] != '\0' &&
+                             vor_worker_find_key(app->worker, &head->besides.key, &view, NULL) ==
+                                 VOR_CONFLICT)) /* without a fingerprint, every job differs */
+        return true;
+    vor_outcome_reply(app, request, room, NULL, NULL);
+    return false;
+}
+
+/* The main input is that of another job, and the body is empty. */
+static struct vor_blob_writer *open_kept(struct vor_app *app, struct vor_request *request,
+                                         const struct vor_submit_besides *besides)
+{
+    struct vor_error err;
+
+    if (vor_request_length(request) == 0)
+        return vor_besides_open(app, request, besides);
+    (void)vor_fail_param(&err, VOR_E_PARAM, "input",
+                         "input is job:%s, which goes without a body that is a cloud",
+                         besides->input.text);
+    vor_problem_error(app, request, &err, NULL);
+    return NULL;
+}
+
+/* Where the body goes; false after a problem has been replied. */
+static bool open_sink(struct vor_app *app, struct vor_request *request,
+                      struct submission *submission, struct vor_body_sink *sink)
+{
+    const struct vor_submit_head *head = &submission->head;
+    struct vor_upload *upload = &submission->uploads.item[0]; /* the body is the main input */
+    struct vor_error err;
+
+    if (head->body.is_form) {
+        submission->form =
+            vor_submit_form_begin(app, request, &submission->head, &submission->uploads);
+        *sink = (struct vor_body_sink){submission->form, vor_submit_form_take};
+        return submission->form != NULL;
+    }
+    *upload = (struct vor_upload){.name = head->spec.process->inputs[0].name,
+                                  .is_gzip = head->body.is_gzip};
+    *sink = (struct vor_body_sink){submission, take_piece};
+    if (head->besides.input.text[0] != '\0') {
+        upload->is_gzip = 0;
+        upload->bytes = open_kept(app, request, &head->besides);
+    } else if (vor_blob_create(app->blobs, &upload->bytes, &err) != VOR_OK) {
+        vor_problem_error(app, request, &err, NULL);
+    }
+    submission->uploads.count = upload->bytes != NULL ? 1 : 0;
+    return upload->bytes != NULL;
+}
+
 static enum vor_next begin(struct vor_app *app, struct vor_request *request)
 {
     uint64_t limit = (uint64_t)app->config->number[VOR_SET_BODY_LIMIT];
@@ -148,13 +250,9 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     struct submission *submission;
     struct vor_body_sink sink;
     struct vor_error err;
-    enum vor_job_outcome room;
 
-    if (!vor_submit_read(app, request, &head))
+    if (!vor_submit_read(app, request, &head) || !check_room(app, request, &head))
         return VOR_NEXT_REPLY;
-    room = vor_worker_room(app->worker);
-    if (room != VOR_DONE)
-        return vor_outcome_reply(app, request, room, NULL, NULL);
     if (head.mode == VOR_SUBMIT_STREAM &&
         atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS])
         return vor_problem_say(app, request, "too-many-streams", "%.0f event streams are open",
@@ -168,9 +266,8 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     }
     submission->head = head;
     vor_request_set_state(request, submission, release);
-    if (vor_blob_create(app->blobs, &submission->upload, &err) != VOR_OK)
-        return vor_problem_error(app, request, &err, NULL);
-    sink = (struct vor_body_sink){submission, take_piece};
+    if (!begin_flight(app, request, submission) || !open_sink(app, request, submission, &sink))
+        return VOR_NEXT_REPLY;
     vor_request_take_body(request, &sink, limit);
     return VOR_NEXT_BODY;
 }
@@ -180,10 +277,12 @@ static void on_admitted(struct vor_admission *admission)
 {
     struct submission *submission = admission->ctx;
     struct vor_app *app = submission->app;
+    const struct vor_job_label label = {submission->head.besides.name,
+                                        &submission->head.besides.key};
     bool abandoned;
 
     (void)pthread_mutex_lock(&submission->lock);
-    abandoned = submission->abandoned;
+    abandoned = submission->abandoned && !has_key(submission);
     (void)pthread_mutex_unlock(&submission->lock);
     submission->outcome = VOR_FAILED;
     if (admission->status != VOR_OK)
@@ -192,11 +291,12 @@ static void on_admitted(struct vor_admission *admission)
         vor_admit_drop(app->blobs, &admission->admitted);
     else
         submission->outcome =
-            vor_worker_submit(app->worker, &admission->admitted, &submission->head.spec,
+            vor_worker_submit(app->worker, &admission->admitted, &submission->head.spec, &label,
                               &submission->view, &submission->error);
+    end_flight(submission);
     (void)pthread_mutex_lock(&submission->lock);
     submission->admitted = true;
-    abandoned = submission->abandoned;
+    abandoned = submission->abandoned && !has_key(submission);
     (void)pthread_mutex_unlock(&submission->lock);
     if (abandoned && submission->outcome == VOR_DONE && submission->head.mode == VOR_SUBMIT_SYNC)
         cancel_job(submission);
@@ -210,14 +310,11 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
     enum vor_job_outcome outcome;
 
     submission->admission = (struct vor_admission){
-        .name = submission->head.spec.process->inputs[0].name, /* the body is the main input */
-        .upload = submission->upload,
-        .done = on_admitted,
-        .ctx = submission};
+        .uploads = submission->uploads, .done = on_admitted, .ctx = submission};
     submission->holds++; /* nobody else has it yet */
     outcome = vor_admit_submit(app->admit, &submission->admission);
     if (outcome == VOR_DONE) {
-        submission->upload = NULL;
+        submission->uploads.count = 0;
         return VOR_NEXT_WAIT;
     }
     submission->holds--;
@@ -235,6 +332,8 @@ static void add_job_headers(struct vor_app *app, struct vor_request *request,
     char applied[48];
     int length = 0;
 
+    if (submission->replayed)
+        vor_reply_header(request, "Idempotent-Replayed", "true");
     vor_reply_header(request, "Location",
                      vor_app_job_url(app, request, &submission->view.id, "", url));
     applied[0] = '\0';
@@ -349,16 +448,69 @@ static enum vor_next accepted(struct vor_app *app, struct vor_request *request,
     return start_wait(app, request, submission);
 }
 
+/* "cloud SHA-256", a line an input, in the order of the process's. */
+static void list_inputs(const struct submission *submission, char *out, size_t size)
+{
+    const struct vor_artefact_info *inputs = submission->head.spec.process->inputs;
+    const struct vor_uploads *uploads = &submission->uploads;
+    size_t at = 0;
+
+    out[0] = '\0';
+    for (unsigned i = 0; inputs[i].name != NULL; i++) {
+        for (unsigned k = 0; k < uploads->count && at < size; k++) {
+            char sha256[VOR_DIGEST_SIZE];
+
+            if (uploads->item[k].name != inputs[i].name)
+                continue;
+            vor_blob_sha256(uploads->item[k].bytes, sha256);
+            at += (size_t)snprintf(out + at, size - at, "%s %s\n", inputs[i].name, sha256);
+        }
+    }
+}
+
+/* The body is in: answers a request whose key is that of a job, and admits any other. */
+static enum vor_next take_body(struct vor_app *app, struct vor_request *request,
+                               struct submission *submission)
+{
+    struct vor_submit_besides *besides = &submission->head.besides;
+    struct vor_error *err = &submission->error;
+    enum vor_job_outcome outcome = VOR_UNKNOWN;
+    char inputs[VOR_INPUTS_MAX * (VOR_BLOB_NAME_MAX + 1 + VOR_DIGEST_SIZE) + 1];
+
+    if (submission->form != NULL && !vor_submit_form_end(submission->form))
+        return VOR_NEXT_REPLY;
+    if (has_key(submission)) {
+        list_inputs(submission, inputs, sizeof inputs);
+        if (vor_besides_print(besides, &submission->head.spec, inputs, err) != VOR_OK)
+            return vor_problem_error(app, request, err, NULL);
+        outcome = vor_worker_find_key(app->worker, &besides->key, &submission->view, err);
+    }
+    if (outcome == VOR_UNKNOWN)
+        return admit(app, request, submission);
+    if (outcome == VOR_CONFLICT)
+        return vor_problem_say(app, request, "idempotency-key-reused",
+                               "Idempotency-Key %s is that of job %s, which was asked for "
+                               "something else: another process, parameter or input",
+                               besides->key.text, submission->view.id.text);
+    end_flight(submission);
+    submission->admitted = true; /* nobody else has it */
+    submission->replayed = true;
+    submission->outcome = outcome;
+    return accepted(app, request, submission);
+}
+
 enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_app *app = ctx;
     struct submission *submission = vor_request_state(request);
     bool admitted;
 
+    if (vor_submit_body_is_json(request))
+        return vor_submit_json(app, request, step);
     if (step == VOR_STEP_HEAD)
         return begin(app, request);
     if (step == VOR_STEP_BODY)
-        return admit(app, request, submission);
+        return take_body(app, request, submission);
     (void)pthread_mutex_lock(&submission->lock);
     admitted = submission->admitted;
     (void)pthread_mutex_unlock(&submission->lock);

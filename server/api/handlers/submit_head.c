@@ -4,7 +4,6 @@
 #include "proto/codec.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/prefer.h"
-#include "server/api/links.h"
 #include "server/api/problem.h"
 
 #include <stdio.h>
@@ -19,22 +18,17 @@ struct acceptance {
     double quality;  /* of it, 0 for none */
 };
 
-/* A request for the process that the path names, at its defaults: /v1/PROCESS, or
- * /v1/processes/PROCESS/execution. */
+/* A request for the process that the path names, at its defaults. */
 static bool begin_spec(struct vor_app *app, struct vor_request *request, struct vor_spec *spec)
 {
-    const struct vor_process_info *process;
-    const char *segment;
-    size_t length = vor_path_segment(vor_request_path(request), 1, &segment);
-    bool is_long = length == strlen("processes") && strncmp(segment, "processes", length) == 0;
+    const struct vor_process_info *process = vor_process_of_submit(app, request);
 
-    process = vor_process_of_path(app, request, is_long ? 2 : 1);
     if (process != NULL)
         vor_spec_preset(spec, process);
     return process != NULL;
 }
 
-static vor_status read_pairs(struct vor_request *request, struct vor_spec *spec,
+static vor_status read_pairs(struct vor_request *request, struct vor_submit_head *out,
                              struct vor_error *err)
 {
     const char *name;
@@ -43,22 +37,26 @@ static vor_status read_pairs(struct vor_request *request, struct vor_spec *spec,
         const char *value = vor_request_query_value(request, i);
         char quoted[sizeof err->parameter];
         vor_status status;
+        int taken;
 
         if (vor_request_query(request, name) != value)
             return vor_fail_param(err, VOR_E_PARAM, name, "%s is given more than once",
                                   vor_quote(quoted, sizeof quoted, name, strlen(name)));
-        status = vor_spec_set(spec, name, value, err);
+        status = vor_besides_take(&out->besides, name, value, &taken, err);
+        if (status == VOR_OK && !taken)
+            status = vor_spec_set(&out->spec, name, value, err);
         if (status != VOR_OK)
             return status;
     }
-    return vor_spec_complete(spec, err);
+    return VOR_OK;
 }
 
-static bool read_spec(struct vor_app *app, struct vor_request *request, struct vor_spec *spec)
+static bool read_spec(struct vor_app *app, struct vor_request *request, struct vor_submit_head *out)
 {
     struct vor_error err;
 
-    if (read_pairs(request, spec, &err) == VOR_OK)
+    if (read_pairs(request, out, &err) == VOR_OK &&
+        vor_besides_read_key(&out->besides, request, &err) == VOR_OK)
         return true;
     vor_problem_error(app, request, &err, NULL);
     return false;
@@ -161,18 +159,33 @@ static bool check_document(struct vor_app *app, struct vor_request *request,
     return false;
 }
 
-bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vor_submit_head *out)
+bool vor_submit_complete(struct vor_app *app, struct vor_request *request,
+                         struct vor_submit_head *head)
 {
     static bool (*const accepts[])(struct vor_app *, struct vor_request *,
                                    const struct acceptance *, struct vor_submit_head *) = {
         [VOR_ARTEFACT_CLOUD] = choose_format,
         [VOR_ARTEFACT_DOCUMENT] = check_document,
     };
+    struct acceptance accept;
+    struct vor_error err;
+
+    if (vor_spec_complete(&head->spec, &err) != VOR_OK) {
+        vor_problem_error(app, request, &err, NULL);
+        return false;
+    }
+    read_accept(request, &accept);
+    return accepts[head->spec.process->outputs[0].kind](app, request, &accept, head);
+}
+
+bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vor_submit_head *out)
+{
     struct vor_preferences preferences;
     struct acceptance accept;
 
     memset(out, 0, sizeof *out);
-    if (!begin_spec(app, request, &out->spec) || !read_spec(app, request, &out->spec))
+    if (!begin_spec(app, request, &out->spec) || !vor_submit_body_read(app, request, &out->body) ||
+        !read_spec(app, request, out))
         return false;
     read_accept(request, &accept);
     vor_prefer_read(request, &preferences);
@@ -182,5 +195,5 @@ bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vo
         out->mode = VOR_SUBMIT_STREAM;
     else if (out->is_async && out->wait_seconds <= 0)
         out->mode = VOR_SUBMIT_ASYNC;
-    return accepts[out->spec.process->outputs[0].kind](app, request, &accept, out);
+    return out->body.is_form || vor_submit_complete(app, request, out);
 }

@@ -1,0 +1,178 @@
+#include "server/api/handlers/submit_besides.h"
+
+#include "core/base/quote.h"
+#include "core/base/utf8.h"
+#include "server/api/handlers/handlers.h"
+#include "server/api/problem.h"
+
+#include <string.h>
+
+enum { SHOWN_SIZE = 64 /* of what a caller wrote, in a message */ };
+
+/* The number of characters, or -1 when one is a control character or none of UTF-8. */
+static long count_characters(const char *text)
+{
+    size_t left = strlen(text);
+    const unsigned char *at = (const unsigned char *)text;
+    long count = 0;
+
+    for (; left > 0; count++) {
+        size_t length = vor_utf8_length(at, left);
+        int is_c1 = length == 2 && at[0] == 0xC2 && at[1] < 0xA0;
+
+        if (length == 0 || at[0] < 0x20 || at[0] == 0x7F || is_c1)
+            return -1;
+        at += length;
+        left -= length;
+    }
+    return count;
+}
+
+static vor_status take_name(struct vor_submit_besides *out, const char *value,
+                            struct vor_error *err)
+{
+    long count = count_characters(value);
+    char quoted[SHOWN_SIZE];
+
+    if (count < 1 || count > VOR_JOB_NAME_CHARACTERS)
+        return vor_fail_param(err, VOR_E_PARAM, "name",
+                              "name is \"%s\", want 1 to %d characters of UTF-8 without control "
+                              "characters",
+                              vor_quote(quoted, sizeof quoted, value, strlen(value)),
+                              VOR_JOB_NAME_CHARACTERS);
+    memcpy(out->name, value, strlen(value) + 1);
+    return VOR_OK;
+}
+
+static vor_status take_input(struct vor_submit_besides *out, const char *value,
+                             struct vor_error *err)
+{
+    static const char scheme[] = "job:";
+    size_t length = sizeof scheme - 1;
+    char quoted[SHOWN_SIZE];
+
+    if (strncmp(value, scheme, length) == 0 &&
+        vor_uuid_parse(&out->input, value + length, strlen(value) - length))
+        return VOR_OK;
+    return vor_fail_param(err, VOR_E_PARAM, "input",
+                          "input is \"%s\", want job: and the identifier of a job",
+                          vor_quote(quoted, sizeof quoted, value, strlen(value)));
+}
+
+vor_status vor_besides_take(struct vor_submit_besides *out, const char *name, const char *value,
+                            int *taken, struct vor_error *err)
+{
+    *taken = 1;
+    if (strcmp(name, "name") == 0)
+        return take_name(out, value, err);
+    if (strcmp(name, "input") == 0)
+        return take_input(out, value, err);
+    *taken = 0;
+    return VOR_OK;
+}
+
+bool vor_besides_has(const char *name)
+{
+    return strcmp(name, "name") == 0 || strcmp(name, "input") == 0;
+}
+
+static int is_key_character(char c)
+{
+    return c > ' ' && c < 0x7F && strchr("\",\\", c) == NULL;
+}
+
+vor_status vor_besides_read_key(struct vor_submit_besides *out, const struct vor_request *request,
+                                struct vor_error *err)
+{
+    unsigned index = 0;
+    const char *value = vor_request_header_next(request, "Idempotency-Key", &index);
+    const char *at = value;
+    size_t length = 0;
+    char quoted[SHOWN_SIZE];
+    int is_quoted;
+
+    if (value == NULL)
+        return VOR_OK;
+    is_quoted = *at == '"';
+    at += is_quoted;
+    while (is_key_character(at[length]))
+        length++;
+    if (length < 1 || length >= sizeof out->key.text ||
+        strcmp(at + length, is_quoted ? "\"" : "") != 0 ||
+        vor_request_header_next(request, "Idempotency-Key", &index) != NULL)
+        return vor_fail_param(err, VOR_E_PARAM, "Idempotency-Key",
+                              "Idempotency-Key is %s, want one of 1 to %zu visible characters of "
+                              "ASCII but quote, comma and backslash, in quotes or without",
+                              vor_quote(quoted, sizeof quoted, value, strlen(value)),
+                              sizeof out->key.text - 1);
+    memcpy(out->key.text, at, length);
+    out->key.text[length] = '\0';
+    return VOR_OK;
+}
+
+static struct vor_blob_writer *refuse(struct vor_app *app, struct vor_request *request,
+                                      const char *slug, const char *why, const struct vor_uuid *id)
+{
+    vor_problem_say(app, request, slug, "input is job:%s: %s", id->text, why);
+    return NULL;
+}
+
+static struct vor_blob_writer *open_upload(struct vor_app *app, struct vor_request *request,
+                                           const struct vor_job_view *view)
+{
+    struct vor_blob_source source = {.id = view->id};
+    struct vor_blob_writer *upload = NULL;
+    struct vor_error err;
+    int found = 0;
+
+    (void)vor_blob_of_upload(view->spec.process->inputs[0].name, source.name);
+    memcpy(source.sha256, view->input[0].sha256, sizeof source.sha256);
+    if (vor_blob_reopen(app->blobs, &source, &upload, &found, &err) != VOR_OK)
+        vor_problem_error(app, request, &err, view->id.text);
+    else if (!found)
+        refuse(app, request, "input-not-kept", "that input is not kept, or no longer", &view->id);
+    return upload;
+}
+
+struct vor_blob_writer *vor_besides_open(struct vor_app *app, struct vor_request *request,
+                                         const struct vor_submit_besides *besides)
+{
+    const struct vor_uuid *id = &besides->input;
+    struct vor_job_view view;
+    enum vor_job_outcome outcome;
+    struct vor_error err;
+
+    outcome = vor_worker_get(app->worker, id, &view, &err);
+    if (outcome == VOR_UNKNOWN)
+        return refuse(app, request, "no-such-job", "there is no such job", id);
+    if (outcome != VOR_DONE) {
+        vor_outcome_reply(app, request, outcome, &err, id);
+        return NULL;
+    }
+    if (view.expired)
+        return refuse(app, request, "job-expired", "that job has expired", id);
+    return open_upload(app, request, &view);
+}
+
+vor_status vor_besides_print(struct vor_submit_besides *besides, const struct vor_spec *spec,
+                             const char *inputs, struct vor_error *err)
+{
+    struct vor_digest *digest = vor_digest_create();
+    struct vor_text text;
+    vor_status status;
+
+    vor_text_init(&text, 0);
+    vor_text_printf(&text, "%s\n", spec->process->id);
+    vor_json_spec(&text, spec);
+    vor_text_printf(&text, "\n%s\n%s\n", besides->name, inputs);
+    status = vor_text_status(&text, err);
+    if (status == VOR_OK && digest == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "the digest of a request");
+    if (status == VOR_OK) {
+        vor_digest_update(digest, text.data, text.size);
+        vor_digest_hex(digest, besides->key.fingerprint);
+    }
+    vor_digest_destroy(digest);
+    vor_text_free(&text);
+    return status;
+}

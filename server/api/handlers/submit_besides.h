@@ -1,0 +1,50 @@
+/** What a request to start a job says besides the parameters of its process: a name for the job, a
+ *  job whose input it wants again, and the key that makes one job of a request sent twice. */
+#ifndef VOR_SERVER_API_HANDLERS_SUBMIT_BESIDES_H
+#define VOR_SERVER_API_HANDLERS_SUBMIT_BESIDES_H
+
+#include "server/api/app.h"
+
+struct vor_submit_besides {
+    char name[VOR_JOB_NAME_SIZE]; /**< "" for none */
+    struct vor_uuid input;        /**< the job whose input it is; "" when the body has it */
+    struct vor_job_key key; /**< text is "" for none; the fingerprint is vor_besides_print's */
+};
+
+/** Takes the pair name=value if it is one of these and no parameter of a process: name (1 to 200
+ *  characters of UTF-8 without control characters) and input (job:ID).
+ *
+ *  @param[out] taken  0 when the pair is something else; *out is then untouched
+ *
+ *  @retval VOR_E_PARAM the value is wrong; the message says it and what it may be */
+VOR_NODISCARD vor_status vor_besides_take(struct vor_submit_besides *out, const char *name,
+                                          const char *value, int *taken, struct vor_error *err);
+
+/** Reads the header Idempotency-Key: 1 to 255 visible characters of ASCII but the quote, the comma
+ *  and the backslash, between quotes, as draft-ietf-httpapi-idempotency-key-header-07 has it, or
+ *  without.
+ *
+ *  @retval VOR_E_PARAM it is something else, or is given twice */
+VOR_NODISCARD vor_status vor_besides_read_key(struct vor_submit_besides *out,
+                                              const struct vor_request *request,
+                                              struct vor_error *err);
+
+/** True for the names of such pairs. */
+bool vor_besides_has(const char *name);
+
+/** Opens the main input of the job that `input` names, as it came.
+ *
+ *  @return the bytes as a new upload, to be discarded by the caller; NULL after a problem has been
+ *          replied: no-such-job, job-expired or input-not-kept */
+struct vor_blob_writer *vor_besides_open(struct vor_app *app, struct vor_request *request,
+                                         const struct vor_submit_besides *besides);
+
+/** Sets the fingerprint of the key: SHA-256 of process, parameters as JSON in the order of their
+ *  table, the job's name, and `inputs`, which tells their bytes by digests.
+ *
+ *  @retval VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_besides_print(struct vor_submit_besides *besides,
+                                           const struct vor_spec *spec, const char *inputs,
+                                           struct vor_error *err);
+
+#endif

@@ -1,0 +1,283 @@
+#include "server/api/handlers/submit_form.h"
+
+#include "core/base/quote.h"
+#include "proto/multipart.h"
+#include "server/api/handlers/submit_head.h"
+#include "server/api/problem.h"
+#include "server/base/disk.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    TEXT_MAX = 4096,      /* bytes of a text field */
+    PATIENCE = 256 << 10, /* bytes read of a form that is refused already */
+    SHOWN_SIZE = 32       /* of a name in a message */
+};
+
+/* What curl's documentation, and so everybody's first try, calls the file. */
+static const char main_alias[] = "file";
+
+struct vor_submit_form {
+    struct vor_app *app;
+    struct vor_request *request;
+    struct vor_submit_head *head;
+    struct vor_uploads *uploads;
+    struct vor_multipart scanner;
+    struct vor_error error;  /* of a form that is refused; else its status is VOR_OK */
+    uint64_t wasted;         /* bytes since then */
+    struct vor_upload *file; /* the part at hand is this one; NULL: a text */
+    bool is_unnamed;
+    char name[VOR_MULTIPART_NAME_MAX + 1];
+    char text[TEXT_MAX + 1];
+    size_t size;                     /* of the text */
+    bool given[VOR_PARAMETER_COUNT]; /* by a field of this form */
+};
+
+/* The input that a part is, by its name; NULL when it is none. */
+static const struct vor_artefact_info *input_of(const struct vor_submit_form *form,
+                                                const char *name)
+{
+    const struct vor_artefact_info *inputs = form->head->spec.process->inputs;
+
+    if (strcmp(name, main_alias) == 0 && vor_artefact_find(inputs, name) == NULL)
+        name = inputs[0].name;
+    return vor_artefact_find(inputs, name);
+}
+
+static vor_status refuse_twice(const char *name, struct vor_error *err)
+{
+    return vor_fail_param(err, VOR_E_PARAM, name, "%s is given more than once", name);
+}
+
+/* "no parameter x; measure takes peak; its files are cloud (or file), reference" */
+static vor_status refuse_name(const struct vor_submit_form *form, const char *name,
+                              struct vor_error *err)
+{
+    const struct vor_artefact_info *inputs = form->head->spec.process->inputs;
+    char files[(SHOWN_SIZE + 2) * VOR_INPUTS_MAX], shown[SHOWN_SIZE];
+    struct vor_error which;
+    size_t at = 0;
+
+    (void)vor_spec_refuse(&form->head->spec, name, "a file", &which);
+    for (unsigned i = 1; inputs[i].name != NULL && at < sizeof files; i++)
+        at += (size_t)snprintf(files + at, sizeof files - at, ", %s", inputs[i].name);
+    if (at == 0)
+        files[0] = '\0';
+    return vor_fail_param(err, VOR_E_PARAM, vor_quote(shown, sizeof shown, name, strlen(name)),
+                          "%s; its files are %s (or %s)%s", which.message, inputs[0].name,
+                          main_alias, files);
+}
+
+/* --- parts ------------------------------------------------------------------------------------ */
+
+static vor_status begin_file(struct vor_submit_form *form, const struct vor_artefact_info *input,
+                             const struct vor_multipart_part *part, struct vor_error *err)
+{
+    struct vor_uploads *uploads = form->uploads;
+    struct vor_upload upload = {.name = input->name};
+    int coding = vor_submit_coding(part->coding);
+    char shown[SHOWN_SIZE];
+    vor_status status;
+
+    for (unsigned i = 0; i < uploads->count; i++)
+        if (uploads->item[i].name == input->name)
+            return refuse_twice(input->name, err);
+    if (coding < 0)
+        return vor_fail(err, VOR_E_UNSUPPORTED,
+                        "the Content-Encoding of %s is %s, want gzip or none", input->name,
+                        vor_quote(shown, sizeof shown, part->coding, strlen(part->coding)));
+    upload.is_gzip = coding > 0;
+    status = vor_blob_create(form->app->blobs, &upload.bytes, err);
+    if (status != VOR_OK)
+        return status;
+    form->file = &uploads->item[uploads->count++];
+    *form->file = upload;
+    form->is_unnamed = part->is_unnamed;
+    return VOR_OK;
+}
+
+static vor_status begin_text(struct vor_submit_form *form, const struct vor_multipart_part *part,
+                             struct vor_error *err)
+{
+    enum vor_parameter parameter = vor_parameter_find(part->name);
+
+    const struct vor_submit_besides *besides = &form->head->besides;
+    bool is_besides = vor_besides_has(part->name), was_given;
+
+    if (!is_besides && (parameter == VOR_PARAMETER_COUNT ||
+                        !vor_process_takes(form->head->spec.process, parameter)))
+        return refuse_name(form, part->name, err);
+    if (part->is_file || part->coding[0] != '\0')
+        return vor_fail_param(err, VOR_E_PARAM, part->name, "%s is %s, want a text", part->name,
+                              part->is_file ? "a file" : "encoded");
+    if (vor_request_query(form->request, part->name) != NULL)
+        return vor_fail_param(err, VOR_E_PARAM, part->name,
+                              "%s is given in the query and in the form, want it in one of them",
+                              part->name);
+    if (is_besides)
+        was_given = strcmp(part->name, "name") == 0 ? besides->name[0] != '\0'
+                                                    : besides->input.text[0] != '\0';
+    else
+        was_given = form->given[parameter];
+    if (was_given)
+        return refuse_twice(part->name, err);
+    if (!is_besides)
+        form->given[parameter] = true;
+    memcpy(form->name, part->name, strlen(part->name) + 1);
+    return VOR_OK;
+}
+
+static vor_status on_part(void *ctx, const struct vor_multipart_part *part, struct vor_error *err)
+{
+    struct vor_submit_form *form = ctx;
+    const struct vor_artefact_info *input = input_of(form, part->name);
+
+    form->file = NULL;
+    form->size = 0;
+    return input != NULL ? begin_file(form, input, part, err) : begin_text(form, part, err);
+}
+
+static vor_status on_data(void *ctx, const void *bytes, size_t size, struct vor_error *err)
+{
+    struct vor_submit_form *form = ctx;
+
+    if (form->file != NULL)
+        return vor_blob_append(form->file->bytes, bytes, size, err);
+    if (size > TEXT_MAX - form->size)
+        return vor_fail_param(err, VOR_E_PARAM, form->name,
+                              "%s has more than %d bytes, want at most that", form->name, TEXT_MAX);
+    memcpy(form->text + form->size, bytes, size);
+    form->size += size;
+    return VOR_OK;
+}
+
+static vor_status set_text(struct vor_submit_form *form, struct vor_error *err)
+{
+    int taken;
+    vor_status status = vor_besides_take(&form->head->besides, form->name, form->text, &taken, err);
+
+    if (status != VOR_OK || taken)
+        return status;
+    return vor_spec_set(&form->head->spec, form->name, form->text, err);
+}
+
+static vor_status on_end(void *ctx, struct vor_error *err)
+{
+    struct vor_submit_form *form = ctx;
+
+    if (form->file == NULL) {
+        form->text[form->size] = '\0';
+        if (strlen(form->text) != form->size)
+            return vor_fail_param(err, VOR_E_PARAM, form->name, "%s has a NUL", form->name);
+        return set_text(form, err);
+    }
+    /* A browser's field without a file: nothing was given. */
+    if (form->is_unnamed && vor_blob_size(form->file->bytes) == 0) {
+        vor_blob_discard(form->file->bytes);
+        form->uploads->count--;
+    }
+    return VOR_OK;
+}
+
+/* --- the whole -------------------------------------------------------------------------------- */
+
+struct vor_submit_form *vor_submit_form_begin(struct vor_app *app, struct vor_request *request,
+                                              struct vor_submit_head *head,
+                                              struct vor_uploads *uploads)
+{
+    struct vor_submit_form *form = calloc(1, sizeof *form);
+    const struct vor_multipart_events events = {form, on_part, on_data, on_end};
+    struct vor_error err;
+
+    if (form == NULL) {
+        (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a form");
+        vor_problem_error(app, request, &err, NULL);
+        return NULL;
+    }
+    form->app = app;
+    form->request = request;
+    form->head = head;
+    form->uploads = uploads;
+    if (vor_multipart_begin(&form->scanner, vor_request_header(request, "Content-Type"), &events,
+                            &err) == VOR_OK)
+        return form;
+    vor_problem_error(app, request, &err, NULL);
+    free(form);
+    return NULL;
+}
+
+void vor_submit_form_free(struct vor_submit_form *form)
+{
+    free(form);
+}
+
+/* What a refused form's next bytes come to. A disk that refuses is told at once. */
+static int refused(struct vor_submit_form *form, size_t size)
+{
+    if (form->error.status == VOR_E_IO)
+        return vor_error_storage_full(&form->error) ? 507 : 503;
+    form->wasted += size;
+    if (form->wasted <= PATIENCE)
+        return 0;
+    vor_problem_error(form->app, form->request, &form->error, NULL);
+    return -1;
+}
+
+int vor_submit_form_take(void *ctx, const void *bytes, size_t size)
+{
+    struct vor_submit_form *form = ctx;
+
+    if (form->error.status != VOR_OK)
+        return refused(form, size);
+    if (vor_multipart_feed(&form->scanner, bytes, size, &form->error) != VOR_OK)
+        return refused(form, 0);
+    return 0;
+}
+
+static vor_status check_whole(struct vor_submit_form *form, struct vor_error *err)
+{
+    const struct vor_submit_besides *besides = &form->head->besides;
+    const struct vor_spec *spec = &form->head->spec;
+    unsigned inputs = 0;
+    vor_status status = vor_multipart_finish(&form->scanner, err);
+
+    if (status != VOR_OK)
+        return status;
+    for (unsigned i = 0; i < form->uploads->count; i++)
+        for (unsigned k = 0; spec->process->inputs[k].name != NULL; k++)
+            if (spec->process->inputs[k].name == form->uploads->item[i].name)
+                inputs |= 1u << k;
+    if (besides->input.text[0] != '\0') {
+        if ((inputs & 1) != 0)
+            return vor_fail_param(err, VOR_E_PARAM, "input",
+                                  "input is job:%s and the form has a file %s as well",
+                                  besides->input.text, spec->process->inputs[0].name);
+        inputs |= 1;
+    }
+    return vor_spec_check_inputs(spec, inputs, err);
+}
+
+/* Adds the main input if it is that of another job; false after a problem has been replied. */
+static bool add_kept(struct vor_submit_form *form)
+{
+    const struct vor_submit_besides *besides = &form->head->besides;
+    struct vor_upload upload = {.name = form->head->spec.process->inputs[0].name};
+
+    if (besides->input.text[0] == '\0')
+        return true;
+    upload.bytes = vor_besides_open(form->app, form->request, besides);
+    if (upload.bytes != NULL)
+        form->uploads->item[form->uploads->count++] = upload;
+    return upload.bytes != NULL;
+}
+
+bool vor_submit_form_end(struct vor_submit_form *form)
+{
+    struct vor_error *err = &form->error;
+
+    if (err->status == VOR_OK && check_whole(form, err) == VOR_OK)
+        return add_kept(form) && vor_submit_complete(form->app, form->request, form->head);
+    vor_problem_error(form->app, form->request, err, NULL);
+    return false;
+}

@@ -1,0 +1,164 @@
+#include "server/api/handlers/submit_json.h"
+
+#include "server/api/handlers/handlers.h"
+#include "server/api/problem.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    FOUND_MAX = 8,      /* parameters that are named */
+    POINTER_SIZE = 128, /* of the place of one, with the NUL; longer ones are cut */
+    DETAIL_SIZE = 160   /* of the sentence of one */
+};
+
+static int take(void *ctx, const void *bytes, size_t size)
+{
+    vor_text_add(ctx, bytes, size);
+    return 0; /* what does not fit is found at the end; the limit of the body comes first */
+}
+
+static void release(void *state)
+{
+    vor_text_free(state);
+    free(state);
+}
+
+static enum vor_next begin(struct vor_app *app, struct vor_request *request)
+{
+    double limit = app->config->number[VOR_SET_BODY_LIMIT];
+    struct vor_text *body = calloc(1, sizeof *body);
+    struct vor_body_sink sink = {body, take};
+    struct vor_error err;
+
+    if (body == NULL) {
+        (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
+        return vor_problem_error(app, request, &err, NULL);
+    }
+    vor_text_init(body, VOR_JSON_SIZE_MAX);
+    vor_request_set_state(request, body, release);
+    vor_request_take_body(request, &sink,
+                          limit < (double)VOR_JSON_SIZE_MAX ? (uint64_t)limit : VOR_JSON_SIZE_MAX);
+    return VOR_NEXT_BODY;
+}
+
+/* --- what is in it ---------------------------------------------------------------------------- */
+
+struct found {
+    const struct vor_process_info *process;
+    unsigned count;
+    struct place {
+        const char *name;
+        char pointer[POINTER_SIZE], detail[DETAIL_SIZE];
+    } place[FOUND_MAX];
+    struct vor_problem_error errors[FOUND_MAX];
+    struct vor_text query; /* "points=1000&seed=2" */
+};
+
+/* A value as it stands in a query; "..." for one that is none, or needs escapes. */
+static void put_value(struct vor_text *query, const struct vor_json *value)
+{
+    static const char plain[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~,:";
+    const char *string = vor_json_get_string(value);
+    enum vor_json_kind kind = vor_json_kind(value);
+
+    if (string != NULL && strlen(string) < 64 && strspn(string, plain) == strlen(string))
+        vor_text_puts(query, string);
+    else if (kind == VOR_JSON_NUMBER || kind == VOR_JSON_BOOL)
+        vor_json_copy(query, value);
+    else
+        vor_text_puts(query, "...");
+}
+
+static void add(struct found *found, const char *pointer, const struct vor_json *member)
+{
+    const char *name = vor_json_name(member);
+    struct place *place = &found->place[found->count];
+
+    place->name = name;
+    (void)snprintf(place->pointer, sizeof place->pointer, "%s/%s", pointer, name);
+    (void)snprintf(place->detail, sizeof place->detail,
+                   "%s stands in a JSON body, want it in the query or a field of a form", name);
+    found->errors[found->count++] =
+        (struct vor_problem_error){.pointer = place->pointer, .detail = place->detail};
+    vor_text_printf(&found->query, "%s%s=", found->count > 1 ? "&" : "", name);
+    put_value(&found->query, member);
+}
+
+/* Looks for parameters among the members of an object and of those below it: OGC has them under
+ * "inputs", others put them at the top. A member that is one is not looked into; the value of an
+ * input may be an object with members of any name, so none below `depth` counts. */
+static void look_into(struct found *found, const struct vor_json *object, const char *pointer,
+                      int depth)
+{
+    for (const struct vor_json *m = vor_json_first(object); m != NULL; m = vor_json_next(m)) {
+        const char *name = vor_json_name(m);
+        enum vor_parameter parameter = vor_parameter_find(name);
+        char below[POINTER_SIZE];
+
+        if (found->count == FOUND_MAX)
+            return;
+        if (parameter != VOR_PARAMETER_COUNT && vor_process_takes(found->process, parameter)) {
+            add(found, pointer, m);
+        } else if (depth > 0 && vor_json_kind(m) == VOR_JSON_OBJECT && strlen(name) < 32) {
+            (void)snprintf(below, sizeof below, "%s/%s", pointer, name);
+            look_into(found, m, below, depth - 1);
+        }
+    }
+}
+
+/* --- the answer ------------------------------------------------------------------------------- */
+
+static enum vor_next refuse(struct vor_app *app, struct vor_request *request, struct found *found)
+{
+    struct vor_problem problem = VOR_PROBLEM_INIT("invalid-parameter");
+    const char *id = found->process->id;
+    char detail[1024];
+
+    if (found->count == 0)
+        return vor_problem_say(app, request, "unsupported-format",
+                               "the body is JSON, want a cloud, or a form (multipart/form-data) "
+                               "with one; parameters belong in the query, as in /v1/%s?seed=1",
+                               id);
+    (void)snprintf(detail, sizeof detail,
+                   "%s stands in a JSON body, at %s; parameters belong in the query, with the "
+                   "cloud as the body: POST /v1/%s?%s; or in fields of a form "
+                   "(multipart/form-data), with the cloud as its file",
+                   found->place[0].name, found->place[0].pointer, id,
+                   found->query.data != NULL ? found->query.data : "...");
+    problem.detail = detail;
+    problem.errors = found->errors;
+    problem.error_count = found->count;
+    return vor_problem_reply(app, request, &problem);
+}
+
+static enum vor_next answer(struct vor_app *app, struct vor_request *request,
+                            const struct vor_process_info *process, const struct vor_text *body)
+{
+    struct found found = {.process = process};
+    struct vor_json *json = NULL;
+    struct vor_error err;
+    enum vor_next next;
+
+    if (vor_text_status(body, &err) != VOR_OK ||
+        vor_json_parse(&json, body->data != NULL ? body->data : "", body->size, &err) != VOR_OK)
+        return vor_problem_error(app, request, &err, NULL);
+    vor_text_init(&found.query, 0);
+    if (vor_json_kind(json) == VOR_JSON_OBJECT)
+        look_into(&found, json, "", 1);
+    next = refuse(app, request, &found);
+    vor_text_free(&found.query);
+    vor_json_free(json);
+    return next;
+}
+
+enum vor_next vor_submit_json(struct vor_app *app, struct vor_request *request, enum vor_step step)
+{
+    const struct vor_process_info *process = vor_process_of_submit(app, request);
+
+    if (process == NULL)
+        return VOR_NEXT_REPLY;
+    return step == VOR_STEP_HEAD ? begin(app, request)
+                                 : answer(app, request, process, vor_request_state(request));
+}

@@ -1,0 +1,38 @@
+/** What came with a request, input by input, before anybody has looked into it. */
+#ifndef VOR_SERVER_WORK_UPLOAD_H
+#define VOR_SERVER_WORK_UPLOAD_H
+
+#include "core/spec.h"
+#include "server/blob/blob.h"
+
+#include <stdint.h>
+
+/** The bytes of an input as they were sent. */
+struct vor_upload {
+    const char *name;              /**< of the input, out of the process's row */
+    struct vor_blob_writer *bytes; /**< owned */
+    int is_gzip;                   /**< they are to be inflated first */
+};
+
+/** Those of a request, each name once. All zero: none. */
+struct vor_uploads {
+    struct vor_upload item[VOR_INPUTS_MAX];
+    unsigned count;
+};
+
+/** Discards the bytes of all and leaves none. */
+void vor_uploads_discard(struct vor_uploads *uploads);
+
+/** Inflates an upload that is gzip; leaves others alone. Its bytes are then those that were
+ *  compressed, with their own size and SHA-256.
+ *
+ *  @param[in,out] most  bytes that may come of it; less by what came
+ *
+ *  @retval VOR_E_IO  the disk refuses (vor_error_storage_full tells a full one apart)
+ *  @retval others    as vor_gzip_inflate; the upload is unchanged
+ *
+ *  Cost: that of writing what comes of it; not for HTTP threads. */
+VOR_NODISCARD vor_status vor_upload_inflate(struct vor_upload *upload, struct vor_blobs *blobs,
+                                            uint64_t *most, struct vor_error *err);
+
+#endif
