@@ -205,7 +205,8 @@ for my $case (
     ['{"mesh":{"points":{"points":3}}}', 400, 'invalid-parameter', qr{at /mesh/points;}],
     ['{"points":5', 400, 'malformed-request', qr/./],
     ['{"points":5,"points":6}', 400, 'malformed-request', qr/duplicate/],
-    ['', 400, 'malformed-request', qr/./],
+    [' ', 400, 'malformed-request', qr/./],
+    ['', 400, 'invalid-parameter', qr/^0 of points, ratio and spacing/],
     ['{"a":"' . 'x' x (1 << 20) . '"}', 413, 'too-many-bytes', qr/want at most 1048576/],
 ) {
     my ($body, $status, $slug, $detail) = @$case;

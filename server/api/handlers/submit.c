@@ -505,7 +505,7 @@ enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor
     struct submission *submission = vor_request_state(request);
     bool admitted;
 
-    if (vor_submit_body_is_json(request))
+    if (vor_request_length(request) != 0 && vor_submit_body_is_json(request))
         return vor_submit_json(app, request, step);
     if (step == VOR_STEP_HEAD)
         return begin(app, request);
