@@ -110,8 +110,8 @@ sub exchanges {
     my ($self) = @_;
     my @exchanges;
     for my $path (sort glob "$self->{dir}/*.asked") {
-        my @told = messages(slurp($path =~ s/asked$/told/r), 0);
-        my @asked = messages(slurp($path), 1);
+        my @asked = messages(slurp($path));
+        my @told = messages(slurp($path =~ s/asked$/told/r), map { $_->{line} } @asked);
         for my $i (0 .. $#asked) {
             my ($method, $target) = $asked[$i]{line} =~ /^(\S+) (\S+)/;
             my ($status) = ($told[$i]{line} // '') =~ m{^HTTP/1\.1 (\d+)};
@@ -129,17 +129,17 @@ sub slurp {
     return scalar <$file> // '';
 }
 
-# The messages that stand one behind the other: { line, headers, body }. An answer of 1xx is none. Nobody here asks
-# with HEAD, whose answers tell a length without a body.
+# The messages that stand one behind the other: { line, headers, body }. An answer of 1xx is none. Answers need the
+# lines of their requests, as one to HEAD tells a length without a body.
 sub messages {
-    my ($bytes, $are_requests) = @_;
+    my ($bytes, @requests) = @_;
     my @messages;
     while ($bytes =~ s/\A(\S[^\r\n]*)\r\n((?:[^\r\n]+\r\n)*)\r\n//) {
         my ($line, $head) = ($1, $2);
         my %headers = map { /^([^:]+):\s*(.*)$/ ? (lc $1, $2) : () } split /\r\n/, $head;
         next if $line =~ m{^HTTP/1\.1 1\d\d};
-        my $is_empty = $are_requests ? !defined($headers{'content-length'} // $headers{'transfer-encoding'})
-            : $line =~ m{^HTTP/1\.1 (?:204|304)};
+        my $is_empty = $line =~ m{^HTTP/1\.1 } ? $line =~ m{^\S+ (?:204|304)} || (shift @requests // '') =~ /^HEAD /
+            : !defined($headers{'content-length'} // $headers{'transfer-encoding'});
         push @messages, { line => $line, headers => \%headers, body => $is_empty ? '' : body(\$bytes, \%headers) };
     }
     return @messages;
