@@ -50,3 +50,11 @@ for _ in $(seq 200); do
     sleep 0.1
 done
 node client.js "http://$address"
+
+# Tests of our results with packages that stand in package.json.
+mapfile -t tests < <(find "$here" -maxdepth 1 -name '*.t')
+if [ "${#tests[@]}" -gt 0 ]; then
+    folder=$PWD
+    cd "$here/../.."
+    CONTRACT=$folder VORONOID=$voronoid prove "${tests[@]}"
+fi

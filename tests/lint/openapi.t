@@ -48,6 +48,7 @@ my %description = map { $_ => json($daemon->get("/v1/processes/$_")) } @processe
 is_deeply [sort map { m{^POST /v1/(\w+)$} ? $1 : () } keys %operations], [sort @processes],
     'every process that is offered has a path of its own';
 my (%taken, %given);
+my %of_a_job = map { $_ => 1 } qw(name input); # what any job takes beside the parameters of its process
 for my $process (@processes) {
     my $described = $description{$process};
     my $operation = $operations{"POST /v1/$process"} // next;
@@ -57,7 +58,7 @@ for my $process (@processes) {
     is $operation->{summary}, $described->{title}, "$process: its title";
     like squeezed($operation->{description}), qr/^\Q$described->{description}\E\.(?: |$)/,
         "$process: its description begins with its sentence";
-    is_deeply [sort map { $_->{name} } $contract->parameters($operation, 'query')], [sort keys %schemas],
+    is_deeply [asked_for($operation)], [sort keys %schemas],
         "$process: its parameters are documented, each once, and no other";
     is_deeply plain($parameter{$_}{schema}), plain($schemas{$_}),
         "$process, $_: types, ranges, words and default" for grep { $parameter{$_} } sort keys %schemas;
@@ -65,10 +66,15 @@ for my $process (@processes) {
     $given{$_} = $described->{outputs}{$_}{schema} for keys %{ $described->{outputs} };
 }
 my $execution = $operations{'POST /v1/processes/{processID}/execution'};
-is_deeply [sort map { $_->{name} } $contract->parameters($execution)], [sort 'Prefer', 'processID', keys %taken],
-    'the execution of a process takes what any of them takes';
+is_deeply [asked_for($execution)], [sort keys %taken], 'the execution of a process takes what any of them takes';
 is_deeply [sort @{ $doc->{components}{parameters}{output}{schema}{enum} }], [sort keys %given],
     'every output has its name in the path';
+
+# The names of the parameters of a process that an operation takes.
+sub asked_for {
+    my ($operation) = @_;
+    return sort grep { !$of_a_job{$_} } map { $_->{name} } $contract->parameters($operation, 'query');
+}
 
 # A cloud is an input, not a parameter.
 sub is_cloud { return $_[0]{oneOf} && ($_[0]{oneOf}[0]{contentEncoding} // '') eq 'binary' }
