@@ -65,7 +65,7 @@ BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(B)/tests/bench/wlop $
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-GOALS := all help demo test check soak bench fuzz proxy lint format image clean
+GOALS := all help demo test check soak bench fuzz proxy lint contract format image clean
 .PHONY: $(GOALS)
 
 # Every core is used unless -j says otherwise. Of several goals typed together one ends before the next begins.
@@ -180,6 +180,12 @@ lint: ## formatting, include law, static analysis, shell and YAML
 	@$(MAKE) --no-print-directory all
 	@VORONOID=$(BIN) prove -j$(JOBS) --exec '' $(sort $(wildcard tests/lint/*.t))
 	@tests/lint/static.sh
+
+contract: ## openapi.yaml before redocly, spectral and TypeScript, which npm installs under build/
+	@{ command -v node && command -v npm; } >/dev/null || docker/install.sh contract
+	@docker/install.sh build
+	@$(MAKE) --no-print-directory all
+	@tests/contract/contract.sh $(BIN) build/contract
 
 format: ## clang-format every C file
 	clang-format -i $(shell find core proto server tests -name '*.[ch]' -o -name '*.cc')

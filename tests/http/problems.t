@@ -126,7 +126,7 @@ is json($daemon->get("/v1/jobs/$job/results/mesh"))->{detail}, 'there is no outp
 
 # Paths and methods.
 for my $case (
-    ['GET', '/nope', 404, 'no-such-resource'], ['GET', '/v1', 404, 'no-such-resource'],
+    ['GET', '/nope', 404, 'no-such-resource'], ['GET', '/v2', 404, 'no-such-resource'],
     ['GET', '/v1/jobs/', 404, 'no-such-resource'], ['GET', '/v1//jobs', 404, 'no-such-resource'],
     ['GET', '/v1/../v1/jobs', 404, 'no-such-resource'],
     ['GET', '/v1/processes/nope', 404, 'no-such-process'],
