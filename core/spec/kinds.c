@@ -53,6 +53,8 @@ struct form {
 
 /* Numbers. */
 
+enum { COUNT_TEXT_MAX = 40 /* bytes of a number, which no number worth writing has */ };
+
 /* A decimal number and nothing else. strtod would also take hexadecimal, blanks, "inf" and, in some
  * locales, a comma: only digits, sign, point and exponent reach it, and only in the C locale that a
  * program starts with. */
@@ -61,7 +63,8 @@ static int read_real(const struct vor_parameter_info *info, const char *text, st
     double number;
     char *end;
 
-    if (text[0] == '\0' || strlen(text) > 40 || text[strspn(text, "+-.0123456789eE")] != '\0' ||
+    if (text[0] == '\0' || strlen(text) > COUNT_TEXT_MAX ||
+        text[strspn(text, "+-.0123456789eE")] != '\0' ||
         strcspn(text, "0123456789") == strlen(text))
         return 0;
     number = strtod(text, &end);
@@ -71,12 +74,26 @@ static int read_real(const struct vor_parameter_info *info, const char *text, st
     return 1;
 }
 
+/* The text of a count with the exponent that a k or M at its end stands for, so that strtod rounds
+ * once: 1.001k is 1.001e3, which is 1001, where 1.001 * 1000 is not. Any other text as it is. */
+static const char *expand(const char *text, char out[COUNT_TEXT_MAX + 2])
+{
+    size_t length = strlen(text);
+    char last = length > 0 ? text[length - 1] : '\0';
+
+    if (length > COUNT_TEXT_MAX || (last != 'k' && last != 'M') || strpbrk(text, "eE") != NULL)
+        return text;
+    (void)snprintf(out, COUNT_TEXT_MAX + 2, "%.*se%d", (int)length - 1, text, last == 'k' ? 3 : 6);
+    return out;
+}
+
 static int read_whole(const struct vor_parameter_info *info, const char *text,
                       struct vor_value *out)
 {
+    char expanded[COUNT_TEXT_MAX + 2];
     struct vor_value value;
 
-    if (!read_real(info, text, &value) || value.number != rint(value.number))
+    if (!read_real(info, expand(text, expanded), &value) || value.number != rint(value.number))
         return 0;
     out->number = value.number;
     return 1;
@@ -513,6 +530,22 @@ int vor_kind_has_unknown_word(const struct vor_parameter_info *info, enum vor_sh
         if (form == VOR_FORM_LIST && (shape == VOR_SHAPE_ANY || shape == forms[form].shape))
             return has_unknown(info, text);
     return 0;
+}
+
+int vor_kind_expand(const struct vor_parameter_info *info, const char *text,
+                    char out[VOR_KIND_NUMBER_SIZE])
+{
+    struct vor_parameter_info any = *info;
+    char expanded[COUNT_TEXT_MAX + 2];
+    struct vor_value value;
+
+    any.min = -INFINITY;
+    any.max = INFINITY;
+    if (vor_kind_form(info->kind, 0) != VOR_FORM_WHOLE || expand(text, expanded) == text ||
+        !read_real(&any, expanded, &value))
+        return 0;
+    (void)snprintf(out, VOR_KIND_NUMBER_SIZE, "%.15g", value.number);
+    return 1;
 }
 
 void vor_kind_write(const struct vor_parameter_info *info, double value, const char *name,
