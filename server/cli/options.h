@@ -27,8 +27,8 @@ enum {
       "Where the result goes; DIR/ is a folder, for results that have their inputs' names; - is "  \
       "stdout, and the default of a document")                                                     \
     X(INTO, "output", 'o', "OUT", "", VOR_COMMAND_FETCHES,                                         \
-      "Where it goes: a file or, for -, stdout take one result, DIR/ takes all of any number of "  \
-      "jobs, as JOB-RESULT.SUFFIX; the default is ./")                                             \
+      "Where it goes: one result into a file or, for -, to stdout; all of any number of jobs "     \
+      "into DIR/, as JOB-RESULT.SUFFIX; else into ./")                                             \
     X(RESULT, "result", 0, "NAME", "", VOR_COMMAND_FETCHES,                                        \
       "The result to fetch, such as cloud or report; else the main one into a file, all into a "   \
       "folder")                                                                                    \
