@@ -30,8 +30,8 @@ sub alone {
     return $bytes;
 }
 
-my ($code, $stdout, $stderr) = run(['resample', $a, $b, @request, '-o', "$out/"]);
-is "$code|$stdout", '0|', 'two inputs into a folder that is made';
+my ($code, $stdout, $stderr) = run(['resample', '--iterations', 2, $a, '--polish=2', '-n20', '-o', "$out/", '--', $b]);
+is "$code|$stdout", '0|', 'two inputs, among options, into a folder that is made';
 like $stderr, qr{\Avoronoid: \Q$out\E/a\.ply: 20 points, [^\n]+\nvoronoid: \Q$out\E/b\.ply: 20 points, [^\n]+\n\z}, 'a summary line each';
 is files(), 'a.ply b.ply', 'results have the names of their inputs';
 ok slurp("$out/a.ply") eq alone($a, 'x.ply'), 'and the bytes of a run of its own';
