@@ -177,7 +177,7 @@ static vor_status refuse_flag(const char *word, struct vor_error *err)
                                    infos[i].flag);
         found++;
     }
-    if (found > 1)
+    if (found > 1 && length > 0)
         return vor_fail(err, VOR_E_PARAM, "%.60s may be %s", word, names);
     return vor_fail(err, VOR_E_PARAM, "no setting %.60s; see voronoid serve --help", word);
 }

@@ -166,7 +166,7 @@ static vor_status refuse_long(const struct reader *r, const char *word)
     if (process != NULL && parameter != VOR_PARAMETER_COUNT &&
         !vor_process_takes(process, parameter))
         return vor_spec_set(&r->cli->spec, exact, "", r->err); /* refuses the name */
-    if (candidates(&r->menu, name, length, names) > 1)
+    if (length > 0 && candidates(&r->menu, name, length, names) > 1)
         return vor_fail(r->err, VOR_E_PARAM, "%s may be %s", shown, names);
     return no_option(r, shown);
 }

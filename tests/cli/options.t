@@ -82,6 +82,7 @@ refused 'a letter that is not ASCII', ['resample', "-\xe9"], 2,
     'resample: no option -\\xe9; see voronoid resample --help';
 refused 'a name cut too short', ['resample', $in, @points, '-o', $out, '--po', 3], 2, 'resample: --po may be --points or --polish';
 refused 'a name cut too short for both tables', ['resample', '--se=1'], 2, 'resample: --se may be --server or --seconds or --seed';
+refused 'a name cut to nothing', ['resample', '--=1'], 2, 'resample: no option --; see voronoid resample --help';
 refused 'a name cut short of a wrong value', ['resample', $in, @points, '-o', $out, '--bound=open'], 2,
     'resample: boundary is "open", want one of keep, free';
 refused 'an option of another command', ['measure', $in, '--server', 'http://127.0.0.1:1'], 2,
