@@ -65,7 +65,7 @@ BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(B)/tests/bench/wlop $
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-GOALS := all help demo test check soak bench fuzz lint format image install uninstall clean
+GOALS := all help demo test check soak bench fuzz proxy lint format image install uninstall clean
 .PHONY: $(GOALS)
 
 # Every core is used unless -j says otherwise. Of several goals typed together one ends before the next begins.
@@ -168,6 +168,12 @@ fuzz: ## fuzz every reader for FUZZ_SECONDS each, from the kept corpus
 build/fuzz/tests/fuzz/%_fuzz: build/fuzz/tests/fuzz/%_fuzz.o build/fuzz/libvoronoid.a
 	@echo "  LINK $@"
 	@$(CXX) $(flags.fuzz) -fsanitize=fuzzer -pthread $^ -o $@ $(LIBS)
+
+proxy: ## install what is missing, build, and run README's snippets for nginx, haproxy and caddy before the daemon
+	@docker/install.sh build test
+	@$(MAKE) --no-print-directory all
+	@tests/proxy/fetch.sh build/proxy
+	@VORONOID=$(BIN) prove -v tests/proxy/snippets.t
 
 lint: ## formatting, include law, static analysis, shell and YAML
 	@docker/install.sh build test lint

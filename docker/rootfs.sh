@@ -1,6 +1,6 @@
 #!/bin/sh
 # usage: rootfs.sh BINARY FOLDER: makes FOLDER a root file system that holds the binary, the libraries it loads and
-# nothing else but what those need to know: users, certificates, an empty state folder.
+# nothing else but the user it runs as, an empty state folder and /tmp. No certificates: the daemon calls nobody.
 set -eu
 binary=$1
 root=$2

@@ -19,4 +19,17 @@ url=$(tests/demo/listening.sh "$work/log" $!)
 chroot --userspec=65532:65532 "$root" /usr/bin/voronoid health --server "$url"
 curl -sSf -X POST -T "$work/sphere.ply" -o "$work/out.drc" "$url/v1/resample?points=500&format=drc"
 head -c 5 "$work/out.drc" | grep -q DRACO
+
+# A folder that the host mounts belongs to root as a rule: the daemon says so, and what to do.
+install -d -m 0755 "$root/var/lib/mounted"
+if said=$(setpriv --no-new-privs chroot --userspec=65532:65532 "$root" /usr/bin/voronoid serve \
+    --listen 127.0.0.1:0 --data /var/lib/mounted 2>&1); then
+    echo "try.sh: a folder that the daemon must not write is no hindrance" >&2
+    exit 1
+fi
+rmdir "$root/var/lib/mounted"
+grep -qx 'voronoid: /var/lib/mounted belongs to user 0, .* chown -R 65532:65532 /var/lib/mounted .*' <<<"$said" || {
+    echo "try.sh: a folder of the wrong owner is not named: $said" >&2
+    exit 1
+}
 echo "try.sh: the image's file system serves as uid 65532 ($(du -sh "$root" | cut -f1))"

@@ -102,6 +102,8 @@ static vor_status open_http(struct daemon *daemon, struct vor_error *err)
         .body_seconds = config->number[VOR_SET_BODY_TIMEOUT],
         .body_idle_seconds = config->number[VOR_SET_BODY_IDLE],
         .body_rate = config->number[VOR_SET_BODY_RATE],
+        .trusted = &config->trusted,
+        .proxy_headers = (enum vor_proxy_headers)config->number[VOR_SET_PROXY_HEADERS],
         .handler = vor_route_dispatch,
         .ctx = &daemon->app,
         .refuse = vor_route_refuse,

@@ -45,7 +45,8 @@ struct stack {
     unsigned k;
     double x[VOR_NEIGHBORS_MAX][TERMS]; /* u, v, uu, uv, vv; lengths over the reach */
     double w[VOR_NEIGHBORS_MAX];
-    double height[VOR_NEIGHBORS_MAX]; /* of each point over the shared quadric */
+    double height[VOR_NEIGHBORS_MAX];  /* of each point over the shared quadric */
+    uint16_t order[VOR_NEIGHBORS_MAX]; /* of the points by height, as of the last sort */
     double sorted[VOR_NEIGHBORS_MAX];
 };
 
@@ -71,6 +72,7 @@ static void gather(struct stack *out, const struct vor_surface *surface, const f
         double local[3];
 
         vor_surface_to_local(surface, x, local);
+        out->order[i] = (uint16_t)i;
         out->w[i] = scale * local[2];
         out->height[i] = out->w[i];
         if (!plane)
@@ -80,20 +82,27 @@ static void gather(struct stack *out, const struct vor_surface *surface, const f
     }
 }
 
-/* Shell's sort with Knuth's gaps. */
-static void sort(struct stack *stack)
+/* Shell's sort with Knuth's gaps, from the order of the last sort: heights that a round changes a
+ * little are nearly sorted, and then the last gap alone does it. */
+static void sort(struct stack *stack, unsigned gap)
 {
     double *h = stack->sorted;
+    uint16_t *order = stack->order;
 
-    memcpy(h, stack->height, stack->k * sizeof *h);
-    for (unsigned gap = stack->k > 121 ? 121 : 40; gap > 0; gap /= 3)
+    for (unsigned i = 0; i < stack->k; i++)
+        h[i] = stack->height[order[i]];
+    for (; gap > 0; gap /= 3)
         for (unsigned i = gap; i < stack->k; i++) {
             double at = h[i];
+            uint16_t of = order[i];
             unsigned j = i;
 
-            for (; j >= gap && h[j - gap] > at; j -= gap)
+            for (; j >= gap && h[j - gap] > at; j -= gap) {
                 h[j] = h[j - gap];
+                order[j] = order[j - gap];
+            }
             h[j] = at;
+            order[j] = of;
         }
 }
 
@@ -142,7 +151,7 @@ static void split_all(struct vor_layers *layers, struct stack *stack)
     const double *h = stack->sorted;
     unsigned cuts = 0;
 
-    sort(stack);
+    sort(stack, 1);
     for (unsigned i = 0; i + 1 < stack->k; i++)
         widest = fmax(widest, h[i + 1] - h[i]);
     for (unsigned i = 0; i + 1 < stack->k; i++) {
@@ -290,7 +299,7 @@ static int one_over_another(const struct vor_layers *layers, const struct stack 
 static int settle(struct vor_layers *out, struct stack *stack, double spacing)
 {
     for (int round = 0; round < ROUNDS; round++) {
-        sort(stack);
+        sort(stack, round == 0 ? (stack->k > 121 ? 121 : 40) : 1);
         if (!split(out, stack))
             break;
         if (!share(out, stack))

@@ -4,58 +4,90 @@
 #include <string.h>
 #include <strings.h>
 
-bool vor_host_is_sound(const char *host)
-{
-    size_t length = strlen(host);
-
-    return length > 0 && length <= 255 &&
-           strspn(host, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._:[]") ==
-               length;
-}
-
-/* Length of the name in "name:port" or "[address]:port". */
-static size_t host_length(const char *host)
-{
-    return host[0] == '[' ? strcspn(host, "]") + (strchr(host, ']') != NULL) : strcspn(host, ":");
-}
-
 static bool names_equal(const char *a, size_t length, const char *b)
 {
     return strlen(b) == length && strncasecmp(a, b, length) == 0;
 }
 
-bool vor_host_is_ours(const struct vor_app *app, const char *host)
+/* True when the list, separated by commas or blanks, has the name in any case. */
+static bool list_has_name(const char *list, const char *name, size_t length)
 {
-    size_t length = host_length(host);
-    const char *public_url = app->config->text[VOR_SET_PUBLIC_URL];
-    const char *authority = strstr(public_url, "://");
+    while (*(list += strspn(list, ", ")) != '\0') {
+        size_t word = strcspn(list, ", ");
 
-    if (!app->config->loopback)
-        return true;
+        if (word == length && strncasecmp(list, name, length) == 0)
+            return true;
+        list += word;
+    }
+    return false;
+}
+
+/* True when a host is this machine's, that of --public-url or one of --allowed-hosts. */
+static bool host_is_ours(const struct vor_config *config, const char *host)
+{
+    size_t length = vor_host_name_length(host);
+    const char *authority = strstr(config->text[VOR_SET_PUBLIC_URL], "://");
+
     if (names_equal(host, length, "localhost") || names_equal(host, length, "127.0.0.1") ||
-        names_equal(host, length, "[::1]") || names_equal(host, length, app->config->host))
+        names_equal(host, length, "[::1]") || names_equal(host, length, config->host) ||
+        list_has_name(config->text[VOR_SET_ALLOWED_HOSTS], host, length))
         return true;
     if (authority == NULL)
         return false;
     authority += 3;
+    if (authority[0] == '[')
+        return length == vor_host_name_length(authority) &&
+               strncasecmp(authority, host, length) == 0;
     return length == strcspn(authority, ":/") && strncasecmp(authority, host, length) == 0;
+}
+
+const char *vor_host_refused(const struct vor_app *app, const struct vor_request *request)
+{
+    const struct vor_config *config = app->config;
+    const struct vor_via *via = vor_request_via(request);
+    const char *host = vor_request_header(request, "Host");
+    bool listed = config->text[VOR_SET_ALLOWED_HOSTS][0] != '\0';
+
+    if (!config->loopback && !listed)
+        return NULL;
+    if (via->host[0] != '\0') {
+        if (!listed && config->text[VOR_SET_PUBLIC_URL][0] == '\0')
+            return NULL;
+        if (!host_is_ours(config, via->host))
+            return via->host;
+    }
+    return host != NULL && !host_is_ours(config, host) ? host : NULL;
+}
+
+const char *vor_app_origin(const struct vor_app *app, const struct vor_request *request,
+                           char out[VOR_URL_MAX])
+{
+    const struct vor_via *via = vor_request_via(request);
+    const char *host = vor_request_header(request, "Host");
+
+    if (via->host[0] != '\0')
+        host = via->host;
+    if (host == NULL || !vor_host_is_sound(host) || vor_host_refused(app, request) != NULL)
+        host = vor_http_address(app->http);
+    (void)snprintf(out, VOR_URL_MAX, "%s://%s", via->scheme != NULL ? via->scheme : "http", host);
+    return out;
 }
 
 const char *vor_app_url(const struct vor_app *app, const struct vor_request *request,
                         const char *path, char out[VOR_URL_MAX])
 {
     const char *base = app->config->text[VOR_SET_PUBLIC_URL];
-    const char *host = vor_request_header(request, "Host");
-    bool usable = host != NULL && vor_host_is_sound(host) && vor_host_is_ours(app, host);
     size_t length = strlen(base);
 
     while (length > 0 && base[length - 1] == '/')
         length--;
-    if (length > 0)
+    if (length > 0) {
         (void)snprintf(out, VOR_URL_MAX, "%.*s%s", (int)length, base, path);
-    else
-        (void)snprintf(out, VOR_URL_MAX, "http://%s%s", usable ? host : vor_http_address(app->http),
-                       path);
+        return out;
+    }
+    length = strlen(vor_app_origin(app, request, out));
+    (void)snprintf(out + length, VOR_URL_MAX - length, "%s%s", vor_request_via(request)->prefix,
+                   path);
     return out;
 }
 

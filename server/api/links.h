@@ -4,18 +4,27 @@
 
 #include "server/api/app.h"
 
-enum { VOR_URL_MAX = 512 };
+enum {
+    VOR_URL_MAX = 512 /**< scheme, VOR_HOST_MAX, VOR_PREFIX_MAX and the longest path of ours */
+};
 
-/** True for NAME, NAME:PORT and [ADDRESS]:PORT as far as their bytes go. */
-bool vor_host_is_sound(const char *host);
+/** The Host that keeps a request from being answered, or NULL when it may be: every name in it, and
+ *  in what a trusted proxy says the client sent, is this machine's, that of --public-url or one of
+ *  --allowed-hosts; or other machines may call as well and there is no list. A trusted proxy
+ * answers for the names it gives where neither --public-url nor --allowed-hosts says which they
+ * are.
+ *
+ *  A web page that re-binds its own name to this machine still sends that name as Host. */
+const char *vor_host_refused(const struct vor_app *app, const struct vor_request *request);
 
-/** True when a request for this Host may be answered: it names this machine or --public-url, or
- *  other machines may call as well. A web page that re-binds its own name to this machine still
- *  sends that name as Host. */
-bool vor_host_is_ours(const struct vor_app *app, const char *host);
+/** "http://HOST" or "https://HOST": by which the client of this request reached us, as far as it
+ *  and the trusted proxies tell. Its Host must not be refused. Returns out. */
+const char *vor_app_origin(const struct vor_app *app, const struct vor_request *request,
+                           char out[VOR_URL_MAX]);
 
-/** Absolute address of path ("/v1/jobs/..."): --public-url, else http:// and the Host of the
- *  request if it is ours, else the address that is listened on. Returns out. */
+/** Absolute address of path ("/v1/jobs/..."): behind --public-url; else behind what trusted proxies
+ *  say, their scheme, Host and prefix; else behind http:// and the Host of the request; else, when
+ *  that is none or refused, behind the address that is listened on. Returns out. */
 const char *vor_app_url(const struct vor_app *app, const struct vor_request *request,
                         const char *path, char out[VOR_URL_MAX]);
 

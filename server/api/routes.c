@@ -79,16 +79,16 @@ static void list_methods(const char *path, char *out, size_t size)
 static bool origin_is_ours(const struct vor_app *app, const struct vor_request *request,
                            const char *origin)
 {
-    const char *host = vor_request_header(request, "Host");
     const char *public_url = app->config->text[VOR_SET_PUBLIC_URL];
     size_t length = strlen(origin);
+    char own[VOR_URL_MAX];
 
     if (vor_config_list_has(app->config->text[VOR_SET_CORS_ORIGIN], origin, length))
         return true;
     if (strncmp(public_url, origin, length) == 0 && length > 0 &&
         (public_url[length] == '/' || public_url[length] == '\0'))
         return true;
-    return host != NULL && strncmp(origin, "http://", 7) == 0 && strcmp(origin + 7, host) == 0;
+    return strcmp(origin, vor_app_origin(app, request, own)) == 0;
 }
 
 static void add_cors(const struct vor_app *app, struct vor_request *request)
@@ -118,14 +118,16 @@ static bool check_source(struct vor_app *app, struct vor_request *request)
 {
     const char *host = vor_request_header(request, "Host");
     const char *origin = vor_request_header(request, "Origin");
+    const char *refused = vor_host_refused(app, request);
     enum vor_method method = vor_request_method(request);
 
     if (host != NULL && !vor_host_is_sound(host))
         vor_problem_say(app, request, "malformed-request", "Host is not NAME or NAME:PORT");
-    else if (host != NULL && !vor_host_is_ours(app, host))
+    else if (refused != NULL)
         vor_problem_say(app, request, "forbidden",
-                        "Host is %.100s, want localhost, 127.0.0.1, [::1] or that of --public-url",
-                        host);
+                        "Host is %.100s, want localhost, 127.0.0.1, [::1], that of --public-url or "
+                        "one of --allowed-hosts",
+                        refused);
     else if (origin != NULL && (method == VOR_POST || method == VOR_DELETE) &&
              !origin_is_ours(app, request, origin))
         vor_problem_say(app, request, "forbidden",
@@ -202,6 +204,7 @@ void vor_route_done(void *ctx, const struct vor_request *request)
                                    : "other"),
             VOR_TEXT("route", route != NULL ? route->path : ""),
             VOR_TEXT("path", vor_request_path(request)),
+            VOR_TEXT("client", vor_request_via(request)->client),
             VOR_TEXT("job", job[0] != '\0' ? job : NULL),
             VOR_COUNT("status", vor_request_gone(request) || status == 0 ? 499 : status),
             VOR_TEXT("problem", vor_request_problem(request)),

@@ -8,10 +8,9 @@
 #include <strings.h>
 
 enum {
-    OPERAND = 1,         /* what getopt_long returns for a word that is no option */
-    LONG_SETTING = 256,  /* and for a setting, above every letter: its row behind this */
-    AMONG_MAX = 512,     /* bytes of the names that an ambiguous one may stand for */
-    PUBLIC_URL_MAX = 300 /* what a link of the longest path still fits behind */
+    OPERAND = 1,        /* what getopt_long returns for a word that is no option */
+    LONG_SETTING = 256, /* and for a setting, above every letter: its row behind this */
+    AMONG_MAX = 512     /* bytes of the names that an ambiguous one may stand for */
 };
 
 struct setting_info {
@@ -93,6 +92,25 @@ static vor_status set_choice(double *out, const struct setting_info *info, const
                           info->flag, text, info->unit);
 }
 
+/* A list grows with every flag, any other text is the last one's. */
+static vor_status set_text(struct vor_config *config, int setting, const char *text,
+                           struct vor_error *err)
+{
+    const struct setting_info *info = &infos[setting];
+    char *to = config->text[setting];
+    size_t before = info->kind == VOR_SETTING_LIST ? strlen(to) : 0;
+
+    if (before > 0)
+        before++;
+    if (before + strlen(text) >= VOR_CONFIG_TEXT_MAX)
+        return vor_fail_param(err, VOR_E_PARAM, info->flag, "--%s has %zu bytes, want at most %d",
+                              info->flag, before + strlen(text), VOR_CONFIG_TEXT_MAX - 1);
+    if (before > 0)
+        to[before - 1] = ',';
+    memcpy(to + before, text, strlen(text) + 1);
+    return VOR_OK;
+}
+
 static vor_status set(struct vor_config *config, int setting, const char *text,
                       struct vor_error *err)
 {
@@ -100,12 +118,8 @@ static vor_status set(struct vor_config *config, int setting, const char *text,
 
     switch (info->kind) {
     case VOR_SETTING_TEXT:
-        if (strlen(text) >= VOR_CONFIG_TEXT_MAX)
-            return vor_fail_param(err, VOR_E_PARAM, info->flag,
-                                  "--%s has %zu bytes, want at most %d", info->flag, strlen(text),
-                                  VOR_CONFIG_TEXT_MAX - 1);
-        memcpy(config->text[setting], text, strlen(text) + 1);
-        return VOR_OK;
+    case VOR_SETTING_LIST:
+        return set_text(config, setting, text, err);
     case VOR_SETTING_CHOICE:
         return set_choice(&config->number[setting], info, text, err);
     case VOR_SETTING_COUNT_OF:
@@ -262,20 +276,31 @@ static size_t origin_length(const char *text)
     return length > 0 ? scheme + 3 + length : 0;
 }
 
-/* Wrong ones would only show as links that lead nowhere, or as pages that are let in nowhere. */
-static vor_status check_addresses(const struct vor_config *config, struct vor_error *err)
+/* A wrong one would only show as links that lead nowhere. */
+static vor_status check_public_url(const struct vor_config *config, struct vor_error *err)
 {
     const char *url = config->text[VOR_SET_PUBLIC_URL];
-    const char *list = config->text[VOR_SET_CORS_ORIGIN];
-    size_t length = origin_length(url);
+    size_t scheme = strncmp(url, "https://", 8) == 0 ? 8 : strncmp(url, "http://", 7) == 0 ? 7 : 0;
+    size_t host = strcspn(url + scheme, "/");
+    char copy[VOR_HOST_MAX + 1] = "";
 
-    if (url[0] != '\0' &&
-        (strncmp(url, "http", 4) != 0 || length == 0 || strchr("/", url[length]) == NULL ||
-         strpbrk(url, " \"<>\\^`{|}?#") != NULL || strlen(url) > PUBLIC_URL_MAX))
-        return vor_fail_param(err, VOR_E_PARAM, "public-url",
-                              "--public-url is \"%.80s\", want http://HOST or https://HOST, with a "
-                              "port and a path or without, of at most %d bytes",
-                              url, PUBLIC_URL_MAX);
+    if (host < sizeof copy)
+        memcpy(copy, url + scheme, host);
+    if (url[0] == '\0' ||
+        (scheme > 0 && vor_host_is_sound(copy) &&
+         (url[scheme + host] == '\0' || vor_prefix_is_sound(url + scheme + host))))
+        return VOR_OK;
+    return vor_fail_param(err, VOR_E_PARAM, "public-url",
+                          "--public-url is \"%.80s\", want http://HOST or https://HOST, with a "
+                          "port and a path of at most %d bytes or without, and no query",
+                          url, VOR_PREFIX_MAX);
+}
+
+/* A wrong one would only show as pages that are let in nowhere. */
+static vor_status check_origins(const struct vor_config *config, struct vor_error *err)
+{
+    const char *list = config->text[VOR_SET_CORS_ORIGIN];
+
     while (*(list += strspn(list, ", ")) != '\0') {
         size_t word = strcspn(list, ", ");
 
@@ -283,6 +308,26 @@ static vor_status check_addresses(const struct vor_config *config, struct vor_er
             return vor_fail_param(err, VOR_E_PARAM, "cors-origin",
                                   "--cors-origin holds \"%.*s\", want a list of origins such as "
                                   "https://HOST or http://HOST:PORT, without a path",
+                                  (int)(word < 80 ? word : 80), list);
+        list += word;
+    }
+    return VOR_OK;
+}
+
+static vor_status check_hosts(const struct vor_config *config, struct vor_error *err)
+{
+    const char *list = config->text[VOR_SET_ALLOWED_HOSTS];
+
+    while (*(list += strspn(list, ", ")) != '\0') {
+        size_t word = strcspn(list, ", ");
+        char copy[VOR_HOST_MAX + 1] = "";
+
+        if (word < sizeof copy)
+            memcpy(copy, list, word);
+        if (!vor_host_is_sound(copy) || vor_host_name_length(copy) != word)
+            return vor_fail_param(err, VOR_E_PARAM, "allowed-hosts",
+                                  "--allowed-hosts holds \"%.*s\", want names such as "
+                                  "cloud.example, without scheme and port",
                                   (int)(word < 80 ? word : 80), list);
         list += word;
     }
@@ -343,7 +388,14 @@ vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
     if (status == VOR_OK)
         status = split_listen(out, err);
     if (status == VOR_OK)
-        status = check_addresses(out, err);
+        status = check_public_url(out, err);
+    if (status == VOR_OK)
+        status = check_origins(out, err);
+    if (status == VOR_OK)
+        status = check_hosts(out, err);
+    if (status == VOR_OK)
+        status = vor_networks_parse(&out->trusted, "trusted-proxy",
+                                    out->text[VOR_SET_TRUSTED_PROXY], err);
     if (status == VOR_OK)
         status = find_places(out, getenv, err);
     return status;
@@ -354,6 +406,7 @@ static const char *placeholder(const struct setting_info *info)
 {
     switch (info->kind) {
     case VOR_SETTING_TEXT:
+    case VOR_SETTING_LIST:
         return info->unit;
     case VOR_SETTING_COUNT_OF:
         return "N";
@@ -381,6 +434,7 @@ static int write_range(char *out, size_t size, const struct setting_info *info)
     case VOR_SETTING_CHOICE:
         return snprintf(out, size, "one of %s, ", info->unit);
     case VOR_SETTING_TEXT:
+    case VOR_SETTING_LIST:
     case VOR_SETTING_FLAG:
         break;
     }

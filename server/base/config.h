@@ -3,6 +3,7 @@
 #define VOR_SERVER_BASE_CONFIG_H
 
 #include "core/base/status.h"
+#include "server/base/address.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -10,6 +11,7 @@
 
 enum vor_setting_kind {
     VOR_SETTING_TEXT,
+    VOR_SETTING_LIST,     /**< text with commas between entries; flags given again add to it */
     VOR_SETTING_COUNT_OF, /**< whole number */
     VOR_SETTING_BYTES,    /**< whole number, with K, M, G or T (1024) behind it or not */
     VOR_SETTING_TIME,     /**< seconds */
@@ -39,7 +41,17 @@ enum vor_setting_kind {
     X(RESULT_TTL, "result-ttl", TIME, "seconds", 1, 31536000, "86400",                             \
       "How long results are kept")                                                                 \
     X(PUBLIC_URL, "public-url", TEXT, "URL", 0, 0, "",                                             \
-      "How clients reach this daemon, for absolute links; else http:// and the Host they sent")    \
+      "How clients reach this daemon, for absolute links; else the scheme, Host and path that a "  \
+      "trusted proxy names; else http:// and the Host they sent")                                  \
+    X(TRUSTED_PROXY, "trusted-proxy", LIST, "LIST", 0, 0, "",                                      \
+      "Proxies whose --proxy-headers are believed: addresses and networks such as 10.0.0.0/8 or "  \
+      "fd00::/8, separated by commas, or several flags")                                           \
+    X(PROXY_HEADERS, "proxy-headers", CHOICE, "x-forwarded forwarded", 0, 0, "x-forwarded",        \
+      "Which they set: X-Forwarded-For, -Proto, -Host, -Prefix, or Forwarded (RFC 7239); the "     \
+      "others are ignored")                                                                        \
+    X(ALLOWED_HOSTS, "allowed-hosts", LIST, "LIST", 0, 0, "",                                      \
+      "Names that Host may have besides this machine's and that of --public-url, separated by "    \
+      "commas, or several flags; else any that a trusted proxy names")                             \
     X(CORS_ORIGIN, "cors-origin", TEXT, "LIST", 0, 0, "",                                          \
       "Origins whose pages may use this daemon, separated by commas")                              \
     X(NO_AUTH, "no-auth", FLAG, "", 0, 1, "0",                                                     \
@@ -80,16 +92,18 @@ struct vor_config {
     int given[VOR_SETTING_COUNT]; /**< by flag or environment */
     char host[256];               /**< of LISTEN, without brackets */
     unsigned port;
-    int loopback; /**< host is this machine only */
+    int loopback;                /**< host is this machine only */
+    struct vor_networks trusted; /**< of TRUSTED_PROXY */
 };
 
 /** --flag VALUE and --flag=VALUE of argv[1 .. argc - 1], by getopt_long, so that an unambiguous
  *  beginning of a flag stands for it; for the others the environment, then the default; then DATA,
- * STORE, BLOBS, host and port are worked out. getenv is the environment to read.
+ *  STORE, BLOBS, host, port and trusted are worked out. getenv is the environment to read.
  *
  *  @retval VOR_E_PARAM an unknown or ambiguous flag, a value missing or out of range (message:
- * flag, value and range), LISTEN not HOST:PORT, not a loopback address without NO_AUTH, PUBLIC_URL
- * no URL, CORS_ORIGIN no list of origins, or no directory for DATA
+ *                      flag, value and range), LISTEN not HOST:PORT, not a loopback address without
+ *                      NO_AUTH, PUBLIC_URL no URL, CORS_ORIGIN no list of origins, TRUSTED_PROXY
+ *                      none of networks, ALLOWED_HOSTS none of names, or no directory for DATA
  */
 VOR_NODISCARD vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
                                          char *(*getenv)(const char *name), struct vor_error *err);

@@ -21,6 +21,70 @@ vor_status vor_fail_errno(struct vor_error *err, int number, const char *what)
     return VOR_E_IO;
 }
 
+/* Cuts the last segment off; the folder is then what is left, "." for none, "/" at the root. */
+static const char *cut_folder(char *path)
+{
+    char *slash = strrchr(path, '/');
+
+    if (slash == NULL)
+        return ".";
+    slash[slash == path] = '\0';
+    return path;
+}
+
+/* path is there: it, or the folder that the file is in, has to be given to us. */
+static void say_owner(struct vor_error *err, char *path, const struct stat *info)
+{
+    unsigned user = (unsigned)geteuid();
+    char name[512];
+
+    (void)snprintf(name, sizeof name, "%s", path);
+    if (info->st_uid == user)
+        (void)vor_fail(err, VOR_E_IO,
+                       "%s belongs to user %u, who this process is, but has mode %04o: chmod u+rwX "
+                       "%s",
+                       name, user, (unsigned)info->st_mode & 07777, name);
+    else
+        (void)vor_fail(err, VOR_E_IO,
+                       "%s belongs to user %u, and user %u, who this process is, may not write "
+                       "there: chown -R %u:%u %s (in a container: the folder mounted there)",
+                       name, (unsigned)info->st_uid, user, user, (unsigned)getegid(),
+                       S_ISDIR(info->st_mode) ? name : cut_folder(path));
+}
+
+/* path is not there, and the folder above it may not be written. */
+static void say_missing(struct vor_error *err, const char *path, const char *above,
+                        const struct stat *info)
+{
+    unsigned user = (unsigned)geteuid();
+
+    (void)vor_fail(err, VOR_E_IO,
+                   "there is no %s, and %s belongs to user %u (mode %04o), where user %u, who this "
+                   "process is, may not make it: install -d -o %u -g %u %s",
+                   path, above, (unsigned)info->st_uid, (unsigned)info->st_mode & 07777, user, user,
+                   (unsigned)getegid(), path);
+}
+
+vor_status vor_fail_access(struct vor_error *err, int number, const char *path)
+{
+    char *copy = number == EACCES || number == EPERM ? strdup(path) : NULL;
+    const char *above = copy;
+    struct stat info;
+
+    while (above != NULL && stat(above, &info) != 0)
+        above = strcmp(above, ".") == 0 || strcmp(above, "/") == 0 ? NULL : cut_folder(copy);
+    if (above == NULL)
+        (void)vor_fail_errno(err, number, path);
+    else if (strcmp(above, path) == 0)
+        say_owner(err, copy, &info);
+    else
+        say_missing(err, path, above, &info);
+    if (err != NULL)
+        err->got = (uint64_t)number;
+    free(copy);
+    return VOR_E_IO;
+}
+
 int vor_error_storage_full(const struct vor_error *err)
 {
     return err->status == VOR_E_IO && (err->got == ENOSPC || err->got == EDQUOT);
@@ -73,7 +137,7 @@ vor_status vor_storage_directory(const char *path, struct vor_error *err)
         part[i] = path[i];
     }
     free(part);
-    return failed ? vor_fail_errno(err, failed, path) : VOR_OK;
+    return failed ? vor_fail_access(err, failed, path) : VOR_OK;
 }
 
 /* Who wrote the lock file; -1 when it does not say. */
@@ -96,6 +160,16 @@ static void write_holder(int fd)
         (void)!ftruncate(fd, 0);
 }
 
+/* A file that cannot be opened or, where there is none, be made in its folder. */
+static vor_status fail_open(struct vor_error *err, int number, const char *path)
+{
+    char *copy = access(path, F_OK) != 0 ? strdup(path) : NULL;
+    vor_status status = vor_fail_access(err, number, copy != NULL ? cut_folder(copy) : path);
+
+    free(copy);
+    return status;
+}
+
 vor_status vor_storage_lock(int *fd, const char *path, long *holder, struct vor_error *err)
 {
     int file = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
@@ -103,7 +177,7 @@ vor_status vor_storage_lock(int *fd, const char *path, long *holder, struct vor_
 
     *holder = 0;
     if (file < 0)
-        return vor_fail_errno(err, errno, path);
+        return fail_open(err, errno, path);
     if (flock(file, LOCK_EX | LOCK_NB) == 0) {
         write_holder(file);
         *fd = file;

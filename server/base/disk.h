@@ -7,6 +7,11 @@
 /** VOR_E_IO with "WHAT: REASON"; `got` keeps the errno, so that a full disk can be told apart. */
 vor_status vor_fail_errno(struct vor_error *err, int number, const char *what);
 
+/** The same for a file or folder that may not be written, or a folder that may not be made. When
+ *  that is forbidden (EACCES, EPERM), says whose it is, or whose the folder above it is, which user
+ *  this process is, and the chown, chmod or install that mends it. */
+vor_status vor_fail_access(struct vor_error *err, int number, const char *path);
+
 /** True when err is the VOR_E_IO of a full disk or quota: 507 rather than 503. */
 int vor_error_storage_full(const struct vor_error *err);
 

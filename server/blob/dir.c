@@ -54,7 +54,7 @@ static int open_directory(const char *path, const char *name, struct vor_error *
         return -1;
     fd = open(full, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (fd < 0)
-        (void)vor_fail_errno(err, errno, full);
+        (void)vor_fail_access(err, errno, full);
     return fd;
 }
 

@@ -1,6 +1,7 @@
 #include "server/http/exchange.h"
 
 #include "server/base/clock.h"
+#include "server/http/forwarded.h"
 #include "server/http/peer.h"
 #include "server/http/reply.h"
 #include "server/http/request.h"
@@ -230,6 +231,9 @@ static const char *check_head(struct vor_request *request, const char **detail)
     slug = vor_gate_check(&request->head, detail);
     if (slug != NULL)
         return slug;
+    if (request->via.client[0] != '\0')
+        vor_forwarded_read(&request->via, &request->head, &request->from,
+                           request->http->options.trusted, request->http->options.proxy_headers);
     request->length = vor_gate_length(&request->head);
     if (vor_request_split(request))
         return NULL;
@@ -327,6 +331,17 @@ static void request_free(struct vor_request *request)
     free(request);
 }
 
+/* Notes where the connection comes from. */
+static void note_peer(struct vor_request *request)
+{
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+
+    if (info != NULL && info->client_addr != NULL &&
+        vor_address_of_socket(&request->from, info->client_addr))
+        (void)vor_address_text(&request->from, request->via.client);
+}
+
 /* This is the only place that shows the target as it was sent. */
 void *vor_exchange_begin(void *cls, const char *target, struct MHD_Connection *connection)
 {
@@ -352,6 +367,7 @@ void *vor_exchange_begin(void *cls, const char *target, struct MHD_Connection *c
         free(request);
         return NULL;
     }
+    note_peer(request);
     vor_peer_request(http->watchman, request->peer, request->waker);
     vor_peer_phase(http->watchman, request->peer, VOR_PHASE_HEAD);
     return request;

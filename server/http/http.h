@@ -13,6 +13,7 @@
 #define VOR_SERVER_HTTP_H
 
 #include "core/base/status.h"
+#include "server/base/address.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -44,6 +45,19 @@ struct vor_refusal {
     uint64_t limit, got; /**< too-many-bytes; else 0 */
 };
 
+/** Which headers trusted proxies set; those of the other kind are the client's own. In the order of
+ *  the setting's words (server/base/config.h). */
+enum vor_proxy_headers { VOR_PROXY_X_FORWARDED, VOR_PROXY_FORWARDED };
+
+/** Who sent a request and by which address it was reached, as far as the peer and the trusted
+ *  proxies before it tell (server/http/forwarded.h). */
+struct vor_via {
+    char client[VOR_ADDRESS_TEXT];   /**< "" when the connection has no address */
+    const char *scheme;              /**< "http" or "https", static; NULL: no proxy said */
+    char host[VOR_HOST_MAX + 1];     /**< sound; "": no proxy said */
+    char prefix[VOR_PREFIX_MAX + 1]; /**< path before ours, "" or "/a/b"; sound */
+};
+
 /** Limits and deadlines; seconds unless named otherwise. */
 struct vor_http_options {
     const char *host; /**< numeric address or name to bind */
@@ -55,7 +69,9 @@ struct vor_http_options {
     double body_seconds;      /**< for the whole body */
     double body_idle_seconds; /**< between two pieces of it */
     double body_rate;         /**< bytes a second on average, after body_idle_seconds */
-    vor_handler handler;      /**< the first one; routes.c hands on to the others */
+    const struct vor_networks *trusted; /**< proxies that are believed; borrowed */
+    enum vor_proxy_headers proxy_headers;
+    vor_handler handler; /**< the first one; routes.c hands on to the others */
     void *ctx;
     /** Makes the reply of a refusal, with one of vor_reply_bytes. */
     void (*refuse)(void *ctx, struct vor_request *request, const struct vor_refusal *refusal);
@@ -123,6 +139,9 @@ const char *vor_request_query(const struct vor_request *request, const char *nam
 
 /** X-Request-Id if the client sent a sane one (1 .. 64 of [A-Za-z0-9._-]), else one of ours. */
 const char *vor_request_id(const struct vor_request *request);
+
+/** Never NULL; of a request whose head is malformed it has the peer's address alone. */
+const struct vor_via *vor_request_via(const struct vor_request *request);
 
 /** Declared Content-Length, or -1. */
 int64_t vor_request_length(const struct vor_request *request);

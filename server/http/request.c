@@ -84,6 +84,11 @@ const char *vor_request_id(const struct vor_request *request)
     return request->id;
 }
 
+const struct vor_via *vor_request_via(const struct vor_request *request)
+{
+    return &request->via;
+}
+
 int64_t vor_request_length(const struct vor_request *request)
 {
     return request->length;

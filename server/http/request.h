@@ -50,6 +50,8 @@ struct vor_request {
     enum vor_method method;
     enum vor_request_stage stage;
     char id[72];
+    struct vor_address from; /**< of the connection */
+    struct vor_via via;
     char job[40];        /**< that it is about, or "" */
     const char *problem; /**< slug of the problem replied, or NULL; static */
     const struct vor_route *route;

@@ -8,22 +8,8 @@ cloud=${2:-}
 out=build/demo
 points=${POINTS:-10000}
 
-start_daemon()
-{
-    data=$(mktemp -d)
-    : >"$out/daemon.log" # here, not in the child: the log of an earlier demo must not be read
-    "$voronoid" serve --listen 127.0.0.1:0 --data "$data" 2>>"$out/daemon.log" &
-    daemon=$!
-    trap stop_daemon EXIT
-    url=$(tests/demo/listening.sh "$out/daemon.log" "$daemon")
-}
-
-stop_daemon()
-{
-    kill "$daemon" 2>/dev/null || true
-    wait "$daemon" 2>/dev/null || true
-    rm -rf "$data"
-}
+# shellcheck source=tests/demo/daemon.sh
+. tests/demo/daemon.sh
 
 # Prints the events of a resampling as they come; the result's link is in the last one.
 show_progress()

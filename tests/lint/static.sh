@@ -35,6 +35,6 @@ check cppcheck cppcheck --quiet --std=c11 --error-exitcode=1 --enable=warning,po
     --suppress=missingInclude --suppress=missingIncludeSystem -I. -j "$(nproc)" core proto server
 check clang-tidy each clang-tidy --quiet --warnings-as-errors="*" "${flags[@]/#/--extra-arg=}"
 check gcc-analyzer each gcc "${flags[@]}" -O1 -fanalyzer -Werror -S -o /dev/null
-check shellcheck shellcheck "${scripts[@]}"
+check shellcheck shellcheck -x "${scripts[@]}"
 check yamllint yamllint -d '{extends: default, rules: {line-length: {max: 160}, document-start: disable}}' openapi.yaml docker
 exit "$fail"

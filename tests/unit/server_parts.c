@@ -263,6 +263,86 @@ START_TEST(directories_are_made_with_their_parents)
 }
 END_TEST
 
+/* The message of a failure that a child without privileges meets; act sets vt_err. */
+static const char *unprivileged(void (*act)(const char *path), const char *path)
+{
+    static char message[sizeof vt_err.message];
+    int ends[2];
+    ssize_t got;
+    pid_t child;
+
+    ck_assert_int_eq(pipe(ends), 0);
+    child = fork();
+    ck_assert_int_ge(child, 0);
+    if (child == 0) {
+        if (geteuid() == 0 && (setgid(65532) != 0 || setuid(65532) != 0))
+            _exit(1);
+        vt_err.message[0] = '\0';
+        act(path);
+        _exit(write(ends[1], vt_err.message, sizeof message) != sizeof message);
+    }
+    close(ends[1]);
+    got = read(ends[0], message, sizeof message);
+    close(ends[0]);
+    waitpid(child, NULL, 0);
+    ck_assert_int_eq(got, sizeof message);
+    return message;
+}
+
+static void lock_in(const char *path)
+{
+    long holder;
+    char name[1024];
+    int fd;
+
+    (void)snprintf(name, sizeof name, "%s/lock", path);
+    (void)!vor_storage_lock(&fd, name, &holder, &vt_err);
+}
+
+static void make_folder(const char *path)
+{
+    (void)!vor_storage_directory(path, &vt_err);
+}
+
+static void lock_in_closed_folder(const char *path)
+{
+    char name[512];
+
+    (void)snprintf(name, sizeof name, "%s/closed", path);
+    if (mkdir(name, 0500) == 0)
+        lock_in(name);
+}
+
+/* A folder that a container's host mounted, as root. */
+START_TEST(a_folder_of_another_user_is_named_with_what_mends_it)
+{
+    unsigned user = geteuid() == 0 ? 65532 : (unsigned)geteuid();
+    unsigned group = geteuid() == 0 ? 65532 : (unsigned)getegid();
+    const char *dir = vt_dir_make();
+    char want[512];
+
+    (void)snprintf(want, sizeof want,
+                   "/usr belongs to user 0, and user %u, who this process is, may not write there: "
+                   "chown -R %u:%u /usr (in a container: the folder mounted there)",
+                   user, user, group);
+    ck_assert_str_eq(unprivileged(lock_in, "/usr"), want);
+    (void)snprintf(
+        want, sizeof want,
+        "there is no /usr/none/at/all, and /usr belongs to user 0 (mode 0755), where user "
+        "%u, who this process is, may not make it: install -d -o %u -g %u "
+        "/usr/none/at/all",
+        user, user, group);
+    ck_assert_str_eq(unprivileged(make_folder, "/usr/none/at/all"), want);
+    ck_assert_int_eq(chmod(dir, 0777), 0);
+    (void)snprintf(want, sizeof want,
+                   "%s/closed belongs to user %u, who this process is, but has mode 0500: chmod "
+                   "u+rwX %s/closed",
+                   dir, user, dir);
+    ck_assert_str_eq(unprivileged(lock_in_closed_folder, dir), want);
+    vt_dir_remove(dir);
+}
+END_TEST
+
 /* A child that has the lock until it is killed. */
 static pid_t locked_child(const char *path)
 {
@@ -322,6 +402,7 @@ int main(void)
     vt_add(suite, lines_of_several_threads_do_not_mix);
     vt_add(suite, a_full_disk_is_told_apart);
     vt_add(suite, directories_are_made_with_their_parents);
+    vt_add(suite, a_folder_of_another_user_is_named_with_what_mends_it);
     vt_add(suite, a_lock_names_its_holder_and_dies_with_it);
     return vt_run(suite);
 }

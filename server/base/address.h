@@ -1,0 +1,70 @@
+/** Internet addresses, networks of them, and names of hosts. Pure functions on strings. */
+#ifndef VOR_SERVER_BASE_ADDRESS_H
+#define VOR_SERVER_BASE_ADDRESS_H
+
+#include "core/base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct sockaddr;
+
+enum {
+    VOR_ADDRESS_TEXT = 46, /**< bytes of the longest address as text, and its end (RFC 4291) */
+    VOR_HOST_MAX = 255,    /**< bytes of a host's name (RFC 1035) and its port */
+    VOR_PREFIX_MAX = 128,  /**< bytes of the path that a proxy puts before ours */
+    VOR_NETWORKS_MAX = 64  /**< entries of a list of networks */
+};
+
+/** An IPv6 address; one of IPv4 is ::ffff:a.b.c.d (RFC 4291, 2.5.5.2), however it was written. */
+struct vor_address {
+    uint8_t bytes[16];
+};
+
+/** The addresses that share their first `bits` bits, of 128 in either family. A network of IPv6
+ *  holds no address of IPv4. */
+struct vor_network {
+    struct vor_address address;
+    unsigned bits;
+};
+
+struct vor_networks {
+    struct vor_network list[VOR_NETWORKS_MAX];
+    unsigned count;
+};
+
+/** Reads length bytes: 192.0.2.1 or 2001:db8::1, without brackets, port or zone. False, and *out
+ *  stays as it is, when they are neither. */
+bool vor_address_parse(struct vor_address *out, const char *text, size_t length);
+
+/** The address of one end of a connection; false when it has none, as in another family. */
+bool vor_address_of_socket(struct vor_address *out, const struct sockaddr *end);
+
+/** As text, an IPv4 address in its own form. Returns out. */
+const char *vor_address_text(const struct vor_address *address, char out[VOR_ADDRESS_TEXT]);
+
+/** Reads addresses and networks (192.0.2.1, 10.0.0.0/8, fd00::/8), separated by commas or blanks.
+ *  Bits beyond a network's length do not count.
+ *
+ *  @retval VOR_E_PARAM an entry is neither, or there are more than VOR_NETWORKS_MAX; the message
+ *                      names the entry and begins with name, which is also the parameter at fault
+ */
+VOR_NODISCARD vor_status vor_networks_parse(struct vor_networks *out, const char *name,
+                                            const char *list, struct vor_error *err);
+
+/** True when one of the networks holds the address. */
+bool vor_networks_hold(const struct vor_networks *networks, const struct vor_address *address);
+
+/** True for NAME, NAME:PORT, [ADDRESS] and [ADDRESS]:PORT of at most VOR_HOST_MAX bytes: what may
+ *  stand in Host (RFC 9110, 7.2), and in a URL between scheme and path. */
+bool vor_host_is_sound(const char *host);
+
+/** Length of the name or bracketed address in a sound host: what stands before the port. */
+size_t vor_host_name_length(const char *host);
+
+/** True for a path of at most VOR_PREFIX_MAX bytes such as /clouds or /a/b/: segments of RFC 3986
+ *  that are neither empty nor . or .. ; a slash may end it. */
+bool vor_prefix_is_sound(const char *path);
+
+#endif
