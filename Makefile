@@ -65,7 +65,7 @@ BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(B)/tests/bench/wlop $
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-GOALS := all help demo test check soak bench fuzz proxy lint contract format image clean
+GOALS := all help demo test check soak bench fuzz proxy lint contract format image install uninstall clean
 .PHONY: $(GOALS)
 
 # Every core is used unless -j says otherwise. Of several goals typed together one ends before the next begins.
@@ -80,7 +80,7 @@ endif
 all: $(BIN) ## build the binary (default)
 
 help: ## list the targets
-	@awk -F':.*## ' '/^[a-z]+:.*## /{printf "  %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F':.*## ' '/^[a-z]+:.*## /{printf "  %-9s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 	@echo '  config=release|debug|asan|tsan|cover|toy picks flags and build/<config>/'
 
 $(B)/%.o: %.c
@@ -193,6 +193,30 @@ format: ## clang-format every C file
 image: all ## what the container image holds, in build/rootfs, and a try of it
 	@docker/rootfs.sh $(BIN) build/rootfs
 	@docker/try.sh build/rootfs
+
+# The manual and the completions are what the binary says of its tables.
+PREFIX ?= /usr/local
+SHARE := $(B)/share
+PAGES := $(addprefix $(SHARE)/,voronoid.1 voronoid.8 voronoid.bash voronoid.zsh)
+root := $(DESTDIR)$(PREFIX)
+INSTALLED := bin/voronoid share/man/man1/voronoid.1 share/man/man8/voronoid.8 \
+    share/bash-completion/completions/voronoid share/zsh/site-functions/_voronoid share/doc/voronoid/LICENSE
+
+$(SHARE)/voronoid.%: $(BIN)
+	@mkdir -p $(@D)
+	@$(BIN) $(if $(filter 1 8,$*),--man,--completion) $* >$@
+
+install: all $(PAGES) ## copy binary, manual, completions and license to DESTDIR/PREFIX (/usr/local)
+	install -D -m 0755 $(BIN) $(root)/bin/voronoid
+	install -D -m 0644 $(SHARE)/voronoid.1 $(root)/share/man/man1/voronoid.1
+	install -D -m 0644 $(SHARE)/voronoid.8 $(root)/share/man/man8/voronoid.8
+	install -D -m 0644 $(SHARE)/voronoid.bash $(root)/share/bash-completion/completions/voronoid
+	install -D -m 0644 $(SHARE)/voronoid.zsh $(root)/share/zsh/site-functions/_voronoid
+	install -D -m 0644 LICENSE $(root)/share/doc/voronoid/LICENSE
+
+uninstall: ## remove what install has copied
+	rm -f $(addprefix $(root)/,$(INSTALLED))
+	rmdir $(root)/share/doc/voronoid 2>/dev/null || true
 
 clean: ## remove build/
 	rm -rf build

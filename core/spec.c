@@ -10,7 +10,8 @@
 #include <string.h>
 
 enum {
-    SHOWN_SIZE = 64, /* of a value in a message */
+    SHOWN_SIZE = 64,                                          /* of a value in a message */
+    MEANT_SIZE = VOR_KIND_NUMBER_SIZE + sizeof ", which is ", /* of what it comes to, beside it */
 
 /* All names with a comma and a blank each. */
 #define NAME_SIZE(id, name, kind, group, unit, min, max, fallback, choices, sentence)              \
@@ -24,7 +25,8 @@ enum {
 
 /* Every message that the tables can produce fits, with the name and the value at fault. */
 _Static_assert(NAMES_SIZE + PARAMETER_SIZE + REST_SIZE <= MESSAGE_SIZE, "the names do not fit");
-_Static_assert(VOR_KIND_WORDS_SIZE + PARAMETER_SIZE + SHOWN_SIZE + REST_SIZE <= MESSAGE_SIZE,
+_Static_assert(VOR_KIND_WORDS_SIZE + PARAMETER_SIZE + SHOWN_SIZE + MEANT_SIZE + REST_SIZE <=
+                   MESSAGE_SIZE,
                "what a parameter wants does not fit");
 
 /* In a message, words have ", " between them where the row has a blank, so they take less than
@@ -157,18 +159,22 @@ static vor_status refuse_value(const struct vor_parameter_info *info, const char
     return refuse_as(VOR_E_PARAM, info, what, err);
 }
 
-/* A text that is no number stands in quotes. A list with a word that is unknown is well-formed, and
+/* A text that is no number stands in quotes; of a count with k or M, what it comes to stands beside
+ * it. A list with a word that is unknown is well-formed, and
  * has a status of its own. */
 static vor_status refuse_text(const struct vor_parameter_info *info, enum vor_shape shape,
                               const char *text, struct vor_error *err)
 {
-    char quoted[SHOWN_SIZE - 2], what[SHOWN_SIZE];
+    char quoted[SHOWN_SIZE - 2], what[SHOWN_SIZE + MEANT_SIZE], meant[VOR_KIND_NUMBER_SIZE];
     int is_number = vor_kind_has_shape(info->kind, VOR_SHAPE_NUMBER);
 
     if (text[0] == '\0')
         return refuse_value(info, "empty", err);
     vor_quote(quoted, sizeof quoted, text, strlen(text));
-    (void)snprintf(what, sizeof what, is_number ? "%s" : "\"%s\"", quoted);
+    if (vor_kind_expand(info, text, meant))
+        (void)snprintf(what, sizeof what, "%s, which is %s", quoted, meant);
+    else
+        (void)snprintf(what, sizeof what, is_number ? "%s" : "\"%s\"", quoted);
     return refuse_as(vor_kind_has_unknown_word(info, shape, text) ? VOR_E_WORD : VOR_E_PARAM, info,
                      what, err);
 }

@@ -31,8 +31,9 @@ void vor_spec_preset(struct vor_spec *spec, const struct vor_process_info *proce
 void vor_spec_init(struct vor_spec *spec);
 
 /** Sets one parameter from text, as the command line and the query string carry it. The locale does
- *  not matter. A flag is written true or false, a list as words with commas between, or none. name
- *  and text may hold any bytes: messages quote them.
+ *  not matter. A whole number may end in k or M, which stand for 1000 and 1,000,000: 1.5M. A flag
+ * is written true or false, a list as words with commas between, or none. name and text may hold
+ * any bytes: messages quote them.
  *
  *  @retval VOR_E_PARAM the process takes no parameter of that name (the message lists those it
  *                      takes); the text is not of the kind or out of range (the message names value

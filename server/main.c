@@ -1,5 +1,8 @@
 #include "server/base/config.h"
 #include "server/cli/cli.h"
+#include "server/cli/complete.h"
+#include "server/cli/help.h"
+#include "server/cli/manual.h"
 #include "server/cli/say.h"
 #include "server/serve.h"
 
@@ -18,6 +21,8 @@ static int help(const char *command)
     } else if (strcmp(command, "serve") == 0) {
         fputs("usage: voronoid serve [SETTING]...\nRun the daemon.\n\nSettings:\n", stdout);
         vor_config_help(stdout);
+        fputs("\nExit codes:\n", stdout);
+        vor_help_exit_codes(stdout, 1);
     } else {
         return vor_cli_help(stdout, command);
     }
@@ -46,6 +51,10 @@ int main(int argc, char **argv)
         printf("voronoid %s\n", VOR_VERSION);
         return fflush(stdout) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;
     }
+    if (strcmp(word, "--completion") == 0)
+        return vor_cli_complete(stdout, argc > 2 ? argv[2] : "");
+    if (strcmp(word, "--man") == 0)
+        return vor_cli_manual(stdout, argc > 2 ? argv[2] : "");
     if (strcmp(word, "serve") != 0)
         return vor_cli_main(argc - 1, argv + 1);
     return wants_help(argc - 1, argv + 1) ? help(word) : vor_serve_main(argc - 1, argv + 1);

@@ -7,6 +7,7 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/base/machine.h"
+#include "server/cli/say.h"
 #include "server/work/admit.h"
 
 #include <pthread.h>
@@ -17,13 +18,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum {
-    EXIT_USAGE_WRONG = 2,
-    EXIT_STORE_IN_USE = 75,
-    ADMIT_WAITING_MAX = 64,
-    CRASHES_MAX = 2,
-    QUIET_SECONDS = 10
-};
+enum { ADMIT_WAITING_MAX = 64, CRASHES_MAX = 2, QUIET_SECONDS = 10 };
 
 /* The parts, in the order in which they start. */
 struct daemon {
@@ -209,23 +204,23 @@ static int run(struct daemon *daemon)
     while (number == SIGUSR2);
     vor_log(VOR_LOG_INFO, "draining", VOR_TEXT("signal", number == SIGINT ? "INT" : "TERM"));
     if (pthread_create(&daemon->drainer, NULL, drain, daemon) != 0)
-        _exit(EXIT_FAILURE);
+        _exit(VOR_EXIT_FAILED);
     number = wait_signal(daemon);
     if (number != SIGUSR2) {
         /* Running jobs are still in the store as such; the next start takes them up again. */
         vor_log(VOR_LOG_WARN, "stopped at once", VOR_COUNT("signal", number));
-        _exit(EXIT_FAILURE);
+        _exit(VOR_EXIT_FAILED);
     }
     (void)pthread_join(daemon->drainer, NULL);
-    return EXIT_SUCCESS;
+    return VOR_EXIT_OK;
 }
 
 static int failed_start(const struct daemon *daemon, const struct vor_error *err)
 {
     (void)fprintf(stderr, "voronoid: %s\n", err->message);
     if (daemon->holder != 0)
-        return EXIT_STORE_IN_USE;
-    return err->status == VOR_E_PARAM ? EXIT_USAGE_WRONG : EXIT_FAILURE;
+        return VOR_EXIT_IN_USE;
+    return err->status == VOR_E_PARAM ? VOR_EXIT_USAGE : VOR_EXIT_FAILED;
 }
 
 static int serve(struct daemon *daemon)
@@ -259,15 +254,15 @@ int vor_serve_main(int argc, char **argv)
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--print-routes") == 0) {
             vor_routes_print(stdout);
-            return EXIT_SUCCESS;
+            return VOR_EXIT_OK;
         }
     }
     daemon = calloc(1, sizeof *daemon);
     if (daemon == NULL)
-        return EXIT_FAILURE;
+        return VOR_EXIT_FAILED;
     if (vor_config_read(&daemon->config, argc, argv, getenv, &err) != VOR_OK) {
         (void)fprintf(stderr, "voronoid: %s\n", err.message);
-        result = EXIT_USAGE_WRONG;
+        result = VOR_EXIT_USAGE;
     } else {
         result = serve(daemon);
     }

@@ -1,5 +1,6 @@
 #include "core/spec/decimal.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,6 +24,21 @@ int vor_decimal_read(double *out, const char *text, size_t length)
         return 0;
     *out = number;
     return 1;
+}
+
+int vor_decimal_read_count(double *out, const char *text)
+{
+    char expanded[LENGTH_MAX + 1];
+    size_t length = strlen(text);
+    char last = length > 0 ? text[length - 1] : '\0';
+
+    if (last != 'k' && last != 'M')
+        return vor_decimal_read(out, text, length);
+    if (length + 1 > LENGTH_MAX || strpbrk(text, "eE") != NULL)
+        return 0;
+    (void)snprintf(expanded, sizeof expanded, "%.*se%d", (int)length - 1, text,
+                   last == 'k' ? 3 : 6);
+    return vor_decimal_read(out, expanded, length + 1);
 }
 
 int vor_decimal_read_vector(double out[3], const char *text)

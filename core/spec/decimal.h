@@ -10,6 +10,10 @@
  *  @param[in]  text    any bytes; the first `length` of them are the number, at most 40 */
 int vor_decimal_read(double *out, const char *text, size_t length);
 
+/** The same for a whole text that may end in k or M, for thousands and millions, instead of an
+ *  exponent: rounded once, so that 1.001k is 1001, where 1.001 * 1000 is not. */
+int vor_decimal_read_count(double *out, const char *text);
+
 /** Reads "X,Y,Z", three such numbers; the whole text counts. */
 int vor_decimal_read_vector(double out[3], const char *text);
 

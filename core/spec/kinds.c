@@ -68,11 +68,12 @@ static int read_real(const struct vor_parameter_info *info, const char *text, st
 static int read_whole(const struct vor_parameter_info *info, const char *text,
                       struct vor_value *out)
 {
-    struct vor_value value;
+    double number;
 
-    if (!read_real(info, text, &value) || value.number != rint(value.number))
+    if (!vor_decimal_read_count(&number, text) || !(number >= info->min && number <= info->max) ||
+        number != rint(number))
         return 0;
-    out->number = value.number;
+    out->number = number;
     return 1;
 }
 
@@ -542,6 +543,18 @@ int vor_kind_has_unknown_word(const struct vor_parameter_info *info, enum vor_sh
         if (form == VOR_FORM_LIST && (shape == VOR_SHAPE_ANY || shape == forms[form].shape))
             return has_unknown(info, text);
     return 0;
+}
+
+int vor_kind_expand(const struct vor_parameter_info *info, const char *text,
+                    char out[VOR_KIND_NUMBER_SIZE])
+{
+    double number;
+
+    if (vor_kind_form(info->kind, 0) != VOR_FORM_WHOLE ||
+        vor_decimal_read(&number, text, strlen(text)) || !vor_decimal_read_count(&number, text))
+        return 0;
+    (void)snprintf(out, VOR_KIND_NUMBER_SIZE, "%.15g", number);
+    return 1;
 }
 
 void vor_kind_write(const struct vor_parameter_info *info, double value, const char *name,

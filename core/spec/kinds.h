@@ -32,6 +32,17 @@ enum vor_form vor_kind_form_of(const struct vor_parameter_info *info, double val
 int vor_kind_read(const struct vor_parameter_info *info, enum vor_shape shape, const char *text,
                   struct vor_value *out);
 
+/** Bytes of a number that vor_kind_expand writes, with the NUL. */
+#define VOR_KIND_NUMBER_SIZE 32
+
+/** Writes what a count with k (thousand) or M (million) at its end stands for, whole or not and in
+ *  range or not: "1234.5" for "1.2345k".
+ *
+ *  @param[out] out  unchanged when false is returned
+ *  @return false if the kind has no whole numbers, or text is none that ends in k or M */
+int vor_kind_expand(const struct vor_parameter_info *info, const char *text,
+                    char out[VOR_KIND_NUMBER_SIZE]);
+
 /** True if text is a list of words for one of the kind's forms of this shape, none of them empty,
  * and some of them not among the parameter's. */
 int vor_kind_has_unknown_word(const struct vor_parameter_info *info, enum vor_shape shape,

@@ -11,7 +11,7 @@
 
 /** Forms: the ways in which one value may be written. */
 enum vor_form {
-    VOR_FORM_WHOLE,  /**< a whole number */
+    VOR_FORM_WHOLE,  /**< a whole number; as text, k or M may end it: thousands, millions */
     VOR_FORM_REAL,   /**< a finite number */
     VOR_FORM_CHOICE, /**< one of the words; the value is its index */
     VOR_FORM_WORD,   /**< one of the words beside a number; the value is VOR_WORD(index) */

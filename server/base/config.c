@@ -1,13 +1,16 @@
 #include "server/base/config.h"
 
 #include <ctype.h>
+#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 enum {
-    VARIABLE_MAX = 64 /* bytes of an environment variable's name */
+    OPERAND = 1,        /* what getopt_long returns for a word that is no option */
+    LONG_SETTING = 256, /* and for a setting, above every letter: its row behind this */
+    AMONG_MAX = 512     /* bytes of the names that an ambiguous one may stand for */
 };
 
 struct setting_info {
@@ -141,7 +144,7 @@ static vor_status read_environment(struct vor_config *config, char *(*get)(const
                                    struct vor_error *err)
 {
     for (int i = 0; i < VOR_SETTING_COUNT; i++) {
-        char name[VARIABLE_MAX];
+        char name[VOR_VARIABLE_MAX];
         const char *value;
         vor_status status;
 
@@ -157,48 +160,76 @@ static vor_status read_environment(struct vor_config *config, char *(*get)(const
     return VOR_OK;
 }
 
-static int find_flag(const char *name, size_t length)
+/* What getopt_long wants; it returns a setting's row behind LONG_SETTING. */
+static void make_longs(struct option longs[VOR_SETTING_COUNT + 1])
 {
-    int i = 0;
-
-    while (i < VOR_SETTING_COUNT &&
-           (strlen(infos[i].flag) != length || memcmp(infos[i].flag, name, length) != 0))
-        i++;
-    return i;
+    memset(longs, 0, (VOR_SETTING_COUNT + 1) * sizeof *longs);
+    for (int i = 0; i < VOR_SETTING_COUNT; i++)
+        longs[i] = (struct option){infos[i].flag,
+                                   infos[i].kind == VOR_SETTING_FLAG ? optional_argument
+                                                                     : required_argument,
+                                   NULL, LONG_SETTING + i};
 }
 
+static vor_status no_setting(const char *word, struct vor_error *err)
+{
+    return vor_fail(err, VOR_E_PARAM, "%.60s is no setting; see voronoid serve --help", word);
+}
+
+/* A flag that is none, or may be several. */
+static vor_status refuse_flag(const char *word, struct vor_error *err)
+{
+    size_t length = strcspn(word + 2, "="), at = 0;
+    char names[AMONG_MAX] = "";
+    int found = 0;
+
+    for (int i = 0; i < VOR_SETTING_COUNT; i++) {
+        if (strncmp(infos[i].flag, word + 2, length) != 0)
+            continue;
+        if (at < sizeof names)
+            at += (size_t)snprintf(names + at, sizeof names - at, "%s--%s", found > 0 ? " or " : "",
+                                   infos[i].flag);
+        found++;
+    }
+    if (found > 1 && length > 0)
+        return vor_fail(err, VOR_E_PARAM, "%.60s may be %s", word, names);
+    return vor_fail(err, VOR_E_PARAM, "no setting %.60s; see voronoid serve --help", word);
+}
+
+/* Takes what getopt_long returned. */
+static vor_status take(struct vor_config *config, int got, char **argv, struct vor_error *err)
+{
+    const char letter[] = {'-', (char)optopt, '\0'};
+    vor_status status;
+
+    switch (got) {
+    case OPERAND:
+        return no_setting(optarg, err);
+    case ':':
+        return vor_fail(err, VOR_E_PARAM, "--%s wants a value", infos[optopt - LONG_SETTING].flag);
+    case '?':
+        return optopt == 0 ? refuse_flag(argv[optind - 1], err) : no_setting(letter, err);
+    default:
+        status = set(config, got - LONG_SETTING, optarg != NULL ? optarg : "1", err);
+        config->given[got - LONG_SETTING] = status == VOR_OK;
+        return status;
+    }
+}
+
+/* "-" has operands come in their order, whatever POSIXLY_CORRECT says; ":" tells a missing value
+ * from an unknown setting, and prints nothing. */
 static vor_status read_arguments(struct vor_config *config, int argc, char **argv,
                                  struct vor_error *err)
 {
-    for (int i = 1; i < argc; i++) {
-        const char *name = argv[i] + 2;
-        size_t length;
-        const char *value;
-        vor_status status;
-        int setting;
+    struct option longs[VOR_SETTING_COUNT + 1];
+    vor_status status = VOR_OK;
+    int got;
 
-        if (strncmp(argv[i], "--", 2) != 0)
-            return vor_fail(err, VOR_E_PARAM, "%.60s is no setting; see voronoid serve --help",
-                            argv[i]);
-        length = strcspn(name, "=");
-        setting = find_flag(name, length);
-        if (setting == VOR_SETTING_COUNT)
-            return vor_fail(err, VOR_E_PARAM, "no setting %.60s; see voronoid serve --help",
-                            argv[i]);
-        if (name[length] == '=')
-            value = name + length + 1;
-        else if (infos[setting].kind == VOR_SETTING_FLAG)
-            value = "1";
-        else if (++i < argc)
-            value = argv[i];
-        else
-            return vor_fail(err, VOR_E_PARAM, "--%s wants a value", infos[setting].flag);
-        status = set(config, setting, value, err);
-        if (status != VOR_OK)
-            return status;
-        config->given[setting] = 1;
-    }
-    return VOR_OK;
+    make_longs(longs);
+    optind = 0; /* glibc's word for a new command line */
+    while (status == VOR_OK && (got = getopt_long(argc, argv, "-:", longs, NULL)) != -1)
+        status = take(config, got, argv, err);
+    return status == VOR_OK && optind < argc ? no_setting(argv[optind], err) : status;
 }
 
 static vor_status split_listen(struct vor_config *config, struct vor_error *err)
@@ -391,41 +422,54 @@ static const char *placeholder(const struct setting_info *info)
     return "";
 }
 
-static void print_range(FILE *out, const struct setting_info *info)
+static int write_range(char *out, size_t size, const struct setting_info *info)
 {
     switch (info->kind) {
     case VOR_SETTING_COUNT_OF:
     case VOR_SETTING_TIME:
-        (void)fprintf(out, "%.10g to %.10g %s, ", info->min, info->max, info->unit);
-        break;
+        return snprintf(out, size, "%.10g to %.10g %s, ", info->min, info->max, info->unit);
     case VOR_SETTING_BYTES:
-        (void)fprintf(out, "%.10g to %.10g %s, or with K, M, G or T, ", info->min, info->max,
-                      info->unit);
-        break;
+        return snprintf(out, size, "%.10g to %.10g %s, or with K, M, G or T, ", info->min,
+                        info->max, info->unit);
     case VOR_SETTING_CHOICE:
-        (void)fprintf(out, "one of %s, ", info->unit);
-        break;
+        return snprintf(out, size, "one of %s, ", info->unit);
     case VOR_SETTING_TEXT:
     case VOR_SETTING_LIST:
     case VOR_SETTING_FLAG:
         break;
     }
+    return 0;
+}
+
+int vor_config_describe(struct vor_setting_text *out, unsigned index)
+{
+    const struct setting_info *info;
+    int at;
+
+    if (index >= VOR_SETTING_COUNT)
+        return 0;
+    info = &infos[index];
+    out->flag = info->flag;
+    out->value = placeholder(info);
+    out->words = info->kind == VOR_SETTING_CHOICE ? info->unit : "";
+    out->sentence = info->sentence;
+    name_variable(info, out->variable, sizeof out->variable);
+    out->range[0] = '\0';
+    at = write_range(out->range, sizeof out->range, info);
     if (info->fallback[0] != '\0' && info->kind != VOR_SETTING_FLAG)
-        (void)fprintf(out, "default %s ", info->fallback);
+        (void)snprintf(out->range + at, sizeof out->range - (size_t)at, "default %s ",
+                       info->fallback);
+    return 1;
 }
 
 void vor_config_help(FILE *out)
 {
-    for (int i = 0; i < VOR_SETTING_COUNT; i++) {
-        const char *value = placeholder(&infos[i]);
-        char variable[VARIABLE_MAX];
+    struct vor_setting_text setting;
 
-        name_variable(&infos[i], variable, sizeof variable);
-        (void)fprintf(out, "  --%s%s%s\n      %s\n      ", infos[i].flag,
-                      value[0] != '\0' ? " " : "", value, infos[i].sentence);
-        print_range(out, &infos[i]);
-        (void)fprintf(out, "(env: %s)\n", variable);
-    }
+    for (unsigned i = 0; vor_config_describe(&setting, i); i++)
+        (void)fprintf(out, "  --%s%s%s\n      %s\n      %s(env: %s)\n", setting.flag,
+                      setting.value[0] != '\0' ? " " : "", setting.value, setting.sentence,
+                      setting.range, setting.variable);
     (void)fputs("A flag wins over the environment.\n", out);
 }
 

@@ -101,17 +101,32 @@ struct vor_config {
     struct vor_networks trusted; /**< of TRUSTED_PROXY */
 };
 
-/** --flag VALUE and --flag=VALUE of argv[1 .. argc - 1], for the others the environment, then the
- *  default; then DATA, STORE, BLOBS, host, port and trusted are worked out. getenv is the
- * environment to read.
+/** --flag VALUE and --flag=VALUE of argv[1 .. argc - 1], by getopt_long, so that an unambiguous
+ *  beginning of a flag stands for it; for the others the environment, then the default; then DATA,
+ *  STORE, BLOBS, host, port and trusted are worked out. getenv is the environment to read.
  *
- *  @retval VOR_E_PARAM an unknown flag, a value missing or out of range (message: flag, value and
- *                      range), LISTEN not HOST:PORT, not a loopback address without NO_AUTH,
- *                      PUBLIC_URL no URL, CORS_ORIGIN no list of origins, TRUSTED_PROXY none of
- *                      networks, ALLOWED_HOSTS none of names, or no directory for DATA
+ *  @retval VOR_E_PARAM an unknown or ambiguous flag, a value missing or out of range (message:
+ *                      flag, value and range), LISTEN not HOST:PORT, not a loopback address without
+ *                      NO_AUTH, PUBLIC_URL no URL, CORS_ORIGIN no list of origins, TRUSTED_PROXY
+ *                      none of networks, ALLOWED_HOSTS none of names, or no directory for DATA
  */
 VOR_NODISCARD vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
                                          char *(*getenv)(const char *name), struct vor_error *err);
+
+/** Bytes of the name of a setting's variable, with the NUL. */
+#define VOR_VARIABLE_MAX 64
+
+/** A setting as the help, the manual and completions tell it. */
+struct vor_setting_text {
+    const char *flag, *sentence;
+    const char *value; /**< what stands behind the flag: "N"; "" for nothing */
+    const char *words; /**< of a choice, with blanks between; else "" */
+    char variable[VOR_VARIABLE_MAX];
+    char range[160]; /**< "1 to 64 jobs, default 2 "; "" where there is none */
+};
+
+/** Describes setting number `index`; false past the last. */
+int vor_config_describe(struct vor_setting_text *out, unsigned index);
 
 /** The table for people, one setting after another. */
 void vor_config_help(FILE *out);

@@ -1,28 +1,76 @@
 #include "server/cli/cli.h"
 
+#include "server/cli/batch.h"
+#include "server/cli/fetch.h"
 #include "server/cli/health.h"
 #include "server/cli/help.h"
 #include "server/cli/here.h"
 #include "server/cli/interrupt.h"
+#include "server/cli/jobs.h"
 #include "server/cli/options.h"
 #include "server/cli/say.h"
 #include "server/cli/there.h"
 
+#include <limits.h>
 #include <signal.h>
+#include <stdio.h>
 #include <string.h>
+
+#define FILES " IN..."
+
+enum { ASKS_JOBS = VOR_COMMAND_ASKS | VOR_COMMAND_JOBS };
+
+static int no_process(const struct vor_cli *cli);
 
 /* The commands that run no process. */
 static const struct vor_command others[] = {
+    {"submit", "Hand clouds to a daemon", "Hands each cloud to a daemon and prints its job's ID",
+     VOR_COMMAND_ASKS | VOR_COMMAND_SUBMITS, " PROCESS" FILES, 0, INT_MAX, NULL, no_process},
+    {"jobs", "List a daemon's jobs", "Lists jobs with their status, progress and age, newest first",
+     ASKS_JOBS | VOR_COMMAND_LISTS, " [JOB]...", 0, INT_MAX, NULL, vor_cli_jobs},
+    {"wait", "Wait for jobs", "Shows the progress of jobs, ends when they do, and as they did",
+     ASKS_JOBS, " JOB...", 1, INT_MAX, NULL, vor_cli_wait},
+    {"fetch", "Fetch results of jobs", "Writes results of jobs into files",
+     ASKS_JOBS | VOR_COMMAND_FETCHES, " JOB...", 1, INT_MAX, NULL, vor_cli_fetch},
+    {"cancel", "Cancel jobs", "Dismisses jobs that are not over", ASKS_JOBS, " JOB...", 1, INT_MAX,
+     NULL, vor_cli_cancel},
     {"health", "Ask whether a daemon is ready", "Asks whether a daemon is ready to take jobs",
-     VOR_COMMAND_ASKS, NULL, vor_cli_health},
+     VOR_COMMAND_ASKS, "", 0, 0, NULL, vor_cli_health},
 };
 
-enum { OTHERS = sizeof others / sizeof others[0] };
+enum { OTHERS = sizeof others / sizeof others[0], SUBMIT = 0 };
 
-static int run_process(const struct vor_cli *cli)
+/* The command that a command line begins with. */
+struct chosen {
+    struct vor_command command;
+    char name[64]; /* of two words */
+    int words;
+};
+
+static int run_one(const struct vor_cli *cli)
 {
     return cli->option[VOR_OPTION_SERVER] != NULL ? vor_cli_process_there(cli)
                                                   : vor_cli_process_here(cli);
+}
+
+static int run_process(const struct vor_cli *cli)
+{
+    return vor_cli_into_folder(cli) ? vor_cli_batch(cli, run_one) : run_one(cli);
+}
+
+static int no_process(const struct vor_cli *cli)
+{
+    const struct vor_process_info *process;
+    char line[512] = "name a process first: ";
+
+    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++) {
+        size_t at = strlen(line);
+
+        if (process->on_http)
+            (void)snprintf(line + at, sizeof line - at, "%s%s", i > 0 ? ", " : "", process->id);
+    }
+    vor_cli_say(cli->command->name, line);
+    return VOR_EXIT_USAGE;
 }
 
 /* The client sends one file, as the body; forms it does not make. */
@@ -31,22 +79,41 @@ static struct vor_command command_of(const struct vor_process_info *process)
     int is_remote = process->on_http && process->inputs[1].name == NULL;
     unsigned does = VOR_COMMAND_RUNS | (is_remote ? VOR_COMMAND_REMOTE : 0u);
 
-    return (struct vor_command){process->id, process->title, process->sentence,
-                                does,        process,        run_process};
+    return (struct vor_command){process->id, process->title, process->sentence, does,       FILES,
+                                1,           INT_MAX,        process,           run_process};
 }
 
-/* The command of that name; false after it was said that there is none. */
-static int find(struct vor_command *out, const char *name)
+/* submit PROCESS: the parameters are those of the process. */
+static void choose_submit(struct chosen *out, const struct vor_process_info *process)
+{
+    out->command = others[SUBMIT];
+    (void)snprintf(out->name, sizeof out->name, "submit %s", process->id);
+    out->command.name = out->name;
+    out->command.operands = FILES;
+    out->command.process = process;
+    out->command.run = vor_cli_submit;
+    out->words = 2;
+}
+
+/* The command of that name, and of the next word where that belongs to it; false after it was said
+ * that there is none. */
+static int find(struct chosen *out, const char *name, const char *next)
 {
     const struct vor_process_info *process = vor_process_find(name);
+    const struct vor_process_info *submitted = vor_process_find(next != NULL ? next : "");
 
+    out->words = 1;
     if (process != NULL) {
-        *out = command_of(process);
+        out->command = command_of(process);
+        return 1;
+    }
+    if (strcmp(name, others[SUBMIT].name) == 0 && submitted != NULL && submitted->on_http) {
+        choose_submit(out, submitted);
         return 1;
     }
     for (int i = 0; i < OTHERS; i++)
         if (strcmp(others[i].name, name) == 0) {
-            *out = others[i];
+            out->command = others[i];
             return 1;
         }
     vor_cli_say(name, "no such command; see voronoid --help");
@@ -61,42 +128,58 @@ static int printed(FILE *out)
 int vor_cli_main(int argc, char **argv)
 {
     struct vor_error err = {.status = VOR_OK};
-    struct vor_command command;
-    struct vor_cli cli = {.command = &command};
+    struct chosen chosen;
+    struct vor_cli cli = {.command = &chosen.command};
+    int skipped;
 
-    if (!find(&command, argv[0]))
+    if (!find(&chosen, argv[0], argc > 1 ? argv[1] : NULL))
         return VOR_EXIT_USAGE;
-    if (vor_cli_read(&cli, &command, argc, argv, &err) != VOR_OK)
-        return vor_cli_fail(command.name, &err);
+    skipped = chosen.words - 1;
+    if (vor_cli_read(&cli, &chosen.command, argc - skipped, argv + skipped, &err) != VOR_OK)
+        return vor_cli_fail(chosen.command.name, &err);
     if (cli.option[VOR_OPTION_HELP] != NULL) {
-        vor_help_command(stdout, &command);
+        vor_help_command(stdout, &chosen.command);
         return printed(stdout);
     }
     /* A reader that left shows as an error of the write, not as our sudden death. */
     (void)signal(SIGPIPE, SIG_IGN);
     vor_interrupt_catch();
-    return command.run(&cli);
+    return chosen.command.run(&cli);
 }
 
 int vor_cli_help(FILE *out, const char *name)
 {
-    struct vor_command command;
+    struct chosen chosen;
 
-    if (!find(&command, name))
+    if (!find(&chosen, name, NULL))
         return VOR_EXIT_USAGE;
-    vor_help_command(out, &command);
+    vor_help_command(out, &chosen.command);
     return printed(out);
+}
+
+const struct vor_command *vor_cli_command(struct vor_command *out, unsigned index)
+{
+    const struct vor_process_info *process;
+    unsigned i = 0;
+
+    for (; (process = vor_process_info(i)) != NULL; i++)
+        if (i == index) {
+            *out = command_of(process);
+            return out;
+        }
+    if (index - i >= OTHERS)
+        return NULL;
+    *out = others[index - i];
+    return out;
 }
 
 void vor_cli_overview(FILE *out)
 {
-    const struct vor_process_info *process;
+    struct vor_command command;
 
     vor_help_begin(out);
     vor_help_line(out, "serve", "Run the daemon");
-    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++)
-        vor_help_line(out, process->id, process->title);
-    for (int i = 0; i < OTHERS; i++)
-        vor_help_line(out, others[i].name, others[i].title);
+    for (unsigned i = 0; vor_cli_command(&command, i) != NULL; i++)
+        vor_help_line(out, command.name, command.title);
     vor_help_end(out);
 }

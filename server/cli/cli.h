@@ -3,6 +3,8 @@
 #ifndef VOR_CLI_H
 #define VOR_CLI_H
 
+#include "server/cli/options.h"
+
 #include <stdio.h>
 
 /** Runs the command argv[0]. Returns the exit code (server/cli/say.h); VOR_EXIT_USAGE when there is
@@ -11,6 +13,10 @@ int vor_cli_main(int argc, char **argv);
 
 /** Prints the help of one command. Returns the exit code, as vor_cli_main. */
 int vor_cli_help(FILE *out, const char *command);
+
+/** Command number `index`: those that run a process, then the others. Writes it to *out and returns
+ *  that; NULL past the last. */
+const struct vor_command *vor_cli_command(struct vor_command *out, unsigned index);
 
 /** Prints the list of commands. */
 void vor_cli_overview(FILE *out);

@@ -195,3 +195,10 @@ void vor_output_abandon(struct vor_output *output)
         (void)unlink(output->temporary);
     output->is_temporary = 0;
 }
+
+vor_status vor_folder_make(const char *path, struct vor_error *err)
+{
+    if (mkdir(path, 0777) == 0 || errno == EEXIST)
+        return VOR_OK;
+    return vor_fail(err, VOR_E_IO, "%.300s cannot be made: %s", path, strerror(errno));
+}

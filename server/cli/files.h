@@ -55,4 +55,9 @@ VOR_NODISCARD vor_status vor_output_commit(struct vor_output *output, struct vor
  *  zero. */
 void vor_output_abandon(struct vor_output *output);
 
+/** Makes a folder, unless it is there; not those above it.
+ *
+ *  @retval VOR_E_IO it cannot be made (the message names it and says why) */
+VOR_NODISCARD vor_status vor_folder_make(const char *path, struct vor_error *err);
+
 #endif

@@ -2,10 +2,8 @@
 
 #include "server/cli/remote.h"
 #include "server/cli/say.h"
+#include "server/cli/server.h"
 
-#include <string.h>
-
-#define SERVER_DEFAULT "http://127.0.0.1:8080"
 #define HEALTH_SECONDS 5
 
 static int report(const char *server, const struct vor_remote_call *call)
@@ -31,19 +29,15 @@ static int report(const char *server, const struct vor_remote_call *call)
 
 int vor_cli_health(const struct vor_cli *cli)
 {
-    const char *server = cli->option[VOR_OPTION_SERVER];
-    char url[VOR_REMOTE_URL_MAX];
+    char server[VOR_REMOTE_URL_MAX], url[VOR_REMOTE_URL_MAX + 16];
     struct vor_remote_call call = {.method = "GET", .url = url, .timeout_seconds = HEALTH_SECONDS};
     struct vor_remote *remote = NULL;
     struct vor_error err;
-    size_t length;
     int code;
 
-    server = server != NULL ? server : SERVER_DEFAULT;
-    length = strlen(server);
-    while (length > 0 && server[length - 1] == '/')
-        length--;
-    (void)snprintf(url, sizeof url, "%.*s/readyz", (int)length, server);
+    if (vor_cli_server(server, cli, &err) != VOR_OK)
+        return vor_cli_fail(cli->command->name, &err);
+    (void)snprintf(url, sizeof url, "%s/readyz", server);
     if (vor_remote_open(&remote, &err) != VOR_OK)
         return vor_cli_fail(NULL, &err);
     if (vor_remote_perform(remote, &call, &err) == VOR_OK) {

@@ -4,8 +4,7 @@
 
 #include "server/cli/options.h"
 
-/** Asks the daemon of --server, else the one at http://127.0.0.1:8080, and prints one line. Returns
- * the exit code. */
+/** Asks the daemon (server/cli/server.h) and prints one line. Returns the exit code. */
 int vor_cli_health(const struct vor_cli *cli);
 
 #endif

@@ -1,8 +1,15 @@
 #include "server/cli/help.h"
 
-#include "core/spec/kinds.h"
+#include "server/cli/say.h"
 
-#include <string.h>
+static const struct {
+    int code;
+    const char *command, *serve;
+} exits[] = {
+#define EXIT_ROW(id, code, command, serve) {code, command, serve},
+    VOR_EXIT_TABLE(EXIT_ROW)
+#undef EXIT_ROW
+};
 
 static void print_option(FILE *out, char letter, const char *name, const char *value,
                          const char *sentence)
@@ -24,7 +31,7 @@ static void print_options(FILE *out, const struct vor_command *command)
         const struct vor_option_info *o = vor_option_info((enum vor_option)i);
         char value[32];
 
-        if ((o->commands & command->does) == 0)
+        if (!vor_command_takes(command, (enum vor_option)i))
             continue;
         (void)snprintf(value, sizeof value, "%s%s", o->value[0] != '\0' ? " " : "", o->value);
         print_option(out, o->letter, o->name, value, o->sentence);
@@ -34,9 +41,8 @@ static void print_options(FILE *out, const struct vor_command *command)
     }
 }
 
-/* "1 to 10000000 points, default 100" or "keep | free, default keep". */
-static void print_parameter(FILE *out, const struct vor_process_info *process,
-                            enum vor_parameter parameter)
+void vor_help_values(char out[VOR_HELP_VALUES_SIZE], const struct vor_process_info *process,
+                     enum vor_parameter parameter)
 {
     struct vor_parameter_info info = vor_process_parameter(process, parameter);
     char values[VOR_KIND_WORDS_SIZE], text[VOR_SPEC_VALUE_SIZE];
@@ -46,9 +52,20 @@ static void print_parameter(FILE *out, const struct vor_process_info *process,
     spec.value[parameter] = info.fallback; /* that of ratio stands aside in a preset */
     vor_spec_text(&spec, parameter, text);
     vor_kind_values(&info, values);
-    print_option(out, parameter == VOR_PARAM_POINTS ? 'n' : 0, info.name,
-                 info.kind == VOR_KIND_FLAG ? "[=VALUE]" : " VALUE", info.sentence);
-    fprintf(out, "\n      %s%s%s\n", values, text[0] != '\0' ? ", default " : "", text);
+    (void)snprintf(out, VOR_HELP_VALUES_SIZE, "%s%s%s", values, text[0] != '\0' ? ", default " : "",
+                   text);
+}
+
+static void print_parameter(FILE *out, const struct vor_process_info *process,
+                            enum vor_parameter parameter)
+{
+    const struct vor_parameter_info *info = vor_parameter_info(parameter);
+    char values[VOR_HELP_VALUES_SIZE];
+
+    vor_help_values(values, process, parameter);
+    print_option(out, parameter == VOR_PARAM_POINTS ? 'n' : 0, info->name,
+                 info->kind == VOR_KIND_FLAG ? "[=VALUE]" : " VALUE", info->sentence);
+    fprintf(out, "\n      %s\n", values);
 }
 
 static void print_group(FILE *out, const struct vor_process_info *process, enum vor_group group)
@@ -72,15 +89,18 @@ void vor_help_command(FILE *out, const struct vor_command *command)
     const struct vor_process_info *process = command->process;
 
     fprintf(out, "usage: voronoid %s%s [OPTION]...\n%s.%s\n\nOptions:\n", command->name,
-            process != NULL ? " IN" : "", command->sentence,
+            command->operands, command->sentence,
             process != NULL ? " - as a file is stdin or stdout." : "");
     print_options(out, command);
-    if (process == NULL)
-        return;
-    fprintf(out, "\nParameters of the request%s:\n",
-            process->on_http ? ", the same over HTTP" : "");
-    for (int group = 0; group < VOR_GROUP_COUNT; group++)
-        print_group(out, process, (enum vor_group)group);
+    if (process != NULL) {
+        fprintf(out, "\nParameters of the request%s:\n",
+                process->on_http ? ", the same over HTTP" : "");
+        for (int group = 0; group < VOR_GROUP_COUNT; group++)
+            print_group(out, process, (enum vor_group)group);
+        fputs("\n" VOR_HELP_COUNTS "\n", out);
+    }
+    fputs("\n" VOR_HELP_WORDS "\n\nExit codes:\n", out);
+    vor_help_exit_codes(out, 0);
 }
 
 void vor_help_begin(FILE *out)
@@ -93,10 +113,23 @@ void vor_help_line(FILE *out, const char *name, const char *title)
     fprintf(out, "  %-9s %s\n", name, title);
 }
 
+void vor_help_exit_codes(FILE *out, int of_serve)
+{
+    for (size_t i = 0; i < sizeof exits / sizeof exits[0]; i++) {
+        const char *sentence = of_serve ? exits[i].serve : exits[i].command;
+
+        if (sentence[0] != '\0')
+            fprintf(out, "  %3d  %s\n", exits[i].code, sentence);
+    }
+}
+
 void vor_help_end(FILE *out)
 {
     fputs("\nvoronoid COMMAND --help shows the options of a command, voronoid --version the "
-          "version.\nExit codes: 0 ok, 1 failed, 2 usage, 3 input rejected, 4 cancelled (130 on "
-          "^C), 5 server unreachable\nor busy.\n",
+          "version.\nvoronoid --completion bash|zsh prints a completion, voronoid --man 1|8 a page "
+          "of the manual.\n\nExit codes:\n",
           out);
+    vor_help_exit_codes(out, 0);
+    fputs("\nExit codes of serve:\n", out);
+    vor_help_exit_codes(out, 1);
 }

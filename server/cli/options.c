@@ -3,8 +3,11 @@
 #include "core/base/parallel.h"
 #include "core/base/quote.h"
 #include "server/base/machine.h"
+#include "server/base/uuid.h"
 
 #include <assert.h>
+#include <getopt.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,13 +18,34 @@ static const struct vor_option_info options[VOR_OPTION_COUNT] = {
 #undef OPTION_ROW
 };
 
-enum { SHOWN_SIZE = 48 /* of what a caller wrote, in a message */ };
+/* What getopt_long returns for a long option is its row behind one of these, above every letter. */
+enum {
+    LONG_OPTION = 256,
+    LONG_INPUT = LONG_OPTION + VOR_OPTION_COUNT,
+    LONG_PARAMETER = LONG_INPUT + VOR_INPUTS_MAX,
+    LONGS_MAX = VOR_OPTION_COUNT + VOR_INPUTS_MAX + VOR_PARAMETER_COUNT
+};
+
+enum {
+    OPERAND = 1,         /* what it returns for an operand, and for letters */
+    POINTS_LETTER = 'n', /* stands for the parameter points */
+    SHOWN_SIZE = 48,     /* of what a caller wrote, in a message */
+    NAMES_SIZE = 256     /* of the names that an ambiguous one may stand for */
+};
+
+/* What a command takes, as getopt_long wants it. */
+struct menu {
+    struct option longs[LONGS_MAX + 1]; /* the last one is zero */
+    int count;
+    char letters[2 * VOR_OPTION_COUNT + 8];
+};
 
 /* The word that is being read, and where it goes. */
 struct reader {
     struct vor_cli *cli;
     char **argv;
-    int argc, at;
+    int argc;
+    struct menu menu;
     struct vor_error *err;
 };
 
@@ -31,180 +55,230 @@ const struct vor_option_info *vor_option_info(enum vor_option option)
     return &options[option];
 }
 
-static int is_name(const char *text, size_t length, const char *name)
+int vor_command_takes(const struct vor_command *command, enum vor_option option)
 {
-    return strlen(name) == length && memcmp(text, name, length) == 0;
+    return (vor_option_info(option)->commands & command->does) != 0;
 }
 
-/* The option of that name (length bytes) or letter, VOR_OPTION_COUNT when the command has none. */
-static int find_option(const struct vor_command *command, const char *name, size_t length,
-                       char letter)
+int vor_cli_into_folder(const struct vor_cli *cli)
 {
-    int i = 0;
+    enum vor_option option =
+        vor_command_takes(cli->command, VOR_OPTION_INTO) ? VOR_OPTION_INTO : VOR_OPTION_OUTPUT;
+    const char *output = cli->option[option];
+    size_t length = output != NULL ? strlen(output) : 0;
 
-    for (; i < VOR_OPTION_COUNT; i++) {
-        if ((options[i].commands & command->does) == 0)
+    return length > 0 && output[length - 1] == '/';
+}
+
+/* The menu. */
+
+static void add_long(struct menu *menu, const char *name, int argument, int value)
+{
+    menu->longs[menu->count++] = (struct option){name, argument, NULL, value};
+}
+
+static void add_letter(struct menu *menu, char letter, int has_value)
+{
+    size_t at = strlen(menu->letters);
+
+    menu->letters[at++] = letter;
+    if (has_value)
+        menu->letters[at++] = ':';
+    menu->letters[at] = '\0';
+}
+
+static void add_parameters(struct menu *menu, const struct vor_process_info *process)
+{
+    for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
+        const struct vor_parameter_info *info = vor_parameter_info((enum vor_parameter)i);
+        int is_flag = info->kind == VOR_KIND_FLAG;
+
+        if (vor_process_takes(process, (enum vor_parameter)i))
+            add_long(menu, info->name, is_flag ? optional_argument : required_argument,
+                     LONG_PARAMETER + i);
+    }
+    if (vor_process_takes(process, VOR_PARAM_POINTS))
+        add_letter(menu, POINTS_LETTER, 1);
+}
+
+/* "-" has operands come in their order, whatever POSIXLY_CORRECT says; ":" tells a missing value
+ * from an unknown option, and prints nothing. */
+static void make_menu(struct menu *menu, const struct vor_command *command)
+{
+    memset(menu, 0, sizeof *menu);
+    memcpy(menu->letters, "-:", sizeof "-:");
+    for (int i = 0; i < VOR_OPTION_COUNT; i++) {
+        int has_value = options[i].value[0] != '\0';
+
+        if (!vor_command_takes(command, (enum vor_option)i))
             continue;
-        if (letter != 0 ? options[i].letter == letter : is_name(name, length, options[i].name))
-            break;
+        add_long(menu, options[i].name, has_value ? required_argument : no_argument,
+                 LONG_OPTION + i);
+        if (options[i].letter != 0)
+            add_letter(menu, options[i].letter, has_value);
     }
-    return i;
+    if (command->process == NULL)
+        return;
+    for (int i = 1; command->process->inputs[i].name != NULL; i++)
+        add_long(menu, command->process->inputs[i].name, required_argument, LONG_INPUT + i);
+    add_parameters(menu, command->process);
 }
 
-/* The input of that name that is an option; 0, the operand, when there is none. */
-static unsigned find_input(const struct vor_command *command, const char *name, size_t length)
-{
-    const struct vor_process_info *process = command->process;
+/* Refusals. */
 
-    for (unsigned i = 1; process != NULL && process->inputs[i].name != NULL; i++)
-        if (is_name(name, length, process->inputs[i].name))
-            return i;
-    return 0;
+static vor_status no_option(const struct reader *r, const char *shown)
+{
+    return vor_fail(r->err, VOR_E_PARAM, "no option %s; see voronoid %s --help", shown,
+                    r->cli->command->name);
 }
 
-/* The parameter of that name, whether the process takes it or not; VOR_PARAMETER_COUNT when there
- * is none, or no process. */
-static enum vor_parameter find_parameter(const struct vor_command *command, const char *name,
-                                         size_t length)
+/* The names that begin like this, with "or" between; how many there are. */
+static int candidates(const struct menu *menu, const char *begin, size_t length,
+                      char out[NAMES_SIZE])
 {
-    int i = 0;
+    size_t at = 0;
+    int found = 0;
 
-    while (i < VOR_PARAMETER_COUNT &&
-           !is_name(name, length, vor_parameter_info((enum vor_parameter)i)->name))
-        i++;
-    return command->process != NULL ? (enum vor_parameter)i : VOR_PARAMETER_COUNT;
-}
-
-static vor_status no_option(const struct reader *r, const char *text)
-{
-    char quoted[SHOWN_SIZE];
-
-    return vor_fail(r->err, VOR_E_PARAM, "no option %s; see voronoid %s --help",
-                    vor_quote(quoted, sizeof quoted, text, strlen(text)), r->cli->command->name);
-}
-
-/* The value of the option at hand: what is attached to it, or the next word; NULL is a failure that
- * is told. */
-static const char *take_value(struct reader *r, const char *shown, const char *attached)
-{
-    if (attached != NULL)
-        return attached;
-    if (r->at + 1 < r->argc)
-        return r->argv[++r->at];
-    (void)vor_fail(r->err, VOR_E_PARAM, "%s needs a value", shown);
-    return NULL;
-}
-
-static vor_status set_option(struct reader *r, int option, const char *shown, const char *attached)
-{
-    if (options[option].value[0] != '\0') {
-        r->cli->option[option] = take_value(r, shown, attached);
-        return r->cli->option[option] != NULL ? VOR_OK : VOR_E_PARAM;
+    for (int i = 0; i < menu->count; i++) {
+        if (strncmp(menu->longs[i].name, begin, length) != 0)
+            continue;
+        if (at < NAMES_SIZE)
+            at += (size_t)snprintf(out + at, NAMES_SIZE - at, "%s--%s", found > 0 ? " or " : "",
+                                   menu->longs[i].name);
+        found++;
     }
-    if (attached != NULL)
-        return vor_fail(r->err, VOR_E_PARAM, "%s takes no value", shown);
-    r->cli->option[option] = "";
-    return VOR_OK;
+    return found;
 }
 
-static vor_status set_input(struct reader *r, unsigned input, const char *shown,
-                            const char *attached)
+/* A long option that is none of the command's, or may be several of them. A parameter that another
+ * process takes is told as such. */
+static vor_status refuse_long(const struct reader *r, const char *word)
 {
-    r->cli->input[input] = take_value(r, shown, attached);
-    return r->cli->input[input] != NULL ? VOR_OK : VOR_E_PARAM;
-}
+    const struct vor_process_info *process = r->cli->command->process;
+    const char *name = word + 2;
+    size_t length = strcspn(name, "=");
+    char shown[SHOWN_SIZE], exact[SHOWN_SIZE], names[NAMES_SIZE];
+    enum vor_parameter parameter;
 
-/* A flag that stands alone is true; what follows it is not its value. */
-static vor_status set_parameter(struct reader *r, enum vor_parameter parameter, const char *shown,
-                                const char *attached)
-{
-    const struct vor_parameter_info *info = vor_parameter_info(parameter);
-    struct vor_spec *spec = &r->cli->spec;
-    const char *value;
-
-    if (!vor_process_takes(spec->process, parameter))
-        return vor_spec_set(spec, info->name, "", r->err); /* refuses the name */
-    if (info->kind == VOR_KIND_FLAG && attached == NULL)
-        value = "true";
-    else
-        value = take_value(r, shown, attached);
-    if (value == NULL)
-        return VOR_E_PARAM;
-    r->cli->given[parameter] = 1;
-    return vor_spec_set(spec, info->name, value, r->err);
-}
-
-/* --name, --name value, --name=value */
-static vor_status read_long(struct reader *r, const char *text)
-{
-    const char *name = text + 2, *equals = strchr(name, '=');
-    size_t length = equals != NULL ? (size_t)(equals - name) : strlen(name);
-    const struct vor_command *command = r->cli->command;
-    const char *attached = equals != NULL ? equals + 1 : NULL;
-    int option = find_option(command, name, length, 0);
-    unsigned input = find_input(command, name, length);
-    enum vor_parameter parameter = find_parameter(command, name, length);
-    char shown[SHOWN_SIZE];
-
-    vor_quote(shown, sizeof shown, text, length + 2);
-    if (option != VOR_OPTION_COUNT)
-        return set_option(r, option, shown, attached);
-    if (input > 0)
-        return set_input(r, input, shown, attached);
-    if (parameter != VOR_PARAMETER_COUNT)
-        return set_parameter(r, parameter, shown, attached);
+    vor_quote(shown, sizeof shown, word, length + 2);
+    (void)snprintf(exact, sizeof exact, "%.*s", (int)(length < SHOWN_SIZE ? length : 0), name);
+    parameter = vor_parameter_find(exact);
+    if (process != NULL && parameter != VOR_PARAMETER_COUNT &&
+        !vor_process_takes(process, parameter))
+        return vor_spec_set(&r->cli->spec, exact, "", r->err); /* refuses the name */
+    if (length > 0 && candidates(&r->menu, name, length, names) > 1)
+        return vor_fail(r->err, VOR_E_PARAM, "%s may be %s", shown, names);
     return no_option(r, shown);
 }
 
-/* -n value, -nvalue; one letter a word */
-static vor_status read_short(struct reader *r, const char *text)
+static vor_status refuse_letter(const struct reader *r, int letter, const char *what)
 {
-    const char shown[] = {'-', text[1], '\0'};
-    const char *attached = text[2] != '\0' ? text + 2 : NULL;
-    const struct vor_command *command = r->cli->command;
-    int option = find_option(command, NULL, 0, text[1]);
+    const char text[] = {'-', (char)letter};
+    char shown[SHOWN_SIZE];
 
-    if (option != VOR_OPTION_COUNT)
-        return set_option(r, option, shown, attached);
-    if (text[1] == 'n' && command->process != NULL &&
-        vor_process_takes(command->process, VOR_PARAM_POINTS))
-        return set_parameter(r, VOR_PARAM_POINTS, shown, attached);
-    return no_option(r, text);
+    vor_quote(shown, sizeof shown, text, sizeof text);
+    return what != NULL ? vor_fail(r->err, VOR_E_PARAM, "%s %s", shown, what) : no_option(r, shown);
 }
 
-static vor_status read_operand(struct reader *r, const char *text)
+/* The option at hand is known and stands in the word before the next one: its name is shown as it
+ * was written. */
+static vor_status refuse_use(const struct reader *r, const char *what)
 {
+    const char *word = r->argv[optind - 1];
+    char shown[SHOWN_SIZE];
+
+    vor_quote(shown, sizeof shown, word, strcspn(word, "="));
+    return vor_fail(r->err, VOR_E_PARAM, "%s %s", shown, what);
+}
+
+/* getopt_long returned '?', or ':' for a value that is missing. optopt is then what it would have
+ * returned, or 0 for a long option that it does not know. */
+static vor_status refuse(const struct reader *r, int got)
+{
+    const char *missing = got == ':' ? "needs a value" : NULL;
+
+    if (optopt == 0)
+        return refuse_long(r, r->argv[optind - 1]);
+    if (optopt >= LONG_OPTION)
+        return refuse_use(r, missing != NULL ? missing : "takes no value");
+    return refuse_letter(r, optopt, missing);
+}
+
+/* Reading. */
+
+/* A flag that stands alone is true; what follows it is not its value. */
+static vor_status set_parameter(struct reader *r, enum vor_parameter parameter, const char *value)
+{
+    const struct vor_parameter_info *info = vor_parameter_info(parameter);
+
+    r->cli->given[parameter] = 1;
+    return vor_spec_set(&r->cli->spec, info->name, value != NULL ? value : "true", r->err);
+}
+
+/* Operands are gathered in front of what is still to be read. */
+static vor_status add_operand(struct reader *r, char *text)
+{
+    struct vor_cli *cli = r->cli;
     char quoted[SHOWN_SIZE];
 
-    if (r->cli->command->process == NULL || r->cli->input[0] != NULL)
+    if (cli->operand_count == cli->command->most)
         return vor_fail(r->err, VOR_E_PARAM, "one operand too many: %s",
                         vor_quote(quoted, sizeof quoted, text, strlen(text)));
-    r->cli->input[0] = text;
+    cli->operands[cli->operand_count++] = text;
+    return VOR_OK;
+}
+
+static int option_of_letter(const struct vor_command *command, int letter)
+{
+    int i = 0;
+
+    while (i < VOR_OPTION_COUNT &&
+           !(options[i].letter == letter && vor_command_takes(command, (enum vor_option)i)))
+        i++;
+    return i;
+}
+
+/* Takes what getopt_long returned. */
+static vor_status take(struct reader *r, int got)
+{
+    int option = LONG_OPTION <= got && got < LONG_INPUT ? got - LONG_OPTION
+                                                        : option_of_letter(r->cli->command, got);
+
+    if (got == '?' || got == ':')
+        return refuse(r, got);
+    if (got == OPERAND)
+        return add_operand(r, optarg);
+    if (got >= LONG_PARAMETER)
+        return set_parameter(r, (enum vor_parameter)(got - LONG_PARAMETER), optarg);
+    if (got >= LONG_INPUT)
+        r->cli->input[got - LONG_INPUT] = optarg;
+    else if (option == VOR_OPTION_COUNT)
+        return set_parameter(r, VOR_PARAM_POINTS, optarg);
+    else
+        r->cli->option[option] = optarg != NULL ? optarg : "";
     return VOR_OK;
 }
 
 static vor_status read_words(struct reader *r)
 {
-    int only_operands = 0;
     vor_status status = VOR_OK;
+    int got;
 
-    for (r->at = 1; r->at < r->argc && status == VOR_OK; r->at++) {
-        const char *text = r->argv[r->at];
-
-        if (only_operands || text[0] != '-' || text[1] == '\0')
-            status = read_operand(r, text);
-        else if (strcmp(text, "--") == 0)
-            only_operands = 1;
-        else
-            status = text[1] == '-' ? read_long(r, text) : read_short(r, text);
-    }
+    make_menu(&r->menu, r->cli->command);
+    r->cli->operands = r->argv + 1;
+    optind = 0; /* glibc's word for a new command line */
+    while (status == VOR_OK &&
+           (got = getopt_long(r->argc, r->argv, r->menu.letters, r->menu.longs, NULL)) != -1)
+        status = take(r, got);
+    while (status == VOR_OK && optind < r->argc)
+        status = add_operand(r, r->argv[optind++]);
     return status;
 }
 
 static void read_environment(struct vor_cli *cli)
 {
     for (int i = 0; i < VOR_OPTION_COUNT; i++)
-        if (cli->option[i] == NULL && (options[i].commands & cli->command->does) != 0 &&
+        if (cli->option[i] == NULL && vor_command_takes(cli->command, (enum vor_option)i) &&
             options[i].variable[0] != '\0')
             cli->option[i] = getenv(options[i].variable);
     /* An empty URL is none, so that the variable can be overridden. */
@@ -221,14 +295,16 @@ static vor_status resolve_threads(struct vor_cli *cli, struct vor_error *err)
     threads = text != NULL ? strtoul(text, &end, 10) : 0;
     if (text != NULL &&
         (text[0] < '0' || text[0] > '9' || *end != '\0' || threads > VOR_THREADS_MAX))
-        return vor_fail_param(
-            err, VOR_E_PARAM, "threads", "threads is %s, want a whole number from 0 to %d",
-            vor_quote(quoted, sizeof quoted, text, strlen(text)), VOR_THREADS_MAX);
+        return vor_fail(err, VOR_E_PARAM, "threads is %s, want a whole number from 0 to %d",
+                        vor_quote(quoted, sizeof quoted, text, strlen(text)), VOR_THREADS_MAX);
     cli->threads = threads > 0 ? (unsigned)threads : vor_machine_cores();
     return VOR_OK;
 }
 
-/* A cloud needs a place to go to; a document is printed when it has none. */
+/* Checks. */
+
+/* A cloud needs a place to go to; a document is printed when it has none. Several results need a
+ * folder. */
 static vor_status resolve_output(struct vor_cli *cli, struct vor_error *err)
 {
     const struct vor_artefact_info *main_output = &cli->command->process->outputs[0];
@@ -238,7 +314,20 @@ static vor_status resolve_output(struct vor_cli *cli, struct vor_error *err)
         *output = "-";
     if (*output == NULL || (*output)[0] == '\0')
         return vor_fail(err, VOR_E_PARAM, "no output: give -o FILE, or -o - for stdout");
+    if (cli->operand_count > 1 && !vor_cli_into_folder(cli))
+        return vor_fail(err, VOR_E_PARAM,
+                        "%d inputs, and their results need a folder: give -o DIR/",
+                        cli->operand_count);
     return VOR_OK;
+}
+
+/* The input of that name that is an option; 0, the operand, when there is none. */
+static unsigned find_input(const struct vor_process_info *process, const char *name)
+{
+    for (unsigned i = 1; process->inputs[i].name != NULL; i++)
+        if (strcmp(name, process->inputs[i].name) == 0)
+            return i;
+    return 0;
 }
 
 /* A parameter or the process itself may need an input that is an option. */
@@ -253,25 +342,33 @@ static vor_status check_inputs(const struct vor_cli *cli, struct vor_error *err)
         inputs |= cli->input[i] != NULL ? 1u << i : 0;
     if (vor_spec_check_inputs(&cli->spec, inputs, &why) == VOR_OK)
         return VOR_OK;
-    needed = find_input(cli->command, why.parameter, strlen(why.parameter)) > 0
+    needed = find_input(process, why.parameter) > 0
                  ? why.parameter
                  : vor_parameter_needs(vor_parameter_find(why.parameter));
     return vor_fail_param(err, why.status, why.parameter, "%s: give --%s FILE too", why.message,
                           needed);
 }
 
-static vor_status check_files(const struct vor_cli *cli, struct vor_error *err)
+/* True when a daemon will do the work. */
+static int goes_away(const struct vor_cli *cli)
+{
+    return cli->option[VOR_OPTION_SERVER] != NULL ||
+           (cli->command->does & VOR_COMMAND_SUBMITS) != 0;
+}
+
+static vor_status check_files(struct vor_cli *cli, struct vor_error *err)
 {
     const struct vor_process_info *process = cli->command->process;
     int stdins = 0;
 
-    if (cli->input[0] == NULL)
+    if (cli->operand_count == 0)
         return vor_fail(err, VOR_E_PARAM, "no input: give a file, or - for stdin");
+    cli->input[0] = cli->operands[0];
     for (unsigned i = 0; process->inputs[i].name != NULL; i++) {
         if (cli->input[i] == NULL)
             continue;
         stdins += strcmp(cli->input[i], "-") == 0;
-        if (i > 0 && cli->option[VOR_OPTION_SERVER] != NULL)
+        if (i > 0 && goes_away(cli))
             return vor_fail(err, VOR_E_PARAM,
                             "--%s does not go with --server: a request carries one cloud",
                             process->inputs[i].name);
@@ -283,24 +380,55 @@ static vor_status check_files(const struct vor_cli *cli, struct vor_error *err)
     return VOR_OK;
 }
 
-static vor_status check(struct vor_cli *cli, struct vor_error *err)
+static vor_status check_process(struct vor_cli *cli, struct vor_error *err)
 {
-    vor_status status;
+    vor_status status = check_files(cli, err);
 
-    if (cli->command->process == NULL)
-        return VOR_OK;
-    status = check_files(cli, err);
-    if (status == VOR_OK)
+    if (status == VOR_OK && (cli->command->does & VOR_COMMAND_RUNS) != 0)
         status = resolve_output(cli, err);
     if (status == VOR_OK)
         status = vor_spec_complete(&cli->spec, err);
     return status == VOR_OK ? check_inputs(cli, err) : status;
 }
 
+/* Where fetched results go: several jobs need a folder. */
+static vor_status check_into(struct vor_cli *cli, struct vor_error *err)
+{
+    const char **into = &cli->option[VOR_OPTION_INTO];
+
+    if (*into == NULL)
+        *into = "./";
+    if ((*into)[0] == '\0')
+        return vor_fail(err, VOR_E_PARAM, "no output: give -o FILE, -o DIR/, or -o - for stdout");
+    if (cli->operand_count > 1 && !vor_cli_into_folder(cli))
+        return vor_fail(err, VOR_E_PARAM, "%d jobs, and their results need a folder: give -o DIR/",
+                        cli->operand_count);
+    return VOR_OK;
+}
+
+/* IDs become part of URLs and of file names. */
+static vor_status check_jobs(const struct vor_cli *cli, struct vor_error *err)
+{
+    char quoted[SHOWN_SIZE];
+    struct vor_uuid id;
+
+    if (cli->operand_count < cli->command->least)
+        return vor_fail(err, VOR_E_PARAM, "no job: give its ID; see voronoid jobs");
+    for (int i = 0; i < cli->operand_count; i++) {
+        const char *text = cli->operands[i];
+
+        if (!vor_uuid_parse(&id, text, strlen(text)))
+            return vor_fail(err, VOR_E_PARAM,
+                            "%s is no job, want an ID such as 0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11",
+                            vor_quote(quoted, sizeof quoted, text, strlen(text)));
+    }
+    return VOR_OK;
+}
+
 vor_status vor_cli_read(struct vor_cli *out, const struct vor_command *command, int argc,
                         char **argv, struct vor_error *err)
 {
-    struct reader r = {out, argv, argc, 0, err};
+    struct reader r = {.cli = out, .argv = argv, .argc = argc, .err = err};
     vor_status status;
 
     memset(out, 0, sizeof *out);
@@ -313,5 +441,11 @@ vor_status vor_cli_read(struct vor_cli *out, const struct vor_command *command, 
     read_environment(out);
     if (status == VOR_OK)
         status = resolve_threads(out, err);
-    return status == VOR_OK ? check(out, err) : status;
+    if (status == VOR_OK && command->process != NULL)
+        status = check_process(out, err);
+    if (status == VOR_OK && (command->does & VOR_COMMAND_JOBS) != 0)
+        status = check_jobs(out, err);
+    if (status == VOR_OK && (command->does & VOR_COMMAND_FETCHES) != 0)
+        status = check_into(out, err);
+    return status;
 }

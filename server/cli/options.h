@@ -1,34 +1,53 @@
-/** What stands on the command line of a command: its inputs, its options and the parameters of its
- *  process, read by the tables. */
+/** What stands on the command line of a command: its operands, its options and the parameters of
+ *  its process, read by the tables with getopt_long. */
 #ifndef VOR_CLI_OPTIONS_H
 #define VOR_CLI_OPTIONS_H
 
 #include "core/base/status.h"
 #include "core/spec.h"
 
-/** What a command does, as far as its options follow from it. */
+/** What a command does, as far as its options and operands follow from it. */
 enum {
-    VOR_COMMAND_RUNS = 1,   /**< runs a process */
-    VOR_COMMAND_REMOTE = 2, /**< that a daemon can run too */
-    VOR_COMMAND_ASKS = 4    /**< asks a daemon something */
+    VOR_COMMAND_RUNS = 1,    /**< runs a process on files and writes what comes of it */
+    VOR_COMMAND_REMOTE = 2,  /**< that a daemon can run too */
+    VOR_COMMAND_ASKS = 4,    /**< asks a daemon something */
+    VOR_COMMAND_SUBMITS = 8, /**< hands files to a daemon */
+    VOR_COMMAND_JOBS = 16,   /**< its operands are jobs */
+    VOR_COMMAND_LISTS = 32,  /**< lists jobs */
+    VOR_COMMAND_FETCHES = 64 /**< writes results of jobs */
 };
+
+#define VOR_COMMAND_TELLS (VOR_COMMAND_RUNS | VOR_COMMAND_SUBMITS | VOR_COMMAND_JOBS)
 
 /** Options besides inputs and parameters: identifier, name, letter (0: none), what follows ("" for
  *  nothing), environment variable, commands that take it (any of what they do), sentence. An option
- *  wins over its variable. */
+ *  wins over its variable. No command takes two of the same name or letter. */
 #define VOR_OPTION_TABLE(X)                                                                        \
     X(OUTPUT, "output", 'o', "OUT", "", VOR_COMMAND_RUNS,                                          \
-      "Where the result goes; - is stdout, and the default of a document")                         \
+      "Where the result goes; DIR/ is a folder, for results that have their inputs' names; - is "  \
+      "stdout, and the default of a document")                                                     \
+    X(INTO, "output", 'o', "OUT", "", VOR_COMMAND_FETCHES,                                         \
+      "Where it goes: one result into a file or, for -, to stdout; all of any number of jobs "     \
+      "into DIR/, as JOB-RESULT.SUFFIX; else into ./")                                             \
+    X(RESULT, "result", 0, "NAME", "", VOR_COMMAND_FETCHES,                                        \
+      "The result to fetch, such as cloud or report; else the main one into a file, all into a "   \
+      "folder")                                                                                    \
+    X(LIMIT, "limit", 0, "N", "", VOR_COMMAND_LISTS, "Most jobs to list, 1 to 10000, default 20")  \
+    X(STATUS, "status", 0, "LIST", "", VOR_COMMAND_LISTS,                                          \
+      "Only jobs of these, with commas between: accepted, running, successful, failed, dismissed") \
     X(SERVER, "server", 0, "URL", "VORONOID_SERVER", VOR_COMMAND_REMOTE | VOR_COMMAND_ASKS,        \
-      "The daemon that does the work (else it is done here) or is asked (health)")                 \
-    X(NAME, "name", 0, "TEXT", "", VOR_COMMAND_REMOTE,                                             \
+      "The daemon that does the work (else it is done here) or is asked (else the one that "       \
+      "VORONOID_LISTEN names, or http://127.0.0.1:8080)")                                          \
+    X(NAME, "name", 0, "TEXT", "", VOR_COMMAND_REMOTE | VOR_COMMAND_SUBMITS,                       \
       "What the job is called in the daemon's lists, with --server")                               \
     X(THREADS, "threads", 0, "N", "VORONOID_THREADS", VOR_COMMAND_RUNS,                            \
       "Threads, 0 to 256, when the work is done here; 0, the default, is one for each core")       \
-    X(JSON, "json", 0, "", "", VOR_COMMAND_RUNS,                                                   \
-      "One JSON object a line on stdout (on stderr when the result goes there): records, then "    \
-      "the report; of inspect, its document instead of lines")                                     \
-    X(QUIET, "quiet", 'q', "", "", VOR_COMMAND_RUNS, "No progress and no summary")                 \
+    X(JSON, "json", 0, "", "", VOR_COMMAND_TELLS,                                                  \
+      "One JSON object a line on stdout (on stderr when the result goes there): a job, a file, "   \
+      "or "                                                                                        \
+      "records, then the report; of inspect, its document instead of lines")                       \
+    X(QUIET, "quiet", 'q', "", "", VOR_COMMAND_TELLS,                                              \
+      "No progress and no summary; of jobs, IDs alone")                                            \
     X(HELP, "help", 'h', "", "", ~0u, "Print this")
 
 enum vor_option {
@@ -49,31 +68,44 @@ const struct vor_option_info *vor_option_info(enum vor_option option);
 
 struct vor_cli;
 
-/** A command. One that runs a process has its id for a name: its first input is the operand, each
- *  further one an option --INPUT FILE, its parameters are options. */
+/** A command. One that runs or submits a process takes files for operands, the process's first
+ *  input; each further input is an option --INPUT FILE, its parameters are options. */
 struct vor_command {
     const char *name, *title, *sentence;
     unsigned does;                          /**< VOR_COMMAND_... */
-    const struct vor_process_info *process; /**< NULL when it runs none */
+    const char *operands;                   /**< as the help shows them: " IN..."; "" for none */
+    int least, most;                        /**< operands */
+    const struct vor_process_info *process; /**< NULL when it has none */
     int (*run)(const struct vor_cli *cli);  /**< returns an exit code */
 };
+
+/** True when the command takes the option. */
+int vor_command_takes(const struct vor_command *command, enum vor_option option);
 
 /** A command with its options. Strings are argv's or the environment's. */
 struct vor_cli {
     const struct vor_command *command;
-    const char *input[VOR_INPUTS_MAX]; /**< files, in the order of the process's inputs, or NULL */
+    char **operands; /**< argv's, moved to its front */
+    int operand_count;
+    const char *input[VOR_INPUTS_MAX];    /**< files, in the order of the process's inputs, or NULL;
+                                               the first is the first operand */
     const char *option[VOR_OPTION_COUNT]; /**< text, "" for a flag that is there, or NULL */
     unsigned threads;                     /**< resolved: 1 .. VOR_THREADS_MAX */
     struct vor_spec spec;                 /**< of a process; checked, with its inputs */
     int given[VOR_PARAMETER_COUNT];       /**< the parameters of spec that were named */
 };
 
-/** Reads argv[1 .. argc - 1] and the environment; argv[0] is the command's name.
+/** Reads argv[1 .. argc - 1] and the environment; argv[0] is the command's name. Moves operands to
+ *  the front of argv. An unambiguous beginning of a long name stands for it. One thread at a time:
+ *  getopt_long has globals.
  *
- *  @retval VOR_E_PARAM unknown option, value missing or wrong, input missing, output missing; *out
- *                      is then unset but for option[VOR_OPTION_HELP]. With --help nothing else is
- *                      asked for. */
+ *  @retval VOR_E_PARAM unknown or ambiguous option, value missing or wrong, input missing, output
+ *                      missing, too few or too many operands; *out is then unset but for
+ *                      option[VOR_OPTION_HELP]. With --help nothing else is asked for. */
 VOR_NODISCARD vor_status vor_cli_read(struct vor_cli *out, const struct vor_command *command,
                                       int argc, char **argv, struct vor_error *err);
+
+/** True when the results go into a folder: the output's name ends with a slash. */
+int vor_cli_into_folder(const struct vor_cli *cli);
 
 #endif

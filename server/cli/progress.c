@@ -17,7 +17,8 @@
 
 void vor_progress_start(struct vor_progress *progress, const struct vor_cli *cli)
 {
-    int to_stdout = strcmp(cli->option[VOR_OPTION_OUTPUT], "-") == 0;
+    const char *output = cli->option[VOR_OPTION_OUTPUT];
+    int to_stdout = output != NULL && strcmp(output, "-") == 0;
     int quiet = cli->option[VOR_OPTION_QUIET] != NULL;
     struct winsize window;
 
@@ -205,7 +206,8 @@ static void summarise(const struct vor_progress *progress, const struct vor_json
                    number_at(vor_json_get(report, "points"), "out"), number_at(report, "delta"),
                    vor_report_steps(&told, steps, sizeof steps), stopped != NULL ? stopped : "?",
                    sum);
-    vor_cli_say(progress->cli->option[VOR_OPTION_OUTPUT], line);
+    vor_cli_say(progress->name != NULL ? progress->name : progress->cli->option[VOR_OPTION_OUTPUT],
+                line);
     say_origin(progress, report);
 }
 

@@ -12,8 +12,9 @@
 
 struct vor_progress {
     const struct vor_cli *cli;
-    FILE *lines; /**< NDJSON; NULL for none */
-    FILE *bar;   /**< stderr when it is a terminal; NULL for none */
+    const char *name; /**< whose summary it is; NULL for the output */
+    FILE *lines;      /**< NDJSON; NULL for none */
+    FILE *bar;        /**< stderr when it is a terminal; NULL for none */
     int columns;
     double drawn_at;      /**< seconds of vor_clock; a bar is drawn ten times a second at most */
     struct vor_pace pace; /**< what the time left is reckoned from */

@@ -64,11 +64,16 @@ int vor_cli_exit_code(int http, const char *type)
     }
 }
 
+int vor_cli_interrupted(void)
+{
+    return vor_interrupt_seen() == SIGINT ? VOR_EXIT_INTERRUPTED : VOR_EXIT_CANCELLED;
+}
+
 int vor_cli_fail(const char *subject, const struct vor_error *err)
 {
     if (err->status == VOR_E_CANCELLED) {
         vor_cli_say(subject, vor_interrupt_seen() ? "cancelled" : err->message);
-        return vor_interrupt_seen() == SIGINT ? VOR_EXIT_INTERRUPTED : VOR_EXIT_CANCELLED;
+        return vor_cli_interrupted();
     }
     vor_cli_say(subject, err->message);
     return vor_cli_exit_code(vor_status_http(err->status), vor_status_slug(err->status));

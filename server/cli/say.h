@@ -4,15 +4,22 @@
 
 #include "core/base/status.h"
 
-/** Exit codes. */
+/** Exit codes: identifier, number, what it means for a command, what it means for serve ("": it
+ * does not end like that). --help and the manual print this table. */
+#define VOR_EXIT_TABLE(X)                                                                          \
+    X(OK, 0, "all is well", "it was told to end, and did")                                         \
+    X(FAILED, 1, "failed", "it cannot listen, or failed")                                          \
+    X(USAGE, 2, "a command, an option or a parameter is wrong", "a setting is wrong")              \
+    X(REJECTED, 3, "an input is rejected", "")                                                     \
+    X(CANCELLED, 4, "cancelled by somebody else, or by SIGTERM", "")                               \
+    X(UNREACHABLE, 5, "the server is not there, or busy", "")                                      \
+    X(IN_USE, 75, "", "another daemon has the store")                                              \
+    X(INTERRUPTED, 130, "cancelled by ^C", "")
+
 enum {
-    VOR_EXIT_OK = 0,
-    VOR_EXIT_FAILED = 1,
-    VOR_EXIT_USAGE = 2,        /**< a command, an option or a parameter is wrong */
-    VOR_EXIT_REJECTED = 3,     /**< the cloud is */
-    VOR_EXIT_CANCELLED = 4,    /**< by somebody else, or a signal but ^C */
-    VOR_EXIT_UNREACHABLE = 5,  /**< the server is not there, or busy */
-    VOR_EXIT_INTERRUPTED = 130 /**< by ^C */
+#define VOR_EXIT_ENUM(id, code, command, serve) VOR_EXIT_##id = (code),
+    VOR_EXIT_TABLE(VOR_EXIT_ENUM)
+#undef VOR_EXIT_ENUM
 };
 
 /** Prints "voronoid: subject: message" on stderr, in one line whatever they hold; subject may be
@@ -21,6 +28,9 @@ void vor_cli_say(const char *subject, const char *message);
 
 /** Says err and returns its exit code. */
 int vor_cli_fail(const char *subject, const struct vor_error *err);
+
+/** Exit code of a command that a signal has cancelled (server/cli/interrupt.h). */
+int vor_cli_interrupted(void);
 
 /** Exit code of an HTTP status; type is the problem's (NULL or "" when not known). */
 int vor_cli_exit_code(int http, const char *type);

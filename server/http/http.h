@@ -83,7 +83,7 @@ struct vor_http_options {
 
 /** Binds and listens; nobody is answered yet.
  *
- *  @retval VOR_E_PARAM the address cannot be bound (message: address and reason)
+ *  @retval VOR_E_IO    cannot listen on the address (message: address and reason)
  *  @retval VOR_E_NOMEM threads or memory are short */
 VOR_NODISCARD vor_status vor_http_open(struct vor_http **out,
                                        const struct vor_http_options *options,

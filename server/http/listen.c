@@ -46,15 +46,15 @@ static vor_status open_socket(int *out, const struct vor_http_options *options,
     (void)snprintf(port, sizeof port, "%u", options->port);
     failed = getaddrinfo(options->host, port, &hints, &list);
     if (failed != 0)
-        return vor_fail_param(err, VOR_E_PARAM, "listen", "no address %.80s: %s", options->host,
-                              gai_strerror(failed));
+        return vor_fail(err, VOR_E_IO, "cannot listen on %.80s: %s", options->host,
+                        gai_strerror(failed));
     for (const struct addrinfo *at = list; at != NULL && fd < 0; at = at->ai_next)
         fd = open_listener(at);
     failed = errno;
     freeaddrinfo(list);
     if (fd < 0)
-        return vor_fail_param(err, VOR_E_PARAM, "listen", "cannot listen on %.80s port %u: %s",
-                              options->host, options->port, strerror(failed));
+        return vor_fail(err, VOR_E_IO, "cannot listen on %.80s port %u: %s", options->host,
+                        options->port, strerror(failed));
     *out = fd;
     return VOR_OK;
 }

@@ -25,14 +25,16 @@ sub refused {
 
 my ($code, $help, $errors) = run(['--help']);
 is "$code$errors", '0', 'voronoid --help ends well';
-like $help, qr/^  \Q$_\E +\S/m, "the overview names $_" for qw(serve resample denoise upsample simplify measure inspect health);
+like $help, qr/^  \Q$_\E +\S/m, "the overview names $_" for qw(serve resample denoise upsample simplify measure inspect submit jobs wait fetch cancel health);
+like $help, qr/^  +$_  \S/m, "and the exit code $_" for 0 .. 5, 75, 130;
 
-for my $command (qw(resample denoise upsample simplify measure inspect health)) {
+for my $command (qw(resample denoise upsample simplify measure inspect submit jobs wait fetch cancel health)) {
     ($code, $help, $errors) = run([$command, '--help']);
     is "$code$errors", '0', "voronoid $command --help ends well";
     like $help, qr/^usage: voronoid $command/, "it is the help of $command";
     my (undef, $same) = run(['help', $command]);
     is $same, $help, "voronoid help $command is the same";
+    like $help, qr/^  +$_  \S/m, "it has the exit code $_" for 0 .. 5, 130;
 }
 my %options;
 for my $command (qw(denoise upsample simplify resample)) {
@@ -55,7 +57,7 @@ for my $case (
     is $said, $values, "the help of $command shows range and default of $name";
 }
 my (undef, $of_measure) = run(['measure', '--help']);
-like $of_measure, qr/^usage: voronoid measure IN /, 'the help of measure names its operand';
+like $of_measure, qr/^usage: voronoid measure IN\.\.\. /, 'the help of measure names its operand';
 like $of_measure, qr/^      --reference FILE\n/m, 'and its other input';
 like $of_measure, qr/^      --peak VALUE\n[^\n]+\n      1e-30 to 1e\+30 unit of the cloud \| auto, default auto\n/m, 'and its parameter';
 unlike $of_measure, qr/--(?:points|server|seed|format)\b/, 'and nothing that it does not take';
@@ -72,10 +74,17 @@ refused 'an unknown command', ['resampel'], 2, 'resampel: no such command; see v
 refused 'help of an unknown command', ['help', 'x'], 2, 'x: no such command; see voronoid --help';
 refused 'an unknown option', ['resample', $in, @points, '-o', $out, '--pionts', 3], 2,
     'resample: no option --pionts; see voronoid resample --help';
-refused 'an unknown option with a value', ['resample', '--no=1'], 2,
-    'resample: no option --no; see voronoid resample --help';
+refused 'an unknown option with a value', ['resample', '--nope=1'], 2,
+    'resample: no option --nope; see voronoid resample --help';
 refused 'an unknown letter', ['resample', '-x'], 2,
     'resample: no option -x; see voronoid resample --help';
+refused 'a letter that is not ASCII', ['resample', "-\xe9"], 2,
+    'resample: no option -\\xe9; see voronoid resample --help';
+refused 'a name cut too short', ['resample', $in, @points, '-o', $out, '--po', 3], 2, 'resample: --po may be --points or --polish';
+refused 'a name cut too short for both tables', ['resample', '--se=1'], 2, 'resample: --se may be --server or --seconds or --seed';
+refused 'a name cut to nothing', ['resample', '--=1'], 2, 'resample: no option --; see voronoid resample --help';
+refused 'a name cut short of a wrong value', ['resample', $in, @points, '-o', $out, '--bound=open'], 2,
+    'resample: boundary is "open", want one of keep, free';
 refused 'an option of another command', ['measure', $in, '--server', 'http://127.0.0.1:1'], 2,
     'measure: no option --server; see voronoid measure --help';
 refused 'an input of another command', ['resample', $in, @points, '-o', $out, '--reference', $in], 2,
@@ -91,21 +100,24 @@ refused 'a parameter of measure', ['denoise', $in, '-o', $out, '--peak=1'], 2,
     . 'quantization, compression, origin, '
     . 'attributes, normals';
 refused 'an option with a newline', ['resample', "--a\nb"], 2,
-    'resample: no option --a\\x5cx0ab; see voronoid resample --help';
+    'resample: no option --a\\x0ab; see voronoid resample --help';
 my $bare = spew("$folder/zero.ply", "ply\nformat ascii 1.0\nelement vertex 5\n" . join('', map { "property float $_\n" } qw(x y z nx ny nz))
     . "end_header\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 0\n1 1 0 0 0 1\n2 1 0 0 nan 1\n");
 refused 'normals that cannot be used', ['resample', $bare, '-n', 5, '-o', $out, '--inputNormals', 'use'], 3,
     "$bare: inputNormals is use, but 2 of 5 normals are zero or not finite, the first at point 2";
 unlink $bare;
 refused 'no value', ['resample', $in, '-o', $out, '-n'], 2, 'resample: -n needs a value';
+refused 'no value behind other letters', ['resample', $in, '-o', $out, '-qn'], 2, 'resample: -n needs a value';
 refused 'no value of a long option', ['resample', $in, '-o', $out, '--seed'], 2,
     'resample: --seed needs a value';
 refused 'a value for a flag', ['resample', $in, @points, '-o', $out, '--json=1'], 2,
     'resample: --json takes no value';
 refused 'no input', ['resample', @points, '-o', $out], 2,
     'resample: no input: give a file, or - for stdin';
-refused 'two inputs', ['resample', $in, $in, @points, '-o', $out], 2,
-    "resample: one operand too many: $in";
+refused 'two inputs and one file', ['resample', $in, $in, @points, '-o', $out], 2,
+    'resample: 2 inputs, and their results need a folder: give -o DIR/';
+refused 'two inputs and stdout', ['inspect', $in, $in], 2,
+    'inspect: 2 inputs, and their results need a folder: give -o DIR/';
 refused 'an operand too many', ['health', 'x'], 2, 'health: one operand too many: x';
 refused 'no output', ['resample', $in, @points], 2,
     'resample: no output: give -o FILE, or -o - for stdout';
@@ -131,6 +143,14 @@ refused 'a negative number of points', ['resample', $in, '-o', $out, '-n', '-5']
     'resample: points is -5, want a whole number from 1 to 10000000';
 refused 'half a point', ['resample', $in, '-o', $out, '-n1.5'], 2,
     'resample: points is 1.5, want a whole number from 1 to 10000000';
+refused 'half a point in thousands', ['resample', $in, '-o', $out, '-n', '1.2345k'], 2,
+    'resample: points is 1.2345k, which is 1234.5, want a whole number from 1 to 10000000';
+refused 'more millions than there may be', ['resample', $in, '-o', $out, '--points=10.000001M'], 2,
+    'resample: points is 10.000001M, which is 10000001, want a whole number from 1 to 10000000';
+refused 'a K of the settings', ['resample', $in, '-o', $out, '-n10K'], 2,
+    'resample: points is 10K, want a whole number from 1 to 10000000';
+refused 'thousands of what is no count', ['resample', $in, '-o', $out, '--ratio=0.001k'], 2,
+    'resample: ratio is 0.001k, want a number from 1e-06 to 16';
 refused 'a hexadecimal number', ['resample', $in, '-o', $out, '--points=0x10'], 2,
     'resample: points is 0x10, want a whole number from 1 to 10000000';
 refused 'an empty value', ['resample', $in, '-o', $out, '--points='], 2,
@@ -164,6 +184,25 @@ refused 'a folder to write into that is not there',
     "$folder/no/out.ply: cannot be written: No such file or directory";
 refused 'a folder as output', ['resample', $in, @points, '-o', $folder], 1,
     "$folder: cannot be written: Is a directory";
+
+# getopt_long's ways of writing options.
+my $plain = do { run(['resample', $in, @points, '--seed', 7, '-q', '-o', $out]); slurp($out) };
+for my $case (
+    ['a value behind a letter', "-n10", '--seed=7', '-qo', $out, $in], ['a value behind letters', '-qn10', "-o$out", '--seed', 7, $in],
+    ['names cut short', '--point', 10, '--see=7', '--qui', '--outp', $out, $in],
+    ['operands last', '-q', '-n', 10, '--seed', 7, '-o', $out, '--', $in],
+    ['thousands', '-n', '0.01k', '--seed', '0.007k', '-q', '-o', $out, $in], ['millions', '-n.00001M', '--seed=7', '-q', '-o', $out, $in],
+) {
+    my ($name, @words) = @$case;
+    unlink $out;
+    my ($got, $stdout, $stderr) = run(['resample', @words], env => { POSIXLY_CORRECT => 1 });
+    is "$got|$stdout|$stderr", '0||', "$name: all is well";
+    ok slurp($out) eq $plain, "$name: the same bytes";
+}
+spew("$folder/-n.ply", slurp($in));
+is((run(['resample', '--', "$folder/../" . ($folder =~ m{([^/]+)\z})[0] . '/-n.ply', '-n', 10, '-o', $out]))[0], 2,
+    'behind -- options are operands');
+unlink $out, "$folder/-n.ply";
 
 my ($subject, $message);
 for my $case (

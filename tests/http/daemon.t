@@ -31,6 +31,8 @@ for my $case (
     [['--cors-origin', '*'], qr/--cors-origin holds "\*", want a list of origins/],
     [['--cors-origin', 'https://a.example, https://b.example/'], qr{holds "https://b\.example/"}],
     [['--cors-origin', 'a.example'], qr/holds "a\.example"/],
+    [['--he=1'], qr/--he=1 may be --header-timeout or --heartbeat/], [['-x'], qr/-x is no setting/],
+    [['--que=0'], qr/--queue is "0"/], [['--', '--jobs=1'], qr/--jobs=1 is/],
     [['--colour', 'red'], qr/no setting --colour/], [['red'], qr/red is no setting/],
 ) {
     my ($arguments, $message) = @$case;
@@ -55,7 +57,7 @@ like $printed, qr{^POST /v1/resample 200 }m, '--print-routes prints the routes';
 
 my ($helped, undef, $help) = Vt::run('--help');
 is $helped, 0, '--help is no mistake';
-for my $entry (split /^  (?=--)/m, $help =~ s/\A.*?^Settings:\n//msr =~ s/^A flag wins.*//mr) {
+for my $entry (split /^  (?=--)/m, $help =~ s/\A.*?^Settings:\n//msr =~ s/^A flag wins.*//msr) {
     my ($flag) = $entry =~ /\A(--[a-z-]+)/ or next;
     like $entry, qr/\A--[a-z-]+(?: [A-Z]+(?::[A-Z]+)?| (?:sqlite|dir):PATH)?\n/, "$flag: its value has a name";
     my $variable = 'VORONOID_' . uc(substr $flag, 2) =~ tr/-/_/r;
@@ -97,7 +99,7 @@ is $daemon->stop('KILL'), 'signal 9', 'a daemon is killed while a job runs';
 {
     my $other = Vt->start;
     ($status, $text) = Vt::run('--listen', $other->{address}, '--data', "$daemon->{dir}/data");
-    is $status, 2, 'a daemon whose address is taken ends with 2';
+    is $status, 1, 'a daemon whose address is taken ends with 1';
     like $text, qr/cannot listen on 127\.0\.0\.1 port $other->{port}/, 'and names it';
     unlike $text, qr/"job started"/, 'and starts no job';
     is $other->stop, 0, 'the one that has the address does not mind';

@@ -58,6 +58,13 @@ subtest 'help comes of the tables' => sub {
     my (undef, $excerpt) = run(['excerpt', '--help']);
     like $excerpt, qr/--method VALUE\n[^\n]+\n      toy, default toy$/m, 'excerpt has no other';
     unlike $excerpt, qr/--polish\b/, 'nor its parameters';
+    my (undef, $manual) = run(['--man', 1]);
+    like $manual, qr/^\.TP\n\\fBexcerpt\\fR$/m, 'the manual has a process that no file of the product knows';
+    like $manual, qr/^\.TP\n\\fB\\-\\-parts\\fR \\fIVALUE\\fR$/m, 'and its parameters';
+    for my $shell (qw(bash zsh)) {
+        my (undef, $completion) = run(['--completion', $shell]);
+        like $completion, qr/\boverlap\b.*--other\b/s, "so has the completion for $shell";
+    }
 };
 
 subtest 'the method copies points of the input' => sub {

@@ -1,0 +1,217 @@
+#include "server/cli/batch.h"
+
+#include "proto/codec.h"
+#include "proto/json/json.h"
+#include "server/cli/files.h"
+#include "server/cli/interrupt.h"
+#include "server/cli/say.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A result and the input that it is of. */
+struct result {
+    const char *input;
+    char *output;
+};
+
+/* Calls one for each operand until a signal comes; the first exit code of a failure. */
+static int each(const struct vor_cli *cli, int (*one)(const void *ctx, int index), const void *ctx)
+{
+    int failed = 0, done = 0, first = VOR_EXIT_OK;
+    char line[64];
+
+    for (; done < cli->operand_count && !vor_interrupt_seen(); done++) {
+        int code = one(ctx, done);
+
+        failed += code != VOR_EXIT_OK;
+        if (first == VOR_EXIT_OK)
+            first = code;
+    }
+    if (vor_interrupt_seen() && (failed > 0 || done < cli->operand_count))
+        return vor_cli_interrupted();
+    if (failed > 0 && cli->operand_count > 1) {
+        (void)snprintf(line, sizeof line, "%d of %d failed", failed, cli->operand_count);
+        vor_cli_say(cli->command->name, line);
+    }
+    return first;
+}
+
+struct operands {
+    const struct vor_cli *cli;
+    int (*one)(const struct vor_cli *cli, const char *operand);
+};
+
+static int call_one(const void *ctx, int index)
+{
+    const struct operands *operands = ctx;
+
+    return operands->one(operands->cli, operands->cli->operands[index]);
+}
+
+int vor_cli_each(const struct vor_cli *cli,
+                 int (*one)(const struct vor_cli *cli, const char *operand))
+{
+    const struct operands operands = {cli, one};
+
+    return each(cli, call_one, &operands);
+}
+
+/* The suffix that replaces the input's; NULL where the result keeps its name whole. */
+static const char *new_suffix(const struct vor_cli *cli)
+{
+    if (cli->spec.process->outputs[0].kind == VOR_ARTEFACT_DOCUMENT)
+        return ".json";
+    if (vor_process_takes(cli->spec.process, VOR_PARAM_FORMAT) &&
+        vor_spec_given(&cli->spec, VOR_PARAM_FORMAT))
+        return vor_format((unsigned)cli->spec.value[VOR_PARAM_FORMAT])->suffix;
+    return NULL;
+}
+
+static const char *base_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+
+    return slash != NULL ? slash + 1 : path;
+}
+
+/* FOLDER/BASE with the suffix in the place of that of a format; NULL without memory. */
+static char *name_output(const char *folder, const char *base, const char *suffix)
+{
+    const struct vor_format *format = vor_format_by_suffix(base);
+    size_t stem = strlen(base), size;
+    char *name;
+
+    if (suffix != NULL && format != NULL)
+        stem -= strlen(format->suffix);
+    size = strlen(folder) + stem + (suffix != NULL ? strlen(suffix) : 0) + 1;
+    name = malloc(size);
+    if (name != NULL)
+        (void)snprintf(name, size, "%s%.*s%s", folder, (int)stem, base,
+                       suffix != NULL ? suffix : "");
+    return name;
+}
+
+static vor_status name_results(struct result *results, const struct vor_cli *cli,
+                               struct vor_error *err)
+{
+    const char *suffix = new_suffix(cli);
+
+    for (int i = 0; i < cli->operand_count; i++) {
+        const char *input = cli->operands[i], *base = base_of(input);
+
+        if (strcmp(input, "-") == 0 || base[0] == '\0')
+            return vor_fail(err, VOR_E_PARAM, "%s has no name for a result in %s",
+                            input[0] != '\0' ? input : "an empty input",
+                            cli->option[VOR_OPTION_OUTPUT]);
+        results[i].input = input;
+        results[i].output = name_output(cli->option[VOR_OPTION_OUTPUT], base, suffix);
+        if (results[i].output == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "the names of %d results", cli->operand_count);
+    }
+    return VOR_OK;
+}
+
+static int by_output(const void *a, const void *b)
+{
+    const struct result *left = a, *right = b;
+
+    return strcmp(left->output, right->output);
+}
+
+/* Two inputs of one name would leave one result. */
+static vor_status check_names(const struct result *results, int count, struct vor_error *err)
+{
+    vor_status status = VOR_OK;
+    struct result *sorted;
+
+    assert(count > 0);
+    sorted = calloc((size_t)count, sizeof *sorted);
+    if (sorted == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the names of %d results", count);
+    memcpy(sorted, results, (size_t)count * sizeof *sorted);
+    qsort(sorted, (size_t)count, sizeof *sorted, by_output);
+    for (int i = 1; i < count && status == VOR_OK; i++)
+        if (by_output(&sorted[i - 1], &sorted[i]) == 0)
+            status =
+                vor_fail(err, VOR_E_PARAM, "the results of %.300s and %.300s would both be %.300s",
+                         sorted[i - 1].input, sorted[i].input, sorted[i].output);
+    free(sorted);
+    return status;
+}
+
+/* Says whose lines follow. */
+static void print_names(const struct result *result)
+{
+    struct vor_text text;
+
+    vor_text_init(&text, 0);
+    vor_json_begin_object(&text);
+    vor_json_put_string(&text, "input", result->input);
+    vor_json_put_string(&text, "output", result->output);
+    vor_json_end_object(&text);
+    if (!text.failed)
+        (void)puts(text.data);
+    (void)fflush(stdout);
+    vor_text_free(&text);
+}
+
+/* What a batch is about. */
+struct batch {
+    const struct vor_cli *cli;
+    struct result *results; /* one for each operand */
+    int (*run)(const struct vor_cli *cli);
+};
+
+/* A process without a report has no summary: its results get one here. */
+static int run_one(const void *ctx, int index)
+{
+    const struct batch *batch = ctx;
+    const struct result *result = &batch->results[index];
+    struct vor_cli one = *batch->cli;
+    int is_quiet = one.option[VOR_OPTION_QUIET] != NULL || one.option[VOR_OPTION_JSON] != NULL ||
+                   vor_artefact_find(one.spec.process->outputs, "report") != NULL;
+    int code;
+
+    one.operand_count = 1;
+    one.input[0] = result->input;
+    one.option[VOR_OPTION_OUTPUT] = result->output;
+    if (one.option[VOR_OPTION_JSON] != NULL)
+        print_names(result);
+    code = batch->run(&one);
+    if (code == VOR_EXIT_OK && !is_quiet)
+        vor_cli_say(result->output, "written");
+    return code;
+}
+
+static int run_all(const struct batch *batch)
+{
+    const struct vor_cli *cli = batch->cli;
+    struct vor_error err;
+    vor_status status = name_results(batch->results, cli, &err);
+
+    if (status == VOR_OK)
+        status = check_names(batch->results, cli->operand_count, &err);
+    if (status == VOR_OK)
+        status = vor_folder_make(cli->option[VOR_OPTION_OUTPUT], &err);
+    return status == VOR_OK ? each(cli, run_one, batch) : vor_cli_fail(cli->command->name, &err);
+}
+
+int vor_cli_batch(const struct vor_cli *cli, int (*run)(const struct vor_cli *cli))
+{
+    struct batch batch = {cli, calloc((size_t)cli->operand_count, sizeof *batch.results), run};
+    struct vor_error err;
+    int code;
+
+    if (batch.results == NULL) {
+        (void)vor_fail(&err, VOR_E_NOMEM, "%d results", cli->operand_count);
+        return vor_cli_fail(cli->command->name, &err);
+    }
+    code = run_all(&batch);
+    for (int i = 0; i < cli->operand_count; i++)
+        free(batch.results[i].output);
+    free(batch.results);
+    return code;
+}

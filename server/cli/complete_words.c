@@ -1,0 +1,151 @@
+#include "server/cli/complete_words.h"
+
+#include "server/base/config.h"
+#include "server/store/row.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static void add_word(char out[VOR_VALUE_WORDS_SIZE], const char *word, size_t length)
+{
+    size_t at = strlen(out);
+
+    (void)snprintf(out + at, VOR_VALUE_WORDS_SIZE - at, "%s%.*s", at > 0 ? " " : "", (int)length,
+                   word);
+}
+
+/* The words that a parameter takes: its choices, the beginnings of names, auto, none, true, false.
+ */
+static void add_words(char out[VOR_VALUE_WORDS_SIZE], const struct vor_parameter_info *info)
+{
+    const char *word;
+    size_t length;
+
+    for (unsigned i = 0; (length = vor_parameter_choice(info, i, &word)) > 0; i++) {
+        const char *colon = memchr(word, ':', length);
+
+        if ((info->allowed >> i & 1) != 0)
+            add_word(out, word, colon != NULL ? (size_t)(colon - word) + 1 : length);
+    }
+    for (unsigned i = 0; vor_kind_form(info->kind, i) != VOR_FORM_NONE; i++) {
+        enum vor_form form = vor_kind_form(info->kind, i);
+        const char *more = form == VOR_FORM_AUTO   ? "auto"
+                           : form == VOR_FORM_LIST ? "none"
+                           : form == VOR_FORM_FLAG ? "true false"
+                                                   : NULL;
+
+        if (more != NULL)
+            add_word(out, more, strlen(more));
+    }
+}
+
+static enum vor_value_kind kind_of(const struct vor_parameter_info *info, const char *words)
+{
+    if (info->kind == VOR_KIND_FLAG)
+        return VOR_VALUE_FLAG;
+    if (words[0] == '\0')
+        return VOR_VALUE_ANY;
+    return vor_kind_form(info->kind, 0) == VOR_FORM_LIST ? VOR_VALUE_LIST : VOR_VALUE_WORD;
+}
+
+static struct vor_completion of_parameter(const struct vor_process_info *process,
+                                          enum vor_parameter parameter)
+{
+    const struct vor_parameter_info info = vor_process_parameter(process, parameter);
+    struct vor_completion out = {.name = info.name,
+                                 .sentence = info.sentence,
+                                 .letter = parameter == VOR_PARAM_POINTS ? 'n' : '\0',
+                                 .value = "VALUE"};
+
+    add_words(out.words, &info);
+    out.kind = kind_of(&info, out.words);
+    return out;
+}
+
+/* The names of all outputs, each once. */
+static void add_results(char out[VOR_VALUE_WORDS_SIZE])
+{
+    const struct vor_process_info *process;
+
+    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++)
+        for (unsigned k = 0; process->on_http && process->outputs[k].name != NULL; k++)
+            if (strstr(out, process->outputs[k].name) == NULL)
+                add_word(out, process->outputs[k].name, strlen(process->outputs[k].name));
+}
+
+static void add_statuses(char out[VOR_VALUE_WORDS_SIZE])
+{
+    for (int i = 0; i < VOR_JOB_STATUSES; i++) {
+        const char *word = vor_job_status_word((enum vor_job_status)i);
+
+        add_word(out, word, strlen(word));
+    }
+}
+
+static struct vor_completion of_option(enum vor_option option)
+{
+    const struct vor_option_info *info = vor_option_info(option);
+    struct vor_completion out = {.name = info->name,
+                                 .sentence = info->sentence,
+                                 .letter = info->letter,
+                                 .value = info->value,
+                                 .kind = VOR_VALUE_ANY};
+
+    if (info->value[0] == '\0')
+        out.kind = VOR_VALUE_NONE;
+    else if (strcmp(info->value, "OUT") == 0)
+        out.kind = VOR_VALUE_FILE;
+    if (option == VOR_OPTION_RESULT) {
+        out.kind = VOR_VALUE_WORD;
+        add_results(out.words);
+    } else if (option == VOR_OPTION_STATUS) {
+        out.kind = VOR_VALUE_LIST;
+        add_statuses(out.words);
+    }
+    return out;
+}
+
+void vor_complete_command(const struct vor_command *command,
+                          void (*visit)(void *ctx, const struct vor_completion *option), void *ctx)
+{
+    const struct vor_process_info *process = command->process;
+    struct vor_completion option;
+
+    for (unsigned i = 1; process != NULL && process->inputs[i].name != NULL; i++) {
+        option = (struct vor_completion){.name = process->inputs[i].name,
+                                         .sentence = process->inputs[i].sentence,
+                                         .value = "FILE",
+                                         .kind = VOR_VALUE_FILE};
+        visit(ctx, &option);
+    }
+    for (int i = 0; i < VOR_OPTION_COUNT; i++) {
+        option = of_option((enum vor_option)i);
+        if (vor_command_takes(command, (enum vor_option)i))
+            visit(ctx, &option);
+    }
+    for (int i = 0; process != NULL && i < VOR_PARAMETER_COUNT; i++) {
+        option = of_parameter(process, (enum vor_parameter)i);
+        if (vor_process_takes(process, (enum vor_parameter)i))
+            visit(ctx, &option);
+    }
+}
+
+void vor_complete_serve(void (*visit)(void *ctx, const struct vor_completion *option), void *ctx)
+{
+    struct vor_completion option = {
+        .name = "help", .sentence = "Print this", .letter = 'h', .value = ""};
+    struct vor_setting_text setting;
+
+    visit(ctx, &option);
+    for (unsigned i = 0; vor_config_describe(&setting, i); i++) {
+        option = (struct vor_completion){
+            .name = setting.flag, .sentence = setting.sentence, .value = setting.value};
+        add_word(option.words, setting.words, strlen(setting.words));
+        option.kind = setting.value[0] == '\0'             ? VOR_VALUE_NONE
+                      : setting.words[0] != '\0'           ? VOR_VALUE_WORD
+                      : strcmp(setting.value, "DIR") == 0  ? VOR_VALUE_FOLDER
+                      : strcmp(setting.value, "FILE") == 0 ? VOR_VALUE_FILE
+                                                           : VOR_VALUE_ANY;
+        visit(ctx, &option);
+    }
+}

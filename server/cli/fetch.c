@@ -1,0 +1,208 @@
+#include "server/cli/fetch.h"
+
+#include "core/base/quote.h"
+#include "proto/codec.h"
+#include "server/cli/batch.h"
+#include "server/cli/files.h"
+#include "server/cli/follow.h"
+#include "server/cli/say.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { NAME_MAX_BYTES = 64 /* of a result's name */ };
+
+/* One result on its way into a file. */
+struct result {
+    const char *name, *type; /* media type */
+    char path[PATH_MAX];
+    struct vor_output output;
+    uint64_t bytes;
+};
+
+static int on_bytes(void *ctx, const void *bytes, size_t size)
+{
+    struct result *result = ctx;
+
+    result->bytes += size;
+    return vor_output_write(&result->output, bytes, size);
+}
+
+static const char *suffix_of(const char *type)
+{
+    const struct vor_format *format = vor_format_by_media_type(type);
+
+    if (format != NULL)
+        return format->suffix;
+    return strcmp(type, "application/json") == 0 ? ".json" : ".bin";
+}
+
+/* A daemon's word becomes part of a file's name: it must not lead elsewhere. */
+static int is_plain(const char *name)
+{
+    size_t length = strlen(name);
+
+    return length > 0 && length <= NAME_MAX_BYTES &&
+           strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-") ==
+               length;
+}
+
+/* Where a result goes: the file that was named, or one of its own in the folder. */
+static int name_file(const struct vor_follow *follow, struct result *result)
+{
+    const char *into = follow->cli->option[VOR_OPTION_INTO];
+    int length = vor_cli_into_folder(follow->cli)
+                     ? snprintf(result->path, sizeof result->path, "%s%s-%s%s", into,
+                                follow->subject, result->name, suffix_of(result->type))
+                     : snprintf(result->path, sizeof result->path, "%s", into);
+
+    return length >= 0 && (size_t)length < sizeof result->path;
+}
+
+/* What was written, for people or for programs; on stderr when the bytes go to stdout. */
+static void tell(const struct vor_follow *follow, const struct result *result)
+{
+    const struct vor_cli *cli = follow->cli;
+    struct vor_text text;
+
+    vor_text_init(&text, 0);
+    if (cli->option[VOR_OPTION_JSON] != NULL) {
+        vor_json_begin_object(&text);
+        vor_json_put_string(&text, "jobID", follow->subject);
+        vor_json_put_string(&text, "result", result->name);
+        vor_json_put_string(&text, "file", result->path);
+        vor_json_put_string(&text, "type", result->type);
+        vor_json_put_u64(&text, "bytes", result->bytes);
+        vor_json_end_object(&text);
+        if (!text.failed)
+            fprintf(strcmp(result->path, "-") == 0 ? stderr : stdout, "%s\n", text.data);
+    } else if (cli->option[VOR_OPTION_QUIET] == NULL) {
+        vor_text_printf(&text, "%llu bytes", (unsigned long long)result->bytes);
+        if (!text.failed)
+            vor_cli_say(result->path, text.data);
+    }
+    vor_text_free(&text);
+}
+
+static int receive(struct vor_follow *follow, struct result *result)
+{
+    char url[VOR_REMOTE_URL_MAX + NAME_MAX_BYTES + 16];
+    struct vor_remote_call call = {.method = "GET",
+                                   .url = url,
+                                   .take = on_bytes,
+                                   .ctx = result,
+                                   .stall_seconds = VOR_FOLLOW_STALL_SECONDS};
+    int code = VOR_EXIT_OK;
+
+    (void)snprintf(url, sizeof url, "%s/results/%s", follow->job, result->name);
+    if (vor_remote_perform(follow->remote, &call, &follow->err) != VOR_OK)
+        code = vor_follow_no_answer(follow);
+    else if (call.http != 200)
+        code = vor_follow_refused(follow, &call);
+    else if ((call.was_stopped && vor_output_fail(&result->output, &follow->err) != VOR_OK) ||
+             vor_output_commit(&result->output, &follow->err) != VOR_OK)
+        code = vor_cli_fail(result->path, &follow->err);
+    vor_text_free(&call.text);
+    return code;
+}
+
+static int fetch_result(struct vor_follow *follow, const struct vor_json *member)
+{
+    struct result result = {.name = vor_json_name(member), .type = vor_follow_text(member, "type")};
+    int code;
+
+    if (!is_plain(result.name) || !name_file(follow, &result)) {
+        vor_cli_say(follow->subject, "a result's name makes no name of a file");
+        return VOR_EXIT_FAILED;
+    }
+    if (vor_output_open(&result.output, result.path, &follow->err) != VOR_OK)
+        return vor_cli_fail(result.path, &follow->err);
+    vor_progress_note(&follow->progress, "receiving");
+    code = receive(follow, &result);
+    vor_progress_clear(&follow->progress);
+    vor_output_abandon(&result.output);
+    if (code == VOR_EXIT_OK)
+        tell(follow, &result);
+    return code;
+}
+
+static int no_result(const struct vor_follow *follow, const struct vor_json *list,
+                     const char *wanted)
+{
+    char quoted[NAME_MAX_BYTES];
+    struct vor_text line;
+    const char *before = "";
+
+    vor_text_init(&line, 0);
+    vor_text_printf(&line, "no result %s, want ",
+                    vor_quote(quoted, sizeof quoted, wanted, strlen(wanted)));
+    for (const struct vor_json *m = vor_json_first(list); m != NULL; m = vor_json_next(m)) {
+        vor_text_printf(&line, "%s%s", before, vor_json_name(m));
+        before = " or ";
+    }
+    vor_cli_say(follow->subject, line.data != NULL ? line.data : "no such result");
+    vor_text_free(&line);
+    return VOR_EXIT_USAGE;
+}
+
+/* Fetches what is wanted of the results that the job has, the main one first. */
+static int fetch_listed(struct vor_follow *follow, const struct vor_json *list)
+{
+    const char *wanted = follow->cli->option[VOR_OPTION_RESULT];
+    int is_all = wanted == NULL && vor_cli_into_folder(follow->cli), code = VOR_EXIT_OK;
+
+    if (vor_json_kind(list) != VOR_JSON_OBJECT || vor_json_first(list) == NULL) {
+        vor_cli_say(follow->subject, "the server lists no results");
+        return VOR_EXIT_FAILED;
+    }
+    if (wanted != NULL && vor_json_get(list, wanted) == NULL)
+        return no_result(follow, list, wanted);
+    for (const struct vor_json *m = vor_json_first(list); m != NULL && code == VOR_EXIT_OK;
+         m = vor_json_next(m)) {
+        if (wanted != NULL && strcmp(wanted, vor_json_name(m)) != 0)
+            continue;
+        code = fetch_result(follow, m);
+        if (!is_all)
+            break;
+    }
+    return code;
+}
+
+static int fetch_results(struct vor_follow *follow)
+{
+    char url[VOR_REMOTE_URL_MAX + 16];
+    struct vor_json *list;
+    int code;
+
+    (void)snprintf(url, sizeof url, "%s/results", follow->job);
+    code = vor_follow_call(follow, "GET", url, &list);
+    if (code == VOR_EXIT_OK)
+        code = fetch_listed(follow, list);
+    vor_json_free(list);
+    return code;
+}
+
+static int fetch_one(const struct vor_cli *cli, const char *id)
+{
+    struct vor_follow follow;
+    int code = vor_follow_open(&follow, cli, id);
+
+    vor_follow_job(&follow, id);
+    if (code == VOR_EXIT_OK)
+        code = fetch_results(&follow);
+    vor_follow_close(&follow);
+    return code;
+}
+
+int vor_cli_fetch(const struct vor_cli *cli)
+{
+    const char *into = cli->option[VOR_OPTION_INTO];
+    struct vor_error err;
+    int code;
+
+    if (vor_cli_into_folder(cli) && vor_folder_make(into, &err) != VOR_OK)
+        return vor_cli_fail(cli->command->name, &err);
+    code = vor_cli_each(cli, fetch_one);
+    return fflush(stdout) != 0 && code == VOR_EXIT_OK ? VOR_EXIT_FAILED : code;
+}

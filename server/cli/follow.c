@@ -1,0 +1,307 @@
+#include "server/cli/follow.h"
+
+#include "server/base/clock.h"
+#include "server/cli/interrupt.h"
+#include "server/cli/say.h"
+#include "server/cli/server.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+/* Most tries in a row to reach a server that does not answer. */
+#define TRIES_MAX 5
+#define RETRY_MS_DEFAULT 2000
+
+static int on_event(void *ctx, const struct vor_sse_arrival *event);
+
+int vor_follow_open(struct vor_follow *follow, const struct vor_cli *cli, const char *subject)
+{
+    memset(follow, 0, sizeof *follow);
+    follow->cli = cli;
+    follow->subject = subject;
+    follow->on_signal = "cancelled";
+    vor_progress_start(&follow->progress, cli);
+    vor_sse_parser_init(&follow->parser, on_event, follow);
+    if (vor_cli_server(follow->server, cli, &follow->err) != VOR_OK)
+        return vor_cli_fail(cli->command->name, &follow->err);
+    if (vor_remote_open(&follow->remote, &follow->err) != VOR_OK)
+        return vor_cli_fail(NULL, &follow->err);
+    return VOR_EXIT_OK;
+}
+
+void vor_follow_close(struct vor_follow *follow)
+{
+    vor_progress_clear(&follow->progress);
+    vor_sse_parser_free(&follow->parser);
+    vor_remote_close(follow->remote);
+    follow->remote = NULL;
+}
+
+void vor_follow_job(struct vor_follow *follow, const char *id)
+{
+    /* vor_cli_server leaves room for the path. */
+    (void)snprintf(follow->job, sizeof follow->job, "%.*s/v1/jobs/%.64s", VOR_REMOTE_URL_MAX - 128,
+                   follow->server, id);
+}
+
+int vor_follow_is_over(const struct vor_follow *follow)
+{
+    return strcmp(follow->status, "successful") == 0 || strcmp(follow->status, "failed") == 0 ||
+           strcmp(follow->status, "dismissed") == 0;
+}
+
+int vor_follow_no_answer(struct vor_follow *follow)
+{
+    vor_progress_clear(&follow->progress);
+    if (vor_interrupt_seen()) {
+        vor_cli_say(follow->subject, follow->on_signal);
+        return vor_cli_interrupted();
+    }
+    vor_cli_say(follow->job[0] != '\0' ? follow->job : follow->server, follow->err.message);
+    return VOR_EXIT_UNREACHABLE;
+}
+
+const char *vor_follow_text(const struct vor_json *json, const char *name)
+{
+    const char *text = vor_json_get_string(vor_json_get(json, name));
+
+    return text != NULL ? text : "";
+}
+
+/* Says a problem in one line. If json is no problem, says the status alone. */
+static int say_problem(struct vor_follow *follow, const struct vor_json *json, int http)
+{
+    const char *title = vor_follow_text(json, "title"), *detail = vor_follow_text(json, "detail");
+    struct vor_text line;
+    double number;
+
+    if (vor_json_get_number(vor_json_get(json, "status"), &number) && number >= 100 && number < 600)
+        http = (int)number;
+    vor_text_init(&line, 0);
+    if (title[0] == '\0')
+        vor_text_printf(&line, "the server answered %d", http);
+    else
+        vor_text_printf(&line, "%s%s%s", title, detail[0] != '\0' ? ": " : "", detail);
+    vor_progress_clear(&follow->progress);
+    vor_cli_say(follow->subject, line.data != NULL ? line.data : title);
+    vor_text_free(&line);
+    return vor_cli_exit_code(http, vor_follow_text(json, "type"));
+}
+
+int vor_follow_refused(struct vor_follow *follow, const struct vor_remote_call *call)
+{
+    struct vor_json *json = vor_remote_json(call);
+    int code = say_problem(follow, json, call->http);
+
+    vor_json_free(json);
+    return code == VOR_EXIT_OK ? VOR_EXIT_FAILED : code;
+}
+
+int vor_follow_call(struct vor_follow *follow, const char *method, const char *url,
+                    struct vor_json **json)
+{
+    struct vor_remote_call call = {
+        .method = method, .url = url, .timeout_seconds = VOR_FOLLOW_ANSWER_SECONDS};
+    int code = VOR_EXIT_OK;
+
+    *json = NULL;
+    if (vor_remote_perform(follow->remote, &call, &follow->err) != VOR_OK) {
+        code = vor_follow_no_answer(follow);
+    } else if (call.http != 200) {
+        code = vor_follow_refused(follow, &call);
+    } else {
+        *json = vor_remote_json(&call);
+        if (*json == NULL) {
+            vor_cli_say(follow->subject, "the server's answer is no JSON");
+            code = VOR_EXIT_FAILED;
+        }
+    }
+    vor_text_free(&call.text);
+    return code;
+}
+
+static void show_status(struct vor_follow *follow, const struct vor_json *json)
+{
+    const struct vor_json *own = vor_json_get(json, "voronoid");
+    char note[64];
+    double position;
+
+    if (vor_json_get_number(vor_json_get(own, "queuePosition"), &position))
+        (void)snprintf(note, sizeof note, "waiting, %.0f before it", position);
+    else
+        (void)snprintf(note, sizeof note, "%.31s %.31s", vor_follow_text(json, "status"),
+                       vor_follow_text(own, "stage"));
+    vor_progress_note(&follow->progress, note);
+}
+
+static void keep_status(struct vor_follow *follow, const struct vor_json *json)
+{
+    (void)snprintf(follow->status, sizeof follow->status, "%s", vor_follow_text(json, "status"));
+}
+
+static int on_event(void *ctx, const struct vor_sse_arrival *event)
+{
+    struct vor_follow *follow = ctx;
+    struct vor_json *json = NULL;
+
+    if (vor_json_parse(&json, event->data, event->size, NULL) != VOR_OK)
+        return 0;
+    if (strcmp(event->name, "progress") == 0)
+        vor_progress_event(&follow->progress, json);
+    else if (strcmp(event->name, "replaced") == 0)
+        follow->progress.pace = (struct vor_pace){0};
+    else if (strcmp(event->name, "status") == 0)
+        show_status(follow, json);
+    else if (strcmp(event->name, "end") == 0)
+        keep_status(follow, json);
+    vor_json_free(json);
+    return vor_follow_is_over(follow);
+}
+
+static int on_stream(void *ctx, const void *bytes, size_t size)
+{
+    struct vor_follow *follow = ctx;
+
+    return vor_sse_feed(&follow->parser, bytes, size, &follow->err) != VOR_OK;
+}
+
+/* Listens until the stream ends, for whatever reason: what became of the job is asked for next. */
+static vor_status listen(struct vor_follow *follow)
+{
+    char url[VOR_REMOTE_URL_MAX + 16], last_id[256];
+    const char *headers[] = {"Accept: text/event-stream", NULL, NULL};
+    struct vor_remote_call call = {.method = "GET",
+                                   .url = url,
+                                   .headers = headers,
+                                   .take = on_stream,
+                                   .ctx = follow,
+                                   .stall_seconds = VOR_FOLLOW_STALL_SECONDS};
+    vor_status status;
+
+    (void)snprintf(url, sizeof url, "%s/events", follow->job);
+    (void)snprintf(last_id, sizeof last_id, "Last-Event-ID: %.200s",
+                   vor_sse_parser_last_id(&follow->parser));
+    if (vor_sse_parser_last_id(&follow->parser)[0] != '\0')
+        headers[1] = last_id;
+    vor_sse_parser_restart(&follow->parser);
+    status = vor_remote_perform(follow->remote, &call, &follow->err);
+    vor_text_free(&call.text);
+    return status;
+}
+
+/* Asks how the job is doing; *json is its statusInfo. Says a refusal and returns its exit code. */
+static int ask(struct vor_follow *follow, struct vor_json **json, vor_status *status)
+{
+    struct vor_remote_call call = {
+        .method = "GET", .url = follow->job, .timeout_seconds = VOR_FOLLOW_ANSWER_SECONDS};
+    int code = VOR_EXIT_OK;
+
+    *json = NULL;
+    *status = vor_remote_perform(follow->remote, &call, &follow->err);
+    if (*status == VOR_OK && call.http == 503)
+        *status = vor_fail(&follow->err, VOR_E_IO, "the server answered 503");
+    if (*status == VOR_OK && call.http != 200)
+        code = vor_follow_refused(follow, &call);
+    else if (*status == VOR_OK)
+        *status = vor_json_parse(json, call.text.data != NULL ? call.text.data : "", call.text.size,
+                                 &follow->err);
+    if (*json != NULL)
+        keep_status(follow, *json);
+    vor_text_free(&call.text);
+    return code;
+}
+
+int vor_follow_ask(struct vor_follow *follow, struct vor_json **json)
+{
+    vor_status status;
+    int code = ask(follow, json, &status);
+
+    return status != VOR_OK ? vor_follow_no_answer(follow) : code;
+}
+
+/* Waits as long as the server asks to, or until a signal comes. */
+static void pause_before_retry(const struct vor_follow *follow)
+{
+    int ms = follow->parser.retry_ms >= 0 ? follow->parser.retry_ms : RETRY_MS_DEFAULT;
+    double until = vor_clock_seconds() + ms / 1000.0;
+    struct timespec step = {0, 50 * 1000 * 1000};
+
+    while (vor_clock_seconds() < until && !vor_interrupt_seen())
+        (void)nanosleep(&step, NULL);
+}
+
+/* Until the job is over. A server that goes away is tried a few times, and as long as it answers
+ * that the job goes on, listening goes on. */
+static int listen_to_end(struct vor_follow *follow)
+{
+    struct vor_json *json = NULL;
+    vor_status status;
+    int code;
+
+    for (int tries = 0; !vor_follow_is_over(follow);) {
+        if (listen(follow) == VOR_E_CANCELLED && vor_interrupt_seen())
+            return vor_follow_no_answer(follow);
+        if (vor_follow_is_over(follow))
+            break;
+        code = ask(follow, &json, &status);
+        vor_json_free(json);
+        if (code != VOR_EXIT_OK)
+            return code;
+        if (vor_follow_is_over(follow))
+            break;
+        tries = status == VOR_OK ? 0 : tries + 1;
+        if (tries >= TRIES_MAX || vor_interrupt_seen())
+            return vor_follow_no_answer(follow);
+        pause_before_retry(follow);
+    }
+    return VOR_EXIT_OK;
+}
+
+/* Says why a job did not succeed. */
+static int say_failure(struct vor_follow *follow)
+{
+    struct vor_json *json = NULL;
+    int code;
+
+    if (strcmp(follow->status, "dismissed") == 0) {
+        vor_progress_clear(&follow->progress);
+        vor_cli_say(follow->subject, "the job was dismissed");
+        return VOR_EXIT_CANCELLED;
+    }
+    code = vor_follow_ask(follow, &json);
+    if (code == VOR_EXIT_OK)
+        code = say_problem(follow, vor_json_get(json, "exception"), 500);
+    vor_json_free(json);
+    return code;
+}
+
+int vor_follow_end(struct vor_follow *follow)
+{
+    int code = listen_to_end(follow);
+
+    if (code == VOR_EXIT_OK && strcmp(follow->status, "successful") != 0)
+        code = say_failure(follow);
+    return code;
+}
+
+int vor_follow_report(struct vor_follow *follow)
+{
+    char url[VOR_REMOTE_URL_MAX + 16];
+    struct vor_remote_call call = {
+        .method = "GET", .url = url, .timeout_seconds = VOR_FOLLOW_ANSWER_SECONDS};
+    int code = VOR_EXIT_OK;
+
+    if (vor_artefact_find(follow->cli->spec.process->outputs, "report") == NULL)
+        return VOR_EXIT_OK;
+    (void)snprintf(url, sizeof url, "%s/results/report", follow->job);
+    if (vor_remote_perform(follow->remote, &call, &follow->err) != VOR_OK)
+        code = vor_follow_no_answer(follow);
+    else if (call.http != 200)
+        code = vor_follow_refused(follow, &call);
+    else if (vor_progress_finish(&follow->progress, call.text.data != NULL ? call.text.data : "",
+                                 call.text.size, &follow->err) != VOR_OK)
+        code = vor_cli_fail(follow->job, &follow->err);
+    vor_text_free(&call.text);
+    return code;
+}

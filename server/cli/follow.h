@@ -1,0 +1,66 @@
+/** A job at a daemon, from this side: asked for, followed to its end, its report shown. What goes
+ *  wrong is said in one line, and the exit code returned. */
+#ifndef VOR_CLI_FOLLOW_H
+#define VOR_CLI_FOLLOW_H
+
+#include "proto/sse.h"
+#include "server/cli/options.h"
+#include "server/cli/progress.h"
+#include "server/cli/remote.h"
+
+/** Seconds for a short answer; without a byte of a long one; and for a last word after a signal. */
+#define VOR_FOLLOW_ANSWER_SECONDS 30
+#define VOR_FOLLOW_STALL_SECONDS 120
+#define VOR_FOLLOW_LAST_SECONDS 5
+
+struct vor_follow {
+    const struct vor_cli *cli;
+    const char *subject;   /**< what messages are about: the input of the job, or its ID */
+    const char *on_signal; /**< what is said when a signal ends it */
+    struct vor_remote *remote;
+    struct vor_progress progress;
+    struct vor_sse_parser parser;
+    char server[VOR_REMOTE_URL_MAX];
+    char job[VOR_REMOTE_URL_MAX]; /**< URL of the job; "" before there is one */
+    char status[32];              /**< of the job, as far as known */
+    struct vor_error err;
+};
+
+/** Begins; cli and subject are borrowed. End with vor_follow_close, also after a failure. */
+int vor_follow_open(struct vor_follow *follow, const struct vor_cli *cli, const char *subject);
+void vor_follow_close(struct vor_follow *follow);
+
+/** Sets the URL of the job with that ID. */
+void vor_follow_job(struct vor_follow *follow, const char *id);
+
+/** Says that a call got no answer, and err; or that a signal came. */
+int vor_follow_no_answer(struct vor_follow *follow);
+
+/** Says an answer that is a refusal. Never returns VOR_EXIT_OK. */
+int vor_follow_refused(struct vor_follow *follow, const struct vor_remote_call *call);
+
+/** Makes a call and reads its answer, 200 and JSON. *json is to be freed; NULL unless VOR_EXIT_OK
+ * is returned. */
+int vor_follow_call(struct vor_follow *follow, const char *method, const char *url,
+                    struct vor_json **json);
+
+/** Asks how the job is doing. *json is its statusInfo, to be freed; NULL unless VOR_EXIT_OK is
+ *  returned. */
+int vor_follow_ask(struct vor_follow *follow, struct vor_json **json);
+
+/** True when the job is known to be over. */
+int vor_follow_is_over(const struct vor_follow *follow);
+
+/** Shows the job's progress until it is over. A stream that breaks off is taken up where it ended,
+ *  and a server that goes away is tried a few times.
+ *
+ *  @return VOR_EXIT_OK when it was successful; why it was not is said */
+int vor_follow_end(struct vor_follow *follow);
+
+/** Shows the report, if the process of cli->spec has one. */
+int vor_follow_report(struct vor_follow *follow);
+
+/** A string member of an object; "" where there is none. */
+const char *vor_follow_text(const struct vor_json *json, const char *name);
+
+#endif

@@ -1,0 +1,288 @@
+#include "server/cli/jobs.h"
+
+#include "core/base/quote.h"
+#include "server/base/clock.h"
+#include "server/cli/batch.h"
+#include "server/cli/follow.h"
+#include "server/cli/say.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum {
+    LIMIT_DEFAULT = 20,
+    LIMIT_MAX = 10000,
+    PAGE_JOBS = 100,   /* of one request: a job has up to 4 KiB, an answer VOR_JSON_SIZE_MAX */
+    CURSOR_SIZE = 24,  /* digits of a sequence number, and a NUL */
+    STATUSES_MAX = 100 /* bytes of all five with commas between */
+};
+
+/* A line of JSON, of a daemon's own. */
+static void print_json(const struct vor_json *json)
+{
+    struct vor_text text;
+
+    vor_text_init(&text, 0);
+    vor_json_copy(&text, json);
+    if (!text.failed && text.data != NULL)
+        (void)puts(text.data);
+    vor_text_free(&text);
+}
+
+/* "5 s", "3 min", "2 h", "4 d" since a time such as 2026-11-21T03:15:34.537Z; "?" for any other. */
+static const char *age_of(const char *created, char out[32])
+{
+    struct tm time = {0};
+    long long seconds;
+
+    (void)snprintf(out, 32, "?");
+    if (sscanf(created, "%4d-%2d-%2dT%2d:%2d:%2d", &time.tm_year, &time.tm_mon, &time.tm_mday,
+               &time.tm_hour, &time.tm_min, &time.tm_sec) != 6)
+        return out;
+    time.tm_year -= 1900;
+    time.tm_mon -= 1;
+    seconds = vor_clock_wall_ms() / 1000 - (long long)timegm(&time);
+    if (seconds < 120)
+        (void)snprintf(out, 32, "%lld s", seconds > 0 ? seconds : 0);
+    else if (seconds < 120LL * 60)
+        (void)snprintf(out, 32, "%lld min", seconds / 60);
+    else if (seconds < 48LL * 3600)
+        (void)snprintf(out, 32, "%lld h", seconds / 3600);
+    else
+        (void)snprintf(out, 32, "%lld d", seconds / 86400);
+    return out;
+}
+
+/* A word of the daemon, fit for a terminal. */
+static const char *word_at(const struct vor_json *job, const char *name, char out[64])
+{
+    const char *text = vor_follow_text(job, name);
+
+    return vor_quote(out, 64, text, strlen(text));
+}
+
+static void print_head(const struct vor_cli *cli)
+{
+    if (cli->option[VOR_OPTION_JSON] == NULL && cli->option[VOR_OPTION_QUIET] == NULL)
+        printf("%-36s  %-10s %-10s  %8s  %s\n", "JOB", "PROCESS", "STATUS", "PROGRESS", "AGE");
+}
+
+static void print_row(const struct vor_cli *cli, const struct vor_json *job)
+{
+    char id[64], process[64], status[64], age[32];
+    double progress = 0;
+
+    if (cli->option[VOR_OPTION_JSON] != NULL) {
+        print_json(job);
+    } else if (cli->option[VOR_OPTION_QUIET] != NULL) {
+        printf("%s\n", word_at(job, "jobID", id));
+    } else {
+        (void)vor_json_get_number(vor_json_get(job, "progress"), &progress);
+        printf("%-36s  %-10s %-10s  %6.0f %%  %s\n", word_at(job, "jobID", id),
+               word_at(job, "processID", process), word_at(job, "status", status), progress,
+               age_of(vor_follow_text(job, "created"), age));
+    }
+}
+
+/* The number behind "cursor=" in the link to the next page; "" where there is none. */
+static void find_cursor(const struct vor_json *list, char out[CURSOR_SIZE])
+{
+    const struct vor_json *links = vor_json_get(list, "links");
+
+    out[0] = '\0';
+    for (const struct vor_json *l = vor_json_first(links); l != NULL; l = vor_json_next(l)) {
+        const char *at = strstr(vor_follow_text(l, "href"), "cursor=");
+
+        if (at == NULL || strcmp(vor_follow_text(l, "rel"), "next") != 0)
+            continue;
+        at += strlen("cursor=");
+        (void)snprintf(out, CURSOR_SIZE, "%.*s", (int)strspn(at, "0123456789"), at);
+    }
+}
+
+/* Asks for a page and prints it; *left and cursor become those of the next one. */
+static int list_page(struct vor_follow *follow, unsigned *left, char cursor[CURSOR_SIZE])
+{
+    const char *statuses = follow->cli->option[VOR_OPTION_STATUS];
+    char url[VOR_REMOTE_URL_MAX + STATUSES_MAX + 64];
+    const struct vor_json *jobs;
+    struct vor_json *list;
+    int code;
+
+    (void)snprintf(url, sizeof url, "%s/v1/jobs?limit=%u%s%s%s%s", follow->server,
+                   *left < PAGE_JOBS ? *left : PAGE_JOBS, statuses != NULL ? "&status=" : "",
+                   statuses != NULL ? statuses : "", cursor[0] != '\0' ? "&cursor=" : "", cursor);
+    code = vor_follow_call(follow, "GET", url, &list);
+    jobs = vor_json_get(list, "jobs");
+    for (const struct vor_json *j = vor_json_first(jobs); j != NULL && *left > 0;
+         j = vor_json_next(j), --*left)
+        print_row(follow->cli, j);
+    find_cursor(list, cursor);
+    vor_json_free(list);
+    return code;
+}
+
+static int list_all(const struct vor_cli *cli, unsigned limit)
+{
+    struct vor_follow follow;
+    char cursor[CURSOR_SIZE] = "";
+    int code = vor_follow_open(&follow, cli, cli->command->name);
+
+    if (code == VOR_EXIT_OK)
+        print_head(cli);
+    while (code == VOR_EXIT_OK) {
+        code = list_page(&follow, &limit, cursor);
+        if (limit == 0 || cursor[0] == '\0')
+            break;
+    }
+    vor_follow_close(&follow);
+    return code;
+}
+
+static int show_one(const struct vor_cli *cli, const char *id)
+{
+    struct vor_follow follow;
+    struct vor_json *job = NULL;
+    int code = vor_follow_open(&follow, cli, id);
+
+    vor_follow_job(&follow, id);
+    if (code == VOR_EXIT_OK)
+        code = vor_follow_ask(&follow, &job);
+    if (code == VOR_EXIT_OK)
+        print_row(cli, job);
+    vor_json_free(job);
+    vor_follow_close(&follow);
+    return code;
+}
+
+/* What the two options of the list say.
+ *
+ * @retval VOR_E_PARAM one of them is wrong */
+static vor_status read_list_options(const struct vor_cli *cli, unsigned *limit,
+                                    struct vor_error *err)
+{
+    const char *text = cli->option[VOR_OPTION_LIMIT];
+    const char *statuses = cli->option[VOR_OPTION_STATUS];
+    char quoted[64], *end = NULL;
+    unsigned long number = text != NULL ? strtoul(text, &end, 10) : LIMIT_DEFAULT;
+
+    *limit = (unsigned)number;
+    if (text != NULL &&
+        (text[0] < '0' || text[0] > '9' || *end != '\0' || number < 1 || number > LIMIT_MAX))
+        return vor_fail(err, VOR_E_PARAM, "limit is %s, want a whole number from 1 to %d",
+                        vor_quote(quoted, sizeof quoted, text, strlen(text)), LIMIT_MAX);
+    if (statuses != NULL && (statuses[0] == '\0' || strlen(statuses) > STATUSES_MAX ||
+                             statuses[strspn(statuses, "abcdefghijklmnopqrstuvwxyz,")] != '\0'))
+        return vor_fail(
+            err, VOR_E_PARAM,
+            "status is \"%s\", want some of accepted,running,successful,failed,dismissed",
+            vor_quote(quoted, sizeof quoted, statuses, strlen(statuses)));
+    return VOR_OK;
+}
+
+int vor_cli_jobs(const struct vor_cli *cli)
+{
+    struct vor_error err;
+    unsigned limit;
+    int code;
+
+    if (read_list_options(cli, &limit, &err) != VOR_OK)
+        return vor_cli_fail(cli->command->name, &err);
+    if (cli->operand_count > 0) {
+        print_head(cli);
+        code = vor_cli_each(cli, show_one);
+    } else {
+        code = list_all(cli, limit);
+    }
+    if (fflush(stdout) != 0 && code == VOR_EXIT_OK)
+        code = VOR_EXIT_FAILED;
+    return code;
+}
+
+/* A job's process decides what its bar and its report are like. One that only the daemon knows has
+ * the bar of resample and no report. */
+static int wait_to_end(struct vor_follow *follow, struct vor_spec *spec)
+{
+    struct vor_json *job;
+    const struct vor_process_info *process;
+    int code = vor_follow_ask(follow, &job);
+
+    process = vor_process_find(vor_follow_text(job, "processID"));
+    vor_json_free(job);
+    vor_spec_init(spec);
+    if (process != NULL)
+        vor_spec_preset(spec, process);
+    if (follow->progress.lines != NULL)
+        follow->status[0] = '\0'; /* a job that is over tells its records once more */
+    if (code == VOR_EXIT_OK)
+        code = vor_follow_end(follow);
+    return code == VOR_EXIT_OK && process != NULL ? vor_follow_report(follow) : code;
+}
+
+static int wait_one(const struct vor_cli *cli, const char *id)
+{
+    struct vor_cli one = *cli;
+    struct vor_follow follow;
+    int code = vor_follow_open(&follow, &one, id);
+
+    vor_follow_job(&follow, id);
+    follow.progress.name = id;
+    follow.on_signal = "no longer waited for; the job goes on";
+    if (code == VOR_EXIT_OK)
+        code = wait_to_end(&follow, &one.spec);
+    vor_follow_close(&follow);
+    return code;
+}
+
+int vor_cli_wait(const struct vor_cli *cli)
+{
+    return vor_cli_each(cli, wait_one);
+}
+
+/* Dismisses a job that was not over when it was asked; the daemon removes one that ends in between,
+ * as it does for anybody who deletes it. */
+static int dismiss(struct vor_follow *follow)
+{
+    const struct vor_cli *cli = follow->cli;
+    struct vor_json *job;
+    int code = vor_follow_call(follow, "DELETE", follow->job, &job);
+
+    if (code == VOR_EXIT_OK && cli->option[VOR_OPTION_JSON] != NULL)
+        print_json(job);
+    else if (code == VOR_EXIT_OK && cli->option[VOR_OPTION_QUIET] == NULL)
+        vor_cli_say(follow->subject, "dismissed");
+    vor_json_free(job);
+    return code;
+}
+
+static int cancel_one(const struct vor_cli *cli, const char *id)
+{
+    struct vor_follow follow;
+    struct vor_json *job = NULL;
+    int code = vor_follow_open(&follow, cli, id);
+
+    vor_follow_job(&follow, id);
+    if (code == VOR_EXIT_OK)
+        code = vor_follow_ask(&follow, &job);
+    vor_json_free(job);
+    if (code == VOR_EXIT_OK && vor_follow_is_over(&follow)) {
+        char line[64];
+
+        (void)snprintf(line, sizeof line, "over already: %s", follow.status);
+        vor_cli_say(id, line);
+        code = VOR_EXIT_FAILED;
+    } else if (code == VOR_EXIT_OK) {
+        code = dismiss(&follow);
+    }
+    vor_follow_close(&follow);
+    return code;
+}
+
+int vor_cli_cancel(const struct vor_cli *cli)
+{
+    int code = vor_cli_each(cli, cancel_one);
+
+    return fflush(stdout) != 0 && code == VOR_EXIT_OK ? VOR_EXIT_FAILED : code;
+}

@@ -1,0 +1,296 @@
+#include "server/cli/manual.h"
+
+#include "server/base/config.h"
+#include "server/cli/cli.h"
+#include "server/cli/help.h"
+#include "server/cli/say.h"
+
+#include <string.h>
+
+enum { LINE_MAX_BYTES = 78 /* of the source, as its own linters want it */ };
+
+/* One word with what roff would take for something else escaped; returns its bytes. A word that
+ * begins a line must not look like a request. */
+static int print_word(FILE *out, const char *word, size_t length, int begins_line)
+{
+    int bytes = 0;
+
+    if (begins_line && (word[0] == '.' || word[0] == '\''))
+        bytes += fprintf(out, "\\&");
+    for (size_t i = 0; i < length; i++) {
+        if (word[i] == '-')
+            bytes += fprintf(out, "\\-");
+        else if (word[i] == '\\')
+            bytes += fprintf(out, "\\e");
+        else
+            bytes += fprintf(out, "%c", word[i]);
+    }
+    return bytes;
+}
+
+/* Text in lines that are not too long; roff fills them anew. Ends its last line. */
+static void print_text(FILE *out, const char *text)
+{
+    int column = 0;
+
+    for (text += strspn(text, " \n"); *text != '\0'; text += strspn(text, " \n")) {
+        size_t length = strcspn(text, " \n");
+
+        if (column > 0 && column + 1 + (int)length > LINE_MAX_BYTES) {
+            fputc('\n', out);
+            column = 0;
+        } else if (column > 0) {
+            fputc(' ', out);
+            column++;
+        }
+        column += print_word(out, text, length, column == 0);
+        text += length;
+    }
+    if (column > 0)
+        fputc('\n', out);
+}
+
+static void print_heading(FILE *out, const char *macro, const char *title)
+{
+    fprintf(out, "%s \"%s\"\n", macro, title);
+}
+
+/* The tag of a paragraph: "-o, --output OUT". */
+static void print_tag(FILE *out, char letter, const char *name, const char *value)
+{
+    fputs(".TP\n", out);
+    if (letter != 0)
+        fprintf(out, "\\fB\\-%c\\fR, ", letter);
+    fputs("\\fB\\-\\-", out);
+    print_word(out, name, strlen(name), 0);
+    fputs("\\fR", out);
+    if (value[0] == '[')
+        fprintf(out, "%s", value);
+    else if (value[0] != '\0')
+        fprintf(out, " \\fI%s\\fR", value);
+    fputc('\n', out);
+}
+
+static void print_head(FILE *out, const char *section, const char *title, const char *what)
+{
+    /* Without a date: a page is the same whenever it is built. */
+    fprintf(out, ".TH VORONOID %s \"\" \"voronoid %s\" \"%s\"\n", section, VOR_VERSION, title);
+    print_heading(out, ".SH", "NAME");
+    fprintf(out, "voronoid \\- ");
+    print_text(out, what);
+}
+
+static void print_exit_codes(FILE *out, int of_serve)
+{
+    static const struct {
+        int code;
+        const char *sentence[2];
+    } rows[] = {
+#define EXIT_ROW(id, code, command, serve) {code, {command, serve}},
+        VOR_EXIT_TABLE(EXIT_ROW)
+#undef EXIT_ROW
+    };
+
+    print_heading(out, ".SH", "EXIT STATUS");
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        if (rows[i].sentence[of_serve][0] == '\0')
+            continue;
+        fprintf(out, ".TP\n%d\n", rows[i].code);
+        print_text(out, rows[i].sentence[of_serve]);
+    }
+}
+
+static void print_synopsis(FILE *out)
+{
+    struct vor_command command;
+
+    print_heading(out, ".SH", "SYNOPSIS");
+    for (unsigned i = 0; vor_cli_command(&command, i) != NULL; i++) {
+        fprintf(out, "%s.B voronoid %s\n", i > 0 ? ".br\n" : "", command.name);
+        if (command.operands[0] != '\0')
+            fprintf(out, ".I %s\n", command.operands + 1);
+        fputs(".RI [ OPTION ]...\n", out);
+    }
+}
+
+static void print_commands(FILE *out)
+{
+    struct vor_command command;
+
+    print_heading(out, ".SH", "COMMANDS");
+    for (unsigned i = 0; vor_cli_command(&command, i) != NULL; i++) {
+        fprintf(out, ".TP\n\\fB%s\\fR\n", command.name);
+        print_text(out, command.sentence);
+    }
+    fputs(".TP\n\\fBserve\\fR\n", out);
+    print_text(out, "Runs the daemon; see its page in section 8");
+}
+
+/* The names of what `takes` is true for, in a line of their own. */
+static void print_takers(FILE *out, int (*takes)(const struct vor_command *command, int row),
+                         int row)
+{
+    char line[512] = "Of:";
+    struct vor_command command;
+
+    for (unsigned i = 0; vor_cli_command(&command, i) != NULL; i++) {
+        size_t at = strlen(line);
+
+        if (takes(&command, row))
+            (void)snprintf(line + at, sizeof line - at, "%s %s", at > 3 ? "," : "", command.name);
+    }
+    fputs(".br\n", out);
+    print_text(out, line);
+}
+
+static int takes_option(const struct vor_command *command, int row)
+{
+    return vor_command_takes(command, (enum vor_option)row);
+}
+
+static int takes_parameter(const struct vor_command *command, int row)
+{
+    return command->process != NULL && vor_process_takes(command->process, (enum vor_parameter)row);
+}
+
+static void print_options(FILE *out)
+{
+    print_heading(out, ".SH", "OPTIONS");
+    print_text(out, VOR_HELP_WORDS);
+    for (int i = 0; i < VOR_OPTION_COUNT; i++) {
+        const struct vor_option_info *o = vor_option_info((enum vor_option)i);
+
+        print_tag(out, o->letter, o->name, o->value);
+        print_text(out, o->sentence);
+        if (o->variable[0] != '\0')
+            fprintf(out, "(environment: %s)\n", o->variable);
+        if (o->commands != ~0u)
+            print_takers(out, takes_option, i);
+    }
+}
+
+/* Inputs that are options. */
+static void print_inputs(FILE *out)
+{
+    const struct vor_process_info *process;
+
+    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++)
+        for (unsigned k = 1; process->inputs[k].name != NULL; k++) {
+            print_tag(out, 0, process->inputs[k].name, "FILE");
+            print_text(out, process->inputs[k].sentence);
+            fprintf(out, ".br\nOf: %s\n", process->id);
+        }
+}
+
+/* What may be given, and where that differs from process to process. */
+static void print_values(FILE *out, enum vor_parameter parameter)
+{
+    char first[VOR_HELP_VALUES_SIZE] = "", values[VOR_HELP_VALUES_SIZE];
+    const struct vor_process_info *process;
+
+    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++) {
+        if (!vor_process_takes(process, parameter))
+            continue;
+        vor_help_values(values, process, parameter);
+        if (strcmp(values, first) == 0)
+            continue;
+        fputs(".br\n", out);
+        if (first[0] != '\0')
+            fprintf(out, "%s:\n", process->id);
+        else
+            memcpy(first, values, sizeof first);
+        print_text(out, values);
+    }
+}
+
+static void print_parameters(FILE *out)
+{
+    print_heading(out, ".SH", "PARAMETERS");
+    print_text(out, "They are the same in a query over HTTP. " VOR_HELP_COUNTS);
+    for (int group = 0; group < VOR_GROUP_COUNT; group++) {
+        print_heading(out, ".SS", vor_group_title((enum vor_group)group));
+        for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
+            enum vor_parameter parameter = (enum vor_parameter)i;
+            const struct vor_parameter_info *info = vor_parameter_info(parameter);
+
+            if ((int)info->group != group)
+                continue;
+            print_tag(out, parameter == VOR_PARAM_POINTS ? 'n' : 0, info->name,
+                      info->kind == VOR_KIND_FLAG ? "[=VALUE]" : "VALUE");
+            print_text(out, info->sentence);
+            print_values(out, parameter);
+            print_takers(out, takes_parameter, i);
+        }
+    }
+}
+
+static void print_commands_page(FILE *out)
+{
+    print_head(out, "1", "User Commands", "resample 3D point clouds, here or by a daemon");
+    print_synopsis(out);
+    print_heading(out, ".SH", "DESCRIPTION");
+    print_text(out,
+               "voronoid takes point clouds (PLY or Draco), fits a surface to them and spreads "
+               "the number of points asked for evenly over it. A command does that here, or, "
+               "with --server, has a daemon do it; others look after the daemon's jobs. - as "
+               "a file is stdin or stdout.");
+    print_commands(out);
+    print_options(out);
+    print_inputs(out);
+    print_parameters(out);
+    print_exit_codes(out, 0);
+    fputs(".PP\n", out);
+    print_text(out,
+               "Each of several operands is worked on, whatever became of those before it; the "
+               "status is then that of the first that failed.");
+    print_heading(out, ".SH", "SEE ALSO");
+    fputs(".BR voronoid (8)\n", out);
+}
+
+static void print_settings(FILE *out)
+{
+    struct vor_setting_text setting;
+
+    print_heading(out, ".SH", "SETTINGS");
+    print_text(out, "A setting wins over its variable in the environment. " VOR_HELP_WORDS);
+    for (unsigned i = 0; vor_config_describe(&setting, i); i++) {
+        print_tag(out, 0, setting.flag, setting.value);
+        print_text(out, setting.sentence);
+        fputs(".br\n", out);
+        print_text(out, setting.range);
+        fprintf(out, "(environment: %s)\n", setting.variable);
+    }
+}
+
+static void print_daemon_page(FILE *out)
+{
+    print_head(out, "8", "System Administration", "daemon that resamples 3D point clouds");
+    print_heading(out, ".SH", "SYNOPSIS");
+    fputs(".B voronoid serve\n.RI [ SETTING ]...\n", out);
+    print_heading(out, ".SH", "DESCRIPTION");
+    print_text(out, "Serves the commands of voronoid(1) that run a process over HTTP. "
+                    "/openapi.yaml is the contract. Jobs and their bytes are on the disk before a "
+                    "client hears of them; jobs that a crash interrupts run again at the next "
+                    "start.");
+    print_settings(out);
+    print_heading(out, ".SH", "SIGNALS");
+    fputs(".TP\nSIGTERM, SIGINT\n", out);
+    print_text(out, "Running jobs end, within --drain-timeout; others wait for the next start. A "
+                    "second one ends the daemon at once.");
+    print_exit_codes(out, 1);
+    print_heading(out, ".SH", "SEE ALSO");
+    fputs(".BR voronoid (1)\n", out);
+}
+
+int vor_cli_manual(FILE *out, const char *section)
+{
+    if (strcmp(section, "1") == 0) {
+        print_commands_page(out);
+    } else if (strcmp(section, "8") == 0) {
+        print_daemon_page(out);
+    } else {
+        vor_cli_say("--man", "want 1 (the commands) or 8 (the daemon)");
+        return VOR_EXIT_USAGE;
+    }
+    return fflush(out) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;
+}

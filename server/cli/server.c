@@ -1,0 +1,71 @@
+#include "server/cli/server.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LISTEN_VARIABLE "VORONOID_LISTEN"
+#define LISTEN_DEFAULT "127.0.0.1:8080"
+#define PORT_MAX 65535
+
+/* Room for what a command appends to the URL: a path, and a query of one parameter. */
+enum { PATH_ROOM = 256 };
+
+static int is(const char *text, size_t length, const char *word)
+{
+    return strlen(word) == length && memcmp(text, word, length) == 0;
+}
+
+/* A port that can be asked; 0 when text is none. */
+static unsigned long port_of(const char *text)
+{
+    unsigned long port;
+    char *end;
+
+    if (text[0] < '0' || text[0] > '9')
+        return 0;
+    port = strtoul(text, &end, 10);
+    return *end == '\0' && port <= PORT_MAX ? port : 0;
+}
+
+/* "HOST:PORT" of a setting as the URL to ask. */
+static vor_status from_listen(char out[VOR_REMOTE_URL_MAX], const char *listen,
+                              struct vor_error *err)
+{
+    const char *colon = strrchr(listen, ':');
+    size_t host = colon != NULL ? (size_t)(colon - listen) : 0;
+    unsigned long port = host > 0 && host <= PATH_ROOM ? port_of(colon + 1) : 0;
+
+    if (port == 0)
+        return vor_fail(err, VOR_E_PARAM,
+                        LISTEN_VARIABLE
+                        " is \"%.80s\", want HOST:PORT with a port from 1 to %d, or "
+                        "give --server URL",
+                        listen, PORT_MAX);
+    if (is(listen, host, "0.0.0.0"))
+        (void)snprintf(out, VOR_REMOTE_URL_MAX, "http://127.0.0.1:%lu", port);
+    else if (is(listen, host, "[::]"))
+        (void)snprintf(out, VOR_REMOTE_URL_MAX, "http://[::1]:%lu", port);
+    else
+        (void)snprintf(out, VOR_REMOTE_URL_MAX, "http://%.*s:%lu", (int)host, listen, port);
+    return VOR_OK;
+}
+
+vor_status vor_cli_server(char out[VOR_REMOTE_URL_MAX], const struct vor_cli *cli,
+                          struct vor_error *err)
+{
+    const char *url = cli->option[VOR_OPTION_SERVER], *listen = getenv(LISTEN_VARIABLE);
+    size_t length;
+
+    if (url == NULL)
+        return from_listen(out, listen != NULL && listen[0] != '\0' ? listen : LISTEN_DEFAULT, err);
+    length = strlen(url);
+    while (length > 0 && url[length - 1] == '/')
+        length--;
+    if (length >= VOR_REMOTE_URL_MAX - PATH_ROOM)
+        return vor_fail(err, VOR_E_PARAM, "the server's URL has %zu bytes, want at most %d", length,
+                        VOR_REMOTE_URL_MAX - PATH_ROOM - 1);
+    memcpy(out, url, length);
+    out[length] = '\0';
+    return VOR_OK;
+}

@@ -1,0 +1,111 @@
+#!/usr/bin/perl
+# Several inputs and a folder: names, summaries, failures that do not stop the rest, refusals before any work.
+use strict;
+use warnings;
+use FindBin;
+use lib $FindBin::Bin;
+use Cli;
+use JSON::PP;
+use Test::More;
+
+my $folder = scratch();
+my ($a, $b) = map { spew("$folder/$_.ply", sphere(60, ord)) } qw(a b);
+mkdir "$folder/sub";
+my $twin = spew("$folder/sub/a.ply", sphere(60, 9));
+my $bad = spew("$folder/bad.ply", "hello\n");
+my $out = "$folder/out";
+my @request = ('-n', 20, '--iterations', 2, '--polish', 2);
+
+# What a process has printed so far.
+sub shown { return -e "$_[0]{folder}/out" ? slurp("$_[0]{folder}/out") : '' }
+sub clear { unlink glob "$out/*"; rmdir $out }
+sub files { return leftovers($out) }
+
+# The bytes of a run of its own.
+sub alone {
+    my ($in, $name, @more) = @_;
+    run(['resample', $in, @request, @more, '-q', '-o', "$folder/$name"]);
+    my $bytes = slurp("$folder/$name");
+    unlink "$folder/$name";
+    return $bytes;
+}
+
+my ($code, $stdout, $stderr) = run(['resample', '--iterations', 2, $a, '--polish=2', '-n20', '-o', "$out/", '--', $b]);
+is "$code|$stdout", '0|', 'two inputs, among options, into a folder that is made';
+like $stderr, qr{\Avoronoid: \Q$out\E/a\.ply: 20 points, [^\n]+\nvoronoid: \Q$out\E/b\.ply: 20 points, [^\n]+\n\z}, 'a summary line each';
+is files(), 'a.ply b.ply', 'results have the names of their inputs';
+ok slurp("$out/a.ply") eq alone($a, 'x.ply'), 'and the bytes of a run of its own';
+ok slurp("$out/b.ply") eq alone($b, 'x.ply'), 'the second as well';
+clear();
+
+($code, $stdout, $stderr) = run(['resample', $a, @request, '--format', 'drc', '-q', '-o', "$out/"]);
+is "$code|$stdout|$stderr", '0||', 'one input into a folder, quietly';
+is files(), 'a.drc', 'a format that is asked for changes the suffix';
+ok slurp("$out/a.drc") eq alone($a, 'x.drc'), 'and the bytes';
+clear();
+
+my $odd = spew("$folder/a.scan.1", slurp($a));
+run(['resample', $odd, @request, '-q', '-o', "$out/"]);
+is files(), 'a.scan.1', 'a suffix of no format is kept';
+run(['resample', $odd, @request, '-q', '--format=drc', '-o', "$out/"]);
+is files(), 'a.scan.1 a.scan.1.drc', 'and another is put behind it';
+clear();
+
+($code, $stdout, $stderr) = run(['resample', $a, $bad, "$folder/no.ply", $b, @request, '-o', "$out/"]);
+is "$code|$stdout", '3|', 'the exit code is that of the first failure';
+my @said = split /\n/, $stderr;
+is scalar(@said), 5, 'a line for each, and one for all';
+like $said[1], qr{\Avoronoid: \Q$bad\E: }, 'the first failure names its input';
+like $said[2], qr{\Avoronoid: \Q$folder\E/no\.ply: cannot be read}, 'so does the second';
+is $said[4], 'voronoid: resample: 2 of 4 failed', 'the last line counts';
+is files(), 'a.ply b.ply', 'what is right is there, and nothing else';
+($code) = run(['resample', "$folder/no.ply", $bad, @request, '-q', '-o', "$out/"]);
+is $code, 1, 'whichever it was';
+clear();
+
+($code, $stdout) = run(['resample', $a, $b, @request, '--json', '-o', "$out/"]);
+my @lines = map { decode_json($_) } split /\n/, $stdout;
+is_deeply [grep { exists $_->{input} } @lines], [map { { input => "$folder/$_.ply", output => "$out/$_.ply" } } qw(a b)],
+    'with --json a line names input and output';
+is_deeply $lines[0], { input => $a, output => "$out/a.ply" }, 'before the lines of its run';
+is scalar(grep { exists $_->{stopped} } @lines), 2, 'each run ends with its report';
+clear();
+
+($code, $stdout, $stderr) = run(['inspect', $a, $b, '-o', "$out/"]);
+is "$code|$stdout|$stderr", "0||voronoid: $out/a.json: written\nvoronoid: $out/b.json: written\n", 'documents have a line each';
+is files(), 'a.json b.json', 'and are JSON';
+is decode_json(slurp("$out/a.json"))->{points}{all}, 60, 'each of its cloud';
+clear();
+
+sub refused {
+    my ($name, $arguments, $wanted, $line) = @_;
+    my ($got, $printed, $errors) = run($arguments);
+    is "$got|$printed|$errors", "$wanted||voronoid: resample: $line\n", $name;
+    ok !-e $out, "$name: nothing is made";
+}
+refused 'equal names', ['resample', $a, $b, $twin, @request, '-o', "$out/"], 2,
+    "the results of $a and $twin would both be $out/a.ply";
+my $drc = spew("$folder/b.drc", 'x');
+refused 'names that a format makes equal', ['resample', $b, $drc, @request, '--format=ply', '-o', "$out/"], 2,
+    "the results of $b and $drc would both be $out/b.ply";
+refused 'an input without a name', ['resample', $a, '-', @request, '-o', "$out/"], 2, "- has no name for a result in $out/";
+refused 'a folder as an input', ['resample', $a, "$folder/sub/", @request, '-o', "$out/"], 2,
+    "$folder/sub/ has no name for a result in $out/";
+refused 'a folder in one that is not there', ['resample', $a, $b, @request, '-o', "$out/x/"], 1,
+    "$out/x/ cannot be made: No such file or directory";
+
+my $process = start(['resample', $a, $b, '-n', 60, '--iterations', 10000, '--seconds', 60, '--polish', 0, '--delta', 0, '--json', '-o', "$out/"]);
+await { shown($process) =~ /"iteration":[1-9]/ };
+kill 'INT', $process->{pid};
+($code, undef, $stderr) = finish($process, 30);
+is "$code|$stderr", "130|voronoid: $a: cancelled\n", '^C ends them all';
+is files(), '', 'and leaves nothing';
+clear();
+
+my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2);
+($code, $stdout, $stderr) = run(['resample', $a, $bad, $b, @request, '-o', "$out/", '--server', $daemon->{url}]);
+is "$code|$stdout", '3|', 'a daemon does it as well, and refuses as well';
+is files(), 'a.ply b.ply', 'what is right is there';
+ok slurp("$out/b.ply") eq alone($b, 'x.ply'), 'with the same bytes';
+is((stop($daemon))[0], 0, 'the daemon ends well');
+done_testing;

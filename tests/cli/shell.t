@@ -1,0 +1,145 @@
+#!/usr/bin/perl
+# What is made of the tables for shells and readers: the manual, the completions, and how make installs them.
+use strict;
+use warnings;
+use Cwd qw(getcwd);
+use FindBin;
+use lib $FindBin::Bin;
+use Cli;
+use Test::More;
+
+my $folder = scratch();
+my $in = spew("$folder/in.ply", sphere(50));
+my $binary = $ENV{VORONOID} // 'build/release/voronoid';
+$binary = getcwd() . "/$binary" unless $binary =~ m{^/};
+
+sub printed {
+    my ($code, $stdout, $stderr) = run([@_]);
+    is "$code|$stderr", '0|', "voronoid @_: all is well";
+    return $stdout;
+}
+sub has_program { return system("command -v $_[0] >/dev/null 2>&1") == 0 }
+
+my @commands = printed('--help') =~ /^  ([a-z]+) +\S/mg;
+cmp_ok scalar(@commands), '>', 10, 'there are commands';
+
+# The options that the help of a command has: "--points", and with letters "-n".
+sub options_of {
+    my ($text) = @_;
+    return sort map { grep { defined } @$_ } map { [m/^(?:(-\w), |    )(--[A-Za-z-]+)/] } $text =~ /^  ((?:-\w,|   ) --.*)$/mg;
+}
+my %options = map { $_ => [options_of(printed($_, '--help'))] } grep { $_ ne 'serve' } @commands;
+my @settings = sort { $a cmp $b } printed('serve', '--help') =~ /^  (--[a-z-]+)/mg;
+
+subtest 'the manual' => sub {
+    my %page = map { $_ => printed('--man', $_) } 1, 8;
+    is((run(['--man', 5]))[0], 2, 'there is no other page');
+    for my $section (sort keys %page) {
+        like $page{$section}, qr/\A\.TH VORONOID $section /, "voronoid($section) begins as a page does";
+        is scalar(grep { length > 100 || /\s\z/ } split /\n/, $page{$section}), 0, 'no line is long, or ends with a blank';
+        spew("$folder/voronoid.$section", $page{$section});
+      SKIP: {
+            skip 'mandoc: not on this machine', 1 unless has_program('mandoc');
+            my @found = grep { !/missing date/ } `mandoc -T lint -W warning '$folder/voronoid.$section' 2>&1`;
+            is "@found", '', 'mandoc finds nothing but that there is no date';
+        }
+      SKIP: {
+            skip 'groff: not on this machine', 1 unless has_program('groff');
+            is `groff -man -ww -T utf8 '$folder/voronoid.$section' 2>&1 >/dev/null`, '', 'groff warns of nothing';
+        }
+    }
+    my $plain = $page{1} =~ s/\\-/-/gr =~ s/\\f.//gr;
+    for my $command (@commands) {
+        like $plain, qr/^\.TP\n\Q$command\E\n\S/m, "it has the command $command";
+        my @missing = grep { $plain !~ /^(?:-\w, )?\Q$_\E(?: |\[|$)/m } grep { /^--/ } @{ $options{$command} // [] };
+        is "@missing", '', "and every option of $command";
+    }
+    like $plain, qr/^\.TP\n$_\n\S/m, "and exit status $_" for 0 .. 5, 130;
+    my $daemon = $page{8} =~ s/\\-/-/gr =~ s/\\f.//gr;
+    is join(' ', grep { $daemon !~ /^\Q$_\E(?: |$)/m } @settings), '', 'the other page has every setting';
+    like $daemon, qr/^\.TP\n$_\n\S/m, "and exit status $_" for 0, 1, 2, 75;
+};
+
+my $bash = spew("$folder/voronoid.bash", printed('--completion', 'bash'));
+my $zsh = spew("$folder/_voronoid", printed('--completion', 'zsh'));
+is((run(['--completion', 'csh']))[0], 2, 'no completion for a shell that is not known');
+
+# What bash offers behind these words, the last of which is being written. bash takes words apart at each =.
+sub offered {
+    my @words = @_;
+    my $list = join ' ', map { "'$_'" } $binary, @words;
+    my $script = "cd '$folder'; source '$bash'; COMP_WORDS=($list); COMP_CWORD=" . @words
+        . '; _voronoid; printf "%s\n" "${COMPREPLY[@]}"';
+    open my $pipe, '-|', 'bash', '--norc', '-c', $script or die "bash: $!";
+    my @offered = map { chomp; $_ } <$pipe>;
+    close $pipe;
+    return join ' ', sort grep { length } @offered;
+}
+
+subtest 'bash' => sub {
+    is system('bash', '-n', $bash), 0, 'bash can read it';
+  SKIP: {
+        skip 'shellcheck: not on this machine', 1 unless has_program('shellcheck');
+        is `shellcheck '$bash'`, '', 'shellcheck finds nothing';
+    }
+    is offered(''), join(' ', sort @commands, qw(help --help --version --completion --man)), 'the first word is a command';
+    is offered('res'), 'resample', 'the beginning of one';
+    is offered($_, '-'), join(' ', @{ $options{$_} }), "$_: the options of its help" for sort grep { $_ ne 'submit' } keys %options;
+    is offered('serve', '--'), join(' ', sort '--help', @settings), 'serve: its settings';
+    is offered('submit', 'up'), 'upsample', 'submit wants a process';
+    is offered('submit', 'meas'), '', 'which is offered over HTTP';
+    is offered('submit', 'inspect', '--in'), '--intrinsic', 'and then takes its parameters';
+    is offered('resample', '--order', ''), 'progressive spatial', 'a choice has words';
+    is offered('resample', '--order', '=', 'p'), 'progressive', 'also behind a =';
+    is offered('resample', '--order', '='), 'progressive spatial', 'right behind it';
+    is offered('resample', '--filters', 'mls,o'), 'mls,outliers', 'a list goes on behind a comma';
+    is offered('resample', '--neighbors', ''), 'auto', 'a number may have a word';
+    is offered('resample', '-n', ''), '', 'or none, and then no file is offered';
+    is offered('jobs', '--status', 'acc'), 'accepted', 'a status';
+    is offered('fetch', '--result', 're'), 'report', 'a result';
+    is offered('serve', '--log-level', 'd'), 'debug', 'a setting';
+    is offered('resample', 'in'), 'in.ply', 'an operand is a file';
+    is offered('resample', '-o', 'in'), 'in.ply', 'so is an output';
+    is offered('measure', '--reference', 'in'), 'in.ply', 'and another input';
+    is offered('resample', '--quiet', 'in'), 'in.ply', 'a flag is followed by an operand';
+    my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 1);
+    local $ENV{VORONOID_SERVER} = $daemon->{url};
+    my (undef, $id) = run(['submit', 'inspect', $in]);
+    chomp $id;
+    is offered('wait', substr $id, 0, 8), $id, 'wait wants a job of the daemon';
+    stop($daemon);
+};
+
+subtest 'zsh' => sub {
+    my $text = slurp($zsh);
+    like $text, qr/\A#compdef voronoid\n/, 'zsh knows what it completes';
+    for my $command (sort keys %options) {
+        my ($block) = $text =~ /^  '$command'\)\n(.*?)^    ;;$/ms;
+        my @missing = grep { $block !~ /(?<![\w-])\Q$_\E(?![\w-])/ } @{ $options{$command} };
+        is "@missing", '', "$command: the options of its help";
+    }
+  SKIP: {
+        skip 'zsh: not on this machine', 1 unless has_program('zsh');
+        is system('zsh', '-n', $zsh), 0, 'zsh can read it';
+    }
+};
+
+subtest 'make install' => sub {
+    my ($config) = $binary =~ m{/build/(\w+)/voronoid\z} or plan skip_all => 'the binary is not one of ours';
+    my $root = "$folder/root";
+    my $make = sub { return system("make -s config=$config $_[0] DESTDIR='$root' PREFIX=/opt/v >'$folder/make.log' 2>&1") };
+    is $make->('install'), 0, 'ends well' or diag slurp("$folder/make.log");
+    my %same = ('share/man/man1/voronoid.1' => "$folder/voronoid.1", 'share/man/man8/voronoid.8' => "$folder/voronoid.8",
+        'share/bash-completion/completions/voronoid' => $bash, 'share/zsh/site-functions/_voronoid' => $zsh,
+        'share/doc/voronoid/LICENSE' => 'LICENSE', 'bin/voronoid' => $binary);
+    for my $path (sort keys %same) {
+        ok slurp("$root/opt/v/$path") eq slurp($same{$path}), "$path is there";
+    }
+    my @files = split /\n/, `cd '$root/opt/v' && find . -type f`;
+    is scalar(@files), scalar(keys %same), 'and nothing else';
+    ok -x "$root/opt/v/bin/voronoid", 'the binary can be run';
+    is $make->('uninstall'), 0, 'uninstall ends well' or diag slurp("$folder/make.log");
+    is `find '$root' -type f`, '', 'and leaves no file';
+    ok !-e "$root/opt/v/share/doc/voronoid", 'nor a folder of our own';
+};
+done_testing;
