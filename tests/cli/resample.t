@@ -123,8 +123,8 @@ subtest 'the same bytes' => sub {
 
 subtest 'the format' => sub {
     my @magic = ([ply => "ply\n"], [drc => 'DRACO']);
-    for my $case (['a.ply', [], 'ply'], ['a.DRC', [], 'drc'], ['a.bin', [], 'ply'],
-        ['b.ply', ['--format', 'drc'], 'drc'], ['b.drc', ['--format=ply'], 'ply']) {
+    for my $case (['a.ply', [], 'ply'], ['a.DRC', [], 'drc'], ['a', [], 'ply'],
+        ['a.bin', ['--format', 'ply'], 'ply'], ['b.ply', ['--format', 'drc'], 'drc'], ['b.drc', ['--format=ply'], 'ply']) {
         my ($name, $option, $format) = @$case;
         my ($magic) = map { $_->[1] } grep { $_->[0] eq $format } @magic;
         my ($code, $stdout) = run(['resample', $in, @request, '-o', "$folder/$name", '--json', @$option]);
@@ -132,10 +132,19 @@ subtest 'the format' => sub {
         is substr(slurp("$folder/$name"), 0, length $magic), $magic, "$name @$option is $format";
         is decode_json((split /\n/, $stdout)[-1])->{parameters}{format}, $format, 'the report says so';
     }
-    my ($code) = run(['resample', "$folder/a.DRC", '-n', 100, '-o', "$folder/c.bin", '-q']);
+    my ($code) = run(['resample', "$folder/a.DRC", '-n', 100, '-o', "$folder/c", '-q']);
     is $code, 0, 'what was written is read';
-    is substr(slurp("$folder/c.bin"), 0, 5), 'DRACO', 'without a hint, the format is the input\'s';
-    unlink glob "$folder/{a,b,c}.*";
+    is substr(slurp("$folder/c"), 0, 5), 'DRACO', 'without a hint, the format is the input\'s';
+    unlink "$folder/a", "$folder/c", glob "$folder/{a,b}.*";
+
+    # A name that promises what is not written is refused before the input is looked at.
+    for my $case (['a.las', '.las'], ['a.ply.gz', '.gz'], ['a.PLYX', '.PLYX']) {
+        my ($name, $suffix) = @$case;
+        my ($code, $stdout, $stderr) = run(['resample', "$folder/missing.ply", @request, '-o', "$folder/$name"]);
+        is "$code$stdout$stderr", "2voronoid: resample: the output's suffix is $suffix, want one of .ply, .drc; or say "
+            . "--format\n", "$name is refused";
+        ok !-e "$folder/$name", 'and nothing is written';
+    }
 };
 
 subtest 'what stands where the output goes' => sub {

@@ -1,4 +1,5 @@
 #include "proto/codec.h"
+#include "server/api/handlers/ask.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/range.h"
 #include "server/api/links.h"
@@ -240,6 +241,7 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
     const struct vor_artefact_info *outputs, *output;
     struct vor_app *app = ctx;
     struct output out = {.fd = -1};
+    struct vor_result_ask ask;
     struct vor_job_view view;
     const char *segment;
     size_t length = vor_path_segment(vor_request_path(request), 4, &segment);
@@ -253,9 +255,12 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
     output = vor_artefact_find(outputs, name);
     if (output == NULL)
         return reply_no_such_output(app, request, &view, name);
+    if (!vor_ask_read(app, request, false, &ask))
+        return VOR_NEXT_REPLY;
     if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
         return vor_result_missing(app, request, &view);
-    if (open_output(app, request, &view, (unsigned)(output - outputs), &out))
+    if (open_output(app, request, &view, (unsigned)(output - outputs), &out) &&
+        vor_ask_accepts(app, request, out.media_type))
         reply_output(app, request, &out);
     output_close(&out);
     return VOR_NEXT_REPLY;
@@ -277,14 +282,17 @@ static void put_output(struct vor_app *app, struct vor_request *request,
 enum vor_next vor_handle_results(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_app *app = ctx;
+    struct vor_result_ask ask;
     struct vor_job_view view;
     struct vor_text text;
 
     (void)step;
-    if (!vor_job_look_up(app, request, &view))
+    if (!vor_job_look_up(app, request, &view) || !vor_ask_read(app, request, false, &ask))
         return VOR_NEXT_REPLY;
     if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
         return vor_result_missing(app, request, &view);
+    if (!vor_ask_accepts(app, request, "application/json"))
+        return VOR_NEXT_REPLY;
     vor_text_init(&text, 0);
     vor_json_begin_object(&text);
     for (unsigned i = 0; view.spec.process->outputs[i].name != NULL; i++)
