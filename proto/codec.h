@@ -2,6 +2,7 @@
 #ifndef VOR_PROTO_CODEC_H
 #define VOR_PROTO_CODEC_H
 
+#include "core/report.h"
 #include "core/spec.h"
 #include "proto/format.h"
 
@@ -28,7 +29,12 @@ VOR_NODISCARD vor_status vor_codec_read(struct vor_cloud *out, const struct vor_
                                         const uint8_t *bytes, size_t size,
                                         const struct vor_limits *limits, struct vor_error *err);
 
-/** Write options from a request and the mean spacing of the cloud to be written. */
+/** Adds to a report what a file of that format leaves out of a cloud. */
+void vor_codec_report_dropped(struct vor_report *report, const struct vor_cloud *cloud,
+                              const struct vor_format *format);
+
+/** Write options from a request and the mean spacing of the cloud to be written; 0, or NaN, if that
+ *  is not known. */
 void vor_write_options_from(struct vor_write_options *out, const struct vor_spec *spec,
                             double spacing);
 

@@ -13,6 +13,7 @@
 /* One run: whatever is at fault when it fails is named by `subject`. */
 struct here {
     const struct vor_cli *cli;
+    struct vor_spec spec; /* that of the command, with the format of the result */
     const char *subject;
     struct vor_work work;
     struct vor_progress progress;
@@ -59,7 +60,7 @@ static vor_status run(struct here *r, struct vor_error *err)
     vor_status status;
 
     vor_progress_note(&r->progress, "preparing");
-    status = vor_engine_run(&r->out, &r->in, &r->cli->spec, &r->work.run, err);
+    status = vor_engine_run(&r->out, &r->in, &r->spec, &r->work.run, err);
     if (status == VOR_OK)
         r->report = vor_artefacts_values(&r->out, "report", &vor_report_members);
     return status;
@@ -114,6 +115,7 @@ static vor_status save(struct here *r, struct vor_error *err)
 /* The end of a run that has a report. */
 static vor_status finish(struct here *r, struct vor_error *err)
 {
+    const struct vor_artefact *main = vor_artefacts_find(&r->out, r->spec.process->outputs[0].name);
     struct vor_text text;
     vor_status status;
 
@@ -121,8 +123,8 @@ static vor_status finish(struct here *r, struct vor_error *err)
         return VOR_OK;
     r->report->seconds_read = r->seconds_read;
     r->report->seconds_write = r->seconds_write;
-    r->report->parameters.value[VOR_PARAM_FORMAT] =
-        r->format == vor_format(VOR_FORMAT_DRC) ? VOR_FORMAT_DRC : VOR_FORMAT_PLY;
+    if (main->kind == VOR_ARTEFACT_CLOUD)
+        vor_codec_report_dropped(r->report, &main->cloud, r->format);
     vor_text_init(&text, 0);
     vor_json_document(&text, &vor_artefacts_find(&r->out, "report")->document);
     status = vor_text_status(&text, err);
@@ -140,6 +142,9 @@ static vor_status work(struct here *r, struct vor_error *err)
     if (status != VOR_OK)
         return status;
     r->format = format_of_result(r->cli, r->format);
+    for (unsigned i = 0; vor_format(i) != NULL; i++)
+        if (vor_format(i) == r->format && vor_process_takes(r->spec.process, VOR_PARAM_FORMAT))
+            r->spec.value[VOR_PARAM_FORMAT] = i;
     r->subject = r->cli->option[VOR_OPTION_OUTPUT];
     status = vor_output_open(&r->output, r->subject, err);
     if (status != VOR_OK)
@@ -161,6 +166,7 @@ int vor_cli_process_here(const struct vor_cli *cli)
 
     memset(&r, 0, sizeof r);
     r.cli = cli;
+    r.spec = cli->spec;
     r.subject = cli->input[0];
     vor_progress_start(&r.progress, cli);
     status = vor_work_start(&r.work, cli, &r.progress, &err);

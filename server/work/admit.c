@@ -107,13 +107,15 @@ static void run_admission(void *ctx)
 {
     struct vor_admission *admission = ctx;
     struct vor_admit *admit = admission->admit;
+    struct vor_admit_limits limits = admit->limits;
 
+    limits.codec.drop_invalid = admission->drop_invalid;
     if (vor_crew_closing(admit->crew))
         admission->status =
             vor_fail(&admission->error, VOR_E_CANCELLED, "the daemon is going down");
     else
         admission->status = vor_admit_file(&admission->admitted, admission->name, admit->blobs,
-                                           admission->upload, &admit->limits, &admission->error);
+                                           admission->upload, &limits, &admission->error);
     if (admission->status == VOR_OK)
         admission->error.status = VOR_OK;
     vor_blob_discard(admission->upload);

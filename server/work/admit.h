@@ -1,5 +1,5 @@
 /** Decodes and checks what clients upload, once, before a job exists. No other file of the daemon
- *  decodes. */
+ *  decodes what comes from outside. */
 #ifndef VOR_SERVER_WORK_ADMIT_H
 #define VOR_SERVER_WORK_ADMIT_H
 
@@ -52,10 +52,11 @@ void vor_admit_drop(struct vor_blobs *blobs, const struct vor_admitted *admitted
 /** A pool of threads that admit uploads, so that HTTP threads do not wait. */
 struct vor_admit;
 
-/** One upload on its way. The caller fills in name, upload, done and ctx and keeps the struct until
- *  done was called. */
+/** One upload on its way. The caller fills in name, drop_invalid, upload, done and ctx and keeps
+ * the struct until done was called. */
 struct vor_admission {
     const char *name;                              /**< of the input, as vor_admit_file has it */
+    int drop_invalid;                              /**< as struct vor_limits has it */
     struct vor_blob_writer *upload;                /**< taken over, discarded before done */
     void (*done)(struct vor_admission *admission); /**< on an admission thread; may block, e.g. on
                                                         vor_worker_submit */

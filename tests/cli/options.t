@@ -25,9 +25,9 @@ sub refused {
 
 my ($code, $help, $errors) = run(['--help']);
 is "$code$errors", '0', 'voronoid --help ends well';
-like $help, qr/^  \Q$_\E +\S/m, "the overview names $_" for qw(serve resample denoise upsample simplify measure inspect health);
+like $help, qr/^  \Q$_\E +\S/m, "the overview names $_" for qw(serve resample denoise upsample simplify measure inspect convert health);
 
-for my $command (qw(resample denoise upsample simplify measure inspect health)) {
+for my $command (qw(resample denoise upsample simplify measure inspect convert health)) {
     ($code, $help, $errors) = run([$command, '--help']);
     is "$code$errors", '0', "voronoid $command --help ends well";
     like $help, qr/^usage: voronoid $command/, "it is the help of $command";
@@ -81,13 +81,13 @@ refused 'an option of another command', ['measure', $in, '--server', 'http://127
 refused 'an input of another command', ['resample', $in, @points, '-o', $out, '--reference', $in], 2,
     'resample: no option --reference; see voronoid resample --help';
 refused 'a parameter of another process', ['measure', $in, '--points', 5], 2,
-    'measure: no parameter points; measure takes peak';
+    'measure: no parameter points; measure takes invalid, peak';
 refused 'a letter of another process', ['measure', $in, '-n', 5], 2, 'measure: no option -n; see voronoid measure --help';
 refused 'a parameter of a command without a process', ['health', '--points', 5], 2,
     'health: no option --points; see voronoid health --help';
 refused 'a parameter of measure', ['denoise', $in, '-o', $out, '--peak=1'], 2,
     'denoise: no parameter peak; denoise takes points, ratio, spacing, method, patch, iterations, delta, '
-    . 'seconds, neighbors, anderson, polish, boundary, outliers, filters, inputNormals, intrinsic, seed, order, format, '
+    . 'seconds, neighbors, anderson, polish, boundary, outliers, filters, inputNormals, intrinsic, invalid, seed, order, format, '
     . 'quantization, compression, '
     . 'attributes, normals';
 refused 'an option with a newline', ['resample', "--a\nb"], 2,

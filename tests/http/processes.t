@@ -38,7 +38,7 @@ my %as = (
     simplify => { ask => 'ratio=0.25', out => $points / 4, ratio => 0.25, outliers => 'keep', same => 'ratio=0.25' },
 );
 my @listed = @{ json($daemon->get('/v1/processes'))->{processes} };
-is_deeply [map { $_->{id} } @listed], [qw(resample denoise upsample simplify inspect)], 'the list has every process';
+is_deeply [map { $_->{id} } @listed], [qw(resample denoise upsample simplify inspect convert)], 'the list has every process';
 
 for my $process (grep { $as{ $_->{id} } } @listed) {
     my ($id, $wanted) = ($process->{id}, $as{ $process->{id} });
@@ -97,7 +97,7 @@ is_problem($daemon->post('/v1/processes/measure/execution', $cloud), 404, 'no-su
 is_problem($daemon->post('/v1/measure', $cloud), 404, 'no-such-resource', 'nor has it a path of its own');
 ok !exists json($daemon->get("/v1/processes/$_"))->{inputs}{peak}, "$_ does not describe peak" for sort keys %as;
 my $names = join ', ', qw(points ratio spacing method patch iterations delta seconds neighbors anderson polish boundary
-    outliers filters inputNormals intrinsic seed order format quantization compression attributes normals);
+    outliers filters inputNormals intrinsic invalid seed order format quantization compression attributes normals);
 
 # Refusals that the head decides, and those that the cloud does: both ways to run a process.
 for my $case (

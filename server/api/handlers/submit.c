@@ -211,6 +211,7 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
 
     submission->admission = (struct vor_admission){
         .name = submission->head.spec.process->inputs[0].name, /* the body is the main input */
+        .drop_invalid = submission->head.spec.value[VOR_PARAM_INVALID] == VOR_INVALID_DROP,
         .upload = submission->upload,
         .done = on_admitted,
         .ctx = submission};

@@ -1,0 +1,81 @@
+#!/usr/bin/perl
+# Formats over HTTP: the process convert, points that are not finite, and what a result does not have of its input.
+use strict;
+use warnings;
+use FindBin;
+use lib "$FindBin::Bin/../support";
+use Test::More;
+use Vt;
+
+my $daemon = Vt->start;
+my $points = 600;
+my $cloud = sphere_ply($points);
+my $signature = "comment written by voronoid\n";
+
+sub job_of { return $_[0]{headers}{location} =~ m{(/v1/jobs/[^/]+)\z} ? $1 : die 'no Location' }
+sub report_of { return json($daemon->get(job_of($_[0]) . '/results/report')) }
+
+# --- the process ----------------------------------------------------------------------------------
+
+my $remarks = "comment a scan of \xe4\nobj_info num_cols 3\ncomment\ttwo\n";
+my $rich = "ply\nformat ascii 1.0\n${remarks}element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    . "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float label\nelement face 2\n"
+    . "property list uchar int vertex_indices\nend_header\n0 0 0 1 2 3 0.5\n1 0 0 4 5 6 0.25\n0 1 0 7 8 9 1\n0 0 1 10 11 12 2\n"
+    . "3 0 1 2\n3 0 2 3\n";
+my @rows = ([0, 0, 0, 1, 2, 3, 0.5], [1, 0, 0, 4, 5, 6, 0.25], [0, 1, 0, 7, 8, 9, 1], [0, 0, 1, 10, 11, 12, 2]);
+my $plain = "ply\nformat binary_little_endian 1.0\n${signature}${remarks}element vertex 4\nproperty float x\nproperty float y\n"
+    . "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty float label\nend_header\n"
+    . join('', map { pack 'f<3C3f<', @$_ } @rows);
+
+my $same = $daemon->post('/v1/convert', $rich);
+is $same->{status}, 200, 'PLY is converted to PLY' or diag($same->{content});
+is $same->{content}, $plain, 'with its points, attributes, comments and obj_info';
+my $report = report_of($same);
+is_deeply $report->{points}, { in => 4, out => 4 }, 'the report counts the points';
+is_deeply $report->{dropped}, [{ what => 'face', count => 2 }], 'and the faces that are left out';
+is $report->{delta}, undef, 'and claims no delta';
+is $report->{invalid}, 0, 'and no point was invalid';
+is json($daemon->get(job_of($same)))->{message}, '4 points', 'the job says how many';
+
+my $draco = $daemon->post('/v1/convert?format=drc&quantization=0', $rich);
+is $draco->{headers}{'content-type'}, 'application/draco', 'PLY is converted to Draco';
+is_deeply report_of($draco)->{dropped},
+    [{ what => 'face', count => 2 }, { what => 'comment', count => 2 }, { what => 'obj_info', count => 1 }],
+    'which has no comments either';
+my $back = $daemon->post('/v1/convert', $draco->{content}, Accept => 'application/ply');
+is $back->{content}, $plain =~ s/\Q$remarks\E//r, 'and back, bit for bit';
+is_deeply report_of($back)->{dropped}, [], 'nothing is left out on that way';
+is report_of($daemon->post('/v1/convert?format=drc', $cloud))->{parameters}{quantization}, 'auto', 'auto is said';
+my $spacing = json($daemon->post('/v1/inspect', $cloud))->{spacing}{mean};
+cmp_ok abs(report_of($daemon->post('/v1/convert?format=drc', $cloud))->{spacing} / $spacing - 1), '<', 1e-5,
+    'and follows the spacing that it finds';
+my $one = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n";
+is $daemon->post("/v1/convert?format=$_", $one)->{status}, 200, "a single point becomes $_" for qw(ply drc);
+is_problem($daemon->post('/v1/convert?points=5', $cloud), 400, 'invalid-parameter', 'it takes no number of points');
+
+# A comment in a resampling is kept as well.
+my $said = $cloud =~ s/element vertex/comment kept\ncomment written by voronoid\nelement vertex/r;
+like $daemon->post('/v1/resample?points=60&iterations=1&polish=0', $said)->{content},
+    qr/\Aply\nformat binary_little_endian 1.0\n${signature}comment kept\nelement vertex 60\n/, 'a resampled cloud has the comments';
+
+# --- points that are not finite -------------------------------------------------------------------
+
+my $holes = $cloud =~ s/element vertex \d+/'element vertex ' . ($points + 3)/er;
+$holes .= pack('f<3', 1, 'nan', 0) . pack('f<3', 'inf', 0, 0) . pack('f<3', 0, 0, '-inf');
+for my $process ('resample?points=60&iterations=1&polish=0', 'convert?') {
+    my $refused = $daemon->post("/v1/$process", $holes);
+    is_problem($refused, 422, 'non-finite-points', "$process refuses them");
+    is json($refused)->{detail},
+        '3 of 603 points are not finite, the first is point 600, whose y is nan; invalid=drop leaves them out',
+        'and says how many, and what would drop them';
+    is json($refused)->{errors}[0]{parameter}, 'invalid', 'also for programs';
+    my $taken = $daemon->post("/v1/$process&invalid=drop", $holes);
+    is $taken->{status}, 200, 'which it does';
+    is report_of($taken)->{invalid}, 3, 'and counts them';
+    is $taken->{content}, $daemon->post("/v1/$process", $cloud)->{content}, 'the result is that of the others';
+}
+is json($daemon->post('/v1/inspect?invalid=drop', $holes))->{points}{invalid}, 3, 'inspect counts them too';
+is_problem($daemon->post('/v1/convert?invalid=keep', $holes), 400, 'invalid-parameter', 'there is no other word');
+
+is $daemon->stop, 0, 'the daemon ends with 0';
+done_testing;
