@@ -11,6 +11,7 @@
 #include <stdbool.h>
 
 struct vor_admit;
+struct vor_conversions;
 
 struct vor_app {
     const struct vor_config *config;
@@ -18,6 +19,7 @@ struct vor_app {
     struct vor_blobs *blobs;
     struct vor_worker *worker;
     struct vor_admit *admit;
+    struct vor_conversions *conversions;
     struct vor_http *http;
     atomic_bool draining; /**< SIGTERM came: /readyz says no, streams end */
     atomic_uint streams;  /**< event streams open */

@@ -149,6 +149,11 @@ void vor_admit_destroy(struct vor_admit *admit)
     free(admit);
 }
 
+struct vor_crew *vor_admit_crew(struct vor_admit *admit)
+{
+    return admit->crew;
+}
+
 enum vor_job_outcome vor_admit_submit(struct vor_admit *admit, struct vor_admission *admission)
 {
     admission->admit = admit;

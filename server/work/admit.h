@@ -79,6 +79,9 @@ VOR_NODISCARD vor_status vor_admit_create(struct vor_admit **out, struct vor_blo
  *  may be NULL. */
 void vor_admit_destroy(struct vor_admit *admit);
 
+/** The threads that decode, for conversions. */
+struct vor_crew *vor_admit_crew(struct vor_admit *admit);
+
 /** Hands an upload over.
  *
  *  @retval VOR_DONE      done will be called, exactly once

@@ -1,5 +1,6 @@
 #include "proto/codec.h"
 #include "server/api/handlers/ask.h"
+#include "server/api/handlers/converted.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/range.h"
 #include "server/api/links.h"
@@ -99,10 +100,10 @@ static bool open_kept(struct vor_app *app, struct vor_request *request,
 
 /* The file name of an output: that of the job, with the output's name in it but for the main one
  * and the report, which a client tells apart by their suffixes. */
-static void name_file(const struct vor_job_view *view, unsigned index, char *out, size_t size)
+static void name_file(const struct vor_job_view *view, unsigned index,
+                      const struct vor_format *format, char *out, size_t size)
 {
     const struct vor_artefact_info *output = &view->spec.process->outputs[index];
-    const struct vor_format *format = vor_format(view->output[index].format);
     bool is_plain = index == 0 || vor_output_in_row(output);
 
     (void)snprintf(out, size, "%s%s%s%s", view->id.text, is_plain ? "" : "-",
@@ -119,7 +120,7 @@ static bool open_output(struct vor_app *app, struct vor_request *request,
         vor_result_missing(app, request, view);
         return false;
     }
-    name_file(view, index, out->name, sizeof out->name);
+    name_file(view, index, vor_format(view->output[index].format), out->name, sizeof out->name);
     return vor_output_in_row(&view->spec.process->outputs[index])
                ? open_kept(app, request, view, out)
                : open_blob(app, request, view, index, out);
@@ -236,6 +237,29 @@ static enum vor_next reply_no_such_output(struct vor_app *app, struct vor_reques
                            names);
 }
 
+/* Output number `index` in another format than the job's. */
+static enum vor_next reply_converted(struct vor_app *app, struct vor_request *request,
+                                     const struct vor_job_view *view, unsigned index,
+                                     unsigned format)
+{
+    struct output out = {.fd = -1, .media_type = vor_format(format)->media_type};
+    struct vor_converted converted;
+    enum vor_next next;
+
+    if (!vor_ask_accepts(app, request, out.media_type))
+        return VOR_NEXT_REPLY;
+    next = vor_converted_get(app, request, view, index, format, &converted);
+    if (next != VOR_NEXT_REPLY || converted.fd < 0)
+        return next;
+    out.fd = converted.fd;
+    out.size = converted.size;
+    (void)snprintf(out.etag, sizeof out.etag, "\"%s\"", converted.sha256);
+    name_file(view, index, vor_format(format), out.name, sizeof out.name);
+    reply_output(app, request, &out);
+    output_close(&out);
+    return VOR_NEXT_REPLY;
+}
+
 enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor_step step)
 {
     const struct vor_artefact_info *outputs, *output;
@@ -255,10 +279,12 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
     output = vor_artefact_find(outputs, name);
     if (output == NULL)
         return reply_no_such_output(app, request, &view, name);
-    if (!vor_ask_read(app, request, false, &ask))
+    if (!vor_ask_read(app, request, output->kind == VOR_ARTEFACT_CLOUD, &ask))
         return VOR_NEXT_REPLY;
     if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
         return vor_result_missing(app, request, &view);
+    if (ask.has_format && ask.format != view.output[output - outputs].format)
+        return reply_converted(app, request, &view, (unsigned)(output - outputs), ask.format);
     if (open_output(app, request, &view, (unsigned)(output - outputs), &out) &&
         vor_ask_accepts(app, request, out.media_type))
         reply_output(app, request, &out);

@@ -18,7 +18,7 @@
 #include <string.h>
 
 /* What must stay free on the disk, so that jobs under way can end. */
-static const uint64_t disk_reserve = (uint64_t)16 << 20;
+static const uint64_t disk_reserve = VOR_BLOBS_RESERVE;
 
 struct submission {
     struct vor_app *app;
