@@ -177,7 +177,8 @@ struct vor_stage_done {
       "points.in")                                                                                 \
     X(DROPPED, dropped, "dropped", "",                                                             \
       "What of the input's file is not in the result's: faces, other elements and lists of a PLY " \
-      "file, and comments where the format of the result has none")                                \
+      "file, attributes that the request drops, and comments where the format of the result has "  \
+      "none")                                                                                      \
     X(U64, outliers, "outliers", "points",                                                         \
       "Input points that were taken for outliers: ignored, or pulled onto the surface")            \
     X(U64, parts, "components", "", "Parts of the input that lie clear of each other")             \

@@ -14,7 +14,8 @@
     X(TEXT, what, "what", "",                                                                      \
       "What it is: comment, obj_info, an element of a PLY file such as face, a list property as "  \
       "ELEMENT.PROPERTY, seam (points of a mesh that share a vertex), digits of an attribute "     \
-      "(integers that no double holds), or others, where there are more kinds than fit here")      \
+      "(integers that no double holds), attribute and its name, or others, where there are more "  \
+      "kinds than fit here")                                                                       \
     X(U64, count, "count", "", "How many of them, as far as the file says")
 
 struct vor_dropped {

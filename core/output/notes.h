@@ -8,7 +8,8 @@
 /** Tells in the report what reading the input left out. */
 void vor_output_report_notes(struct vor_report *report, const struct vor_cloud *in);
 
-/** The same; also gives the result the remarks of the input.
+/** The same, and which of its attributes the result does not have; also gives the result the
+ *  remarks of the input.
  *
  *  @param[in,out] out  a cloud without remarks
  *

@@ -61,6 +61,14 @@ my $said = $cloud =~ s/element vertex/comment kept\ncomment written by voronoid\
 like $daemon->post('/v1/resample?points=60&iterations=1&polish=0', $said)->{content},
     qr/\Aply\nformat binary_little_endian 1.0\n${signature}comment kept\nelement vertex 60\n/, 'a resampled cloud has the comments';
 
+# So is what a request drops.
+my $dense = $cloud =~ s/(property float z\n)/$1property uchar heat\n/r;
+my $from = index($dense, "end_header\n") + 11;
+substr($dense, $from) = join '', map { substr($cloud, index($cloud, "end_header\n") + 11 + 12 * $_, 12) . chr($_ % 256) }
+    0 .. $points - 1;
+is_deeply report_of($daemon->post('/v1/resample?points=60&iterations=1&polish=0' . $_->[0], $dense))->{dropped}, $_->[1],
+    "what is dropped is said ($_->[0])" for ['', []], ['&attributes=drop', [{ what => 'attribute heat', count => $points }]];
+
 # --- points that are not finite -------------------------------------------------------------------
 
 my $holes = $cloud =~ s/element vertex \d+/'element vertex ' . ($points + 3)/er;
