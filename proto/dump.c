@@ -33,8 +33,10 @@ _Static_assert(sizeof(struct head) == 56 && sizeof(struct row) == 80 && sizeof(s
                    sizeof(struct vor_dropped) == 72,
                "no padding in the file");
 
-/* Most bytes of remarks: more than any header that a reader lets pass. */
+/* Most bytes of remarks, and formats: more than any header that a reader lets pass, and than there
+ * are. */
 static const uint64_t REMARKS_MAX = (uint64_t)1 << 24;
+enum { FORMATS_MAX = 63 };
 
 static int has_notes(const struct vor_notes *notes)
 {
@@ -161,7 +163,8 @@ static int check_tail(const uint8_t *bytes, size_t size, uint64_t *total)
     if (*total > size || size - *total < sizeof tail)
         return 0;
     memcpy(&tail, bytes + *total, sizeof tail);
-    if (tail.dropped_count > VOR_DROPPED_MAX || tail.remarks_size > REMARKS_MAX)
+    if (tail.dropped_count > VOR_DROPPED_MAX || tail.remarks_size > REMARKS_MAX ||
+        tail.format > FORMATS_MAX)
         return 0;
     *total += sizeof tail + tail.dropped_count * sizeof(struct vor_dropped) + tail.remarks_size;
     return 1;

@@ -47,12 +47,14 @@ static int is_signature(const char *line, size_t size)
     return size == sizeof signature - 1 && memcmp(line, signature, size) == 0;
 }
 
-/* Writes the remarks among the lines of a header; returns their bytes. out may be NULL. */
-static size_t put_remarks(char *out, const uint8_t *bytes, size_t size)
+/* Writes the remarks among the lines of a header, up to VOR_PLY_REMARKS_MAX, and counts the others;
+ * returns the bytes written. out may be NULL. */
+static size_t put_remarks(char *out, uint64_t *others, const uint8_t *bytes, size_t size)
 {
     uint8_t stop = vor_ply_line_stop(bytes, size);
     size_t used = 0, length;
 
+    *others = 0;
     for (size_t at = 0; at < size; at += length + 1) {
         const char *line = (const char *)bytes + at;
         const char *end = memchr(line, stop, size - at);
@@ -62,6 +64,10 @@ static size_t put_remarks(char *out, const uint8_t *bytes, size_t size)
         kept = length - (stop == '\n' && length > 0 && line[length - 1] == '\r');
         if (!vor_ply_is_remark(line, kept) || is_signature(line, kept))
             continue;
+        if (used + kept + 1 > VOR_PLY_REMARKS_MAX) {
+            ++*others;
+            continue;
+        }
         for (size_t i = 0; out != NULL && i < kept; i++) {
             uint8_t c = (uint8_t)line[i];
 
@@ -79,17 +85,19 @@ vor_status vor_ply_note(struct vor_cloud *cloud, const uint8_t *bytes,
                         struct vor_error *err)
 {
     struct vor_notes *notes = &cloud->notes;
-    size_t size = put_remarks(NULL, bytes, header->body);
+    uint64_t others;
+    size_t size = put_remarks(NULL, &others, bytes, header->body);
 
     for (unsigned i = 0; i < header->element_count; i++)
         if (&header->elements[i] != vertex)
             note_element(notes, &header->elements[i]);
     note_lists(notes, vertex);
+    vor_dropped_add(notes->dropped, &notes->dropped_count, "comment", others);
     if (size == 0)
         return VOR_OK;
     notes->remarks = vor_malloc(cloud->memory, size, 1);
     if (notes->remarks == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu bytes of remarks", size);
-    notes->remarks_size = put_remarks(notes->remarks, bytes, header->body);
+    notes->remarks_size = put_remarks(notes->remarks, &others, bytes, header->body);
     return VOR_OK;
 }

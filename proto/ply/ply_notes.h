@@ -8,6 +8,10 @@
  */
 #define VOR_PLY_SIGNATURE "written by voronoid"
 
+/** Most bytes of remarks that are kept: what a reader's default of 65,536 bytes for a header
+ * leaves, once the properties of any PLY file are written in it. */
+enum { VOR_PLY_REMARKS_MAX = 49152 };
+
 /** Adds to the cloud's notes the remarks of a header, control characters in them as '?', and what a
  *  cloud of the element `vertex` leaves out of the file: other elements, and lists.
  *
