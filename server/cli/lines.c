@@ -13,7 +13,7 @@ static const char *const documents[] = {"inspect"};
 /* Digits of a number: a count is shown whole. */
 enum {
     REAL_DIGITS = 6,
-    PLACE_DIGITS = 12,
+    PLACE_DIGITS = 10,
     COUNT_DIGITS = 17,
     NAME_SIZE = 64 /* of a member, with the NUL */
 };
