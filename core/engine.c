@@ -6,7 +6,9 @@
 #include "core/input/islands.h"
 #include "core/metrics/inspect.h"
 #include "core/metrics/measure.h"
+#include "core/output/convert.h"
 #include "core/output/filtered.h"
+#include "core/output/notes.h"
 #include "core/output/output.h"
 #include "core/seeds/area.h"
 #include "core/seeds/fixed.h"
@@ -169,8 +171,12 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
     double unit = engine->domain.unit;
     vor_status status = make_output(engine, out, err);
 
-    if (status != VOR_OK)
+    if (status == VOR_OK)
+        status = vor_output_notes(out, report, engine->in, err);
+    if (status != VOR_OK) {
+        vor_cloud_free(out);
         return status;
+    }
     if (report->on_islands == 0)
         report->delta_beside = report->delta;
     report->parameters = engine->spec;
@@ -211,6 +217,26 @@ static vor_status run_resample(struct vor_artefacts *out, const struct vor_artef
     }
     vor_seeds_free(&engine.seeds);
     vor_domain_free(&engine.domain);
+    return status;
+}
+
+static vor_status run_convert(struct vor_artefacts *out, const struct vor_artefacts *in,
+                              const struct vor_spec *spec, const struct vor_run *run,
+                              struct vor_error *err)
+{
+    struct vor_report *report = vor_artefacts_put_document(out, "report", &vor_report_members, err);
+    const struct vor_run whole = vor_run_unstoppable(run);
+    struct vor_cloud cloud;
+    vor_status status;
+
+    if (report == NULL)
+        return VOR_E_NOMEM;
+    vor_cloud_init(&cloud, run->memory);
+    status = vor_convert_cloud(&cloud, report, vor_artefacts_cloud(in, "cloud"), spec, &whole, err);
+    report->seconds_index = vor_run_seconds(run);
+    report->memory_peak_bytes = atomic_load(&run->memory->peak);
+    if (status == VOR_OK)
+        vor_artefacts_put_cloud(out, "cloud", &cloud);
     return status;
 }
 
@@ -257,7 +283,7 @@ static vor_status run_inspect(struct vor_artefacts *out, const struct vor_artefa
     status = vor_input_prepare(&domain, cloud, spec, &whole, err);
     if (status != VOR_OK)
         return status;
-    told->points = cloud->n;
+    vor_inspect_cloud(told, cloud);
     status = inspect(told, &domain, spec, &whole, err);
     vor_domain_free(&domain);
     return status;
@@ -267,6 +293,7 @@ static vor_status run_inspect(struct vor_artefacts *out, const struct vor_artefa
 static const struct vor_process processes[] = {
     {"resample", run_resample},    {"denoise", run_resample}, {"upsample", run_resample},
     {"simplify", run_resample},    {"measure", run_measure},  {"inspect", run_inspect},
+    {"convert", run_convert},
 #define PROCESS_ROW(id, run) {id, run},
     VOR_EXTRA_RUNNERS(PROCESS_ROW)
 #undef PROCESS_ROW

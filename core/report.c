@@ -61,6 +61,12 @@ const char *vor_stopped_word(enum vor_stopped stopped)
     .kind = VOR_MEMBER_LIST, .inner = &stage_done_members,                                         \
     .count_offset = offsetof(type, field##_count)
 #define VOR_KIND_OF_SPEC(type, field) .kind = VOR_MEMBER_REQUEST
+#define VOR_KIND_OF_DROPPED(type, field)                                                           \
+    .kind = VOR_MEMBER_LIST, .inner = &dropped_members,                                            \
+    .count_offset = offsetof(type, field##_count)
+#define VOR_KIND_OF_BOX(type, field) .kind = VOR_MEMBER_OBJECT, .inner = &box_members
+#define VOR_KIND_OF_COLUMNS(type, field)                                                           \
+    .kind = VOR_MEMBER_LIST, .inner = &column_members, .count_offset = offsetof(type, field##_count)
 
 static const struct vor_member apart_rows[] = {
 #define APART_ROW(...) VOR_MEMBER(struct vor_apart, __VA_ARGS__)
@@ -86,6 +92,30 @@ static const struct vor_member stage_done_rows[] = {
 
 static const struct vor_members stage_done_members =
     VOR_MEMBERS(struct vor_stage_done, stage_done_rows);
+
+static const struct vor_member dropped_rows[] = {
+#define DROPPED_ROW(...) VOR_MEMBER(struct vor_dropped, __VA_ARGS__)
+    VOR_DROPPED_TABLE(DROPPED_ROW)
+#undef DROPPED_ROW
+};
+
+static const struct vor_members dropped_members = VOR_MEMBERS(struct vor_dropped, dropped_rows);
+
+static const struct vor_member box_rows[] = {
+#define BOX_ROW(...) VOR_MEMBER(struct vor_box, __VA_ARGS__)
+    VOR_BOX_TABLE(BOX_ROW)
+#undef BOX_ROW
+};
+
+static const struct vor_members box_members = VOR_MEMBERS(struct vor_box, box_rows);
+
+static const struct vor_member column_rows[] = {
+#define COLUMN_ROW(...) VOR_MEMBER(struct vor_column, __VA_ARGS__)
+    VOR_COLUMN_TABLE(COLUMN_ROW)
+#undef COLUMN_ROW
+};
+
+static const struct vor_members column_members = VOR_MEMBERS(struct vor_column, column_rows);
 
 static const struct vor_member record_rows[] = {
 #define RECORD_ROW(...) VOR_MEMBER(struct vor_record, __VA_ARGS__)

@@ -9,6 +9,7 @@
 
 #include "core/base/extensions.h"
 #include "core/base/members.h"
+#include "core/cloud/cloud.h"
 #include "core/spec.h"
 
 #include <stdint.h>
@@ -171,6 +172,13 @@ struct vor_stage_done {
     X(REAL, seconds_write, "seconds.write", "s", "Encoding the result")                            \
     X(U64, memory_peak_bytes, "memory_peak_bytes", "bytes",                                        \
       "Most memory that the job held at a time")                                                   \
+    X(U64, invalid, "invalid", "points",                                                           \
+      "Points of the input that were left out, as a coordinate was not finite; not among "         \
+      "points.in")                                                                                 \
+    X(DROPPED, dropped, "dropped", "",                                                             \
+      "What of the input's file is not in the result's: faces, other elements and lists of a PLY " \
+      "file, attributes that the request drops, and comments where the format of the result has "  \
+      "none")                                                                                      \
     X(U64, outliers, "outliers", "points",                                                         \
       "Input points that were taken for outliers: ignored, or pulled onto the surface")            \
     X(U64, parts, "components", "", "Parts of the input that lie clear of each other")             \
@@ -264,6 +272,8 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
       "Mean distance to the nearest other point: the spacing")                                     \
     X(REAL, min_over_mean, "min_over_mean", "", "Smallest of those distances over their mean")     \
     X(REAL, max_over_mean, "max_over_mean", "", "Largest of those distances over their mean")      \
+    X(U64, invalid, "invalid", "points",                                                           \
+      "Points of the cloud that were left out, as a coordinate was not finite")                    \
     X(U64, coincident, "coincident", "points", "Points that share their place with another one")   \
     X(OPTIONAL, has_reference, "input", "", "The cloud beside the reference; only with one")       \
     X(REAL, far_over_knn6_mean, "input.far_over_knn6_mean", "",                                    \
@@ -306,9 +316,40 @@ enum vor_answered { VOR_NO, VOR_YES };
 
 #define VOR_FIELD_ANSWERED(field) enum vor_answered field;
 
+/** A box along the axes. */
+#define VOR_BOX_TABLE(X)                                                                           \
+    X(VECTOR, low, "min", "unit of the cloud", "Lowest coordinates")                               \
+    X(VECTOR, high, "max", "unit of the cloud", "Highest coordinates")
+
+struct vor_box {
+    VOR_BOX_TABLE(VOR_FIELD)
+};
+
+#define VOR_FIELD_BOX(field) struct vor_box field;
+
+/** An attribute of a cloud. */
+#define VOR_COLUMN_TABLE(X)                                                                        \
+    X(TEXT, name, "name", "", "normal, color, or its own name")                                    \
+    X(TEXT, type, "type", "", "Type of its scalars: int8 to uint64, float32, float64")             \
+    X(U32, components, "components", "", "Scalars of a point")
+
+struct vor_column {
+    VOR_COLUMN_TABLE(VOR_FIELD)
+};
+
+#define VOR_FIELD_COLUMNS(field)                                                                   \
+    struct vor_column field[VOR_ATTRIBUTES_MAX];                                                   \
+    unsigned field##_count;
+
 /** What a cloud is like. Lengths are in the unit of the cloud. */
 #define VOR_INSPECT_TABLE(X)                                                                       \
+    X(TEXT, format, "format", "", "Format of the file, as the parameter of that name has it")      \
+    X(BOX, bounds, "bounds", "", "Box around all points")                                          \
+    X(VECTOR, origin, "origin", "unit of the cloud", "What positions are relative to")             \
+    X(COLUMNS, attributes, "attributes", "", "What the points have besides positions")             \
     X(U64, points, "points.all", "points", "Points of the cloud")                                  \
+    X(U64, invalid, "points.invalid", "points",                                                    \
+      "Points that were left out, as a coordinate was not finite; not among all")                  \
     X(U64, distinct, "points.distinct", "points",                                                  \
       "Points that share no place with an earlier one")                                            \
     X(U64, outliers, "points.outliers", "points",                                                  \

@@ -5,14 +5,15 @@
 #include "proto/origin.h"
 #include "proto/ply/ply.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
 /* In the order of the words of parameter `format`. */
 static const struct vor_format formats[] = {
-    [VOR_FORMAT_PLY] = {"ply", "PLY", "application/ply", ".ply", "ply", vor_ply_read, vor_ply_write,
-                        0},
-    [VOR_FORMAT_DRC] = {"drc", "Draco", "application/draco", ".drc", "DRACO", vor_draco_read,
+    [VOR_FORMAT_PLY] = {"ply", "PLY", "application/ply", ".ply", "ply", 1, 0, vor_ply_read,
+                        vor_ply_write, 0},
+    [VOR_FORMAT_DRC] = {"drc", "Draco", "application/draco", ".drc", "DRACO", 0, 1, vor_draco_read,
                         vor_draco_write, 1},
 };
 
@@ -107,6 +108,7 @@ vor_status vor_codec_read(struct vor_cloud *out, const struct vor_format **forma
     status = found->read(out, bytes, size, limits, err);
     if (status != VOR_OK)
         return status;
+    out->notes.format = (unsigned)(found - formats);
     status = vor_cloud_check(out, err);
     if (status != VOR_OK)
         vor_cloud_free(out);
@@ -122,13 +124,16 @@ vor_status vor_write_options_from(struct vor_write_options *out, const struct vo
         .quantization_bits = bits == VOR_UNSET ? -1 : (int)bits,
         .compression = (int)spec->value[VOR_PARAM_COMPRESSION],
         .keep_order = spec->value[VOR_PARAM_ORDER] == VOR_ORDER_PROGRESSIVE,
-        .spacing = facts->spacing,
+        .spacing = facts->spacing > 0 ? facts->spacing : 0,
         .has_origin = format->takes_origin,
     };
+    double spacing = options.spacing > 0
+                         ? options.spacing
+                         : vor_extent_spacing(&facts->input, (double)facts->input.n);
     vor_status status = VOR_OK;
 
     if (format->takes_origin)
-        status = vor_origin_resolve(options.origin, spec, &facts->input, facts->spacing, err);
+        status = vor_origin_resolve(options.origin, spec, &facts->input, spacing, err);
     if (status == VOR_OK)
         *out = options;
     return status;
@@ -138,4 +143,36 @@ vor_status vor_write_check(const struct vor_format *format, const struct vor_spe
                            const struct vor_extent *input, struct vor_error *err)
 {
     return format->takes_origin ? vor_origin_check(spec, input, err) : VOR_OK;
+}
+
+/* Counts the integers of 64 bits that no double holds: those with bits further apart than 53. */
+static uint64_t count_rounded(const struct vor_attribute *attribute, size_t n)
+{
+    uint64_t count = 0, bits;
+
+    if (attribute->type != VOR_INT64 && attribute->type != VOR_UINT64)
+        return 0;
+    for (size_t i = 0; i < n * attribute->components; i++) {
+        memcpy(&bits, (const char *)attribute->data + i * sizeof bits, sizeof bits);
+        if (attribute->type == VOR_INT64 && bits >> 63 != 0)
+            bits = -bits;
+        count += bits != 0 && (bits >> __builtin_ctzll(bits)) >> 53 != 0;
+    }
+    return count;
+}
+
+void vor_codec_report_dropped(struct vor_report *report, const struct vor_cloud *cloud,
+                              const struct vor_format *format)
+{
+    static const char *const words[] = {"comment", "obj_info"};
+    char what[VOR_MEMBER_TEXT_SIZE];
+
+    for (size_t i = 0; !format->has_int64 && i < cloud->attribute_count; i++) {
+        (void)snprintf(what, sizeof what, "digits of %.50s", cloud->attributes[i].name);
+        vor_dropped_add(report->dropped, &report->dropped_count, what,
+                        count_rounded(&cloud->attributes[i], cloud->n));
+    }
+    for (size_t i = 0; !format->has_remarks && i < sizeof words / sizeof words[0]; i++)
+        vor_dropped_add(report->dropped, &report->dropped_count, words[i],
+                        vor_notes_remarks(&cloud->notes, words[i]));
 }

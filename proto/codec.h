@@ -3,6 +3,7 @@
 #define VOR_PROTO_CODEC_H
 
 #include "core/cloud/extent.h"
+#include "core/report.h"
 #include "core/spec.h"
 #include "proto/format.h"
 
@@ -32,10 +33,12 @@ VOR_NODISCARD vor_status vor_codec_read(struct vor_cloud *out, const struct vor_
 /** What the file of a result follows from besides the request. */
 struct vor_result_facts {
     struct vor_extent input; /**< of the main input */
-    double spacing;          /**< mean distance between neighbours of the result; 0: not known */
+    double spacing;          /**< mean distance between neighbours of the result; 0, or NaN, if that
+                                  is not known */
 };
 
-/** Write options for a result in a format.
+/** Write options for a result in a format. Where the spacing is not known, an origin is judged by
+ *  the estimate of vor_extent_spacing for the input.
  *
  *  @param[out] out  unchanged on failure; its origin is 0 for a format that takes none
  *  @retval VOR_E_ORIGIN as vor_origin_resolve */
@@ -51,5 +54,9 @@ VOR_NODISCARD vor_status vor_write_options_from(struct vor_write_options *out,
 VOR_NODISCARD vor_status vor_write_check(const struct vor_format *format,
                                          const struct vor_spec *spec,
                                          const struct vor_extent *input, struct vor_error *err);
+
+/** Adds to a report what a file of that format leaves out of a cloud. */
+void vor_codec_report_dropped(struct vor_report *report, const struct vor_cloud *cloud,
+                              const struct vor_format *format);
 
 #endif

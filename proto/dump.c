@@ -1,10 +1,12 @@
 /* A head, a row for each attribute, then the positions and the values, all as they lie in memory:
- * the file never leaves the machine that wrote it, and `order` tells when it did. */
+ * the file never leaves the machine that wrote it, and `order` tells when it did. A cloud with
+ * notes has a tail with them, and is of version 2; one without is as all were before there were
+ * notes. */
 #include "proto/dump.h"
 
 #include <string.h>
 
-enum { VERSION = 1, ORDER = 0x01020304 };
+enum { VERSION = 1, VERSION_NOTES = 2, ORDER = 0x01020304 };
 
 static const char magic[8] = "vordump";
 
@@ -21,7 +23,26 @@ struct row {
     uint32_t semantic, type, components, unused;
 };
 
-_Static_assert(sizeof(struct head) == 56 && sizeof(struct row) == 80, "no padding in the file");
+/* Then dropped_count times struct vor_dropped, and the remarks. */
+struct tail {
+    uint64_t invalid, remarks_size;
+    uint32_t format, dropped_count;
+};
+
+_Static_assert(sizeof(struct head) == 56 && sizeof(struct row) == 80 && sizeof(struct tail) == 24 &&
+                   sizeof(struct vor_dropped) == 72,
+               "no padding in the file");
+
+/* Most bytes of remarks, and formats: more than any header that a reader lets pass, and than there
+ * are. */
+static const uint64_t REMARKS_MAX = (uint64_t)1 << 24;
+enum { FORMATS_MAX = 63 };
+
+static int has_notes(const struct vor_notes *notes)
+{
+    return notes->format != 0 || notes->invalid > 0 || notes->remarks_size > 0 ||
+           notes->dropped_count > 0;
+}
 
 static vor_status put(const struct vor_sink *sink, const void *bytes, size_t size,
                       struct vor_error *err)
@@ -43,7 +64,7 @@ static vor_status put(const struct vor_sink *sink, const void *bytes, size_t siz
 static vor_status put_head(const struct vor_sink *sink, const struct vor_cloud *cloud,
                            struct vor_error *err)
 {
-    struct head head = {.version = VERSION,
+    struct head head = {.version = has_notes(&cloud->notes) ? VERSION_NOTES : VERSION,
                         .order = ORDER,
                         .n = cloud->n,
                         .position_type = (uint32_t)cloud->position_type,
@@ -65,6 +86,19 @@ static vor_status put_row(const struct vor_sink *sink, const struct vor_attribut
     return put(sink, &row, sizeof row, err);
 }
 
+static vor_status put_tail(const struct vor_sink *sink, const struct vor_notes *notes,
+                           struct vor_error *err)
+{
+    struct tail tail = {notes->invalid, notes->remarks_size, notes->format, notes->dropped_count};
+    vor_status status = put(sink, &tail, sizeof tail, err);
+
+    if (status == VOR_OK)
+        status = put(sink, notes->dropped, notes->dropped_count * sizeof *notes->dropped, err);
+    if (status == VOR_OK)
+        status = put(sink, notes->remarks, notes->remarks_size, err);
+    return status;
+}
+
 vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *cloud,
                           struct vor_error *err)
 {
@@ -80,6 +114,8 @@ vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *c
         status = put(sink, attribute->data,
                      cloud->n * attribute->components * vor_type_size(attribute->type), err);
     }
+    if (status == VOR_OK && has_notes(&cloud->notes))
+        status = put_tail(sink, &cloud->notes, err);
     return status;
 }
 
@@ -93,8 +129,8 @@ static vor_status damaged(size_t offset, const char *what, struct vor_error *err
 
 static vor_status check_head(const struct head *head, size_t size, struct vor_error *err)
 {
-    if (memcmp(head->magic, magic, sizeof magic) != 0 || head->version != VERSION ||
-        head->order != ORDER)
+    if (memcmp(head->magic, magic, sizeof magic) != 0 || head->order != ORDER ||
+        (head->version != VERSION && head->version != VERSION_NOTES))
         return damaged(0, "not a dump of this version and machine", err);
     if (head->n == 0 || head->n > VOR_POINTS_MAX)
         return damaged(16, "number of points", err);
@@ -119,6 +155,21 @@ static int check_row(const struct row *row, uint64_t n, uint64_t *total)
            !__builtin_add_overflow(*total, bytes, total);
 }
 
+/* Adds the bytes of the tail, which begins at *total, to *total. */
+static int check_tail(const uint8_t *bytes, size_t size, uint64_t *total)
+{
+    struct tail tail;
+
+    if (*total > size || size - *total < sizeof tail)
+        return 0;
+    memcpy(&tail, bytes + *total, sizeof tail);
+    if (tail.dropped_count > VOR_DROPPED_MAX || tail.remarks_size > REMARKS_MAX ||
+        tail.format > FORMATS_MAX)
+        return 0;
+    *total += sizeof tail + tail.dropped_count * sizeof(struct vor_dropped) + tail.remarks_size;
+    return 1;
+}
+
 /* The file must be exactly as long as its tables say. */
 static vor_status check_size(const struct head *head, const uint8_t *bytes, size_t size,
                              struct vor_error *err)
@@ -134,6 +185,8 @@ static vor_status check_size(const struct head *head, const uint8_t *bytes, size
         if (!check_row(&row, head->n, &total))
             return damaged(at, "attribute", err);
     }
+    if (head->version == VERSION_NOTES && !check_tail(bytes, size, &total))
+        return damaged(size, "notes", err);
     return total == size ? VOR_OK : damaged(size, "length", err);
 }
 
@@ -151,6 +204,30 @@ static vor_status take_attribute(struct vor_cloud *cloud, const struct row *row,
     memcpy(attribute->name, row->name, sizeof row->name); /* unchanged, however long */
     memcpy(attribute->data, *at, cloud->n * size);
     *at += cloud->n * size;
+    return VOR_OK;
+}
+
+static vor_status take_tail(struct vor_cloud *cloud, const uint8_t *at, struct vor_error *err)
+{
+    struct vor_notes *notes = &cloud->notes;
+    struct tail tail;
+
+    memcpy(&tail, at, sizeof tail);
+    at += sizeof tail;
+    notes->invalid = tail.invalid;
+    notes->format = tail.format;
+    notes->dropped_count = tail.dropped_count;
+    memcpy(notes->dropped, at, tail.dropped_count * sizeof *notes->dropped);
+    at += tail.dropped_count * sizeof *notes->dropped;
+    for (unsigned i = 0; i < notes->dropped_count; i++)
+        notes->dropped[i].what[sizeof notes->dropped[i].what - 1] = '\0';
+    if (tail.remarks_size == 0)
+        return VOR_OK;
+    notes->remarks = vor_malloc(cloud->memory, (size_t)tail.remarks_size, 1);
+    if (notes->remarks == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu bytes of remarks", (size_t)tail.remarks_size);
+    notes->remarks_size = (size_t)tail.remarks_size;
+    memcpy(notes->remarks, at, notes->remarks_size);
     return VOR_OK;
 }
 
@@ -173,6 +250,8 @@ static vor_status take_values(struct vor_cloud *cloud, const struct head *head,
         memcpy(&row, rows + i * sizeof row, sizeof row);
         status = take_attribute(cloud, &row, &at, err);
     }
+    if (status == VOR_OK && head->version == VERSION_NOTES)
+        status = take_tail(cloud, at, err);
     return status == VOR_OK ? vor_cloud_check(cloud, err) : status;
 }
 

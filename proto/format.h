@@ -36,6 +36,8 @@ struct vor_format {
     const char *media_type; /**< first choice for answers */
     const char *suffix;     /**< ".ply" */
     const char *magic;      /**< how a file begins */
+    int has_remarks;        /**< its files hold a cloud's remarks */
+    int has_int64;          /**< they hold integers of 64 bits, or else make doubles of them */
     vor_status (*read)(struct vor_cloud *out, const uint8_t *bytes, size_t size,
                        const struct vor_limits *limits, struct vor_error *err);
     vor_status (*write)(const struct vor_sink *sink, const struct vor_cloud *cloud,

@@ -9,6 +9,7 @@
 #include "server/base/machine.h"
 #include "server/cli/say.h"
 #include "server/work/admit.h"
+#include "server/work/conversion.h"
 
 #include <pthread.h>
 #include <signal.h>
@@ -58,6 +59,18 @@ static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
     return status;
 }
 
+/* Results are converted where uploads are decoded, as many at a time as there are cores. */
+static vor_status start_conversions(struct daemon *daemon, struct vor_error *err)
+{
+    struct vor_conversions_config conversions = {.blobs = daemon->app.blobs,
+                                                 .worker = daemon->app.worker,
+                                                 .crew = vor_admit_crew(daemon->app.admit),
+                                                 .memory = job_memory(&daemon->config),
+                                                 .most = vor_machine_cores()};
+
+    return vor_conversions_create(&daemon->app.conversions, &conversions, err);
+}
+
 static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
 {
     const struct vor_config *config = &daemon->config;
@@ -86,7 +99,7 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
     if (status == VOR_OK)
         status = vor_admit_create(&daemon->app.admit, daemon->app.blobs, &limits, worker.jobs,
                                   ADMIT_WAITING_MAX, err);
-    return status;
+    return status == VOR_OK ? start_conversions(daemon, err) : status;
 }
 
 static void library_line(void *ctx, const char *line)
@@ -140,6 +153,7 @@ static void stop(struct daemon *daemon)
 {
     vor_http_stop(daemon->app.http);
     vor_admit_destroy(daemon->app.admit);
+    vor_conversions_destroy(daemon->app.conversions);
     vor_worker_destroy(daemon->app.worker);
     vor_inflight_destroy(daemon->app.inflight);
     vor_pool_destroy(daemon->pool);

@@ -19,6 +19,7 @@ enum vor_member_kind {
     VOR_MEMBER_U64,     /**< uint64_t: a number */
     VOR_MEMBER_REAL,    /**< double: a number, null when it is not finite */
     VOR_MEMBER_VECTOR,  /**< double[3]: the members x, y and z of an object */
+    VOR_MEMBER_TEXT,    /**< char[VOR_MEMBER_TEXT_SIZE]: a string */
     VOR_MEMBER_WORD,    /**< an enum that counts from 0: one of `words`, null past the last */
     VOR_MEMBER_OBJECT,  /**< a struct that has a table of its own, `inner`: an object */
     VOR_MEMBER_LIST,    /**< an array of such structs, and how many are in use: an array */
@@ -26,6 +27,9 @@ enum vor_member_kind {
     VOR_MEMBER_OPTIONAL /**< int, not told itself: where it is 0, the object of this name, whose
                              rows follow, is left out */
 };
+
+/** Bytes of a text, with its NUL. */
+#define VOR_MEMBER_TEXT_SIZE 64
 
 struct vor_members;
 
@@ -71,6 +75,7 @@ static inline const void *vor_member_at(const struct vor_member *member, const v
 #define VOR_FIELD_U64(field) uint64_t field;
 #define VOR_FIELD_REAL(field) double field;
 #define VOR_FIELD_VECTOR(field) double field[3];
+#define VOR_FIELD_TEXT(field) char field[VOR_MEMBER_TEXT_SIZE];
 #define VOR_FIELD_OPTIONAL(field) int field;
 
 #define VOR_MEMBER(type, member_kind, field, member_name, member_unit, text)                       \
@@ -83,6 +88,7 @@ static inline const void *vor_member_at(const struct vor_member *member, const v
 #define VOR_KIND_OF_U64(type, field) .kind = VOR_MEMBER_U64
 #define VOR_KIND_OF_REAL(type, field) .kind = VOR_MEMBER_REAL
 #define VOR_KIND_OF_VECTOR(type, field) .kind = VOR_MEMBER_VECTOR
+#define VOR_KIND_OF_TEXT(type, field) .kind = VOR_MEMBER_TEXT
 #define VOR_KIND_OF_OPTIONAL(type, field) .kind = VOR_MEMBER_OPTIONAL
 
 /** The description of `type` from its rows, an array. */

@@ -74,6 +74,7 @@ void vor_cloud_free(struct vor_cloud *cloud)
 {
     for (size_t i = 0; i < cloud->attribute_count; i++)
         vor_free(cloud->memory, cloud->attributes[i].data);
+    vor_free(cloud->memory, cloud->notes.remarks);
     vor_free(cloud->memory, cloud->xyz);
     vor_cloud_init(cloud, cloud->memory);
 }
@@ -128,6 +129,38 @@ vor_status vor_cloud_add_attribute(struct vor_cloud *cloud, const char *name,
     if (out != NULL)
         *out = attribute;
     return VOR_OK;
+}
+
+static vor_status copy_attribute(struct vor_cloud *out, const struct vor_attribute *from,
+                                 struct vor_error *err)
+{
+    struct vor_attribute *to;
+    vor_status status = vor_cloud_add_attribute(out, from->name, from->semantic, from->type,
+                                                from->components, &to, err);
+
+    if (status != VOR_OK)
+        return status;
+    memcpy(to->name, from->name, sizeof to->name); /* unchanged, however long */
+    memcpy(to->data, from->data, out->n * from->components * vor_type_size(from->type));
+    return VOR_OK;
+}
+
+vor_status vor_cloud_copy(struct vor_cloud *out, const struct vor_cloud *in, struct vor_error *err)
+{
+    vor_status status = vor_cloud_resize(out, in->n, err);
+
+    if (status != VOR_OK)
+        return status;
+    memcpy(out->xyz, in->xyz, in->n * 3 * sizeof *in->xyz);
+    memcpy(out->origin, in->origin, sizeof out->origin);
+    out->position_type = in->position_type;
+    for (size_t i = 0; i < in->attribute_count && status == VOR_OK; i++)
+        status = copy_attribute(out, &in->attributes[i], err);
+    if (status == VOR_OK)
+        status = vor_notes_copy_remarks(&out->notes, &in->notes, out->memory, err);
+    if (status != VOR_OK)
+        vor_cloud_free(out);
+    return status;
 }
 
 const struct vor_attribute *vor_cloud_find(const struct vor_cloud *cloud,

@@ -4,6 +4,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/status.h"
+#include "core/cloud/notes.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -75,6 +76,7 @@ struct vor_cloud {
     enum vor_type position_type; /**< FLOAT32 or FLOAT64: of the source, and of PLY output */
     size_t attribute_count;
     struct vor_attribute attributes[VOR_ATTRIBUTES_MAX];
+    struct vor_notes notes;
 };
 
 /** Makes an empty cloud that allocates from memory. */
@@ -89,6 +91,13 @@ void vor_cloud_free(struct vor_cloud *cloud);
  *  @retval VOR_E_LIMIT n exceeds VOR_POINTS_MAX
  *  @retval VOR_E_NOMEM the positions do not fit under the cap */
 VOR_NODISCARD vor_status vor_cloud_resize(struct vor_cloud *cloud, size_t n, struct vor_error *err);
+
+/** Makes *out, an initialised, empty cloud, the same as another: points, attributes, remarks. Of
+ * its other notes it has none.
+ *
+ *  @retval VOR_E_NOMEM it does not fit; *out is empty */
+VOR_NODISCARD vor_status vor_cloud_copy(struct vor_cloud *out, const struct vor_cloud *in,
+                                        struct vor_error *err);
 
 /** Adds an attribute with unset values; *out (may be NULL) points at it until the next change.
  *  A name that is taken gets "_2", "_3" ... appended.

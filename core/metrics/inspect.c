@@ -7,6 +7,7 @@
 #include "core/metrics/uniformity.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum {
@@ -21,6 +22,40 @@ enum {
      * input/islands.c, so that both documents call the same parts small. */
     SMALL = 2
 };
+
+static void note_bounds(struct vor_box *out, const struct vor_cloud *cloud)
+{
+    double x[3];
+
+    for (size_t i = 0; i < cloud->n; i++) {
+        vor_cloud_position(cloud, i, x);
+        for (int c = 0; c < 3; c++) {
+            out->low[c] = i == 0 ? x[c] : fmin(out->low[c], x[c]);
+            out->high[c] = i == 0 ? x[c] : fmax(out->high[c], x[c]);
+        }
+    }
+}
+
+void vor_inspect_cloud(struct vor_inspect *out, const struct vor_cloud *cloud)
+{
+    const char *word;
+    size_t length =
+        vor_parameter_choice(vor_parameter_info(VOR_PARAM_FORMAT), cloud->notes.format, &word);
+
+    (void)snprintf(out->format, sizeof out->format, "%.*s", (int)length, word);
+    note_bounds(&out->bounds, cloud);
+    memcpy(out->origin, cloud->origin, sizeof out->origin);
+    for (size_t i = 0; i < cloud->attribute_count; i++) {
+        const struct vor_attribute *from = &cloud->attributes[i];
+        struct vor_column *to = &out->attributes[out->attributes_count++];
+
+        (void)snprintf(to->name, sizeof to->name, "%s", from->name);
+        (void)snprintf(to->type, sizeof to->type, "%s", vor_type_name_sized(from->type));
+        to->components = from->components;
+    }
+    out->points = cloud->n;
+    out->invalid = cloud->notes.invalid;
+}
 
 /* Lists of neighbours of the domain's points. Of so few points all are near. */
 static vor_status make_lists(struct vor_domain *domain, const struct vor_spec *spec,

@@ -5,7 +5,10 @@
 #include "core/input/domain.h"
 #include "core/report.h"
 
-/** Fills in what a prepared domain (vor_input_prepare) tells: all members but points and area.
+/** Fills in what a cloud alone tells: format, bounds, origin, attributes and points. O(n). */
+void vor_inspect_cloud(struct vor_inspect *out, const struct vor_cloud *cloud);
+
+/** Fills in what a prepared domain (vor_input_prepare) tells: all other members but area.
  *  Makes lists of neighbours, as the request says, if the domain has none; of `intrinsic=none` they
  *  are the nearest points. Two points are in one component if a chain of points leads from one to
  *  the other, of which each two that follow each other are in each other's lists: the nearest

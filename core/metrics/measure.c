@@ -107,6 +107,7 @@ vor_status vor_measure_clouds(struct vor_measure *out, const struct vor_cloud *c
 
         status = measure_against(&measure, &pair, frame.unit, peak, run, err);
     }
+    measure.invalid = cloud->notes.invalid;
     if (status == VOR_OK)
         *out = measure;
     vor_free(run->memory, other);

@@ -70,6 +70,7 @@ enum vor_kind {
     X(TARGET, "How many points")                                                                   \
     X(SPREAD, "How they are spread")                                                               \
     X(CVT, "Iterations and polish")                                                                \
+    X(READ, "How the input is read")                                                               \
     X(INPUT, "The input")                                                                          \
     X(FILTER, "What is done to it first")                                                          \
     X(OUTPUT, "The result")                                                                        \
@@ -145,6 +146,9 @@ enum vor_method_choice {
     X(INTRINSIC, intrinsic, CHOICE, INPUT, "", 0, 0, VOR_INTRINSIC_LOCAL, "local satellites none", \
       "Which input points lie on one sheet. local: by what lies between them; satellites: by "     \
       "distances along the surface from three points; none: all that are near")                    \
+    X(INVALID, invalid, CHOICE, READ, "", 0, 0, VOR_INVALID_REFUSE, "refuse drop",                 \
+      "Points of the input with a coordinate that is not finite. refuse: the input is refused; "   \
+      "drop: they are left out, and counted")                                                      \
     X(SEED, seed, COUNT, SPREAD, "", 0, 9007199254740991, 1, "", "Seed of every random choice")    \
     X(ORDER, order, CHOICE, OUTPUT, "", 0, 0, VOR_ORDER_SPATIAL, "spatial progressive",            \
       "Of the points of the result. spatial: neighbours mostly follow each other; progressive: "   \
@@ -184,6 +188,7 @@ enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE };
 enum { VOR_OUTLIERS_KEEP, VOR_OUTLIERS_DROP, VOR_OUTLIERS_PULL };
 enum { VOR_FILTER_MLS, VOR_FILTER_OUTLIERS, VOR_FILTER_THIN }; /* words of the list filters */
 enum { VOR_INTRINSIC_LOCAL, VOR_INTRINSIC_SATELLITES, VOR_INTRINSIC_NONE };
+enum { VOR_INVALID_REFUSE, VOR_INVALID_DROP };
 enum { VOR_ORDER_SPATIAL, VOR_ORDER_PROGRESSIVE };
 enum { VOR_FORMAT_PLY, VOR_FORMAT_DRC };
 enum { VOR_ORIGIN_AUTO, VOR_ORIGIN_ABSOLUTE, VOR_ORIGIN_RELATIVE };
@@ -250,7 +255,7 @@ struct vor_artefact_info {
 #define VOR_BY(method) (1u << VOR_METHOD_##method)
 #define VOR_SPREAD_GROUPS                                                                          \
     (VOR_IN(TARGET) | VOR_IN(SPREAD) | VOR_IN(CVT) | VOR_IN(INPUT) | VOR_IN(FILTER) |              \
-     VOR_IN(OUTPUT) | VOR_IN(FORMAT) | VOR_EXTRA_SPREAD_GROUPS)
+     VOR_IN(READ) | VOR_IN(OUTPUT) | VOR_IN(FORMAT) | VOR_EXTRA_SPREAD_GROUPS)
 #define VOR_EVERY_METHOD (~0u)
 
 /** Processes: identifier, id, whether HTTP offers it (1 or 0), groups of parameters that it takes,
@@ -274,14 +279,18 @@ struct vor_artefact_info {
       VOR_CLOUD_OUT, "Simplify a point cloud",                                                     \
       "Spreads at most as many points as the input has, exactly the number asked for, evenly "     \
       "over the surface it describes")                                                             \
-    X(MEASURE, measure, 1, VOR_IN(MEASURE), 0, 0, 0, VOR_CLOUD_AND_REFERENCE_IN, VOR_MEASURE_OUT,  \
-      "Measure a point cloud",                                                                     \
+    X(MEASURE, measure, 1, VOR_IN(READ) | VOR_IN(MEASURE), 0, 0, 0, VOR_CLOUD_AND_REFERENCE_IN,    \
+      VOR_MEASURE_OUT, "Measure a point cloud",                                                    \
       "Tells how evenly a cloud is spread and, where there is a reference, how far the two lie "   \
       "from each other")                                                                           \
-    X(INSPECT, inspect, 1, VOR_IN(INPUT), 0, 0, 0, VOR_CLOUD_IN, VOR_INSPECT_OUT,                  \
+    X(INSPECT, inspect, 1, VOR_IN(READ) | VOR_IN(INPUT), 0, 0, 0, VOR_CLOUD_IN, VOR_INSPECT_OUT,   \
       "Inspect a point cloud",                                                                     \
       "Tells what a cloud is like: how many parts it has, how evenly and how exactly its points "  \
       "lie, and what the other processes find out before they begin")                              \
+    X(CONVERT, convert, 1, VOR_IN(READ) | VOR_IN(FORMAT), 0, 0, 0, VOR_CLOUD_IN, VOR_CLOUD_OUT,    \
+      "Convert a point cloud",                                                                     \
+      "Writes the points of a cloud in another format, or the same, with their attributes; none "  \
+      "is moved but by what the format rounds off")                                                \
     VOR_EXTRA_PROCESSES(X)
 
 /** Defaults of a process that differ from the table of parameters: process, parameter, value. That

@@ -1,4 +1,5 @@
 #include "core/base/memory.h"
+#include "core/cloud/sift.h"
 #include "proto/draco/draco.h"
 #include "proto/draco/draco_gate.h"
 #include "proto/draco/draco_meter.h"
@@ -23,6 +24,7 @@ struct load {
     int has_origin;    /* in the metadata, with the type that positions had */
     double origin[3];
     char type[16];
+    int drop_invalid;
     struct vor_error *err;
 };
 
@@ -107,6 +109,8 @@ static vor_status merge_seams(struct load *load)
             points[kept++] = (uint32_t)i;
         seen[value] = 1;
     }
+    vor_dropped_add(load->cloud->notes.dropped, &load->cloud->notes.dropped_count, "seam",
+                    all - kept);
     load->n = kept;
     load->points = points;
     points = NULL;
@@ -170,15 +174,18 @@ static vor_status load_wide_positions(const struct load *load, enum vor_type typ
     if (status != VOR_OK)
         goto done;
     widen(xyz, raw, type, 3 * load->n);
-    for (size_t i = 0; load->has_origin && i < 3 * load->n; i++)
+    status = vor_cloud_sift(load->cloud, xyz, load->drop_invalid, load->err);
+    for (size_t i = 0; status == VOR_OK && load->has_origin && i < 3 * load->cloud->n; i++)
         xyz[i] += load->origin[i % 3];
-    status = vor_cloud_set_double(load->cloud, xyz, load->err);
+    if (status == VOR_OK)
+        status = vor_cloud_set_double(load->cloud, xyz, load->err);
 done:
     vor_free(memory, xyz);
     vor_free(memory, raw);
     return status;
 }
 
+/* Comes last: points that are dropped go with all their values. */
 static vor_status load_positions(const struct load *load)
 {
     struct vor_draco_info info;
@@ -189,6 +196,8 @@ static vor_status load_positions(const struct load *load)
     if (info.scalar != VOR_DRACO_FLOAT32)
         return load_wide_positions(load, (enum vor_type)info.scalar);
     status = copy_values(load, load->position, load->cloud->xyz);
+    if (status == VOR_OK)
+        status = vor_cloud_sift(load->cloud, NULL, load->drop_invalid, load->err);
     if (status == VOR_OK)
         restore_origin(load);
     return status;
@@ -280,11 +289,13 @@ static vor_status load_cloud(struct load *load, const struct vor_limits *limits)
         return status;
     }
     status = vor_cloud_resize(load->cloud, load->n, load->err);
-    if (status == VOR_OK)
-        status = load_positions(load);
     for (unsigned i = 0; status == VOR_OK && i < vor_draco_attributes(load->decoded); i++)
         if (i != load->position)
             status = load_attribute(load, i);
+    if (status == VOR_OK)
+        status = load_positions(load);
+    vor_dropped_add(load->cloud->notes.dropped, &load->cloud->notes.dropped_count, "face",
+                    vor_draco_faces(load->decoded));
     return status == VOR_OK ? vor_cloud_check(load->cloud, load->err) : status;
 }
 
@@ -293,7 +304,7 @@ vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *bytes, size_t si
 {
     struct vor_draco_purse purse = {.memory = out->memory, .most = MEMORY_FREE};
     struct vor_draco_decoded *decoded = NULL;
-    struct load load = {.cloud = out, .err = err};
+    struct load load = {.cloud = out, .drop_invalid = limits->drop_invalid, .err = err};
     vor_status status = vor_draco_gate(bytes, size, limits, err);
 
     if (status != VOR_OK)

@@ -469,6 +469,11 @@ int vor_draco_is_mesh(const vor_draco_decoded *decoded) noexcept
     return decoded->mesh;
 }
 
+size_t vor_draco_faces(const vor_draco_decoded *decoded) noexcept
+{
+    return decoded->mesh ? static_cast<const draco::Mesh *>(decoded->cloud.get())->num_faces() : 0;
+}
+
 unsigned vor_draco_attributes(const vor_draco_decoded *decoded) noexcept
 {
     return unsigned(decoded->cloud->num_attributes());

@@ -78,6 +78,9 @@ void vor_draco_free(struct vor_draco_decoded *decoded) VOR_NOEXCEPT;
 
 size_t vor_draco_points(const struct vor_draco_decoded *decoded) VOR_NOEXCEPT;
 int vor_draco_is_mesh(const struct vor_draco_decoded *decoded) VOR_NOEXCEPT;
+
+/** Faces of a mesh; 0 of a point cloud. */
+size_t vor_draco_faces(const struct vor_draco_decoded *decoded) VOR_NOEXCEPT;
 unsigned vor_draco_attributes(const struct vor_draco_decoded *decoded) VOR_NOEXCEPT;
 
 /** index is below vor_draco_attributes. REFUSED when the type is none of ours. */

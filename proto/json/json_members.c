@@ -104,6 +104,9 @@ static void put_member(struct vor_text *text, const char *name, const struct vor
     case VOR_MEMBER_VECTOR:
         put_vector(text, value);
         return;
+    case VOR_MEMBER_TEXT:
+        vor_json_put_string(text, name, value);
+        return;
     case VOR_MEMBER_WORD:
         word = *(const unsigned *)value;
         vor_json_put_string(text, name, word < row->word_count ? row->words[word] : NULL);
@@ -240,6 +243,9 @@ static void put_type(struct vor_text *text, const struct vor_member *row)
     case VOR_MEMBER_VECTOR:
         vor_json_put_string(text, "type", "number");
         vor_json_put_bool(text, "nullable", 1);
+        return;
+    case VOR_MEMBER_TEXT:
+        vor_json_put_string(text, "type", "string");
         return;
     case VOR_MEMBER_WORD:
         vor_json_put_string(text, "type", "string");

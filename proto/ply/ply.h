@@ -14,7 +14,10 @@
  *  share a type; every other scalar property becomes a GENERIC under its name, bytes outside the
  *  printable ASCII replaced by '?'. List properties of a vertex are skipped, and so are elements
  *  before `vertex`; what follows the last vertex is not looked at. In ascii a vertex is a line, and
- *  blank lines do not count.
+ *  blank lines do not count. The cloud's notes get the remarks (comment, obj_info), and what is
+ *  skipped or not looked at, in the numbers that the header declares.
+ *
+ *  Points with a coordinate that is not finite are refused, or dropped (vor_cloud_sift).
  *
  *  Refused as VOR_E_FORMAT before anything is allocated for the points: a header of more than
  *  limits->header_bytes, a line of more than 1,024 bytes, more than 64 properties of an element or
@@ -33,7 +36,8 @@ VOR_NODISCARD vor_status vor_ply_read(struct vor_cloud *out, const uint8_t *byte
  *  type; a NORMAL of three is written as nx ny nz, a COLOR of three or four as red green blue
  *  [alpha], everything else under its name, with _0, _1 ... appended where it has several
  *  components. Names are made printable, free of blanks and unique; 64-bit integers, which PLY
- *  lacks, become double. What vor_ply_read yields comes back the same, bit for bit.
+ *  lacks, become double. The cloud's remarks follow one of our own. What vor_ply_read yields comes
+ *  back the same, bit for bit.
  *
  *  Cost: one pass and 64 KiB from cloud->memory, more where the attributes are many. Deterministic;
  *  thread-safe. */

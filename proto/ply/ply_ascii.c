@@ -79,17 +79,13 @@ static vor_status bad_number(const struct vor_ply_body *body, const struct vor_p
 
     vor_quote(name, sizeof name, property->name, property->name_length);
     vor_quote(shown, sizeof shown, token.at, token.length);
-    if (reason == VOR_PLY_NUMBER_NONFINITE)
-        vor_fail(err, VOR_E_NONFINITE, "coordinate %c of point %zu is %s",
-                 "xyz"[column->coordinate], row, shown);
-    else if (reason == VOR_PLY_NUMBER_RANGE)
+    if (reason == VOR_PLY_NUMBER_RANGE)
         vor_fail(err, VOR_E_FORMAT, "%s of row %zu is %s, outside the range of %s", name, row,
                  shown, type);
     else
         vor_fail(err, VOR_E_FORMAT, "%s of row %zu is \"%s\", want a number of type %s", name, row,
                  shown, type);
-    return vor_ply_at(err, offset_of(body, token),
-                      reason == VOR_PLY_NUMBER_NONFINITE ? VOR_E_NONFINITE : VOR_E_FORMAT);
+    return vor_ply_at(err, offset_of(body, token), VOR_E_FORMAT);
 }
 
 /* Stores a coordinate that is of another type than its column. */
@@ -127,8 +123,10 @@ static vor_status read_scalar(struct vor_ply_body *body, const struct vor_ply_co
     if (token.length == 0)
         return too_few(body, column->property, row, err);
     read = vor_ply_number_read(token.at, token.length, type, type == column->to_type ? to : value);
-    if (read != VOR_PLY_NUMBER_OK && (read != VOR_PLY_NUMBER_NONFINITE || column->coordinate >= 0))
+    if (read != VOR_PLY_NUMBER_OK && read != VOR_PLY_NUMBER_NONFINITE)
         return bad_number(body, column, row, token, read, err);
+    if (read == VOR_PLY_NUMBER_NONFINITE && column->coordinate >= 0 && body->not_finite == 0)
+        body->not_finite = offset_of(body, token);
     if (type != column->to_type)
         widen(to, column->to_type, value, type);
     return VOR_OK;

@@ -204,14 +204,10 @@ vor_status vor_ply_binary_skip(struct vor_ply_body *body, const struct vor_ply_e
     return VOR_OK;
 }
 
-static vor_status check_coordinate(const struct vor_ply_column *column, double value, size_t row,
-                                   size_t offset, struct vor_error *err)
+static void check_coordinate(struct vor_ply_body *body, double value, size_t offset)
 {
-    if (isfinite(value))
-        return VOR_OK;
-    return vor_ply_at(err, offset,
-                      vor_fail(err, VOR_E_NONFINITE, "coordinate %c of point %zu is %g",
-                               "xyz"[column->coordinate], row, value));
+    if (!isfinite(value) && body->not_finite == 0)
+        body->not_finite = offset;
 }
 
 static vor_status read_walked(struct vor_ply_body *body, const struct vor_ply_column *column,
@@ -233,7 +229,8 @@ static vor_status read_walked(struct vor_ply_body *body, const struct vor_ply_co
     }
     value = load(body->bytes + begin, type, swap);
     store(to, column->to_type, value);
-    return check_coordinate(column, value, row, begin, err);
+    check_coordinate(body, value, begin);
+    return VOR_OK;
 }
 
 static vor_status rows_walked(struct vor_ply_body *body, const struct vor_ply_rows *rows,
@@ -324,35 +321,29 @@ static int all_finite(const struct vor_ply_column *column, size_t first, size_t 
 }
 
 /* Checks row i, which begins at offset. */
-static vor_status check_row(const struct vor_ply_rows *rows, size_t i, size_t offset,
-                            struct vor_error *err)
+static void check_row(struct vor_ply_body *body, const struct vor_ply_rows *rows, size_t i,
+                      size_t offset)
 {
     for (unsigned k = 0; k < rows->column_count; k++) {
         const struct vor_ply_column *column = &rows->columns[k];
-        vor_status status = VOR_OK;
 
         if (column->coordinate >= 0)
-            status = check_coordinate(column,
-                                      load(column->to + i * column->to_stride, column->to_type, 0),
-                                      i, offset, err);
-        if (status != VOR_OK)
-            return status;
+            check_coordinate(body, load(column->to + i * column->to_stride, column->to_type, 0),
+                             offset);
         offset += vor_type_size(column->property->type);
     }
-    return VOR_OK;
 }
 
-static vor_status check_block(const struct vor_ply_rows *rows, size_t first, size_t n,
-                              size_t offset, size_t row, struct vor_error *err)
+/* Checks rows first .. first + n - 1, which begin where the body is read. */
+static void check_block(struct vor_ply_body *body, const struct vor_ply_rows *rows, size_t first,
+                        size_t n, size_t row)
 {
     int finite = 1;
-    vor_status status = VOR_OK;
 
     for (unsigned k = 0; k < rows->column_count; k++)
         finite &= all_finite(&rows->columns[k], first, n);
-    for (size_t i = 0; !finite && i < n && status == VOR_OK; i++)
-        status = check_row(rows, first + i, offset + i * row, err);
-    return status;
+    for (size_t i = 0; !finite && i < n && body->not_finite == 0; i++)
+        check_row(body, rows, first + i, body->at + i * row);
 }
 
 vor_status vor_ply_binary_rows(struct vor_ply_body *body, const struct vor_ply_rows *rows,
@@ -370,14 +361,10 @@ vor_status vor_ply_binary_rows(struct vor_ply_body *body, const struct vor_ply_r
     assert(row > 0); /* x, y and z are columns */
     block = BLOCK_BYTES / row;
     for (size_t first = 0; first < rows->n; first += n) {
-        vor_status status;
-
         n = rows->n - first < block ? rows->n - first : block;
         assert(n * row <= body->size - body->at);
         read_block(rows, first, n, body->bytes + body->at, row, vor_ply_swaps(body->encoding));
-        status = check_block(rows, first, n, body->at, row, err);
-        if (status != VOR_OK)
-            return status;
+        check_block(body, rows, first, n, row);
         body->at += n * row;
     }
     return VOR_OK;

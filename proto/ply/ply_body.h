@@ -10,7 +10,7 @@
 /** Where one property of every row goes. */
 struct vor_ply_column {
     const struct vor_ply_property *property;
-    int coordinate;        /**< 0 .. 2 for x y z, whose values must be finite; else -1 */
+    int coordinate;        /**< 0 .. 2 for x y z; else -1 */
     enum vor_type to_type; /**< FLOAT32 or FLOAT64 for a coordinate, else the property's own */
     uint8_t *to;           /**< of row 0; NULL: read over it (every list) */
     size_t to_stride;
@@ -27,6 +27,7 @@ struct vor_ply_body {
     const uint8_t *bytes;
     size_t size, at;
     enum vor_ply_encoding encoding;
+    size_t not_finite; /**< where the first coordinate is that is not finite; 0 for none */
 };
 
 /** Checks that count rows of the element can be in the rest of the file, so that what is allocated
@@ -39,8 +40,9 @@ VOR_NODISCARD vor_status vor_ply_rows_fit(const struct vor_ply_body *body,
 
 /** Moves past an element, or reads one into its columns (one for each property, in their order).
  *
+ *  A coordinate that is not finite is stored as it is and noted in the body.
+ *
  *  @retval VOR_E_FORMAT    with byte_offset
- *  @retval VOR_E_NONFINITE a coordinate is nan or inf; the message names the point
  *
  *  Cost: one pass over the element (to skip rows of constant size: none); no memory. */
 VOR_NODISCARD vor_status vor_ply_ascii_skip(struct vor_ply_body *body,

@@ -28,6 +28,11 @@ struct scan {
     int has_format;
 };
 
+uint8_t vor_ply_line_stop(const uint8_t *bytes, size_t size)
+{
+    return size >= 4 && bytes[3] == '\r' && (size == 4 || bytes[4] != '\n') ? '\r' : '\n';
+}
+
 int vor_ply_named(const char *name, size_t length, const char *want)
 {
     return strlen(want) == length && memcmp(name, want, length) == 0;
@@ -232,15 +237,15 @@ static vor_status read_property(struct vor_ply_header *header, const struct line
     return add_property(&header->elements[header->element_count - 1], &property, line->offset, err);
 }
 
-static int is_remark(const struct line *line)
+int vor_ply_is_remark(const char *at, size_t size)
 {
     static const char *const words[] = {"comment", "obj_info"};
 
     for (unsigned i = 0; i < 2; i++) {
         size_t length = strlen(words[i]);
 
-        if (line->length >= length && memcmp(line->at, words[i], length) == 0 &&
-            (line->length == length || is_blank(line->at[length])))
+        if (size >= length && memcmp(at, words[i], length) == 0 &&
+            (size == length || is_blank(at[length])))
             return 1;
     }
     return 0;
@@ -250,7 +255,7 @@ static int is_remark(const struct line *line)
 static vor_status read_line(struct scan *scan, struct vor_ply_header *header, struct line *line,
                             int *end, struct vor_error *err)
 {
-    if (is_remark(line)) /* in any character set */
+    if (vor_ply_is_remark(line->at, line->length)) /* in any character set */
         return VOR_OK;
     if (!cut_words(line))
         return bad_line(line, "no control characters", err);
@@ -277,8 +282,7 @@ vor_status vor_ply_header_read(struct vor_ply_header *out, const uint8_t *bytes,
     int end = 0;
 
     out->element_count = 0;
-    if (size >= 4 && bytes[3] == '\r' && (size == 4 || bytes[4] != '\n'))
-        scan.stop = '\r';
+    scan.stop = vor_ply_line_stop(bytes, size);
     if (size < 3 || memcmp(bytes, "ply", 3) != 0)
         return vor_ply_at(err, 0, vor_fail(err, VOR_E_FORMAT, "the file does not begin with ply"));
     status = next_line(&scan, &line, err);

@@ -43,6 +43,13 @@ struct vor_ply_header {
 VOR_NODISCARD vor_status vor_ply_header_read(struct vor_ply_header *out, const uint8_t *bytes,
                                              size_t size, size_t limit, struct vor_error *err);
 
+/** What ends a line of the header: '\n', which a '\r' may stand before, or '\r' in files of the old
+ *  Macintosh. */
+uint8_t vor_ply_line_stop(const uint8_t *bytes, size_t size);
+
+/** True for a line "comment ..." or "obj_info ...". */
+int vor_ply_is_remark(const char *at, size_t size);
+
 /** True when the element, or the property, has that name. */
 int vor_ply_named(const char *name, size_t length, const char *want);
 

@@ -1,7 +1,9 @@
 #include "proto/ply/ply.h"
 
 #include "core/base/quote.h"
+#include "core/cloud/sift.h"
 #include "proto/ply/ply_body.h"
+#include "proto/ply/ply_notes.h"
 
 #include <string.h>
 
@@ -244,6 +246,16 @@ static vor_status skip_to_vertex(struct reader *reader, struct vor_error *err)
     return status;
 }
 
+/* Refuses or drops points that are not finite. */
+static vor_status sift(struct reader *reader, int is_drop, struct vor_error *err)
+{
+    vor_status status = VOR_OK;
+
+    if (reader->body.not_finite > 0)
+        status = vor_cloud_sift(&reader->cloud, reader->wide, is_drop, err);
+    return status == VOR_OK ? VOR_OK : vor_ply_at(err, reader->body.not_finite, status);
+}
+
 static vor_status read_file(struct reader *reader, const struct vor_limits *limits,
                             struct vor_error *err)
 {
@@ -263,8 +275,12 @@ static vor_status read_file(struct reader *reader, const struct vor_limits *limi
     if (status == VOR_OK)
         status = body->encoding == VOR_PLY_ASCII ? vor_ply_ascii_rows(body, &reader->rows, err)
                                                  : vor_ply_binary_rows(body, &reader->rows, err);
+    if (status == VOR_OK)
+        status = sift(reader, limits->drop_invalid, err);
     if (status == VOR_OK && reader->wide != NULL)
         status = vor_cloud_set_double(&reader->cloud, reader->wide, err);
+    if (status == VOR_OK)
+        status = vor_ply_note(&reader->cloud, body->bytes, &reader->header, reader->vertex, err);
     return status;
 }
 

@@ -1,6 +1,7 @@
 #include "proto/ply/ply.h"
 
 #include "proto/ply/ply_body.h"
+#include "proto/ply/ply_notes.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -137,24 +138,28 @@ static size_t row_bytes(const struct writer *writer)
 }
 
 /* The header always fits into the buffer: a field's line has at most NAME_SIZE + 17 bytes, and the
- * buffer has LINE_BYTES for each field, or at least BUFFER_BYTES. */
+ * buffer has LINE_BYTES for each field, or at least BUFFER_BYTES, beside the remarks. */
+static void put_bytes(struct writer *writer, const char *bytes, size_t size)
+{
+    assert(size <= writer->capacity - writer->used);
+    if (size > 0)
+        memcpy(writer->buffer + writer->used, bytes, size);
+    writer->used += size;
+}
+
 static void put(struct writer *writer, const char *line)
 {
-    size_t length = strlen(line);
-
-    assert(length <= writer->capacity - writer->used);
-    memcpy(writer->buffer + writer->used, line, length);
-    writer->used += length;
+    put_bytes(writer, line, strlen(line));
 }
 
 static void put_header(struct writer *writer)
 {
+    const struct vor_notes *notes = &writer->cloud->notes;
     char line[LINE_BYTES];
 
-    (void)snprintf(line, sizeof line,
-                   "ply\nformat binary_little_endian 1.0\ncomment written by voronoid\n"
-                   "element vertex %zu\n",
-                   writer->cloud->n);
+    put(writer, "ply\nformat binary_little_endian 1.0\ncomment " VOR_PLY_SIGNATURE "\n");
+    put_bytes(writer, notes->remarks, notes->remarks_size);
+    (void)snprintf(line, sizeof line, "element vertex %zu\n", writer->cloud->n);
     put(writer, line);
     for (size_t i = 0; i < writer->field_count; i++) {
         const struct field *field = &writer->fields[i];
@@ -256,6 +261,7 @@ vor_status vor_ply_write(const struct vor_sink *sink, const struct vor_cloud *cl
 
     (void)options; /* all of them are about Draco */
     writer.capacity = count * LINE_BYTES > BUFFER_BYTES ? count * LINE_BYTES : BUFFER_BYTES;
+    writer.capacity += cloud->notes.remarks_size;
     writer.fields = vor_malloc(cloud->memory, count, sizeof *writer.fields);
     writer.buffer = vor_malloc(cloud->memory, writer.capacity, 1);
     if (writer.fields == NULL || writer.buffer == NULL) {

@@ -12,6 +12,7 @@
 #include <stdbool.h>
 
 struct vor_admit;
+struct vor_conversions;
 
 struct vor_app {
     const struct vor_config *config;
@@ -20,6 +21,7 @@ struct vor_app {
     struct vor_worker *worker;
     struct vor_admit *admit;
     struct vor_inflight *inflight;
+    struct vor_conversions *conversions;
     struct vor_http *http;
     atomic_bool draining; /**< SIGTERM came: /readyz says no, streams end */
     atomic_uint streams;  /**< event streams open */

@@ -28,6 +28,7 @@
     X("idempotency-key-reused", 422, 0, 0, "The key is that of another request")                   \
     X("queue-full", 429, 1, 0, "The queue is full")                                                \
     X("too-many-streams", 429, 1, 0, "As many event streams are open as may be")                   \
+    X("too-many-conversions", 429, 1, 0, "As many results are being converted as may be")          \
     X("client-closed", 499, 0, 0, "The caller left")                                               \
     X("draining", 503, 1, 0, "The daemon is going down")                                           \
     X("too-many-connections", 503, 1, 0, "Too many connections are open")                          \

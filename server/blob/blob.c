@@ -41,6 +41,15 @@ int vor_blob_is_upload(const char *name)
     return strcmp(name, "upload") == 0 || strncmp(name, "upload-", 7) == 0;
 }
 
+const char *vor_blob_of_converted(const char *output, const char *format,
+                                  char out[VOR_BLOB_NAME_MAX + 1])
+{
+    int length = snprintf(out, VOR_BLOB_NAME_MAX + 1, "%s-as-%s", output, format);
+
+    assert(length <= VOR_BLOB_NAME_MAX);
+    return out;
+}
+
 /* --- opening ---------------------------------------------------------------------------------- */
 
 static vor_status refuse(const char *where, struct vor_error *err)

@@ -9,6 +9,8 @@
  *    "upload-NAME" the input of that name, likewise
  *    "NAME"        the output of that name: a cloud in its format or a document in JSON, kept until
  *                  the job expires or is removed
+ *    "NAME-as-FORMAT"  that cloud in another format, and behind it the SHA-256 of its bytes in 64
+ *                  digits; kept as long, and made anew when asked for
  *
  *  So no output is called "input" or "upload", nor anything that begins with one of these and a
  *  hyphen. */
@@ -26,6 +28,16 @@ const char *vor_blob_of_input(const char *input, char out[VOR_BLOB_NAME_MAX + 1]
 /** The same for an input as it came, and whether a blob is one. */
 const char *vor_blob_of_upload(const char *input, char out[VOR_BLOB_NAME_MAX + 1]);
 int vor_blob_is_upload(const char *name);
+
+/** The name of the blob of an output in another format, as above. Returns out.
+ *
+ *  @param[in] output  the output's name, at most VOR_BLOB_NAME_MAX - 4 bytes less than the format's
+ */
+const char *vor_blob_of_converted(const char *output, const char *format,
+                                  char out[VOR_BLOB_NAME_MAX + 1]);
+
+/** Bytes of the disk that stay free, so that jobs under way can end. */
+#define VOR_BLOBS_RESERVE ((uint64_t)16 << 20)
 
 /** Driver number `index`, NULL past the last. */
 const struct vor_blob_driver *vor_blob_driver_at(unsigned index);

@@ -98,6 +98,7 @@ static vor_status name_results(struct result *results, const struct vor_cli *cli
                                struct vor_error *err)
 {
     const char *suffix = new_suffix(cli);
+    struct vor_error why;
 
     for (int i = 0; i < cli->operand_count; i++) {
         const char *input = cli->operands[i], *base = base_of(input);
@@ -110,6 +111,8 @@ static vor_status name_results(struct result *results, const struct vor_cli *cli
         results[i].output = name_output(cli->option[VOR_OPTION_OUTPUT], base, suffix);
         if (results[i].output == NULL)
             return vor_fail(err, VOR_E_NOMEM, "the names of %d results", cli->operand_count);
+        if (vor_cli_check_suffix(cli, results[i].output, &why) != VOR_OK)
+            return vor_fail(err, why.status, "the result of %.300s: %.300s", input, why.message);
     }
     return VOR_OK;
 }

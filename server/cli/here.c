@@ -13,6 +13,7 @@
 /* One run: whatever is at fault when it fails is named by `subject`. */
 struct here {
     const struct vor_cli *cli;
+    struct vor_spec spec; /* that of the command, with the format of the result */
     const char *subject;
     struct vor_work work;
     struct vor_progress progress;
@@ -60,7 +61,7 @@ static vor_status run(struct here *r, struct vor_error *err)
     vor_status status;
 
     vor_progress_note(&r->progress, "preparing");
-    status = vor_engine_run(&r->out, &r->in, &r->cli->spec, &r->work.run, err);
+    status = vor_engine_run(&r->out, &r->in, &r->spec, &r->work.run, err);
     if (status == VOR_OK)
         r->report = vor_artefacts_values(&r->out, "report", &vor_report_members);
     return status;
@@ -73,7 +74,7 @@ static vor_status save_cloud(struct here *r, const struct vor_cloud *cloud, stru
     vor_status status;
 
     r->facts.spacing = r->report != NULL ? r->report->spacing_mean : 0;
-    status = vor_write_options_from(&options, r->format, &r->cli->spec, &r->facts, err);
+    status = vor_write_options_from(&options, r->format, &r->spec, &r->facts, err);
     if (status != VOR_OK)
         return status;
     if (r->report != NULL)
@@ -120,6 +121,7 @@ static vor_status save(struct here *r, struct vor_error *err)
 /* The end of a run that has a report. */
 static vor_status finish(struct here *r, struct vor_error *err)
 {
+    const struct vor_artefact *main = vor_artefacts_find(&r->out, r->spec.process->outputs[0].name);
     struct vor_text text;
     vor_status status;
 
@@ -127,8 +129,8 @@ static vor_status finish(struct here *r, struct vor_error *err)
         return VOR_OK;
     r->report->seconds_read = r->seconds_read;
     r->report->seconds_write = r->seconds_write;
-    r->report->parameters.value[VOR_PARAM_FORMAT] =
-        r->format == vor_format(VOR_FORMAT_DRC) ? VOR_FORMAT_DRC : VOR_FORMAT_PLY;
+    if (main->kind == VOR_ARTEFACT_CLOUD)
+        vor_codec_report_dropped(r->report, &main->cloud, r->format);
     vor_text_init(&text, 0);
     vor_json_document(&text, &vor_artefacts_find(&r->out, "report")->document);
     status = vor_text_status(&text, err);
@@ -141,13 +143,13 @@ static vor_status finish(struct here *r, struct vor_error *err)
 /* Refuses what can be refused before the work. */
 static vor_status check(struct here *r, struct vor_error *err)
 {
-    const struct vor_process_info *process = r->cli->spec.process;
+    const struct vor_process_info *process = r->spec.process;
 
     if (process->outputs[0].kind != VOR_ARTEFACT_CLOUD)
         return VOR_OK;
     r->subject = r->cli->input[0];
     vor_extent_measure(&r->facts.input, vor_artefacts_cloud(&r->in, process->inputs[0].name));
-    return vor_write_check(r->format, &r->cli->spec, &r->facts.input, err);
+    return vor_write_check(r->format, &r->spec, &r->facts.input, err);
 }
 
 /* The output is opened before the work begins: a name that cannot be written is told at once. */
@@ -158,6 +160,9 @@ static vor_status work(struct here *r, struct vor_error *err)
     if (status != VOR_OK)
         return status;
     r->format = format_of_result(r->cli, r->format);
+    for (unsigned i = 0; vor_format(i) != NULL; i++)
+        if (vor_format(i) == r->format && vor_process_takes(r->spec.process, VOR_PARAM_FORMAT))
+            r->spec.value[VOR_PARAM_FORMAT] = i;
     status = check(r, err);
     if (status != VOR_OK)
         return status;
@@ -182,6 +187,7 @@ int vor_cli_process_here(const struct vor_cli *cli)
 
     memset(&r, 0, sizeof r);
     r.cli = cli;
+    r.spec = cli->spec;
     r.subject = cli->input[0];
     vor_progress_start(&r.progress, cli);
     status = vor_work_start(&r.work, cli, &r.progress, &err);

@@ -11,7 +11,12 @@
 static const char *const documents[] = {"inspect"};
 
 /* Digits of a number: a count is shown whole. */
-enum { REAL_DIGITS = 6, COUNT_DIGITS = 17, NAME_SIZE = 64 /* of a member, with the NUL */ };
+enum {
+    REAL_DIGITS = 6,
+    PLACE_DIGITS = 10,
+    COUNT_DIGITS = 17,
+    NAME_SIZE = 64 /* of a member, with the NUL */
+};
 
 int vor_lines_wanted(const struct vor_cli *cli)
 {
@@ -52,20 +57,62 @@ static void add_value(struct vor_text *out, const struct vor_json *value, int di
         vor_text_puts(out, word != NULL ? word : "none");
 }
 
-static void add_line(struct vor_text *out, const struct vor_member *row,
+/* "x y z", with as many digits as a place far from zero needs. */
+static void add_vector(struct vor_text *out, const struct vor_json *value)
+{
+    add_value(out, vor_json_get(value, "x"), PLACE_DIGITS);
+    vor_text_puts(out, " ");
+    add_value(out, vor_json_get(value, "y"), PLACE_DIGITS);
+    vor_text_puts(out, " ");
+    add_value(out, vor_json_get(value, "z"), PLACE_DIGITS);
+}
+
+/* "normal float32 3, intensity uint16 1", or "none". */
+static void add_list(struct vor_text *out, const struct vor_member *row,
                      const struct vor_json *value)
 {
-    vor_text_printf(out, "%-24s", row->name);
-    if (row->kind == VOR_MEMBER_VECTOR) {
-        add_value(out, vor_json_get(value, "x"), REAL_DIGITS);
-        vor_text_puts(out, " ");
-        add_value(out, vor_json_get(value, "y"), REAL_DIGITS);
-        vor_text_puts(out, " ");
-        add_value(out, vor_json_get(value, "z"), REAL_DIGITS);
-    } else {
-        add_value(out, value, row->kind == VOR_MEMBER_REAL ? REAL_DIGITS : COUNT_DIGITS);
+    const struct vor_json *element = vor_json_first(value);
+
+    if (element == NULL)
+        vor_text_puts(out, "none");
+    for (; element != NULL; element = vor_json_next(element)) {
+        for (unsigned i = 0; i < row->inner->count; i++) {
+            vor_text_puts(out, i > 0 ? " " : "");
+            add_value(out, vor_json_get(element, row->inner->rows[i].name), COUNT_DIGITS);
+        }
+        vor_text_puts(out, vor_json_next(element) != NULL ? ", " : "");
     }
+}
+
+static void add_line(struct vor_text *out, const char *name, const struct vor_member *row,
+                     const struct vor_json *value)
+{
+    vor_text_printf(out, "%-24s", name);
+    if (row->kind == VOR_MEMBER_VECTOR)
+        add_vector(out, value);
+    else if (row->kind == VOR_MEMBER_LIST)
+        add_list(out, row, value);
+    else
+        add_value(out, value, row->kind == VOR_MEMBER_REAL ? REAL_DIGITS : COUNT_DIGITS);
     vor_text_printf(out, "%s%s\n", row->unit[0] != '\0' ? " " : "", row->unit);
+}
+
+/* A line for a member; for each of its own, if it is an object with a table. */
+static void add_member(struct vor_text *out, const struct vor_member *row,
+                       const struct vor_json *value)
+{
+    char name[2 * NAME_SIZE];
+
+    if (row->kind != VOR_MEMBER_OBJECT) {
+        add_line(out, row->name, row, value);
+        return;
+    }
+    for (unsigned i = 0; i < row->inner->count; i++) {
+        const struct vor_member *inner = &row->inner->rows[i];
+
+        (void)snprintf(name, sizeof name, "%s.%s", row->name, inner->name);
+        add_line(out, name, inner, vor_json_get(value, inner->name));
+    }
 }
 
 vor_status vor_lines_from_json(struct vor_text *text, const struct vor_cli *cli,
@@ -82,7 +129,7 @@ vor_status vor_lines_from_json(struct vor_text *text, const struct vor_cli *cli,
         const struct vor_json *value = find(json, members->rows[i].name);
 
         if (value != NULL)
-            add_line(&lines, &members->rows[i], value);
+            add_member(&lines, &members->rows[i], value);
     }
     if (status == VOR_OK)
         status = vor_text_status(&lines, err);

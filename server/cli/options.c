@@ -2,6 +2,8 @@
 
 #include "core/base/parallel.h"
 #include "core/base/quote.h"
+#include "proto/codec.h"
+#include "proto/text.h"
 #include "server/base/machine.h"
 #include "server/base/uuid.h"
 
@@ -303,6 +305,38 @@ static vor_status resolve_threads(struct vor_cli *cli, struct vor_error *err)
 
 /* Checks. */
 
+/* The end of a file's name from its last dot on; NULL where it has none, or begins with it. */
+static const char *suffix_of(const char *path)
+{
+    const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path;
+    const char *dot = strrchr(name, '.');
+
+    return dot != NULL && dot != name && dot[1] != '\0' ? dot : NULL;
+}
+
+vor_status vor_cli_check_suffix(const struct vor_cli *cli, const char *path, struct vor_error *err)
+{
+    const struct vor_process_info *process = cli->command->process;
+    const char *suffix = suffix_of(path);
+    char quoted[SHOWN_SIZE];
+    struct vor_text served;
+    vor_status status;
+
+    if (process->outputs[0].kind != VOR_ARTEFACT_CLOUD || suffix == NULL ||
+        cli->given[VOR_PARAM_FORMAT] || vor_format_by_suffix(suffix) != NULL)
+        return VOR_OK;
+    vor_text_init(&served, 0);
+    for (unsigned i = 0; vor_format(i) != NULL; i++)
+        vor_text_printf(&served, "%s%s", i > 0 ? ", " : "", vor_format(i)->suffix);
+    status = vor_text_status(&served, err);
+    if (status == VOR_OK)
+        status =
+            vor_fail(err, VOR_E_PARAM, "the output's suffix is %s, want one of %s; or say --format",
+                     vor_quote(quoted, sizeof quoted, suffix, strlen(suffix)), served.data);
+    vor_text_free(&served);
+    return status;
+}
+
 /* A cloud needs a place to go to; a document is printed when it has none. Several results need a
  * folder. */
 static vor_status resolve_output(struct vor_cli *cli, struct vor_error *err)
@@ -318,7 +352,7 @@ static vor_status resolve_output(struct vor_cli *cli, struct vor_error *err)
         return vor_fail(err, VOR_E_PARAM,
                         "%d inputs, and their results need a folder: give -o DIR/",
                         cli->operand_count);
-    return VOR_OK;
+    return vor_cli_check_suffix(cli, *output, err);
 }
 
 /* The input of that name that is an option; 0, the operand, when there is none. */

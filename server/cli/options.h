@@ -108,4 +108,11 @@ VOR_NODISCARD vor_status vor_cli_read(struct vor_cli *out, const struct vor_comm
 /** True when the results go into a folder: the output's name ends with a slash. */
 int vor_cli_into_folder(const struct vor_cli *cli);
 
+/** Refuses a cloud in a file whose name promises a format that is not written, unless the request
+ *  names the format.
+ *
+ *  @retval VOR_E_PARAM the message names the suffix and those that are written */
+VOR_NODISCARD vor_status vor_cli_check_suffix(const struct vor_cli *cli, const char *path,
+                                              struct vor_error *err);
+
 #endif

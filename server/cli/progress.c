@@ -191,6 +191,31 @@ static void say_origin(const struct vor_progress *progress, const struct vor_jso
     vor_cli_say(progress->cli->option[VOR_OPTION_OUTPUT], line);
 }
 
+/* Says in one line what of the input is not in the result: "dropped: face (12), comment (2)". */
+static void say_dropped(const struct vor_progress *progress, const struct vor_json *report)
+{
+    const struct vor_json *list = vor_json_get(report, "dropped");
+    double invalid = number_at(report, "invalid");
+    const char *before = "dropped: ";
+    struct vor_text line;
+
+    vor_text_init(&line, 0);
+    if (invalid > 0) {
+        vor_text_printf(&line, "%sinvalid point (%.0f)", before, invalid);
+        before = ", ";
+    }
+    for (const struct vor_json *s = vor_json_first(list); s != NULL; s = vor_json_next(s)) {
+        const char *what = vor_json_get_string(vor_json_get(s, "what"));
+
+        vor_text_printf(&line, "%s%s (%.0f)", before, what != NULL ? what : "?",
+                        number_at(s, "count"));
+        before = ", ";
+    }
+    if (line.size > 0 && !line.failed)
+        vor_cli_say(progress->cli->option[VOR_OPTION_OUTPUT], line.data);
+    vor_text_free(&line);
+}
+
 static void summarise(const struct vor_progress *progress, const struct vor_json *report)
 {
     const struct vor_json *seconds = vor_json_get(report, "seconds");
@@ -202,13 +227,18 @@ static void summarise(const struct vor_progress *progress, const struct vor_json
     for (const struct vor_json *s = vor_json_first(seconds); s != NULL; s = vor_json_next(s))
         sum += vor_json_get_number(s, &number) ? number : 0;
     read_stages(&told, report);
-    (void)snprintf(line, sizeof line, "%.0f points, delta %.4f after %s (%.20s), %.1f s",
-                   number_at(vor_json_get(report, "points"), "out"), number_at(report, "delta"),
-                   vor_report_steps(&told, steps, sizeof steps), stopped != NULL ? stopped : "?",
-                   sum);
+    if (vor_process_takes(progress->cli->spec.process, VOR_PARAM_POINTS))
+        (void)snprintf(line, sizeof line, "%.0f points, delta %.4f after %s (%.20s), %.1f s",
+                       number_at(vor_json_get(report, "points"), "out"), number_at(report, "delta"),
+                       vor_report_steps(&told, steps, sizeof steps),
+                       stopped != NULL ? stopped : "?", sum);
+    else
+        (void)snprintf(line, sizeof line, "%.0f points, %.1f s",
+                       number_at(vor_json_get(report, "points"), "out"), sum);
     vor_cli_say(progress->name != NULL ? progress->name : progress->cli->option[VOR_OPTION_OUTPUT],
                 line);
     say_origin(progress, report);
+    say_dropped(progress, report);
 }
 
 vor_status vor_progress_finish(struct vor_progress *progress, const char *report, size_t size,

@@ -33,6 +33,7 @@ vor_status vor_work_start(struct vor_work *work, const struct vor_cli *cli,
     work->watch = (struct vor_watch){progress, on_progress, on_poll, on_clock};
     work->run.memory = &work->memory;
     work->run.watch = &work->watch;
+    work->drop_invalid = cli->spec.value[VOR_PARAM_INVALID] == VOR_INVALID_DROP;
     return vor_pool_create(&work->run.pool, cli->threads, err);
 }
 
@@ -50,6 +51,7 @@ vor_status vor_work_load(struct vor_work *work, struct vor_cloud *cloud,
     vor_status status;
 
     limits.points = VOR_POINTS_MAX;
+    limits.drop_invalid = work->drop_invalid;
     vor_cloud_init(cloud, &work->memory);
     status = vor_input_read(&input, path, err);
     if (status == VOR_OK)

@@ -146,18 +146,20 @@ static vor_status admit_all(struct vor_admission *admission)
 {
     const struct vor_admit *admit = admission->admit;
     struct vor_uploads *uploads = &admission->uploads;
-    uint64_t most = admit->limits.inflated;
+    struct vor_admit_limits limits = admit->limits;
+    uint64_t most = limits.inflated;
     vor_status status = VOR_OK;
 
+    limits.codec.drop_invalid = admission->drop_invalid;
     for (unsigned i = 0; i < uploads->count && status == VOR_OK; i++) {
         struct vor_upload *upload = &uploads->item[i];
 
         status = vor_upload_inflate(upload, admit->blobs, &most, &admission->error);
         if (status == VOR_OK)
             status = vor_admit_file(&admission->admitted, upload->name, admit->blobs, upload->bytes,
-                                    &admit->limits, &admission->error);
+                                    &limits, &admission->error);
         if (status == VOR_OK) {
-            vor_admit_keep(&admission->admitted, upload->bytes, &admit->limits);
+            vor_admit_keep(&admission->admitted, upload->bytes, &limits);
             upload->bytes = NULL;
         }
         if (status != VOR_OK && uploads->count > 1)
@@ -209,6 +211,11 @@ void vor_admit_destroy(struct vor_admit *admit)
         return;
     vor_crew_destroy(admit->crew);
     free(admit);
+}
+
+struct vor_crew *vor_admit_crew(struct vor_admit *admit)
+{
+    return admit->crew;
 }
 
 enum vor_job_outcome vor_admit_submit(struct vor_admit *admit, struct vor_admission *admission)

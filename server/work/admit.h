@@ -1,5 +1,5 @@
 /** Decodes and checks what clients upload, once, before a job exists. No other file of the daemon
- *  decodes. */
+ *  decodes what comes from outside. */
 #ifndef VOR_SERVER_WORK_ADMIT_H
 #define VOR_SERVER_WORK_ADMIT_H
 
@@ -66,10 +66,11 @@ void vor_admit_drop(struct vor_blobs *blobs, const struct vor_admitted *admitted
 /** A pool of threads that inflate and admit uploads, so that HTTP threads do not wait. */
 struct vor_admit;
 
-/** The uploads of a request on their way. The caller fills in uploads (at least one), done and ctx
- *  and keeps the struct until done was called. */
+/** The uploads of a request on their way. The caller fills in uploads (at least one), drop_invalid,
+ *  done and ctx and keeps the struct until done was called. */
 struct vor_admission {
     struct vor_uploads uploads;                    /**< taken over, none left before done */
+    int drop_invalid;                              /**< as struct vor_limits has it */
     void (*done)(struct vor_admission *admission); /**< on an admission thread; may block, e.g. on
                                                         vor_worker_submit */
     void *ctx;
@@ -90,6 +91,9 @@ VOR_NODISCARD vor_status vor_admit_create(struct vor_admit **out, struct vor_blo
 /** Answers what waits with VOR_E_CANCELLED, finishes what is being decoded, ends the threads. admit
  *  may be NULL. */
 void vor_admit_destroy(struct vor_admit *admit);
+
+/** The threads that decode, for conversions. */
+struct vor_crew *vor_admit_crew(struct vor_admit *admit);
 
 /** Hands an upload over.
  *

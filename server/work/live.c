@@ -179,14 +179,26 @@ void vor_worker_drop_uploads(struct vor_worker *worker, const struct vor_uuid *i
         vor_worker_drop(worker, id, vor_blob_of_upload(info->inputs[i].name, blob));
 }
 
+static void drop_converted(struct vor_worker *worker, const struct vor_uuid *id, const char *output)
+{
+    char blob[VOR_BLOB_NAME_MAX + 1];
+
+    for (unsigned i = 0; vor_format(i) != NULL; i++)
+        vor_worker_drop(worker, id, vor_blob_of_converted(output, vor_format(i)->name, blob));
+}
+
 void vor_worker_drop_outputs(struct vor_worker *worker, const struct vor_uuid *id,
                              const char *process)
 {
     const struct vor_process_info *info = vor_process_find(process);
 
-    for (unsigned i = 0; info != NULL && info->outputs[i].name != NULL; i++)
-        if (!vor_output_in_row(&info->outputs[i]))
-            vor_worker_drop(worker, id, info->outputs[i].name);
+    for (unsigned i = 0; info != NULL && info->outputs[i].name != NULL; i++) {
+        if (vor_output_in_row(&info->outputs[i]))
+            continue;
+        vor_worker_drop(worker, id, info->outputs[i].name);
+        if (info->outputs[i].kind == VOR_ARTEFACT_CLOUD)
+            drop_converted(worker, id, info->outputs[i].name);
+    }
 }
 
 void vor_worker_shed(struct vor_worker *worker)

@@ -88,8 +88,8 @@ VOR_NODISCARD vor_status vor_worker_finish(struct vor_worker *worker, struct vor
 /** Removes a blob that nobody needs any more. A failure is logged; the next start removes it. */
 void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, const char *name);
 
-/** The same for the inputs, the uploads that are kept, and the outputs, of a job of that process;
- *  those of a process that this version does not know are left to the next start. */
+/** The same for the inputs, the uploads that are kept, and the outputs in every format, of a job of
+ *  that process; those of a process that this version does not know are left to the next start. */
 void vor_worker_drop_inputs(struct vor_worker *worker, const struct vor_uuid *id,
                             const char *process);
 void vor_worker_drop_uploads(struct vor_worker *worker, const struct vor_uuid *id,

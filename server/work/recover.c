@@ -158,6 +158,22 @@ static void note_blob(void *ctx, const struct vor_uuid *id, const char *name)
     found->count++;
 }
 
+/* The output that a blob is of, be it converted; NULL for none. */
+static const struct vor_artefact_info *output_of(const struct vor_process_info *process,
+                                                 const char *blob)
+{
+    char converted[VOR_BLOB_NAME_MAX + 1];
+
+    for (const struct vor_artefact_info *o = process->outputs; o->name != NULL; o++) {
+        if (strcmp(o->name, blob) == 0)
+            return o;
+        for (unsigned i = 0; o->kind == VOR_ARTEFACT_CLOUD && vor_format(i) != NULL; i++)
+            if (strcmp(vor_blob_of_converted(o->name, vor_format(i)->name, converted), blob) == 0)
+                return o;
+    }
+    return NULL;
+}
+
 /* A job that is not over needs all its blobs; it may be writing its outputs just now. A job that is
  * over needs only its outputs, if it was successful, and its uploads as long as its row counts
  * them. When the store cannot be read, or the process is not known, a blob counts as needed. */
@@ -177,7 +193,7 @@ static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blo
         return 1;
     if (vor_blob_is_upload(blob->name))
         return row.kept > 0;
-    output = vor_artefact_find(process->outputs, blob->name);
+    output = output_of(process, blob->name);
     return row.status == VOR_JOB_SUCCESSFUL && output != NULL && !vor_output_in_row(output);
 }
 

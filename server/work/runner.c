@@ -2,6 +2,7 @@
 #include "server/work/runner.h"
 
 #include "core/engine.h"
+#include "proto/codec.h"
 #include "proto/json/json.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
@@ -103,8 +104,14 @@ static vor_status save_blobs(struct run *run, const struct vor_artefacts *out,
 }
 
 /* What the engine cannot know of the report. */
-static void complete_report(const struct run *run, struct vor_report *report, double began)
+static void complete_report(const struct run *run, struct vor_report *report,
+                            const struct vor_artefacts *out, double began)
 {
+    const struct vor_artefact *main =
+        vor_artefacts_find(out, run->view.spec.process->outputs[0].name);
+
+    if (main->kind == VOR_ARTEFACT_CLOUD)
+        vor_codec_report_dropped(report, &main->cloud, vor_format(run->output[0].format));
     report->seconds_read = 0;
     for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
         report->seconds_read += run->view.input[i].seconds;
@@ -140,7 +147,7 @@ static vor_status save(struct run *run, struct vor_artefacts *out, struct vor_er
     if (status != VOR_OK)
         return status;
     if (report != NULL) {
-        complete_report(run, report, began);
+        complete_report(run, report, out, began);
         run->has_report = 1;
         run->report = *report;
     }
@@ -165,14 +172,14 @@ static vor_status execute(struct run *run, struct vor_error *err)
 
 /* --- the end ---------------------------------------------------------------------------------- */
 
-/* "300 points after 12 iterations, delta 0.0212" of a run with a report; else what the main output
- * is. */
+/* "300 points after 12 iterations, delta 0.0212" of a run that spreads points; else what the main
+ * output is. */
 static void describe_outputs(const struct run *run, char *out, size_t size)
 {
     const struct vor_artefact_info *main = &run->view.spec.process->outputs[0];
     char steps[64];
 
-    if (run->has_report)
+    if (run->has_report && vor_process_takes(run->view.spec.process, VOR_PARAM_POINTS))
         (void)snprintf(out, size, "%llu points after %s, delta %.4f",
                        (unsigned long long)run->output[0].points,
                        vor_report_steps(&run->report, steps, sizeof steps), run->report.delta);

@@ -45,10 +45,8 @@ ok slurp("$out/a.drc") eq alone($a, 'x.drc'), 'and the bytes';
 clear();
 
 my $odd = spew("$folder/a.scan.1", slurp($a));
-run(['resample', $odd, @request, '-q', '-o', "$out/"]);
-is files(), 'a.scan.1', 'a suffix of no format is kept';
 run(['resample', $odd, @request, '-q', '--format=drc', '-o', "$out/"]);
-is files(), 'a.scan.1 a.scan.1.drc', 'and another is put behind it';
+is files(), 'a.scan.1.drc', 'a suffix of no format is kept, and another is put behind it';
 clear();
 
 ($code, $stdout, $stderr) = run(['resample', $a, $bad, "$folder/no.ply", $b, @request, '-o', "$out/"]);
@@ -89,6 +87,8 @@ my $drc = spew("$folder/b.drc", 'x');
 refused 'names that a format makes equal', ['resample', $b, $drc, @request, '--format=ply', '-o', "$out/"], 2,
     "the results of $b and $drc would both be $out/b.ply";
 refused 'an input without a name', ['resample', $a, '-', @request, '-o', "$out/"], 2, "- has no name for a result in $out/";
+refused 'a name whose suffix no format has', ['resample', $a, $odd, @request, '-o', "$out/"], 2,
+    "the result of $odd: the output's suffix is .1, want one of .ply, .drc; or say --format";
 refused 'a folder as an input', ['resample', $a, "$folder/sub/", @request, '-o', "$out/"], 2,
     "$folder/sub/ has no name for a result in $out/";
 refused 'a folder in one that is not there', ['resample', $a, $b, @request, '-o', "$out/x/"], 1,

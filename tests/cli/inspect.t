@@ -18,8 +18,13 @@ my $http = HTTP::Tiny->new(timeout => 20);
 my ($code, $stdout, $stderr) = run(['inspect', $in, '--json']);
 is "$code$stderr", '0', 'all is well';
 my $told = decode_json($stdout);
-is_deeply [sort keys %$told], [qw(area components edges lattice neighbors noise points sheets spacing)], 'the members';
-is_deeply $told->{points}, { all => $points, distinct => $points, outliers => 0 }, 'every point is counted';
+is_deeply [sort keys %$told], [qw(area attributes bounds components edges format lattice neighbors noise origin points sheets
+    spacing)], 'the members';
+is_deeply $told->{points}, { all => $points, invalid => 0, distinct => $points, outliers => 0 }, 'every point is counted';
+is $told->{format}, 'ply', 'its file was PLY';
+is_deeply $told->{attributes}, [], 'it has positions only';
+is_deeply $told->{origin}, { x => 0, y => 0, z => 0 }, 'which are absolute';
+cmp_ok abs($told->{bounds}{$_}{y}) - 1, '<', 0.02, "$_ of its box is there" for qw(min max);
 is $told->{components}{count}, 1, 'it is in one part';
 is $told->{sheets}{found}, 'no', 'without sheets';
 cmp_ok abs($told->{area} - 12.566), '<', 0.3, 'of the area of a sphere';
@@ -37,7 +42,7 @@ is $job->{processID}, 'inspect', 'as a job of that process';
 my ($lines_code, $lines, $lines_errors) = run(['inspect', $in]);
 is "$lines_code$lines_errors", '0', 'all is well with lines';
 my @rows = map { [split ' ', $_, 2] } split /\n/, $lines;
-my @members = qw(points.all points.distinct points.outliers components.count components.largest components.small
+my @members = qw(format bounds.min bounds.max origin attributes points.all points.invalid points.distinct points.outliers components.count components.largest components.small
     components.small_points spacing.mean spacing.p01 spacing.p50 spacing.p99 noise neighbors lattice lattice.matters sheets.found
     sheets.own edges.points edges.length area);
 is_deeply [map { $_->[0] } @rows], \@members, 'every member has a line';
@@ -58,7 +63,7 @@ is slurp("$folder/there.json") =~ s/\n*\z/\n/r, $stdout, 'and it is the same';
 like +(run(['inspect', '--help']))[1], qr/--json\n.*; of inspect, its document instead of lines$/m, '--help says so';
 
 for my $case (
-    ['a parameter that it does not take', ['--points', 5], 'inspect: no parameter points; inspect takes outliers, intrinsic'],
+    ['a parameter that it does not take', ['--points', 5], 'inspect: no parameter points; inspect takes outliers, intrinsic, invalid'],
     ['a word that there is not', ['--intrinsic', 'global'], 'inspect: intrinsic is "global", want one of local, satellites, none'],
 ) {
     my ($name, $arguments, $line) = @$case;

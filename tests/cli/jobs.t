@@ -56,7 +56,7 @@ subtest 'submit' => sub {
     run(['wait', $first, $second, '-q', @there]);
     for my $case (
         [['submit'], qr/\Avoronoid: submit: name a process first: resample, denoise, [^\n]+\n\z/],
-        [['submit', $in], qr/name a process first/], [['submit', 'measure', $in], qr/name a process first/],
+        [['submit', $in], qr/name a process first/], [['submit', 'health', $in], qr/name a process first/],
         [['submit', 'resample', @request], qr/\Avoronoid: submit resample: no input/],
         [['submit', 'resample', $in], qr/0 of points, ratio and spacing are given/],
         [['submit', 'resample', $in, @request, '-o', 'x'], qr/no option -o; see voronoid submit resample --help/],

@@ -25,10 +25,10 @@ sub refused {
 
 my ($code, $help, $errors) = run(['--help']);
 is "$code$errors", '0', 'voronoid --help ends well';
-like $help, qr/^  \Q$_\E +\S/m, "the overview names $_" for qw(serve resample denoise upsample simplify measure inspect submit jobs wait fetch cancel health);
+like $help, qr/^  \Q$_\E +\S/m, "the overview names $_" for qw(serve resample denoise upsample simplify measure inspect convert submit jobs wait fetch cancel health);
 like $help, qr/^  +$_  \S/m, "and the exit code $_" for 0 .. 5, 75, 130;
 
-for my $command (qw(resample denoise upsample simplify measure inspect submit jobs wait fetch cancel health)) {
+for my $command (qw(resample denoise upsample simplify measure inspect convert submit jobs wait fetch cancel health)) {
     ($code, $help, $errors) = run([$command, '--help']);
     is "$code$errors", '0', "voronoid $command --help ends well";
     like $help, qr/^usage: voronoid $command/, "it is the help of $command";
@@ -90,13 +90,13 @@ refused 'an option of another command', ['measure', $in, '--server', 'http://127
 refused 'an input of another command', ['resample', $in, @points, '-o', $out, '--reference', $in], 2,
     'resample: no option --reference; see voronoid resample --help';
 refused 'a parameter of another process', ['measure', $in, '--points', 5], 2,
-    'measure: no parameter points; measure takes peak';
+    'measure: no parameter points; measure takes invalid, peak';
 refused 'a letter of another process', ['measure', $in, '-n', 5], 2, 'measure: no option -n; see voronoid measure --help';
 refused 'a parameter of a command without a process', ['health', '--points', 5], 2,
     'health: no option --points; see voronoid health --help';
 refused 'a parameter of measure', ['denoise', $in, '-o', $out, '--peak=1'], 2,
     'denoise: no parameter peak; denoise takes points, ratio, spacing, method, patch, iterations, delta, '
-    . 'seconds, neighbors, anderson, polish, boundary, outliers, filters, inputNormals, intrinsic, seed, order, format, '
+    . 'seconds, neighbors, anderson, polish, boundary, outliers, filters, inputNormals, intrinsic, invalid, seed, order, format, '
     . 'quantization, compression, origin, '
     . 'attributes, normals';
 refused 'an option with a newline', ['resample', "--a\nb"], 2,

@@ -54,7 +54,7 @@ subtest 'lines of JSON' => sub {
     cmp_ok $records[-1]{delta}, '<', $records[0]{delta}, 'delta falls';
     is join(' ', sort keys %$report),
         join(' ', sort qw(points delta sigma epsilon iterations polish_steps stopped stages seconds
-            memory_peak_bytes outliers components islands lattice one_sided in_to_out out_to_in boundary_points neighbors_histogram held held_ever fallbacks parameters area spacing min_over_mean max_over_mean
+            memory_peak_bytes invalid dropped outliers components islands lattice one_sided in_to_out out_to_in boundary_points neighbors_histogram held held_ever fallbacks parameters area spacing min_over_mean max_over_mean
             six_share bisectors_per_cell triangles_per_cell queries list_rebuilds origin)), 'the report has its shape';
     is join(' ', sort keys %{ $report->{seconds} }), 'index init iterate polish read write', 'so have its seconds';
     is_deeply $report->{lattice}, { x => 0, y => 0, z => 0, moved => 0 }, 'it finds no lattice in a cloud without one';
@@ -123,8 +123,8 @@ subtest 'the same bytes' => sub {
 
 subtest 'the format' => sub {
     my @magic = ([ply => "ply\n"], [drc => 'DRACO']);
-    for my $case (['a.ply', [], 'ply'], ['a.DRC', [], 'drc'], ['a.bin', [], 'ply'],
-        ['b.ply', ['--format', 'drc'], 'drc'], ['b.drc', ['--format=ply'], 'ply']) {
+    for my $case (['a.ply', [], 'ply'], ['a.DRC', [], 'drc'], ['a', [], 'ply'],
+        ['a.bin', ['--format', 'ply'], 'ply'], ['b.ply', ['--format', 'drc'], 'drc'], ['b.drc', ['--format=ply'], 'ply']) {
         my ($name, $option, $format) = @$case;
         my ($magic) = map { $_->[1] } grep { $_->[0] eq $format } @magic;
         my ($code, $stdout) = run(['resample', $in, @request, '-o', "$folder/$name", '--json', @$option]);
@@ -132,10 +132,19 @@ subtest 'the format' => sub {
         is substr(slurp("$folder/$name"), 0, length $magic), $magic, "$name @$option is $format";
         is decode_json((split /\n/, $stdout)[-1])->{parameters}{format}, $format, 'the report says so';
     }
-    my ($code) = run(['resample', "$folder/a.DRC", '-n', 100, '-o', "$folder/c.bin", '-q']);
+    my ($code) = run(['resample', "$folder/a.DRC", '-n', 100, '-o', "$folder/c", '-q']);
     is $code, 0, 'what was written is read';
-    is substr(slurp("$folder/c.bin"), 0, 5), 'DRACO', 'without a hint, the format is the input\'s';
-    unlink glob "$folder/{a,b,c}.*";
+    is substr(slurp("$folder/c"), 0, 5), 'DRACO', 'without a hint, the format is the input\'s';
+    unlink "$folder/a", "$folder/c", glob "$folder/{a,b}.*";
+
+    # A name that promises what is not written is refused before the input is looked at.
+    for my $case (['a.las', '.las'], ['a.ply.gz', '.gz'], ['a.PLYX', '.PLYX']) {
+        my ($name, $suffix) = @$case;
+        my ($code, $stdout, $stderr) = run(['resample', "$folder/missing.ply", @request, '-o', "$folder/$name"]);
+        is "$code$stdout$stderr", "2voronoid: resample: the output's suffix is $suffix, want one of .ply, .drc; or say "
+            . "--format\n", "$name is refused";
+        ok !-e "$folder/$name", 'and nothing is written';
+    }
 };
 
 subtest 'what stands where the output goes' => sub {

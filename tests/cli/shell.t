@@ -87,8 +87,8 @@ subtest 'bash' => sub {
     is offered($_, '-'), join(' ', @{ $options{$_} }), "$_: the options of its help" for sort grep { $_ ne 'submit' } keys %options;
     is offered('serve', '--'), join(' ', sort '--help', @settings), 'serve: its settings';
     is offered('submit', 'up'), 'upsample', 'submit wants a process';
-    is offered('submit', 'meas'), '', 'which is offered over HTTP';
-    is offered('submit', 'inspect', '--in'), '--intrinsic', 'and then takes its parameters';
+    is offered('submit', 'heal'), '', 'not any command';
+    is offered('submit', 'inspect', '--in'), '--intrinsic --invalid', 'and then takes its parameters';
     is offered('resample', '--order', ''), 'progressive spatial', 'a choice has words';
     is offered('resample', '--order', '=', 'p'), 'progressive', 'also behind a =';
     is offered('resample', '--order', '='), 'progressive spatial', 'right behind it';

@@ -70,6 +70,10 @@ static void require_same(const struct vor_cloud *a, const struct vor_cloud *b, i
 {
     need(a->n == b->n && a->attribute_count == b->attribute_count, "another number of things");
     need(!positions || memcmp(a->xyz, b->xyz, 12 * a->n) == 0, "other positions");
+    need(a->notes.remarks_size == b->notes.remarks_size &&
+             (a->notes.remarks_size == 0 ||
+              memcmp(a->notes.remarks, b->notes.remarks, a->notes.remarks_size) == 0),
+         "other remarks");
     for (size_t i = 0; i < a->attribute_count; i++) {
         const struct vor_attribute *p = &a->attributes[i], *q = &b->attributes[i];
 

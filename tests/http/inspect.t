@@ -13,7 +13,7 @@ my $points = 800;
 my $cloud = sphere_ply($points);
 
 my $described = json($daemon->get('/v1/processes/inspect'));
-is_deeply [sort keys %{ $described->{inputs} }], [qw(cloud intrinsic outliers)], 'its inputs are described';
+is_deeply [sort keys %{ $described->{inputs} }], [qw(cloud intrinsic invalid outliers)], 'its inputs are described';
 is_deeply $described->{inputs}{intrinsic}{schema},
     { type => 'string', enum => [qw(local satellites none)], default => 'local' }, 'with words and default';
 is $described->{inputs}{outliers}{schema}{default}, 'drop', 'outliers are left aside';
@@ -28,7 +28,7 @@ for my $path ('/v1/inspect', '/v1/processes/inspect/execution') {
     is $answer->{headers}{etag}, '"' . sha256_hex($answer->{content}) . '"', 'and its ETag';
     my $told = json($answer);
     is_deeply [sort keys %$told], [sort keys %{ $schema->{properties} }], 'the document has the members described';
-    is_deeply $told->{points}, { all => $points, distinct => $points, outliers => 0 }, 'it counts the points';
+    is_deeply $told->{points}, { all => $points, invalid => 0, distinct => $points, outliers => 0 }, 'it counts the points';
     my ($id) = $answer->{headers}{location} =~ m{/v1/jobs/([^/]+)\z};
     is $daemon->get("/v1/jobs/$id/results/inspect")->{content}, $answer->{content}, 'and stays at results';
     is_deeply [keys %{ json($daemon->get("/v1/jobs/$id/results")) }], ['inspect'], 'which list nothing else';
@@ -36,7 +36,7 @@ for my $path ('/v1/inspect', '/v1/processes/inspect/execution') {
 }
 is_problem($daemon->post('/v1/inspect', $cloud, Accept => 'application/ply'), 406, 'not-acceptable', 'it is no cloud');
 is_problem($daemon->post('/v1/inspect?points=5', $cloud), 400, 'invalid-parameter', 'it takes no points');
-is json($daemon->post('/v1/inspect?points=5', $cloud))->{detail}, 'no parameter points; inspect takes outliers, intrinsic',
+is json($daemon->post('/v1/inspect?points=5', $cloud))->{detail}, 'no parameter points; inspect takes outliers, intrinsic, invalid',
     'and says what it takes';
 is_problem($daemon->post('/v1/inspect?intrinsic=global', $cloud), 400, 'invalid-parameter', 'a word that there is not');
 

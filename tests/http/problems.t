@@ -67,6 +67,8 @@ is_problem($daemon->post('/v1/resample?' . join('&', map { "a$_=1" } 1 .. 65), $
     'malformed-request', 'more than 64 pairs');
 is_problem($daemon->post('/v1/resample?points=10', $cloud, Accept => 'image/png'), 406,
     'not-acceptable', 'an Accept nobody can serve');
+is_problem($daemon->post('/v1/resample?points=10&format=drc', $cloud, Accept => 'application/ply'), 406,
+    'not-acceptable', 'an Accept that leaves the format out');
 is_problem($daemon->post('/v1/processes/nope/execution?points=10', $cloud), 404, 'no-such-process',
     'a process that is not');
 

@@ -38,7 +38,7 @@ my %as = (
     simplify => { ask => 'ratio=0.25', out => $points / 4, ratio => 0.25, outliers => 'keep', same => 'ratio=0.25' },
 );
 my @listed = @{ json($daemon->get('/v1/processes'))->{processes} };
-is_deeply [map { $_->{id} } @listed], [qw(resample denoise upsample simplify measure inspect)], 'the list has every process';
+is_deeply [map { $_->{id} } @listed], [qw(resample denoise upsample simplify measure inspect convert)], 'the list has every process';
 
 for my $process (grep { $as{ $_->{id} } } @listed) {
     my ($id, $wanted) = ($process->{id}, $as{ $process->{id} });
@@ -93,12 +93,12 @@ is $kept->{parameters}{outliers}, 'keep', 'as the report says';
 
 # A process of two clouds describes both; its parameter is foreign to the others.
 my $measure = json($daemon->get('/v1/processes/measure'));
-is_deeply [sort keys %{ $measure->{inputs} }], [qw(cloud peak reference)], 'measure takes a cloud, a reference and a peak';
+is_deeply [sort keys %{ $measure->{inputs} }], [qw(cloud invalid peak reference)], 'measure takes a cloud, a reference and a peak';
 is $measure->{inputs}{reference}{minOccurs}, 0, 'of which the reference need not come';
 is json($daemon->post('/v1/processes/measure/execution', $cloud))->{n}, $points, 'a body alone is its cloud';
 ok !exists json($daemon->get("/v1/processes/$_"))->{inputs}{peak}, "$_ does not describe peak" for sort keys %as;
 my $names = join ', ', qw(points ratio spacing method patch iterations delta seconds neighbors anderson polish boundary
-    outliers filters inputNormals intrinsic seed order format quantization compression origin attributes normals);
+    outliers filters inputNormals intrinsic invalid seed order format quantization compression origin attributes normals);
 
 # Refusals that the head decides, and those that the cloud does: both ways to run a process.
 for my $case (

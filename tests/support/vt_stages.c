@@ -138,13 +138,18 @@ static void add_apart(uint64_t *hash, const struct vor_apart *apart)
     add_count(hash, apart->points);
 }
 
-/* What the process takes: a parameter that only others do is no part of the request. */
+/* What the process takes: a parameter that only others do is no part of the request, nor is how the
+ * input was read, which is over before the first stage, nor what a file counts from, which is
+ * decided after the last. */
 static void add_spec(uint64_t *hash, const struct vor_spec *spec)
 {
     add_bytes(hash, spec->process->id, strlen(spec->process->id) + 1);
     for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
         const char *name = vor_parameter_info((enum vor_parameter)i)->name;
 
+        if (vor_parameter_info((enum vor_parameter)i)->group == VOR_GROUP_READ ||
+            i == VOR_PARAM_ORIGIN)
+            continue;
         if (!vor_process_takes(spec->process, (enum vor_parameter)i))
             continue;
         add_bytes(hash, name, strlen(name) + 1);

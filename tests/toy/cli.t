@@ -254,7 +254,7 @@ subtest 'what a process does not take is refused by name' => sub {
         "census: no parameter backward; census takes $takes, tell";
     refused 'the other way', ['overlap', $plane, '--other', $moved, '--tell', 'box'], 2,
         "overlap: no parameter tell; overlap takes $takes, backward";
-    refused 'a toy of a product', ['measure', $plane, '--strict'], 2, 'measure: no parameter strict; measure takes peak';
+    refused 'a toy of a product', ['measure', $plane, '--strict'], 2, 'measure: no parameter strict; measure takes invalid, peak';
     my ($code, $stdout, $stderr) = run(['resample', $in, '-n', 5, '--remark', 'x', '-o', $out]);
     like "$code|$stdout|$stderr", qr/\A2\|\|voronoid: resample: no parameter remark; resample takes points, .*, normals, parts, pause\n\z/,
         'and of the processes that spread points';

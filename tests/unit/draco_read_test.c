@@ -122,6 +122,18 @@ static void check_sheet(const struct vor_cloud *cloud, size_t n)
                           "vertex %d %d comes %d times", x, y, seen[x][y]);
 }
 
+/* A sheet of 5 x 5 vertices has 32 triangles. */
+static void check_left_out(const struct vor_notes *notes, size_t seam)
+{
+    unsigned faces = seam > 0;
+
+    ck_assert_uint_eq(notes->dropped_count, 1 + faces);
+    ck_assert_str_eq(notes->dropped[faces].what, "face");
+    ck_assert_uint_eq(notes->dropped[faces].count, 32);
+    ck_assert(seam == 0 || strcmp(notes->dropped[0].what, "seam") == 0);
+    ck_assert(seam == 0 || notes->dropped[0].count == seam);
+}
+
 /* Vector: the seam makes 30 points of 25 vertices. Where the file shares positions between points,
  * they are merged; where it stores them twice, both are kept. */
 START_TEST(meshes_give_their_vertices_and_seams_are_merged)
@@ -140,6 +152,7 @@ START_TEST(meshes_give_their_vertices_and_seams_are_merged)
         ck_assert(slurp(&bytes, meshes[k].path, meshes[k].path));
         vt_assert_ok(draco_decode(&cloud, &bytes));
         check_sheet(&cloud, meshes[k].n);
+        check_left_out(&cloud.notes, 30 - meshes[k].n);
         vor_cloud_free(&cloud);
         free(bytes.data);
     }
@@ -257,15 +270,25 @@ START_TEST(positions_in_double_are_kept_to_float_precision_of_their_extent)
 }
 END_TEST
 
-START_TEST(a_nan_in_double_positions_names_its_point)
+START_TEST(a_nan_in_double_positions_names_its_point_and_can_be_dropped)
 {
     static const double xyz[6] = {0, 1, 2, 3, NAN, 5};
+    struct vor_limits drop = draco_limits;
     struct vt_bytes bytes;
     struct vor_cloud cloud;
+    double left[3];
 
+    drop.drop_invalid = 1;
     put_raw(&bytes, "\12\3", xyz, sizeof xyz, "\4\13\1", "\1\0", 2);
     vt_assert_fails(VOR_E_NONFINITE, draco_decode(&cloud, &bytes));
-    ck_assert_ptr_nonnull(strstr(vt_err.message, "y of point 1"));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "point 1, whose y is nan"));
+    vor_cloud_init(&cloud, &vt_memory);
+    vt_assert_ok(vor_draco_read(&cloud, bytes.data, bytes.size, &drop, &vt_err));
+    ck_assert_uint_eq(cloud.n, 1);
+    ck_assert_uint_eq(cloud.notes.invalid, 1);
+    vor_cloud_position(&cloud, 0, left);
+    ck_assert_mem_eq(left, xyz, sizeof left);
+    vor_cloud_free(&cloud);
     free(bytes.data);
     vt_assert_no_leak();
 }
@@ -394,7 +417,7 @@ int main(void)
     vt_add(suite, a_kd_tree_of_an_older_bitstream_holds_the_same_cells);
     vt_add(suite, a_raw_cloud_of_bitstream_1_2_is_read);
     vt_add(suite, positions_in_double_are_kept_to_float_precision_of_their_extent);
-    vt_add(suite, a_nan_in_double_positions_names_its_point);
+    vt_add(suite, a_nan_in_double_positions_names_its_point_and_can_be_dropped);
     vt_add(suite, kinds_and_types_of_the_file_become_ours);
     vt_add(suite, what_the_library_held_is_in_the_peak_and_given_back);
     vt_add(suite, calls_on_several_threads_share_nothing);

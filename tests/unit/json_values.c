@@ -170,7 +170,7 @@ START_TEST(a_report_has_its_shape)
         "\"stages\":[{\"stage\":\"iterate\",\"steps\":50,\"seconds\":4},"
         "{\"stage\":\"polish\",\"steps\":40,\"seconds\":4.5}],"
         "\"seconds\":{\"read\":1,\"index\":2,\"init\":3,\"iterate\":4,\"polish\":4.5,\"write\":5},"
-        "\"memory_peak_bytes\":123456789,"
+        "\"memory_peak_bytes\":123456789,\"invalid\":0,\"dropped\":[],"
         "\"outliers\":5,\"components\":6,\"islands\":{\"components\":4,\"points_in\":43,"
         "\"points_out\":8,\"delta_beside\":0.0625},\"lattice\":{\"x\":0.5,\"y\":0.25,\"z\":0,"
         "\"moved\":12},\"one_sided\":3,\"in_to_out\":{"
@@ -184,7 +184,8 @@ START_TEST(a_report_has_its_shape)
         "\"list_rebuilds\":11,\"origin\":{\"x\":637000,\"y\":-0.5,\"z\":0},\"parameters\":{"
         "\"points\":5000,\"method\":\"cvt\",\"patch\":"
         "\"quadric\",\"neighbors\":\"auto\",\"polish\":60,\"boundary\":\"keep\",\"outliers\":"
-        "\"keep\",\"filters\":[],\"inputNormals\":\"auto\",\"intrinsic\":\"local\","
+        "\"keep\",\"filters\":[],\"inputNormals\":\"auto\",\"intrinsic\":\"local\",\"invalid\":"
+        "\"refuse\","
         "\"seed\":1,\"order\":\"spatial\",\"quantization\":\"auto\",\"compression\":7,\"origin\":"
         "\"auto\","
         "\"attributes\":\"nearest\","
@@ -222,12 +223,12 @@ START_TEST(a_measure_is_written_in_this_shape)
     vor_text_init(&text, 0);
     vor_json_document(&text, &document);
     expect("{\"n\":3,\"delta\":0.1,\"sigma\":0.2,\"epsilon\":0.3,\"mean_nn\":0.4,"
-           "\"min_over_mean\":0.5,\"max_over_mean\":0.6,\"coincident\":2}");
+           "\"min_over_mean\":0.5,\"max_over_mean\":0.6,\"invalid\":0,\"coincident\":2}");
     measure.has_reference = 1;
     vor_text_init(&text, 0);
     vor_json_document(&text, &document);
     expect("{\"n\":3,\"delta\":0.1,\"sigma\":0.2,\"epsilon\":0.3,\"mean_nn\":0.4,"
-           "\"min_over_mean\":0.5,\"max_over_mean\":0.6,\"coincident\":2,\"input\":{"
+           "\"min_over_mean\":0.5,\"max_over_mean\":0.6,\"invalid\":0,\"coincident\":2,\"input\":{"
            "\"far_over_knn6_mean\":1,\"far_over_knn6_p999\":2,\"out_to_ref_mean\":3,"
            "\"out_to_ref_rms\":7,\"out_to_ref_max\":4,\"ref_to_out_mean\":5,"
            "\"ref_to_out_rms\":8,\"ref_to_out_max\":6,\"hausdorff\":9,\"chamfer\":10,"

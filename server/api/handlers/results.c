@@ -1,5 +1,7 @@
 #include "proto/codec.h"
 #include "proto/origin.h"
+#include "server/api/handlers/ask.h"
+#include "server/api/handlers/converted.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/range.h"
 #include "server/api/links.h"
@@ -102,10 +104,10 @@ static bool open_kept(struct vor_app *app, struct vor_request *request,
 
 /* The file name of an output: that of the job, with the output's name in it but for the main one
  * and the report, which a client tells apart by their suffixes. */
-static void name_file(const struct vor_job_view *view, unsigned index, char *out, size_t size)
+static void name_file(const struct vor_job_view *view, unsigned index,
+                      const struct vor_format *format, char *out, size_t size)
 {
     const struct vor_artefact_info *output = &view->spec.process->outputs[index];
-    const struct vor_format *format = vor_format(view->output[index].format);
     bool is_plain = index == 0 || vor_output_in_row(output);
 
     (void)snprintf(out, size, "%s%s%s%s", view->id.text, is_plain ? "" : "-",
@@ -122,7 +124,7 @@ static bool open_output(struct vor_app *app, struct vor_request *request,
         vor_result_missing(app, request, view);
         return false;
     }
-    name_file(view, index, out->name, sizeof out->name);
+    name_file(view, index, vor_format(view->output[index].format), out->name, sizeof out->name);
     return vor_output_in_row(&view->spec.process->outputs[index])
                ? open_kept(app, request, view, out)
                : open_blob(app, request, view, index, out);
@@ -241,11 +243,36 @@ static enum vor_next reply_no_such_output(struct vor_app *app, struct vor_reques
                            names);
 }
 
+/* Output number `index` in another format than the job's. */
+static enum vor_next reply_converted(struct vor_app *app, struct vor_request *request,
+                                     const struct vor_job_view *view, unsigned index,
+                                     unsigned format)
+{
+    struct output out = {.fd = -1, .media_type = vor_format(format)->media_type};
+    struct vor_converted converted;
+    enum vor_next next;
+
+    if (!vor_ask_accepts(app, request, out.media_type))
+        return VOR_NEXT_REPLY;
+    next = vor_converted_get(app, request, view, index, format, &converted);
+    if (next != VOR_NEXT_REPLY || converted.fd < 0)
+        return next;
+    out.fd = converted.fd;
+    out.size = converted.size;
+    (void)snprintf(out.etag, sizeof out.etag, "\"%s\"", converted.sha256);
+    memcpy(out.origin, converted.origin, sizeof out.origin);
+    name_file(view, index, vor_format(format), out.name, sizeof out.name);
+    reply_output(app, request, &out);
+    output_close(&out);
+    return VOR_NEXT_REPLY;
+}
+
 enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor_step step)
 {
     const struct vor_artefact_info *outputs, *output;
     struct vor_app *app = ctx;
     struct output out = {.fd = -1};
+    struct vor_result_ask ask;
     struct vor_job_view view;
     const char *segment;
     size_t length = vor_path_segment(vor_request_path(request), 4, &segment);
@@ -259,9 +286,14 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
     output = vor_artefact_find(outputs, name);
     if (output == NULL)
         return reply_no_such_output(app, request, &view, name);
+    if (!vor_ask_read(app, request, output->kind == VOR_ARTEFACT_CLOUD, &ask))
+        return VOR_NEXT_REPLY;
     if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
         return vor_result_missing(app, request, &view);
-    if (open_output(app, request, &view, (unsigned)(output - outputs), &out))
+    if (ask.has_format && ask.format != view.output[output - outputs].format)
+        return reply_converted(app, request, &view, (unsigned)(output - outputs), ask.format);
+    if (open_output(app, request, &view, (unsigned)(output - outputs), &out) &&
+        vor_ask_accepts(app, request, out.media_type))
         reply_output(app, request, &out);
     output_close(&out);
     return VOR_NEXT_REPLY;
@@ -283,14 +315,17 @@ static void put_output(struct vor_app *app, struct vor_request *request,
 enum vor_next vor_handle_results(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_app *app = ctx;
+    struct vor_result_ask ask;
     struct vor_job_view view;
     struct vor_text text;
 
     (void)step;
-    if (!vor_job_look_up(app, request, &view))
+    if (!vor_job_look_up(app, request, &view) || !vor_ask_read(app, request, false, &ask))
         return VOR_NEXT_REPLY;
     if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
         return vor_result_missing(app, request, &view);
+    if (!vor_ask_accepts(app, request, "application/json"))
+        return VOR_NEXT_REPLY;
     vor_text_init(&text, 0);
     vor_json_begin_object(&text);
     for (unsigned i = 0; view.spec.process->outputs[i].name != NULL; i++)

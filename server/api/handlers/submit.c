@@ -24,7 +24,7 @@
 #include <string.h>
 
 /* What must stay free on the disk, so that jobs under way can end. */
-static const uint64_t disk_reserve = (uint64_t)16 << 20;
+static const uint64_t disk_reserve = VOR_BLOBS_RESERVE;
 
 struct submission {
     struct vor_app *app;
@@ -310,7 +310,10 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
     enum vor_job_outcome outcome;
 
     submission->admission = (struct vor_admission){
-        .uploads = submission->uploads, .done = on_admitted, .ctx = submission};
+        .uploads = submission->uploads,
+        .drop_invalid = submission->head.spec.value[VOR_PARAM_INVALID] == VOR_INVALID_DROP,
+        .done = on_admitted,
+        .ctx = submission};
     submission->holds++; /* nobody else has it yet */
     outcome = vor_admit_submit(app->admit, &submission->admission);
     if (outcome == VOR_DONE) {

@@ -2,12 +2,12 @@
 
 #include "core/base/quote.h"
 #include "proto/codec.h"
+#include "server/api/accept.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/prefer.h"
 #include "server/api/problem.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -67,38 +67,22 @@ static bool is_word(const char *text, size_t length, const char *word)
     return strlen(word) == length && strncasecmp(text, word, length) == 0;
 }
 
-/* The q of a media range's parameters; 1 when there is none. */
-static double quality_of(const char *range, size_t length)
+static void take_range(struct acceptance *accept, const struct vor_accept_range *range)
 {
-    for (size_t i = 0; i + 2 < length; i++) {
-        if (range[i] != ';')
-            continue;
-        i += 1 + strspn(range + i + 1, " \t");
-        if (i + 1 < length && (range[i] == 'q' || range[i] == 'Q') && range[i + 1] == '=')
-            return strtod(range + i + 2, NULL);
-    }
-    return 1;
-}
+    const char *type = range->type;
+    size_t word = strlen(type);
+    const struct vor_format *format = vor_format_by_media_type(type);
 
-static void take_range(struct acceptance *accept, const char *range, size_t length)
-{
-    double quality = quality_of(range, length);
-    size_t word = strcspn(range, ";, \t");
-    const struct vor_format *format;
-    char type[80];
-
-    if (quality <= 0 || word == 0 || word >= sizeof type)
+    if (range->quality <= 0 || word == 0)
         return;
-    (void)snprintf(type, sizeof type, "%.*s", (int)word, range);
-    format = vor_format_by_media_type(type);
     accept->stream = accept->stream || is_word(type, word, "text/event-stream");
     accept->json = accept->json || is_word(type, word, "application/json");
     accept->any = accept->any || is_word(type, word, "*/*") ||
                   is_word(type, word, "application/*") ||
                   is_word(type, word, "application/octet-stream");
-    if (format == NULL || quality <= accept->quality)
+    if (format == NULL || range->quality <= accept->quality)
         return;
-    accept->quality = quality;
+    accept->quality = range->quality;
     for (unsigned i = 0; vor_format(i) != NULL; i++)
         if (vor_format(i) == format)
             accept->format = i;
@@ -106,20 +90,13 @@ static void take_range(struct acceptance *accept, const char *range, size_t leng
 
 static void read_accept(struct vor_request *request, struct acceptance *accept)
 {
-    unsigned index = 0;
-    const char *value;
+    struct vor_accept_walk walk = {0, NULL};
+    struct vor_accept_range range;
 
     *accept = (struct acceptance){0};
-    while ((value = vor_request_header_next(request, "Accept", &index)) != NULL) {
+    while (vor_accept_next(request, &walk, &range)) {
         accept->given = true;
-        while (*value != '\0') {
-            size_t length;
-
-            value += strspn(value, ", \t");
-            length = strcspn(value, ",");
-            take_range(accept, value, length);
-            value += length;
-        }
+        take_range(accept, &range);
     }
 }
 
@@ -129,12 +106,27 @@ static bool accepts_all(const struct acceptance *accept)
     return !accept->given || accept->any || accept->stream;
 }
 
+/* The format that the request names must be one that Accept takes, unless the answer is a stream or
+ * the address of the job. */
+static bool check_format(struct vor_app *app, struct vor_request *request,
+                         const struct acceptance *accept, const struct vor_submit_head *out)
+{
+    const struct vor_format *format = vor_format((unsigned)out->spec.value[VOR_PARAM_FORMAT]);
+
+    if (out->mode != VOR_SUBMIT_SYNC || (accept->json && out->is_async) ||
+        vor_accept_takes(request, format->media_type))
+        return true;
+    vor_problem_say(app, request, "not-acceptable", "format is %s, and Accept leaves %s out",
+                    format->name, format->media_type);
+    return false;
+}
+
 /* The parameter decides, then Accept; what neither decides is the input's format. */
 static bool choose_format(struct vor_app *app, struct vor_request *request,
                           const struct acceptance *accept, struct vor_submit_head *out)
 {
     if (vor_spec_given(&out->spec, VOR_PARAM_FORMAT))
-        return true;
+        return check_format(app, request, accept, out);
     if (accept->quality > 0) {
         out->spec.value[VOR_PARAM_FORMAT] = accept->format;
         return true;

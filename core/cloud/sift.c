@@ -1,0 +1,79 @@
+#include "core/cloud/sift.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* The coordinates of a cloud, in either form. */
+struct positions {
+    float *narrow;
+    double *wide;
+};
+
+static double coordinate(const struct positions *at, size_t i)
+{
+    return at->wide != NULL ? at->wide[i] : (double)at->narrow[i];
+}
+
+static int is_finite(const struct positions *at, size_t point)
+{
+    return isfinite(coordinate(at, 3 * point)) && isfinite(coordinate(at, 3 * point + 1)) &&
+           isfinite(coordinate(at, 3 * point + 2));
+}
+
+static vor_status refuse(const struct positions *at, size_t n, size_t bad, struct vor_error *err)
+{
+    size_t first = 0, c = 0;
+    char value[16];
+
+    while (is_finite(at, first))
+        first++;
+    while (isfinite(coordinate(at, 3 * first + c)))
+        c++;
+    /* The sign of what is no number depends on the machine that wrote it. */
+    (void)snprintf(value, sizeof value, "%g", fabs(coordinate(at, 3 * first + c)));
+    return vor_fail_param(err, VOR_E_NONFINITE, "invalid",
+                          "%zu of %zu points are not finite, the first is point %zu, whose %c is "
+                          "%s%s; invalid=drop leaves them out",
+                          bad, n, first, "xyz"[c], coordinate(at, 3 * first + c) < 0 ? "-" : "",
+                          value);
+}
+
+/* Moves the finite points of a column to its beginning; they are told by positions that have not
+ * been moved yet. */
+static void close_up(void *column, size_t size, const struct positions *at, size_t n)
+{
+    char *to = column;
+
+    for (size_t i = 0; i < n; i++)
+        if (is_finite(at, i)) {
+            memmove(to, (const char *)column + i * size, size);
+            to += size;
+        }
+}
+
+vor_status vor_cloud_sift(struct vor_cloud *cloud, double *wide, int is_drop, struct vor_error *err)
+{
+    struct positions at = {cloud->xyz, wide};
+    size_t bad = 0;
+
+    for (size_t i = 0; i < cloud->n; i++)
+        bad += !is_finite(&at, i);
+    if (bad == 0)
+        return VOR_OK;
+    if (!is_drop)
+        return refuse(&at, cloud->n, bad, err);
+    if (bad == cloud->n)
+        return vor_fail(err, VOR_E_EMPTY, "none of the %zu points is finite", cloud->n);
+    for (size_t k = 0; k < cloud->attribute_count; k++)
+        close_up(cloud->attributes[k].data,
+                 cloud->attributes[k].components * vor_type_size(cloud->attributes[k].type), &at,
+                 cloud->n);
+    if (wide != NULL)
+        close_up(wide, 3 * sizeof *wide, &at, cloud->n);
+    else
+        close_up(cloud->xyz, 3 * sizeof *cloud->xyz, &at, cloud->n);
+    cloud->n -= bad;
+    cloud->notes.invalid += bad;
+    return VOR_OK;
+}

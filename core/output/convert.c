@@ -1,0 +1,92 @@
+#include "core/output/convert.h"
+
+#include "core/cloud/frame.h"
+#include "core/metrics/uniformity.h"
+#include "core/output/notes.h"
+#include "core/output/output.h"
+
+#include <math.h>
+
+/* Says of everything that only a resampling or a measurement tells that it is not known. */
+static void forget(struct vor_report *report)
+{
+    double *const unknown[] = {
+        &report->delta,
+        &report->sigma,
+        &report->epsilon,
+        &report->delta_beside,
+        &report->area,
+        &report->spacing_mean,
+        &report->min_over_mean,
+        &report->max_over_mean,
+        &report->six_share,
+        &report->bisectors_per_cell,
+        &report->triangles_per_cell,
+    };
+
+    for (size_t i = 0; i < sizeof unknown / sizeof unknown[0]; i++)
+        *unknown[i] = (double)NAN;
+}
+
+/* Measures the points of a cloud in a frame of that unit. */
+static vor_status measure_in(struct vor_report *report, const float *xyz, size_t n, double unit,
+                             const struct vor_run *run, struct vor_error *err)
+{
+    float *nearest = vor_malloc(run->memory, n, sizeof *nearest);
+    struct vor_uniformity even;
+    struct vor_knn *knn = NULL;
+    vor_status status;
+
+    if (nearest == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", n);
+    status = vor_knn_build(&knn, xyz, n, run->memory, err);
+    if (status == VOR_OK)
+        status = vor_nearest_distances(nearest, xyz, n, knn, run, err);
+    if (status == VOR_OK) {
+        vor_uniformity_from(&even, nearest, n);
+        vor_output_report_uniformity(report, &even, unit);
+    }
+    vor_knn_free(knn);
+    vor_free(run->memory, nearest);
+    return status;
+}
+
+static vor_status measure(struct vor_report *report, const struct vor_cloud *cloud,
+                          const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_frame frame;
+    float *xyz = NULL;
+    vor_status status;
+
+    vor_frame_choose(&frame, cloud, NULL);
+    status = vor_frame_positions(&xyz, cloud, &frame, run->memory, err);
+    if (status == VOR_OK)
+        status = measure_in(report, xyz, cloud->n, frame.unit, run, err);
+    vor_free(run->memory, xyz);
+    return status;
+}
+
+vor_status vor_convert_cloud(struct vor_cloud *out, struct vor_report *report,
+                             const struct vor_cloud *in, const struct vor_spec *spec,
+                             const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_cloud cloud;
+    vor_status status = VOR_OK;
+
+    report->points_in = in->n;
+    report->points_out = in->n;
+    report->parameters = *spec;
+    forget(report);
+    if (spec->value[VOR_PARAM_FORMAT] == VOR_FORMAT_DRC &&
+        spec->value[VOR_PARAM_QUANTIZATION] == VOR_UNSET)
+        status = measure(report, in, run, err);
+    if (status != VOR_OK)
+        return status;
+    vor_cloud_init(&cloud, out->memory);
+    status = vor_cloud_copy(&cloud, in, err);
+    if (status == VOR_OK) {
+        vor_output_report_notes(report, in);
+        *out = cloud;
+    }
+    return status;
+}

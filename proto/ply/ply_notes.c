@@ -1,0 +1,103 @@
+#include "proto/ply/ply_notes.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* Names are strangers' bytes and end up in reports. */
+static void clean(char *name)
+{
+    for (; *name != '\0'; name++)
+        if (*name <= 0x20 || *name >= 0x7f)
+            *name = '?';
+}
+
+static void note_element(struct vor_notes *notes, const struct vor_ply_element *element)
+{
+    char what[VOR_MEMBER_TEXT_SIZE];
+
+    (void)snprintf(what, sizeof what, "%.*s",
+                   element->name_length < sizeof what ? (int)element->name_length
+                                                      : (int)sizeof what - 1,
+                   element->name);
+    clean(what);
+    vor_dropped_add(notes->dropped, &notes->dropped_count, what, element->count);
+}
+
+static void note_lists(struct vor_notes *notes, const struct vor_ply_element *vertex)
+{
+    for (unsigned k = 0; k < vertex->property_count; k++) {
+        const struct vor_ply_property *property = &vertex->properties[k];
+        char what[VOR_MEMBER_TEXT_SIZE];
+
+        if (!property->list)
+            continue;
+        (void)snprintf(what, sizeof what, "vertex.%.*s",
+                       property->name_length < sizeof what ? (int)property->name_length
+                                                           : (int)sizeof what - 1,
+                       property->name);
+        clean(what);
+        vor_dropped_add(notes->dropped, &notes->dropped_count, what, vertex->count);
+    }
+}
+
+static int is_signature(const char *line, size_t size)
+{
+    static const char signature[] = "comment " VOR_PLY_SIGNATURE;
+
+    return size == sizeof signature - 1 && memcmp(line, signature, size) == 0;
+}
+
+/* Writes the remarks among the lines of a header, up to VOR_PLY_REMARKS_MAX, and counts the others;
+ * returns the bytes written. out may be NULL. */
+static size_t put_remarks(char *out, uint64_t *others, const uint8_t *bytes, size_t size)
+{
+    uint8_t stop = vor_ply_line_stop(bytes, size);
+    size_t used = 0, length;
+
+    *others = 0;
+    for (size_t at = 0; at < size; at += length + 1) {
+        const char *line = (const char *)bytes + at;
+        const char *end = memchr(line, stop, size - at);
+        size_t kept;
+
+        length = end != NULL ? (size_t)(end - line) : size - at;
+        kept = length - (stop == '\n' && length > 0 && line[length - 1] == '\r');
+        if (!vor_ply_is_remark(line, kept) || is_signature(line, kept))
+            continue;
+        if (used + kept + 1 > VOR_PLY_REMARKS_MAX) {
+            ++*others;
+            continue;
+        }
+        for (size_t i = 0; out != NULL && i < kept; i++) {
+            uint8_t c = (uint8_t)line[i];
+
+            out[used + i] = (c < 0x20 && c != '\t') || c == 0x7f ? '?' : line[i];
+        }
+        if (out != NULL)
+            out[used + kept] = '\n';
+        used += kept + 1;
+    }
+    return used;
+}
+
+vor_status vor_ply_note(struct vor_cloud *cloud, const uint8_t *bytes,
+                        const struct vor_ply_header *header, const struct vor_ply_element *vertex,
+                        struct vor_error *err)
+{
+    struct vor_notes *notes = &cloud->notes;
+    uint64_t others;
+    size_t size = put_remarks(NULL, &others, bytes, header->body);
+
+    for (unsigned i = 0; i < header->element_count; i++)
+        if (&header->elements[i] != vertex)
+            note_element(notes, &header->elements[i]);
+    note_lists(notes, vertex);
+    vor_dropped_add(notes->dropped, &notes->dropped_count, "comment", others);
+    if (size == 0)
+        return VOR_OK;
+    notes->remarks = vor_malloc(cloud->memory, size, 1);
+    if (notes->remarks == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu bytes of remarks", size);
+    notes->remarks_size = put_remarks(notes->remarks, &others, bytes, header->body);
+    return VOR_OK;
+}

@@ -1,0 +1,73 @@
+#include "server/api/handlers/ask.h"
+
+#include "core/base/quote.h"
+#include "proto/codec.h"
+#include "server/api/accept.h"
+#include "server/api/problem.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { SHOWN = 64 };
+
+/* Says what the value of format should be. Returns out. */
+static const char *refuse_format(const char *value, char *out, size_t size)
+{
+    char shown[SHOWN];
+    int at = snprintf(out, size, "format is \"%s\", want one of ",
+                      vor_quote(shown, sizeof shown, value, strlen(value)));
+
+    for (unsigned i = 0; vor_format(i) != NULL && (size_t)at < size; i++)
+        at += snprintf(out + at, size - (size_t)at, "%s%s", i > 0 ? ", " : "", vor_format(i)->name);
+    return out;
+}
+
+/* Reads the value of format; NULL, or what is wrong with it. */
+static const char *read_format(struct vor_result_ask *ask, const char *value, char *out,
+                               size_t size)
+{
+    if (ask->has_format)
+        return "format is given more than once";
+    for (unsigned i = 0; vor_format(i) != NULL; i++)
+        if (strcmp(vor_format(i)->name, value) == 0) {
+            *ask = (struct vor_result_ask){true, i};
+            return NULL;
+        }
+    return refuse_format(value, out, size);
+}
+
+bool vor_ask_read(struct vor_app *app, struct vor_request *request, bool takes_format,
+                  struct vor_result_ask *out)
+{
+    struct vor_problem problem = VOR_PROBLEM_INIT("invalid-query-parameter-value");
+    const char *name;
+    char detail[256], shown[SHOWN];
+
+    *out = (struct vor_result_ask){.has_format = false};
+    for (unsigned i = 0; (name = vor_request_query_name(request, i)) != NULL; i++) {
+        if (takes_format && strcmp(name, "format") == 0) {
+            problem.detail =
+                read_format(out, vor_request_query_value(request, i), detail, sizeof detail);
+        } else {
+            (void)snprintf(detail, sizeof detail, "there is no parameter %s here, want %s",
+                           vor_quote(shown, sizeof shown, name, strlen(name)),
+                           takes_format ? "format" : "none");
+            problem.detail = detail;
+        }
+        if (problem.detail == NULL)
+            continue;
+        problem.parameter = name;
+        vor_problem_reply(app, request, &problem);
+        return false;
+    }
+    return true;
+}
+
+bool vor_ask_accepts(struct vor_app *app, struct vor_request *request, const char *media_type)
+{
+    if (vor_accept_takes(request, media_type))
+        return true;
+    vor_problem_say(app, request, "not-acceptable", "this is %s, and Accept leaves that out",
+                    media_type);
+    return false;
+}

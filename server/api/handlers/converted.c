@@ -1,0 +1,112 @@
+#include "server/api/handlers/converted.h"
+
+#include "proto/codec.h"
+#include "server/api/handlers/handlers.h"
+#include "server/api/problem.h"
+
+#include <stdlib.h>
+
+/* The state of a request that waits for a conversion. */
+struct wait {
+    struct vor_conversion *conversion; /* NULL before it has begun */
+    struct vor_conversion_waiter waiter;
+    struct vor_waker *waker;
+};
+
+static void wake(void *ctx)
+{
+    vor_waker_wake(ctx);
+}
+
+static void release(void *state)
+{
+    struct wait *wait = state;
+
+    if (wait->conversion != NULL)
+        vor_conversion_leave(wait->conversion, &wait->waiter);
+    vor_waker_drop(wait->waker);
+    free(wait);
+}
+
+/* There is no length to tell yet: a stream, whose reply to HEAD has none. */
+static long no_bytes(void *ctx, struct vor_request *request, char *out, size_t size)
+{
+    (void)ctx;
+    (void)request;
+    (void)out;
+    (void)size;
+    return -1;
+}
+
+static enum vor_next begin(struct vor_app *app, struct vor_request *request,
+                           const struct vor_job_view *view, unsigned index, unsigned format)
+{
+    struct wait *wait = calloc(1, sizeof *wait);
+    enum vor_job_outcome outcome;
+    struct vor_error err;
+
+    if (wait == NULL) {
+        (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
+        return vor_problem_error(app, request, &err, view->id.text);
+    }
+    wait->waker = vor_request_waker(request);
+    wait->waiter = (struct vor_conversion_waiter){.wake = wake, .ctx = wait->waker};
+    vor_request_set_state(request, wait, release);
+    outcome = vor_conversion_begin(&wait->conversion, app->conversions, view, index, format,
+                                   &wait->waiter, &err);
+    if (outcome == VOR_FULL)
+        return vor_problem_say(app, request, "too-many-conversions",
+                               "as many results are being converted as may be; try again later");
+    if (outcome != VOR_DONE)
+        return vor_outcome_reply(app, request, outcome, &err, &view->id);
+    return VOR_NEXT_WAIT;
+}
+
+/* True when the conversion that a request waits for is over, and went well. Else *next is what the
+ * handler returns. */
+static bool is_made(struct vor_app *app, struct vor_request *request,
+                    const struct vor_job_view *view, enum vor_next *next)
+{
+    struct wait *wait = vor_request_state(request);
+    struct vor_error err;
+    vor_status status;
+
+    *next = VOR_NEXT_WAIT;
+    if (vor_conversion_over(wait->conversion, &status, &err)) {
+        if (status == VOR_OK)
+            return true;
+        *next = status == VOR_E_CANCELLED
+                    ? vor_problem_say(app, request, "draining", "the daemon is going down")
+                    : vor_problem_error(app, request, &err, view->id.text);
+    } else if (vor_request_gone(request)) {
+        *next = vor_problem_say(app, request, "client-closed", "the caller left");
+    } else if (vor_request_closing(request)) {
+        *next = vor_problem_say(app, request, "draining", "the daemon is going down");
+    }
+    return false;
+}
+
+enum vor_next vor_converted_get(struct vor_app *app, struct vor_request *request,
+                                const struct vor_job_view *view, unsigned index, unsigned format,
+                                struct vor_converted *out)
+{
+    bool has_waited = vor_request_state(request) != NULL;
+    const char *name = view->spec.process->outputs[index].name;
+    enum vor_next next;
+    struct vor_error err;
+
+    out->fd = -1;
+    if (has_waited && !is_made(app, request, view, &next))
+        return next;
+    if (vor_converted_open(out, app->blobs, &view->id, name, format, &err) != VOR_OK)
+        return vor_problem_error(app, request, &err, view->id.text);
+    if (out->fd >= 0)
+        return VOR_NEXT_REPLY;
+    if (has_waited) /* the job went meanwhile */
+        return vor_problem_say(app, request, "result-not-available", "the job was removed");
+    if (vor_request_method(request) != VOR_HEAD)
+        return begin(app, request, view, index, format);
+    vor_reply_header(request, "Cache-Control", "private, no-cache");
+    vor_reply_stream(request, 200, vor_format(format)->media_type, no_bytes, NULL);
+    return VOR_NEXT_REPLY;
+}

@@ -1,0 +1,395 @@
+/* A conversion is shared by those who wait for it: it is freed once it is over and the last of them
+ * has left. The digest of its bytes and its origin stand behind them in the blob, so that the ETag
+ * needs no pass over the file, and the origin no decoding. */
+#include "server/work/conversion.h"
+
+#include "proto/codec.h"
+#include "proto/json/json.h"
+#include "server/base/disk.h"
+#include "server/base/log.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+/* What stands behind the bytes in the blob; both with their NUL. */
+struct trailer {
+    char sha256[VOR_DIGEST_SIZE];
+    char origin[VOR_ORIGIN_TEXT_SIZE]; /* "" in a format that takes none */
+};
+
+struct vor_conversion {
+    struct vor_conversions *service;
+    struct vor_job_view row;
+    unsigned output, format;
+    struct vor_task task;
+    struct vor_conversion_waiter *waiters;
+    int is_over;
+    vor_status status;
+    struct vor_error error;
+    struct vor_conversion *next;
+};
+
+struct vor_conversions {
+    struct vor_conversions_config config;
+    pthread_mutex_t mutex;       /* everything below, and the waiters and ends of conversions */
+    struct vor_conversion *list; /* those that are not over */
+    unsigned count;
+};
+
+vor_status vor_conversions_create(struct vor_conversions **out,
+                                  const struct vor_conversions_config *config,
+                                  struct vor_error *err)
+{
+    struct vor_conversions *conversions = calloc(1, sizeof *conversions);
+
+    if (conversions == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the conversions");
+    conversions->config = *config;
+    pthread_mutex_init(&conversions->mutex, NULL);
+    *out = conversions;
+    return VOR_OK;
+}
+
+void vor_conversions_destroy(struct vor_conversions *conversions)
+{
+    if (conversions == NULL)
+        return;
+    pthread_mutex_destroy(&conversions->mutex);
+    free(conversions);
+}
+
+/* --- the work --------------------------------------------------------------------------------- */
+
+static const char *output_name(const struct vor_conversion *conversion)
+{
+    return conversion->row.spec.process->outputs[conversion->output].name;
+}
+
+/* What we wrote ourselves and cannot read is our fault, not a caller's. */
+static vor_status decode(struct vor_cloud *cloud, const void *bytes, size_t size,
+                         struct vor_error *err)
+{
+    const struct vor_limits limits = {.points = VOR_POINTS_MAX, .header_bytes = (size_t)1 << 24};
+    struct vor_error why;
+    vor_status status = vor_codec_read(cloud, NULL, bytes, size, &limits, &why);
+
+    if (status == VOR_OK)
+        return VOR_OK;
+    return vor_fail(err, status == VOR_E_NOMEM ? VOR_E_NOMEM : VOR_E_INTERNAL,
+                    "the result cannot be read: %.900s", why.message);
+}
+
+static vor_status load(struct vor_cloud *cloud, const struct vor_conversion *conversion,
+                       struct vor_error *err)
+{
+    void *bytes = MAP_FAILED;
+    uint64_t size;
+    int fd, found;
+    vor_status status = vor_blob_get(conversion->service->config.blobs, &conversion->row.id,
+                                     output_name(conversion), &fd, &size, &found, err);
+
+    if (status != VOR_OK)
+        return status;
+    if (!found)
+        return vor_fail(err, VOR_E_INTERNAL, "the result is gone");
+    if (size > 0)
+        bytes = mmap(NULL, (size_t)size, PROT_READ, MAP_PRIVATE, fd, 0);
+    if (bytes == MAP_FAILED) {
+        status = vor_fail_errno(err, size > 0 ? errno : EINVAL, "mapping the result");
+    } else {
+        status = decode(cloud, bytes, (size_t)size, err);
+        (void)munmap(bytes, (size_t)size);
+    }
+    (void)close(fd);
+    return status;
+}
+
+/* The spacing that the report tells; 0 where none does. */
+static double spacing_of(const struct vor_conversion *conversion)
+{
+    struct vor_json *json = NULL;
+    char *report = NULL;
+    double spacing = 0;
+
+    if (vor_worker_report(conversion->service->config.worker, &conversion->row.id, &report, NULL) ==
+            VOR_OK &&
+        report != NULL && vor_json_parse(&json, report, strlen(report), NULL) == VOR_OK)
+        (void)vor_json_get_number(vor_json_get(json, "spacing"), &spacing);
+    vor_json_free(json);
+    free(report);
+    return spacing;
+}
+
+/* Refuses a file that would leave less on the disk than jobs under way need; the cloud in memory is
+ * an upper bound of it, as PLY may have doubles where memory has floats. */
+static vor_status check_disk(const struct vor_cloud *cloud, struct vor_blobs *blobs,
+                             struct vor_error *err)
+{
+    uint64_t available, total, row = 3 * sizeof(double);
+    vor_status status = vor_blobs_space(blobs, &available, &total, err);
+
+    for (size_t i = 0; i < cloud->attribute_count; i++)
+        row += cloud->attributes[i].components * vor_type_size(cloud->attributes[i].type);
+    if (status == VOR_OK && available < VOR_BLOBS_RESERVE + row * cloud->n)
+        status = vor_fail_errno(err, ENOSPC, "the converted result");
+    return status;
+}
+
+static vor_status write_blob(struct vor_blob_writer *writer, const struct vor_cloud *cloud,
+                             const struct vor_conversion *conversion, struct vor_error *err)
+{
+    const struct vor_format *format = vor_format(conversion->format);
+    struct vor_result_facts facts = {.spacing = spacing_of(conversion)};
+    struct vor_sink sink = vor_blob_sink(writer);
+    struct vor_write_options options;
+    struct trailer trailer = {.origin = ""};
+    vor_status status;
+
+    vor_extent_measure(&facts.input, cloud);
+    status = vor_write_options_from(&options, format, &conversion->row.spec, &facts, err);
+    if (status == VOR_OK)
+        status = format->write(&sink, cloud, &options, err);
+    if (status == VOR_E_IO && vor_blob_failure(writer, err) == VOR_OK)
+        status = vor_fail(err, VOR_E_INTERNAL, "the %s writer gave up", format->label);
+    if (status != VOR_OK)
+        return status;
+    vor_blob_sha256(writer, trailer.sha256);
+    if (options.has_origin)
+        (void)vor_origin_text(options.origin, trailer.origin);
+    return vor_blob_append(writer, &trailer, sizeof trailer, err);
+}
+
+static vor_status save(const struct vor_cloud *cloud, const struct vor_conversion *conversion,
+                       struct vor_error *err)
+{
+    struct vor_blobs *blobs = conversion->service->config.blobs;
+    char name[VOR_BLOB_NAME_MAX + 1];
+    struct vor_blob_writer *writer;
+    vor_status status = check_disk(cloud, blobs, err);
+
+    if (status == VOR_OK)
+        status = vor_blob_create(blobs, &writer, err);
+    if (status != VOR_OK)
+        return status;
+    status = write_blob(writer, cloud, conversion, err);
+    if (status != VOR_OK) {
+        vor_blob_discard(writer);
+        return status;
+    }
+    vor_blob_of_converted(output_name(conversion), vor_format(conversion->format)->name, name);
+    return vor_blob_commit(writer, &conversion->row.id, name, err);
+}
+
+/* Removes the blob of a job that went while it was made; whoever removes the job later finds it. */
+static void drop_if_gone(const struct vor_conversion *conversion)
+{
+    const struct vor_conversions_config *config = &conversion->service->config;
+    char name[VOR_BLOB_NAME_MAX + 1];
+    struct vor_job_view now;
+
+    switch (vor_worker_get(config->worker, &conversion->row.id, &now, NULL)) {
+    case VOR_UNKNOWN:
+        break;
+    case VOR_DONE:
+        if (now.expired)
+            break;
+        return;
+    default:
+        return;
+    }
+    vor_blob_of_converted(output_name(conversion), vor_format(conversion->format)->name, name);
+    if (vor_blob_drop(config->blobs, &conversion->row.id, name, NULL) != VOR_OK)
+        vor_log(VOR_LOG_WARN, "bytes left behind", VOR_TEXT("job", conversion->row.id.text));
+}
+
+static vor_status convert(const struct vor_conversion *conversion, struct vor_error *err)
+{
+    struct vor_memory memory;
+    struct vor_cloud cloud;
+    vor_status status;
+
+    if (vor_crew_closing(conversion->service->config.crew))
+        return vor_fail(err, VOR_E_CANCELLED, "the daemon is going down");
+    vor_memory_init(&memory, conversion->service->config.memory);
+    vor_cloud_init(&cloud, &memory);
+    status = load(&cloud, conversion, err);
+    if (status == VOR_OK)
+        status = save(&cloud, conversion, err);
+    vor_cloud_free(&cloud);
+    if (status == VOR_OK)
+        drop_if_gone(conversion);
+    return status;
+}
+
+/* --- those who wait --------------------------------------------------------------------------- */
+
+/* Takes a conversion that is over off the list; the mutex is held. */
+static void unlist(struct vor_conversions *service, const struct vor_conversion *conversion)
+{
+    struct vor_conversion **at = &service->list;
+
+    while (*at != conversion)
+        at = &(*at)->next;
+    *at = conversion->next;
+    service->count--;
+}
+
+static void run_conversion(void *ctx)
+{
+    struct vor_conversion *conversion = ctx;
+    struct vor_conversions *service = conversion->service;
+    struct vor_error err = {.status = VOR_OK};
+    vor_status status = convert(conversion, &err);
+    int is_alone;
+
+    vor_log(status == VOR_OK ? VOR_LOG_INFO : VOR_LOG_WARN, "result converted",
+            VOR_TEXT("job", conversion->row.id.text),
+            VOR_TEXT("format", vor_format(conversion->format)->name),
+            VOR_TEXT("error", status != VOR_OK ? err.message : NULL));
+    pthread_mutex_lock(&service->mutex);
+    conversion->is_over = 1;
+    conversion->status = status;
+    conversion->error = err;
+    unlist(service, conversion);
+    for (struct vor_conversion_waiter *w = conversion->waiters; w != NULL; w = w->next)
+        w->wake(w->ctx);
+    is_alone = conversion->waiters == NULL;
+    pthread_mutex_unlock(&service->mutex);
+    if (is_alone)
+        free(conversion);
+}
+
+/* The one of the same job, output and format; the mutex is held. */
+static struct vor_conversion *find(const struct vor_conversions *service,
+                                   const struct vor_job_view *row, unsigned output, unsigned format)
+{
+    struct vor_conversion *at = service->list;
+
+    while (at != NULL && (at->output != output || at->format != format ||
+                          strcmp(at->row.id.text, row->id.text) != 0))
+        at = at->next;
+    return at;
+}
+
+/* Lists a new conversion and hands it to the crew; the mutex is held. */
+static enum vor_job_outcome start(struct vor_conversions *service,
+                                  struct vor_conversion *conversion)
+{
+    enum vor_job_outcome outcome = VOR_FULL;
+
+    if (service->count < service->config.most)
+        outcome = vor_crew_take(service->config.crew, &conversion->task);
+    if (outcome != VOR_DONE)
+        return outcome;
+    conversion->next = service->list;
+    service->list = conversion;
+    service->count++;
+    return VOR_DONE;
+}
+
+static void join(struct vor_conversion *conversion, struct vor_conversion_waiter *waiter)
+{
+    waiter->next = conversion->waiters;
+    conversion->waiters = waiter;
+}
+
+enum vor_job_outcome vor_conversion_begin(struct vor_conversion **out,
+                                          struct vor_conversions *conversions,
+                                          const struct vor_job_view *row, unsigned output,
+                                          unsigned format, struct vor_conversion_waiter *waiter,
+                                          struct vor_error *err)
+{
+    struct vor_conversion *fresh = calloc(1, sizeof *fresh), *found;
+    enum vor_job_outcome outcome = VOR_DONE;
+
+    if (fresh == NULL) {
+        (void)vor_fail(err, VOR_E_NOMEM, "a conversion");
+        return VOR_FAILED;
+    }
+    fresh->service = conversions;
+    fresh->row = *row;
+    fresh->output = output;
+    fresh->format = format;
+    fresh->task = (struct vor_task){.run = run_conversion, .ctx = fresh};
+    pthread_mutex_lock(&conversions->mutex);
+    found = find(conversions, row, output, format);
+    if (found == NULL) {
+        outcome = start(conversions, fresh);
+        if (outcome == VOR_DONE) {
+            found = fresh;
+            fresh = NULL;
+        }
+    }
+    if (found != NULL) {
+        join(found, waiter);
+        *out = found;
+    }
+    pthread_mutex_unlock(&conversions->mutex);
+    free(fresh);
+    return outcome;
+}
+
+int vor_conversion_over(struct vor_conversion *conversion, vor_status *status,
+                        struct vor_error *err)
+{
+    int is_over;
+
+    pthread_mutex_lock(&conversion->service->mutex);
+    is_over = conversion->is_over;
+    *status = conversion->status;
+    *err = conversion->error;
+    pthread_mutex_unlock(&conversion->service->mutex);
+    return is_over;
+}
+
+void vor_conversion_leave(struct vor_conversion *conversion, struct vor_conversion_waiter *waiter)
+{
+    struct vor_conversions *service = conversion->service;
+    struct vor_conversion_waiter **at = &conversion->waiters;
+    int is_last;
+
+    pthread_mutex_lock(&service->mutex);
+    while (*at != waiter)
+        at = &(*at)->next;
+    *at = waiter->next;
+    is_last = conversion->is_over && conversion->waiters == NULL;
+    pthread_mutex_unlock(&service->mutex);
+    if (is_last)
+        free(conversion);
+}
+
+/* --- what is kept ----------------------------------------------------------------------------- */
+
+vor_status vor_converted_open(struct vor_converted *out, struct vor_blobs *blobs,
+                              const struct vor_uuid *id, const char *output, unsigned format,
+                              struct vor_error *err)
+{
+    char name[VOR_BLOB_NAME_MAX + 1];
+    struct trailer trailer;
+    int found = 0;
+    vor_status status =
+        vor_blob_get(blobs, id, vor_blob_of_converted(output, vor_format(format)->name, name),
+                     &out->fd, &out->size, &found, err);
+
+    if (status != VOR_OK || !found) {
+        out->fd = -1;
+        return status;
+    }
+    if (out->size < sizeof trailer ||
+        pread(out->fd, &trailer, sizeof trailer, (off_t)(out->size - sizeof trailer)) !=
+            (ssize_t)sizeof trailer) {
+        (void)close(out->fd);
+        out->fd = -1;
+        return vor_fail_errno(err, EIO, "reading a converted result");
+    }
+    (void)snprintf(out->sha256, sizeof out->sha256, "%.*s", VOR_DIGEST_SIZE - 1, trailer.sha256);
+    (void)snprintf(out->origin, sizeof out->origin, "%.*s", VOR_ORIGIN_TEXT_SIZE - 1,
+                   trailer.origin);
+    out->size -= sizeof trailer;
+    return VOR_OK;
+}

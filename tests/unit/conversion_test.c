@@ -1,0 +1,239 @@
+/* Conversions of results: one for all who ask at the same time, no more at a time than may be, none
+ * left behind by a job that goes, and a full end of the daemon. */
+#include "server/base/log.h"
+#include "server/work/conversion.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_daemon.h"
+#include "tests/support/vt_dir.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <time.h>
+#include <unistd.h>
+
+/* A daemon with a finished job or two, and a crew of one thread that a task holds. */
+struct scene {
+    struct vt_daemon daemon;
+    struct vor_crew *crew;
+    struct vor_conversions *conversions;
+    struct vor_task task;
+    atomic_int is_held, woken;
+    struct vor_job_view job[2];
+};
+
+static void nap(void)
+{
+    struct timespec pause = {.tv_nsec = 1000000};
+
+    nanosleep(&pause, NULL);
+}
+
+static void hold(void *ctx)
+{
+    struct scene *scene = ctx;
+
+    while (atomic_load(&scene->is_held))
+        nap();
+}
+
+static void begin(struct scene *scene, unsigned most)
+{
+    struct vor_spec spec = vt_request(50, 1);
+    struct vor_cloud cloud;
+
+    vt_daemon_start(&scene->daemon, vt_dir_make(), NULL);
+    vt_cloud_sphere(&cloud, 1, 400);
+    for (int i = 0; i < 2; i++) {
+        struct vor_uuid id;
+
+        ck_assert_int_eq(vt_daemon_submit(&scene->daemon, &cloud, &spec, &id), VOR_DONE);
+        scene->job[i] = vt_daemon_wait_over(&scene->daemon, &id);
+        ck_assert_int_eq(scene->job[i].status, VOR_JOB_SUCCESSFUL);
+    }
+    vor_cloud_free(&cloud);
+    atomic_init(&scene->is_held, 1);
+    atomic_init(&scene->woken, 0);
+    vt_assert_ok(vor_crew_create(&scene->crew, 1, 16, &vt_err));
+    vt_assert_ok(
+        vor_conversions_create(&scene->conversions,
+                               &(struct vor_conversions_config){.blobs = scene->daemon.blobs,
+                                                                .worker = scene->daemon.worker,
+                                                                .crew = scene->crew,
+                                                                .memory = (size_t)1 << 30,
+                                                                .most = most},
+                               &vt_err));
+    scene->task = (struct vor_task){.run = hold, .ctx = scene};
+    ck_assert_int_eq(vor_crew_take(scene->crew, &scene->task), VOR_DONE);
+}
+
+static void end(struct scene *scene)
+{
+    vor_conversions_destroy(scene->conversions);
+    vt_daemon_stop(&scene->daemon);
+    vt_dir_remove(scene->daemon.dir);
+}
+
+static void wake(void *ctx)
+{
+    atomic_fetch_add(&((struct scene *)ctx)->woken, 1);
+}
+
+/* Asks for job number `job` as Draco. */
+static enum vor_job_outcome ask(struct scene *scene, int job, struct vor_conversion_waiter *waiter,
+                                struct vor_conversion **out)
+{
+    *waiter = (struct vor_conversion_waiter){.wake = wake, .ctx = scene};
+    return vor_conversion_begin(out, scene->conversions, &scene->job[job], 0, VOR_FORMAT_DRC,
+                                waiter, &vt_err);
+}
+
+static vor_status wait_over(struct vor_conversion *conversion)
+{
+    vor_status status;
+
+    while (!vor_conversion_over(conversion, &status, &vt_err))
+        nap();
+    return status;
+}
+
+static struct vor_converted converted(struct scene *scene, int job)
+{
+    struct vor_converted converted;
+
+    vt_assert_ok(vor_converted_open(&converted, scene->daemon.blobs, &scene->job[job].id, "cloud",
+                                    VOR_FORMAT_DRC, &vt_err));
+    if (converted.fd >= 0)
+        (void)close(converted.fd);
+    return converted;
+}
+
+START_TEST(those_who_ask_at_the_same_time_share_one_conversion)
+{
+    struct vor_conversion_waiter waiter[3];
+    struct vor_conversion *conversion[3];
+    struct scene scene;
+
+    begin(&scene, 1);
+    for (int i = 0; i < 3; i++)
+        ck_assert_int_eq(ask(&scene, 0, &waiter[i], &conversion[i]), VOR_DONE);
+    ck_assert_ptr_eq(conversion[0], conversion[1]);
+    ck_assert_ptr_eq(conversion[0], conversion[2]);
+    vor_conversion_leave(conversion[1], &waiter[1]);
+    ck_assert_int_lt(converted(&scene, 0).fd, 0);
+    atomic_store(&scene.is_held, 0);
+    vt_assert_ok(wait_over(conversion[0]));
+    vor_conversion_leave(conversion[0], &waiter[0]);
+    vor_conversion_leave(conversion[2], &waiter[2]);
+    ck_assert_int_eq(atomic_load(&scene.woken), 2);
+    ck_assert_uint_gt(converted(&scene, 0).size, 0);
+    vor_crew_destroy(scene.crew);
+    end(&scene);
+}
+END_TEST
+
+START_TEST(no_more_are_on_their_way_than_may_be)
+{
+    struct vor_conversion_waiter waiter[3];
+    struct vor_conversion *first, *second;
+    struct scene scene;
+
+    begin(&scene, 1);
+    ck_assert_int_eq(ask(&scene, 0, &waiter[0], &first), VOR_DONE);
+    ck_assert_int_eq(ask(&scene, 1, &waiter[1], &second), VOR_FULL);
+    ck_assert_int_eq(ask(&scene, 0, &waiter[1], &second), VOR_DONE); /* joins */
+    atomic_store(&scene.is_held, 0);
+    vt_assert_ok(wait_over(first));
+    ck_assert_int_eq(ask(&scene, 1, &waiter[2], &second), VOR_DONE);
+    vt_assert_ok(wait_over(second));
+    vor_conversion_leave(second, &waiter[2]);
+    vor_conversion_leave(first, &waiter[1]);
+    vor_conversion_leave(first, &waiter[0]);
+    vor_crew_destroy(scene.crew);
+    end(&scene);
+}
+END_TEST
+
+START_TEST(one_that_nobody_waits_for_any_more_is_kept_all_the_same)
+{
+    struct vor_conversion_waiter waiter;
+    struct vor_conversion *conversion;
+    struct scene scene;
+
+    begin(&scene, 2);
+    ck_assert_int_eq(ask(&scene, 0, &waiter, &conversion), VOR_DONE);
+    vor_conversion_leave(conversion, &waiter);
+    atomic_store(&scene.is_held, 0);
+    vor_crew_settle(scene.crew, 30);
+    ck_assert_int_ge(converted(&scene, 0).fd, 0);
+    vor_crew_destroy(scene.crew);
+    end(&scene);
+}
+END_TEST
+
+/* The job goes while its result waits to be converted, and after it was. */
+START_TEST(a_job_that_goes_leaves_nothing_behind)
+{
+    struct vor_conversion_waiter waiter[2];
+    struct vor_conversion *conversion[2];
+    struct scene scene;
+
+    begin(&scene, 2);
+    for (int i = 0; i < 2; i++)
+        ck_assert_int_eq(ask(&scene, i, &waiter[i], &conversion[i]), VOR_DONE);
+    ck_assert_int_eq(
+        vor_worker_dismiss(scene.daemon.worker, &scene.job[0].id, "gone", NULL, &vt_err), VOR_DONE);
+    atomic_store(&scene.is_held, 0);
+    vt_assert_fails(VOR_E_INTERNAL, wait_over(conversion[0]));
+    vt_assert_ok(wait_over(conversion[1]));
+    ck_assert_int_ge(converted(&scene, 1).fd, 0);
+    ck_assert_int_eq(
+        vor_worker_dismiss(scene.daemon.worker, &scene.job[1].id, "gone", NULL, &vt_err), VOR_DONE);
+    for (int i = 0; i < 2; i++) {
+        vor_conversion_leave(conversion[i], &waiter[i]);
+        ck_assert_int_lt(converted(&scene, i).fd, 0);
+    }
+    vor_crew_destroy(scene.crew);
+    end(&scene);
+}
+END_TEST
+
+static void *release_later(void *ctx)
+{
+    struct timespec pause = {.tv_nsec = 50000000};
+
+    nanosleep(&pause, NULL);
+    atomic_store(&((struct scene *)ctx)->is_held, 0);
+    return NULL;
+}
+
+START_TEST(what_waits_when_the_daemon_ends_is_told_so)
+{
+    struct vor_conversion_waiter waiter;
+    struct vor_conversion *conversion;
+    struct scene scene;
+    pthread_t thread;
+
+    begin(&scene, 2);
+    ck_assert_int_eq(ask(&scene, 0, &waiter, &conversion), VOR_DONE);
+    ck_assert_int_eq(pthread_create(&thread, NULL, release_later, &scene), 0);
+    vor_crew_destroy(scene.crew); /* closes at once, and waits for the task that is held */
+    pthread_join(thread, NULL);
+    vt_assert_fails(VOR_E_CANCELLED, wait_over(conversion));
+    vor_conversion_leave(conversion, &waiter);
+    ck_assert_int_lt(converted(&scene, 0).fd, 0);
+    end(&scene);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("work/conversion");
+
+    vor_log_open(2, VOR_LOG_OFF);
+    vt_add(suite, those_who_ask_at_the_same_time_share_one_conversion);
+    vt_add(suite, no_more_are_on_their_way_than_may_be);
+    vt_add(suite, one_that_nobody_waits_for_any_more_is_kept_all_the_same);
+    vt_add(suite, a_job_that_goes_leaves_nothing_behind);
+    vt_add(suite, what_waits_when_the_daemon_ends_is_told_so);
+    return vt_run(suite);
+}
