@@ -86,6 +86,10 @@ for my $process ('resample?points=60&iterations=1&polish=0', 'convert?') {
     is $taken->{content}, $daemon->post("/v1/$process", $cloud)->{content}, 'the result is that of the others';
 }
 is json($daemon->post('/v1/inspect?invalid=drop', $holes))->{points}{invalid}, 3, 'inspect counts them too';
+my $of_job = 'input=job:' . (job_of($daemon->post('/v1/convert?invalid=drop', $holes)) =~ s{.*/}{}r);
+is_problem($daemon->post("/v1/convert?$of_job", ''), 422, 'non-finite-points', 'the input of a job is kept with them');
+is report_of($daemon->post("/v1/convert?$of_job&invalid=drop", ''))->{invalid}, 3, 'and they are dropped again where asked for';
+is report_of($daemon->post("/v1/convert?$of_job&invalid=drop&format=drc", ''))->{invalid}, 3, 'in any format';
 is_problem($daemon->post('/v1/convert?invalid=keep', $holes), 400, 'invalid-parameter', 'there is no other word');
 
 # --- a result in another format -------------------------------------------------------------------

@@ -56,6 +56,33 @@ my $info = $daemon->finish($plain);
 ok !exists $info->{voronoid}{origin}, 'the statusInfo of a PLY result has none';
 is_deeply json($daemon->get("/v1/jobs/$plain/results/report"))->{origin}, { x => 0, y => 0, z => 0 }, 'and its report has 0';
 
+# A result in another format has the frame of that format.
+for my $case (['drc', $plain, '566050,5933050,0'], ['ply', $id, undef]) {
+    my ($format, $job, $wanted) = @$case;
+    for my $times ('made', 'kept', 'HEAD') {
+        my $result = $daemon->request($times eq 'HEAD' ? 'HEAD' : 'GET', "/v1/jobs/$job/results/cloud?format=$format");
+        is "$result->{status} " . ($result->{headers}{'voronoid-origin'} // ''), '200 ' . ($wanted // ''),
+            "a result as $format that is $times: its origin";
+    }
+    is $daemon->get("/v1/jobs/$job/results/cloud")->{headers}{'voronoid-origin'}, $wanted ? undef : '566050,5933050,0',
+        'which is not that of the job';
+}
+my $farther = sheet(4000, 566000, 593300000);
+my $named = $daemon->submit("points=100&$quick&origin=absolute", $farther);
+is $daemon->finish($named)->{status}, 'successful', 'to PLY every origin is the same';
+is_problem($daemon->get("/v1/jobs/$named/results/cloud?format=drc"), 422, 'frame-too-coarse',
+    'to Draco, asked for later, it may be too coarse');
+
+# So has a cloud that is converted.
+$answer = $daemon->post('/v1/convert?format=drc', $far);
+is_deeply [$answer->{status}, $answer->{headers}{'voronoid-origin'}], [200, '566050,5933050,0'], 'convert has an origin too';
+$answer = $daemon->post('/v1/convert?format=drc&origin=566000,5933000,0', $far);
+is $answer->{headers}{'voronoid-origin'}, '566000,5933000,0', 'also one that is asked for';
+for my $bits ('auto', 16) {
+    is_problem($daemon->post("/v1/convert?format=drc&origin=absolute&quantization=$bits", $farther), 422, 'frame-too-coarse',
+        "convert refuses one that is too coarse, quantization=$bits");
+}
+
 # A cloud near 0 is written as it is, whatever its type.
 $answer = $daemon->post("/v1/resample?points=300&$quick&format=drc", sheet(4000, 10, 20));
 is $answer->{headers}{'voronoid-origin'}, '0,0,0', 'a cloud near 0 is absolute';
