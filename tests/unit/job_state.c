@@ -153,7 +153,7 @@ START_TEST(the_estimate_of_the_polish_is_at_its_own_pace)
     ck_assert_double_eq(view.eta_seconds, left_after(records, 2));
     vor_job_progress(job, &records[2], 1000);
     vor_job_view(job, &view);
-    ck_assert_double_eq_tol(view.eta_seconds, (80 * 1.2 + 5) / (20 * 1.2), 1e-9);
+    ck_assert_double_eq_tol(view.eta_seconds, (80 * 1.2 + 5.5) / (20 * 1.2), 1e-9);
     vor_job_release(job);
 }
 END_TEST

@@ -3,7 +3,8 @@
 #include "tests/support/vt.h"
 
 /* Costs are those of pace.c, for each point: 5 for the first iteration, 2.5 for the others and for
- * steps of a stage that it does not know, 1.2 for a step of the polish, 5 for the end of a run. */
+ * steps of a stage that it does not know, 1.2 for a step of the polish, 5.5 for the end of a run.
+ */
 
 /* Rows of the table for a run of three stages; the last stands for what another method has. */
 enum { FIRST = VOR_RUN_STAGE_ITERATE, SECOND = VOR_RUN_STAGE_POLISH, THIRD = VOR_RUN_STAGE_COUNT };
@@ -86,7 +87,7 @@ START_TEST(a_run_may_be_seen_from_its_middle)
     ck_assert_double_eq_tol(done_after(at(SECOND, 20, 80, 0, 1), at(SECOND, 60, 80, 0, 2), -1),
                             0.75, 1e-12);
     ck_assert_double_eq_tol(left_after(at(SECOND, 20, 80, 0, 1), at(SECOND, 60, 80, 0, 2), -1),
-                            (20 * 1.2 + 5) / (40 * 1.2), 1e-12);
+                            (20 * 1.2 + 5.5) / (40 * 1.2), 1e-12);
 }
 END_TEST
 
@@ -129,7 +130,7 @@ START_TEST(there_is_no_pace_before_the_second_record)
     ck_assert_double_eq(left_after(at(FIRST, 0, 100, 100, 3), at(FIRST, 0, 100, 100, 3), -1), -1);
     ck_assert_double_eq(left_after(at(FIRST, 5, 100, 100, 1), at(FIRST, 5, 100, 100, 1), -1), -1);
     ck_assert_double_eq_tol(left_after(at(FIRST, 0, 100, 100, 2), at(FIRST, 20, 100, 100, 12), -1),
-                            10 * (21 * 2.5 + 100 * 1.2 + 5) / (5 + 19 * 2.5), 1e-12);
+                            10 * (21 * 2.5 + 100 * 1.2 + 5.5) / (5 + 19 * 2.5), 1e-12);
 }
 END_TEST
 
@@ -140,11 +141,11 @@ START_TEST(each_of_three_stages_has_a_pace_of_its_own)
         at(SECOND, 10, 100, 50, 42), at(SECOND, 90, 100, 50, 50), at(SECOND, 100, 100, 50, 51),
         at(THIRD, 1, 50, 0, 61),     at(THIRD, 2, 50, 0, 71),     at(THIRD, 50, 50, 0, 551)};
     static const double left[] = {-1,
-                                  20 * (10 * 2.5 + 150 * 1.2 + 5) / (5 + 9 * 2.5),
-                                  40 * (150 * 1.2 + 5) / (5 + 19 * 2.5),
-                                  1 * (140 * 1.2 + 5) / (10 * 1.2),
-                                  9 * (60 * 1.2 + 5) / (90 * 1.2),
-                                  10 * (50 * 1.2 + 5) / (100 * 1.2),
+                                  20 * (10 * 2.5 + 150 * 1.2 + 5.5) / (5 + 9 * 2.5),
+                                  40 * (150 * 1.2 + 5.5) / (5 + 19 * 2.5),
+                                  1 * (140 * 1.2 + 5.5) / (10 * 1.2),
+                                  9 * (60 * 1.2 + 5.5) / (90 * 1.2),
+                                  10 * (50 * 1.2 + 5.5) / (100 * 1.2),
                                   490,
                                   480,
                                   0};
@@ -167,9 +168,9 @@ START_TEST(a_stage_that_begins_has_the_pace_of_the_one_before)
                                          at(SECOND, 0, 100, 50, 45), at(SECOND, 10, 100, 50, 55),
                                          at(THIRD, 0, 50, 0, 150),   at(THIRD, 1, 50, 0, 152)};
     static const double left[] = {-1,
-                                  40 * (150 * 1.2 + 5) / (5 + 19 * 2.5),
-                                  40 * (150 * 1.2 + 5) / (5 + 19 * 2.5),
-                                  10 * (140 * 1.2 + 5) / (10 * 1.2),
+                                  40 * (150 * 1.2 + 5.5) / (5 + 19 * 2.5),
+                                  40 * (150 * 1.2 + 5.5) / (5 + 19 * 2.5),
+                                  10 * (140 * 1.2 + 5.5) / (10 * 1.2),
                                   10 * (50 * 2.5) / (10 * 1.2),
                                   98};
     struct vor_spec spec = request(-1);
@@ -192,7 +193,7 @@ START_TEST(a_stage_that_ends_early_is_done)
     struct vor_spec spec = request(-1);
 
     ck_assert_double_eq_tol(vor_pace_done(&pace, &spec), 22.0 / 112, 1e-12);
-    ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), (90 * 1.2 + 5) / (10 * 1.2), 1e-12);
+    ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), (90 * 1.2 + 5.5) / (10 * 1.2), 1e-12);
 }
 END_TEST
 
@@ -230,7 +231,7 @@ START_TEST(before_the_first_record_the_request_says_how_long)
 {
     struct vor_spec spec = request_of("upsample", "120000");
     struct vor_pace pace = {.work = vor_pace_work_of(&spec, 30000, 1)};
-    double alone = 0.12 * (10 + 2.0 * 30000 / 120000 + 5 + 8 * 1.2 + 5);
+    double alone = 0.12 * (10 + 2.0 * 30000 / 120000 + 5 + 8 * 1.2 + 5.5);
 
     ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), alone, 1e-12);
     pace.work.threads = 3;
@@ -258,7 +259,7 @@ START_TEST(how_slow_one_part_is_tells_half_of_how_slow_others_are)
     struct vor_spec spec = request_of("resample", "100000");
     struct vor_pace pace = {.work = vor_pace_work_of(&spec, 500000, 1)};
     struct vor_record record = at(FIRST, 0, 12, 100, 4 * 0.1 * 20);
-    double iterations = 0.1 * (5 + 11 * 2.5), others = 0.1 * (100 * 1.2 + 5);
+    double iterations = 0.1 * (5 + 11 * 2.5), others = 0.1 * (100 * 1.2 + 5.5);
 
     vor_pace_add(&pace, &record);
     ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), 2 * (iterations + others), 1e-9);
@@ -271,7 +272,7 @@ START_TEST(how_slow_one_part_is_tells_half_of_how_slow_others_are)
     ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), 2 * others, 1e-9);
     record = at(SECOND, 50, 100, 0, 20 + 3 * 0.1 * 50 * 1.2);
     vor_pace_add(&pace, &record);
-    ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), 3 * 0.1 * (50 * 1.2 + 5), 1e-9);
+    ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), 3 * 0.1 * (50 * 1.2 + 5.5), 1e-9);
 }
 END_TEST
 
@@ -287,14 +288,14 @@ START_TEST(iterations_without_a_number_end_where_they_usually_do)
 
         ck_assert_double_eq_tol(
             left_after(at(FIRST, 0, 100, 0, 0), at(FIRST, steps[i], 100, 0, cost), -1),
-            more[i] * 2.5 + 5, 1e-9);
+            more[i] * 2.5 + 5.5, 1e-9);
     }
     vt_assert_ok(vor_spec_set_number(&spec, "iterations", 100, &vt_err));
     ck_assert_double_eq_tol(vor_pace_left(&(struct vor_pace){.began = 1,
                                                              .origin = at(FIRST, 0, 100, 0, 0),
                                                              .last = at(FIRST, 1, 100, 0, 5)},
                                           &spec),
-                            99 * 2.5 + 5, 1e-9);
+                            99 * 2.5 + 5.5, 1e-9);
 }
 END_TEST
 
