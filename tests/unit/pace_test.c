@@ -276,6 +276,30 @@ START_TEST(how_slow_one_part_is_tells_half_of_how_slow_others_are)
 }
 END_TEST
 
+/* The last 40 steps of the polish on the whole of a dense input cost 2.8 times as much. */
+START_TEST(the_last_steps_on_a_dense_input_take_longer)
+{
+    static const uint32_t in[] = {1990000, 2000000};
+    static const double whole[] = {1, 2.8};
+
+    for (int i = 0; i < 2; i++) {
+        struct vor_spec spec = request_of("resample", "100000");
+        struct vor_pace pace = {.work = vor_pace_work_of(&spec, in[i], 1)};
+        struct vor_record record = at(SECOND, 0, 100, 0, 10);
+
+        vor_pace_add(&pace, &record);
+        record = at(SECOND, 60, 100, 0, 10 + 0.1 * 60 * 1.2);
+        vor_pace_add(&pace, &record);
+        ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), 0.1 * (whole[i] * 40 * 1.2 + 5.5),
+                                1e-9);
+        record = at(SECOND, 80, 100, 0, 10 + 0.1 * (60 + whole[i] * 20) * 1.2);
+        vor_pace_add(&pace, &record);
+        ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), 0.1 * (whole[i] * 20 * 1.2 + 5.5),
+                                1e-9);
+    }
+}
+END_TEST
+
 /* 100 are allowed, 41 are usual; past them a few more are expected, but never more than allowed. */
 START_TEST(iterations_without_a_number_end_where_they_usually_do)
 {
@@ -316,6 +340,7 @@ int main(void)
     vt_add(suite, before_the_first_record_the_request_says_how_long);
     vt_add(suite, without_the_work_nothing_is_known_before_a_step);
     vt_add(suite, how_slow_one_part_is_tells_half_of_how_slow_others_are);
+    vt_add(suite, the_last_steps_on_a_dense_input_take_longer);
     vt_add(suite, iterations_without_a_number_end_where_they_usually_do);
     return vt_run(suite);
 }
