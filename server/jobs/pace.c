@@ -106,7 +106,9 @@ static double usual_steps(const struct vor_record *record, const struct vor_spec
 }
 
 /* How slow other parts of a run are, by how slow one is. That is half the machine and half the
- * input: noise makes iterations ten times as slow, steps of the polish twice. */
+ * input: noise makes iterations ten times as slow, steps of the polish twice. With a power of 0.5 /
+ * 0.6 / 0.7, 51 / 49 / 49 of 56 estimates in runs of 5 s and more are right within a factor 2; if
+ * the machine were four times slower, 59 / 63 / 67 of 96 in runs of any length. */
 static double slowness_of_others(const struct vor_pace *pace, double slowness)
 {
     return work_is_known(&pace->work) ? sqrt(slowness) : slowness;
