@@ -7,6 +7,7 @@
 #include "core/metrics/inspect.h"
 #include "core/metrics/measure.h"
 #include "core/output/filtered.h"
+#include "core/output/last_record.h"
 #include "core/output/output.h"
 #include "core/seeds/area.h"
 #include "core/seeds/fixed.h"
@@ -169,8 +170,12 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
     double unit = engine->domain.unit;
     vor_status status = make_output(engine, out, err);
 
-    if (status != VOR_OK)
+    if (status == VOR_OK)
+        status = vor_last_record_tell(&engine->told, report, &engine->run, err);
+    if (status != VOR_OK) {
+        vor_cloud_free(out);
         return status;
+    }
     if (report->on_islands == 0)
         report->delta_beside = report->delta;
     report->parameters = engine->spec;

@@ -243,18 +243,19 @@ START_TEST(a_job_is_deleted_with_all_its_bytes)
 }
 END_TEST
 
-START_TEST(a_process_of_several_inputs_is_not_started_over_http)
+START_TEST(a_process_of_several_inputs_is_started_over_http_as_any_other)
 {
-    static const char *const lines[] = {"POST /v1/measure", "POST /v1/processes/measure/execution",
-                                        "GET /v1/processes/measure"};
+    static const char *const lines[] = {"POST /v1/measure", "POST /v1/processes/measure/execution"};
     struct measured measured;
     const char *text;
 
     begin(&measured);
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
-        ck_assert_int_eq(vt_serve_call(&measured.serve, lines[i], "", &text), 404);
-        ck_assert_ptr_nonnull(strstr(text, i == 0 ? "no-such-resource" : "no-such-process"));
+        ck_assert_int_eq(vt_serve_call(&measured.serve, lines[i], "", &text), 422);
+        ck_assert_ptr_nonnull(strstr(text, "empty-cloud"));
     }
+    ck_assert_int_eq(vt_serve_call(&measured.serve, "GET /v1/processes/measure", "", &text), 200);
+    ck_assert_ptr_nonnull(strstr(text, "\"reference\""));
     end(&measured);
 }
 END_TEST
@@ -269,6 +270,6 @@ int main(void)
     vt_add(suite, a_job_tells_its_inputs_and_where_its_outputs_are);
     vt_add(suite, the_events_of_a_job_without_a_report_end_with_its_outputs);
     vt_add(suite, a_job_is_deleted_with_all_its_bytes);
-    vt_add(suite, a_process_of_several_inputs_is_not_started_over_http);
+    vt_add(suite, a_process_of_several_inputs_is_started_over_http_as_any_other);
     return vt_run(suite);
 }
