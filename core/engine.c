@@ -8,6 +8,7 @@
 #include "core/metrics/measure.h"
 #include "core/output/convert.h"
 #include "core/output/filtered.h"
+#include "core/output/last_record.h"
 #include "core/output/notes.h"
 #include "core/output/output.h"
 #include "core/seeds/area.h"
@@ -173,6 +174,8 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
 
     if (status == VOR_OK)
         status = vor_output_notes(out, report, engine->in, err);
+    if (status == VOR_OK)
+        status = vor_last_record_tell(&engine->told, report, &engine->run, err);
     if (status != VOR_OK) {
         vor_cloud_free(out);
         return status;

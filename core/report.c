@@ -1,6 +1,7 @@
 #include "core/report.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -177,6 +178,12 @@ void vor_record_infer_stage(struct vor_record *record)
     record->step = record->polish > 0 ? record->polish : record->iteration;
     record->of = 0;
     record->ahead = 0;
+}
+
+void vor_record_unknown_best(struct vor_record *record)
+{
+    record->best_iteration = record->best_polish = 0;
+    record->best_delta = record->best_sigma = record->best_epsilon = (double)NAN;
 }
 
 void vor_report_stage(struct vor_report *report, enum vor_run_stage stage, uint32_t steps,

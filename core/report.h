@@ -64,7 +64,14 @@ enum vor_run_stage vor_run_stage_find(const char *name);
     X(U32, step, "step", "", "Steps of this stage done")                                           \
     X(U32, of, "of", "",                                                                           \
       "Steps that this stage takes at most; 0 with a step of 1 or more where that is not known")   \
-    X(U32, ahead, "ahead", "", "Steps that the stages after this one take at most")
+    X(U32, ahead, "ahead", "", "Steps that the stages after this one take at most")                \
+    X(U32, best_iteration, "best.iteration", "",                                                   \
+      "What would be handed back now is as it was after so many iterations")                       \
+    X(U32, best_polish, "best.polish", "", "and so many steps of the polish")                      \
+    X(REAL, best_delta, "best.delta", "",                                                          \
+      "Its delta, the least so far; in the last record of a run that of the report")               \
+    X(REAL, best_sigma, "best.sigma", "unit of the cloud", "Its sigma")                            \
+    X(REAL, best_epsilon, "best.epsilon", "", "Its epsilon")
 
 struct vor_record {
     VOR_RECORD_TABLE(VOR_FIELD)
@@ -76,6 +83,10 @@ extern const struct vor_members vor_record_members;
  *  iteration and polish: such a run iterated, then polished. How many steps were allowed was not
  *  written: of and ahead become 0. */
 void vor_record_infer_stage(struct vor_record *record);
+
+/** Sets the members best of a record that was written before records had them: what would have been
+ *  handed back was not written, its delta, sigma and epsilon become NAN. */
+void vor_record_unknown_best(struct vor_record *record);
 
 /** Why a run ended: identifier, word in the report. */
 #define VOR_STOPPED_TABLE(X)                                                                       \

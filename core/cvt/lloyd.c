@@ -386,27 +386,34 @@ static void note(struct cvt *cvt, const struct vor_record *record)
     told->area = cvt->total.area;
 }
 
+static struct vor_record record_of(const struct cvt *cvt, const struct vor_uniformity *even)
+{
+    double unit = cvt->seeds->domain->unit;
+
+    return (struct vor_record){.stage = VOR_RUN_STAGE_ITERATE,
+                               .step = cvt->iterations,
+                               .of = cvt->limit,
+                               .ahead = (uint32_t)cvt->spec->value[VOR_PARAM_POLISH],
+                               .iteration = cvt->iterations,
+                               .delta = even->delta,
+                               .sigma = even->sigma * unit,
+                               .epsilon = even->epsilon,
+                               .energy = cvt->total.energy * unit * unit * unit * unit,
+                               .max_move = cvt->total.max_move * unit,
+                               .held = cvt->total.held,
+                               .seconds = vor_run_seconds(cvt->run)};
+}
+
 /* Tells the watch, and keeps the iterate if it is the most even so far. */
 static enum vor_answer record(struct cvt *cvt, const struct vor_uniformity *even)
 {
     const struct vor_watch *watch = cvt->run->watch;
-    double unit = cvt->seeds->domain->unit;
-    struct vor_record record = {.stage = VOR_RUN_STAGE_ITERATE,
-                                .step = cvt->iterations,
-                                .of = cvt->limit,
-                                .ahead = (uint32_t)cvt->spec->value[VOR_PARAM_POLISH],
-                                .iteration = cvt->iterations,
-                                .delta = even->delta,
-                                .sigma = even->sigma * unit,
-                                .epsilon = even->epsilon,
-                                .energy = cvt->total.energy * unit * unit * unit * unit,
-                                .max_move = cvt->total.max_move * unit,
-                                .held = cvt->total.held,
-                                .seconds = vor_run_seconds(cvt->run)};
+    struct vor_record record = record_of(cvt, even);
 
     cvt->last_seconds = record.seconds;
+    vor_keep_best_offer(&cvt->best, cvt->seeds->xyz, &record);
+    vor_keep_best_tell(&cvt->best, &record);
     note(cvt, &record);
-    vor_keep_best_offer(&cvt->best, cvt->seeds->xyz, even->delta);
     if (watch == NULL || watch->progress == NULL)
         return VOR_CONTINUE;
     return watch->progress(watch->ctx, &record);
@@ -417,8 +424,8 @@ static int plateau(struct cvt *cvt)
 {
     double *slot = &cvt->past[cvt->iterations % PLATEAU_WINDOW], before = *slot;
 
-    *slot = cvt->best.delta;
-    return cvt->iterations > PLATEAU_WINDOW && cvt->best.delta > PLATEAU_GAIN * before;
+    *slot = cvt->best.at.delta;
+    return cvt->iterations > PLATEAU_WINDOW && cvt->best.at.delta > PLATEAU_GAIN * before;
 }
 
 /* Ends the iterations on a plateau, unless the request gives their number. Returns whether they end
@@ -465,14 +472,17 @@ static int whole_is_due(const struct cvt *cvt, const struct vor_uniformity *even
 /* Moves the seeds to the whole of the input; the most even iterate before that no longer counts. */
 static vor_status onto_whole(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
 {
+    struct vor_record at;
     /* Whether holes are kept open is decided after the iterations (vor_attach). */
     vor_status status = vor_attach_to_whole(cvt->seeds, 0, err);
 
     if (status == VOR_OK)
         status = vor_seeds_uniformity_now(even, cvt->nearest, cvt->seeds, err);
-    if (status == VOR_OK)
-        vor_keep_best_restart(&cvt->best, cvt->seeds->xyz, even->delta);
-    return status;
+    if (status != VOR_OK)
+        return status;
+    at = record_of(cvt, even);
+    vor_keep_best_restart(&cvt->best, cvt->seeds->xyz, &at);
+    return VOR_OK;
 }
 
 static vor_status loop(struct cvt *cvt, struct vor_error *err)
@@ -519,6 +529,7 @@ vor_status vor_lloyd_run(struct vor_seeds *seeds, struct vor_outcome *told,
         status = loop(&cvt, err);
     if (status == VOR_OK) {
         memcpy(seeds->xyz, cvt.best.xyz, 3 * seeds->n * sizeof *seeds->xyz);
+        told->kept = cvt.best.at;
         for (size_t i = 0; i < seeds->n; i++)
             told->held_ever += (cvt.flags[i] & HELD_EVER) != 0;
         vor_outcome_stage(told, VOR_RUN_STAGE_ITERATE, cvt.iterations, vor_run_clock(run) - before);

@@ -6,7 +6,7 @@
 vor_status vor_keep_best_init(struct vor_keep_best *out, size_t n, struct vor_memory *memory,
                               struct vor_error *err)
 {
-    *out = (struct vor_keep_best){.memory = memory, .n = n, .delta = INFINITY};
+    *out = (struct vor_keep_best){.memory = memory, .n = n, .at = {.delta = INFINITY}};
     out->xyz = vor_malloc(memory, n, 3 * sizeof *out->xyz);
     if (out->xyz == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the most even of %zu points", n);
@@ -21,16 +21,26 @@ void vor_keep_best_free(struct vor_keep_best *best)
     memset(best, 0, sizeof *best);
 }
 
-void vor_keep_best_offer(struct vor_keep_best *best, const float *xyz, double delta)
+void vor_keep_best_offer(struct vor_keep_best *best, const float *xyz, const struct vor_record *at)
 {
-    if (delta < best->delta)
-        vor_keep_best_restart(best, xyz, delta);
+    if (at->delta < best->at.delta)
+        vor_keep_best_restart(best, xyz, at);
 }
 
-void vor_keep_best_restart(struct vor_keep_best *best, const float *xyz, double delta)
+void vor_keep_best_restart(struct vor_keep_best *best, const float *xyz,
+                           const struct vor_record *at)
 {
-    best->delta = delta;
+    best->at = *at;
     memcpy(best->xyz, xyz, 3 * best->n * sizeof *xyz);
+}
+
+void vor_keep_best_tell(const struct vor_keep_best *best, struct vor_record *record)
+{
+    record->best_iteration = best->at.iteration;
+    record->best_polish = best->at.polish;
+    record->best_delta = best->at.delta;
+    record->best_sigma = best->at.sigma;
+    record->best_epsilon = best->at.epsilon;
 }
 
 int vor_stop_even_enough(const struct vor_spec *spec, double delta)

@@ -4,14 +4,14 @@
 #define VOR_OPT_KEEP_BEST_H
 
 #include "core/base/memory.h"
-#include "core/spec.h"
+#include "core/report.h"
 
 /** The most even positions of n points so far; owns them. */
 struct vor_keep_best {
     struct vor_memory *memory;
     size_t n;
-    float *xyz;   /**< n x 3 */
-    double delta; /**< of these positions; infinite before the first */
+    float *xyz;           /**< n x 3 */
+    struct vor_record at; /**< of these positions; delta is infinite before the first */
 };
 
 /** @retval VOR_E_NOMEM 12 n bytes do not fit */
@@ -21,11 +21,17 @@ VOR_NODISCARD vor_status vor_keep_best_init(struct vor_keep_best *out, size_t n,
 /** Frees the positions; best may be all zero. */
 void vor_keep_best_free(struct vor_keep_best *best);
 
-/** Keeps the positions (n x 3) if they are more even than those before. O(n). */
-void vor_keep_best_offer(struct vor_keep_best *best, const float *xyz, double delta);
+/** Keeps the positions (n x 3), of which the record is, if they are more even than those before.
+ *  O(n). */
+void vor_keep_best_offer(struct vor_keep_best *best, const float *xyz, const struct vor_record *at);
 
-/** Keeps the positions (n x 3), however even; those before no longer count. O(n). */
-void vor_keep_best_restart(struct vor_keep_best *best, const float *xyz, double delta);
+/** Keeps the positions (n x 3), of which the record is, however even; those before no longer count.
+ *  O(n). */
+void vor_keep_best_restart(struct vor_keep_best *best, const float *xyz,
+                           const struct vor_record *at);
+
+/** Writes into the members best of a record what the positions kept are like. */
+void vor_keep_best_tell(const struct vor_keep_best *best, struct vor_record *record);
 
 /** Whether the request asks for a delta and this one is low enough. */
 int vor_stop_even_enough(const struct vor_spec *spec, double delta);

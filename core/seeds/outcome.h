@@ -13,6 +13,7 @@ struct vor_outcome {
     double seconds[VOR_RUN_STAGE_COUNT]; /**< that each stage took */
     double seconds_start;                /**< that placing the first points took */
     struct vor_record last;              /**< the last record, as the watch got it */
+    struct vor_record kept;              /**< that of the positions handed over */
     double area;                         /**< of the surface: the sum of the cells, in squared
                                               normalised units; 0 if the method has no cells */
     uint64_t held, held_ever;            /**< points held back at the border: in the last step, in

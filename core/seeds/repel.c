@@ -368,22 +368,29 @@ static vor_status step_once(struct polish *polish, struct vor_error *err)
     return VOR_OK;
 }
 
+/* Writes how even the present positions are into the record. */
+static void note(struct polish *polish, const struct vor_uniformity *even)
+{
+    double unit = polish->seeds->domain->unit;
+
+    polish->h = even->mean;
+    polish->record.delta = even->delta;
+    polish->record.sigma = even->sigma * unit;
+    polish->record.epsilon = even->epsilon;
+}
+
 /* Measures how even the positions are, and keeps them if they are the most even so far. */
 static vor_status look(struct polish *polish, struct vor_error *err)
 {
     const struct vor_seeds *seeds = polish->seeds;
-    double unit = seeds->domain->unit;
     struct vor_uniformity even;
     vor_status status =
         vor_seeds_uniformity(&even, polish->nearest, seeds, seeds->xyz, polish->run, err);
 
     if (status != VOR_OK)
         return status;
-    vor_keep_best_offer(&polish->best, seeds->xyz, even.delta);
-    polish->h = even.mean;
-    polish->record.delta = even.delta;
-    polish->record.sigma = even.sigma * unit;
-    polish->record.epsilon = even.epsilon;
+    note(polish, &even);
+    vor_keep_best_offer(&polish->best, seeds->xyz, &polish->record);
     return VOR_OK;
 }
 
@@ -395,12 +402,14 @@ static enum vor_answer tell(struct polish *polish)
         return VOR_CONTINUE;
     polish->record.step = polish->record.polish;
     polish->record.max_move = longest_step(polish) * polish->seeds->domain->unit;
+    vor_keep_best_tell(&polish->best, &polish->record);
+    polish->told->last = polish->record;
     return watch->progress(watch->ctx, &polish->record);
 }
 
 static int even_enough(const struct polish *polish)
 {
-    return vor_stop_even_enough(polish->spec, polish->best.delta);
+    return vor_stop_even_enough(polish->spec, polish->best.at.delta);
 }
 
 /* Whether a stop of the request is reached; the last step took `took` seconds. */
@@ -425,8 +434,8 @@ static vor_status take(struct polish *polish, struct vor_error *err)
 
     if (status != VOR_OK)
         return status;
-    vor_keep_best_restart(&polish->best, seeds->xyz, even.delta);
-    polish->h = even.mean;
+    note(polish, &even);
+    vor_keep_best_restart(&polish->best, seeds->xyz, &polish->record);
     return VOR_OK;
 }
 
@@ -532,6 +541,7 @@ vor_status vor_repel(struct vor_seeds *seeds, struct vor_outcome *told, int keep
         status = loop(&polish, err);
     if (status == VOR_OK) {
         memcpy(seeds->xyz, polish.best.xyz, 3 * seeds->n * sizeof *seeds->xyz);
+        told->kept = polish.best.at;
         told->refined = polish.recall.refine;
         if (polish.record.polish > 0)
             vor_outcome_stage(told, VOR_RUN_STAGE_POLISH, polish.record.polish,

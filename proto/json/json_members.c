@@ -10,6 +10,9 @@
 
 #define COUNT_MAX 9007199254740991.0 /* 2^53 - 1: a double holds every whole number up to it */
 
+/* Room for the name of an object. */
+enum { NAME_MAX_SIZE = 64 };
+
 static const char *const axes[3] = {"x", "y", "z"};
 
 /* Rows of the same object, which stand next to each other; or one row that is in none. */
@@ -52,7 +55,7 @@ static const char *name_in(const struct rows *rows, const struct vor_member *row
 
 static void begin_object_of(struct vor_text *text, const struct rows *rows)
 {
-    char name[64];
+    char name[NAME_MAX_SIZE];
 
     assert(rows->object < sizeof name);
     (void)snprintf(name, sizeof name, "%.*s", (int)rows->object, rows->begin->name);
@@ -192,12 +195,26 @@ static unsigned word_of(const struct vor_json *value, const struct vor_member *r
     return i;
 }
 
+/* The value of a row in an object, or in the object of the row's name within that one; NULL when it
+ * is missing. */
+static const struct vor_json *value_at(const struct vor_json *object, const struct vor_member *row)
+{
+    size_t length = object_length(row);
+    char name[NAME_MAX_SIZE];
+
+    if (length == 0)
+        return vor_json_get(object, row->name);
+    assert(length < sizeof name);
+    (void)snprintf(name, sizeof name, "%.*s", (int)length, row->name);
+    return vor_json_get(vor_json_get(object, name), row->name + length + 1);
+}
+
 void vor_json_members_read(void *values, const struct vor_members *members,
                            const struct vor_json *object)
 {
     memset(values, 0, members->size);
     for (const struct vor_member *row = members->rows; row < end_of(members); row++) {
-        const struct vor_json *value = vor_json_get(object, row->name);
+        const struct vor_json *value = value_at(object, row);
         void *member = (unsigned char *)values + row->offset;
 
         switch (row->kind) {

@@ -13,7 +13,7 @@ void vor_json_members(struct vor_text *text, const struct vor_members *members, 
 void vor_json_document(struct vor_text *text, const struct vor_document *document);
 
 /** Reads the members of an object back into values, a struct with that description; the object may
- * have others. The description has numbers and words only, and no dots. A member that is missing
+ * have others. The description has numbers and words only. A member that is missing
  * becomes 0, and so does a number that is none, negative or too large for its type; but a REAL that
  * is null becomes NAN, as which it was written. A word that is not among the row's becomes
  * word_count. */

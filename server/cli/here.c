@@ -58,8 +58,12 @@ static vor_status load(struct here *r, struct vor_error *err)
 
 static vor_status run(struct here *r, struct vor_error *err)
 {
+    const struct vor_cloud *cloud =
+        vor_artefacts_cloud(&r->in, r->cli->spec.process->inputs[0].name);
     vor_status status;
 
+    r->progress.pace.work =
+        vor_pace_work_of(&r->cli->spec, cloud->n, vor_pool_threads(r->work.run.pool));
     vor_progress_note(&r->progress, "preparing");
     status = vor_engine_run(&r->out, &r->in, &r->spec, &r->work.run, err);
     if (status == VOR_OK)

@@ -1,5 +1,6 @@
 #include "server/jobs/job.h"
 
+#include "server/base/machine.h"
 #include "server/jobs/pace.h"
 
 #include <ctype.h>
@@ -24,11 +25,15 @@ struct vor_job {
  * result 5, encoding the rest. */
 enum { PREPARED = 10, OPTIMIZED = 90, MEASURED = 95 };
 
-/* Seconds until the last stage of the run ends, -1 before there is a pace; the caller holds
+/* Seconds from the last change until the run ends, -1 where that is not known; the caller holds
  * job->state. */
 static double estimate(const struct vor_job *job)
 {
-    return job->view.stage == VOR_STAGE_OPTIMIZE ? vor_pace_left(&job->pace, &job->view.spec) : -1;
+    enum vor_stage stage = job->view.stage;
+
+    if (job->view.status != VOR_JOB_RUNNING || stage == VOR_STAGE_ENCODE)
+        return -1;
+    return vor_pace_left(&job->pace, &job->view.spec);
 }
 
 /* Publishes an event with the state of the job; the caller holds job->change. */
@@ -172,6 +177,15 @@ static void raise_progress(struct vor_job_view *view, int progress)
         view->progress = progress;
 }
 
+/* Begins to reckon with the time; the caller holds job->state. */
+static void begin_pace(struct vor_job *job)
+{
+    const struct vor_job_view *view = &job->view;
+
+    job->pace = (struct vor_pace){
+        .work = vor_pace_work_of(&view->spec, view->input[0].points, vor_machine_cores())};
+}
+
 void vor_job_begin(struct vor_job *job, int64_t now_ms)
 {
     if (!begin_change(job))
@@ -182,6 +196,7 @@ void vor_job_begin(struct vor_job *job, int64_t now_ms)
     job->view.updated = now_ms;
     if (job->view.started == 0)
         job->view.started = now_ms;
+    begin_pace(job);
     pthread_mutex_unlock(&job->state);
     publish(job, VOR_EVENT_STATUS, now_ms);
     end_change(job);
@@ -217,7 +232,7 @@ void vor_job_progress(struct vor_job *job, const struct vor_record *record, int6
     pthread_mutex_lock(&job->state);
     entered = job->view.stage != VOR_STAGE_OPTIMIZE;
     if (entered)
-        job->pace = (struct vor_pace){0};
+        begin_pace(job);
     vor_pace_add(&job->pace, record);
     job->view.stage = VOR_STAGE_OPTIMIZE;
     job->view.has_record = 1;

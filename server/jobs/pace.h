@@ -1,16 +1,30 @@
-/** How far a run is and how long it still takes, from its records and the time that its request
- * allows. The daemon and the command line both reckon with this. */
+/** How far a run is and how long it still takes, from its request, its records and what its stages
+ * cost beside each other. The daemon and the command line both reckon with this. */
 #ifndef VOR_SERVER_JOBS_PACE_H
 #define VOR_SERVER_JOBS_PACE_H
 
 #include "core/report.h"
 #include "core/spec.h"
 
-/** What is kept of the records of a run. All zero before the first. */
+/** What a run has to do. All zero where that is not known: times are then only compared with each
+ * other. */
+struct vor_pace_work {
+    double points_in;
+    double points_out; /**< that are asked for */
+    unsigned threads;
+};
+
+/** The work of a run of a request on so many points, by so many threads; all zero where the request
+ * does not say how many points it makes, or has another method than cvt. */
+struct vor_pace_work vor_pace_work_of(const struct vor_spec *spec, uint64_t points,
+                                      unsigned threads);
+
+/** What is kept of the records of a run. All zero before the first, but for the work. */
 struct vor_pace {
+    struct vor_pace_work work;
     int began;
     double all;    /**< steps that the run takes at most: those of its first stage and all ahead */
-    double before; /**< seconds that a step of the stage before took; 0 where that is not known */
+    double before; /**< how slow the stage before was; 0 where that is not known */
     struct vor_record last;
     /** The record that the pace is reckoned from: the first one and, in a later stage, whose steps
      * take another time, that of its 0 steps, or where there was none, the last one before it. */
@@ -26,10 +40,14 @@ void vor_pace_add(struct vor_pace *pace, const struct vor_record *record);
  * stage takes. */
 double vor_pace_done(const struct vor_pace *pace, const struct vor_spec *spec);
 
-/** Seconds from the last record until all steps that may come are done, or the budget is used up;
- * -1 while there is no pace: before the second record, and where a record does not say how many
- * steps its stage takes. A step of a stage is taken to last as long as one of the stage before
- * until there has been one: rather too long than too short. */
+/** Seconds from the last record, or before it from the beginning, until the run ends, or its budget
+ * is used up. -1 where that is not known: without a record, or with one of no steps, if the work is
+ * not known, for processes without a method, and where a record does not say how many steps its
+ * stage takes.
+ *
+ * Steps to come take what they usually take beside those that were done (pace.c), and a run without
+ * a polish the usual number of iterations, if the request gives none. Before the first step, times
+ * are those of the machine they were measured on. */
 double vor_pace_left(const struct vor_pace *pace, const struct vor_spec *spec);
 
 #endif

@@ -87,6 +87,7 @@ static uint8_t *put_record(uint8_t *at, const struct vor_record *record)
 /* Reads the members that `size` bytes hold; false when one of them is a word that there is not. */
 static int get_record(struct vor_record *out, const uint8_t *at, size_t size)
 {
+    vor_record_unknown_best(out); /* until it is read */
     for (unsigned i = 0; i < vor_record_members.count; i++) {
         const struct vor_member *row = &vor_record_members.rows[i];
         void *member = (unsigned char *)out + row->offset;
@@ -125,6 +126,7 @@ static void get_record_2(struct vor_record *out, const uint8_t *at)
     for (size_t i = 0; i < sizeof reals / sizeof reals[0]; i++)
         at = get_real(at, reals[i]);
     vor_record_infer_stage(out);
+    vor_record_unknown_best(out);
 }
 
 static uint8_t *put_event(uint8_t *at, const struct vor_event *event)

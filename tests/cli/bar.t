@@ -23,7 +23,7 @@ sub seen {
 my $text = seen(80);
 my @drawn = $text =~ /\r\e\[K(iterate\s+\d+\/40 [^\r]*)/g;
 cmp_ok scalar @drawn, '>=', 1, 'a bar is drawn';
-like $drawn[0], qr{^iterate    0/40   \[-+\]   0 %  delta \d\.\d{4}\z}, 'it begins empty';
+like $drawn[0], qr{^iterate    0/40   \[-+\]   0 %  delta \d\.\d{4}  \d+ s left\z}, 'it begins empty';
 is scalar(grep { length > 80 } @drawn), 0, 'it fits into the line';
 like $text, qr/\r\e\[Kvoronoid: \S+out\.ply: 300 points, [^\n]*\n/, 'the summary takes its place';
 

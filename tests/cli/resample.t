@@ -48,10 +48,11 @@ subtest 'lines of JSON' => sub {
     my $report = pop @records;
     is "$code$stderr", '0', 'all is well';
     is_deeply [map { $_->{iteration} } @records], [0 .. 6], 'there is a record for each iteration';
-    my $shape = join ' ', sort qw(iteration polish delta sigma epsilon energy max_move held seconds run_stage step of ahead);
+    my $shape = join ' ', sort qw(iteration polish delta sigma epsilon energy max_move held seconds run_stage step of ahead best);
     is_deeply [map { $_->{polish} } @records], [(0) x 7], 'none is of a polish that was not asked for';
     is join(' ', sort keys %$_), $shape, "record $_->{iteration} has its shape" for @records;
     cmp_ok $records[-1]{delta}, '<', $records[0]{delta}, 'delta falls';
+    is $records[-1]{best}{delta}, $report->{delta}, 'the last best is the report\'s';
     is join(' ', sort keys %$report),
         join(' ', sort qw(points delta sigma epsilon iterations polish_steps stopped stages seconds
             memory_peak_bytes invalid dropped outliers components islands lattice one_sided in_to_out out_to_in boundary_points neighbors_histogram held held_ever fallbacks parameters area spacing min_over_mean max_over_mean

@@ -45,17 +45,22 @@ my @progress = map { json($_->{data}) } grep { $_->{event} eq 'progress' } @even
 cmp_ok scalar(@progress), '>', 0, 'there is progress';
 is_deeply [sort keys %{ $progress[0] }],
     [sort qw(jobID attempt stage iteration maxIterations polish maxPolish delta sigma epsilon energy
-            max_move held seconds run_stage step of ahead progress eta)], 'with every member';
+            max_move held seconds run_stage step of ahead best progress eta)], 'with every member';
 is $progress[-1]{iteration}, 30, 'the last iteration is among them';
 is $progress[0]{maxIterations}, 30, 'it tells how many there may be';
 is $progress[0]{maxPolish}, 0, 'and how many steps of the polish';
 ok never_falls(map { $_->{progress} } @progress), 'progress never falls';
+is scalar(grep { $_->{best}{delta} > $_->{delta} } @progress), 0, 'the best is as even as any';
+my $report = json($daemon->get("/v1/jobs/$id/results/report"));
+is_deeply { map { $_ => $progress[-1]{best}{$_} } qw(delta sigma epsilon) }, { map { $_ => $report->{$_} } qw(delta sigma epsilon) },
+    'the last best is what the report says';
 
 # Replay.
 my @all = $daemon->events("/v1/jobs/$id/events", headers => { 'Last-Event-ID' => '1.1' })->all;
 is_deeply [map { number($_) } @all], [2 .. number($all[-1])],
     'after Last-Event-ID every later event comes, each once';
-is scalar(grep { $_->{event} eq 'progress' } @all), 31, 'every iteration among them';
+my %iterations = map { json($_->{data})->{iteration} => 1 } grep { $_->{event} eq 'progress' } @all;
+is_deeply [sort { $a <=> $b } keys %iterations], [0 .. 30], 'every iteration among them';
 my $middle = $all[@all / 2]{id};
 my @rest = $daemon->events("/v1/jobs/$id/events?lastEventId=$middle", headers => $stream_of)->all;
 is number($rest[0]), 1 + (split /\./, $middle)[1], 'lastEventId in the query does the same';

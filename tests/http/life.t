@@ -164,16 +164,20 @@ is poll($id, $known->{headers}{etag}, 60)->{status}, 304, 'of a job that is over
 # The trace.
 my $trace = json($daemon->get("/v1/jobs/$id/trace"));
 my @records = @{ $trace->{records} };
-is_deeply [map { $_->{iteration} } @records], [0 .. 8], 'the trace has a record an iteration';
+is_deeply [map { $_->{iteration} } @records[0 .. 8]], [0 .. 8], 'the trace has a record an iteration';
+is join(' ', map { $_->{iteration} } @records[9 .. $#records]), @records > 9 ? '8' : '', 'and perhaps one of the result';
+is_deeply { map { $_ => $records[-1]{best}{$_} } qw(delta sigma epsilon) },
+    { map { $_ => json($daemon->get("/v1/jobs/$id/results/report"))->{$_} } qw(delta sigma epsilon) }, 'the last best is the report\'s';
 is_deeply [sort keys %{ $records[0] }],
-    [sort qw(iteration polish delta sigma epsilon energy max_move held seconds run_stage step of ahead)],
+    [sort qw(iteration polish delta sigma epsilon energy max_move held seconds run_stage step of ahead best)],
     'with every member';
 is scalar(grep { $_->{polish} != 0 } @records), 0, 'and without a polish none of its steps';
 cmp_ok $records[8]{delta}, '<', $records[0]{delta}, 'delta falls';
 my @rows = split /\n/, $daemon->get("/v1/jobs/$id/trace", headers => { Accept => 'text/csv' })->{content};
-is $rows[0], 'iteration,polish,delta,sigma,epsilon,energy,max_move,held,seconds,run_stage,step,of,ahead',
+is $rows[0], 'iteration,polish,delta,sigma,epsilon,energy,max_move,held,seconds,run_stage,step,of,ahead,'
+    . 'best.iteration,best.polish,best.delta,best.sigma,best.epsilon',
     'the table has its head';
-is scalar(@rows), 10, 'and a row an iteration';
+is scalar(@rows), 1 + @records, 'and a row a record';
 is join(',', (split /,/, $rows[9])[0, 1, 9 .. 12]), '8,0,iterate,8,8,0', 'in its order';
 cmp_ok abs((split /,/, $rows[9])[2] - $records[8]{delta}), '<', 1e-15, 'with the same values';
 

@@ -6,6 +6,7 @@
 #include "core/geom/patch.h"
 #include "core/input/input.h"
 #include "core/input/thin.h"
+#include "core/output/last_record.h"
 #include "core/output/output.h"
 #include "core/seeds/area.h"
 #include "core/seeds/attach.h"
@@ -329,6 +330,7 @@ static void run_output(struct stages *s, struct vor_cloud *out)
     double unit = s->domain.unit;
 
     vt_assert_ok(vor_output_make(out, report, &placed, &vt_err));
+    vt_assert_ok(vor_last_record_tell(&s->outcome, report, &s->run, &vt_err));
     report->parameters = s->spec;
     report->parameters.value[VOR_PARAM_POINTS] = (double)s->n;
     report->parameters.value[VOR_PARAM_NEIGHBORS] = s->domain.known.neighbors.usual;

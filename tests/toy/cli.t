@@ -72,9 +72,12 @@ subtest 'the method copies points of the input' => sub {
     is "$code$stderr", '0', 'all is well';
     my @records = lines($stdout);
     my $report = pop @records;
+    my $last = pop @records;
+    is "$last->{run_stage} $last->{step}", 'prove 5', 'the last record is of the result';
+    is $last->{best}{$_}, $report->{$_}, "its best has the $_ of the report" for qw(delta sigma epsilon);
     is_deeply [map { [@$_{qw(run_stage step of ahead)}] } @records],
         [(map { ['copy', $_, 5, 5] } 0 .. 5), (map { ['prove', $_, 5, 0] } 0 .. 5)], 'records tell its stages';
-    is scalar(grep { defined $_->{delta} || defined $_->{energy} } @records), 0, 'and not what it does not know';
+    is scalar(grep { defined $_->{delta} || defined $_->{energy} || defined $_->{best}{delta} } @records), 0, 'and not what it does not know';
     my @copies = positions(slurp($out));
     is scalar(@copies), 300, 'as many as asked for';
     cmp_ok far_from(\@copies, [positions(slurp($in))]), '<', 1e-6, 'each is a point of the input';

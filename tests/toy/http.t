@@ -196,7 +196,7 @@ subtest 'a job without a cloud among its outputs' => sub {
     is_problem($daemon->get("/v1/jobs/$id/results/$_"), 404, 'no-such-output', "there is no $_") for qw(cloud report overlap);
     like json($daemon->get("/v1/jobs/$id/results/cloud"))->{detail}, qr/want census$/, 'it says what there is';
     my @rows = split /\n/, $daemon->get("/v1/jobs/$id/trace", headers => { Accept => 'text/csv' })->{content};
-    like $rows[1], qr/^0,0,,,,,,0,[^,]+,tally,0,5,5$/, 'the trace is a table of the same records';
+    like $rows[1], qr/^0,0,,,,,,0,[^,]+,tally,0,5,5,0,0,,,$/, 'the trace is a table of the same records';
     is scalar(@rows), 13, 'of all of them';
     is_deeply [map { $_->{jobID} } grep { $_->{jobID} eq $id } @{ json($daemon->get('/v1/jobs?processID=census'))->{jobs} }], [$id],
         'the list finds it by its process';
@@ -301,7 +301,7 @@ subtest 'the command line asks a daemon' => sub {
     (undef, my $lines) = Cli::run(['census', $in, '--pause', 0.15, '--json', '-o', "$folder/census.json", @there]);
     my @records = lines($lines);
     is_deeply [grep { !/^(?:tally|reach)$/ } map { $_->{run_stage} } @records], [], 'records come as they do here';
-    is_deeply [sort keys %{ $records[0] }], [sort qw(iteration polish delta sigma epsilon energy max_move held seconds run_stage step of ahead)],
+    is_deeply [sort keys %{ $records[0] }], [sort qw(iteration polish delta sigma epsilon energy max_move held seconds run_stage step of ahead best)],
         'with the same members';
     is_deeply [map { $_->{delta} } @records], [map {undef} @records], 'and nothing made up';
     ($code, undef, my $why) = Cli::run(['overlap', $in, '--other', $in, @there]);

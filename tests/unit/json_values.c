@@ -36,12 +36,18 @@ static const struct vor_record record = {.iteration = 37,
                                          .stage = VOR_RUN_STAGE_POLISH,
                                          .step = 30,
                                          .of = 100,
-                                         .ahead = 5};
+                                         .ahead = 5,
+                                         .best_iteration = 36,
+                                         .best_polish = 20,
+                                         .best_delta = 0.08,
+                                         .best_sigma = 0.0002,
+                                         .best_epsilon = 0.9968};
 
 #define RECORD                                                                                     \
     "{\"iteration\":37,\"polish\":30,\"delta\":0.0813,\"sigma\":0.000211,\"epsilon\":0.9967,"      \
     "\"energy\":1.9e-05,\"max_move\":0.5,\"held\":2,\"seconds\":1.25,\"run_stage\":\"polish\","    \
-    "\"step\":30,\"of\":100,\"ahead\":5}"
+    "\"step\":30,\"of\":100,\"ahead\":5,\"best\":{\"iteration\":36,\"polish\":20,"                 \
+    "\"delta\":0.08,\"sigma\":0.0002,\"epsilon\":0.9968}}"
 
 START_TEST(a_record_has_its_shape)
 {
@@ -88,6 +94,7 @@ START_TEST(a_record_without_a_stage_gets_the_one_it_was_in)
     ck_assert_uint_eq(back.of, 0);
     ck_assert_uint_eq(back.ahead, 0);
     ck_assert_double_eq(back.seconds, 5);
+    ck_assert(isnan(back.best_delta) && isnan(back.best_sigma) && isnan(back.best_epsilon));
     vor_json_free(json);
 }
 END_TEST

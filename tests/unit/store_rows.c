@@ -219,7 +219,12 @@ START_TEST(a_successful_end_comes_back_with_report_trace_and_record)
                                      .stage = VOR_RUN_STAGE_POLISH,
                                      .step = 30,
                                      .of = 100,
-                                     .ahead = 7};
+                                     .ahead = 7,
+                                     .best_iteration = 41,
+                                     .best_polish = 20,
+                                     .best_delta = 0.06,
+                                     .best_sigma = 1e-301,
+                                     .best_epsilon = 0.9995};
     row.output[0] = (struct vor_job_output){.format = 1, .points = 10, .bytes = 99};
     strcpy(row.output[0].sha256, "beef");
     strcpy(row.message, "10 points");

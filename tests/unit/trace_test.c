@@ -3,6 +3,7 @@
 #include "server/jobs/trace.h"
 #include "tests/support/vt.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,7 +31,12 @@ static struct vor_event event_of(enum vor_event_kind kind, uint32_t i)
                                        .stage = (enum vor_run_stage)(i % VOR_RUN_STAGE_COUNT),
                                        .step = i * 5u,
                                        .of = 4000000000u + i,
-                                       .ahead = i + 1};
+                                       .ahead = i + 1,
+                                       .best_iteration = i / 2,
+                                       .best_polish = i * 3u,
+                                       .best_delta = vt_unit(12, i),
+                                       .best_sigma = vt_unit(13, i),
+                                       .best_epsilon = 1 - vt_unit(14, i)};
     return event;
 }
 
@@ -168,7 +174,10 @@ START_TEST(a_trace_from_before_stages_comes_back_with_them)
                                                .held = 70000000000,
                                                .seconds = 12,
                                                .stage = VOR_RUN_STAGE_ITERATE,
-                                               .step = 12};
+                                               .step = 12,
+                                               .best_delta = (double)NAN,
+                                               .best_sigma = (double)NAN,
+                                               .best_epsilon = (double)NAN};
     struct vor_record polished = iterated;
     struct vor_position position = {0, 0};
     struct vor_event events[8];
@@ -200,7 +209,7 @@ END_TEST
  */
 static void add_trace_of(struct bytes *bytes, size_t members, size_t more)
 {
-    static const size_t sizes[] = {4, 4, 8, 8, 8, 8, 8, 8, 8, 4, 4, 4, 4};
+    static const size_t sizes[] = {4, 4, 8, 8, 8, 8, 8, 8, 8, 4, 4, 4, 4, 4, 4, 8, 8, 8};
     size_t record = more;
 
     ck_assert_uint_eq(sizeof sizes / sizeof sizes[0], vor_record_members.count);
@@ -237,6 +246,7 @@ START_TEST(records_with_other_members_are_read)
         ck_assert_int_eq(events[0].record.stage,
                          members >= 10 ? VOR_RUN_STAGE_POLISH : VOR_RUN_STAGE_ITERATE);
         ck_assert_uint_eq(events[0].record.ahead, members >= 13);
+        ck_assert_int_eq(isnan(events[0].record.best_delta) != 0, members < 16);
         ck_assert_int_eq(events[1].status, VOR_JOB_FAILED);
         vor_bus_release(bus);
     }
@@ -250,7 +260,7 @@ START_TEST(a_stage_that_there_is_not_is_refused)
     size_t stage;
 
     add_trace_of(&bytes, vor_record_members.count, 0);
-    stage = bytes.size - 12 - 16;
+    stage = bytes.size - 12 - 48;
     ck_assert_uint_eq(bytes.data[stage], VOR_RUN_STAGE_POLISH);
     bytes.data[stage] = VOR_RUN_STAGE_COUNT;
     vt_assert_fails(VOR_E_FORMAT, vor_trace_unpack(&bus, bytes.data, bytes.size, &vt_err));

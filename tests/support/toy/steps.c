@@ -15,6 +15,7 @@ struct toy_steps toy_steps_of(const struct vor_spec *spec, const struct vor_run 
     /* Nothing here is iterated: no such member has a value. */
     steps.record.delta = steps.record.sigma = steps.record.epsilon = (double)NAN;
     steps.record.energy = steps.record.max_move = (double)NAN;
+    vor_record_unknown_best(&steps.record);
     return steps;
 }
 
