@@ -1,13 +1,13 @@
 #!/bin/bash
-# usage: picture.sh VORONOID BUNNY.ply OUT.png: makes the picture of README: the head of the Stanford bunny's scan of 35,947
-# points, and the same with 12,000 that voronoid spread.
+# usage: picture.sh VORONOID OUT.png: makes the picture of README: the head of a hippopotamus of 6,104 points, one of the
+# demo's scans, and the same with as many that voronoid spread.
 set -euo pipefail
 voronoid=$1
-cloud=$2
-out=$3
+out=$2
+cloud=$(tests/demo/scan.sh hippo1.ply)
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-"$voronoid" resample "$cloud" -n 12000 --normals fit -q -o "$folder/after.ply"
+"$voronoid" resample "$cloud" --ratio 1 --normals fit -q -o "$folder/after.ply"
 # Filters alone keep the points in their order: these have the normals of the scan's.
 "$voronoid" denoise "$cloud" --filters mls --normals fit -q -o "$folder/normals.ply"
-/usr/bin/python3 "$(dirname "$0")/picture.py" "$cloud" "$folder/normals.ply" "$folder/after.ply" -0.097 0.092 0.085 "$out"
+/usr/bin/python3 tests/demo/picture.py "$cloud" "$folder/normals.ply" "$folder/after.ply" -0.5 -0.27 0.55 "$out"
