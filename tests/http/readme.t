@@ -1,50 +1,78 @@
 #!/usr/bin/perl
-# The session of README.md, word for word, against the real daemon on its real port.
+# The blocks of README.md, word for word and in the order printed, against the real daemon on its real port. Those for proxies
+# are run by `make proxy`, the two commands by continuous integration; docker's by nobody here.
 use strict;
 use warnings;
 use Cwd qw(getcwd);
 use File::Temp qw(tempdir);
+use FindBin;
 use IO::Socket::INET;
+use lib "$FindBin::Bin/../support";
 use Test::More;
+use Vt;
 
-open my $in, '<', 'README.md' or die "README.md: $!";
-my $readme = do { local $/; <$in> };
-my ($session) = $readme =~ /## A session\n.*?```sh\n(.*?)```/s;
-ok(defined $session && length $session > 200, 'README.md has a session');
+my $readme = Vt::slurp('README.md');
+my @blocks;
+push @blocks, { language => $1, text => $2 } while $readme =~ /^```(\w*)\n(.*?)^```$/msg;
+my %run = (
+    sh => sub { $_[0] },
+    js => sub { "cat >block.mjs <<'END_OF_BLOCK'\n$_[0]END_OF_BLOCK\nnode block.mjs\n" },
+    python => sub { "python3 - <<'END_OF_BLOCK'\n$_[0]END_OF_BLOCK\n" },
+);
+my %elsewhere = map { $_ => 1 } qw(nginx haproxy caddyfile console);
+cmp_ok scalar(grep { $run{ $_->{language} } } @blocks), '>=', 8, 'README.md has blocks to run';
+for my $block (@blocks) {
+    my $language = $block->{language};
+    ok $run{$language} || $elsewhere{$language}, "a block of $language is run somewhere";
+    is_deeply [grep { !/^docker / } split /\n/, $block->{text}], [], 'what is not run is docker\'s' if $language eq 'console';
+}
+my $ci = Vt::slurp('.ci/run');
+like $ci, qr/^$_$/m, "continuous integration runs $_" for $readme =~ /^    (make \w+) +#/mg;
+
+sub sphere {
+    my ($path, $count) = @_;
+    my $text = "ply\nformat ascii 1.0\nelement vertex $count\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+    srand 5;
+    for (1 .. $count) {
+        my ($z, $a) = (2 * rand() - 1, 6.283185307 * rand());
+        my $r = sqrt(1 - $z * $z);
+        $text .= sprintf "%.6f %.6f %.6f\n", $r * cos $a, $r * sin $a, $z;
+    }
+    spew($path, $text);
+}
+
+sub spew {
+    my ($path, $text) = @_;
+    open my $file, '>', $path or die "$path: $!";
+    print $file $text;
+    close $file or die "$path: $!";
+}
 
 my $probe = IO::Socket::INET->new(LocalAddr => '127.0.0.1', LocalPort => 8080, Listen => 1, ReuseAddr => 1);
 SKIP: {
-    skip 'readme session: port 8080 is taken on this machine', 8 unless $probe;
+    skip 'README: port 8080 is taken on this machine', 1 unless $probe;
     close $probe;
     my $binary = $ENV{VORONOID} // 'build/release/voronoid';
     $binary = getcwd() . "/$binary" unless $binary =~ m{^/};
     my $dir = tempdir(CLEANUP => 1);
     mkdir "$dir/bin";
     symlink $binary, "$dir/bin/voronoid";
+    sphere("$dir/cloud.ply", 4000);
+    spew("$dir/readme.sh", "set -e -m\n" . join '', map { $run{ $_->{language} } ? $run{ $_->{language} }->($_->{text}) : '' } @blocks);
+    my $out = `cd $dir && XDG_STATE_HOME=$dir/state PATH=$dir/bin:\$PATH timeout 300 bash readme.sh 2>$dir/err`;
+    is $?, 0, 'README.md runs from top to bottom' or diag `tail -n 20 $dir/err`;
 
-    open my $ply, '>', "$dir/cloud.ply" or die;
-    print $ply "ply\nformat ascii 1.0\nelement vertex 8000\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
-    srand 5;
-    for (1 .. 8000) {
-        my ($z, $a) = (2 * rand() - 1, 6.283185307 * rand());
-        my $r = sqrt(1 - $z * $z);
-        printf $ply "%.6f %.6f %.6f\n", $r * cos $a, $r * sin $a, $z;
-    }
-    close $ply;
-
-    open my $script, '>', "$dir/session.sh" or die;
-    print $script "set -m\n$session\nwait\n";
-    close $script;
-    my $out = `cd $dir && XDG_STATE_HOME=$dir/state PATH=$dir/bin:\$PATH timeout 300 bash session.sh 2>$dir/err`;
-    is($?, 0, 'the session ends well') or diag(`tail -n 20 $dir/err`);
-
-    my $head = sub { open my $f, '<:raw', shift or return ''; read $f, my $bytes, shift; return $bytes // '' };
-    is($head->("$dir/even.drc", 5), 'DRACO', 'the first call leaves a Draco cloud');
-    like($head->("$dir/even.ply", 200), qr/^element vertex 2000$/m, 'the job leaves a PLY of a quarter of the points');
-    like($out, qr/^event: progress$/m, 'progress is streamed');
-    like($out, qr/^event: end$/m, 'the stream ends');
-    like($out, qr/"stopped": "iterations"/, 'the report says why it ended');
-    like($out, qr/^dismissed$/m, 'a finished job can be removed');
-    like($out, qr/points is 0, want a whole number from 1 to 10000000/, 'the mistake is named');
+    my $head = sub { -e $_[0] ? substr Vt::slurp($_[0]), 0, 400 : '' };
+    is substr($head->("$dir/$_"), 0, 5), 'DRACO', "$_ is a Draco cloud" for qw(even.drc coarse.drc cloud.drc);
+    my %points = ('from-js' => 5000, 'from-python' => 5000, form => 5000, few => 400, dense => 16000, fetched => 1000,
+        'out/cloud' => 1000, 'out/dense' => 1000);
+    like $head->("$dir/$_.ply"), qr/^element vertex $points{$_}$/m, "$_.ply has $points{$_} points" for sort keys %points;
+    like $out, qr/^event: progress$/m, 'progress is streamed';
+    like $out, qr/^event: end$/m, 'the stream ends';
+    like $out, qr/"stopped": "iterations"/, 'the report says why it ended';
+    like $out, qr/^dismissed$/m, 'a finished job can be removed';
+    like $out, qr/points is 0, want a whole number from 1 to 10000000/, 'the mistake is named';
+    like $out, qr/^spacing\.mean +\S+ /m, 'inspect prints lines';
+    like `tar -tzf $dir/backup.tar.gz`, qr{^voronoid/jobs\.sqlite$}m, 'the backup has the table of jobs';
 }
-done_testing();
+done_testing;
