@@ -9,8 +9,12 @@ VERSION := 0.1.0
 
 WARN := -Wall -Wextra -Wshadow -Wpointer-arith -Wcast-qual -Wformat=2 -Wundef -Werror=format-security
 CWARN := $(WARN) -Wstrict-prototypes -Wmissing-prototypes -Wvla
-HARDEN := -fstack-protector-strong -fstack-clash-protection -fPIE -fcf-protection
-LDHARDEN := -pie -Wl,-z,relro,-z,now,-z,noexecstack
+# Of these what the machine and both compilers take: asked once, the answer is kept in build/probed.
+HARDEN := -fstack-protector-strong -fstack-clash-protection -fPIE -fcf-protection -mbranch-protection=standard
+LDHARDEN := -pie -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack
+ASKED := 'HARDEN=$(HARDEN)' 'LDHARDEN=$(LDHARDEN)'
+PROBED := build/probed/$(subst /,_,$(subst $() ,_,$(CC)+$(CXX)))
+-include $(PROBED)
 
 flags.release := -O3 -g -D_FORTIFY_SOURCE=3 $(HARDEN)
 flags.debug := -O0 -g3 $(HARDEN)
@@ -18,6 +22,7 @@ flags.asan := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-s
 flags.tsan := -O1 -g -fno-omit-frame-pointer -fsanitize=thread
 flags.cover := -O0 -g --coverage
 flags.toy := -O1 -g $(HARDEN)
+flags.arm64 := $(flags.release) $(if $(SYSROOT),--sysroot=$(SYSROOT))
 flags.fuzz := -O1 -g -fno-omit-frame-pointer -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
 flags := $(flags.$(config))
 ifeq ($(flags),)
@@ -82,6 +87,9 @@ all: $(BIN) ## build the binary (default)
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z]+:.*## /{printf "  %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 	@echo '  config=release|debug|asan|tsan|cover|toy picks flags and build/<config>/'
+
+$(PROBED): Makefile docker/probe.sh
+	@docker/probe.sh $@ '$(CC)' '$(CXX)' $(ASKED)
 
 $(B)/%.o: %.c
 	@mkdir -p $(@D)
