@@ -34,15 +34,17 @@ endif
 TOY := tests/support/toy
 EXTENSIONS := $(if $(filter toy,$(config)),-DVOR_EXTENSIONS='"$(TOY)/toy.h"')
 
+# Headers of the machine that compiles are no use to arm64.
+PKG_FLAGS := $(if $(filter-out arm64,$(config)),$(shell pkg-config --cflags $(PKGS) 2>/dev/null))
 # Same bytes on every machine: no contraction into fused multiply-add.
 COMMON := $(flags) -ffp-contract=off -fno-math-errno -pthread -I. -MMD -MP -DVOR_VERSION='"$(VERSION)"' $(EXTENSIONS) \
-          $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
+          $(PKG_FLAGS)
 ALL_CFLAGS := -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE $(CWARN) $(COMMON) $(CFLAGS)
 ALL_CXXFLAGS := -std=c++17 $(WARN) $(COMMON) $(CXXFLAGS)
 # FLANN's pkg-config file drags in HDF5 and MPI, which only its own tools use.
 LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lflann -lm -lstdc++
 TEST_LIBS := $(shell pkg-config --libs check 2>/dev/null)
-LINK := $(CXX) $(flags) $(if $(filter release debug toy,$(config)),$(LDHARDEN)) -pthread $(LDFLAGS)
+LINK := $(CXX) $(flags) $(if $(filter release debug toy arm64,$(config)),$(LDHARDEN)) -pthread $(LDFLAGS)
 
 SRC := $(sort $(shell find core proto server -name '*.c' -o -name '*.cc') $(if $(EXTENSIONS),$(wildcard $(TOY)/*.c)))
 LIB_SRC := $(filter-out server/main.c,$(SRC))
@@ -70,7 +72,7 @@ BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(B)/tests/bench/wlop $
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-GOALS := all help demo test check soak bench fuzz proxy lint format image clean
+GOALS := all help demo test check soak bench fuzz proxy cross arm64 lint format image clean
 .PHONY: $(GOALS)
 
 # Every core is used unless -j says otherwise. Of several goals typed together one ends before the next begins.
@@ -85,7 +87,7 @@ endif
 all: $(BIN) ## build the binary (default)
 
 help: ## list the targets
-	@awk -F':.*## ' '/^[a-z]+:.*## /{printf "  %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F':.*## ' '/^[a-z0-9]+:.*## /{printf "  %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 	@echo '  config=release|debug|asan|tsan|cover|toy picks flags and build/<config>/'
 
 $(PROBED): Makefile docker/probe.sh
@@ -182,6 +184,16 @@ proxy: ## install what is missing, build, and run README's snippets for nginx, h
 	@$(MAKE) --no-print-directory all
 	@tests/proxy/fetch.sh build/proxy
 	@VORONOID=$(BIN) prove -v tests/proxy/snippets.t
+
+# Objects alone: libraries of arm64 are not asked for.
+FOR_ARM64 := config=arm64 CC=aarch64-linux-gnu-gcc CXX=aarch64-linux-gnu-g++ AR=aarch64-linux-gnu-ar
+
+cross: ## install what is missing, and compile core and proto for arm64; a warning fails
+	@docker/install.sh build cross
+	@$(MAKE) --no-print-directory $(FOR_ARM64) CFLAGS=-Werror CXXFLAGS=-Werror objects
+
+.PHONY: objects
+objects: $(call obj,$(filter core/% proto/%,$(SRC)))
 
 lint: ## formatting, include law, static analysis, shell and YAML
 	@docker/install.sh build test lint

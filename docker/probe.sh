@@ -1,6 +1,6 @@
 #!/bin/sh
 # usage: probe.sh FILE CC CXX NAME='FLAG...'...: writes FILE for make: each NAME with those of its flags that both compilers
-# take, to compile and to link a program of nothing. Writes none where they cannot make one without flags.
+# take, to compile and to link a program of nothing. Writes none where they cannot do even that without flags.
 set -eu
 file=$1 cc=$2 cxx=$3
 shift 3
@@ -16,7 +16,10 @@ takes()
     $cc -Werror "$@" "$dir/none.c" -o "$dir/none" 2>/dev/null && $cxx -Werror "$@" "$dir/none.cc" -o "$dir/none" 2>/dev/null
 }
 
-takes || exit 0
+if ! takes; then
+    ! command -v "${cc%% *}" >/dev/null || echo "$cc and $cxx cannot compile and link a program of nothing" >&2
+    exit 0
+fi
 for set in "$@"; do
     printf '%s :=' "${set%%=*}"
     for flag in ${set#*=}; do
