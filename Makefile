@@ -192,6 +192,16 @@ cross: ## install what is missing, and compile core and proto for arm64; a warni
 	@docker/install.sh build cross
 	@$(MAKE) --no-print-directory $(FOR_ARM64) CFLAGS=-Werror CXXFLAGS=-Werror objects
 
+ARM64_BIN := $(addprefix build/arm64/,voronoid tests/arm64/decode tests/golden/engine_bytes tests/golden/stages \
+    $(basename $(wildcard tests/unit/*.c tests/property/*_roundtrip.c)))
+
+arm64: ## install what is missing, cross-compile for arm64, run the unit tests under qemu, compare with amd64 (ONLY=regex)
+	@docker/install.sh build test cross arm64
+	@$(MAKE) --no-print-directory all build/release/tests/arm64/decode
+	@tests/arm64/root.sh build/arm64-root
+	@$(MAKE) --no-print-directory $(FOR_ARM64) SYSROOT=$(CURDIR)/build/arm64-root $(ARM64_BIN)
+	@tests/arm64/run.sh build/release build/arm64 build/arm64-root $(JOBS) $(ARM64_BIN)
+
 .PHONY: objects
 objects: $(call obj,$(filter core/% proto/%,$(SRC)))
 
