@@ -9,8 +9,12 @@ VERSION := 0.1.0
 
 WARN := -Wall -Wextra -Wshadow -Wpointer-arith -Wcast-qual -Wformat=2 -Wundef -Werror=format-security
 CWARN := $(WARN) -Wstrict-prototypes -Wmissing-prototypes -Wvla
-HARDEN := -fstack-protector-strong -fstack-clash-protection -fPIE -fcf-protection
-LDHARDEN := -pie -Wl,-z,relro,-z,now,-z,noexecstack
+# Of these what the machine and both compilers take: asked once, the answer is kept in build/probed.
+HARDEN := -fstack-protector-strong -fstack-clash-protection -fPIE -fcf-protection -mbranch-protection=standard
+LDHARDEN := -pie -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack
+ASKED := 'HARDEN=$(HARDEN)' 'LDHARDEN=$(LDHARDEN)'
+PROBED := build/probed/$(subst /,_,$(subst $() ,_,$(CC)+$(CXX)))
+-include $(PROBED)
 
 flags.release := -O3 -g -D_FORTIFY_SOURCE=3 $(HARDEN)
 flags.debug := -O0 -g3 $(HARDEN)
@@ -18,6 +22,7 @@ flags.asan := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-s
 flags.tsan := -O1 -g -fno-omit-frame-pointer -fsanitize=thread
 flags.cover := -O0 -g --coverage
 flags.toy := -O1 -g $(HARDEN)
+flags.arm64 := $(flags.release) $(if $(SYSROOT),--sysroot=$(SYSROOT))
 flags.fuzz := -O1 -g -fno-omit-frame-pointer -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
 flags := $(flags.$(config))
 ifeq ($(flags),)
@@ -29,15 +34,17 @@ endif
 TOY := tests/support/toy
 EXTENSIONS := $(if $(filter toy,$(config)),-DVOR_EXTENSIONS='"$(TOY)/toy.h"')
 
+# Headers of the machine that compiles are no use to arm64.
+PKG_FLAGS := $(if $(filter-out arm64,$(config)),$(shell pkg-config --cflags $(PKGS) 2>/dev/null))
 # Same bytes on every machine: no contraction into fused multiply-add.
 COMMON := $(flags) -ffp-contract=off -fno-math-errno -pthread -I. -MMD -MP -DVOR_VERSION='"$(VERSION)"' $(EXTENSIONS) \
-          $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
+          $(PKG_FLAGS)
 ALL_CFLAGS := -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE $(CWARN) $(COMMON) $(CFLAGS)
 ALL_CXXFLAGS := -std=c++17 $(WARN) $(COMMON) $(CXXFLAGS)
 # FLANN's pkg-config file drags in HDF5 and MPI, which only its own tools use.
 LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lflann -lm -lstdc++
 TEST_LIBS := $(shell pkg-config --libs check 2>/dev/null)
-LINK := $(CXX) $(flags) $(if $(filter release debug toy,$(config)),$(LDHARDEN)) -pthread $(LDFLAGS)
+LINK := $(CXX) $(flags) $(if $(filter release debug toy arm64,$(config)),$(LDHARDEN)) -pthread $(LDFLAGS)
 
 SRC := $(sort $(shell find core proto server -name '*.c' -o -name '*.cc') $(if $(EXTENSIONS),$(wildcard $(TOY)/*.c)))
 LIB_SRC := $(filter-out server/main.c,$(SRC))
@@ -65,7 +72,7 @@ BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(B)/tests/bench/wlop $
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-GOALS := all help demo test check soak bench fuzz proxy lint contract format image install uninstall clean
+GOALS := all help demo test check soak bench fuzz proxy cross arm64 lint contract format image install uninstall clean
 .PHONY: $(GOALS)
 
 # Every core is used unless -j says otherwise. Of several goals typed together one ends before the next begins.
@@ -80,8 +87,11 @@ endif
 all: $(BIN) ## build the binary (default)
 
 help: ## list the targets
-	@awk -F':.*## ' '/^[a-z]+:.*## /{printf "  %-9s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F':.*## ' '/^[a-z0-9]+:.*## /{printf "  %-9s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 	@echo '  config=release|debug|asan|tsan|cover|toy picks flags and build/<config>/'
+
+$(PROBED): Makefile docker/probe.sh
+	@docker/probe.sh $@ '$(CC)' '$(CXX)' $(ASKED)
 
 $(B)/%.o: %.c
 	@mkdir -p $(@D)
@@ -174,6 +184,26 @@ proxy: ## install what is missing, build, and run README's snippets for nginx, h
 	@$(MAKE) --no-print-directory all
 	@tests/proxy/fetch.sh build/proxy
 	@VORONOID=$(BIN) prove -v tests/proxy/snippets.t
+
+# Objects alone: libraries of arm64 are not asked for.
+FOR_ARM64 := config=arm64 CC=aarch64-linux-gnu-gcc CXX=aarch64-linux-gnu-g++ AR=aarch64-linux-gnu-ar
+
+cross: ## install what is missing, and compile core and proto for arm64; a warning fails
+	@docker/install.sh build cross
+	@$(MAKE) --no-print-directory $(FOR_ARM64) CFLAGS=-Werror CXXFLAGS=-Werror objects
+
+ARM64_BIN := $(addprefix build/arm64/,voronoid tests/arm64/decode tests/golden/engine_bytes tests/golden/stages \
+    $(basename $(wildcard tests/unit/*.c tests/property/*_roundtrip.c)))
+
+arm64: ## install what is missing, cross-compile for arm64, run the unit tests under qemu, compare with amd64 (ONLY=regex)
+	@docker/install.sh build test cross arm64
+	@$(MAKE) --no-print-directory all build/release/tests/arm64/decode
+	@tests/arm64/root.sh build/arm64-root
+	@$(MAKE) --no-print-directory $(FOR_ARM64) SYSROOT=$(CURDIR)/build/arm64-root $(ARM64_BIN)
+	@tests/arm64/run.sh build/release build/arm64 build/arm64-root $(JOBS) $(ARM64_BIN)
+
+.PHONY: objects
+objects: $(call obj,$(filter core/% proto/%,$(SRC)))
 
 lint: ## formatting, include law, static analysis, shell and YAML
 	@docker/install.sh build test lint

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Installs the Debian packages of the stages named (build, demo, test, bench, lint, contract) that docker/packages.txt
-# lists and this machine lacks. Root or passwordless sudo does it; else prints the one line to type and fails.
+# Installs the Debian packages of the stages named (build, demo, test, bench, lint, contract, cross, arm64) that
+# docker/packages.txt lists and this machine lacks. Root or passwordless sudo does it; else prints the one line to type and fails.
 set -eu
 here=$(dirname "$0")
 missing=

@@ -61,9 +61,11 @@ static double diagonal(const float *xyz, size_t n)
 
     for (size_t c = 0; c < 3; c++) {
         low[c] = high[c] = (double)xyz[c];
-        for (size_t i = 1; i < n; i++) {
-            low[c] = fmin(low[c], (double)xyz[3 * i + c]);
-            high[c] = fmax(high[c], (double)xyz[3 * i + c]);
+        for (size_t i = 1; i < n; i++) { /* fmax in this loop crashes gcc 12 for arm64 */
+            double x = (double)xyz[3 * i + c];
+
+            low[c] = x < low[c] ? x : low[c];
+            high[c] = x > high[c] ? x : high[c];
         }
         sum += (high[c] - low[c]) * (high[c] - low[c]);
     }

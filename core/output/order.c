@@ -453,8 +453,11 @@ static vor_status begin(struct order *order, struct vor_error *err)
     order->stride = 1;
     while (n / order->stride >= GROWS * POOL_LEAST)
         order->stride *= GROWS;
-    for (size_t i = 0; i < 3 * n; i++)
-        order->size = fmax(order->size, fabs((double)order->xyz[i]));
+    for (size_t i = 0; i < 3 * n; i++) { /* fmax in this loop crashes gcc 12 for arm64 */
+        double x = fabs((double)order->xyz[i]);
+
+        order->size = x > order->size ? x : order->size;
+    }
     for (size_t i = 0; i < n; i++)
         order->slot[i] = WAITS;
     return VOR_OK;

@@ -346,8 +346,9 @@ static double longest_step(const struct polish *polish)
     for (size_t i = 0; i < polish->seeds->n; i++) {
         const float *step = &polish->step[3 * i];
         double x = (double)step[0], y = (double)step[1], z = (double)step[2];
+        double length2 = x * x + y * y + z * z;
 
-        longest = fmax(longest, x * x + y * y + z * z);
+        longest = length2 > longest ? length2 : longest; /* fmax crashes gcc 12 for arm64 */
     }
     return sqrt(longest);
 }

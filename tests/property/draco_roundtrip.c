@@ -77,8 +77,11 @@ static double tolerance(const struct vor_cloud *cloud, int bits)
 {
     double extent = draco_extent(cloud), largest = 0;
 
-    for (size_t i = 0; i < 3 * cloud->n; i++)
-        largest = fmax(largest, fabs((double)cloud->xyz[i]));
+    for (size_t i = 0; i < 3 * cloud->n; i++) { /* fmax in this loop crashes gcc 12 for arm64 */
+        double x = fabs((double)cloud->xyz[i]);
+
+        largest = x > largest ? x : largest;
+    }
     return extent / (ldexp(1, bits) - 1) / 2 + 2 * FLT_EPSILON * (largest + extent);
 }
 

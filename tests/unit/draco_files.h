@@ -120,9 +120,11 @@ static inline double draco_extent(const struct vor_cloud *cloud)
     for (size_t c = 0; c < 3; c++) {
         double low = INFINITY, high = -INFINITY;
 
-        for (size_t i = 0; i < cloud->n; i++) {
-            low = fmin(low, (double)cloud->xyz[3 * i + c]);
-            high = fmax(high, (double)cloud->xyz[3 * i + c]);
+        for (size_t i = 0; i < cloud->n; i++) { /* fmax in this loop crashes gcc 12 for arm64 */
+            double x = (double)cloud->xyz[3 * i + c];
+
+            low = x < low ? x : low;
+            high = x > high ? x : high;
         }
         extent = fmax(extent, high - low);
     }
