@@ -87,7 +87,9 @@ START_TEST(explicit_iterations_are_run_to_the_last)
         ck_assert_uint_eq(job.report.polish_steps, 0);
         ck_assert_uint_eq(job.spy.last.polish, 0);
         ck_assert_int_eq(job.report.stopped, VOR_STOPPED_ITERATIONS);
-        ck_assert_uint_eq(job.spy.records, counts[k] + 1);
+        /* one a step, and one of what is handed back where that is not what the last one says */
+        ck_assert_uint_ge(job.spy.records, counts[k] + 1);
+        ck_assert_uint_le(job.spy.records, counts[k] + 2);
         ck_assert(job.spy.in_order);
         ck_assert_uint_eq(job.out.n, 50);
         close_job(&job);
