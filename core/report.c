@@ -103,12 +103,12 @@ static const struct vor_member dropped_rows[] = {
 static const struct vor_members dropped_members = VOR_MEMBERS(struct vor_dropped, dropped_rows);
 
 static const struct vor_member box_rows[] = {
-#define BOX_ROW(...) VOR_MEMBER(struct vor_box, __VA_ARGS__)
+#define BOX_ROW(...) VOR_MEMBER(struct vor_corners, __VA_ARGS__)
     VOR_BOX_TABLE(BOX_ROW)
 #undef BOX_ROW
 };
 
-static const struct vor_members box_members = VOR_MEMBERS(struct vor_box, box_rows);
+static const struct vor_members box_members = VOR_MEMBERS(struct vor_corners, box_rows);
 
 static const struct vor_member column_rows[] = {
 #define COLUMN_ROW(...) VOR_MEMBER(struct vor_column, __VA_ARGS__)

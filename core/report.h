@@ -332,11 +332,11 @@ enum vor_answered { VOR_NO, VOR_YES };
     X(VECTOR, low, "min", "unit of the cloud", "Lowest coordinates")                               \
     X(VECTOR, high, "max", "unit of the cloud", "Highest coordinates")
 
-struct vor_box {
+struct vor_corners {
     VOR_BOX_TABLE(VOR_FIELD)
 };
 
-#define VOR_FIELD_BOX(field) struct vor_box field;
+#define VOR_FIELD_BOX(field) struct vor_corners field;
 
 /** An attribute of a cloud. */
 #define VOR_COLUMN_TABLE(X)                                                                        \

@@ -23,7 +23,7 @@ enum {
     SMALL = 2
 };
 
-static void note_bounds(struct vor_box *out, const struct vor_cloud *cloud)
+static void note_bounds(struct vor_corners *out, const struct vor_cloud *cloud)
 {
     double x[3];
 
