@@ -136,10 +136,11 @@ static vor_status copy_attribute(struct vor_cloud *out, const struct vor_attribu
 {
     struct vor_attribute *to;
     vor_status status = vor_cloud_add_attribute(out, from->name, from->semantic, from->type,
-                                                from->components, &to, err);
+                                                from->components, NULL, err);
 
     if (status != VOR_OK)
         return status;
+    to = &out->attributes[out->attribute_count - 1];
     memcpy(to->name, from->name, sizeof to->name); /* unchanged, however long */
     memcpy(to->data, from->data, out->n * from->components * vor_type_size(from->type));
     return VOR_OK;

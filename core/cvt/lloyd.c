@@ -528,8 +528,7 @@ vor_status vor_lloyd_run(struct vor_seeds *seeds, struct vor_outcome *told,
     if (status == VOR_OK)
         status = loop(&cvt, err);
     if (status == VOR_OK) {
-        memcpy(seeds->xyz, cvt.best.xyz, 3 * seeds->n * sizeof *seeds->xyz);
-        told->kept = cvt.best.at;
+        told->kept = vor_keep_best_recall(&cvt.best, seeds->xyz);
         for (size_t i = 0; i < seeds->n; i++)
             told->held_ever += (cvt.flags[i] & HELD_EVER) != 0;
         vor_outcome_stage(told, VOR_RUN_STAGE_ITERATE, cvt.iterations, vor_run_clock(run) - before);

@@ -84,8 +84,8 @@ static float distance2_of(const float *a, const float *b)
     return x * x + y * y + z * z;
 }
 
-/* Where the machine fuses multiply-adds, as arm64 does, so does Debian's FLANN: its distances end in
- * other bits than those of amd64. There they are computed anew, and neighbours that this puts in
+/* Where the machine fuses multiply-adds, as arm64 does, so does Debian's FLANN: its distances end
+ * in other bits than those of amd64. There they are computed anew, and neighbours that this puts in
  * another order change places. Of points that are as far as the k-th but for the last bit, FLANN's
  * choice stays. Elsewhere it would find every bit as it is, for 4 % of the time of a large job. */
 #ifdef __FP_FAST_FMAF

@@ -34,6 +34,12 @@ void vor_keep_best_restart(struct vor_keep_best *best, const float *xyz,
     memcpy(best->xyz, xyz, 3 * best->n * sizeof *xyz);
 }
 
+struct vor_record vor_keep_best_recall(const struct vor_keep_best *best, float *xyz)
+{
+    memcpy(xyz, best->xyz, 3 * best->n * sizeof *xyz);
+    return best->at;
+}
+
 void vor_keep_best_tell(const struct vor_keep_best *best, struct vor_record *record)
 {
     record->best_iteration = best->at.iteration;

@@ -30,6 +30,9 @@ void vor_keep_best_offer(struct vor_keep_best *best, const float *xyz, const str
 void vor_keep_best_restart(struct vor_keep_best *best, const float *xyz,
                            const struct vor_record *at);
 
+/** Copies the positions kept to xyz (n x 3) and returns their record. O(n). */
+struct vor_record vor_keep_best_recall(const struct vor_keep_best *best, float *xyz);
+
 /** Writes into the members best of a record what the positions kept are like. */
 void vor_keep_best_tell(const struct vor_keep_best *best, struct vor_record *record);
 

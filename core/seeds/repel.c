@@ -541,8 +541,7 @@ vor_status vor_repel(struct vor_seeds *seeds, struct vor_outcome *told, int keep
     if (status == VOR_OK)
         status = loop(&polish, err);
     if (status == VOR_OK) {
-        memcpy(seeds->xyz, polish.best.xyz, 3 * seeds->n * sizeof *seeds->xyz);
-        told->kept = polish.best.at;
+        told->kept = vor_keep_best_recall(&polish.best, seeds->xyz);
         told->refined = polish.recall.refine;
         if (polish.record.polish > 0)
             vor_outcome_stage(told, VOR_RUN_STAGE_POLISH, polish.record.polish,

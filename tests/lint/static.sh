@@ -20,7 +20,7 @@ check()
         echo ok
     else
         echo FAILED
-        grep -E -A 6 '(error|warning|portability|note):|^In ' build/lint.log | head -n 60
+        grep -E -A 6 '(error|warning|portability|note)(:| )|^In ' build/lint.log | head -n 60 || true # head may end first
         [ -s build/lint.log ] || echo "$name said nothing"
         fail=1
     fi
