@@ -13,7 +13,6 @@
 #include "core/output/output.h"
 #include "core/seeds/area.h"
 #include "core/seeds/fixed.h"
-#include "core/seeds/uniformity.h"
 
 #include <assert.h>
 #include <math.h>
@@ -93,54 +92,6 @@ static void report_stages(struct vor_report *report, const struct vor_outcome *t
             told->seconds[stage];
 }
 
-/* Notes how even the points beside the islands are. */
-static vor_status measure_beside(struct engine *engine, struct vor_error *err)
-{
-    struct vor_seeds *seeds = &engine->seeds;
-    struct vor_uniformity even;
-    float *nearest;
-    vor_status status;
-
-    if (seeds->n == 0)
-        return VOR_OK;
-    nearest = vor_malloc(seeds->run.memory, seeds->n, sizeof *nearest);
-    if (nearest == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", seeds->n);
-    status = vor_seeds_uniformity_now(&even, nearest, seeds, err);
-    if (status == VOR_OK)
-        engine->report.delta_beside = even.delta;
-    vor_free(seeds->run.memory, nearest);
-    return status;
-}
-
-/* Adds the islands' share of the points, and puts their input points back. */
-static vor_status add_islands(struct engine *engine, size_t share, struct vor_error *err)
-{
-    struct vor_domain *domain = &engine->domain;
-    const struct vor_run *run = &engine->whole;
-    struct vor_fixed fixed = {NULL, share};
-    float *xyz;
-    vor_status status;
-
-    if (domain->islands.count == 0)
-        return VOR_OK;
-    xyz = vor_malloc(run->memory, share, 3 * sizeof *xyz);
-    if (xyz == NULL && share > 0)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points on islands", share);
-    fixed.xyz = xyz;
-    status = measure_beside(engine, err);
-    if (status == VOR_OK)
-        status = vor_islands_place(xyz, domain, share, run, err);
-    if (status == VOR_OK)
-        status = vor_islands_return(domain, run, err);
-    if (status == VOR_OK)
-        status = vor_seeds_add_fixed(&engine->seeds, fixed, domain,
-                                     vor_seeds_policy_of(&engine->spec), &engine->run, err);
-    engine->report.on_islands = share;
-    vor_free(run->memory, xyz);
-    return status;
-}
-
 static vor_status place(struct engine *engine, size_t n, struct vor_error *err)
 {
     const struct vor_method *method = method_of(&engine->spec);
@@ -152,7 +103,11 @@ static vor_status place(struct engine *engine, size_t n, struct vor_error *err)
                              &engine->spec, &engine->run, err);
     engine->report.seconds_init += engine->told.seconds_start;
     report_stages(&engine->report, &engine->told);
-    return status == VOR_OK ? add_islands(engine, share, err) : status;
+    engine->report.on_islands = share;
+    if (status != VOR_OK)
+        return status;
+    return vor_seeds_add_islands(&engine->seeds, &engine->report.delta_beside, &engine->domain,
+                                 share, vor_seeds_policy_of(&engine->spec), &engine->run, err);
 }
 
 /* Makes the result of the points that a method placed, or if it placed none of the input's. */

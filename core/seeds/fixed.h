@@ -4,25 +4,23 @@
 
 #include "core/seeds/seeds.h"
 
-/** Points that do not move; borrowed. */
-struct vor_fixed {
-    const float *xyz; /**< n x 3, normalised */
-    size_t n;
-};
-
-/** Adds fixed points after the seeds, and puts all of them onto a domain with the same coordinates.
- *  Counters stay.
+/** Adds the islands' share of the points after the seeds as points that do not move, and puts the
+ *  islands' input points back into the domain. Counters stay. Where there are no islands it does
+ *  nothing.
  *
- *  @param[in,out] seeds   may be all zero: then all points are fixed ones; as it was, or all zero,
- *                         on failure
- *  @param[in]     domain  must outlive the seeds, as must run's watches
+ *  @param[in,out] seeds         may be all zero: then all points are fixed ones; on failure as
+ *                               they were, or all zero
+ *  @param[out]    delta_beside  delta of the seeds as they come; as it was, where there are none
+ *  @param[in,out] domain        must outlive the seeds, as must run's watches
+ *  @param[in]     share         of all points, vor_islands_share; a stop does not lose one
  *
  *  @retval VOR_E_NOMEM  as vor_seeds_init
+ *  @retval VOR_E_CANCELLED
  *
- *  O(n). */
-VOR_NODISCARD vor_status vor_seeds_add_fixed(struct vor_seeds *seeds, struct vor_fixed fixed,
-                                             const struct vor_domain *domain,
-                                             struct vor_seeds_policy policy,
-                                             const struct vor_run *run, struct vor_error *err);
+ *  O(n + N). */
+VOR_NODISCARD vor_status vor_seeds_add_islands(struct vor_seeds *seeds, double *delta_beside,
+                                               struct vor_domain *domain, size_t share,
+                                               struct vor_seeds_policy policy,
+                                               const struct vor_run *run, struct vor_error *err);
 
 #endif

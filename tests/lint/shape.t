@@ -1,6 +1,6 @@
 #!/usr/bin/perl
-# The shape of the code: files of at most 600 lines, functions of at most 70, no words of unfinished work, the top
-# level as agreed.
+# The shape of the code: files of at most 600 lines (core/engine.c, which only strings rooms together: 300), functions of
+# at most 70, no words of unfinished work, the top level as agreed.
 use strict;
 use warnings;
 use Test::More;
@@ -21,10 +21,10 @@ for my $file (@sources) {
         push @unfinished, "$file:$." if $line =~ /\b(?:TODO|FIXME|XXX)\b|not implemented|for now\b/i;
         push @unfinished, "$file:$.: line comment" if $file =~ /\.[ch]$/ && $line =~ m{(?:^|\s)//\s};
     }
-    push @long_files, "$file: $. lines" if $. > 600;
+    push @long_files, "$file: $. lines" if $. > ($file eq 'core/engine.c' ? 300 : 600);
     close $in;
 }
-is("@long_files", '', 'no file is longer than 600 lines');
+is("@long_files", '', 'no file is longer than its limit');
 is("@long_functions", '', 'no function is longer than 70 lines');
 is("@unfinished", '', 'nothing says that it is unfinished');
 
