@@ -52,8 +52,8 @@ obj = $(addprefix $(B)/,$(addsuffix .o,$(basename $(1))))
 LIB := $(B)/libvoronoid.a
 BIN := $(B)/voronoid
 
-# A C file in a test room is a test program; tests/support is linked into each. ThreadSanitizer is spared the rooms that
-# check what is computed and not how threads meet.
+# A C file in a test room is a test program; tests/support is linked into each. ThreadSanitizer is spared the rooms, and the
+# scripts of documents, that check what is computed and not how threads meet.
 TEST_ROOMS := unit property golden $(if $(filter-out tsan,$(config)),oracle paper)
 SUPPORT_SRC := $(sort $(wildcard tests/support/*.c))
 TEST_SRC := $(sort $(foreach room,$(TEST_ROOMS),$(wildcard tests/$(room)/*.c)))
@@ -65,6 +65,7 @@ TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC))) $(KINDS_BIN)
 TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t $(if $(filter-out tsan,$(config)),tests/cli/*.t tests/lint/*.t)))
 TOY_SCRIPTS := $(if $(filter release,$(config)),$(sort $(wildcard tests/toy/*.t)))
 TEST_SCRIPTS += $(TOY_SCRIPTS)
+TEST_SCRIPTS := $(filter-out $(if $(filter tsan,$(config)),tests/http/contract.t tests/http/readme.t),$(TEST_SCRIPTS))
 # These tell time, or need a port that is the same everywhere: nothing runs beside them.
 TEST_ALONE := tests/http/slow.t tests/http/readme.t
 BENCH_SRC := $(sort $(wildcard tests/bench/*.c))

@@ -265,6 +265,6 @@ int main(void)
     vt_add(suite, another_seed_gives_other_bytes);
     vt_add(suite, a_shift_moves_the_result_and_changes_nothing_else);
     vt_add(suite, a_power_of_two_scales_the_result_and_changes_nothing_else);
-    vt_add_loop(suite, a_fixed_cloud_gives_the_bytes_written_down, 5);
+    vt_add_figures(suite, a_fixed_cloud_gives_the_bytes_written_down, 5);
     return vt_run(suite);
 }

@@ -135,7 +135,7 @@ START_TEST(a_failure_of_any_allocation_ends_clearly_and_leaks_nothing)
     vt_engine_set(&engine, "iterations", "5");
     vt_engine_set(&engine, "polish", "3");
     vt_engine_set(&engine, "normals", "fit");
-    for (fail = 1; status != VOR_OK; fail += VT_STEP) {
+    for (fail = 1; status != VOR_OK; fail += VT_STEP_FAILS) {
         ck_assert_uint_lt(fail, 1000);
         vor_memory_init(&memory, SIZE_MAX);
         memory.fail_at = fail;
@@ -207,7 +207,7 @@ START_TEST(a_measure_short_of_memory_or_cancelled_leaks_nothing)
     engine.run.memory = &memory;
     vt_cloud_sphere(&in, 1, 3 * N);
     vt_cloud_sphere(&reference, 2, 3 * N);
-    for (size_t fail = 1; status != VOR_OK; fail += VT_STEP) {
+    for (size_t fail = 1; status != VOR_OK; fail += VT_STEP_FAILS) {
         vor_memory_init(&memory, SIZE_MAX);
         memory.fail_at = fail;
         ck_assert_uint_eq(measure.n, 77);

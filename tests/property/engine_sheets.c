@@ -140,7 +140,7 @@ int main(void)
     Suite *suite = suite_create("engine_sheets");
 
     vt_add_loop(suite, no_point_lies_between_two_sheets, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, nor_where_they_are_noisy, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, nor_where_they_are_noisy, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, nor_where_they_are_half_a_spacing_of_the_result_apart,
                    VT_FEWER(VT_SOAK_LOOPS(2 * SEEDS, 10 * SEEDS)));
     vt_add(suite, one_two_three_and_eight_threads_give_the_same_bytes);

@@ -29,19 +29,23 @@ int vt_run(Suite *suite);
 /** Loops of a test that costs much. VT_FEWER: a quarter under AddressSanitizer, where each takes
  *  four times as long. Both: one under ThreadSanitizer, where each takes twelve times as long, and
  *  which looks at how threads meet and not at what they come to. VT_STEP: of moments tried one by
- *  one, each 16th there. */
+ *  one, each 4th and each 16th there. VT_STEP_FAILS: of allocations that fail one by one, each
+ *  under AddressSanitizer, each 16th under ThreadSanitizer. */
 #if defined(__SANITIZE_THREAD__)
 #define VT_FEWER(loops) 1
 #define VT_ONCE(loops) 1
 #define VT_STEP 16
+#define VT_STEP_FAILS 16
 #elif defined(__SANITIZE_ADDRESS__)
 #define VT_FEWER(loops) (((loops) + 3) / 4)
 #define VT_ONCE(loops) (loops)
-#define VT_STEP 1
+#define VT_STEP 4
+#define VT_STEP_FAILS 1
 #else
 #define VT_FEWER(loops) (loops)
 #define VT_ONCE(loops) (loops)
 #define VT_STEP 1
+#define VT_STEP_FAILS 1
 #endif
 
 /** Loops that are a seed each: `few` in every run, `many` in `make soak`. The same is asserted. */

@@ -310,17 +310,18 @@ int main(void)
 {
     Suite *suite = suite_create("adjacency");
 
-    vt_add_loop(suite, no_neighbour_lies_on_the_other_side_of_a_fold, VT_SOAK_LOOPS(1, SEEDS));
-    vt_add_loop(suite, no_neighbour_lies_on_the_other_face_of_a_plate, VT_SOAK_LOOPS(1, SEEDS));
-    vt_add_loop(suite, no_neighbour_lies_on_the_other_of_two_sheets, VT_SOAK_LOOPS(1, SEEDS));
-    vt_add_loop(suite, no_neighbour_lies_on_the_other_of_two_spheres, VT_SOAK_LOOPS(1, SEEDS));
-    vt_add_loop(suite, the_way_along_the_lists_is_that_along_a_square, VT_SOAK_LOOPS(1, SEEDS));
-    vt_add_loop(suite, the_way_along_the_lists_is_that_along_a_sphere, VT_SOAK_LOOPS(1, SEEDS));
-    vt_add_loop(suite, the_way_along_the_lists_is_that_along_a_cylinder, VT_SOAK_LOOPS(1, SEEDS));
-    vt_add_loop(suite, the_way_along_the_lists_is_that_along_a_fold, VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_figures(suite, no_neighbour_lies_on_the_other_side_of_a_fold, VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_figures(suite, no_neighbour_lies_on_the_other_face_of_a_plate, VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_figures(suite, no_neighbour_lies_on_the_other_of_two_sheets, VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_figures(suite, no_neighbour_lies_on_the_other_of_two_spheres, VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_figures(suite, the_way_along_the_lists_is_that_along_a_square, VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_figures(suite, the_way_along_the_lists_is_that_along_a_sphere, VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_figures(suite, the_way_along_the_lists_is_that_along_a_cylinder,
+                   VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_figures(suite, the_way_along_the_lists_is_that_along_a_fold, VT_SOAK_LOOPS(1, SEEDS));
     vt_add_loop(suite, the_probe_finds_surfaces_that_cross, SEEDS);
-    vt_add_loop(suite, creases_edges_and_steps_of_depth_are_no_second_sheet, SEEDS);
-    vt_add_loop(suite, points_lie_twice_as_near_to_crossing_surfaces_as_without_lists, 1);
+    vt_add_figures(suite, creases_edges_and_steps_of_depth_are_no_second_sheet, SEEDS);
+    vt_add_figures(suite, points_lie_twice_as_near_to_crossing_surfaces_as_without_lists, 1);
     vt_add_loop(suite, one_two_three_and_eight_threads_make_the_same_lists, 1);
     vt_add_loop(suite, memory_that_ends_anywhere_is_an_error_and_leaks_nothing, 1);
     return vt_run(suite);

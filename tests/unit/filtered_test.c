@@ -336,7 +336,7 @@ START_TEST(whichever_allocation_fails_nothing_is_left)
     for (size_t c = 0; c < 3; c++)
         in.xyz[c] *= 1.5f;
     memcpy(&in.xyz[3], in.xyz, 3 * sizeof *in.xyz);
-    for (fail = 1; status == VOR_E_NOMEM && fail < 1000; fail += VT_STEP)
+    for (fail = 1; status == VOR_E_NOMEM && fail < 1000; fail += VT_STEP_FAILS)
         status = interrupted(&in, SIZE_MAX, fail);
     vt_assert_ok(status);
     ck_assert_uint_gt(fail, 40);

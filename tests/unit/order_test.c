@@ -245,7 +245,7 @@ int main(void)
     vt_add(suite, of_three_points_the_farther_one_is_second);
     vt_add(suite, of_equal_holes_that_with_most_neighbours_who_wait_is_first);
     vt_add(suite, points_in_one_place_come_last_by_index);
-    vt_add_loop(suite, every_next_point_is_nearly_the_farthest, SEEDS);
+    vt_add_figures(suite, every_next_point_is_nearly_the_farthest, SEEDS);
     vt_add(suite, many_points_have_the_same_order_for_any_number_of_threads);
     vt_add(suite, a_power_of_two_changes_nothing);
     vt_add(suite, a_crowd_in_a_corner_comes_after_all_that_is_wide);

@@ -397,7 +397,7 @@ START_TEST(a_cancel_at_any_time_and_any_failing_allocation_leave_nothing_behind)
     vt_assert_ok(orient(&oriented, &cloud, &engine.run));
     calls = atomic_load(&vt_memory.calls) - before;
     done(&oriented);
-    for (size_t at = 1; at <= calls; at += VT_STEP) {
+    for (size_t at = 1; at <= calls; at += VT_STEP_FAILS) {
         vt_memory.fail_at = atomic_load(&vt_memory.calls) + at;
         vt_assert_fails(VOR_E_NOMEM, orient(&oriented, &cloud, &engine.run));
         vt_memory.fail_at = 0;

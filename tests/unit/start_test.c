@@ -189,10 +189,10 @@ int main(void)
 {
     Suite *suite = suite_create("init");
 
-    vt_add_loop(suite, of_plenty_of_points_each_seed_takes_its_own, SEEDS);
-    vt_add_loop(suite, of_few_points_the_seeds_start_in_cells, SEEDS);
-    vt_add_loop(suite, a_dense_half_gets_no_more_than_its_area, SEEDS);
-    vt_add_loop(suite, the_area_is_that_of_the_surface, SEEDS);
+    vt_add_figures(suite, of_plenty_of_points_each_seed_takes_its_own, SEEDS);
+    vt_add_figures(suite, of_few_points_the_seeds_start_in_cells, SEEDS);
+    vt_add_figures(suite, a_dense_half_gets_no_more_than_its_area, SEEDS);
+    vt_add_figures(suite, the_area_is_that_of_the_surface, SEEDS);
     vt_add_loop(suite, one_two_three_and_eight_threads_start_the_same_seeds, SEEDS);
     vt_add(suite, a_start_that_does_not_fit_is_refused_whole);
     return vt_run(suite);
