@@ -1,8 +1,9 @@
 #!/bin/bash
 # usage: run.sh AMD64 ARM64 ROOT JOBS PROGRAM...: runs the arm64 test programs under qemu, JOBS beside each other, with the
-# libraries of ROOT; then short cases of the golden stages; then the same requests by the binaries of the folders AMD64 and ARM64. PLY results have to be the same
-# bytes. Draco's are compared by positions, since Debian's arm64 libdraco multiplies and adds in one step: a cell is
-# given where they are written, a float32 step where they are read. ONLY=regex takes the programs and requests that match.
+# libraries of ROOT; then short cases of the golden stages; then the same requests by the binaries of the folders AMD64 and
+# ARM64. PLY results have to be the same bytes. Draco's are compared by positions, since Debian's arm64 libdraco multiplies
+# and adds in one step: a cell is given where they are written, a float32 step where they are read. ONLY=regex takes the
+# programs and requests that match.
 set -uo pipefail
 export LC_ALL=C
 amd64=$1 arm64=$2 root=$3 jobs=$4
