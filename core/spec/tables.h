@@ -114,8 +114,9 @@ enum vor_method_choice {
       "Distance between neighbours of the result; points = area / (sqrt(3)/2 spacing^2)")          \
     X(METHOD, method, CHOICE, SPREAD, "", 0, 0, VOR_METHOD_CVT, VOR_METHOD_WORDS,                  \
       "How the points are spread")                                                                 \
-    X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, 0, "quadric",                                        \
-      "Local surface that stands for the input")                                                   \
+    X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, VOR_PATCH_QUADRIC, "quadric plane",                  \
+      "Local surface that stands for the input. quadric: it bends as the input does; plane: it "   \
+      "does not, nor keeps edges, as in Chen et al. 2018")                                         \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
       "Iterations; not given: at most 12, or 100 where no polish follows, and the plateau")        \
     X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "", "Stop once delta is this low")            \
@@ -184,6 +185,7 @@ enum vor_parameter {
         VOR_PARAMETER_COUNT
 };
 
+enum { VOR_PATCH_QUADRIC, VOR_PATCH_PLANE };
 enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE };
 enum { VOR_OUTLIERS_KEEP, VOR_OUTLIERS_DROP, VOR_OUTLIERS_PULL };
 enum { VOR_FILTER_MLS, VOR_FILTER_OUTLIERS, VOR_FILTER_THIN }; /* words of the list filters */

@@ -91,6 +91,15 @@ my (undef, undef, $kept) = done("/v1/denoise?$brief&outliers=keep", $dirty);
 is $kept->{outliers}, 0, 'but for a caller who wants them kept';
 is $kept->{parameters}{outliers}, 'keep', 'as the report says';
 
+# All of them spread points in planes when told so.
+for my $id (sort keys %as) {
+    my $ask = join '&', $brief, grep { $_ } $as{$id}{ask};
+    my ($flat, undef, $report) = done("/v1/$id?$ask&patch=plane");
+    is $report->{parameters}{patch}, 'plane', "$id: patches are planes";
+    is vertices($flat), $as{$id}{out}, "$id: as many points come of it";
+    isnt $flat->{content}, $daemon->post("/v1/$id?$ask", $cloud)->{content}, "$id: in other places";
+}
+
 # A process of two clouds describes both; its parameter is foreign to the others.
 my $measure = json($daemon->get('/v1/processes/measure'));
 is_deeply [sort keys %{ $measure->{inputs} }], [qw(cloud invalid peak reference)], 'measure takes a cloud, a reference and a peak';
