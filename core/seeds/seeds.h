@@ -38,7 +38,9 @@ struct vor_last_fit {
     unsigned char refined : 1;  /**< a finer fit was tried */
 };
 
-/** How cells are made, the same for all seeds; chosen once. */
+/** How cells are made, the same for all seeds; chosen once. Whatever the policy, what is known of
+ *  the input (its neighbours of a fit, sheets, lists, filters) and the area that spacing is turned
+ *  into points with are found with quadrics. */
 struct vor_seeds_policy {
     int keep_border; /**< cells end where the input ends, and points stay inside it */
     double widen;    /**< patches are this many times as wide as usual */

@@ -5,10 +5,10 @@
 
 #include <math.h>
 
-enum { N = 6000, OUT = 1200 };
+enum { N = 4000, OUT = 800 };
 
 static uint64_t resample(struct vor_report *report, const struct vor_cloud *in, unsigned threads,
-                         const char *patch, double *off)
+                         const char *patch, const char *polish, double *off)
 {
     struct vt_engine engine;
     struct vor_cloud out;
@@ -17,6 +17,7 @@ static uint64_t resample(struct vor_report *report, const struct vor_cloud *in, 
     vt_engine_open(&engine, threads);
     vt_engine_count(&engine, "points", OUT);
     vt_engine_set(&engine, "patch", patch);
+    vt_engine_set(&engine, "polish", polish);
     vt_engine_resample(&engine, &out, report, in);
     ck_assert_uint_eq(out.n, OUT);
     *off = vt_off_mean(&vt_shapes[VT_SPHERE], &out);
@@ -36,8 +37,8 @@ START_TEST(a_sphere_is_spread_evenly_and_its_points_are_off_as_a_plane_is)
     uint64_t hash, hash_quadric;
 
     vt_shapes[VT_SPHERE].make(&in, 3, N);
-    hash = resample(&plane, &in, 2, "plane", &off);
-    hash_quadric = resample(&quadric, &in, 2, "quadric", &off_quadric);
+    hash = resample(&plane, &in, 2, "plane", "100", &off);
+    hash_quadric = resample(&quadric, &in, 2, "quadric", "100", &off_quadric);
     ck_assert(hash != hash_quadric);
     ck_assert_double_le(plane.delta, 0.03);
     ck_assert_double_le(plane.delta, 1.3 * quadric.delta);
@@ -60,7 +61,7 @@ START_TEST(one_two_three_and_eight_threads_give_the_same_bytes)
 
     vt_cloud_sheets(&in, 5, N / 2, sqrt(4.0 / N));
     for (size_t i = 0; i < sizeof threads / sizeof *threads; i++) {
-        uint64_t hash = resample(&report, &in, threads[i], "plane", &off);
+        uint64_t hash = resample(&report, &in, threads[i], "plane", "10", &off);
 
         first = i == 0 ? hash : first;
         ck_assert(hash == first);
@@ -83,6 +84,7 @@ START_TEST(a_plane_lies_on_one_of_two_sheets)
     vt_engine_open(&engine, 2);
     vt_engine_count(&engine, "points", OUT);
     vt_engine_set(&engine, "patch", "plane");
+    vt_engine_set(&engine, "polish", "20");
     vt_engine_resample(&engine, &out, &report, &in);
     for (size_t i = 0; i < out.n; i++) {
         double z = fabs((double)out.xyz[3 * i + 2] + out.origin[2]);
