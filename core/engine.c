@@ -4,6 +4,7 @@
 #include "core/geom/patch.h"
 #include "core/input/input.h"
 #include "core/input/islands.h"
+#include "core/kmeans/kmeans.h"
 #include "core/metrics/inspect.h"
 #include "core/metrics/measure.h"
 #include "core/output/convert.h"
@@ -20,6 +21,7 @@
 
 /* The methods, in the order of the words of parameter `method`. */
 static const struct vor_method methods[VOR_METHODS] = {{"cvt", vor_cvt_run},
+                                                       {"kmeans", vor_kmeans_run},
 #define METHOD_ROW(word, run) {word, run},
                                                        VOR_EXTRA_METHODS(METHOD_ROW)
 #undef METHOD_ROW

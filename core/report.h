@@ -226,7 +226,8 @@ struct vor_stage_done {
     X(U64, held, "held", "points", "Points held back in the last iteration")                       \
     X(U64, held_ever, "held_ever", "points", "Points held back in any iteration")                  \
     X(U64, fallback_plane, "fallbacks.plane", "points",                                            \
-      "Points fitted with a plane in the last iteration, as no quadric was found")                 \
+      "Points fitted with a plane in the last iteration, as no quadric was found; none are "       \
+      "counted where the request asks for planes")                                                 \
     X(U64, fallback_left, "fallbacks.left", "points",                                              \
       "Points left in place in the last iteration, as no surface was found")                       \
     X(REAL, area, "area", "unit of the cloud^2",                                                   \

@@ -241,7 +241,7 @@ static void lloyd_step(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
     } else {
         memcpy(moments.centroid, scratch->cell.seed, sizeof moments.centroid);
     }
-    sums->plane += kind == VOR_SURFACE_PLANE;
+    sums->plane += kind == VOR_SURFACE_PLANE && !cvt->seeds->policy.planes;
     vor_surface_project(&scratch->here.surface, moments.centroid);
     vor_surface_to_world(&scratch->here.surface, moments.centroid, x);
     if (cvt->normal != NULL) {

@@ -1,6 +1,7 @@
 #include "core/geom/cell.h"
 
 #include "core/base/linalg.h"
+#include "core/base/vector.h"
 
 #include <string.h>
 
@@ -13,17 +14,19 @@ static void find_radius(struct vor_polygon *polygon)
     polygon->radius2 = far;
 }
 
-/* The hexagon in the tangent plane at the seed, one piece. */
-static void begin_flat(struct vor_cell *cell, const struct vor_surface *surface, double radius)
+/* The polygon of these corners in the tangent plane at the seed, one piece. Inlined, so that the
+ * compiler knows the corners. */
+VOR_INLINE void begin_flat(struct vor_cell *cell, const struct vor_surface *surface, double radius,
+                           const double (*corner)[2], unsigned sides)
 {
     struct vor_polygon *piece = &cell->piece[0];
     double g[2], w = vor_surface_height(surface, cell->seed[0], cell->seed[1], g) - cell->seed[2];
     double a = sqrt(1 + g[0] * g[0]), b = sqrt(1 + g[0] * g[0] + g[1] * g[1]);
     double e[2][3] = {{1 / a, 0, g[0] / a}, {-g[0] * g[1] / (a * b), a / b, g[1] / (a * b)}};
 
-    piece->count = 6;
-    for (int i = 0; i < 6; i++) {
-        double s = radius * vor_patch_corner[i][0], t = radius * vor_patch_corner[i][1];
+    piece->count = sides;
+    for (unsigned i = 0; i < sides; i++) {
+        double s = radius * corner[i][0], t = radius * corner[i][1];
 
         for (int c = 0; c < 3; c++)
             piece->vertex[i][c] = s * e[0][c] + t * e[1][c];
@@ -44,7 +47,10 @@ void vor_cell_begin(struct vor_cell *cell, const struct vor_disc *disc,
     cell->bisectors = 0;
     cell->radius2 = 0;
     if (disc->triangle_count == 0) {
-        begin_flat(cell, surface, radius);
+        if (disc->sides == VOR_PATCH_HEXAGON)
+            begin_flat(cell, surface, radius, vor_patch_corner, VOR_PATCH_HEXAGON);
+        else
+            begin_flat(cell, surface, radius, vor_patch_octagon, VOR_PATCH_OCTAGON);
         return;
     }
     for (unsigned i = 0; i < disc->vertex_count; i++) {

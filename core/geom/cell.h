@@ -1,5 +1,5 @@
-/** The restricted Voronoi cell of a seed: its patch, a meshed hexagon lifted to the local surface,
- *  clipped by the bisectors with the seeds around it.
+/** The restricted Voronoi cell of a seed: its patch, a meshed hexagon or octagon lifted to the
+ *  local surface, clipped by the bisectors with the seeds around it.
  *
  *  Source: Xiao et al. 2024, Sec. III-B step 3 and III-C. Clipping stops at the security radius:
  *  Levy and Bonneel 2012, "Variational anisotropic surface meshing with Voronoi parallel linear
@@ -7,7 +7,7 @@
  *
  *  Departure: the hexagon is centred under the seed, not at the nearest input point. So it covers
  *  the cell also where the result is denser than the input.
- *  Departure: where the surface hardly bends over the patch, the cell begins as one hexagon in the
+ *  Departure: where the surface hardly bends over the patch, the cell begins as one polygon in the
  *  tangent plane. */
 #ifndef VOR_GEOM_CELL_H
 #define VOR_GEOM_CELL_H
@@ -17,9 +17,9 @@
 
 #include <stddef.h>
 
-/** Most corners of a piece. A triangle or hexagon gains at most one corner a cut, and cells have
- *  about six sides. A piece that reaches the limit is not cut any further: its area is then too
- *  large. */
+/** Most corners of a piece. A triangle, hexagon or octagon gains at most one corner a cut, and
+ * cells have about six sides. A piece that reaches the limit is not cut any further: its area is
+ * then too large. */
 #define VOR_POLYGON_MAX 24
 
 /** A convex piece of the cell, coordinates relative to the seed in the surface's axes. */
@@ -39,7 +39,7 @@ struct vor_cell {
 };
 
 /** Begins a cell: lifts the disc, scaled to `radius` and centred at the seed, onto the surface. A
- *  disc without triangles gives one hexagon in the tangent plane at the seed.
+ *  disc without triangles gives one polygon in the tangent plane at the seed.
  *
  *  @param[in] surface  its kind is not NONE
  *  @param[in] seed     in the surface's local coordinates

@@ -181,7 +181,9 @@ static double left(const struct moments *moments, const double c[6])
     return sum > 0 ? sum : 0;
 }
 
-VOR_INLINE void fit(struct vor_surface *out, const float *near, const float *weight, unsigned k)
+/* Inlined, so that neither the weights nor the highest kind cost anything where they are usual. */
+VOR_INLINE void fit(struct vor_surface *out, const float *near, const float *weight, unsigned k,
+                    enum vor_surface_kind highest)
 {
     struct neighborhood hood;
     struct moments moments;
@@ -198,7 +200,7 @@ VOR_INLINE void fit(struct vor_surface *out, const float *near, const float *wei
     to_frame(out, &hood);
     scale = 1 / out->reach;
     sum_moments(&moments, &hood, weight, scale);
-    if (k >= 6 && solve(out->c, &moments, 6, QUADRIC_RANK))
+    if (highest == VOR_SURFACE_QUADRIC && k >= 6 && solve(out->c, &moments, 6, QUADRIC_RANK))
         out->kind = VOR_SURFACE_QUADRIC;
     else if (solve(out->c, &moments, 3, LINE_RANK))
         out->kind = VOR_SURFACE_PLANE;
@@ -210,13 +212,23 @@ VOR_INLINE void fit(struct vor_surface *out, const float *near, const float *wei
 
 void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k)
 {
-    fit(out, near, NULL, k);
+    fit(out, near, NULL, k, VOR_SURFACE_QUADRIC);
+}
+
+void vor_surface_fit_as(struct vor_surface *out, const float *near, unsigned k,
+                        enum vor_surface_kind highest)
+{
+    assert(highest != VOR_SURFACE_NONE);
+    if (highest == VOR_SURFACE_PLANE)
+        fit(out, near, NULL, k, VOR_SURFACE_PLANE);
+    else
+        vor_surface_fit(out, near, k);
 }
 
 void vor_surface_fit_weighted(struct vor_surface *out, const float *near, const float *weight,
                               unsigned k)
 {
-    fit(out, near, weight, k);
+    fit(out, near, weight, k, VOR_SURFACE_QUADRIC);
     out->spacing = 0;
 }
 

@@ -47,9 +47,17 @@ struct vor_surface {
  */
 void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k);
 
-/** The same with weights: neighbour i counts weight[i] times. The first six weights are positive,
- *  the others may be 0. Equal weights give the surface of vor_surface_fit up to rounding. spacing
- *  is set to 0, because it cannot be computed from weighted points. */
+/** The same, where the surface may be of no higher kind than `highest`: as VOR_SURFACE_PLANE it
+ * never bends, c[3] .. c[5] are 0. highest is not VOR_SURFACE_NONE.
+ *
+ *  Source of fits of planes: Chen et al. 2018, "Point cloud resampling using centroidal Voronoi
+ *  tessellation methods", Sec. 3. */
+void vor_surface_fit_as(struct vor_surface *out, const float *near, unsigned k,
+                        enum vor_surface_kind highest);
+
+/** vor_surface_fit with weights: neighbour i counts weight[i] times. The first six weights are
+ * positive, the others may be 0. Equal weights give the surface of vor_surface_fit up to rounding.
+ * spacing is set to 0, because it cannot be computed from weighted points. */
 void vor_surface_fit_weighted(struct vor_surface *out, const float *near, const float *weight,
                               unsigned k);
 

@@ -54,13 +54,14 @@ vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain
 {
     struct vor_seeds seeds = {.domain = domain, .whole = domain, .n = n, .policy = policy};
     unsigned threads = vor_pool_threads(run->pool), most = domain->known.neighbors.most;
+    unsigned sides = policy.planes ? VOR_PATCH_OCTAGON : VOR_PATCH_HEXAGON;
 
     assert(n >= 1 && most >= 1 && most <= VOR_NEIGHBORS_MAX);
     seeds.run = vor_run_unstoppable(run);
     seeds.sheets = domain->known.sheets;
-    vor_disc_init(&seeds.flat, 0);
-    vor_disc_init(&seeds.disc, RINGS);
-    vor_disc_init(&seeds.fine, RINGS_FINE);
+    vor_disc_init(&seeds.flat, sides, 0);
+    vor_disc_init(&seeds.disc, sides, RINGS);
+    vor_disc_init(&seeds.fine, sides, RINGS_FINE);
     seeds.xyz = vor_malloc(run->memory, n, 3 * sizeof *seeds.xyz);
     seeds.last_fit = vor_calloc(run->memory, n, sizeof *seeds.last_fit);
     seeds.scratch = vor_calloc(run->memory, threads, sizeof *seeds.scratch);
@@ -137,9 +138,9 @@ static void gather(const struct vor_seeds *seeds, struct vor_place *place, const
 
 /* vor_lists_fit, which looks for layers where the domain has sheets. Where only a thinned one has
  * them, this looks on the whole too: its neighbours reach over to another sheet at the border. */
-static struct vor_lists_fitted fit(const struct vor_seeds *seeds, struct vor_place *place,
-                                   struct vor_surface *out, const double x[3],
-                                   const uint32_t *index)
+static struct vor_lists_fitted fit_quadric(const struct vor_seeds *seeds, struct vor_place *place,
+                                           struct vor_surface *out, const double x[3],
+                                           const uint32_t *index)
 {
     const struct vor_domain *domain = seeds->domain;
     struct vor_lists_fitted fitted = vor_lists_fit(out, place->near, domain, x, place->k, index);
@@ -150,6 +151,34 @@ static struct vor_lists_fitted fit(const struct vor_seeds *seeds, struct vor_pla
         fitted.sheet = 1;
     }
     return fitted;
+}
+
+/* The plane through the points that a quadric would be fitted to: what tells sheets apart is
+ * measured with quadrics. The points of a sheet may be repeated, which does not change the spacing
+ * that they were found with. */
+static struct vor_lists_fitted fit_plane(const struct vor_seeds *seeds, struct vor_place *place,
+                                         struct vor_surface *out, const double x[3],
+                                         const uint32_t *index)
+{
+    struct vor_lists_fitted fitted = {.root = VOR_LISTS_NO_ROOT};
+    double spacing = 0;
+
+    if (seeds->sheets || vor_graph_is(&seeds->domain->graph)) {
+        fitted = fit_quadric(seeds, place, out, x, index);
+        spacing = out->spacing;
+    }
+    vor_surface_fit_as(out, place->near, place->k, VOR_SURFACE_PLANE);
+    if (fitted.sheet)
+        out->spacing = spacing;
+    return fitted;
+}
+
+static struct vor_lists_fitted fit(const struct vor_seeds *seeds, struct vor_place *place,
+                                   struct vor_surface *out, const double x[3],
+                                   const uint32_t *index)
+{
+    return seeds->policy.planes ? fit_plane(seeds, place, out, x, index)
+                                : fit_quadric(seeds, place, out, x, index);
 }
 
 /* Fits the surface of seed i to the points that were found around it. */
@@ -234,7 +263,7 @@ int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_scratch *sc
 {
     unsigned k = scratch->here.k;
 
-    return k >= VOR_REFINED_MIN && k <= VOR_REFINED_MAX &&
+    return !seeds->policy.planes && k >= VOR_REFINED_MIN && k <= VOR_REFINED_MAX &&
            vor_surface_refine(surface, scratch->here.near, k, &seeds->xyz[3 * i]);
 }
 

@@ -38,10 +38,13 @@ struct vor_last_fit {
     unsigned char refined : 1;  /**< a finer fit was tried */
 };
 
-/** How cells are made, the same for all seeds; chosen once. */
+/** How cells are made, the same for all seeds; chosen once. Whatever the policy, what is known of
+ *  the input (its neighbours of a fit, sheets, lists, filters) and the area that spacing is turned
+ *  into points with are found with quadrics. */
 struct vor_seeds_policy {
     int keep_border; /**< cells end where the input ends, and points stay inside it */
     double widen;    /**< patches are this many times as wide as usual */
+    int planes;      /**< fits are planes, and patches octagons; else quadrics and hexagons */
 };
 
 /** n points on the domain, in its normalised coordinates. */
@@ -73,10 +76,14 @@ VOR_NODISCARD vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_
                                         size_t n, struct vor_seeds_policy policy,
                                         const struct vor_run *run, struct vor_error *err);
 
-/** The policy of a request: keep_border as `boundary` says, patches of the usual width. */
+/** The policy of a request: keep_border as `boundary` says, planes as `patch` does, patches of the
+ *  usual width. */
 static inline struct vor_seeds_policy vor_seeds_policy_of(const struct vor_spec *spec)
 {
-    return (struct vor_seeds_policy){spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP, 1};
+    return (struct vor_seeds_policy){.keep_border =
+                                         spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP,
+                                     .widen = 1,
+                                     .planes = spec->value[VOR_PARAM_PATCH] == VOR_PATCH_PLANE};
 }
 
 /** seeds may be all zero. */
@@ -118,7 +125,8 @@ enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scrat
                                        size_t i, const struct vor_recall *how);
 
 /** vor_surface_refine of *surface, a copy of that of scratch->here around seed i, if k allows it.
- *  Returns whether the surface was replaced. */
+ *  A plane is not refined: what it is off shows the curvature, not an edge. Returns whether the
+ *  surface was replaced. */
 int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
                      struct vor_surface *surface);
 

@@ -88,6 +88,7 @@ enum vor_group {
 /** Methods: identifier, word. The engine's table has a row for each, at the same index. */
 #define VOR_METHOD_CHOICE_TABLE(X)                                                                 \
     X(CVT, "cvt")                                                                                  \
+    X(KMEANS, "kmeans")                                                                            \
     VOR_EXTRA_METHOD_CHOICES(X)
 
 enum vor_method_choice {
@@ -113,11 +114,15 @@ enum vor_method_choice {
     X(SPACING, spacing, REAL, TARGET, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",             \
       "Distance between neighbours of the result; points = area / (sqrt(3)/2 spacing^2)")          \
     X(METHOD, method, CHOICE, SPREAD, "", 0, 0, VOR_METHOD_CVT, VOR_METHOD_WORDS,                  \
-      "How the points are spread")                                                                 \
-    X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, 0, "quadric",                                        \
-      "Local surface that stands for the input")                                                   \
+      "How the points are spread. cvt: by cells of the surface, then polished; kmeans: to the "    \
+      "means of the input points nearest to each, a baseline without a polish, which needs as "    \
+      "many input points and follows their density")                                               \
+    X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, VOR_PATCH_QUADRIC, "quadric plane",                  \
+      "Local surface that stands for the input. quadric: it bends as the input does; plane: it "   \
+      "does not, nor keeps edges, as in Chen et al. 2018")                                         \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
-      "Iterations; not given: at most 12, or 100 where no polish follows, and the plateau")        \
+      "Iterations; not given: at most 12, or 100 where no polish follows, and the plateau; 35 "    \
+      "of kmeans")                                                                                 \
     X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "", "Stop once delta is this low")            \
     X(SECONDS, seconds, REAL, CVT, "s", 0, 86400, VOR_UNSET, "", "Stop after this much time")      \
     X(NEIGHBORS, neighbors, COUNT_OR_AUTO, SPREAD, "points", 6, 500, VOR_UNSET, "",                \
@@ -184,6 +189,7 @@ enum vor_parameter {
         VOR_PARAMETER_COUNT
 };
 
+enum { VOR_PATCH_QUADRIC, VOR_PATCH_PLANE };
 enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE };
 enum { VOR_OUTLIERS_KEEP, VOR_OUTLIERS_DROP, VOR_OUTLIERS_PULL };
 enum { VOR_FILTER_MLS, VOR_FILTER_OUTLIERS, VOR_FILTER_THIN }; /* words of the list filters */
@@ -271,8 +277,8 @@ struct vor_artefact_info {
       VOR_CLOUD_OUT, "Denoise a point cloud",                                                      \
       "Spreads as many points as the input has, or as asked for, evenly over the surface it "      \
       "describes, which smooths its noise and leaves its outliers out")                            \
-    X(UPSAMPLE, upsample, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 1, 16, VOR_CLOUD_IN,             \
-      VOR_CLOUD_OUT, "Upsample a point cloud",                                                     \
+    X(UPSAMPLE, upsample, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD & ~VOR_BY(KMEANS), 1, 16,         \
+      VOR_CLOUD_IN, VOR_CLOUD_OUT, "Upsample a point cloud",                                       \
       "Spreads four times as many points as the input has, or as asked for, evenly over the "      \
       "surface it describes")                                                                      \
     X(SIMPLIFY, simplify, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 1, VOR_CLOUD_IN,              \

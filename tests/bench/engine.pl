@@ -40,6 +40,8 @@ my @rows = (
         goal => \@igea_goal },
     { name => 'igea30k', %igea30k, asked => ['delta <= 0.028'], goal => ['delta <= 0.020'] },
     { name => 'cow110k', %cow, asked => ['delta <= 0.042'], goal => ['delta <= 0.035'] },
+    { name => 'cow110k_plane', %cow, args => [qw(--patch plane)], asked => ['delta <= 0.03'], goal => ['delta <= 0.022'] },
+    { name => 'cow110k_kmeans', %cow, args => [qw(--method kmeans)] },
     { name => 'cow110k_uneven', %uneven, asked => ['delta <= 0.042'], goal => ['delta <= 0.035'] },
     { name => 'armadillo_half_plain', %half, args => \@plain },
     { name => 'armadillo_half', %half },

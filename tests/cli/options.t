@@ -159,6 +159,10 @@ refused 'a number with a newline', ['resample', $in, '-o', $out, '-n', "1\n"], 2
     'resample: points is 1\\x0a, want a whole number from 1 to 10000000';
 refused 'a wrong word', ['resample', $in, '-o', $out, @points, '--boundary', 'open'], 2,
     'resample: boundary is "open", want one of keep, free';
+refused 'no such patch', ['resample', $in, '-o', $out, @points, '--patch', 'octagon'], 2,
+    'resample: patch is "octagon", want one of quadric, plane';
+refused 'a method of another process', ['upsample', $in, '-o', $out, '--method', 'kmeans'], 2,
+    'upsample: method is "kmeans", want one of cvt';
 refused 'neighbors out of range', ['resample', $in, '-o', $out, @points, '--neighbors=5'], 2,
     'resample: neighbors is 5, want a whole number from 6 to 500 or auto';
 for my $case (['a negative number', -1], ['too many', 10001], ['half a step', 1.5], ['a word', 'much'], ['auto', 'auto']) {

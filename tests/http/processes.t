@@ -91,6 +91,27 @@ my (undef, undef, $kept) = done("/v1/denoise?$brief&outliers=keep", $dirty);
 is $kept->{outliers}, 0, 'but for a caller who wants them kept';
 is $kept->{parameters}{outliers}, 'keep', 'as the report says';
 
+# All of them spread points in planes when told so.
+for my $id (sort keys %as) {
+    my $ask = join '&', $brief, grep { $_ } $as{$id}{ask};
+    my ($flat, undef, $report) = done("/v1/$id?$ask&patch=plane");
+    is $report->{parameters}{patch}, 'plane', "$id: patches are planes";
+    is vertices($flat), $as{$id}{out}, "$id: as many points come of it";
+    isnt $flat->{content}, $daemon->post("/v1/$id?$ask", $cloud)->{content}, "$id: in other places";
+}
+
+# Means are of input points, so that they cannot be more than those.
+for my $id (grep { $_ ne 'upsample' } sort keys %as) {
+    my (undef, undef, $report) = done("/v1/$id?points=150&method=kmeans&iterations=3");
+    is_deeply $report->{stages}[0]{steps}, 3, "$id: kmeans makes 3 steps";
+    is scalar @{ $report->{stages} }, 1, "$id: of one stage";
+}
+like json($daemon->post('/v1/upsample?method=kmeans', $cloud))->{detail}, qr/^method is "kmeans", want one of cvt$/,
+    'upsample has no means of so many points';
+my $too_many = $daemon->post('/v1/resample?points=700&method=kmeans', $cloud);
+is $too_many->{status}, 422, 'nor has resample';
+like json($too_many)->{detail}, qr/^700 points are asked for, want 1 to $points: kmeans takes means/, 'as it says';
+
 # A process of two clouds describes both; its parameter is foreign to the others.
 my $measure = json($daemon->get('/v1/processes/measure'));
 is_deeply [sort keys %{ $measure->{inputs} }], [qw(cloud invalid peak reference)], 'measure takes a cloud, a reference and a peak';

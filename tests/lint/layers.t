@@ -6,9 +6,9 @@ use Test::More;
 
 # The rooms of each part, lowest first. A file may include its own room and lower ones; rooms on one line do not see each
 # other. A room is a folder, or a header with its source. The methods are seen by nobody but the engine.
-my @core = ('base', 'cloud', 'spec', 'report', 'knn', 'geom', 'input', 'metrics', 'opt', 'seeds', 'method', 'cvt lop remesh',
+my @core = ('base', 'cloud', 'spec', 'report', 'knn', 'geom', 'input', 'metrics', 'opt', 'seeds', 'method', 'cvt kmeans lop remesh',
     'mesh align', 'output', 'process', 'engine');
-my %is_method = map { $_ => 1 } qw(cvt lop remesh);
+my %is_method = map { $_ => 1 } qw(cvt kmeans lop remesh);
 my @server = ('base', 'store blob', 'jobs', 'work', 'http', 'api', 'cli', 'serve', 'main');
 # What proto and server see of core; the engine only where runs are made.
 my %open = map { $_ => 1 } qw(base cloud spec report);
@@ -171,6 +171,7 @@ isnt(fault(@$_[0, 1]), '', "$_->[0] must not include $_->[1]") for (
     ['core/metrics/x.c',      'core/opt/anderson.h'],
     ['core/output/order.c',   'core/cvt/lloyd.h'],           # a method from elsewhere
     ['core/lop/project.c',    'core/cvt/lloyd.h'],           # a method from another
+    ['core/kmeans/kmeans.c',  'core/cvt/cvt.h'],
     ['core/attic/x.c',        'core/base/run.h'],            # no such room
     ['proto/json/json.c',     'core/geom/cell.h'],           # the inside of core
     ['server/api/app.c',      'core/engine.h'],

@@ -18,7 +18,8 @@ struct bed {
 };
 
 /* Seeds on a cloud: random points of the domain, every one moved a little off it. */
-static void open_bed(struct bed *bed, uint64_t seed, size_t points, size_t n)
+static void open_bed_as(struct bed *bed, uint64_t seed, size_t points, size_t n,
+                        struct vor_seeds_policy policy)
 {
     vt_engine_open(&bed->engine, 1);
     if (seed % 2)
@@ -26,8 +27,7 @@ static void open_bed(struct bed *bed, uint64_t seed, size_t points, size_t n)
     else
         vt_cloud_box(&bed->cloud, seed, points);
     vt_assert_ok(vor_domain_init(&bed->domain, &bed->cloud, &bed->engine.run, &vt_err));
-    vt_assert_ok(
-        vor_seeds_init(&bed->seeds, &bed->domain, n, vt_policy, &bed->engine.run, &vt_err));
+    vt_assert_ok(vor_seeds_init(&bed->seeds, &bed->domain, n, policy, &bed->engine.run, &vt_err));
     for (size_t i = 0; i < 3 * n; i++) {
         size_t from = (size_t)vor_rng_below(seed, 41, i / 3, bed->domain.n);
 
@@ -35,6 +35,11 @@ static void open_bed(struct bed *bed, uint64_t seed, size_t points, size_t n)
             bed->domain.xyz[3 * from + i % 3] + (float)(0.01 * (vt_unit(seed + 9, i) - 0.5));
     }
     vt_assert_ok(vor_seeds_index(&bed->seeds, &bed->seeds.run, &vt_err));
+}
+
+static void open_bed(struct bed *bed, uint64_t seed, size_t points, size_t n)
+{
+    open_bed_as(bed, seed, points, n, vt_policy);
 }
 
 static void close_bed(struct bed *bed)
@@ -114,6 +119,34 @@ START_TEST(a_cell_that_stops_at_the_security_radius_is_clipped_by_all_seeds)
                 compare_cells(&bed.seeds, i);
             close_bed(&bed);
         }
+}
+END_TEST
+
+/* Chen 2018, Sec. 4.2: octagons in the planes of the input. */
+START_TEST(a_cell_in_a_plane_is_an_octagon_clipped_by_all_seeds)
+{
+    static const size_t counts[4] = {2, 7, 60, 700};
+
+    for (int k = 0; k < 4; k++) {
+        struct vor_seeds_policy policy = {.keep_border = k % 2, .widen = 1, .planes = 1};
+        const struct vor_scratch *scratch;
+        struct vor_cell whole;
+        struct bed bed;
+
+        open_bed_as(&bed, (uint64_t)_i, 3000, counts[k], policy);
+        scratch = &bed.seeds.scratch[0];
+        for (size_t i = 0; i < bed.seeds.n; i++) {
+            const struct vor_surface *surface = &scratch->here.surface;
+
+            compare_cells(&bed.seeds, i);
+            ck_assert_int_eq(surface->kind, VOR_SURFACE_PLANE);
+            ck_assert(surface->c[3] == 0 && surface->c[4] == 0 && surface->c[5] == 0);
+            vor_cell_begin(&whole, vor_seeds_disc(&bed.seeds, scratch), surface, scratch->cell.seed,
+                           scratch->radius);
+            ck_assert(whole.count == 1 && whole.piece[0].count == VOR_PATCH_OCTAGON);
+        }
+        close_bed(&bed);
+    }
 }
 END_TEST
 
@@ -337,6 +370,7 @@ int main(void)
     Suite *suite = suite_create("seeds_brute");
 
     vt_add_loop(suite, a_cell_that_stops_at_the_security_radius_is_clipped_by_all_seeds, SEEDS);
+    vt_add_loop(suite, a_cell_in_a_plane_is_an_octagon_clipped_by_all_seeds, SEEDS);
     vt_add_loop(suite, a_cell_from_lists_of_before_is_clipped_by_all_seeds_as_they_are_now, SEEDS);
     vt_add_loop(suite, a_seed_is_recalled_where_it_was_fitted_and_no_border_is_near, SEEDS);
     vt_add_loop(suite, a_sample_of_a_cell_is_nearest_to_its_own_seed, SEEDS);

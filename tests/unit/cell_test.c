@@ -10,6 +10,8 @@ enum { SEEDS = 15 };
 
 #define HEXAGON_AREA 2.59807621135331594   /* 3 sqrt(3) / 2 */
 #define HEXAGON_ENERGY 1.08253175473054831 /* 5 sqrt(3) / 8 */
+#define OCTAGON_AREA 2.82842712474619010   /* 2 sqrt(2) */
+#define OCTAGON_ENERGY 1.27614237491539670 /* sqrt(2) (2 + sqrt(1/2)) / 3 */
 
 /* The plane w = height in world axes. */
 static struct vor_surface flat(double height)
@@ -20,13 +22,19 @@ static struct vor_surface flat(double height)
                                 .reach = 1};
 }
 
-static void begin_flat(struct vor_cell *cell, unsigned rings, const double seed[3], double radius)
+static void begin_polygon(struct vor_cell *cell, unsigned sides, unsigned rings,
+                          const double seed[3], double radius)
 {
     struct vor_surface surface = flat(seed[2]);
     struct vor_disc disc;
 
-    vor_disc_init(&disc, rings);
+    vor_disc_init(&disc, sides, rings);
     vor_cell_begin(cell, &disc, &surface, seed, radius);
+}
+
+static void begin_flat(struct vor_cell *cell, unsigned rings, const double seed[3], double radius)
+{
+    begin_polygon(cell, VOR_PATCH_HEXAGON, rings, seed, radius);
 }
 
 static void clip(struct vor_cell *cell, double x, double y, double z)
@@ -34,42 +42,52 @@ static void clip(struct vor_cell *cell, double x, double y, double z)
     vor_cell_clip(cell, (double[3]){x, y, z});
 }
 
-START_TEST(a_disc_of_any_rings_is_a_hexagon_of_6_rings2_triangles)
+/* The discs that there are: the sides, the area, and the most rings that fit. */
+static const struct {
+    unsigned sides, rings_max;
+    double area, energy;
+} discs[] = {{VOR_PATCH_HEXAGON, VOR_PATCH_RINGS_MAX, HEXAGON_AREA, HEXAGON_ENERGY},
+             {VOR_PATCH_OCTAGON, VOR_PATCH_RINGS_MAX - 1, OCTAGON_AREA, OCTAGON_ENERGY}};
+
+enum { DISCS = sizeof discs / sizeof *discs };
+
+START_TEST(a_disc_of_any_rings_is_a_polygon_of_sides_rings2_triangles)
 {
+    unsigned sides = discs[_i].sides;
     struct vor_disc none;
 
-    vor_disc_init(&none, 0);
+    vor_disc_init(&none, sides, 0);
     ck_assert(none.triangle_count == 0 && none.vertex_count == 1);
-    for (unsigned rings = 1; rings <= VOR_PATCH_RINGS_MAX; rings++) {
+    for (unsigned rings = 1; rings <= discs[_i].rings_max; rings++) {
         struct vor_disc disc;
         double area = 0;
 
-        vor_disc_init(&disc, rings);
-        ck_assert_uint_eq(disc.triangle_count, 6 * rings * rings);
-        ck_assert_uint_eq(disc.vertex_count, 1 + 3 * rings * (rings + 1));
+        vor_disc_init(&disc, sides, rings);
+        ck_assert_uint_eq(disc.triangle_count, sides * rings * rings);
+        ck_assert_uint_eq(disc.vertex_count, 1 + sides / 2 * rings * (rings + 1));
         for (unsigned t = 0; t < disc.triangle_count; t++) {
             const unsigned char *corner = disc.triangle[t];
             const double *a = disc.vertex[corner[0]], *b = disc.vertex[corner[1]],
                          *c = disc.vertex[corner[2]];
             double twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 
-            ck_assert_double_eq_tol(twice / 2, HEXAGON_AREA / disc.triangle_count, 1e-14);
+            ck_assert_double_eq_tol(twice / 2, discs[_i].area / disc.triangle_count, 1e-14);
             area += twice / 2;
         }
-        ck_assert_double_eq_tol(area, HEXAGON_AREA, 1e-13);
+        ck_assert_double_eq_tol(area, discs[_i].area, 1e-13);
     }
 }
 END_TEST
 
-START_TEST(every_edge_of_a_disc_has_two_triangles_or_lies_on_the_hexagon)
+START_TEST(every_edge_of_a_disc_has_two_triangles_or_lies_on_the_rim)
 {
-    for (unsigned rings = 1; rings <= VOR_PATCH_RINGS_MAX; rings++) {
+    for (unsigned rings = 1; rings <= discs[_i].rings_max; rings++) {
         static unsigned used[VOR_PATCH_VERTICES_MAX][VOR_PATCH_VERTICES_MAX];
         struct vor_disc disc;
         unsigned rim = 0;
 
         memset(used, 0, sizeof used);
-        vor_disc_init(&disc, rings);
+        vor_disc_init(&disc, discs[_i].sides, rings);
         for (unsigned t = 0; t < disc.triangle_count; t++)
             for (unsigned j = 0; j < 3; j++) {
                 unsigned a = disc.triangle[t][j], b = disc.triangle[t][(j + 1) % 3];
@@ -79,22 +97,22 @@ START_TEST(every_edge_of_a_disc_has_two_triangles_or_lies_on_the_hexagon)
         for (unsigned a = 0; a < disc.vertex_count; a++)
             for (unsigned b = 0; b < disc.vertex_count; b++)
                 rim += used[a][b] && !used[b][a];
-        ck_assert_uint_eq(rim, 6 * rings);
+        ck_assert_uint_eq(rim, discs[_i].sides * rings);
     }
 }
 END_TEST
 
-START_TEST(an_unclipped_patch_has_the_moments_of_a_hexagon)
+START_TEST(an_unclipped_patch_has_the_moments_of_its_polygon)
 {
     const double seed[3] = {3, -4, 5}, radius = 2;
     struct vor_cell cell;
     struct vor_moments m;
 
-    for (unsigned rings = 0; rings <= VOR_PATCH_RINGS_MAX; rings++) {
-        begin_flat(&cell, rings, seed, radius);
+    for (unsigned rings = 0; rings <= discs[_i].rings_max; rings++) {
+        begin_polygon(&cell, discs[_i].sides, rings, seed, radius);
         ck_assert(vor_cell_moments(&m, &cell));
-        ck_assert_double_eq_tol(m.area, HEXAGON_AREA * 4, 1e-12);
-        ck_assert_double_eq_tol(m.energy, HEXAGON_ENERGY * 16, 1e-12);
+        ck_assert_double_eq_tol(m.area, discs[_i].area * 4, 1e-12);
+        ck_assert_double_eq_tol(m.energy, discs[_i].energy * 16, 1e-12);
         for (int c = 0; c < 3; c++)
             ck_assert_double_eq_tol(m.centroid[c], seed[c], 1e-12);
         ck_assert_double_eq_tol(cell.radius2, 4, 1e-14);
@@ -190,7 +208,7 @@ START_TEST(a_seed_far_off_its_surface_may_have_no_cell)
     struct vor_moments m;
     double local[3];
 
-    vor_disc_init(&disc, 2);
+    vor_disc_init(&disc, VOR_PATCH_HEXAGON, 2);
     vor_cell_begin(&cell, &disc, &surface, seed, 1);
     ck_assert_double_eq_tol(cell.radius2, 101, 1e-12);
     clip(&cell, 0, 0, -10);
@@ -211,7 +229,7 @@ static unsigned random_cell(struct vor_cell *cell, uint64_t seed, double offset[
     for (uint64_t c = 0; c < 3; c++)
         surface.c[3 + c] = 0.6 * vt_unit(seed, c) - 0.3;
     surface.reach = 10;
-    vor_disc_init(&disc, 3);
+    vor_disc_init(&disc, VOR_PATCH_HEXAGON, 3);
     vor_cell_begin(cell, &disc, &surface, (double[3]){0.1, -0.2, 0.1}, 1);
     for (uint64_t i = 0; i < 12; i++) {
         double angle = 2 * M_PI * vt_unit(seed, 10 + 3 * i);
@@ -292,7 +310,7 @@ START_TEST(a_cell_depends_on_its_bisectors_but_not_on_their_order)
     unsigned cuts;
 
     (void)random_cell(&cell, (uint64_t)_i, offset);
-    vor_disc_init(&disc, 3);
+    vor_disc_init(&disc, VOR_PATCH_HEXAGON, 3);
     vor_cell_begin(&cell, &disc, &surface, (double[3]){0, 0, 0}, 1);
     vor_cell_begin(&other, &disc, &surface, (double[3]){0, 0, 0}, 1);
     for (int i = 0; i < 12; i++) {
@@ -326,7 +344,7 @@ START_TEST(area_and_energy_converge_with_the_rings)
         struct vor_cell cell;
         struct vor_moments m;
 
-        vor_disc_init(&disc, rings);
+        vor_disc_init(&disc, VOR_PATCH_HEXAGON, rings);
         vor_cell_begin(&cell, &disc, &surface, (double[3]){0, 0, 0}, 1);
         ck_assert(vor_cell_moments(&m, &cell));
         area[rings] = m.area;
@@ -373,7 +391,7 @@ static struct vor_moments among_eight(struct vor_cell *cell, uint64_t random, do
     struct vor_surface surface = sloping(seed, random, bend);
 
     seed[2] += lifted;
-    vor_disc_init(&disc, rings);
+    vor_disc_init(&disc, VOR_PATCH_HEXAGON, rings);
     vor_cell_begin(cell, &disc, &surface, seed, 1);
     for (uint64_t i = 0; i < 8; i++) {
         double angle = M_PI / 4 * ((double)i + 0.6 * vt_unit(random, 10 + 2 * i));
@@ -447,7 +465,7 @@ START_TEST(the_flat_hexagon_is_regular_and_in_the_tangent_plane)
 
     vor_surface_normal(&surface, seed, normal);
     seed[2] += lifted;
-    vor_disc_init(&disc, 0);
+    vor_disc_init(&disc, VOR_PATCH_HEXAGON, 0);
     vor_cell_begin(&cell, &disc, &surface, seed, radius);
     ck_assert(cell.count == 1 && cell.piece[0].count == 6 && cell.bisectors == 0);
     for (int i = 0; i < 6; i++) {
@@ -474,9 +492,9 @@ int main(void)
 {
     Suite *suite = suite_create("cell");
 
-    vt_add(suite, a_disc_of_any_rings_is_a_hexagon_of_6_rings2_triangles);
-    vt_add(suite, every_edge_of_a_disc_has_two_triangles_or_lies_on_the_hexagon);
-    vt_add(suite, an_unclipped_patch_has_the_moments_of_a_hexagon);
+    vt_add_loop(suite, a_disc_of_any_rings_is_a_polygon_of_sides_rings2_triangles, DISCS);
+    vt_add_loop(suite, every_edge_of_a_disc_has_two_triangles_or_lies_on_the_rim, DISCS);
+    vt_add_loop(suite, an_unclipped_patch_has_the_moments_of_its_polygon, DISCS);
     vt_add(suite, four_neighbours_leave_the_unit_square);
     vt_add(suite, an_uneven_rectangle_has_its_centroid_off_the_seed);
     vt_add(suite, six_neighbours_leave_the_cell_of_a_hexagonal_lattice);

@@ -194,6 +194,37 @@ START_TEST(repeated_points_count_once)
 }
 END_TEST
 
+/* Property, Chen 2018 Sec. 3: however the points bend, the surface does not, and no plane over the
+ * same axes fits better. */
+START_TEST(a_fit_of_planes_at_most_never_bends)
+{
+    float near[3 * K];
+    struct vor_surface s, quadric, same;
+    double sum[3] = {0};
+
+    sample_quadric(near, (uint64_t)_i, 0.25);
+    vor_surface_fit_as(&s, near, K, VOR_SURFACE_PLANE);
+    ck_assert_int_eq(s.kind, VOR_SURFACE_PLANE);
+    ck_assert(s.c[3] == 0 && s.c[4] == 0 && s.c[5] == 0);
+    for (unsigned i = 0; i < K; i++) {
+        double l[3], r;
+
+        local_of(&s, near, i, l);
+        r = l[2] - vor_surface_height(&s, l[0], l[1], NULL);
+        sum[0] += r;
+        sum[1] += r * l[0];
+        sum[2] += r * l[1];
+    }
+    for (int c = 0; c < 3; c++)
+        ck_assert_double_le(fabs(sum[c]), 1e-10 * K * s.reach);
+    vor_surface_fit(&quadric, near, K);
+    vor_surface_fit_as(&same, near, K, VOR_SURFACE_QUADRIC);
+    ck_assert(memcmp(&quadric, &same, sizeof same) == 0);
+    ck_assert_double_lt(quadric.off2, s.off2);
+    ck_assert(s.spacing == quadric.spacing && s.reach == quadric.reach);
+}
+END_TEST
+
 /* uu + vv is constant on a circle, so it cannot be told from the constant. */
 START_TEST(points_of_a_circle_determine_a_plane_only)
 {
@@ -433,6 +464,7 @@ int main(void)
     vt_add_loop(suite, points_of_a_line_have_no_surface, SEEDS);
     vt_add(suite, two_points_have_no_surface_and_three_have_a_plane);
     vt_add(suite, repeated_points_count_once);
+    vt_add_loop(suite, a_fit_of_planes_at_most_never_bends, SEEDS);
     vt_add(suite, points_of_a_circle_determine_a_plane_only);
     vt_add(suite, the_spacing_of_a_lattice_is_found_inside_and_at_its_border);
     vt_add_loop(suite, local_and_world_coordinates_undo_each_other, SEEDS);

@@ -1,0 +1,293 @@
+#include "core/kmeans/kmeans.h"
+
+#include "core/base/linalg.h"
+#include "core/base/rng.h"
+#include "core/knn/knn.h"
+#include "core/opt/keep_best.h"
+#include "core/seeds/attach.h"
+#include "core/seeds/uniformity.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Input points of one task: as many as a search takes at a time. */
+enum { BLOCK = 256 };
+
+/* Stream of random numbers, of this method's own. */
+enum { STREAM_SUBSET = 1 };
+
+/* Sum of the input points that were assigned to a seed. */
+struct mean {
+    double sum[3];
+    size_t count;
+};
+
+struct kmeans {
+    struct vor_seeds *seeds;
+    const struct vor_spec *spec;
+    const struct vor_run *run; /* a stop ends it */
+    struct vor_outcome *told;
+    struct vor_keep_best best;
+    uint32_t *nearest;   /* of each input point: number of its seed */
+    struct mean *mean;   /* n */
+    float *apart;        /* scratch: distance of each seed to its nearest neighbour */
+    struct vor_knn *knn; /* of the seeds, while points are assigned */
+    uint32_t iterations, limit;
+    double max_move, last_seconds;
+};
+
+/* Starts the seeds at a random subset of the input: each point is taken with the probability that
+ * leaves as many as are still wanted (Knuth, "The art of computer programming" 3.4.2, algorithm S).
+ */
+static void draw(struct vor_seeds *seeds, uint64_t seed)
+{
+    const struct vor_domain *domain = seeds->domain;
+    size_t taken = 0;
+
+    for (size_t i = 0; taken < seeds->n; i++)
+        if (vor_rng_below(seed, STREAM_SUBSET, i, domain->n - i) < seeds->n - taken)
+            memcpy(&seeds->xyz[3 * taken++], &domain->xyz[3 * i], 3 * sizeof *seeds->xyz);
+}
+
+static void assign_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct kmeans *kmeans = ctx;
+    float distance2[BLOCK];
+
+    (void)worker;
+    vor_knn_search(kmeans->knn, &kmeans->seeds->domain->xyz[3 * begin], end - begin, 1,
+                   &kmeans->nearest[begin], distance2);
+}
+
+/* Assigns each input point to the nearest seed. */
+static vor_status assign(struct kmeans *kmeans, struct vor_error *err)
+{
+    const struct vor_seeds *seeds = kmeans->seeds;
+    size_t points = seeds->domain->n;
+    vor_status status = vor_knn_build(&kmeans->knn, seeds->xyz, seeds->n, seeds->run.memory, err);
+
+    if (status != VOR_OK)
+        return status;
+    status = vor_run_for(kmeans->run, points, BLOCK, assign_block, kmeans, err);
+    vor_knn_free(kmeans->knn);
+    kmeans->knn = NULL;
+    kmeans->seeds->scratch[0].queries += points;
+    return status;
+}
+
+/* Moves each seed to the mean of its points, summed in their order; one without points stays. */
+static void move_to_means(struct kmeans *kmeans)
+{
+    struct vor_seeds *seeds = kmeans->seeds;
+    const struct vor_domain *domain = seeds->domain;
+    double longest2 = 0;
+
+    memset(kmeans->mean, 0, seeds->n * sizeof *kmeans->mean);
+    for (size_t i = 0; i < domain->n; i++) {
+        struct mean *mean = &kmeans->mean[kmeans->nearest[i]];
+
+        mean->count++;
+        for (size_t c = 0; c < 3; c++)
+            mean->sum[c] += (double)domain->xyz[3 * i + c];
+    }
+    for (size_t i = 0; i < seeds->n; i++) {
+        const struct mean *mean = &kmeans->mean[i];
+        float *x = &seeds->xyz[3 * i], before[3];
+
+        memcpy(before, x, sizeof before);
+        for (size_t c = 0; c < 3 && mean->count > 0; c++)
+            x[c] = (float)(mean->sum[c] / (double)mean->count);
+        longest2 = fmax(longest2, vor_distance2f(before, x));
+    }
+    kmeans->max_move = sqrt(longest2);
+}
+
+/* Tells the watch of the iterate, and keeps it if it is the most even so far. */
+static enum vor_answer record(struct kmeans *kmeans, const struct vor_uniformity *even)
+{
+    const struct vor_watch *watch = kmeans->run->watch;
+    double unit = kmeans->seeds->domain->unit;
+    struct vor_record record = {.stage = VOR_RUN_STAGE_ITERATE,
+                                .step = kmeans->iterations,
+                                .of = kmeans->limit,
+                                .iteration = kmeans->iterations,
+                                .delta = even->delta,
+                                .sigma = even->sigma * unit,
+                                .epsilon = even->epsilon,
+                                .max_move = kmeans->max_move * unit,
+                                .seconds = vor_run_seconds(kmeans->run)};
+
+    kmeans->last_seconds = record.seconds;
+    vor_keep_best_offer(&kmeans->best, kmeans->seeds->xyz, &record);
+    vor_keep_best_tell(&kmeans->best, &record);
+    kmeans->told->last = record;
+    if (watch == NULL || watch->progress == NULL)
+        return VOR_CONTINUE;
+    return watch->progress(watch->ctx, &record);
+}
+
+/* One iteration, and how even it leaves the seeds. */
+static vor_status iterate(struct kmeans *kmeans, struct vor_uniformity *even, struct vor_error *err)
+{
+    vor_status status = assign(kmeans, err);
+
+    if (status != VOR_OK)
+        return status;
+    move_to_means(kmeans);
+    kmeans->iterations++;
+    return vor_seeds_uniformity_now(even, kmeans->apart, kmeans->seeds, err);
+}
+
+/* Whether a stop of the request is reached; the last iteration took `took` seconds. */
+static int finished(const struct kmeans *kmeans, double delta, double took)
+{
+    struct vor_outcome *told = kmeans->told;
+
+    if (vor_stop_even_enough(kmeans->spec, delta))
+        told->stopped = VOR_STOPPED_DELTA;
+    else if (kmeans->iterations >= kmeans->limit)
+        told->stopped = VOR_STOPPED_ITERATIONS;
+    else if (vor_stop_out_of_time(kmeans->spec, 1, kmeans->last_seconds, took))
+        told->stopped = VOR_STOPPED_SECONDS;
+    else
+        return 0;
+    return 1;
+}
+
+static vor_status loop(struct kmeans *kmeans, struct vor_error *err)
+{
+    struct vor_uniformity even;
+    enum vor_answer answer;
+    double took = 0, before;
+    vor_status status = vor_seeds_uniformity_now(&even, kmeans->apart, kmeans->seeds, err);
+
+    if (status != VOR_OK)
+        return status;
+    answer = record(kmeans, &even);
+    while (answer == VOR_CONTINUE && !finished(kmeans, even.delta, took)) {
+        before = kmeans->last_seconds;
+        status = iterate(kmeans, &even, err);
+        if (status == VOR_E_STOPPED)
+            answer = VOR_STOP;
+        else if (status != VOR_OK)
+            return status;
+        else
+            answer = record(kmeans, &even);
+        took = kmeans->last_seconds - before;
+    }
+    if (answer == VOR_CANCEL)
+        return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
+    if (answer == VOR_STOP)
+        kmeans->told->stopped = VOR_STOPPED_CALLER;
+    return VOR_OK;
+}
+
+static void put_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct vor_seeds *seeds = ctx;
+    double x[3];
+
+    for (size_t i = begin; i < end; i++) {
+        if (vor_seeds_fit(seeds, &seeds->scratch[worker], i) == VOR_SURFACE_NONE)
+            continue;
+        vor_seeds_position(seeds, i, x);
+        vor_surface_put(&seeds->scratch[worker].here.surface, x);
+        for (size_t c = 0; c < 3; c++)
+            seeds->xyz[3 * i + c] = (float)x[c];
+    }
+}
+
+/* Puts the seeds onto the surface around them, inside the input. */
+static vor_status onto_surface(struct vor_seeds *seeds, struct vor_outcome *told,
+                               struct vor_error *err)
+{
+    int keep_holes;
+    vor_status status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, put_block, seeds, err);
+
+    for (size_t i = 0; status == VOR_OK && i < seeds->n; i++) {
+        enum vor_surface_kind kind = seeds->last_fit[i].surface.kind;
+
+        told->fallback_left += kind == VOR_SURFACE_NONE;
+        told->fallback_plane += kind == VOR_SURFACE_PLANE && !seeds->policy.planes;
+    }
+    return status == VOR_OK ? vor_attach(seeds, &keep_holes, err) : status;
+}
+
+static void free_kmeans(struct kmeans *kmeans)
+{
+    struct vor_memory *memory = kmeans->seeds->run.memory;
+
+    vor_free(memory, kmeans->apart);
+    vor_free(memory, kmeans->mean);
+    vor_free(memory, kmeans->nearest);
+    vor_keep_best_free(&kmeans->best);
+}
+
+static vor_status alloc_kmeans(struct kmeans *kmeans, struct vor_error *err)
+{
+    const struct vor_seeds *seeds = kmeans->seeds;
+    struct vor_memory *memory = seeds->run.memory;
+
+    kmeans->nearest = vor_malloc(memory, seeds->domain->n, sizeof *kmeans->nearest);
+    kmeans->mean = vor_malloc(memory, seeds->n, sizeof *kmeans->mean);
+    kmeans->apart = vor_malloc(memory, seeds->n, sizeof *kmeans->apart);
+    if (kmeans->nearest == NULL || kmeans->mean == NULL || kmeans->apart == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "k-means of %zu points", seeds->n);
+    return vor_keep_best_init(&kmeans->best, seeds->n, memory, err);
+}
+
+static uint32_t iterations_of(const struct vor_spec *spec)
+{
+    if (!vor_spec_given(spec, VOR_PARAM_ITERATIONS))
+        return VOR_KMEANS_ITERATIONS;
+    return (uint32_t)spec->value[VOR_PARAM_ITERATIONS];
+}
+
+/* Moves the started seeds. */
+static vor_status cluster(struct vor_seeds *seeds, struct vor_outcome *told,
+                          const struct vor_spec *spec, const struct vor_run *run,
+                          struct vor_error *err)
+{
+    struct kmeans kmeans = {
+        .seeds = seeds, .spec = spec, .run = run, .told = told, .limit = iterations_of(spec)};
+    double before = vor_run_clock(run);
+    vor_status status = alloc_kmeans(&kmeans, err);
+
+    if (status == VOR_OK)
+        status = loop(&kmeans, err);
+    if (status == VOR_OK) {
+        told->kept = vor_keep_best_recall(&kmeans.best, seeds->xyz);
+        status = onto_surface(seeds, told, err);
+        vor_outcome_stage(told, VOR_RUN_STAGE_ITERATE, kmeans.iterations,
+                          vor_run_clock(run) - before);
+    }
+    free_kmeans(&kmeans);
+    return status;
+}
+
+vor_status vor_kmeans_run(struct vor_seeds *out, struct vor_outcome *told,
+                          const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
+                          const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_seeds seeds;
+    double before = vor_run_clock(run);
+    vor_status status;
+
+    if (n > domain->n)
+        return vor_fail_param(err, VOR_E_TARGET, "points",
+                              "%zu points are asked for, want 1 to %zu: kmeans takes means of the "
+                              "input's points at different places",
+                              n, domain->n);
+    status = vor_seeds_init(&seeds, domain, n, vor_seeds_policy_of(spec), run, err);
+    if (status != VOR_OK)
+        return status;
+    draw(&seeds, (uint64_t)spec->value[VOR_PARAM_SEED]);
+    told->seconds_start = vor_run_clock(run) - before;
+    status = cluster(&seeds, told, spec, run, err);
+    if (status != VOR_OK) {
+        vor_seeds_free(&seeds);
+        return status;
+    }
+    *out = seeds;
+    return VOR_OK;
+}
