@@ -216,19 +216,21 @@ static void say_dropped(const struct vor_progress *progress, const struct vor_js
     vor_text_free(&line);
 }
 
-/* Says of a mesh whose vertices were resampled how to have its surface resampled. */
+/* Says of a mesh whose vertices were resampled how to have its surface resampled. One face may be a
+ * strip of many, so it is not counted. */
 static void say_faces(const struct vor_progress *progress, const struct vor_json *report)
 {
     const struct vor_cli *cli = progress->cli;
     double faces = number_at(report, "faces");
-    char line[96];
+    char count[32] = "", line[96];
 
     if (!(faces > 0) || number_at(report, "samples") > 0 || cli->given[VOR_PARAM_SAMPLE] ||
         !vor_process_takes(cli->spec.process, VOR_PARAM_SAMPLE))
         return;
+    if (faces > 1)
+        (void)snprintf(count, sizeof count, "%.0f ", faces);
     (void)snprintf(line, sizeof line,
-                   "the file has %.0f face%s: --sample faces resamples %s surface", faces,
-                   faces == 1 ? "" : "s", faces == 1 ? "its" : "their");
+                   "the file has %sfaces: --sample faces resamples their surface", count);
     vor_cli_say(cli->input[0], line);
 }
 
