@@ -4,6 +4,7 @@
 #include "core/geom/patch.h"
 #include "core/input/input.h"
 #include "core/input/islands.h"
+#include "core/input/sampled.h"
 #include "core/kmeans/kmeans.h"
 #include "core/metrics/inspect.h"
 #include "core/metrics/measure.h"
@@ -37,7 +38,8 @@ static const struct vor_method *method_of(const struct vor_spec *spec)
 
 /* A run of a process that spreads points. */
 struct engine {
-    const struct vor_cloud *in;
+    const struct vor_cloud *given, *in; /* in: what is resampled, given or sampled */
+    struct vor_cloud sampled;           /* points of its faces, if the request says so */
     struct vor_spec spec;
     struct vor_run run, whole; /* whole: for parts that a stop must not interrupt */
     struct vor_domain domain;
@@ -51,7 +53,7 @@ struct engine {
 static vor_status resolve_target(struct engine *engine, size_t *n, struct vor_error *err)
 {
     const struct vor_spec *spec = &engine->spec;
-    double target = vor_spec_target(spec, engine->in->n);
+    double target = vor_spec_target(spec, engine->given->n);
     vor_status status;
 
     if (vor_spec_only_filters(spec))
@@ -67,7 +69,7 @@ static vor_status resolve_target(struct engine *engine, size_t *n, struct vor_er
         if (target <= (double)VOR_POINTS_MAX)
             target += (double)vor_islands_beside(&engine->domain, (size_t)target);
     }
-    status = vor_spec_check_target(spec, target, engine->in->n, err);
+    status = vor_spec_check_target(spec, target, engine->given->n, err);
     if (status == VOR_OK)
         *n = (size_t)target;
     return status;
@@ -76,8 +78,10 @@ static vor_status resolve_target(struct engine *engine, size_t *n, struct vor_er
 static vor_status prepare(struct engine *engine, size_t *n, struct vor_error *err)
 {
     vor_status status =
-        vor_input_prepare(&engine->domain, engine->in, &engine->spec, &engine->whole, err);
+        vor_input_sampled(&engine->in, &engine->sampled, engine->given, &engine->spec, err);
 
+    if (status == VOR_OK)
+        status = vor_input_prepare(&engine->domain, engine->in, &engine->spec, &engine->whole, err);
     if (status != VOR_OK)
         return status;
     engine->report.seconds_index = vor_run_seconds(&engine->run);
@@ -130,13 +134,15 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
     vor_status status = make_output(engine, out, err);
 
     if (status == VOR_OK)
-        status = vor_output_notes(out, report, engine->in, err);
+        status = vor_output_notes(out, report, engine->given, err);
     if (status == VOR_OK)
         status = vor_last_record_tell(&engine->told, report, &engine->run, err);
     if (status != VOR_OK) {
         vor_cloud_free(out);
         return status;
     }
+    report->points_in = engine->given->n;
+    report->samples = engine->sampled.n;
     if (report->on_islands == 0)
         report->delta_beside = report->delta;
     report->parameters = engine->spec;
@@ -155,7 +161,7 @@ static vor_status run_resample(struct vor_artefacts *out, const struct vor_artef
                                struct vor_error *err)
 {
     struct vor_report *report = vor_artefacts_put_document(out, "report", &vor_report_members, err);
-    struct engine engine = {.in = vor_artefacts_cloud(in, "cloud"),
+    struct engine engine = {.given = vor_artefacts_cloud(in, "cloud"),
                             .spec = *spec,
                             .run = *run,
                             .whole = vor_run_unstoppable(run)};
@@ -166,6 +172,7 @@ static vor_status run_resample(struct vor_artefacts *out, const struct vor_artef
     if (report == NULL)
         return VOR_E_NOMEM;
     vor_cloud_init(&cloud, run->memory);
+    vor_cloud_init(&engine.sampled, run->memory);
     status = prepare(&engine, &n, err);
     if (status == VOR_OK && n > 0)
         status = place(&engine, n, err);
@@ -177,6 +184,7 @@ static vor_status run_resample(struct vor_artefacts *out, const struct vor_artef
     }
     vor_seeds_free(&engine.seeds);
     vor_domain_free(&engine.domain);
+    vor_cloud_free(&engine.sampled);
     return status;
 }
 

@@ -20,6 +20,7 @@
  *                           (vor_spec_check_target)
  *  @retval VOR_E_NORMALS    inputNormals is use, and the cloud has none, or some that are zero or
  *                           not finite
+ *  @retval VOR_E_FACES      sample is faces, and the cloud has none with an area
  *  @retval VOR_E_DEGENERATE the cloud has no surface: fewer than four distinct points, or all on a
  *                           line; `measure`: as vor_measure_clouds
  *  @retval VOR_E_NOMEM      the job does not fit under its cap
@@ -34,6 +35,9 @@
  *
  *  Departure: small parts of the input, clear of all others, get at most their own points, in their
  *  places (input/islands.h).
+ *
+ *  With sample=faces the input is points drawn from its faces (core/cloud/faces.h), which take 12
+ *  bytes each and their attributes besides.
  *
  *  Memory: at most 61 bytes for each input point (position, order, index), 94 more where lists of
  *  neighbours on one sheet are made (input/lists.h) and 28 while they are. For each point of the

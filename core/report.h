@@ -158,7 +158,7 @@ struct vor_stage_done {
 /** What a run did. Lengths are in the unit of the cloud. The engine sets all but the seconds of
  *  reading and writing and the origin, which the caller sets. */
 #define VOR_REPORT_TABLE(X)                                                                        \
-    X(U64, points_in, "points.in", "points", "Points of the input")                                \
+    X(U64, points_in, "points.in", "points", "Points of the input, of a mesh its vertices")        \
     X(U64, points_out, "points.out", "points", "Points of the result")                             \
     X(REAL, delta, "delta", "",                                                                    \
       "Uniformity of the result, the relative standard deviation of the distances to the "         \
@@ -186,6 +186,12 @@ struct vor_stage_done {
     X(U64, invalid, "invalid", "points",                                                           \
       "Points of the input that were left out, as a coordinate was not finite; not among "         \
       "points.in")                                                                                 \
+    X(U64, faces, "faces", "",                                                                     \
+      "Faces of the input, as many as its file says, a strip of triangles as one; sample=faces "   \
+      "resamples their surface")                                                                   \
+    X(U64, samples, "samples", "points",                                                           \
+      "Points drawn from the faces: what is said of points of the input, but for points.in, is "   \
+      "said of these. 0 without sample=faces")                                                     \
     X(DROPPED, dropped, "dropped", "",                                                             \
       "What of the input's file is not in the result's: faces, other elements and lists of a PLY " \
       "file, attributes that the request drops, and comments where the format of the result has "  \

@@ -320,6 +320,12 @@ static enum vor_parameter count_given(const struct vor_spec *spec)
     return vor_spec_given(spec, VOR_PARAM_SPACING) ? VOR_PARAM_SPACING : VOR_PARAM_POINTS;
 }
 
+/* Whether the process lets any number of points be drawn from faces. */
+static int is_unbounded(const struct vor_spec *spec)
+{
+    return spec->value[VOR_PARAM_SAMPLE] == VOR_SAMPLE_FACES && spec->process->ratio_max > 1;
+}
+
 vor_status vor_spec_check_target(const struct vor_spec *spec, double target, uint64_t input,
                                  struct vor_error *err)
 {
@@ -328,7 +334,8 @@ vor_status vor_spec_check_target(const struct vor_spec *spec, double target, uin
     enum vor_parameter from = count_given(spec);
     const char *name = vor_parameter_info(from)->name;
     double least = fmax(points->min, process->ratio_min * (double)input);
-    double most = fmin(points->max, process->ratio_max * (double)input);
+    double most =
+        is_unbounded(spec) ? points->max : fmin(points->max, process->ratio_max * (double)input);
     char asked[48] = "", times[32] = "up to";
 
     if ((target >= least && target <= most) || !has_target(spec) || vor_spec_only_filters(spec))
@@ -339,6 +346,9 @@ vor_status vor_spec_check_target(const struct vor_spec *spec, double target, uin
                               process->id, (unsigned long long)input, least, most);
     if (from != VOR_PARAM_POINTS)
         (void)snprintf(asked, sizeof asked, " and asks for %.16g points", target);
+    if (is_unbounded(spec))
+        return vor_fail_param(err, VOR_E_TARGET, name, "%s is %.10g%s, want %.0f to %.0f", name,
+                              spec->value[from], asked, least, most);
     if (process->ratio_min > 0)
         (void)snprintf(times, sizeof times, "%g to", process->ratio_min);
     return vor_fail_param(

@@ -93,7 +93,8 @@ double vor_spec_target(const struct vor_spec *spec, uint64_t input);
 
 /** Checks the number of points asked for against the range of points, and against what the process
  *  allows for an input of that many. A process without such a target allows any, and so do filters
- *  alone.
+ *  alone. Where faces are sampled, their vertices bound the number only if the process may not
+ *  add points.
  *
  *  @param[in] target vor_spec_target, or what spacing comes to; may be NaN
  *  @retval VOR_E_TARGET out of range (the message names the value, what it comes to and the range)

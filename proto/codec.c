@@ -1,6 +1,7 @@
 #include "proto/codec.h"
 
 #include "core/base/quote.h"
+#include "core/cloud/faces.h"
 #include "proto/draco/draco.h"
 #include "proto/origin.h"
 #include "proto/ply/ply.h"
@@ -110,6 +111,8 @@ vor_status vor_codec_read(struct vor_cloud *out, const struct vor_format **forma
         return status;
     out->notes.format = (unsigned)(found - formats);
     status = vor_cloud_check(out, err);
+    if (status == VOR_OK && limits->keep_faces)
+        status = vor_faces_check(out, err);
     if (status != VOR_OK)
         vor_cloud_free(out);
     return status;

@@ -1,12 +1,12 @@
 /* A head, a row for each attribute, then the positions and the values, all as they lie in memory:
  * the file never leaves the machine that wrote it, and `order` tells when it did. A cloud with
  * notes has a tail with them, and is of version 2; one without is as all were before there were
- * notes. */
+ * notes. One of a file with faces has a further tail, behind the notes, and is of version 3. */
 #include "proto/dump.h"
 
 #include <string.h>
 
-enum { VERSION = 1, VERSION_NOTES = 2, ORDER = 0x01020304 };
+enum { VERSION = 1, VERSION_NOTES = 2, VERSION_FACES = 3, ORDER = 0x01020304 };
 
 static const char magic[8] = "vordump";
 
@@ -29,6 +29,12 @@ struct tail {
     uint32_t format, dropped_count;
 };
 
+/* Then three indices for each triangle. */
+struct faces {
+    uint64_t faces, triangle_count;
+};
+
+_Static_assert(sizeof(struct faces) == 16, "no padding in the file");
 _Static_assert(sizeof(struct head) == 56 && sizeof(struct row) == 80 && sizeof(struct tail) == 24 &&
                    sizeof(struct vor_dropped) == 72,
                "no padding in the file");
@@ -36,7 +42,13 @@ _Static_assert(sizeof(struct head) == 56 && sizeof(struct row) == 80 && sizeof(s
 /* Most bytes of remarks, and formats: more than any header that a reader lets pass, and than there
  * are. */
 static const uint64_t REMARKS_MAX = (uint64_t)1 << 24;
+static const size_t TRIANGLE = 3 * sizeof(uint32_t); /* bytes */
 enum { FORMATS_MAX = 63 };
+
+static int has_faces(const struct vor_cloud *cloud)
+{
+    return cloud->notes.faces > 0 || cloud->triangle_count > 0;
+}
 
 static int has_notes(const struct vor_notes *notes)
 {
@@ -64,7 +76,9 @@ static vor_status put(const struct vor_sink *sink, const void *bytes, size_t siz
 static vor_status put_head(const struct vor_sink *sink, const struct vor_cloud *cloud,
                            struct vor_error *err)
 {
-    struct head head = {.version = has_notes(&cloud->notes) ? VERSION_NOTES : VERSION,
+    struct head head = {.version = has_faces(cloud)           ? VERSION_FACES
+                                   : has_notes(&cloud->notes) ? VERSION_NOTES
+                                                              : VERSION,
                         .order = ORDER,
                         .n = cloud->n,
                         .position_type = (uint32_t)cloud->position_type,
@@ -99,6 +113,17 @@ static vor_status put_tail(const struct vor_sink *sink, const struct vor_notes *
     return status;
 }
 
+static vor_status put_faces(const struct vor_sink *sink, const struct vor_cloud *cloud,
+                            struct vor_error *err)
+{
+    struct faces faces = {cloud->notes.faces, cloud->triangle_count};
+    vor_status status = put(sink, &faces, sizeof faces, err);
+
+    if (status == VOR_OK)
+        status = put(sink, cloud->triangles, cloud->triangle_count * TRIANGLE, err);
+    return status;
+}
+
 vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *cloud,
                           struct vor_error *err)
 {
@@ -114,8 +139,10 @@ vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *c
         status = put(sink, attribute->data,
                      cloud->n * attribute->components * vor_type_size(attribute->type), err);
     }
-    if (status == VOR_OK && has_notes(&cloud->notes))
+    if (status == VOR_OK && (has_notes(&cloud->notes) || has_faces(cloud)))
         status = put_tail(sink, &cloud->notes, err);
+    if (status == VOR_OK && has_faces(cloud))
+        status = put_faces(sink, cloud, err);
     return status;
 }
 
@@ -130,7 +157,7 @@ static vor_status damaged(size_t offset, const char *what, struct vor_error *err
 static vor_status check_head(const struct head *head, size_t size, struct vor_error *err)
 {
     if (memcmp(head->magic, magic, sizeof magic) != 0 || head->order != ORDER ||
-        (head->version != VERSION && head->version != VERSION_NOTES))
+        head->version < VERSION || head->version > VERSION_FACES)
         return damaged(0, "not a dump of this version and machine", err);
     if (head->n == 0 || head->n > VOR_POINTS_MAX)
         return damaged(16, "number of points", err);
@@ -170,6 +197,27 @@ static int check_tail(const uint8_t *bytes, size_t size, uint64_t *total)
     return 1;
 }
 
+/* The same of the faces. */
+static int check_faces(const struct head *head, const uint8_t *bytes, size_t size, uint64_t *total)
+{
+    struct faces faces;
+    uint32_t corner;
+
+    if (*total > size || size - *total < sizeof faces)
+        return 0;
+    memcpy(&faces, bytes + *total, sizeof faces);
+    *total += sizeof faces;
+    if (faces.triangle_count > (size - *total) / TRIANGLE)
+        return 0;
+    for (uint64_t end = *total + faces.triangle_count * TRIANGLE; *total < end;
+         *total += sizeof corner) {
+        memcpy(&corner, bytes + *total, sizeof corner);
+        if (corner >= head->n)
+            return 0;
+    }
+    return 1;
+}
+
 /* The file must be exactly as long as its tables say. */
 static vor_status check_size(const struct head *head, const uint8_t *bytes, size_t size,
                              struct vor_error *err)
@@ -185,8 +233,10 @@ static vor_status check_size(const struct head *head, const uint8_t *bytes, size
         if (!check_row(&row, head->n, &total))
             return damaged(at, "attribute", err);
     }
-    if (head->version == VERSION_NOTES && !check_tail(bytes, size, &total))
+    if (head->version >= VERSION_NOTES && !check_tail(bytes, size, &total))
         return damaged(size, "notes", err);
+    if (head->version == VERSION_FACES && !check_faces(head, bytes, size, &total))
+        return damaged(size, "faces", err);
     return total == size ? VOR_OK : damaged(size, "length", err);
 }
 
@@ -207,9 +257,10 @@ static vor_status take_attribute(struct vor_cloud *cloud, const struct row *row,
     return VOR_OK;
 }
 
-static vor_status take_tail(struct vor_cloud *cloud, const uint8_t *at, struct vor_error *err)
+static vor_status take_tail(struct vor_cloud *cloud, const uint8_t **from, struct vor_error *err)
 {
     struct vor_notes *notes = &cloud->notes;
+    const uint8_t *at = *from;
     struct tail tail;
 
     memcpy(&tail, at, sizeof tail);
@@ -221,6 +272,7 @@ static vor_status take_tail(struct vor_cloud *cloud, const uint8_t *at, struct v
     at += tail.dropped_count * sizeof *notes->dropped;
     for (unsigned i = 0; i < notes->dropped_count; i++)
         notes->dropped[i].what[sizeof notes->dropped[i].what - 1] = '\0';
+    *from = at + tail.remarks_size;
     if (tail.remarks_size == 0)
         return VOR_OK;
     notes->remarks = vor_malloc(cloud->memory, (size_t)tail.remarks_size, 1);
@@ -228,6 +280,22 @@ static vor_status take_tail(struct vor_cloud *cloud, const uint8_t *at, struct v
         return vor_fail(err, VOR_E_NOMEM, "%zu bytes of remarks", (size_t)tail.remarks_size);
     notes->remarks_size = (size_t)tail.remarks_size;
     memcpy(notes->remarks, at, notes->remarks_size);
+    return VOR_OK;
+}
+
+static vor_status take_faces(struct vor_cloud *cloud, const uint8_t *at, struct vor_error *err)
+{
+    struct faces faces;
+
+    memcpy(&faces, at, sizeof faces);
+    cloud->notes.faces = faces.faces;
+    if (faces.triangle_count == 0)
+        return VOR_OK;
+    cloud->triangles = vor_malloc(cloud->memory, (size_t)faces.triangle_count, TRIANGLE);
+    if (cloud->triangles == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "corners of %zu triangles", (size_t)faces.triangle_count);
+    cloud->triangle_count = (size_t)faces.triangle_count;
+    memcpy(cloud->triangles, at + sizeof faces, cloud->triangle_count * TRIANGLE);
     return VOR_OK;
 }
 
@@ -250,8 +318,10 @@ static vor_status take_values(struct vor_cloud *cloud, const struct head *head,
         memcpy(&row, rows + i * sizeof row, sizeof row);
         status = take_attribute(cloud, &row, &at, err);
     }
-    if (status == VOR_OK && head->version == VERSION_NOTES)
-        status = take_tail(cloud, at, err);
+    if (status == VOR_OK && head->version >= VERSION_NOTES)
+        status = take_tail(cloud, &at, err);
+    if (status == VOR_OK && head->version == VERSION_FACES)
+        status = take_faces(cloud, at, err);
     return status == VOR_OK ? vor_cloud_check(cloud, err) : status;
 }
 

@@ -75,6 +75,7 @@ void vor_cloud_free(struct vor_cloud *cloud)
     for (size_t i = 0; i < cloud->attribute_count; i++)
         vor_free(cloud->memory, cloud->attributes[i].data);
     vor_free(cloud->memory, cloud->notes.remarks);
+    vor_free(cloud->memory, cloud->triangles);
     vor_free(cloud->memory, cloud->xyz);
     vor_cloud_init(cloud, cloud->memory);
 }
@@ -254,6 +255,7 @@ vor_status vor_cloud_reorder(struct vor_cloud *cloud, const uint32_t *order, str
     size_t widest = 3 * sizeof *cloud->xyz;
     void *scratch;
 
+    assert(cloud->triangle_count == 0);
     for (size_t i = 0; i < cloud->attribute_count; i++)
         if (size_of(&cloud->attributes[i]) > widest)
             widest = size_of(&cloud->attributes[i]);

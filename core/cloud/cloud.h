@@ -76,6 +76,9 @@ struct vor_cloud {
     enum vor_type position_type; /**< FLOAT32 or FLOAT64: of the source, and of PLY output */
     size_t attribute_count;
     struct vor_attribute attributes[VOR_ATTRIBUTES_MAX];
+    size_t triangle_count;
+    uint32_t *triangles; /**< three points each, below n; only where a reader was asked for them
+                              (core/cloud/faces.h), and never of a result */
     struct vor_notes notes;
 };
 
@@ -93,7 +96,7 @@ void vor_cloud_free(struct vor_cloud *cloud);
 VOR_NODISCARD vor_status vor_cloud_resize(struct vor_cloud *cloud, size_t n, struct vor_error *err);
 
 /** Makes *out, an initialised, empty cloud, the same as another: points, attributes, remarks. Of
- * its other notes it has none.
+ * its other notes it has none, nor triangles.
  *
  *  @retval VOR_E_NOMEM it does not fit; *out is empty */
 VOR_NODISCARD vor_status vor_cloud_copy(struct vor_cloud *out, const struct vor_cloud *in,
@@ -126,7 +129,8 @@ const struct vor_attribute *vor_cloud_find_name(const struct vor_cloud *cloud, c
 VOR_NODISCARD vor_status vor_cloud_set_double(struct vor_cloud *cloud, const double *xyz,
                                               struct vor_error *err);
 
-/** Reorders the points with their attributes: point order[k] becomes the k-th.
+/** Reorders the points of a cloud without triangles, with their attributes: point order[k] becomes
+ *  the k-th.
  *
  *  @param[in] order  a permutation of 0 .. n - 1
  *

@@ -35,8 +35,9 @@ struct vor_dropped {
 struct vor_notes {
     unsigned format;  /**< of the file, a word of the parameter of that name */
     uint64_t invalid; /**< points left out, as one of their coordinates was not finite */
-    char *remarks;    /**< lines "comment ..." and "obj_info ...", each with '\n' and without other
-                           control characters than tabs; owned by the cloud, NULL for none */
+    uint64_t faces; /**< that the file has, as far as it says; a strip of triangles counts as one */
+    char *remarks;  /**< lines "comment ..." and "obj_info ...", each with '\n' and without other
+                         control characters than tabs; owned by the cloud, NULL for none */
     size_t remarks_size;
     VOR_FIELD_DROPPED(dropped)
 };

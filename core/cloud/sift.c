@@ -52,6 +52,34 @@ static void close_up(void *column, size_t size, const struct positions *at, size
         }
 }
 
+/* Gives corners of triangles the numbers that the finite points will have; leaves out triangles
+ * with another corner. */
+static vor_status renumber(struct vor_cloud *cloud, const struct positions *at,
+                           struct vor_error *err)
+{
+    uint32_t *number = vor_malloc(cloud->memory, cloud->n, sizeof *number), next = 0;
+    size_t kept = 0;
+
+    if (number == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "numbers of %zu points", cloud->n);
+    for (size_t i = 0; i < cloud->n; i++)
+        number[i] = is_finite(at, i) ? next++ : UINT32_MAX;
+    for (size_t t = 0; t < cloud->triangle_count; t++) {
+        const uint32_t *from = &cloud->triangles[3 * t];
+        uint32_t *to = &cloud->triangles[3 * kept];
+        int whole = 1;
+
+        for (int k = 0; k < 3; k++) {
+            to[k] = number[from[k]];
+            whole &= to[k] != UINT32_MAX;
+        }
+        kept += (size_t)whole;
+    }
+    cloud->triangle_count = kept;
+    vor_free(cloud->memory, number);
+    return VOR_OK;
+}
+
 vor_status vor_cloud_sift(struct vor_cloud *cloud, double *wide, int is_drop, struct vor_error *err)
 {
     struct positions at = {cloud->xyz, wide};
@@ -65,6 +93,8 @@ vor_status vor_cloud_sift(struct vor_cloud *cloud, double *wide, int is_drop, st
         return refuse(&at, cloud->n, bad, err);
     if (bad == cloud->n)
         return vor_fail(err, VOR_E_EMPTY, "none of the %zu points is finite", cloud->n);
+    if (cloud->triangle_count > 0 && renumber(cloud, &at, err) != VOR_OK)
+        return VOR_E_NOMEM;
     for (size_t k = 0; k < cloud->attribute_count; k++)
         close_up(cloud->attributes[k].data,
                  cloud->attributes[k].components * vor_type_size(cloud->attributes[k].type), &at,

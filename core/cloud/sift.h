@@ -5,8 +5,8 @@
 #include "core/cloud/cloud.h"
 
 /** Looks for points with a coordinate that is not finite, once all their values are read. If they
- *  are to be dropped, the others close up, with their attributes and in their order, and the
- * cloud's notes count them.
+ *  are to be dropped, the others close up, with their attributes and in their order, triangles that
+ *  have such a corner go, and the cloud's notes count the points.
  *
  *  @param[in,out] cloud    positions and attributes; the positions are not looked at if wide is not
  *                          NULL
@@ -17,8 +17,9 @@
  *  @retval VOR_E_NONFINITE there are some, and is_drop is 0: the message says how many, which one
  * is the first, and the parameter that drops them
  *  @retval VOR_E_EMPTY     all would be dropped
+ *  @retval VOR_E_NOMEM     4 bytes a point do not fit; only of a cloud with triangles
  *
- *  O(n), no memory. */
+ *  O(n); memory only for triangles. */
 VOR_NODISCARD vor_status vor_cloud_sift(struct vor_cloud *cloud, double *wide, int is_drop,
                                         struct vor_error *err);
 

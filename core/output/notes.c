@@ -6,6 +6,7 @@
 void vor_output_report_notes(struct vor_report *report, const struct vor_cloud *in)
 {
     report->invalid = in->notes.invalid;
+    report->faces = in->notes.faces;
     report->dropped_count = in->notes.dropped_count;
     memcpy(report->dropped, in->notes.dropped, sizeof report->dropped);
 }

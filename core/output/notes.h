@@ -5,7 +5,7 @@
 #include "core/cloud/cloud.h"
 #include "core/report.h"
 
-/** Tells in the report what reading the input left out. */
+/** Tells in the report what reading the input left out, and how many faces its file has. */
 void vor_output_report_notes(struct vor_report *report, const struct vor_cloud *in);
 
 /** The same, and which of its attributes the result does not have; also gives the result the

@@ -137,6 +137,10 @@ enum vor_method_choice {
     X(OUTLIERS, outliers, CHOICE, INPUT, "", 0, 0, VOR_OUTLIERS_KEEP, "keep drop pull",            \
       "Input points that few of those around them count among their nearest. drop: they are "      \
       "ignored; pull: they are moved onto the surface")                                            \
+    X(SAMPLE, sample, CHOICE, FILTER, "", 0, 0, VOR_SAMPLE_VERTICES, "vertices faces",             \
+      "What of a mesh is the input. vertices: its vertices; faces: points drawn evenly from the "  \
+      "area of its faces, eight or more for each one asked for; refused where the input has no "   \
+      "faces")                                                                                     \
     X(FILTERS, filters, LIST, FILTER, "", 0, 0, 0, "mls outliers thin",                            \
       "What is done to the input first: outliers, dropped unless the parameter of that name says " \
       "pull; then mls, which moves each point onto the smooth surface around it; then thin, to "   \
@@ -192,6 +196,7 @@ enum vor_parameter {
 enum { VOR_PATCH_QUADRIC, VOR_PATCH_PLANE };
 enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE };
 enum { VOR_OUTLIERS_KEEP, VOR_OUTLIERS_DROP, VOR_OUTLIERS_PULL };
+enum { VOR_SAMPLE_VERTICES, VOR_SAMPLE_FACES };
 enum { VOR_FILTER_MLS, VOR_FILTER_OUTLIERS, VOR_FILTER_THIN }; /* words of the list filters */
 enum { VOR_INTRINSIC_LOCAL, VOR_INTRINSIC_SATELLITES, VOR_INTRINSIC_NONE };
 enum { VOR_INVALID_REFUSE, VOR_INVALID_DROP };

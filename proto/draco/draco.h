@@ -15,7 +15,8 @@
  *
  *  A mesh may split a vertex into several points where its attributes have seams: points that share
  *  one position value are merged into the first of them, whose attributes are kept. Vertices that
- *  merely coincide are not.
+ *  merely coincide are not. If limits->keep_faces says so, the faces become triangles and points at
+ *  seams stay apart, each with its own attributes.
  *
  *  Positions in float32 are kept bit for bit, and where the file has the metadata of
  *  vor_draco_write, origin and position type are restored; positions of other types, with the

@@ -24,7 +24,7 @@ struct load {
     int has_origin;    /* in the metadata, with the type that positions had */
     double origin[3];
     char type[16];
-    int drop_invalid;
+    int drop_invalid, keep_faces;
     struct vor_error *err;
 };
 
@@ -268,13 +268,33 @@ static vor_status load_attribute(const struct load *load, unsigned index)
     return status;
 }
 
+/* The faces, if they are wanted. */
+static vor_status load_faces(const struct load *load)
+{
+    struct vor_cloud *cloud = load->cloud;
+    size_t faces = vor_draco_faces(load->decoded);
+
+    cloud->notes.faces = faces;
+    if (!load->keep_faces) {
+        vor_dropped_add(cloud->notes.dropped, &cloud->notes.dropped_count, "face", faces);
+        return VOR_OK;
+    }
+    cloud->triangles = vor_malloc(cloud->memory, faces, 3 * sizeof *cloud->triangles);
+    if (cloud->triangles == NULL)
+        return vor_fail(load->err, VOR_E_NOMEM, "corners of %zu faces", faces);
+    cloud->triangle_count = faces;
+    if (vor_draco_corners(load->decoded, cloud->triangles) != VOR_DRACO_DONE)
+        return vor_fail(load->err, VOR_E_FORMAT, "a face has a corner that is no point");
+    return VOR_OK;
+}
+
 static vor_status load_cloud(struct load *load, const struct vor_limits *limits)
 {
     vor_status status = find_position(load);
 
     load->n = vor_draco_points(load->decoded);
     find_origin(load);
-    if (status == VOR_OK && vor_draco_is_mesh(load->decoded))
+    if (status == VOR_OK && vor_draco_is_mesh(load->decoded) && !load->keep_faces)
         status = merge_seams(load);
     if (status != VOR_OK)
         return status;
@@ -293,9 +313,9 @@ static vor_status load_cloud(struct load *load, const struct vor_limits *limits)
         if (i != load->position)
             status = load_attribute(load, i);
     if (status == VOR_OK)
+        status = load_faces(load);
+    if (status == VOR_OK)
         status = load_positions(load);
-    vor_dropped_add(load->cloud->notes.dropped, &load->cloud->notes.dropped_count, "face",
-                    vor_draco_faces(load->decoded));
     return status == VOR_OK ? vor_cloud_check(load->cloud, load->err) : status;
 }
 
@@ -304,7 +324,10 @@ vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *bytes, size_t si
 {
     struct vor_draco_purse purse = {.memory = out->memory, .most = MEMORY_FREE};
     struct vor_draco_decoded *decoded = NULL;
-    struct load load = {.cloud = out, .drop_invalid = limits->drop_invalid, .err = err};
+    struct load load = {.cloud = out,
+                        .drop_invalid = limits->drop_invalid,
+                        .keep_faces = limits->keep_faces,
+                        .err = err};
     vor_status status = vor_draco_gate(bytes, size, limits, err);
 
     if (status != VOR_OK)

@@ -474,6 +474,23 @@ size_t vor_draco_faces(const vor_draco_decoded *decoded) noexcept
     return decoded->mesh ? static_cast<const draco::Mesh *>(decoded->cloud.get())->num_faces() : 0;
 }
 
+vor_draco_result vor_draco_corners(const vor_draco_decoded *decoded, uint32_t *out) noexcept
+{
+    const size_t points = decoded->cloud->num_points(), faces = vor_draco_faces(decoded);
+    const draco::Mesh *mesh;
+
+    if (faces == 0)
+        return VOR_DRACO_DONE; /* nor need it be a mesh */
+    mesh = static_cast<const draco::Mesh *>(decoded->cloud.get());
+    for (size_t i = 0; i < faces; i++)
+        for (int k = 0; k < 3; k++) {
+            out[3 * i + size_t(k)] = mesh->face(draco::FaceIndex(uint32_t(i)))[size_t(k)].value();
+            if (out[3 * i + size_t(k)] >= points)
+                return VOR_DRACO_REFUSED;
+        }
+    return VOR_DRACO_DONE;
+}
+
 unsigned vor_draco_attributes(const vor_draco_decoded *decoded) noexcept
 {
     return unsigned(decoded->cloud->num_attributes());

@@ -1,10 +1,12 @@
-/** PLY 1.0 files (.ply): the vertices of any PLY in, binary little-endian PLY out. */
+/** PLY 1.0 files (.ply): the vertices of any PLY in, and its faces where they are wanted; binary
+ *  little-endian PLY out. */
 #ifndef VOR_PROTO_PLY_H
 #define VOR_PROTO_PLY_H
 
 #include "proto/format.h"
 
-/** Reads the element `vertex` of an ascii, binary_little_endian or binary_big_endian file.
+/** Reads the element `vertex`, and if limits->keep_faces says so `face` and `tristrips` into
+ *  triangles (proto/ply/ply_faces.h), of an ascii, binary_little_endian or binary_big_endian file.
  *
  *  Signature, ownership and failures as vor_format.read.
  *
@@ -13,9 +15,10 @@
  *  become a NORMAL and red green blue [alpha], or else diffuse_red ..., a COLOR where the parts
  *  share a type; every other scalar property becomes a GENERIC under its name, bytes outside the
  *  printable ASCII replaced by '?'. List properties of a vertex are skipped, and so are elements
- *  before `vertex`; what follows the last vertex is not looked at. In ascii a vertex is a line, and
- *  blank lines do not count. The cloud's notes get the remarks (comment, obj_info), and what is
- *  skipped or not looked at, in the numbers that the header declares.
+ *  before `vertex`; what follows the last vertex, or the last face that is wanted, is not looked
+ * at. In ascii a vertex is a line, and blank lines do not count. The cloud's notes get the remarks
+ * (comment, obj_info), and what is skipped or not looked at, in the numbers that the header
+ * declares.
  *
  *  Points with a coordinate that is not finite are refused, or dropped (vor_cloud_sift).
  *

@@ -132,15 +132,14 @@ static vor_status read_scalar(struct vor_ply_body *body, const struct vor_ply_co
     return VOR_OK;
 }
 
-/* Every item is a token of this line, so a false length ends at the line's end. */
-static vor_status skip_list(struct vor_ply_body *body, const struct vor_ply_column *column,
-                            size_t row, struct vor_error *err)
+/* Reads how many items a list has. A count beyond what fits is beyond what the row holds, too. */
+static vor_status read_count(uint64_t *out, struct vor_ply_body *body,
+                             const struct vor_ply_column *column, size_t row, struct vor_error *err)
 {
     const struct vor_ply_property *property = column->property;
     struct token token = next_token(body);
     uint8_t value[8] = {0};
     double count;
-    uint64_t left;
     enum vor_ply_number read;
 
     if (token.length == 0)
@@ -152,19 +151,73 @@ static vor_status skip_list(struct vor_ply_body *body, const struct vor_ply_colu
     if (read != VOR_PLY_NUMBER_OK)
         return bad_number(body, column, row, token,
                           read == VOR_PLY_NUMBER_NONFINITE ? VOR_PLY_NUMBER_RANGE : read, err);
-    /* A count beyond what fits is beyond what the row holds, too. */
-    for (left = count < 0x1p63 ? (uint64_t)count : UINT64_MAX; left > 0; left--)
-        if (next_token(body).length == 0)
-            return too_few(body, property, row, err);
+    *out = count < 0x1p63 ? (uint64_t)count : UINT64_MAX;
     return VOR_OK;
+}
+
+/* Every item is a token of this line, so a false length ends at the line's end. */
+static vor_status skip_list(struct vor_ply_body *body, const struct vor_ply_column *column,
+                            size_t row, struct vor_error *err)
+{
+    uint64_t left = 0;
+    vor_status status = read_count(&left, body, column, row, err);
+
+    if (status != VOR_OK)
+        return status;
+    for (; left > 0; left--)
+        if (next_token(body).length == 0)
+            return too_few(body, column->property, row, err);
+    return VOR_OK;
+}
+
+static vor_status take_item(struct vor_ply_body *body, const struct vor_ply_column *column,
+                            size_t row, uint64_t item, const struct vor_ply_items *items,
+                            struct vor_error *err)
+{
+    struct token token = next_token(body);
+    uint8_t value[8] = {0};
+    enum vor_ply_number read;
+    vor_status status;
+    double number;
+
+    if (token.length == 0)
+        return too_few(body, column->property, row, err);
+    read = vor_ply_number_read(token.at, token.length, column->property->type, value);
+    if (read != VOR_PLY_NUMBER_OK)
+        return bad_number(body, column, row, token, read, err);
+    widen((uint8_t *)&number, VOR_FLOAT64, value, column->property->type);
+    status = items->take(items->ctx, row, item, number, err);
+    return status == VOR_OK ? VOR_OK : vor_ply_at(err, offset_of(body, token), status);
+}
+
+static vor_status take_list(struct vor_ply_body *body, const struct vor_ply_column *column,
+                            size_t row, const struct vor_ply_items *items, struct vor_error *err)
+{
+    uint64_t count = 0;
+    vor_status status = read_count(&count, body, column, row, err);
+
+    for (uint64_t i = 0; status == VOR_OK && i < count; i++)
+        status = take_item(body, column, row, i, items, err);
+    return status;
+}
+
+/* Refuses what a row of that many properties has behind them. */
+static vor_status end_row(struct vor_ply_body *body, size_t row, unsigned properties,
+                          struct vor_error *err)
+{
+    struct token extra = next_token(body);
+    char shown[SHOWN];
+
+    if (extra.length == 0)
+        return VOR_OK;
+    vor_fail(err, VOR_E_FORMAT, "row %zu has more than its %u properties: \"%s\"", row, properties,
+             vor_quote(shown, sizeof shown, extra.at, extra.length));
+    return vor_ply_at(err, offset_of(body, extra), VOR_E_FORMAT);
 }
 
 static vor_status read_row(struct vor_ply_body *body, const struct vor_ply_rows *rows, size_t row,
                            struct vor_error *err)
 {
-    struct token extra;
-    char shown[SHOWN];
-
     if (!next_row(body))
         return too_short(body, row, err);
     for (unsigned k = 0; k < rows->column_count; k++) {
@@ -175,12 +228,7 @@ static vor_status read_row(struct vor_ply_body *body, const struct vor_ply_rows 
         if (status != VOR_OK)
             return status;
     }
-    extra = next_token(body);
-    if (extra.length == 0)
-        return VOR_OK;
-    vor_fail(err, VOR_E_FORMAT, "row %zu has more than its %u properties: \"%s\"", row,
-             rows->column_count, vor_quote(shown, sizeof shown, extra.at, extra.length));
-    return vor_ply_at(err, offset_of(body, extra), VOR_E_FORMAT);
+    return end_row(body, row, rows->column_count, err);
 }
 
 vor_status vor_ply_ascii_rows(struct vor_ply_body *body, const struct vor_ply_rows *rows,
@@ -209,4 +257,42 @@ vor_status vor_ply_ascii_skip(struct vor_ply_body *body, const struct vor_ply_el
             body->at++;
     }
     return VOR_OK;
+}
+
+/* Moves past a scalar of a row, whatever it says. */
+static vor_status skip_scalar(struct vor_ply_body *body, const struct vor_ply_property *property,
+                              size_t row, struct vor_error *err)
+{
+    return next_token(body).length > 0 ? VOR_OK : too_few(body, property, row, err);
+}
+
+static vor_status take_row(struct vor_ply_body *body, const struct vor_ply_element *element,
+                           size_t row, unsigned list, const struct vor_ply_items *items,
+                           struct vor_error *err)
+{
+    vor_status status = VOR_OK;
+
+    if (!next_row(body))
+        return too_short(body, row, err);
+    for (unsigned k = 0; status == VOR_OK && k < element->property_count; k++) {
+        const struct vor_ply_column column = {.property = &element->properties[k]};
+
+        if (k == list)
+            status = take_list(body, &column, row, items, err);
+        else
+            status = column.property->list ? skip_list(body, &column, row, err)
+                                           : skip_scalar(body, column.property, row, err);
+    }
+    return status == VOR_OK ? end_row(body, row, element->property_count, err) : status;
+}
+
+vor_status vor_ply_ascii_items(struct vor_ply_body *body, const struct vor_ply_element *element,
+                               unsigned list, const struct vor_ply_items *items,
+                               struct vor_error *err)
+{
+    vor_status status = vor_ply_rows_fit(body, element, err);
+
+    for (uint64_t i = 0; status == VOR_OK && i < element->count; i++)
+        status = take_row(body, element, (size_t)i, list, items, err);
+    return status;
 }

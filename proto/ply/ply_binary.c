@@ -204,6 +204,35 @@ vor_status vor_ply_binary_skip(struct vor_ply_body *body, const struct vor_ply_e
     return VOR_OK;
 }
 
+/* Moves past the list in a row and hands over its items. */
+static vor_status take_list(struct vor_ply_body *body, const struct vor_ply_property *list,
+                            uint64_t row, const struct vor_ply_items *items, struct vor_error *err)
+{
+    size_t at = body->at + vor_type_size(list->count_type), size = vor_type_size(list->type);
+    int swap = vor_ply_swaps(body->encoding);
+    vor_status status = skip_list(body, list, row, err);
+
+    for (uint64_t i = 0; status == VOR_OK && at < body->at; i++, at += size) {
+        status = items->take(items->ctx, row, i, load(body->bytes + at, list->type, swap), err);
+        if (status != VOR_OK)
+            return vor_ply_at(err, at, status);
+    }
+    return status;
+}
+
+vor_status vor_ply_binary_items(struct vor_ply_body *body, const struct vor_ply_element *element,
+                                unsigned list, const struct vor_ply_items *items,
+                                struct vor_error *err)
+{
+    vor_status status = vor_ply_rows_fit(body, element, err);
+
+    for (uint64_t i = 0; status == VOR_OK && i < element->count; i++)
+        for (unsigned k = 0; status == VOR_OK && k < element->property_count; k++)
+            status = k == list ? take_list(body, &element->properties[k], i, items, err)
+                               : skip_property(body, &element->properties[k], i, err);
+    return status;
+}
+
 static void check_coordinate(struct vor_ply_body *body, double value, size_t offset)
 {
     if (!isfinite(value) && body->not_finite == 0)

@@ -57,6 +57,29 @@ VOR_NODISCARD vor_status vor_ply_binary_rows(struct vor_ply_body *body,
                                              const struct vor_ply_rows *rows,
                                              struct vor_error *err);
 
+/** Takes the items of lists: item number `item` of the list in row `row`, as a double (exact for
+ *  integers of up to 32 bits). What it answers other than VOR_OK ends the reading. */
+struct vor_ply_items {
+    void *ctx;
+    vor_status (*take)(void *ctx, uint64_t row, uint64_t item, double value, struct vor_error *err);
+};
+
+/** Moves past an element and hands over the items of one of its lists, that of property number
+ *  `list`.
+ *
+ *  @retval VOR_E_FORMAT with byte_offset
+ *  @retval others       as items->take, with byte_offset
+ *
+ *  Cost: one pass over the element; no memory. */
+VOR_NODISCARD vor_status vor_ply_ascii_items(struct vor_ply_body *body,
+                                             const struct vor_ply_element *element, unsigned list,
+                                             const struct vor_ply_items *items,
+                                             struct vor_error *err);
+VOR_NODISCARD vor_status vor_ply_binary_items(struct vor_ply_body *body,
+                                              const struct vor_ply_element *element, unsigned list,
+                                              const struct vor_ply_items *items,
+                                              struct vor_error *err);
+
 /** Scalars in a row or in memory: every value at base, stride bytes from the last. */
 struct vor_ply_strided {
     uint8_t *base;

@@ -1,5 +1,7 @@
 #include "proto/ply/ply_notes.h"
 
+#include "proto/ply/ply_faces.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -23,21 +25,42 @@ static void note_element(struct vor_notes *notes, const struct vor_ply_element *
     vor_dropped_add(notes->dropped, &notes->dropped_count, what, element->count);
 }
 
+/* Notes one property of an element as ELEMENT.PROPERTY. */
+static void note_property(struct vor_notes *notes, const struct vor_ply_element *element,
+                          const struct vor_ply_property *property)
+{
+    char what[VOR_MEMBER_TEXT_SIZE];
+    int of = element->name_length < sizeof what ? (int)element->name_length : (int)sizeof what - 1;
+    int name =
+        property->name_length < sizeof what ? (int)property->name_length : (int)sizeof what - 1;
+
+    (void)snprintf(what, sizeof what, "%.*s.%.*s", of, element->name, name, property->name);
+    clean(what);
+    vor_dropped_add(notes->dropped, &notes->dropped_count, what, element->count);
+}
+
 static void note_lists(struct vor_notes *notes, const struct vor_ply_element *vertex)
 {
-    for (unsigned k = 0; k < vertex->property_count; k++) {
-        const struct vor_ply_property *property = &vertex->properties[k];
-        char what[VOR_MEMBER_TEXT_SIZE];
+    for (unsigned k = 0; k < vertex->property_count; k++)
+        if (vertex->properties[k].list)
+            note_property(notes, vertex, &vertex->properties[k]);
+}
 
-        if (!property->list)
-            continue;
-        (void)snprintf(what, sizeof what, "vertex.%.*s",
-                       property->name_length < sizeof what ? (int)property->name_length
-                                                           : (int)sizeof what - 1,
-                       property->name);
-        clean(what);
-        vor_dropped_add(notes->dropped, &notes->dropped_count, what, vertex->count);
+/* Notes an element beside the vertices: where it holds faces that are kept, what else it has. */
+static void note_other(struct vor_notes *notes, const struct vor_ply_element *element,
+                       int keep_faces)
+{
+    int list = vor_ply_face_list(element);
+
+    if (list >= 0 && __builtin_add_overflow(notes->faces, element->count, &notes->faces))
+        notes->faces = UINT64_MAX;
+    if (list < 0 || !keep_faces) {
+        note_element(notes, element);
+        return;
     }
+    for (unsigned k = 0; k < element->property_count; k++)
+        if ((int)k != list)
+            note_property(notes, element, &element->properties[k]);
 }
 
 static int is_signature(const char *line, size_t size)
@@ -82,7 +105,7 @@ static size_t put_remarks(char *out, uint64_t *others, const uint8_t *bytes, siz
 
 vor_status vor_ply_note(struct vor_cloud *cloud, const uint8_t *bytes,
                         const struct vor_ply_header *header, const struct vor_ply_element *vertex,
-                        struct vor_error *err)
+                        int keep_faces, struct vor_error *err)
 {
     struct vor_notes *notes = &cloud->notes;
     uint64_t others;
@@ -90,7 +113,7 @@ vor_status vor_ply_note(struct vor_cloud *cloud, const uint8_t *bytes,
 
     for (unsigned i = 0; i < header->element_count; i++)
         if (&header->elements[i] != vertex)
-            note_element(notes, &header->elements[i]);
+            note_other(notes, &header->elements[i], keep_faces);
     note_lists(notes, vertex);
     vor_dropped_add(notes->dropped, &notes->dropped_count, "comment", others);
     if (size == 0)

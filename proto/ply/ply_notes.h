@@ -12,15 +12,19 @@
  * leaves, once the properties of any PLY file are written in it. */
 enum { VOR_PLY_REMARKS_MAX = 49152 };
 
-/** Adds to the cloud's notes the remarks of a header, control characters in them as '?', and what a
- *  cloud of the element `vertex` leaves out of the file: other elements, and lists.
+/** Adds to the cloud's notes the remarks of a header, control characters in them as '?', how many
+ *  faces it declares, and what a cloud of the element `vertex` leaves out of the file: other
+ *  elements, and lists.
  *
- *  @param[in] bytes   a file whose header is `header`
- *  @param[in] vertex  one of its elements
+ *  @param[in] bytes       a file whose header is `header`
+ *  @param[in] vertex      one of its elements
+ *  @param[in] keep_faces  elements of faces (proto/ply/ply_faces.h) are not left out, only what
+ *                         they have besides corners
  *
  *  @retval VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_ply_note(struct vor_cloud *cloud, const uint8_t *bytes,
                                       const struct vor_ply_header *header,
-                                      const struct vor_ply_element *vertex, struct vor_error *err);
+                                      const struct vor_ply_element *vertex, int keep_faces,
+                                      struct vor_error *err);
 
 #endif

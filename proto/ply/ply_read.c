@@ -3,6 +3,7 @@
 #include "core/base/quote.h"
 #include "core/cloud/sift.h"
 #include "proto/ply/ply_body.h"
+#include "proto/ply/ply_faces.h"
 #include "proto/ply/ply_notes.h"
 
 #include <string.h>
@@ -31,6 +32,8 @@ struct reader {
     struct vor_ply_body body;
     struct vor_ply_rows rows;
     double *wide; /* n x 3 coordinates, where they are not float32 */
+    struct vor_ply_faces faces;
+    int keep_faces;
 };
 
 static unsigned find_property(const struct vor_ply_element *element, const char *name)
@@ -234,16 +237,57 @@ static vor_status plan(struct reader *reader, struct vor_error *err)
     return status == VOR_OK ? plan_attributes(reader, err) : status;
 }
 
-static vor_status skip_to_vertex(struct reader *reader, struct vor_error *err)
+static vor_status read_vertices(struct reader *reader, struct vor_error *err)
 {
-    vor_status status = VOR_OK;
-    const struct vor_ply_element *element = reader->header.elements;
+    vor_status status = plan(reader, err);
 
-    for (; status == VOR_OK && element != reader->vertex; element++)
-        status = reader->body.encoding == VOR_PLY_ASCII
-                     ? vor_ply_ascii_skip(&reader->body, element, err)
-                     : vor_ply_binary_skip(&reader->body, element, err);
+    if (status != VOR_OK)
+        return status;
+    return reader->body.encoding == VOR_PLY_ASCII
+               ? vor_ply_ascii_rows(&reader->body, &reader->rows, err)
+               : vor_ply_binary_rows(&reader->body, &reader->rows, err);
+}
+
+static int is_kept(const struct reader *reader, const struct vor_ply_element *element)
+{
+    return element == reader->vertex || (reader->keep_faces && vor_ply_face_list(element) >= 0);
+}
+
+static vor_status read_element(struct reader *reader, const struct vor_ply_element *element,
+                               struct vor_error *err)
+{
+    if (element == reader->vertex)
+        return read_vertices(reader, err);
+    if (is_kept(reader, element))
+        return vor_ply_faces_read(&reader->faces, &reader->body, element, err);
+    return reader->body.encoding == VOR_PLY_ASCII
+               ? vor_ply_ascii_skip(&reader->body, element, err)
+               : vor_ply_binary_skip(&reader->body, element, err);
+}
+
+/* Reads the elements up to the last one that is kept. */
+static vor_status read_elements(struct reader *reader, struct vor_error *err)
+{
+    const struct vor_ply_header *header = &reader->header;
+    unsigned last = header->element_count - 1;
+    vor_status status = VOR_OK;
+
+    while (!is_kept(reader, &header->elements[last]))
+        last--;
+    for (unsigned i = 0; status == VOR_OK && i <= last; i++)
+        status = read_element(reader, &header->elements[i], err);
+    reader->cloud.triangles = reader->faces.triangles;
+    reader->cloud.triangle_count = reader->faces.count;
     return status;
+}
+
+/* What faces may be: as many as a Draco file may have of them, and with indices of its vertices. */
+static void expect_faces(struct reader *reader, const struct vor_limits *limits)
+{
+    reader->keep_faces = limits->keep_faces;
+    reader->faces.memory = reader->cloud.memory;
+    reader->faces.vertices = reader->vertex->count;
+    reader->faces.most = 2 * (limits->points < VOR_POINTS_MAX ? limits->points : VOR_POINTS_MAX);
 }
 
 /* Refuses or drops points that are not finite. */
@@ -268,19 +312,17 @@ static vor_status read_file(struct reader *reader, const struct vor_limits *limi
     body->at = reader->header.body;
     body->encoding = reader->header.encoding;
     status = find_vertex(reader, limits, err);
-    if (status == VOR_OK)
-        status = skip_to_vertex(reader, err);
-    if (status == VOR_OK)
-        status = plan(reader, err);
-    if (status == VOR_OK)
-        status = body->encoding == VOR_PLY_ASCII ? vor_ply_ascii_rows(body, &reader->rows, err)
-                                                 : vor_ply_binary_rows(body, &reader->rows, err);
+    if (status != VOR_OK)
+        return status;
+    expect_faces(reader, limits);
+    status = read_elements(reader, err);
     if (status == VOR_OK)
         status = sift(reader, limits->drop_invalid, err);
     if (status == VOR_OK && reader->wide != NULL)
         status = vor_cloud_set_double(&reader->cloud, reader->wide, err);
     if (status == VOR_OK)
-        status = vor_ply_note(&reader->cloud, body->bytes, &reader->header, reader->vertex, err);
+        status = vor_ply_note(&reader->cloud, body->bytes, &reader->header, reader->vertex,
+                              limits->keep_faces, err);
     return status;
 }
 

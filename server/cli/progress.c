@@ -216,6 +216,24 @@ static void say_dropped(const struct vor_progress *progress, const struct vor_js
     vor_text_free(&line);
 }
 
+/* Says of a mesh whose vertices were resampled how to have its surface resampled. One face may be a
+ * strip of many, so it is not counted. */
+static void say_faces(const struct vor_progress *progress, const struct vor_json *report)
+{
+    const struct vor_cli *cli = progress->cli;
+    double faces = number_at(report, "faces");
+    char count[32] = "", line[96];
+
+    if (!(faces > 0) || number_at(report, "samples") > 0 || cli->given[VOR_PARAM_SAMPLE] ||
+        !vor_process_takes(cli->spec.process, VOR_PARAM_SAMPLE))
+        return;
+    if (faces > 1)
+        (void)snprintf(count, sizeof count, "%.0f ", faces);
+    (void)snprintf(line, sizeof line,
+                   "the file has %sfaces: --sample faces resamples their surface", count);
+    vor_cli_say(cli->input[0], line);
+}
+
 static void summarise(const struct vor_progress *progress, const struct vor_json *report)
 {
     const struct vor_json *seconds = vor_json_get(report, "seconds");
@@ -239,6 +257,7 @@ static void summarise(const struct vor_progress *progress, const struct vor_json
                 line);
     say_origin(progress, report);
     say_dropped(progress, report);
+    say_faces(progress, report);
 }
 
 vor_status vor_progress_finish(struct vor_progress *progress, const char *report, size_t size,

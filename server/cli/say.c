@@ -31,7 +31,7 @@ void vor_cli_say(const char *subject, const char *message)
 static int is_usage(const char *slug)
 {
     static const char *const slugs[] = {"invalid-parameter", "invalid-query-parameter-value",
-                                        "unknown-word"};
+                                        "unknown-word", "unusable-faces"};
 
     for (size_t i = 0; i < sizeof slugs / sizeof slugs[0]; i++)
         if (strcmp(slug, slugs[i]) == 0)

@@ -1,5 +1,7 @@
 #include "server/jobs/pace.h"
 
+#include "core/cloud/faces.h"
+
 #include <math.h>
 
 /* What the parts of a run cost: microseconds a point on one thread of an AMD EPYC. Measured on 14
@@ -132,6 +134,8 @@ struct vor_pace_work vor_pace_work_of(const struct vor_spec *spec, uint64_t poin
 
     if (spec->process->methods == 0 || spec->value[VOR_PARAM_METHOD] > 0 || !(target >= 1))
         return none;
+    if (spec->value[VOR_PARAM_SAMPLE] == VOR_SAMPLE_FACES)
+        points = vor_faces_samples(target, (size_t)points);
     return (struct vor_pace_work){(double)points, target, threads};
 }
 

@@ -151,6 +151,7 @@ static vor_status admit_all(struct vor_admission *admission)
     vor_status status = VOR_OK;
 
     limits.codec.drop_invalid = admission->drop_invalid;
+    limits.codec.keep_faces = admission->keep_faces;
     for (unsigned i = 0; i < uploads->count && status == VOR_OK; i++) {
         struct vor_upload *upload = &uploads->item[i];
 

@@ -67,10 +67,10 @@ void vor_admit_drop(struct vor_blobs *blobs, const struct vor_admitted *admitted
 struct vor_admit;
 
 /** The uploads of a request on their way. The caller fills in uploads (at least one), drop_invalid,
- *  done and ctx and keeps the struct until done was called. */
+ *  keep_faces, done and ctx and keeps the struct until done was called. */
 struct vor_admission {
     struct vor_uploads uploads;                    /**< taken over, none left before done */
-    int drop_invalid;                              /**< as struct vor_limits has it */
+    int drop_invalid, keep_faces;                  /**< as struct vor_limits has them */
     void (*done)(struct vor_admission *admission); /**< on an admission thread; may block, e.g. on
                                                         vor_worker_submit */
     void *ctx;

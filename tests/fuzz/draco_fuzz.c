@@ -7,8 +7,6 @@
 #include <assert.h>
 #include <string.h>
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
 static int swallow(void *ctx, const void *bytes, size_t size)
 {
     (void)ctx;
@@ -31,7 +29,7 @@ static void write_back(const struct vor_cloud *cloud, unsigned salt)
     assert(status == VOR_OK || status == VOR_E_NOMEM);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+static void try(const uint8_t *bytes, size_t size, int keep_faces)
 {
     struct vor_limits limits = VOR_LIMITS_DEFAULT;
     struct vor_memory memory;
@@ -39,11 +37,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     struct vor_error err;
     vor_status status;
 
+    limits.keep_faces = keep_faces;
     vor_memory_init(&memory, (size_t)256 << 20);
     vor_cloud_init(&cloud, &memory);
     status = vor_draco_read(&cloud, bytes, size, &limits, &err);
     if (status == VOR_OK) {
         assert(cloud.n > 0 && vor_cloud_check(&cloud, &err) == VOR_OK);
+        assert(keep_faces || cloud.triangles == NULL);
+        for (size_t i = 0; i < 3 * cloud.triangle_count; i++)
+            assert(cloud.triangles[i] < cloud.n);
         write_back(&cloud, bytes[size - 1]);
     } else {
         assert(err.status == status && cloud.n == 0 && cloud.attribute_count == 0);
@@ -52,5 +54,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     }
     vor_cloud_free(&cloud);
     assert(atomic_load(&memory.used) == 0);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    try(bytes, size, 0);
+    try(bytes, size, 1);
     return 0;
 }

@@ -45,9 +45,10 @@ static int is_ply(const uint8_t *bytes, size_t size)
 }
 
 static vor_status read_any(struct vor_cloud *cloud, const uint8_t *bytes, size_t size,
-                           size_t header_bytes, struct vor_error *err)
+                           size_t header_bytes, int keep_faces, struct vor_error *err)
 {
-    const struct vor_limits limits = {.points = 1000000, .header_bytes = header_bytes};
+    const struct vor_limits limits = {
+        .points = 1000000, .header_bytes = header_bytes, .keep_faces = keep_faces};
 
     return is_ply(bytes, size) ? vor_codec_read(cloud, NULL, bytes, size, &limits, err)
                                : vor_dump_read(cloud, bytes, size, err);
@@ -57,11 +58,12 @@ static void check_refusal(const struct vor_cloud *cloud, vor_status status,
                           const struct vor_error *err, size_t size)
 {
     need(status == VOR_E_FORMAT || status == VOR_E_EMPTY || status == VOR_E_NONFINITE ||
-             status == VOR_E_LIMIT || status == VOR_E_NOMEM,
+             status == VOR_E_LIMIT || status == VOR_E_NOMEM || status == VOR_E_FACES,
          "a status that a reader does not have");
     need(err->status == status && err->message[0] != '\0', "a failure without a message");
     need(err->byte_offset <= (int64_t)size, "an offset behind the file");
-    need(cloud->n == 0 && cloud->xyz == NULL && cloud->attribute_count == 0,
+    need(cloud->n == 0 && cloud->xyz == NULL && cloud->attribute_count == 0 &&
+             cloud->triangles == NULL,
          "a cloud from a failure");
 }
 
@@ -86,6 +88,16 @@ static void require_same(const struct vor_cloud *a, const struct vor_cloud *b, i
     }
 }
 
+static void require_same_faces(const struct vor_cloud *a, const struct vor_cloud *b)
+{
+    need(a->notes.faces == b->notes.faces && a->triangle_count == b->triangle_count &&
+             (a->triangle_count == 0 ||
+              memcmp(a->triangles, b->triangles, 12 * a->triangle_count) == 0),
+         "other faces");
+    for (size_t i = 0; i < 3 * a->triangle_count; i++)
+        need(a->triangles[i] < a->n, "a corner that is no point");
+}
+
 static void dump_again(const struct vor_cloud *cloud, struct vor_memory *memory)
 {
     struct collected dump = {NULL, 0, 0};
@@ -95,10 +107,12 @@ static void dump_again(const struct vor_cloud *cloud, struct vor_memory *memory)
 
     vor_cloud_init(&back, memory);
     need(vor_dump_write(&sink, cloud, &err) == VOR_OK, "no dump");
-    if (vor_dump_read(&back, dump.data, dump.size, &err) == VOR_OK)
+    if (vor_dump_read(&back, dump.data, dump.size, &err) == VOR_OK) {
         require_same(cloud, &back, 1, 1);
-    else
+        require_same_faces(cloud, &back);
+    } else {
         need(err.status == VOR_E_NOMEM, "the dump is refused");
+    }
     vor_cloud_free(&back);
     free(dump.data);
 }
@@ -115,7 +129,7 @@ static void ply_again(const struct vor_cloud *cloud, struct vor_memory *memory, 
 
     vor_cloud_init(&back, memory);
     if (status == VOR_OK)
-        status = read_any(&back, ply.data, ply.size, 1 << 20, &err);
+        status = read_any(&back, ply.data, ply.size, 1 << 20, 0, &err);
     if (status == VOR_OK && from_ply)
         require_same(cloud, &back, cloud->position_type == VOR_FLOAT32, 0);
     need(status == VOR_OK || status == VOR_E_NOMEM || !from_ply, "what we write is refused");
@@ -123,9 +137,7 @@ static void ply_again(const struct vor_cloud *cloud, struct vor_memory *memory, 
     free(ply.data);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+static void try(const uint8_t *bytes, size_t size, int keep_faces)
 {
     struct vor_memory memory;
     struct vor_cloud cloud;
@@ -134,7 +146,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 
     vor_memory_init(&memory, CAP);
     vor_cloud_init(&cloud, &memory);
-    status = read_any(&cloud, bytes, size, 65536, &err);
+    status = read_any(&cloud, bytes, size, 65536, keep_faces, &err);
     if (status == VOR_OK) {
         dump_again(&cloud, &memory);
         ply_again(&cloud, &memory, is_ply(bytes, size));
@@ -144,5 +156,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     vor_cloud_free(&cloud);
     need(atomic_load(&memory.used) == 0, "memory is left");
     need(atomic_load(&memory.peak) <= CAP, "more memory than the cap");
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    try(bytes, size, 0);
+    if (is_ply(bytes, size))
+        try(bytes, size, 1);
     return 0;
 }

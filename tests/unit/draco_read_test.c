@@ -160,6 +160,73 @@ START_TEST(meshes_give_their_vertices_and_seams_are_merged)
 }
 END_TEST
 
+/* The 32 triangles cover 4 x 4 of the plane, and none reaches across the seam. */
+static void check_faces(const struct vor_cloud *cloud)
+{
+    const uint8_t *rgb = vor_cloud_find(cloud, VOR_COLOR)->data;
+    double area = 0;
+
+    ck_assert_uint_eq(cloud->triangle_count, 32);
+    for (size_t t = 0; t < 32; t++) {
+        const uint32_t *corner = &cloud->triangles[3 * t];
+        const float *p[3];
+
+        for (int k = 0; k < 3; k++) {
+            ck_assert_uint_lt(corner[k], cloud->n);
+            p[k] = &cloud->xyz[3 * (size_t)corner[k]];
+            ck_assert_uint_eq(rgb[3 * (size_t)corner[k] + 2], rgb[3 * (size_t)corner[0] + 2]);
+        }
+        area += fabs((double)((p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) -
+                              (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]))) /
+                2;
+    }
+    must_be_near(area, 16, 1e-2);
+}
+
+/* Vector: points at a seam stay apart where faces are wanted, as each belongs to one side. */
+START_TEST(meshes_give_their_faces_where_these_are_wanted)
+{
+    static const char *const paths[] = {"tests/fuzz/corpus/draco/mesh-edgebreaker.drc",
+                                        "tests/fuzz/corpus/draco/mesh-edgebreaker-fast.drc",
+                                        "tests/fuzz/corpus/draco/mesh-sequential.drc"};
+    struct vor_limits limits = draco_limits;
+    struct vt_bytes bytes = {0};
+    struct vor_cloud cloud;
+
+    limits.keep_faces = 1;
+    ck_assert(slurp(&bytes, paths[_i], paths[_i]));
+    vor_cloud_init(&cloud, &vt_memory);
+    vt_assert_ok(vor_draco_read(&cloud, bytes.data, bytes.size, &limits, &vt_err));
+    check_sheet(&cloud, 30);
+    check_faces(&cloud);
+    ck_assert_uint_eq(cloud.notes.faces, 32);
+    ck_assert_uint_eq(cloud.notes.dropped_count, 0);
+    vor_cloud_free(&cloud);
+    free(bytes.data);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(a_point_cloud_has_no_faces_to_give)
+{
+    struct vor_limits limits = draco_limits;
+    struct vor_cloud cloud, back;
+    struct vt_bytes bytes;
+
+    limits.keep_faces = 1;
+    vt_cloud_sphere(&cloud, 1, 100);
+    vt_assert_ok(draco_encode(&bytes, &cloud, 0, 0));
+    vor_cloud_init(&back, &vt_memory);
+    vt_assert_ok(vor_draco_read(&back, bytes.data, bytes.size, &limits, &vt_err));
+    ck_assert_uint_eq(back.n, 100);
+    ck_assert_uint_eq(back.triangle_count, 0);
+    vor_cloud_free(&back);
+    vor_cloud_free(&cloud);
+    free(bytes.data);
+    vt_assert_no_leak();
+}
+END_TEST
+
 static void put(struct vt_bytes *out, const void *bytes, size_t size)
 {
     ck_assert_int_eq(vt_bytes_write(out, bytes, size), 0);
@@ -414,6 +481,8 @@ int main(void)
     vt_add(suite, redrocks_has_all_its_points_and_colours);
     vt_add(suite, an_old_mesh_gives_its_vertices);
     vt_add(suite, meshes_give_their_vertices_and_seams_are_merged);
+    vt_add_loop(suite, meshes_give_their_faces_where_these_are_wanted, 3);
+    vt_add(suite, a_point_cloud_has_no_faces_to_give);
     vt_add(suite, a_kd_tree_of_an_older_bitstream_holds_the_same_cells);
     vt_add(suite, a_raw_cloud_of_bitstream_1_2_is_read);
     vt_add(suite, positions_in_double_are_kept_to_float_precision_of_their_extent);

@@ -312,6 +312,7 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
     submission->admission = (struct vor_admission){
         .uploads = submission->uploads,
         .drop_invalid = submission->head.spec.value[VOR_PARAM_INVALID] == VOR_INVALID_DROP,
+        .keep_faces = submission->head.spec.value[VOR_PARAM_SAMPLE] == VOR_SAMPLE_FACES,
         .done = on_admitted,
         .ctx = submission};
     submission->holds++; /* nobody else has it yet */

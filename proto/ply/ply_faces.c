@@ -1,0 +1,142 @@
+#include "proto/ply/ply_faces.h"
+
+#include "core/base/quote.h"
+
+enum { SHOWN = 40, CORNERS = 3 };
+
+/* Triangles that there is first room for where the rows of an element do not say. */
+enum { CAPACITY_LEAST = 1024 };
+
+static int is_strips(const struct vor_ply_element *element)
+{
+    return vor_ply_named(element->name, element->name_length, "tristrips");
+}
+
+int vor_ply_face_list(const struct vor_ply_element *element)
+{
+    if (!is_strips(element) && !vor_ply_named(element->name, element->name_length, "face"))
+        return -1;
+    for (unsigned k = 0; k < element->property_count; k++) {
+        const struct vor_ply_property *property = &element->properties[k];
+
+        if (property->list &&
+            (vor_ply_named(property->name, property->name_length, "vertex_indices") ||
+             vor_ply_named(property->name, property->name_length, "vertex_index")))
+            return (int)k;
+    }
+    return -1;
+}
+
+static vor_status too_many(const struct vor_ply_faces *faces, const char *what, uint64_t got,
+                           struct vor_error *err)
+{
+    vor_fail(err, VOR_E_LIMIT, "%llu %s, want at most %zu", (unsigned long long)got, what,
+             faces->most);
+    if (err != NULL) {
+        err->limit = faces->most;
+        err->got = got;
+    }
+    return VOR_E_LIMIT;
+}
+
+static vor_status reserve(struct vor_ply_faces *faces, size_t capacity, struct vor_error *err)
+{
+    uint32_t *triangles;
+
+    if (capacity <= faces->capacity)
+        return VOR_OK;
+    triangles = vor_realloc(faces->memory, faces->triangles, capacity, CORNERS * sizeof *triangles);
+    if (triangles == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "corners of %zu triangles", capacity);
+    faces->triangles = triangles;
+    faces->capacity = capacity;
+    return VOR_OK;
+}
+
+static vor_status add(struct vor_ply_faces *faces, uint32_t a, uint32_t b, uint32_t c,
+                      struct vor_error *err)
+{
+    uint32_t *to;
+    vor_status status = VOR_OK;
+
+    if (faces->count == faces->most)
+        return too_many(faces, "triangles or more", (uint64_t)faces->count + 1, err);
+    if (faces->count == faces->capacity)
+        status = reserve(faces, faces->capacity > 0 ? 2 * faces->capacity : CAPACITY_LEAST, err);
+    if (status != VOR_OK)
+        return status;
+    to = &faces->triangles[CORNERS * faces->count++];
+    to[0] = a;
+    to[1] = b;
+    to[2] = c;
+    return VOR_OK;
+}
+
+static vor_status out_of_range(const struct vor_ply_faces *faces, uint64_t row, uint64_t item,
+                               double value, struct vor_error *err)
+{
+    return vor_fail(err, VOR_E_FORMAT, "corner %llu of %s %llu is vertex %.0f, want %s0 to %llu",
+                    (unsigned long long)item, faces->is_strip ? "strip" : "face",
+                    (unsigned long long)row, value, faces->is_strip ? "-1, or " : "",
+                    (unsigned long long)faces->vertices - 1);
+}
+
+static vor_status take(void *ctx, uint64_t row, uint64_t item, double value, struct vor_error *err)
+{
+    struct vor_ply_faces *faces = ctx;
+    uint32_t *last = faces->corner, index;
+    uint64_t before = item == 0 ? 0 : faces->corners;
+    vor_status status = VOR_OK;
+
+    faces->corners = 0;
+    if (faces->is_strip && value == -1)
+        return VOR_OK;
+    if (!(value >= 0 && value < (double)faces->vertices))
+        return out_of_range(faces, row, item, value, err);
+    index = (uint32_t)value;
+    if (before >= 2 && faces->is_strip && before % 2 == 1) /* every other one is turned over */
+        status = add(faces, last[1], last[0], index, err);
+    else if (before >= 2)
+        status = add(faces, last[0], last[1], index, err);
+    if (before == 0 || faces->is_strip)
+        last[0] = before == 0 ? index : last[1];
+    last[1] = index;
+    faces->corners = before + 1;
+    return status;
+}
+
+static vor_status check_type(const struct vor_ply_element *element, unsigned list,
+                             struct vor_error *err)
+{
+    const struct vor_ply_property *property = &element->properties[list];
+    char name[SHOWN], of[SHOWN];
+
+    if (property->type != VOR_FLOAT32 && property->type != VOR_FLOAT64)
+        return VOR_OK;
+    vor_fail(err, VOR_E_FORMAT, "property %s of %s is a list of %s, want a type of integers",
+             vor_quote(name, sizeof name, property->name, property->name_length),
+             vor_quote(of, sizeof of, element->name, element->name_length),
+             vor_type_name(property->type));
+    return vor_ply_at(err, element->offset, VOR_E_FORMAT);
+}
+
+vor_status vor_ply_faces_read(struct vor_ply_faces *faces, struct vor_ply_body *body,
+                              const struct vor_ply_element *element, struct vor_error *err)
+{
+    const struct vor_ply_items items = {faces, take};
+    unsigned list = (unsigned)vor_ply_face_list(element);
+    vor_status status = check_type(element, list, err);
+
+    if (status == VOR_OK && element->count > faces->most)
+        return vor_ply_at(err, element->offset,
+                          too_many(faces, "rows of faces", element->count, err));
+    if (status == VOR_OK)
+        status = vor_ply_rows_fit(body, element, err);
+    faces->is_strip = is_strips(element);
+    if (status == VOR_OK && !faces->is_strip)
+        status = reserve(faces, faces->count + (size_t)element->count, err);
+    if (status != VOR_OK)
+        return status;
+    return body->encoding == VOR_PLY_ASCII ? vor_ply_ascii_items(body, element, list, &items, err)
+                                           : vor_ply_binary_items(body, element, list, &items, err);
+}
