@@ -48,6 +48,7 @@ enum {
 struct find {
     const struct vor_domain *domain;
     int normals;         /* there are such, by which sheets are told apart */
+    unsigned flat;       /* points of a plane where there are none */
     float *spacing;      /* n */
     unsigned char *flag; /* n: 1 where an empty disc may touch */
     uint32_t *candidate; /* the flagged points */
@@ -109,7 +110,7 @@ static void keep_level(struct around *around, const struct vor_domain *domain, s
 static void search(struct around *out, const struct find *find, size_t i, unsigned k)
 {
     const struct vor_domain *domain = find->domain;
-    unsigned all = domain->known.sheets ? SHEETS * k : k;
+    unsigned all = find->normals && domain->known.sheets ? SHEETS * k : k;
 
     out->k = all < domain->n ? all : (unsigned)domain->n;
     vor_knn_search(domain->knn, point(domain, i), 1, out->k, out->index, out->distance2);
@@ -128,7 +129,7 @@ static void normal_of(double normal[3], const struct find *find, size_t i,
 
     if (known == NULL) {
         vor_plane_fit(&plane, find->domain->xyz, around->index,
-                      around->k < FLAT ? around->k : FLAT);
+                      around->k < find->flat ? around->k : find->flat);
         known = plane.normal;
     }
     for (int c = 0; c < 3; c++)
@@ -367,7 +368,11 @@ static int has_normals(const struct vor_graph *graph)
 vor_status vor_loops_find(struct vor_loops *out, const struct vor_domain *domain,
                           const struct vor_run *run, struct vor_error *err)
 {
-    struct find find = {.domain = domain, .normals = has_normals(&domain->graph)};
+    /* Planes through the nearest few follow noise, where fits take more points than that. */
+    int noisy = domain->known.neighbors.usual > VOR_NEIGHBORS_FEWEST && !domain->known.sheets;
+    struct find find = {.domain = domain,
+                        .normals = !noisy && has_normals(&domain->graph),
+                        .flat = noisy ? NEAR + 1 : FLAT};
     struct vor_loops loops = {.memory = run->memory};
     vor_status status = VOR_OK;
     size_t corners = 0;

@@ -15,8 +15,8 @@
  *
  *  Neighbours that lie over the sheet of a point are left out, so that a sheet near to a border
  * does not hide it: those off its tangent plane where the normals say that the surface does not
- * bend there. Lists of neighbours (input/adjacency.h) lend their normals; which points they hold
- * does not matter, because they stop at creases, where nothing ends.
+ * bend there. Lists of neighbours (input/adjacency.h) lend their normals where the input is not
+ * noisy; which points they hold does not matter, because they stop at creases, where nothing ends.
  *
  *  Measured on 40 balls of 20,000 points of white noise: none has a loop; of holes of 10 spacings
  * all 40 are found, 1.01 times as long as they are (deviation .03), of 5 spacings 39, .93 times
