@@ -147,6 +147,28 @@ static const char *const answered_words[] = {"no", "yes"};
 #define VOR_KIND_OF_ANSWERED(type, field)                                                          \
     .kind = VOR_MEMBER_WORD, .words = answered_words, .word_count = 2
 
+static const char *const loop_kind_words[] = {"hole", "rim"};
+static const char *const loop_why_words[] = {
+    "the surface lies around it",
+    "the surface lies to one side, as at the end of a tube",
+    "the surface lies within it",
+};
+
+#define VOR_KIND_OF_LOOP_KIND(type, field)                                                         \
+    .kind = VOR_MEMBER_WORD, .words = loop_kind_words, .word_count = 2
+#define VOR_KIND_OF_LOOP_WHY(type, field)                                                          \
+    .kind = VOR_MEMBER_WORD, .words = loop_why_words, .word_count = 3
+#define VOR_KIND_OF_LOOPS(type, field)                                                             \
+    .kind = VOR_MEMBER_LIST, .inner = &loop_members, .count_offset = offsetof(type, field##_count)
+
+static const struct vor_member loop_rows[] = {
+#define LOOP_ROW(...) VOR_MEMBER(struct vor_loop_told, __VA_ARGS__)
+    VOR_LOOP_TABLE(LOOP_ROW)
+#undef LOOP_ROW
+};
+
+static const struct vor_members loop_members = VOR_MEMBERS(struct vor_loop_told, loop_rows);
+
 static const struct vor_member inspect_rows[] = {
 #define INSPECT_ROW(...) VOR_MEMBER(struct vor_inspect, __VA_ARGS__)
     VOR_INSPECT_TABLE(INSPECT_ROW)

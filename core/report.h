@@ -359,6 +359,40 @@ struct vor_column {
     struct vor_column field[VOR_ATTRIBUTES_MAX];                                                   \
     unsigned field##_count;
 
+/** What a loop of border points goes around. */
+enum vor_loop_kind { VOR_LOOP_HOLE, VOR_LOOP_RIM };
+
+/** Why: a hole, the end of a tube, the outer border of a sheet. */
+enum vor_loop_why { VOR_LOOP_AROUND, VOR_LOOP_ONE_SIDE, VOR_LOOP_WITHIN };
+
+#define VOR_FIELD_LOOP_KIND(field) enum vor_loop_kind field;
+#define VOR_FIELD_LOOP_WHY(field) enum vor_loop_why field;
+
+/** A closed row of points where the input ends. */
+#define VOR_LOOP_TABLE(X)                                                                          \
+    X(U32, id, "id", "", "Its number, from 1 on: the longest first. The same input has the same")  \
+    X(REAL, length, "length", "unit of the cloud", "Length of the border there")                   \
+    X(U64, points, "points", "points", "Points of the cloud along it")                             \
+    X(VECTOR, centre, "centre", "unit of the cloud",                                               \
+      "Mean of the line through these points, in the coordinates of the cloud")                    \
+    X(LOOP_KIND, kind, "kind", "",                                                                 \
+      "hole: something is missing inside a surface; rim: an outer border of an open surface")      \
+    X(LOOP_WHY, why, "why", "", "What the kind was told by: where the surface lies")               \
+    X(REAL, turns, "turns", "",                                                                    \
+      "How often the loop winds around what is missing, as seen along the surface: 1 for a hole "  \
+      "in a plane, 0 for the end of a tube, -1 for the outer border of a plane. Holes have 0.3 "   \
+      "and more")
+
+struct vor_loop_told {
+    VOR_LOOP_TABLE(VOR_FIELD)
+};
+
+/** Most loops that are told: scans have thousands. */
+#define VOR_LOOPS_TOLD 100
+#define VOR_FIELD_LOOPS(field)                                                                     \
+    struct vor_loop_told field[VOR_LOOPS_TOLD];                                                    \
+    unsigned field##_count;
+
 /** What a cloud is like. Lengths are in the unit of the cloud. */
 #define VOR_INSPECT_TABLE(X)                                                                       \
     X(TEXT, format, "format", "", "Format of the file, as the parameter of that name has it")      \
@@ -398,7 +432,14 @@ struct vor_column {
       "Share of the points whose neighbours are not simply the nearest points")                    \
     X(U64, edge_points, "edges.points", "points", "Points that lie on a sharp edge")               \
     X(REAL, edge_length, "edges.length", "unit of the cloud", "Estimated length of all edges")     \
-    X(REAL, area, "area", "unit of the cloud^2", "Area of the surface, from cells of its points")
+    X(REAL, area, "area", "unit of the cloud^2", "Area of the surface, from cells of its points")  \
+    X(U64, border_loops, "border.loops", "",                                                       \
+      "Loops of points along which the surface ends, in all")                                      \
+    X(U64, border_holes, "border.holes", "", "Those of them that are holes")                       \
+    X(REAL, border_length, "border.length", "unit of the cloud", "Length of all loops")            \
+    X(U64, border_open, "border.open", "",                                                         \
+      "Rows of three or more points where the surface ends that do not close to loops")            \
+    X(LOOPS, loops, "loops", "", "The longest of the loops, at most 100")
 
 struct vor_inspect {
     VOR_INSPECT_TABLE(VOR_FIELD)

@@ -3,6 +3,7 @@
 #include "core/base/stat.h"
 #include "core/input/adjacency.h"
 #include "core/input/edges.h"
+#include "core/input/loops.h"
 #include "core/input/sheets.h"
 #include "core/metrics/uniformity.h"
 
@@ -199,6 +200,41 @@ static vor_status measure_edges(struct vor_inspect *out, const struct vor_domain
     return status;
 }
 
+static void tell_loop(struct vor_loop_told *out, const struct vor_loop *loop,
+                      const double origin[3], const struct vor_domain *domain)
+{
+    out->length = loop->length * domain->unit;
+    out->points = loop->count;
+    for (int c = 0; c < 3; c++)
+        out->centre[c] = origin[c] + (loop->centre[c] * domain->unit + domain->shift[c]);
+    out->turns = loop->turns;
+    out->kind = loop->turns >= VOR_LOOPS_HOLE_TURNS ? VOR_LOOP_HOLE : VOR_LOOP_RIM;
+    out->why = loop->turns >= VOR_LOOPS_HOLE_TURNS    ? VOR_LOOP_AROUND
+               : loop->turns <= -VOR_LOOPS_HOLE_TURNS ? VOR_LOOP_WITHIN
+                                                      : VOR_LOOP_ONE_SIDE;
+}
+
+static vor_status measure_border(struct vor_inspect *out, const struct vor_domain *domain,
+                                 const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_loops loops = {.count = 0};
+    vor_status status = vor_loops_find(&loops, domain, run, err);
+
+    for (size_t i = 0; i < loops.count; i++) {
+        struct vor_loop_told beyond, *told = i < VOR_LOOPS_TOLD ? &out->loops[i] : &beyond;
+
+        tell_loop(told, &loops.loop[i], out->origin, domain);
+        told->id = (uint32_t)i + 1;
+        out->border_length += told->length;
+        out->border_holes += told->kind == VOR_LOOP_HOLE;
+    }
+    out->border_loops = loops.count;
+    out->border_open = loops.open;
+    out->loops_count = (unsigned)(loops.count < VOR_LOOPS_TOLD ? loops.count : VOR_LOOPS_TOLD);
+    vor_loops_free(&loops);
+    return status;
+}
+
 /* Notes what is known of the domain. */
 static void note_known(struct vor_inspect *out, const struct vor_domain *domain)
 {
@@ -231,6 +267,8 @@ vor_status vor_inspect_domain(struct vor_inspect *out, struct vor_domain *domain
         status = measure_noise(out, domain, run, err);
     if (status == VOR_OK)
         status = measure_edges(out, domain, run, err);
+    if (status == VOR_OK)
+        status = measure_border(out, domain, run, err);
     if (status == VOR_OK)
         status = vor_graph_keep_mutual(&domain->graph, run, err);
     return status == VOR_OK ? find_components(out, &domain->graph, run, err) : status;

@@ -84,25 +84,66 @@ static void add_list(struct vor_text *out, const struct vor_member *row,
     }
 }
 
-static void add_line(struct vor_text *out, const char *name, const struct vor_member *row,
-                     const struct vor_json *value)
+static void add_line_value(struct vor_text *out, const struct vor_member *row,
+                           const struct vor_json *value)
 {
-    vor_text_printf(out, "%-24s", name);
     if (row->kind == VOR_MEMBER_VECTOR)
         add_vector(out, value);
     else if (row->kind == VOR_MEMBER_LIST)
         add_list(out, row, value);
     else
         add_value(out, value, row->kind == VOR_MEMBER_REAL ? REAL_DIGITS : COUNT_DIGITS);
-    vor_text_printf(out, "%s%s\n", row->unit[0] != '\0' ? " " : "", row->unit);
+    vor_text_printf(out, "%s%s", row->unit[0] != '\0' ? " " : "", row->unit);
 }
 
-/* A line for a member; for each of its own, if it is an object with a table. */
+static void add_line(struct vor_text *out, const char *name, const struct vor_member *row,
+                     const struct vor_json *value)
+{
+    vor_text_printf(out, "%-24s", name);
+    add_line_value(out, row, value);
+    vor_text_puts(out, "\n");
+}
+
+/* True for a list whose elements have ids. */
+static int is_of_ids(const struct vor_member *row)
+{
+    return row->kind == VOR_MEMBER_LIST && strcmp(row->inner->rows[0].name, "id") == 0;
+}
+
+/* A line for each element of such a list: "loops.1  length 6.28 unit of the cloud, points 40 ...".
+ */
+static void add_elements(struct vor_text *out, const struct vor_member *row,
+                         const struct vor_json *value)
+{
+    for (const struct vor_json *element = vor_json_first(value); element != NULL;
+         element = vor_json_next(element)) {
+        char name[2 * NAME_SIZE];
+        double id = 0;
+
+        (void)vor_json_get_number(vor_json_get(element, "id"), &id);
+        (void)snprintf(name, sizeof name, "%s.%.*g", row->name, COUNT_DIGITS, id);
+        vor_text_printf(out, "%-24s", name);
+        for (unsigned i = 1; i < row->inner->count; i++) {
+            const struct vor_member *inner = &row->inner->rows[i];
+
+            vor_text_printf(out, "%s%s ", i > 1 ? ", " : "", inner->name);
+            add_line_value(out, inner, vor_json_get(element, inner->name));
+        }
+        vor_text_puts(out, "\n");
+    }
+}
+
+/* A line for a member; for each of its own, if it is an object with a table, and for each element
+ * that has an id. */
 static void add_member(struct vor_text *out, const struct vor_member *row,
                        const struct vor_json *value)
 {
     char name[2 * NAME_SIZE];
 
+    if (is_of_ids(row) && vor_json_first(value) != NULL) {
+        add_elements(out, row, value);
+        return;
+    }
     if (row->kind != VOR_MEMBER_OBJECT) {
         add_line(out, row->name, row, value);
         return;

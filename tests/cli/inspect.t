@@ -18,7 +18,7 @@ my $http = HTTP::Tiny->new(timeout => 20);
 my ($code, $stdout, $stderr) = run(['inspect', $in, '--json']);
 is "$code$stderr", '0', 'all is well';
 my $told = decode_json($stdout);
-is_deeply [sort keys %$told], [qw(area attributes bounds components edges format lattice neighbors noise origin points sheets
+is_deeply [sort keys %$told], [qw(area attributes border bounds components edges format lattice loops neighbors noise origin points sheets
     spacing)], 'the members';
 is_deeply $told->{points}, { all => $points, invalid => 0, distinct => $points, outliers => 0 }, 'every point is counted';
 is $told->{format}, 'ply', 'its file was PLY';
@@ -44,7 +44,7 @@ is "$lines_code$lines_errors", '0', 'all is well with lines';
 my @rows = map { [split ' ', $_, 2] } split /\n/, $lines;
 my @members = qw(format bounds.min bounds.max origin attributes points.all points.invalid points.distinct points.outliers components.count components.largest components.small
     components.small_points spacing.mean spacing.p01 spacing.p50 spacing.p99 noise neighbors lattice lattice.matters sheets.found
-    sheets.own edges.points edges.length area);
+    sheets.own edges.points edges.length area border.loops border.holes border.length border.open loops);
 is_deeply [map { $_->[0] } @rows], \@members, 'every member has a line';
 my %line = map {@$_} @rows;
 is $line{'points.all'}, "$points points", 'a count has its unit';
@@ -52,6 +52,7 @@ is $line{'components.count'}, '1', 'or none';
 is $line{'spacing.mean'}, sprintf('%.6g unit of the cloud', $told->{spacing}{mean}), 'a length has six digits';
 is $line{lattice}, '0 0 0 unit of the cloud', 'a vector its three parts';
 is $line{'lattice.matters'}, 'no', 'beside what is told of it';
+is $line{loops}, 'none', 'no loop, no line of one';
 is +(run(['inspect', $in, '--quiet', '-o', '-']))[1], $lines, 'stdout by name is the same';
 is +(run(['inspect', $in, '--server', $daemon->{url}]))[1], $lines, 'so is a daemon';
 my ($to_file, $printed) = run(['inspect', $in, '-o', "$folder/told.json"]);
@@ -61,6 +62,17 @@ my ($there_code, $there) = run(['inspect', $in, '-o', "$folder/there.json", '--s
 is "$there_code$there", '0', 'nor where a daemon makes it';
 is slurp("$folder/there.json") =~ s/\n*\z/\n/r, $stdout, 'and it is the same';
 like +(run(['inspect', '--help']))[1], qr/--json\n.*; of inspect, its document instead of lines$/m, '--help says so';
+
+# A square far from zero, in double precision, has one loop.
+my $square = join '', map { sprintf "%.3f %.3f 42\n", 500000 + ($_ % 40) + 0.2 * sin($_), 4100000 + int($_ / 40) + 0.2 * cos(7 * $_) } 0 .. 1599;
+my $utm = spew("$folder/utm.ply",
+    "ply\nformat ascii 1.0\nelement vertex 1600\nproperty double x\nproperty double y\nproperty double z\nend_header\n$square");
+my ($loop) = @{ decode_json((run(['inspect', $utm, '--json']))[1])->{loops} };
+is "$loop->{id} $loop->{kind}, $loop->{why}", '1 rim, the surface lies within it', 'a square has a rim';
+cmp_ok abs($loop->{length} - 158), '<', 6, 'as long as its sides';
+cmp_ok abs($loop->{centre}{$_->[0]} - $_->[1]), '<', 0.5, "$_->[0] of its centre keeps its digits" for ['x', 500019.5], ['y', 4100019.5], ['z', 42];
+my ($line) = grep {/^loops/} split /\n/, (run(['inspect', $utm]))[1];
+like $line, qr/^loops\.1 +length 1\S+ unit of the cloud, points \d+ points, centre 5000\S+ 41000\S+ 42 unit of the cloud, kind rim, why the surface lies within it, turns -\S+\z/, 'its line has all of it';
 
 for my $case (
     ['a parameter that it does not take', ['--points', 5], 'inspect: no parameter points; inspect takes outliers, intrinsic, invalid'],

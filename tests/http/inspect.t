@@ -49,6 +49,21 @@ ok !exists $job->{voronoid}{target}, 'it has no target';
 my ($end) = grep { $_->{event} eq 'end' } $daemon->events("/v1/jobs/$id/events")->all;
 is_deeply [keys %{ json($end->{data})->{outputs} }], ['inspect'], 'its end has the address of the document';
 
+# A square that was sampled evenly has a rim, and a hole where points are missing.
+my @place = grep { ($_->[0] - 20)**2 + ($_->[1] - 25)**2 >= 36 } map { my $y = $_; map { [$_, $y] } 0 .. 49 } 0 .. 49;
+my $holed = $daemon->post('/v1/inspect', sprintf("ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\nproperty float y\n"
+        . "property float z\nend_header\n%s", scalar @place,
+    join '', map { pack 'f<3', $_->[0] + 0.1 * sin(5 * $_->[1]), $_->[1] + 0.1 * sin(9 * $_->[0]), 0 } @place));
+is $holed->{status}, 200, 'a square with a hole is told of' or diag($holed->{content});
+my $border = json($holed);
+is_deeply [map { "$_->{id} $_->{kind}" } @{ $border->{loops} }], ['1 rim', '2 hole'], 'it has a rim, and a hole';
+is_deeply [@{ $border->{border} }{qw(loops holes open)}], [2, 1, 0], 'which are counted';
+my ($rim, $hole) = @{ $border->{loops} };
+cmp_ok abs($rim->{length} - 199), '<', 6, 'the rim is as long as the sides';
+cmp_ok abs($hole->{length} - 37.7), '<', 3.8, 'the hole as its circle';
+cmp_ok abs($hole->{centre}{x} - 20) + abs($hole->{centre}{y} - 25) + abs($hole->{centre}{z}), '<', 1, 'and where that was';
+is_deeply [sort keys %$hole], [sort keys %{ $schema->{properties}{loops}{items}{properties} }], 'a loop has the members described';
+
 # A line is no surface; the job says so.
 my $line = join '', map { pack 'f<3', $_, 0, 0 } 1 .. 30;
 my $answer = $daemon->post('/v1/inspect',

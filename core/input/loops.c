@@ -1,0 +1,408 @@
+#include "core/input/loops.h"
+
+#include "core/base/linalg.h"
+#include "core/base/stat.h"
+#include "core/geom/boundary.h"
+#include "core/geom/opening.h"
+#include "core/geom/plane.h"
+#include "core/input/rows.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    BLOCK = 256, /* points of one task */
+    NEAR = 30,   /* neighbours of a spacing, beside the point itself */
+    FLAT = 16,   /* points of a plane, where no list has one: as NORMAL in input/edges.c */
+    FEWEST = 4,  /* points with a border */
+    SHEETS = 3,  /* times as many neighbours are looked at where the domain has sheets */
+    /* Points of a loop, and of a row that does not close, from which on it counts. */
+    LEAST_POINTS = 3,
+    LEAST_OPEN = 3
+};
+
+/* Share of a point's own spacing that is believed before its neighbours are asked. At a straight
+ * border half of the disc of its neighbours is empty. */
+#define OWN_SHARE 0.70710678118654752
+
+/* Quantile of the neighbours' spacings that is the spacing at a border: those farther inside. At
+ * 0.25 / 0.35 / 0.5 with a radius of 2.2: holes of five spacings found 20 / 20 / 17 of 20, balls
+ * with a loop 1 / 0 / 0. */
+#define INSIDE_QUANTILE 0.25
+
+/* Spacings of all points together that a neighbour on the same flat sheet lies off the tangent
+ * plane at most, where the domain has sheets and where it has none: there more than that is noise.
+ */
+#define LEVEL_SHEETS 0.35
+#define LEVEL 1.0
+
+/* Length of a loop, in spacings, from which on it counts: shorter ones are chance, three points
+ * with an empty disc between them. At 10 / 14 with a radius of 2.3: balls with a loop 1 / 0 of 20,
+ * holes of five spacings found 20 / 19. */
+#define LEAST_LENGTH 14.0
+
+/* Spacings from the last points to the border. */
+#define BEYOND VOR_EDGE_ROOM
+
+struct find {
+    const struct vor_domain *domain;
+    int normals;         /* there are such, by which sheets are told apart */
+    unsigned flat;       /* points of a plane where there are none */
+    float *spacing;      /* n */
+    unsigned char *flag; /* n: 1 where an empty disc may touch */
+    uint32_t *candidate; /* the flagged points */
+    size_t candidates;
+    struct vor_corner *corner; /* candidates x VOR_OPENINGS */
+    unsigned char *corners_of; /* candidates: how many of them there are */
+};
+
+/* The points around one, itself first. */
+struct around {
+    unsigned k;
+    uint32_t index[SHEETS * VOR_OPENING_NEAR];
+    float distance2[SHEETS * VOR_OPENING_NEAR];
+    float near[3 * VOR_OPENING_NEAR];
+};
+
+static const float *point(const struct vor_domain *domain, size_t i)
+{
+    return &domain->xyz[3 * i];
+}
+
+/* Spacing of a square lattice as dense as k points in a disc. */
+static double spacing_of(float far2, unsigned k)
+{
+    return sqrt(M_PI * (double)far2 / k);
+}
+
+/* Whether j lies on the sheet of i: no more than off over its plane, or as far as a surface gets
+ * whose normal turns as theirs do. Along an arc that turns by an angle, the height over the
+ * distance is the sine of half of it; from one parallel sheet to the other nothing turns. */
+static int is_level(const struct vor_domain *domain, size_t i, size_t j, double off)
+{
+    const float *m = &domain->graph.normal[3 * i], *n = &domain->graph.normal[3 * j];
+    const float *x = point(domain, i), *y = point(domain, j);
+    double cosine = 0, across = 0;
+
+    for (int c = 0; c < 3; c++) {
+        cosine += (double)m[c] * (double)n[c];
+        across += ((double)y[c] - (double)x[c]) * (double)m[c];
+    }
+    return fabs(across) <= off || across * across <= (1 - cosine * cosine) * vor_distance2f(x, y);
+}
+
+/* Leaves those on the sheet of point i, at most k. */
+static void keep_level(struct around *around, const struct vor_domain *domain, size_t i, unsigned k)
+{
+    double off = (domain->known.sheets ? LEVEL_SHEETS : LEVEL) *
+                 spacing_of(around->distance2[around->k - 1], around->k);
+    unsigned left = 0;
+
+    for (unsigned j = 0; j < around->k && left < k; j++)
+        if (is_level(domain, i, around->index[j], off)) {
+            around->index[left] = around->index[j];
+            around->distance2[left++] = around->distance2[j];
+        }
+    around->k = left;
+}
+
+static void search(struct around *out, const struct find *find, size_t i, unsigned k)
+{
+    const struct vor_domain *domain = find->domain;
+    unsigned all = find->normals && domain->known.sheets ? SHEETS * k : k;
+
+    out->k = all < domain->n ? all : (unsigned)domain->n;
+    vor_knn_search(domain->knn, point(domain, i), 1, out->k, out->index, out->distance2);
+    if (find->normals)
+        keep_level(out, domain, i, k);
+    for (unsigned j = 0; j < out->k; j++)
+        memcpy(&out->near[3 * j], point(domain, out->index[j]), 3 * sizeof *out->near);
+}
+
+/* The normal of the lists if there is one, else that of a plane. */
+static void normal_of(double normal[3], const struct find *find, size_t i,
+                      const struct around *around)
+{
+    const float *known = find->normals ? &find->domain->graph.normal[3 * i] : NULL;
+    struct vor_plane plane;
+
+    if (known == NULL) {
+        vor_plane_fit(&plane, find->domain->xyz, around->index,
+                      around->k < find->flat ? around->k : find->flat);
+        known = plane.normal;
+    }
+    for (int c = 0; c < 3; c++)
+        normal[c] = (double)known[c];
+}
+
+static unsigned openings_at(struct vor_opening *out, const struct find *find, size_t i,
+                            const struct around *around, double radius)
+{
+    const float *p = point(find->domain, i);
+    double x[3] = {(double)p[0], (double)p[1], (double)p[2]}, normal[3];
+
+    normal_of(normal, find, i, around);
+    return vor_openings_find(out, around->near, around->k, x, normal, radius);
+}
+
+static void flag_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct find *find = ctx;
+    struct vor_opening opening[VOR_OPENINGS];
+    struct around around;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        double radius;
+
+        search(&around, find, i, NEAR + 1);
+        find->spacing[i] = (float)spacing_of(around.distance2[around.k - 1], around.k);
+        radius = OWN_SHARE * VOR_LOOPS_RADIUS * (double)find->spacing[i];
+        find->flag[i] = radius > 0 && openings_at(opening, find, i, &around, radius) > 0;
+    }
+}
+
+/* Spacing at point i: that of its neighbours, without those that lie at the border as well. */
+static double spacing_at(const struct find *find, const struct around *around)
+{
+    unsigned k = around->k < NEAR + 1 ? around->k : NEAR + 1;
+    float spacing[NEAR + 1];
+
+    for (unsigned j = 0; j < k; j++)
+        spacing[j] = find->spacing[around->index[j]];
+    vor_sort_floats(spacing, k);
+    return (double)spacing[vor_quantile_rank(INSIDE_QUANTILE, k)];
+}
+
+static void corner_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct find *find = ctx;
+    struct vor_opening opening[VOR_OPENINGS];
+    struct around around;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        uint32_t at = find->candidate[i];
+        double spacing;
+        unsigned count;
+
+        search(&around, find, at, VOR_OPENING_NEAR);
+        spacing = spacing_at(find, &around);
+        count = openings_at(opening, find, at, &around, VOR_LOOPS_RADIUS * spacing);
+        find->corners_of[i] = (unsigned char)count;
+        for (unsigned o = 0; o < count; o++) {
+            struct vor_corner *corner = &find->corner[VOR_OPENINGS * i + o];
+
+            corner->point = at;
+            corner->spacing = (float)spacing;
+            for (int c = 0; c < 3; c++) {
+                corner->outward[c] = (float)opening[o].outward[c];
+                corner->middle[0][c] = (float)opening[o].middle[0][c];
+                corner->middle[1][c] = (float)opening[o].middle[1][c];
+            }
+            corner->end[0] = around.index[opening[o].end[0]];
+            corner->end[1] = around.index[opening[o].end[1]];
+        }
+    }
+}
+
+/* Looks for corners at all points; leaves them in find->corner, *count of them. */
+static vor_status find_corners(struct find *find, size_t *count, const struct vor_run *run,
+                               struct vor_error *err)
+{
+    size_t n = find->domain->n, found = 0;
+    vor_status status = vor_run_for(run, n, BLOCK, flag_block, find, err);
+
+    if (status != VOR_OK)
+        return status;
+    for (size_t i = 0; i < n; i++)
+        find->candidates += find->flag[i];
+    find->candidate = vor_malloc(run->memory, find->candidates, sizeof *find->candidate);
+    find->corners_of = vor_malloc(run->memory, find->candidates, sizeof *find->corners_of);
+    find->corner = vor_malloc(run->memory, find->candidates, VOR_OPENINGS * sizeof *find->corner);
+    if (find->candidate == NULL || find->corners_of == NULL || find->corner == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "corners of %zu points", find->candidates);
+    for (size_t i = 0; i < n; i++)
+        if (find->flag[i])
+            find->candidate[found++] = (uint32_t)i;
+    status = vor_run_for(run, find->candidates, BLOCK, corner_block, find, err);
+    *count = 0;
+    for (size_t i = 0; status == VOR_OK && i < find->candidates; i++)
+        for (unsigned o = 0; o < find->corners_of[i]; o++)
+            find->corner[(*count)++] = find->corner[VOR_OPENINGS * i + o];
+    return status;
+}
+
+/* Rows of corners being walked along. */
+struct walk {
+    const struct vor_domain *domain;
+    const struct vor_corner *corner;
+    size_t n;
+    size_t *mate;
+    unsigned char *seen; /* n: 1 where a row went through already */
+    struct vor_loops *loops;
+};
+
+/* The end across the corner, and the one that it is joined to. */
+static size_t step(const struct walk *walk, size_t end)
+{
+    return walk->mate[end ^ 1];
+}
+
+/* Walks from an end, away from its corner's other one, to the end of the row, and marks it. Returns
+ * how many corners it has. */
+static size_t mark(const struct walk *walk, size_t end)
+{
+    size_t count = 0;
+
+    while (end != VOR_ROWS_NO_END && !walk->seen[end / 2]) {
+        walk->seen[end / 2] = 1;
+        count++;
+        end = step(walk, end);
+    }
+    return count;
+}
+
+/* Marks the rows that stop somewhere, and counts the long ones. */
+static void count_open(const struct walk *walk)
+{
+    for (size_t end = 0; end < 2 * walk->n; end++)
+        if (walk->mate[end] == VOR_ROWS_NO_END && !walk->seen[end / 2])
+            walk->loops->open += mark(walk, end) >= LEAST_OPEN;
+}
+
+/* What is summed up along a loop. */
+struct sums {
+    double length, bend, spacing, centre[3];
+};
+
+/* Adds the line between two corners. A disc moved outward by a step makes it longer by that step
+ * times what is added to bend. */
+static void add_line(struct sums *sums, const struct walk *walk, const struct vor_corner *from,
+                     const struct vor_corner *to)
+{
+    const float *a = point(walk->domain, from->point), *b = point(walk->domain, to->point);
+    double length = sqrt(vor_distance2f(a, b)), bend = 0;
+
+    for (int c = 0; c < 3; c++) {
+        bend += ((double)b[c] - (double)a[c]) * ((double)to->outward[c] - (double)from->outward[c]);
+        sums->centre[c] += length * 0.5 * ((double)a[c] + (double)b[c]);
+    }
+    sums->bend += length > 0 ? bend / length : 0;
+    sums->length += length;
+    sums->spacing += (double)from->spacing;
+}
+
+/* Takes the loop through a corner that no row went through, unless it is too short. */
+static void take_loop(const struct walk *walk, size_t first)
+{
+    struct vor_loops *loops = walk->loops;
+    struct vor_loop loop = {.first = loops->points};
+    struct sums sums = {0};
+    size_t end = 2 * first;
+
+    do {
+        size_t next = step(walk, end);
+
+        walk->seen[end / 2] = 1;
+        loops->point[loop.first + loop.count++] = walk->corner[end / 2].point;
+        add_line(&sums, walk, &walk->corner[end / 2], &walk->corner[next / 2]);
+        end = next;
+    } while (end != 2 * first);
+    sums.spacing /= (double)loop.count;
+    if (loop.count < LEAST_POINTS || sums.length < LEAST_LENGTH * sums.spacing)
+        return;
+    loop.length = sums.length + BEYOND * sums.spacing * sums.bend;
+    loop.turns = -sums.bend / (2 * M_PI);
+    for (int c = 0; c < 3; c++)
+        loop.centre[c] = sums.centre[c] / sums.length;
+    loops->points += loop.count;
+    loops->loop[loops->count++] = loop;
+}
+
+static int longer(const void *left, const void *right)
+{
+    const struct vor_loop *a = left, *b = right;
+
+    if (a->length != b->length)
+        return a->length > b->length ? -1 : 1;
+    return (a->first > b->first) - (a->first < b->first);
+}
+
+/* Makes the loops of n corners. */
+static vor_status make_loops(struct vor_loops *loops, const struct find *find, size_t n,
+                             const struct vor_run *run, struct vor_error *err)
+{
+    struct walk walk = {.domain = find->domain, .corner = find->corner, .n = n, .loops = loops};
+    vor_status status = VOR_OK;
+
+    walk.mate = vor_malloc(run->memory, n, 2 * sizeof *walk.mate);
+    walk.seen = vor_calloc(run->memory, n, sizeof *walk.seen);
+    loops->point = vor_malloc(run->memory, n, sizeof *loops->point);
+    loops->loop = vor_malloc(run->memory, n / LEAST_POINTS, sizeof *loops->loop);
+    if (walk.mate == NULL || walk.seen == NULL || loops->point == NULL || loops->loop == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "borders of %zu points", n);
+    else
+        status = vor_rows_join(walk.mate, walk.corner, n, VOR_LOOPS_RADIUS, run->memory, err);
+    if (status == VOR_OK) {
+        count_open(&walk);
+        for (size_t i = 0; i < n; i++)
+            if (!walk.seen[i])
+                take_loop(&walk, i);
+        qsort(loops->loop, loops->count, sizeof *loops->loop, longer);
+    }
+    vor_free(run->memory, walk.seen);
+    vor_free(run->memory, walk.mate);
+    return status;
+}
+
+/* Whether the lists came with normals, as those of input/adjacency.h do. */
+static int has_normals(const struct vor_graph *graph)
+{
+    const float *first = graph->normal;
+
+    return vor_graph_is(graph) && (first[0] != 0 || first[1] != 0 || first[2] != 0);
+}
+
+vor_status vor_loops_find(struct vor_loops *out, const struct vor_domain *domain,
+                          const struct vor_run *run, struct vor_error *err)
+{
+    /* Planes through the nearest few follow noise, where fits take more points than that. */
+    int noisy = domain->known.neighbors.usual > VOR_NEIGHBORS_FEWEST && !domain->known.sheets;
+    struct find find = {.domain = domain,
+                        .normals = !noisy && has_normals(&domain->graph),
+                        .flat = noisy ? NEAR + 1 : FLAT};
+    struct vor_loops loops = {.memory = run->memory};
+    vor_status status = VOR_OK;
+    size_t corners = 0;
+
+    find.spacing = vor_malloc(run->memory, domain->n, sizeof *find.spacing);
+    find.flag = vor_malloc(run->memory, domain->n, sizeof *find.flag);
+    if (find.spacing == NULL || find.flag == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "borders of %zu points", domain->n);
+    else if (domain->n >= FEWEST)
+        status = find_corners(&find, &corners, run, err);
+    if (status == VOR_OK)
+        status = make_loops(&loops, &find, corners, run, err);
+    vor_free(run->memory, find.corner);
+    vor_free(run->memory, find.corners_of);
+    vor_free(run->memory, find.candidate);
+    vor_free(run->memory, find.flag);
+    vor_free(run->memory, find.spacing);
+    if (status != VOR_OK) {
+        vor_loops_free(&loops);
+        return status;
+    }
+    *out = loops;
+    return VOR_OK;
+}
+
+void vor_loops_free(struct vor_loops *loops)
+{
+    if (loops->memory == NULL)
+        return;
+    vor_free(loops->memory, loops->point);
+    vor_free(loops->memory, loops->loop);
+    memset(loops, 0, sizeof *loops);
+}
