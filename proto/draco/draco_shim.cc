@@ -14,7 +14,7 @@
 #include <cstring>
 #include <draco/compression/decode.h>
 #include <draco/compression/expert_encode.h>
-#include <limits>
+#include <draco/mesh/mesh.h>
 #include <malloc.h>
 #include <memory>
 #include <new>
@@ -362,14 +362,22 @@ bool origin_entries(const draco::Metadata *metadata, double origin[3])
     return true;
 }
 
-bool fill(draco::PointCloud *cloud, const vor_draco_source &source)
+bool fill(draco::Mesh *mesh, const vor_draco_source &source)
 {
-    cloud->set_num_points(uint32_t(source.n));
+    mesh->set_num_points(uint32_t(source.n));
     for (unsigned i = 0; i < source.count; i++)
-        if (add_column(cloud, source.columns[i], source.n) != int(i))
+        if (add_column(mesh, source.columns[i], source.n) != int(i))
             return false;
     if (source.origin != nullptr)
-        add_origin(cloud, source);
+        add_origin(mesh, source);
+    mesh->SetNumFaces(source.triangle_count);
+    for (size_t i = 0; i < source.triangle_count; i++) {
+        const uint32_t *corner = source.triangles + 3 * i;
+
+        mesh->SetFace(draco::FaceIndex(uint32_t(i)),
+                      {draco::PointIndex(corner[0]), draco::PointIndex(corner[1]),
+                       draco::PointIndex(corner[2])});
+    }
     return true;
 }
 
@@ -397,17 +405,20 @@ draco::Options quantization(const vor_draco_column &column)
 
 vor_draco_result encode(const vor_draco_source &source, draco::EncoderBuffer *out, char *message)
 {
-    draco::PointCloud cloud;
+    draco::Mesh mesh; /* without triangles it is the point cloud that it is made of */
 
-    if (!fill(&cloud, source)) {
+    if (!fill(&mesh, source)) {
         say(message, "an attribute cannot be added");
         return VOR_DRACO_REFUSED;
     }
-    draco::ExpertEncoder encoder(cloud);
+    draco::ExpertEncoder encoder =
+        source.triangles != nullptr
+            ? draco::ExpertEncoder(mesh)
+            : draco::ExpertEncoder(static_cast<const draco::PointCloud &>(mesh));
     encoder.SetTrackEncodedProperties(true);
     encoder.SetSpeedOptions(source.speed, source.speed);
-    encoder.SetEncodingMethod(source.kd_tree ? draco::POINT_CLOUD_KD_TREE_ENCODING
-                                             : draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
+    encoder.SetEncodingMethod(source.reorders ? draco::POINT_CLOUD_KD_TREE_ENCODING
+                                              : draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
     for (unsigned i = 0; i < source.count; i++)
         if (source.columns[i].bits > 0)
             encoder.options().SetAttributeOptions(int(i), quantization(source.columns[i]));
@@ -416,12 +427,16 @@ vor_draco_result encode(const vor_draco_source &source, draco::EncoderBuffer *ou
         say(message, status.error_msg());
         return VOR_DRACO_REFUSED;
     }
-    if (encoder.num_encoded_points() != source.n || out->size() == 0) {
-        say(message, "points are missing");
+    if (encoder.num_encoded_points() != source.n ||
+        encoder.num_encoded_faces() != source.triangle_count || out->size() == 0) {
+        say(message, "points or faces are missing");
         return VOR_DRACO_REFUSED;
     }
     return VOR_DRACO_DONE;
 }
+
+static_assert(int(draco::MESH_EDGEBREAKER_ENCODING) == int(draco::POINT_CLOUD_KD_TREE_ENCODING),
+              "one number is the method of both geometries; sequential is 0");
 
 } /* namespace */
 
@@ -472,6 +487,14 @@ int vor_draco_is_mesh(const vor_draco_decoded *decoded) noexcept
 size_t vor_draco_faces(const vor_draco_decoded *decoded) noexcept
 {
     return decoded->mesh ? static_cast<const draco::Mesh *>(decoded->cloud.get())->num_faces() : 0;
+}
+
+void vor_draco_triangles(const vor_draco_decoded *decoded, uint32_t *out) noexcept
+{
+    const draco::Mesh *mesh = static_cast<const draco::Mesh *>(decoded->cloud.get());
+
+    for (size_t k = 0; k < 3 * vor_draco_faces(decoded); k++)
+        out[k] = mesh->face(draco::FaceIndex(uint32_t(k / 3)))[k % 3].value();
 }
 
 unsigned vor_draco_attributes(const vor_draco_decoded *decoded) noexcept
