@@ -31,11 +31,11 @@ static void place(float out[3], size_t i, size_t wide, size_t high, int closed)
     out[2] = (float)(closed ? sin(v) : sin(u));
 }
 
-/* Squares of a grid, two triangles each; closed, it is a torus. One in ten is larger than what a
+/* Squares of a grid, two triangles each; closed, it is a torus. One in forty is larger than what a
  * writer writes at a time. */
 static void surface_mesh(struct vor_cloud *cloud, struct vor_mesh *mesh, uint64_t seed, int closed)
 {
-    double most = seed % 10 == 0 ? 150 : 20;
+    double most = seed % 40 == 0 ? 120 : 20;
     size_t wide = 3 + (size_t)(most * vt_unit(seed, 1));
     size_t high = 3 + (size_t)(most * vt_unit(seed, 2));
     size_t columns = closed ? wide : wide - 1, rows = closed ? high : high - 1;
