@@ -419,6 +419,7 @@ vor_draco_result encode(const vor_draco_source &source, draco::EncoderBuffer *ou
     encoder.SetSpeedOptions(source.speed, source.speed);
     encoder.SetEncodingMethod(source.reorders ? draco::POINT_CLOUD_KD_TREE_ENCODING
                                               : draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
+    encoder.options().SetGlobalBool("compress_connectivity", source.n <= size_t(1) << 20);
     for (unsigned i = 0; i < source.count; i++)
         if (source.columns[i].bits > 0)
             encoder.options().SetAttributeOptions(int(i), quantization(source.columns[i]));
