@@ -287,21 +287,13 @@ static void drop_filling(struct vor_mesh *mesh)
 
 /* Turns the points of the file that triangles have into those of the cloud, by the positions that
  * they share. value: of every point; place: of every value, to be filled in. */
-static vor_status place_corners(const struct load *load, const uint32_t *value, uint32_t *place)
+static void place_corners(const struct load *load, const uint32_t *value, uint32_t *place)
 {
-    size_t n = vor_draco_points(load->decoded);
-
     for (size_t i = 0; i < load->n; i++)
         place[value[load->points[i]]] = (uint32_t)i;
-    for (size_t k = 0; k < 3 * load->mesh->count; k++) {
-        uint32_t *corner = &load->mesh->triangle[k];
-
-        if (*corner >= n)
-            return vor_fail(load->err, VOR_E_FORMAT, "a corner of face %zu is no point", k / 3);
-        *corner = place[value[*corner]];
-    }
+    for (size_t k = 0; k < 3 * load->mesh->count; k++)
+        load->mesh->triangle[k] = place[value[load->mesh->triangle[k]]];
     drop_filling(load->mesh);
-    return VOR_OK;
 }
 
 static vor_status load_faces(const struct load *load)
@@ -317,10 +309,11 @@ static vor_status load_faces(const struct load *load)
         place = vor_malloc(memory, values, sizeof *place);
     if (place == NULL || load->mesh->triangle == NULL) {
         status = vor_fail(load->err, VOR_E_NOMEM, "%zu faces", count);
+    } else if (vor_draco_corners(load->decoded, load->mesh->triangle) != VOR_DRACO_DONE) {
+        status = vor_fail(load->err, VOR_E_FORMAT, "a face has a corner that is no point");
     } else {
         load->mesh->count = count;
-        vor_draco_triangles(load->decoded, load->mesh->triangle);
-        status = place_corners(load, value, place);
+        place_corners(load, value, place);
     }
     vor_free(memory, place);
     vor_free(memory, value);

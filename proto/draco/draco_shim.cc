@@ -194,9 +194,10 @@ const draco::DataType data_types[VOR_DRACO_SCALAR_COUNT] = {
     draco::DT_INT8,   draco::DT_UINT8,   draco::DT_INT16,   draco::DT_UINT16, draco::DT_INT32,
     draco::DT_UINT32, draco::DT_FLOAT32, draco::DT_FLOAT64, draco::DT_INT64,  draco::DT_UINT64};
 
-void say(char message[96], const char *text)
+vor_draco_result refuse(char message[96], const char *text)
 {
     (void)std::snprintf(message, 96, "%s", text);
+    return VOR_DRACO_REFUSED;
 }
 
 /* Runs body with the account's meter on; every exception ends here. */
@@ -215,7 +216,7 @@ vor_draco_result guarded(Account *account, char *message, Body body) noexcept
     } catch (const std::bad_alloc &) {
         return VOR_DRACO_NO_MEMORY;
     } catch (const std::exception &e) {
-        say(message, e.what());
+        return refuse(message, e.what());
     } catch (...) {
     }
     return VOR_DRACO_REFUSED;
@@ -293,16 +294,12 @@ vor_draco_result decode(vor_draco_decoded *decoded, const uint8_t *bytes, size_t
 
     buffer.Init(reinterpret_cast<const char *>(bytes), size);
     auto type = draco::Decoder::GetEncodedGeometryType(&buffer);
-    if (!type.ok()) {
-        say(message, type.status().error_msg());
-        return VOR_DRACO_REFUSED;
-    }
+    if (!type.ok())
+        return refuse(message, type.status().error_msg());
     decoded->mesh = type.value() == draco::TRIANGULAR_MESH;
     auto cloud = decoder.DecodePointCloudFromBuffer(&buffer);
-    if (!cloud.ok()) {
-        say(message, cloud.status().error_msg());
-        return VOR_DRACO_REFUSED;
-    }
+    if (!cloud.ok())
+        return refuse(message, cloud.status().error_msg());
     decoded->cloud = std::move(cloud).value();
     return decoded->cloud ? VOR_DRACO_DONE : VOR_DRACO_REFUSED;
 }
@@ -407,10 +404,8 @@ vor_draco_result encode(const vor_draco_source &source, draco::EncoderBuffer *ou
 {
     draco::Mesh mesh; /* without triangles it is the point cloud that it is made of */
 
-    if (!fill(&mesh, source)) {
-        say(message, "an attribute cannot be added");
-        return VOR_DRACO_REFUSED;
-    }
+    if (!fill(&mesh, source))
+        return refuse(message, "an attribute cannot be added");
     draco::ExpertEncoder encoder =
         source.triangles != nullptr
             ? draco::ExpertEncoder(mesh)
@@ -424,15 +419,11 @@ vor_draco_result encode(const vor_draco_source &source, draco::EncoderBuffer *ou
         if (source.columns[i].bits > 0)
             encoder.options().SetAttributeOptions(int(i), quantization(source.columns[i]));
     const draco::Status status = encoder.EncodeToBuffer(out);
-    if (!status.ok()) {
-        say(message, status.error_msg());
-        return VOR_DRACO_REFUSED;
-    }
+    if (!status.ok())
+        return refuse(message, status.error_msg());
     if (encoder.num_encoded_points() != source.n ||
-        encoder.num_encoded_faces() != source.triangle_count || out->size() == 0) {
-        say(message, "points or faces are missing");
-        return VOR_DRACO_REFUSED;
-    }
+        encoder.num_encoded_faces() != source.triangle_count || out->size() == 0)
+        return refuse(message, "points or faces are missing");
     return VOR_DRACO_DONE;
 }
 
@@ -490,12 +481,18 @@ size_t vor_draco_faces(const vor_draco_decoded *decoded) noexcept
     return decoded->mesh ? static_cast<const draco::Mesh *>(decoded->cloud.get())->num_faces() : 0;
 }
 
-void vor_draco_triangles(const vor_draco_decoded *decoded, uint32_t *out) noexcept
+vor_draco_result vor_draco_corners(const vor_draco_decoded *decoded, uint32_t *out) noexcept
 {
+    const size_t points = decoded->cloud->num_points(), faces = vor_draco_faces(decoded);
     const draco::Mesh *mesh = static_cast<const draco::Mesh *>(decoded->cloud.get());
 
-    for (size_t k = 0; k < 3 * vor_draco_faces(decoded); k++)
-        out[k] = mesh->face(draco::FaceIndex(uint32_t(k / 3)))[k % 3].value();
+    for (size_t i = 0; i < faces; i++)
+        for (int k = 0; k < 3; k++) {
+            out[3 * i + size_t(k)] = mesh->face(draco::FaceIndex(uint32_t(i)))[size_t(k)].value();
+            if (out[3 * i + size_t(k)] >= points)
+                return VOR_DRACO_REFUSED;
+        }
+    return VOR_DRACO_DONE;
 }
 
 unsigned vor_draco_attributes(const vor_draco_decoded *decoded) noexcept

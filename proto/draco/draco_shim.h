@@ -82,9 +82,9 @@ int vor_draco_is_mesh(const struct vor_draco_decoded *decoded) VOR_NOEXCEPT;
 /** Faces of a mesh; 0 of a point cloud. */
 size_t vor_draco_faces(const struct vor_draco_decoded *decoded) VOR_NOEXCEPT;
 
-/** The corners of all faces, three each: points of the file where it is right, which nobody has
- *  checked. */
-void vor_draco_triangles(const struct vor_draco_decoded *decoded, uint32_t *out) VOR_NOEXCEPT;
+/** The points of each face, three for each. REFUSED when one does not exist. */
+enum vor_draco_result vor_draco_corners(const struct vor_draco_decoded *decoded,
+                                        uint32_t *out) VOR_NOEXCEPT;
 unsigned vor_draco_attributes(const struct vor_draco_decoded *decoded) VOR_NOEXCEPT;
 
 /** index is below vor_draco_attributes. REFUSED when the type is none of ours. */
