@@ -94,30 +94,25 @@ static vor_status unknown_format(const uint8_t *bytes, size_t size, struct vor_e
     return VOR_E_UNSUPPORTED;
 }
 
-/* What a cloud has to pass once it is read as `status` says. */
-static vor_status check_read(struct vor_cloud *out, const struct vor_format *format,
-                             vor_status status, struct vor_error *err)
-{
-    if (status != VOR_OK)
-        return status;
-    out->notes.format = (unsigned)(format - formats);
-    status = vor_cloud_check(out, err);
-    if (status != VOR_OK)
-        vor_cloud_free(out);
-    return status;
-}
-
 vor_status vor_codec_read(struct vor_cloud *out, const struct vor_format **format,
                           const uint8_t *bytes, size_t size, const struct vor_limits *limits,
                           struct vor_error *err)
 {
     const struct vor_format *found = vor_format_sniff(bytes, size);
+    vor_status status;
 
     if (found == NULL)
         return unknown_format(bytes, size, err);
     if (format != NULL)
         *format = found;
-    return check_read(out, found, found->read(out, bytes, size, limits, err), err);
+    status = found->read(out, bytes, size, limits, err);
+    if (status != VOR_OK)
+        return status;
+    out->notes.format = (unsigned)(found - formats);
+    status = vor_cloud_check(out, err);
+    if (status != VOR_OK)
+        vor_cloud_free(out);
+    return status;
 }
 
 vor_status vor_codec_read_mesh(struct vor_cloud *out, struct vor_mesh *mesh, const uint8_t *bytes,
@@ -129,9 +124,14 @@ vor_status vor_codec_read_mesh(struct vor_cloud *out, struct vor_mesh *mesh, con
     if (found == NULL)
         return unknown_format(bytes, size, err);
     status = found->read_mesh(out, mesh, bytes, size, limits, err);
-    status = check_read(out, found, status, err);
     if (status != VOR_OK)
+        return status;
+    out->notes.format = (unsigned)(found - formats);
+    status = vor_cloud_check(out, err);
+    if (status != VOR_OK) {
         vor_mesh_free(mesh);
+        vor_cloud_free(out);
+    }
     return status;
 }
 

@@ -296,7 +296,7 @@ static void place_corners(const struct load *load, const uint32_t *value, uint32
     drop_filling(load->mesh);
 }
 
-static vor_status load_faces(const struct load *load)
+static vor_status load_mesh(const struct load *load)
 {
     struct vor_memory *memory = load->mesh->memory;
     size_t n = vor_draco_points(load->decoded), count = vor_draco_faces(load->decoded), values = 0;
@@ -349,7 +349,7 @@ static vor_status load_cloud(struct load *load, const struct vor_limits *limits)
     vor_dropped_add(load->cloud->notes.dropped, &load->cloud->notes.dropped_count, "face",
                     vor_draco_faces(load->decoded));
     if (status == VOR_OK && load->mesh != NULL && vor_draco_faces(load->decoded) > 0)
-        status = load_faces(load);
+        status = load_mesh(load);
     return status == VOR_OK ? vor_cloud_check(load->cloud, load->err) : status;
 }
 
