@@ -6,6 +6,7 @@
 #include "core/base/members.h"
 #include "core/base/run.h"
 #include "core/cloud/cloud.h"
+#include "core/cloud/mesh.h"
 #include "core/spec.h"
 
 /** Something that goes into a run or comes out of it. */
@@ -13,6 +14,7 @@ struct vor_artefact {
     const char *name; /**< of the process's row: "cloud", "reference", "report" */
     enum vor_artefact_kind kind;
     struct vor_cloud cloud;       /**< CLOUD */
+    struct vor_mesh mesh;         /**< CLOUD: its faces; count is 0 where it has none */
     struct vor_document document; /**< DOCUMENT; its values belong to the set */
     void *values;                 /**< the same values, to be written */
 };
@@ -35,6 +37,10 @@ void vor_artefacts_free(struct vor_artefacts *set);
 /** Moves a cloud into the set: *cloud is empty afterwards. name outlives the set; the set has no
  *  artefact of that name yet, and fewer than VOR_ARTEFACTS_MAX. */
 void vor_artefacts_put_cloud(struct vor_artefacts *set, const char *name, struct vor_cloud *cloud);
+
+/** The same with faces over the points of the cloud: *mesh is empty afterwards, too. */
+void vor_artefacts_put_mesh(struct vor_artefacts *set, const char *name, struct vor_cloud *cloud,
+                            struct vor_mesh *mesh);
 
 /** Adds a document whose values are all zero, a struct of members->size bytes that the set owns,
  *  and returns the values for the process to set. name as above. NULL, with err set to VOR_E_NOMEM,

@@ -3,6 +3,7 @@
 #define VOR_PROTO_FORMAT_H
 
 #include "core/cloud/cloud.h"
+#include "core/cloud/mesh.h"
 #include "proto/limits.h"
 
 #include <stddef.h>
@@ -22,10 +23,16 @@ struct vor_write_options {
     double spacing;        /**< mean distance between neighbours, for auto; 0 when not known */
     int has_origin;        /**< positions are written relative to origin; else to the cloud's own */
     double origin[3];      /**< only of a format that takes one */
+    const struct vor_mesh *mesh; /**< faces over the points, of indices below their number; NULL or
+                                      empty for none */
 };
 
 /** One format. Readers take a whole file in memory (the caller maps it), never trust it, allocate
  *  only from cloud->memory, and leave an initialised, empty cloud on failure.
+ *
+ *  read_mesh is read for a file that we wrote: *mesh, initialised and empty, gets its faces, over
+ *  the points of *out. Points with a coordinate that is not finite are refused, whatever
+ *  limits->drop_invalid says.
  *
  *  read:  @retval VOR_E_FORMAT (byte_offset says where), VOR_E_EMPTY, VOR_E_NONFINITE, VOR_E_LIMIT
  *         (limit and got), VOR_E_NOMEM
@@ -42,6 +49,8 @@ struct vor_format {
                        const struct vor_limits *limits, struct vor_error *err);
     vor_status (*write)(const struct vor_sink *sink, const struct vor_cloud *cloud,
                         const struct vor_write_options *options, struct vor_error *err);
+    vor_status (*read_mesh)(struct vor_cloud *out, struct vor_mesh *mesh, const uint8_t *bytes,
+                            size_t size, const struct vor_limits *limits, struct vor_error *err);
     int takes_origin; /**< its positions are float32, relative to an origin; else absolute */
 };
 

@@ -1,4 +1,4 @@
-/** Draco files (.drc): point clouds and the vertices of meshes in, point clouds out. */
+/** Draco files (.drc): point clouds and the vertices of meshes in, point clouds and meshes out. */
 #ifndef VOR_PROTO_DRACO_H
 #define VOR_PROTO_DRACO_H
 
@@ -32,10 +32,20 @@
 VOR_NODISCARD vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
                                         const struct vor_limits *limits, struct vor_error *err);
 
-/** Writes a point cloud as bitstream 2.3, in one call of the sink.
+/** The same with the faces of a mesh, over the points that seams are merged to. Faces of one point
+ *  are left out.
+ *
+ *  As vor_format.read_mesh. */
+VOR_NODISCARD vor_status vor_draco_read_mesh(struct vor_cloud *out, struct vor_mesh *mesh,
+                                             const uint8_t *bytes, size_t size,
+                                             const struct vor_limits *limits,
+                                             struct vor_error *err);
+
+/** Writes a point cloud as bitstream 2.3, or a mesh as 2.2, in one call of the sink.
  *
  *  Signature and failures as vor_format.write; also VOR_E_EMPTY and VOR_E_NONFINITE as
- *  vor_cloud_check, and VOR_E_LIMIT when an attribute has more than INT32_MAX scalars.
+ *  vor_cloud_check, and VOR_E_LIMIT when an attribute has more than INT32_MAX scalars, or the faces
+ *  so many corners.
  *
  *  Positions are written relative to the options' origin, rounded once to float32, or without one
  *  relative to the cloud's own, as they are. An origin other than 0, or of double positions, and
@@ -61,11 +71,16 @@ VOR_NODISCARD vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *by
  *
  *  The encoding is the kd-tree, which forgets the order of the points, unless keep_order is set or
  *  the kd-tree cannot hold the cloud: it takes quantised FLOAT32 and integers of up to 32 bits, and
- *  at most 64 scalars a point. A file that would be so small for its points that vor_draco_read
- *  refused it (all points in one place, say) is written as with 0 instead.
+ *  at most 64 scalars a point. A mesh is written by edgebreaker, which forgets the order of points
+ *  and faces and which corner of a face comes first, unless keep_order is set or it would split or
+ *  lose points: those that no face has, or where surfaces touch. Then it is sequential, and where
+ *  the library could not read it, having fewer faces than a third of its points, faces of one point
+ *  stand behind the others. What is said of bits holds of both, and 0 does not keep the order;
+ *  edgebreaker takes 32-bit integers within 2^20. A file that would be so small for its points that
+ *  vor_draco_read refused it (all points in one place, say) is written as with 0 instead, in order.
  *
- *  Cost: O(n log n) time; about five times the bytes of the cloud are charged to cloud->memory
- *  for the time of the call.
+ *  Cost: O(n log n) time; about five times the bytes of the cloud, and 200 a point more for a mesh
+ *  of two faces a point, are charged to cloud->memory for the time of the call.
  *  Deterministic: the same cloud and options give the same bytes. Thread-safe. */
 VOR_NODISCARD vor_status vor_draco_write(const struct vor_sink *sink, const struct vor_cloud *cloud,
                                          const struct vor_write_options *options,

@@ -18,7 +18,8 @@ static const size_t MEMORY_PER_POINT = 40;
 struct load {
     const struct vor_draco_decoded *decoded;
     struct vor_cloud *cloud;
-    uint32_t *points; /* of the file, that become points of the cloud; NULL: all of them */
+    struct vor_mesh *mesh; /* that gets the faces; NULL: they are dropped */
+    uint32_t *points;      /* of the file, that become points of the cloud; NULL: all of them */
     size_t n;
     unsigned position; /* index of the attribute */
     int has_origin;    /* in the metadata, with the type that positions had */
@@ -288,6 +289,57 @@ static vor_status load_faces(const struct load *load)
     return VOR_OK;
 }
 
+/* Leaves out faces of one point, which vor_draco_write fills up with. */
+static void drop_filling(struct vor_mesh *mesh)
+{
+    size_t kept = 0;
+
+    for (size_t i = 0; i < mesh->count; i++) {
+        const uint32_t *corner = mesh->triangle + 3 * i;
+
+        if (corner[0] == corner[1] && corner[0] == corner[2])
+            continue;
+        memmove(mesh->triangle + 3 * kept, corner, 3 * sizeof *corner);
+        kept++;
+    }
+    mesh->count = kept;
+}
+
+/* Turns the points of the file that triangles have into those of the cloud, by the positions that
+ * they share. value: of every point; place: of every value, to be filled in. */
+static void place_corners(const struct load *load, const uint32_t *value, uint32_t *place)
+{
+    for (size_t i = 0; i < load->n; i++)
+        place[value[load->points[i]]] = (uint32_t)i;
+    for (size_t k = 0; k < 3 * load->mesh->count; k++)
+        load->mesh->triangle[k] = place[value[load->mesh->triangle[k]]];
+    drop_filling(load->mesh);
+}
+
+static vor_status load_mesh(const struct load *load)
+{
+    struct vor_memory *memory = load->mesh->memory;
+    size_t n = vor_draco_points(load->decoded), count = vor_draco_faces(load->decoded), values = 0;
+    uint32_t *value = vor_malloc(memory, n, sizeof *value), *place = NULL;
+    vor_status status = VOR_OK;
+
+    load->mesh->triangle = vor_malloc(memory, count, 3 * sizeof *load->mesh->triangle);
+    if (value != NULL &&
+        vor_draco_mapping(load->decoded, load->position, value, &values) == VOR_DRACO_DONE)
+        place = vor_malloc(memory, values, sizeof *place);
+    if (place == NULL || load->mesh->triangle == NULL) {
+        status = vor_fail(load->err, VOR_E_NOMEM, "%zu faces", count);
+    } else if (vor_draco_corners(load->decoded, load->mesh->triangle) != VOR_DRACO_DONE) {
+        status = vor_fail(load->err, VOR_E_FORMAT, "a face has a corner that is no point");
+    } else {
+        load->mesh->count = count;
+        place_corners(load, value, place);
+    }
+    vor_free(memory, place);
+    vor_free(memory, value);
+    return status;
+}
+
 static vor_status load_cloud(struct load *load, const struct vor_limits *limits)
 {
     vor_status status = find_position(load);
@@ -316,18 +368,17 @@ static vor_status load_cloud(struct load *load, const struct vor_limits *limits)
         status = load_faces(load);
     if (status == VOR_OK)
         status = load_positions(load);
+    if (status == VOR_OK && load->mesh != NULL && vor_draco_faces(load->decoded) > 0)
+        status = load_mesh(load);
     return status == VOR_OK ? vor_cloud_check(load->cloud, load->err) : status;
 }
 
-vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
-                          const struct vor_limits *limits, struct vor_error *err)
+static vor_status read_file(struct load *load, const uint8_t *bytes, size_t size,
+                            const struct vor_limits *limits, struct vor_error *err)
 {
+    struct vor_cloud *out = load->cloud;
     struct vor_draco_purse purse = {.memory = out->memory, .most = MEMORY_FREE};
     struct vor_draco_decoded *decoded = NULL;
-    struct load load = {.cloud = out,
-                        .drop_invalid = limits->drop_invalid,
-                        .keep_faces = limits->keep_faces,
-                        .err = err};
     vor_status status = vor_draco_gate(bytes, size, limits, err);
 
     if (status != VOR_OK)
@@ -336,12 +387,34 @@ vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *bytes, size_t si
     status = decode(&decoded, &purse, bytes, size, err);
     if (status != VOR_OK)
         goto done;
-    load.decoded = decoded;
-    status = load_cloud(&load, limits);
+    load->decoded = decoded;
+    status = load_cloud(load, limits);
 done:
-    vor_free(out->memory, load.points);
+    vor_free(out->memory, load->points);
     vor_draco_free(decoded);
     if (status != VOR_OK)
         vor_cloud_free(out);
+    return status;
+}
+
+vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
+                          const struct vor_limits *limits, struct vor_error *err)
+{
+    struct load load = {.cloud = out,
+                        .drop_invalid = limits->drop_invalid,
+                        .keep_faces = limits->keep_faces,
+                        .err = err};
+
+    return read_file(&load, bytes, size, limits, err);
+}
+
+vor_status vor_draco_read_mesh(struct vor_cloud *out, struct vor_mesh *mesh, const uint8_t *bytes,
+                               size_t size, const struct vor_limits *limits, struct vor_error *err)
+{
+    struct load load = {.cloud = out, .mesh = mesh, .err = err};
+    vor_status status = read_file(&load, bytes, size, limits, err);
+
+    if (status != VOR_OK)
+        vor_mesh_free(mesh);
     return status;
 }

@@ -14,7 +14,7 @@
 #include <cstring>
 #include <draco/compression/decode.h>
 #include <draco/compression/expert_encode.h>
-#include <limits>
+#include <draco/mesh/mesh.h>
 #include <malloc.h>
 #include <memory>
 #include <new>
@@ -194,9 +194,10 @@ const draco::DataType data_types[VOR_DRACO_SCALAR_COUNT] = {
     draco::DT_INT8,   draco::DT_UINT8,   draco::DT_INT16,   draco::DT_UINT16, draco::DT_INT32,
     draco::DT_UINT32, draco::DT_FLOAT32, draco::DT_FLOAT64, draco::DT_INT64,  draco::DT_UINT64};
 
-void say(char message[96], const char *text)
+vor_draco_result refuse(char message[96], const char *text)
 {
     (void)std::snprintf(message, 96, "%s", text);
+    return VOR_DRACO_REFUSED;
 }
 
 /* Runs body with the account's meter on; every exception ends here. */
@@ -215,7 +216,7 @@ vor_draco_result guarded(Account *account, char *message, Body body) noexcept
     } catch (const std::bad_alloc &) {
         return VOR_DRACO_NO_MEMORY;
     } catch (const std::exception &e) {
-        say(message, e.what());
+        return refuse(message, e.what());
     } catch (...) {
     }
     return VOR_DRACO_REFUSED;
@@ -293,16 +294,12 @@ vor_draco_result decode(vor_draco_decoded *decoded, const uint8_t *bytes, size_t
 
     buffer.Init(reinterpret_cast<const char *>(bytes), size);
     auto type = draco::Decoder::GetEncodedGeometryType(&buffer);
-    if (!type.ok()) {
-        say(message, type.status().error_msg());
-        return VOR_DRACO_REFUSED;
-    }
+    if (!type.ok())
+        return refuse(message, type.status().error_msg());
     decoded->mesh = type.value() == draco::TRIANGULAR_MESH;
     auto cloud = decoder.DecodePointCloudFromBuffer(&buffer);
-    if (!cloud.ok()) {
-        say(message, cloud.status().error_msg());
-        return VOR_DRACO_REFUSED;
-    }
+    if (!cloud.ok())
+        return refuse(message, cloud.status().error_msg());
     decoded->cloud = std::move(cloud).value();
     return decoded->cloud ? VOR_DRACO_DONE : VOR_DRACO_REFUSED;
 }
@@ -362,14 +359,22 @@ bool origin_entries(const draco::Metadata *metadata, double origin[3])
     return true;
 }
 
-bool fill(draco::PointCloud *cloud, const vor_draco_source &source)
+bool fill(draco::Mesh *mesh, const vor_draco_source &source)
 {
-    cloud->set_num_points(uint32_t(source.n));
+    mesh->set_num_points(uint32_t(source.n));
     for (unsigned i = 0; i < source.count; i++)
-        if (add_column(cloud, source.columns[i], source.n) != int(i))
+        if (add_column(mesh, source.columns[i], source.n) != int(i))
             return false;
     if (source.origin != nullptr)
-        add_origin(cloud, source);
+        add_origin(mesh, source);
+    mesh->SetNumFaces(source.triangle_count);
+    for (size_t i = 0; i < source.triangle_count; i++) {
+        const uint32_t *corner = source.triangles + 3 * i;
+
+        mesh->SetFace(draco::FaceIndex(uint32_t(i)),
+                      {draco::PointIndex(corner[0]), draco::PointIndex(corner[1]),
+                       draco::PointIndex(corner[2])});
+    }
     return true;
 }
 
@@ -397,31 +402,33 @@ draco::Options quantization(const vor_draco_column &column)
 
 vor_draco_result encode(const vor_draco_source &source, draco::EncoderBuffer *out, char *message)
 {
-    draco::PointCloud cloud;
+    draco::Mesh mesh; /* without triangles it is the point cloud that it is made of */
 
-    if (!fill(&cloud, source)) {
-        say(message, "an attribute cannot be added");
-        return VOR_DRACO_REFUSED;
-    }
-    draco::ExpertEncoder encoder(cloud);
+    if (!fill(&mesh, source))
+        return refuse(message, "an attribute cannot be added");
+    draco::ExpertEncoder encoder =
+        source.triangles != nullptr
+            ? draco::ExpertEncoder(mesh)
+            : draco::ExpertEncoder(static_cast<const draco::PointCloud &>(mesh));
     encoder.SetTrackEncodedProperties(true);
     encoder.SetSpeedOptions(source.speed, source.speed);
-    encoder.SetEncodingMethod(source.kd_tree ? draco::POINT_CLOUD_KD_TREE_ENCODING
-                                             : draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
+    encoder.SetEncodingMethod(source.reorders ? draco::POINT_CLOUD_KD_TREE_ENCODING
+                                              : draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
+    encoder.options().SetGlobalBool("compress_connectivity", source.n <= size_t(1) << 20);
     for (unsigned i = 0; i < source.count; i++)
         if (source.columns[i].bits > 0)
             encoder.options().SetAttributeOptions(int(i), quantization(source.columns[i]));
     const draco::Status status = encoder.EncodeToBuffer(out);
-    if (!status.ok()) {
-        say(message, status.error_msg());
-        return VOR_DRACO_REFUSED;
-    }
-    if (encoder.num_encoded_points() != source.n || out->size() == 0) {
-        say(message, "points are missing");
-        return VOR_DRACO_REFUSED;
-    }
+    if (!status.ok())
+        return refuse(message, status.error_msg());
+    if (encoder.num_encoded_points() != source.n ||
+        encoder.num_encoded_faces() != source.triangle_count || out->size() == 0)
+        return refuse(message, "points or faces are missing");
     return VOR_DRACO_DONE;
 }
+
+static_assert(int(draco::MESH_EDGEBREAKER_ENCODING) == int(draco::POINT_CLOUD_KD_TREE_ENCODING),
+              "one number is the method of both geometries; sequential is 0");
 
 } /* namespace */
 

@@ -126,12 +126,15 @@ struct vor_draco_source {
     const struct vor_draco_column *columns;
     const double *origin;      /**< three, or NULL for no metadata of ours */
     const char *position_type; /**< with origin */
-    int kd_tree;               /**< else sequential */
-    int speed;                 /**< 0 smallest .. 10 fastest */
+    const uint32_t *triangles; /**< three points each; NULL for a point cloud */
+    size_t triangle_count;
+    int reorders; /**< kd-tree of a point cloud, edgebreaker of a mesh; else sequential */
+    int speed;    /**< 0 smallest .. 10 fastest */
 };
 
-/** Encodes a point cloud and hands the file to write (0: taken) in one piece. The meter is not
- *  asked for what write allocates. Thread-safe. */
+/** Encodes a point cloud or a mesh and hands the file to write (0: taken) in one piece. The meter
+ * is not asked for what write allocates. REFUSED, before anything is handed over, also where the
+ *  encoding would split or lose points, or lose faces, as edgebreaker may. Thread-safe. */
 enum vor_draco_result vor_draco_encode(const struct vor_draco_source *source,
                                        const struct vor_draco_meter *meter, void *ctx,
                                        int (*write)(void *ctx, const void *bytes, size_t size),

@@ -8,6 +8,7 @@
 #include <assert.h>
 #include <math.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,12 +19,14 @@ enum { SYMBOL_BITS_MAX = 20 };
 /* A cloud on its way into a file. Column 0 is the positions, column i + 1 is attribute i. */
 struct plan {
     const struct vor_cloud *cloud;
+    const struct vor_mesh *mesh; /* NULL: a point cloud */
+    struct vor_mesh filled;      /* the mesh, where it has too few faces */
     struct vor_draco_column columns[VOR_ATTRIBUTES_MAX + 1];
     int64_t *carriers[VOR_ATTRIBUTES_MAX + 1]; /* owned copies of columns in 64 bits */
     double origin[3];                          /* that positions are relative to */
     float *xyz;                                /* owned positions; NULL: those of the cloud */
     unsigned count;
-    int kd_tree;
+    int reorders; /* kd-tree, or edgebreaker for a mesh; else sequential */
 };
 
 static enum vor_draco_kind kind_of(enum vor_semantic semantic)
@@ -68,6 +71,28 @@ static vor_status choose_frame(struct plan *plan, const struct vor_write_options
 
         plan->xyz[i] = shift == 0 ? cloud->xyz[i] : (float)((double)cloud->xyz[i] + shift);
     }
+    return VOR_OK;
+}
+
+/* The library reads a mesh of at most three points a face: faces of one point, at the end, make up
+ * for those that are missing. */
+static vor_status choose_faces(struct plan *plan, const struct vor_mesh *mesh,
+                               struct vor_error *err)
+{
+    size_t least = (plan->cloud->n + 2) / 3;
+
+    if (mesh == NULL || mesh->count == 0)
+        return VOR_OK;
+    plan->mesh = mesh;
+    if (mesh->count >= least)
+        return VOR_OK;
+    plan->filled.memory = plan->cloud->memory;
+    plan->filled.triangle = vor_calloc(plan->cloud->memory, least, 3 * sizeof *mesh->triangle);
+    if (plan->filled.triangle == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu faces", least);
+    memcpy(plan->filled.triangle, mesh->triangle, 3 * mesh->count * sizeof *mesh->triangle);
+    plan->filled.count = least;
+    plan->mesh = &plan->filled;
     return VOR_OK;
 }
 
@@ -168,6 +193,15 @@ static int sequence_takes_int32(const struct vor_draco_column *column, size_t n)
     return fits_int32(low, high);
 }
 
+/* Edgebreaker guesses a value from three others: anything within their range may be missing. */
+static int breaker_takes_int32(const struct vor_draco_column *column, size_t n)
+{
+    int64_t low, high;
+
+    span_of(column, n, &low, &high);
+    return fits_int32(low, high) && high - low <= 1 << SYMBOL_BITS_MAX;
+}
+
 static int kd_tree_takes(const struct vor_draco_column *column, size_t n)
 {
     switch (column->scalar) {
@@ -197,7 +231,13 @@ static int kd_tree_possible(const struct plan *plan)
     return scalars > 0 && scalars <= VOR_DRACO_KD_SCALARS && n <= INT32_MAX / scalars;
 }
 
-/* In sequential encoding a quantised normal becomes a direction: that loses any other length. */
+/* Edgebreaker loses points of no face, which there are where faces are filled up. */
+static int can_reorder(const struct plan *plan)
+{
+    return plan->mesh != NULL ? plan->mesh != &plan->filled : kd_tree_possible(plan);
+}
+
+/* Outside of the kd-tree a quantised normal becomes a direction: that loses any other length. */
 static int are_unit_vectors(const struct vor_draco_column *column, size_t n)
 {
     const float *v = column->data;
@@ -231,7 +271,8 @@ static vor_status carry(struct plan *plan, unsigned i, struct vor_error *err)
     return VOR_OK;
 }
 
-static vor_status go_sequential(struct plan *plan, struct vor_error *err)
+/* Prepares the columns for every encoding but the kd-tree. */
+static vor_status leave_kd_tree(struct plan *plan, struct vor_error *err)
 {
     size_t n = plan->cloud->n;
     vor_status status = VOR_OK;
@@ -243,7 +284,8 @@ static vor_status go_sequential(struct plan *plan, struct vor_error *err)
             column->bits = are_unit_vectors(column, n) ? VOR_DRACO_NORMAL_BITS : 0;
         if (column->bits > SYMBOL_BITS_MAX)
             column->bits = 0;
-        if (is_int32(column) && !sequence_takes_int32(column, n))
+        if (is_int32(column) &&
+            !(plan->reorders ? breaker_takes_int32(column, n) : sequence_takes_int32(column, n)))
             status = carry(plan, i, err);
     }
     return status;
@@ -253,6 +295,7 @@ static vor_status go_sequential(struct plan *plan, struct vor_error *err)
 struct taker {
     const struct vor_sink *sink;
     int absurd; /* the gate would refuse the file */
+    int loses;  /* edgebreaker cannot hold the mesh */
 };
 
 static int take(void *ctx, const void *bytes, size_t size)
@@ -277,9 +320,14 @@ static vor_status encode(const struct plan *plan, struct taker *taker, int compr
                                       .columns = plan->columns,
                                       .origin = relative ? plan->origin : NULL,
                                       .position_type = vor_type_name_sized(cloud->position_type),
-                                      .kd_tree = plan->kd_tree,
+                                      .reorders = plan->reorders,
                                       .speed = 10 - compression};
     char message[96];
+
+    if (plan->mesh != NULL) {
+        source.triangles = plan->mesh->triangle;
+        source.triangle_count = plan->mesh->count;
+    }
 
     switch (vor_draco_encode(&source, &meter, taker, take, message)) {
     case VOR_DRACO_DONE:
@@ -289,6 +337,7 @@ static vor_status encode(const struct plan *plan, struct taker *taker, int compr
     case VOR_DRACO_NOT_TAKEN:
         return vor_fail(err, VOR_E_IO, "the Draco file cannot be written");
     default:
+        taker->loses = plan->mesh != NULL && plan->reorders;
         return vor_fail(err, VOR_E_INTERNAL, "the Draco library cannot encode %zu points: %s",
                         cloud->n, message);
     }
@@ -297,9 +346,22 @@ static vor_status encode(const struct plan *plan, struct taker *taker, int compr
 /* A file of next to no bytes for its points (all in one place, say) looks like a bomb. */
 static void drop_quantization(struct plan *plan)
 {
-    plan->kd_tree = 0;
+    plan->reorders = 0;
     for (unsigned i = 0; i < plan->count; i++)
         plan->columns[i].bits = 0;
+}
+
+/* A mesh with points that are no face's, or edges of more than two faces, that edgebreaker cannot
+ * hold. */
+static vor_status encode_in_order(struct plan *plan, struct taker *taker, int compression,
+                                  struct vor_error *err)
+{
+    vor_status status;
+
+    plan->reorders = 0;
+    taker->loses = 0;
+    status = leave_kd_tree(plan, err);
+    return status == VOR_OK ? encode(plan, taker, compression, err) : status;
 }
 
 static vor_status encode_readably(struct plan *plan, const struct vor_sink *sink, int compression,
@@ -308,35 +370,47 @@ static vor_status encode_readably(struct plan *plan, const struct vor_sink *sink
     struct taker taker = {.sink = sink};
     vor_status status = VOR_OK;
 
-    if (!plan->kd_tree)
-        status = go_sequential(plan, err);
+    if (!plan->reorders || plan->mesh != NULL)
+        status = leave_kd_tree(plan, err);
     if (status == VOR_OK)
         status = encode(plan, &taker, compression, err);
+    if (taker.loses)
+        status = encode_in_order(plan, &taker, compression, err);
     if (!taker.absurd)
         return status;
     drop_quantization(plan);
-    status = go_sequential(plan, err);
+    status = leave_kd_tree(plan, err);
     return status == VOR_OK ? encode(plan, &taker, compression, err) : status;
 }
 
-/* The library counts scalars in int. */
-static vor_status check_size(const struct vor_cloud *cloud, struct vor_error *err)
+static vor_status refuse_over(size_t got, size_t limit, const char *what, struct vor_error *err)
 {
+    vor_status status =
+        vor_fail(err, VOR_E_LIMIT, "%zu %s, want at most %zu in Draco", got, what, limit);
+
+    if (err != NULL) {
+        err->limit = limit;
+        err->got = got;
+    }
+    return status;
+}
+
+/* The library counts scalars, and corners of faces, in int. */
+static vor_status check_size(const struct vor_cloud *cloud, const struct vor_mesh *mesh,
+                             struct vor_error *err)
+{
+    char what[40];
     size_t components = 3;
-    vor_status status;
 
     for (size_t i = 0; i < cloud->attribute_count; i++)
         if (cloud->attributes[i].components > components)
             components = cloud->attributes[i].components;
+    if (mesh != NULL && mesh->count > INT32_MAX / 3)
+        return refuse_over(mesh->count, INT32_MAX / 3, "faces", err);
     if (cloud->n <= INT32_MAX / components)
         return VOR_OK;
-    status = vor_fail(err, VOR_E_LIMIT, "%zu points of %zu scalars, want at most %zu in Draco",
-                      cloud->n, components, INT32_MAX / components);
-    if (err != NULL) {
-        err->limit = INT32_MAX / components;
-        err->got = cloud->n;
-    }
-    return status;
+    (void)snprintf(what, sizeof what, "points of %zu scalars", components);
+    return refuse_over(cloud->n, INT32_MAX / components, what, err);
 }
 
 vor_status vor_draco_write(const struct vor_sink *sink, const struct vor_cloud *cloud,
@@ -348,26 +422,29 @@ vor_status vor_draco_write(const struct vor_sink *sink, const struct vor_cloud *
     assert(options->quantization_bits >= -1 && options->quantization_bits <= 30);
     assert(options->compression >= 0 && options->compression <= 10);
     if (status == VOR_OK)
-        status = check_size(cloud, err);
+        status = check_size(cloud, options->mesh, err);
     if (status != VOR_OK)
         return status;
     plan = vor_calloc(cloud->memory, 1, sizeof *plan);
     if (plan == NULL)
         return vor_fail(err, VOR_E_NOMEM, "plan of %zu attributes", cloud->attribute_count);
     plan->cloud = cloud;
-    status = choose_frame(plan, options, err);
+    status = choose_faces(plan, options->mesh, err);
+    if (status == VOR_OK)
+        status = choose_frame(plan, options, err);
     if (status != VOR_OK)
         goto done;
     add_columns(plan);
     status = quantize(plan, options, err);
     if (status != VOR_OK)
         goto done;
-    plan->kd_tree = !options->keep_order && kd_tree_possible(plan);
+    plan->reorders = !options->keep_order && can_reorder(plan);
     status = encode_readably(plan, sink, options->compression, err);
 done:
     for (unsigned i = 0; i < plan->count; i++)
         vor_free(cloud->memory, plan->carriers[i]);
     vor_free(cloud->memory, plan->xyz);
+    vor_free(cloud->memory, plan->filled.triangle);
     vor_free(cloud->memory, plan);
     return status;
 }

@@ -1,5 +1,5 @@
 /** PLY 1.0 files (.ply): the vertices of any PLY in, and its faces where they are wanted; binary
- *  little-endian PLY out. */
+ *  little-endian PLY out, with faces where the points have some. */
 #ifndef VOR_PROTO_PLY_H
 #define VOR_PROTO_PLY_H
 
@@ -33,14 +33,25 @@
 VOR_NODISCARD vor_status vor_ply_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
                                       const struct vor_limits *limits, struct vor_error *err);
 
-/** Writes binary_little_endian. options is not looked at.
+/** Reads a file of vor_ply_write with its faces.
+ *
+ *  As vor_format.read_mesh.
+ *
+ *  @retval VOR_E_FORMAT also where the faces are not as vor_ply_write writes them, or have a corner
+ *                       that is no point */
+VOR_NODISCARD vor_status vor_ply_read_mesh(struct vor_cloud *out, struct vor_mesh *mesh,
+                                           const uint8_t *bytes, size_t size,
+                                           const struct vor_limits *limits, struct vor_error *err);
+
+/** Writes binary_little_endian. Of options, which may be NULL, the mesh alone is looked at.
  *
  *  Signature and failures as vor_format.write. Coordinates are absolute, of the cloud's position
  *  type; a NORMAL of three is written as nx ny nz, a COLOR of three or four as red green blue
  *  [alpha], everything else under its name, with _0, _1 ... appended where it has several
  *  components. Names are made printable, free of blanks and unique; 64-bit integers, which PLY
- *  lacks, become double. The cloud's remarks follow one of our own. What vor_ply_read yields comes
- *  back the same, bit for bit.
+ *  lacks, become double. The cloud's remarks follow one of our own. Faces, if there are any, are an
+ *  element `face` behind the vertices, lists `vertex_indices` of uchar 3 and int. What vor_ply_read
+ *  yields comes back the same, bit for bit.
  *
  *  Cost: one pass and 64 KiB from cloud->memory, more where the attributes are many. Deterministic;
  *  thread-safe. */

@@ -8,6 +8,7 @@
 #include <string.h>
 
 enum { NAME_SIZE = 96, LINE_BYTES = 128, BUFFER_BYTES = 65536, PIECE = 256 };
+enum { FACE_LINES = 2, CORNERS = 3, FACE_BYTES = 1 + CORNERS * 4 };
 
 /* One scalar of a row: a name, where the values are and how they are written. */
 struct field {
@@ -21,6 +22,7 @@ struct field {
 struct writer {
     const struct vor_sink *sink;
     const struct vor_cloud *cloud;
+    const struct vor_mesh *mesh; /* NULL for none */
     struct field *fields;
     size_t field_count;
     uint8_t *buffer;
@@ -138,7 +140,8 @@ static size_t row_bytes(const struct writer *writer)
 }
 
 /* The header always fits into the buffer: a field's line has at most NAME_SIZE + 17 bytes, and the
- * buffer has LINE_BYTES for each field, or at least BUFFER_BYTES, beside the remarks. */
+ * buffer has LINE_BYTES for each field and for two lines of faces, or at least BUFFER_BYTES, beside
+ * the remarks. */
 static void put_bytes(struct writer *writer, const char *bytes, size_t size)
 {
     assert(size <= writer->capacity - writer->used);
@@ -167,6 +170,11 @@ static void put_header(struct writer *writer)
         (void)snprintf(line, sizeof line, "property %s %s\n", vor_type_name(field->type),
                        field->name);
         put(writer, line);
+    }
+    if (writer->mesh != NULL) {
+        (void)snprintf(line, sizeof line, "element face %zu\n", writer->mesh->count);
+        put(writer, line);
+        put(writer, "property list uchar int vertex_indices\n");
     }
     put(writer, "end_header\n");
 }
@@ -252,15 +260,42 @@ static vor_status write_rows(struct writer *writer, struct vor_error *err)
     return status;
 }
 
+/* A face is the number of its corners, then their points, which int holds (VOR_POINTS_MAX). */
+static void put_faces(struct writer *writer, size_t first, size_t n)
+{
+    const uint8_t *from = (const uint8_t *)(writer->mesh->triangle + CORNERS * first);
+    struct vor_ply_strided corners = {writer->buffer + 1, FACE_BYTES};
+
+    for (size_t i = 0; i < n; i++)
+        writer->buffer[i * FACE_BYTES] = CORNERS;
+    vor_ply_copy(corners, from, CORNERS * sizeof(uint32_t), n, sizeof(uint32_t), CORNERS,
+                 vor_ply_swaps(VOR_PLY_LITTLE));
+    writer->used = n * FACE_BYTES;
+}
+
+static vor_status write_faces(struct writer *writer, struct vor_error *err)
+{
+    size_t block = writer->capacity / FACE_BYTES, n;
+    vor_status status = VOR_OK;
+
+    for (size_t first = 0; status == VOR_OK && first < writer->mesh->count; first += n) {
+        n = writer->mesh->count - first < block ? writer->mesh->count - first : block;
+        put_faces(writer, first, n);
+        status = flush(writer, err);
+    }
+    return status;
+}
+
 vor_status vor_ply_write(const struct vor_sink *sink, const struct vor_cloud *cloud,
                          const struct vor_write_options *options, struct vor_error *err)
 {
     struct writer writer = {.sink = sink, .cloud = cloud};
-    size_t count = count_fields(cloud);
+    size_t count = count_fields(cloud), lines = count + FACE_LINES;
     vor_status status;
 
-    (void)options; /* all of them are about Draco */
-    writer.capacity = count * LINE_BYTES > BUFFER_BYTES ? count * LINE_BYTES : BUFFER_BYTES;
+    if (options != NULL && options->mesh != NULL && options->mesh->count > 0)
+        writer.mesh = options->mesh;
+    writer.capacity = lines * LINE_BYTES > BUFFER_BYTES ? lines * LINE_BYTES : BUFFER_BYTES;
     writer.capacity += cloud->notes.remarks_size;
     writer.fields = vor_malloc(cloud->memory, count, sizeof *writer.fields);
     writer.buffer = vor_malloc(cloud->memory, writer.capacity, 1);
@@ -273,6 +308,8 @@ vor_status vor_ply_write(const struct vor_sink *sink, const struct vor_cloud *cl
         add_attribute(&writer, &cloud->attributes[i]);
     put_header(&writer);
     status = write_rows(&writer, err);
+    if (status == VOR_OK && writer.mesh != NULL)
+        status = write_faces(&writer, err);
 done:
     vor_free(cloud->memory, writer.buffer);
     vor_free(cloud->memory, writer.fields);

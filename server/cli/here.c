@@ -71,7 +71,8 @@ static vor_status run(struct here *r, struct vor_error *err)
     return status;
 }
 
-static vor_status save_cloud(struct here *r, const struct vor_cloud *cloud, struct vor_error *err)
+static vor_status save_cloud(struct here *r, const struct vor_artefact *result,
+                             struct vor_error *err)
 {
     struct vor_sink sink = {&r->output, vor_output_write};
     struct vor_write_options options;
@@ -83,7 +84,8 @@ static vor_status save_cloud(struct here *r, const struct vor_cloud *cloud, stru
         return status;
     if (r->report != NULL)
         memcpy(r->report->origin, options.origin, sizeof r->report->origin);
-    return r->format->write(&sink, cloud, &options, err);
+    options.mesh = &result->mesh;
+    return r->format->write(&sink, &result->cloud, &options, err);
 }
 
 static vor_status save_document(struct here *r, const struct vor_document *document,
@@ -111,7 +113,7 @@ static vor_status save(struct here *r, struct vor_error *err)
         vor_artefacts_find(&r->out, r->cli->spec.process->outputs[0].name);
     double began = vor_clock_seconds();
     vor_status status = result->kind == VOR_ARTEFACT_CLOUD
-                            ? save_cloud(r, &result->cloud, err)
+                            ? save_cloud(r, result, err)
                             : save_document(r, &result->document, err);
 
     if (status == VOR_E_IO)

@@ -63,7 +63,7 @@ vor_status vor_artefacts_load(struct vor_artefacts *in, struct vor_blobs *blobs,
 /* --- writing ---------------------------------------------------------------------------------- */
 
 static vor_status write_cloud(struct vor_job_output *out, struct vor_blob_writer *writer,
-                              const struct vor_job_view *row, const struct vor_cloud *cloud,
+                              const struct vor_job_view *row, const struct vor_artefact *artefact,
                               const struct vor_result_facts *facts, struct vor_error *err)
 {
     int is_asked = vor_spec_given(&row->spec, VOR_PARAM_FORMAT);
@@ -73,7 +73,7 @@ static vor_status write_cloud(struct vor_job_output *out, struct vor_blob_writer
     vor_status status;
 
     out->format = is_asked ? (unsigned)row->spec.value[VOR_PARAM_FORMAT] : row->input[0].format;
-    out->points = cloud->n;
+    out->points = artefact->cloud.n;
     format = vor_format(out->format);
     if (format == NULL)
         return vor_fail(err, VOR_E_INTERNAL, "this version has no format %u", out->format);
@@ -82,7 +82,8 @@ static vor_status write_cloud(struct vor_job_output *out, struct vor_blob_writer
         return status;
     out->has_origin = options.has_origin;
     memcpy(out->origin, options.origin, sizeof out->origin);
-    status = format->write(&sink, cloud, &options, err);
+    options.mesh = &artefact->mesh;
+    status = format->write(&sink, &artefact->cloud, &options, err);
     if (status == VOR_E_IO && vor_blob_failure(writer, err) == VOR_OK)
         return vor_fail(err, VOR_E_INTERNAL, "the %s writer gave up", format->label);
     return status;
@@ -114,7 +115,7 @@ vor_status vor_artefact_save(struct vor_job_output *out, struct vor_blobs *blobs
     if (status != VOR_OK)
         return status;
     status = artefact->kind == VOR_ARTEFACT_CLOUD
-                 ? write_cloud(&written, writer, row, &artefact->cloud, facts, err)
+                 ? write_cloud(&written, writer, row, artefact, facts, err)
                  : write_document(writer, &artefact->document, err);
     if (status != VOR_OK) {
         vor_blob_discard(writer);

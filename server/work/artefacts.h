@@ -18,8 +18,8 @@
 VOR_NODISCARD vor_status vor_artefacts_load(struct vor_artefacts *in, struct vor_blobs *blobs,
                                             const struct vor_job_view *row, struct vor_error *err);
 
-/** Makes an output of a job durable under its name: a cloud in the format that the request asks
- *  for, else that of the job's main input; a document as JSON.
+/** Makes an output of a job durable under its name: a cloud, with its faces, in the format that the
+ * request asks for, else that of the job's main input; a document as JSON.
  *
  *  @param[out] out      what was written; only when VOR_OK is returned
  *

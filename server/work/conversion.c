@@ -70,13 +70,20 @@ static const char *output_name(const struct vor_conversion *conversion)
     return conversion->row.spec.process->outputs[conversion->output].name;
 }
 
+/* A result as it was written. */
+struct result {
+    struct vor_cloud cloud;
+    struct vor_mesh mesh;
+};
+
 /* What we wrote ourselves and cannot read is our fault, not a caller's. */
-static vor_status decode(struct vor_cloud *cloud, const void *bytes, size_t size,
+static vor_status decode(struct result *result, const void *bytes, size_t size,
                          struct vor_error *err)
 {
     const struct vor_limits limits = {.points = VOR_POINTS_MAX, .header_bytes = (size_t)1 << 24};
     struct vor_error why;
-    vor_status status = vor_codec_read(cloud, NULL, bytes, size, &limits, &why);
+    vor_status status =
+        vor_codec_read_mesh(&result->cloud, &result->mesh, bytes, size, &limits, &why);
 
     if (status == VOR_OK)
         return VOR_OK;
@@ -84,7 +91,7 @@ static vor_status decode(struct vor_cloud *cloud, const void *bytes, size_t size
                     "the result cannot be read: %.900s", why.message);
 }
 
-static vor_status load(struct vor_cloud *cloud, const struct vor_conversion *conversion,
+static vor_status load(struct result *result, const struct vor_conversion *conversion,
                        struct vor_error *err)
 {
     void *bytes = MAP_FAILED;
@@ -102,7 +109,7 @@ static vor_status load(struct vor_cloud *cloud, const struct vor_conversion *con
     if (bytes == MAP_FAILED) {
         status = vor_fail_errno(err, size > 0 ? errno : EINVAL, "mapping the result");
     } else {
-        status = decode(cloud, bytes, (size_t)size, err);
+        status = decode(result, bytes, (size_t)size, err);
         (void)munmap(bytes, (size_t)size);
     }
     (void)close(fd);
@@ -125,22 +132,25 @@ static double spacing_of(const struct vor_conversion *conversion)
     return spacing;
 }
 
-/* Refuses a file that would leave less on the disk than jobs under way need; the cloud in memory is
- * an upper bound of it, as PLY may have doubles where memory has floats. */
-static vor_status check_disk(const struct vor_cloud *cloud, struct vor_blobs *blobs,
+/* Refuses a file that would leave less on the disk than jobs under way need; the result in memory
+ * is an upper bound of it, as PLY may have doubles where memory has floats, and a byte a face more.
+ */
+static vor_status check_disk(const struct result *result, struct vor_blobs *blobs,
                              struct vor_error *err)
 {
+    const struct vor_cloud *cloud = &result->cloud;
     uint64_t available, total, row = 3 * sizeof(double);
+    uint64_t faces = result->mesh.count * (1 + 3 * sizeof(uint32_t));
     vor_status status = vor_blobs_space(blobs, &available, &total, err);
 
     for (size_t i = 0; i < cloud->attribute_count; i++)
         row += cloud->attributes[i].components * vor_type_size(cloud->attributes[i].type);
-    if (status == VOR_OK && available < VOR_BLOBS_RESERVE + row * cloud->n)
+    if (status == VOR_OK && available < VOR_BLOBS_RESERVE + row * cloud->n + faces)
         status = vor_fail_errno(err, ENOSPC, "the converted result");
     return status;
 }
 
-static vor_status write_blob(struct vor_blob_writer *writer, const struct vor_cloud *cloud,
+static vor_status write_blob(struct vor_blob_writer *writer, const struct result *result,
                              const struct vor_conversion *conversion, struct vor_error *err)
 {
     const struct vor_format *format = vor_format(conversion->format);
@@ -150,10 +160,11 @@ static vor_status write_blob(struct vor_blob_writer *writer, const struct vor_cl
     struct trailer trailer = {.origin = ""};
     vor_status status;
 
-    vor_extent_measure(&facts.input, cloud);
+    vor_extent_measure(&facts.input, &result->cloud);
     status = vor_write_options_from(&options, format, &conversion->row.spec, &facts, err);
+    options.mesh = &result->mesh;
     if (status == VOR_OK)
-        status = format->write(&sink, cloud, &options, err);
+        status = format->write(&sink, &result->cloud, &options, err);
     if (status == VOR_E_IO && vor_blob_failure(writer, err) == VOR_OK)
         status = vor_fail(err, VOR_E_INTERNAL, "the %s writer gave up", format->label);
     if (status != VOR_OK)
@@ -164,19 +175,19 @@ static vor_status write_blob(struct vor_blob_writer *writer, const struct vor_cl
     return vor_blob_append(writer, &trailer, sizeof trailer, err);
 }
 
-static vor_status save(const struct vor_cloud *cloud, const struct vor_conversion *conversion,
+static vor_status save(const struct result *result, const struct vor_conversion *conversion,
                        struct vor_error *err)
 {
     struct vor_blobs *blobs = conversion->service->config.blobs;
     char name[VOR_BLOB_NAME_MAX + 1];
     struct vor_blob_writer *writer;
-    vor_status status = check_disk(cloud, blobs, err);
+    vor_status status = check_disk(result, blobs, err);
 
     if (status == VOR_OK)
         status = vor_blob_create(blobs, &writer, err);
     if (status != VOR_OK)
         return status;
-    status = write_blob(writer, cloud, conversion, err);
+    status = write_blob(writer, result, conversion, err);
     if (status != VOR_OK) {
         vor_blob_discard(writer);
         return status;
@@ -210,17 +221,19 @@ static void drop_if_gone(const struct vor_conversion *conversion)
 static vor_status convert(const struct vor_conversion *conversion, struct vor_error *err)
 {
     struct vor_memory memory;
-    struct vor_cloud cloud;
+    struct result result;
     vor_status status;
 
     if (vor_crew_closing(conversion->service->config.crew))
         return vor_fail(err, VOR_E_CANCELLED, "the daemon is going down");
     vor_memory_init(&memory, conversion->service->config.memory);
-    vor_cloud_init(&cloud, &memory);
-    status = load(&cloud, conversion, err);
+    vor_cloud_init(&result.cloud, &memory);
+    vor_mesh_init(&result.mesh, &memory);
+    status = load(&result, conversion, err);
     if (status == VOR_OK)
-        status = save(&cloud, conversion, err);
-    vor_cloud_free(&cloud);
+        status = save(&result, conversion, err);
+    vor_mesh_free(&result.mesh);
+    vor_cloud_free(&result.cloud);
     if (status == VOR_OK)
         drop_if_gone(conversion);
     return status;

@@ -50,9 +50,9 @@ struct vor_conversion_waiter {
  *  @retval VOR_DRAINING  the crew takes no more tasks
  *  @retval VOR_FAILED    VOR_E_NOMEM
  *
- *  The cloud is read and written with the request's own parameters; cells of Draco follow the
- *  spacing that the report tells, and an origin that we choose follows from the result, as its
- *  input may be gone. Costs the disk as much as the file has. */
+ *  The cloud is read and written, with its faces, with the request's own parameters; cells of Draco
+ * follow the spacing that the report tells, and an origin that we choose follows from the result,
+ * as its input may be gone. Costs the disk as much as the file has. */
 VOR_NODISCARD enum vor_job_outcome
 vor_conversion_begin(struct vor_conversion **out, struct vor_conversions *conversions,
                      const struct vor_job_view *row, unsigned output, unsigned format,

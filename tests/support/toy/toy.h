@@ -3,8 +3,8 @@
  *
  *  The method `toy` copies points of the input, in two stages. The process `excerpt` is resample by
  *  that method alone; `census` counts the points of one cloud, and `overlap` tells how far two
- *  clouds lie from each other: both hand out a document. Their parameters are of every kind that no
- *  parameter of the product has. */
+ *  clouds lie from each other: both hand out a document. `ribbon` is convert that adds faces. The
+ *  parameters are of every kind that no parameter of the product has. */
 #ifndef VOR_TOY_H
 #define VOR_TOY_H
 
@@ -73,7 +73,9 @@
       "Tells how many points a cloud has, and where they lie")                                     \
     X(OVERLAP, overlap, 0, VOR_IN(TOY_STEPS) | VOR_IN(TOY_POINTS) | VOR_IN(TOY_OVERLAP), 0, 0, 0,  \
       VOR_TOY_TWO_IN, VOR_TOY_OVERLAP_OUT, "Compare two clouds",                                   \
-      "Tells how far the points of a cloud lie from another one")
+      "Tells how far the points of a cloud lie from another one")                                  \
+    X(RIBBON, ribbon, 1, VOR_IN(READ) | VOR_IN(FORMAT), 0, 0, 0, VOR_CLOUD_IN, VOR_CLOUD_OUT,      \
+      "Join points by triangles", "Joins each three successive points of a cloud by a triangle")
 
 #define VOR_EXTRA_PRESETS(X)                                                                       \
     X(EXCERPT, METHOD, VOR_METHOD_TOY)                                                             \
@@ -86,7 +88,8 @@
 #define VOR_EXTRA_RUNNERS(X)                                                                       \
     X("excerpt", run_resample)                                                                     \
     X("census", vor_toy_census)                                                                    \
-    X("overlap", vor_toy_overlap)
+    X("overlap", vor_toy_overlap)                                                                  \
+    X("ribbon", vor_toy_ribbon)
 
 /* ---------------------------------------------------------------------------------------------- */
 
@@ -132,5 +135,13 @@ VOR_NODISCARD vor_status vor_toy_census(struct vor_artefacts *out, const struct 
 VOR_NODISCARD vor_status vor_toy_overlap(struct vor_artefacts *out, const struct vor_artefacts *in,
                                          const struct vor_spec *spec, const struct vor_run *run,
                                          struct vor_error *err);
+
+/** The same: `cloud` in, and out again with faces, a strip of triangles along the order of its
+ *  points, which lie in rows of two for it to be a surface; and a `report`.
+ *
+ *  @retval VOR_E_CANCELLED, VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_toy_ribbon(struct vor_artefacts *out, const struct vor_artefacts *in,
+                                        const struct vor_spec *spec, const struct vor_run *run,
+                                        struct vor_error *err);
 
 #endif
