@@ -116,6 +116,16 @@ enum vor_method_choice {
       "How the points are spread")                                                                 \
     X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, 0, "quadric",                                        \
       "Local surface that stands for the input")                                                   \
+    X(DENSITY, density, CHOICE_OR_NAME, SPREAD, "", 1, 63, VOR_DENSITY_UNIFORM,                    \
+      "uniform curvature attribute:NAME",                                                          \
+      "What the spacing follows: it goes with the density to the power -1/4. uniform: nothing; "   \
+      "curvature: the more the surface bends, the denser; attribute:NAME: a scalar of the input "  \
+      "that is 0 or more")                                                                         \
+    X(CONTRAST, contrast, REAL, SPREAD, "", 1, 100, 4, "",                                         \
+      "Largest spacing over the smallest one, where there is a density")                           \
+    X(GRADING, grading, REAL, SPREAD, "", 0.001, 1, 0.2, "",                                       \
+      "Most that the spacing changes from one place to another, over their distance, where there " \
+      "is a density")                                                                              \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
       "Iterations; not given: at most 12, or 100 where no polish follows, and the plateau")        \
     X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "", "Stop once delta is this low")            \
@@ -184,6 +194,7 @@ enum vor_parameter {
         VOR_PARAMETER_COUNT
 };
 
+enum { VOR_DENSITY_UNIFORM, VOR_DENSITY_CURVATURE, VOR_DENSITY_ATTRIBUTE };
 enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE };
 enum { VOR_OUTLIERS_KEEP, VOR_OUTLIERS_DROP, VOR_OUTLIERS_PULL };
 enum { VOR_FILTER_MLS, VOR_FILTER_OUTLIERS, VOR_FILTER_THIN }; /* words of the list filters */
