@@ -2,6 +2,7 @@
 
 #include "core/cvt/cvt.h"
 #include "core/geom/patch.h"
+#include "core/input/density.h"
 #include "core/input/input.h"
 #include "core/input/islands.h"
 #include "core/input/sampled.h"
@@ -105,6 +106,9 @@ static vor_status place(struct engine *engine, size_t n, struct vor_error *err)
     vor_status status = VOR_OK;
 
     if (share < n)
+        status = vor_density_make(&engine->domain, engine->in, n - share, &engine->spec,
+                                  &engine->whole, err);
+    if (status == VOR_OK && share < n)
         status = method->run(&engine->seeds, &engine->told, &engine->domain, n - share,
                              &engine->spec, &engine->run, err);
     engine->report.seconds_init += engine->told.seconds_start;

@@ -162,7 +162,8 @@ struct vor_stage_done {
     X(U64, points_out, "points.out", "points", "Points of the result")                             \
     X(REAL, delta, "delta", "",                                                                    \
       "Uniformity of the result, the relative standard deviation of the distances to the "         \
-      "nearest neighbour; lower is better")                                                        \
+      "nearest neighbour; lower is better. With a density: of those distances over the spacing "   \
+      "wanted there, as delta, sigma and epsilon are wherever a run tells them")                   \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
       "Mean deviation of those distances from their mean")                                         \
     X(REAL, epsilon, "epsilon", "",                                                                \
@@ -208,6 +209,13 @@ struct vor_stage_done {
     X(REAL, delta_beside, "islands.delta_beside", "",                                              \
       "delta of the other points of the result; that of all of them counts the gaps around "       \
       "islands")                                                                                   \
+    X(OPTIONAL, has_density, "density", "",                                                        \
+      "How the density was followed; only where one was asked for")                                \
+    X(REAL, density_span, "density.span", "",                                                      \
+      "Density followed, after contrast and grading: its 95th percentile over its 5th among "      \
+      "places of the surface")                                                                     \
+    X(REAL, density_least, "density.spacing_min", "unit of the cloud", "Smallest spacing wanted")  \
+    X(REAL, density_most, "density.spacing_max", "unit of the cloud", "Largest spacing wanted")    \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
       "Cell that the coordinates of the input were rounded to; 0 where none was found")            \
     X(U64, off_lattice, "lattice.moved", "points",                                                 \

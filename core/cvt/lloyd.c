@@ -53,7 +53,7 @@ enum { AT_BORDER = 1, HELD_EVER = 2 }; /* flags of a seed */
 
 /* Sums of one block of seeds. */
 struct block_sums {
-    double area, energy, max_move;
+    double area, even, energy, max_move; /* even: the area as an even spread would share it */
     uint64_t held, plane, left;
 };
 
@@ -143,9 +143,30 @@ static void set3(float *out, const double x[3])
         out[c] = (float)x[c];
 }
 
+/* Moments of the cell of seed i, with the density if there is one. */
+static int moments_of(const struct cvt *cvt, const struct vor_scratch *scratch, size_t i,
+                      struct vor_moments *out)
+{
+    const struct vor_wanted *wanted = &cvt->seeds->wanted;
+    const struct vor_surface *surface = &scratch->here.surface;
+    struct vor_cell_spacing spacing;
+
+    if (wanted->value == NULL)
+        return vor_cell_moments(out, &scratch->cell);
+    spacing.value = vor_wanted_at(wanted, i);
+    for (int c = 0; c < 3; c++) {
+        const float *slope = wanted->near[i].slope;
+
+        spacing.slope[c] = vor_dot(
+            surface->axis[c], (double[3]){(double)slope[0], (double)slope[1], (double)slope[2]});
+    }
+    return vor_cell_moments_dense(out, &scratch->cell, &spacing);
+}
+
 /* The centroid of scratch->cell lies outside: clips the cell where the input ends in that
  * direction, and computes the centroid x again. */
-static void shorten_cell(struct vor_scratch *scratch, struct vor_moments *moments, double x[3])
+static void shorten_cell(const struct cvt *cvt, struct vor_scratch *scratch, size_t i,
+                         struct vor_moments *moments, double x[3])
 {
     double side[2] = {moments->centroid[0] - scratch->cell.seed[0],
                       moments->centroid[1] - scratch->cell.seed[1]};
@@ -158,7 +179,7 @@ static void shorten_cell(struct vor_scratch *scratch, struct vor_moments *moment
     end = vor_boundary_end(&scratch->here.surface, scratch->cell.seed, side,
                            &scratch->there.surface, scratch->there.near, scratch->there.k);
     vor_cell_clip(&scratch->cell, (double[3]){2 * end * side[0], 2 * end * side[1], 0});
-    if (!vor_cell_moments(moments, &scratch->cell))
+    if (!moments_of(cvt, scratch, i, moments))
         return;
     vor_surface_to_world(&scratch->here.surface, moments->centroid, x);
     vor_surface_put(&scratch->here.surface, x);
@@ -189,7 +210,7 @@ static int restrict_move(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
         return 0;
     cvt->flags[i] |= AT_BORDER;
     for (int tries = 0; tries < SHORTEN_MAX; tries++) {
-        shorten_cell(scratch, moments, x);
+        shorten_cell(cvt, scratch, i, moments, x);
         if (!outside(cvt, scratch, &border, x))
             return 0;
     }
@@ -235,8 +256,11 @@ static void lloyd_step(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
         sums->left++;
         return;
     }
-    if (vor_cell_moments(&moments, &scratch->cell)) {
+    if (moments_of(cvt, scratch, i, &moments)) {
+        double wanted = vor_wanted_at(&cvt->seeds->wanted, i);
+
         sums->area += moments.area;
+        sums->even += moments.area / (wanted * wanted);
         sums->energy += moments.energy;
     } else {
         memcpy(moments.centroid, scratch->cell.seed, sizeof moments.centroid);
@@ -282,6 +306,7 @@ static void add_blocks(struct cvt *cvt)
 
     for (size_t b = 0; b < cvt->blocks; b++) {
         total.area += cvt->sums[b].area;
+        total.even += cvt->sums[b].even;
         total.energy += cvt->sums[b].energy;
         total.max_move = fmax(total.max_move, cvt->sums[b].max_move);
         total.held += cvt->sums[b].held;
@@ -384,6 +409,7 @@ static void note(struct cvt *cvt, const struct vor_record *record)
     told->fallback_plane = cvt->total.plane;
     told->fallback_left = cvt->total.left;
     told->area = cvt->total.area;
+    told->area_even = cvt->total.even;
 }
 
 static struct vor_record record_of(const struct cvt *cvt, const struct vor_uniformity *even)

@@ -17,7 +17,10 @@
  *  Departure: the result is the most even iterate of all.
  *  Departure: where the input is thinned, the last iterations run on the whole of it.
  *
- *  Not done here: density, anisotropy, other norms. */
+ *  With a density (input/density.h) a centroid is that of Chen 2018, Eq. 3: linear over each
+ *  triangle of the cell, from the field around the seed.
+ *
+ *  Not done here: anisotropy, other norms. */
 #ifndef VOR_CVT_LLOYD_H
 #define VOR_CVT_LLOYD_H
 

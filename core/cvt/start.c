@@ -52,7 +52,7 @@ struct spread {
 /* The running sum of the areas of one set of seeds, from which another set is sampled. */
 struct areas {
     struct vor_seeds *from, *to;
-    double *end;   /* end[i]: sum of the areas of cells 0 .. i */
+    double *end;   /* end[i]: sum of the areas of cells 0 .. i, or of their shares of the seeds */
     double offset; /* of the first sample in the running sum, 0 .. 1 samples */
     uint64_t seed;
 };
@@ -199,6 +199,14 @@ static size_t stretch(const struct vor_seeds *seeds, size_t i)
     return (size_t)((uint64_t)i * seeds->domain->n / seeds->n);
 }
 
+/* Where stretch i is sampled. */
+static size_t sample_of(const struct areas *areas, size_t i)
+{
+    size_t low = stretch(areas->to, i), points = stretch(areas->to, i + 1) - low;
+
+    return low + (size_t)(vor_rng_unit(areas->seed, STREAM_STRETCH, i) * (double)points);
+}
+
 /* Estimates the area of a stretch: one of its points is drawn, and each point counts as much as one
  * of the DENSITY_K - 1 neighbours in the disc around that one. */
 static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -210,10 +218,7 @@ static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        size_t low = stretch(to, i), points = stretch(to, i + 1) - low;
-        size_t at = low + (size_t)(vor_rng_unit(areas->seed, STREAM_STRETCH, i) * (double)points);
-
-        memcpy(&x[3 * (i - begin)], &to->domain->xyz[3 * at], 3 * sizeof *x);
+        memcpy(&x[3 * (i - begin)], &to->domain->xyz[3 * sample_of(areas, i)], 3 * sizeof *x);
     }
     vor_knn_search(to->domain->knn, x, end - begin, DENSITY_K, index, distance2);
     for (size_t i = begin; i < end; i++) {
@@ -221,6 +226,21 @@ static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
         double far2 = (double)distance2[(i - begin) * DENSITY_K + DENSITY_K - 1];
 
         areas->end[i] = PI * far2 * points / (DENSITY_K - 1);
+    }
+}
+
+/* Turns the areas of stretches into their shares of the seeds: with a density rho, these go with
+ * area times sqrt(rho). */
+static void weigh_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct areas *areas = ctx;
+    const struct vor_domain *domain = areas->to->domain;
+    struct vor_field_near near;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        vor_field_find(&near, &domain->field, &domain->xyz[3 * sample_of(areas, i)]);
+        areas->end[i] /= (double)near.value * (double)near.value;
     }
 }
 
@@ -266,7 +286,7 @@ static vor_status start_at_points(struct areas *areas, int *enough, struct vor_e
     struct vor_seeds *to = areas->to;
     const struct vor_run *run = &to->run;
     vor_status status;
-    double sum = 0;
+    double sum = 0, shares = 0;
 
     *enough = 0;
     areas->end = vor_malloc(run->memory, to->n, sizeof *areas->end);
@@ -274,7 +294,11 @@ static vor_status start_at_points(struct areas *areas, int *enough, struct vor_e
         return vor_fail(err, VOR_E_NOMEM, "areas of %zu stretches", to->n);
     status = vor_run_for(run, to->n, DENSITY_BLOCK, density_block, areas, err);
     for (size_t i = 0; status == VOR_OK && i < to->n; i++)
-        areas->end[i] = sum += areas->end[i];
+        sum += areas->end[i];
+    if (status == VOR_OK && vor_field_is(&to->domain->field))
+        status = vor_run_for(run, to->n, DENSITY_BLOCK, weigh_block, areas, err);
+    for (size_t i = 0; status == VOR_OK && i < to->n; i++)
+        areas->end[i] = shares += areas->end[i];
     if (status == VOR_OK && sum > 0)
         *enough = pick(areas);
     to->area = sum;
@@ -298,6 +322,20 @@ static double variation(const struct areas *areas)
     return sqrt(fmax(0, sum2 / (double)n / (mean * mean) - 1));
 }
 
+/* Turns the areas of the cells into their shares of the seeds, as weigh_block. */
+static void weigh_cells(const struct areas *areas)
+{
+    const struct vor_seeds *from = areas->from;
+    double before = 0, sum = 0;
+
+    for (size_t i = 0; i < from->n; i++) {
+        double wanted = vor_wanted_at(&from->wanted, i), area = areas->end[i] - before;
+
+        before = areas->end[i];
+        areas->end[i] = sum += area / (wanted * wanted);
+    }
+}
+
 /* Starts the seeds in the cells of areas->from, as many in each as its area asks for. Where the
  * areas are very uneven and both sets are as large, takes the cells of the started seeds and starts
  * again. */
@@ -317,11 +355,13 @@ static vor_status sample_cells(struct areas *areas, struct vor_error *err)
             memcpy(from->xyz, to->xyz, 3 * to->n * sizeof *to->xyz);
         }
         status = vor_area_cells(areas->end, from, err);
-        if (status == VOR_OK)
-            status = vor_run_for(&to->run, from->n, VOR_SEEDS_BLOCK, sample_block, areas, err);
-    }
-    if (status == VOR_OK)
+        if (status != VOR_OK)
+            break;
         to->area = areas->end[from->n - 1];
+        if (from->wanted.value != NULL)
+            weigh_cells(areas);
+        status = vor_run_for(&to->run, from->n, VOR_SEEDS_BLOCK, sample_block, areas, err);
+    }
     vor_free(memory, areas->end);
     return status;
 }

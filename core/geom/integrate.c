@@ -42,6 +42,72 @@ int vor_cell_moments(struct vor_moments *out, const struct vor_cell *cell)
     return isfinite(out->centroid[0]) && isfinite(out->centroid[1]) && isfinite(out->centroid[2]);
 }
 
+/* Density at a corner of the cell. */
+static double density_at(const struct vor_cell_spacing *spacing, const double corner[3])
+{
+    double value = spacing->value + vor_dot(spacing->slope, corner), square;
+
+    value = fmin(fmax(value, spacing->value / 2), 2 * spacing->value);
+    square = value * value;
+    return 1 / (square * square);
+}
+
+/* Sums over triangles with a density. */
+struct dense {
+    double area, mass, energy, sum[3];
+};
+
+/* Adds a triangle whose density is linear between rho at its corners. With barycentric coordinates
+ * l, the integral of l_i l_j is (1 + [i = j]) area / 12, that of l_i l_j l_k is area / 60 times 6,
+ * 2 or 1 where three, two or none of i, j, k are the same. */
+static void add_dense(struct dense *to, const double *const corner[3], const double rho[3])
+{
+    double here = triangle_area(corner[0], corner[1], corner[2]);
+    double s[3], squares = 0, all = rho[0] + rho[1] + rho[2];
+
+    for (int d = 0; d < 3; d++)
+        s[d] = corner[0][d] + corner[1][d] + corner[2][d];
+    for (int i = 0; i < 3; i++)
+        squares += vor_dot(corner[i], corner[i]);
+    to->area += here;
+    to->mass += here / 3 * all;
+    for (int i = 0; i < 3; i++) {
+        const double *x = corner[i];
+
+        for (int d = 0; d < 3; d++)
+            to->sum[d] += here / 12 * (all + rho[i]) * x[d];
+        to->energy +=
+            here / 60 * rho[i] * (vor_dot(s, s) + 2 * vor_dot(x, s) + squares + 2 * vor_dot(x, x));
+    }
+}
+
+int vor_cell_moments_dense(struct vor_moments *out, const struct vor_cell *cell,
+                           const struct vor_cell_spacing *spacing)
+{
+    struct dense total = {0};
+
+    for (unsigned i = 0; i < cell->count; i++) {
+        const struct vor_polygon *polygon = &cell->piece[i];
+        const double *corner[3] = {polygon->vertex[0], NULL, polygon->vertex[1]};
+        double rho[3] = {density_at(spacing, corner[0]), 0, density_at(spacing, corner[2])};
+
+        for (unsigned j = 2; j < polygon->count; j++) {
+            corner[1] = corner[2];
+            rho[1] = rho[2];
+            corner[2] = polygon->vertex[j];
+            rho[2] = density_at(spacing, corner[2]);
+            add_dense(&total, corner, rho);
+        }
+    }
+    if (!(total.area > 0) || !(total.mass > 0))
+        return 0;
+    out->area = total.area;
+    out->energy = total.energy;
+    for (int d = 0; d < 3; d++)
+        out->centroid[d] = cell->seed[d] + total.sum[d] / total.mass;
+    return isfinite(out->centroid[0]) && isfinite(out->centroid[1]) && isfinite(out->centroid[2]);
+}
+
 /* A uniform point of a triangle: the unit square is folded along its diagonal. */
 static void sample_triangle(double out[3], const double *a, const double *b, const double *c,
                             double s, double t)

@@ -19,6 +19,18 @@ struct vor_moments {
  *  O(corners of the cell). */
 int vor_cell_moments(struct vor_moments *out, const struct vor_cell *cell);
 
+/** The spacing wanted around a seed, relative to an even one: value at the seed, and its slope
+ * along the surface's axes. The density is its power -4. */
+struct vor_cell_spacing {
+    double value, slope[3];
+};
+
+/** vor_cell_moments with a density that is linear over each triangle of the cell, and exact for
+ *  that: centroid and energy are weighted by it, the area is not. At the corners, the spacing is at
+ *  least half of that at the seed, and at most twice. */
+int vor_cell_moments_dense(struct vor_moments *out, const struct vor_cell *cell,
+                           const struct vor_cell_spacing *spacing);
+
 /** Draws a point of the cell, uniform by area.
  *
  *  @param[in]  unit   three uniform numbers in [0, 1)

@@ -6,6 +6,7 @@
 #include "core/cloud/cloud.h"
 #include "core/geom/graph.h"
 #include "core/input/conditioning.h"
+#include "core/input/field.h"
 #include "core/knn/knn.h"
 
 /** Parts of the input with few points, clear of all others (input/islands.h). Island i has points
@@ -34,6 +35,8 @@ struct vor_domain {
                                         (input/adjacency.h) */
     struct vor_islands islands;    /**< that were taken out: their points follow the n others in xyz
                                       and source, unless all of the input is islands */
+    struct vor_field field;        /**< spacing wanted, where a density was asked for; of the whole
+                                        input only (input/density.h) */
     struct vor_conditioning known; /**< of the input; a thinned domain has that of the whole, and
                                         sheets of its own */
 };

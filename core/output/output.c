@@ -117,6 +117,19 @@ static void report_method(struct vor_report *report, const struct vor_placed *pl
     report->area = area * unit * unit;
 }
 
+/* Reports the density that was followed. */
+static void report_density(struct vor_report *report, const struct vor_domain *domain)
+{
+    const struct vor_field *field = &domain->field;
+
+    report->has_density = vor_field_is(field);
+    if (!report->has_density)
+        return;
+    report->density_span = field->span;
+    report->density_least = field->least * field->even * domain->unit;
+    report->density_most = field->most * field->even * domain->unit;
+}
+
 static void report_counts(struct vor_report *report, const struct vor_counts *counts)
 {
     report->queries = counts->queries;
@@ -126,7 +139,8 @@ static void report_counts(struct vor_report *report, const struct vor_counts *co
     report->triangles_per_cell = (double)counts->triangles / (double)counts->cells;
 }
 
-/* Measures how even the points are. */
+/* Measures how even the points are: with a density, delta, sigma and epsilon are of the distances
+ * over the spacing wanted, the other lengths of the distances themselves. */
 static vor_status measure(struct vor_uniformity *even, struct vor_seeds *seeds,
                           struct vor_error *err)
 {
@@ -136,6 +150,14 @@ static vor_status measure(struct vor_uniformity *even, struct vor_seeds *seeds,
     if (nearest == NULL)
         return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", seeds->n);
     status = vor_seeds_uniformity_now(even, nearest, seeds, err);
+    if (status == VOR_OK && seeds->wanted.value != NULL) {
+        struct vor_uniformity apart;
+
+        vor_uniformity_from(&apart, nearest, seeds->n);
+        even->mean = apart.mean;
+        even->min = apart.min;
+        even->max = apart.max;
+    }
     vor_free(seeds->run.memory, nearest);
     return status;
 }
@@ -163,6 +185,7 @@ vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
     report->points_in = placed->in->n;
     report->points_out = seeds->n;
     vor_output_report_input(report, seeds->domain);
+    report_density(report, seeds->whole);
     report_method(report, placed);
     vor_output_report_uniformity(report, &even, unit);
     report_comparison(report, &found, unit);

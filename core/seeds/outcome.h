@@ -16,6 +16,8 @@ struct vor_outcome {
     struct vor_record kept;              /**< that of the positions handed over */
     double area;                         /**< of the surface: the sum of the cells, in squared
                                               normalised units; 0 if the method has no cells */
+    double area_even;                    /**< with a density, each cell's over the square of the
+                                              value of the field; else the same */
     uint64_t held, held_ever;            /**< points held back at the border: in the last step, in
                                               any step */
     uint64_t fallback_plane;             /**< points on a plane in the last step */

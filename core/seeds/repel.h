@@ -13,6 +13,10 @@
  *  the surfaces of an exact input keep its edges (vor_surface_refine); an input whose points were
  *  moved off a lattice is not exact.
  *
+ *  With a density (input/density.h) h and all other lengths are those of the spacing wanted at the
+ *  place, and for the force of two points the larger of both; how even the points are is measured
+ *  likewise (seeds/wanted.h).
+ *
  *  Holes are looked for every third step, every sixth step around a point with no hole near it.
  *  Away from the border a surface is used again until its seed has moved half a spacing of the
  *  input, a tenth in the last 16 steps. */

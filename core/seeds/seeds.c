@@ -70,7 +70,8 @@ vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain
                              domain->xyz, domain->n, run->memory, err) != VOR_OK ||
         vor_point_lists_init(&seeds.point_lists, n,
                              n > VOR_SEEDS_LISTED ? VOR_SEEDS_LISTED : (unsigned)n - 1, run->memory,
-                             err) != VOR_OK) {
+                             err) != VOR_OK ||
+        vor_wanted_init(&seeds.wanted, &domain->field, n, run->memory, err) != VOR_OK) {
         vor_seeds_free(&seeds);
         return vor_fail(err, VOR_E_NOMEM, "%zu seeds", n);
     }
@@ -84,6 +85,7 @@ void vor_seeds_free(struct vor_seeds *seeds)
 
     if (memory == NULL)
         return;
+    vor_wanted_free(&seeds->wanted, memory);
     vor_free(memory, seeds->scratch);
     vor_point_lists_free(&seeds->point_lists);
     vor_input_lists_free(&seeds->input_lists);
@@ -104,8 +106,10 @@ vor_status vor_seeds_index(struct vor_seeds *seeds, const struct vor_run *run,
                            struct vor_error *err)
 {
     double far = seeds->n < MANY ? FAR : FAR_MANY;
-    vor_status status;
+    vor_status status = vor_wanted_renew(&seeds->wanted, seeds->xyz, run, err);
 
+    if (status != VOR_OK)
+        return status;
     if (vor_point_lists_look(&seeds->view, &seeds->point_lists, seeds->xyz, far))
         return VOR_OK;
     status = vor_point_lists_index(&seeds->point_lists, seeds->xyz, run, err);

@@ -13,6 +13,7 @@
 #include "core/knn/input_lists.h"
 #include "core/knn/point_lists.h"
 #include "core/seeds/scratch.h"
+#include "core/seeds/wanted.h"
 #include "core/spec.h"
 
 /** Seeds of one task, and of one partial sum. */
@@ -60,6 +61,7 @@ struct vor_seeds {
     struct vor_last_fit *last_fit;      /**< n */
     struct vor_point_lists point_lists; /**< neighbours among the seeds */
     struct vor_point_lists_view view;   /**< of xyz, as of the last index */
+    struct vor_wanted wanted;           /**< spacing of each seed, where there is a density */
     uint64_t indexed_before; /**< times that lists were made anew before points were added */
     double area; /**< of the surface in squared normalised units, as the start estimated it */
     struct vor_disc flat, disc, fine; /**< patches, from flat to strongly bent */
@@ -95,8 +97,9 @@ void vor_seeds_free(struct vor_seeds *seeds);
  *  too, because at the border their neighbours extend farther. O(n). */
 void vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain);
 
-/** Takes the seeds' present positions as those that the following calls ask about, and makes their
- *  lists of each other anew if too many have moved too far for the old ones. Positions must not
+/** Takes the seeds' present positions as those that the following calls ask about, makes their
+ *  lists of each other anew if too many have moved too far for the old ones, and takes the spacings
+ *  wanted there. Positions must not
  *  change while cells are computed.
  *
  *  @retval VOR_E_NOMEM

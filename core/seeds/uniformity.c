@@ -128,9 +128,13 @@ vor_status vor_seeds_uniformity(struct vor_uniformity *out, float *nearest,
         status = measure(&even, err);
     else
         status = search_all(&even, err);
-    if (status == VOR_OK)
+    if (status != VOR_OK)
+        return status;
+    if (seeds->wanted.value != NULL)
+        vor_wanted_uniformity(out, &seeds->wanted, nearest, xyz);
+    else
         vor_uniformity_from(out, nearest, seeds->n);
-    return status;
+    return VOR_OK;
 }
 
 vor_status vor_seeds_uniformity_now(struct vor_uniformity *out, float *nearest,

@@ -9,7 +9,8 @@
  *  taken from the seed's list where it is certain that no other seed is nearer, else from a wider
  *  search.
  *
- *  @param[out] out      lengths in normalised units
+ *  @param[out] out      lengths in normalised units; with a density, of distances over the spacing
+ *                       wanted (seeds/wanted.h)
  *  @param[out] nearest  distance of each seed to its nearest neighbour, seeds->n floats
  *  @param[in]  xyz      the positions, seeds->n x 3
  *

@@ -120,6 +120,16 @@ enum vor_method_choice {
     X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, VOR_PATCH_QUADRIC, "quadric plane",                  \
       "Local surface that stands for the input. quadric: it bends as the input does; plane: it "   \
       "does not, nor keeps edges, as in Chen et al. 2018")                                         \
+    X(DENSITY, density, CHOICE_OR_NAME, SPREAD, "", 1, 63, VOR_DENSITY_UNIFORM,                    \
+      "uniform curvature attribute:NAME",                                                          \
+      "What the spacing follows: it goes with the density to the power -1/4. uniform: nothing; "   \
+      "curvature: the more the surface bends, the denser; attribute:NAME: a scalar of the input "  \
+      "that is 0 or more")                                                                         \
+    X(CONTRAST, contrast, REAL, SPREAD, "", 1, 100, 4, "",                                         \
+      "Largest spacing over the smallest one, where there is a density")                           \
+    X(GRADING, grading, REAL, SPREAD, "", 0.001, 1, 0.2, "",                                       \
+      "Most that the spacing changes from one place to another, over their distance, where there " \
+      "is a density")                                                                              \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
       "Iterations; not given: at most 12, or 100 where no polish follows, and the plateau; 35 "    \
       "of kmeans")                                                                                 \
@@ -194,6 +204,7 @@ enum vor_parameter {
 };
 
 enum { VOR_PATCH_QUADRIC, VOR_PATCH_PLANE };
+enum { VOR_DENSITY_UNIFORM, VOR_DENSITY_CURVATURE, VOR_DENSITY_ATTRIBUTE };
 enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE };
 enum { VOR_OUTLIERS_KEEP, VOR_OUTLIERS_DROP, VOR_OUTLIERS_PULL };
 enum { VOR_SAMPLE_VERTICES, VOR_SAMPLE_FACES };

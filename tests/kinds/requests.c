@@ -50,7 +50,8 @@ static void read_json(struct vor_spec *spec, const char *text)
 }
 
 #define SPREAD                                                                                     \
-    "\"method\":\"cvt\",\"patch\":\"quadric\",\"neighbors\":\"auto\",\"boundary\":\"keep\","       \
+    "\"method\":\"cvt\",\"patch\":\"quadric\",\"density\":\"uniform\",\"contrast\":4,"             \
+    "\"grading\":0.2,\"neighbors\":\"auto\",\"boundary\":\"keep\","                                \
     "\"seed\":1,"
 
 START_TEST(a_preset_has_the_defaults_of_its_rows)
@@ -58,7 +59,7 @@ START_TEST(a_preset_has_the_defaults_of_its_rows)
     struct vor_spec spec = request();
 
     ck_assert_str_eq(written(&spec),
-                     "{" SPREAD "\"closed\":true,\"sieves\":[\"outliers\"],\"density\":\"even\","
+                     "{" SPREAD "\"closed\":true,\"sieves\":[\"outliers\"],\"weight\":\"even\","
                      "\"steps\":\"auto\",\"angle\":\"mean\",\"reach\":\"auto\"}");
 }
 END_TEST
@@ -67,7 +68,7 @@ START_TEST(every_kind_is_read_from_json_and_written_back)
 {
     static const char text[] =
         "{\"label\":\"a \\\"b\\\" \xc3\xa9\",\"closed\":false,\"sieves\":[\"mls\",\"thin\"],"
-        "\"density\":\"attribute:a,b:c\",\"title\":\"\",\"steps\":[],\"angle\":45.5,\"reach\":0}";
+        "\"weight\":\"attribute:a,b:c\",\"title\":\"\",\"steps\":[],\"angle\":45.5,\"reach\":0}";
     struct vor_spec spec = request(), back = request();
 
     read_json(&spec, text);
@@ -76,7 +77,7 @@ START_TEST(every_kind_is_read_from_json_and_written_back)
     ck_assert(spec.value[VOR_PARAM_SIEVES] == 5);
     ck_assert(vor_list_has(spec.value[VOR_PARAM_SIEVES], 2));
     ck_assert(!vor_list_has(spec.value[VOR_PARAM_SIEVES], 1));
-    ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_DENSITY), "a,b:c");
+    ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_WEIGHT), "a,b:c");
     ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_TITLE), "");
     ck_assert(spec.value[VOR_PARAM_STEPS] == 0);
     ck_assert(spec.value[VOR_PARAM_ANGLE] == 45.5);
@@ -94,8 +95,8 @@ static const struct {
     {"closed", "false", "false"},
     {"sieves", "mls,outliers,thin", "[\"mls\",\"outliers\",\"thin\"]"},
     {"sieves", "none", "[]"},
-    {"density", "even", "\"even\""},
-    {"density", "attribute:none", "\"attribute:none\""},
+    {"weight", "even", "\"even\""},
+    {"weight", "attribute:none", "\"attribute:none\""},
     {"title", "none", "\"none\""},
     {"steps", "auto", "\"auto\""},
     {"steps", "down", "[\"down\"]"},
@@ -144,18 +145,19 @@ static const struct refusal refused[] = {
     {"sieves", "{}",
      "sieves is an object, want each at most once and with commas between, words of mls, "
      "outliers, thin, or none"},
-    {"density", "\"odd\"",
-     "density is \"odd\", want one of even or attribute:NAME of 1 to 200 bytes"},
-    {"density", "\"attribute:\"",
-     "density is \"attribute:\", want one of even or attribute:NAME of 1 to 200 bytes"},
+    {"weight", "\"odd\"",
+     "weight is \"odd\", want one of even or attribute:NAME of 1 to 200 bytes"},
+    {"weight", "\"attribute:\"",
+     "weight is \"attribute:\", want one of even or attribute:NAME of 1 to 200 bytes"},
     {"angle", "91", "angle is 91, want a number from 0 to 90 or one of mean, max"},
     {"angle", "\"min\"", "angle is min, want a number from 0 to 90 or one of mean, max"},
     {"angle", "null", "angle is null, want a number from 0 to 90 or one of mean, max"},
     {"reach", "-1", "reach is -1, want a number from 0 to 1 or auto"},
     {"method", "\"slow\"", "method is \"slow\", want one of cvt, slower"},
     {"points", "5",
-     "no parameter points; kinds takes method, patch, neighbors, boundary, seed, label, closed, "
-     "sieves, density, title, steps, angle, reach"},
+     "no parameter points; kinds takes method, patch, density, contrast, grading, neighbors, "
+     "boundary, seed, label, closed, "
+     "sieves, weight, title, steps, angle, reach"},
 };
 
 static const struct refusal unknown[] = {
@@ -207,7 +209,7 @@ END_TEST
 /* In whatever order texts are set, and however often, equal requests are equal bytes. */
 START_TEST(texts_lie_in_the_order_of_the_parameters)
 {
-    static const char *const names[3] = {"label", "density", "title"};
+    static const char *const names[3] = {"label", "weight", "title"};
     static const char *const texts[3] = {"one", "attribute:two", "three"};
     static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
                                      {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
@@ -222,10 +224,10 @@ START_TEST(texts_lie_in_the_order_of_the_parameters)
         vt_assert_ok(vor_spec_set(&spec, names[orders[_i][i]], texts[orders[_i][i]], &vt_err));
     ck_assert_mem_eq(&spec, &wanted, sizeof spec);
     ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_LABEL), "one");
-    ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_DENSITY), "two");
+    ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_WEIGHT), "two");
     ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_TITLE), "three");
-    vt_assert_ok(vor_spec_set(&spec, "density", "even", &vt_err));
-    ck_assert_ptr_null(vor_spec_name(&spec, VOR_PARAM_DENSITY));
+    vt_assert_ok(vor_spec_set(&spec, "weight", "even", &vt_err));
+    ck_assert_ptr_null(vor_spec_name(&spec, VOR_PARAM_WEIGHT));
     ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_TITLE), "three");
 }
 END_TEST
@@ -251,11 +253,11 @@ START_TEST(texts_fit_into_a_request_or_are_refused)
                      "title has 211 bytes, want at most 512 in all texts of a request");
     ck_assert_str_eq(vt_err.parameter, "title");
     ck_assert_mem_eq(&spec, &before, sizeof spec);
-    vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, "density", "attribute:a", &vt_err));
-    ck_assert_str_eq(vt_err.parameter, "density");
+    vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, "weight", "attribute:a", &vt_err));
+    ck_assert_str_eq(vt_err.parameter, "weight");
     ck_assert_mem_eq(&spec, &before, sizeof spec);
     vt_assert_ok(vor_spec_set(&spec, "label", "short", &vt_err));
-    vt_assert_ok(vor_spec_set(&spec, "density", "attribute:a", &vt_err));
+    vt_assert_ok(vor_spec_set(&spec, "weight", "attribute:a", &vt_err));
 }
 END_TEST
 
@@ -287,8 +289,8 @@ static const struct {
     {"closed", "{\"type\":\"boolean\",\"default\":true}"},
     {"sieves", "{\"type\":\"array\",\"uniqueItems\":true,\"items\":{\"type\":\"string\",\"enum\":["
                "\"mls\",\"outliers\",\"thin\"]},\"default\":[\"outliers\"]}"},
-    {"density", "{\"oneOf\":[{\"type\":\"string\",\"enum\":[\"even\"]},{\"type\":\"string\","
-                "\"pattern\":\"^(attribute):.{1,200}$\"}],\"default\":\"even\"}"},
+    {"weight", "{\"oneOf\":[{\"type\":\"string\",\"enum\":[\"even\"]},{\"type\":\"string\","
+               "\"pattern\":\"^(attribute):.{1,200}$\"}],\"default\":\"even\"}"},
     {"steps", "{\"oneOf\":[{\"type\":\"array\",\"uniqueItems\":true,\"items\":{\"type\":\"string\","
               "\"enum\":[\"up\",\"down\"]}},{\"type\":\"string\",\"enum\":[\"auto\"]}],"
               "\"default\":\"auto\"}"},
@@ -326,7 +328,7 @@ START_TEST(other_processes_do_not_take_the_new_rows)
 
     vor_spec_init(&spec);
     vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, "label", "x", &vt_err));
-    ck_assert_ptr_null(strstr(vt_err.message, "density"));
+    ck_assert_ptr_null(strstr(vt_err.message, "weight"));
     ck_assert_ptr_null(strstr(written(&spec), "closed"));
     ck_assert(vor_spec_form(&spec, VOR_PARAM_REACH) == VOR_FORM_NONE);
     ck_assert(spec.value[VOR_PARAM_REACH] == 0.25); /* the table's default, for whatever runs */

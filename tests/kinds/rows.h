@@ -11,7 +11,7 @@
     X(LABEL, label, TEXT, KINDS, "", 1, 300, VOR_UNSET, "", "A text")                              \
     X(CLOSED, closed, FLAG, KINDS, "", 0, 0, 0, "", "A flag")                                      \
     X(SIEVES, sieves, LIST, KINDS, "", 0, 0, 2, "mls outliers thin", "A list")                     \
-    X(DENSITY, density, CHOICE_OR_NAME, KINDS, "", 1, 200, 0, "even attribute:NAME",               \
+    X(WEIGHT, weight, CHOICE_OR_NAME, KINDS, "", 1, 200, 0, "even attribute:NAME",                 \
       "A word or a name")                                                                          \
     X(TITLE, title, TEXT, KINDS, "", 0, 300, VOR_UNSET, "", "Another text")                        \
     X(STEPS, steps, LIST_OR_AUTO, KINDS, "", 0, 0, VOR_UNSET, "up down", "A list or auto")         \

@@ -139,6 +139,14 @@ static void add_apart(uint64_t *hash, const struct vor_apart *apart)
     add_count(hash, apart->points);
 }
 
+/* True for what means nothing without a density, where none is asked for. */
+static int is_idle(const struct vor_spec *spec, int parameter)
+{
+    return spec->value[VOR_PARAM_DENSITY] == VOR_DENSITY_UNIFORM &&
+           (parameter == VOR_PARAM_DENSITY || parameter == VOR_PARAM_CONTRAST ||
+            parameter == VOR_PARAM_GRADING);
+}
+
 /* What the process takes: a parameter that only others do is no part of the request, nor is how the
  * input was read or what of it is sampled, which is over before the first stage, nor what a file
  * counts from, which is decided after the last. */
@@ -151,7 +159,7 @@ static void add_spec(uint64_t *hash, const struct vor_spec *spec)
         if (vor_parameter_info((enum vor_parameter)i)->group == VOR_GROUP_READ ||
             i == VOR_PARAM_ORIGIN || i == VOR_PARAM_SAMPLE)
             continue;
-        if (!vor_process_takes(spec->process, (enum vor_parameter)i))
+        if (!vor_process_takes(spec->process, (enum vor_parameter)i) || is_idle(spec, i))
             continue;
         add_bytes(hash, name, strlen(name) + 1);
         add_double(hash, spec->value[i]);

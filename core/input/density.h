@@ -1,0 +1,44 @@
+/** The density that a request asks for, turned into a field of wanted spacings (input/field.h).
+ *
+ *  Source: Chen 2018, "Resampling point clouds by centroidal Voronoi tessellation", Sec. 4 and 5.2.
+ *  The density rho is that of an attribute of the input, or the sum of the principal curvatures
+ *  without their signs, each at least 1e-4 over the diagonal of the input, evened out among
+ *  neighbours. Where each cell has the same share of the energy, the spacing goes with rho^(-1/4).
+ *
+ *  Departure: the paper takes densities as they are. Those of curvature span six decades, and no
+ *  spacing can follow that: the largest spacing is at most `contrast` times the smallest one, and
+ *  from one place to another it changes by at most `grading` times their distance.
+ *  Departure: the field has five points for each one of the result, as a thinned input has. A
+ *  finer one would show what the result cannot follow. */
+#ifndef VOR_INPUT_DENSITY_H
+#define VOR_INPUT_DENSITY_H
+
+#include "core/input/domain.h"
+#include "core/spec.h"
+
+/** Checks that the attribute that the request names as density may be one: a scalar for each point,
+ *  finite and not negative, some of them not 0. Does nothing if the request names none.
+ *
+ *  @retval VOR_E_DENSITY  it may not; the message has the names there, or the first point at fault
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED
+ *
+ *  O(n), on the run's pool. */
+VOR_NODISCARD vor_status vor_density_check(const struct vor_cloud *in, const struct vor_spec *spec,
+                                           const struct vor_run *run, struct vor_error *err);
+
+/** Makes domain->field for n points of the result. Does nothing if the request asks for an even
+ *  spread.
+ *
+ *  @param[in] in    the cloud that the domain was made of; its attribute was checked
+ *  @param[in] spec  read: density, contrast, grading
+ *  @param[in] run   a stop must not interrupt this: pass vor_run_unstoppable
+ *
+ *  @retval VOR_E_NOMEM 170 bytes for each point of the field do not fit
+ *  @retval VOR_E_CANCELLED
+ *
+ *  O(n log n), on the run's pool. The same field for any number of threads. */
+VOR_NODISCARD vor_status vor_density_make(struct vor_domain *domain, const struct vor_cloud *in,
+                                          size_t n, const struct vor_spec *spec,
+                                          const struct vor_run *run, struct vor_error *err);
+
+#endif
