@@ -12,10 +12,12 @@ void vor_artefacts_init(struct vor_artefacts *set, struct vor_memory *memory)
 void vor_artefacts_free(struct vor_artefacts *set)
 {
     for (unsigned i = 0; i < set->count; i++) {
-        if (set->item[i].kind == VOR_ARTEFACT_CLOUD)
+        if (set->item[i].kind == VOR_ARTEFACT_CLOUD) {
+            vor_mesh_free(&set->item[i].mesh);
             vor_cloud_free(&set->item[i].cloud);
-        else
+        } else {
             vor_free(set->memory, set->item[i].values);
+        }
     }
     set->count = 0;
 }
@@ -37,6 +39,17 @@ void vor_artefacts_put_cloud(struct vor_artefacts *set, const char *name, struct
 {
     add(set, name, VOR_ARTEFACT_CLOUD)->cloud = *cloud;
     vor_cloud_init(cloud, cloud->memory);
+}
+
+void vor_artefacts_put_mesh(struct vor_artefacts *set, const char *name, struct vor_cloud *cloud,
+                            struct vor_mesh *mesh)
+{
+    struct vor_artefact *item = add(set, name, VOR_ARTEFACT_CLOUD);
+
+    item->cloud = *cloud;
+    item->mesh = *mesh;
+    vor_cloud_init(cloud, cloud->memory);
+    vor_mesh_init(mesh, mesh->memory);
 }
 
 void *vor_artefacts_put_document(struct vor_artefacts *set, const char *name,
@@ -68,6 +81,13 @@ const struct vor_cloud *vor_artefacts_cloud(const struct vor_artefacts *set, con
     const struct vor_artefact *item = vor_artefacts_find(set, name);
 
     return item != NULL && item->kind == VOR_ARTEFACT_CLOUD ? &item->cloud : NULL;
+}
+
+const struct vor_mesh *vor_artefacts_mesh(const struct vor_artefacts *set, const char *name)
+{
+    const struct vor_artefact *item = vor_artefacts_find(set, name);
+
+    return item != NULL && item->kind == VOR_ARTEFACT_CLOUD ? &item->mesh : NULL;
 }
 
 void *vor_artefacts_values(struct vor_artefacts *set, const char *name,

@@ -6,6 +6,7 @@
 #include "core/base/members.h"
 #include "core/base/run.h"
 #include "core/cloud/cloud.h"
+#include "core/cloud/mesh.h"
 #include "core/spec.h"
 
 /** Something that goes into a run or comes out of it. */
@@ -13,6 +14,7 @@ struct vor_artefact {
     const char *name; /**< of the process's row: "cloud", "reference", "report" */
     enum vor_artefact_kind kind;
     struct vor_cloud cloud;       /**< CLOUD */
+    struct vor_mesh mesh;         /**< CLOUD: triangles over its points, or none */
     struct vor_document document; /**< DOCUMENT; its values belong to the set */
     void *values;                 /**< the same values, to be written */
 };
@@ -36,6 +38,10 @@ void vor_artefacts_free(struct vor_artefacts *set);
  *  artefact of that name yet, and fewer than VOR_ARTEFACTS_MAX. */
 void vor_artefacts_put_cloud(struct vor_artefacts *set, const char *name, struct vor_cloud *cloud);
 
+/** The same with triangles over the points of the cloud: *mesh is empty afterwards too. */
+void vor_artefacts_put_mesh(struct vor_artefacts *set, const char *name, struct vor_cloud *cloud,
+                            struct vor_mesh *mesh);
+
 /** Adds a document whose values are all zero, a struct of members->size bytes that the set owns,
  *  and returns the values for the process to set. name as above. NULL, with err set to VOR_E_NOMEM,
  *  when they do not fit. */
@@ -47,6 +53,10 @@ const struct vor_artefact *vor_artefacts_find(const struct vor_artefacts *set, c
 
 /** The cloud of that name; NULL when there is none. */
 const struct vor_cloud *vor_artefacts_cloud(const struct vor_artefacts *set, const char *name);
+
+/** The triangles over the cloud of that name, which may be none; NULL when there is no such cloud.
+ */
+const struct vor_mesh *vor_artefacts_mesh(const struct vor_artefacts *set, const char *name);
 
 /** The values of the document of that name, for the caller of a run to complete; NULL unless
  *  `members` describes them. */

@@ -9,7 +9,7 @@
 #include <string.h>
 
 /* The first four spread points and have a target, the last measures. */
-enum { PROCESSES = 7, SPREADING = 4 };
+enum { PROCESSES = 8, SPREADING = 4 };
 
 /* _i names the parameter in the loops below. */
 static const struct vor_parameter_info *info_of(int i)
