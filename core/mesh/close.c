@@ -6,9 +6,9 @@
 
 #include <string.h>
 
-/* Edges of a loop whose cells disagreed on one or two triangles: what they lie on does not matter
+/* Edges of a loop whose cells disagreed on three triangles: what they lie on does not matter
  * as long as it is one sheet of the input. */
-enum { SMALL = 6 };
+enum { SMALL = 5 };
 
 /* Longest edge inside of a loop, in mean edges around it. The diagonal of a square has 1.4. */
 #define LONGEST 1.9

@@ -14,9 +14,9 @@
 
 /* On one surface, bent or creased between two seeds, their normals turn by as much as the offset is
  * steep over both tangent planes, as on a circle. On two parallel sheets they do not turn at all.
- * By so much may the cosine between them be more than that turn gives. At 0.1 / 0.35: the mesh of
+ * By so much may the cosine between them be more than that turn gives. At 0.1 / 0.25: the mesh of
  * armadillo (30,000) has a hole / is closed. */
-#define STIFF 0.35
+#define STIFF 0.25
 
 /* Distance from a place of a triangle to the nearest input point up to which it lies over the
  * input: in input spacings, or in its mean edges, for what bends between the points. Midway over a

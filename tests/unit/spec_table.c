@@ -416,7 +416,8 @@ static const struct {
     const char *process, *parameter, *text;
 } presets[] = {{"denoise", "ratio", "1"},       {"denoise", "outliers", "drop"},
                {"inspect", "outliers", "drop"}, {"upsample", "ratio", "4"},
-               {"upsample", "iterations", "1"}, {"upsample", "polish", "8"}};
+               {"upsample", "iterations", "1"}, {"upsample", "polish", "8"},
+               {"mesh", "polish", "200"}};
 
 enum { PRESETS = sizeof presets / sizeof presets[0] };
 
