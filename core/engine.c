@@ -1,7 +1,6 @@
 #include "core/engine.h"
 
 #include "core/cvt/cvt.h"
-#include "core/geom/patch.h"
 #include "core/input/density.h"
 #include "core/input/input.h"
 #include "core/input/islands.h"
@@ -14,11 +13,12 @@
 #include "core/output/last_record.h"
 #include "core/output/notes.h"
 #include "core/output/output.h"
+#include "core/output/triangles.h"
 #include "core/seeds/area.h"
 #include "core/seeds/fixed.h"
+#include "core/seeds/target.h"
 
 #include <assert.h>
-#include <math.h>
 #include <string.h>
 
 /* The methods, in the order of the words of parameter `method`. */
@@ -47,36 +47,13 @@ struct engine {
     struct vor_seeds seeds;
     struct vor_outcome told;
     struct vor_report report;
-    double area; /* that spacing was turned into points with, normalised; else 0 */
+    int meshes;           /* the process joins the result by triangles */
+    struct vor_mesh mesh; /* they */
+    uint32_t *order;      /* and which seed each point of the result is */
+    struct vor_target target;
 };
 
-/* Computes how many points the request asks for; leaves *n 0 where filters decide. */
-static vor_status resolve_target(struct engine *engine, size_t *n, struct vor_error *err)
-{
-    const struct vor_spec *spec = &engine->spec;
-    double target = vor_spec_target(spec, engine->given->n);
-    vor_status status;
-
-    if (vor_spec_only_filters(spec))
-        return VOR_OK;
-    if (vor_spec_given(spec, VOR_PARAM_SPACING)) {
-        double spacing = spec->value[VOR_PARAM_SPACING] / engine->domain.unit;
-
-        status = vor_area_of_surface(&engine->area, &engine->domain,
-                                     (uint64_t)spec->value[VOR_PARAM_SEED], &engine->whole, err);
-        if (status != VOR_OK)
-            return status;
-        target = rint(engine->area / (VOR_HEXAGON_HEIGHT * spacing * spacing));
-        if (target <= (double)VOR_POINTS_MAX)
-            target += (double)vor_islands_beside(&engine->domain, (size_t)target);
-    }
-    status = vor_spec_check_target(spec, target, engine->given->n, err);
-    if (status == VOR_OK)
-        *n = (size_t)target;
-    return status;
-}
-
-static vor_status prepare(struct engine *engine, size_t *n, struct vor_error *err)
+static vor_status prepare(struct engine *engine, struct vor_error *err)
 {
     vor_status status =
         vor_input_sampled(&engine->in, &engine->sampled, engine->given, &engine->spec, err);
@@ -86,23 +63,16 @@ static vor_status prepare(struct engine *engine, size_t *n, struct vor_error *er
     if (status != VOR_OK)
         return status;
     engine->report.seconds_index = vor_run_seconds(&engine->run);
-    status = resolve_target(engine, n, err);
+    status = vor_target_resolve(&engine->target, &engine->domain, engine->given->n, &engine->spec,
+                                &engine->whole, err);
     engine->report.seconds_init = vor_run_seconds(&engine->run) - engine->report.seconds_index;
     return status;
 }
 
-/* Notes how long the stages took: what is no polish counts as iterations. */
-static void report_stages(struct vor_report *report, const struct vor_outcome *told)
-{
-    for (int stage = 0; stage < VOR_RUN_STAGE_COUNT; stage++)
-        *(stage == VOR_RUN_STAGE_POLISH ? &report->seconds_polish : &report->seconds_iterate) +=
-            told->seconds[stage];
-}
-
-static vor_status place(struct engine *engine, size_t n, struct vor_error *err)
+static vor_status place(struct engine *engine, struct vor_error *err)
 {
     const struct vor_method *method = method_of(&engine->spec);
-    size_t share = vor_islands_share(&engine->domain, n);
+    size_t n = engine->target.n, share = vor_islands_share(&engine->domain, n);
     vor_status status = VOR_OK;
 
     if (share < n)
@@ -112,7 +82,6 @@ static vor_status place(struct engine *engine, size_t n, struct vor_error *err)
         status = method->run(&engine->seeds, &engine->told, &engine->domain, n - share,
                              &engine->spec, &engine->run, err);
     engine->report.seconds_init += engine->told.seconds_start;
-    report_stages(&engine->report, &engine->told);
     engine->report.on_islands = share;
     if (status != VOR_OK)
         return status;
@@ -123,22 +92,37 @@ static vor_status place(struct engine *engine, size_t n, struct vor_error *err)
 /* Makes the result of the points that a method placed, or if it placed none of the input's. */
 static vor_status make_output(struct engine *engine, struct vor_cloud *out, struct vor_error *err)
 {
-    struct vor_placed placed = {engine->in, &engine->seeds, &engine->told, &engine->spec};
+    struct vor_placed placed = {engine->in, &engine->seeds, &engine->told, &engine->spec, NULL};
     struct vor_filtered filtered = {engine->in, &engine->domain, &engine->spec};
 
-    if (engine->seeds.n > 0)
-        return vor_output_make(out, &engine->report, &placed, err);
-    return vor_output_filtered(out, &engine->report, &filtered, &engine->whole, err);
+    if (engine->seeds.n == 0)
+        return vor_output_filtered(out, &engine->report, &filtered, &engine->whole, err);
+    if (engine->meshes) {
+        engine->order = vor_malloc(engine->run.memory, engine->seeds.n, sizeof *engine->order);
+        if (engine->order == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "order of %zu points", engine->seeds.n);
+    }
+    placed.order = engine->order;
+    return vor_output_make(out, &engine->report, &placed, err);
+}
+
+static vor_status join(struct engine *engine, const struct vor_cloud *out, struct vor_error *err)
+{
+    struct vor_triangles_of of = {engine->in,     out,           &engine->domain,
+                                  &engine->seeds, engine->order, &engine->spec};
+
+    return vor_triangles_make(&engine->mesh, &engine->report, &of, &engine->whole, err);
 }
 
 static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vor_error *err)
 {
     struct vor_report *report = &engine->report;
-    double unit = engine->domain.unit;
     vor_status status = make_output(engine, out, err);
 
     if (status == VOR_OK)
         status = vor_output_notes(out, report, engine->given, err);
+    if (status == VOR_OK && engine->meshes)
+        status = join(engine, out, err);
     if (status == VOR_OK)
         status = vor_last_record_tell(&engine->told, report, &engine->run, err);
     if (status != VOR_OK) {
@@ -153,10 +137,46 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
     if (engine->seeds.n > 0)
         report->parameters.value[VOR_PARAM_POINTS] = (double)engine->seeds.n;
     report->parameters.value[VOR_PARAM_NEIGHBORS] = engine->domain.known.neighbors.usual;
-    if (engine->area > 0)
-        report->area = engine->area * unit * unit;
+    if (engine->target.area > 0)
+        report->area = engine->target.area * engine->domain.unit * engine->domain.unit;
     report->memory_peak_bytes = atomic_load(&engine->run.memory->peak);
     return VOR_OK;
+}
+
+/* Spreads points, and joins them by triangles where `meshes` says so. */
+static vor_status spread(struct vor_artefacts *out, const struct vor_artefacts *in,
+                         const struct vor_spec *spec, const struct vor_run *run, int meshes,
+                         struct vor_error *err)
+{
+    struct vor_report *report = vor_artefacts_put_document(out, "report", &vor_report_members, err);
+    struct engine engine = {.given = vor_artefacts_cloud(in, "cloud"),
+                            .spec = *spec,
+                            .run = *run,
+                            .whole = vor_run_unstoppable(run),
+                            .meshes = meshes};
+    struct vor_cloud cloud;
+    vor_status status;
+
+    if (report == NULL)
+        return VOR_E_NOMEM;
+    vor_cloud_init(&cloud, run->memory);
+    vor_cloud_init(&engine.sampled, run->memory);
+    vor_mesh_init(&engine.mesh, run->memory);
+    status = prepare(&engine, err);
+    if (status == VOR_OK && engine.target.n > 0)
+        status = place(&engine, err);
+    if (status == VOR_OK)
+        status = finish(&engine, &cloud, err);
+    if (status == VOR_OK) {
+        *report = engine.report;
+        vor_artefacts_put_mesh(out, "cloud", &cloud, &engine.mesh);
+    }
+    vor_free(run->memory, engine.order);
+    vor_mesh_free(&engine.mesh);
+    vor_seeds_free(&engine.seeds);
+    vor_domain_free(&engine.domain);
+    vor_cloud_free(&engine.sampled);
+    return status;
 }
 
 /* The processes that spread points: resample and its presets. */
@@ -164,32 +184,14 @@ static vor_status run_resample(struct vor_artefacts *out, const struct vor_artef
                                const struct vor_spec *spec, const struct vor_run *run,
                                struct vor_error *err)
 {
-    struct vor_report *report = vor_artefacts_put_document(out, "report", &vor_report_members, err);
-    struct engine engine = {.given = vor_artefacts_cloud(in, "cloud"),
-                            .spec = *spec,
-                            .run = *run,
-                            .whole = vor_run_unstoppable(run)};
-    struct vor_cloud cloud;
-    vor_status status;
-    size_t n = 0;
+    return spread(out, in, spec, run, 0, err);
+}
 
-    if (report == NULL)
-        return VOR_E_NOMEM;
-    vor_cloud_init(&cloud, run->memory);
-    vor_cloud_init(&engine.sampled, run->memory);
-    status = prepare(&engine, &n, err);
-    if (status == VOR_OK && n > 0)
-        status = place(&engine, n, err);
-    if (status == VOR_OK)
-        status = finish(&engine, &cloud, err);
-    if (status == VOR_OK) {
-        *report = engine.report;
-        vor_artefacts_put_cloud(out, "cloud", &cloud);
-    }
-    vor_seeds_free(&engine.seeds);
-    vor_domain_free(&engine.domain);
-    vor_cloud_free(&engine.sampled);
-    return status;
+static vor_status run_mesh(struct vor_artefacts *out, const struct vor_artefacts *in,
+                           const struct vor_spec *spec, const struct vor_run *run,
+                           struct vor_error *err)
+{
+    return spread(out, in, spec, run, 1, err);
 }
 
 static vor_status run_convert(struct vor_artefacts *out, const struct vor_artefacts *in,
@@ -231,11 +233,10 @@ static vor_status inspect(struct vor_inspect *out, struct vor_domain *domain,
                           const struct vor_spec *spec, const struct vor_run *run,
                           struct vor_error *err)
 {
-    double area = 0, unit = domain->unit;
     vor_status status =
-        vor_area_of_surface(&area, domain, (uint64_t)spec->value[VOR_PARAM_SEED], run, err);
+        vor_area_of_surface(&out->area, domain, (uint64_t)spec->value[VOR_PARAM_SEED], run, err);
 
-    out->area = area * unit * unit;
+    out->area *= domain->unit * domain->unit;
     return status == VOR_OK ? vor_inspect_domain(out, domain, spec, run, err) : status;
 }
 
@@ -265,7 +266,7 @@ static vor_status run_inspect(struct vor_artefacts *out, const struct vor_artefa
 static const struct vor_process processes[] = {
     {"resample", run_resample},    {"denoise", run_resample}, {"upsample", run_resample},
     {"simplify", run_resample},    {"measure", run_measure},  {"inspect", run_inspect},
-    {"convert", run_convert},
+    {"convert", run_convert},      {"mesh", run_mesh},
 #define PROCESS_ROW(id, run) {id, run},
     VOR_EXTRA_RUNNERS(PROCESS_ROW)
 #undef PROCESS_ROW

@@ -80,6 +80,13 @@ const struct vor_cloud *vor_artefacts_cloud(const struct vor_artefacts *set, con
     return item != NULL && item->kind == VOR_ARTEFACT_CLOUD ? &item->cloud : NULL;
 }
 
+const struct vor_mesh *vor_artefacts_mesh(const struct vor_artefacts *set, const char *name)
+{
+    const struct vor_artefact *item = vor_artefacts_find(set, name);
+
+    return item != NULL && item->kind == VOR_ARTEFACT_CLOUD ? &item->mesh : NULL;
+}
+
 void *vor_artefacts_values(struct vor_artefacts *set, const char *name,
                            const struct vor_members *members)
 {

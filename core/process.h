@@ -54,6 +54,10 @@ const struct vor_artefact *vor_artefacts_find(const struct vor_artefacts *set, c
 /** The cloud of that name; NULL when there is none. */
 const struct vor_cloud *vor_artefacts_cloud(const struct vor_artefacts *set, const char *name);
 
+/** The triangles over the cloud of that name, which may be none; NULL when there is no such cloud.
+ */
+const struct vor_mesh *vor_artefacts_mesh(const struct vor_artefacts *set, const char *name);
+
 /** The values of the document of that name, for the caller of a run to complete; NULL unless
  *  `members` describes them. */
 void *vor_artefacts_values(struct vor_artefacts *set, const char *name,

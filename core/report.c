@@ -50,6 +50,8 @@ const char *vor_stopped_word(enum vor_stopped stopped)
     return stopped_words[stopped];
 }
 
+static const char *const answered_words[] = {"no", "yes"};
+
 /* The kinds of members that these tables use besides those of members.h. */
 #define VOR_KIND_OF_RUN_STAGE(type, field)                                                         \
     .kind = VOR_MEMBER_WORD, .words = stage_words, .word_count = VOR_RUN_STAGE_COUNT
@@ -64,6 +66,11 @@ const char *vor_stopped_word(enum vor_stopped stopped)
 #define VOR_KIND_OF_SPEC(type, field) .kind = VOR_MEMBER_REQUEST
 #define VOR_KIND_OF_DROPPED(type, field)                                                           \
     .kind = VOR_MEMBER_LIST, .inner = &dropped_members,                                            \
+    .count_offset = offsetof(type, field##_count)
+#define VOR_KIND_OF_ANSWERED(type, field)                                                          \
+    .kind = VOR_MEMBER_WORD, .words = answered_words, .word_count = 2
+#define VOR_KIND_OF_MESH_LOOPS(type, field)                                                        \
+    .kind = VOR_MEMBER_LIST, .inner = &mesh_loop_members,                                          \
     .count_offset = offsetof(type, field##_count)
 #define VOR_KIND_OF_BOX(type, field) .kind = VOR_MEMBER_OBJECT, .inner = &box_members
 #define VOR_KIND_OF_COLUMNS(type, field)                                                           \
@@ -101,6 +108,15 @@ static const struct vor_member dropped_rows[] = {
 };
 
 static const struct vor_members dropped_members = VOR_MEMBERS(struct vor_dropped, dropped_rows);
+
+static const struct vor_member mesh_loop_rows[] = {
+#define MESH_LOOP_ROW(...) VOR_MEMBER(struct vor_mesh_loop, __VA_ARGS__)
+    VOR_MESH_LOOP_TABLE(MESH_LOOP_ROW)
+#undef MESH_LOOP_ROW
+};
+
+static const struct vor_members mesh_loop_members =
+    VOR_MEMBERS(struct vor_mesh_loop, mesh_loop_rows);
 
 static const struct vor_member box_rows[] = {
 #define BOX_ROW(...) VOR_MEMBER(struct vor_corners, __VA_ARGS__)
@@ -141,11 +157,6 @@ static const struct vor_member measure_rows[] = {
 };
 
 const struct vor_members vor_measure_members = VOR_MEMBERS(struct vor_measure, measure_rows);
-
-static const char *const answered_words[] = {"no", "yes"};
-
-#define VOR_KIND_OF_ANSWERED(type, field)                                                          \
-    .kind = VOR_MEMBER_WORD, .words = answered_words, .word_count = 2
 
 static const char *const loop_kind_words[] = {"hole", "rim"};
 static const char *const loop_why_words[] = {

@@ -155,6 +155,27 @@ struct vor_stage_done {
 
 #define VOR_FIELD_SPEC(field) struct vor_spec field;
 
+/** No and yes, as a member. */
+enum vor_answered { VOR_NO, VOR_YES };
+
+#define VOR_FIELD_ANSWERED(field) enum vor_answered field;
+
+/** A loop of edges that have one triangle: where a mesh ends. */
+#define VOR_MESH_LOOP_TABLE(X)                                                                     \
+    X(U64, edges, "edges", "", "Its edges")                                                        \
+    X(REAL, length, "length", "unit of the cloud", "Their length together")                        \
+    X(VECTOR, middle, "middle", "unit of the cloud", "Mean of its points")
+
+struct vor_mesh_loop {
+    VOR_MESH_LOOP_TABLE(VOR_FIELD)
+};
+
+/** Most loops that are told one by one. */
+#define VOR_MESH_LOOPS_TOLD 32
+#define VOR_FIELD_MESH_LOOPS(field)                                                                \
+    struct vor_mesh_loop field[VOR_MESH_LOOPS_TOLD];                                               \
+    unsigned field##_count;
+
 /** What a run did. Lengths are in the unit of the cloud. The engine sets all but the seconds of
  *  reading and writing and the origin, which the caller sets. */
 #define VOR_REPORT_TABLE(X)                                                                        \
@@ -263,6 +284,32 @@ struct vor_stage_done {
     X(VECTOR, origin, "origin", "unit of the cloud",                                               \
       "What the positions in the file of the result count from: added to them, it gives those in " \
       "the coordinates of the input. 0 where these are written as they are, as in PLY")            \
+    X(OPTIONAL, has_mesh, "mesh", "", "The triangles; only where the process makes them")          \
+    X(U64, mesh_triangles, "mesh.triangles", "", "Triangles")                                      \
+    X(U64, mesh_points, "mesh.points", "points", "Points of the result that are their corners")    \
+    X(U64, mesh_components, "mesh.components", "", "Connected components")                         \
+    X(REAL, mesh_euler, "mesh.euler", "",                                                          \
+      "Euler characteristic: points less edges plus triangles; 2 for each closed component "       \
+      "without handles")                                                                           \
+    X(ANSWERED, mesh_closed, "mesh.closed", "", "Whether every edge has two triangles")            \
+    X(ANSWERED, mesh_manifold, "mesh.manifold", "",                                                \
+      "Whether no edge has more than two, and the triangles at every point are one fan")           \
+    X(U64, mesh_one_sided, "mesh.one_sided", "",                                                   \
+      "Components with one side only, as a Moebius band has: along some of their edges "           \
+      "neighbours "                                                                                \
+      "face opposite ways")                                                                        \
+    X(REAL, mesh_quality_mean, "mesh.quality_mean", "",                                            \
+      "Mean quality of the triangles, 6 S / (sqrt(3) p h) of area S, half the perimeter p and "    \
+      "longest edge h: 1 where all edges are equal")                                               \
+    X(REAL, mesh_quality_p001, "mesh.quality_p001", "", "One in a thousand is below this")         \
+    X(REAL, mesh_quality_min, "mesh.quality_min", "", "The least")                                 \
+    X(REAL, mesh_angle_min, "mesh.angle_min", "degrees", "Smallest angle of a triangle")           \
+    X(U64, mesh_loops, "mesh.loops", "",                                                           \
+      "Loops of edges that have one triangle: rims of the input, and holes that it has too")       \
+    X(U64, mesh_filled, "mesh.filled", "",                                                         \
+      "Small loops that were filled, as the input goes on under them")                             \
+    X(MESH_LOOPS, mesh_longest, "mesh.longest_loops", "", "The loops with most edges, at most 32") \
+    X(REAL, mesh_seconds, "mesh.seconds", "s", "Making the triangles")                             \
     X(SPEC, parameters, "parameters", "",                                                          \
       "The request, with points filled in from ratio or spacing and auto resolved: neighbors to "  \
       "the usual number")
@@ -336,11 +383,6 @@ struct vor_measure {
 };
 
 extern const struct vor_members vor_measure_members;
-
-/** No and yes, as a member. */
-enum vor_answered { VOR_NO, VOR_YES };
-
-#define VOR_FIELD_ANSWERED(field) enum vor_answered field;
 
 /** A box along the axes. */
 #define VOR_BOX_TABLE(X)                                                                           \

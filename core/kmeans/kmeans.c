@@ -273,6 +273,9 @@ vor_status vor_kmeans_run(struct vor_seeds *out, struct vor_outcome *told,
     double before = vor_run_clock(run);
     vor_status status;
 
+    if (vor_field_is(&domain->field))
+        return vor_fail_param(err, VOR_E_DENSITY, "density",
+                              "method kmeans follows no density, want uniform, or method cvt");
     if (n > domain->n)
         return vor_fail_param(err, VOR_E_TARGET, "points",
                               "%zu points are asked for, want 1 to %zu: kmeans takes means of the "

@@ -48,6 +48,8 @@ static vor_status hand_out(struct vor_cloud *out, struct vor_report *report,
         if (status != VOR_OK)
             vor_cloud_free(out);
     }
+    for (size_t i = 0; i < seeds->n && placed->order != NULL; i++)
+        placed->order[i] = order != NULL ? order[i] : (uint32_t)i;
     vor_free(memory, order);
     return status;
 }
@@ -106,10 +108,14 @@ static void report_method(struct vor_report *report, const struct vor_placed *pl
     report->stopped = told->stopped;
     report->iterations = told->steps[VOR_RUN_STAGE_ITERATE];
     report->polish_steps = told->steps[VOR_RUN_STAGE_POLISH];
-    for (unsigned stage = 0; stage < VOR_RUN_STAGE_COUNT; stage++)
+    for (unsigned stage = 0; stage < VOR_RUN_STAGE_COUNT; stage++) {
         if (told->stages >> stage & 1)
             vor_report_stage(report, (enum vor_run_stage)stage, told->steps[stage],
                              told->seconds[stage]);
+        /* What is no polish counts as iterations. */
+        *(stage == VOR_RUN_STAGE_POLISH ? &report->seconds_polish : &report->seconds_iterate) +=
+            told->seconds[stage];
+    }
     report->held = told->held;
     report->held_ever = told->held_ever;
     report->fallback_plane = told->fallback_plane;

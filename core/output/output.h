@@ -15,6 +15,8 @@ struct vor_placed {
     const struct vor_outcome *told; /**< what the method told */
     const struct vor_spec *spec;    /**< read: order, attributes, normals,
                                          inputNormals */
+    uint32_t *order;                /**< NULL, or seeds->n: receives which seed each point of the
+                                         result is */
 };
 
 /** Measures how even the points are, compares them with the input, orders them as the request says,

@@ -313,6 +313,10 @@ struct vor_artefact_info {
       "Convert a point cloud",                                                                     \
       "Writes the points of a cloud in another format, or the same, with their attributes; none "  \
       "is moved but by what the format rounds off")                                                \
+    X(MESH, mesh, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN, VOR_CLOUD_OUT,      \
+      "Mesh a point cloud",                                                                        \
+      "Spreads points as resample does and joins them by triangles, a manifold whose faces look "  \
+      "outward")                                                                                   \
     VOR_EXTRA_PROCESSES(X)
 
 /** Defaults of a process that differ from the table of parameters: process, parameter, value. That
@@ -325,6 +329,7 @@ struct vor_artefact_info {
     X(UPSAMPLE, RATIO, 4)                                                                          \
     X(UPSAMPLE, ITERATIONS, 1)                                                                     \
     X(UPSAMPLE, POLISH, 8)                                                                         \
+    X(MESH, POLISH, 200)                                                                           \
     VOR_EXTRA_PRESETS(X)
 
 /** Parameters that mean nothing without an optional input: parameter, name of the input. */

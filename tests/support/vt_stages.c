@@ -333,7 +333,7 @@ static void run_even_out(struct stages *s)
 
 static void run_output(struct stages *s, struct vor_cloud *out)
 {
-    struct vor_placed placed = {s->in, &s->seeds, &s->outcome, &s->spec};
+    struct vor_placed placed = {s->in, &s->seeds, &s->outcome, &s->spec, NULL};
     struct vor_report *report = &s->report;
     double unit = s->domain.unit;
 

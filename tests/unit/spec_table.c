@@ -9,7 +9,7 @@
 #include <string.h>
 
 /* The first four spread points and have a target, the last measures. */
-enum { PROCESSES = 7, SPREADING = 4 };
+enum { PROCESSES = 8, SPREADING = 4 };
 
 /* _i names the parameter in the loops below. */
 static const struct vor_parameter_info *info_of(int i)
@@ -416,7 +416,8 @@ static const struct {
     const char *process, *parameter, *text;
 } presets[] = {{"denoise", "ratio", "1"},       {"denoise", "outliers", "drop"},
                {"inspect", "outliers", "drop"}, {"upsample", "ratio", "4"},
-               {"upsample", "iterations", "1"}, {"upsample", "polish", "8"}};
+               {"upsample", "iterations", "1"}, {"upsample", "polish", "8"},
+               {"mesh", "polish", "200"}};
 
 enum { PRESETS = sizeof presets / sizeof presets[0] };
 

@@ -1,0 +1,207 @@
+#include "core/mesh/complex.h"
+
+#include <string.h>
+
+vor_status vor_complex_init(struct vor_complex *out, size_t n, struct vor_memory *memory,
+                            struct vor_error *err)
+{
+    struct vor_complex complex = {.memory = memory, .n = n, .room = 2 * n};
+
+    complex.triangle = vor_malloc(memory, complex.room, 3 * sizeof *complex.triangle);
+    complex.around = vor_malloc(memory, n, VOR_AROUND_MOST * sizeof *complex.around);
+    complex.degree = vor_calloc(memory, n, 1);
+    if (complex.triangle == NULL || complex.around == NULL || complex.degree == NULL) {
+        vor_complex_free(&complex);
+        return vor_fail(err, VOR_E_NOMEM, "triangles of %zu points", n);
+    }
+    *out = complex;
+    return VOR_OK;
+}
+
+void vor_complex_free(struct vor_complex *complex)
+{
+    if (complex->memory == NULL)
+        return;
+    vor_free(complex->memory, complex->degree);
+    vor_free(complex->memory, complex->around);
+    vor_free(complex->memory, complex->triangle);
+    memset(complex, 0, sizeof *complex);
+}
+
+vor_status vor_complex_add(struct vor_complex *complex, const uint32_t corner[3],
+                           struct vor_error *err)
+{
+    if (complex->count == complex->room) {
+        size_t room = complex->room + complex->room / 2 + 16;
+        uint32_t *grown =
+            vor_realloc(complex->memory, complex->triangle, room, 3 * sizeof *complex->triangle);
+
+        if (grown == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "%zu triangles", room);
+        complex->triangle = grown;
+        complex->room = room;
+    }
+    memcpy(&complex->triangle[3 * complex->count], corner, 3 * sizeof *corner);
+    for (int c = 0; c < 3; c++)
+        complex->around[(size_t)corner[c] * VOR_AROUND_MOST + complex->degree[corner[c]]++] =
+            (uint32_t)complex->count;
+    complex->count++;
+    return VOR_OK;
+}
+
+void vor_complex_remove(struct vor_complex *complex, uint32_t t)
+{
+    uint32_t *corner = &complex->triangle[3 * (size_t)t];
+
+    for (int c = 0; c < 3; c++) {
+        uint32_t *around = &complex->around[(size_t)corner[c] * VOR_AROUND_MOST];
+        unsigned last = --complex->degree[corner[c]];
+
+        for (unsigned a = 0; a < last; a++)
+            if (around[a] == t)
+                around[a] = around[last];
+    }
+    corner[0] = VOR_COMPLEX_GONE;
+}
+
+void vor_complex_others(const struct vor_complex *complex, uint32_t t, uint32_t a,
+                        uint32_t other[2])
+{
+    const uint32_t *corner = &complex->triangle[3 * (size_t)t];
+    unsigned found = 0;
+
+    for (int c = 0; c < 3; c++)
+        if (corner[c] != a && found < 2)
+            other[found++] = corner[c];
+}
+
+unsigned vor_complex_edge(const struct vor_complex *complex, uint32_t a, uint32_t b,
+                          uint32_t third[2])
+{
+    unsigned found = 0;
+    uint32_t other[2];
+
+    for (unsigned t = 0; t < complex->degree[a]; t++) {
+        vor_complex_others(complex, complex->around[(size_t)a * VOR_AROUND_MOST + t], a, other);
+        if (other[0] != b && other[1] != b)
+            continue;
+        if (found < 2)
+            third[found] = other[0] == b ? other[1] : other[0];
+        found++;
+    }
+    return found;
+}
+
+/* Whether the triangles at point i stay runs of one fan with one more between its neighbours a and
+ * b, whose edges to i have one triangle each or none. */
+static int fan_takes(const struct vor_complex *complex, uint32_t i, uint32_t a, uint32_t b)
+{
+    uint32_t third[2], before = a, at;
+    unsigned steps = 1;
+
+    if (complex->degree[i] == VOR_AROUND_MOST)
+        return 0;
+    if (vor_complex_edge(complex, i, a, third) == 0)
+        return 1;
+    at = third[0];
+    while (at != b && vor_complex_edge(complex, i, at, third) == 2) {
+        uint32_t next = third[0] == before ? third[1] : third[0];
+
+        before = at;
+        at = next;
+        steps++;
+    }
+    return at != b || steps == complex->degree[i];
+}
+
+int vor_complex_takes(const struct vor_complex *complex, const uint32_t corner[3])
+{
+    uint32_t third[2];
+
+    for (int c = 0; c < 3; c++) {
+        uint32_t a = corner[c], b = corner[(c + 1) % 3], opposite = corner[(c + 2) % 3];
+        unsigned have = vor_complex_edge(complex, a, b, third);
+
+        if (have > 1 || (have == 1 && third[0] == opposite))
+            return 0;
+    }
+    for (int c = 0; c < 3; c++)
+        if (!fan_takes(complex, corner[c], corner[(c + 1) % 3], corner[(c + 2) % 3]))
+            return 0;
+    return 1;
+}
+
+unsigned vor_complex_fans(const struct vor_complex *complex, uint32_t i,
+                          unsigned char fan[VOR_AROUND_MOST])
+{
+    const uint32_t *around = &complex->around[(size_t)i * VOR_AROUND_MOST];
+    unsigned degree = complex->degree[i], fans = 0;
+    uint32_t other[VOR_AROUND_MOST][2];
+
+    for (unsigned t = 0; t < degree; t++) {
+        vor_complex_others(complex, around[t], i, other[t]);
+        fan[t] = VOR_AROUND_MOST;
+    }
+    for (unsigned t = 0; t < degree; t++) {
+        int grew = fan[t] == VOR_AROUND_MOST;
+
+        if (grew)
+            fan[t] = (unsigned char)fans++;
+        while (grew) {
+            grew = 0;
+            for (unsigned u = 0; u < degree; u++)
+                for (unsigned v = 0; fan[u] == fans - 1 && v < degree; v++)
+                    if (fan[v] == VOR_AROUND_MOST &&
+                        (other[u][0] == other[v][0] || other[u][0] == other[v][1] ||
+                         other[u][1] == other[v][0] || other[u][1] == other[v][1])) {
+                        fan[v] = fan[u];
+                        grew = 1;
+                    }
+        }
+    }
+    return fans;
+}
+
+/* The fan with most triangles. */
+static unsigned largest(const unsigned char *fan, unsigned degree, unsigned fans)
+{
+    unsigned size[VOR_AROUND_MOST] = {0}, best = 0;
+
+    for (unsigned t = 0; t < degree; t++)
+        size[fan[t]]++;
+    for (unsigned f = 1; f < fans; f++)
+        best = size[f] > size[best] ? f : best;
+    return best;
+}
+
+/* Leaves point i one fan; returns the least point whose triangles changed, or i. */
+static uint32_t prune_point(struct vor_complex *complex, uint32_t i)
+{
+    unsigned char fan[VOR_AROUND_MOST];
+    unsigned degree = complex->degree[i], fans = vor_complex_fans(complex, i, fan), keep;
+    uint32_t doomed[VOR_AROUND_MOST], least = i, other[2];
+
+    if (fans < 2)
+        return i;
+    keep = largest(fan, degree, fans);
+    memcpy(doomed, &complex->around[(size_t)i * VOR_AROUND_MOST], degree * sizeof *doomed);
+    for (unsigned t = 0; t < degree; t++)
+        if (fan[t] != keep) {
+            vor_complex_others(complex, doomed[t], i, other);
+            least = other[0] < least ? other[0] : least;
+            least = other[1] < least ? other[1] : least;
+            vor_complex_remove(complex, doomed[t]);
+        }
+    return least;
+}
+
+void vor_complex_prune(struct vor_complex *complex)
+{
+    int again = 1;
+
+    while (again) {
+        again = 0;
+        for (size_t i = 0; i < complex->n; i++)
+            again |= prune_point(complex, (uint32_t)i) < i;
+    }
+}

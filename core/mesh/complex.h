@@ -1,0 +1,68 @@
+/** Triangles that are added one by one, such that they stay a manifold, and which of them meet at a
+ *  point. */
+#ifndef VOR_MESH_COMPLEX_H
+#define VOR_MESH_COMPLEX_H
+
+#include "core/base/memory.h"
+
+#include <stdint.h>
+
+/** Most triangles that meet at a point. On an even result it is five to seven. */
+enum { VOR_AROUND_MOST = 20 };
+
+/** In the place of a triangle's first point: it was taken away. */
+#define VOR_COMPLEX_GONE UINT32_MAX
+
+/** Triangles over n points. No edge has more than two; only vor_complex_takes says whether the
+ *  triangles at a point stay one fan. */
+struct vor_complex {
+    struct vor_memory *memory;
+    size_t n;
+    uint32_t *triangle; /**< room x 3, of which `count` are set */
+    size_t count, room;
+    uint32_t *around;      /**< n x VOR_AROUND_MOST: the triangles at each point */
+    unsigned char *degree; /**< n: how many */
+};
+
+/** Makes a complex of n points without triangles.
+ *
+ *  @param[out] out  free with vor_complex_free; untouched on failure
+ *
+ *  @retval VOR_E_NOMEM 105 bytes a point do not fit */
+VOR_NODISCARD vor_status vor_complex_init(struct vor_complex *out, size_t n,
+                                          struct vor_memory *memory, struct vor_error *err);
+
+/** complex may be all zero. */
+void vor_complex_free(struct vor_complex *complex);
+
+/** Adds a triangle of three different points, each with fewer than VOR_AROUND_MOST.
+ *
+ *  @retval VOR_E_NOMEM  the complex is as it was */
+VOR_NODISCARD vor_status vor_complex_add(struct vor_complex *complex, const uint32_t corner[3],
+                                         struct vor_error *err);
+
+/** Takes triangle t away. O(1). */
+void vor_complex_remove(struct vor_complex *complex, uint32_t t);
+
+/** How many triangles have the edge from a to b, and the third corners of the first two. */
+unsigned vor_complex_edge(const struct vor_complex *complex, uint32_t a, uint32_t b,
+                          uint32_t third[2]);
+
+/** The other two corners of triangle t, which has corner a. */
+void vor_complex_others(const struct vor_complex *complex, uint32_t t, uint32_t a,
+                        uint32_t other[2]);
+
+/** Whether all stays a manifold with the triangle: none of its edges has two already, and the
+ *  triangles at each corner are parts of one fan, which closes only with the last of them. O(1). */
+int vor_complex_takes(const struct vor_complex *complex, const uint32_t corner[3]);
+
+/** Numbers the fans at a point, runs of triangles of which each shares an edge at the point with
+ *  the next: 0, 1 ... in `fan`, as the point's triangles come. Returns how many there are. */
+unsigned vor_complex_fans(const struct vor_complex *complex, uint32_t i,
+                          unsigned char fan[VOR_AROUND_MOST]);
+
+/** Takes away triangles at points with several fans, those of all fans but the largest, until there
+ *  are none such. O(n), and O(1) for each that is taken away. */
+void vor_complex_prune(struct vor_complex *complex);
+
+#endif

@@ -1,0 +1,22 @@
+/** What a mesh is like, for the report. */
+#ifndef VOR_MESH_DESCRIBE_H
+#define VOR_MESH_DESCRIBE_H
+
+#include "core/mesh/complex.h"
+#include "core/mesh/rims.h"
+#include "core/report.h"
+
+/** Sets triangles, points, Euler characteristic, closed, manifold, quality, angle and loops.
+ *
+ *  @param[in] complex  turned
+ *  @param[in] rims     its loops
+ *
+ *  @retval VOR_E_NOMEM 4 bytes a triangle do not fit
+ *
+ *  O(n log n), one thread. */
+VOR_NODISCARD vor_status vor_mesh_describe(struct vor_report *report,
+                                           const struct vor_complex *complex,
+                                           const struct vor_rims *rims,
+                                           const struct vor_seeds *seeds, struct vor_error *err);
+
+#endif

@@ -1,0 +1,230 @@
+#include "core/mesh/fan.h"
+
+#include "core/base/linalg.h"
+#include "core/geom/patch.h"
+#include "core/mesh/quality.h"
+
+#include <string.h>
+
+/* Radius of a patch over the mean distance to the six nearest on the sheet. Triangles have a
+ * circumscribed circle of at most that: wider ones would bridge bays at a border, narrower ones
+ * would leave holes where points are uneven. */
+#define WIDEN 1.1
+
+/* Most corners while a cell is being cut. */
+enum { CORNERS = VOR_FAN_MOST + 8 };
+
+/* A convex polygon; edge e leads from corner e to the next. */
+struct cell {
+    unsigned count;
+    double x[CORNERS], y[CORNERS], far2; /* far2: square of the farthest corner */
+    uint32_t id[CORNERS];
+};
+
+static void begin(struct cell *cell, double radius)
+{
+    cell->count = 6;
+    cell->far2 = radius * radius;
+    for (unsigned e = 0; e < 6; e++) {
+        cell->x[e] = radius * vor_patch_corner[e][0];
+        cell->y[e] = radius * vor_patch_corner[e][1];
+        cell->id[e] = VOR_FAN_OPEN;
+    }
+}
+
+static void put(struct cell *cell, double x, double y, uint32_t id)
+{
+    cell->x[cell->count] = x;
+    cell->y[cell->count] = y;
+    cell->id[cell->count++] = id;
+    cell->far2 = fmax(cell->far2, x * x + y * y);
+}
+
+/* The cell without what is nearer to the seed at offset (dx, dy), dx^2 + dy^2 + height^2 = 2 limit.
+ */
+static void clip(struct cell *cell, const double d[2], double limit, uint32_t id)
+{
+    struct cell from;
+    double side[CORNERS];
+    unsigned outside = 0;
+
+    for (unsigned e = 0; e < cell->count; e++) {
+        if (cell->id[e] == id)
+            return; /* asked again: rounding must not cut twice */
+        side[e] = cell->x[e] * d[0] + cell->y[e] * d[1] - limit;
+        outside += side[e] > 0;
+    }
+    if (outside == 0 || cell->count + 2 > CORNERS)
+        return;
+    from = *cell;
+    cell->count = 0;
+    cell->far2 = 0;
+    for (unsigned e = 0; e < from.count; e++) {
+        unsigned f = e + 1 < from.count ? e + 1 : 0;
+        double t = side[e] / (side[e] - side[f]);
+
+        if (side[e] <= 0)
+            put(cell, from.x[e], from.y[e], from.id[e]);
+        if ((side[e] <= 0) != (side[f] <= 0)) /* leaving: the new edge begins; entering: the old */
+            put(cell, from.x[e] + t * (from.x[f] - from.x[e]),
+                from.y[e] + t * (from.y[f] - from.y[e]), side[e] <= 0 ? id : from.id[e]);
+    }
+}
+
+/* A cell being cut. */
+struct cut {
+    const struct vor_sheet *sheet;
+    struct vor_seeds *seeds;
+    struct vor_fans *fans;
+    struct vor_frame frame;
+    struct cell cell;
+    uint32_t i;
+};
+
+static void clip_by(struct cut *cut, uint32_t j)
+{
+    const float *a = &cut->seeds->xyz[3 * (size_t)cut->i], *b = &cut->seeds->xyz[3 * (size_t)j];
+    double d[3] = {(double)b[0] - (double)a[0], (double)b[1] - (double)a[1],
+                   (double)b[2] - (double)a[2]};
+    double length2 = vor_dot(d, d);
+
+    if (length2 < 4 * cut->cell.far2 && vor_sheet_joins(cut->sheet, cut->i, j))
+        clip(&cut->cell,
+             (double[2]){vor_dot(cut->frame.axis[0], d), vor_dot(cut->frame.axis[1], d)},
+             length2 / 2, j);
+}
+
+/* Clips by those among more and more seeds around that were not asked yet. */
+static void clip_more(struct cut *cut, struct vor_scratch *scratch)
+{
+    struct vor_seeds *seeds = cut->seeds;
+    uint32_t index[VOR_SEEDS_MORE_MAX];
+    float distance2[VOR_SEEDS_MORE_MAX];
+    unsigned width = 2 * (seeds->point_lists.listed + 1), most = VOR_SEEDS_MORE_MAX;
+    double sure = scratch->crowd.sure;
+
+    most = seeds->n < most ? (unsigned)seeds->n : most;
+    for (unsigned done = 0; done < most && !(sure > 0 && sure * sure >= 4 * cut->cell.far2);
+         width *= 2) {
+        width = width < most ? width : most;
+        sure = vor_point_lists_wide(&seeds->point_lists, &seeds->view, cut->i, width, index,
+                                    distance2);
+        scratch->queries++;
+        for (unsigned j = done; j < width; j++)
+            if (index[j] != cut->i)
+                clip_by(cut, index[j]);
+        for (unsigned j = 0; done == 0 && j < seeds->view.jumpers; j++)
+            if (seeds->view.jumper[j] != cut->i)
+                clip_by(cut, seeds->view.jumper[j]);
+        done = width;
+    }
+}
+
+/* Mean distance to the six nearest on the sheet; 0 with fewer than three. */
+static double reach(const struct cut *cut, const struct vor_crowd *crowd)
+{
+    double sum = 0;
+    unsigned found = 0;
+
+    for (unsigned j = 0; j < crowd->count && found < 6; j++)
+        if (vor_sheet_joins(cut->sheet, cut->i, crowd->index[j])) {
+            sum += sqrt((double)crowd->distance2[j]);
+            found++;
+        }
+    return found >= 3 ? sum / found : 0;
+}
+
+static void hand_out(struct cut *cut)
+{
+    const struct cell *cell = &cut->cell;
+    struct vor_fans *fans = cut->fans;
+
+    if (cell->count > VOR_FAN_MOST)
+        return;
+    fans->count[cut->i] = (unsigned char)cell->count;
+    memcpy(&fans->neighbor[(size_t)cut->i * VOR_FAN_MOST], cell->id,
+           cell->count * sizeof *cell->id);
+}
+
+static void cut_cell(struct cut *cut, struct vor_scratch *scratch)
+{
+    const float *normal = &cut->sheet->normal[3 * (size_t)cut->i];
+    const struct vor_crowd *crowd = &scratch->crowd;
+    double radius;
+
+    cut->fans->count[cut->i] = 0;
+    if (!vor_sheet_has(cut->sheet, cut->i))
+        return;
+    vor_frame_of(&cut->frame, normal);
+    vor_seeds_crowd(cut->seeds, scratch, cut->i);
+    radius = WIDEN * reach(cut, crowd);
+    if (!(radius > 0))
+        return;
+    begin(&cut->cell, radius);
+    for (unsigned j = 0; j < crowd->count; j++)
+        clip_by(cut, crowd->index[j]);
+    clip_more(cut, scratch);
+    hand_out(cut);
+}
+
+/* What workers share. */
+struct cutting {
+    const struct vor_sheet *sheet;
+    struct vor_seeds *seeds;
+    struct vor_fans *fans;
+};
+
+static void cut_block(void *ctx, size_t begin_at, size_t end, unsigned worker)
+{
+    const struct cutting *cutting = ctx;
+    struct cut cut = {cutting->sheet, cutting->seeds, cutting->fans, {{{0}}}, {.count = 0}, 0};
+
+    for (size_t i = begin_at; i < end; i++) {
+        cut.i = (uint32_t)i;
+        cut_cell(&cut, &cutting->seeds->scratch[worker]);
+    }
+}
+
+vor_status vor_fans_make(struct vor_fans *out, const struct vor_sheet *sheet,
+                         struct vor_seeds *seeds, const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_fans fans = {.memory = seeds->run.memory, .n = seeds->n};
+    struct cutting cutting = {sheet, seeds, &fans};
+    vor_status status;
+
+    fans.neighbor = vor_malloc(fans.memory, fans.n, VOR_FAN_MOST * sizeof *fans.neighbor);
+    fans.count = vor_malloc(fans.memory, fans.n, 1);
+    if (fans.neighbor == NULL || fans.count == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "cells of %zu points", fans.n);
+    else
+        status = vor_run_for(run, fans.n, VOR_SEEDS_BLOCK, cut_block, &cutting, err);
+    if (status != VOR_OK) {
+        vor_fans_free(&fans);
+        return status;
+    }
+    *out = fans;
+    return VOR_OK;
+}
+
+void vor_fans_free(struct vor_fans *fans)
+{
+    if (fans->memory == NULL)
+        return;
+    vor_free(fans->memory, fans->count);
+    vor_free(fans->memory, fans->neighbor);
+    memset(fans, 0, sizeof *fans);
+}
+
+int vor_fans_has(const struct vor_fans *fans, uint32_t i, uint32_t j, uint32_t k)
+{
+    const uint32_t *neighbor = &fans->neighbor[(size_t)i * VOR_FAN_MOST];
+    unsigned count = fans->count[i];
+
+    for (unsigned e = 0; e < count; e++) {
+        uint32_t a = neighbor[e], b = neighbor[e + 1 < count ? e + 1 : 0];
+
+        if ((a == j && b == k) || (a == k && b == j))
+            return 1;
+    }
+    return 0;
+}

@@ -1,0 +1,151 @@
+#include "core/mesh/mesh.h"
+
+#include "core/mesh/close.h"
+#include "core/mesh/describe.h"
+#include "core/mesh/facing.h"
+#include "core/mesh/weave.h"
+
+#include <string.h>
+
+/* Times that loops are closed: pruning points of several fans opens some again. */
+enum { ROUNDS = 3 };
+
+/* A mesh being made. */
+struct making {
+    struct vor_seeds *seeds;
+    struct vor_report *report;
+    struct vor_sheet sheet;
+    struct vor_fans fans;
+    struct vor_complex complex;
+    struct vor_mesh *out;
+    vor_status status; /* of what ran on the pool's thread */
+    struct vor_error *err;
+};
+
+static void weave(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct making *making = ctx;
+    struct vor_woven woven;
+
+    (void)begin;
+    (void)end;
+    (void)worker;
+    making->status =
+        vor_weave(&making->complex, &woven, &making->fans, &making->sheet, making->err);
+}
+
+static void close_loops(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct making *making = ctx;
+    size_t closed = 0;
+
+    (void)begin;
+    (void)end;
+    (void)worker;
+    making->status = vor_close(&making->complex, &closed, &making->sheet, making->err);
+    vor_complex_prune(&making->complex);
+    making->report->mesh_filled += closed;
+}
+
+/* Copies the triangles that are there, each from its first point on. */
+static vor_status hand_out(struct making *making)
+{
+    const struct vor_complex *complex = &making->complex;
+    struct vor_mesh *out = making->out;
+    uint32_t *to;
+
+    out->memory = complex->memory;
+    to = out->triangle = vor_malloc(out->memory, making->report->mesh_triangles, 3 * sizeof *to);
+    if (to == NULL)
+        return vor_fail(making->err, VOR_E_NOMEM, "%zu triangles", complex->count);
+    out->count = making->report->mesh_triangles;
+    for (size_t t = 0; t < complex->count; t++) {
+        const uint32_t *corner = &complex->triangle[3 * t];
+
+        if (corner[0] == VOR_COMPLEX_GONE)
+            continue;
+        memcpy(to, corner, 3 * sizeof *to);
+        to += 3;
+    }
+    return VOR_OK;
+}
+
+static void finish(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct making *making = ctx;
+    struct vor_rims rims = {.count = 0};
+    struct vor_facing facing = {0, 0};
+
+    (void)begin;
+    (void)end;
+    (void)worker;
+    making->status = vor_facing_turn(&making->complex, &facing, making->seeds->xyz, making->err);
+    if (making->status == VOR_OK)
+        making->status = vor_rims_find(&rims, &making->complex, &making->sheet, making->err);
+    if (making->status == VOR_OK)
+        making->status =
+            vor_mesh_describe(making->report, &making->complex, &rims, making->seeds, making->err);
+    if (making->status == VOR_OK)
+        making->status = hand_out(making);
+    making->report->mesh_components = facing.components;
+    making->report->mesh_one_sided = facing.one_sided;
+    vor_rims_free(&rims);
+}
+
+/* Runs a part that needs one thread on the pool. */
+static vor_status on_one(struct making *making, vor_task task)
+{
+    vor_status status = vor_run_for(&making->seeds->run, 1, 1, task, making, making->err);
+
+    return status == VOR_OK ? making->status : status;
+}
+
+static vor_status make(struct making *making, struct vor_error *err)
+{
+    struct vor_seeds *seeds = making->seeds;
+    const struct vor_run *run = &seeds->run;
+    vor_status status = vor_seeds_index(seeds, run, err);
+
+    if (status == VOR_OK)
+        status = vor_sheet_find(&making->sheet, seeds, run, err);
+    if (status == VOR_OK)
+        status = vor_fans_make(&making->fans, &making->sheet, seeds, run, err);
+    if (status == VOR_OK)
+        status = vor_complex_init(&making->complex, seeds->n, run->memory, err);
+    if (status == VOR_OK)
+        status = on_one(making, weave);
+    vor_fans_free(&making->fans);
+    for (int round = 0; round < ROUNDS && status == VOR_OK; round++)
+        status = on_one(making, close_loops);
+    return status == VOR_OK ? on_one(making, finish) : status;
+}
+
+vor_status vor_mesh_make(struct vor_mesh *out, struct vor_report *report, struct vor_seeds *seeds,
+                         struct vor_error *err)
+{
+    struct making making = {.seeds = seeds, .report = report, .out = out, .err = err};
+    vor_status status = VOR_OK;
+
+    report->has_mesh = 1;
+    report->mesh_manifold = VOR_YES;
+    if (seeds->n >= 3)
+        status = make(&making, err);
+    vor_complex_free(&making.complex);
+    vor_sheet_free(&making.sheet);
+    return status;
+}
+
+vor_status vor_mesh_reorder(struct vor_mesh *mesh, const uint32_t *order, size_t n,
+                            struct vor_error *err)
+{
+    uint32_t *place = vor_malloc(mesh->memory, n, sizeof *place);
+
+    if (place == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "order of %zu points", n);
+    for (size_t k = 0; k < n; k++)
+        place[order[k]] = (uint32_t)k;
+    for (size_t c = 0; c < 3 * mesh->count; c++)
+        mesh->triangle[c] = place[mesh->triangle[c]];
+    vor_free(mesh->memory, place);
+    return VOR_OK;
+}

@@ -1,0 +1,40 @@
+/** Triangles from the points of a result.
+ *
+ *  The dual of the seeds' flat cells (mesh/fan.h), where all three cells of a triangle agree and
+ *  the seeds lie on one sheet (mesh/sheet.h); then those on which fewer agree (mesh/weave.h), and
+ *  small loops closed (mesh/close.h). What comes out is a manifold, turned one way
+ *  (mesh/facing.h).
+ *
+ *  Source: Chen et al. 2018, Sec. 5.7, after Boltcheva and Levy 2017, "Surface reconstruction by
+ *  computing restricted Voronoi cells in parallel". Not done: points are neither moved nor added.
+ */
+#ifndef VOR_MESH_MESH_H
+#define VOR_MESH_MESH_H
+
+#include "core/cloud/mesh.h"
+#include "core/report.h"
+#include "core/seeds/seeds.h"
+
+/** Makes the triangles over the seeds, in their order.
+ *
+ *  @param[out]    out     initialised, empty; filled only when VOR_OK is returned; fewer than three
+ *                         seeds give no triangles
+ *  @param[in,out] report  receives the members mesh but its seconds; lengths in the domain's unit
+ *  @param[in,out] seeds   on the whole domain
+ *
+ *  @retval VOR_E_NOMEM 260 bytes a seed do not fit, or vor_adjacency_make where there are sheets
+ *  @retval VOR_E_CANCELLED
+ *
+ *  O(n), on the run's pool, half of it on one thread. The same bytes for any number of threads. */
+VOR_NODISCARD vor_status vor_mesh_make(struct vor_mesh *out, struct vor_report *report,
+                                       struct vor_seeds *seeds, struct vor_error *err);
+
+/** Renumbers the corners: the point at place k of the result is seed order[k].
+ *
+ *  @param[in] order  a permutation of 0 .. n - 1
+ *
+ *  @retval VOR_E_NOMEM 4 n bytes do not fit; the mesh is as it was */
+VOR_NODISCARD vor_status vor_mesh_reorder(struct vor_mesh *mesh, const uint32_t *order, size_t n,
+                                          struct vor_error *err);
+
+#endif

@@ -1,0 +1,530 @@
+/* Triangles over the points of a result: known shapes, an oracle on the sphere, sheets, orders,
+ * threads, failures. */
+#include "core/mesh/mesh.h"
+#include "tests/support/vt_engine.h"
+#include "tests/support/vt_shape.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { IN = 12000, POINTS = 1500, FEW = 400 };
+
+/* What a run of the process came to. */
+struct meshed {
+    struct vor_cloud cloud;
+    struct vor_mesh mesh;
+    struct vor_report report;
+};
+
+static vor_status try_mesh(struct meshed *out, const struct vor_cloud *in,
+                           const struct vt_engine *engine)
+{
+    struct vor_artefacts inputs, outputs;
+    vor_status status;
+
+    memset(out, 0, sizeof *out);
+    vor_artefacts_init(&inputs, engine->run.memory);
+    vor_artefacts_init(&outputs, engine->run.memory);
+    inputs.item[inputs.count++] =
+        (struct vor_artefact){.name = "cloud", .kind = VOR_ARTEFACT_CLOUD, .cloud = *in};
+    status = vor_engine_run(&outputs, &inputs, &engine->spec, &engine->run, &vt_err);
+    if (status == VOR_OK) {
+        struct vor_report *report = vor_artefacts_values(&outputs, "report", &vor_report_members);
+
+        out->report = *report;
+        out->cloud = *vor_artefacts_cloud(&outputs, "cloud");
+        out->mesh = *vor_artefacts_mesh(&outputs, "cloud");
+        vor_free(engine->run.memory, report);
+        outputs.count = 0; /* they are the caller's now */
+    }
+    vor_artefacts_free(&outputs);
+    return status;
+}
+
+static void free_meshed(struct meshed *meshed)
+{
+    vor_mesh_free(&meshed->mesh);
+    vor_cloud_free(&meshed->cloud);
+}
+
+static void open_mesh(struct vt_engine *engine, unsigned threads, size_t points)
+{
+    vt_engine_open(engine, threads);
+    vor_spec_preset(&engine->spec, vor_process_find("mesh"));
+    vt_engine_set(engine, "iterations", "6");
+    vt_engine_set(engine, "polish", "30");
+    if (points > 0)
+        vt_engine_count(engine, "points", points);
+}
+
+/* Meshes `points` points on a cloud. */
+static void mesh_of(struct meshed *out, const struct vor_cloud *in, size_t points)
+{
+    struct vt_engine engine;
+
+    open_mesh(&engine, 2, points);
+    vt_assert_ok(try_mesh(out, in, &engine));
+    vt_engine_close(&engine);
+}
+
+static const float *corner(const struct meshed *meshed, size_t t, int c)
+{
+    return &meshed->cloud.xyz[3 * (size_t)meshed->mesh.triangle[3 * t + (size_t)c]];
+}
+
+/* Six times the volume between a triangle and the origin. */
+static double volume6(const struct meshed *meshed, size_t t)
+{
+    const float *a = corner(meshed, t, 0), *b = corner(meshed, t, 1), *c = corner(meshed, t, 2);
+
+    return (double)a[0] * ((double)b[1] * (double)c[2] - (double)b[2] * (double)c[1]) +
+           (double)a[1] * ((double)b[2] * (double)c[0] - (double)b[0] * (double)c[2]) +
+           (double)a[2] * ((double)b[0] * (double)c[1] - (double)b[1] * (double)c[0]);
+}
+
+/* How many triangles run from a to b. */
+static unsigned runs(const struct vor_mesh *mesh, uint32_t a, uint32_t b)
+{
+    unsigned found = 0;
+
+    for (size_t t = 0; t < mesh->count; t++)
+        for (size_t c = 0; c < 3; c++)
+            found += mesh->triangle[3 * t + c] == a && mesh->triangle[3 * t + (c + 1) % 3] == b;
+    return found;
+}
+
+/* Counts the edges that have a triangle on one side only; an edge that two run along the same way
+ * fails. By looking at every triangle for every edge. */
+static size_t open_edges(const struct vor_mesh *mesh)
+{
+    size_t open = 0;
+
+    for (size_t t = 0; t < mesh->count; t++)
+        for (size_t c = 0; c < 3; c++) {
+            uint32_t a = mesh->triangle[3 * t + c], b = mesh->triangle[3 * t + (c + 1) % 3];
+            unsigned back = runs(mesh, b, a);
+
+            if (runs(mesh, a, b) != 1 || back > 1)
+                ck_abort_msg("the edge from %u to %u is no manifold's", a, b);
+            open += back == 0;
+        }
+    return open;
+}
+
+static void assert_sound(const struct meshed *meshed)
+{
+    for (size_t c = 0; c < 3 * meshed->mesh.count; c++)
+        ck_assert_uint_lt(meshed->mesh.triangle[c], meshed->cloud.n);
+    ck_assert_uint_eq(meshed->report.mesh_triangles, meshed->mesh.count);
+    ck_assert_int_eq(meshed->report.has_mesh, 1);
+    ck_assert_int_eq(meshed->report.mesh_manifold, VOR_YES);
+}
+
+START_TEST(a_sphere_and_a_torus_are_closed_and_face_outward)
+{
+    static const double euler[] = {2, 0};
+
+    for (int shape = 0; shape < VT_SMOOTH; shape++) {
+        struct vor_cloud in;
+        struct meshed meshed;
+        double volume = 0;
+
+        vt_shapes[shape].make(&in, (uint64_t)_i, IN);
+        mesh_of(&meshed, &in, POINTS);
+        assert_sound(&meshed);
+        ck_assert_uint_eq(open_edges(&meshed.mesh), 0);
+        ck_assert_int_eq(meshed.report.mesh_closed, VOR_YES);
+        ck_assert_double_eq(meshed.report.mesh_euler, euler[shape]);
+        ck_assert_uint_eq(meshed.report.mesh_points, POINTS);
+        ck_assert_uint_eq(meshed.report.mesh_components, 1);
+        ck_assert_uint_eq(meshed.report.mesh_loops, 0);
+        for (size_t t = 0; t < meshed.mesh.count; t++) {
+            double here = volume6(&meshed, t);
+
+            volume += here;
+            if (shape == VT_SPHERE && !(here > 0))
+                ck_abort_msg("triangle %zu faces inward", t);
+        }
+        ck_assert_double_gt(volume, 0);
+        ck_assert_double_gt(meshed.report.mesh_quality_mean, 0.85);
+        ck_assert_double_gt(meshed.report.mesh_angle_min, 20);
+        free_meshed(&meshed);
+        vor_cloud_free(&in);
+    }
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(a_square_has_one_loop_and_a_cylinder_two)
+{
+    static const struct {
+        int metric;
+        size_t loops;
+        double euler;
+    } cases[] = {{VT_SQUARE, 1, 1}, {VT_CYLINDER, 2, 0}};
+
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        struct vor_cloud in;
+        struct meshed meshed;
+
+        vt_metrics[cases[k].metric].make(&in, (uint64_t)_i, IN, 0);
+        mesh_of(&meshed, &in, POINTS);
+        assert_sound(&meshed);
+        ck_assert_uint_gt(open_edges(&meshed.mesh), 0);
+        ck_assert_int_eq(meshed.report.mesh_closed, VOR_NO);
+        ck_assert_uint_eq(meshed.report.mesh_loops, cases[k].loops);
+        ck_assert_uint_eq(meshed.report.mesh_longest_count, cases[k].loops);
+        ck_assert_double_eq(meshed.report.mesh_euler, cases[k].euler);
+        free_meshed(&meshed);
+        vor_cloud_free(&in);
+    }
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* The length and the middle of the one loop of a square of side 1. */
+START_TEST(a_loop_is_told_in_the_unit_of_the_cloud)
+{
+    struct vor_cloud in;
+    struct meshed meshed;
+    const struct vor_loop *loop = &meshed.report.mesh_longest[0];
+
+    vt_cloud_square(&in, 3, IN);
+    for (size_t i = 0; i < 3 * in.n; i++)
+        in.xyz[i] *= 40;
+    in.origin[0] = 500000;
+    mesh_of(&meshed, &in, POINTS);
+    ck_assert_uint_eq(meshed.report.mesh_loops, 1);
+    ck_assert_double_eq_tol(loop->length, 4 * 40, 8);
+    ck_assert_double_eq_tol(loop->middle[0], 500020, 2);
+    ck_assert_double_eq_tol(loop->middle[1], 20, 2);
+    ck_assert_double_gt((double)loop->edges, 4 * sqrt(POINTS) * 0.8);
+    free_meshed(&meshed);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Gaps in spacings of the result, whose sheets are also nearer than the input's spacing. */
+START_TEST(no_triangle_joins_two_sheets)
+{
+    static const double gaps[] = {0.3, 0.6, 1, 2};
+
+    for (size_t k = 0; k < sizeof gaps / sizeof *gaps; k++) {
+        double gap = gaps[k] * sqrt(2 / (0.866 * POINTS));
+        struct vor_cloud in;
+        struct meshed meshed;
+        size_t across = 0;
+
+        vt_cloud_sheets(&in, (uint64_t)_i, IN, gap);
+        mesh_of(&meshed, &in, POINTS);
+        assert_sound(&meshed);
+        for (size_t t = 0; t < meshed.mesh.count; t++) {
+            int upper = 0;
+
+            for (int c = 0; c < 3; c++)
+                upper += (double)corner(&meshed, t, c)[2] > gap / 2;
+            across += upper % 3 != 0;
+        }
+        ck_assert_msg(across == 0, "gap %g: %zu triangles join the sheets", gaps[k], across);
+        ck_assert_uint_gt(meshed.mesh.count, POINTS);
+        free_meshed(&meshed);
+        vor_cloud_free(&in);
+    }
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* A sum over the triangles that knows their points by position, whatever their numbers are. */
+static double signature(const struct meshed *meshed)
+{
+    double sum = 0;
+
+    for (size_t t = 0; t < meshed->mesh.count; t++) {
+        const float *a = corner(meshed, t, 0), *b = corner(meshed, t, 1), *c = corner(meshed, t, 2);
+
+        for (int d = 0; d < 3; d++)
+            sum += (double)a[d] * (double)b[(d + 1) % 3] * (double)c[(d + 2) % 3] * (d + 1);
+    }
+    return sum;
+}
+
+START_TEST(triangles_follow_the_points_into_another_order)
+{
+    struct vor_cloud in;
+    struct meshed spatial, progressive;
+    struct vt_engine engine;
+
+    vt_cloud_sphere(&in, 7, IN);
+    open_mesh(&engine, 2, FEW);
+    vt_assert_ok(try_mesh(&spatial, &in, &engine));
+    vt_engine_set(&engine, "order", "progressive");
+    vt_assert_ok(try_mesh(&progressive, &in, &engine));
+    ck_assert_uint_eq(spatial.mesh.count, progressive.mesh.count);
+    ck_assert(memcmp(spatial.mesh.triangle, progressive.mesh.triangle,
+                     3 * spatial.mesh.count * sizeof *spatial.mesh.triangle) != 0);
+    ck_assert_uint_eq(open_edges(&progressive.mesh), 0);
+    for (size_t t = 0; t < spatial.mesh.count; t++)
+        for (int c = 0; c < 3; c++)
+            ck_assert(
+                memcmp(corner(&spatial, t, c), corner(&progressive, t, c), 3 * sizeof(float)) == 0);
+    ck_assert_double_eq(signature(&spatial), signature(&progressive));
+    free_meshed(&spatial);
+    free_meshed(&progressive);
+    vt_engine_close(&engine);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(one_two_three_and_eight_threads_give_the_same_triangles)
+{
+    static const unsigned threads[] = {1, 2, 3, 8};
+    struct vor_cloud in;
+    uint64_t first = 0;
+
+    vt_cloud_sheets(&in, 5, IN / 2, 0.02);
+    for (size_t k = 0; k < sizeof threads / sizeof *threads; k++) {
+        struct vt_engine engine;
+        struct meshed meshed;
+        uint64_t hash;
+
+        open_mesh(&engine, threads[k], FEW);
+        vt_assert_ok(try_mesh(&meshed, &in, &engine));
+        hash = vt_hash(meshed.mesh.triangle, 3 * meshed.mesh.count * sizeof *meshed.mesh.triangle);
+        first = k == 0 ? hash : first;
+        ck_assert(hash == first);
+        free_meshed(&meshed);
+        vt_engine_close(&engine);
+    }
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Points on a sphere along a spiral, turned by the seed: nearly even, and no four on a circle. */
+static void spiral(float *xyz, uint64_t seed, size_t n)
+{
+    double phase = 2 * M_PI * vt_unit(seed, 1), step = M_PI * (3 - sqrt(5));
+
+    for (size_t i = 0; i < n; i++) {
+        double z = 1 - (2 * (double)i + 1) / (double)n, r = sqrt(1 - z * z);
+
+        xyz[3 * i] = (float)(r * cos(phase + step * (double)i));
+        xyz[3 * i + 1] = (float)(r * sin(phase + step * (double)i));
+        xyz[3 * i + 2] = (float)z;
+    }
+}
+
+/* How far the farthest of all points is beyond the plane of a triangle: on a sphere, a point within
+ * the circle around the triangle. */
+static double beyond(const struct vor_seeds *seeds, const uint32_t *triangle)
+{
+    const float *a = &seeds->xyz[3 * (size_t)triangle[0]],
+                *b = &seeds->xyz[3 * (size_t)triangle[1]],
+                *c = &seeds->xyz[3 * (size_t)triangle[2]];
+    double u[3], v[3], n[3], far = 0, length;
+
+    for (int d = 0; d < 3; d++) {
+        u[d] = (double)b[d] - (double)a[d];
+        v[d] = (double)c[d] - (double)a[d];
+    }
+    n[0] = u[1] * v[2] - u[2] * v[1];
+    n[1] = u[2] * v[0] - u[0] * v[2];
+    n[2] = u[0] * v[1] - u[1] * v[0];
+    length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (size_t i = 0; i < seeds->n; i++) {
+        double off = 0;
+
+        for (size_t d = 0; d < 3; d++)
+            off += n[d] * ((double)seeds->xyz[3 * i + d] - (double)a[d]);
+        far = fmax(far, off / length);
+    }
+    return far;
+}
+
+/* Oracle: the Delaunay triangulation of points on a sphere is their convex hull, every triangle of
+ * which has all points behind it. */
+START_TEST(on_a_sphere_the_triangles_are_those_of_the_convex_hull)
+{
+    double spacing = sqrt(4 * M_PI / POINTS), worst = 0;
+    struct vt_engine engine;
+    struct vor_cloud in;
+    struct vor_domain domain;
+    struct vor_seeds seeds;
+    struct vor_mesh mesh;
+    struct vor_report report = {.delta = 0};
+    float *xyz;
+
+    vt_engine_open(&engine, 2);
+    vt_cloud_sphere(&in, (uint64_t)_i, 4 * IN);
+    vt_assert_ok(vor_domain_init(&domain, &in, &engine.run, &vt_err));
+    vt_assert_ok(vor_seeds_init(&seeds, &domain, POINTS, vt_policy, &engine.run, &vt_err));
+    xyz = vor_malloc(&vt_memory, POINTS, 3 * sizeof *xyz);
+    ck_assert_ptr_nonnull(xyz);
+    spiral(xyz, (uint64_t)_i, POINTS);
+    for (size_t i = 0; i < POINTS; i++)
+        vor_domain_normalise(&domain, &xyz[3 * i], &seeds.xyz[3 * i]);
+    vor_mesh_init(&mesh, &vt_memory);
+    vt_assert_ok(vor_mesh_make(&mesh, &report, &seeds, &vt_err));
+    ck_assert_uint_eq(mesh.count, 2 * POINTS - 4);
+    for (size_t t = 0; t < mesh.count; t++)
+        worst = fmax(worst, beyond(&seeds, &mesh.triangle[3 * t]));
+    ck_assert_double_lt(worst * domain.unit, 2e-3 * spacing);
+    vor_free(&vt_memory, xyz);
+    vor_mesh_free(&mesh);
+    vor_seeds_free(&seeds);
+    vor_domain_free(&domain);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(a_moebius_band_has_one_side_and_one_loop)
+{
+    struct vor_cloud in;
+    struct meshed meshed;
+
+    vt_cloud_moebius(&in, 2, IN, 0.6);
+    mesh_of(&meshed, &in, FEW);
+    assert_sound(&meshed);
+    ck_assert_uint_eq(meshed.report.mesh_components, 1);
+    ck_assert_uint_eq(meshed.report.mesh_one_sided, 1);
+    ck_assert_uint_eq(meshed.report.mesh_loops, 1);
+    ck_assert_double_eq(meshed.report.mesh_euler, 0);
+    free_meshed(&meshed);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(filters_alone_leave_points_that_are_joined_where_they_are)
+{
+    struct vor_cloud in;
+    struct vt_engine engine;
+    struct meshed meshed;
+
+    vt_cloud_sphere(&in, 4, POINTS);
+    open_mesh(&engine, 2, 0);
+    vt_engine_set(&engine, "filters", "mls");
+    vt_assert_ok(try_mesh(&meshed, &in, &engine));
+    assert_sound(&meshed);
+    ck_assert_uint_eq(meshed.cloud.n, POINTS);
+    ck_assert_uint_gt(meshed.mesh.count, POINTS);
+    ck_assert_uint_gt(meshed.report.mesh_points, POINTS * 9 / 10);
+    free_meshed(&meshed);
+    vt_engine_close(&engine);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(fewer_than_three_points_have_no_triangles)
+{
+    struct vor_cloud in;
+    struct meshed meshed;
+
+    vt_cloud_sphere(&in, 4, FEW);
+    for (size_t n = 1; n < 4; n++) {
+        mesh_of(&meshed, &in, n);
+        assert_sound(&meshed);
+        ck_assert_uint_le(meshed.mesh.count, n < 3 ? 0 : 1);
+        ck_assert_uint_eq(meshed.cloud.n, n);
+        free_meshed(&meshed);
+    }
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(resample_has_no_triangles_and_the_same_points)
+{
+    struct vor_cloud in, out;
+    struct meshed meshed;
+    struct vt_engine engine;
+    struct vor_report report;
+
+    vt_cloud_sphere(&in, 4, IN);
+    mesh_of(&meshed, &in, FEW);
+    vt_engine_open(&engine, 2);
+    vt_engine_set(&engine, "iterations", "6");
+    vt_engine_set(&engine, "polish", "30");
+    vt_engine_count(&engine, "points", FEW);
+    vt_engine_resample(&engine, &out, &report, &in);
+    ck_assert_int_eq(report.has_mesh, 0);
+    ck_assert(vt_cloud_hash(&out) == vt_cloud_hash(&meshed.cloud));
+    ck_assert_uint_eq(meshed.report.mesh_triangles, 2 * FEW - 4);
+    vt_engine_close(&engine);
+    free_meshed(&meshed);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Each allocation of the mesh fails once. */
+START_TEST(a_failing_allocation_is_told_and_nothing_leaks)
+{
+    struct vor_cloud in;
+    struct vt_engine engine;
+    struct vor_domain domain;
+    struct vor_seeds seeds;
+    struct vor_mesh mesh;
+    vor_status status = VOR_E_NOMEM;
+    unsigned failed = 0;
+
+    vt_engine_open(&engine, 1);
+    vt_cloud_sheets(&in, 1, 2000, 0.02);
+    vt_assert_ok(vor_domain_init(&domain, &in, &engine.run, &vt_err));
+    domain.known.lists = VOR_LISTS_LOCAL;
+    vt_assert_ok(vor_seeds_init(&seeds, &domain, 200, vt_policy, &engine.run, &vt_err));
+    for (size_t i = 0; i < 3 * seeds.n; i++)
+        seeds.xyz[i] = domain.xyz[30 * (i / 3) + i % 3];
+    vor_mesh_init(&mesh, &vt_memory);
+    vt_assert_ok(vor_seeds_index(&seeds, &seeds.run, &vt_err));
+    while (status != VOR_OK) {
+        struct vor_report report = {.delta = 0};
+        size_t used = atomic_load(&vt_memory.used);
+
+        vt_memory.fail_at = atomic_load(&vt_memory.calls) + 1 + failed;
+        status = vor_mesh_make(&mesh, &report, &seeds, &vt_err);
+        if (status != VOR_OK) {
+            ck_assert_int_eq(status, VOR_E_NOMEM);
+            ck_assert_uint_eq(atomic_load(&vt_memory.used), used);
+            ck_assert_ptr_null(mesh.triangle);
+            failed++;
+        }
+    }
+    vt_memory.fail_at = 0;
+    ck_assert_uint_gt(failed, 12);
+    ck_assert_uint_gt(mesh.count, 0);
+    vor_mesh_free(&mesh);
+    vor_seeds_free(&seeds);
+    vor_domain_free(&domain);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("mesh");
+
+    vt_add_figures(suite, a_sphere_and_a_torus_are_closed_and_face_outward,
+                   VT_FEWER(VT_SOAK_LOOPS(2, 20)));
+    vt_add_figures(suite, a_square_has_one_loop_and_a_cylinder_two, VT_FEWER(VT_SOAK_LOOPS(2, 20)));
+    vt_add(suite, a_loop_is_told_in_the_unit_of_the_cloud);
+    vt_add_figures(suite, no_triangle_joins_two_sheets, VT_FEWER(VT_SOAK_LOOPS(1, 10)));
+    vt_add(suite, triangles_follow_the_points_into_another_order);
+    vt_add(suite, one_two_three_and_eight_threads_give_the_same_triangles);
+    vt_add_figures(suite, on_a_sphere_the_triangles_are_those_of_the_convex_hull,
+                   VT_FEWER(VT_SOAK_LOOPS(2, 20)));
+    vt_add(suite, a_moebius_band_has_one_side_and_one_loop);
+    vt_add(suite, filters_alone_leave_points_that_are_joined_where_they_are);
+    vt_add(suite, fewer_than_three_points_have_no_triangles);
+    vt_add(suite, resample_has_no_triangles_and_the_same_points);
+    vt_add(suite, a_failing_allocation_is_told_and_nothing_leaks);
+    return vt_run(suite);
+}
