@@ -197,6 +197,12 @@ START_TEST(more_points_than_the_input_has_are_refused)
                      "200 points are asked for, want 1 to 199: kmeans takes means of the input's "
                      "points at different places");
     ck_assert_uint_eq(out.n, 0);
+    vt_engine_set(&engine, "points", "100");
+    vt_engine_set(&engine, "density", "curvature");
+    vt_assert_fails(VOR_E_DENSITY, vt_engine_try(&engine, &out, &report, &in));
+    ck_assert_str_eq(vt_err.message,
+                     "method kmeans follows no density, want uniform, or method cvt");
+    ck_assert_uint_eq(out.n, 0);
     vor_cloud_free(&in);
     vt_engine_close(&engine);
     vt_assert_no_leak();

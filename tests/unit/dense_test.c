@@ -15,7 +15,7 @@ static void make_cell(struct vor_cell *cell, uint64_t seed)
         .kind = VOR_SURFACE_PLANE, .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .reach = 1};
     struct vor_disc disc;
 
-    vor_disc_init(&disc, 0);
+    vor_disc_init(&disc, 6, 0);
     vor_cell_begin(cell, &disc, &surface, (double[3]){0.25, 0.5, 0}, 1);
     for (uint64_t i = 0; i < CUTS; i++) {
         double turn = 2 * M_PI * vt_unit(seed, 2 * i), length = 0.8 + vt_unit(seed, 2 * i + 1);

@@ -16,6 +16,15 @@ static struct vor_json *parsed(const char *json)
     return out;
 }
 
+/* Whether a choice is written with a name after a colon. */
+static int takes_name(const struct vor_parameter_info *info, unsigned choice)
+{
+    const char *word;
+    size_t length = vor_parameter_choice(info, choice, &word);
+
+    return memchr(word, ':', length) != NULL;
+}
+
 /* A value for a parameter, drawn at random: within its range, at its ends, or one of its words. */
 static double draw(const struct vor_process_info *process, enum vor_parameter parameter,
                    uint64_t seed)
@@ -29,10 +38,13 @@ static double draw(const struct vor_process_info *process, enum vor_parameter pa
 
     if (u < 0.2)
         return info->fallback;
-    if (vor_kind_form(info->kind, 0) == VOR_FORM_CHOICE) { /* without vectors, which need a text */
-        while (vor_parameter_choice(info, words, &word) > 0)
-            words++;
-        return (double)vor_rng_below(seed, 7, index, words);
+    if (vor_kind_form(info->kind, 0) == VOR_FORM_CHOICE) { /* of those that need no text */
+        unsigned fitting[32], count = 0;
+
+        for (; vor_parameter_choice(info, words, &word) > 0; words++)
+            if ((info->allowed >> words & 1) != 0 && !takes_name(info, words))
+                fitting[count++] = words;
+        return (double)fitting[vor_rng_below(seed, 7, index, count)];
     }
     if (vor_kind_form(info->kind, 1) == VOR_FORM_AUTO && u < 0.3)
         return VOR_UNSET;

@@ -187,7 +187,7 @@ START_TEST(a_loop_is_told_in_the_unit_of_the_cloud)
 {
     struct vor_cloud in;
     struct meshed meshed;
-    const struct vor_loop *loop = &meshed.report.mesh_longest[0];
+    const struct vor_mesh_loop *loop = &meshed.report.mesh_longest[0];
 
     vt_cloud_square(&in, 3, IN);
     for (size_t i = 0; i < 3 * in.n; i++)
