@@ -98,12 +98,13 @@ static vor_status check_values(const struct vor_attribute *attribute, size_t n,
 
     check.bad = vor_malloc(run->memory, blocks, sizeof *check.bad);
     check.positive = vor_malloc(run->memory, blocks, sizeof *check.positive);
-    if (check.bad == NULL || check.positive == NULL)
+    if (check.bad == NULL || check.positive == NULL) {
         status = vor_fail(err, VOR_E_NOMEM, "checking %zu densities", n);
-    else
+    } else {
         status = vor_run_for(run, n, CHECKED, check_block, &check, err);
-    if (status == VOR_OK)
-        status = judge(&check, err);
+        if (status == VOR_OK)
+            status = judge(&check, err);
+    }
     vor_free(run->memory, check.positive);
     vor_free(run->memory, check.bad);
     return status;

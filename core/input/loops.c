@@ -81,7 +81,7 @@ static double spacing_of(float far2, unsigned k)
  * distance is the sine of half of it; from one parallel sheet to the other nothing turns. */
 static int is_level(const struct vor_domain *domain, size_t i, size_t j, double off)
 {
-    const float *m = &domain->graph.normal[3 * i], *n = &domain->graph.normal[3 * j];
+    const float *m = domain->graph.normal + 3 * i, *n = domain->graph.normal + 3 * j;
     const float *x = point(domain, i), *y = point(domain, j);
     double cosine = 0, across = 0;
 
@@ -330,27 +330,35 @@ static int longer(const void *left, const void *right)
     return (a->first > b->first) - (a->first < b->first);
 }
 
+/* Walks along the rows. */
+static void walk_rows(struct walk *walk)
+{
+    struct vor_loops *loops = walk->loops;
+
+    count_open(walk);
+    for (size_t i = 0; i < walk->n; i++)
+        if (!walk->seen[i])
+            take_loop(walk, i);
+    qsort(loops->loop, loops->count, sizeof *loops->loop, longer);
+}
+
 /* Makes the loops of n corners. */
 static vor_status make_loops(struct vor_loops *loops, const struct find *find, size_t n,
                              const struct vor_run *run, struct vor_error *err)
 {
     struct walk walk = {.domain = find->domain, .corner = find->corner, .n = n, .loops = loops};
-    vor_status status = VOR_OK;
+    vor_status status;
 
     walk.mate = vor_malloc(run->memory, n, 2 * sizeof *walk.mate);
     walk.seen = vor_calloc(run->memory, n, sizeof *walk.seen);
     loops->point = vor_malloc(run->memory, n, sizeof *loops->point);
     loops->loop = vor_malloc(run->memory, n / LEAST_POINTS, sizeof *loops->loop);
-    if (walk.mate == NULL || walk.seen == NULL || loops->point == NULL || loops->loop == NULL)
+    if (walk.mate == NULL || walk.seen == NULL || loops->point == NULL || loops->loop == NULL) {
         status = vor_fail(err, VOR_E_NOMEM, "borders of %zu points", n);
-    else
+    } else {
         status = vor_rows_join(walk.mate, walk.corner, n, VOR_LOOPS_RADIUS, run->memory, err);
-    if (status == VOR_OK) {
-        count_open(&walk);
-        for (size_t i = 0; i < n; i++)
-            if (!walk.seen[i])
-                take_loop(&walk, i);
-        qsort(loops->loop, loops->count, sizeof *loops->loop, longer);
+        if (status == VOR_OK)
+            walk_rows(&walk);
     }
     vor_free(run->memory, walk.seen);
     vor_free(run->memory, walk.mate);

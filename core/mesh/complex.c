@@ -68,11 +68,9 @@ void vor_complex_others(const struct vor_complex *complex, uint32_t t, uint32_t 
                         uint32_t other[2])
 {
     const uint32_t *corner = &complex->triangle[3 * (size_t)t];
-    unsigned found = 0;
 
-    for (int c = 0; c < 3; c++)
-        if (corner[c] != a && found < 2)
-            other[found++] = corner[c];
+    other[0] = corner[0] == a ? corner[1] : corner[0];
+    other[1] = corner[2] == a ? corner[1] : corner[2];
 }
 
 unsigned vor_complex_edge(const struct vor_complex *complex, uint32_t a, uint32_t b,

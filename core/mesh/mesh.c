@@ -25,7 +25,7 @@ struct making {
 static void weave(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct making *making = ctx;
-    struct vor_woven woven;
+    struct vor_woven woven = {0};
 
     (void)begin;
     (void)end;

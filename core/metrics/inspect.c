@@ -221,7 +221,8 @@ static vor_status measure_border(struct vor_inspect *out, const struct vor_domai
     vor_status status = vor_loops_find(&loops, domain, run, err);
 
     for (size_t i = 0; i < loops.count; i++) {
-        struct vor_loop_told beyond, *told = i < VOR_LOOPS_TOLD ? &out->loops[i] : &beyond;
+        struct vor_loop_told beyond = {.id = 0},
+                             *told = i < VOR_LOOPS_TOLD ? &out->loops[i] : &beyond;
 
         tell_loop(told, &loops.loop[i], out->origin, domain);
         told->id = (uint32_t)i + 1;

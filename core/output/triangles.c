@@ -15,7 +15,7 @@ static vor_status of_points(struct vor_mesh *out, struct vor_report *report,
     if (status != VOR_OK)
         return status;
     for (size_t i = 0; i < cloud->n; i++)
-        vor_domain_normalise(of->domain, &cloud->xyz[3 * i], &seeds.xyz[3 * i]);
+        vor_domain_normalise(of->domain, cloud->xyz + 3 * i, seeds.xyz + 3 * i);
     status = vor_mesh_make(out, report, &seeds, err);
     vor_seeds_free(&seeds);
     return status;
