@@ -216,13 +216,14 @@ static int allowed(void)
 
 int main(void)
 {
-    Suite *suite = suite_create("storage_full");
+    Suite *suite;
 
     if (!allowed()) {
         puts("1..0 # SKIP storage_full: no mount namespace here");
         return 0;
     }
     vor_log_open(2, VOR_LOG_OFF);
+    suite = suite_create("storage_full");
     vt_add(suite, a_blob_that_does_not_fit_is_refused_as_such);
     vt_add(suite, a_store_without_room_refuses_and_goes_on_once_there_is_room);
     vt_add(suite, a_result_that_does_not_fit_fails_its_job_alone);
