@@ -73,11 +73,9 @@ static int no_process(const struct vor_cli *cli)
     return VOR_EXIT_USAGE;
 }
 
-/* The client sends one file, as the body; forms it does not make. */
 static struct vor_command command_of(const struct vor_process_info *process)
 {
-    int is_remote = process->on_http && process->inputs[1].name == NULL;
-    unsigned does = VOR_COMMAND_RUNS | (is_remote ? VOR_COMMAND_REMOTE : 0u);
+    unsigned does = VOR_COMMAND_RUNS | (process->on_http ? VOR_COMMAND_REMOTE : 0u);
 
     return (struct vor_command){process->id, process->title, process->sentence, does,       FILES,
                                 1,           INT_MAX,        process,           run_process};

@@ -383,13 +383,6 @@ static vor_status check_inputs(const struct vor_cli *cli, struct vor_error *err)
                           needed);
 }
 
-/* True when a daemon will do the work. */
-static int goes_away(const struct vor_cli *cli)
-{
-    return cli->option[VOR_OPTION_SERVER] != NULL ||
-           (cli->command->does & VOR_COMMAND_SUBMITS) != 0;
-}
-
 static vor_status check_files(struct vor_cli *cli, struct vor_error *err)
 {
     const struct vor_process_info *process = cli->command->process;
@@ -402,10 +395,6 @@ static vor_status check_files(struct vor_cli *cli, struct vor_error *err)
         if (cli->input[i] == NULL)
             continue;
         stdins += strcmp(cli->input[i], "-") == 0;
-        if (i > 0 && goes_away(cli))
-            return vor_fail(err, VOR_E_PARAM,
-                            "--%s does not go with --server: a request carries one cloud",
-                            process->inputs[i].name);
     }
     if (cli->option[VOR_OPTION_NAME] != NULL && cli->option[VOR_OPTION_SERVER] == NULL)
         return vor_fail(err, VOR_E_PARAM, "--name goes with --server: it is the job's there");

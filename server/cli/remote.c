@@ -95,21 +95,21 @@ static size_t on_header(char *line, size_t unit, size_t count, void *ctx)
     return size;
 }
 
-static size_t on_body(char *bytes, size_t unit, size_t count, void *ctx)
+static size_t on_file(char *bytes, size_t unit, size_t count, void *ctx)
 {
-    struct exchange *exchange = ctx;
-    size_t size = fread(bytes, 1, unit * count, exchange->call->body);
+    struct vor_remote_file *file = ctx;
+    size_t size = fread(bytes, 1, unit * count, file->bytes);
 
-    return ferror(exchange->call->body) ? CURL_READFUNC_ABORT : size;
+    return ferror(file->bytes) ? CURL_READFUNC_ABORT : size;
 }
 
-/* curl calls this when a kept connection is dead and it must send the body again. */
+/* curl calls this when a kept connection is dead and it must send a file again. */
 static int on_rewind(void *ctx, curl_off_t offset, int origin)
 {
-    struct exchange *exchange = ctx;
+    struct vor_remote_file *file = ctx;
 
-    return fseeko(exchange->call->body, (off_t)offset, origin) == 0 ? CURL_SEEKFUNC_OK
-                                                                    : CURL_SEEKFUNC_CANTSEEK;
+    return fseeko(file->bytes, (off_t)offset, origin) == 0 ? CURL_SEEKFUNC_OK
+                                                           : CURL_SEEKFUNC_CANTSEEK;
 }
 
 static int on_tick(void *ctx, curl_off_t down, curl_off_t downloaded, curl_off_t up,
@@ -145,15 +145,43 @@ static void set_up(CURL *curl, struct exchange *exchange)
     curl_easy_setopt(curl, CURLOPT_NOPROGRESS, 0L);
     curl_easy_setopt(curl, CURLOPT_XFERINFOFUNCTION, on_tick);
     curl_easy_setopt(curl, CURLOPT_XFERINFODATA, exchange);
-    if (call->body != NULL) {
-        curl_easy_setopt(curl, CURLOPT_POST, 1L);
-        curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)call->body_size);
-        curl_easy_setopt(curl, CURLOPT_READFUNCTION, on_body);
-        curl_easy_setopt(curl, CURLOPT_READDATA, exchange);
-        curl_easy_setopt(curl, CURLOPT_SEEKFUNCTION, on_rewind);
-        curl_easy_setopt(curl, CURLOPT_SEEKDATA, exchange);
-    }
     curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, call->method);
+}
+
+static void send_body(CURL *curl, struct vor_remote_file *file)
+{
+    curl_easy_setopt(curl, CURLOPT_POST, 1L);
+    curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)file->size);
+    curl_easy_setopt(curl, CURLOPT_READFUNCTION, on_file);
+    curl_easy_setopt(curl, CURLOPT_READDATA, file);
+    curl_easy_setopt(curl, CURLOPT_SEEKFUNCTION, on_rewind);
+    curl_easy_setopt(curl, CURLOPT_SEEKDATA, file);
+}
+
+/* A part that curl takes for a file, by its name. */
+static int add_part(curl_mime *form, struct vor_remote_file *file)
+{
+    curl_mimepart *part = curl_mime_addpart(form);
+
+    return part != NULL && curl_mime_name(part, file->name) == CURLE_OK &&
+           curl_mime_filename(part, file->name) == CURLE_OK &&
+           curl_mime_data_cb(part, (curl_off_t)file->size, on_file, on_rewind, NULL, file) ==
+               CURLE_OK;
+}
+
+/* What the call sends. *form is freed after the call. */
+static int send_files(CURL *curl, struct vor_remote_call *call, curl_mime **form)
+{
+    *form = NULL;
+    if (call->files == 1)
+        send_body(curl, &call->file[0]);
+    if (call->files < 2)
+        return 1;
+    *form = curl_mime_init(curl);
+    for (unsigned i = 0; i < call->files; i++)
+        if (*form == NULL || !add_part(*form, &call->file[i]))
+            return 0;
+    return curl_easy_setopt(curl, CURLOPT_MIMEPOST, *form) == CURLE_OK;
 }
 
 static vor_status outcome(const struct exchange *exchange, CURLcode code, struct vor_error *err)
@@ -165,9 +193,24 @@ static vor_status outcome(const struct exchange *exchange, CURLcode code, struct
         return VOR_OK;
     if (code == CURLE_ABORTED_BY_CALLBACK && vor_interrupt_seen())
         return vor_interrupt_fail(err);
+    if (code == CURLE_OUT_OF_MEMORY)
+        return vor_fail(err, VOR_E_NOMEM, "the headers or files of a request");
     if (code == CURLE_WRITE_ERROR && call->text.failed)
         return vor_fail(err, VOR_E_LIMIT, "the answer has more than %zu bytes", call->text.cap);
     return vor_fail(err, VOR_E_IO, "%s", why[0] != '\0' ? why : curl_easy_strerror(code));
+}
+
+static int send_headers(CURL *curl, const struct vor_remote_call *call, struct curl_slist **out)
+{
+    *out = NULL;
+    for (size_t i = 0; call->headers != NULL && call->headers[i] != NULL; i++) {
+        struct curl_slist *longer = curl_slist_append(*out, call->headers[i]);
+
+        if (longer == NULL)
+            return 0;
+        *out = longer;
+    }
+    return curl_easy_setopt(curl, CURLOPT_HTTPHEADER, *out) == CURLE_OK;
 }
 
 vor_status vor_remote_perform(struct vor_remote *remote, struct vor_remote_call *call,
@@ -175,7 +218,8 @@ vor_status vor_remote_perform(struct vor_remote *remote, struct vor_remote_call 
 {
     struct exchange exchange = {remote, call};
     struct curl_slist *headers = NULL;
-    CURLcode code;
+    curl_mime *form = NULL;
+    CURLcode code = CURLE_OUT_OF_MEMORY;
     long http = 0;
 
     call->http = 0;
@@ -184,20 +228,12 @@ vor_status vor_remote_perform(struct vor_remote *remote, struct vor_remote_call 
     vor_text_init(&call->text, VOR_JSON_SIZE_MAX);
     remote->why[0] = '\0';
     set_up(remote->curl, &exchange);
-    for (size_t i = 0; call->headers != NULL && call->headers[i] != NULL; i++) {
-        struct curl_slist *longer = curl_slist_append(headers, call->headers[i]);
-
-        if (longer == NULL) {
-            curl_slist_free_all(headers);
-            return vor_fail(err, VOR_E_NOMEM, "the headers of a request");
-        }
-        headers = longer;
-    }
-    curl_easy_setopt(remote->curl, CURLOPT_HTTPHEADER, headers);
-    code = curl_easy_perform(remote->curl);
+    if (send_headers(remote->curl, call, &headers) && send_files(remote->curl, call, &form))
+        code = curl_easy_perform(remote->curl);
     (void)curl_easy_getinfo(remote->curl, CURLINFO_RESPONSE_CODE, &http);
     call->http = (int)http;
     curl_slist_free_all(headers);
+    curl_mime_free(form);
     return outcome(&exchange, code, err);
 }
 

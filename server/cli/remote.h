@@ -13,12 +13,23 @@
 /** A connection that is kept from call to call. */
 struct vor_remote;
 
+/** Most files that one call sends. */
+#define VOR_REMOTE_FILES_MAX 4
+
+/** A file that is sent, from where it stands. */
+struct vor_remote_file {
+    const char *name; /**< of the part, where the call is a form */
+    FILE *bytes;      /**< that can be sought in */
+    int64_t size;
+};
+
 /** One call: what is asked, and what came. */
 struct vor_remote_call {
     const char *method, *url;
     const char *const *headers; /**< "Name: value", ended by NULL; may be NULL */
-    FILE *body;                 /**< what is sent, from where it stands; NULL for nothing */
-    int64_t body_size;
+    /** One file is the body; several are the parts of a form (multipart/form-data). */
+    struct vor_remote_file file[VOR_REMOTE_FILES_MAX];
+    unsigned files;
     /** Takes the body of a 2xx answer; anything but 0 ends the call. NULL: it goes to text. */
     int (*take)(void *ctx, const void *bytes, size_t size);
     void *ctx;

@@ -17,7 +17,7 @@
 struct there {
     struct vor_follow follow;
     struct vor_output output;
-    struct vor_input stdin_bytes;
+    struct vor_input in_memory[VOR_INPUTS_MAX]; /* inputs whose length no file tells */
 };
 
 static void append_escaped(struct vor_text *url, const char *text)
@@ -69,38 +69,64 @@ static void build_url(struct vor_text *url, const struct vor_follow *follow)
     }
 }
 
-/* The body: a regular file as it lies on the disk, everything else through memory, because its
- * length must be known. */
-static vor_status open_body(struct there *t, FILE **body, int64_t *size)
+/* One input: a regular file as it lies on the disk, everything else through memory, because its
+ * length must be known. NULL after a failure. */
+static FILE *open_input(struct there *t, unsigned i, int64_t *size)
 {
-    const char *path = t->follow.cli->input[0];
+    const char *path = t->follow.cli->input[i];
+    struct vor_input *in_memory = &t->in_memory[i];
+    FILE *file = NULL;
     struct stat info;
-    vor_status status;
 
-    *body = NULL;
-    if (strcmp(path, "-") != 0 && stat(path, &info) == 0 && S_ISREG(info.st_mode)) {
-        *body = fopen(path, "rb");
-        if (*body != NULL) {
-            *size = info.st_size;
-            return VOR_OK;
-        }
+    if (strcmp(path, "-") != 0 && stat(path, &info) == 0 && S_ISREG(info.st_mode))
+        file = fopen(path, "rb");
+    if (file != NULL) {
+        *size = info.st_size;
+        return file;
     }
-    status = vor_input_read(&t->stdin_bytes, path, &t->follow.err);
-    if (status != VOR_OK)
-        return status;
-    *size = (int64_t)t->stdin_bytes.size;
-    *body = fmemopen(t->stdin_bytes.bytes, t->stdin_bytes.size, "rb");
-    return *body != NULL
-               ? VOR_OK
-               : vor_fail(&t->follow.err, VOR_E_EMPTY, "there is nothing to read: 0 bytes");
+    if (vor_input_read(in_memory, path, &t->follow.err) != VOR_OK)
+        return NULL;
+    *size = (int64_t)in_memory->size;
+    file = fmemopen(in_memory->bytes, in_memory->size, "rb");
+    if (file == NULL)
+        (void)vor_fail(&t->follow.err, VOR_E_EMPTY, "there is nothing to read: 0 bytes");
+    return file;
+}
+
+/* Opens the inputs that files were given for. Says which cannot be, and returns its exit code. */
+static int open_inputs(struct there *t, struct vor_remote_call *call)
+{
+    const struct vor_cli *cli = t->follow.cli;
+    const struct vor_artefact_info *inputs = cli->spec.process->inputs;
+
+    for (unsigned i = 0; inputs[i].name != NULL; i++) {
+        int64_t size = 0;
+        FILE *bytes;
+
+        if (cli->input[i] == NULL)
+            continue;
+        bytes = open_input(t, i, &size);
+        if (bytes == NULL)
+            return vor_cli_fail(cli->input[i], &t->follow.err);
+        call->file[call->files++] = (struct vor_remote_file){inputs[i].name, bytes, size};
+    }
+    return VOR_EXIT_OK;
+}
+
+static void close_inputs(struct there *t, struct vor_remote_call *call)
+{
+    for (unsigned i = 0; i < call->files; i++)
+        (void)fclose(call->file[i].bytes);
+    for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
+        vor_input_free(&t->in_memory[i]);
 }
 
 /* *info is the job's first statusInfo, NULL when the daemon told none. */
 static int submit_body(struct vor_follow *follow, struct vor_remote_call *call,
                        struct vor_json **info)
 {
-    static const char *const headers[] = {"Prefer: respond-async",
-                                          "Content-Type: application/octet-stream", NULL};
+    const char *type = call->files == 1 ? "Content-Type: application/octet-stream" : NULL;
+    const char *const headers[] = {"Prefer: respond-async", type, NULL}; /* of a form: curl's */
     int code = VOR_EXIT_OK;
 
     call->method = "POST";
@@ -117,30 +143,43 @@ static int submit_body(struct vor_follow *follow, struct vor_remote_call *call,
     return code;
 }
 
-static int submit(struct there *t, struct vor_json **info)
+static int submit_call(struct there *t, struct vor_remote_call *call, struct vor_json **info)
 {
-    struct vor_remote_call call = {.body_size = 0};
     struct vor_follow *follow = &t->follow;
     struct vor_text url;
     int code;
 
-    *info = NULL;
-    if (open_body(t, &call.body, &call.body_size) != VOR_OK) {
-        vor_input_free(&t->stdin_bytes);
-        return vor_cli_fail(follow->subject, &follow->err);
-    }
     vor_progress_note(&follow->progress, "sending");
     vor_text_init(&url, VOR_REMOTE_URL_MAX - 1);
     build_url(&url, follow);
-    call.url = url.data;
+    call->url = url.data;
     if (vor_text_status(&url, &follow->err) == VOR_OK)
-        code = submit_body(follow, &call, info);
+        code = submit_body(follow, call, info);
     else
         code = vor_cli_fail(follow->server, &follow->err);
     vor_text_free(&url);
-    (void)fclose(call.body);
-    vor_input_free(&t->stdin_bytes);
     return code;
+}
+
+static int submit(struct there *t, struct vor_json **info)
+{
+    struct vor_remote_call call = {.files = 0};
+    int code = open_inputs(t, &call);
+
+    *info = NULL;
+    if (code == VOR_EXIT_OK)
+        code = submit_call(t, &call, info);
+    close_inputs(t, &call);
+    return code;
+}
+
+/* A document of a daemon is one line without its end, as the body of an answer. */
+static int end_line(struct there *t)
+{
+    const struct vor_artefact_info *output = &t->follow.cli->spec.process->outputs[0];
+
+    return output->kind != VOR_ARTEFACT_DOCUMENT || vor_output_write(&t->output, "\n", 1) == 0 ? 0
+                                                                                               : -1;
 }
 
 /* Writes the document that came as lines. */
@@ -176,6 +215,8 @@ static int fetch_main(struct there *t)
         code = vor_follow_refused(follow, &call);
     else if ((call.was_stopped && vor_output_fail(&t->output, &follow->err) != VOR_OK) ||
              (in_lines && save_lines(t, &call.text) != VOR_OK) ||
+             (!in_lines && end_line(t) != 0 &&
+              vor_output_fail(&t->output, &follow->err) != VOR_OK) ||
              vor_output_commit(&t->output, &follow->err) != VOR_OK)
         code = vor_cli_fail(cli->option[VOR_OPTION_OUTPUT], &follow->err);
     vor_text_free(&call.text);

@@ -122,8 +122,8 @@ subtest 'a document goes where it is sent' => sub {
         'or refused before it is made';
     ($got, $printed, $errors) = run(['measure', "$folder/grid.ply", '--json', '--quiet']);
     is "$got$printed$errors", "0$stdout", 'lines of a run without records are none';
-    is +(run(['measure', "$folder/grid.ply"], env => { VORONOID_SERVER => 'http://127.0.0.1:1' }))[1], $stdout,
-        'a daemon in the environment is not asked';
+    is +(run(['measure', "$folder/grid.ply"], env => { VORONOID_SERVER => 'http://127.0.0.1:1' }))[0], 5,
+        'a daemon in the environment is asked';
 };
 
 subtest 'refusals' => sub {

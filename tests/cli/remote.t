@@ -82,6 +82,28 @@ subtest 'the same lines of JSON' => sub {
     is_deeply $their_report, $our_report, 'the report is the same';
 };
 
+subtest 'two clouds, as a form' => sub {
+    my @pair = ("$folder/here.ply", '--reference', $in);
+    my (undef, $here) = run(['measure', @pair]);
+    my ($code, $there, $stderr) = run(['measure', @pair, '--server', $url]);
+    is "$code$stderr", '0', 'measure can be done there';
+    is $there, $here, 'and says the same';
+    is +(run(['measure', '-', '--reference', $in, '--peak', 2, '--server', $url], stdin => $pair[0]))[1],
+        (run(['measure', @pair, '--peak=2']))[1], 'also of stdin, and with a parameter';
+    is +(run(['measure', $pair[0], '--server', $url]))[1], (run(['measure', $pair[0]]))[1], 'one cloud is the body';
+    ($code, my $id, $stderr) = run(['submit', 'measure', @pair, '--server', $url]);
+    is $code, 0, 'and submitted' or diag $stderr;
+    ($code) = run(['wait', $id =~ /(\S+)/, '-q', '--server', $url]);
+    is $code, 0, 'it ends well';
+    my $bad = spew("$folder/bad.ply", "hello\n");
+    ($code, my $stdout, $stderr) = run(['measure', $in, '--reference', $bad, '--server', $url]);
+    is "$code$stdout", 3, 'a reference in no format is refused';
+    like $stderr, qr/\Avoronoid: \Q$in\E: [^\n]*reference: the input begins with "hello[^\n]*\n\z/, 'and is the one that is named';
+    ($code, $stdout, $stderr) = run(['measure', $in, '--reference', "$folder/no.ply", '--server', $url]);
+    is "$code$stdout$stderr", "1voronoid: $folder/no.ply: cannot be read: No such file or directory\n", 'so is one that is not there';
+    unlink $bad;
+};
+
 subtest 'refusals' => sub {
     unlink $out;
     my $bad = spew("$folder/bad.ply", "hello\n");
