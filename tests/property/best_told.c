@@ -200,8 +200,8 @@ int main(void)
 {
     Suite *suite = suite_create("best_told");
 
-    vt_add_loop(suite, the_last_best_is_the_report_s, INPUTS);
+    vt_add_loop(suite, the_last_best_is_the_report_s, VT_ONCE(INPUTS));
     vt_add(suite, a_cancel_at_the_last_record_ends_with_nothing);
-    vt_add(suite, nothing_is_told_twice);
+    vt_add_figures(suite, nothing_is_told_twice, 0);
     return vt_run(suite);
 }

@@ -318,12 +318,12 @@ int main(void)
     vt_add_figures(suite, every_attribute_comes_from_the_nearest_input_point, VT_ONCE(SEEDS));
     vt_add_figures(suite, of_coincident_input_points_the_first_gives_the_attributes,
                    VT_ONCE(SEEDS));
-    vt_add(suite, dropped_attributes_are_gone);
+    vt_add_figures(suite, dropped_attributes_are_gone, 0);
     vt_add_figures(suite, fitted_normals_of_a_sphere_are_radial_and_outward, VT_ONCE(SEEDS));
-    vt_add_loop(suite, carried_normals_of_every_type_decide_the_side_also_off_the_origin,
-                VOR_TYPE_COUNT);
+    vt_add_figures(suite, carried_normals_of_every_type_decide_the_side_also_off_the_origin,
+                   VOR_TYPE_COUNT);
     vt_add_figures(suite, fitted_normals_take_the_side_of_the_inputs, VT_ONCE(SEEDS));
-    vt_add(suite, a_cloud_without_normals_gets_none_unless_asked);
-    vt_add(suite, attributes_do_not_move_points);
+    vt_add_figures(suite, a_cloud_without_normals_gets_none_unless_asked, 0);
+    vt_add_figures(suite, attributes_do_not_move_points, 0);
     return vt_run(suite);
 }

@@ -279,10 +279,10 @@ int main(void)
 {
     Suite *suite = suite_create("order_prefix");
 
-    vt_add(suite, the_order_is_spatial_where_none_is_asked_for);
+    vt_add_figures(suite, the_order_is_spatial_where_none_is_asked_for, 0);
     vt_add(suite, any_number_of_threads_gives_the_same_bytes);
     vt_add_figures(suite, it_is_the_same_points_of_which_the_first_are_even_by_themselves,
                    VT_FEWER(SHAPES));
-    vt_add(suite, draco_keeps_the_order);
+    vt_add_figures(suite, draco_keeps_the_order, 0);
     return vt_run(suite);
 }

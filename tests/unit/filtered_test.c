@@ -371,17 +371,18 @@ int main(void)
 {
     Suite *suite = suite_create("filtered");
 
-    vt_add_loop(suite, every_point_keeps_its_place_in_the_order_and_its_attributes,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, points_that_share_a_place_stay_together, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, the_report_measures_the_result_and_tells_of_no_step,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, every_point_keeps_its_place_in_the_order_and_its_attributes,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, points_that_share_a_place_stay_together,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, the_report_measures_the_result_and_tells_of_no_step,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add(suite, the_order_of_the_words_and_the_number_of_threads_change_nothing);
-    vt_add(suite, fitted_normals_are_those_of_the_sphere_and_follow_the_carried_ones);
-    vt_add(suite, oriented_normals_are_the_carried_ones_all_outward);
-    vt_add(suite, islands_are_counted_and_stay_in_their_places_of_the_order);
-    vt_add(suite, a_progressive_order_is_one_of_the_same_points);
-    vt_add(suite, double_positions_far_from_the_origin_stay_exact);
+    vt_add_figures(suite, fitted_normals_are_those_of_the_sphere_and_follow_the_carried_ones, 0);
+    vt_add_figures(suite, oriented_normals_are_the_carried_ones_all_outward, 0);
+    vt_add_figures(suite, islands_are_counted_and_stay_in_their_places_of_the_order, 0);
+    vt_add_figures(suite, a_progressive_order_is_one_of_the_same_points, 0);
+    vt_add_figures(suite, double_positions_far_from_the_origin_stay_exact, 0);
     vt_add(suite, a_run_that_is_cancelled_anywhere_leaves_nothing);
     vt_add(suite, whichever_allocation_fails_nothing_is_left);
     vt_add(suite, clouds_without_a_surface_are_refused_as_ever_and_few_points_pass);

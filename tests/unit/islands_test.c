@@ -551,15 +551,15 @@ int main(void)
     vt_add_figures(suite, points_beside_islands_are_as_even_as_without_any,
                    VT_FEWER(VT_SOAK_LOOPS(1, 2)));
     vt_add_figures(suite, where_all_parts_are_small_each_gets_its_share, SEEDS);
-    vt_add(suite, more_points_than_small_parts_have_are_spread_over_them);
+    vt_add_figures(suite, more_points_than_small_parts_have_are_spread_over_them, 0);
     vt_add_figures(suite, many_lone_points_are_islands_all_the_same, VT_SOAK_LOOPS(1, 20));
     vt_add_figures(suite, a_coarse_part_of_the_surface_is_no_islands, VT_SOAK_LOOPS(1, SEEDS));
     vt_add_figures(suite, a_cloud_of_one_small_part_has_no_islands, SEEDS);
-    vt_add(suite, drop_leaves_out_those_that_a_fit_does_not_fill);
+    vt_add_figures(suite, drop_leaves_out_those_that_a_fit_does_not_fill, 0);
     vt_add_figures(suite, drop_keeps_an_input_of_small_parts, SEEDS);
-    vt_add(suite, a_line_beside_islands_is_no_input_of_its_own);
-    vt_add(suite, their_points_bring_attributes_and_normals_in_any_order);
-    vt_add(suite, spacing_asks_for_points_of_the_rest_and_islands_have_theirs_beside);
+    vt_add_figures(suite, a_line_beside_islands_is_no_input_of_its_own, 0);
+    vt_add_figures(suite, their_points_bring_attributes_and_normals_in_any_order, 0);
+    vt_add_figures(suite, spacing_asks_for_points_of_the_rest_and_islands_have_theirs_beside, 0);
     vt_add(suite, one_two_and_three_threads_give_the_same_bytes);
     vt_add(suite, memory_that_ends_anywhere_is_an_error_and_leaks_nothing);
     vt_add(suite, a_cancel_anywhere_ends_the_search);

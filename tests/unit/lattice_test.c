@@ -518,7 +518,7 @@ int main(void)
     vt_add_figures(suite, no_point_leaves_its_cell, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, one_two_three_and_eight_threads_move_them_to_the_same_places,
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, points_come_nearer_to_the_surface, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, points_come_nearer_to_the_surface, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, a_result_lies_nearer_to_the_surface_than_without,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, labels_still_come_from_the_nearest_input_point, VT_FEWER(SEEDS));

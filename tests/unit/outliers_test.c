@@ -238,13 +238,13 @@ int main(void)
 {
     Suite *suite = suite_create("outliers");
 
-    vt_add_loop(suite, hardly_a_point_of_a_surface_is_one, VT_FEWER(SEEDS));
-    vt_add_loop(suite, points_off_the_surface_are_and_hardly_another, VT_FEWER(SEEDS));
-    vt_add_loop(suite, they_are_those_that_looking_at_every_pair_finds, VT_FEWER(SEEDS));
+    vt_add_figures(suite, hardly_a_point_of_a_surface_is_one, VT_FEWER(SEEDS));
+    vt_add_figures(suite, points_off_the_surface_are_and_hardly_another, VT_FEWER(SEEDS));
+    vt_add_figures(suite, they_are_those_that_looking_at_every_pair_finds, VT_FEWER(SEEDS));
     vt_add(suite, one_two_three_and_eight_threads_drop_the_same);
-    vt_add_loop(suite, few_points_have_none, VT_FEWER(SEEDS));
-    vt_add_loop(suite, where_more_than_a_quarter_would_go_all_stay, VT_FEWER(SEEDS));
-    vt_add_loop(suite, a_result_without_them_lies_on_the_surface,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add_figures(suite, few_points_have_none, VT_FEWER(SEEDS));
+    vt_add_figures(suite, where_more_than_a_quarter_would_go_all_stay, VT_FEWER(SEEDS));
+    vt_add_figures(suite, a_result_without_them_lies_on_the_surface,
+                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     return vt_run(suite);
 }
