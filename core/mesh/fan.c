@@ -1,6 +1,7 @@
 #include "core/mesh/fan.h"
 
 #include "core/base/linalg.h"
+#include "core/geom/flat.h"
 #include "core/geom/patch.h"
 #include "core/mesh/quality.h"
 
@@ -11,73 +12,13 @@
  * would leave holes where points are uneven. */
 #define WIDEN 1.1
 
-/* Most corners while a cell is being cut. */
-enum { CORNERS = VOR_FAN_MOST + 8 };
-
-/* A convex polygon; edge e leads from corner e to the next. */
-struct cell {
-    unsigned count;
-    double x[CORNERS], y[CORNERS], far2; /* far2: square of the farthest corner */
-    uint32_t id[CORNERS];
-};
-
-static void begin(struct cell *cell, double radius)
-{
-    cell->count = 6;
-    cell->far2 = radius * radius;
-    for (unsigned e = 0; e < 6; e++) {
-        cell->x[e] = radius * vor_patch_corner[e][0];
-        cell->y[e] = radius * vor_patch_corner[e][1];
-        cell->id[e] = VOR_FAN_OPEN;
-    }
-}
-
-static void put(struct cell *cell, double x, double y, uint32_t id)
-{
-    cell->x[cell->count] = x;
-    cell->y[cell->count] = y;
-    cell->id[cell->count++] = id;
-    cell->far2 = fmax(cell->far2, x * x + y * y);
-}
-
-/* The cell without what is nearer to the seed at offset (dx, dy), dx^2 + dy^2 + height^2 = 2 limit.
- */
-static void clip(struct cell *cell, const double d[2], double limit, uint32_t id)
-{
-    struct cell from;
-    double side[CORNERS];
-    unsigned outside = 0;
-
-    for (unsigned e = 0; e < cell->count; e++) {
-        if (cell->id[e] == id)
-            return; /* asked again: rounding must not cut twice */
-        side[e] = cell->x[e] * d[0] + cell->y[e] * d[1] - limit;
-        outside += side[e] > 0;
-    }
-    if (outside == 0 || cell->count + 2 > CORNERS)
-        return;
-    from = *cell;
-    cell->count = 0;
-    cell->far2 = 0;
-    for (unsigned e = 0; e < from.count; e++) {
-        unsigned f = e + 1 < from.count ? e + 1 : 0;
-        double t = side[e] / (side[e] - side[f]);
-
-        if (side[e] <= 0)
-            put(cell, from.x[e], from.y[e], from.id[e]);
-        if ((side[e] <= 0) != (side[f] <= 0)) /* leaving: the new edge begins; entering: the old */
-            put(cell, from.x[e] + t * (from.x[f] - from.x[e]),
-                from.y[e] + t * (from.y[f] - from.y[e]), side[e] <= 0 ? id : from.id[e]);
-    }
-}
-
 /* A cell being cut. */
 struct cut {
     const struct vor_sheet *sheet;
     struct vor_seeds *seeds;
     struct vor_fans *fans;
     struct vor_frame frame;
-    struct cell cell;
+    struct vor_flat cell;
     uint32_t i;
 };
 
@@ -89,9 +30,9 @@ static void clip_by(struct cut *cut, uint32_t j)
     double length2 = vor_dot(d, d);
 
     if (length2 < 4 * cut->cell.far2 && vor_sheet_joins(cut->sheet, cut->i, j))
-        clip(&cut->cell,
-             (double[2]){vor_dot(cut->frame.axis[0], d), vor_dot(cut->frame.axis[1], d)},
-             length2 / 2, j);
+        vor_flat_clip(&cut->cell,
+                      (double[2]){vor_dot(cut->frame.axis[0], d), vor_dot(cut->frame.axis[1], d)},
+                      length2 / 2, j);
 }
 
 /* Clips by those among more and more seeds around that were not asked yet. */
@@ -136,14 +77,15 @@ static double reach(const struct cut *cut, const struct vor_crowd *crowd)
 
 static void hand_out(struct cut *cut)
 {
-    const struct cell *cell = &cut->cell;
+    const struct vor_flat *cell = &cut->cell;
     struct vor_fans *fans = cut->fans;
+    uint32_t *neighbor = &fans->neighbor[(size_t)cut->i * VOR_FAN_MOST];
 
     if (cell->count > VOR_FAN_MOST)
         return;
     fans->count[cut->i] = (unsigned char)cell->count;
-    memcpy(&fans->neighbor[(size_t)cut->i * VOR_FAN_MOST], cell->id,
-           cell->count * sizeof *cell->id);
+    for (unsigned e = 0; e < cell->count; e++)
+        neighbor[e] = cell->id[e] < VOR_FLAT_SIDE ? cell->id[e] : VOR_FAN_OPEN;
 }
 
 static void cut_cell(struct cut *cut, struct vor_scratch *scratch)
@@ -160,7 +102,7 @@ static void cut_cell(struct cut *cut, struct vor_scratch *scratch)
     radius = WIDEN * reach(cut, crowd);
     if (!(radius > 0))
         return;
-    begin(&cut->cell, radius);
+    vor_flat_begin(&cut->cell, vor_patch_corner, VOR_PATCH_HEXAGON, radius);
     for (unsigned j = 0; j < crowd->count; j++)
         clip_by(cut, crowd->index[j]);
     clip_more(cut, scratch);
