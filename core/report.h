@@ -95,6 +95,7 @@ void vor_record_unknown_best(struct vor_record *record);
     X(SECONDS, "seconds")                                                                          \
     X(PLATEAU, "plateau")                                                                          \
     X(CALLER, "stopped")                                                                           \
+    X(MOVE, "moveStop")                                                                            \
     VOR_EXTRA_STOPPED(X)
 
 enum vor_stopped {
@@ -237,6 +238,15 @@ struct vor_mesh_loop {
       "places of the surface")                                                                     \
     X(REAL, density_least, "density.spacing_min", "unit of the cloud", "Smallest spacing wanted")  \
     X(REAL, density_most, "density.spacing_max", "unit of the cloud", "Largest spacing wanted")    \
+    X(OPTIONAL, has_descent, "descent", "",                                                        \
+      "How an energy was minimised; only where metric or cells ask for that")                      \
+    X(U64, descent_steps, "descent.steps", "", "Steps of L-BFGS, at most five an iteration")       \
+    X(U64, descent_evaluations, "descent.evaluations", "", "Times that the energy was computed")   \
+    X(REAL, descent_worst, "descent.worst", "",                                                    \
+      "Largest energy after the steps of an iteration over that before them; below 1")             \
+    X(REAL, descent_aspect, "descent.aspect", "",                                                  \
+      "Median aspect of the cells, the root of the ratio of their second moments; 1 for squares "  \
+      "and regular hexagons")                                                                      \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
       "Cell that the coordinates of the input were rounded to; 0 where none was found")            \
     X(U64, off_lattice, "lattice.moved", "points",                                                 \

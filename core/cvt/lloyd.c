@@ -469,6 +469,15 @@ static int ends_on_plateau(struct cvt *cvt)
     return 0;
 }
 
+/* Whether the last iteration moved no point as far as the request says. */
+static int still(const struct cvt *cvt)
+{
+    const struct vor_seeds *seeds = cvt->seeds;
+    double spacing = sqrt(seeds->area / (VOR_HEXAGON_HEIGHT * (double)seeds->n));
+
+    return cvt->iterations > 0 && vor_stop_still(cvt->spec, cvt->total.max_move / spacing);
+}
+
 /* Whether a stop of the request is reached; the last iteration took `took` seconds. */
 static int finished(struct cvt *cvt, const struct vor_uniformity *even, double took)
 {
@@ -476,6 +485,8 @@ static int finished(struct cvt *cvt, const struct vor_uniformity *even, double t
 
     if (vor_seeds_on_whole(cvt->seeds) && vor_stop_even_enough(cvt->spec, even->delta))
         cvt->told->stopped = VOR_STOPPED_DELTA;
+    else if (vor_seeds_on_whole(cvt->seeds) && still(cvt))
+        cvt->told->stopped = VOR_STOPPED_MOVE;
     else if (cvt->iterations >= cvt->limit)
         cvt->told->stopped = cvt->level ? VOR_STOPPED_PLATEAU : VOR_STOPPED_ITERATIONS;
     else if (vor_stop_out_of_time(cvt->spec, share, cvt->last_seconds, took))
@@ -491,7 +502,7 @@ static int finished(struct cvt *cvt, const struct vor_uniformity *even, double t
 static int whole_is_due(const struct cvt *cvt, const struct vor_uniformity *even)
 {
     return !vor_seeds_on_whole(cvt->seeds) &&
-           (vor_stop_even_enough(cvt->spec, even->delta) ||
+           (vor_stop_even_enough(cvt->spec, even->delta) || still(cvt) ||
             (!polish_follows(cvt) && cvt->iterations + on_whole(cvt) >= cvt->limit));
 }
 

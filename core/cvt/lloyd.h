@@ -27,11 +27,11 @@
 #include "core/seeds/outcome.h"
 #include "core/seeds/seeds.h"
 
-/** Moves the seeds until a stop of the request (iterations, delta, seconds, plateau) or the watch
- *  ends it. seeds->xyz ends as the most even positions of all.
+/** Moves the seeds until a stop of the request (iterations, delta, moveStop, seconds, plateau) or
+ * the watch ends it. seeds->xyz ends as the most even positions of all.
  *
  *  @param[in,out] told  this stage is added
- *  @param[in]     spec  read: iterations, delta, seconds, anderson, polish
+ *  @param[in]     spec  read: iterations, delta, moveStop, seconds, anderson, polish
  *  @param[in]     run   may be stopped
  *
  *  @retval VOR_E_CANCELLED the watch answered VOR_CANCEL

@@ -121,6 +121,11 @@ static void report_method(struct vor_report *report, const struct vor_placed *pl
     report->fallback_plane = told->fallback_plane;
     report->fallback_left = told->fallback_left;
     report->area = area * unit * unit;
+    report->has_descent = told->evaluations > 0;
+    report->descent_steps = told->inner_steps;
+    report->descent_evaluations = told->evaluations;
+    report->descent_worst = told->worst_descent;
+    report->descent_aspect = told->aspect;
 }
 
 /* Reports the density that was followed. */
