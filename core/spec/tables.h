@@ -130,6 +130,14 @@ enum vor_method_choice {
     X(GRADING, grading, REAL, SPREAD, "", 0.001, 1, 0.2, "",                                       \
       "Most that the spacing changes from one place to another, over their distance, where there " \
       "is a density")                                                                              \
+    X(METRIC, metric, CHOICE_OR_NAME, SPREAD, "", 1, 60, VOR_METRIC_ISOTROPIC,                     \
+      "isotropic anisotropic attribute:NAME",                                                      \
+      "What the shape of cells follows. isotropic: they are as long as wide; anisotropic: they "   \
+      "are longer where the surface bends less, by the root of the ratio of its principal "        \
+      "curvatures; attribute:NAME: positive definite tensors of the input, six scalars NAME_xx, "  \
+      "NAME_xy, NAME_xz, NAME_yy, NAME_yz, NAME_zz")                                               \
+    X(MAX_ASPECT, maxAspect, REAL, SPREAD, "", 1, 10, 6, "",                                       \
+      "Length over width of cells at most, where there is a metric")                               \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
       "Iterations; not given: at most 12, or 100 where no polish follows, and the plateau; 35 "    \
       "of kmeans")                                                                                 \
@@ -205,6 +213,7 @@ enum vor_parameter {
 
 enum { VOR_PATCH_QUADRIC, VOR_PATCH_PLANE };
 enum { VOR_DENSITY_UNIFORM, VOR_DENSITY_CURVATURE, VOR_DENSITY_ATTRIBUTE };
+enum { VOR_METRIC_ISOTROPIC, VOR_METRIC_ANISOTROPIC, VOR_METRIC_ATTRIBUTE };
 enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE };
 enum { VOR_OUTLIERS_KEEP, VOR_OUTLIERS_DROP, VOR_OUTLIERS_PULL };
 enum { VOR_SAMPLE_VERTICES, VOR_SAMPLE_FACES };

@@ -139,9 +139,11 @@ static void add_apart(uint64_t *hash, const struct vor_apart *apart)
     add_count(hash, apart->points);
 }
 
-/* True for what means nothing without a density, where none is asked for. */
+/* True for what means nothing without a density or metric, where none is asked for. */
 static int is_idle(const struct vor_spec *spec, int parameter)
 {
+    if (parameter == VOR_PARAM_METRIC || parameter == VOR_PARAM_MAX_ASPECT)
+        return spec->value[VOR_PARAM_METRIC] == VOR_METRIC_ISOTROPIC;
     return spec->value[VOR_PARAM_DENSITY] == VOR_DENSITY_UNIFORM &&
            (parameter == VOR_PARAM_DENSITY || parameter == VOR_PARAM_CONTRAST ||
             parameter == VOR_PARAM_GRADING);
