@@ -115,7 +115,7 @@ static vor_status iterate(struct descend *descend, struct vor_error *err)
 
 static struct vor_record record_of(const struct descend *descend, const struct vor_uniformity *even)
 {
-    double unit = descend->seeds->domain->unit, spacing = descend->frozen.spacing * unit;
+    double unit = descend->seeds->domain->unit, spacing = descend->frozen.planes.spacing * unit;
 
     return (struct vor_record){.stage = VOR_RUN_STAGE_ITERATE,
                                .step = descend->iterations,
@@ -137,7 +137,7 @@ static vor_status record(struct descend *descend, enum vor_answer *answer, struc
 {
     const struct vor_watch *watch = descend->run->watch;
     struct vor_outcome *told = descend->told;
-    double spacing = descend->frozen.spacing;
+    double spacing = descend->frozen.planes.spacing;
     struct vor_uniformity even;
     struct vor_record record;
     vor_status status = vor_seeds_uniformity_now(&even, descend->nearest, descend->seeds, err);
@@ -164,7 +164,7 @@ static int finished(struct descend *descend, double took)
 {
     const struct vor_record *at = &descend->told->last;
     struct vor_outcome *told = descend->told;
-    double moved = descend->sums.moved / descend->frozen.spacing;
+    double moved = descend->sums.moved / descend->frozen.planes.spacing;
     int last = descend->iterations > 0 && descend->power == descend->last_power;
 
     if (last && vor_stop_even_enough(descend->spec, at->delta))

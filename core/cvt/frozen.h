@@ -1,29 +1,16 @@
-/** The energy of all seeds' flat cells while their planes, metrics, patches and walls stand still,
- *  as a function of the places of the seeds in their planes: what core/opt/lbfgs.h minimises.
+/** The energy of all seeds' flat cells while their planes stand still, as a function of the places
+ * of the seeds in these: what core/opt/lbfgs.h minimises.
  *
  *  Source: Chen et al. 2018, "Point cloud resampling using centroidal Voronoi tessellation
- * methods", Sec. 4.2 and 4.3.3; the energy of a cell is that of geom/energy.h. Departure: the patch
- * is PATCH times as wide as the paper's, as its seed may leave the middle, and wider where the
- * metric is stretched. A seed does not go farther from the middle than REACH.
- *
- *  Lengths are in spacings of an even spread, so that powers of eight stay near 1. */
+ *  methods", Sec. 4.3.3; the energy of a cell is that of geom/energy.h. Lengths are in spacings, as
+ *  those of the planes. */
 #ifndef VOR_CVT_FROZEN_H
 #define VOR_CVT_FROZEN_H
 
-#include "core/cvt/crosses.h"
-#include "core/geom/energy.h"
-#include "core/seeds/seeds.h"
+#include "core/cvt/planes.h"
 
-/** Seeds around that may cut a cell. */
-#define VOR_FROZEN_NEAR 40
-/** Most of them that do: the gradient leaves out others. */
+/** Most seeds that cut a cell: the gradient leaves out others. */
 #define VOR_FROZEN_CUT 16
-
-/** A seed's plane. */
-struct vor_frozen_plane {
-    struct vor_energy_plane flat; /**< its radius is 0 where the seed has no surface, and stays */
-    double reach;                 /**< how far from the middle the seed may go */
-};
 
 /** Sums over all cells, of which lengths are in spacings, and over the ways that seeds went. */
 struct vor_frozen_sums {
@@ -38,20 +25,10 @@ enum { VOR_FROZEN_HELD = 1, VOR_FROZEN_HELD_EVER = 2 };
 /** The function. Owns its arrays. */
 struct vor_frozen {
     struct vor_seeds *seeds;
+    struct vor_planes planes;
     const struct vor_run *run; /**< of the evaluations: a stop may end them */
-    unsigned power;            /**< p */
-    int crossed;               /**< axes follow crosses */
-    int set;                   /**< times that planes were set; 0: crosses are unknown */
     int bent;                  /**< bend is that of these planes */
-    double spacing;            /**< of an even spread, normalised: the unit here */
-    struct vor_crosses crosses;
-    struct vor_frozen_plane *plane; /**< n */
-    double *middle;                 /**< n x 3: where the seeds were */
-    double *axes;                   /**< n x 9: two tangents and the normal */
-    uint32_t *near;                 /**< n x width, the nearest first */
-    unsigned width;
     double *bend;    /**< n x 2: about the second derivatives, from the first evaluation on */
-    double *place;   /**< n x 3: of the seeds, in space */
     double *value;   /**< n: of each cell; after vor_frozen_take its aspect, the root of the ratio
                           of its second moments */
     uint32_t *cut;   /**< n x VOR_FROZEN_CUT: seeds that a cell depends on */

@@ -219,6 +219,12 @@ static int restrict_move(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
     return 1;
 }
 
+/* Length of an offset of seed i, in the metric if there is one. */
+static double length_of(const struct cvt *cvt, size_t i, const double d[3])
+{
+    return sqrt(vor_stretched_length2(&cvt->seeds->stretched, i, i, d));
+}
+
 /* Over-relaxation and momentum: stretches the way of seed i to its projected centroid x, and adds a
  * share of its last step. */
 static void stretch(const struct cvt *cvt, struct vor_scratch *scratch, size_t i, double x[3])
@@ -231,8 +237,8 @@ static void stretch(const struct cvt *cvt, struct vor_scratch *scratch, size_t i
         way[c] = x[c] - (double)cvt->seeds->xyz[3 * i + c];
         step[c] = RELAXATION * way[c] + momentum * (double)cvt->step[3 * i + c];
     }
-    most = fmax(LONG_STEP * scratch->radius, sqrt(vor_dot(way, way)));
-    length = sqrt(vor_dot(step, step));
+    most = fmax(LONG_STEP * scratch->radius, length_of(cvt, i, way));
+    length = length_of(cvt, i, step);
     for (size_t c = 0; c < 3; c++)
         x[c] = (double)cvt->seeds->xyz[3 * i + c] +
                (length > most ? step[c] * (most / length) : step[c]);
@@ -331,7 +337,7 @@ static void mix_step(struct cvt *cvt, size_t i)
         off += d[c] * (double)normal[c];
     for (int c = 0; c < 3; c++)
         d[c] -= off * (double)normal[c];
-    length = sqrt(vor_dot(d, d));
+    length = length_of(cvt, i, d);
     limit = MIX_STEP_MAX * (double)cvt->nearest[i];
     if (cvt->flags[i] & AT_BORDER || !isfinite(length))
         limit = 0;

@@ -20,7 +20,10 @@
  *  With a density (input/density.h) a centroid is that of Chen 2018, Eq. 3: linear over each
  *  triangle of the cell, from the field around the seed.
  *
- *  Not done here: anisotropy, other norms. */
+ *  With a metric (input/anisotropy.h) cells are clipped in that of their seed (geom/stretch.h), and
+ *  steps are as long as they are in it.
+ *
+ *  Not done here: other norms. */
 #ifndef VOR_CVT_LLOYD_H
 #define VOR_CVT_LLOYD_H
 

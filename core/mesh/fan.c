@@ -20,6 +20,8 @@ struct cut {
     struct vor_frame frame;
     struct vor_flat cell;
     uint32_t i;
+    int stretched; /* there is a metric, and the cell is cut in that of its seed */
+    struct vor_stretch stretch;
 };
 
 static void clip_by(struct cut *cut, uint32_t j)
@@ -28,11 +30,15 @@ static void clip_by(struct cut *cut, uint32_t j)
     double d[3] = {(double)b[0] - (double)a[0], (double)b[1] - (double)a[1],
                    (double)b[2] - (double)a[2]};
     double length2 = vor_dot(d, d);
+    double local[3] = {vor_dot(cut->frame.axis[0], d), vor_dot(cut->frame.axis[1], d), 0};
 
+    if (cut->stretched) {
+        length2 -= vor_dot(local, local);
+        vor_stretch_local(&cut->stretch, local);
+        length2 += vor_dot(local, local);
+    }
     if (length2 < 4 * cut->cell.far2 && vor_sheet_joins(cut->sheet, cut->i, j))
-        vor_flat_clip(&cut->cell,
-                      (double[2]){vor_dot(cut->frame.axis[0], d), vor_dot(cut->frame.axis[1], d)},
-                      length2 / 2, j);
+        vor_flat_clip(&cut->cell, local, length2 / 2, j);
 }
 
 /* Clips by those among more and more seeds around that were not asked yet. */
@@ -50,6 +56,8 @@ static void clip_more(struct cut *cut, struct vor_scratch *scratch)
         width = width < most ? width : most;
         sure = vor_point_lists_wide(&seeds->point_lists, &seeds->view, cut->i, width, index,
                                     distance2);
+        if (cut->stretched)
+            sure *= cut->stretch.least;
         scratch->queries++;
         for (unsigned j = done; j < width; j++)
             if (index[j] != cut->i)
@@ -59,6 +67,20 @@ static void clip_more(struct cut *cut, struct vor_scratch *scratch)
                 clip_by(cut, seeds->view.jumper[j]);
         done = width;
     }
+}
+
+/* Prepares to cut the cell in the metric of its seed, among the seeds nearest in it. */
+static void stretch(struct cut *cut, struct vor_scratch *scratch)
+{
+    const struct vor_seeds *seeds = cut->seeds;
+    struct vor_surface flat = {.kind = VOR_SURFACE_PLANE};
+
+    cut->stretched = vor_stretched_are(&seeds->stretched);
+    if (!cut->stretched)
+        return;
+    memcpy(flat.axis, cut->frame.axis, sizeof flat.axis);
+    vor_stretch_init(&cut->stretch, &flat, seeds->stretched.near[cut->i].tensor);
+    vor_stretched_crowd(&scratch->crowd, seeds->xyz, cut->i, &flat, &cut->stretch);
 }
 
 /* Mean distance to the six nearest on the sheet; 0 with fewer than three. */
@@ -99,6 +121,7 @@ static void cut_cell(struct cut *cut, struct vor_scratch *scratch)
         return;
     vor_frame_of(&cut->frame, normal);
     vor_seeds_crowd(cut->seeds, scratch, cut->i);
+    stretch(cut, scratch);
     radius = WIDEN * reach(cut, crowd);
     if (!(radius > 0))
         return;
@@ -119,7 +142,7 @@ struct cutting {
 static void cut_block(void *ctx, size_t begin_at, size_t end, unsigned worker)
 {
     const struct cutting *cutting = ctx;
-    struct cut cut = {cutting->sheet, cutting->seeds, cutting->fans, {{{0}}}, {.count = 0}, 0};
+    struct cut cut = {.sheet = cutting->sheet, .seeds = cutting->seeds, .fans = cutting->fans};
 
     for (size_t i = begin_at; i < end; i++) {
         cut.i = (uint32_t)i;

@@ -60,7 +60,7 @@ static double energy_at(struct bed *bed)
 static void scatter(struct bed *bed, uint64_t seed)
 {
     for (size_t i = 0; i < (size_t)2 * N; i++)
-        bed->y[i] = 0.4 * bed->frozen.plane[i / 2].reach * (2 * vt_unit(seed, i) - 1);
+        bed->y[i] = 0.4 * bed->frozen.planes.plane[i / 2].reach * (2 * vt_unit(seed, i) - 1);
 }
 
 /* The step is so short that hardly a corner appears or goes within it: there the second derivative
@@ -75,8 +75,9 @@ START_TEST(the_gradient_is_that_of_finite_differences)
 
     open_bed(&bed, _i, power, 2);
     for (size_t i = 0; i < N; i++) { /* anisotropic in every second loop of four */
-        bed.frozen.plane[i].flat.factor[0] = _i % 4 < 2 ? 1 : 0.6 + vt_unit(5, i);
-        bed.frozen.plane[i].flat.radius *= _i % 5 == 0 ? 0.5 : 1; /* cut by the disc as well */
+        bed.frozen.planes.plane[i].flat.factor[0] = _i % 4 < 2 ? 1 : 0.6 + vt_unit(5, i);
+        bed.frozen.planes.plane[i].flat.radius *=
+            _i % 5 == 0 ? 0.5 : 1; /* cut by the disc as well */
     }
     scatter(&bed, (uint64_t)_i);
     (void)energy_at(&bed);
@@ -119,7 +120,7 @@ START_TEST(the_energy_falls_in_each_inner_loop)
         ck_assert_double_lt(told.after, told.before);
         for (size_t i = 0; i < N; i++)
             ck_assert_double_le(hypot(bed.y[2 * i], bed.y[2 * i + 1]),
-                                bed.frozen.plane[i].reach * (1 + 1e-9));
+                                bed.frozen.planes.plane[i].reach * (1 + 1e-9));
         vt_assert_ok(vor_frozen_take(&bed.frozen, bed.y, held, &sums, &vt_err));
         ck_assert_double_gt(sums.moved, 0);
     }
@@ -137,7 +138,7 @@ START_TEST(the_cells_cover_a_sphere)
 
     open_bed(&bed, 3 * _i, 2, 1);
     vt_assert_ok(vor_frozen_take(&bed.frozen, bed.y, held, &sums, &vt_err));
-    length = bed.frozen.spacing * bed.domain.unit;
+    length = bed.frozen.planes.spacing * bed.domain.unit;
     ck_assert_double_eq_tol(sums.area * length * length / (4 * M_PI), 1, 0.05);
     ck_assert_uint_eq(sums.left, 0);
     close_bed(&bed);

@@ -192,7 +192,7 @@ START_TEST(a_report_has_its_shape)
         "\"list_rebuilds\":11,\"origin\":{\"x\":637000,\"y\":-0.5,\"z\":0},\"parameters\":{"
         "\"points\":5000,\"method\":\"cvt\",\"patch\":"
         "\"quadric\",\"density\":\"uniform\",\"contrast\":4,\"grading\":0.2,\"metric\":"
-        "\"isotropic\",\"p\":8,\"cells\":\"metric\",\"neighbors\":\"auto\","
+        "\"isotropic\",\"maxAspect\":6,\"p\":8,\"cells\":\"metric\",\"neighbors\":\"auto\","
         "\"polish\":60,\"boundary\":\"keep\",\"outliers\":"
         "\"keep\",\"sample\":\"vertices\",\"filters\":[],\"inputNormals\":\"auto\",\"intrinsic\":"
         "\"local\",\"invalid\":"
