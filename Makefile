@@ -119,6 +119,9 @@ $(B)/tests/%: $(B)/tests/%.o $(call obj,$(SUPPORT_SRC)) $(LIB)
 	@echo "  LINK $@"
 	@$(LINK) $^ -o $@ $(TEST_LIBS) $(LIBS)
 
+# What our L-BFGS is compared with.
+$(B)/tests/oracle/lbfgs_liblbfgs: TEST_LIBS += -llbfgs
+
 $(B)/kinds/%.o: %.c
 	@mkdir -p $(@D)
 	@echo "  CC   $<"

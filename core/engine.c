@@ -1,7 +1,7 @@
 #include "core/engine.h"
 
 #include "core/cvt/cvt.h"
-#include "core/input/density.h"
+#include "core/input/followed.h"
 #include "core/input/input.h"
 #include "core/input/islands.h"
 #include "core/input/sampled.h"
@@ -76,8 +76,8 @@ static vor_status place(struct engine *engine, struct vor_error *err)
     vor_status status = VOR_OK;
 
     if (share < n)
-        status = vor_density_make(&engine->domain, engine->in, n - share, &engine->spec,
-                                  &engine->whole, err);
+        status = vor_followed_make(&engine->domain, engine->in, n - share, &engine->spec,
+                                   &engine->whole, err);
     if (status == VOR_OK && share < n)
         status = method->run(&engine->seeds, &engine->told, &engine->domain, n - share,
                              &engine->spec, &engine->run, err);

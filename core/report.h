@@ -95,6 +95,7 @@ void vor_record_unknown_best(struct vor_record *record);
     X(SECONDS, "seconds")                                                                          \
     X(PLATEAU, "plateau")                                                                          \
     X(CALLER, "stopped")                                                                           \
+    X(MOVE, "moveStop")                                                                            \
     VOR_EXTRA_STOPPED(X)
 
 enum vor_stopped {
@@ -184,7 +185,8 @@ struct vor_mesh_loop {
     X(REAL, delta, "delta", "",                                                                    \
       "Uniformity of the result, the relative standard deviation of the distances to the "         \
       "nearest neighbour; lower is better. With a density: of those distances over the spacing "   \
-      "wanted there, as delta, sigma and epsilon are wherever a run tells them")                   \
+      "wanted there; with a metric: of distances in the metric; as delta, sigma and epsilon are "  \
+      "wherever a run tells them")                                                                 \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
       "Mean deviation of those distances from their mean")                                         \
     X(REAL, epsilon, "epsilon", "",                                                                \
@@ -237,6 +239,26 @@ struct vor_mesh_loop {
       "places of the surface")                                                                     \
     X(REAL, density_least, "density.spacing_min", "unit of the cloud", "Smallest spacing wanted")  \
     X(REAL, density_most, "density.spacing_max", "unit of the cloud", "Largest spacing wanted")    \
+    X(OPTIONAL, has_metric, "metric", "",                                                          \
+      "How the metric was followed; only where one was asked for")                                 \
+    X(REAL, metric_median, "metric.aspect_median", "",                                             \
+      "Length over width that the metric asks of cells: median over places of the surface")        \
+    X(REAL, metric_high, "metric.aspect_p95", "", "The same: 95th percentile")                     \
+    X(REAL, metric_cells, "metric.cells_median", "",                                               \
+      "Length over width of the cells of the result, as the root of the ratio of their principal " \
+      "second moments: median")                                                                    \
+    X(REAL, metric_off, "metric.off_median", "",                                                   \
+      "How far that of a cell is from what the metric asks for there, over the latter: median")    \
+    X(REAL, metric_off_high, "metric.off_p90", "", "The same: 90th percentile")                    \
+    X(OPTIONAL, has_descent, "descent", "",                                                        \
+      "How an energy was minimised; only where metric or cells ask for that")                      \
+    X(U64, descent_steps, "descent.steps", "", "Steps of L-BFGS, at most five an iteration")       \
+    X(U64, descent_evaluations, "descent.evaluations", "", "Times that the energy was computed")   \
+    X(REAL, descent_worst, "descent.worst", "",                                                    \
+      "Largest energy after the steps of an iteration over that before them; below 1")             \
+    X(REAL, descent_aspect, "descent.aspect", "",                                                  \
+      "Median aspect of the cells, the root of the ratio of their second moments; 1 for squares "  \
+      "and regular hexagons")                                                                      \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
       "Cell that the coordinates of the input were rounded to; 0 where none was found")            \
     X(U64, off_lattice, "lattice.moved", "points",                                                 \

@@ -252,10 +252,35 @@ int vor_spec_only_filters(const struct vor_spec *spec)
            (vor_list_has(filters, VOR_FILTER_MLS) || vor_list_has(filters, VOR_FILTER_OUTLIERS));
 }
 
+/* Checks a request in which an energy may be minimised. */
+static vor_status check_descent(const struct vor_spec *spec, struct vor_error *err)
+{
+    const char *name = spec->value[VOR_PARAM_METRIC] == VOR_METRIC_LP ? "metric" : "cells";
+    const char *word = spec->value[VOR_PARAM_METRIC] == VOR_METRIC_LP ? "lp" : "euclid";
+    double p = spec->value[VOR_PARAM_P];
+
+    if (p != 2 * floor(p / 2))
+        return vor_fail_param(err, VOR_E_PARAM, "p", "p is %.0f, want an even number from 2 to 8",
+                              p);
+    if (!vor_spec_descends(spec))
+        return VOR_OK;
+    if (spec->value[VOR_PARAM_METHOD] != VOR_METHOD_CVT)
+        return vor_fail_param(err, VOR_E_PARAM, name, "%s is %s, which is for method cvt alone",
+                              name, word);
+    if (spec->value[VOR_PARAM_DENSITY] != VOR_DENSITY_UNIFORM)
+        return vor_fail_param(err, VOR_E_PARAM, name,
+                              "%s is %s, which follows no density, want density uniform", name,
+                              word);
+    return VOR_OK;
+}
+
 vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err)
 {
     int given = counts_given(spec);
+    vor_status status = check_descent(spec, err);
 
+    if (status != VOR_OK)
+        return status;
     if (given == 1 || !has_target(spec) || vor_spec_only_filters(spec))
         return VOR_OK;
     return vor_fail_param(err, VOR_E_PARAM, "points",
@@ -370,13 +395,28 @@ int vor_spec_given(const struct vor_spec *spec, enum vor_parameter parameter)
     return vor_kind_form_of(vor_parameter_info(parameter), spec->value[parameter]) != VOR_FORM_NONE;
 }
 
+int vor_spec_descends(const struct vor_spec *spec)
+{
+    return spec->value[VOR_PARAM_METRIC] == VOR_METRIC_LP ||
+           spec->value[VOR_PARAM_CELLS] == VOR_CELLS_EUCLID;
+}
+
 uint32_t vor_spec_iterations(const struct vor_spec *spec)
 {
-    enum { BEFORE_POLISH = 12, ALONE = 100 };
+    enum { DESCENT = 35, BEFORE_POLISH = 12, ALONE = 100 };
 
     if (vor_spec_given(spec, VOR_PARAM_ITERATIONS))
         return (uint32_t)spec->value[VOR_PARAM_ITERATIONS];
+    if (vor_spec_descends(spec))
+        return DESCENT;
     return spec->value[VOR_PARAM_POLISH] > 0 ? BEFORE_POLISH : ALONE;
+}
+
+uint32_t vor_spec_polish(const struct vor_spec *spec)
+{
+    double polish = spec->value[VOR_PARAM_POLISH];
+
+    return polish > 0 && !vor_spec_descends(spec) ? (uint32_t)polish : 0;
 }
 
 const char *vor_spec_text(const struct vor_spec *spec, enum vor_parameter parameter,

@@ -68,7 +68,8 @@ vor_status vor_spec_refuse(const struct vor_spec *spec, const char *name, const 
 int vor_spec_only_filters(const struct vor_spec *spec);
 
 /** Checks what concerns several parameters: if the process takes points, ratio and spacing, exactly
- *  one of them is given, or none where filters alone make the result.
+ *  one of them is given, or none where filters alone make the result; an energy is minimised by
+ *  cvt, without a density. And that p is even.
  *
  *  @retval VOR_E_PARAM otherwise */
 VOR_NODISCARD vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err);
@@ -124,8 +125,15 @@ enum vor_form vor_spec_form(const struct vor_spec *spec, enum vor_parameter para
 /** True when the parameter has a value (given, or by default); auto counts as one. */
 int vor_spec_given(const struct vor_spec *spec, enum vor_parameter parameter);
 
-/** Most iterations that the request allows: those given, else 12 before a polish and 100 without
- *  one. */
+/** True when the request asks for an energy to be minimised, by metric lp or cells euclid; then no
+ *  polish follows. */
+int vor_spec_descends(const struct vor_spec *spec);
+
+/** Most iterations that the request allows: those given, else 35 where an energy is minimised, 12
+ *  before a polish and 100 without one. */
 uint32_t vor_spec_iterations(const struct vor_spec *spec);
+
+/** Most steps of the polish that follows them; 0 where an energy is minimised. */
+uint32_t vor_spec_polish(const struct vor_spec *spec);
 
 #endif

@@ -1,5 +1,6 @@
 #include "core/cvt/cvt.h"
 
+#include "core/cvt/descend.h"
 #include "core/cvt/lloyd.h"
 #include "core/cvt/start.h"
 #include "core/input/thin.h"
@@ -29,7 +30,7 @@ static vor_status even_out(struct vor_seeds *seeds, struct vor_outcome *told,
     int keep_holes;
     vor_status status = vor_attach(seeds, &keep_holes, err);
 
-    if (status == VOR_OK)
+    if (status == VOR_OK && !vor_spec_descends(spec))
         status = vor_repel(seeds, told, keep_holes, spec, run, err);
     if (status == VOR_OK)
         status = vor_attach_to_whole(seeds, keep_holes, err);
@@ -50,7 +51,8 @@ vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
 
     told->seconds_start = vor_run_clock(run) - before;
     if (status == VOR_OK)
-        status = vor_lloyd_run(&seeds, told, spec, run, err);
+        status = vor_spec_descends(spec) ? vor_descend_run(&seeds, told, spec, run, err)
+                                         : vor_lloyd_run(&seeds, told, spec, run, err);
     if (status == VOR_OK)
         status = even_out(&seeds, told, spec, run, err);
     vor_domain_free(&thin);

@@ -219,6 +219,12 @@ static int restrict_move(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
     return 1;
 }
 
+/* Length of an offset of seed i, in the metric if there is one. */
+static double length_of(const struct cvt *cvt, size_t i, const double d[3])
+{
+    return sqrt(vor_stretched_length2(&cvt->seeds->stretched, i, i, d));
+}
+
 /* Over-relaxation and momentum: stretches the way of seed i to its projected centroid x, and adds a
  * share of its last step. */
 static void stretch(const struct cvt *cvt, struct vor_scratch *scratch, size_t i, double x[3])
@@ -231,8 +237,8 @@ static void stretch(const struct cvt *cvt, struct vor_scratch *scratch, size_t i
         way[c] = x[c] - (double)cvt->seeds->xyz[3 * i + c];
         step[c] = RELAXATION * way[c] + momentum * (double)cvt->step[3 * i + c];
     }
-    most = fmax(LONG_STEP * scratch->radius, sqrt(vor_dot(way, way)));
-    length = sqrt(vor_dot(step, step));
+    most = fmax(LONG_STEP * scratch->radius, length_of(cvt, i, way));
+    length = length_of(cvt, i, step);
     for (size_t c = 0; c < 3; c++)
         x[c] = (double)cvt->seeds->xyz[3 * i + c] +
                (length > most ? step[c] * (most / length) : step[c]);
@@ -331,7 +337,7 @@ static void mix_step(struct cvt *cvt, size_t i)
         off += d[c] * (double)normal[c];
     for (int c = 0; c < 3; c++)
         d[c] -= off * (double)normal[c];
-    length = sqrt(vor_dot(d, d));
+    length = length_of(cvt, i, d);
     limit = MIX_STEP_MAX * (double)cvt->nearest[i];
     if (cvt->flags[i] & AT_BORDER || !isfinite(length))
         limit = 0;
@@ -469,6 +475,15 @@ static int ends_on_plateau(struct cvt *cvt)
     return 0;
 }
 
+/* Whether the last iteration moved no point as far as the request says. */
+static int still(const struct cvt *cvt)
+{
+    const struct vor_seeds *seeds = cvt->seeds;
+    double spacing = sqrt(seeds->area / (VOR_HEXAGON_HEIGHT * (double)seeds->n));
+
+    return cvt->iterations > 0 && vor_stop_still(cvt->spec, cvt->total.max_move / spacing);
+}
+
 /* Whether a stop of the request is reached; the last iteration took `took` seconds. */
 static int finished(struct cvt *cvt, const struct vor_uniformity *even, double took)
 {
@@ -476,6 +491,8 @@ static int finished(struct cvt *cvt, const struct vor_uniformity *even, double t
 
     if (vor_seeds_on_whole(cvt->seeds) && vor_stop_even_enough(cvt->spec, even->delta))
         cvt->told->stopped = VOR_STOPPED_DELTA;
+    else if (vor_seeds_on_whole(cvt->seeds) && still(cvt))
+        cvt->told->stopped = VOR_STOPPED_MOVE;
     else if (cvt->iterations >= cvt->limit)
         cvt->told->stopped = cvt->level ? VOR_STOPPED_PLATEAU : VOR_STOPPED_ITERATIONS;
     else if (vor_stop_out_of_time(cvt->spec, share, cvt->last_seconds, took))
@@ -491,7 +508,7 @@ static int finished(struct cvt *cvt, const struct vor_uniformity *even, double t
 static int whole_is_due(const struct cvt *cvt, const struct vor_uniformity *even)
 {
     return !vor_seeds_on_whole(cvt->seeds) &&
-           (vor_stop_even_enough(cvt->spec, even->delta) ||
+           (vor_stop_even_enough(cvt->spec, even->delta) || still(cvt) ||
             (!polish_follows(cvt) && cvt->iterations + on_whole(cvt) >= cvt->limit));
 }
 

@@ -20,18 +20,21 @@
  *  With a density (input/density.h) a centroid is that of Chen 2018, Eq. 3: linear over each
  *  triangle of the cell, from the field around the seed.
  *
- *  Not done here: anisotropy, other norms. */
+ *  With a metric (input/anisotropy.h) cells are clipped in that of their seed (geom/stretch.h), and
+ *  steps are as long as they are in it.
+ *
+ *  Not done here: other norms. */
 #ifndef VOR_CVT_LLOYD_H
 #define VOR_CVT_LLOYD_H
 
 #include "core/seeds/outcome.h"
 #include "core/seeds/seeds.h"
 
-/** Moves the seeds until a stop of the request (iterations, delta, seconds, plateau) or the watch
- *  ends it. seeds->xyz ends as the most even positions of all.
+/** Moves the seeds until a stop of the request (iterations, delta, moveStop, seconds, plateau) or
+ * the watch ends it. seeds->xyz ends as the most even positions of all.
  *
  *  @param[in,out] told  this stage is added
- *  @param[in]     spec  read: iterations, delta, seconds, anderson, polish
+ *  @param[in]     spec  read: iterations, delta, moveStop, seconds, anderson, polish
  *  @param[in]     run   may be stopped
  *
  *  @retval VOR_E_CANCELLED the watch answered VOR_CANCEL

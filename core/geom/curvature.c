@@ -90,18 +90,30 @@ static int fit_quartic(struct derivatives *out, const struct vor_surface *surfac
     return 1;
 }
 
+/* Derivatives of the surface at the first of the points, from a polynomial of degree four where
+ * that is certain. Returns false when only a plane, or none, was found. */
+static int differentiate(struct derivatives *out, const struct vor_surface *surface,
+                         const float *near, unsigned k)
+{
+    const double *c = surface->c;
+
+    if (surface->kind != VOR_SURFACE_QUADRIC)
+        return 0;
+    *out = (struct derivatives){c[1], c[2], 2 * c[3], c[4], 2 * c[5]};
+    if (k >= VOR_CURVATURE_QUARTIC_MIN)
+        (void)fit_quartic(out, surface, near, k);
+    return 1;
+}
+
 void vor_curvature_at(double kappa[2], const struct vor_surface *surface, const float *near,
                       unsigned k)
 {
-    const double *c = surface->c;
-    struct derivatives d = {c[1], c[2], 2 * c[3], c[4], 2 * c[5]};
+    struct derivatives d;
     double w2, mean, gauss, apart;
 
     kappa[0] = kappa[1] = 0;
-    if (surface->kind != VOR_SURFACE_QUADRIC)
+    if (!differentiate(&d, surface, near, k))
         return;
-    if (k >= VOR_CURVATURE_QUARTIC_MIN)
-        (void)fit_quartic(&d, surface, near, k);
     /* Mean and Gaussian curvature of the graph of w. */
     w2 = 1 + d.u * d.u + d.v * d.v;
     gauss = (d.uu * d.vv - d.uv * d.uv) / (w2 * w2);
@@ -110,4 +122,46 @@ void vor_curvature_at(double kappa[2], const struct vor_surface *surface, const 
     apart = sqrt(fmax(mean * mean - gauss, 0));
     kappa[0] = mean - apart;
     kappa[1] = mean + apart;
+}
+
+/* Tangents in the surface's axes that are dual to those of the graph, (1, 0, w_u) and (0, 1, w_v):
+ * the inverse of the first fundamental form, times them. */
+static void dual_tangents(double dual[2][3], const struct derivatives *d)
+{
+    double w2 = 1 + d->u * d->u + d->v * d->v;
+    double uu = (1 + d->v * d->v) / w2, uv = -d->u * d->v / w2, vv = (1 + d->u * d->u) / w2;
+
+    dual[0][0] = uu;
+    dual[0][1] = uv;
+    dual[0][2] = uu * d->u + uv * d->v;
+    dual[1][0] = uv;
+    dual[1][1] = vv;
+    dual[1][2] = uv * d->u + vv * d->v;
+}
+
+int vor_curvature_tensor(double bend[6], double normal[3], const struct vor_surface *surface,
+                         const float *near, unsigned k)
+{
+    struct derivatives d;
+    double dual[2][3], world[2][3], length;
+    unsigned at = 0;
+
+    if (!differentiate(&d, surface, near, k))
+        return 0;
+    dual_tangents(dual, &d);
+    length = sqrt(1 + d.u * d.u + d.v * d.v);
+    for (int c = 0; c < 3; c++) {
+        for (int t = 0; t < 2; t++)
+            world[t][c] = dual[t][0] * surface->axis[0][c] + dual[t][1] * surface->axis[1][c] +
+                          dual[t][2] * surface->axis[2][c];
+        normal[c] =
+            (surface->axis[2][c] - d.u * surface->axis[0][c] - d.v * surface->axis[1][c]) / length;
+    }
+    for (int a = 0; a < 3; a++)
+        for (int b = a; b < 3; b++)
+            bend[at++] = (d.uu * world[0][a] * world[0][b] +
+                          d.uv * (world[0][a] * world[1][b] + world[1][a] * world[0][b]) +
+                          d.vv * world[1][a] * world[1][b]) /
+                         length;
+    return 1;
 }

@@ -30,4 +30,18 @@
 void vor_curvature_at(double kappa[2], const struct vor_surface *surface, const float *near,
                       unsigned k);
 
+/** Computes the curvature in all directions there, as a tensor in space: along a unit vector t of
+ *  the tangent plane it is t' bend t, across the plane 0. Tensors of neighbours may be averaged,
+ *  with the sign by which their normals agree.
+ *
+ *  @param[out] bend    six numbers xx xy xz yy yz zz, in world axes
+ *  @param[out] normal  unit normal there; the curvature is positive where the surface bends to its
+ *                      side
+ *
+ *  @return false, and both are unset, where only a plane, or none, was found
+ *
+ *  The other parameters, cost and source as vor_curvature_at. */
+int vor_curvature_tensor(double bend[6], double normal[3], const struct vor_surface *surface,
+                         const float *near, unsigned k);
+
 #endif

@@ -1,13 +1,9 @@
 #include "core/input/density.h"
 
-#include "core/base/bounds.h"
 #include "core/base/quote.h"
 #include "core/base/stat.h"
 #include "core/geom/curvature.h"
-#include "core/geom/patch.h"
-#include "core/input/lists.h"
-#include "core/input/neighbors.h"
-#include "core/input/thin.h"
+#include "core/input/curved.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -19,12 +15,6 @@ enum {
     NAMES = 512,       /* of all of them */
     /* Neighbours in the list of a point of the field. */
     LISTED = 12,
-    /* Points that the area is estimated at. */
-    SAMPLED = 20000,
-    /* Fewest and most points that a curvature is taken of: fewer are uncertain, more than these do
-     * not lie within CURVED_WITHIN. */
-    CURVED_LEAST = 20,
-    CURVED_MOST = 64,
     /* Times that curvatures are evened out among neighbours. At 3 / 6, armadillo, 1,000,000 to
      * 20,000: delta 0.0215 / 0.0204, span of the density followed 5.5 / 4.9. */
     SMOOTHED = 3,
@@ -32,12 +22,6 @@ enum {
     FITTED = 6
 };
 
-/* Over the diagonal: a surface that bends less counts as bent so much (ERRATA of the paper: 1e-4
- * has a unit). */
-#define CURVATURE_FLOOR 1e-4
-/* Points of the result within two spacings: curvature is taken over so much of the surface, because
- * points cannot follow what bends within less. */
-#define CURVED_WITHIN 14.5
 /* Share of the number of points that the field may be off by. */
 #define FITS 1e-3
 
@@ -150,11 +134,9 @@ vor_status vor_density_check(const struct vor_cloud *in, const struct vor_spec *
 
 /* A field on its way. */
 struct work {
-    const struct vor_domain *domain; /* that the field's points are those of */
+    const struct vor_curved *curved; /* that the field's points are the places of */
     struct vor_field *field;
     const struct vor_attribute *attribute; /* NULL: curvature */
-    unsigned curved;                       /* points that a curvature is taken of, at least */
-    double floor;                          /* of a curvature, in normalised units */
     double steepest;                       /* largest change of the value over a length */
     struct vor_graph graph;                /* the nearest points of each */
     double *rho, *next;                    /* n: density; the same after a round */
@@ -191,31 +173,20 @@ static vor_status alloc_work(struct work *work, struct vor_memory *memory, struc
     if (field->xyz == NULL || field->value == NULL || work->rho == NULL || work->next == NULL ||
         work->area == NULL || work->given == NULL || work->limited == NULL || work->changed == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the density at %zu points", n);
-    memcpy(field->xyz, work->domain->xyz, 3 * n * sizeof *field->xyz);
+    memcpy(field->xyz, work->curved->domain->xyz, 3 * n * sizeof *field->xyz);
     return vor_graph_init(&work->graph, n, n > LISTED ? LISTED : (unsigned)n - 1, memory, err);
 }
 
 /* Density at point i from the bend of the surface fitted around it. */
 static double curvature_at(const struct work *work, size_t i)
 {
-    const struct vor_domain *domain = work->domain;
-    const float *at = &domain->xyz[3 * i];
-    double x[3] = {(double)at[0], (double)at[1], (double)at[2]}, kappa[2];
-    unsigned k = vor_neighbors_at(&domain->known.neighbors, at);
-    uint32_t index[VOR_NEIGHBORS_MAX];
-    float distance2[VOR_NEIGHBORS_MAX], near[3 * VOR_NEIGHBORS_MAX];
+    double kappa[2], floor = work->curved->floor;
+    float near[3 * VOR_NEIGHBORS_MAX];
     struct vor_surface surface;
+    unsigned k = vor_curved_fit(&surface, near, work->curved, i);
 
-    if (k < work->curved && !vor_graph_is(&domain->graph))
-        k = work->curved;
-    if (k > domain->n)
-        k = (unsigned)domain->n;
-    vor_knn_search(domain->knn, at, 1, k, index, distance2);
-    for (unsigned j = 0; j < k; j++)
-        memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
-    (void)vor_lists_fit(&surface, near, domain, x, k, index);
     vor_curvature_at(kappa, &surface, near, k);
-    return fmax(fabs(kappa[0]), work->floor) + fmax(fabs(kappa[1]), work->floor);
+    return fmax(fabs(kappa[0]), floor) + fmax(fabs(kappa[1]), floor);
 }
 
 static double distance(const struct work *work, size_t i, size_t j)
@@ -236,7 +207,7 @@ static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
         work->area[i] = (float)(PI * far * far / count);
         work->rho[i] = work->attribute != NULL
-                           ? vor_attribute_scalar(work->attribute, work->domain->source[i])
+                           ? vor_attribute_scalar(work->attribute, work->curved->domain->source[i])
                            : curvature_at(work, i);
     }
 }
@@ -406,43 +377,20 @@ static void note_range(struct work *work)
     field->span = high / low * (high / low) * (high / low) * (high / low);
 }
 
-/* Length of the diagonal of the box around the field's points. */
-static vor_status diagonal(double *out, const struct vor_field *field, const struct vor_run *run,
-                           struct vor_error *err)
-{
-    struct vor_box box;
-    vor_status status = vor_bounds(&box, field->xyz, field->n, run, err);
-    double sum = 0;
-
-    if (status != VOR_OK)
-        return status;
-    for (int c = 0; c < 3; c++) {
-        double side = (double)box.high[c] - (double)box.low[c];
-
-        sum += side * side;
-    }
-    *out = sqrt(sum);
-    return VOR_OK;
-}
-
 /* Fills the field, of which n and even are set. */
 static vor_status fill(struct work *work, const struct vor_spec *spec, const struct vor_run *run,
                        struct vor_error *err)
 {
     struct vor_field *field = work->field;
-    double across = 0;
     vor_status status = alloc_work(work, run->memory, err);
 
     if (status == VOR_OK)
         status = vor_knn_build_sorted(&field->knn, field->xyz, field->n, run, err);
     if (status == VOR_OK)
-        status = diagonal(&across, field, run, err);
-    if (status == VOR_OK)
         status =
             vor_graph_nearest(&work->graph, field->knn, field->xyz, work->graph.most, run, err);
     if (status != VOR_OK)
         return status;
-    work->floor = CURVATURE_FLOOR / across;
     work->steepest = spec->value[VOR_PARAM_GRADING] / field->even;
     status = find_densities(work, run, err);
     if (status != VOR_OK)
@@ -454,51 +402,27 @@ static vor_status fill(struct work *work, const struct vor_spec *spec, const str
     return status;
 }
 
-/* Estimates the area of the surface from the distances of some points, at equal steps along the
- * order, to their neighbours: each counts for the points of its step. */
-static double estimate_area(const struct vor_domain *domain)
-{
-    size_t sampled = domain->n < SAMPLED ? domain->n : SAMPLED;
-    unsigned k = domain->n > LISTED ? LISTED + 1 : (unsigned)domain->n;
-    double sum = 0;
-
-    for (size_t i = 0; i < sampled; i++) {
-        size_t at = (size_t)((double)i / (double)sampled * (double)domain->n);
-        uint32_t index[LISTED + 1];
-        float distance2[LISTED + 1];
-
-        vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, k, index, distance2);
-        sum += PI * (double)distance2[k - 1] / (k - 1);
-    }
-    return sum / (double)sampled * (double)domain->n;
-}
-
 vor_status vor_density_make(struct vor_domain *domain, const struct vor_cloud *in, size_t n,
                             const struct vor_spec *spec, const struct vor_run *run,
                             struct vor_error *err)
 {
-    struct vor_domain thin = {.n = 0};
+    struct vor_curved curved;
     struct vor_field field = {.n = 0};
-    struct work work = {.field = &field};
+    struct work work = {.curved = &curved, .field = &field};
     vor_status status;
-    double area;
 
     if (spec->value[VOR_PARAM_DENSITY] == VOR_DENSITY_UNIFORM)
         return VOR_OK;
-    area = estimate_area(domain);
-    field.even = sqrt(area / (VOR_HEXAGON_HEIGHT * (double)n));
-    status = vor_domain_thin_for(&thin, domain, n, area, run, err);
+    status = vor_curved_init(&curved, domain, n, run, err);
     if (status != VOR_OK)
         return status;
-    work.domain = thin.n > CURVED_MOST ? &thin : domain;
-    field.n = work.domain->n;
-    work.curved = (unsigned)fmin(fmax(CURVED_WITHIN * (double)field.n / (double)n, CURVED_LEAST),
-                                 CURVED_MOST);
+    field.even = curved.even;
+    field.n = curved.domain->n;
     if (spec->value[VOR_PARAM_DENSITY] == VOR_DENSITY_ATTRIBUTE)
         work.attribute = vor_cloud_find_name(in, vor_spec_name(spec, VOR_PARAM_DENSITY));
     status = fill(&work, spec, run, err);
     free_work(&work, run->memory);
-    vor_domain_free(&thin);
+    vor_curved_free(&curved);
     if (status != VOR_OK) {
         vor_field_free(&field);
         return status;

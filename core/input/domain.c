@@ -322,6 +322,7 @@ vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
 
 void vor_domain_free(struct vor_domain *domain)
 {
+    vor_tensors_free(&domain->tensors);
     vor_field_free(&domain->field);
     vor_graph_free(&domain->graph);
     vor_knn_free(domain->knn);

@@ -7,6 +7,7 @@
 #include "core/geom/graph.h"
 #include "core/input/conditioning.h"
 #include "core/input/field.h"
+#include "core/input/tensor.h"
 #include "core/knn/knn.h"
 
 /** Parts of the input with few points, clear of all others (input/islands.h). Island i has points
@@ -37,6 +38,8 @@ struct vor_domain {
                                       and source, unless all of the input is islands */
     struct vor_field field;        /**< spacing wanted, where a density was asked for; of the whole
                                         input only (input/density.h) */
+    struct vor_tensors tensors;    /**< metric, where one was asked for; likewise
+                                        (input/anisotropy.h) */
     struct vor_conditioning known; /**< of the input; a thinned domain has that of the whole, and
                                         sheets of its own */
 };

@@ -2,7 +2,7 @@
 
 #include "core/input/adjacency.h"
 #include "core/input/carried.h"
-#include "core/input/density.h"
+#include "core/input/followed.h"
 #include "core/input/islands.h"
 #include "core/input/lattice.h"
 #include "core/input/lists.h"
@@ -154,7 +154,7 @@ vor_status vor_input_prepare(struct vor_domain *out, const struct vor_cloud *in,
     vor_status status = vor_carried_check(in, spec, run, err);
 
     if (status == VOR_OK)
-        status = vor_density_check(in, spec, run, err);
+        status = vor_followed_check(in, spec, run, err);
     if (status == VOR_OK)
         status = vor_domain_init(&domain, in, run, err);
     if (status != VOR_OK)

@@ -18,7 +18,7 @@
  *  @param[in]  run   a stop must not interrupt this: pass vor_run_unstoppable
  *
  *  @retval VOR_E_NORMALS    as vor_carried_check
- *  @retval VOR_E_DENSITY    as vor_density_check
+ *  @retval VOR_E_DENSITY, VOR_E_METRIC  as vor_followed_check
  *  @retval VOR_E_DEGENERATE fewer than four distinct points, or all on a line
  *  @retval VOR_E_NOMEM, VOR_E_CANCELLED
  *

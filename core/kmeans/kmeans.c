@@ -276,6 +276,9 @@ vor_status vor_kmeans_run(struct vor_seeds *out, struct vor_outcome *told,
     if (vor_field_is(&domain->field))
         return vor_fail_param(err, VOR_E_DENSITY, "density",
                               "method kmeans follows no density, want uniform, or method cvt");
+    if (vor_tensors_are(&domain->tensors))
+        return vor_fail_param(err, VOR_E_METRIC, "metric",
+                              "method kmeans follows no metric, want isotropic, or method cvt");
     if (n > domain->n)
         return vor_fail_param(err, VOR_E_TARGET, "points",
                               "%zu points are asked for, want 1 to %zu: kmeans takes means of the "

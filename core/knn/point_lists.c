@@ -321,6 +321,17 @@ unsigned vor_point_lists_within(struct vor_crowd *out, struct vor_point_lists *l
     return 0;
 }
 
+void vor_point_lists_candidates(struct vor_crowd *out, const struct vor_point_lists *lists,
+                                const struct vor_point_lists_view *view, size_t i)
+{
+    out->sure = sure_of(lists, view, i);
+    out->count = lists->listed;
+    memcpy(out->index, &lists->list[i * lists->listed], lists->listed * sizeof *out->index);
+    for (unsigned j = 0; j < view->jumpers; j++)
+        if (view->jumper[j] != i)
+            out->index[out->count++] = view->jumper[j];
+}
+
 double vor_point_lists_nearest(const struct vor_point_lists *lists,
                                const struct vor_point_lists_view *view, size_t i)
 {

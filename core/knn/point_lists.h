@@ -16,7 +16,7 @@
 #include "core/knn/knn.h"
 
 /** Most neighbours in a list. */
-#define VOR_POINT_LISTS_LISTED_MAX 32
+#define VOR_POINT_LISTS_LISTED_MAX 128
 
 /** Jumpers that lists of any size allow before all are made anew; with more points one in 256, at
  *  most JUMPERS_MAX. At 32 / 64 / 128, autzen to 3,000: lists made 31 / 28 / 23 times, searches 209
@@ -108,6 +108,11 @@ unsigned vor_point_lists_crowd(struct vor_crowd *out, struct vor_point_lists *li
  *  vor_point_lists_crowd. */
 unsigned vor_point_lists_within(struct vor_crowd *out, struct vor_point_lists *lists,
                                 const struct vor_point_lists_view *view, size_t i, double distance);
+
+/** The list of point i and all jumpers, without i itself, in no order: a jumper may be there twice.
+ *  out->distance2 is not set. O(listed + jumpers). */
+void vor_point_lists_candidates(struct vor_crowd *out, const struct vor_point_lists *lists,
+                                const struct vor_point_lists_view *view, size_t i);
 
 /** Distance from point i to its nearest neighbour, or -1 if the list cannot answer for certain.
  *  O(listed + jumpers). */

@@ -1,6 +1,7 @@
 #include "core/mesh/fan.h"
 
 #include "core/base/linalg.h"
+#include "core/geom/flat.h"
 #include "core/geom/patch.h"
 #include "core/mesh/quality.h"
 
@@ -11,74 +12,16 @@
  * would leave holes where points are uneven. */
 #define WIDEN 1.1
 
-/* Most corners while a cell is being cut. */
-enum { CORNERS = VOR_FAN_MOST + 8 };
-
-/* A convex polygon; edge e leads from corner e to the next. */
-struct cell {
-    unsigned count;
-    double x[CORNERS], y[CORNERS], far2; /* far2: square of the farthest corner */
-    uint32_t id[CORNERS];
-};
-
-static void begin(struct cell *cell, double radius)
-{
-    cell->count = 6;
-    cell->far2 = radius * radius;
-    for (unsigned e = 0; e < 6; e++) {
-        cell->x[e] = radius * vor_patch_corner[e][0];
-        cell->y[e] = radius * vor_patch_corner[e][1];
-        cell->id[e] = VOR_FAN_OPEN;
-    }
-}
-
-static void put(struct cell *cell, double x, double y, uint32_t id)
-{
-    cell->x[cell->count] = x;
-    cell->y[cell->count] = y;
-    cell->id[cell->count++] = id;
-    cell->far2 = fmax(cell->far2, x * x + y * y);
-}
-
-/* The cell without what is nearer to the seed at offset (dx, dy), dx^2 + dy^2 + height^2 = 2 limit.
- */
-static void clip(struct cell *cell, const double d[2], double limit, uint32_t id)
-{
-    struct cell from;
-    double side[CORNERS];
-    unsigned outside = 0;
-
-    for (unsigned e = 0; e < cell->count; e++) {
-        if (cell->id[e] == id)
-            return; /* asked again: rounding must not cut twice */
-        side[e] = cell->x[e] * d[0] + cell->y[e] * d[1] - limit;
-        outside += side[e] > 0;
-    }
-    if (outside == 0 || cell->count + 2 > CORNERS)
-        return;
-    from = *cell;
-    cell->count = 0;
-    cell->far2 = 0;
-    for (unsigned e = 0; e < from.count; e++) {
-        unsigned f = e + 1 < from.count ? e + 1 : 0;
-        double t = side[e] / (side[e] - side[f]);
-
-        if (side[e] <= 0)
-            put(cell, from.x[e], from.y[e], from.id[e]);
-        if ((side[e] <= 0) != (side[f] <= 0)) /* leaving: the new edge begins; entering: the old */
-            put(cell, from.x[e] + t * (from.x[f] - from.x[e]),
-                from.y[e] + t * (from.y[f] - from.y[e]), side[e] <= 0 ? id : from.id[e]);
-    }
-}
-
 /* A cell being cut. */
 struct cut {
     const struct vor_sheet *sheet;
     struct vor_seeds *seeds;
     struct vor_fans *fans;
     struct vor_frame frame;
-    struct cell cell;
+    struct vor_flat cell;
     uint32_t i;
+    int stretched; /* there is a metric, and the cell is cut in that of its seed */
+    struct vor_stretch stretch;
 };
 
 static void clip_by(struct cut *cut, uint32_t j)
@@ -87,11 +30,15 @@ static void clip_by(struct cut *cut, uint32_t j)
     double d[3] = {(double)b[0] - (double)a[0], (double)b[1] - (double)a[1],
                    (double)b[2] - (double)a[2]};
     double length2 = vor_dot(d, d);
+    double local[3] = {vor_dot(cut->frame.axis[0], d), vor_dot(cut->frame.axis[1], d), 0};
 
+    if (cut->stretched) {
+        length2 -= vor_dot(local, local);
+        vor_stretch_local(&cut->stretch, local);
+        length2 += vor_dot(local, local);
+    }
     if (length2 < 4 * cut->cell.far2 && vor_sheet_joins(cut->sheet, cut->i, j))
-        clip(&cut->cell,
-             (double[2]){vor_dot(cut->frame.axis[0], d), vor_dot(cut->frame.axis[1], d)},
-             length2 / 2, j);
+        vor_flat_clip(&cut->cell, local, length2 / 2, j);
 }
 
 /* Clips by those among more and more seeds around that were not asked yet. */
@@ -109,6 +56,8 @@ static void clip_more(struct cut *cut, struct vor_scratch *scratch)
         width = width < most ? width : most;
         sure = vor_point_lists_wide(&seeds->point_lists, &seeds->view, cut->i, width, index,
                                     distance2);
+        if (cut->stretched)
+            sure *= cut->stretch.least;
         scratch->queries++;
         for (unsigned j = done; j < width; j++)
             if (index[j] != cut->i)
@@ -118,6 +67,20 @@ static void clip_more(struct cut *cut, struct vor_scratch *scratch)
                 clip_by(cut, seeds->view.jumper[j]);
         done = width;
     }
+}
+
+/* Prepares to cut the cell in the metric of its seed, among the seeds nearest in it. */
+static void stretch(struct cut *cut, struct vor_scratch *scratch)
+{
+    const struct vor_seeds *seeds = cut->seeds;
+    struct vor_surface flat = {.kind = VOR_SURFACE_PLANE};
+
+    cut->stretched = vor_stretched_are(&seeds->stretched);
+    if (!cut->stretched)
+        return;
+    memcpy(flat.axis, cut->frame.axis, sizeof flat.axis);
+    vor_stretch_init(&cut->stretch, &flat, seeds->stretched.near[cut->i].tensor);
+    vor_stretched_crowd(&scratch->crowd, seeds->xyz, cut->i, &flat, &cut->stretch);
 }
 
 /* Mean distance to the six nearest on the sheet; 0 with fewer than three. */
@@ -136,14 +99,15 @@ static double reach(const struct cut *cut, const struct vor_crowd *crowd)
 
 static void hand_out(struct cut *cut)
 {
-    const struct cell *cell = &cut->cell;
+    const struct vor_flat *cell = &cut->cell;
     struct vor_fans *fans = cut->fans;
+    uint32_t *neighbor = &fans->neighbor[(size_t)cut->i * VOR_FAN_MOST];
 
     if (cell->count > VOR_FAN_MOST)
         return;
     fans->count[cut->i] = (unsigned char)cell->count;
-    memcpy(&fans->neighbor[(size_t)cut->i * VOR_FAN_MOST], cell->id,
-           cell->count * sizeof *cell->id);
+    for (unsigned e = 0; e < cell->count; e++)
+        neighbor[e] = cell->id[e] < VOR_FLAT_SIDE ? cell->id[e] : VOR_FAN_OPEN;
 }
 
 static void cut_cell(struct cut *cut, struct vor_scratch *scratch)
@@ -157,10 +121,11 @@ static void cut_cell(struct cut *cut, struct vor_scratch *scratch)
         return;
     vor_frame_of(&cut->frame, normal);
     vor_seeds_crowd(cut->seeds, scratch, cut->i);
+    stretch(cut, scratch);
     radius = WIDEN * reach(cut, crowd);
     if (!(radius > 0))
         return;
-    begin(&cut->cell, radius);
+    vor_flat_begin(&cut->cell, vor_patch_corner, VOR_PATCH_HEXAGON, radius);
     for (unsigned j = 0; j < crowd->count; j++)
         clip_by(cut, crowd->index[j]);
     clip_more(cut, scratch);
@@ -177,7 +142,7 @@ struct cutting {
 static void cut_block(void *ctx, size_t begin_at, size_t end, unsigned worker)
 {
     const struct cutting *cutting = ctx;
-    struct cut cut = {cutting->sheet, cutting->seeds, cutting->fans, {{{0}}}, {.count = 0}, 0};
+    struct cut cut = {.sheet = cutting->sheet, .seeds = cutting->seeds, .fans = cutting->fans};
 
     for (size_t i = begin_at; i < end; i++) {
         cut.i = (uint32_t)i;

@@ -2,7 +2,8 @@
  *
  *  A flat cell is a polygon in the tangent plane at its seed, cut by the bisectors with the seeds
  * on the same sheet; its dual is the Delaunay triangulation seen from the seed. Corners where the
- *  edges of two neighbours meet propose triangles.
+ *  edges of two neighbours meet propose triangles. Where the request has a metric, the cell is cut
+ *  in that of its seed (geom/stretch.h).
  *
  *  Source: Chen et al. 2018, "Isotropic surface remeshing" 5.7; Boltcheva and Levy 2017, "Surface
  *  reconstruction by computing restricted Voronoi cells in parallel". */

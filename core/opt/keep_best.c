@@ -54,6 +54,11 @@ int vor_stop_even_enough(const struct vor_spec *spec, double delta)
     return vor_spec_given(spec, VOR_PARAM_DELTA) && delta <= spec->value[VOR_PARAM_DELTA];
 }
 
+int vor_stop_still(const struct vor_spec *spec, double move)
+{
+    return vor_spec_given(spec, VOR_PARAM_MOVE_STOP) && move <= spec->value[VOR_PARAM_MOVE_STOP];
+}
+
 int vor_stop_out_of_time(const struct vor_spec *spec, double share, double seconds, double took)
 {
     return vor_spec_given(spec, VOR_PARAM_SECONDS) &&

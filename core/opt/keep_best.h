@@ -39,6 +39,9 @@ void vor_keep_best_tell(const struct vor_keep_best *best, struct vor_record *rec
 /** Whether the request asks for a delta and this one is low enough. */
 int vor_stop_even_enough(const struct vor_spec *spec, double delta);
 
+/** Whether the request asks for moves as short as this one, in spacings of an even spread. */
+int vor_stop_still(const struct vor_spec *spec, double move);
+
 /** Whether the request limits the time, and another step as long as the last one would end after
  *  `share` of it.
  *

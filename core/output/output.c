@@ -4,6 +4,7 @@
 #include "core/output/order.h"
 #include "core/output/sides.h"
 #include "core/output/transfer.h"
+#include "core/seeds/aspects.h"
 #include "core/seeds/uniformity.h"
 
 #include <assert.h>
@@ -121,6 +122,11 @@ static void report_method(struct vor_report *report, const struct vor_placed *pl
     report->fallback_plane = told->fallback_plane;
     report->fallback_left = told->fallback_left;
     report->area = area * unit * unit;
+    report->has_descent = told->evaluations > 0;
+    report->descent_steps = told->inner_steps;
+    report->descent_evaluations = told->evaluations;
+    report->descent_worst = told->worst_descent;
+    report->descent_aspect = told->aspect;
 }
 
 /* Reports the density that was followed. */
@@ -136,6 +142,28 @@ static void report_density(struct vor_report *report, const struct vor_domain *d
     report->density_most = field->most * field->even * domain->unit;
 }
 
+/* Reports how the metric was followed. */
+static vor_status report_metric(struct vor_report *report, struct vor_seeds *seeds,
+                                struct vor_error *err)
+{
+    const struct vor_tensors *tensors = &seeds->whole->tensors;
+    struct vor_aspects aspects;
+    vor_status status;
+
+    if (!vor_stretched_are(&seeds->stretched))
+        return VOR_OK;
+    status = vor_seeds_aspects(&aspects, seeds, err);
+    if (status != VOR_OK)
+        return status;
+    report->has_metric = 1;
+    report->metric_median = tensors->median;
+    report->metric_high = tensors->high;
+    report->metric_cells = aspects.median;
+    report->metric_off = aspects.off_median;
+    report->metric_off_high = aspects.off_high;
+    return VOR_OK;
+}
+
 static void report_counts(struct vor_report *report, const struct vor_counts *counts)
 {
     report->queries = counts->queries;
@@ -145,8 +173,27 @@ static void report_counts(struct vor_report *report, const struct vor_counts *co
     report->triangles_per_cell = (double)counts->triangles / (double)counts->cells;
 }
 
-/* Measures how even the points are: with a density, delta, sigma and epsilon are of the distances
- * over the spacing wanted, the other lengths of the distances themselves. */
+/* Distances to the nearest neighbour that have nothing to do with what was wanted. */
+static vor_status measure_apart(struct vor_uniformity *even, float *nearest,
+                                struct vor_seeds *seeds, struct vor_error *err)
+{
+    struct vor_uniformity apart;
+    vor_status status = VOR_OK;
+
+    if (vor_stretched_are(&seeds->stretched))
+        status = vor_seeds_distances(nearest, seeds, err);
+    if (status != VOR_OK)
+        return status;
+    vor_uniformity_from(&apart, nearest, seeds->n);
+    even->mean = apart.mean;
+    even->min = apart.min;
+    even->max = apart.max;
+    return VOR_OK;
+}
+
+/* Measures how even the points are: with a density or metric, delta, sigma and epsilon are of the
+ * distances over the spacing wanted, in the metric; the other lengths of the distances themselves.
+ */
 static vor_status measure(struct vor_uniformity *even, struct vor_seeds *seeds,
                           struct vor_error *err)
 {
@@ -156,14 +203,8 @@ static vor_status measure(struct vor_uniformity *even, struct vor_seeds *seeds,
     if (nearest == NULL)
         return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", seeds->n);
     status = vor_seeds_uniformity_now(even, nearest, seeds, err);
-    if (status == VOR_OK && seeds->wanted.value != NULL) {
-        struct vor_uniformity apart;
-
-        vor_uniformity_from(&apart, nearest, seeds->n);
-        even->mean = apart.mean;
-        even->min = apart.min;
-        even->max = apart.max;
-    }
+    if (status == VOR_OK && (seeds->wanted.value != NULL || vor_stretched_are(&seeds->stretched)))
+        status = measure_apart(even, nearest, seeds, err);
     vor_free(seeds->run.memory, nearest);
     return status;
 }
@@ -186,6 +227,8 @@ vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
     }
     if (status == VOR_OK)
         status = hand_out(out, report, placed, &even, err);
+    if (status == VOR_OK)
+        status = report_metric(report, seeds, err);
     if (status != VOR_OK)
         return status;
     report->points_in = placed->in->n;

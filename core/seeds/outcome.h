@@ -22,6 +22,10 @@ struct vor_outcome {
                                               any step */
     uint64_t fallback_plane;             /**< points on a plane in the last step */
     uint64_t fallback_left;              /**< points left in place in the last step: no surface */
+    uint64_t inner_steps, evaluations;   /**< of a descent of an energy, and of that energy */
+    double worst_descent;                /**< largest energy after the steps of an iteration over
+                                              that before */
+    double aspect;                       /**< median of the cells */
     int refined;                         /**< the last step tried finer fits (vor_seeds_refine) */
 };
 

@@ -140,37 +140,21 @@ static double spacing_of(const struct polish *polish, size_t i)
     return polish->h * vor_wanted_at(&polish->seeds->wanted, i);
 }
 
-/* The corner of the cell farthest from its seed; NULL when the cell is empty. */
-static const double *farthest_corner(const struct vor_cell *cell)
-{
-    const double *corner = NULL;
-    double far = 0;
-
-    for (unsigned i = 0; i < cell->count; i++)
-        for (unsigned j = 0; j < cell->piece[i].count; j++) {
-            const double *vertex = cell->piece[i].vertex[j];
-            double d2 = vor_dot(vertex, vertex);
-
-            if (d2 > far) {
-                far = d2;
-                corner = vertex;
-            }
-        }
-    return corner;
-}
-
 /* Sets the pull of the hole next to seed i, and whether no hole is near. */
 static void find_hole(struct polish *polish, const struct vor_scratch *scratch, size_t i)
 {
     const struct vor_surface *surface = &scratch->here.surface;
-    const double *corner = farthest_corner(&scratch->cell);
+    const struct vor_stretch *stretch =
+        vor_stretched_are(&polish->seeds->stretched) ? &scratch->stretch : NULL;
+    double far2;
+    const double *corner = vor_stretch_farthest(&scratch->cell, stretch, &far2);
     double pitch = polish->pitch * vor_wanted_at(&polish->seeds->wanted, i);
     double far, excess;
 
     memset(&polish->pull[3 * i], 0, 3 * sizeof *polish->pull);
     if (corner == NULL)
         return;
-    far = sqrt(vor_dot(corner, corner));
+    far = sqrt(far2);
     polish->quiet[i] = far < HOLE_NEAR * pitch;
     excess = fmin(far - HOLE * pitch, HOLE_EXCESS * pitch);
     if (!(excess > 0))
@@ -220,10 +204,12 @@ static void away(const struct polish *polish, const struct vor_scratch *scratch,
         out[c] = overlap / length * (side[0] * surface->axis[0][c] + side[1] * surface->axis[1][c]);
 }
 
-/* How far repulsion reaches in this step, in spacings. */
+/* How far repulsion reaches in this step, in spacings: with a metric not beyond what lists hold
+ * (seeds/stretched.c). */
 static double force_reach(const struct polish *polish)
 {
-    return polish->power < HARDER ? FORCE_REACH : HARD_REACH;
+    return polish->power < HARDER && !vor_stretched_are(&polish->seeds->stretched) ? FORCE_REACH
+                                                                                   : HARD_REACH;
 }
 
 /* Square of the spacing of a pair, given the values of the field at both: the larger. The nearest
@@ -237,6 +223,16 @@ static double pair2(const struct polish *polish, double a, double b)
     return h * h;
 }
 
+/* Squared distance of seed i to neighbour j, in the metric that there is. */
+static double stretched2(const struct polish *polish, size_t i, size_t j)
+{
+    const float *a = &polish->seeds->xyz[3 * i], *b = &polish->seeds->xyz[3 * j];
+    double d[3] = {(double)b[0] - (double)a[0], (double)b[1] - (double)a[1],
+                   (double)b[2] - (double)a[2]};
+
+    return vor_stretched_length2(&polish->seeds->stretched, i, j, d);
+}
+
 /* Sums the forces of the crowd on seed i. */
 static void repulsion(const struct polish *polish, const struct vor_scratch *scratch, size_t i,
                       double force[3])
@@ -245,11 +241,14 @@ static void repulsion(const struct polish *polish, const struct vor_scratch *scr
     double h2 = polish->h * polish->h, scale = GAIN / (2 * polish->power);
     double reach = force_reach(polish), own = vor_wanted_at(&polish->seeds->wanted, i);
     const float *wanted = polish->seeds->wanted.value;
+    int stretched = vor_stretched_are(&polish->seeds->stretched);
 
     force[0] = force[1] = force[2] = 0;
     for (unsigned j = 0; j < crowd->count; j++) {
         double d2 = (double)crowd->distance2[j], weight, d[3];
 
+        if (stretched)
+            d2 = stretched2(polish, i, crowd->index[j]);
         if (wanted != NULL)
             h2 = pair2(polish, own, (double)wanted[crowd->index[j]]);
         if (d2 > reach * reach * h2)
@@ -322,7 +321,7 @@ static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
     for (size_t c = 0; c < 3; c++)
         v[c] += (double)polish->pull[3 * i + c] + MOMENTUM * (double)polish->step[3 * i + c];
     keep_on_surface(polish, scratch, h, x, v);
-    length = sqrt(vor_dot(v, v));
+    length = sqrt(vor_stretched_length2(&seeds->stretched, i, i, v));
     for (int c = 0; c < 3; c++) {
         v[c] = length > limit ? v[c] * (limit / length) : v[c];
         y[c] = x[c] + v[c];

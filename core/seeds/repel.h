@@ -17,6 +17,9 @@
  *  place, and for the force of two points the larger of both; how even the points are is measured
  *  likewise (seeds/wanted.h).
  *
+ *  With a metric (input/anisotropy.h) distances, steps and holes are measured in it: forces still
+ * act along the offset of two points, which is what evens them out in the metric.
+ *
  *  Holes are looked for every third step, every sixth step around a point with no hole near it.
  *  Away from the border a surface is used again until its seed has moved half a spacing of the
  *  input, a tenth in the last 16 steps. */

@@ -3,6 +3,7 @@
 #define VOR_SEEDS_SCRATCH_H
 
 #include "core/geom/cell.h"
+#include "core/geom/stretch.h"
 #include "core/geom/surface.h"
 #include "core/knn/point_lists.h"
 
@@ -22,7 +23,8 @@ struct vor_scratch {
     int interior;                 /**< the seed is known to be far from the border */
     struct vor_crowd crowd;       /**< seeds around the seed */
     struct vor_cell cell;
-    double radius;                        /**< of the patch */
+    struct vor_stretch stretch;           /**< with a metric: that of the cell */
+    double radius;                        /**< of the patch; with a metric, in that */
     uint64_t queries;                     /**< searches of either index */
     uint64_t cells, bisectors, triangles; /**< cells computed, planes that cut them, triangles of
                                                their patches */

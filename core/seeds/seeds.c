@@ -55,6 +55,7 @@ vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain
     struct vor_seeds seeds = {.domain = domain, .whole = domain, .n = n, .policy = policy};
     unsigned threads = vor_pool_threads(run->pool), most = domain->known.neighbors.most;
     unsigned sides = policy.planes ? VOR_PATCH_OCTAGON : VOR_PATCH_HEXAGON;
+    unsigned listed = vor_stretched_listed(&domain->tensors, VOR_SEEDS_LISTED);
 
     assert(n >= 1 && most >= 1 && most <= VOR_NEIGHBORS_MAX);
     seeds.run = vor_run_unstoppable(run);
@@ -68,10 +69,10 @@ vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain
     if (seeds.xyz == NULL || seeds.last_fit == NULL || seeds.scratch == NULL ||
         vor_input_lists_init(&seeds.input_lists, n, at_most_all(&seeds, most), domain->knn,
                              domain->xyz, domain->n, run->memory, err) != VOR_OK ||
-        vor_point_lists_init(&seeds.point_lists, n,
-                             n > VOR_SEEDS_LISTED ? VOR_SEEDS_LISTED : (unsigned)n - 1, run->memory,
-                             err) != VOR_OK ||
-        vor_wanted_init(&seeds.wanted, &domain->field, n, run->memory, err) != VOR_OK) {
+        vor_point_lists_init(&seeds.point_lists, n, n > listed ? listed : (unsigned)n - 1,
+                             run->memory, err) != VOR_OK ||
+        vor_wanted_init(&seeds.wanted, &domain->field, n, run->memory, err) != VOR_OK ||
+        vor_stretched_init(&seeds.stretched, &domain->tensors, n, run->memory, err) != VOR_OK) {
         vor_seeds_free(&seeds);
         return vor_fail(err, VOR_E_NOMEM, "%zu seeds", n);
     }
@@ -85,6 +86,7 @@ void vor_seeds_free(struct vor_seeds *seeds)
 
     if (memory == NULL)
         return;
+    vor_stretched_free(&seeds->stretched, memory);
     vor_wanted_free(&seeds->wanted, memory);
     vor_free(memory, seeds->scratch);
     vor_point_lists_free(&seeds->point_lists);
@@ -105,9 +107,12 @@ void vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain)
 vor_status vor_seeds_index(struct vor_seeds *seeds, const struct vor_run *run,
                            struct vor_error *err)
 {
-    double far = seeds->n < MANY ? FAR : FAR_MANY;
+    double far =
+        (seeds->n < MANY ? FAR : FAR_MANY) * vor_stretched_longest_of_all(&seeds->stretched);
     vor_status status = vor_wanted_renew(&seeds->wanted, seeds->xyz, run, err);
 
+    if (status == VOR_OK)
+        status = vor_stretched_renew(&seeds->stretched, seeds->xyz, run, err);
     if (status != VOR_OK)
         return status;
     if (vor_point_lists_look(&seeds->view, &seeds->point_lists, seeds->xyz, far))
@@ -389,7 +394,8 @@ void vor_seeds_part(size_t i, size_t j, double length, double offset[2])
     offset[1] = sign * length * (vor_rng_unit(low, 7, 2 * high + 1) - 0.5);
 }
 
-/* Offset from seed i to seed j in the surface's axes, not zero even if they coincide. */
+/* Offset from seed i to seed j in the surface's axes, stretched with a metric; not zero even if
+ * they coincide. */
 static void offset_of(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
                       size_t j, double offset[3])
 {
@@ -399,6 +405,8 @@ static void offset_of(const struct vor_seeds *seeds, const struct vor_scratch *s
 
     for (int c = 0; c < 3; c++)
         offset[c] = vor_dot(scratch->here.surface.axis[c], d);
+    if (vor_stretched_are(&seeds->stretched))
+        vor_stretch_local(&scratch->stretch, offset);
     if (vor_dot(offset, offset) > 0)
         return;
     vor_seeds_part(i, j, APART * scratch->radius, offset);
@@ -437,6 +445,8 @@ static void clip_more(const struct vor_seeds *seeds, struct vor_scratch *scratch
         width = width < seeds->n ? width : seeds->n;
         sure = vor_point_lists_wide(&seeds->point_lists, &seeds->view, i, (unsigned)width, index,
                                     distance2);
+        if (vor_stretched_are(&seeds->stretched))
+            sure *= scratch->stretch.least;
         scratch->queries++;
         for (size_t j = done; j < width; j++)
             if (index[j] != i)
@@ -449,7 +459,8 @@ static void clip_more(const struct vor_seeds *seeds, struct vor_scratch *scratch
 const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds,
                                       const struct vor_scratch *scratch)
 {
-    const double *c = scratch->here.surface.c;
+    const double *c =
+        vor_stretched_are(&seeds->stretched) ? scratch->stretch.surface.c : scratch->here.surface.c;
     double bend = (fabs(c[3]) + fabs(c[4]) + fabs(c[5])) * scratch->radius;
 
     if (bend > BEND_MAX)
@@ -460,11 +471,12 @@ const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds,
 /* Rule 2 of geom/boundary.h: clips the cell where the input ends. */
 static void end_at_border(const struct vor_seeds *seeds, struct vor_scratch *scratch)
 {
-    double side[2],
-        room = vor_boundary_room(&scratch->here.surface, scratch->here.near, scratch->here.k,
-                                 scratch->cell.seed, scratch->radius / seeds->policy.widen, side);
+    double longest = vor_stretched_are(&seeds->stretched) ? 1 / scratch->stretch.least : 1;
+    double radius = longest * scratch->radius, side[2],
+           room = vor_boundary_room(&scratch->here.surface, scratch->here.near, scratch->here.k,
+                                    scratch->cell.seed, radius / seeds->policy.widen, side);
 
-    if (room < scratch->radius)
+    if (room < radius)
         vor_cell_clip(&scratch->cell, (double[3]){2 * room * side[0], 2 * room * side[1], 0});
 }
 
@@ -477,27 +489,49 @@ void vor_seeds_crowd(struct vor_seeds *seeds, struct vor_scratch *scratch, size_
 void vor_seeds_within(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i,
                       double distance)
 {
+    distance *= vor_stretched_longest(&seeds->stretched, i);
     scratch->queries +=
         vor_point_lists_within(&scratch->crowd, &seeds->point_lists, &seeds->view, i, distance);
+}
+
+/* Begins the cell of seed i, on its stretched surface if there is a metric. */
+static void begin_cell(const struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i,
+                       int flat)
+{
+    const struct vor_surface *surface = &scratch->here.surface;
+    double x[3], local[3];
+
+    vor_seeds_position(seeds, i, x);
+    vor_surface_to_local(surface, x, local);
+    if (vor_stretched_are(&seeds->stretched)) {
+        vor_stretch_init(&scratch->stretch, surface, seeds->stretched.near[i].tensor);
+        vor_stretch_local(&scratch->stretch, local);
+        vor_stretched_crowd(&scratch->crowd, seeds->xyz, i, surface, &scratch->stretch);
+        surface = &scratch->stretch.surface;
+    }
+    scratch->radius = seeds->policy.widen * patch_radius(&scratch->crowd);
+    vor_cell_begin(&scratch->cell, flat ? &seeds->flat : vor_seeds_disc(seeds, scratch), surface,
+                   local, scratch->radius);
 }
 
 void vor_seeds_clip(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i, int flat)
 {
     const struct vor_crowd *crowd = &scratch->crowd;
-    double x[3], local[3];
+    int stretched = vor_stretched_are(&seeds->stretched);
+    int border = seeds->policy.keep_border && !scratch->interior;
     unsigned j = 0;
 
-    vor_seeds_position(seeds, i, x);
-    vor_surface_to_local(&scratch->here.surface, x, local);
-    scratch->radius = seeds->policy.widen * patch_radius(crowd);
-    vor_cell_begin(&scratch->cell, flat ? &seeds->flat : vor_seeds_disc(seeds, scratch),
-                   &scratch->here.surface, local, scratch->radius);
+    begin_cell(seeds, scratch, i, flat);
     scratch->triangles += scratch->cell.count;
-    if (seeds->policy.keep_border && !scratch->interior)
+    if (border && !stretched)
         end_at_border(seeds, scratch);
     while (j < crowd->count && clip_by(seeds, scratch, i, crowd->index[j]))
         j++;
     clip_more(seeds, scratch, i);
+    if (stretched)
+        vor_stretch_undo(&scratch->cell, &scratch->stretch);
+    if (border && stretched)
+        end_at_border(seeds, scratch);
     scratch->cells++;
     scratch->bisectors += scratch->cell.bisectors;
 }

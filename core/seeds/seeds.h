@@ -13,6 +13,7 @@
 #include "core/knn/input_lists.h"
 #include "core/knn/point_lists.h"
 #include "core/seeds/scratch.h"
+#include "core/seeds/stretched.h"
 #include "core/seeds/wanted.h"
 #include "core/spec.h"
 
@@ -62,6 +63,7 @@ struct vor_seeds {
     struct vor_point_lists point_lists; /**< neighbours among the seeds */
     struct vor_point_lists_view view;   /**< of xyz, as of the last index */
     struct vor_wanted wanted;           /**< spacing of each seed, where there is a density */
+    struct vor_stretched stretched;     /**< metric at each seed, where there is one */
     uint64_t indexed_before; /**< times that lists were made anew before points were added */
     double area; /**< of the surface in squared normalised units, as the start estimated it */
     struct vor_disc flat, disc, fine; /**< patches, from flat to strongly bent */
@@ -99,8 +101,7 @@ void vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain);
 
 /** Takes the seeds' present positions as those that the following calls ask about, makes their
  *  lists of each other anew if too many have moved too far for the old ones, and takes the spacings
- *  wanted there. Positions must not
- *  change while cells are computed.
+ *  wanted and the metric there. Positions must not change while cells are computed.
  *
  *  @retval VOR_E_NOMEM
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
@@ -137,12 +138,15 @@ int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_scratch *sc
  *  (vor_point_lists_crowd). */
 void vor_seeds_crowd(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i);
 
-/** The same for seeds within `distance` (normalised), in no order (vor_point_lists_within). */
+/** The same for seeds within `distance` (normalised; with a metric, in that), in no order
+ *  (vor_point_lists_within). */
 void vor_seeds_within(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i,
                       double distance);
 
 /** Clips the cell of seed i into scratch->cell, from scratch->here and scratch->crowd: from the
- *  patch that vor_seeds_disc picks, or if `flat` from the tangent plane. */
+ *  patch that vor_seeds_disc picks, or if `flat` from the tangent plane. With a metric, clips it in
+ *  that of the seed: scratch->crowd then has the seeds that are nearest in it and their distances
+ *  there, scratch->stretch is what takes the cell's corners to them. */
 void vor_seeds_clip(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i, int flat);
 
 /** vor_seeds_fit, and unless its kind is NONE vor_seeds_crowd and vor_seeds_clip. */

@@ -16,6 +16,7 @@ struct even {
     struct vor_point_lists_view view;
     float *nearest;
     const struct vor_run *run;
+    struct vor_knn *knn; /* of the positions, where there is a metric and lists do not serve */
 };
 
 /* Distance from seed i to its nearest neighbour by wider and wider searches; negative when even the
@@ -114,6 +115,84 @@ static vor_status measure(struct even *even, struct vor_error *err)
     return search_all(even, err);
 }
 
+/* Smallest distance, in the metric, from seed i to those of a list; that may hold i itself. */
+static double nearest_of(const struct even *even, size_t i, const uint32_t *index, size_t count)
+{
+    const float *xyz = even->view.xyz, *a = &xyz[3 * i];
+    double best = INFINITY;
+
+    for (size_t j = 0; j < count; j++) {
+        const float *b = &xyz[3 * (size_t)index[j]];
+        double d[3] = {(double)b[0] - (double)a[0], (double)b[1] - (double)a[1],
+                       (double)b[2] - (double)a[2]};
+
+        if (index[j] != i)
+            best = fmin(best, vor_stretched_length2(&even->seeds->stretched, i, index[j], d));
+    }
+    return sqrt(best);
+}
+
+/* Distances in the metric to the nearest neighbour, of a block. Where the list leaves it open, a
+ * wide search answers; beyond that, nothing is near in any metric allowed. */
+static void stretched_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct even *even = ctx;
+    const struct vor_seeds *seeds = even->seeds;
+    struct vor_scratch *scratch = &seeds->scratch[worker];
+    struct vor_crowd *crowd = &scratch->crowd;
+    double longest = vor_stretched_longest_of_all(&seeds->stretched);
+    unsigned width = seeds->n < VOR_SEEDS_MORE_MAX ? (unsigned)seeds->n : VOR_SEEDS_MORE_MAX;
+    uint32_t index[VOR_SEEDS_MORE_MAX];
+    float distance2[VOR_SEEDS_MORE_MAX];
+
+    for (size_t i = begin; i < end; i++) {
+        double found;
+
+        vor_point_lists_candidates(crowd, &seeds->point_lists, &even->view, i);
+        found = nearest_of(even, i, crowd->index, crowd->count);
+        if (!(found * longest <= crowd->sure)) {
+            (void)vor_point_lists_wide(&seeds->point_lists, &even->view, i, width, index,
+                                       distance2);
+            scratch->queries++;
+            found = fmin(found, nearest_of(even, i, index, width));
+        }
+        even->nearest[i] = (float)found;
+    }
+}
+
+/* The same by an index of the positions. */
+static void searched_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct even *even = ctx;
+    const struct vor_seeds *seeds = even->seeds;
+    unsigned width = seeds->n < VOR_SEEDS_MORE_MAX ? (unsigned)seeds->n : VOR_SEEDS_MORE_MAX;
+    uint32_t index[VOR_SEEDS_MORE_MAX];
+    float distance2[VOR_SEEDS_MORE_MAX];
+
+    for (size_t i = begin; i < end; i++) {
+        vor_knn_search(even->knn, &even->view.xyz[3 * i], 1, width, index, distance2);
+        seeds->scratch[worker].queries++;
+        even->nearest[i] = (float)nearest_of(even, i, index, width);
+    }
+}
+
+/* Distances in the metric. */
+static vor_status measure_stretched(struct even *even, int looked, struct vor_error *err)
+{
+    const struct vor_run *run = even->run;
+    size_t n = even->seeds->n;
+    vor_status status;
+
+    if (looked)
+        return vor_run_for(run, n, VOR_SEEDS_BLOCK, stretched_block, even, err);
+    status = vor_knn_build(&even->knn, even->view.xyz, n, run->memory, err);
+    if (status != VOR_OK)
+        return status;
+    status = vor_run_for(run, n, VOR_SEEDS_BLOCK, searched_block, even, err);
+    vor_knn_free(even->knn);
+    return status;
+}
+
 vor_status vor_seeds_uniformity(struct vor_uniformity *out, float *nearest,
                                 const struct vor_seeds *seeds, const float *xyz,
                                 const struct vor_run *run, struct vor_error *err)
@@ -124,6 +203,12 @@ vor_status vor_seeds_uniformity(struct vor_uniformity *out, float *nearest,
     even.view.xyz = xyz;
     if (seeds->n == 1)
         nearest[0] = 0;
+    else if (vor_stretched_are(&seeds->stretched))
+        status = measure_stretched(
+            &even,
+            vor_point_lists_look(&even.view, &seeds->point_lists, xyz,
+                                 FAR * vor_stretched_longest_of_all(&seeds->stretched)),
+            err);
     else if (vor_point_lists_look(&even.view, &seeds->point_lists, xyz, FAR))
         status = measure(&even, err);
     else
@@ -145,6 +230,17 @@ vor_status vor_seeds_uniformity_now(struct vor_uniformity *out, float *nearest,
     if (status != VOR_OK)
         return status;
     return vor_seeds_uniformity(out, nearest, seeds, seeds->xyz, &seeds->run, err);
+}
+
+vor_status vor_seeds_distances(float *nearest, const struct vor_seeds *seeds, struct vor_error *err)
+{
+    struct even even = {.seeds = seeds, .nearest = nearest, .run = &seeds->run};
+
+    even.view.xyz = seeds->xyz;
+    if (seeds->n > 1)
+        return search_all(&even, err);
+    nearest[0] = 0;
+    return VOR_OK;
 }
 
 struct six {

@@ -11,7 +11,8 @@
  *
  *  @param[out] out      lengths in normalised units; with a density, of distances over the spacing
  *                       wanted (seeds/wanted.h)
- *  @param[out] nearest  distance of each seed to its nearest neighbour, seeds->n floats
+ *  @param[out] nearest  distance of each seed to its nearest neighbour, seeds->n floats; with a
+ *                       metric, in that (seeds/stretched.h), among the VOR_SEEDS_MORE_MAX nearest
  *  @param[in]  xyz      the positions, seeds->n x 3
  *
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
@@ -22,6 +23,11 @@
 VOR_NODISCARD vor_status vor_seeds_uniformity(struct vor_uniformity *out, float *nearest,
                                               const struct vor_seeds *seeds, const float *xyz,
                                               const struct vor_run *run, struct vor_error *err);
+
+/** Distances of the seeds to their nearest neighbours where they are, whatever their metric: n
+ *  floats. Fails as vor_seeds_uniformity; O(n log n). */
+VOR_NODISCARD vor_status vor_seeds_distances(float *nearest, const struct vor_seeds *seeds,
+                                             struct vor_error *err);
 
 /** Computes the share of the seeds, as of the last index, whose cell in the tangent plane has six
  *  sides. Fails as vor_seeds_uniformity; O(n). */

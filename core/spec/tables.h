@@ -130,10 +130,29 @@ enum vor_method_choice {
     X(GRADING, grading, REAL, SPREAD, "", 0.001, 1, 0.2, "",                                       \
       "Most that the spacing changes from one place to another, over their distance, where there " \
       "is a density")                                                                              \
+    X(METRIC, metric, CHOICE_OR_NAME, SPREAD, "", 1, 60, VOR_METRIC_ISOTROPIC,                     \
+      "isotropic anisotropic attribute:NAME lp",                                                   \
+      "What the shape of cells follows. isotropic: they are as long as wide; anisotropic: they "   \
+      "are longer where the surface bends less, by the root of the ratio of its principal "        \
+      "curvatures; attribute:NAME: positive definite tensors of the input, six scalars NAME_xx, "  \
+      "NAME_xy, NAME_xz, NAME_yy, NAME_yz, NAME_zz; lp: they become squares along the directions " \
+      "of "                                                                                        \
+      "curvature, by the power p of the distances along them, without a polish")                   \
+    X(MAX_ASPECT, maxAspect, REAL, SPREAD, "", 1, 10, 6, "",                                       \
+      "Length over width of cells at most, where there is a metric")                               \
+    X(P, p, COUNT, SPREAD, "", 2, 8, 8, "",                                                        \
+      "Power of metric lp, an even number: from 2, hexagons, to 8, squares")                       \
+    X(CELLS, cells, CHOICE, SPREAD, "", 0, 0, VOR_CELLS_METRIC, "metric euclid",                   \
+      "What cells are cut by. metric: what they are to be even in; euclid: Euclidean distances "   \
+      "alone, as in Chen et al. 2018, while their energy in the metric is minimised, without a "   \
+      "polish")                                                                                    \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
       "Iterations; not given: at most 12, or 100 where no polish follows, and the plateau; 35 "    \
-      "of kmeans")                                                                                 \
+      "of kmeans, metric lp and cells euclid")                                                     \
     X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "", "Stop once delta is this low")            \
+    X(MOVE_STOP, moveStop, REAL, CVT, "spacings", 0, 1, VOR_UNSET, "",                             \
+      "End the iterations of cvt once none of them moves a point farther, in spacings of an even " \
+      "spread of as many points")                                                                  \
     X(SECONDS, seconds, REAL, CVT, "s", 0, 86400, VOR_UNSET, "", "Stop after this much time")      \
     X(NEIGHBORS, neighbors, COUNT_OR_AUTO, SPREAD, "points", 6, 500, VOR_UNSET, "",                \
       "Input points that a local surface is fitted to; auto: as many as the input's noise asks "   \
@@ -205,6 +224,8 @@ enum vor_parameter {
 
 enum { VOR_PATCH_QUADRIC, VOR_PATCH_PLANE };
 enum { VOR_DENSITY_UNIFORM, VOR_DENSITY_CURVATURE, VOR_DENSITY_ATTRIBUTE };
+enum { VOR_METRIC_ISOTROPIC, VOR_METRIC_ANISOTROPIC, VOR_METRIC_ATTRIBUTE, VOR_METRIC_LP };
+enum { VOR_CELLS_METRIC, VOR_CELLS_EUCLID };
 enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE };
 enum { VOR_OUTLIERS_KEEP, VOR_OUTLIERS_DROP, VOR_OUTLIERS_PULL };
 enum { VOR_SAMPLE_VERTICES, VOR_SAMPLE_FACES };

@@ -170,7 +170,7 @@ static struct vor_record unbegun(const struct vor_spec *spec)
 {
     return (struct vor_record){.stage = VOR_RUN_STAGE_ITERATE,
                                .of = vor_spec_iterations(spec),
-                               .ahead = (uint32_t)fmax(spec->value[VOR_PARAM_POLISH], 0)};
+                               .ahead = vor_spec_polish(spec)};
 }
 
 /* Seconds left where no step was done: by what came before the first, if that is over. */

@@ -40,7 +40,7 @@ my %options;
 for my $command (qw(denoise upsample simplify resample)) {
     (undef, $help) = run([$command, '--help']);
     like $help, qr/--\Q$_\E VALUE\n/, "the help of $command has parameter $_"
-        for qw(points ratio spacing method patch density contrast grading iterations delta seconds neighbors anderson polish boundary outliers sample filters
+        for qw(points ratio spacing method patch density contrast grading metric maxAspect p cells iterations delta moveStop seconds neighbors anderson polish boundary outliers sample filters
         inputNormals intrinsic seed order format quantization compression origin attributes normals);
     ($options{$command}) = $help =~ /\nOptions:\n(.*?)\n\n/s;
     is $options{$command}, $options{denoise}, "and the options of the others";
@@ -95,7 +95,7 @@ refused 'a letter of another process', ['measure', $in, '-n', 5], 2, 'measure: n
 refused 'a parameter of a command without a process', ['health', '--points', 5], 2,
     'health: no option --points; see voronoid health --help';
 refused 'a parameter of measure', ['denoise', $in, '-o', $out, '--peak=1'], 2,
-    'denoise: no parameter peak; denoise takes points, ratio, spacing, method, patch, density, contrast, grading, iterations, delta, '
+    'denoise: no parameter peak; denoise takes points, ratio, spacing, method, patch, density, contrast, grading, metric, maxAspect, p, cells, iterations, delta, moveStop, '
     . 'seconds, neighbors, anderson, polish, boundary, outliers, sample, filters, inputNormals, intrinsic, invalid, seed, order, format, '
     . 'quantization, compression, origin, '
     . 'attributes, normals';

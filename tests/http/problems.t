@@ -122,6 +122,29 @@ refused($daemon->post('/v1/resample?points=10&contrast=0.5', $cloud), 400, 'inva
     'a contrast that is none');
 refused($daemon->post('/v1/resample?points=10&grading=2', $cloud), 400, 'invalid-parameter', qr/grading is 2, want a number from 0\.001 to 1/,
     'a grading beyond its range');
+refused($daemon->post('/v1/resample?points=10&metric=attribute:shape', $cloud), 422, 'unusable-metric',
+    qr/no tensors shape, want six scalars NAME_xx, .*; its tensors are none/, 'a metric that is not there');
+refused($daemon->post('/v1/resample?points=10&metric=long', $cloud), 400, 'invalid-parameter',
+    qr/want one of isotropic, anisotropic, lp or attribute:NAME/, 'a word that is no metric');
+refused($daemon->post('/v1/resample?points=10&maxAspect=11', $cloud), 400, 'invalid-parameter', qr/maxAspect is 11, want a number from 1 to 10/,
+    'an aspect beyond its range');
+refused($daemon->post('/v1/resample?points=3&method=kmeans&metric=anisotropic', $cloud), 422, 'unusable-metric',
+    qr/kmeans follows no metric/, 'a metric that the method does not follow');
+for my $case (
+    ['p=3&metric=lp', qr/^p is 3, want an even number from 2 to 8$/, 'an odd power'],
+    ['p=5', qr/^p is 5, want an even number from 2 to 8$/, 'an odd power where it is not used'],
+    ['p=10&metric=lp', qr/^p is 10, want a whole number from 2 to 8$/, 'a power beyond its range'],
+    ['metric=l8', qr/^metric is "l8", want one of isotropic, /, 'a word that is no metric'],
+    ['cells=square', qr/^cells is "square", want one of metric, euclid$/, 'a word for no cells'],
+    ['moveStop=2', qr/^moveStop is 2, want a number from 0 to 1$/, 'a move beyond its range'],
+    ['metric=lp&method=kmeans', qr/^metric is lp, which is for method cvt alone$/, 'a metric with kmeans'],
+    ['cells=euclid&method=kmeans', qr/^cells is euclid, which is for method cvt alone$/, 'cells with kmeans'],
+    ['metric=lp&density=curvature', qr/^metric is lp, which follows no density, want density uniform$/, 'a metric with a density'],
+    ['cells=euclid&density=curvature', qr/^cells is euclid, which follows no density/, 'cells with a density'],
+) {
+    my ($query, $detail, $name) = @$case;
+    refused($daemon->post("/v1/resample?points=10&$query", $cloud), 400, 'invalid-parameter', $detail, $name);
+}
 my $job = json($flat)->{jobID};
 ok defined $job, 'a failed job is named';
 is json($flat)->{instance}, "/v1/jobs/$job", 'as the instance';

@@ -139,12 +139,23 @@ static void add_apart(uint64_t *hash, const struct vor_apart *apart)
     add_count(hash, apart->points);
 }
 
-/* True for what means nothing without a density, where none is asked for. */
+/* True for what means nothing without a density or metric, where none is asked for. */
 static int is_idle(const struct vor_spec *spec, int parameter)
 {
+    if (parameter == VOR_PARAM_METRIC || parameter == VOR_PARAM_MAX_ASPECT)
+        return spec->value[VOR_PARAM_METRIC] == VOR_METRIC_ISOTROPIC;
     return spec->value[VOR_PARAM_DENSITY] == VOR_DENSITY_UNIFORM &&
            (parameter == VOR_PARAM_DENSITY || parameter == VOR_PARAM_CONTRAST ||
             parameter == VOR_PARAM_GRADING);
+}
+
+/* The same without an energy to minimise, and for a stop that is not asked for. */
+static int is_idle_descent(const struct vor_spec *spec, int parameter)
+{
+    return parameter == VOR_PARAM_MOVE_STOP
+               ? !vor_spec_given(spec, VOR_PARAM_MOVE_STOP)
+               : !vor_spec_descends(spec) &&
+                     (parameter == VOR_PARAM_P || parameter == VOR_PARAM_CELLS);
 }
 
 /* What the process takes: a parameter that only others do is no part of the request, nor is how the
@@ -159,7 +170,8 @@ static void add_spec(uint64_t *hash, const struct vor_spec *spec)
         if (vor_parameter_info((enum vor_parameter)i)->group == VOR_GROUP_READ ||
             i == VOR_PARAM_ORIGIN || i == VOR_PARAM_SAMPLE)
             continue;
-        if (!vor_process_takes(spec->process, (enum vor_parameter)i) || is_idle(spec, i))
+        if (!vor_process_takes(spec->process, (enum vor_parameter)i) || is_idle(spec, i) ||
+            is_idle_descent(spec, i))
             continue;
         add_bytes(hash, name, strlen(name) + 1);
         add_double(hash, spec->value[i]);

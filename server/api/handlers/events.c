@@ -90,8 +90,7 @@ static void write_progress(const struct stream *stream, const struct vor_event *
     vor_json_put_string(text, "stage", vor_stage_word(event->stage));
     vor_json_put_u64(text, "maxIterations",
                      steps_of(spec, VOR_PARAM_ITERATIONS, vor_spec_iterations(spec)));
-    vor_json_put_u64(text, "maxPolish",
-                     steps_of(spec, VOR_PARAM_POLISH, spec->value[VOR_PARAM_POLISH]));
+    vor_json_put_u64(text, "maxPolish", steps_of(spec, VOR_PARAM_POLISH, vor_spec_polish(spec)));
     vor_json_members(text, &vor_record_members, &event->record);
     vor_json_put_i64(text, "progress", event->progress);
     vor_json_put_double(text, "eta", event->eta_seconds >= 0 ? event->eta_seconds : NAN);

@@ -1,0 +1,292 @@
+#include "core/input/anisotropy.h"
+
+#include "core/base/stat.h"
+#include "core/geom/curvature.h"
+#include "core/input/carried_tensors.h"
+#include "core/input/curved.h"
+
+#include <string.h>
+
+enum {
+    BLOCK = 256, /* points of one task */
+    /* Neighbours that a tensor is averaged with. */
+    LISTED = 12,
+    /* Times that tensors of curvature are averaged, and the metrics that they ask for. */
+    SMOOTHED = 3,
+    SMOOTHED_METRIC = 2
+};
+
+/* Cosine between normals below which a neighbour lies on another face (input/tensor.c). */
+#define SAME_FACE 0.5
+/* Standard errors of a curvature below which it counts as none. */
+#define UNCERTAIN 3.0
+/* Root mean square of what float32 rounds off a coordinate, normalised. */
+#define ROUNDED 1.7e-8
+
+/* A field on its way. */
+struct work {
+    const struct vor_curved *curved;
+    struct vor_tensors *out;
+    struct vor_graph graph;          /* the nearest points of each */
+    struct vor_carried_tensors from; /* where given */
+    int given;                       /* an attribute, not the curvature, is followed */
+    double *bend, *next;             /* n x 7: curvature and how uncertain it is; after a round */
+    float *swap;                     /* n x 6 */
+};
+
+static void free_work(struct work *work, struct vor_memory *memory)
+{
+    vor_graph_free(&work->graph);
+    vor_free(memory, work->swap);
+    vor_free(memory, work->next);
+    vor_free(memory, work->bend);
+}
+
+static vor_status alloc_work(struct work *work, struct vor_memory *memory, struct vor_error *err)
+{
+    struct vor_tensors *out = work->out;
+    size_t n = out->n;
+
+    out->memory = memory;
+    out->xyz = vor_malloc(memory, n, 3 * sizeof *out->xyz);
+    out->normal = vor_malloc(memory, n, 3 * sizeof *out->normal);
+    out->tensor = vor_malloc(memory, n, 6 * sizeof *out->tensor);
+    work->swap = vor_malloc(memory, n, 6 * sizeof *work->swap);
+    work->bend = vor_malloc(memory, n, 7 * sizeof *work->bend);
+    work->next = vor_malloc(memory, n, 7 * sizeof *work->next);
+    if (out->xyz == NULL || out->normal == NULL || out->tensor == NULL || work->swap == NULL ||
+        work->bend == NULL || work->next == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the metric at %zu points", n);
+    memcpy(out->xyz, work->curved->domain->xyz, 3 * n * sizeof *out->xyz);
+    return vor_graph_init(&work->graph, n, n > LISTED ? LISTED : (unsigned)n - 1, memory, err);
+}
+
+/* Curvature that the fit to k points leaves uncertain: its standard error. Over a disc of radius
+ * `reach`, the mean square of u^2 about its mean is reach^4 / 12, and the curvature is twice the
+ * coefficient of u^2. */
+static double uncertainty(const struct vor_surface *surface, unsigned k)
+{
+    double off2 = surface->off2 + ROUNDED * ROUNDED, reach2 = surface->reach * surface->reach;
+
+    return reach2 > 0 ? sqrt(48 * off2 / k) / reach2 : 0;
+}
+
+/* Curvature and normal at the points of a block; the normal alone where a metric is given. */
+static void bend_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct work *work = ctx;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        double *bend = &work->bend[7 * i], normal[3] = {0, 0, 1};
+        float near[3 * VOR_NEIGHBORS_MAX];
+        struct vor_surface surface;
+        unsigned k = vor_curved_fit(&surface, near, work->curved, i);
+
+        if (!vor_curvature_tensor(bend, normal, &surface, near, k)) {
+            memset(bend, 0, 6 * sizeof *bend);
+            if (surface.kind != VOR_SURFACE_NONE)
+                memcpy(normal, surface.axis[2], sizeof normal);
+        }
+        bend[6] = surface.kind != VOR_SURFACE_NONE ? uncertainty(&surface, k) : 0;
+        for (size_t c = 0; c < 3; c++)
+            work->out->normal[3 * i + c] = (float)normal[c];
+    }
+}
+
+/* Cosine between the normals of two points. */
+static double cosine(const struct work *work, size_t i, size_t j)
+{
+    const float *a = &work->out->normal[3 * i], *b = &work->out->normal[3 * j];
+
+    return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
+}
+
+/* Mean of the curvature of each point and those of its neighbours on the same face, each with the
+ * sign by which its normal agrees. */
+static void smooth_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct work *work = ctx;
+    const struct vor_graph *graph = &work->graph;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        double sum[7], count = 1;
+
+        memcpy(sum, &work->bend[7 * i], sizeof sum);
+        for (unsigned j = 0; j < graph->count[i]; j++) {
+            size_t other = graph->list[i * graph->most + j];
+            double along = cosine(work, i, other);
+
+            if (!(fabs(along) >= SAME_FACE))
+                continue;
+            for (size_t c = 0; c < 6; c++)
+                sum[c] += along < 0 ? -work->bend[7 * other + c] : work->bend[7 * other + c];
+            sum[6] += work->bend[7 * other + 6];
+            count++;
+        }
+        for (size_t c = 0; c < 7; c++)
+            work->next[7 * i + c] = sum[c] / count;
+    }
+}
+
+/* The metric of a point: what its curvature asks for, or what is given there. */
+static void metric_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct work *work = ctx;
+    const struct vor_tensors *out = work->out;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        const double *bend = &work->bend[7 * i];
+        double normal[3] = {(double)out->normal[3 * i], (double)out->normal[3 * i + 1],
+                            (double)out->normal[3 * i + 2]};
+        double axis[2][3], plane[3], form[3], tensor[6];
+
+        vor_metric_axes(axis, normal);
+        if (work->given) {
+            vor_carried_tensors_at(tensor, &work->from, work->curved->domain->source[i]);
+            vor_metric_restrict(plane, tensor, axis);
+            (void)vor_metric_even(plane, out->most);
+        } else {
+            vor_metric_restrict(form, bend, axis);
+            vor_metric_of_bend(plane, form, fmax(work->curved->floor, UNCERTAIN * bend[6]),
+                               out->most);
+        }
+        vor_metric_raise(tensor, plane, axis, normal);
+        for (size_t c = 0; c < 6; c++)
+            out->tensor[6 * i + c] = (float)tensor[c];
+    }
+}
+
+/* One round that evens metrics out: the mean of each and those of its neighbours. */
+static void even_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct work *work = ctx;
+    const struct vor_tensors *out = work->out;
+    const struct vor_graph *graph = &work->graph;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        double sum[6], axis[2][3], plane[3];
+        double normal[3] = {(double)out->normal[3 * i], (double)out->normal[3 * i + 1],
+                            (double)out->normal[3 * i + 2]};
+
+        for (size_t c = 0; c < 6; c++)
+            sum[c] = (double)out->tensor[6 * i + c];
+        for (unsigned j = 0; j < graph->count[i]; j++) {
+            size_t other = graph->list[i * graph->most + j];
+
+            for (size_t c = 0; fabs(cosine(work, i, other)) >= SAME_FACE && c < 6; c++)
+                sum[c] += (double)out->tensor[6 * other + c];
+        }
+        vor_metric_axes(axis, normal);
+        vor_metric_restrict(plane, sum, axis);
+        (void)vor_metric_even(plane, out->most);
+        vor_metric_raise(sum, plane, axis, normal);
+        for (size_t c = 0; c < 6; c++)
+            work->swap[6 * i + c] = (float)sum[c];
+    }
+}
+
+static vor_status find_bend(struct work *work, const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status = vor_run_for(run, work->out->n, BLOCK, bend_block, work, err);
+
+    for (int round = 0; round < SMOOTHED && status == VOR_OK && !work->given; round++) {
+        double *before = work->bend;
+
+        status = vor_run_for(run, work->out->n, BLOCK, smooth_block, work, err);
+        work->bend = work->next;
+        work->next = before;
+    }
+    return status;
+}
+
+static vor_status find_metric(struct work *work, const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status = vor_run_for(run, work->out->n, BLOCK, metric_block, work, err);
+
+    for (int round = 0; round < SMOOTHED_METRIC && status == VOR_OK && !work->given; round++) {
+        float *before = work->out->tensor;
+
+        status = vor_run_for(run, work->out->n, BLOCK, even_block, work, err);
+        work->out->tensor = work->swap;
+        work->swap = before;
+    }
+    return status;
+}
+
+/* Notes the median and the 95th percentile of the aspects. A tensor of determinant 1 has 1 along
+ * the normal, so its trace is 1 + aspect + 1 / aspect. */
+static void note_aspects(struct work *work)
+{
+    struct vor_tensors *out = work->out;
+
+    for (size_t i = 0; i < out->n; i++) {
+        const float *g = &out->tensor[6 * i];
+        double half = fmax(((double)g[0] + (double)g[3] + (double)g[5] - 1) / 2, 1);
+
+        work->swap[i] = (float)(half + sqrt(half * half - 1));
+    }
+    vor_sort_floats(work->swap, out->n);
+    out->median = vor_quantile(work->swap, out->n, 0.5);
+    out->high = vor_quantile(work->swap, out->n, 0.95);
+}
+
+/* Fills the field, of which n and most are set. */
+static vor_status fill(struct work *work, const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_tensors *out = work->out;
+    vor_status status = alloc_work(work, run->memory, err);
+
+    if (status == VOR_OK)
+        status = vor_knn_build_sorted(&out->knn, out->xyz, out->n, run, err);
+    if (status == VOR_OK)
+        status = vor_graph_nearest(&work->graph, out->knn, out->xyz, work->graph.most, run, err);
+    if (status == VOR_OK)
+        status = find_bend(work, run, err);
+    if (status == VOR_OK)
+        status = find_metric(work, run, err);
+    if (status == VOR_OK)
+        note_aspects(work);
+    return status;
+}
+
+vor_status vor_anisotropy_check(const struct vor_cloud *in, const struct vor_spec *spec,
+                                const struct vor_run *run, struct vor_error *err)
+{
+    const char *name = vor_spec_name(spec, VOR_PARAM_METRIC);
+
+    return name != NULL ? vor_carried_tensors_check(in, name, run, err) : VOR_OK;
+}
+
+vor_status vor_anisotropy_make(struct vor_domain *domain, const struct vor_cloud *in, size_t n,
+                               const struct vor_spec *spec, const struct vor_run *run,
+                               struct vor_error *err)
+{
+    const char *name = vor_spec_name(spec, VOR_PARAM_METRIC);
+    struct vor_curved curved;
+    struct vor_tensors tensors = {.n = 0};
+    struct work work = {.curved = &curved, .out = &tensors};
+    vor_status status;
+
+    if (spec->value[VOR_PARAM_METRIC] == VOR_METRIC_ISOTROPIC ||
+        spec->value[VOR_PARAM_METRIC] == VOR_METRIC_LP)
+        return VOR_OK;
+    status = vor_curved_init(&curved, domain, n, run, err);
+    if (status != VOR_OK)
+        return status;
+    tensors.n = curved.domain->n;
+    tensors.most = spec->value[VOR_PARAM_MAX_ASPECT];
+    work.given = name != NULL && vor_carried_tensors_find(&work.from, in, name);
+    status = fill(&work, run, err);
+    free_work(&work, run->memory);
+    vor_curved_free(&curved);
+    if (status != VOR_OK) {
+        vor_tensors_free(&tensors);
+        return status;
+    }
+    domain->tensors = tensors;
+    return VOR_OK;
+}

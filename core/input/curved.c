@@ -1,0 +1,113 @@
+#include "core/input/curved.h"
+
+#include "core/base/bounds.h"
+#include "core/geom/patch.h"
+#include "core/input/lists.h"
+#include "core/input/neighbors.h"
+#include "core/input/thin.h"
+
+#include <string.h>
+
+enum {
+    /* Neighbours whose disc gives the area of a point. */
+    LISTED = 12,
+    /* Points that the area is estimated at. */
+    SAMPLED = 20000,
+    /* Fewest and most points that a curvature is taken of: fewer are uncertain, more than these do
+     * not lie within CURVED_WITHIN. */
+    CURVED_LEAST = 20,
+    CURVED_MOST = 64
+};
+
+#define CURVATURE_FLOOR 1e-4
+/* Points of the result within two spacings: curvature is taken over so much of the surface, because
+ * points cannot follow what bends within less. */
+#define CURVED_WITHIN 14.5
+
+#define PI 3.14159265358979323846
+
+/* Length of the diagonal of the box around a domain's points. */
+static vor_status diagonal(double *out, const struct vor_domain *domain, const struct vor_run *run,
+                           struct vor_error *err)
+{
+    struct vor_box box;
+    vor_status status = vor_bounds(&box, domain->xyz, domain->n, run, err);
+    double sum = 0;
+
+    if (status != VOR_OK)
+        return status;
+    for (int c = 0; c < 3; c++) {
+        double side = (double)box.high[c] - (double)box.low[c];
+
+        sum += side * side;
+    }
+    *out = sqrt(sum);
+    return VOR_OK;
+}
+
+/* Estimates the area of the surface from the distances of some points, at equal steps along the
+ * order, to their neighbours: each counts for the points of its step. */
+static double estimate_area(const struct vor_domain *domain)
+{
+    size_t sampled = domain->n < SAMPLED ? domain->n : SAMPLED;
+    unsigned k = domain->n > LISTED ? LISTED + 1 : (unsigned)domain->n;
+    double sum = 0;
+
+    for (size_t i = 0; i < sampled; i++) {
+        size_t at = (size_t)((double)i / (double)sampled * (double)domain->n);
+        uint32_t index[LISTED + 1];
+        float distance2[LISTED + 1];
+
+        vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, k, index, distance2);
+        sum += PI * (double)distance2[k - 1] / (k - 1);
+    }
+    return sum / (double)sampled * (double)domain->n;
+}
+
+vor_status vor_curved_init(struct vor_curved *out, const struct vor_domain *domain, size_t n,
+                           const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_domain thin = {.n = 0};
+    double area = estimate_area(domain), across = 0;
+    vor_status status = vor_domain_thin_for(&thin, domain, n, area, run, err);
+
+    if (status == VOR_OK)
+        status = diagonal(&across, thin.n > CURVED_MOST ? &thin : domain, run, err);
+    if (status != VOR_OK) {
+        vor_domain_free(&thin);
+        return status;
+    }
+    out->thin = thin;
+    out->domain = thin.n > CURVED_MOST ? &out->thin : domain;
+    out->least = (unsigned)fmin(
+        fmax(CURVED_WITHIN * (double)out->domain->n / (double)n, CURVED_LEAST), CURVED_MOST);
+    out->even = sqrt(area / (VOR_HEXAGON_HEIGHT * (double)n));
+    out->floor = CURVATURE_FLOOR / across;
+    return VOR_OK;
+}
+
+void vor_curved_free(struct vor_curved *curved)
+{
+    vor_domain_free(&curved->thin);
+}
+
+unsigned vor_curved_fit(struct vor_surface *out, float *near, const struct vor_curved *curved,
+                        size_t i)
+{
+    const struct vor_domain *domain = curved->domain;
+    const float *at = &domain->xyz[3 * i];
+    double x[3] = {(double)at[0], (double)at[1], (double)at[2]};
+    unsigned k = vor_neighbors_at(&domain->known.neighbors, at);
+    uint32_t index[VOR_NEIGHBORS_MAX];
+    float distance2[VOR_NEIGHBORS_MAX];
+
+    if (k < curved->least && !vor_graph_is(&domain->graph))
+        k = curved->least;
+    if (k > domain->n)
+        k = (unsigned)domain->n;
+    vor_knn_search(domain->knn, at, 1, k, index, distance2);
+    for (unsigned j = 0; j < k; j++)
+        memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
+    (void)vor_lists_fit(out, near, domain, x, k, index);
+    return k;
+}

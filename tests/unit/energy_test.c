@@ -1,0 +1,254 @@
+/* Energy of flat cells, its gradient and second derivatives (Chen 2018, Eq. 4; rows C8, C9). */
+#include "core/geom/energy.h"
+#include "core/geom/patch.h"
+#include "tests/support/vt.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SEEDS = 20, OTHERS = 14, POWERS = 4 };
+
+/* A seed in its plane and others around it, about a spacing apart, off the plane by a third. */
+struct made {
+    struct vor_energy_plane plane;
+    double at[2], other[OTHERS][3];
+};
+
+/* What cuts the cell besides the others: which of these is loop / POWERS % 3. */
+enum { WIDE, PATCH, WALL };
+
+static void make(struct made *made, int loop)
+{
+    uint64_t seed = (uint64_t)loop, k = 0;
+    int ends = loop / POWERS % 3;
+
+    memset(made, 0, sizeof *made);
+    made->plane.power = 2 + 2 * ((unsigned)loop % POWERS);
+    made->plane.factor[0] = loop % 2 ? 1 : 0.5 + vt_unit(seed, k++);
+    made->plane.factor[1] = loop % 2 ? 1 : 0.5 + 2 * vt_unit(seed, k++);
+    made->plane.radius = ends == PATCH ? 0.6 : 1.6;
+    made->plane.room = ends == WALL ? 0.3 : (double)INFINITY;
+    made->plane.wall[0] = 0.8;
+    made->plane.wall[1] = 0.5;
+    for (int d = 0; d < 2; d++)
+        made->at[d] = 0.2 * vt_unit(seed, 10 + k++) - 0.1;
+    for (int j = 0; j < OTHERS; j++) {
+        double turn = 2 * M_PI * (j + 0.8 * vt_unit(seed, 100 + k++)) / 7;
+        double far = (j < 7 ? 0.9 : 1.7) + 0.3 * vt_unit(seed, 100 + k++);
+
+        made->other[j][0] = far * cos(turn);
+        made->other[j][1] = far * sin(turn);
+        made->other[j][2] = 0.6 * vt_unit(seed, 100 + k++) - 0.3;
+    }
+}
+
+static double energy_of(const struct made *made, struct vor_energy *energy)
+{
+    const double(*other)[3] = (const double(*)[3])made->other;
+    struct vor_energy here;
+    struct vor_flat cell;
+
+    energy = energy != NULL ? energy : &here;
+    vor_energy_cut(&cell, &made->plane, made->at, other, OTHERS);
+    vor_energy_of(energy, &cell, &made->plane, made->at, other);
+    return energy->value;
+}
+
+/* The difference quotient of the fourth order. */
+static double slope_along(struct made *made, double *x)
+{
+    const double h = 2e-6, from = *x;
+    double value[4];
+
+    for (int k = 0; k < 4; k++) {
+        static const double step[4] = {-2, -1, 1, 2};
+
+        *x = from + step[k] * h;
+        value[k] = energy_of(made, NULL);
+    }
+    *x = from;
+    return (value[0] - 8 * value[1] + 8 * value[2] - value[3]) / (12 * h);
+}
+
+/* The step is so short that hardly a corner appears or goes within it: there the second derivative
+ * jumps. */
+START_TEST(the_gradient_is_that_of_finite_differences)
+{
+    struct made made;
+    struct vor_energy energy;
+    double by[OTHERS][3] = {{0}}, off = 0, all = 0;
+
+    make(&made, _i);
+    (void)energy_of(&made, &energy);
+    ck_assert_uint_ge(energy.count, 3);
+    for (unsigned k = 0; k < energy.count; k++)
+        memcpy(by[energy.id[k]], energy.by[k], sizeof by[0]);
+    for (int d = 0; d < 2; d++) {
+        off = fmax(off, fabs(slope_along(&made, &made.at[d]) - energy.own[d]));
+        all = fmax(all, fabs(energy.own[d]));
+    }
+    for (int j = 0; j < OTHERS; j++)
+        for (int d = 0; d < 3; d++) {
+            off = fmax(off, fabs(slope_along(&made, &made.other[j][d]) - by[j][d]));
+            all = fmax(all, fabs(by[j][d]));
+        }
+    ck_assert_double_gt(all, 0);
+    ck_assert_double_le(off, 1e-6 * all);
+}
+END_TEST
+
+/* The integral by the midpoints of the sides of many small triangles. */
+static double by_quadrature(const struct made *made, const struct vor_flat *cell)
+{
+    enum { CUTS = 60 };
+    double sum = 0;
+
+    for (unsigned e = 0; e < cell->count; e++) {
+        unsigned f = e + 1 < cell->count ? e + 1 : 0;
+        double a[2] = {cell->x[e] - cell->x[0], cell->y[e] - cell->y[0]};
+        double b[2] = {cell->x[f] - cell->x[0], cell->y[f] - cell->y[0]};
+        double area = (a[0] * b[1] - a[1] * b[0]) / 2 / (CUTS * CUTS);
+
+        for (int s = 0; s < CUTS; s++)
+            for (int t = 0; s + t < CUTS; t++)
+                for (int side = 0; side < (s + t + 1 < CUTS ? 6 : 3); side++) {
+                    /* three midpoints of the triangle at (s, t), three of the one beyond it */
+                    static const double mid[6][2] = {{0.5, 0}, {0, 0.5}, {0.5, 0.5},
+                                                     {1, 0.5}, {0.5, 1}, {0.5, 0.5}};
+                    double u = (s + mid[side][0]) / CUTS, v = (t + mid[side][1]) / CUTS, here = 0;
+
+                    for (int d = 0; d < 2; d++) {
+                        double x = (d == 0 ? cell->x[0] : cell->y[0]) + u * a[d] + v * b[d];
+
+                        here += pow(made->plane.factor[d] * (x - made->at[d]), made->plane.power);
+                    }
+                    sum += area / 3 * here;
+                }
+    }
+    return sum;
+}
+
+START_TEST(the_energy_is_that_of_a_numeric_quadrature)
+{
+    struct made made;
+    struct vor_flat cell;
+    double energy;
+
+    make(&made, _i);
+    energy = energy_of(&made, NULL);
+    vor_energy_cut(&cell, &made.plane, made.at, (const double(*)[3])made.other, OTHERS);
+    ck_assert_double_gt(energy, 0);
+    ck_assert_double_eq_tol(by_quadrature(&made, &cell) / energy, 1, 1e-5);
+}
+END_TEST
+
+/* The square from -h to h: the integral of x^p is 2 h times 2 h^(p + 1) / (p + 1). */
+START_TEST(a_square_has_the_energy_of_the_textbook)
+{
+    const double h = 0.4, other[4][3] = {{2 * h, 0}, {0, 2 * h}, {-2 * h, 0}, {0, -2 * h}};
+    struct vor_energy_plane plane = {{1.5, 0.5}, 2 + 2 * (unsigned)_i, 1, {0, 0}, INFINITY};
+    struct vor_energy_shape shape;
+    struct vor_energy energy;
+    struct vor_flat cell;
+    unsigned p = plane.power;
+    double one = 4 * pow(h, p + 2) / (p + 1);
+
+    vor_energy_cut(&cell, &plane, (double[2]){0, 0}, other, 4);
+    vor_energy_of(&energy, &cell, &plane, (double[2]){0, 0}, other);
+    ck_assert_uint_eq(cell.count, 4);
+    ck_assert_double_eq_tol(energy.value, (pow(1.5, p) + pow(0.5, p)) * one, 1e-14);
+    ck_assert_double_eq_tol(energy.own[0], 0, 1e-14);
+    ck_assert_double_eq_tol(energy.own[1], 0, 1e-14);
+    /* p (p - 1) M^p times the integral of x^(p - 2) */
+    ck_assert_double_eq_tol(energy.bend[0], p * pow(1.5, p) * 4 * pow(h, p), 1e-13);
+    ck_assert_double_eq_tol(energy.bend[1], p * pow(0.5, p) * 4 * pow(h, p), 1e-13);
+    ck_assert(vor_energy_shape_of(&shape, &cell, (double[2]){0, 0}));
+    ck_assert_double_eq_tol(shape.area, 4 * h * h, 1e-14);
+    ck_assert_double_eq_tol(shape.moment[0], 4 * h * h * h * h / 3, 1e-14);
+    ck_assert_double_eq_tol(shape.moment[1], 0, 1e-14);
+    ck_assert_double_eq_tol(shape.energy, 8 * h * h * h * h / 3, 1e-14);
+}
+END_TEST
+
+/* Row C9: of cells of one area, squares along the axes have the least energy of p 8, hexagons that
+ * of p 2. */
+START_TEST(squares_beat_hexagons_where_p_is_8_and_not_where_it_is_2)
+{
+    double energy[2];
+
+    for (int hexagon = 0; hexagon < 2; hexagon++) {
+        struct vor_energy_plane plane = {{1, 1}, _i ? 8 : 2, 2, {0, 0}, INFINITY};
+        unsigned sides = hexagon ? 6 : 4;
+        double other[6][3] = {{0}}, step = hexagon ? sqrt(2 / sqrt(3)) : 1;
+        struct vor_energy of;
+        struct vor_flat cell;
+
+        for (unsigned j = 0; j < sides; j++) {
+            other[j][0] = step * cos(2 * M_PI * j / sides);
+            other[j][1] = step * sin(2 * M_PI * j / sides);
+        }
+        vor_energy_cut(&cell, &plane, (double[2]){0, 0}, (const double(*)[3])other, sides);
+        vor_energy_of(&of, &cell, &plane, (double[2]){0, 0}, (const double(*)[3])other);
+        energy[hexagon] = of.value;
+    }
+    if (_i)
+        ck_assert_double_lt(energy[0], 0.8 * energy[1]);
+    else
+        ck_assert_double_gt(energy[0], energy[1]);
+}
+END_TEST
+
+START_TEST(sides_know_who_cut_them)
+{
+    struct made made;
+    struct vor_flat cell;
+
+    make(&made, _i);
+    vor_energy_cut(&cell, &made.plane, made.at, (const double(*)[3])made.other, OTHERS);
+    for (unsigned e = 0; e < cell.count; e++) {
+        unsigned f = e + 1 < cell.count ? e + 1 : 0;
+        double x[2] = {(cell.x[e] + cell.x[f]) / 2, (cell.y[e] + cell.y[f]) / 2}, own, other;
+
+        own = hypot(x[0] - made.at[0], x[1] - made.at[1]);
+        if (cell.id[e] < VOR_FLAT_SIDE) {
+            const double *j = made.other[cell.id[e]];
+
+            other = sqrt(pow(x[0] - j[0], 2) + pow(x[1] - j[1], 2) + j[2] * j[2]);
+            ck_assert_double_eq_tol(own, other, 1e-12);
+        } else if (cell.id[e] == VOR_ENERGY_WALL) {
+            ck_assert_double_eq_tol(x[0] * made.plane.wall[0] + x[1] * made.plane.wall[1],
+                                    made.plane.room, 1e-12);
+        } else {
+            ck_assert_uint_lt(cell.id[e] - VOR_FLAT_SIDE, VOR_PATCH_OCTAGON);
+        }
+    }
+}
+END_TEST
+
+START_TEST(a_patch_of_no_size_has_no_energy)
+{
+    struct vor_energy_plane plane = {{1, 1}, 8, 0, {0, 0}, INFINITY};
+    const double other[1][3] = {{1, 0, 0}};
+    struct vor_energy_shape shape;
+    struct vor_energy energy;
+    struct vor_flat cell;
+
+    vor_energy_cut(&cell, &plane, (double[2]){0, 0}, other, 1);
+    vor_energy_of(&energy, &cell, &plane, (double[2]){0, 0}, other);
+    ck_assert(energy.value == 0 && energy.own[0] == 0 && energy.own[1] == 0);
+    ck_assert(!vor_energy_shape_of(&shape, &cell, (double[2]){0, 0}));
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("energy");
+
+    vt_add_loop(suite, the_gradient_is_that_of_finite_differences, 3 * POWERS * SEEDS);
+    vt_add_loop(suite, the_energy_is_that_of_a_numeric_quadrature, 3 * POWERS * 2);
+    vt_add_loop(suite, a_square_has_the_energy_of_the_textbook, POWERS);
+    vt_add_loop(suite, squares_beat_hexagons_where_p_is_8_and_not_where_it_is_2, 2);
+    vt_add_loop(suite, sides_know_who_cut_them, 3 * POWERS * 2);
+    vt_add(suite, a_patch_of_no_size_has_no_energy);
+    return vt_run(suite);
+}

@@ -1,0 +1,220 @@
+/* The energy of all cells while their planes stand still, and its gradient (Chen 2018, Sec. 4.3.3;
+ * rows C6, C8, C9; errata 002.8). */
+#include "core/cvt/frozen.h"
+#include "core/cvt/start.h"
+#include "core/opt/lbfgs.h"
+#include "tests/support/vt_engine.h"
+#include "tests/support/vt_shape.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { IN = 4000, N = 200, INNER = 5 };
+
+/* Seeds on a sphere, a torus, a square with a border, by loop % 3. */
+struct bed {
+    struct vt_engine engine;
+    struct vor_cloud cloud;
+    struct vor_domain domain;
+    struct vor_seeds seeds;
+    struct vor_frozen frozen;
+    double y[2 * N], gradient[2 * N];
+};
+
+static void open_bed(struct bed *bed, int loop, unsigned power, unsigned threads)
+{
+    vt_engine_open(&bed->engine, threads);
+    vt_engine_count(&bed->engine, "seed", (size_t)loop + 1);
+    if (loop % 3 == 0)
+        vt_cloud_sphere(&bed->cloud, (uint64_t)loop, IN);
+    else if (loop % 3 == 1)
+        vt_cloud_torus(&bed->cloud, (uint64_t)loop, IN);
+    else
+        vt_cloud_square(&bed->cloud, (uint64_t)loop, IN);
+    vt_assert_ok(vor_domain_init(&bed->domain, &bed->cloud, &bed->engine.run, &vt_err));
+    vt_assert_ok(vor_start_seeds(&bed->seeds, &bed->domain, N, &bed->engine.spec, &bed->engine.run,
+                                 &vt_err));
+    vt_assert_ok(vor_frozen_init(&bed->frozen, &bed->seeds, loop % 2, &vt_err));
+    vt_assert_ok(vor_frozen_set(&bed->frozen, power, bed->y, &bed->engine.run, &vt_err));
+}
+
+static void close_bed(struct bed *bed)
+{
+    vor_frozen_free(&bed->frozen);
+    vor_seeds_free(&bed->seeds);
+    vor_domain_free(&bed->domain);
+    vor_cloud_free(&bed->cloud);
+    vt_engine_close(&bed->engine);
+    vt_assert_no_leak();
+}
+
+static double energy_at(struct bed *bed)
+{
+    double value;
+
+    vt_assert_ok(vor_frozen_at(&bed->frozen, bed->y, &value, bed->gradient, &vt_err));
+    return value;
+}
+
+/* Moves every seed a little off the middle of its patch. */
+static void scatter(struct bed *bed, uint64_t seed)
+{
+    for (size_t i = 0; i < (size_t)2 * N; i++)
+        bed->y[i] = 0.4 * bed->frozen.planes.plane[i / 2].reach * (2 * vt_unit(seed, i) - 1);
+}
+
+/* The step is so short that hardly a corner appears or goes within it: there the second derivative
+ * jumps. */
+START_TEST(the_gradient_is_that_of_finite_differences)
+{
+    static const double at[4] = {-2, -1, 1, 2}, weight[4] = {1, -8, 8, -1};
+    const double h = 2e-6;
+    static struct bed bed;
+    double gradient[2 * N], most = 0;
+    unsigned power = _i % 4 == 0 ? 2 : _i % 4 == 1 ? 4 : 8;
+
+    open_bed(&bed, _i, power, 2);
+    for (size_t i = 0; i < N; i++) { /* anisotropic in every second loop of four */
+        bed.frozen.planes.plane[i].flat.factor[0] = _i % 4 < 2 ? 1 : 0.6 + vt_unit(5, i);
+        bed.frozen.planes.plane[i].flat.radius *=
+            _i % 5 == 0 ? 0.5 : 1; /* cut by the disc as well */
+    }
+    scatter(&bed, (uint64_t)_i);
+    (void)energy_at(&bed);
+    memcpy(gradient, bed.gradient, sizeof gradient);
+    for (size_t k = 0; k < (size_t)2 * N; k++)
+        most = fmax(most, fabs(gradient[k]));
+    ck_assert_double_gt(most, 1e-3);
+    for (size_t k = (size_t)_i; k < (size_t)2 * N; k += 13) {
+        double from = bed.y[k], slope = 0;
+
+        for (int s = 0; s < 4; s++) {
+            bed.y[k] = from + at[s] * h;
+            slope += weight[s] * energy_at(&bed) / (12 * h);
+        }
+        bed.y[k] = from;
+        ck_assert_double_eq_tol(slope / most, gradient[k] / most, 1e-6);
+    }
+    close_bed(&bed);
+}
+END_TEST
+
+START_TEST(the_energy_falls_in_each_inner_loop)
+{
+    static struct bed bed;
+    unsigned char held[N] = {0};
+    struct vor_lbfgs lbfgs;
+
+    open_bed(&bed, _i, 2, 2);
+    vt_assert_ok(vor_lbfgs_init(&lbfgs, 2 * N, INNER, &vt_memory, &vt_err));
+    for (unsigned outer = 0; outer < 12; outer++) {
+        struct vor_lbfgs_function function = {&bed.frozen, vor_frozen_at, vor_frozen_shorten,
+                                              bed.frozen.bend};
+        unsigned power = outer < 3 ? 2 : outer < 6 ? 4 : 8;
+        struct vor_frozen_sums sums;
+        struct vor_lbfgs_told told;
+
+        vt_assert_ok(vor_frozen_set(&bed.frozen, power, bed.y, &bed.engine.run, &vt_err));
+        vt_assert_ok(vor_lbfgs_run(&lbfgs, bed.y, &function, INNER, &told, &vt_err));
+        ck_assert_uint_eq(told.steps, INNER);
+        ck_assert_double_lt(told.after, told.before);
+        for (size_t i = 0; i < N; i++)
+            ck_assert_double_le(hypot(bed.y[2 * i], bed.y[2 * i + 1]),
+                                bed.frozen.planes.plane[i].reach * (1 + 1e-9));
+        vt_assert_ok(vor_frozen_take(&bed.frozen, bed.y, held, &sums, &vt_err));
+        ck_assert_double_gt(sums.moved, 0);
+    }
+    vor_lbfgs_free(&lbfgs);
+    close_bed(&bed);
+}
+END_TEST
+
+START_TEST(the_cells_cover_a_sphere)
+{
+    static struct bed bed;
+    unsigned char held[N] = {0};
+    struct vor_frozen_sums sums;
+    double length;
+
+    open_bed(&bed, 3 * _i, 2, 1);
+    vt_assert_ok(vor_frozen_take(&bed.frozen, bed.y, held, &sums, &vt_err));
+    length = bed.frozen.planes.spacing * bed.domain.unit;
+    ck_assert_double_eq_tol(sums.area * length * length / (4 * M_PI), 1, 0.05);
+    ck_assert_uint_eq(sums.left, 0);
+    close_bed(&bed);
+}
+END_TEST
+
+START_TEST(value_and_gradient_have_the_same_bits_for_any_number_of_threads)
+{
+    static struct bed bed;
+    double gradient[2 * N], value = 0;
+
+    for (unsigned threads = 1; threads <= 3; threads++) {
+        open_bed(&bed, _i, 8, threads);
+        scatter(&bed, 1);
+        if (threads == 1) {
+            value = energy_at(&bed);
+            memcpy(gradient, bed.gradient, sizeof gradient);
+        }
+        ck_assert(energy_at(&bed) == value);
+        ck_assert_int_eq(memcmp(gradient, bed.gradient, sizeof gradient), 0);
+        close_bed(&bed);
+    }
+}
+END_TEST
+
+/* Two seeds that share a place would keep it: their gradients are the same. */
+START_TEST(seeds_that_share_a_place_come_apart)
+{
+    static struct bed bed;
+    struct vor_lbfgs_function function;
+    struct vor_lbfgs_told told;
+    struct vor_lbfgs lbfgs;
+    double apart[2];
+
+    open_bed(&bed, _i, 2, 1);
+    memcpy(&bed.seeds.xyz[3], &bed.seeds.xyz[0], 3 * sizeof(float));
+    vt_assert_ok(vor_lbfgs_init(&lbfgs, 2 * N, INNER, &vt_memory, &vt_err));
+    vt_assert_ok(vor_frozen_set(&bed.frozen, 2, bed.y, &bed.engine.run, &vt_err));
+    function = (struct vor_lbfgs_function){&bed.frozen, vor_frozen_at, vor_frozen_shorten,
+                                           bed.frozen.bend};
+    vt_assert_ok(vor_lbfgs_run(&lbfgs, bed.y, &function, INNER, &told, &vt_err));
+    for (int d = 0; d < 2; d++)
+        apart[d] = bed.y[d] - bed.y[2 + d];
+    ck_assert_double_gt(hypot(apart[0], apart[1]), 0.1);
+    vor_lbfgs_free(&lbfgs);
+    close_bed(&bed);
+}
+END_TEST
+
+START_TEST(arrays_that_do_not_fit_are_refused_whole)
+{
+    static struct bed bed;
+    struct vor_frozen frozen;
+    size_t used;
+
+    open_bed(&bed, 0, 2, 1);
+    used = atomic_load(&vt_memory.used);
+    for (size_t fail = 1; fail <= 15; fail++) {
+        vt_memory.fail_at = atomic_load(&vt_memory.calls) + fail;
+        vt_assert_fails(VOR_E_NOMEM, vor_frozen_init(&frozen, &bed.seeds, 1, &vt_err));
+        ck_assert_uint_eq(atomic_load(&vt_memory.used), used);
+    }
+    vt_memory.fail_at = 0;
+    close_bed(&bed);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("frozen");
+
+    vt_add_loop(suite, the_gradient_is_that_of_finite_differences, 24);
+    vt_add_loop(suite, the_energy_falls_in_each_inner_loop, 6);
+    vt_add_loop(suite, the_cells_cover_a_sphere, 3);
+    vt_add_loop(suite, value_and_gradient_have_the_same_bits_for_any_number_of_threads, 3);
+    vt_add_loop(suite, seeds_that_share_a_place_come_apart, 3);
+    vt_add(suite, arrays_that_do_not_fit_are_refused_whole);
+    return vt_run(suite);
+}

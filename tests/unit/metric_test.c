@@ -1,0 +1,247 @@
+/* Metrics of planes and of space, the curvature that they are made of, cells clipped in them. */
+#include "core/geom/curvature.h"
+#include "core/geom/integrate.h"
+#include "core/geom/metric.h"
+#include "core/geom/stretch.h"
+#include "core/knn/knn.h"
+#include "tests/support/vt_engine.h"
+#include "tests/support/vt_shape.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SEEDS = 200, N = 20000, PLACES = 500, K = 32 };
+
+/* A number from -1 to 1. */
+static double draw(uint64_t seed, uint64_t index)
+{
+    return 2 * vt_unit(seed, index) - 1;
+}
+
+static void draw_normal(double normal[3], uint64_t seed)
+{
+    double length = 0;
+
+    for (uint64_t c = 0; c < 3; c++) {
+        normal[c] = vt_normal(seed, c);
+        length += normal[c] * normal[c];
+    }
+    for (int c = 0; c < 3; c++)
+        normal[c] /= sqrt(length);
+}
+
+/* A tensor of determinant 1 with that aspect and long side. */
+static void with_aspect(double plane[3], double aspect, double turn)
+{
+    double u = cos(turn), v = sin(turn);
+
+    plane[0] = u * u / aspect + v * v * aspect;
+    plane[1] = u * v * (1 / aspect - aspect);
+    plane[2] = v * v / aspect + u * u * aspect;
+}
+
+START_TEST(a_tensor_of_a_plane_survives_space)
+{
+    uint64_t seed = (uint64_t)_i;
+    double normal[3], axis[2][3], plane[3], back[3], g[6], d[3];
+
+    draw_normal(normal, seed);
+    vor_metric_axes(axis, normal);
+    for (int a = 0; a < 2; a++) {
+        ck_assert_double_eq_tol(vor_dot(axis[a], normal), 0, 1e-12);
+        ck_assert_double_eq_tol(vor_dot(axis[a], axis[a]), 1, 1e-12);
+    }
+    ck_assert_double_eq_tol(vor_dot(axis[0], axis[1]), 0, 1e-12);
+    vor_cross(d, axis[0], axis[1]);
+    ck_assert_double_eq_tol(vor_dot(d, normal), 1, 1e-12);
+    with_aspect(plane, 1 + 5 * vt_unit(seed, 9), 3 * draw(seed, 8));
+    vor_metric_raise(g, plane, axis, normal);
+    vor_metric_restrict(back, g, axis);
+    for (int c = 0; c < 3; c++)
+        ck_assert_double_eq_tol(back[c], plane[c], 1e-12);
+    ck_assert_double_eq_tol(vor_metric_length2(g, normal), 1, 1e-12);
+    ck_assert_double_eq_tol(vor_metric_length2(g, axis[0]), plane[0], 1e-12);
+}
+END_TEST
+
+START_TEST(a_tensor_is_scaled_and_capped_and_keeps_its_directions)
+{
+    uint64_t seed = (uint64_t)_i;
+    double aspect = 1 + 9 * vt_unit(seed, 1), most = 1 + 9 * vt_unit(seed, 2);
+    double turn = 3 * draw(seed, 3), scale = exp(20 * draw(seed, 4)), wanted = fmin(aspect, most);
+    double plane[3], side[2];
+
+    with_aspect(plane, aspect, turn);
+    for (int c = 0; c < 3; c++)
+        plane[c] *= scale;
+    ck_assert(vor_metric_even(plane, most));
+    ck_assert_double_eq_tol(plane[0] * plane[2] - plane[1] * plane[1], 1, 1e-9);
+    ck_assert_double_eq_tol(vor_metric_aspect(plane), wanted, 1e-9 * wanted);
+    vor_metric_long_side(side, plane);
+    ck_assert_double_eq_tol(fabs(side[0] * cos(turn) + side[1] * sin(turn)), 1,
+                            1e-10 / (wanted - 1));
+}
+END_TEST
+
+START_TEST(a_tensor_that_is_not_positive_becomes_that_of_all_directions)
+{
+    double planes[][3] = {{1, 2, 1}, {0, 0, 0}, {-1, 0, -1}, {1, 0, 0}, {NAN, 0, 1}};
+
+    for (size_t i = 0; i < sizeof planes / sizeof planes[0]; i++) {
+        ck_assert(!vor_metric_even(planes[i], 6));
+        ck_assert(planes[i][0] == 1 && planes[i][1] == 0 && planes[i][2] == 1);
+    }
+}
+END_TEST
+
+/* Curvatures k and l along axes turned by 0.4: cells are longer where it bends less, whatever the
+ * signs. */
+START_TEST(curvature_asks_for_the_root_of_the_ratio_of_its_sizes)
+{
+    const struct {
+        double k, l, aspect;
+    } cases[] = {{9, 1, 3},  {-9, 1, 3},       {9, -1, 3}, {-9, -1, 3},  {100, 1, 6},  {4, 4, 1},
+                 {4, -4, 1}, {1e-9, 1e-12, 1}, {0, 0, 1},  {0.04, 0, 2}, {-0.04, 0, 2}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        double u = cos(0.4), v = sin(0.4), k = cases[i].k, l = cases[i].l, plane[3], side[2];
+        double bend[3] = {k * u * u + l * v * v, (k - l) * u * v, k * v * v + l * u * u};
+
+        vor_metric_of_bend(plane, bend, 0.01, 6);
+        ck_assert_double_eq_tol(vor_metric_aspect(plane), cases[i].aspect, 1e-9);
+        ck_assert_double_eq_tol(plane[0] * plane[2] - plane[1] * plane[1], 1, 1e-9);
+        vor_metric_long_side(side, plane);
+        if (cases[i].aspect > 1)
+            ck_assert_double_eq_tol(fabs(side[0] * v - side[1] * u), 1, 1e-9);
+    }
+}
+END_TEST
+
+START_TEST(the_root_of_a_metric_squares_to_it)
+{
+    uint64_t seed = (uint64_t)_i;
+    double plane[3], root[3];
+
+    with_aspect(plane, 1 + 9 * vt_unit(seed, 1), 3 * draw(seed, 2));
+    vor_metric_root(root, plane);
+    ck_assert_double_eq_tol(root[0] * root[0] + root[1] * root[1], plane[0], 1e-9);
+    ck_assert_double_eq_tol(root[0] * root[1] + root[1] * root[2], plane[1], 1e-9);
+    ck_assert_double_eq_tol(root[1] * root[1] + root[2] * root[2], plane[2], 1e-9);
+    ck_assert_double_eq_tol(root[0] * root[2] - root[1] * root[1], 1, 1e-9);
+}
+END_TEST
+
+/* On a torus: the tensor has the curvature of the tube across and that of the circle along it. */
+START_TEST(the_curvature_tensor_has_the_curvatures_of_a_torus_in_their_directions)
+{
+    struct vor_cloud cloud;
+    struct vor_knn *knn;
+
+    vt_cloud_torus(&cloud, 1, N);
+    vt_assert_ok(vor_knn_build(&knn, cloud.xyz, N, &vt_memory, &vt_err));
+    for (size_t i = 0; i < PLACES; i++) {
+        const float *x = &cloud.xyz[3 * i];
+        double away = hypot((double)x[0], (double)x[1]), bend[6], normal[3], sign;
+        double along[3] = {-(double)x[1] / away, (double)x[0] / away, 0}, tube[3];
+        double up[3] = {(double)x[0] * (1 - 1 / away), (double)x[1] * (1 - 1 / away), (double)x[2]};
+        uint32_t index[K];
+        float distance2[K], near[3 * K];
+        struct vor_surface surface;
+
+        vor_knn_search(knn, x, 1, K, index, distance2);
+        for (unsigned j = 0; j < K; j++)
+            memcpy(&near[3 * j], &cloud.xyz[3 * (size_t)index[j]], 3 * sizeof *near);
+        vor_surface_fit(&surface, near, K);
+        ck_assert(vor_curvature_tensor(bend, normal, &surface, near, K));
+        sign = vor_dot(normal, up) / VT_TORUS_TUBE;
+        ck_assert_double_eq_tol(fabs(sign), 1, 1e-4);
+        vor_cross(tube, along, normal);
+        sign = sign > 0 ? -1 : 1;
+        ck_assert_double_eq_tol(sign * vor_metric_length2(bend, tube), 1 / VT_TORUS_TUBE, 0.01);
+        ck_assert_double_eq_tol(sign * vor_metric_length2(bend, along),
+                                (away - 1) / VT_TORUS_TUBE / away, 0.01);
+        ck_assert_double_eq_tol(vor_metric_length2(bend, normal), 0, 1e-9);
+    }
+    vor_knn_free(knn);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* A quadric through points, and a metric on it. */
+static void make_surface(struct vor_surface *surface, float metric[6], double aspect, uint64_t seed)
+{
+    double normal[3], axis[2][3], plane[3], g[6];
+
+    memset(surface, 0, sizeof *surface);
+    surface->kind = VOR_SURFACE_QUADRIC;
+    draw_normal(normal, seed);
+    vor_metric_axes(axis, normal);
+    memcpy(surface->axis, axis, sizeof axis);
+    memcpy(surface->axis[2], normal, sizeof normal);
+    for (uint64_t c = 1; c < 6; c++)
+        surface->c[c] = 0.2 * draw(seed, 10 + c);
+    surface->reach = 10;
+    with_aspect(plane, aspect, 3 * draw(seed, 20));
+    vor_metric_raise(g, plane, axis, normal);
+    for (int c = 0; c < 6; c++)
+        metric[c] = (float)g[c];
+}
+
+START_TEST(a_cell_brought_back_lies_on_the_surface_and_keeps_its_area)
+{
+    uint64_t seed = (uint64_t)_i;
+    double aspect = 1 + 5 * vt_unit(seed, 1), at[3] = {0.1, -0.2, 0}, most = 0;
+    struct vor_surface surface;
+    struct vor_stretch stretch;
+    struct vor_moments moments;
+    struct vor_cell cell;
+    struct vor_disc disc;
+    float metric[6];
+
+    make_surface(&surface, metric, aspect, seed);
+    memset(surface.c, 0, _i % 2 ? sizeof surface.c : 0);
+    at[2] = vor_surface_height(&surface, at[0], at[1], NULL);
+    vor_stretch_init(&stretch, &surface, metric);
+    ck_assert_double_eq_tol(stretch.least, 1 / sqrt(aspect), 1e-6);
+    vor_stretch_local(&stretch, at);
+    vor_disc_init(&disc, VOR_PATCH_HEXAGON, 2);
+    vor_cell_begin(&cell, &disc, &stretch.surface, at, 0.5);
+    vor_stretch_undo(&cell, &stretch);
+    ck_assert_double_eq_tol(cell.seed[0], 0.1, 1e-9);
+    for (unsigned i = 0; i < cell.count; i++)
+        for (unsigned j = 0; j < cell.piece[i].count; j++) {
+            double *corner = cell.piece[i].vertex[j], *c = surface.c;
+            double u = cell.seed[0] + corner[0], v = cell.seed[1] + corner[1];
+
+            ck_assert_double_eq_tol(
+                cell.seed[2] + corner[2],
+                c[1] * u + c[2] * v + c[3] * u * u + c[4] * u * v + c[5] * v * v, 1e-9);
+            ck_assert_double_eq_tol(corner[3], vor_dot(corner, corner), 1e-12);
+            most = fmax(most, corner[3]);
+        }
+    ck_assert(cell.radius2 == most);
+    ck_assert(vor_cell_moments(&moments, &cell));
+    if (_i % 2)
+        ck_assert_double_eq_tol(moments.area, 3 * VOR_HEXAGON_HEIGHT * 0.25, 1e-6);
+    (void)vor_stretch_farthest(&cell, NULL, &most);
+    ck_assert(cell.radius2 == most);
+    (void)vor_stretch_farthest(&cell, &stretch, &most);
+    ck_assert_double_le(most, aspect * cell.radius2);
+    ck_assert_double_ge(most, cell.radius2 / aspect);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("metric");
+
+    vt_add_loop(suite, a_tensor_of_a_plane_survives_space, SEEDS);
+    vt_add_loop(suite, a_tensor_is_scaled_and_capped_and_keeps_its_directions, SEEDS);
+    vt_add(suite, a_tensor_that_is_not_positive_becomes_that_of_all_directions);
+    vt_add(suite, curvature_asks_for_the_root_of_the_ratio_of_its_sizes);
+    vt_add_loop(suite, the_root_of_a_metric_squares_to_it, SEEDS);
+    vt_add(suite, the_curvature_tensor_has_the_curvatures_of_a_torus_in_their_directions);
+    vt_add_loop(suite, a_cell_brought_back_lies_on_the_surface_and_keeps_its_area, SEEDS);
+    return vt_run(suite);
+}
