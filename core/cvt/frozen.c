@@ -59,7 +59,7 @@ static void evaluate_seed(const struct evaluation *evaluation, size_t i)
 {
     struct vor_frozen *f = evaluation->frozen;
     const struct vor_energy_plane *flat = &f->planes.plane[i].flat;
-    const double *at = &evaluation->y[2 * i], *axes = &f->planes.axes[9 * i];
+    const double *at = &evaluation->y[2 * i], *axes = f->planes.axes + 9 * i;
     double other[VOR_PLANES_NEAR][3];
     struct vor_energy energy;
     struct vor_flat cell;
@@ -80,7 +80,7 @@ static void evaluate_seed(const struct evaluation *evaluation, size_t i)
     for (unsigned k = 0; k < kept; k++) {
         size_t at_k = i * VOR_FROZEN_CUT + k,
                j = f->planes.near[i * f->planes.width + energy.id[k]];
-        const double *there = &f->planes.axes[9 * j];
+        const double *there = f->planes.axes + 9 * j;
         double way[3];
 
         for (int c = 0; c < 3; c++)

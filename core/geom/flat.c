@@ -24,7 +24,7 @@ static void put(struct vor_flat *cell, double x, double y, uint32_t id)
 void vor_flat_clip(struct vor_flat *cell, const double d[2], double limit, uint32_t id)
 {
     struct vor_flat from;
-    double side[VOR_FLAT_MOST];
+    double side[VOR_FLAT_MOST] = {0}; /* clang-analyzer cannot see that the loop sets those used */
     unsigned outside = 0;
 
     for (unsigned e = 0; e < cell->count; e++) {

@@ -91,7 +91,8 @@ static void scale(const struct vor_lbfgs *lbfgs, const double *bend, double *d)
 static void find_direction(struct vor_lbfgs *lbfgs, const double *bend)
 {
     size_t n = lbfgs->length;
-    double *d = lbfgs->direction, share[VOR_LBFGS_MAX];
+    double *d = lbfgs->direction;
+    double share[VOR_LBFGS_MAX] = {0}; /* cppcheck cannot see that the first loop sets those used */
 
     for (size_t i = 0; i < n; i++)
         d[i] = -lbfgs->gradient[i];
