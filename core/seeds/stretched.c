@@ -122,3 +122,17 @@ void vor_stretched_crowd(struct vor_crowd *crowd, const float *xyz, size_t i,
     crowd->count = kept;
     crowd->sure = sure;
 }
+
+void vor_stretched_distances(struct vor_crowd *crowd, const struct vor_stretched *stretched,
+                             const float *xyz, size_t i)
+{
+    if (!vor_stretched_are(stretched))
+        return;
+    for (unsigned j = 0; j < crowd->count; j++) {
+        const float *a = &xyz[3 * i], *b = &xyz[3 * (size_t)crowd->index[j]];
+        double d[3] = {(double)b[0] - (double)a[0], (double)b[1] - (double)a[1],
+                       (double)b[2] - (double)a[2]};
+
+        crowd->distance2[j] = (float)vor_stretched_length2(stretched, i, crowd->index[j], d);
+    }
+}
