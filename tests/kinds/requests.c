@@ -51,7 +51,8 @@ static void read_json(struct vor_spec *spec, const char *text)
 
 #define SPREAD                                                                                     \
     "\"method\":\"cvt\",\"patch\":\"quadric\",\"density\":\"uniform\",\"contrast\":4,"             \
-    "\"grading\":0.2,\"neighbors\":\"auto\",\"boundary\":\"keep\","                                \
+    "\"grading\":0.2,\"metric\":\"isotropic\",\"maxAspect\":6,\"neighbors\":\"auto\","             \
+    "\"boundary\":\"keep\","                                                                       \
     "\"seed\":1,"
 
 START_TEST(a_preset_has_the_defaults_of_its_rows)
@@ -155,7 +156,8 @@ static const struct refusal refused[] = {
     {"reach", "-1", "reach is -1, want a number from 0 to 1 or auto"},
     {"method", "\"slow\"", "method is \"slow\", want one of cvt, slower"},
     {"points", "5",
-     "no parameter points; kinds takes method, patch, density, contrast, grading, neighbors, "
+     "no parameter points; kinds takes method, patch, density, contrast, grading, metric, "
+     "maxAspect, neighbors, "
      "boundary, seed, label, closed, "
      "sieves, weight, title, steps, angle, reach"},
 };
