@@ -97,8 +97,8 @@ static float distance2_in(const float *xyz, size_t i, size_t j, const struct vor
 void vor_stretched_crowd(struct vor_crowd *crowd, const float *xyz, size_t i,
                          const struct vor_surface *surface, const struct vor_stretch *stretch)
 {
-    uint32_t index[NEAR_IN_METRIC + 1];
-    float distance2[NEAR_IN_METRIC + 1];
+    uint32_t index[NEAR_IN_METRIC + 1] = {0}; /* cppcheck takes kept for more than was set */
+    float distance2[NEAR_IN_METRIC + 1] = {0};
     double sure = crowd->sure * stretch->least;
     unsigned kept = 0;
 
