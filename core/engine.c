@@ -94,24 +94,23 @@ static vor_status make_output(struct engine *engine, struct vor_cloud *out, stru
 {
     struct vor_placed placed = {engine->in, &engine->seeds, &engine->told, &engine->spec, NULL};
     struct vor_filtered filtered = {engine->in, &engine->domain, &engine->spec};
+    vor_status status = VOR_OK;
 
     if (engine->seeds.n == 0)
         return vor_output_filtered(out, &engine->report, &filtered, &engine->whole, err);
-    if (engine->meshes) {
-        engine->order = vor_malloc(engine->run.memory, engine->seeds.n, sizeof *engine->order);
-        if (engine->order == NULL)
-            return vor_fail(err, VOR_E_NOMEM, "order of %zu points", engine->seeds.n);
-    }
+    if (engine->meshes)
+        status = vor_triangles_of_seeds(&engine->mesh, &engine->order, &engine->report,
+                                        &engine->seeds, &engine->told, &engine->spec, err);
     placed.order = engine->order;
-    return vor_output_make(out, &engine->report, &placed, err);
+    return status == VOR_OK ? vor_output_make(out, &engine->report, &placed, err) : status;
 }
 
-static vor_status join(struct engine *engine, const struct vor_cloud *out, struct vor_error *err)
+static vor_status join(struct engine *engine, struct vor_cloud *out, struct vor_error *err)
 {
     struct vor_triangles_of of = {engine->in,     out,           &engine->domain,
                                   &engine->seeds, engine->order, &engine->spec};
 
-    return vor_triangles_make(&engine->mesh, &engine->report, &of, &engine->whole, err);
+    return vor_triangles_finish(&engine->mesh, &engine->report, &of, &engine->whole, err);
 }
 
 static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vor_error *err)

@@ -308,6 +308,9 @@ struct vor_mesh_loop {
       "the coordinates of the input. 0 where these are written as they are, as in PLY")            \
     X(OPTIONAL, has_mesh, "mesh", "", "The triangles; only where the process makes them")          \
     X(U64, mesh_triangles, "mesh.triangles", "", "Triangles")                                      \
+    X(U64, mesh_polygons, "mesh.polygons", "",                                                     \
+      "Polygons of the cells, with soup; then of the other members only points are told, the "     \
+      "corners of all")                                                                            \
     X(U64, mesh_points, "mesh.points", "points", "Points of the result that are their corners")    \
     X(U64, mesh_components, "mesh.components", "", "Connected components")                         \
     X(REAL, mesh_euler, "mesh.euler", "",                                                          \

@@ -44,7 +44,7 @@ VOR_NODISCARD static inline vor_status vor_run_for(const struct vor_run *run, si
     }
 }
 
-/** A watch that answers VOR_CANCEL when another one does, and never VOR_STOP. */
+/** A watch that answers VOR_CANCEL when another one does, and never VOR_STOP; with its clock. */
 struct vor_no_stop {
     const struct vor_watch *inner;
     struct vor_watch watch;
@@ -57,14 +57,24 @@ static inline enum vor_answer vor_no_stop_poll(void *ctx)
     return no_stop->inner->poll(no_stop->inner->ctx) == VOR_CANCEL ? VOR_CANCEL : VOR_CONTINUE;
 }
 
-/** The watch of *no_stop over inner, which may be NULL; NULL if inner never answers. Valid as long
- *  as both are. */
+static inline double vor_no_stop_clock(void *ctx)
+{
+    const struct vor_no_stop *no_stop = ctx;
+
+    return no_stop->inner->clock(no_stop->inner->ctx);
+}
+
+/** The watch of *no_stop over inner, which may be NULL; NULL if inner has neither poll nor clock.
+ * Valid as long as both are. */
 static inline const struct vor_watch *vor_no_stop_watch(struct vor_no_stop *no_stop,
                                                         const struct vor_watch *inner)
 {
     no_stop->inner = inner;
-    no_stop->watch = (struct vor_watch){.ctx = no_stop, .poll = vor_no_stop_poll};
-    return inner != NULL && inner->poll != NULL ? &no_stop->watch : NULL;
+    no_stop->watch = (struct vor_watch){
+        .ctx = no_stop,
+        .poll = inner != NULL && inner->poll != NULL ? vor_no_stop_poll : NULL,
+        .clock = inner != NULL && inner->clock != NULL ? vor_no_stop_clock : NULL};
+    return no_stop->watch.poll != NULL || no_stop->watch.clock != NULL ? &no_stop->watch : NULL;
 }
 
 /** Seconds by the watch's clock, 0 without one; vor_run_seconds counts from the run's beginning. */

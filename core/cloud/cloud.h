@@ -112,6 +112,12 @@ VOR_NODISCARD vor_status vor_cloud_add_attribute(struct vor_cloud *cloud, const 
                                                  unsigned components, struct vor_attribute **out,
                                                  struct vor_error *err);
 
+/** Adds an attribute like one of another cloud: point i gets the value of its point source[i].
+ *  Fails as vor_cloud_add_attribute. */
+VOR_NODISCARD vor_status vor_cloud_copy_attribute(struct vor_cloud *cloud,
+                                                  const struct vor_attribute *from,
+                                                  const uint32_t *source, struct vor_error *err);
+
 /** First attribute with that semantic (NORMAL, COLOR), or by name; NULL when there is none. */
 const struct vor_attribute *vor_cloud_find(const struct vor_cloud *cloud,
                                            enum vor_semantic semantic);

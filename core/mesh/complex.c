@@ -49,19 +49,49 @@ vor_status vor_complex_add(struct vor_complex *complex, const uint32_t corner[3]
     return VOR_OK;
 }
 
+/* Takes triangle t from those at point i. */
+static void leave(struct vor_complex *complex, uint32_t i, uint32_t t)
+{
+    uint32_t *around = &complex->around[(size_t)i * VOR_AROUND_MOST];
+    unsigned last = --complex->degree[i];
+
+    for (unsigned a = 0; a < last; a++)
+        if (around[a] == t)
+            around[a] = around[last];
+}
+
 void vor_complex_remove(struct vor_complex *complex, uint32_t t)
 {
     uint32_t *corner = &complex->triangle[3 * (size_t)t];
 
-    for (int c = 0; c < 3; c++) {
-        uint32_t *around = &complex->around[(size_t)corner[c] * VOR_AROUND_MOST];
-        unsigned last = --complex->degree[corner[c]];
-
-        for (unsigned a = 0; a < last; a++)
-            if (around[a] == t)
-                around[a] = around[last];
-    }
+    for (int c = 0; c < 3; c++)
+        leave(complex, corner[c], t);
     corner[0] = VOR_COMPLEX_GONE;
+}
+
+/* Gives the triangle of a, b and third the corner `to` in the place of a. */
+static void replace(struct vor_complex *complex, uint32_t a, uint32_t b, uint32_t third,
+                    uint32_t to)
+{
+    const uint32_t *around = &complex->around[(size_t)a * VOR_AROUND_MOST];
+    uint32_t other[2], t = around[0];
+
+    for (unsigned at = 0; at < complex->degree[a]; at++) {
+        vor_complex_others(complex, around[at], a, other);
+        if ((other[0] == b && other[1] == third) || (other[0] == third && other[1] == b))
+            t = around[at];
+    }
+    for (int c = 0; c < 3; c++)
+        if (complex->triangle[3 * (size_t)t + (size_t)c] == a)
+            complex->triangle[3 * (size_t)t + (size_t)c] = to;
+    leave(complex, a, t);
+    complex->around[(size_t)to * VOR_AROUND_MOST + complex->degree[to]++] = t;
+}
+
+void vor_complex_flip(struct vor_complex *complex, uint32_t a, uint32_t b, const uint32_t third[2])
+{
+    replace(complex, b, a, third[0], third[1]);
+    replace(complex, a, b, third[1], third[0]);
 }
 
 void vor_complex_others(const struct vor_complex *complex, uint32_t t, uint32_t a,

@@ -44,6 +44,11 @@ VOR_NODISCARD vor_status vor_complex_add(struct vor_complex *complex, const uint
 /** Takes triangle t away. O(1). */
 void vor_complex_remove(struct vor_complex *complex, uint32_t t);
 
+/** Replaces the edge from a to b, which two triangles have, by that between their third corners, as
+ *  vor_complex_edge tells them, which have no edge yet and each fewer than VOR_AROUND_MOST
+ *  triangles. The two triangles keep their numbers, and face as they did. O(1). */
+void vor_complex_flip(struct vor_complex *complex, uint32_t a, uint32_t b, const uint32_t third[2]);
+
 /** How many triangles have the edge from a to b, and the third corners of the first two. */
 unsigned vor_complex_edge(const struct vor_complex *complex, uint32_t a, uint32_t b,
                           uint32_t third[2]);

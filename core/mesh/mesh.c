@@ -3,16 +3,25 @@
 #include "core/mesh/close.h"
 #include "core/mesh/describe.h"
 #include "core/mesh/facing.h"
+#include "core/mesh/flip.h"
+#include "core/mesh/relax.h"
 #include "core/mesh/weave.h"
+#include "core/seeds/attach.h"
 
 #include <string.h>
 
 /* Times that loops are closed: pruning points of several fans opens some again. */
 enum { ROUNDS = 3 };
 
+/* Times that points are moved and edges flipped after it, and steps of each. Mean quality on
+ * fandisk, 10,000 points, creases moving too, after 0 / 2 / 4 / 6 / 12 steps: 0.930 / 0.950 / 0.954
+ * / 0.956 / 0.959. */
+enum { FLIPS = 2, STEPS = 4 };
+
 /* A mesh being made. */
 struct making {
     struct vor_seeds *seeds;
+    const struct vor_mesh_how *how;
     struct vor_report *report;
     struct vor_sheet sheet;
     struct vor_fans fans;
@@ -45,6 +54,17 @@ static void close_loops(void *ctx, size_t begin, size_t end, unsigned worker)
     making->status = vor_close(&making->complex, &closed, &making->sheet, making->err);
     vor_complex_prune(&making->complex);
     making->report->mesh_filled += closed;
+}
+
+static void flip(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct making *making = ctx;
+
+    (void)begin;
+    (void)end;
+    (void)worker;
+    (void)vor_flip(&making->complex, &making->sheet);
+    making->status = VOR_OK;
 }
 
 /* Copies the triangles that are there, each from its first point on. */
@@ -100,6 +120,23 @@ static vor_status on_one(struct making *making, vor_task task)
     return status == VOR_OK ? making->status : status;
 }
 
+/* Flips edges and moves points. */
+static vor_status better(struct making *making, struct vor_error *err)
+{
+    const struct vor_relax_how how = {STEPS, making->how->fixed, making->how->refine};
+    vor_status status;
+
+    if (!making->how->moves)
+        return VOR_OK;
+    status = on_one(making, flip);
+    for (int round = 0; round < FLIPS && status == VOR_OK; round++) {
+        status = vor_relax(&making->sheet, making->seeds, &making->complex, &how, err);
+        if (status == VOR_OK)
+            status = on_one(making, flip);
+    }
+    return status == VOR_OK ? vor_attach_last(making->seeds, err) : status;
+}
+
 static vor_status make(struct making *making, struct vor_error *err)
 {
     struct vor_seeds *seeds = making->seeds;
@@ -117,13 +154,15 @@ static vor_status make(struct making *making, struct vor_error *err)
     vor_fans_free(&making->fans);
     for (int round = 0; round < ROUNDS && status == VOR_OK; round++)
         status = on_one(making, close_loops);
+    if (status == VOR_OK)
+        status = better(making, err);
     return status == VOR_OK ? on_one(making, finish) : status;
 }
 
 vor_status vor_mesh_make(struct vor_mesh *out, struct vor_report *report, struct vor_seeds *seeds,
-                         struct vor_error *err)
+                         const struct vor_mesh_how *how, struct vor_error *err)
 {
-    struct making making = {.seeds = seeds, .report = report, .out = out, .err = err};
+    struct making making = {.seeds = seeds, .how = how, .report = report, .out = out, .err = err};
     vor_status status = VOR_OK;
 
     report->has_mesh = 1;

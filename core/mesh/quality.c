@@ -54,6 +54,17 @@ double vor_triangle_quality(const float *xyz, const uint32_t corner[3])
     return 6 / sqrt(3) * sqrt(vor_dot(normal, normal)) / (perimeter * longest);
 }
 
+double vor_triangle_strain(const float *xyz, const uint32_t corner[3])
+{
+    double normal[3], sum = 0, area2;
+
+    vor_triangle_normal(normal, xyz, corner);
+    area2 = sqrt(vor_dot(normal, normal));
+    for (int c = 0; c < 3; c++)
+        sum += vor_distance2f(&xyz[3 * (size_t)corner[c]], &xyz[3 * (size_t)corner[(c + 1) % 3]]);
+    return area2 > 0 ? sum / (2 * sqrt(3) * area2) : INFINITY;
+}
+
 double vor_triangle_sharpest(const float *xyz, const uint32_t corner[3])
 {
     double most = -1;

@@ -17,6 +17,11 @@ void vor_frame_of(struct vor_frame *out, const float normal[3]);
  *  evaluation". */
 double vor_triangle_quality(const float *xyz, const uint32_t corner[3]);
 
+/** How far a triangle is from equilateral: the sum of its squared edges over that of an equilateral
+ *  one of its area. 1 or more; infinite without area. Smooth, unlike Q_t. Field 2000, "Qualitative
+ *  measures for initial meshes". */
+double vor_triangle_strain(const float *xyz, const uint32_t corner[3]);
+
 /** The normal of a triangle, twice as long as its area is large. */
 void vor_triangle_normal(double out[3], const float *xyz, const uint32_t corner[3]);
 

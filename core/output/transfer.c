@@ -92,21 +92,6 @@ static void place(struct transfer *transfer, double spacing)
     }
 }
 
-static vor_status copy_attribute(struct vor_cloud *out, const struct vor_attribute *from,
-                                 const uint32_t *source, struct vor_error *err)
-{
-    struct vor_attribute *to;
-    size_t size = from->components * vor_type_size(from->type);
-    vor_status status = vor_cloud_add_attribute(out, from->name, from->semantic, from->type,
-                                                from->components, &to, err);
-
-    if (status != VOR_OK)
-        return status;
-    for (size_t i = 0; i < out->n; i++)
-        memcpy((char *)to->data + i * size, (const char *)from->data + source[i] * size, size);
-    return VOR_OK;
-}
-
 vor_status vor_transfer_attributes(struct vor_cloud *out, const struct vor_cloud *in,
                                    const uint32_t *source, const float *normal,
                                    const struct vor_spec *spec, struct vor_error *err)
@@ -118,7 +103,7 @@ vor_status vor_transfer_attributes(struct vor_cloud *out, const struct vor_cloud
 
     for (size_t i = 0; i < in->attribute_count && status == VOR_OK; i++)
         if (keep_others && (in->attributes[i].semantic != VOR_NORMAL || keep_normals))
-            status = copy_attribute(out, &in->attributes[i], source, err);
+            status = vor_cloud_copy_attribute(out, &in->attributes[i], source, err);
     if (status != VOR_OK || normal == NULL)
         return status;
     status = vor_cloud_add_attribute(out, "normal", VOR_NORMAL, VOR_FLOAT32, 3, &to, err);

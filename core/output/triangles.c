@@ -1,13 +1,60 @@
 #include "core/output/triangles.h"
 
 #include "core/mesh/mesh.h"
+#include "core/mesh/soup.h"
 
-/* Makes the triangles of points that are no seeds, in their own order. */
+#include <string.h>
+
+vor_status vor_triangles_of_seeds(struct vor_mesh *out, uint32_t **order, struct vor_report *report,
+                                  struct vor_seeds *seeds, const struct vor_outcome *told,
+                                  const struct vor_spec *spec, struct vor_error *err)
+{
+    const struct vor_mesh_how how = {.moves = told->steps[VOR_RUN_STAGE_POLISH] > 0,
+                                     .refine = told->refined,
+                                     .fixed = (size_t)report->on_islands};
+    double began = vor_run_seconds(&seeds->run);
+    vor_status status;
+
+    *order = vor_malloc(seeds->run.memory, seeds->n, sizeof **order);
+    if (*order == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "order of %zu points", seeds->n);
+    if (spec->value[VOR_PARAM_SOUP] > 0)
+        return VOR_OK;
+    status = vor_mesh_make(out, report, seeds, &how, err);
+    report->mesh_seconds = vor_run_seconds(&seeds->run) - began;
+    return status;
+}
+
+/* Replaces the result by the corners of the polygons of its points' cells. */
+static vor_status make_soup(struct vor_mesh *out, struct vor_report *report,
+                            const struct vor_triangles_of *of, struct vor_seeds *seeds,
+                            struct vor_error *err)
+{
+    const struct vor_soup_of soup_of = {of->cloud, seeds, of->order};
+    struct vor_cloud soup;
+    vor_status status;
+
+    vor_cloud_init(&soup, of->cloud->memory);
+    status = vor_soup_make(&soup, out, &soup_of, err);
+    if (status != VOR_OK)
+        return status;
+    soup.notes = of->cloud->notes;
+    memset(&of->cloud->notes, 0, sizeof of->cloud->notes);
+    vor_cloud_free(of->cloud);
+    *of->cloud = soup;
+    report->has_mesh = 1;
+    report->mesh_polygons = vor_mesh_faces(out);
+    report->mesh_points = soup.n;
+    return VOR_OK;
+}
+
+/* Makes the faces of points that are no seeds, in their own order. */
 static vor_status of_points(struct vor_mesh *out, struct vor_report *report,
                             const struct vor_triangles_of *of, const struct vor_run *run,
                             struct vor_error *err)
 {
     const struct vor_cloud *cloud = of->cloud;
+    const struct vor_mesh_how how = {.moves = 0};
     struct vor_seeds seeds = {.n = 0};
     vor_status status =
         vor_seeds_init(&seeds, of->domain, cloud->n, vor_seeds_policy_of(of->spec), run, err);
@@ -16,9 +63,18 @@ static vor_status of_points(struct vor_mesh *out, struct vor_report *report,
         return status;
     for (size_t i = 0; i < cloud->n; i++)
         vor_domain_normalise(of->domain, cloud->xyz + 3 * i, seeds.xyz + 3 * i);
-    status = vor_mesh_make(out, report, &seeds, err);
+    status = of->spec->value[VOR_PARAM_SOUP] > 0 ? make_soup(out, report, of, &seeds, err)
+                                                 : vor_mesh_make(out, report, &seeds, &how, err);
     vor_seeds_free(&seeds);
     return status;
+}
+
+static vor_status of_seeds(struct vor_mesh *mesh, struct vor_report *report,
+                           const struct vor_triangles_of *of, struct vor_error *err)
+{
+    return of->spec->value[VOR_PARAM_SOUP] > 0
+               ? make_soup(mesh, report, of, of->seeds, err)
+               : vor_mesh_reorder(mesh, of->order, of->seeds->n, err);
 }
 
 /* The middles of loops were relative to the input's origin. */
@@ -29,25 +85,19 @@ static void count_from_zero(struct vor_report *report, const double origin[3])
             report->mesh_longest[l].middle[c] += origin[c];
 }
 
-vor_status vor_triangles_make(struct vor_mesh *out, struct vor_report *report,
-                              const struct vor_triangles_of *of, const struct vor_run *run,
-                              struct vor_error *err)
+vor_status vor_triangles_finish(struct vor_mesh *mesh, struct vor_report *report,
+                                const struct vor_triangles_of *of, const struct vor_run *run,
+                                struct vor_error *err)
 {
     double began = vor_run_seconds(run);
-    vor_status status;
+    vor_status status =
+        of->seeds->n == 0 ? of_points(mesh, report, of, run, err) : of_seeds(mesh, report, of, err);
 
-    if (of->seeds->n == 0) {
-        status = of_points(out, report, of, run, err);
-    } else {
-        status = vor_mesh_make(out, report, of->seeds, err);
-        if (status == VOR_OK)
-            status = vor_mesh_reorder(out, of->order, of->seeds->n, err);
-    }
     if (status != VOR_OK) {
-        vor_mesh_free(out);
+        vor_mesh_free(mesh);
         return status;
     }
     count_from_zero(report, of->in->origin);
-    report->mesh_seconds = vor_run_seconds(run) - began;
+    report->mesh_seconds += vor_run_seconds(run) - began;
     return VOR_OK;
 }

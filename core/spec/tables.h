@@ -74,6 +74,7 @@ enum vor_kind {
     X(INPUT, "The input")                                                                          \
     X(FILTER, "What is done to it first")                                                          \
     X(OUTPUT, "The result")                                                                        \
+    X(MESH, "Its faces")                                                                           \
     X(FORMAT, "Its format")                                                                        \
     X(MEASURE, "The measure")                                                                      \
     VOR_EXTRA_GROUPS(X)
@@ -209,6 +210,9 @@ enum vor_method_choice {
       "nearest: from the nearest input point; oriented: the same with sides made consistent, as "  \
       "fit where there are none; fit: of the local surface, outward where no input normals say "   \
       "which side; drop: none")                                                                    \
+    X(SOUP, soup, FLAG, MESH, "", 0, 0, 0, "",                                                     \
+      "The faces are not triangles over the points but the cells around them, polygons each with " \
+      "points of its own; in Draco, which has no polygons, cut into triangles")                    \
     X(PEAK, peak, REAL_OR_AUTO, MEASURE, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",          \
       "Peak of d1_psnr and d2_psnr; auto: the largest distance of a reference point to its "       \
       "nearest other one")                                                                         \
@@ -334,8 +338,8 @@ struct vor_artefact_info {
       "Convert a point cloud",                                                                     \
       "Writes the points of a cloud in another format, or the same, with their attributes; none "  \
       "is moved but by what the format rounds off")                                                \
-    X(MESH, mesh, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN, VOR_CLOUD_OUT,      \
-      "Mesh a point cloud",                                                                        \
+    X(MESH, mesh, 1, VOR_SPREAD_GROUPS | VOR_IN(MESH), VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,      \
+      VOR_CLOUD_OUT, "Mesh a point cloud",                                                         \
       "Spreads points as resample does and joins them by triangles, a manifold whose faces look "  \
       "outward")                                                                                   \
     VOR_EXTRA_PROCESSES(X)

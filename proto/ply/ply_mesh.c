@@ -1,8 +1,9 @@
-/* Faces as vor_ply_write writes them: rows of 13 bytes behind those of the vertices. */
+/* Faces as vor_ply_write writes them, behind the rows of the vertices: the number of corners in a
+ * byte, then their points. */
 #include "proto/ply/ply.h"
 #include "proto/ply/ply_body.h"
 
-enum { CORNERS = 3, FACE_BYTES = 1 + CORNERS * 4 };
+enum { CORNERS = 3, FACE_BYTES = 1 + CORNERS * 4 }; /* of a triangle, the least */
 
 /* What is known while the faces of n points are read. */
 struct faces {
@@ -21,22 +22,50 @@ static int is_ours(const struct vor_ply_element *element)
            list->type == VOR_INT32;
 }
 
-static vor_status read_rows(struct faces *faces, struct vor_error *err)
+static vor_status refuse(const struct faces *faces, size_t face, size_t at, struct vor_error *err)
+{
+    return vor_ply_at(err, at,
+                      vor_fail(err, VOR_E_FORMAT, "face %zu is no polygon of the file's %zu points",
+                               face, faces->n));
+}
+
+/* Counts the triangles of `count` faces, and checks that the file has them whole. */
+static vor_status count_triangles(struct faces *faces, size_t count, struct vor_error *err)
+{
+    const struct vor_ply_body *body = &faces->body;
+    size_t at = body->at;
+
+    for (size_t i = 0; i < count; i++) {
+        unsigned corners = at < body->size ? body->bytes[at] : 0;
+
+        if (corners < CORNERS || body->size - at - 1 < corners * sizeof(uint32_t))
+            return refuse(faces, i, at, err);
+        at += 1 + corners * sizeof(uint32_t);
+        faces->mesh->count += corners - 2;
+        faces->mesh->polygons |= corners > CORNERS;
+    }
+    return VOR_OK;
+}
+
+static vor_status read_rows(struct faces *faces, size_t count, struct vor_error *err)
 {
     const uint8_t *at = faces->body.bytes + faces->body.at;
-    struct vor_mesh *mesh = faces->mesh;
+    uint32_t *to = faces->mesh->triangle, corner[UINT8_MAX];
 
-    for (size_t i = 0; i < mesh->count; i++, at += FACE_BYTES) {
-        uint32_t *corner = mesh->triangle + CORNERS * i;
+    for (size_t i = 0; i < count; i++) {
+        unsigned corners = at[0];
 
         vor_ply_copy((struct vor_ply_strided){(uint8_t *)corner, 0}, at + 1, 0, 1, sizeof *corner,
-                     CORNERS, vor_ply_swaps(VOR_PLY_LITTLE));
-        if (at[0] != CORNERS || corner[0] >= faces->n || corner[1] >= faces->n ||
-            corner[2] >= faces->n)
-            return vor_ply_at(err, (size_t)(at - faces->body.bytes),
-                              vor_fail(err, VOR_E_FORMAT,
-                                       "face %zu is no triangle of the file's %zu points", i,
-                                       faces->n));
+                     corners, vor_ply_swaps(VOR_PLY_LITTLE));
+        for (unsigned c = 0; c < corners; c++)
+            if (corner[c] >= faces->n)
+                return refuse(faces, i, (size_t)(at - faces->body.bytes), err);
+        for (unsigned c = 2; c < corners; c++, to += CORNERS) {
+            to[0] = corner[0];
+            to[1] = corner[c - 1];
+            to[2] = corner[c];
+        }
+        at += 1 + corners * sizeof *corner;
     }
     return VOR_OK;
 }
@@ -44,17 +73,21 @@ static vor_status read_rows(struct faces *faces, struct vor_error *err)
 static vor_status read_element(struct faces *faces, size_t count, struct vor_error *err)
 {
     size_t left = faces->body.size - faces->body.at;
+    struct vor_mesh *mesh = faces->mesh;
+    vor_status status;
 
     if (count > left / FACE_BYTES)
         return vor_ply_at(err, faces->body.size,
                           vor_fail(err, VOR_E_FORMAT,
                                    "%zu faces need %d bytes each, but %zu are left", count,
                                    FACE_BYTES, left));
-    faces->mesh->triangle = vor_malloc(faces->mesh->memory, count, CORNERS * sizeof(uint32_t));
-    if (faces->mesh->triangle == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu faces", count);
-    faces->mesh->count = count;
-    return read_rows(faces, err);
+    status = count_triangles(faces, count, err);
+    if (status != VOR_OK)
+        return status;
+    mesh->triangle = vor_malloc(mesh->memory, mesh->count, CORNERS * sizeof(uint32_t));
+    if (mesh->triangle == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu triangles", mesh->count);
+    return read_rows(faces, count, err);
 }
 
 static vor_status read_faces(struct faces *faces, size_t header_bytes, struct vor_error *err)

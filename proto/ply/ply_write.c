@@ -8,7 +8,7 @@
 #include <string.h>
 
 enum { NAME_SIZE = 96, LINE_BYTES = 128, BUFFER_BYTES = 65536, PIECE = 256 };
-enum { FACE_LINES = 2, CORNERS = 3, FACE_BYTES = 1 + CORNERS * 4 };
+enum { FACE_LINES = 2, FACE_MOST = 1 + (VOR_MESH_RUN_MOST + 2) * 4 };
 
 /* One scalar of a row: a name, where the values are and how they are written. */
 struct field {
@@ -172,7 +172,7 @@ static void put_header(struct writer *writer)
         put(writer, line);
     }
     if (writer->mesh != NULL) {
-        (void)snprintf(line, sizeof line, "element face %zu\n", writer->mesh->count);
+        (void)snprintf(line, sizeof line, "element face %zu\n", vor_mesh_faces(writer->mesh));
         put(writer, line);
         put(writer, "property list uchar int vertex_indices\n");
     }
@@ -260,30 +260,34 @@ static vor_status write_rows(struct writer *writer, struct vor_error *err)
     return status;
 }
 
-/* A face is the number of its corners, then their points, which int holds (VOR_POINTS_MAX). */
-static void put_faces(struct writer *writer, size_t first, size_t n)
+/* A face of `run` triangles is the number of its corners, then their points, which int holds
+ * (VOR_POINTS_MAX). */
+static void put_face(struct writer *writer, const uint32_t *triangle, size_t run)
 {
-    const uint8_t *from = (const uint8_t *)(writer->mesh->triangle + CORNERS * first);
-    struct vor_ply_strided corners = {writer->buffer + 1, FACE_BYTES};
+    uint32_t corner[VOR_MESH_RUN_MOST + 2] = {triangle[0], triangle[1]};
+    struct vor_ply_strided to = {writer->buffer + writer->used + 1, 0};
+    unsigned corners = (unsigned)run + 2;
 
-    for (size_t i = 0; i < n; i++)
-        writer->buffer[i * FACE_BYTES] = CORNERS;
-    vor_ply_copy(corners, from, CORNERS * sizeof(uint32_t), n, sizeof(uint32_t), CORNERS,
+    for (size_t t = 0; t < run; t++)
+        corner[2 + t] = triangle[3 * t + 2];
+    writer->buffer[writer->used] = (uint8_t)corners;
+    vor_ply_copy(to, (const uint8_t *)corner, 0, 1, sizeof *corner, corners,
                  vor_ply_swaps(VOR_PLY_LITTLE));
-    writer->used = n * FACE_BYTES;
+    writer->used += 1 + corners * sizeof *corner;
 }
 
 static vor_status write_faces(struct writer *writer, struct vor_error *err)
 {
-    size_t block = writer->capacity / FACE_BYTES, n;
+    const struct vor_mesh *mesh = writer->mesh;
     vor_status status = VOR_OK;
 
-    for (size_t first = 0; status == VOR_OK && first < writer->mesh->count; first += n) {
-        n = writer->mesh->count - first < block ? writer->mesh->count - first : block;
-        put_faces(writer, first, n);
-        status = flush(writer, err);
+    for (size_t t = 0, run; status == VOR_OK && t < mesh->count; t += run) {
+        run = vor_mesh_run(mesh, t);
+        if (writer->capacity - writer->used < FACE_MOST)
+            status = flush(writer, err);
+        put_face(writer, &mesh->triangle[3 * t], run);
     }
-    return status;
+    return status == VOR_OK ? flush(writer, err) : status;
 }
 
 vor_status vor_ply_write(const struct vor_sink *sink, const struct vor_cloud *cloud,

@@ -254,7 +254,7 @@ END_TEST
 START_TEST(no_point_is_split_or_lost_where_surfaces_touch)
 {
     static uint32_t corners[] = {0, 1, 2, 0, 2, 3, 2, 4, 5, 2, 5, 6};
-    struct vor_mesh mesh = {&vt_memory, corners, 4 - (_i == 1 ? 2 : 0)}, faces;
+    struct vor_mesh mesh = {&vt_memory, corners, 4 - (_i == 1 ? 2 : 0), 0}, faces;
     struct vor_write_options options = {.quantization_bits = 10, .mesh = &mesh};
     struct vor_cloud cloud, back;
     struct vt_bytes bytes;
@@ -272,6 +272,73 @@ START_TEST(no_point_is_split_or_lost_where_surfaces_touch)
     free(bytes.data);
     vor_mesh_free(&faces);
     vor_cloud_free(&back);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Polygons of 3 to 12 corners, one of all that a byte counts, each with points of its own. Returns
+ * how many there are. */
+static size_t polygon_mesh(struct vor_cloud *cloud, struct vor_mesh *mesh, uint64_t seed)
+{
+    size_t polygons = 2 + (size_t)(400 * vt_unit(seed, 1)), corners = 0;
+    unsigned sides[402];
+    uint32_t *at;
+
+    for (size_t p = 0; p < polygons; p++) {
+        sides[p] = p == polygons / 2 ? UINT8_MAX : 3 + (unsigned)(10 * vt_unit(seed, 10 + p));
+        corners += sides[p];
+    }
+    vt_cloud_cube(cloud, seed, corners);
+    allocate(mesh, corners - 2 * polygons);
+    mesh->polygons = 1;
+    at = mesh->triangle;
+    corners = 0;
+    for (size_t p = 0; p < polygons; p++) {
+        for (unsigned c = 2; c < sides[p]; c++, at += 3)
+            memcpy(at,
+                   ((uint32_t[3]){(uint32_t)corners, (uint32_t)corners + c - 1,
+                                  (uint32_t)corners + c}),
+                   3 * sizeof *at);
+        corners += sides[p];
+    }
+    return polygons;
+}
+
+/* Property: PLY holds polygons as they are, and Draco their triangles. */
+START_TEST(polygons_come_back_whole_or_as_triangles)
+{
+    struct vor_write_options options = {.quantization_bits = 0};
+    struct vor_cloud cloud, back;
+    struct vor_mesh mesh, faces;
+    struct vt_bytes bytes;
+    uint32_t *numbers;
+    char line[40], head[400];
+    size_t polygons = polygon_mesh(&cloud, &mesh, (uint64_t)_i);
+
+    ck_assert_uint_eq(vor_mesh_faces(&mesh), polygons);
+    draco_number(&cloud);
+    options.mesh = &mesh;
+    encode(&bytes, VOR_FORMAT_PLY, &cloud, &options);
+    (void)snprintf(line, sizeof line, "element face %zu\n", polygons);
+    (void)snprintf(head, sizeof head, "%.*s", (int)sizeof head - 1, (const char *)bytes.data);
+    ck_assert_ptr_nonnull(strstr(head, line));
+    vt_assert_ok(decode(&back, &faces, &bytes));
+    ck_assert_uint_eq(faces.count, mesh.count);
+    ck_assert_mem_eq(faces.triangle, mesh.triangle, 3 * mesh.count * sizeof *mesh.triangle);
+    ck_assert_uint_eq(vor_mesh_faces(&faces), polygons);
+    free(bytes.data);
+    vor_mesh_free(&faces);
+    vor_cloud_free(&back);
+    encode(&bytes, VOR_FORMAT_DRC, &cloud, &options);
+    vt_assert_ok(decode(&back, &faces, &bytes));
+    numbers = draco_numbers(&back);
+    assert_same_faces(&faces, numbers, &mesh);
+    free(numbers);
+    free(bytes.data);
+    vor_mesh_free(&faces);
+    vor_cloud_free(&back);
+    vor_mesh_free(&mesh);
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
@@ -431,10 +498,10 @@ START_TEST(faces_that_we_do_not_write_are_refused)
 {
     REFUSE_PLY("element face 1\nproperty list uchar int vertex_indices\nend_header\n"
                "\3\0\0\0\0\0\0\0\0\1\0\0\0",
-               "face 0 is no triangle of the file's 1 points");
+               "face 0 is no polygon of the file's 1 points");
     REFUSE_PLY("element face 1\nproperty list uchar int vertex_indices\nend_header\n"
-               "\4\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0",
-               "face 0 is no triangle of the file's 1 points");
+               "\2\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0",
+               "face 0 is no polygon of the file's 1 points");
     REFUSE_PLY("element face 2\nproperty list uchar int vertex_indices\nend_header\n"
                "\3\0\0\0\0\0\0\0\0\0\0\0\0",
                "2 faces need 13 bytes each, but 13 are left");
@@ -514,6 +581,7 @@ int main(void)
 
     vt_add_loop(suite, ply_keeps_every_face_and_every_bit_of_the_points, 40);
     vt_add_loop(suite, draco_keeps_every_face_over_its_points, 132);
+    vt_add_loop(suite, polygons_come_back_whole_or_as_triangles, 20);
     vt_add_loop(suite, no_point_is_split_or_lost_where_surfaces_touch, 2);
     vt_add_loop(suite, coordinates_of_doubles_survive_beside_faces, 2);
     vt_add_loop(suite, points_are_read_without_faces_which_are_noted, 2);

@@ -355,6 +355,7 @@ START_TEST(on_a_sphere_the_triangles_are_those_of_the_convex_hull)
     struct vor_seeds seeds;
     struct vor_mesh mesh;
     struct vor_report report = {.delta = 0};
+    const struct vor_mesh_how how = {.moves = 0};
     float *xyz;
 
     vt_engine_open(&engine, 2);
@@ -367,7 +368,7 @@ START_TEST(on_a_sphere_the_triangles_are_those_of_the_convex_hull)
     for (size_t i = 0; i < POINTS; i++)
         vor_domain_normalise(&domain, &xyz[3 * i], &seeds.xyz[3 * i]);
     vor_mesh_init(&mesh, &vt_memory);
-    vt_assert_ok(vor_mesh_make(&mesh, &report, &seeds, &vt_err));
+    vt_assert_ok(vor_mesh_make(&mesh, &report, &seeds, &how, &vt_err));
     ck_assert_uint_eq(mesh.count, 2 * POINTS - 4);
     for (size_t t = 0; t < mesh.count; t++)
         worst = fmax(worst, beyond(&seeds, &mesh.triangle[3 * t]));
@@ -439,25 +440,88 @@ START_TEST(fewer_than_three_points_have_no_triangles)
 }
 END_TEST
 
-START_TEST(resample_has_no_triangles_and_the_same_points)
+/* Resamples as mesh_of does, with that polish. */
+static void resample(struct vor_cloud *out, const struct vor_cloud *in, const char *polish)
+{
+    struct vt_engine engine;
+    struct vor_report report;
+
+    vt_engine_open(&engine, 2);
+    vt_engine_set(&engine, "iterations", "6");
+    vt_engine_set(&engine, "polish", polish);
+    vt_engine_count(&engine, "points", FEW);
+    vt_engine_resample(&engine, out, &report, in);
+    ck_assert_int_eq(report.has_mesh, 0);
+    vt_engine_close(&engine);
+}
+
+START_TEST(without_polish_the_points_are_those_of_resample)
 {
     struct vor_cloud in, out;
     struct meshed meshed;
     struct vt_engine engine;
-    struct vor_report report;
 
     vt_cloud_sphere(&in, 4, IN);
-    mesh_of(&meshed, &in, FEW);
-    vt_engine_open(&engine, 2);
-    vt_engine_set(&engine, "iterations", "6");
-    vt_engine_set(&engine, "polish", "30");
-    vt_engine_count(&engine, "points", FEW);
-    vt_engine_resample(&engine, &out, &report, &in);
-    ck_assert_int_eq(report.has_mesh, 0);
+    open_mesh(&engine, 2, FEW);
+    vt_engine_set(&engine, "polish", "0");
+    vt_assert_ok(try_mesh(&meshed, &in, &engine));
+    resample(&out, &in, "0");
     ck_assert(vt_cloud_hash(&out) == vt_cloud_hash(&meshed.cloud));
     ck_assert_uint_eq(meshed.report.mesh_triangles, 2 * FEW - 4);
     vt_engine_close(&engine);
     free_meshed(&meshed);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Joins the points of a cloud on the surface of another, without moving them. */
+static void join_still(struct vor_report *report, const struct vor_cloud *points,
+                       const struct vor_cloud *in)
+{
+    const struct vor_mesh_how how = {.moves = 0};
+    struct vt_engine engine;
+    struct vor_domain domain;
+    struct vor_seeds seeds;
+    struct vor_mesh mesh;
+
+    memset(report, 0, sizeof *report);
+    vt_engine_open(&engine, 2);
+    vt_assert_ok(vor_domain_init(&domain, in, &engine.run, &vt_err));
+    vt_assert_ok(vor_seeds_init(&seeds, &domain, points->n, vt_policy, &engine.run, &vt_err));
+    for (size_t i = 0; i < points->n; i++)
+        vor_domain_normalise(&domain, &points->xyz[3 * i], &seeds.xyz[3 * i]);
+    vor_mesh_init(&mesh, &vt_memory);
+    vt_assert_ok(vor_mesh_make(&mesh, report, &seeds, &how, &vt_err));
+    vor_mesh_free(&mesh);
+    vor_seeds_free(&seeds);
+    vor_domain_free(&domain);
+    vt_engine_close(&engine);
+}
+
+START_TEST(points_move_a_little_for_better_triangles)
+{
+    double spacing = sqrt(4 * M_PI / FEW), farthest = 0;
+    struct vor_cloud in, out;
+    struct meshed moved;
+    struct vor_report still;
+
+    vt_cloud_sphere(&in, (uint64_t)_i, IN);
+    mesh_of(&moved, &in, FEW);
+    resample(&out, &in, "30");
+    join_still(&still, &out, &in);
+    for (size_t i = 0; i < 3 * out.n; i += 3) {
+        const float *a = &out.xyz[i], *b = &moved.cloud.xyz[i];
+
+        farthest = fmax(farthest, vor_distance2f(a, b));
+        ck_assert_double_eq_tol(vor_distance2f(b, (float[3]){0, 0, 0}), 1, 1e-2);
+    }
+    ck_assert_double_gt(farthest, 0);
+    ck_assert_double_lt(sqrt(farthest), 0.6 * spacing);
+    ck_assert_double_gt(moved.report.mesh_quality_mean, still.mesh_quality_mean + 0.01);
+    ck_assert_double_gt(moved.report.mesh_quality_min, still.mesh_quality_min);
+    free_meshed(&moved);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
     vt_assert_no_leak();
@@ -472,6 +536,7 @@ START_TEST(a_failing_allocation_is_told_and_nothing_leaks)
     struct vor_domain domain;
     struct vor_seeds seeds;
     struct vor_mesh mesh;
+    const struct vor_mesh_how how = {.moves = 1};
     vor_status status = VOR_E_NOMEM;
     unsigned failed = 0;
 
@@ -489,7 +554,7 @@ START_TEST(a_failing_allocation_is_told_and_nothing_leaks)
         size_t used = atomic_load(&vt_memory.used);
 
         vt_memory.fail_at = atomic_load(&vt_memory.calls) + 1 + failed;
-        status = vor_mesh_make(&mesh, &report, &seeds, &vt_err);
+        status = vor_mesh_make(&mesh, &report, &seeds, &how, &vt_err);
         if (status != VOR_OK) {
             ck_assert_int_eq(status, VOR_E_NOMEM);
             ck_assert_uint_eq(atomic_load(&vt_memory.used), used);
@@ -525,7 +590,9 @@ int main(void)
     vt_add_figures(suite, a_moebius_band_has_one_side_and_one_loop, 0);
     vt_add_figures(suite, filters_alone_leave_points_that_are_joined_where_they_are, 0);
     vt_add(suite, fewer_than_three_points_have_no_triangles);
-    vt_add_figures(suite, resample_has_no_triangles_and_the_same_points, 0);
+    vt_add_figures(suite, without_polish_the_points_are_those_of_resample, 0);
+    vt_add_figures(suite, points_move_a_little_for_better_triangles,
+                   VT_FEWER(VT_SOAK_LOOPS(2, 20)));
     vt_add(suite, a_failing_allocation_is_told_and_nothing_leaks);
     return vt_run(suite);
 }

@@ -32,6 +32,11 @@ static int is_number(const struct vor_parameter_info *info)
     return is_whole(info) || vor_kind_form(info->kind, 0) == VOR_FORM_REAL;
 }
 
+static int is_flag(const struct vor_parameter_info *info)
+{
+    return vor_kind_form(info->kind, 0) == VOR_FORM_FLAG;
+}
+
 static int has_auto(const struct vor_parameter_info *info)
 {
     return vor_kind_form(info->kind, 1) == VOR_FORM_AUTO;
@@ -118,7 +123,7 @@ START_TEST(a_parameter_has_a_name_a_sentence_and_a_default_in_its_range)
         ck_assert(info->fallback >= info->min && info->fallback <= info->max);
     if (is_number(info))
         ck_assert(info->min < info->max && info->min > VOR_UNSET);
-    ck_assert_int_eq(is_number(info), info->choices[0] == '\0');
+    ck_assert_int_eq(is_number(info) || is_flag(info), info->choices[0] == '\0');
 }
 END_TEST
 
@@ -220,7 +225,7 @@ START_TEST(a_choice_takes_each_of_its_words_and_no_number)
     size_t length, total = 0;
     unsigned k;
 
-    if (is_number(info))
+    if (is_number(info) || is_flag(info))
         return;
     for (k = 0; (length = vor_parameter_choice(info, k, &word)) > 0; k++) {
         char text[VOR_SPEC_VALUE_SIZE], back[VOR_SPEC_VALUE_SIZE];

@@ -1,0 +1,21 @@
+/** Flips edges of triangles whose other diagonal makes better ones.
+ *
+ *  Source: Lawson 1977, "Software for C1 surface interpolation", of a plane. Departure: on a
+ * surface an edge is flipped where the worse of the two triangles becomes better, unless the new
+ * edge leaves the surface or joins two sheets. */
+#ifndef VOR_MESH_FLIP_H
+#define VOR_MESH_FLIP_H
+
+#include "core/mesh/complex.h"
+#include "core/mesh/sheet.h"
+
+/** Looks at every edge once, those of the first points first, and flips it where that pays. The
+ *  complex stays a manifold, with the same loops. Returns how many were flipped.
+ *
+ *  @param[in,out] complex  no edge has more than two triangles
+ *  @param[in]     sheet    its normals are those at the points
+ *
+ *  O(n), one thread. */
+size_t vor_flip(struct vor_complex *complex, const struct vor_sheet *sheet);
+
+#endif

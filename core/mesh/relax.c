@@ -1,0 +1,220 @@
+#include "core/mesh/relax.h"
+
+#include "core/base/linalg.h"
+#include "core/mesh/quality.h"
+
+#include <string.h>
+
+/* Share of Newton's step: all points move at once. At 0.5 / 0.7 / 1 mean quality on fandisk differs
+ * by 0.002. */
+#define DAMP 0.7
+
+/* Longest step, in mean distances to the points around. */
+#define STEP_MAX 0.15
+
+/* Input spacings that a point may move before its surface is fitted again. */
+#define SLACK 0.5
+
+/* Cosine between the normal at a point and those of its triangles, below which it is on a crease or
+ * a tip, which it would cut off as it moves. At 0 / 0.7 / 0.9, fandisk to 10,000: least quality
+ * 0.77 / 0.66 / 0.66, mean 0.959 / 0.955 / 0.953, Hausdorff distance 0.58 / 0.43 / 0.43 spacings
+ * (0.42 where no point moves). */
+#define SMOOTH 0.7
+
+/* Height of a triangle over its longest edge, below which it has no direction to grow. */
+#define FLAT 1e-6
+
+struct relax {
+    struct vor_sheet *sheet;
+    struct vor_seeds *seeds;
+    const struct vor_complex *complex;
+    float *next;           /* n x 3 */
+    unsigned char *moves;  /* n: triangles surround the point */
+    struct vor_recall how; /* last fits are used again */
+};
+
+/* The strain around a point in its tangent plane: slope and bend are the first and second
+ * derivatives, edge the sum of the distances to the neighbours, each twice. */
+struct pull {
+    double slope[2], bend[3], edge; /* bend: uu, uv, vv */
+};
+
+/* Adds the derivatives by the place x of a triangle's apex over the base from a to b. With the
+ * apex at (u, v) from the base's middle, v across it, and the ideal one at (0, h), the strain is
+ * (u^2 + v^2 + h^2) / (2 h v). */
+static void add_triangle(struct pull *pull, const struct vor_frame *frame, const float *x,
+                         const float *a, const float *b)
+{
+    double base[3], across[3], length, u, v, h, slope[2], bend[3], along[2], up[2];
+
+    for (int c = 0; c < 3; c++) {
+        base[c] = (double)b[c] - (double)a[c];
+        across[c] = (double)x[c] - ((double)a[c] + (double)b[c]) / 2;
+    }
+    length = sqrt(vor_dot(base, base));
+    u = length > 0 ? vor_dot(across, base) / length : 0;
+    for (int c = 0; c < 3; c++)
+        across[c] -= length > 0 ? u * base[c] / length : 0;
+    v = sqrt(vor_dot(across, across));
+    h = sqrt(3) / 2 * length;
+    if (!(v > FLAT * length) || !(length > 0))
+        return;
+    slope[0] = u / (h * v);
+    slope[1] = (1 - (u * u + h * h) / (v * v)) / (2 * h);
+    bend[0] = 1 / (h * v);
+    bend[1] = -u / (h * v * v);
+    bend[2] = (u * u + h * h) / (h * v * v * v);
+    for (int e = 0; e < 2; e++) {
+        along[e] = vor_dot(frame->axis[e], base) / length;
+        up[e] = vor_dot(frame->axis[e], across) / v;
+        pull->slope[e] += slope[0] * along[e] + slope[1] * up[e];
+    }
+    pull->bend[0] +=
+        bend[0] * along[0] * along[0] + 2 * bend[1] * along[0] * up[0] + bend[2] * up[0] * up[0];
+    pull->bend[1] += bend[0] * along[0] * along[1] +
+                     bend[1] * (along[0] * up[1] + along[1] * up[0]) + bend[2] * up[0] * up[1];
+    pull->bend[2] +=
+        bend[0] * along[1] * along[1] + 2 * bend[1] * along[1] * up[1] + bend[2] * up[1] * up[1];
+    pull->edge += sqrt(vor_distance2f(x, a)) + sqrt(vor_distance2f(x, b));
+}
+
+/* The step of point i in its tangent plane. */
+static void step_of(const struct relax *relax, const struct vor_frame *frame, size_t i,
+                    double step[2])
+{
+    const struct vor_complex *complex = relax->complex;
+    const float *xyz = relax->seeds->xyz;
+    struct pull pull = {{0, 0}, {0, 0, 0}, 0};
+    double limit, length, determinant;
+
+    for (unsigned t = 0; t < complex->degree[i]; t++) {
+        uint32_t other[2];
+
+        vor_complex_others(complex, complex->around[i * VOR_AROUND_MOST + t], (uint32_t)i, other);
+        add_triangle(&pull, frame, &xyz[3 * i], &xyz[3 * (size_t)other[0]],
+                     &xyz[3 * (size_t)other[1]]);
+    }
+    determinant = pull.bend[0] * pull.bend[2] - pull.bend[1] * pull.bend[1];
+    step[0] = step[1] = 0;
+    if (!(determinant > 0))
+        return;
+    step[0] = -DAMP * (pull.bend[2] * pull.slope[0] - pull.bend[1] * pull.slope[1]) / determinant;
+    step[1] = -DAMP * (pull.bend[0] * pull.slope[1] - pull.bend[1] * pull.slope[0]) / determinant;
+    length = sqrt(step[0] * step[0] + step[1] * step[1]);
+    limit = STEP_MAX * pull.edge / (2 * complex->degree[i]);
+    for (int e = 0; e < 2 && length > limit; e++)
+        step[e] *= limit / length;
+}
+
+/* Sets the normal of the sheet at point i, which lies on `surface`. */
+static void set_normal(struct vor_sheet *sheet, const struct vor_surface *surface, size_t i,
+                       const double x[3])
+{
+    double local[3], normal[3];
+
+    vor_surface_to_local(surface, x, local);
+    vor_surface_normal(surface, local, normal);
+    for (size_t c = 0; c < 3; c++)
+        sheet->normal[3 * i + c] = (float)normal[c];
+}
+
+static void move(const struct relax *relax, const struct vor_surface *surface, size_t i)
+{
+    struct vor_frame frame;
+    double x[3], step[2];
+
+    vor_seeds_position(relax->seeds, i, x);
+    set_normal(relax->sheet, surface, i, x);
+    vor_frame_of(&frame, &relax->sheet->normal[3 * i]);
+    step_of(relax, &frame, i, step);
+    for (int c = 0; c < 3; c++)
+        x[c] += step[0] * frame.axis[0][c] + step[1] * frame.axis[1][c];
+    vor_surface_put(surface, x);
+    set_normal(relax->sheet, surface, i, x);
+    for (size_t c = 0; c < 3; c++)
+        relax->next[3 * i + c] = (float)x[c];
+}
+
+static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct relax *relax = ctx;
+    struct vor_seeds *seeds = relax->seeds;
+    struct vor_scratch *scratch = &seeds->scratch[worker];
+
+    for (size_t i = begin; i < end; i++) {
+        memcpy(&relax->next[3 * i], &seeds->xyz[3 * i], 3 * sizeof(float));
+        if (relax->moves[i] && vor_seeds_recall(seeds, scratch, i, &relax->how) != VOR_SURFACE_NONE)
+            move(relax, &scratch->onto, i);
+    }
+}
+
+/* Whether the triangles at point i lie along its tangent plane. */
+static int is_smooth(const struct relax *relax, uint32_t i)
+{
+    const struct vor_complex *complex = relax->complex;
+    const float *m = &relax->sheet->normal[3 * (size_t)i];
+
+    for (unsigned t = 0; t < complex->degree[i]; t++) {
+        uint32_t at = complex->around[(size_t)i * VOR_AROUND_MOST + t];
+        double n[3], up;
+
+        vor_triangle_normal(n, relax->seeds->xyz, &complex->triangle[3 * (size_t)at]);
+        up = fabs(n[0] * (double)m[0] + n[1] * (double)m[1] + n[2] * (double)m[2]);
+        if (!(up >= SMOOTH * sqrt(vor_dot(n, n))))
+            return 0;
+    }
+    return 1;
+}
+
+/* Whether triangles surround point i: each of its edges has two. */
+static int is_surrounded(const struct vor_complex *complex, uint32_t i)
+{
+    for (unsigned t = 0; t < complex->degree[i]; t++) {
+        uint32_t other[2], third[2];
+
+        vor_complex_others(complex, complex->around[(size_t)i * VOR_AROUND_MOST + t], i, other);
+        if (vor_complex_edge(complex, i, other[0], third) != 2 ||
+            vor_complex_edge(complex, i, other[1], third) != 2)
+            return 0;
+    }
+    return complex->degree[i] > 0;
+}
+
+static vor_status steps(struct relax *relax, const struct vor_relax_how *how, struct vor_error *err)
+{
+    struct vor_seeds *seeds = relax->seeds;
+    vor_status status = VOR_OK;
+
+    for (size_t i = 0; i < seeds->n; i++)
+        relax->moves[i] = (unsigned char)(i + how->fixed < seeds->n &&
+                                          is_surrounded(relax->complex, (uint32_t)i) &&
+                                          is_smooth(relax, (uint32_t)i));
+    for (unsigned step = 0; step < how->steps && status == VOR_OK; step++) {
+        status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, move_block, relax, err);
+        if (status == VOR_OK)
+            memcpy(seeds->xyz, relax->next, 3 * seeds->n * sizeof *seeds->xyz);
+    }
+    return status;
+}
+
+vor_status vor_relax(struct vor_sheet *sheet, struct vor_seeds *seeds,
+                     const struct vor_complex *complex, const struct vor_relax_how *how,
+                     struct vor_error *err)
+{
+    struct vor_memory *memory = seeds->run.memory;
+    struct relax relax = {.sheet = sheet,
+                          .seeds = seeds,
+                          .complex = complex,
+                          .how = {.slack = SLACK, .refine = how->refine}};
+    vor_status status;
+
+    relax.next = vor_malloc(memory, seeds->n, 3 * sizeof *relax.next);
+    relax.moves = vor_malloc(memory, seeds->n, 1);
+    if (relax.next == NULL || relax.moves == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "moves of %zu points", seeds->n);
+    else
+        status = steps(&relax, how, err);
+    vor_free(memory, relax.moves);
+    vor_free(memory, relax.next);
+    return status;
+}

@@ -1,0 +1,36 @@
+/** Moves points along the surface such that the triangles at them become better.
+ *
+ *  Each step moves every point that triangles surround by Newton's method towards the least sum of
+ *  their strain (vor_triangle_strain), which is convex in the place of one corner, and puts it on
+ *  its local surface. Points at a loop stay, and those on creases and tips.
+ *
+ *  Source: none of the papers. The strain of one triangle as a function of its apex is the
+ *  hyperbolic cosine of the distance from the ideal apex, in the half plane over its base. */
+#ifndef VOR_MESH_RELAX_H
+#define VOR_MESH_RELAX_H
+
+#include "core/mesh/complex.h"
+#include "core/mesh/sheet.h"
+
+/** What is done. */
+struct vor_relax_how {
+    unsigned steps; /**< of all points at once */
+    size_t fixed;   /**< that many of the last points stay */
+    int refine;     /**< finer fits are tried (vor_seeds_refine) */
+};
+
+/** Moves the points.
+ *
+ *  @param[in,out] sheet    its normals become those where the points are
+ *  @param[in,out] seeds    those of the sheet; their lists are not renewed
+ *  @param[in]     complex  over the seeds
+ *
+ *  @retval VOR_E_NOMEM  13 bytes a seed do not fit
+ *  @retval VOR_E_CANCELLED
+ *
+ *  O(steps n), on the run's pool. The same positions for any number of threads. */
+VOR_NODISCARD vor_status vor_relax(struct vor_sheet *sheet, struct vor_seeds *seeds,
+                                   const struct vor_complex *complex,
+                                   const struct vor_relax_how *how, struct vor_error *err);
+
+#endif

@@ -1,0 +1,300 @@
+/* The cells of a result as polygons: areas, corners, attributes, threads, failures. */
+#include "core/mesh/soup.h"
+#include "tests/support/vt_engine.h"
+#include "tests/support/vt_shape.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { IN = 8000, POINTS = 500 };
+
+/* What a run came to. */
+struct souped {
+    struct vor_cloud cloud;
+    struct vor_mesh mesh;
+    struct vor_report report;
+};
+
+static vor_status try_soup(struct souped *out, const struct vor_cloud *in,
+                           const struct vt_engine *engine)
+{
+    struct vor_artefacts inputs, outputs;
+    vor_status status;
+
+    memset(out, 0, sizeof *out);
+    vor_artefacts_init(&inputs, engine->run.memory);
+    vor_artefacts_init(&outputs, engine->run.memory);
+    inputs.item[inputs.count++] =
+        (struct vor_artefact){.name = "cloud", .kind = VOR_ARTEFACT_CLOUD, .cloud = *in};
+    status = vor_engine_run(&outputs, &inputs, &engine->spec, &engine->run, &vt_err);
+    if (status == VOR_OK) {
+        struct vor_report *report = vor_artefacts_values(&outputs, "report", &vor_report_members);
+
+        out->report = *report;
+        out->cloud = *vor_artefacts_cloud(&outputs, "cloud");
+        out->mesh = *vor_artefacts_mesh(&outputs, "cloud");
+        vor_free(engine->run.memory, report);
+        outputs.count = 0; /* they are the caller's now */
+    }
+    vor_artefacts_free(&outputs);
+    return status;
+}
+
+static void free_souped(struct souped *souped)
+{
+    vor_mesh_free(&souped->mesh);
+    vor_cloud_free(&souped->cloud);
+}
+
+static void open_soup(struct vt_engine *engine, unsigned threads, size_t points)
+{
+    vt_engine_open(engine, threads);
+    vor_spec_preset(&engine->spec, vor_process_find("mesh"));
+    vt_engine_set(engine, "soup", "true");
+    vt_engine_set(engine, "iterations", "6");
+    vt_engine_set(engine, "polish", "20");
+    if (points > 0)
+        vt_engine_count(engine, "points", points);
+}
+
+/* The soup of POINTS points on a cloud, with one more parameter. */
+static void soup_of(struct souped *out, const struct vor_cloud *in, const char *name,
+                    const char *value)
+{
+    struct vt_engine engine;
+
+    open_soup(&engine, 2, POINTS);
+    if (name != NULL)
+        vt_engine_set(&engine, name, value);
+    vt_assert_ok(try_soup(out, in, &engine));
+    vt_engine_close(&engine);
+}
+
+static const float *corner(const struct souped *souped, size_t t, int c)
+{
+    return &souped->cloud.xyz[3 * (size_t)souped->mesh.triangle[3 * t + (size_t)c]];
+}
+
+static void normal_of(const struct souped *souped, size_t t, double out[3])
+{
+    const float *a = corner(souped, t, 0), *b = corner(souped, t, 1), *c = corner(souped, t, 2);
+    double u[3], v[3];
+
+    for (int d = 0; d < 3; d++) {
+        u[d] = (double)b[d] - (double)a[d];
+        v[d] = (double)c[d] - (double)a[d];
+    }
+    for (int d = 0; d < 3; d++)
+        out[d] = u[(d + 1) % 3] * v[(d + 2) % 3] - u[(d + 2) % 3] * v[(d + 1) % 3];
+}
+
+static double area_of(const struct souped *souped)
+{
+    double area = 0, n[3];
+
+    for (size_t t = 0; t < souped->mesh.count; t++) {
+        normal_of(souped, t, n);
+        area += sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / 2;
+    }
+    return area;
+}
+
+/* Every point is the corner of one face, of three or more, whose points follow each other. */
+static void assert_sound(const struct souped *souped)
+{
+    const struct vor_mesh *mesh = &souped->mesh;
+    size_t next = 0, faces = 0;
+
+    for (size_t t = 0, run; t < mesh->count; t += run) {
+        run = vor_mesh_run(mesh, t);
+        for (size_t r = 0; r < run; r++) {
+            ck_assert_uint_eq(mesh->triangle[3 * (t + r)], next);
+            ck_assert_uint_eq(mesh->triangle[3 * (t + r) + 1], next + r + 1);
+            ck_assert_uint_eq(mesh->triangle[3 * (t + r) + 2], next + r + 2);
+        }
+        next += run + 2;
+        faces++;
+    }
+    ck_assert_uint_eq(next, souped->cloud.n);
+    ck_assert_uint_eq(souped->report.mesh_polygons, faces);
+    ck_assert_uint_eq(souped->report.mesh_points, next);
+    ck_assert_uint_eq(souped->report.points_out, POINTS);
+    ck_assert_int_eq(souped->report.has_mesh, 1);
+}
+
+START_TEST(polygons_cover_a_sphere_and_a_torus)
+{
+    for (int shape = 0; shape < VT_SMOOTH; shape++) {
+        struct vor_cloud in;
+        struct souped souped;
+
+        vt_shapes[shape].make(&in, (uint64_t)_i, IN);
+        soup_of(&souped, &in, NULL, NULL);
+        assert_sound(&souped);
+        ck_assert_double_eq_tol(area_of(&souped) / vt_shapes[shape].area, 1, 0.02);
+        ck_assert_double_lt(vt_off_mean(&vt_shapes[shape], &souped.cloud), 0.02);
+        free_souped(&souped);
+        vor_cloud_free(&in);
+    }
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(cells_of_a_square_end_where_it_does)
+{
+    struct vor_cloud in;
+    struct souped souped;
+
+    vt_cloud_square(&in, 3, IN);
+    soup_of(&souped, &in, NULL, NULL);
+    assert_sound(&souped);
+    ck_assert_uint_eq(souped.report.mesh_polygons, POINTS);
+    ck_assert_double_eq_tol(area_of(&souped), 1, 0.05);
+    free_souped(&souped);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(a_plane_patch_gives_one_polygon_a_point)
+{
+    struct vor_cloud in;
+    struct souped souped;
+
+    vt_cloud_sphere(&in, 3, IN);
+    soup_of(&souped, &in, "patch", "plane");
+    assert_sound(&souped);
+    ck_assert_uint_eq(souped.report.mesh_polygons, POINTS);
+    ck_assert_double_eq_tol(area_of(&souped) / (4 * M_PI), 1, 0.03);
+    free_souped(&souped);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Normals are as those of the points, which on a sphere point away from its middle. */
+START_TEST(corners_have_the_values_of_their_point_and_faces_its_side)
+{
+    struct vor_cloud in;
+    struct souped souped;
+    struct vor_attribute *number;
+    const struct vor_attribute *normal, *got;
+
+    vt_cloud_sphere(&in, 5, IN);
+    vt_assert_ok(vor_cloud_add_attribute(&in, "number", VOR_GENERIC, VOR_UINT32, 1, &number, NULL));
+    for (uint32_t i = 0; i < IN; i++)
+        memcpy((char *)number->data + i * sizeof i, &i, sizeof i);
+    soup_of(&souped, &in, "normals", "fit");
+    assert_sound(&souped);
+    normal = vor_cloud_find(&souped.cloud, VOR_NORMAL);
+    got = vor_cloud_find_name(&souped.cloud, "number");
+    ck_assert_ptr_nonnull(normal);
+    ck_assert_ptr_nonnull(got);
+    for (size_t t = 0; t < souped.mesh.count; t++) {
+        uint32_t first = souped.mesh.triangle[3 * t];
+        double n[3], cosine = 0;
+
+        normal_of(&souped, t, n);
+        for (size_t c = 0; c < 3; c++) {
+            uint32_t at = souped.mesh.triangle[3 * t + c];
+
+            ck_assert_double_eq(vor_attribute_scalar(got, at), vor_attribute_scalar(got, first));
+            cosine += n[c] * vor_attribute_scalar(normal, 3 * first + c);
+            ck_assert_double_eq(vor_attribute_scalar(normal, 3 * at + c),
+                                vor_attribute_scalar(normal, 3 * first + c));
+        }
+        ck_assert_double_ge(cosine, 0);
+    }
+    free_souped(&souped);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(one_two_and_eight_threads_give_the_same_polygons)
+{
+    static const unsigned threads[] = {1, 2, 8};
+    struct vor_cloud in;
+    uint64_t first = 0;
+
+    vt_cloud_sheets(&in, 5, IN / 2, 0.02);
+    for (size_t k = 0; k < sizeof threads / sizeof *threads; k++) {
+        struct vt_engine engine;
+        struct souped souped;
+        uint64_t hash;
+
+        open_soup(&engine, threads[k], POINTS);
+        vt_assert_ok(try_soup(&souped, &in, &engine));
+        hash = vt_hash(souped.mesh.triangle, 3 * souped.mesh.count * sizeof *souped.mesh.triangle) ^
+               vt_cloud_hash(&souped.cloud);
+        first = k == 0 ? hash : first;
+        ck_assert(hash == first);
+        free_souped(&souped);
+        vt_engine_close(&engine);
+    }
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(filters_alone_give_the_cells_of_their_points)
+{
+    struct vor_cloud in;
+    struct vt_engine engine;
+    struct souped souped;
+
+    vt_cloud_sphere(&in, 4, POINTS);
+    open_soup(&engine, 2, 0);
+    vt_engine_set(&engine, "filters", "mls");
+    vt_assert_ok(try_soup(&souped, &in, &engine));
+    assert_sound(&souped);
+    ck_assert_double_eq_tol(area_of(&souped) / (4 * M_PI), 1, 0.1);
+    free_souped(&souped);
+    vt_engine_close(&engine);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(a_failing_allocation_is_told_and_nothing_leaks)
+{
+    struct vor_cloud in;
+    struct vt_engine engine;
+    struct souped souped;
+    vor_status status = VOR_E_NOMEM;
+    unsigned failed = 0;
+
+    vt_cloud_sphere(&in, 1, 600);
+    open_soup(&engine, 1, 40);
+    vt_engine_set(&engine, "iterations", "1");
+    vt_engine_set(&engine, "polish", "0");
+    while (status != VOR_OK) {
+        vt_memory.fail_at = atomic_load(&vt_memory.calls) + 1 + failed;
+        status = try_soup(&souped, &in, &engine);
+        if (status != VOR_OK) {
+            ck_assert_int_eq(status, VOR_E_NOMEM);
+            failed++;
+        }
+    }
+    vt_memory.fail_at = 0;
+    ck_assert_uint_gt(failed, 20);
+    free_souped(&souped);
+    vt_engine_close(&engine);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("soup");
+
+    vt_add_figures(suite, polygons_cover_a_sphere_and_a_torus, VT_FEWER(VT_SOAK_LOOPS(2, 20)));
+    vt_add(suite, cells_of_a_square_end_where_it_does);
+    vt_add(suite, a_plane_patch_gives_one_polygon_a_point);
+    vt_add(suite, corners_have_the_values_of_their_point_and_faces_its_side);
+    vt_add(suite, one_two_and_eight_threads_give_the_same_polygons);
+    vt_add(suite, filters_alone_give_the_cells_of_their_points);
+    vt_add(suite, a_failing_allocation_is_told_and_nothing_leaks);
+    return vt_run(suite);
+}
