@@ -78,12 +78,12 @@ VOR_NODISCARD vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_
                                         size_t n, struct vor_seeds_policy policy,
                                         const struct vor_run *run, struct vor_error *err);
 
-/** The policy of a request: keep_border as `boundary` says, planes as `patch` does, patches of the
- *  usual width. */
+/** The policy of a request: keep_border unless `boundary` is free, planes as `patch` does, patches
+ * of the usual width. */
 static inline struct vor_seeds_policy vor_seeds_policy_of(const struct vor_spec *spec)
 {
     return (struct vor_seeds_policy){.keep_border =
-                                         spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP,
+                                         spec->value[VOR_PARAM_BOUNDARY] != VOR_BOUNDARY_FREE,
                                      .widen = 1,
                                      .planes = spec->value[VOR_PARAM_PATCH] == VOR_PATCH_PLANE};
 }
