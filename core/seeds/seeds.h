@@ -54,6 +54,10 @@ struct vor_seeds {
     const struct vor_domain *whole;  /**< the domain that the seeds end on */
     struct vor_run run; /**< not interrupted by a stop; loops that a stop may end get their own */
     size_t n;
+    size_t fixed; /**< the last ones of these, which do not move (seeds/fixed.h) */
+    size_t half;  /**< of those, on borders: they have half a cell */
+    double fence; /**< distance that others keep from those, so that none slips through between two;
+                       with a density, times the value of the field there */
     struct vor_seeds_policy policy;
     int sheets; /**< fits look for layers: a domain that they are or were made on has sheets */
     float *xyz; /**< n x 3 */
@@ -176,6 +180,17 @@ void vor_seeds_border(const struct vor_seeds *seeds, struct vor_scratch *scratch
  *  x is near it. Returns whether x was moved. */
 int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i,
                    double x[3]);
+
+/** How many seeds move: the first ones. */
+static inline size_t vor_seeds_moving(const struct vor_seeds *seeds)
+{
+    return seeds->n - seeds->fixed;
+}
+
+/** Whether seed i, which moves from x to y, ends within the fence of one that does not move, and
+ *  nearer to it than it began. scratch->crowd was gathered around it. O(crowd). */
+int vor_seeds_fenced(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
+                     const double x[3], const double y[3]);
 
 /** Whether surfaces are fitted to the whole domain. */
 static inline int vor_seeds_on_whole(const struct vor_seeds *seeds)

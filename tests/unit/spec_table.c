@@ -169,7 +169,7 @@ START_TEST(junk_is_refused_and_shown)
         "7\n",     "1 2",
         "1_000",   "\xc2\xb2",
         "1.2.3",   "none",
-        "Auto",    "keep free fill",
+        "Auto",    "keep free sites fill",
         "ply drc", "11111111111111111111111111111111111111111111111"};
     const struct vor_parameter_info *info = info_of(_i);
 
