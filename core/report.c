@@ -72,6 +72,12 @@ static const char *const answered_words[] = {"no", "yes"};
 #define VOR_KIND_OF_MESH_LOOPS(type, field)                                                        \
     .kind = VOR_MEMBER_LIST, .inner = &mesh_loop_members,                                          \
     .count_offset = offsetof(type, field##_count)
+#define VOR_KIND_OF_LOOP_KIND(type, field)                                                         \
+    .kind = VOR_MEMBER_WORD, .words = loop_kind_words, .word_count = 2
+#define VOR_KIND_OF_HOLE_OUTCOME(type, field)                                                      \
+    .kind = VOR_MEMBER_WORD, .words = hole_outcome_words, .word_count = 5
+#define VOR_KIND_OF_HOLES(type, field)                                                             \
+    .kind = VOR_MEMBER_LIST, .inner = &hole_members, .count_offset = offsetof(type, field##_count)
 #define VOR_KIND_OF_BOX(type, field) .kind = VOR_MEMBER_OBJECT, .inner = &box_members
 #define VOR_KIND_OF_COLUMNS(type, field)                                                           \
     .kind = VOR_MEMBER_LIST, .inner = &column_members, .count_offset = offsetof(type, field##_count)
@@ -118,6 +124,18 @@ static const struct vor_member mesh_loop_rows[] = {
 static const struct vor_members mesh_loop_members =
     VOR_MEMBERS(struct vor_mesh_loop, mesh_loop_rows);
 
+static const char *const loop_kind_words[] = {"hole", "rim"};
+static const char *const hole_outcome_words[] = {"filled", "rim", "too-long", "not-chosen",
+                                                 "not-closed"};
+
+static const struct vor_member hole_rows[] = {
+#define HOLE_ROW(...) VOR_MEMBER(struct vor_hole_told, __VA_ARGS__)
+    VOR_HOLE_TABLE(HOLE_ROW)
+#undef HOLE_ROW
+};
+
+static const struct vor_members hole_members = VOR_MEMBERS(struct vor_hole_told, hole_rows);
+
 static const struct vor_member box_rows[] = {
 #define BOX_ROW(...) VOR_MEMBER(struct vor_corners, __VA_ARGS__)
     VOR_BOX_TABLE(BOX_ROW)
@@ -158,15 +176,12 @@ static const struct vor_member measure_rows[] = {
 
 const struct vor_members vor_measure_members = VOR_MEMBERS(struct vor_measure, measure_rows);
 
-static const char *const loop_kind_words[] = {"hole", "rim"};
 static const char *const loop_why_words[] = {
     "the surface lies around it",
     "the surface lies to one side, as at the end of a tube",
     "the surface lies within it",
 };
 
-#define VOR_KIND_OF_LOOP_KIND(type, field)                                                         \
-    .kind = VOR_MEMBER_WORD, .words = loop_kind_words, .word_count = 2
 #define VOR_KIND_OF_LOOP_WHY(type, field)                                                          \
     .kind = VOR_MEMBER_WORD, .words = loop_why_words, .word_count = 3
 #define VOR_KIND_OF_LOOPS(type, field)                                                             \

@@ -177,6 +177,46 @@ struct vor_mesh_loop {
     struct vor_mesh_loop field[VOR_MESH_LOOPS_TOLD];                                               \
     unsigned field##_count;
 
+/** What a loop of border points goes around. */
+enum vor_loop_kind { VOR_LOOP_HOLE, VOR_LOOP_RIM };
+
+#define VOR_FIELD_LOOP_KIND(field) enum vor_loop_kind field;
+
+/** What became of a loop where holes are filled. */
+enum vor_hole_outcome {
+    VOR_HOLE_FILLED,
+    VOR_HOLE_RIM,
+    VOR_HOLE_TOO_LONG,
+    VOR_HOLE_NOT_CHOSEN,
+    VOR_HOLE_NOT_CLOSED
+};
+
+#define VOR_FIELD_HOLE_OUTCOME(field) enum vor_hole_outcome field;
+
+/** A loop of border points, and what became of it. */
+#define VOR_HOLE_TABLE(X)                                                                          \
+    X(U32, id, "id", "", "Its number, as inspect tells it")                                        \
+    X(LOOP_KIND, kind, "kind", "", "As inspect tells it")                                          \
+    X(HOLE_OUTCOME, outcome, "outcome", "",                                                        \
+      "filled; or it stayed open: rim, as auto fills holes alone; too-long for holeMax; "          \
+      "not-chosen, as holes has other numbers; not-closed, as no surface was found to close it "   \
+      "with, or another part of the input lies in the way")                                        \
+    X(REAL, length, "length", "unit of the cloud", "Length of the border there")                   \
+    X(VECTOR, centre, "centre", "unit of the cloud",                                               \
+      "Mean of the line through its points, in the coordinates of the cloud")                      \
+    X(U64, points, "points", "points", "Points that it was filled with")
+
+struct vor_hole_told {
+    VOR_HOLE_TABLE(VOR_FIELD)
+};
+
+/** Most loops that are told one by one; if there are more, those that were not closed come first.
+ */
+#define VOR_HOLES_TOLD 100
+#define VOR_FIELD_HOLES(field)                                                                     \
+    struct vor_hole_told field[VOR_HOLES_TOLD];                                                    \
+    unsigned field##_count;
+
 /** What a run did. Lengths are in the unit of the cloud. The engine sets all but the seconds of
  *  reading and writing and the origin, which the caller sets. */
 #define VOR_REPORT_TABLE(X)                                                                        \
@@ -232,6 +272,17 @@ struct vor_mesh_loop {
     X(REAL, delta_beside, "islands.delta_beside", "",                                              \
       "delta of the other points of the result; that of all of them counts the gaps around "       \
       "islands")                                                                                   \
+    X(OPTIONAL, has_holes, "holes", "",                                                            \
+      "What became of the holes of the input; only where they were to be filled. Points that "     \
+      "they "                                                                                      \
+      "were filled with count as points of the input from then on")                                \
+    X(U64, holes_loops, "holes.loops", "", "Loops along which the surface ended, in all")          \
+    X(U64, holes_filled, "holes.filled", "", "Those of them that were filled")                     \
+    X(U64, holes_not_closed, "holes.not_closed", "", "Those of them that could not be closed")     \
+    X(U64, holes_points, "holes.points", "points", "Points that holes were filled with")           \
+    X(HOLES, holes, "holes.each", "",                                                              \
+      "What became of each loop, at most 100: if there are more, those that could not be closed "  \
+      "and the longest")                                                                           \
     X(OPTIONAL, has_density, "density", "",                                                        \
       "How the density was followed; only where one was asked for")                                \
     X(REAL, density_span, "density.span", "",                                                      \
@@ -434,13 +485,9 @@ struct vor_column {
     struct vor_column field[VOR_ATTRIBUTES_MAX];                                                   \
     unsigned field##_count;
 
-/** What a loop of border points goes around. */
-enum vor_loop_kind { VOR_LOOP_HOLE, VOR_LOOP_RIM };
-
 /** Why: a hole, the end of a tube, the outer border of a sheet. */
 enum vor_loop_why { VOR_LOOP_AROUND, VOR_LOOP_ONE_SIDE, VOR_LOOP_WITHIN };
 
-#define VOR_FIELD_LOOP_KIND(field) enum vor_loop_kind field;
 #define VOR_FIELD_LOOP_WHY(field) enum vor_loop_why field;
 
 /** A closed row of points where the input ends. */

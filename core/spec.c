@@ -69,7 +69,8 @@ static int has_text(const struct vor_spec *spec, int parameter)
     enum vor_form form =
         vor_kind_form_of(vor_parameter_info((enum vor_parameter)parameter), spec->value[parameter]);
 
-    return form == VOR_FORM_TEXT || form == VOR_FORM_NAME || form == VOR_FORM_VECTOR;
+    return form == VOR_FORM_TEXT || form == VOR_FORM_NAME || form == VOR_FORM_VECTOR ||
+           form == VOR_FORM_COUNTS;
 }
 
 const char *vor_spec_name(const struct vor_spec *spec, enum vor_parameter parameter)
@@ -89,6 +90,13 @@ int vor_spec_vector(const struct vor_spec *spec, enum vor_parameter parameter, d
     return spec->value[parameter] == VOR_VECTOR &&
            vor_kind_form_of(vor_parameter_info(parameter), VOR_VECTOR) == VOR_FORM_VECTOR &&
            vor_decimal_read_vector(out, vor_spec_name(spec, parameter));
+}
+
+int vor_spec_count_at(const struct vor_spec *spec, enum vor_parameter parameter, unsigned index,
+                      double *out)
+{
+    return vor_spec_form(spec, parameter) == VOR_FORM_COUNTS &&
+           vor_decimal_read_at(out, vor_spec_name(spec, parameter), index);
 }
 
 static vor_status refuse_size(enum vor_parameter parameter, const struct vor_value *value,

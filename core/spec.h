@@ -111,12 +111,16 @@ VOR_NODISCARD vor_status vor_spec_check_target(const struct vor_spec *spec, doub
 const char *vor_spec_text(const struct vor_spec *spec, enum vor_parameter parameter,
                           char out[VOR_SPEC_VALUE_SIZE]);
 
-/** The text of a TEXT, the name in a CHOICE_OR_NAME or the X,Y,Z of a CHOICE_OR_VECTOR; points into
- *  spec. NULL if there is none. */
+/** The text of a TEXT, the name in a CHOICE_OR_NAME, the X,Y,Z of a CHOICE_OR_VECTOR or the numbers
+ *  of a COUNTS_OR_AUTO; points into spec. NULL if there is none. */
 const char *vor_spec_name(const struct vor_spec *spec, enum vor_parameter parameter);
 
 /** The numbers of a vector; false, and *out unchanged, if the parameter's value is none. */
 int vor_spec_vector(const struct vor_spec *spec, enum vor_parameter parameter, double out[3]);
+
+/** Whole number `index` of a COUNTS_OR_AUTO; false past the last, and if the value has none. */
+int vor_spec_count_at(const struct vor_spec *spec, enum vor_parameter parameter, unsigned index,
+                      double *out);
 
 /** The form of a parameter's value; VOR_FORM_NONE if it is not given, or the process does not take
  *  the parameter. */

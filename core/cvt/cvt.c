@@ -4,15 +4,43 @@
 #include "core/cvt/lloyd.h"
 #include "core/cvt/start.h"
 #include "core/input/thin.h"
+#include "core/seeds/area.h"
 #include "core/seeds/attach.h"
+#include "core/seeds/fixed.h"
 #include "core/seeds/repel.h"
+
+/* Places sites along borders or edges, and starts the other seeds beside them. */
+static vor_status start_with_sites(struct vor_seeds *seeds, const struct vor_domain *domain,
+                                   size_t n, const struct vor_spec *spec, const struct vor_run *run,
+                                   struct vor_error *err)
+{
+    const struct vor_run whole = vor_run_unstoppable(run);
+    struct vor_sites_for wanted = {.n = n,
+                                   .borders = spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_SITES,
+                                   .edges = spec->value[VOR_PARAM_EDGES] == VOR_EDGES_SITES};
+    struct vor_sites sites = {.n = 0};
+    vor_status status = vor_area_of_surface(&wanted.area, domain,
+                                            (uint64_t)spec->value[VOR_PARAM_SEED], &whole, err);
+
+    if (status == VOR_OK)
+        status = vor_sites_find(&sites, domain, &wanted, &whole, err);
+    if (status == VOR_OK)
+        status = vor_start_seeds(seeds, domain, vor_seeds_beside_sites(n, &sites), spec, run, err);
+    if (status == VOR_OK)
+        status = vor_seeds_add_sites(seeds, &sites, n, &whole, err);
+    vor_sites_free(&sites);
+    return status;
+}
 
 /* Starts the seeds. If the input is dense, thins it into *thin and moves the seeds onto that. */
 static vor_status start(struct vor_seeds *seeds, struct vor_domain *thin,
                         const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
                         const struct vor_run *run, struct vor_error *err)
 {
-    vor_status status = vor_start_seeds(seeds, domain, n, spec, run, err);
+    int sites = spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_SITES ||
+                spec->value[VOR_PARAM_EDGES] == VOR_EDGES_SITES;
+    vor_status status =
+        (sites ? start_with_sites : vor_start_seeds)(seeds, domain, n, spec, run, err);
 
     if (status == VOR_OK)
         status = vor_domain_thin_for(thin, domain, n, seeds->area, &seeds->run, err);

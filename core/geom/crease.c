@@ -196,11 +196,11 @@ static struct kink find(const struct fit *fit)
     return best;
 }
 
-/* Sine of half the angle between the normals of the two sides: from the slope across on the near
- * side, by a line through what is left of the heights without the kink. */
-static double turn_of(const struct fit *fit, const struct kink *kink)
+/* The line through the heights over the way across, without what the kink adds. False where all lie
+ * at one place. */
+static int near_side(const struct fit *fit, const struct kink *kink, double *slope, double *height)
 {
-    double su = 0, sw = 0, suu = 0, suw = 0, k = (double)fit->k, p, q, cosine;
+    double su = 0, sw = 0, suu = 0, suw = 0, k = (double)fit->k;
 
     for (unsigned j = 0; j < fit->k; j++) {
         double u = fit->u[j], w = fit->w[j] - kink->slope * fmax(0, beyond(fit, kink, j));
@@ -210,11 +210,19 @@ static double turn_of(const struct fit *fit, const struct kink *kink)
         suu += u * u;
         suw += u * w;
     }
+    *slope = *height = 0;
     if (!(suu * k - su * su > INDEPENDENT * suu * k))
         return 0;
-    p = (suw * k - su * sw) / (suu * k - su * su);
-    q = p + kink->slope;
-    cosine = (1 + p * q) / sqrt((1 + p * p) * (1 + q * q));
+    *slope = (suw * k - su * sw) / (suu * k - su * su);
+    *height = (sw - *slope * su) / k;
+    return 1;
+}
+
+/* Sine of half the angle between the normals of the two sides, by the slope of the near one. */
+static double turn_of(const struct kink *kink, double p)
+{
+    double q = p + kink->slope, cosine = (1 + p * q) / sqrt((1 + p * p) * (1 + q * q));
+
     return sqrt(fmax(0, (1 - cosine) / 2));
 }
 
@@ -223,7 +231,7 @@ void vor_crease_fit(struct vor_crease *out, const float *near, unsigned k, doubl
 {
     struct fit fit;
     struct kink kink;
-    double rest2, length;
+    double rest2, length, slope, height, foot[3];
 
     fit.k = k;
     for (unsigned j = 0; j < k; j++) {
@@ -242,7 +250,12 @@ void vor_crease_fit(struct vor_crease *out, const float *near, unsigned k, doubl
     out->smooth2 = fmax(0, rest2 - gain_of_parabola(&fit)) / k;
     out->crease2 = fmax(0, rest2 - kink.gain) / k;
     out->distance = fabs(kink.at) / length;
-    out->turn = turn_of(&fit, &kink);
-    for (int c = 0; c < 3; c++)
+    out->turn = near_side(&fit, &kink, &slope, &height) ? turn_of(&kink, slope) : 0;
+    foot[0] = -kink.at * kink.slant / (length * length);
+    foot[1] = kink.at / (length * length);
+    foot[2] = height + slope * foot[1];
+    for (int c = 0; c < 3; c++) {
         out->along[c] = (axis[0][c] + kink.slant * axis[1][c]) / length;
+        out->foot[c] = foot[0] * axis[0][c] + foot[1] * axis[1][c] + foot[2] * axis[2][c];
+    }
 }

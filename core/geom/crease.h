@@ -20,6 +20,7 @@ struct vor_crease {
     double distance; /**< from the first point to the edge, in spacings */
     double turn;     /**< sine of half the angle between the normals of the two sides */
     double along[3]; /**< unit vector along the edge */
+    double foot[3];  /**< from the first point to the nearest one of the edge, in spacings */
 };
 
 /** Fits a crease and a quadric.

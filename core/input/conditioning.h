@@ -5,6 +5,8 @@
 #ifndef VOR_INPUT_CONDITIONING_H
 #define VOR_INPUT_CONDITIONING_H
 
+#include "core/report.h"
+
 #include <stddef.h>
 
 /** A lattice that the coordinates were rounded to (input/lattice.h). Lengths are normalised. */
@@ -49,6 +51,15 @@ enum vor_lists {
     VOR_LISTS_SATELLITES /**< input/satellites.h */
 };
 
+/** What became of the holes where they were to be filled (input/holes.h). */
+struct vor_holes {
+    int asked;                        /**< they were; else all of this is 0 */
+    size_t loops, filled, not_closed; /**< in all; of them that were filled, or could not be */
+    size_t points;                    /**< that they were filled with */
+    struct vor_hole_told told[VOR_HOLES_TOLD];
+    unsigned told_count;
+};
+
 /** The findings. All zero, with neighbors fixed, means that nothing is known. */
 struct vor_conditioning {
     size_t distinct;                /**< points that share no place with an earlier one */
@@ -62,6 +73,7 @@ struct vor_conditioning {
     int sheets;                     /**< the domain has sheets: fits look for layers */
     enum vor_lists lists;           /**< of neighbours, that every domain of the input has */
     struct vor_neighbors neighbors; /**< how many points a fit takes */
+    struct vor_holes holes;         /**< that were filled */
 };
 
 #endif

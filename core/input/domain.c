@@ -296,6 +296,50 @@ vor_status vor_domain_move(struct vor_domain *domain, float *xyz, const struct v
     return vor_knn_build_sorted(&domain->knn, domain->xyz, domain->n, run, err);
 }
 
+/* Replaces the points by those of `xyz` in an order. */
+static void put_in_order(struct vor_domain *domain, const float *xyz, const uint32_t *source,
+                         const uint32_t *order)
+{
+    for (size_t i = 0; i < domain->n; i++) {
+        memcpy(&domain->xyz[3 * i], &xyz[3 * (size_t)order[i]], 3 * sizeof *xyz);
+        domain->source[i] = source[order[i]];
+    }
+}
+
+vor_status vor_domain_add(struct vor_domain *domain, const float *xyz, const uint32_t *source,
+                          size_t count, const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_memory *memory = domain->memory;
+    size_t before = domain->n, all = before + count;
+    float *more = vor_realloc(memory, domain->xyz, all, 3 * sizeof *more), *copy = NULL;
+    uint32_t *sources = vor_realloc(memory, domain->source, all, sizeof *sources), *from = NULL;
+    uint32_t *order = vor_malloc(memory, all, sizeof *order);
+    vor_status status = VOR_E_NOMEM;
+
+    domain->xyz = more != NULL ? more : domain->xyz;
+    domain->source = sources != NULL ? sources : domain->source;
+    copy = vor_malloc(memory, all, 3 * sizeof *copy);
+    from = vor_malloc(memory, all, sizeof *from);
+    if (more == NULL || sources == NULL || order == NULL || copy == NULL || from == NULL) {
+        status = vor_fail(err, VOR_E_NOMEM, "%zu more points", count);
+    } else {
+        memcpy(copy, domain->xyz, 3 * before * sizeof *copy);
+        memcpy(from, domain->source, before * sizeof *from);
+        memcpy(&copy[3 * before], xyz, 3 * count * sizeof *copy);
+        memcpy(&from[before], source, count * sizeof *from);
+        status = vor_morton_order(order, copy, all, run, err);
+        domain->n = all;
+        if (status == VOR_OK)
+            put_in_order(domain, copy, from, order);
+    }
+    vor_free(memory, from);
+    vor_free(memory, copy);
+    vor_free(memory, order);
+    vor_knn_free(domain->knn);
+    domain->knn = NULL;
+    return status == VOR_OK ? vor_domain_index(domain, run, err) : status;
+}
+
 vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
                            const struct vor_run *run, struct vor_error *err)
 {

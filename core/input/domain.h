@@ -104,6 +104,17 @@ static inline int vor_domain_is_exact(const struct vor_domain *domain)
     return domain->known.off_lattice == 0;
 }
 
+/** Adds points to a domain without lists, sorts and indexes it again.
+ *
+ *  @param[in] xyz, source  count x 3 and count: as the domain has its own; copied
+ *
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED  the domain is to be freed
+ *
+ *  O(n), on the run's pool. */
+VOR_NODISCARD vor_status vor_domain_add(struct vor_domain *domain, const float *xyz,
+                                        const uint32_t *source, size_t count,
+                                        const struct vor_run *run, struct vor_error *err);
+
 /** Frees the points and the index; domain may be all zero. */
 void vor_domain_free(struct vor_domain *domain);
 

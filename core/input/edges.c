@@ -244,8 +244,11 @@ static int look_at(const struct find *find, size_t i, double *spacing)
         return 0;
     *spacing = around.spacing;
     find->edges->strength[i] = (float)fmax(LEAST_TURN, crease.turn);
-    for (size_t c = 0; c < 3; c++)
+    for (size_t c = 0; c < 3; c++) {
         find->edges->direction[3 * i + c] = (float)crease.along[c];
+        find->edges->foot[3 * i + c] =
+            (float)((double)around.near[c] + around.spacing * crease.foot[c]);
+    }
     return 1;
 }
 
@@ -281,11 +284,12 @@ static vor_status make_room(struct find *find, struct vor_memory *memory, struct
     edges->flag = vor_calloc(memory, n, sizeof *edges->flag);
     edges->strength = vor_calloc(memory, n, sizeof *edges->strength);
     edges->direction = vor_calloc(memory, n, 3 * sizeof *edges->direction);
+    edges->foot = vor_calloc(memory, n, 3 * sizeof *edges->foot);
     find->normal = vor_malloc(memory, n, 3 * sizeof *find->normal);
     find->off2 = vor_malloc(memory, find->places, sizeof *find->off2);
     find->block = vor_malloc(memory, vor_blocks_of(n, BLOCK), sizeof *find->block);
     if (edges->flag == NULL || edges->strength == NULL || edges->direction == NULL ||
-        find->normal == NULL || find->off2 == NULL || find->block == NULL)
+        edges->foot == NULL || find->normal == NULL || find->off2 == NULL || find->block == NULL)
         return vor_fail(err, VOR_E_NOMEM, "edges of %zu points", n);
     return VOR_OK;
 }
@@ -332,6 +336,7 @@ void vor_edges_free(struct vor_edges *edges)
 {
     if (edges->memory == NULL)
         return;
+    vor_free(edges->memory, edges->foot);
     vor_free(edges->memory, edges->direction);
     vor_free(edges->memory, edges->strength);
     vor_free(edges->memory, edges->flag);

@@ -58,6 +58,7 @@ struct vor_edges {
                               (0, 1]; 0 where not flagged */
     float *direction;    /**< n x 3: unit vector along the edge, of either sign; at a corner along
                               one of its edges; 0 where not flagged */
+    float *foot;         /**< n x 3: place on the edge nearest to the point; 0 where not flagged */
     double length;       /**< estimate of the length of all edges, in normalised units (times
                               domain->unit: in those of the input) */
 };
@@ -67,7 +68,7 @@ struct vor_edges {
  *  @param[out] out     free with vor_edges_free; untouched on failure
  *  @param[in]  domain  indexed; read: xyz, knn, known.neighbors, known.sheets
  *
- *  @retval VOR_E_NOMEM 17 bytes a point do not fit, and 12 more while it works
+ *  @retval VOR_E_NOMEM 29 bytes a point do not fit, and 12 more while it works
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
  *  O(n log n), on the run's pool: 2 to 5 us a point where fits take

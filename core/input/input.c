@@ -3,6 +3,7 @@
 #include "core/input/adjacency.h"
 #include "core/input/carried.h"
 #include "core/input/followed.h"
+#include "core/input/holes.h"
 #include "core/input/islands.h"
 #include "core/input/lattice.h"
 #include "core/input/lists.h"
@@ -119,10 +120,10 @@ static vor_status look_for_islands(struct vor_domain *domain, const struct vor_s
     return spread ? vor_islands_take(domain, run, err) : vor_islands_count(domain, run, err);
 }
 
-/* Finds out everything that is known of a domain, and filters it. */
-static vor_status condition(struct vor_domain *domain, struct vor_outliers *outliers,
-                            const struct vor_spec *spec, const struct vor_run *run,
-                            struct vor_error *err)
+/* Finds out what there is to know of a domain before its points are filtered. */
+static vor_status know(struct vor_domain *domain, struct vor_outliers *outliers,
+                       const struct vor_spec *spec, const struct vor_run *run,
+                       struct vor_error *err)
 {
     vor_status status = take_outliers(outliers, domain, spec, run, err);
 
@@ -136,6 +137,54 @@ static vor_status condition(struct vor_domain *domain, struct vor_outliers *outl
         status = choose_lists(domain, spec, run, err);
     if (status == VOR_OK && outliers_of(spec) == VOR_OUTLIERS_PULL)
         status = vor_outliers_pull(domain, outliers, run, err);
+    return status;
+}
+
+/* Makes the domain of a cloud that the process inspect looks at. */
+static vor_status see(struct vor_domain *seen, const struct vor_cloud *in,
+                      const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_outliers outliers = {.memory = run->memory};
+    struct vor_spec spec;
+    vor_status status = vor_domain_init(seen, in, run, err);
+
+    vor_spec_preset(&spec, vor_process_find("inspect"));
+    if (status == VOR_OK)
+        status = know(seen, &outliers, &spec, run, err);
+    if (status == VOR_OK)
+        status = vor_lists_make(seen, run, err);
+    if (status == VOR_OK)
+        status = vor_lists_make_any(seen, 0, run, err);
+    vor_outliers_free(&outliers);
+    return status;
+}
+
+/* Fills holes where the request says so and points are to be spread. */
+static vor_status fill(struct vor_domain *domain, const struct vor_cloud *in,
+                       const struct vor_spec *spec, const struct vor_run *run,
+                       struct vor_error *err)
+{
+    struct vor_domain seen = {.n = 0};
+    vor_status status;
+
+    if (spec->value[VOR_PARAM_BOUNDARY] != VOR_BOUNDARY_FILL || vor_spec_only_filters(spec))
+        return VOR_OK;
+    status = see(&seen, in, run, err);
+    if (status == VOR_OK)
+        status = vor_holes_fill(domain, &seen, in->origin, spec, run, err);
+    vor_domain_free(&seen);
+    return status;
+}
+
+/* Finds out everything that is known of a domain, fills its holes and filters it. */
+static vor_status condition(struct vor_domain *domain, struct vor_outliers *outliers,
+                            const struct vor_cloud *in, const struct vor_spec *spec,
+                            const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status = know(domain, outliers, spec, run, err);
+
+    if (status == VOR_OK)
+        status = fill(domain, in, spec, run, err);
     if (status == VOR_OK)
         status = vor_lists_make(domain, run, err);
     if (status == VOR_OK)
@@ -160,7 +209,7 @@ vor_status vor_input_prepare(struct vor_domain *out, const struct vor_cloud *in,
     if (status != VOR_OK)
         return status;
     domain.known.distinct = domain.n;
-    status = condition(&domain, &outliers, spec, run, err);
+    status = condition(&domain, &outliers, in, spec, run, err);
     vor_outliers_free(&outliers);
     if (status != VOR_OK) {
         vor_domain_free(&domain);

@@ -9,16 +9,19 @@
  * and the attribute that it names as density, takes outliers out if the request says so, looks for
  * a lattice and moves the points within its cells if it matters, looks for sheets, chooses the
  * number of neighbours per region unless the request gives one, puts outliers back that are to be
- * pulled, makes lists of neighbours if the request asks for satellites, applies the other filters,
- * and takes islands out, where points are to be spread; then it makes the lists again.
+ * pulled, fills holes if the request says so (input/holes.h), makes lists of neighbours if the
+ * request asks for satellites, applies the other filters, and takes islands out, where points are
+ * to be spread; then it makes the lists again.
  *
  *  @param[out] out   to be freed with vor_domain_free; untouched on failure
  *  @param[in]  in    checked (vor_cloud_check); borrowed for the call
- *  @param[in]  spec  read: outliers, filters, inputNormals, density, intrinsic, neighbors
+ *  @param[in]  spec  read: outliers, filters, inputNormals, density, intrinsic, neighbors,
+ *                    boundary, holes, holeMax
  *  @param[in]  run   a stop must not interrupt this: pass vor_run_unstoppable
  *
  *  @retval VOR_E_NORMALS    as vor_carried_check
  *  @retval VOR_E_DENSITY, VOR_E_METRIC  as vor_followed_check
+ *  @retval VOR_E_HOLES      as vor_holes_fill
  *  @retval VOR_E_DEGENERATE fewer than four distinct points, or all on a line
  *  @retval VOR_E_NOMEM, VOR_E_CANCELLED
  *

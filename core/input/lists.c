@@ -23,6 +23,22 @@ vor_status vor_lists_make(struct vor_domain *domain, const struct vor_run *run,
     }
 }
 
+vor_status vor_lists_make_any(struct vor_domain *domain, int plain, const struct vor_run *run,
+                              struct vor_error *err)
+{
+    unsigned most = domain->n > VOR_ADJACENT ? VOR_ADJACENT : (unsigned)domain->n - 1;
+    vor_status status;
+
+    if (vor_graph_is(&domain->graph))
+        return VOR_OK;
+    if (!plain && domain->n > VOR_ADJACENT)
+        return vor_adjacency_make(&domain->graph, domain, run, err);
+    status = vor_graph_init(&domain->graph, domain->n, most, run->memory, err);
+    if (status == VOR_OK)
+        status = vor_graph_nearest(&domain->graph, domain->knn, domain->xyz, most, run, err);
+    return status;
+}
+
 /* Copies the point at root and its neighbours, at most k in all; returns how many. */
 static unsigned copy_list(float *near, const struct vor_domain *domain, uint32_t root, unsigned k)
 {

@@ -15,6 +15,16 @@
 VOR_NODISCARD vor_status vor_lists_make(struct vor_domain *domain, const struct vor_run *run,
                                         struct vor_error *err);
 
+/** Makes domain->graph where there is none, whether lists were chosen or not: for what looks at
+ *  neighbours, not for fits.
+ *
+ *  @param[in] plain  the lists have the nearest points, and normals of zero; so they do, too, where
+ *                    there are no more than VOR_ADJACENT points
+ *
+ *  Fails and costs as vor_lists_make. */
+VOR_NODISCARD vor_status vor_lists_make_any(struct vor_domain *domain, int plain,
+                                            const struct vor_run *run, struct vor_error *err);
+
 /** What a fit was made to. */
 struct vor_lists_fitted {
     int sheet;     /**< 1: to one sheet of several; 0: to the nearest points */

@@ -315,6 +315,7 @@ static void take_loop(const struct walk *walk, size_t first)
         return;
     loop.length = sums.length + BEYOND * sums.spacing * sums.bend;
     loop.turns = -sums.bend / (2 * M_PI);
+    loop.spacing = sums.spacing;
     for (int c = 0; c < 3; c++)
         loop.centre[c] = sums.centre[c] / sums.length;
     loops->points += loop.count;

@@ -48,6 +48,7 @@ struct vor_loop {
     double turns;     /**< how often the loop winds around what is not there, as seen along the
                            surface */
     double centre[3]; /**< mean of the line through its points, by length */
+    double spacing;   /**< of the input along it */
 };
 
 struct vor_loops {

@@ -279,6 +279,13 @@ vor_status vor_kmeans_run(struct vor_seeds *out, struct vor_outcome *told,
     if (vor_tensors_are(&domain->tensors))
         return vor_fail_param(err, VOR_E_METRIC, "metric",
                               "method kmeans follows no metric, want isotropic, or method cvt");
+    if (spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_SITES)
+        return vor_fail_param(err, VOR_E_PARAM, "boundary",
+                              "method kmeans has no sites, want boundary keep, free or fill, or "
+                              "method cvt");
+    if (spec->value[VOR_PARAM_EDGES] == VOR_EDGES_SITES)
+        return vor_fail_param(err, VOR_E_PARAM, "edges",
+                              "method kmeans has no sites, want edges ignore, or method cvt");
     if (n > domain->n)
         return vor_fail_param(err, VOR_E_TARGET, "points",
                               "%zu points are asked for, want 1 to %zu: kmeans takes means of the "

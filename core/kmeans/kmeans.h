@@ -28,6 +28,7 @@
  *
  *  @retval VOR_E_TARGET  the input has fewer than n points at different places
  *  @retval VOR_E_DENSITY, VOR_E_METRIC  a density or metric is asked for, which it does not follow
+ *  @retval VOR_E_PARAM    sites are asked for, which it has none of
  *  @retval VOR_E_CANCELLED, VOR_E_NOMEM  88 n bytes (the index of the seeds among them) and 4
  *                               for each input point do not fit
  *

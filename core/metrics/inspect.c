@@ -1,8 +1,8 @@
 #include "core/metrics/inspect.h"
 
 #include "core/base/stat.h"
-#include "core/input/adjacency.h"
 #include "core/input/edges.h"
+#include "core/input/lists.h"
 #include "core/input/loops.h"
 #include "core/input/sheets.h"
 #include "core/metrics/uniformity.h"
@@ -56,24 +56,6 @@ void vor_inspect_cloud(struct vor_inspect *out, const struct vor_cloud *cloud)
     }
     out->points = cloud->n;
     out->invalid = cloud->notes.invalid;
-}
-
-/* Lists of neighbours of the domain's points. Of so few points all are near. */
-static vor_status make_lists(struct vor_domain *domain, const struct vor_spec *spec,
-                             const struct vor_run *run, struct vor_error *err)
-{
-    int plain = spec->value[VOR_PARAM_INTRINSIC] == VOR_INTRINSIC_NONE || domain->n <= VOR_ADJACENT;
-    unsigned most = domain->n > VOR_ADJACENT ? VOR_ADJACENT : (unsigned)domain->n - 1;
-    vor_status status;
-
-    if (vor_graph_is(&domain->graph))
-        return VOR_OK;
-    if (!plain)
-        return vor_adjacency_make(&domain->graph, domain, run, err);
-    status = vor_graph_init(&domain->graph, domain->n, most, run->memory, err);
-    if (status == VOR_OK)
-        status = vor_graph_nearest(&domain->graph, domain->knn, domain->xyz, most, run, err);
-    return status;
 }
 
 /* Counts the components; size[i], 0 at first, becomes the points of component i. */
@@ -254,7 +236,8 @@ vor_status vor_inspect_domain(struct vor_inspect *out, struct vor_domain *domain
                               const struct vor_spec *spec, const struct vor_run *run,
                               struct vor_error *err)
 {
-    vor_status status = make_lists(domain, spec, run, err);
+    int plain = spec->value[VOR_PARAM_INTRINSIC] == VOR_INTRINSIC_NONE;
+    vor_status status = vor_lists_make_any(domain, plain, run, err);
     size_t owns = 0;
 
     if (status != VOR_OK)

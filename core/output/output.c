@@ -8,6 +8,7 @@
 #include "core/seeds/uniformity.h"
 
 #include <assert.h>
+#include <string.h>
 
 /* Transfers attributes and normals to the points. */
 static vor_status transfer(struct vor_cloud *out, struct vor_report *report,
@@ -86,10 +87,23 @@ void vor_output_report_uniformity(struct vor_report *report, const struct vor_un
     report->max_over_mean = even->mean > 0 ? even->max / even->mean : 0;
 }
 
+/* Reports what became of holes that were to be filled. */
+static void report_holes(struct vor_report *report, const struct vor_holes *holes)
+{
+    report->has_holes = holes->asked;
+    report->holes_loops = holes->loops;
+    report->holes_filled = holes->filled;
+    report->holes_not_closed = holes->not_closed;
+    report->holes_points = holes->points;
+    report->holes_count = holes->told_count;
+    memcpy(report->holes, holes->told, sizeof report->holes);
+}
+
 void vor_output_report_input(struct vor_report *report, const struct vor_domain *domain)
 {
     const struct vor_conditioning *known = &domain->known;
 
+    report_holes(report, &known->holes);
     report->outliers = known->outliers;
     report->parts = known->parts;
     report->islands = known->islands;

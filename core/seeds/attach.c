@@ -60,17 +60,18 @@ static void attach_block(void *ctx, size_t begin, size_t end, unsigned worker)
 vor_status vor_attach(struct vor_seeds *seeds, int *keep_holes, struct vor_error *err)
 {
     struct attach attach = {.seeds = seeds, .every = 1 + seeds->n / VOR_GAPS_COUNTED};
+    size_t moving = vor_seeds_moving(seeds);
     vor_status status;
 
     *keep_holes = 0;
     if (!seeds->policy.keep_border)
         return VOR_OK;
-    status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, count_block, &attach, err);
+    status = vor_run_for(&seeds->run, moving, VOR_SEEDS_BLOCK, count_block, &attach, err);
     if (status != VOR_OK)
         return status;
     attach.keep_holes = (double)(attach.beyond * attach.every) <= VOR_GAPS_SHARE * (double)seeds->n;
     *keep_holes = attach.keep_holes;
-    return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, attach_block, &attach, err);
+    return vor_run_for(&seeds->run, moving, VOR_SEEDS_BLOCK, attach_block, &attach, err);
 }
 
 /* Moves the seeds of a block that are too far from all of the input. */
@@ -109,7 +110,8 @@ vor_status vor_attach_last(struct vor_seeds *seeds, struct vor_error *err)
 
     if (!seeds->policy.keep_border)
         return VOR_OK;
-    return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, end_block, &attach, err);
+    return vor_run_for(&seeds->run, vor_seeds_moving(seeds), VOR_SEEDS_BLOCK, end_block, &attach,
+                       err);
 }
 
 vor_status vor_attach_to_whole(struct vor_seeds *seeds, int keep_holes, struct vor_error *err)
@@ -119,5 +121,6 @@ vor_status vor_attach_to_whole(struct vor_seeds *seeds, int keep_holes, struct v
     if (vor_seeds_on_whole(seeds))
         return VOR_OK;
     vor_seeds_onto(seeds, seeds->whole);
-    return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, attach_block, &attach, err);
+    return vor_run_for(&seeds->run, vor_seeds_moving(seeds), VOR_SEEDS_BLOCK, attach_block, &attach,
+                       err);
 }

@@ -1,9 +1,18 @@
 #include "core/seeds/fixed.h"
 
+#include "core/base/stat.h"
 #include "core/input/islands.h"
 #include "core/seeds/uniformity.h"
 
 #include <string.h>
+
+/* Spacings of sites that other seeds keep from them: two sites are one apart. Without it some slip
+ * out between two, and stay beyond (one on a square of 1,500, five along half an armadillo). */
+#define FENCE 0.6
+
+/* Spacings of sites that seeds start within a border, where too many lie outside of it to be taken
+ * out: on the line of the sites one would be caught by the fence. */
+#define INSIDE 0.5
 
 /* What the seeds counted before they were made anew. */
 struct counted {
@@ -109,5 +118,114 @@ vor_status vor_seeds_add_islands(struct vor_seeds *seeds, double *delta_beside,
     if (status == VOR_OK)
         status = add_fixed(seeds, fixed, domain, policy, run, err);
     vor_free(run->memory, xyz);
+    return status;
+}
+
+size_t vor_seeds_beside_sites(size_t n, const struct vor_sites *sites)
+{
+    return n - sites->half + sites->half / 2;
+}
+
+/* Takes seeds out: those whose squared distance is less than `far2`, and of those where it is equal
+ * the first, until `wanted` are left. */
+static void keep_far(struct vor_seeds *seeds, const float *distance2, float far2, size_t wanted)
+{
+    size_t nearer = 0, kept = 0, equal;
+
+    for (size_t i = 0; i < seeds->n; i++)
+        nearer += distance2[i] < far2;
+    equal = seeds->n - nearer - wanted; /* that go, of those at far2 */
+    for (size_t i = 0; i < seeds->n; i++) {
+        if (distance2[i] < far2 || (distance2[i] == far2 && equal > 0 && equal-- > 0))
+            continue;
+        memmove(&seeds->xyz[3 * kept++], &seeds->xyz[3 * i], 3 * sizeof *seeds->xyz);
+    }
+    seeds->n = kept;
+}
+
+/* How far seed i lies outside of the border, at the place along it that is nearest. */
+static double beyond(const struct vor_seeds *seeds, const struct vor_sites *sites, size_t i,
+                     uint32_t nearest)
+{
+    double sum = 0;
+
+    for (size_t c = 0; c < 3; c++)
+        sum += ((double)seeds->xyz[3 * i + c] - (double)sites->place[3 * (size_t)nearest + c]) *
+               (double)sites->outward[3 * (size_t)nearest + c];
+    return sum;
+}
+
+/* Sets how far each seed is from the lines of sites, squared; less than 0 where it lies outside. */
+static void look(float *distance2, uint32_t *index, const struct vor_seeds *seeds,
+                 const struct vor_sites *sites, const struct vor_knn *knn)
+{
+    vor_knn_search(knn, seeds->xyz, seeds->n, 1, index, distance2);
+    for (size_t i = 0; i < seeds->n; i++)
+        if (beyond(seeds, sites, i, index[i]) > 0)
+            distance2[i] = -distance2[i];
+}
+
+/* Moves the seeds that are left near a border, or outside, to INSIDE spacings within it. */
+static void push_in(struct vor_seeds *seeds, const struct vor_sites *sites, const float *distance2,
+                    const uint32_t *index)
+{
+    double room = INSIDE * sites->spacing;
+
+    for (size_t i = 0; i < seeds->n; i++) {
+        double far = room + beyond(seeds, sites, i, index[i]);
+
+        for (size_t c = 0; (double)distance2[i] < room * room && c < 3; c++)
+            seeds->xyz[3 * i + c] -=
+                (float)(far * (double)sites->outward[3 * (size_t)index[i] + c]);
+    }
+}
+
+/* Takes out the seeds that lie outside of borders, the farthest first, and then those nearest to
+ * the lines of sites, until `wanted` are left. */
+static vor_status make_way(struct vor_seeds *seeds, const struct vor_sites *sites, size_t wanted,
+                           struct vor_memory *memory, struct vor_error *err)
+{
+    size_t n = seeds->n, surplus = n - wanted;
+    float *distance2 = vor_malloc(memory, n, sizeof *distance2),
+          *sorted = vor_malloc(memory, n, sizeof *sorted);
+    uint32_t *index = vor_malloc(memory, n, sizeof *index);
+    struct vor_knn *knn = NULL;
+    vor_status status = VOR_E_NOMEM;
+
+    if (distance2 == NULL || sorted == NULL || index == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points beside borders", n);
+    else
+        status = vor_knn_build(&knn, sites->place, sites->places, memory, err);
+    if (status == VOR_OK && surplus > 0) {
+        look(distance2, index, seeds, sites, knn);
+        memcpy(sorted, distance2, n * sizeof *sorted);
+        vor_sort_floats(sorted, n);
+        keep_far(seeds, distance2, sorted[surplus - 1], wanted);
+        look(distance2, index, seeds, sites, knn);
+        push_in(seeds, sites, distance2, index);
+    }
+    vor_knn_free(knn);
+    vor_free(memory, index);
+    vor_free(memory, sorted);
+    vor_free(memory, distance2);
+    return status;
+}
+
+vor_status vor_seeds_add_sites(struct vor_seeds *seeds, const struct vor_sites *sites, size_t n,
+                               const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status;
+
+    if (sites->n == 0)
+        return VOR_OK;
+    status = make_way(seeds, sites, n - sites->n, run->memory, err);
+    if (status == VOR_OK)
+        status = add_fixed(seeds, (struct fixed){sites->xyz, sites->n}, seeds->whole, seeds->policy,
+                           run, err);
+    if (status == VOR_OK) {
+        seeds->fixed = sites->n;
+        seeds->half = sites->half;
+        seeds->fence = FENCE * sites->spacing;
+    }
     return status;
 }

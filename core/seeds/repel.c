@@ -323,6 +323,8 @@ static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
     }
     if (!scratch->interior && polish->recall.keep_holes && vor_seeds_hold(seeds, scratch, i, y))
         vor_surface_put(&scratch->onto, y);
+    if (vor_seeds_fenced(seeds, scratch, i, x, y))
+        memcpy(y, x, sizeof y);
     for (size_t c = 0; c < 3; c++) {
         polish->next[3 * i + c] = (float)y[c];
         polish->step[3 * i + c] = (float)(y[c] - x[c]);
@@ -378,13 +380,14 @@ static double longest_step(const struct polish *polish)
 static vor_status step_once(struct polish *polish, struct vor_error *err)
 {
     struct vor_seeds *seeds = polish->seeds;
+    size_t moving = vor_seeds_moving(seeds);
     vor_status status = vor_seeds_index(seeds, polish->run, err);
 
     if (status == VOR_OK)
-        status = vor_run_for(polish->run, seeds->n, VOR_SEEDS_BLOCK, move_block, polish, err);
+        status = vor_run_for(polish->run, moving, VOR_SEEDS_BLOCK, move_block, polish, err);
     if (status != VOR_OK)
         return status;
-    memcpy(seeds->xyz, polish->next, 3 * seeds->n * sizeof *seeds->xyz);
+    memcpy(seeds->xyz, polish->next, 3 * moving * sizeof *seeds->xyz);
     polish->record.polish++;
     polish->record.seconds = vor_run_seconds(polish->run);
     return VOR_OK;
@@ -537,7 +540,7 @@ static double lattice_pitch(const struct vor_seeds *seeds, const struct vor_outc
 {
     double area = told->steps[VOR_RUN_STAGE_ITERATE] > 0 ? told->area_even : seeds->area;
 
-    return sqrt(area / (VOR_HEXAGON_HEIGHT * (double)seeds->n));
+    return sqrt(area / (VOR_HEXAGON_HEIGHT * ((double)seeds->n - (double)seeds->half / 2)));
 }
 
 vor_status vor_repel(struct vor_seeds *seeds, struct vor_outcome *told, int keep_holes,

@@ -55,6 +55,10 @@ struct vor_seeds {
     const struct vor_domain *whole;  /**< the domain that the seeds end on */
     struct vor_run run; /**< not interrupted by a stop; loops that a stop may end get their own */
     size_t n;
+    size_t fixed; /**< the last ones of these, which do not move (seeds/fixed.h) */
+    size_t half;  /**< of those, on borders: they have half a cell */
+    double fence; /**< distance that others keep from those, so that none slips through between two;
+                       with a density, times the value of the field there */
     struct vor_seeds_policy policy;
     int sheets; /**< fits look for layers: a domain that they are or were made on has sheets */
     float *xyz; /**< n x 3 */
@@ -80,12 +84,12 @@ VOR_NODISCARD vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_
                                         size_t n, struct vor_seeds_policy policy,
                                         const struct vor_run *run, struct vor_error *err);
 
-/** The policy of a request: keep_border as `boundary` says, planes as `patch` does, patches of the
- *  usual width. */
+/** The policy of a request: keep_border unless `boundary` is free, planes as `patch` does, patches
+ * of the usual width. */
 static inline struct vor_seeds_policy vor_seeds_policy_of(const struct vor_spec *spec)
 {
     return (struct vor_seeds_policy){.keep_border =
-                                         spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_KEEP,
+                                         spec->value[VOR_PARAM_BOUNDARY] != VOR_BOUNDARY_FREE,
                                      .widen = 1,
                                      .planes = spec->value[VOR_PARAM_PATCH] == VOR_PATCH_PLANE};
 }
@@ -180,6 +184,17 @@ void vor_seeds_border(const struct vor_seeds *seeds, struct vor_scratch *scratch
  *  x is near it. Returns whether x was moved. */
 int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i,
                    double x[3]);
+
+/** How many seeds move: the first ones. */
+static inline size_t vor_seeds_moving(const struct vor_seeds *seeds)
+{
+    return seeds->n - seeds->fixed;
+}
+
+/** Whether seed i, which moves from x to y, ends within the fence of one that does not move, and
+ *  nearer to it than it began. scratch->crowd was gathered around it. O(crowd). */
+int vor_seeds_fenced(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
+                     const double x[3], const double y[3]);
 
 /** Whether surfaces are fitted to the whole domain. */
 static inline int vor_seeds_on_whole(const struct vor_seeds *seeds)

@@ -41,6 +41,16 @@ int vor_decimal_read_count(double *out, const char *text)
     return vor_decimal_read(out, expanded, length + 1);
 }
 
+int vor_decimal_read_at(double *out, const char *text, unsigned index)
+{
+    for (; index > 0; index--) {
+        text += strcspn(text, ",");
+        if (*text++ != ',')
+            return 0;
+    }
+    return vor_decimal_read(out, text, strcspn(text, ","));
+}
+
 int vor_decimal_read_vector(double out[3], const char *text)
 {
     double read[3];

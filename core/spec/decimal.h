@@ -17,4 +17,8 @@ int vor_decimal_read_count(double *out, const char *text);
 /** Reads "X,Y,Z", three such numbers; the whole text counts. */
 int vor_decimal_read_vector(double out[3], const char *text);
 
+/** Reads number `index` of a text with commas between them; false if it is none, or past the last.
+ */
+int vor_decimal_read_at(double *out, const char *text, unsigned index);
+
 #endif

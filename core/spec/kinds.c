@@ -330,6 +330,46 @@ static void list_vector(const struct vor_parameter_info *info, struct line *out)
     add(out, "X,Y,Z");
 }
 
+/* Counts: whole numbers with commas between, each at most once, which stand in the text. */
+
+static int read_counts(const struct vor_parameter_info *info, const char *text,
+                       struct vor_value *out)
+{
+    unsigned count = 1;
+
+    *out = (struct vor_value){VOR_COUNTS, text};
+    for (const char *at = text; (at = strchr(at, ',')) != NULL; at++)
+        count++;
+    for (unsigned i = 0; i < count; i++) {
+        double number, before;
+
+        if (!vor_decimal_read_at(&number, text, i) || number != rint(number) ||
+            !(number >= info->min && number <= info->max))
+            return 0;
+        for (unsigned j = 0; j < i; j++)
+            if (vor_decimal_read_at(&before, text, j) && before == number)
+                return 0;
+    }
+    return 1;
+}
+
+static int owns_counts(const struct vor_parameter_info *info, double value)
+{
+    (void)info;
+    return value == VOR_COUNTS;
+}
+
+static void want_counts(const struct vor_parameter_info *info, struct line *out)
+{
+    add(out, "each at most once and with commas between, whole numbers from %.16g to %.16g",
+        info->min, info->max);
+}
+
+static void list_counts(const struct vor_parameter_info *info, struct line *out)
+{
+    add(out, "some of %.16g to %.16g with commas between", info->min, info->max);
+}
+
 /* Flags. */
 
 static int read_flag(const struct vor_parameter_info *info, const char *text, struct vor_value *out)
@@ -474,6 +514,8 @@ static const struct form forms[VOR_FORM_NONE] = {
     [VOR_FORM_FLAG] = {VOR_SHAPE_BOOLEAN, read_flag, owns_number, write_flag, want_flag, list_flag},
     [VOR_FORM_TEXT] = {VOR_SHAPE_STRING, read_text, owns_number, write_text, want_text, want_text},
     [VOR_FORM_LIST] = {VOR_SHAPE_ARRAY, read_list, owns_number, write_list, want_list, list_list},
+    [VOR_FORM_COUNTS] = {VOR_SHAPE_ARRAY, read_counts, owns_counts, write_text, want_counts,
+                         list_counts},
     [VOR_FORM_AUTO] = {VOR_SHAPE_STRING, read_auto, owns_auto, write_auto, want_auto, want_auto},
 };
 

@@ -20,6 +20,8 @@ enum vor_form {
     VOR_FORM_FLAG,   /**< true or false; 1 or 0 */
     VOR_FORM_TEXT,   /**< UTF-8 without control characters; the value is 1 */
     VOR_FORM_LIST,   /**< some of the words, or "none"; bit i of the value is word i */
+    VOR_FORM_COUNTS, /**< whole numbers, each once; the value is VOR_COUNTS, they stand in the text
+                      */
     VOR_FORM_AUTO,   /**< the word auto; the value is VOR_UNSET */
     VOR_FORM_NONE    /**< of a value that is not given; also the number of forms */
 };
@@ -46,7 +48,8 @@ enum vor_shape {
     X(COUNT_OR_AUTO, WHOLE, AUTO)                                                                  \
     X(REAL_OR_AUTO, REAL, AUTO)                                                                    \
     X(REAL_OR_WORD, REAL, WORD)                                                                    \
-    X(LIST_OR_AUTO, LIST, AUTO)
+    X(LIST_OR_AUTO, LIST, AUTO)                                                                    \
+    X(COUNTS_OR_AUTO, COUNTS, AUTO)
 
 enum vor_kind {
 #define VOR_KIND_ENUM(id, form, other) VOR_KIND_##id,
@@ -64,6 +67,9 @@ enum vor_kind {
 
 /** The value that means the numbers of a vector, which stand in the text. */
 #define VOR_VECTOR (-2.0)
+
+/** The value that means whole numbers that stand in the text. */
+#define VOR_COUNTS (-2.0)
 
 /** Groups: a process takes whole groups of parameters. Identifier, title in the help. */
 #define VOR_GROUP_TABLE(X)                                                                         \
@@ -162,8 +168,20 @@ enum vor_method_choice {
       "Window of the Anderson acceleration; 0 is plain Lloyd; momentum when not given")            \
     X(POLISH, polish, COUNT, CVT, "", 0, 10000, 100, "",                                           \
       "Most steps of repulsion after the iterations, which even the spacing out; 0 is none")       \
-    X(BOUNDARY, boundary, CHOICE, SPREAD, "", 0, 0, VOR_BOUNDARY_KEEP, "keep free",                \
-      "keep: no point leaves the input at its border; free: no restriction")                       \
+    X(BOUNDARY, boundary, CHOICE, SPREAD, "", 0, 0, VOR_BOUNDARY_KEEP, "keep free sites fill",     \
+      "keep: no point leaves the input at its border; free: no restriction; sites: points are "    \
+      "placed along the borders first, evenly, and stay there; fill: holes are filled first, "     \
+      "then "                                                                                      \
+      "as keep")                                                                                   \
+    X(HOLES, holes, COUNTS_OR_AUTO, SPREAD, "", 1, 10000000, VOR_UNSET, "",                        \
+      "With boundary fill, which loops are filled: their numbers, as inspect tells them, holes "   \
+      "or not; auto: all holes that are shorter than holeMax")                                     \
+    X(HOLE_MAX, holeMax, REAL_OR_AUTO, SPREAD, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",    \
+      "Length of the border below which holes=auto fills a hole; auto: half of the diagonal of "   \
+      "the box around the input")                                                                  \
+    X(EDGES, edges, CHOICE, SPREAD, "", 0, 0, VOR_EDGES_IGNORE, "ignore sites",                    \
+      "Sharp edges of the input. ignore: points are spread over them as elsewhere; sites: points " \
+      "are placed along them first, evenly, and stay there")                                       \
     X(OUTLIERS, outliers, CHOICE, INPUT, "", 0, 0, VOR_OUTLIERS_KEEP, "keep drop pull",            \
       "Input points that few of those around them count among their nearest. drop: they are "      \
       "ignored; pull: they are moved onto the surface")                                            \
@@ -230,7 +248,8 @@ enum { VOR_PATCH_QUADRIC, VOR_PATCH_PLANE };
 enum { VOR_DENSITY_UNIFORM, VOR_DENSITY_CURVATURE, VOR_DENSITY_ATTRIBUTE };
 enum { VOR_METRIC_ISOTROPIC, VOR_METRIC_ANISOTROPIC, VOR_METRIC_ATTRIBUTE, VOR_METRIC_LP };
 enum { VOR_CELLS_METRIC, VOR_CELLS_EUCLID };
-enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE };
+enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE, VOR_BOUNDARY_SITES, VOR_BOUNDARY_FILL };
+enum { VOR_EDGES_IGNORE, VOR_EDGES_SITES };
 enum { VOR_OUTLIERS_KEEP, VOR_OUTLIERS_DROP, VOR_OUTLIERS_PULL };
 enum { VOR_SAMPLE_VERTICES, VOR_SAMPLE_FACES };
 enum { VOR_FILTER_MLS, VOR_FILTER_OUTLIERS, VOR_FILTER_THIN }; /* words of the list filters */

@@ -44,6 +44,17 @@ static void put_list(struct vor_text *text, const struct vor_spec *spec,
     vor_json_end_array(text);
 }
 
+static void put_counts(struct vor_text *text, const struct vor_spec *spec,
+                       enum vor_parameter parameter)
+{
+    double number;
+
+    vor_json_begin_array(text);
+    for (unsigned i = 0; vor_spec_count_at(spec, parameter, i, &number); i++)
+        vor_json_double(text, number);
+    vor_json_end_array(text);
+}
+
 /* The members of a schema that a form answers to. */
 
 static void put_range(struct vor_text *text, const struct vor_parameter_info *info,
@@ -129,6 +140,17 @@ static void schema_list(struct vor_text *text, const struct vor_parameter_info *
     vor_json_end_object(text);
 }
 
+static void schema_counts(struct vor_text *text, const struct vor_parameter_info *info)
+{
+    vor_json_put_string(text, "type", "array");
+    vor_json_put_bool(text, "uniqueItems", 1);
+    vor_json_put_double(text, "minItems", 1);
+    vor_json_key(text, "items");
+    vor_json_begin_object(text);
+    schema_whole(text, info);
+    vor_json_end_object(text);
+}
+
 static void schema_auto(struct vor_text *text, const struct vor_parameter_info *info)
 {
     (void)info;
@@ -143,11 +165,12 @@ static const struct {
     void (*put)(struct vor_text *text, const struct vor_spec *spec, enum vor_parameter parameter);
     void (*schema)(struct vor_text *text, const struct vor_parameter_info *info);
 } forms[VOR_FORM_NONE] = {
-    [VOR_FORM_WHOLE] = {put_number, schema_whole}, [VOR_FORM_REAL] = {put_number, schema_real},
-    [VOR_FORM_CHOICE] = {put_text, schema_words},  [VOR_FORM_WORD] = {put_text, schema_words},
-    [VOR_FORM_NAME] = {put_text, schema_name},     [VOR_FORM_VECTOR] = {put_text, schema_vector},
-    [VOR_FORM_FLAG] = {put_flag, schema_flag},     [VOR_FORM_TEXT] = {put_text, schema_text},
-    [VOR_FORM_LIST] = {put_list, schema_list},     [VOR_FORM_AUTO] = {put_text, schema_auto},
+    [VOR_FORM_WHOLE] = {put_number, schema_whole},   [VOR_FORM_REAL] = {put_number, schema_real},
+    [VOR_FORM_CHOICE] = {put_text, schema_words},    [VOR_FORM_WORD] = {put_text, schema_words},
+    [VOR_FORM_NAME] = {put_text, schema_name},       [VOR_FORM_VECTOR] = {put_text, schema_vector},
+    [VOR_FORM_FLAG] = {put_flag, schema_flag},       [VOR_FORM_TEXT] = {put_text, schema_text},
+    [VOR_FORM_LIST] = {put_list, schema_list},       [VOR_FORM_AUTO] = {put_text, schema_auto},
+    [VOR_FORM_COUNTS] = {put_counts, schema_counts},
 };
 
 void vor_json_spec(struct vor_text *text, const struct vor_spec *spec)

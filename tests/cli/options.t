@@ -84,7 +84,7 @@ refused 'a name cut too short', ['resample', $in, @points, '-o', $out, '--po', 3
 refused 'a name cut too short for both tables', ['resample', '--se=1'], 2, 'resample: --se may be --server or --seconds or --seed';
 refused 'a name cut to nothing', ['resample', '--=1'], 2, 'resample: no option --; see voronoid resample --help';
 refused 'a name cut short of a wrong value', ['resample', $in, @points, '-o', $out, '--bound=open'], 2,
-    'resample: boundary is "open", want one of keep, free';
+    'resample: boundary is "open", want one of keep, free, sites, fill';
 refused 'an option of another command', ['measure', $in, '--server', 'http://127.0.0.1:1'], 2,
     'measure: no option --server; see voronoid measure --help';
 refused 'an input of another command', ['resample', $in, @points, '-o', $out, '--reference', $in], 2,
@@ -158,7 +158,7 @@ refused 'an empty value', ['resample', $in, '-o', $out, '--points='], 2,
 refused 'a number with a newline', ['resample', $in, '-o', $out, '-n', "1\n"], 2,
     'resample: points is 1\\x0a, want a whole number from 1 to 10000000';
 refused 'a wrong word', ['resample', $in, '-o', $out, @points, '--boundary', 'open'], 2,
-    'resample: boundary is "open", want one of keep, free';
+    'resample: boundary is "open", want one of keep, free, sites, fill';
 refused 'no such patch', ['resample', $in, '-o', $out, @points, '--patch', 'octagon'], 2,
     'resample: patch is "octagon", want one of quadric, plane';
 refused 'a method of another process', ['upsample', $in, '-o', $out, '--method', 'kmeans'], 2,

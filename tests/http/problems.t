@@ -30,7 +30,7 @@ for my $case (
     ['points=10&neighbours=6', qr/^no parameter neighbours; resample takes points, ratio, .*, normals$/, 'neighbours'],
     ['points=10&peak=6', qr/^no parameter peak; resample takes points, ratio, .*, normals$/, 'peak'],
     ['points=10&neighbors=5', qr/neighbors is 5, want .* from 6 to 500 or auto/, 'neighbors'],
-    ['points=10&boundary=open', qr/boundary is "open", want one of keep, free/, 'boundary'],
+    ['points=10&boundary=open', qr/boundary is "open", want one of keep, free, sites, fill/, 'boundary'],
     ['points=10&patch=cubic', qr/patch is "cubic", want one of quadric, plane/, 'patch'],
     ['points=10&method=lop', qr/method is "lop", want one of cvt, kmeans/, 'method'],
     ['points=10&format=stl', qr/format is "stl", want one of ply, drc/, 'format'],

@@ -139,11 +139,16 @@ static void add_apart(uint64_t *hash, const struct vor_apart *apart)
     add_count(hash, apart->points);
 }
 
-/* True for what means nothing without a density or metric, where none is asked for. */
+/* True for what means nothing without a density or metric, without sites on edges or without holes
+ * to fill, where none are asked for. */
 static int is_idle(const struct vor_spec *spec, int parameter)
 {
     if (parameter == VOR_PARAM_METRIC || parameter == VOR_PARAM_MAX_ASPECT)
         return spec->value[VOR_PARAM_METRIC] == VOR_METRIC_ISOTROPIC;
+    if (parameter == VOR_PARAM_EDGES)
+        return spec->value[parameter] == VOR_EDGES_IGNORE;
+    if (parameter == VOR_PARAM_HOLES || parameter == VOR_PARAM_HOLE_MAX)
+        return spec->value[VOR_PARAM_BOUNDARY] != VOR_BOUNDARY_FILL;
     return spec->value[VOR_PARAM_DENSITY] == VOR_DENSITY_UNIFORM &&
            (parameter == VOR_PARAM_DENSITY || parameter == VOR_PARAM_CONTRAST ||
             parameter == VOR_PARAM_GRADING);

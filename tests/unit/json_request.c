@@ -46,6 +46,8 @@ static double draw(const struct vor_process_info *process, enum vor_parameter pa
                 fitting[count++] = words;
         return (double)fitting[vor_rng_below(seed, 7, index, count)];
     }
+    if (vor_kind_form(info->kind, 0) == VOR_FORM_COUNTS) /* numbers need a text */
+        return VOR_UNSET;
     if (vor_kind_form(info->kind, 1) == VOR_FORM_AUTO && u < 0.3)
         return VOR_UNSET;
     value = info->min + (info->max - info->min) * vt_unit(seed, 100 + index);
@@ -135,10 +137,12 @@ static const struct refused refused[] = {
      "points is a boolean, want a whole number from 1 to 10000000"},
     {"{\"neighbors\":\"Auto\"}", "/neighbors", "neighbors",
      "neighbors is Auto, want a whole number from 6 to 500 or auto"},
-    {"{\"boundary\":1}", "/boundary", "boundary", "boundary is a number, want one of keep, free"},
-    {"{\"boundary\":{}}", "/boundary", "boundary", "boundary is an object, want one of keep, free"},
+    {"{\"boundary\":1}", "/boundary", "boundary",
+     "boundary is a number, want one of keep, free, sites, fill"},
+    {"{\"boundary\":{}}", "/boundary", "boundary",
+     "boundary is an object, want one of keep, free, sites, fill"},
     {"{\"boundary\":\"kee\\np\"}", "/boundary", "boundary",
-     "boundary is \"kee\\x0ap\", want one of keep, free"},
+     "boundary is \"kee\\x0ap\", want one of keep, free, sites, fill"},
     {"{\"a/b~c\":1}", "/a~1b~0c", "a/b~c", NULL},
     {"{\"new\\nline\":1}", "/new\nline", "new\\x0aline", NULL},
     {"{\"Points\":1}", "/Points", "Points", NULL},
@@ -272,6 +276,8 @@ START_TEST(a_process_describes_what_it_takes)
             continue;
         }
         range = range != NULL ? range : schema;
+        if (vor_kind_form(info->kind, 0) == VOR_FORM_COUNTS)
+            range = vor_json_get(range, "items");
         ck_assert(vor_json_get_number(vor_json_get(range, "minimum"), &number));
         ck_assert_double_eq(number, info->min);
         ck_assert(vor_json_get_number(vor_json_get(range, "maximum"), &number));

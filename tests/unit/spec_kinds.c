@@ -22,6 +22,7 @@ static const struct vor_parameter_info rows[VOR_KINDS] = {
     [VOR_KIND_REAL_OR_AUTO] = {.min = 0, .max = 2.5, .unit = "s", .choices = ""},
     [VOR_KIND_REAL_OR_WORD] = {.min = 0, .max = 10, .unit = "", .choices = "mean max"},
     [VOR_KIND_LIST_OR_AUTO] = {.unit = "", .choices = WORDS},
+    [VOR_KIND_COUNTS_OR_AUTO] = {.min = 1, .max = 1000, .unit = "", .choices = ""},
 };
 
 static struct vor_parameter_info row_of(enum vor_kind kind)
@@ -82,6 +83,9 @@ static const struct {
     {VOR_KIND_LIST_OR_AUTO, "auto", VOR_UNSET, VOR_FORM_AUTO, NULL},
     {VOR_KIND_LIST_OR_AUTO, "none", 0, VOR_FORM_LIST, NULL},
     {VOR_KIND_LIST_OR_AUTO, "mls", 1, VOR_FORM_LIST, NULL},
+    {VOR_KIND_COUNTS_OR_AUTO, "auto", VOR_UNSET, VOR_FORM_AUTO, NULL},
+    {VOR_KIND_COUNTS_OR_AUTO, "3", VOR_COUNTS, VOR_FORM_COUNTS, NULL},
+    {VOR_KIND_COUNTS_OR_AUTO, "7,1,1000", VOR_COUNTS, VOR_FORM_COUNTS, NULL},
 };
 
 START_TEST(a_text_is_read_as_its_value_and_written_back)
@@ -174,6 +178,16 @@ static const struct {
     {VOR_KIND_REAL_OR_WORD, "min"},
     {VOR_KIND_LIST_OR_AUTO, "mls,auto"},
     {VOR_KIND_LIST_OR_AUTO, "-1"},
+    {VOR_KIND_COUNTS_OR_AUTO, "0"},
+    {VOR_KIND_COUNTS_OR_AUTO, "1001"},
+    {VOR_KIND_COUNTS_OR_AUTO, "1.5"},
+    {VOR_KIND_COUNTS_OR_AUTO, "1,"},
+    {VOR_KIND_COUNTS_OR_AUTO, ",1"},
+    {VOR_KIND_COUNTS_OR_AUTO, "1,2,1"},
+    {VOR_KIND_COUNTS_OR_AUTO, "2,2.0"},
+    {VOR_KIND_COUNTS_OR_AUTO, "1, 2"},
+    {VOR_KIND_COUNTS_OR_AUTO, "1,auto"},
+    {VOR_KIND_COUNTS_OR_AUTO, "none"},
 };
 
 START_TEST(what_is_not_of_the_kind_is_refused)
@@ -215,13 +229,15 @@ START_TEST(a_kind_takes_the_shapes_of_its_forms_alone)
                                                [VOR_KIND_COUNT_OR_AUTO] = N | S,
                                                [VOR_KIND_REAL_OR_AUTO] = N | S,
                                                [VOR_KIND_REAL_OR_WORD] = N | S,
-                                               [VOR_KIND_LIST_OR_AUTO] = A | S};
+                                               [VOR_KIND_LIST_OR_AUTO] = A | S,
+                                               [VOR_KIND_COUNTS_OR_AUTO] = A | S};
     static const enum vor_shape shape_of[VOR_FORM_NONE] = {
         [VOR_FORM_WHOLE] = VOR_SHAPE_NUMBER,  [VOR_FORM_REAL] = VOR_SHAPE_NUMBER,
         [VOR_FORM_CHOICE] = VOR_SHAPE_STRING, [VOR_FORM_WORD] = VOR_SHAPE_STRING,
         [VOR_FORM_NAME] = VOR_SHAPE_STRING,   [VOR_FORM_VECTOR] = VOR_SHAPE_STRING,
         [VOR_FORM_FLAG] = VOR_SHAPE_BOOLEAN,  [VOR_FORM_TEXT] = VOR_SHAPE_STRING,
-        [VOR_FORM_LIST] = VOR_SHAPE_ARRAY,    [VOR_FORM_AUTO] = VOR_SHAPE_STRING};
+        [VOR_FORM_LIST] = VOR_SHAPE_ARRAY,    [VOR_FORM_COUNTS] = VOR_SHAPE_ARRAY,
+        [VOR_FORM_AUTO] = VOR_SHAPE_STRING};
 
     for (int shape = VOR_SHAPE_NUMBER; shape <= VOR_SHAPE_ARRAY; shape++) {
         ck_assert_int_eq(vor_kind_has_shape((enum vor_kind)_i, (enum vor_shape)shape),
@@ -264,6 +280,9 @@ START_TEST(a_kind_says_what_it_wants)
         [VOR_KIND_LIST_OR_AUTO] = {"each at most once and with commas between, words of mls, "
                                    "outliers, thin, or none or auto",
                                    "some of mls,outliers,thin | none | auto"},
+        [VOR_KIND_COUNTS_OR_AUTO] = {"each at most once and with commas between, whole numbers "
+                                     "from 1 to 1000 or auto",
+                                     "some of 1 to 1000 with commas between | auto"},
     };
     struct vor_parameter_info row = row_of((enum vor_kind)_i);
     char text[VOR_KIND_WORDS_SIZE];
@@ -321,6 +340,9 @@ static double draw(const struct vor_parameter_info *row, uint64_t seed, char nam
     case VOR_FORM_VECTOR:
         (void)snprintf(name, 16, "%.0f,%.1f,-%d", 999999 * v, u, (int)(10 * v));
         return VOR_VECTOR;
+    case VOR_FORM_COUNTS:
+        (void)snprintf(name, 16, "%.0f,%.0f", 1 + 499 * u, 501 + 499 * v);
+        return VOR_COUNTS;
     case VOR_FORM_FLAG:
         return v < 0.5;
     case VOR_FORM_LIST:

@@ -1,0 +1,175 @@
+#include "core/geom/spline.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Smallest pivot over the largest one at which the points are believed to determine the spline: the
+ * rounding of the largest entries reaches it. */
+#define RANK 1e-13
+
+enum { VALUES = 3 };
+
+static void terms(double out[VOR_SPLINE_TERMS], const double u[2])
+{
+    out[0] = 1;
+    out[1] = u[0];
+    out[2] = u[1];
+    out[3] = u[0] * u[0];
+    out[4] = u[0] * u[1];
+    out[5] = u[1] * u[1];
+}
+
+static double kernel(const double a[2], const double b[2])
+{
+    double x = a[0] - b[0], y = a[1] - b[1], r2 = x * x + y * y;
+
+    return r2 * sqrt(r2);
+}
+
+/* A system of `order` linear equations with three right sides. */
+struct system {
+    size_t order;
+    double *row;  /* order x order */
+    double *side; /* order x VALUES */
+};
+
+/* The spline takes the values at its points, and its weights are orthogonal to every quadric. */
+static void set_up(struct system *system, const struct vor_spline *spline, const double *value,
+                   double smooth)
+{
+    size_t n = spline->n, order = system->order;
+
+    for (size_t i = 0; i < n; i++) {
+        double *row = &system->row[i * order], term[VOR_SPLINE_TERMS];
+
+        for (size_t j = 0; j < n; j++)
+            row[j] = kernel(&spline->at[2 * i], &spline->at[2 * j]);
+        row[i] += smooth;
+        terms(term, &spline->at[2 * i]);
+        for (size_t t = 0; t < VOR_SPLINE_TERMS; t++) {
+            row[n + t] = term[t];
+            system->row[(n + t) * order + i] = term[t];
+        }
+    }
+    for (size_t t = n; t < order; t++)
+        memset(&system->row[t * order + n], 0, VOR_SPLINE_TERMS * sizeof *system->row);
+    memcpy(system->side, value, n * VALUES * sizeof *value);
+    memset(&system->side[n * VALUES], 0, VALUES * VOR_SPLINE_TERMS * sizeof *value);
+}
+
+static void swap(double *a, double *b, size_t n)
+{
+    for (size_t j = 0; j < n; j++) {
+        double held = a[j];
+
+        a[j] = b[j];
+        b[j] = held;
+    }
+}
+
+/* Subtracts the pivot's row from those below it. */
+static void eliminate(struct system *system, size_t pivot)
+{
+    const double *from = &system->row[pivot * system->order];
+
+    for (size_t i = pivot + 1; i < system->order; i++) {
+        double *row = &system->row[i * system->order], factor = row[pivot] / from[pivot];
+
+        if (factor == 0)
+            continue;
+        for (size_t j = pivot; j < system->order; j++)
+            row[j] -= factor * from[j];
+        for (size_t c = 0; c < VALUES; c++)
+            system->side[i * VALUES + c] -= factor * system->side[pivot * VALUES + c];
+    }
+}
+
+/* Solves the system in place, by elimination with pivots from columns: the solution is in side.
+ * False if it has none that rounding does not spoil. */
+static int solve(struct system *system)
+{
+    size_t order = system->order;
+    double largest = 0;
+
+    for (size_t k = 0; k < order; k++) {
+        size_t best = k;
+
+        for (size_t i = k + 1; i < order; i++)
+            if (fabs(system->row[i * order + k]) > fabs(system->row[best * order + k]))
+                best = i;
+        if (best != k) {
+            swap(&system->row[k * order], &system->row[best * order], order);
+            swap(&system->side[k * VALUES], &system->side[best * VALUES], VALUES);
+        }
+        largest = fmax(largest, fabs(system->row[k * order + k]));
+        if (!(fabs(system->row[k * order + k]) > RANK * largest))
+            return 0;
+        eliminate(system, k);
+    }
+    for (size_t k = order; k-- > 0;)
+        for (size_t c = 0; c < VALUES; c++) {
+            double sum = system->side[k * VALUES + c];
+
+            for (size_t j = k + 1; j < order; j++)
+                sum -= system->row[k * order + j] * system->side[j * VALUES + c];
+            system->side[k * VALUES + c] = sum / system->row[k * order + k];
+        }
+    return 1;
+}
+
+vor_status vor_spline_fit(struct vor_spline *out, const double *at, const double *value, size_t n,
+                          double smooth, struct vor_memory *memory, struct vor_error *err)
+{
+    struct vor_spline spline = {.memory = memory, .n = n};
+    struct system system = {.order = n + VOR_SPLINE_TERMS};
+    vor_status status = VOR_OK;
+
+    if (n < VOR_SPLINE_TERMS)
+        return vor_fail(err, VOR_E_DEGENERATE, "%zu points, want at least %d for a surface", n,
+                        VOR_SPLINE_TERMS);
+    spline.at = vor_malloc(memory, n, 2 * sizeof *spline.at);
+    spline.weight = vor_malloc(memory, system.order, VALUES * sizeof *spline.weight);
+    system.row = vor_malloc(memory, system.order, system.order * sizeof *system.row);
+    system.side = spline.weight;
+    if (spline.at == NULL || spline.weight == NULL || system.row == NULL) {
+        status = vor_fail(err, VOR_E_NOMEM, "a surface through %zu points", n);
+    } else {
+        memcpy(spline.at, at, 2 * n * sizeof *spline.at);
+        set_up(&system, &spline, value, smooth);
+        if (!solve(&system))
+            status = vor_fail(err, VOR_E_DEGENERATE, "%zu points determine no surface", n);
+    }
+    vor_free(memory, system.row);
+    if (status != VOR_OK) {
+        vor_spline_free(&spline);
+        return status;
+    }
+    *out = spline;
+    return VOR_OK;
+}
+
+void vor_spline_at(const struct vor_spline *spline, const double u[2], double out[3])
+{
+    double term[VOR_SPLINE_TERMS];
+
+    terms(term, u);
+    memset(out, 0, VALUES * sizeof *out);
+    for (size_t t = 0; t < VOR_SPLINE_TERMS; t++)
+        for (size_t c = 0; c < VALUES; c++)
+            out[c] += term[t] * spline->weight[(spline->n + t) * VALUES + c];
+    for (size_t i = 0; i < spline->n; i++) {
+        double r3 = kernel(u, &spline->at[2 * i]);
+
+        for (size_t c = 0; c < VALUES; c++)
+            out[c] += r3 * spline->weight[i * VALUES + c];
+    }
+}
+
+void vor_spline_free(struct vor_spline *spline)
+{
+    if (spline->memory == NULL)
+        return;
+    vor_free(spline->memory, spline->at);
+    vor_free(spline->memory, spline->weight);
+    memset(spline, 0, sizeof *spline);
+}

@@ -1,0 +1,401 @@
+#include "core/input/fill.h"
+
+#include "core/base/linalg.h"
+#include "core/geom/spline.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <string.h>
+
+enum {
+    /* Most points that a spline goes through: it takes the cube of them, 30 ms. A hole of ten
+     * spacings has 250 around it. */
+    CENTRES = 400,
+    BLOCK = 256,        /* new points of one task */
+    AT_A_TIME = 1 << 16 /* places that are computed before any is taken */
+};
+
+/* Spacings between points of the spline, at least, and what that grows by until they are few. */
+#define CENTRE_GAP 0.5
+#define GAP_GROWTH 1.25
+
+/* Cube of spacings, or of the gap if that is wider: detail of the points around a hole that is
+ * smaller by far is smoothed, where fits take VOR_NEIGHBORS_FEWEST points. At 0.05 / 0.2 / 1, as
+ * VOR_BAND_WIDTH: 0.204 / 0.206 / 0.206 spacings. */
+#define SMOOTH 0.2
+
+/* Spacings between the places that are tried, in the plane. */
+#define STEP 0.2
+/* Spacings between points that are put into a hole. Rows of them become hexagonal, about half a
+ * step wider: as dense as a square lattice of the spacing. */
+#define APART 0.97
+
+/* Spacings: an input point that near to a new one, and not of the band, is in the way. */
+#define IN_THE_WAY 0.8
+/* Share of the new points with such a one above which another part of the input is there. */
+#define COVERED 0.25
+
+#define NONE UINT32_MAX
+
+/* Points of the band and new ones by where they are: cells are lists, a table has the first of
+ * those whose hashes agree. */
+struct cells {
+    double wide;
+    size_t mask;
+    uint32_t *first; /* mask + 1 */
+    uint32_t *next;  /* room */
+    size_t n, room;
+};
+
+/* A hole being filled. */
+struct fill {
+    struct vor_filling *filling;
+    const struct vor_domain *domain;
+    const struct vor_loop *loop;
+    struct vor_memory *memory;
+    struct vor_band band;
+    struct vor_spline spline;
+    double scale;        /* places of the spline are those of the plane times this */
+    double low[2];       /* least corner of the outline */
+    size_t side[2], row; /* places along u and v; first row of those that are computed */
+    double *place;       /* those rows, in space; NAN outside the outline */
+    struct cells cells;
+    size_t before; /* points of the filling when this hole began */
+    atomic_size_t in_the_way;
+};
+
+vor_status vor_filling_init(struct vor_filling *out, const struct vor_domain *domain,
+                            const struct vor_loops *loops, struct vor_error *err)
+{
+    struct vor_filling filling = {.domain = domain, .loops = loops};
+    vor_status status = vor_band_search_init(&filling.search, domain->n, domain->memory, err);
+
+    if (status == VOR_OK)
+        *out = filling;
+    return status;
+}
+
+void vor_filling_free(struct vor_filling *filling)
+{
+    if (filling->domain == NULL)
+        return;
+    vor_band_search_free(&filling->search, filling->domain->memory);
+    vor_free(filling->domain->memory, filling->xyz);
+    vor_free(filling->domain->memory, filling->source);
+    memset(filling, 0, sizeof *filling);
+}
+
+/* Chooses points of the band that lie `gap` apart in the plane, those of the loop first. Returns
+ * how many, or CENTRES + 1 if there are more than CENTRES. */
+static size_t choose(uint32_t *chosen, const struct vor_band *band, double gap)
+{
+    size_t count = 0;
+
+    for (size_t i = 0; i < band->count && count <= CENTRES; i++) {
+        const double *u = &band->at[2 * i];
+        int is_far = 1;
+
+        for (size_t j = 0; j < count && is_far; j++) {
+            const double *v = &band->at[2 * (size_t)chosen[j]];
+            double x = u[0] - v[0], y = u[1] - v[1];
+
+            is_far = x * x + y * y >= gap * gap;
+        }
+        if (is_far)
+            chosen[count++] = (uint32_t)i;
+    }
+    return count;
+}
+
+/* Sets the scale and the corner of the places. False if there would be too many of them. */
+static int frame(struct fill *fill)
+{
+    const struct vor_band *band = &fill->band;
+    double high[2] = {-INFINITY, -INFINITY}, most = 0, step = STEP * fill->loop->spacing;
+
+    fill->low[0] = fill->low[1] = INFINITY;
+    for (size_t i = 0; i < 2 * band->rim; i++) {
+        fill->low[i % 2] = fmin(fill->low[i % 2], band->outline[i]);
+        high[i % 2] = fmax(high[i % 2], band->outline[i]);
+        most = fmax(most, fabs(band->outline[i]));
+    }
+    for (size_t i = 0; i < 2 * band->count; i++)
+        most = fmax(most, fabs(band->at[i]));
+    if (!(most > 0) || !((high[0] - fill->low[0]) * (high[1] - fill->low[1]) <=
+                         VOR_FILL_POINTS * fill->loop->spacing * fill->loop->spacing))
+        return 0;
+    fill->scale = 1 / most;
+    for (int c = 0; c < 2; c++)
+        fill->side[c] = (size_t)((high[c] - fill->low[c]) / step) + 1;
+    return 1;
+}
+
+/* How much the spline smooths, in cubed places of it. */
+static double smoothing(const struct fill *fill, double gap)
+{
+    double wide = fmax(gap, fill->loop->spacing) * fill->scale;
+    double usual = fill->domain->known.neighbors.usual, more = usual / VOR_NEIGHBORS_FEWEST;
+
+    return SMOOTH * more * more * sqrt(more) * wide * wide * wide;
+}
+
+/* Fits the spline to chosen points. */
+static vor_status fit_to(struct fill *fill, const uint32_t *chosen, size_t count, double gap,
+                         struct vor_error *err)
+{
+    double at[2 * CENTRES], value[3 * CENTRES];
+    vor_status status;
+
+    for (size_t i = 0; i < count; i++) {
+        const float *x = &fill->domain->xyz[3 * (size_t)fill->band.point[chosen[i]]];
+
+        for (size_t c = 0; c < 2; c++)
+            at[2 * i + c] = fill->scale * fill->band.at[2 * (size_t)chosen[i] + c];
+        for (size_t c = 0; c < 3; c++)
+            value[3 * i + c] = (double)x[c] - fill->band.middle[c];
+    }
+    status =
+        vor_spline_fit(&fill->spline, at, value, count, smoothing(fill, gap), fill->memory, NULL);
+    return status == VOR_E_NOMEM ? vor_fail(err, status, "the surface of a hole") : status;
+}
+
+/* Fits the spline to points of the band, as many as it can take.
+ *
+ * @retval VOR_E_DEGENERATE they determine none; without a message */
+static vor_status fit(struct fill *fill, struct vor_error *err)
+{
+    uint32_t chosen[CENTRES + 1];
+    double gap = CENTRE_GAP * fill->loop->spacing;
+    size_t count;
+
+    while ((count = choose(chosen, &fill->band, gap)) > CENTRES)
+        gap *= GAP_GROWTH;
+    return fit_to(fill, chosen, count, gap, err);
+}
+
+static void row_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct fill *fill = ctx;
+    double step = STEP * fill->loop->spacing;
+
+    (void)worker;
+    for (size_t j = begin; j < end; j++)
+        for (size_t i = 0; i < fill->side[0]; i++) {
+            double *x = &fill->place[3 * (j * fill->side[0] + i)];
+            double u[2] = {fill->low[0] + (double)i * step,
+                           fill->low[1] + (double)(fill->row + j) * step};
+
+            x[0] = NAN;
+            if (!vor_band_within(&fill->band, u))
+                continue;
+            u[0] *= fill->scale;
+            u[1] *= fill->scale;
+            vor_spline_at(&fill->spline, u, x);
+        }
+}
+
+/* Point number i of the cells: those of the band come first. */
+static const float *in_cells(const struct fill *fill, size_t i)
+{
+    return i < fill->band.count ? &fill->domain->xyz[3 * (size_t)fill->band.point[i]]
+                                : &fill->filling->xyz[3 * (fill->before + i - fill->band.count)];
+}
+
+/* Entry of the table for the cell of x, or for one beside it. */
+static uint32_t *cell_of(const struct fill *fill, const float *x, const int beside[3])
+{
+    uint64_t hash = 0;
+
+    for (int c = 0; c < 3; c++) {
+        int64_t at = (int64_t)floor((double)x[c] / fill->cells.wide) + beside[c];
+
+        hash = (hash ^ (uint64_t)at) * 0x9e3779b97f4a7c15ULL;
+        hash ^= hash >> 29;
+    }
+    return &fill->cells.first[hash & fill->cells.mask];
+}
+
+/* Makes the cells, of the points of the band alone. */
+static vor_status make_cells(struct fill *fill, struct vor_error *err)
+{
+    struct cells *cells = &fill->cells;
+    size_t many =
+        fill->band.count + (size_t)(STEP * STEP * (double)fill->side[0] * (double)fill->side[1]);
+
+    cells->wide = APART * fill->loop->spacing;
+    for (cells->mask = 63; cells->mask < 2 * many; cells->mask = 2 * cells->mask + 1)
+        ;
+    cells->room = many;
+    cells->first = vor_malloc(fill->memory, cells->mask + 1, sizeof *cells->first);
+    cells->next = vor_malloc(fill->memory, cells->room, sizeof *cells->next);
+    if (cells->first == NULL || cells->next == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "cells of a hole");
+    memset(cells->first, 0xff, (cells->mask + 1) * sizeof *cells->first);
+    for (cells->n = 0; cells->n < fill->band.count; cells->n++) {
+        uint32_t *first = cell_of(fill, in_cells(fill, cells->n), (int[3]){0, 0, 0});
+
+        cells->next[cells->n] = *first;
+        *first = (uint32_t)cells->n;
+    }
+    return VOR_OK;
+}
+
+static int is_near(const struct fill *fill, uint32_t i, const float *x)
+{
+    return vor_distance2f(in_cells(fill, i), x) < fill->cells.wide * fill->cells.wide;
+}
+
+/* Whether no point is too near to x. */
+static int is_free(const struct fill *fill, const float *x)
+{
+    for (int k = 0; k < 27; k++) {
+        int beside[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+
+        for (uint32_t i = *cell_of(fill, x, beside); i != NONE; i = fill->cells.next[i])
+            if (is_near(fill, i, x))
+                return 0;
+    }
+    return 1;
+}
+
+/* Makes room for one more point. */
+static vor_status grow(struct fill *fill, struct vor_error *err)
+{
+    struct vor_filling *filling = fill->filling;
+    struct cells *cells = &fill->cells;
+
+    if (filling->n == filling->room) {
+        size_t room = 2 * filling->room + BLOCK;
+        float *xyz = vor_realloc(fill->memory, filling->xyz, room, 3 * sizeof *xyz);
+        uint32_t *source;
+
+        filling->xyz = xyz != NULL ? xyz : filling->xyz;
+        source = vor_realloc(fill->memory, filling->source, room, sizeof *source);
+        filling->source = source != NULL ? source : filling->source;
+        if (xyz == NULL || source == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "%zu points in holes", room);
+        filling->room = room;
+    }
+    if (cells->n == cells->room) {
+        uint32_t *next = vor_realloc(fill->memory, cells->next, 2 * cells->room, sizeof *next);
+
+        if (next == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "cells of a hole");
+        cells->next = next;
+        cells->room *= 2;
+    }
+    return VOR_OK;
+}
+
+/* Takes a place if no point is too near. False in *inside where it lies too far off. */
+static vor_status try_place(struct fill *fill, const double place[3], int *inside,
+                            struct vor_error *err)
+{
+    vor_status status;
+    uint32_t *first;
+    float x[3];
+
+    if (isnan(place[0]))
+        return VOR_OK;
+    *inside &= vor_dot(place, place) <= fill->loop->length * fill->loop->length;
+    for (int c = 0; c < 3; c++)
+        x[c] = (float)(fill->band.middle[c] + place[c]);
+    if (!*inside || !is_free(fill, x))
+        return VOR_OK;
+    status = grow(fill, err);
+    if (status != VOR_OK)
+        return status;
+    memcpy(&fill->filling->xyz[3 * fill->filling->n++], x, sizeof x);
+    first = cell_of(fill, x, (int[3]){0, 0, 0});
+    fill->cells.next[fill->cells.n] = *first;
+    *first = (uint32_t)fill->cells.n++;
+    return VOR_OK;
+}
+
+/* Puts points on the spline, some rows of places at a time. */
+static vor_status put_points(struct fill *fill, int *inside, const struct vor_run *run,
+                             struct vor_error *err)
+{
+    size_t rows = AT_A_TIME / fill->side[0] + 1;
+    vor_status status = make_cells(fill, err);
+
+    fill->place = vor_malloc(fill->memory, rows * fill->side[0], 3 * sizeof *fill->place);
+    if (status == VOR_OK && fill->place == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "places in a hole");
+    for (; status == VOR_OK && *inside && fill->row < fill->side[1]; fill->row += rows) {
+        if (rows > fill->side[1] - fill->row)
+            rows = fill->side[1] - fill->row;
+        status = vor_run_for(run, rows, 1, row_block, fill, err);
+        for (size_t i = 0; status == VOR_OK && i < rows * fill->side[0]; i++)
+            status = try_place(fill, &fill->place[3 * i], inside, err);
+    }
+    return status;
+}
+
+/* Gives new points their sources, and counts those that lie on another part of the input. */
+static void source_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct fill *fill = ctx;
+    const struct vor_band_search *search = &fill->filling->search;
+    double near = IN_THE_WAY * fill->loop->spacing;
+    size_t in_the_way = 0;
+
+    (void)worker;
+    for (size_t i = fill->before + begin; i < fill->before + end; i++) {
+        uint32_t index;
+        float distance2;
+
+        vor_knn_search(fill->domain->knn, &fill->filling->xyz[3 * i], 1, 1, &index, &distance2);
+        fill->filling->source[i] = fill->domain->source[index];
+        in_the_way += (double)distance2 < near * near && search->seen[index] != search->searches;
+    }
+    atomic_fetch_add(&fill->in_the_way, in_the_way);
+}
+
+/* Fills the hole; *closed says whether it could be. */
+static vor_status fill_it(struct fill *fill, int *closed, const struct vor_run *run,
+                          struct vor_error *err)
+{
+    int inside = 1;
+    size_t count;
+    vor_status status;
+
+    *closed = 0;
+    if (!frame(fill))
+        return VOR_OK;
+    status = fit(fill, err);
+    if (status == VOR_E_DEGENERATE)
+        return VOR_OK;
+    if (status == VOR_OK)
+        status = put_points(fill, &inside, run, err);
+    count = fill->filling->n - fill->before;
+    if (status == VOR_OK)
+        status = vor_run_for(run, count, BLOCK, source_block, fill, err);
+    *closed = status == VOR_OK && inside && count > 0 &&
+              (double)atomic_load(&fill->in_the_way) <= COVERED * (double)count;
+    return status;
+}
+
+vor_status vor_fill_hole(struct vor_filling *filling, int *closed, size_t loop,
+                         const struct vor_run *run, struct vor_error *err)
+{
+    const struct vor_loop *of = &filling->loops->loop[loop];
+    struct fill fill = {.filling = filling,
+                        .domain = filling->domain,
+                        .loop = of,
+                        .memory = filling->domain->memory,
+                        .before = filling->n};
+    vor_status status = vor_band_find(&fill.band, &filling->search, filling->domain,
+                                      &filling->loops->point[of->first], of, err);
+
+    if (status == VOR_OK)
+        status = fill_it(&fill, closed, run, err);
+    if (status != VOR_OK || !*closed)
+        filling->n = fill.before;
+    vor_free(fill.memory, fill.place);
+    vor_free(fill.memory, fill.cells.next);
+    vor_free(fill.memory, fill.cells.first);
+    vor_spline_free(&fill.spline);
+    vor_band_free(&fill.band);
+    return status;
+}

@@ -1,0 +1,268 @@
+#include "core/input/ridges.h"
+
+#include "core/base/linalg.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    AROUND = 24, /* feet that are looked at around a place */
+    NEAR = 20    /* points of a spacing */
+};
+
+/* Spacings from one place of a line to the next, and within which feet count. */
+#define STEP 0.5
+#define REACH 1.5
+
+/* Cosine of 37 degrees: between an edge and the way of a line that follows it. */
+#define ALONG 0.8
+
+/* Spacings: a shorter line is none. */
+#define LEAST 3.0
+
+/* Edges being followed. */
+struct follow {
+    const struct vor_domain *domain;
+    struct vor_memory *memory;
+    struct vor_ridges *ridges;
+    size_t n, room;      /* feet; places that there is room for */
+    float *foot, *way;   /* n x 3 */
+    unsigned char *used; /* n: a line went along there */
+    struct vor_knn *knn;
+};
+
+/* Where a line has come to. */
+struct head {
+    double at[3], way[3];
+};
+
+/* Spacing of the input around x: that of a square lattice as dense. */
+static double spacing_at(const struct vor_domain *domain, const float *x)
+{
+    unsigned k = domain->n < NEAR + 1 ? (unsigned)domain->n : NEAR + 1;
+    uint32_t index[NEAR + 1];
+    float distance2[NEAR + 1];
+
+    vor_knn_search(domain->knn, x, 1, k, index, distance2);
+    return sqrt(M_PI * (double)distance2[k - 1] / k);
+}
+
+/* What feet say of a place. */
+struct vote {
+    double off[3], way[3]; /* sums: of their offsets, and of the ways of their edges */
+    unsigned count, fresh; /* how many, and no line went along there */
+    int ahead;             /* some lie ahead */
+};
+
+/* Asks the feet around `at` whose edges run about the way of the head. */
+static void ask(struct vote *vote, const struct follow *follow, const struct head *head,
+                double spacing)
+{
+    float x[3] = {(float)head->at[0], (float)head->at[1], (float)head->at[2]}, distance2[AROUND];
+    uint32_t index[AROUND];
+    unsigned k = follow->n < AROUND ? (unsigned)follow->n : AROUND;
+
+    memset(vote, 0, sizeof *vote);
+    vor_knn_search(follow->knn, x, 1, k, index, distance2);
+    for (unsigned j = 0; j < k; j++) {
+        const float *foot = &follow->foot[3 * (size_t)index[j]],
+                    *way = &follow->way[3 * (size_t)index[j]];
+        double d[3], w[3], cosine, sign;
+
+        if ((double)distance2[j] > REACH * REACH * spacing * spacing)
+            break;
+        for (int c = 0; c < 3; c++) {
+            d[c] = (double)foot[c] - head->at[c];
+            w[c] = (double)way[c];
+        }
+        cosine = vor_dot(w, head->way);
+        if (fabs(cosine) < ALONG)
+            continue;
+        sign = cosine < 0 ? -1 : 1;
+        for (int c = 0; c < 3; c++) {
+            vote->off[c] += d[c];
+            vote->way[c] += sign * w[c];
+        }
+        vote->count++;
+        vote->fresh += !follow->used[index[j]];
+        vote->ahead |= vor_dot(d, head->way) > 0;
+    }
+}
+
+/* Moves a head onto the mean of the feet around, across its way, and turns it as they say. False
+ * where the edge does not go on. */
+static int settle(struct head *head, const struct follow *follow, double spacing)
+{
+    struct vote vote;
+    double along, length;
+
+    ask(&vote, follow, head, spacing);
+    length = sqrt(vor_dot(vote.way, vote.way));
+    if (!vote.ahead || vote.fresh == 0 || !(length > 0))
+        return 0;
+    for (int c = 0; c < 3; c++)
+        head->way[c] = vote.way[c] / length;
+    along = vor_dot(vote.off, head->way);
+    for (int c = 0; c < 3; c++)
+        head->at[c] += (vote.off[c] - along * head->way[c]) / vote.count;
+    return 1;
+}
+
+static vor_status put(struct follow *follow, const struct head *head, struct vor_error *err)
+{
+    struct vor_ridges *ridges = follow->ridges;
+
+    if (ridges->places == follow->room) {
+        size_t room = 2 * follow->room + AROUND;
+        double *xyz = vor_realloc(follow->memory, ridges->xyz, room, 3 * sizeof *xyz);
+
+        if (xyz == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "%zu places on edges", room);
+        ridges->xyz = xyz;
+        follow->room = room;
+    }
+    memcpy(&ridges->xyz[3 * ridges->places++], head->at, sizeof head->at);
+    return VOR_OK;
+}
+
+/* Follows an edge from a head on; *closed says that it came back to where the line began. */
+static vor_status go(struct follow *follow, struct vor_ridge *ridge, struct head head,
+                     struct vor_error *err)
+{
+    const struct head begin = head;
+    double step = STEP * ridge->spacing, gone = 0;
+    vor_status status = VOR_OK;
+
+    while (status == VOR_OK && follow->ridges->places - ridge->first < 8 * follow->n) {
+        double d[3];
+
+        for (int c = 0; c < 3; c++)
+            head.at[c] += step * head.way[c];
+        if (!settle(&head, follow, ridge->spacing))
+            break;
+        for (int c = 0; c < 3; c++)
+            d[c] = head.at[c] - begin.at[c];
+        gone += step;
+        if (gone > LEAST * ridge->spacing && vor_dot(d, d) < step * step) {
+            ridge->closed = 1;
+            break;
+        }
+        status = put(follow, &head, err);
+    }
+    return status;
+}
+
+static void reverse(double *xyz, size_t n)
+{
+    for (size_t i = 0; i < n / 2; i++)
+        for (size_t c = 0; c < 3; c++) {
+            double held = xyz[3 * i + c];
+
+            xyz[3 * i + c] = xyz[3 * (n - 1 - i) + c];
+            xyz[3 * (n - 1 - i) + c] = held;
+        }
+}
+
+/* Marks the feet beside a line as used. */
+static void use(const struct follow *follow, const struct vor_ridge *ridge)
+{
+    unsigned k = follow->n < AROUND ? (unsigned)follow->n : AROUND;
+
+    for (size_t i = 0; i < ridge->count; i++) {
+        const double *at = &follow->ridges->xyz[3 * (ridge->first + i)];
+        float x[3] = {(float)at[0], (float)at[1], (float)at[2]}, distance2[AROUND];
+        uint32_t index[AROUND];
+
+        vor_knn_search(follow->knn, x, 1, k, index, distance2);
+        for (unsigned j = 0; j < k; j++)
+            if ((double)distance2[j] <= REACH * REACH * ridge->spacing * ridge->spacing)
+                follow->used[index[j]] = 1;
+    }
+}
+
+/* Follows the edge of a foot both ways. */
+static vor_status follow_from(struct follow *follow, size_t i, struct vor_error *err)
+{
+    struct vor_ridges *ridges = follow->ridges;
+    struct vor_ridge ridge = {.first = ridges->places,
+                              .spacing = spacing_at(follow->domain, &follow->foot[3 * i])};
+    struct head head;
+    vor_status status;
+
+    follow->used[i] = 1;
+    for (size_t c = 0; c < 3; c++) {
+        head.at[c] = (double)follow->foot[3 * i + c];
+        head.way[c] = -(double)follow->way[3 * i + c];
+    }
+    if (!(ridge.spacing > 0) || !settle(&head, follow, ridge.spacing))
+        return VOR_OK;
+    status = go(follow, &ridge, head, err);
+    reverse(&ridges->xyz[3 * ridge.first], ridges->places - ridge.first);
+    if (status == VOR_OK)
+        status = put(follow, &head, err);
+    for (int c = 0; c < 3; c++)
+        head.way[c] = -head.way[c];
+    if (status == VOR_OK && !ridge.closed)
+        status = go(follow, &ridge, head, err);
+    ridge.count = ridges->places - ridge.first;
+    if (status == VOR_OK && (double)ridge.count * STEP >= LEAST) {
+        use(follow, &ridge);
+        ridges->ridge[ridges->count++] = ridge;
+    } else {
+        ridges->places = ridge.first;
+    }
+    return status;
+}
+
+/* Takes the feet of the flagged points. */
+static vor_status take_feet(struct follow *follow, const struct vor_edges *edges,
+                            struct vor_error *err)
+{
+    size_t m = edges->flagged;
+
+    follow->foot = vor_malloc(follow->memory, m, 3 * sizeof *follow->foot);
+    follow->way = vor_malloc(follow->memory, m, 3 * sizeof *follow->way);
+    follow->used = vor_calloc(follow->memory, m, sizeof *follow->used);
+    follow->ridges->ridge = vor_malloc(follow->memory, m, sizeof *follow->ridges->ridge);
+    if (follow->foot == NULL || follow->way == NULL || follow->used == NULL ||
+        follow->ridges->ridge == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "edges of %zu points", m);
+    for (size_t i = 0; i < edges->n; i++) {
+        if (!edges->flag[i])
+            continue;
+        memcpy(&follow->foot[3 * follow->n], &edges->foot[3 * i], 3 * sizeof *follow->foot);
+        memcpy(&follow->way[3 * follow->n++], &edges->direction[3 * i], 3 * sizeof *follow->way);
+    }
+    return vor_knn_build(&follow->knn, follow->foot, follow->n, follow->memory, err);
+}
+
+vor_status vor_ridges_follow(struct vor_ridges *out, const struct vor_domain *domain,
+                             const struct vor_edges *edges, struct vor_error *err)
+{
+    struct vor_ridges ridges = {.memory = domain->memory};
+    struct follow follow = {.domain = domain, .memory = domain->memory, .ridges = &ridges};
+    vor_status status = edges->flagged > 0 ? take_feet(&follow, edges, err) : VOR_OK;
+
+    for (size_t i = 0; status == VOR_OK && i < follow.n; i++)
+        if (!follow.used[i])
+            status = follow_from(&follow, i, err);
+    vor_knn_free(follow.knn);
+    vor_free(follow.memory, follow.used);
+    vor_free(follow.memory, follow.way);
+    vor_free(follow.memory, follow.foot);
+    if (status != VOR_OK) {
+        vor_ridges_free(&ridges);
+        return status;
+    }
+    *out = ridges;
+    return VOR_OK;
+}
+
+void vor_ridges_free(struct vor_ridges *ridges)
+{
+    if (ridges->memory == NULL)
+        return;
+    vor_free(ridges->memory, ridges->ridge);
+    vor_free(ridges->memory, ridges->xyz);
+    memset(ridges, 0, sizeof *ridges);
+}
