@@ -11,15 +11,19 @@ enum {
     BLOCK = 256, /* points of one task */
     /* Neighbours that a tensor is averaged with. */
     LISTED = 12,
-    /* Times that tensors of curvature are averaged, and the metrics that they ask for. */
-    SMOOTHED = 3,
-    SMOOTHED_METRIC = 2
+    /* Times that tensors of curvature are averaged. At 2 / 6: mean distance of fandisk from its
+     * mesh of 5,000 points, over that without a metric, 0.57 / 0.61. */
+    SMOOTHED = 2,
+    /* The same of the metrics that they ask for. */
+    SMOOTHED_METRIC = 1
 };
 
 /* Cosine between normals below which a neighbour lies on another face (input/tensor.c). */
 #define SAME_FACE 0.5
-/* Standard errors of a curvature below which it counts as none. */
-#define UNCERTAIN 3.0
+/* Standard errors of a curvature below which it counts as none. At 0.5 / 1 / 3: mean distance of
+ * fandisk from its mesh of 5,000 points, over that without a metric, 0.52 / 0.57 / 0.72, of a cow
+ * 0.86 / 0.84 / 0.85, delta of the cow 0.034 / 0.032 / 0.023. */
+#define UNCERTAIN 1.0
 /* Root mean square of what float32 rounds off a coordinate, normalised. */
 #define ROUNDED 1.7e-8
 

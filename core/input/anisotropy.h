@@ -36,7 +36,7 @@ VOR_NODISCARD vor_status vor_anisotropy_check(const struct vor_cloud *in,
  *  @param[in] spec  read: metric, maxAspect
  *  @param[in] run   a stop must not interrupt this: pass vor_run_unstoppable
  *
- *  @retval VOR_E_NOMEM 250 bytes for each point of the field do not fit
+ *  @retval VOR_E_NOMEM 280 bytes for each point of the field do not fit
  *  @retval VOR_E_CANCELLED
  *
  *  O(n log n), on the run's pool. The same field for any number of threads. */

@@ -19,18 +19,15 @@ int vor_carried_tensors_find(struct vor_carried_tensors *out, const struct vor_c
                              const char *name)
 {
     const struct vor_attribute *whole = vor_cloud_find_name(in, name);
-    size_t length = strlen(name);
     char part[sizeof whole->name + SUFFIX];
 
     for (int c = 0; c < 6; c++)
         out->attribute[c] = whole;
     if (whole != NULL && whole->components == 6)
         return 1;
-    if (length + SUFFIX >= sizeof part)
-        return 0;
-    memcpy(part, name, length);
     for (int c = 0; c < 6; c++) {
-        memcpy(&part[length], suffixes[c], SUFFIX + 1);
+        if ((size_t)snprintf(part, sizeof part, "%s%s", name, suffixes[c]) >= sizeof part)
+            return 0;
         out->attribute[c] = vor_cloud_find_name(in, part);
         if (out->attribute[c] == NULL || out->attribute[c]->components != 1)
             return 0;

@@ -223,16 +223,6 @@ static double pair2(const struct polish *polish, double a, double b)
     return h * h;
 }
 
-/* Squared distance of seed i to neighbour j, in the metric that there is. */
-static double stretched2(const struct polish *polish, size_t i, size_t j)
-{
-    const float *a = &polish->seeds->xyz[3 * i], *b = &polish->seeds->xyz[3 * j];
-    double d[3] = {(double)b[0] - (double)a[0], (double)b[1] - (double)a[1],
-                   (double)b[2] - (double)a[2]};
-
-    return vor_stretched_length2(&polish->seeds->stretched, i, j, d);
-}
-
 /* Sums the forces of the crowd on seed i. */
 static void repulsion(const struct polish *polish, const struct vor_scratch *scratch, size_t i,
                       double force[3])
@@ -241,14 +231,11 @@ static void repulsion(const struct polish *polish, const struct vor_scratch *scr
     double h2 = polish->h * polish->h, scale = GAIN / (2 * polish->power);
     double reach = force_reach(polish), own = vor_wanted_at(&polish->seeds->wanted, i);
     const float *wanted = polish->seeds->wanted.value;
-    int stretched = vor_stretched_are(&polish->seeds->stretched);
 
     force[0] = force[1] = force[2] = 0;
     for (unsigned j = 0; j < crowd->count; j++) {
         double d2 = (double)crowd->distance2[j], weight, d[3];
 
-        if (stretched)
-            d2 = stretched2(polish, i, crowd->index[j]);
         if (wanted != NULL)
             h2 = pair2(polish, own, (double)wanted[crowd->index[j]]);
         if (d2 > reach * reach * h2)
@@ -368,6 +355,7 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
         } else {
             vor_seeds_within(seeds, scratch, i, search_reach(polish, i));
         }
+        vor_stretched_distances(&scratch->crowd, &seeds->stretched, seeds->xyz, i);
         move(polish, scratch, i);
     }
 }

@@ -97,8 +97,8 @@ static float distance2_in(const float *xyz, size_t i, size_t j, const struct vor
 void vor_stretched_crowd(struct vor_crowd *crowd, const float *xyz, size_t i,
                          const struct vor_surface *surface, const struct vor_stretch *stretch)
 {
-    uint32_t index[NEAR_IN_METRIC + 1];
-    float distance2[NEAR_IN_METRIC + 1];
+    uint32_t index[NEAR_IN_METRIC + 1] = {0}; /* cppcheck takes kept for more than was set */
+    float distance2[NEAR_IN_METRIC + 1] = {0};
     double sure = crowd->sure * stretch->least;
     unsigned kept = 0;
 
@@ -121,4 +121,18 @@ void vor_stretched_crowd(struct vor_crowd *crowd, const float *xyz, size_t i,
     memcpy(crowd->distance2, distance2, kept * sizeof *distance2);
     crowd->count = kept;
     crowd->sure = sure;
+}
+
+void vor_stretched_distances(struct vor_crowd *crowd, const struct vor_stretched *stretched,
+                             const float *xyz, size_t i)
+{
+    if (!vor_stretched_are(stretched))
+        return;
+    for (unsigned j = 0; j < crowd->count; j++) {
+        const float *a = &xyz[3 * i], *b = &xyz[3 * (size_t)crowd->index[j]];
+        double d[3] = {(double)b[0] - (double)a[0], (double)b[1] - (double)a[1],
+                       (double)b[2] - (double)a[2]};
+
+        crowd->distance2[j] = (float)vor_stretched_length2(stretched, i, crowd->index[j], d);
+    }
 }

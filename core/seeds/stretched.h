@@ -48,6 +48,11 @@ VOR_NODISCARD vor_status vor_stretched_renew(struct vor_stretched *stretched, co
  *  one: at most VOR_POINT_LISTS_LISTED_MAX. */
 unsigned vor_stretched_listed(const struct vor_tensors *field, unsigned listed);
 
+/** Replaces the distances of seed i to its neighbours by those in the mean of the two metrics; does
+ *  nothing without a metric. O(neighbours). Cannot fail. Thread-safe. */
+void vor_stretched_distances(struct vor_crowd *crowd, const struct vor_stretched *stretched,
+                             const float *xyz, size_t i);
+
 /** Replaces the neighbours of seed i by those of them that are nearest in its metric, with their
  *  distances there.
  *

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { IN = 20000, OUT = 1500, NEAR = 60, CORNERS = 64 };
+enum { IN = 10000, OUT = 1000, NEAR = 60, CORNERS = 64 };
 
 #define MOST 6.0
 
@@ -83,7 +83,7 @@ static void truth_of_cylinder(struct truth *truth, const float *x)
         {0, 0, 1}, {-v, u, 0}, {u, v, 0}, MOST, fabs(r - 1) < 0.02 && fabsf(x[2]) < 2.3F};
 }
 
-/* Half a plane of (s, t): s a + t b <= limit. */
+/* Clips a polygon by the bisector of the origin and d. Returns the number of its corners. */
 static unsigned clip(double (*p)[2], unsigned n, const double d[2])
 {
     double kept[CORNERS][2], limit = (d[0] * d[0] + d[1] * d[1]) / 2;
@@ -183,8 +183,9 @@ static const struct {
     const char *name;
     void (*make)(struct vor_cloud *cloud);
     void (*truth)(struct truth *truth, const float *x);
-} shapes[] = {{"ellipsoid", make_ellipsoid, truth_of_ellipsoid},
-              {"cylinder", make_cylinder, truth_of_cylinder}};
+    double area;
+} shapes[] = {{"ellipsoid", make_ellipsoid, truth_of_ellipsoid, 40.50},
+              {"cylinder", make_cylinder, truth_of_cylinder, 14 * M_PI}};
 
 START_TEST(cells_are_as_long_as_the_curvatures_of_the_shape_ask_for)
 {
@@ -215,6 +216,8 @@ START_TEST(cells_are_as_long_as_the_curvatures_of_the_shape_ask_for)
                   "%s: off by %g, one in ten by %g, delta %g", shapes[_i].name, off[n / 2],
                   off[n * 9 / 10], delta);
     ck_assert(report.has_metric);
+    ck_assert_msg(fabs(report.area / shapes[_i].area - 1) < 0.02, "%s: area %g, %g of cells",
+                  shapes[_i].name, shapes[_i].area, report.area);
     ck_assert_msg(report.delta <= 0.08 && report.metric_off <= 0.15 &&
                       report.metric_off_high <= 0.3,
                   "%s: report: delta %g, off by %g, one in ten by %g", shapes[_i].name,
