@@ -11,7 +11,9 @@
 /* Steps while planes stand still (Chen 2018, Sec. 4.3.3). */
 enum { INNER = 5 };
 
-/* Share of the iterations at each power below the last one. */
+/* Share of the iterations at each power below the last one. With patches of 1.2 (PATCH in planes.c,
+ * with the inputs), at 0.1 / 0.25 / 0.4: psi4 of the tube 0.86 / 0.85 / 0.81, of the fillets 0.92 /
+ * 0.94 / 0.92; its delta from the last power alone 0.11, so 0.09. */
 #define STAGE 0.25
 
 /* The iteration. */

@@ -4,9 +4,9 @@
  *  Source: Chen et al. 2018, "Point cloud resampling using centroidal Voronoi tessellation
  *  methods", Sec. 4.2 and 4.3.3.
  *
- *  Departure: the patch is PATCH times as wide as the paper's, as its seed may leave the middle,
- * and longer where the metric is stretched, whose cells it would cut. A seed does not go farther
- * from the middle than REACH.
+ *  Departure: the patch is a little narrower than the paper's, which reaches beyond borders, and
+ *  longer where the metric is stretched, whose cells it would cut. A seed does not go far from the
+ *  middle of its patch while that stands still.
  *
  *  Lengths are in spacings of an even spread, so that powers of eight stay near 1. */
 #ifndef VOR_CVT_PLANES_H

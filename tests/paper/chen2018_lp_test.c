@@ -184,8 +184,8 @@ static struct lie spread(const struct vor_cloud *in, const char *name, const cha
     return lie;
 }
 
-/* Measured with p of 2 and of 8: tube psi4 0.45 and 0.85, off 24 and 2.5 degrees; fillets 0.44 and
- * 0.92, 25 and 1.4 degrees. */
+/* Measured with p of 2 and of 8: tube psi4 0.44 and 0.88, off 22 and 1.6 degrees; fillets 0.47 and
+ * 0.92, 21 and 1.8 degrees. */
 START_TEST(fig_10b_points_lie_in_squares_along_the_directions_of_curvature)
 {
     struct vor_report report;
@@ -200,8 +200,8 @@ START_TEST(fig_10b_points_lie_in_squares_along_the_directions_of_curvature)
     two = spread(&in, "p", "2", where, &report);
     ck_assert_uint_eq(report.polish_steps, 0);
     eight = spread(&in, "p", "8", where, &report);
-    ck_assert_msg(eight.psi4 >= 1.5 * two.psi4, "%.3f, %.3f", eight.psi4, two.psi4);
-    ck_assert_msg(eight.off <= 10, "%.1f", eight.off);
+    ck_assert_msg(eight.psi4 >= 1.8 * two.psi4, "%.3f, %.3f", eight.psi4, two.psi4);
+    ck_assert_msg(eight.off <= 5, "%.1f", eight.off);
     ck_assert_uint_eq(report.polish_steps, 0);
     vor_cloud_free(&in);
 }
@@ -229,7 +229,7 @@ START_TEST(the_report_says_that_each_inner_loop_lowered_the_energy)
 END_TEST
 
 /* Sec. 5.3, Fig. 10a: Euclidean cells whose energy is that of the curvature become longer along the
- * tube, but by far not by as much as the metric says. Measured, asked for 4 and for 1: 2.3, 1.08.
+ * tube, but by far not by as much as the metric says. Measured, asked for 4 and for 1: 2.4, 1.07.
  */
 START_TEST(fig_10a_euclidean_cells_stretch_less_than_their_metric)
 {
