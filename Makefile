@@ -69,7 +69,7 @@ TEST_SCRIPTS := $(filter-out $(if $(filter tsan,$(config)),tests/http/contract.t
 # These tell time, or need a port that is the same everywhere: nothing runs beside them.
 TEST_ALONE := tests/http/slow.t tests/http/readme.t
 BENCH_SRC := $(sort $(wildcard tests/bench/*.c))
-BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(B)/tests/bench/wlop $(B)/tests/bench/orient
+BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/bench/,wlop orient front)
 
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -119,8 +119,9 @@ $(B)/tests/%: $(B)/tests/%.o $(call obj,$(SUPPORT_SRC)) $(LIB)
 	@echo "  LINK $@"
 	@$(LINK) $^ -o $@ $(TEST_LIBS) $(LIBS)
 
-# What our L-BFGS is compared with.
+# What other programs make of the same.
 $(B)/tests/oracle/lbfgs_liblbfgs: TEST_LIBS += -llbfgs
+$(B)/tests/oracle/mesh_qhull: TEST_LIBS += -lqhull_r
 
 $(B)/kinds/%.o: %.c
 	@mkdir -p $(@D)
@@ -138,7 +139,7 @@ $(B)/tests/bench/%: $(B)/tests/bench/%.o $(LIB)
 	@echo "  LINK $@"
 	@$(LINK) $^ -o $@ $(LIBS)
 
-$(B)/tests/bench/wlop $(B)/tests/bench/orient: $(B)/tests/bench/%: tests/bench/%.cc
+$(addprefix $(B)/tests/bench/,wlop orient front): $(B)/tests/bench/%: tests/bench/%.cc
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
 	@$(CXX) -std=c++17 -O3 -DNDEBUG $< -o $@

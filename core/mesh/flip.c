@@ -79,6 +79,7 @@ size_t vor_flip(struct vor_complex *complex, const struct vor_sheet *sheet)
 
             vor_complex_others(complex, complex->around[i * VOR_AROUND_MOST + e / 2], a, other);
             if (other[e % 2] < a || vor_complex_edge(complex, a, other[e % 2], third) != 2 ||
+                third[0] != other[1 - e % 2] || /* it is looked at from its first triangle */
                 !pays(complex, sheet, a, other[e % 2], third))
                 continue;
             vor_complex_flip(complex, a, other[e % 2], third);

@@ -2,7 +2,8 @@
  *
  *  Each step moves every point that triangles surround by Newton's method towards the least sum of
  *  their strain (vor_triangle_strain), which is convex in the place of one corner, and puts it on
- *  its local surface. Points at a loop stay, and those on creases and tips.
+ *  its local surface. Points at a loop stay, and those on creases and tips unless a
+ *  triangle there is poor.
  *
  *  Source: none of the papers. The strain of one triangle as a function of its apex is the
  *  hyperbolic cosine of the distance from the ideal apex, in the half plane over its base. */
@@ -11,6 +12,9 @@
 
 #include "core/mesh/complex.h"
 #include "core/mesh/sheet.h"
+
+/** Input spacings that a point may move before its surface is fitted again. */
+#define VOR_RELAX_SLACK 0.5
 
 /** What is done. */
 struct vor_relax_how {

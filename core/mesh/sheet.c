@@ -29,16 +29,18 @@
 #define ALONG 0.3
 
 static void find_normal(struct vor_sheet *sheet, struct vor_seeds *seeds,
-                        struct vor_scratch *scratch, size_t i)
+                        const struct vor_recall *how, struct vor_scratch *scratch, size_t i)
 {
+    const struct vor_surface *surface = how != NULL ? &scratch->onto : &scratch->here.surface;
     double x[3], local[3], normal[3];
 
     memset(&sheet->normal[3 * i], 0, 3 * sizeof *sheet->normal);
-    if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
+    if ((how != NULL ? vor_seeds_recall(seeds, scratch, i, how)
+                     : vor_seeds_fit(seeds, scratch, i)) == VOR_SURFACE_NONE)
         return;
     vor_seeds_position(seeds, i, x);
-    vor_surface_to_local(&scratch->here.surface, x, local);
-    vor_surface_normal(&scratch->here.surface, local, normal);
+    vor_surface_to_local(surface, x, local);
+    vor_surface_normal(surface, local, normal);
     for (size_t c = 0; c < 3; c++)
         sheet->normal[3 * i + c] = (float)normal[c];
 }
@@ -47,6 +49,7 @@ static void find_normal(struct vor_sheet *sheet, struct vor_seeds *seeds,
 struct finding {
     struct vor_sheet *sheet;
     struct vor_seeds *seeds;
+    const struct vor_recall *how;
 };
 
 static void find_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -57,7 +60,7 @@ static void find_block(void *ctx, size_t begin, size_t end, unsigned worker)
     float distance2;
 
     for (size_t i = begin; i < end; i++) {
-        find_normal(sheet, seeds, &seeds->scratch[worker], i);
+        find_normal(sheet, seeds, finding->how, &seeds->scratch[worker], i);
         if (sheet->root == NULL)
             continue;
         sheet->root[i] = seeds->last_fit[i].root;
@@ -87,10 +90,11 @@ static vor_status take_graph(struct vor_sheet *sheet, const struct vor_seeds *se
                                : VOR_OK;
 }
 
-vor_status vor_sheet_find(struct vor_sheet *out, struct vor_seeds *seeds, const struct vor_run *run,
+vor_status vor_sheet_find(struct vor_sheet *out, struct vor_seeds *seeds,
+                          const struct vor_recall *how, const struct vor_run *run,
                           struct vor_error *err)
 {
-    struct finding finding = {out, seeds};
+    struct finding finding = {out, seeds, how};
     vor_status status;
 
     memset(out, 0, sizeof *out);

@@ -22,13 +22,16 @@ struct vor_sheet {
  *
  *  @param[out]    out    free with vor_sheet_free, also on failure
  *  @param[in,out] seeds  on the whole domain; must outlive *out
+ *  @param[in]     how    last fits are used again, finer ones where it says so; NULL: the seeds are
+ *                        fitted anew
  *
  *  @retval VOR_E_NOMEM 16 bytes a seed do not fit, or those of vor_adjacency_make
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
  *  O(n k), on the run's pool. The same bytes for any number of threads. */
 VOR_NODISCARD vor_status vor_sheet_find(struct vor_sheet *out, struct vor_seeds *seeds,
-                                        const struct vor_run *run, struct vor_error *err);
+                                        const struct vor_recall *how, const struct vor_run *run,
+                                        struct vor_error *err);
 
 /** sheet may be all zero. */
 void vor_sheet_free(struct vor_sheet *sheet);
