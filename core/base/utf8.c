@@ -25,3 +25,17 @@ size_t vor_utf8_length(const unsigned char *p, size_t left)
             return 0;
     return length;
 }
+
+int vor_utf8_is_plain(const char *text, size_t size)
+{
+    size_t length;
+
+    for (size_t i = 0; i < size; i += length) {
+        unsigned char c = (unsigned char)text[i];
+
+        length = vor_utf8_length((const unsigned char *)text + i, size - i);
+        if (length == 0 || c < 0x20 || c == 0x7f)
+            return 0;
+    }
+    return 1;
+}

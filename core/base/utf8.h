@@ -8,4 +8,8 @@
  *  is none (overlong, surrogate, beyond U+10FFFF, cut off, or left is 0). */
 size_t vor_utf8_length(const unsigned char *p, size_t left);
 
+/** True when text is UTF-8 without control characters: so it comes back unchanged from JSON, a
+ * query and a terminal. */
+int vor_utf8_is_plain(const char *text, size_t size);
+
 #endif

@@ -1,5 +1,6 @@
 #include "core/spec/decimal.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -49,6 +50,25 @@ int vor_decimal_read_at(double *out, const char *text, unsigned index)
             return 0;
     }
     return vor_decimal_read(out, text, strcspn(text, ","));
+}
+
+int vor_decimal_are_counts(const char *text, double min, double max)
+{
+    unsigned count = 1;
+
+    for (const char *at = text; (at = strchr(at, ',')) != NULL; at++)
+        count++;
+    for (unsigned i = 0; i < count; i++) {
+        double number, before;
+
+        if (!vor_decimal_read_at(&number, text, i) || number != rint(number) ||
+            !(number >= min && number <= max))
+            return 0;
+        for (unsigned j = 0; j < i; j++)
+            if (vor_decimal_read_at(&before, text, j) && before == number)
+                return 0;
+    }
+    return 1;
 }
 
 int vor_decimal_read_vector(double out[3], const char *text)

@@ -217,22 +217,11 @@ static void write_word(const struct vor_parameter_info *info, double value, cons
 
 /* Texts. */
 
-/* Texts are UTF-8 without control characters, because these come back unchanged from JSON, a query
- * and a terminal. */
 static int is_text(const struct vor_parameter_info *info, const char *text)
 {
-    size_t size = strlen(text), length;
+    size_t size = strlen(text);
 
-    if (!((double)size >= info->min && (double)size <= info->max))
-        return 0;
-    for (size_t i = 0; i < size; i += length) {
-        unsigned char c = (unsigned char)text[i];
-
-        length = vor_utf8_length((const unsigned char *)text + i, size - i);
-        if (length == 0 || c < 0x20 || c == 0x7f)
-            return 0;
-    }
-    return 1;
+    return (double)size >= info->min && (double)size <= info->max && vor_utf8_is_plain(text, size);
 }
 
 static int read_text(const struct vor_parameter_info *info, const char *text, struct vor_value *out)
@@ -297,7 +286,7 @@ static void list_names(const struct vor_parameter_info *info, struct line *out)
     list_words(info, 1, " | ", out);
 }
 
-/* Vectors: three numbers with commas between, which stand in the text. */
+/* Vectors, three numbers, and counts, whole ones: with commas between; they stand in the text. */
 
 static int read_vector(const struct vor_parameter_info *info, const char *text,
                        struct vor_value *out)
@@ -330,44 +319,16 @@ static void list_vector(const struct vor_parameter_info *info, struct line *out)
     add(out, "X,Y,Z");
 }
 
-/* Counts: whole numbers with commas between, each at most once, which stand in the text. */
-
 static int read_counts(const struct vor_parameter_info *info, const char *text,
                        struct vor_value *out)
 {
-    unsigned count = 1;
-
     *out = (struct vor_value){VOR_COUNTS, text};
-    for (const char *at = text; (at = strchr(at, ',')) != NULL; at++)
-        count++;
-    for (unsigned i = 0; i < count; i++) {
-        double number, before;
-
-        if (!vor_decimal_read_at(&number, text, i) || number != rint(number) ||
-            !(number >= info->min && number <= info->max))
-            return 0;
-        for (unsigned j = 0; j < i; j++)
-            if (vor_decimal_read_at(&before, text, j) && before == number)
-                return 0;
-    }
-    return 1;
-}
-
-static int owns_counts(const struct vor_parameter_info *info, double value)
-{
-    (void)info;
-    return value == VOR_COUNTS;
+    return vor_decimal_are_counts(text, info->min, info->max);
 }
 
 static void want_counts(const struct vor_parameter_info *info, struct line *out)
 {
-    add(out, "each at most once and with commas between, whole numbers from %.16g to %.16g",
-        info->min, info->max);
-}
-
-static void list_counts(const struct vor_parameter_info *info, struct line *out)
-{
-    add(out, "some of %.16g to %.16g with commas between", info->min, info->max);
+    add(out, "whole numbers from %.16g to %.16g, each once, with commas", info->min, info->max);
 }
 
 /* Flags. */
@@ -514,8 +475,8 @@ static const struct form forms[VOR_FORM_NONE] = {
     [VOR_FORM_FLAG] = {VOR_SHAPE_BOOLEAN, read_flag, owns_number, write_flag, want_flag, list_flag},
     [VOR_FORM_TEXT] = {VOR_SHAPE_STRING, read_text, owns_number, write_text, want_text, want_text},
     [VOR_FORM_LIST] = {VOR_SHAPE_ARRAY, read_list, owns_number, write_list, want_list, list_list},
-    [VOR_FORM_COUNTS] = {VOR_SHAPE_ARRAY, read_counts, owns_counts, write_text, want_counts,
-                         list_counts},
+    [VOR_FORM_COUNTS] = {VOR_SHAPE_ARRAY, read_counts, owns_vector, write_text, want_counts,
+                         list_range},
     [VOR_FORM_AUTO] = {VOR_SHAPE_STRING, read_auto, owns_auto, write_auto, want_auto, want_auto},
 };
 

@@ -69,7 +69,7 @@ enum vor_kind {
 #define VOR_VECTOR (-2.0)
 
 /** The value that means whole numbers that stand in the text. */
-#define VOR_COUNTS (-2.0)
+#define VOR_COUNTS VOR_VECTOR
 
 /** Groups: a process takes whole groups of parameters. Identifier, title in the help. */
 #define VOR_GROUP_TABLE(X)                                                                         \
@@ -177,8 +177,8 @@ enum vor_method_choice {
       "With boundary fill, which loops are filled: their numbers, as inspect tells them, holes "   \
       "or not; auto: all holes that are shorter than holeMax")                                     \
     X(HOLE_MAX, holeMax, REAL_OR_AUTO, SPREAD, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",    \
-      "Length of the border below which holes=auto fills a hole; auto: half of the diagonal of "   \
-      "the box around the input")                                                                  \
+      "Length of the border below which holes=auto fills a hole; auto: the diagonal of the box "   \
+      "around the input")                                                                          \
     X(EDGES, edges, CHOICE, SPREAD, "", 0, 0, VOR_EDGES_IGNORE, "ignore sites",                    \
       "Sharp edges of the input. ignore: points are spread over them as elsewhere; sites: points " \
       "are placed along them first, evenly, and stay there")                                       \

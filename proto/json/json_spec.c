@@ -144,7 +144,6 @@ static void schema_counts(struct vor_text *text, const struct vor_parameter_info
 {
     vor_json_put_string(text, "type", "array");
     vor_json_put_bool(text, "uniqueItems", 1);
-    vor_json_put_double(text, "minItems", 1);
     vor_json_key(text, "items");
     vor_json_begin_object(text);
     schema_whole(text, info);

@@ -40,7 +40,7 @@ my %options;
 for my $command (qw(denoise upsample simplify resample)) {
     (undef, $help) = run([$command, '--help']);
     like $help, qr/--\Q$_\E VALUE\n/, "the help of $command has parameter $_"
-        for qw(points ratio spacing method patch density contrast grading metric maxAspect p cells iterations delta moveStop seconds neighbors anderson polish boundary outliers sample filters
+        for qw(points ratio spacing method patch density contrast grading metric maxAspect p cells iterations delta moveStop seconds neighbors anderson polish boundary holes holeMax edges outliers sample filters
         inputNormals intrinsic seed order format quantization compression origin attributes normals);
     ($options{$command}) = $help =~ /\nOptions:\n(.*?)\n\n/s;
     is $options{$command}, $options{denoise}, "and the options of the others";
@@ -96,7 +96,7 @@ refused 'a parameter of a command without a process', ['health', '--points', 5],
     'health: no option --points; see voronoid health --help';
 refused 'a parameter of measure', ['denoise', $in, '-o', $out, '--peak=1'], 2,
     'denoise: no parameter peak; denoise takes points, ratio, spacing, method, patch, density, contrast, grading, metric, maxAspect, p, cells, iterations, delta, moveStop, '
-    . 'seconds, neighbors, anderson, polish, boundary, outliers, sample, filters, inputNormals, intrinsic, invalid, seed, order, format, '
+    . 'seconds, neighbors, anderson, polish, boundary, holes, holeMax, edges, outliers, sample, filters, inputNormals, intrinsic, invalid, seed, order, format, '
     . 'quantization, compression, origin, '
     . 'attributes, normals';
 refused 'an option with a newline', ['resample', "--a\nb"], 2,

@@ -145,6 +145,14 @@ for my $case (
     my ($query, $detail, $name) = @$case;
     refused($daemon->post("/v1/resample?points=10&$query", $cloud), 400, 'invalid-parameter', $detail, $name);
 }
+refused($daemon->post('/v1/resample?points=10&boundary=fill&holes=7', $cloud), 422, 'unknown-hole',
+    qr/holes has 7, (?:but the input has no loop|want numbers from 1 to)/, 'a hole that is not there');
+refused($daemon->post('/v1/resample?points=10&boundary=fill&holes=1,1', $cloud), 400, 'invalid-parameter',
+    qr/holes is "1,1", want whole numbers from 1 to 10000000, each once, with commas or auto/, 'a hole twice');
+refused($daemon->post('/v1/resample?points=10&holeMax=0', $cloud), 400, 'invalid-parameter', qr/holeMax is 0, want a number from 1e-30/,
+    'a length that is none');
+refused($daemon->post('/v1/resample?points=10&method=kmeans&edges=sites', $cloud), 400, 'invalid-parameter',
+    qr/method kmeans has no sites, want edges ignore, or method cvt/, 'sites of a method that has none');
 my $job = json($flat)->{jobID};
 ok defined $job, 'a failed job is named';
 is json($flat)->{instance}, "/v1/jobs/$job", 'as the instance';

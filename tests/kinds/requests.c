@@ -52,8 +52,8 @@ static void read_json(struct vor_spec *spec, const char *text)
 #define SPREAD                                                                                     \
     "\"method\":\"cvt\",\"patch\":\"quadric\",\"density\":\"uniform\",\"contrast\":4,"             \
     "\"grading\":0.2,\"metric\":\"isotropic\",\"maxAspect\":6,\"p\":8,\"cells\":\"metric\","       \
-    "\"neighbors\":"                                                                               \
-    "\"auto\",\"boundary\":\"keep\","                                                              \
+    "\"neighbors\":\"auto\",\"boundary\":\"keep\","                                                \
+    "\"holes\":\"auto\",\"holeMax\":\"auto\",\"edges\":\"ignore\","                                \
     "\"seed\":1,"
 
 START_TEST(a_preset_has_the_defaults_of_its_rows)
@@ -158,9 +158,7 @@ static const struct refusal refused[] = {
     {"method", "\"slow\"", "method is \"slow\", want one of cvt, slower"},
     {"points", "5",
      "no parameter points; kinds takes method, patch, density, contrast, grading, metric, "
-     "maxAspect, p, "
-     "cells, neighbors, "
-     "boundary, seed, label, closed, "
+     "maxAspect, p, cells, neighbors, boundary, holes, holeMax, edges, seed, label, closed, "
      "sieves, weight, title, steps, angle, reach"},
 };
 

@@ -280,9 +280,8 @@ START_TEST(a_kind_says_what_it_wants)
         [VOR_KIND_LIST_OR_AUTO] = {"each at most once and with commas between, words of mls, "
                                    "outliers, thin, or none or auto",
                                    "some of mls,outliers,thin | none | auto"},
-        [VOR_KIND_COUNTS_OR_AUTO] = {"each at most once and with commas between, whole numbers "
-                                     "from 1 to 1000 or auto",
-                                     "some of 1 to 1000 with commas between | auto"},
+        [VOR_KIND_COUNTS_OR_AUTO] = {"whole numbers from 1 to 1000, each once, with commas or auto",
+                                     "1 to 1000 | auto"},
     };
     struct vor_parameter_info row = row_of((enum vor_kind)_i);
     char text[VOR_KIND_WORDS_SIZE];
