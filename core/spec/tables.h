@@ -190,6 +190,9 @@ enum vor_method_choice {
       "nearest: from the nearest input point; oriented: the same with sides made consistent, as "  \
       "fit where there are none; fit: of the local surface, outward where no input normals say "   \
       "which side; drop: none")                                                                    \
+    X(BASELINES, baselines, FLAG, OUTPUT, "", 0, 0, 0, "",                                         \
+      "The report tells how even as many points of simple methods are on the same input: kmeans, " \
+      "random, voxel grid, farthest point")                                                        \
     X(PEAK, peak, REAL_OR_AUTO, MEASURE, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",          \
       "Peak of d1_psnr and d2_psnr; auto: the largest distance of a reference point to its "       \
       "nearest other one")                                                                         \

@@ -32,6 +32,11 @@ static int is_number(const struct vor_parameter_info *info)
     return is_whole(info) || vor_kind_form(info->kind, 0) == VOR_FORM_REAL;
 }
 
+static int is_flag(const struct vor_parameter_info *info)
+{
+    return vor_kind_form(info->kind, 0) == VOR_FORM_FLAG;
+}
+
 static int has_auto(const struct vor_parameter_info *info)
 {
     return vor_kind_form(info->kind, 1) == VOR_FORM_AUTO;
@@ -118,7 +123,7 @@ START_TEST(a_parameter_has_a_name_a_sentence_and_a_default_in_its_range)
         ck_assert(info->fallback >= info->min && info->fallback <= info->max);
     if (is_number(info))
         ck_assert(info->min < info->max && info->min > VOR_UNSET);
-    ck_assert_int_eq(is_number(info), info->choices[0] == '\0');
+    ck_assert_int_eq(is_number(info) || is_flag(info), info->choices[0] == '\0');
 }
 END_TEST
 
@@ -220,7 +225,7 @@ START_TEST(a_choice_takes_each_of_its_words_and_no_number)
     size_t length, total = 0;
     unsigned k;
 
-    if (is_number(info))
+    if (is_number(info) || is_flag(info))
         return;
     for (k = 0; (length = vor_parameter_choice(info, k, &word)) > 0; k++) {
         char text[VOR_SPEC_VALUE_SIZE], back[VOR_SPEC_VALUE_SIZE];
@@ -240,6 +245,28 @@ START_TEST(a_choice_takes_each_of_its_words_and_no_number)
     ck_assert(info->fallback == VOR_UNSET || info->fallback < k);
     vt_assert_fails(VOR_E_PARAM, vor_spec_set_number(&spec, info->name, 0, &vt_err));
     ck_assert_str_eq(vt_err.parameter, info->name);
+}
+END_TEST
+
+START_TEST(a_flag_takes_true_and_false_and_nothing_else)
+{
+    static const char *const refused[] = {"", "1", "0", "True", "yes", "true ", "auto"};
+    const struct vor_parameter_info *info = info_of(_i);
+    struct vor_spec spec;
+    char text[VOR_SPEC_VALUE_SIZE];
+
+    if (!is_flag(info))
+        return;
+    init_for(&spec, _i);
+    for (unsigned value = 0; value < 2; value++) {
+        vt_assert_ok(vor_spec_set(&spec, info->name, value ? "true" : "false", &vt_err));
+        ck_assert(value_of(&spec, _i) == value);
+        ck_assert_str_eq(vor_spec_text(&spec, (enum vor_parameter)_i, text),
+                         value ? "true" : "false");
+    }
+    for (size_t k = 0; k < sizeof refused / sizeof *refused; k++)
+        vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, info->name, refused[k], &vt_err));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "want true or false"));
 }
 END_TEST
 
@@ -725,6 +752,7 @@ int main(void)
     vt_add_loop(suite, a_whole_number_has_no_fraction, VOR_PARAMETER_COUNT);
     vt_add_loop(suite, junk_is_refused_and_shown, VOR_PARAMETER_COUNT);
     vt_add_loop(suite, a_choice_takes_each_of_its_words_and_no_number, VOR_PARAMETER_COUNT);
+    vt_add_loop(suite, a_flag_takes_true_and_false_and_nothing_else, VOR_PARAMETER_COUNT);
     vt_add_loop(suite, auto_is_taken_where_it_means_something, VOR_PARAMETER_COUNT);
     vt_add_loop(suite, text_of_a_value_reads_back_as_the_value, VOR_PARAMETER_COUNT);
     vt_add_loop(suite, what_is_not_given_has_no_text, VOR_PARAMETER_COUNT);
