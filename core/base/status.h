@@ -25,7 +25,7 @@
     X(E_DEGENERATE, 422, "degenerate-cloud", 0, "The cloud has no surface to resample")            \
     X(E_NORMALS, 422, "unusable-normals", 0, "The normals of the cloud cannot be used")            \
     X(E_FACES, 422, "unusable-faces", 0, "The faces of the cloud cannot be used")                  \
-    X(E_DENSITY, 422, "unusable-density", 0, "The attribute cannot be used as a density")          \
+    X(E_DENSITY, 422, "unusable-density", 0, "The input has no such density")                      \
     X(E_TARGET, 422, "target-out-of-range", 0, "The number of points asked for is out of range")   \
     X(E_ORIGIN, 422, "frame-too-coarse", 0, "float32 is too coarse for the origin asked for")      \
     X(E_CANCELLED, 499, "cancelled", 0, "The caller cancelled")                                    \

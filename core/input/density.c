@@ -5,6 +5,7 @@
 #include "core/base/stat.h"
 #include "core/geom/curvature.h"
 #include "core/geom/patch.h"
+#include "core/input/edges.h"
 #include "core/input/lists.h"
 #include "core/input/neighbors.h"
 #include "core/input/thin.h"
@@ -152,7 +153,8 @@ vor_status vor_density_check(const struct vor_cloud *in, const struct vor_spec *
 struct work {
     const struct vor_domain *domain; /* that the field's points are those of */
     struct vor_field *field;
-    const struct vor_attribute *attribute; /* NULL: curvature */
+    const struct vor_attribute *attribute; /* NULL: curvature, or edges */
+    struct vor_edges edges;                /* n is 0: curvature, or the attribute */
     unsigned curved;                       /* points that a curvature is taken of, at least */
     double floor;                          /* of a curvature, in normalised units */
     double steepest;                       /* largest change of the value over a length */
@@ -165,6 +167,7 @@ struct work {
 
 static void free_work(struct work *work, struct vor_memory *memory)
 {
+    vor_edges_free(&work->edges);
     vor_graph_free(&work->graph);
     vor_free(memory, work->changed);
     vor_free(memory, work->limited);
@@ -223,6 +226,18 @@ static double distance(const struct work *work, size_t i, size_t j)
     return sqrt(vor_distance2f(&work->field->xyz[3 * i], &work->field->xyz[3 * j]));
 }
 
+static int is_curvature(const struct work *work)
+{
+    return work->attribute == NULL && work->edges.n == 0;
+}
+
+static double density_at(const struct work *work, size_t i)
+{
+    if (work->attribute != NULL)
+        return vor_attribute_scalar(work->attribute, work->domain->source[i]);
+    return work->edges.n > 0 ? work->edges.flag[i] : curvature_at(work, i);
+}
+
 /* Density and share of the surface of the points of a block. */
 static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
@@ -235,9 +250,7 @@ static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
         double far = distance(work, i, graph->list[i * graph->most + count - 1]);
 
         work->area[i] = (float)(PI * far * far / count);
-        work->rho[i] = work->attribute != NULL
-                           ? vor_attribute_scalar(work->attribute, work->domain->source[i])
-                           : curvature_at(work, i);
+        work->rho[i] = density_at(work, i);
     }
 }
 
@@ -263,7 +276,7 @@ static vor_status find_densities(struct work *work, const struct vor_run *run,
     size_t n = work->field->n;
     vor_status status = vor_run_for(run, n, BLOCK, density_block, work, err);
 
-    for (int round = 0; round < SMOOTHED && status == VOR_OK && work->attribute == NULL; round++) {
+    for (int round = 0; round < SMOOTHED && status == VOR_OK && is_curvature(work); round++) {
         double *before = work->rho;
 
         status = vor_run_for(run, n, BLOCK, smooth_block, work, err);
@@ -473,6 +486,26 @@ static double estimate_area(const struct vor_domain *domain)
     return sum / (double)sampled * (double)domain->n;
 }
 
+/* Sets what the density is taken of. */
+static vor_status choose(struct work *work, const struct vor_cloud *in, const struct vor_spec *spec,
+                         const struct vor_run *run, struct vor_error *err)
+{
+    double density = spec->value[VOR_PARAM_DENSITY];
+    vor_status status;
+
+    if (density == VOR_DENSITY_ATTRIBUTE)
+        work->attribute = vor_cloud_find_name(in, vor_spec_name(spec, VOR_PARAM_DENSITY));
+    if (density != VOR_DENSITY_EDGES)
+        return VOR_OK;
+    status = vor_edges_find(&work->edges, work->domain, run, err);
+    if (status == VOR_OK && work->edges.flagged == 0)
+        status = vor_fail_param(err, VOR_E_DENSITY, "density",
+                                "density is edges, and none of the input's %zu points lies on a "
+                                "sharp edge, want uniform, curvature or attribute:NAME",
+                                in->n);
+    return status;
+}
+
 vor_status vor_density_make(struct vor_domain *domain, const struct vor_cloud *in, size_t n,
                             const struct vor_spec *spec, const struct vor_run *run,
                             struct vor_error *err)
@@ -494,9 +527,9 @@ vor_status vor_density_make(struct vor_domain *domain, const struct vor_cloud *i
     field.n = work.domain->n;
     work.curved = (unsigned)fmin(fmax(CURVED_WITHIN * (double)field.n / (double)n, CURVED_LEAST),
                                  CURVED_MOST);
-    if (spec->value[VOR_PARAM_DENSITY] == VOR_DENSITY_ATTRIBUTE)
-        work.attribute = vor_cloud_find_name(in, vor_spec_name(spec, VOR_PARAM_DENSITY));
-    status = fill(&work, spec, run, err);
+    status = choose(&work, in, spec, run, err);
+    if (status == VOR_OK)
+        status = fill(&work, spec, run, err);
     free_work(&work, run->memory);
     vor_domain_free(&thin);
     if (status != VOR_OK) {

@@ -121,10 +121,11 @@ enum vor_method_choice {
       "Local surface that stands for the input. quadric: it bends as the input does; plane: it "   \
       "does not, nor keeps edges, as in Chen et al. 2018")                                         \
     X(DENSITY, density, CHOICE_OR_NAME, SPREAD, "", 1, 63, VOR_DENSITY_UNIFORM,                    \
-      "uniform curvature attribute:NAME",                                                          \
+      "uniform curvature edges attribute:NAME",                                                    \
       "What the spacing follows: it goes with the density to the power -1/4. uniform: nothing; "   \
-      "curvature: the more the surface bends, the denser; attribute:NAME: a scalar of the input "  \
-      "that is 0 or more")                                                                         \
+      "curvature: the more the surface bends, the denser; edges: dense along sharp edges, "        \
+      "refused "                                                                                   \
+      "where there are none; attribute:NAME: a scalar of the input that is 0 or more")             \
     X(CONTRAST, contrast, REAL, SPREAD, "", 1, 100, 4, "",                                         \
       "Largest spacing over the smallest one, where there is a density")                           \
     X(GRADING, grading, REAL, SPREAD, "", 0.001, 1, 0.2, "",                                       \
@@ -207,7 +208,7 @@ enum vor_parameter {
 };
 
 enum { VOR_PATCH_QUADRIC, VOR_PATCH_PLANE };
-enum { VOR_DENSITY_UNIFORM, VOR_DENSITY_CURVATURE, VOR_DENSITY_ATTRIBUTE };
+enum { VOR_DENSITY_UNIFORM, VOR_DENSITY_CURVATURE, VOR_DENSITY_EDGES, VOR_DENSITY_ATTRIBUTE };
 enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE };
 enum { VOR_OUTLIERS_KEEP, VOR_OUTLIERS_DROP, VOR_OUTLIERS_PULL };
 enum { VOR_SAMPLE_VERTICES, VOR_SAMPLE_FACES };

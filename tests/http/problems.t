@@ -116,8 +116,11 @@ refused($daemon->post('/v1/resample?points=10&inputNormals=use', $cloud), 422, '
     'normals to be used that are not there');
 refused($daemon->post('/v1/resample?points=10&density=attribute:height', $cloud), 422, 'unusable-density',
     qr/no attribute height; its scalars are none/, 'a density that is not there');
+refused($daemon->post('/v1/resample?points=10&density=edges', $cloud), 422, 'unusable-density',
+    qr/density is edges, and none of the input's \d+ points lies on a sharp edge, want uniform, curvature or attribute:NAME/,
+    'edges of what has none');
 refused($daemon->post('/v1/resample?points=10&density=dense', $cloud), 400, 'invalid-parameter',
-    qr/want one of uniform, curvature or attribute:NAME/, 'a word that is no density');
+    qr/want one of uniform, curvature, edges or attribute:NAME/, 'a word that is no density');
 refused($daemon->post('/v1/resample?points=10&contrast=0.5', $cloud), 400, 'invalid-parameter', qr/contrast is 0\.5, want a number from 1 to 100/,
     'a contrast that is none');
 refused($daemon->post('/v1/resample?points=10&grading=2', $cloud), 400, 'invalid-parameter', qr/grading is 2, want a number from 0\.001 to 1/,
