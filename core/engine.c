@@ -1,5 +1,6 @@
 #include "core/engine.h"
 
+#include "core/baselines/baselines.h"
 #include "core/cvt/cvt.h"
 #include "core/input/followed.h"
 #include "core/input/input.h"
@@ -116,6 +117,8 @@ static vor_status join(struct engine *engine, struct vor_cloud *out, struct vor_
 static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vor_error *err)
 {
     struct vor_report *report = &engine->report;
+    struct vor_baselines_of beside = {&engine->domain, engine->seeds.n, &methods[VOR_METHOD_KMEANS],
+                                      &engine->told, &engine->spec};
     vor_status status = make_output(engine, out, err);
 
     if (status == VOR_OK)
@@ -124,6 +127,8 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
         status = join(engine, out, err);
     if (status == VOR_OK)
         status = vor_last_record_tell(&engine->told, report, &engine->run, err);
+    if (status == VOR_OK)
+        status = vor_baselines_tell(report, &beside, &engine->run, err);
     if (status != VOR_OK) {
         vor_cloud_free(out);
         return status;
@@ -228,17 +233,6 @@ static vor_status run_measure(struct vor_artefacts *out, const struct vor_artefa
                               run, err);
 }
 
-static vor_status inspect(struct vor_inspect *out, struct vor_domain *domain,
-                          const struct vor_spec *spec, const struct vor_run *run,
-                          struct vor_error *err)
-{
-    vor_status status =
-        vor_area_of_surface(&out->area, domain, (uint64_t)spec->value[VOR_PARAM_SEED], run, err);
-
-    out->area *= domain->unit * domain->unit;
-    return status == VOR_OK ? vor_inspect_domain(out, domain, spec, run, err) : status;
-}
-
 static vor_status run_inspect(struct vor_artefacts *out, const struct vor_artefacts *in,
                               const struct vor_spec *spec, const struct vor_run *run,
                               struct vor_error *err)
@@ -256,7 +250,11 @@ static vor_status run_inspect(struct vor_artefacts *out, const struct vor_artefa
     if (status != VOR_OK)
         return status;
     vor_inspect_cloud(told, cloud);
-    status = inspect(told, &domain, spec, &whole, err);
+    status = vor_area_of_surface(&told->area, &domain, (uint64_t)spec->value[VOR_PARAM_SEED],
+                                 &whole, err);
+    told->area *= domain.unit * domain.unit;
+    if (status == VOR_OK)
+        status = vor_inspect_domain(told, &domain, spec, &whole, err);
     vor_domain_free(&domain);
     return status;
 }

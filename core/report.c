@@ -58,6 +58,7 @@ static const char *const answered_words[] = {"no", "yes"};
 #define VOR_KIND_OF_STOPPED(type, field)                                                           \
     .kind = VOR_MEMBER_WORD, .words = stopped_words, .word_count = VOR_STOPPED_COUNT
 #define VOR_KIND_OF_APART(type, field) .kind = VOR_MEMBER_OBJECT, .inner = &apart_members
+#define VOR_KIND_OF_BASELINE(type, field) .kind = VOR_MEMBER_OBJECT, .inner = &baseline_members
 #define VOR_KIND_OF_FITTED(type, field)                                                            \
     .kind = VOR_MEMBER_LIST, .inner = &fitted_members, .count_offset = offsetof(type, field##_count)
 #define VOR_KIND_OF_STAGES(type, field)                                                            \
@@ -89,6 +90,14 @@ static const struct vor_member apart_rows[] = {
 };
 
 static const struct vor_members apart_members = VOR_MEMBERS(struct vor_apart, apart_rows);
+
+static const struct vor_member baseline_rows[] = {
+#define BASELINE_ROW(...) VOR_MEMBER(struct vor_baseline, __VA_ARGS__)
+    VOR_BASELINE_TABLE(BASELINE_ROW)
+#undef BASELINE_ROW
+};
+
+static const struct vor_members baseline_members = VOR_MEMBERS(struct vor_baseline, baseline_rows);
 
 static const struct vor_member fitted_rows[] = {
 #define FITTED_ROW(...) VOR_MEMBER(struct vor_fitted, __VA_ARGS__)

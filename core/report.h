@@ -19,6 +19,7 @@
 #define VOR_RUN_STAGE_TABLE(X)                                                                     \
     X(ITERATE, "iterate", "iteration", "Moves each point towards the middle of its cell")          \
     X(POLISH, "polish", "polish step", "Moves points away from their neighbours")                  \
+    X(BASELINES, "baselines", "baseline", "Makes as many points by simple methods")                \
     VOR_EXTRA_RUN_STAGES(X)
 
 enum vor_run_stage {
@@ -217,6 +218,24 @@ struct vor_hole_told {
     struct vor_hole_told field[VOR_HOLES_TOLD];                                                    \
     unsigned field##_count;
 
+/** How even the points of a simple method are, and how far from the input. */
+#define VOR_BASELINE_TABLE(X)                                                                      \
+    X(U64, points, "points", "points",                                                             \
+      "Points made: as many as the result has, of fewer in the input all of those; a voxel grid "  \
+      "makes about as many")                                                                       \
+    X(REAL, delta, "delta", "", "As delta of the result")                                          \
+    X(REAL, sigma, "sigma", "unit of the cloud", "As sigma of the result")                         \
+    X(REAL, epsilon, "epsilon", "", "As epsilon of the result")                                    \
+    X(REAL, spacing, "spacing", "unit of the cloud", "Mean distance to the nearest neighbour")     \
+    X(REAL, six_share, "six_share", "", "Share of the points with six Voronoi neighbours")         \
+    X(APART, in_to_out, "in_to_out", "", "As in_to_out of the result")
+
+struct vor_baseline {
+    VOR_BASELINE_TABLE(VOR_FIELD)
+};
+
+#define VOR_FIELD_BASELINE(field) struct vor_baseline field;
+
 /** What a run did. Lengths are in the unit of the cloud. The engine sets all but the seconds of
  *  reading and writing and the origin, which the caller sets. */
 #define VOR_REPORT_TABLE(X)                                                                        \
@@ -235,8 +254,8 @@ struct vor_hole_told {
     X(U32, polish_steps, "polish_steps", "", "Steps of the polish done")                           \
     X(STOPPED, stopped, "stopped", "", "Why the run ended")                                        \
     X(STAGES, stages, "stages", "",                                                                \
-      "Stages that the run went through, in their order; their seconds are among those of the "    \
-      "member seconds")                                                                            \
+      "Stages that the run went through, in their order; their seconds, but for those of "         \
+      "baselines, are among those of the member seconds")                                          \
     X(REAL, seconds_read, "seconds.read", "s", "Decoding the input")                               \
     X(REAL, seconds_index, "seconds.index", "s", "Sorting and indexing the input")                 \
     X(REAL, seconds_init, "seconds.init", "s", "Placing the first points")                         \
@@ -386,6 +405,15 @@ struct vor_hole_told {
       "Small loops that were filled, as the input goes on under them")                             \
     X(MESH_LOOPS, mesh_longest, "mesh.longest_loops", "", "The loops with most edges, at most 32") \
     X(REAL, mesh_seconds, "mesh.seconds", "s", "Making the triangles")                             \
+    X(OPTIONAL, has_baselines, "baselines", "",                                                    \
+      "How even simple methods are on the same input; only where baselines asks for it, and "      \
+      "neither filters alone made the result nor the caller stopped the run")                      \
+    X(BASELINE, kmeans, "baselines.kmeans", "", "The method kmeans, 35 iterations")                \
+    X(BASELINE, random, "baselines.random", "", "Points of the input, chosen at random")           \
+    X(BASELINE, voxel, "baselines.voxel", "",                                                      \
+      "Means of the input's points in each cell of a grid")                                        \
+    X(BASELINE, farthest, "baselines.farthest", "",                                                \
+      "Points of the input, each the one farthest from those before")                              \
     X(SPEC, parameters, "parameters", "",                                                          \
       "The request, with points filled in from ratio or spacing and auto resolved: neighbors to "  \
       "the usual number")

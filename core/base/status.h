@@ -26,7 +26,7 @@
     X(E_NORMALS, 422, "unusable-normals", 0, "The normals of the cloud cannot be used")            \
     X(E_FACES, 422, "unusable-faces", 0, "The faces of the cloud cannot be used")                  \
     X(E_HOLES, 422, "unknown-hole", 0, "The cloud has no hole of that number")                     \
-    X(E_DENSITY, 422, "unusable-density", 0, "The attribute cannot be used as a density")          \
+    X(E_DENSITY, 422, "unusable-density", 0, "The input has no such density")                      \
     X(E_METRIC, 422, "unusable-metric", 0, "The attribute cannot be used as a metric")             \
     X(E_TARGET, 422, "target-out-of-range", 0, "The number of points asked for is out of range")   \
     X(E_ORIGIN, 422, "frame-too-coarse", 0, "float32 is too coarse for the origin asked for")      \

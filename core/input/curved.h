@@ -1,9 +1,8 @@
 /** The places that a field over the surface is computed at, and the fits there that its curvature
  *  is taken of.
  *
- *  Departure from Chen 2018, Sec. 5.2, which takes them at all points of the input: there are five
- *  for each point of the result, as a thinned input has. More would show what the result cannot
- *  follow. */
+ *  Departure from Chen 2018, Sec. 5.2, which takes them at all points of the input: there are a few
+ *  for each point of the result. More would show what the result cannot follow. */
 #ifndef VOR_INPUT_CURVED_H
 #define VOR_INPUT_CURVED_H
 
@@ -20,16 +19,21 @@ struct vor_curved {
                        the input (the unit is from the paper's errata), normalised */
 };
 
+/** Places for each point of the result that a shape is followed at, as a thinned input has. */
+#define VOR_CURVED_EACH 5.0
+
 /** Picks the places for a result of n points.
  *
  *  @param[in]  domain  must outlive *out
  *  @param[out] out     free with vor_curved_free; untouched on failure
+ *  @param[in]  each    places for each point of the result where the input has more; more of them
+ *                      where fits take more neighbours than the fewest
  *
- *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED  as vor_domain_thin_for
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED  as vor_domain_thin
  *
  *  O(n) of the input, on the run's pool. */
 VOR_NODISCARD vor_status vor_curved_init(struct vor_curved *out, const struct vor_domain *domain,
-                                         size_t n, const struct vor_run *run,
+                                         size_t n, double each, const struct vor_run *run,
                                          struct vor_error *err);
 
 /** curved may be all zero. */

@@ -5,11 +5,15 @@
  *  without their signs, each at least 1e-4 over the diagonal of the input, evened out among
  *  neighbours. Where each cell has the same share of the energy, the spacing goes with rho^(-1/4).
  *
+ *  That of edges, which is ours, is 1 at points that lie on a sharp edge (input/edges.h) and 0
+ *  elsewhere: the spacing is smallest along edges, and grows away from them as grading allows, up
+ *  to contrast times as much.
+ *
  *  Departure: the paper takes densities as they are. Those of curvature span six decades, and no
  *  spacing can follow that: the largest spacing is at most `contrast` times the smallest one, and
  *  from one place to another it changes by at most `grading` times their distance.
- *  Departure: the field has five points for each one of the result, as a thinned input has. A
- *  finer one would show what the result cannot follow. */
+ *  Departure: the field has 1.5 to 5 points for each one of the result: a dense input is thinned
+ *  for it. A finer one would show what the result cannot follow. */
 #ifndef VOR_INPUT_DENSITY_H
 #define VOR_INPUT_DENSITY_H
 
@@ -33,6 +37,7 @@ VOR_NODISCARD vor_status vor_density_check(const struct vor_cloud *in, const str
  *  @param[in] spec  read: density, contrast, grading
  *  @param[in] run   a stop must not interrupt this: pass vor_run_unstoppable
  *
+ *  @retval VOR_E_DENSITY  that of edges is asked for, and the input has none
  *  @retval VOR_E_NOMEM 170 bytes for each point of the field do not fit
  *  @retval VOR_E_CANCELLED
  *

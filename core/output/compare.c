@@ -209,25 +209,33 @@ static vor_status over_blocks(struct vor_compare_apart *out, struct compare *com
     return status;
 }
 
+vor_status vor_compare_in_to_out(struct vor_compare_apart *out, struct vor_seeds *seeds,
+                                 struct vor_error *err)
+{
+    struct compare compare = {.seeds = seeds, .points = seeds->domain->n};
+    struct vor_knn *knn = NULL;
+    vor_status status = vor_knn_build(&knn, seeds->xyz, seeds->n, seeds->run.memory, err);
+
+    if (compare.points > VOR_COMPARE_POINTS)
+        compare.points = VOR_COMPARE_POINTS;
+    compare.knn = knn;
+    if (status == VOR_OK)
+        status = over_blocks(out, &compare, compare.points, in_block, err);
+    vor_knn_free(knn);
+    return status;
+}
+
 vor_status vor_compare(struct vor_comparison *out, struct vor_seeds *seeds, double spacing,
                        int refined, struct vor_error *err)
 {
-    struct compare compare = {
-        .seeds = seeds, .points = seeds->domain->n, .spacing = spacing, .refined = refined};
-    struct vor_knn *knn = NULL;
+    struct compare compare = {.seeds = seeds, .spacing = spacing, .refined = refined};
     struct vor_comparison found;
     vor_status status;
 
     assert(vor_seeds_on_whole(seeds));
-    if (compare.points > VOR_COMPARE_POINTS)
-        compare.points = VOR_COMPARE_POINTS;
     status = over_blocks(&found.out_to_in, &compare, seeds->n, out_block, err);
     if (status == VOR_OK)
-        status = vor_knn_build(&knn, seeds->xyz, seeds->n, seeds->run.memory, err);
-    compare.knn = knn;
-    if (status == VOR_OK)
-        status = over_blocks(&found.in_to_out, &compare, compare.points, in_block, err);
-    vor_knn_free(knn);
+        status = vor_compare_in_to_out(&found.in_to_out, seeds, err);
     if (status != VOR_OK)
         return status;
     found.border = atomic_load(&compare.border);

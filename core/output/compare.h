@@ -48,4 +48,13 @@ struct vor_comparison {
 VOR_NODISCARD vor_status vor_compare(struct vor_comparison *out, struct vor_seeds *seeds,
                                      double spacing, int refined, struct vor_error *err);
 
+/** Measures the distances from the domain's points to the nearest seed alone: in_to_out of a
+ *  comparison.
+ *
+ *  @param[in] seeds  read: domain, n, xyz, run
+ *
+ *  Fails as vor_compare. O(n log n), on the run's pool. The same bits for any number of threads. */
+VOR_NODISCARD vor_status vor_compare_in_to_out(struct vor_compare_apart *out,
+                                               struct vor_seeds *seeds, struct vor_error *err);
+
 #endif

@@ -18,7 +18,7 @@ static void end_stage(struct vor_record *record, const struct vor_outcome *told)
     record->step = told->steps[record->stage];
 }
 
-static struct vor_record record_of(const struct vor_outcome *told, const struct vor_report *report)
+struct vor_record vor_last_record(const struct vor_outcome *told, const struct vor_report *report)
 {
     struct vor_record record = told->last;
 
@@ -42,7 +42,7 @@ vor_status vor_last_record_tell(const struct vor_outcome *told, const struct vor
     if (watch == NULL || watch->progress == NULL || told->stages == 0 ||
         is_told(&told->last, report))
         return VOR_OK;
-    record = record_of(told, report);
+    record = vor_last_record(told, report);
     record.seconds = vor_run_seconds(run);
     if (watch->progress(watch->ctx, &record) == VOR_CANCEL)
         return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");

@@ -19,4 +19,7 @@ VOR_NODISCARD vor_status vor_last_record_tell(const struct vor_outcome *told,
                                               const struct vor_report *report,
                                               const struct vor_run *run, struct vor_error *err);
 
+/** That record, but for its seconds, which are those of the method's last one. */
+struct vor_record vor_last_record(const struct vor_outcome *told, const struct vor_report *report);
+
 #endif

@@ -128,10 +128,11 @@ enum vor_method_choice {
       "Local surface that stands for the input. quadric: it bends as the input does; plane: it "   \
       "does not, nor keeps edges, as in Chen et al. 2018")                                         \
     X(DENSITY, density, CHOICE_OR_NAME, SPREAD, "", 1, 63, VOR_DENSITY_UNIFORM,                    \
-      "uniform curvature attribute:NAME",                                                          \
+      "uniform curvature edges attribute:NAME",                                                    \
       "What the spacing follows: it goes with the density to the power -1/4. uniform: nothing; "   \
-      "curvature: the more the surface bends, the denser; attribute:NAME: a scalar of the input "  \
-      "that is 0 or more")                                                                         \
+      "curvature: the more the surface bends, the denser; edges: dense along sharp edges, "        \
+      "refused "                                                                                   \
+      "where there are none; attribute:NAME: a scalar of the input that is 0 or more")             \
     X(CONTRAST, contrast, REAL, SPREAD, "", 1, 100, 4, "",                                         \
       "Largest spacing over the smallest one, where there is a density")                           \
     X(GRADING, grading, REAL, SPREAD, "", 0.001, 1, 0.2, "",                                       \
@@ -231,6 +232,9 @@ enum vor_method_choice {
     X(SOUP, soup, FLAG, MESH, "", 0, 0, 0, "",                                                     \
       "The faces are not triangles over the points but the cells around them, polygons each with " \
       "points of its own; in Draco, which has no polygons, cut into triangles")                    \
+    X(BASELINES, baselines, FLAG, OUTPUT, "", 0, 0, 0, "",                                         \
+      "The report tells how even as many points of simple methods are on the same input: kmeans, " \
+      "random, voxel grid, farthest point")                                                        \
     X(PEAK, peak, REAL_OR_AUTO, MEASURE, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",          \
       "Peak of d1_psnr and d2_psnr; auto: the largest distance of a reference point to its "       \
       "nearest other one")                                                                         \
@@ -245,7 +249,7 @@ enum vor_parameter {
 };
 
 enum { VOR_PATCH_QUADRIC, VOR_PATCH_PLANE };
-enum { VOR_DENSITY_UNIFORM, VOR_DENSITY_CURVATURE, VOR_DENSITY_ATTRIBUTE };
+enum { VOR_DENSITY_UNIFORM, VOR_DENSITY_CURVATURE, VOR_DENSITY_EDGES, VOR_DENSITY_ATTRIBUTE };
 enum { VOR_METRIC_ISOTROPIC, VOR_METRIC_ANISOTROPIC, VOR_METRIC_ATTRIBUTE, VOR_METRIC_LP };
 enum { VOR_CELLS_METRIC, VOR_CELLS_EUCLID };
 enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE, VOR_BOUNDARY_SITES, VOR_BOUNDARY_FILL };

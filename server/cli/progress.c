@@ -234,6 +234,37 @@ static void say_faces(const struct vor_progress *progress, const struct vor_json
     vor_cli_say(cli->input[0], line);
 }
 
+/* Says how even a set of points is, and how far from the input: a row of a table. */
+static void say_row(const struct vor_progress *progress, const char *name, double points,
+                    const struct vor_json *told)
+{
+    const struct vor_json *apart = vor_json_get(told, "in_to_out");
+    char line[160];
+
+    (void)snprintf(line, sizeof line,
+                   "%-8s %9.0f points, delta %.4f, sigma %.3g, six neighbours %.3f, input to them "
+                   "%.3g, at most %.3g",
+                   name, points, number_at(told, "delta"), number_at(told, "sigma"),
+                   number_at(told, "six_share"), number_at(apart, "mean"), number_at(apart, "max"));
+    vor_cli_say(progress->cli->option[VOR_OPTION_OUTPUT], line);
+}
+
+/* Says how even the result is beside simple methods, where the request asked for it. */
+static void say_baselines(const struct vor_progress *progress, const struct vor_json *report)
+{
+    static const char *const names[] = {"kmeans", "random", "voxel", "farthest"};
+    const struct vor_json *told = vor_json_get(report, "baselines");
+
+    if (told == NULL)
+        return;
+    say_row(progress, "result", number_at(vor_json_get(report, "points"), "out"), report);
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        const struct vor_json *one = vor_json_get(told, names[i]);
+
+        say_row(progress, names[i], number_at(one, "points"), one);
+    }
+}
+
 static void summarise(const struct vor_progress *progress, const struct vor_json *report)
 {
     const struct vor_json *seconds = vor_json_get(report, "seconds");
@@ -258,6 +289,7 @@ static void summarise(const struct vor_progress *progress, const struct vor_json
     say_origin(progress, report);
     say_dropped(progress, report);
     say_faces(progress, report);
+    say_baselines(progress, report);
 }
 
 vor_status vor_progress_finish(struct vor_progress *progress, const char *report, size_t size,

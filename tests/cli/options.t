@@ -98,7 +98,7 @@ refused 'a parameter of measure', ['denoise', $in, '-o', $out, '--peak=1'], 2,
     'denoise: no parameter peak; denoise takes points, ratio, spacing, method, patch, density, contrast, grading, metric, maxAspect, p, cells, iterations, delta, moveStop, '
     . 'seconds, neighbors, anderson, polish, boundary, holes, holeMax, edges, outliers, sample, filters, inputNormals, intrinsic, invalid, seed, order, format, '
     . 'quantization, compression, origin, '
-    . 'attributes, normals';
+    . 'attributes, normals, baselines';
 refused 'an option with a newline', ['resample', "--a\nb"], 2,
     'resample: no option --a\\x0ab; see voronoid resample --help';
 my $bare = spew("$folder/zero.ply", "ply\nformat ascii 1.0\nelement vertex 5\n" . join('', map { "property float $_\n" } qw(x y z nx ny nz))

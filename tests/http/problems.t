@@ -27,8 +27,8 @@ for my $case (
     ['', qr/0 of points, ratio and spacing/, 'points'],
     ['points=10&ratio=0.5', qr/2 of points, ratio and spacing/, 'points'],
     ['points=10&points=10', qr/points is given more than once/, 'points'],
-    ['points=10&neighbours=6', qr/^no parameter neighbours; resample takes points, ratio, .*, normals$/, 'neighbours'],
-    ['points=10&peak=6', qr/^no parameter peak; resample takes points, ratio, .*, normals$/, 'peak'],
+    ['points=10&neighbours=6', qr/^no parameter neighbours; resample takes points, ratio, .*, normals, baselines$/, 'neighbours'],
+    ['points=10&peak=6', qr/^no parameter peak; resample takes points, ratio, .*, normals, baselines$/, 'peak'],
     ['points=10&neighbors=5', qr/neighbors is 5, want .* from 6 to 500 or auto/, 'neighbors'],
     ['points=10&boundary=open', qr/boundary is "open", want one of keep, free, sites, fill/, 'boundary'],
     ['points=10&patch=cubic', qr/patch is "cubic", want one of quadric, plane/, 'patch'],
@@ -116,8 +116,11 @@ refused($daemon->post('/v1/resample?points=10&inputNormals=use', $cloud), 422, '
     'normals to be used that are not there');
 refused($daemon->post('/v1/resample?points=10&density=attribute:height', $cloud), 422, 'unusable-density',
     qr/no attribute height; its scalars are none/, 'a density that is not there');
+refused($daemon->post('/v1/resample?points=10&density=edges', $cloud), 422, 'unusable-density',
+    qr/density is edges, and none of the input's \d+ points lies on a sharp edge, want uniform, curvature or attribute:NAME/,
+    'edges of what has none');
 refused($daemon->post('/v1/resample?points=10&density=dense', $cloud), 400, 'invalid-parameter',
-    qr/want one of uniform, curvature or attribute:NAME/, 'a word that is no density');
+    qr/want one of uniform, curvature, edges or attribute:NAME/, 'a word that is no density');
 refused($daemon->post('/v1/resample?points=10&contrast=0.5', $cloud), 400, 'invalid-parameter', qr/contrast is 0\.5, want a number from 1 to 100/,
     'a contrast that is none');
 refused($daemon->post('/v1/resample?points=10&grading=2', $cloud), 400, 'invalid-parameter', qr/grading is 2, want a number from 0\.001 to 1/,

@@ -163,6 +163,7 @@ for my $name (sort keys %table) {
 # it. A bound may be narrower here than in the table, which knows only that a count is not negative.
 sub unlike_table {
     my ($schema, $table, $at) = @_;
+    $schema = $contract->resolved($schema);
     my ($ours, $theirs) = ($schema->{properties} // {}, $table->{properties} // {});
     my %names = map { $_ => 1 } keys %$ours, keys %$theirs;
     my @faults = map { "$at: $_" } grep { said($schema, $_) ne said($table, $_) } qw(type enum required);

@@ -165,7 +165,7 @@ static int is_idle_descent(const struct vor_spec *spec, int parameter)
 
 /* What the process takes: a parameter that only others do is no part of the request, nor is how the
  * input was read or what of it is sampled, which is over before the first stage, nor what a file
- * counts from, which is decided after the last. */
+ * counts from or what is made beside the result, after the last. */
 static void add_spec(uint64_t *hash, const struct vor_spec *spec)
 {
     add_bytes(hash, spec->process->id, strlen(spec->process->id) + 1);
@@ -173,7 +173,7 @@ static void add_spec(uint64_t *hash, const struct vor_spec *spec)
         const char *name = vor_parameter_info((enum vor_parameter)i)->name;
 
         if (vor_parameter_info((enum vor_parameter)i)->group == VOR_GROUP_READ ||
-            i == VOR_PARAM_ORIGIN || i == VOR_PARAM_SAMPLE)
+            i == VOR_PARAM_ORIGIN || i == VOR_PARAM_SAMPLE || i == VOR_PARAM_BASELINES)
             continue;
         if (!vor_process_takes(spec->process, (enum vor_parameter)i) || is_idle(spec, i) ||
             is_idle_descent(spec, i))

@@ -259,7 +259,7 @@ subtest 'what a process does not take is refused by name' => sub {
         "overlap: no parameter tell; overlap takes $takes, backward";
     refused 'a toy of a product', ['measure', $plane, '--strict'], 2, 'measure: no parameter strict; measure takes invalid, peak';
     my ($code, $stdout, $stderr) = run(['resample', $in, '-n', 5, '--remark', 'x', '-o', $out]);
-    like "$code|$stdout|$stderr", qr/\A2\|\|voronoid: resample: no parameter remark; resample takes points, .*, normals, parts, pause\n\z/,
+    like "$code|$stdout|$stderr", qr/\A2\|\|voronoid: resample: no parameter remark; resample takes points, .*, normals, baselines, parts, pause\n\z/,
         'and of the processes that spread points';
     ($code, $stdout, $stderr) = run(['excerpt', $in, '-n', 5, '--polish', 5, '-o', $out]);
     like "$code|$stdout|$stderr", qr/\A2\|\|voronoid: excerpt: no parameter polish; excerpt takes points, /,

@@ -151,7 +151,7 @@ subtest 'every kind is refused by name and range' => sub {
     }
     my $answer = $daemon->post('/v1/resample?points=5&remark=x', $sphere);
     is_problem($answer, 400, 'invalid-parameter', 'resample takes no remark');
-    like json($answer)->{detail}, qr/^no parameter remark; resample takes points, .*, normals, parts, pause$/, 'and says what it takes';
+    like json($answer)->{detail}, qr/^no parameter remark; resample takes points, .*, normals, baselines, parts, pause$/, 'and says what it takes';
     $answer = $daemon->post('/v1/excerpt?points=5&polish=1', $sphere);
     like json($answer)->{detail}, qr/^no parameter polish; excerpt takes /, 'a group that a process leaves out';
     $answer = $daemon->post('/v1/excerpt?points=5&method=cvt', $sphere);

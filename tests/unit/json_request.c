@@ -275,6 +275,10 @@ START_TEST(a_process_describes_what_it_takes)
                               1);
             continue;
         }
+        if (info->kind == VOR_KIND_FLAG) {
+            ck_assert_str_eq(vor_json_get_string(vor_json_get(schema, "type")), "boolean");
+            continue;
+        }
         range = range != NULL ? range : schema;
         if (vor_kind_form(info->kind, 0) == VOR_FORM_COUNTS)
             range = vor_json_get(range, "items");

@@ -201,7 +201,7 @@ START_TEST(a_report_has_its_shape)
         "\"seed\":1,\"order\":\"spatial\",\"quantization\":\"auto\",\"compression\":7,\"origin\":"
         "\"auto\","
         "\"attributes\":\"nearest\","
-        "\"normals\":\"nearest\"}}");
+        "\"normals\":\"nearest\",\"baselines\":false}}");
 }
 END_TEST
 

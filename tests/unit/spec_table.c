@@ -251,6 +251,28 @@ START_TEST(a_choice_takes_each_of_its_words_and_no_number)
 }
 END_TEST
 
+START_TEST(a_flag_takes_true_and_false_and_nothing_else)
+{
+    static const char *const refused[] = {"", "1", "0", "True", "yes", "true ", "auto"};
+    const struct vor_parameter_info *info = info_of(_i);
+    struct vor_spec spec;
+    char text[VOR_SPEC_VALUE_SIZE];
+
+    if (!is_flag(info))
+        return;
+    init_for(&spec, _i);
+    for (unsigned value = 0; value < 2; value++) {
+        vt_assert_ok(vor_spec_set(&spec, info->name, value ? "true" : "false", &vt_err));
+        ck_assert(value_of(&spec, _i) == value);
+        ck_assert_str_eq(vor_spec_text(&spec, (enum vor_parameter)_i, text),
+                         value ? "true" : "false");
+    }
+    for (size_t k = 0; k < sizeof refused / sizeof *refused; k++)
+        vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, info->name, refused[k], &vt_err));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "want true or false"));
+}
+END_TEST
+
 START_TEST(auto_is_taken_where_it_means_something)
 {
     const struct vor_parameter_info *info = info_of(_i);
@@ -733,6 +755,7 @@ int main(void)
     vt_add_loop(suite, a_whole_number_has_no_fraction, VOR_PARAMETER_COUNT);
     vt_add_loop(suite, junk_is_refused_and_shown, VOR_PARAMETER_COUNT);
     vt_add_loop(suite, a_choice_takes_each_of_its_words_and_no_number, VOR_PARAMETER_COUNT);
+    vt_add_loop(suite, a_flag_takes_true_and_false_and_nothing_else, VOR_PARAMETER_COUNT);
     vt_add_loop(suite, auto_is_taken_where_it_means_something, VOR_PARAMETER_COUNT);
     vt_add_loop(suite, text_of_a_value_reads_back_as_the_value, VOR_PARAMETER_COUNT);
     vt_add_loop(suite, what_is_not_given_has_no_text, VOR_PARAMETER_COUNT);

@@ -1,0 +1,165 @@
+#include "core/baselines/voxels.h"
+
+#include "core/base/rng.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    BLOCK = 4096, /* points of one task */
+    GRIDS = 32,   /* that are tried: each halves the range, on a scale of factors */
+    BITS = 21     /* of the number of a cell along an axis */
+};
+
+/* Edges of cells, least and most: the numbers along an axis of length 2 fit their bits, and one
+ * cell holds the octant of a corner. */
+#define EDGE_LEAST 0x1p-19
+#define EDGE_MOST 2.0
+
+/* No cell has this number. */
+#define NONE UINT64_MAX
+
+/* A cell with points. */
+struct cell {
+    uint64_t number; /* or NONE */
+    uint32_t index;  /* in the order in which they are met */
+    uint32_t points;
+    double sum[3];
+};
+
+struct voxels {
+    const float *xyz;
+    size_t n, limit;   /* limit: most cells that are counted */
+    size_t slots;      /* a power of two, at least twice the limit */
+    double inverse;    /* 1 over the edge */
+    uint64_t *number;  /* n: of each point's cell */
+    struct cell *cell; /* slots */
+};
+
+static void number_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct voxels *voxels = ctx;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        uint64_t number = 0;
+
+        for (size_t c = 0; c < 3; c++)
+            number =
+                number << BITS | (uint64_t)(((double)voxels->xyz[3 * i + c] + 1) * voxels->inverse);
+        voxels->number[i] = number;
+    }
+}
+
+/* The slot of a cell, taken or free. */
+static struct cell *find(struct voxels *voxels, uint64_t number)
+{
+    size_t slot = (size_t)vor_rng_mix(number) & (voxels->slots - 1);
+
+    while (voxels->cell[slot].number != number && voxels->cell[slot].number != NONE)
+        slot = (slot + 1) & (voxels->slots - 1);
+    return &voxels->cell[slot];
+}
+
+/* Sorts the points into cells of that edge. *cells is how many there are, or limit + 1 for more. */
+static vor_status fill(struct voxels *voxels, size_t *cells, double edge, const struct vor_run *run,
+                       struct vor_error *err)
+{
+    struct cell *cell = NULL;
+    vor_status status;
+
+    voxels->inverse = 1 / edge;
+    status = vor_run_for(run, voxels->n, BLOCK, number_block, voxels, err);
+    if (status != VOR_OK)
+        return status;
+    for (size_t slot = 0; slot < voxels->slots; slot++)
+        voxels->cell[slot] = (struct cell){.number = NONE};
+    *cells = 0;
+    for (size_t i = 0; i < voxels->n && *cells <= voxels->limit; i++) {
+        if (cell == NULL || cell->number != voxels->number[i])
+            cell = find(voxels, voxels->number[i]);
+        if (cell->number == NONE) {
+            cell->number = voxels->number[i];
+            cell->index = (uint32_t)(*cells)++;
+        }
+        cell->points++;
+        for (size_t c = 0; c < 3; c++)
+            cell->sum[c] += (double)voxels->xyz[3 * i + c];
+    }
+    return VOR_OK;
+}
+
+static size_t off(size_t a, size_t b)
+{
+    return a > b ? a - b : b - a;
+}
+
+/* Looks for the edge that makes about as many cells as are wanted. */
+static vor_status search(struct voxels *voxels, double *edge, size_t count,
+                         const struct vor_run *run, struct vor_error *err)
+{
+    double least = EDGE_LEAST, most = EDGE_MOST;
+    size_t nearest = SIZE_MAX, cells = 0;
+
+    *edge = EDGE_MOST;
+    for (int grid = 0; grid < GRIDS && nearest > 0; grid++) {
+        double tried = grid == 0 ? EDGE_MOST : sqrt(least * most);
+        vor_status status = fill(voxels, &cells, tried, run, err);
+
+        if (status != VOR_OK)
+            return status;
+        if (cells <= voxels->limit && off(cells, count) < nearest) {
+            nearest = off(cells, count);
+            *edge = tried;
+        }
+        if (cells > count)
+            least = tried;
+        else
+            most = tried;
+    }
+    return VOR_OK;
+}
+
+static void put_means(float *out, const struct voxels *voxels)
+{
+    for (size_t slot = 0; slot < voxels->slots; slot++) {
+        const struct cell *cell = &voxels->cell[slot];
+
+        for (size_t c = 0; c < 3 && cell->number != NONE; c++)
+            out[3 * (size_t)cell->index + c] = (float)(cell->sum[c] / cell->points);
+    }
+}
+
+static vor_status alloc_voxels(struct voxels *voxels, size_t count, struct vor_memory *memory,
+                               struct vor_error *err)
+{
+    voxels->limit = 2 * count + VOR_VOXELS_SLACK;
+    if (voxels->limit > voxels->n)
+        voxels->limit = voxels->n;
+    voxels->slots = 2;
+    while (voxels->slots < 2 * (voxels->limit + 1))
+        voxels->slots *= 2;
+    voxels->number = vor_malloc(memory, voxels->n, sizeof *voxels->number);
+    voxels->cell = vor_malloc(memory, voxels->slots, sizeof *voxels->cell);
+    if (voxels->number == NULL || voxels->cell == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the voxels of %zu points", voxels->n);
+    return VOR_OK;
+}
+
+vor_status vor_voxel_points(float *out, size_t *made, const float *xyz, size_t n, size_t count,
+                            const struct vor_run *run, struct vor_error *err)
+{
+    struct voxels voxels = {.xyz = xyz, .n = n};
+    double edge = EDGE_MOST;
+    vor_status status = alloc_voxels(&voxels, count, run->memory, err);
+
+    if (status == VOR_OK)
+        status = search(&voxels, &edge, count, run, err);
+    if (status == VOR_OK)
+        status = fill(&voxels, made, edge, run, err);
+    if (status == VOR_OK)
+        put_means(out, &voxels);
+    vor_free(run->memory, voxels.cell);
+    vor_free(run->memory, voxels.number);
+    return status;
+}

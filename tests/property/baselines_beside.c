@@ -1,0 +1,334 @@
+/* The simple methods beside a result: the same result, numbers that can be measured again, the same
+ * for any number of threads, interrupted at any moment. */
+#include "tests/support/vt_shape.h"
+#include "tests/support/vt_trace.h"
+
+#include <stdatomic.h>
+#include <string.h>
+
+enum { N = 4000, OUT = 500 };
+
+static void open_engine(struct vt_engine *engine, unsigned threads, size_t points)
+{
+    vt_engine_open(engine, threads);
+    vt_engine_count(engine, "points", points);
+    vt_engine_set(engine, "baselines", "true");
+}
+
+START_TEST(the_result_is_the_same_with_baselines_beside_it)
+{
+    struct vor_report with, without;
+    struct vt_engine engine;
+    struct vor_cloud in, out;
+    uint64_t hash;
+
+    vt_cloud_torus(&in, 1, N);
+    open_engine(&engine, 2, OUT);
+    vt_engine_resample(&engine, &out, &with, &in);
+    hash = vt_cloud_hash(&out);
+    vor_cloud_free(&out);
+    vt_engine_set(&engine, "baselines", "false");
+    vt_engine_resample(&engine, &out, &without, &in);
+    ck_assert(vt_cloud_hash(&out) == hash);
+    ck_assert_int_eq(with.has_baselines, 1);
+    ck_assert_int_eq(without.has_baselines, 0);
+    ck_assert_double_eq(with.delta, without.delta);
+    ck_assert_double_eq(with.in_to_out.max, without.in_to_out.max);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Paper: Chen et al. 2018, Sec. 5.1. Of points spread by chance in a plane, delta is
+ * sqrt(4 / pi - 1) = 0.52. */
+START_TEST(each_is_as_even_as_its_method_is_known_to_be)
+{
+    struct vor_report report;
+    struct vt_engine engine;
+    struct vor_cloud in, out;
+
+    vt_cloud_sphere(&in, (uint64_t)_i, N);
+    open_engine(&engine, 2, OUT);
+    vt_engine_resample(&engine, &out, &report, &in);
+    ck_assert_uint_eq(report.kmeans.points, OUT);
+    ck_assert_uint_eq(report.random.points, OUT);
+    ck_assert_uint_eq(report.farthest.points, OUT);
+    ck_assert_double_eq_tol((double)report.voxel.points, OUT, 0.02 * OUT);
+    ck_assert_double_eq_tol(report.random.delta, 0.52, 0.06);
+    ck_assert_double_lt(report.voxel.delta, 0.8 * report.random.delta);
+    ck_assert_double_lt(report.farthest.delta, 0.5 * report.random.delta);
+    ck_assert_double_lt(report.kmeans.delta, 0.5 * report.random.delta);
+    ck_assert_double_lt(2 * report.delta, report.farthest.delta);
+    ck_assert_double_lt(2 * report.delta, report.kmeans.delta);
+    ck_assert_double_gt(report.six_share, report.kmeans.six_share);
+    ck_assert_double_gt(report.kmeans.six_share, report.random.six_share);
+    ck_assert_double_lt(report.farthest.in_to_out.max, 0.6 * report.random.in_to_out.max);
+    ck_assert_double_lt(report.in_to_out.mean, report.random.in_to_out.mean);
+    ck_assert_uint_eq(report.random.in_to_out.points, N);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* The one that is a method is what the method makes. */
+START_TEST(kmeans_is_the_method_of_that_name)
+{
+    struct vor_report beside, own;
+    struct vt_engine engine;
+    struct vor_cloud in, out;
+
+    vt_cloud_box(&in, 5, N);
+    open_engine(&engine, 2, OUT);
+    vt_engine_resample(&engine, &out, &beside, &in);
+    vor_cloud_free(&out);
+    vt_engine_set(&engine, "method", "kmeans");
+    vt_engine_resample(&engine, &out, &own, &in);
+    ck_assert_double_eq(beside.kmeans.delta, own.delta);
+    ck_assert_double_eq(beside.kmeans.sigma, own.sigma);
+    ck_assert_double_eq(beside.kmeans.epsilon, own.epsilon);
+    ck_assert_double_eq(beside.kmeans.spacing, own.spacing_mean);
+    /* Those of the method lie on the surfaces that its last steps found. */
+    ck_assert_double_eq_tol(beside.kmeans.six_share, own.six_share, 0.03);
+    ck_assert_double_eq(beside.kmeans.in_to_out.mean, own.in_to_out.mean);
+    ck_assert_double_eq(beside.kmeans.in_to_out.max, own.in_to_out.max);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(one_two_three_and_eight_threads_give_the_same_numbers)
+{
+    static const unsigned threads[] = {1, 2, 3, 8};
+    struct vor_report first, report;
+    struct vor_cloud in, out;
+
+    vt_cloud_dome(&in, 3, N);
+    for (size_t i = 0; i < sizeof threads / sizeof *threads; i++) {
+        struct vt_engine engine;
+
+        open_engine(&engine, threads[i], OUT);
+        vt_engine_set(&engine, "density", "curvature");
+        vt_engine_resample(&engine, &out, &report, &in);
+        first = i == 0 ? report : first;
+        ck_assert(memcmp(&report.kmeans, &first.kmeans, sizeof report.kmeans) == 0);
+        ck_assert(memcmp(&report.random, &first.random, sizeof report.random) == 0);
+        ck_assert(memcmp(&report.voxel, &first.voxel, sizeof report.voxel) == 0);
+        ck_assert(memcmp(&report.farthest, &first.farthest, sizeof report.farthest) == 0);
+        vor_cloud_free(&out);
+        vt_engine_close(&engine);
+    }
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(records_tell_each_baseline_after_the_polish)
+{
+    static struct vt_trace trace;
+    struct vor_report report;
+    struct vt_engine engine;
+    struct vor_cloud in, out;
+    size_t last;
+
+    vt_cloud_sphere(&in, 1, 800);
+    open_engine(&engine, 2, 100);
+    vt_trace_attach(&trace, &engine);
+    vt_engine_resample(&engine, &out, &report, &in);
+    ck_assert_uint_gt(trace.count, 5);
+    last = trace.count - 5;
+    ck_assert_int_eq(trace.record[last - 1].stage, VOR_RUN_STAGE_POLISH);
+    for (uint32_t done = 0; done <= 4; done++) {
+        const struct vor_record *record = &trace.record[last + done];
+
+        ck_assert_int_eq(record->stage, VOR_RUN_STAGE_BASELINES);
+        ck_assert_uint_eq(record->step, done);
+        ck_assert_uint_eq(record->of, 4);
+        ck_assert_uint_eq(record->ahead, 0);
+        ck_assert_uint_eq(record->polish, report.polish_steps);
+        ck_assert_double_eq(record->best_delta, report.delta);
+    }
+    ck_assert_int_eq(report.stages[report.stages_count - 1].stage, VOR_RUN_STAGE_BASELINES);
+    ck_assert_uint_eq(report.stages[report.stages_count - 1].steps, 4);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(of_fewer_input_points_all_are_taken)
+{
+    struct vor_report report;
+    struct vt_engine engine;
+    struct vor_cloud in, out;
+
+    vt_cloud_sphere(&in, 1, 300);
+    open_engine(&engine, 2, 900);
+    vt_engine_resample(&engine, &out, &report, &in);
+    ck_assert_uint_eq(out.n, 900);
+    ck_assert_uint_eq(report.kmeans.points, 300);
+    ck_assert_uint_eq(report.random.points, 300);
+    ck_assert_uint_eq(report.farthest.points, 300);
+    ck_assert_uint_le(report.voxel.points, 300);
+    ck_assert_uint_ge(report.voxel.points, 290);
+    ck_assert_double_eq(report.random.delta, report.farthest.delta);
+    ck_assert_double_eq(report.farthest.in_to_out.max, 0);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Islands are part of the input that the baselines are made of. */
+START_TEST(islands_are_input_too)
+{
+    struct vor_report report;
+    struct vt_engine engine;
+    struct vor_cloud in, out;
+
+    vt_cloud_sphere(&in, 1, 2000);
+    for (size_t i = 0; i < 8; i++)
+        for (size_t c = 0; c < 3; c++)
+            in.xyz[3 * i + c] = 6 + (float)(0.02 * vt_unit(9, 3 * i + c));
+    open_engine(&engine, 2, 400);
+    vt_engine_resample(&engine, &out, &report, &in);
+    ck_assert_uint_eq(report.islands, 1);
+    ck_assert_uint_eq(report.farthest.points, 400);
+    ck_assert_uint_eq(report.random.in_to_out.points, 2000);
+    ck_assert_double_lt(report.farthest.in_to_out.max, 0.2);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(filters_alone_have_no_baselines_beside_them)
+{
+    struct vor_report report;
+    struct vt_engine engine;
+    struct vor_cloud in, out;
+
+    vt_cloud_sphere(&in, 1, 800);
+    vt_engine_open(&engine, 2);
+    vt_engine_set(&engine, "baselines", "true");
+    vt_engine_set(&engine, "filters", "mls");
+    vt_engine_resample(&engine, &out, &report, &in);
+    ck_assert_uint_eq(out.n, 800);
+    ck_assert_int_eq(report.has_baselines, 0);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Answers with `answer` from the at-th question on. */
+struct trap {
+    atomic_uint asked;
+    unsigned at;
+    enum vor_answer answer;
+};
+
+static enum vor_answer ask(void *ctx)
+{
+    struct trap *trap = ctx;
+
+    return atomic_fetch_add(&trap->asked, 1) + 1 >= trap->at ? trap->answer : VOR_CONTINUE;
+}
+
+static vor_status run_trapped(struct vor_cloud *out, struct vor_report *report, struct trap *trap)
+{
+    struct vor_watch watch = {.ctx = trap, .poll = ask};
+    struct vt_engine engine;
+    struct vor_cloud in;
+    vor_status status;
+
+    open_engine(&engine, 1, 40);
+    vt_engine_set(&engine, "iterations", "1");
+    vt_engine_set(&engine, "polish", "0");
+    engine.run.watch = &watch;
+    vt_cloud_sphere(&in, 1, 200);
+    status = vt_engine_try(&engine, out, report, &in);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    return status;
+}
+
+START_TEST(a_cancel_ends_with_nothing_and_a_stop_without_baselines)
+{
+    struct trap all = {.at = UINT32_MAX};
+    struct vor_report report;
+    unsigned without = 0;
+    struct vor_cloud out;
+
+    vt_assert_ok(run_trapped(&out, &report, &all));
+    ck_assert_int_eq(report.has_baselines, 1);
+    vor_cloud_free(&out);
+    for (unsigned at = 1; at <= atomic_load(&all.asked); at += VT_STEP) {
+        struct trap cancel = {.at = at, .answer = VOR_CANCEL};
+        struct trap stop = {.at = at, .answer = VOR_STOP};
+
+        vt_assert_fails(VOR_E_CANCELLED, run_trapped(&out, &report, &cancel));
+        ck_assert(out.n == 0 && out.xyz == NULL);
+        vt_assert_ok(run_trapped(&out, &report, &stop));
+        ck_assert_uint_eq(out.n, 40);
+        without += !report.has_baselines;
+        vor_cloud_free(&out);
+        vt_assert_no_leak();
+    }
+    ck_assert_uint_gt(VT_STEP * without, 50);
+}
+END_TEST
+
+START_TEST(a_failure_of_any_allocation_ends_clearly_and_leaks_nothing)
+{
+    struct vt_engine engine;
+    struct vor_memory memory;
+    struct vor_cloud in, out;
+    struct vor_report report;
+    vor_status status = VOR_E_NOMEM;
+
+    open_engine(&engine, 2, 40);
+    vt_engine_set(&engine, "iterations", "1");
+    vt_engine_set(&engine, "polish", "0");
+    engine.run.memory = &memory;
+    vt_cloud_sphere(&in, 1, 200);
+    for (size_t fail = 1; status != VOR_OK; fail += VT_STEP_FAILS) {
+        ck_assert_uint_lt(fail, 1000);
+        vor_memory_init(&memory, SIZE_MAX);
+        memory.fail_at = fail;
+        vor_cloud_init(&out, &memory);
+        status = vt_run_engine(&out, &report, &in, &engine.spec, &engine.run, &vt_err);
+        ck_assert(status == VOR_OK || status == VOR_E_NOMEM);
+        vor_cloud_free(&out);
+        ck_assert_uint_eq(atomic_load(&memory.used), 0);
+    }
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("baselines_beside");
+
+    vt_add(suite, the_result_is_the_same_with_baselines_beside_it);
+    vt_add_figures(suite, each_is_as_even_as_its_method_is_known_to_be, 4);
+    vt_add(suite, kmeans_is_the_method_of_that_name);
+    vt_add(suite, one_two_three_and_eight_threads_give_the_same_numbers);
+    vt_add(suite, records_tell_each_baseline_after_the_polish);
+    vt_add(suite, of_fewer_input_points_all_are_taken);
+    vt_add(suite, islands_are_input_too);
+    vt_add(suite, filters_alone_have_no_baselines_beside_them);
+    vt_add(suite, a_cancel_ends_with_nothing_and_a_stop_without_baselines);
+    vt_add(suite, a_failure_of_any_allocation_ends_clearly_and_leaks_nothing);
+    return vt_run(suite);
+}
