@@ -176,8 +176,9 @@ static void shorten_cell(const struct cvt *cvt, struct vor_scratch *scratch, siz
         return;
     side[0] /= length;
     side[1] /= length;
-    end = vor_boundary_end(&scratch->here.surface, scratch->cell.seed, side,
-                           &scratch->there.surface, scratch->there.near, scratch->there.k);
+    end = fmax(vor_boundary_end(&scratch->here.surface, scratch->cell.seed, side,
+                                scratch->there.near, scratch->there.k),
+               VOR_EDGE_ROOM * scratch->there.surface.spacing);
     vor_cell_clip(&scratch->cell, (double[3]){2 * end * side[0], 2 * end * side[1], 0});
     if (!moments_of(cvt, scratch, i, moments))
         return;
@@ -196,7 +197,7 @@ static int outside(const struct cvt *cvt, struct vor_scratch *scratch, struct vo
     return vor_boundary_outside(border, VOR_OUTSIDE_MOVING, x);
 }
 
-/* Changes x, the place that seed i is meant to go to, to one that it may go to (rule 1 of
+/* Changes x, the place that seed i is meant to go to, to one that it may go to (OUTSIDE in
  * geom/boundary.h). Judged by the input around x, not by that around the seed. Returns whether the
  * seed is held back. */
 static int restrict_move(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
@@ -205,7 +206,8 @@ static int restrict_move(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
     struct vor_border border;
 
     if (!cvt->seeds->policy.keep_border ||
-        vor_boundary_inside(&scratch->here.surface, scratch->here.near, scratch->here.k, x) ||
+        vor_boundary_within(scratch->here.near, scratch->here.k, x,
+                            scratch->here.surface.spacing) ||
         !outside(cvt, scratch, &border, x))
         return 0;
     cvt->flags[i] |= AT_BORDER;

@@ -156,7 +156,7 @@ static void place_sample(const struct areas *areas, struct vor_scratch *scratch,
     vor_surface_project(&scratch->here.surface, local);
     vor_surface_to_world(&scratch->here.surface, local, x);
     if (areas->from->policy.keep_border &&
-        !vor_boundary_inside(&scratch->here.surface, scratch->here.near, scratch->here.k, x))
+        !vor_boundary_within(scratch->here.near, scratch->here.k, x, scratch->here.surface.spacing))
         pull_in(areas->from, scratch, x);
     for (size_t c = 0; c < 3; c++)
         areas->to->xyz[3 * sample + c] = (float)x[c];

@@ -20,55 +20,66 @@ static double nearest2(const float *near, unsigned k, const double x[3], unsigne
     return best;
 }
 
-/* How far the points extend beyond the seed in the direction of side. */
-static double extent_towards(const struct vor_surface *frame, const double seed[3],
-                             const double side[2], const float *near, unsigned k)
+double vor_boundary_ahead(const float *near, unsigned k, const double from[3], const double way[3],
+                          double width, double within)
 {
-    double direction[3], end = -INFINITY;
+    double last = -INFINITY;
 
-    for (int c = 0; c < 3; c++)
-        direction[c] = side[0] * frame->axis[0][c] + side[1] * frame->axis[1][c];
     for (unsigned i = 0; i < k; i++) {
-        double d[3] = {(double)near[3 * i] - frame->origin[0],
-                       (double)near[3 * i + 1] - frame->origin[1],
-                       (double)near[3 * i + 2] - frame->origin[2]};
+        double d[3] = {(double)near[3 * i] - from[0], (double)near[3 * i + 1] - from[1],
+                       (double)near[3 * i + 2] - from[2]};
+        double along = vor_dot(way, d), far;
 
-        end = fmax(end, vor_dot(direction, d));
+        if (!(along > last))
+            continue;
+        far = sqrt(vor_dot(d, d));
+        if (far <= within && along >= width * far)
+            last = along;
     }
-    return end - (side[0] * seed[0] + side[1] * seed[1]);
+    return last;
 }
 
-double vor_boundary_room(const struct vor_surface *surface, const float *near, unsigned k,
-                         const double seed[3], double radius, double side[2])
+int vor_boundary_goes_on(const float *near, unsigned k, const double foot[3], const double way[3],
+                         double within)
+{
+    return vor_boundary_ahead(near, k, foot, way, VOR_AHEAD_NARROW, within) > 0;
+}
+
+double vor_boundary_end(const struct vor_surface *frame, const double seed[3], const double side[2],
+                        const float *near, unsigned k)
+{
+    double way[3];
+
+    for (int c = 0; c < 3; c++)
+        way[c] = side[0] * frame->axis[0][c] + side[1] * frame->axis[1][c];
+    return vor_boundary_ahead(near, k, frame->origin, way, VOR_AHEAD_ALL, INFINITY) -
+           (side[0] * seed[0] + side[1] * seed[1]);
+}
+
+/* vor_boundary_end towards the side that the neighbours leave empty, away from their mean. */
+static double empty_side(const struct vor_surface *surface, const float *near, unsigned k,
+                         const double seed[3], double side[2])
 {
     double away[2] = {seed[0] - surface->center[0], seed[1] - surface->center[1]};
-    double length = sqrt(away[0] * away[0] + away[1] * away[1]), along, open;
+    double length = sqrt(away[0] * away[0] + away[1] * away[1]);
 
     if (!(length > 0))
         return INFINITY;
     side[0] = away[0] / length;
     side[1] = away[1] / length;
-    along = extent_towards(surface, seed, side, near, k);
-    open = (along / surface->reach - VOR_EDGE_SURE_BORDER) /
-           (VOR_EDGE_SURE_INSIDE - VOR_EDGE_SURE_BORDER);
+    return vor_boundary_end(surface, seed, side, near, k);
+}
+
+double vor_boundary_room(const struct vor_surface *surface, const float *near, unsigned k,
+                         const double seed[3], double radius, double side[2])
+{
+    double along = empty_side(surface, near, k, seed, side);
+    double open = (along / surface->reach - VOR_EDGE_SURE_BORDER) /
+                  (VOR_EDGE_SURE_INSIDE - VOR_EDGE_SURE_BORDER);
+
     if (open >= 1)
         return INFINITY;
     return fmax(along, 0) + VOR_EDGE_ROOM * surface->spacing + fmax(open, 0) * radius;
-}
-
-double vor_boundary_end(const struct vor_surface *frame, const double seed[3], const double side[2],
-                        const struct vor_surface *there, const float *near, unsigned k)
-{
-    return fmax(extent_towards(frame, seed, side, near, k), VOR_EDGE_ROOM * there->spacing);
-}
-
-void vor_boundary_outward(const float *near, unsigned k, const double x[3], double out[3])
-{
-    unsigned which = 0;
-    double length = sqrt(nearest2(near, k, x, &which));
-
-    for (unsigned c = 0; c < 3; c++)
-        out[c] = length > 0 ? (x[c] - (double)near[3 * which + c]) / length : 0;
 }
 
 double vor_boundary_spacing(const float *near, unsigned k, const double x[3])
@@ -93,13 +104,16 @@ double vor_boundary_spacing(const float *near, unsigned k, const double x[3])
     return sqrt(best[2]);
 }
 
-double vor_boundary_foot(const float *near, unsigned k, const double x[3], double foot[3])
+double vor_boundary_foot(const float *near, unsigned k, const double x[3], double foot[3],
+                         double way[3])
 {
     unsigned which = 0;
     double length = sqrt(nearest2(near, k, x, &which));
 
-    for (unsigned c = 0; c < 3; c++)
+    for (unsigned c = 0; c < 3; c++) {
         foot[c] = (double)near[3 * which + c];
+        way[c] = length > 0 ? (x[c] - foot[c]) / length : 0;
+    }
     return length;
 }
 
@@ -114,23 +128,6 @@ double vor_boundary_reach(const float *near, unsigned k, const double x[3])
         far2 = fmax(far2, vor_dot(d, d));
     }
     return sqrt(far2);
-}
-
-int vor_boundary_beyond(const float *near, unsigned k, const double foot[3], const double x[3],
-                        double distance)
-{
-    double to[3] = {x[0] - foot[0], x[1] - foot[1], x[2] - foot[2]};
-    double length = sqrt(vor_dot(to, to));
-
-    for (unsigned i = 0; i < k; i++) {
-        double d[3] = {(double)near[3 * i] - foot[0], (double)near[3 * i + 1] - foot[1],
-                       (double)near[3 * i + 2] - foot[2]};
-        double far = sqrt(vor_dot(d, d));
-
-        if (far > 0 && far <= distance && vor_dot(d, to) > VOR_HOLE_BEYOND * far * length)
-            return 1;
-    }
-    return 0;
 }
 
 double vor_boundary_regularity(const float *near, unsigned k, double spacing)
@@ -155,38 +152,15 @@ int vor_boundary_within(const float *near, unsigned k, const double x[3], double
     return nearest2(near, k, x, &which) <= distance * distance;
 }
 
-int vor_boundary_inside(const struct vor_surface *surface, const float *near, unsigned k,
-                        const double x[3])
-{
-    return vor_boundary_within(near, k, x, surface->spacing);
-}
-
-/* True when all neighbours lie on one side of x: that of their mean, seen along the surface. */
-static int one_sided(const struct vor_surface *surface, const float *near, unsigned k,
-                     const double x[3])
-{
-    double local[3], along[2], direction[3];
-
-    vor_surface_to_local(surface, x, local);
-    along[0] = surface->center[0] - local[0];
-    along[1] = surface->center[1] - local[1];
-    for (int c = 0; c < 3; c++)
-        direction[c] = along[0] * surface->axis[0][c] + along[1] * surface->axis[1][c];
-    for (unsigned i = 0; i < k; i++) {
-        double d[3] = {(double)near[3 * i] - x[0], (double)near[3 * i + 1] - x[1],
-                       (double)near[3 * i + 2] - x[2]};
-
-        if (!(vor_dot(direction, d) > 0))
-            return 0;
-    }
-    return 1;
-}
-
-/* The distance that x may have from the nearest point. */
+/* The distance that x may have from the nearest point: less where it lies beyond the end of the
+ * input. */
 static double allowed_distance(const struct vor_border *border, double spacings, const double x[3])
 {
-    if (one_sided(border->surface, border->near, border->k, x))
-        spacings *= VOR_OUTSIDE_ONE_SIDED;
+    double seed[3], side[2];
+
+    vor_surface_to_local(border->surface, x, seed);
+    if (empty_side(border->surface, border->near, border->k, seed, side) < 0)
+        spacings *= VOR_OUTSIDE_BEYOND;
     return spacings * border->spacing;
 }
 
@@ -195,7 +169,7 @@ int vor_boundary_outside(const struct vor_border *border, double spacings, const
     unsigned which = 0;
     double length = sqrt(nearest2(border->near, border->k, x, &which));
 
-    return length > VOR_OUTSIDE_ONE_SIDED * spacings * border->spacing &&
+    return length > VOR_OUTSIDE_BEYOND * spacings * border->spacing &&
            length > allowed_distance(border, spacings, x);
 }
 

@@ -80,7 +80,7 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
     const struct attach *attach = ctx;
     struct vor_seeds *seeds = attach->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
-    double near = VOR_OUTSIDE_ONE_SIDED * VOR_OUTSIDE_IN_RESULT * seeds->domain->sparse;
+    double near = VOR_OUTSIDE_BEYOND * VOR_OUTSIDE_IN_RESULT * seeds->domain->sparse;
     double near2 = near * near;
 
     for (size_t i = begin; i < end; i++) {

@@ -7,9 +7,9 @@
 
 /** After the iterations: moves seeds that lie outside the input to VOR_OUTSIDE_IN_RESULT spacings
  *  of it, and, unless the holes are gaps of the sampling, seeds in holes back to their rims
- *  (geom/boundary.h, rules 1 and 3). Does nothing where seeds->policy.keep_border is not set.
+ *  (geom/boundary.h, OUTSIDE and HOLE). Does nothing where seeds->policy.keep_border is not set.
  *
- *  @param[out] keep_holes  whether holes are kept open (rule 3); the steps after this need it
+ *  @param[out] keep_holes  whether holes are kept open (HOLE); the steps after this need it
  *
  *  @retval VOR_E_CANCELLED  as vor_run_for
  *
@@ -18,7 +18,7 @@ VOR_NODISCARD vor_status vor_attach(struct vor_seeds *seeds, int *keep_holes,
                                     struct vor_error *err);
 
 /** Moves seeds from a thinned domain to the whole one: projects them onto its surface and applies
- *  rules 1 and 3 as vor_attach does. Does nothing where they are on the whole domain.
+ *  OUTSIDE and HOLE as vor_attach does. Does nothing where they are on the whole domain.
  *
  *  @param[in] keep_holes  as vor_attach found it
  *

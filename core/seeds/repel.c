@@ -300,7 +300,8 @@ static int leaves_input(const struct vor_seeds *seeds, const struct vor_scratch 
 static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
 {
     const struct vor_seeds *seeds = polish->seeds;
-    double v[3], x[3] = {0}, y[3], out[3]; /* clang-analyzer cannot see that seeds->n > i */
+    double v[3], x[3] = {0}, y[3]; /* clang-analyzer cannot see that seeds->n > i */
+    double foot[3], out[3];
     double length, h = spacing_of(polish, i), limit = STEP_MAX * h;
 
     vor_seeds_position(seeds, i, x);
@@ -315,7 +316,7 @@ static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
     }
     vor_surface_put(&scratch->onto, y);
     if (leaves_input(seeds, scratch, x, y)) {
-        vor_boundary_outward(scratch->here.near, scratch->here.k, x, out);
+        (void)vor_boundary_foot(scratch->here.near, scratch->here.k, x, foot, out);
         remove_part(v, out, 1);
         for (int c = 0; c < 3; c++)
             y[c] = x[c] + v[c];

@@ -332,10 +332,10 @@ void vor_seeds_border(const struct vor_seeds *seeds, struct vor_scratch *scratch
         border->spacing = fmin(scratch->foot.surface.spacing, sparse);
 }
 
-/* Whether the input goes on beyond x, as seen from the input point at `foot`, judged by those
- * points around it that the list of seed i holds for certain: false when they do not show it. */
-static int goes_on(const struct vor_seeds *seeds, size_t i, const double foot[3], const double x[3],
-                   unsigned k)
+/* Whether the input goes on from its point at `foot` along `way`, judged by those points around it
+ * that the list of seed i holds for certain: false when they do not show it. */
+static int goes_on(const struct vor_seeds *seeds, size_t i, const double foot[3],
+                   const double way[3], unsigned k)
 {
     float at[3] = {(float)foot[0], (float)foot[1], (float)foot[2]};
     struct vor_place around;
@@ -343,7 +343,7 @@ static int goes_on(const struct vor_seeds *seeds, size_t i, const double foot[3]
 
     memset(index, 0, k * sizeof *index); /* clang-analyzer cannot see that k >= 1 */
     gather(seeds, &around, index, vor_input_lists_around(&seeds->input_lists, i, at, k, index));
-    return vor_boundary_beyond(around.near, around.k, foot, x, INFINITY);
+    return vor_boundary_goes_on(around.near, around.k, foot, way, INFINITY);
 }
 
 int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i,
@@ -352,19 +352,19 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, s
     const struct vor_place *other = &scratch->foot;
     const float *near = scratch->here.near;
     unsigned k = scratch->here.k;
-    double foot[3], spacing, length;
+    double foot[3], way[3], spacing, length;
 
     if (k < VOR_HOLE_NEIGHBORS_MIN)
         return 0;
-    length = vor_boundary_foot(near, k, x, foot);
+    length = vor_boundary_foot(near, k, x, foot, way);
     spacing = vor_boundary_spacing(near, k, x);
     /* Mostly the points at hand decide, which saves a search. With sheets the list does not: its
      * points may be on another one. */
     if (length <= VOR_HOLE_MARGIN * spacing ||
-        vor_boundary_beyond(near, k, foot, x, vor_boundary_reach(near, k, x) - length) ||
-        (!seeds->sheets && goes_on(seeds, i, foot, x, k)) ||
+        vor_boundary_goes_on(near, k, foot, way, vor_boundary_reach(near, k, x) - length) ||
+        (!seeds->sheets && goes_on(seeds, i, foot, way, k)) ||
         vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) == VOR_SURFACE_NONE ||
-        vor_boundary_beyond(other->near, other->k, foot, x, INFINITY) ||
+        vor_boundary_goes_on(other->near, other->k, foot, way, INFINITY) ||
         vor_boundary_regularity(other->near, other->k, other->surface.spacing) < VOR_HOLE_REGULAR)
         return 0;
     for (int c = 0; c < 3; c++)
@@ -468,7 +468,7 @@ const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds,
     return bend > BEND_FLAT ? &seeds->disc : &seeds->flat;
 }
 
-/* Rule 2 of geom/boundary.h: clips the cell where the input ends. */
+/* EDGE in geom/boundary.h: clips the cell where the input ends. */
 static void end_at_border(const struct vor_seeds *seeds, struct vor_scratch *scratch)
 {
     double longest = vor_stretched_are(&seeds->stretched) ? 1 / scratch->stretch.least : 1;

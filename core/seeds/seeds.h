@@ -179,7 +179,7 @@ struct vor_counts vor_seeds_counts(const struct vor_seeds *seeds);
 void vor_seeds_border(const struct vor_seeds *seeds, struct vor_scratch *scratch,
                       const struct vor_place *place, struct vor_border *border, const double x[3]);
 
-/** Rule 3 of geom/boundary.h. If x lies too far into a hole of a regular input, or beyond its edge,
+/** HOLE in geom/boundary.h. If x lies too far into a hole of a regular input, or beyond its edge,
  *  moves it straight towards the nearest input point. scratch->here was gathered around seed i, and
  *  x is near it. Returns whether x was moved. */
 int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i,

@@ -59,16 +59,16 @@ static int outside(double x, double y, double hole, double spacings)
     return vor_boundary_outside(&place.border, spacings, (double[3]){x, y, 0});
 }
 
-START_TEST(a_place_is_surely_inside_within_one_spacing_of_a_point)
+START_TEST(a_neighbour_is_within_a_distance_or_none_is)
 {
     struct place place;
 
     gather(&place, -0.3, 0.2, 0);
     ck_assert_double_eq_tol(place.surface.spacing, 1, 0.1);
-    ck_assert(vor_boundary_inside(&place.surface, place.near, K, (double[3]){-1.4, 0.5, 0}));
-    ck_assert(vor_boundary_inside(&place.surface, place.near, K, (double[3]){0.85, 0, 0}));
-    ck_assert(!vor_boundary_inside(&place.surface, place.near, K, (double[3]){1.15, 0, 0}));
-    ck_assert(!vor_boundary_inside(&place.surface, place.near, K, (double[3]){-1, 0, 1.15}));
+    ck_assert(vor_boundary_within(place.near, K, (double[3]){-1.4, 0.5, 0}, 1));
+    ck_assert(vor_boundary_within(place.near, K, (double[3]){0.85, 0, 0}, 1));
+    ck_assert(!vor_boundary_within(place.near, K, (double[3]){1.15, 0, 0}, 1));
+    ck_assert(!vor_boundary_within(place.near, K, (double[3]){-1, 0, 1.15}, 1));
 }
 END_TEST
 
@@ -240,18 +240,18 @@ START_TEST(the_room_never_shrinks_on_the_way_inside)
 }
 END_TEST
 
-START_TEST(an_end_is_at_the_last_point_and_not_less_than_the_room_away)
+START_TEST(an_end_is_at_the_last_point_and_behind_a_place_beyond_it)
 {
     struct place place;
-    double side[2], local[3], end;
+    double side[2], local[3];
 
     gather(&place, -0.2, 0, 0);
     for (double x = -1.5; x < 3; x += 0.5) {
         vor_surface_to_local(&place.surface, (double[3]){x, 0, 0}, local);
         side[0] = place.surface.axis[0][0];
         side[1] = place.surface.axis[1][0];
-        end = vor_boundary_end(&place.surface, local, side, &place.surface, place.near, K);
-        ck_assert_double_eq_tol(end, fmax(-x, 0.4 * place.surface.spacing), 1e-12);
+        ck_assert_double_eq_tol(vor_boundary_end(&place.surface, local, side, place.near, K), -x,
+                                1e-12);
     }
 }
 END_TEST
@@ -271,47 +271,72 @@ static double lattice_spacing(float near[75], double column, double row)
 START_TEST(the_spacing_is_that_around_the_nearest_point)
 {
     float near[75];
-    double out[3];
+    double foot[3], out[3];
 
     ck_assert_double_eq_tol(lattice_spacing(near, 2, 2), 0.25, 1e-7);
     ck_assert_double_eq_tol(lattice_spacing(near, 2, 0), 0.25, 1e-7);
     ck_assert_double_eq_tol(lattice_spacing(near, 0, 0), 0.25 * sqrt(2), 1e-7);
     /* Far out, or in the middle of a hole, it is still that of the rim. */
     ck_assert_double_eq_tol(lattice_spacing(near, 2, -9), 0.25, 1e-7);
-    vor_boundary_outward(near, 25, (double[3]){0.53, 0.5, -0.04}, out);
+    ck_assert_double_eq_tol(vor_boundary_foot(near, 25, (double[3]){0.53, 0.5, -0.04}, foot, out),
+                            0.05, 1e-7);
     ck_assert_double_eq_tol(out[0], 0.6, 1e-12);
     ck_assert_double_eq_tol(out[1], 0, 1e-12);
     ck_assert_double_eq_tol(out[2], -0.8, 1e-12);
-    vor_boundary_outward(near, 25, (double[3]){0.5, 0.5, 0}, out);
+    ck_assert(vor_boundary_foot(near, 25, (double[3]){0.5, 0.5, 0}, foot, out) == 0);
     ck_assert(out[0] == 0 && out[1] == 0 && out[2] == 0);
     ck_assert_int_eq(vor_boundary_within(near, 25, (double[3]){0.5, 0.5, 0.2}, 0.2001), 1);
     ck_assert_int_eq(vor_boundary_within(near, 25, (double[3]){0.5, 0.5, 0.2}, 0.1999), 0);
 }
 END_TEST
 
-/* The lattice points nearest to (x, y) as a foot, and whether one is beyond the place (u, v). */
-static int beyond(double x, double y, double hole, double u, double v, double distance)
+/* The lattice points nearest to (x, y), and how far they go on from there towards (u, v). */
+static double ahead(double x, double y, double hole, double u, double v, double width,
+                    double within)
+{
+    struct place place;
+    double length = hypot(u - x, v - y), way[3] = {(u - x) / length, (v - y) / length, 0};
+
+    gather(&place, x, y, hole);
+    return vor_boundary_ahead(place.near, K, (double[3]){x, y, 0}, way, width, within);
+}
+
+START_TEST(the_input_goes_on_ahead_as_far_as_its_last_point)
+{
+    const double narrow = VOR_AHEAD_NARROW, all = VOR_AHEAD_ALL, any = INFINITY;
+
+    /* the half plane ends at x = 0 */
+    ck_assert_double_eq(ahead(-2, 0, 0, -1.6, 0, narrow, any), 2);
+    ck_assert_double_eq(ahead(-2, 0, 0, -1.6, 0, narrow, 1), 1);
+    ck_assert_double_eq(ahead(-1, 0, 0, -0.6, 0, narrow, 0.99), 0);
+    ck_assert_double_eq(ahead(0, 0, 0, 0.4, 0, narrow, any), 0);
+    ck_assert_double_ge(ahead(0, 0, 0, 0, 0.4, narrow, any), 2);
+    /* seen from beyond the last points they are behind, which a narrow look does not see */
+    ck_assert_double_eq_tol(ahead(0.4, 0, 0, 0.6, 0, all, any), -0.4, 1e-12);
+    ck_assert_double_eq(ahead(0.4, 0, 0, 0.6, 0, narrow, any), -INFINITY);
+    /* a hole, from its rim: the other side is at 4 and not among the neighbours, but the rim is */
+    ck_assert_double_eq(ahead(-2, 0, 2, -1.5, 0, narrow, any), 0);
+    ck_assert_double_ge(ahead(-2, 0, 2, -1.5, 0, all, any), 1);
+    ck_assert_double_ge(ahead(-2, 0, 2, -2.5, 0, narrow, any), 2);
+}
+END_TEST
+
+static int goes_on(double x, double y, double u, double v)
 {
     struct place place;
 
-    gather(&place, x, y, hole);
-    return vor_boundary_beyond(place.near, K, (double[3]){x, y, 0}, (double[3]){u, v, 0}, distance);
+    gather(&place, x, y, 0);
+    return vor_boundary_goes_on(place.near, K, (double[3]){x, y, 0}, (double[3]){u, v, 0},
+                                INFINITY);
 }
 
-START_TEST(the_input_goes_on_beyond_a_place_or_it_does_not)
+START_TEST(the_input_goes_on_from_a_foot_or_it_does_not)
 {
-    /* the half plane ends at x = 0 */
-    ck_assert(beyond(-2, 0, 0, -1.6, 0, INFINITY));
-    ck_assert(beyond(-1, 0, 0, -0.6, 0, INFINITY));
-    ck_assert(!beyond(-1, 0, 0, -0.6, 0, 0.99));
-    ck_assert(!beyond(0, 0, 0, 0.4, 0, INFINITY));
-    ck_assert(beyond(0, 0, 0, 0, 0.4, INFINITY));
-    /* a point at 45 degrees is not beyond, one at 27 is */
-    ck_assert(!beyond(0, 0, 0, 0.3, 0.3, INFINITY));
-    ck_assert(beyond(0, 0, 0, 0.2, 0.4, INFINITY));
-    /* a hole, from its rim: the other side is at 4 and not among the neighbours */
-    ck_assert(!beyond(-2, 0, 2, -1.5, 0, INFINITY));
-    ck_assert(beyond(-2, 0, 2, -2.5, 0, INFINITY));
+    ck_assert(goes_on(-2, 0, 1, 0));
+    ck_assert(!goes_on(0, 0, 1, 0));
+    /* a point at 45 degrees is not ahead, one at 27 is */
+    ck_assert(!goes_on(0, 0, sqrt(0.5), sqrt(0.5)));
+    ck_assert(goes_on(0, 0, sqrt(0.2), 2 * sqrt(0.2)));
 }
 END_TEST
 
@@ -344,12 +369,14 @@ END_TEST
 START_TEST(a_foot_is_the_nearest_neighbour_and_the_reach_the_farthest)
 {
     struct place place;
-    double foot[3], x[3] = {-1.3, 0.4, 0.5};
+    double foot[3], way[3], x[3] = {-1.3, 0.4, 0.5};
 
     gather(&place, -1.3, 0.4, 0);
-    ck_assert_double_eq_tol(vor_boundary_foot(place.near, K, x, foot), sqrt(0.09 + 0.16 + 0.25),
-                            1e-12);
+    ck_assert_double_eq_tol(vor_boundary_foot(place.near, K, x, foot, way),
+                            sqrt(0.09 + 0.16 + 0.25), 1e-12);
     ck_assert(foot[0] == -1 && foot[1] == 0 && foot[2] == 0);
+    ck_assert_double_eq_tol(vor_dot(way, way), 1, 1e-12);
+    ck_assert_double_eq_tol(way[0] * 0.4, way[1] * -0.3, 1e-12);
     x[2] = 0;
     ck_assert_double_eq_tol(
         vor_boundary_reach(place.near, K, x),
@@ -361,7 +388,7 @@ int main(void)
 {
     Suite *suite = suite_create("boundary");
 
-    vt_add(suite, a_place_is_surely_inside_within_one_spacing_of_a_point);
+    vt_add(suite, a_neighbour_is_within_a_distance_or_none_is);
     vt_add(suite, beyond_the_edge_of_a_half_plane_places_are_outside);
     vt_add(suite, no_place_between_the_points_of_a_half_plane_is_outside);
     vt_add(suite, the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings);
@@ -371,9 +398,10 @@ int main(void)
     vt_add(suite, a_cell_at_the_border_ends_half_a_spacing_beyond_the_last_point);
     vt_add(suite, a_cell_surrounded_by_points_has_all_room);
     vt_add(suite, the_room_never_shrinks_on_the_way_inside);
-    vt_add(suite, an_end_is_at_the_last_point_and_not_less_than_the_room_away);
+    vt_add(suite, an_end_is_at_the_last_point_and_behind_a_place_beyond_it);
     vt_add(suite, the_spacing_is_that_around_the_nearest_point);
-    vt_add(suite, the_input_goes_on_beyond_a_place_or_it_does_not);
+    vt_add(suite, the_input_goes_on_ahead_as_far_as_its_last_point);
+    vt_add(suite, the_input_goes_on_from_a_foot_or_it_does_not);
     vt_add(suite, a_lattice_is_regular_and_noise_is_not);
     vt_add(suite, a_foot_is_the_nearest_neighbour_and_the_reach_the_farthest);
     return vt_run(suite);
