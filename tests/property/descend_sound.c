@@ -6,7 +6,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
-enum { N = 120, SHAPES = 6 };
+enum { N = 80, SHAPES = 6 };
 
 /* Answers with `answer` from the at-th question on. */
 struct trap {
@@ -155,7 +155,7 @@ START_TEST(any_shape_gives_the_points_asked_for_whatever_the_threads)
             vt_engine_set(&engine, ways[k % 3][0], ways[k % 3][1]);
             vt_engine_set(&engine, "cells", k % 3 == 2 ? "euclid" : "metric");
             vt_engine_set(&engine, ways[k % 3][0], ways[k % 3][1]);
-            vt_engine_set(&engine, "iterations", "6");
+            vt_engine_set(&engine, "iterations", "4");
             vt_engine_set(&engine, k == 3 ? "patch" : "boundary", k == 3 ? "plane" : "free");
             vt_engine_resample(&engine, &out, &report, &in);
             for (size_t i = 0; i < 3 * out.n; i++)
