@@ -123,10 +123,11 @@ static void project(double out[2], const struct vor_band *band, double axis[3][3
 /* Whether the normal of a point is nearly in the plane; a point without one is not. */
 static int is_steep(const struct vor_domain *domain, uint32_t point, const double up[3])
 {
-    const float *known = &domain->graph.normal[3 * (size_t)point];
-    double normal[3] = {(double)known[0], (double)known[1], (double)known[2]};
+    double own[3];
 
-    return vor_dot(normal, normal) > 0 && fabs(vor_dot(normal, up)) < FOLD_COSINE;
+    for (size_t c = 0; c < 3; c++)
+        own[c] = (double)domain->graph.normal[3 * (size_t)point + c];
+    return vor_dot(own, own) > 0 && fabs(vor_dot(own, up)) < FOLD_COSINE;
 }
 
 /* Lays the band out by projection. False where it folds there. */

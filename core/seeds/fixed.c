@@ -192,17 +192,18 @@ static vor_status make_way(struct vor_seeds *seeds, const struct vor_sites *site
     struct vor_knn *knn = NULL;
     vor_status status = VOR_E_NOMEM;
 
-    if (distance2 == NULL || sorted == NULL || index == NULL)
+    if (distance2 == NULL || sorted == NULL || index == NULL) {
         status = vor_fail(err, VOR_E_NOMEM, "%zu points beside borders", n);
-    else
+    } else {
         status = vor_knn_build(&knn, sites->place, sites->places, memory, err);
-    if (status == VOR_OK && surplus > 0) {
-        look(distance2, index, seeds, sites, knn);
-        memcpy(sorted, distance2, n * sizeof *sorted);
-        vor_sort_floats(sorted, n);
-        keep_far(seeds, distance2, sorted[surplus - 1], wanted);
-        look(distance2, index, seeds, sites, knn);
-        push_in(seeds, sites, distance2, index);
+        if (status == VOR_OK && surplus > 0) {
+            look(distance2, index, seeds, sites, knn);
+            memcpy(sorted, distance2, n * sizeof *sorted);
+            vor_sort_floats(sorted, n);
+            keep_far(seeds, distance2, sorted[surplus - 1], wanted);
+            look(distance2, index, seeds, sites, knn);
+            push_in(seeds, sites, distance2, index);
+        }
     }
     vor_knn_free(knn);
     vor_free(memory, index);

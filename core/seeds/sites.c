@@ -63,7 +63,8 @@ static vor_status line_init(struct line *out, size_t n, int closed, const struct
     line.sum = vor_malloc(memory, n + 1, sizeof *line.sum);
     if (line.at == NULL || line.next == NULL || line.sum == NULL) {
         line_free(&line);
-        return vor_fail(err, VOR_E_NOMEM, "a line of %zu places", n);
+        (void)vor_fail(err, VOR_E_NOMEM, "a line of %zu places", n);
+        return VOR_E_NOMEM; /* clang-analyzer cannot see that vor_fail returns it */
     }
     *out = line;
     return VOR_OK;
@@ -229,23 +230,25 @@ static vor_status line_of(struct line *out, const struct vor_domain *domain,
 {
     const struct vor_loop *loop = &loops->loop[l];
     struct line raw = {0}, line = {0};
-    size_t n = (size_t)(loop->length / (STEP * loop->spacing)) + LEAST;
+    size_t n = (size_t)fmax(0, loop->length / (STEP * loop->spacing)) + LEAST;
     double *along = vor_malloc(domain->memory, n, sizeof *along);
     vor_status status = line_through(&raw, domain, &loops->point[loop->first], loop->count, err);
 
     if (status == VOR_OK)
         status = line_init(&line, n, 1, domain, err);
-    if (status == VOR_OK && along == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "a border of %zu places", n);
-    if (status == VOR_OK) {
+    if (along == NULL) {
+        (void)vor_fail(err, VOR_E_NOMEM, "a border of %zu places", n);
+        status = VOR_E_NOMEM; /* clang-analyzer cannot see that vor_fail returns it */
+    } else if (status == VOR_OK) {
         even_steps(along, measure(&raw) / (double)n, n);
         walk_along(line.at, &raw, along, n);
         smooth(&line);
         move_out(&line, domain, loop->spacing);
         (void)measure(&line);
         *out = line;
-    } else
-        line_free(&line);
+        memset(&line, 0, sizeof line);
+    }
+    line_free(&line);
     line_free(&raw);
     vor_free(domain->memory, along);
     return status;
