@@ -142,7 +142,7 @@ $(B)/tests/bench/%: $(B)/tests/bench/%.o $(LIB)
 $(addprefix $(B)/tests/bench/,wlop orient front): $(B)/tests/bench/%: tests/bench/%.cc
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
-	@$(CXX) -std=c++17 -O3 -DNDEBUG $< -o $@
+	@$(CXX) -std=c++17 -O3 -DNDEBUG $< -o $@ -lmpfr -lgmp
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)
 

@@ -253,16 +253,14 @@ static size_t size_of(const struct vor_attribute *attribute)
 vor_status vor_cloud_copy_attribute(struct vor_cloud *cloud, const struct vor_attribute *from,
                                     const uint32_t *source, struct vor_error *err)
 {
-    struct vor_attribute *to;
     size_t size = size_of(from);
     vor_status status = vor_cloud_add_attribute(cloud, from->name, from->semantic, from->type,
-                                                from->components, &to, err);
+                                                from->components, NULL, err);
+    char *to = status == VOR_OK ? cloud->attributes[cloud->attribute_count - 1].data : NULL;
 
-    if (status != VOR_OK)
-        return status;
-    for (size_t i = 0; i < cloud->n; i++)
-        memcpy((char *)to->data + i * size, (const char *)from->data + source[i] * size, size);
-    return VOR_OK;
+    for (size_t i = 0; to != NULL && i < cloud->n; i++)
+        memcpy(to + i * size, (const char *)from->data + source[i] * size, size);
+    return status;
 }
 
 vor_status vor_cloud_reorder(struct vor_cloud *cloud, const uint32_t *order, struct vor_error *err)

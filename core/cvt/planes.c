@@ -317,8 +317,8 @@ static void find_end(const struct freeze *freeze, struct vor_scratch *scratch, s
         return;
     side[0] /= length;
     side[1] /= length;
-    end = vor_boundary_end(surface, at, side, &scratch->there.surface, scratch->there.near,
-                           scratch->there.k);
+    end = fmax(vor_boundary_end(surface, at, side, scratch->there.near, scratch->there.k),
+               VOR_EDGE_ROOM * scratch->there.surface.spacing);
     if (!(end / p->spacing < flat->room))
         return;
     flat->room = end / p->spacing;

@@ -57,10 +57,11 @@ static int faces_away(const struct soup *soup, const struct vor_surface *surface
     return cosine < 0;
 }
 
-/* Where a corner lies, relative to the origin of the result. */
-static void put_corner(const struct soup *soup, const struct vor_surface *surface, size_t k,
-                       const double vertex[3], float out[3])
+/* Puts a corner of the cell of point k, relative to the origin of the result. */
+static void put_corner(struct soup *soup, const struct vor_surface *surface, size_t k,
+                       const double vertex[3], size_t corner)
 {
+    float *out = soup->cloud.xyz + 3 * corner;
     const float *at = &soup->of->result->xyz[3 * k];
     double unit = soup->of->seeds->domain->unit;
 
@@ -82,7 +83,7 @@ static uint32_t *put_piece(struct soup *soup, const struct vor_surface *surface,
         unsigned from = turned ? piece->count - 1 - v : v;
 
         soup->source[corner + v] = (uint32_t)k;
-        put_corner(soup, surface, k, piece->vertex[from], &soup->cloud.xyz[3 * (corner + v)]);
+        put_corner(soup, surface, k, piece->vertex[from], corner + v);
         if (v < 2)
             continue;
         *triangle++ = (uint32_t)corner;
