@@ -15,6 +15,7 @@ my %bunny = (input => public('bunny'), truth => public('bun_zipper'), points => 
 my %igea = (input => public('igea_mesh'), truth => public('igea_mesh'), points => 20_000);
 my %igea30k = (input => made('igea30k'), truth => public('igea_mesh'), points => 10_000);
 my %cow = (input => made('cow110k'), truth => public('cow_mesh'), points => 5000);
+my %fandisk = (input => made('fandisk30k_noisy'), truth => public('fandisk_mesh'), points => 10_000);
 my %uneven = (%cow, input => made('cow110k_uneven'));
 my %half = (input => made('armadillo_half'), truth => public('armadillo_mesh'), partial => 1, points => 8000);
 my %oct = (input => made('igea34k_oct7'), truth => public('igea_mesh'), points => 34_000);
@@ -42,6 +43,8 @@ my @rows = (
     { name => 'cow110k', %cow, asked => ['delta <= 0.042'], goal => ['delta <= 0.035'] },
     { name => 'cow110k_plane', %cow, args => [qw(--patch plane)], asked => ['delta <= 0.03'], goal => ['delta <= 0.022'] },
     { name => 'cow110k_kmeans', %cow, args => [qw(--method kmeans)] },
+    { name => 'fandisk30k_noisy', %fandisk },
+    { name => 'fandisk30k_noisy_plane', %fandisk, args => [qw(--patch plane)] },
     { name => 'cow_faces', input => public('cow_mesh'), truth => public('cow_mesh'), points => 5000, args => [qw(--sample faces)],
         asked => ['delta <= 0.042'], goal => ['delta <= 0.022'] },
     { name => 'fandisk_faces', input => public('fandisk_mesh'), truth => public('fandisk_mesh'), points => 10_000,

@@ -13,12 +13,15 @@ my @series = (
     { name => 'scaling_in', what => 'points in', sizes => [map { [$_, 10_000] } 10_000, 50_000, 200_000, 1_000_000, 5_000_000] },
     { name => 'scaling_out', what => 'points out',
         sizes => [map { [1_000_000, $_] } 10_000, 20_000, 50_000, 100_000, 200_000, 500_000] },
+    { name => 'scaling_in_plane', what => 'points in', sizes => [map { [$_, 10_000] } 50_000, 200_000, 1_000_000], args => [qw(--patch plane)] },
+    { name => 'scaling_out_plane', what => 'points out', sizes => [map { [1_000_000, $_] } 10_000, 50_000, 200_000],
+        args => [qw(--patch plane)] },
 );
 
 sub measure {
-    my ($in, $points) = @_;
+    my ($in, $points, @more) = @_;
     my ($input, $result) = (torus($in), "$out/scaling.ply");
-    my @arguments = ($input, $result, '--points', $points, @fixed);
+    my @arguments = ($input, $result, '--points', $points, @fixed, @more);
     resample(@arguments) if runs() > 1;
     my @runs = map { resample(@arguments) } 1 .. runs();
     unlink $result;
@@ -42,7 +45,7 @@ sub range {
 
 my @wanted = grep { wanted($_->{name}) } @series or exit 0;
 for my $series (@wanted) {
-    my @rows = map { measure(@$_) } @{ $series->{sizes} };
+    my @rows = map { measure(@$_, @{ $series->{args} // [] }) } @{ $series->{sizes} };
     my @figures = qw(cpu_us bisectors_per_cell triangles_per_cell queries);
     my %ratio = map { $_ => range($_, @rows) } @figures;
     my @lines = map {
@@ -54,8 +57,8 @@ for my $series (@wanted) {
     table([
         'points in', 'points out', 'delta', 'iterate s', 'µs a point and iteration', 'CPU µs', 'bisectors a cell',
         'triangles a cell', 'queries a point and iteration',
-    ], \@lines, "Against $series->{what}: @fixed.");
-    my $column = $series->{name} eq 'scaling_in' ? 'in' : 'points';
+    ], \@lines, join(' ', "Against $series->{what}: @fixed", @{ $series->{args} // [] }) . '.');
+    my $column = $series->{name} =~ /^scaling_in/ ? 'in' : 'points';
     plot($series->{name}, ['logscale x', 'yrange [0:*]', "xlabel '$series->{what}'", "ylabel 'CPU µs a point and iteration'"],
         { title => 'iterate', style => 'linespoints', rows => [map { [$_->{$column}, $_->{cpu_us}] } @rows] });
 }
