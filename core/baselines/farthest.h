@@ -23,7 +23,7 @@
  *  @retval VOR_E_NOMEM  9 bytes a point do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
- *  O(n log count), on one thread: 0.3 s for 20,000 of a million. */
+ *  O(n log count), on one thread: half a second for 20,000 of a million. */
 VOR_NODISCARD vor_status vor_farthest_points(float *out, const float *xyz, size_t n, size_t count,
                                              size_t first, const struct vor_run *run,
                                              struct vor_error *err);

@@ -60,7 +60,7 @@ my (undef, $of_measure) = run(['measure', '--help']);
 like $of_measure, qr/^usage: voronoid measure IN\.\.\. /, 'the help of measure names its operand';
 like $of_measure, qr/^      --reference FILE\n/m, 'and its other input';
 like $of_measure, qr/^      --peak VALUE\n[^\n]+\n      1e-30 to 1e\+30 unit of the cloud \| auto, default auto\n/m, 'and its parameter';
-unlike $of_measure, qr/--(?:points|server|seed|format)\b/, 'and nothing that it does not take';
+unlike $of_measure, qr/--(?:points|listen|seed|format)\b/, 'and nothing that it does not take';
 unlike $help, qr/--(?:peak|reference)\b/, 'nor does that of resample';
 like $help, qr/6 to 500 points \| auto, default auto/, 'it shows range, auto and default';
 like $help, qr/--polish VALUE\n      Most steps [^\n]+\n      0 to 10000, default \d+\n/, 'it explains the polish';
@@ -85,8 +85,8 @@ refused 'a name cut too short for both tables', ['resample', '--se=1'], 2, 'resa
 refused 'a name cut to nothing', ['resample', '--=1'], 2, 'resample: no option --; see voronoid resample --help';
 refused 'a name cut short of a wrong value', ['resample', $in, @points, '-o', $out, '--bound=open'], 2,
     'resample: boundary is "open", want one of keep, free, sites, fill';
-refused 'an option of another command', ['measure', $in, '--server', 'http://127.0.0.1:1'], 2,
-    'measure: no option --server; see voronoid measure --help';
+refused 'an option of another command', ['measure', $in, '--listen', '127.0.0.1:1'], 2,
+    'measure: no option --listen; see voronoid measure --help';
 refused 'an input of another command', ['resample', $in, @points, '-o', $out, '--reference', $in], 2,
     'resample: no option --reference; see voronoid resample --help';
 refused 'a parameter of another process', ['measure', $in, '--points', 5], 2,

@@ -1,0 +1,119 @@
+/** Parts of a report: tables of their own that members of its tables are made of. Included through
+ *  core/report.h. */
+#ifndef VOR_REPORT_PARTS_H
+#define VOR_REPORT_PARTS_H
+
+#include "core/base/members.h"
+
+#include <stdint.h>
+
+/** Distances from points to the nearest of others. */
+#define VOR_APART_TABLE(X)                                                                         \
+    X(REAL, mean, "mean", "unit of the cloud", "Their mean")                                       \
+    X(REAL, rms, "rms", "unit of the cloud", "Their root mean square")                             \
+    X(REAL, max, "max", "unit of the cloud", "The largest")                                        \
+    X(U64, points, "points", "points", "Points whose distances these are")
+
+struct vor_apart {
+    VOR_APART_TABLE(VOR_FIELD)
+};
+
+#define VOR_FIELD_APART(field) struct vor_apart field;
+
+/** How many points of the result have a surface that was fitted to a given number of input points.
+ */
+#define VOR_FITTED_TABLE(X)                                                                        \
+    X(U32, neighbors, "neighbors", "points", "Input points that a surface was fitted to")          \
+    X(U64, points, "points", "points", "Points of the result that lie on such a surface")
+
+struct vor_fitted {
+    VOR_FITTED_TABLE(VOR_FIELD)
+};
+
+/** Most different numbers in a report: those of the ladder in input/neighbors.c, VOR_REFINED_TO and
+ *  a given one. */
+#define VOR_FITTED_MAX 8
+#define VOR_FIELD_FITTED(field)                                                                    \
+    struct vor_fitted field[VOR_FITTED_MAX];                                                       \
+    unsigned field##_count;
+
+/** No and yes, as a member. */
+enum vor_answered { VOR_NO, VOR_YES };
+
+#define VOR_FIELD_ANSWERED(field) enum vor_answered field;
+
+/** A loop of edges that have one triangle: where a mesh ends. */
+#define VOR_MESH_LOOP_TABLE(X)                                                                     \
+    X(U64, edges, "edges", "", "Its edges")                                                        \
+    X(REAL, length, "length", "unit of the cloud", "Their length together")                        \
+    X(VECTOR, middle, "middle", "unit of the cloud", "Mean of its points")
+
+struct vor_mesh_loop {
+    VOR_MESH_LOOP_TABLE(VOR_FIELD)
+};
+
+/** Most loops that are told one by one. */
+#define VOR_MESH_LOOPS_TOLD 32
+#define VOR_FIELD_MESH_LOOPS(field)                                                                \
+    struct vor_mesh_loop field[VOR_MESH_LOOPS_TOLD];                                               \
+    unsigned field##_count;
+
+/** What a loop of border points goes around. */
+enum vor_loop_kind { VOR_LOOP_HOLE, VOR_LOOP_RIM };
+
+#define VOR_FIELD_LOOP_KIND(field) enum vor_loop_kind field;
+
+/** What became of a loop where holes are filled. */
+enum vor_hole_outcome {
+    VOR_HOLE_FILLED,
+    VOR_HOLE_RIM,
+    VOR_HOLE_TOO_LONG,
+    VOR_HOLE_NOT_CHOSEN,
+    VOR_HOLE_NOT_CLOSED
+};
+
+#define VOR_FIELD_HOLE_OUTCOME(field) enum vor_hole_outcome field;
+
+/** A loop of border points, and what became of it. */
+#define VOR_HOLE_TABLE(X)                                                                          \
+    X(U32, id, "id", "", "Its number, as inspect tells it")                                        \
+    X(LOOP_KIND, kind, "kind", "", "As inspect tells it")                                          \
+    X(HOLE_OUTCOME, outcome, "outcome", "",                                                        \
+      "filled; or it stayed open: rim, as auto fills holes alone; too-long for holeMax; "          \
+      "not-chosen, as holes has other numbers; not-closed, as no surface was found to close it "   \
+      "with, or another part of the input lies in the way")                                        \
+    X(REAL, length, "length", "unit of the cloud", "Length of the border there")                   \
+    X(VECTOR, centre, "centre", "unit of the cloud",                                               \
+      "Mean of the line through its points, in the coordinates of the cloud")                      \
+    X(U64, points, "points", "points", "Points that it was filled with")
+
+struct vor_hole_told {
+    VOR_HOLE_TABLE(VOR_FIELD)
+};
+
+/** Most loops that are told one by one; if there are more, those that were not closed come first.
+ */
+#define VOR_HOLES_TOLD 100
+#define VOR_FIELD_HOLES(field)                                                                     \
+    struct vor_hole_told field[VOR_HOLES_TOLD];                                                    \
+    unsigned field##_count;
+
+/** How even the points of a simple method are, and how far from the input. */
+#define VOR_BASELINE_TABLE(X)                                                                      \
+    X(U64, points, "points", "points",                                                             \
+      "Points made: as many as the result has, of fewer in the input all of those; a voxel grid "  \
+      "makes about as many")                                                                       \
+    X(REAL, delta, "delta", "", "As delta of the result")                                          \
+    X(REAL, sigma, "sigma", "unit of the cloud", "As sigma of the result")                         \
+    X(REAL, epsilon, "epsilon", "", "As epsilon of the result")                                    \
+    X(REAL, spacing, "spacing", "unit of the cloud", "Mean distance to the nearest neighbour")     \
+    X(REAL, six_share, "six_share", "", "Share of the points with six Voronoi neighbours")         \
+    X(APART, in_to_out, "in_to_out", "", "As in_to_out of the result")
+
+struct vor_baseline {
+    VOR_BASELINE_TABLE(VOR_FIELD)
+};
+
+#define VOR_FIELD_BASELINE(field) struct vor_baseline field;
+
+#endif
