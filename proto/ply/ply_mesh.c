@@ -50,7 +50,7 @@ static vor_status count_triangles(struct faces *faces, size_t count, struct vor_
 static vor_status read_rows(struct faces *faces, size_t count, struct vor_error *err)
 {
     const uint8_t *at = faces->body.bytes + faces->body.at;
-    uint32_t *to = faces->mesh->triangle, corner[UINT8_MAX];
+    uint32_t *to = faces->mesh->triangle, corner[UINT8_MAX] = {0};
 
     for (size_t i = 0; i < count; i++) {
         unsigned corners = at[0];
