@@ -278,7 +278,7 @@ vor_status vor_anisotropy_make(struct vor_domain *domain, const struct vor_cloud
     if (spec->value[VOR_PARAM_METRIC] == VOR_METRIC_ISOTROPIC ||
         spec->value[VOR_PARAM_METRIC] == VOR_METRIC_LP)
         return VOR_OK;
-    status = vor_curved_init(&curved, domain, n, VOR_CURVED_EACH, run, err);
+    status = vor_curved_init(&curved, domain, n, 0, run, err);
     if (status != VOR_OK)
         return status;
     tensors.n = curved.domain->n;

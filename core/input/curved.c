@@ -72,9 +72,10 @@ vor_status vor_curved_init(struct vor_curved *out, const struct vor_domain *doma
     double wider = fmax(1, (double)domain->known.neighbors.most / VOR_NEIGHBORS_FEWEST);
     vor_status status = VOR_OK;
 
-    if (area > 0)
+    if (each > 0 && area > 0)
         status = vor_domain_thin(&thin, domain, sqrt(area / (each * wider * (double)n)), run, err);
-
+    else if (!(each > 0))
+        status = vor_domain_thin_for(&thin, domain, n, area, run, err);
     if (status == VOR_OK)
         status = diagonal(&across, thin.n > CURVED_MOST ? &thin : domain, run, err);
     if (status != VOR_OK) {

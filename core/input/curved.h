@@ -19,15 +19,13 @@ struct vor_curved {
                        the input (the unit is from the paper's errata), normalised */
 };
 
-/** Places for each point of the result that a shape is followed at, as a thinned input has. */
-#define VOR_CURVED_EACH 5.0
-
 /** Picks the places for a result of n points.
  *
  *  @param[in]  domain  must outlive *out
  *  @param[out] out     free with vor_curved_free; untouched on failure
- *  @param[in]  each    places for each point of the result where the input has more; more of them
- *                      where fits take more neighbours than the fewest
+ *  @param[in]  each    places for each point of the result where the input has more, and more of
+ *                      them where fits take more neighbours than the fewest; 0: as many as the
+ *                      iterations have of a dense input (vor_domain_thin_for)
  *
  *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED  as vor_domain_thin
  *

@@ -9,9 +9,12 @@ vor_status vor_triangles_of_seeds(struct vor_mesh *out, uint32_t **order, struct
                                   struct vor_seeds *seeds, const struct vor_outcome *told,
                                   const struct vor_spec *spec, struct vor_error *err)
 {
-    const struct vor_mesh_how how = {.moves = told->steps[VOR_RUN_STAGE_POLISH] > 0,
-                                     .refine = told->refined,
-                                     .fixed = (size_t)report->on_islands};
+    /* In a metric good triangles are long ones, which these moves would undo. */
+    const struct vor_mesh_how how = {
+        .moves = told->steps[VOR_RUN_STAGE_POLISH] > 0 && !vor_stretched_are(&seeds->stretched),
+        .refine = told->refined,
+        .fixed =
+            seeds->fixed > (size_t)report->on_islands ? seeds->fixed : (size_t)report->on_islands};
     double began = vor_run_seconds(&seeds->run);
     vor_status status;
 

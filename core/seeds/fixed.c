@@ -101,6 +101,7 @@ vor_status vor_seeds_add_islands(struct vor_seeds *seeds, double *delta_beside,
 {
     const struct vor_run whole = vor_run_unstoppable(run);
     struct fixed fixed = {NULL, share};
+    size_t sites = seeds->fixed;
     float *xyz;
     vor_status status;
 
@@ -117,6 +118,8 @@ vor_status vor_seeds_add_islands(struct vor_seeds *seeds, double *delta_beside,
         status = vor_islands_return(domain, &whole, err);
     if (status == VOR_OK)
         status = add_fixed(seeds, fixed, domain, policy, run, err);
+    if (status == VOR_OK && sites > 0)
+        seeds->fixed = sites + share;
     vor_free(run->memory, xyz);
     return status;
 }
