@@ -53,8 +53,9 @@ LIB := $(B)/libvoronoid.a
 BIN := $(B)/voronoid
 
 # A C file in a test room is a test program; tests/support is linked into each. ThreadSanitizer is spared the rooms, and the
-# scripts of documents, that check what is computed and not how threads meet.
-TEST_ROOMS := unit property golden $(if $(filter-out tsan,$(config)),oracle paper)
+# scripts of documents, that check what is computed and not how threads meet; AddressSanitizer the papers' figures, which take
+# whole runs of the code that the other rooms run.
+TEST_ROOMS := unit property golden $(if $(filter-out tsan,$(config)),oracle) $(if $(filter-out tsan asan,$(config)),paper)
 SUPPORT_SRC := $(sort $(wildcard tests/support/*.c))
 TEST_SRC := $(sort $(foreach room,$(TEST_ROOMS),$(wildcard tests/$(room)/*.c)))
 # The tests in tests/kinds add rows to the tables of requests: the files that hang on these are compiled once more.

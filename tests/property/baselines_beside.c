@@ -321,14 +321,14 @@ int main(void)
 {
     Suite *suite = suite_create("baselines_beside");
 
-    vt_add(suite, the_result_is_the_same_with_baselines_beside_it);
+    vt_add_figures(suite, the_result_is_the_same_with_baselines_beside_it, 0);
     vt_add_figures(suite, each_is_as_even_as_its_method_is_known_to_be, 2);
-    vt_add(suite, kmeans_is_the_method_of_that_name);
+    vt_add_figures(suite, kmeans_is_the_method_of_that_name, 0);
     vt_add(suite, one_two_three_and_eight_threads_give_the_same_numbers);
     vt_add(suite, records_tell_each_baseline_after_the_polish);
-    vt_add(suite, of_fewer_input_points_all_are_taken);
-    vt_add(suite, islands_are_input_too);
-    vt_add(suite, filters_alone_have_no_baselines_beside_them);
+    vt_add_figures(suite, of_fewer_input_points_all_are_taken, 0);
+    vt_add_figures(suite, islands_are_input_too, 0);
+    vt_add_figures(suite, filters_alone_have_no_baselines_beside_them, 0);
     vt_add(suite, a_cancel_ends_with_nothing_and_a_stop_without_baselines);
     vt_add(suite, a_failure_of_any_allocation_ends_clearly_and_leaks_nothing);
     return vt_run(suite);

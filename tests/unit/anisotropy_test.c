@@ -292,11 +292,11 @@ int main(void)
 {
     Suite *suite = suite_create("anisotropy");
 
-    vt_add(suite, without_a_metric_there_is_no_field);
-    vt_add_loop(suite, cells_on_a_cylinder_are_long_along_its_axis_up_to_the_most_allowed, 4);
-    vt_add_loop(suite, a_flat_face_asks_for_no_direction, 2);
-    vt_add(suite, a_torus_asks_for_the_root_of_the_ratio_of_its_curvatures);
-    vt_add_loop(suite, a_tensor_given_counts_by_its_part_in_the_tangent_plane, 2);
+    vt_add_figures(suite, without_a_metric_there_is_no_field, 0);
+    vt_add_figures(suite, cells_on_a_cylinder_are_long_along_its_axis_up_to_the_most_allowed, 4);
+    vt_add_figures(suite, a_flat_face_asks_for_no_direction, 2);
+    vt_add_figures(suite, a_torus_asks_for_the_root_of_the_ratio_of_its_curvatures, 0);
+    vt_add_figures(suite, a_tensor_given_counts_by_its_part_in_the_tangent_plane, 2);
     vt_add(suite, threads_make_the_same_metric);
     vt_add(suite, what_is_no_metric_is_refused_with_the_names_there_or_the_first_point);
     vt_add(suite, what_does_not_fit_is_said_and_leaves_nothing);

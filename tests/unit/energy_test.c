@@ -244,11 +244,11 @@ int main(void)
 {
     Suite *suite = suite_create("energy");
 
-    vt_add_loop(suite, the_gradient_is_that_of_finite_differences, 3 * POWERS * SEEDS);
-    vt_add_loop(suite, the_energy_is_that_of_a_numeric_quadrature, 3 * POWERS * 2);
+    vt_add_figures(suite, the_gradient_is_that_of_finite_differences, 3 * POWERS * SEEDS);
+    vt_add_figures(suite, the_energy_is_that_of_a_numeric_quadrature, 3 * POWERS * 2);
     vt_add_loop(suite, a_square_has_the_energy_of_the_textbook, POWERS);
-    vt_add_loop(suite, squares_beat_hexagons_where_p_is_8_and_not_where_it_is_2, 2);
-    vt_add_loop(suite, sides_know_who_cut_them, 3 * POWERS * 2);
+    vt_add_figures(suite, squares_beat_hexagons_where_p_is_8_and_not_where_it_is_2, 2);
+    vt_add_figures(suite, sides_know_who_cut_them, 3 * POWERS * 2);
     vt_add(suite, a_patch_of_no_size_has_no_energy);
     return vt_run(suite);
 }

@@ -210,11 +210,11 @@ int main(void)
 {
     Suite *suite = suite_create("frozen");
 
-    vt_add_loop(suite, the_gradient_is_that_of_finite_differences, 24);
-    vt_add_loop(suite, the_energy_falls_in_each_inner_loop, 6);
-    vt_add_loop(suite, the_cells_cover_a_sphere, 3);
+    vt_add_figures(suite, the_gradient_is_that_of_finite_differences, 24);
+    vt_add_figures(suite, the_energy_falls_in_each_inner_loop, 6);
+    vt_add_figures(suite, the_cells_cover_a_sphere, 3);
     vt_add_loop(suite, value_and_gradient_have_the_same_bits_for_any_number_of_threads, 3);
-    vt_add_loop(suite, seeds_that_share_a_place_come_apart, 3);
+    vt_add_figures(suite, seeds_that_share_a_place_come_apart, 3);
     vt_add(suite, arrays_that_do_not_fit_are_refused_whole);
     return vt_run(suite);
 }

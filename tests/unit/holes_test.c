@@ -383,10 +383,10 @@ int main(void)
     vt_add_figures(suite, the_rim_of_a_sheet_stays_open, 0);
     vt_add_figures(suite, an_end_of_a_tube_is_capped_if_it_is_named, 0);
     vt_add_figures(suite, what_lies_in_the_way_keeps_a_hole_open, 0);
-    vt_add(suite, a_number_that_no_loop_has_is_refused);
+    vt_add_figures(suite, a_number_that_no_loop_has_is_refused, 0);
     vt_add_figures(suite, a_closed_input_stays_as_it_is, 0);
     vt_add(suite, any_number_of_threads_fills_alike);
-    vt_add(suite, a_spline_has_the_quadrics);
+    vt_add_figures(suite, a_spline_has_the_quadrics, 0);
     vt_add(suite, no_failed_allocation_leaks);
     return vt_run(suite);
 }

@@ -260,6 +260,6 @@ int main(void)
     vt_add_figures(suite, a_closed_surface_is_spread_as_without, 0);
     vt_add_figures(suite, sites_stay_whatever_else_is_asked_for, VT_FEWER(5));
     vt_add(suite, any_number_of_threads_places_alike);
-    vt_add(suite, any_number_of_points_comes);
+    vt_add_figures(suite, any_number_of_points_comes, 0);
     return vt_run(suite);
 }

@@ -290,11 +290,11 @@ int main(void)
     Suite *suite = suite_create("soup");
 
     vt_add_figures(suite, polygons_cover_a_sphere_and_a_torus, VT_FEWER(VT_SOAK_LOOPS(2, 20)));
-    vt_add(suite, cells_of_a_square_end_where_it_does);
-    vt_add(suite, a_plane_patch_gives_one_polygon_a_point);
-    vt_add(suite, corners_have_the_values_of_their_point_and_faces_its_side);
+    vt_add_figures(suite, cells_of_a_square_end_where_it_does, 0);
+    vt_add_figures(suite, a_plane_patch_gives_one_polygon_a_point, 0);
+    vt_add_figures(suite, corners_have_the_values_of_their_point_and_faces_its_side, 0);
     vt_add(suite, one_two_and_eight_threads_give_the_same_polygons);
-    vt_add(suite, filters_alone_give_the_cells_of_their_points);
+    vt_add_figures(suite, filters_alone_give_the_cells_of_their_points, 0);
     vt_add(suite, a_failing_allocation_is_told_and_nothing_leaks);
     return vt_run(suite);
 }
