@@ -149,18 +149,21 @@ struct work {
     const struct vor_curved *curved; /* that the field's points are the places of */
     struct vor_field *field;
     const struct vor_attribute *attribute; /* NULL: curvature, or edges */
-    struct vor_edges edges;                /* n is 0: curvature, or the attribute */
-    unsigned step;                         /* a curvature is taken at each so manieth point */
-    double steepest;                       /* largest change of the value over a length */
-    struct vor_graph graph;                /* the nearest points of each */
-    double *rho, *next;                    /* n: density; the same after a round */
-    float *area;                           /* n: share of the surface, in any unit */
-    float *given, *limited;                /* n: values before grading; the next ones */
-    unsigned char *changed;                /* of each block */
+    const struct vor_domain *whole;        /* the input */
+    struct vor_edges edges;                /* of the input; n is 0: curvature, or the attribute */
+    unsigned char *on_edge; /* n: nearest of all to a point on an edge, where asked */
+    unsigned step;          /* a curvature is taken at each so manieth point */
+    double steepest;        /* largest change of the value over a length */
+    struct vor_graph graph; /* the nearest points of each */
+    double *rho, *next;     /* n: density; the same after a round */
+    float *area;            /* n: share of the surface, in any unit */
+    float *given, *limited; /* n: values before grading; the next ones */
+    unsigned char *changed; /* of each block */
 };
 
 static void free_work(struct work *work, struct vor_memory *memory)
 {
+    vor_free(memory, work->on_edge);
     vor_edges_free(&work->edges);
     vor_graph_free(&work->graph);
     vor_free(memory, work->changed);
@@ -235,7 +238,7 @@ static double density_at(const struct work *work, size_t i)
     if (work->attribute != NULL)
         return vor_attribute_scalar(work->attribute, work->curved->domain->source[i]);
     if (work->edges.n > 0)
-        return work->edges.flag[i];
+        return work->on_edge[i];
     return is_taken(work, i) ? curvature_at(work, i) : UNKNOWN;
 }
 
@@ -424,6 +427,30 @@ static void note_range(struct work *work)
     field->span = high / low * (high / low) * (high / low) * (high / low);
 }
 
+/* Marks the points of the field nearest to those of the input that lie on edges. Edges are found in
+ * the input, as inspect does: in a few points of it bends would be taken for them. */
+static vor_status mark_edges(struct work *work, const struct vor_run *run, struct vor_error *err)
+{
+    size_t n = work->field->n;
+
+    if (work->edges.n == 0)
+        return VOR_OK;
+    work->on_edge = vor_malloc(run->memory, n, 1);
+    if (work->on_edge == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "edges at %zu points", n);
+    memset(work->on_edge, 0, n);
+    for (size_t i = 0; i < work->edges.n; i++) {
+        uint32_t nearest;
+        float distance2;
+
+        if (!work->edges.flag[i])
+            continue;
+        vor_knn_search(work->field->knn, &work->whole->xyz[3 * i], 1, 1, &nearest, &distance2);
+        work->on_edge[nearest] = 1;
+    }
+    return VOR_OK;
+}
+
 /* Fills the field, of which n and even are set. */
 static vor_status fill(struct work *work, const struct vor_spec *spec, const struct vor_run *run,
                        struct vor_error *err)
@@ -436,6 +463,8 @@ static vor_status fill(struct work *work, const struct vor_spec *spec, const str
     if (status == VOR_OK)
         status =
             vor_graph_nearest(&work->graph, field->knn, field->xyz, work->graph.most, run, err);
+    if (status == VOR_OK)
+        status = mark_edges(work, run, err);
     if (status != VOR_OK)
         return status;
     work->steepest = spec->value[VOR_PARAM_GRADING] / field->even;
@@ -460,7 +489,7 @@ static vor_status choose(struct work *work, const struct vor_cloud *in, const st
         work->attribute = vor_cloud_find_name(in, vor_spec_name(spec, VOR_PARAM_DENSITY));
     if (density != VOR_DENSITY_EDGES)
         return VOR_OK;
-    status = vor_edges_find(&work->edges, work->curved->domain, run, err);
+    status = vor_edges_find(&work->edges, work->whole, run, err);
     if (status == VOR_OK && work->edges.flagged == 0)
         status = vor_fail_param(err, VOR_E_DENSITY, "density",
                                 "density is edges, and none of the input's %zu points lies on a "
@@ -475,7 +504,7 @@ vor_status vor_density_make(struct vor_domain *domain, const struct vor_cloud *i
 {
     struct vor_curved curved;
     struct vor_field field = {.n = 0};
-    struct work work = {.curved = &curved, .field = &field};
+    struct work work = {.curved = &curved, .field = &field, .whole = domain};
     vor_status status;
 
     if (spec->value[VOR_PARAM_DENSITY] == VOR_DENSITY_UNIFORM)

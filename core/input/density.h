@@ -5,8 +5,8 @@
  *  without their signs, each at least 1e-4 over the diagonal of the input, evened out among
  *  neighbours. Where each cell has the same share of the energy, the spacing goes with rho^(-1/4).
  *
- *  That of edges, which is ours, is 1 at points that lie on a sharp edge (input/edges.h) and 0
- *  elsewhere: the spacing is smallest along edges, and grows away from them as grading allows, up
+ *  That of edges, which is ours, is 1 at the points of the field nearest to those of the input that
+ *  lie on a sharp edge (input/edges.h) and 0 elsewhere: the spacing is smallest along edges, and grows away from them as grading allows, up
  *  to contrast times as much.
  *
  *  Departure: the paper takes densities as they are. Those of curvature span six decades, and no
