@@ -45,9 +45,10 @@ vor_status vt_engine_try(struct vt_engine *engine, struct vor_cloud *out, struct
     return vt_run_engine(out, report, in, &engine->spec, &engine->run, &vt_err);
 }
 
-vor_status vt_run_engine(struct vor_cloud *out, struct vor_report *report,
-                         const struct vor_cloud *in, const struct vor_spec *spec,
-                         const struct vor_run *run, struct vor_error *err)
+/* Runs a process with one cloud in, a cloud and a report out. *out is set on success alone. */
+static vor_status run_engine(struct vt_meshed *out, const struct vor_cloud *in,
+                             const struct vor_spec *spec, const struct vor_run *run,
+                             struct vor_error *err)
 {
     struct vor_artefacts inputs, outputs;
     vor_status status;
@@ -61,13 +62,36 @@ vor_status vt_run_engine(struct vor_cloud *out, struct vor_report *report,
         struct vor_report *told = vor_artefacts_values(&outputs, "report", &vor_report_members);
 
         ck_assert_uint_eq(outputs.count, 2);
-        *report = *told;
-        *out = *vor_artefacts_cloud(&outputs, "cloud");
+        out->report = *told;
+        out->cloud = *vor_artefacts_cloud(&outputs, "cloud");
+        out->mesh = *vor_artefacts_mesh(&outputs, "cloud");
         vor_free(run->memory, told);
-        outputs.count = 0; /* both are the caller's now */
+        outputs.count = 0; /* they are the caller's now */
     }
     vor_artefacts_free(&outputs);
     return status;
+}
+
+vor_status vt_run_engine(struct vor_cloud *out, struct vor_report *report,
+                         const struct vor_cloud *in, const struct vor_spec *spec,
+                         const struct vor_run *run, struct vor_error *err)
+{
+    struct vt_meshed made;
+    vor_status status = run_engine(&made, in, spec, run, err);
+
+    if (status == VOR_OK) {
+        *report = made.report;
+        *out = made.cloud;
+        vor_mesh_free(&made.mesh);
+    }
+    return status;
+}
+
+vor_status vt_engine_mesh(struct vt_meshed *out, const struct vor_cloud *in,
+                          const struct vt_engine *engine)
+{
+    memset(out, 0, sizeof *out);
+    return run_engine(out, in, &engine->spec, &engine->run, &vt_err);
 }
 
 void vt_cloud_make(struct vor_cloud *cloud, size_t n)
@@ -168,4 +192,10 @@ uint64_t vt_cloud_hash(const struct vor_cloud *cloud)
 {
     return vt_hash(cloud->xyz, cloud->n * 3 * sizeof *cloud->xyz) ^
            vt_hash(cloud->origin, sizeof cloud->origin);
+}
+
+void vt_meshed_free(struct vt_meshed *meshed)
+{
+    vor_mesh_free(&meshed->mesh);
+    vor_cloud_free(&meshed->cloud);
 }

@@ -63,4 +63,18 @@ uint64_t vt_hash(const void *data, size_t size);
 /** Hash of the positions, relative and origin. */
 uint64_t vt_cloud_hash(const struct vor_cloud *cloud);
 
+/** What a run of the process mesh came to. */
+struct vt_meshed {
+    struct vor_cloud cloud;
+    struct vor_mesh mesh;
+    struct vor_report report;
+};
+
+/** Runs the engine's request of a process whose cloud has faces. *out is all zero on failure, else
+ *  freed with vt_meshed_free. */
+vor_status vt_engine_mesh(struct vt_meshed *out, const struct vor_cloud *in,
+                          const struct vt_engine *engine);
+
+void vt_meshed_free(struct vt_meshed *meshed);
+
 #endif

@@ -9,44 +9,6 @@
 
 enum { IN = 12000, POINTS = 1500, FEW = 400 };
 
-/* What a run of the process came to. */
-struct meshed {
-    struct vor_cloud cloud;
-    struct vor_mesh mesh;
-    struct vor_report report;
-};
-
-static vor_status try_mesh(struct meshed *out, const struct vor_cloud *in,
-                           const struct vt_engine *engine)
-{
-    struct vor_artefacts inputs, outputs;
-    vor_status status;
-
-    memset(out, 0, sizeof *out);
-    vor_artefacts_init(&inputs, engine->run.memory);
-    vor_artefacts_init(&outputs, engine->run.memory);
-    inputs.item[inputs.count++] =
-        (struct vor_artefact){.name = "cloud", .kind = VOR_ARTEFACT_CLOUD, .cloud = *in};
-    status = vor_engine_run(&outputs, &inputs, &engine->spec, &engine->run, &vt_err);
-    if (status == VOR_OK) {
-        struct vor_report *report = vor_artefacts_values(&outputs, "report", &vor_report_members);
-
-        out->report = *report;
-        out->cloud = *vor_artefacts_cloud(&outputs, "cloud");
-        out->mesh = *vor_artefacts_mesh(&outputs, "cloud");
-        vor_free(engine->run.memory, report);
-        outputs.count = 0; /* they are the caller's now */
-    }
-    vor_artefacts_free(&outputs);
-    return status;
-}
-
-static void free_meshed(struct meshed *meshed)
-{
-    vor_mesh_free(&meshed->mesh);
-    vor_cloud_free(&meshed->cloud);
-}
-
 static void open_mesh(struct vt_engine *engine, unsigned threads, size_t points)
 {
     vt_engine_open(engine, threads);
@@ -58,22 +20,22 @@ static void open_mesh(struct vt_engine *engine, unsigned threads, size_t points)
 }
 
 /* Meshes `points` points on a cloud. */
-static void mesh_of(struct meshed *out, const struct vor_cloud *in, size_t points)
+static void mesh_of(struct vt_meshed *out, const struct vor_cloud *in, size_t points)
 {
     struct vt_engine engine;
 
     open_mesh(&engine, 2, points);
-    vt_assert_ok(try_mesh(out, in, &engine));
+    vt_assert_ok(vt_engine_mesh(out, in, &engine));
     vt_engine_close(&engine);
 }
 
-static const float *corner(const struct meshed *meshed, size_t t, int c)
+static const float *corner(const struct vt_meshed *meshed, size_t t, int c)
 {
     return &meshed->cloud.xyz[3 * (size_t)meshed->mesh.triangle[3 * t + (size_t)c]];
 }
 
 /* Six times the volume between a triangle and the origin. */
-static double volume6(const struct meshed *meshed, size_t t)
+static double volume6(const struct vt_meshed *meshed, size_t t)
 {
     const float *a = corner(meshed, t, 0), *b = corner(meshed, t, 1), *c = corner(meshed, t, 2);
 
@@ -111,7 +73,7 @@ static size_t open_edges(const struct vor_mesh *mesh)
     return open;
 }
 
-static void assert_sound(const struct meshed *meshed)
+static void assert_sound(const struct vt_meshed *meshed)
 {
     for (size_t c = 0; c < 3 * meshed->mesh.count; c++)
         ck_assert_uint_lt(meshed->mesh.triangle[c], meshed->cloud.n);
@@ -126,7 +88,7 @@ START_TEST(a_sphere_and_a_torus_are_closed_and_face_outward)
 
     for (int shape = 0; shape < VT_SMOOTH; shape++) {
         struct vor_cloud in;
-        struct meshed meshed;
+        struct vt_meshed meshed;
         double volume = 0;
 
         vt_shapes[shape].make(&in, (uint64_t)_i, IN);
@@ -148,7 +110,7 @@ START_TEST(a_sphere_and_a_torus_are_closed_and_face_outward)
         ck_assert_double_gt(volume, 0);
         ck_assert_double_gt(meshed.report.mesh_quality_mean, 0.85);
         ck_assert_double_gt(meshed.report.mesh_angle_min, 20);
-        free_meshed(&meshed);
+        vt_meshed_free(&meshed);
         vor_cloud_free(&in);
     }
     vt_assert_no_leak();
@@ -165,7 +127,7 @@ START_TEST(a_square_has_one_loop_and_a_cylinder_two)
 
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         struct vor_cloud in;
-        struct meshed meshed;
+        struct vt_meshed meshed;
 
         vt_metrics[cases[k].metric].make(&in, (uint64_t)_i, IN, 0);
         mesh_of(&meshed, &in, POINTS);
@@ -175,7 +137,7 @@ START_TEST(a_square_has_one_loop_and_a_cylinder_two)
         ck_assert_uint_eq(meshed.report.mesh_loops, cases[k].loops);
         ck_assert_uint_eq(meshed.report.mesh_longest_count, cases[k].loops);
         ck_assert_double_eq(meshed.report.mesh_euler, cases[k].euler);
-        free_meshed(&meshed);
+        vt_meshed_free(&meshed);
         vor_cloud_free(&in);
     }
     vt_assert_no_leak();
@@ -186,7 +148,7 @@ END_TEST
 START_TEST(a_loop_is_told_in_the_unit_of_the_cloud)
 {
     struct vor_cloud in;
-    struct meshed meshed;
+    struct vt_meshed meshed;
     const struct vor_mesh_loop *loop = &meshed.report.mesh_longest[0];
 
     vt_cloud_square(&in, 3, IN);
@@ -199,7 +161,7 @@ START_TEST(a_loop_is_told_in_the_unit_of_the_cloud)
     ck_assert_double_eq_tol(loop->middle[0], 500020, 2);
     ck_assert_double_eq_tol(loop->middle[1], 20, 2);
     ck_assert_double_gt((double)loop->edges, 4 * sqrt(POINTS) * 0.8);
-    free_meshed(&meshed);
+    vt_meshed_free(&meshed);
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
@@ -213,7 +175,7 @@ START_TEST(no_triangle_joins_two_sheets)
     for (size_t k = 0; k < sizeof gaps / sizeof *gaps; k++) {
         double gap = gaps[k] * sqrt(2 / (0.866 * POINTS));
         struct vor_cloud in;
-        struct meshed meshed;
+        struct vt_meshed meshed;
         size_t across = 0;
 
         vt_cloud_sheets(&in, (uint64_t)_i, IN, gap);
@@ -228,7 +190,7 @@ START_TEST(no_triangle_joins_two_sheets)
         }
         ck_assert_msg(across == 0, "gap %g: %zu triangles join the sheets", gaps[k], across);
         ck_assert_uint_gt(meshed.mesh.count, POINTS);
-        free_meshed(&meshed);
+        vt_meshed_free(&meshed);
         vor_cloud_free(&in);
     }
     vt_assert_no_leak();
@@ -236,7 +198,7 @@ START_TEST(no_triangle_joins_two_sheets)
 END_TEST
 
 /* A sum over the triangles that knows their points by position, whatever their numbers are. */
-static double signature(const struct meshed *meshed)
+static double signature(const struct vt_meshed *meshed)
 {
     double sum = 0;
 
@@ -252,14 +214,14 @@ static double signature(const struct meshed *meshed)
 START_TEST(triangles_follow_the_points_into_another_order)
 {
     struct vor_cloud in;
-    struct meshed spatial, progressive;
+    struct vt_meshed spatial, progressive;
     struct vt_engine engine;
 
     vt_cloud_sphere(&in, 7, IN);
     open_mesh(&engine, 2, FEW);
-    vt_assert_ok(try_mesh(&spatial, &in, &engine));
+    vt_assert_ok(vt_engine_mesh(&spatial, &in, &engine));
     vt_engine_set(&engine, "order", "progressive");
-    vt_assert_ok(try_mesh(&progressive, &in, &engine));
+    vt_assert_ok(vt_engine_mesh(&progressive, &in, &engine));
     ck_assert_uint_eq(spatial.mesh.count, progressive.mesh.count);
     ck_assert(memcmp(spatial.mesh.triangle, progressive.mesh.triangle,
                      3 * spatial.mesh.count * sizeof *spatial.mesh.triangle) != 0);
@@ -269,8 +231,8 @@ START_TEST(triangles_follow_the_points_into_another_order)
             ck_assert(
                 memcmp(corner(&spatial, t, c), corner(&progressive, t, c), 3 * sizeof(float)) == 0);
     ck_assert_double_eq(signature(&spatial), signature(&progressive));
-    free_meshed(&spatial);
-    free_meshed(&progressive);
+    vt_meshed_free(&spatial);
+    vt_meshed_free(&progressive);
     vt_engine_close(&engine);
     vor_cloud_free(&in);
     vt_assert_no_leak();
@@ -286,15 +248,15 @@ START_TEST(one_two_three_and_eight_threads_give_the_same_triangles)
     vt_cloud_sheets(&in, 5, IN / 2, 0.02);
     for (size_t k = 0; k < sizeof threads / sizeof *threads; k++) {
         struct vt_engine engine;
-        struct meshed meshed;
+        struct vt_meshed meshed;
         uint64_t hash;
 
         open_mesh(&engine, threads[k], FEW);
-        vt_assert_ok(try_mesh(&meshed, &in, &engine));
+        vt_assert_ok(vt_engine_mesh(&meshed, &in, &engine));
         hash = vt_hash(meshed.mesh.triangle, 3 * meshed.mesh.count * sizeof *meshed.mesh.triangle);
         first = k == 0 ? hash : first;
         ck_assert(hash == first);
-        free_meshed(&meshed);
+        vt_meshed_free(&meshed);
         vt_engine_close(&engine);
     }
     vor_cloud_free(&in);
@@ -386,7 +348,7 @@ END_TEST
 START_TEST(a_moebius_band_has_one_side_and_one_loop)
 {
     struct vor_cloud in;
-    struct meshed meshed;
+    struct vt_meshed meshed;
 
     vt_cloud_moebius(&in, 2, IN, 0.6);
     mesh_of(&meshed, &in, FEW);
@@ -395,7 +357,7 @@ START_TEST(a_moebius_band_has_one_side_and_one_loop)
     ck_assert_uint_eq(meshed.report.mesh_one_sided, 1);
     ck_assert_uint_eq(meshed.report.mesh_loops, 1);
     ck_assert_double_eq(meshed.report.mesh_euler, 0);
-    free_meshed(&meshed);
+    vt_meshed_free(&meshed);
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
@@ -405,17 +367,17 @@ START_TEST(filters_alone_leave_points_that_are_joined_where_they_are)
 {
     struct vor_cloud in;
     struct vt_engine engine;
-    struct meshed meshed;
+    struct vt_meshed meshed;
 
     vt_cloud_sphere(&in, 4, POINTS);
     open_mesh(&engine, 2, 0);
     vt_engine_set(&engine, "filters", "mls");
-    vt_assert_ok(try_mesh(&meshed, &in, &engine));
+    vt_assert_ok(vt_engine_mesh(&meshed, &in, &engine));
     assert_sound(&meshed);
     ck_assert_uint_eq(meshed.cloud.n, POINTS);
     ck_assert_uint_gt(meshed.mesh.count, POINTS);
     ck_assert_uint_gt(meshed.report.mesh_points, POINTS * 9 / 10);
-    free_meshed(&meshed);
+    vt_meshed_free(&meshed);
     vt_engine_close(&engine);
     vor_cloud_free(&in);
     vt_assert_no_leak();
@@ -425,7 +387,7 @@ END_TEST
 START_TEST(fewer_than_three_points_have_no_triangles)
 {
     struct vor_cloud in;
-    struct meshed meshed;
+    struct vt_meshed meshed;
 
     vt_cloud_sphere(&in, 4, FEW);
     for (size_t n = 1; n < 4; n++) {
@@ -433,7 +395,7 @@ START_TEST(fewer_than_three_points_have_no_triangles)
         assert_sound(&meshed);
         ck_assert_uint_le(meshed.mesh.count, n < 3 ? 0 : 1);
         ck_assert_uint_eq(meshed.cloud.n, n);
-        free_meshed(&meshed);
+        vt_meshed_free(&meshed);
     }
     vor_cloud_free(&in);
     vt_assert_no_leak();
@@ -458,18 +420,18 @@ static void resample(struct vor_cloud *out, const struct vor_cloud *in, const ch
 START_TEST(without_polish_the_points_are_those_of_resample)
 {
     struct vor_cloud in, out;
-    struct meshed meshed;
+    struct vt_meshed meshed;
     struct vt_engine engine;
 
     vt_cloud_sphere(&in, 4, IN);
     open_mesh(&engine, 2, FEW);
     vt_engine_set(&engine, "polish", "0");
-    vt_assert_ok(try_mesh(&meshed, &in, &engine));
+    vt_assert_ok(vt_engine_mesh(&meshed, &in, &engine));
     resample(&out, &in, "0");
     ck_assert(vt_cloud_hash(&out) == vt_cloud_hash(&meshed.cloud));
     ck_assert_uint_eq(meshed.report.mesh_triangles, 2 * FEW - 4);
     vt_engine_close(&engine);
-    free_meshed(&meshed);
+    vt_meshed_free(&meshed);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
     vt_assert_no_leak();
@@ -504,7 +466,7 @@ START_TEST(points_move_a_little_for_better_triangles)
 {
     double spacing = sqrt(4 * M_PI / FEW), farthest = 0;
     struct vor_cloud in, out;
-    struct meshed moved;
+    struct vt_meshed moved;
     struct vor_report still;
 
     vt_cloud_sphere(&in, (uint64_t)_i, IN);
@@ -521,7 +483,7 @@ START_TEST(points_move_a_little_for_better_triangles)
     ck_assert_double_lt(sqrt(farthest), 0.6 * spacing);
     ck_assert_double_gt(moved.report.mesh_quality_mean, still.mesh_quality_mean + 0.01);
     ck_assert_double_gt(moved.report.mesh_quality_min, still.mesh_quality_min);
-    free_meshed(&moved);
+    vt_meshed_free(&moved);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
     vt_assert_no_leak();

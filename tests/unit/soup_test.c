@@ -8,44 +8,6 @@
 
 enum { IN = 8000, POINTS = 500 };
 
-/* What a run came to. */
-struct souped {
-    struct vor_cloud cloud;
-    struct vor_mesh mesh;
-    struct vor_report report;
-};
-
-static vor_status try_soup(struct souped *out, const struct vor_cloud *in,
-                           const struct vt_engine *engine)
-{
-    struct vor_artefacts inputs, outputs;
-    vor_status status;
-
-    memset(out, 0, sizeof *out);
-    vor_artefacts_init(&inputs, engine->run.memory);
-    vor_artefacts_init(&outputs, engine->run.memory);
-    inputs.item[inputs.count++] =
-        (struct vor_artefact){.name = "cloud", .kind = VOR_ARTEFACT_CLOUD, .cloud = *in};
-    status = vor_engine_run(&outputs, &inputs, &engine->spec, &engine->run, &vt_err);
-    if (status == VOR_OK) {
-        struct vor_report *report = vor_artefacts_values(&outputs, "report", &vor_report_members);
-
-        out->report = *report;
-        out->cloud = *vor_artefacts_cloud(&outputs, "cloud");
-        out->mesh = *vor_artefacts_mesh(&outputs, "cloud");
-        vor_free(engine->run.memory, report);
-        outputs.count = 0; /* they are the caller's now */
-    }
-    vor_artefacts_free(&outputs);
-    return status;
-}
-
-static void free_souped(struct souped *souped)
-{
-    vor_mesh_free(&souped->mesh);
-    vor_cloud_free(&souped->cloud);
-}
-
 static void open_soup(struct vt_engine *engine, unsigned threads, size_t points)
 {
     vt_engine_open(engine, threads);
@@ -58,7 +20,7 @@ static void open_soup(struct vt_engine *engine, unsigned threads, size_t points)
 }
 
 /* The soup of POINTS points on a cloud, with one more parameter. */
-static void soup_of(struct souped *out, const struct vor_cloud *in, const char *name,
+static void soup_of(struct vt_meshed *out, const struct vor_cloud *in, const char *name,
                     const char *value)
 {
     struct vt_engine engine;
@@ -66,16 +28,16 @@ static void soup_of(struct souped *out, const struct vor_cloud *in, const char *
     open_soup(&engine, 2, POINTS);
     if (name != NULL)
         vt_engine_set(&engine, name, value);
-    vt_assert_ok(try_soup(out, in, &engine));
+    vt_assert_ok(vt_engine_mesh(out, in, &engine));
     vt_engine_close(&engine);
 }
 
-static const float *corner(const struct souped *souped, size_t t, int c)
+static const float *corner(const struct vt_meshed *souped, size_t t, int c)
 {
     return &souped->cloud.xyz[3 * (size_t)souped->mesh.triangle[3 * t + (size_t)c]];
 }
 
-static void normal_of(const struct souped *souped, size_t t, double out[3])
+static void normal_of(const struct vt_meshed *souped, size_t t, double out[3])
 {
     const float *a = corner(souped, t, 0), *b = corner(souped, t, 1), *c = corner(souped, t, 2);
     double u[3], v[3];
@@ -88,7 +50,7 @@ static void normal_of(const struct souped *souped, size_t t, double out[3])
         out[d] = u[(d + 1) % 3] * v[(d + 2) % 3] - u[(d + 2) % 3] * v[(d + 1) % 3];
 }
 
-static double area_of(const struct souped *souped)
+static double area_of(const struct vt_meshed *souped)
 {
     double area = 0, n[3];
 
@@ -100,7 +62,7 @@ static double area_of(const struct souped *souped)
 }
 
 /* Every point is the corner of one face, of three or more, whose points follow each other. */
-static void assert_sound(const struct souped *souped)
+static void assert_sound(const struct vt_meshed *souped)
 {
     const struct vor_mesh *mesh = &souped->mesh;
     size_t next = 0, faces = 0;
@@ -126,14 +88,14 @@ START_TEST(polygons_cover_a_sphere_and_a_torus)
 {
     for (int shape = 0; shape < VT_SMOOTH; shape++) {
         struct vor_cloud in;
-        struct souped souped;
+        struct vt_meshed souped;
 
         vt_shapes[shape].make(&in, (uint64_t)_i, IN);
         soup_of(&souped, &in, NULL, NULL);
         assert_sound(&souped);
         ck_assert_double_eq_tol(area_of(&souped) / vt_shapes[shape].area, 1, 0.02);
         ck_assert_double_lt(vt_off_mean(&vt_shapes[shape], &souped.cloud), 0.02);
-        free_souped(&souped);
+        vt_meshed_free(&souped);
         vor_cloud_free(&in);
     }
     vt_assert_no_leak();
@@ -143,14 +105,14 @@ END_TEST
 START_TEST(cells_of_a_square_end_where_it_does)
 {
     struct vor_cloud in;
-    struct souped souped;
+    struct vt_meshed souped;
 
     vt_cloud_square(&in, 3, IN);
     soup_of(&souped, &in, NULL, NULL);
     assert_sound(&souped);
     ck_assert_uint_eq(souped.report.mesh_polygons, POINTS);
     ck_assert_double_eq_tol(area_of(&souped), 1, 0.05);
-    free_souped(&souped);
+    vt_meshed_free(&souped);
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
@@ -159,14 +121,14 @@ END_TEST
 START_TEST(a_plane_patch_gives_one_polygon_a_point)
 {
     struct vor_cloud in;
-    struct souped souped;
+    struct vt_meshed souped;
 
     vt_cloud_sphere(&in, 3, IN);
     soup_of(&souped, &in, "patch", "plane");
     assert_sound(&souped);
     ck_assert_uint_eq(souped.report.mesh_polygons, POINTS);
     ck_assert_double_eq_tol(area_of(&souped) / (4 * M_PI), 1, 0.03);
-    free_souped(&souped);
+    vt_meshed_free(&souped);
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
@@ -176,7 +138,7 @@ END_TEST
 START_TEST(corners_have_the_values_of_their_point_and_faces_its_side)
 {
     struct vor_cloud in;
-    struct souped souped;
+    struct vt_meshed souped;
     struct vor_attribute *number;
     const struct vor_attribute *normal, *got;
 
@@ -205,7 +167,7 @@ START_TEST(corners_have_the_values_of_their_point_and_faces_its_side)
         }
         ck_assert_double_ge(cosine, 0);
     }
-    free_souped(&souped);
+    vt_meshed_free(&souped);
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
@@ -220,16 +182,16 @@ START_TEST(one_two_and_eight_threads_give_the_same_polygons)
     vt_cloud_sheets(&in, 5, IN / 2, 0.02);
     for (size_t k = 0; k < sizeof threads / sizeof *threads; k++) {
         struct vt_engine engine;
-        struct souped souped;
+        struct vt_meshed souped;
         uint64_t hash;
 
         open_soup(&engine, threads[k], POINTS);
-        vt_assert_ok(try_soup(&souped, &in, &engine));
+        vt_assert_ok(vt_engine_mesh(&souped, &in, &engine));
         hash = vt_hash(souped.mesh.triangle, 3 * souped.mesh.count * sizeof *souped.mesh.triangle) ^
                vt_cloud_hash(&souped.cloud);
         first = k == 0 ? hash : first;
         ck_assert(hash == first);
-        free_souped(&souped);
+        vt_meshed_free(&souped);
         vt_engine_close(&engine);
     }
     vor_cloud_free(&in);
@@ -241,15 +203,15 @@ START_TEST(filters_alone_give_the_cells_of_their_points)
 {
     struct vor_cloud in;
     struct vt_engine engine;
-    struct souped souped;
+    struct vt_meshed souped;
 
     vt_cloud_sphere(&in, 4, POINTS);
     open_soup(&engine, 2, 0);
     vt_engine_set(&engine, "filters", "mls");
-    vt_assert_ok(try_soup(&souped, &in, &engine));
+    vt_assert_ok(vt_engine_mesh(&souped, &in, &engine));
     assert_sound(&souped);
     ck_assert_double_eq_tol(area_of(&souped) / (4 * M_PI), 1, 0.1);
-    free_souped(&souped);
+    vt_meshed_free(&souped);
     vt_engine_close(&engine);
     vor_cloud_free(&in);
     vt_assert_no_leak();
@@ -260,7 +222,7 @@ START_TEST(a_failing_allocation_is_told_and_nothing_leaks)
 {
     struct vor_cloud in;
     struct vt_engine engine;
-    struct souped souped;
+    struct vt_meshed souped;
     vor_status status = VOR_E_NOMEM;
     unsigned failed = 0;
 
@@ -270,7 +232,7 @@ START_TEST(a_failing_allocation_is_told_and_nothing_leaks)
     vt_engine_set(&engine, "polish", "0");
     while (status != VOR_OK) {
         vt_memory.fail_at = atomic_load(&vt_memory.calls) + 1 + failed;
-        status = try_soup(&souped, &in, &engine);
+        status = vt_engine_mesh(&souped, &in, &engine);
         if (status != VOR_OK) {
             ck_assert_int_eq(status, VOR_E_NOMEM);
             failed++;
@@ -278,7 +240,7 @@ START_TEST(a_failing_allocation_is_told_and_nothing_leaks)
     }
     vt_memory.fail_at = 0;
     ck_assert_uint_gt(failed, 20);
-    free_souped(&souped);
+    vt_meshed_free(&souped);
     vt_engine_close(&engine);
     vor_cloud_free(&in);
     vt_assert_no_leak();
