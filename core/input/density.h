@@ -6,8 +6,8 @@
  *  neighbours. Where each cell has the same share of the energy, the spacing goes with rho^(-1/4).
  *
  *  That of edges, which is ours, is 1 at the points of the field nearest to those of the input that
- *  lie on a sharp edge (input/edges.h) and 0 elsewhere: the spacing is smallest along edges, and grows away from them as grading allows, up
- *  to contrast times as much.
+ *  lie on a sharp edge (input/edges.h) and 0 elsewhere: the spacing is smallest along edges, and
+ *  grows away from them as grading allows, up to contrast times as much.
  *
  *  Departure: the paper takes densities as they are. Those of curvature span six decades, and no
  *  spacing can follow that: the largest spacing is at most `contrast` times the smallest one, and
