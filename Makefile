@@ -74,7 +74,7 @@ BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-GOALS := all help demo test check soak bench fuzz proxy cross arm64 lint contract format image install uninstall clean
+GOALS := all help demo test check soak torture bench fuzz proxy cross arm64 lint contract format image install uninstall clean
 .PHONY: $(GOALS)
 
 # Every core is used unless -j says otherwise. Of several goals typed together one ends before the next begins.
@@ -167,6 +167,11 @@ check: all $(if $(TOY_SCRIPTS),toy) $(TEST_BIN) ## run every test with what is i
 
 soak: ## test, with more seeds and larger clouds, and every golden case at 1, 2, 3 and 8 threads
 	@VT_SOAK=1 $(MAKE) --no-print-directory test
+
+torture: ## install what is missing, build, and measure what the daemon withstands (LONG=1, SEED=n, ONLY=regex of programs)
+	@docker/install.sh build test
+	@$(MAKE) --no-print-directory all $(if $(TOY_SCRIPTS),toy)
+	@tests/torture/run.pl $(if $(LONG),--long) $(if $(SEED),--seed $(SEED)) $(BIN)
 
 bench: ## install what is missing, build, and measure: tables and plots in build/bench (RUNS=n, ONLY=regex of rows)
 	@docker/install.sh build bench
