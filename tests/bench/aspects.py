@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """usage: aspects.py RESULT SHAPE [MOST]: how far the cells of a result are from the aspects that the shape itself asks for.
 
-SHAPE is ellipsoid (half axes 4, 1, 1) or cylinder (radius 1, height 6, about the z axis, closed); MOST is maxAspect. Of
-each point, the cell is clipped in the true metric of the true tangent plane, among all points around. Prints a JSON
+SHAPE is ellipsoid (half axes 4, 1, 1), cylinder (radius 1, height 6, about the z axis, closed) or fandisk (its two widest
+quarters of a cylinder, as far as 1.5 long spacings from their borders); MOST is maxAspect. Of each point, the cell is clipped in the true metric of the true tangent plane, among all points around. Prints a JSON
 object: median and 90th percentile of |aspect / wanted - 1|, median aspect, and delta of the distances to the nearest in
 the true metric. Nothing of voronoid is used. With --make SHAPE N FILE it writes a cloud of N points, even by area."""
 import json
@@ -28,6 +28,29 @@ def cylinder(x):
     normal = np.column_stack([x[:, 0] / r, x[:, 1] / r, 0 * r])
     side = (np.abs(r - 1) < 0.02) & (np.abs(x[:, 2]) < 2.5)
     return normal, np.tile([0.0, 0, 1], (len(x), 1)), np.full(len(x), np.inf), side
+
+
+# Of fandisk_mesh.ply, from its vertices, which lie on them within 7e-5: centre of the axis' part within, radius, half height.
+QUARTERS = (((4.8279, 14.48898, -2.5548), 1.6415, 0.4126), ((4.82791, 13.66182, -2.40895), 2.1250, 0.4275))
+AXIS = np.array([0.0, -0.98481, 0.17365])
+MIDDLE = np.array([-0.70711, 0.12279, 0.69637])  # direction from the axis to the middle of a quarter
+FANDISK_AREA = 60.669
+
+
+def fandisk(x):
+    spacing = np.sqrt(2 / np.sqrt(3) * FANDISK_AREA / len(x))
+    away = 1.5 * np.sqrt(6) * spacing
+    normal, counts = np.zeros_like(x), np.zeros(len(x), bool)
+    for centre, radius, half in QUARTERS:
+        d = x - centre
+        h = d @ AXIS
+        out = d - h[:, None] * AXIS
+        r = np.linalg.norm(out, axis=1)
+        out /= r[:, None]
+        turn = np.arccos(np.clip(out @ MIDDLE, -1, 1))
+        on = (np.abs(r - radius) < 0.1 * spacing) & (np.abs(h) < half - away) & (radius * turn < radius * np.pi / 4 - 3 * spacing)
+        normal[on], counts = out[on], counts | on
+    return normal, np.tile(AXIS, (len(x), 1)), np.full(len(x), np.inf), counts
 
 
 def make(shape, n, path):
@@ -101,7 +124,7 @@ def main():
     if sys.argv[1] == '--make':
         return make(sys.argv[2], int(sys.argv[3]), sys.argv[4])
     x = read(sys.argv[1])
-    normal, long, wanted, counts = {'ellipsoid': ellipsoid, 'cylinder': cylinder}[sys.argv[2]](x)
+    normal, long, wanted, counts = {'ellipsoid': ellipsoid, 'cylinder': cylinder, 'fandisk': fandisk}[sys.argv[2]](x)
     wanted = np.minimum(wanted, float(sys.argv[3]) if len(sys.argv) > 3 else 6)
     short = np.cross(normal, long)
     root = np.sqrt(wanted)
