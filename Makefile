@@ -203,7 +203,7 @@ cross: ## install what is missing, and compile core and proto for arm64; a warni
 	@docker/install.sh build cross
 	@$(MAKE) --no-print-directory $(FOR_ARM64) CFLAGS=-Werror CXXFLAGS=-Werror objects
 
-ARM64_BIN := $(addprefix build/arm64/,voronoid tests/arm64/decode tests/golden/engine_bytes tests/golden/stages \
+ARM64_BIN := $(addprefix build/arm64/,voronoid tests/arm64/decode tests/golden/engine_bytes tests/golden/requests tests/golden/stages \
     $(basename $(wildcard tests/unit/*.c tests/property/*_roundtrip.c)))
 
 arm64: ## install what is missing, cross-compile for arm64, run the unit tests under qemu, compare with amd64 (ONLY=regex)
