@@ -1,7 +1,6 @@
 /* Fields of metrics: what they are made of, how far aspects go, what is refused. */
 #include "core/input/anisotropy.h"
-#include "core/input/input.h"
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_made.h"
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
@@ -12,41 +11,12 @@ enum { N = 6000, TO = 1000, FAILING = 400, PLACES = 500 };
 static const char *const parts[6] = {"shape_xx", "shape_xy", "shape_xz",
                                      "shape_yy", "shape_yz", "shape_zz"};
 
-/* A domain with the metric of a request. */
-struct made {
-    struct vt_engine engine;
-    struct vor_cloud cloud;
-    struct vor_domain domain;
-};
-
-static vor_status make(struct made *made, size_t to)
-{
-    struct vor_run *run = &made->engine.run;
-    vor_status status =
-        vor_input_prepare(&made->domain, &made->cloud, &made->engine.spec, run, &vt_err);
-
-    if (status != VOR_OK)
-        return status;
-    status = vor_anisotropy_make(&made->domain, &made->cloud, to, &made->engine.spec, run, &vt_err);
-    if (status != VOR_OK)
-        vor_domain_free(&made->domain);
-    return status;
-}
-
-static void open_made(struct made *made, unsigned threads, const char *metric)
+static void open_made(struct vt_made *made, unsigned threads, const char *metric)
 {
     memset(made, 0, sizeof *made);
     vt_engine_open(&made->engine, threads);
     vt_engine_count(&made->engine, "points", TO);
     vt_engine_set(&made->engine, "metric", metric);
-}
-
-static void close_made(struct made *made)
-{
-    vor_domain_free(&made->domain);
-    vor_cloud_free(&made->cloud);
-    vt_engine_close(&made->engine);
-    vt_assert_no_leak();
 }
 
 /* n points on a cylinder of radius 1 about the z axis, three high; off it by noise. */
@@ -62,7 +32,7 @@ static void make_cylinder(struct vor_cloud *cloud, size_t n, double noise)
     }
 }
 
-static void find(struct vor_tensor_near *near, const struct made *made, const float *x)
+static void find(struct vor_tensor_near *near, const struct vt_made *made, const float *x)
 {
     float at[3];
 
@@ -82,13 +52,13 @@ static double squared(const struct vor_tensor_near *near, double x, double y, do
 
 START_TEST(without_a_metric_there_is_no_field)
 {
-    struct made made;
+    struct vt_made made;
 
     open_made(&made, 2, "isotropic");
     vt_cloud_torus(&made.cloud, 1, N);
-    vt_assert_ok(make(&made, TO));
+    vt_assert_ok(vt_made_make(&made, TO));
     ck_assert(!vor_tensors_are(&made.domain.tensors));
-    close_made(&made);
+    vt_made_close(&made);
 }
 END_TEST
 
@@ -96,12 +66,12 @@ END_TEST
 START_TEST(cells_on_a_cylinder_are_long_along_its_axis_up_to_the_most_allowed)
 {
     double most = _i % 2 ? 6 : 3;
-    struct made made;
+    struct vt_made made;
 
     open_made(&made, 2, "anisotropic");
     vt_engine_set(&made.engine, "maxAspect", _i % 2 ? "6" : "3");
     make_cylinder(&made.cloud, N, _i / 2 ? 1e-3 : 0);
-    vt_assert_ok(make(&made, TO));
+    vt_assert_ok(vt_made_make(&made, TO));
     ck_assert_double_eq_tol(made.domain.tensors.median, most, 0.05 * most);
     for (size_t i = 0; i < PLACES; i++) {
         const float *x = &made.cloud.xyz[3 * i];
@@ -116,7 +86,7 @@ START_TEST(cells_on_a_cylinder_are_long_along_its_axis_up_to_the_most_allowed)
         ck_assert_double_eq_tol(squared(&near, -(double)x[1], (double)x[0], 0), most, 0.2 * most);
         ck_assert_double_eq_tol(squared(&near, (double)x[0], (double)x[1], 0), 1, 0.05);
     }
-    close_made(&made);
+    vt_made_close(&made);
 }
 END_TEST
 
@@ -124,7 +94,7 @@ END_TEST
  * percentile 1.8 on noise, at the border. */
 START_TEST(a_flat_face_asks_for_no_direction)
 {
-    struct made made;
+    struct vt_made made;
 
     open_made(&made, 2, "anisotropic");
     vt_cloud_square(&made.cloud, 1, N);
@@ -134,24 +104,24 @@ START_TEST(a_flat_face_asks_for_no_direction)
 
         x[2] = (float)(z + (_i ? 1e-3 * vt_normal(4, i) : 0));
     }
-    vt_assert_ok(make(&made, TO));
+    vt_assert_ok(vt_made_make(&made, TO));
     ck_assert_msg(made.domain.tensors.median < (_i ? 1.2 : 1.05), "median %g",
                   made.domain.tensors.median);
     ck_assert_msg(made.domain.tensors.high < (_i ? 2 : 1.3), "95th percentile %g",
                   made.domain.tensors.high);
-    close_made(&made);
+    vt_made_close(&made);
 }
 END_TEST
 
 /* Away from the circles on top and below, where the smaller curvature is 0. */
 START_TEST(a_torus_asks_for_the_root_of_the_ratio_of_its_curvatures)
 {
-    struct made made;
+    struct vt_made made;
     size_t far = 0, all = 0;
 
     open_made(&made, 2, "anisotropic");
     vt_cloud_torus(&made.cloud, 1, 3 * N);
-    vt_assert_ok(make(&made, 3 * TO));
+    vt_assert_ok(vt_made_make(&made, 3 * TO));
     for (size_t i = 0; i < PLACES; i++) {
         const float *x = &made.cloud.xyz[3 * i];
         double away = hypot((double)x[0], (double)x[1]), aspect = sqrt(away / fabs(away - 1));
@@ -167,7 +137,7 @@ START_TEST(a_torus_asks_for_the_root_of_the_ratio_of_its_curvatures)
                                 1, 0.1);
     }
     ck_assert_msg(20 * far < all, "%zu of %zu are off by more than a tenth", far, all);
-    close_made(&made);
+    vt_made_close(&made);
 }
 END_TEST
 
@@ -189,18 +159,18 @@ START_TEST(a_tensor_given_counts_by_its_part_in_the_tangent_plane)
 {
     const double tensor[6] = {900, 0, 100, 100, 0, 7000};
     struct vor_tensor_near near;
-    struct made made;
+    struct vt_made made;
 
     open_made(&made, 2, "attribute:shape");
     vt_cloud_square(&made.cloud, 1, N);
     carry(&made.cloud, tensor, _i);
-    vt_assert_ok(make(&made, TO));
+    vt_assert_ok(vt_made_make(&made, TO));
     find(&near, &made, (float[3]){0.4F, 0.6F, 0});
     ck_assert_double_eq_tol((double)near.aspect, 3, 1e-4);
     ck_assert_double_eq_tol(squared(&near, 1, 0, 0), 3, 1e-4);
     ck_assert_double_eq_tol(squared(&near, 0, 1, 0), 1 / 3.0, 1e-4);
     ck_assert_double_eq_tol(squared(&near, 0, 0, 1), 1, 1e-4);
-    close_made(&made);
+    vt_made_close(&made);
 }
 END_TEST
 
@@ -209,14 +179,14 @@ START_TEST(threads_make_the_same_metric)
     uint64_t hash[3];
 
     for (unsigned threads = 1; threads <= 3; threads++) {
-        struct made made;
+        struct vt_made made;
 
         open_made(&made, threads, "anisotropic");
         vt_cloud_torus(&made.cloud, 1, N);
-        vt_assert_ok(make(&made, TO));
+        vt_assert_ok(vt_made_make(&made, TO));
         hash[threads - 1] =
             vt_hash(made.domain.tensors.tensor, made.domain.tensors.n * 6 * sizeof(float));
-        close_made(&made);
+        vt_made_close(&made);
     }
     ck_assert(hash[0] == hash[1] && hash[1] == hash[2]);
 }
@@ -227,7 +197,7 @@ END_TEST
 static vor_status with_value(size_t part, double value, const char *metric)
 {
     const double unit[6] = {1, 0, 0, 1, 0, 1};
-    struct made made;
+    struct vt_made made;
     vor_status status;
 
     open_made(&made, 2, metric);
@@ -237,8 +207,8 @@ static vor_status with_value(size_t part, double value, const char *metric)
     vt_assert_ok(
         vor_cloud_add_attribute(&made.cloud, "lone_xx", VOR_GENERIC, VOR_INT8, 1, NULL, &vt_err));
     memset(made.cloud.attributes[6].data, 0, 300);
-    status = make(&made, 50);
-    close_made(&made);
+    status = vt_made_make(&made, 50);
+    vt_made_close(&made);
     return status;
 }
 
@@ -272,7 +242,7 @@ START_TEST(what_does_not_fit_is_said_and_leaves_nothing)
     vor_status status = VOR_E_NOMEM;
 
     while (status == VOR_E_NOMEM && at < FAILING) {
-        struct made made;
+        struct vt_made made;
 
         open_made(&made, 2, "attribute:shape");
         vt_cloud_square(&made.cloud, 1, 300);
@@ -280,8 +250,8 @@ START_TEST(what_does_not_fit_is_said_and_leaves_nothing)
         vor_memory_init(&memory, SIZE_MAX);
         made.engine.run.memory = &memory;
         memory.fail_at = ++at;
-        status = make(&made, 50);
-        close_made(&made);
+        status = vt_made_make(&made, 50);
+        vt_made_close(&made);
         ck_assert_uint_eq(atomic_load(&memory.used), 0);
     }
     ck_assert_msg(status == VOR_OK && at > 20, "%s after %zu", vt_err.message, at);

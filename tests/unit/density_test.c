@@ -1,7 +1,6 @@
 /* Fields of wanted spacing: what they are made of, how they are limited, what is refused. */
 #include "core/input/density.h"
-#include "core/input/input.h"
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_made.h"
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
@@ -40,28 +39,7 @@ static float ramp(const float *x)
     return 1 / (h * h * h * h);
 }
 
-/* A domain with the field of a request. */
-struct made {
-    struct vt_engine engine;
-    struct vor_cloud cloud;
-    struct vor_domain domain;
-};
-
-static vor_status make(struct made *made, size_t to)
-{
-    struct vor_run *run = &made->engine.run;
-    vor_status status =
-        vor_input_prepare(&made->domain, &made->cloud, &made->engine.spec, run, &vt_err);
-
-    if (status != VOR_OK)
-        return status;
-    status = vor_density_make(&made->domain, &made->cloud, to, &made->engine.spec, run, &vt_err);
-    if (status != VOR_OK)
-        vor_domain_free(&made->domain);
-    return status;
-}
-
-static void open_square(struct made *made, size_t n, float (*weight)(const float *x))
+static void open_square(struct vt_made *made, size_t n, float (*weight)(const float *x))
 {
     memset(made, 0, sizeof *made);
     vt_engine_open(&made->engine, 2);
@@ -71,37 +49,29 @@ static void open_square(struct made *made, size_t n, float (*weight)(const float
     vt_engine_count(&made->engine, "points", TO);
 }
 
-static void close_made(struct made *made)
-{
-    vor_domain_free(&made->domain);
-    vor_cloud_free(&made->cloud);
-    vt_engine_close(&made->engine);
-    vt_assert_no_leak();
-}
-
 START_TEST(an_even_spread_has_no_field)
 {
-    struct made made;
+    struct vt_made made;
 
     open_square(&made, N, even);
     vt_engine_set(&made.engine, "density", "uniform");
-    vt_assert_ok(make(&made, TO));
+    vt_assert_ok(vt_made_make(&made, TO));
     ck_assert(!vor_field_is(&made.domain.field));
-    close_made(&made);
+    vt_made_close(&made);
 }
 END_TEST
 
 START_TEST(a_constant_attribute_wants_an_even_spread)
 {
-    struct made made;
+    struct vt_made made;
 
     open_square(&made, N, even);
-    vt_assert_ok(make(&made, TO));
+    vt_assert_ok(vt_made_make(&made, TO));
     for (size_t i = 0; i < made.domain.field.n; i++)
         ck_assert(made.domain.field.value[i] == 1);
     ck_assert_double_eq_tol(made.domain.field.even / sqrt(2 / sqrt(3) / TO), 1, 0.05);
     ck_assert(made.domain.field.span == 1);
-    close_made(&made);
+    vt_made_close(&made);
 }
 END_TEST
 
@@ -119,12 +89,12 @@ START_TEST(no_neighbors_differ_by_more_than_contrast_and_grading_allow)
     const char *gradings[] = {"0.1", "0.5"};
     double grading = _i ? 0.5 : 0.1, most = 0, least = INFINITY;
     struct vor_field *field;
-    struct made made;
+    struct vt_made made;
 
     open_square(&made, N, step);
     vt_engine_set(&made.engine, "contrast", "3");
     vt_engine_set(&made.engine, "grading", gradings[_i]);
-    vt_assert_ok(make(&made, TO));
+    vt_assert_ok(vt_made_make(&made, TO));
     field = &made.domain.field;
     for (size_t i = 0; i < field->n; i++) {
         uint32_t index[NEAREST];
@@ -139,30 +109,30 @@ START_TEST(no_neighbors_differ_by_more_than_contrast_and_grading_allow)
     ck_assert(field->most == most && field->least == least);
     ck_assert_msg(most / least <= 3 * (1 + 1e-6) && most / least > (_i ? 2.9 : 2), "%g",
                   most / least);
-    close_made(&made);
+    vt_made_close(&made);
 }
 END_TEST
 
 START_TEST(the_values_ask_for_as_many_points_as_there_are)
 {
     double sum = 0;
-    struct made made;
+    struct vt_made made;
 
     open_square(&made, N, ramp);
-    vt_assert_ok(make(&made, TO));
+    vt_assert_ok(vt_made_make(&made, TO));
     for (size_t i = 0; i < made.domain.field.n; i++)
         sum += pow((double)made.domain.field.value[i], -2);
     ck_assert_double_eq_tol(sum / (double)made.domain.field.n, 1, 0.05);
-    close_made(&made);
+    vt_made_close(&made);
 }
 END_TEST
 
 START_TEST(between_its_points_a_field_is_linear)
 {
-    struct made made;
+    struct vt_made made;
 
     open_square(&made, N, ramp);
-    vt_assert_ok(make(&made, TO));
+    vt_assert_ok(vt_made_make(&made, TO));
     for (uint64_t i = 0; i < 200; i++) {
         float x[3] = {0.1F + 0.8F * (float)vt_unit(9, 2 * i),
                       0.1F + 0.8F * (float)vt_unit(9, 2 * i + 1), 0};
@@ -179,7 +149,7 @@ START_TEST(between_its_points_a_field_is_linear)
         ck_assert_double_eq_tol(vor_field_value(&near, in) / (1 + 2 * (double)y[0]),
                                 made.domain.field.most / 3, 0.02 * value);
     }
-    close_made(&made);
+    vt_made_close(&made);
 }
 END_TEST
 
@@ -188,14 +158,14 @@ START_TEST(curvature_wants_the_spacing_that_a_torus_asks_for)
 {
     double sum = 0, off = 0, ratio[2 * N];
     const struct vor_field *field;
-    struct made made;
+    struct vt_made made;
 
     memset(&made, 0, sizeof made);
     vt_engine_open(&made.engine, 2);
     vt_cloud_torus(&made.cloud, 1, 2 * N);
     vt_engine_set(&made.engine, "density", "curvature");
     vt_engine_count(&made.engine, "points", 2 * TO);
-    vt_assert_ok(make(&made, 2 * TO));
+    vt_assert_ok(vt_made_make(&made, 2 * TO));
     field = &made.domain.field;
     ck_assert_uint_ge(field->n, 3 * TO); /* as many and a half as points */
     ck_assert_uint_le(field->n, 2 * N);
@@ -214,7 +184,7 @@ START_TEST(curvature_wants_the_spacing_that_a_torus_asks_for)
         off += fabs(ratio[i] / sum * (double)field->n - 1);
     ck_assert_msg(off / (double)field->n < 0.01, "off by %g", off / (double)field->n);
     ck_assert_double_gt(made.domain.field.span, 1.3);
-    close_made(&made);
+    vt_made_close(&made);
 }
 END_TEST
 
@@ -224,15 +194,15 @@ START_TEST(threads_make_the_same_field)
     uint64_t hash[3];
 
     for (unsigned threads = 1; threads <= 3; threads++) {
-        struct made made;
+        struct vt_made made;
 
         memset(&made, 0, sizeof made);
         vt_engine_open(&made.engine, threads);
         vt_cloud_torus(&made.cloud, 1, N);
         vt_engine_set(&made.engine, "density", "curvature");
-        vt_assert_ok(make(&made, TO));
+        vt_assert_ok(vt_made_make(&made, TO));
         hash[threads - 1] = vt_hash(made.domain.field.value, made.domain.field.n * sizeof(float));
-        close_made(&made);
+        vt_made_close(&made);
     }
     ck_assert(hash[0] == hash[1] && hash[1] == hash[2]);
 }
@@ -241,7 +211,7 @@ END_TEST
 /* What a request comes to on a square whose scalar has one value of its own at point 5. */
 static vor_status with_value(float value, float others, const char *density)
 {
-    struct made made;
+    struct vt_made made;
     vor_status status;
 
     open_square(&made, 100, even);
@@ -251,8 +221,8 @@ static vor_status with_value(float value, float others, const char *density)
         vor_cloud_add_attribute(&made.cloud, "normal", VOR_NORMAL, VOR_FLOAT32, 3, NULL, &vt_err));
     memset(made.cloud.attributes[1].data, 0, 300 * sizeof(float));
     vt_engine_set(&made.engine, "density", density);
-    status = make(&made, 20);
-    close_made(&made);
+    status = vt_made_make(&made, 20);
+    vt_made_close(&made);
     return status;
 }
 
@@ -289,14 +259,14 @@ START_TEST(what_does_not_fit_is_said_and_leaves_nothing)
     vor_status status = VOR_E_NOMEM;
 
     while (status == VOR_E_NOMEM && at < FAILING) {
-        struct made made;
+        struct vt_made made;
 
         open_square(&made, 300, ramp);
         vor_memory_init(&memory, SIZE_MAX);
         made.engine.run.memory = &memory;
         memory.fail_at = ++at;
-        status = make(&made, 50);
-        close_made(&made);
+        status = vt_made_make(&made, 50);
+        vt_made_close(&made);
         ck_assert_uint_eq(atomic_load(&memory.used), 0);
     }
     ck_assert_msg(status == VOR_OK && at > 20, "%s after %zu", vt_err.message, at);
