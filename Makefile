@@ -53,8 +53,8 @@ LIB := $(B)/libvoronoid.a
 BIN := $(B)/voronoid
 
 # A C file in a test room is a test program; tests/support is linked into each. ThreadSanitizer is spared the rooms, and the
-# scripts of documents, that check what is computed and not how threads meet; AddressSanitizer the papers' figures, which take
-# whole runs of the code that the other rooms run.
+# scripts of documents, that check what is computed and not how threads meet; AddressSanitizer the papers' figures, README and
+# whole scans, which take long runs of the code that the other tests run.
 TEST_ROOMS := unit property golden $(if $(filter-out tsan,$(config)),oracle) $(if $(filter-out tsan asan,$(config)),paper)
 SUPPORT_SRC := $(sort $(wildcard tests/support/*.c))
 TEST_SRC := $(sort $(foreach room,$(TEST_ROOMS),$(wildcard tests/$(room)/*.c)))
@@ -66,7 +66,9 @@ TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC))) $(KINDS_BIN)
 TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t $(if $(filter-out tsan,$(config)),tests/cli/*.t tests/lint/*.t)))
 TOY_SCRIPTS := $(if $(filter release,$(config)),$(sort $(wildcard tests/toy/*.t)))
 TEST_SCRIPTS += $(TOY_SCRIPTS)
-TEST_SCRIPTS := $(filter-out $(if $(filter tsan,$(config)),tests/http/contract.t tests/http/readme.t),$(TEST_SCRIPTS))
+SPARED.tsan := tests/http/contract.t tests/http/readme.t
+SPARED.asan := tests/cli/scans.t tests/http/readme.t
+TEST_SCRIPTS := $(filter-out $(SPARED.$(config)),$(TEST_SCRIPTS))
 # These tell time, or need a port that is the same everywhere: nothing runs beside them.
 TEST_ALONE := tests/http/slow.t tests/http/readme.t
 BENCH_SRC := $(sort $(wildcard tests/bench/*.c))

@@ -260,7 +260,8 @@ START_TEST(every_stage_comes_to_what_is_written_down)
     ck_assert_msg(line->hashes == VT_STAGE_COUNT, "%s: %d hashes, want %d", line->name,
                   line->hashes, VT_STAGE_COUNT);
     open_run(&run, &cloud, line);
-    check_stages(line, &run, 1);
+    if (VT_FIGURES)
+        check_stages(line, &run, 1);
     check_engine(line, &run, 3);
     for (int k = 0; k < 3 && vt_soaks(); k++)
         check_stages(line, &run, threads[k]);

@@ -19,10 +19,13 @@ int vt_run(Suite *suite);
 #define vt_add_loop(suite, test, loops) vt_add_case(suite, #test, test, loops)
 
 /** The same for a test of what comes out, whatever the threads: none under ThreadSanitizer, which
- *  looks at how they meet, in the other tests of the same code. */
+ *  looks at how they meet, in the other tests of the same code. VT_FIGURES is 0 there: for such a
+ *  part of a test. */
 #if defined(__SANITIZE_THREAD__)
+#define VT_FIGURES 0
 #define vt_add_figures(suite, test, loops) ((void)(test))
 #else
+#define VT_FIGURES 1
 #define vt_add_figures(suite, test, loops) vt_add_loop(suite, test, loops)
 #endif
 
