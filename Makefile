@@ -171,7 +171,7 @@ soak: ## test, with more seeds and larger clouds, and every golden case at 1, 2,
 	@VT_SOAK=1 $(MAKE) --no-print-directory test
 
 torture: ## install what is missing, build, and measure what the daemon withstands (LONG=1, SEED=n, ONLY=regex of programs)
-	@docker/install.sh build test
+	@docker/install.sh build test torture $(if $(LONG),lint)
 	@$(MAKE) --no-print-directory all $(if $(TOY_SCRIPTS),toy)
 	@tests/torture/run.pl $(if $(LONG),--long) $(if $(SEED),--seed $(SEED)) $(BIN)
 

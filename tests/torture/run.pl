@@ -4,7 +4,8 @@
 #
 # A program takes --long and --seed N, finds the daemon's binary in VORONOID, and prints a line a figure:
 #     ID <tab> what was measured <tab> figure with unit <tab> figure wanted <tab> ok or short
-# "short" is a figure that was not reached; the table says so, and only a program that could not measure fails the run.
+# "short" is a figure that was not reached; the table says so, and only a program that could not measure fails the run. One
+# that has a long form alone prints nothing without --long.
 use strict;
 use warnings;
 use Cwd qw(abs_path);
@@ -38,17 +39,18 @@ sub measure {
         }
     }
     close $in or return 'ended with ' . ($? >> 8 || "signal $?");
-    return 'printed no figure' unless @rows;
+    return $long ? 'printed no figure' : [] unless @rows;
     $_->[5] = sprintf '%.0f', time - $began for @rows;
     return \@rows;
 }
 
 sub by_id { my ($x, $y) = map { sprintf '%s%06d', /^(\D*)(\d*)/ ? ($1, $2 || 0) : ($_, 0) } $_[0][0], $_[1][0]; $x cmp $y }
 
-my (@rows, @broken);
+my (@rows, @broken, @later);
 for my $program (sort glob dirname(abs_path($0)) . '/[fg][0-9]*.pl') {
     next if basename($program) !~ /$only/;
     my $got = measure($program);
+    push @later, basename($program) if ref $got && !@$got;
     ref $got ? push(@rows, @$got) : push(@broken, basename($program) . ": $got");
 }
 @rows = sort { by_id($a, $b) } @rows;
@@ -58,7 +60,7 @@ my @lines = (
     first_line("$ENV{VORONOID} --version") . '; ' . first_line('uname -srm') . '; ' . first_line('nproc') . ' cores', '',
     '| | measured | figure | wanted | | s |', '|---|---|---|---|---|---|',
     (map { '| ' . join(' | ', map { s/\|/\\|/gr } @$_) . ' |' } @rows), '',
-    (map { "Not measured: $_" } @broken));
+    (@later ? "In the long form alone: @later" : ()), (map { "Not measured: $_" } @broken));
 make_path($out);
 open my $table, '>', "$out/torture.md" or die "$out/torture.md: $!\n";
 print {$table} map { "$_\n" } @lines;
