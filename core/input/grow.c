@@ -205,7 +205,7 @@ static void grow_point(struct growing *growing, uint32_t i)
 {
     const struct vor_domain *domain = growing->domain;
     struct around around = {.count = domain->n < AROUND ? (unsigned)domain->n : AROUND};
-    struct vor_surface before, surface;
+    struct vor_surface before, surface = {.kind = VOR_SURFACE_NONE};
     uint32_t index[VOR_ADJACENT + 1];
     unsigned n = 0;
 
