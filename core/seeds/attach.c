@@ -66,12 +66,15 @@ vor_status vor_attach(struct vor_seeds *seeds, int *keep_holes, struct vor_error
     *keep_holes = 0;
     if (!seeds->policy.keep_border)
         return VOR_OK;
-    status = vor_run_for(&seeds->run, moving, VOR_SEEDS_BLOCK, count_block, &attach, err);
+    status = vor_run_for(&seeds->run, moving,
+                         attach.every == 1 ? vor_seeds_block(seeds->domain) : VOR_SEEDS_BLOCK,
+                         count_block, &attach, err);
     if (status != VOR_OK)
         return status;
     attach.keep_holes = (double)(attach.beyond * attach.every) <= VOR_GAPS_SHARE * (double)seeds->n;
     *keep_holes = attach.keep_holes;
-    return vor_run_for(&seeds->run, moving, VOR_SEEDS_BLOCK, attach_block, &attach, err);
+    return vor_run_for(&seeds->run, moving, vor_seeds_block(seeds->domain), attach_block, &attach,
+                       err);
 }
 
 /* Moves the seeds of a block that are too far from all of the input. */
@@ -121,6 +124,6 @@ vor_status vor_attach_to_whole(struct vor_seeds *seeds, int keep_holes, struct v
     if (vor_seeds_on_whole(seeds))
         return VOR_OK;
     vor_seeds_onto(seeds, seeds->whole);
-    return vor_run_for(&seeds->run, vor_seeds_moving(seeds), VOR_SEEDS_BLOCK, attach_block, &attach,
-                       err);
+    return vor_run_for(&seeds->run, vor_seeds_moving(seeds), vor_seeds_block(seeds->domain),
+                       attach_block, &attach, err);
 }

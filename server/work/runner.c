@@ -23,7 +23,9 @@ struct run {
     uint32_t attempt;
     double beat;     /* when the store was last told */
     double deadline; /* when it must be over; infinite for never */
+    double enough;   /* likewise, when the request's own time is over */
     atomic_int late; /* it was not */
+    atomic_int full; /* it was ended because that time was over */
     struct vor_memory memory;
     struct vor_result_facts facts;
     int has_report; /* the process has one, and the run came to its end */
@@ -34,14 +36,21 @@ struct run {
 
 /* --- the engine's questions ------------------------------------------------------------------- */
 
-/* A run that is late ends as one that is cancelled. */
+/* A run that is late ends as one that is cancelled, one whose time is over as one that is stopped:
+ * the loops ask for the time themselves, but only between two steps. */
 static enum vor_answer poll_job(void *ctx)
 {
     struct run *run = ctx;
     enum vor_answer asked = vor_job_asked(run->job);
 
-    if (asked == VOR_CANCEL || vor_clock_seconds() < run->deadline)
+    double now = vor_clock_seconds();
+
+    if (asked == VOR_CANCEL || (now < run->deadline && now < run->enough))
         return asked;
+    if (now < run->deadline) {
+        atomic_store(&run->full, asked == VOR_CONTINUE);
+        return VOR_STOP;
+    }
     atomic_store(&run->late, 1);
     return VOR_CANCEL;
 }
@@ -127,6 +136,8 @@ static void complete_report(const struct run *run, struct vor_report *report,
         report->seconds_read += run->view.input[i].seconds;
     report->seconds_write = vor_clock_seconds() - began;
     report->memory_peak_bytes = atomic_load(&run->memory.peak);
+    if (atomic_load(&run->full) && report->stopped == VOR_STOPPED_CALLER)
+        report->stopped = VOR_STOPPED_SECONDS;
     memcpy(report->origin, run->output[0].origin, sizeof report->origin);
 }
 
@@ -271,6 +282,17 @@ static int is_aborting(struct vor_worker *worker)
     return aborting;
 }
 
+/* The run begins now. */
+static void set_limits(struct run *run)
+{
+    const struct vor_spec *spec = &run->view.spec;
+    double now = vor_clock_seconds(), may = run->worker->config.job_seconds;
+
+    run->deadline = may > 0 ? now + may : (double)INFINITY;
+    run->enough = vor_spec_given(spec, VOR_PARAM_SECONDS) ? now + spec->value[VOR_PARAM_SECONDS]
+                                                          : (double)INFINITY;
+}
+
 /* Why a run that failed did, where the engine cannot know. */
 static void explain(struct run *run, vor_status status, struct vor_error *problem)
 {
@@ -338,14 +360,13 @@ void vor_worker_run(struct vor_worker *worker, struct vor_job *job)
 
     vor_text_init(&run.kept, 0);
     atomic_init(&run.late, 0);
+    atomic_init(&run.full, 0);
     vor_job_view(job, &run.view);
     if (claim(&run)) {
         vor_log(VOR_LOG_INFO, "job started", VOR_TEXT("job", run.view.id.text),
                 VOR_COUNT("attempt", run.attempt));
         vor_job_begin(job, vor_clock_wall_ms());
-        run.deadline = worker->config.job_seconds > 0
-                           ? vor_clock_seconds() + worker->config.job_seconds
-                           : (double)INFINITY;
+        set_limits(&run);
         status = execute(&run, &problem);
         explain(&run, status, &problem);
         if (status == VOR_E_CANCELLED && is_aborting(worker))

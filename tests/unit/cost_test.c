@@ -5,6 +5,7 @@
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { LIMIT = 1800 };
@@ -37,7 +38,7 @@ START_TEST(a_small_body_with_extreme_parameters_is_refused_with_estimate_and_lim
 
     vt_assert_fails(VOR_E_WORK, vor_cost_check(&spec, 1000, 2, LIMIT, &vt_err));
     ck_assert_uint_eq(vt_err.limit, LIMIT);
-    ck_assert_uint_gt(vt_err.got, 20000); /* 78,000 by what its first steps took */
+    ck_assert_uint_gt(vt_err.got, 20000); /* 40,000 by what its first steps take */
     ck_assert_uint_lt(vt_err.got, 300000);
     ck_assert_ptr_nonnull(strstr(vt_err.message, "times the 1800 that it may"));
     ck_assert_ptr_nonnull(strstr(vt_err.message, "10000 polish steps of 16000 points"));
@@ -107,6 +108,31 @@ START_TEST(a_job_that_runs_longer_than_it_may_fails_and_says_so)
 }
 END_TEST
 
+/* It was asked for the time between two steps only, so that at least one was made, however long. */
+START_TEST(the_time_of_a_request_ends_a_step_under_way_and_the_report_says_so)
+{
+    struct vor_spec spec = vt_request(300, 10000);
+    const char *dir = vt_dir_make();
+    struct vt_daemon daemon;
+    struct vor_job_view view;
+    struct vor_uuid id;
+    char *report;
+
+    vt_assert_ok(vor_spec_set_number(&spec, "seconds", 1e-4, &vt_err));
+    vt_daemon_start(&daemon, dir, NULL);
+    ck_assert_int_eq(submit(&daemon, &spec, &id), VOR_DONE);
+    view = vt_daemon_wait_over(&daemon, &id);
+    ck_assert_int_eq(view.status, VOR_JOB_SUCCESSFUL);
+    ck_assert_uint_eq(view.output[0].points, 300);
+    vt_assert_ok(vor_worker_report(daemon.worker, &id, &report, &vt_err));
+    ck_assert_ptr_nonnull(strstr(report, "\"iterations\":0"));
+    ck_assert_ptr_nonnull(strstr(report, "\"stopped\":\"seconds\""));
+    free(report);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(dir);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("cost");
@@ -117,5 +143,6 @@ int main(void)
     vt_add(suite, a_time_limit_of_its_own_makes_a_request_short);
     vt_add_loop(suite, an_estimate_grows_with_what_is_asked_for, 6);
     vt_add(suite, a_job_that_runs_longer_than_it_may_fails_and_says_so);
+    vt_add(suite, the_time_of_a_request_ends_a_step_under_way_and_the_report_says_so);
     return vt_run(suite);
 }
