@@ -64,6 +64,8 @@ static vor_status even_out(struct vor_seeds *seeds, struct vor_outcome *told,
         status = vor_attach_to_whole(seeds, keep_holes, err);
     if (status == VOR_OK && told->steps[VOR_RUN_STAGE_POLISH] > 0)
         status = vor_attach_last(seeds, err);
+    if (status == VOR_OK)
+        vor_attach_to_box(seeds);
     told->seconds[VOR_RUN_STAGE_POLISH] = vor_run_clock(run) - before;
     return status;
 }

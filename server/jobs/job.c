@@ -202,9 +202,9 @@ void vor_job_begin(struct vor_job *job, int64_t now_ms)
     pthread_mutex_lock(&job->state);
     job->view.status = VOR_JOB_RUNNING;
     job->view.stage = VOR_STAGE_PREPARE;
-    job->view.updated = now_ms;
+    job->view.updated = vor_job_now(&job->view, now_ms);
     if (job->view.started == 0)
-        job->view.started = now_ms;
+        job->view.started = job->view.updated;
     begin_pace(job);
     pthread_mutex_unlock(&job->state);
     publish(job, VOR_EVENT_STATUS, now_ms);
@@ -217,7 +217,7 @@ void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms)
         return;
     pthread_mutex_lock(&job->state);
     job->view.stage = stage;
-    job->view.updated = now_ms;
+    job->view.updated = vor_job_now(&job->view, now_ms);
     if (stage == VOR_STAGE_ENCODE)
         raise_progress(&job->view, MEASURED);
     pthread_mutex_unlock(&job->state);
@@ -246,7 +246,7 @@ void vor_job_progress(struct vor_job *job, const struct vor_record *record, int6
     job->view.stage = VOR_STAGE_OPTIMIZE;
     job->view.has_record = 1;
     job->view.record = *record;
-    job->view.updated = now_ms;
+    job->view.updated = vor_job_now(&job->view, now_ms);
     raise_progress(&job->view, progress_of(job));
     pthread_mutex_unlock(&job->state);
     if (entered)

@@ -117,4 +117,14 @@ struct vor_job_view {
     int64_t created, started, updated, finished, expires;
 };
 
+/** A time for a row that is changed now: now, or where the wall clock was set back, the latest of
+ *  the times that the row has, so that nothing ends before it began. */
+static inline int64_t vor_job_now(const struct vor_job_view *row, int64_t now_ms)
+{
+    int64_t began = row->started > row->created ? row->started : row->created;
+    int64_t last = row->updated > began ? row->updated : began;
+
+    return now_ms > last ? now_ms : last;
+}
+
 #endif

@@ -217,8 +217,8 @@ static vor_status claim(struct vor_store *store, const struct vor_uuid *id, int6
     struct claimed claimed = {0};
     vor_status status = vor_sqlite_change_each(
         db_of(store), take_attempt, &claimed, err,
-        "UPDATE job SET status = 'running', attempt = attempt + 1, updated = ?2,"
-        " started = CASE started WHEN 0 THEN ?2 ELSE started END"
+        "UPDATE job SET status = 'running', attempt = attempt + 1, updated = max(updated, ?2),"
+        " started = CASE started WHEN 0 THEN max(created, ?2) ELSE started END"
         " WHERE id = ?1 AND status = 'accepted' RETURNING attempt",
         "ti", id->text, now_ms);
 

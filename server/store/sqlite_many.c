@@ -93,14 +93,16 @@ static vor_status give_up(struct vor_sqlite *db, const struct vor_crash *crash, 
                    crash->by_fault ? crash->faults_max : crash->kills_max);
     status = vor_row_write(&text, &row, err);
     if (status == VOR_OK)
-        status = vor_sqlite_change(
-            db, failed, err,
-            "UPDATE job SET status = 'failed', problem = ?1, message = ?2, updated = ?3,"
-            " finished = ?3, expires = ?4, crashes = crashes + ?5, kills = kills + 1 - ?5"
-            " WHERE status = 'running' AND alone"
-            " AND (crashes + ?5 >= ?6 OR kills + 1 - ?5 >= ?7)",
-            "ttiiiii", text.problem.data, row.problem.message, crash->now_ms, crash->expires_ms,
-            (int64_t)(crash->by_fault != 0), (int64_t)crash->faults_max, (int64_t)crash->kills_max);
+        status = vor_sqlite_change(db, failed, err,
+                                   "UPDATE job SET status = 'failed', problem = ?1, message = ?2, "
+                                   "updated = max(updated, ?3),"
+                                   " finished = max(updated, ?3), expires = ?4, crashes = crashes "
+                                   "+ ?5, kills = kills + 1 - ?5"
+                                   " WHERE status = 'running' AND alone"
+                                   " AND (crashes + ?5 >= ?6 OR kills + 1 - ?5 >= ?7)",
+                                   "ttiiiii", text.problem.data, row.problem.message, crash->now_ms,
+                                   crash->expires_ms, (int64_t)(crash->by_fault != 0),
+                                   (int64_t)crash->faults_max, (int64_t)crash->kills_max);
     vor_row_text_free(&text);
     return status;
 }

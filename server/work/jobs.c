@@ -392,7 +392,7 @@ static enum vor_job_outcome dismiss_row(struct vor_worker *worker, const char *w
         return VOR_CONFLICT;
     row->status = VOR_JOB_DISMISSED;
     row->kept = 0;
-    row->finished = vor_clock_wall_ms();
+    row->finished = vor_job_now(row, vor_clock_wall_ms());
     row->expires = row->finished + (int64_t)(worker->config.ttl_seconds * 1000);
     explain(row, why);
     if (vor_store_finish(worker->config.store, row, 0, NULL, &changed, err) != VOR_OK)

@@ -127,7 +127,7 @@ void vor_worker_ending(struct vor_worker *worker, struct vor_job *job, enum vor_
     out->status = status;
     out->queue_position = -1;
     out->eta_seconds = -1;
-    out->finished = vor_clock_wall_ms();
+    out->finished = vor_job_now(out, vor_clock_wall_ms());
     out->updated = out->finished;
     out->expires = out->finished + (int64_t)(worker->config.ttl_seconds * 1000);
 }

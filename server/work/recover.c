@@ -57,7 +57,7 @@ static vor_status fail_row(struct vor_worker *worker, struct vor_job_view *row,
 
     row->status = VOR_JOB_FAILED;
     row->problem = *why;
-    row->finished = vor_clock_wall_ms();
+    row->finished = vor_job_now(row, vor_clock_wall_ms());
     row->expires = expiry(worker, row->finished);
     (void)snprintf(row->message, sizeof row->message, "%.*s", (int)sizeof row->message - 1,
                    why->message);

@@ -353,6 +353,30 @@ START_TEST(nothing_is_published_between_freezing_and_the_end)
 }
 END_TEST
 
+/* A wall clock that is set back while a job waits or runs. */
+START_TEST(no_time_of_a_job_is_before_one_that_came_earlier)
+{
+    struct vor_job_view row = vt_row(10), view;
+    struct vor_record record = {.iteration = 1};
+    struct vor_job *job;
+
+    row.created = row.updated = 1000;
+    row.started = 0;
+    job = vor_job_create(&row);
+    vor_job_begin(job, 400);
+    vor_job_view(job, &view);
+    ck_assert_int_eq(view.started, 1000);
+    ck_assert_int_eq(view.updated, 1000);
+    vor_job_progress(job, &record, 1700);
+    vor_job_stage(job, VOR_STAGE_ENCODE, 300);
+    vor_job_view(job, &view);
+    ck_assert_int_eq(view.updated, 1700);
+    ck_assert_int_eq(vor_job_now(&view, 200), 1700);
+    ck_assert_int_eq(vor_job_now(&view, 2000), 2000);
+    vor_job_release(job);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("job_state");
@@ -370,5 +394,6 @@ int main(void)
     vt_add(suite, a_second_attempt_begins_with_replaced);
     vt_add(suite, what_was_asked_only_grows);
     vt_add(suite, nothing_is_published_between_freezing_and_the_end);
+    vt_add(suite, no_time_of_a_job_is_before_one_that_came_earlier);
     return vt_run(suite);
 }
