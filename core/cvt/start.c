@@ -340,7 +340,8 @@ static void weigh_cells(const struct areas *areas)
 static size_t sampled_at_once(const struct areas *areas)
 {
     const struct vor_seeds *from = areas->from, *to = areas->to;
-    size_t each = 1 + to->n / from->n, block = vor_seeds_block(to->domain) / each;
+    size_t each = to->n > from->n ? to->n / from->n : 1;
+    size_t block = vor_seeds_block(to->domain) / each;
 
     return block > 0 ? block : 1;
 }

@@ -77,6 +77,16 @@ vor_status vor_attach(struct vor_seeds *seeds, int *keep_holes, struct vor_error
                        err);
 }
 
+vor_status vor_attach_fast(struct vor_seeds *seeds, struct vor_error *err)
+{
+    struct attach attach = {.seeds = seeds};
+
+    if (!seeds->policy.keep_border)
+        return VOR_OK;
+    return vor_run_for(&seeds->run, vor_seeds_moving(seeds), vor_seeds_block(seeds->domain),
+                       attach_block, &attach, err);
+}
+
 /* Moves the seeds of a block that are too far from all of the input. */
 static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
