@@ -25,7 +25,7 @@ static int compare(const void *a, const void *b)
 /* The median of axis c over the samples. */
 static double median(const struct vor_cloud *cloud, size_t step, size_t c)
 {
-    double value[SAMPLES];
+    double value[SAMPLES] = {0}; /* cppcheck cannot see that n >= 1 */
     size_t count = 0;
 
     for (size_t i = 0; i < cloud->n && count < SAMPLES; i += step)
@@ -49,7 +49,7 @@ static double distance(const struct vor_cloud *cloud, size_t i, const double mid
 /* The median distance of the samples from the middle. */
 static double usual(const struct vor_cloud *cloud, size_t step, const double middle[3])
 {
-    double value[SAMPLES];
+    double value[SAMPLES] = {0}; /* cppcheck cannot see that n >= 1 */
     size_t count = 0;
 
     for (size_t i = 0; i < cloud->n && count < SAMPLES; i += step)
