@@ -45,6 +45,7 @@ struct vor_request {
     struct vor_waker *waker;
     struct vor_head head;
     char *target, *path, *query; /**< owned; path is target up to '?', query is decoded in place */
+    const char *block;           /**< where the library has the target; valid in the first step */
     struct vor_field pairs[VOR_QUERY_MAX];
     int pair_count;
     enum vor_method method;
