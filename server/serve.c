@@ -5,6 +5,7 @@
 #include "server/api/app.h"
 #include "server/api/routes.h"
 #include "server/base/clock.h"
+#include "server/base/descriptors.h"
 #include "server/base/log.h"
 #include "server/base/machine.h"
 #include "server/cli/say.h"
@@ -115,12 +116,16 @@ static vor_status open_http(struct daemon *daemon, struct vor_error *err)
         .host = config->host,
         .port = config->port,
         .threads = (unsigned)config->number[VOR_SET_HTTP_THREADS],
-        .connections = (unsigned)config->number[VOR_SET_CONNECTIONS] + 32,
+        .connections = (unsigned)config->number[VOR_SET_CONNECTIONS],
+        .streams = (unsigned)config->number[VOR_SET_STREAMS],
+        .each = (unsigned)config->number[VOR_SET_ADDRESS_CONNECTIONS],
         .header_seconds = config->number[VOR_SET_HEADER_TIMEOUT],
         .keep_seconds = config->number[VOR_SET_KEEP_TIMEOUT],
         .body_seconds = config->number[VOR_SET_BODY_TIMEOUT],
         .body_idle_seconds = config->number[VOR_SET_BODY_IDLE],
         .body_rate = config->number[VOR_SET_BODY_RATE],
+        .reply_rate = config->number[VOR_SET_REPLY_RATE],
+        .beat_seconds = config->number[VOR_SET_HEARTBEAT],
         .trusted = &config->trusted,
         .proxy_headers = (enum vor_proxy_headers)config->number[VOR_SET_PROXY_HEADERS],
         .handler = vor_route_dispatch,
@@ -138,8 +143,10 @@ static vor_status open_http(struct daemon *daemon, struct vor_error *err)
  * last. */
 static vor_status start(struct daemon *daemon, struct vor_error *err)
 {
-    vor_status status = open_storage(daemon, err);
+    vor_status status = vor_descriptors_raise(&daemon->config, err);
 
+    if (status == VOR_OK)
+        status = open_storage(daemon, err);
     if (status == VOR_OK)
         status = open_http(daemon, err);
     if (status == VOR_OK)

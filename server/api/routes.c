@@ -24,7 +24,7 @@ static const struct vor_route routes[] = {
 #undef OFFERED_1
 };
 
-enum { ROUTE_COUNT = sizeof routes / sizeof routes[0], RESERVE = 32 };
+enum { ROUTE_COUNT = sizeof routes / sizeof routes[0] };
 
 static const char *const method_words[VOR_METHOD_COUNT] = {"GET", "HEAD", "POST", "DELETE",
                                                            "OPTIONS"};
@@ -178,7 +178,7 @@ enum vor_next vor_route_dispatch(void *ctx, struct vor_request *request, enum vo
 {
     struct vor_app *app = ctx;
     const struct vor_route *route = vor_request_route(request);
-    double most = app->config->number[VOR_SET_CONNECTIONS];
+    unsigned most;
 
     if (step != VOR_STEP_HEAD)
         return route->handler(app, request, step);
@@ -189,10 +189,11 @@ enum vor_next vor_route_dispatch(void *ctx, struct vor_request *request, enum vo
     if (route == NULL)
         return reply_no_route(app, request);
     vor_request_set_route(request, route);
-    if (vor_http_connections(app->http) > most + RESERVE && strncmp(route->path, "/v1", 3) == 0) {
+    most = strncmp(route->path, "/v1", 3) == 0 ? vor_request_crowd(request) : 0;
+    if (most > 0) {
         vor_reply_close(request);
-        return vor_problem_say(app, request, "too-many-connections", "more than %.0f are open",
-                               most);
+        return vor_problem_say(app, request, "too-many-connections",
+                               "more than %u are open, in all or by this client", most);
     }
     return route->handler(app, request, step);
 }

@@ -63,7 +63,11 @@ enum vor_setting_kind {
       "Listen beyond this machine although anybody may then submit jobs")                          \
     X(HTTP_THREADS, "http-threads", COUNT_OF, "threads", 1, 64, "2", "Threads that speak HTTP")    \
     X(CONNECTIONS, "connections", COUNT_OF, "connections", 1, 100000, "1024",                      \
-      "Open connections; 32 more are kept for health checks")                                      \
+      "Open connections besides streams; when they are more, the oldest silent ones are cut, and " \
+      "32 are kept for health checks")                                                             \
+    X(ADDRESS_CONNECTIONS, "address-connections", COUNT_OF, "connections", 0, 100000, "128",       \
+      "Open connections of one client (an IPv4 address, an IPv6 /64), this machine and "           \
+      "--trusted-proxy excepted; 0 for no limit")                                                  \
     X(STREAMS, "streams", COUNT_OF, "streams", 1, 100000, "512", "Event streams at the same time") \
     X(HEADER_TIMEOUT, "header-timeout", TIME, "seconds", 0.1, 3600, "10",                          \
       "Time for a request's head, however slowly its bytes come")                                  \
@@ -73,6 +77,9 @@ enum vor_setting_kind {
     X(BODY_IDLE, "body-idle", TIME, "seconds", 0.1, 3600, "30", "Longest pause in an upload")      \
     X(BODY_RATE, "body-rate", BYTES, "bytes/s", 0, 1e12, "16K",                                    \
       "Slowest upload on average, measured once it is older than --body-idle")                     \
+    X(REPLY_RATE, "reply-rate", BYTES, "bytes/s", 0, 1e12, "4K",                                   \
+      "Slowest reader of a reply on average, measured once it is older than --body-idle; streams " \
+      "of events excepted")                                                                        \
     X(HEARTBEAT, "heartbeat", TIME, "seconds", 0.1, 3600, "15",                                    \
       "Pause after which an event "                                                                \
       "stream shows that it lives")                                                                \

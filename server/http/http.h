@@ -63,12 +63,17 @@ struct vor_http_options {
     const char *host; /**< numeric address or name to bind */
     unsigned port;    /**< 0: any free one */
     unsigned threads;
-    unsigned connections;
+    unsigned connections; /**< as many at a time, without streams; when they are more, the oldest
+                               silent ones are cut, and 32 more are let in for health checks */
+    unsigned streams;     /**< as many besides */
+    unsigned each;        /**< connections of one address, if not loopback's or a trusted proxy's */
     double header_seconds;    /**< from accept, or from the request line on a kept connection */
     double keep_seconds;      /**< a kept connection may idle this long */
     double body_seconds;      /**< for the whole body */
     double body_idle_seconds; /**< between two pieces of it */
     double body_rate;         /**< bytes a second on average, after body_idle_seconds */
+    double reply_rate;        /**< the same of who reads a reply, streams excepted */
+    double beat_seconds;      /**< between two signs of life of a stream */
     const struct vor_networks *trusted; /**< proxies that are believed; borrowed */
     enum vor_proxy_headers proxy_headers;
     vor_handler handler; /**< the first one; routes.c hands on to the others */
@@ -100,9 +105,12 @@ const char *vor_http_address(const struct vor_http *http);
 /** Stops accepting; requests under way go on. Call once. */
 void vor_http_quiesce(struct vor_http *http);
 
-/** Requests under way (streams and uploads included), and open connections. */
+/** Requests under way (streams and uploads included), and open connections but for streams. */
 unsigned vor_http_busy(const struct vor_http *http);
 unsigned vor_http_connections(const struct vor_http *http);
+
+/** Cuts every connection that is still slow: its request, or the answer, is on its way. */
+void vor_http_cut_slow(struct vor_http *http);
 
 /** Wakes every waiting request once. */
 void vor_http_wake_all(struct vor_http *http);
@@ -148,6 +156,10 @@ int64_t vor_request_length(const struct vor_request *request);
 
 /** True once the peer has closed its side. A reply must be made all the same. */
 int vor_request_gone(const struct vor_request *request);
+
+/** The limit that keeps this request from being served, connections or each of vor_http_options; 0
+ *  when there is room. */
+unsigned vor_request_crowd(const struct vor_request *request);
 
 /** True once vor_http_close_waiting was called: wait no longer. */
 int vor_request_closing(const struct vor_request *request);
@@ -195,8 +207,9 @@ struct vor_waker *vor_request_waker(struct vor_request *request);
 void vor_waker_wake(struct vor_waker *waker);
 void vor_waker_drop(struct vor_waker *waker); /**< waker may be NULL */
 
-/** Wakes the request that many seconds from now (to a tenth of a second), once; the next call takes
- *  the place of this one. */
+/** Wakes the request that many seconds from now (to a tenth of a second), once; of several calls
+ * the earliest counts. Of many requests that are due together some wake a little later, so that new
+ *  ones are served in between. From any thread, as long as the request lives. */
 void vor_request_wake_after(struct vor_request *request, double seconds);
 
 /* --- answering: exactly one of these, from within a step -------------------------------------- */

@@ -3,6 +3,7 @@
 #include "server/http/http.h"
 #include "server/http/peer.h"
 #include "server/http/state.h"
+#include "server/http/watchman.h"
 
 #include <errno.h>
 #include <microhttpd.h>
@@ -17,8 +18,7 @@
 enum {
     BACKLOG = 1024,
     STUCK_SECONDS = 45,
-    CONNECTION_BYTES = 49152 /* what the library keeps for a connection: the longest header block,
-                                and room to read a body and to answer */
+    SPARE = 128 /* connections: the reserve for health checks, and some that are being closed */
 };
 
 static int open_listener(const struct addrinfo *at)
@@ -77,15 +77,20 @@ static void on_connection(void *cls, struct MHD_Connection *connection, void **s
 {
     struct vor_http *http = cls;
     const union MHD_ConnectionInfo *info;
+    struct vor_address from;
+    bool known;
 
     if (code == MHD_CONNECTION_NOTIFY_CLOSED) {
         vor_peer_leave(http->watchman, *socket_context);
         *socket_context = NULL;
         return;
     }
+    info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    known = info != NULL && info->client_addr != NULL &&
+            vor_address_of_socket(&from, info->client_addr);
     info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
     if (info != NULL)
-        *socket_context = vor_peer_enter(http->watchman, info->connect_fd);
+        *socket_context = vor_peer_enter(http->watchman, info->connect_fd, known ? &from : NULL);
 }
 
 static void on_log(void *cls, const char *format, va_list args) VOR_PRINTF(2, 0);
@@ -104,8 +109,11 @@ static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
 {
     const struct vor_http_options *options = &http->options;
 
-    /* The library divides its limit of connections among its threads and drops those above it
-     * without an answer. With twice as many, the refusals are ours. */
+    /* The library divides its limit of connections among its threads and stops accepting at it. As
+     * many for each as there may be in all, and those which are cut and not closed yet: the limit
+     * that is met is ours. */
+    unsigned most = options->connections + options->streams + SPARE;
+
     return MHD_start_daemon(
         MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG, 0, NULL, NULL,
         vor_exchange_step, http, MHD_OPTION_EXTERNAL_LOGGER, on_log, http, MHD_OPTION_LISTEN_SOCKET,
@@ -116,19 +124,28 @@ static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
         MHD_OPTION_STRICT_FOR_CLIENT, 0, /* all it adds is to refuse a missing Host, which the gate
                                             does with a problem, once */
 #endif
-        MHD_OPTION_CONNECTION_LIMIT, 2 * options->connections, MHD_OPTION_CONNECTION_TIMEOUT,
-        (unsigned)STUCK_SECONDS, MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_BYTES,
-        MHD_OPTION_NOTIFY_CONNECTION, on_connection, http, MHD_OPTION_NOTIFY_COMPLETED,
-        vor_exchange_end, http, MHD_OPTION_URI_LOG_CALLBACK, vor_exchange_begin, http,
-        MHD_OPTION_END);
+        MHD_OPTION_CONNECTION_LIMIT, most * (options->threads > 1 ? options->threads : 1),
+        MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)STUCK_SECONDS, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+        (size_t)VOR_CONNECTION_BYTES, MHD_OPTION_NOTIFY_CONNECTION, on_connection, http,
+        MHD_OPTION_NOTIFY_COMPLETED, vor_exchange_end, http, MHD_OPTION_URI_LOG_CALLBACK,
+        vor_exchange_begin, http, MHD_OPTION_END);
 }
 
 vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *options,
                          struct vor_error *err)
 {
-    const struct vor_deadlines deadlines = {options->header_seconds, options->keep_seconds,
-                                            options->body_seconds, options->body_idle_seconds,
-                                            options->body_rate};
+    const struct vor_watch_limits limits = {
+        .header_seconds = options->header_seconds,
+        .keep_seconds = options->keep_seconds,
+        .body_seconds = options->body_seconds,
+        .body_idle_seconds = options->body_idle_seconds,
+        .body_rate = options->body_rate,
+        .reply_rate = options->reply_rate,
+        .beat_seconds = options->beat_seconds,
+        .connections = options->connections,
+        .each = options->each,
+        .trusted = options->trusted,
+    };
     struct vor_http *http = calloc(1, sizeof *http);
     vor_status status;
 
@@ -138,7 +155,7 @@ vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *o
     http->fd = -1;
     status = open_socket(&http->fd, options, err);
     if (status == VOR_OK)
-        status = vor_watchman_start(&http->watchman, &deadlines, err);
+        status = vor_watchman_start(&http->watchman, &limits, err);
     if (status != VOR_OK) {
         vor_http_stop(http);
         return status;
@@ -177,6 +194,11 @@ unsigned vor_http_busy(const struct vor_http *http)
 unsigned vor_http_connections(const struct vor_http *http)
 {
     return vor_watchman_count(http->watchman);
+}
+
+void vor_http_cut_slow(struct vor_http *http)
+{
+    vor_watchman_cut_slow(http->watchman);
 }
 
 void vor_http_wake_all(struct vor_http *http)

@@ -183,3 +183,18 @@ void vor_request_wake_after(struct vor_request *request, double seconds)
 {
     vor_peer_timer(request->http->watchman, request->peer, seconds);
 }
+
+unsigned vor_request_crowd(const struct vor_request *request)
+{
+    const struct vor_http_options *options = &request->http->options;
+
+    switch (vor_peer_crowd(request->http->watchman, request->peer)) {
+    case VOR_CROWD_ALL:
+        return options->connections;
+    case VOR_CROWD_ADDRESS:
+        return options->each;
+    case VOR_CROWD_NONE:
+        break;
+    }
+    return 0;
+}

@@ -46,6 +46,7 @@ struct vor_request {
     struct vor_head head;
     char *target, *path, *query; /**< owned; path is target up to '?', query is decoded in place */
     const char *block;           /**< where the library has the target; valid in the first step */
+    const char *line; /**< and the request line; NULL: not known, or what follows was given back */
     struct vor_field pairs[VOR_QUERY_MAX];
     int pair_count;
     enum vor_method method;

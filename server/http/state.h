@@ -6,6 +6,11 @@
 
 #include <stdatomic.h>
 
+enum {
+    VOR_CONNECTION_BYTES = 49152 /**< what the library keeps for a connection: the longest header
+                                    block, and room to read a body and to answer */
+};
+
 struct MHD_Daemon;
 struct vor_watchman;
 

@@ -13,10 +13,12 @@
 #include <string.h>
 
 enum { BATCH = 32, RETRY_MS = 2000, RETRY_DRAIN_MS = 1000, RETRY_FULL_MS = 10000 };
+enum { FEW = 64 }; /* streams; so many writes take 3 ms */
 static const double progress_pause = 0.1;
 
 struct stream {
     struct vor_app *app;
+    struct vor_request *request;
     struct vor_uuid id;
     struct vor_followed followed; /* what was asked of the worker, once for the whole stream */
     struct vor_subscriber subscriber;
@@ -44,12 +46,18 @@ static void release(void *state)
     free(stream);
 }
 
+/* A few streams are woken at once. Among many each waits for its turn, so that an event of a job
+ * that everybody follows does not keep other requests waiting. */
 static void on_event(void *ctx, enum vor_event_kind kind)
 {
     struct stream *stream = ctx;
 
-    if (kind == VOR_EVENT_END || atomic_load(&stream->armed))
+    if (kind != VOR_EVENT_END && !atomic_load(&stream->armed))
+        return;
+    if (atomic_load(&stream->app->streams) <= FEW)
         vor_waker_wake(stream->waker);
+    else
+        vor_request_wake_after(stream->request, 0);
 }
 
 /* Writes the job as it is now, but in the state that it had at the event. */
@@ -254,8 +262,10 @@ static long read_stream(void *ctx, struct vor_request *request, char *out, size_
         stream->taken = 0;
         if (stream->ended)
             return -1;
-        if (!fill(stream, request))
+        if (!fill(stream, request)) {
+            vor_text_free(&stream->text); /* a stream sleeps most of its life */
             return 0;
+        }
     }
     if (size > stream->text.size - stream->taken)
         size = stream->text.size - stream->taken;
@@ -272,6 +282,7 @@ static struct stream *stream_create(struct vor_app *app, struct vor_request *req
     if (stream == NULL)
         return NULL;
     stream->app = app;
+    stream->request = request;
     stream->id = *id;
     stream->waker = vor_request_waker(request);
     stream->sent_at = vor_clock_seconds();
