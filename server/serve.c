@@ -20,7 +20,14 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { ADMIT_WAITING_MAX = 64, CRASHES_MAX = 2, QUIET_SECONDS = 10 };
+enum {
+    ADMIT_WAITING_MAX = 64,
+    CRASHES_MAX = 2,
+    SETTLE_SECONDS = 2, /* for what was handed to other threads, and for answers, after the drain */
+    LAST_SECONDS = 1    /* for connections that were cut to be closed */
+};
+static const double farewell_seconds =
+    0.2; /* so long kept connections are told Connection: close */
 
 /* The parts, in the order in which they start. */
 struct daemon {
@@ -30,6 +37,8 @@ struct daemon {
     sigset_t signals;
     pthread_t drainer;
     long holder;
+    int argc; /* of the command line, for a reload */
+    char **argv;
 };
 
 static size_t job_memory(const struct vor_config *config)
@@ -168,10 +177,9 @@ static void stop(struct daemon *daemon)
     vor_store_close(daemon->app.store);
 }
 
-/* Waits until no request is under way, QUIET_SECONDS at most. */
-static void wait_quiet(struct daemon *daemon)
+/* Waits until no request is under way, or until then. */
+static void wait_quiet(struct daemon *daemon, double until)
 {
-    double until = vor_clock_seconds() + QUIET_SECONDS;
     const struct timespec pause = {0, 10 * 1000 * 1000};
 
     while (vor_http_busy(daemon->app.http) > 0 && vor_clock_seconds() < until)
@@ -179,18 +187,30 @@ static void wait_quiet(struct daemon *daemon)
 }
 
 /* Drains the daemon on a thread of its own, while the main thread waits for a second signal. Ends
- * by sending that signal itself. */
+ * by sending that signal itself. Jobs, uploads and answers have the same time to end in; who is
+ * slower is cut. */
 static void *drain(void *ctx)
 {
+    const struct timespec farewell = {0, (long)(farewell_seconds * 1e9)};
     struct daemon *daemon = ctx;
+    double seconds = daemon->config.number[VOR_SET_DRAIN_TIMEOUT];
+    double until = vor_clock_seconds() + seconds;
 
     atomic_store(&daemon->app.draining, true);
     vor_http_wake_all(daemon->app.http);
-    vor_worker_drain(daemon->app.worker, daemon->config.number[VOR_SET_DRAIN_TIMEOUT]);
+    vor_worker_drain(daemon->app.worker, seconds);
     vor_http_quiesce(daemon->app.http);
-    vor_worker_settle(daemon->app.worker, QUIET_SECONDS);
+    vor_worker_settle(daemon->app.worker, SETTLE_SECONDS);
     vor_http_close_waiting(daemon->app.http);
-    wait_quiet(daemon);
+    (void)nanosleep(&farewell, NULL);
+    if (until < vor_clock_seconds() + SETTLE_SECONDS)
+        until = vor_clock_seconds() + SETTLE_SECONDS;
+    wait_quiet(daemon, until);
+    if (vor_http_busy(daemon->app.http) > 0)
+        vor_log(VOR_LOG_WARN, "slow clients are cut",
+                VOR_COUNT("requests", vor_http_busy(daemon->app.http)));
+    vor_http_cut_slow(daemon->app.http);
+    wait_quiet(daemon, vor_clock_seconds() + LAST_SECONDS);
     (void)kill(getpid(), SIGUSR2);
     return NULL;
 }
@@ -204,10 +224,10 @@ static int wait_signal(const struct daemon *daemon)
     return number;
 }
 
-/* SIGUSR2 comes from drain. Before the first SIGTERM it is ignored. */
+/* SIGUSR2 comes from drain. Before a signal that ends it is ignored. */
 static void block_signals(struct daemon *daemon)
 {
-    static const int numbers[] = {SIGTERM, SIGINT, SIGUSR2};
+    static const int numbers[] = {SIGTERM, SIGINT, SIGQUIT, SIGUSR1, SIGHUP, SIGUSR2};
 
     (void)signal(SIGPIPE, SIG_IGN);
     (void)sigemptyset(&daemon->signals);
@@ -216,17 +236,72 @@ static void block_signals(struct daemon *daemon)
     (void)pthread_sigmask(SIG_BLOCK, &daemon->signals, NULL);
 }
 
-static int run(struct daemon *daemon)
+static const char *signal_word(int number)
+{
+    switch (number) {
+    case SIGINT:
+        return "INT";
+    case SIGQUIT:
+        return "QUIT";
+    case SIGUSR1:
+        return "USR1";
+    default:
+        return "TERM";
+    }
+}
+
+/* SIGHUP: reads the settings again and takes those that may change while the daemon runs. All of
+ * them must be sound, or none is taken. */
+static void reload(struct daemon *daemon)
+{
+    struct vor_config *fresh = calloc(1, sizeof *fresh);
+    struct vor_error err = {.status = VOR_E_NOMEM, .message = "no memory"};
+
+    if (fresh == NULL ||
+        vor_config_read(fresh, daemon->argc, daemon->argv, getenv, &err) != VOR_OK) {
+        vor_log(VOR_LOG_ERROR, "settings not reloaded", VOR_TEXT("error", err.message));
+        free(fresh);
+        return;
+    }
+    daemon->config.number[VOR_SET_LOG_LEVEL] = fresh->number[VOR_SET_LOG_LEVEL];
+    vor_log_open(STDERR_FILENO, (enum vor_log_level)fresh->number[VOR_SET_LOG_LEVEL]);
+    /* Keys are read again here, once there are any. */
+    vor_log(VOR_LOG_INFO, "settings reloaded");
+    free(fresh);
+}
+
+/* The signal that ends the daemon. */
+static int wait_end(struct daemon *daemon)
+{
+    for (;;) {
+        int number = wait_signal(daemon);
+
+        if (number == SIGHUP)
+            reload(daemon);
+        else if (number != SIGUSR2)
+            return number;
+    }
+}
+
+/* SIGHUP while the daemon drains changes nothing any more. */
+static int wait_drained(struct daemon *daemon)
 {
     int number;
 
     do
         number = wait_signal(daemon);
-    while (number == SIGUSR2);
-    vor_log(VOR_LOG_INFO, "draining", VOR_TEXT("signal", number == SIGINT ? "INT" : "TERM"));
+    while (number == SIGHUP);
+    return number;
+}
+
+static int run(struct daemon *daemon)
+{
+    int number = wait_end(daemon);
+
+    vor_log(VOR_LOG_INFO, "draining", VOR_TEXT("signal", signal_word(number)));
     if (pthread_create(&daemon->drainer, NULL, drain, daemon) != 0)
         _exit(VOR_EXIT_FAILED);
-    number = wait_signal(daemon);
+    number = wait_drained(daemon);
     if (number != SIGUSR2) {
         /* Running jobs are still in the store as such; the next start takes them up again. */
         vor_log(VOR_LOG_WARN, "stopped at once", VOR_COUNT("signal", number));
@@ -281,6 +356,8 @@ int vor_serve_main(int argc, char **argv)
     daemon = calloc(1, sizeof *daemon);
     if (daemon == NULL)
         return VOR_EXIT_FAILED;
+    daemon->argc = argc;
+    daemon->argv = argv;
     if (vor_config_read(&daemon->config, argc, argv, getenv, &err) != VOR_OK) {
         (void)fprintf(stderr, "voronoid: %s\n", err.message);
         result = VOR_EXIT_USAGE;

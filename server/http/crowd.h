@@ -71,7 +71,7 @@ struct vor_watchman {
     unsigned lingering_count;
     int poke;       /**< eventfd: look again */
     int departures; /**< epoll of all connections */
-    bool stop, quiesced;
+    bool stop;
     bool awake; /**< the sweeper looks every tick */
 };
 

@@ -102,14 +102,16 @@ VOR_NODISCARD vor_status vor_http_start(struct vor_http *http, struct vor_error 
 /** "127.0.0.1:43125", "[::1]:8080": what is bound. Owned by http. */
 const char *vor_http_address(const struct vor_http *http);
 
-/** Stops accepting; requests under way go on. Call once. */
+/** Stops accepting; requests under way go on, and kept connections are told with their next answer
+ *  that it is the last. Call once. */
 void vor_http_quiesce(struct vor_http *http);
 
 /** Requests under way (streams and uploads included), and open connections but for streams. */
 unsigned vor_http_busy(const struct vor_http *http);
 unsigned vor_http_connections(const struct vor_http *http);
 
-/** Cuts every connection that is still slow: its request, or the answer, is on its way. */
+/** Cuts every connection that is still slow, its request or the answer being on its way, and those
+ *  that are kept. */
 void vor_http_cut_slow(struct vor_http *http);
 
 /** Wakes every waiting request once. */

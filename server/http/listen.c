@@ -6,6 +6,7 @@
 #include "server/http/watchman.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <microhttpd.h>
 #include <netdb.h>
 #include <stdarg.h>
@@ -179,11 +180,29 @@ const char *vor_http_address(const struct vor_http *http)
     return http->address;
 }
 
+/* Takes in whom the system has let in, and then nobody any more. Closing the socket would cut those
+ * who wait there, who may have sent their request; it is closed when the library has stopped. */
+static void take_last(const struct vor_http *http)
+{
+    struct sockaddr_storage from;
+    socklen_t size = sizeof from;
+    int fd;
+
+    while ((fd = accept(http->fd, (struct sockaddr *)&from, &size)) >= 0) {
+        (void)fcntl(fd, F_SETFD, FD_CLOEXEC);
+        (void)fcntl(fd, F_SETFL, O_NONBLOCK);
+        (void)MHD_add_connection(http->daemon, fd, (struct sockaddr *)&from, size);
+        size = sizeof from;
+    }
+    (void)shutdown(http->fd, SHUT_RD);
+}
+
 void vor_http_quiesce(struct vor_http *http)
 {
     atomic_store(&http->quiesced, true);
     http->fd = MHD_quiesce_daemon(http->daemon);
-    vor_watchman_quiesce(http->watchman);
+    if (http->fd >= 0)
+        take_last(http);
 }
 
 unsigned vor_http_busy(const struct vor_http *http)

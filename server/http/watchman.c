@@ -133,7 +133,7 @@ static bool is_late(const struct vor_watchman *watchman, struct vor_peer *peer, 
     case VOR_PHASE_HEAD:
         return age > limit->header_seconds;
     case VOR_PHASE_IDLE:
-        return watchman->quiesced || age > limit->keep_seconds;
+        return age > limit->keep_seconds;
     case VOR_PHASE_BODY:
         return age > limit->body_seconds || now - peer->last > limit->body_idle_seconds ||
                (age > limit->body_idle_seconds && (double)peer->bytes < limit->body_rate * age);
@@ -227,7 +227,7 @@ static void *sweep(void *arg)
         (void)pthread_mutex_lock(&watchman->lock);
         note_departures(watchman);
         drain_lingering(watchman, now);
-        if (now >= check_at || watchman->quiesced) {
+        if (now >= check_at) {
             for (int i = 0; i < VOR_ROWS; i++)
                 check_row(watchman, &watchman->rows[i], now);
             check_at = now + tick * 0.9;
@@ -291,17 +291,10 @@ void vor_watchman_stop(struct vor_watchman *watchman)
 
 /* --- all of them ------------------------------------------------------------------------------ */
 
-void vor_watchman_quiesce(struct vor_watchman *watchman)
-{
-    (void)pthread_mutex_lock(&watchman->lock);
-    watchman->quiesced = true;
-    (void)pthread_mutex_unlock(&watchman->lock);
-    vor_crowd_poke(watchman);
-}
-
 void vor_watchman_cut_slow(struct vor_watchman *watchman)
 {
-    static const enum vor_phase slow[] = {VOR_PHASE_HEAD, VOR_PHASE_BODY, VOR_PHASE_SEND};
+    static const enum vor_phase slow[] = {VOR_PHASE_HEAD, VOR_PHASE_BODY, VOR_PHASE_SEND,
+                                          VOR_PHASE_IDLE};
 
     (void)pthread_mutex_lock(&watchman->lock);
     for (size_t i = 0; i < sizeof slow / sizeof slow[0]; i++)

@@ -16,10 +16,8 @@ VOR_NODISCARD vor_status vor_watchman_start(struct vor_watchman **out,
 /** Stops the thread; every peer must have left. watchman may be NULL. */
 void vor_watchman_stop(struct vor_watchman *watchman);
 
-/** Cuts connections that are kept idle; from now on those that become idle too. */
-void vor_watchman_quiesce(struct vor_watchman *watchman);
-
-/** Cuts every connection whose head or body is on its way, or whose reply is. */
+/** Cuts every connection whose head or body is on its way, or whose reply is, and those that are
+ *  kept. */
 void vor_watchman_cut_slow(struct vor_watchman *watchman);
 
 /** How many connections are open; not counted are streams, and those which have been cut. */
