@@ -12,7 +12,7 @@
 #include <sys/epoll.h>
 #include <sys/socket.h>
 
-enum { PEER_TIMEOUT_MS = 20000, BEAT_TIMEOUT_MS = 2000 /* at least */ };
+enum { PEER_TIMEOUT_MS = 20000, BEAT_TIMEOUT_MS = 1000 /* at least */ };
 
 /* A peer that has vanished without a word is given up once bytes stay unanswered so long. */
 static void set_timeout(int fd, unsigned timeout_ms)
@@ -23,7 +23,7 @@ static void set_timeout(int fd, unsigned timeout_ms)
 /* A stream's peer is missed at the next sign of life, and given up before the one after it. */
 static unsigned stream_timeout(double beat_seconds)
 {
-    double most = beat_seconds * 900;
+    double most = beat_seconds * 800;
 
     if (most > PEER_TIMEOUT_MS)
         return PEER_TIMEOUT_MS;
