@@ -106,6 +106,18 @@ sub descriptors { return scalar(() = glob "/proc/$_[0]{pid}/fd/*") }
 sub resident { return Vt::slurp("/proc/$_[0]{pid}/smaps_rollup") =~ /^Rss:\s+(\d+)/m ? 1024 * $1 : 0 }
 sub cpu_seconds { my @field = split ' ', Vt::slurp("/proc/$_[0]{pid}/stat") =~ s/^.*\) //sr; return ($field[11] + $field[12]) / POSIX::sysconf(POSIX::_SC_CLK_TCK()) }
 
+# A job whose result has 7 MB, more than a connection's buffers take in.
+sub large_result {
+    my ($daemon) = @_;
+    my ($times, $one) = (30, Vt::sphere_ply(20000));
+    my ($head, $points) = $one =~ /\A(.*?end_header\n)(.*)\z/s;
+    $head =~ s/vertex (\d+)/'vertex ' . $1 * $times/e;
+    my $answer = $daemon->post('/v1/convert?format=ply', $head . $points x $times, Prefer => 'respond-async');
+    my $id = Vt::json($answer)->{jobID} // die "no job: $answer->{content}";
+    $daemon->finish($id);
+    return $id;
+}
+
 # Another network beside ours, whose machine may fall silent: both ends' addresses, and a process that waits there. undef where
 # that is not allowed (it takes root and a kernel with veth).
 sub network {
