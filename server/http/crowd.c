@@ -173,19 +173,22 @@ void vor_crowd_count(struct vor_watchman *watchman, struct vor_peer *peer,
                      const struct vor_address *from)
 {
     struct vor_address address;
-    struct vor_caller **at;
+    struct vor_caller **at, *caller;
 
     if (from == NULL || !is_counted(watchman, from))
         return;
     address = network_of(from);
     at = place_of(watchman, &address);
-    if (*at == NULL)
-        *at = calloc(1, sizeof **at);
-    if (*at == NULL)
-        return;
-    (*at)->address = address;
-    (*at)->count++;
-    peer->caller = *at;
+    caller = *at;
+    if (caller == NULL) {
+        caller = calloc(1, sizeof *caller);
+        if (caller == NULL)
+            return;
+        caller->address = address;
+        *at = caller;
+    }
+    caller->count++;
+    peer->caller = caller;
 }
 
 void vor_crowd_uncount(struct vor_watchman *watchman, struct vor_peer *peer)

@@ -10,13 +10,13 @@ use POSIX ();
 use Socket;
 use Time::HiRes qw(sleep time);
 
-# --long and --seed N: the long form or not, and the seed.
+# --long, --seed N and --count N: the long form or not, the seed, and how many where that is given.
 sub options {
-    my ($long, $seed) = (0, 1);
-    GetOptions('long' => \$long, 'seed=i' => \$seed) or exit 2;
+    my ($long, $seed, $count) = (0, 1);
+    GetOptions('long' => \$long, 'seed=i' => \$seed, 'count=i' => \$count) or exit 2;
     srand $seed;
     $| = 1;
-    return ($long, $seed);
+    return ($long, $seed, $count);
 }
 
 # A number in [0, 1) that follows from the seed and how often it was asked for.
