@@ -203,6 +203,13 @@ void vor_crowd_uncount(struct vor_watchman *watchman, struct vor_peer *peer)
 
 /* --- too many --------------------------------------------------------------------------------- */
 
+bool vor_peer_has_unread(const struct vor_peer *peer)
+{
+    int unread = 0;
+
+    return ioctl(peer->fd, FIONREAD, &unread) != 0 || unread > 0;
+}
+
 /* The oldest of a row, without the newcomer, of whom no bytes wait to be read; else NULL, or with
  * `any` the oldest. */
 static struct vor_peer *oldest(const struct vor_row *row, const struct vor_peer *newcomer, bool any)
@@ -210,11 +217,9 @@ static struct vor_peer *oldest(const struct vor_row *row, const struct vor_peer 
     struct vor_peer *found = NULL, *peer = row->first;
 
     for (int i = 0; peer != NULL && i < UNREAD_LOOKED; i++, peer = peer->next) {
-        int unread = 0;
-
         if (peer == newcomer)
             continue;
-        if (ioctl(peer->fd, FIONREAD, &unread) == 0 && unread == 0)
+        if (!vor_peer_has_unread(peer))
             return peer;
         if (found == NULL && any)
             found = peer;

@@ -93,6 +93,9 @@ void vor_row_take(struct vor_watchman *watchman, struct vor_peer *peer);
 unsigned vor_crowd_size(const struct vor_watchman *watchman);
 unsigned vor_crowd_busy(const struct vor_watchman *watchman);
 
+/** True when the peer has sent bytes that nobody has read yet. */
+bool vor_peer_has_unread(const struct vor_peer *peer);
+
 /** Shuts a connection down; the library closes it soon. Tells the peer why when its body is late.
  */
 void vor_crowd_cut(struct vor_watchman *watchman, struct vor_peer *peer, bool is_late);

@@ -106,7 +106,8 @@ const char *vor_http_address(const struct vor_http *http);
  *  that it is the last. Call once. */
 void vor_http_quiesce(struct vor_http *http);
 
-/** Requests under way (streams and uploads included), and open connections but for streams. */
+/** Requests under way (streams and uploads included, and heads of which bytes wait to be read), and
+ *  open connections but for streams. */
 unsigned vor_http_busy(const struct vor_http *http);
 unsigned vor_http_connections(const struct vor_http *http);
 

@@ -188,6 +188,7 @@ static void take_last(const struct vor_http *http)
     socklen_t size = sizeof from;
     int fd;
 
+    (void)listen(http->fd, 0); /* hardly anybody comes in between the two calls at the end */
     while ((fd = accept(http->fd, (struct sockaddr *)&from, &size)) >= 0) {
         (void)fcntl(fd, F_SETFD, FD_CLOEXEC);
         (void)fcntl(fd, F_SETFL, O_NONBLOCK);
@@ -207,7 +208,7 @@ void vor_http_quiesce(struct vor_http *http)
 
 unsigned vor_http_busy(const struct vor_http *http)
 {
-    return atomic_load(&http->busy);
+    return atomic_load(&http->busy) + vor_watchman_unread(http->watchman);
 }
 
 unsigned vor_http_connections(const struct vor_http *http)

@@ -313,6 +313,20 @@ unsigned vor_watchman_count(struct vor_watchman *watchman)
     return count;
 }
 
+unsigned vor_watchman_unread(struct vor_watchman *watchman)
+{
+    static const enum vor_phase silent[] = {VOR_PHASE_HEAD, VOR_PHASE_IDLE};
+    unsigned count = 0;
+
+    (void)pthread_mutex_lock(&watchman->lock);
+    for (size_t i = 0; i < sizeof silent / sizeof silent[0]; i++)
+        for (struct vor_peer *peer = watchman->rows[silent[i]].first; peer != NULL;
+             peer = peer->next)
+            count += vor_peer_has_unread(peer);
+    (void)pthread_mutex_unlock(&watchman->lock);
+    return count;
+}
+
 void vor_watchman_wake_all(struct vor_watchman *watchman)
 {
     struct vor_waker **wakers;

@@ -23,6 +23,9 @@ void vor_watchman_cut_slow(struct vor_watchman *watchman);
 /** How many connections are open; not counted are streams, and those which have been cut. */
 unsigned vor_watchman_count(struct vor_watchman *watchman);
 
+/** How many connections without a request have sent bytes that nobody has read yet. */
+unsigned vor_watchman_unread(struct vor_watchman *watchman);
+
 /** Wakes every request under way. */
 void vor_watchman_wake_all(struct vor_watchman *watchman);
 
