@@ -12,6 +12,7 @@
 #include <linux/tcp.h>
 #include <netinet/in.h>
 #include <poll.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
@@ -115,8 +116,9 @@ static bool reads_slowly(const struct vor_watchman *watchman, struct vor_peer *p
     if (peer->sampled_at > 0 && age <= limits->body_idle_seconds)
         return false;
     memset(&info, 0, sizeof info);
-    if (getsockopt(peer->fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0)
-        return false;
+    if (getsockopt(peer->fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0 ||
+        size < offsetof(struct tcp_info, tcpi_bytes_acked) + sizeof info.tcpi_bytes_acked)
+        return false; /* no TCP, or a kernel before 4.1 */
     if (peer->sampled_at > 0)
         return (double)(info.tcpi_bytes_acked - peer->bytes) < limits->reply_rate * age;
     peer->sampled_at = now;
