@@ -210,16 +210,18 @@ bool vor_peer_has_unread(const struct vor_peer *peer)
     return ioctl(peer->fd, FIONREAD, &unread) != 0 || unread > 0;
 }
 
-/* The oldest of a row, without the newcomer, of whom no bytes wait to be read; else NULL, or with
- * `any` the oldest. */
-static struct vor_peer *oldest(const struct vor_row *row, const struct vor_peer *newcomer, bool any)
+/* The oldest of a row, without the newcomer, that has been silent for long enough and of whom no
+ * bytes wait to be read; else NULL, or with `any` the oldest. */
+static struct vor_peer *oldest(const struct vor_watchman *watchman, enum vor_phase row,
+                               const struct vor_peer *newcomer, bool any)
 {
-    struct vor_peer *found = NULL, *peer = row->first;
+    double since = newcomer->since - watchman->limits.grace_seconds;
+    struct vor_peer *found = NULL, *peer = watchman->rows[row].first;
 
     for (int i = 0; peer != NULL && i < UNREAD_LOOKED; i++, peer = peer->next) {
         if (peer == newcomer)
             continue;
-        if (!vor_peer_has_unread(peer))
+        if (peer->since <= since && !vor_peer_has_unread(peer))
             return peer;
         if (found == NULL && any)
             found = peer;
@@ -240,9 +242,9 @@ void vor_crowd_make_room(struct vor_watchman *watchman, struct vor_peer *newcome
     }
     if (count <= limits->connections)
         return;
-    goes = oldest(&watchman->rows[VOR_PHASE_HEAD], newcomer, full);
+    goes = oldest(watchman, VOR_PHASE_HEAD, newcomer, full);
     if (goes == NULL)
-        goes = oldest(&watchman->rows[VOR_PHASE_IDLE], newcomer, full);
+        goes = oldest(watchman, VOR_PHASE_IDLE, newcomer, full);
     if (goes == NULL && full)
         goes = newcomer;
     if (goes != NULL)

@@ -22,6 +22,8 @@ enum {
     SPARE = 128 /* connections: the reserve for health checks, and some that are being closed */
 };
 
+static const double grace_seconds = 0.5; /* a client far away needs as long to send its head */
+
 static int open_listener(const struct addrinfo *at)
 {
     int fd = socket(at->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
@@ -143,6 +145,7 @@ vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *o
         .body_rate = options->body_rate,
         .reply_rate = options->reply_rate,
         .beat_seconds = options->beat_seconds,
+        .grace_seconds = grace_seconds,
         .connections = options->connections,
         .each = options->each,
         .trusted = options->trusted,

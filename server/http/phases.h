@@ -23,10 +23,11 @@ struct vor_peer;
 /** All connections and the thread that sweeps them. */
 struct vor_watchman;
 
-/** As in vor_http_options. */
+/** As in vor_http_options; and for how many seconds a connection may be silent before it goes to
+ * make room, as long as the reserve lasts. */
 struct vor_watch_limits {
     double header_seconds, keep_seconds, body_seconds, body_idle_seconds, body_rate, reply_rate;
-    double beat_seconds;
+    double beat_seconds, grace_seconds;
     unsigned connections, each;
     const struct vor_networks *trusted; /**< borrowed; may be NULL */
 };

@@ -21,13 +21,14 @@ struct crowd {
     int count;
 };
 
-static void open_crowd(struct crowd *crowd)
+static void open_patient_crowd(struct crowd *crowd, double grace_seconds)
 {
     struct vor_watch_limits limits = {.header_seconds = 60,
                                       .keep_seconds = 60,
                                       .body_seconds = 60,
                                       .body_idle_seconds = 60,
                                       .beat_seconds = 60,
+                                      .grace_seconds = grace_seconds,
                                       .connections = MOST,
                                       .each = 2,
                                       .trusted = &crowd->trusted};
@@ -35,6 +36,11 @@ static void open_crowd(struct crowd *crowd)
     memset(crowd, 0, sizeof *crowd);
     vt_assert_ok(vor_networks_parse(&crowd->trusted, "trusted-proxy", "198.51.100.7", &vt_err));
     vt_assert_ok(vor_watchman_start(&crowd->watchman, &limits, &vt_err));
+}
+
+static void open_crowd(struct crowd *crowd)
+{
+    open_patient_crowd(crowd, 0);
 }
 
 /* One more, from an address or from none, in a phase. */
@@ -140,6 +146,20 @@ START_TEST(whoever_has_sent_what_nobody_read_yet_stays_while_the_reserve_lasts)
         ck_assert_msg(!is_cut(&crowd, i), "%d", i);
     come(&crowd, NULL, VOR_PHASE_HEAD);
     ck_assert(is_cut(&crowd, 0));
+    close_crowd(&crowd);
+}
+END_TEST
+
+START_TEST(whoever_has_just_come_stays_while_the_reserve_lasts)
+{
+    struct crowd crowd;
+
+    open_patient_crowd(&crowd, 60);
+    for (int i = 0; i < MANY; i++) {
+        come(&crowd, NULL, VOR_PHASE_HEAD);
+        for (int k = 0; k <= i; k++)
+            ck_assert_msg(is_cut(&crowd, k) == (k <= i - MOST - RESERVE), "%d of %d", k, i);
+    }
     close_crowd(&crowd);
 }
 END_TEST
@@ -287,6 +307,7 @@ int main(void)
     vt_add(suite, who_sent_no_head_goes_before_who_is_kept_and_nobody_who_is_served);
     vt_add(suite, a_health_check_gets_in_among_those_who_are_all_served);
     vt_add(suite, whoever_has_sent_what_nobody_read_yet_stays_while_the_reserve_lasts);
+    vt_add(suite, whoever_has_just_come_stays_while_the_reserve_lasts);
     vt_add(suite, streams_do_not_count);
     vt_add(suite, an_address_has_its_share_unless_it_is_ours_or_a_proxys);
     vt_add(suite, an_address_beyond_share_and_reserve_is_cut_at_once);
