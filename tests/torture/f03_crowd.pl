@@ -8,18 +8,18 @@ use Fcntl qw(F_GETFL F_SETFL O_NONBLOCK);
 use FindBin;
 use lib "$FindBin::Bin/../support", $FindBin::Bin;
 use Time::HiRes qw(sleep time);
-use Torture;
+use Sockets;
 use Vt;
 
-my ($long, $seed) = Torture::options();
-my $files = Torture::files(7000);
+my ($long, $seed) = Sockets::options();
+my $files = Sockets::files(7000);
 my %want = $long ? (silent => 5000, head => 500, body => 300, reader => 300) : (silent => 1200, head => 100, body => 60, reader => 60);
 $want{silent} = $files - 1400 if $want{silent} > $files - 1400;
 my $seconds = $long ? 60 : 4;
 my $host = "Host: localhost\r\n";
 my $daemon = Vt->start(queue => 100000, $long ? () : ('header-timeout' => 3, 'body-idle' => 4));
 my $key = $ENV{TORTURE_KEY} ? "Authorization: Bearer $ENV{TORTURE_KEY}\r\n" : '';
-my $big = Torture::large_result($daemon);
+my $big = Sockets::large_result($daemon);
 my %begin = (
     silent => '',
     head => "GET /livez HTTP/1.1\r\nX-",
@@ -30,11 +30,11 @@ my %begin = (
 # The good ones, in processes of their own.
 sub good {
     my ($name, $bytes, $status) = @_;
-    return Torture::beside(sub {
+    return Sockets::beside(sub {
         my ($out) = @_;
         my $until = time + $seconds;
         while (time < $until) {
-            my ($took, $got) = Torture::timed($daemon, $bytes, 5);
+            my ($took, $got) = Sockets::timed($daemon, $bytes, 5);
             printf $out "%s %.6f\n", $got == $status ? 'ok' : "missed:$got", $took;
             sleep 0.03;
         }
@@ -45,7 +45,7 @@ local $SIG{PIPE} = 'IGNORE';
 my (%sockets, %kind);
 sub enter {
     my ($kind) = @_;
-    my $socket = Torture::connect_to($daemon, $kind eq 'reader' ? 4096 : 0) // return;
+    my $socket = Sockets::connect_to($daemon, $kind eq 'reader' ? 4096 : 0) // return;
     fcntl $socket, F_SETFL, fcntl($socket, F_GETFL, 0) | O_NONBLOCK;
     syswrite $socket, $begin{$kind} if length $begin{$kind};
     $sockets{ fileno $socket } = $socket;
@@ -78,14 +78,14 @@ while (time < $until) {
     my $left = $turn + 2 - time;
     sleep $left if $left > 0;
 }
-my $who = "$want{silent} silent, $want{head} heads, $want{body} bodies that drip, $want{reader} slow readers; $again came back; load " . Torture::load();
+my $who = "$want{silent} silent, $want{head} heads, $want{body} bodies that drip, $want{reader} slow readers; $again came back; load " . Sockets::load();
 for my $case (['/livez', $livez], ['submit', $submit]) {
     my ($name, $process) = @$case;
-    my @lines = Torture::take_lines($process);
+    my @lines = Sockets::take_lines($process);
     my @missed = grep { /^missed/ } @lines;
-    my $p99 = 1e3 * Torture::percentile(0.99, map { (split)[1] } @lines);
-    Torture::row('CROWD', "$name beside $who: missed of " . scalar @lines, scalar(@missed), 0, @lines && !@missed);
-    Torture::row('CROWD', "$name beside them, p99", sprintf('%.1f ms', $p99), '<= 100 ms', @lines && $p99 <= 100);
+    my $p99 = 1e3 * Sockets::percentile(0.99, map { (split)[1] } @lines);
+    Sockets::row('CROWD', "$name beside $who: missed of " . scalar @lines, scalar(@missed), 0, @lines && !@missed);
+    Sockets::row('CROWD', "$name beside them, p99", sprintf('%.1f ms', $p99), '<= 100 ms', @lines && $p99 <= 100);
     print STDERR "$missed[0]\n" if @missed;
 }
 $daemon->stop('KILL');

@@ -7,29 +7,29 @@ BEGIN { @main::ARGV_WAS = @ARGV }
 use FindBin;
 use lib "$FindBin::Bin/../support", $FindBin::Bin;
 use Time::HiRes qw(sleep time);
-use Torture;
+use Sockets;
 use Vt;
 
-my ($long, $seed) = Torture::options();
-my $files = Torture::files(6000);
+my ($long, $seed) = Sockets::options();
+my $files = Sockets::files(6000);
 
 sub measure {
     my ($silent, $daemon, $where) = @_;
-    my @silent = map { Torture::connect_to($daemon) } 1 .. $silent;
+    my @silent = map { Sockets::connect_to($daemon) } 1 .. $silent;
     my ($missed, @took) = (0);
     for (1 .. 30) {
-        my ($seconds, $status) = Torture::timed($daemon, "GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", 2);
+        my ($seconds, $status) = Sockets::timed($daemon, "GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", 2);
         $status == 200 ? push @took, $seconds : $missed++;
         # They come back as soon as they are cut.
-        for my $i (1 .. 20) { my $at = int(Torture::random() * @silent); close $silent[$at]; $silent[$at] = Torture::connect_to($daemon) }
+        for my $i (1 .. 20) { my $at = int(Sockets::random() * @silent); close $silent[$at]; $silent[$at] = Sockets::connect_to($daemon) }
     }
-    Torture::row('F3', "$silent silent connections $where: /livez missed of 30 (before: 23)", $missed, 0, $missed == 0);
-    Torture::row('F3', "$silent silent connections $where: /livez, p99", sprintf('%.1f ms', 1e3 * Torture::percentile(0.99, @took)),
-        '<= 100 ms', @took && Torture::percentile(0.99, @took) <= 0.1);
+    Sockets::row('F3', "$silent silent connections $where: /livez missed of 30 (before: 23)", $missed, 0, $missed == 0);
+    Sockets::row('F3', "$silent silent connections $where: /livez, p99", sprintf('%.1f ms', 1e3 * Sockets::percentile(0.99, @took)),
+        '<= 100 ms', @took && Sockets::percentile(0.99, @took) <= 0.1);
 }
 
 {
-    my $daemon = Torture::limited(1024, sub { Vt->start });
+    my $daemon = Sockets::limited(1024, sub { Vt->start });
     measure(1100, $daemon, 'under a limit of 1,024 files');
     $daemon->stop;
 }

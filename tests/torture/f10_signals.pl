@@ -4,10 +4,10 @@ use strict;
 use warnings;
 use FindBin;
 use lib "$FindBin::Bin/../support", $FindBin::Bin;
-use Torture;
+use Sockets;
 use Vt;
 
-Torture::options();
+Sockets::options();
 my $cloud = sphere_ply(3000);
 for my $signal (qw(TERM INT QUIT USR1)) {
     my $daemon = Vt->start('drain-timeout' => 0, jobs => 1);
@@ -18,12 +18,12 @@ for my $signal (qw(TERM INT QUIT USR1)) {
     my $again = Vt->start(dir => $daemon->{dir});
     my $job = $again->status($id);
     $again->stop('KILL');
-    Torture::row('F10', "SIG$signal while a job runs" . ($signal =~ /QUIT|USR1/ ? ' (before: killed)' : ''), "ends with $status, job $job after the next start",
+    Sockets::row('F10', "SIG$signal while a job runs" . ($signal =~ /QUIT|USR1/ ? ' (before: killed)' : ''), "ends with $status, job $job after the next start",
         'ends with 0, job goes on', $status eq '0' && $drained && $job =~ /^(?:accepted|running)$/);
 }
 my $daemon = Vt->start;
 kill 'HUP', $daemon->{pid};
 my $read = wait_until(sub { $daemon->log_text =~ /"msg":"settings reloaded"/ }, 5);
 my $alive = eval { $daemon->get('/livez')->{status} } // 0;
-Torture::row('F10', 'SIGHUP (before: killed)', ($read ? 'settings reloaded' : 'nothing') . ", /livez $alive", 'settings reloaded, /livez 200', $read && $alive == 200);
+Sockets::row('F10', 'SIGHUP (before: killed)', ($read ? 'settings reloaded' : 'nothing') . ", /livez $alive", 'settings reloaded, /livez 200', $read && $alive == 200);
 $daemon->stop;

@@ -9,13 +9,13 @@ use lib "$FindBin::Bin/../support", $FindBin::Bin;
 use POSIX ();
 use Socket;
 use Time::HiRes qw(sleep time);
-use Torture;
+use Sockets;
 use Vt;
 
-my ($long, $seed) = Torture::options();
-my $files = Torture::files(12000);
+my ($long, $seed) = Sockets::options();
+my $files = Sockets::files(12000);
 my $streams = $long ? 10000 : 1000;
-my $seconds = $long ? 30 : 1.5;
+my $seconds = $long ? 30 : 1;
 $streams = $files - 500 if $streams > $files - 500;
 
 sub begin {
@@ -45,33 +45,33 @@ sub probe {
     my ($daemon, $seconds) = @_;
     my ($missed, $until, @took) = (0, time + $seconds);
     while (time < $until) {
-        my ($took, $status) = Torture::timed($daemon, "GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", 5);
+        my ($took, $status) = Sockets::timed($daemon, "GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", 5);
         $status == 200 ? push @took, $took : $missed++;
         sleep 0.01;
     }
-    return ($missed, 1e3 * Torture::percentile(0.99, @took), scalar @took);
+    return ($missed, 1e3 * Sockets::percentile(0.99, @took), scalar @took);
 }
 
 sub livez_row {
     my ($id, $daemon, $what, $most) = @_;
     my ($missed, $p99, $n) = probe($daemon, $seconds);
-    Torture::row($id, "/livez beside $what, p99 of $n, $missed missed (load " . Torture::load() . ')', sprintf('%.1f ms', $p99), "<= $most ms, 0 missed", $p99 <= $most && !$missed);
+    Sockets::row($id, "/livez beside $what, p99 of $n, $missed missed (load " . Sockets::load() . ')', sprintf('%.1f ms', $p99), "<= $most ms, 0 missed", $p99 <= $most && !$missed);
 }
 
 # Idle ones, of a job that waits for another one, which takes a core meanwhile.
 {
     my ($daemon, $running, $waiting) = begin();
     $daemon->get('/livez') for 1 .. 20;
-    my ($descriptors, $before) = (Torture::descriptors($daemon), Torture::resident($daemon));
+    my ($descriptors, $before) = (Sockets::descriptors($daemon), Sockets::resident($daemon));
     my @streams = open_streams($daemon, $waiting, $streams, '127.0.0.1');
-    my $each = (Torture::resident($daemon) - $before) / 1024 / $streams;
-    Torture::row('F12', "memory of each of $streams streams (before: 47 KB)", sprintf('%.1f KB', $each), '<= 32 KB', $each <= 32);
+    my $each = (Sockets::resident($daemon) - $before) / 1024 / $streams;
+    Sockets::row('F12', "memory of each of $streams streams (before: 47 KB)", sprintf('%.1f KB', $each), '<= 32 KB', $each <= 32);
     livez_row('F12', $daemon, "$streams idle streams", 20);
     close $_ for @streams;
     my $began = time;
-    wait_until(sub { Torture::descriptors($daemon) <= $descriptors + 2 }, 40);
+    wait_until(sub { Sockets::descriptors($daemon) <= $descriptors + 2 }, 40);
     my $back = time - $began;
-    Torture::row('G15', "descriptors are back after $streams readers closed", sprintf('%.1f s', $back), '<= 30 s', $back <= 30);
+    Sockets::row('G15', "descriptors are back after $streams readers closed", sprintf('%.1f s', $back), '<= 30 s', $back <= 30);
     $daemon->stop('KILL');
 }
 
@@ -85,13 +85,13 @@ sub livez_row {
 }
 
 # Readers that fall silent.
-my $network = Torture::network();
+my $network = Sockets::network();
 if (!$network) {
     print STDERR "no network of our own here: readers that fall silent are not measured\n";
 } else {
     my ($beat, $many) = $long ? (15, 1000) : (3, 100);
     my ($far, $running, $waiting) = begin(listen => '0.0.0.0:0', 'no-auth' => 1, 'address-connections' => 0, heartbeat => $beat);
-    my $descriptors = Torture::descriptors($far);
+    my $descriptors = Sockets::descriptors($far);
     my $readers = $network->inside(sub {
         my ($out) = @_;
         my @streams = open_streams($far, $waiting, $many, $network->{ours});
@@ -103,9 +103,9 @@ if (!$network) {
     die 'no streams from the other network' if ($line // '') ne "open\n";
     $network->silence;
     my $began = time;
-    wait_until(sub { Torture::descriptors($far) <= $descriptors + 2 }, 4 * $beat + 5);
+    wait_until(sub { Sockets::descriptors($far) <= $descriptors + 2 }, 4 * $beat + 5);
     my $back = time - $began;
-    Torture::row('G15', "descriptors are back after $many readers fell silent, heartbeat $beat s", sprintf('%.1f s', $back), '<= ' . 2 * $beat . ' s',
+    Sockets::row('G15', "descriptors are back after $many readers fell silent, heartbeat $beat s", sprintf('%.1f s', $back), '<= ' . 2 * $beat . ' s',
         $back <= 2 * $beat);
     kill 'KILL', $readers->{pid};
     waitpid $readers->{pid}, 0;

@@ -8,10 +8,10 @@ use FindBin;
 use lib "$FindBin::Bin/../support", $FindBin::Bin;
 use JSON::PP ();
 use Time::HiRes qw(sleep time);
-use Torture;
+use Sockets;
 use Vt;
 
-my ($long, $seed, $count) = Torture::options();
+my ($long, $seed, $count) = Sockets::options();
 $count //= $long ? 1_000_000 : 1500;
 my $daemon = Vt->start('header-timeout' => 2, 'body-idle' => 2, queue => 100000, 'keep-inputs' => 0, 'result-ttl' => 5);
 my $cloud = sphere_ply(20);
@@ -51,7 +51,7 @@ sub mutant {
 # Sends some requests, closes its side, and waits as long as something comes; what came.
 sub talk {
     my ($bytes) = @_;
-    my $socket = Torture::connect_to($daemon) // return undef;
+    my $socket = Sockets::connect_to($daemon) // return undef;
     my $all = '';
     syswrite $socket, $bytes;
     shutdown $socket, 1;
@@ -81,16 +81,16 @@ for (my $at = 0; $at < $count;) {
     }
     next unless $at >= $count / 2 && !defined $descriptors;
     sleep 0.5;
-    ($descriptors, $memory) = (Torture::descriptors($daemon), Torture::resident($daemon));
+    ($descriptors, $memory) = (Sockets::descriptors($daemon), Sockets::resident($daemon));
 }
-wait_until(sub { Torture::descriptors($daemon) <= $descriptors + 2 }, 4);
+wait_until(sub { Sockets::descriptors($daemon) <= $descriptors + 2 }, 4);
 my $alive = eval { $daemon->get('/livez')->{status} } // 0;
-my $left = Torture::descriptors($daemon) - $descriptors;
-my $grown = 100 * (Torture::resident($daemon) / $memory - 1);
-Torture::row('G7', "restarts and refused connections in $count mutated requests, seed $seed", $gone + ($alive == 200 ? 0 : 1), 0, !$gone && $alive == 200);
-Torture::row('G7', "answers with a 5xx in $count mutated requests", $fives, 0, !$fives);
-Torture::row('G7', "problems without a type, of $errors", $unnamed, 0, $errors && !$unnamed);
-Torture::row('G7', 'descriptors more than half way', $left, '<= 2', $left <= 2);
-Torture::row('G7', 'memory more than half way', sprintf('%.1f %%', $grown), '<= 5 %', $grown <= 5);
+my $left = Sockets::descriptors($daemon) - $descriptors;
+my $grown = 100 * (Sockets::resident($daemon) / $memory - 1);
+Sockets::row('G7', "restarts and refused connections in $count mutated requests, seed $seed", $gone + ($alive == 200 ? 0 : 1), 0, !$gone && $alive == 200);
+Sockets::row('G7', "answers with a 5xx in $count mutated requests", $fives, 0, !$fives);
+Sockets::row('G7', "problems without a type, of $errors", $unnamed, 0, $errors && !$unnamed);
+Sockets::row('G7', 'descriptors more than half way', $left, '<= 2', $left <= 2);
+Sockets::row('G7', 'memory more than half way', sprintf('%.1f %%', $grown), '<= 5 %', $grown <= 5);
 my $status = $daemon->stop;
-Torture::row('G7', 'it ends with', $status, 0, $status eq '0');
+Sockets::row('G7', 'it ends with', $status, 0, $status eq '0');

@@ -5,10 +5,10 @@ use strict;
 use warnings;
 use FindBin;
 use lib "$FindBin::Bin/../support", $FindBin::Bin;
-use Torture;
+use Sockets;
 use Vt;
 
-my ($long, $seed) = Torture::options();
+my ($long, $seed) = Sockets::options();
 my $daemon = Vt->start('header-timeout' => 1, 'body-idle' => 1);
 my $host = "Host: localhost\r\n";
 my $post = "POST /v1/resample?points=1 HTTP/1.1\r\n$host";
@@ -42,20 +42,20 @@ for my $case (@cases) {
     push @accepted, $case->[0] if $raw !~ m{\A(?:HTTP/1\.1 (?:4\d\d|505) .*)?\z}s || $raw =~ /no-such-resource/;
 }
 print STDERR "accepted: @accepted\n" if @accepted;
-Torture::row('G13', 'odd framings accepted, of ' . @cases, scalar(@accepted), 0, !@accepted);
+Sockets::row('G13', 'odd framings accepted, of ' . @cases, scalar(@accepted), 0, !@accepted);
 my $followed = grep { ($_->{path} // '') eq '/smuggled' } $daemon->log_lines;
-Torture::row('G13', 'second requests behind them that were answered', $followed, 0, !$followed);
+Sockets::row('G13', 'second requests behind them that were answered', $followed, 0, !$followed);
 
 # Pairs: a chunked or counted body, then a request that names itself.
 my ($pairs, $wrong) = ($long ? 1000 : 200, 0);
 for my $i (1 .. $pairs) {
-    my $body = 'x' x int(Torture::random() * 300);
-    my $first = Torture::random() < 0.5
+    my $body = 'x' x int(Sockets::random() * 300);
+    my $first = Sockets::random() < 0.5
         ? "${post}X-Request-Id: a$i\r\nContent-Length: " . length($body) . "\r\n\r\n$body"
         : "${post}X-Request-Id: a$i\r\nTransfer-Encoding: chunked\r\n\r\n" . join('', map { sprintf "%x\r\n%s\r\n", length $_, $_ } grep { length } unpack '(A70)*', $body) . "0\r\n\r\n";
     my $raw = $daemon->raw("${first}GET /version HTTP/1.1\r\n${host}X-Request-Id: b$i\r\nConnection: close\r\n\r\n", 5);
     my @ids = $raw =~ /^X-Request-Id: (\S+)\r$/mg;
     $wrong++ if "@ids" ne "a$i b$i" || $raw !~ /"version"/;
 }
-Torture::row('G13', "pairs of requests on one connection that were not kept apart, of $pairs", $wrong, 0, !$wrong);
+Sockets::row('G13', "pairs of requests on one connection that were not kept apart, of $pairs", $wrong, 0, !$wrong);
 $daemon->stop;

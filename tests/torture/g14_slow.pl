@@ -8,27 +8,27 @@ use Fcntl qw(F_GETFL F_SETFL O_NONBLOCK);
 use FindBin;
 use lib "$FindBin::Bin/../support", $FindBin::Bin;
 use Time::HiRes qw(sleep time);
-use Torture;
+use Sockets;
 use Vt;
 
-my ($long, $seed) = Torture::options();
-my $files = Torture::files(4000);
+my ($long, $seed) = Sockets::options();
+my $files = Sockets::files(4000);
 my $each = $long ? 1000 : 100;
 my ($head, $idle, $pause) = $long ? (10, 30, 2) : (2, 3, 0.5);
 my $host = "Host: localhost\r\n";
 my $daemon = Vt->start(connections => 4000, 'header-timeout' => $head, 'body-idle' => $idle);
-my $big = Torture::large_result($daemon);
+my $big = Sockets::large_result($daemon);
 my %kinds = (
     head => ["GET /livez HTTP/1.1\r\nX-", $head + 1],
     body => ["POST /v1/resample?points=9 HTTP/1.1\r\n${host}Content-Length: 100000\r\n\r\nply", $idle + 1],
     reader => ["GET /v1/jobs/$big/results/cloud HTTP/1.1\r\n$host\r\n", 2 * $idle],
 );
 my $seconds = 2 * $idle + 2;
-my $good = Torture::beside(sub {
+my $good = Sockets::beside(sub {
     my ($out) = @_;
     my $until = time + $seconds - 1;
     while (time < $until) {
-        my ($took, $status) = Torture::timed($daemon, "GET /v1/jobs HTTP/1.1\r\n${host}Connection: close\r\n\r\n", 5);
+        my ($took, $status) = Sockets::timed($daemon, "GET /v1/jobs HTTP/1.1\r\n${host}Connection: close\r\n\r\n", 5);
         print $out "$status $took\n";
         sleep 0.02;
     }
@@ -38,7 +38,7 @@ local $SIG{PIPE} = 'IGNORE';
 my %alive;
 for my $kind (sort keys %kinds) {
     for my $i (1 .. $each) {
-        my $socket = Torture::connect_to($daemon, $kind eq 'reader' ? 4096 : 0) // die "connect: $!";
+        my $socket = Sockets::connect_to($daemon, $kind eq 'reader' ? 4096 : 0) // die "connect: $!";
         fcntl $socket, F_SETFL, fcntl($socket, F_GETFL, 0) | O_NONBLOCK;
         syswrite $socket, $kinds{$kind}[0];
         $alive{"$kind $i"} = [$socket, time];
@@ -69,12 +69,12 @@ for (values %reading) { $longest{reader} = $_ if $_ > $longest{reader} }
 my %words = (head => 'heads that come a byte at a time', body => 'bodies that come a byte at a time', reader => 'readers of a byte at a time');
 for my $kind (qw(head body reader)) {
     my $most = $kinds{$kind}[1] + $pause;
-    Torture::row('G14', "$each $words{$kind}: " . ($each - $cut{$kind}) . ' not cut; the last after', sprintf('%.1f s', $longest{$kind}), "<= $most s",
+    Sockets::row('G14', "$each $words{$kind}: " . ($each - $cut{$kind}) . ' not cut; the last after', sprintf('%.1f s', $longest{$kind}), "<= $most s",
         $cut{$kind} == $each && $longest{$kind} <= $most);
 }
-my @lines = Torture::take_lines($good);
+my @lines = Sockets::take_lines($good);
 my @missed = grep { !/^200/ } @lines;
-my $p99 = 1e3 * Torture::percentile(0.99, map { (split)[1] } @lines);
-Torture::row('G14', 'good clients beside them: missed of ' . @lines, scalar(@missed), 0, @lines && !@missed);
-Torture::row('G14', 'good clients beside them, p99 (load ' . Torture::load() . ')', sprintf('%.1f ms', $p99), '<= 50 ms', @lines && $p99 <= 50);
+my $p99 = 1e3 * Sockets::percentile(0.99, map { (split)[1] } @lines);
+Sockets::row('G14', 'good clients beside them: missed of ' . @lines, scalar(@missed), 0, @lines && !@missed);
+Sockets::row('G14', 'good clients beside them, p99 (load ' . Sockets::load() . ')', sprintf('%.1f ms', $p99), '<= 50 ms', @lines && $p99 <= 50);
 $daemon->stop('KILL');

@@ -6,10 +6,10 @@ use warnings;
 use FindBin;
 use lib "$FindBin::Bin/../support", $FindBin::Bin;
 use JSON::PP ();
-use Torture;
+use Sockets;
 use Vt;
 
-my ($long, $seed) = Torture::options();
+my ($long, $seed) = Sockets::options();
 my $daemon = Vt->start;
 my $cloud = sphere_ply(50);
 my %evil = (CR => "a\rInjected: 1", LF => "a\nInjected: 1", CRLF => "a\r\nInjected: 1", NUL => "a\0b", ESC => "a\e[31mb", 'invalid UTF-8' => "a\xff\xc0\xafb",
@@ -50,13 +50,13 @@ for my $name (sort keys %evil) {
         "--b\r\nContent-Disposition: form-data; name=\"$json\"; filename=\"$json\"\r\n\r\n$cloud\r\n--b--\r\n"));
     send_one('magic', $name, $post->('/v1/resample?points=9', 'application/ply', $value));
 }
-Torture::row('G19', "answers with raw bytes of $asked requests, " . keys(%count) . ' fields', $raw_bytes, 0, !$raw_bytes);
+Sockets::row('G19', "answers with raw bytes of $asked requests, " . keys(%count) . ' fields', $raw_bytes, 0, !$raw_bytes);
 my $listed = $daemon->get('/v1/jobs?limit=100')->{content};
 my $sound = eval { JSON::PP->new->utf8->decode($listed); 1 } ? 0 : 1;
-Torture::row('G19', 'lists of jobs with these names that are no JSON', $sound, 0, !$sound);
+Sockets::row('G19', 'lists of jobs with these names that are no JSON', $sound, 0, !$sound);
 my @lines = split /\n/, $daemon->log_text;
 my $broken = grep { !eval { JSON::PP->new->utf8->decode($_); 1 } } @lines;
-Torture::row('G19', 'lines of the log that are no JSON, of ' . @lines, $broken, 0, !$broken);
+Sockets::row('G19', 'lines of the log that are no JSON, of ' . @lines, $broken, 0, !$broken);
 my $hidden = grep { /[\0-\x08\x0b-\x1f\x7f]/ } @lines;
-Torture::row('G19', 'lines of the log with a control byte', $hidden, 0, !$hidden);
+Sockets::row('G19', 'lines of the log with a control byte', $hidden, 0, !$hidden);
 $daemon->stop;

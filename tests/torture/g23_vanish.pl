@@ -9,17 +9,17 @@ use lib "$FindBin::Bin/../support", $FindBin::Bin;
 use POSIX ();
 use Socket;
 use Time::HiRes qw(sleep time);
-use Torture;
+use Sockets;
 use Vt;
 
-my ($long, $seed) = Torture::options();
-Torture::files(3000);
+my ($long, $seed) = Sockets::options();
+Sockets::files(3000);
 my $each = $long ? 1000 : 50;
 my $beat = $long ? 15 : 2;
-my $network = Torture::network();
+my $network = Sockets::network();
 my $daemon = Vt->start(connections => 3000, streams => 1500, jobs => 1, threads => 1, heartbeat => $beat, 'body-idle' => $long ? 30 : 2,
     $network ? (listen => '0.0.0.0:0', 'no-auth' => 1, 'address-connections' => 0) : ());
-my $big = Torture::large_result($daemon);
+my $big = Sockets::large_result($daemon);
 my $running = $daemon->submit('points=5000&iterations=10000&polish=0', sphere_ply(20000));
 wait_until(sub { $daemon->status($running) eq 'running' }, 20) or die 'no job runs';
 my %begin = (
@@ -48,25 +48,25 @@ sub enter {
 sub settle {
     my ($how, $most, $files, $descriptors) = @_;
     my $began = time;
-    wait_until(sub { files() <= $files && Torture::descriptors($daemon) <= $descriptors + 2 }, 70);
+    wait_until(sub { files() <= $files && Sockets::descriptors($daemon) <= $descriptors + 2 }, 70);
     my $took = time - $began;
-    Torture::row('G23', "$each uploads, streams, downloads each vanish $how: files and descriptors are back", sprintf('%.1f s', $took), "<= $most s",
+    Sockets::row('G23', "$each uploads, streams, downloads each vanish $how: files and descriptors are back", sprintf('%.1f s', $took), "<= $most s",
         $took <= $most);
-    Torture::row('G23', "temporary files left of those who vanished $how", files() - $files, 0, files() <= $files);
+    Sockets::row('G23', "temporary files left of those who vanished $how", files() - $files, 0, files() <= $files);
 }
 
 $daemon->get('/livez');
-my ($files, $descriptors) = (files(), Torture::descriptors($daemon));
+my ($files, $descriptors) = (files(), Sockets::descriptors($daemon));
 my $memory;
 for my $round (1 .. 2) {
     my @sockets = enter('127.0.0.1');
     setsockopt $_, SOL_SOCKET, SO_LINGER, pack('ii', 1, 0) for @sockets; # closing sends a reset
     close $_ for @sockets;
-    $round == 2 ? settle('with a reset', 60, $files, $descriptors) : wait_until(sub { Torture::descriptors($daemon) <= $descriptors + 2 }, 70);
-    $memory //= Torture::resident($daemon);
+    $round == 2 ? settle('with a reset', 60, $files, $descriptors) : wait_until(sub { Sockets::descriptors($daemon) <= $descriptors + 2 }, 70);
+    $memory //= Sockets::resident($daemon);
 }
-my $grown = (Torture::resident($daemon) - $memory) / 1048576;
-Torture::row('G23', 'memory grown from the first such round to the second', sprintf('%.1f MB', $grown), '<= 2 MB', $grown <= 2);
+my $grown = (Sockets::resident($daemon) - $memory) / 1048576;
+Sockets::row('G23', 'memory grown from the first such round to the second', sprintf('%.1f MB', $grown), '<= 2 MB', $grown <= 2);
 if ($network) {
     my $there = $network->inside(sub { my ($out) = @_; my @sockets = enter($network->{ours}); print $out "in\n"; sleep 300 });
     my $in = $there->{in};
@@ -78,5 +78,5 @@ if ($network) {
 } else {
     print STDERR "no network of our own here: those who vanish without a word are not measured\n";
 }
-Torture::row('G23', 'the job that they watched', $daemon->status($running), 'running', $daemon->status($running) eq 'running');
+Sockets::row('G23', 'the job that they watched', $daemon->status($running), 'running', $daemon->status($running) eq 'running');
 $daemon->stop('KILL');

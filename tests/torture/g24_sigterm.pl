@@ -10,10 +10,10 @@ use IO::Select;
 use POSIX ();
 use Socket;
 use Time::HiRes qw(sleep time);
-use Torture;
+use Sockets;
 use Vt;
 
-my ($long, $seed) = Torture::options();
+my ($long, $seed) = Sockets::options();
 my $rounds = $long ? 30 : 3;
 my $cloud = sphere_ply(300);
 my ($resets, $lost, $asked, $accepted, $slowest_ready, $longest) = (0, 0, 0, 0, 0, 0);
@@ -59,7 +59,7 @@ for my $round (1 .. $rounds) {
         push @clients, $pid;
     }
     close $out;
-    sleep 0.4 + Torture::random($seed) * 0.4;
+    sleep 0.4 + Sockets::random($seed) * 0.4;
     my $began = time;
     kill 'TERM', $daemon->{pid};
     while ((my $sent = time - $began) < 5) {
@@ -81,10 +81,10 @@ for my $round (1 .. $rounds) {
     $lost += grep { $again->get("/v1/jobs/$_")->{status} != 200 } @jobs;
     $again->stop;
 }
-Torture::row('G24', "$rounds SIGTERM under 40 clients: requests of $asked cut without an answer", $resets, 0, $resets == 0);
-Torture::row('G24', "accepted jobs of $accepted that are not there after the next start", $lost, 0, $lost == 0);
-Torture::row('G24', 'last /readyz that was sent after SIGTERM and answered 200', sprintf('%.0f ms', 1e3 * $slowest_ready), '<= 100 ms', $slowest_ready <= 0.1);
-Torture::row('G24', 'the daemon ends with 0, drain-timeout 5 s', sprintf('%.1f s', $longest), '<= 10 s', $longest <= 10);
+Sockets::row('G24', "$rounds SIGTERM under 40 clients: requests of $asked cut without an answer", $resets, 0, $resets == 0);
+Sockets::row('G24', "accepted jobs of $accepted that are not there after the next start", $lost, 0, $lost == 0);
+Sockets::row('G24', 'last /readyz that was sent after SIGTERM and answered 200', sprintf('%.0f ms', 1e3 * $slowest_ready), '<= 100 ms', $slowest_ready <= 0.1);
+Sockets::row('G24', 'the daemon ends with 0, drain-timeout 5 s', sprintf('%.1f s', $longest), '<= 10 s', $longest <= 10);
 
 # Slow in every way.
 {
@@ -100,5 +100,5 @@ Torture::row('G24', 'the daemon ends with 0, drain-timeout 5 s', sprintf('%.1f s
     my $began = time;
     my $status = $daemon->stop;
     my $took = time - $began;
-    Torture::row('F13', "SIGTERM with 40 slow clients ends with $status, drain-timeout $drain s (before: + 10 s)", sprintf('%.1f s', $took), '<= ' . ($drain + 5) . ' s', $status eq '0' && $took <= $drain + 5);
+    Sockets::row('F13', "SIGTERM with 40 slow clients ends with $status, drain-timeout $drain s (before: + 10 s)", sprintf('%.1f s', $took), '<= ' . ($drain + 5) . ' s', $status eq '0' && $took <= $drain + 5);
 }

@@ -1,4 +1,4 @@
-package Torture;
+package Sockets;
 
 # What the programs of this folder share: their options, a row of the table, percentiles, seeded choices, many sockets.
 use strict;
@@ -125,7 +125,7 @@ sub network {
     return undef if $>;
     my $holder = fork // die "fork: $!";
     if (!$holder) { exec 'unshare', '-n', 'sleep', '600' or POSIX::_exit(127) }
-    my $self = bless { holder => $holder, ours => $ours, theirs => $theirs, name => $name }, 'Torture::Network';
+    my $self = bless { holder => $holder, ours => $ours, theirs => $theirs, name => $name }, 'Sockets::Network';
     for (1 .. 200) {
         last if (readlink("/proc/$holder/ns/net") // '') ne (readlink('/proc/self/ns/net') // '');
         sleep 0.02;
@@ -139,13 +139,13 @@ sub network {
 
 sub load { open my $file, '<', '/proc/loadavg' or return '?'; return (split ' ', <$file>)[0] }
 
-package Torture::Network;
+package Sockets::Network;
 
-# Runs a function there, in a process of its own (as Torture::beside).
+# Runs a function there, in a process of its own (as Sockets::beside).
 sub inside {
     my ($self, $do) = @_;
     my $path = "/proc/$self->{holder}/ns/net";
-    return Torture::beside(sub {
+    return Sockets::beside(sub {
         open my $there, '<', $path or die "$path: $!";
         my %setns = (x86_64 => 308, aarch64 => 268);
         syscall($setns{ (POSIX::uname())[4] } // die('no setns'), fileno $there, 0) == 0 or die "setns: $!";
