@@ -47,6 +47,22 @@ static unsigned thread_count(const struct vor_config *config)
     return asked > 0 ? asked : vor_machine_cores();
 }
 
+/* A disk has failed: what is on it is not known any more, so that only a start finds out. Called on
+ * a thread of the worker. Answers under way get a moment, jobs none: their rows cannot be changed.
+ */
+static void fail(void *ctx, const struct vor_error *why)
+{
+    static const struct timespec pause = {.tv_nsec = 200000000};
+    struct daemon *daemon = ctx;
+
+    vor_log(VOR_LOG_ERROR, "a disk failed: the daemon ends, its next start recovers",
+            VOR_TEXT("error", why->message), VOR_COUNT("exit", VOR_EXIT_FAILED));
+    if (daemon->app.http != NULL && !atomic_exchange(&daemon->app.draining, true))
+        vor_http_quiesce(daemon->app.http);
+    (void)nanosleep(&pause, NULL);
+    _exit(VOR_EXIT_FAILED);
+}
+
 static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
 {
     struct vor_config *config = &daemon->config;
@@ -56,7 +72,11 @@ static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
     if (status == VOR_OK)
         status =
             vor_blobs_open(&daemon->app.blobs, config->text[VOR_SET_BLOBS], &daemon->holder, err);
-    return status;
+    if (status != VOR_OK)
+        return status;
+    vor_store_set_reserve(daemon->app.store, (uint64_t)config->number[VOR_SET_DISK_RESERVE]);
+    vor_blobs_set_reserve(daemon->app.blobs, (uint64_t)config->number[VOR_SET_DISK_RESERVE]);
+    return VOR_OK;
 }
 
 /* Results are converted where uploads are decoded, as many at a time as there are cores. */
@@ -83,6 +103,8 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         .ttl_seconds = config->number[VOR_SET_RESULT_TTL],
         .crashes_max = CRASHES_MAX,
         .keep = (uint64_t)config->number[VOR_SET_KEEP_INPUTS],
+        .failed = fail,
+        .failed_ctx = daemon,
     };
     struct vor_admit_limits limits = {
         .codec = VOR_LIMITS_DEFAULT, .memory = job_memory(config), .keep = worker.keep};

@@ -45,6 +45,10 @@ enum vor_setting_kind {
       "Uploads that are kept as long as results, in all; those of jobs that ended first go "       \
       "first; "                                                                                    \
       "0 keeps none")                                                                              \
+    X(DISK_RESERVE, "disk-reserve", BYTES, "bytes", 0, 1e15, "16M",                                \
+      "Kept in a file beside --store, which a full disk is given back to end and remove jobs, "    \
+      "and "                                                                                       \
+      "as much free beside it, which uploads leave alone")                                         \
     X(PUBLIC_URL, "public-url", TEXT, "URL", 0, 0, "",                                             \
       "How clients reach this daemon, for absolute links; else the scheme, Host and path that a "  \
       "trusted proxy names; else http:// and the Host they sent")                                  \

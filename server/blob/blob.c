@@ -69,9 +69,12 @@ static vor_status open_with(const struct vor_blob_driver *driver, struct vor_blo
 {
     vor_status status = driver->open(out, place, holder, err);
 
-    if (status == VOR_OK)
-        (*out)->driver = driver;
-    return status;
+    if (status != VOR_OK)
+        return status;
+    (*out)->driver = driver;
+    (*out)->reserve = VOR_BLOBS_RESERVE;
+    atomic_init(&(*out)->is_broken, 0);
+    return VOR_OK;
 }
 
 vor_status vor_blobs_open(struct vor_blobs **out, const char *where, long *holder,
@@ -99,6 +102,33 @@ vor_status vor_blobs_space(struct vor_blobs *blobs, uint64_t *available, uint64_
                            struct vor_error *err)
 {
     return blobs->driver->space(blobs, available, total, err);
+}
+
+void vor_blobs_set_reserve(struct vor_blobs *blobs, uint64_t bytes)
+{
+    blobs->reserve = bytes;
+}
+
+vor_status vor_blobs_room(struct vor_blobs *blobs, uint64_t bytes, struct vor_error *err)
+{
+    uint64_t available = 0, total = 0;
+    vor_status status = vor_blobs_space(blobs, &available, &total, err);
+
+    if (status != VOR_OK || (available >= blobs->reserve && available - blobs->reserve >= bytes))
+        return status;
+    (void)vor_fail(err, VOR_E_IO, "%llu bytes do not fit: %llu are free, of which %llu stay so",
+                   (unsigned long long)bytes, (unsigned long long)available,
+                   (unsigned long long)blobs->reserve);
+    if (err != NULL)
+        err->got = ENOSPC;
+    return VOR_E_IO;
+}
+
+vor_status vor_blobs_check(struct vor_blobs *blobs, struct vor_error *err)
+{
+    if (atomic_load(&blobs->is_broken))
+        return vor_fail(err, VOR_E_IO, "the bytes of jobs: their disk failed");
+    return VOR_OK;
 }
 
 /* --- writing ---------------------------------------------------------------------------------- */
@@ -206,11 +236,16 @@ static int is_name(const char *name)
 vor_status vor_blob_commit(struct vor_blob_writer *writer, const struct vor_uuid *id,
                            const char *name, struct vor_error *err)
 {
-    vor_status status = vor_blob_failure(writer, err);
+    struct vor_error failure;
+    vor_status status = vor_blob_failure(writer, &failure);
 
     assert(is_name(name));
     if (status == VOR_OK)
-        status = writer->blobs->driver->commit(writer, id, name, err);
+        status = writer->blobs->driver->commit(writer, id, name, &failure);
+    if (status == VOR_E_IO && failure.got == EIO)
+        atomic_store(&writer->blobs->is_broken, 1);
+    if (status != VOR_OK && err != NULL)
+        *err = failure;
     vor_blob_discard(writer);
     return status;
 }

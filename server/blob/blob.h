@@ -36,7 +36,8 @@ int vor_blob_is_upload(const char *name);
 const char *vor_blob_of_converted(const char *output, const char *format,
                                   char out[VOR_BLOB_NAME_MAX + 1]);
 
-/** Bytes of the disk that stay free, so that jobs under way can end. */
+/** Bytes of the disk that stay free unless vor_blobs_set_reserve says otherwise, so that jobs under
+ *  way can end. */
 #define VOR_BLOBS_RESERVE ((uint64_t)16 << 20)
 
 /** Driver number `index`, NULL past the last. */
@@ -60,6 +61,19 @@ void vor_blobs_close(struct vor_blobs *blobs);
  *  @retval VOR_E_IO */
 VOR_NODISCARD vor_status vor_blobs_space(struct vor_blobs *blobs, uint64_t *available,
                                          uint64_t *total, struct vor_error *err);
+
+/** How many bytes stay free. Before other threads know the blobs. */
+void vor_blobs_set_reserve(struct vor_blobs *blobs, uint64_t bytes);
+
+/** Is there room for so many bytes more, besides those that stay free?
+ *
+ *  @retval VOR_E_IO there is not (vor_error_storage_full; message: bytes, free ones, reserve), or
+ * as vor_blobs_space */
+VOR_NODISCARD vor_status vor_blobs_room(struct vor_blobs *blobs, uint64_t bytes,
+                                        struct vor_error *err);
+
+/** @retval VOR_E_IO since a commit failed with EIO: nothing is known about the disk any more */
+VOR_NODISCARD vor_status vor_blobs_check(struct vor_blobs *blobs, struct vor_error *err);
 
 /** Begins a blob, of which size and SHA-256 are known as it grows. A writer belongs to one thread
  *  at a time. Nothing of it is kept until it is committed, not after a crash either.

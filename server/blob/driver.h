@@ -11,6 +11,7 @@
 #include "server/base/digest.h"
 #include "server/base/uuid.h"
 
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -19,6 +20,8 @@ enum { VOR_BLOB_NAME_MAX = 40 }; /**< bytes of a blob's name */
 /** A driver's blobs begin with this; the door fills it in. */
 struct vor_blobs {
     const struct vor_blob_driver *driver;
+    uint64_t reserve;     /**< bytes of the disk that stay free */
+    atomic_int is_broken; /**< an fsync failed */
 };
 
 /** A blob that is there, and its digest. */

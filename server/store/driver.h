@@ -9,14 +9,16 @@
 #define VOR_SERVER_STORE_DRIVER_H
 
 #include "core/base/status.h"
+#include "server/base/reserve.h"
 #include "server/store/row.h"
 
 #include <stddef.h>
 #include <stdint.h>
 
-/** A driver's store begins with this; the door fills it in. */
+/** A driver's store begins with this, all zero; the door fills it in. */
 struct vor_store {
     const struct vor_store_driver *driver;
+    struct vor_reserve *reserve; /**< of the disk; NULL for none */
 };
 
 /** What goes into the row with the final state besides the view; either may be NULL. Borrowed. */
@@ -54,6 +56,7 @@ struct vor_recovered {
 struct vor_store_driver {
     const char *scheme; /**< "sqlite": what stands before the colon of --store */
     const char *place;  /**< "PATH": what stands after it, for messages */
+    int is_file;        /**< place is a path here: the door keeps a reserve beside it */
     vor_status (*open)(struct vor_store **out, const char *place, long *holder,
                        struct vor_error *err);
     void (*close)(struct vor_store *store);

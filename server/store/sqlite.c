@@ -553,6 +553,7 @@ static vor_status recover(struct vor_store *store, unsigned crashes_max, int64_t
 const struct vor_store_driver vor_store_sqlite = {
     .scheme = "sqlite",
     .place = "PATH",
+    .is_file = 1,
     .open = open_store,
     .close = close_store,
     .check = check,

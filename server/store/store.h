@@ -28,6 +28,17 @@ const struct vor_store_driver *vor_store_driver_at(unsigned index);
 VOR_NODISCARD vor_status vor_store_open(struct vor_store **out, const char *where, long *holder,
                                         struct vor_error *err);
 
+/** Keeps so many bytes of the store's disk (server/base/reserve.h), if it has a disk here, from now
+ *  on: on a full one they are given up for vor_store_finish, _release, _remove, _expire, _shed and
+ *  _recover, and when it is opened. */
+void vor_store_set_reserve(struct vor_store *store, uint64_t bytes);
+
+/** Makes the reserve again once there is room, or only says whether it is there (for HTTP threads).
+ *
+ *  @retval VOR_E_IO it is not */
+VOR_NODISCARD vor_status vor_store_keep_reserve(struct vor_store *store, struct vor_error *err);
+VOR_NODISCARD vor_status vor_store_check_reserve(struct vor_store *store, struct vor_error *err);
+
 /** store may be NULL; no call may be under way. */
 void vor_store_close(struct vor_store *store);
 

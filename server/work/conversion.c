@@ -139,15 +139,12 @@ static vor_status check_disk(const struct result *result, struct vor_blobs *blob
                              struct vor_error *err)
 {
     const struct vor_cloud *cloud = &result->cloud;
-    uint64_t available, total, row = 3 * sizeof(double);
+    uint64_t row = 3 * sizeof(double);
     uint64_t faces = result->mesh.count * (1 + 3 * sizeof(uint32_t));
-    vor_status status = vor_blobs_space(blobs, &available, &total, err);
 
     for (size_t i = 0; i < cloud->attribute_count; i++)
         row += cloud->attributes[i].components * vor_type_size(cloud->attributes[i].type);
-    if (status == VOR_OK && available < VOR_BLOBS_RESERVE + row * cloud->n + faces)
-        status = vor_fail_errno(err, ENOSPC, "the converted result");
-    return status;
+    return vor_blobs_room(blobs, row * cloud->n + faces, err);
 }
 
 static vor_status write_blob(struct vor_blob_writer *writer, const struct result *result,

@@ -3,6 +3,7 @@
 #include "server/base/log.h"
 #include "server/work/live.h"
 #include "server/work/recover.h"
+#include "server/work/room.h"
 #include "server/work/runner.h"
 
 #include <assert.h>
@@ -13,6 +14,8 @@
 /* The store has one connection that writes, so a second thread only helps while the first one
  * removes files. */
 enum { SWEEP_SECONDS = 60, CREW_THREADS = 2 };
+
+static const double look_seconds = 1; /* between two looks at the disk: a restart takes as long */
 
 static void *runner_main(void *arg)
 {
@@ -33,14 +36,20 @@ static void *runner_main(void *arg)
 static void *sweeper_main(void *arg)
 {
     struct vor_worker *worker = arg;
+    double swept = vor_clock_seconds() - SWEEP_SECONDS;
+    struct vor_error err;
 
     vor_worker_drop_strays(worker);
     do {
-        struct vor_error err;
+        double now = vor_clock_seconds();
 
+        vor_worker_look(worker);
+        if (now - swept < SWEEP_SECONDS)
+            continue;
+        swept = now;
         if (vor_worker_sweep(worker, &err) != VOR_OK)
             vor_log(VOR_LOG_ERROR, "sweeping failed", VOR_TEXT("error", err.message));
-    } while (!vor_worker_pause(worker, SWEEP_SECONDS));
+    } while (!vor_worker_pause(worker, look_seconds));
     return NULL;
 }
 

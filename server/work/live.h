@@ -46,7 +46,9 @@ struct vor_worker {
     unsigned runner_count;
     pthread_t sweeper;
     int sweeper_started;
-    struct vor_found found; /* the sweeper's, once it runs */
+    struct vor_found found; /* the sweeper's, once it runs, as all below */
+    int is_full;            /* the store has no reserve, and the log says so */
+    int has_failed;         /* config.failed was called */
 };
 
 /** The live job of that id with a reference for the caller, NULL when there is none. */

@@ -5,15 +5,18 @@
 #include "proto/codec.h"
 #include "proto/json/json.h"
 #include "server/base/clock.h"
+#include "server/base/disk.h"
 #include "server/base/log.h"
 #include "server/work/artefacts.h"
+#include "server/work/room.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static const double beat_seconds = 2;  /* between two notes of the progress in the store */
-static const double retry_seconds = 1; /* while the store's disk is full */
+static const double beat_seconds = 2;       /* between two notes of the progress in the store */
+static const double retry_seconds = 1;      /* while the disk is full */
+static const double retry_seconds_max = 16; /* at most, as encoding costs cores */
 
 struct run {
     struct vor_worker *worker;
@@ -90,8 +93,7 @@ static vor_status compute(struct run *run, struct vor_artefacts *out, struct vor
 }
 
 /* Makes the outputs that are blobs durable. */
-static vor_status save_blobs(struct run *run, const struct vor_artefacts *out,
-                             struct vor_error *err)
+static vor_status try_blobs(struct run *run, const struct vor_artefacts *out, struct vor_error *err)
 {
     const struct vor_artefact_info *outputs = run->view.spec.process->outputs;
     vor_status status = VOR_OK;
@@ -100,6 +102,24 @@ static vor_status save_blobs(struct run *run, const struct vor_artefacts *out,
         if (!vor_output_in_row(&outputs[i]))
             status = vor_artefact_save(&run->output[i], run->worker->config.blobs, &run->view,
                                        vor_artefacts_find(out, outputs[i].name), &run->facts, err);
+    return status;
+}
+
+/* The same, however long the disk is full. */
+static vor_status save_blobs(struct run *run, const struct vor_artefacts *out,
+                             struct vor_error *err)
+{
+    vor_status status = try_blobs(run, out, err);
+    double pause = retry_seconds;
+
+    while (status == VOR_E_IO && vor_error_storage_full(err)) {
+        vor_log(VOR_LOG_WARN, "a result waits for room on the disk",
+                VOR_TEXT("job", run->view.id.text), VOR_TEXT("error", err->message));
+        if (!vor_worker_wait_room(run->worker, run->job, pause))
+            return vor_fail(err, VOR_E_CANCELLED, "cancelled while the disk was full");
+        pause = fmin(2 * pause, retry_seconds_max);
+        status = try_blobs(run, out, err);
+    }
     return status;
 }
 

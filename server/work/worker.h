@@ -27,6 +27,10 @@ struct vor_worker_config {
     double ttl_seconds;   /**< results live this long after the job's end */
     uint64_t keep;        /**< bytes of uploads that are kept; 0 for none */
     unsigned crashes_max; /**< a job that was running in so many crashes of the daemon fails */
+    /** Called once, on a thread of the worker, when a disk has failed: what is on it is not known
+     *  any more, and only a restart helps. May be NULL. */
+    void (*failed)(void *ctx, const struct vor_error *why);
+    void *failed_ctx;
 };
 
 /** Puts every job that a former life of the daemon left waiting or running back into the queue, in
@@ -51,6 +55,12 @@ void vor_worker_destroy(struct vor_worker *worker);
  *
  *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING */
 enum vor_job_outcome vor_worker_room(struct vor_worker *worker);
+
+/** Can jobs be taken, run and ended? For /readyz: the store is in order, its reserve is there, and
+ *  the disk has room besides what stays free.
+ *
+ *  @retval VOR_E_IO and the reason (vor_error_storage_full tells a full disk apart) */
+VOR_NODISCARD vor_status vor_worker_ready(struct vor_worker *worker, struct vor_error *err);
 
 /** Jobs that wait, and that run. */
 struct vor_worker_load {

@@ -23,9 +23,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What must stay free on the disk, so that jobs under way can end. */
-static const uint64_t disk_reserve = VOR_BLOBS_RESERVE;
-
 struct submission {
     struct vor_app *app;
     struct vor_submit_head head;
@@ -149,19 +146,11 @@ static struct submission *submission_create(struct vor_app *app, struct vor_requ
 static bool check_disk(struct vor_app *app, struct vor_request *request)
 {
     int64_t length = vor_request_length(request);
-    uint64_t available, total;
     struct vor_error err;
 
-    if (vor_blobs_space(app->blobs, &available, &total, &err) != VOR_OK) {
-        vor_problem_error(app, request, &err, NULL);
-        return false;
-    }
-    if (available >= disk_reserve + (length > 0 ? (uint64_t)length : 0))
+    if (vor_blobs_room(app->blobs, length > 0 ? (uint64_t)length : 0, &err) == VOR_OK)
         return true;
-    vor_problem_say(app, request, "storage-full",
-                    "%lld bytes do not fit: %llu are free, of which %llu stay so",
-                    (long long)(length > 0 ? length : 0), (unsigned long long)available,
-                    (unsigned long long)disk_reserve);
+    vor_problem_error(app, request, &err, NULL);
     return false;
 }
 
