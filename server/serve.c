@@ -10,6 +10,7 @@
 #include "server/cli/say.h"
 #include "server/work/admit.h"
 #include "server/work/conversion.h"
+#include "server/work/verify.h"
 
 #include <pthread.h>
 #include <signal.h>
@@ -103,6 +104,8 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         .ttl_seconds = config->number[VOR_SET_RESULT_TTL],
         .crashes_max = CRASHES_MAX,
         .keep = (uint64_t)config->number[VOR_SET_KEEP_INPUTS],
+        .lost_seconds = config->number[VOR_SET_LOST_TTL],
+        .lost_bytes = (uint64_t)config->number[VOR_SET_LOST_BYTES],
         .failed = fail,
         .failed_ctx = daemon,
     };
@@ -121,6 +124,8 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
     if (status == VOR_OK)
         status = vor_admit_create(&daemon->app.admit, daemon->app.blobs, &limits, worker.jobs,
                                   ADMIT_WAITING_MAX, err);
+    if (status == VOR_OK)
+        status = vor_verify_create(&daemon->app.verify, err);
     return status == VOR_OK ? start_conversions(daemon, err) : status;
 }
 
@@ -174,6 +179,7 @@ static vor_status start(struct daemon *daemon, struct vor_error *err)
 static void stop(struct daemon *daemon)
 {
     vor_http_stop(daemon->app.http);
+    vor_verify_destroy(daemon->app.verify);
     vor_admit_destroy(daemon->app.admit);
     vor_conversions_destroy(daemon->app.conversions);
     vor_worker_destroy(daemon->app.worker);

@@ -33,6 +33,7 @@
     X(E_CANCELLED, 499, "cancelled", 0, "The caller cancelled")                                    \
     X(E_STOPPED, 499, "stopped", 0, "The caller stopped the run")                                  \
     X(E_IO, 500, "io-error", 1, "Reading or writing failed")                                       \
+    X(E_DAMAGED, 500, "damaged-bytes", 0, "Bytes that were kept are damaged")                      \
     X(E_INTERNAL, 500, "engine-error", 0, "The engine failed")
 
 typedef enum vor_status {

@@ -13,6 +13,7 @@
 
 struct vor_admit;
 struct vor_conversions;
+struct vor_verify;
 
 struct vor_app {
     const struct vor_config *config;
@@ -22,6 +23,7 @@ struct vor_app {
     struct vor_admit *admit;
     struct vor_inflight *inflight;
     struct vor_conversions *conversions;
+    struct vor_verify *verify;
     struct vor_http *http;
     atomic_bool draining; /**< SIGTERM came: /readyz says no, streams end */
     atomic_uint streams;  /**< event streams open */

@@ -34,7 +34,7 @@
     X(DELETE, "/v1/jobs/{jobID}", vor_handle_dismiss, "200 403 404 503 507")                       \
     X(POST, "/v1/jobs/{jobID}/stop", vor_handle_stop, "202 403 404 409 503")                       \
     X(GET, "/v1/jobs/{jobID}/events", vor_handle_events, "200 204 400 404 503")                    \
-    X(GET, "/v1/jobs/{jobID}/input", vor_handle_input, "200 206 304 404 410 416 503")              \
+    X(GET, "/v1/jobs/{jobID}/input", vor_handle_input, "200 206 304 404 410 416 500 503")          \
     X(GET, "/v1/jobs/{jobID}/results", vor_handle_results, "200 400 404 406 410 413 422 500 503")  \
     X(GET, "/v1/jobs/{jobID}/results/{output}", vor_handle_result,                                 \
       "200 206 304 400 404 406 410 413 416 422 429 500 503 507")                                   \

@@ -45,6 +45,11 @@ enum vor_setting_kind {
       "Uploads that are kept as long as results, in all; those of jobs that ended first go "       \
       "first; "                                                                                    \
       "0 keeps none")                                                                              \
+    X(LOST_TTL, "lost-ttl", TIME, "seconds", 0, 31536000, "604800",                                \
+      "How long bytes of jobs that a damaged --store has lost are kept, in the folder lost of "    \
+      "--blobs")                                                                                   \
+    X(LOST_BYTES, "lost-bytes", BYTES, "bytes", 0, 1e15, "1G",                                     \
+      "How much of that is kept; the oldest goes first")                                           \
     X(DISK_RESERVE, "disk-reserve", BYTES, "bytes", 0, 1e15, "16M",                                \
       "Kept in a file beside --store, which a full disk is given back to end and remove jobs, "    \
       "and "                                                                                       \

@@ -3,6 +3,7 @@
 #include <nettle/sha2.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 struct vor_digest {
     struct sha256_ctx state;
@@ -52,6 +53,12 @@ void vor_digest_etag(const void *bytes, size_t size, char out[VOR_ETAG_SIZE])
     write_hex(&state, out + 1);
     out[VOR_ETAG_SIZE - 2] = '"';
     out[VOR_ETAG_SIZE - 1] = '\0';
+}
+
+int vor_digest_is_one(const char *text)
+{
+    return strlen(text) == VOR_DIGEST_SIZE - 1 &&
+           strspn(text, "0123456789abcdef") == VOR_DIGEST_SIZE - 1;
 }
 
 void vor_digest_destroy(struct vor_digest *digest)

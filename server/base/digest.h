@@ -20,6 +20,9 @@ void vor_digest_hex(const struct vor_digest *digest, char out[VOR_DIGEST_SIZE]);
 #define VOR_ETAG_SIZE (VOR_DIGEST_SIZE + 2)
 void vor_digest_etag(const void *bytes, size_t size, char out[VOR_ETAG_SIZE]);
 
+/** True for 64 such digits. */
+int vor_digest_is_one(const char *text);
+
 /** digest may be NULL. */
 void vor_digest_destroy(struct vor_digest *digest);
 

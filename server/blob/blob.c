@@ -281,3 +281,15 @@ vor_status vor_blobs_list(struct vor_blobs *blobs,
 {
     return blobs->driver->list(blobs, each, ctx, err);
 }
+
+vor_status vor_blob_set_aside(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+                              struct vor_error *err)
+{
+    return blobs->driver->set_aside(blobs, id, name, err);
+}
+
+vor_status vor_blobs_trim_lost(struct vor_blobs *blobs, const struct vor_lost_bounds *bounds,
+                               struct vor_error *err)
+{
+    return blobs->driver->trim_lost(blobs, bounds, err);
+}

@@ -111,6 +111,40 @@ vor_status vor_blob_failure(const struct vor_blob_writer *writer, struct vor_err
 uint64_t vor_blob_size(const struct vor_blob_writer *writer);
 void vor_blob_sha256(const struct vor_blob_writer *writer, char out[VOR_DIGEST_SIZE]);
 
+/** VOR_E_DAMAGED when the writer has the bytes of another blob, and they are not those of its
+ * digest any more. Cost: one pass of SHA-256 over those. */
+VOR_NODISCARD vor_status vor_blob_recheck(const struct vor_blob_writer *writer,
+                                          struct vor_error *err);
+
+/** Puts a seal behind the bytes: the digest of them, by which vor_blob_unseal knows them. For blobs
+ *  whose digest stands nowhere else; call once, then commit.
+ *
+ *  @retval VOR_E_IO as vor_blob_append */
+VOR_NODISCARD vor_status vor_blob_seal(struct vor_blob_writer *writer, struct vor_error *err);
+
+/** Takes the seal off the bytes of a blob and compares: *size becomes that of what was sealed. One
+ *  without a seal, as former versions wrote them, is left as it is.
+ *
+ *  @param[in] name  of the blob, for the message
+ *
+ *  @retval VOR_E_DAMAGED they are not what was sealed
+ *  @retval VOR_E_NOMEM
+ *
+ *  Cost: one pass of SHA-256. */
+VOR_NODISCARD vor_status vor_blob_unseal(const uint8_t *bytes, size_t *size, const char *name,
+                                         struct vor_error *err);
+
+/** The digest of the first `size` bytes of a file. False when they cannot be read, or memory is
+ * out.
+ *
+ *  Cost: reads them; not for HTTP threads. */
+int vor_blob_digest(int fd, uint64_t size, char out[VOR_DIGEST_SIZE]);
+
+/** VOR_E_DAMAGED unless the first `size` bytes of a blob have this digest; VOR_OK if it is none.
+ *  Cost as above. */
+VOR_NODISCARD vor_status vor_blob_compare(int fd, uint64_t size, const char *sha256,
+                                          const char *name, struct vor_error *err);
+
 /** The file, for reading (pread, mmap); borrowed until commit or discard. */
 int vor_blob_fd(const struct vor_blob_writer *writer);
 
@@ -142,6 +176,20 @@ VOR_NODISCARD vor_status vor_blob_get(struct vor_blobs *blobs, const struct vor_
  *  @retval VOR_E_IO */
 VOR_NODISCARD vor_status vor_blob_drop(struct vor_blobs *blobs, const struct vor_uuid *id,
                                        const char *name, struct vor_error *err);
+
+/** Takes a blob whose job is not known any more out of the way without dropping it: for people to
+ *  look at, as file ID.NAME in the folder "lost" of the driver "dir".
+ *
+ *  @retval VOR_E_IO */
+VOR_NODISCARD vor_status vor_blob_set_aside(struct vor_blobs *blobs, const struct vor_uuid *id,
+                                            const char *name, struct vor_error *err);
+
+/** Drops what was set aside too long ago, and the oldest of what is too much.
+ *
+ *  @retval VOR_E_IO, VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_blobs_trim_lost(struct vor_blobs *blobs,
+                                             const struct vor_lost_bounds *bounds,
+                                             struct vor_error *err);
 
 /** Calls each for every blob that there is, in any order; each must not call the blobs.
  *

@@ -31,6 +31,13 @@ struct vor_blob_source {
     char sha256[VOR_DIGEST_SIZE];
 };
 
+/** What of the lost bytes is kept (vor_blobs_trim_lost). */
+struct vor_lost_bounds {
+    int64_t oldest_ms; /**< wall clock: dropped when set aside before */
+    uint64_t bytes;    /**< in all; the oldest go first */
+    int64_t shift_ms;  /**< the wall clock moved by that: the dates of what is left follow */
+};
+
 /** A blob being written. A driver's writer begins with this; the driver opens fd, the door does the
  *  rest. */
 struct vor_blob_writer {
@@ -66,6 +73,10 @@ struct vor_blob_driver {
                       uint64_t *size, int *found, struct vor_error *err);
     vor_status (*drop)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                        struct vor_error *err);
+    vor_status (*set_aside)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+                            struct vor_error *err);
+    vor_status (*trim_lost)(struct vor_blobs *blobs, const struct vor_lost_bounds *bounds,
+                            struct vor_error *err);
     vor_status (*list)(struct vor_blobs *blobs,
                        void (*each)(void *ctx, const struct vor_uuid *id, const char *name),
                        void *ctx, struct vor_error *err);

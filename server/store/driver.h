@@ -15,10 +15,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** A driver's store begins with this, all zero; the door fills it in. */
+/** A driver's store begins with this, all zero; the door fills in the first two. */
 struct vor_store {
     const struct vor_store_driver *driver;
     struct vor_reserve *reserve; /**< of the disk; NULL for none */
+    int is_damaged;              /**< the driver's: changes that were durable are gone */
 };
 
 /** What goes into the row with the final state besides the view; either may be NULL. Borrowed. */

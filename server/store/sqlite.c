@@ -5,6 +5,7 @@
 #include "server/store/row_text.h"
 #include "server/store/sqlite_database.h"
 #include "server/store/sqlite_many.h"
+#include "server/store/sqlite_wal.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -116,8 +117,10 @@ static vor_status open_file(struct store *store, const char *path, long *holder,
     }
     if (status == VOR_OK)
         status = vor_storage_lock(&store->lock, name, holder, err);
-    if (status == VOR_OK)
-        status = vor_sqlite_open(&store->db, path, err);
+    if (status != VOR_OK)
+        return status;
+    store->base.is_damaged = vor_sqlite_wal_is_damaged(path);
+    status = vor_sqlite_open(&store->db, path, err);
     return status == VOR_OK ? migrate(store, err) : status;
 }
 

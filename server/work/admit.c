@@ -28,6 +28,8 @@ static vor_status keep_cloud(const struct vor_cloud *cloud, struct vor_blobs *bl
         return status;
     sink = vor_blob_sink(writer);
     status = vor_dump_write(&sink, cloud, err);
+    if (status == VOR_OK)
+        status = vor_blob_seal(writer, err);
     if (status != VOR_OK) {
         (void)vor_blob_failure(writer, err);
         vor_blob_discard(writer);
@@ -47,6 +49,9 @@ static vor_status decode(struct vor_cloud *cloud, struct vor_job_input *input,
 
     if (size == 0)
         return vor_fail(err, VOR_E_EMPTY, "the body is empty: 0 bytes, want a cloud");
+    status = vor_blob_recheck(upload, err);
+    if (status != VOR_OK)
+        return status;
     bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, vor_blob_fd(upload), 0);
     if (bytes == MAP_FAILED)
         return vor_fail_errno(err, errno, "mapping the upload");

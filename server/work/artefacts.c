@@ -14,12 +14,15 @@ static vor_status map_cloud(struct vor_cloud *cloud, const char *name, int fd, s
                             struct vor_error *err)
 {
     void *bytes = size > 0 ? mmap(NULL, size, PROT_READ, MAP_PRIVATE, fd, 0) : MAP_FAILED;
+    size_t sealed = size;
     vor_status status;
 
     if (bytes == MAP_FAILED)
-        return vor_fail(err, VOR_E_IO, "the job's input %s cannot be mapped: %s", name,
+        return vor_fail(err, VOR_E_IO, "the job's %s cannot be mapped: %s", name,
                         size > 0 ? strerror(errno) : "it is empty");
-    status = vor_dump_read(cloud, bytes, size, err);
+    status = vor_blob_unseal(bytes, &sealed, name, err);
+    if (status == VOR_OK)
+        status = vor_dump_read(cloud, bytes, sealed, err);
     (void)munmap(bytes, size);
     return status;
 }
@@ -37,7 +40,7 @@ static vor_status load_cloud(struct vor_cloud *cloud, struct vor_blobs *blobs,
         return status;
     if (!found)
         return vor_fail(err, VOR_E_INTERNAL, "the job's input %s is gone", name);
-    status = map_cloud(cloud, name, fd, (size_t)size, err);
+    status = map_cloud(cloud, blob, fd, (size_t)size, err);
     close(fd);
     return status;
 }

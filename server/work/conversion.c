@@ -109,7 +109,10 @@ static vor_status load(struct result *result, const struct vor_conversion *conve
     if (bytes == MAP_FAILED) {
         status = vor_fail_errno(err, size > 0 ? errno : EINVAL, "mapping the result");
     } else {
-        status = decode(result, bytes, (size_t)size, err);
+        status = vor_blob_compare(fd, size, conversion->row.output[conversion->output].sha256,
+                                  output_name(conversion), err);
+        if (status == VOR_OK)
+            status = decode(result, bytes, (size_t)size, err);
         (void)munmap(bytes, (size_t)size);
     }
     (void)close(fd);

@@ -9,6 +9,11 @@
 #include <string.h>
 #include <unistd.h>
 
+/* A crash between the removal of a job's row and that of its bytes leaves those of as many jobs as
+ * the worker removes at a time, which is 2, and each may have results in two formats; what a crash
+ * of the machine brings back beyond that is set aside as well. More is a damaged table. */
+enum { ORPHANS_OF_CRASH = 8 };
+
 static int64_t expiry(const struct vor_worker *worker, int64_t now)
 {
     return now + (int64_t)(worker->config.ttl_seconds * 1000);
@@ -197,20 +202,96 @@ static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blo
     return row.status == VOR_JOB_SUCCESSFUL && output != NULL && !vor_output_in_row(output);
 }
 
+/* Results whose jobs have no row at all. */
+static size_t count_orphans(struct vor_worker *worker)
+{
+    const struct vor_found *found = &worker->found;
+    struct vor_job_view row;
+    size_t orphans = 0;
+
+    for (size_t i = 0; i < found->count; i++) {
+        int is_input = strncmp(found->blobs[i].name, "input", 5) == 0 ||
+                       vor_blob_is_upload(found->blobs[i].name);
+        int has_row = 1;
+
+        if (!is_input && vor_store_get(worker->config.store, &found->blobs[i].id, &row, &has_row,
+                                       NULL) == VOR_OK)
+            orphans += !has_row;
+    }
+    return orphans;
+}
+
+/* Dropped, or set aside when the table of jobs has lost rows. */
+static int put_away(struct vor_worker *worker, const struct vor_found_blob *blob, int is_lost)
+{
+    struct vor_error err;
+
+    if (!is_lost) {
+        vor_worker_drop(worker, &blob->id, blob->name);
+        return 1;
+    }
+    if (vor_blob_set_aside(worker->config.blobs, &blob->id, blob->name, &err) == VOR_OK)
+        return 1;
+    vor_log(VOR_LOG_WARN, "bytes not set aside", VOR_TEXT("job", blob->id.text),
+            VOR_TEXT("error", err.message));
+    return 0;
+}
+
+static uint64_t size_of(struct vor_worker *worker, const struct vor_found_blob *blob)
+{
+    uint64_t size = 0;
+    int fd = -1, found;
+
+    if (vor_blob_get(worker->config.blobs, &blob->id, blob->name, &fd, &size, &found, NULL) ==
+            VOR_OK &&
+        fd >= 0)
+        close(fd);
+    return size;
+}
+
+static void say_strays(int is_lost, size_t files, uint64_t bytes)
+{
+    if (files > 0 && is_lost)
+        vor_log(VOR_LOG_WARN,
+                "THE TABLE OF JOBS HAS LOST ROWS: bytes that no row needs are set aside in the "
+                "folder lost of --blobs, for --lost-ttl and up to --lost-bytes",
+                VOR_COUNT("files", files), VOR_COUNT("bytes", bytes));
+    else if (files > 0)
+        vor_log(VOR_LOG_INFO, "strays removed", VOR_COUNT("files", files));
+}
+
 void vor_worker_drop_strays(struct vor_worker *worker)
 {
     struct vor_found *found = &worker->found;
-    size_t dropped = 0;
+    int is_lost =
+        vor_store_is_damaged(worker->config.store) || count_orphans(worker) > ORPHANS_OF_CRASH;
+    uint64_t bytes = 0;
+    size_t files = 0;
 
     for (size_t i = 0; i < found->count && !vor_worker_pause(worker, 0); i++) {
+        uint64_t size;
+
         if (is_needed(worker, &found->blobs[i]))
             continue;
-        vor_worker_drop(worker, &found->blobs[i].id, found->blobs[i].name);
-        dropped++;
+        size = size_of(worker, &found->blobs[i]);
+        if (!put_away(worker, &found->blobs[i], is_lost))
+            continue;
+        bytes += size;
+        files++;
     }
     vor_found_free(found);
-    if (dropped > 0)
-        vor_log(VOR_LOG_INFO, "strays removed", VOR_COUNT("files", dropped));
+    say_strays(is_lost, files, bytes);
+}
+
+void vor_worker_trim_lost(struct vor_worker *worker, int64_t shift_ms)
+{
+    struct vor_lost_bounds bounds = {.bytes = worker->config.lost_bytes, .shift_ms = shift_ms};
+    struct vor_error err;
+
+    bounds.oldest_ms =
+        vor_clock_wall_ms() - shift_ms - (int64_t)(worker->config.lost_seconds * 1000);
+    if (vor_blobs_trim_lost(worker->config.blobs, &bounds, &err) != VOR_OK)
+        vor_log(VOR_LOG_WARN, "lost bytes not looked through", VOR_TEXT("error", err.message));
 }
 
 vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
@@ -232,6 +313,7 @@ vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
     if (total > 0)
         vor_log(VOR_LOG_INFO, "results expired", VOR_COUNT("jobs", total));
     vor_worker_shed(worker);
+    vor_worker_trim_lost(worker, 0);
     return status;
 }
 

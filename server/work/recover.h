@@ -15,10 +15,15 @@
  *  Cost: two changes of the store, and some 20 microseconds for each job that waits. */
 VOR_NODISCARD vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err);
 
-/** Drops the blobs that were there at the start and that no row needs. Ends early when the daemon
+/** Drops the blobs that were there at the start and that no row needs; or sets them aside, with a
+ *  warning, when the store has lost rows: it says so itself, or there are more results without any
+ *  row than a crash leaves. Ends early when the daemon
  *  goes down; the next start does the rest.
  *
  *  Cost: a read of the store for each blob. */
 void vor_worker_drop_strays(struct vor_worker *worker);
+
+/** Drops lost bytes that are too old or too many; shift_ms as in struct vor_lost_bounds. */
+void vor_worker_trim_lost(struct vor_worker *worker, int64_t shift_ms);
 
 #endif

@@ -26,6 +26,8 @@ struct vor_worker_config {
     size_t memory;        /**< bytes a job may have */
     double ttl_seconds;   /**< results live this long after the job's end */
     uint64_t keep;        /**< bytes of uploads that are kept; 0 for none */
+    double lost_seconds;  /**< bytes without a job are kept so long, if rows were lost */
+    uint64_t lost_bytes;  /**< and up to so many */
     unsigned crashes_max; /**< a job that was running in so many crashes of the daemon fails */
     /** Called once, on a thread of the worker, when a disk has failed: what is on it is not known
      *  any more, and only a restart helps. May be NULL. */

@@ -11,7 +11,8 @@ void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
                      const struct vt_daemon_options *options)
 {
     static const struct vt_daemon_options defaults;
-    struct vor_worker_config config = {.crashes_max = 3};
+    struct vor_worker_config config = {
+        .crashes_max = 3, .lost_seconds = 3600, .lost_bytes = 1 << 20};
 
     if (options == NULL)
         options = &defaults;

@@ -25,6 +25,7 @@ static int kept(const char *dir)
 static void load(struct vor_blobs *blobs, const struct vor_uuid *id, struct vor_cloud *cloud)
 {
     uint64_t size;
+    size_t sealed;
     int fd, found;
     void *bytes;
 
@@ -33,7 +34,10 @@ static void load(struct vor_blobs *blobs, const struct vor_uuid *id, struct vor_
     bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, fd, 0);
     ck_assert_ptr_ne(bytes, MAP_FAILED);
     vor_cloud_init(cloud, &vt_memory);
-    vt_assert_ok(vor_dump_read(cloud, bytes, size, &vt_err));
+    sealed = size;
+    vt_assert_ok(vor_blob_unseal(bytes, &sealed, "input", &vt_err));
+    ck_assert_uint_lt(sealed, size);
+    vt_assert_ok(vor_dump_read(cloud, bytes, sealed, &vt_err));
     munmap(bytes, size);
     close(fd);
 }

@@ -276,7 +276,7 @@ START_TEST(its_results_are_downloaded)
         const char *path, *type, *holds;
     } cases[] = {
         {"/results/cloud", "Content-Type: application/ply", "\r\n\r\nthe cloud"},
-        {"/results/cloud", "ETag: \"33b7b8bb82722ff729172fda9a439d45", "filename=\"" DONE ".ply\""},
+        {"/results/cloud", "ETag: \"51c1d66e5b5d052e71457ea002b13b57", "filename=\"" DONE ".ply\""},
         {"/results/report", "Content-Type: application/json", "\r\n\r\n{\"points\":{\"in\":60,"},
         {"/results", "Content-Type: application/json",
          "/results/cloud\",\"type\":\"application/ply"},
@@ -289,6 +289,8 @@ START_TEST(its_results_are_downloaded)
     const char *text;
 
     run(&old, done);
+    run(&old, "UPDATE job SET output_sha256 ="
+              " '51c1d66e5b5d052e71457ea002b13b57af45e639e35092b4874e0591b30f05d4'");
     keep(&old, DONE ".cloud", "the cloud");
     end(&old);
     vt_serve_start(&serve, old.dir);

@@ -83,9 +83,12 @@ void vor_job_write(struct vor_app *app, struct vor_request *request,
 enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *request,
                                  const struct vor_job_view *view);
 
-/** Replies 200 with the whole main output of a successful job (a synchronous call). */
+/** Replies 200 with the whole main output of a successful job (a synchronous call).
+ *
+ *  @param[in] is_new  the job has just ended, so that its bytes need no look; else the request may
+ *                     have to wait for that, and this is to be called again when it is woken */
 enum vor_next vor_result_whole(struct vor_app *app, struct vor_request *request,
-                               const struct vor_job_view *view);
+                               const struct vor_job_view *view, bool is_new);
 
 /** Replies with the events of a job after `position` ({0, 0}: from the first one that matters now).
  *  The request's state is released first; the stream becomes its state.

@@ -37,6 +37,7 @@ struct submission {
     bool settled;   /* the caller of a synchronous call got an answer */
     bool in_flight; /* the key is ours */
     bool replayed;  /* the job is that of an earlier request with this key */
+    bool headed;    /* the reply has its headers already */
     struct vor_admission admission;
     enum vor_job_outcome outcome;
     struct vor_error error;
@@ -373,12 +374,14 @@ static enum vor_next reply_ended(struct vor_app *app, struct vor_request *reques
     enum vor_job_outcome outcome = vor_worker_get(app->worker, &submission->view.id, &view, &err);
 
     submission->settled = true;
-    add_job_headers(app, request, submission, false);
+    if (!submission->headed)
+        add_job_headers(app, request, submission, false);
+    submission->headed = true;
     if (outcome != VOR_DONE)
         return vor_outcome_reply(app, request, outcome, &err, &submission->view.id);
     if (view.status != VOR_JOB_SUCCESSFUL)
         return vor_result_missing(app, request, &view);
-    return vor_result_whole(app, request, &view);
+    return vor_result_whole(app, request, &view, !submission->replayed);
 }
 
 static enum vor_next wait_for_end(struct vor_app *app, struct vor_request *request,
