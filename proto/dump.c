@@ -146,6 +146,22 @@ vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *c
     return status;
 }
 
+static int count(void *ctx, const void *bytes, size_t size)
+{
+    (void)bytes;
+    *(uint64_t *)ctx += size;
+    return 0;
+}
+
+uint64_t vor_dump_size(const struct vor_cloud *cloud)
+{
+    uint64_t size = 0;
+    const struct vor_sink counter = {.ctx = &size, .write = count};
+
+    (void)!vor_dump_write(&counter, cloud, NULL);
+    return size;
+}
+
 static vor_status damaged(size_t offset, const char *what, struct vor_error *err)
 {
     vor_fail(err, VOR_E_FORMAT, "damaged dump: %s", what);

@@ -9,6 +9,9 @@
  * strangers' bytes. Same failures as vor_format.read and .write. */
 VOR_NODISCARD vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *cloud,
                                         struct vor_error *err);
+/** Bytes that the dump of a cloud will have. No cost: nothing is copied. */
+uint64_t vor_dump_size(const struct vor_cloud *cloud);
+
 VOR_NODISCARD vor_status vor_dump_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
                                        struct vor_error *err);
 

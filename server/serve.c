@@ -100,6 +100,7 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         .blobs = daemon->app.blobs,
         .jobs = (unsigned)config->number[VOR_SET_JOBS],
         .queue = (size_t)config->number[VOR_SET_QUEUE],
+        .queue_bytes = (uint64_t)config->number[VOR_SET_QUEUE_BYTES],
         .memory = job_memory(config),
         .ttl_seconds = config->number[VOR_SET_RESULT_TTL],
         .crashes_max = CRASHES_MAX,

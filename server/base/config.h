@@ -33,6 +33,8 @@ enum vor_setting_kind {
       "Threads of the engine, shared by all jobs; 0 is one for each core")                         \
     X(JOBS, "jobs", COUNT_OF, "jobs", 1, 64, "2", "Jobs that run at the same time")                \
     X(QUEUE, "queue", COUNT_OF, "jobs", 1, 100000, "256", "Jobs that may wait")                    \
+    X(QUEUE_BYTES, "queue-bytes", BYTES, "bytes", 1, 1e15, "8G",                                   \
+      "Decoded inputs of jobs that wait, in all")                                                  \
     X(JOB_MEMORY, "job-memory", BYTES, "bytes", 0, 1e15, "0",                                      \
       "Memory a job may take; 0 is 70 % of the machine's, divided by --jobs")                      \
     X(BODY_LIMIT, "body-limit", BYTES, "bytes", 1, 1e15, "1G",                                     \

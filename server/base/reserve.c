@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 struct vor_reserve {
@@ -67,16 +68,21 @@ static int allocate(int fd, uint64_t bytes)
     return errno == EOPNOTSUPP ? fill(fd, bytes) : -1;
 }
 
-/* 0, or an errno; the mutex is held. */
-static int make_file(struct vor_reserve *reserve)
+/* Makes the file if as much as `free` bytes are; 0, or an errno. The mutex is held. */
+static int make_file(struct vor_reserve *reserve, uint64_t free)
 {
     int fd = open(reserve->path, O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600);
+    struct statvfs disk;
     int failed;
 
     reserve->held = 0;
     if (fd < 0)
         return errno;
-    failed = allocate(fd, reserve->wanted) != 0 ? errno : 0;
+    failed = fstatvfs(fd, &disk) != 0 ? errno : 0;
+    if (!failed && (uint64_t)disk.f_bavail * disk.f_frsize < free)
+        failed = ENOSPC;
+    if (!failed)
+        failed = allocate(fd, reserve->wanted) != 0 ? errno : 0;
     close(fd);
     if (failed)
         (void)unlink(reserve->path);
@@ -87,14 +93,13 @@ static int make_file(struct vor_reserve *reserve)
 
 void vor_reserve_want(struct vor_reserve *reserve, uint64_t bytes)
 {
-    struct vor_error err;
-
     if (bytes == 0)
         (void)vor_reserve_spend(reserve);
     pthread_mutex_lock(&reserve->mutex);
     reserve->wanted = bytes;
+    if (reserve->held != bytes)
+        (void)make_file(reserve, bytes); /* vor_reserve_check tells */
     pthread_mutex_unlock(&reserve->mutex);
-    (void)!vor_reserve_make(reserve, &err); /* vor_reserve_check tells */
 }
 
 static vor_status fail_missing(const struct vor_reserve *reserve, int number, struct vor_error *err)
@@ -113,7 +118,7 @@ vor_status vor_reserve_make(struct vor_reserve *reserve, struct vor_error *err)
 
     pthread_mutex_lock(&reserve->mutex);
     if (reserve->held != reserve->wanted)
-        failed = make_file(reserve);
+        failed = make_file(reserve, 2 * reserve->wanted);
     if (failed)
         status = failed == ENOSPC || failed == EDQUOT ? fail_missing(reserve, failed, err)
                                                       : vor_fail_errno(err, failed, reserve->path);

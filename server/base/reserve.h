@@ -23,7 +23,8 @@ void vor_reserve_close(struct vor_reserve *reserve);
  */
 void vor_reserve_want(struct vor_reserve *reserve, uint64_t bytes);
 
-/** Makes the file if it is missing and there is room.
+/** Makes the file if it is missing and there is twice the room, so that what was given up is not
+ *  taken back from whoever it was given up for.
  *
  *  @retval VOR_OK    it is there, or none is wanted
  *  @retval VOR_E_IO  it is not (vor_error_storage_full tells a full disk apart)

@@ -9,6 +9,9 @@
 #include <string.h>
 #include <unistd.h>
 
+/* Bytes whose length nobody told have room kept for so many at a time. */
+enum { PROMISE_STEP = 1 << 20 };
+
 static const struct vor_blob_driver *const drivers[] = {&vor_blob_dir};
 
 const struct vor_blob_driver *vor_blob_driver_at(unsigned index)
@@ -74,6 +77,7 @@ static vor_status open_with(const struct vor_blob_driver *driver, struct vor_blo
     (*out)->driver = driver;
     (*out)->reserve = VOR_BLOBS_RESERVE;
     atomic_init(&(*out)->is_broken, 0);
+    atomic_init(&(*out)->promised, 0);
     return VOR_OK;
 }
 
@@ -109,19 +113,28 @@ void vor_blobs_set_reserve(struct vor_blobs *blobs, uint64_t bytes)
     blobs->reserve = bytes;
 }
 
-vor_status vor_blobs_room(struct vor_blobs *blobs, uint64_t bytes, struct vor_error *err)
+/* Whether `bytes` fit beside what `others` were promised. */
+static vor_status check_room(struct vor_blobs *blobs, uint64_t bytes, uint64_t others,
+                             struct vor_error *err)
 {
-    uint64_t available = 0, total = 0;
+    uint64_t available = 0, total = 0, taken = blobs->reserve + others;
     vor_status status = vor_blobs_space(blobs, &available, &total, err);
 
-    if (status != VOR_OK || (available >= blobs->reserve && available - blobs->reserve >= bytes))
+    if (status != VOR_OK || (available >= taken && available - taken >= bytes))
         return status;
-    (void)vor_fail(err, VOR_E_IO, "%llu bytes do not fit: %llu are free, of which %llu stay so",
+    (void)vor_fail(err, VOR_E_IO,
+                   "%llu bytes do not fit: %llu are free, of which %llu stay so and %llu are "
+                   "promised to others",
                    (unsigned long long)bytes, (unsigned long long)available,
-                   (unsigned long long)blobs->reserve);
+                   (unsigned long long)blobs->reserve, (unsigned long long)others);
     if (err != NULL)
         err->got = ENOSPC;
     return VOR_E_IO;
+}
+
+vor_status vor_blobs_room(struct vor_blobs *blobs, uint64_t bytes, struct vor_error *err)
+{
+    return check_room(blobs, bytes, atomic_load(&blobs->promised), err);
 }
 
 vor_status vor_blobs_check(struct vor_blobs *blobs, struct vor_error *err)
@@ -166,6 +179,42 @@ vor_status vor_blob_reopen(struct vor_blobs *blobs, const struct vor_blob_source
     return VOR_OK;
 }
 
+static vor_status promise(struct vor_blob_writer *writer, uint64_t bytes, struct vor_error *err)
+{
+    uint64_t others = atomic_fetch_add(&writer->blobs->promised, bytes);
+    vor_status status = check_room(writer->blobs, bytes, others, err);
+
+    if (status == VOR_OK)
+        writer->promised += bytes;
+    else
+        (void)atomic_fetch_sub(&writer->blobs->promised, bytes);
+    return status;
+}
+
+/* Bytes have come, or will not any more. */
+static void redeem(struct vor_blob_writer *writer, uint64_t bytes)
+{
+    if (bytes > writer->promised)
+        bytes = writer->promised;
+    writer->promised -= bytes;
+    (void)atomic_fetch_sub(&writer->blobs->promised, bytes);
+}
+
+vor_status vor_blob_promise(struct vor_blob_writer *writer, uint64_t bytes, struct vor_error *err)
+{
+    writer->is_promised = 1;
+    return promise(writer, bytes, err);
+}
+
+/* By a step, as asking costs a system call; near the end of the disk by just what came. */
+static void extend_promise(struct vor_blob_writer *writer, size_t size)
+{
+    if ((size < PROMISE_STEP && promise(writer, PROMISE_STEP, NULL) == VOR_OK) ||
+        promise(writer, size, &writer->failure) == VOR_OK)
+        return;
+    assert(writer->failure.status != VOR_OK);
+}
+
 vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes, size_t size,
                            struct vor_error *err)
 {
@@ -173,6 +222,8 @@ vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes, si
     size_t left = size;
 
     assert(writer->digest != NULL);
+    if (writer->is_promised && size > writer->promised && writer->failure.status == VOR_OK)
+        extend_promise(writer, size);
     while (writer->failure.status == VOR_OK && left > 0) {
         ssize_t wrote = write(writer->fd, at, left);
 
@@ -187,6 +238,7 @@ vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes, si
         return vor_blob_failure(writer, err);
     vor_digest_update(writer->digest, bytes, size);
     writer->size += size;
+    redeem(writer, size);
     return VOR_OK;
 }
 
@@ -255,6 +307,7 @@ void vor_blob_discard(struct vor_blob_writer *writer)
     if (writer == NULL)
         return;
     vor_digest_destroy(writer->digest);
+    redeem(writer, writer->promised);
     writer->blobs->driver->discard(writer);
 }
 

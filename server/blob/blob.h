@@ -65,7 +65,7 @@ VOR_NODISCARD vor_status vor_blobs_space(struct vor_blobs *blobs, uint64_t *avai
 /** How many bytes stay free. Before other threads know the blobs. */
 void vor_blobs_set_reserve(struct vor_blobs *blobs, uint64_t bytes);
 
-/** Is there room for so many bytes more, besides those that stay free?
+/** Is there room for so many bytes more, besides those that stay free and those promised to others?
  *
  *  @retval VOR_E_IO there is not (vor_error_storage_full; message: bytes, free ones, reserve), or
  * as vor_blobs_space */
@@ -81,6 +81,16 @@ VOR_NODISCARD vor_status vor_blobs_check(struct vor_blobs *blobs, struct vor_err
  *  @retval VOR_E_IO (vor_error_storage_full tells a full disk apart), VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_blob_create(struct vor_blobs *blobs, struct vor_blob_writer **out,
                                          struct vor_error *err);
+
+/** Has room kept for bytes that will come, until they have come or the writer ends. From now on the
+ *  writer never takes what is to stay free: bytes beyond a promise have room kept for them as they
+ *  come, and fail for a full disk where there is none. Call once, before the first byte.
+ *
+ *  @param[in] bytes  how many are known to come; 0 for none
+ *
+ *  @retval VOR_E_IO as vor_blobs_room */
+VOR_NODISCARD vor_status vor_blob_promise(struct vor_blob_writer *writer, uint64_t bytes,
+                                          struct vor_error *err);
 
 /** Begins a blob with the bytes of another one, to which nothing can be appended. They stay there
  *  for this writer when the other one is dropped, and take no room of their own where the driver
@@ -115,6 +125,9 @@ void vor_blob_sha256(const struct vor_blob_writer *writer, char out[VOR_DIGEST_S
  * digest any more. Cost: one pass of SHA-256 over those. */
 VOR_NODISCARD vor_status vor_blob_recheck(const struct vor_blob_writer *writer,
                                           struct vor_error *err);
+
+/** Bytes of a seal. */
+#define VOR_BLOB_SEAL_SIZE 72
 
 /** Puts a seal behind the bytes: the digest of them, by which vor_blob_unseal knows them. For blobs
  *  whose digest stands nowhere else; call once, then commit.

@@ -20,8 +20,9 @@ enum { VOR_BLOB_NAME_MAX = 40 }; /**< bytes of a blob's name */
 /** A driver's blobs begin with this; the door fills it in. */
 struct vor_blobs {
     const struct vor_blob_driver *driver;
-    uint64_t reserve;     /**< bytes of the disk that stay free */
-    atomic_int is_broken; /**< an fsync failed */
+    uint64_t reserve;          /**< bytes of the disk that stay free */
+    atomic_int is_broken;      /**< an fsync failed */
+    _Atomic uint64_t promised; /**< bytes that writers may still write (vor_blob_promise) */
 };
 
 /** A blob that is there, and its digest. */
@@ -44,6 +45,8 @@ struct vor_blob_writer {
     struct vor_blobs *blobs;
     int fd; /**< open for reading and writing; the driver closes it */
     uint64_t size;
+    int is_promised;              /**< every byte needs a promise (vor_blob_promise) */
+    uint64_t promised;            /**< bytes that are still to come */
     struct vor_digest *digest;    /**< NULL when the bytes are those of another blob */
     char sha256[VOR_DIGEST_SIZE]; /**< then */
     struct vor_error failure;     /**< of the first append that failed; else its status is VOR_OK */

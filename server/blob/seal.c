@@ -12,7 +12,7 @@ struct seal {
     char sha256[64]; /* without a NUL */
 };
 
-_Static_assert(sizeof(struct seal) == 72, "no padding in the file");
+_Static_assert(sizeof(struct seal) == VOR_BLOB_SEAL_SIZE, "no padding in the file");
 
 static const char mark[8] = {'\n', 's', 'h', 'a', '2', '5', '6', ' '};
 

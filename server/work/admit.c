@@ -17,7 +17,8 @@ struct vor_admit {
 };
 
 static vor_status keep_cloud(const struct vor_cloud *cloud, struct vor_blobs *blobs,
-                             const struct vor_uuid *id, const char *name, struct vor_error *err)
+                             const struct vor_uuid *id, struct vor_admitted_input *input,
+                             struct vor_error *err)
 {
     char blob[VOR_BLOB_NAME_MAX + 1];
     struct vor_blob_writer *writer;
@@ -27,15 +28,18 @@ static vor_status keep_cloud(const struct vor_cloud *cloud, struct vor_blobs *bl
     if (status != VOR_OK)
         return status;
     sink = vor_blob_sink(writer);
-    status = vor_dump_write(&sink, cloud, err);
+    status = vor_blob_promise(writer, vor_dump_size(cloud) + VOR_BLOB_SEAL_SIZE, err);
+    if (status == VOR_OK)
+        status = vor_dump_write(&sink, cloud, err);
     if (status == VOR_OK)
         status = vor_blob_seal(writer, err);
+    input->decoded = vor_blob_size(writer);
     if (status != VOR_OK) {
         (void)vor_blob_failure(writer, err);
         vor_blob_discard(writer);
         return status;
     }
-    return vor_blob_commit(writer, id, vor_blob_of_input(name, blob), err);
+    return vor_blob_commit(writer, id, vor_blob_of_input(input->name, blob), err);
 }
 
 static vor_status decode(struct vor_cloud *cloud, struct vor_job_input *input,
@@ -88,7 +92,7 @@ vor_status vor_admit_file(struct vor_admitted *admitted, const char *name, struc
     if (status == VOR_OK && admitted->count == 0)
         status = vor_uuid_make(&id, err);
     if (status == VOR_OK)
-        status = keep_cloud(&cloud, blobs, &id, name, err);
+        status = keep_cloud(&cloud, blobs, &id, &input, err);
     vor_cloud_free(&cloud);
     if (status != VOR_OK)
         return status;

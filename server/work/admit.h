@@ -29,7 +29,8 @@ struct vor_admitted {
         const char *name; /**< borrowed */
         struct vor_job_input found;
         struct vor_extent extent;
-        int is_kept; /**< the upload has a blob as well */
+        int is_kept;      /**< the upload has a blob as well */
+        uint64_t decoded; /**< bytes of the input's own blob */
     } item[VOR_INPUTS_MAX];
 };
 

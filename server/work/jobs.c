@@ -18,6 +18,8 @@ enum vor_job_outcome vor_worker_room(struct vor_worker *worker)
     pthread_mutex_unlock(&worker->mutex);
     if (draining)
         return VOR_DRAINING;
+    if (vor_worker_waiting_bytes(worker) >= worker->config.queue_bytes)
+        return VOR_FULL;
     return vor_queue_depth(worker->queue) < vor_queue_capacity(worker->queue) ? VOR_DONE : VOR_FULL;
 }
 
@@ -100,39 +102,70 @@ static vor_status take_inputs(struct vor_job_view *row, const struct vor_admitte
     return status;
 }
 
-/* Makes the row durable and the job live, for a place in the queue that is booked. */
-static vor_status accept_job(struct vor_worker *worker, struct vor_job_view *row,
-                             struct vor_error *err)
+/* Makes the row durable and a remembered job wait, if its inputs still fit into the queue. */
+static enum vor_job_outcome push_job(struct vor_worker *worker, struct vor_job *job,
+                                     struct vor_job_view *row, uint64_t bytes,
+                                     struct vor_error *err)
+{
+    if (!vor_worker_charge(worker, job, bytes, worker->config.queue_bytes))
+        return VOR_FULL;
+    if (vor_store_insert(worker->config.store, row, err) != VOR_OK)
+        return VOR_FAILED;
+    vor_job_set_seq(job, row->seq);
+    vor_queue_push(worker->queue, job, row->seq);
+    return VOR_DONE;
+}
+
+/* The same with a job that is live from now on, for a place in the queue that is booked. */
+static enum vor_job_outcome accept_job(struct vor_worker *worker, struct vor_job_view *row,
+                                       uint64_t bytes, struct vor_error *err)
 {
     struct vor_job *job = vor_job_create(row);
-    vor_status status;
+    enum vor_job_outcome outcome = VOR_FAILED;
 
-    if (job == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "a job");
-    status = vor_worker_remember(worker, job, err);
-    if (status == VOR_OK) {
-        status = vor_store_insert(worker->config.store, row, err);
-        if (status != VOR_OK)
+    if (job == NULL) {
+        (void)vor_fail(err, VOR_E_NOMEM, "a job");
+        return VOR_FAILED;
+    }
+    if (vor_worker_remember(worker, job, err) == VOR_OK) {
+        outcome = push_job(worker, job, row, bytes, err);
+        if (outcome != VOR_DONE)
             vor_worker_forget(worker, job);
     }
-    if (status == VOR_OK) {
-        vor_job_set_seq(job, row->seq);
-        vor_queue_push(worker->queue, job, row->seq);
-    }
     vor_job_release(job);
-    return status;
+    return outcome;
+}
+
+/* Bytes of decoded inputs that would never fit into the queue are no reason to come back later. */
+static vor_status check_bytes(struct vor_worker *worker, const struct vor_admitted *admitted,
+                              uint64_t *bytes, struct vor_error *err)
+{
+    uint64_t most = worker->config.queue_bytes;
+
+    *bytes = 0;
+    for (unsigned i = 0; i < admitted->count; i++)
+        *bytes += admitted->item[i].decoded;
+    if (*bytes <= most)
+        return VOR_OK;
+    (void)vor_fail(err, VOR_E_BYTES,
+                   "the decoded inputs have %llu bytes, want at most %llu, which may wait",
+                   (unsigned long long)*bytes, (unsigned long long)most);
+    err->limit = most;
+    err->got = *bytes;
+    return VOR_E_BYTES;
 }
 
 static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_view *row,
-                                   struct vor_error *err)
+                                   uint64_t bytes, struct vor_error *err)
 {
     enum vor_job_outcome outcome = vor_queue_reserve(worker->queue);
 
     if (outcome != VOR_DONE)
         return outcome;
-    if (accept_job(worker, row, err) != VOR_OK) {
+    outcome = accept_job(worker, row, bytes, err);
+    if (outcome != VOR_DONE) {
         vor_queue_cancel(worker->queue);
-        return VOR_FAILED;
+        return outcome;
     }
     vor_log(VOR_LOG_INFO, "job accepted", VOR_TEXT("job", row->id.text),
             VOR_TEXT("process", row->process), VOR_COUNT("points", row->input[0].points),
@@ -148,12 +181,14 @@ enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
 {
     enum vor_job_outcome outcome = VOR_FAILED;
     struct vor_job_view row;
+    uint64_t bytes;
 
     first_row(&row, &admitted->id, spec, label);
     if (take_inputs(&row, admitted, err) == VOR_OK &&
+        check_bytes(worker, admitted, &bytes, err) == VOR_OK &&
         check_target(spec, &row.input[0], err) == VOR_OK &&
         check_origin(&row, admitted, err) == VOR_OK)
-        outcome = submit(worker, &row, err);
+        outcome = submit(worker, &row, bytes, err);
     if (outcome != VOR_DONE) {
         vor_admit_drop(worker->config.blobs, admitted);
         return outcome;

@@ -64,6 +64,43 @@ void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job)
     free(live);
 }
 
+/* Of those that wait; the mutex is held. */
+static uint64_t sum_bytes(const struct vor_worker *worker)
+{
+    uint64_t bytes = 0;
+
+    for (const struct vor_live *live = worker->live; live != NULL; live = live->next)
+        bytes += live->running ? 0 : live->bytes;
+    return bytes;
+}
+
+int vor_worker_charge(struct vor_worker *worker, const struct vor_job *job, uint64_t bytes,
+                      uint64_t most)
+{
+    struct vor_live *live;
+    uint64_t others;
+    int fits;
+
+    pthread_mutex_lock(&worker->mutex);
+    others = sum_bytes(worker);
+    fits = others <= most && bytes <= most - others;
+    live = *place_of(worker, vor_job_id(job));
+    if (fits && live != NULL)
+        live->bytes = bytes;
+    pthread_mutex_unlock(&worker->mutex);
+    return fits;
+}
+
+uint64_t vor_worker_waiting_bytes(struct vor_worker *worker)
+{
+    uint64_t bytes;
+
+    pthread_mutex_lock(&worker->mutex);
+    bytes = sum_bytes(worker);
+    pthread_mutex_unlock(&worker->mutex);
+    return bytes;
+}
+
 void vor_found_free(struct vor_found *found)
 {
     free(found->blobs);

@@ -14,6 +14,7 @@
 struct vor_live {
     struct vor_job *job;
     int running;
+    uint64_t bytes; /* of its decoded inputs */
     struct vor_live *next;
 };
 
@@ -60,6 +61,14 @@ struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid
 VOR_NODISCARD vor_status vor_worker_remember(struct vor_worker *worker, struct vor_job *job,
                                              struct vor_error *err);
 void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job);
+
+/** Notes how many bytes the decoded inputs of a remembered job have, unless those that wait would
+ *  have more than `most` together; then it answers false. */
+int vor_worker_charge(struct vor_worker *worker, const struct vor_job *job, uint64_t bytes,
+                      uint64_t most);
+
+/** Bytes of the decoded inputs of all jobs that wait. */
+uint64_t vor_worker_waiting_bytes(struct vor_worker *worker);
 
 /** Counts a job as running, until vor_worker_leave. False when the daemon goes down; the job must
  *  not be run then. */

@@ -20,7 +20,7 @@ static int64_t expiry(const struct vor_worker *worker, int64_t now)
 }
 
 static vor_status check_input(struct vor_worker *worker, const struct vor_uuid *id,
-                              const char *name, struct vor_error *why)
+                              const char *name, uint64_t *bytes, struct vor_error *why)
 {
     char blob[VOR_BLOB_NAME_MAX + 1];
     uint64_t size;
@@ -30,6 +30,7 @@ static vor_status check_input(struct vor_worker *worker, const struct vor_uuid *
 
     if (fd >= 0)
         close(fd);
+    *bytes += size;
     if (status == VOR_OK && !found)
         status =
             vor_fail(why, VOR_E_INTERNAL, "the job's input %s was lost with the last run", name);
@@ -38,14 +39,14 @@ static vor_status check_input(struct vor_worker *worker, const struct vor_uuid *
 
 /* Why a job cannot be run again; VOR_OK when it can. */
 static vor_status check_row(struct vor_worker *worker, const struct vor_job_view *row,
-                            struct vor_error *why)
+                            uint64_t *bytes, struct vor_error *why)
 {
     const struct vor_artefact_info *inputs = row->spec.process->inputs;
     vor_status status = VOR_OK;
 
     for (unsigned i = 0; inputs[i].name != NULL && status == VOR_OK; i++)
         if ((row->inputs >> i & 1) != 0)
-            status = check_input(worker, &row->id, inputs[i].name, why);
+            status = check_input(worker, &row->id, inputs[i].name, bytes, why);
     if (status != VOR_OK)
         return status;
     if (row->request_lost || vor_spec_check(&row->spec, NULL) != VOR_OK ||
@@ -70,7 +71,7 @@ static vor_status fail_row(struct vor_worker *worker, struct vor_job_view *row,
     return vor_store_finish(worker->config.store, row, 0, NULL, &changed, err);
 }
 
-static vor_status requeue(struct vor_worker *worker, const struct vor_job_view *row,
+static vor_status requeue(struct vor_worker *worker, const struct vor_job_view *row, uint64_t bytes,
                           struct vor_error *err)
 {
     struct vor_job *job = vor_job_create(row);
@@ -79,6 +80,8 @@ static vor_status requeue(struct vor_worker *worker, const struct vor_job_view *
     if (job == NULL)
         return vor_fail(err, VOR_E_NOMEM, "a job");
     status = vor_worker_remember(worker, job, err);
+    if (status == VOR_OK)
+        (void)vor_worker_charge(worker, job, bytes, UINT64_MAX); /* all were accepted once */
     if (status == VOR_OK)
         status = vor_queue_restore(worker->queue, job, row->seq, err);
     vor_job_release(job);
@@ -117,11 +120,12 @@ static int recover_one(void *ctx, const struct vor_job_view *row)
 {
     struct recovery *recovery = ctx;
     struct vor_error why;
+    uint64_t bytes = 0;
 
-    if (check_row(recovery->worker, row, &why) != VOR_OK)
+    if (check_row(recovery->worker, row, &bytes, &why) != VOR_OK)
         recovery->status = note_lost(recovery, row, &why);
     else
-        recovery->status = requeue(recovery->worker, row, recovery->err);
+        recovery->status = requeue(recovery->worker, row, bytes, recovery->err);
     return recovery->status == VOR_OK;
 }
 

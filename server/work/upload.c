@@ -43,7 +43,9 @@ vor_status vor_upload_inflate(struct vor_upload *upload, struct vor_blobs *blobs
     status = vor_blob_create(blobs, &inflated, err);
     if (status != VOR_OK)
         return status;
-    status = inflate_to(inflated, upload->bytes, *most, err);
+    status = vor_blob_promise(inflated, 0, err);
+    if (status == VOR_OK)
+        status = inflate_to(inflated, upload->bytes, *most, err);
     if (status != VOR_OK) {
         vor_blob_discard(inflated);
         return status;

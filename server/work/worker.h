@@ -23,6 +23,7 @@ struct vor_worker_config {
     struct vor_pool *pool;
     unsigned jobs;        /**< run at the same time, 1 .. 64 */
     size_t queue;         /**< wait at most, at least 1 */
+    uint64_t queue_bytes; /**< of decoded inputs, of those that wait */
     size_t memory;        /**< bytes a job may have */
     double ttl_seconds;   /**< results live this long after the job's end */
     uint64_t keep;        /**< bytes of uploads that are kept; 0 for none */
@@ -86,10 +87,10 @@ struct vor_job_label {
  *  @param[out] out       the job's first view; may be NULL
  *
  *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING
- *  @retval VOR_FAILED  err: VOR_E_PARAM an input that the process does not take, or as
- *                      vor_spec_check_inputs; VOR_E_TARGET as vor_spec_check_target, but for
- *                      spacing, which only the run can tell; VOR_E_ORIGIN as vor_write_check;
- *                      VOR_E_IO; VOR_E_NOMEM
+ *  @retval VOR_FAILED  err: VOR_E_BYTES its decoded inputs alone are more than may wait;
+ * VOR_E_PARAM an input that the process does not take, or as vor_spec_check_inputs; VOR_E_TARGET as
+ * vor_spec_check_target, but for spacing, which only the run can tell; VOR_E_ORIGIN as
+ * vor_write_check; VOR_E_IO; VOR_E_NOMEM
  *
  *  Cost: an fsync; not for HTTP threads. */
 VOR_NODISCARD enum vor_job_outcome

@@ -32,7 +32,7 @@ for my $case (
     [['--cors-origin', 'https://a.example, https://b.example/'], qr{holds "https://b\.example/"}],
     [['--cors-origin', 'a.example'], qr/holds "a\.example"/],
     [['--he=1'], qr/--he=1 may be --header-timeout or --heartbeat/], [['-x'], qr/-x is no setting/],
-    [['--que=0'], qr/--queue is "0"/], [['--', '--jobs=1'], qr/--jobs=1 is/],
+    [['--strea=0'], qr/--streams is "0"/], [['--', '--jobs=1'], qr/--jobs=1 is/],
     [['--colour', 'red'], qr/no setting --colour/], [['red'], qr/red is no setting/],
 ) {
     my ($arguments, $message) = @$case;

@@ -33,7 +33,7 @@ fill($disk);
 figure('F07', 'the job whose result does not fit', $daemon->status($runs), 'running');
 
 # A start with a job to recover, on a disk without a byte left but the reserve, which was made again meanwhile.
-truncate "$disk/filler", (-s "$disk/filler") - (4 << 20);
+truncate "$disk/filler", (-s "$disk/filler") - (9 << 20);
 wait_until(sub { -s "$disk/data/jobs.sqlite.reserve" }, 10) or die 'the reserve does not come back';
 $daemon->stop('KILL');
 fill($disk);

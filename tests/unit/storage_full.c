@@ -121,6 +121,13 @@ START_TEST(a_store_without_room_refuses_and_goes_on_once_there_is_room)
 }
 END_TEST
 
+/* A daemon that uses such a disk to its end. */
+static void start(struct vt_daemon *daemon, const char *dir)
+{
+    vt_daemon_start(daemon, dir, NULL);
+    vor_blobs_set_reserve(daemon->blobs, 0);
+}
+
 /* A job that runs until it is told to end, on a disk that is full from now on. */
 static struct vor_uuid run_on_full_disk(struct vt_daemon *daemon)
 {
@@ -151,7 +158,7 @@ START_TEST(a_result_that_does_not_fit_waits_for_room)
     struct vor_uuid id;
 
     ck_assert(small_disk(dir, 1000));
-    vt_daemon_start(&daemon, dir, NULL);
+    start(&daemon, dir);
     id = run_on_full_disk(&daemon);
     ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_DONE);
     nap(300);
@@ -176,7 +183,7 @@ START_TEST(a_job_that_waits_for_room_can_be_ended_without_any)
     int found;
 
     ck_assert(small_disk(dir, 1000));
-    vt_daemon_start(&daemon, dir, NULL);
+    start(&daemon, dir);
     vor_store_set_reserve(daemon.store, 200000);
     vt_assert_ok(vor_store_check_reserve(daemon.store, &vt_err));
     id = run_on_full_disk(&daemon);
@@ -216,7 +223,7 @@ START_TEST(an_end_that_cannot_be_stored_is_stored_once_there_is_room)
     struct vor_uuid id;
 
     ck_assert(small_disk(dir, 1000));
-    vt_daemon_start(&daemon, dir, NULL);
+    start(&daemon, dir);
     vt_cloud_sphere(&cloud, 1, 500);
     ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &endless, &id), VOR_DONE);
     (void)vt_daemon_wait_iteration(&daemon, &id, 1);
@@ -244,7 +251,7 @@ START_TEST(what_ends_a_job_spends_the_reserve_which_is_made_again)
     int changed;
 
     ck_assert(small_disk(dir, 1000));
-    vt_daemon_start(&daemon, dir, NULL);
+    start(&daemon, dir);
     vor_blobs_set_reserve(daemon.blobs, 1);
     vor_store_set_reserve(daemon.store, 200000);
     vt_assert_ok(vor_worker_ready(daemon.worker, &vt_err));

@@ -32,7 +32,7 @@ enum vor_next vor_outcome_reply(struct vor_app *app, struct vor_request *request
                                id != NULL ? id->text : "");
     case VOR_FULL:
         vor_worker_load(app->worker, &load);
-        full.detail = "as many jobs wait as may wait; try again later";
+        full.detail = "as many jobs, or bytes of decoded inputs, wait as may wait; try again later";
         full.queue_depth = (int64_t)load.waiting;
         return vor_problem_reply(app, request, &full);
     case VOR_DRAINING:

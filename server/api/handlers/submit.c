@@ -206,13 +206,30 @@ static struct vor_blob_writer *open_kept(struct vor_app *app, struct vor_request
     return NULL;
 }
 
+/* A file for the body; NULL after a problem has been replied. Room is kept for its bytes as they
+ * come and not for the length that was declared: else a few callers who declare much and send
+ * nothing would have the disk. */
+static struct vor_blob_writer *create_upload(struct vor_app *app, struct vor_request *request)
+{
+    struct vor_blob_writer *writer = NULL;
+    struct vor_error err;
+    vor_status status = vor_blob_create(app->blobs, &writer, &err);
+
+    if (status == VOR_OK)
+        status = vor_blob_promise(writer, 0, &err);
+    if (status == VOR_OK)
+        return writer;
+    vor_blob_discard(writer);
+    vor_problem_error(app, request, &err, NULL);
+    return NULL;
+}
+
 /* Where the body goes; false after a problem has been replied. */
 static bool open_sink(struct vor_app *app, struct vor_request *request,
                       struct submission *submission, struct vor_body_sink *sink)
 {
     const struct vor_submit_head *head = &submission->head;
     struct vor_upload *upload = &submission->uploads.item[0]; /* the body is the main input */
-    struct vor_error err;
 
     if (head->body.is_form) {
         submission->form =
@@ -226,8 +243,8 @@ static bool open_sink(struct vor_app *app, struct vor_request *request,
     if (head->besides.input.text[0] != '\0') {
         upload->is_gzip = 0;
         upload->bytes = open_kept(app, request, &head->besides);
-    } else if (vor_blob_create(app->blobs, &upload->bytes, &err) != VOR_OK) {
-        vor_problem_error(app, request, &err, NULL);
+    } else {
+        upload->bytes = create_upload(app, request);
     }
     submission->uploads.count = upload->bytes != NULL ? 1 : 0;
     return upload->bytes != NULL;
