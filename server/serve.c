@@ -92,6 +92,19 @@ static vor_status start_conversions(struct daemon *daemon, struct vor_error *err
     return vor_conversions_create(&daemon->app.conversions, &conversions, err);
 }
 
+/* Half of the disk unless somebody says; all of it when nobody can tell its size. */
+static uint64_t results_bytes(const struct daemon *daemon)
+{
+    double asked = daemon->config.number[VOR_SET_RESULTS_BYTES];
+    uint64_t available, total;
+
+    if (asked > 0)
+        return (uint64_t)asked;
+    if (vor_blobs_space(daemon->app.blobs, &available, &total, NULL) != VOR_OK)
+        return INT64_MAX;
+    return total / 2;
+}
+
 static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
 {
     const struct vor_config *config = &daemon->config;
@@ -105,6 +118,7 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         .ttl_seconds = config->number[VOR_SET_RESULT_TTL],
         .crashes_max = CRASHES_MAX,
         .keep = (uint64_t)config->number[VOR_SET_KEEP_INPUTS],
+        .results = results_bytes(daemon),
         .lost_seconds = config->number[VOR_SET_LOST_TTL],
         .lost_bytes = (uint64_t)config->number[VOR_SET_LOST_BYTES],
         .failed = fail,

@@ -23,7 +23,7 @@
     X("upload-timeout", 408, 1, 0, "The upload came too slowly")                                   \
     X("not-running", 409, 0, 0, "The job does not run")                                            \
     X("idempotency-in-flight", 409, 1, 0, "A request with this key is under way")                  \
-    X("job-expired", 410, 0, 0, "The results of the job were kept long enough")                    \
+    X("job-expired", 410, 0, 0, "The results of the job are not kept any more")                    \
     X("range-not-satisfiable", 416, 0, 0, "The range lies outside the result")                     \
     X("idempotency-key-reused", 422, 0, 0, "The key is that of another request")                   \
     X("queue-full", 429, 1, 0, "The queue is full")                                                \

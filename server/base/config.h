@@ -47,6 +47,9 @@ enum vor_setting_kind {
       "Uploads that are kept as long as results, in all; those of jobs that ended first go "       \
       "first; "                                                                                    \
       "0 keeps none")                                                                              \
+    X(RESULTS_BYTES, "results-bytes", BYTES, "bytes", 0, 1e15, "0",                                \
+      "Results that are kept, in all; those of jobs that ended first go first; 0 is half of the "  \
+      "disk of --blobs")                                                                           \
     X(LOST_TTL, "lost-ttl", TIME, "seconds", 0, 31536000, "604800",                                \
       "How long bytes of jobs that a damaged --store has lost are kept, in the folder lost of "    \
       "--blobs")                                                                                   \

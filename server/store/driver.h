@@ -93,6 +93,10 @@ struct vor_store_driver {
                          size_t max, size_t *count, struct vor_error *err);
     vor_status (*shed)(struct vor_store *store, uint64_t quota, struct vor_expired *shed,
                        size_t max, size_t *count, struct vor_error *err);
+    vor_status (*crowd)(struct vor_store *store, uint64_t quota, struct vor_expired *crowded,
+                        size_t max, size_t *count, struct vor_error *err);
+    vor_status (*shift)(struct vor_store *store, int64_t by_ms, struct vor_error *err);
+    vor_status (*newest)(struct vor_store *store, int64_t *newest_ms, struct vor_error *err);
     vor_status (*recover)(struct vor_store *store, unsigned crashes_max, int64_t now_ms,
                           int64_t expires_ms, struct vor_recovered *recovered,
                           struct vor_error *err);

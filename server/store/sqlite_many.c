@@ -33,7 +33,8 @@ vor_status vor_sqlite_expire(struct vor_sqlite *db, int64_t now_ms, struct vor_e
     int forgotten;
     vor_status status = vor_sqlite_change_each(
         db, take_expired, &expiry, err,
-        "UPDATE job SET expired = 1, report = NULL, trace = NULL, idem_key = NULL, kept = 0"
+        "UPDATE job SET expired = 1, report = NULL, trace = NULL, idem_key = NULL, kept = 0,"
+        " held = 0"
         " WHERE seq IN"
         " (SELECT seq FROM job WHERE expires > 0 AND expires <= ? AND expired = 0"
         " ORDER BY expires LIMIT ?) RETURNING id, process_id",
@@ -77,6 +78,51 @@ vor_status vor_sqlite_shed(struct vor_sqlite *db, uint64_t quota, struct vor_exp
         "ii", (int64_t)quota, (int64_t)max);
     *count = status == VOR_OK ? expiry.count : 0;
     return status;
+}
+
+/* The other way round: those that ended last keep theirs as long as they fit together. */
+vor_status vor_sqlite_crowd(struct vor_sqlite *db, uint64_t quota, struct vor_expired *crowded,
+                            size_t max, size_t *count, struct vor_error *err)
+{
+    struct expiry expiry = {.expired = crowded};
+    uint64_t held = 0;
+    vor_status status =
+        vor_sqlite_query(db, take_sum, &held, err, "SELECT sum(held) FROM job WHERE held > 0", "");
+
+    *count = 0;
+    if (status != VOR_OK || held <= quota)
+        return status;
+    status = vor_sqlite_change_each(
+        db, take_expired, &expiry, err,
+        "UPDATE job SET expired = 1, report = NULL, trace = NULL, idem_key = NULL, kept = 0,"
+        " held = 0 WHERE seq IN"
+        " (SELECT seq FROM (SELECT seq, held, sum(held) OVER (ORDER BY finished DESC, seq DESC)"
+        " AS later FROM job WHERE held > 0)"
+        " WHERE later > ?1 AND later > held ORDER BY later DESC LIMIT ?2) RETURNING id, process_id",
+        "ii", (int64_t)quota, (int64_t)max);
+    *count = status == VOR_OK ? expiry.count : 0;
+    return status;
+}
+
+vor_status vor_sqlite_shift(struct vor_sqlite *db, int64_t by_ms, struct vor_error *err)
+{
+    int changed;
+
+    return vor_sqlite_change(db, &changed, err,
+                             "UPDATE job SET expires = max(1, expires + ?) WHERE expires > 0", "i",
+                             by_ms);
+}
+
+static int take_newest(void *ctx, struct vor_sqlite_row *row)
+{
+    *(int64_t *)ctx = vor_sqlite_number(row);
+    return 1;
+}
+
+vor_status vor_sqlite_newest(struct vor_sqlite *db, int64_t *newest_ms, struct vor_error *err)
+{
+    *newest_ms = 0;
+    return vor_sqlite_query(db, take_newest, newest_ms, err, "SELECT max(updated) FROM job", "");
 }
 
 vor_status vor_sqlite_recover(struct vor_sqlite *db, unsigned crashes_max, int64_t now_ms,

@@ -225,6 +225,29 @@ vor_status vor_store_shed(struct vor_store *store, uint64_t quota, struct vor_ex
                : status;
 }
 
+vor_status vor_store_crowd(struct vor_store *store, uint64_t quota, struct vor_expired *crowded,
+                           size_t max, size_t *count, struct vor_error *err)
+{
+    vor_status status = store->driver->crowd(store, quota, crowded, max, count, err);
+
+    return made_room(store->reserve, status, err)
+               ? store->driver->crowd(store, quota, crowded, max, count, err)
+               : status;
+}
+
+vor_status vor_store_shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)
+{
+    vor_status status = store->driver->shift(store, by_ms, err);
+
+    return made_room(store->reserve, status, err) ? store->driver->shift(store, by_ms, err)
+                                                  : status;
+}
+
+vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms, struct vor_error *err)
+{
+    return store->driver->newest(store, newest_ms, err);
+}
+
 vor_status vor_store_recover(struct vor_store *store, unsigned crashes_max, int64_t now_ms,
                              int64_t expires_ms, struct vor_recovered *recovered,
                              struct vor_error *err)

@@ -141,6 +141,24 @@ VOR_NODISCARD vor_status vor_store_shed(struct vor_store *store, uint64_t quota,
                                         struct vor_expired *shed, size_t max, size_t *count,
                                         struct vor_error *err);
 
+/** While the results of all jobs have more than `quota` bytes, expires jobs (as vor_store_expire),
+ * of those first that ended first, but never the last one to end. Call again while count is max.
+ *
+ *  Cost: a read as long as the quota holds, else a change. */
+VOR_NODISCARD vor_status vor_store_crowd(struct vor_store *store, uint64_t quota,
+                                         struct vor_expired *crowded, size_t max, size_t *count,
+                                         struct vor_error *err);
+
+/** Moves the time at which each job expires: the wall clock has moved by that. */
+VOR_NODISCARD vor_status vor_store_shift(struct vor_store *store, int64_t by_ms,
+                                         struct vor_error *err);
+
+/** The latest time that a row was changed; 0 when there is none.
+ *
+ *  Cost: a walk over all rows. */
+VOR_NODISCARD vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms,
+                                          struct vor_error *err);
+
 /** At start, before anything else: what was running when the daemon died becomes accepted again, or
  *  failed (VOR_E_INTERNAL) when that has happened crashes_max times. recovered gets how many of
  *  each. */

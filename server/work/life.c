@@ -1,6 +1,7 @@
 /* The worker from its start to its end: recovery, threads, draining. */
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/work/calendar.h"
 #include "server/work/live.h"
 #include "server/work/recover.h"
 #include "server/work/room.h"
@@ -44,6 +45,8 @@ static void *sweeper_main(void *arg)
         double now = vor_clock_seconds();
 
         vor_worker_look(worker);
+        if (!vor_calendar_look(worker))
+            continue;
         if (now - swept < SWEEP_SECONDS)
             continue;
         swept = now;

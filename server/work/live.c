@@ -256,3 +256,24 @@ void vor_worker_shed(struct vor_worker *worker)
     if (total > 0)
         vor_log(VOR_LOG_INFO, "uploads shed", VOR_COUNT("jobs", total));
 }
+
+void vor_worker_crowd(struct vor_worker *worker)
+{
+    enum { BATCH = 64 };
+    struct vor_expired crowded[BATCH];
+    size_t count = BATCH, total = 0;
+    struct vor_error err;
+
+    while (count == BATCH) {
+        if (vor_store_crowd(worker->config.store, worker->config.results, crowded, BATCH, &count,
+                            &err) != VOR_OK)
+            vor_log(VOR_LOG_WARN, "results not dropped", VOR_TEXT("error", err.message));
+        for (size_t i = 0; i < count; i++) {
+            vor_worker_drop_outputs(worker, &crowded[i].id, crowded[i].process);
+            vor_worker_drop_uploads(worker, &crowded[i].id, crowded[i].process);
+        }
+        total += count;
+    }
+    if (total > 0)
+        vor_log(VOR_LOG_INFO, "results dropped for want of room", VOR_COUNT("jobs", total));
+}

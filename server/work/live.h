@@ -31,6 +31,14 @@ struct vor_found {
 
 void vor_found_free(struct vor_found *found);
 
+/** What is known of the wall clock (calendar.h); milliseconds. */
+struct vor_calendar {
+    int64_t wall, steady; /**< both clocks at the last look */
+    int64_t newest;       /**< time in the store at the start; 0 for none */
+    int64_t began;        /**< steady, at the start */
+    int unsure;           /**< the clock does not continue the store */
+};
+
 /** Locks are taken in this order: a job's change, the store's, `mutex`, a job's state, the queue's.
  */
 struct vor_worker {
@@ -48,8 +56,9 @@ struct vor_worker {
     pthread_t sweeper;
     int sweeper_started;
     struct vor_found found; /* the sweeper's, once it runs, as all below */
-    int is_full;            /* the store has no reserve, and the log says so */
-    int has_failed;         /* config.failed was called */
+    struct vor_calendar calendar;
+    int is_full;    /* the store has no reserve, and the log says so */
+    int has_failed; /* config.failed was called */
 };
 
 /** The live job of that id with a reference for the caller, NULL when there is none. */
@@ -107,6 +116,12 @@ void vor_worker_drop_uploads(struct vor_worker *worker, const struct vor_uuid *i
                              const char *process);
 void vor_worker_drop_outputs(struct vor_worker *worker, const struct vor_uuid *id,
                              const char *process);
+
+/** Expires jobs, of those first that ended first, until their results have no more than
+ *  config.results bytes. A failure is logged; whoever does it next tries again.
+ *
+ *  Cost: a read of the store as long as they do not. */
+void vor_worker_crowd(struct vor_worker *worker);
 
 /** Drops uploads of jobs that are over, of those first that ended first, until the quota holds. A
  *  failure is logged; whoever sheds next tries again.

@@ -3,6 +3,8 @@
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/work/calendar.h"
+#include "server/work/room.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -287,17 +289,6 @@ void vor_worker_drop_strays(struct vor_worker *worker)
     say_strays(is_lost, files, bytes);
 }
 
-void vor_worker_trim_lost(struct vor_worker *worker, int64_t shift_ms)
-{
-    struct vor_lost_bounds bounds = {.bytes = worker->config.lost_bytes, .shift_ms = shift_ms};
-    struct vor_error err;
-
-    bounds.oldest_ms =
-        vor_clock_wall_ms() - shift_ms - (int64_t)(worker->config.lost_seconds * 1000);
-    if (vor_blobs_trim_lost(worker->config.blobs, &bounds, &err) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "lost bytes not looked through", VOR_TEXT("error", err.message));
-}
-
 vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
 {
     enum { BATCH = 256 };
@@ -317,6 +308,7 @@ vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
     if (total > 0)
         vor_log(VOR_LOG_INFO, "results expired", VOR_COUNT("jobs", total));
     vor_worker_shed(worker);
+    vor_worker_crowd(worker);
     vor_worker_trim_lost(worker, 0);
     return status;
 }
@@ -325,8 +317,11 @@ vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err)
 {
     int64_t now = vor_clock_wall_ms();
     struct vor_recovered recovered = {0};
-    vor_status status = vor_store_recover(worker->config.store, worker->config.crashes_max, now,
-                                          expiry(worker, now), &recovered, err);
+    vor_status status = vor_calendar_begin(worker, err);
+
+    if (status == VOR_OK)
+        status = vor_store_recover(worker->config.store, worker->config.crashes_max, now,
+                                   expiry(worker, now), &recovered, err);
 
     if (status == VOR_OK)
         status = recover_queue(worker, err);

@@ -23,7 +23,4 @@ VOR_NODISCARD vor_status vor_worker_recover(struct vor_worker *worker, struct vo
  *  Cost: a read of the store for each blob. */
 void vor_worker_drop_strays(struct vor_worker *worker);
 
-/** Drops lost bytes that are too old or too many; shift_ms as in struct vor_lost_bounds. */
-void vor_worker_trim_lost(struct vor_worker *worker, int64_t shift_ms);
-
 #endif

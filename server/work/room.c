@@ -66,3 +66,14 @@ int vor_worker_wait_room(struct vor_worker *worker, struct vor_job *job, double 
     }
     return vor_job_asked(job) != VOR_CANCEL;
 }
+
+void vor_worker_trim_lost(struct vor_worker *worker, int64_t shift_ms)
+{
+    struct vor_lost_bounds bounds = {.bytes = worker->config.lost_bytes, .shift_ms = shift_ms};
+    struct vor_error err;
+
+    bounds.oldest_ms =
+        vor_clock_wall_ms() - shift_ms - (int64_t)(worker->config.lost_seconds * 1000);
+    if (vor_blobs_trim_lost(worker->config.blobs, &bounds, &err) != VOR_OK)
+        vor_log(VOR_LOG_WARN, "lost bytes not looked through", VOR_TEXT("error", err.message));
+}

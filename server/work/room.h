@@ -13,4 +13,7 @@ void vor_worker_look(struct vor_worker *worker);
  *  cancelled, or the daemon goes down. */
 int vor_worker_wait_room(struct vor_worker *worker, struct vor_job *job, double seconds);
 
+/** Drops lost bytes that are too old or too many; shift_ms as in struct vor_lost_bounds. */
+void vor_worker_trim_lost(struct vor_worker *worker, int64_t shift_ms);
+
 #endif

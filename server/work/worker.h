@@ -26,6 +26,7 @@ struct vor_worker_config {
     uint64_t queue_bytes; /**< of decoded inputs, of those that wait */
     size_t memory;        /**< bytes a job may have */
     double ttl_seconds;   /**< results live this long after the job's end */
+    uint64_t results;     /**< bytes of results that are kept; of those that ended first, less */
     uint64_t keep;        /**< bytes of uploads that are kept; 0 for none */
     double lost_seconds;  /**< bytes without a job are kept so long, if rows were lost */
     uint64_t lost_bytes;  /**< and up to so many */

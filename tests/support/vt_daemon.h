@@ -20,6 +20,7 @@ struct vt_daemon_options {
     size_t queue, memory;
     double ttl_seconds;
     uint64_t queue_bytes; /**< 0 for 1 GiB */
+    uint64_t results;     /**< 0 for 1 GiB */
     uint64_t keep;        /**< 0 for no uploads */
     void (*prepare)(
         struct vt_daemon *daemon); /**< once store and blobs are open; NULL for nothing */

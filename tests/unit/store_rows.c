@@ -711,7 +711,7 @@ START_TEST(a_store_of_a_newer_version_is_refused_and_left_alone)
     (void)snprintf(where, sizeof where, "sqlite:%s/jobs.sqlite", dir);
     file = fopen(where + 7, "r+");
     ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
-    ck_assert_int_eq(fgetc(file), 3);
+    ck_assert_int_eq(fgetc(file), 4);
     ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
     ck_assert_int_eq(fputc(9, file), 9);
     fclose(file);

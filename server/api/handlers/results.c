@@ -42,7 +42,8 @@ enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *reques
 {
     if (view->expired)
         return say_with_job(app, request, "job-expired",
-                            "the results of this job were kept long enough", view->id.text);
+                            "the results of this job were kept as long as time and room allow",
+                            view->id.text);
     switch (view->status) {
     case VOR_JOB_FAILED:
         return vor_problem_error(app, request, &view->problem, view->id.text);
