@@ -5,6 +5,7 @@ use warnings;
 use Exporter 'import';
 use File::Temp qw(tempdir);
 use Getopt::Long qw(GetOptions);
+use IO::Socket::INET ();
 use POSIX ();
 use Vt ();
 
@@ -15,7 +16,7 @@ END {
     if ($$ == $owner) { system('umount', '-l', $_) == 0 and rmdir $_ for @mounted }
 }
 
-our @EXPORT = qw(options figure small_disk fill inject);
+our @EXPORT = qw(options figure small_disk fill inject free_port);
 
 # --long and --seed N of a row's command line.
 sub options {
@@ -74,6 +75,12 @@ sub inject {
         select undef, undef, undef, 0.02;
     }
     return undef;
+}
+
+# A port that nobody has just now, for a daemon that is to come back where it was.
+sub free_port {
+    my $socket = IO::Socket::INET->new(LocalAddr => '127.0.0.1', LocalPort => 0, Listen => 1) // die "port: $!";
+    return $socket->sockport;
 }
 
 1;
