@@ -11,8 +11,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+enum { NAME_SIZE = 256 }; /* bytes of a file's name on Linux, with the NUL */
+
 struct lost {
-    char *file;
+    char file[NAME_SIZE];
     uint64_t size;
     int64_t since_ms; /* wall clock */
 };
@@ -46,28 +48,37 @@ vor_status vor_dir_set_aside(int parent, int keep, const char *file, struct vor_
     return status;
 }
 
+/* Room for one more; false when memory is out. */
+static int grow(struct list *list)
+{
+    size_t capacity = list->capacity > 0 ? 2 * list->capacity : 64;
+    struct lost *item;
+
+    if (list->count < list->capacity)
+        return 1;
+    item = realloc(list->item, capacity * sizeof *item);
+    if (item == NULL)
+        return 0;
+    list->item = item;
+    list->capacity = capacity;
+    return 1;
+}
+
 static void note(struct list *list, int folder, const char *file)
 {
     struct stat info;
+    struct lost *lost;
 
     if (fstatat(folder, file, &info, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(info.st_mode))
         return;
-    if (list->count == list->capacity) {
-        size_t capacity = list->capacity > 0 ? 2 * list->capacity : 64;
-        struct lost *item = realloc(list->item, capacity * sizeof *item);
-
-        list->failed = list->failed || item == NULL;
-        if (item == NULL)
-            return;
-        list->item = item;
-        list->capacity = capacity;
+    if (!grow(list)) {
+        list->failed = 1;
+        return;
     }
-    list->item[list->count] = (struct lost){.file = strdup(file),
-                                            .size = (uint64_t)info.st_size,
-                                            .since_ms = (int64_t)info.st_mtim.tv_sec * 1000 +
-                                                        info.st_mtim.tv_nsec / 1000000};
-    list->failed = list->failed || list->item[list->count].file == NULL;
-    list->count += list->item[list->count].file != NULL;
+    lost = &list->item[list->count++];
+    (void)snprintf(lost->file, sizeof lost->file, "%s", file);
+    lost->size = (uint64_t)info.st_size;
+    lost->since_ms = (int64_t)info.st_mtim.tv_sec * 1000 + info.st_mtim.tv_nsec / 1000000;
 }
 
 static int newest_first(const void *a, const void *b)
@@ -103,13 +114,6 @@ static void trim(int folder, const struct list *list, const struct vor_lost_boun
     }
 }
 
-static void free_list(struct list *list)
-{
-    for (size_t i = 0; i < list->count; i++)
-        free(list->item[i].file);
-    free(list->item);
-}
-
 vor_status vor_dir_trim_lost(int parent, const struct vor_lost_bounds *bounds,
                              struct vor_error *err)
 {
@@ -126,7 +130,7 @@ vor_status vor_dir_trim_lost(int parent, const struct vor_lost_bounds *bounds,
         qsort(list.item, list.count, sizeof *list.item, newest_first);
     if (!list.failed)
         trim(folder, &list, bounds);
-    free_list(&list);
+    free(list.item);
     closedir(stream);
     return list.failed ? vor_fail(err, VOR_E_NOMEM, "a list of lost bytes") : VOR_OK;
 }

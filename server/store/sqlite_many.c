@@ -119,10 +119,18 @@ static int take_newest(void *ctx, struct vor_sqlite_row *row)
     return 1;
 }
 
+/* By indexes: a row keeps this time behind its report and its trace, and a walk would read those of
+ * every row. The newest is that of the last one to be accepted, of the last one to end, or of one
+ * that ran. */
 vor_status vor_sqlite_newest(struct vor_sqlite *db, int64_t *newest_ms, struct vor_error *err)
 {
     *newest_ms = 0;
-    return vor_sqlite_query(db, take_newest, newest_ms, err, "SELECT max(updated) FROM job", "");
+    return vor_sqlite_query(
+        db, take_newest, newest_ms, err,
+        "SELECT max(updated) FROM job WHERE seq IN (SELECT max(seq) FROM job"
+        " UNION SELECT * FROM (SELECT seq FROM job WHERE expires > 0 ORDER BY expires DESC LIMIT 1)"
+        " UNION SELECT seq FROM job WHERE status = 'running' AND expired = 0)",
+        "");
 }
 
 vor_status vor_sqlite_recover(struct vor_sqlite *db, unsigned crashes_max, int64_t now_ms,

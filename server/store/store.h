@@ -153,9 +153,7 @@ VOR_NODISCARD vor_status vor_store_crowd(struct vor_store *store, uint64_t quota
 VOR_NODISCARD vor_status vor_store_shift(struct vor_store *store, int64_t by_ms,
                                          struct vor_error *err);
 
-/** The latest time that a row was changed; 0 when there is none.
- *
- *  Cost: a walk over all rows. */
+/** The latest time that a row was changed, or nearly; 0 when there is none. */
 VOR_NODISCARD vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms,
                                           struct vor_error *err);
 

@@ -24,6 +24,7 @@ static const double sound_seconds = 600, damaged_seconds = 5;
 
 struct asker {
     struct vor_asker asker;
+    const struct known *known; /* what is asked about */
     struct asker *next;
 };
 
@@ -48,7 +49,8 @@ struct pass {
 
 struct vor_verify {
     struct vor_crew *crew;
-    pthread_mutex_t mutex; /* the table */
+    pthread_mutex_t mutex; /* everything below */
+    struct asker *askers;
     struct known known[KNOWN_MAX];
 };
 
@@ -74,6 +76,25 @@ void vor_verify_destroy(struct vor_verify *verify)
     vor_crew_destroy(verify->crew); /* does what waits, so that all have been woken */
     pthread_mutex_destroy(&verify->mutex);
     free(verify);
+}
+
+/* Takes those who asked about an entry off the list; the mutex is held. */
+static struct asker *take_askers(struct vor_verify *verify, const struct known *known)
+{
+    struct asker **at = &verify->askers, *taken = NULL;
+
+    while (*at != NULL) {
+        struct asker *asker = *at;
+
+        if (asker->known != known) {
+            at = &asker->next;
+            continue;
+        }
+        *at = asker->next;
+        asker->next = taken;
+        taken = asker;
+    }
+    return taken;
 }
 
 static void wake_all(struct asker *asker)
@@ -113,8 +134,7 @@ static void run_pass(void *ctx)
     pthread_mutex_lock(&verify->mutex);
     known->verdict = verdict;
     known->since = vor_clock_seconds();
-    askers = known->askers;
-    known->askers = NULL;
+    askers = take_askers(verify, known);
     pthread_mutex_unlock(&verify->mutex);
     wake_all(askers);
     free(pass);
@@ -158,14 +178,17 @@ static struct known *find(struct vor_verify *verify, const struct known *wanted)
 }
 
 /* Adds somebody to those who wait for an entry; the mutex is held. */
-static enum vor_verdict wait_for(struct known *known, const struct vor_asker *asker)
+static enum vor_verdict wait_for(struct vor_verify *verify, const struct known *known,
+                                 const struct vor_asker *asker)
 {
-    struct asker *waiting = malloc(sizeof *waiting);
+    struct asker *waiting = calloc(1, sizeof *waiting);
 
     if (waiting == NULL)
         return VOR_VERDICT_FAILED;
-    *waiting = (struct asker){.asker = *asker, .next = known->askers};
-    known->askers = waiting;
+    waiting->asker = *asker;
+    waiting->known = known;
+    waiting->next = verify->askers;
+    verify->askers = waiting;
     return VOR_VERDICT_WAIT;
 }
 
@@ -209,7 +232,7 @@ enum vor_verdict vor_verify_ask(struct vor_verify *verify, int fd, uint64_t size
     if (known != NULL && is_fresh(known) && known->verdict != VOR_VERDICT_WAIT)
         verdict = known->verdict;
     else if (known != NULL && (is_fresh(known) || start(verify, known, fd)))
-        verdict = wait_for(known, asker);
+        verdict = wait_for(verify, known, asker);
     pthread_mutex_unlock(&verify->mutex);
     return verdict;
 }
