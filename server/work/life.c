@@ -16,7 +16,7 @@
  * removes files. */
 enum { SWEEP_SECONDS = 60, CREW_THREADS = 2 };
 
-static const double look_seconds = 1; /* between two looks at the disk: a restart takes as long */
+static const double look_seconds = 0.5; /* between two looks at the disk: a restart takes as long */
 
 static void *runner_main(void *arg)
 {

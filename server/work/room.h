@@ -5,7 +5,7 @@
 
 #include "server/work/live.h"
 
-/** What the sweeper's thread does every second: makes the reserve again once there is room, and
+/** What the sweeper's thread does twice a second: makes the reserve again once there is room, and
  *  tells config.failed, once, that a disk has failed. */
 void vor_worker_look(struct vor_worker *worker);
 

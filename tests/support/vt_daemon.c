@@ -28,6 +28,8 @@ void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
     config.jobs = options->jobs > 0 ? options->jobs : 2;
     config.queue = options->queue > 0 ? options->queue : 16;
     config.queue_bytes = options->queue_bytes > 0 ? options->queue_bytes : (uint64_t)1 << 30;
+    config.failed = options->failed;
+    config.failed_ctx = options->failed_ctx;
     config.results = options->results > 0 ? options->results : (uint64_t)1 << 30;
     config.memory = options->memory > 0 ? options->memory : (size_t)1 << 30;
     config.ttl_seconds = options->ttl_seconds > 0 ? options->ttl_seconds : 3600;

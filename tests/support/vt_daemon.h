@@ -19,9 +19,11 @@ struct vt_daemon_options {
     unsigned jobs;
     size_t queue, memory;
     double ttl_seconds;
-    uint64_t queue_bytes; /**< 0 for 1 GiB */
-    uint64_t results;     /**< 0 for 1 GiB */
-    uint64_t keep;        /**< 0 for no uploads */
+    uint64_t queue_bytes;                                   /**< 0 for 1 GiB */
+    uint64_t results;                                       /**< 0 for 1 GiB */
+    uint64_t keep;                                          /**< 0 for no uploads */
+    void (*failed)(void *ctx, const struct vor_error *why); /**< as of the worker; NULL for none */
+    void *failed_ctx;
     void (*prepare)(
         struct vt_daemon *daemon); /**< once store and blobs are open; NULL for nothing */
 };

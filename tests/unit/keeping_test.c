@@ -108,11 +108,11 @@ START_TEST(a_start_with_a_clock_that_does_not_fit_expires_nothing_until_it_does)
     vt_daemon_stop(&daemon);
     atomic_store(&ahead, wrong[_i]);
     vt_daemon_start(&daemon, dir, &options);
-    for (int i = 0; i < 10; i++)
+    for (int i = 0; i < 5; i++)
         nap(); /* the sweeper has looked */
     ck_assert(!vt_daemon_get(&daemon, &id).expired);
     atomic_store(&ahead, 0);
-    for (int i = 0; i < 60 && _i == 0; i++)
+    for (int i = 0; i < 30 && _i == 0; i++)
         nap(); /* and again */
     ck_assert_int_eq(vt_daemon_get(&daemon, &id).expires, view.expires);
     vt_daemon_stop(&daemon);

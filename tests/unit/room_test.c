@@ -5,8 +5,11 @@
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
+#include "tests/support/vt_sync.h"
 
+#include <stdatomic.h>
 #include <string.h>
+#include <time.h>
 
 static uint64_t available(struct vor_blobs *blobs)
 {
@@ -93,6 +96,52 @@ START_TEST(a_decoded_input_that_does_not_fit_is_refused_before_it_is_written)
 }
 END_TEST
 
+static void count_failure(void *ctx, const struct vor_error *why)
+{
+    ck_assert_int_eq(why->status, VOR_E_IO);
+    atomic_fetch_add((atomic_int *)ctx, 1);
+}
+
+/* Regression: every change was refused for ever, and the daemon lived on. */
+START_TEST(a_disk_that_fails_is_told_once_and_the_next_start_has_what_was_accepted)
+{
+    static atomic_int told;
+    struct vt_daemon_options options = {.failed = count_failure, .failed_ctx = &told};
+    struct timespec pause = {.tv_nsec = 20000000};
+    const char *dir = vt_dir_make();
+    struct vor_spec spec = vt_request(20, 1);
+    struct vor_job_view row = vt_row(10);
+    struct vt_daemon daemon;
+    struct vor_cloud cloud;
+    struct vor_uuid id;
+
+    vt_cloud_sphere(&cloud, 1, 100);
+    vt_daemon_start(&daemon, dir, &options);
+    ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &id), VOR_DONE);
+    ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
+    if (_i == 0) {
+        vt_sync_fail(1, 0);
+        vt_assert_fails(VOR_E_IO, vor_store_insert(daemon.store, &row, &vt_err));
+    } else {
+        vt_sync_fail(0, 1);
+        vt_assert_fails(
+            VOR_E_IO, vor_blob_commit(vt_upload(daemon.blobs, "x", 1), &row.id, "input", &vt_err));
+    }
+    while (atomic_load(&told) == 0)
+        nanosleep(&pause, NULL);
+    for (int i = 0; i < 30 && _i == 0; i++)
+        nanosleep(&pause, NULL); /* it looks twice a second */
+    ck_assert_int_eq(atomic_load(&told), 1);
+    vt_daemon_stop(&daemon);
+    vt_sync_fail(0, 0);
+    vt_daemon_start(&daemon, dir, NULL);
+    ck_assert_int_eq(vt_daemon_get(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
+    vt_daemon_stop(&daemon);
+    vor_cloud_free(&cloud);
+    vt_dir_remove(dir);
+}
+END_TEST
+
 /* --- the queue -------------------------------------------------------------------------------- */
 
 /* Bytes of the dump of 500 points, and of its seal. */
@@ -163,6 +212,7 @@ int main(void)
     vt_add(suite, room_promised_to_one_is_not_promised_to_another);
     vt_add(suite, bytes_beyond_a_promise_do_not_take_what_stays_free);
     vt_add(suite, a_decoded_input_that_does_not_fit_is_refused_before_it_is_written);
+    vt_add_loop(suite, a_disk_that_fails_is_told_once_and_the_next_start_has_what_was_accepted, 2);
     vt_add(suite, inputs_that_wait_are_bounded_by_their_decoded_bytes);
     vt_add(suite, an_input_that_never_fits_into_the_queue_is_told_the_bound);
     return vt_run(suite);

@@ -263,7 +263,7 @@ START_TEST(what_ends_a_job_spends_the_reserve_which_is_made_again)
     ck_assert(changed);
     vt_assert_fails(VOR_E_IO, vor_store_check_reserve(daemon.store, &vt_err));
     make_room(dir);
-    while (vor_worker_ready(daemon.worker, &vt_err) != VOR_OK) /* the sweeper looks every second */
+    while (vor_worker_ready(daemon.worker, &vt_err) != VOR_OK) /* the sweeper looks twice a second */
         nap(20);
     vt_daemon_stop(&daemon);
     remove_disk(dir);
