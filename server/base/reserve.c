@@ -7,6 +7,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -14,9 +15,9 @@
 #include <unistd.h>
 
 struct vor_reserve {
-    pthread_mutex_t mutex; /* everything below */
+    pthread_mutex_t mutex; /* changes of what follows; who only looks does not wait for them */
     char *path;
-    uint64_t wanted, held; /* bytes */
+    _Atomic uint64_t wanted, held; /* bytes */
 };
 
 vor_status vor_reserve_open(struct vor_reserve **out, const char *path, struct vor_error *err)
@@ -105,7 +106,7 @@ void vor_reserve_want(struct vor_reserve *reserve, uint64_t bytes)
 static vor_status fail_missing(const struct vor_reserve *reserve, int number, struct vor_error *err)
 {
     (void)vor_fail(err, VOR_E_IO, "the disk is full: the reserve of %llu bytes is spent",
-                   (unsigned long long)reserve->wanted);
+                   (unsigned long long)atomic_load(&reserve->wanted));
     if (err != NULL)
         err->got = (uint64_t)number;
     return VOR_E_IO;
@@ -141,13 +142,7 @@ int vor_reserve_spend(struct vor_reserve *reserve)
 
 vor_status vor_reserve_check(struct vor_reserve *reserve, struct vor_error *err)
 {
-    vor_status status = VOR_OK;
-
-    if (reserve == NULL)
+    if (reserve == NULL || atomic_load(&reserve->held) >= atomic_load(&reserve->wanted))
         return VOR_OK;
-    pthread_mutex_lock(&reserve->mutex);
-    if (reserve->held < reserve->wanted)
-        status = fail_missing(reserve, ENOSPC, err);
-    pthread_mutex_unlock(&reserve->mutex);
-    return status;
+    return fail_missing(reserve, ENOSPC, err);
 }
