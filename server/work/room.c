@@ -11,7 +11,7 @@ vor_status vor_worker_ready(struct vor_worker *worker, struct vor_error *err)
 
     if (status == VOR_OK)
         status = vor_store_check_reserve(worker->config.store, err);
-    return status == VOR_OK ? vor_blobs_room(worker->config.blobs, 0, err) : status;
+    return status == VOR_OK ? vor_blobs_room(worker->config.blobs, 1, err) : status;
 }
 
 /* VOR_OK as long as no disk has failed. */
