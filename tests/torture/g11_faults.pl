@@ -14,8 +14,9 @@ use Vt;
 my %option = options();
 my $cloud = sphere_ply(200);
 my $query = 'points=40&iterations=1&polish=0';
+# Not write: threads wake each other by it, and no such call fails for a disk. Writes that find none are f07_full's.
 my @errors = map { my $call = $_; map { "$call:error=$_" } qw(EIO ENOSPC) }
-    qw(fdatasync fsync pwrite64 renameat openat unlinkat write ftruncate);
+    qw(fdatasync fsync pwrite64 renameat openat unlinkat ftruncate);
 
 my ($hung, $lost, $crashed, $refused, $sessions, $first) = (0, 0, 0, 0, 0, '');
 
