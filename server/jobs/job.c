@@ -15,6 +15,7 @@ struct vor_job {
     atomic_int asked; /* enum vor_answer */
     struct vor_bus *bus;
     struct vor_uuid id;
+    char tenant[VOR_JOB_PRINCIPAL_SIZE];
     pthread_mutex_t change; /* a change of state and its event are one; taken before `state` */
     pthread_mutex_t state;  /* view, first */
     struct vor_job_view view;
@@ -69,6 +70,7 @@ struct vor_job *vor_job_create(const struct vor_job_view *row)
     pthread_mutex_init(&job->change, NULL);
     pthread_mutex_init(&job->state, NULL);
     job->id = row->id;
+    memcpy(job->tenant, row->key.principal, sizeof job->tenant);
     job->view = *row;
     job->view.queue_position = -1;
     if (row->attempt > 1)
@@ -102,6 +104,21 @@ const struct vor_uuid *vor_job_id(const struct vor_job *job)
 struct vor_bus *vor_job_bus(const struct vor_job *job)
 {
     return job->bus;
+}
+
+const char *vor_job_tenant(const struct vor_job *job)
+{
+    return job->tenant;
+}
+
+int vor_job_is_over(struct vor_job *job)
+{
+    int is_over;
+
+    pthread_mutex_lock(&job->state);
+    is_over = vor_job_status_over(job->view.status);
+    pthread_mutex_unlock(&job->state);
+    return is_over;
 }
 
 /* "Iteration 3 of at most 12" */

@@ -15,6 +15,7 @@ enum vor_job_outcome {
     VOR_UNKNOWN,  /**< no such job */
     VOR_CONFLICT, /**< the job is not in a state that allows it */
     VOR_FULL,     /**< the queue is full: 429 */
+    VOR_CROWDED,  /**< the caller has as many jobs as he may: 429 */
     VOR_DRAINING, /**< the daemon is going down: 503 */
     VOR_FAILED    /**< err says why */
 };
@@ -34,6 +35,12 @@ void vor_job_release(struct vor_job *job);
 /** Neither changes during a job's life; borrowed. */
 const struct vor_uuid *vor_job_id(const struct vor_job *job);
 struct vor_bus *vor_job_bus(const struct vor_job *job);
+
+/** Whose it is (vor_job_key.principal). Borrowed; does not change. */
+const char *vor_job_tenant(const struct vor_job *job);
+
+/** True from its END on. */
+int vor_job_is_over(struct vor_job *job);
 
 /** A snapshot; queue_position is -1 (vor_worker_get knows it). Never waits for an fsync. */
 void vor_job_view(struct vor_job *job, struct vor_job_view *out);

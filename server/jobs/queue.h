@@ -1,4 +1,8 @@
-/** The bounded list of jobs that wait for a runner, in the order of acceptance. Thread-safe. */
+/** The bounded list of jobs that wait for a runner. Those of one tenant (vor_job_tenant) leave in
+ * the order of acceptance; tenants take turns, a job each a round. A tenant whose first job comes
+ * while others have many waiting has its turn in the round that goes on, so that it waits for no
+ * more of theirs than run at that moment. Within a round, the job that was accepted first leaves
+ * first: with one tenant that is the order of acceptance. Thread-safe. */
 #ifndef VOR_SERVER_JOBS_QUEUE_H
 #define VOR_SERVER_JOBS_QUEUE_H
 
@@ -39,7 +43,7 @@ struct vor_job *vor_queue_pop(struct vor_queue *queue);
 /** Takes a job out; false when it does not wait. */
 int vor_queue_remove(struct vor_queue *queue, const struct vor_job *job);
 
-/** How many wait before it; -1 when it does not wait. */
+/** How many would leave before it if no other came; -1 when it does not wait. */
 long vor_queue_position(struct vor_queue *queue, const struct vor_job *job);
 
 /** Jobs that wait or have a place booked. */
