@@ -35,6 +35,7 @@ struct vor_job_filter {
     const char *name;                   /**< borrowed; NULL for any */
     int64_t duration_min, duration_max; /**< ms since the start, of those that started; 0 for any */
     int64_t now;                        /**< wall clock: the end of what still runs */
+    const char *tenant;                 /**< borrowed; only this principal's; NULL for any */
     size_t limit;                       /**< 1 .. 10000 */
 };
 
@@ -73,6 +74,10 @@ struct vor_store_driver {
                          struct vor_error *err);
     vor_status (*get)(struct vor_store *store, const struct vor_uuid *id, struct vor_job_view *out,
                       int *found, struct vor_error *err);
+    vor_status (*get_of)(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
+                         struct vor_job_view *out, int *found, struct vor_error *err);
+    vor_status (*held)(struct vor_store *store, const char *tenant, uint64_t *bytes,
+                       struct vor_error *err);
     vor_status (*find_key)(struct vor_store *store, const struct vor_job_key *key,
                            struct vor_job_view *out, int *found, struct vor_error *err);
     vor_status (*report)(struct vor_store *store, const struct vor_uuid *id, char **report,

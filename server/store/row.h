@@ -82,7 +82,8 @@ enum { VOR_JOB_KEY_SIZE = 256, VOR_JOB_PRINCIPAL_SIZE = 65 };
 /** What makes one job of a request that is sent again (the header Idempotency-Key): a key is that
  * of one job, among the keys of its principal. */
 struct vor_job_key {
-    char principal[VOR_JOB_PRINCIPAL_SIZE]; /**< who sent it; "" as long as all callers are one */
+    char principal[VOR_JOB_PRINCIPAL_SIZE]; /**< whose job it is: the name of the API key that it
+                                                 came with, "" for none; set without a key too */
     char text[VOR_JOB_KEY_SIZE];            /**< "" for no key */
     char fingerprint[VOR_DIGEST_SIZE];      /**< of what was asked for, inputs included */
 };

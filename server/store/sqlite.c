@@ -390,16 +390,23 @@ static int take_row(void *ctx, struct vor_sqlite_row *row)
     return 0;
 }
 
-static vor_status get(struct vor_store *store, const struct vor_uuid *id, struct vor_job_view *out,
-                      int *found, struct vor_error *err)
+static vor_status get_of(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
+                         struct vor_job_view *out, int *found, struct vor_error *err)
 {
     struct taken taken = {.row = out};
-    vor_status status =
-        vor_sqlite_query(db_of(store), take_row, &taken, err,
-                         "SELECT " ROW_COLUMNS " FROM job WHERE id = ?", "t", id->text);
+    vor_status status = vor_sqlite_query(db_of(store), take_row, &taken, err,
+                                         "SELECT " ROW_COLUMNS " FROM job WHERE id = ?1"
+                                         " AND (?2 IS NULL OR principal = ?2)",
+                                         "tt", id->text, tenant);
 
     *found = taken.found;
     return status;
+}
+
+static vor_status get(struct vor_store *store, const struct vor_uuid *id, struct vor_job_view *out,
+                      int *found, struct vor_error *err)
+{
+    return get_of(store, id, NULL, out, found, err);
 }
 
 static vor_status find_key(struct vor_store *store, const struct vor_job_key *key,
@@ -523,10 +530,12 @@ static vor_status list_rows(struct vor_store *store, const struct vor_job_filter
                             " AND (?7 = 0 OR (started > 0 AND " DURATION " >= ?7))"
                             " AND (?8 = 0 OR (started > 0 AND " DURATION " <= ?8))"
                             " AND (?10 IS NULL OR name = ?10)"
+                            " AND (?11 IS NULL OR principal = ?11)"
                             " ORDER BY seq DESC LIMIT ?4",
-                            "ttiiiiiiit", statuses, filter->process, filter->before_seq,
+                            "ttiiiiiiitt", statuses, filter->process, filter->before_seq,
                             (int64_t)filter->limit, filter->created_from, filter->created_to,
-                            filter->duration_min, filter->duration_max, filter->now, filter->name);
+                            filter->duration_min, filter->duration_max, filter->now, filter->name,
+                            filter->tenant);
 }
 
 /* --- many rows at once ------------------------------------------------------------------------ */
@@ -541,6 +550,12 @@ static vor_status shed(struct vor_store *store, uint64_t quota, struct vor_expir
                        size_t max, size_t *count, struct vor_error *err)
 {
     return vor_sqlite_shed(db_of(store), quota, shed, max, count, err);
+}
+
+static vor_status held(struct vor_store *store, const char *tenant, uint64_t *bytes,
+                       struct vor_error *err)
+{
+    return vor_sqlite_held(db_of(store), tenant, bytes, err);
 }
 
 static vor_status recover(struct vor_store *store, unsigned crashes_max, int64_t now_ms,
@@ -563,6 +578,8 @@ const struct vor_store_driver vor_store_sqlite = {
     .finish = finish,
     .remove = remove_row,
     .get = get,
+    .get_of = get_of,
+    .held = held,
     .find_key = find_key,
     .report = get_report,
     .trace = get_trace,

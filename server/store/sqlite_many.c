@@ -54,6 +54,16 @@ static int take_sum(void *ctx, struct vor_sqlite_row *row)
     return 1;
 }
 
+vor_status vor_sqlite_held(struct vor_sqlite *db, const char *tenant, uint64_t *bytes,
+                           struct vor_error *err)
+{
+    *bytes = 0;
+    return vor_sqlite_query(db, take_sum, bytes, err,
+                            "SELECT coalesce(sum(kept + output_bytes), 0) FROM job"
+                            " WHERE principal = ? AND expired = 0",
+                            "t", tenant);
+}
+
 /* The jobs before one, in the order in which they ended, are given up before it: it follows while
  * what they keep together is less than what is too much. */
 vor_status vor_sqlite_shed(struct vor_sqlite *db, uint64_t quota, struct vor_expired *shed,

@@ -102,6 +102,18 @@ vor_status vor_store_get(struct vor_store *store, const struct vor_uuid *id,
     return store->driver->get(store, id, out, found, err);
 }
 
+vor_status vor_store_get_of(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
+                            struct vor_job_view *out, int *found, struct vor_error *err)
+{
+    return store->driver->get_of(store, id, tenant, out, found, err);
+}
+
+vor_status vor_store_held(struct vor_store *store, const char *tenant, uint64_t *bytes,
+                          struct vor_error *err)
+{
+    return store->driver->held(store, tenant, bytes, err);
+}
+
 vor_status vor_store_find_key(struct vor_store *store, const struct vor_job_key *key,
                               struct vor_job_view *out, int *found, struct vor_error *err)
 {

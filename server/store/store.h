@@ -71,6 +71,15 @@ VOR_NODISCARD vor_status vor_store_finish(struct vor_store *store, const struct 
 VOR_NODISCARD vor_status vor_store_get(struct vor_store *store, const struct vor_uuid *id,
                                        struct vor_job_view *out, int *found, struct vor_error *err);
 
+/** The same for a job of this principal alone (NULL: of any). */
+VOR_NODISCARD vor_status vor_store_get_of(struct vor_store *store, const struct vor_uuid *id,
+                                          const char *tenant, struct vor_job_view *out, int *found,
+                                          struct vor_error *err);
+
+/** The bytes of a principal's uploads that are kept and of its main results. */
+VOR_NODISCARD vor_status vor_store_held(struct vor_store *store, const char *tenant,
+                                        uint64_t *bytes, struct vor_error *err);
+
 /** The job that has this key of this principal; key->fingerprint does not matter. A job has its key
  *  until it expires or is removed.
  *

@@ -101,40 +101,44 @@ static vor_status take_inputs(struct vor_job_view *row, const struct vor_admitte
 }
 
 /* Makes the row durable and the job live, for a place in the queue that is booked. */
-static vor_status accept_job(struct vor_worker *worker, struct vor_job_view *row,
-                             struct vor_error *err)
+static enum vor_job_outcome accept_job(struct vor_worker *worker, struct vor_job_view *row,
+                                       size_t jobs_max, struct vor_error *err)
 {
     struct vor_job *job = vor_job_create(row);
-    vor_status status;
+    enum vor_job_outcome outcome;
 
-    if (job == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "a job");
-    status = vor_worker_remember(worker, job, err);
-    if (status == VOR_OK) {
-        status = vor_store_insert(worker->config.store, row, err);
-        if (status != VOR_OK)
-            vor_worker_forget(worker, job);
+    if (job == NULL) {
+        (void)vor_fail(err, VOR_E_NOMEM, "a job");
+        return VOR_FAILED;
     }
-    if (status == VOR_OK) {
+    outcome = vor_worker_admit(worker, job, jobs_max, err);
+    if (outcome == VOR_DONE && vor_store_insert(worker->config.store, row, err) != VOR_OK) {
+        vor_worker_forget(worker, job);
+        outcome = VOR_FAILED;
+    }
+    if (outcome == VOR_DONE) {
         vor_job_set_seq(job, row->seq);
         vor_queue_push(worker->queue, job, row->seq);
     }
     vor_job_release(job);
-    return status;
+    return outcome;
 }
 
 static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_view *row,
-                                   struct vor_error *err)
+                                   size_t jobs_max, struct vor_error *err)
 {
+    const char *tenant = row->key.principal;
     enum vor_job_outcome outcome = vor_queue_reserve(worker->queue);
 
     if (outcome != VOR_DONE)
         return outcome;
-    if (accept_job(worker, row, err) != VOR_OK) {
+    outcome = accept_job(worker, row, jobs_max, err);
+    if (outcome != VOR_DONE) {
         vor_queue_cancel(worker->queue);
-        return VOR_FAILED;
+        return outcome;
     }
     vor_log(VOR_LOG_INFO, "job accepted", VOR_TEXT("job", row->id.text),
+            VOR_TEXT("tenant", tenant[0] != '\0' ? tenant : NULL),
             VOR_TEXT("process", row->process), VOR_COUNT("points", row->input[0].points),
             VOR_COUNT("bytes", row->input[0].bytes));
     return VOR_DONE;
@@ -153,7 +157,7 @@ enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
     if (take_inputs(&row, admitted, err) == VOR_OK &&
         check_target(spec, &row.input[0], err) == VOR_OK &&
         check_origin(&row, admitted, err) == VOR_OK)
-        outcome = submit(worker, &row, err);
+        outcome = submit(worker, &row, label != NULL ? label->jobs_max : 0, err);
     if (outcome != VOR_DONE) {
         vor_admit_drop(worker->config.blobs, admitted);
         return outcome;
@@ -194,6 +198,21 @@ enum vor_job_outcome vor_worker_get(struct vor_worker *worker, const struct vor_
                                     struct vor_job_view *out, struct vor_error *err)
 {
     return live_view(worker, id, out) ? VOR_DONE : row_view(worker, id, out, err);
+}
+
+enum vor_job_outcome vor_worker_get_of(struct vor_worker *worker, const struct vor_uuid *id,
+                                       const char *tenant, struct vor_job_view *out,
+                                       struct vor_error *err)
+{
+    int found;
+
+    if (tenant == NULL)
+        return vor_worker_get(worker, id, out, err);
+    if (live_view(worker, id, out))
+        return strcmp(out->key.principal, tenant) == 0 ? VOR_DONE : VOR_UNKNOWN;
+    if (vor_store_get_of(worker->config.store, id, tenant, out, &found, err) != VOR_OK)
+        return VOR_FAILED;
+    return found ? VOR_DONE : VOR_UNKNOWN;
 }
 
 enum vor_job_outcome vor_worker_find_key(struct vor_worker *worker, const struct vor_job_key *key,

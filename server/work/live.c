@@ -34,19 +34,53 @@ struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid
     return job;
 }
 
+/* The jobs of a principal on the list; one whose runner has not unwound yet is over. The mutex is
+ * held. */
+static size_t count_of(const struct vor_worker *worker, const char *tenant)
+{
+    size_t count = 0;
+
+    for (const struct vor_live *live = worker->live; live != NULL; live = live->next)
+        count += strcmp(vor_job_tenant(live->job), tenant) == 0 && !vor_job_is_over(live->job);
+    return count;
+}
+
+size_t vor_worker_jobs_of(struct vor_worker *worker, const char *tenant)
+{
+    size_t count;
+
+    pthread_mutex_lock(&worker->mutex);
+    count = count_of(worker, tenant);
+    pthread_mutex_unlock(&worker->mutex);
+    return count;
+}
+
+enum vor_job_outcome vor_worker_admit(struct vor_worker *worker, struct vor_job *job, size_t most,
+                                      struct vor_error *err)
+{
+    struct vor_live *live = calloc(1, sizeof *live);
+    int is_crowded;
+
+    if (live == NULL) {
+        (void)vor_fail(err, VOR_E_NOMEM, "a job");
+        return VOR_FAILED;
+    }
+    pthread_mutex_lock(&worker->mutex);
+    is_crowded = most > 0 && count_of(worker, vor_job_tenant(job)) >= most;
+    if (!is_crowded) {
+        *live = (struct vor_live){.job = vor_job_retain(job), .next = worker->live};
+        worker->live = live;
+    }
+    pthread_mutex_unlock(&worker->mutex);
+    if (is_crowded)
+        free(live);
+    return is_crowded ? VOR_CROWDED : VOR_DONE;
+}
+
 vor_status vor_worker_remember(struct vor_worker *worker, struct vor_job *job,
                                struct vor_error *err)
 {
-    struct vor_live *live = calloc(1, sizeof *live);
-
-    if (live == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "a job");
-    live->job = vor_job_retain(job);
-    pthread_mutex_lock(&worker->mutex);
-    live->next = worker->live;
-    worker->live = live;
-    pthread_mutex_unlock(&worker->mutex);
-    return VOR_OK;
+    return vor_worker_admit(worker, job, 0, err) == VOR_DONE ? VOR_OK : VOR_E_NOMEM;
 }
 
 void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job)

@@ -57,6 +57,13 @@ struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid
  *  @retval VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_worker_remember(struct vor_worker *worker, struct vor_job *job,
                                              struct vor_error *err);
+
+/** Adds a job unless its principal has `most` (0: any number) on the list already.
+ *
+ *  @retval VOR_DONE, VOR_CROWDED
+ *  @retval VOR_FAILED  err is VOR_E_NOMEM */
+VOR_NODISCARD enum vor_job_outcome vor_worker_admit(struct vor_worker *worker, struct vor_job *job,
+                                                    size_t most, struct vor_error *err);
 void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job);
 
 /** Counts a job as running, until vor_worker_leave. False when the daemon goes down; the job must

@@ -62,7 +62,9 @@ void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out);
  */
 struct vor_job_label {
     const char *name;              /**< as vor_job_view.name */
-    const struct vor_job_key *key; /**< of no job: vor_worker_find_key says VOR_UNKNOWN */
+    const struct vor_job_key *key; /**< of no job: vor_worker_find_key says VOR_UNKNOWN; its
+                                        principal is whose the job is */
+    size_t jobs_max; /**< jobs of that principal that may wait or run, this one included; 0: any */
 };
 
 /** Accepts a job for inputs that vor_admit_file took in: the row is durable when this returns.
@@ -73,7 +75,7 @@ struct vor_job_label {
  *  @param[in]  label     may be NULL
  *  @param[out] out       the job's first view; may be NULL
  *
- *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING
+ *  @retval VOR_DONE, VOR_FULL, VOR_CROWDED, VOR_DRAINING
  *  @retval VOR_FAILED  err: VOR_E_PARAM an input that the process does not take, or as
  *                      vor_spec_check_inputs; VOR_E_TARGET as vor_spec_check_target, but for
  *                      spacing, which only the run can tell; VOR_E_ORIGIN as vor_write_check;
@@ -102,6 +104,15 @@ VOR_NODISCARD enum vor_job_outcome vor_worker_find_key(struct vor_worker *worker
 VOR_NODISCARD enum vor_job_outcome vor_worker_get(struct vor_worker *worker,
                                                   const struct vor_uuid *id,
                                                   struct vor_job_view *out, struct vor_error *err);
+
+/** The same for a job of this principal alone; those of others are unknown. NULL: of any. */
+VOR_NODISCARD enum vor_job_outcome vor_worker_get_of(struct vor_worker *worker,
+                                                     const struct vor_uuid *id, const char *tenant,
+                                                     struct vor_job_view *out,
+                                                     struct vor_error *err);
+
+/** How many jobs of a principal wait or run. */
+size_t vor_worker_jobs_of(struct vor_worker *worker, const char *tenant);
 
 /** vor_store_list with what is live brought up to date. each must not call the worker. */
 VOR_NODISCARD vor_status vor_worker_list(struct vor_worker *worker,
