@@ -277,6 +277,9 @@ static void print_daemon_page(FILE *out)
     fputs(".TP\nSIGTERM, SIGINT\n", out);
     print_text(out, "Running jobs end, within --drain-timeout; others wait for the next start. A "
                     "second one ends the daemon at once.");
+    fputs(".TP\nSIGHUP\n", out);
+    print_text(out, "The file of --api-keys is read again; where that fails, the keys stay as they "
+                    "were.");
     print_exit_codes(out, 1);
     print_heading(out, ".SH", "SEE ALSO");
     fputs(".BR voronoid (1)\n", out);

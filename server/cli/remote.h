@@ -47,6 +47,13 @@ struct vor_remote_call {
 VOR_NODISCARD vor_status vor_remote_open(struct vor_remote **out, struct vor_error *err);
 void vor_remote_close(struct vor_remote *remote);
 
+/** Sends a key ("" for none) with every call from now on that goes to the scheme, host and port of
+ *  this URL, and with no other: what a daemon answers may lead elsewhere.
+ *
+ *  @retval VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_remote_authorize(struct vor_remote *remote, const char *url,
+                                              const char *key, struct vor_error *err);
+
 /** Makes a call and waits for the answer, whatever its status. Redirects are not followed.
  *
  *  @retval VOR_E_IO        no answer, or not all of it (the message says why)
