@@ -4,9 +4,12 @@
 
 #include "server/api/app.h"
 #include "server/api/routes.h"
+#include "server/api/tickets.h"
 #include "server/base/clock.h"
+#include "server/base/keys.h"
 #include "server/base/log.h"
 #include "server/base/machine.h"
+#include "server/base/rates.h"
 #include "server/cli/say.h"
 #include "server/work/admit.h"
 #include "server/work/conversion.h"
@@ -45,6 +48,20 @@ static unsigned thread_count(const struct vor_config *config)
     unsigned asked = (unsigned)config->number[VOR_SET_THREADS];
 
     return asked > 0 ? asked : vor_machine_cores();
+}
+
+/* Who may call, what tickets are signed with, how often keys ask. */
+static vor_status open_callers(struct daemon *daemon, struct vor_error *err)
+{
+    const char *path = daemon->config.text[VOR_SET_API_KEYS];
+    vor_status status = vor_tickets_create(&daemon->app.tickets, err);
+
+    daemon->app.rates = vor_rates_create();
+    if (status == VOR_OK && daemon->app.rates == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "the rates of keys");
+    if (status == VOR_OK && path[0] != '\0')
+        status = vor_keys_open(&daemon->app.keys, path, err);
+    return status;
 }
 
 static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
@@ -138,8 +155,10 @@ static vor_status open_http(struct daemon *daemon, struct vor_error *err)
  * last. */
 static vor_status start(struct daemon *daemon, struct vor_error *err)
 {
-    vor_status status = open_storage(daemon, err);
+    vor_status status = open_callers(daemon, err);
 
+    if (status == VOR_OK)
+        status = open_storage(daemon, err);
     if (status == VOR_OK)
         status = open_http(daemon, err);
     if (status == VOR_OK)
@@ -159,6 +178,9 @@ static void stop(struct daemon *daemon)
     vor_pool_destroy(daemon->pool);
     vor_blobs_close(daemon->app.blobs);
     vor_store_close(daemon->app.store);
+    vor_keys_close(daemon->app.keys);
+    vor_tickets_destroy(daemon->app.tickets);
+    vor_rates_destroy(daemon->app.rates);
 }
 
 /* Waits until no request is under way, QUIET_SECONDS at most. */
@@ -188,19 +210,30 @@ static void *drain(void *ctx)
     return NULL;
 }
 
+static void reload_keys(const struct daemon *daemon)
+{
+    struct vor_error err;
+
+    if (vor_keys_reload(daemon->app.keys, &err) != VOR_OK)
+        vor_log(VOR_LOG_ERROR, "keys not read, those of before hold",
+                VOR_TEXT("error", err.message));
+}
+
+/* The next signal that ends something; what the others ask for is done on the way. */
 static int wait_signal(const struct daemon *daemon)
 {
     int number = 0;
 
-    while (sigwait(&daemon->signals, &number) != 0)
-        number = 0;
+    while (sigwait(&daemon->signals, &number) != 0 || number == SIGHUP)
+        if (number == SIGHUP)
+            reload_keys(daemon);
     return number;
 }
 
 /* SIGUSR2 comes from drain. Before the first SIGTERM it is ignored. */
 static void block_signals(struct daemon *daemon)
 {
-    static const int numbers[] = {SIGTERM, SIGINT, SIGUSR2};
+    static const int numbers[] = {SIGTERM, SIGINT, SIGUSR2, SIGHUP};
 
     (void)signal(SIGPIPE, SIG_IGN);
     (void)sigemptyset(&daemon->signals);

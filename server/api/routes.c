@@ -1,5 +1,6 @@
 #include "server/api/routes.h"
 
+#include "server/api/auth.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
@@ -10,11 +11,13 @@
 #include <strings.h>
 
 static const struct vor_route routes[] = {
-#define ROUTE_ROW(method, path, handler, codes) {VOR_##method, path, handler, codes},
+#define ROUTE_ROW(method, path, scope, handler, codes)                                             \
+    {VOR_##method, path, VOR_SCOPE_##scope, handler, codes},
     VOR_ROUTE_TABLE(ROUTE_ROW)
 #undef ROUTE_ROW
 /* The column says 1 or 0: picks the row, or nothing. */
-#define OFFERED_1(name) {VOR_POST, "/v1/" #name, vor_handle_submit, VOR_CODES_SUBMIT},
+#define OFFERED_1(name)                                                                            \
+    {VOR_POST, "/v1/" #name, VOR_SCOPE_SUBMIT, vor_handle_submit, VOR_CODES_SUBMIT},
 #define OFFERED_0(name)
 #define PROCESS_ROUTE(id, name, http, groups, methods, least, most, inputs, outputs, title, text)  \
     OFFERED_##http(name)
@@ -32,8 +35,8 @@ static const char *const method_words[VOR_METHOD_COUNT] = {"GET", "HEAD", "POST"
 void vor_routes_print(FILE *out)
 {
     for (int i = 0; i < ROUTE_COUNT; i++)
-        (void)fprintf(out, "%s %s %s\n", method_words[routes[i].method], routes[i].path,
-                      routes[i].codes);
+        (void)fprintf(out, "%s %s %s %s\n", method_words[routes[i].method], routes[i].path,
+                      vor_scope_word(routes[i].scope), routes[i].codes);
 }
 
 static bool path_matches(const char *pattern, const char *path)
@@ -105,25 +108,32 @@ static void add_cors(const struct vor_app *app, struct vor_request *request)
     vor_reply_header(request, "Access-Control-Expose-Headers",
                      "Location, ETag, Retry-After, Content-Range, Accept-Ranges, "
                      "Content-Disposition, Preference-Applied, Voronoid-Origin, X-Request-Id, "
-                     "Idempotent-Replayed");
+                     "Idempotent-Replayed, Upload-Offset, Upload-Length, Tus-Resumable, "
+                     "WWW-Authenticate");
     if (vor_request_method(request) != VOR_OPTIONS)
         return;
     vor_reply_header(request, "Access-Control-Allow-Headers",
-                     "Accept, Content-Encoding, Content-Type, Idempotency-Key, If-None-Match, "
-                     "If-Range, Last-Event-ID, Prefer, Range, X-Request-Id");
+                     "Accept, Authorization, Content-Encoding, Content-Type, Idempotency-Key, "
+                     "If-None-Match, If-Range, Last-Event-ID, Prefer, Range, X-API-Key, "
+                     "X-Request-Id");
     vor_reply_header(request, "Access-Control-Max-Age", "600");
 }
 
 /* A form needs no leave of CORS, and a page may send one without an Origin; but no page can unsay
- * this header. Pages of --cors-origin may. */
+ * this header. Pages of --cors-origin may, and any page may have a link that somebody follows. */
 static bool is_from_other_site(const struct vor_app *app, const struct vor_request *request)
 {
     const char *site = vor_request_header(request, "Sec-Fetch-Site");
+    const char *mode = vor_request_header(request, "Sec-Fetch-Mode");
     const char *origin = vor_request_header(request, "Origin");
+    enum vor_method method = vor_request_method(request);
 
-    return site != NULL && strcmp(site, "cross-site") == 0 &&
-           (origin == NULL ||
-            !vor_config_list_has(app->config->text[VOR_SET_CORS_ORIGIN], origin, strlen(origin)));
+    if (site == NULL || strcmp(site, "cross-site") != 0)
+        return false;
+    if (mode != NULL && strcmp(mode, "navigate") == 0 && (method == VOR_GET || method == VOR_HEAD))
+        return false;
+    return origin == NULL ||
+           !vor_config_list_has(app->config->text[VOR_SET_CORS_ORIGIN], origin, strlen(origin));
 }
 
 /* True when the request may come from where it comes; else it is answered. */
@@ -132,7 +142,6 @@ static bool check_source(struct vor_app *app, struct vor_request *request)
     const char *host = vor_request_header(request, "Host");
     const char *origin = vor_request_header(request, "Origin");
     const char *refused = vor_host_refused(app, request);
-    enum vor_method method = vor_request_method(request);
 
     if (host != NULL && !vor_host_is_sound(host))
         vor_problem_say(app, request, "malformed-request", "Host is not NAME or NAME:PORT");
@@ -141,11 +150,10 @@ static bool check_source(struct vor_app *app, struct vor_request *request)
                         "Host is %.100s, want localhost, 127.0.0.1, [::1], that of --public-url or "
                         "one of --allowed-hosts",
                         refused);
-    else if (origin != NULL && (method == VOR_POST || method == VOR_DELETE) &&
-             !origin_is_ours(app, request, origin))
+    else if (origin != NULL && !origin_is_ours(app, request, origin))
         vor_problem_say(app, request, "forbidden",
                         "Origin is %.100s, want one of --cors-origin or this daemon's own", origin);
-    else if ((method == VOR_POST || method == VOR_DELETE) && is_from_other_site(app, request))
+    else if (is_from_other_site(app, request))
         vor_problem_say(app, request, "forbidden",
                         "Sec-Fetch-Site is cross-site, and its page is none of --cors-origin");
     else
@@ -189,6 +197,8 @@ enum vor_next vor_route_dispatch(void *ctx, struct vor_request *request, enum vo
     if (route == NULL)
         return reply_no_route(app, request);
     vor_request_set_route(request, route);
+    if (!vor_auth_check(app, request, route->scope))
+        return VOR_NEXT_REPLY;
     if (vor_http_connections(app->http) > most + RESERVE && strncmp(route->path, "/v1", 3) == 0) {
         vor_reply_close(request);
         return vor_problem_say(app, request, "too-many-connections", "more than %.0f are open",
@@ -211,6 +221,7 @@ void vor_route_done(void *ctx, const struct vor_request *request)
 {
     const struct vor_route *route = vor_request_route(request);
     const char *job = vor_request_job(request);
+    const char *tenant = vor_request_principal(request)->name;
     int status = vor_request_status(request);
 
     (void)ctx;
@@ -221,6 +232,7 @@ void vor_route_done(void *ctx, const struct vor_request *request)
             VOR_TEXT("route", route != NULL ? route->path : ""),
             VOR_TEXT("path", vor_request_path(request)),
             VOR_TEXT("client", vor_request_via(request)->client),
+            VOR_TEXT("tenant", tenant[0] != '\0' ? tenant : NULL),
             VOR_TEXT("job", job[0] != '\0' ? job : NULL),
             VOR_COUNT("status", vor_request_gone(request) || status == 0 ? 499 : status),
             VOR_TEXT("problem", vor_request_problem(request)),

@@ -254,11 +254,6 @@ static vor_status split_listen(struct vor_config *config, struct vor_error *err)
     config->port = (unsigned)port;
     config->loopback = strncmp(config->host, "127.", 4) == 0 || strcmp(config->host, "::1") == 0 ||
                        strcasecmp(config->host, "localhost") == 0;
-    if (!config->loopback && config->number[VOR_SET_NO_AUTH] == 0)
-        return vor_fail_param(err, VOR_E_PARAM, "listen",
-                              "--listen %.80s is open to other machines and this build knows no "
-                              "keys yet: use a loopback address, or --no-auth to let anybody in",
-                              config->text[VOR_SET_LISTEN]);
     return VOR_OK;
 }
 
@@ -334,6 +329,40 @@ static vor_status check_hosts(const struct vor_config *config, struct vor_error 
     return VOR_OK;
 }
 
+/* The setting by which others than users of this machine may call; VOR_SETTING_COUNT when there is
+ * none. A proxy calls from this machine as well, so behind one nobody is told apart by address. */
+static enum vor_setting widened_by(const struct vor_config *config)
+{
+    if (!config->loopback)
+        return VOR_SET_LISTEN;
+    if (config->trusted.count > 0)
+        return VOR_SET_TRUSTED_PROXY;
+    return config->text[VOR_SET_PUBLIC_URL][0] != '\0' ? VOR_SET_PUBLIC_URL : VOR_SETTING_COUNT;
+}
+
+/* Needs loopback and trusted. */
+static vor_status check_callers(const struct vor_config *config, struct vor_error *err)
+{
+    enum vor_setting by = widened_by(config);
+    bool has_keys = config->text[VOR_SET_API_KEYS][0] != '\0';
+    bool is_free = config->number[VOR_SET_NO_AUTH] != 0;
+
+    if (has_keys && is_free)
+        return vor_fail_param(
+            err, VOR_E_PARAM, "no-auth",
+            "--no-auth lets anybody in and --api-keys %.80s does not: give one of "
+            "them",
+            config->text[VOR_SET_API_KEYS]);
+    if (by == VOR_SETTING_COUNT || has_keys || is_free)
+        return VOR_OK;
+    return vor_fail_param(
+        err, VOR_E_PARAM, infos[by].flag,
+        "with --%s %.80s the daemon is open to other machines: give --api-keys "
+        "FILE (voronoid key NAME makes a line of it), or --no-auth to let anybody "
+        "in",
+        infos[by].flag, config->text[by]);
+}
+
 /* prefix, directory and suffix as a setting's text; false when they do not fit. */
 static int compose(struct vor_config *config, int setting, const char *prefix,
                    const char *directory, const char *suffix)
@@ -396,6 +425,8 @@ vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
     if (status == VOR_OK)
         status = vor_networks_parse(&out->trusted, "trusted-proxy",
                                     out->text[VOR_SET_TRUSTED_PROXY], err);
+    if (status == VOR_OK)
+        status = check_callers(out, err);
     if (status == VOR_OK)
         status = find_places(out, getenv, err);
     return status;

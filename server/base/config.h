@@ -59,8 +59,12 @@ enum vor_setting_kind {
       "commas, or several flags; else any that a trusted proxy names")                             \
     X(CORS_ORIGIN, "cors-origin", TEXT, "LIST", 0, 0, "",                                          \
       "Origins whose pages may use this daemon, separated by commas")                              \
+    X(API_KEYS, "api-keys", TEXT, "FILE", 0, 0, "",                                                \
+      "Keys, one of which every request under /v1 then needs: lines of voronoid key NAME; SIGHUP " \
+      "reads it again")                                                                            \
     X(NO_AUTH, "no-auth", FLAG, "", 0, 1, "0",                                                     \
-      "Listen beyond this machine although anybody may then submit jobs")                          \
+      "Let anybody in without a key, although the daemon listens beyond this machine, or behind "  \
+      "a proxy (--trusted-proxy, --public-url)")                                                   \
     X(HTTP_THREADS, "http-threads", COUNT_OF, "threads", 1, 64, "2", "Threads that speak HTTP")    \
     X(CONNECTIONS, "connections", COUNT_OF, "connections", 1, 100000, "1024",                      \
       "Open connections; 32 more are kept for health checks")                                      \
@@ -106,9 +110,11 @@ struct vor_config {
  *  STORE, BLOBS, host, port and trusted are worked out. getenv is the environment to read.
  *
  *  @retval VOR_E_PARAM an unknown or ambiguous flag, a value missing or out of range (message:
- *                      flag, value and range), LISTEN not HOST:PORT, not a loopback address without
- *                      NO_AUTH, PUBLIC_URL no URL, CORS_ORIGIN no list of origins, TRUSTED_PROXY
- *                      none of networks, ALLOWED_HOSTS none of names, or no directory for DATA
+ *                      flag, value and range), LISTEN not HOST:PORT, neither API_KEYS nor NO_AUTH
+ *                      where others than this machine's users may call (LISTEN no loopback address,
+ *                      TRUSTED_PROXY or PUBLIC_URL given), or both, PUBLIC_URL no URL, CORS_ORIGIN
+ * no list of origins, TRUSTED_PROXY none of networks, ALLOWED_HOSTS none of names, or no directory
+ * for DATA
  */
 VOR_NODISCARD vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
                                          char *(*getenv)(const char *name), struct vor_error *err);

@@ -14,6 +14,7 @@
 
 #include "core/base/status.h"
 #include "server/base/address.h"
+#include "server/base/principal.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -155,6 +156,9 @@ int vor_request_closing(const struct vor_request *request);
 /** For the router and the log. */
 void vor_request_set_route(struct vor_request *request, const struct vor_route *route);
 const struct vor_route *vor_request_route(const struct vor_request *request);
+/** Notes who sent the request (copied). Until then it is a caller without name and scopes. */
+void vor_request_set_principal(struct vor_request *request, const struct vor_principal *principal);
+const struct vor_principal *vor_request_principal(const struct vor_request *request);
 /** Notes which job the request is about; the text (up to 39 bytes) is copied. "" until then. */
 void vor_request_set_job(struct vor_request *request, const char *job);
 const char *vor_request_job(const struct vor_request *request);

@@ -104,6 +104,16 @@ const struct vor_route *vor_request_route(const struct vor_request *request)
     return request->route;
 }
 
+void vor_request_set_principal(struct vor_request *request, const struct vor_principal *principal)
+{
+    request->principal = *principal;
+}
+
+const struct vor_principal *vor_request_principal(const struct vor_request *request)
+{
+    return &request->principal;
+}
+
 void vor_request_set_job(struct vor_request *request, const char *job)
 {
     (void)snprintf(request->job, sizeof request->job, "%s", job);

@@ -52,8 +52,9 @@ struct vor_request {
     char id[72];
     struct vor_address from; /**< of the connection */
     struct vor_via via;
-    char job[40];        /**< that it is about, or "" */
-    const char *problem; /**< slug of the problem replied, or NULL; static */
+    struct vor_principal principal; /**< nobody until the router has found out */
+    char job[40];                   /**< that it is about, or "" */
+    const char *problem;            /**< slug of the problem replied, or NULL; static */
     const struct vor_route *route;
     double began;
     int64_t length;

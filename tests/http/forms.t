@@ -175,7 +175,8 @@ is curl('/v1/resample', '-H', "Sec-Fetch-Site: $_", @form)->{status}, 200, "a fo
 is curl('/v1/resample', '-H', "Origin: $daemon->{url}", '-H', 'Sec-Fetch-Site: same-origin', @form)->{status}, 200, 'one of our own';
 is_problem(curl('/v1/resample', '-H', 'Sec-Fetch-Site: cross-site', @form), 403, 'forbidden', 'one of another site is refused');
 is_problem(curl('/v1/resample', '-H', "Origin: $_", @form), 403, 'forbidden', "one of $_ is refused") for 'https://evil.example', 'null';
-is $daemon->get('/livez', headers => { 'Sec-Fetch-Site' => 'cross-site' })->{status}, 200, 'who only looks is not';
+is $daemon->get('/livez', headers => { 'Sec-Fetch-Site' => 'cross-site', 'Sec-Fetch-Mode' => 'navigate' })->{status}, 200,
+    'who only follows a link is not';
 {
     my $cors = Vt->start('cors-origin' => 'https://app.example');
     my ($was, @there) = ($daemon, '-H', 'Sec-Fetch-Site: cross-site', @form);

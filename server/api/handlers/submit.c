@@ -11,6 +11,7 @@
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/submit_form.h"
 #include "server/api/handlers/submit_json.h"
+#include "server/api/limits.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
@@ -29,6 +30,7 @@ static const uint64_t disk_reserve = VOR_BLOBS_RESERVE;
 struct submission {
     struct vor_app *app;
     struct vor_submit_head head;
+    struct vor_quota quota;       /* of the key */
     double deadline;              /* of the wait; 0 for none */
     struct vor_submit_form *form; /* NULL when the body is a cloud */
     struct vor_uploads uploads;
@@ -251,7 +253,8 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     struct vor_body_sink sink;
     struct vor_error err;
 
-    if (!vor_submit_read(app, request, &head) || !check_room(app, request, &head))
+    if (!vor_limits_rate(app, request) || !vor_submit_read(app, request, &head) ||
+        !check_room(app, request, &head) || !vor_limits_room(app, request, &head.besides.key))
         return VOR_NEXT_REPLY;
     if (head.mode == VOR_SUBMIT_STREAM &&
         atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS])
@@ -265,6 +268,7 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
         return vor_problem_error(app, request, &err, NULL);
     }
     submission->head = head;
+    submission->quota = vor_request_principal(request)->quota;
     vor_request_set_state(request, submission, release);
     if (!begin_flight(app, request, submission) || !open_sink(app, request, submission, &sink))
         return VOR_NEXT_REPLY;
@@ -278,7 +282,8 @@ static void on_admitted(struct vor_admission *admission)
     struct submission *submission = admission->ctx;
     struct vor_app *app = submission->app;
     const struct vor_job_label label = {submission->head.besides.name,
-                                        &submission->head.besides.key};
+                                        &submission->head.besides.key,
+                                        (size_t)submission->quota.jobs};
     bool abandoned;
 
     (void)pthread_mutex_lock(&submission->lock);
@@ -287,7 +292,8 @@ static void on_admitted(struct vor_admission *admission)
     submission->outcome = VOR_FAILED;
     if (admission->status != VOR_OK)
         submission->error = admission->error;
-    else if (abandoned)
+    else if (abandoned || vor_limits_points(&submission->quota, &admission->admitted,
+                                            &submission->error) != VOR_OK)
         vor_admit_drop(app->blobs, &admission->admitted);
     else
         submission->outcome =
