@@ -6,6 +6,7 @@
 #include "server/api/routes.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/base/log_sink.h"
 #include "server/base/machine.h"
 #include "server/cli/say.h"
 #include "server/work/admit.h"
@@ -20,6 +21,9 @@
 #include <unistd.h>
 
 enum { ADMIT_WAITING_MAX = 64, CRASHES_MAX = 2, QUIET_SECONDS = 10 };
+
+/* How long the last lines of the log may wait for their reader. */
+static const double log_seconds = 1;
 
 /* The parts, in the order in which they start. */
 struct daemon {
@@ -223,6 +227,7 @@ static int run(struct daemon *daemon)
     if (number != SIGUSR2) {
         /* Running jobs are still in the store as such; the next start takes them up again. */
         vor_log(VOR_LOG_WARN, "stopped at once", VOR_COUNT("signal", number));
+        vor_log_sink_stop(log_seconds);
         _exit(VOR_EXIT_FAILED);
     }
     (void)pthread_join(daemon->drainer, NULL);
@@ -231,7 +236,10 @@ static int run(struct daemon *daemon)
 
 static int failed_start(const struct daemon *daemon, const struct vor_error *err)
 {
-    (void)fprintf(stderr, "voronoid: %s\n", err->message);
+    char line[sizeof err->message + 16];
+
+    (void)snprintf(line, sizeof line, "voronoid: %s", err->message);
+    vor_log_plain(line);
     if (daemon->holder != 0)
         return VOR_EXIT_IN_USE;
     return err->status == VOR_E_PARAM ? VOR_EXIT_USAGE : VOR_EXIT_FAILED;
@@ -245,7 +253,7 @@ static int serve(struct daemon *daemon)
     block_signals(daemon);
     vor_log_open(STDERR_FILENO, (enum vor_log_level)daemon->config.number[VOR_SET_LOG_LEVEL]);
     daemon->app.config = &daemon->config;
-    if (start(daemon, &err) != VOR_OK) {
+    if (vor_log_sink_start(&err) != VOR_OK || start(daemon, &err) != VOR_OK) {
         result = failed_start(daemon, &err);
     } else {
         vor_log(VOR_LOG_INFO, "listening", VOR_TEXT("address", vor_http_address(daemon->app.http)),
@@ -256,6 +264,7 @@ static int serve(struct daemon *daemon)
         vor_log(VOR_LOG_INFO, "stopped", VOR_COUNT("exit", result));
     }
     stop(daemon);
+    vor_log_sink_stop(log_seconds);
     return result;
 }
 

@@ -1,5 +1,6 @@
-/** The daemon's log: one JSON object a line, {"ts","level","msg", fields}. Thread-safe; a line is
- *  written at once and whole. Every text is escaped, whoever it comes from. */
+/** The daemon's log: one JSON object a line, {"ts","level","msg", fields}. Thread-safe, and nobody
+ *  waits for whoever reads it (log_sink.h). Every text is escaped and cut to VOR_LOG_TEXT_MAX,
+ *  whoever it comes from. */
 #ifndef VOR_SERVER_BASE_LOG_H
 #define VOR_SERVER_BASE_LOG_H
 
@@ -20,9 +21,19 @@ enum vor_log_level {
         VOR_LOG_LEVELS
 };
 
+/** Bytes of a text in a line: of a longer one the middle is left out, and how much is said in its
+ *  place. Escaped it has six times as many at most. */
+enum { VOR_LOG_TEXT_MAX = 256 };
+
 /** Where lines go (a file descriptor, borrowed) and which: level and above. Until then standard
  *  error, info. */
 void vor_log_open(int fd, enum vor_log_level level);
+
+/** Changes the level alone. */
+void vor_log_set_level(enum vor_log_level level);
+
+/** Writes one line of plain text for people, with a newline behind it, if there is room. */
+void vor_log_plain(const char *line);
 
 struct vor_log_field {
     const char *name; /**< NULL ends a list */
