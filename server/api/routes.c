@@ -4,6 +4,7 @@
 #include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/log.h"
+#include "server/base/metrics.h"
 
 #include <math.h>
 #include <string.h>
@@ -207,22 +208,40 @@ void vor_route_refuse(void *ctx, struct vor_request *request, const struct vor_r
     vor_problem_reply(ctx, request, &problem);
 }
 
+/* A request for /metrics: paths of strangers are all one. */
+static void count(const struct vor_request *request, const char *method, int status)
+{
+    const struct vor_route *route = vor_request_route(request);
+    const char *path = route != NULL ? route->path : "none";
+    const char *problem = vor_request_problem(request);
+    char code[8];
+
+    (void)snprintf(code, sizeof code, "%d", status);
+    vor_metric_add(VOR_METRIC_HTTP_REQUESTS, 1, VOR_LABELS(path, method, code));
+    vor_metric_observe(VOR_METRIC_HTTP_SECONDS, vor_request_seconds(request), VOR_LABELS(path));
+    vor_metric_add(VOR_METRIC_HTTP_BYTES_IN, (double)vor_request_bytes_in(request), NULL);
+    vor_metric_add(VOR_METRIC_HTTP_BYTES_OUT, (double)vor_request_bytes_out(request), NULL);
+    if (problem != NULL)
+        vor_metric_add(VOR_METRIC_REJECTED, 1, VOR_LABELS(problem));
+}
+
 void vor_route_done(void *ctx, const struct vor_request *request)
 {
     const struct vor_route *route = vor_request_route(request);
     const char *job = vor_request_job(request);
+    enum vor_method method = vor_request_method(request);
+    const char *word = method < VOR_METHOD_COUNT ? method_words[method] : "other";
     int status = vor_request_status(request);
 
     (void)ctx;
+    if (vor_request_gone(request) || status == 0)
+        status = 499;
+    count(request, word, status);
     vor_log(VOR_LOG_INFO, "request", VOR_TEXT("request_id", vor_request_id(request)),
-            VOR_TEXT("method", vor_request_method(request) < VOR_METHOD_COUNT
-                                   ? method_words[vor_request_method(request)]
-                                   : "other"),
-            VOR_TEXT("route", route != NULL ? route->path : ""),
+            VOR_TEXT("method", word), VOR_TEXT("route", route != NULL ? route->path : ""),
             VOR_TEXT("path", vor_request_path(request)),
             VOR_TEXT("client", vor_request_via(request)->client),
-            VOR_TEXT("job", job[0] != '\0' ? job : NULL),
-            VOR_COUNT("status", vor_request_gone(request) || status == 0 ? 499 : status),
+            VOR_TEXT("job", job[0] != '\0' ? job : NULL), VOR_COUNT("status", status),
             VOR_TEXT("problem", vor_request_problem(request)),
             VOR_REAL("dur_s", round(vor_request_seconds(request) * 1e6) / 1e6),
             VOR_COUNT("bytes_in", vor_request_bytes_in(request)),

@@ -182,6 +182,22 @@ long vor_queue_position(struct vor_queue *queue, const struct vor_job *job)
     return entry != NULL ? position : -1;
 }
 
+int64_t vor_queue_oldest(struct vor_queue *queue)
+{
+    struct vor_job_view view = {.created = 0};
+    struct vor_job *job = NULL;
+
+    pthread_mutex_lock(&queue->mutex);
+    if (queue->head != NULL)
+        job = vor_job_retain(queue->head->job);
+    pthread_mutex_unlock(&queue->mutex);
+    if (job != NULL) {
+        vor_job_view(job, &view);
+        vor_job_release(job);
+    }
+    return view.created;
+}
+
 size_t vor_queue_depth(struct vor_queue *queue)
 {
     size_t depth;

@@ -42,6 +42,9 @@ int vor_queue_remove(struct vor_queue *queue, const struct vor_job *job);
 /** How many wait before it; -1 when it does not wait. */
 long vor_queue_position(struct vor_queue *queue, const struct vor_job *job);
 
+/** When the job that is next was accepted (wall clock, ms); 0 when none waits. */
+int64_t vor_queue_oldest(struct vor_queue *queue);
+
 /** Jobs that wait or have a place booked. */
 size_t vor_queue_depth(struct vor_queue *queue);
 size_t vor_queue_capacity(const struct vor_queue *queue);

@@ -1,6 +1,7 @@
 #include "server/store/store.h"
 
 #include "server/base/disk.h"
+#include "server/base/metrics.h"
 #include "server/store/sqlite.h"
 
 #include <assert.h>
@@ -90,10 +91,15 @@ vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *
                             struct vor_error *err)
 {
     static const struct vor_store_ending nothing;
+    vor_status status;
 
     assert(vor_job_status_over(row->status));
-    return store->driver->finish(store, row, attempt, ending != NULL ? ending : &nothing, changed,
-                                 err);
+    status = store->driver->finish(store, row, attempt, ending != NULL ? ending : &nothing, changed,
+                                   err);
+    if (status == VOR_OK && *changed)
+        vor_metric_add(VOR_METRIC_JOBS_ENDED, 1,
+                       VOR_LABELS(row->process, vor_job_status_word(row->status)));
+    return status;
 }
 
 vor_status vor_store_get(struct vor_store *store, const struct vor_uuid *id,

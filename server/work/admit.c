@@ -4,6 +4,7 @@
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
+#include "server/work/counted.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -52,8 +53,10 @@ static vor_status decode(struct vor_cloud *cloud, struct vor_job_input *input,
         return vor_fail_errno(err, errno, "mapping the upload");
     status = vor_codec_read(cloud, &format, bytes, size, limits, err);
     (void)munmap(bytes, size);
-    if (status != VOR_OK)
+    if (status != VOR_OK) {
+        vor_count_undecodable(format, status);
         return status;
+    }
     for (input->format = 0; vor_format(input->format) != format; input->format++)
         assert(vor_format(input->format) != NULL);
     input->points = cloud->n;

@@ -3,6 +3,7 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/jobs/trace.h"
+#include "server/work/counted.h"
 #include "server/work/live.h"
 
 #include <stdio.h>
@@ -24,6 +25,7 @@ enum vor_job_outcome vor_worker_room(struct vor_worker *worker)
 void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out)
 {
     out->waiting = vor_queue_depth(worker->queue);
+    out->oldest_ms = vor_queue_oldest(worker->queue);
     pthread_mutex_lock(&worker->mutex);
     out->running = worker->running;
     pthread_mutex_unlock(&worker->mutex);
@@ -134,6 +136,7 @@ static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_vie
         vor_queue_cancel(worker->queue);
         return VOR_FAILED;
     }
+    vor_count_accepted(row);
     vor_log(VOR_LOG_INFO, "job accepted", VOR_TEXT("job", row->id.text),
             VOR_TEXT("process", row->process), VOR_COUNT("points", row->input[0].points),
             VOR_COUNT("bytes", row->input[0].bytes));

@@ -3,6 +3,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/base/metrics.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -246,6 +247,7 @@ vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err)
         status = recover_queue(worker, err);
     if (status == VOR_OK)
         status = vor_blobs_list(worker->config.blobs, note_blob, worker, err);
+    vor_metric_add(VOR_METRIC_JOBS_AGAIN, (double)recovered.requeued, VOR_LABELS("restart"));
     if (status == VOR_OK)
         vor_log(VOR_LOG_INFO, "recovered", VOR_COUNT("waiting", vor_queue_depth(worker->queue)),
                 VOR_COUNT("requeued", recovered.requeued), VOR_COUNT("failed", recovered.failed));

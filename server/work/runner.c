@@ -7,6 +7,7 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/work/artefacts.h"
+#include "server/work/counted.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -324,7 +325,10 @@ void vor_worker_run(struct vor_worker *worker, struct vor_job *job)
         vor_log(VOR_LOG_INFO, "job started", VOR_TEXT("job", run.view.id.text),
                 VOR_COUNT("attempt", run.attempt));
         vor_job_begin(job, vor_clock_wall_ms());
+        vor_count_begun(&run.view, run.attempt, worker->config.memory);
         status = execute(&run, &problem);
+        vor_count_ended(&run.view, run.has_report ? &run.report : NULL, worker->config.memory,
+                        vor_clock_seconds() - began);
         if (status == VOR_E_CANCELLED && is_aborting(worker))
             give_back(&run);
         else

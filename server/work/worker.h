@@ -52,9 +52,10 @@ void vor_worker_destroy(struct vor_worker *worker);
  *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING */
 enum vor_job_outcome vor_worker_room(struct vor_worker *worker);
 
-/** Jobs that wait, and that run. */
+/** Jobs that wait, and that run; when the one that is next was accepted, 0 when none waits. */
 struct vor_worker_load {
     size_t waiting, running;
+    int64_t oldest_ms;
 };
 void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out);
 
