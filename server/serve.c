@@ -2,6 +2,7 @@
  * signal; then the same backwards. */
 #include "server/serve.h"
 
+#include "server/api/admin.h"
 #include "server/api/app.h"
 #include "server/api/routes.h"
 #include "server/base/clock.h"
@@ -22,6 +23,9 @@
 
 enum { ADMIT_WAITING_MAX = 64, CRASHES_MAX = 2, QUIET_SECONDS = 10 };
 
+/* Of the second listener. A scraper asks every 15 seconds as a rule, on a connection it keeps. */
+enum { ADMIN_CONNECTIONS = 16, ADMIN_SECONDS = 5, ADMIN_KEEP_SECONDS = 60 };
+
 /* How long the last lines of the log may wait for their reader. */
 static const double log_seconds = 1;
 
@@ -29,6 +33,7 @@ static const double log_seconds = 1;
 struct daemon {
     struct vor_config config;
     struct vor_app app;
+    struct vor_http *admin; /* the second listener; NULL when there is none */
     struct vor_pool *pool;
     sigset_t signals;
     pthread_t drainer;
@@ -112,12 +117,17 @@ static void library_line(void *ctx, const char *line)
     vor_log(VOR_LOG_DEBUG, "http library", VOR_TEXT("detail", line));
 }
 
+/* In the order of the setting's words. */
+static const unsigned socket_modes[] = {0600, 0660, 0666};
+
 static vor_status open_http(struct daemon *daemon, struct vor_error *err)
 {
     const struct vor_config *config = &daemon->config;
     const struct vor_http_options options = {
         .host = config->host,
         .port = config->port,
+        .path = config->endpoint.path,
+        .mode = socket_modes[(int)config->number[VOR_SET_SOCKET_MODE]],
         .threads = (unsigned)config->number[VOR_SET_HTTP_THREADS],
         .connections = (unsigned)config->number[VOR_SET_CONNECTIONS] + 32,
         .header_seconds = config->number[VOR_SET_HEADER_TIMEOUT],
@@ -137,6 +147,34 @@ static vor_status open_http(struct daemon *daemon, struct vor_error *err)
     return vor_http_open(&daemon->app.http, &options, err);
 }
 
+/* Few look at the numbers, and nobody for long: what is silent here is soon cut. */
+static vor_status open_admin(struct daemon *daemon, struct vor_error *err)
+{
+    const struct vor_config *config = &daemon->config;
+    const struct vor_http_options options = {
+        .host = config->admin.host,
+        .port = config->admin.port,
+        .path = config->admin.path,
+        .mode = socket_modes[(int)config->number[VOR_SET_SOCKET_MODE]],
+        .threads = 1,
+        .connections = ADMIN_CONNECTIONS,
+        .header_seconds = ADMIN_SECONDS,
+        .keep_seconds = ADMIN_KEEP_SECONDS,
+        .body_seconds = ADMIN_SECONDS,
+        .body_idle_seconds = ADMIN_SECONDS,
+        .trusted = &config->trusted,
+        .handler = vor_admin_dispatch,
+        .ctx = &daemon->app,
+        .refuse = vor_route_refuse,
+        .done = vor_admin_done,
+        .log = library_line,
+    };
+
+    if (config->text[VOR_SET_ADMIN_LISTEN][0] == '\0')
+        return VOR_OK;
+    return vor_http_open(&daemon->admin, &options, err);
+}
+
 /* The address comes before the jobs, so that a daemon whose address is taken touches none. Who
  * connects meanwhile is answered once every job of a former life is back in line: the threads come
  * last. */
@@ -147,14 +185,19 @@ static vor_status start(struct daemon *daemon, struct vor_error *err)
     if (status == VOR_OK)
         status = open_http(daemon, err);
     if (status == VOR_OK)
+        status = open_admin(daemon, err);
+    if (status == VOR_OK)
         status = start_jobs(daemon, err);
     if (status == VOR_OK)
         status = vor_http_start(daemon->app.http, err);
+    if (status == VOR_OK && daemon->admin != NULL)
+        status = vor_http_start(daemon->admin, err);
     return status;
 }
 
 static void stop(struct daemon *daemon)
 {
+    vor_http_stop(daemon->admin);
     vor_http_stop(daemon->app.http);
     vor_admit_destroy(daemon->app.admit);
     vor_conversions_destroy(daemon->app.conversions);
@@ -257,6 +300,7 @@ static int serve(struct daemon *daemon)
         result = failed_start(daemon, &err);
     } else {
         vor_log(VOR_LOG_INFO, "listening", VOR_TEXT("address", vor_http_address(daemon->app.http)),
+                VOR_TEXT("admin", daemon->admin != NULL ? vor_http_address(daemon->admin) : NULL),
                 VOR_TEXT("data", daemon->config.text[VOR_SET_DATA]),
                 VOR_COUNT("threads", vor_pool_threads(daemon->pool)),
                 VOR_COUNT("job_memory", job_memory(&daemon->config)));

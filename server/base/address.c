@@ -55,6 +55,11 @@ bool vor_address_of_socket(struct vor_address *out, const struct sockaddr *end)
         *out = map_ipv4(&four.sin_addr);
         return true;
     }
+    if (end->sa_family == AF_UNIX) {
+        four.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        *out = map_ipv4(&four.sin_addr);
+        return true;
+    }
     if (end->sa_family != AF_INET6)
         return false;
     memcpy(&six, end, sizeof six);

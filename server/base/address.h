@@ -38,7 +38,8 @@ struct vor_networks {
  *  stays as it is, when they are neither. */
 bool vor_address_parse(struct vor_address *out, const char *text, size_t length);
 
-/** The address of one end of a connection; false when it has none, as in another family. */
+/** The address of one end of a connection; that of a Unix socket, which this machine alone reaches,
+ *  is 127.0.0.1. False when it has none, as in another family. */
 bool vor_address_of_socket(struct vor_address *out, const struct sockaddr *end);
 
 /** As text, an IPv4 address in its own form. Returns out. */

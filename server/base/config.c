@@ -234,32 +234,37 @@ static vor_status read_arguments(struct vor_config *config, int argc, char **arg
 
 static vor_status split_listen(struct vor_config *config, struct vor_error *err)
 {
-    const char *text = config->text[VOR_SET_LISTEN];
-    const char *colon = strrchr(text, ':');
-    size_t length = colon != NULL ? (size_t)(colon - text) : 0;
-    char *end = NULL;
-    unsigned long port = colon != NULL ? strtoul(colon + 1, &end, 10) : 0;
+    vor_status status =
+        vor_endpoint_parse(&config->endpoint, "listen", config->text[VOR_SET_LISTEN], err);
 
-    if (length == 0 || length >= sizeof config->host || !isdigit((unsigned char)colon[1]) ||
-        *end != '\0' || port > 65535)
-        return vor_fail_param(err, VOR_E_PARAM, "listen",
-                              "--listen is \"%.80s\", want HOST:PORT with a port from 0 to 65535",
-                              text);
-    if (text[0] == '[' && text[length - 1] == ']') {
-        text++;
-        length -= 2;
-    }
-    memcpy(config->host, text, length);
-    config->host[length] = '\0';
-    config->port = (unsigned)port;
-    config->loopback = strncmp(config->host, "127.", 4) == 0 || strcmp(config->host, "::1") == 0 ||
-                       strcasecmp(config->host, "localhost") == 0;
+    if (status != VOR_OK)
+        return status;
+    memcpy(config->host, config->endpoint.host, sizeof config->host);
+    config->port = config->endpoint.port;
+    config->loopback = config->endpoint.loopback;
     if (!config->loopback && config->number[VOR_SET_NO_AUTH] == 0)
         return vor_fail_param(err, VOR_E_PARAM, "listen",
                               "--listen %.80s is open to other machines and this build knows no "
                               "keys yet: use a loopback address, or --no-auth to let anybody in",
                               config->text[VOR_SET_LISTEN]);
     return VOR_OK;
+}
+
+/* The numbers of a daemon are for whoever runs it. */
+static vor_status split_admin(struct vor_config *config, struct vor_error *err)
+{
+    const char *text = config->text[VOR_SET_ADMIN_LISTEN];
+    vor_status status = VOR_OK;
+
+    if (text[0] != '\0')
+        status = vor_endpoint_parse(&config->admin, "admin-listen", text, err);
+    if (status == VOR_OK && text[0] != '\0' && !config->admin.loopback &&
+        config->number[VOR_SET_ADMIN_ANYWHERE] == 0)
+        return vor_fail_param(err, VOR_E_PARAM, "admin-listen",
+                              "--admin-listen %.80s is open to other machines: use a loopback "
+                              "address or unix:/PATH, or --admin-anywhere to let anybody read it",
+                              text);
+    return status;
 }
 
 /* Length of "http://HOST:PORT" or the like at the start of text; 0 when there is none. */
@@ -387,6 +392,8 @@ vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
         status = read_environment(out, getenv, err);
     if (status == VOR_OK)
         status = split_listen(out, err);
+    if (status == VOR_OK)
+        status = split_admin(out, err);
     if (status == VOR_OK)
         status = check_public_url(out, err);
     if (status == VOR_OK)

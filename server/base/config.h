@@ -4,6 +4,7 @@
 
 #include "core/base/status.h"
 #include "server/base/address.h"
+#include "server/base/endpoint.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -23,7 +24,15 @@ enum vor_setting_kind {
  *  "http-threads" is VORONOID_HTTP_THREADS; a flag wins over it. */
 #define VOR_SETTING_TABLE(X)                                                                       \
     X(LISTEN, "listen", TEXT, "HOST:PORT", 0, 0, "127.0.0.1:8080",                                 \
-      "Where to listen; port 0 takes a free one, which the log names")                             \
+      "Where to listen; port 0 takes a free one, which the log names; unix:/PATH is a socket in "  \
+      "the file system")                                                                           \
+    X(SOCKET_MODE, "socket-mode", CHOICE, "0600 0660 0666", 0, 0, "0660",                          \
+      "Who may connect to a Unix socket of --listen: its owner, its group, anybody")               \
+    X(ADMIN_LISTEN, "admin-listen", TEXT, "HOST:PORT", 0, 0, "",                                   \
+      "Where /livez, /readyz and /metrics, and nothing else, are answered by a thread of their "   \
+      "own, also while --listen is overrun; nowhere unless given")                                 \
+    X(ADMIN_ANYWHERE, "admin-anywhere", FLAG, "", 0, 1, "0",                                       \
+      "Let --admin-listen be an address that other machines reach")                                \
     X(DATA, "data", TEXT, "DIR", 0, 0, "",                                                         \
       "Where jobs and their bytes are kept; else $STATE_DIRECTORY, $XDG_STATE_HOME/voronoid or "   \
       "~/.local/state/voronoid")                                                                   \
@@ -97,8 +106,9 @@ struct vor_config {
     int given[VOR_SETTING_COUNT]; /**< by flag or environment */
     char host[256];               /**< of LISTEN, without brackets */
     unsigned port;
-    int loopback;                /**< host is this machine only */
-    struct vor_networks trusted; /**< of TRUSTED_PROXY */
+    int loopback;                        /**< host is this machine only */
+    struct vor_endpoint endpoint, admin; /**< of LISTEN, of ADMIN_LISTEN */
+    struct vor_networks trusted;         /**< of TRUSTED_PROXY */
 };
 
 /** --flag VALUE and --flag=VALUE of argv[1 .. argc - 1], by getopt_long, so that an unambiguous

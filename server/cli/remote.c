@@ -1,5 +1,6 @@
 #include "server/cli/remote.h"
 
+#include "server/base/endpoint.h"
 #include "server/cli/interrupt.h"
 
 #include <curl/curl.h>
@@ -20,6 +21,22 @@ struct exchange {
     struct vor_remote *remote;
     struct vor_remote_call *call;
 };
+
+/* A command speaks to one daemon: "" for one that its URL names. */
+static char socket_path[VOR_SOCKET_PATH_MAX];
+
+vor_status vor_remote_use_socket(const char *path, struct vor_error *err)
+{
+    size_t size = strlen(path);
+
+    if (path[0] != '/' || size >= sizeof socket_path)
+        return vor_fail(err, VOR_E_PARAM,
+                        "the server is \"unix:%.120s\", want unix:/PATH with a path of at most %d "
+                        "bytes",
+                        path, VOR_SOCKET_PATH_MAX - 1);
+    memcpy(socket_path, path, size + 1);
+    return VOR_OK;
+}
 
 vor_status vor_remote_open(struct vor_remote **out, struct vor_error *err)
 {
@@ -127,6 +144,8 @@ static void set_up(CURL *curl, struct exchange *exchange)
 
     curl_easy_reset(curl);
     curl_easy_setopt(curl, CURLOPT_URL, call->url);
+    if (socket_path[0] != '\0')
+        curl_easy_setopt(curl, CURLOPT_UNIX_SOCKET_PATH, socket_path);
     curl_easy_setopt(curl, CURLOPT_PROTOCOLS_STR, "http,https");
     curl_easy_setopt(curl, CURLOPT_USERAGENT, "voronoid/" VOR_VERSION);
     curl_easy_setopt(curl, CURLOPT_ERRORBUFFER, exchange->remote->why);

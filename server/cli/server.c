@@ -51,14 +51,27 @@ static vor_status from_listen(char out[VOR_REMOTE_URL_MAX], const char *listen,
     return VOR_OK;
 }
 
+/* A Unix socket, as --listen has it: the URL's host is that of the Host header alone. */
+static vor_status from_socket(char out[VOR_REMOTE_URL_MAX], const char *text, struct vor_error *err)
+{
+    static const char host[] = "http://localhost";
+
+    memcpy(out, host, sizeof host);
+    return vor_remote_use_socket(text + 5, err);
+}
+
 vor_status vor_cli_server(char out[VOR_REMOTE_URL_MAX], const struct vor_cli *cli,
                           struct vor_error *err)
 {
     const char *url = cli->option[VOR_OPTION_SERVER], *listen = getenv(LISTEN_VARIABLE);
     size_t length;
 
+    if (url == NULL && (listen == NULL || listen[0] == '\0'))
+        listen = LISTEN_DEFAULT;
+    if (strncmp(url != NULL ? url : listen, "unix:", 5) == 0)
+        return from_socket(out, url != NULL ? url : listen, err);
     if (url == NULL)
-        return from_listen(out, listen != NULL && listen[0] != '\0' ? listen : LISTEN_DEFAULT, err);
+        return from_listen(out, listen, err);
     length = strlen(url);
     while (length > 0 && url[length - 1] == '/')
         length--;

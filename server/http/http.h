@@ -62,6 +62,8 @@ struct vor_via {
 struct vor_http_options {
     const char *host; /**< numeric address or name to bind */
     unsigned port;    /**< 0: any free one */
+    const char *path; /**< of a Unix socket instead; NULL or "" for none */
+    unsigned mode;    /**< of that socket: who may connect, 0660 */
     unsigned threads;
     unsigned connections;
     double header_seconds;    /**< from accept, or from the request line on a kept connection */
@@ -81,7 +83,8 @@ struct vor_http_options {
     void (*log)(void *ctx, const char *line);
 };
 
-/** Binds and listens; nobody is answered yet.
+/** Binds and listens; nobody is answered yet. A Unix socket that a daemon of before left behind is
+ *  replaced; one that somebody answers on is not, nor a file that is no socket.
  *
  *  @retval VOR_E_IO    cannot listen on the address (message: address and reason)
  *  @retval VOR_E_NOMEM threads or memory are short */
@@ -94,7 +97,7 @@ VOR_NODISCARD vor_status vor_http_open(struct vor_http **out,
  *  @retval VOR_E_NOMEM threads or memory are short */
 VOR_NODISCARD vor_status vor_http_start(struct vor_http *http, struct vor_error *err);
 
-/** "127.0.0.1:43125", "[::1]:8080": what is bound. Owned by http. */
+/** "127.0.0.1:43125", "[::1]:8080", "unix:/run/voronoid.sock": what is bound. Owned by http. */
 const char *vor_http_address(const struct vor_http *http);
 
 /** Stops accepting; requests under way go on. Call once. */

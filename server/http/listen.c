@@ -3,6 +3,7 @@
 #include "server/http/http.h"
 #include "server/http/peer.h"
 #include "server/http/state.h"
+#include "server/http/unix_socket.h"
 
 #include <errno.h>
 #include <microhttpd.h>
@@ -43,6 +44,8 @@ static vor_status open_socket(int *out, const struct vor_http_options *options,
     char port[8];
     int fd = -1, failed;
 
+    if (options->path != NULL && options->path[0] != '\0')
+        return vor_unix_socket_open(out, options->path, options->mode, err);
     (void)snprintf(port, sizeof port, "%u", options->port);
     failed = getaddrinfo(options->host, port, &hints, &list);
     if (failed != 0)
@@ -59,17 +62,24 @@ static vor_status open_socket(int *out, const struct vor_http_options *options,
     return VOR_OK;
 }
 
-static void read_address(int fd, char out[80])
+static void read_address(struct vor_http *http)
 {
+    char *out = http->address;
+    int fd = http->fd;
     struct sockaddr_storage bound;
     socklen_t size = sizeof bound;
     char host[64] = "", port[8] = "";
 
     memset(&bound, 0, sizeof bound);
+    if (http->options.path != NULL && http->options.path[0] != '\0') {
+        (void)snprintf(out, sizeof http->address, "unix:%s", http->options.path);
+        return;
+    }
     if (getsockname(fd, (struct sockaddr *)&bound, &size) == 0)
         (void)getnameinfo((struct sockaddr *)&bound, size, host, sizeof host, port, sizeof port,
                           NI_NUMERICHOST | NI_NUMERICSERV);
-    (void)snprintf(out, 80, bound.ss_family == AF_INET6 ? "[%s]:%s" : "%s:%s", host, port);
+    (void)snprintf(out, sizeof http->address, bound.ss_family == AF_INET6 ? "[%s]:%s" : "%s:%s",
+                   host, port);
 }
 
 static void on_connection(void *cls, struct MHD_Connection *connection, void **socket_context,
@@ -142,7 +152,7 @@ vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *o
         vor_http_stop(http);
         return status;
     }
-    read_address(http->fd, http->address);
+    read_address(http);
     *out = http;
     return VOR_OK;
 }
@@ -199,6 +209,7 @@ void vor_http_stop(struct vor_http *http)
     }
     if (http->fd >= 0)
         (void)close(http->fd);
+    vor_unix_socket_remove(http->address);
     vor_watchman_stop(http->watchman);
     free(http);
 }

@@ -2,6 +2,7 @@
 #ifndef VOR_SERVER_HTTP_STATE_H
 #define VOR_SERVER_HTTP_STATE_H
 
+#include "server/base/endpoint.h"
 #include "server/http/http.h"
 
 #include <stdatomic.h>
@@ -13,7 +14,7 @@ struct vor_http {
     struct vor_http_options options;
     struct MHD_Daemon *daemon;
     struct vor_watchman *watchman;
-    char address[80];
+    char address[VOR_SOCKET_PATH_MAX + 8];
     int fd;           /**< listening; the library's from start to quiesce, -1 then */
     atomic_uint busy; /**< requests under way */
     atomic_bool quiesced, closing;
