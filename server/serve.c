@@ -330,6 +330,9 @@ int vor_serve_main(int argc, char **argv)
     if (vor_config_read(&daemon->config, argc, argv, getenv, &err) != VOR_OK) {
         (void)fprintf(stderr, "voronoid: %s\n", err.message);
         result = VOR_EXIT_USAGE;
+    } else if (daemon->config.number[VOR_SET_CHECK_CONFIG] != 0) {
+        (void)puts("voronoid: the settings are sound");
+        result = VOR_EXIT_OK;
     } else {
         result = serve(daemon);
     }

@@ -1,5 +1,7 @@
 #include "server/base/config.h"
 
+#include "server/base/config_file.h"
+
 #include <ctype.h>
 #include <getopt.h>
 #include <math.h>
@@ -131,33 +133,101 @@ static vor_status set(struct vor_config *config, int setting, const char *text,
     return set_number(&config->number[setting], info, text, err);
 }
 
-/* VORONOID_ and the flag in capitals. */
-static void name_variable(const struct setting_info *info, char *out, size_t size)
+void vor_config_variable(const char *flag, char out[VOR_VARIABLE_MAX])
 {
-    (void)snprintf(out, size, "VORONOID_%s", info->flag);
+    (void)snprintf(out, VOR_VARIABLE_MAX, "VORONOID_%s", flag);
     for (char *c = out; *c != '\0'; c++)
         *c = *c == '-' ? '_' : (char)toupper((unsigned char)*c);
 }
 
-/* What no flag has given: from the environment, or the default. */
+/* A setting from its variable, or from the file that its variable with _FILE names. What is a file
+ * itself has no such variable: it would be mistaken for the one without. */
+static vor_status read_variable(struct vor_config *config, int setting, char *(*get)(const char *),
+                                struct vor_error *err)
+{
+    char name[VOR_VARIABLE_MAX], file[VOR_VARIABLE_MAX + 8], held[VOR_CONFIG_TEXT_MAX];
+    const char *value, *path = NULL;
+    vor_status status = VOR_OK;
+
+    vor_config_variable(infos[setting].flag, name);
+    (void)snprintf(file, sizeof file, "%s_FILE", name);
+    value = get(name);
+    if (setting != VOR_SET_CONFIG)
+        path = get(file);
+    if (value != NULL && path != NULL)
+        return vor_fail_param(err, VOR_E_PARAM, infos[setting].flag,
+                              "%s and %s are both given, want one", name, file);
+    if (path != NULL)
+        status = vor_config_file_value(held, sizeof held, file, path, err);
+    if (path != NULL && status == VOR_OK)
+        value = held;
+    if (value != NULL && status == VOR_OK)
+        status = set(config, setting, value, err);
+    config->given[setting] = value != NULL;
+    return status;
+}
+
+/* What no flag has given. */
 static vor_status read_environment(struct vor_config *config, char *(*get)(const char *),
                                    struct vor_error *err)
 {
-    for (int i = 0; i < VOR_SETTING_COUNT; i++) {
-        char name[VOR_VARIABLE_MAX];
-        const char *value;
-        vor_status status;
+    vor_status status = VOR_OK;
 
-        if (config->given[i])
-            continue;
-        name_variable(&infos[i], name, sizeof name);
-        value = get(name);
-        status = set(config, i, value != NULL ? value : infos[i].fallback, err);
-        if (status != VOR_OK)
-            return status;
-        config->given[i] = value != NULL;
-    }
+    for (int i = 0; i < VOR_SETTING_COUNT && status == VOR_OK; i++)
+        if (!config->given[i])
+            status = read_variable(config, i, get, err);
+    return status;
+}
+
+static int find_setting(const char *flag)
+{
+    for (int i = 0; i < VOR_SETTING_COUNT; i++)
+        if (strcmp(infos[i].flag, flag) == 0)
+            return i;
+    return -1;
+}
+
+/* A line of the file, unless a flag or a variable has given the setting. A list grows by lines. */
+static vor_status take_setting(void *ctx, unsigned line, const char *name, const char *value,
+                               struct vor_error *err)
+{
+    struct vor_config *config = ctx;
+    int setting = find_setting(name);
+
+    if (setting < 0 || setting == VOR_SET_CONFIG || setting == VOR_SET_CHECK_CONFIG)
+        return vor_fail(err, VOR_E_PARAM, "no setting \"%.60s\"; see voronoid serve --help", name);
+    if (config->given[setting] && config->line[setting] == 0)
+        return VOR_OK;
+    if (config->line[setting] > 0 && infos[setting].kind != VOR_SETTING_LIST)
+        return vor_fail(err, VOR_E_PARAM, "%s is on line %u already", name, config->line[setting]);
+    config->given[setting] = 1;
+    if (set(config, setting, value, err) != VOR_OK)
+        return err->status;
+    config->line[setting] = line;
     return VOR_OK;
+}
+
+static const char *config_place(const struct vor_config *config)
+{
+    const char *path = config->text[VOR_SET_CONFIG];
+
+    return path[0] != '\0' ? path : VOR_CONFIG_PLACE;
+}
+
+static vor_status read_file(struct vor_config *config, struct vor_error *err)
+{
+    return vor_config_file_read(config_place(config), config->given[VOR_SET_CONFIG], take_setting,
+                                config, err);
+}
+
+static vor_status set_defaults(struct vor_config *config, struct vor_error *err)
+{
+    vor_status status = VOR_OK;
+
+    for (int i = 0; i < VOR_SETTING_COUNT && status == VOR_OK; i++)
+        if (!config->given[i])
+            status = set(config, i, infos[i].fallback, err);
+    return status;
 }
 
 /* What getopt_long wants; it returns a setting's row behind LONG_SETTING. */
@@ -381,17 +451,13 @@ static vor_status find_places(struct vor_config *config, char *(*get)(const char
                           "no directory to keep jobs in: give --data DIR of at most 1000 bytes");
 }
 
-vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
-                           char *(*getenv)(const char *name), struct vor_error *err)
+/* What a value is worth beside the others; whose line of the file is at fault, is said. */
+static vor_status work_out(struct vor_config *out, char *(*get)(const char *),
+                           struct vor_error *err)
 {
-    vor_status status;
+    vor_status status = split_listen(out, err);
+    int setting;
 
-    memset(out, 0, sizeof *out);
-    status = read_arguments(out, argc, argv, err);
-    if (status == VOR_OK)
-        status = read_environment(out, getenv, err);
-    if (status == VOR_OK)
-        status = split_listen(out, err);
     if (status == VOR_OK)
         status = split_admin(out, err);
     if (status == VOR_OK)
@@ -404,80 +470,27 @@ vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
         status = vor_networks_parse(&out->trusted, "trusted-proxy",
                                     out->text[VOR_SET_TRUSTED_PROXY], err);
     if (status == VOR_OK)
-        status = find_places(out, getenv, err);
+        status = find_places(out, get, err);
+    setting = status != VOR_OK ? find_setting(err->parameter) : -1;
+    if (setting >= 0 && out->line[setting] > 0)
+        return vor_config_file_blame(err, config_place(out), out->line[setting]);
     return status;
 }
 
-/* What stands behind a flag in the help. */
-static const char *placeholder(const struct setting_info *info)
+vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
+                           char *(*getenv)(const char *name), struct vor_error *err)
 {
-    switch (info->kind) {
-    case VOR_SETTING_TEXT:
-    case VOR_SETTING_LIST:
-        return info->unit;
-    case VOR_SETTING_COUNT_OF:
-        return "N";
-    case VOR_SETTING_BYTES:
-        return "BYTES";
-    case VOR_SETTING_TIME:
-        return "SECONDS";
-    case VOR_SETTING_CHOICE:
-        return "WORD";
-    case VOR_SETTING_FLAG:
-        break;
-    }
-    return "";
-}
+    vor_status status;
 
-static int write_range(char *out, size_t size, const struct setting_info *info)
-{
-    switch (info->kind) {
-    case VOR_SETTING_COUNT_OF:
-    case VOR_SETTING_TIME:
-        return snprintf(out, size, "%.10g to %.10g %s, ", info->min, info->max, info->unit);
-    case VOR_SETTING_BYTES:
-        return snprintf(out, size, "%.10g to %.10g %s, or with K, M, G or T, ", info->min,
-                        info->max, info->unit);
-    case VOR_SETTING_CHOICE:
-        return snprintf(out, size, "one of %s, ", info->unit);
-    case VOR_SETTING_TEXT:
-    case VOR_SETTING_LIST:
-    case VOR_SETTING_FLAG:
-        break;
-    }
-    return 0;
-}
-
-int vor_config_describe(struct vor_setting_text *out, unsigned index)
-{
-    const struct setting_info *info;
-    int at;
-
-    if (index >= VOR_SETTING_COUNT)
-        return 0;
-    info = &infos[index];
-    out->flag = info->flag;
-    out->value = placeholder(info);
-    out->words = info->kind == VOR_SETTING_CHOICE ? info->unit : "";
-    out->sentence = info->sentence;
-    name_variable(info, out->variable, sizeof out->variable);
-    out->range[0] = '\0';
-    at = write_range(out->range, sizeof out->range, info);
-    if (info->fallback[0] != '\0' && info->kind != VOR_SETTING_FLAG)
-        (void)snprintf(out->range + at, sizeof out->range - (size_t)at, "default %s ",
-                       info->fallback);
-    return 1;
-}
-
-void vor_config_help(FILE *out)
-{
-    struct vor_setting_text setting;
-
-    for (unsigned i = 0; vor_config_describe(&setting, i); i++)
-        (void)fprintf(out, "  --%s%s%s\n      %s\n      %s(env: %s)\n", setting.flag,
-                      setting.value[0] != '\0' ? " " : "", setting.value, setting.sentence,
-                      setting.range, setting.variable);
-    (void)fputs("A flag wins over the environment.\n", out);
+    memset(out, 0, sizeof *out);
+    status = read_arguments(out, argc, argv, err);
+    if (status == VOR_OK)
+        status = read_environment(out, getenv, err);
+    if (status == VOR_OK)
+        status = read_file(out, err);
+    if (status == VOR_OK)
+        status = set_defaults(out, err);
+    return status == VOR_OK ? work_out(out, getenv, err) : status;
 }
 
 int vor_config_list_has(const char *list, const char *item, size_t length)

@@ -20,9 +20,19 @@ enum vor_setting_kind {
     VOR_SETTING_CHOICE    /**< one word of those in the unit column */
 };
 
+/** The file of settings that is read unless CONFIG names another. */
+#define VOR_CONFIG_PLACE "/etc/voronoid/voronoid.conf"
+
 /** Settings: identifier, flag, kind, unit, min, max, default, sentence. The environment variable of
- *  "http-threads" is VORONOID_HTTP_THREADS; a flag wins over it. */
+ *  "http-threads" is VORONOID_HTTP_THREADS, or VORONOID_HTTP_THREADS_FILE for a file that holds the
+ *  value; in the file of settings it is http-threads. A flag wins over the environment, and that
+ *  over the file. */
 #define VOR_SETTING_TABLE(X)                                                                       \
+    X(CONFIG, "config", TEXT, "FILE", 0, 0, "",                                                    \
+      "Settings, a line \"name = value\" each, for what neither flags nor the environment give; "  \
+      "else " VOR_CONFIG_PLACE " where there is one")                                              \
+    X(CHECK_CONFIG, "check-config", FLAG, "", 0, 1, "0",                                           \
+      "Read the settings, say what is wrong with them, and end")                                   \
     X(LISTEN, "listen", TEXT, "HOST:PORT", 0, 0, "127.0.0.1:8080",                                 \
       "Where to listen; port 0 takes a free one, which the log names; unix:/PATH is a socket in "  \
       "the file system")                                                                           \
@@ -103,8 +113,9 @@ enum { VOR_CONFIG_TEXT_MAX = 1024 };
 struct vor_config {
     double number[VOR_SETTING_COUNT];
     char text[VOR_SETTING_COUNT][VOR_CONFIG_TEXT_MAX];
-    int given[VOR_SETTING_COUNT]; /**< by flag or environment */
-    char host[256];               /**< of LISTEN, without brackets */
+    int given[VOR_SETTING_COUNT];     /**< by flag, environment or file */
+    unsigned line[VOR_SETTING_COUNT]; /**< of the file of settings; 0 for elsewhere */
+    char host[256];                   /**< of LISTEN, without brackets */
     unsigned port;
     int loopback;                        /**< host is this machine only */
     struct vor_endpoint endpoint, admin; /**< of LISTEN, of ADMIN_LISTEN */
@@ -112,13 +123,15 @@ struct vor_config {
 };
 
 /** --flag VALUE and --flag=VALUE of argv[1 .. argc - 1], by getopt_long, so that an unambiguous
- *  beginning of a flag stands for it; for the others the environment, then the default; then DATA,
- *  STORE, BLOBS, host, port and trusted are worked out. getenv is the environment to read.
+ *  beginning of a flag stands for it; for the others the environment, then the file CONFIG, then
+ *  the default; then DATA, STORE, BLOBS, host, port and trusted are worked out. getenv is the
+ *  environment to read. A message about a value of the file begins with file and line.
  *
  *  @retval VOR_E_PARAM an unknown or ambiguous flag, a value missing or out of range (message:
  *                      flag, value and range), LISTEN not HOST:PORT, not a loopback address without
  *                      NO_AUTH, PUBLIC_URL no URL, CORS_ORIGIN no list of origins, TRUSTED_PROXY
- *                      none of networks, ALLOWED_HOSTS none of names, or no directory for DATA
+ *                      none of networks, ALLOWED_HOSTS none of names, no directory for DATA, or a
+ *                      file that cannot be read
  */
 VOR_NODISCARD vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
                                          char *(*getenv)(const char *name), struct vor_error *err);
@@ -126,20 +139,8 @@ VOR_NODISCARD vor_status vor_config_read(struct vor_config *out, int argc, char 
 /** Bytes of the name of a setting's variable, with the NUL. */
 #define VOR_VARIABLE_MAX 64
 
-/** A setting as the help, the manual and completions tell it. */
-struct vor_setting_text {
-    const char *flag, *sentence;
-    const char *value; /**< what stands behind the flag: "N"; "" for nothing */
-    const char *words; /**< of a choice, with blanks between; else "" */
-    char variable[VOR_VARIABLE_MAX];
-    char range[160]; /**< "1 to 64 jobs, default 2 "; "" where there is none */
-};
-
-/** Describes setting number `index`; false past the last. */
-int vor_config_describe(struct vor_setting_text *out, unsigned index);
-
-/** The table for people, one setting after another. */
-void vor_config_help(FILE *out);
+/** VORONOID_ and the flag in capitals. */
+void vor_config_variable(const char *flag, char out[VOR_VARIABLE_MAX]);
 
 /** True when LIST (separated by commas, blanks ignored) holds item of that length, byte for byte.
  */

@@ -1,6 +1,6 @@
 #include "server/cli/complete_words.h"
 
-#include "server/base/config.h"
+#include "server/base/config_help.h"
 #include "server/store/row.h"
 
 #include <stdio.h>
