@@ -9,10 +9,12 @@
 #include "server/base/log.h"
 #include "server/base/log_sink.h"
 #include "server/base/machine.h"
+#include "server/base/notify.h"
 #include "server/cli/say.h"
 #include "server/work/admit.h"
 #include "server/work/conversion.h"
 
+#include <errno.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
@@ -37,6 +39,8 @@ struct daemon {
     struct vor_pool *pool;
     sigset_t signals;
     pthread_t drainer;
+    int argc;
+    char **argv;
     long holder;
 };
 
@@ -235,19 +239,55 @@ static void *drain(void *ctx)
     return NULL;
 }
 
+/* Takes the log level anew; every other setting needs a new start. */
+static void reload(const struct daemon *daemon)
+{
+    struct vor_config *config = calloc(1, sizeof *config);
+    struct vor_error err;
+
+    if (config == NULL)
+        return;
+    vor_notify_reloading();
+    if (vor_config_read(config, daemon->argc, daemon->argv, getenv, &err) != VOR_OK) {
+        vor_log(VOR_LOG_ERROR, "settings not read, those of before hold",
+                VOR_TEXT("error", err.message));
+    } else {
+        vor_log_set_level((enum vor_log_level)config->number[VOR_SET_LOG_LEVEL]);
+        vor_log(VOR_LOG_INFO, "log level read");
+    }
+    free(config);
+    vor_notify("READY=1");
+}
+
+/* As sigwait, but that whoever watches this process is told that it lives, while it does. */
+static int wait_watched(const struct daemon *daemon, int *number)
+{
+    double seconds = vor_notify_watchdog();
+    struct timespec pause = {(time_t)seconds, (long)((seconds - (double)(time_t)seconds) * 1e9)};
+
+    if (seconds <= 0)
+        return sigwait(&daemon->signals, number);
+    while ((*number = sigtimedwait(&daemon->signals, NULL, &pause)) < 0)
+        if (errno == EAGAIN && vor_http_stuck(daemon->app.http) < VOR_STUCK_SECONDS)
+            vor_notify("WATCHDOG=1");
+    return 0;
+}
+
+/* The next signal that ends something; what the others ask for is done on the way. */
 static int wait_signal(const struct daemon *daemon)
 {
     int number = 0;
 
-    while (sigwait(&daemon->signals, &number) != 0)
-        number = 0;
+    while (wait_watched(daemon, &number) != 0 || number == SIGHUP)
+        if (number == SIGHUP)
+            reload(daemon);
     return number;
 }
 
 /* SIGUSR2 comes from drain. Before the first SIGTERM it is ignored. */
 static void block_signals(struct daemon *daemon)
 {
-    static const int numbers[] = {SIGTERM, SIGINT, SIGUSR2};
+    static const int numbers[] = {SIGTERM, SIGINT, SIGUSR2, SIGHUP};
 
     (void)signal(SIGPIPE, SIG_IGN);
     (void)sigemptyset(&daemon->signals);
@@ -263,6 +303,7 @@ static int run(struct daemon *daemon)
     do
         number = wait_signal(daemon);
     while (number == SIGUSR2);
+    vor_notify("STOPPING=1");
     vor_log(VOR_LOG_INFO, "draining", VOR_TEXT("signal", number == SIGINT ? "INT" : "TERM"));
     if (pthread_create(&daemon->drainer, NULL, drain, daemon) != 0)
         _exit(VOR_EXIT_FAILED);
@@ -304,6 +345,7 @@ static int serve(struct daemon *daemon)
                 VOR_TEXT("data", daemon->config.text[VOR_SET_DATA]),
                 VOR_COUNT("threads", vor_pool_threads(daemon->pool)),
                 VOR_COUNT("job_memory", job_memory(&daemon->config)));
+        vor_notify("READY=1");
         result = run(daemon);
         vor_log(VOR_LOG_INFO, "stopped", VOR_COUNT("exit", result));
     }
@@ -327,6 +369,8 @@ int vor_serve_main(int argc, char **argv)
     daemon = calloc(1, sizeof *daemon);
     if (daemon == NULL)
         return VOR_EXIT_FAILED;
+    daemon->argc = argc;
+    daemon->argv = argv;
     if (vor_config_read(&daemon->config, argc, argv, getenv, &err) != VOR_OK) {
         (void)fprintf(stderr, "voronoid: %s\n", err.message);
         result = VOR_EXIT_USAGE;

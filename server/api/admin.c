@@ -17,6 +17,7 @@
 static void read_http(const struct vor_app *app)
 {
     vor_metric_set(VOR_METRIC_HTTP_IN_FLIGHT, vor_http_busy(app->http), NULL);
+    vor_metric_set(VOR_METRIC_HTTP_STUCK, vor_http_stuck(app->http), NULL);
     vor_metric_set(VOR_METRIC_CONNECTIONS, vor_http_connections(app->http), NULL);
     vor_metric_set(VOR_METRIC_CONNECTIONS_MOST, app->config->number[VOR_SET_CONNECTIONS], NULL);
     vor_metric_set(VOR_METRIC_STREAMS, atomic_load(&app->streams), NULL);
@@ -83,6 +84,20 @@ static bool is_foreign_host(const struct vor_config *config, const struct vor_re
     return true;
 }
 
+/* The first listener's threads may hang while this one's does not. */
+static enum vor_next reply_livez(struct vor_app *app, struct vor_request *request,
+                                 enum vor_step step)
+{
+    double stuck = vor_http_stuck(app->http);
+
+    if (stuck < VOR_STUCK_SECONDS)
+        return vor_handle_livez(app, request, step);
+    return vor_problem_say(app, request, "not-alive",
+                           "a thread has been at one step of a request for %.0f seconds, want "
+                           "less than %d",
+                           stuck, VOR_STUCK_SECONDS);
+}
+
 enum vor_next vor_admin_dispatch(void *ctx, struct vor_request *request, enum vor_step step)
 {
     static const char want[] = "want GET of /livez, /readyz or /metrics";
@@ -100,7 +115,7 @@ enum vor_next vor_admin_dispatch(void *ctx, struct vor_request *request, enum vo
     if (method != VOR_GET && method != VOR_HEAD)
         return vor_problem_reply(app, request, &problem);
     if (strcmp(path, "/livez") == 0)
-        return vor_handle_livez(app, request, step);
+        return reply_livez(app, request, step);
     if (strcmp(path, "/readyz") == 0)
         return vor_handle_readyz(app, request, step);
     if (strcmp(path, "/metrics") == 0)

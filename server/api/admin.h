@@ -6,6 +6,10 @@
 
 #include "server/api/app.h"
 
+/** From then on a thread that speaks HTTP counts as stuck: /livez says so, and systemd's watchdog
+ * is not told that all is well. No step of a request takes a hundredth of it. */
+enum { VOR_STUCK_SECONDS = 10 };
+
 /** Handler of the second listener. */
 enum vor_next vor_admin_dispatch(void *app, struct vor_request *request, enum vor_step step);
 

@@ -31,6 +31,7 @@
     X("too-many-conversions", 429, 1, 0, "As many results are being converted as may be")          \
     X("client-closed", 499, 0, 0, "The caller left")                                               \
     X("draining", 503, 1, 0, "The daemon is going down")                                           \
+    X("not-alive", 503, 1, 0, "A thread that answers requests does not go on")                     \
     X("too-many-connections", 503, 1, 0, "Too many connections are open")                          \
     X("store-unavailable", 503, 1, 0, "The store cannot be used")                                  \
     X("storage-full", 507, 1, 0, "The disk is full")

@@ -18,6 +18,8 @@
     X(HTTP_SECONDS, "http_request_duration_seconds", TIMES, "seconds", "route",                    \
       "From the request line to the end of the answer; streams last as long as they are read")     \
     X(HTTP_IN_FLIGHT, "http_in_flight_requests", GAUGE, "", "", "Requests under way")              \
+    X(HTTP_STUCK, "http_thread_busy_seconds", GAUGE, "seconds", "",                                \
+      "How long a thread has been at one step of a request, the longest; 10 are an alarm")         \
     X(HTTP_BYTES_IN, "http_request_bytes_total", COUNTER, "bytes", "", "Bytes of bodies taken")    \
     X(HTTP_BYTES_OUT, "http_response_bytes_total", COUNTER, "bytes", "", "Bytes of bodies sent")   \
     X(REJECTED, "rejected_total", COUNTER, "", "reason",                                           \

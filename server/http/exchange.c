@@ -291,15 +291,10 @@ static enum MHD_Result take_piece(struct vor_request *request, const char *bytes
     return MHD_YES;
 }
 
-enum MHD_Result vor_exchange_step(void *cls, struct MHD_Connection *connection, const char *url,
-                                  const char *method, const char *version, const char *data,
-                                  size_t *size, void **con_cls)
+/* One call of the library: the head, a piece of the body, or whatever comes next. */
+static enum MHD_Result take_turn(struct vor_request *request, const char *method,
+                                 const char *version, const char *data, size_t *size)
 {
-    struct vor_request *request = *con_cls;
-
-    (void)cls, (void)connection, (void)url;
-    if (request == NULL)
-        return MHD_NO;
     if (request->stage == VOR_AT_NEW)
         return first_call(request, method, version);
     if (*size > 0)
@@ -341,6 +336,22 @@ static void note_peer(struct vor_request *request)
     if (info != NULL && info->client_addr != NULL &&
         vor_address_of_socket(&request->from, info->client_addr))
         (void)vor_address_text(&request->from, request->via.client);
+}
+
+enum MHD_Result vor_exchange_step(void *cls, struct MHD_Connection *connection, const char *url,
+                                  const char *method, const char *version, const char *data,
+                                  size_t *size, void **con_cls)
+{
+    struct vor_http *http = cls;
+    enum MHD_Result result;
+
+    (void)connection, (void)url;
+    if (*con_cls == NULL)
+        return MHD_NO;
+    vor_turn_begin(&http->turns);
+    result = take_turn(*con_cls, method, version, data, size);
+    vor_turn_end(&http->turns);
+    return result;
 }
 
 /* This is the only place that shows the target as it was sent. */

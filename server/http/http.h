@@ -107,6 +107,10 @@ void vor_http_quiesce(struct vor_http *http);
 unsigned vor_http_busy(const struct vor_http *http);
 unsigned vor_http_connections(const struct vor_http *http);
 
+/** Seconds that a thread has been busy with one step of a request, the longest there is: more than
+ *  some tenths mean that it waits for what it should not. */
+double vor_http_stuck(const struct vor_http *http);
+
 /** Wakes every waiting request once. */
 void vor_http_wake_all(struct vor_http *http);
 

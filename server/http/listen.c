@@ -188,6 +188,11 @@ unsigned vor_http_connections(const struct vor_http *http)
     return vor_watchman_count(http->watchman);
 }
 
+double vor_http_stuck(const struct vor_http *http)
+{
+    return vor_turns_longest(&http->turns);
+}
+
 void vor_http_wake_all(struct vor_http *http)
 {
     vor_watchman_wake_all(http->watchman);

@@ -4,6 +4,7 @@
 
 #include "server/base/endpoint.h"
 #include "server/http/http.h"
+#include "server/http/turns.h"
 
 #include <stdatomic.h>
 
@@ -18,6 +19,7 @@ struct vor_http {
     int fd;           /**< listening; the library's from start to quiesce, -1 then */
     atomic_uint busy; /**< requests under way */
     atomic_bool quiesced, closing;
+    struct vor_turns turns;
 };
 
 #endif
