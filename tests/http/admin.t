@@ -52,6 +52,9 @@ is ask('GET', '/livez')->{status}, 200, 'it answers while the first one has more
 my $answer = ask('GET', '/metrics');
 is $answer->{status}, 200, 'with its numbers';
 is $answer->{headers}{'content-type'}, 'text/plain; version=0.0.4; charset=utf-8', 'in the format that Prometheus reads';
+my $client = $ENV{VORONOID} // 'build/release/voronoid';
+is system("VORONOID_ADMIN_LISTEN=$admin VORONOID_LISTEN=$daemon->{address} $client health >$daemon->{dir}/health"), 0,
+    'a health check by VORONOID_ADMIN_LISTEN asks it';
 @silent = ();
 
 # The format's grammar, and what promtool's lint asks for.
