@@ -74,6 +74,10 @@ static void put_field(struct vor_text *line, const struct vor_log_field *field)
     case VOR_LOG_KIND_TEXT:
         put_text(line, field->name, field->text);
         break;
+    case VOR_LOG_KIND_KNOWN:
+        if (field->text != NULL && field->text[0] != '\0')
+            put_text(line, field->name, field->text);
+        break;
     case VOR_LOG_KIND_COUNT:
         vor_json_put_i64(line, field->name, field->count);
         break;

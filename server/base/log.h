@@ -37,7 +37,7 @@ void vor_log_plain(const char *line);
 
 struct vor_log_field {
     const char *name; /**< NULL ends a list */
-    enum { VOR_LOG_KIND_TEXT, VOR_LOG_KIND_COUNT, VOR_LOG_KIND_REAL } kind;
+    enum { VOR_LOG_KIND_TEXT, VOR_LOG_KIND_KNOWN, VOR_LOG_KIND_COUNT, VOR_LOG_KIND_REAL } kind;
     const char *text; /**< NULL is written as null */
     int64_t count;
     double real;
@@ -46,6 +46,11 @@ struct vor_log_field {
 #define VOR_TEXT(field, value)                                                                     \
     {                                                                                              \
         .name = (field), .kind = VOR_LOG_KIND_TEXT, .text = (value)                                \
+    }
+/** A text that is left out where it is NULL or empty. */
+#define VOR_KNOWN(field, value)                                                                    \
+    {                                                                                              \
+        .name = (field), .kind = VOR_LOG_KIND_KNOWN, .text = (value)                               \
     }
 #define VOR_COUNT(field, value)                                                                    \
     {                                                                                              \

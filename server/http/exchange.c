@@ -226,6 +226,7 @@ static const char *check_head(struct vor_request *request, const char **detail)
 
     (void)MHD_get_connection_values(request->connection, MHD_HEADER_KIND, on_field, &request->head);
     vor_request_id_make(request->id, vor_head_find(&request->head, "X-Request-Id"));
+    vor_request_trace(request);
     slug = vor_gate_check(&request->head, detail);
     if (slug != NULL)
         return slug;

@@ -14,6 +14,7 @@
 
 #include "core/base/status.h"
 #include "server/base/address.h"
+#include "server/base/span.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -146,6 +147,10 @@ const char *vor_request_query(const struct vor_request *request, const char *nam
 
 /** X-Request-Id if the client sent a sane one (1 .. 64 of [A-Za-z0-9._-]), else one of ours. */
 const char *vor_request_id(const struct vor_request *request);
+
+/** Our step of the trace that the header traceparent names; none where there is no sound one, or
+ *  several. Never NULL. */
+const struct vor_span *vor_request_span(const struct vor_request *request);
 
 /** Never NULL; of a request whose head is malformed it has the peer's address alone. */
 const struct vor_via *vor_request_via(const struct vor_request *request);

@@ -32,6 +32,22 @@ bool vor_request_split(struct vor_request *request)
     return false;
 }
 
+void vor_request_trace(struct vor_request *request)
+{
+    unsigned index = 0;
+    const char *text = vor_request_header_next(request, "traceparent", &index);
+    struct vor_span caller;
+
+    if (text != NULL && vor_request_header_next(request, "traceparent", &index) == NULL &&
+        vor_span_parse(&caller, text))
+        vor_span_begin(&request->span, &caller);
+}
+
+const struct vor_span *vor_request_span(const struct vor_request *request)
+{
+    return &request->span;
+}
+
 enum vor_method vor_request_method(const struct vor_request *request)
 {
     return request->method;

@@ -50,6 +50,7 @@ struct vor_request {
     enum vor_method method;
     enum vor_request_stage stage;
     char id[72];
+    struct vor_span span;
     struct vor_address from; /**< of the connection */
     struct vor_via via;
     char job[40];        /**< that it is about, or "" */
@@ -67,6 +68,9 @@ struct vor_request {
 
 /** The method of that word; VOR_METHOD_COUNT when no route knows it. */
 enum vor_method vor_method_find(const char *word);
+
+/** Takes in the header traceparent. */
+void vor_request_trace(struct vor_request *request);
 
 /** Cuts the target into path and query and decodes the pairs; false when vor_query_split does not
  *  take them. */

@@ -6,6 +6,7 @@
 #include "core/report.h"
 #include "core/spec.h"
 #include "server/base/digest.h"
+#include "server/base/span.h"
 #include "server/base/uuid.h"
 
 #include <stdint.h>
@@ -38,6 +39,11 @@ enum vor_stage {
 #undef VOR_STAGE_ENUM
         VOR_STAGES
 };
+
+/** What every line of the log about a job has of its view: VOR_OF_JOB(view), further fields. */
+#define VOR_OF_JOB(view)                                                                           \
+    VOR_TEXT("job", (view)->id.text), VOR_KNOWN("trace_id", (view)->span.trace),                   \
+        VOR_KNOWN("span_id", (view)->span.id)
 
 const char *vor_job_status_word(enum vor_job_status status);
 const char *vor_stage_word(enum vor_stage stage);
@@ -94,6 +100,7 @@ struct vor_job_view {
     int64_t seq;                  /**< order of acceptance, from 1 */
     char process[32];             /**< "resample" */
     char name[VOR_JOB_NAME_SIZE]; /**< UTF-8, or "" */
+    struct vor_span span;         /**< the step of a trace that asked for it, or none */
     struct vor_job_key key;
     enum vor_job_status status;
     enum vor_stage stage;

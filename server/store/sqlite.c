@@ -54,6 +54,8 @@ static const char *const steps[] = {
     "ALTER TABLE job ADD COLUMN kept INTEGER NOT NULL DEFAULT 0;"
     "CREATE UNIQUE INDEX job_key ON job (principal, idem_key) WHERE idem_key IS NOT NULL;"
     "CREATE INDEX job_kept ON job (finished, seq, kept) WHERE kept > 0;",
+    /* 4: the trace that asked for a job */
+    "ALTER TABLE job ADD COLUMN traceparent TEXT NOT NULL DEFAULT '';",
 };
 
 enum { SCHEMA_VERSION = sizeof steps / sizeof steps[0] };
@@ -173,6 +175,7 @@ static vor_status insert(struct vor_store *store, struct vor_job_view *row, stru
 {
     const struct vor_job_input *input = &row->input[0];
     struct vor_row_text text;
+    char traceparent[VOR_TRACEPARENT_SIZE];
     int64_t seq = 0;
     vor_status status = vor_row_write(&text, row, err);
 
@@ -181,13 +184,15 @@ static vor_status insert(struct vor_store *store, struct vor_job_view *row, stru
             db_of(store), take_seq, &seq, err,
             "INSERT INTO job (id, process_id, status, message, request, inputs, input_format,"
             " input_points, input_bytes, input_sha256, input_seconds, created, updated, name,"
-            " principal, idem_key, fingerprint, kept)"
-            " VALUES (?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) RETURNING seq",
-            "tttttiiitriitttti", row->id.text, row->process, row->message, text.request.data,
+            " traceparent, principal, idem_key, fingerprint, kept)"
+            " VALUES (?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
+            " RETURNING seq",
+            "tttttiiitriittttti", row->id.text, row->process, row->message, text.request.data,
             text.inputs.data, (int64_t)input->format, (int64_t)input->points, (int64_t)input->bytes,
             input->sha256, input->seconds, row->created, row->created, row->name,
-            row->key.principal, row->key.text[0] != '\0' ? row->key.text : NULL,
-            row->key.fingerprint, (int64_t)row->kept);
+            vor_span_text(&row->span, traceparent), row->key.principal,
+            row->key.text[0] != '\0' ? row->key.text : NULL, row->key.fingerprint,
+            (int64_t)row->kept);
     if (status == VOR_OK)
         row->seq = seq;
     vor_row_text_free(&text);
@@ -293,7 +298,7 @@ static vor_status remove_row(struct vor_store *store, const struct vor_uuid *id,
     " output_format, output_points, output_bytes, output_sha256,"                                  \
     " length(CAST(report AS BLOB)),"                                                               \
     " attempt, created, started, updated, finished, expires, expired,"                             \
-    " name, principal, idem_key, fingerprint, kept"
+    " name, traceparent, principal, idem_key, fingerprint, kept"
 
 static void copy_text(char *out, size_t size, struct vor_sqlite_row *from)
 {
@@ -340,6 +345,14 @@ static void read_length(struct vor_job_view *out, struct vor_sqlite_row *from)
             out->output[i].bytes = length;
 }
 
+static void read_span(struct vor_job_view *out, struct vor_sqlite_row *from)
+{
+    const char *text = vor_sqlite_text(from);
+
+    if (text != NULL)
+        (void)vor_span_parse(&out->span, text);
+}
+
 static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)
 {
     struct vor_row_columns columns;
@@ -369,6 +382,7 @@ static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)
     out->expires = vor_sqlite_number(row);
     out->expired = (int)vor_sqlite_number(row);
     copy_text(out->name, sizeof out->name, row);
+    read_span(out, row);
     copy_text(out->key.principal, sizeof out->key.principal, row);
     copy_text(out->key.text, sizeof out->key.text, row);
     copy_text(out->key.fingerprint, sizeof out->key.fingerprint, row);

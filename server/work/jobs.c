@@ -75,6 +75,8 @@ static void first_row(struct vor_job_view *row, const struct vor_uuid *id,
         (void)snprintf(row->name, sizeof row->name, "%s", label->name);
     if (label != NULL && label->key != NULL)
         row->key = *label->key;
+    if (label != NULL && label->span != NULL)
+        row->span = *label->span;
 }
 
 /* Puts the inputs into their places in the row. */
@@ -137,9 +139,8 @@ static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_vie
         return VOR_FAILED;
     }
     vor_count_accepted(row);
-    vor_log(VOR_LOG_INFO, "job accepted", VOR_TEXT("job", row->id.text),
-            VOR_TEXT("process", row->process), VOR_COUNT("points", row->input[0].points),
-            VOR_COUNT("bytes", row->input[0].bytes));
+    vor_log(VOR_LOG_INFO, "job accepted", VOR_OF_JOB(row), VOR_TEXT("process", row->process),
+            VOR_COUNT("points", row->input[0].points), VOR_COUNT("bytes", row->input[0].bytes));
     return VOR_DONE;
 }
 
@@ -351,7 +352,7 @@ static enum vor_job_outcome dismiss_live(struct vor_worker *worker, struct vor_j
     }
     vor_worker_drop_inputs(worker, &out->id, out->process);
     vor_worker_drop_uploads(worker, &out->id, out->process);
-    vor_log(VOR_LOG_INFO, "job dismissed", VOR_TEXT("job", out->id.text), VOR_TEXT("why", why));
+    vor_log(VOR_LOG_INFO, "job dismissed", VOR_OF_JOB(out), VOR_TEXT("why", why));
     return VOR_DONE;
 }
 

@@ -61,8 +61,7 @@ static vor_status fail_row(struct vor_worker *worker, struct vor_job_view *row,
     row->expires = expiry(worker, row->finished);
     (void)snprintf(row->message, sizeof row->message, "%.*s", (int)sizeof row->message - 1,
                    why->message);
-    vor_log(VOR_LOG_WARN, "job lost", VOR_TEXT("job", row->id.text),
-            VOR_TEXT("error", why->message));
+    vor_log(VOR_LOG_WARN, "job lost", VOR_OF_JOB(row), VOR_TEXT("error", why->message));
     return vor_store_finish(worker->config.store, row, 0, NULL, &changed, err);
 }
 

@@ -50,7 +50,7 @@ static void beat(struct run *run)
 
     vor_job_view(run->job, &view);
     if (vor_store_beat(run->worker->config.store, &view, &err) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "progress not stored", VOR_TEXT("job", view.id.text),
+        vor_log(VOR_LOG_WARN, "progress not stored", VOR_OF_JOB(&view),
                 VOR_TEXT("error", err.message));
 }
 
@@ -245,8 +245,8 @@ static void finish(struct run *run, const struct vor_error *problem)
     struct vor_error err;
 
     while (finish_once(run, problem, &err) != VOR_OK) {
-        vor_log(VOR_LOG_ERROR, "the end of a job cannot be stored",
-                VOR_TEXT("job", run->view.id.text), VOR_TEXT("error", err.message));
+        vor_log(VOR_LOG_ERROR, "the end of a job cannot be stored", VOR_OF_JOB(&run->view),
+                VOR_TEXT("error", err.message));
         if (vor_worker_pause(run->worker, retry_seconds))
             break;
     }
@@ -270,10 +270,10 @@ static void give_back(struct run *run)
 
     if (vor_store_release(run->worker->config.store, &run->view.id, run->attempt,
                           vor_clock_wall_ms(), &changed, &err) != VOR_OK)
-        vor_log(VOR_LOG_ERROR, "a job cannot be given back", VOR_TEXT("job", run->view.id.text),
+        vor_log(VOR_LOG_ERROR, "a job cannot be given back", VOR_OF_JOB(&run->view),
                 VOR_TEXT("error", err.message));
     else if (changed)
-        vor_log(VOR_LOG_INFO, "job given back", VOR_TEXT("job", run->view.id.text));
+        vor_log(VOR_LOG_INFO, "job given back", VOR_OF_JOB(&run->view));
 }
 
 /* Removes what the ended job no longer needs, and says how it ended. */
@@ -289,7 +289,7 @@ static void clean_up(struct run *run, double began)
         vor_worker_drop_outputs(run->worker, &view.id, view.process);
     if (view.kept > 0)
         vor_worker_shed(run->worker);
-    vor_log(VOR_LOG_INFO, "job ended", VOR_TEXT("job", view.id.text),
+    vor_log(VOR_LOG_INFO, "job ended", VOR_OF_JOB(&view),
             VOR_TEXT("status", vor_job_status_word(view.status)), VOR_TEXT("message", view.message),
             VOR_COUNT("attempt", view.attempt), VOR_COUNT("points", view.output[0].points),
             VOR_COUNT("bytes", view.output[0].bytes),
@@ -304,7 +304,7 @@ static int claim(struct run *run)
 
     while (vor_store_claim(run->worker->config.store, &run->view.id, vor_clock_wall_ms(),
                            &run->attempt, &changed, &err) != VOR_OK) {
-        vor_log(VOR_LOG_ERROR, "a job cannot be claimed", VOR_TEXT("job", run->view.id.text),
+        vor_log(VOR_LOG_ERROR, "a job cannot be claimed", VOR_OF_JOB(&run->view),
                 VOR_TEXT("error", err.message));
         if (vor_worker_pause(run->worker, retry_seconds))
             return 0;
@@ -322,7 +322,7 @@ void vor_worker_run(struct vor_worker *worker, struct vor_job *job)
     vor_text_init(&run.kept, 0);
     vor_job_view(job, &run.view);
     if (claim(&run)) {
-        vor_log(VOR_LOG_INFO, "job started", VOR_TEXT("job", run.view.id.text),
+        vor_log(VOR_LOG_INFO, "job started", VOR_OF_JOB(&run.view),
                 VOR_COUNT("attempt", run.attempt));
         vor_job_begin(job, vor_clock_wall_ms());
         vor_count_begun(&run.view, run.attempt, worker->config.memory);

@@ -59,11 +59,12 @@ struct vor_worker_load {
 };
 void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out);
 
-/** What a job is called, and what makes it the same when it is asked for again; either may be NULL.
+/** What a job is called, and what makes it the same when it is asked for again; each may be NULL.
  */
 struct vor_job_label {
     const char *name;              /**< as vor_job_view.name */
     const struct vor_job_key *key; /**< of no job: vor_worker_find_key says VOR_UNKNOWN */
+    const struct vor_span *span;   /**< the step of a trace that asks for it */
 };
 
 /** Accepts a job for inputs that vor_admit_file took in: the row is durable when this returns.

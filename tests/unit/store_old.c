@@ -264,7 +264,7 @@ START_TEST(every_job_is_there_with_report_trace_and_result)
     ck_assert_str_eq(view.problem.parameter, "spacing");
     free(bytes);
     vt_daemon_stop(&daemon);
-    ck_assert_int_eq(number(old.dir, "PRAGMA user_version"), 3);
+    ck_assert_int_eq(number(old.dir, "PRAGMA user_version"), 4);
     ck_assert_int_eq(number(old.dir, "SELECT count(*) FROM job WHERE inputs IS NULL"), 2);
     vt_dir_remove(old.dir);
 }

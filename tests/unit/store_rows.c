@@ -116,6 +116,7 @@ START_TEST(a_row_comes_back_as_it_was_inserted)
     vt_assert_ok(vor_spec_set(&row.spec, "delta", "0.07", &vt_err));
     vt_assert_ok(vor_spec_set(&row.spec, "format", "drc", &vt_err));
     vt_assert_ok(vor_spec_set(&row.spec, "seed", "9007199254740991", &vt_err));
+    ck_assert(vor_span_parse(&row.span, "00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01"));
     vt_assert_ok(vor_store_insert(store, &row, &vt_err));
     ck_assert_int_eq(row.seq, 1);
     vor_store_close(store);
@@ -126,6 +127,9 @@ START_TEST(a_row_comes_back_as_it_was_inserted)
     ck_assert_int_eq(back.stage, VOR_STAGE_QUEUED);
     ck_assert_int_eq(back.seq, 1);
     ck_assert_str_eq(back.process, "resample");
+    ck_assert_str_eq(back.span.trace, row.span.trace);
+    ck_assert_str_eq(back.span.id, row.span.id);
+    ck_assert_str_eq(back.span.flags, row.span.flags);
     ck_assert_mem_eq(&back.spec, &row.spec, sizeof row.spec);
     ck_assert_uint_eq(back.input[0].format, 1);
     ck_assert_uint_eq(back.input[0].points, 812344);
@@ -711,7 +715,7 @@ START_TEST(a_store_of_a_newer_version_is_refused_and_left_alone)
     (void)snprintf(where, sizeof where, "sqlite:%s/jobs.sqlite", dir);
     file = fopen(where + 7, "r+");
     ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
-    ck_assert_int_eq(fgetc(file), 3);
+    ck_assert_int_eq(fgetc(file), 4);
     ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
     ck_assert_int_eq(fputc(9, file), 9);
     fclose(file);

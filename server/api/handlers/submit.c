@@ -29,6 +29,7 @@ static const uint64_t disk_reserve = VOR_BLOBS_RESERVE;
 struct submission {
     struct vor_app *app;
     struct vor_submit_head head;
+    struct vor_span span;
     double deadline;              /* of the wait; 0 for none */
     struct vor_submit_form *form; /* NULL when the body is a cloud */
     struct vor_uploads uploads;
@@ -265,6 +266,7 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
         return vor_problem_error(app, request, &err, NULL);
     }
     submission->head = head;
+    submission->span = *vor_request_span(request);
     vor_request_set_state(request, submission, release);
     if (!begin_flight(app, request, submission) || !open_sink(app, request, submission, &sink))
         return VOR_NEXT_REPLY;
@@ -278,7 +280,7 @@ static void on_admitted(struct vor_admission *admission)
     struct submission *submission = admission->ctx;
     struct vor_app *app = submission->app;
     const struct vor_job_label label = {submission->head.besides.name,
-                                        &submission->head.besides.key};
+                                        &submission->head.besides.key, &submission->span};
     bool abandoned;
 
     (void)pthread_mutex_lock(&submission->lock);
