@@ -122,6 +122,7 @@ END_TEST
 START_TEST(a_log_that_nobody_reads_is_given_up_at_the_end)
 {
     int ends[2];
+    char *text;
 
     open_log(ends);
     vt_assert_ok(vor_log_sink_start(&vt_err));
@@ -129,7 +130,9 @@ START_TEST(a_log_that_nobody_reads_is_given_up_at_the_end)
         vor_log(VOR_LOG_INFO, "a line that nobody reads", VOR_COUNT("n", i));
     vor_log_sink_stop(0.05);
     vor_log(VOR_LOG_INFO, "and one at once, for which there is no room", VOR_COUNT("n", -1));
-    ck_assert_ptr_null(strstr(read_all(ends[0]), "and one at once"));
+    text = read_all(ends[0]);
+    ck_assert_ptr_null(strstr(text, "and one at once"));
+    free(text);
 }
 END_TEST
 
