@@ -28,6 +28,7 @@
     X(CONNECTIONS_MOST, "connections_limit", GAUGE, "", "",                                        \
       "Open connections from which on requests are refused")                                       \
     X(STREAMS, "sse_streams", GAUGE, "", "", "Event streams that are read")                        \
+    X(STREAM_EVENTS, "sse_events_total", COUNTER, "", "", "Events sent on these")                  \
     X(JOBS_ACCEPTED, "jobs_submitted_total", COUNTER, "", "process", "Jobs accepted")              \
     X(JOBS_ENDED, "jobs_finished_total", COUNTER, "", "process status", "Jobs that are over")      \
     X(JOBS_AGAIN, "job_retries_total", COUNTER, "", "reason",                                      \

@@ -46,9 +46,15 @@ like $text, qr/cannot listen on unix:\Q$path\E: there is a file that is no socke
 is Vt::slurp($path), "precious\n", 'and the file stays';
 unlink $path;
 
-my $pid = start('--listen', "unix:$path", '--socket-mode', '0600');
+my $pid = start('--listen', "unix:$path", '--socket-mode', '0600', '--admin-listen', "unix:$dir/admin.sock");
 is sprintf('%04o', (stat $path)[2] & 07777), '0600', 'the socket has the mode that was asked for';
 like ask('localhost'), qr{\AHTTP/1\.1 200 .*"jobs"}s, 'it answers';
+{
+    my $admin = IO::Socket::UNIX->new(Peer => "$dir/admin.sock") // die "connect: $!";
+    print $admin "GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+    like Vt::read_all($admin, 10), qr/^voronoid_http_requests_total\{route="\/v1\/jobs",method="GET",code="200"\} 1$/m,
+        'and so does an admin listener on a socket';
+}
 like ask('evil.example'), qr{\AHTTP/1\.1 403 }s, 'Host is checked as on a loopback address';
 ($status, $text) = Vt::run('--data', "$dir/other", '--listen', "unix:$path");
 is $status, 1, 'a second daemon does not take it away';

@@ -7,6 +7,7 @@
 #include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
+#include "server/base/metrics.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -192,6 +193,7 @@ static bool take_events(struct stream *stream, struct vor_request *request)
         stream->is_replay = false;
     for (size_t i = 0; i < count && !stream->ended; i++)
         write_event(stream, request, &events[i]);
+    vor_metric_add(VOR_METRIC_STREAM_EVENTS, (double)count, NULL);
     return count > 0;
 }
 
