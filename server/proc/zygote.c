@@ -37,6 +37,8 @@ struct started {
 
 enum { AT_CHANNEL, AT_WATCH, AT_GIVEN };
 
+enum { FIRST_FD = STDERR_FILENO + 1 };
+
 /* Of the zygote itself. */
 struct nursery {
     const struct vor_child_kind *kinds;
@@ -51,32 +53,34 @@ struct nursery {
 
 /* --- in the child ----------------------------------------------------------------------------- */
 
-/* Closes the descriptors from .. end - 1. A kernel before 5.9 has no call for all of them; there,
- * those that a process of ours can have. */
-static void close_span(unsigned from, unsigned end)
+/* Closes every descriptor from that one on. A kernel before 5.9 has no call for it; there, those
+ * that a process of ours can have. */
+static void close_from(unsigned from)
 {
     enum { OLD_KERNEL_FDS = 4096 };
 
-    if (from >= end || close_range(from, end - 1, 0) == 0)
+    if (close_range(from, ~0u, 0) == 0)
         return;
-    for (unsigned fd = from; fd < end && fd < OLD_KERNEL_FDS; fd++)
+    for (unsigned fd = from; fd < OLD_KERNEL_FDS; fd++)
         (void)close((int)fd);
 }
 
-/* Closes every descriptor above standard error but these. */
-static void close_others(const int *kept, unsigned count)
+/* Moves descriptors to FIRST_FD and those behind it, in order, and closes all others but the three
+ * standard ones. */
+static void keep_fds(int *fds, unsigned count)
 {
-    for (unsigned from = STDERR_FILENO + 1;;) {
-        unsigned next = ~0u;
+    enum { ASIDE = FIRST_FD + VOR_CHANNEL_FDS }; /* above all places that they go to */
 
-        for (unsigned i = 0; i < count; i++)
-            if ((unsigned)kept[i] >= from && (unsigned)kept[i] < next)
-                next = (unsigned)kept[i];
-        close_span(from, next);
-        if (next == ~0u)
-            return;
-        from = next + 1;
+    for (unsigned i = 0; i < count; i++)
+        fds[i] = fcntl(fds[i], F_DUPFD, ASIDE);
+    for (unsigned i = 0; i < count; i++) {
+        int to = FIRST_FD + (int)i;
+
+        if (fds[i] < 0 || dup3(fds[i], to, O_CLOEXEC) < 0)
+            _exit(EXIT_FAILURE);
+        fds[i] = to;
     }
+    close_from(FIRST_FD + count);
 }
 
 /* Dies with its parent, also where that has died already. */
@@ -96,17 +100,17 @@ static _Noreturn void be_child(const struct nursery *nursery, pid_t parent,
                                const struct request *request, struct vor_message *message)
 {
     const struct vor_child_kind *kind = &nursery->kinds[request->kind];
+    int *fds = &message->fds[AT_WATCH]; /* not for the child: the channel takes its place */
+    unsigned count = message->fd_count - AT_WATCH;
     sigset_t none;
 
     die_with(parent);
-    (void)close(message->fds[AT_WATCH]);
-    message->fds[AT_WATCH] = message->fds[AT_CHANNEL];
-    close_others(&message->fds[AT_WATCH], message->fd_count - AT_WATCH);
+    fds[0] = message->fds[AT_CHANNEL];
+    keep_fds(fds, count);
     (void)sigemptyset(&none);
     (void)sigprocmask(SIG_SETMASK, &none, NULL);
     set_name(kind->name);
-    _exit(
-        kind->run(message->fds[AT_CHANNEL], &message->fds[AT_GIVEN], message->fd_count - AT_GIVEN));
+    _exit(kind->run(fds[0], &fds[1], count - 1));
 }
 
 /* --- in the zygote ---------------------------------------------------------------------------- */
@@ -249,7 +253,7 @@ static _Noreturn void be_zygote(struct nursery *nursery, pid_t parent)
     sigset_t child;
 
     die_with(parent);
-    close_others(&nursery->socket, 1);
+    keep_fds(&nursery->socket, 1);
     mute();
     ignore_signals();
     (void)sigemptyset(&child);

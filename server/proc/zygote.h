@@ -33,8 +33,9 @@ struct vor_child_kind {
     /** Runs in the child, alone, with one thread; the process ends with what this returns as its
      *  exit status, without what atexit() has been told. It may start threads.
      *
-     *  @param[in] channel  to the front; VOR_CHANNEL_GONE there is the order to end
-     *  @param[in] fds      fd_count of them, as they were given to vor_zygote_spawn */
+     *  @param[in] channel  descriptor 3, to the front; VOR_CHANNEL_GONE there is the order to end
+     *  @param[in] fds      descriptors 4 and up: fd_count of them, in the order in which
+     *                      vor_zygote_spawn was given them */
     int (*run)(int channel, const int *fds, unsigned fd_count);
 };
 
