@@ -111,9 +111,11 @@ enum vor_channel_event vor_channel_receive(int channel, struct vor_message *mess
     message->fd_count = 0;
     if (!wait_readable(channel, seconds))
         return VOR_CHANNEL_LATE;
+    /* A side that closes with messages unread resets the channel, which is told once, before what
+     * it has sent. */
     do
         got = recvmsg(channel, &head, MSG_CMSG_CLOEXEC);
-    while (got < 0 && errno == EINTR);
+    while (got < 0 && (errno == EINTR || errno == ECONNRESET));
     if (got < 0)
         return VOR_CHANNEL_GONE;
     take_fds(message, &head);

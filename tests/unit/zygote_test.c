@@ -148,6 +148,23 @@ START_TEST(a_message_longer_than_its_room_breaks_the_channel_and_leaks_nothing)
 }
 END_TEST
 
+START_TEST(what_was_sent_arrives_also_from_a_side_that_closed_with_messages_unread)
+{
+    char bytes[8];
+    struct vor_message message = {.bytes = bytes, .capacity = sizeof bytes};
+    int ends[2];
+
+    vt_assert_ok(vor_channel_pair(ends, &vt_err));
+    vt_assert_ok(vor_channel_send(ends[0], "unread", 6, NULL, 0, &vt_err));
+    vt_assert_ok(vor_channel_send(ends[1], "last", 4, NULL, 0, &vt_err));
+    close(ends[1]);
+    ck_assert_int_eq(vor_channel_receive(ends[0], &message, PATIENCE), VOR_CHANNEL_MESSAGE);
+    ck_assert_mem_eq(bytes, "last", 4);
+    ck_assert_int_eq(vor_channel_receive(ends[0], &message, PATIENCE), VOR_CHANNEL_GONE);
+    close(ends[0]);
+}
+END_TEST
+
 /* --- children --------------------------------------------------------------------------------- */
 
 static struct vor_zygote start(void)
@@ -392,6 +409,7 @@ int main(void)
 
     vt_add_loop(suite, a_message_arrives_whole_with_its_descriptors, 3);
     vt_add(suite, a_message_longer_than_its_room_breaks_the_channel_and_leaks_nothing);
+    vt_add(suite, what_was_sent_arrives_also_from_a_side_that_closed_with_messages_unread);
     vt_add(suite, a_child_answers_until_its_channel_is_closed);
     vt_add(suite, a_child_has_its_own_descriptors_from_3_on_and_no_others);
     vt_add(suite, a_child_that_crashes_or_is_killed_is_told_with_its_signal);
