@@ -4,7 +4,7 @@ B := build/$(config)
 
 CC ?= gcc
 CXX ?= g++
-PKGS := libmicrohttpd libcjson draco sqlite3 libcurl nettle zlib
+PKGS := libmicrohttpd libcjson draco sqlite3 libcurl nettle zlib libseccomp
 VERSION := 0.1.0
 
 WARN := -Wall -Wextra -Wshadow -Wpointer-arith -Wcast-qual -Wformat=2 -Wundef -Werror=format-security

@@ -21,6 +21,7 @@ my %door = (
     'flann/flann.h' => qr{^core/knn/knn_flann\.c$},
     'sqlite3.h'     => qr{^server/store/sqlite_database\.c$},
     'curl/curl.h'   => qr{^server/cli/remote\.c$},
+    'seccomp.h'     => qr{^server/proc/sandbox\.c$},
     'zlib.h'        => qr{^proto/gzip\.c$},
 );
 my @doors = (
