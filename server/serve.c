@@ -1,5 +1,5 @@
-/* The order of life: settings, store, blobs, socket, pool, jobs, admission, HTTP; then wait for a
- * signal; then the same backwards. */
+/* The order of life: settings, zygote, store, blobs, socket, pool, jobs, admission, HTTP; then wait
+ * for a signal; then the same backwards. */
 #include "server/serve.h"
 
 #include "server/api/app.h"
@@ -10,6 +10,7 @@
 #include "server/cli/say.h"
 #include "server/work/admit.h"
 #include "server/work/conversion.h"
+#include "server/work/kinds.h"
 
 #include <pthread.h>
 #include <signal.h>
@@ -25,6 +26,8 @@ enum { ADMIT_WAITING_MAX = 64, CRASHES_MAX = 2, QUIET_SECONDS = 10 };
 struct daemon {
     struct vor_config config;
     struct vor_app app;
+    struct vor_zygote zygote;
+    enum vor_sandbox_kind sandbox;
     struct vor_pool *pool;
     sigset_t signals;
     pthread_t drainer;
@@ -59,12 +62,19 @@ static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
     return status;
 }
 
+static struct vor_executor executor_of(struct daemon *daemon)
+{
+    return (struct vor_executor){
+        .zygote = &daemon->zygote, .kind = VOR_CHILD_CODEC, .sandbox = daemon->sandbox};
+}
+
 /* Results are converted where uploads are decoded, as many at a time as there are cores. */
 static vor_status start_conversions(struct daemon *daemon, struct vor_error *err)
 {
     struct vor_conversions_config conversions = {.blobs = daemon->app.blobs,
                                                  .worker = daemon->app.worker,
                                                  .crew = vor_admit_crew(daemon->app.admit),
+                                                 .executor = executor_of(daemon),
                                                  .memory = job_memory(&daemon->config),
                                                  .most = vor_machine_cores()};
 
@@ -84,8 +94,10 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         .crashes_max = CRASHES_MAX,
         .keep = (uint64_t)config->number[VOR_SET_KEEP_INPUTS],
     };
-    struct vor_admit_limits limits = {
-        .codec = VOR_LIMITS_DEFAULT, .memory = job_memory(config), .keep = worker.keep};
+    struct vor_admit_limits limits = {.executor = executor_of(daemon),
+                                      .codec = VOR_LIMITS_DEFAULT,
+                                      .memory = job_memory(config),
+                                      .keep = worker.keep};
     vor_status status = vor_pool_create(&daemon->pool, thread_count(config), err);
 
     limits.codec.points = (size_t)config->number[VOR_SET_POINTS_LIMIT];
@@ -159,6 +171,7 @@ static void stop(struct daemon *daemon)
     vor_pool_destroy(daemon->pool);
     vor_blobs_close(daemon->app.blobs);
     vor_store_close(daemon->app.store);
+    vor_zygote_stop(&daemon->zygote);
 }
 
 /* Waits until no request is under way, QUIET_SECONDS at most. */
@@ -237,13 +250,33 @@ static int failed_start(const struct daemon *daemon, const struct vor_error *err
     return err->status == VOR_E_PARAM ? VOR_EXIT_USAGE : VOR_EXIT_FAILED;
 }
 
+/* Everything else comes after: children have nothing of what is opened later. */
+static vor_status start_zygote(struct daemon *daemon, struct vor_error *err)
+{
+    struct vor_error why = {.message = ""};
+
+    daemon->sandbox = vor_sandbox_probe(&why);
+    daemon->app.sandbox = vor_sandbox_word(daemon->sandbox);
+    if (daemon->sandbox != VOR_SANDBOX_FULL && !vor_sandbox_is_sanitizer() &&
+        daemon->config.number[VOR_SET_ALLOW_WEAK_SANDBOX] == 0)
+        return vor_fail(err, VOR_E_IO,
+                        "%.300s; --allow-weak-sandbox reads uploads in processes with limits of "
+                        "memory and time alone",
+                        why.message);
+    return vor_zygote_start(&daemon->zygote, vor_child_kinds, VOR_CHILD_KINDS, err);
+}
+
 static int serve(struct daemon *daemon)
 {
     struct vor_error err;
     int result;
 
+    if (start_zygote(daemon, &err) != VOR_OK)
+        return failed_start(daemon, &err);
     block_signals(daemon);
     vor_log_open(STDERR_FILENO, (enum vor_log_level)daemon->config.number[VOR_SET_LOG_LEVEL]);
+    if (daemon->sandbox != VOR_SANDBOX_FULL)
+        vor_log(VOR_LOG_WARN, "sandbox: partial");
     daemon->app.config = &daemon->config;
     if (start(daemon, &err) != VOR_OK) {
         result = failed_start(daemon, &err);

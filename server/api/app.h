@@ -23,6 +23,7 @@ struct vor_app {
     struct vor_inflight *inflight;
     struct vor_conversions *conversions;
     struct vor_http *http;
+    const char *sandbox;  /**< of what reads uploads: "full" or "partial" */
     atomic_bool draining; /**< SIGTERM came: /readyz says no, streams end */
     atomic_uint streams;  /**< event streams open */
 };

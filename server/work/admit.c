@@ -16,50 +16,74 @@ struct vor_admit {
     struct vor_crew *crew;
 };
 
-static vor_status keep_cloud(const struct vor_cloud *cloud, struct vor_blobs *blobs,
-                             const struct vor_uuid *id, const char *name, struct vor_error *err)
+/* What a child wrote is believed once it was seen to be a dump of so many points. */
+static vor_status check_dump(const struct vor_blob_writer *writer,
+                             const struct vor_codec_facts *facts, struct vor_error *err)
 {
+    size_t size = (size_t)vor_blob_size(writer), points = 0;
+    void *bytes = MAP_FAILED;
+    vor_status status;
+
+    if (size > 0)
+        bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, vor_blob_fd(writer), 0);
+    if (bytes == MAP_FAILED)
+        return vor_fail_errno(err, size > 0 ? errno : EINVAL, "mapping what was decoded");
+    status = vor_dump_check(&points, bytes, size, err);
+    (void)munmap(bytes, size);
+    if (status == VOR_OK && points != facts->points)
+        status = vor_fail(err, VOR_E_FORMAT, "the reader told %llu points and wrote %zu",
+                          (unsigned long long)facts->points, points);
+    return status;
+}
+
+/* Decodes into a blob that has no name yet. */
+static vor_status decode_to(struct vor_blob_writer *writer, struct vor_codec_facts *facts,
+                            const struct vor_blob_writer *upload,
+                            const struct vor_admit_limits *limits, struct vor_error *err)
+{
+    const struct vor_codec_order order = {.op = VOR_CODEC_DECODE,
+                                          .size = vor_blob_size(upload),
+                                          .memory = limits->memory,
+                                          .most = UINT64_MAX,
+                                          .limits = limits->codec};
+    const struct vor_sink sink = vor_blob_sink(writer);
+    vor_status status =
+        vor_executor_run(facts, &limits->executor, &order, vor_blob_fd(upload), &sink, err);
+
+    if (status == VOR_E_IO)
+        (void)vor_blob_failure(writer, err);
+    if (status == VOR_OK && limits->executor.zygote != NULL)
+        status = check_dump(writer, facts, err);
+    return status;
+}
+
+static vor_status decode(struct vor_admitted_input *input, const struct vor_uuid *id,
+                         struct vor_blobs *blobs, struct vor_blob_writer *upload,
+                         const struct vor_admit_limits *limits, struct vor_error *err)
+{
+    double began = vor_clock_seconds();
+    struct vor_codec_facts facts = {0};
     char blob[VOR_BLOB_NAME_MAX + 1];
     struct vor_blob_writer *writer;
-    struct vor_sink sink;
-    vor_status status = vor_blob_create(blobs, &writer, err);
+    vor_status status;
 
+    if (vor_blob_size(upload) == 0)
+        return vor_fail(err, VOR_E_EMPTY, "the body is empty: 0 bytes, want a cloud");
+    status = vor_blob_create(blobs, &writer, err);
     if (status != VOR_OK)
         return status;
-    sink = vor_blob_sink(writer);
-    status = vor_dump_write(&sink, cloud, err);
+    status = decode_to(writer, &facts, upload, limits, err);
     if (status != VOR_OK) {
-        (void)vor_blob_failure(writer, err);
         vor_blob_discard(writer);
         return status;
     }
-    return vor_blob_commit(writer, id, vor_blob_of_input(name, blob), err);
-}
-
-static vor_status decode(struct vor_cloud *cloud, struct vor_job_input *input,
-                         struct vor_blob_writer *upload, const struct vor_limits *limits,
-                         struct vor_error *err)
-{
-    size_t size = (size_t)vor_blob_size(upload);
-    const struct vor_format *format = NULL;
-    vor_status status;
-    void *bytes;
-
-    if (size == 0)
-        return vor_fail(err, VOR_E_EMPTY, "the body is empty: 0 bytes, want a cloud");
-    bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, vor_blob_fd(upload), 0);
-    if (bytes == MAP_FAILED)
-        return vor_fail_errno(err, errno, "mapping the upload");
-    status = vor_codec_read(cloud, &format, bytes, size, limits, err);
-    (void)munmap(bytes, size);
-    if (status != VOR_OK)
-        return status;
-    for (input->format = 0; vor_format(input->format) != format; input->format++)
-        assert(vor_format(input->format) != NULL);
-    input->points = cloud->n;
-    input->bytes = size;
-    vor_blob_sha256(upload, input->sha256);
-    return VOR_OK;
+    input->found.format = facts.format;
+    input->found.points = facts.points;
+    input->found.bytes = vor_blob_size(upload);
+    input->found.seconds = vor_clock_seconds() - began;
+    input->extent = facts.extent;
+    vor_blob_sha256(upload, input->found.sha256);
+    return vor_blob_commit(writer, id, vor_blob_of_input(input->name, blob), err);
 }
 
 vor_status vor_admit_file(struct vor_admitted *admitted, const char *name, struct vor_blobs *blobs,
@@ -67,24 +91,14 @@ vor_status vor_admit_file(struct vor_admitted *admitted, const char *name, struc
                           struct vor_error *err)
 {
     struct vor_admitted_input input = {.name = name};
-    double began = vor_clock_seconds();
     struct vor_uuid id = admitted->id;
-    struct vor_memory memory;
-    struct vor_cloud cloud;
-    vor_status status;
+    vor_status status = VOR_OK;
 
     assert(admitted->count < VOR_INPUTS_MAX);
-    vor_memory_init(&memory, limits->memory);
-    vor_cloud_init(&cloud, &memory);
-    status = decode(&cloud, &input.found, upload, &limits->codec, err);
-    if (status == VOR_OK)
-        vor_extent_measure(&input.extent, &cloud);
-    input.found.seconds = vor_clock_seconds() - began;
-    if (status == VOR_OK && admitted->count == 0)
+    if (admitted->count == 0)
         status = vor_uuid_make(&id, err);
     if (status == VOR_OK)
-        status = keep_cloud(&cloud, blobs, &id, name, err);
-    vor_cloud_free(&cloud);
+        status = decode(&input, &id, blobs, upload, limits, err);
     if (status != VOR_OK)
         return status;
     admitted->id = id;
@@ -152,10 +166,13 @@ static vor_status admit_all(struct vor_admission *admission)
 
     limits.codec.drop_invalid = admission->drop_invalid;
     limits.codec.keep_faces = admission->keep_faces;
+    limits.executor.has_left = admission->has_left;
+    limits.executor.ctx = admission->ctx;
     for (unsigned i = 0; i < uploads->count && status == VOR_OK; i++) {
         struct vor_upload *upload = &uploads->item[i];
 
-        status = vor_upload_inflate(upload, admit->blobs, &most, &admission->error);
+        status =
+            vor_upload_inflate(upload, admit->blobs, &limits.executor, &most, &admission->error);
         if (status == VOR_OK)
             status = vor_admit_file(&admission->admitted, upload->name, admit->blobs, upload->bytes,
                                     &limits, &admission->error);
@@ -180,6 +197,8 @@ static void run_admission(void *ctx)
     if (vor_crew_closing(admission->admit->crew))
         admission->status =
             vor_fail(&admission->error, VOR_E_CANCELLED, "the daemon is going down");
+    else if (admission->has_left != NULL && admission->has_left(admission->ctx))
+        admission->status = vor_fail(&admission->error, VOR_E_CANCELLED, "the caller left");
     else
         admission->status = admit_all(admission);
     if (admission->status == VOR_OK)

@@ -72,6 +72,7 @@ enum vor_next vor_handle_readyz(void *ctx, struct vor_request *request, enum vor
     vor_json_put_string(&text, "status", "ready");
     vor_json_put_u64(&text, "waiting", load.waiting);
     vor_json_put_u64(&text, "running", load.running);
+    vor_json_put_string(&text, "sandbox", app->sandbox);
     vor_json_end_object(&text);
     vor_text_puts(&text, "\n");
     vor_reply_header(request, "Cache-Control", "no-store");

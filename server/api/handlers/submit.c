@@ -16,6 +16,7 @@
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
+#include "server/http/waker.h"
 #include "server/work/admit.h"
 
 #include <pthread.h>
@@ -272,6 +273,20 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     return VOR_NEXT_BODY;
 }
 
+/* Nobody waits for admission any more: the request is over, or its caller was seen to leave. */
+static int has_left(void *ctx)
+{
+    struct submission *submission = ctx;
+    int left;
+
+    if (has_key(submission))
+        return 0; /* the caller can come back */
+    (void)pthread_mutex_lock(&submission->lock);
+    left = submission->abandoned;
+    (void)pthread_mutex_unlock(&submission->lock);
+    return left || vor_waker_is_gone(submission->waker);
+}
+
 /* Called on an admission thread once the upload is decoded or refused. */
 static void on_admitted(struct vor_admission *admission)
 {
@@ -314,6 +329,7 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
         .drop_invalid = submission->head.spec.value[VOR_PARAM_INVALID] == VOR_INVALID_DROP,
         .keep_faces = submission->head.spec.value[VOR_PARAM_SAMPLE] == VOR_SAMPLE_FACES,
         .done = on_admitted,
+        .has_left = has_left,
         .ctx = submission};
     submission->holds++; /* nobody else has it yet */
     outcome = vor_admit_submit(app->admit, &submission->admission);
