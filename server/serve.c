@@ -20,7 +20,8 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { ADMIT_WAITING_MAX = 64, CRASHES_MAX = 2, QUIET_SECONDS = 10 };
+/* A quarter of the uploads that wait may be one caller's. */
+enum { ADMIT_WAITING_MAX = 256, CRASHES_MAX = 2, QUIET_SECONDS = 10 };
 
 /* The parts, in the order in which they start. */
 struct daemon {
@@ -81,6 +82,15 @@ static vor_status start_conversions(struct daemon *daemon, struct vor_error *err
     return vor_conversions_create(&daemon->app.conversions, &conversions, err);
 }
 
+/* Uploads that are read at a time: one for each core; two on a machine with one, so that a caller
+ * leaves one to others. */
+static unsigned readers(void)
+{
+    unsigned cores = vor_machine_cores();
+
+    return cores > 2 ? cores : 2;
+}
+
 static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
 {
     const struct vor_config *config = &daemon->config;
@@ -109,7 +119,7 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
     if (status == VOR_OK)
         status = vor_worker_create(&daemon->app.worker, &worker, err);
     if (status == VOR_OK)
-        status = vor_admit_create(&daemon->app.admit, daemon->app.blobs, &limits, worker.jobs,
+        status = vor_admit_create(&daemon->app.admit, daemon->app.blobs, &limits, readers(),
                                   ADMIT_WAITING_MAX, err);
     return status == VOR_OK ? start_conversions(daemon, err) : status;
 }

@@ -221,6 +221,8 @@ vor_status vor_admit_create(struct vor_admit **out, struct vor_blobs *blobs,
         free(admit);
         return VOR_E_NOMEM;
     }
+    if (threads > 1)
+        vor_crew_share(admit->crew, threads - 1, (waiting_max + 3) / 4);
     *out = admit;
     return VOR_OK;
 }
@@ -241,6 +243,7 @@ struct vor_crew *vor_admit_crew(struct vor_admit *admit)
 enum vor_job_outcome vor_admit_submit(struct vor_admit *admit, struct vor_admission *admission)
 {
     admission->admit = admit;
-    admission->task = (struct vor_task){.run = run_admission, .ctx = admission};
+    admission->task =
+        (struct vor_task){.run = run_admission, .ctx = admission, .caller = admission->caller};
     return vor_crew_take(admit->crew, &admission->task);
 }

@@ -67,10 +67,11 @@ void vor_admit_drop(struct vor_blobs *blobs, const struct vor_admitted *admitted
 /** A pool of threads that inflate and admit uploads, so that HTTP threads do not wait. */
 struct vor_admit;
 
-/** The uploads of a request on their way. The caller fills in uploads (at least one), drop_invalid,
- *  keep_faces, done, has_left and ctx and keeps the struct until done was called. */
+/** The uploads of a request on their way. Who submits it fills in uploads (at least one), caller,
+ *  drop_invalid, keep_faces, done, has_left and ctx and keeps the struct until done was called. */
 struct vor_admission {
     struct vor_uploads uploads;                    /**< taken over, none left before done */
+    struct vor_caller caller;                      /**< who shares the threads with others */
     int drop_invalid, keep_faces;                  /**< as struct vor_limits has them */
     void (*done)(struct vor_admission *admission); /**< on an admission thread; may block, e.g. on
                                                         vor_worker_submit */
@@ -84,7 +85,9 @@ struct vor_admission {
     struct vor_task task;
 };
 
-/** Starts `threads` (at least 1) threads; at most `waiting_max` uploads wait for one.
+/** Starts `threads` (at least 1) threads; at most `waiting_max` uploads wait for one. Of two and
+ * more threads one is left to other callers, whatever one caller sends, and a quarter of those that
+ * wait are one caller's at most.
  *
  *  @retval VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_admit_create(struct vor_admit **out, struct vor_blobs *blobs,

@@ -200,7 +200,7 @@ START_TEST(every_upload_is_answered_once)
 
     init_answers(&answers);
     vt_cloud_cube(&cloud, 1, 500);
-    vt_assert_ok(vor_admit_create(&admit, blobs, &limits, 3, UPLOADS, &vt_err));
+    vt_assert_ok(vor_admit_create(&admit, blobs, &limits, 3, 4 * UPLOADS, &vt_err));
     for (int i = 0; i < UPLOADS; i++) {
         admissions[i] = (struct vor_admission){.done = answered, .ctx = &answers};
         upload_for(&admissions[i],
