@@ -16,7 +16,7 @@
 
 /** Large enough that 1 M points take 48 turns, small enough to stay in a core's cache. */
 enum {
-    VOR_RING_PART = 256 << 10,
+    VOR_RING_PART = 128 << 10,
     VOR_RING_SLOTS = 4,
     VOR_RING_SIZE = VOR_RING_PART * VOR_RING_SLOTS
 };

@@ -277,7 +277,7 @@ static int make_ring(const uint8_t **bytes)
 
     if (fd >= 0 && ftruncate(fd, VOR_RING_SIZE) == 0 &&
         fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) == 0)
-        map = mmap(NULL, VOR_RING_SIZE, PROT_READ, MAP_SHARED, fd, 0);
+        map = mmap(NULL, VOR_RING_SIZE, PROT_READ, MAP_SHARED | MAP_POPULATE, fd, 0);
     if (map == MAP_FAILED) {
         if (fd >= 0)
             (void)close(fd);
