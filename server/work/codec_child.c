@@ -5,7 +5,6 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 
 enum { FD_RING, FD_INPUT, FD_COUNT };
 _Static_assert(VOR_SANDBOX_CHANNEL == 3 && VOR_SANDBOX_SHARED == 4 + FD_RING,
@@ -92,10 +91,10 @@ static vor_status shut_in_and_do(struct vor_codec_reply *reply, struct ring *rin
 
     if (status != VOR_OK)
         return status;
-    ring_bytes = mmap(NULL, VOR_RING_SIZE, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE,
-                      fds[FD_RING], 0);
+    ring_bytes = mmap(NULL, VOR_RING_SIZE, PROT_READ | PROT_WRITE,
+                      MAP_SHARED | vor_ring_flags(size), fds[FD_RING], 0);
     if (size > 0)
-        input = mmap(NULL, size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, fds[FD_INPUT], 0);
+        input = mmap(NULL, size, PROT_READ, MAP_PRIVATE | vor_ring_flags(size), fds[FD_INPUT], 0);
     if (ring_bytes == MAP_FAILED || input == MAP_FAILED)
         return vor_fail(&reply->error, VOR_E_NOMEM, "%zu bytes to read do not fit", size);
     ring->bytes = ring_bytes;

@@ -270,14 +270,14 @@ static vor_status converse(struct run *run, struct vor_codec_facts *facts, struc
 
 /* The memory that both sides see. It cannot be made shorter, which would kill the one that reads.
  */
-static int make_ring(const uint8_t **bytes)
+static int make_ring(const uint8_t **bytes, uint64_t size)
 {
     int fd = memfd_create("ring", MFD_CLOEXEC | MFD_ALLOW_SEALING);
     void *map = MAP_FAILED;
 
     if (fd >= 0 && ftruncate(fd, VOR_RING_SIZE) == 0 &&
         fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) == 0)
-        map = mmap(NULL, VOR_RING_SIZE, PROT_READ, MAP_SHARED | MAP_POPULATE, fd, 0);
+        map = mmap(NULL, VOR_RING_SIZE, PROT_READ, MAP_SHARED | vor_ring_flags(size), fd, 0);
     if (map == MAP_FAILED) {
         if (fd >= 0)
             (void)close(fd);
@@ -302,7 +302,7 @@ static vor_status run_in_child(struct run *run, struct vor_codec_facts *facts, i
                                struct vor_error *err)
 {
     const uint8_t *ring = NULL;
-    int fds[2] = {make_ring(&ring), -1};
+    int fds[2] = {make_ring(&ring, run->order->size), -1};
     vor_status status;
 
     if (fds[0] < 0)

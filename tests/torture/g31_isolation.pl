@@ -6,7 +6,7 @@ use Getopt::Long;
 
 GetOptions('long' => \my $long, 'seed=i' => \my $seed) or exit 2;
 my $program = 'build/release/tests/torture/isolation';
-system('make', '-s', $program) == 0 or die "cannot build $program";
+system("make -s $program >&2") == 0 or die "cannot build $program";
 my $rounds = $long ? 51 : 5;
 for (split /\n/, `$program $rounds`) {
     my ($name, $bytes, $thread, $child, $more) = split /\t/;
