@@ -111,6 +111,7 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
     vor_status status = vor_pool_create(&daemon->pool, thread_count(config), err);
 
     limits.codec.points = (size_t)config->number[VOR_SET_POINTS_LIMIT];
+    limits.codec.strict_draco = config->number[VOR_SET_DRACO] > 0;
     limits.inflated = (uint64_t)config->number[VOR_SET_BODY_LIMIT];
     worker.pool = daemon->pool;
     daemon->app.inflight = vor_inflight_create();

@@ -30,8 +30,8 @@ uint64_t vor_draco_points_max(size_t size, const struct vor_limits *limits);
 /** Walks header, metadata, counts and, in point clouds, the attribute table.
  *
  *  @retval VOR_E_FORMAT  not Draco, a bitstream or method the library does not know, truncated,
- *                        counts that contradict each other, or more than padding behind a kd-tree;
- *                        byte_offset says where
+ *                        counts that contradict each other, more than padding behind a kd-tree, or
+ *                        what limits->strict_draco leaves out; byte_offset says where
  *  @retval VOR_E_EMPTY   no points
  *  @retval VOR_E_LIMIT   more points than vor_draco_points_max (or, in a mesh, more than twice as
  *                        many faces), more attributes than a cloud may have, or more scalars

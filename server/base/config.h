@@ -78,6 +78,9 @@ enum vor_setting_kind {
       "stream shows that it lives")                                                                \
     X(DRAIN_TIMEOUT, "drain-timeout", TIME, "seconds", 0, 3600, "20",                              \
       "Time for running jobs to end after SIGTERM; the others wait for the next start")            \
+    X(DRACO, "draco", CHOICE, "any strict", 0, 0, "any",                                           \
+      "Draco files that are read: any that the library reads, or only point clouds of bitstream "  \
+      "2.3 without metadata, for which it needs less of its code")                                 \
     X(ALLOW_WEAK_SANDBOX, "allow-weak-sandbox", FLAG, "", 0, 1, "0",                               \
       "Run although the kernel takes no list of system calls: uploads are then read in processes " \
       "with limits of memory and time alone")                                                      \

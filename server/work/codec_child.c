@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 
 enum { FD_RING, FD_INPUT, FD_COUNT };
 _Static_assert(VOR_SANDBOX_CHANNEL == 3 && VOR_SANDBOX_SHARED == 4 + FD_RING,
@@ -81,14 +82,25 @@ static void warm_heap(size_t bytes)
     free(heap);
 }
 
+/* Large uploads give way to small ones, and to the front. */
+static void step_back(size_t size)
+{
+    enum { LARGE = 1 << 20, NICENESS = 5 };
+
+    if (size > LARGE)
+        (void)setpriority(PRIO_PROCESS, 0, NICENESS);
+}
+
 static vor_status shut_in_and_do(struct vor_codec_reply *reply, struct ring *ring,
                                  const struct vor_codec_start *start, const int *fds)
 {
     const struct vor_sink sink = {.ctx = ring, .write = put};
     size_t size = (size_t)start->order.size;
     void *ring_bytes, *input = NULL;
-    vor_status status = vor_sandbox_enter(&start->sandbox, start->kind, &reply->error);
+    vor_status status;
 
+    step_back(size);
+    status = vor_sandbox_enter(&start->sandbox, start->kind, &reply->error);
     if (status != VOR_OK)
         return status;
     ring_bytes = mmap(NULL, VOR_RING_SIZE, PROT_READ | PROT_WRITE,

@@ -370,6 +370,28 @@ START_TEST(metadata_stands_for_no_points)
 }
 END_TEST
 
+START_TEST(a_strict_gate_takes_point_clouds_of_bitstream_2_3_without_metadata_alone)
+{
+    static const struct {
+        enum base base;
+        int64_t offset; /* -1: it is taken */
+    } strict[] = {{LOSSLESS, -1}, {TREE, -1}, {OLD_TREE, 5}, {ORIGIN, 9}, {BREAKER, 7}};
+    struct vor_limits limits = draco_limits;
+
+    limits.strict_draco = 1;
+    make_bases();
+    for (size_t i = 0; i < sizeof strict / sizeof strict[0]; i++) {
+        const struct vt_bytes *base = &bases[strict[i].base];
+        vor_status status = vor_draco_gate(base->data, base->size, &limits, &vt_err);
+
+        ck_assert_int_eq(status, strict[i].offset < 0 ? VOR_OK : VOR_E_FORMAT);
+        if (strict[i].offset >= 0)
+            ck_assert_int_eq(vt_err.byte_offset, strict[i].offset);
+    }
+    free_bases();
+}
+END_TEST
+
 START_TEST(metadata_nests_as_deep_as_the_gate_allows_and_no_deeper)
 {
     struct vor_cloud cloud;
@@ -558,6 +580,7 @@ int main(void)
     vt_add(suite, bytes_behind_the_stream_are_refused_but_for_padding);
     vt_add(suite, a_kd_tree_with_bytes_behind_it_is_refused_before_it_is_decoded);
     vt_add(suite, metadata_stands_for_no_points);
+    vt_add(suite, a_strict_gate_takes_point_clouds_of_bitstream_2_3_without_metadata_alone);
     vt_add(suite, metadata_nests_as_deep_as_the_gate_allows_and_no_deeper);
     vt_add(suite, the_meter_alone_stops_what_the_gate_would_have_stopped);
     vt_add(suite, a_small_file_that_unpacks_to_a_large_cloud_meets_its_budget);
