@@ -221,10 +221,11 @@ static int wait_signal(const struct daemon *daemon)
     return number;
 }
 
-/* SIGUSR2 comes from drain. Before the first SIGTERM it is ignored. */
+/* SIGUSR2 comes from drain. Before the first SIGTERM it is ignored. SIGCHLD comes when the zygote
+ * dies, without which no upload can be read: the daemon ends as after SIGTERM, but as failed. */
 static void block_signals(struct daemon *daemon)
 {
-    static const int numbers[] = {SIGTERM, SIGINT, SIGUSR2};
+    static const int numbers[] = {SIGTERM, SIGINT, SIGUSR2, SIGCHLD};
 
     (void)signal(SIGPIPE, SIG_IGN);
     (void)sigemptyset(&daemon->signals);
@@ -233,24 +234,34 @@ static void block_signals(struct daemon *daemon)
     (void)pthread_sigmask(SIG_BLOCK, &daemon->signals, NULL);
 }
 
+static const char *name_of_signal(int number)
+{
+    return number == SIGINT ? "INT" : number == SIGCHLD ? "CHLD" : "TERM";
+}
+
 static int run(struct daemon *daemon)
 {
-    int number;
+    int number, died = 0;
 
-    do
+    do {
         number = wait_signal(daemon);
-    while (number == SIGUSR2);
-    vor_log(VOR_LOG_INFO, "draining", VOR_TEXT("signal", number == SIGINT ? "INT" : "TERM"));
+        died = number == SIGCHLD && vor_zygote_died(&daemon->zygote);
+    } while (number == SIGUSR2 || (number == SIGCHLD && !died));
+    if (died)
+        vor_log(VOR_LOG_ERROR, "the process that uploads are read from has died");
+    vor_log(VOR_LOG_INFO, "draining", VOR_TEXT("signal", name_of_signal(number)));
     if (pthread_create(&daemon->drainer, NULL, drain, daemon) != 0)
         _exit(VOR_EXIT_FAILED);
-    number = wait_signal(daemon);
+    do
+        number = wait_signal(daemon);
+    while (number == SIGCHLD);
     if (number != SIGUSR2) {
         /* Running jobs are still in the store as such; the next start takes them up again. */
         vor_log(VOR_LOG_WARN, "stopped at once", VOR_COUNT("signal", number));
         _exit(VOR_EXIT_FAILED);
     }
     (void)pthread_join(daemon->drainer, NULL);
-    return VOR_EXIT_OK;
+    return died ? VOR_EXIT_FAILED : VOR_EXIT_OK;
 }
 
 static int failed_start(const struct daemon *daemon, const struct vor_error *err)

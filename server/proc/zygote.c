@@ -308,6 +308,14 @@ void vor_zygote_stop(struct vor_zygote *zygote)
     *zygote = (struct vor_zygote){.socket = -1};
 }
 
+int vor_zygote_died(struct vor_zygote *zygote)
+{
+    if (zygote->pid == 0 || waitpid(zygote->pid, NULL, WNOHANG) != zygote->pid)
+        return zygote->pid == 0;
+    zygote->pid = 0; /* its socket stays: others may send to it */
+    return 1;
+}
+
 static void close_pair(const int pair[2])
 {
     (void)close(pair[0]);

@@ -59,6 +59,10 @@ VOR_NODISCARD vor_status vor_zygote_start(struct vor_zygote *out,
  *  0 is none. */
 void vor_zygote_stop(struct vor_zygote *zygote);
 
+/** True once the zygote has died by itself, and all children with it: no more can be had. Its
+ * parent gets SIGCHLD then, and only then. */
+int vor_zygote_died(struct vor_zygote *zygote);
+
 /** A child as the front sees it. */
 struct vor_child {
     int channel; /**< to its function; VOR_CHANNEL_GONE there means that it has ended, or is about

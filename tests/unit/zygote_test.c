@@ -332,11 +332,15 @@ START_TEST(a_zygote_that_died_is_told_by_every_call)
     struct vor_child child = spawn(&zygote, SPIN), none;
     struct vor_child_end end;
 
+    ck_assert(!vor_zygote_died(&zygote));
     ck_assert_int_eq(kill(zygote.pid, SIGKILL), 0);
     ck_assert(vor_child_wait(&child, &end, PATIENCE));
     ck_assert_int_eq(end.signal, SIGKILL);
     vt_assert_fails(VOR_E_IO, vor_zygote_spawn(&none, &zygote, ECHO, NULL, 0, &vt_err));
     vor_child_free(&child);
+    while (!vor_zygote_died(&zygote))
+        continue;
+    ck_assert(vor_zygote_died(&zygote));
     vor_zygote_stop(&zygote);
 }
 END_TEST
