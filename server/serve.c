@@ -9,8 +9,8 @@
 #include "server/base/machine.h"
 #include "server/cli/say.h"
 #include "server/work/admit.h"
+#include "server/work/codec_child.h"
 #include "server/work/conversion.h"
-#include "server/work/kinds.h"
 
 #include <pthread.h>
 #include <signal.h>
@@ -22,6 +22,13 @@
 
 /* A quarter of the uploads that wait may be one caller's. */
 enum { ADMIT_WAITING_MAX = 256, CRASHES_MAX = 2, QUIET_SECONDS = 10 };
+
+/* The kinds of processes that the zygote forks. */
+enum { CHILD_CODEC };
+
+static const struct vor_child_kind child_kinds[] = {
+    [CHILD_CODEC] = {.name = "vor-codec", .run = vor_codec_child},
+};
 
 /* The parts, in the order in which they start. */
 struct daemon {
@@ -63,10 +70,10 @@ static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
     return status;
 }
 
-static struct vor_executor executor_of(struct daemon *daemon)
+static struct vor_codec_place place_of(struct daemon *daemon)
 {
-    return (struct vor_executor){
-        .zygote = &daemon->zygote, .kind = VOR_CHILD_CODEC, .sandbox = daemon->sandbox};
+    return (struct vor_codec_place){
+        .zygote = &daemon->zygote, .kind = CHILD_CODEC, .sandbox = daemon->sandbox};
 }
 
 /* Results are converted where uploads are decoded, as many at a time as there are cores. */
@@ -75,7 +82,7 @@ static vor_status start_conversions(struct daemon *daemon, struct vor_error *err
     struct vor_conversions_config conversions = {.blobs = daemon->app.blobs,
                                                  .worker = daemon->app.worker,
                                                  .crew = vor_admit_crew(daemon->app.admit),
-                                                 .executor = executor_of(daemon),
+                                                 .place = place_of(daemon),
                                                  .memory = job_memory(&daemon->config),
                                                  .most = vor_machine_cores()};
 
@@ -104,7 +111,7 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         .crashes_max = CRASHES_MAX,
         .keep = (uint64_t)config->number[VOR_SET_KEEP_INPUTS],
     };
-    struct vor_admit_limits limits = {.executor = executor_of(daemon),
+    struct vor_admit_limits limits = {.place = place_of(daemon),
                                       .codec = VOR_LIMITS_DEFAULT,
                                       .memory = job_memory(config),
                                       .keep = worker.keep};
@@ -285,7 +292,8 @@ static vor_status start_zygote(struct daemon *daemon, struct vor_error *err)
                         "%.300s; --allow-weak-sandbox reads uploads in processes with limits of "
                         "memory and time alone",
                         why.message);
-    return vor_zygote_start(&daemon->zygote, vor_child_kinds, VOR_CHILD_KINDS, err);
+    return vor_zygote_start(&daemon->zygote, child_kinds,
+                            sizeof child_kinds / sizeof child_kinds[0], err);
 }
 
 static int serve(struct daemon *daemon)

@@ -48,11 +48,11 @@ static vor_status decode_to(struct vor_blob_writer *writer, struct vor_codec_fac
                                           .limits = limits->codec};
     const struct vor_sink sink = vor_blob_sink(writer);
     vor_status status =
-        vor_executor_run(facts, &limits->executor, &order, vor_blob_fd(upload), &sink, err);
+        vor_codec_run(facts, &limits->place, &order, vor_blob_fd(upload), &sink, err);
 
     if (status == VOR_E_IO)
         (void)vor_blob_failure(writer, err);
-    if (status == VOR_OK && limits->executor.zygote != NULL)
+    if (status == VOR_OK && limits->place.zygote != NULL)
         status = check_dump(writer, facts, err);
     return status;
 }
@@ -166,13 +166,12 @@ static vor_status admit_all(struct vor_admission *admission)
 
     limits.codec.drop_invalid = admission->drop_invalid;
     limits.codec.keep_faces = admission->keep_faces;
-    limits.executor.has_left = admission->has_left;
-    limits.executor.ctx = admission->ctx;
+    limits.place.has_left = admission->has_left;
+    limits.place.ctx = admission->ctx;
     for (unsigned i = 0; i < uploads->count && status == VOR_OK; i++) {
         struct vor_upload *upload = &uploads->item[i];
 
-        status =
-            vor_upload_inflate(upload, admit->blobs, &limits.executor, &most, &admission->error);
+        status = vor_upload_inflate(upload, admit->blobs, &limits.place, &most, &admission->error);
         if (status == VOR_OK)
             status = vor_admit_file(&admission->admitted, upload->name, admit->blobs, upload->bytes,
                                     &limits, &admission->error);

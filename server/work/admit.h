@@ -1,4 +1,4 @@
-/** Decodes and checks what clients upload, once, before a job exists; where, executor.h says. */
+/** Decodes and checks what clients upload, once, before a job exists; where, codec_run.h says. */
 #ifndef VOR_SERVER_WORK_ADMIT_H
 #define VOR_SERVER_WORK_ADMIT_H
 
@@ -6,15 +6,15 @@
 #include "proto/limits.h"
 #include "server/blob/blob.h"
 #include "server/jobs/job.h"
+#include "server/work/codec_run.h"
 #include "server/work/crew.h"
-#include "server/work/executor.h"
 #include "server/work/upload.h"
 
 #include <stddef.h>
 
 /** What decoding may cost, where it is done, and for whom. */
 struct vor_admit_limits {
-    struct vor_executor executor;
+    struct vor_codec_place place;
     struct vor_limits codec;
     size_t memory;     /**< bytes */
     uint64_t inflated; /**< bytes that may come of all gzip uploads of a request */
@@ -44,7 +44,7 @@ struct vor_admitted {
  *
  *  @retval VOR_E_EMPTY  no bytes, or no points
  *  @retval VOR_E_IO     the disk refuses (vor_error_storage_full tells a full one apart)
- *  @retval others       as vor_executor_run; then this input has no blob
+ *  @retval others       as vor_codec_run; then this input has no blob
  *
  *  Cost: that of decoding and of writing 12 bytes a point and the attributes, with fsync. */
 VOR_NODISCARD vor_status vor_admit_file(struct vor_admitted *admitted, const char *name,

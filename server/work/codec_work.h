@@ -1,5 +1,5 @@
 /** What is done to bytes that strangers sent, or that go to them, wherever it is done: in this
- * process, or in a child that can do nothing else (executor.h decides). */
+ * process, or in a child that can do nothing else (codec_run.h decides). */
 #ifndef VOR_SERVER_WORK_CODEC_WORK_H
 #define VOR_SERVER_WORK_CODEC_WORK_H
 

@@ -134,7 +134,7 @@ static vor_status fill_blob(struct vor_blob_writer *writer, const struct vor_con
     vor_status status = find_room(&intake, config->blobs, err);
 
     if (status == VOR_OK)
-        status = vor_executor_run(&facts, &config->executor, &order, fd, &sink, err);
+        status = vor_codec_run(&facts, &config->place, &order, fd, &sink, err);
     if (status == VOR_E_IO && intake.is_full)
         return vor_fail_errno(err, ENOSPC, "the converted result");
     if (status == VOR_E_IO)

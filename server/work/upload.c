@@ -7,14 +7,14 @@ void vor_uploads_discard(struct vor_uploads *uploads)
 }
 
 static vor_status inflate_to(struct vor_blob_writer *out, const struct vor_blob_writer *in,
-                             uint64_t most, const struct vor_executor *executor,
+                             uint64_t most, const struct vor_codec_place *place,
                              struct vor_error *err)
 {
     const struct vor_codec_order order = {
         .op = VOR_CODEC_INFLATE, .size = vor_blob_size(in), .most = most};
     const struct vor_sink sink = vor_blob_sink(out);
     struct vor_codec_facts facts;
-    vor_status status = vor_executor_run(&facts, executor, &order, vor_blob_fd(in), &sink, err);
+    vor_status status = vor_codec_run(&facts, place, &order, vor_blob_fd(in), &sink, err);
 
     if (status != VOR_OK)
         (void)vor_blob_failure(out, err);
@@ -22,7 +22,7 @@ static vor_status inflate_to(struct vor_blob_writer *out, const struct vor_blob_
 }
 
 vor_status vor_upload_inflate(struct vor_upload *upload, struct vor_blobs *blobs,
-                              const struct vor_executor *executor, uint64_t *most,
+                              const struct vor_codec_place *place, uint64_t *most,
                               struct vor_error *err)
 {
     struct vor_blob_writer *inflated = NULL;
@@ -33,7 +33,7 @@ vor_status vor_upload_inflate(struct vor_upload *upload, struct vor_blobs *blobs
     status = vor_blob_create(blobs, &inflated, err);
     if (status != VOR_OK)
         return status;
-    status = inflate_to(inflated, upload->bytes, *most, executor, err);
+    status = inflate_to(inflated, upload->bytes, *most, place, err);
     if (status != VOR_OK) {
         vor_blob_discard(inflated);
         return status;

@@ -6,8 +6,8 @@
 #include "proto/dump.h"
 #include "server/base/clock.h"
 #include "server/blob/blob.h"
-#include "server/work/executor.h"
-#include "server/work/kinds.h"
+#include "server/work/codec_child.h"
+#include "server/work/codec_run.h"
 #include "tests/support/vt.h"
 
 #include <math.h>
@@ -66,7 +66,7 @@ static void check(const struct vor_blob_writer *writer)
     (void)munmap(bytes, size);
 }
 
-static double milliseconds(struct vor_blobs *blobs, const struct vor_executor *executor,
+static double milliseconds(struct vor_blobs *blobs, const struct vor_codec_place *place,
                            const struct vor_blob_writer *upload)
 {
     const struct vor_codec_order order = {.op = VOR_CODEC_DECODE,
@@ -82,8 +82,8 @@ static double milliseconds(struct vor_blobs *blobs, const struct vor_executor *e
     must(vor_blob_create(blobs, &writer, &err) == VOR_OK);
     sink = vor_blob_sink(writer);
     began = vor_clock_seconds();
-    must(vor_executor_run(&facts, executor, &order, vor_blob_fd(upload), &sink, &err) == VOR_OK);
-    if (executor->zygote != NULL)
+    must(vor_codec_run(&facts, place, &order, vor_blob_fd(upload), &sink, &err) == VOR_OK);
+    if (place->zygote != NULL)
         check(writer);
     began = (vor_clock_seconds() - began) * 1e3;
     vor_blob_discard(writer);
@@ -103,12 +103,12 @@ static double median(double *values, int count)
     return values[count / 2];
 }
 
-static void measure(struct vor_blobs *blobs, const struct vor_executor *child, int number,
+static void measure(struct vor_blobs *blobs, const struct vor_codec_place *child, int number,
                     int rounds)
 {
     static double here_ms[ROUNDS_MAX], child_ms[ROUNDS_MAX], more_ms[ROUNDS_MAX];
     const struct vor_write_options options = {.quantization_bits = 14, .compression = 7};
-    const struct vor_executor here = {0};
+    const struct vor_codec_place here = {0};
     struct vor_blob_writer *upload;
     struct vor_memory memory;
     struct vor_cloud cloud;
@@ -136,7 +136,8 @@ int main(int argc, char **argv)
     int rounds = argc > 1 ? atoi(argv[1]) : 11;
     struct vor_error why;
     struct vor_zygote zygote;
-    struct vor_executor child = {.zygote = &zygote, .kind = VOR_CHILD_CODEC};
+    const struct vor_child_kind kind = {"vor-codec", vor_codec_child};
+    struct vor_codec_place child = {.zygote = &zygote, .kind = 0};
     struct vor_blobs *blobs;
     char dir[] = "/tmp/voronoid-isolation-XXXXXX", place[64];
     long holder;
@@ -144,7 +145,7 @@ int main(int argc, char **argv)
     if (rounds < 1 || rounds > ROUNDS_MAX)
         return EXIT_FAILURE;
     child.sandbox = vor_sandbox_probe(&why);
-    must(vor_zygote_start(&zygote, vor_child_kinds, VOR_CHILD_KINDS, &err) == VOR_OK);
+    must(vor_zygote_start(&zygote, &kind, 1, &err) == VOR_OK);
     must(mkdtemp(dir) != NULL);
     (void)snprintf(place, sizeof place, "dir:%s", dir);
     must(vor_blobs_open(&blobs, place, &holder, &err) == VOR_OK);

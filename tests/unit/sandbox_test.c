@@ -6,7 +6,7 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/work/codec_child.h"
-#include "server/work/executor.h"
+#include "server/work/codec_run.h"
 #include "tests/support/vt.h"
 
 #include <fcntl.h>
@@ -190,16 +190,16 @@ enum { ROGUE, CODEC };
 
 struct fixture {
     struct vor_zygote zygote;
-    struct vor_executor executor;
+    struct vor_codec_place place;
 };
 
 static void start(struct fixture *fixture, unsigned kind)
 {
     struct vor_error why;
 
-    fixture->executor = (struct vor_executor){
+    fixture->place = (struct vor_codec_place){
         .zygote = &fixture->zygote, .kind = kind, .sandbox = vor_sandbox_probe(&why)};
-    ck_assert(fixture->executor.sandbox == VOR_SANDBOX_FULL || vor_sandbox_is_sanitizer());
+    ck_assert(fixture->place.sandbox == VOR_SANDBOX_FULL || vor_sandbox_is_sanitizer());
     vt_assert_ok(vor_zygote_start(&fixture->zygote, kinds, 2, &vt_err));
 }
 
@@ -224,7 +224,7 @@ static vor_status run(const struct fixture *fixture, enum deed deed)
     const struct vor_sink sink = {.ctx = &bytes, .write = vt_bytes_write};
     struct vor_codec_facts facts;
     int input = file_of("sixteen bytes...", 16);
-    vor_status status = vor_executor_run(&facts, &fixture->executor, &order, input, &sink, &vt_err);
+    vor_status status = vor_codec_run(&facts, &fixture->place, &order, input, &sink, &vt_err);
 
     free(bytes.data);
     close(input);
@@ -298,12 +298,12 @@ START_TEST(a_child_that_sleeps_ends_with_its_time_or_its_caller)
     double began = vor_clock_seconds(), leaves = began + 0.1;
 
     start(&fixture, ROGUE);
-    fixture.executor.patience = 0.001;
+    fixture.place.patience = 0.001;
     vt_assert_fails(VOR_E_FORMAT, run(&fixture, SLEEP));
     ck_assert_ptr_nonnull(strstr(vt_err.message, "longer than it may"));
-    fixture.executor.patience = 0;
-    fixture.executor.has_left = after_a_moment;
-    fixture.executor.ctx = &leaves;
+    fixture.place.patience = 0;
+    fixture.place.has_left = after_a_moment;
+    fixture.place.ctx = &leaves;
     vt_assert_fails(VOR_E_CANCELLED, run(&fixture, SLEEP));
     ck_assert_double_lt(vor_clock_seconds() - began, 10);
     vor_zygote_stop(&fixture.zygote);
@@ -334,23 +334,23 @@ struct answer {
     struct vt_bytes bytes;
 };
 
-static void ask(struct answer *out, const struct vor_executor *executor,
+static void ask(struct answer *out, const struct vor_codec_place *place,
                 const struct vor_codec_order *order, int input)
 {
     const struct vor_sink sink = {.ctx = &out->bytes, .write = vt_bytes_write};
 
     *out = (struct answer){0};
-    out->status = vor_executor_run(&out->facts, executor, order, input, &sink, &out->error);
+    out->status = vor_codec_run(&out->facts, place, order, input, &sink, &out->error);
 }
 
 static void same_answers(const struct fixture *fixture, const struct vor_codec_order *order,
                          int input)
 {
-    const struct vor_executor here = {0};
+    const struct vor_codec_place here = {0};
     struct answer a, b;
 
     ask(&a, &here, order, input);
-    ask(&b, &fixture->executor, order, input);
+    ask(&b, &fixture->place, order, input);
     ck_assert_msg(a.status == b.status, "%s and %s", a.error.message, b.error.message);
     if (a.status == VOR_OK) {
         ck_assert_uint_eq(a.facts.points, b.facts.points);

@@ -1,7 +1,7 @@
 /** Where work with strangers' bytes is done: in a child that can do nothing else, one for each
  * piece of work, or, where there is no zygote (tests of rooms above it), on the calling thread. */
-#ifndef VOR_SERVER_WORK_EXECUTOR_H
-#define VOR_SERVER_WORK_EXECUTOR_H
+#ifndef VOR_SERVER_WORK_CODEC_RUN_H
+#define VOR_SERVER_WORK_CODEC_RUN_H
 
 #include "server/proc/sandbox.h"
 #include "server/proc/zygote.h"
@@ -9,7 +9,7 @@
 
 /** Where, and for whom: a plain value, copied for each who asks. All zero: on the calling thread,
  * for somebody who stays. */
-struct vor_executor {
+struct vor_codec_place {
     struct vor_zygote *zygote; /**< borrowed; NULL for none */
     unsigned kind;             /**< the number of vor_codec_child among the zygote's kinds */
     enum vor_sandbox_kind sandbox;
@@ -34,18 +34,18 @@ struct vor_executor {
  *  @retval VOR_E_CANCELLED  the caller has left
  *  @retval VOR_E_IO         the sink took no more, the input cannot be mapped, or there is no child
  *
- *  Thread-safe. Takes at most vor_executor_seconds; not for HTTP threads. */
-VOR_NODISCARD vor_status vor_executor_run(struct vor_codec_facts *facts,
-                                          const struct vor_executor *executor,
-                                          const struct vor_codec_order *order, int input,
-                                          const struct vor_sink *sink, struct vor_error *err);
+ *  Thread-safe. Takes at most vor_codec_seconds; not for HTTP threads. */
+VOR_NODISCARD vor_status vor_codec_run(struct vor_codec_facts *facts,
+                                       const struct vor_codec_place *place,
+                                       const struct vor_codec_order *order, int input,
+                                       const struct vor_sink *sink, struct vor_error *err);
 
 /** CPU time that work on so many bytes may take. Measured: the slowest that a valid file takes,
  * ASCII PLY with attributes of double, is 45 MB/s; the smallest bomb that fits the ratio of points
  * takes 0.9 s. */
-unsigned vor_executor_seconds(uint64_t size);
+unsigned vor_codec_seconds(uint64_t size);
 
 /** Bytes of address space that the same may take. */
-size_t vor_executor_memory(const struct vor_codec_order *order);
+size_t vor_codec_memory(const struct vor_codec_order *order);
 
 #endif

@@ -1,7 +1,7 @@
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE /* memfd_create */
 #endif
-#include "server/work/executor.h"
+#include "server/work/codec_run.h"
 
 #include "server/base/clock.h"
 #include "server/base/disk.h"
@@ -27,12 +27,12 @@ enum { SECONDS_FREE = 10, BYTES_PER_SECOND = 4 << 20 };
 static const double WALL_PER_CPU = 4;   /* on a machine that does other things as well */
 static const double ASK_SECONDS = 0.05; /* between two questions to the caller */
 
-unsigned vor_executor_seconds(uint64_t size)
+unsigned vor_codec_seconds(uint64_t size)
 {
     return SECONDS_FREE + (unsigned)(size / BYTES_PER_SECOND);
 }
 
-size_t vor_executor_memory(const struct vor_codec_order *order)
+size_t vor_codec_memory(const struct vor_codec_order *order)
 {
     uint64_t points = POINTS_PER_BYTE * order->size + POINTS_FREE;
     size_t clouds;
@@ -68,7 +68,7 @@ static vor_status run_here(struct vor_codec_facts *facts, const struct vor_codec
 
 /* A child at work. */
 struct run {
-    const struct vor_executor *executor;
+    const struct vor_codec_place *place;
     const struct vor_codec_order *order;
     const struct vor_sink *sink;
     struct vor_child child;
@@ -102,7 +102,7 @@ static const char *what_of(const struct vor_codec_order *order)
 static vor_status too_long(const struct run *run, struct vor_error *err)
 {
     return vor_fail(err, blame(run), "%s took longer than it may: %u s of computing time",
-                    what_of(run->order), vor_executor_seconds(run->order->size));
+                    what_of(run->order), vor_codec_seconds(run->order->size));
 }
 
 /* Says how a child ended that told nothing, in the log too. */
@@ -232,7 +232,7 @@ static vor_status listen(struct run *run, struct vor_codec_facts *facts, struct 
 
         if (event == VOR_CHANNEL_GONE)
             return take_end(run, err);
-        if (run->executor->has_left != NULL && run->executor->has_left(run->executor->ctx))
+        if (run->place->has_left != NULL && run->place->has_left(run->place->ctx))
             return vor_fail(err, VOR_E_CANCELLED, "the caller left");
         if (vor_clock_seconds() > run->until)
             return too_long(run, err);
@@ -252,12 +252,11 @@ static vor_status listen(struct run *run, struct vor_codec_facts *facts, struct 
 /* Sends the order to a child that was forked, and hears it out. */
 static vor_status converse(struct run *run, struct vor_codec_facts *facts, struct vor_error *err)
 {
-    struct vor_codec_start start = {
-        .sandbox = {.memory = vor_executor_memory(run->order),
-                    .cpu_seconds = vor_executor_seconds(run->order->size)},
-        .kind = run->executor->sandbox,
-        .order = *run->order};
-    double patience = run->executor->patience > 0 ? run->executor->patience : 1;
+    struct vor_codec_start start = {.sandbox = {.memory = vor_codec_memory(run->order),
+                                                .cpu_seconds = vor_codec_seconds(run->order->size)},
+                                    .kind = run->place->sandbox,
+                                    .order = *run->order};
+    double patience = run->place->patience > 0 ? run->place->patience : 1;
     vor_status status;
 
     run->until = vor_clock_seconds() + WALL_PER_CPU * patience * start.sandbox.cpu_seconds;
@@ -311,8 +310,7 @@ static vor_status run_in_child(struct run *run, struct vor_codec_facts *facts, i
     if (fds[1] < 0) {
         status = vor_fail_errno(err, errno, "the upload");
     } else {
-        status =
-            vor_zygote_spawn(&run->child, run->executor->zygote, run->executor->kind, fds, 2, err);
+        status = vor_zygote_spawn(&run->child, run->place->zygote, run->place->kind, fds, 2, err);
         (void)close(fds[1]);
     }
     (void)close(fds[0]);
@@ -323,18 +321,18 @@ static vor_status run_in_child(struct run *run, struct vor_codec_facts *facts, i
     return status;
 }
 
-vor_status vor_executor_run(struct vor_codec_facts *facts, const struct vor_executor *executor,
-                            const struct vor_codec_order *order, int input,
-                            const struct vor_sink *sink, struct vor_error *err)
+vor_status vor_codec_run(struct vor_codec_facts *facts, const struct vor_codec_place *place,
+                         const struct vor_codec_order *order, int input,
+                         const struct vor_sink *sink, struct vor_error *err)
 {
     struct vor_codec_order capped = *order;
-    struct run run = {.executor = executor, .order = &capped, .sink = sink};
+    struct run run = {.place = place, .order = &capped, .sink = sink};
     struct vor_error unused;
     size_t memory;
 
-    if (executor->zygote == NULL)
+    if (place->zygote == NULL)
         return run_here(facts, order, input, sink, err);
-    memory = vor_executor_memory(order);
+    memory = vor_codec_memory(order);
     if (capped.memory > memory)
         capped.memory = memory;
     if (capped.op != VOR_CODEC_INFLATE && capped.most > memory)
