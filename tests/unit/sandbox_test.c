@@ -5,11 +5,17 @@
 #endif
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/serve.h"
 #include "server/work/codec_child.h"
 #include "server/work/codec_run.h"
 #include "tests/support/vt.h"
+#include "tests/support/vt_dir.h"
+#include "tests/support/vt_serve.h"
 
+#include <errno.h>
 #include <fcntl.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
@@ -20,6 +26,7 @@
 #include <sys/prctl.h>
 #include <sys/ptrace.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -310,6 +317,55 @@ START_TEST(a_child_that_sleeps_ends_with_its_time_or_its_caller)
 }
 END_TEST
 
+/* --- where the kernel takes no list ------------------------------------------------------------
+ */
+
+/* From here on this process is told that it may not have a list of system calls, but for this one.
+ */
+static void forbid_lists(void)
+{
+    static struct sock_filter filter[] = {
+        BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, nr)),
+        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, __NR_prctl, 0, 3),
+        BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, args[0])),
+        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, PR_SET_SECCOMP, 0, 1),
+        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EINVAL),
+        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+    };
+    const struct sock_fprog list = {.len = sizeof filter / sizeof filter[0], .filter = filter};
+
+    ck_assert_int_eq(prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0), 0);
+    ck_assert_int_eq(prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &list), 0);
+}
+
+START_TEST(without_a_list_of_system_calls_no_daemon_starts_unless_that_is_allowed)
+{
+    static const char post[] = "Content-Type: application/ply\r\n";
+    char name[] = "serve", listen[] = "--listen=127.0.0.1:0", data[300];
+    char *arguments[] = {name, listen, data, NULL};
+    const char *dir = vt_dir_make(), *text;
+    struct vt_serve serve;
+    int fd;
+
+    (void)snprintf(data, sizeof data, "--data=%s", dir);
+    forbid_lists();
+    ck_assert_int_eq(vor_sandbox_probe(&vt_err), VOR_SANDBOX_PARTIAL);
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "seccomp"));
+    ck_assert_int_eq(vor_serve_main(3, arguments), 1);
+    ck_assert_int_eq(setenv("VORONOID_ALLOW_WEAK_SANDBOX", "1", 1), 0);
+    vt_serve_start(&serve, dir);
+    ck_assert_ptr_nonnull(strstr(vt_serve_log(&serve), "sandbox: partial"));
+    ck_assert_int_eq(vt_serve_call(&serve, "GET /readyz", "", &text), 200);
+    ck_assert_ptr_nonnull(strstr(text, "\"sandbox\":\"partial\""));
+    fd = vt_serve_ask(&serve, "POST /v1/convert", post,
+                      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                      "property float y\nproperty float z\nend_header\n1 2 3\n");
+    ck_assert_int_eq(vt_serve_answer(fd, NULL), 200);
+    ck_assert_int_eq(vt_serve_stop(&serve), 0);
+    vt_dir_remove(dir);
+}
+END_TEST
+
 /* --- real work -------------------------------------------------------------------------------- */
 
 #define PLY_HEAD(n)                                                                                \
@@ -426,8 +482,10 @@ int main(void)
     Suite *suite = suite_create("sandbox");
 
     vor_log_open(STDERR_FILENO, VOR_LOG_OFF);
-    if (!vor_sandbox_is_sanitizer())
+    if (!vor_sandbox_is_sanitizer()) {
         vt_add_loop(suite, whatever_a_child_may_not_do_is_stopped_and_the_cause_is_told, 2);
+        vt_add(suite, without_a_list_of_system_calls_no_daemon_starts_unless_that_is_allowed);
+    }
     vt_add(suite, what_a_child_says_is_not_believed);
     vt_add(suite, a_child_that_sleeps_ends_with_its_time_or_its_caller);
     vt_add(suite, a_child_decodes_and_refuses_as_the_calling_thread_does);
