@@ -34,6 +34,7 @@ static void attach(struct msghdr *head, union control *control, const int *fds, 
     head->msg_control = control->bytes;
     head->msg_controllen = CMSG_SPACE(fd_count * sizeof *fds);
     at = CMSG_FIRSTHDR(head);
+    assert(at != NULL); /* there is room */
     at->cmsg_level = SOL_SOCKET;
     at->cmsg_type = SCM_RIGHTS;
     at->cmsg_len = CMSG_LEN(fd_count * sizeof *fds);
