@@ -256,6 +256,34 @@ START_TEST(waiting_uploads_are_bounded_and_answered_when_the_daemon_goes)
 }
 END_TEST
 
+static int nobody_waits(void *ctx)
+{
+    (void)ctx;
+    return 1;
+}
+
+START_TEST(an_upload_whose_caller_has_left_is_not_read)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_admission left = {.done = answered, .has_left = nobody_waits};
+    struct vor_admit *admit;
+    struct answers answers;
+
+    init_answers(&answers);
+    left.ctx = &answers;
+    vt_assert_ok(vor_admit_create(&admit, blobs, &limits, 1, 1, &vt_err));
+    upload_for(&left, vt_upload(blobs, "rubbish", 7)); /* else VOR_E_UNSUPPORTED */
+    ck_assert_int_eq(vor_admit_submit(admit, &left), VOR_DONE);
+    wait_answers(&answers, 1);
+    vor_admit_destroy(admit);
+    ck_assert_int_eq(left.status, VOR_E_CANCELLED);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
 static void *destroy(void *admit)
 {
     vor_admit_destroy(admit);
@@ -377,6 +405,7 @@ int main(void)
     vt_add(suite, a_cloud_that_does_not_fit_is_refused_before_it_is_kept);
     vt_add(suite, every_upload_is_answered_once);
     vt_add(suite, waiting_uploads_are_bounded_and_answered_when_the_daemon_goes);
+    vt_add(suite, an_upload_whose_caller_has_left_is_not_read);
     vt_add(suite, what_waits_when_the_daemon_goes_is_answered_as_cancelled);
     vt_add(suite, inputs_are_admitted_together_or_none_is);
     return vt_run(suite);
