@@ -239,10 +239,24 @@ struct vor_crew *vor_admit_crew(struct vor_admit *admit)
     return admit->crew;
 }
 
+/* Bytes; of gzip about what comes of it. */
+static uint64_t weight_of(const struct vor_uploads *uploads)
+{
+    enum { GZIP_TYPICAL = 3 };
+    uint64_t weight = 0;
+
+    for (unsigned i = 0; i < uploads->count; i++)
+        weight +=
+            vor_blob_size(uploads->item[i].bytes) * (uploads->item[i].is_gzip ? GZIP_TYPICAL : 1);
+    return weight;
+}
+
 enum vor_job_outcome vor_admit_submit(struct vor_admit *admit, struct vor_admission *admission)
 {
     admission->admit = admit;
-    admission->task =
-        (struct vor_task){.run = run_admission, .ctx = admission, .caller = admission->caller};
+    admission->task = (struct vor_task){.run = run_admission,
+                                        .ctx = admission,
+                                        .caller = admission->caller,
+                                        .weight = weight_of(&admission->uploads)};
     return vor_crew_take(admit->crew, &admission->task);
 }

@@ -39,6 +39,17 @@ static unsigned running_of(const struct vor_crew *crew, const struct vor_caller 
     return running;
 }
 
+/* The lightest of the tasks from there on that are for the same caller. */
+static struct vor_task **lightest(struct vor_task **from)
+{
+    struct vor_task **chosen = from;
+
+    for (struct vor_task **at = from; *at != NULL; at = &(*at)->next)
+        if ((*at)->weight < (*chosen)->weight && vor_caller_same(&(*at)->caller, &(*from)->caller))
+            chosen = at;
+    return chosen;
+}
+
 /* Where the task hangs that is to begin; NULL when none may. Waiting tasks are few. */
 static struct vor_task **choose(struct vor_crew *crew)
 {
@@ -53,7 +64,7 @@ static struct vor_task **choose(struct vor_crew *crew)
         fewest = running;
         chosen = at;
     }
-    return chosen;
+    return chosen != NULL ? lightest(chosen) : NULL;
 }
 
 /* Takes the task that is to begin off the list; NULL when none may. */
@@ -176,13 +187,14 @@ void vor_crew_share(struct vor_crew *crew, unsigned running_max, size_t waiting_
     pthread_mutex_unlock(&crew->mutex);
 }
 
-static size_t waiting_of(const struct vor_crew *crew, const struct vor_caller *caller)
+/* How many tasks of its caller go before one that comes. */
+static size_t before(const struct vor_crew *crew, const struct vor_task *task)
 {
-    size_t waiting = 0;
+    size_t count = 0;
 
-    for (const struct vor_task *task = crew->head; task != NULL; task = task->next)
-        waiting += vor_caller_same(&task->caller, caller);
-    return waiting;
+    for (const struct vor_task *at = crew->head; at != NULL; at = at->next)
+        count += at->weight <= task->weight && vor_caller_same(&at->caller, &task->caller);
+    return count;
 }
 
 enum vor_job_outcome vor_crew_take(struct vor_crew *crew, struct vor_task *task)
@@ -193,7 +205,7 @@ enum vor_job_outcome vor_crew_take(struct vor_crew *crew, struct vor_task *task)
     if (crew->closing) {
         outcome = VOR_DRAINING;
     } else if (crew->waiting >= crew->waiting_max ||
-               waiting_of(crew, &task->caller) >= crew->caller_waiting_max) {
+               before(crew, task) >= crew->caller_waiting_max) {
         outcome = VOR_FULL;
     } else {
         task->next = NULL;

@@ -148,6 +148,30 @@ START_TEST(a_free_thread_goes_to_the_caller_for_whom_fewest_run)
 }
 END_TEST
 
+/* A caller's heavy tasks wait, as many as may: a light one of the same caller is taken, and is
+ * next. */
+START_TEST(of_a_callers_tasks_the_lightest_begins)
+{
+    struct work work;
+
+    begin(&work, 2, TASKS, 1);
+    vor_crew_share(work.crew, 1, 3);
+    for (int i = 0; i < 5; i++) {
+        work.tasks[i].weight = i < 4 ? 1000 : 10;
+        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
+        while (atomic_load(&work.begun) == 0)
+            nap();
+    }
+    work.tasks[5].weight = 1000;
+    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5]), VOR_FULL);
+    atomic_store(&work.held, 0);
+    vor_crew_destroy(work.crew);
+    ck_assert_int_eq(atomic_load(&work.begun), 5);
+    ck_assert_int_eq(work.order[0], 0);
+    ck_assert_int_eq(work.order[1], 4);
+}
+END_TEST
+
 START_TEST(callers_are_told_apart_by_address_and_of_ipv6_by_network)
 {
     static const struct {
@@ -226,6 +250,7 @@ int main(void)
     vt_add(suite, no_more_tasks_wait_than_may);
     vt_add(suite, a_caller_with_many_tasks_leaves_a_thread_and_room_to_others);
     vt_add(suite, a_free_thread_goes_to_the_caller_for_whom_fewest_run);
+    vt_add(suite, of_a_callers_tasks_the_lightest_begins);
     vt_add(suite, callers_are_told_apart_by_address_and_of_ipv6_by_network);
     vt_add(suite, what_waits_at_the_end_is_done_and_nothing_more_is_taken);
     vt_add(suite, settling_gives_up_after_its_time);
