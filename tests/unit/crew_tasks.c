@@ -15,8 +15,8 @@ struct work {
     struct vor_task tasks[TASKS];
     struct vor_crew *crew;
     atomic_int held, begun;
-    atomic_int released; /* the number of a task that is not held */
-    int order[TASKS];
+    atomic_int released;     /* the number of a task that is not held */
+    atomic_int order[TASKS]; /* numbers of tasks as they begin; -1 where none has yet */
     atomic_int closing_seen;
 };
 
@@ -39,7 +39,7 @@ static void run_one(void *ctx)
     struct job *job = ctx;
     int at = atomic_fetch_add(&job->work->begun, 1);
 
-    job->work->order[at] = job->number;
+    atomic_store(&job->work->order[at], job->number);
     while (atomic_load(&job->work->held) && atomic_load(&job->work->released) != job->number)
         nap();
     if (vor_crew_closing(job->work->crew))
@@ -54,8 +54,17 @@ static void begin(struct work *work, unsigned threads, size_t waiting_max, int h
     for (int i = 0; i < TASKS; i++) {
         jobs[i] = (struct job){work, i};
         work->tasks[i] = (struct vor_task){.run = run_one, .ctx = &jobs[i]};
+        atomic_init(&work->order[i], -1);
     }
     vt_assert_ok(vor_crew_create(&work->crew, threads, waiting_max, &vt_err));
+}
+
+/* The number of the task that begins as that one, once it does. */
+static int begun_at(struct work *work, int at)
+{
+    while (atomic_load(&work->order[at]) < 0)
+        nap();
+    return atomic_load(&work->order[at]);
 }
 
 START_TEST(tasks_begin_in_the_order_in_which_they_came)
@@ -68,7 +77,7 @@ START_TEST(tasks_begin_in_the_order_in_which_they_came)
     vor_crew_settle(work.crew, 60);
     ck_assert_int_eq(atomic_load(&work.begun), TASKS);
     for (int i = 0; i < TASKS; i++)
-        ck_assert_int_eq(work.order[i], i);
+        ck_assert_int_eq(begun_at(&work, i), i);
     vor_crew_destroy(work.crew);
     ck_assert_int_eq(atomic_load(&work.begun), TASKS); /* each once */
 }
@@ -113,7 +122,7 @@ START_TEST(a_caller_with_many_tasks_leaves_a_thread_and_room_to_others)
     ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[6]), VOR_DONE);
     while (atomic_load(&work.begun) < 2) /* the other thread has it at once */
         nap();
-    ck_assert_int_eq(work.order[1], 6);
+    ck_assert_int_eq(begun_at(&work, 1), 6);
     atomic_store(&work.held, 0);
     vor_crew_destroy(work.crew);
     ck_assert_int_eq(atomic_load(&work.begun), 6);
@@ -137,14 +146,14 @@ START_TEST(a_free_thread_goes_to_the_caller_for_whom_fewest_run)
     atomic_store(&work.released, 0);
     while (atomic_load(&work.begun) < 3)
         nap();
-    ck_assert_int_eq(work.order[2], 4); /* before 2 and 3, which came earlier */
+    ck_assert_int_eq(begun_at(&work, 2), 4); /* before 2 and 3, which came earlier */
     atomic_store(&work.released, 4);
     while (atomic_load(&work.begun) < 4)
         nap();
-    ck_assert_int_eq(work.order[3], 5);
+    ck_assert_int_eq(begun_at(&work, 3), 5);
     atomic_store(&work.held, 0);
     vor_crew_destroy(work.crew);
-    ck_assert_int_eq(work.order[4] + work.order[5], 2 + 3);
+    ck_assert_int_eq(begun_at(&work, 4) + begun_at(&work, 5), 2 + 3);
 }
 END_TEST
 
@@ -167,8 +176,8 @@ START_TEST(of_a_callers_tasks_the_lightest_begins)
     atomic_store(&work.held, 0);
     vor_crew_destroy(work.crew);
     ck_assert_int_eq(atomic_load(&work.begun), 5);
-    ck_assert_int_eq(work.order[0], 0);
-    ck_assert_int_eq(work.order[1], 4);
+    ck_assert_int_eq(begun_at(&work, 0), 0);
+    ck_assert_int_eq(begun_at(&work, 1), 4);
 }
 END_TEST
 
