@@ -284,6 +284,8 @@ static vor_status start_zygote(struct daemon *daemon, struct vor_error *err)
 {
     struct vor_error why = {.message = ""};
 
+    (void)signal(SIGCHLD,
+                 SIG_DFL); /* whoever started us may ignore it, and then no child is told */
     daemon->sandbox = vor_sandbox_probe(&why);
     daemon->app.sandbox = vor_sandbox_word(daemon->sandbox);
     if (daemon->sandbox != VOR_SANDBOX_FULL && !vor_sandbox_is_sanitizer() &&

@@ -256,6 +256,7 @@ static _Noreturn void be_zygote(struct nursery *nursery, pid_t parent)
     keep_fds(&nursery->socket, 1);
     mute();
     ignore_signals();
+    (void)signal(SIGCHLD, SIG_DFL);
     (void)sigemptyset(&child);
     (void)sigaddset(&child, SIGCHLD);
     (void)sigprocmask(SIG_SETMASK, &child, NULL);
