@@ -4,8 +4,8 @@
  * count cannot bound that, so this file replaces the global operator new. Without a meter it is
  * malloc and costs one thread-local load; while a call of this file is on the stack, every
  * allocation of its thread is booked on the meter, and past the meter's answer "no" it throws
- * std::bad_alloc, which each function here turns into VOR_DRACO_NO_MEMORY. The executable's operator
- * new wins over libstdc++'s for the shared libdraco too. Draco has no over-aligned new. */
+ * std::bad_alloc, which each function here turns into VOR_DRACO_NO_MEMORY. The executable's
+ * operator new wins over libstdc++'s for the shared libdraco too. Draco has no over-aligned new. */
 #include "proto/draco/draco_shim.h"
 
 #include <cstdio>
