@@ -71,7 +71,7 @@ struct vor_admit;
  *  drop_invalid, keep_faces, done, has_left and ctx and keeps the struct until done was called. */
 struct vor_admission {
     struct vor_uploads uploads;                    /**< taken over, none left before done */
-    struct vor_caller caller;                      /**< who shares the threads with others */
+    struct vor_sharer caller;                      /**< who shares the threads with others */
     int drop_invalid, keep_faces;                  /**< as struct vor_limits has them */
     void (*done)(struct vor_admission *admission); /**< on an admission thread; may block, e.g. on
                                                         vor_worker_submit */

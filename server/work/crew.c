@@ -14,7 +14,7 @@ struct hand {
     pthread_t thread;
     struct vor_crew *crew;
     int is_busy;
-    struct vor_caller caller;
+    struct vor_sharer caller;
 };
 
 struct vor_crew {
@@ -30,12 +30,12 @@ struct vor_crew {
     struct hand hand[];
 };
 
-static unsigned running_of(const struct vor_crew *crew, const struct vor_caller *caller)
+static unsigned running_of(const struct vor_crew *crew, const struct vor_sharer *caller)
 {
     unsigned running = 0;
 
     for (unsigned i = 0; i < crew->count; i++)
-        running += crew->hand[i].is_busy && vor_caller_same(&crew->hand[i].caller, caller);
+        running += crew->hand[i].is_busy && vor_sharer_same(&crew->hand[i].caller, caller);
     return running;
 }
 
@@ -45,7 +45,7 @@ static struct vor_task **lightest(struct vor_task **from)
     struct vor_task **chosen = from;
 
     for (struct vor_task **at = from; *at != NULL; at = &(*at)->next)
-        if ((*at)->weight < (*chosen)->weight && vor_caller_same(&(*at)->caller, &(*from)->caller))
+        if ((*at)->weight < (*chosen)->weight && vor_sharer_same(&(*at)->caller, &(*from)->caller))
             chosen = at;
     return chosen;
 }
@@ -193,7 +193,7 @@ static size_t before(const struct vor_crew *crew, const struct vor_task *task)
     size_t count = 0;
 
     for (const struct vor_task *at = crew->head; at != NULL; at = at->next)
-        count += at->weight <= task->weight && vor_caller_same(&at->caller, &task->caller);
+        count += at->weight <= task->weight && vor_sharer_same(&at->caller, &task->caller);
     return count;
 }
 

@@ -7,7 +7,7 @@
 #define VOR_SERVER_WORK_CREW_H
 
 #include "core/base/status.h"
-#include "server/base/caller.h"
+#include "server/base/sharer.h"
 #include "server/jobs/job.h"
 
 #include <stddef.h>
@@ -20,7 +20,7 @@ struct vor_crew;
 struct vor_task {
     void (*run)(void *ctx); /**< on a thread of the crew; may free the task */
     void *ctx;
-    struct vor_caller caller; /**< whom it is for */
+    struct vor_sharer caller; /**< whom it is for */
     uint64_t weight;          /**< about how long it takes, in any unit: bytes to read, say */
     struct vor_task *next;    /**< the crew's own */
 };

@@ -111,7 +111,7 @@ START_TEST(a_caller_with_many_tasks_leaves_a_thread_and_room_to_others)
     begin(&work, 2, 8, 1);
     vor_crew_share(work.crew, 1, 4);
     for (int i = 0; i < 5; i++) { /* one runs, four wait */
-        (void)snprintf(work.tasks[i].caller.name, VOR_CALLER_SIZE, "greedy");
+        (void)snprintf(work.tasks[i].caller.name, VOR_SHARER_SIZE, "greedy");
         ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
         while (atomic_load(&work.begun) == 0)
             nap();
@@ -137,7 +137,7 @@ START_TEST(a_free_thread_goes_to_the_caller_for_whom_fewest_run)
 
     begin(&work, 2, TASKS, 1);
     for (int i = 0; i < 6; i++) {
-        (void)snprintf(work.tasks[i].caller.name, VOR_CALLER_SIZE, i < 4 ? "greedy" : "caller %d",
+        (void)snprintf(work.tasks[i].caller.name, VOR_SHARER_SIZE, i < 4 ? "greedy" : "caller %d",
                        i);
         ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
         while (atomic_load(&work.begun) < (i < 2 ? i + 1 : 2))
@@ -198,10 +198,10 @@ START_TEST(callers_are_told_apart_by_address_and_of_ipv6_by_network)
     };
 
     for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
-        struct vor_caller a = vor_caller_of_address(pairs[i].a),
-                          b = vor_caller_of_address(pairs[i].b);
+        struct vor_sharer a = vor_sharer_of_address(pairs[i].a),
+                          b = vor_sharer_of_address(pairs[i].b);
 
-        ck_assert_msg(vor_caller_same(&a, &b) == pairs[i].same, "%s and %s", a.name, b.name);
+        ck_assert_msg(vor_sharer_same(&a, &b) == pairs[i].same, "%s and %s", a.name, b.name);
     }
 }
 END_TEST

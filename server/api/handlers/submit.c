@@ -326,7 +326,7 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
 
     submission->admission = (struct vor_admission){
         .uploads = submission->uploads,
-        .caller = vor_caller_of_address(vor_request_via(request)->client),
+        .caller = vor_sharer_of_address(vor_request_via(request)->client),
         .drop_invalid = submission->head.spec.value[VOR_PARAM_INVALID] == VOR_INVALID_DROP,
         .keep_faces = submission->head.spec.value[VOR_PARAM_SAMPLE] == VOR_SAMPLE_FACES,
         .done = on_admitted,
