@@ -26,6 +26,7 @@ struct daemon {
     struct vor_config config;
     struct vor_app app;
     struct vor_pool *pool;
+    struct vor_executor_here here;
     sigset_t signals;
     pthread_t drainer;
     long holder;
@@ -90,7 +91,8 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
 
     limits.codec.points = (size_t)config->number[VOR_SET_POINTS_LIMIT];
     limits.inflated = (uint64_t)config->number[VOR_SET_BODY_LIMIT];
-    worker.pool = daemon->pool;
+    vor_executor_here_init(&daemon->here, daemon->pool);
+    worker.executor = &daemon->here.base;
     daemon->app.inflight = vor_inflight_create();
     if (daemon->app.inflight == NULL && status == VOR_OK)
         status = vor_fail(err, VOR_E_NOMEM, "the keys of requests");

@@ -6,7 +6,9 @@
 #include <assert.h>
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static const struct vor_blob_driver *const drivers[] = {&vor_blob_dir};
@@ -195,6 +197,38 @@ int vor_blob_fd(const struct vor_blob_writer *writer)
     return writer->fd;
 }
 
+struct vor_blob_writer *vor_blob_borrow(int fd)
+{
+    struct vor_blob_writer *writer = calloc(1, sizeof *writer);
+
+    if (writer == NULL)
+        return NULL;
+    writer->fd = fd;
+    writer->digest = vor_digest_create();
+    if (writer->digest == NULL) {
+        free(writer);
+        return NULL;
+    }
+    return writer;
+}
+
+vor_status vor_blob_adopt(struct vor_blob_writer *writer, uint64_t size,
+                          const char sha256[VOR_DIGEST_SIZE], struct vor_error *err)
+{
+    struct stat info;
+
+    if (fstat(writer->fd, &info) != 0)
+        return vor_fail_errno(err, errno, "a temporary file");
+    if (info.st_size < 0 || (uint64_t)info.st_size != size)
+        return vor_fail(err, VOR_E_INTERNAL, "a result has %lld bytes, and not %llu",
+                        (long long)info.st_size, (unsigned long long)size);
+    vor_digest_destroy(writer->digest);
+    writer->digest = NULL;
+    writer->size = size;
+    memcpy(writer->sha256, sha256, VOR_DIGEST_SIZE);
+    return VOR_OK;
+}
+
 static int is_name(const char *name)
 {
     size_t length = strlen(name);
@@ -220,7 +254,10 @@ void vor_blob_discard(struct vor_blob_writer *writer)
     if (writer == NULL)
         return;
     vor_digest_destroy(writer->digest);
-    writer->blobs->driver->discard(writer);
+    if (writer->blobs != NULL)
+        writer->blobs->driver->discard(writer);
+    else
+        free(writer); /* a borrowed file */
 }
 
 /* --- reading and removing --------------------------------------------------------------------- */

@@ -100,6 +100,19 @@ void vor_blob_sha256(const struct vor_blob_writer *writer, char out[VOR_DIGEST_S
 /** The file, for reading (pread, mmap); borrowed until commit or discard. */
 int vor_blob_fd(const struct vor_blob_writer *writer);
 
+/** A writer of an open file that no driver knows, for a process that was given nothing but a
+ *  descriptor: it appends and digests, and cannot be committed. fd stays the caller's. NULL when
+ *  memory is out. */
+struct vor_blob_writer *vor_blob_borrow(int fd);
+
+/** Takes bytes that another process has written to a writer's file for bytes that were appended to
+ *  it. Nothing was appended before, and nothing can be after.
+ *
+ *  @retval VOR_E_INTERNAL the file does not have that size; the writer can only be discarded
+ *  @retval VOR_E_IO */
+VOR_NODISCARD vor_status vor_blob_adopt(struct vor_blob_writer *writer, uint64_t size,
+                                        const char sha256[VOR_DIGEST_SIZE], struct vor_error *err);
+
 /** Makes the bytes durable as `name` of job id, in place of what was there. The writer is gone
  *  either way.
  *

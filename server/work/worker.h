@@ -6,12 +6,12 @@
 #ifndef VOR_SERVER_WORK_WORKER_H
 #define VOR_SERVER_WORK_WORKER_H
 
-#include "core/base/parallel.h"
 #include "server/blob/blob.h"
 #include "server/jobs/job.h"
 #include "server/store/store.h"
 #include "server/work/admit.h"
 #include "server/work/crew.h"
+#include "server/work/executor.h"
 
 #include <stddef.h>
 
@@ -20,7 +20,7 @@ struct vor_worker;
 struct vor_worker_config {
     struct vor_store *store; /**< borrowed, as the next two */
     struct vor_blobs *blobs;
-    struct vor_pool *pool;
+    struct vor_executor *executor;
     unsigned jobs;        /**< run at the same time, 1 .. 64 */
     size_t queue;         /**< wait at most, at least 1 */
     size_t memory;        /**< bytes a job may have */
