@@ -1,5 +1,5 @@
-/* The order of life: settings, store, blobs, socket, pool, jobs, admission, HTTP; then wait for a
- * signal; then the same backwards. */
+/* The order of life: settings, processes, store, blobs, socket, worker, jobs, admission, HTTP; then
+ * wait for a signal; then the same backwards. */
 #include "server/serve.h"
 
 #include "server/api/app.h"
@@ -10,6 +10,8 @@
 #include "server/cli/say.h"
 #include "server/work/admit.h"
 #include "server/work/conversion.h"
+#include "server/work/station.h"
+#include "server/work/supervisor.h"
 
 #include <pthread.h>
 #include <signal.h>
@@ -21,12 +23,22 @@
 
 enum { ADMIT_WAITING_MAX = 64, CRASHES_MAX = 2, QUIET_SECONDS = 10 };
 
+/* The kinds of processes that the zygote forks. */
+enum { CHILD_WORKER };
+
+static const struct vor_child_kind child_kinds[] = {
+    [CHILD_WORKER] = {.name = "vor-worker", .run = vor_station_run},
+};
+
+/* Before children, when the kernel is out of memory, and after what can wait for it. */
+enum { OOM_SCORE = -100 };
+
 /* The parts, in the order in which they start. */
 struct daemon {
     struct vor_config config;
     struct vor_app app;
-    struct vor_pool *pool;
-    struct vor_executor_here here;
+    struct vor_zygote zygote;
+    struct vor_supervisor *supervisor;
     sigset_t signals;
     pthread_t drainer;
     long holder;
@@ -87,17 +99,21 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
     };
     struct vor_admit_limits limits = {
         .codec = VOR_LIMITS_DEFAULT, .memory = job_memory(config), .keep = worker.keep};
-    vor_status status = vor_pool_create(&daemon->pool, thread_count(config), err);
+    const struct vor_supervisor_config runs = {.zygote = &daemon->zygote,
+                                               .kind = CHILD_WORKER,
+                                               .threads = thread_count(config),
+                                               .memory = worker.jobs * worker.memory};
+    vor_status status = vor_supervisor_create(&daemon->supervisor, &runs, err);
 
     limits.codec.points = (size_t)config->number[VOR_SET_POINTS_LIMIT];
     limits.inflated = (uint64_t)config->number[VOR_SET_BODY_LIMIT];
-    vor_executor_here_init(&daemon->here, daemon->pool);
-    worker.executor = &daemon->here.base;
     daemon->app.inflight = vor_inflight_create();
     if (daemon->app.inflight == NULL && status == VOR_OK)
         status = vor_fail(err, VOR_E_NOMEM, "the keys of requests");
-    if (status == VOR_OK)
+    if (status == VOR_OK) {
+        worker.executor = vor_supervisor_executor(daemon->supervisor);
         status = vor_worker_create(&daemon->app.worker, &worker, err);
+    }
     if (status == VOR_OK)
         status = vor_admit_create(&daemon->app.admit, daemon->app.blobs, &limits, worker.jobs,
                                   ADMIT_WAITING_MAX, err);
@@ -135,13 +151,26 @@ static vor_status open_http(struct daemon *daemon, struct vor_error *err)
     return vor_http_open(&daemon->app.http, &options, err);
 }
 
+/* The process that others are forked from comes first: while there is one thread, and nothing is
+ * open that they must not have. */
+static vor_status start_processes(struct daemon *daemon, struct vor_error *err)
+{
+    vor_status status = vor_zygote_start(&daemon->zygote, child_kinds,
+                                         sizeof child_kinds / sizeof child_kinds[0], err);
+
+    vor_machine_set_oom_score(OOM_SCORE);
+    return status;
+}
+
 /* The address comes before the jobs, so that a daemon whose address is taken touches none. Who
  * connects meanwhile is answered once every job of a former life is back in line: the threads come
  * last. */
 static vor_status start(struct daemon *daemon, struct vor_error *err)
 {
-    vor_status status = open_storage(daemon, err);
+    vor_status status = start_processes(daemon, err);
 
+    if (status == VOR_OK)
+        status = open_storage(daemon, err);
     if (status == VOR_OK)
         status = open_http(daemon, err);
     if (status == VOR_OK)
@@ -158,7 +187,8 @@ static void stop(struct daemon *daemon)
     vor_conversions_destroy(daemon->app.conversions);
     vor_worker_destroy(daemon->app.worker);
     vor_inflight_destroy(daemon->app.inflight);
-    vor_pool_destroy(daemon->pool);
+    vor_supervisor_destroy(daemon->supervisor);
+    vor_zygote_stop(&daemon->zygote);
     vor_blobs_close(daemon->app.blobs);
     vor_store_close(daemon->app.store);
 }
@@ -252,7 +282,7 @@ static int serve(struct daemon *daemon)
     } else {
         vor_log(VOR_LOG_INFO, "listening", VOR_TEXT("address", vor_http_address(daemon->app.http)),
                 VOR_TEXT("data", daemon->config.text[VOR_SET_DATA]),
-                VOR_COUNT("threads", vor_pool_threads(daemon->pool)),
+                VOR_COUNT("threads", thread_count(&daemon->config)),
                 VOR_COUNT("job_memory", job_memory(&daemon->config)));
         result = run(daemon);
         vor_log(VOR_LOG_INFO, "stopped", VOR_COUNT("exit", result));

@@ -61,6 +61,10 @@ void vor_bus_release(struct vor_bus *bus);
 
 uint32_t vor_bus_attempt(struct vor_bus *bus);
 
+/** Begins another attempt: the events so far are gone, and those to come are numbered anew. Readers
+ *  find themselves before the first of them. Nothing happens once END was published. */
+void vor_bus_restart(struct vor_bus *bus, uint32_t attempt);
+
 /** Appends an event, whose attempt and number the bus fills in, then wakes the subscribers. After
  *  END, and past VOR_EVENTS_MAX - 1 for all but END, events are ignored.
  *

@@ -202,6 +202,22 @@ void vor_job_begin(struct vor_job *job, int64_t now_ms)
     end_change(job);
 }
 
+int vor_job_restart(struct vor_job *job, int64_t now_ms)
+{
+    if (!begin_change(job))
+        return 0;
+    pthread_mutex_lock(&job->state);
+    job->view.status = VOR_JOB_ACCEPTED;
+    job->view.stage = VOR_STAGE_QUEUED;
+    job->view.updated = now_ms;
+    vor_bus_restart(job->bus, ++job->view.attempt);
+    pthread_mutex_unlock(&job->state);
+    publish(job, VOR_EVENT_REPLACED, now_ms);
+    publish(job, VOR_EVENT_STATUS, now_ms);
+    end_change(job);
+    return 1;
+}
+
 void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms)
 {
     if (!begin_change(job))

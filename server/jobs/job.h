@@ -47,6 +47,12 @@ void vor_job_set_seq(struct vor_job *job, int64_t seq);
 /** accepted -> running: a runner begins. Publishes STATUS. */
 void vor_job_begin(struct vor_job *job, int64_t now_ms);
 
+/** running -> accepted: nothing came of the attempt, and the next one begins anew. Publishes
+ * REPLACED and STATUS as the first events of that attempt.
+ *
+ *  @return false when the job is over */
+VOR_NODISCARD int vor_job_restart(struct vor_job *job, int64_t now_ms);
+
 /** Enters a stage of a running job. Publishes STATUS. */
 void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms);
 

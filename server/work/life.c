@@ -21,8 +21,10 @@ static void *runner_main(void *arg)
 
     while ((job = vor_queue_pop(worker->queue)) != NULL) {
         if (vor_worker_enter(worker, job)) {
-            vor_worker_run(worker, job);
-            vor_worker_forget(worker, job);
+            if (vor_worker_run(worker, job))
+                vor_worker_requeue(worker, job);
+            else
+                vor_worker_forget(worker, job);
             vor_worker_leave(worker);
         }
         vor_job_release(job);

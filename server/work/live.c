@@ -21,6 +21,30 @@ static struct vor_live **place_of(struct vor_worker *worker, const struct vor_uu
     return at;
 }
 
+struct vor_live *vor_worker_live(struct vor_worker *worker, const struct vor_uuid *id)
+{
+    return *place_of(worker, id);
+}
+
+void vor_worker_requeue(struct vor_worker *worker, struct vor_job *job)
+{
+    struct vor_job_view view;
+    struct vor_error err;
+    struct vor_live *live;
+
+    pthread_mutex_lock(&worker->mutex);
+    live = *place_of(worker, vor_job_id(job));
+    if (live != NULL)
+        live->running = 0;
+    pthread_mutex_unlock(&worker->mutex);
+    vor_job_view(job, &view);
+    if (vor_queue_restore(worker->queue, job, view.seq, &err) == VOR_OK)
+        return;
+    vor_log(VOR_LOG_ERROR, "a job waits for the next start", VOR_TEXT("job", view.id.text),
+            VOR_TEXT("error", err.message));
+    vor_worker_forget(worker, job);
+}
+
 struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid *id)
 {
     struct vor_job *job = NULL;

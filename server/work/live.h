@@ -14,6 +14,7 @@
 struct vor_live {
     struct vor_job *job;
     int running;
+    unsigned crashes; /* of the worker, while it ran */
     struct vor_live *next;
 };
 
@@ -58,6 +59,12 @@ struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid
 VOR_NODISCARD vor_status vor_worker_remember(struct vor_worker *worker, struct vor_job *job,
                                              struct vor_error *err);
 void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job);
+
+/** The entry of a live job; NULL when there is none. The mutex is held. */
+struct vor_live *vor_worker_live(struct vor_worker *worker, const struct vor_uuid *id);
+
+/** Puts a job that did not get to its end back into the queue, in its place. */
+void vor_worker_requeue(struct vor_worker *worker, struct vor_job *job);
 
 /** Counts a job as running, until vor_worker_leave. False when the daemon goes down; the job must
  *  not be run then. */

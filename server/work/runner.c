@@ -258,6 +258,64 @@ static void give_back(struct run *run)
         vor_log(VOR_LOG_INFO, "job given back", VOR_TEXT("job", run->view.id.text));
 }
 
+/* Whether the job has crashed as often as it may, this time included. */
+static int is_spent(struct run *run)
+{
+    struct vor_worker *worker = run->worker;
+    struct vor_live *live;
+    unsigned crashes;
+
+    pthread_mutex_lock(&worker->mutex);
+    live = vor_worker_live(worker, &run->view.id);
+    crashes = live != NULL ? ++live->crashes : 0; /* none: it was removed */
+    pthread_mutex_unlock(&worker->mutex);
+    return crashes >= worker->config.crashes_max;
+}
+
+/* Nothing came of the run, so another one has to. False when the job is over, or the store cannot
+ * be told: the next start of the daemon then runs it. */
+static int put_back(struct run *run)
+{
+    struct vor_error err;
+    int changed;
+
+    while (vor_store_release(run->worker->config.store, &run->view.id, run->attempt,
+                             vor_clock_wall_ms(), &changed, &err) != VOR_OK) {
+        vor_log(VOR_LOG_ERROR, "a job cannot be put back", VOR_TEXT("job", run->view.id.text),
+                VOR_TEXT("error", err.message));
+        if (vor_worker_pause(run->worker, retry_seconds))
+            return 0;
+    }
+    if (!changed || !vor_job_restart(run->job, vor_clock_wall_ms()))
+        return 0;
+    vor_log(VOR_LOG_INFO, "job put back", VOR_TEXT("job", run->view.id.text));
+    return 1;
+}
+
+/* Ends the job, or finds that it is to be run again: then true. */
+static int conclude(struct run *run, enum vor_run_end end, const struct vor_error *problem)
+{
+    int is_lost = end == VOR_RUN_DISTURBED || (end == VOR_RUN_CRASHED && !is_spent(run));
+
+    if (end == VOR_RUN_DONE) {
+        finish(run, NULL);
+        return 0;
+    }
+    if (problem->status == VOR_E_CANCELLED && is_aborting(run->worker)) {
+        give_back(run);
+        return 0;
+    }
+    if (!is_lost) {
+        finish(run, problem);
+        return 0;
+    }
+    vor_log(VOR_LOG_WARN, "run lost", VOR_TEXT("job", run->view.id.text),
+            VOR_COUNT("attempt", run->attempt), VOR_TEXT("error", problem->message));
+    if (problem->status != VOR_E_INTERNAL) /* there is no worker, and may be none at once */
+        (void)vor_worker_pause(run->worker, retry_seconds);
+    return put_back(run);
+}
+
 /* Removes what the ended job no longer needs, and says how it ended. */
 static void clean_up(struct run *run, double began)
 {
@@ -294,12 +352,12 @@ static int claim(struct run *run)
     return changed;
 }
 
-void vor_worker_run(struct vor_worker *worker, struct vor_job *job)
+int vor_worker_run(struct vor_worker *worker, struct vor_job *job)
 {
     double began = vor_clock_seconds();
     struct run run = {.worker = worker, .job = job, .beat = began};
     struct vor_error problem;
-    enum vor_run_end end;
+    int again = 0;
 
     vor_text_init(&run.kept, 0);
     vor_job_view(job, &run.view);
@@ -307,12 +365,9 @@ void vor_worker_run(struct vor_worker *worker, struct vor_job *job)
         vor_log(VOR_LOG_INFO, "job started", VOR_TEXT("job", run.view.id.text),
                 VOR_COUNT("attempt", run.attempt));
         vor_job_begin(job, vor_clock_wall_ms());
-        end = execute(&run, &problem);
-        if (end != VOR_RUN_DONE && problem.status == VOR_E_CANCELLED && is_aborting(worker))
-            give_back(&run);
-        else
-            finish(&run, end == VOR_RUN_DONE ? NULL : &problem);
+        again = conclude(&run, execute(&run, &problem), &problem);
     }
     clean_up(&run, began);
     vor_text_free(&run.kept);
+    return again;
 }
