@@ -19,7 +19,11 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { ADMIT_WAITING_MAX = 64, CRASHES_MAX = 2, QUIET_SECONDS = 10 };
+enum { ADMIT_WAITING_MAX = 64, QUIET_SECONDS = 10 };
+
+/* A job that crashed the daemon twice with nothing beside it will do so again. Whoever kills the
+ * daemon means the daemon, unless it is the kernel, out of memory, because of the job. */
+enum { FAULTS_MAX = 2, KILLS_MAX = 12 };
 
 /* The parts, in the order in which they start. */
 struct daemon {
@@ -29,6 +33,7 @@ struct daemon {
     sigset_t signals;
     pthread_t drainer;
     long holder;
+    char fault_mark[VOR_CONFIG_TEXT_MAX + 16]; /* beside jobs and blobs */
 };
 
 static size_t job_memory(const struct vor_config *config)
@@ -81,13 +86,17 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         .queue = (size_t)config->number[VOR_SET_QUEUE],
         .memory = job_memory(config),
         .ttl_seconds = config->number[VOR_SET_RESULT_TTL],
-        .crashes_max = CRASHES_MAX,
+        .faults_max = FAULTS_MAX,
+        .kills_max = KILLS_MAX,
+        .fault_mark = daemon->fault_mark,
         .keep = (uint64_t)config->number[VOR_SET_KEEP_INPUTS],
     };
     struct vor_admit_limits limits = {
         .codec = VOR_LIMITS_DEFAULT, .memory = job_memory(config), .keep = worker.keep};
     vor_status status = vor_pool_create(&daemon->pool, thread_count(config), err);
 
+    (void)snprintf(daemon->fault_mark, sizeof daemon->fault_mark, "%s/crashed",
+                   config->text[VOR_SET_DATA]);
     limits.codec.points = (size_t)config->number[VOR_SET_POINTS_LIMIT];
     limits.inflated = (uint64_t)config->number[VOR_SET_BODY_LIMIT];
     worker.pool = daemon->pool;

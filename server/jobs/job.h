@@ -5,6 +5,7 @@
 #include "core/base/watch.h"
 #include "core/report.h"
 #include "server/jobs/bus.h"
+#include "server/jobs/turns.h"
 #include "server/store/row.h"
 
 #include <stdint.h>
@@ -31,9 +32,10 @@ struct vor_job *vor_job_create(const struct vor_job_view *row);
 struct vor_job *vor_job_retain(struct vor_job *job);
 void vor_job_release(struct vor_job *job);
 
-/** Neither changes during a job's life; borrowed. */
+/** None of them changes during a job's life; borrowed. */
 const struct vor_uuid *vor_job_id(const struct vor_job *job);
 struct vor_bus *vor_job_bus(const struct vor_job *job);
+const struct vor_turn *vor_job_turn(const struct vor_job *job);
 
 /** A snapshot; queue_position is -1 (vor_worker_get knows it). Never waits for an fsync. */
 void vor_job_view(struct vor_job *job, struct vor_job_view *out);

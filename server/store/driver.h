@@ -45,6 +45,16 @@ struct vor_expired {
     char process[32]; /**< as in the view */
 };
 
+/** That whatever ran the jobs has ended without a word. Nobody knows which of those that were
+ *  running is to blame, so each is run again with nothing beside it, and only what happens then
+ *  counts against it. */
+struct vor_crash {
+    int by_fault;        /**< it crashed; else it was killed, or the machine went down */
+    unsigned faults_max; /**< a job that ran alone in so many crashes fails */
+    unsigned kills_max;  /**< likewise of other ends, which tell less */
+    int64_t now_ms, expires_ms;
+};
+
 /** How many jobs a recovery put back into line, and how many it gave up. */
 struct vor_recovered {
     uint64_t requeued, failed;
@@ -89,9 +99,8 @@ struct vor_store_driver {
                          size_t max, size_t *count, struct vor_error *err);
     vor_status (*shed)(struct vor_store *store, uint64_t quota, struct vor_expired *shed,
                        size_t max, size_t *count, struct vor_error *err);
-    vor_status (*recover)(struct vor_store *store, unsigned crashes_max, int64_t now_ms,
-                          int64_t expires_ms, struct vor_recovered *recovered,
-                          struct vor_error *err);
+    vor_status (*recover)(struct vor_store *store, const struct vor_crash *crash,
+                          struct vor_recovered *recovered, struct vor_error *err);
 };
 
 #endif

@@ -35,6 +35,7 @@ void vor_found_free(struct vor_found *found);
 struct vor_worker {
     struct vor_worker_config config;
     struct vor_queue *queue;
+    struct vor_turns turns; /* of the jobs that run */
     struct vor_crew *crew;  /* for what HTTP threads hand over */
     pthread_mutex_t mutex;  /* everything below */
     pthread_cond_t changed; /* running, draining, aborting; on the monotonic clock */
