@@ -21,7 +21,11 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { ADMIT_WAITING_MAX = 64, CRASHES_MAX = 2, QUIET_SECONDS = 10 };
+enum { ADMIT_WAITING_MAX = 64, QUIET_SECONDS = 10 };
+
+/* A job that crashed the daemon twice with nothing beside it will do so again. Whoever kills the
+ * daemon means the daemon, unless it is the kernel, out of memory, because of the job. */
+enum { FAULTS_MAX = 2, KILLS_MAX = 12 };
 
 /* The kinds of processes that the zygote forks. */
 enum { CHILD_WORKER };
@@ -42,6 +46,7 @@ struct daemon {
     sigset_t signals;
     pthread_t drainer;
     long holder;
+    char fault_mark[VOR_CONFIG_TEXT_MAX + 16]; /* beside jobs and blobs */
 };
 
 static size_t job_memory(const struct vor_config *config)
@@ -94,7 +99,9 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         .queue = (size_t)config->number[VOR_SET_QUEUE],
         .memory = job_memory(config),
         .ttl_seconds = config->number[VOR_SET_RESULT_TTL],
-        .crashes_max = CRASHES_MAX,
+        .faults_max = FAULTS_MAX,
+        .kills_max = KILLS_MAX,
+        .fault_mark = daemon->fault_mark,
         .keep = (uint64_t)config->number[VOR_SET_KEEP_INPUTS],
     };
     struct vor_admit_limits limits = {
@@ -105,6 +112,8 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
                                                .memory = worker.jobs * worker.memory};
     vor_status status = vor_supervisor_create(&daemon->supervisor, &runs, err);
 
+    (void)snprintf(daemon->fault_mark, sizeof daemon->fault_mark, "%s/crashed",
+                   config->text[VOR_SET_DATA]);
     limits.codec.points = (size_t)config->number[VOR_SET_POINTS_LIMIT];
     limits.inflated = (uint64_t)config->number[VOR_SET_BODY_LIMIT];
     daemon->app.inflight = vor_inflight_create();

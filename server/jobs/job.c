@@ -15,6 +15,7 @@ struct vor_job {
     atomic_int asked; /* enum vor_answer */
     struct vor_bus *bus;
     struct vor_uuid id;
+    struct vor_turn turn;
     pthread_mutex_t change; /* a change of state and its event are one; taken before `state` */
     pthread_mutex_t state;  /* view, first */
     struct vor_job_view view;
@@ -69,6 +70,7 @@ struct vor_job *vor_job_create(const struct vor_job_view *row)
     pthread_mutex_init(&job->change, NULL);
     pthread_mutex_init(&job->state, NULL);
     job->id = row->id;
+    job->turn = (struct vor_turn){.alone = row->alone};
     job->view = *row;
     job->view.queue_position = -1;
     if (row->attempt > 1)
@@ -102,6 +104,11 @@ const struct vor_uuid *vor_job_id(const struct vor_job *job)
 struct vor_bus *vor_job_bus(const struct vor_job *job)
 {
     return job->bus;
+}
+
+const struct vor_turn *vor_job_turn(const struct vor_job *job)
+{
+    return &job->turn;
 }
 
 /* "Iteration 3 of at most 12" */
@@ -202,7 +209,7 @@ void vor_job_begin(struct vor_job *job, int64_t now_ms)
     end_change(job);
 }
 
-int vor_job_restart(struct vor_job *job, int64_t now_ms)
+int vor_job_restart(struct vor_job *job, int is_suspect, int64_t now_ms)
 {
     if (!begin_change(job))
         return 0;
@@ -210,6 +217,8 @@ int vor_job_restart(struct vor_job *job, int64_t now_ms)
     job->view.status = VOR_JOB_ACCEPTED;
     job->view.stage = VOR_STAGE_QUEUED;
     job->view.updated = now_ms;
+    if (is_suspect)
+        job->view.alone = job->turn.alone = 1;
     vor_bus_restart(job->bus, ++job->view.attempt);
     pthread_mutex_unlock(&job->state);
     publish(job, VOR_EVENT_REPLACED, now_ms);

@@ -5,6 +5,7 @@
 #include "core/base/watch.h"
 #include "core/report.h"
 #include "server/jobs/bus.h"
+#include "server/jobs/turns.h"
 #include "server/store/row.h"
 
 #include <stdint.h>
@@ -35,6 +36,9 @@ void vor_job_release(struct vor_job *job);
 const struct vor_uuid *vor_job_id(const struct vor_job *job);
 struct vor_bus *vor_job_bus(const struct vor_job *job);
 
+/** What it needs to run; borrowed. Only vor_job_restart changes it. */
+const struct vor_turn *vor_job_turn(const struct vor_job *job);
+
 /** A snapshot; queue_position is -1 (vor_worker_get knows it). Never waits for an fsync. */
 void vor_job_view(struct vor_job *job, struct vor_job_view *out);
 
@@ -47,11 +51,11 @@ void vor_job_set_seq(struct vor_job *job, int64_t seq);
 /** accepted -> running: a runner begins. Publishes STATUS. */
 void vor_job_begin(struct vor_job *job, int64_t now_ms);
 
-/** running -> accepted: nothing came of the attempt, and the next one begins anew. Publishes
- * REPLACED and STATUS as the first events of that attempt.
+/** running -> accepted: nothing came of the attempt, and the next one begins anew, with nothing
+ *  beside it if is_suspect. Publishes REPLACED and STATUS as the first events of that attempt.
  *
  *  @return false when the job is over */
-VOR_NODISCARD int vor_job_restart(struct vor_job *job, int64_t now_ms);
+VOR_NODISCARD int vor_job_restart(struct vor_job *job, int is_suspect, int64_t now_ms);
 
 /** Enters a stage of a running job. Publishes STATUS. */
 void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms);

@@ -15,6 +15,8 @@ struct vor_queue {
     struct entry *head, *last;
     struct entry *spare; /* one for every booked place: pushing cannot fail */
     size_t waiting, booked, capacity;
+    int (*may)(void *ctx, struct vor_job *job); /* NULL for always */
+    void *may_ctx;
     int closed;
 };
 
@@ -28,6 +30,19 @@ struct vor_queue *vor_queue_create(size_t capacity)
     pthread_cond_init(&queue->ready, NULL);
     queue->capacity = capacity;
     return queue;
+}
+
+void vor_queue_guard(struct vor_queue *queue, int (*may)(void *ctx, struct vor_job *job), void *ctx)
+{
+    queue->may = may;
+    queue->may_ctx = ctx;
+}
+
+void vor_queue_look(struct vor_queue *queue)
+{
+    pthread_mutex_lock(&queue->mutex);
+    pthread_cond_broadcast(&queue->ready);
+    pthread_mutex_unlock(&queue->mutex);
 }
 
 static void free_entries(struct entry *entry)
@@ -129,13 +144,20 @@ vor_status vor_queue_restore(struct vor_queue *queue, struct vor_job *job, int64
     return VOR_OK;
 }
 
+/* Is there a job that may leave now? The mutex is held. */
+static int has_next(struct vor_queue *queue)
+{
+    return queue->head != NULL &&
+           (queue->may == NULL || queue->may(queue->may_ctx, queue->head->job));
+}
+
 struct vor_job *vor_queue_pop(struct vor_queue *queue)
 {
     struct entry *entry = NULL;
     struct vor_job *job = NULL;
 
     pthread_mutex_lock(&queue->mutex);
-    while (!queue->closed && queue->head == NULL)
+    while (!queue->closed && !has_next(queue))
         pthread_cond_wait(&queue->ready, &queue->mutex);
     if (!queue->closed) {
         entry = queue->head;
@@ -164,6 +186,7 @@ int vor_queue_remove(struct vor_queue *queue, const struct vor_job *job)
             queue->last = before;
         entry->next = NULL;
         queue->waiting--;
+        pthread_cond_broadcast(&queue->ready); /* the next one may be allowed what it was not */
     }
     pthread_mutex_unlock(&queue->mutex);
     free_entries(entry);

@@ -11,6 +11,13 @@ struct vor_queue;
 /** Room for `capacity` (at least 1) jobs; NULL when memory is out. */
 struct vor_queue *vor_queue_create(size_t capacity);
 
+/** From here on the next job is handed out once `may` is true of it, and no other before it. `may`
+ *  is asked with the queue locked, by a thread that then has the job if it is true: it must be
+ * quick and not call the queue. Call vor_queue_look when its answer may have become another. */
+void vor_queue_guard(struct vor_queue *queue, int (*may)(void *ctx, struct vor_job *job),
+                     void *ctx);
+void vor_queue_look(struct vor_queue *queue);
+
 /** Lets go of the jobs that still wait. queue may be NULL; no thread may be in a call. */
 void vor_queue_destroy(struct vor_queue *queue);
 

@@ -113,6 +113,7 @@ struct vor_job_view {
     struct vor_error problem; /**< failed; status VOR_OK otherwise */
     char message[128];        /**< a sentence for people: what it does, or why it ended */
     int expired;              /**< result and report are gone: 410 */
+    int alone; /**< nothing may run beside it: it was running when the program crashed */
     int64_t created, started, updated, finished, expires;
 };
 

@@ -54,6 +54,10 @@ static const char *const steps[] = {
     "ALTER TABLE job ADD COLUMN kept INTEGER NOT NULL DEFAULT 0;"
     "CREATE UNIQUE INDEX job_key ON job (principal, idem_key) WHERE idem_key IS NOT NULL;"
     "CREATE INDEX job_kept ON job (finished, seq, kept) WHERE kept > 0;",
+    /* 4: jobs that run alone; crashes counts only those from here on, so what waits begins anew */
+    "ALTER TABLE job ADD COLUMN alone INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN kills INTEGER NOT NULL DEFAULT 0;"
+    "UPDATE job SET crashes = 0 WHERE status IN ('accepted', 'running');",
 };
 
 enum { SCHEMA_VERSION = sizeof steps / sizeof steps[0] };
@@ -250,6 +254,12 @@ static vor_status release(struct vor_store *store, const struct vor_uuid *id, ui
                              "tii", id->text, (int64_t)attempt, now_ms);
 }
 
+static vor_status crashed(struct vor_store *store, const struct vor_uuid *id,
+                          struct vor_crashed_run *run, struct vor_error *err)
+{
+    return vor_sqlite_crashed(db_of(store), id, run, err);
+}
+
 static vor_status finish(struct vor_store *store, const struct vor_job_view *row, uint32_t attempt,
                          const struct vor_store_ending *ending, int *changed, struct vor_error *err)
 {
@@ -293,7 +303,7 @@ static vor_status remove_row(struct vor_store *store, const struct vor_uuid *id,
     " output_format, output_points, output_bytes, output_sha256,"                                  \
     " length(CAST(report AS BLOB)),"                                                               \
     " attempt, created, started, updated, finished, expires, expired,"                             \
-    " name, principal, idem_key, fingerprint, kept"
+    " name, principal, idem_key, fingerprint, kept, alone"
 
 static void copy_text(char *out, size_t size, struct vor_sqlite_row *from)
 {
@@ -373,6 +383,7 @@ static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)
     copy_text(out->key.text, sizeof out->key.text, row);
     copy_text(out->key.fingerprint, sizeof out->key.fingerprint, row);
     out->kept = (uint64_t)vor_sqlite_number(row);
+    out->alone = (int)vor_sqlite_number(row);
     out->stage = stage_of(out);
 }
 
@@ -543,11 +554,10 @@ static vor_status shed(struct vor_store *store, uint64_t quota, struct vor_expir
     return vor_sqlite_shed(db_of(store), quota, shed, max, count, err);
 }
 
-static vor_status recover(struct vor_store *store, unsigned crashes_max, int64_t now_ms,
-                          int64_t expires_ms, struct vor_recovered *recovered,
-                          struct vor_error *err)
+static vor_status recover(struct vor_store *store, const struct vor_crash *crash,
+                          struct vor_recovered *recovered, struct vor_error *err)
 {
-    return vor_sqlite_recover(db_of(store), crashes_max, now_ms, expires_ms, recovered, err);
+    return vor_sqlite_recover(db_of(store), crash, recovered, err);
 }
 
 const struct vor_store_driver vor_store_sqlite = {
@@ -560,6 +570,7 @@ const struct vor_store_driver vor_store_sqlite = {
     .claim = claim,
     .beat = beat,
     .release = release,
+    .crashed = crashed,
     .finish = finish,
     .remove = remove_row,
     .get = get,

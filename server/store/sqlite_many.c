@@ -79,34 +79,65 @@ vor_status vor_sqlite_shed(struct vor_sqlite *db, uint64_t quota, struct vor_exp
     return status;
 }
 
-vor_status vor_sqlite_recover(struct vor_sqlite *db, unsigned crashes_max, int64_t now_ms,
-                              int64_t expires_ms, struct vor_recovered *recovered,
-                              struct vor_error *err)
+/* Fails those that ran alone once too often. */
+static vor_status give_up(struct vor_sqlite *db, const struct vor_crash *crash, int *failed,
+                          struct vor_error *err)
 {
     struct vor_job_view row = {.problem = {.status = VOR_OK}};
     struct vor_row_text text;
-    int failed = 0, requeued = 0;
     vor_status status;
 
     (void)vor_fail(&row.problem, VOR_E_INTERNAL,
-                   "the daemon ended %u times while it worked on this job", crashes_max);
+                   "the daemon %s %u times while it worked on this job alone",
+                   crash->by_fault ? "crashed" : "was killed",
+                   crash->by_fault ? crash->faults_max : crash->kills_max);
     status = vor_row_write(&text, &row, err);
     if (status == VOR_OK)
-        status =
-            vor_sqlite_change(db, &failed, err,
-                              "UPDATE job SET status = 'failed', problem = ?2, message = ?3,"
-                              " updated = ?4, finished = ?4, expires = ?5, crashes = crashes + 1"
-                              " WHERE status = 'running' AND crashes + 1 >= ?1",
-                              "ittii", (int64_t)crashes_max, text.problem.data, row.problem.message,
-                              now_ms, expires_ms);
-    if (status == VOR_OK)
         status = vor_sqlite_change(
-            db, &requeued, err,
-            "UPDATE job SET status = 'accepted', crashes = crashes + 1, updated = ?"
-            " WHERE status = 'running'",
-            "i", now_ms);
-    recovered->failed = (uint64_t)failed;
-    recovered->requeued = (uint64_t)requeued;
+            db, failed, err,
+            "UPDATE job SET status = 'failed', problem = ?1, message = ?2, updated = ?3,"
+            " finished = ?3, expires = ?4, crashes = crashes + ?5, kills = kills + 1 - ?5"
+            " WHERE status = 'running' AND alone"
+            " AND (crashes + ?5 >= ?6 OR kills + 1 - ?5 >= ?7)",
+            "ttiiiii", text.problem.data, row.problem.message, crash->now_ms, crash->expires_ms,
+            (int64_t)(crash->by_fault != 0), (int64_t)crash->faults_max, (int64_t)crash->kills_max);
     vor_row_text_free(&text);
     return status;
+}
+
+vor_status vor_sqlite_recover(struct vor_sqlite *db, const struct vor_crash *crash,
+                              struct vor_recovered *recovered, struct vor_error *err)
+{
+    int failed = 0, requeued = 0;
+    vor_status status = give_up(db, crash, &failed, err);
+
+    if (status == VOR_OK)
+        status = vor_sqlite_change(db, &requeued, err,
+                                   "UPDATE job SET status = 'accepted', updated = ?1, alone = 1,"
+                                   " crashes = crashes + (alone AND ?2),"
+                                   " kills = kills + (alone AND NOT ?2) WHERE status = 'running'",
+                                   "ii", crash->now_ms, (int64_t)(crash->by_fault != 0));
+    recovered->failed = (uint64_t)failed;
+    recovered->requeued = (uint64_t)requeued;
+    return status;
+}
+
+static void take_crashes(void *ctx, struct vor_sqlite_row *row)
+{
+    struct vor_crashed_run *run = ctx;
+
+    run->changed = 1;
+    run->crashes = (unsigned)vor_sqlite_number(row);
+}
+
+vor_status vor_sqlite_crashed(struct vor_sqlite *db, const struct vor_uuid *id,
+                              struct vor_crashed_run *run, struct vor_error *err)
+{
+    run->changed = 0;
+    run->crashes = 0;
+    return vor_sqlite_change_each(
+        db, take_crashes, run, err,
+        "UPDATE job SET status = 'accepted', alone = 1, crashes = crashes + ?4, updated = ?3"
+        " WHERE id = ?1 AND attempt = ?2 AND status = 'running' RETURNING crashes",
+        "tiii", id->text, (int64_t)run->attempt, run->now_ms, (int64_t)(run->was_alone != 0));
 }

@@ -14,8 +14,9 @@ VOR_NODISCARD vor_status vor_sqlite_shed(struct vor_sqlite *db, uint64_t quota,
                                          struct vor_expired *shed, size_t max, size_t *count,
                                          struct vor_error *err);
 
-VOR_NODISCARD vor_status vor_sqlite_recover(struct vor_sqlite *db, unsigned crashes_max,
-                                            int64_t now_ms, int64_t expires_ms,
+VOR_NODISCARD vor_status vor_sqlite_recover(struct vor_sqlite *db, const struct vor_crash *crash,
                                             struct vor_recovered *recovered, struct vor_error *err);
+VOR_NODISCARD vor_status vor_sqlite_crashed(struct vor_sqlite *db, const struct vor_uuid *id,
+                                            struct vor_crashed_run *run, struct vor_error *err);
 
 #endif

@@ -85,6 +85,12 @@ vor_status vor_store_release(struct vor_store *store, const struct vor_uuid *id,
     return store->driver->release(store, id, attempt, now_ms, changed, err);
 }
 
+vor_status vor_store_crashed(struct vor_store *store, const struct vor_uuid *id,
+                             struct vor_crashed_run *run, struct vor_error *err)
+{
+    return store->driver->crashed(store, id, run, err);
+}
+
 vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *row,
                             uint32_t attempt, const struct vor_store_ending *ending, int *changed,
                             struct vor_error *err)
@@ -152,9 +158,8 @@ vor_status vor_store_shed(struct vor_store *store, uint64_t quota, struct vor_ex
     return store->driver->shed(store, quota, shed, max, count, err);
 }
 
-vor_status vor_store_recover(struct vor_store *store, unsigned crashes_max, int64_t now_ms,
-                             int64_t expires_ms, struct vor_recovered *recovered,
-                             struct vor_error *err)
+vor_status vor_store_recover(struct vor_store *store, const struct vor_crash *crash,
+                             struct vor_recovered *recovered, struct vor_error *err)
 {
-    return store->driver->recover(store, crashes_max, now_ms, expires_ms, recovered, err);
+    return store->driver->recover(store, crash, recovered, err);
 }

@@ -57,6 +57,11 @@ VOR_NODISCARD vor_status vor_store_release(struct vor_store *store, const struct
                                            uint32_t attempt, int64_t now_ms, int *changed,
                                            struct vor_error *err);
 
+/** running -> accepted, to run alone: the process of the run has crashed. Counts against the job if
+ *  nothing ran beside it. */
+VOR_NODISCARD vor_status vor_store_crashed(struct vor_store *store, const struct vor_uuid *id,
+                                           struct vor_crashed_run *run, struct vor_error *err);
+
 /** accepted or running -> row->status (a final one), with progress, record, outputs, problem,
  *  message, finished, expires and kept of the row.
  *
@@ -126,11 +131,11 @@ VOR_NODISCARD vor_status vor_store_shed(struct vor_store *store, uint64_t quota,
                                         struct vor_expired *shed, size_t max, size_t *count,
                                         struct vor_error *err);
 
-/** At start, before anything else: what was running when the daemon died becomes accepted again, or
- *  failed (VOR_E_INTERNAL) when that has happened crashes_max times. recovered gets how many of
- *  each. */
-VOR_NODISCARD vor_status vor_store_recover(struct vor_store *store, unsigned crashes_max,
-                                           int64_t now_ms, int64_t expires_ms,
+/** These jobs were running when it crashed: every running job becomes accepted again, to be run
+ *  alone (vor_job_view.alone), or failed (VOR_E_INTERNAL) when it had already run alone in as many
+ *  crashes as `crash` allows. Call it when nothing can be running any more: at start before
+ * anything else, and when a process that ran jobs is gone. recovered gets how many of each. */
+VOR_NODISCARD vor_status vor_store_recover(struct vor_store *store, const struct vor_crash *crash,
                                            struct vor_recovered *recovered, struct vor_error *err);
 
 #endif

@@ -47,10 +47,11 @@ struct vor_listener {
 
 /** How a run ended. */
 enum vor_run_end {
-    VOR_RUN_DONE,     /**< result and kept say what came of it */
-    VOR_RUN_FAILED,   /**< err says why; VOR_E_CANCELLED as the listener answered */
-    VOR_RUN_CRASHED,  /**< the process that ran it has ended without a word: err says how. It, or
-                           another run there, is to blame */
+    VOR_RUN_DONE,    /**< result and kept say what came of it */
+    VOR_RUN_FAILED,  /**< err says why; VOR_E_CANCELLED as the listener answered */
+    VOR_RUN_CRASHED, /**< the process that ran it has ended without a word: err says how. It, or
+                     another run there, is to blame */
+    VOR_RUN_CRASHED_ALONE, /**< the same, and no other ran there */
     VOR_RUN_DISTURBED /**< nothing came of it, and it is not to blame: the process was ended because
                            of another run, or there is none; err says why */
 };

@@ -1,5 +1,6 @@
 /* The worker from its start to its end: recovery, threads, draining. */
 #include "server/base/clock.h"
+#include "server/base/fault.h"
 #include "server/base/log.h"
 #include "server/work/live.h"
 #include "server/work/recover.h"
@@ -14,6 +15,12 @@
  * removes files. */
 enum { SWEEP_SECONDS = 60, CREW_THREADS = 2 };
 
+/* The queue asks this before it hands out a job. */
+static int may_run(void *ctx, struct vor_job *job)
+{
+    return vor_turns_begin(&((struct vor_worker *)ctx)->turns, vor_job_turn(job));
+}
+
 static void *runner_main(void *arg)
 {
     struct vor_worker *worker = arg;
@@ -27,6 +34,8 @@ static void *runner_main(void *arg)
                 vor_worker_forget(worker, job);
             vor_worker_leave(worker);
         }
+        vor_turns_end(&worker->turns, vor_job_turn(job));
+        vor_queue_look(worker->queue);
         vor_job_release(job);
     }
     return NULL;
@@ -81,13 +90,18 @@ vor_status vor_worker_create(struct vor_worker **out, const struct vor_worker_co
         return vor_fail(err, VOR_E_NOMEM, "the worker");
     worker->config = *config;
     init_locks(worker);
+    vor_turns_init(&worker->turns, config->budget > 0 ? config->budget : UINT64_MAX);
     worker->queue = vor_queue_create(config->queue);
     if (worker->queue == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "the queue");
+    else
+        vor_queue_guard(worker->queue, may_run, worker);
     if (status == VOR_OK)
         status = vor_worker_recover(worker, err);
     if (status == VOR_OK)
         status = vor_crew_create(&worker->crew, CREW_THREADS, SIZE_MAX, err);
+    if (status == VOR_OK && config->fault_mark != NULL)
+        vor_fault_arm(config->fault_mark);
     if (status == VOR_OK)
         status = start_threads(worker, err);
     if (status != VOR_OK) {
@@ -138,6 +152,7 @@ void vor_worker_destroy(struct vor_worker *worker)
     vor_queue_destroy(worker->queue);
     while (worker->live != NULL)
         vor_worker_forget(worker, worker->live->job);
+    vor_turns_free(&worker->turns);
     pthread_cond_destroy(&worker->changed);
     pthread_mutex_destroy(&worker->mutex);
     free(worker);

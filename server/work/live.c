@@ -21,11 +21,6 @@ static struct vor_live **place_of(struct vor_worker *worker, const struct vor_uu
     return at;
 }
 
-struct vor_live *vor_worker_live(struct vor_worker *worker, const struct vor_uuid *id)
-{
-    return *place_of(worker, id);
-}
-
 void vor_worker_requeue(struct vor_worker *worker, struct vor_job *job)
 {
     struct vor_job_view view;

@@ -14,7 +14,6 @@
 struct vor_live {
     struct vor_job *job;
     int running;
-    unsigned crashes; /* of the worker, while it ran */
     struct vor_live *next;
 };
 
@@ -36,6 +35,7 @@ void vor_found_free(struct vor_found *found);
 struct vor_worker {
     struct vor_worker_config config;
     struct vor_queue *queue;
+    struct vor_turns turns; /* of the jobs that run */
     struct vor_crew *crew;  /* for what HTTP threads hand over */
     pthread_mutex_t mutex;  /* everything below */
     pthread_cond_t changed; /* running, draining, aborting; on the monotonic clock */
@@ -59,9 +59,6 @@ struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid
 VOR_NODISCARD vor_status vor_worker_remember(struct vor_worker *worker, struct vor_job *job,
                                              struct vor_error *err);
 void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job);
-
-/** The entry of a live job; NULL when there is none. The mutex is held. */
-struct vor_live *vor_worker_live(struct vor_worker *worker, const struct vor_uuid *id);
 
 /** Puts a job that did not get to its end back into the queue, in its place. */
 void vor_worker_requeue(struct vor_worker *worker, struct vor_job *job);

@@ -2,6 +2,7 @@
 #include "server/work/recover.h"
 
 #include "server/base/clock.h"
+#include "server/base/fault.h"
 #include "server/base/log.h"
 
 #include <stdio.h>
@@ -238,10 +239,17 @@ vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
 vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err)
 {
     int64_t now = vor_clock_wall_ms();
+    const char *mark = worker->config.fault_mark;
+    const struct vor_crash crash = {.by_fault = mark == NULL || vor_fault_left(mark),
+                                    .faults_max = worker->config.faults_max,
+                                    .kills_max = worker->config.kills_max,
+                                    .now_ms = now,
+                                    .expires_ms = expiry(worker, now)};
     struct vor_recovered recovered = {0};
-    vor_status status = vor_store_recover(worker->config.store, worker->config.crashes_max, now,
-                                          expiry(worker, now), &recovered, err);
+    vor_status status = vor_store_recover(worker->config.store, &crash, &recovered, err);
 
+    if (status == VOR_OK && mark != NULL)
+        vor_fault_clear(mark);
     if (status == VOR_OK)
         status = recover_queue(worker, err);
     if (status == VOR_OK)

@@ -6,7 +6,7 @@
 #include "server/work/live.h"
 
 /** Every row that waited or ran is back in the queue when this returns, in the order of acceptance,
- *  however many the queue takes; or it has failed, because it was running in too many crashes, its
+ *  however many the queue takes; or it has failed, because it ran alone in too many crashes, its
  *  bytes are gone, or its request cannot be read. Also notes which blobs there are, for
  *  vor_worker_drop_strays. Call before any other thread knows the worker.
  *

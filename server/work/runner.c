@@ -258,62 +258,65 @@ static void give_back(struct run *run)
         vor_log(VOR_LOG_INFO, "job given back", VOR_TEXT("job", run->view.id.text));
 }
 
-/* Whether the job has crashed as often as it may, this time included. */
-static int is_spent(struct run *run)
+/* running -> accepted in the store; *crashes gets how often the job has crashed with nothing beside
+ * it. False when the job is over, or the store cannot be told: the next start of the daemon then
+ * runs it. */
+static int put_back(struct run *run, enum vor_run_end end, unsigned *crashes)
 {
-    struct vor_worker *worker = run->worker;
-    struct vor_live *live;
+    struct vor_crashed_run crashed = {.attempt = run->attempt,
+                                      .was_alone = end == VOR_RUN_CRASHED_ALONE,
+                                      .now_ms = vor_clock_wall_ms()};
+    struct vor_store *store = run->worker->config.store;
+    const struct vor_uuid *id = &run->view.id;
+    struct vor_error err;
+    vor_status status;
+
+    do {
+        status =
+            end == VOR_RUN_DISTURBED
+                ? vor_store_release(store, id, run->attempt, crashed.now_ms, &crashed.changed, &err)
+                : vor_store_crashed(store, id, &crashed, &err);
+        if (status == VOR_OK)
+            break;
+        vor_log(VOR_LOG_ERROR, "a job cannot be put back", VOR_TEXT("job", id->text),
+                VOR_TEXT("error", err.message));
+    } while (!vor_worker_pause(run->worker, retry_seconds));
+    *crashes = crashed.crashes;
+    return status == VOR_OK && crashed.changed;
+}
+
+/* The process of the run has ended under it. True when the job is to be run again. */
+static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error *problem)
+{
     unsigned crashes;
 
-    pthread_mutex_lock(&worker->mutex);
-    live = vor_worker_live(worker, &run->view.id);
-    crashes = live != NULL ? ++live->crashes : 0; /* none: it was removed */
-    pthread_mutex_unlock(&worker->mutex);
-    return crashes >= worker->config.crashes_max;
-}
-
-/* Nothing came of the run, so another one has to. False when the job is over, or the store cannot
- * be told: the next start of the daemon then runs it. */
-static int put_back(struct run *run)
-{
-    struct vor_error err;
-    int changed;
-
-    while (vor_store_release(run->worker->config.store, &run->view.id, run->attempt,
-                             vor_clock_wall_ms(), &changed, &err) != VOR_OK) {
-        vor_log(VOR_LOG_ERROR, "a job cannot be put back", VOR_TEXT("job", run->view.id.text),
-                VOR_TEXT("error", err.message));
-        if (vor_worker_pause(run->worker, retry_seconds))
-            return 0;
-    }
-    if (!changed || !vor_job_restart(run->job, vor_clock_wall_ms()))
-        return 0;
-    vor_log(VOR_LOG_INFO, "job put back", VOR_TEXT("job", run->view.id.text));
-    return 1;
-}
-
-/* Ends the job, or finds that it is to be run again: then true. */
-static int conclude(struct run *run, enum vor_run_end end, const struct vor_error *problem)
-{
-    int is_lost = end == VOR_RUN_DISTURBED || (end == VOR_RUN_CRASHED && !is_spent(run));
-
-    if (end == VOR_RUN_DONE) {
-        finish(run, NULL);
-        return 0;
-    }
-    if (problem->status == VOR_E_CANCELLED && is_aborting(run->worker)) {
-        give_back(run);
-        return 0;
-    }
-    if (!is_lost) {
-        finish(run, problem);
-        return 0;
-    }
     vor_log(VOR_LOG_WARN, "run lost", VOR_TEXT("job", run->view.id.text),
             VOR_COUNT("attempt", run->attempt), VOR_TEXT("error", problem->message));
     if (problem->status != VOR_E_INTERNAL) /* there is no worker, and may be none at once */
         (void)vor_worker_pause(run->worker, retry_seconds);
-    return put_back(run);
+    if (!put_back(run, end, &crashes))
+        return 0;
+    if (end != VOR_RUN_CRASHED_ALONE || crashes < run->worker->config.faults_max)
+        return vor_job_restart(run->job, end != VOR_RUN_DISTURBED, vor_clock_wall_ms());
+    (void)vor_fail(problem, VOR_E_INTERNAL,
+                   "crashed: the worker ended %u times while it worked on this job alone", crashes);
+    run->attempt = 0; /* it does not run any more */
+    finish(run, problem);
+    return 0;
+}
+
+/* Ends the job, or finds that it is to be run again: then true. */
+static int conclude(struct run *run, enum vor_run_end end, struct vor_error *problem)
+{
+    if (end == VOR_RUN_DONE)
+        finish(run, NULL);
+    else if (end != VOR_RUN_FAILED)
+        return conclude_lost(run, end, problem);
+    else if (problem->status == VOR_E_CANCELLED && is_aborting(run->worker))
+        give_back(run);
+    else
+        finish(run, problem);
+    return 0;
 }
 
 /* Removes what the ended job no longer needs, and says how it ended. */

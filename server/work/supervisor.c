@@ -30,6 +30,7 @@ struct seat {
     int taken;
     uint64_t life;   /* of the worker that the run is at */
     int is_innocent; /* the life was ended because of another run */
+    int is_only;     /* no other ran at its end */
     char how[64];    /* "signal 11": how it ended */
 };
 
@@ -76,11 +77,14 @@ static void describe_end(char out[64], const struct vor_child_end *end)
 /* Notes at the seats of the life that ends how it does. */
 static void note_end(struct vor_supervisor *supervisor, const char *how, int blamed)
 {
+    int is_only = runs_of(supervisor, supervisor->life) == 1;
+
     for (unsigned i = 0; i < VOR_SEATS; i++) {
         struct seat *seat = &supervisor->seat[i];
 
         if (!seat->taken || seat->life != supervisor->life)
             continue;
+        seat->is_only = is_only;
         seat->is_innocent = blamed != NOBODY && blamed != (int)i;
         (void)snprintf(seat->how, sizeof seat->how, "%s", how);
     }
@@ -306,8 +310,10 @@ static enum vor_run_end lose(struct sitting *sitting, struct vor_error *err)
     pthread_mutex_lock(&supervisor->mutex);
     if (supervisor->life == sitting->life)
         end_life(supervisor, NULL, NOBODY);
-    end = seat->is_innocent ? VOR_RUN_DISTURBED : VOR_RUN_CRASHED;
-    (void)vor_fail(err, VOR_E_INTERNAL, "the process that ran the job has ended: %s", seat->how);
+    end = seat->is_innocent ? VOR_RUN_DISTURBED
+          : seat->is_only   ? VOR_RUN_CRASHED_ALONE
+                            : VOR_RUN_CRASHED;
+    (void)vor_fail(err, VOR_E_INTERNAL, "the worker crashed (%s)", seat->how);
     pthread_mutex_unlock(&supervisor->mutex);
     if (sitting->listener->asked(sitting->listener->ctx) != VOR_CANCEL)
         return end;

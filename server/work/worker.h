@@ -21,12 +21,14 @@ struct vor_worker_config {
     struct vor_store *store; /**< borrowed, as the next two */
     struct vor_blobs *blobs;
     struct vor_executor *executor;
-    unsigned jobs;        /**< run at the same time, 1 .. 64 */
-    size_t queue;         /**< wait at most, at least 1 */
-    size_t memory;        /**< bytes a job may have */
-    double ttl_seconds;   /**< results live this long after the job's end */
-    uint64_t keep;        /**< bytes of uploads that are kept; 0 for none */
-    unsigned crashes_max; /**< a job that was running in so many crashes of the daemon fails */
+    unsigned jobs;                  /**< run at the same time, 1 .. 64 */
+    size_t queue;                   /**< wait at most, at least 1 */
+    size_t memory;                  /**< bytes a job may have */
+    double ttl_seconds;             /**< results live this long after the job's end */
+    uint64_t keep;                  /**< bytes of uploads that are kept; 0 for none */
+    uint64_t budget;                /**< bytes all running jobs may have, as estimated; 0 for any */
+    unsigned faults_max, kills_max; /**< as struct vor_crash has them */
+    const char *fault_mark; /**< as vor_fault_arm takes it; NULL where every end is a crash */
 };
 
 /** Puts every job that a former life of the daemon left waiting or running back into the queue, in

@@ -11,7 +11,7 @@ void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
                      const struct vt_daemon_options *options)
 {
     static const struct vt_daemon_options defaults;
-    struct vor_worker_config config = {.crashes_max = 3};
+    struct vor_worker_config config = {.faults_max = 3, .kills_max = 3};
 
     if (options == NULL)
         options = &defaults;

@@ -14,7 +14,7 @@ struct vt_daemon {
     struct vor_worker *worker;
 };
 
-/** What a daemon may be given; zero is the default (2 jobs, queue 16, 1 GiB, an hour, 3 crashes).
+/** What a daemon may be given; zero is the default (2 jobs, queue 16, 1 GiB, an hour, 3 crashes alone).
  */
 struct vt_daemon_options {
     unsigned jobs;
