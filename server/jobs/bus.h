@@ -35,7 +35,8 @@ struct vor_event {
     enum vor_event_kind kind;
     uint32_t attempt, number; /**< both from 1 */
     enum vor_job_status status;
-    enum vor_stage stage;
+    enum vor_stage stage;     /**< REPLACED: the one that the attempt before ended in; QUEUED where
+                                   the daemon ended */
     int progress;             /**< 0 .. 100 */
     int64_t time_ms;          /**< wall clock */
     double eta_seconds;       /**< PROGRESS: until the run is done; -1 when not known; else 0 */

@@ -214,14 +214,16 @@ int vor_job_restart(struct vor_job *job, int is_suspect, int64_t now_ms)
     if (!begin_change(job))
         return 0;
     pthread_mutex_lock(&job->state);
+    vor_bus_restart(job->bus, ++job->view.attempt);
+    pthread_mutex_unlock(&job->state);
+    publish(job, VOR_EVENT_REPLACED, now_ms);
+    pthread_mutex_lock(&job->state);
     job->view.status = VOR_JOB_ACCEPTED;
     job->view.stage = VOR_STAGE_QUEUED;
     job->view.updated = now_ms;
     if (is_suspect)
         job->view.alone = job->turn.alone = 1;
-    vor_bus_restart(job->bus, ++job->view.attempt);
     pthread_mutex_unlock(&job->state);
-    publish(job, VOR_EVENT_REPLACED, now_ms);
     publish(job, VOR_EVENT_STATUS, now_ms);
     end_change(job);
     return 1;

@@ -175,22 +175,16 @@ static int start_thread(void *(*run)(void *), void *arg)
     return 1;
 }
 
-/* Begins a run on the channel that came. */
+/* Begins a run on the channel that came. A worker that cannot is of no use to anybody. */
 static void seat_run(struct station *station, const struct vor_summons *summons, int channel)
 {
     struct sitting *sitting = malloc(sizeof *sitting);
-    struct vor_error err;
 
-    if (sitting != NULL) {
-        *sitting = (struct sitting){station, summons->seat, channel};
-        if (start_thread(sit, sitting))
-            return;
-    }
-    (void)vor_fail(&err, VOR_E_NOMEM, "a thread for the run");
-    if (vor_say(channel, VOR_SAID_FAILED, &err, sizeof err) != VOR_OK)
-        _exit(EXIT_SUCCESS);
-    (void)close(channel);
-    free(sitting);
+    if (sitting == NULL)
+        _exit(VOR_STATION_NO_MEMORY);
+    *sitting = (struct sitting){station, summons->seat, channel};
+    if (!start_thread(sit, sitting))
+        _exit(VOR_STATION_NO_MEMORY);
 }
 
 /* Begins runs until the front has gone. */

@@ -17,14 +17,20 @@
 #include <time.h>
 #include <unistd.h>
 
-static const double look_seconds = 0.02;       /* between two questions to a listener */
-static const double cancel_alone_seconds = 1;  /* for a run that was cancelled, to end */
-static const double cancel_beside_seconds = 5; /* the same where others run beside it */
-static const double watch_seconds = 0.25;      /* between two looks at the beats */
-static const double stall_seconds = 10;        /* without a beat */
-static const double start_seconds = 30;        /* for a worker, to be ready */
-static const double end_seconds = 10;          /* for one that was killed, to be gone */
-enum { STARTS = 3, NOBODY = -1 };              /* tries to start one for a run */
+static const double look_seconds = 0.02;  /* between two questions to a listener */
+static const double watch_seconds = 0.25; /* between two looks at the beats */
+static const double start_seconds = 30;   /* for a worker, to be ready */
+static const double end_seconds = 10;     /* for one that was killed, to be gone */
+
+/* For a cancelled run to end: the longest that was seen between two polls of the engine is the
+ * index of 10 M points, 4 s. Alone there is nothing to lose. */
+static const double cancel_seconds = 5, cancel_alone_share = 0.2;
+
+/* Without a beat, of which there should be ten a second: a machine that is short of memory or cores
+ * may hold a process up for seconds. */
+static const double stall_seconds = 10;
+
+enum { STARTS = 3, NOBODY = -1 }; /* tries to start one for a run */
 
 struct seat {
     int taken;
@@ -170,7 +176,7 @@ static void check_beats(struct vor_supervisor *supervisor)
     if (beats != supervisor->beats) {
         supervisor->beats = beats;
         supervisor->beat = now;
-    } else if (supervisor->is_up && now - supervisor->beat > stall_seconds) {
+    } else if (supervisor->is_up && now - supervisor->beat > supervisor->config.stall_seconds) {
         end_life(supervisor, "no sign of life", NOBODY);
     }
 }
@@ -278,11 +284,11 @@ static void press(struct sitting *sitting)
     struct vor_supervisor *supervisor = sitting->supervisor;
     double since = vor_clock_seconds() - sitting->cancelled;
 
-    if (since < cancel_alone_seconds)
+    if (since < cancel_alone_share * supervisor->config.cancel_seconds)
         return;
     pthread_mutex_lock(&supervisor->mutex);
     if (supervisor->life == sitting->life &&
-        (since >= cancel_beside_seconds || runs_of(supervisor, sitting->life) == 1))
+        (since >= supervisor->config.cancel_seconds || runs_of(supervisor, sitting->life) == 1))
         end_life(supervisor, "a cancelled run did not end", sitting->seat);
     pthread_mutex_unlock(&supervisor->mutex);
 }
@@ -437,6 +443,10 @@ vor_status vor_supervisor_create(struct vor_supervisor **out,
         return vor_fail(err, VOR_E_NOMEM, "the worker process");
     supervisor->base.run = run_there;
     supervisor->config = *config;
+    if (config->cancel_seconds == 0)
+        supervisor->config.cancel_seconds = cancel_seconds;
+    if (config->stall_seconds == 0)
+        supervisor->config.stall_seconds = stall_seconds;
     supervisor->board_fd = -1;
     init_locks(supervisor);
     status = start(supervisor, err);

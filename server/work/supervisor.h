@@ -13,6 +13,8 @@ struct vor_supervisor_config {
     unsigned kind;             /**< number of the kind whose function is vor_station_run */
     unsigned threads;          /**< of the pool, 1 .. VOR_THREADS_MAX */
     size_t memory;             /**< bytes that all runs together may have; 0 for any */
+    double cancel_seconds;     /**< for a cancelled run to end where others run; 0 for 5 */
+    double stall_seconds;      /**< for the worker to show that it is there; 0 for 10 */
 };
 
 /** Starts a worker process.
@@ -29,10 +31,10 @@ void vor_supervisor_destroy(struct vor_supervisor *supervisor);
 /** The executor: VOR_SEATS (wire.h) runs at a time. Borrowed.
  *
  *  What a listener answers is known to the run within 20 ms. A run that was cancelled and does not
- *  end is ended with its process: after 1 second where nothing else runs there, else after 5, as
- *  the others lose what they have done; they end as VOR_RUN_DISTURBED. A worker that ends without
- *  being told to, or gives no sign of life for 10 seconds, is VOR_RUN_CRASHED for all that runs
- *  there. */
+ *  end is ended with its process: after cancel_seconds, as others lose what they have done, which
+ *  end as VOR_RUN_DISTURBED; where nothing else runs there, after a fifth of that. A worker that
+ *  ends without being told to, or gives no sign of life for stall_seconds, is VOR_RUN_CRASHED for
+ *  all that runs there. */
 struct vor_executor *vor_supervisor_executor(struct vor_supervisor *supervisor);
 
 /** The worker processes so far: how many were started, and how many ended unasked. */

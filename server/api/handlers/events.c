@@ -144,7 +144,8 @@ static void write_data(struct stream *stream, struct vor_request *request,
         write_end(stream, request, event, text);
         return;
     case VOR_EVENT_REPLACED:
-        vor_text_printf(text, "{\"attempt\":%u,\"reason\":\"daemon-restarted\"}", event->attempt);
+        vor_text_printf(text, "{\"attempt\":%u,\"reason\":\"%s\"}", event->attempt,
+                        event->stage == VOR_STAGE_QUEUED ? "daemon-restarted" : "worker-restarted");
         return;
     case VOR_EVENT_STATUS:
     case VOR_EVENT_KINDS:

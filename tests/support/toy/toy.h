@@ -58,8 +58,9 @@
     X(TELL, tell, LIST, TOY_CENSUS, "", 0, 0, 3, "box middle", "Parts that the document has")      \
     X(BACKWARD, backward, FLAG, TOY_OVERLAP, "", 0, 0, 0, "",                                      \
       "Distances from the other cloud to this one are told, too")                                  \
-    X(VENOM, venom, CHOICE, TOY_POISON, "", 0, 0, 0, "fault abort",                                \
-      "How the program ends. fault: it writes where there is no memory; abort: it gives up")
+    X(VENOM, venom, CHOICE, TOY_POISON, "", 0, 0, 0, "fault abort spin leak",                      \
+      "How the program ends, if it does. fault: it writes where there is no memory; abort: it "    \
+      "gives up; spin: it never ends; leak: it takes what memory there is, uncounted")
 
 #define VOR_TOY_TWO_IN                                                                             \
     ({"cloud", VOR_ARTEFACT_CLOUD, 1, "The point cloud, recognised by its bytes"},                 \
