@@ -20,6 +20,7 @@ struct vor_order {
     unsigned format;             /**< of the main input: that of the result unless spec names one */
     double seconds_read;         /**< decoding the inputs took, for the report */
     size_t memory;               /**< bytes that the run may have */
+    int is_suspect;              /**< it ran where something crashed, and is to be kept apart */
     int input[VOR_INPUTS_MAX];   /**< the dump of each input (proto/dump.h), open for reading, in
                                       the order of the process's inputs; -1 for one that did not
                                       come. Borrowed for the run, as the next */

@@ -109,7 +109,8 @@ static vor_status place_order(struct run *run, struct vor_error *err)
 
     *order = (struct vor_order){.spec = run->view.spec,
                                 .format = run->view.input[0].format,
-                                .memory = run->worker->config.memory};
+                                .memory = run->worker->config.memory,
+                                .is_suspect = run->view.alone};
     for (unsigned i = 0; i < VOR_INPUTS_MAX; i++) {
         order->input[i] = -1;
         order->seconds_read += run->view.input[i].seconds;

@@ -1,6 +1,11 @@
 /* A worker process has a life: from its start until it ends, by itself or by us. A run has a seat,
  * which belongs to one life; when that ends, how is noted at each of its seats, and whoever waits
- * there finds its channel closed and reads the note. */
+ * there finds its channel closed and reads the note. Whoever waits also looks after the worker;
+ * where nobody does, nothing runs, and nothing is lost.
+ *
+ * Runs share a worker. A suspect has one of its own: what crashes there is its own doing, and it
+ * need not wait until nothing else runs, nor others for it, which may be long: a run that never
+ * ends is as likely a suspect as the one that crashed. */
 #include "server/work/supervisor.h"
 
 #include "server/base/clock.h"
@@ -8,19 +13,14 @@
 #include "server/work/station.h"
 #include "server/work/wire.h"
 
-#include <assert.h>
-#include <errno.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <time.h>
 #include <unistd.h>
 
-static const double look_seconds = 0.02;  /* between two questions to a listener */
-static const double watch_seconds = 0.25; /* between two looks at the beats */
-static const double start_seconds = 30;   /* for a worker, to be ready */
-static const double end_seconds = 10;     /* for one that was killed, to be gone */
+static const double look_seconds = 0.02; /* between two questions to a listener */
+static const double start_seconds = 30;  /* for a worker, to be ready */
+static const double end_seconds = 10;    /* for one that was killed, to be gone */
 
 /* For a cancelled run to end: the longest that was seen between two polls of the engine is the
  * index of 10 M points, 4 s. Alone there is nothing to lose. */
@@ -40,33 +40,36 @@ struct seat {
     char how[64];    /* "signal 11": how it ended */
 };
 
-struct vor_supervisor {
-    struct vor_executor base;
-    struct vor_supervisor_config config;
+/* A worker process: the one that runs share, or that of a suspect. The mutex of the supervisor is
+ * held where it is used, but for the board. */
+struct worker {
     struct vor_board *board;
     int board_fd;
-    pthread_mutex_t mutex;  /* everything below */
-    pthread_cond_t changed; /* closing; on the monotonic clock */
-    int closing;
     int is_up;
     struct vor_child child; /* while it is up */
     uint64_t life;          /* number of the last one started */
-    struct vor_supervisor_counts counts;
-    unsigned beats; /* when they were last looked at */
-    double beat;    /* when they had changed */
+    unsigned beats;         /* when they were last looked at */
+    double beat;            /* when they had changed */
     struct seat seat[VOR_SEATS];
-    int has_watcher;
-    pthread_t watcher;
+};
+
+struct vor_supervisor {
+    struct vor_executor base;
+    struct vor_supervisor_config config;
+    pthread_mutex_t mutex; /* everything below */
+    struct vor_supervisor_counts counts;
+    struct worker shared;
 };
 
 /* --- a life; the mutex is held ---------------------------------------------------------------- */
 
-static unsigned runs_of(const struct vor_supervisor *supervisor, uint64_t life)
+/* Runs of the life at hand. */
+static unsigned runs_at(const struct worker *worker)
 {
     unsigned count = 0;
 
     for (unsigned i = 0; i < VOR_SEATS; i++)
-        count += supervisor->seat[i].taken && supervisor->seat[i].life == life;
+        count += worker->seat[i].taken && worker->seat[i].life == worker->life;
     return count;
 }
 
@@ -81,14 +84,14 @@ static void describe_end(char out[64], const struct vor_child_end *end)
 }
 
 /* Notes at the seats of the life that ends how it does. */
-static void note_end(struct vor_supervisor *supervisor, const char *how, int blamed)
+static void note_end(struct worker *worker, const char *how, int blamed)
 {
-    int is_only = runs_of(supervisor, supervisor->life) == 1;
+    int is_only = runs_at(worker) == 1;
 
     for (unsigned i = 0; i < VOR_SEATS; i++) {
-        struct seat *seat = &supervisor->seat[i];
+        struct seat *seat = &worker->seat[i];
 
-        if (!seat->taken || seat->life != supervisor->life)
+        if (!seat->taken || seat->life != worker->life)
             continue;
         seat->is_only = is_only;
         seat->is_innocent = blamed != NOBODY && blamed != (int)i;
@@ -96,29 +99,29 @@ static void note_end(struct vor_supervisor *supervisor, const char *how, int bla
     }
 }
 
-/* Ends the worker if it has not ended yet.
+/* Ends a worker if it has not ended yet.
  *
  * why: NULL when it has ended by itself. blamed: the seat of the run because of which it is ended.
  */
-static void end_life(struct vor_supervisor *supervisor, const char *why, int blamed)
+static void end_life(struct vor_supervisor *supervisor, struct worker *worker, const char *why,
+                     int blamed)
 {
     struct vor_child_end end = {.signal = 0};
     char how[64];
 
-    if (!supervisor->is_up)
+    if (!worker->is_up)
         return;
-    vor_child_kill(&supervisor->child);
-    if (vor_child_wait(&supervisor->child, &end, end_seconds) && why == NULL)
+    vor_child_kill(&worker->child);
+    if (vor_child_wait(&worker->child, &end, end_seconds) && why == NULL)
         describe_end(how, &end);
     else
         (void)snprintf(how, sizeof how, "%s", why != NULL ? why : "it does not end");
-    vor_child_free(&supervisor->child);
-    supervisor->is_up = 0;
+    vor_child_free(&worker->child);
+    worker->is_up = 0;
     supervisor->counts.crashed++;
-    note_end(supervisor, how, blamed);
+    note_end(worker, how, blamed);
     vor_log(VOR_LOG_ERROR, "worker ended", VOR_TEXT("how", how),
-            VOR_COUNT("pid", supervisor->child.pid),
-            VOR_COUNT("jobs", runs_of(supervisor, supervisor->life)),
+            VOR_COUNT("pid", worker->child.pid), VOR_COUNT("jobs", runs_at(worker)),
             VOR_REAL("cpu_s", end.cpu_seconds), VOR_COUNT("peak", end.peak));
 }
 
@@ -141,12 +144,13 @@ static vor_status wait_ready(struct vor_child *child, struct vor_error *err)
     return vor_fail(err, VOR_E_IO, "the worker does not start: %s", how);
 }
 
-static vor_status begin_life(struct vor_supervisor *supervisor, struct vor_error *err)
+static vor_status begin_life(struct vor_supervisor *supervisor, struct worker *worker,
+                             struct vor_error *err)
 {
     const struct vor_supervisor_config *config = &supervisor->config;
     struct vor_child child;
     vor_status status =
-        vor_zygote_spawn(&child, config->zygote, config->kind, &supervisor->board_fd, 1, err);
+        vor_zygote_spawn(&child, config->zygote, config->kind, &worker->board_fd, 1, err);
 
     if (status != VOR_OK)
         return status;
@@ -155,53 +159,75 @@ static vor_status begin_life(struct vor_supervisor *supervisor, struct vor_error
         vor_child_free(&child);
         return status;
     }
-    supervisor->child = child;
-    supervisor->is_up = 1;
-    supervisor->life++;
+    worker->child = child;
+    worker->is_up = 1;
+    worker->life++;
     supervisor->counts.started++;
-    supervisor->beats = atomic_load(&supervisor->board->beats);
-    supervisor->beat = vor_clock_seconds();
+    worker->beats = atomic_load(&worker->board->beats);
+    worker->beat = vor_clock_seconds();
     vor_log(VOR_LOG_INFO, "worker started", VOR_COUNT("pid", child.pid));
     return VOR_OK;
 }
 
-/* --- the watcher ------------------------------------------------------------------------------ */
+/* --- workers ---------------------------------------------------------------------------------- */
 
-/* Ends a worker whose ticker stands still; the mutex is held. */
-static void check_beats(struct vor_supervisor *supervisor)
+/* Gives a worker its board; it is started by begin_life. */
+static vor_status init_worker(struct worker *worker, const struct vor_supervisor_config *config,
+                              struct vor_error *err)
 {
-    unsigned beats = atomic_load(&supervisor->board->beats);
-    double now = vor_clock_seconds();
+    vor_status status = vor_board_create(&worker->board, &worker->board_fd, err);
 
-    if (beats != supervisor->beats) {
-        supervisor->beats = beats;
-        supervisor->beat = now;
-    } else if (supervisor->is_up && now - supervisor->beat > supervisor->config.stall_seconds) {
-        end_life(supervisor, "no sign of life", NOBODY);
-    }
+    if (status != VOR_OK)
+        return status;
+    worker->board->threads = config->threads;
+    worker->board->memory = config->memory;
+    return VOR_OK;
 }
 
-static void *watch(void *arg)
+/* Ends a worker at which nothing runs. */
+static void free_worker(struct worker *worker)
 {
-    struct vor_supervisor *supervisor = arg;
+    if (worker->is_up)
+        vor_child_free(&worker->child); /* which ends it */
+    if (worker->board == NULL)
+        return;
+    vor_board_unmap(worker->board);
+    (void)close(worker->board_fd);
+}
 
-    pthread_mutex_lock(&supervisor->mutex);
-    while (!supervisor->closing) {
-        double until = vor_clock_seconds() + watch_seconds;
-        struct timespec at = {.tv_sec = (time_t)until};
+/* The worker for an order: the shared one, or for a suspect one of its own. NULL when there is none
+ * to be had. */
+static struct worker *worker_for(struct vor_supervisor *supervisor, const struct vor_order *order,
+                                 struct vor_error *err)
+{
+    struct worker *own;
 
-        at.tv_nsec = (long)((until - (double)at.tv_sec) * 1e9);
-        (void)pthread_cond_timedwait(&supervisor->changed, &supervisor->mutex, &at);
-        check_beats(supervisor);
+    if (!order->is_suspect)
+        return &supervisor->shared;
+    own = calloc(1, sizeof *own);
+    if (own == NULL) {
+        (void)vor_fail(err, VOR_E_NOMEM, "a worker");
+        return NULL;
     }
-    pthread_mutex_unlock(&supervisor->mutex);
+    if (init_worker(own, &supervisor->config, err) == VOR_OK)
+        return own;
+    free(own);
     return NULL;
+}
+
+static void leave_worker(struct vor_supervisor *supervisor, struct worker *worker)
+{
+    if (worker == &supervisor->shared)
+        return;
+    free_worker(worker);
+    free(worker);
 }
 
 /* --- a run ------------------------------------------------------------------------------------ */
 
 struct sitting {
     struct vor_supervisor *supervisor;
+    struct worker *worker;
     const struct vor_listener *listener;
     int seat, channel;
     uint64_t life;
@@ -211,28 +237,26 @@ struct sitting {
 /* Takes a free seat at the worker, which is up; the mutex is held. */
 static vor_status take_seat(struct sitting *sitting, struct vor_error *err)
 {
-    struct vor_supervisor *supervisor = sitting->supervisor;
+    struct worker *worker = sitting->worker;
     int i = 0;
 
-    while (i < VOR_SEATS && supervisor->seat[i].taken)
+    while (i < VOR_SEATS && worker->seat[i].taken)
         i++;
     if (i == VOR_SEATS)
         return vor_fail(err, VOR_E_INTERNAL, "more than %d runs at a time", VOR_SEATS);
-    supervisor->seat[i] = (struct seat){.taken = 1, .life = supervisor->life};
-    atomic_store(&supervisor->board->asked[i], VOR_CONTINUE);
+    worker->seat[i] = (struct seat){.taken = 1, .life = worker->life};
+    atomic_store(&worker->board->asked[i], VOR_CONTINUE);
     sitting->seat = i;
-    sitting->life = supervisor->life;
+    sitting->life = worker->life;
     return VOR_OK;
 }
 
 static void leave_seat(struct sitting *sitting)
 {
-    struct vor_supervisor *supervisor = sitting->supervisor;
-
     (void)close(sitting->channel);
-    pthread_mutex_lock(&supervisor->mutex);
-    supervisor->seat[sitting->seat].taken = 0;
-    pthread_mutex_unlock(&supervisor->mutex);
+    pthread_mutex_lock(&sitting->supervisor->mutex);
+    sitting->worker->seat[sitting->seat].taken = 0;
+    pthread_mutex_unlock(&sitting->supervisor->mutex);
 }
 
 /* Sends the worker a channel for the run; the mutex is held. */
@@ -244,8 +268,8 @@ static vor_status summon(struct sitting *sitting, struct vor_error *err)
 
     if (status != VOR_OK)
         return status;
-    status = vor_channel_send(sitting->supervisor->child.channel, &summons, sizeof summons,
-                              &ends[1], 1, err);
+    status = vor_channel_send(sitting->worker->child.channel, &summons, sizeof summons, &ends[1], 1,
+                              err);
     (void)close(ends[1]);
     if (status == VOR_OK)
         sitting->channel = ends[0];
@@ -254,16 +278,17 @@ static vor_status summon(struct sitting *sitting, struct vor_error *err)
     return status;
 }
 
-/* Begins a run at a worker, which is started where there is none. A worker that has died since its
- * last run shows when it is spoken to. */
+/* Begins a run at the worker, which is started where it is not up. One that has died since its last
+ * run shows when it is spoken to. */
 static vor_status sit_down(struct sitting *sitting, struct vor_error *err)
 {
     struct vor_supervisor *supervisor = sitting->supervisor;
+    struct worker *worker = sitting->worker;
     vor_status status = VOR_E_IO;
 
     pthread_mutex_lock(&supervisor->mutex);
     for (int i = 0; i < STARTS && status == VOR_E_IO; i++) {
-        status = supervisor->is_up ? VOR_OK : begin_life(supervisor, err);
+        status = worker->is_up ? VOR_OK : begin_life(supervisor, worker, err);
         if (status == VOR_OK)
             status = take_seat(sitting, err);
         if (status != VOR_OK)
@@ -271,56 +296,71 @@ static vor_status sit_down(struct sitting *sitting, struct vor_error *err)
         status = summon(sitting, err);
         if (status == VOR_OK)
             break;
-        supervisor->seat[sitting->seat].taken = 0;
-        end_life(supervisor, NULL, NOBODY);
+        worker->seat[sitting->seat].taken = 0;
+        end_life(supervisor, worker, NULL, NOBODY);
     }
     pthread_mutex_unlock(&supervisor->mutex);
     return status;
 }
 
-/* Ends the worker because of this run, once it is cancelled for too long. */
-static void press(struct sitting *sitting)
+/* Ends the worker because of this run, once it is cancelled for too long; the mutex is held. */
+static void check_patience(struct sitting *sitting)
 {
-    struct vor_supervisor *supervisor = sitting->supervisor;
-    double since = vor_clock_seconds() - sitting->cancelled;
+    const struct vor_supervisor_config *config = &sitting->supervisor->config;
+    double since = sitting->cancelled > 0 ? vor_clock_seconds() - sitting->cancelled : 0;
+    double share = runs_at(sitting->worker) == 1 ? cancel_alone_share : 1;
 
-    if (since < cancel_alone_share * supervisor->config.cancel_seconds)
-        return;
-    pthread_mutex_lock(&supervisor->mutex);
-    if (supervisor->life == sitting->life &&
-        (since >= supervisor->config.cancel_seconds || runs_of(supervisor, sitting->life) == 1))
-        end_life(supervisor, "a cancelled run did not end", sitting->seat);
-    pthread_mutex_unlock(&supervisor->mutex);
+    if (since > share * config->cancel_seconds)
+        end_life(sitting->supervisor, sitting->worker, "a cancelled run did not end",
+                 sitting->seat);
 }
 
-/* Tells the run what is asked of it. */
-static void pass_on(struct sitting *sitting)
+/* Ends a worker whose ticker stands still; the mutex is held. */
+static void check_beats(struct sitting *sitting)
+{
+    struct worker *worker = sitting->worker;
+    unsigned beats = atomic_load(&worker->board->beats);
+    double now = vor_clock_seconds();
+
+    if (beats != worker->beats) {
+        worker->beats = beats;
+        worker->beat = now;
+    } else if (now - worker->beat > sitting->supervisor->config.stall_seconds) {
+        end_life(sitting->supervisor, worker, "no sign of life", NOBODY);
+    }
+}
+
+/* Tells the run what is asked of it, and looks whether it and its worker are in order. */
+static void look_after(struct sitting *sitting)
 {
     enum vor_answer answer = sitting->listener->asked(sitting->listener->ctx);
 
-    atomic_store(&sitting->supervisor->board->asked[sitting->seat], (int)answer);
-    if (answer != VOR_CANCEL)
-        return;
-    if (sitting->cancelled == 0)
+    atomic_store(&sitting->worker->board->asked[sitting->seat], (int)answer);
+    if (answer == VOR_CANCEL && sitting->cancelled == 0)
         sitting->cancelled = vor_clock_seconds();
-    press(sitting);
+    pthread_mutex_lock(&sitting->supervisor->mutex);
+    if (sitting->worker->life == sitting->life) {
+        check_patience(sitting);
+        check_beats(sitting);
+    }
+    pthread_mutex_unlock(&sitting->supervisor->mutex);
 }
 
 /* The run's worker has ended, or does not speak sense. */
 static enum vor_run_end lose(struct sitting *sitting, struct vor_error *err)
 {
-    struct vor_supervisor *supervisor = sitting->supervisor;
-    const struct seat *seat = &supervisor->seat[sitting->seat];
+    struct worker *worker = sitting->worker;
+    const struct seat *seat = &worker->seat[sitting->seat];
     enum vor_run_end end;
 
-    pthread_mutex_lock(&supervisor->mutex);
-    if (supervisor->life == sitting->life)
-        end_life(supervisor, NULL, NOBODY);
+    pthread_mutex_lock(&sitting->supervisor->mutex);
+    if (worker->life == sitting->life)
+        end_life(sitting->supervisor, worker, NULL, NOBODY);
     end = seat->is_innocent ? VOR_RUN_DISTURBED
           : seat->is_only   ? VOR_RUN_CRASHED_ALONE
                             : VOR_RUN_CRASHED;
     (void)vor_fail(err, VOR_E_INTERNAL, "the worker crashed (%s)", seat->how);
-    pthread_mutex_unlock(&supervisor->mutex);
+    pthread_mutex_unlock(&sitting->supervisor->mutex);
     if (sitting->listener->asked(sitting->listener->ctx) != VOR_CANCEL)
         return end;
     (void)vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
@@ -379,8 +419,24 @@ static enum vor_run_end listen_to(struct sitting *sitting, struct handed *handed
         case VOR_CHANNEL_LATE:
             break;
         }
-        pass_on(sitting);
+        look_after(sitting);
     }
+}
+
+/* Runs an order at its worker. */
+static enum vor_run_end run_at(struct sitting *sitting, const struct vor_order *order,
+                               struct handed *handed)
+{
+    enum vor_run_end end;
+
+    if (sit_down(sitting, handed->err) != VOR_OK)
+        return VOR_RUN_DISTURBED;
+    if (vor_order_send(sitting->channel, order, handed->err) == VOR_OK)
+        end = listen_to(sitting, handed);
+    else
+        end = lose(sitting, handed->err);
+    leave_seat(sitting);
+    return end;
 }
 
 static enum vor_run_end run_there(struct vor_executor *executor, const struct vor_order *order,
@@ -388,49 +444,26 @@ static enum vor_run_end run_there(struct vor_executor *executor, const struct vo
                                   struct vor_run_result *result, struct vor_text *kept,
                                   struct vor_error *err)
 {
-    struct sitting sitting = {.supervisor = (struct vor_supervisor *)executor,
-                              .listener = listener};
+    struct vor_supervisor *supervisor = (struct vor_supervisor *)executor;
+    struct sitting sitting = {.supervisor = supervisor, .listener = listener};
     struct handed handed = {result, kept, err};
     enum vor_run_end end;
 
-    if (sit_down(&sitting, err) != VOR_OK)
+    sitting.worker = worker_for(supervisor, order, err);
+    if (sitting.worker == NULL)
         return VOR_RUN_DISTURBED;
-    if (vor_order_send(sitting.channel, order, err) == VOR_OK)
-        end = listen_to(&sitting, &handed);
-    else
-        end = lose(&sitting, err);
-    leave_seat(&sitting);
+    end = run_at(&sitting, order, &handed);
+    leave_worker(supervisor, sitting.worker);
     return end;
 }
 
 /* --- from start to end ------------------------------------------------------------------------ */
 
-static void init_locks(struct vor_supervisor *supervisor)
-{
-    pthread_condattr_t monotonic;
-
-    pthread_mutex_init(&supervisor->mutex, NULL);
-    pthread_condattr_init(&monotonic);
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
-    pthread_cond_init(&supervisor->changed, &monotonic);
-    pthread_condattr_destroy(&monotonic);
-}
-
 static vor_status start(struct vor_supervisor *supervisor, struct vor_error *err)
 {
-    vor_status status = vor_board_create(&supervisor->board, &supervisor->board_fd, err);
+    vor_status status = init_worker(&supervisor->shared, &supervisor->config, err);
 
-    if (status != VOR_OK)
-        return status;
-    supervisor->board->threads = supervisor->config.threads;
-    supervisor->board->memory = supervisor->config.memory;
-    status = begin_life(supervisor, err);
-    if (status != VOR_OK)
-        return status;
-    if (pthread_create(&supervisor->watcher, NULL, watch, supervisor) != 0)
-        return vor_fail(err, VOR_E_NOMEM, "cannot start the thread that watches the worker");
-    supervisor->has_watcher = 1;
-    return VOR_OK;
+    return status == VOR_OK ? begin_life(supervisor, &supervisor->shared, err) : status;
 }
 
 vor_status vor_supervisor_create(struct vor_supervisor **out,
@@ -447,8 +480,7 @@ vor_status vor_supervisor_create(struct vor_supervisor **out,
         supervisor->config.cancel_seconds = cancel_seconds;
     if (config->stall_seconds == 0)
         supervisor->config.stall_seconds = stall_seconds;
-    supervisor->board_fd = -1;
-    init_locks(supervisor);
+    pthread_mutex_init(&supervisor->mutex, NULL);
     status = start(supervisor, err);
     if (status != VOR_OK) {
         vor_supervisor_destroy(supervisor);
@@ -462,18 +494,7 @@ void vor_supervisor_destroy(struct vor_supervisor *supervisor)
 {
     if (supervisor == NULL)
         return;
-    pthread_mutex_lock(&supervisor->mutex);
-    supervisor->closing = 1;
-    pthread_cond_broadcast(&supervisor->changed);
-    pthread_mutex_unlock(&supervisor->mutex);
-    if (supervisor->has_watcher)
-        pthread_join(supervisor->watcher, NULL);
-    if (supervisor->is_up)
-        vor_child_free(&supervisor->child); /* which ends it */
-    vor_board_unmap(supervisor->board);
-    if (supervisor->board_fd >= 0)
-        (void)close(supervisor->board_fd);
-    pthread_cond_destroy(&supervisor->changed);
+    free_worker(&supervisor->shared);
     pthread_mutex_destroy(&supervisor->mutex);
     free(supervisor);
 }

@@ -1,5 +1,6 @@
-/** The executor whose runs happen in the worker process (station.h): starts it, watches it, ends it
- *  when it no longer answers, and starts the next. */
+/** The executor whose runs happen in a worker process (station.h): starts it, watches it, ends it
+ *  when it no longer answers, and starts the next. All runs share one but for suspects, each of
+ *  which has its own for as long as it takes. */
 #ifndef VOR_SERVER_WORK_SUPERVISOR_H
 #define VOR_SERVER_WORK_SUPERVISOR_H
 

@@ -548,6 +548,35 @@ START_TEST(what_ran_in_a_crash_is_run_alone_until_it_crashed_too_often)
 }
 END_TEST
 
+/* The process of one run, and not the daemon. */
+START_TEST(a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = open_store(_i, dir);
+    struct vor_job_view runs = insert(store, 10);
+    struct vor_crashed_run crashed = {.attempt = 1, .now_ms = 77};
+
+    vt_assert_ok(vor_store_crashed(store, &runs.id, &crashed, &vt_err));
+    ck_assert(!crashed.changed); /* it does not run */
+    for (uint32_t attempt = 1; attempt <= 3; attempt++) {
+        ck_assert_uint_eq(claim(store, &runs.id), attempt);
+        crashed = (struct vor_crashed_run){.attempt = attempt + 1, .now_ms = 77};
+        vt_assert_ok(vor_store_crashed(store, &runs.id, &crashed, &vt_err));
+        ck_assert(!crashed.changed); /* another attempt */
+        crashed.attempt = attempt;
+        crashed.was_alone = attempt > 1;
+        vt_assert_ok(vor_store_crashed(store, &runs.id, &crashed, &vt_err));
+        ck_assert(crashed.changed);
+        ck_assert_uint_eq(crashed.crashes, attempt - 1);
+        ck_assert_int_eq(get(store, &runs.id).status, VOR_JOB_ACCEPTED);
+        ck_assert(get(store, &runs.id).alone);
+        ck_assert_int_eq(get(store, &runs.id).updated, 77);
+    }
+    vor_store_close(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
 /* --- kills ------------------------------------------------------------------------------------ */
 
 enum kill_point { AFTER_INSERT, AFTER_CLAIM, AFTER_FINISH, AFTER_REMOVE, KILL_POINTS };
@@ -725,7 +754,7 @@ START_TEST(a_store_of_a_newer_version_is_refused_and_left_alone)
     (void)snprintf(where, sizeof where, "sqlite:%s/jobs.sqlite", dir);
     file = fopen(where + 7, "r+");
     ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
-    ck_assert_int_eq(fgetc(file), 3);
+    ck_assert_int_eq(fgetc(file), 4);
     ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
     ck_assert_int_eq(fputc(9, file), 9);
     fclose(file);
@@ -826,6 +855,7 @@ int main(void)
     vt_add_loop(suite, what_waits_comes_in_the_order_of_acceptance, times);
     vt_add_loop(suite, results_expire_then_are_forgotten, times);
     vt_add_loop(suite, what_ran_in_a_crash_is_run_alone_until_it_crashed_too_often, 2 * times);
+    vt_add_loop(suite, a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was, times);
     vt_add_loop(suite, what_was_answered_before_a_kill_is_there_after_it, KILL_POINTS * times);
     vt_add_loop(suite, no_acknowledged_row_is_lost_by_a_kill_at_any_instant, 8 * times);
     vt_add(suite, a_second_daemon_is_refused_with_the_holder_s_name);

@@ -23,8 +23,8 @@
 enum script {
     SAYS_ALL,     /* a stage, a record, what is kept in two parts, a result */
     SAYS_FAILURE, /* an error */
-    OBEYS,        /* waits until it is told to cancel */
-    IS_DEAF,      /* never ends */
+    OBEYS,        /* tells a stage and waits until it is told to cancel */
+    IS_DEAF,      /* tells a stage and never ends */
     ABORTS,
     LEAVES, /* the process ends with 4, as of memory used up */
     STOPS,  /* the process stands still */
@@ -73,8 +73,11 @@ static int say_failure(int channel, vor_status status, const char *message)
 
 static void act(enum script script, unsigned seat, int channel)
 {
+    const enum vor_stage stage = VOR_STAGE_ENCODE;
     int spoke = 1;
 
+    if (script == OBEYS || script == IS_DEAF)
+        spoke = says(channel, VOR_SAID_STAGE, &stage, sizeof stage);
     if (script == SAYS_ALL || script == ENDS_LATER)
         spoke = say_all(channel);
     else if (script == SAYS_FAILURE)
@@ -197,9 +200,11 @@ static struct vor_supervisor_counts counts_of(const struct front *front)
 struct heard {
     const struct front *front;
     enum script script;
+    int is_suspect;
     atomic_int asked; /* enum vor_answer */
     atomic_int is_over;
-    int records, stages;
+    atomic_int stages;
+    int records;
     struct vor_record record;
     struct vor_run_result result;
     struct vor_text kept;
@@ -225,7 +230,8 @@ static void hear_stage(void *ctx, enum vor_stage stage)
 {
     struct heard *heard = ctx;
 
-    heard->stages += stage == VOR_STAGE_ENCODE;
+    if (stage == VOR_STAGE_ENCODE)
+        atomic_fetch_add(&heard->stages, 1);
 }
 
 static struct vor_order order_of(size_t memory)
@@ -253,20 +259,34 @@ static void run_at(struct heard *heard, struct vor_executor *executor,
 static void *run_script(void *arg)
 {
     struct heard *heard = arg;
-    const struct vor_order order = order_of((size_t)heard->script);
+    struct vor_order order = order_of((size_t)heard->script);
 
+    order.is_suspect = heard->is_suspect;
     run_at(heard, vor_supervisor_executor(heard->front->supervisor), &order);
     atomic_store(&heard->is_over, 1);
     return NULL;
 }
 
-/* Begins a run that follows a script. */
-static void begin(struct heard *heard, const struct front *front, enum script script)
+static void begin_as(struct heard *heard, const struct front *front, enum script script,
+                     int is_suspect)
 {
     memset(heard, 0, sizeof *heard);
     heard->front = front;
     heard->script = script;
+    heard->is_suspect = is_suspect;
     ck_assert_int_eq(pthread_create(&heard->thread, NULL, run_script, heard), 0);
+}
+
+/* Begins a run that follows a script. */
+static void begin(struct heard *heard, const struct front *front, enum script script)
+{
+    begin_as(heard, front, script, 0);
+}
+
+static void wait_seated(struct heard *heard)
+{
+    while (atomic_load(&heard->stages) == 0)
+        nap(1);
 }
 
 static enum vor_run_end end_of(struct heard *heard)
@@ -317,7 +337,8 @@ START_TEST(what_a_listener_answers_reaches_its_run_and_no_other)
 
     begin(&other, &front, OBEYS);
     begin(&obeys, &front, OBEYS);
-    nap(30);
+    wait_seated(&other);
+    wait_seated(&obeys);
     atomic_store(&obeys.asked, VOR_CANCEL);
     ck_assert_int_eq(end_of(&obeys), VOR_RUN_FAILED);
     ck_assert_int_eq(obeys.err.status, VOR_E_CANCELLED);
@@ -361,11 +382,37 @@ START_TEST(a_crash_is_told_to_all_that_ran_there)
 
     for (int i = 0; i < 3; i++)
         begin(&beside[i], &front, OBEYS);
-    nap(50);
+    for (int i = 0; i < 3; i++)
+        wait_seated(&beside[i]);
     ck_assert_int_eq(end_of_script(&heard, &front, ABORTS), VOR_RUN_CRASHED);
     for (int i = 0; i < 3; i++)
         ck_assert_int_eq(end_of(&beside[i]), VOR_RUN_CRASHED);
     ck_assert_uint_eq(counts_of(&front).crashed, 1);
+    front_stop(&front);
+}
+END_TEST
+
+START_TEST(a_suspect_runs_in_a_process_of_its_own)
+{
+    struct front front = front_start(SCRIPTED, 0, 0);
+    struct heard beside, suspects[2], heard;
+
+    begin(&beside, &front, OBEYS);
+    begin_as(&suspects[0], &front, OBEYS, 1);
+    begin_as(&suspects[1], &front, ABORTS, 1);
+    wait_seated(&beside);
+    wait_seated(&suspects[0]);
+    ck_assert_int_eq(end_of(&suspects[1]), VOR_RUN_CRASHED_ALONE);
+    ck_assert_int_eq(end_of_script(&heard, &front, ABORTS), VOR_RUN_CRASHED);
+    ck_assert_int_eq(end_of(&beside), VOR_RUN_CRASHED);
+    ck_assert(!atomic_load(&suspects[0].is_over));
+    atomic_store(&suspects[0].asked, VOR_CANCEL);
+    ck_assert_int_eq(end_of(&suspects[0]), VOR_RUN_FAILED);
+    ck_assert_int_eq(suspects[0].err.status, VOR_E_CANCELLED);
+    begin_as(&heard, &front, SAYS_ALL, 1);
+    ck_assert_int_eq(end_of(&heard), VOR_RUN_DONE);
+    ck_assert_uint_eq(counts_of(&front).started, 4);
+    ck_assert_uint_eq(counts_of(&front).crashed, 2);
     front_stop(&front);
 }
 END_TEST
@@ -404,7 +451,8 @@ START_TEST(a_cancelled_run_that_does_not_end_is_ended_and_blamed_alone)
 
     begin(&beside, &front, OBEYS);
     begin(&deaf, &front, IS_DEAF);
-    nap(50);
+    wait_seated(&beside);
+    wait_seated(&deaf);
     atomic_store(&deaf.asked, VOR_CANCEL);
     ck_assert_int_eq(end_of(&deaf), VOR_RUN_FAILED);
     ck_assert_int_eq(deaf.err.status, VOR_E_CANCELLED);
@@ -420,11 +468,11 @@ START_TEST(a_deaf_run_is_ended_and_one_that_listens_is_not)
     struct heard deaf, obeys;
 
     begin(&deaf, &front, IS_DEAF);
-    nap(30);
+    wait_seated(&deaf);
     atomic_store(&deaf.asked, VOR_CANCEL);
     ck_assert_int_eq(end_of(&deaf), VOR_RUN_FAILED);
     begin(&obeys, &front, OBEYS);
-    nap(30);
+    wait_seated(&obeys);
     atomic_store(&obeys.asked, VOR_CANCEL);
     ck_assert_int_eq(end_of(&obeys), VOR_RUN_FAILED);
     ck_assert_uint_eq(counts_of(&front).crashed, 1);
@@ -641,6 +689,7 @@ int main(void)
     vt_add_loop(
         suite, a_crash_with_nothing_beside_it_is_told_as_such_and_the_next_run_has_a_new_worker, 3);
     vt_add(suite, a_crash_is_told_to_all_that_ran_there);
+    vt_add(suite, a_suspect_runs_in_a_process_of_its_own);
     vt_add(suite, a_worker_that_ended_between_two_runs_costs_neither);
     vt_add(suite, a_worker_without_a_sign_of_life_is_ended);
     vt_add(suite, a_cancelled_run_that_does_not_end_is_ended_and_blamed_alone);
