@@ -18,6 +18,7 @@ struct vt_daemon {
 struct vt_daemon_options {
     unsigned jobs;
     size_t queue, memory;
+    uint64_t budget; /**< 0 for any */
     double ttl_seconds;
     uint64_t keep; /**< 0 for no uploads */
     void (*prepare)(
