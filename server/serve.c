@@ -91,6 +91,7 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         .queue = (size_t)config->number[VOR_SET_QUEUE],
         .memory = job_memory(config),
         .budget = (uint64_t)all_memory(config),
+        .job_seconds = config->number[VOR_SET_JOB_SECONDS],
         .ttl_seconds = config->number[VOR_SET_RESULT_TTL],
         .faults_max = FAULTS_MAX,
         .kills_max = KILLS_MAX,

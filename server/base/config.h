@@ -38,6 +38,8 @@ enum vor_setting_kind {
       "machine's")                                                                                 \
     X(JOB_MEMORY, "job-memory", BYTES, "bytes", 0, 1e15, "0",                                      \
       "Memory a job may take; 0 is --memory divided by --jobs")                                    \
+    X(JOB_SECONDS, "job-seconds", TIME, "seconds", 0, 31536000, "1800",                            \
+      "Time a job may run; one that would take four times as long is refused; 0 is any")           \
     X(BODY_LIMIT, "body-limit", BYTES, "bytes", 1, 1e15, "1G",                                     \
       "Largest upload, and what gzip may inflate to")                                              \
     X(POINTS_LIMIT, "points-limit", COUNT_OF, "points", 1, 2147483646, "50000000",                 \

@@ -2,6 +2,7 @@
 #include "proto/codec.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/jobs/cost.h"
 #include "server/jobs/need.h"
 #include "server/jobs/trace.h"
 #include "server/work/live.h"
@@ -41,6 +42,14 @@ static vor_status check_target(const struct vor_spec *spec, const struct vor_job
     if (vor_spec_given(spec, VOR_PARAM_SPACING))
         return VOR_OK;
     return vor_spec_check_target(spec, vor_spec_target(spec, input->points), input->points, err);
+}
+
+/* Likewise. */
+static vor_status check_cost(const struct vor_worker *worker, const struct vor_job_view *row,
+                             struct vor_error *err)
+{
+    return vor_cost_check(&row->spec, row->input[0].points, vor_pool_threads(worker->config.pool),
+                          worker->config.job_seconds, err);
 }
 
 /* Likewise what could never run: row has its inputs. */
@@ -172,7 +181,8 @@ enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
     first_row(&row, &admitted->id, spec, label);
     if (take_inputs(&row, admitted, err) == VOR_OK &&
         check_target(spec, &row.input[0], err) == VOR_OK &&
-        check_need(worker, &row, err) == VOR_OK && check_origin(&row, admitted, err) == VOR_OK)
+        check_need(worker, &row, err) == VOR_OK && check_cost(worker, &row, err) == VOR_OK &&
+        check_origin(&row, admitted, err) == VOR_OK)
         outcome = submit(worker, &row, err);
     if (outcome != VOR_DONE) {
         vor_admit_drop(worker->config.blobs, admitted);

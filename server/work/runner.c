@@ -9,6 +9,7 @@
 #include "server/work/artefacts.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -20,7 +21,9 @@ struct run {
     struct vor_job *job;
     struct vor_job_view view; /* when it began */
     uint32_t attempt;
-    double beat; /* when the store was last told */
+    double beat;     /* when the store was last told */
+    double deadline; /* when it must be over; infinite for never */
+    atomic_int late; /* it was not */
     struct vor_memory memory;
     struct vor_result_facts facts;
     int has_report; /* the process has one, and the run came to its end */
@@ -31,9 +34,16 @@ struct run {
 
 /* --- the engine's questions ------------------------------------------------------------------- */
 
+/* A run that is late ends as one that is cancelled. */
 static enum vor_answer poll_job(void *ctx)
 {
-    return vor_job_asked(((struct run *)ctx)->job);
+    struct run *run = ctx;
+    enum vor_answer asked = vor_job_asked(run->job);
+
+    if (asked == VOR_CANCEL || vor_clock_seconds() < run->deadline)
+        return asked;
+    atomic_store(&run->late, 1);
+    return VOR_CANCEL;
 }
 
 static double read_clock(void *ctx)
@@ -63,7 +73,7 @@ static enum vor_answer take_progress(void *ctx, const struct vor_record *record)
         run->beat = now;
         beat(run);
     }
-    return vor_job_asked(run->job);
+    return poll_job(run);
 }
 
 /* --- the three steps -------------------------------------------------------------------------- */
@@ -162,7 +172,7 @@ static vor_status execute(struct run *run, struct vor_error *err)
     vor_memory_init(&run->memory, run->worker->config.memory);
     vor_artefacts_init(&out, &run->memory);
     status = compute(run, &out, err);
-    if (status == VOR_OK && vor_job_asked(run->job) == VOR_CANCEL)
+    if (status == VOR_OK && poll_job(run) == VOR_CANCEL)
         status = vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
     if (status == VOR_OK)
         status = save(run, &out, err);
@@ -261,6 +271,14 @@ static int is_aborting(struct vor_worker *worker)
     return aborting;
 }
 
+/* Why a run that failed did, where the engine cannot know. */
+static void explain(struct run *run, vor_status status, struct vor_error *problem)
+{
+    if (status == VOR_E_CANCELLED && atomic_load(&run->late))
+        (void)vor_fail(problem, VOR_E_DEADLINE, "the job ran for %g seconds, as long as it may",
+                       run->worker->config.job_seconds);
+}
+
 /* The daemon goes down: the next one runs the job again. */
 static void give_back(struct run *run)
 {
@@ -319,12 +337,17 @@ void vor_worker_run(struct vor_worker *worker, struct vor_job *job)
     vor_status status;
 
     vor_text_init(&run.kept, 0);
+    atomic_init(&run.late, 0);
     vor_job_view(job, &run.view);
     if (claim(&run)) {
         vor_log(VOR_LOG_INFO, "job started", VOR_TEXT("job", run.view.id.text),
                 VOR_COUNT("attempt", run.attempt));
         vor_job_begin(job, vor_clock_wall_ms());
+        run.deadline = worker->config.job_seconds > 0
+                           ? vor_clock_seconds() + worker->config.job_seconds
+                           : (double)INFINITY;
         status = execute(&run, &problem);
+        explain(&run, status, &problem);
         if (status == VOR_E_CANCELLED && is_aborting(worker))
             give_back(&run);
         else

@@ -24,6 +24,7 @@ struct vor_worker_config {
     unsigned jobs;                  /**< run at the same time, 1 .. 64 */
     size_t queue;                   /**< wait at most, at least 1 */
     size_t memory;                  /**< bytes a job may have */
+    double job_seconds;             /**< a job may run; 0 for any */
     double ttl_seconds;             /**< results live this long after the job's end */
     uint64_t keep;                  /**< bytes of uploads that are kept; 0 for none */
     uint64_t budget;                /**< bytes all running jobs may have, as estimated; 0 for any */
@@ -81,7 +82,7 @@ struct vor_job_label {
  *                      vor_spec_check_inputs; VOR_E_TARGET as vor_spec_check_target, but for
  *                      spacing, which only the run can tell; VOR_E_ORIGIN as vor_write_check;
  *                      VOR_E_IO; VOR_E_NOMEM, with limit and got where the job needs more than
- *                      the budget
+ *                      the budget; VOR_E_WORK as vor_cost_check
  *
  *  Cost: an fsync; not for HTTP threads. */
 VOR_NODISCARD enum vor_job_outcome
