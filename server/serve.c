@@ -49,13 +49,18 @@ struct daemon {
     char fault_mark[VOR_CONFIG_TEXT_MAX + 16]; /* beside jobs and blobs */
 };
 
+static double all_memory(const struct vor_config *config)
+{
+    double asked = config->number[VOR_SET_MEMORY];
+
+    return asked > 0 ? asked : (double)vor_machine_memory() * 0.7;
+}
+
 static size_t job_memory(const struct vor_config *config)
 {
     double asked = config->number[VOR_SET_JOB_MEMORY];
 
-    if (asked > 0)
-        return (size_t)asked;
-    return (size_t)((double)vor_machine_memory() * 0.7 / config->number[VOR_SET_JOBS]);
+    return (size_t)(asked > 0 ? asked : all_memory(config) / config->number[VOR_SET_JOBS]);
 }
 
 static unsigned thread_count(const struct vor_config *config)
@@ -98,6 +103,8 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         .jobs = (unsigned)config->number[VOR_SET_JOBS],
         .queue = (size_t)config->number[VOR_SET_QUEUE],
         .memory = job_memory(config),
+        .budget = (uint64_t)all_memory(config),
+        .job_seconds = config->number[VOR_SET_JOB_SECONDS],
         .ttl_seconds = config->number[VOR_SET_RESULT_TTL],
         .faults_max = FAULTS_MAX,
         .kills_max = KILLS_MAX,

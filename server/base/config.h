@@ -33,8 +33,13 @@ enum vor_setting_kind {
       "Threads of the engine, shared by all jobs; 0 is one for each core")                         \
     X(JOBS, "jobs", COUNT_OF, "jobs", 1, 64, "2", "Jobs that run at the same time")                \
     X(QUEUE, "queue", COUNT_OF, "jobs", 1, 100000, "256", "Jobs that may wait")                    \
+    X(MEMORY, "memory", BYTES, "bytes", 0, 1e15, "0",                                              \
+      "Memory that running jobs may take together, as estimated; others wait; 0 is 70 % of the "   \
+      "machine's")                                                                                 \
     X(JOB_MEMORY, "job-memory", BYTES, "bytes", 0, 1e15, "0",                                      \
-      "Memory a job may take; 0 is 70 % of the machine's, divided by --jobs")                      \
+      "Memory a job may take; 0 is --memory divided by --jobs")                                    \
+    X(JOB_SECONDS, "job-seconds", TIME, "seconds", 0, 31536000, "1800",                            \
+      "Time a job may run; one that would take four times as long is refused; 0 is any")           \
     X(BODY_LIMIT, "body-limit", BYTES, "bytes", 1, 1e15, "1G",                                     \
       "Largest upload, and what gzip may inflate to")                                              \
     X(POINTS_LIMIT, "points-limit", COUNT_OF, "points", 1, 2147483646, "50000000",                 \

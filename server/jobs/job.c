@@ -1,6 +1,7 @@
 #include "server/jobs/job.h"
 
 #include "server/base/machine.h"
+#include "server/jobs/need.h"
 #include "server/jobs/pace.h"
 
 #include <ctype.h>
@@ -70,7 +71,8 @@ struct vor_job *vor_job_create(const struct vor_job_view *row)
     pthread_mutex_init(&job->change, NULL);
     pthread_mutex_init(&job->state, NULL);
     job->id = row->id;
-    job->turn = (struct vor_turn){.alone = row->alone};
+    job->turn = (struct vor_turn){.bytes = vor_need_bytes(&row->spec, row->inputs, row->input),
+                                  .alone = row->alone};
     job->view = *row;
     job->view.queue_position = -1;
     if (row->attempt > 1)

@@ -190,6 +190,6 @@ static enum vor_run_end run_here(struct vor_executor *executor, const struct vor
 
 void vor_executor_here_init(struct vor_executor_here *here, struct vor_pool *pool)
 {
-    here->base.run = run_here;
+    here->base = (struct vor_executor){.threads = vor_pool_threads(pool), .run = run_here};
     here->pool = pool;
 }

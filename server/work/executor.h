@@ -59,6 +59,9 @@ enum vor_run_end {
 
 /** A place for runs; a driver's struct begins with this. */
 struct vor_executor {
+    unsigned threads; /**< that the runs there share */
+    int is_apart;     /**< a run that crashes takes neither this process with it nor, where it is a
+                           suspect, another run */
     /** Runs an order and waits for its end. Any thread; as many at a time as the driver says.
      *
      *  @param[out] result  set when VOR_RUN_DONE is returned

@@ -2,6 +2,8 @@
 #include "proto/codec.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/jobs/cost.h"
+#include "server/jobs/need.h"
 #include "server/jobs/trace.h"
 #include "server/work/live.h"
 
@@ -27,6 +29,8 @@ void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out)
     pthread_mutex_lock(&worker->mutex);
     out->running = worker->running;
     pthread_mutex_unlock(&worker->mutex);
+    out->reserved = vor_turns_used(&worker->turns);
+    out->budget = worker->turns.budget;
 }
 
 /* --- accepting -------------------------------------------------------------------------------- */
@@ -38,6 +42,31 @@ static vor_status check_target(const struct vor_spec *spec, const struct vor_job
     if (vor_spec_given(spec, VOR_PARAM_SPACING))
         return VOR_OK;
     return vor_spec_check_target(spec, vor_spec_target(spec, input->points), input->points, err);
+}
+
+/* Likewise. */
+static vor_status check_cost(const struct vor_worker *worker, const struct vor_job_view *row,
+                             struct vor_error *err)
+{
+    return vor_cost_check(&row->spec, row->input[0].points, worker->config.executor->threads,
+                          worker->config.job_seconds, err);
+}
+
+/* Likewise what could never run: row has its inputs. */
+static vor_status check_need(const struct vor_worker *worker, const struct vor_job_view *row,
+                             struct vor_error *err)
+{
+    uint64_t need = vor_need_bytes(&row->spec, row->inputs, row->input),
+             budget = worker->turns.budget;
+
+    if (need <= budget)
+        return VOR_OK;
+    (void)vor_fail(err, VOR_E_NOMEM,
+                   "the job needs about %llu bytes of memory, all jobs together may have %llu",
+                   (unsigned long long)need, (unsigned long long)budget);
+    err->limit = budget;
+    err->got = need;
+    return VOR_E_NOMEM;
 }
 
 /* Likewise; row has its inputs and its format. */
@@ -152,6 +181,7 @@ enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
     first_row(&row, &admitted->id, spec, label);
     if (take_inputs(&row, admitted, err) == VOR_OK &&
         check_target(spec, &row.input[0], err) == VOR_OK &&
+        check_need(worker, &row, err) == VOR_OK && check_cost(worker, &row, err) == VOR_OK &&
         check_origin(&row, admitted, err) == VOR_OK)
         outcome = submit(worker, &row, err);
     if (outcome != VOR_DONE) {

@@ -15,10 +15,25 @@
  * removes files. */
 enum { SWEEP_SECONDS = 60, CREW_THREADS = 2 };
 
+/* A run never has more memory than its cap. A suspect need not wait where it is apart anyway. */
+static struct vor_turn turn_of(const struct vor_worker *worker, const struct vor_job *job)
+{
+    struct vor_turn turn = *vor_job_turn(job);
+
+    if (turn.bytes > worker->config.memory)
+        turn.bytes = worker->config.memory;
+    if (worker->config.executor->is_apart)
+        turn.alone = 0;
+    return turn;
+}
+
 /* The queue asks this before it hands out a job. */
 static int may_run(void *ctx, struct vor_job *job)
 {
-    return vor_turns_begin(&((struct vor_worker *)ctx)->turns, vor_job_turn(job));
+    struct vor_worker *worker = ctx;
+    const struct vor_turn turn = turn_of(worker, job);
+
+    return vor_turns_begin(&worker->turns, &turn);
 }
 
 static void *runner_main(void *arg)
@@ -27,6 +42,8 @@ static void *runner_main(void *arg)
     struct vor_job *job;
 
     while ((job = vor_queue_pop(worker->queue)) != NULL) {
+        const struct vor_turn turn = turn_of(worker, job);
+
         if (vor_worker_enter(worker, job)) {
             if (vor_worker_run(worker, job))
                 vor_worker_requeue(worker, job);
@@ -34,7 +51,7 @@ static void *runner_main(void *arg)
                 vor_worker_forget(worker, job);
             vor_worker_leave(worker);
         }
-        vor_turns_end(&worker->turns, vor_job_turn(job));
+        vor_turns_end(&worker->turns, &turn);
         vor_queue_look(worker->queue);
         vor_job_release(job);
     }

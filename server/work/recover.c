@@ -5,6 +5,7 @@
 #include "server/base/fault.h"
 #include "server/base/log.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -240,9 +241,11 @@ vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err)
 {
     int64_t now = vor_clock_wall_ms();
     const char *mark = worker->config.fault_mark;
+    /* What ran elsewhere cannot be why the daemon ended. */
+    const int is_apart = worker->config.executor->is_apart;
     const struct vor_crash crash = {.by_fault = mark == NULL || vor_fault_left(mark),
-                                    .faults_max = worker->config.faults_max,
-                                    .kills_max = worker->config.kills_max,
+                                    .faults_max = is_apart ? UINT_MAX : worker->config.faults_max,
+                                    .kills_max = is_apart ? UINT_MAX : worker->config.kills_max,
                                     .now_ms = now,
                                     .expires_ms = expiry(worker, now)};
     struct vor_recovered recovered = {0};

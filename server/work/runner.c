@@ -5,6 +5,7 @@
 #include "server/base/log.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -17,7 +18,9 @@ struct run {
     struct vor_job *job;
     struct vor_job_view view; /* when it began */
     uint32_t attempt;
-    double beat; /* when the store was last told */
+    double beat;     /* when the store was last told */
+    double deadline; /* when it must be over; infinite for never */
+    atomic_int late; /* it was not */
     struct vor_order order;
     struct vor_blob_writer *writer[VOR_OUTPUTS_MAX]; /* of the files of the order; NULL for none */
     struct vor_run_result result;
@@ -26,9 +29,16 @@ struct run {
 
 /* --- what the run asks and tells -------------------------------------------------------------- */
 
+/* A run that is late ends as one that is cancelled. */
 static enum vor_answer asked(void *ctx)
 {
-    return vor_job_asked(((struct run *)ctx)->job);
+    struct run *run = ctx;
+    enum vor_answer answer = vor_job_asked(run->job);
+
+    if (answer == VOR_CANCEL || vor_clock_seconds() < run->deadline)
+        return answer;
+    atomic_store(&run->late, 1);
+    return VOR_CANCEL;
 }
 
 static void beat(struct run *run)
@@ -245,6 +255,14 @@ static int is_aborting(struct vor_worker *worker)
     return aborting;
 }
 
+/* Why a run that failed did, where the engine cannot know. */
+static void explain(struct run *run, struct vor_error *problem)
+{
+    if (problem->status == VOR_E_CANCELLED && atomic_load(&run->late))
+        (void)vor_fail(problem, VOR_E_DEADLINE, "the job ran for %g seconds, as long as it may",
+                       run->worker->config.job_seconds);
+}
+
 /* The daemon goes down: the next one runs the job again. */
 static void give_back(struct run *run)
 {
@@ -309,14 +327,16 @@ static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error
 /* Ends the job, or finds that it is to be run again: then true. */
 static int conclude(struct run *run, enum vor_run_end end, struct vor_error *problem)
 {
-    if (end == VOR_RUN_DONE)
+    if (end == VOR_RUN_DONE) {
         finish(run, NULL);
-    else if (end != VOR_RUN_FAILED)
+    } else if (end != VOR_RUN_FAILED) {
         return conclude_lost(run, end, problem);
-    else if (problem->status == VOR_E_CANCELLED && is_aborting(run->worker))
+    } else if (problem->status == VOR_E_CANCELLED && is_aborting(run->worker)) {
         give_back(run);
-    else
+    } else {
+        explain(run, problem);
         finish(run, problem);
+    }
     return 0;
 }
 
@@ -364,11 +384,15 @@ int vor_worker_run(struct vor_worker *worker, struct vor_job *job)
     int again = 0;
 
     vor_text_init(&run.kept, 0);
+    atomic_init(&run.late, 0);
     vor_job_view(job, &run.view);
     if (claim(&run)) {
         vor_log(VOR_LOG_INFO, "job started", VOR_TEXT("job", run.view.id.text),
                 VOR_COUNT("attempt", run.attempt));
         vor_job_begin(job, vor_clock_wall_ms());
+        run.deadline = worker->config.job_seconds > 0
+                           ? vor_clock_seconds() + worker->config.job_seconds
+                           : (double)INFINITY;
         again = conclude(&run, execute(&run, &problem), &problem);
     }
     clean_up(&run, began);

@@ -474,7 +474,8 @@ vor_status vor_supervisor_create(struct vor_supervisor **out,
 
     if (supervisor == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the worker process");
-    supervisor->base.run = run_there;
+    supervisor->base =
+        (struct vor_executor){.threads = config->threads, .is_apart = 1, .run = run_there};
     supervisor->config = *config;
     if (config->cancel_seconds == 0)
         supervisor->config.cancel_seconds = cancel_seconds;

@@ -24,6 +24,7 @@ struct vor_worker_config {
     unsigned jobs;                  /**< run at the same time, 1 .. 64 */
     size_t queue;                   /**< wait at most, at least 1 */
     size_t memory;                  /**< bytes a job may have */
+    double job_seconds;             /**< a job may run; 0 for any */
     double ttl_seconds;             /**< results live this long after the job's end */
     uint64_t keep;                  /**< bytes of uploads that are kept; 0 for none */
     uint64_t budget;                /**< bytes all running jobs may have, as estimated; 0 for any */
@@ -57,6 +58,7 @@ enum vor_job_outcome vor_worker_room(struct vor_worker *worker);
 /** Jobs that wait, and that run. */
 struct vor_worker_load {
     size_t waiting, running;
+    uint64_t reserved, budget; /**< bytes: of memory, for what runs, as estimated, and in all */
 };
 void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out);
 
@@ -79,7 +81,8 @@ struct vor_job_label {
  *  @retval VOR_FAILED  err: VOR_E_PARAM an input that the process does not take, or as
  *                      vor_spec_check_inputs; VOR_E_TARGET as vor_spec_check_target, but for
  *                      spacing, which only the run can tell; VOR_E_ORIGIN as vor_write_check;
- *                      VOR_E_IO; VOR_E_NOMEM
+ *                      VOR_E_IO; VOR_E_NOMEM, with limit and got where the job needs more than
+ *                      the budget; VOR_E_WORK as vor_cost_check
  *
  *  Cost: an fsync; not for HTTP threads. */
 VOR_NODISCARD enum vor_job_outcome

@@ -14,13 +14,15 @@ struct vt_daemon {
     struct vor_worker *worker;
 };
 
-/** What a daemon may be given; zero is the default (2 jobs, queue 16, 1 GiB, an hour, 3 crashes alone).
+/** What a daemon may be given; zero is the default (2 jobs, queue 16, 1 GiB, an hour, 3 crashes
+ * alone).
  */
 struct vt_daemon_options {
     unsigned jobs;
     size_t queue, memory;
-    double ttl_seconds;
-    uint64_t keep; /**< 0 for no uploads */
+    uint64_t budget;                 /**< 0 for any */
+    double ttl_seconds, job_seconds; /**< a job may run for any time with 0 */
+    uint64_t keep;                   /**< 0 for no uploads */
     void (*prepare)(
         struct vt_daemon *daemon); /**< once store and blobs are open; NULL for nothing */
 };
