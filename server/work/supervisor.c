@@ -1,7 +1,5 @@
-/* A worker process has a life: from its start until it ends, by itself or by us. A run has a seat,
- * which belongs to one life; when that ends, how is noted at each of its seats, and whoever waits
- * there finds its channel closed and reads the note. Whoever waits also looks after the worker;
- * where nobody does, nothing runs, and nothing is lost.
+/* Whoever waits for a run also looks after its worker; where nobody waits, nothing runs, and
+ * nothing is lost.
  *
  * Runs share a worker. A suspect has one of its own: what crashes there is its own doing, and it
  * need not wait until nothing else runs, nor others for it, which may be long: a run that never
@@ -9,9 +7,7 @@
 #include "server/work/supervisor.h"
 
 #include "server/base/clock.h"
-#include "server/base/log.h"
-#include "server/work/station.h"
-#include "server/work/wire.h"
+#include "server/work/workplace.h"
 
 #include <pthread.h>
 #include <stdio.h>
@@ -19,188 +15,60 @@
 #include <unistd.h>
 
 static const double look_seconds = 0.02; /* between two questions to a listener */
-static const double start_seconds = 30;  /* for a worker, to be ready */
-static const double end_seconds = 10;    /* for one that was killed, to be gone */
 
-/* For a cancelled run to end: the longest that was seen between two polls of the engine is the
- * index of 10 M points, 4 s. Alone there is nothing to lose. */
-static const double cancel_seconds = 5, cancel_alone_share = 0.2;
+/* For a cancelled run to end, before whoever ordered it is let go, and before its process is ended.
+ * Between two polls of a run of 1 M points there were 0.19 s at most, on two busy cores; ten times
+ * the points may take ten times that. Where nothing else runs there is nothing to lose. */
+static const double let_go_seconds = 0.5, cancel_seconds = 5, cancel_alone_share = 0.2;
 
 /* Without a beat, of which there should be ten a second: a machine that is short of memory or cores
  * may hold a process up for seconds. */
 static const double stall_seconds = 10;
 
-enum { STARTS = 3, NOBODY = -1 }; /* tries to start one for a run */
-
-struct seat {
-    int taken;
-    uint64_t life;   /* of the worker that the run is at */
-    int is_innocent; /* the life was ended because of another run */
-    int is_only;     /* no other ran at its end */
-    char how[64];    /* "signal 11": how it ended */
-};
-
-/* A worker process: the one that runs share, or that of a suspect. The mutex of the supervisor is
- * held where it is used, but for the board. */
-struct worker {
-    struct vor_board *board;
-    int board_fd;
-    int is_up;
-    struct vor_child child; /* while it is up */
-    uint64_t life;          /* number of the last one started */
-    unsigned beats;         /* when they were last looked at */
-    double beat;            /* when they had changed */
-    struct seat seat[VOR_SEATS];
-};
+enum { STARTS = 3 }; /* tries to start a worker for a run */
 
 struct vor_supervisor {
     struct vor_executor base;
     struct vor_supervisor_config config;
-    pthread_mutex_t mutex; /* everything below */
+    pthread_mutex_t mutex;  /* everything below */
+    pthread_cond_t changed; /* left_over */
     struct vor_supervisor_counts counts;
-    struct worker shared;
+    unsigned left_over; /* cancelled runs that whoever ordered them does not wait for */
+    struct vor_workplace shared;
 };
-
-/* --- a life; the mutex is held ---------------------------------------------------------------- */
-
-/* Runs of the life at hand. */
-static unsigned runs_at(const struct worker *worker)
-{
-    unsigned count = 0;
-
-    for (unsigned i = 0; i < VOR_SEATS; i++)
-        count += worker->seat[i].taken && worker->seat[i].life == worker->life;
-    return count;
-}
-
-static void describe_end(char out[64], const struct vor_child_end *end)
-{
-    if (end->signal != 0)
-        (void)snprintf(out, 64, "signal %d", end->signal);
-    else if (end->status == VOR_STATION_NO_MEMORY)
-        (void)snprintf(out, 64, "memory used up");
-    else
-        (void)snprintf(out, 64, "exit status %d", end->status);
-}
-
-/* Notes at the seats of the life that ends how it does. */
-static void note_end(struct worker *worker, const char *how, int blamed)
-{
-    int is_only = runs_at(worker) == 1;
-
-    for (unsigned i = 0; i < VOR_SEATS; i++) {
-        struct seat *seat = &worker->seat[i];
-
-        if (!seat->taken || seat->life != worker->life)
-            continue;
-        seat->is_only = is_only;
-        seat->is_innocent = blamed != NOBODY && blamed != (int)i;
-        (void)snprintf(seat->how, sizeof seat->how, "%s", how);
-    }
-}
-
-/* Ends a worker if it has not ended yet.
- *
- * why: NULL when it has ended by itself. blamed: the seat of the run because of which it is ended.
- */
-static void end_life(struct vor_supervisor *supervisor, struct worker *worker, const char *why,
-                     int blamed)
-{
-    struct vor_child_end end = {.signal = 0};
-    char how[64];
-
-    if (!worker->is_up)
-        return;
-    vor_child_kill(&worker->child);
-    if (vor_child_wait(&worker->child, &end, end_seconds) && why == NULL)
-        describe_end(how, &end);
-    else
-        (void)snprintf(how, sizeof how, "%s", why != NULL ? why : "it does not end");
-    vor_child_free(&worker->child);
-    worker->is_up = 0;
-    supervisor->counts.crashed++;
-    note_end(worker, how, blamed);
-    vor_log(VOR_LOG_ERROR, "worker ended", VOR_TEXT("how", how),
-            VOR_COUNT("pid", worker->child.pid), VOR_COUNT("jobs", runs_at(worker)),
-            VOR_REAL("cpu_s", end.cpu_seconds), VOR_COUNT("peak", end.peak));
-}
-
-/* Waits until a worker says that it is ready. */
-static vor_status wait_ready(struct vor_child *child, struct vor_error *err)
-{
-    struct vor_child_end end = {.signal = 0};
-    char byte, how[64];
-    struct vor_message message = {.bytes = &byte, .capacity = sizeof byte};
-
-    if (vor_channel_receive(child->channel, &message, start_seconds) == VOR_CHANNEL_MESSAGE) {
-        vor_message_close(&message);
-        return VOR_OK;
-    }
-    vor_child_kill(child);
-    (void)vor_child_wait(child, &end, end_seconds);
-    if (end.status == VOR_STATION_NO_POOL)
-        return vor_fail(err, VOR_E_NOMEM, "the threads of the worker cannot be started");
-    describe_end(how, &end);
-    return vor_fail(err, VOR_E_IO, "the worker does not start: %s", how);
-}
-
-static vor_status begin_life(struct vor_supervisor *supervisor, struct worker *worker,
-                             struct vor_error *err)
-{
-    const struct vor_supervisor_config *config = &supervisor->config;
-    struct vor_child child;
-    vor_status status =
-        vor_zygote_spawn(&child, config->zygote, config->kind, &worker->board_fd, 1, err);
-
-    if (status != VOR_OK)
-        return status;
-    status = wait_ready(&child, err);
-    if (status != VOR_OK) {
-        vor_child_free(&child);
-        return status;
-    }
-    worker->child = child;
-    worker->is_up = 1;
-    worker->life++;
-    supervisor->counts.started++;
-    worker->beats = atomic_load(&worker->board->beats);
-    worker->beat = vor_clock_seconds();
-    vor_log(VOR_LOG_INFO, "worker started", VOR_COUNT("pid", child.pid));
-    return VOR_OK;
-}
 
 /* --- workers ---------------------------------------------------------------------------------- */
 
-/* Gives a worker its board; it is started by begin_life. */
-static vor_status init_worker(struct worker *worker, const struct vor_supervisor_config *config,
+static vor_status init_worker(const struct vor_supervisor *supervisor, struct vor_workplace *worker,
                               struct vor_error *err)
 {
-    vor_status status = vor_board_create(&worker->board, &worker->board_fd, err);
-
-    if (status != VOR_OK)
-        return status;
-    worker->board->threads = config->threads;
-    worker->board->memory = config->memory;
-    return VOR_OK;
+    return vor_workplace_init(worker, supervisor->config.threads, supervisor->config.memory, err);
 }
 
-/* Ends a worker at which nothing runs. */
-static void free_worker(struct worker *worker)
+/* Starts a worker, or ends one; the mutex is held. */
+static vor_status begin_worker(struct vor_supervisor *supervisor, struct vor_workplace *worker,
+                               struct vor_error *err)
 {
-    if (worker->is_up)
-        vor_child_free(&worker->child); /* which ends it */
-    if (worker->board == NULL)
-        return;
-    vor_board_unmap(worker->board);
-    (void)close(worker->board_fd);
+    vor_status status =
+        vor_workplace_begin(worker, supervisor->config.zygote, supervisor->config.kind, err);
+
+    supervisor->counts.started += status == VOR_OK;
+    return status;
+}
+
+static void end_worker(struct vor_supervisor *supervisor, struct vor_workplace *worker,
+                       const char *why, int blamed)
+{
+    supervisor->counts.crashed += worker->is_up != 0;
+    vor_workplace_end(worker, why, blamed);
 }
 
 /* The worker for an order: the shared one, or for a suspect one of its own. NULL when there is none
  * to be had. */
-static struct worker *worker_for(struct vor_supervisor *supervisor, const struct vor_order *order,
-                                 struct vor_error *err)
+static struct vor_workplace *worker_for(struct vor_supervisor *supervisor,
+                                        const struct vor_order *order, struct vor_error *err)
 {
-    struct worker *own;
+    struct vor_workplace *own;
 
     if (!order->is_suspect)
         return &supervisor->shared;
@@ -209,17 +77,17 @@ static struct worker *worker_for(struct vor_supervisor *supervisor, const struct
         (void)vor_fail(err, VOR_E_NOMEM, "a worker");
         return NULL;
     }
-    if (init_worker(own, &supervisor->config, err) == VOR_OK)
+    if (init_worker(supervisor, own, err) == VOR_OK)
         return own;
     free(own);
     return NULL;
 }
 
-static void leave_worker(struct vor_supervisor *supervisor, struct worker *worker)
+static void leave_worker(struct vor_supervisor *supervisor, struct vor_workplace *worker)
 {
     if (worker == &supervisor->shared)
         return;
-    free_worker(worker);
+    vor_workplace_free(worker);
     free(worker);
 }
 
@@ -227,24 +95,25 @@ static void leave_worker(struct vor_supervisor *supervisor, struct worker *worke
 
 struct sitting {
     struct vor_supervisor *supervisor;
-    struct worker *worker;
+    struct vor_workplace *worker;
     const struct vor_listener *listener;
     int seat, channel;
     uint64_t life;
     double cancelled; /* when the listener was first seen to cancel; 0 for not yet */
+    int is_left_over; /* nobody waits for it */
 };
 
 /* Takes a free seat at the worker, which is up; the mutex is held. */
 static vor_status take_seat(struct sitting *sitting, struct vor_error *err)
 {
-    struct worker *worker = sitting->worker;
+    struct vor_workplace *worker = sitting->worker;
     int i = 0;
 
     while (i < VOR_SEATS && worker->seat[i].taken)
         i++;
     if (i == VOR_SEATS)
-        return vor_fail(err, VOR_E_INTERNAL, "more than %d runs at a time", VOR_SEATS);
-    worker->seat[i] = (struct seat){.taken = 1, .life = worker->life};
+        return vor_fail(err, VOR_E_IO, "more than %d runs at a time", VOR_SEATS);
+    worker->seat[i] = (struct vor_seat){.taken = 1, .life = worker->life};
     atomic_store(&worker->board->asked[i], VOR_CONTINUE);
     sitting->seat = i;
     sitting->life = worker->life;
@@ -283,12 +152,12 @@ static vor_status summon(struct sitting *sitting, struct vor_error *err)
 static vor_status sit_down(struct sitting *sitting, struct vor_error *err)
 {
     struct vor_supervisor *supervisor = sitting->supervisor;
-    struct worker *worker = sitting->worker;
+    struct vor_workplace *worker = sitting->worker;
     vor_status status = VOR_E_IO;
 
     pthread_mutex_lock(&supervisor->mutex);
     for (int i = 0; i < STARTS && status == VOR_E_IO; i++) {
-        status = worker->is_up ? VOR_OK : begin_life(supervisor, worker, err);
+        status = worker->is_up ? VOR_OK : begin_worker(supervisor, worker, err);
         if (status == VOR_OK)
             status = take_seat(sitting, err);
         if (status != VOR_OK)
@@ -297,7 +166,7 @@ static vor_status sit_down(struct sitting *sitting, struct vor_error *err)
         if (status == VOR_OK)
             break;
         worker->seat[sitting->seat].taken = 0;
-        end_life(supervisor, worker, NULL, NOBODY);
+        end_worker(supervisor, worker, NULL, VOR_NOBODY);
     }
     pthread_mutex_unlock(&supervisor->mutex);
     return status;
@@ -308,17 +177,17 @@ static void check_patience(struct sitting *sitting)
 {
     const struct vor_supervisor_config *config = &sitting->supervisor->config;
     double since = sitting->cancelled > 0 ? vor_clock_seconds() - sitting->cancelled : 0;
-    double share = runs_at(sitting->worker) == 1 ? cancel_alone_share : 1;
+    double share = vor_workplace_runs(sitting->worker) == 1 ? cancel_alone_share : 1;
 
     if (since > share * config->cancel_seconds)
-        end_life(sitting->supervisor, sitting->worker, "a cancelled run did not end",
-                 sitting->seat);
+        end_worker(sitting->supervisor, sitting->worker, "a cancelled run did not end",
+                   sitting->seat);
 }
 
 /* Ends a worker whose ticker stands still; the mutex is held. */
 static void check_beats(struct sitting *sitting)
 {
-    struct worker *worker = sitting->worker;
+    struct vor_workplace *worker = sitting->worker;
     unsigned beats = atomic_load(&worker->board->beats);
     double now = vor_clock_seconds();
 
@@ -326,7 +195,7 @@ static void check_beats(struct sitting *sitting)
         worker->beats = beats;
         worker->beat = now;
     } else if (now - worker->beat > sitting->supervisor->config.stall_seconds) {
-        end_life(sitting->supervisor, worker, "no sign of life", NOBODY);
+        end_worker(sitting->supervisor, worker, "no sign of life", VOR_NOBODY);
     }
 }
 
@@ -349,13 +218,13 @@ static void look_after(struct sitting *sitting)
 /* The run's worker has ended, or does not speak sense. */
 static enum vor_run_end lose(struct sitting *sitting, struct vor_error *err)
 {
-    struct worker *worker = sitting->worker;
-    const struct seat *seat = &worker->seat[sitting->seat];
+    struct vor_workplace *worker = sitting->worker;
+    const struct vor_seat *seat = &worker->seat[sitting->seat];
     enum vor_run_end end;
 
     pthread_mutex_lock(&sitting->supervisor->mutex);
     if (worker->life == sitting->life)
-        end_life(sitting->supervisor, worker, NULL, NOBODY);
+        end_worker(sitting->supervisor, worker, NULL, VOR_NOBODY);
     end = seat->is_innocent ? VOR_RUN_DISTURBED
           : seat->is_only   ? VOR_RUN_CRASHED_ALONE
                             : VOR_RUN_CRASHED;
@@ -366,6 +235,8 @@ static enum vor_run_end lose(struct sitting *sitting, struct vor_error *err)
     (void)vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
     return VOR_RUN_FAILED;
 }
+
+static int leave_over(struct sitting *sitting);
 
 /* What the run hands out. */
 struct handed {
@@ -401,7 +272,14 @@ static int take_in(const struct sitting *sitting, const struct vor_message_said 
     }
 }
 
-/* Listens to a run until its end. */
+/* Whether a run was cancelled so long ago that whoever ordered it need not wait for its end. */
+static int is_overdue(const struct sitting *sitting)
+{
+    return !sitting->is_left_over && sitting->cancelled > 0 &&
+           vor_clock_seconds() - sitting->cancelled > let_go_seconds;
+}
+
+/* Listens to a run until its end, or until it is overdue and was left over. */
 static enum vor_run_end listen_to(struct sitting *sitting, struct handed *handed)
 {
     struct vor_message_said said;
@@ -420,7 +298,81 @@ static enum vor_run_end listen_to(struct sitting *sitting, struct handed *handed
             break;
         }
         look_after(sitting);
+        if (is_overdue(sitting) && leave_over(sitting)) {
+            (void)vor_fail(handed->err, VOR_E_CANCELLED, "cancelled by the caller");
+            return VOR_RUN_FAILED;
+        }
     }
+}
+
+/* --- runs that do not listen ------------------------------------------------------------------ */
+
+static enum vor_answer answer_cancel(void *ctx)
+{
+    (void)ctx;
+    return VOR_CANCEL;
+}
+
+static void ignore_record(void *ctx, const struct vor_record *record)
+{
+    (void)ctx;
+    (void)record;
+}
+
+static void ignore_stage(void *ctx, enum vor_stage stage)
+{
+    (void)ctx;
+    (void)stage;
+}
+
+static const struct vor_listener nobody = {
+    .asked = answer_cancel, .progress = ignore_record, .stage = ignore_stage};
+
+/* Waits for the end of a run in nobody's name. */
+static void *see_out(void *arg)
+{
+    struct sitting *sitting = arg;
+    struct vor_supervisor *supervisor = sitting->supervisor;
+    struct vor_run_result result;
+    struct vor_error err;
+    struct vor_text kept;
+    struct handed handed = {&result, &kept, &err};
+
+    vor_text_init(&kept, 0);
+    (void)listen_to(sitting, &handed);
+    vor_text_free(&kept);
+    leave_seat(sitting);
+    leave_worker(supervisor, sitting->worker);
+    free(sitting);
+    pthread_mutex_lock(&supervisor->mutex);
+    supervisor->left_over--;
+    pthread_cond_broadcast(&supervisor->changed);
+    pthread_mutex_unlock(&supervisor->mutex);
+    return NULL;
+}
+
+/* Has another thread see a run out; false when there is none. */
+static int leave_over(struct sitting *sitting)
+{
+    struct vor_supervisor *supervisor = sitting->supervisor;
+    struct sitting *left = malloc(sizeof *left);
+    pthread_t thread;
+
+    if (left == NULL)
+        return 0;
+    sitting->is_left_over = 1;
+    *left = *sitting;
+    left->listener = &nobody;
+    pthread_mutex_lock(&supervisor->mutex);
+    if (pthread_create(&thread, NULL, see_out, left) == 0) {
+        (void)pthread_detach(thread);
+        supervisor->left_over++;
+    } else {
+        sitting->is_left_over = 0;
+        free(left);
+    }
+    pthread_mutex_unlock(&supervisor->mutex);
+    return sitting->is_left_over;
 }
 
 /* Runs an order at its worker. */
@@ -435,7 +387,8 @@ static enum vor_run_end run_at(struct sitting *sitting, const struct vor_order *
         end = listen_to(sitting, handed);
     else
         end = lose(sitting, handed->err);
-    leave_seat(sitting);
+    if (!sitting->is_left_over)
+        leave_seat(sitting);
     return end;
 }
 
@@ -453,7 +406,8 @@ static enum vor_run_end run_there(struct vor_executor *executor, const struct vo
     if (sitting.worker == NULL)
         return VOR_RUN_DISTURBED;
     end = run_at(&sitting, order, &handed);
-    leave_worker(supervisor, sitting.worker);
+    if (!sitting.is_left_over)
+        leave_worker(supervisor, sitting.worker);
     return end;
 }
 
@@ -461,9 +415,9 @@ static enum vor_run_end run_there(struct vor_executor *executor, const struct vo
 
 static vor_status start(struct vor_supervisor *supervisor, struct vor_error *err)
 {
-    vor_status status = init_worker(&supervisor->shared, &supervisor->config, err);
+    vor_status status = init_worker(supervisor, &supervisor->shared, err);
 
-    return status == VOR_OK ? begin_life(supervisor, &supervisor->shared, err) : status;
+    return status == VOR_OK ? begin_worker(supervisor, &supervisor->shared, err) : status;
 }
 
 vor_status vor_supervisor_create(struct vor_supervisor **out,
@@ -482,6 +436,7 @@ vor_status vor_supervisor_create(struct vor_supervisor **out,
     if (config->stall_seconds == 0)
         supervisor->config.stall_seconds = stall_seconds;
     pthread_mutex_init(&supervisor->mutex, NULL);
+    pthread_cond_init(&supervisor->changed, NULL);
     status = start(supervisor, err);
     if (status != VOR_OK) {
         vor_supervisor_destroy(supervisor);
@@ -495,7 +450,12 @@ void vor_supervisor_destroy(struct vor_supervisor *supervisor)
 {
     if (supervisor == NULL)
         return;
-    free_worker(&supervisor->shared);
+    pthread_mutex_lock(&supervisor->mutex);
+    while (supervisor->left_over > 0) /* for cancel_seconds at most */
+        pthread_cond_wait(&supervisor->changed, &supervisor->mutex);
+    pthread_mutex_unlock(&supervisor->mutex);
+    vor_workplace_free(&supervisor->shared);
+    pthread_cond_destroy(&supervisor->changed);
     pthread_mutex_destroy(&supervisor->mutex);
     free(supervisor);
 }

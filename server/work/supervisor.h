@@ -32,10 +32,10 @@ void vor_supervisor_destroy(struct vor_supervisor *supervisor);
 /** The executor: VOR_SEATS (wire.h) runs at a time. Borrowed.
  *
  *  What a listener answers is known to the run within 20 ms. A run that was cancelled and does not
- *  end is ended with its process: after cancel_seconds, as others lose what they have done, which
- *  end as VOR_RUN_DISTURBED; where nothing else runs there, after a fifth of that. A worker that
- *  ends without being told to, or gives no sign of life for stall_seconds, is VOR_RUN_CRASHED for
- *  all that runs there. */
+ *  end is told as cancelled after half a second, and ended with its process: after cancel_seconds,
+ * as others lose what they have done, which end as VOR_RUN_DISTURBED; where nothing else runs
+ * there, after a fifth of that. A worker that ends without being told to, or gives no sign of life
+ * for stall_seconds, is VOR_RUN_CRASHED for all that runs there. */
 struct vor_executor *vor_supervisor_executor(struct vor_supervisor *supervisor);
 
 /** The worker processes so far: how many were started, and how many ended unasked. */

@@ -471,6 +471,8 @@ START_TEST(a_deaf_run_is_ended_and_one_that_listens_is_not)
     wait_seated(&deaf);
     atomic_store(&deaf.asked, VOR_CANCEL);
     ck_assert_int_eq(end_of(&deaf), VOR_RUN_FAILED);
+    while (counts_of(&front).crashed == 0) /* nobody waits for it */
+        nap(1);
     begin(&obeys, &front, OBEYS);
     wait_seated(&obeys);
     atomic_store(&obeys.asked, VOR_CANCEL);
