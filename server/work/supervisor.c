@@ -9,6 +9,7 @@
 #include "server/base/clock.h"
 #include "server/work/workplace.h"
 
+#include <errno.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -128,6 +129,12 @@ static void leave_seat(struct sitting *sitting)
     pthread_mutex_unlock(&sitting->supervisor->mutex);
 }
 
+/* Whether an error of sending says that the other side has gone, and not that we have no means. */
+static int is_gone(const struct vor_error *err)
+{
+    return err->got == EPIPE || err->got == ECONNRESET;
+}
+
 /* Sends the worker a channel for the run; the mutex is held. */
 static vor_status summon(struct sitting *sitting, struct vor_error *err)
 {
@@ -147,28 +154,37 @@ static vor_status summon(struct sitting *sitting, struct vor_error *err)
     return status;
 }
 
-/* Begins a run at the worker, which is started where it is not up. One that has died since its last
- * run shows when it is spoken to. */
+/* Begins a run at the worker, which is started where it is not up; the mutex is held. */
+static vor_status try_to_sit(struct sitting *sitting, struct vor_error *err)
+{
+    struct vor_workplace *worker = sitting->worker;
+    vor_status status = worker->is_up ? VOR_OK : begin_worker(sitting->supervisor, worker, err);
+
+    if (status == VOR_OK)
+        status = take_seat(sitting, err);
+    if (status != VOR_OK)
+        return status;
+    status = summon(sitting, err);
+    if (status == VOR_OK)
+        return VOR_OK;
+    worker->seat[sitting->seat].taken = 0;
+    if (is_gone(err))
+        end_worker(sitting->supervisor, worker, NULL, VOR_NOBODY);
+    return status;
+}
+
+/* The same. A worker that has died since its last run shows when it is spoken to. */
 static vor_status sit_down(struct sitting *sitting, struct vor_error *err)
 {
-    struct vor_supervisor *supervisor = sitting->supervisor;
-    struct vor_workplace *worker = sitting->worker;
     vor_status status = VOR_E_IO;
 
-    pthread_mutex_lock(&supervisor->mutex);
-    for (int i = 0; i < STARTS && status == VOR_E_IO; i++) {
-        status = worker->is_up ? VOR_OK : begin_worker(supervisor, worker, err);
-        if (status == VOR_OK)
-            status = take_seat(sitting, err);
-        if (status != VOR_OK)
-            break;
-        status = summon(sitting, err);
-        if (status == VOR_OK)
-            break;
-        worker->seat[sitting->seat].taken = 0;
-        end_worker(supervisor, worker, NULL, VOR_NOBODY);
+    pthread_mutex_lock(&sitting->supervisor->mutex);
+    for (int i = 0; i < STARTS && status != VOR_OK; i++) {
+        status = try_to_sit(sitting, err);
+        if (status != VOR_OK && sitting->worker->is_up)
+            break; /* it is not the worker */
     }
-    pthread_mutex_unlock(&supervisor->mutex);
+    pthread_mutex_unlock(&sitting->supervisor->mutex);
     return status;
 }
 
@@ -386,7 +402,7 @@ static enum vor_run_end run_at(struct sitting *sitting, const struct vor_order *
     if (vor_order_send(sitting->channel, order, handed->err) == VOR_OK)
         end = listen_to(sitting, handed);
     else
-        end = lose(sitting, handed->err);
+        end = is_gone(handed->err) ? lose(sitting, handed->err) : VOR_RUN_DISTURBED;
     if (!sitting->is_left_over)
         leave_seat(sitting);
     return end;

@@ -119,7 +119,7 @@ static int receive_files(int channel, struct vor_message *message, size_t size, 
 vor_status vor_order_receive(struct vor_order *out, int channel, double seconds,
                              struct vor_error *err)
 {
-    struct packed packed;
+    struct packed packed = {.process = ""};
     char nothing;
     struct vor_message first = {.bytes = &packed, .capacity = sizeof packed};
     struct vor_message second = {.bytes = &nothing, .capacity = sizeof nothing};

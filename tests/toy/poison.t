@@ -34,9 +34,9 @@ for my $venom (qw(fault abort leak)) {
     subtest "a poison that ends by $venom among good jobs" => sub {
         my $daemon = Vt->start(jobs => 4, 'job-memory' => 16 << 20);
         my $started = json($daemon->get('/v1/'))->{started};
-        my @good = map { submit($daemon, $good) } 1 .. 8;
+        my @good = map { submit($daemon, $good) } 1 .. 4;
         my $poison = submit($daemon, "/v1/poison?venom=$venom");
-        push @good, map { submit($daemon, $good) } 1 .. 8;
+        push @good, map { submit($daemon, $good) } 1 .. 4;
         my $info = $daemon->finish($poison);
         is "$info->{status}: $info->{message}", 'failed: crashed: the worker ended 2 times while it worked on this job alone', 'it fails';
         is_deeply [grep { $_ ne 'successful' } map { $daemon->finish($_)->{status} } @good], [], 'all others succeed';
@@ -60,7 +60,7 @@ subtest 'a poison that never ends' => sub {
 
 subtest 'readers of events are told that a job begins anew' => sub {
     my $daemon = Vt->start(jobs => 1);
-    my $id = submit($daemon, '/v1/census?parts=40&pause=0.05');
+    my $id = submit($daemon, '/v1/census?parts=10&pause=0.05');
     ok wait_until(sub { json($daemon->get("/v1/jobs/$id"))->{status} eq 'running' }, 20), 'it runs';
     sleep 0.2;
     my ($worker) = map { $_->{pid} } grep { $_->{msg} eq 'worker started' } $daemon->log_lines;
@@ -87,9 +87,9 @@ sub alive { return grep { -d "/proc/$_" && Vt::slurp("/proc/$_/stat") !~ /\) Z /
 
 subtest 'nobody is blamed for kill -9, and no process is left' => sub {
     my $daemon = Vt->start(jobs => 4);
-    my @good = map { submit($daemon, '/v1/census?parts=20&pause=0.01') } 1 .. 6;
+    my @good = map { submit($daemon, '/v1/census?parts=20&pause=0.01') } 1 .. 4;
     my %attempts;
-    for (1 .. 6) {
+    for (1 .. 4) {
         sleep 0.1;
         my @family = family($daemon);
         cmp_ok scalar(@family), '>=', 2, 'a zygote and a worker';
