@@ -4,7 +4,7 @@
 
 #include "core/process.h"
 #include "proto/codec.h"
-#include "server/work/executor.h"
+#include "server/work/run_executor.h"
 
 /** Reads every input of a process, as the admission kept it, into a set under its name.
  *

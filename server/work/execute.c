@@ -178,18 +178,18 @@ vor_status vor_execute(struct vor_run_result *result, struct vor_text *kept,
 
 /* --- in this process -------------------------------------------------------------------------- */
 
-static enum vor_run_end run_here(struct vor_executor *executor, const struct vor_order *order,
+static enum vor_run_end run_here(struct vor_run_executor *executor, const struct vor_order *order,
                                  const struct vor_listener *listener, struct vor_run_result *result,
                                  struct vor_text *kept, struct vor_error *err)
 {
-    struct vor_executor_here *here = (struct vor_executor_here *)executor;
+    struct vor_run_here *here = (struct vor_run_here *)executor;
     vor_status status = vor_execute(result, kept, order, here->pool, listener, err);
 
     return status == VOR_OK ? VOR_RUN_DONE : VOR_RUN_FAILED;
 }
 
-void vor_executor_here_init(struct vor_executor_here *here, struct vor_pool *pool)
+void vor_run_here_init(struct vor_run_here *here, struct vor_pool *pool)
 {
-    here->base = (struct vor_executor){.threads = vor_pool_threads(pool), .run = run_here};
+    here->base = (struct vor_run_executor){.threads = vor_pool_threads(pool), .run = run_here};
     here->pool = pool;
 }

@@ -3,7 +3,7 @@
 #ifndef VOR_SERVER_WORK_EXECUTE_H
 #define VOR_SERVER_WORK_EXECUTE_H
 
-#include "server/work/executor.h"
+#include "server/work/run_executor.h"
 
 /** Runs an order.
  *

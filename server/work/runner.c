@@ -169,7 +169,7 @@ static enum vor_run_end execute(struct run *run, struct vor_error *err)
 {
     const struct vor_listener listener = {
         .ctx = run, .asked = asked, .progress = take_progress, .stage = take_stage};
-    struct vor_executor *executor = run->worker->config.executor;
+    struct vor_run_executor *executor = run->worker->config.executor;
     enum vor_run_end end = VOR_RUN_FAILED;
 
     if (place_order(run, err) == VOR_OK)

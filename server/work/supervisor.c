@@ -29,7 +29,7 @@ static const double stall_seconds = 10;
 enum { STARTS = 3 }; /* tries to start a worker for a run */
 
 struct vor_supervisor {
-    struct vor_executor base;
+    struct vor_run_executor base;
     struct vor_supervisor_config config;
     pthread_mutex_t mutex;  /* everything below */
     pthread_cond_t changed; /* left_over */
@@ -408,7 +408,7 @@ static enum vor_run_end run_at(struct sitting *sitting, const struct vor_order *
     return end;
 }
 
-static enum vor_run_end run_there(struct vor_executor *executor, const struct vor_order *order,
+static enum vor_run_end run_there(struct vor_run_executor *executor, const struct vor_order *order,
                                   const struct vor_listener *listener,
                                   struct vor_run_result *result, struct vor_text *kept,
                                   struct vor_error *err)
@@ -445,7 +445,7 @@ vor_status vor_supervisor_create(struct vor_supervisor **out,
     if (supervisor == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the worker process");
     supervisor->base =
-        (struct vor_executor){.threads = config->threads, .is_apart = 1, .run = run_there};
+        (struct vor_run_executor){.threads = config->threads, .is_apart = 1, .run = run_there};
     supervisor->config = *config;
     if (config->cancel_seconds == 0)
         supervisor->config.cancel_seconds = cancel_seconds;
@@ -476,7 +476,7 @@ void vor_supervisor_destroy(struct vor_supervisor *supervisor)
     free(supervisor);
 }
 
-struct vor_executor *vor_supervisor_executor(struct vor_supervisor *supervisor)
+struct vor_run_executor *vor_supervisor_executor(struct vor_supervisor *supervisor)
 {
     return &supervisor->base;
 }

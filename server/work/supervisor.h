@@ -5,7 +5,7 @@
 #define VOR_SERVER_WORK_SUPERVISOR_H
 
 #include "server/proc/zygote.h"
-#include "server/work/executor.h"
+#include "server/work/run_executor.h"
 
 struct vor_supervisor;
 
@@ -36,7 +36,7 @@ void vor_supervisor_destroy(struct vor_supervisor *supervisor);
  * as others lose what they have done, which end as VOR_RUN_DISTURBED; where nothing else runs
  * there, after a fifth of that. A worker that ends without being told to, or gives no sign of life
  * for stall_seconds, is VOR_RUN_CRASHED for all that runs there. */
-struct vor_executor *vor_supervisor_executor(struct vor_supervisor *supervisor);
+struct vor_run_executor *vor_supervisor_executor(struct vor_supervisor *supervisor);
 
 /** The worker processes so far: how many were started, and how many ended unasked. */
 struct vor_supervisor_counts {

@@ -8,7 +8,7 @@
 #define VOR_SERVER_WORK_WIRE_H
 
 #include "server/proc/channel.h"
-#include "server/work/executor.h"
+#include "server/work/run_executor.h"
 
 #include <stdatomic.h>
 

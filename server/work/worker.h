@@ -11,7 +11,7 @@
 #include "server/store/store.h"
 #include "server/work/admit.h"
 #include "server/work/crew.h"
-#include "server/work/executor.h"
+#include "server/work/run_executor.h"
 
 #include <stddef.h>
 
@@ -20,7 +20,7 @@ struct vor_worker;
 struct vor_worker_config {
     struct vor_store *store; /**< borrowed, as the next two */
     struct vor_blobs *blobs;
-    struct vor_executor *executor;
+    struct vor_run_executor *executor;
     unsigned jobs;                  /**< run at the same time, 1 .. 64 */
     size_t queue;                   /**< wait at most, at least 1 */
     size_t memory;                  /**< bytes a job may have */

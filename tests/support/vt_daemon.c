@@ -23,7 +23,7 @@ void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
     vt_assert_ok(vor_pool_create(&daemon->pool, 2, &vt_err));
     config.store = daemon->store;
     config.blobs = daemon->blobs;
-    vor_executor_here_init(&daemon->here, daemon->pool);
+    vor_run_here_init(&daemon->here, daemon->pool);
     config.executor = &daemon->here.base;
     config.jobs = options->jobs > 0 ? options->jobs : 2;
     config.queue = options->queue > 0 ? options->queue : 16;

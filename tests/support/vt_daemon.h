@@ -10,7 +10,7 @@ struct vt_daemon {
     struct vor_blobs *blobs;
     struct vor_store *store;
     struct vor_pool *pool;
-    struct vor_executor_here here;
+    struct vor_run_here here;
     struct vor_worker *worker;
 };
 

@@ -246,7 +246,7 @@ static struct vor_order order_of(size_t memory)
     return order;
 }
 
-static void run_at(struct heard *heard, struct vor_executor *executor,
+static void run_at(struct heard *heard, struct vor_run_executor *executor,
                    const struct vor_order *order)
 {
     const struct vor_listener listener = {heard, answer, hear_record, hear_stage};
@@ -545,7 +545,7 @@ static size_t before_seconds(const struct vor_text *kept)
 START_TEST(a_run_in_another_process_gives_what_one_in_this_gives)
 {
     struct front front = front_start(STATION, 0, 0);
-    struct vor_executor_here here;
+    struct vor_run_here here;
     struct heard there_heard = {.front = &front}, here_heard = {.front = &front};
     struct files there_files, here_files;
     struct vor_order order = real_order(&there_files);
@@ -556,7 +556,7 @@ START_TEST(a_run_in_another_process_gives_what_one_in_this_gives)
     run_at(&there_heard, vor_supervisor_executor(front.supervisor), &order);
     order = real_order(&here_files);
     vt_assert_ok(vor_pool_create(&pool, 2, &vt_err));
-    vor_executor_here_init(&here, pool);
+    vor_run_here_init(&here, pool);
     run_at(&here_heard, &here.base, &order);
     ck_assert_int_eq(there_heard.end, VOR_RUN_DONE);
     ck_assert_int_eq(here_heard.end, VOR_RUN_DONE);

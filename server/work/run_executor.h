@@ -4,8 +4,8 @@
  *
  *  There are two: one on a pool of this process (for tests, below), and one in a process of its own
  *  (supervisor.h). */
-#ifndef VOR_SERVER_WORK_EXECUTOR_H
-#define VOR_SERVER_WORK_EXECUTOR_H
+#ifndef VOR_SERVER_WORK_RUN_EXECUTOR_H
+#define VOR_SERVER_WORK_RUN_EXECUTOR_H
 
 #include "core/base/parallel.h"
 #include "proto/text.h"
@@ -58,7 +58,7 @@ enum vor_run_end {
 };
 
 /** A place for runs; a driver's struct begins with this. */
-struct vor_executor {
+struct vor_run_executor {
     unsigned threads; /**< that the runs there share */
     int is_apart;     /**< a run that crashes takes neither this process with it nor, where it is a
                            suspect, another run */
@@ -68,17 +68,17 @@ struct vor_executor {
      *  @param[out] kept    initialised; then has the output that is kept in the row, as JSON; empty
      *                      for none
      *  @param[out] err     set unless VOR_RUN_DONE is returned */
-    enum vor_run_end (*run)(struct vor_executor *executor, const struct vor_order *order,
+    enum vor_run_end (*run)(struct vor_run_executor *executor, const struct vor_order *order,
                             const struct vor_listener *listener, struct vor_run_result *result,
                             struct vor_text *kept, struct vor_error *err);
 };
 
 /** The one of this process. */
-struct vor_executor_here {
-    struct vor_executor base;
+struct vor_run_here {
+    struct vor_run_executor base;
     struct vor_pool *pool; /**< borrowed */
 };
 
-void vor_executor_here_init(struct vor_executor_here *here, struct vor_pool *pool);
+void vor_run_here_init(struct vor_run_here *here, struct vor_pool *pool);
 
 #endif
