@@ -4,7 +4,7 @@ B := build/$(config)
 
 CC ?= gcc
 CXX ?= g++
-PKGS := libmicrohttpd libcjson draco sqlite3 libcurl nettle zlib
+PKGS := libmicrohttpd libcjson draco sqlite3 libcurl nettle zlib libseccomp
 VERSION := 0.1.0
 
 WARN := -Wall -Wextra -Wshadow -Wpointer-arith -Wcast-qual -Wformat=2 -Wundef -Werror=format-security
@@ -243,7 +243,7 @@ SHARE := $(B)/share
 PAGES := $(addprefix $(SHARE)/,voronoid.1 voronoid.8 voronoid.bash voronoid.zsh)
 root := $(DESTDIR)$(PREFIX)
 INSTALLED := bin/voronoid share/man/man1/voronoid.1 share/man/man8/voronoid.8 \
-    share/bash-completion/completions/voronoid share/zsh/site-functions/_voronoid share/doc/voronoid/LICENSE
+    share/bash-completion/completions/voronoid lib/systemd/system/voronoid.service share/zsh/site-functions/_voronoid share/doc/voronoid/LICENSE
 
 $(SHARE)/voronoid.%: $(BIN)
 	@mkdir -p $(@D)
@@ -255,6 +255,8 @@ install: all $(PAGES) ## copy binary, manual, completions and license to DESTDIR
 	install -D -m 0644 $(SHARE)/voronoid.8 $(root)/share/man/man8/voronoid.8
 	install -D -m 0644 $(SHARE)/voronoid.bash $(root)/share/bash-completion/completions/voronoid
 	install -D -m 0644 $(SHARE)/voronoid.zsh $(root)/share/zsh/site-functions/_voronoid
+	install -d $(root)/lib/systemd/system
+	sed 's|/usr/local/bin|$(PREFIX)/bin|' docker/voronoid.service >$(root)/lib/systemd/system/voronoid.service
 	install -D -m 0644 LICENSE $(root)/share/doc/voronoid/LICENSE
 
 uninstall: ## remove what install has copied

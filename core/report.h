@@ -295,6 +295,9 @@ struct vor_stage_done {
       "Loops of edges that have one triangle: rims of the input, and holes that it has too")       \
     X(U64, mesh_filled, "mesh.filled", "",                                                         \
       "Small loops that were filled, as the input goes on under them")                             \
+    X(U64, mesh_unsure, "mesh.unsure", "",                                                         \
+      "Triangles that may join two sheets of the input, which lie too near to each other or "      \
+      "cross: the surface at one corner passes another by, by more than a fifth of the way there") \
     X(MESH_LOOPS, mesh_longest, "mesh.longest_loops", "", "The loops with most edges, at most 32") \
     X(REAL, mesh_seconds, "mesh.seconds", "s", "Making the triangles")                             \
     X(OPTIONAL, has_baselines, "baselines", "",                                                    \

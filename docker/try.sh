@@ -32,4 +32,12 @@ grep -qx 'voronoid: /var/lib/mounted belongs to user 0, .* chown -R 65532:65532 
     echo "try.sh: a folder of the wrong owner is not named: $said" >&2
     exit 1
 }
+
+# As the image is started when nobody says more: it listens beyond its own loopback, and says what is missing.
+status=0
+said=$(VORONOID_LISTEN=0.0.0.0:0 chroot --userspec=65532:65532 "$root" /usr/bin/voronoid serve --data /var/lib/voronoid 2>&1) || status=$?
+if [ "$status" != 2 ] || ! grep -q -- '--api-keys FILE .*--no-auth' <<<"$said"; then
+    echo "try.sh: the image starts without keys, or does not say how it would ($status): $said" >&2
+    exit 1
+fi
 echo "try.sh: the image's file system serves as uid 65532 ($(du -sh "$root" | cut -f1))"

@@ -4,6 +4,7 @@
  * notes. One of a file with faces has a further tail, behind the notes, and is of version 3. */
 #include "proto/dump.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { VERSION = 1, VERSION_NOTES = 2, VERSION_FACES = 3, ORDER = 0x01020304 };
@@ -144,6 +145,22 @@ vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *c
     if (status == VOR_OK && has_faces(cloud))
         status = put_faces(sink, cloud, err);
     return status;
+}
+
+static int count(void *ctx, const void *bytes, size_t size)
+{
+    (void)bytes;
+    *(uint64_t *)ctx += size;
+    return 0;
+}
+
+uint64_t vor_dump_size(const struct vor_cloud *cloud)
+{
+    uint64_t size = 0;
+    const struct vor_sink counter = {.ctx = &size, .write = count};
+
+    (void)!vor_dump_write(&counter, cloud, NULL);
+    return size;
 }
 
 static vor_status damaged(size_t offset, const char *what, struct vor_error *err)
@@ -325,19 +342,46 @@ static vor_status take_values(struct vor_cloud *cloud, const struct head *head,
     return status == VOR_OK ? vor_cloud_check(cloud, err) : status;
 }
 
+static vor_status check(struct head *head, const uint8_t *bytes, size_t size, struct vor_error *err)
+{
+    vor_status status;
+
+    if (size < sizeof *head)
+        return damaged(size, "length", err);
+    memcpy(head, bytes, sizeof *head);
+    status = check_head(head, size, err);
+    return status == VOR_OK ? check_size(head, bytes, size, err) : status;
+}
+
+vor_status vor_dump_check(size_t *points, const uint8_t *bytes, size_t size, struct vor_error *err)
+{
+    struct head head;
+    vor_status status = check(&head, bytes, size, err);
+    const uint8_t *at = bytes + sizeof head;
+    size_t bad = 0;
+    float value;
+
+    if (status != VOR_OK)
+        return status;
+    at += head.attribute_count * sizeof(struct row);
+    for (size_t i = 0; i < 3 * (size_t)head.n; i++) {
+        memcpy(&value, at + i * sizeof value, sizeof value);
+        bad += !isfinite(value);
+    }
+    if (bad > 0 || !isfinite(head.origin[0]) || !isfinite(head.origin[1]) ||
+        !isfinite(head.origin[2]))
+        return vor_fail(err, VOR_E_NONFINITE, "damaged dump: coordinates that are not finite");
+    *points = (size_t)head.n;
+    return VOR_OK;
+}
+
 vor_status vor_dump_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
                          struct vor_error *err)
 {
     struct vor_cloud cloud;
     struct head head;
-    vor_status status;
+    vor_status status = check(&head, bytes, size, err);
 
-    if (size < sizeof head)
-        return damaged(size, "length", err);
-    memcpy(&head, bytes, sizeof head);
-    status = check_head(&head, size, err);
-    if (status == VOR_OK)
-        status = check_size(&head, bytes, size, err);
     if (status != VOR_OK)
         return status;
     vor_cloud_init(&cloud, out->memory);

@@ -1,4 +1,4 @@
-#include "server/base/config.h"
+#include "server/base/config_help.h"
 #include "server/cli/cli.h"
 #include "server/cli/complete.h"
 #include "server/cli/help.h"

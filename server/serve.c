@@ -1,16 +1,27 @@
-/* The order of life: settings, store, blobs, socket, pool, jobs, admission, HTTP; then wait for a
- * signal; then the same backwards. */
+/* The order of life: settings, processes, store, blobs, socket, worker, jobs, admission, HTTP; then
+ * wait for a signal; then the same backwards. */
 #include "server/serve.h"
 
+#include "server/api/admin.h"
 #include "server/api/app.h"
 #include "server/api/routes.h"
+#include "server/api/tickets.h"
 #include "server/base/clock.h"
+#include "server/base/descriptors.h"
+#include "server/base/keys.h"
 #include "server/base/log.h"
+#include "server/base/log_sink.h"
 #include "server/base/machine.h"
+#include "server/base/notify.h"
+#include "server/base/rates.h"
 #include "server/cli/say.h"
 #include "server/work/admit.h"
 #include "server/work/conversion.h"
+#include "server/work/kinds.h"
+#include "server/work/supervisor.h"
+#include "server/work/verify.h"
 
+#include <errno.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
@@ -19,25 +30,56 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { ADMIT_WAITING_MAX = 64, CRASHES_MAX = 2, QUIET_SECONDS = 10 };
+/* A quarter of the uploads that wait may be one caller's. */
+enum {
+    ADMIT_WAITING_MAX = 256,
+    SETTLE_SECONDS = 2, /* for what was handed to other threads, and for answers, after the drain */
+    LAST_SECONDS = 1    /* for connections that were cut to be closed */
+};
+
+/* A job that crashed the daemon twice with nothing beside it will do so again. Whoever kills the
+ * daemon means the daemon, unless it is the kernel, out of memory, because of the job. */
+enum { FAULTS_MAX = 2, KILLS_MAX = 12 };
+
+/* Of the second listener. A scraper asks every 15 seconds as a rule, on a connection it keeps. */
+enum { ADMIN_CONNECTIONS = 16, ADMIN_SECONDS = 5, ADMIN_KEEP_SECONDS = 60 };
+
+/* How long the last lines of the log may wait for their reader. */
+static const double log_seconds = 1;
+static const double farewell_seconds =
+    0.2; /* so long kept connections are told Connection: close */
+
+/* Before children, when the kernel is out of memory, and after what can wait for it. */
+enum { OOM_SCORE = -100 };
 
 /* The parts, in the order in which they start. */
 struct daemon {
     struct vor_config config;
     struct vor_app app;
-    struct vor_pool *pool;
+    struct vor_http *admin; /* the second listener; NULL when there is none */
+    struct vor_zygote zygote;
+    enum vor_sandbox_kind sandbox;
+    struct vor_supervisor *supervisor;
     sigset_t signals;
     pthread_t drainer;
+    int argc; /* of the command line, for a reload */
+    char **argv;
     long holder;
+    char fault_mark[VOR_CONFIG_TEXT_MAX + 16]; /* beside jobs and blobs */
 };
+
+static double all_memory(const struct vor_config *config)
+{
+    double asked = config->number[VOR_SET_MEMORY];
+
+    return asked > 0 ? asked : (double)vor_machine_memory() * 0.7;
+}
 
 static size_t job_memory(const struct vor_config *config)
 {
     double asked = config->number[VOR_SET_JOB_MEMORY];
 
-    if (asked > 0)
-        return (size_t)asked;
-    return (size_t)((double)vor_machine_memory() * 0.7 / config->number[VOR_SET_JOBS]);
+    return (size_t)(asked > 0 ? asked : all_memory(config) / config->number[VOR_SET_JOBS]);
 }
 
 static unsigned thread_count(const struct vor_config *config)
@@ -45,6 +87,36 @@ static unsigned thread_count(const struct vor_config *config)
     unsigned asked = (unsigned)config->number[VOR_SET_THREADS];
 
     return asked > 0 ? asked : vor_machine_cores();
+}
+
+/* A disk has failed: what is on it is not known any more, so that only a start finds out. Called on
+ * a thread of the worker. Answers under way get a moment, jobs none: their rows cannot be changed.
+ */
+static void fail(void *ctx, const struct vor_error *why)
+{
+    static const struct timespec pause = {.tv_nsec = 200000000};
+    struct daemon *daemon = ctx;
+
+    vor_log(VOR_LOG_ERROR, "a disk failed: the daemon ends, its next start recovers",
+            VOR_TEXT("error", why->message), VOR_COUNT("exit", VOR_EXIT_FAILED));
+    if (daemon->app.http != NULL && !atomic_exchange(&daemon->app.draining, true))
+        vor_http_quiesce(daemon->app.http);
+    (void)nanosleep(&pause, NULL);
+    _exit(VOR_EXIT_FAILED);
+}
+
+/* Who may call, what tickets are signed with, how often keys ask. */
+static vor_status open_callers(struct daemon *daemon, struct vor_error *err)
+{
+    const char *path = daemon->config.text[VOR_SET_API_KEYS];
+    vor_status status = vor_tickets_create(&daemon->app.tickets, err);
+
+    daemon->app.rates = vor_rates_create();
+    if (status == VOR_OK && daemon->app.rates == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "the rates of keys");
+    if (status == VOR_OK && path[0] != '\0')
+        status = vor_keys_open(&daemon->app.keys, path, err);
+    return status;
 }
 
 static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
@@ -56,7 +128,17 @@ static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
     if (status == VOR_OK)
         status =
             vor_blobs_open(&daemon->app.blobs, config->text[VOR_SET_BLOBS], &daemon->holder, err);
-    return status;
+    if (status != VOR_OK)
+        return status;
+    vor_store_set_reserve(daemon->app.store, (uint64_t)config->number[VOR_SET_DISK_RESERVE]);
+    vor_blobs_set_reserve(daemon->app.blobs, (uint64_t)config->number[VOR_SET_DISK_RESERVE]);
+    return VOR_OK;
+}
+
+static struct vor_codec_place place_of(struct daemon *daemon)
+{
+    return (struct vor_codec_place){
+        .zygote = &daemon->zygote, .kind = VOR_CHILD_CODEC, .sandbox = daemon->sandbox};
 }
 
 /* Results are converted where uploads are decoded, as many at a time as there are cores. */
@@ -65,10 +147,33 @@ static vor_status start_conversions(struct daemon *daemon, struct vor_error *err
     struct vor_conversions_config conversions = {.blobs = daemon->app.blobs,
                                                  .worker = daemon->app.worker,
                                                  .crew = vor_admit_crew(daemon->app.admit),
+                                                 .place = place_of(daemon),
                                                  .memory = job_memory(&daemon->config),
                                                  .most = vor_machine_cores()};
 
     return vor_conversions_create(&daemon->app.conversions, &conversions, err);
+}
+
+/* Uploads that are read at a time: one for each core; two on a machine with one, so that a caller
+ * leaves one to others. */
+static unsigned readers(void)
+{
+    unsigned cores = vor_machine_cores();
+
+    return cores > 2 ? cores : 2;
+}
+
+/* Half of the disk unless somebody says; all of it when nobody can tell its size. */
+static uint64_t results_bytes(const struct daemon *daemon)
+{
+    double asked = daemon->config.number[VOR_SET_RESULTS_BYTES];
+    uint64_t available, total;
+
+    if (asked > 0)
+        return (uint64_t)asked;
+    if (vor_blobs_space(daemon->app.blobs, &available, &total, NULL) != VOR_OK)
+        return INT64_MAX;
+    return total / 2;
 }
 
 static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
@@ -79,26 +184,48 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         .blobs = daemon->app.blobs,
         .jobs = (unsigned)config->number[VOR_SET_JOBS],
         .queue = (size_t)config->number[VOR_SET_QUEUE],
+        .queue_bytes = (uint64_t)config->number[VOR_SET_QUEUE_BYTES],
         .memory = job_memory(config),
+        .budget = (uint64_t)all_memory(config),
+        .job_seconds = config->number[VOR_SET_JOB_SECONDS],
         .ttl_seconds = config->number[VOR_SET_RESULT_TTL],
-        .crashes_max = CRASHES_MAX,
+        .faults_max = FAULTS_MAX,
+        .kills_max = KILLS_MAX,
+        .fault_mark = daemon->fault_mark,
         .keep = (uint64_t)config->number[VOR_SET_KEEP_INPUTS],
+        .results = results_bytes(daemon),
+        .lost_seconds = config->number[VOR_SET_LOST_TTL],
+        .lost_bytes = (uint64_t)config->number[VOR_SET_LOST_BYTES],
+        .failed = fail,
+        .failed_ctx = daemon,
     };
-    struct vor_admit_limits limits = {
-        .codec = VOR_LIMITS_DEFAULT, .memory = job_memory(config), .keep = worker.keep};
-    vor_status status = vor_pool_create(&daemon->pool, thread_count(config), err);
+    struct vor_admit_limits limits = {.place = place_of(daemon),
+                                      .codec = VOR_LIMITS_DEFAULT,
+                                      .memory = job_memory(config),
+                                      .keep = worker.keep};
+    const struct vor_supervisor_config runs = {.zygote = &daemon->zygote,
+                                               .kind = VOR_CHILD_WORKER,
+                                               .threads = thread_count(config),
+                                               .memory = worker.jobs * worker.memory};
+    vor_status status = vor_supervisor_create(&daemon->supervisor, &runs, err);
 
+    (void)snprintf(daemon->fault_mark, sizeof daemon->fault_mark, "%s/crashed",
+                   config->text[VOR_SET_DATA]);
     limits.codec.points = (size_t)config->number[VOR_SET_POINTS_LIMIT];
+    limits.codec.strict_draco = config->number[VOR_SET_DRACO] > 0;
     limits.inflated = (uint64_t)config->number[VOR_SET_BODY_LIMIT];
-    worker.pool = daemon->pool;
     daemon->app.inflight = vor_inflight_create();
     if (daemon->app.inflight == NULL && status == VOR_OK)
         status = vor_fail(err, VOR_E_NOMEM, "the keys of requests");
-    if (status == VOR_OK)
+    if (status == VOR_OK) {
+        worker.executor = vor_supervisor_executor(daemon->supervisor);
         status = vor_worker_create(&daemon->app.worker, &worker, err);
+    }
     if (status == VOR_OK)
-        status = vor_admit_create(&daemon->app.admit, daemon->app.blobs, &limits, worker.jobs,
+        status = vor_admit_create(&daemon->app.admit, daemon->app.blobs, &limits, readers(),
                                   ADMIT_WAITING_MAX, err);
+    if (status == VOR_OK)
+        status = vor_verify_create(&daemon->app.verify, err);
     return status == VOR_OK ? start_conversions(daemon, err) : status;
 }
 
@@ -108,19 +235,28 @@ static void library_line(void *ctx, const char *line)
     vor_log(VOR_LOG_DEBUG, "http library", VOR_TEXT("detail", line));
 }
 
+/* In the order of the setting's words. */
+static const unsigned socket_modes[] = {0600, 0660, 0666};
+
 static vor_status open_http(struct daemon *daemon, struct vor_error *err)
 {
     const struct vor_config *config = &daemon->config;
     const struct vor_http_options options = {
         .host = config->host,
         .port = config->port,
+        .path = config->endpoint.path,
+        .mode = socket_modes[(int)config->number[VOR_SET_SOCKET_MODE]],
         .threads = (unsigned)config->number[VOR_SET_HTTP_THREADS],
-        .connections = (unsigned)config->number[VOR_SET_CONNECTIONS] + 32,
+        .connections = (unsigned)config->number[VOR_SET_CONNECTIONS],
+        .streams = (unsigned)config->number[VOR_SET_STREAMS],
+        .each = (unsigned)config->number[VOR_SET_ADDRESS_CONNECTIONS],
         .header_seconds = config->number[VOR_SET_HEADER_TIMEOUT],
         .keep_seconds = config->number[VOR_SET_KEEP_TIMEOUT],
         .body_seconds = config->number[VOR_SET_BODY_TIMEOUT],
         .body_idle_seconds = config->number[VOR_SET_BODY_IDLE],
         .body_rate = config->number[VOR_SET_BODY_RATE],
+        .reply_rate = config->number[VOR_SET_REPLY_RATE],
+        .beat_seconds = config->number[VOR_SET_HEARTBEAT],
         .trusted = &config->trusted,
         .proxy_headers = (enum vor_proxy_headers)config->number[VOR_SET_PROXY_HEADERS],
         .handler = vor_route_dispatch,
@@ -133,38 +269,79 @@ static vor_status open_http(struct daemon *daemon, struct vor_error *err)
     return vor_http_open(&daemon->app.http, &options, err);
 }
 
+/* Few look at the numbers, and nobody for long: what is silent here is soon cut. */
+static vor_status open_admin(struct daemon *daemon, struct vor_error *err)
+{
+    const struct vor_config *config = &daemon->config;
+    const struct vor_http_options options = {
+        .host = config->admin.host,
+        .port = config->admin.port,
+        .path = config->admin.path,
+        .mode = socket_modes[(int)config->number[VOR_SET_SOCKET_MODE]],
+        .threads = 1,
+        .connections = ADMIN_CONNECTIONS,
+        .header_seconds = ADMIN_SECONDS,
+        .keep_seconds = ADMIN_KEEP_SECONDS,
+        .body_seconds = ADMIN_SECONDS,
+        .body_idle_seconds = ADMIN_SECONDS,
+        .trusted = &config->trusted,
+        .handler = vor_admin_dispatch,
+        .ctx = &daemon->app,
+        .refuse = vor_route_refuse,
+        .done = vor_admin_done,
+        .log = library_line,
+    };
+
+    if (config->text[VOR_SET_ADMIN_LISTEN][0] == '\0')
+        return VOR_OK;
+    return vor_http_open(&daemon->admin, &options, err);
+}
+
 /* The address comes before the jobs, so that a daemon whose address is taken touches none. Who
  * connects meanwhile is answered once every job of a former life is back in line: the threads come
  * last. */
 static vor_status start(struct daemon *daemon, struct vor_error *err)
 {
-    vor_status status = open_storage(daemon, err);
+    vor_status status = vor_descriptors_raise(&daemon->config, err);
 
     if (status == VOR_OK)
+        status = open_callers(daemon, err);
+    if (status == VOR_OK)
+        status = open_storage(daemon, err);
+    if (status == VOR_OK)
         status = open_http(daemon, err);
+    if (status == VOR_OK)
+        status = open_admin(daemon, err);
     if (status == VOR_OK)
         status = start_jobs(daemon, err);
     if (status == VOR_OK)
         status = vor_http_start(daemon->app.http, err);
+    if (status == VOR_OK && daemon->admin != NULL)
+        status = vor_http_start(daemon->admin, err);
     return status;
 }
 
 static void stop(struct daemon *daemon)
 {
+    vor_http_stop(daemon->admin);
     vor_http_stop(daemon->app.http);
+    vor_verify_destroy(daemon->app.verify);
     vor_admit_destroy(daemon->app.admit);
     vor_conversions_destroy(daemon->app.conversions);
     vor_worker_destroy(daemon->app.worker);
     vor_inflight_destroy(daemon->app.inflight);
-    vor_pool_destroy(daemon->pool);
+    vor_supervisor_destroy(daemon->supervisor);
+    vor_zygote_stop(&daemon->zygote);
     vor_blobs_close(daemon->app.blobs);
     vor_store_close(daemon->app.store);
+    vor_keys_close(daemon->app.keys);
+    vor_tickets_destroy(daemon->app.tickets);
+    vor_rates_destroy(daemon->app.rates);
 }
 
-/* Waits until no request is under way, QUIET_SECONDS at most. */
-static void wait_quiet(struct daemon *daemon)
+/* Waits until no request is under way, or until then. */
+static void wait_quiet(struct daemon *daemon, double until)
 {
-    double until = vor_clock_seconds() + QUIET_SECONDS;
     const struct timespec pause = {0, 10 * 1000 * 1000};
 
     while (vor_http_busy(daemon->app.http) > 0 && vor_clock_seconds() < until)
@@ -172,35 +349,71 @@ static void wait_quiet(struct daemon *daemon)
 }
 
 /* Drains the daemon on a thread of its own, while the main thread waits for a second signal. Ends
- * by sending that signal itself. */
+ * by sending that signal itself. Jobs, uploads and answers have the same time to end in; who is
+ * slower is cut. */
 static void *drain(void *ctx)
 {
+    const struct timespec farewell = {0, (long)(farewell_seconds * 1e9)};
     struct daemon *daemon = ctx;
+    double seconds = daemon->config.number[VOR_SET_DRAIN_TIMEOUT];
+    double until = vor_clock_seconds() + seconds;
 
     atomic_store(&daemon->app.draining, true);
     vor_http_wake_all(daemon->app.http);
-    vor_worker_drain(daemon->app.worker, daemon->config.number[VOR_SET_DRAIN_TIMEOUT]);
+    vor_worker_drain(daemon->app.worker, seconds);
     vor_http_quiesce(daemon->app.http);
-    vor_worker_settle(daemon->app.worker, QUIET_SECONDS);
+    vor_worker_settle(daemon->app.worker, SETTLE_SECONDS);
     vor_http_close_waiting(daemon->app.http);
-    wait_quiet(daemon);
+    (void)nanosleep(&farewell, NULL);
+    if (until < vor_clock_seconds() + SETTLE_SECONDS)
+        until = vor_clock_seconds() + SETTLE_SECONDS;
+    wait_quiet(daemon, until);
+    if (vor_http_busy(daemon->app.http) > 0)
+        vor_log(VOR_LOG_WARN, "slow clients are cut",
+                VOR_COUNT("requests", vor_http_busy(daemon->app.http)));
+    vor_http_cut_slow(daemon->app.http);
+    wait_quiet(daemon, vor_clock_seconds() + LAST_SECONDS);
     (void)kill(getpid(), SIGUSR2);
     return NULL;
+}
+
+static void reload_keys(const struct daemon *daemon)
+{
+    struct vor_error err;
+
+    if (vor_keys_reload(daemon->app.keys, &err) != VOR_OK)
+        vor_log(VOR_LOG_ERROR, "keys not read, those of before hold",
+                VOR_TEXT("error", err.message));
+}
+
+/* As sigwait, but that whoever watches this process is told that it lives, while it does. */
+static int wait_watched(const struct daemon *daemon, int *number)
+{
+    double seconds = vor_notify_watchdog();
+    struct timespec pause = {(time_t)seconds, (long)((seconds - (double)(time_t)seconds) * 1e9)};
+
+    if (seconds <= 0)
+        return sigwait(&daemon->signals, number);
+    while ((*number = sigtimedwait(&daemon->signals, NULL, &pause)) < 0)
+        if (errno == EAGAIN && vor_http_stuck(daemon->app.http) < VOR_STUCK_SECONDS)
+            vor_notify("WATCHDOG=1");
+    return 0;
 }
 
 static int wait_signal(const struct daemon *daemon)
 {
     int number = 0;
 
-    while (sigwait(&daemon->signals, &number) != 0)
+    while (wait_watched(daemon, &number) != 0)
         number = 0;
     return number;
 }
 
-/* SIGUSR2 comes from drain. Before the first SIGTERM it is ignored. */
+/* SIGUSR2 comes from drain. Before a signal that ends it is ignored. SIGCHLD comes when the zygote
+ * dies, without which no upload can be read: the daemon ends as after SIGTERM, but as failed. */
 static void block_signals(struct daemon *daemon)
 {
-    static const int numbers[] = {SIGTERM, SIGINT, SIGUSR2};
+    static const int numbers[] = {SIGTERM, SIGINT, SIGQUIT, SIGUSR1, SIGHUP, SIGCHLD, SIGUSR2};
 
     (void)signal(SIGPIPE, SIG_IGN);
     (void)sigemptyset(&daemon->signals);
@@ -209,32 +422,120 @@ static void block_signals(struct daemon *daemon)
     (void)pthread_sigmask(SIG_BLOCK, &daemon->signals, NULL);
 }
 
-static int run(struct daemon *daemon)
+static const char *signal_word(int number)
+{
+    switch (number) {
+    case SIGINT:
+        return "INT";
+    case SIGQUIT:
+        return "QUIT";
+    case SIGUSR1:
+        return "USR1";
+    case SIGCHLD:
+        return "CHLD";
+    default:
+        return "TERM";
+    }
+}
+
+/* SIGHUP: reads the settings again and takes those that may change while the daemon runs, all of
+ * which must be sound, or none is taken; then the keys. */
+static void reload(struct daemon *daemon)
+{
+    struct vor_config *fresh = calloc(1, sizeof *fresh);
+    struct vor_error err = {.status = VOR_E_NOMEM, .message = "no memory"};
+
+    if (fresh == NULL ||
+        vor_config_read(fresh, daemon->argc, daemon->argv, getenv, &err) != VOR_OK) {
+        vor_log(VOR_LOG_ERROR, "settings not reloaded", VOR_TEXT("error", err.message));
+        free(fresh);
+        return;
+    }
+    daemon->config.number[VOR_SET_LOG_LEVEL] = fresh->number[VOR_SET_LOG_LEVEL];
+    vor_log_set_level((enum vor_log_level)fresh->number[VOR_SET_LOG_LEVEL]);
+    vor_log(VOR_LOG_INFO, "settings reloaded");
+    free(fresh);
+    reload_keys(daemon);
+}
+
+/* The signal that ends the daemon. */
+static int wait_end(struct daemon *daemon)
+{
+    for (;;) {
+        int number = wait_signal(daemon);
+
+        if (number == SIGHUP) {
+            vor_notify_reloading();
+            reload(daemon);
+            vor_notify("READY=1");
+        } else if (number == SIGCHLD ? vor_zygote_died(&daemon->zygote) : number != SIGUSR2) {
+            return number;
+        }
+    }
+}
+
+/* SIGHUP and SIGCHLD while the daemon drains change nothing any more. */
+static int wait_drained(struct daemon *daemon)
 {
     int number;
 
     do
         number = wait_signal(daemon);
-    while (number == SIGUSR2);
-    vor_log(VOR_LOG_INFO, "draining", VOR_TEXT("signal", number == SIGINT ? "INT" : "TERM"));
+    while (number == SIGHUP || number == SIGCHLD);
+    return number;
+}
+
+static int run(struct daemon *daemon)
+{
+    int number = wait_end(daemon), died = number == SIGCHLD;
+
+    if (died)
+        vor_log(VOR_LOG_ERROR, "the process that uploads are read from has died");
+    vor_notify("STOPPING=1");
+    vor_log(VOR_LOG_INFO, "draining", VOR_TEXT("signal", signal_word(number)));
     if (pthread_create(&daemon->drainer, NULL, drain, daemon) != 0)
         _exit(VOR_EXIT_FAILED);
-    number = wait_signal(daemon);
+    number = wait_drained(daemon);
     if (number != SIGUSR2) {
         /* Running jobs are still in the store as such; the next start takes them up again. */
         vor_log(VOR_LOG_WARN, "stopped at once", VOR_COUNT("signal", number));
+        vor_log_sink_stop(log_seconds);
         _exit(VOR_EXIT_FAILED);
     }
     (void)pthread_join(daemon->drainer, NULL);
-    return VOR_EXIT_OK;
+    return died ? VOR_EXIT_FAILED : VOR_EXIT_OK;
 }
 
 static int failed_start(const struct daemon *daemon, const struct vor_error *err)
 {
-    (void)fprintf(stderr, "voronoid: %s\n", err->message);
+    char line[sizeof err->message + 16];
+
+    (void)snprintf(line, sizeof line, "voronoid: %s", err->message);
+    vor_log_plain(line);
     if (daemon->holder != 0)
         return VOR_EXIT_IN_USE;
     return err->status == VOR_E_PARAM ? VOR_EXIT_USAGE : VOR_EXIT_FAILED;
+}
+
+/* Everything else comes after: children have nothing of what is opened later. */
+static vor_status start_zygote(struct daemon *daemon, struct vor_error *err)
+{
+    struct vor_error why = {.message = ""};
+
+    (void)signal(SIGCHLD,
+                 SIG_DFL); /* whoever started us may ignore it, and then no child is told */
+    daemon->sandbox = vor_sandbox_probe(&why);
+    daemon->app.sandbox = vor_sandbox_word(daemon->sandbox);
+    if (daemon->sandbox != VOR_SANDBOX_FULL && !vor_sandbox_is_sanitizer() &&
+        daemon->config.number[VOR_SET_ALLOW_WEAK_SANDBOX] == 0)
+        return vor_fail(err, VOR_E_IO,
+                        "%.300s; --allow-weak-sandbox reads uploads in processes with limits of "
+                        "memory and time alone",
+                        why.message);
+    if (vor_zygote_start(&daemon->zygote, vor_child_kinds, VOR_CHILD_KINDS, err) != VOR_OK)
+        return err->status;
+    vor_machine_set_oom_score(OOM_SCORE);
+    return VOR_OK;
 }
 
 static int serve(struct daemon *daemon)
@@ -242,20 +543,27 @@ static int serve(struct daemon *daemon)
     struct vor_error err;
     int result;
 
+    if (start_zygote(daemon, &err) != VOR_OK)
+        return failed_start(daemon, &err);
     block_signals(daemon);
     vor_log_open(STDERR_FILENO, (enum vor_log_level)daemon->config.number[VOR_SET_LOG_LEVEL]);
+    if (daemon->sandbox != VOR_SANDBOX_FULL)
+        vor_log(VOR_LOG_WARN, "sandbox: partial");
     daemon->app.config = &daemon->config;
-    if (start(daemon, &err) != VOR_OK) {
+    if (vor_log_sink_start(&err) != VOR_OK || start(daemon, &err) != VOR_OK) {
         result = failed_start(daemon, &err);
     } else {
         vor_log(VOR_LOG_INFO, "listening", VOR_TEXT("address", vor_http_address(daemon->app.http)),
+                VOR_TEXT("admin", daemon->admin != NULL ? vor_http_address(daemon->admin) : NULL),
                 VOR_TEXT("data", daemon->config.text[VOR_SET_DATA]),
-                VOR_COUNT("threads", vor_pool_threads(daemon->pool)),
+                VOR_COUNT("threads", thread_count(&daemon->config)),
                 VOR_COUNT("job_memory", job_memory(&daemon->config)));
+        vor_notify("READY=1");
         result = run(daemon);
         vor_log(VOR_LOG_INFO, "stopped", VOR_COUNT("exit", result));
     }
     stop(daemon);
+    vor_log_sink_stop(log_seconds);
     return result;
 }
 
@@ -274,9 +582,14 @@ int vor_serve_main(int argc, char **argv)
     daemon = calloc(1, sizeof *daemon);
     if (daemon == NULL)
         return VOR_EXIT_FAILED;
+    daemon->argc = argc;
+    daemon->argv = argv;
     if (vor_config_read(&daemon->config, argc, argv, getenv, &err) != VOR_OK) {
         (void)fprintf(stderr, "voronoid: %s\n", err.message);
         result = VOR_EXIT_USAGE;
+    } else if (daemon->config.number[VOR_SET_CHECK_CONFIG] != 0) {
+        (void)puts("voronoid: the settings are sound");
+        result = VOR_EXIT_OK;
     } else {
         result = serve(daemon);
     }

@@ -30,9 +30,12 @@
     X(E_METRIC, 422, "unusable-metric", 0, "The attribute cannot be used as a metric")             \
     X(E_TARGET, 422, "target-out-of-range", 0, "The number of points asked for is out of range")   \
     X(E_ORIGIN, 422, "frame-too-coarse", 0, "float32 is too coarse for the origin asked for")      \
+    X(E_WORK, 422, "too-much-work", 0, "The job would take far longer than it may")                \
     X(E_CANCELLED, 499, "cancelled", 0, "The caller cancelled")                                    \
     X(E_STOPPED, 499, "stopped", 0, "The caller stopped the run")                                  \
+    X(E_DEADLINE, 500, "job-deadline-exceeded", 0, "The job ran longer than it may")               \
     X(E_IO, 500, "io-error", 1, "Reading or writing failed")                                       \
+    X(E_DAMAGED, 500, "damaged-bytes", 0, "Bytes that were kept are damaged")                      \
     X(E_INTERNAL, 500, "engine-error", 0, "The engine failed")
 
 typedef enum vor_status {
@@ -49,7 +52,8 @@ struct vor_error {
     char message[1024];  /**< one sentence with the value and the allowed range, no newline; holds
                               whatever the tables of requests can say (core/spec.c) */
     int64_t byte_offset; /**< where in the input, or -1 */
-    uint64_t limit, got; /**< E_LIMIT, E_BYTES: the limit and what was declared; else 0 */
+    uint64_t limit, got; /**< E_LIMIT, E_BYTES, and of a job E_NOMEM, E_WORK (seconds): the
+                              limit and what was declared or is estimated; else 0 */
 };
 
 /** HTTP status, problem slug and sentence of a row of the table; status must be one. */

@@ -4,6 +4,7 @@
 #include "core/cvt/lloyd.h"
 #include "core/cvt/start.h"
 #include "core/input/thin.h"
+#include "core/opt/keep_best.h"
 #include "core/seeds/area.h"
 #include "core/seeds/attach.h"
 #include "core/seeds/fixed.h"
@@ -55,8 +56,10 @@ static vor_status even_out(struct vor_seeds *seeds, struct vor_outcome *told,
                            struct vor_error *err)
 {
     double before = vor_run_clock(run);
-    int keep_holes;
-    vor_status status = vor_attach(seeds, &keep_holes, err);
+    int keep_holes = 0;
+    int hurry = told->stopped == VOR_STOPPED_CALLER &&
+                vor_stop_out_of_time(spec, 1, vor_run_seconds(run), 0);
+    vor_status status = hurry ? vor_attach_fast(seeds, err) : vor_attach(seeds, &keep_holes, err);
 
     if (status == VOR_OK && !vor_spec_descends(spec))
         status = vor_repel(seeds, told, keep_holes, spec, run, err);
@@ -64,6 +67,8 @@ static vor_status even_out(struct vor_seeds *seeds, struct vor_outcome *told,
         status = vor_attach_to_whole(seeds, keep_holes, err);
     if (status == VOR_OK && told->steps[VOR_RUN_STAGE_POLISH] > 0)
         status = vor_attach_last(seeds, err);
+    if (status == VOR_OK)
+        vor_attach_to_box(seeds);
     told->seconds[VOR_RUN_STAGE_POLISH] = vor_run_clock(run) - before;
     return status;
 }

@@ -336,6 +336,16 @@ static void weigh_cells(const struct areas *areas)
     }
 }
 
+/* Cells of one task: as many seeds start in them, all in all, as vor_seeds_block says. */
+static size_t sampled_at_once(const struct areas *areas)
+{
+    const struct vor_seeds *from = areas->from, *to = areas->to;
+    size_t each = to->n > from->n ? to->n / from->n : 1;
+    size_t block = vor_seeds_block(to->domain) / each;
+
+    return block > 0 ? block : 1;
+}
+
 /* Starts the seeds in the cells of areas->from, as many in each as its area asks for. Where the
  * areas are very uneven and both sets are as large, takes the cells of the started seeds and starts
  * again. */
@@ -360,7 +370,7 @@ static vor_status sample_cells(struct areas *areas, struct vor_error *err)
         to->area = areas->end[from->n - 1];
         if (from->wanted.value != NULL)
             weigh_cells(areas);
-        status = vor_run_for(&to->run, from->n, VOR_SEEDS_BLOCK, sample_block, areas, err);
+        status = vor_run_for(&to->run, from->n, sampled_at_once(areas), sample_block, areas, err);
     }
     vor_free(memory, areas->end);
     return status;

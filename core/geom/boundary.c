@@ -130,17 +130,23 @@ double vor_boundary_reach(const float *near, unsigned k, const double x[3])
     return sqrt(far2);
 }
 
+/* The comparisons are written out: of many points they are most of the time of a run. */
 double vor_boundary_regularity(const float *near, unsigned k, double spacing)
 {
-    double sum = 0;
+    double best[VOR_NEIGHBORS_MAX], sum = 0;
 
+    for (unsigned i = 0; i < k; i++)
+        best[i] = INFINITY;
     for (unsigned i = 0; i < k; i++) {
-        double best = INFINITY;
+        double own = best[i];
 
-        for (unsigned j = 0; j < k; j++)
-            if (j != i)
-                best = fmin(best, vor_distance2f(&near[3 * i], &near[3 * j]));
-        sum += sqrt(best);
+        for (unsigned j = i + 1; j < k; j++) {
+            double d = vor_distance2f(&near[3 * i], &near[3 * j]);
+
+            own = d < own ? d : own;
+            best[j] = d < best[j] ? d : best[j];
+        }
+        sum += sqrt(own);
     }
     return sum / k / (spacing / 2);
 }

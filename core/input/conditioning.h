@@ -72,6 +72,7 @@ struct vor_conditioning {
     int seek_sheets;                /**< sheets are looked for, on thinned domains too */
     int sheets;                     /**< the domain has sheets: fits look for layers */
     enum vor_lists lists;           /**< of neighbours, that every domain of the input has */
+    int grown;                      /**< those lists are grown (input/grow.h) */
     struct vor_neighbors neighbors; /**< how many points a fit takes */
     struct vor_holes holes;         /**< that were filled */
 };

@@ -4,6 +4,7 @@
 #include "core/base/linalg.h"
 #include "core/base/morton.h"
 #include "core/base/stat.h"
+#include "core/input/remote.h"
 
 #include <math.h>
 #include <string.h>
@@ -354,6 +355,8 @@ vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
     status = sort_points(&domain, in, run, err);
     if (status == VOR_OK)
         status = vor_domain_check(&domain, run, err);
+    if (status == VOR_E_DEGENERATE)
+        vor_remote_tell(in, err);
     if (status == VOR_OK)
         status = vor_domain_index(&domain, run, err);
     if (status != VOR_OK) {

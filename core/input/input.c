@@ -94,6 +94,7 @@ static vor_status choose_lists(struct vor_domain *domain, const struct vor_spec 
     status = vor_adjacency_probe(&pays, domain, run, err);
     if (pays)
         domain->known.lists = VOR_LISTS_LOCAL;
+    domain->known.grown = vor_process_takes(spec->process, VOR_PARAM_SOUP);
     return status;
 }
 

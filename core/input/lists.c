@@ -2,11 +2,21 @@
 
 #include "core/base/linalg.h"
 #include "core/input/adjacency.h"
+#include "core/input/grow.h"
 #include "core/input/satellites.h"
 #include "core/input/sheets.h"
 
 #include <math.h>
 #include <string.h>
+
+static vor_status make_local(struct vor_domain *domain, const struct vor_run *run,
+                             struct vor_error *err)
+{
+    vor_status status = vor_adjacency_make(&domain->graph, domain, run, err);
+
+    return status == VOR_OK && domain->known.grown ? vor_grow(&domain->graph, domain, run, err)
+                                                   : status;
+}
 
 vor_status vor_lists_make(struct vor_domain *domain, const struct vor_run *run,
                           struct vor_error *err)
@@ -15,7 +25,7 @@ vor_status vor_lists_make(struct vor_domain *domain, const struct vor_run *run,
         return VOR_OK;
     switch (domain->known.lists) {
     case VOR_LISTS_LOCAL:
-        return vor_adjacency_make(&domain->graph, domain, run, err);
+        return make_local(domain, run, err);
     case VOR_LISTS_SATELLITES:
         return vor_satellites_make(&domain->graph, domain, run, err);
     default:

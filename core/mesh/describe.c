@@ -32,12 +32,16 @@ static int is_manifold(const struct vor_complex *complex)
 }
 
 static void count(struct vor_report *report, const struct vor_complex *complex,
-                  const struct vor_rims *rims)
+                  const struct vor_rims *rims, const struct vor_sheet *sheet)
 {
     uint64_t rim = rims->count > 0 ? rims->start[rims->count] : 0;
 
-    for (size_t t = 0; t < complex->count; t++)
-        report->mesh_triangles += complex->triangle[3 * t] != VOR_COMPLEX_GONE;
+    for (size_t t = 0; t < complex->count; t++) {
+        if (complex->triangle[3 * t] == VOR_COMPLEX_GONE)
+            continue;
+        report->mesh_triangles++;
+        report->mesh_unsure += vor_sheet_doubts(sheet, &complex->triangle[3 * t]) != 0;
+    }
     for (size_t i = 0; i < complex->n; i++)
         report->mesh_points += complex->degree[i] > 0;
     report->mesh_euler = (double)report->mesh_points + (double)report->mesh_triangles -
@@ -116,10 +120,10 @@ static void tell_loops(struct vor_report *report, const struct vor_rims *rims,
 }
 
 vor_status vor_mesh_describe(struct vor_report *report, const struct vor_complex *complex,
-                             const struct vor_rims *rims, const struct vor_seeds *seeds,
+                             const struct vor_rims *rims, const struct vor_sheet *sheet,
                              struct vor_error *err)
 {
-    count(report, complex, rims);
-    tell_loops(report, rims, seeds);
-    return rate(report, complex, seeds->xyz, err);
+    count(report, complex, rims, sheet);
+    tell_loops(report, rims, sheet->seeds);
+    return rate(report, complex, sheet->seeds->xyz, err);
 }

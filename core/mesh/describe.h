@@ -6,7 +6,8 @@
 #include "core/mesh/rims.h"
 #include "core/report.h"
 
-/** Sets triangles, points, Euler characteristic, closed, manifold, quality, angle and loops.
+/** Sets triangles, points, Euler characteristic, closed, manifold, quality, angle, loops
+ *  and what is not sure.
  *
  *  @param[in] complex  turned
  *  @param[in] rims     its loops
@@ -17,6 +18,6 @@
 VOR_NODISCARD vor_status vor_mesh_describe(struct vor_report *report,
                                            const struct vor_complex *complex,
                                            const struct vor_rims *rims,
-                                           const struct vor_seeds *seeds, struct vor_error *err);
+                                           const struct vor_sheet *sheet, struct vor_error *err);
 
 #endif

@@ -105,7 +105,7 @@ static void finish(void *ctx, size_t begin, size_t end, unsigned worker)
         making->status = vor_rims_find(&rims, &making->complex, &making->sheet, making->err);
     if (making->status == VOR_OK)
         making->status =
-            vor_mesh_describe(making->report, &making->complex, &rims, making->seeds, making->err);
+            vor_mesh_describe(making->report, &making->complex, &rims, &making->sheet, making->err);
     if (making->status == VOR_OK)
         making->status = hand_out(making);
     making->report->mesh_components = facing.components;

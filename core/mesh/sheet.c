@@ -189,6 +189,36 @@ int vor_sheet_is_under(const struct vor_sheet *sheet, const uint32_t corner[3])
     return 1;
 }
 
+/* Whether the surface of seed i passes seed j by. */
+static int passes(const struct vor_sheet *sheet, uint32_t i, uint32_t j)
+{
+    const struct vor_surface *surface = &sheet->seeds->last_fit[i].surface;
+    double x[3], local[3], up;
+
+    if (surface->kind == VOR_SURFACE_NONE)
+        return 1;
+    vor_seeds_position(sheet->seeds, j, x);
+    vor_surface_to_local(surface, x, local);
+    up = local[2] - vor_surface_height(surface, local[0], local[1], NULL);
+    return up * up >
+           VOR_SHEET_PASSES * VOR_SHEET_PASSES *
+               vor_distance2f(&sheet->seeds->xyz[3 * (size_t)i], &sheet->seeds->xyz[3 * (size_t)j]);
+}
+
+int vor_sheet_doubts(const struct vor_sheet *sheet, const uint32_t corner[3])
+{
+    const struct vor_last_fit *fit = sheet->seeds->last_fit;
+
+    if (sheet->graph == NULL ||
+        !(fit[corner[0]].layered || fit[corner[1]].layered || fit[corner[2]].layered))
+        return 0;
+    for (int c = 0; c < 3; c++)
+        if (passes(sheet, corner[c], corner[(c + 1) % 3]) ||
+            passes(sheet, corner[(c + 1) % 3], corner[c]))
+            return 1;
+    return 0;
+}
+
 int vor_sheet_has(const struct vor_sheet *sheet, size_t i)
 {
     const float *normal = &sheet->normal[3 * i];

@@ -66,12 +66,25 @@ vor_status vor_attach(struct vor_seeds *seeds, int *keep_holes, struct vor_error
     *keep_holes = 0;
     if (!seeds->policy.keep_border)
         return VOR_OK;
-    status = vor_run_for(&seeds->run, moving, VOR_SEEDS_BLOCK, count_block, &attach, err);
+    status = vor_run_for(&seeds->run, moving,
+                         attach.every == 1 ? vor_seeds_block(seeds->domain) : VOR_SEEDS_BLOCK,
+                         count_block, &attach, err);
     if (status != VOR_OK)
         return status;
     attach.keep_holes = (double)(attach.beyond * attach.every) <= VOR_GAPS_SHARE * (double)seeds->n;
     *keep_holes = attach.keep_holes;
-    return vor_run_for(&seeds->run, moving, VOR_SEEDS_BLOCK, attach_block, &attach, err);
+    return vor_run_for(&seeds->run, moving, vor_seeds_block(seeds->domain), attach_block, &attach,
+                       err);
+}
+
+vor_status vor_attach_fast(struct vor_seeds *seeds, struct vor_error *err)
+{
+    struct attach attach = {.seeds = seeds};
+
+    if (!seeds->policy.keep_border)
+        return VOR_OK;
+    return vor_run_for(&seeds->run, vor_seeds_moving(seeds), vor_seeds_block(seeds->domain),
+                       attach_block, &attach, err);
 }
 
 /* Moves the seeds of a block that are too far from all of the input. */
@@ -121,6 +134,54 @@ vor_status vor_attach_to_whole(struct vor_seeds *seeds, int keep_holes, struct v
     if (vor_seeds_on_whole(seeds))
         return VOR_OK;
     vor_seeds_onto(seeds, seeds->whole);
-    return vor_run_for(&seeds->run, vor_seeds_moving(seeds), VOR_SEEDS_BLOCK, attach_block, &attach,
-                       err);
+    return vor_run_for(&seeds->run, vor_seeds_moving(seeds), vor_seeds_block(seeds->domain),
+                       attach_block, &attach, err);
+}
+
+/* Fewer points do not say how a surface goes on beyond them: a quadric fitted to all of them bends
+ * to wherever it likes, up to 0.9 of the largest side of their box away from it. */
+enum { ENOUGH_POINTS = 16 };
+
+/* Room around the box of so few, in its largest side: a sphere sampled so sparsely bulges as far.
+ */
+#define BOX_ROOM 0.1
+
+/* The middle of the box around the points and half its sides with room. */
+static void box_of(const struct vor_domain *domain, double middle[3], double half[3])
+{
+    double side = 0;
+
+    for (size_t c = 0; c < 3; c++) {
+        double low = INFINITY, high = -INFINITY;
+
+        for (size_t i = 0; i < domain->n; i++) {
+            low = fmin(low, (double)domain->xyz[3 * i + c]);
+            high = fmax(high, (double)domain->xyz[3 * i + c]);
+        }
+        middle[c] = (low + high) / 2;
+        half[c] = (high - low) / 2;
+        side = fmax(side, high - low);
+    }
+    for (int c = 0; c < 3; c++)
+        half[c] += BOX_ROOM * side;
+}
+
+/* Towards the middle, and not each coordinate by itself, which would put many into one corner. */
+void vor_attach_to_box(struct vor_seeds *seeds)
+{
+    double middle[3], half[3];
+
+    if (!seeds->policy.keep_border || seeds->whole->n >= ENOUGH_POINTS)
+        return;
+    box_of(seeds->whole, middle, half);
+    for (size_t i = 0; i < vor_seeds_moving(seeds); i++) {
+        double x[3], share = 1;
+
+        vor_seeds_position(seeds, i, x);
+        for (int c = 0; c < 3; c++)
+            if (fabs(x[c] - middle[c]) > half[c])
+                share = fmin(share, half[c] / fabs(x[c] - middle[c]));
+        for (size_t c = 0; share < 1 && c < 3; c++)
+            seeds->xyz[3 * i + c] = (float)(middle[c] + share * (x[c] - middle[c]));
+    }
 }

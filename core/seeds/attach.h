@@ -37,4 +37,14 @@ VOR_NODISCARD vor_status vor_attach_to_whole(struct vor_seeds *seeds, int keep_h
  *  O(n), on the run's pool. The same positions for any number of threads. */
 VOR_NODISCARD vor_status vor_attach_last(struct vor_seeds *seeds, struct vor_error *err);
 
+/** vor_attach that lets seeds lie in holes, which takes most of its time to tell: for a run whose
+ * time is over.
+ *
+ *  @retval VOR_E_CANCELLED  as vor_run_for */
+VOR_NODISCARD vor_status vor_attach_fast(struct vor_seeds *seeds, struct vor_error *err);
+
+/** Moves seeds on an input of very few points back to near its box, if the border is kept. No lists
+ *  are made anew: call it last. O(n). */
+void vor_attach_to_box(struct vor_seeds *seeds);
+
 #endif

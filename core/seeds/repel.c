@@ -385,7 +385,8 @@ static vor_status step_once(struct polish *polish, struct vor_error *err)
     vor_status status = vor_seeds_index(seeds, polish->run, err);
 
     if (status == VOR_OK)
-        status = vor_run_for(polish->run, moving, VOR_SEEDS_BLOCK, move_block, polish, err);
+        status = vor_run_for(polish->run, moving, vor_seeds_block(seeds->domain), move_block,
+                             polish, err);
     if (status != VOR_OK)
         return status;
     memcpy(seeds->xyz, polish->next, 3 * moving * sizeof *seeds->xyz);

@@ -20,6 +20,16 @@
 /** Seeds of one task, and of one partial sum. */
 #define VOR_SEEDS_BLOCK 256
 
+/** Seeds of one task where each may ask whether it lies in a hole, and nothing is summed. A task
+ *  that takes longer than 100 ms keeps who cancels the run waiting: with 500 of 1,000 points in a
+ *  fit, the question takes 0.4 ms; with those of 60, 20 us. */
+static inline size_t vor_seeds_block(const struct vor_domain *domain)
+{
+    const unsigned many = 60;
+
+    return domain->known.neighbors.usual > many ? VOR_SEEDS_BLOCK / 16 : VOR_SEEDS_BLOCK;
+}
+
 /** Neighbours in the list of each seed. At 14 / 20 / 32: searches on igea 124 / 45 / 45 thousand,
  *  on autzen 280 / 198 / 151 thousand, for 4 bytes a neighbour and seed (3,000 seeds, default
  *  request). */

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-enum { VERSION = 5, KIND = 7, METHOD = 8 }; /* bytes of the header */
+enum { VERSION = 5, KIND = 7, METHOD = 8, HEADER = 11 }; /* bytes of the header, and its size */
 enum { POINT_CLOUD, MESH };
 enum { SEQUENTIAL, KD_OR_BREAKER };
 enum { METADATA = 0x8000 };             /* in the flags */
@@ -18,6 +18,7 @@ enum { KD_FLOATS, KD_INTEGERS }; /* before bitstream 2.3 */
 struct walk {
     const uint8_t *bytes;
     size_t size, at;
+    size_t metadata; /* bytes of it: they stand for no points */
     unsigned version;
     vor_status status;
     struct vor_error *err;
@@ -113,13 +114,6 @@ static void refuse_over(struct walk *walk, size_t at, const char *what, uint64_t
     }
 }
 
-static void refuse_points(struct walk *walk, size_t at, uint32_t points)
-{
-    if (walk->status == VOR_OK && points == 0)
-        fail_at(walk, at, vor_fail(walk->err, VOR_E_EMPTY, "the Draco file has 0 points"));
-    refuse_over(walk, at, "points", points, vor_draco_points_max(walk->size, walk->limits));
-}
-
 static uint64_t points_of_bytes(size_t size)
 {
     return VOR_DRACO_POINTS_PER_BYTE * (uint64_t)size + VOR_DRACO_POINTS_FREE;
@@ -130,6 +124,18 @@ uint64_t vor_draco_points_max(size_t size, const struct vor_limits *limits)
     uint64_t most = points_of_bytes(size);
 
     return limits->points < most ? limits->points : most;
+}
+
+static uint64_t most_points(const struct walk *walk)
+{
+    return vor_draco_points_max(walk->size - walk->metadata, walk->limits);
+}
+
+static void refuse_points(struct walk *walk, size_t at, uint32_t points)
+{
+    if (walk->status == VOR_OK && points == 0)
+        fail_at(walk, at, vor_fail(walk->err, VOR_E_EMPTY, "the Draco file has 0 points"));
+    refuse_over(walk, at, "points", points, most_points(walk));
 }
 
 /* Returns the flags. */
@@ -298,6 +304,37 @@ static void walk_kd_tree(struct walk *walk, uint32_t points)
         walk_kd_floats(walk, points);
 }
 
+/* A coder of single bits: its first probability, the size of its data, the data. */
+static void walk_bits(struct walk *walk)
+{
+    (void)fixed(walk, 1, "the kd-tree");
+    skip(walk, varint(walk, "the kd-tree"), "the kd-tree");
+}
+
+/* Bitstream 2.3: the data of the tree's four coders, and behind them what turns integers into the
+ * values of attributes: of floats the quantisation, of signed integers their minima. So the end of
+ * the stream is known nearly, before the tree is decoded, whose points may be millions in a few
+ * bytes. */
+static void walk_kd_coders(struct walk *walk, unsigned level, uint32_t scalars)
+{
+    enum { RANS_FROM = 2, FOLDED_FROM = 4, FOLDED_CODERS = 33, SCALAR_TAIL_MAX = 9 };
+    unsigned coders = level >= FOLDED_FROM ? FOLDED_CODERS : level >= RANS_FROM ? 1 : 0;
+    unsigned direct = coders > 0 ? 3 : 4;
+    uint64_t most;
+
+    for (unsigned i = 0; i < coders; i++)
+        walk_bits(walk);
+    for (unsigned i = 0; i < direct; i++)
+        skip(walk, fixed(walk, 4, "the kd-tree"), "the kd-tree");
+    most = walk->at + (uint64_t)scalars * SCALAR_TAIL_MAX;
+    if (walk->status == VOR_OK && walk->size > most + VOR_DRACO_PADDING_MAX)
+        fail_at(
+            walk, (size_t)most,
+            vor_fail(walk->err, VOR_E_FORMAT,
+                     "the Draco stream ends before byte %zu of %zu; want at most %d more, all 0",
+                     (size_t)most, walk->size, VOR_DRACO_PADDING_MAX));
+}
+
 static void walk_point_cloud(struct walk *walk)
 {
     size_t at = walk->at;
@@ -316,13 +353,16 @@ static void walk_point_cloud(struct walk *walk)
         return;
     refuse_over(walk, at, "scalars a point in a kd-tree", scalars, VOR_DRACO_KD_SCALARS);
     refuse_over(walk, at, "scalars in a kd-tree", (uint64_t)points * scalars,
-                3 * points_of_bytes(walk->size));
+                3 * points_of_bytes(walk->size - walk->metadata));
+    at = walk->at;
     walk_kd_tree(walk, points);
+    if (walk->status == VOR_OK && walk->version >= BITSTREAM(2, 3))
+        walk_kd_coders(walk, walk->bytes[at], scalars);
 }
 
 static void refuse_faces(struct walk *walk, size_t at, uint32_t faces)
 {
-    refuse_over(walk, at, "faces", faces, 2 * vor_draco_points_max(walk->size, walk->limits));
+    refuse_over(walk, at, "faces", faces, 2 * most_points(walk));
 }
 
 static void walk_sequential_mesh(struct walk *walk)
@@ -345,7 +385,7 @@ static void walk_breaker_mesh(struct walk *walk)
         at = walk->at;
         refuse_over(walk, at, "new vertices",
                     count_since(walk, BITSTREAM(2, 0), "the number of new vertices"),
-                    vor_draco_points_max(walk->size, walk->limits));
+                    most_points(walk));
     }
     at = walk->at;
     vertices = count_since(walk, BITSTREAM(2, 0), "the number of vertices");
@@ -363,6 +403,29 @@ static void walk_breaker_mesh(struct walk *walk)
     refuse(walk, at, "the number of split symbols", splits, 0, symbols);
 }
 
+/* Refuses what narrower code of the library reads. */
+static void refuse_loose(struct walk *walk, uint32_t flags)
+{
+    const char *what = NULL;
+    size_t at = VERSION;
+
+    if (walk->version != BITSTREAM(2, 3))
+        what = "is of another bitstream";
+    if (walk->bytes[KIND] != POINT_CLOUD) {
+        what = "is a mesh";
+        at = KIND;
+    } else if (what == NULL && (flags & METADATA) != 0) {
+        what = "has metadata";
+        at = METHOD + 1;
+    }
+    if (what != NULL)
+        fail_at(walk, at,
+                vor_fail(walk->err, VOR_E_FORMAT,
+                         "the Draco file %s; here point clouds of bitstream 2.3 without metadata "
+                         "are read",
+                         what));
+}
+
 vor_status vor_draco_gate(const uint8_t *bytes, size_t size, const struct vor_limits *limits,
                           struct vor_error *err)
 {
@@ -370,10 +433,13 @@ vor_status vor_draco_gate(const uint8_t *bytes, size_t size, const struct vor_li
         .bytes = bytes, .size = size, .status = VOR_OK, .err = err, .limits = limits};
     uint32_t flags = walk_header(&walk);
 
+    if (walk.status == VOR_OK && limits->strict_draco)
+        refuse_loose(&walk, flags);
     if (walk.status != VOR_OK)
         return walk.status;
     if ((flags & METADATA) != 0 && walk.version >= BITSTREAM(1, 3))
         walk_metadata(&walk);
+    walk.metadata = walk.at - HEADER;
     if (bytes[KIND] == POINT_CLOUD)
         walk_point_cloud(&walk);
     else if (bytes[METHOD] == SEQUENTIAL)

@@ -19,13 +19,19 @@
 /** Levels of nested metadata; the library frees them by recursion. */
 #define VOR_DRACO_METADATA_DEPTH 16
 
+/** A stream in a larger file, as of 3D tiles and glTF, is padded with zeros to a multiple of 8
+ * bytes. More bytes behind it are refused: whatever stands for nothing would make room for points.
+ */
+#define VOR_DRACO_PADDING_MAX 7
+
 /** Most points a file of that size may hold: the limit, or what its bytes can stand for. */
 uint64_t vor_draco_points_max(size_t size, const struct vor_limits *limits);
 
 /** Walks header, metadata, counts and, in point clouds, the attribute table.
  *
- *  @retval VOR_E_FORMAT  not Draco, a bitstream or method the library does not know, truncated, or
- *                        counts that contradict each other; byte_offset says where
+ *  @retval VOR_E_FORMAT  not Draco, a bitstream or method the library does not know, truncated,
+ *                        counts that contradict each other, more than padding behind a kd-tree, or
+ *                        what limits->strict_draco leaves out; byte_offset says where
  *  @retval VOR_E_EMPTY   no points
  *  @retval VOR_E_LIMIT   more points than vor_draco_points_max (or, in a mesh, more than twice as
  *                        many faces), more attributes than a cloud may have, or more scalars

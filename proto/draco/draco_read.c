@@ -29,17 +29,34 @@ struct load {
     struct vor_error *err;
 };
 
+/* Refuses what is more than padding. */
+static vor_status refuse_rest(const uint8_t *bytes, size_t size, size_t used, struct vor_error *err)
+{
+    size_t zeros = 0;
+
+    while (used + zeros < size && zeros < VOR_DRACO_PADDING_MAX && bytes[used + zeros] == 0)
+        zeros++;
+    if (used + zeros == size)
+        return VOR_OK;
+    (void)vor_fail(err, VOR_E_FORMAT,
+                   "the Draco stream ends after %zu bytes of %zu; want at most %d more, all 0",
+                   used, size, VOR_DRACO_PADDING_MAX);
+    if (err != NULL)
+        err->byte_offset = (int64_t)used;
+    return VOR_E_FORMAT;
+}
+
 static vor_status decode(struct vor_draco_decoded **out, struct vor_draco_purse *purse,
                          const uint8_t *bytes, size_t size, struct vor_error *err)
 {
     struct vor_draco_meter meter = vor_draco_purse_meter(purse);
-    size_t used = atomic_load(&purse->memory->used);
-    size_t left = used < purse->memory->cap ? purse->memory->cap - used : 0;
+    size_t held = atomic_load(&purse->memory->used), used = size;
+    size_t left = held < purse->memory->cap ? purse->memory->cap - held : 0;
     char message[96];
 
-    switch (vor_draco_decode(out, &meter, bytes, size, message)) {
+    switch (vor_draco_decode(out, &meter, bytes, &used, message)) {
     case VOR_DRACO_DONE:
-        return VOR_OK;
+        return refuse_rest(bytes, size, used, err);
     case VOR_DRACO_NO_MEMORY:
         return vor_fail(err, VOR_E_NOMEM, "decoding %zu bytes of Draco takes more than %zu bytes",
                         size, left < purse->most ? left : purse->most);

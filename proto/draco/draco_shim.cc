@@ -5,8 +5,7 @@
  * malloc and costs one thread-local load; while a call of this file is on the stack, every
  * allocation of its thread is booked on the meter, and past the meter's answer "no" it throws
  * std::bad_alloc, which each function here turns into VOR_DRACO_NO_MEMORY. The executable's
- * operator new wins over libstdc++'s for the shared libdraco too. Over-aligned new is left alone:
- * Draco has none. */
+ * operator new wins over libstdc++'s for the shared libdraco too. Draco has no over-aligned new. */
 #include "proto/draco/draco_shim.h"
 
 #include <cstdio>
@@ -286,13 +285,13 @@ class Values
     const uint8_t *data_;
 };
 
-vor_draco_result decode(vor_draco_decoded *decoded, const uint8_t *bytes, size_t size,
+vor_draco_result decode(vor_draco_decoded *decoded, const uint8_t *bytes, size_t *size,
                         char *message)
 {
     draco::DecoderBuffer buffer;
     draco::Decoder decoder;
 
-    buffer.Init(reinterpret_cast<const char *>(bytes), size);
+    buffer.Init(reinterpret_cast<const char *>(bytes), *size);
     auto type = draco::Decoder::GetEncodedGeometryType(&buffer);
     if (!type.ok())
         return refuse(message, type.status().error_msg());
@@ -301,6 +300,7 @@ vor_draco_result decode(vor_draco_decoded *decoded, const uint8_t *bytes, size_t
     if (!cloud.ok())
         return refuse(message, cloud.status().error_msg());
     decoded->cloud = std::move(cloud).value();
+    *size -= size_t(buffer.remaining_size());
     return decoded->cloud ? VOR_DRACO_DONE : VOR_DRACO_REFUSED;
 }
 
@@ -433,7 +433,7 @@ static_assert(int(draco::MESH_EDGEBREAKER_ENCODING) == int(draco::POINT_CLOUD_KD
 } /* namespace */
 
 vor_draco_result vor_draco_decode(vor_draco_decoded **out, const vor_draco_meter *meter,
-                                  const uint8_t *bytes, size_t size, char message[96]) noexcept
+                                  const uint8_t *bytes, size_t *size, char message[96]) noexcept
 {
     vor_draco_decoded *decoded = new (std::nothrow) vor_draco_decoded();
     vor_draco_result result;

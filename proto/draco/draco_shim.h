@@ -67,11 +67,11 @@ struct vor_draco_info {
     char type[16];                /**< metadata entry "voronoid.type" */
 };
 
-/** Decodes a whole file. On failure *out is NULL and message says why ("" when nobody knows).
- *  Thread-safe. */
+/** Decodes a file of *size bytes, of which *size then are those that it has read, from the first
+ * one on. On failure *out is NULL and message says why ("" when nobody knows). Thread-safe. */
 enum vor_draco_result vor_draco_decode(struct vor_draco_decoded **out,
                                        const struct vor_draco_meter *meter, const uint8_t *bytes,
-                                       size_t size, char message[96]) VOR_NOEXCEPT;
+                                       size_t *size, char message[96]) VOR_NOEXCEPT;
 
 /** decoded may be NULL. Gives back to the meter whatever is still booked. */
 void vor_draco_free(struct vor_draco_decoded *decoded) VOR_NOEXCEPT;

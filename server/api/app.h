@@ -13,6 +13,9 @@
 
 struct vor_admit;
 struct vor_conversions;
+struct vor_verify;
+struct vor_tickets;
+struct vor_rates;
 
 struct vor_app {
     const struct vor_config *config;
@@ -21,8 +24,13 @@ struct vor_app {
     struct vor_worker *worker;
     struct vor_admit *admit;
     struct vor_inflight *inflight;
+    struct vor_keys *keys;       /**< NULL: anybody may call */
+    struct vor_tickets *tickets; /**< to results */
+    struct vor_rates *rates;     /**< of requests for jobs, by the name of the key */
     struct vor_conversions *conversions;
+    struct vor_verify *verify;
     struct vor_http *http;
+    const char *sandbox;  /**< of what reads uploads: "full" or "partial" */
     atomic_bool draining; /**< SIGTERM came: /readyz says no, streams end */
     atomic_uint streams;  /**< event streams open */
 };

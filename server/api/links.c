@@ -69,6 +69,8 @@ const char *vor_app_origin(const struct vor_app *app, const struct vor_request *
         host = via->host;
     if (host == NULL || !vor_host_is_sound(host) || vor_host_refused(app, request) != NULL)
         host = vor_http_address(app->http);
+    if (strncmp(host, "unix:", 5) == 0)
+        host = "localhost";
     (void)snprintf(out, VOR_URL_MAX, "%s://%s", via->scheme != NULL ? via->scheme : "http", host);
     return out;
 }

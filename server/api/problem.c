@@ -26,7 +26,9 @@ static const struct problem_row rows[] = {
 #undef STATUS_ROW
 };
 
-enum { ROW_COUNT = sizeof rows / sizeof rows[0], RETRY_SECONDS = 5 };
+enum { ROW_COUNT = sizeof rows / sizeof rows[0] };
+
+static const unsigned retry_seconds = 5; /* where a problem does not say how long */
 
 static const struct problem_row *find_row(const char *slug, size_t length)
 {
@@ -95,11 +97,14 @@ static void add_headers(struct vor_request *request, const struct vor_problem *p
 {
     char seconds[16];
 
-    (void)snprintf(seconds, sizeof seconds, "%d", RETRY_SECONDS);
+    (void)snprintf(seconds, sizeof seconds, "%u",
+                   problem->retry_seconds > 0 ? problem->retry_seconds : retry_seconds);
     if (doc->retryable)
         vor_reply_header(request, "Retry-After", seconds);
     if (problem->allow != NULL)
         vor_reply_header(request, "Allow", problem->allow);
+    if (problem->challenge != NULL)
+        vor_reply_header(request, "WWW-Authenticate", problem->challenge);
     vor_reply_header(request, "Cache-Control", "no-store");
 }
 

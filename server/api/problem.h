@@ -10,7 +10,8 @@
 #define VOR_PROBLEM_TABLE(X)                                                                       \
     X("smuggled-framing", 400, 0, 0, "The framing of the request is ambiguous")                    \
     X("invalid-query-parameter-value", 400, 0, 1, "A query parameter is invalid")                  \
-    X("forbidden", 403, 0, 0, "The request may not come from there")                               \
+    X("unauthorized", 401, 0, 0, "The request needs a key")                                        \
+    X("forbidden", 403, 0, 0, "The request is not allowed")                                        \
     X("no-such-resource", 404, 0, 0, "There is nothing at this path")                              \
     X("no-such-process", 404, 0, 1, "There is no such process")                                    \
     X("no-such-job", 404, 0, 1, "There is no such job")                                            \
@@ -23,14 +24,18 @@
     X("upload-timeout", 408, 1, 0, "The upload came too slowly")                                   \
     X("not-running", 409, 0, 0, "The job does not run")                                            \
     X("idempotency-in-flight", 409, 1, 0, "A request with this key is under way")                  \
-    X("job-expired", 410, 0, 0, "The results of the job were kept long enough")                    \
+    X("job-expired", 410, 0, 0, "The results of the job are not kept any more")                    \
     X("range-not-satisfiable", 416, 0, 0, "The range lies outside the result")                     \
     X("idempotency-key-reused", 422, 0, 0, "The key is that of another request")                   \
     X("queue-full", 429, 1, 0, "The queue is full")                                                \
+    X("rate-limited", 429, 1, 0, "The key sends requests for jobs faster than it may")             \
+    X("too-many-jobs", 429, 1, 0, "The key has as many jobs as it may")                            \
+    X("too-much-stored", 429, 1, 0, "The key has as many bytes here as it may")                    \
     X("too-many-streams", 429, 1, 0, "As many event streams are open as may be")                   \
     X("too-many-conversions", 429, 1, 0, "As many results are being converted as may be")          \
     X("client-closed", 499, 0, 0, "The caller left")                                               \
     X("draining", 503, 1, 0, "The daemon is going down")                                           \
+    X("not-alive", 503, 1, 0, "A thread that answers requests does not go on")                     \
     X("too-many-connections", 503, 1, 0, "Too many connections are open")                          \
     X("store-unavailable", 503, 1, 0, "The store cannot be used")                                  \
     X("storage-full", 507, 1, 0, "The disk is full")
@@ -46,7 +51,10 @@ struct vor_problem {
     const char *job_id;
     uint64_t limit, got;
     int64_t byte_offset, queue_depth;
-    const char *allow; /**< for the Allow header */
+    const char *allow;     /**< for the Allow header */
+    const char *challenge; /**< for the WWW-Authenticate header */
+    unsigned
+        retry_seconds; /**< for Retry-After of one that is retryable; 0 for as long as always */
 };
 
 #define VOR_PROBLEM_INIT(name)                                                                     \

@@ -1,20 +1,24 @@
 #include "server/api/routes.h"
 
+#include "server/api/auth.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/log.h"
+#include "server/base/metrics.h"
 
 #include <math.h>
 #include <string.h>
 #include <strings.h>
 
 static const struct vor_route routes[] = {
-#define ROUTE_ROW(method, path, handler, codes) {VOR_##method, path, handler, codes},
+#define ROUTE_ROW(method, path, scope, handler, codes)                                             \
+    {VOR_##method, path, VOR_SCOPE_##scope, handler, codes},
     VOR_ROUTE_TABLE(ROUTE_ROW)
 #undef ROUTE_ROW
 /* The column says 1 or 0: picks the row, or nothing. */
-#define OFFERED_1(name) {VOR_POST, "/v1/" #name, vor_handle_submit, VOR_CODES_SUBMIT},
+#define OFFERED_1(name)                                                                            \
+    {VOR_POST, "/v1/" #name, VOR_SCOPE_SUBMIT, vor_handle_submit, VOR_CODES_SUBMIT},
 #define OFFERED_0(name)
 #define PROCESS_ROUTE(id, name, http, groups, methods, least, most, inputs, outputs, title, text)  \
     OFFERED_##http(name)
@@ -24,7 +28,7 @@ static const struct vor_route routes[] = {
 #undef OFFERED_1
 };
 
-enum { ROUTE_COUNT = sizeof routes / sizeof routes[0], RESERVE = 32 };
+enum { ROUTE_COUNT = sizeof routes / sizeof routes[0] };
 
 static const char *const method_words[VOR_METHOD_COUNT] = {"GET", "HEAD", "POST", "DELETE",
                                                            "OPTIONS"};
@@ -32,8 +36,8 @@ static const char *const method_words[VOR_METHOD_COUNT] = {"GET", "HEAD", "POST"
 void vor_routes_print(FILE *out)
 {
     for (int i = 0; i < ROUTE_COUNT; i++)
-        (void)fprintf(out, "%s %s %s\n", method_words[routes[i].method], routes[i].path,
-                      routes[i].codes);
+        (void)fprintf(out, "%s %s %s %s\n", method_words[routes[i].method], routes[i].path,
+                      vor_scope_word(routes[i].scope), routes[i].codes);
 }
 
 static bool path_matches(const char *pattern, const char *path)
@@ -105,25 +109,32 @@ static void add_cors(const struct vor_app *app, struct vor_request *request)
     vor_reply_header(request, "Access-Control-Expose-Headers",
                      "Location, ETag, Retry-After, Content-Range, Accept-Ranges, "
                      "Content-Disposition, Preference-Applied, Voronoid-Origin, X-Request-Id, "
-                     "Idempotent-Replayed");
+                     "Idempotent-Replayed, Upload-Offset, Upload-Length, Tus-Resumable, "
+                     "WWW-Authenticate");
     if (vor_request_method(request) != VOR_OPTIONS)
         return;
     vor_reply_header(request, "Access-Control-Allow-Headers",
-                     "Accept, Content-Encoding, Content-Type, Idempotency-Key, If-None-Match, "
-                     "If-Range, Last-Event-ID, Prefer, Range, X-Request-Id");
+                     "Accept, Authorization, Content-Encoding, Content-Type, Idempotency-Key, "
+                     "If-None-Match, If-Range, Last-Event-ID, Prefer, Range, X-API-Key, "
+                     "X-Request-Id");
     vor_reply_header(request, "Access-Control-Max-Age", "600");
 }
 
 /* A form needs no leave of CORS, and a page may send one without an Origin; but no page can unsay
- * this header. Pages of --cors-origin may. */
+ * this header. Pages of --cors-origin may, and any page may have a link that somebody follows. */
 static bool is_from_other_site(const struct vor_app *app, const struct vor_request *request)
 {
     const char *site = vor_request_header(request, "Sec-Fetch-Site");
+    const char *mode = vor_request_header(request, "Sec-Fetch-Mode");
     const char *origin = vor_request_header(request, "Origin");
+    enum vor_method method = vor_request_method(request);
 
-    return site != NULL && strcmp(site, "cross-site") == 0 &&
-           (origin == NULL ||
-            !vor_config_list_has(app->config->text[VOR_SET_CORS_ORIGIN], origin, strlen(origin)));
+    if (site == NULL || strcmp(site, "cross-site") != 0)
+        return false;
+    if (mode != NULL && strcmp(mode, "navigate") == 0 && (method == VOR_GET || method == VOR_HEAD))
+        return false;
+    return origin == NULL ||
+           !vor_config_list_has(app->config->text[VOR_SET_CORS_ORIGIN], origin, strlen(origin));
 }
 
 /* True when the request may come from where it comes; else it is answered. */
@@ -132,7 +143,6 @@ static bool check_source(struct vor_app *app, struct vor_request *request)
     const char *host = vor_request_header(request, "Host");
     const char *origin = vor_request_header(request, "Origin");
     const char *refused = vor_host_refused(app, request);
-    enum vor_method method = vor_request_method(request);
 
     if (host != NULL && !vor_host_is_sound(host))
         vor_problem_say(app, request, "malformed-request", "Host is not NAME or NAME:PORT");
@@ -141,11 +151,10 @@ static bool check_source(struct vor_app *app, struct vor_request *request)
                         "Host is %.100s, want localhost, 127.0.0.1, [::1], that of --public-url or "
                         "one of --allowed-hosts",
                         refused);
-    else if (origin != NULL && (method == VOR_POST || method == VOR_DELETE) &&
-             !origin_is_ours(app, request, origin))
+    else if (origin != NULL && !origin_is_ours(app, request, origin))
         vor_problem_say(app, request, "forbidden",
                         "Origin is %.100s, want one of --cors-origin or this daemon's own", origin);
-    else if ((method == VOR_POST || method == VOR_DELETE) && is_from_other_site(app, request))
+    else if (is_from_other_site(app, request))
         vor_problem_say(app, request, "forbidden",
                         "Sec-Fetch-Site is cross-site, and its page is none of --cors-origin");
     else
@@ -178,7 +187,7 @@ enum vor_next vor_route_dispatch(void *ctx, struct vor_request *request, enum vo
 {
     struct vor_app *app = ctx;
     const struct vor_route *route = vor_request_route(request);
-    double most = app->config->number[VOR_SET_CONNECTIONS];
+    unsigned most;
 
     if (step != VOR_STEP_HEAD)
         return route->handler(app, request, step);
@@ -189,10 +198,13 @@ enum vor_next vor_route_dispatch(void *ctx, struct vor_request *request, enum vo
     if (route == NULL)
         return reply_no_route(app, request);
     vor_request_set_route(request, route);
-    if (vor_http_connections(app->http) > most + RESERVE && strncmp(route->path, "/v1", 3) == 0) {
+    if (!vor_auth_check(app, request, route->scope))
+        return VOR_NEXT_REPLY;
+    most = strncmp(route->path, "/v1", 3) == 0 ? vor_request_crowd(request) : 0;
+    if (most > 0) {
         vor_reply_close(request);
-        return vor_problem_say(app, request, "too-many-connections", "more than %.0f are open",
-                               most);
+        return vor_problem_say(app, request, "too-many-connections",
+                               "more than %u are open, in all or by this client", most);
     }
     return route->handler(app, request, step);
 }
@@ -207,22 +219,44 @@ void vor_route_refuse(void *ctx, struct vor_request *request, const struct vor_r
     vor_problem_reply(ctx, request, &problem);
 }
 
+/* A request for /metrics: paths of strangers are all one. */
+static void count(const struct vor_request *request, const char *method, int status)
+{
+    const struct vor_route *route = vor_request_route(request);
+    const char *path = route != NULL ? route->path : "none";
+    const char *problem = vor_request_problem(request);
+    char code[8];
+
+    (void)snprintf(code, sizeof code, "%d", status);
+    vor_metric_add(VOR_METRIC_HTTP_REQUESTS, 1, VOR_LABELS(path, method, code));
+    vor_metric_observe(VOR_METRIC_HTTP_SECONDS, vor_request_seconds(request), VOR_LABELS(path));
+    vor_metric_add(VOR_METRIC_HTTP_BYTES_IN, (double)vor_request_bytes_in(request), NULL);
+    vor_metric_add(VOR_METRIC_HTTP_BYTES_OUT, (double)vor_request_bytes_out(request), NULL);
+    if (problem != NULL)
+        vor_metric_add(VOR_METRIC_REJECTED, 1, VOR_LABELS(problem));
+}
+
 void vor_route_done(void *ctx, const struct vor_request *request)
 {
     const struct vor_route *route = vor_request_route(request);
     const char *job = vor_request_job(request);
+    enum vor_method method = vor_request_method(request);
+    const char *word = method < VOR_METHOD_COUNT ? method_words[method] : "other";
+    const char *tenant = vor_request_principal(request)->name;
     int status = vor_request_status(request);
 
     (void)ctx;
+    if (vor_request_gone(request) || status == 0)
+        status = 499;
+    count(request, word, status);
     vor_log(VOR_LOG_INFO, "request", VOR_TEXT("request_id", vor_request_id(request)),
-            VOR_TEXT("method", vor_request_method(request) < VOR_METHOD_COUNT
-                                   ? method_words[vor_request_method(request)]
-                                   : "other"),
-            VOR_TEXT("route", route != NULL ? route->path : ""),
+            VOR_TEXT("method", word), VOR_TEXT("route", route != NULL ? route->path : ""),
             VOR_TEXT("path", vor_request_path(request)),
             VOR_TEXT("client", vor_request_via(request)->client),
+            VOR_TEXT("tenant", tenant[0] != '\0' ? tenant : NULL),
             VOR_TEXT("job", job[0] != '\0' ? job : NULL),
-            VOR_COUNT("status", vor_request_gone(request) || status == 0 ? 499 : status),
+            VOR_KNOWN("trace_id", vor_request_span(request)->trace),
+            VOR_KNOWN("span_id", vor_request_span(request)->id), VOR_COUNT("status", status),
             VOR_TEXT("problem", vor_request_problem(request)),
             VOR_REAL("dur_s", round(vor_request_seconds(request) * 1e6) / 1e6),
             VOR_COUNT("bytes_in", vor_request_bytes_in(request)),

@@ -8,49 +8,55 @@
 #include <stdio.h>
 
 #define VOR_CODES_SUBMIT                                                                           \
-    "200 201 400 403 404 406 408 409 410 413 415 422 429 500 503 507" /* of every way to start a   \
-                                                                         job */
+    "200 201 400 401 403 404 406 408 409 410 413 415 422 429 500 503 507" /* of every way to start \
+                                                                             a job */
 
-/** Routes: method, path, handler, statuses besides those that the HTTP layer may give to any
- *  request (400 framing, 403 Host and Origin, 503 connections). A {segment} matches anything but
- *  nothing. GET brings HEAD along, every path OPTIONS. Each process that HTTP offers
- *  (VOR_PROCESS_TABLE) has a route POST /v1/PROCESS besides. A row without statuses is the route
- *  of the path without the slash under another name, which openapi.yaml cannot have: what makes
- *  clients of it takes no path that ends in a slash. */
+/** Routes: method, path, scope of the key that they need (OPEN: none), handler, statuses besides
+ *  those that the HTTP layer may give to any request (400 framing, 403 Host and Origin, 503
+ *  connections). A {segment} matches anything but nothing. GET brings HEAD along, every path
+ *  OPTIONS. Each process that HTTP offers (VOR_PROCESS_TABLE) has a route POST /v1/PROCESS besides.
+ *  A row without statuses is the route of the path without the slash under another name, which
+ *  openapi.yaml cannot have: what makes clients of it takes no path that ends in a slash. */
 #define VOR_ROUTE_TABLE(X)                                                                         \
-    X(GET, "/", vor_handle_landing, "200")                                                         \
-    X(GET, "/livez", vor_handle_livez, "200")                                                      \
-    X(GET, "/readyz", vor_handle_readyz, "200 503")                                                \
-    X(GET, "/version", vor_handle_version, "200")                                                  \
-    X(GET, "/openapi.yaml", vor_handle_openapi, "200")                                             \
-    X(GET, "/problems/{slug}", vor_handle_problem, "200 404")                                      \
-    X(GET, "/v1", vor_handle_landing, "200")                                                       \
-    X(GET, "/v1/", vor_handle_landing, "")                                                         \
-    X(GET, "/v1/processes", vor_handle_processes, "200")                                           \
-    X(GET, "/v1/processes/{processID}", vor_handle_process, "200 404")                             \
-    X(POST, "/v1/processes/{processID}/execution", vor_handle_submit, VOR_CODES_SUBMIT)            \
-    X(GET, "/v1/jobs", vor_handle_jobs, "200 400 503")                                             \
-    X(GET, "/v1/jobs/{jobID}", vor_handle_job, "200 304 404 410 503")                              \
-    X(DELETE, "/v1/jobs/{jobID}", vor_handle_dismiss, "200 403 404 503 507")                       \
-    X(POST, "/v1/jobs/{jobID}/stop", vor_handle_stop, "202 403 404 409 503")                       \
-    X(GET, "/v1/jobs/{jobID}/events", vor_handle_events, "200 204 400 404 503")                    \
-    X(GET, "/v1/jobs/{jobID}/input", vor_handle_input, "200 206 304 404 410 416 503")              \
-    X(GET, "/v1/jobs/{jobID}/results", vor_handle_results, "200 400 404 406 410 413 422 500 503")  \
-    X(GET, "/v1/jobs/{jobID}/results/{output}", vor_handle_result,                                 \
-      "200 206 304 400 404 406 410 413 416 422 429 500 503 507")                                   \
-    X(GET, "/v1/jobs/{jobID}/trace", vor_handle_trace, "200 404 503")
+    X(GET, "/", OPEN, vor_handle_landing, "200")                                                   \
+    X(GET, "/livez", OPEN, vor_handle_livez, "200")                                                \
+    X(GET, "/readyz", OPEN, vor_handle_readyz, "200 503")                                          \
+    X(GET, "/version", OPEN, vor_handle_version, "200")                                            \
+    X(GET, "/openapi.yaml", OPEN, vor_handle_openapi, "200")                                       \
+    X(GET, "/problems/{slug}", OPEN, vor_handle_problem, "200 404")                                \
+    X(GET, "/v1", READ, vor_handle_landing, "200 401 403")                                         \
+    X(GET, "/v1/", READ, vor_handle_landing, "")                                                   \
+    X(GET, "/v1/processes", READ, vor_handle_processes, "200 401 403")                             \
+    X(GET, "/v1/processes/{processID}", READ, vor_handle_process, "200 401 403 404")               \
+    X(POST, "/v1/processes/{processID}/execution", SUBMIT, vor_handle_submit, VOR_CODES_SUBMIT)    \
+    X(GET, "/v1/jobs", READ, vor_handle_jobs, "200 400 401 403 503")                               \
+    X(GET, "/v1/jobs/{jobID}", READ, vor_handle_job, "200 304 401 403 404 410 503")                \
+    X(DELETE, "/v1/jobs/{jobID}", SUBMIT, vor_handle_dismiss, "200 401 403 404 503 507")           \
+    X(POST, "/v1/jobs/{jobID}/stop", SUBMIT, vor_handle_stop, "202 401 403 404 409 503")           \
+    X(GET, "/v1/jobs/{jobID}/events", READ, vor_handle_events, "200 204 400 401 403 404 503")      \
+    X(GET, "/v1/jobs/{jobID}/input", READ, vor_handle_input,                                       \
+      "200 206 304 401 403 404 410 416 500 503")                                                   \
+    X(GET, "/v1/jobs/{jobID}/results", READ, vor_handle_results,                                   \
+      "200 400 401 403 404 406 410 413 422 500 503")                                               \
+    X(GET, "/v1/jobs/{jobID}/results/{output}", READ, vor_handle_result,                           \
+      "200 206 304 400 401 403 404 406 410 413 416 422 429 500 503 507")                           \
+    X(POST, "/v1/jobs/{jobID}/tickets", READ, vor_handle_ticket,                                   \
+      "201 400 401 403 404 410 413 422 500 503")                                                   \
+    X(GET, "/v1/jobs/{jobID}/trace", READ, vor_handle_trace, "200 401 403 404 503")
 
 struct vor_route {
     enum vor_method method;
     const char *path;
+    enum vor_scope scope; /**< of the key that it needs */
     vor_handler handler;
     const char *codes;
 };
 
-/** "METHOD PATH CODE CODE ..." a line. */
+/** "METHOD PATH SCOPE CODE CODE ..." a line. */
 void vor_routes_print(FILE *out);
 
-/** The first handler of every request: Host, Origin, CORS, method and path; then the route's. */
+/** The first handler of every request: Host, Origin, CORS, method and path, key; then the route's.
+ */
 enum vor_next vor_route_dispatch(void *app, struct vor_request *request, enum vor_step step);
 
 /** A refusal of the HTTP layer as a problem, and the line of the access log. */

@@ -55,6 +55,11 @@ bool vor_address_of_socket(struct vor_address *out, const struct sockaddr *end)
         *out = map_ipv4(&four.sin_addr);
         return true;
     }
+    if (end->sa_family == AF_UNIX) {
+        four.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        *out = map_ipv4(&four.sin_addr);
+        return true;
+    }
     if (end->sa_family != AF_INET6)
         return false;
     memcpy(&six, end, sizeof six);
@@ -145,12 +150,27 @@ size_t vor_host_name_length(const char *host)
     return host[0] == '[' ? strcspn(host, "]") + (strchr(host, ']') != NULL) : strcspn(host, ":");
 }
 
+/* What stands behind a host: nothing, or : and a number from 1 to 65535. RFC 9110 lets the number
+ * be missing; nobody sends that, and no socket has it. */
+static bool port_is_sound(const char *text)
+{
+    size_t digits;
+    unsigned long port;
+
+    if (text[0] == '\0')
+        return true;
+    digits = strspn(text + 1, "0123456789");
+    if (text[0] != ':' || digits == 0 || digits > 5 || text[1 + digits] != '\0')
+        return false;
+    port = strtoul(text + 1, NULL, 10);
+    return port >= 1 && port <= UINT16_MAX;
+}
+
 bool vor_host_is_sound(const char *host)
 {
     static const char in_names[] =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._";
     size_t name = vor_host_name_length(host);
-    const char *port = host + name;
     struct vor_address address;
 
     if (name == 0 || strlen(host) > VOR_HOST_MAX)
@@ -162,8 +182,7 @@ bool vor_host_is_sound(const char *host)
     } else if (strspn(host, in_names) < name) {
         return false;
     }
-    return port[0] == '\0' || (port[0] == ':' && strlen(port) <= 6 &&
-                               strspn(port + 1, "0123456789") == strlen(port + 1));
+    return port_is_sound(host + name);
 }
 
 /* True when the segment of that length may stand in a path that nobody resolves again. */

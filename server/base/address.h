@@ -38,7 +38,8 @@ struct vor_networks {
  *  stays as it is, when they are neither. */
 bool vor_address_parse(struct vor_address *out, const char *text, size_t length);
 
-/** The address of one end of a connection; false when it has none, as in another family. */
+/** The address of one end of a connection; that of a Unix socket, which this machine alone reaches,
+ *  is 127.0.0.1. False when it has none, as in another family. */
 bool vor_address_of_socket(struct vor_address *out, const struct sockaddr *end);
 
 /** As text, an IPv4 address in its own form. Returns out. */
@@ -56,8 +57,9 @@ VOR_NODISCARD vor_status vor_networks_parse(struct vor_networks *out, const char
 /** True when one of the networks holds the address. */
 bool vor_networks_hold(const struct vor_networks *networks, const struct vor_address *address);
 
-/** True for NAME, NAME:PORT, [ADDRESS] and [ADDRESS]:PORT of at most VOR_HOST_MAX bytes: what may
- *  stand in Host (RFC 9110, 7.2), and in a URL between scheme and path. */
+/** True for NAME, NAME:PORT, [ADDRESS] and [ADDRESS]:PORT of at most VOR_HOST_MAX bytes, with a
+ * PORT from 1 to 65535 and nothing behind: what may stand in Host (RFC 9110, 7.2), and in a URL
+ * between scheme and path. */
 bool vor_host_is_sound(const char *host);
 
 /** Length of the name or bracketed address in a sound host: what stands before the port. */

@@ -1,3 +1,5 @@
+#define _GNU_SOURCE /* CLOCK_BOOTTIME */
+
 #include "server/base/clock.h"
 
 #include <stdio.h>
@@ -17,6 +19,14 @@ double vor_clock_seconds(void)
 
     clock_gettime(CLOCK_MONOTONIC, &now);
     return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
+}
+
+int64_t vor_clock_boot_ms(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_BOOTTIME, &now);
+    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
 }
 
 const char *vor_clock_text(int64_t wall_ms, char out[VOR_CLOCK_TEXT_SIZE])

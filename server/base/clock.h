@@ -11,6 +11,9 @@ int64_t vor_clock_wall_ms(void);
 /** Seconds that never jump: for durations, deadlines and budgets. */
 double vor_clock_seconds(void);
 
+/** Milliseconds that never jump and go on while the machine sleeps. */
+int64_t vor_clock_boot_ms(void);
+
 /** "2026-11-21T03:15:34.537Z" and its NUL. */
 #define VOR_CLOCK_TEXT_SIZE 32
 

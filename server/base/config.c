@@ -1,5 +1,7 @@
 #include "server/base/config.h"
 
+#include "server/base/config_file.h"
+
 #include <ctype.h>
 #include <getopt.h>
 #include <math.h>
@@ -131,33 +133,101 @@ static vor_status set(struct vor_config *config, int setting, const char *text,
     return set_number(&config->number[setting], info, text, err);
 }
 
-/* VORONOID_ and the flag in capitals. */
-static void name_variable(const struct setting_info *info, char *out, size_t size)
+void vor_config_variable(const char *flag, char out[VOR_VARIABLE_MAX])
 {
-    (void)snprintf(out, size, "VORONOID_%s", info->flag);
+    (void)snprintf(out, VOR_VARIABLE_MAX, "VORONOID_%s", flag);
     for (char *c = out; *c != '\0'; c++)
         *c = *c == '-' ? '_' : (char)toupper((unsigned char)*c);
 }
 
-/* What no flag has given: from the environment, or the default. */
+/* A setting from its variable, or from the file that its variable with _FILE names. What is a file
+ * itself has no such variable: it would be mistaken for the one without. */
+static vor_status read_variable(struct vor_config *config, int setting, char *(*get)(const char *),
+                                struct vor_error *err)
+{
+    char name[VOR_VARIABLE_MAX], file[VOR_VARIABLE_MAX + 8], held[VOR_CONFIG_TEXT_MAX];
+    const char *value, *path = NULL;
+    vor_status status = VOR_OK;
+
+    vor_config_variable(infos[setting].flag, name);
+    (void)snprintf(file, sizeof file, "%s_FILE", name);
+    value = get(name);
+    if (setting != VOR_SET_CONFIG)
+        path = get(file);
+    if (value != NULL && path != NULL)
+        return vor_fail_param(err, VOR_E_PARAM, infos[setting].flag,
+                              "%s and %s are both given, want one", name, file);
+    if (path != NULL)
+        status = vor_config_file_value(held, sizeof held, file, path, err);
+    if (path != NULL && status == VOR_OK)
+        value = held;
+    if (value != NULL && status == VOR_OK)
+        status = set(config, setting, value, err);
+    config->given[setting] = value != NULL;
+    return status;
+}
+
+/* What no flag has given. */
 static vor_status read_environment(struct vor_config *config, char *(*get)(const char *),
                                    struct vor_error *err)
 {
-    for (int i = 0; i < VOR_SETTING_COUNT; i++) {
-        char name[VOR_VARIABLE_MAX];
-        const char *value;
-        vor_status status;
+    vor_status status = VOR_OK;
 
-        if (config->given[i])
-            continue;
-        name_variable(&infos[i], name, sizeof name);
-        value = get(name);
-        status = set(config, i, value != NULL ? value : infos[i].fallback, err);
-        if (status != VOR_OK)
-            return status;
-        config->given[i] = value != NULL;
-    }
+    for (int i = 0; i < VOR_SETTING_COUNT && status == VOR_OK; i++)
+        if (!config->given[i])
+            status = read_variable(config, i, get, err);
+    return status;
+}
+
+static int find_setting(const char *flag)
+{
+    for (int i = 0; i < VOR_SETTING_COUNT; i++)
+        if (strcmp(infos[i].flag, flag) == 0)
+            return i;
+    return -1;
+}
+
+/* A line of the file, unless a flag or a variable has given the setting. A list grows by lines. */
+static vor_status take_setting(void *ctx, unsigned line, const char *name, const char *value,
+                               struct vor_error *err)
+{
+    struct vor_config *config = ctx;
+    int setting = find_setting(name);
+
+    if (setting < 0 || setting == VOR_SET_CONFIG || setting == VOR_SET_CHECK_CONFIG)
+        return vor_fail(err, VOR_E_PARAM, "no setting \"%.60s\"; see voronoid serve --help", name);
+    if (config->given[setting] && config->line[setting] == 0)
+        return VOR_OK;
+    if (config->line[setting] > 0 && infos[setting].kind != VOR_SETTING_LIST)
+        return vor_fail(err, VOR_E_PARAM, "%s is on line %u already", name, config->line[setting]);
+    config->given[setting] = 1;
+    if (set(config, setting, value, err) != VOR_OK)
+        return err->status;
+    config->line[setting] = line;
     return VOR_OK;
+}
+
+static const char *config_place(const struct vor_config *config)
+{
+    const char *path = config->text[VOR_SET_CONFIG];
+
+    return path[0] != '\0' ? path : VOR_CONFIG_PLACE;
+}
+
+static vor_status read_file(struct vor_config *config, struct vor_error *err)
+{
+    return vor_config_file_read(config_place(config), config->given[VOR_SET_CONFIG], take_setting,
+                                config, err);
+}
+
+static vor_status set_defaults(struct vor_config *config, struct vor_error *err)
+{
+    vor_status status = VOR_OK;
+
+    for (int i = 0; i < VOR_SETTING_COUNT && status == VOR_OK; i++)
+        if (!config->given[i])
+            status = set(config, i, infos[i].fallback, err);
+    return status;
 }
 
 /* What getopt_long wants; it returns a setting's row behind LONG_SETTING. */
@@ -234,32 +304,32 @@ static vor_status read_arguments(struct vor_config *config, int argc, char **arg
 
 static vor_status split_listen(struct vor_config *config, struct vor_error *err)
 {
-    const char *text = config->text[VOR_SET_LISTEN];
-    const char *colon = strrchr(text, ':');
-    size_t length = colon != NULL ? (size_t)(colon - text) : 0;
-    char *end = NULL;
-    unsigned long port = colon != NULL ? strtoul(colon + 1, &end, 10) : 0;
+    vor_status status =
+        vor_endpoint_parse(&config->endpoint, "listen", config->text[VOR_SET_LISTEN], err);
 
-    if (length == 0 || length >= sizeof config->host || !isdigit((unsigned char)colon[1]) ||
-        *end != '\0' || port > 65535)
-        return vor_fail_param(err, VOR_E_PARAM, "listen",
-                              "--listen is \"%.80s\", want HOST:PORT with a port from 0 to 65535",
-                              text);
-    if (text[0] == '[' && text[length - 1] == ']') {
-        text++;
-        length -= 2;
-    }
-    memcpy(config->host, text, length);
-    config->host[length] = '\0';
-    config->port = (unsigned)port;
-    config->loopback = strncmp(config->host, "127.", 4) == 0 || strcmp(config->host, "::1") == 0 ||
-                       strcasecmp(config->host, "localhost") == 0;
-    if (!config->loopback && config->number[VOR_SET_NO_AUTH] == 0)
-        return vor_fail_param(err, VOR_E_PARAM, "listen",
-                              "--listen %.80s is open to other machines and this build knows no "
-                              "keys yet: use a loopback address, or --no-auth to let anybody in",
-                              config->text[VOR_SET_LISTEN]);
+    if (status != VOR_OK)
+        return status;
+    memcpy(config->host, config->endpoint.host, sizeof config->host);
+    config->port = config->endpoint.port;
+    config->loopback = config->endpoint.loopback;
     return VOR_OK;
+}
+
+/* The numbers of a daemon are for whoever runs it. */
+static vor_status split_admin(struct vor_config *config, struct vor_error *err)
+{
+    const char *text = config->text[VOR_SET_ADMIN_LISTEN];
+    vor_status status = VOR_OK;
+
+    if (text[0] != '\0')
+        status = vor_endpoint_parse(&config->admin, "admin-listen", text, err);
+    if (status == VOR_OK && text[0] != '\0' && !config->admin.loopback &&
+        config->number[VOR_SET_ADMIN_ANYWHERE] == 0)
+        return vor_fail_param(err, VOR_E_PARAM, "admin-listen",
+                              "--admin-listen %.80s is open to other machines: use a loopback "
+                              "address or unix:/PATH, or --admin-anywhere to let anybody read it",
+                              text);
+    return status;
 }
 
 /* Length of "http://HOST:PORT" or the like at the start of text; 0 when there is none. */
@@ -334,6 +404,40 @@ static vor_status check_hosts(const struct vor_config *config, struct vor_error 
     return VOR_OK;
 }
 
+/* The setting by which others than users of this machine may call; VOR_SETTING_COUNT when there is
+ * none. A proxy calls from this machine as well, so behind one nobody is told apart by address. */
+static enum vor_setting widened_by(const struct vor_config *config)
+{
+    if (!config->loopback)
+        return VOR_SET_LISTEN;
+    if (config->trusted.count > 0)
+        return VOR_SET_TRUSTED_PROXY;
+    return config->text[VOR_SET_PUBLIC_URL][0] != '\0' ? VOR_SET_PUBLIC_URL : VOR_SETTING_COUNT;
+}
+
+/* Needs loopback and trusted. */
+static vor_status check_callers(const struct vor_config *config, struct vor_error *err)
+{
+    enum vor_setting by = widened_by(config);
+    bool has_keys = config->text[VOR_SET_API_KEYS][0] != '\0';
+    bool is_free = config->number[VOR_SET_NO_AUTH] != 0;
+
+    if (has_keys && is_free)
+        return vor_fail_param(
+            err, VOR_E_PARAM, "no-auth",
+            "--no-auth lets anybody in and --api-keys %.80s does not: give one of "
+            "them",
+            config->text[VOR_SET_API_KEYS]);
+    if (by == VOR_SETTING_COUNT || has_keys || is_free)
+        return VOR_OK;
+    return vor_fail_param(
+        err, VOR_E_PARAM, infos[by].flag,
+        "with --%s %.80s the daemon is open to other machines: give --api-keys "
+        "FILE (voronoid key NAME makes a line of it), or --no-auth to let anybody "
+        "in",
+        infos[by].flag, config->text[by]);
+}
+
 /* prefix, directory and suffix as a setting's text; false when they do not fit. */
 static int compose(struct vor_config *config, int setting, const char *prefix,
                    const char *directory, const char *suffix)
@@ -376,17 +480,15 @@ static vor_status find_places(struct vor_config *config, char *(*get)(const char
                           "no directory to keep jobs in: give --data DIR of at most 1000 bytes");
 }
 
-vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
-                           char *(*getenv)(const char *name), struct vor_error *err)
+/* What a value is worth beside the others; whose line of the file is at fault, is said. */
+static vor_status work_out(struct vor_config *out, char *(*get)(const char *),
+                           struct vor_error *err)
 {
-    vor_status status;
+    vor_status status = split_listen(out, err);
+    int setting;
 
-    memset(out, 0, sizeof *out);
-    status = read_arguments(out, argc, argv, err);
     if (status == VOR_OK)
-        status = read_environment(out, getenv, err);
-    if (status == VOR_OK)
-        status = split_listen(out, err);
+        status = split_admin(out, err);
     if (status == VOR_OK)
         status = check_public_url(out, err);
     if (status == VOR_OK)
@@ -397,80 +499,29 @@ vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
         status = vor_networks_parse(&out->trusted, "trusted-proxy",
                                     out->text[VOR_SET_TRUSTED_PROXY], err);
     if (status == VOR_OK)
-        status = find_places(out, getenv, err);
+        status = check_callers(out, err);
+    if (status == VOR_OK)
+        status = find_places(out, get, err);
+    setting = status != VOR_OK ? find_setting(err->parameter) : -1;
+    if (setting >= 0 && out->line[setting] > 0)
+        return vor_config_file_blame(err, config_place(out), out->line[setting]);
     return status;
 }
 
-/* What stands behind a flag in the help. */
-static const char *placeholder(const struct setting_info *info)
+vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
+                           char *(*getenv)(const char *name), struct vor_error *err)
 {
-    switch (info->kind) {
-    case VOR_SETTING_TEXT:
-    case VOR_SETTING_LIST:
-        return info->unit;
-    case VOR_SETTING_COUNT_OF:
-        return "N";
-    case VOR_SETTING_BYTES:
-        return "BYTES";
-    case VOR_SETTING_TIME:
-        return "SECONDS";
-    case VOR_SETTING_CHOICE:
-        return "WORD";
-    case VOR_SETTING_FLAG:
-        break;
-    }
-    return "";
-}
+    vor_status status;
 
-static int write_range(char *out, size_t size, const struct setting_info *info)
-{
-    switch (info->kind) {
-    case VOR_SETTING_COUNT_OF:
-    case VOR_SETTING_TIME:
-        return snprintf(out, size, "%.10g to %.10g %s, ", info->min, info->max, info->unit);
-    case VOR_SETTING_BYTES:
-        return snprintf(out, size, "%.10g to %.10g %s, or with K, M, G or T, ", info->min,
-                        info->max, info->unit);
-    case VOR_SETTING_CHOICE:
-        return snprintf(out, size, "one of %s, ", info->unit);
-    case VOR_SETTING_TEXT:
-    case VOR_SETTING_LIST:
-    case VOR_SETTING_FLAG:
-        break;
-    }
-    return 0;
-}
-
-int vor_config_describe(struct vor_setting_text *out, unsigned index)
-{
-    const struct setting_info *info;
-    int at;
-
-    if (index >= VOR_SETTING_COUNT)
-        return 0;
-    info = &infos[index];
-    out->flag = info->flag;
-    out->value = placeholder(info);
-    out->words = info->kind == VOR_SETTING_CHOICE ? info->unit : "";
-    out->sentence = info->sentence;
-    name_variable(info, out->variable, sizeof out->variable);
-    out->range[0] = '\0';
-    at = write_range(out->range, sizeof out->range, info);
-    if (info->fallback[0] != '\0' && info->kind != VOR_SETTING_FLAG)
-        (void)snprintf(out->range + at, sizeof out->range - (size_t)at, "default %s ",
-                       info->fallback);
-    return 1;
-}
-
-void vor_config_help(FILE *out)
-{
-    struct vor_setting_text setting;
-
-    for (unsigned i = 0; vor_config_describe(&setting, i); i++)
-        (void)fprintf(out, "  --%s%s%s\n      %s\n      %s(env: %s)\n", setting.flag,
-                      setting.value[0] != '\0' ? " " : "", setting.value, setting.sentence,
-                      setting.range, setting.variable);
-    (void)fputs("A flag wins over the environment.\n", out);
+    memset(out, 0, sizeof *out);
+    status = read_arguments(out, argc, argv, err);
+    if (status == VOR_OK)
+        status = read_environment(out, getenv, err);
+    if (status == VOR_OK)
+        status = read_file(out, err);
+    if (status == VOR_OK)
+        status = set_defaults(out, err);
+    return status == VOR_OK ? work_out(out, getenv, err) : status;
 }
 
 int vor_config_list_has(const char *list, const char *item, size_t length)

@@ -4,6 +4,7 @@
 
 #include "core/base/status.h"
 #include "server/base/address.h"
+#include "server/base/endpoint.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -19,11 +20,29 @@ enum vor_setting_kind {
     VOR_SETTING_CHOICE    /**< one word of those in the unit column */
 };
 
+/** The file of settings that is read unless CONFIG names another. */
+#define VOR_CONFIG_PLACE "/etc/voronoid/voronoid.conf"
+
 /** Settings: identifier, flag, kind, unit, min, max, default, sentence. The environment variable of
- *  "http-threads" is VORONOID_HTTP_THREADS; a flag wins over it. */
+ *  "http-threads" is VORONOID_HTTP_THREADS, or VORONOID_HTTP_THREADS_FILE for a file that holds the
+ *  value; in the file of settings it is http-threads. A flag wins over the environment, and that
+ *  over the file. */
 #define VOR_SETTING_TABLE(X)                                                                       \
+    X(CONFIG, "config", TEXT, "FILE", 0, 0, "",                                                    \
+      "Settings, a line \"name = value\" each, for what neither flags nor the environment give; "  \
+      "else " VOR_CONFIG_PLACE " where there is one")                                              \
+    X(CHECK_CONFIG, "check-config", FLAG, "", 0, 1, "0",                                           \
+      "Read the settings, say what is wrong with them, and end")                                   \
     X(LISTEN, "listen", TEXT, "HOST:PORT", 0, 0, "127.0.0.1:8080",                                 \
-      "Where to listen; port 0 takes a free one, which the log names")                             \
+      "Where to listen; port 0 takes a free one, which the log names; unix:/PATH is a socket in "  \
+      "the file system")                                                                           \
+    X(SOCKET_MODE, "socket-mode", CHOICE, "0600 0660 0666", 0, 0, "0660",                          \
+      "Who may connect to a Unix socket of --listen: its owner, its group, anybody")               \
+    X(ADMIN_LISTEN, "admin-listen", TEXT, "HOST:PORT", 0, 0, "",                                   \
+      "Where /livez, /readyz and /metrics, and nothing else, are answered by a thread of their "   \
+      "own, also while --listen is overrun; nowhere unless given")                                 \
+    X(ADMIN_ANYWHERE, "admin-anywhere", FLAG, "", 0, 1, "0",                                       \
+      "Let --admin-listen be an address that other machines reach")                                \
     X(DATA, "data", TEXT, "DIR", 0, 0, "",                                                         \
       "Where jobs and their bytes are kept; else $STATE_DIRECTORY, $XDG_STATE_HOME/voronoid or "   \
       "~/.local/state/voronoid")                                                                   \
@@ -33,8 +52,15 @@ enum vor_setting_kind {
       "Threads of the engine, shared by all jobs; 0 is one for each core")                         \
     X(JOBS, "jobs", COUNT_OF, "jobs", 1, 64, "2", "Jobs that run at the same time")                \
     X(QUEUE, "queue", COUNT_OF, "jobs", 1, 100000, "256", "Jobs that may wait")                    \
+    X(MEMORY, "memory", BYTES, "bytes", 0, 1e15, "0",                                              \
+      "Memory that running jobs may take together, as estimated; others wait; 0 is 70 % of the "   \
+      "machine's")                                                                                 \
+    X(QUEUE_BYTES, "queue-bytes", BYTES, "bytes", 1, 1e15, "8G",                                   \
+      "Decoded inputs of jobs that wait, in all")                                                  \
     X(JOB_MEMORY, "job-memory", BYTES, "bytes", 0, 1e15, "0",                                      \
-      "Memory a job may take; 0 is 70 % of the machine's, divided by --jobs")                      \
+      "Memory a job may take; 0 is --memory divided by --jobs")                                    \
+    X(JOB_SECONDS, "job-seconds", TIME, "seconds", 0, 31536000, "1800",                            \
+      "Time a job may run; one that would take four times as long is refused; 0 is any")           \
     X(BODY_LIMIT, "body-limit", BYTES, "bytes", 1, 1e15, "1G",                                     \
       "Largest upload, and what gzip may inflate to")                                              \
     X(POINTS_LIMIT, "points-limit", COUNT_OF, "points", 1, 2147483646, "50000000",                 \
@@ -45,6 +71,18 @@ enum vor_setting_kind {
       "Uploads that are kept as long as results, in all; those of jobs that ended first go "       \
       "first; "                                                                                    \
       "0 keeps none")                                                                              \
+    X(RESULTS_BYTES, "results-bytes", BYTES, "bytes", 0, 1e15, "0",                                \
+      "Results that are kept, in all; those of jobs that ended first go first; 0 is half of the "  \
+      "disk of --blobs")                                                                           \
+    X(LOST_TTL, "lost-ttl", TIME, "seconds", 0, 31536000, "604800",                                \
+      "How long bytes of jobs that a damaged --store has lost are kept, in the folder lost of "    \
+      "--blobs")                                                                                   \
+    X(LOST_BYTES, "lost-bytes", BYTES, "bytes", 0, 1e15, "1G",                                     \
+      "How much of that is kept; the oldest goes first")                                           \
+    X(DISK_RESERVE, "disk-reserve", BYTES, "bytes", 0, 1e15, "16M",                                \
+      "Kept in a file beside --store, which a full disk is given back to end and remove jobs, "    \
+      "and "                                                                                       \
+      "as much free beside it, which uploads leave alone")                                         \
     X(PUBLIC_URL, "public-url", TEXT, "URL", 0, 0, "",                                             \
       "How clients reach this daemon, for absolute links; else the scheme, Host and path that a "  \
       "trusted proxy names; else http:// and the Host they sent")                                  \
@@ -59,11 +97,19 @@ enum vor_setting_kind {
       "commas, or several flags; else any that a trusted proxy names")                             \
     X(CORS_ORIGIN, "cors-origin", TEXT, "LIST", 0, 0, "",                                          \
       "Origins whose pages may use this daemon, separated by commas")                              \
+    X(API_KEYS, "api-keys", TEXT, "FILE", 0, 0, "",                                                \
+      "Keys, one of which every request under /v1 then needs: lines of voronoid key NAME; SIGHUP " \
+      "reads it again")                                                                            \
     X(NO_AUTH, "no-auth", FLAG, "", 0, 1, "0",                                                     \
-      "Listen beyond this machine although anybody may then submit jobs")                          \
+      "Let anybody in without a key, although the daemon listens beyond this machine, or behind "  \
+      "a proxy (--trusted-proxy, --public-url)")                                                   \
     X(HTTP_THREADS, "http-threads", COUNT_OF, "threads", 1, 64, "2", "Threads that speak HTTP")    \
     X(CONNECTIONS, "connections", COUNT_OF, "connections", 1, 100000, "1024",                      \
-      "Open connections; 32 more are kept for health checks")                                      \
+      "Open connections besides streams; when they are more, the oldest silent ones are cut, and " \
+      "32 are kept for health checks")                                                             \
+    X(ADDRESS_CONNECTIONS, "address-connections", COUNT_OF, "connections", 0, 100000, "128",       \
+      "Open connections of one client (an IPv4 address, an IPv6 /64), this machine and "           \
+      "--trusted-proxy excepted; 0 for no limit")                                                  \
     X(STREAMS, "streams", COUNT_OF, "streams", 1, 100000, "512", "Event streams at the same time") \
     X(HEADER_TIMEOUT, "header-timeout", TIME, "seconds", 0.1, 3600, "10",                          \
       "Time for a request's head, however slowly its bytes come")                                  \
@@ -73,11 +119,20 @@ enum vor_setting_kind {
     X(BODY_IDLE, "body-idle", TIME, "seconds", 0.1, 3600, "30", "Longest pause in an upload")      \
     X(BODY_RATE, "body-rate", BYTES, "bytes/s", 0, 1e12, "16K",                                    \
       "Slowest upload on average, measured once it is older than --body-idle")                     \
+    X(REPLY_RATE, "reply-rate", BYTES, "bytes/s", 0, 1e12, "4K",                                   \
+      "Slowest reader of a reply on average, measured once it is older than --body-idle; streams " \
+      "of events excepted")                                                                        \
     X(HEARTBEAT, "heartbeat", TIME, "seconds", 0.1, 3600, "15",                                    \
       "Pause after which an event "                                                                \
       "stream shows that it lives")                                                                \
     X(DRAIN_TIMEOUT, "drain-timeout", TIME, "seconds", 0, 3600, "20",                              \
       "Time for running jobs to end after SIGTERM; the others wait for the next start")            \
+    X(DRACO, "draco", CHOICE, "any strict", 0, 0, "any",                                           \
+      "Draco files that are read: any that the library reads, or only point clouds of bitstream "  \
+      "2.3 without metadata, for which it needs less of its code")                                 \
+    X(ALLOW_WEAK_SANDBOX, "allow-weak-sandbox", FLAG, "", 0, 1, "0",                               \
+      "Run although the kernel takes no list of system calls: uploads are then read in processes " \
+      "with limits of memory and time alone")                                                      \
     X(LOG_LEVEL, "log-level", CHOICE, "debug info warn error off", 0, 0, "info",                   \
       "What is logged, as one JSON object a line, on standard error")
 
@@ -94,21 +149,26 @@ enum { VOR_CONFIG_TEXT_MAX = 1024 };
 struct vor_config {
     double number[VOR_SETTING_COUNT];
     char text[VOR_SETTING_COUNT][VOR_CONFIG_TEXT_MAX];
-    int given[VOR_SETTING_COUNT]; /**< by flag or environment */
-    char host[256];               /**< of LISTEN, without brackets */
+    int given[VOR_SETTING_COUNT];     /**< by flag, environment or file */
+    unsigned line[VOR_SETTING_COUNT]; /**< of the file of settings; 0 for elsewhere */
+    char host[256];                   /**< of LISTEN, without brackets */
     unsigned port;
-    int loopback;                /**< host is this machine only */
-    struct vor_networks trusted; /**< of TRUSTED_PROXY */
+    int loopback;                        /**< host is this machine only */
+    struct vor_endpoint endpoint, admin; /**< of LISTEN, of ADMIN_LISTEN */
+    struct vor_networks trusted;         /**< of TRUSTED_PROXY */
 };
 
 /** --flag VALUE and --flag=VALUE of argv[1 .. argc - 1], by getopt_long, so that an unambiguous
- *  beginning of a flag stands for it; for the others the environment, then the default; then DATA,
- *  STORE, BLOBS, host, port and trusted are worked out. getenv is the environment to read.
+ *  beginning of a flag stands for it; for the others the environment, then the file CONFIG, then
+ *  the default; then DATA, STORE, BLOBS, host, port and trusted are worked out. getenv is the
+ *  environment to read. A message about a value of the file begins with file and line.
  *
  *  @retval VOR_E_PARAM an unknown or ambiguous flag, a value missing or out of range (message:
- *                      flag, value and range), LISTEN not HOST:PORT, not a loopback address without
- *                      NO_AUTH, PUBLIC_URL no URL, CORS_ORIGIN no list of origins, TRUSTED_PROXY
- *                      none of networks, ALLOWED_HOSTS none of names, or no directory for DATA
+ *                      flag, value and range), LISTEN not HOST:PORT, neither API_KEYS nor NO_AUTH
+ *                      where others than this machine's users may call (LISTEN no loopback address,
+ *                      TRUSTED_PROXY or PUBLIC_URL given), or both, PUBLIC_URL no URL, CORS_ORIGIN
+ * no list of origins, TRUSTED_PROXY none of networks, ALLOWED_HOSTS none of names, no directory
+ * for DATA, or a file that cannot be read
  */
 VOR_NODISCARD vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
                                          char *(*getenv)(const char *name), struct vor_error *err);
@@ -116,20 +176,8 @@ VOR_NODISCARD vor_status vor_config_read(struct vor_config *out, int argc, char 
 /** Bytes of the name of a setting's variable, with the NUL. */
 #define VOR_VARIABLE_MAX 64
 
-/** A setting as the help, the manual and completions tell it. */
-struct vor_setting_text {
-    const char *flag, *sentence;
-    const char *value; /**< what stands behind the flag: "N"; "" for nothing */
-    const char *words; /**< of a choice, with blanks between; else "" */
-    char variable[VOR_VARIABLE_MAX];
-    char range[160]; /**< "1 to 64 jobs, default 2 "; "" where there is none */
-};
-
-/** Describes setting number `index`; false past the last. */
-int vor_config_describe(struct vor_setting_text *out, unsigned index);
-
-/** The table for people, one setting after another. */
-void vor_config_help(FILE *out);
+/** VORONOID_ and the flag in capitals. */
+void vor_config_variable(const char *flag, char out[VOR_VARIABLE_MAX]);
 
 /** True when LIST (separated by commas, blanks ignored) holds item of that length, byte for byte.
  */

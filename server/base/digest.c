@@ -1,8 +1,10 @@
 #include "server/base/digest.h"
 
+#include <nettle/hmac.h>
+#include <nettle/memops.h>
 #include <nettle/sha2.h>
-#include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 struct vor_digest {
     struct sha256_ctx state;
@@ -52,6 +54,36 @@ void vor_digest_etag(const void *bytes, size_t size, char out[VOR_ETAG_SIZE])
     write_hex(&state, out + 1);
     out[VOR_ETAG_SIZE - 2] = '"';
     out[VOR_ETAG_SIZE - 1] = '\0';
+}
+
+void vor_digest_of(const void *bytes, size_t size, uint8_t out[VOR_DIGEST_BYTES])
+{
+    struct sha256_ctx state;
+
+    sha256_init(&state);
+    sha256_update(&state, size, bytes);
+    sha256_digest(&state, VOR_DIGEST_BYTES, out);
+}
+
+void vor_digest_hmac(const void *key, size_t key_size, const void *bytes, size_t size,
+                     uint8_t out[VOR_DIGEST_BYTES])
+{
+    struct hmac_sha256_ctx state;
+
+    hmac_sha256_set_key(&state, key_size, key);
+    hmac_sha256_update(&state, size, bytes);
+    hmac_sha256_digest(&state, VOR_DIGEST_BYTES, out);
+}
+
+int vor_digest_same(const uint8_t a[VOR_DIGEST_BYTES], const uint8_t b[VOR_DIGEST_BYTES])
+{
+    return memeql_sec(a, b, VOR_DIGEST_BYTES);
+}
+
+int vor_digest_is_one(const char *text)
+{
+    return strlen(text) == VOR_DIGEST_SIZE - 1 &&
+           strspn(text, "0123456789abcdef") == VOR_DIGEST_SIZE - 1;
 }
 
 void vor_digest_destroy(struct vor_digest *digest)

@@ -1,8 +1,10 @@
-/** SHA-256, computed while bytes stream by. The only door to the library that does it. */
+/** SHA-256, computed while bytes stream by, and what is made of it. The only door to the library
+ * that does it. */
 #ifndef VOR_SERVER_BASE_DIGEST_H
 #define VOR_SERVER_BASE_DIGEST_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 /** 64 lower-case hexadecimal digits and their NUL. */
 #define VOR_DIGEST_SIZE 65
@@ -19,6 +21,20 @@ void vor_digest_hex(const struct vor_digest *digest, char out[VOR_DIGEST_SIZE]);
 /** The digest of bytes that are all there, as a strong entity tag: 64 digits in quotes. */
 #define VOR_ETAG_SIZE (VOR_DIGEST_SIZE + 2)
 void vor_digest_etag(const void *bytes, size_t size, char out[VOR_ETAG_SIZE]);
+
+/** The digest of bytes that are all there, as bytes. */
+#define VOR_DIGEST_BYTES 32
+void vor_digest_of(const void *bytes, size_t size, uint8_t out[VOR_DIGEST_BYTES]);
+
+/** HMAC-SHA-256 (RFC 2104) of bytes under a key of any length. */
+void vor_digest_hmac(const void *key, size_t key_size, const void *bytes, size_t size,
+                     uint8_t out[VOR_DIGEST_BYTES]);
+
+/** True when both are the same, in a time that does not depend on what they are. */
+int vor_digest_same(const uint8_t a[VOR_DIGEST_BYTES], const uint8_t b[VOR_DIGEST_BYTES]);
+
+/** True for 64 such digits. */
+int vor_digest_is_one(const char *text);
 
 /** digest may be NULL. */
 void vor_digest_destroy(struct vor_digest *digest);

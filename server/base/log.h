@@ -1,5 +1,6 @@
-/** The daemon's log: one JSON object a line, {"ts","level","msg", fields}. Thread-safe; a line is
- *  written at once and whole. Every text is escaped, whoever it comes from. */
+/** The daemon's log: one JSON object a line, {"ts","level","msg", fields}. Thread-safe, and nobody
+ *  waits for whoever reads it (log_sink.h). Every text is escaped and cut to VOR_LOG_TEXT_MAX,
+ *  whoever it comes from. */
 #ifndef VOR_SERVER_BASE_LOG_H
 #define VOR_SERVER_BASE_LOG_H
 
@@ -20,13 +21,23 @@ enum vor_log_level {
         VOR_LOG_LEVELS
 };
 
+/** Bytes of a text in a line: of a longer one the middle is left out, and how much is said in its
+ *  place. Escaped it has six times as many at most. */
+enum { VOR_LOG_TEXT_MAX = 256 };
+
 /** Where lines go (a file descriptor, borrowed) and which: level and above. Until then standard
  *  error, info. */
 void vor_log_open(int fd, enum vor_log_level level);
 
+/** Changes the level alone. */
+void vor_log_set_level(enum vor_log_level level);
+
+/** Writes one line of plain text for people, with a newline behind it, if there is room. */
+void vor_log_plain(const char *line);
+
 struct vor_log_field {
     const char *name; /**< NULL ends a list */
-    enum { VOR_LOG_KIND_TEXT, VOR_LOG_KIND_COUNT, VOR_LOG_KIND_REAL } kind;
+    enum { VOR_LOG_KIND_TEXT, VOR_LOG_KIND_KNOWN, VOR_LOG_KIND_COUNT, VOR_LOG_KIND_REAL } kind;
     const char *text; /**< NULL is written as null */
     int64_t count;
     double real;
@@ -35,6 +46,11 @@ struct vor_log_field {
 #define VOR_TEXT(field, value)                                                                     \
     {                                                                                              \
         .name = (field), .kind = VOR_LOG_KIND_TEXT, .text = (value)                                \
+    }
+/** A text that is left out where it is NULL or empty. */
+#define VOR_KNOWN(field, value)                                                                    \
+    {                                                                                              \
+        .name = (field), .kind = VOR_LOG_KIND_KNOWN, .text = (value)                               \
     }
 #define VOR_COUNT(field, value)                                                                    \
     {                                                                                              \

@@ -45,3 +45,13 @@ size_t vor_machine_memory(void)
     }
     return memory;
 }
+
+void vor_machine_set_oom_score(int score)
+{
+    FILE *file = fopen("/proc/self/oom_score_adj", "we");
+
+    if (file == NULL)
+        return;
+    (void)fprintf(file, "%d", score);
+    (void)fclose(file); /* which may fail: not everybody may */
+}

@@ -11,4 +11,8 @@ unsigned vor_machine_cores(void);
 /** Bytes of memory: the machine's, or the control group's if that is less. */
 size_t vor_machine_memory(void);
 
+/** How soon the kernel, out of memory, ends this process: -1000 never, 1000 first, 0 as any other.
+ *  Less than it was is for privileged users; for others nothing changes. */
+void vor_machine_set_oom_score(int score);
+
 #endif

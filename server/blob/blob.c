@@ -6,8 +6,13 @@
 #include <assert.h>
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+/* Bytes whose length nobody told have room kept for so many at a time. */
+enum { PROMISE_STEP = 1 << 20 };
 
 static const struct vor_blob_driver *const drivers[] = {&vor_blob_dir};
 
@@ -69,9 +74,13 @@ static vor_status open_with(const struct vor_blob_driver *driver, struct vor_blo
 {
     vor_status status = driver->open(out, place, holder, err);
 
-    if (status == VOR_OK)
-        (*out)->driver = driver;
-    return status;
+    if (status != VOR_OK)
+        return status;
+    (*out)->driver = driver;
+    (*out)->reserve = VOR_BLOBS_RESERVE;
+    atomic_init(&(*out)->is_broken, 0);
+    atomic_init(&(*out)->promised, 0);
+    return VOR_OK;
 }
 
 vor_status vor_blobs_open(struct vor_blobs **out, const char *where, long *holder,
@@ -99,6 +108,42 @@ vor_status vor_blobs_space(struct vor_blobs *blobs, uint64_t *available, uint64_
                            struct vor_error *err)
 {
     return blobs->driver->space(blobs, available, total, err);
+}
+
+void vor_blobs_set_reserve(struct vor_blobs *blobs, uint64_t bytes)
+{
+    blobs->reserve = bytes;
+}
+
+/* Whether `bytes` fit beside what `others` were promised. */
+static vor_status check_room(struct vor_blobs *blobs, uint64_t bytes, uint64_t others,
+                             struct vor_error *err)
+{
+    uint64_t available = 0, total = 0, taken = blobs->reserve + others;
+    vor_status status = vor_blobs_space(blobs, &available, &total, err);
+
+    if (status != VOR_OK || (available >= taken && available - taken >= bytes))
+        return status;
+    (void)vor_fail(err, VOR_E_IO,
+                   "%llu bytes do not fit: %llu are free, of which %llu stay so and %llu are "
+                   "promised to others",
+                   (unsigned long long)bytes, (unsigned long long)available,
+                   (unsigned long long)blobs->reserve, (unsigned long long)others);
+    if (err != NULL)
+        err->got = ENOSPC;
+    return VOR_E_IO;
+}
+
+vor_status vor_blobs_room(struct vor_blobs *blobs, uint64_t bytes, struct vor_error *err)
+{
+    return check_room(blobs, bytes, atomic_load(&blobs->promised), err);
+}
+
+vor_status vor_blobs_check(struct vor_blobs *blobs, struct vor_error *err)
+{
+    if (atomic_load(&blobs->is_broken))
+        return vor_fail(err, VOR_E_IO, "the bytes of jobs: their disk failed");
+    return VOR_OK;
 }
 
 /* --- writing ---------------------------------------------------------------------------------- */
@@ -136,6 +181,44 @@ vor_status vor_blob_reopen(struct vor_blobs *blobs, const struct vor_blob_source
     return VOR_OK;
 }
 
+static vor_status promise(struct vor_blob_writer *writer, uint64_t bytes, struct vor_error *err)
+{
+    uint64_t others = atomic_fetch_add(&writer->blobs->promised, bytes);
+    vor_status status = check_room(writer->blobs, bytes, others, err);
+
+    if (status == VOR_OK)
+        writer->promised += bytes;
+    else
+        (void)atomic_fetch_sub(&writer->blobs->promised, bytes);
+    return status;
+}
+
+/* Bytes have come, or will not any more. */
+static void redeem(struct vor_blob_writer *writer, uint64_t bytes)
+{
+    if (bytes > writer->promised)
+        bytes = writer->promised;
+    if (bytes == 0) /* as of a borrowed file */
+        return;
+    writer->promised -= bytes;
+    (void)atomic_fetch_sub(&writer->blobs->promised, bytes);
+}
+
+vor_status vor_blob_promise(struct vor_blob_writer *writer, uint64_t bytes, struct vor_error *err)
+{
+    writer->is_promised = 1;
+    return promise(writer, bytes, err);
+}
+
+/* By a step, as asking costs a system call; near the end of the disk by just what came. */
+static void extend_promise(struct vor_blob_writer *writer, size_t size)
+{
+    if ((size < PROMISE_STEP && promise(writer, PROMISE_STEP, NULL) == VOR_OK) ||
+        promise(writer, size, &writer->failure) == VOR_OK)
+        return;
+    assert(writer->failure.status != VOR_OK);
+}
+
 vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes, size_t size,
                            struct vor_error *err)
 {
@@ -143,6 +226,8 @@ vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes, si
     size_t left = size;
 
     assert(writer->digest != NULL);
+    if (writer->is_promised && size > writer->promised && writer->failure.status == VOR_OK)
+        extend_promise(writer, size);
     while (writer->failure.status == VOR_OK && left > 0) {
         ssize_t wrote = write(writer->fd, at, left);
 
@@ -157,6 +242,7 @@ vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes, si
         return vor_blob_failure(writer, err);
     vor_digest_update(writer->digest, bytes, size);
     writer->size += size;
+    redeem(writer, size);
     return VOR_OK;
 }
 
@@ -195,6 +281,38 @@ int vor_blob_fd(const struct vor_blob_writer *writer)
     return writer->fd;
 }
 
+struct vor_blob_writer *vor_blob_borrow(int fd)
+{
+    struct vor_blob_writer *writer = calloc(1, sizeof *writer);
+
+    if (writer == NULL)
+        return NULL;
+    writer->fd = fd;
+    writer->digest = vor_digest_create();
+    if (writer->digest == NULL) {
+        free(writer);
+        return NULL;
+    }
+    return writer;
+}
+
+vor_status vor_blob_adopt(struct vor_blob_writer *writer, uint64_t size,
+                          const char sha256[VOR_DIGEST_SIZE], struct vor_error *err)
+{
+    struct stat info;
+
+    if (fstat(writer->fd, &info) != 0)
+        return vor_fail_errno(err, errno, "a temporary file");
+    if (info.st_size < 0 || (uint64_t)info.st_size != size)
+        return vor_fail(err, VOR_E_INTERNAL, "a result has %lld bytes, and not %llu",
+                        (long long)info.st_size, (unsigned long long)size);
+    vor_digest_destroy(writer->digest);
+    writer->digest = NULL;
+    writer->size = size;
+    memcpy(writer->sha256, sha256, VOR_DIGEST_SIZE);
+    return VOR_OK;
+}
+
 static int is_name(const char *name)
 {
     size_t length = strlen(name);
@@ -206,11 +324,16 @@ static int is_name(const char *name)
 vor_status vor_blob_commit(struct vor_blob_writer *writer, const struct vor_uuid *id,
                            const char *name, struct vor_error *err)
 {
-    vor_status status = vor_blob_failure(writer, err);
+    struct vor_error failure;
+    vor_status status = vor_blob_failure(writer, &failure);
 
     assert(is_name(name));
     if (status == VOR_OK)
-        status = writer->blobs->driver->commit(writer, id, name, err);
+        status = writer->blobs->driver->commit(writer, id, name, &failure);
+    if (status == VOR_E_IO && failure.got == EIO)
+        atomic_store(&writer->blobs->is_broken, 1);
+    if (status != VOR_OK && err != NULL)
+        *err = failure;
     vor_blob_discard(writer);
     return status;
 }
@@ -220,6 +343,11 @@ void vor_blob_discard(struct vor_blob_writer *writer)
     if (writer == NULL)
         return;
     vor_digest_destroy(writer->digest);
+    if (writer->blobs == NULL) {
+        free(writer); /* a borrowed file */
+        return;
+    }
+    redeem(writer, writer->promised);
     writer->blobs->driver->discard(writer);
 }
 
@@ -245,4 +373,16 @@ vor_status vor_blobs_list(struct vor_blobs *blobs,
                           void *ctx, struct vor_error *err)
 {
     return blobs->driver->list(blobs, each, ctx, err);
+}
+
+vor_status vor_blob_set_aside(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+                              struct vor_error *err)
+{
+    return blobs->driver->set_aside(blobs, id, name, err);
+}
+
+vor_status vor_blobs_trim_lost(struct vor_blobs *blobs, const struct vor_lost_bounds *bounds,
+                               struct vor_error *err)
+{
+    return blobs->driver->trim_lost(blobs, bounds, err);
 }

@@ -36,7 +36,8 @@ int vor_blob_is_upload(const char *name);
 const char *vor_blob_of_converted(const char *output, const char *format,
                                   char out[VOR_BLOB_NAME_MAX + 1]);
 
-/** Bytes of the disk that stay free, so that jobs under way can end. */
+/** Bytes of the disk that stay free unless vor_blobs_set_reserve says otherwise, so that jobs under
+ *  way can end. */
 #define VOR_BLOBS_RESERVE ((uint64_t)16 << 20)
 
 /** Driver number `index`, NULL past the last. */
@@ -61,12 +62,35 @@ void vor_blobs_close(struct vor_blobs *blobs);
 VOR_NODISCARD vor_status vor_blobs_space(struct vor_blobs *blobs, uint64_t *available,
                                          uint64_t *total, struct vor_error *err);
 
+/** How many bytes stay free. Before other threads know the blobs. */
+void vor_blobs_set_reserve(struct vor_blobs *blobs, uint64_t bytes);
+
+/** Is there room for so many bytes more, besides those that stay free and those promised to others?
+ *
+ *  @retval VOR_E_IO there is not (vor_error_storage_full; message: bytes, free ones, reserve), or
+ * as vor_blobs_space */
+VOR_NODISCARD vor_status vor_blobs_room(struct vor_blobs *blobs, uint64_t bytes,
+                                        struct vor_error *err);
+
+/** @retval VOR_E_IO since a commit failed with EIO: nothing is known about the disk any more */
+VOR_NODISCARD vor_status vor_blobs_check(struct vor_blobs *blobs, struct vor_error *err);
+
 /** Begins a blob, of which size and SHA-256 are known as it grows. A writer belongs to one thread
  *  at a time. Nothing of it is kept until it is committed, not after a crash either.
  *
  *  @retval VOR_E_IO (vor_error_storage_full tells a full disk apart), VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_blob_create(struct vor_blobs *blobs, struct vor_blob_writer **out,
                                          struct vor_error *err);
+
+/** Has room kept for bytes that will come, until they have come or the writer ends. From now on the
+ *  writer never takes what is to stay free: bytes beyond a promise have room kept for them as they
+ *  come, and fail for a full disk where there is none. Call once, before the first byte.
+ *
+ *  @param[in] bytes  how many are known to come; 0 for none
+ *
+ *  @retval VOR_E_IO as vor_blobs_room */
+VOR_NODISCARD vor_status vor_blob_promise(struct vor_blob_writer *writer, uint64_t bytes,
+                                          struct vor_error *err);
 
 /** Begins a blob with the bytes of another one, to which nothing can be appended. They stay there
  *  for this writer when the other one is dropped, and take no room of their own where the driver
@@ -97,8 +121,58 @@ vor_status vor_blob_failure(const struct vor_blob_writer *writer, struct vor_err
 uint64_t vor_blob_size(const struct vor_blob_writer *writer);
 void vor_blob_sha256(const struct vor_blob_writer *writer, char out[VOR_DIGEST_SIZE]);
 
+/** VOR_E_DAMAGED when the writer has the bytes of another blob, and they are not those of its
+ * digest any more. Cost: one pass of SHA-256 over those. */
+VOR_NODISCARD vor_status vor_blob_recheck(const struct vor_blob_writer *writer,
+                                          struct vor_error *err);
+
+/** Bytes of a seal. */
+#define VOR_BLOB_SEAL_SIZE 72
+
+/** Puts a seal behind the bytes: the digest of them, by which vor_blob_unseal knows them. For blobs
+ *  whose digest stands nowhere else; call once, then commit.
+ *
+ *  @retval VOR_E_IO as vor_blob_append */
+VOR_NODISCARD vor_status vor_blob_seal(struct vor_blob_writer *writer, struct vor_error *err);
+
+/** Takes the seal off the bytes of a blob and compares: *size becomes that of what was sealed. One
+ *  without a seal, as former versions wrote them, is left as it is.
+ *
+ *  @param[in] name  of the blob, for the message
+ *
+ *  @retval VOR_E_DAMAGED they are not what was sealed
+ *  @retval VOR_E_NOMEM
+ *
+ *  Cost: one pass of SHA-256. */
+VOR_NODISCARD vor_status vor_blob_unseal(const uint8_t *bytes, size_t *size, const char *name,
+                                         struct vor_error *err);
+
+/** The digest of the first `size` bytes of a file. False when they cannot be read, or memory is
+ * out.
+ *
+ *  Cost: reads them; not for HTTP threads. */
+int vor_blob_digest(int fd, uint64_t size, char out[VOR_DIGEST_SIZE]);
+
+/** VOR_E_DAMAGED unless the first `size` bytes of a blob have this digest; VOR_OK if it is none.
+ *  Cost as above. */
+VOR_NODISCARD vor_status vor_blob_compare(int fd, uint64_t size, const char *sha256,
+                                          const char *name, struct vor_error *err);
+
 /** The file, for reading (pread, mmap); borrowed until commit or discard. */
 int vor_blob_fd(const struct vor_blob_writer *writer);
+
+/** A writer of an open file that no driver knows, for a process that was given nothing but a
+ *  descriptor: it appends and digests, and cannot be committed. fd stays the caller's. NULL when
+ *  memory is out. */
+struct vor_blob_writer *vor_blob_borrow(int fd);
+
+/** Takes bytes that another process has written to a writer's file for bytes that were appended to
+ *  it. Nothing was appended before, and nothing can be after.
+ *
+ *  @retval VOR_E_INTERNAL the file does not have that size; the writer can only be discarded
+ *  @retval VOR_E_IO */
+VOR_NODISCARD vor_status vor_blob_adopt(struct vor_blob_writer *writer, uint64_t size,
+                                        const char sha256[VOR_DIGEST_SIZE], struct vor_error *err);
 
 /** Makes the bytes durable as `name` of job id, in place of what was there. The writer is gone
  *  either way.
@@ -128,6 +202,20 @@ VOR_NODISCARD vor_status vor_blob_get(struct vor_blobs *blobs, const struct vor_
  *  @retval VOR_E_IO */
 VOR_NODISCARD vor_status vor_blob_drop(struct vor_blobs *blobs, const struct vor_uuid *id,
                                        const char *name, struct vor_error *err);
+
+/** Takes a blob whose job is not known any more out of the way without dropping it: for people to
+ *  look at, as file ID.NAME in the folder "lost" of the driver "dir".
+ *
+ *  @retval VOR_E_IO */
+VOR_NODISCARD vor_status vor_blob_set_aside(struct vor_blobs *blobs, const struct vor_uuid *id,
+                                            const char *name, struct vor_error *err);
+
+/** Drops what was set aside too long ago, and the oldest of what is too much.
+ *
+ *  @retval VOR_E_IO, VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_blobs_trim_lost(struct vor_blobs *blobs,
+                                             const struct vor_lost_bounds *bounds,
+                                             struct vor_error *err);
 
 /** Calls each for every blob that there is, in any order; each must not call the blobs.
  *

@@ -1,6 +1,7 @@
 #include "server/blob/dir.h"
 
 #include "server/base/disk.h"
+#include "server/blob/dir_lost.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -14,7 +15,7 @@
 
 struct directory {
     struct vor_blobs base;
-    int lock, keep, tmp; /* file descriptors */
+    int lock, parent, keep, tmp; /* file descriptors */
 };
 
 /* "0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11.input" */
@@ -106,7 +107,8 @@ static vor_status open_parts(struct directory *directory, const char *path, long
     char lock[4096];
     vor_status status;
 
-    directory->keep = open_directory(path, "keep", err);
+    directory->parent = open_directory(path, ".", err);
+    directory->keep = directory->parent >= 0 ? open_directory(path, "keep", err) : -1;
     directory->tmp = directory->keep >= 0 ? open_directory(path, "tmp", err) : -1;
     if (directory->tmp < 0)
         return VOR_E_IO;
@@ -120,6 +122,8 @@ static vor_status open_parts(struct directory *directory, const char *path, long
 
 static void free_directory(struct directory *directory)
 {
+    if (directory->parent >= 0)
+        close(directory->parent);
     if (directory->keep >= 0)
         close(directory->keep);
     if (directory->tmp >= 0)
@@ -142,7 +146,7 @@ static vor_status open_blobs(struct vor_blobs **out, const char *place, long *ho
 
     if (directory == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the blobs of %.80s", place);
-    *directory = (struct directory){.lock = -1, .keep = -1, .tmp = -1};
+    *directory = (struct directory){.lock = -1, .parent = -1, .keep = -1, .tmp = -1};
     status = open_parts(directory, place, holder, err);
     if (status != VOR_OK) {
         free_directory(directory);
@@ -337,6 +341,22 @@ static vor_status drop(struct vor_blobs *blobs, const struct vor_uuid *id, const
     return VOR_OK;
 }
 
+static vor_status set_aside(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+                            struct vor_error *err)
+{
+    struct directory *directory = (struct directory *)blobs;
+    char file[FILE_SIZE];
+
+    file_of(file, id, name);
+    return vor_dir_set_aside(directory->parent, directory->keep, file, err);
+}
+
+static vor_status trim_lost(struct vor_blobs *blobs, const struct vor_lost_bounds *bounds,
+                            struct vor_error *err)
+{
+    return vor_dir_trim_lost(((struct directory *)blobs)->parent, bounds, err);
+}
+
 struct listing {
     void (*each)(void *ctx, const struct vor_uuid *id, const char *name);
     void *ctx;
@@ -373,5 +393,7 @@ const struct vor_blob_driver vor_blob_dir = {
     .discard = discard,
     .get = get,
     .drop = drop,
+    .set_aside = set_aside,
+    .trim_lost = trim_lost,
     .list = list,
 };

@@ -11,6 +11,7 @@
 #include "server/base/digest.h"
 #include "server/base/uuid.h"
 
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -19,6 +20,9 @@ enum { VOR_BLOB_NAME_MAX = 40 }; /**< bytes of a blob's name */
 /** A driver's blobs begin with this; the door fills it in. */
 struct vor_blobs {
     const struct vor_blob_driver *driver;
+    uint64_t reserve;          /**< bytes of the disk that stay free */
+    atomic_int is_broken;      /**< an fsync failed */
+    _Atomic uint64_t promised; /**< bytes that writers may still write (vor_blob_promise) */
 };
 
 /** A blob that is there, and its digest. */
@@ -28,12 +32,21 @@ struct vor_blob_source {
     char sha256[VOR_DIGEST_SIZE];
 };
 
+/** What of the lost bytes is kept (vor_blobs_trim_lost). */
+struct vor_lost_bounds {
+    int64_t oldest_ms; /**< wall clock: dropped when set aside before */
+    uint64_t bytes;    /**< in all; the oldest go first */
+    int64_t shift_ms;  /**< the wall clock moved by that: the dates of what is left follow */
+};
+
 /** A blob being written. A driver's writer begins with this; the driver opens fd, the door does the
  *  rest. */
 struct vor_blob_writer {
     struct vor_blobs *blobs;
     int fd; /**< open for reading and writing; the driver closes it */
     uint64_t size;
+    int is_promised;              /**< every byte needs a promise (vor_blob_promise) */
+    uint64_t promised;            /**< bytes that are still to come */
     struct vor_digest *digest;    /**< NULL when the bytes are those of another blob */
     char sha256[VOR_DIGEST_SIZE]; /**< then */
     struct vor_error failure;     /**< of the first append that failed; else its status is VOR_OK */
@@ -63,6 +76,10 @@ struct vor_blob_driver {
                       uint64_t *size, int *found, struct vor_error *err);
     vor_status (*drop)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                        struct vor_error *err);
+    vor_status (*set_aside)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+                            struct vor_error *err);
+    vor_status (*trim_lost)(struct vor_blobs *blobs, const struct vor_lost_bounds *bounds,
+                            struct vor_error *err);
     vor_status (*list)(struct vor_blobs *blobs,
                        void (*each)(void *ctx, const struct vor_uuid *id, const char *name),
                        void *ctx, struct vor_error *err);

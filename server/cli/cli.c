@@ -7,6 +7,7 @@
 #include "server/cli/here.h"
 #include "server/cli/interrupt.h"
 #include "server/cli/jobs.h"
+#include "server/cli/key.h"
 #include "server/cli/options.h"
 #include "server/cli/say.h"
 #include "server/cli/there.h"
@@ -36,6 +37,9 @@ static const struct vor_command others[] = {
      NULL, vor_cli_cancel},
     {"health", "Ask whether a daemon is ready", "Asks whether a daemon is ready to take jobs",
      VOR_COMMAND_ASKS, "", 0, 0, NULL, vor_cli_health},
+    {"key", "Make a key for a daemon",
+     "Prints a new key on stderr, this once, and its line for serve --api-keys on stdout",
+     VOR_COMMAND_KEYS, " NAME", 1, 1, NULL, vor_cli_key},
 };
 
 enum { OTHERS = sizeof others / sizeof others[0], SUBMIT = 0 };

@@ -294,6 +294,8 @@ static void zsh_command(struct script *script, const struct vor_command *command
         operand = "";
     else if ((command->does & VOR_COMMAND_JOBS) != 0)
         operand = "'*:JOB:_voronoid_jobs'";
+    else if ((command->does & VOR_COMMAND_KEYS) != 0)
+        operand = "'1:NAME: '";
     fprintf(script->out, "      %s\n    ;;\n", operand);
 }
 

@@ -1,6 +1,6 @@
 #include "server/cli/complete_words.h"
 
-#include "server/base/config.h"
+#include "server/base/config_help.h"
 #include "server/store/row.h"
 
 #include <stdio.h>
@@ -93,7 +93,7 @@ static struct vor_completion of_option(enum vor_option option)
 
     if (info->value[0] == '\0')
         out.kind = VOR_VALUE_NONE;
-    else if (strcmp(info->value, "OUT") == 0)
+    else if (strcmp(info->value, "OUT") == 0 || strcmp(info->value, "FILE") == 0)
         out.kind = VOR_VALUE_FILE;
     if (option == VOR_OPTION_RESULT) {
         out.kind = VOR_VALUE_WORD;

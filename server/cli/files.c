@@ -1,13 +1,17 @@
 #include "server/cli/files.h"
 
+#include "proto/codec.h"
 #include "server/cli/interrupt.h"
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+enum { BEGINNING = 64 /* bytes; the longest magic of a format has 5 */ };
 
 static vor_status cannot(struct vor_error *err, const char *what, int error)
 {
@@ -19,38 +23,60 @@ static vor_status open_input(int *fd, size_t *size, const char *path, struct vor
 {
     struct stat info;
 
-    *size = 1 << 16;
+    *size = 1 << 16; /* more than BEGINNING */
     *fd = strcmp(path, "-") == 0 ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
     if (*fd < 0 || fstat(*fd, &info) != 0)
         return cannot(err, "read", errno);
     if (S_ISDIR(info.st_mode))
         return cannot(err, "read", EISDIR);
-    if (S_ISREG(info.st_mode) && info.st_size > 0)
+    if (S_ISREG(info.st_mode) && info.st_size > BEGINNING)
         *size = (size_t)info.st_size + 1; /* so that read sees the end before the buffer is full */
     return VOR_OK;
 }
 
+/* Reads until there are `until` bytes or no more; *more tells which. */
+static vor_status read_up_to(struct vor_input *out, int fd, size_t until, bool *more,
+                             struct vor_error *err)
+{
+    while (out->size < until) {
+        ssize_t got;
+
+        if (vor_interrupt_seen())
+            return vor_interrupt_fail(err);
+        got = read(fd, out->bytes + out->size, until - out->size);
+        if (got < 0 && errno != EINTR)
+            return cannot(err, "read", errno);
+        if (got == 0)
+            break;
+        out->size += got > 0 ? (size_t)got : 0;
+    }
+    *more = out->size == until;
+    return VOR_OK;
+}
+
+/* A device or a pipe may never end: only what begins like a format is read on. */
 static vor_status read_all(struct vor_input *out, int fd, size_t capacity, struct vor_error *err)
 {
-    for (;;) {
+    size_t until = BEGINNING;
+    bool more = true;
+
+    while (more) {
         uint8_t *bytes = realloc(out->bytes, capacity);
-        ssize_t got = 1;
+        vor_status status;
 
         if (bytes == NULL)
             return vor_fail(err, VOR_E_NOMEM, "%zu bytes do not fit into memory", capacity);
         out->bytes = bytes;
-        while (out->size < capacity && got != 0) {
-            if (vor_interrupt_seen())
-                return vor_interrupt_fail(err);
-            got = read(fd, bytes + out->size, capacity - out->size);
-            if (got < 0 && errno != EINTR)
-                return cannot(err, "read", errno);
-            out->size += got > 0 ? (size_t)got : 0;
-        }
-        if (got == 0)
+        status = read_up_to(out, fd, until, &more, err);
+        if (status != VOR_OK)
+            return status;
+        if (until == BEGINNING && vor_format_sniff(bytes, out->size) == NULL)
             return VOR_OK;
-        capacity *= 2;
+        if (until == capacity)
+            capacity *= 2;
+        until = capacity;
     }
+    return VOR_OK;
 }
 
 vor_status vor_input_read(struct vor_input *out, const char *path, struct vor_error *err)

@@ -16,7 +16,9 @@ struct vor_input {
     size_t size;
 };
 
-/** Reads a file, or stdin for "-". Free it with vor_input_free, also after a failure.
+/** Reads a file, or stdin for "-". Free it with vor_input_free, also after a failure. Of what
+ *  begins like no format only that beginning is read: it is enough to be refused by, and a device
+ *  such as /dev/zero never ends.
  *
  *  @retval VOR_E_IO        it cannot be read (the message says why)
  *  @retval VOR_E_NOMEM

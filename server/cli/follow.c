@@ -2,6 +2,7 @@
 
 #include "server/base/clock.h"
 #include "server/cli/interrupt.h"
+#include "server/cli/key.h"
 #include "server/cli/say.h"
 #include "server/cli/server.h"
 
@@ -17,6 +18,8 @@ static int on_event(void *ctx, const struct vor_sse_arrival *event);
 
 int vor_follow_open(struct vor_follow *follow, const struct vor_cli *cli, const char *subject)
 {
+    char key[VOR_KEY_SENT_MAX + 1];
+
     memset(follow, 0, sizeof *follow);
     follow->cli = cli;
     follow->subject = subject;
@@ -25,7 +28,10 @@ int vor_follow_open(struct vor_follow *follow, const struct vor_cli *cli, const 
     vor_sse_parser_init(&follow->parser, on_event, follow);
     if (vor_cli_server(follow->server, cli, &follow->err) != VOR_OK)
         return vor_cli_fail(cli->command->name, &follow->err);
-    if (vor_remote_open(&follow->remote, &follow->err) != VOR_OK)
+    if (vor_cli_key_read(key, cli, &follow->err) != VOR_OK)
+        return vor_cli_fail(cli->command->name, &follow->err);
+    if (vor_remote_open(&follow->remote, &follow->err) != VOR_OK ||
+        vor_remote_authorize(follow->remote, follow->server, key, &follow->err) != VOR_OK)
         return vor_cli_fail(NULL, &follow->err);
     return VOR_EXIT_OK;
 }

@@ -35,7 +35,7 @@ int vor_cli_health(const struct vor_cli *cli)
     struct vor_error err;
     int code;
 
-    if (vor_cli_server(server, cli, &err) != VOR_OK)
+    if (vor_cli_health_server(server, cli, &err) != VOR_OK)
         return vor_cli_fail(cli->command->name, &err);
     (void)snprintf(url, sizeof url, "%s/readyz", server);
     if (vor_remote_open(&remote, &err) != VOR_OK)

@@ -1,6 +1,6 @@
 #include "server/cli/manual.h"
 
-#include "server/base/config.h"
+#include "server/base/config_help.h"
 #include "server/cli/cli.h"
 #include "server/cli/help.h"
 #include "server/cli/say.h"
@@ -252,7 +252,10 @@ static void print_settings(FILE *out)
     struct vor_setting_text setting;
 
     print_heading(out, ".SH", "SETTINGS");
-    print_text(out, "A setting wins over its variable in the environment. " VOR_HELP_WORDS);
+    print_text(out,
+               "A setting wins over its variable in the environment, and that over the file of "
+               "--config. A variable with _FILE behind its name is a file that holds the "
+               "value. " VOR_HELP_WORDS);
     for (unsigned i = 0; vor_config_describe(&setting, i); i++) {
         print_tag(out, 0, setting.flag, setting.value);
         print_text(out, setting.sentence);
@@ -277,6 +280,9 @@ static void print_daemon_page(FILE *out)
     fputs(".TP\nSIGTERM, SIGINT\n", out);
     print_text(out, "Running jobs end, within --drain-timeout; others wait for the next start. A "
                     "second one ends the daemon at once.");
+    fputs(".TP\nSIGHUP\n", out);
+    print_text(out, "The file of --api-keys is read again; where that fails, the keys stay as they "
+                    "were.");
     print_exit_codes(out, 1);
     print_heading(out, ".SH", "SEE ALSO");
     fputs(".BR voronoid (1)\n", out);

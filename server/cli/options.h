@@ -8,13 +8,14 @@
 
 /** What a command does, as far as its options and operands follow from it. */
 enum {
-    VOR_COMMAND_RUNS = 1,    /**< runs a process on files and writes what comes of it */
-    VOR_COMMAND_REMOTE = 2,  /**< that a daemon can run too */
-    VOR_COMMAND_ASKS = 4,    /**< asks a daemon something */
-    VOR_COMMAND_SUBMITS = 8, /**< hands files to a daemon */
-    VOR_COMMAND_JOBS = 16,   /**< its operands are jobs */
-    VOR_COMMAND_LISTS = 32,  /**< lists jobs */
-    VOR_COMMAND_FETCHES = 64 /**< writes results of jobs */
+    VOR_COMMAND_RUNS = 1,     /**< runs a process on files and writes what comes of it */
+    VOR_COMMAND_REMOTE = 2,   /**< that a daemon can run too */
+    VOR_COMMAND_ASKS = 4,     /**< asks a daemon something */
+    VOR_COMMAND_SUBMITS = 8,  /**< hands files to a daemon */
+    VOR_COMMAND_JOBS = 16,    /**< its operands are jobs */
+    VOR_COMMAND_LISTS = 32,   /**< lists jobs */
+    VOR_COMMAND_FETCHES = 64, /**< writes results of jobs */
+    VOR_COMMAND_KEYS = 128    /**< makes keys */
 };
 
 #define VOR_COMMAND_TELLS (VOR_COMMAND_RUNS | VOR_COMMAND_SUBMITS | VOR_COMMAND_JOBS)
@@ -38,6 +39,14 @@ enum {
     X(SERVER, "server", 0, "URL", "VORONOID_SERVER", VOR_COMMAND_REMOTE | VOR_COMMAND_ASKS,        \
       "The daemon that does the work (else it is done here) or is asked (else the one that "       \
       "VORONOID_LISTEN names, or http://127.0.0.1:8080)")                                          \
+    X(API_KEY_FILE, "api-key-file", 0, "FILE", "VORONOID_KEY_FILE",                                \
+      VOR_COMMAND_REMOTE | VOR_COMMAND_ASKS,                                                       \
+      "File with the key for the daemon on its first line; else VORONOID_KEY has it")              \
+    X(SCOPES, "scopes", 0, "LIST", "", VOR_COMMAND_KEYS,                                           \
+      "What the key may do, with commas between: read, submit, admin; default submit,read")        \
+    X(QUOTAS, "quotas", 0, "LIST", "", VOR_COMMAND_KEYS,                                           \
+      "Its bounds, with commas between: jobs=N that wait or run (16), rate=N requests for jobs a " \
+      "second (10), bytes=N stored, points=N of an input")                                         \
     X(NAME, "name", 0, "TEXT", "", VOR_COMMAND_REMOTE | VOR_COMMAND_SUBMITS,                       \
       "What the job is called in the daemon's lists, with --server")                               \
     X(THREADS, "threads", 0, "N", "VORONOID_THREADS", VOR_COMMAND_RUNS,                            \

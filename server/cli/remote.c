@@ -1,5 +1,6 @@
 #include "server/cli/remote.h"
 
+#include "server/base/endpoint.h"
 #include "server/cli/interrupt.h"
 
 #include <curl/curl.h>
@@ -12,6 +13,8 @@
 
 struct vor_remote {
     CURL *curl;
+    char *authorization;             /* a header, NULL for none; for calls to */
+    char origin[VOR_REMOTE_URL_MAX]; /* "https://HOST:PORT" */
     char why[CURL_ERROR_SIZE];
 };
 
@@ -20,6 +23,22 @@ struct exchange {
     struct vor_remote *remote;
     struct vor_remote_call *call;
 };
+
+/* A command speaks to one daemon: "" for one that its URL names. */
+static char socket_path[VOR_SOCKET_PATH_MAX];
+
+vor_status vor_remote_use_socket(const char *path, struct vor_error *err)
+{
+    size_t size = strlen(path);
+
+    if (path[0] != '/' || size >= sizeof socket_path)
+        return vor_fail(err, VOR_E_PARAM,
+                        "the server is \"unix:%.120s\", want unix:/PATH with a path of at most %d "
+                        "bytes",
+                        path, VOR_SOCKET_PATH_MAX - 1);
+    memcpy(socket_path, path, size + 1);
+    return VOR_OK;
+}
 
 vor_status vor_remote_open(struct vor_remote **out, struct vor_error *err)
 {
@@ -41,8 +60,57 @@ void vor_remote_close(struct vor_remote *remote)
     if (remote == NULL)
         return;
     curl_easy_cleanup(remote->curl);
+    free(remote->authorization);
     curl_global_cleanup();
     free(remote);
+}
+
+/* "https://HOST:PORT" of a URL; "" when it is none. */
+static void write_origin(char out[VOR_REMOTE_URL_MAX], const char *text)
+{
+    CURLU *url = curl_url();
+    char *scheme = NULL, *host = NULL, *port = NULL;
+
+    out[0] = '\0';
+    if (url != NULL && curl_url_set(url, CURLUPART_URL, text, CURLU_GUESS_SCHEME) == CURLUE_OK &&
+        curl_url_get(url, CURLUPART_SCHEME, &scheme, 0) == CURLUE_OK &&
+        curl_url_get(url, CURLUPART_HOST, &host, 0) == CURLUE_OK &&
+        curl_url_get(url, CURLUPART_PORT, &port, CURLU_DEFAULT_PORT) == CURLUE_OK)
+        (void)snprintf(out, VOR_REMOTE_URL_MAX, "%s://%s:%s", scheme, host, port);
+    curl_free(scheme);
+    curl_free(host);
+    curl_free(port);
+    curl_url_cleanup(url);
+}
+
+vor_status vor_remote_authorize(struct vor_remote *remote, const char *url, const char *key,
+                                struct vor_error *err)
+{
+    static const char name[] = "Authorization: Bearer ";
+    size_t size = sizeof name + strlen(key);
+
+    free(remote->authorization);
+    remote->authorization = NULL;
+    if (key[0] == '\0')
+        return VOR_OK;
+    remote->authorization = malloc(size);
+    if (remote->authorization == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the key");
+    (void)snprintf(remote->authorization, size, "%s%s", name, key);
+    write_origin(remote->origin, url);
+    return VOR_OK;
+}
+
+/* The header with the key, NULL for a call that goes elsewhere. */
+static const char *authorization_for(const struct vor_remote *remote, const char *url)
+{
+    char origin[VOR_REMOTE_URL_MAX];
+
+    if (remote->authorization == NULL)
+        return NULL;
+    write_origin(origin, url);
+    return origin[0] != '\0' && strcasecmp(origin, remote->origin) == 0 ? remote->authorization
+                                                                        : NULL;
 }
 
 static size_t on_bytes(char *bytes, size_t unit, size_t count, void *ctx)
@@ -127,6 +195,8 @@ static void set_up(CURL *curl, struct exchange *exchange)
 
     curl_easy_reset(curl);
     curl_easy_setopt(curl, CURLOPT_URL, call->url);
+    if (socket_path[0] != '\0')
+        curl_easy_setopt(curl, CURLOPT_UNIX_SOCKET_PATH, socket_path);
     curl_easy_setopt(curl, CURLOPT_PROTOCOLS_STR, "http,https");
     curl_easy_setopt(curl, CURLOPT_USERAGENT, "voronoid/" VOR_VERSION);
     curl_easy_setopt(curl, CURLOPT_ERRORBUFFER, exchange->remote->why);
@@ -200,17 +270,27 @@ static vor_status outcome(const struct exchange *exchange, CURLcode code, struct
     return vor_fail(err, VOR_E_IO, "%s", why[0] != '\0' ? why : curl_easy_strerror(code));
 }
 
-static int send_headers(CURL *curl, const struct vor_remote_call *call, struct curl_slist **out)
+static int add_header(struct curl_slist **list, const char *header)
 {
-    *out = NULL;
-    for (size_t i = 0; call->headers != NULL && call->headers[i] != NULL; i++) {
-        struct curl_slist *longer = curl_slist_append(*out, call->headers[i]);
+    struct curl_slist *longer = curl_slist_append(*list, header);
 
-        if (longer == NULL)
+    if (longer != NULL)
+        *list = longer;
+    return longer != NULL;
+}
+
+static int send_headers(const struct vor_remote *remote, const struct vor_remote_call *call,
+                        struct curl_slist **out)
+{
+    const char *authorization = authorization_for(remote, call->url);
+
+    *out = NULL;
+    for (size_t i = 0; call->headers != NULL && call->headers[i] != NULL; i++)
+        if (!add_header(out, call->headers[i]))
             return 0;
-        *out = longer;
-    }
-    return curl_easy_setopt(curl, CURLOPT_HTTPHEADER, *out) == CURLE_OK;
+    if (authorization != NULL && !add_header(out, authorization))
+        return 0;
+    return curl_easy_setopt(remote->curl, CURLOPT_HTTPHEADER, *out) == CURLE_OK;
 }
 
 vor_status vor_remote_perform(struct vor_remote *remote, struct vor_remote_call *call,
@@ -228,7 +308,7 @@ vor_status vor_remote_perform(struct vor_remote *remote, struct vor_remote_call 
     vor_text_init(&call->text, VOR_JSON_SIZE_MAX);
     remote->why[0] = '\0';
     set_up(remote->curl, &exchange);
-    if (send_headers(remote->curl, call, &headers) && send_files(remote->curl, call, &form))
+    if (send_headers(remote, call, &headers) && send_files(remote->curl, call, &form))
         code = curl_easy_perform(remote->curl);
     (void)curl_easy_getinfo(remote->curl, CURLINFO_RESPONSE_CODE, &http);
     call->http = (int)http;

@@ -43,9 +43,22 @@ struct vor_remote_call {
     struct vor_text text; /**< the answer where take does not get it; the caller frees it */
 };
 
+/** Every call of this process goes through the Unix socket at that path, whatever host its URL
+ * names.
+ *
+ *  @retval VOR_E_PARAM the path is longer than a socket's may be, or does not begin with a slash */
+VOR_NODISCARD vor_status vor_remote_use_socket(const char *path, struct vor_error *err);
+
 /** @retval VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_remote_open(struct vor_remote **out, struct vor_error *err);
 void vor_remote_close(struct vor_remote *remote);
+
+/** Sends a key ("" for none) with every call from now on that goes to the scheme, host and port of
+ *  this URL, and with no other: what a daemon answers may lead elsewhere.
+ *
+ *  @retval VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_remote_authorize(struct vor_remote *remote, const char *url,
+                                              const char *key, struct vor_error *err);
 
 /** Makes a call and waits for the answer, whatever its status. Redirects are not followed.
  *

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #define LISTEN_VARIABLE "VORONOID_LISTEN"
+#define ADMIN_VARIABLE "VORONOID_ADMIN_LISTEN"
 #define LISTEN_DEFAULT "127.0.0.1:8080"
 #define PORT_MAX 65535
 
@@ -29,19 +30,19 @@ static unsigned long port_of(const char *text)
 }
 
 /* "HOST:PORT" of a setting as the URL to ask. */
-static vor_status from_listen(char out[VOR_REMOTE_URL_MAX], const char *listen,
-                              struct vor_error *err)
+static vor_status from_listen(char out[VOR_REMOTE_URL_MAX], const char *variable,
+                              const char *listen, struct vor_error *err)
 {
     const char *colon = strrchr(listen, ':');
     size_t host = colon != NULL ? (size_t)(colon - listen) : 0;
     unsigned long port = host > 0 && host <= PATH_ROOM ? port_of(colon + 1) : 0;
 
     if (port == 0)
-        return vor_fail(err, VOR_E_PARAM,
-                        LISTEN_VARIABLE
-                        " is \"%.80s\", want HOST:PORT with a port from 1 to %d, or "
-                        "give --server URL",
-                        listen, PORT_MAX);
+        return vor_fail(
+            err, VOR_E_PARAM,
+            "%s is \"%.80s\", want HOST:PORT with a port from 1 to %d, or give --server "
+            "URL",
+            variable, listen, PORT_MAX);
     if (is(listen, host, "0.0.0.0"))
         (void)snprintf(out, VOR_REMOTE_URL_MAX, "http://127.0.0.1:%lu", port);
     else if (is(listen, host, "[::]"))
@@ -51,6 +52,23 @@ static vor_status from_listen(char out[VOR_REMOTE_URL_MAX], const char *listen,
     return VOR_OK;
 }
 
+/* A Unix socket, as --listen has it: the URL's host is that of the Host header alone. */
+static vor_status from_socket(char out[VOR_REMOTE_URL_MAX], const char *text, struct vor_error *err)
+{
+    static const char host[] = "http://localhost";
+
+    memcpy(out, host, sizeof host);
+    return vor_remote_use_socket(text + 5, err);
+}
+
+/* The URL to ask for a setting of the daemon. */
+static vor_status from_setting(char out[VOR_REMOTE_URL_MAX], const char *variable,
+                               const char *listen, struct vor_error *err)
+{
+    return strncmp(listen, "unix:", 5) == 0 ? from_socket(out, listen, err)
+                                            : from_listen(out, variable, listen, err);
+}
+
 vor_status vor_cli_server(char out[VOR_REMOTE_URL_MAX], const struct vor_cli *cli,
                           struct vor_error *err)
 {
@@ -58,7 +76,10 @@ vor_status vor_cli_server(char out[VOR_REMOTE_URL_MAX], const struct vor_cli *cl
     size_t length;
 
     if (url == NULL)
-        return from_listen(out, listen != NULL && listen[0] != '\0' ? listen : LISTEN_DEFAULT, err);
+        return from_setting(out, LISTEN_VARIABLE,
+                            listen != NULL && listen[0] != '\0' ? listen : LISTEN_DEFAULT, err);
+    if (strncmp(url, "unix:", 5) == 0)
+        return from_socket(out, url, err);
     length = strlen(url);
     while (length > 0 && url[length - 1] == '/')
         length--;
@@ -68,4 +89,14 @@ vor_status vor_cli_server(char out[VOR_REMOTE_URL_MAX], const struct vor_cli *cl
     memcpy(out, url, length);
     out[length] = '\0';
     return VOR_OK;
+}
+
+vor_status vor_cli_health_server(char out[VOR_REMOTE_URL_MAX], const struct vor_cli *cli,
+                                 struct vor_error *err)
+{
+    const char *admin = getenv(ADMIN_VARIABLE);
+
+    if (cli->option[VOR_OPTION_SERVER] == NULL && admin != NULL && admin[0] != '\0')
+        return from_setting(out, ADMIN_VARIABLE, admin, err);
+    return vor_cli_server(out, cli, err);
 }

@@ -6,13 +6,21 @@
 #include "server/http/reply.h"
 #include "server/http/request.h"
 #include "server/http/state.h"
+#include "server/http/trim.h"
 #include "server/http/waker.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 
-enum { STREAM_BLOCK = 16384 };
+enum { STREAM_BLOCK = 1024 /* bytes of a reply in HTTP/1.0 at a time; held for its whole life */ };
+
+/* The library of which this is known leaves a block where it came; it hands the pieces over as
+ * pointers into it (0.9.75; its header and its tests in framing.t say the same of them). */
+static const char *block_of(const struct vor_request *request)
+{
+    return MHD_VERSION < 0x00097600 ? request->block : NULL;
+}
 
 /* Suspends the request; false when it should go on at once, because it was woken already or the
  * daemon closes. A request that stays is not woken when its peer leaves. Closing sets its flag
@@ -29,6 +37,17 @@ static bool request_sleep(struct vor_request *request, bool stays)
     if (!sleeps)
         vor_peer_wait(request->http->watchman, request->peer, false);
     return sleeps;
+}
+
+/* Gives back what the library has cleared of the connection's memory. It reads a head into half of
+ * that, and fills the rest of the half with zeros once the reply begins: 24 KiB that a stream would
+ * hold to its end. Memory of more than 32 KiB is a mapping of its own there (0.9.75), at the
+ * beginning of which the request line stands. */
+static void trim(struct vor_request *request)
+{
+    if (request->line != NULL)
+        vor_trim_zeros((void *)(uintptr_t)request->line, VOR_CONNECTION_BYTES);
+    request->line = NULL;
 }
 
 static ssize_t on_read(void *cls, uint64_t position, char *out, size_t size)
@@ -48,6 +67,7 @@ static ssize_t on_read(void *cls, uint64_t position, char *out, size_t size)
             return MHD_CONTENT_READER_END_OF_STREAM;
         if (vor_request_gone(request))
             return MHD_CONTENT_READER_END_WITH_ERROR;
+        trim(request);
         if (request_sleep(request, false))
             return 0;
         if (vor_request_closing(request))
@@ -116,7 +136,8 @@ static enum MHD_Result queue_reply(struct vor_request *request)
         vor_peer_linger(http->watchman, request->peer);
     }
     add_fields(request, response);
-    vor_peer_phase(http->watchman, request->peer, VOR_PHASE_SERVE);
+    vor_peer_phase(http->watchman, request->peer,
+                   request->reply.kind == VOR_REPLY_STREAM ? VOR_PHASE_STREAM : VOR_PHASE_SEND);
     result = MHD_queue_response(request->connection, (unsigned)request->reply.http, response);
     MHD_destroy_response(response);
     return result;
@@ -226,6 +247,7 @@ static const char *check_head(struct vor_request *request, const char **detail)
 
     (void)MHD_get_connection_values(request->connection, MHD_HEADER_KIND, on_field, &request->head);
     vor_request_id_make(request->id, vor_head_find(&request->head, "X-Request-Id"));
+    vor_request_trace(request);
     slug = vor_gate_check(&request->head, detail);
     if (slug != NULL)
         return slug;
@@ -248,6 +270,9 @@ static enum MHD_Result first_call(struct vor_request *request, const char *metho
 
     request->method = vor_method_find(method);
     request->head.version = version;
+    request->head.block = block_of(request);
+    if (request->head.block != NULL)
+        request->line = request->block - strlen(method) - 1;
     request->stage = VOR_AT_HEAD;
     (void)atomic_fetch_add(&request->http->busy, 1);
     slug = check_head(request, &detail);
@@ -291,15 +316,10 @@ static enum MHD_Result take_piece(struct vor_request *request, const char *bytes
     return MHD_YES;
 }
 
-enum MHD_Result vor_exchange_step(void *cls, struct MHD_Connection *connection, const char *url,
-                                  const char *method, const char *version, const char *data,
-                                  size_t *size, void **con_cls)
+/* One call of the library: the head, a piece of the body, or whatever comes next. */
+static enum MHD_Result take_turn(struct vor_request *request, const char *method,
+                                 const char *version, const char *data, size_t *size)
 {
-    struct vor_request *request = *con_cls;
-
-    (void)cls, (void)connection, (void)url;
-    if (request == NULL)
-        return MHD_NO;
     if (request->stage == VOR_AT_NEW)
         return first_call(request, method, version);
     if (*size > 0)
@@ -343,6 +363,22 @@ static void note_peer(struct vor_request *request)
         (void)vor_address_text(&request->from, request->via.client);
 }
 
+enum MHD_Result vor_exchange_step(void *cls, struct MHD_Connection *connection, const char *url,
+                                  const char *method, const char *version, const char *data,
+                                  size_t *size, void **con_cls)
+{
+    struct vor_http *http = cls;
+    enum MHD_Result result;
+
+    (void)connection, (void)url;
+    if (*con_cls == NULL)
+        return MHD_NO;
+    vor_turn_begin(&http->turns);
+    result = take_turn(*con_cls, method, version, data, size);
+    vor_turn_end(&http->turns);
+    return result;
+}
+
 /* This is the only place that shows the target as it was sent. */
 void *vor_exchange_begin(void *cls, const char *target, struct MHD_Connection *connection)
 {
@@ -359,6 +395,7 @@ void *vor_exchange_begin(void *cls, const char *target, struct MHD_Connection *c
     request->began = vor_clock_seconds();
     request->reply.fd = -1;
     request->path = "";
+    request->block = target;
     request->target = strdup(target);
     request->head.target = request->target;
     request->waker = vor_waker_create(connection);

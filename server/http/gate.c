@@ -99,6 +99,30 @@ static const char *check_fields(const struct vor_head *head)
     return NULL;
 }
 
+/* Bytes from the end of one string of the block to the beginning of another. Theirs is one block,
+ * but nothing tells the compiler so. */
+static uintptr_t gap(const char *before, const char *after)
+{
+    return (uintptr_t)after - ((uintptr_t)before + strlen(before));
+}
+
+/* Of a block whose strings are still in place: two bytes, CR and LF, stand between two lines. */
+static const char *check_lines(const struct vor_head *head)
+{
+    const char *before = head->version;
+
+    for (size_t i = 0; i < head->field_count && head->block != NULL; i++) {
+        uintptr_t between = gap(before, head->fields[i].name);
+
+        if (between == 1)
+            return "a line ends with a line feed alone";
+        if (between != 2)
+            return "a header value holds NUL or goes on in the next line";
+        before = head->fields[i].value;
+    }
+    return NULL;
+}
+
 static bool all_digits(const char *text)
 {
     size_t length = strlen(text);
@@ -125,7 +149,25 @@ static const char *check_framing(const struct vor_head *head)
         return "Content-Length is not a whole number";
     if (count_fields(head, "Host") > 1)
         return "more than one Host";
-    return NULL;
+    return check_lines(head);
+}
+
+/* What the request line and the whole block must be. */
+static const char *check_form(const struct vor_head *head)
+{
+    const char *wrong;
+
+    if (strcmp(head->version, "HTTP/1.1") != 0 && strcmp(head->version, "HTTP/1.0") != 0)
+        return "the version is neither HTTP/1.1 nor HTTP/1.0";
+    if (head->block != NULL &&
+        (uintptr_t)head->version - (uintptr_t)head->block != strlen(head->target) + 1)
+        return "the request target holds NUL";
+    if (strcmp(head->version, "HTTP/1.1") == 0 && vor_head_find(head, "Host") == NULL)
+        return "HTTP/1.1 without Host";
+    wrong = check_target(head->target);
+    if (wrong == NULL && block_length(head) > VOR_HEADER_MAX)
+        return "the header block is longer than 32768 bytes";
+    return wrong;
 }
 
 const char *vor_gate_check(const struct vor_head *head, const char **detail)
@@ -136,11 +178,7 @@ const char *vor_gate_check(const struct vor_head *head, const char **detail)
     }
     if ((*detail = check_fields(head)) != NULL || (*detail = check_framing(head)) != NULL)
         return "smuggled-framing";
-    if (strcmp(head->version, "HTTP/1.1") != 0 && strcmp(head->version, "HTTP/1.0") != 0)
-        *detail = "the version is neither HTTP/1.1 nor HTTP/1.0";
-    else if ((*detail = check_target(head->target)) == NULL && block_length(head) > VOR_HEADER_MAX)
-        *detail = "the header block is longer than 32768 bytes";
-    return *detail != NULL ? "malformed-request" : NULL;
+    return (*detail = check_form(head)) != NULL ? "malformed-request" : NULL;
 }
 
 int64_t vor_gate_length(const struct vor_head *head)

@@ -20,6 +20,8 @@ struct vor_field {
 struct vor_head {
     const char *target; /**< raw, as on the request line */
     const char *version;
+    const char *block;  /**< where the target stood in the block as it came, if version, names and
+                             values are still where they stood in it too; else NULL */
     size_t field_count; /**< VOR_FIELDS_MAX + 1 when there were more */
     struct vor_field fields[VOR_FIELDS_MAX];
 };
@@ -28,7 +30,11 @@ struct vor_head {
 const char *vor_head_find(const struct vor_head *head, const char *name);
 
 /** The slug of the problem ("smuggled-framing", "malformed-request") and its sentence, or NULL when
- *  the head is sound. Never looks at the body. */
+ *  the head is sound. Never looks at the body.
+ *
+ *  The library hands over strings that end at the first NUL, and takes lines that end with a line
+ *  feed alone and lines that are folded; from what lies between two strings of the block that is
+ *  seen all the same. The end of the last line is not. */
 const char *vor_gate_check(const struct vor_head *head, const char **detail);
 
 /** Declared length of the body: -1 chunked, 0 none. head has passed the gate. */

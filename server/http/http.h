@@ -14,6 +14,8 @@
 
 #include "core/base/status.h"
 #include "server/base/address.h"
+#include "server/base/principal.h"
+#include "server/base/span.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -62,13 +64,20 @@ struct vor_via {
 struct vor_http_options {
     const char *host; /**< numeric address or name to bind */
     unsigned port;    /**< 0: any free one */
+    const char *path; /**< of a Unix socket instead; NULL or "" for none */
+    unsigned mode;    /**< of that socket: who may connect, 0660 */
     unsigned threads;
-    unsigned connections;
+    unsigned connections; /**< as many at a time, without streams; when they are more, the oldest
+                               silent ones are cut, and 32 more are let in for health checks */
+    unsigned streams;     /**< as many besides */
+    unsigned each;        /**< connections of one address, if not loopback's or a trusted proxy's */
     double header_seconds;    /**< from accept, or from the request line on a kept connection */
     double keep_seconds;      /**< a kept connection may idle this long */
     double body_seconds;      /**< for the whole body */
     double body_idle_seconds; /**< between two pieces of it */
     double body_rate;         /**< bytes a second on average, after body_idle_seconds */
+    double reply_rate;        /**< the same of who reads a reply, streams excepted */
+    double beat_seconds;      /**< between two signs of life of a stream */
     const struct vor_networks *trusted; /**< proxies that are believed; borrowed */
     enum vor_proxy_headers proxy_headers;
     vor_handler handler; /**< the first one; routes.c hands on to the others */
@@ -81,7 +90,8 @@ struct vor_http_options {
     void (*log)(void *ctx, const char *line);
 };
 
-/** Binds and listens; nobody is answered yet.
+/** Binds and listens; nobody is answered yet. A Unix socket that a daemon of before left behind is
+ *  replaced; one that somebody answers on is not, nor a file that is no socket.
  *
  *  @retval VOR_E_IO    cannot listen on the address (message: address and reason)
  *  @retval VOR_E_NOMEM threads or memory are short */
@@ -94,15 +104,25 @@ VOR_NODISCARD vor_status vor_http_open(struct vor_http **out,
  *  @retval VOR_E_NOMEM threads or memory are short */
 VOR_NODISCARD vor_status vor_http_start(struct vor_http *http, struct vor_error *err);
 
-/** "127.0.0.1:43125", "[::1]:8080": what is bound. Owned by http. */
+/** "127.0.0.1:43125", "[::1]:8080", "unix:/run/voronoid.sock": what is bound. Owned by http. */
 const char *vor_http_address(const struct vor_http *http);
 
-/** Stops accepting; requests under way go on. Call once. */
+/** Stops accepting; requests under way go on, and kept connections are told with their next answer
+ *  that it is the last. Call once. */
 void vor_http_quiesce(struct vor_http *http);
 
-/** Requests under way (streams and uploads included), and open connections. */
+/** Requests under way (streams and uploads included, and heads of which bytes wait to be read), and
+ *  open connections but for streams. */
 unsigned vor_http_busy(const struct vor_http *http);
 unsigned vor_http_connections(const struct vor_http *http);
+
+/** Cuts every connection that is still slow, its request or the answer being on its way, and those
+ *  that are kept. */
+void vor_http_cut_slow(struct vor_http *http);
+
+/** Seconds that a thread has been busy with one step of a request, the longest there is: more than
+ *  some tenths mean that it waits for what it should not. */
+double vor_http_stuck(const struct vor_http *http);
 
 /** Wakes every waiting request once. */
 void vor_http_wake_all(struct vor_http *http);
@@ -140,6 +160,10 @@ const char *vor_request_query(const struct vor_request *request, const char *nam
 /** X-Request-Id if the client sent a sane one (1 .. 64 of [A-Za-z0-9._-]), else one of ours. */
 const char *vor_request_id(const struct vor_request *request);
 
+/** Our step of the trace that the header traceparent names; none where there is no sound one, or
+ *  several. Never NULL. */
+const struct vor_span *vor_request_span(const struct vor_request *request);
+
 /** Never NULL; of a request whose head is malformed it has the peer's address alone. */
 const struct vor_via *vor_request_via(const struct vor_request *request);
 
@@ -149,12 +173,19 @@ int64_t vor_request_length(const struct vor_request *request);
 /** True once the peer has closed its side. A reply must be made all the same. */
 int vor_request_gone(const struct vor_request *request);
 
+/** The limit that keeps this request from being served, connections or each of vor_http_options; 0
+ *  when there is room. */
+unsigned vor_request_crowd(const struct vor_request *request);
+
 /** True once vor_http_close_waiting was called: wait no longer. */
 int vor_request_closing(const struct vor_request *request);
 
 /** For the router and the log. */
 void vor_request_set_route(struct vor_request *request, const struct vor_route *route);
 const struct vor_route *vor_request_route(const struct vor_request *request);
+/** Notes who sent the request (copied). Until then it is a caller without name and scopes. */
+void vor_request_set_principal(struct vor_request *request, const struct vor_principal *principal);
+const struct vor_principal *vor_request_principal(const struct vor_request *request);
 /** Notes which job the request is about; the text (up to 39 bytes) is copied. "" until then. */
 void vor_request_set_job(struct vor_request *request, const char *job);
 const char *vor_request_job(const struct vor_request *request);
@@ -195,8 +226,9 @@ struct vor_waker *vor_request_waker(struct vor_request *request);
 void vor_waker_wake(struct vor_waker *waker);
 void vor_waker_drop(struct vor_waker *waker); /**< waker may be NULL */
 
-/** Wakes the request that many seconds from now (to a tenth of a second), once; the next call takes
- *  the place of this one. */
+/** Wakes the request that many seconds from now (to a tenth of a second), once; of several calls
+ * the earliest counts. Of many requests that are due together some wake a little later, so that new
+ *  ones are served in between. From any thread, as long as the request lives. */
 void vor_request_wake_after(struct vor_request *request, double seconds);
 
 /* --- answering: exactly one of these, from within a step -------------------------------------- */

@@ -3,8 +3,11 @@
 #include "server/http/http.h"
 #include "server/http/peer.h"
 #include "server/http/state.h"
+#include "server/http/unix_socket.h"
+#include "server/http/watchman.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <microhttpd.h>
 #include <netdb.h>
 #include <stdarg.h>
@@ -17,9 +20,10 @@
 enum {
     BACKLOG = 1024,
     STUCK_SECONDS = 45,
-    CONNECTION_BYTES = 49152 /* what the library keeps for a connection: the longest header block,
-                                and room to read a body and to answer */
+    SPARE = 128 /* connections: the reserve for health checks, and some that are being closed */
 };
+
+static const double grace_seconds = 0.5; /* a client far away needs as long to send its head */
 
 static int open_listener(const struct addrinfo *at)
 {
@@ -43,6 +47,8 @@ static vor_status open_socket(int *out, const struct vor_http_options *options,
     char port[8];
     int fd = -1, failed;
 
+    if (options->path != NULL && options->path[0] != '\0')
+        return vor_unix_socket_open(out, options->path, options->mode, err);
     (void)snprintf(port, sizeof port, "%u", options->port);
     failed = getaddrinfo(options->host, port, &hints, &list);
     if (failed != 0)
@@ -59,17 +65,24 @@ static vor_status open_socket(int *out, const struct vor_http_options *options,
     return VOR_OK;
 }
 
-static void read_address(int fd, char out[80])
+static void read_address(struct vor_http *http)
 {
+    char *out = http->address;
+    int fd = http->fd;
     struct sockaddr_storage bound;
     socklen_t size = sizeof bound;
     char host[64] = "", port[8] = "";
 
     memset(&bound, 0, sizeof bound);
+    if (http->options.path != NULL && http->options.path[0] != '\0') {
+        (void)snprintf(out, sizeof http->address, "unix:%s", http->options.path);
+        return;
+    }
     if (getsockname(fd, (struct sockaddr *)&bound, &size) == 0)
         (void)getnameinfo((struct sockaddr *)&bound, size, host, sizeof host, port, sizeof port,
                           NI_NUMERICHOST | NI_NUMERICSERV);
-    (void)snprintf(out, 80, bound.ss_family == AF_INET6 ? "[%s]:%s" : "%s:%s", host, port);
+    (void)snprintf(out, sizeof http->address, bound.ss_family == AF_INET6 ? "[%s]:%s" : "%s:%s",
+                   host, port);
 }
 
 static void on_connection(void *cls, struct MHD_Connection *connection, void **socket_context,
@@ -77,15 +90,20 @@ static void on_connection(void *cls, struct MHD_Connection *connection, void **s
 {
     struct vor_http *http = cls;
     const union MHD_ConnectionInfo *info;
+    struct vor_address from;
+    bool known;
 
     if (code == MHD_CONNECTION_NOTIFY_CLOSED) {
         vor_peer_leave(http->watchman, *socket_context);
         *socket_context = NULL;
         return;
     }
+    info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    known = info != NULL && info->client_addr != NULL &&
+            vor_address_of_socket(&from, info->client_addr);
     info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
     if (info != NULL)
-        *socket_context = vor_peer_enter(http->watchman, info->connect_fd);
+        *socket_context = vor_peer_enter(http->watchman, info->connect_fd, known ? &from : NULL);
 }
 
 static void on_log(void *cls, const char *format, va_list args) VOR_PRINTF(2, 0);
@@ -104,8 +122,11 @@ static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
 {
     const struct vor_http_options *options = &http->options;
 
-    /* The library divides its limit of connections among its threads and drops those above it
-     * without an answer. With twice as many, the refusals are ours. */
+    /* The library divides its limit of connections among its threads and stops accepting at it. As
+     * many for each as there may be in all, and those which are cut and not closed yet: the limit
+     * that is met is ours. */
+    unsigned most = options->connections + options->streams + SPARE;
+
     return MHD_start_daemon(
         MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG, 0, NULL, NULL,
         vor_exchange_step, http, MHD_OPTION_EXTERNAL_LOGGER, on_log, http, MHD_OPTION_LISTEN_SOCKET,
@@ -113,21 +134,32 @@ static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
 #if MHD_VERSION >= 0x01000000
         MHD_OPTION_CLIENT_DISCIPLINE_LVL, 1,
 #else
-        MHD_OPTION_STRICT_FOR_CLIENT, 1,
+        MHD_OPTION_STRICT_FOR_CLIENT, 0, /* all it adds is to refuse a missing Host, which the gate
+                                            does with a problem, once */
 #endif
-        MHD_OPTION_CONNECTION_LIMIT, 2 * options->connections, MHD_OPTION_CONNECTION_TIMEOUT,
-        (unsigned)STUCK_SECONDS, MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_BYTES,
-        MHD_OPTION_NOTIFY_CONNECTION, on_connection, http, MHD_OPTION_NOTIFY_COMPLETED,
-        vor_exchange_end, http, MHD_OPTION_URI_LOG_CALLBACK, vor_exchange_begin, http,
-        MHD_OPTION_END);
+        MHD_OPTION_CONNECTION_LIMIT, most * (options->threads > 1 ? options->threads : 1),
+        MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)STUCK_SECONDS, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+        (size_t)VOR_CONNECTION_BYTES, MHD_OPTION_NOTIFY_CONNECTION, on_connection, http,
+        MHD_OPTION_NOTIFY_COMPLETED, vor_exchange_end, http, MHD_OPTION_URI_LOG_CALLBACK,
+        vor_exchange_begin, http, MHD_OPTION_END);
 }
 
 vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *options,
                          struct vor_error *err)
 {
-    const struct vor_deadlines deadlines = {options->header_seconds, options->keep_seconds,
-                                            options->body_seconds, options->body_idle_seconds,
-                                            options->body_rate};
+    const struct vor_watch_limits limits = {
+        .header_seconds = options->header_seconds,
+        .keep_seconds = options->keep_seconds,
+        .body_seconds = options->body_seconds,
+        .body_idle_seconds = options->body_idle_seconds,
+        .body_rate = options->body_rate,
+        .reply_rate = options->reply_rate,
+        .beat_seconds = options->beat_seconds,
+        .grace_seconds = grace_seconds,
+        .connections = options->connections,
+        .each = options->each,
+        .trusted = options->trusted,
+    };
     struct vor_http *http = calloc(1, sizeof *http);
     vor_status status;
 
@@ -137,12 +169,12 @@ vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *o
     http->fd = -1;
     status = open_socket(&http->fd, options, err);
     if (status == VOR_OK)
-        status = vor_watchman_start(&http->watchman, &deadlines, err);
+        status = vor_watchman_start(&http->watchman, &limits, err);
     if (status != VOR_OK) {
         vor_http_stop(http);
         return status;
     }
-    read_address(http->fd, http->address);
+    read_address(http);
     *out = http;
     return VOR_OK;
 }
@@ -161,21 +193,50 @@ const char *vor_http_address(const struct vor_http *http)
     return http->address;
 }
 
+/* Takes in whom the system has let in, and then nobody any more. Closing the socket would cut those
+ * who wait there, who may have sent their request; it is closed when the library has stopped. */
+static void take_last(const struct vor_http *http)
+{
+    struct sockaddr_storage from;
+    socklen_t size = sizeof from;
+    int fd;
+
+    (void)listen(http->fd, 0); /* hardly anybody comes in between the two calls at the end */
+    while ((fd = accept(http->fd, (struct sockaddr *)&from, &size)) >= 0) {
+        (void)fcntl(fd, F_SETFD, FD_CLOEXEC);
+        (void)fcntl(fd, F_SETFL, O_NONBLOCK);
+        (void)MHD_add_connection(http->daemon, fd, (struct sockaddr *)&from, size);
+        size = sizeof from;
+    }
+    (void)shutdown(http->fd, SHUT_RD);
+}
+
 void vor_http_quiesce(struct vor_http *http)
 {
     atomic_store(&http->quiesced, true);
     http->fd = MHD_quiesce_daemon(http->daemon);
-    vor_watchman_quiesce(http->watchman);
+    if (http->fd >= 0)
+        take_last(http);
 }
 
 unsigned vor_http_busy(const struct vor_http *http)
 {
-    return atomic_load(&http->busy);
+    return atomic_load(&http->busy) + vor_watchman_unread(http->watchman);
 }
 
 unsigned vor_http_connections(const struct vor_http *http)
 {
     return vor_watchman_count(http->watchman);
+}
+
+void vor_http_cut_slow(struct vor_http *http)
+{
+    vor_watchman_cut_slow(http->watchman);
+}
+
+double vor_http_stuck(const struct vor_http *http)
+{
+    return vor_turns_longest(&http->turns);
 }
 
 void vor_http_wake_all(struct vor_http *http)
@@ -199,6 +260,7 @@ void vor_http_stop(struct vor_http *http)
     }
     if (http->fd >= 0)
         (void)close(http->fd);
+    vor_unix_socket_remove(http->address);
     vor_watchman_stop(http->watchman);
     free(http);
 }

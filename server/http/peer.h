@@ -1,55 +1,23 @@
-/** Deadlines and departures, which the library does not watch: a thread walks all connections, cuts
- *  what is late, and wakes a waiting request when its peer leaves. A peer may be NULL everywhere:
- *  it is one that is not watched. Thread-safe; nothing here blocks. */
+/** What the watchman is told of a connection. A peer may be NULL everywhere: it is one that is not
+ *  watched. Thread-safe; nothing here blocks. */
 #ifndef VOR_SERVER_HTTP_PEER_H
 #define VOR_SERVER_HTTP_PEER_H
 
-#include "core/base/status.h"
+#include "server/http/phases.h"
 #include "server/http/waker.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 
-enum vor_phase {
-    VOR_PHASE_HEAD,  /**< since accept, or since the request line on a kept connection */
-    VOR_PHASE_BODY,  /**< body is arriving */
-    VOR_PHASE_SERVE, /**< a handler or the reply's writer has it */
-    VOR_PHASE_IDLE   /**< kept, between requests */
-};
-
-/** One accepted connection. */
-struct vor_peer;
-
-/** All connections and the thread that sweeps them. */
-struct vor_watchman;
-
-/** Seconds, as in vor_http_options; body_rate is bytes a second. */
-struct vor_deadlines {
-    double header_seconds, keep_seconds, body_seconds, body_idle_seconds, body_rate;
-};
-
-/** Starts the thread.
- *
- *  @retval VOR_E_NOMEM */
-VOR_NODISCARD vor_status vor_watchman_start(struct vor_watchman **out,
-                                            const struct vor_deadlines *deadlines,
-                                            struct vor_error *err);
-
-/** Stops the thread; every peer must have left. watchman may be NULL. */
-void vor_watchman_stop(struct vor_watchman *watchman);
-
-/** Cuts idle connections; from now on those that become idle too. */
-void vor_watchman_quiesce(struct vor_watchman *watchman);
-
-/** How many connections are open. */
-unsigned vor_watchman_count(struct vor_watchman *watchman);
-
-/** Wakes every request under way. */
-void vor_watchman_wake_all(struct vor_watchman *watchman);
-
-/** A connection comes; fd is borrowed until it leaves. NULL when memory is out. */
-struct vor_peer *vor_peer_enter(struct vor_watchman *watchman, int fd);
+/** A connection comes, from that address (NULL: none); fd is borrowed until it leaves. If there are
+ *  too many now, the oldest silent one is cut. NULL when memory is out. */
+struct vor_peer *vor_peer_enter(struct vor_watchman *watchman, int fd,
+                                const struct vor_address *from);
 void vor_peer_leave(struct vor_watchman *watchman, struct vor_peer *peer);
+
+/** Whether too many requests are under way for this one to be served; who is silent does not count,
+ *  as it would go. */
+enum vor_crowd vor_peer_crowd(struct vor_watchman *watchman, const struct vor_peer *peer);
 
 /** A phase begins, unless it is this one already; its deadlines are counted from now on. */
 void vor_peer_phase(struct vor_watchman *watchman, struct vor_peer *peer, enum vor_phase phase);
@@ -66,7 +34,8 @@ void vor_peer_request(struct vor_watchman *watchman, struct vor_peer *peer,
  *  (vor_waker_gone) and woken. */
 void vor_peer_wait(struct vor_watchman *watchman, struct vor_peer *peer, bool waiting);
 
-/** Wakes the request once, `seconds` from now; in place of an earlier call. */
+/** Wakes the request once, `seconds` from now or when an earlier call said so, whichever is first;
+ *  among many that are due at once, when its turn comes. */
 void vor_peer_timer(struct vor_watchman *watchman, struct vor_peer *peer, double seconds);
 
 /** What to send, raw, when the body is late; malloc, taken over. NULL for nothing. */

@@ -32,6 +32,22 @@ bool vor_request_split(struct vor_request *request)
     return false;
 }
 
+void vor_request_trace(struct vor_request *request)
+{
+    unsigned index = 0;
+    const char *text = vor_request_header_next(request, "traceparent", &index);
+    struct vor_span caller;
+
+    if (text != NULL && vor_request_header_next(request, "traceparent", &index) == NULL &&
+        vor_span_parse(&caller, text))
+        vor_span_begin(&request->span, &caller);
+}
+
+const struct vor_span *vor_request_span(const struct vor_request *request)
+{
+    return &request->span;
+}
+
 enum vor_method vor_request_method(const struct vor_request *request)
 {
     return request->method;
@@ -102,6 +118,16 @@ void vor_request_set_route(struct vor_request *request, const struct vor_route *
 const struct vor_route *vor_request_route(const struct vor_request *request)
 {
     return request->route;
+}
+
+void vor_request_set_principal(struct vor_request *request, const struct vor_principal *principal)
+{
+    request->principal = *principal;
+}
+
+const struct vor_principal *vor_request_principal(const struct vor_request *request)
+{
+    return &request->principal;
 }
 
 void vor_request_set_job(struct vor_request *request, const char *job)
@@ -182,4 +208,19 @@ int vor_request_closing(const struct vor_request *request)
 void vor_request_wake_after(struct vor_request *request, double seconds)
 {
     vor_peer_timer(request->http->watchman, request->peer, seconds);
+}
+
+unsigned vor_request_crowd(const struct vor_request *request)
+{
+    const struct vor_http_options *options = &request->http->options;
+
+    switch (vor_peer_crowd(request->http->watchman, request->peer)) {
+    case VOR_CROWD_ALL:
+        return options->connections;
+    case VOR_CROWD_ADDRESS:
+        return options->each;
+    case VOR_CROWD_NONE:
+        break;
+    }
+    return 0;
 }

@@ -45,15 +45,19 @@ struct vor_request {
     struct vor_waker *waker;
     struct vor_head head;
     char *target, *path, *query; /**< owned; path is target up to '?', query is decoded in place */
+    const char *block;           /**< where the library has the target; valid in the first step */
+    const char *line; /**< and the request line; NULL: not known, or what follows was given back */
     struct vor_field pairs[VOR_QUERY_MAX];
     int pair_count;
     enum vor_method method;
     enum vor_request_stage stage;
     char id[72];
+    struct vor_span span;
     struct vor_address from; /**< of the connection */
     struct vor_via via;
-    char job[40];        /**< that it is about, or "" */
-    const char *problem; /**< slug of the problem replied, or NULL; static */
+    struct vor_principal principal; /**< nobody until the router has found out */
+    char job[40];                   /**< that it is about, or "" */
+    const char *problem;            /**< slug of the problem replied, or NULL; static */
     const struct vor_route *route;
     double began;
     int64_t length;
@@ -67,6 +71,9 @@ struct vor_request {
 
 /** The method of that word; VOR_METHOD_COUNT when no route knows it. */
 enum vor_method vor_method_find(const char *word);
+
+/** Takes in the header traceparent. */
+void vor_request_trace(struct vor_request *request);
 
 /** Cuts the target into path and query and decodes the pairs; false when vor_query_split does not
  *  take them. */

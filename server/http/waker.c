@@ -84,6 +84,16 @@ bool vor_waker_is_gone(struct vor_waker *waker)
     return gone;
 }
 
+bool vor_waker_is_pending(struct vor_waker *waker)
+{
+    bool pending;
+
+    (void)pthread_mutex_lock(&waker->lock);
+    pending = waker->pending;
+    (void)pthread_mutex_unlock(&waker->lock);
+    return pending;
+}
+
 void vor_waker_end(struct vor_waker *waker)
 {
     (void)pthread_mutex_lock(&waker->lock);

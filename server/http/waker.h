@@ -22,6 +22,9 @@ bool vor_waker_sleep(struct vor_waker *waker, bool stays);
 void vor_waker_gone(struct vor_waker *waker);
 bool vor_waker_is_gone(struct vor_waker *waker);
 
+/** True when it was woken since it last slept. */
+bool vor_waker_is_pending(struct vor_waker *waker);
+
 /** The request is over: its connection is not touched any more. */
 void vor_waker_end(struct vor_waker *waker);
 

@@ -7,8 +7,8 @@
 
 struct vor_bus {
     atomic_uint references;
+    pthread_mutex_t mutex; /* attempt, events, count, capacity */
     uint32_t attempt;
-    pthread_mutex_t mutex; /* events, count, capacity */
     struct vor_event *events;
     size_t count, capacity;
     pthread_mutex_t waking; /* subscribers; held while they are woken */
@@ -86,7 +86,12 @@ void vor_bus_release(struct vor_bus *bus)
 
 uint32_t vor_bus_attempt(struct vor_bus *bus)
 {
-    return bus->attempt;
+    uint32_t attempt;
+
+    pthread_mutex_lock(&bus->mutex);
+    attempt = bus->attempt;
+    pthread_mutex_unlock(&bus->mutex);
+    return attempt;
 }
 
 /* The functions below that say "locked" are called with bus->mutex held. */
@@ -94,6 +99,16 @@ uint32_t vor_bus_attempt(struct vor_bus *bus)
 static int ended_locked(const struct vor_bus *bus)
 {
     return bus->count > 0 && bus->events[bus->count - 1].kind == VOR_EVENT_END;
+}
+
+void vor_bus_restart(struct vor_bus *bus, uint32_t attempt)
+{
+    pthread_mutex_lock(&bus->mutex);
+    if (!ended_locked(bus)) {
+        bus->attempt = attempt;
+        bus->count = 0;
+    }
+    pthread_mutex_unlock(&bus->mutex);
 }
 
 static int grow_locked(struct vor_bus *bus)
@@ -162,9 +177,9 @@ size_t vor_bus_read(struct vor_bus *bus, struct vor_position *position, enum vor
     for (; at < bus->count && copied < max; at++)
         if (how == VOR_READ_EVERY || !superseded_locked(bus, at))
             out[copied++] = bus->events[at];
-    pthread_mutex_unlock(&bus->mutex);
     if (copied > 0)
         *position = (struct vor_position){bus->attempt, (uint32_t)at};
+    pthread_mutex_unlock(&bus->mutex);
     return copied;
 }
 
@@ -182,10 +197,10 @@ int vor_bus_ended(struct vor_bus *bus, struct vor_position *end)
 
 struct vor_position vor_bus_newest(struct vor_bus *bus)
 {
-    struct vor_position newest = {.attempt = bus->attempt};
+    struct vor_position newest;
 
     pthread_mutex_lock(&bus->mutex);
-    newest.number = (uint32_t)bus->count;
+    newest = (struct vor_position){bus->attempt, (uint32_t)bus->count};
     pthread_mutex_unlock(&bus->mutex);
     return newest;
 }

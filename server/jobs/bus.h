@@ -35,7 +35,8 @@ struct vor_event {
     enum vor_event_kind kind;
     uint32_t attempt, number; /**< both from 1 */
     enum vor_job_status status;
-    enum vor_stage stage;
+    enum vor_stage stage;     /**< REPLACED: the one that the attempt before ended in; QUEUED where
+                                   the daemon ended */
     int progress;             /**< 0 .. 100 */
     int64_t time_ms;          /**< wall clock */
     double eta_seconds;       /**< PROGRESS: until the run is done; -1 when not known; else 0 */
@@ -60,6 +61,10 @@ struct vor_bus *vor_bus_retain(struct vor_bus *bus);
 void vor_bus_release(struct vor_bus *bus);
 
 uint32_t vor_bus_attempt(struct vor_bus *bus);
+
+/** Begins another attempt: the events so far are gone, and those to come are numbered anew. Readers
+ *  find themselves before the first of them. Nothing happens once END was published. */
+void vor_bus_restart(struct vor_bus *bus, uint32_t attempt);
 
 /** Appends an event, whose attempt and number the bus fills in, then wakes the subscribers. After
  *  END, and past VOR_EVENTS_MAX - 1 for all but END, events are ignored.

@@ -1,6 +1,7 @@
 #include "server/jobs/job.h"
 
 #include "server/base/machine.h"
+#include "server/jobs/need.h"
 #include "server/jobs/pace.h"
 
 #include <ctype.h>
@@ -15,6 +16,8 @@ struct vor_job {
     atomic_int asked; /* enum vor_answer */
     struct vor_bus *bus;
     struct vor_uuid id;
+    struct vor_turn turn;
+    char tenant[VOR_JOB_PRINCIPAL_SIZE];
     pthread_mutex_t change; /* a change of state and its event are one; taken before `state` */
     pthread_mutex_t state;  /* view, first */
     struct vor_job_view view;
@@ -69,6 +72,9 @@ struct vor_job *vor_job_create(const struct vor_job_view *row)
     pthread_mutex_init(&job->change, NULL);
     pthread_mutex_init(&job->state, NULL);
     job->id = row->id;
+    job->turn = (struct vor_turn){.bytes = vor_need_bytes(&row->spec, row->inputs, row->input),
+                                  .alone = row->alone};
+    memcpy(job->tenant, row->key.principal, sizeof job->tenant);
     job->view = *row;
     job->view.queue_position = -1;
     if (row->attempt > 1)
@@ -102,6 +108,26 @@ const struct vor_uuid *vor_job_id(const struct vor_job *job)
 struct vor_bus *vor_job_bus(const struct vor_job *job)
 {
     return job->bus;
+}
+
+const struct vor_turn *vor_job_turn(const struct vor_job *job)
+{
+    return &job->turn;
+}
+
+const char *vor_job_tenant(const struct vor_job *job)
+{
+    return job->tenant;
+}
+
+int vor_job_is_over(struct vor_job *job)
+{
+    int is_over;
+
+    pthread_mutex_lock(&job->state);
+    is_over = vor_job_status_over(job->view.status);
+    pthread_mutex_unlock(&job->state);
+    return is_over;
 }
 
 /* "Iteration 3 of at most 12" */
@@ -193,13 +219,33 @@ void vor_job_begin(struct vor_job *job, int64_t now_ms)
     pthread_mutex_lock(&job->state);
     job->view.status = VOR_JOB_RUNNING;
     job->view.stage = VOR_STAGE_PREPARE;
-    job->view.updated = now_ms;
+    job->view.updated = vor_job_now(&job->view, now_ms);
     if (job->view.started == 0)
-        job->view.started = now_ms;
+        job->view.started = job->view.updated;
     begin_pace(job);
     pthread_mutex_unlock(&job->state);
     publish(job, VOR_EVENT_STATUS, now_ms);
     end_change(job);
+}
+
+int vor_job_restart(struct vor_job *job, int is_suspect, int64_t now_ms)
+{
+    if (!begin_change(job))
+        return 0;
+    pthread_mutex_lock(&job->state);
+    vor_bus_restart(job->bus, ++job->view.attempt);
+    pthread_mutex_unlock(&job->state);
+    publish(job, VOR_EVENT_REPLACED, now_ms);
+    pthread_mutex_lock(&job->state);
+    job->view.status = VOR_JOB_ACCEPTED;
+    job->view.stage = VOR_STAGE_QUEUED;
+    job->view.updated = now_ms;
+    if (is_suspect)
+        job->view.alone = job->turn.alone = 1;
+    pthread_mutex_unlock(&job->state);
+    publish(job, VOR_EVENT_STATUS, now_ms);
+    end_change(job);
+    return 1;
 }
 
 void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms)
@@ -208,7 +254,7 @@ void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms)
         return;
     pthread_mutex_lock(&job->state);
     job->view.stage = stage;
-    job->view.updated = now_ms;
+    job->view.updated = vor_job_now(&job->view, now_ms);
     if (stage == VOR_STAGE_ENCODE)
         raise_progress(&job->view, MEASURED);
     pthread_mutex_unlock(&job->state);
@@ -237,7 +283,7 @@ void vor_job_progress(struct vor_job *job, const struct vor_record *record, int6
     job->view.stage = VOR_STAGE_OPTIMIZE;
     job->view.has_record = 1;
     job->view.record = *record;
-    job->view.updated = now_ms;
+    job->view.updated = vor_job_now(&job->view, now_ms);
     raise_progress(&job->view, progress_of(job));
     pthread_mutex_unlock(&job->state);
     if (entered)

@@ -5,6 +5,7 @@
 #include "core/base/watch.h"
 #include "core/report.h"
 #include "server/jobs/bus.h"
+#include "server/jobs/turns.h"
 #include "server/store/row.h"
 
 #include <stdint.h>
@@ -15,6 +16,7 @@ enum vor_job_outcome {
     VOR_UNKNOWN,  /**< no such job */
     VOR_CONFLICT, /**< the job is not in a state that allows it */
     VOR_FULL,     /**< the queue is full: 429 */
+    VOR_CROWDED,  /**< the caller has as many jobs as he may: 429 */
     VOR_DRAINING, /**< the daemon is going down: 503 */
     VOR_FAILED    /**< err says why */
 };
@@ -35,6 +37,15 @@ void vor_job_release(struct vor_job *job);
 const struct vor_uuid *vor_job_id(const struct vor_job *job);
 struct vor_bus *vor_job_bus(const struct vor_job *job);
 
+/** What it needs to run; borrowed. Only vor_job_restart changes it. */
+const struct vor_turn *vor_job_turn(const struct vor_job *job);
+
+/** Whose it is (vor_job_key.principal). Borrowed; does not change. */
+const char *vor_job_tenant(const struct vor_job *job);
+
+/** True from its END on. */
+int vor_job_is_over(struct vor_job *job);
+
 /** A snapshot; queue_position is -1 (vor_worker_get knows it). Never waits for an fsync. */
 void vor_job_view(struct vor_job *job, struct vor_job_view *out);
 
@@ -46,6 +57,12 @@ void vor_job_set_seq(struct vor_job *job, int64_t seq);
 
 /** accepted -> running: a runner begins. Publishes STATUS. */
 void vor_job_begin(struct vor_job *job, int64_t now_ms);
+
+/** running -> accepted: nothing came of the attempt, and the next one begins anew, with nothing
+ *  beside it if is_suspect. Publishes REPLACED and STATUS as the first events of that attempt.
+ *
+ *  @return false when the job is over */
+VOR_NODISCARD int vor_job_restart(struct vor_job *job, int is_suspect, int64_t now_ms);
 
 /** Enters a stage of a running job. Publishes STATUS. */
 void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms);

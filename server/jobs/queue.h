@@ -1,4 +1,8 @@
-/** The bounded list of jobs that wait for a runner, in the order of acceptance. Thread-safe. */
+/** The bounded list of jobs that wait for a runner. Those of one tenant (vor_job_tenant) leave in
+ * the order of acceptance; tenants take turns, a job each a round. A tenant whose first job comes
+ * while others have many waiting has its turn in the round that goes on, so that it waits for no
+ * more of theirs than run at that moment. Within a round, the job that was accepted first leaves
+ * first: with one tenant that is the order of acceptance. Thread-safe. */
 #ifndef VOR_SERVER_JOBS_QUEUE_H
 #define VOR_SERVER_JOBS_QUEUE_H
 
@@ -10,6 +14,13 @@ struct vor_queue;
 
 /** Room for `capacity` (at least 1) jobs; NULL when memory is out. */
 struct vor_queue *vor_queue_create(size_t capacity);
+
+/** From here on the next job is handed out once `may` is true of it, and no other before it. `may`
+ *  is asked with the queue locked, by a thread that then has the job if it is true: it must be
+ * quick and not call the queue. Call vor_queue_look when its answer may have become another. */
+void vor_queue_guard(struct vor_queue *queue, int (*may)(void *ctx, struct vor_job *job),
+                     void *ctx);
+void vor_queue_look(struct vor_queue *queue);
 
 /** Lets go of the jobs that still wait. queue may be NULL; no thread may be in a call. */
 void vor_queue_destroy(struct vor_queue *queue);
@@ -39,8 +50,11 @@ struct vor_job *vor_queue_pop(struct vor_queue *queue);
 /** Takes a job out; false when it does not wait. */
 int vor_queue_remove(struct vor_queue *queue, const struct vor_job *job);
 
-/** How many wait before it; -1 when it does not wait. */
+/** How many would leave before it if no other came; -1 when it does not wait. */
 long vor_queue_position(struct vor_queue *queue, const struct vor_job *job);
+
+/** When the job that is next was accepted (wall clock, ms); 0 when none waits. */
+int64_t vor_queue_oldest(struct vor_queue *queue);
 
 /** Jobs that wait or have a place booked. */
 size_t vor_queue_depth(struct vor_queue *queue);

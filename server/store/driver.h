@@ -9,14 +9,17 @@
 #define VOR_SERVER_STORE_DRIVER_H
 
 #include "core/base/status.h"
+#include "server/base/reserve.h"
 #include "server/store/row.h"
 
 #include <stddef.h>
 #include <stdint.h>
 
-/** A driver's store begins with this; the door fills it in. */
+/** A driver's store begins with this, all zero; the door fills in the first two. */
 struct vor_store {
     const struct vor_store_driver *driver;
+    struct vor_reserve *reserve; /**< of the disk; NULL for none */
+    int is_damaged;              /**< the driver's: changes that were durable are gone */
 };
 
 /** What goes into the row with the final state besides the view; either may be NULL. Borrowed. */
@@ -35,6 +38,7 @@ struct vor_job_filter {
     const char *name;                   /**< borrowed; NULL for any */
     int64_t duration_min, duration_max; /**< ms since the start, of those that started; 0 for any */
     int64_t now;                        /**< wall clock: the end of what still runs */
+    const char *tenant;                 /**< borrowed; only this principal's; NULL for any */
     size_t limit;                       /**< 1 .. 10000 */
 };
 
@@ -43,6 +47,25 @@ struct vor_job_filter {
 struct vor_expired {
     struct vor_uuid id;
     char process[32]; /**< as in the view */
+};
+
+/** That whatever ran the jobs has ended without a word. Nobody knows which of those that were
+ *  running is to blame, so each is run again with nothing beside it, and only what happens then
+ *  counts against it. */
+struct vor_crash {
+    int by_fault;        /**< it crashed; else it was killed, or the machine went down */
+    unsigned faults_max; /**< a job that ran alone in so many crashes fails */
+    unsigned kills_max;  /**< likewise of other ends, which tell less */
+    int64_t now_ms, expires_ms;
+};
+
+/** That the process of a run has ended without a word, and not the daemon. */
+struct vor_crashed_run {
+    uint32_t attempt; /**< the caller's, as the next two */
+    int was_alone;    /**< nothing ran beside it */
+    int64_t now_ms;
+    int changed;      /**< the store's: 0 when this is not the running attempt */
+    unsigned crashes; /**< of the job, this one included, with nothing beside it */
 };
 
 /** How many jobs a recovery put back into line, and how many it gave up. */
@@ -54,6 +77,7 @@ struct vor_recovered {
 struct vor_store_driver {
     const char *scheme; /**< "sqlite": what stands before the colon of --store */
     const char *place;  /**< "PATH": what stands after it, for messages */
+    int is_file;        /**< place is a path here: the door keeps a reserve beside it */
     vor_status (*open)(struct vor_store **out, const char *place, long *holder,
                        struct vor_error *err);
     void (*close)(struct vor_store *store);
@@ -66,6 +90,8 @@ struct vor_store_driver {
     vor_status (*release)(struct vor_store *store, const struct vor_uuid *id, uint32_t attempt,
                           int64_t now_ms, int *changed, struct vor_error *err);
     /** ending is not NULL here. */
+    vor_status (*crashed)(struct vor_store *store, const struct vor_uuid *id,
+                          struct vor_crashed_run *run, struct vor_error *err);
     vor_status (*finish)(struct vor_store *store, const struct vor_job_view *row, uint32_t attempt,
                          const struct vor_store_ending *ending, int *changed,
                          struct vor_error *err);
@@ -73,6 +99,10 @@ struct vor_store_driver {
                          struct vor_error *err);
     vor_status (*get)(struct vor_store *store, const struct vor_uuid *id, struct vor_job_view *out,
                       int *found, struct vor_error *err);
+    vor_status (*get_of)(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
+                         struct vor_job_view *out, int *found, struct vor_error *err);
+    vor_status (*held)(struct vor_store *store, const char *tenant, uint64_t *bytes,
+                       struct vor_error *err);
     vor_status (*find_key)(struct vor_store *store, const struct vor_job_key *key,
                            struct vor_job_view *out, int *found, struct vor_error *err);
     vor_status (*report)(struct vor_store *store, const struct vor_uuid *id, char **report,
@@ -89,9 +119,12 @@ struct vor_store_driver {
                          size_t max, size_t *count, struct vor_error *err);
     vor_status (*shed)(struct vor_store *store, uint64_t quota, struct vor_expired *shed,
                        size_t max, size_t *count, struct vor_error *err);
-    vor_status (*recover)(struct vor_store *store, unsigned crashes_max, int64_t now_ms,
-                          int64_t expires_ms, struct vor_recovered *recovered,
-                          struct vor_error *err);
+    vor_status (*crowd)(struct vor_store *store, uint64_t quota, struct vor_expired *crowded,
+                        size_t max, size_t *count, struct vor_error *err);
+    vor_status (*shift)(struct vor_store *store, int64_t by_ms, struct vor_error *err);
+    vor_status (*newest)(struct vor_store *store, int64_t *newest_ms, struct vor_error *err);
+    vor_status (*recover)(struct vor_store *store, const struct vor_crash *crash,
+                          struct vor_recovered *recovered, struct vor_error *err);
 };
 
 #endif

@@ -6,6 +6,7 @@
 #include "core/report.h"
 #include "core/spec.h"
 #include "server/base/digest.h"
+#include "server/base/span.h"
 #include "server/base/uuid.h"
 
 #include <stdint.h>
@@ -38,6 +39,11 @@ enum vor_stage {
 #undef VOR_STAGE_ENUM
         VOR_STAGES
 };
+
+/** What every line of the log about a job has of its view: VOR_OF_JOB(view), further fields. */
+#define VOR_OF_JOB(view)                                                                           \
+    VOR_TEXT("job", (view)->id.text), VOR_KNOWN("trace_id", (view)->span.trace),                   \
+        VOR_KNOWN("span_id", (view)->span.id)
 
 const char *vor_job_status_word(enum vor_job_status status);
 const char *vor_stage_word(enum vor_stage stage);
@@ -82,7 +88,8 @@ enum { VOR_JOB_KEY_SIZE = 256, VOR_JOB_PRINCIPAL_SIZE = 65 };
 /** What makes one job of a request that is sent again (the header Idempotency-Key): a key is that
  * of one job, among the keys of its principal. */
 struct vor_job_key {
-    char principal[VOR_JOB_PRINCIPAL_SIZE]; /**< who sent it; "" as long as all callers are one */
+    char principal[VOR_JOB_PRINCIPAL_SIZE]; /**< whose job it is: the name of the API key that it
+                                                 came with, "" for none; set without a key too */
     char text[VOR_JOB_KEY_SIZE];            /**< "" for no key */
     char fingerprint[VOR_DIGEST_SIZE];      /**< of what was asked for, inputs included */
 };
@@ -94,6 +101,7 @@ struct vor_job_view {
     int64_t seq;                  /**< order of acceptance, from 1 */
     char process[32];             /**< "resample" */
     char name[VOR_JOB_NAME_SIZE]; /**< UTF-8, or "" */
+    struct vor_span span;         /**< the step of a trace that asked for it, or none */
     struct vor_job_key key;
     enum vor_job_status status;
     enum vor_stage stage;
@@ -113,7 +121,18 @@ struct vor_job_view {
     struct vor_error problem; /**< failed; status VOR_OK otherwise */
     char message[128];        /**< a sentence for people: what it does, or why it ended */
     int expired;              /**< result and report are gone: 410 */
+    int alone; /**< nothing may run beside it: it was running when the program crashed */
     int64_t created, started, updated, finished, expires;
 };
+
+/** A time for a row that is changed now: now, or where the wall clock was set back, the latest of
+ *  the times that the row has, so that nothing ends before it began. */
+static inline int64_t vor_job_now(const struct vor_job_view *row, int64_t now_ms)
+{
+    int64_t began = row->started > row->created ? row->started : row->created;
+    int64_t last = row->updated > began ? row->updated : began;
+
+    return now_ms > last ? now_ms : last;
+}
 
 #endif

@@ -5,6 +5,8 @@
 #include "server/store/row_text.h"
 #include "server/store/sqlite_database.h"
 #include "server/store/sqlite_many.h"
+#include "server/store/sqlite_schema.h"
+#include "server/store/sqlite_wal.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -23,79 +25,12 @@ static struct vor_sqlite *db_of(struct vor_store *store)
     return ((struct store *)store)->db;
 }
 
-/* What brings the schema from each version to the next one, from an empty file on. A store keeps
- * its version, so a step is never changed: what comes later is a step of its own, and must leave
- * the rows that are there as good as they were. */
-static const char *const steps[] = {
-    /* 1 */
-    "CREATE TABLE job ("
-    " seq INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT NOT NULL UNIQUE, process_id TEXT NOT NULL,"
-    " status TEXT NOT NULL"
-    "  CHECK (status IN ('accepted','running','successful','failed','dismissed')),"
-    " progress INTEGER NOT NULL DEFAULT 0, message TEXT NOT NULL DEFAULT '',"
-    " request TEXT NOT NULL, metrics TEXT, problem TEXT, report TEXT, trace BLOB,"
-    " input_format INTEGER NOT NULL, input_points INTEGER NOT NULL, input_bytes INTEGER NOT NULL,"
-    " input_sha256 TEXT NOT NULL, input_seconds REAL NOT NULL,"
-    " output_format INTEGER NOT NULL DEFAULT 0, output_points INTEGER NOT NULL DEFAULT 0,"
-    " output_bytes INTEGER NOT NULL DEFAULT 0, output_sha256 TEXT NOT NULL DEFAULT '',"
-    " attempt INTEGER NOT NULL DEFAULT 0, crashes INTEGER NOT NULL DEFAULT 0,"
-    " created INTEGER NOT NULL, started INTEGER NOT NULL DEFAULT 0, updated INTEGER NOT NULL,"
-    " finished INTEGER NOT NULL DEFAULT 0, expires INTEGER NOT NULL DEFAULT 0,"
-    " expired INTEGER NOT NULL DEFAULT 0);"
-    "CREATE INDEX job_status ON job (status, seq) WHERE expired = 0;"
-    "CREATE INDEX job_expires ON job (expires) WHERE expires > 0;",
-    /* 2: inputs and outputs beside the main ones */
-    "ALTER TABLE job ADD COLUMN inputs TEXT; ALTER TABLE job ADD COLUMN outputs TEXT;",
-    /* 3: names, keys, kept uploads */
-    "ALTER TABLE job ADD COLUMN name TEXT NOT NULL DEFAULT '';"
-    "ALTER TABLE job ADD COLUMN principal TEXT NOT NULL DEFAULT '';"
-    "ALTER TABLE job ADD COLUMN idem_key TEXT;"
-    "ALTER TABLE job ADD COLUMN fingerprint TEXT NOT NULL DEFAULT '';"
-    "ALTER TABLE job ADD COLUMN kept INTEGER NOT NULL DEFAULT 0;"
-    "CREATE UNIQUE INDEX job_key ON job (principal, idem_key) WHERE idem_key IS NOT NULL;"
-    "CREATE INDEX job_kept ON job (finished, seq, kept) WHERE kept > 0;",
-};
-
-enum { SCHEMA_VERSION = sizeof steps / sizeof steps[0] };
-
 /* --- opening ---------------------------------------------------------------------------------- */
 
 static int take_number(void *ctx, struct vor_sqlite_row *row)
 {
     *(int64_t *)ctx = vor_sqlite_number(row);
     return 1;
-}
-
-static vor_status upgrade(struct store *store, int64_t version, struct vor_error *err)
-{
-    struct vor_text sql;
-    vor_status status;
-
-    vor_text_init(&sql, 0);
-    vor_text_puts(&sql, "BEGIN;");
-    for (; version < SCHEMA_VERSION; version++)
-        vor_text_puts(&sql, steps[version]);
-    vor_text_printf(&sql, "PRAGMA user_version=%d;COMMIT;", SCHEMA_VERSION);
-    status = vor_text_status(&sql, err);
-    if (status == VOR_OK)
-        status = vor_sqlite_run(store->db, sql.data, err);
-    vor_text_free(&sql);
-    return status;
-}
-
-static vor_status migrate(struct store *store, struct vor_error *err)
-{
-    int64_t version = -1;
-    vor_status status =
-        vor_sqlite_query(store->db, take_number, &version, err, "PRAGMA user_version", "");
-
-    if (status != VOR_OK || version == SCHEMA_VERSION)
-        return status;
-    if (version < 0 || version > SCHEMA_VERSION)
-        return vor_fail(err, VOR_E_IO,
-                        "the job store is of schema %lld, this program knows up to %d",
-                        (long long)version, SCHEMA_VERSION);
-    return upgrade(store, version, err);
 }
 
 static vor_status open_file(struct store *store, const char *path, long *holder,
@@ -116,9 +51,11 @@ static vor_status open_file(struct store *store, const char *path, long *holder,
     }
     if (status == VOR_OK)
         status = vor_storage_lock(&store->lock, name, holder, err);
-    if (status == VOR_OK)
-        status = vor_sqlite_open(&store->db, path, err);
-    return status == VOR_OK ? migrate(store, err) : status;
+    if (status != VOR_OK)
+        return status;
+    store->base.is_damaged = vor_sqlite_wal_is_damaged(path);
+    status = vor_sqlite_open(&store->db, path, err);
+    return status == VOR_OK ? vor_sqlite_migrate(store->db, err) : status;
 }
 
 static void free_store(struct store *store)
@@ -173,6 +110,7 @@ static vor_status insert(struct vor_store *store, struct vor_job_view *row, stru
 {
     const struct vor_job_input *input = &row->input[0];
     struct vor_row_text text;
+    char traceparent[VOR_TRACEPARENT_SIZE];
     int64_t seq = 0;
     vor_status status = vor_row_write(&text, row, err);
 
@@ -181,13 +119,15 @@ static vor_status insert(struct vor_store *store, struct vor_job_view *row, stru
             db_of(store), take_seq, &seq, err,
             "INSERT INTO job (id, process_id, status, message, request, inputs, input_format,"
             " input_points, input_bytes, input_sha256, input_seconds, created, updated, name,"
-            " principal, idem_key, fingerprint, kept)"
-            " VALUES (?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) RETURNING seq",
-            "tttttiiitriitttti", row->id.text, row->process, row->message, text.request.data,
+            " traceparent, principal, idem_key, fingerprint, kept)"
+            " VALUES (?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
+            " RETURNING seq",
+            "tttttiiitriittttti", row->id.text, row->process, row->message, text.request.data,
             text.inputs.data, (int64_t)input->format, (int64_t)input->points, (int64_t)input->bytes,
             input->sha256, input->seconds, row->created, row->created, row->name,
-            row->key.principal, row->key.text[0] != '\0' ? row->key.text : NULL,
-            row->key.fingerprint, (int64_t)row->kept);
+            vor_span_text(&row->span, traceparent), row->key.principal,
+            row->key.text[0] != '\0' ? row->key.text : NULL, row->key.fingerprint,
+            (int64_t)row->kept);
     if (status == VOR_OK)
         row->seq = seq;
     vor_row_text_free(&text);
@@ -213,8 +153,8 @@ static vor_status claim(struct vor_store *store, const struct vor_uuid *id, int6
     struct claimed claimed = {0};
     vor_status status = vor_sqlite_change_each(
         db_of(store), take_attempt, &claimed, err,
-        "UPDATE job SET status = 'running', attempt = attempt + 1, updated = ?2,"
-        " started = CASE started WHEN 0 THEN ?2 ELSE started END"
+        "UPDATE job SET status = 'running', attempt = attempt + 1, updated = max(updated, ?2),"
+        " started = CASE started WHEN 0 THEN max(created, ?2) ELSE started END"
         " WHERE id = ?1 AND status = 'accepted' RETURNING attempt",
         "ti", id->text, now_ms);
 
@@ -250,6 +190,23 @@ static vor_status release(struct vor_store *store, const struct vor_uuid *id, ui
                              "tii", id->text, (int64_t)attempt, now_ms);
 }
 
+/* Bytes of the outputs that are blobs. */
+static uint64_t held_bytes(const struct vor_job_view *row)
+{
+    const struct vor_artefact_info *outputs = row->spec.process->outputs;
+    uint64_t bytes = 0;
+
+    for (unsigned i = 0; row->status == VOR_JOB_SUCCESSFUL && outputs[i].name != NULL; i++)
+        bytes += vor_output_in_row(&outputs[i]) ? 0 : row->output[i].bytes;
+    return bytes;
+}
+
+static vor_status crashed(struct vor_store *store, const struct vor_uuid *id,
+                          struct vor_crashed_run *run, struct vor_error *err)
+{
+    return vor_sqlite_crashed(db_of(store), id, run, err);
+}
+
 static vor_status finish(struct vor_store *store, const struct vor_job_view *row, uint32_t attempt,
                          const struct vor_store_ending *ending, int *changed, struct vor_error *err)
 {
@@ -265,14 +222,15 @@ static vor_status finish(struct vor_store *store, const struct vor_job_view *row
             " problem = ?7, report = ?8, trace = ?9, output_format = ?10,"
             " output_points = ?11, output_bytes = ?12, output_sha256 = ?13,"
             " updated = ?14, finished = ?14, expires = ?15, attempt = ?16, outputs = ?17,"
-            " kept = ?18"
+            " kept = ?18, held = ?19"
             " WHERE id = ?1 AND CASE ?2 WHEN 0 THEN status IN ('accepted', 'running')"
             " ELSE status = 'running' AND attempt = ?2 END",
-            "titittttbiiitiiiti", row->id.text, (int64_t)attempt, vor_job_status_word(row->status),
+            "titittttbiiitiiitii", row->id.text, (int64_t)attempt, vor_job_status_word(row->status),
             (int64_t)row->progress, row->message, text.metrics.data, text.problem.data,
             ending->report, ending->trace, ending->trace_size, (int64_t)output->format,
             (int64_t)output->points, (int64_t)output->bytes, output->sha256, row->finished,
-            row->expires, (int64_t)row->attempt, text.outputs.data, (int64_t)row->kept);
+            row->expires, (int64_t)row->attempt, text.outputs.data, (int64_t)row->kept,
+            (int64_t)held_bytes(row));
     vor_row_text_free(&text);
     return status;
 }
@@ -293,7 +251,7 @@ static vor_status remove_row(struct vor_store *store, const struct vor_uuid *id,
     " output_format, output_points, output_bytes, output_sha256,"                                  \
     " length(CAST(report AS BLOB)),"                                                               \
     " attempt, created, started, updated, finished, expires, expired,"                             \
-    " name, principal, idem_key, fingerprint, kept"
+    " name, traceparent, principal, idem_key, fingerprint, kept, alone"
 
 static void copy_text(char *out, size_t size, struct vor_sqlite_row *from)
 {
@@ -340,6 +298,14 @@ static void read_length(struct vor_job_view *out, struct vor_sqlite_row *from)
             out->output[i].bytes = length;
 }
 
+static void read_span(struct vor_job_view *out, struct vor_sqlite_row *from)
+{
+    const char *text = vor_sqlite_text(from);
+
+    if (text != NULL)
+        (void)vor_span_parse(&out->span, text);
+}
+
 static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)
 {
     struct vor_row_columns columns;
@@ -369,10 +335,12 @@ static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)
     out->expires = vor_sqlite_number(row);
     out->expired = (int)vor_sqlite_number(row);
     copy_text(out->name, sizeof out->name, row);
+    read_span(out, row);
     copy_text(out->key.principal, sizeof out->key.principal, row);
     copy_text(out->key.text, sizeof out->key.text, row);
     copy_text(out->key.fingerprint, sizeof out->key.fingerprint, row);
     out->kept = (uint64_t)vor_sqlite_number(row);
+    out->alone = (int)vor_sqlite_number(row);
     out->stage = stage_of(out);
 }
 
@@ -390,16 +358,23 @@ static int take_row(void *ctx, struct vor_sqlite_row *row)
     return 0;
 }
 
-static vor_status get(struct vor_store *store, const struct vor_uuid *id, struct vor_job_view *out,
-                      int *found, struct vor_error *err)
+static vor_status get_of(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
+                         struct vor_job_view *out, int *found, struct vor_error *err)
 {
     struct taken taken = {.row = out};
-    vor_status status =
-        vor_sqlite_query(db_of(store), take_row, &taken, err,
-                         "SELECT " ROW_COLUMNS " FROM job WHERE id = ?", "t", id->text);
+    vor_status status = vor_sqlite_query(db_of(store), take_row, &taken, err,
+                                         "SELECT " ROW_COLUMNS " FROM job WHERE id = ?1"
+                                         " AND (?2 IS NULL OR principal = ?2)",
+                                         "tt", id->text, tenant);
 
     *found = taken.found;
     return status;
+}
+
+static vor_status get(struct vor_store *store, const struct vor_uuid *id, struct vor_job_view *out,
+                      int *found, struct vor_error *err)
+{
+    return get_of(store, id, NULL, out, found, err);
 }
 
 static vor_status find_key(struct vor_store *store, const struct vor_job_key *key,
@@ -523,10 +498,12 @@ static vor_status list_rows(struct vor_store *store, const struct vor_job_filter
                             " AND (?7 = 0 OR (started > 0 AND " DURATION " >= ?7))"
                             " AND (?8 = 0 OR (started > 0 AND " DURATION " <= ?8))"
                             " AND (?10 IS NULL OR name = ?10)"
+                            " AND (?11 IS NULL OR principal = ?11)"
                             " ORDER BY seq DESC LIMIT ?4",
-                            "ttiiiiiiit", statuses, filter->process, filter->before_seq,
+                            "ttiiiiiiitt", statuses, filter->process, filter->before_seq,
                             (int64_t)filter->limit, filter->created_from, filter->created_to,
-                            filter->duration_min, filter->duration_max, filter->now, filter->name);
+                            filter->duration_min, filter->duration_max, filter->now, filter->name,
+                            filter->tenant);
 }
 
 /* --- many rows at once ------------------------------------------------------------------------ */
@@ -543,16 +520,38 @@ static vor_status shed(struct vor_store *store, uint64_t quota, struct vor_expir
     return vor_sqlite_shed(db_of(store), quota, shed, max, count, err);
 }
 
-static vor_status recover(struct vor_store *store, unsigned crashes_max, int64_t now_ms,
-                          int64_t expires_ms, struct vor_recovered *recovered,
-                          struct vor_error *err)
+static vor_status crowd(struct vor_store *store, uint64_t quota, struct vor_expired *crowded,
+                        size_t max, size_t *count, struct vor_error *err)
 {
-    return vor_sqlite_recover(db_of(store), crashes_max, now_ms, expires_ms, recovered, err);
+    return vor_sqlite_crowd(db_of(store), quota, crowded, max, count, err);
+}
+
+static vor_status shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)
+{
+    return vor_sqlite_shift(db_of(store), by_ms, err);
+}
+
+static vor_status newest(struct vor_store *store, int64_t *newest_ms, struct vor_error *err)
+{
+    return vor_sqlite_newest(db_of(store), newest_ms, err);
+}
+
+static vor_status held(struct vor_store *store, const char *tenant, uint64_t *bytes,
+                       struct vor_error *err)
+{
+    return vor_sqlite_held(db_of(store), tenant, bytes, err);
+}
+
+static vor_status recover(struct vor_store *store, const struct vor_crash *crash,
+                          struct vor_recovered *recovered, struct vor_error *err)
+{
+    return vor_sqlite_recover(db_of(store), crash, recovered, err);
 }
 
 const struct vor_store_driver vor_store_sqlite = {
     .scheme = "sqlite",
     .place = "PATH",
+    .is_file = 1,
     .open = open_store,
     .close = close_store,
     .check = check,
@@ -560,9 +559,12 @@ const struct vor_store_driver vor_store_sqlite = {
     .claim = claim,
     .beat = beat,
     .release = release,
+    .crashed = crashed,
     .finish = finish,
     .remove = remove_row,
     .get = get,
+    .get_of = get_of,
+    .held = held,
     .find_key = find_key,
     .report = get_report,
     .trace = get_trace,
@@ -570,5 +572,8 @@ const struct vor_store_driver vor_store_sqlite = {
     .waiting = waiting,
     .expire = expire,
     .shed = shed,
+    .crowd = crowd,
+    .shift = shift,
+    .newest = newest,
     .recover = recover,
 };

@@ -1,11 +1,16 @@
 #include "server/store/sqlite_database.h"
 
+#include "server/base/clock.h"
+#include "server/base/metrics.h"
+
+#include <ctype.h>
 #include <errno.h>
 #include <pthread.h>
 #include <sqlite3.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 
 struct connection {
     sqlite3 *handle;
@@ -177,10 +182,24 @@ struct change {
     int rows;
 };
 
+/* The first word of a statement, as it is called in /metrics: "UPDATE job ..." is an update. */
+static void count(const char *sql, double began, vor_status status)
+{
+    size_t length = strspn(sql, "ABCDEFGHIJKLMNOPQRSTUVWXYZ");
+    char word[16] = "";
+
+    for (size_t i = 0; i < length && i < sizeof word - 1; i++)
+        word[i] = (char)tolower((unsigned char)sql[i]);
+    vor_metric_observe(VOR_METRIC_STORE_SECONDS, vor_clock_seconds() - began,
+                       VOR_LABELS("sqlite", word));
+    vor_metric_add(VOR_METRIC_STORE_ERRORS, status != VOR_OK, NULL);
+}
+
 static vor_status change(struct vor_sqlite *db, struct change *change, struct vor_error *err,
                          const char *sql, const char *types, va_list *args)
 {
     struct vor_sqlite_row row = {0};
+    double began = vor_clock_seconds();
     vor_status status = VOR_OK;
     int code;
 
@@ -199,6 +218,7 @@ static vor_status change(struct vor_sqlite *db, struct change *change, struct vo
         status = fail(db, &db->writer, code, err);
     (void)sqlite3_finalize(row.statement); /* its failure is that of the last step */
     pthread_mutex_unlock(&db->writer.mutex);
+    count(sql, began, status);
     return status;
 }
 
@@ -235,6 +255,7 @@ vor_status vor_sqlite_query(struct vor_sqlite *db,
                             struct vor_error *err, const char *sql, const char *types, ...)
 {
     struct vor_sqlite_row row = {0};
+    double began = vor_clock_seconds();
     vor_status status = VOR_OK;
     va_list args;
     int code;
@@ -252,5 +273,6 @@ vor_status vor_sqlite_query(struct vor_sqlite *db,
         status = fail(db, &db->reader, code, err);
     (void)sqlite3_finalize(row.statement);
     pthread_mutex_unlock(&db->reader.mutex);
+    count(sql, began, status);
     return status;
 }

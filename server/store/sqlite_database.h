@@ -1,5 +1,6 @@
 /** A database of SQLite: one connection that writes, durably, and one that reads, so that no reader
- *  waits for an fsync. The only door to the library; sqlite.c alone includes this. Thread-safe. */
+ *  waits for an fsync. The only door to the library; only the other files of the driver include
+ * this. Thread-safe. */
 #ifndef VOR_SERVER_STORE_SQLITE_DATABASE_H
 #define VOR_SERVER_STORE_SQLITE_DATABASE_H
 

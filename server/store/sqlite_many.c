@@ -33,7 +33,8 @@ vor_status vor_sqlite_expire(struct vor_sqlite *db, int64_t now_ms, struct vor_e
     int forgotten;
     vor_status status = vor_sqlite_change_each(
         db, take_expired, &expiry, err,
-        "UPDATE job SET expired = 1, report = NULL, trace = NULL, idem_key = NULL, kept = 0"
+        "UPDATE job SET expired = 1, report = NULL, trace = NULL, idem_key = NULL, kept = 0,"
+        " held = 0"
         " WHERE seq IN"
         " (SELECT seq FROM job WHERE expires > 0 AND expires <= ? AND expired = 0"
         " ORDER BY expires LIMIT ?) RETURNING id, process_id",
@@ -52,6 +53,16 @@ static int take_sum(void *ctx, struct vor_sqlite_row *row)
 {
     *(uint64_t *)ctx = (uint64_t)vor_sqlite_number(row);
     return 1;
+}
+
+vor_status vor_sqlite_held(struct vor_sqlite *db, const char *tenant, uint64_t *bytes,
+                           struct vor_error *err)
+{
+    *bytes = 0;
+    return vor_sqlite_query(db, take_sum, bytes, err,
+                            "SELECT coalesce(sum(kept + output_bytes), 0) FROM job"
+                            " WHERE principal = ? AND expired = 0",
+                            "t", tenant);
 }
 
 /* The jobs before one, in the order in which they ended, are given up before it: it follows while
@@ -79,34 +90,120 @@ vor_status vor_sqlite_shed(struct vor_sqlite *db, uint64_t quota, struct vor_exp
     return status;
 }
 
-vor_status vor_sqlite_recover(struct vor_sqlite *db, unsigned crashes_max, int64_t now_ms,
-                              int64_t expires_ms, struct vor_recovered *recovered,
-                              struct vor_error *err)
+/* The other way round: those that ended last keep theirs as long as they fit together. */
+vor_status vor_sqlite_crowd(struct vor_sqlite *db, uint64_t quota, struct vor_expired *crowded,
+                            size_t max, size_t *count, struct vor_error *err)
+{
+    struct expiry expiry = {.expired = crowded};
+    uint64_t held = 0;
+    vor_status status =
+        vor_sqlite_query(db, take_sum, &held, err, "SELECT sum(held) FROM job WHERE held > 0", "");
+
+    *count = 0;
+    if (status != VOR_OK || held <= quota)
+        return status;
+    status = vor_sqlite_change_each(
+        db, take_expired, &expiry, err,
+        "UPDATE job SET expired = 1, report = NULL, trace = NULL, idem_key = NULL, kept = 0,"
+        " held = 0 WHERE seq IN"
+        " (SELECT seq FROM (SELECT seq, held, sum(held) OVER (ORDER BY finished DESC, seq DESC)"
+        " AS later FROM job WHERE held > 0)"
+        " WHERE later > ?1 AND later > held ORDER BY later DESC LIMIT ?2) RETURNING id, process_id",
+        "ii", (int64_t)quota, (int64_t)max);
+    *count = status == VOR_OK ? expiry.count : 0;
+    return status;
+}
+
+vor_status vor_sqlite_shift(struct vor_sqlite *db, int64_t by_ms, struct vor_error *err)
+{
+    int changed;
+
+    return vor_sqlite_change(db, &changed, err,
+                             "UPDATE job SET expires = max(1, expires + ?) WHERE expires > 0", "i",
+                             by_ms);
+}
+
+static int take_newest(void *ctx, struct vor_sqlite_row *row)
+{
+    *(int64_t *)ctx = vor_sqlite_number(row);
+    return 1;
+}
+
+/* By indexes: a row keeps this time behind its report and its trace, and a walk would read those of
+ * every row. The newest is that of the last one to be accepted, of the last one to end, or of one
+ * that ran. */
+vor_status vor_sqlite_newest(struct vor_sqlite *db, int64_t *newest_ms, struct vor_error *err)
+{
+    *newest_ms = 0;
+    return vor_sqlite_query(
+        db, take_newest, newest_ms, err,
+        "SELECT max(updated) FROM job WHERE seq IN (SELECT max(seq) FROM job"
+        " UNION SELECT * FROM (SELECT seq FROM job WHERE expires > 0 ORDER BY expires DESC LIMIT 1)"
+        " UNION SELECT seq FROM job WHERE status = 'running' AND expired = 0)",
+        "");
+}
+
+/* Fails those that ran alone once too often. */
+static vor_status give_up(struct vor_sqlite *db, const struct vor_crash *crash, int *failed,
+                          struct vor_error *err)
 {
     struct vor_job_view row = {.problem = {.status = VOR_OK}};
     struct vor_row_text text;
-    int failed = 0, requeued = 0;
     vor_status status;
 
     (void)vor_fail(&row.problem, VOR_E_INTERNAL,
-                   "the daemon ended %u times while it worked on this job", crashes_max);
+                   "the daemon %s %u times while it worked on this job alone",
+                   crash->by_fault ? "crashed" : "was killed",
+                   crash->by_fault ? crash->faults_max : crash->kills_max);
     status = vor_row_write(&text, &row, err);
     if (status == VOR_OK)
-        status =
-            vor_sqlite_change(db, &failed, err,
-                              "UPDATE job SET status = 'failed', problem = ?2, message = ?3,"
-                              " updated = ?4, finished = ?4, expires = ?5, crashes = crashes + 1"
-                              " WHERE status = 'running' AND crashes + 1 >= ?1",
-                              "ittii", (int64_t)crashes_max, text.problem.data, row.problem.message,
-                              now_ms, expires_ms);
-    if (status == VOR_OK)
-        status = vor_sqlite_change(
-            db, &requeued, err,
-            "UPDATE job SET status = 'accepted', crashes = crashes + 1, updated = ?"
-            " WHERE status = 'running'",
-            "i", now_ms);
-    recovered->failed = (uint64_t)failed;
-    recovered->requeued = (uint64_t)requeued;
+        status = vor_sqlite_change(db, failed, err,
+                                   "UPDATE job SET status = 'failed', problem = ?1, message = ?2, "
+                                   "updated = max(updated, ?3),"
+                                   " finished = max(updated, ?3), expires = ?4, crashes = crashes "
+                                   "+ ?5, kills = kills + 1 - ?5"
+                                   " WHERE status = 'running' AND alone"
+                                   " AND (crashes + ?5 >= ?6 OR kills + 1 - ?5 >= ?7)",
+                                   "ttiiiii", text.problem.data, row.problem.message, crash->now_ms,
+                                   crash->expires_ms, (int64_t)(crash->by_fault != 0),
+                                   (int64_t)crash->faults_max, (int64_t)crash->kills_max);
     vor_row_text_free(&text);
     return status;
+}
+
+vor_status vor_sqlite_recover(struct vor_sqlite *db, const struct vor_crash *crash,
+                              struct vor_recovered *recovered, struct vor_error *err)
+{
+    int failed = 0, requeued = 0;
+    vor_status status = give_up(db, crash, &failed, err);
+
+    if (status == VOR_OK)
+        status = vor_sqlite_change(db, &requeued, err,
+                                   "UPDATE job SET status = 'accepted', updated = ?1, alone = 1,"
+                                   " crashes = crashes + (alone AND ?2),"
+                                   " kills = kills + (alone AND NOT ?2) WHERE status = 'running'",
+                                   "ii", crash->now_ms, (int64_t)(crash->by_fault != 0));
+    recovered->failed = (uint64_t)failed;
+    recovered->requeued = (uint64_t)requeued;
+    return status;
+}
+
+static void take_crashes(void *ctx, struct vor_sqlite_row *row)
+{
+    struct vor_crashed_run *run = ctx;
+
+    run->changed = 1;
+    run->crashes = (unsigned)vor_sqlite_number(row);
+}
+
+vor_status vor_sqlite_crashed(struct vor_sqlite *db, const struct vor_uuid *id,
+                              struct vor_crashed_run *run, struct vor_error *err)
+{
+    run->changed = 0;
+    run->crashes = 0;
+    return vor_sqlite_change_each(
+        db, take_crashes, run, err,
+        "UPDATE job SET status = 'accepted', alone = 1, crashes = crashes + ?4, updated = ?3"
+        " WHERE id = ?1 AND attempt = ?2 AND status = 'running' RETURNING crashes",
+        "tiii", id->text, (int64_t)run->attempt, run->now_ms, (int64_t)(run->was_alone != 0));
 }

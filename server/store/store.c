@@ -1,9 +1,11 @@
 #include "server/store/store.h"
 
 #include "server/base/disk.h"
+#include "server/base/metrics.h"
 #include "server/store/sqlite.h"
 
 #include <assert.h>
+#include <errno.h>
 #include <stdio.h>
 
 static const struct vor_store_driver *const drivers[] = {&vor_store_sqlite};
@@ -25,14 +27,40 @@ static vor_status refuse(const char *where, struct vor_error *err)
     return vor_fail_param(err, VOR_E_PARAM, "store", "store is \"%.80s\", want %s", where, forms);
 }
 
+static vor_status open_reserve(struct vor_reserve **out, const char *place, struct vor_error *err)
+{
+    char path[4096];
+
+    if ((size_t)snprintf(path, sizeof path, "%s.reserve", place) >= sizeof path)
+        return vor_fail_errno(err, ENAMETOOLONG, "the reserve of the job store");
+    return vor_reserve_open(out, path, err);
+}
+
+/* True when something failed because the disk is full, and there is room for it now. */
+static int made_room(struct vor_reserve *reserve, vor_status status, const struct vor_error *err)
+{
+    return status != VOR_OK && vor_error_storage_full(err) && vor_reserve_spend(reserve);
+}
+
 static vor_status open_with(const struct vor_store_driver *driver, struct vor_store **out,
                             const char *place, long *holder, struct vor_error *err)
 {
-    vor_status status = driver->open(out, place, holder, err);
+    struct vor_reserve *reserve = NULL;
+    vor_status status = VOR_OK;
 
+    if (driver->is_file)
+        status = open_reserve(&reserve, place, err);
     if (status == VOR_OK)
-        (*out)->driver = driver;
-    return status;
+        status = driver->open(out, place, holder, err);
+    if (made_room(reserve, status, err))
+        status = driver->open(out, place, holder, err);
+    if (status != VOR_OK) {
+        vor_reserve_close(reserve);
+        return status;
+    }
+    (*out)->driver = driver;
+    (*out)->reserve = reserve;
+    return VOR_OK;
 }
 
 vor_status vor_store_open(struct vor_store **out, const char *where, long *holder,
@@ -52,8 +80,34 @@ vor_status vor_store_open(struct vor_store **out, const char *where, long *holde
 
 void vor_store_close(struct vor_store *store)
 {
-    if (store != NULL)
-        store->driver->close(store);
+    struct vor_reserve *reserve;
+
+    if (store == NULL)
+        return;
+    reserve = store->reserve;
+    store->driver->close(store);
+    vor_reserve_close(reserve);
+}
+
+void vor_store_set_reserve(struct vor_store *store, uint64_t bytes)
+{
+    if (store->reserve != NULL)
+        vor_reserve_want(store->reserve, bytes);
+}
+
+vor_status vor_store_keep_reserve(struct vor_store *store, struct vor_error *err)
+{
+    return store->reserve != NULL ? vor_reserve_make(store->reserve, err) : VOR_OK;
+}
+
+vor_status vor_store_check_reserve(struct vor_store *store, struct vor_error *err)
+{
+    return vor_reserve_check(store->reserve, err);
+}
+
+int vor_store_is_damaged(const struct vor_store *store)
+{
+    return store->is_damaged;
 }
 
 vor_status vor_store_check(struct vor_store *store, struct vor_error *err)
@@ -82,7 +136,17 @@ vor_status vor_store_beat(struct vor_store *store, const struct vor_job_view *ro
 vor_status vor_store_release(struct vor_store *store, const struct vor_uuid *id, uint32_t attempt,
                              int64_t now_ms, int *changed, struct vor_error *err)
 {
-    return store->driver->release(store, id, attempt, now_ms, changed, err);
+    vor_status status = store->driver->release(store, id, attempt, now_ms, changed, err);
+
+    return made_room(store->reserve, status, err)
+               ? store->driver->release(store, id, attempt, now_ms, changed, err)
+               : status;
+}
+
+vor_status vor_store_crashed(struct vor_store *store, const struct vor_uuid *id,
+                             struct vor_crashed_run *run, struct vor_error *err)
+{
+    return store->driver->crashed(store, id, run, err);
 }
 
 vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *row,
@@ -90,16 +154,35 @@ vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *
                             struct vor_error *err)
 {
     static const struct vor_store_ending nothing;
+    vor_status status;
 
     assert(vor_job_status_over(row->status));
-    return store->driver->finish(store, row, attempt, ending != NULL ? ending : &nothing, changed,
-                                 err);
+    ending = ending != NULL ? ending : &nothing;
+    status = store->driver->finish(store, row, attempt, ending, changed, err);
+    if (made_room(store->reserve, status, err))
+        status = store->driver->finish(store, row, attempt, ending, changed, err);
+    if (status == VOR_OK && *changed)
+        vor_metric_add(VOR_METRIC_JOBS_ENDED, 1,
+                       VOR_LABELS(row->process, vor_job_status_word(row->status)));
+    return status;
 }
 
 vor_status vor_store_get(struct vor_store *store, const struct vor_uuid *id,
                          struct vor_job_view *out, int *found, struct vor_error *err)
 {
     return store->driver->get(store, id, out, found, err);
+}
+
+vor_status vor_store_get_of(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
+                            struct vor_job_view *out, int *found, struct vor_error *err)
+{
+    return store->driver->get_of(store, id, tenant, out, found, err);
+}
+
+vor_status vor_store_held(struct vor_store *store, const char *tenant, uint64_t *bytes,
+                          struct vor_error *err)
+{
+    return store->driver->held(store, tenant, bytes, err);
 }
 
 vor_status vor_store_find_key(struct vor_store *store, const struct vor_job_key *key,
@@ -137,24 +220,61 @@ vor_status vor_store_waiting(struct vor_store *store,
 vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, int *changed,
                             struct vor_error *err)
 {
-    return store->driver->remove(store, id, changed, err);
+    vor_status status = store->driver->remove(store, id, changed, err);
+
+    return made_room(store->reserve, status, err) ? store->driver->remove(store, id, changed, err)
+                                                  : status;
 }
 
 vor_status vor_store_expire(struct vor_store *store, int64_t now_ms, struct vor_expired *expired,
                             size_t max, size_t *count, struct vor_error *err)
 {
-    return store->driver->expire(store, now_ms, expired, max, count, err);
+    vor_status status = store->driver->expire(store, now_ms, expired, max, count, err);
+
+    return made_room(store->reserve, status, err)
+               ? store->driver->expire(store, now_ms, expired, max, count, err)
+               : status;
 }
 
 vor_status vor_store_shed(struct vor_store *store, uint64_t quota, struct vor_expired *shed,
                           size_t max, size_t *count, struct vor_error *err)
 {
-    return store->driver->shed(store, quota, shed, max, count, err);
+    vor_status status = store->driver->shed(store, quota, shed, max, count, err);
+
+    return made_room(store->reserve, status, err)
+               ? store->driver->shed(store, quota, shed, max, count, err)
+               : status;
 }
 
-vor_status vor_store_recover(struct vor_store *store, unsigned crashes_max, int64_t now_ms,
-                             int64_t expires_ms, struct vor_recovered *recovered,
-                             struct vor_error *err)
+vor_status vor_store_crowd(struct vor_store *store, uint64_t quota, struct vor_expired *crowded,
+                           size_t max, size_t *count, struct vor_error *err)
 {
-    return store->driver->recover(store, crashes_max, now_ms, expires_ms, recovered, err);
+    vor_status status = store->driver->crowd(store, quota, crowded, max, count, err);
+
+    return made_room(store->reserve, status, err)
+               ? store->driver->crowd(store, quota, crowded, max, count, err)
+               : status;
+}
+
+vor_status vor_store_shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)
+{
+    vor_status status = store->driver->shift(store, by_ms, err);
+
+    return made_room(store->reserve, status, err) ? store->driver->shift(store, by_ms, err)
+                                                  : status;
+}
+
+vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms, struct vor_error *err)
+{
+    return store->driver->newest(store, newest_ms, err);
+}
+
+vor_status vor_store_recover(struct vor_store *store, const struct vor_crash *crash,
+                             struct vor_recovered *recovered, struct vor_error *err)
+{
+    vor_status status = store->driver->recover(store, crash, recovered, err);
+
+    return made_room(store->reserve, status, err)
+               ? store->driver->recover(store, crash, recovered, err)
+               : status;
 }

@@ -28,8 +28,23 @@ const struct vor_store_driver *vor_store_driver_at(unsigned index);
 VOR_NODISCARD vor_status vor_store_open(struct vor_store **out, const char *where, long *holder,
                                         struct vor_error *err);
 
+/** Keeps so many bytes of the store's disk (server/base/reserve.h), if it has a disk here, from now
+ *  on: on a full one they are given up for vor_store_finish, _release, _remove, _expire, _shed and
+ *  _recover, and when it is opened. */
+void vor_store_set_reserve(struct vor_store *store, uint64_t bytes);
+
+/** Makes the reserve again once there is room, or only says whether it is there (for HTTP threads).
+ *
+ *  @retval VOR_E_IO it is not */
+VOR_NODISCARD vor_status vor_store_keep_reserve(struct vor_store *store, struct vor_error *err);
+VOR_NODISCARD vor_status vor_store_check_reserve(struct vor_store *store, struct vor_error *err);
+
 /** store may be NULL; no call may be under way. */
 void vor_store_close(struct vor_store *store);
+
+/** True when changes were lost since the store was last open: rows may be missing, or be as they
+ * were before. A driver that cannot know says no. */
+int vor_store_is_damaged(const struct vor_store *store);
 
 /** Is it in working order? For /readyz. */
 VOR_NODISCARD vor_status vor_store_check(struct vor_store *store, struct vor_error *err);
@@ -57,6 +72,11 @@ VOR_NODISCARD vor_status vor_store_release(struct vor_store *store, const struct
                                            uint32_t attempt, int64_t now_ms, int *changed,
                                            struct vor_error *err);
 
+/** running -> accepted, to run alone: the process of the run has crashed. Counts against the job if
+ *  nothing ran beside it. */
+VOR_NODISCARD vor_status vor_store_crashed(struct vor_store *store, const struct vor_uuid *id,
+                                           struct vor_crashed_run *run, struct vor_error *err);
+
 /** accepted or running -> row->status (a final one), with progress, record, outputs, problem,
  *  message, finished, expires and kept of the row.
  *
@@ -70,6 +90,15 @@ VOR_NODISCARD vor_status vor_store_finish(struct vor_store *store, const struct 
 /** @param[out] found  0 when there is no such job; *out is then untouched */
 VOR_NODISCARD vor_status vor_store_get(struct vor_store *store, const struct vor_uuid *id,
                                        struct vor_job_view *out, int *found, struct vor_error *err);
+
+/** The same for a job of this principal alone (NULL: of any). */
+VOR_NODISCARD vor_status vor_store_get_of(struct vor_store *store, const struct vor_uuid *id,
+                                          const char *tenant, struct vor_job_view *out, int *found,
+                                          struct vor_error *err);
+
+/** The bytes of a principal's uploads that are kept and of its main results. */
+VOR_NODISCARD vor_status vor_store_held(struct vor_store *store, const char *tenant,
+                                        uint64_t *bytes, struct vor_error *err);
 
 /** The job that has this key of this principal; key->fingerprint does not matter. A job has its key
  *  until it expires or is removed.
@@ -126,11 +155,27 @@ VOR_NODISCARD vor_status vor_store_shed(struct vor_store *store, uint64_t quota,
                                         struct vor_expired *shed, size_t max, size_t *count,
                                         struct vor_error *err);
 
-/** At start, before anything else: what was running when the daemon died becomes accepted again, or
- *  failed (VOR_E_INTERNAL) when that has happened crashes_max times. recovered gets how many of
- *  each. */
-VOR_NODISCARD vor_status vor_store_recover(struct vor_store *store, unsigned crashes_max,
-                                           int64_t now_ms, int64_t expires_ms,
+/** While the results of all jobs have more than `quota` bytes, expires jobs (as vor_store_expire),
+ * of those first that ended first, but never the last one to end. Call again while count is max.
+ *
+ *  Cost: a read as long as the quota holds, else a change. */
+VOR_NODISCARD vor_status vor_store_crowd(struct vor_store *store, uint64_t quota,
+                                         struct vor_expired *crowded, size_t max, size_t *count,
+                                         struct vor_error *err);
+
+/** Moves the time at which each job expires: the wall clock has moved by that. */
+VOR_NODISCARD vor_status vor_store_shift(struct vor_store *store, int64_t by_ms,
+                                         struct vor_error *err);
+
+/** The latest time that a row was changed, or nearly; 0 when there is none. */
+VOR_NODISCARD vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms,
+                                          struct vor_error *err);
+
+/** These jobs were running when it crashed: every running job becomes accepted again, to be run
+ *  alone (vor_job_view.alone), or failed (VOR_E_INTERNAL) when it had already run alone in as many
+ *  crashes as `crash` allows. Call it when nothing can be running any more: at start before
+ * anything else, and when a process that ran jobs is gone. recovered gets how many of each. */
+VOR_NODISCARD vor_status vor_store_recover(struct vor_store *store, const struct vor_crash *crash,
                                            struct vor_recovered *recovered, struct vor_error *err);
 
 #endif

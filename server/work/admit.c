@@ -1,14 +1,16 @@
 #include "server/work/admit.h"
-#include "proto/dump.h"
 
+#include "proto/dump.h"
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
+#include "server/work/counted.h"
 
 #include <assert.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
 struct vor_admit {
     struct vor_blobs *blobs;
@@ -16,50 +18,88 @@ struct vor_admit {
     struct vor_crew *crew;
 };
 
-static vor_status keep_cloud(const struct vor_cloud *cloud, struct vor_blobs *blobs,
-                             const struct vor_uuid *id, const char *name, struct vor_error *err)
+/* What a child wrote is believed once it was seen to be a dump of so many points. */
+static vor_status check_dump(const struct vor_blob_writer *writer,
+                             const struct vor_codec_facts *facts, struct vor_error *err)
 {
-    char blob[VOR_BLOB_NAME_MAX + 1];
-    struct vor_blob_writer *writer;
-    struct vor_sink sink;
-    vor_status status = vor_blob_create(blobs, &writer, err);
+    size_t size = (size_t)vor_blob_size(writer), points = 0;
+    void *bytes = MAP_FAILED;
+    vor_status status;
 
-    if (status != VOR_OK)
-        return status;
-    sink = vor_blob_sink(writer);
-    status = vor_dump_write(&sink, cloud, err);
-    if (status != VOR_OK) {
-        (void)vor_blob_failure(writer, err);
-        vor_blob_discard(writer);
-        return status;
-    }
-    return vor_blob_commit(writer, id, vor_blob_of_input(name, blob), err);
+    if (size > 0)
+        bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, vor_blob_fd(writer), 0);
+    if (bytes == MAP_FAILED)
+        return vor_fail_errno(err, size > 0 ? errno : EINVAL, "mapping what was decoded");
+    status = vor_dump_check(&points, bytes, size, err);
+    (void)munmap(bytes, size);
+    if (status == VOR_OK && points != facts->points)
+        status = vor_fail(err, VOR_E_FORMAT, "the reader told %llu points and wrote %zu",
+                          (unsigned long long)facts->points, points);
+    return status;
 }
 
-static vor_status decode(struct vor_cloud *cloud, struct vor_job_input *input,
-                         struct vor_blob_writer *upload, const struct vor_limits *limits,
-                         struct vor_error *err)
+/* Decodes into a blob that has no name yet. */
+static vor_status decode_to(struct vor_blob_writer *writer, struct vor_codec_facts *facts,
+                            const struct vor_blob_writer *upload,
+                            const struct vor_admit_limits *limits, struct vor_error *err)
 {
-    size_t size = (size_t)vor_blob_size(upload);
-    const struct vor_format *format = NULL;
-    vor_status status;
-    void *bytes;
+    const struct vor_codec_order order = {.op = VOR_CODEC_DECODE,
+                                          .size = vor_blob_size(upload),
+                                          .memory = limits->memory,
+                                          .most = UINT64_MAX,
+                                          .limits = limits->codec};
+    const struct vor_sink sink = vor_blob_sink(writer);
+    vor_status status = vor_blob_promise(writer, 0, err);
 
-    if (size == 0)
-        return vor_fail(err, VOR_E_EMPTY, "the body is empty: 0 bytes, want a cloud");
-    bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, vor_blob_fd(upload), 0);
-    if (bytes == MAP_FAILED)
-        return vor_fail_errno(err, errno, "mapping the upload");
-    status = vor_codec_read(cloud, &format, bytes, size, limits, err);
-    (void)munmap(bytes, size);
     if (status != VOR_OK)
         return status;
-    for (input->format = 0; vor_format(input->format) != format; input->format++)
-        assert(vor_format(input->format) != NULL);
-    input->points = cloud->n;
-    input->bytes = size;
-    vor_blob_sha256(upload, input->sha256);
-    return VOR_OK;
+    status = vor_codec_run(facts, &limits->place, &order, vor_blob_fd(upload), &sink, err);
+    if (status == VOR_E_IO)
+        (void)vor_blob_failure(writer, err);
+    if (status == VOR_OK && limits->place.zygote != NULL)
+        status = check_dump(writer, facts, err);
+    return status == VOR_OK ? vor_blob_seal(writer, err) : status;
+}
+
+static void count_undecodable(const struct vor_blob_writer *upload, vor_status status)
+{
+    uint8_t magic[16];
+    ssize_t size = pread(vor_blob_fd(upload), magic, sizeof magic, 0);
+
+    vor_count_undecodable(size > 0 ? vor_format_sniff(magic, (size_t)size) : NULL, status);
+}
+
+static vor_status decode(struct vor_admitted_input *input, const struct vor_uuid *id,
+                         struct vor_blobs *blobs, struct vor_blob_writer *upload,
+                         const struct vor_admit_limits *limits, struct vor_error *err)
+{
+    double began = vor_clock_seconds();
+    struct vor_codec_facts facts = {0};
+    char blob[VOR_BLOB_NAME_MAX + 1];
+    struct vor_blob_writer *writer;
+    vor_status status;
+
+    if (vor_blob_size(upload) == 0)
+        return vor_fail(err, VOR_E_EMPTY, "the body is empty: 0 bytes, want a cloud");
+    status = vor_blob_recheck(upload, err);
+    if (status == VOR_OK)
+        status = vor_blob_create(blobs, &writer, err);
+    if (status != VOR_OK)
+        return status;
+    status = decode_to(writer, &facts, upload, limits, err);
+    if (status != VOR_OK) {
+        vor_blob_discard(writer);
+        count_undecodable(upload, status);
+        return status;
+    }
+    input->found.format = facts.format;
+    input->found.points = facts.points;
+    input->found.bytes = vor_blob_size(upload);
+    input->found.seconds = vor_clock_seconds() - began;
+    input->extent = facts.extent;
+    vor_blob_sha256(upload, input->found.sha256);
+    input->decoded = vor_blob_size(writer);
+    return vor_blob_commit(writer, id, vor_blob_of_input(input->name, blob), err);
 }
 
 vor_status vor_admit_file(struct vor_admitted *admitted, const char *name, struct vor_blobs *blobs,
@@ -67,24 +107,14 @@ vor_status vor_admit_file(struct vor_admitted *admitted, const char *name, struc
                           struct vor_error *err)
 {
     struct vor_admitted_input input = {.name = name};
-    double began = vor_clock_seconds();
     struct vor_uuid id = admitted->id;
-    struct vor_memory memory;
-    struct vor_cloud cloud;
-    vor_status status;
+    vor_status status = VOR_OK;
 
     assert(admitted->count < VOR_INPUTS_MAX);
-    vor_memory_init(&memory, limits->memory);
-    vor_cloud_init(&cloud, &memory);
-    status = decode(&cloud, &input.found, upload, &limits->codec, err);
-    if (status == VOR_OK)
-        vor_extent_measure(&input.extent, &cloud);
-    input.found.seconds = vor_clock_seconds() - began;
-    if (status == VOR_OK && admitted->count == 0)
+    if (admitted->count == 0)
         status = vor_uuid_make(&id, err);
     if (status == VOR_OK)
-        status = keep_cloud(&cloud, blobs, &id, name, err);
-    vor_cloud_free(&cloud);
+        status = decode(&input, &id, blobs, upload, limits, err);
     if (status != VOR_OK)
         return status;
     admitted->id = id;
@@ -152,10 +182,12 @@ static vor_status admit_all(struct vor_admission *admission)
 
     limits.codec.drop_invalid = admission->drop_invalid;
     limits.codec.keep_faces = admission->keep_faces;
+    limits.place.has_left = admission->has_left;
+    limits.place.ctx = admission->ctx;
     for (unsigned i = 0; i < uploads->count && status == VOR_OK; i++) {
         struct vor_upload *upload = &uploads->item[i];
 
-        status = vor_upload_inflate(upload, admit->blobs, &most, &admission->error);
+        status = vor_upload_inflate(upload, admit->blobs, &limits.place, &most, &admission->error);
         if (status == VOR_OK)
             status = vor_admit_file(&admission->admitted, upload->name, admit->blobs, upload->bytes,
                                     &limits, &admission->error);
@@ -180,6 +212,8 @@ static void run_admission(void *ctx)
     if (vor_crew_closing(admission->admit->crew))
         admission->status =
             vor_fail(&admission->error, VOR_E_CANCELLED, "the daemon is going down");
+    else if (admission->has_left != NULL && admission->has_left(admission->ctx))
+        admission->status = vor_fail(&admission->error, VOR_E_CANCELLED, "the caller left");
     else
         admission->status = admit_all(admission);
     if (admission->status == VOR_OK)
@@ -202,6 +236,8 @@ vor_status vor_admit_create(struct vor_admit **out, struct vor_blobs *blobs,
         free(admit);
         return VOR_E_NOMEM;
     }
+    if (threads > 1)
+        vor_crew_share(admit->crew, threads - 1, (waiting_max + 3) / 4);
     *out = admit;
     return VOR_OK;
 }
@@ -219,9 +255,24 @@ struct vor_crew *vor_admit_crew(struct vor_admit *admit)
     return admit->crew;
 }
 
+/* Bytes; of gzip about what comes of it. */
+static uint64_t weight_of(const struct vor_uploads *uploads)
+{
+    enum { GZIP_TYPICAL = 3 };
+    uint64_t weight = 0;
+
+    for (unsigned i = 0; i < uploads->count; i++)
+        weight +=
+            vor_blob_size(uploads->item[i].bytes) * (uploads->item[i].is_gzip ? GZIP_TYPICAL : 1);
+    return weight;
+}
+
 enum vor_job_outcome vor_admit_submit(struct vor_admit *admit, struct vor_admission *admission)
 {
     admission->admit = admit;
-    admission->task = (struct vor_task){.run = run_admission, .ctx = admission};
+    admission->task = (struct vor_task){.run = run_admission,
+                                        .ctx = admission,
+                                        .caller = admission->caller,
+                                        .weight = weight_of(&admission->uploads)};
     return vor_crew_take(admit->crew, &admission->task);
 }

@@ -1,5 +1,4 @@
-/** Decodes and checks what clients upload, once, before a job exists. No other file of the daemon
- *  decodes what comes from outside. */
+/** Decodes and checks what clients upload, once, before a job exists; where, codec_run.h says. */
 #ifndef VOR_SERVER_WORK_ADMIT_H
 #define VOR_SERVER_WORK_ADMIT_H
 
@@ -7,13 +6,15 @@
 #include "proto/limits.h"
 #include "server/blob/blob.h"
 #include "server/jobs/job.h"
+#include "server/work/codec_run.h"
 #include "server/work/crew.h"
 #include "server/work/upload.h"
 
 #include <stddef.h>
 
-/** What decoding may cost. */
+/** What decoding may cost, where it is done, and for whom. */
 struct vor_admit_limits {
+    struct vor_codec_place place;
     struct vor_limits codec;
     size_t memory;     /**< bytes */
     uint64_t inflated; /**< bytes that may come of all gzip uploads of a request */
@@ -29,7 +30,8 @@ struct vor_admitted {
         const char *name; /**< borrowed */
         struct vor_job_input found;
         struct vor_extent extent;
-        int is_kept; /**< the upload has a blob as well */
+        int is_kept;      /**< the upload has a blob as well */
+        uint64_t decoded; /**< bytes of the input's own blob */
     } item[VOR_INPUTS_MAX];
 };
 
@@ -43,7 +45,7 @@ struct vor_admitted {
  *
  *  @retval VOR_E_EMPTY  no bytes, or no points
  *  @retval VOR_E_IO     the disk refuses (vor_error_storage_full tells a full one apart)
- *  @retval others       as vor_codec_read; then this input has no blob
+ *  @retval others       as vor_codec_run; then this input has no blob
  *
  *  Cost: that of decoding and of writing 12 bytes a point and the attributes, with fsync. */
 VOR_NODISCARD vor_status vor_admit_file(struct vor_admitted *admitted, const char *name,
@@ -66,13 +68,16 @@ void vor_admit_drop(struct vor_blobs *blobs, const struct vor_admitted *admitted
 /** A pool of threads that inflate and admit uploads, so that HTTP threads do not wait. */
 struct vor_admit;
 
-/** The uploads of a request on their way. The caller fills in uploads (at least one), drop_invalid,
- *  keep_faces, done and ctx and keeps the struct until done was called. */
+/** The uploads of a request on their way. Who submits it fills in uploads (at least one), caller,
+ *  drop_invalid, keep_faces, done, has_left and ctx and keeps the struct until done was called. */
 struct vor_admission {
     struct vor_uploads uploads;                    /**< taken over, none left before done */
+    struct vor_sharer caller;                      /**< who shares the threads with others */
     int drop_invalid, keep_faces;                  /**< as struct vor_limits has them */
     void (*done)(struct vor_admission *admission); /**< on an admission thread; may block, e.g. on
                                                         vor_worker_submit */
+    int (*has_left)(void *ctx); /**< true once nobody waits for it any more, on such a thread: then
+                                     the answer is VOR_E_CANCELLED; NULL: somebody stays */
     void *ctx;
     vor_status status;            /**< from here: the answer */
     struct vor_error error;       /**< names the input at fault if there are several */
@@ -81,7 +86,9 @@ struct vor_admission {
     struct vor_task task;
 };
 
-/** Starts `threads` (at least 1) threads; at most `waiting_max` uploads wait for one.
+/** Starts `threads` (at least 1) threads; at most `waiting_max` uploads wait for one. Of two and
+ * more threads one is left to other callers, whatever one caller sends, and a quarter of those that
+ * wait are one caller's at most.
  *
  *  @retval VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_admit_create(struct vor_admit **out, struct vor_blobs *blobs,

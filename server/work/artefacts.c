@@ -2,59 +2,49 @@
 
 #include "proto/dump.h"
 #include "proto/json/json.h"
+#include "server/blob/blob.h"
 
 #include <errno.h>
 #include <string.h>
 #include <sys/mman.h>
-#include <unistd.h>
+#include <sys/stat.h>
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
-static vor_status map_cloud(struct vor_cloud *cloud, const char *name, int fd, size_t size,
-                            struct vor_error *err)
+/* name: of the input's blob, for messages. */
+static vor_status load_cloud(struct vor_cloud *cloud, const char *name, int fd,
+                             struct vor_error *err)
 {
+    struct stat info = {.st_size = 0};
+    size_t size = fstat(fd, &info) == 0 && info.st_size > 0 ? (size_t)info.st_size : 0;
     void *bytes = size > 0 ? mmap(NULL, size, PROT_READ, MAP_PRIVATE, fd, 0) : MAP_FAILED;
+    size_t sealed = size;
     vor_status status;
 
     if (bytes == MAP_FAILED)
-        return vor_fail(err, VOR_E_IO, "the job's input %s cannot be mapped: %s", name,
+        return vor_fail(err, VOR_E_IO, "the job's %s cannot be mapped: %s", name,
                         size > 0 ? strerror(errno) : "it is empty");
-    status = vor_dump_read(cloud, bytes, size, err);
+    status = vor_blob_unseal(bytes, &sealed, name, err);
+    if (status == VOR_OK)
+        status = vor_dump_read(cloud, bytes, sealed, err);
     (void)munmap(bytes, size);
     return status;
 }
 
-static vor_status load_cloud(struct vor_cloud *cloud, struct vor_blobs *blobs,
-                             const struct vor_uuid *id, const char *name, struct vor_error *err)
+vor_status vor_artefacts_load(struct vor_artefacts *in, const struct vor_process_info *process,
+                              const int input[VOR_INPUTS_MAX], struct vor_error *err)
 {
-    char blob[VOR_BLOB_NAME_MAX + 1];
-    uint64_t size;
-    vor_status status;
-    int fd, found;
-
-    status = vor_blob_get(blobs, id, vor_blob_of_input(name, blob), &fd, &size, &found, err);
-    if (status != VOR_OK)
-        return status;
-    if (!found)
-        return vor_fail(err, VOR_E_INTERNAL, "the job's input %s is gone", name);
-    status = map_cloud(cloud, name, fd, (size_t)size, err);
-    close(fd);
-    return status;
-}
-
-vor_status vor_artefacts_load(struct vor_artefacts *in, struct vor_blobs *blobs,
-                              const struct vor_job_view *row, struct vor_error *err)
-{
-    const struct vor_artefact_info *inputs = row->spec.process->inputs;
+    const struct vor_artefact_info *inputs = process->inputs;
     vor_status status = VOR_OK;
 
     for (unsigned i = 0; inputs[i].name != NULL && status == VOR_OK; i++) {
+        char blob[VOR_BLOB_NAME_MAX + 1];
         struct vor_cloud cloud;
 
-        if ((row->inputs >> i & 1) == 0)
+        if (input[i] < 0)
             continue;
         vor_cloud_init(&cloud, in->memory);
-        status = load_cloud(&cloud, blobs, &row->id, inputs[i].name, err);
+        status = load_cloud(&cloud, vor_blob_of_input(inputs[i].name, blob), input[i], err);
         vor_artefacts_put_cloud(in, inputs[i].name, &cloud);
     }
     return status;
@@ -63,23 +53,20 @@ vor_status vor_artefacts_load(struct vor_artefacts *in, struct vor_blobs *blobs,
 /* --- writing ---------------------------------------------------------------------------------- */
 
 static vor_status write_cloud(struct vor_job_output *out, struct vor_blob_writer *writer,
-                              const struct vor_job_view *row, const struct vor_artefact *artefact,
+                              const struct vor_spec *spec, const struct vor_artefact *artefact,
                               const struct vor_result_facts *facts, struct vor_error *err)
 {
-    int is_asked = vor_spec_given(&row->spec, VOR_PARAM_FORMAT);
     struct vor_sink sink = vor_blob_sink(writer);
+    const struct vor_format *format = vor_format(out->format);
     struct vor_write_options options;
-    const struct vor_format *format;
     vor_status status;
 
-    out->format = is_asked ? (unsigned)row->spec.value[VOR_PARAM_FORMAT] : row->input[0].format;
-    out->points = artefact->cloud.n;
-    format = vor_format(out->format);
     if (format == NULL)
         return vor_fail(err, VOR_E_INTERNAL, "this version has no format %u", out->format);
-    status = vor_write_options_from(&options, format, &row->spec, facts, err);
+    status = vor_write_options_from(&options, format, spec, facts, err);
     if (status != VOR_OK)
         return status;
+    out->points = artefact->cloud.n;
     out->has_origin = options.has_origin;
     memcpy(out->origin, options.origin, sizeof out->origin);
     options.mesh = &artefact->mesh;
@@ -104,27 +91,32 @@ static vor_status write_document(struct vor_blob_writer *writer,
     return status;
 }
 
-vor_status vor_artefact_save(struct vor_job_output *out, struct vor_blobs *blobs,
-                             const struct vor_job_view *row, const struct vor_artefact *artefact,
-                             const struct vor_result_facts *facts, struct vor_error *err)
+/* The format of a result. */
+static unsigned format_of(const struct vor_order *order)
 {
-    struct vor_job_output written = {.format = 0};
-    struct vor_blob_writer *writer;
-    vor_status status = vor_blob_create(blobs, &writer, err);
+    int is_asked = vor_spec_given(&order->spec, VOR_PARAM_FORMAT);
 
-    if (status != VOR_OK)
-        return status;
-    status = artefact->kind == VOR_ARTEFACT_CLOUD
-                 ? write_cloud(&written, writer, row, artefact, facts, err)
-                 : write_document(writer, &artefact->document, err);
-    if (status != VOR_OK) {
-        vor_blob_discard(writer);
-        return status;
-    }
-    written.bytes = vor_blob_size(writer);
-    vor_blob_sha256(writer, written.sha256);
-    status = vor_blob_commit(writer, &row->id, artefact->name, err);
-    if (status == VOR_OK)
+    return is_asked ? (unsigned)order->spec.value[VOR_PARAM_FORMAT] : order->format;
+}
+
+vor_status vor_artefact_write(struct vor_job_output *out, const struct vor_order *order,
+                              unsigned index, const struct vor_artefact *artefact,
+                              const struct vor_result_facts *facts, struct vor_error *err)
+{
+    int is_cloud = artefact->kind == VOR_ARTEFACT_CLOUD;
+    struct vor_job_output written = {.format = is_cloud ? format_of(order) : 0};
+    struct vor_blob_writer *writer = vor_blob_borrow(order->output[index]);
+    vor_status status;
+
+    if (writer == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the output %s", artefact->name);
+    status = is_cloud ? write_cloud(&written, writer, &order->spec, artefact, facts, err)
+                      : write_document(writer, &artefact->document, err);
+    if (status == VOR_OK) {
+        written.bytes = vor_blob_size(writer);
+        vor_blob_sha256(writer, written.sha256);
         *out = written;
+    }
+    vor_blob_discard(writer);
     return status;
 }

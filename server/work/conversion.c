@@ -13,7 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
 /* What stands behind the bytes in the blob; both with their NUL. */
@@ -70,52 +69,6 @@ static const char *output_name(const struct vor_conversion *conversion)
     return conversion->row.spec.process->outputs[conversion->output].name;
 }
 
-/* A result as it was written. */
-struct result {
-    struct vor_cloud cloud;
-    struct vor_mesh mesh;
-};
-
-/* What we wrote ourselves and cannot read is our fault, not a caller's. */
-static vor_status decode(struct result *result, const void *bytes, size_t size,
-                         struct vor_error *err)
-{
-    const struct vor_limits limits = {.points = VOR_POINTS_MAX, .header_bytes = (size_t)1 << 24};
-    struct vor_error why;
-    vor_status status =
-        vor_codec_read_mesh(&result->cloud, &result->mesh, bytes, size, &limits, &why);
-
-    if (status == VOR_OK)
-        return VOR_OK;
-    return vor_fail(err, status == VOR_E_NOMEM ? VOR_E_NOMEM : VOR_E_INTERNAL,
-                    "the result cannot be read: %.900s", why.message);
-}
-
-static vor_status load(struct result *result, const struct vor_conversion *conversion,
-                       struct vor_error *err)
-{
-    void *bytes = MAP_FAILED;
-    uint64_t size;
-    int fd, found;
-    vor_status status = vor_blob_get(conversion->service->config.blobs, &conversion->row.id,
-                                     output_name(conversion), &fd, &size, &found, err);
-
-    if (status != VOR_OK)
-        return status;
-    if (!found)
-        return vor_fail(err, VOR_E_INTERNAL, "the result is gone");
-    if (size > 0)
-        bytes = mmap(NULL, (size_t)size, PROT_READ, MAP_PRIVATE, fd, 0);
-    if (bytes == MAP_FAILED) {
-        status = vor_fail_errno(err, size > 0 ? errno : EINVAL, "mapping the result");
-    } else {
-        status = decode(result, bytes, (size_t)size, err);
-        (void)munmap(bytes, (size_t)size);
-    }
-    (void)close(fd);
-    return status;
-}
-
 /* The spacing that the report tells; 0 where none does. */
 static double spacing_of(const struct vor_conversion *conversion)
 {
@@ -132,62 +85,50 @@ static double spacing_of(const struct vor_conversion *conversion)
     return spacing;
 }
 
-/* Refuses a file that would leave less on the disk than jobs under way need; the result in memory
- * is an upper bound of it, as PLY may have doubles where memory has floats, and a byte a face more.
- */
-static vor_status check_disk(const struct result *result, struct vor_blobs *blobs,
-                             struct vor_error *err)
+/* Converts the file of a result into a blob that has no name yet. */
+static vor_status fill_blob(struct vor_blob_writer *writer, const struct vor_conversion *conversion,
+                            int fd, uint64_t size, struct vor_error *err)
 {
-    const struct vor_cloud *cloud = &result->cloud;
-    uint64_t available, total, row = 3 * sizeof(double);
-    uint64_t faces = result->mesh.count * (1 + 3 * sizeof(uint32_t));
-    vor_status status = vor_blobs_space(blobs, &available, &total, err);
-
-    for (size_t i = 0; i < cloud->attribute_count; i++)
-        row += cloud->attributes[i].components * vor_type_size(cloud->attributes[i].type);
-    if (status == VOR_OK && available < VOR_BLOBS_RESERVE + row * cloud->n + faces)
-        status = vor_fail_errno(err, ENOSPC, "the converted result");
-    return status;
-}
-
-static vor_status write_blob(struct vor_blob_writer *writer, const struct result *result,
-                             const struct vor_conversion *conversion, struct vor_error *err)
-{
-    const struct vor_format *format = vor_format(conversion->format);
-    struct vor_result_facts facts = {.spacing = spacing_of(conversion)};
-    struct vor_sink sink = vor_blob_sink(writer);
-    struct vor_write_options options;
+    const struct vor_conversions_config *config = &conversion->service->config;
+    const struct vor_codec_order order = {.op = VOR_CODEC_CONVERT,
+                                          .size = size,
+                                          .memory = config->memory,
+                                          .most = UINT64_MAX,
+                                          .limits = {.points = VOR_POINTS_MAX},
+                                          .format = conversion->format,
+                                          .spacing = spacing_of(conversion),
+                                          .spec = conversion->row.spec};
+    const struct vor_sink sink = vor_blob_sink(writer);
     struct trailer trailer = {.origin = ""};
-    vor_status status;
+    struct vor_codec_facts facts;
+    vor_status status = vor_blob_compare(
+        fd, size, conversion->row.output[conversion->output].sha256, output_name(conversion), err);
 
-    vor_extent_measure(&facts.input, &result->cloud);
-    status = vor_write_options_from(&options, format, &conversion->row.spec, &facts, err);
-    options.mesh = &result->mesh;
     if (status == VOR_OK)
-        status = format->write(&sink, &result->cloud, &options, err);
-    if (status == VOR_E_IO && vor_blob_failure(writer, err) == VOR_OK)
-        status = vor_fail(err, VOR_E_INTERNAL, "the %s writer gave up", format->label);
+        status = vor_blob_promise(writer, 0, err);
+    if (status == VOR_OK)
+        status = vor_codec_run(&facts, &config->place, &order, fd, &sink, err);
+    if (status == VOR_E_IO)
+        (void)vor_blob_failure(writer, err);
     if (status != VOR_OK)
         return status;
     vor_blob_sha256(writer, trailer.sha256);
-    if (options.has_origin)
-        (void)vor_origin_text(options.origin, trailer.origin);
+    if (facts.has_origin)
+        (void)vor_origin_text(facts.origin, trailer.origin);
     return vor_blob_append(writer, &trailer, sizeof trailer, err);
 }
 
-static vor_status save(const struct result *result, const struct vor_conversion *conversion,
-                       struct vor_error *err)
+static vor_status convert_file(const struct vor_conversion *conversion, int fd, uint64_t size,
+                               struct vor_error *err)
 {
     struct vor_blobs *blobs = conversion->service->config.blobs;
     char name[VOR_BLOB_NAME_MAX + 1];
     struct vor_blob_writer *writer;
-    vor_status status = check_disk(result, blobs, err);
+    vor_status status = vor_blob_create(blobs, &writer, err);
 
-    if (status == VOR_OK)
-        status = vor_blob_create(blobs, &writer, err);
     if (status != VOR_OK)
         return status;
-    status = write_blob(writer, result, conversion, err);
+    status = fill_blob(writer, conversion, fd, size, err);
     if (status != VOR_OK) {
         vor_blob_discard(writer);
         return status;
@@ -220,20 +161,20 @@ static void drop_if_gone(const struct vor_conversion *conversion)
 
 static vor_status convert(const struct vor_conversion *conversion, struct vor_error *err)
 {
-    struct vor_memory memory;
-    struct result result;
+    uint64_t size;
+    int fd, found;
     vor_status status;
 
     if (vor_crew_closing(conversion->service->config.crew))
         return vor_fail(err, VOR_E_CANCELLED, "the daemon is going down");
-    vor_memory_init(&memory, conversion->service->config.memory);
-    vor_cloud_init(&result.cloud, &memory);
-    vor_mesh_init(&result.mesh, &memory);
-    status = load(&result, conversion, err);
-    if (status == VOR_OK)
-        status = save(&result, conversion, err);
-    vor_mesh_free(&result.mesh);
-    vor_cloud_free(&result.cloud);
+    status = vor_blob_get(conversion->service->config.blobs, &conversion->row.id,
+                          output_name(conversion), &fd, &size, &found, err);
+    if (status != VOR_OK)
+        return status;
+    if (!found)
+        return vor_fail(err, VOR_E_INTERNAL, "the result is gone");
+    status = convert_file(conversion, fd, size, err);
+    (void)close(fd);
     if (status == VOR_OK)
         drop_if_gone(conversion);
     return status;

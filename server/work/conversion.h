@@ -4,6 +4,7 @@
 #define VOR_SERVER_WORK_CONVERSION_H
 
 #include "proto/origin.h"
+#include "server/work/codec_run.h"
 #include "server/work/worker.h"
 
 #include <stddef.h>
@@ -17,9 +18,10 @@ struct vor_conversion;
 struct vor_conversions_config {
     struct vor_blobs *blobs; /**< borrowed, as the next two */
     struct vor_worker *worker;
-    struct vor_crew *crew; /**< that decodes */
-    size_t memory;         /**< bytes that one may have */
-    unsigned most;         /**< at a time, waiting or running; at least 1 */
+    struct vor_crew *crew;        /**< that decodes */
+    struct vor_codec_place place; /**< where that is done */
+    size_t memory;                /**< bytes that one may have */
+    unsigned most;                /**< at a time, waiting or running; at least 1 */
 };
 
 /** @retval VOR_E_NOMEM */

@@ -4,9 +4,18 @@
 
 #include <assert.h>
 #include <errno.h>
+#include <limits.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <time.h>
+
+/* What a thread is doing, and for whom. */
+struct hand {
+    pthread_t thread;
+    struct vor_crew *crew;
+    int is_busy;
+    struct vor_sharer caller;
+};
 
 struct vor_crew {
     pthread_mutex_t mutex;
@@ -14,34 +23,91 @@ struct vor_crew {
     pthread_cond_t idle;           /* nothing waits or runs; on the monotonic clock */
     struct vor_task *head, **tail; /* wait, in order */
     size_t waiting, waiting_max, running;
+    size_t caller_waiting_max; /* of each caller */
+    unsigned caller_running_max;
     int closing;
-    unsigned started;
-    pthread_t thread[];
+    unsigned count, started;
+    struct hand hand[];
 };
 
-/* The next task, which then counts as running; NULL once there is none and none will come. */
-static struct vor_task *next_task(struct vor_crew *crew)
+static unsigned running_of(const struct vor_crew *crew, const struct vor_sharer *caller)
 {
+    unsigned running = 0;
+
+    for (unsigned i = 0; i < crew->count; i++)
+        running += crew->hand[i].is_busy && vor_sharer_same(&crew->hand[i].caller, caller);
+    return running;
+}
+
+/* The lightest of the tasks from there on that are for the same caller. */
+static struct vor_task **lightest(struct vor_task **from)
+{
+    struct vor_task **chosen = from;
+
+    for (struct vor_task **at = from; *at != NULL; at = &(*at)->next)
+        if ((*at)->weight < (*chosen)->weight && vor_sharer_same(&(*at)->caller, &(*from)->caller))
+            chosen = at;
+    return chosen;
+}
+
+/* Where the task hangs that is to begin; NULL when none may. Waiting tasks are few. */
+static struct vor_task **choose(struct vor_crew *crew)
+{
+    unsigned fewest = crew->closing ? UINT_MAX : crew->caller_running_max;
+    struct vor_task **chosen = NULL;
+
+    for (struct vor_task **at = &crew->head; *at != NULL && fewest > 0; at = &(*at)->next) {
+        unsigned running = running_of(crew, &(*at)->caller);
+
+        if (running >= fewest)
+            continue;
+        fewest = running;
+        chosen = at;
+    }
+    return chosen != NULL ? lightest(chosen) : NULL;
+}
+
+/* Takes the task that is to begin off the list; NULL when none may. */
+static struct vor_task *pick(struct vor_crew *crew)
+{
+    struct vor_task **at = choose(crew), *task;
+
+    if (at == NULL)
+        return NULL;
+    task = *at;
+    *at = task->next;
+    if (*at == NULL)
+        crew->tail = at;
+    crew->waiting--;
+    return task;
+}
+
+/* The next task, which then counts as running; NULL once there is none and none will come. */
+static struct vor_task *next_task(struct hand *hand)
+{
+    struct vor_crew *crew = hand->crew;
     struct vor_task *task;
 
     pthread_mutex_lock(&crew->mutex);
-    while (crew->head == NULL && !crew->closing)
+    while ((task = pick(crew)) == NULL && !crew->closing)
         pthread_cond_wait(&crew->ready, &crew->mutex);
-    task = crew->head;
     if (task != NULL) {
-        crew->head = task->next;
-        if (crew->head == NULL)
-            crew->tail = &crew->head;
-        crew->waiting--;
         crew->running++;
+        hand->is_busy = 1;
+        hand->caller = task->caller;
     }
     pthread_mutex_unlock(&crew->mutex);
     return task;
 }
 
-static void end_task(struct vor_crew *crew)
+/* Its thread looks for the next one itself: others that wait can have got nothing by its end but
+ * what it leaves. */
+static void end_task(struct hand *hand)
 {
+    struct vor_crew *crew = hand->crew;
+
     pthread_mutex_lock(&crew->mutex);
+    hand->is_busy = 0;
     if (--crew->running == 0 && crew->waiting == 0)
         pthread_cond_broadcast(&crew->idle);
     pthread_mutex_unlock(&crew->mutex);
@@ -49,12 +115,12 @@ static void end_task(struct vor_crew *crew)
 
 static void *crew_main(void *arg)
 {
-    struct vor_crew *crew = arg;
+    struct hand *hand = arg;
     struct vor_task *task;
 
-    while ((task = next_task(crew)) != NULL) {
+    while ((task = next_task(hand)) != NULL) {
         task->run(task->ctx);
-        end_task(crew);
+        end_task(hand);
     }
     return NULL;
 }
@@ -74,16 +140,20 @@ static void init_locks(struct vor_crew *crew)
 vor_status vor_crew_create(struct vor_crew **out, unsigned threads, size_t waiting_max,
                            struct vor_error *err)
 {
-    struct vor_crew *crew = calloc(1, sizeof *crew + threads * sizeof crew->thread[0]);
+    struct vor_crew *crew = calloc(1, sizeof *crew + threads * sizeof crew->hand[0]);
 
     assert(threads >= 1 && waiting_max >= 1);
     if (crew == NULL)
         return vor_fail(err, VOR_E_NOMEM, "a crew of %u threads", threads);
     crew->tail = &crew->head;
-    crew->waiting_max = waiting_max;
+    crew->waiting_max = crew->caller_waiting_max = waiting_max;
+    crew->caller_running_max = crew->count = threads;
     init_locks(crew);
     for (; crew->started < threads; crew->started++) {
-        if (pthread_create(&crew->thread[crew->started], NULL, crew_main, crew) == 0)
+        struct hand *hand = &crew->hand[crew->started];
+
+        hand->crew = crew;
+        if (pthread_create(&hand->thread, NULL, crew_main, hand) == 0)
             continue;
         vor_crew_destroy(crew);
         return vor_fail(err, VOR_E_NOMEM, "cannot start a crew of %u threads", threads);
@@ -101,11 +171,30 @@ void vor_crew_destroy(struct vor_crew *crew)
     pthread_cond_broadcast(&crew->ready);
     pthread_mutex_unlock(&crew->mutex);
     for (unsigned i = 0; i < crew->started; i++)
-        pthread_join(crew->thread[i], NULL);
+        pthread_join(crew->hand[i].thread, NULL);
     pthread_cond_destroy(&crew->idle);
     pthread_cond_destroy(&crew->ready);
     pthread_mutex_destroy(&crew->mutex);
     free(crew);
+}
+
+void vor_crew_share(struct vor_crew *crew, unsigned running_max, size_t waiting_max)
+{
+    pthread_mutex_lock(&crew->mutex);
+    assert(running_max >= 1 && running_max < crew->count && waiting_max >= 1);
+    crew->caller_running_max = running_max;
+    crew->caller_waiting_max = waiting_max;
+    pthread_mutex_unlock(&crew->mutex);
+}
+
+/* How many tasks of its caller go before one that comes. */
+static size_t before(const struct vor_crew *crew, const struct vor_task *task)
+{
+    size_t count = 0;
+
+    for (const struct vor_task *at = crew->head; at != NULL; at = at->next)
+        count += at->weight <= task->weight && vor_sharer_same(&at->caller, &task->caller);
+    return count;
 }
 
 enum vor_job_outcome vor_crew_take(struct vor_crew *crew, struct vor_task *task)
@@ -115,7 +204,8 @@ enum vor_job_outcome vor_crew_take(struct vor_crew *crew, struct vor_task *task)
     pthread_mutex_lock(&crew->mutex);
     if (crew->closing) {
         outcome = VOR_DRAINING;
-    } else if (crew->waiting >= crew->waiting_max) {
+    } else if (crew->waiting >= crew->waiting_max ||
+               before(crew, task) >= crew->caller_waiting_max) {
         outcome = VOR_FULL;
     } else {
         task->next = NULL;

@@ -1,20 +1,28 @@
-/** Threads for what may block: HTTP threads hand it over and go on. Tasks begin in the order in
- *  which they were handed over. Thread-safe. */
+/** Threads for what may block: HTTP threads hand it over and go on. A free thread takes a task of
+ * the caller for whom fewest are running, and of several such of the one whose task came first; of
+ * that caller's tasks the lightest, and of several such the first. So nobody waits for more than
+ * one task of each other caller, and who sends much that is heavy may still ask something small.
+ * Thread-safe. */
 #ifndef VOR_SERVER_WORK_CREW_H
 #define VOR_SERVER_WORK_CREW_H
 
 #include "core/base/status.h"
+#include "server/base/sharer.h"
 #include "server/jobs/job.h"
 
 #include <stddef.h>
+#include <stdint.h>
 
 struct vor_crew;
 
-/** Something to do. The caller fills in run and ctx and keeps the struct until run is called. */
+/** Something to do. Who hands it over fills in the first three members and keeps the struct until
+ * run is called. */
 struct vor_task {
     void (*run)(void *ctx); /**< on a thread of the crew; may free the task */
     void *ctx;
-    struct vor_task *next; /**< the crew's own */
+    struct vor_sharer caller; /**< whom it is for */
+    uint64_t weight;          /**< about how long it takes, in any unit: bytes to read, say */
+    struct vor_task *next;    /**< the crew's own */
 };
 
 /** Starts `threads` (at least 1) threads; at most `waiting_max` tasks wait for one.
@@ -23,13 +31,18 @@ struct vor_task {
 VOR_NODISCARD vor_status vor_crew_create(struct vor_crew **out, unsigned threads,
                                          size_t waiting_max, struct vor_error *err);
 
+/** Bounds what each caller may have of a crew of several threads: running_max (below the number of
+ *  threads) of its tasks run, so that a thread is left for others, and a task waits behind fewer
+ * than waiting_max. To be called before the first task; without it, what the crew has. */
+void vor_crew_share(struct vor_crew *crew, unsigned running_max, size_t waiting_max);
+
 /** Takes no more tasks, does those that wait, ends the threads. crew may be NULL. */
 void vor_crew_destroy(struct vor_crew *crew);
 
 /** Hands a task over.
  *
  *  @retval VOR_DONE      run will be called, exactly once
- *  @retval VOR_FULL      waiting_max tasks wait
+ *  @retval VOR_FULL      waiting_max tasks wait, or as many of this caller's go before it as may
  *  @retval VOR_DRAINING  vor_crew_destroy was called */
 VOR_NODISCARD enum vor_job_outcome vor_crew_take(struct vor_crew *crew, struct vor_task *task);
 

@@ -2,7 +2,10 @@
 #include "proto/codec.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/jobs/cost.h"
+#include "server/jobs/need.h"
 #include "server/jobs/trace.h"
+#include "server/work/counted.h"
 #include "server/work/live.h"
 
 #include <stdio.h>
@@ -18,15 +21,20 @@ enum vor_job_outcome vor_worker_room(struct vor_worker *worker)
     pthread_mutex_unlock(&worker->mutex);
     if (draining)
         return VOR_DRAINING;
+    if (vor_worker_waiting_bytes(worker) >= worker->config.queue_bytes)
+        return VOR_FULL;
     return vor_queue_depth(worker->queue) < vor_queue_capacity(worker->queue) ? VOR_DONE : VOR_FULL;
 }
 
 void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out)
 {
     out->waiting = vor_queue_depth(worker->queue);
+    out->oldest_ms = vor_queue_oldest(worker->queue);
     pthread_mutex_lock(&worker->mutex);
     out->running = worker->running;
     pthread_mutex_unlock(&worker->mutex);
+    out->reserved = vor_turns_used(&worker->turns);
+    out->budget = worker->turns.budget;
 }
 
 /* --- accepting -------------------------------------------------------------------------------- */
@@ -38,6 +46,31 @@ static vor_status check_target(const struct vor_spec *spec, const struct vor_job
     if (vor_spec_given(spec, VOR_PARAM_SPACING))
         return VOR_OK;
     return vor_spec_check_target(spec, vor_spec_target(spec, input->points), input->points, err);
+}
+
+/* Likewise. */
+static vor_status check_cost(const struct vor_worker *worker, const struct vor_job_view *row,
+                             struct vor_error *err)
+{
+    return vor_cost_check(&row->spec, row->input[0].points, worker->config.executor->threads,
+                          worker->config.job_seconds, err);
+}
+
+/* Likewise what could never run: row has its inputs. */
+static vor_status check_need(const struct vor_worker *worker, const struct vor_job_view *row,
+                             struct vor_error *err)
+{
+    uint64_t need = vor_need_bytes(&row->spec, row->inputs, row->input),
+             budget = worker->turns.budget;
+
+    if (need <= budget)
+        return VOR_OK;
+    (void)vor_fail(err, VOR_E_NOMEM,
+                   "the job needs about %llu bytes of memory, all jobs together may have %llu",
+                   (unsigned long long)need, (unsigned long long)budget);
+    err->limit = budget;
+    err->got = need;
+    return VOR_E_NOMEM;
 }
 
 /* Likewise; row has its inputs and its format. */
@@ -73,6 +106,8 @@ static void first_row(struct vor_job_view *row, const struct vor_uuid *id,
         (void)snprintf(row->name, sizeof row->name, "%s", label->name);
     if (label != NULL && label->key != NULL)
         row->key = *label->key;
+    if (label != NULL && label->span != NULL)
+        row->span = *label->span;
 }
 
 /* Puts the inputs into their places in the row. */
@@ -100,41 +135,76 @@ static vor_status take_inputs(struct vor_job_view *row, const struct vor_admitte
     return status;
 }
 
-/* Makes the row durable and the job live, for a place in the queue that is booked. */
-static vor_status accept_job(struct vor_worker *worker, struct vor_job_view *row,
-                             struct vor_error *err)
+/* Makes the row durable and a remembered job wait, if its inputs still fit into the queue. */
+static enum vor_job_outcome push_job(struct vor_worker *worker, struct vor_job *job,
+                                     struct vor_job_view *row, uint64_t bytes,
+                                     struct vor_error *err)
+{
+    if (!vor_worker_charge(worker, job, bytes, worker->config.queue_bytes))
+        return VOR_FULL;
+    if (vor_store_insert(worker->config.store, row, err) != VOR_OK)
+        return VOR_FAILED;
+    vor_job_set_seq(job, row->seq);
+    vor_queue_push(worker->queue, job, row->seq);
+    return VOR_DONE;
+}
+
+/* The same with a job that is live from now on, for a place in the queue that is booked. */
+static enum vor_job_outcome accept_job(struct vor_worker *worker, struct vor_job_view *row,
+                                       size_t jobs_max, uint64_t bytes, struct vor_error *err)
 {
     struct vor_job *job = vor_job_create(row);
-    vor_status status;
+    enum vor_job_outcome outcome;
 
-    if (job == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "a job");
-    status = vor_worker_remember(worker, job, err);
-    if (status == VOR_OK) {
-        status = vor_store_insert(worker->config.store, row, err);
-        if (status != VOR_OK)
+    if (job == NULL) {
+        (void)vor_fail(err, VOR_E_NOMEM, "a job");
+        return VOR_FAILED;
+    }
+    outcome = vor_worker_admit(worker, job, jobs_max, err);
+    if (outcome == VOR_DONE) {
+        outcome = push_job(worker, job, row, bytes, err);
+        if (outcome != VOR_DONE)
             vor_worker_forget(worker, job);
     }
-    if (status == VOR_OK) {
-        vor_job_set_seq(job, row->seq);
-        vor_queue_push(worker->queue, job, row->seq);
-    }
     vor_job_release(job);
-    return status;
+    return outcome;
+}
+
+/* Bytes of decoded inputs that would never fit into the queue are no reason to come back later. */
+static vor_status check_bytes(struct vor_worker *worker, const struct vor_admitted *admitted,
+                              uint64_t *bytes, struct vor_error *err)
+{
+    uint64_t most = worker->config.queue_bytes;
+
+    *bytes = 0;
+    for (unsigned i = 0; i < admitted->count; i++)
+        *bytes += admitted->item[i].decoded;
+    if (*bytes <= most)
+        return VOR_OK;
+    (void)vor_fail(err, VOR_E_BYTES,
+                   "the decoded inputs have %llu bytes, want at most %llu, which may wait",
+                   (unsigned long long)*bytes, (unsigned long long)most);
+    err->limit = most;
+    err->got = *bytes;
+    return VOR_E_BYTES;
 }
 
 static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_view *row,
-                                   struct vor_error *err)
+                                   size_t jobs_max, uint64_t bytes, struct vor_error *err)
 {
+    const char *tenant = row->key.principal;
     enum vor_job_outcome outcome = vor_queue_reserve(worker->queue);
 
     if (outcome != VOR_DONE)
         return outcome;
-    if (accept_job(worker, row, err) != VOR_OK) {
+    outcome = accept_job(worker, row, jobs_max, bytes, err);
+    if (outcome != VOR_DONE) {
         vor_queue_cancel(worker->queue);
-        return VOR_FAILED;
+        return outcome;
     }
-    vor_log(VOR_LOG_INFO, "job accepted", VOR_TEXT("job", row->id.text),
+    vor_count_accepted(row);
+    vor_log(VOR_LOG_INFO, "job accepted", VOR_OF_JOB(row),
+            VOR_TEXT("tenant", tenant[0] != '\0' ? tenant : NULL),
             VOR_TEXT("process", row->process), VOR_COUNT("points", row->input[0].points),
             VOR_COUNT("bytes", row->input[0].bytes));
     return VOR_DONE;
@@ -148,12 +218,15 @@ enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
 {
     enum vor_job_outcome outcome = VOR_FAILED;
     struct vor_job_view row;
+    uint64_t bytes;
 
     first_row(&row, &admitted->id, spec, label);
     if (take_inputs(&row, admitted, err) == VOR_OK &&
+        check_bytes(worker, admitted, &bytes, err) == VOR_OK &&
         check_target(spec, &row.input[0], err) == VOR_OK &&
+        check_need(worker, &row, err) == VOR_OK && check_cost(worker, &row, err) == VOR_OK &&
         check_origin(&row, admitted, err) == VOR_OK)
-        outcome = submit(worker, &row, err);
+        outcome = submit(worker, &row, label != NULL ? label->jobs_max : 0, bytes, err);
     if (outcome != VOR_DONE) {
         vor_admit_drop(worker->config.blobs, admitted);
         return outcome;
@@ -194,6 +267,21 @@ enum vor_job_outcome vor_worker_get(struct vor_worker *worker, const struct vor_
                                     struct vor_job_view *out, struct vor_error *err)
 {
     return live_view(worker, id, out) ? VOR_DONE : row_view(worker, id, out, err);
+}
+
+enum vor_job_outcome vor_worker_get_of(struct vor_worker *worker, const struct vor_uuid *id,
+                                       const char *tenant, struct vor_job_view *out,
+                                       struct vor_error *err)
+{
+    int found;
+
+    if (tenant == NULL)
+        return vor_worker_get(worker, id, out, err);
+    if (live_view(worker, id, out))
+        return strcmp(out->key.principal, tenant) == 0 ? VOR_DONE : VOR_UNKNOWN;
+    if (vor_store_get_of(worker->config.store, id, tenant, out, &found, err) != VOR_OK)
+        return VOR_FAILED;
+    return found ? VOR_DONE : VOR_UNKNOWN;
 }
 
 enum vor_job_outcome vor_worker_find_key(struct vor_worker *worker, const struct vor_job_key *key,
@@ -348,7 +436,7 @@ static enum vor_job_outcome dismiss_live(struct vor_worker *worker, struct vor_j
     }
     vor_worker_drop_inputs(worker, &out->id, out->process);
     vor_worker_drop_uploads(worker, &out->id, out->process);
-    vor_log(VOR_LOG_INFO, "job dismissed", VOR_TEXT("job", out->id.text), VOR_TEXT("why", why));
+    vor_log(VOR_LOG_INFO, "job dismissed", VOR_OF_JOB(out), VOR_TEXT("why", why));
     return VOR_DONE;
 }
 
@@ -362,7 +450,7 @@ static enum vor_job_outcome dismiss_row(struct vor_worker *worker, const char *w
         return VOR_CONFLICT;
     row->status = VOR_JOB_DISMISSED;
     row->kept = 0;
-    row->finished = vor_clock_wall_ms();
+    row->finished = vor_job_now(row, vor_clock_wall_ms());
     row->expires = row->finished + (int64_t)(worker->config.ttl_seconds * 1000);
     explain(row, why);
     if (vor_store_finish(worker->config.store, row, 0, NULL, &changed, err) != VOR_OK)

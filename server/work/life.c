@@ -1,8 +1,11 @@
 /* The worker from its start to its end: recovery, threads, draining. */
 #include "server/base/clock.h"
+#include "server/base/fault.h"
 #include "server/base/log.h"
+#include "server/work/calendar.h"
 #include "server/work/live.h"
 #include "server/work/recover.h"
+#include "server/work/room.h"
 #include "server/work/runner.h"
 
 #include <assert.h>
@@ -14,17 +17,46 @@
  * removes files. */
 enum { SWEEP_SECONDS = 60, CREW_THREADS = 2 };
 
+static const double look_seconds = 0.5; /* between two looks at the disk: a restart takes as long */
+
+/* A run never has more memory than its cap. A suspect need not wait where it is apart anyway. */
+static struct vor_turn turn_of(const struct vor_worker *worker, const struct vor_job *job)
+{
+    struct vor_turn turn = *vor_job_turn(job);
+
+    if (turn.bytes > worker->config.memory)
+        turn.bytes = worker->config.memory;
+    if (worker->config.executor->is_apart)
+        turn.alone = 0;
+    return turn;
+}
+
+/* The queue asks this before it hands out a job. */
+static int may_run(void *ctx, struct vor_job *job)
+{
+    struct vor_worker *worker = ctx;
+    const struct vor_turn turn = turn_of(worker, job);
+
+    return vor_turns_begin(&worker->turns, &turn);
+}
+
 static void *runner_main(void *arg)
 {
     struct vor_worker *worker = arg;
     struct vor_job *job;
 
     while ((job = vor_queue_pop(worker->queue)) != NULL) {
+        const struct vor_turn turn = turn_of(worker, job);
+
         if (vor_worker_enter(worker, job)) {
-            vor_worker_run(worker, job);
-            vor_worker_forget(worker, job);
+            if (vor_worker_run(worker, job))
+                vor_worker_requeue(worker, job);
+            else
+                vor_worker_forget(worker, job);
             vor_worker_leave(worker);
         }
+        vor_turns_end(&worker->turns, &turn);
+        vor_queue_look(worker->queue);
         vor_job_release(job);
     }
     return NULL;
@@ -33,14 +65,22 @@ static void *runner_main(void *arg)
 static void *sweeper_main(void *arg)
 {
     struct vor_worker *worker = arg;
+    double swept = vor_clock_seconds() - SWEEP_SECONDS;
+    struct vor_error err;
 
     vor_worker_drop_strays(worker);
     do {
-        struct vor_error err;
+        double now = vor_clock_seconds();
 
+        vor_worker_look(worker);
+        if (!vor_calendar_look(worker))
+            continue;
+        if (now - swept < SWEEP_SECONDS)
+            continue;
+        swept = now;
         if (vor_worker_sweep(worker, &err) != VOR_OK)
             vor_log(VOR_LOG_ERROR, "sweeping failed", VOR_TEXT("error", err.message));
-    } while (!vor_worker_pause(worker, SWEEP_SECONDS));
+    } while (!vor_worker_pause(worker, look_seconds));
     return NULL;
 }
 
@@ -79,13 +119,18 @@ vor_status vor_worker_create(struct vor_worker **out, const struct vor_worker_co
         return vor_fail(err, VOR_E_NOMEM, "the worker");
     worker->config = *config;
     init_locks(worker);
+    vor_turns_init(&worker->turns, config->budget > 0 ? config->budget : UINT64_MAX);
     worker->queue = vor_queue_create(config->queue);
     if (worker->queue == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "the queue");
+    else
+        vor_queue_guard(worker->queue, may_run, worker);
     if (status == VOR_OK)
         status = vor_worker_recover(worker, err);
     if (status == VOR_OK)
         status = vor_crew_create(&worker->crew, CREW_THREADS, SIZE_MAX, err);
+    if (status == VOR_OK && config->fault_mark != NULL)
+        vor_fault_arm(config->fault_mark);
     if (status == VOR_OK)
         status = start_threads(worker, err);
     if (status != VOR_OK) {
@@ -136,6 +181,7 @@ void vor_worker_destroy(struct vor_worker *worker)
     vor_queue_destroy(worker->queue);
     while (worker->live != NULL)
         vor_worker_forget(worker, worker->live->job);
+    vor_turns_free(&worker->turns);
     pthread_cond_destroy(&worker->changed);
     pthread_mutex_destroy(&worker->mutex);
     free(worker);

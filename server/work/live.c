@@ -21,6 +21,25 @@ static struct vor_live **place_of(struct vor_worker *worker, const struct vor_uu
     return at;
 }
 
+void vor_worker_requeue(struct vor_worker *worker, struct vor_job *job)
+{
+    struct vor_job_view view;
+    struct vor_error err;
+    struct vor_live *live;
+
+    pthread_mutex_lock(&worker->mutex);
+    live = *place_of(worker, vor_job_id(job));
+    if (live != NULL)
+        live->running = 0;
+    pthread_mutex_unlock(&worker->mutex);
+    vor_job_view(job, &view);
+    if (vor_queue_restore(worker->queue, job, view.seq, &err) == VOR_OK)
+        return;
+    vor_log(VOR_LOG_ERROR, "a job waits for the next start", VOR_TEXT("job", view.id.text),
+            VOR_TEXT("error", err.message));
+    vor_worker_forget(worker, job);
+}
+
 struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid *id)
 {
     struct vor_job *job = NULL;
@@ -34,19 +53,53 @@ struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid
     return job;
 }
 
+/* The jobs of a principal on the list; one whose runner has not unwound yet is over. The mutex is
+ * held. */
+static size_t count_of(const struct vor_worker *worker, const char *tenant)
+{
+    size_t count = 0;
+
+    for (const struct vor_live *live = worker->live; live != NULL; live = live->next)
+        count += strcmp(vor_job_tenant(live->job), tenant) == 0 && !vor_job_is_over(live->job);
+    return count;
+}
+
+size_t vor_worker_jobs_of(struct vor_worker *worker, const char *tenant)
+{
+    size_t count;
+
+    pthread_mutex_lock(&worker->mutex);
+    count = count_of(worker, tenant);
+    pthread_mutex_unlock(&worker->mutex);
+    return count;
+}
+
+enum vor_job_outcome vor_worker_admit(struct vor_worker *worker, struct vor_job *job, size_t most,
+                                      struct vor_error *err)
+{
+    struct vor_live *live = calloc(1, sizeof *live);
+    int is_crowded;
+
+    if (live == NULL) {
+        (void)vor_fail(err, VOR_E_NOMEM, "a job");
+        return VOR_FAILED;
+    }
+    pthread_mutex_lock(&worker->mutex);
+    is_crowded = most > 0 && count_of(worker, vor_job_tenant(job)) >= most;
+    if (!is_crowded) {
+        *live = (struct vor_live){.job = vor_job_retain(job), .next = worker->live};
+        worker->live = live;
+    }
+    pthread_mutex_unlock(&worker->mutex);
+    if (is_crowded)
+        free(live);
+    return is_crowded ? VOR_CROWDED : VOR_DONE;
+}
+
 vor_status vor_worker_remember(struct vor_worker *worker, struct vor_job *job,
                                struct vor_error *err)
 {
-    struct vor_live *live = calloc(1, sizeof *live);
-
-    if (live == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "a job");
-    live->job = vor_job_retain(job);
-    pthread_mutex_lock(&worker->mutex);
-    live->next = worker->live;
-    worker->live = live;
-    pthread_mutex_unlock(&worker->mutex);
-    return VOR_OK;
+    return vor_worker_admit(worker, job, 0, err) == VOR_DONE ? VOR_OK : VOR_E_NOMEM;
 }
 
 void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job)
@@ -62,6 +115,43 @@ void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job)
     if (live != NULL)
         vor_job_release(live->job);
     free(live);
+}
+
+/* Of those that wait; the mutex is held. */
+static uint64_t sum_bytes(const struct vor_worker *worker)
+{
+    uint64_t bytes = 0;
+
+    for (const struct vor_live *live = worker->live; live != NULL; live = live->next)
+        bytes += live->running ? 0 : live->bytes;
+    return bytes;
+}
+
+int vor_worker_charge(struct vor_worker *worker, const struct vor_job *job, uint64_t bytes,
+                      uint64_t most)
+{
+    struct vor_live *live;
+    uint64_t others;
+    int fits;
+
+    pthread_mutex_lock(&worker->mutex);
+    others = sum_bytes(worker);
+    fits = others <= most && bytes <= most - others;
+    live = *place_of(worker, vor_job_id(job));
+    if (fits && live != NULL)
+        live->bytes = bytes;
+    pthread_mutex_unlock(&worker->mutex);
+    return fits;
+}
+
+uint64_t vor_worker_waiting_bytes(struct vor_worker *worker)
+{
+    uint64_t bytes;
+
+    pthread_mutex_lock(&worker->mutex);
+    bytes = sum_bytes(worker);
+    pthread_mutex_unlock(&worker->mutex);
+    return bytes;
 }
 
 void vor_found_free(struct vor_found *found)
@@ -127,7 +217,7 @@ void vor_worker_ending(struct vor_worker *worker, struct vor_job *job, enum vor_
     out->status = status;
     out->queue_position = -1;
     out->eta_seconds = -1;
-    out->finished = vor_clock_wall_ms();
+    out->finished = vor_job_now(out, vor_clock_wall_ms());
     out->updated = out->finished;
     out->expires = out->finished + (int64_t)(worker->config.ttl_seconds * 1000);
 }
@@ -218,4 +308,25 @@ void vor_worker_shed(struct vor_worker *worker)
     }
     if (total > 0)
         vor_log(VOR_LOG_INFO, "uploads shed", VOR_COUNT("jobs", total));
+}
+
+void vor_worker_crowd(struct vor_worker *worker)
+{
+    enum { BATCH = 64 };
+    struct vor_expired crowded[BATCH];
+    size_t count = BATCH, total = 0;
+    struct vor_error err;
+
+    while (count == BATCH) {
+        if (vor_store_crowd(worker->config.store, worker->config.results, crowded, BATCH, &count,
+                            &err) != VOR_OK)
+            vor_log(VOR_LOG_WARN, "results not dropped", VOR_TEXT("error", err.message));
+        for (size_t i = 0; i < count; i++) {
+            vor_worker_drop_outputs(worker, &crowded[i].id, crowded[i].process);
+            vor_worker_drop_uploads(worker, &crowded[i].id, crowded[i].process);
+        }
+        total += count;
+    }
+    if (total > 0)
+        vor_log(VOR_LOG_INFO, "results dropped for want of room", VOR_COUNT("jobs", total));
 }

@@ -14,6 +14,7 @@
 struct vor_live {
     struct vor_job *job;
     int running;
+    uint64_t bytes; /* of its decoded inputs */
     struct vor_live *next;
 };
 
@@ -30,11 +31,20 @@ struct vor_found {
 
 void vor_found_free(struct vor_found *found);
 
+/** What is known of the wall clock (calendar.h); milliseconds. */
+struct vor_calendar {
+    int64_t wall, steady; /**< both clocks at the last look */
+    int64_t newest;       /**< time in the store at the start; 0 for none */
+    int64_t began;        /**< steady, at the start */
+    int unsure;           /**< the clock does not continue the store */
+};
+
 /** Locks are taken in this order: a job's change, the store's, `mutex`, a job's state, the queue's.
  */
 struct vor_worker {
     struct vor_worker_config config;
     struct vor_queue *queue;
+    struct vor_turns turns; /* of the jobs that run */
     struct vor_crew *crew;  /* for what HTTP threads hand over */
     pthread_mutex_t mutex;  /* everything below */
     pthread_cond_t changed; /* running, draining, aborting; on the monotonic clock */
@@ -46,7 +56,10 @@ struct vor_worker {
     unsigned runner_count;
     pthread_t sweeper;
     int sweeper_started;
-    struct vor_found found; /* the sweeper's, once it runs */
+    struct vor_found found; /* the sweeper's, once it runs, as all below */
+    struct vor_calendar calendar;
+    int is_full;    /* the store has no reserve, and the log says so */
+    int has_failed; /* config.failed was called */
 };
 
 /** The live job of that id with a reference for the caller, NULL when there is none. */
@@ -57,7 +70,25 @@ struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid
  *  @retval VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_worker_remember(struct vor_worker *worker, struct vor_job *job,
                                              struct vor_error *err);
+
+/** Adds a job unless its principal has `most` (0: any number) on the list already.
+ *
+ *  @retval VOR_DONE, VOR_CROWDED
+ *  @retval VOR_FAILED  err is VOR_E_NOMEM */
+VOR_NODISCARD enum vor_job_outcome vor_worker_admit(struct vor_worker *worker, struct vor_job *job,
+                                                    size_t most, struct vor_error *err);
 void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job);
+
+/** Notes how many bytes the decoded inputs of a remembered job have, unless those that wait would
+ *  have more than `most` together; then it answers false. */
+int vor_worker_charge(struct vor_worker *worker, const struct vor_job *job, uint64_t bytes,
+                      uint64_t most);
+
+/** Bytes of the decoded inputs of all jobs that wait. */
+uint64_t vor_worker_waiting_bytes(struct vor_worker *worker);
+
+/** Puts a job that did not get to its end back into the queue, in its place. */
+void vor_worker_requeue(struct vor_worker *worker, struct vor_job *job);
 
 /** Counts a job as running, until vor_worker_leave. False when the daemon goes down; the job must
  *  not be run then. */
@@ -96,6 +127,12 @@ void vor_worker_drop_uploads(struct vor_worker *worker, const struct vor_uuid *i
                              const char *process);
 void vor_worker_drop_outputs(struct vor_worker *worker, const struct vor_uuid *id,
                              const char *process);
+
+/** Expires jobs, of those first that ended first, until their results have no more than
+ *  config.results bytes. A failure is logged; whoever does it next tries again.
+ *
+ *  Cost: a read of the store as long as they do not. */
+void vor_worker_crowd(struct vor_worker *worker);
 
 /** Drops uploads of jobs that are over, of those first that ended first, until the quota holds. A
  *  failure is logged; whoever sheds next tries again.

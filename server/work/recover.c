@@ -2,12 +2,22 @@
 #include "server/work/recover.h"
 
 #include "server/base/clock.h"
+#include "server/base/fault.h"
 #include "server/base/log.h"
+#include "server/base/metrics.h"
+#include "server/work/calendar.h"
+#include "server/work/room.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+/* A crash between the removal of a job's row and that of its bytes leaves those of as many jobs as
+ * the worker removes at a time, which is 2, and each may have results in two formats; what a crash
+ * of the machine brings back beyond that is set aside as well. More is a damaged table. */
+enum { ORPHANS_OF_CRASH = 8 };
 
 static int64_t expiry(const struct vor_worker *worker, int64_t now)
 {
@@ -15,7 +25,7 @@ static int64_t expiry(const struct vor_worker *worker, int64_t now)
 }
 
 static vor_status check_input(struct vor_worker *worker, const struct vor_uuid *id,
-                              const char *name, struct vor_error *why)
+                              const char *name, uint64_t *bytes, struct vor_error *why)
 {
     char blob[VOR_BLOB_NAME_MAX + 1];
     uint64_t size;
@@ -25,6 +35,7 @@ static vor_status check_input(struct vor_worker *worker, const struct vor_uuid *
 
     if (fd >= 0)
         close(fd);
+    *bytes += size;
     if (status == VOR_OK && !found)
         status =
             vor_fail(why, VOR_E_INTERNAL, "the job's input %s was lost with the last run", name);
@@ -33,14 +44,14 @@ static vor_status check_input(struct vor_worker *worker, const struct vor_uuid *
 
 /* Why a job cannot be run again; VOR_OK when it can. */
 static vor_status check_row(struct vor_worker *worker, const struct vor_job_view *row,
-                            struct vor_error *why)
+                            uint64_t *bytes, struct vor_error *why)
 {
     const struct vor_artefact_info *inputs = row->spec.process->inputs;
     vor_status status = VOR_OK;
 
     for (unsigned i = 0; inputs[i].name != NULL && status == VOR_OK; i++)
         if ((row->inputs >> i & 1) != 0)
-            status = check_input(worker, &row->id, inputs[i].name, why);
+            status = check_input(worker, &row->id, inputs[i].name, bytes, why);
     if (status != VOR_OK)
         return status;
     if (row->request_lost || vor_spec_check(&row->spec, NULL) != VOR_OK ||
@@ -56,16 +67,15 @@ static vor_status fail_row(struct vor_worker *worker, struct vor_job_view *row,
 
     row->status = VOR_JOB_FAILED;
     row->problem = *why;
-    row->finished = vor_clock_wall_ms();
+    row->finished = vor_job_now(row, vor_clock_wall_ms());
     row->expires = expiry(worker, row->finished);
     (void)snprintf(row->message, sizeof row->message, "%.*s", (int)sizeof row->message - 1,
                    why->message);
-    vor_log(VOR_LOG_WARN, "job lost", VOR_TEXT("job", row->id.text),
-            VOR_TEXT("error", why->message));
+    vor_log(VOR_LOG_WARN, "job lost", VOR_OF_JOB(row), VOR_TEXT("error", why->message));
     return vor_store_finish(worker->config.store, row, 0, NULL, &changed, err);
 }
 
-static vor_status requeue(struct vor_worker *worker, const struct vor_job_view *row,
+static vor_status requeue(struct vor_worker *worker, const struct vor_job_view *row, uint64_t bytes,
                           struct vor_error *err)
 {
     struct vor_job *job = vor_job_create(row);
@@ -74,6 +84,8 @@ static vor_status requeue(struct vor_worker *worker, const struct vor_job_view *
     if (job == NULL)
         return vor_fail(err, VOR_E_NOMEM, "a job");
     status = vor_worker_remember(worker, job, err);
+    if (status == VOR_OK)
+        (void)vor_worker_charge(worker, job, bytes, UINT64_MAX); /* all were accepted once */
     if (status == VOR_OK)
         status = vor_queue_restore(worker->queue, job, row->seq, err);
     vor_job_release(job);
@@ -112,11 +124,12 @@ static int recover_one(void *ctx, const struct vor_job_view *row)
 {
     struct recovery *recovery = ctx;
     struct vor_error why;
+    uint64_t bytes = 0;
 
-    if (check_row(recovery->worker, row, &why) != VOR_OK)
+    if (check_row(recovery->worker, row, &bytes, &why) != VOR_OK)
         recovery->status = note_lost(recovery, row, &why);
     else
-        recovery->status = requeue(recovery->worker, row, recovery->err);
+        recovery->status = requeue(recovery->worker, row, bytes, recovery->err);
     return recovery->status == VOR_OK;
 }
 
@@ -197,20 +210,85 @@ static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blo
     return row.status == VOR_JOB_SUCCESSFUL && output != NULL && !vor_output_in_row(output);
 }
 
+/* Results whose jobs have no row at all. */
+static size_t count_orphans(struct vor_worker *worker)
+{
+    const struct vor_found *found = &worker->found;
+    struct vor_job_view row;
+    size_t orphans = 0;
+
+    for (size_t i = 0; i < found->count; i++) {
+        int is_input = strncmp(found->blobs[i].name, "input", 5) == 0 ||
+                       vor_blob_is_upload(found->blobs[i].name);
+        int has_row = 1;
+
+        if (!is_input && vor_store_get(worker->config.store, &found->blobs[i].id, &row, &has_row,
+                                       NULL) == VOR_OK)
+            orphans += !has_row;
+    }
+    return orphans;
+}
+
+/* Dropped, or set aside when the table of jobs has lost rows. */
+static int put_away(struct vor_worker *worker, const struct vor_found_blob *blob, int is_lost)
+{
+    struct vor_error err;
+
+    if (!is_lost) {
+        vor_worker_drop(worker, &blob->id, blob->name);
+        return 1;
+    }
+    if (vor_blob_set_aside(worker->config.blobs, &blob->id, blob->name, &err) == VOR_OK)
+        return 1;
+    vor_log(VOR_LOG_WARN, "bytes not set aside", VOR_TEXT("job", blob->id.text),
+            VOR_TEXT("error", err.message));
+    return 0;
+}
+
+static uint64_t size_of(struct vor_worker *worker, const struct vor_found_blob *blob)
+{
+    uint64_t size = 0;
+    int fd = -1, found;
+
+    if (vor_blob_get(worker->config.blobs, &blob->id, blob->name, &fd, &size, &found, NULL) ==
+            VOR_OK &&
+        fd >= 0)
+        close(fd);
+    return size;
+}
+
+static void say_strays(int is_lost, size_t files, uint64_t bytes)
+{
+    if (files > 0 && is_lost)
+        vor_log(VOR_LOG_WARN,
+                "THE TABLE OF JOBS HAS LOST ROWS: bytes that no row needs are set aside in the "
+                "folder lost of --blobs, for --lost-ttl and up to --lost-bytes",
+                VOR_COUNT("files", files), VOR_COUNT("bytes", bytes));
+    else if (files > 0)
+        vor_log(VOR_LOG_INFO, "strays removed", VOR_COUNT("files", files));
+}
+
 void vor_worker_drop_strays(struct vor_worker *worker)
 {
     struct vor_found *found = &worker->found;
-    size_t dropped = 0;
+    int is_lost =
+        vor_store_is_damaged(worker->config.store) || count_orphans(worker) > ORPHANS_OF_CRASH;
+    uint64_t bytes = 0;
+    size_t files = 0;
 
     for (size_t i = 0; i < found->count && !vor_worker_pause(worker, 0); i++) {
+        uint64_t size;
+
         if (is_needed(worker, &found->blobs[i]))
             continue;
-        vor_worker_drop(worker, &found->blobs[i].id, found->blobs[i].name);
-        dropped++;
+        size = size_of(worker, &found->blobs[i]);
+        if (!put_away(worker, &found->blobs[i], is_lost))
+            continue;
+        bytes += size;
+        files++;
     }
     vor_found_free(found);
-    if (dropped > 0)
-        vor_log(VOR_LOG_INFO, "strays removed", VOR_COUNT("files", dropped));
+    say_strays(is_lost, files, bytes);
 }
 
 vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
@@ -232,20 +310,35 @@ vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
     if (total > 0)
         vor_log(VOR_LOG_INFO, "results expired", VOR_COUNT("jobs", total));
     vor_worker_shed(worker);
+    vor_worker_crowd(worker);
+    vor_worker_trim_lost(worker, 0);
     return status;
 }
 
 vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err)
 {
     int64_t now = vor_clock_wall_ms();
+    const char *mark = worker->config.fault_mark;
+    /* What ran elsewhere cannot be why the daemon ended. */
+    const int is_apart = worker->config.executor->is_apart;
+    const struct vor_crash crash = {.by_fault = mark == NULL || vor_fault_left(mark),
+                                    .faults_max = is_apart ? UINT_MAX : worker->config.faults_max,
+                                    .kills_max = is_apart ? UINT_MAX : worker->config.kills_max,
+                                    .now_ms = now,
+                                    .expires_ms = expiry(worker, now)};
     struct vor_recovered recovered = {0};
-    vor_status status = vor_store_recover(worker->config.store, worker->config.crashes_max, now,
-                                          expiry(worker, now), &recovered, err);
+    vor_status status = vor_calendar_begin(worker, err);
 
+    if (status == VOR_OK)
+        status = vor_store_recover(worker->config.store, &crash, &recovered, err);
+
+    if (status == VOR_OK && mark != NULL)
+        vor_fault_clear(mark);
     if (status == VOR_OK)
         status = recover_queue(worker, err);
     if (status == VOR_OK)
         status = vor_blobs_list(worker->config.blobs, note_blob, worker, err);
+    vor_metric_add(VOR_METRIC_JOBS_AGAIN, (double)recovered.requeued, VOR_LABELS("restart"));
     if (status == VOR_OK)
         vor_log(VOR_LOG_INFO, "recovered", VOR_COUNT("waiting", vor_queue_depth(worker->queue)),
                 VOR_COUNT("requeued", recovered.requeued), VOR_COUNT("failed", recovered.failed));

@@ -6,7 +6,7 @@
 #include "server/work/live.h"
 
 /** Every row that waited or ran is back in the queue when this returns, in the order of acceptance,
- *  however many the queue takes; or it has failed, because it was running in too many crashes, its
+ *  however many the queue takes; or it has failed, because it ran alone in too many crashes, its
  *  bytes are gone, or its request cannot be read. Also notes which blobs there are, for
  *  vor_worker_drop_strays. Call before any other thread knows the worker.
  *
@@ -15,7 +15,9 @@
  *  Cost: two changes of the store, and some 20 microseconds for each job that waits. */
 VOR_NODISCARD vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err);
 
-/** Drops the blobs that were there at the start and that no row needs. Ends early when the daemon
+/** Drops the blobs that were there at the start and that no row needs; or sets them aside, with a
+ *  warning, when the store has lost rows: it says so itself, or there are more results without any
+ *  row than a crash leaves. Ends early when the daemon
  *  goes down; the next start does the rest.
  *
  *  Cost: a read of the store for each blob. */

@@ -1,45 +1,54 @@
-/* One run of one job: its inputs, the engine, its outputs, its last row. */
+/* One run of one job: its files, where it runs, its outputs, its last row. */
 #include "server/work/runner.h"
 
-#include "core/engine.h"
-#include "proto/codec.h"
-#include "proto/json/json.h"
 #include "server/base/clock.h"
+#include "server/base/disk.h"
 #include "server/base/log.h"
-#include "server/work/artefacts.h"
+#include "server/work/counted.h"
+#include "server/work/room.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
-static const double beat_seconds = 2;  /* between two notes of the progress in the store */
-static const double retry_seconds = 1; /* while the store's disk is full */
+static const double beat_seconds = 2;       /* between two notes of the progress in the store */
+static const double retry_seconds = 1;      /* while the disk is full */
+static const double retry_seconds_max = 16; /* at most, as encoding costs cores */
 
 struct run {
     struct vor_worker *worker;
     struct vor_job *job;
     struct vor_job_view view; /* when it began */
     uint32_t attempt;
-    double beat; /* when the store was last told */
-    struct vor_memory memory;
-    struct vor_result_facts facts;
-    int has_report; /* the process has one, and the run came to its end */
-    struct vor_report report;
+    double beat;     /* when the store was last told */
+    double deadline; /* when it must be over; infinite for never */
+    atomic_int late; /* it was not */
+    struct vor_order order;
+    struct vor_blob_writer *writer[VOR_OUTPUTS_MAX]; /* of the files of the order; NULL for none */
+    struct vor_run_result result;
     struct vor_text kept; /* the output that is kept in the row, as JSON; empty for none */
-    struct vor_job_output output[VOR_OUTPUTS_MAX];
 };
 
-/* --- the engine's questions ------------------------------------------------------------------- */
+/* --- what the run asks and tells -------------------------------------------------------------- */
 
-static enum vor_answer poll_job(void *ctx)
+static void tell_full(const struct run *run, const struct vor_error *err)
 {
-    return vor_job_asked(((struct run *)ctx)->job);
+    vor_log(VOR_LOG_WARN, "a result waits for room on the disk", VOR_OF_JOB(&run->view),
+            VOR_TEXT("error", err->message));
 }
 
-static double read_clock(void *ctx)
+/* A run that is late ends as one that is cancelled. */
+static enum vor_answer asked(void *ctx)
 {
-    (void)ctx;
-    return vor_clock_seconds();
+    struct run *run = ctx;
+    enum vor_answer answer = vor_job_asked(run->job);
+
+    if (answer == VOR_CANCEL || vor_clock_seconds() < run->deadline)
+        return answer;
+    atomic_store(&run->late, 1);
+    return VOR_CANCEL;
 }
 
 static void beat(struct run *run)
@@ -49,11 +58,11 @@ static void beat(struct run *run)
 
     vor_job_view(run->job, &view);
     if (vor_store_beat(run->worker->config.store, &view, &err) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "progress not stored", VOR_TEXT("job", view.id.text),
+        vor_log(VOR_LOG_WARN, "progress not stored", VOR_OF_JOB(&view),
                 VOR_TEXT("error", err.message));
 }
 
-static enum vor_answer take_progress(void *ctx, const struct vor_record *record)
+static void take_progress(void *ctx, const struct vor_record *record)
 {
     struct run *run = ctx;
     double now = vor_clock_seconds();
@@ -63,144 +72,167 @@ static enum vor_answer take_progress(void *ctx, const struct vor_record *record)
         run->beat = now;
         beat(run);
     }
-    return vor_job_asked(run->job);
 }
 
-/* --- the three steps -------------------------------------------------------------------------- */
-
-/* Runs the engine on the job's inputs. */
-static vor_status compute(struct run *run, struct vor_artefacts *out, struct vor_error *err)
+static void take_stage(void *ctx, enum vor_stage stage)
 {
-    struct vor_watch watch = {
-        .ctx = run, .progress = take_progress, .poll = poll_job, .clock = read_clock};
-    struct vor_run engine = {
-        .pool = run->worker->config.pool, .memory = &run->memory, .watch = &watch};
-    struct vor_artefacts in;
-    vor_status status;
+    vor_job_stage(((struct run *)ctx)->job, stage, vor_clock_wall_ms());
+}
 
-    vor_artefacts_init(&in, &run->memory);
-    status = vor_artefacts_load(&in, run->worker->config.blobs, &run->view, err);
-    if (status == VOR_OK) {
-        vor_extent_measure(&run->facts.input,
-                           vor_artefacts_cloud(&in, run->view.spec.process->inputs[0].name));
-        status = vor_engine_run(out, &in, &run->view.spec, &engine, err);
-    }
-    vor_artefacts_free(&in);
+static void take_wait(void *ctx, const struct vor_error *why)
+{
+    tell_full(ctx, why);
+}
+
+/* --- the order and its files ------------------------------------------------------------------ */
+
+static vor_status open_input(struct run *run, unsigned index, struct vor_error *err)
+{
+    const char *name = run->view.spec.process->inputs[index].name;
+    char blob[VOR_BLOB_NAME_MAX + 1];
+    uint64_t size;
+    int found;
+    vor_status status =
+        vor_blob_get(run->worker->config.blobs, &run->view.id, vor_blob_of_input(name, blob),
+                     &run->order.input[index], &size, &found, err);
+
+    if (status == VOR_OK && !found)
+        status = vor_fail(err, VOR_E_INTERNAL, "the job's input %s is gone", name);
     return status;
 }
 
-/* Makes the outputs that are blobs durable. */
-static vor_status save_blobs(struct run *run, const struct vor_artefacts *out,
-                             struct vor_error *err)
+static vor_status open_inputs(struct run *run, struct vor_error *err)
+{
+    const struct vor_artefact_info *inputs = run->view.spec.process->inputs;
+    vor_status status = VOR_OK;
+
+    for (unsigned i = 0; inputs[i].name != NULL && status == VOR_OK; i++)
+        if ((run->view.inputs >> i & 1) != 0)
+            status = open_input(run, i, err);
+    return status;
+}
+
+static vor_status create_outputs(struct run *run, struct vor_error *err)
 {
     const struct vor_artefact_info *outputs = run->view.spec.process->outputs;
     vor_status status = VOR_OK;
 
-    for (unsigned i = 0; outputs[i].name != NULL && status == VOR_OK; i++)
-        if (!vor_output_in_row(&outputs[i]))
-            status = vor_artefact_save(&run->output[i], run->worker->config.blobs, &run->view,
-                                       vor_artefacts_find(out, outputs[i].name), &run->facts, err);
+    for (unsigned i = 0; outputs[i].name != NULL && status == VOR_OK; i++) {
+        if (vor_output_in_row(&outputs[i]))
+            continue;
+        status = vor_blob_create(run->worker->config.blobs, &run->writer[i], err);
+        if (status == VOR_OK)
+            run->order.output[i] = vor_blob_fd(run->writer[i]);
+    }
     return status;
 }
 
-/* What the engine cannot know of the report. */
-static void complete_report(const struct run *run, struct vor_report *report,
-                            const struct vor_artefacts *out, double began)
+static vor_status place_order(struct run *run, struct vor_error *err)
 {
-    const struct vor_artefact *main =
-        vor_artefacts_find(out, run->view.spec.process->outputs[0].name);
+    struct vor_order *order = &run->order;
+    vor_status status;
 
-    if (main->kind == VOR_ARTEFACT_CLOUD)
-        vor_codec_report_dropped(report, &main->cloud, vor_format(run->output[0].format));
-    report->seconds_read = 0;
-    for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
-        report->seconds_read += run->view.input[i].seconds;
-    report->seconds_write = vor_clock_seconds() - began;
-    report->memory_peak_bytes = atomic_load(&run->memory.peak);
-    memcpy(report->origin, run->output[0].origin, sizeof report->origin);
+    *order = (struct vor_order){.spec = run->view.spec,
+                                .format = run->view.input[0].format,
+                                .memory = run->worker->config.memory,
+                                .is_suspect = run->view.alone};
+    for (unsigned i = 0; i < VOR_INPUTS_MAX; i++) {
+        order->input[i] = -1;
+        order->seconds_read += run->view.input[i].seconds;
+    }
+    for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++) {
+        order->output[i] = -1;
+        run->writer[i] = NULL;
+    }
+    status = open_inputs(run, err);
+    return status == VOR_OK ? create_outputs(run, err) : status;
 }
 
-/* Writes the output that goes into the row. */
-static vor_status write_kept(struct run *run, const struct vor_artefacts *out,
-                             struct vor_error *err)
+/* Closes what place_order opened. */
+static void close_files(struct run *run)
+{
+    for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
+        if (run->order.input[i] >= 0)
+            (void)close(run->order.input[i]);
+    for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++)
+        vor_blob_discard(run->writer[i]);
+}
+
+/* Makes the outputs that are blobs durable. */
+static vor_status commit_outputs(struct run *run, struct vor_error *err)
 {
     const struct vor_artefact_info *outputs = run->view.spec.process->outputs;
+    vor_status status = VOR_OK;
 
-    for (unsigned i = 0; outputs[i].name != NULL; i++) {
-        if (!vor_output_in_row(&outputs[i]))
+    for (unsigned i = 0; outputs[i].name != NULL && status == VOR_OK; i++) {
+        const struct vor_job_output *output = &run->result.output[i];
+        struct vor_blob_writer *writer = run->writer[i];
+
+        if (writer == NULL)
             continue;
-        vor_json_document(&run->kept, &vor_artefacts_find(out, outputs[i].name)->document);
-        run->output[i].bytes = run->kept.size;
+        status = vor_blob_adopt(writer, output->bytes, output->sha256, err);
+        if (status != VOR_OK)
+            break;
+        run->writer[i] = NULL;
+        status = vor_blob_commit(writer, &run->view.id, outputs[i].name, err);
     }
-    return vor_text_status(&run->kept, err);
-}
-
-static vor_status save(struct run *run, struct vor_artefacts *out, struct vor_error *err)
-{
-    struct vor_report *report = vor_artefacts_values(out, "report", &vor_report_members);
-    double began = vor_clock_seconds();
-    vor_status status;
-
-    vor_job_stage(run->job, VOR_STAGE_ENCODE, vor_clock_wall_ms());
-    run->facts.spacing = report != NULL ? report->spacing_mean : 0;
-    status = save_blobs(run, out, err);
-    if (status != VOR_OK)
-        return status;
-    if (report != NULL) {
-        complete_report(run, report, out, began);
-        run->has_report = 1;
-        run->report = *report;
-    }
-    return write_kept(run, out, err);
-}
-
-static vor_status execute(struct run *run, struct vor_error *err)
-{
-    struct vor_artefacts out;
-    vor_status status;
-
-    vor_memory_init(&run->memory, run->worker->config.memory);
-    vor_artefacts_init(&out, &run->memory);
-    status = compute(run, &out, err);
-    if (status == VOR_OK && vor_job_asked(run->job) == VOR_CANCEL)
-        status = vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
-    if (status == VOR_OK)
-        status = save(run, &out, err);
-    vor_artefacts_free(&out);
     return status;
+}
+
+/* Has the order run, once. */
+static enum vor_run_end try_order(struct run *run, struct vor_error *err)
+{
+    const struct vor_listener listener = {.ctx = run,
+                                          .asked = asked,
+                                          .progress = take_progress,
+                                          .stage = take_stage,
+                                          .waits = take_wait};
+    struct vor_run_executor *executor = run->worker->config.executor;
+    enum vor_run_end end = VOR_RUN_FAILED;
+
+    if (place_order(run, err) == VOR_OK)
+        end = executor->run(executor, &run->order, &listener, &run->result, &run->kept, err);
+    if (end == VOR_RUN_DONE && commit_outputs(run, err) != VOR_OK)
+        end = VOR_RUN_FAILED;
+    close_files(run);
+    return end;
+}
+
+/* Has the order run, however long the disk is full. The run itself waits where its files do not
+ * grow, and keeps what it has made; here they cannot be made, or made durable. */
+static enum vor_run_end execute(struct run *run, struct vor_error *err)
+{
+    enum vor_run_end end = try_order(run, err);
+    double pause = retry_seconds;
+
+    while (end == VOR_RUN_FAILED && err->status == VOR_E_IO && vor_error_storage_full(err)) {
+        tell_full(run, err);
+        if (!vor_worker_wait_room(run->worker, run->job, pause)) {
+            (void)vor_fail(err, VOR_E_CANCELLED, "cancelled while the disk was full");
+            return VOR_RUN_FAILED;
+        }
+        pause = fmin(2 * pause, retry_seconds_max);
+        vor_text_clear(&run->kept);
+        end = try_order(run, err);
+    }
+    return end;
 }
 
 /* --- the end ---------------------------------------------------------------------------------- */
 
-/* "300 points after 12 iterations, delta 0.0212" of a run that spreads points; else what the main
- * output is. */
-static void describe_outputs(const struct run *run, char *out, size_t size)
-{
-    const struct vor_artefact_info *main = &run->view.spec.process->outputs[0];
-    char steps[64];
-
-    if (run->has_report && vor_process_takes(run->view.spec.process, VOR_PARAM_POINTS))
-        (void)snprintf(out, size, "%llu points after %s, delta %.4f",
-                       (unsigned long long)run->output[0].points,
-                       vor_report_steps(&run->report, steps, sizeof steps), run->report.delta);
-    else if (main->kind == VOR_ARTEFACT_CLOUD)
-        (void)snprintf(out, size, "%llu points", (unsigned long long)run->output[0].points);
-    else
-        (void)snprintf(out, size, "%s is ready, %llu bytes", main->name,
-                       (unsigned long long)run->output[0].bytes);
-}
-
 static void describe_success(const struct run *run, struct vor_job_view *row)
 {
+    const struct vor_run_result *result = &run->result;
+
     row->progress = 100;
-    memcpy(row->output, run->output, sizeof row->output);
-    if (run->has_report) {
+    memcpy(row->output, result->output, sizeof row->output);
+    if (result->has_report) {
         /* The last record need not be that of the cloud that is handed out. */
-        row->record.delta = run->report.delta;
-        row->record.sigma = run->report.sigma;
-        row->record.epsilon = run->report.epsilon;
+        row->record.delta = result->report.delta;
+        row->record.sigma = result->report.sigma;
+        row->record.epsilon = result->report.epsilon;
     }
-    describe_outputs(run, row->message, sizeof row->message);
+    (void)snprintf(row->message, sizeof row->message, "%s", result->message);
 }
 
 static void describe_failure(struct vor_job_view *row, const struct vor_error *problem)
@@ -244,8 +276,8 @@ static void finish(struct run *run, const struct vor_error *problem)
     struct vor_error err;
 
     while (finish_once(run, problem, &err) != VOR_OK) {
-        vor_log(VOR_LOG_ERROR, "the end of a job cannot be stored",
-                VOR_TEXT("job", run->view.id.text), VOR_TEXT("error", err.message));
+        vor_log(VOR_LOG_ERROR, "the end of a job cannot be stored", VOR_OF_JOB(&run->view),
+                VOR_TEXT("error", err.message));
         if (vor_worker_pause(run->worker, retry_seconds))
             break;
     }
@@ -261,6 +293,22 @@ static int is_aborting(struct vor_worker *worker)
     return aborting;
 }
 
+/* The run begins now. */
+static void set_limits(struct run *run)
+{
+    double may = run->worker->config.job_seconds;
+
+    run->deadline = may > 0 ? vor_clock_seconds() + may : (double)INFINITY;
+}
+
+/* Why a run that failed did, where the engine cannot know. */
+static void explain(struct run *run, struct vor_error *problem)
+{
+    if (problem->status == VOR_E_CANCELLED && atomic_load(&run->late))
+        (void)vor_fail(problem, VOR_E_DEADLINE, "the job ran for %g seconds, as long as it may",
+                       run->worker->config.job_seconds);
+}
+
 /* The daemon goes down: the next one runs the job again. */
 static void give_back(struct run *run)
 {
@@ -269,10 +317,73 @@ static void give_back(struct run *run)
 
     if (vor_store_release(run->worker->config.store, &run->view.id, run->attempt,
                           vor_clock_wall_ms(), &changed, &err) != VOR_OK)
-        vor_log(VOR_LOG_ERROR, "a job cannot be given back", VOR_TEXT("job", run->view.id.text),
+        vor_log(VOR_LOG_ERROR, "a job cannot be given back", VOR_OF_JOB(&run->view),
                 VOR_TEXT("error", err.message));
     else if (changed)
-        vor_log(VOR_LOG_INFO, "job given back", VOR_TEXT("job", run->view.id.text));
+        vor_log(VOR_LOG_INFO, "job given back", VOR_OF_JOB(&run->view));
+}
+
+/* running -> accepted in the store; *crashes gets how often the job has crashed with nothing beside
+ * it. False when the job is over, or the store cannot be told: the next start of the daemon then
+ * runs it. */
+static int put_back(struct run *run, enum vor_run_end end, unsigned *crashes)
+{
+    struct vor_crashed_run crashed = {.attempt = run->attempt,
+                                      .was_alone = end == VOR_RUN_CRASHED_ALONE,
+                                      .now_ms = vor_clock_wall_ms()};
+    struct vor_store *store = run->worker->config.store;
+    const struct vor_uuid *id = &run->view.id;
+    struct vor_error err;
+    vor_status status;
+
+    do {
+        status =
+            end == VOR_RUN_DISTURBED
+                ? vor_store_release(store, id, run->attempt, crashed.now_ms, &crashed.changed, &err)
+                : vor_store_crashed(store, id, &crashed, &err);
+        if (status == VOR_OK)
+            break;
+        vor_log(VOR_LOG_ERROR, "a job cannot be put back", VOR_TEXT("job", id->text),
+                VOR_TEXT("error", err.message));
+    } while (!vor_worker_pause(run->worker, retry_seconds));
+    *crashes = crashed.crashes;
+    return status == VOR_OK && crashed.changed;
+}
+
+/* The process of the run has ended under it. True when the job is to be run again. */
+static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error *problem)
+{
+    unsigned crashes;
+
+    vor_log(VOR_LOG_WARN, "run lost", VOR_OF_JOB(&run->view), VOR_COUNT("attempt", run->attempt),
+            VOR_TEXT("error", problem->message));
+    if (problem->status != VOR_E_INTERNAL) /* there is no worker, and may be none at once */
+        (void)vor_worker_pause(run->worker, retry_seconds);
+    if (!put_back(run, end, &crashes))
+        return 0;
+    if (end != VOR_RUN_CRASHED_ALONE || crashes < run->worker->config.faults_max)
+        return vor_job_restart(run->job, end != VOR_RUN_DISTURBED, vor_clock_wall_ms());
+    (void)vor_fail(problem, VOR_E_INTERNAL,
+                   "crashed: the worker ended %u times while it worked on this job alone", crashes);
+    run->attempt = 0; /* it does not run any more */
+    finish(run, problem);
+    return 0;
+}
+
+/* Ends the job, or finds that it is to be run again: then true. */
+static int conclude(struct run *run, enum vor_run_end end, struct vor_error *problem)
+{
+    if (end == VOR_RUN_DONE) {
+        finish(run, NULL);
+    } else if (end != VOR_RUN_FAILED) {
+        return conclude_lost(run, end, problem);
+    } else if (problem->status == VOR_E_CANCELLED && is_aborting(run->worker)) {
+        give_back(run);
+    } else {
+        explain(run, problem);
+        finish(run, problem);
+    }
+    return 0;
 }
 
 /* Removes what the ended job no longer needs, and says how it ended. */
@@ -288,7 +399,9 @@ static void clean_up(struct run *run, double began)
         vor_worker_drop_outputs(run->worker, &view.id, view.process);
     if (view.kept > 0)
         vor_worker_shed(run->worker);
-    vor_log(VOR_LOG_INFO, "job ended", VOR_TEXT("job", view.id.text),
+    if (view.status == VOR_JOB_SUCCESSFUL)
+        vor_worker_crowd(run->worker);
+    vor_log(VOR_LOG_INFO, "job ended", VOR_OF_JOB(&view),
             VOR_TEXT("status", vor_job_status_word(view.status)), VOR_TEXT("message", view.message),
             VOR_COUNT("attempt", view.attempt), VOR_COUNT("points", view.output[0].points),
             VOR_COUNT("bytes", view.output[0].bytes),
@@ -303,7 +416,7 @@ static int claim(struct run *run)
 
     while (vor_store_claim(run->worker->config.store, &run->view.id, vor_clock_wall_ms(),
                            &run->attempt, &changed, &err) != VOR_OK) {
-        vor_log(VOR_LOG_ERROR, "a job cannot be claimed", VOR_TEXT("job", run->view.id.text),
+        vor_log(VOR_LOG_ERROR, "a job cannot be claimed", VOR_OF_JOB(&run->view),
                 VOR_TEXT("error", err.message));
         if (vor_worker_pause(run->worker, retry_seconds))
             return 0;
@@ -311,25 +424,30 @@ static int claim(struct run *run)
     return changed;
 }
 
-void vor_worker_run(struct vor_worker *worker, struct vor_job *job)
+int vor_worker_run(struct vor_worker *worker, struct vor_job *job)
 {
     double began = vor_clock_seconds();
     struct run run = {.worker = worker, .job = job, .beat = began};
     struct vor_error problem;
-    vor_status status;
+    enum vor_run_end end;
+    int again = 0;
 
     vor_text_init(&run.kept, 0);
+    atomic_init(&run.late, 0);
     vor_job_view(job, &run.view);
     if (claim(&run)) {
-        vor_log(VOR_LOG_INFO, "job started", VOR_TEXT("job", run.view.id.text),
+        vor_log(VOR_LOG_INFO, "job started", VOR_OF_JOB(&run.view),
                 VOR_COUNT("attempt", run.attempt));
         vor_job_begin(job, vor_clock_wall_ms());
-        status = execute(&run, &problem);
-        if (status == VOR_E_CANCELLED && is_aborting(worker))
-            give_back(&run);
-        else
-            finish(&run, status == VOR_OK ? NULL : &problem);
+        vor_count_begun(&run.view, run.attempt, worker->config.memory);
+        set_limits(&run);
+        end = execute(&run, &problem);
+        vor_count_ended(&run.view,
+                        end == VOR_RUN_DONE && run.result.has_report ? &run.result.report : NULL,
+                        worker->config.memory, vor_clock_seconds() - began);
+        again = conclude(&run, end, &problem);
     }
     clean_up(&run, began);
     vor_text_free(&run.kept);
+    return again;
 }

@@ -1,11 +1,5 @@
 #include "server/work/upload.h"
 
-#include "proto/gzip.h"
-#include "server/base/disk.h"
-
-#include <errno.h>
-#include <sys/mman.h>
-
 void vor_uploads_discard(struct vor_uploads *uploads)
 {
     while (uploads->count > 0)
@@ -13,26 +7,22 @@ void vor_uploads_discard(struct vor_uploads *uploads)
 }
 
 static vor_status inflate_to(struct vor_blob_writer *out, const struct vor_blob_writer *in,
-                             uint64_t most, struct vor_error *err)
+                             uint64_t most, const struct vor_codec_place *place,
+                             struct vor_error *err)
 {
-    size_t size = (size_t)vor_blob_size(in);
-    struct vor_sink sink = vor_blob_sink(out);
-    void *bytes = NULL;
-    vor_status status;
+    const struct vor_codec_order order = {
+        .op = VOR_CODEC_INFLATE, .size = vor_blob_size(in), .most = most};
+    const struct vor_sink sink = vor_blob_sink(out);
+    struct vor_codec_facts facts;
+    vor_status status = vor_codec_run(&facts, place, &order, vor_blob_fd(in), &sink, err);
 
-    if (size > 0)
-        bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, vor_blob_fd(in), 0);
-    if (bytes == MAP_FAILED)
-        return vor_fail_errno(err, errno, "mapping the upload");
-    status = vor_gzip_inflate(&sink, bytes, size, most, err);
-    if (bytes != NULL)
-        (void)munmap(bytes, size);
     if (status != VOR_OK)
         (void)vor_blob_failure(out, err);
     return status;
 }
 
-vor_status vor_upload_inflate(struct vor_upload *upload, struct vor_blobs *blobs, uint64_t *most,
+vor_status vor_upload_inflate(struct vor_upload *upload, struct vor_blobs *blobs,
+                              const struct vor_codec_place *place, uint64_t *most,
                               struct vor_error *err)
 {
     struct vor_blob_writer *inflated = NULL;
@@ -43,7 +33,9 @@ vor_status vor_upload_inflate(struct vor_upload *upload, struct vor_blobs *blobs
     status = vor_blob_create(blobs, &inflated, err);
     if (status != VOR_OK)
         return status;
-    status = inflate_to(inflated, upload->bytes, *most, err);
+    status = vor_blob_promise(inflated, 0, err);
+    if (status == VOR_OK)
+        status = inflate_to(inflated, upload->bytes, *most, place, err);
     if (status != VOR_OK) {
         vor_blob_discard(inflated);
         return status;

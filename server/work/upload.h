@@ -4,6 +4,7 @@
 
 #include "core/spec.h"
 #include "server/blob/blob.h"
+#include "server/work/codec_run.h"
 
 #include <stdint.h>
 
@@ -26,13 +27,15 @@ void vor_uploads_discard(struct vor_uploads *uploads);
 /** Inflates an upload that is gzip; leaves others alone. Its bytes are then those that were
  *  compressed, with their own size and SHA-256.
  *
- *  @param[in,out] most  bytes that may come of it; less by what came
+ *  @param[in]     place  where that is done
+ *  @param[in,out] most      bytes that may come of it; less by what came
  *
  *  @retval VOR_E_IO  the disk refuses (vor_error_storage_full tells a full one apart)
- *  @retval others    as vor_gzip_inflate; the upload is unchanged
+ *  @retval others    as vor_codec_run; the upload is unchanged
  *
  *  Cost: that of writing what comes of it; not for HTTP threads. */
 VOR_NODISCARD vor_status vor_upload_inflate(struct vor_upload *upload, struct vor_blobs *blobs,
-                                            uint64_t *most, struct vor_error *err);
+                                            const struct vor_codec_place *place, uint64_t *most,
+                                            struct vor_error *err);
 
 #endif

@@ -6,12 +6,12 @@
 #ifndef VOR_SERVER_WORK_WORKER_H
 #define VOR_SERVER_WORK_WORKER_H
 
-#include "core/base/parallel.h"
 #include "server/blob/blob.h"
 #include "server/jobs/job.h"
 #include "server/store/store.h"
 #include "server/work/admit.h"
 #include "server/work/crew.h"
+#include "server/work/run_executor.h"
 
 #include <stddef.h>
 
@@ -20,13 +20,25 @@ struct vor_worker;
 struct vor_worker_config {
     struct vor_store *store; /**< borrowed, as the next two */
     struct vor_blobs *blobs;
-    struct vor_pool *pool;
-    unsigned jobs;        /**< run at the same time, 1 .. 64 */
-    size_t queue;         /**< wait at most, at least 1 */
-    size_t memory;        /**< bytes a job may have */
-    double ttl_seconds;   /**< results live this long after the job's end */
-    uint64_t keep;        /**< bytes of uploads that are kept; 0 for none */
-    unsigned crashes_max; /**< a job that was running in so many crashes of the daemon fails */
+    struct vor_run_executor *executor;
+    unsigned jobs;                  /**< run at the same time, 1 .. 64 */
+    size_t queue;                   /**< wait at most, at least 1 */
+    uint64_t queue_bytes;           /**< of decoded inputs, of those that wait */
+    size_t memory;                  /**< bytes a job may have */
+    double job_seconds;             /**< a job may run; 0 for any */
+    double ttl_seconds;             /**< results live this long after the job's end */
+    uint64_t results;               /**< bytes of results that are kept; of those that ended first,
+                                         less */
+    uint64_t keep;                  /**< bytes of uploads that are kept; 0 for none */
+    double lost_seconds;            /**< bytes without a job are kept so long, if rows were lost */
+    uint64_t lost_bytes;            /**< and up to so many */
+    uint64_t budget;                /**< bytes all running jobs may have, as estimated; 0 for any */
+    unsigned faults_max, kills_max; /**< as struct vor_crash has them */
+    const char *fault_mark; /**< as vor_fault_arm takes it; NULL where every end is a crash */
+    /** Called once, on a thread of the worker, when a disk has failed: what is on it is not known
+     *  any more, and only a restart helps. May be NULL. */
+    void (*failed)(void *ctx, const struct vor_error *why);
+    void *failed_ctx;
 };
 
 /** Puts every job that a former life of the daemon left waiting or running back into the queue, in
@@ -52,17 +64,28 @@ void vor_worker_destroy(struct vor_worker *worker);
  *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING */
 enum vor_job_outcome vor_worker_room(struct vor_worker *worker);
 
-/** Jobs that wait, and that run. */
+/** Can jobs be taken, run and ended? For /readyz: the store is in order, its reserve is there, and
+ *  the disk has room besides what stays free.
+ *
+ *  @retval VOR_E_IO and the reason (vor_error_storage_full tells a full disk apart) */
+VOR_NODISCARD vor_status vor_worker_ready(struct vor_worker *worker, struct vor_error *err);
+
+/** Jobs that wait, and that run; when the one that is next was accepted, 0 when none waits. */
 struct vor_worker_load {
     size_t waiting, running;
+    uint64_t reserved, budget; /**< bytes: of memory, for what runs, as estimated, and in all */
+    int64_t oldest_ms;
 };
 void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out);
 
-/** What a job is called, and what makes it the same when it is asked for again; either may be NULL.
+/** What a job is called, and what makes it the same when it is asked for again; each may be NULL.
  */
 struct vor_job_label {
     const char *name;              /**< as vor_job_view.name */
-    const struct vor_job_key *key; /**< of no job: vor_worker_find_key says VOR_UNKNOWN */
+    const struct vor_job_key *key; /**< of no job: vor_worker_find_key says VOR_UNKNOWN; its
+                                        principal is whose the job is */
+    const struct vor_span *span;   /**< the step of a trace that asks for it */
+    size_t jobs_max; /**< jobs of that principal that may wait or run, this one included; 0: any */
 };
 
 /** Accepts a job for inputs that vor_admit_file took in: the row is durable when this returns.
@@ -73,11 +96,12 @@ struct vor_job_label {
  *  @param[in]  label     may be NULL
  *  @param[out] out       the job's first view; may be NULL
  *
- *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING
- *  @retval VOR_FAILED  err: VOR_E_PARAM an input that the process does not take, or as
- *                      vor_spec_check_inputs; VOR_E_TARGET as vor_spec_check_target, but for
- *                      spacing, which only the run can tell; VOR_E_ORIGIN as vor_write_check;
- *                      VOR_E_IO; VOR_E_NOMEM
+ *  @retval VOR_DONE, VOR_FULL, VOR_CROWDED, VOR_DRAINING
+ *  @retval VOR_FAILED  err: VOR_E_BYTES its decoded inputs alone are more than may wait;
+ * VOR_E_PARAM an input that the process does not take, or as vor_spec_check_inputs; VOR_E_TARGET as
+ * vor_spec_check_target, but for spacing, which only the run can tell; VOR_E_ORIGIN as
+ * vor_write_check; VOR_E_IO; VOR_E_NOMEM, with limit and got where the job needs more than the
+ * budget; VOR_E_WORK as vor_cost_check
  *
  *  Cost: an fsync; not for HTTP threads. */
 VOR_NODISCARD enum vor_job_outcome
@@ -102,6 +126,15 @@ VOR_NODISCARD enum vor_job_outcome vor_worker_find_key(struct vor_worker *worker
 VOR_NODISCARD enum vor_job_outcome vor_worker_get(struct vor_worker *worker,
                                                   const struct vor_uuid *id,
                                                   struct vor_job_view *out, struct vor_error *err);
+
+/** The same for a job of this principal alone; those of others are unknown. NULL: of any. */
+VOR_NODISCARD enum vor_job_outcome vor_worker_get_of(struct vor_worker *worker,
+                                                     const struct vor_uuid *id, const char *tenant,
+                                                     struct vor_job_view *out,
+                                                     struct vor_error *err);
+
+/** How many jobs of a principal wait or run. */
+size_t vor_worker_jobs_of(struct vor_worker *worker, const char *tenant);
 
 /** vor_store_list with what is live brought up to date. each must not call the worker. */
 VOR_NODISCARD vor_status vor_worker_list(struct vor_worker *worker,

@@ -6,6 +6,7 @@ use FindBin;
 use lib $FindBin::Bin;
 use Cli;
 use JSON::PP;
+use POSIX ();
 use Test::More;
 use Time::HiRes qw(sleep);
 
@@ -39,6 +40,23 @@ subtest 'stdin and stdout' => sub {
     ok $stdout eq $wanted, 'the bytes are still alone on stdout';
     is scalar(split /\n/, $stderr), 8, 'the lines are on stderr';
     is decode_json((split /\n/, $stderr)[-1])->{points}{out}, 500, 'and the last is the report';
+};
+
+subtest 'what never ends and is no cloud' => sub {
+    my ($code, undef, $stderr) = finish(start(['resample', '/dev/zero', @request, '-o', $out]), 20);
+    is $code, 3, '/dev/zero is refused';
+    like $stderr, qr{\Avoronoid: /dev/zero: the input begins with "\\x00}, 'by its first bytes';
+    POSIX::mkfifo("$folder/pipe", 0600) or die "mkfifo: $!";
+    my $reader = start(['resample', '-', @request, '-o', $out], stdin => "$folder/pipe");
+    open my $pipe, '>', "$folder/pipe" or die "$folder/pipe: $!";
+    local $SIG{PIPE} = 'IGNORE';
+    my $taken = 0;
+    while ($taken < 1 << 24) { $taken += syswrite($pipe, 'x' x 4096) // last }
+    close $pipe;
+    unlink "$folder/pipe";
+    ($code) = finish($reader);
+    is $code, 3, 'also a pipe';
+    cmp_ok $taken, '<', 1 << 20, 'of which no more is read';
 };
 
 subtest 'lines of JSON' => sub {

@@ -135,6 +135,9 @@ subtest 'make install' => sub {
     for my $path (sort keys %same) {
         ok slurp("$root/opt/v/$path") eq slurp($same{$path}), "$path is there";
     }
+    my $unit = 'lib/systemd/system/voronoid.service';
+    is slurp("$root/opt/v/$unit"), slurp('docker/voronoid.service') =~ s{/usr/local/bin/}{/opt/v/bin/}r, "$unit starts what is installed";
+    $same{$unit} = 'docker/voronoid.service';
     my @files = split /\n/, `cd '$root/opt/v' && find . -type f`;
     is scalar(@files), scalar(keys %same), 'and nothing else';
     ok -x "$root/opt/v/bin/voronoid", 'the binary can be run';

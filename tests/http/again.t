@@ -334,8 +334,7 @@ for my $round (1 .. 8) {
 $daemon = Vt->start(dir => $dir);
 for my $slot (sort keys %answer) {
     my $info = $daemon->finish($answer{$slot});
-    like "$info->{status}: $info->{message}", qr/^successful|^failed: the daemon ended 2 times/,
-        "$slot: what was accepted is done, unless it was in too many crashes";
+    is $info->{status}, 'successful', "$slot: what was accepted is done" or diag($info->{message});
     is $daemon->get("/v1/jobs/$answer{$slot}/input")->{content}, $small, "$slot: and its input is kept";
 }
 my @all = @{ json($daemon->get('/v1/jobs?limit=1000'))->{jobs} };

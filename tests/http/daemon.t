@@ -32,7 +32,7 @@ for my $case (
     [['--cors-origin', 'https://a.example, https://b.example/'], qr{holds "https://b\.example/"}],
     [['--cors-origin', 'a.example'], qr/holds "a\.example"/],
     [['--he=1'], qr/--he=1 may be --header-timeout or --heartbeat/], [['-x'], qr/-x is no setting/],
-    [['--que=0'], qr/--queue is "0"/], [['--', '--jobs=1'], qr/--jobs=1 is/],
+    [['--strea=0'], qr/--streams is "0"/], [['--', '--jobs=1'], qr/--jobs=1 is/],
     [['--colour', 'red'], qr/no setting --colour/], [['red'], qr/red is no setting/],
 ) {
     my ($arguments, $message) = @$case;
@@ -53,7 +53,7 @@ for my $case (
     is $daemon->stop, 0, 'it ends with 0';
 }
 my ($status, $routes, $printed) = Vt::run('--print-routes');
-like $printed, qr{^POST /v1/resample 200 }m, '--print-routes prints the routes';
+like $printed, qr{^POST /v1/resample submit 200 }m, '--print-routes prints the routes';
 
 my ($helped, undef, $help) = Vt::run('--help');
 is $helped, 0, '--help is no mistake';
@@ -157,7 +157,7 @@ cmp_ok time - $before, '<', 5, 'that is, at once';
 
 # Host and Origin.
 $daemon = Vt->start('cors-origin' => 'https://a.example,https://b.example:8443',
-    'public-url' => 'https://cloud.example/base/');
+    'public-url' => 'https://cloud.example/base/', 'no-auth' => 1);
 sub with { my ($method, $path, %headers) = @_;
     my $lines = join '', map { "$_: $headers{$_}\r\n" } sort keys %headers;
     my $raw = $daemon->raw("$method $path HTTP/1.1\r\n${lines}Connection: close\r\n\r\n");

@@ -165,7 +165,7 @@ for my $name ('../../../../tmp/vt-escape', '/tmp/vt-escape', 'a";\\"b', "x\xff\x
     unlike join("\n", %{ $answer->{headers} }), qr/evil|escape|passwd|x\xff|xxxx/i, 'and no header has it';
 }
 ok !-e '/tmp/vt-escape', 'no file has it either';
-is join(' ', sort map { s{.*/}{}r } glob "$daemon->{dir}/data/*"), 'blobs jobs.sqlite jobs.sqlite-shm jobs.sqlite-wal jobs.sqlite.lock', 'nor anything beside our own';
+is join(' ', sort map { s{.*/}{}r } glob "$daemon->{dir}/data/*"), 'blobs jobs.sqlite jobs.sqlite-shm jobs.sqlite-wal jobs.sqlite.lock jobs.sqlite.reserve', 'nor anything beside our own';
 is scalar(() = glob "$daemon->{dir}/data/blobs/tmp/*"), 0, 'nothing is left half-way';
 
 # Pages of other sites.
@@ -175,7 +175,8 @@ is curl('/v1/resample', '-H', "Sec-Fetch-Site: $_", @form)->{status}, 200, "a fo
 is curl('/v1/resample', '-H', "Origin: $daemon->{url}", '-H', 'Sec-Fetch-Site: same-origin', @form)->{status}, 200, 'one of our own';
 is_problem(curl('/v1/resample', '-H', 'Sec-Fetch-Site: cross-site', @form), 403, 'forbidden', 'one of another site is refused');
 is_problem(curl('/v1/resample', '-H', "Origin: $_", @form), 403, 'forbidden', "one of $_ is refused") for 'https://evil.example', 'null';
-is $daemon->get('/livez', headers => { 'Sec-Fetch-Site' => 'cross-site' })->{status}, 200, 'who only looks is not';
+is $daemon->get('/livez', headers => { 'Sec-Fetch-Site' => 'cross-site', 'Sec-Fetch-Mode' => 'navigate' })->{status}, 200,
+    'who only follows a link is not';
 {
     my $cors = Vt->start('cors-origin' => 'https://app.example');
     my ($was, @there) = ($daemon, '-H', 'Sec-Fetch-Site: cross-site', @form);

@@ -68,14 +68,14 @@ is_deeply [grep { $_->{msg} eq 'request' && $_->{client} ne '127.0.0.1' } $daemo
     'the log has the address of the connection';
 
 # The peer is not the proxy that is trusted.
-$daemon = Vt->start('trusted-proxy' => '10.0.0.0/8,127.0.0.2');
+$daemon = Vt->start('no-auth' => 1, 'trusted-proxy' => '10.0.0.0/8,127.0.0.2');
 @own = (Host => $daemon->{address});
 is base(@own, @x), $daemon->{url}, 'who is not trusted is not believed';
 is $daemon->stop, 0, 'it ends with 0';
 ok !(grep { ($_->{client} // '') eq '192.0.2.1' } $daemon->log_lines), 'nor logged by what it says';
 
 # X-Forwarded-*, the default.
-$daemon = Vt->start('trusted-proxy' => '127.0.0.0/8, fd00::/8');
+$daemon = Vt->start('no-auth' => 1, 'trusted-proxy' => '127.0.0.0/8, fd00::/8');
 @own = (Host => $daemon->{address});
 is base(@own), $daemon->{url}, 'a trusted proxy that says nothing changes nothing';
 is base(@own, @x), 'https://cloud.example/clouds', 'scheme, host and prefix make the links';
@@ -119,7 +119,7 @@ my ($line) = grep { $_->{msg} eq 'request' && ($_->{job} // '') eq $id && $_->{m
 is $line->{client}, '192.0.2.1', 'the log has the client';
 
 # Forwarded.
-$daemon = Vt->start('trusted-proxy' => '127.0.0.1', 'proxy-headers' => 'forwarded');
+$daemon = Vt->start('no-auth' => 1, 'trusted-proxy' => '127.0.0.1', 'proxy-headers' => 'forwarded');
 @own = (Host => $daemon->{address}, 'X-Request-Id' => 'seen');
 is base(@own, @forwarded), 'https://other.example:8443', 'Forwarded makes the links';
 is base(@own, @forwarded, @x), 'https://other.example:8443', 'X-Forwarded-* is ignored';
@@ -130,7 +130,7 @@ is_deeply [map { $_->{client} } grep { ($_->{request_id} // '') eq 'seen' } $dae
     ['2001:db8::1', '2001:db8::1', '127.0.0.1', '127.0.0.1'], 'the log has the client';
 
 # --public-url wins, and its host is one of ours; what a proxy says is held against it.
-$daemon = Vt->start('trusted-proxy' => '127.0.0.1', 'public-url' => 'https://named.example:8443/base/');
+$daemon = Vt->start('no-auth' => 1, 'trusted-proxy' => '127.0.0.1', 'public-url' => 'https://named.example:8443/base/');
 @own = (Host => $daemon->{address});
 is base(@own), 'https://named.example:8443/base', '--public-url makes the links';
 is base(Host => 'named.example'), 'https://named.example:8443/base', 'its Host is answered';
@@ -142,7 +142,7 @@ is base(Host => 'evil.example', 'X-Forwarded-Host' => 'named.example'), 403,
 is $daemon->stop, 0, 'it ends with 0';
 
 # --allowed-hosts, here and where other machines may call.
-$daemon = Vt->start('trusted-proxy' => '127.0.0.1', 'allowed-hosts' => 'cloud.example, Other.example,[2001:db8::1]');
+$daemon = Vt->start('no-auth' => 1, 'trusted-proxy' => '127.0.0.1', 'allowed-hosts' => 'cloud.example, Other.example,[2001:db8::1]');
 @own = (Host => $daemon->{address});
 is base(@own, @x), 'https://cloud.example/clouds', 'a host of the list is answered';
 is base(Host => 'other.example:90'), 'http://other.example:90', 'also without a proxy, at any port';

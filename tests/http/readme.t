@@ -17,6 +17,7 @@ push @blocks, { language => $1, text => $2 } while $readme =~ /^```(\w*)\n(.*?)^
 my %run = (
     sh => sub { $_[0] },
     js => sub { "cat >block.mjs <<'END_OF_BLOCK'\n$_[0]END_OF_BLOCK\nnode block.mjs\n" },
+    ini => sub { "cat >block.conf <<'END_OF_BLOCK'\n$_[0]END_OF_BLOCK\nvoronoid serve --check-config --config block.conf\n" },
     python => sub { "python3 - <<'END_OF_BLOCK'\n$_[0]END_OF_BLOCK\n" },
 );
 my %elsewhere = map { $_ => 1 } qw(nginx haproxy caddyfile console);

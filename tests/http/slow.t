@@ -73,13 +73,24 @@ my $bad = $large->raw("POST /v1/resample?points=0 HTTP/1.1\r\n${host}Content-Len
 like $bad, qr{\AHTTP/1\.1 400 }, 'a wrong parameter is told before the body is sent';
 is $large->stop, 0, 'it ends with 0';
 
-# More connections than may be: jobs are refused, health checks are not.
-my $crowd = Vt->start(connections => 3);
-my @idle = map { $crowd->connect } 1 .. 40;
-ok wait_until(sub { $crowd->get('/v1/jobs')->{status} == 503 }, 5), 'a crowd is turned away';
+# More connections than may be: silent ones go, those who upload stay, and health checks are answered in any case.
+my $crowd = Vt->start(connections => 4, threads => 1);
+my @idle = map { $crowd->connect } 1 .. 200;
+is $crowd->get('/v1/jobs')->{status}, 200, 'a silent crowd keeps nobody out';
+sub cut { return scalar grep { my $byte; IO::Select->new($_)->can_read(0) && !$_->sysread($byte, 1) } @_ }
+ok wait_until(sub { cut(@idle) >= 160 }, 5), 'who was there first and said nothing is cut';
+is $crowd->get('/v1/jobs')->{status}, 200, 'who comes later is served all the same';
+$crowd->get('/livez');
+my @kept = map { my $one = $crowd->connect; $one->syswrite("GET /livez HTTP/1.1\r\n$host\r\n"); $one } 1 .. 30;
+my $answered = 0;
+my $read = sub { $answered += grep { my $bytes = ''; IO::Select->new($_)->can_read(0) && $_->sysread($bytes, 4096) && $bytes =~ /alive/ } @kept };
+ok wait_until(sub { $read->(); $answered >= 26 }, 5), 'kept connections are answered';
+ok wait_until(sub { $crowd->get('/v1/jobs')->{status} == 200 }, 5), 'and make room while they are silent';
+my @busy = map { my $one = $crowd->connect; $one->syswrite("${post}Content-Length: 1000\r\n\r\nply"); $one } 1 .. 40;
+ok wait_until(sub { $crowd->get('/v1/jobs')->{status} == 503 }, 5), 'a busy crowd is turned away';
 is_problem($crowd->get('/v1/jobs'), 503, 'too-many-connections', 'with a problem');
 is $crowd->get('/livez')->{status}, 200, 'health checks are answered all the same';
-close $_ for @idle;
+close $_ for @idle, @kept, @busy;
 ok wait_until(sub { $crowd->get('/v1/jobs')->{status} == 200 }, 5), 'when it is gone jobs are served';
 is $crowd->stop, 0, 'it ends with 0';
 

@@ -9,7 +9,7 @@ use Test::More;
 my @core = ('base', 'cloud', 'spec', 'report', 'knn', 'geom', 'input', 'metrics', 'opt', 'seeds', 'method', 'cvt kmeans lop remesh',
     'mesh align', 'output', 'baselines', 'process', 'engine');
 my %is_method = map { $_ => 1 } qw(cvt kmeans lop remesh);
-my @server = ('base', 'store blob', 'jobs', 'work', 'http', 'api', 'cli', 'serve', 'main');
+my @server = ('base', 'proc', 'store blob', 'jobs', 'work', 'http', 'api', 'cli', 'serve', 'main');
 # What proto and server see of core; the engine only where runs are made.
 my %open = map { $_ => 1 } qw(base cloud spec report);
 my %runs = map { $_ => 1 } qw(work cli);
@@ -21,6 +21,7 @@ my %door = (
     'flann/flann.h' => qr{^core/knn/knn_flann\.c$},
     'sqlite3.h'     => qr{^server/store/sqlite_database\.c$},
     'curl/curl.h'   => qr{^server/cli/remote\.c$},
+    'seccomp.h'     => qr{^server/proc/sandbox\.c$},
     'zlib.h'        => qr{^proto/gzip\.c$},
 );
 my @doors = (

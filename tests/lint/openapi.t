@@ -24,7 +24,7 @@ is_deeply \@dangling, [], 'every reference leads somewhere';
 my (undef, undef, $printed) = Vt::run('--print-routes');
 my %routes;
 for my $line (split /\n/, $printed) {
-    my ($method, $route, @codes) = split / /, $line;
+    my ($method, $route, $scope, @codes) = split / /, $line;
     $routes{"$method $route"} = { map { $_ => 1 } @codes };
 }
 my @other_names = grep { !%{ $routes{$_} } } sort keys %routes;

@@ -29,7 +29,7 @@ sub block {
     my ($text) = $readme =~ /^```\Q$language\E\n(.*?)^```$/ms or die "README.md has no block $language";
     return $text;
 }
-my ($settings) = $readme =~ /`voronoid serve (--trusted-proxy \S+)`/ or die 'README.md does not start a daemon';
+my ($trusted) = $readme =~ /`voronoid serve --trusted-proxy (\S+) --no-auth`/ or die 'README.md does not start a daemon';
 
 sub free_port {
     my $socket = IO::Socket::INET->new(LocalAddr => '127.0.0.1', LocalPort => 0, Listen => 1) or die "no port: $!";
@@ -183,7 +183,7 @@ my $large = tempdir(CLEANUP => 1) . '/large.ply';
 write_large($large);
 for my $name (sort keys %proxies) {
     my $dir = tempdir(CLEANUP => 1);
-    my $daemon = Vt->start(jobs => 1, map { s/^--//r } split / /, $settings);
+    my $daemon = Vt->start(jobs => 1, 'trusted-proxy' => $trusted, 'no-auth' => 1);
     my $port = free_port();
     my $via = { port => $port, base => "$proxies{$name}{scheme}://$host:$port" };
     my $pid = launch($dir, $proxies{$name}{start}->($dir, $port, $daemon));

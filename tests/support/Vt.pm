@@ -73,7 +73,15 @@ sub slurp {
 }
 
 sub log_text { return slurp($_[0]{log}) }
-sub log_lines { return map { JSON::PP::decode_json($_) } grep { length } split /\n/, $_[0]->log_text }
+
+# The lines, once no more come: a thread of the daemon writes them, a little after what they tell of.
+sub log_lines {
+    my ($self) = @_;
+    my ($text, $before) = ($self->log_text);
+
+    do { $before = length $text; sleep 0.03; $text = $self->log_text } while length $text > $before;
+    return map { JSON::PP::decode_json($_) } grep { length } split /\n/, $text;
+}
 
 # Ends it; the exit status, or "signal N".
 sub stop {

@@ -11,7 +11,8 @@ void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
                      const struct vt_daemon_options *options)
 {
     static const struct vt_daemon_options defaults;
-    struct vor_worker_config config = {.crashes_max = 3};
+    struct vor_worker_config config = {
+        .faults_max = 3, .kills_max = 3, .lost_seconds = 3600, .lost_bytes = 1 << 20};
 
     if (options == NULL)
         options = &defaults;
@@ -23,12 +24,19 @@ void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
     vt_assert_ok(vor_pool_create(&daemon->pool, 2, &vt_err));
     config.store = daemon->store;
     config.blobs = daemon->blobs;
-    config.pool = daemon->pool;
+    vor_run_here_init(&daemon->here, daemon->pool);
+    config.executor = &daemon->here.base;
     config.jobs = options->jobs > 0 ? options->jobs : 2;
     config.queue = options->queue > 0 ? options->queue : 16;
+    config.queue_bytes = options->queue_bytes > 0 ? options->queue_bytes : (uint64_t)1 << 30;
+    config.failed = options->failed;
+    config.failed_ctx = options->failed_ctx;
+    config.results = options->results > 0 ? options->results : (uint64_t)1 << 30;
     config.memory = options->memory > 0 ? options->memory : (size_t)1 << 30;
     config.ttl_seconds = options->ttl_seconds > 0 ? options->ttl_seconds : 3600;
     config.keep = options->keep;
+    config.job_seconds = options->job_seconds;
+    config.budget = options->budget;
     vt_assert_ok(vor_worker_create(&daemon->worker, &config, &vt_err));
 }
 

@@ -10,16 +10,23 @@ struct vt_daemon {
     struct vor_blobs *blobs;
     struct vor_store *store;
     struct vor_pool *pool;
+    struct vor_run_here here;
     struct vor_worker *worker;
 };
 
-/** What a daemon may be given; zero is the default (2 jobs, queue 16, 1 GiB, an hour, 3 crashes).
+/** What a daemon may be given; zero is the default (2 jobs, queue 16, 1 GiB, an hour, 3 crashes
+ * alone).
  */
 struct vt_daemon_options {
     unsigned jobs;
     size_t queue, memory;
-    double ttl_seconds;
-    uint64_t keep; /**< 0 for no uploads */
+    uint64_t budget;                 /**< 0 for any */
+    double ttl_seconds, job_seconds; /**< a job may run for any time with 0 */
+    uint64_t queue_bytes;            /**< 0 for 1 GiB */
+    uint64_t results;                /**< 0 for 1 GiB */
+    uint64_t keep;                   /**< 0 for no uploads */
+    void (*failed)(void *ctx, const struct vor_error *why); /**< as of the worker; NULL for none */
+    void *failed_ctx;
     void (*prepare)(
         struct vt_daemon *daemon); /**< once store and blobs are open; NULL for nothing */
 };

@@ -1,5 +1,6 @@
 #include "tests/support/vt_sync.h"
 
+#include <errno.h>
 #include <stdatomic.h>
 #include <stddef.h>
 #include <sys/mman.h>
@@ -14,6 +15,7 @@ struct gate {
 };
 
 static struct gate *gate;
+static atomic_int rows_fail, bytes_fail; /* of this process alone */
 
 __attribute__((constructor)) static void make_gate(void)
 {
@@ -39,17 +41,29 @@ static void pass_gate(void)
     atomic_fetch_sub(&gate->waiting, 1);
 }
 
+static int fail(void)
+{
+    errno = EIO;
+    return -1;
+}
+
 /* The program's own definitions come before those of the C library, for shared libraries, too. */
 int fsync(int fd)
 {
     pass_gate();
-    return (int)syscall(SYS_fsync, fd);
+    return atomic_load(&bytes_fail) ? fail() : (int)syscall(SYS_fsync, fd);
 }
 
 int fdatasync(int fd)
 {
     pass_gate();
-    return (int)syscall(SYS_fdatasync, fd);
+    return atomic_load(&rows_fail) ? fail() : (int)syscall(SYS_fdatasync, fd);
+}
+
+void vt_sync_fail(int rows, int bytes)
+{
+    atomic_store(&rows_fail, rows);
+    atomic_store(&bytes_fail, bytes);
 }
 
 void vt_sync_close_after(int passing)

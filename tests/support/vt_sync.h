@@ -3,6 +3,10 @@
 #ifndef VT_SYNC_H
 #define VT_SYNC_H
 
+/** From now on syncs of rows (fdatasync, SQLite's), or of bytes (fsync), fail with EIO, or do not.
+ */
+void vt_sync_fail(int rows, int bytes);
+
 /** Lets so many syncs pass from now on; those that come after them wait, 30 seconds at most. */
 void vt_sync_close_after(int passing);
 

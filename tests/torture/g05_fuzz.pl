@@ -4,9 +4,9 @@
 use strict;
 use warnings;
 use FindBin;
-use lib "$FindBin::Bin/../support";
+use lib "$FindBin::Bin/../support", $FindBin::Bin;
 use List::Util qw(sum0);
-use Torture;
+use Faults;
 
 my %option = options();
 exit 0 unless $option{long};

@@ -3,8 +3,8 @@
 use strict;
 use warnings;
 use FindBin;
-use lib "$FindBin::Bin/../support";
-use Torture;
+use lib "$FindBin::Bin/../support", $FindBin::Bin;
+use Faults;
 
 options();
 my %table = (

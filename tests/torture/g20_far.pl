@@ -5,10 +5,10 @@ use strict;
 use warnings;
 use File::Temp qw(tempdir);
 use FindBin;
-use lib "$FindBin::Bin/../support";
+use lib "$FindBin::Bin/../support", $FindBin::Bin;
 use JSON::PP;
 use List::Util qw(max);
-use Torture;
+use Faults;
 
 my %option = options();
 my $binary = $ENV{VORONOID};

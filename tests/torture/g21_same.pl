@@ -6,8 +6,8 @@ use warnings;
 use Digest::SHA qw(sha256_hex);
 use File::Temp qw(tempdir);
 use FindBin;
-use lib "$FindBin::Bin/../support";
-use Torture;
+use lib "$FindBin::Bin/../support", $FindBin::Bin;
+use Faults;
 use Vt;
 
 my %option = options();

@@ -4,8 +4,8 @@
 use strict;
 use warnings;
 use FindBin;
-use lib "$FindBin::Bin/../support";
-use Torture;
+use lib "$FindBin::Bin/../support", $FindBin::Bin;
+use Faults;
 
 my %option = options();
 exit 0 unless $option{long};

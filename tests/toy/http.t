@@ -74,7 +74,7 @@ sub reaches {
 
 subtest 'descriptions come of the tables' => sub {
     my @ids = map { $_->{id} } @{ json($daemon->get('/v1/processes'))->{processes} };
-    is_deeply \@ids, [qw(resample denoise upsample simplify measure inspect convert mesh excerpt census ribbon)], 'the list has those that HTTP offers';
+    is_deeply \@ids, [qw(resample denoise upsample simplify measure inspect convert mesh excerpt census ribbon poison)], 'the list has those that HTTP offers';
     my $census = json($daemon->get('/v1/processes/census'));
     is_deeply [sort keys %{ $census->{inputs} }], [sort 'cloud', keys %told], 'the inputs of one';
     my %schema = map { $_ => $census->{inputs}{$_}{schema} } keys %{ $census->{inputs} };

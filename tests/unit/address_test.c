@@ -74,7 +74,7 @@ START_TEST(the_two_families_of_a_socket_are_one)
 {
     struct sockaddr_in four = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(0xc0000201)};
     struct sockaddr_in6 six = {.sin6_family = AF_INET6};
-    struct sockaddr other = {.sa_family = AF_UNIX};
+    struct sockaddr local = {.sa_family = AF_UNIX}, other = {.sa_family = AF_UNSPEC};
     struct vor_address a, b = address("::ffff:192.0.2.1");
 
     ck_assert(vor_address_of_socket(&a, (const struct sockaddr *)&four));
@@ -83,6 +83,9 @@ START_TEST(the_two_families_of_a_socket_are_one)
     ck_assert(vor_address_of_socket(&a, (const struct sockaddr *)&six));
     ck_assert_mem_eq(a.bytes, b.bytes, sizeof a.bytes);
     ck_assert(!vor_address_of_socket(&a, &other));
+    b = address("127.0.0.1");
+    ck_assert(vor_address_of_socket(&a, &local));
+    ck_assert_mem_eq(a.bytes, b.bytes, sizeof a.bytes);
 }
 END_TEST
 
@@ -179,7 +182,19 @@ START_TEST(hosts_are_told_from_what_is_none)
         {"[::1]", 5},
         {"[2001:db8::1]:443", 13},
         {"my_container:8080", 12},
-        {"a:", 1},
+        {"a:1", 1},
+        {"a:65535", 1},
+        {"[::1]:8080", 5},
+        {"a:", 0},
+        {"a:0", 0},
+        {"a:65536", 0},
+        {"a:99999", 0},
+        {"a:80x", 0},
+        {"a:80:80", 0},
+        {"localhost:evil.com", 0},
+        {"[::1]evil.example", 0},
+        {"[::1]:80.evil.example", 0},
+        {"[::1]:", 0},
         {"", 0},
         {":80", 0},
         {"a b", 0},

@@ -25,6 +25,7 @@ static int kept(const char *dir)
 static void load(struct vor_blobs *blobs, const struct vor_uuid *id, struct vor_cloud *cloud)
 {
     uint64_t size;
+    size_t sealed;
     int fd, found;
     void *bytes;
 
@@ -33,7 +34,10 @@ static void load(struct vor_blobs *blobs, const struct vor_uuid *id, struct vor_
     bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, fd, 0);
     ck_assert_ptr_ne(bytes, MAP_FAILED);
     vor_cloud_init(cloud, &vt_memory);
-    vt_assert_ok(vor_dump_read(cloud, bytes, size, &vt_err));
+    sealed = size;
+    vt_assert_ok(vor_blob_unseal(bytes, &sealed, "input", &vt_err));
+    ck_assert_uint_lt(sealed, size);
+    vt_assert_ok(vor_dump_read(cloud, bytes, sealed, &vt_err));
     munmap(bytes, size);
     close(fd);
 }
@@ -200,7 +204,7 @@ START_TEST(every_upload_is_answered_once)
 
     init_answers(&answers);
     vt_cloud_cube(&cloud, 1, 500);
-    vt_assert_ok(vor_admit_create(&admit, blobs, &limits, 3, UPLOADS, &vt_err));
+    vt_assert_ok(vor_admit_create(&admit, blobs, &limits, 3, 4 * UPLOADS, &vt_err));
     for (int i = 0; i < UPLOADS; i++) {
         admissions[i] = (struct vor_admission){.done = answered, .ctx = &answers};
         upload_for(&admissions[i],
@@ -251,6 +255,34 @@ START_TEST(waiting_uploads_are_bounded_and_answered_when_the_daemon_goes)
     ck_assert_int_eq(waits.status, VOR_OK);
     vor_admit_destroy(admit);
     vor_cloud_free(&cloud);
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+static int nobody_waits(void *ctx)
+{
+    (void)ctx;
+    return 1;
+}
+
+START_TEST(an_upload_whose_caller_has_left_is_not_read)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_admission left = {.done = answered, .has_left = nobody_waits};
+    struct vor_admit *admit;
+    struct answers answers;
+
+    init_answers(&answers);
+    left.ctx = &answers;
+    vt_assert_ok(vor_admit_create(&admit, blobs, &limits, 1, 1, &vt_err));
+    upload_for(&left, vt_upload(blobs, "rubbish", 7)); /* else VOR_E_UNSUPPORTED */
+    ck_assert_int_eq(vor_admit_submit(admit, &left), VOR_DONE);
+    wait_answers(&answers, 1);
+    vor_admit_destroy(admit);
+    ck_assert_int_eq(left.status, VOR_E_CANCELLED);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_blobs_close(blobs);
     vt_dir_remove(dir);
 }
@@ -377,6 +409,7 @@ int main(void)
     vt_add(suite, a_cloud_that_does_not_fit_is_refused_before_it_is_kept);
     vt_add(suite, every_upload_is_answered_once);
     vt_add(suite, waiting_uploads_are_bounded_and_answered_when_the_daemon_goes);
+    vt_add(suite, an_upload_whose_caller_has_left_is_not_read);
     vt_add(suite, what_waits_when_the_daemon_goes_is_answered_as_cancelled);
     vt_add(suite, inputs_are_admitted_together_or_none_is);
     return vt_run(suite);

@@ -62,10 +62,13 @@ START_TEST(a_dump_comes_back_exactly)
 {
     struct vor_cloud cloud, back;
     struct vt_bytes bytes;
+    size_t points;
 
     random_cloud(&cloud, (uint64_t)_i);
     bytes = dumped(&cloud);
     vor_cloud_init(&back, &vt_memory);
+    vt_assert_ok(vor_dump_check(&points, bytes.data, bytes.size, &vt_err));
+    ck_assert_uint_eq(points, cloud.n);
     vt_assert_ok(vor_dump_read(&back, bytes.data, bytes.size, &vt_err));
     assert_same(&cloud, &back);
     vor_cloud_free(&back);
@@ -80,6 +83,7 @@ static void assert_refused(const uint8_t *bytes, size_t size, vor_status want, c
     uint8_t *copy = malloc(size > 0 ? size : 1);
     struct vor_cloud cloud;
     vor_status status;
+    size_t points;
 
     ck_assert_ptr_nonnull(copy);
     memcpy(copy, bytes, size);
@@ -88,6 +92,9 @@ static void assert_refused(const uint8_t *bytes, size_t size, vor_status want, c
     ck_assert_msg(status == want, "%s: %s (%s)", what, vor_status_slug(status), vt_err.message);
     ck_assert_ptr_null(cloud.xyz);
     ck_assert_uint_eq(cloud.attribute_count, 0);
+    status = vor_dump_check(&points, copy, size, &vt_err);
+    ck_assert_msg(status == want, "%s checked: %s (%s)", what, vor_status_slug(status),
+                  vt_err.message);
     free(copy);
 }
 

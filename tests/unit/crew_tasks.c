@@ -5,6 +5,7 @@
 
 #include <pthread.h>
 #include <stdatomic.h>
+#include <stdio.h>
 #include <time.h>
 
 enum { TASKS = 20 };
@@ -14,7 +15,8 @@ struct work {
     struct vor_task tasks[TASKS];
     struct vor_crew *crew;
     atomic_int held, begun;
-    int order[TASKS];
+    atomic_int released;     /* the number of a task that is not held */
+    atomic_int order[TASKS]; /* numbers of tasks as they begin; -1 where none has yet */
     atomic_int closing_seen;
 };
 
@@ -37,8 +39,8 @@ static void run_one(void *ctx)
     struct job *job = ctx;
     int at = atomic_fetch_add(&job->work->begun, 1);
 
-    job->work->order[at] = job->number;
-    while (atomic_load(&job->work->held))
+    atomic_store(&job->work->order[at], job->number);
+    while (atomic_load(&job->work->held) && atomic_load(&job->work->released) != job->number)
         nap();
     if (vor_crew_closing(job->work->crew))
         atomic_fetch_add(&job->work->closing_seen, 1);
@@ -48,11 +50,21 @@ static void begin(struct work *work, unsigned threads, size_t waiting_max, int h
 {
     *work = (struct work){.crew = NULL};
     atomic_init(&work->held, held);
+    atomic_init(&work->released, -1);
     for (int i = 0; i < TASKS; i++) {
         jobs[i] = (struct job){work, i};
         work->tasks[i] = (struct vor_task){.run = run_one, .ctx = &jobs[i]};
+        atomic_init(&work->order[i], -1);
     }
     vt_assert_ok(vor_crew_create(&work->crew, threads, waiting_max, &vt_err));
+}
+
+/* The number of the task that begins as that one, once it does. */
+static int begun_at(struct work *work, int at)
+{
+    while (atomic_load(&work->order[at]) < 0)
+        nap();
+    return atomic_load(&work->order[at]);
 }
 
 START_TEST(tasks_begin_in_the_order_in_which_they_came)
@@ -65,7 +77,7 @@ START_TEST(tasks_begin_in_the_order_in_which_they_came)
     vor_crew_settle(work.crew, 60);
     ck_assert_int_eq(atomic_load(&work.begun), TASKS);
     for (int i = 0; i < TASKS; i++)
-        ck_assert_int_eq(work.order[i], i);
+        ck_assert_int_eq(begun_at(&work, i), i);
     vor_crew_destroy(work.crew);
     ck_assert_int_eq(atomic_load(&work.begun), TASKS); /* each once */
 }
@@ -89,6 +101,119 @@ START_TEST(no_more_tasks_wait_than_may)
     ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5]), VOR_DONE);
     vor_crew_destroy(work.crew);
     ck_assert_int_eq(atomic_load(&work.begun), 6);
+}
+END_TEST
+
+START_TEST(a_caller_with_many_tasks_leaves_a_thread_and_room_to_others)
+{
+    struct work work;
+
+    begin(&work, 2, 8, 1);
+    vor_crew_share(work.crew, 1, 4);
+    for (int i = 0; i < 5; i++) { /* one runs, four wait */
+        (void)snprintf(work.tasks[i].caller.name, VOR_SHARER_SIZE, "greedy");
+        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
+        while (atomic_load(&work.begun) == 0)
+            nap();
+    }
+    work.tasks[5].caller = work.tasks[0].caller;
+    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5]), VOR_FULL);
+    ck_assert_int_eq(atomic_load(&work.begun), 1);
+    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[6]), VOR_DONE);
+    while (atomic_load(&work.begun) < 2) /* the other thread has it at once */
+        nap();
+    ck_assert_int_eq(begun_at(&work, 1), 6);
+    atomic_store(&work.held, 0);
+    vor_crew_destroy(work.crew);
+    ck_assert_int_eq(atomic_load(&work.begun), 6);
+}
+END_TEST
+
+/* One thread: the greedy one's first task runs; then whoever came first among those who have none.
+ */
+START_TEST(a_free_thread_goes_to_the_caller_for_whom_fewest_run)
+{
+    struct work work;
+
+    begin(&work, 2, TASKS, 1);
+    for (int i = 0; i < 6; i++) {
+        (void)snprintf(work.tasks[i].caller.name, VOR_SHARER_SIZE, i < 4 ? "greedy" : "caller %d",
+                       i);
+        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
+        while (atomic_load(&work.begun) < (i < 2 ? i + 1 : 2))
+            nap();
+    }
+    atomic_store(&work.released, 0);
+    while (atomic_load(&work.begun) < 3)
+        nap();
+    ck_assert_int_eq(begun_at(&work, 2), 4); /* before 2 and 3, which came earlier */
+    atomic_store(&work.released, 4);
+    while (atomic_load(&work.begun) < 4)
+        nap();
+    ck_assert_int_eq(begun_at(&work, 3), 5);
+    atomic_store(&work.held, 0);
+    vor_crew_destroy(work.crew);
+    ck_assert_int_eq(begun_at(&work, 4) + begun_at(&work, 5), 2 + 3);
+}
+END_TEST
+
+/* A caller's heavy tasks wait, as many as may: a light one of the same caller is taken, and is
+ * next. */
+START_TEST(of_a_callers_tasks_the_lightest_begins)
+{
+    struct work work;
+
+    begin(&work, 2, TASKS, 1);
+    vor_crew_share(work.crew, 1, 3);
+    for (int i = 0; i < 5; i++) {
+        work.tasks[i].weight = i < 4 ? 1000 : 10;
+        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
+        while (atomic_load(&work.begun) == 0)
+            nap();
+    }
+    work.tasks[5].weight = 1000;
+    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5]), VOR_FULL);
+    atomic_store(&work.held, 0);
+    vor_crew_destroy(work.crew);
+    ck_assert_int_eq(atomic_load(&work.begun), 5);
+    ck_assert_int_eq(begun_at(&work, 0), 0);
+    ck_assert_int_eq(begun_at(&work, 1), 4);
+}
+END_TEST
+
+START_TEST(callers_are_told_apart_by_address_and_of_ipv6_by_network)
+{
+    static const struct {
+        const char *a, *b;
+        bool same;
+    } pairs[] = {
+        {"192.0.2.1", "192.0.2.1", true},
+        {"192.0.2.1", "192.0.2.2", false},
+        {"192.0.2.1", "::ffff:192.0.2.1", true},
+        {"2001:db8::1", "2001:db8::ffff:1", true},
+        {"2001:db8::1", "2001:db8:0:1::1", false},
+        {"2001:db8::1", "192.0.2.1", false},
+        {"", "nonsense", true},
+        {"", "192.0.2.1", false},
+    };
+
+    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
+        struct vor_sharer a = vor_sharer_of_address(pairs[i].a),
+                          b = vor_sharer_of_address(pairs[i].b);
+
+        ck_assert_msg(vor_sharer_same(&a, &b) == pairs[i].same, "%s and %s", a.name, b.name);
+    }
+}
+END_TEST
+
+START_TEST(a_key_shares_with_itself_alone_and_with_no_address)
+{
+    struct vor_sharer key = vor_sharer_of_key("192.0.2.1"), other = vor_sharer_of_key("render"),
+                      address = vor_sharer_of_address("192.0.2.1");
+
+    ck_assert(vor_sharer_same(&key, &key));
+    ck_assert(!vor_sharer_same(&key, &other));
+    ck_assert(!vor_sharer_same(&key, &address));
 }
 END_TEST
 
@@ -143,6 +268,11 @@ int main(void)
 
     vt_add(suite, tasks_begin_in_the_order_in_which_they_came);
     vt_add(suite, no_more_tasks_wait_than_may);
+    vt_add(suite, a_caller_with_many_tasks_leaves_a_thread_and_room_to_others);
+    vt_add(suite, a_free_thread_goes_to_the_caller_for_whom_fewest_run);
+    vt_add(suite, of_a_callers_tasks_the_lightest_begins);
+    vt_add(suite, callers_are_told_apart_by_address_and_of_ipv6_by_network);
+    vt_add(suite, a_key_shares_with_itself_alone_and_with_no_address);
     vt_add(suite, what_waits_at_the_end_is_done_and_nothing_more_is_taken);
     vt_add(suite, settling_gives_up_after_its_time);
     return vt_run(suite);

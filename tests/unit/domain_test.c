@@ -240,6 +240,26 @@ START_TEST(points_of_a_line_are_refused_and_a_bent_line_is_not)
 }
 END_TEST
 
+/* A point far from all others: float32 tells these apart no more, and the message names it. */
+START_TEST(an_outlier_that_hides_all_others_is_named)
+{
+    struct vor_domain domain;
+    struct vor_cloud cloud;
+
+    vt_cloud_cube(&cloud, 3, N);
+    for (size_t c = 0; c < 3; c++)
+        cloud.xyz[3 * 17 + c] = c == 1 ? 1e9f : 0;
+    vt_assert_fails(VOR_E_DEGENERATE, init_domain(&domain, &cloud, &vt_memory));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "point 17 at 0 1e+09 0 is 1e+09 away"));
+    for (size_t i = 0; i < N / 2; i++) /* half of the points are no outliers */
+        memcpy(&cloud.xyz[3 * i], &cloud.xyz[3 * 17], 3 * sizeof *cloud.xyz);
+    vt_assert_fails(VOR_E_DEGENERATE, init_domain(&domain, &cloud, &vt_memory));
+    ck_assert_ptr_null(strstr(vt_err.message, "away"));
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
 START_TEST(four_corners_of_a_square_are_a_domain)
 {
     static const float xyz[12] = {0, 0, 5, 1, 0, 5, 0, 1, 5, 1, 1, 5};
@@ -311,6 +331,7 @@ int main(void)
     vt_add(suite, zero_and_minus_zero_are_one_place);
     vt_add(suite, fewer_than_four_distinct_points_are_refused);
     vt_add_loop(suite, points_of_a_line_are_refused_and_a_bent_line_is_not, SEEDS);
+    vt_add(suite, an_outlier_that_hides_all_others_is_named);
     vt_add(suite, four_corners_of_a_square_are_a_domain);
     vt_add_loop(suite, extreme_coordinates_are_normalised_without_overflow, 5);
     vt_add(suite, a_domain_that_does_not_fit_is_refused_whole);

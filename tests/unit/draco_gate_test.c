@@ -106,7 +106,7 @@ static const struct {
     {"scalar type 0", LOSSLESS, 18, "\0", 1, VOR_E_FORMAT, 18},
     {"scalar type 12", LOSSLESS, 18, "\14", 1, VOR_E_FORMAT, 18},
     {"no components", LOSSLESS, 19, "\0", 1, VOR_E_FORMAT, 19},
-    {"positions of 2 components", LOSSLESS, 19, "\2", 1, VOR_E_FORMAT, LIBRARY},
+    {"positions of 2 components", LOSSLESS, 19, "\2", 1, VOR_E_FORMAT, 55},
     {"17 components", LOSSLESS, 19, "\21", 1, VOR_E_FORMAT, 19},
     {"255 components", TREE, 19, "\377", 1, VOR_E_FORMAT, 19},
     {"an unknown decoder of values", LOSSLESS, 22, "\11", 1, VOR_E_FORMAT, LIBRARY},
@@ -293,6 +293,105 @@ static void nest(struct vt_bytes *out, int levels)
 }
 
 /* Regression: the library frees nested metadata by recursion, so depth is stack. */
+/* Reads a base with `count` bytes of that value behind it. */
+static vor_status read_with_rest(enum base base, uint8_t value, size_t count)
+{
+    struct vt_bytes bytes = {0};
+    struct vor_cloud cloud;
+    vor_status status;
+
+    append(&bytes, bases[base].data, bases[base].size);
+    for (size_t i = 0; i < count; i++)
+        append(&bytes, &value, 1);
+    status = draco_decode(&cloud, &bytes);
+    vor_cloud_free(&cloud);
+    free(bytes.data);
+    return status;
+}
+
+START_TEST(bytes_behind_the_stream_are_refused_but_for_padding)
+{
+    static const enum base whole[] = {LOSSLESS, TREE, ORIGIN, BREAKER};
+    enum { MANY = 5000 };
+
+    make_bases();
+    for (size_t i = 0; i < sizeof whole / sizeof whole[0]; i++) {
+        int64_t size = (int64_t)bases[whole[i]].size;
+
+        vt_assert_ok(read_with_rest(whole[i], 0, 0));
+        vt_assert_ok(read_with_rest(whole[i], 0, VOR_DRACO_PADDING_MAX));
+        vt_assert_fails(VOR_E_FORMAT, read_with_rest(whole[i], 0, VOR_DRACO_PADDING_MAX + 1));
+        ck_assert_int_eq(vt_err.byte_offset, size);
+        vt_assert_fails(VOR_E_FORMAT, read_with_rest(whole[i], 1, 1));
+        ck_assert_int_eq(vt_err.byte_offset, size);
+        vt_assert_fails(VOR_E_FORMAT, read_with_rest(whole[i], 0, MANY));
+        ck_assert_int_ge(vt_err.byte_offset, size);
+        ck_assert_int_lt(vt_err.byte_offset, size + 64);
+        ck_assert_ptr_nonnull(strstr(vt_err.message, "want at most 7 more"));
+    }
+    free_bases();
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* 1 MB behind the four coders of a kd-tree would let it declare 64 million points. */
+START_TEST(a_kd_tree_with_bytes_behind_it_is_refused_before_it_is_decoded)
+{
+    struct vt_bytes bytes = {0};
+
+    make_bases();
+    append(&bytes, bases[TREE].data, bases[TREE].size);
+    for (size_t i = 0; i < 1 << 20; i++)
+        append(&bytes, "", 1);
+    vt_assert_fails(VOR_E_FORMAT, vor_draco_gate(bytes.data, bytes.size, &draco_limits, &vt_err));
+    free(bytes.data);
+    free_bases();
+}
+END_TEST
+
+/* ORIGIN with an entry of 60,000 bytes more in its metadata, and a count of 200,000 points. */
+START_TEST(metadata_stands_for_no_points)
+{
+    enum { ENTRY = 60000, POINTS = 200000 };
+    static const uint8_t flags_on[] = "DRACO\2\3\0\0\0\200\0\1\1x\340\324\3";
+    struct vt_bytes bytes = {0};
+    uint32_t points = POINTS;
+
+    append(&bytes, flags_on, sizeof flags_on - 1);
+    for (size_t i = 0; i < ENTRY; i++)
+        append(&bytes, "", 1);
+    APPEND(&bytes, "\0");
+    append(&bytes, &points, sizeof points);
+    APPEND(&bytes, "\1\1\0\11\3\0\0\1");
+    vt_assert_fails(VOR_E_LIMIT, vor_draco_gate(bytes.data, bytes.size, &draco_limits, &vt_err));
+    ck_assert_uint_eq(vt_err.got, POINTS);
+    ck_assert_uint_lt(vt_err.limit, VOR_DRACO_POINTS_FREE + 100 * VOR_DRACO_POINTS_PER_BYTE);
+    free(bytes.data);
+}
+END_TEST
+
+START_TEST(a_strict_gate_takes_point_clouds_of_bitstream_2_3_without_metadata_alone)
+{
+    static const struct {
+        enum base base;
+        int64_t offset; /* -1: it is taken */
+    } strict[] = {{LOSSLESS, -1}, {TREE, -1}, {OLD_TREE, 5}, {ORIGIN, 9}, {BREAKER, 7}};
+    struct vor_limits limits = draco_limits;
+
+    limits.strict_draco = 1;
+    make_bases();
+    for (size_t i = 0; i < sizeof strict / sizeof strict[0]; i++) {
+        const struct vt_bytes *base = &bases[strict[i].base];
+        vor_status status = vor_draco_gate(base->data, base->size, &limits, &vt_err);
+
+        ck_assert_int_eq(status, strict[i].offset < 0 ? VOR_OK : VOR_E_FORMAT);
+        if (strict[i].offset >= 0)
+            ck_assert_int_eq(vt_err.byte_offset, strict[i].offset);
+    }
+    free_bases();
+}
+END_TEST
+
 START_TEST(metadata_nests_as_deep_as_the_gate_allows_and_no_deeper)
 {
     struct vor_cloud cloud;
@@ -331,12 +430,13 @@ START_TEST(the_meter_alone_stops_what_the_gate_would_have_stopped)
         struct vor_draco_meter meter = vor_draco_purse_meter(&purse);
         struct vor_draco_decoded *decoded;
         enum vor_draco_result result;
+        size_t size = base->size;
         char message[96];
 
         vor_memory_init(&memory, SIZE_MAX);
         memcpy(base->data + bombs[k].at, "\377\377\377\377\17", bombs[k].base == BREAKER ? 5 : 4);
         base->data[bombs[k].at + 3] &= bombs[k].base == BREAKER ? 0xff : 0x0f;
-        result = vor_draco_decode(&decoded, &meter, base->data, base->size, message);
+        result = vor_draco_decode(&decoded, &meter, base->data, &size, message);
         ck_assert_msg(result == VOR_DRACO_NO_MEMORY || result == VOR_DRACO_REFUSED, "bomb %zu", k);
         ck_assert_msg(bombs[k].base == BREAKER || result == VOR_DRACO_NO_MEMORY,
                       "bomb %zu was no bomb: %s", k, message);
@@ -477,6 +577,10 @@ int main(void)
     vt_add(suite, the_limit_of_points_is_what_the_caller_says);
     vt_add(suite, points_must_be_in_proportion_to_bytes);
     vt_add(suite, scalars_in_a_kd_tree_must_be_in_proportion_to_bytes);
+    vt_add(suite, bytes_behind_the_stream_are_refused_but_for_padding);
+    vt_add(suite, a_kd_tree_with_bytes_behind_it_is_refused_before_it_is_decoded);
+    vt_add(suite, metadata_stands_for_no_points);
+    vt_add(suite, a_strict_gate_takes_point_clouds_of_bitstream_2_3_without_metadata_alone);
     vt_add(suite, metadata_nests_as_deep_as_the_gate_allows_and_no_deeper);
     vt_add(suite, the_meter_alone_stops_what_the_gate_would_have_stopped);
     vt_add(suite, a_small_file_that_unpacks_to_a_large_cloud_meets_its_budget);

@@ -292,6 +292,66 @@ START_TEST(a_second_attempt_begins_with_replaced)
 }
 END_TEST
 
+static struct vor_event next_event(struct vor_job *job, struct vor_position *position)
+{
+    struct vor_event event = {.number = 0};
+
+    ck_assert_uint_eq(vor_bus_read(vor_job_bus(job), position, VOR_READ_EVERY, &event, 1), 1);
+    return event;
+}
+
+/* Readers who were in the middle find themselves before the first event of the next attempt. */
+START_TEST(a_job_that_begins_anew_waits_again_and_forgets_its_events)
+{
+    struct vor_job *job = running_job("iterations", 10);
+    struct vor_position position = {1, 2};
+    struct vor_record record = record_of(3, 1, 10, 0);
+    struct vor_job_view view;
+    struct vor_event event;
+
+    vor_job_progress(job, &record, 1001);
+    ck_assert(vor_job_restart(job, _i, 1002));
+    vor_job_view(job, &view);
+    ck_assert_int_eq(view.status, VOR_JOB_ACCEPTED);
+    ck_assert_int_eq(view.stage, VOR_STAGE_QUEUED);
+    ck_assert_uint_eq(view.attempt, 2);
+    ck_assert_int_eq(view.alone, _i);
+    ck_assert_int_eq(vor_job_turn(job)->alone, _i);
+    event = next_event(job, &position);
+    ck_assert_int_eq(event.kind, VOR_EVENT_REPLACED);
+    ck_assert_int_eq(event.stage, VOR_STAGE_OPTIMIZE);
+    ck_assert_uint_eq(event.attempt, 2);
+    ck_assert_uint_eq(event.number, 1);
+    event = next_event(job, &position);
+    ck_assert_int_eq(event.kind, VOR_EVENT_STATUS);
+    ck_assert_int_eq(event.status, VOR_JOB_ACCEPTED);
+    vor_job_begin(job, 1003);
+    event = next_event(job, &position);
+    ck_assert_int_eq(event.status, VOR_JOB_RUNNING);
+    ck_assert_uint_eq(vor_bus_newest(vor_job_bus(job)).number, 3);
+    ck_assert_uint_eq(vor_bus_attempt(vor_job_bus(job)), 2);
+    vor_job_release(job);
+}
+END_TEST
+
+START_TEST(a_job_that_is_over_does_not_begin_anew)
+{
+    struct vor_job *job = running_job(NULL, 0);
+    struct vor_job_view view;
+
+    ck_assert(vor_job_freeze(job));
+    vor_job_view(job, &view);
+    view.status = VOR_JOB_DISMISSED;
+    vor_job_end(job, &view);
+    vor_job_thaw(job);
+    ck_assert(!vor_job_restart(job, 1, 1002));
+    vor_bus_restart(vor_job_bus(job), 2);
+    ck_assert(vor_bus_ended(vor_job_bus(job), NULL));
+    ck_assert_uint_eq(vor_bus_attempt(vor_job_bus(job)), 1);
+    vor_job_release(job);
+}
+END_TEST
+
 START_TEST(what_was_asked_only_grows)
 {
     struct vor_job *job = running_job(NULL, 0);
@@ -353,6 +413,30 @@ START_TEST(nothing_is_published_between_freezing_and_the_end)
 }
 END_TEST
 
+/* A wall clock that is set back while a job waits or runs. */
+START_TEST(no_time_of_a_job_is_before_one_that_came_earlier)
+{
+    struct vor_job_view row = vt_row(10), view;
+    struct vor_record record = {.iteration = 1};
+    struct vor_job *job;
+
+    row.created = row.updated = 1000;
+    row.started = 0;
+    job = vor_job_create(&row);
+    vor_job_begin(job, 400);
+    vor_job_view(job, &view);
+    ck_assert_int_eq(view.started, 1000);
+    ck_assert_int_eq(view.updated, 1000);
+    vor_job_progress(job, &record, 1700);
+    vor_job_stage(job, VOR_STAGE_ENCODE, 300);
+    vor_job_view(job, &view);
+    ck_assert_int_eq(view.updated, 1700);
+    ck_assert_int_eq(vor_job_now(&view, 200), 1700);
+    ck_assert_int_eq(vor_job_now(&view, 2000), 2000);
+    vor_job_release(job);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("job_state");
@@ -368,7 +452,10 @@ int main(void)
     vt_add(suite, zero_iterations_are_done_at_once);
     vt_add(suite, a_job_that_is_over_does_not_change);
     vt_add(suite, a_second_attempt_begins_with_replaced);
+    vt_add_loop(suite, a_job_that_begins_anew_waits_again_and_forgets_its_events, 2);
+    vt_add(suite, a_job_that_is_over_does_not_begin_anew);
     vt_add(suite, what_was_asked_only_grows);
     vt_add(suite, nothing_is_published_between_freezing_and_the_end);
+    vt_add(suite, no_time_of_a_job_is_before_one_that_came_earlier);
     return vt_run(suite);
 }

@@ -9,6 +9,9 @@
 
 enum { IN = 12000, POINTS = 1500, FEW = 400 };
 
+/* Tangent of the angle at which two sheets cross: four degrees. */
+#define SLOPE 0.07
+
 static void open_mesh(struct vt_engine *engine, unsigned threads, size_t points)
 {
     vt_engine_open(engine, threads);
@@ -100,6 +103,7 @@ START_TEST(a_sphere_and_a_torus_are_closed_and_face_outward)
         ck_assert_uint_eq(meshed.report.mesh_points, POINTS);
         ck_assert_uint_eq(meshed.report.mesh_components, 1);
         ck_assert_uint_eq(meshed.report.mesh_loops, 0);
+        ck_assert_uint_eq(meshed.report.mesh_unsure, 0);
         for (size_t t = 0; t < meshed.mesh.count; t++) {
             double here = volume6(&meshed, t);
 
@@ -193,6 +197,38 @@ START_TEST(no_triangle_joins_two_sheets)
         vt_meshed_free(&meshed);
         vor_cloud_free(&in);
     }
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Two squares that cross along a line, at four degrees as a surface and its copy turned a little:
+ * near the line points lie on both, and triangles join what they please. */
+START_TEST(where_sheets_cross_the_report_tells_how_many_triangles_are_unsure)
+{
+    struct vor_cloud in;
+    struct vt_meshed meshed;
+    size_t across = 0;
+
+    vt_cloud_sheets(&in, (uint64_t)_i, IN, 0);
+    for (size_t i = 1; i < IN; i += 2)
+        in.xyz[3 * i + 2] = (float)(SLOPE * ((double)in.xyz[3 * i] - 0.5));
+    mesh_of(&meshed, &in, POINTS);
+    assert_sound(&meshed);
+    for (size_t t = 0; t < meshed.mesh.count; t++) {
+        int slanted = 0;
+
+        for (int c = 0; c < 3; c++) {
+            const float *x = corner(&meshed, t, c);
+
+            slanted += fabs((double)x[2]) > fabs((double)x[2] - SLOPE * ((double)x[0] - 0.5));
+        }
+        across += slanted % 3 != 0;
+    }
+    ck_assert_uint_gt(across, 0);
+    ck_assert_uint_gt(meshed.report.mesh_unsure, 0);
+    ck_assert_uint_lt(meshed.report.mesh_unsure, meshed.mesh.count / 4);
+    vt_meshed_free(&meshed);
+    vor_cloud_free(&in);
     vt_assert_no_leak();
 }
 END_TEST
@@ -545,6 +581,7 @@ int main(void)
     vt_add_figures(suite, a_square_has_one_loop_and_a_cylinder_two, VT_FEWER(VT_SOAK_LOOPS(2, 20)));
     vt_add_figures(suite, a_loop_is_told_in_the_unit_of_the_cloud, 0);
     vt_add_figures(suite, no_triangle_joins_two_sheets, VT_FEWER(VT_SOAK_LOOPS(1, 10)));
+    vt_add_figures(suite, where_sheets_cross_the_report_tells_how_many_triangles_are_unsure, 1);
     vt_add_figures(suite, triangles_follow_the_points_into_another_order, 0);
     vt_add(suite, one_two_three_and_eight_threads_give_the_same_triangles);
     vt_add_figures(suite, on_a_sphere_the_triangles_are_those_of_the_convex_hull,

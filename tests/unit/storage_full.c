@@ -121,26 +121,80 @@ START_TEST(a_store_without_room_refuses_and_goes_on_once_there_is_room)
 }
 END_TEST
 
-START_TEST(a_result_that_does_not_fit_fails_its_job_alone)
+/* A daemon that uses such a disk to its end. */
+static void start(struct vt_daemon *daemon, const char *dir)
 {
-    struct vt_daemon daemon;
-    const char *dir = vt_dir_make();
-    struct vor_spec large = vt_request(16000, 0), small = vt_request(50, 1);
-    struct vor_job_view view;
+    vt_daemon_start(daemon, dir, NULL);
+    vor_blobs_set_reserve(daemon->blobs, 0);
+}
+
+/* A job that runs until it is told to end, on a disk that is full from now on. */
+static struct vor_uuid run_on_full_disk(struct vt_daemon *daemon)
+{
+    struct vor_spec endless = vt_request(2000, 10000);
     struct vor_cloud cloud;
     struct vor_uuid id;
 
-    ck_assert(small_disk(dir, 240));
-    vt_daemon_start(&daemon, dir, NULL);
     vt_cloud_sphere(&cloud, 1, 1000);
-    ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &large, &id), VOR_DONE);
-    view = vt_daemon_wait_over(&daemon, &id);
-    ck_assert_int_eq(view.status, VOR_JOB_FAILED);
-    ck_assert_msg(vor_error_storage_full(&view.problem), "%s", view.message);
-    ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &small, &id), VOR_DONE);
-    ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
-    ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
+    ck_assert_int_eq(vt_daemon_submit(daemon, &cloud, &endless, &id), VOR_DONE);
+    (void)vt_daemon_wait_iteration(daemon, &id, 1);
+    fill(daemon->dir);
     vor_cloud_free(&cloud);
+    return id;
+}
+
+static void nap(long milliseconds)
+{
+    struct timespec pause = {.tv_nsec = milliseconds * 1000000};
+
+    nanosleep(&pause, NULL);
+}
+
+START_TEST(a_result_that_does_not_fit_waits_for_room)
+{
+    struct vt_daemon daemon;
+    const char *dir = vt_dir_make();
+    struct vor_job_view view;
+    struct vor_uuid id;
+
+    ck_assert(small_disk(dir, 1000));
+    start(&daemon, dir);
+    id = run_on_full_disk(&daemon);
+    ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_DONE);
+    nap(300);
+    ck_assert_int_eq(vt_daemon_get(&daemon, &id).status, VOR_JOB_RUNNING);
+    make_room(dir);
+    view = vt_daemon_wait_over(&daemon, &id);
+    ck_assert_msg(view.status == VOR_JOB_SUCCESSFUL, "%s", view.message);
+    ck_assert_uint_eq(view.output[0].points, 2000);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
+    vt_daemon_stop(&daemon);
+    remove_disk(dir);
+}
+END_TEST
+
+/* By its caller, or because the daemon goes down: then its row is given back. */
+START_TEST(a_job_that_waits_for_room_can_be_ended_without_any)
+{
+    struct vt_daemon daemon;
+    const char *dir = vt_dir_make();
+    struct vor_job_view view;
+    struct vor_uuid id;
+    int found;
+
+    ck_assert(small_disk(dir, 1000));
+    start(&daemon, dir);
+    vor_store_set_reserve(daemon.store, 200000);
+    vt_assert_ok(vor_store_check_reserve(daemon.store, &vt_err));
+    id = run_on_full_disk(&daemon);
+    ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_DONE);
+    nap(100);
+    if (_i == 0)
+        ck_assert_int_eq(vor_worker_dismiss(daemon.worker, &id, "no", NULL, &vt_err), VOR_DONE);
+    else
+        vor_worker_drain(daemon.worker, 0);
+    vt_assert_ok(vor_store_get(daemon.store, &id, &view, &found, &vt_err));
+    ck_assert_int_eq(view.status, _i == 0 ? VOR_JOB_DISMISSED : VOR_JOB_ACCEPTED);
     vt_daemon_stop(&daemon);
     remove_disk(dir);
 }
@@ -150,19 +204,11 @@ END_TEST
 static void exhaust(struct vt_daemon *daemon)
 {
     struct vor_job_view row;
-    vor_status status;
 
     fill(daemon->dir);
-    do {
-        int changed;
-
+    do
         row = vt_row(10);
-        status = vor_store_insert(daemon->store, &row, &vt_err);
-        if (status == VOR_OK) {
-            row.status = VOR_JOB_DISMISSED;
-            status = vor_store_finish(daemon->store, &row, 0, NULL, &changed, &vt_err);
-        }
-    } while (status == VOR_OK);
+    while (vor_store_insert(daemon->store, &row, &vt_err) == VOR_OK);
     ck_assert(vor_error_storage_full(&vt_err));
 }
 
@@ -177,7 +223,7 @@ START_TEST(an_end_that_cannot_be_stored_is_stored_once_there_is_room)
     struct vor_uuid id;
 
     ck_assert(small_disk(dir, 1000));
-    vt_daemon_start(&daemon, dir, NULL);
+    start(&daemon, dir);
     vt_cloud_sphere(&cloud, 1, 500);
     ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &endless, &id), VOR_DONE);
     (void)vt_daemon_wait_iteration(&daemon, &id, 1);
@@ -193,6 +239,60 @@ START_TEST(an_end_that_cannot_be_stored_is_stored_once_there_is_room)
     ck_assert(view.status == VOR_JOB_FAILED || view.status == VOR_JOB_SUCCESSFUL);
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
+    remove_disk(dir);
+}
+END_TEST
+
+START_TEST(what_ends_a_job_spends_the_reserve_which_is_made_again)
+{
+    struct vt_daemon daemon;
+    const char *dir = vt_dir_make();
+    struct vor_job_view row = vt_row(10);
+    int changed;
+
+    ck_assert(small_disk(dir, 1000));
+    start(&daemon, dir);
+    vor_blobs_set_reserve(daemon.blobs, 1);
+    vor_store_set_reserve(daemon.store, 200000);
+    vt_assert_ok(vor_worker_ready(daemon.worker, &vt_err));
+    vt_assert_ok(vor_store_insert(daemon.store, &row, &vt_err));
+    exhaust(&daemon);
+    vt_assert_fails(VOR_E_IO, vor_worker_ready(daemon.worker, &vt_err));
+    row.status = VOR_JOB_DISMISSED;
+    vt_assert_ok(vor_store_finish(daemon.store, &row, 0, NULL, &changed, &vt_err));
+    ck_assert(changed);
+    vt_assert_fails(VOR_E_IO, vor_store_check_reserve(daemon.store, &vt_err));
+    make_room(dir);
+    while (vor_worker_ready(daemon.worker, &vt_err) !=
+           VOR_OK) /* the sweeper looks twice a second */
+        nap(20);
+    vt_daemon_stop(&daemon);
+    remove_disk(dir);
+}
+END_TEST
+
+START_TEST(a_store_on_a_full_disk_opens_by_its_reserve)
+{
+    const char *dir = vt_dir_make();
+    struct vor_job_view row = vt_row(10);
+    struct vor_store *store;
+    int changed;
+    uint32_t attempt;
+    const struct vor_crash crash = {
+        .by_fault = 1, .faults_max = 3, .kills_max = 3, .now_ms = 1, .expires_ms = 2};
+    struct vor_recovered recovered;
+
+    ck_assert(small_disk(dir, 1000));
+    store = vt_dir_store(dir);
+    vor_store_set_reserve(store, 200000);
+    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    vt_assert_ok(vor_store_claim(store, &row.id, 1, &attempt, &changed, &vt_err));
+    vor_store_close(store);
+    fill(dir);
+    store = vt_dir_store(dir);
+    vt_assert_ok(vor_store_recover(store, &crash, &recovered, &vt_err));
+    ck_assert_uint_eq(recovered.requeued, 1);
+    vor_store_close(store);
     remove_disk(dir);
 }
 END_TEST
@@ -226,7 +326,10 @@ int main(void)
     suite = suite_create("storage_full");
     vt_add(suite, a_blob_that_does_not_fit_is_refused_as_such);
     vt_add(suite, a_store_without_room_refuses_and_goes_on_once_there_is_room);
-    vt_add(suite, a_result_that_does_not_fit_fails_its_job_alone);
+    vt_add(suite, a_result_that_does_not_fit_waits_for_room);
+    vt_add_loop(suite, a_job_that_waits_for_room_can_be_ended_without_any, 2);
+    vt_add(suite, what_ends_a_job_spends_the_reserve_which_is_made_again);
+    vt_add(suite, a_store_on_a_full_disk_opens_by_its_reserve);
     vt_add(suite, an_end_that_cannot_be_stored_is_stored_once_there_is_room);
     return vt_run(suite);
 }

@@ -264,7 +264,8 @@ START_TEST(every_job_is_there_with_report_trace_and_result)
     ck_assert_str_eq(view.problem.parameter, "spacing");
     free(bytes);
     vt_daemon_stop(&daemon);
-    ck_assert_int_eq(number(old.dir, "PRAGMA user_version"), 3);
+    ck_assert_int_eq(number(old.dir, "PRAGMA user_version"), 6);
+    ck_assert_int_eq(number(old.dir, "SELECT held FROM job WHERE seq = 1"), 288);
     ck_assert_int_eq(number(old.dir, "SELECT count(*) FROM job WHERE inputs IS NULL"), 2);
     vt_dir_remove(old.dir);
 }
@@ -276,7 +277,7 @@ START_TEST(its_results_are_downloaded)
         const char *path, *type, *holds;
     } cases[] = {
         {"/results/cloud", "Content-Type: application/ply", "\r\n\r\nthe cloud"},
-        {"/results/cloud", "ETag: \"33b7b8bb82722ff729172fda9a439d45", "filename=\"" DONE ".ply\""},
+        {"/results/cloud", "ETag: \"51c1d66e5b5d052e71457ea002b13b57", "filename=\"" DONE ".ply\""},
         {"/results/report", "Content-Type: application/json", "\r\n\r\n{\"points\":{\"in\":60,"},
         {"/results", "Content-Type: application/json",
          "/results/cloud\",\"type\":\"application/ply"},
@@ -289,6 +290,8 @@ START_TEST(its_results_are_downloaded)
     const char *text;
 
     run(&old, done);
+    run(&old, "UPDATE job SET output_sha256 ="
+              " '51c1d66e5b5d052e71457ea002b13b57af45e639e35092b4874e0591b30f05d4'");
     keep(&old, DONE ".cloud", "the cloud");
     end(&old);
     vt_serve_start(&serve, old.dir);
@@ -335,8 +338,9 @@ START_TEST(its_jobs_are_removed_and_expire_with_their_bytes)
     struct vt_daemon daemon;
 
     run(&old, done);
-    if (_i == 1)
-        run(&old, "UPDATE job SET expires = 2, finished = -9000000000000000;"); /* not forgotten */
+    if (_i == 1) /* not forgotten; of a daemon that ran until now */
+        run(&old, "UPDATE job SET expires = 2, finished = -9000000000000000,"
+                  " updated = CAST(strftime('%s', 'now') AS INTEGER) * 1000;");
     keep(&old, DONE ".cloud", "the cloud");
     end(&old);
     vt_daemon_start(&daemon, old.dir, NULL);

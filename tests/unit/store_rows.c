@@ -92,11 +92,13 @@ static int remove_row(struct vor_store *store, const struct vor_uuid *id)
     return changed;
 }
 
-static struct vor_recovered recover(struct vor_store *store, unsigned crashes_max)
+static struct vor_recovered recover(struct vor_store *store, int by_fault)
 {
+    const struct vor_crash crash = {
+        .by_fault = by_fault, .faults_max = 2, .kills_max = 3, .now_ms = 5000, .expires_ms = 9000};
     struct vor_recovered recovered;
 
-    vt_assert_ok(vor_store_recover(store, crashes_max, 5000, 9000, &recovered, &vt_err));
+    vt_assert_ok(vor_store_recover(store, &crash, &recovered, &vt_err));
     return recovered;
 }
 
@@ -116,6 +118,7 @@ START_TEST(a_row_comes_back_as_it_was_inserted)
     vt_assert_ok(vor_spec_set(&row.spec, "delta", "0.07", &vt_err));
     vt_assert_ok(vor_spec_set(&row.spec, "format", "drc", &vt_err));
     vt_assert_ok(vor_spec_set(&row.spec, "seed", "9007199254740991", &vt_err));
+    ck_assert(vor_span_parse(&row.span, "00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01"));
     vt_assert_ok(vor_store_insert(store, &row, &vt_err));
     ck_assert_int_eq(row.seq, 1);
     vor_store_close(store);
@@ -126,6 +129,9 @@ START_TEST(a_row_comes_back_as_it_was_inserted)
     ck_assert_int_eq(back.stage, VOR_STAGE_QUEUED);
     ck_assert_int_eq(back.seq, 1);
     ck_assert_str_eq(back.process, "resample");
+    ck_assert_str_eq(back.span.trace, row.span.trace);
+    ck_assert_str_eq(back.span.id, row.span.id);
+    ck_assert_str_eq(back.span.flags, row.span.flags);
     ck_assert_mem_eq(&back.spec, &row.spec, sizeof row.spec);
     ck_assert_uint_eq(back.input[0].format, 1);
     ck_assert_uint_eq(back.input[0].points, 812344);
@@ -503,32 +509,73 @@ START_TEST(results_expire_then_are_forgotten)
 }
 END_TEST
 
-START_TEST(what_ran_in_a_crash_waits_again_until_it_crashed_too_often)
+START_TEST(what_ran_in_a_crash_is_run_alone_until_it_crashed_too_often)
 {
     const char *dir = vt_dir_make();
+    const int by_fault = loop_of(_i);
     struct vor_store *store = open_store(_i, dir);
     struct vor_job_view waits = insert(store, 10), runs = insert(store, 10), back;
     struct vor_recovered recovered;
 
-    for (uint32_t crash = 1; crash <= 2; crash++) {
+    ck_assert(!get(store, &runs.id).alone);
+    for (uint32_t crash = 1; crash <= 2; crash++) { /* only the second one is the job's own */
         ck_assert_uint_eq(claim(store, &runs.id), crash);
-        recovered = recover(store, 3);
+        recovered = recover(store, by_fault);
         ck_assert_uint_eq(recovered.requeued, 1);
         ck_assert_uint_eq(recovered.failed, 0);
         ck_assert_int_eq(get(store, &runs.id).status, VOR_JOB_ACCEPTED);
+        ck_assert(get(store, &runs.id).alone);
     }
     (void)claim(store, &runs.id);
     (void)release(store, &runs.id, 3); /* going down in good order is no crash */
-    (void)claim(store, &runs.id);
-    recovered = recover(store, 3);
-    ck_assert_uint_eq(recovered.failed, 1);
+    ck_assert_uint_eq(claim(store, &runs.id), 4);
+    recovered = recover(store, !by_fault); /* each kind of end has its own count */
+    ck_assert_uint_eq(recovered.requeued, 1);
+    ck_assert_uint_eq(claim(store, &runs.id), 5);
+    recovered = recover(store, by_fault);
+    ck_assert_uint_eq(recovered.failed, by_fault);
+    if (!by_fault) {
+        ck_assert_uint_eq(claim(store, &runs.id), 6);
+        ck_assert_uint_eq(recover(store, 0).failed, 1);
+    }
     back = get(store, &runs.id);
     ck_assert_int_eq(back.status, VOR_JOB_FAILED);
     ck_assert_int_eq(back.problem.status, VOR_E_INTERNAL);
-    ck_assert_ptr_nonnull(strstr(back.problem.message, "3 times"));
-    ck_assert_int_eq(back.finished, 5000);
+    ck_assert_ptr_nonnull(
+        strstr(back.problem.message, by_fault ? "crashed 2 times" : "killed 3 times"));
+    ck_assert_int_ge(back.finished, back.created); /* the clock of this test is behind */
     ck_assert_int_eq(back.expires, 9000);
     ck_assert_int_eq(get(store, &waits.id).status, VOR_JOB_ACCEPTED);
+    ck_assert(!get(store, &waits.id).alone);
+    vor_store_close(store);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* The process of one run, and not the daemon. */
+START_TEST(a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was)
+{
+    const char *dir = vt_dir_make();
+    struct vor_store *store = open_store(_i, dir);
+    struct vor_job_view runs = insert(store, 10);
+    struct vor_crashed_run crashed = {.attempt = 1, .now_ms = 77};
+
+    vt_assert_ok(vor_store_crashed(store, &runs.id, &crashed, &vt_err));
+    ck_assert(!crashed.changed); /* it does not run */
+    for (uint32_t attempt = 1; attempt <= 3; attempt++) {
+        ck_assert_uint_eq(claim(store, &runs.id), attempt);
+        crashed = (struct vor_crashed_run){.attempt = attempt + 1, .now_ms = 77};
+        vt_assert_ok(vor_store_crashed(store, &runs.id, &crashed, &vt_err));
+        ck_assert(!crashed.changed); /* another attempt */
+        crashed.attempt = attempt;
+        crashed.was_alone = attempt > 1;
+        vt_assert_ok(vor_store_crashed(store, &runs.id, &crashed, &vt_err));
+        ck_assert(crashed.changed);
+        ck_assert_uint_eq(crashed.crashes, attempt - 1);
+        ck_assert_int_eq(get(store, &runs.id).status, VOR_JOB_ACCEPTED);
+        ck_assert(get(store, &runs.id).alone);
+        ck_assert_int_eq(get(store, &runs.id).updated, 77);
+    }
     vor_store_close(store);
     vt_dir_remove(dir);
 }
@@ -711,7 +758,7 @@ START_TEST(a_store_of_a_newer_version_is_refused_and_left_alone)
     (void)snprintf(where, sizeof where, "sqlite:%s/jobs.sqlite", dir);
     file = fopen(where + 7, "r+");
     ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
-    ck_assert_int_eq(fgetc(file), 3);
+    ck_assert_int_eq(fgetc(file), 6);
     ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
     ck_assert_int_eq(fputc(9, file), 9);
     fclose(file);
@@ -811,7 +858,8 @@ int main(void)
     vt_add_loop(suite, a_list_is_newest_first_filtered_and_continued_by_its_cursor, times);
     vt_add_loop(suite, what_waits_comes_in_the_order_of_acceptance, times);
     vt_add_loop(suite, results_expire_then_are_forgotten, times);
-    vt_add_loop(suite, what_ran_in_a_crash_waits_again_until_it_crashed_too_often, times);
+    vt_add_loop(suite, what_ran_in_a_crash_is_run_alone_until_it_crashed_too_often, 2 * times);
+    vt_add_loop(suite, a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was, times);
     vt_add_loop(suite, what_was_answered_before_a_kill_is_there_after_it, KILL_POINTS * times);
     vt_add_loop(suite, no_acknowledged_row_is_lost_by_a_kill_at_any_instant, 8 * times);
     vt_add(suite, a_second_daemon_is_refused_with_the_holder_s_name);

@@ -234,7 +234,9 @@ START_TEST(a_cloud_beside_the_main_output_is_saved_under_its_name)
     struct vor_result_facts facts = {.spacing = 0};
     struct vt_daemon daemon = {.dir = vt_dir_make()};
     struct vor_artefact artefact = {.name = "mesh", .kind = VOR_ARTEFACT_CLOUD};
+    struct vor_order order = {.format = (unsigned)_i};
     struct vor_job_view row = vt_row(10);
+    struct vor_blob_writer *writer;
     struct vor_cloud back;
     uint8_t *bytes;
     size_t size;
@@ -242,9 +244,12 @@ START_TEST(a_cloud_beside_the_main_output_is_saved_under_its_name)
     daemon.blobs = vt_dir_blobs(daemon.dir);
     vt_cloud_sphere(&artefact.cloud, 1, 70);
     vor_extent_measure(&facts.input, &artefact.cloud);
-    vor_spec_preset(&row.spec, vor_process_find("measure"));
-    row.input[0].format = (unsigned)_i;
-    vt_assert_ok(vor_artefact_save(&saved, daemon.blobs, &row, &artefact, &facts, &vt_err));
+    vor_spec_preset(&order.spec, vor_process_find("measure"));
+    vt_assert_ok(vor_blob_create(daemon.blobs, &writer, &vt_err));
+    order.output[1] = vor_blob_fd(writer);
+    vt_assert_ok(vor_artefact_write(&saved, &order, 1, &artefact, &facts, &vt_err));
+    vt_assert_ok(vor_blob_adopt(writer, saved.bytes, saved.sha256, &vt_err));
+    vt_assert_ok(vor_blob_commit(writer, &row.id, "mesh", &vt_err));
     bytes = vt_daemon_output(&daemon, &row.id, "mesh", &size);
     ck_assert_uint_eq(saved.format, (unsigned)_i);
     ck_assert_uint_eq(saved.points, 70);
@@ -264,25 +269,41 @@ START_TEST(a_cloud_beside_the_main_output_is_saved_under_its_name)
 }
 END_TEST
 
-START_TEST(an_output_that_cannot_be_written_leaves_nothing)
+START_TEST(an_output_of_an_unknown_format_is_not_written)
 {
     struct vor_job_output saved = {.points = 77};
     struct vor_result_facts facts = {.spacing = 0};
-    const char *dir = vt_dir_make();
-    struct vor_blobs *blobs = vt_dir_blobs(dir);
     struct vor_artefact artefact = {.name = "mesh", .kind = VOR_ARTEFACT_CLOUD};
-    struct vor_job_view row = vt_row(10);
+    struct vor_order order = {.format = 99}; /* as a newer version may have noted it */
+    FILE *file = tmpfile();
 
+    order.output[0] = fileno(file);
     vt_cloud_sphere(&artefact.cloud, 1, 70);
-    vor_spec_preset(&row.spec, vor_process_find("measure"));
-    row.input[0].format = 99; /* as a newer version may have noted it */
+    vor_spec_preset(&order.spec, vor_process_find("measure"));
     vt_assert_fails(VOR_E_INTERNAL,
-                    vor_artefact_save(&saved, blobs, &row, &artefact, &facts, &vt_err));
+                    vor_artefact_write(&saved, &order, 0, &artefact, &facts, &vt_err));
     ck_assert_str_eq(vt_err.message, "this version has no format 99");
     ck_assert_uint_eq(saved.points, 77);
-    ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
-    ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
+    ck_assert_int_eq(lseek(order.output[0], 0, SEEK_END), 0);
+    (void)fclose(file);
     vor_cloud_free(&artefact.cloud);
+}
+END_TEST
+
+/* What another process says that it has written is compared with what is there. */
+START_TEST(a_result_of_another_size_than_told_is_not_taken)
+{
+    static const char sha256[VOR_DIGEST_SIZE] = "00";
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_blob_writer *writer;
+
+    vt_assert_ok(vor_blob_create(blobs, &writer, &vt_err));
+    ck_assert_int_eq(write(vor_blob_fd(writer), "abc", 3), 3);
+    vt_assert_fails(VOR_E_INTERNAL, vor_blob_adopt(writer, 4, sha256, &vt_err));
+    ck_assert_str_eq(vt_err.message, "a result has 3 bytes, and not 4");
+    vor_blob_discard(writer);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_blobs_close(blobs);
     vt_dir_remove(dir);
 }
@@ -603,7 +624,8 @@ int main(void)
     vt_add_loop(suite, a_document_is_what_the_engine_gives, 3);
     vt_add(suite, a_job_without_records_tells_its_stages_and_its_end);
     vt_add_loop(suite, a_cloud_beside_the_main_output_is_saved_under_its_name, 2);
-    vt_add(suite, an_output_that_cannot_be_written_leaves_nothing);
+    vt_add(suite, an_output_of_an_unknown_format_is_not_written);
+    vt_add(suite, a_result_of_another_size_than_told_is_not_taken);
     vt_add(suite, what_a_process_cannot_work_on_is_refused_and_leaves_nothing);
     vt_add_loop(suite, both_inputs_survive_kill_9, 4);
     vt_add_loop(suite, a_job_that_lost_an_input_fails_and_names_it, 2);

@@ -87,16 +87,18 @@ static void nap(void)
 /* The rows of a former life, in the order of acceptance. */
 enum { ROWS = 40, WORN_OUT = 7 };
 
-/* Every fifth one was running; one of them has been in the crashes of a worker's whole patience. */
+/* Every fifth one was running; one of them has been alone in as many crashes as a worker takes. */
 static void leave_rows(struct life *life, struct vor_job_view rows[ROWS])
 {
     for (int i = 0; i < ROWS; i++)
         rows[i] = leave_waiting(life);
-    for (int crash = 0; crash < 2; crash++) {
+    for (int i = 0; i < 3; i++) {
+        const struct vor_crash crash = {
+            .by_fault = 1, .faults_max = 3, .kills_max = 3, .now_ms = 1, .expires_ms = 2};
         struct vor_recovered recovered;
 
         claim(life, &rows[WORN_OUT].id);
-        vt_assert_ok(vor_store_recover(life->store, 3, 1, 2, &recovered, &vt_err));
+        vt_assert_ok(vor_store_recover(life->store, &crash, &recovered, &vt_err));
     }
     claim(life, &rows[WORN_OUT].id);
     for (int i = 0; i < ROWS; i += 5)
@@ -128,7 +130,7 @@ START_TEST(every_job_of_a_former_life_is_in_line_before_the_worker_is_there)
     ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &refused), VOR_FULL);
     view = vt_daemon_get(&daemon, &rows[WORN_OUT].id);
     ck_assert_int_eq(view.status, VOR_JOB_FAILED);
-    ck_assert_str_eq(view.message, "the daemon ended 3 times while it worked on this job");
+    ck_assert_str_eq(view.message, "the daemon crashed 3 times while it worked on this job alone");
     ck_assert_uint_eq(vt_daemon_wait_iteration(&daemon, &blocker, 0).attempt, 2);
     vor_worker_load(daemon.worker, &load);
     ck_assert_uint_eq(load.waiting + load.running, ROWS);

@@ -3,6 +3,7 @@
 #include "core/base/quote.h"
 #include "proto/codec.h"
 #include "server/api/accept.h"
+#include "server/api/links.h"
 #include "server/api/problem.h"
 
 #include <stdio.h>
@@ -36,6 +37,15 @@ static const char *read_format(struct vor_result_ask *ask, const char *value, ch
     return refuse_format(value, out, size);
 }
 
+/* True for the ticket of a request for one result: it says who sends it, and is checked by then. */
+static bool has_ticket(const struct vor_request *request, const char *name)
+{
+    const char *output;
+
+    return strcmp(name, "ticket") == 0 &&
+           vor_path_segment(vor_request_path(request), 4, &output) > 0;
+}
+
 bool vor_ask_read(struct vor_app *app, struct vor_request *request, bool takes_format,
                   struct vor_result_ask *out)
 {
@@ -45,6 +55,8 @@ bool vor_ask_read(struct vor_app *app, struct vor_request *request, bool takes_f
 
     *out = (struct vor_result_ask){.has_format = false};
     for (unsigned i = 0; (name = vor_request_query_name(request, i)) != NULL; i++) {
+        if (has_ticket(request, name))
+            continue;
         if (takes_format && strcmp(name, "format") == 0) {
             problem.detail =
                 read_format(out, vor_request_query_value(request, i), detail, sizeof detail);

@@ -12,7 +12,8 @@ struct vor_result_ask {
 
 /** Reads the query of a request for a result.
  *
- *  @param[in] takes_format  it may have the parameter format; it may have no other
+ *  @param[in] takes_format  it may have the parameter format; it may have no other, but for a
+ * ticket to one result
  *
  *  @return true, or false after an invalid-query-parameter-value problem has been replied */
 bool vor_ask_read(struct vor_app *app, struct vor_request *request, bool takes_format,

@@ -7,16 +7,19 @@
 #include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
+#include "server/base/metrics.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { BATCH = 32, RETRY_MS = 2000, RETRY_DRAIN_MS = 1000, RETRY_FULL_MS = 10000 };
+enum { FEW = 64 }; /* streams; so many writes take 3 ms */
 static const double progress_pause = 0.1;
 
 struct stream {
     struct vor_app *app;
+    struct vor_request *request;
     struct vor_uuid id;
     struct vor_followed followed; /* what was asked of the worker, once for the whole stream */
     struct vor_subscriber subscriber;
@@ -44,12 +47,18 @@ static void release(void *state)
     free(stream);
 }
 
+/* A few streams are woken at once. Among many each waits for its turn, so that an event of a job
+ * that everybody follows does not keep other requests waiting. */
 static void on_event(void *ctx, enum vor_event_kind kind)
 {
     struct stream *stream = ctx;
 
-    if (kind == VOR_EVENT_END || atomic_load(&stream->armed))
+    if (kind != VOR_EVENT_END && !atomic_load(&stream->armed))
+        return;
+    if (atomic_load(&stream->app->streams) <= FEW)
         vor_waker_wake(stream->waker);
+    else
+        vor_request_wake_after(stream->request, 0);
 }
 
 /* Writes the job as it is now, but in the state that it had at the event. */
@@ -144,7 +153,8 @@ static void write_data(struct stream *stream, struct vor_request *request,
         write_end(stream, request, event, text);
         return;
     case VOR_EVENT_REPLACED:
-        vor_text_printf(text, "{\"attempt\":%u,\"reason\":\"daemon-restarted\"}", event->attempt);
+        vor_text_printf(text, "{\"attempt\":%u,\"reason\":\"%s\"}", event->attempt,
+                        event->stage == VOR_STAGE_QUEUED ? "daemon-restarted" : "worker-restarted");
         return;
     case VOR_EVENT_STATUS:
     case VOR_EVENT_KINDS:
@@ -192,6 +202,7 @@ static bool take_events(struct stream *stream, struct vor_request *request)
         stream->is_replay = false;
     for (size_t i = 0; i < count && !stream->ended; i++)
         write_event(stream, request, &events[i]);
+    vor_metric_add(VOR_METRIC_STREAM_EVENTS, (double)count, NULL);
     return count > 0;
 }
 
@@ -254,8 +265,10 @@ static long read_stream(void *ctx, struct vor_request *request, char *out, size_
         stream->taken = 0;
         if (stream->ended)
             return -1;
-        if (!fill(stream, request))
+        if (!fill(stream, request)) {
+            vor_text_free(&stream->text); /* a stream sleeps most of its life */
             return 0;
+        }
     }
     if (size > stream->text.size - stream->taken)
         size = stream->text.size - stream->taken;
@@ -272,6 +285,7 @@ static struct stream *stream_create(struct vor_app *app, struct vor_request *req
     if (stream == NULL)
         return NULL;
     stream->app = app;
+    stream->request = request;
     stream->id = *id;
     stream->waker = vor_request_waker(request);
     stream->sent_at = vor_clock_seconds();

@@ -37,6 +37,9 @@ enum vor_next vor_handle_results(void *app, struct vor_request *request, enum vo
 enum vor_next vor_handle_result(void *app, struct vor_request *request, enum vor_step step);
 enum vor_next vor_handle_input(void *app, struct vor_request *request, enum vor_step step);
 
+/** tickets.c */
+enum vor_next vor_handle_ticket(void *app, struct vor_request *request, enum vor_step step);
+
 /** What they share. */
 
 /** The process that segment `index` of the path names, of those that HTTP offers.
@@ -49,9 +52,9 @@ const struct vor_process_info *vor_process_of_path(struct vor_app *app, struct v
 const struct vor_process_info *vor_process_of_submit(struct vor_app *app,
                                                      struct vor_request *request);
 
-/** Reads the {jobID} of the path.
+/** Reads the {jobID} of the path. A job of another key is none.
  *
- *  @return true, or false after a no-such-job problem has been replied */
+ *  @return true, or false after a problem (no-such-job, store) has been replied */
 bool vor_job_of_path(struct vor_app *app, struct vor_request *request, struct vor_uuid *out);
 
 /** The job of the path, as it is now.
@@ -83,9 +86,12 @@ void vor_job_write(struct vor_app *app, struct vor_request *request,
 enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *request,
                                  const struct vor_job_view *view);
 
-/** Replies 200 with the whole main output of a successful job (a synchronous call). */
+/** Replies 200 with the whole main output of a successful job (a synchronous call).
+ *
+ *  @param[in] is_new  the job has just ended, so that its bytes need no look; else the request may
+ *                     have to wait for that, and this is to be called again when it is woken */
 enum vor_next vor_result_whole(struct vor_app *app, struct vor_request *request,
-                               const struct vor_job_view *view);
+                               const struct vor_job_view *view, bool is_new);
 
 /** Replies with the events of a job after `position` ({0, 0}: from the first one that matters now).
  *  The request's state is released first; the stream becomes its state.

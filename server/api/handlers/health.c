@@ -64,14 +64,15 @@ enum vor_next vor_handle_readyz(void *ctx, struct vor_request *request, enum vor
     (void)step;
     if (atomic_load(&app->draining))
         return vor_problem_say(app, request, "draining", "the daemon is going down");
-    if (vor_store_check(app->store, &err) != VOR_OK)
-        return vor_problem_error(app, request, &err, NULL);
+    if (vor_worker_ready(app->worker, &err) != VOR_OK) /* 503, also when the disk is full */
+        return vor_problem_say(app, request, "store-unavailable", "%s", err.message);
     vor_worker_load(app->worker, &load);
     vor_text_init(&text, 0);
     vor_json_begin_object(&text);
     vor_json_put_string(&text, "status", "ready");
     vor_json_put_u64(&text, "waiting", load.waiting);
     vor_json_put_u64(&text, "running", load.running);
+    vor_json_put_string(&text, "sandbox", app->sandbox);
     vor_json_end_object(&text);
     vor_text_puts(&text, "\n");
     vor_reply_header(request, "Cache-Control", "no-store");

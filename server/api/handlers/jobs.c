@@ -1,3 +1,4 @@
+#include "server/api/auth.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
@@ -5,7 +6,8 @@
 #include <ctype.h>
 #include <string.h>
 
-bool vor_job_of_path(struct vor_app *app, struct vor_request *request, struct vor_uuid *out)
+/* Reads the {jobID} of the path, whosever the job is. */
+static bool read_id(struct vor_app *app, struct vor_request *request, struct vor_uuid *out)
 {
     const char *segment;
     size_t length = vor_path_segment(vor_request_path(request), 2, &segment);
@@ -17,6 +19,18 @@ bool vor_job_of_path(struct vor_app *app, struct vor_request *request, struct vo
     vor_problem_say(app, request, "no-such-job", "there is no job %.*s",
                     (int)(length < 60 ? length : 60), segment);
     return false;
+}
+
+bool vor_job_of_path(struct vor_app *app, struct vor_request *request, struct vor_uuid *out)
+{
+    struct vor_job_view view;
+
+    if (vor_auth_tenant(request) == NULL)
+        return read_id(app, request, out);
+    if (!vor_job_look_up(app, request, &view))
+        return false;
+    *out = view.id;
+    return true;
 }
 
 enum vor_next vor_outcome_reply(struct vor_app *app, struct vor_request *request,
@@ -32,9 +46,13 @@ enum vor_next vor_outcome_reply(struct vor_app *app, struct vor_request *request
                                id != NULL ? id->text : "");
     case VOR_FULL:
         vor_worker_load(app->worker, &load);
-        full.detail = "as many jobs wait as may wait; try again later";
+        full.detail = "as many jobs, or bytes of decoded inputs, wait as may wait; try again later";
         full.queue_depth = (int64_t)load.waiting;
         return vor_problem_reply(app, request, &full);
+    case VOR_CROWDED:
+        return vor_problem_say(
+            app, request, "too-many-jobs", "%.0f jobs of the key %s wait or run, as many as may",
+            vor_request_principal(request)->quota.jobs, vor_request_principal(request)->name);
     case VOR_DRAINING:
         return vor_problem_say(app, request, "draining", "the daemon is going down");
     case VOR_CONFLICT:
@@ -52,9 +70,9 @@ bool vor_job_look_up(struct vor_app *app, struct vor_request *request, struct vo
     struct vor_uuid id;
     enum vor_job_outcome outcome;
 
-    if (!vor_job_of_path(app, request, &id))
+    if (!read_id(app, request, &id))
         return false;
-    outcome = vor_worker_get(app->worker, &id, out, &err);
+    outcome = vor_worker_get_of(app->worker, &id, vor_auth_tenant(request), out, &err);
     if (outcome == VOR_DONE)
         return true;
     vor_outcome_reply(app, request, outcome, &err, &id);
@@ -138,6 +156,7 @@ enum vor_next vor_handle_jobs(void *ctx, struct vor_request *request, enum vor_s
     (void)step;
     if (!vor_job_filter_read(list.app, request, &filter))
         return VOR_NEXT_REPLY;
+    filter.tenant = vor_auth_tenant(request);
     list.left = filter.limit++;
     vor_text_init(&list.text, 0);
     vor_json_begin_object(&list.text);

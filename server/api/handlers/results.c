@@ -8,6 +8,7 @@
 #include "server/api/problem.h"
 #include "server/base/digest.h"
 #include "server/blob/blob.h"
+#include "server/work/verify.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -41,7 +42,8 @@ enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *reques
 {
     if (view->expired)
         return say_with_job(app, request, "job-expired",
-                            "the results of this job were kept long enough", view->id.text);
+                            "the results of this job were kept as long as time and room allow",
+                            view->id.text);
     switch (view->status) {
     case VOR_JOB_FAILED:
         return vor_problem_error(app, request, &view->problem, view->id.text);
@@ -207,17 +209,70 @@ static void output_close(struct output *out)
         (void)close(out->fd);
 }
 
-enum vor_next vor_result_whole(struct vor_app *app, struct vor_request *request,
-                               const struct vor_job_view *view)
+static void wake(void *ctx)
 {
+    vor_waker_wake(ctx);
+    vor_waker_drop(ctx);
+}
+
+/* Waits until a file is read, or replies why that is in vain. */
+static enum vor_next wait_verdict(struct vor_app *app, struct vor_request *request)
+{
+    if (vor_request_gone(request))
+        return vor_problem_say(app, request, "client-closed", "the caller left");
+    if (vor_request_closing(request))
+        return vor_problem_say(app, request, "draining", "the daemon is going down");
+    return VOR_NEXT_WAIT;
+}
+
+/* True when the bytes of a file are those that were written, or none are to be sent. Else *next is
+ * what the handler returns; once woken, it is called again and asks again. */
+static bool is_sound(struct vor_app *app, struct vor_request *request,
+                     const struct vor_job_view *view, const struct output *out, enum vor_next *next)
+{
+    struct vor_asker asker = {.wake = wake};
+    struct vor_problem problem = VOR_PROBLEM_INIT("damaged-bytes");
+    enum vor_verdict verdict;
+    char sha256[VOR_DIGEST_SIZE], detail[256];
+
+    if (out->fd < 0 || vor_request_method(request) == VOR_HEAD ||
+        (vor_request_method(request) == VOR_GET &&
+         vor_etag_listed(vor_request_header(request, "If-None-Match"), out->etag)))
+        return true;
+    (void)snprintf(sha256, sizeof sha256, "%s", out->etag + 1); /* between its quotes */
+    asker.ctx = vor_request_waker(request);
+    verdict = vor_verify_ask(app->verify, out->fd, out->size, sha256, &asker);
+    if (verdict != VOR_VERDICT_WAIT)
+        vor_waker_drop(asker.ctx);
+    if (verdict == VOR_VERDICT_WAIT) {
+        *next = wait_verdict(app, request);
+    } else if (verdict == VOR_VERDICT_DAMAGED) {
+        (void)snprintf(detail, sizeof detail,
+                       "the bytes kept for %s are not those that were written (SHA-256 %s)",
+                       out->name, sha256);
+        problem.detail = detail;
+        problem.job_id = view->id.text;
+        *next = vor_problem_reply(app, request, &problem);
+    } else if (verdict == VOR_VERDICT_FAILED) {
+        *next = vor_problem_say(app, request, "store-unavailable",
+                                "the bytes cannot be checked now; try again later");
+    }
+    return verdict == VOR_VERDICT_SOUND;
+}
+
+enum vor_next vor_result_whole(struct vor_app *app, struct vor_request *request,
+                               const struct vor_job_view *view, bool is_new)
+{
+    enum vor_next next = VOR_NEXT_REPLY;
     struct output out = {.fd = -1};
 
-    if (open_output(app, request, view, 0, &out)) {
+    if (open_output(app, request, view, 0, &out) &&
+        (is_new || is_sound(app, request, view, &out, &next))) {
         add_headers(request, &out);
         send_part(request, 200, &out, 0, out.size);
     }
     output_close(&out);
-    return VOR_NEXT_REPLY;
+    return next;
 }
 
 /* "cloud", "cloud or report", "cloud, mesh or report". */
@@ -262,9 +317,10 @@ static enum vor_next reply_converted(struct vor_app *app, struct vor_request *re
     (void)snprintf(out.etag, sizeof out.etag, "\"%s\"", converted.sha256);
     memcpy(out.origin, converted.origin, sizeof out.origin);
     name_file(view, index, vor_format(format), out.name, sizeof out.name);
-    reply_output(app, request, &out);
+    if (is_sound(app, request, view, &out, &next))
+        next = reply_output(app, request, &out);
     output_close(&out);
-    return VOR_NEXT_REPLY;
+    return next;
 }
 
 enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor_step step)
@@ -272,6 +328,7 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
     const struct vor_artefact_info *outputs, *output;
     struct vor_app *app = ctx;
     struct output out = {.fd = -1};
+    enum vor_next next = VOR_NEXT_REPLY;
     struct vor_result_ask ask;
     struct vor_job_view view;
     const char *segment;
@@ -293,10 +350,10 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
     if (ask.has_format && ask.format != view.output[output - outputs].format)
         return reply_converted(app, request, &view, (unsigned)(output - outputs), ask.format);
     if (open_output(app, request, &view, (unsigned)(output - outputs), &out) &&
-        vor_ask_accepts(app, request, out.media_type))
-        reply_output(app, request, &out);
+        vor_ask_accepts(app, request, out.media_type) && is_sound(app, request, &view, &out, &next))
+        next = reply_output(app, request, &out);
     output_close(&out);
-    return VOR_NEXT_REPLY;
+    return next;
 }
 
 static void put_output(struct vor_app *app, struct vor_request *request,
@@ -366,6 +423,7 @@ enum vor_next vor_handle_input(void *ctx, struct vor_request *request, enum vor_
 {
     struct vor_app *app = ctx;
     struct output out = {.fd = -1};
+    enum vor_next next = VOR_NEXT_REPLY;
     struct vor_job_view view;
 
     (void)step;
@@ -373,8 +431,8 @@ enum vor_next vor_handle_input(void *ctx, struct vor_request *request, enum vor_
         return VOR_NEXT_REPLY;
     if (view.expired)
         return vor_result_missing(app, request, &view);
-    if (open_upload(app, request, &view, &out))
-        reply_output(app, request, &out);
+    if (open_upload(app, request, &view, &out) && is_sound(app, request, &view, &out, &next))
+        next = reply_output(app, request, &out);
     output_close(&out);
-    return VOR_NEXT_REPLY;
+    return next;
 }

@@ -11,11 +11,13 @@
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/submit_form.h"
 #include "server/api/handlers/submit_json.h"
+#include "server/api/limits.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
+#include "server/http/waker.h"
 #include "server/work/admit.h"
 
 #include <pthread.h>
@@ -23,12 +25,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What must stay free on the disk, so that jobs under way can end. */
-static const uint64_t disk_reserve = VOR_BLOBS_RESERVE;
-
 struct submission {
     struct vor_app *app;
     struct vor_submit_head head;
+    struct vor_quota quota; /* of the key */
+    struct vor_span span;
     double deadline;              /* of the wait; 0 for none */
     struct vor_submit_form *form; /* NULL when the body is a cloud */
     struct vor_uploads uploads;
@@ -40,6 +41,7 @@ struct submission {
     bool settled;   /* the caller of a synchronous call got an answer */
     bool in_flight; /* the key is ours */
     bool replayed;  /* the job is that of an earlier request with this key */
+    bool headed;    /* the reply has its headers already */
     struct vor_admission admission;
     enum vor_job_outcome outcome;
     struct vor_error error;
@@ -149,19 +151,11 @@ static struct submission *submission_create(struct vor_app *app, struct vor_requ
 static bool check_disk(struct vor_app *app, struct vor_request *request)
 {
     int64_t length = vor_request_length(request);
-    uint64_t available, total;
     struct vor_error err;
 
-    if (vor_blobs_space(app->blobs, &available, &total, &err) != VOR_OK) {
-        vor_problem_error(app, request, &err, NULL);
-        return false;
-    }
-    if (available >= disk_reserve + (length > 0 ? (uint64_t)length : 0))
+    if (vor_blobs_room(app->blobs, length > 0 ? (uint64_t)length : 0, &err) == VOR_OK)
         return true;
-    vor_problem_say(app, request, "storage-full",
-                    "%lld bytes do not fit: %llu are free, of which %llu stay so",
-                    (long long)(length > 0 ? length : 0), (unsigned long long)available,
-                    (unsigned long long)disk_reserve);
+    vor_problem_error(app, request, &err, NULL);
     return false;
 }
 
@@ -216,13 +210,30 @@ static struct vor_blob_writer *open_kept(struct vor_app *app, struct vor_request
     return NULL;
 }
 
+/* A file for the body; NULL after a problem has been replied. Room is kept for its bytes as they
+ * come and not for the length that was declared: else a few callers who declare much and send
+ * nothing would have the disk. */
+static struct vor_blob_writer *create_upload(struct vor_app *app, struct vor_request *request)
+{
+    struct vor_blob_writer *writer = NULL;
+    struct vor_error err;
+    vor_status status = vor_blob_create(app->blobs, &writer, &err);
+
+    if (status == VOR_OK)
+        status = vor_blob_promise(writer, 0, &err);
+    if (status == VOR_OK)
+        return writer;
+    vor_blob_discard(writer);
+    vor_problem_error(app, request, &err, NULL);
+    return NULL;
+}
+
 /* Where the body goes; false after a problem has been replied. */
 static bool open_sink(struct vor_app *app, struct vor_request *request,
                       struct submission *submission, struct vor_body_sink *sink)
 {
     const struct vor_submit_head *head = &submission->head;
     struct vor_upload *upload = &submission->uploads.item[0]; /* the body is the main input */
-    struct vor_error err;
 
     if (head->body.is_form) {
         submission->form =
@@ -236,8 +247,8 @@ static bool open_sink(struct vor_app *app, struct vor_request *request,
     if (head->besides.input.text[0] != '\0') {
         upload->is_gzip = 0;
         upload->bytes = open_kept(app, request, &head->besides);
-    } else if (vor_blob_create(app->blobs, &upload->bytes, &err) != VOR_OK) {
-        vor_problem_error(app, request, &err, NULL);
+    } else {
+        upload->bytes = create_upload(app, request);
     }
     submission->uploads.count = upload->bytes != NULL ? 1 : 0;
     return upload->bytes != NULL;
@@ -251,7 +262,8 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     struct vor_body_sink sink;
     struct vor_error err;
 
-    if (!vor_submit_read(app, request, &head) || !check_room(app, request, &head))
+    if (!vor_limits_rate(app, request) || !vor_submit_read(app, request, &head) ||
+        !check_room(app, request, &head) || !vor_limits_room(app, request, &head.besides.key))
         return VOR_NEXT_REPLY;
     if (head.mode == VOR_SUBMIT_STREAM &&
         atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS])
@@ -265,11 +277,27 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
         return vor_problem_error(app, request, &err, NULL);
     }
     submission->head = head;
+    submission->quota = vor_request_principal(request)->quota;
+    submission->span = *vor_request_span(request);
     vor_request_set_state(request, submission, release);
     if (!begin_flight(app, request, submission) || !open_sink(app, request, submission, &sink))
         return VOR_NEXT_REPLY;
     vor_request_take_body(request, &sink, limit);
     return VOR_NEXT_BODY;
+}
+
+/* Nobody waits for admission any more: the request is over, or its caller was seen to leave. */
+static int has_left(void *ctx)
+{
+    struct submission *submission = ctx;
+    int left;
+
+    if (has_key(submission))
+        return 0; /* the caller can come back */
+    (void)pthread_mutex_lock(&submission->lock);
+    left = submission->abandoned;
+    (void)pthread_mutex_unlock(&submission->lock);
+    return left || vor_waker_is_gone(submission->waker);
 }
 
 /* Called on an admission thread once the upload is decoded or refused. */
@@ -278,7 +306,8 @@ static void on_admitted(struct vor_admission *admission)
     struct submission *submission = admission->ctx;
     struct vor_app *app = submission->app;
     const struct vor_job_label label = {submission->head.besides.name,
-                                        &submission->head.besides.key};
+                                        &submission->head.besides.key, &submission->span,
+                                        (size_t)submission->quota.jobs};
     bool abandoned;
 
     (void)pthread_mutex_lock(&submission->lock);
@@ -287,7 +316,8 @@ static void on_admitted(struct vor_admission *admission)
     submission->outcome = VOR_FAILED;
     if (admission->status != VOR_OK)
         submission->error = admission->error;
-    else if (abandoned)
+    else if (abandoned || vor_limits_points(&submission->quota, &admission->admitted,
+                                            &submission->error) != VOR_OK)
         vor_admit_drop(app->blobs, &admission->admitted);
     else
         submission->outcome =
@@ -304,6 +334,15 @@ static void on_admitted(struct vor_admission *admission)
     drop(submission);
 }
 
+/* With a key, whoever has it; else whoever is at the address. */
+static struct vor_sharer sharer_of(const struct vor_request *request)
+{
+    const char *name = vor_request_principal(request)->name;
+
+    return name[0] != '\0' ? vor_sharer_of_key(name)
+                           : vor_sharer_of_address(vor_request_via(request)->client);
+}
+
 static enum vor_next admit(struct vor_app *app, struct vor_request *request,
                            struct submission *submission)
 {
@@ -311,9 +350,11 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
 
     submission->admission = (struct vor_admission){
         .uploads = submission->uploads,
+        .caller = sharer_of(request),
         .drop_invalid = submission->head.spec.value[VOR_PARAM_INVALID] == VOR_INVALID_DROP,
         .keep_faces = submission->head.spec.value[VOR_PARAM_SAMPLE] == VOR_SAMPLE_FACES,
         .done = on_admitted,
+        .has_left = has_left,
         .ctx = submission};
     submission->holds++; /* nobody else has it yet */
     outcome = vor_admit_submit(app->admit, &submission->admission);
@@ -384,12 +425,14 @@ static enum vor_next reply_ended(struct vor_app *app, struct vor_request *reques
     enum vor_job_outcome outcome = vor_worker_get(app->worker, &submission->view.id, &view, &err);
 
     submission->settled = true;
-    add_job_headers(app, request, submission, false);
+    if (!submission->headed)
+        add_job_headers(app, request, submission, false);
+    submission->headed = true;
     if (outcome != VOR_DONE)
         return vor_outcome_reply(app, request, outcome, &err, &submission->view.id);
     if (view.status != VOR_JOB_SUCCESSFUL)
         return vor_result_missing(app, request, &view);
-    return vor_result_whole(app, request, &view);
+    return vor_result_whole(app, request, &view, !submission->replayed);
 }
 
 static enum vor_next wait_for_end(struct vor_app *app, struct vor_request *request,

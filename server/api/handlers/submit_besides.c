@@ -2,9 +2,11 @@
 
 #include "core/base/quote.h"
 #include "core/base/utf8.h"
+#include "server/api/auth.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/problem.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { SHOWN_SIZE = 64 /* of what a caller wrote, in a message */ };
@@ -91,6 +93,8 @@ vor_status vor_besides_read_key(struct vor_submit_besides *out, const struct vor
     char quoted[SHOWN_SIZE];
     int is_quoted;
 
+    (void)snprintf(out->key.principal, sizeof out->key.principal, "%s",
+                   vor_request_principal(request)->name);
     if (value == NULL)
         return VOR_OK;
     is_quoted = *at == '"';
@@ -142,7 +146,7 @@ struct vor_blob_writer *vor_besides_open(struct vor_app *app, struct vor_request
     enum vor_job_outcome outcome;
     struct vor_error err;
 
-    outcome = vor_worker_get(app->worker, id, &view, &err);
+    outcome = vor_worker_get_of(app->worker, id, vor_auth_tenant(request), &view, &err);
     if (outcome == VOR_UNKNOWN)
         return refuse(app, request, "no-such-job", "there is no such job", id);
     if (outcome != VOR_DONE) {

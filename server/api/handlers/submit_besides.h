@@ -20,9 +20,9 @@ struct vor_submit_besides {
 VOR_NODISCARD vor_status vor_besides_take(struct vor_submit_besides *out, const char *name,
                                           const char *value, int *taken, struct vor_error *err);
 
-/** Reads the header Idempotency-Key: 1 to 255 visible characters of ASCII but the quote, the comma
- *  and the backslash, between quotes, as draft-ietf-httpapi-idempotency-key-header-07 has it, or
- *  without.
+/** Sets whose the job and its key are, and reads the header Idempotency-Key: 1 to 255 visible
+ * characters of ASCII but the quote, the comma and the backslash, between quotes, as
+ * draft-ietf-httpapi-idempotency-key-header-07 has it, or without.
  *
  *  @retval VOR_E_PARAM it is something else, or is given twice */
 VOR_NODISCARD vor_status vor_besides_read_key(struct vor_submit_besides *out,

@@ -89,8 +89,12 @@ static vor_status begin_file(struct vor_submit_form *form, const struct vor_arte
                         vor_quote(shown, sizeof shown, part->coding, strlen(part->coding)));
     upload.is_gzip = coding > 0;
     status = vor_blob_create(form->app->blobs, &upload.bytes, err);
-    if (status != VOR_OK)
+    if (status == VOR_OK)
+        status = vor_blob_promise(upload.bytes, 0, err);
+    if (status != VOR_OK) {
+        vor_blob_discard(upload.bytes);
         return status;
+    }
     form->file = &uploads->item[uploads->count++];
     *form->file = upload;
     form->is_unnamed = part->is_unnamed;

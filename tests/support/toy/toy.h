@@ -3,8 +3,9 @@
  *
  *  The method `toy` copies points of the input, in two stages. The process `excerpt` is resample by
  *  that method alone; `census` counts the points of one cloud, and `overlap` tells how far two
- *  clouds lie from each other: both hand out a document. `ribbon` is convert that adds faces. The
- *  parameters are of every kind that no parameter of the product has. */
+ *  clouds lie from each other: both hand out a document. `ribbon` is convert that adds faces, and
+ *  `poison` crashes the program. The parameters are of every kind that no parameter of the product
+ * has. */
 #ifndef VOR_TOY_H
 #define VOR_TOY_H
 
@@ -34,7 +35,8 @@
     X(TOY_STEPS, "The steps of the toy")                                                           \
     X(TOY_POINTS, "Points that count")                                                             \
     X(TOY_CENSUS, "The census")                                                                    \
-    X(TOY_OVERLAP, "The overlap")
+    X(TOY_OVERLAP, "The overlap")                                                                  \
+    X(TOY_POISON, "The poison")
 
 #define VOR_EXTRA_SPREAD_GROUPS VOR_IN(TOY_STEPS)
 
@@ -55,7 +57,10 @@
     X(REMARK, remark, TEXT, TOY_POINTS, "", 0, 60, VOR_UNSET, "", "A text for the document")       \
     X(TELL, tell, LIST, TOY_CENSUS, "", 0, 0, 3, "box middle", "Parts that the document has")      \
     X(BACKWARD, backward, FLAG, TOY_OVERLAP, "", 0, 0, 0, "",                                      \
-      "Distances from the other cloud to this one are told, too")
+      "Distances from the other cloud to this one are told, too")                                  \
+    X(VENOM, venom, CHOICE, TOY_POISON, "", 0, 0, 0, "fault abort spin leak",                      \
+      "How the program ends, if it does. fault: it writes where there is no memory; abort: it "    \
+      "gives up; spin: it never ends; leak: it takes what memory there is, uncounted")
 
 #define VOR_TOY_TWO_IN                                                                             \
     ({"cloud", VOR_ARTEFACT_CLOUD, 1, "The point cloud, recognised by its bytes"},                 \
@@ -75,7 +80,9 @@
       VOR_TOY_TWO_IN, VOR_TOY_OVERLAP_OUT, "Compare two clouds",                                   \
       "Tells how far the points of a cloud lie from another one")                                  \
     X(RIBBON, ribbon, 1, VOR_IN(READ) | VOR_IN(FORMAT), 0, 0, 0, VOR_CLOUD_IN, VOR_CLOUD_OUT,      \
-      "Join points by triangles", "Joins each three successive points of a cloud by a triangle")
+      "Join points by triangles", "Joins each three successive points of a cloud by a triangle")   \
+    X(POISON, poison, 1, VOR_IN(TOY_POISON), 0, 0, 0, VOR_CLOUD_IN, VOR_TOY_CENSUS_OUT,            \
+      "End the program", "Crashes whatever runs it")
 
 #define VOR_EXTRA_PRESETS(X)                                                                       \
     X(EXCERPT, METHOD, VOR_METHOD_TOY)                                                             \
@@ -89,7 +96,8 @@
     X("excerpt", run_resample)                                                                     \
     X("census", vor_toy_census)                                                                    \
     X("overlap", vor_toy_overlap)                                                                  \
-    X("ribbon", vor_toy_ribbon)
+    X("ribbon", vor_toy_ribbon)                                                                    \
+    X("poison", vor_toy_poison)
 
 /* ---------------------------------------------------------------------------------------------- */
 
@@ -141,6 +149,11 @@ VOR_NODISCARD vor_status vor_toy_overlap(struct vor_artefacts *out, const struct
  *
  *  @retval VOR_E_CANCELLED, VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_toy_ribbon(struct vor_artefacts *out, const struct vor_artefacts *in,
+                                        const struct vor_spec *spec, const struct vor_run *run,
+                                        struct vor_error *err);
+
+/** The same, but for how it ends: the program does not survive it. Reads venom. */
+VOR_NODISCARD vor_status vor_toy_poison(struct vor_artefacts *out, const struct vor_artefacts *in,
                                         const struct vor_spec *spec, const struct vor_run *run,
                                         struct vor_error *err);
 

@@ -1,0 +1,28 @@
+/** Sheets grown from where they are known to where they are not.
+ *
+ *  Where a surface bends too much for a look at one place, the lists of input/adjacency.h mix two
+ *  sheets that are nearer to each other than the spacing; fits there run between both, and so do
+ *  points that move on them. But next to such a place the sheets are mostly known. A point takes
+ *  the sheet of the neighbour whose surface, continued, leads nearest to it; its list is made of
+ *  the points along that surface, if one fits these far better than those of before. Points that
+ *  found their sheet lead the next ones.
+ *
+ *  Source: none of the papers; region growing as in image segmentation. */
+#ifndef VOR_INPUT_GROW_H
+#define VOR_INPUT_GROW_H
+
+#include "core/input/domain.h"
+
+/** Makes lists of a graph better. Lists that are sure stay.
+ *
+ *  @param[in,out] graph  of the domain's points, by vor_adjacency_make
+ *
+ *  @retval VOR_E_NOMEM n bytes do not fit
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for; the graph is to be freed
+ *
+ *  O(n), and O(log n) for each point whose list is not sure, on the run's pool. The same lists for
+ *  any number of threads. */
+VOR_NODISCARD vor_status vor_grow(struct vor_graph *graph, const struct vor_domain *domain,
+                                  const struct vor_run *run, struct vor_error *err);
+
+#endif

@@ -1,0 +1,86 @@
+#include "core/input/remote.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Points that the middle of the cloud is taken from, at equal steps. */
+enum { SAMPLES = 1001 };
+
+/* How much farther than usual from the middle a point must be: beside it, float32 leaves the others
+ * some thousand places along each axis, of which the engine's fits tell few apart. */
+#define REMOTE 1e4
+
+/* At most one point in so many is remote. */
+enum { FEW = 4 };
+
+static int compare(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+
+    return (x > y) - (x < y);
+}
+
+/* The median of axis c over the samples. */
+static double median(const struct vor_cloud *cloud, size_t step, size_t c)
+{
+    double value[SAMPLES] = {0}; /* cppcheck cannot see that n >= 1 */
+    size_t count = 0;
+
+    for (size_t i = 0; i < cloud->n && count < SAMPLES; i += step)
+        value[count++] = (double)cloud->xyz[3 * i + c];
+    qsort(value, count, sizeof *value, compare);
+    return value[count / 2];
+}
+
+static double distance(const struct vor_cloud *cloud, size_t i, const double middle[3])
+{
+    double sum = 0;
+
+    for (size_t c = 0; c < 3; c++) {
+        double d = (double)cloud->xyz[3 * i + c] - middle[c];
+
+        sum += d * d;
+    }
+    return sqrt(sum);
+}
+
+/* The median distance of the samples from the middle. */
+static double usual(const struct vor_cloud *cloud, size_t step, const double middle[3])
+{
+    double value[SAMPLES] = {0}; /* cppcheck cannot see that n >= 1 */
+    size_t count = 0;
+
+    for (size_t i = 0; i < cloud->n && count < SAMPLES; i += step)
+        value[count++] = distance(cloud, i, middle);
+    qsort(value, count, sizeof *value, compare);
+    return value[count / 2];
+}
+
+void vor_remote_tell(const struct vor_cloud *cloud, struct vor_error *err)
+{
+    size_t step = cloud->n / SAMPLES + 1, which = 0, remote = 0, length;
+    double middle[3], far = 0, near, x[3];
+
+    if (err == NULL || cloud->n == 0)
+        return;
+    for (size_t c = 0; c < 3; c++)
+        middle[c] = median(cloud, step, c);
+    near = REMOTE * usual(cloud, step, middle);
+    for (size_t i = 0; i < cloud->n; i++) {
+        double d = distance(cloud, i, middle);
+
+        remote += (size_t)(d > near);
+        which = d > far ? i : which;
+        far = d > far ? d : far;
+    }
+    if (!(far > near) || remote * FEW > cloud->n)
+        return;
+    vor_cloud_position(cloud, which, x);
+    length = strlen(err->message);
+    (void)snprintf(err->message + length, sizeof err->message - length,
+                   "; point %zu at %.9g %.9g %.9g is %.3g away from the others, which cannot be "
+                   "told apart beside it: leave it out if it is an outlier",
+                   which, x[0], x[1], x[2], far);
+}

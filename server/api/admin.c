@@ -1,0 +1,134 @@
+#include "server/api/admin.h"
+
+#include "server/api/handlers/handlers.h"
+#include "server/api/links.h"
+#include "server/api/problem.h"
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/base/log_sink.h"
+#include "server/base/metrics.h"
+#include "server/base/process.h"
+
+#include <string.h>
+#include <strings.h>
+
+/* --- what is asked for when somebody looks ---------------------------------------------------- */
+
+static void read_http(const struct vor_app *app)
+{
+    vor_metric_set(VOR_METRIC_HTTP_IN_FLIGHT, vor_http_busy(app->http), NULL);
+    vor_metric_set(VOR_METRIC_HTTP_STUCK, vor_http_stuck(app->http), NULL);
+    vor_metric_set(VOR_METRIC_CONNECTIONS, vor_http_connections(app->http), NULL);
+    vor_metric_set(VOR_METRIC_CONNECTIONS_MOST, app->config->number[VOR_SET_CONNECTIONS], NULL);
+    vor_metric_set(VOR_METRIC_STREAMS, atomic_load(&app->streams), NULL);
+    vor_metric_set(VOR_METRIC_LOG_DROPPED, (double)vor_log_sink_dropped(), NULL);
+}
+
+static void read_jobs(const struct vor_app *app)
+{
+    struct vor_worker_load load;
+    double waited = 0;
+
+    vor_worker_load(app->worker, &load);
+    if (load.oldest_ms > 0)
+        waited = (double)(vor_clock_wall_ms() - load.oldest_ms) / 1000;
+    vor_metric_set(VOR_METRIC_QUEUE, (double)load.waiting, VOR_LABELS("waiting"));
+    vor_metric_set(VOR_METRIC_QUEUE, (double)load.running, VOR_LABELS("running"));
+    vor_metric_set(VOR_METRIC_QUEUE_MOST, app->config->number[VOR_SET_QUEUE], NULL);
+    vor_metric_set(VOR_METRIC_QUEUE_AGE, waited > 0 ? waited : 0, NULL);
+    vor_metric_set(VOR_METRIC_WORKER_BUSY, (double)load.running, NULL);
+    vor_metric_set(VOR_METRIC_WORKER_SLOTS, app->config->number[VOR_SET_JOBS], NULL);
+}
+
+static void read_storage(const struct vor_app *app)
+{
+    uint64_t available, total;
+    struct vor_error err;
+
+    if (vor_blobs_space(app->blobs, &available, &total, &err) != VOR_OK)
+        return;
+    vor_metric_set(VOR_METRIC_STORAGE_FREE, (double)available, NULL);
+    vor_metric_set(VOR_METRIC_STORAGE_SIZE, (double)total, NULL);
+}
+
+static enum vor_next reply_metrics(struct vor_app *app, struct vor_request *request)
+{
+    struct vor_text text;
+
+    vor_metric_set(VOR_METRIC_BUILD, 1, VOR_LABELS(VOR_VERSION));
+    read_http(app);
+    read_jobs(app);
+    read_storage(app);
+    vor_text_init(&text, 0);
+    vor_metrics_write(&text);
+    vor_process_write(&text);
+    vor_reply_header(request, "Cache-Control", "no-store");
+    return vor_app_reply(app, request, 200, "text/plain; version=0.0.4; charset=utf-8", &text);
+}
+
+/* --- the listener ----------------------------------------------------------------------------- */
+
+/* Pages in a browser on this machine may not read the numbers by a name that leads here. */
+static bool is_foreign_host(const struct vor_config *config, const struct vor_request *request)
+{
+    const char *host = vor_request_header(request, "Host");
+    const char *const own[] = {"localhost", "127.0.0.1", "[::1]", config->admin.host};
+    size_t length;
+
+    if (!config->admin.loopback || host == NULL)
+        return false;
+    length = vor_host_is_sound(host) ? vor_host_name_length(host) : 0;
+    for (size_t i = 0; i < sizeof own / sizeof own[0]; i++)
+        if (length == strlen(own[i]) && strncasecmp(host, own[i], length) == 0)
+            return false;
+    return true;
+}
+
+/* The first listener's threads may hang while this one's does not. */
+static enum vor_next reply_livez(struct vor_app *app, struct vor_request *request,
+                                 enum vor_step step)
+{
+    double stuck = vor_http_stuck(app->http);
+
+    if (stuck < VOR_STUCK_SECONDS)
+        return vor_handle_livez(app, request, step);
+    return vor_problem_say(app, request, "not-alive",
+                           "a thread has been at one step of a request for %.0f seconds, want "
+                           "less than %d",
+                           stuck, VOR_STUCK_SECONDS);
+}
+
+enum vor_next vor_admin_dispatch(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    static const char want[] = "want GET of /livez, /readyz or /metrics";
+    struct vor_app *app = ctx;
+    enum vor_method method = vor_request_method(request);
+    const char *path = vor_request_path(request);
+    struct vor_problem problem = VOR_PROBLEM_INIT("method-not-allowed");
+
+    if (is_foreign_host(app->config, request))
+        return vor_problem_say(app, request, "forbidden",
+                               "Host is %.100s, want localhost, 127.0.0.1 or [::1]",
+                               vor_request_header(request, "Host"));
+    problem.allow = "GET, HEAD";
+    problem.detail = want;
+    if (method != VOR_GET && method != VOR_HEAD)
+        return vor_problem_reply(app, request, &problem);
+    if (strcmp(path, "/livez") == 0)
+        return reply_livez(app, request, step);
+    if (strcmp(path, "/readyz") == 0)
+        return vor_handle_readyz(app, request, step);
+    if (strcmp(path, "/metrics") == 0)
+        return reply_metrics(app, request);
+    return vor_problem_say(app, request, "no-such-resource", "there is nothing at %.200s, %s", path,
+                           want);
+}
+
+void vor_admin_done(void *ctx, const struct vor_request *request)
+{
+    (void)ctx;
+    vor_log(VOR_LOG_DEBUG, "admin request", VOR_TEXT("request_id", vor_request_id(request)),
+            VOR_TEXT("path", vor_request_path(request)),
+            VOR_TEXT("client", vor_request_via(request)->client),
+            VOR_COUNT("status", vor_request_status(request)));
+}

@@ -1,0 +1,118 @@
+#include "server/api/auth.h"
+
+#include "server/api/problem.h"
+#include "server/api/tickets.h"
+#include "server/base/clock.h"
+#include "server/base/keys.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#define REALM "Bearer realm=\"voronoid\""
+
+/* Who has a ticket, which is good for one result alone. */
+static const struct vor_principal ticket_holder = {.scopes = 1u << VOR_SCOPE_READ,
+                                                   .sees_all = true};
+
+const char *vor_auth_tenant(const struct vor_request *request)
+{
+    const struct vor_principal *caller = vor_request_principal(request);
+
+    return caller->sees_all ? NULL : caller->name;
+}
+
+/* The key behind "Bearer" (RFC 6750, 2.1), whose letters may be of any case; NULL when there is
+ * none. */
+static const char *bearer_of(const struct vor_request *request)
+{
+    static const char scheme[] = "bearer ";
+    const char *value = vor_request_header(request, "Authorization");
+
+    if (value == NULL || strncasecmp(value, scheme, sizeof scheme - 1) != 0)
+        return NULL;
+    value += sizeof scheme - 1;
+    return value + strspn(value, " ");
+}
+
+static bool refuse(struct vor_app *app, struct vor_request *request, const char *challenge,
+                   const char *detail)
+{
+    struct vor_problem problem = VOR_PROBLEM_INIT("unauthorized");
+
+    problem.detail = detail;
+    problem.challenge = challenge;
+    vor_problem_reply(app, request, &problem);
+    return false;
+}
+
+/* The words of the scopes that a caller has, with blanks between. */
+static void list_scopes(const struct vor_principal *caller, char *out, size_t size)
+{
+    size_t at = 0;
+
+    out[0] = '\0';
+    for (int i = VOR_SCOPE_OPEN + 1; i < VOR_SCOPES && at < size; i++)
+        if (vor_principal_may(caller, (enum vor_scope)i))
+            at += (size_t)snprintf(out + at, size - at, "%s%s", at > 0 ? " " : "",
+                                   vor_scope_word((enum vor_scope)i));
+}
+
+static bool refuse_scope(struct vor_app *app, struct vor_request *request,
+                         const struct vor_principal *caller, enum vor_scope scope)
+{
+    struct vor_problem problem = VOR_PROBLEM_INIT("forbidden");
+    char challenge[128], detail[192], scopes[64];
+
+    list_scopes(caller, scopes, sizeof scopes);
+    (void)snprintf(challenge, sizeof challenge,
+                   REALM ", error=\"insufficient_scope\", scope=\"%s\"", vor_scope_word(scope));
+    (void)snprintf(detail, sizeof detail, "the scopes of the key %s are %s, want %s with them",
+                   caller->name, scopes, vor_scope_word(scope));
+    problem.detail = detail;
+    problem.challenge = challenge;
+    vor_problem_reply(app, request, &problem);
+    return false;
+}
+
+/* True when the request is for a result and has a good ticket to it. */
+static bool has_ticket(const struct vor_app *app, const struct vor_request *request,
+                       const char *ticket)
+{
+    const char *path = vor_request_path(request), *job, *results, *output;
+    size_t job_length = vor_path_segment(path, 2, &job);
+    size_t results_length = vor_path_segment(path, 3, &results);
+    size_t output_length = vor_path_segment(path, 4, &output);
+    struct vor_uuid id;
+
+    return results_length == strlen("results") && memcmp(results, "results", results_length) == 0 &&
+           vor_uuid_parse(&id, job, job_length) &&
+           vor_ticket_check(app->tickets, ticket, &id, output, output_length, vor_clock_seconds());
+}
+
+bool vor_auth_check(struct vor_app *app, struct vor_request *request, enum vor_scope scope)
+{
+    const char *key = bearer_of(request);
+    const char *ticket = vor_request_query(request, "ticket");
+    struct vor_principal caller;
+
+    if (app->keys == NULL || scope == VOR_SCOPE_OPEN) {
+        vor_request_set_principal(request, &vor_principal_anybody);
+        return true;
+    }
+    if (key == NULL)
+        key = vor_request_header(request, "X-API-Key");
+    if (key == NULL && ticket == NULL)
+        return refuse(app, request, REALM,
+                      "there is no key; send one as Authorization: Bearer KEY, or X-API-Key: KEY");
+    if (key == NULL && !has_ticket(app, request, ticket))
+        return refuse(
+            app, request, REALM,
+            "the ticket is over, or not to this result; POST to the job's tickets makes one");
+    caller = ticket_holder;
+    if (key != NULL && !vor_keys_find(app->keys, key, &caller))
+        return refuse(app, request, REALM ", error=\"invalid_token\"",
+                      "the key is none of this daemon's");
+    vor_request_set_principal(request, &caller);
+    return vor_principal_may(&caller, scope) || refuse_scope(app, request, &caller, scope);
+}

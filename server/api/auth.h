@@ -1,0 +1,18 @@
+/** Who sent a request, by the key or the ticket that came with it, and whether he may send it. */
+#ifndef VOR_SERVER_API_AUTH_H
+#define VOR_SERVER_API_AUTH_H
+
+#include "server/api/app.h"
+
+/** Finds out who sent a request for a route of that scope (vor_request_principal from then on): the
+ *  caller of the key in "Authorization: Bearer KEY" or "X-API-Key: KEY"; whoever has a ticket to
+ * the result that is asked for; anybody where the daemon has no keys, or the route needs none.
+ *
+ *  @return true, or false after a problem has been replied: unauthorized (no key, or none of ours),
+ *          forbidden (the key lacks the scope, which is named) */
+bool vor_auth_check(struct vor_app *app, struct vor_request *request, enum vor_scope scope);
+
+/** Whose jobs a request is about: the name of its key; NULL when it sees the jobs of all. */
+const char *vor_auth_tenant(const struct vor_request *request);
+
+#endif

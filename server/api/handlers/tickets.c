@@ -1,0 +1,81 @@
+/* Links to one result that need no key for a minute: for a download that something else than the
+ * caller's own program fetches, such as a browser. */
+#include "server/api/tickets.h"
+
+#include "core/base/quote.h"
+#include "server/api/handlers/handlers.h"
+#include "server/api/links.h"
+#include "server/api/problem.h"
+#include "server/base/clock.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { SHOWN_SIZE = 64, MS = 1000 };
+
+/* The output that the query asks for, else the main one; NULL after a problem has been replied. */
+static const struct vor_artefact_info *read_output(struct vor_app *app, struct vor_request *request,
+                                                   const struct vor_job_view *view)
+{
+    const struct vor_artefact_info *output = &view->spec.process->outputs[0];
+    char shown[SHOWN_SIZE];
+    const char *name;
+
+    for (unsigned i = 0; (name = vor_request_query_name(request, i)) != NULL; i++) {
+        const char *value = vor_request_query_value(request, i);
+
+        if (strcmp(name, "output") != 0) {
+            vor_problem_say(app, request, "invalid-query-parameter-value",
+                            "there is no parameter %s here, want output",
+                            vor_quote(shown, sizeof shown, name, strlen(name)));
+            return NULL;
+        }
+        output = vor_artefact_find(view->spec.process->outputs, value);
+        if (output == NULL) {
+            vor_problem_say(app, request, "no-such-output", "there is no output %s",
+                            vor_quote(shown, sizeof shown, value, strlen(value)));
+            return NULL;
+        }
+    }
+    return output;
+}
+
+static enum vor_next reply(struct vor_app *app, struct vor_request *request,
+                           const struct vor_uuid *job, const char *output)
+{
+    char url[VOR_URL_MAX], ticket[VOR_TICKET_SIZE], whole[VOR_URL_MAX + VOR_TICKET_SIZE + 16];
+    char expires[VOR_CLOCK_TEXT_SIZE];
+    struct vor_text text;
+
+    vor_app_result_url(app, request, job, output, url);
+    vor_ticket_write(app->tickets, job, output, vor_clock_seconds(), ticket);
+    (void)snprintf(whole, sizeof whole, "%s?ticket=%s", url, ticket);
+    vor_clock_text(vor_clock_wall_ms() + (int64_t)VOR_TICKET_SECONDS * MS, expires);
+    vor_text_init(&text, 0);
+    vor_json_begin_object(&text);
+    vor_json_put_string(&text, "href", whole);
+    vor_json_put_string(&text, "ticket", ticket);
+    vor_json_put_string(&text, "expires", expires);
+    vor_json_end_object(&text);
+    vor_text_puts(&text, "\n");
+    vor_reply_header(request, "Location", whole);
+    vor_reply_header(request, "Cache-Control", "no-store");
+    return vor_app_reply(app, request, 201, "application/json", &text);
+}
+
+enum vor_next vor_handle_ticket(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    const struct vor_artefact_info *output;
+    struct vor_app *app = ctx;
+    struct vor_job_view view;
+
+    (void)step;
+    if (!vor_job_look_up(app, request, &view))
+        return VOR_NEXT_REPLY;
+    output = read_output(app, request, &view);
+    if (output == NULL)
+        return VOR_NEXT_REPLY;
+    if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
+        return vor_result_missing(app, request, &view);
+    return reply(app, request, &view.id, output->name);
+}

@@ -1,0 +1,98 @@
+#include "server/api/limits.h"
+
+#include "server/api/problem.h"
+#include "server/base/clock.h"
+#include "server/base/rates.h"
+#include "server/work/admit.h"
+
+#include <math.h>
+#include <stdio.h>
+
+bool vor_limits_rate(struct vor_app *app, struct vor_request *request)
+{
+    const struct vor_principal *caller = vor_request_principal(request);
+    struct vor_problem problem = VOR_PROBLEM_INIT("rate-limited");
+    char detail[192];
+    double wait;
+
+    if (caller->quota.rate <= 0)
+        return true;
+    wait = vor_rates_take(app->rates, caller->name, caller->quota.rate, vor_clock_seconds());
+    if (wait <= 0)
+        return true;
+    (void)snprintf(detail, sizeof detail,
+                   "the key %s may ask for %.10g jobs a second, and twice as many at once",
+                   caller->name, caller->quota.rate);
+    problem.detail = detail;
+    problem.retry_seconds = (unsigned)ceil(wait);
+    vor_problem_reply(app, request, &problem);
+    return false;
+}
+
+/* True when the request's key of idempotency has a job. */
+static bool has_job(struct vor_app *app, const struct vor_job_key *key)
+{
+    struct vor_job_view view;
+
+    return key->text[0] != '\0' &&
+           vor_worker_find_key(app->worker, key, &view, NULL) == VOR_CONFLICT;
+}
+
+static bool check_stored(struct vor_app *app, struct vor_request *request,
+                         const struct vor_principal *caller)
+{
+    int64_t length = vor_request_length(request);
+    double comes = length > 0 ? (double)length : 0;
+    struct vor_error err;
+    uint64_t held;
+
+    if (vor_store_held(app->store, caller->name, &held, &err) != VOR_OK)
+        vor_problem_error(app, request, &err, NULL);
+    else if ((double)held + comes > caller->quota.bytes)
+        vor_problem_say(app, request, "too-much-stored",
+                        "the key %s has %llu bytes of inputs and results here, and %.0f come, want "
+                        "at most %.0f in all: dismiss jobs, or wait until they expire",
+                        caller->name, (unsigned long long)held, comes, caller->quota.bytes);
+    else
+        return true;
+    return false;
+}
+
+bool vor_limits_room(struct vor_app *app, struct vor_request *request,
+                     const struct vor_job_key *key)
+{
+    const struct vor_principal *caller = vor_request_principal(request);
+    bool is_crowded = caller->quota.jobs > 0 &&
+                      (double)vor_worker_jobs_of(app->worker, caller->name) >= caller->quota.jobs;
+
+    if (!is_crowded && caller->quota.bytes <= 0)
+        return true;
+    if (has_job(app, key))
+        return true;
+    if (!is_crowded)
+        return check_stored(app, request, caller);
+    vor_problem_say(app, request, "too-many-jobs",
+                    "%.0f jobs of the key %s wait or run, as many as may", caller->quota.jobs,
+                    caller->name);
+    return false;
+}
+
+vor_status vor_limits_points(const struct vor_quota *quota, const struct vor_admitted *admitted,
+                             struct vor_error *err)
+{
+    for (unsigned i = 0; i < admitted->count && quota->points > 0; i++) {
+        uint64_t points = admitted->item[i].found.points;
+
+        if ((double)points <= quota->points)
+            continue;
+        (void)vor_fail(err, VOR_E_LIMIT,
+                       "the input %s has %llu points, want at most %.0f with this key",
+                       admitted->item[i].name, (unsigned long long)points, quota->points);
+        if (err != NULL) {
+            err->limit = (uint64_t)quota->points;
+            err->got = points;
+        }
+        return VOR_E_LIMIT;
+    }
+    return VOR_OK;
+}

@@ -1,0 +1,32 @@
+/** What a key may have of the daemon: the checks of a request for a job. They hold for keys alone;
+ *  a caller who needs none has no bounds of his own. */
+#ifndef VOR_SERVER_API_LIMITS_H
+#define VOR_SERVER_API_LIMITS_H
+
+#include "server/api/app.h"
+
+struct vor_admitted;
+
+/** Counts a request against the rate of its key.
+ *
+ *  @return true, or false after a rate-limited problem has been replied */
+bool vor_limits_rate(struct vor_app *app, struct vor_request *request);
+
+/** Is there room for another job of the key, and for its upload beside what is stored for it? For
+ * an early answer: uploads at the same time do not see each other, and vor_worker_submit decides
+ * about the number of jobs. A request whose Idempotency-Key has a job passes: it asks for no other.
+ *
+ *  @return true, or false after a problem has been replied: too-many-jobs, too-much-stored
+ *
+ *  Cost: with a quota of bytes, a read of the store that sees each row of the key. */
+bool vor_limits_room(struct vor_app *app, struct vor_request *request,
+                     const struct vor_job_key *key);
+
+/** The points of what was decoded.
+ *
+ *  @retval VOR_E_LIMIT an input has more than the key may send */
+VOR_NODISCARD vor_status vor_limits_points(const struct vor_quota *quota,
+                                           const struct vor_admitted *admitted,
+                                           struct vor_error *err);
+
+#endif

@@ -1,0 +1,81 @@
+#include "server/api/tickets.h"
+
+#include "server/base/digest.h"
+#include "server/base/disk.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+
+enum { SECRET_BYTES = 32 };
+
+struct vor_tickets {
+    uint8_t secret[SECRET_BYTES];
+};
+
+vor_status vor_tickets_create(struct vor_tickets **out, struct vor_error *err)
+{
+    struct vor_tickets *tickets = calloc(1, sizeof *tickets);
+    ssize_t got;
+
+    if (tickets == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the secret of tickets");
+    do
+        got = getrandom(tickets->secret, SECRET_BYTES, 0);
+    while (got < 0 && errno == EINTR);
+    if (got != SECRET_BYTES) {
+        free(tickets);
+        return vor_fail_errno(err, errno, "random numbers");
+    }
+    *out = tickets;
+    return VOR_OK;
+}
+
+void vor_tickets_destroy(struct vor_tickets *tickets)
+{
+    free(tickets);
+}
+
+const char *vor_ticket_write(const struct vor_tickets *tickets, const struct vor_uuid *job,
+                             const char *output, double now, char out[VOR_TICKET_SIZE])
+{
+    uint8_t bytes[VOR_TICKET_BYTES_MAX];
+    char text[VOR_TICKET_BYTES_MAX - VOR_DIGEST_BYTES];
+    int length = snprintf(text, sizeof text, "%s|results/%.*s|%.0f|", job->text,
+                          VOR_TICKET_OUTPUT_MAX - 1, output, ceil(now + VOR_TICKET_SECONDS));
+
+    memcpy(bytes, text, (size_t)length);
+    vor_digest_hmac(tickets->secret, SECRET_BYTES, bytes, (size_t)length, bytes + length);
+    vor_base64_write(bytes, (size_t)length + VOR_DIGEST_BYTES, out);
+    return out;
+}
+
+/* The second at which a signed text ends; 0 when it is to another output. */
+static double end_of(const char *text, const struct vor_uuid *job, const char *output,
+                     size_t length)
+{
+    char want[VOR_TICKET_BYTES_MAX];
+    int begins = snprintf(want, sizeof want, "%s|results/%.*s|", job->text, (int)length, output);
+
+    return strncmp(text, want, (size_t)begins) == 0 ? strtod(text + begins, NULL) : 0;
+}
+
+bool vor_ticket_check(const struct vor_tickets *tickets, const char *ticket,
+                      const struct vor_uuid *job, const char *output, size_t length, double now)
+{
+    uint8_t bytes[VOR_TICKET_BYTES_MAX + 1], want[VOR_DIGEST_BYTES];
+    long size = vor_base64_read(ticket, bytes, VOR_TICKET_BYTES_MAX);
+    size_t text;
+
+    if (size <= VOR_DIGEST_BYTES || length >= VOR_TICKET_OUTPUT_MAX)
+        return false;
+    text = (size_t)size - VOR_DIGEST_BYTES;
+    vor_digest_hmac(tickets->secret, SECRET_BYTES, bytes, text, want);
+    if (!vor_digest_same(want, bytes + text))
+        return false;
+    bytes[text] = '\0'; /* the signature is read */
+    return now < end_of((const char *)bytes, job, output, length);
+}

@@ -1,0 +1,116 @@
+#include "server/base/config_file.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char blanks[] = " \t\r\n";
+
+vor_status vor_config_file_blame(struct vor_error *err, const char *path, unsigned line)
+{
+    struct vor_error was = *err;
+
+    return vor_fail_param(err, was.status, was.parameter, "%.200s line %u: %.700s", path, line,
+                          was.message);
+}
+
+/* Cuts blanks off both ends. */
+static char *trim(char *text)
+{
+    size_t size;
+
+    text += strspn(text, blanks);
+    size = strlen(text);
+    while (size > 0 && strchr(blanks, text[size - 1]) != NULL)
+        size--;
+    text[size] = '\0';
+    return text;
+}
+
+/* A control byte besides blanks, where an editor shows none. */
+static int has_control(const char *text)
+{
+    for (; *text != '\0'; text++)
+        if (((unsigned char)*text < ' ' && *text != '\t') || *text == 0x7f)
+            return 1;
+    return 0;
+}
+
+/* One line, which is changed. */
+static vor_status take_line(char *line, unsigned number,
+                            vor_status (*take)(void *, unsigned, const char *, const char *,
+                                               struct vor_error *),
+                            void *ctx, struct vor_error *err)
+{
+    char *name = trim(line), *equals = strchr(name, '=');
+
+    if (name[0] == '\0' || name[0] == '#' || name[0] == ';')
+        return VOR_OK;
+    if (has_control(name))
+        return vor_fail(err, VOR_E_PARAM, "a control byte, want name = value");
+    if (equals == NULL || equals == name)
+        return vor_fail(err, VOR_E_PARAM, "\"%.60s\", want name = value", name);
+    *equals = '\0';
+    return take(ctx, number, trim(name), trim(equals + 1), err);
+}
+
+vor_status vor_config_file_read(const char *path, int must_exist,
+                                vor_status (*take)(void *ctx, unsigned line, const char *name,
+                                                   const char *value, struct vor_error *err),
+                                void *ctx, struct vor_error *err)
+{
+    FILE *file = fopen(path, "re");
+    char line[VOR_CONFIG_LINE_MAX];
+    vor_status status = VOR_OK;
+    unsigned number = 0;
+
+    if (file == NULL && !must_exist && (errno == ENOENT || errno == ENOTDIR))
+        return VOR_OK;
+    if (file == NULL)
+        return vor_fail_param(err, VOR_E_PARAM, "config", "%.200s cannot be read: %s", path,
+                              strerror(errno));
+    while (status == VOR_OK && fgets(line, sizeof line, file) != NULL) {
+        number++;
+        if (strchr(line, '\n') == NULL && !feof(file))
+            status = vor_fail(err, VOR_E_PARAM, "a NUL byte, or more than %d bytes",
+                              VOR_CONFIG_LINE_MAX - 2);
+        else
+            status = take_line(line, number, take, ctx, err);
+    }
+    if (status == VOR_OK && ferror(file))
+        status = vor_fail(err, VOR_E_PARAM, "cannot be read: %s", strerror(errno));
+    (void)fclose(file);
+    return status == VOR_OK ? VOR_OK : vor_config_file_blame(err, path, number);
+}
+
+vor_status vor_config_file_value(char *out, size_t size, const char *variable, const char *path,
+                                 struct vor_error *err)
+{
+    FILE *file = fopen(path, "re");
+    size_t got;
+    int failed;
+
+    if (file == NULL)
+        return vor_fail(err, VOR_E_PARAM, "%.60s is \"%.200s\", which cannot be read: %s", variable,
+                        path, strerror(errno));
+    got = fread(out, 1, size, file);
+    failed = ferror(file);
+    (void)fclose(file);
+    if (failed)
+        return vor_fail(err, VOR_E_PARAM, "%.60s is \"%.200s\", which cannot be read", variable,
+                        path);
+    if (got == size)
+        return vor_fail(err, VOR_E_PARAM,
+                        "%.60s: %.200s has %zu bytes or more, want a value of at "
+                        "most %zu",
+                        variable, path, size, size - 1);
+    out[got] = '\0';
+    if (got > 0 && out[got - 1] == '\n')
+        out[--got] = '\0';
+    if (got > 0 && out[got - 1] == '\r')
+        out[--got] = '\0';
+    if (strlen(out) != got || has_control(out))
+        return vor_fail(err, VOR_E_PARAM, "%.60s: %.200s holds a control byte, want one value",
+                        variable, path);
+    return VOR_OK;
+}

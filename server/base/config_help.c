@@ -1,0 +1,91 @@
+#include "server/base/config_help.h"
+
+struct setting_info {
+    const char *flag;
+    enum vor_setting_kind kind;
+    const char *unit;
+    double min, max;
+    const char *fallback, *sentence;
+};
+
+static const struct setting_info infos[VOR_SETTING_COUNT] = {
+#define INFO_ROW(id, flag, kind, unit, min, max, fallback, sentence)                               \
+    {flag, VOR_SETTING_##kind, unit, min, max, fallback, sentence},
+    VOR_SETTING_TABLE(INFO_ROW)
+#undef INFO_ROW
+};
+
+/* What stands behind a flag in the help. */
+static const char *placeholder(const struct setting_info *info)
+{
+    switch (info->kind) {
+    case VOR_SETTING_TEXT:
+    case VOR_SETTING_LIST:
+        return info->unit;
+    case VOR_SETTING_COUNT_OF:
+        return "N";
+    case VOR_SETTING_BYTES:
+        return "BYTES";
+    case VOR_SETTING_TIME:
+        return "SECONDS";
+    case VOR_SETTING_CHOICE:
+        return "WORD";
+    case VOR_SETTING_FLAG:
+        break;
+    }
+    return "";
+}
+
+static int write_range(char *out, size_t size, const struct setting_info *info)
+{
+    switch (info->kind) {
+    case VOR_SETTING_COUNT_OF:
+    case VOR_SETTING_TIME:
+        return snprintf(out, size, "%.10g to %.10g %s, ", info->min, info->max, info->unit);
+    case VOR_SETTING_BYTES:
+        return snprintf(out, size, "%.10g to %.10g %s, or with K, M, G or T, ", info->min,
+                        info->max, info->unit);
+    case VOR_SETTING_CHOICE:
+        return snprintf(out, size, "one of %s, ", info->unit);
+    case VOR_SETTING_TEXT:
+    case VOR_SETTING_LIST:
+    case VOR_SETTING_FLAG:
+        break;
+    }
+    return 0;
+}
+
+int vor_config_describe(struct vor_setting_text *out, unsigned index)
+{
+    const struct setting_info *info;
+    int at;
+
+    if (index >= VOR_SETTING_COUNT)
+        return 0;
+    info = &infos[index];
+    out->flag = info->flag;
+    out->value = placeholder(info);
+    out->words = info->kind == VOR_SETTING_CHOICE ? info->unit : "";
+    out->sentence = info->sentence;
+    vor_config_variable(info->flag, out->variable);
+    out->range[0] = '\0';
+    at = write_range(out->range, sizeof out->range, info);
+    if (info->fallback[0] != '\0' && info->kind != VOR_SETTING_FLAG)
+        (void)snprintf(out->range + at, sizeof out->range - (size_t)at, "default %s ",
+                       info->fallback);
+    return 1;
+}
+
+void vor_config_help(FILE *out)
+{
+    struct vor_setting_text setting;
+
+    for (unsigned i = 0; vor_config_describe(&setting, i); i++)
+        (void)fprintf(out, "  --%s%s%s\n      %s\n      %s(env: %s)\n", setting.flag,
+                      setting.value[0] != '\0' ? " " : "", setting.value, setting.sentence,
+                      setting.range, setting.variable);
+    (void)fputs(
+        "A flag wins over the environment, and that over the file of --config. A variable with "
+        "_FILE behind\nits name is a file that holds the value.\n",
+        out);
+}

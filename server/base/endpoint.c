@@ -1,0 +1,55 @@
+#include "server/base/endpoint.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+enum { PORT_MAX = 65535 };
+
+static vor_status parse_path(struct vor_endpoint *out, const char *flag, const char *path,
+                             struct vor_error *err)
+{
+    if (path[0] != '/' || strlen(path) >= sizeof out->path)
+        return vor_fail_param(err, VOR_E_PARAM, flag,
+                              "--%s is \"unix:%.120s\", want unix:/PATH with a path of at most %d "
+                              "bytes",
+                              flag, path, VOR_SOCKET_PATH_MAX - 1);
+    memcpy(out->path, path, strlen(path) + 1);
+    memcpy(out->host, "localhost", sizeof "localhost");
+    out->loopback = 1;
+    return VOR_OK;
+}
+
+static int is_loopback(const char *host)
+{
+    return strncmp(host, "127.", 4) == 0 || strcmp(host, "::1") == 0 ||
+           strcasecmp(host, "localhost") == 0;
+}
+
+vor_status vor_endpoint_parse(struct vor_endpoint *out, const char *flag, const char *text,
+                              struct vor_error *err)
+{
+    const char *colon = strrchr(text, ':');
+    size_t length = colon != NULL ? (size_t)(colon - text) : 0;
+    char *end = NULL;
+    unsigned long port = colon != NULL ? strtoul(colon + 1, &end, 10) : 0;
+
+    memset(out, 0, sizeof *out);
+    if (strncmp(text, "unix:", 5) == 0)
+        return parse_path(out, flag, text + 5, err);
+    if (length == 0 || length >= sizeof out->host || !isdigit((unsigned char)colon[1]) ||
+        *end != '\0' || port > PORT_MAX)
+        return vor_fail_param(err, VOR_E_PARAM, flag,
+                              "--%s is \"%.80s\", want HOST:PORT with a port from 0 to %d, or "
+                              "unix:/PATH",
+                              flag, text, PORT_MAX);
+    if (text[0] == '[' && text[length - 1] == ']') {
+        text++;
+        length -= 2;
+    }
+    memcpy(out->host, text, length);
+    out->port = (unsigned)port;
+    out->loopback = is_loopback(out->host);
+    return VOR_OK;
+}

@@ -1,0 +1,237 @@
+#include "server/base/keys.h"
+
+#include "server/base/base64.h"
+#include "server/base/disk.h"
+#include "server/base/key_line.h"
+#include "server/base/log.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+
+enum { RANDOM_BYTES = 24 };
+
+_Static_assert(sizeof VOR_KEY_PREFIX - 1 + VOR_BASE64_SIZE(RANDOM_BYTES) == VOR_KEY_SIZE,
+               "a key is its prefix and the text of its random bytes");
+
+/* The keys of one reading of the file. */
+struct list {
+    struct vor_key_line *lines; /* owned */
+    size_t count, capacity;
+};
+
+struct vor_keys {
+    char *path;
+    pthread_rwlock_t lock; /* over list */
+    struct list list;
+};
+
+/* --- reading ---------------------------------------------------------------------------------- */
+
+static vor_status add(struct list *list, const struct vor_key_line *line, struct vor_error *err)
+{
+    for (size_t i = 0; i < list->count; i++)
+        if (vor_digest_same(list->lines[i].digest, line->digest))
+            return vor_fail(err, VOR_E_PARAM, "the digest is that of a line above");
+    if (list->count == VOR_KEYS_MAX)
+        return vor_fail(err, VOR_E_PARAM, "there are more than %d keys", VOR_KEYS_MAX);
+    if (list->count == list->capacity) {
+        size_t capacity = list->capacity > 0 ? 2 * list->capacity : 16;
+        struct vor_key_line *lines = realloc(list->lines, capacity * sizeof *lines);
+
+        if (lines == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "%zu keys", capacity);
+        list->lines = lines;
+        list->capacity = capacity;
+    }
+    list->lines[list->count++] = *line;
+    return VOR_OK;
+}
+
+/* A line of the file, with whatever ends it. */
+static vor_status take_line(struct list *list, char *text, struct vor_error *err)
+{
+    static const char blanks[] = " \t\r\n";
+    struct vor_key_line line;
+    size_t length;
+    vor_status status;
+
+    text += strspn(text, blanks);
+    length = strlen(text);
+    while (length > 0 && strchr(blanks, text[length - 1]) != NULL)
+        length--;
+    text[length] = '\0';
+    if (length == 0 || text[0] == '#')
+        return VOR_OK;
+    status = vor_key_line_read(&line, text, err);
+    return status == VOR_OK ? add(list, &line, err) : status;
+}
+
+static vor_status read_lines(struct list *list, const char *path, FILE *file, struct vor_error *err)
+{
+    char text[VOR_KEY_LINE_SIZE];
+    unsigned number = 0;
+    struct vor_error why;
+    vor_status status = VOR_OK;
+
+    while (status == VOR_OK && fgets(text, sizeof text, file) != NULL) {
+        number++;
+        if (strchr(text, '\n') == NULL && !feof(file))
+            status = vor_fail(&why, VOR_E_PARAM, "it has more than %d bytes, or a NUL",
+                              VOR_KEY_LINE_SIZE - 2);
+        else
+            status = take_line(list, text, &why);
+        if (status != VOR_OK)
+            status = vor_fail(err, status, "%s, line %u: %s", path, number, why.message);
+    }
+    if (status == VOR_OK && ferror(file))
+        status = vor_fail_errno(err, errno, path);
+    else if (status == VOR_OK && list->count == 0)
+        status = vor_fail(err, VOR_E_PARAM, "%s has no key; voronoid key NAME makes one", path);
+    return status;
+}
+
+static void warn_if_open(const char *path, FILE *file)
+{
+    struct stat info;
+    char mode[8];
+
+    if (fstat(fileno(file), &info) != 0 ||
+        (info.st_mode & (S_IRGRP | S_IROTH | S_IWGRP | S_IWOTH)) == 0)
+        return;
+    (void)snprintf(mode, sizeof mode, "%04o", (unsigned)info.st_mode & 07777u);
+    vor_log(VOR_LOG_WARN, "others may read or write the file of keys", VOR_TEXT("path", path),
+            VOR_TEXT("mode", mode), VOR_TEXT("want", "0600"));
+}
+
+static vor_status read_file(struct list *out, const char *path, struct vor_error *err)
+{
+    struct list list = {.lines = NULL};
+    FILE *file = fopen(path, "re");
+    vor_status status;
+
+    if (file == NULL)
+        return vor_fail_errno(err, errno, path);
+    status = read_lines(&list, path, file, err);
+    if (status == VOR_OK)
+        warn_if_open(path, file);
+    (void)fclose(file);
+    if (status == VOR_OK)
+        *out = list;
+    else
+        free(list.lines);
+    return status;
+}
+
+/* --- the keys --------------------------------------------------------------------------------- */
+
+vor_status vor_keys_open(struct vor_keys **out, const char *path, struct vor_error *err)
+{
+    struct vor_keys *keys = calloc(1, sizeof *keys);
+    vor_status status;
+
+    if (keys == NULL || (keys->path = strdup(path)) == NULL) {
+        free(keys);
+        return vor_fail(err, VOR_E_NOMEM, "the keys");
+    }
+    (void)pthread_rwlock_init(&keys->lock, NULL);
+    status = read_file(&keys->list, path, err);
+    if (status == VOR_OK)
+        *out = keys;
+    else
+        vor_keys_close(keys);
+    return status;
+}
+
+void vor_keys_close(struct vor_keys *keys)
+{
+    if (keys == NULL)
+        return;
+    (void)pthread_rwlock_destroy(&keys->lock);
+    free(keys->list.lines);
+    free(keys->path);
+    free(keys);
+}
+
+vor_status vor_keys_reload(struct vor_keys *keys, struct vor_error *err)
+{
+    struct list fresh, former;
+    vor_status status;
+
+    if (keys == NULL)
+        return VOR_OK;
+    status = read_file(&fresh, keys->path, err);
+    if (status != VOR_OK)
+        return status;
+    (void)pthread_rwlock_wrlock(&keys->lock);
+    former = keys->list;
+    keys->list = fresh;
+    (void)pthread_rwlock_unlock(&keys->lock);
+    free(former.lines);
+    vor_log(VOR_LOG_INFO, "keys read", VOR_TEXT("path", keys->path),
+            VOR_COUNT("keys", fresh.count));
+    return VOR_OK;
+}
+
+bool vor_keys_find(struct vor_keys *keys, const char *key, struct vor_principal *out)
+{
+    size_t length = strnlen(key, VOR_KEY_SENT_MAX + 1);
+    uint8_t digest[VOR_DIGEST_BYTES];
+    bool found = false;
+
+    if (length == 0 || length > VOR_KEY_SENT_MAX)
+        return false;
+    vor_digest_of(key, length, digest);
+    (void)pthread_rwlock_rdlock(&keys->lock);
+    for (size_t i = 0; i < keys->list.count; i++)
+        if (vor_digest_same(keys->list.lines[i].digest, digest)) {
+            *out = keys->list.lines[i].principal;
+            found = true;
+        }
+    (void)pthread_rwlock_unlock(&keys->lock);
+    return found;
+}
+
+/* --- a new one -------------------------------------------------------------------------------- */
+
+static vor_status draw(char key[VOR_KEY_SIZE], struct vor_error *err)
+{
+    uint8_t bytes[RANDOM_BYTES];
+    ssize_t got;
+
+    do
+        got = getrandom(bytes, sizeof bytes, 0);
+    while (got < 0 && errno == EINTR);
+    if (got != (ssize_t)sizeof bytes)
+        return vor_fail_errno(err, errno, "random numbers");
+    memcpy(key, VOR_KEY_PREFIX, sizeof VOR_KEY_PREFIX - 1);
+    vor_base64_write(bytes, sizeof bytes, key + sizeof VOR_KEY_PREFIX - 1);
+    return VOR_OK;
+}
+
+vor_status vor_key_make(const char *name, const char *scopes, const char *quotas,
+                        char key[VOR_KEY_SIZE], char line[VOR_KEY_LINE_SIZE], struct vor_error *err)
+{
+    char text[VOR_KEY_SIZE], digest[VOR_ETAG_SIZE];
+    struct vor_key_line read;
+    vor_status status = draw(text, err);
+    int length;
+
+    if (status != VOR_OK)
+        return status;
+    vor_digest_etag(text, strlen(text), digest);
+    length = snprintf(line, VOR_KEY_LINE_SIZE, "%s:%s:%.*s%s%s", name, scopes, VOR_DIGEST_SIZE - 1,
+                      digest + 1, quotas != NULL ? ":" : "", quotas != NULL ? quotas : "");
+    if (length < 0 || length >= VOR_KEY_LINE_SIZE - 1)
+        return vor_fail_param(err, VOR_E_PARAM, "line",
+                              "name, scopes and quotas have too many bytes for a line of %d",
+                              VOR_KEY_LINE_SIZE - 2);
+    status = vor_key_line_read(&read, line, err);
+    if (status == VOR_OK)
+        memcpy(key, text, sizeof text);
+    return status;
+}

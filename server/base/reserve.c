@@ -1,0 +1,148 @@
+#define _GNU_SOURCE /* fallocate */
+
+#include "server/base/reserve.h"
+
+#include "server/base/disk.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+struct vor_reserve {
+    pthread_mutex_t mutex; /* changes of what follows; who only looks does not wait for them */
+    char *path;
+    _Atomic uint64_t wanted, held; /* bytes */
+};
+
+vor_status vor_reserve_open(struct vor_reserve **out, const char *path, struct vor_error *err)
+{
+    struct vor_reserve *reserve = calloc(1, sizeof *reserve);
+    struct stat info;
+
+    if (reserve == NULL || (reserve->path = strdup(path)) == NULL) {
+        free(reserve);
+        return vor_fail(err, VOR_E_NOMEM, "the reserve of the disk");
+    }
+    pthread_mutex_init(&reserve->mutex, NULL);
+    if (stat(path, &info) == 0)
+        reserve->held = (uint64_t)info.st_size;
+    *out = reserve;
+    return VOR_OK;
+}
+
+void vor_reserve_close(struct vor_reserve *reserve)
+{
+    if (reserve == NULL)
+        return;
+    pthread_mutex_destroy(&reserve->mutex);
+    free(reserve->path);
+    free(reserve);
+}
+
+/* Where the file system cannot allocate, it is given bytes that it cannot leave out. */
+static int fill(int fd, uint64_t bytes)
+{
+    char block[1 << 16];
+
+    memset(block, 0xa5, sizeof block);
+    for (uint64_t at = 0; at < bytes;) {
+        size_t left = bytes - at < sizeof block ? (size_t)(bytes - at) : sizeof block;
+        ssize_t wrote = write(fd, block, left);
+
+        if (wrote < 0 && errno != EINTR)
+            return -1;
+        at += wrote > 0 ? (uint64_t)wrote : 0;
+    }
+    return 0;
+}
+
+static int allocate(int fd, uint64_t bytes)
+{
+    if (fallocate(fd, 0, 0, (off_t)bytes) == 0)
+        return 0;
+    return errno == EOPNOTSUPP ? fill(fd, bytes) : -1;
+}
+
+/* Makes the file if as much as `free` bytes are; 0, or an errno. The mutex is held. */
+static int make_file(struct vor_reserve *reserve, uint64_t free)
+{
+    int fd = open(reserve->path, O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600);
+    struct statvfs disk;
+    int failed;
+
+    reserve->held = 0;
+    if (fd < 0)
+        return errno;
+    failed = fstatvfs(fd, &disk) != 0 ? errno : 0;
+    if (!failed && (uint64_t)disk.f_bavail * disk.f_frsize < free)
+        failed = ENOSPC;
+    if (!failed)
+        failed = allocate(fd, reserve->wanted) != 0 ? errno : 0;
+    close(fd);
+    if (failed)
+        (void)unlink(reserve->path);
+    else
+        reserve->held = reserve->wanted;
+    return failed;
+}
+
+void vor_reserve_want(struct vor_reserve *reserve, uint64_t bytes)
+{
+    if (bytes == 0)
+        (void)vor_reserve_spend(reserve);
+    pthread_mutex_lock(&reserve->mutex);
+    reserve->wanted = bytes;
+    if (reserve->held != bytes)
+        (void)make_file(reserve, bytes); /* vor_reserve_check tells */
+    pthread_mutex_unlock(&reserve->mutex);
+}
+
+static vor_status fail_missing(const struct vor_reserve *reserve, int number, struct vor_error *err)
+{
+    (void)vor_fail(err, VOR_E_IO, "the disk is full: the reserve of %llu bytes is spent",
+                   (unsigned long long)atomic_load(&reserve->wanted));
+    if (err != NULL)
+        err->got = (uint64_t)number;
+    return VOR_E_IO;
+}
+
+vor_status vor_reserve_make(struct vor_reserve *reserve, struct vor_error *err)
+{
+    vor_status status = VOR_OK;
+    int failed = 0;
+
+    pthread_mutex_lock(&reserve->mutex);
+    if (reserve->held != reserve->wanted)
+        failed = make_file(reserve, 2 * reserve->wanted);
+    if (failed)
+        status = failed == ENOSPC || failed == EDQUOT ? fail_missing(reserve, failed, err)
+                                                      : vor_fail_errno(err, failed, reserve->path);
+    pthread_mutex_unlock(&reserve->mutex);
+    return status;
+}
+
+int vor_reserve_spend(struct vor_reserve *reserve)
+{
+    int had = 0;
+
+    if (reserve == NULL)
+        return 0;
+    pthread_mutex_lock(&reserve->mutex);
+    had = reserve->held > 0 && unlink(reserve->path) == 0;
+    reserve->held = 0;
+    pthread_mutex_unlock(&reserve->mutex);
+    return had;
+}
+
+vor_status vor_reserve_check(struct vor_reserve *reserve, struct vor_error *err)
+{
+    if (reserve == NULL || atomic_load(&reserve->held) >= atomic_load(&reserve->wanted))
+        return VOR_OK;
+    return fail_missing(reserve, ENOSPC, err);
+}

@@ -1,0 +1,107 @@
+/* Are bytes still what was written? Seals, and digests of files. */
+#include "server/blob/blob.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* What stands behind sealed bytes. */
+struct seal {
+    char mark[8];
+    char sha256[64]; /* without a NUL */
+};
+
+_Static_assert(sizeof(struct seal) == VOR_BLOB_SEAL_SIZE, "no padding in the file");
+
+static const char mark[8] = {'\n', 's', 'h', 'a', '2', '5', '6', ' '};
+
+vor_status vor_blob_seal(struct vor_blob_writer *writer, struct vor_error *err)
+{
+    char sha256[VOR_DIGEST_SIZE];
+    struct seal seal;
+
+    vor_blob_sha256(writer, sha256);
+    memcpy(seal.mark, mark, sizeof mark);
+    memcpy(seal.sha256, sha256, sizeof seal.sha256);
+    return vor_blob_append(writer, &seal, sizeof seal, err);
+}
+
+static vor_status damaged(const char *name, struct vor_error *err)
+{
+    return vor_fail(err, VOR_E_DAMAGED,
+                    "the blob %s is damaged: its SHA-256 is not that of what was written", name);
+}
+
+vor_status vor_blob_unseal(const uint8_t *bytes, size_t *size, const char *name,
+                           struct vor_error *err)
+{
+    char found[VOR_DIGEST_SIZE];
+    struct vor_digest *digest;
+    struct seal seal;
+
+    if (*size < sizeof seal || memcmp(bytes + *size - sizeof seal, mark, sizeof mark) != 0)
+        return VOR_OK;
+    digest = vor_digest_create();
+    if (digest == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the digest of a blob");
+    memcpy(&seal, bytes + *size - sizeof seal, sizeof seal);
+    vor_digest_update(digest, bytes, *size - sizeof seal);
+    vor_digest_hex(digest, found);
+    vor_digest_destroy(digest);
+    if (memcmp(found, seal.sha256, sizeof seal.sha256) != 0)
+        return damaged(name, err);
+    *size -= sizeof seal;
+    return VOR_OK;
+}
+
+/* Reads `size` bytes of a file through a block into a digest. */
+static int digest_blocks(struct vor_digest *digest, int fd, uint64_t size, char *block,
+                         size_t block_size)
+{
+    for (uint64_t at = 0; at < size;) {
+        size_t want = size - at < block_size ? (size_t)(size - at) : block_size;
+        ssize_t got = pread(fd, block, want, (off_t)at);
+
+        if (got == 0 || (got < 0 && errno != EINTR))
+            return 0;
+        if (got < 0)
+            continue;
+        vor_digest_update(digest, block, (size_t)got);
+        at += (uint64_t)got;
+    }
+    return 1;
+}
+
+int vor_blob_digest(int fd, uint64_t size, char out[VOR_DIGEST_SIZE])
+{
+    enum { BLOCK = 1 << 18 }; /* bytes */
+    struct vor_digest *digest = vor_digest_create();
+    char *block = malloc(BLOCK);
+    int done = digest != NULL && block != NULL && digest_blocks(digest, fd, size, block, BLOCK);
+
+    if (done)
+        vor_digest_hex(digest, out);
+    vor_digest_destroy(digest);
+    free(block);
+    return done;
+}
+
+vor_status vor_blob_compare(int fd, uint64_t size, const char *sha256, const char *name,
+                            struct vor_error *err)
+{
+    char found[VOR_DIGEST_SIZE];
+
+    if (!vor_digest_is_one(sha256))
+        return VOR_OK;
+    if (!vor_blob_digest(fd, size, found) || strcmp(found, sha256) != 0)
+        return damaged(name, err);
+    return VOR_OK;
+}
+
+vor_status vor_blob_recheck(const struct vor_blob_writer *writer, struct vor_error *err)
+{
+    if (writer->digest != NULL)
+        return VOR_OK;
+    return vor_blob_compare(writer->fd, writer->size, writer->sha256, "of the other job", err);
+}

@@ -1,0 +1,75 @@
+#include "server/cli/key.h"
+
+#include "server/base/disk.h"
+#include "server/cli/say.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define KEY_VARIABLE "VORONOID_KEY"
+#define SCOPES_DEFAULT "submit,read"
+
+int vor_cli_key(const struct vor_cli *cli)
+{
+    const char *scopes = cli->option[VOR_OPTION_SCOPES];
+    char key[VOR_KEY_SIZE], line[VOR_KEY_LINE_SIZE];
+    struct vor_error err;
+
+    if (cli->operand_count == 0) {
+        vor_cli_say(cli->command->name, "no name: give the one whose jobs will be the key's");
+        return VOR_EXIT_USAGE;
+    }
+    if (vor_key_make(cli->operands[0], scopes != NULL ? scopes : SCOPES_DEFAULT,
+                     cli->option[VOR_OPTION_QUOTAS], key, line, &err) != VOR_OK)
+        return vor_cli_fail(cli->command->name, &err);
+    puts(line);
+    if (fflush(stdout) != 0)
+        return VOR_EXIT_FAILED;
+    (void)fprintf(stderr, "%s\n", key);
+    return VOR_EXIT_OK;
+}
+
+/* The first line of a file, one byte more than may be at most. */
+static vor_status read_line(char *out, size_t size, const char *path, struct vor_error *err)
+{
+    FILE *file = fopen(path, "re");
+    vor_status status = VOR_OK;
+
+    if (file == NULL)
+        return vor_fail_errno(err, errno, path);
+    if (fgets(out, (int)size, file) == NULL)
+        out[0] = '\0';
+    if (ferror(file))
+        status = vor_fail_errno(err, errno, path);
+    (void)fclose(file);
+    return status;
+}
+
+vor_status vor_cli_key_read(char out[VOR_KEY_SENT_MAX + 1], const struct vor_cli *cli,
+                            struct vor_error *err)
+{
+    const char *path = cli->option[VOR_OPTION_API_KEY_FILE], *variable = getenv(KEY_VARIABLE);
+    const char *from = path != NULL ? path : KEY_VARIABLE;
+    char text[VOR_KEY_SENT_MAX + 3] = ""; /* with CR and LF */
+    vor_status status = VOR_OK;
+
+    out[0] = '\0';
+    if (path != NULL)
+        status = read_line(text, sizeof text, path, err);
+    else if (variable != NULL)
+        (void)snprintf(text, sizeof text, "%s", variable);
+    if (status != VOR_OK)
+        return status;
+    text[strcspn(text, "\r\n")] = '\0';
+    for (const char *at = text; *at != '\0'; at++)
+        if (*at <= ' ' || *at > '~' || at - text == VOR_KEY_SENT_MAX)
+            return vor_fail(err, VOR_E_PARAM,
+                            "%s has no key, want at most %d visible characters of ASCII", from,
+                            VOR_KEY_SENT_MAX);
+    if (path != NULL && text[0] == '\0')
+        return vor_fail(err, VOR_E_PARAM, "%s is empty, want a key on its first line", path);
+    memcpy(out, text, strlen(text) + 1);
+    return VOR_OK;
+}

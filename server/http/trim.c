@@ -1,0 +1,31 @@
+#include "server/http/trim.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+static bool is_zero(const uint8_t *page, size_t size)
+{
+    return page[0] == 0 && memcmp(page, page + 1, size - 1) == 0;
+}
+
+void vor_trim_zeros(void *start, size_t bytes)
+{
+    size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    uint8_t *memory = start;
+    size_t from = 0;
+
+    if (((uintptr_t)start & (page - 1)) != 0)
+        return;
+    for (size_t at = 0; at + page <= bytes; at += page) {
+        if (is_zero(memory + at, page))
+            continue;
+        if (at > from)
+            (void)madvise(memory + from, at - from, MADV_DONTNEED);
+        from = at + page;
+    }
+    if (from + page <= bytes)
+        (void)madvise(memory + from, (bytes - from) / page * page, MADV_DONTNEED);
+}

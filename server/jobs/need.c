@@ -1,0 +1,114 @@
+#include "server/jobs/need.h"
+
+#include "core/cloud/faces.h"
+#include "server/base/machine.h"
+
+#include <math.h>
+
+/* Bytes a point, as core/engine.h has them where it has them; the others measured on spheres and
+ * noise of 1,000 to 200,000 points to 1,000 to 100,000, each beside what was found. */
+#define INDEX 73.0    /* of the input: cloud, positions, order, index; 73 */
+#define SHEETS 80.0   /* of the input, where lists may be made, which is seen only then: 0 or 122 */
+#define TENSORS 265.0 /* of the input, while its metric is found: 263 */
+#define INSPECT 120.0 /* of the input, what inspect takes beside the index: 118 to 260 */
+#define CONVERT 24.0  /* of the input, what convert takes: 24 */
+#define START 391.0   /* of the result and 6 a neighbour, twice where it begins from cells */
+#define ITERATE 500.0 /* likewise, once */
+#define DENSITY 50.0  /* of the result, with a density: 51 */
+#define METRIC 268.0  /* of the result, with a metric: 268 */
+#define DESCEND 1060.0  /* of the result, where an energy is minimised */
+#define KMEANS 600.0    /* of the result, by that method: 596 */
+#define BASELINES 170.0 /* of the result: 168 */
+
+/* Bytes whatever the points: some, and those of each thread's scratch. */
+#define ANY_RUN (1 << 18)
+#define A_THREAD (200 << 10)
+
+/* Neighbours of a fit where the request leaves them to the input: 12 to 24 on most. */
+#define USUAL_NEIGHBORS 20.0
+
+/* An input of so many points for each of the result is thinned, and starts from no cells. */
+#define DENSE 10.0
+
+/* Attributes of a point are as wide as the upload had them; in Draco's, which is compressed, that
+ * cannot be seen. A number in text is taken for as much as it takes there. */
+static double attributes_of(const struct vor_job_input *input)
+{
+    const double positions = 3 * sizeof(float);
+    double each = input->points > 0 ? (double)input->bytes / (double)input->points : 0;
+
+    return fmax(each - positions, 0);
+}
+
+static int has_metric(const struct vor_spec *spec)
+{
+    return spec->value[VOR_PARAM_METRIC] != VOR_METRIC_ISOTROPIC;
+}
+
+/* Of each point of the result, besides what goes with its neighbours. */
+static double extra_of(const struct vor_spec *spec)
+{
+    double extra = has_metric(spec) ? METRIC : 0;
+
+    if (spec->value[VOR_PARAM_DENSITY] != VOR_DENSITY_UNIFORM)
+        extra += DENSITY;
+    return extra;
+}
+
+/* Of all points of the result, beside the input's index and lists. */
+static double spreading(const struct vor_spec *spec, double in, double out)
+{
+    double given = spec->value[VOR_PARAM_NEIGHBORS], extra = extra_of(spec);
+    double lists = 6 * (given > 0 ? given : USUAL_NEIGHBORS);
+    double cells = in >= DENSE * out ? out : out + fmin(in, out);
+    double start = (lists + START + extra) * cells;
+    double iterate = (lists + ITERATE + extra) * out;
+
+    if (spec->value[VOR_PARAM_METHOD] == VOR_METHOD_KMEANS)
+        return KMEANS * out;
+    if (vor_spec_descends(spec))
+        iterate += DESCEND * out;
+    if (spec->value[VOR_PARAM_BASELINES] > 0)
+        start += BASELINES * out;
+    return fmax(start, iterate);
+}
+
+/* Of a process with a method. */
+static double of_spread(const struct vor_spec *spec, double points, double attributes)
+{
+    double out = vor_spec_only_filters(spec) ? 0 : vor_spec_target(spec, (uint64_t)points);
+    double in = points, index, tensors;
+
+    if (!(out >= 0))
+        out = points;
+    if (spec->value[VOR_PARAM_SAMPLE] == VOR_SAMPLE_FACES)
+        in = (double)vor_faces_samples(out, (size_t)points);
+    index = (INDEX + attributes) * in;
+    if (spec->value[VOR_PARAM_INTRINSIC] != VOR_INTRINSIC_NONE)
+        index += SHEETS * in;
+    tensors = has_metric(spec) ? TENSORS * in : 0;
+    return index + attributes * out + fmax(tensors, spreading(spec, in, out));
+}
+
+uint64_t vor_need_bytes(const struct vor_spec *spec, unsigned inputs,
+                        const struct vor_job_input input[VOR_INPUTS_MAX])
+{
+    double bytes = ANY_RUN + (double)A_THREAD * vor_machine_cores();
+
+    for (unsigned i = 0; spec->process->inputs[i].name != NULL; i++) {
+        double points = (double)input[i].points;
+        double attributes = attributes_of(&input[i]);
+
+        if ((inputs >> i & 1) == 0)
+            continue;
+        if (spec->process->methods != 0)
+            bytes += of_spread(spec, points, attributes);
+        else if (vor_process_takes(spec->process, VOR_PARAM_OUTLIERS))
+            bytes += (INDEX + INSPECT + attributes) * points;
+        else if (vor_process_takes(spec->process, VOR_PARAM_FORMAT))
+            bytes += (CONVERT + 2 * attributes) * points;
+        else
+            bytes += (INDEX + SHEETS + attributes) * points;
+    }
+    return (uint64_t)fmin(bytes, 9e18);
+}

@@ -1,0 +1,419 @@
+/* The front sends a request for each child, with the child's end of its channel and one end of a
+ * second pair, the watch, which the zygote keeps: it tells there that the child was forked and,
+ * once it has ended, how. The front closing its end of the watch is the order to kill. So no call
+ * needs a lock, none waits for another's child, and a child that is let go of is gone. */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE /* close_range, wait4 */
+#endif
+#include "server/proc/zygote.h"
+
+#include "server/base/disk.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/signalfd.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* What the front asks: descriptors are the child's channel, the zygote's end of the watch, then
+ * those for the child. */
+struct request {
+    unsigned kind;
+};
+
+/* What the zygote tells on the watch: first this, then struct vor_child_end. */
+struct started {
+    pid_t pid;
+    int error; /* errno; 0 when pid is one */
+};
+
+enum { AT_CHANNEL, AT_WATCH, AT_GIVEN };
+
+enum { FIRST_FD = STDERR_FILENO + 1 };
+
+/* Of the zygote itself. */
+struct nursery {
+    const struct vor_child_kind *kinds;
+    unsigned kind_count;
+    int socket, signals; /* signals: readable when a child has ended */
+    unsigned count;
+    struct {
+        pid_t pid;
+        int watch;
+    } child[VOR_CHILDREN];
+};
+
+/* --- in the child ----------------------------------------------------------------------------- */
+
+/* Closes every descriptor from that one on. A kernel before 5.9 has no call for it; there, those
+ * that a process of ours can have. */
+static void close_from(unsigned from)
+{
+    enum { OLD_KERNEL_FDS = 4096 };
+
+    if (close_range(from, ~0u, 0) == 0)
+        return;
+    for (unsigned fd = from; fd < OLD_KERNEL_FDS; fd++)
+        (void)close((int)fd);
+}
+
+/* Moves descriptors to FIRST_FD and those behind it, in order, and closes all others but the three
+ * standard ones. */
+static void keep_fds(int *fds, unsigned count)
+{
+    enum { ASIDE = FIRST_FD + VOR_CHANNEL_FDS }; /* above all places that they go to */
+
+    for (unsigned i = 0; i < count; i++)
+        fds[i] = fcntl(fds[i], F_DUPFD, ASIDE);
+    for (unsigned i = 0; i < count; i++) {
+        int to = FIRST_FD + (int)i;
+
+        if (fds[i] < 0 || dup3(fds[i], to, O_CLOEXEC) < 0)
+            _exit(EXIT_FAILURE);
+        fds[i] = to;
+    }
+    close_from(FIRST_FD + count);
+}
+
+/* Dies with its parent, also where that has died already. */
+static void die_with(pid_t parent)
+{
+    (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent)
+        _exit(EXIT_FAILURE);
+}
+
+static void set_name(const char *name)
+{
+    (void)prctl(PR_SET_NAME, name, 0, 0, 0);
+}
+
+static _Noreturn void be_child(const struct nursery *nursery, pid_t parent,
+                               const struct request *request, struct vor_message *message)
+{
+    const struct vor_child_kind *kind = &nursery->kinds[request->kind];
+    int *fds = &message->fds[AT_WATCH]; /* not for the child: the channel takes its place */
+    unsigned count = message->fd_count - AT_WATCH;
+    sigset_t none;
+
+    die_with(parent);
+    fds[0] = message->fds[AT_CHANNEL];
+    keep_fds(fds, count);
+    (void)sigemptyset(&none);
+    (void)sigprocmask(SIG_SETMASK, &none, NULL);
+    set_name(kind->name);
+    _exit(kind->run(fds[0], &fds[1], count - 1));
+}
+
+/* --- in the zygote ---------------------------------------------------------------------------- */
+
+/* Whoever has gone meanwhile is found when the watch is polled. */
+static void tell(int watch, const void *bytes, size_t size)
+{
+    if (vor_channel_send(watch, bytes, size, NULL, 0, NULL) != VOR_OK)
+        return;
+}
+
+/* Forks a child; errno, or 0. */
+static int bear(struct nursery *nursery, const struct request *request, struct vor_message *message,
+                pid_t *out)
+{
+    pid_t self = getpid(), pid;
+
+    if (request->kind >= nursery->kind_count)
+        return EINVAL;
+    if (nursery->count == VOR_CHILDREN)
+        return EAGAIN;
+    pid = fork();
+    if (pid == 0)
+        be_child(nursery, self, request, message);
+    if (pid < 0)
+        return errno;
+    nursery->child[nursery->count].pid = pid;
+    nursery->child[nursery->count++].watch = message->fds[AT_WATCH];
+    *out = pid;
+    return 0;
+}
+
+/* Answers one request; false once the front has gone. */
+static int serve_request(struct nursery *nursery)
+{
+    struct request request = {0};
+    struct vor_message message = {.bytes = &request, .capacity = sizeof request};
+    struct started started = {0};
+
+    if (vor_channel_receive(nursery->socket, &message, -1) != VOR_CHANNEL_MESSAGE)
+        return 0;
+    if (message.size != sizeof request || message.fd_count < AT_GIVEN) {
+        vor_message_close(&message);
+        return 1;
+    }
+    started.error = bear(nursery, &request, &message, &started.pid);
+    tell(message.fds[AT_WATCH], &started, sizeof started);
+    for (unsigned i = 0; i < message.fd_count; i++)
+        if (i != AT_WATCH || started.error != 0)
+            (void)close(message.fds[i]);
+    return 1;
+}
+
+/* The index of a child; the count when there is none. */
+static unsigned find(const struct nursery *nursery, pid_t pid)
+{
+    unsigned i = 0;
+
+    while (i < nursery->count && nursery->child[i].pid != pid)
+        i++;
+    return i;
+}
+
+static double seconds_of(const struct timeval *time)
+{
+    return (double)time->tv_sec + (double)time->tv_usec * 1e-6;
+}
+
+/* Tells of the children that have ended, and forgets them. */
+static void reap(struct nursery *nursery)
+{
+    struct rusage used;
+    int status;
+    pid_t pid;
+
+    while ((pid = wait4(-1, &status, WNOHANG, &used)) > 0) {
+        struct vor_child_end end = {.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0,
+                                    .status = WIFEXITED(status) ? WEXITSTATUS(status) : 0};
+        unsigned i = find(nursery, pid);
+
+        if (i == nursery->count)
+            continue;
+        end.cpu_seconds = seconds_of(&used.ru_utime) + seconds_of(&used.ru_stime);
+        end.peak = (uint64_t)used.ru_maxrss * 1024;
+        tell(nursery->child[i].watch, &end, sizeof end);
+        (void)close(nursery->child[i].watch);
+        nursery->child[i] = nursery->child[--nursery->count];
+    }
+}
+
+/* Looks after children until the front has gone. */
+static void tend(struct nursery *nursery)
+{
+    static struct pollfd wait[2 + VOR_CHILDREN];
+    struct signalfd_siginfo told;
+
+    for (;;) {
+        unsigned count = nursery->count;
+
+        wait[0] = (struct pollfd){.fd = nursery->socket, .events = POLLIN};
+        wait[1] = (struct pollfd){.fd = nursery->signals, .events = POLLIN};
+        /* The front sends nothing on a watch: what shows there is that it was closed. */
+        for (unsigned i = 0; i < count; i++)
+            wait[2 + i] = (struct pollfd){.fd = nursery->child[i].watch, .events = POLLIN};
+        if (poll(wait, 2 + count, -1) < 0)
+            continue;
+        for (unsigned i = 0; i < count; i++)
+            if (wait[2 + i].revents != 0)
+                (void)kill(nursery->child[i].pid, SIGKILL);
+        if (wait[1].revents != 0 && read(nursery->signals, &told, sizeof told) > 0)
+            reap(nursery);
+        if (wait[0].revents != 0 && !serve_request(nursery))
+            return;
+    }
+}
+
+static void ignore_signals(void)
+{
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGPIPE};
+
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+        (void)signal(numbers[i], SIG_IGN);
+}
+
+/* Nothing is read from standard input nor written to standard output. */
+static void mute(void)
+{
+    int null = open("/dev/null", O_RDWR | O_CLOEXEC);
+
+    if (null < 0)
+        return;
+    (void)dup2(null, STDIN_FILENO);
+    (void)dup2(null, STDOUT_FILENO);
+    if (null > STDERR_FILENO)
+        (void)close(null);
+}
+
+static _Noreturn void be_zygote(struct nursery *nursery, pid_t parent)
+{
+    sigset_t child;
+
+    die_with(parent);
+    keep_fds(&nursery->socket, 1);
+    mute();
+    ignore_signals();
+    (void)signal(SIGCHLD, SIG_DFL);
+    (void)sigemptyset(&child);
+    (void)sigaddset(&child, SIGCHLD);
+    (void)sigprocmask(SIG_SETMASK, &child, NULL);
+    nursery->signals = signalfd(-1, &child, SFD_CLOEXEC | SFD_NONBLOCK);
+    set_name("vor-zygote");
+    if (nursery->signals >= 0)
+        tend(nursery);
+    for (unsigned i = 0; i < nursery->count; i++)
+        (void)kill(nursery->child[i].pid, SIGKILL);
+    while (wait(NULL) > 0)
+        continue;
+    _exit(EXIT_SUCCESS);
+}
+
+/* --- in the front ----------------------------------------------------------------------------- */
+
+vor_status vor_zygote_start(struct vor_zygote *out, const struct vor_child_kind *kinds,
+                            unsigned kind_count, struct vor_error *err)
+{
+    static struct nursery nursery; /* of the zygote; empty in the front */
+    pid_t self = getpid(), pid;
+    int ends[2];
+    vor_status status = vor_channel_pair(ends, err);
+
+    if (status != VOR_OK)
+        return status;
+    pid = fork();
+    if (pid < 0) {
+        status = vor_fail_errno(err, errno, "starting the process that others are forked from");
+        (void)close(ends[0]);
+        (void)close(ends[1]);
+        return status;
+    }
+    if (pid == 0) {
+        nursery = (struct nursery){.kinds = kinds, .kind_count = kind_count, .socket = ends[1]};
+        be_zygote(&nursery, self);
+    }
+    (void)close(ends[1]);
+    *out = (struct vor_zygote){.socket = ends[0], .pid = pid};
+    return VOR_OK;
+}
+
+void vor_zygote_stop(struct vor_zygote *zygote)
+{
+    if (zygote->pid == 0)
+        return;
+    (void)close(zygote->socket);
+    while (waitpid(zygote->pid, NULL, 0) < 0 && errno == EINTR)
+        continue;
+    *zygote = (struct vor_zygote){.socket = -1};
+}
+
+int vor_zygote_died(struct vor_zygote *zygote)
+{
+    if (zygote->pid == 0 || waitpid(zygote->pid, NULL, WNOHANG) != zygote->pid)
+        return zygote->pid == 0;
+    zygote->pid = 0; /* its socket stays: others may send to it */
+    return 1;
+}
+
+static void close_pair(const int pair[2])
+{
+    (void)close(pair[0]);
+    (void)close(pair[1]);
+}
+
+/* Sends the request; the ends of the zygote and the child are closed here. */
+static vor_status ask(const struct vor_zygote *zygote, unsigned kind, const int *fds,
+                      unsigned fd_count, int channel, int watch, struct vor_error *err)
+{
+    struct request request = {kind};
+    int sent[VOR_CHANNEL_FDS] = {[AT_CHANNEL] = channel, [AT_WATCH] = watch};
+    vor_status status;
+
+    if (fd_count > 0)
+        memcpy(&sent[AT_GIVEN], fds, fd_count * sizeof *fds);
+    status =
+        vor_channel_send(zygote->socket, &request, sizeof request, sent, AT_GIVEN + fd_count, err);
+    (void)close(channel);
+    (void)close(watch);
+    return status;
+}
+
+/* Waits until the child was forked. */
+static vor_status wait_started(struct vor_child *child, struct vor_error *err)
+{
+    struct started started = {0};
+    struct vor_message message = {.bytes = &started, .capacity = sizeof started};
+
+    if (vor_channel_receive(child->watch, &message, -1) != VOR_CHANNEL_MESSAGE ||
+        message.size != sizeof started) {
+        vor_message_close(&message);
+        return vor_fail_errno(err, EPIPE, "the process that others are forked from");
+    }
+    if (started.error != 0)
+        return vor_fail_errno(err, started.error, "starting a process");
+    child->pid = started.pid;
+    return VOR_OK;
+}
+
+vor_status vor_zygote_spawn(struct vor_child *out, struct vor_zygote *zygote, unsigned kind,
+                            const int *fds, unsigned fd_count, struct vor_error *err)
+{
+    struct vor_child child;
+    int channel[2], watch[2];
+    vor_status status = vor_channel_pair(channel, err);
+
+    assert(fd_count <= VOR_CHILD_FDS);
+    if (status != VOR_OK)
+        return status;
+    status = vor_channel_pair(watch, err);
+    if (status != VOR_OK) {
+        close_pair(channel);
+        return status;
+    }
+    child = (struct vor_child){.channel = channel[0], .watch = watch[0]};
+    status = ask(zygote, kind, fds, fd_count, channel[1], watch[1], err);
+    if (status == VOR_OK)
+        status = wait_started(&child, err);
+    if (status != VOR_OK) {
+        vor_child_free(&child);
+        return status;
+    }
+    *out = child;
+    return VOR_OK;
+}
+
+int vor_child_wait(struct vor_child *child, struct vor_child_end *end, double seconds)
+{
+    struct vor_child_end told;
+    struct vor_message message = {.bytes = &told, .capacity = sizeof told};
+
+    switch (vor_channel_receive(child->watch, &message, seconds)) {
+    case VOR_CHANNEL_LATE:
+        return 0;
+    case VOR_CHANNEL_MESSAGE:
+        if (message.size == sizeof told) {
+            *end = told;
+            return 1;
+        }
+        break;
+    default:
+        break;
+    }
+    vor_message_close(&message);
+    *end = (struct vor_child_end){.signal = SIGKILL};
+    return 1;
+}
+
+void vor_child_kill(struct vor_child *child)
+{
+    (void)shutdown(child->watch, SHUT_WR);
+}
+
+void vor_child_free(struct vor_child *child)
+{
+    (void)close(child->channel);
+    (void)close(child->watch);
+    child->channel = child->watch = -1;
+}

@@ -1,0 +1,132 @@
+#include "server/work/codec_child.h"
+
+#include <limits.h>
+#include <malloc.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+
+enum { FD_RING, FD_INPUT, FD_COUNT };
+_Static_assert(VOR_SANDBOX_CHANNEL == 3 && VOR_SANDBOX_SHARED == 4 + FD_RING,
+               "where the zygote puts them");
+
+/* The bytes on their way to the front. */
+struct ring {
+    int channel;
+    uint8_t *bytes;
+    unsigned slot;   /* that is being filled */
+    unsigned unread; /* parts that the front has not told to have emptied */
+    size_t used;     /* bytes in the slot */
+};
+
+/* Hands over what is in the slot, and waits until the next one is free. */
+static int flush(struct ring *ring)
+{
+    struct vor_codec_reply reply = {.says = VOR_CODEC_PART, .size = (uint32_t)ring->used};
+    char told[16];
+    struct vor_message message = {.bytes = told, .capacity = sizeof told};
+
+    if (ring->used == 0)
+        return 0;
+    if (vor_channel_send(ring->channel, &reply, offsetof(struct vor_codec_reply, status), NULL, 0,
+                         NULL) != VOR_OK)
+        return -1;
+    ring->used = 0;
+    ring->slot = (ring->slot + 1) % VOR_RING_SLOTS;
+    if (++ring->unread < VOR_RING_SLOTS)
+        return 0;
+    ring->unread--;
+    return vor_channel_receive(ring->channel, &message, -1) == VOR_CHANNEL_MESSAGE ? 0 : -1;
+}
+
+static int put(void *ctx, const void *bytes, size_t size)
+{
+    struct ring *ring = ctx;
+    const uint8_t *at = bytes;
+
+    while (size > 0) {
+        size_t room = VOR_RING_PART - ring->used, now = size < room ? size : room;
+
+        memcpy(ring->bytes + (size_t)ring->slot * VOR_RING_PART + ring->used, at, now);
+        ring->used += now;
+        at += now;
+        size -= now;
+        if (ring->used == VOR_RING_PART && flush(ring) != 0)
+            return -1;
+    }
+    return 0;
+}
+
+/* Bytes of memory that a byte of a file takes: 27 a point while Draco decodes, of files of 2. */
+enum { HEAP_PER_BYTE = 16 };
+
+/* The heap as it is in a process that has decoded before: blocks of some MB come from it and go
+ * back to it, instead of being mapped and unmapped each time. A part of it is made of large pages,
+ * of which the kernel clears one faster than the 512 small ones that it stands for. */
+static void warm_heap(size_t bytes)
+{
+    enum { LARGEST = 32 << 20, LARGE_PAGE = 2 << 20 }; /* the C library takes no larger threshold */
+    char *heap;
+
+    (void)mallopt(M_MMAP_THRESHOLD, LARGEST);
+    (void)mallopt(M_TRIM_THRESHOLD, INT_MAX);
+    if (bytes < LARGE_PAGE)
+        return;
+    if (bytes > LARGEST - LARGE_PAGE)
+        bytes = LARGEST - LARGE_PAGE;
+    heap = malloc(bytes);
+    if (heap != NULL)
+        (void)madvise((void *)(((uintptr_t)heap + LARGE_PAGE - 1) & ~(uintptr_t)(LARGE_PAGE - 1)),
+                      bytes & ~(size_t)(LARGE_PAGE - 1), MADV_HUGEPAGE);
+    free(heap);
+}
+
+/* Large uploads give way to small ones, and to the front. */
+static void step_back(size_t size)
+{
+    enum { LARGE = 1 << 20, NICENESS = 5 };
+
+    if (size > LARGE)
+        (void)setpriority(PRIO_PROCESS, 0, NICENESS);
+}
+
+static vor_status shut_in_and_do(struct vor_codec_reply *reply, struct ring *ring,
+                                 const struct vor_codec_start *start, const int *fds)
+{
+    const struct vor_sink sink = {.ctx = ring, .write = put};
+    size_t size = (size_t)start->order.size;
+    void *ring_bytes, *input = NULL;
+    vor_status status;
+
+    step_back(size);
+    status = vor_sandbox_enter(&start->sandbox, start->kind, &reply->error);
+    if (status != VOR_OK)
+        return status;
+    ring_bytes = mmap(NULL, VOR_RING_SIZE, PROT_READ | PROT_WRITE,
+                      MAP_SHARED | vor_ring_flags(size), fds[FD_RING], 0);
+    if (size > 0)
+        input = mmap(NULL, size, PROT_READ, MAP_PRIVATE | vor_ring_flags(size), fds[FD_INPUT], 0);
+    if (ring_bytes == MAP_FAILED || input == MAP_FAILED)
+        return vor_fail(&reply->error, VOR_E_NOMEM, "%zu bytes to read do not fit", size);
+    ring->bytes = ring_bytes;
+    warm_heap(HEAP_PER_BYTE * size);
+    status = vor_codec_do(&reply->facts, &sink, &start->order, input, &reply->error);
+    if (status == VOR_OK && flush(ring) != 0)
+        status = vor_fail(&reply->error, VOR_E_IO, "the bytes were not taken");
+    return status;
+}
+
+int vor_codec_child(int channel, const int *fds, unsigned fd_count)
+{
+    static struct vor_codec_start start;
+    static struct vor_codec_reply reply = {.says = VOR_CODEC_END};
+    struct vor_message message = {.bytes = &start, .capacity = sizeof start};
+    struct ring ring = {.channel = channel};
+
+    if (fd_count != FD_COUNT || vor_channel_receive(channel, &message, -1) != VOR_CHANNEL_MESSAGE ||
+        message.size != sizeof start || message.fd_count != 0)
+        return 1;
+    reply.status = shut_in_and_do(&reply, &ring, &start, fds);
+    return vor_channel_send(channel, &reply, sizeof reply, NULL, 0, NULL) == VOR_OK ? 0 : 1;
+}

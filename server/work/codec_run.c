@@ -1,0 +1,341 @@
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE /* memfd_create */
+#endif
+#include "server/work/codec_run.h"
+
+#include "server/base/clock.h"
+#include "server/base/disk.h"
+#include "server/base/log.h"
+#include "server/work/codec_child.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+/* --- what it may take ------------------------------------------------------------------------- */
+
+static const size_t MEMORY_FREE = (size_t)64 << 20;
+static const size_t MEMORY_PER_POINT = 40; /* bytes; Draco's decoder takes 27, a cloud 12 */
+static const uint64_t POINTS_PER_BYTE = 64, POINTS_FREE = 100000; /* as of the Draco gate */
+
+enum { SECONDS_FREE = 10, BYTES_PER_SECOND = 4 << 20 };
+static const double WALL_PER_CPU = 4;   /* on a machine that does other things as well */
+static const double ASK_SECONDS = 0.05; /* between two questions to the caller */
+
+unsigned vor_codec_seconds(uint64_t size)
+{
+    return SECONDS_FREE + (unsigned)(size / BYTES_PER_SECOND);
+}
+
+size_t vor_codec_memory(const struct vor_codec_order *order)
+{
+    uint64_t points = POINTS_PER_BYTE * order->size + POINTS_FREE;
+    size_t clouds;
+
+    if (points > order->limits.points)
+        points = order->limits.points;
+    clouds = MEMORY_PER_POINT * (size_t)points;
+    if (clouds > order->memory)
+        clouds = order->memory;
+    return MEMORY_FREE + clouds + (size_t)order->size + VOR_RING_SIZE;
+}
+
+/* --- on the calling thread -------------------------------------------------------------------- */
+
+static vor_status run_here(struct vor_codec_facts *facts, const struct vor_codec_order *order,
+                           int input, const struct vor_sink *sink, struct vor_error *err)
+{
+    size_t size = (size_t)order->size;
+    void *bytes = NULL;
+    vor_status status;
+
+    if (size > 0)
+        bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, input, 0);
+    if (bytes == MAP_FAILED)
+        return vor_fail_errno(err, errno, "mapping the upload");
+    status = vor_codec_do(facts, sink, order, bytes, err);
+    if (bytes != NULL)
+        (void)munmap(bytes, size);
+    return status;
+}
+
+/* --- in a child ------------------------------------------------------------------------------- */
+
+/* A child at work. */
+struct run {
+    const struct vor_codec_place *place;
+    const struct vor_codec_order *order;
+    const struct vor_sink *sink;
+    struct vor_child child;
+    const uint8_t *ring;
+    unsigned slot; /* that comes next */
+    uint64_t came; /* bytes */
+    double until;
+    struct vor_codec_reply reply;
+};
+
+static int is_ours(const struct vor_codec_order *order)
+{
+    return order->op == VOR_CODEC_CONVERT;
+}
+
+/* The status of a child that did not live to tell one. */
+static vor_status blame(const struct run *run)
+{
+    return is_ours(run->order) ? VOR_E_INTERNAL : VOR_E_FORMAT;
+}
+
+static const char *what_of(const struct vor_codec_order *order)
+{
+    static const char *const words[VOR_CODEC_OPS] = {[VOR_CODEC_INFLATE] = "inflating the upload",
+                                                     [VOR_CODEC_DECODE] = "reading the upload",
+                                                     [VOR_CODEC_CONVERT] = "converting the result"};
+
+    return words[order->op];
+}
+
+static vor_status too_long(const struct run *run, struct vor_error *err)
+{
+    return vor_fail(err, blame(run), "%s took longer than it may: %u s of computing time",
+                    what_of(run->order), vor_codec_seconds(run->order->size));
+}
+
+/* Says how a child ended that told nothing, in the log too. */
+static vor_status explain(const struct run *run, const struct vor_child_end *end,
+                          struct vor_error *err)
+{
+    const char *what = what_of(run->order);
+
+    vor_log(VOR_LOG_WARN, "codec child ended", VOR_TEXT("work", what),
+            VOR_COUNT("signal", end->signal), VOR_COUNT("exit", end->status),
+            VOR_COUNT("bytes", run->order->size), VOR_REAL("cpu_s", end->cpu_seconds),
+            VOR_COUNT("peak", end->peak));
+    switch (end->signal) {
+    case SIGXCPU:
+        return too_long(run, err);
+    case SIGSYS:
+        return vor_fail(err, blame(run), "%s was stopped: it tried what it may not", what);
+    case SIGKILL:
+        return vor_fail(err, VOR_E_NOMEM, "%s was killed: the machine has no memory for it", what);
+    default:
+        return vor_fail(err, blame(run), "%s failed: it crashed (signal %d, exit status %d)", what,
+                        end->signal, end->status);
+    }
+}
+
+/* The channel is closed: the child has ended, or will not get far. */
+static vor_status take_end(struct run *run, struct vor_error *err)
+{
+    static const double MOMENT = 1; /* s: for a core that is slow to die */
+    struct vor_child_end end;
+
+    if (!vor_child_wait(&run->child, &end, MOMENT)) {
+        vor_child_kill(&run->child);
+        (void)vor_child_wait(&run->child, &end, -1);
+    }
+    return explain(run, &end, err);
+}
+
+static vor_status nonsense(struct run *run, struct vor_error *err)
+{
+    vor_log(VOR_LOG_WARN, "codec child told nonsense", VOR_TEXT("work", what_of(run->order)));
+    return vor_fail(err, blame(run), "%s failed: its reader told nonsense", what_of(run->order));
+}
+
+/* Passes on what the child has put into a slot. */
+static vor_status take_part(struct run *run, size_t size, struct vor_error *err)
+{
+    const uint8_t *from = run->ring + (size_t)run->slot * VOR_RING_PART;
+
+    if (size != offsetof(struct vor_codec_reply, status) || run->reply.size < 1 ||
+        run->reply.size > VOR_RING_PART)
+        return nonsense(run, err);
+    run->came += run->reply.size;
+    if (run->came > run->order->most)
+        return nonsense(run, err);
+    if (run->sink->write(run->sink->ctx, from, run->reply.size) < 0)
+        return vor_fail(err, VOR_E_IO, "%u bytes could not be written", (unsigned)run->reply.size);
+    run->slot = (run->slot + 1) % VOR_RING_SLOTS;
+    if (vor_channel_send(run->child.channel, "", 1, NULL, 0, err) != VOR_OK)
+        return VOR_OK; /* that it has ended meanwhile is told by the next message */
+    return VOR_OK;
+}
+
+static int is_box(const struct vor_extent *extent)
+{
+    for (int k = 0; k < 3; k++)
+        if (!isfinite(extent->low[k]) || !isfinite(extent->high[k]) ||
+            extent->low[k] > extent->high[k])
+            return 0;
+    return isfinite(extent->area) && extent->area >= 0;
+}
+
+/* What the child says of itself may be anything, once a reader was overrun. */
+static int are_sane(const struct vor_codec_facts *facts, const struct vor_codec_order *order)
+{
+    if (order->op == VOR_CODEC_INFLATE)
+        return 1;
+    if (vor_format(facts->format) == NULL || facts->points < 1 || facts->points > VOR_POINTS_MAX ||
+        facts->extent.n != facts->points || !is_box(&facts->extent))
+        return 0;
+    if (order->op == VOR_CODEC_DECODE)
+        return facts->points <= order->limits.points;
+    return !facts->has_origin ||
+           (isfinite(facts->origin[0]) && isfinite(facts->origin[1]) && isfinite(facts->origin[2]));
+}
+
+static int is_text(const char *text, size_t size)
+{
+    const char *end = memchr(text, '\0', size);
+
+    for (; end != NULL && text < end; text++)
+        if ((unsigned char)*text < ' ' || *text == 0x7f)
+            return 0;
+    return end != NULL;
+}
+
+static vor_status take_last(struct run *run, struct vor_codec_facts *facts, size_t size,
+                            struct vor_error *err)
+{
+    const struct vor_codec_reply *reply = &run->reply;
+
+    if (size != sizeof *reply || (unsigned)reply->status >= VOR_STATUS_COUNT)
+        return nonsense(run, err);
+    if (reply->status == VOR_OK) {
+        if (!are_sane(&reply->facts, run->order))
+            return nonsense(run, err);
+        *facts = reply->facts;
+        return VOR_OK;
+    }
+    if (reply->error.status != reply->status ||
+        !is_text(reply->error.message, sizeof reply->error.message) ||
+        !is_text(reply->error.parameter, sizeof reply->error.parameter))
+        return nonsense(run, err);
+    *err = reply->error;
+    return reply->status;
+}
+
+/* Takes messages until the last one. */
+static vor_status listen(struct run *run, struct vor_codec_facts *facts, struct vor_error *err)
+{
+    struct vor_message message = {.bytes = &run->reply, .capacity = sizeof run->reply};
+
+    for (;;) {
+        enum vor_channel_event event =
+            vor_channel_receive(run->child.channel, &message, ASK_SECONDS);
+        vor_status status = VOR_OK;
+
+        if (event == VOR_CHANNEL_GONE)
+            return take_end(run, err);
+        if (run->place->has_left != NULL && run->place->has_left(run->place->ctx))
+            return vor_fail(err, VOR_E_CANCELLED, "the caller left");
+        if (vor_clock_seconds() > run->until)
+            return too_long(run, err);
+        if (event == VOR_CHANNEL_LATE)
+            continue;
+        vor_message_close(&message);
+        if (message.size < offsetof(struct vor_codec_reply, status))
+            return nonsense(run, err);
+        if (run->reply.says == VOR_CODEC_END)
+            return take_last(run, facts, message.size, err);
+        status = take_part(run, message.size, err);
+        if (status != VOR_OK)
+            return status;
+    }
+}
+
+/* Sends the order to a child that was forked, and hears it out. */
+static vor_status converse(struct run *run, struct vor_codec_facts *facts, struct vor_error *err)
+{
+    struct vor_codec_start start = {.sandbox = {.memory = vor_codec_memory(run->order),
+                                                .cpu_seconds = vor_codec_seconds(run->order->size)},
+                                    .kind = run->place->sandbox,
+                                    .order = *run->order};
+    double patience = run->place->patience > 0 ? run->place->patience : 1;
+    vor_status status;
+
+    run->until = vor_clock_seconds() + WALL_PER_CPU * patience * start.sandbox.cpu_seconds;
+    status = vor_channel_send(run->child.channel, &start, sizeof start, NULL, 0, err);
+    if (status == VOR_OK)
+        status = listen(run, facts, err);
+    vor_child_free(&run->child); /* nobody waits until it is gone: it has nothing of ours */
+    return status;
+}
+
+/* The memory that both sides see. It cannot be made shorter, which would kill the one that reads.
+ */
+static int make_ring(const uint8_t **bytes, uint64_t size)
+{
+    int fd = memfd_create("ring", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+    void *map = MAP_FAILED;
+
+    if (fd >= 0 && ftruncate(fd, VOR_RING_SIZE) == 0 &&
+        fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) == 0)
+        map = mmap(NULL, VOR_RING_SIZE, PROT_READ, MAP_SHARED | vor_ring_flags(size), fd, 0);
+    if (map == MAP_FAILED) {
+        if (fd >= 0)
+            (void)close(fd);
+        return -1;
+    }
+    *bytes = map;
+    return fd;
+}
+
+/* The same file, for reading only; itself where /proc is not there to open it by. */
+static int reopen_read_only(int fd)
+{
+    char path[32];
+    int opened;
+
+    (void)snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
+    opened = open(path, O_RDONLY | O_CLOEXEC);
+    return opened >= 0 ? opened : fcntl(fd, F_DUPFD_CLOEXEC, 0);
+}
+
+static vor_status run_in_child(struct run *run, struct vor_codec_facts *facts, int input,
+                               struct vor_error *err)
+{
+    const uint8_t *ring = NULL;
+    int fds[2] = {make_ring(&ring, run->order->size), -1};
+    vor_status status;
+
+    if (fds[0] < 0)
+        return vor_fail_errno(err, errno, "memory to share with a child");
+    fds[1] = reopen_read_only(input);
+    if (fds[1] < 0) {
+        status = vor_fail_errno(err, errno, "the upload");
+    } else {
+        status = vor_zygote_spawn(&run->child, run->place->zygote, run->place->kind, fds, 2, err);
+        (void)close(fds[1]);
+    }
+    (void)close(fds[0]);
+    run->ring = ring;
+    if (status == VOR_OK)
+        status = converse(run, facts, err);
+    (void)munmap((void *)(uintptr_t)ring, VOR_RING_SIZE);
+    return status;
+}
+
+vor_status vor_codec_run(struct vor_codec_facts *facts, const struct vor_codec_place *place,
+                         const struct vor_codec_order *order, int input,
+                         const struct vor_sink *sink, struct vor_error *err)
+{
+    struct vor_codec_order capped = *order;
+    struct run run = {.place = place, .order = &capped, .sink = sink};
+    struct vor_error unused;
+    size_t memory;
+
+    if (place->zygote == NULL)
+        return run_here(facts, order, input, sink, err);
+    memory = vor_codec_memory(order);
+    if (capped.memory > memory)
+        capped.memory = memory;
+    if (capped.op != VOR_CODEC_INFLATE && capped.most > memory)
+        capped.most = memory; /* what is written was in memory */
+    return run_in_child(&run, facts, input, err != NULL ? err : &unused);
+}

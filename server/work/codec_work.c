@@ -1,0 +1,127 @@
+#include "server/work/codec_work.h"
+
+#include "proto/dump.h"
+#include "proto/gzip.h"
+
+#include <assert.h>
+
+static unsigned index_of(const struct vor_format *format)
+{
+    unsigned index = 0;
+
+    for (; vor_format(index) != format; index++)
+        assert(vor_format(index) != NULL);
+    return index;
+}
+
+static vor_status decode(struct vor_codec_facts *facts, const struct vor_sink *sink,
+                         const struct vor_codec_order *order, const uint8_t *bytes,
+                         struct vor_error *err)
+{
+    const struct vor_format *format = NULL;
+    struct vor_codec_facts found = {0};
+    struct vor_memory memory;
+    struct vor_cloud cloud;
+    vor_status status;
+
+    vor_memory_init(&memory, order->memory);
+    vor_cloud_init(&cloud, &memory);
+    status = vor_codec_read(&cloud, &format, bytes, (size_t)order->size, &order->limits, err);
+    if (status == VOR_OK) {
+        found.format = index_of(format);
+        found.points = cloud.n;
+        vor_extent_measure(&found.extent, &cloud);
+        status = vor_dump_write(sink, &cloud, err);
+    }
+    vor_cloud_free(&cloud);
+    if (status == VOR_OK)
+        *facts = found;
+    return status;
+}
+
+/* A result as it was written. */
+struct result {
+    struct vor_cloud cloud;
+    struct vor_mesh mesh;
+};
+
+/* What we wrote ourselves and cannot read is our fault, not a caller's. */
+static vor_status read_result(struct result *result, const struct vor_codec_order *order,
+                              const uint8_t *bytes, struct vor_error *err)
+{
+    const struct vor_limits limits = {.points = VOR_POINTS_MAX, .header_bytes = (size_t)1 << 24};
+    struct vor_error why;
+    vor_status status = vor_codec_read_mesh(&result->cloud, &result->mesh, bytes,
+                                            (size_t)order->size, &limits, &why);
+
+    if (status == VOR_OK)
+        return VOR_OK;
+    return vor_fail(err, status == VOR_E_NOMEM ? VOR_E_NOMEM : VOR_E_INTERNAL,
+                    "the result cannot be read: %.900s", why.message);
+}
+
+static vor_status write_result(struct vor_codec_facts *facts, const struct vor_sink *sink,
+                               const struct vor_codec_order *order, const struct result *result,
+                               struct vor_error *err)
+{
+    const struct vor_format *format = vor_format(order->format);
+    struct vor_result_facts known = {.spacing = order->spacing};
+    struct vor_write_options options;
+    vor_status status;
+
+    vor_extent_measure(&known.input, &result->cloud);
+    status = vor_write_options_from(&options, format, &order->spec, &known, err);
+    if (status != VOR_OK)
+        return status;
+    options.mesh = &result->mesh;
+    status = format->write(sink, &result->cloud, &options, err);
+    if (status != VOR_OK)
+        return status;
+    *facts = (struct vor_codec_facts){.format = order->format,
+                                      .points = result->cloud.n,
+                                      .extent = known.input,
+                                      .has_origin = options.has_origin};
+    for (int k = 0; options.has_origin && k < 3; k++)
+        facts->origin[k] = options.origin[k];
+    return VOR_OK;
+}
+
+static vor_status convert(struct vor_codec_facts *facts, const struct vor_sink *sink,
+                          const struct vor_codec_order *order, const uint8_t *bytes,
+                          struct vor_error *err)
+{
+    struct vor_memory memory;
+    struct result result;
+    vor_status status;
+
+    vor_memory_init(&memory, order->memory);
+    vor_cloud_init(&result.cloud, &memory);
+    vor_mesh_init(&result.mesh, &memory);
+    status = read_result(&result, order, bytes, err);
+    if (status == VOR_OK)
+        status = write_result(facts, sink, order, &result, err);
+    vor_mesh_free(&result.mesh);
+    vor_cloud_free(&result.cloud);
+    return status;
+}
+
+vor_status vor_codec_do(struct vor_codec_facts *facts, const struct vor_sink *sink,
+                        const struct vor_codec_order *order, const uint8_t *bytes,
+                        struct vor_error *err)
+{
+    vor_status status;
+
+    switch (order->op) {
+    case VOR_CODEC_DECODE:
+        return decode(facts, sink, order, bytes, err);
+    case VOR_CODEC_CONVERT:
+        return convert(facts, sink, order, bytes, err);
+    case VOR_CODEC_INFLATE:
+        status = vor_gzip_inflate(sink, bytes, (size_t)order->size, order->most, err);
+        if (status == VOR_OK)
+            *facts = (struct vor_codec_facts){0};
+        return status;
+    default:
+        return vor_fail(err, VOR_E_INTERNAL, "no work of number %d", (int)order->op);
+    }
+}

@@ -1,0 +1,22 @@
+/** What the life of jobs adds to /metrics (server/base/metrics.h). */
+#ifndef VOR_SERVER_WORK_COUNTED_H
+#define VOR_SERVER_WORK_COUNTED_H
+
+#include "proto/codec.h"
+#include "server/store/row.h"
+
+/** A job was accepted. */
+void vor_count_accepted(const struct vor_job_view *row);
+
+/** An attempt begins, which may take that many bytes of memory. */
+void vor_count_begun(const struct vor_job_view *row, uint32_t attempt, size_t memory);
+
+/** It is over, however it ended, after that many seconds. report is NULL unless it was successful
+ *  and its process makes one. */
+void vor_count_ended(const struct vor_job_view *row, const struct vor_report *report, size_t memory,
+                     double seconds);
+
+/** An upload could not be decoded; format is NULL when it has none. */
+void vor_count_undecodable(const struct vor_format *format, vor_status status);
+
+#endif

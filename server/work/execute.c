@@ -1,0 +1,257 @@
+#include "server/work/execute.h"
+
+#include "core/engine.h"
+#include "proto/codec.h"
+#include "proto/json/json.h"
+#include "server/base/clock.h"
+#include "server/base/disk.h"
+#include "server/work/artefacts.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+static const double retry_seconds = 1;      /* while the disk is full */
+static const double retry_seconds_max = 16; /* at most, as encoding costs cores */
+
+struct run {
+    const struct vor_order *order;
+    const struct vor_listener *listener;
+    struct vor_pool *pool;
+    struct vor_run_result *result;
+    struct vor_text *kept;
+    struct vor_memory memory;
+    struct vor_result_facts facts;
+    double enough;   /* when the request's own time is over; infinite for never */
+    atomic_int full; /* it was ended because that time was over */
+};
+
+/* --- the engine's questions ------------------------------------------------------------------- */
+
+/* A run whose time is over ends as one that is stopped: the loops ask for the time themselves, but
+ * only between two steps. */
+static enum vor_answer asked(void *ctx)
+{
+    struct run *run = ctx;
+    enum vor_answer answer = run->listener->asked(run->listener->ctx);
+
+    if (answer == VOR_CANCEL || vor_clock_seconds() < run->enough)
+        return answer;
+    atomic_store(&run->full, answer == VOR_CONTINUE);
+    return VOR_STOP;
+}
+
+static double read_clock(void *ctx)
+{
+    (void)ctx;
+    return vor_clock_seconds();
+}
+
+static enum vor_answer take_progress(void *ctx, const struct vor_record *record)
+{
+    const struct vor_listener *listener = ((struct run *)ctx)->listener;
+
+    listener->progress(listener->ctx, record);
+    return asked(ctx);
+}
+
+/* --- the three steps -------------------------------------------------------------------------- */
+
+/* Runs the engine on the inputs. */
+static vor_status compute(struct run *run, struct vor_artefacts *out, struct vor_error *err)
+{
+    const struct vor_spec *spec = &run->order->spec;
+    struct vor_watch watch = {
+        .ctx = run, .progress = take_progress, .poll = asked, .clock = read_clock};
+    struct vor_run engine = {.pool = run->pool, .memory = &run->memory, .watch = &watch};
+    struct vor_artefacts in;
+    vor_status status;
+
+    vor_artefacts_init(&in, &run->memory);
+    status = vor_artefacts_load(&in, spec->process, run->order->input, err);
+    if (status == VOR_OK) {
+        vor_extent_measure(&run->facts.input,
+                           vor_artefacts_cloud(&in, spec->process->inputs[0].name));
+        status = vor_engine_run(out, &in, spec, &engine, err);
+    }
+    vor_artefacts_free(&in);
+    return status;
+}
+
+/* Writes the outputs that have a file. */
+static vor_status try_files(struct run *run, const struct vor_artefacts *out, struct vor_error *err)
+{
+    const struct vor_order *order = run->order;
+    const struct vor_artefact_info *outputs = order->spec.process->outputs;
+    vor_status status = VOR_OK;
+
+    for (unsigned i = 0; outputs[i].name != NULL && status == VOR_OK; i++)
+        if (order->output[i] >= 0)
+            status = vor_artefact_write(&run->result->output[i], order, i,
+                                        vor_artefacts_find(out, outputs[i].name), &run->facts, err);
+    return status;
+}
+
+/* Empties the files for another try. */
+static vor_status empty_files(const struct vor_order *order, struct vor_error *err)
+{
+    for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++)
+        if (order->output[i] >= 0 &&
+            (ftruncate(order->output[i], 0) != 0 || lseek(order->output[i], 0, SEEK_SET) != 0))
+            return vor_fail_errno(err, errno, "an output");
+    return VOR_OK;
+}
+
+/* Lets time pass; false once the run is cancelled. */
+static int wait_for_room(struct run *run, double seconds)
+{
+    const struct timespec look = {0, 20 * 1000 * 1000};
+    double until = vor_clock_seconds() + seconds;
+
+    while (run->listener->asked(run->listener->ctx) != VOR_CANCEL) {
+        if (vor_clock_seconds() >= until)
+            return 1;
+        (void)nanosleep(&look, NULL);
+    }
+    return 0;
+}
+
+/* The same, however long the disk is full. */
+static vor_status write_files(struct run *run, const struct vor_artefacts *out,
+                              struct vor_error *err)
+{
+    vor_status status = try_files(run, out, err);
+    double pause = retry_seconds;
+
+    while (status == VOR_E_IO && vor_error_storage_full(err)) {
+        run->listener->waits(run->listener->ctx, err);
+        if (!wait_for_room(run, pause))
+            return vor_fail(err, VOR_E_CANCELLED, "cancelled while the disk was full");
+        pause = pause < retry_seconds_max ? 2 * pause : pause;
+        status = empty_files(run->order, err);
+        if (status == VOR_OK)
+            status = try_files(run, out, err);
+    }
+    return status;
+}
+
+/* What the engine cannot know of the report. */
+static void complete_report(const struct run *run, struct vor_report *report,
+                            const struct vor_artefacts *out, double began)
+{
+    const struct vor_job_output *first = &run->result->output[0];
+    const struct vor_artefact *main =
+        vor_artefacts_find(out, run->order->spec.process->outputs[0].name);
+
+    if (main->kind == VOR_ARTEFACT_CLOUD)
+        vor_codec_report_dropped(report, &main->cloud, vor_format(first->format));
+    report->seconds_read = run->order->seconds_read;
+    report->seconds_write = vor_clock_seconds() - began;
+    report->memory_peak_bytes = atomic_load(&run->memory.peak);
+    if (atomic_load(&run->full) && report->stopped == VOR_STOPPED_CALLER)
+        report->stopped = VOR_STOPPED_SECONDS;
+    memcpy(report->origin, first->origin, sizeof report->origin);
+}
+
+/* Writes the output that goes into the row. */
+static vor_status write_kept(struct run *run, const struct vor_artefacts *out,
+                             struct vor_error *err)
+{
+    const struct vor_artefact_info *outputs = run->order->spec.process->outputs;
+
+    for (unsigned i = 0; outputs[i].name != NULL; i++) {
+        if (!vor_output_in_row(&outputs[i]))
+            continue;
+        vor_json_document(run->kept, &vor_artefacts_find(out, outputs[i].name)->document);
+        run->result->output[i].bytes = run->kept->size;
+    }
+    return vor_text_status(run->kept, err);
+}
+
+/* "300 points after 12 iterations, delta 0.0212" of a run that spreads points; else what the main
+ * output is. */
+static void describe(struct run *run, const struct vor_report *report)
+{
+    const struct vor_process_info *process = run->order->spec.process;
+    const struct vor_artefact_info *main = &process->outputs[0];
+    struct vor_run_result *result = run->result;
+    char steps[64];
+
+    if (report != NULL && vor_process_takes(process, VOR_PARAM_POINTS))
+        (void)snprintf(result->message, sizeof result->message, "%llu points after %s, delta %.4f",
+                       (unsigned long long)result->output[0].points,
+                       vor_report_steps(report, steps, sizeof steps), report->delta);
+    else if (main->kind == VOR_ARTEFACT_CLOUD)
+        (void)snprintf(result->message, sizeof result->message, "%llu points",
+                       (unsigned long long)result->output[0].points);
+    else
+        (void)snprintf(result->message, sizeof result->message, "%s is ready, %llu bytes",
+                       main->name, (unsigned long long)result->output[0].bytes);
+}
+
+static vor_status save(struct run *run, struct vor_artefacts *out, struct vor_error *err)
+{
+    struct vor_report *report = vor_artefacts_values(out, "report", &vor_report_members);
+    double began = vor_clock_seconds();
+    vor_status status;
+
+    run->listener->stage(run->listener->ctx, VOR_STAGE_ENCODE);
+    run->facts.spacing = report != NULL ? report->spacing_mean : 0;
+    status = write_files(run, out, err);
+    if (status != VOR_OK)
+        return status;
+    if (report != NULL) {
+        complete_report(run, report, out, began);
+        run->result->has_report = 1;
+        run->result->report = *report;
+    }
+    describe(run, report);
+    return write_kept(run, out, err);
+}
+
+vor_status vor_execute(struct vor_run_result *result, struct vor_text *kept,
+                       const struct vor_order *order, struct vor_pool *pool,
+                       const struct vor_listener *listener, struct vor_error *err)
+{
+    struct run run = {
+        .order = order, .listener = listener, .pool = pool, .result = result, .kept = kept};
+    struct vor_artefacts out;
+    vor_status status;
+
+    *result = (struct vor_run_result){.has_report = 0};
+    run.enough = vor_spec_given(&order->spec, VOR_PARAM_SECONDS)
+                     ? vor_clock_seconds() + order->spec.value[VOR_PARAM_SECONDS]
+                     : (double)INFINITY;
+    atomic_init(&run.full, 0);
+    vor_memory_init(&run.memory, order->memory);
+    vor_artefacts_init(&out, &run.memory);
+    status = compute(&run, &out, err);
+    if (status == VOR_OK && listener->asked(listener->ctx) == VOR_CANCEL)
+        status = vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
+    if (status == VOR_OK)
+        status = save(&run, &out, err);
+    vor_artefacts_free(&out);
+    return status;
+}
+
+/* --- in this process -------------------------------------------------------------------------- */
+
+static enum vor_run_end run_here(struct vor_run_executor *executor, const struct vor_order *order,
+                                 const struct vor_listener *listener, struct vor_run_result *result,
+                                 struct vor_text *kept, struct vor_error *err)
+{
+    struct vor_run_here *here = (struct vor_run_here *)executor;
+    vor_status status = vor_execute(result, kept, order, here->pool, listener, err);
+
+    return status == VOR_OK ? VOR_RUN_DONE : VOR_RUN_FAILED;
+}
+
+void vor_run_here_init(struct vor_run_here *here, struct vor_pool *pool)
+{
+    here->base = (struct vor_run_executor){.threads = vor_pool_threads(pool), .run = run_here};
+    here->pool = pool;
+}

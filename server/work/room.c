@@ -1,0 +1,79 @@
+#include "server/work/room.h"
+
+#include "server/base/clock.h"
+#include "server/base/log.h"
+
+#include <time.h>
+
+vor_status vor_worker_ready(struct vor_worker *worker, struct vor_error *err)
+{
+    vor_status status = vor_store_check(worker->config.store, err);
+
+    if (status == VOR_OK)
+        status = vor_store_check_reserve(worker->config.store, err);
+    return status == VOR_OK ? vor_blobs_room(worker->config.blobs, 1, err) : status;
+}
+
+/* VOR_OK as long as no disk has failed. */
+static vor_status check_disks(struct vor_worker *worker, struct vor_error *err)
+{
+    vor_status status = vor_store_check(worker->config.store, err);
+
+    return status == VOR_OK ? vor_blobs_check(worker->config.blobs, err) : status;
+}
+
+static void look_at_reserve(struct vor_worker *worker)
+{
+    int had = vor_store_check_reserve(worker->config.store, NULL) == VOR_OK;
+    struct vor_error err;
+    int has;
+
+    has = vor_store_keep_reserve(worker->config.store, &err) == VOR_OK;
+    if (has && !had)
+        vor_log(VOR_LOG_INFO, "the disk has room again", VOR_TEXT("reserve", "made"));
+    else if (!has && !worker->is_full)
+        vor_log(VOR_LOG_WARN, "no reserve on the disk", VOR_TEXT("error", err.message));
+    worker->is_full = !has;
+}
+
+void vor_worker_look(struct vor_worker *worker)
+{
+    struct vor_error err;
+
+    look_at_reserve(worker);
+    if (worker->has_failed || check_disks(worker, &err) == VOR_OK)
+        return;
+    worker->has_failed = 1;
+    if (worker->config.failed != NULL)
+        worker->config.failed(worker->config.failed_ctx, &err);
+}
+
+/* A job must not take what the reserve is made of. Where none is asked for, it just tries. */
+static int is_full(struct vor_worker *worker)
+{
+    return vor_store_check_reserve(worker->config.store, NULL) != VOR_OK;
+}
+
+int vor_worker_wait_room(struct vor_worker *worker, struct vor_job *job, double seconds)
+{
+    static const struct timespec poll = {.tv_nsec = 50000000};
+    double until = vor_clock_seconds() + seconds;
+
+    while (vor_clock_seconds() < until || is_full(worker)) {
+        if (vor_job_asked(job) == VOR_CANCEL)
+            return 0;
+        (void)nanosleep(&poll, NULL);
+    }
+    return vor_job_asked(job) != VOR_CANCEL;
+}
+
+void vor_worker_trim_lost(struct vor_worker *worker, int64_t shift_ms)
+{
+    struct vor_lost_bounds bounds = {.bytes = worker->config.lost_bytes, .shift_ms = shift_ms};
+    struct vor_error err;
+
+    bounds.oldest_ms =
+        vor_clock_wall_ms() - shift_ms - (int64_t)(worker->config.lost_seconds * 1000);
+    if (vor_blobs_trim_lost(worker->config.blobs, &bounds, &err) != VOR_OK)
+        vor_log(VOR_LOG_WARN, "lost bytes not looked through", VOR_TEXT("error", err.message));
+}

@@ -1,0 +1,226 @@
+#include "server/work/station.h"
+
+#include "server/base/machine.h"
+#include "server/work/execute.h"
+#include "server/work/wire.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+/* An order follows its summons at once. */
+static const double order_seconds = 30;
+
+/* The kernel, out of memory, ends this process before others. */
+enum { OOM_SCORE = 500 };
+
+struct station {
+    struct vor_board *board;
+    struct vor_pool *pool;
+    struct rlimit memory; /* RLIMIT_DATA; infinite where there is none */
+};
+
+/* A run: a thread of its own. */
+struct sitting {
+    struct station *station;
+    unsigned seat;
+    int channel;
+};
+
+/* --- memory ----------------------------------------------------------------------------------- */
+
+/* Libraries, stacks and what the allocator keeps besides what runs are charged with. */
+enum { MARGIN_BYTES = 256 << 20, STACK_BYTES = 8 << 20 };
+
+/* Bounds what the process may take: what leaks is then refused here, and not by the kernel's choice
+ * of a process to kill. Sanitizers need address space of their own. */
+static void limit_memory(struct station *station)
+{
+    const struct rlimit no_core = {0, 0};
+
+    (void)setrlimit(RLIMIT_CORE, &no_core);
+    station->memory = (struct rlimit){RLIM_INFINITY, RLIM_INFINITY};
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    if (station->board->memory > 0) {
+        station->memory.rlim_cur = station->memory.rlim_max =
+            station->board->memory + MARGIN_BYTES +
+            (rlim_t)STACK_BYTES * (station->board->threads + VOR_SEATS);
+        (void)setrlimit(RLIMIT_DATA, &station->memory);
+    }
+#endif
+}
+
+/* Bytes that count against RLIMIT_DATA; 0 where that cannot be told. */
+static rlim_t data_bytes(void)
+{
+    FILE *file = fopen("/proc/self/statm", "re");
+    unsigned long long pages = 0;
+
+    if (file == NULL)
+        return 0;
+    if (fscanf(file, "%*u %*u %*u %*u %*u %llu", &pages) != 1)
+        pages = 0;
+    (void)fclose(file);
+    return (rlim_t)pages * (rlim_t)sysconf(_SC_PAGESIZE);
+}
+
+/* Whether memory is refused because the whole process has none left, which no run that stays within
+ * its own can bring about. */
+static int is_exhausted(const struct station *station)
+{
+    return station->memory.rlim_cur != RLIM_INFINITY &&
+           data_bytes() > station->memory.rlim_cur - MARGIN_BYTES / 2;
+}
+
+/* --- a run ------------------------------------------------------------------------------------ */
+
+static enum vor_answer asked(void *ctx)
+{
+    const struct sitting *sitting = ctx;
+
+    return (enum vor_answer)atomic_load_explicit(&sitting->station->board->asked[sitting->seat],
+                                                 memory_order_relaxed);
+}
+
+/* Says something; without a front there is nobody to work for. */
+static void say(const struct sitting *sitting, enum vor_said what, const void *of, size_t size)
+{
+    if (vor_say(sitting->channel, what, of, size) != VOR_OK)
+        _exit(EXIT_SUCCESS);
+}
+
+static void take_progress(void *ctx, const struct vor_record *record)
+{
+    say(ctx, VOR_SAID_RECORD, record, sizeof *record);
+}
+
+static void take_stage(void *ctx, enum vor_stage stage)
+{
+    say(ctx, VOR_SAID_STAGE, &stage, sizeof stage);
+}
+
+static void take_wait(void *ctx, const struct vor_error *why)
+{
+    say(ctx, VOR_SAID_WAITS, why, sizeof *why);
+}
+
+static void say_kept(const struct sitting *sitting, const struct vor_text *kept)
+{
+    for (size_t at = 0; at < kept->size; at += VOR_KEPT_PART) {
+        size_t left = kept->size - at;
+
+        say(sitting, VOR_SAID_KEPT, kept->data + at, left < VOR_KEPT_PART ? left : VOR_KEPT_PART);
+    }
+}
+
+static vor_status run_order(struct sitting *sitting, const struct vor_order *order,
+                            struct vor_error *err)
+{
+    const struct vor_listener listener = {.ctx = sitting,
+                                          .asked = asked,
+                                          .progress = take_progress,
+                                          .stage = take_stage,
+                                          .waits = take_wait};
+    struct vor_run_result result;
+    struct vor_text kept;
+    vor_status status;
+
+    vor_text_init(&kept, VOR_KEPT_MAX);
+    status = vor_execute(&result, &kept, order, sitting->station->pool, &listener, err);
+    if (status == VOR_E_NOMEM && is_exhausted(sitting->station))
+        _exit(VOR_STATION_NO_MEMORY);
+    if (status == VOR_OK) {
+        say_kept(sitting, &kept);
+        say(sitting, VOR_SAID_DONE, &result, sizeof result);
+    }
+    vor_text_free(&kept);
+    return status;
+}
+
+static void *sit(void *arg)
+{
+    struct sitting *sitting = arg;
+    struct vor_order order;
+    struct vor_error err;
+    vor_status status = vor_order_receive(&order, sitting->channel, order_seconds, &err);
+
+    if (status == VOR_OK)
+        status = run_order(sitting, &order, &err);
+    vor_order_close(&order);
+    if (status != VOR_OK)
+        say(sitting, VOR_SAID_FAILED, &err, sizeof err);
+    (void)close(sitting->channel);
+    free(sitting);
+    return NULL;
+}
+
+/* --- the process ------------------------------------------------------------------------------ */
+
+static void *tick(void *arg)
+{
+    struct station *station = arg;
+    const struct timespec pause = {0, (long)(VOR_BEAT_SECONDS * 1e9)};
+
+    for (;;) {
+        (void)nanosleep(&pause, NULL);
+        atomic_fetch_add(&station->board->beats, 1);
+    }
+    return NULL;
+}
+
+/* A thread that nobody waits for: the process ends with whatever runs. */
+static int start_thread(void *(*run)(void *), void *arg)
+{
+    pthread_t thread;
+
+    if (pthread_create(&thread, NULL, run, arg) != 0)
+        return 0;
+    (void)pthread_detach(thread);
+    return 1;
+}
+
+/* Begins a run on the channel that came. A worker that cannot is of no use to anybody. */
+static void seat_run(struct station *station, const struct vor_summons *summons, int channel)
+{
+    struct sitting *sitting = malloc(sizeof *sitting);
+
+    if (sitting == NULL)
+        _exit(VOR_STATION_NO_MEMORY);
+    *sitting = (struct sitting){station, summons->seat, channel};
+    if (!start_thread(sit, sitting))
+        _exit(VOR_STATION_NO_MEMORY);
+}
+
+/* Begins runs until the front has gone. */
+static void serve(struct station *station, int channel)
+{
+    struct vor_summons summons;
+    struct vor_message message = {.bytes = &summons, .capacity = sizeof summons};
+
+    while (vor_channel_receive(channel, &message, -1) == VOR_CHANNEL_MESSAGE) {
+        if (message.size == sizeof summons && message.fd_count == 1 && summons.seat < VOR_SEATS)
+            seat_run(station, &summons, message.fds[0]);
+        else
+            vor_message_close(&message);
+    }
+}
+
+int vor_station_run(int channel, const int *fds, unsigned fd_count)
+{
+    struct station station = {.board = fd_count == 1 ? vor_board_map(fds[0]) : NULL};
+
+    if (station.board == NULL)
+        return EXIT_FAILURE;
+    vor_machine_set_oom_score(OOM_SCORE);
+    limit_memory(&station);
+    if (vor_pool_create(&station.pool, station.board->threads, NULL) != VOR_OK ||
+        !start_thread(tick, &station))
+        return VOR_STATION_NO_POOL;
+    if (vor_channel_send(channel, "", 1, NULL, 0, NULL) == VOR_OK)
+        serve(&station, channel);
+    return EXIT_SUCCESS;
+}

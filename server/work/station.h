@@ -1,0 +1,16 @@
+/** The worker process: the pool of threads, and a thread for each run that the front orders. It is
+ *  forked by the zygote, opens no store and has no credentials; it may crash. */
+#ifndef VOR_SERVER_WORK_STATION_H
+#define VOR_SERVER_WORK_STATION_H
+
+/** Exit statuses of its own: the pool could not be started, the memory of all runs together is used
+ *  up though none of them is over its own. */
+enum { VOR_STATION_NO_POOL = 3, VOR_STATION_NO_MEMORY = 4 };
+
+/** Runs in the child (struct vor_child_kind): serves the front until it has gone.
+ *
+ *  @param[in] channel  gives one empty message once it is ready, and takes struct vor_summons
+ *  @param[in] fds      one: that of the board (wire.h) */
+int vor_station_run(int channel, const int *fds, unsigned fd_count);
+
+#endif

@@ -1,0 +1,498 @@
+/* Whoever waits for a run also looks after its worker; where nobody waits, nothing runs, and
+ * nothing is lost.
+ *
+ * Runs share a worker. A suspect has one of its own: what crashes there is its own doing, and it
+ * need not wait until nothing else runs, nor others for it, which may be long: a run that never
+ * ends is as likely a suspect as the one that crashed. */
+#include "server/work/supervisor.h"
+
+#include "server/base/clock.h"
+#include "server/work/workplace.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+static const double look_seconds = 0.02; /* between two questions to a listener */
+
+/* For a cancelled run to end, before whoever ordered it is let go, and before its process is ended.
+ * Between two polls of a run of 1 M points there were 0.19 s at most, on two busy cores; ten times
+ * the points may take ten times that. Where nothing else runs there is nothing to lose. */
+static const double let_go_seconds = 0.3, cancel_seconds = 5, cancel_alone_share = 0.2;
+
+/* Without a beat, of which there should be ten a second: a machine that is short of memory or cores
+ * may hold a process up for seconds. */
+static const double stall_seconds = 10;
+
+enum { STARTS = 3 }; /* tries to start a worker for a run */
+
+struct vor_supervisor {
+    struct vor_run_executor base;
+    struct vor_supervisor_config config;
+    pthread_mutex_t mutex;  /* everything below */
+    pthread_cond_t changed; /* left_over */
+    struct vor_supervisor_counts counts;
+    unsigned left_over; /* cancelled runs that whoever ordered them does not wait for */
+    struct vor_workplace shared;
+};
+
+/* --- workers ---------------------------------------------------------------------------------- */
+
+static vor_status init_worker(const struct vor_supervisor *supervisor, struct vor_workplace *worker,
+                              struct vor_error *err)
+{
+    return vor_workplace_init(worker, supervisor->config.threads, supervisor->config.memory, err);
+}
+
+/* Starts a worker, or ends one; the mutex is held. */
+static vor_status begin_worker(struct vor_supervisor *supervisor, struct vor_workplace *worker,
+                               struct vor_error *err)
+{
+    vor_status status =
+        vor_workplace_begin(worker, supervisor->config.zygote, supervisor->config.kind, err);
+
+    supervisor->counts.started += status == VOR_OK;
+    return status;
+}
+
+static void end_worker(struct vor_supervisor *supervisor, struct vor_workplace *worker,
+                       const char *why, int blamed)
+{
+    supervisor->counts.crashed += worker->is_up != 0;
+    vor_workplace_end(worker, why, blamed);
+}
+
+/* The worker for an order: the shared one, or for a suspect one of its own. NULL when there is none
+ * to be had. */
+static struct vor_workplace *worker_for(struct vor_supervisor *supervisor,
+                                        const struct vor_order *order, struct vor_error *err)
+{
+    struct vor_workplace *own;
+
+    if (!order->is_suspect)
+        return &supervisor->shared;
+    own = calloc(1, sizeof *own);
+    if (own == NULL) {
+        (void)vor_fail(err, VOR_E_NOMEM, "a worker");
+        return NULL;
+    }
+    if (init_worker(supervisor, own, err) == VOR_OK)
+        return own;
+    free(own);
+    return NULL;
+}
+
+static void leave_worker(struct vor_supervisor *supervisor, struct vor_workplace *worker)
+{
+    if (worker == &supervisor->shared)
+        return;
+    vor_workplace_free(worker);
+    free(worker);
+}
+
+/* --- a run ------------------------------------------------------------------------------------ */
+
+struct sitting {
+    struct vor_supervisor *supervisor;
+    struct vor_workplace *worker;
+    const struct vor_listener *listener;
+    int seat, channel;
+    uint64_t life;
+    double cancelled; /* when the listener was first seen to cancel; 0 for not yet */
+    int is_left_over; /* nobody waits for it */
+};
+
+/* Takes a free seat at the worker, which is up; the mutex is held. */
+static vor_status take_seat(struct sitting *sitting, struct vor_error *err)
+{
+    struct vor_workplace *worker = sitting->worker;
+    int i = 0;
+
+    while (i < VOR_SEATS && worker->seat[i].taken)
+        i++;
+    if (i == VOR_SEATS)
+        return vor_fail(err, VOR_E_IO, "more than %d runs at a time", VOR_SEATS);
+    worker->seat[i] = (struct vor_seat){.taken = 1, .life = worker->life};
+    atomic_store(&worker->board->asked[i], VOR_CONTINUE);
+    sitting->seat = i;
+    sitting->life = worker->life;
+    return VOR_OK;
+}
+
+static void leave_seat(struct sitting *sitting)
+{
+    (void)close(sitting->channel);
+    pthread_mutex_lock(&sitting->supervisor->mutex);
+    sitting->worker->seat[sitting->seat].taken = 0;
+    pthread_mutex_unlock(&sitting->supervisor->mutex);
+}
+
+/* Whether an error of sending says that the other side has gone, and not that we have no means. */
+static int is_gone(const struct vor_error *err)
+{
+    return err->got == EPIPE || err->got == ECONNRESET;
+}
+
+/* Sends the worker a channel for the run; the mutex is held. */
+static vor_status summon(struct sitting *sitting, struct vor_error *err)
+{
+    struct vor_summons summons = {.seat = (unsigned)sitting->seat};
+    int ends[2];
+    vor_status status = vor_channel_pair(ends, err);
+
+    if (status != VOR_OK)
+        return status;
+    status = vor_channel_send(sitting->worker->child.channel, &summons, sizeof summons, &ends[1], 1,
+                              err);
+    (void)close(ends[1]);
+    if (status == VOR_OK)
+        sitting->channel = ends[0];
+    else
+        (void)close(ends[0]);
+    return status;
+}
+
+/* Begins a run at the worker, which is started where it is not up; the mutex is held. */
+static vor_status try_to_sit(struct sitting *sitting, struct vor_error *err)
+{
+    struct vor_workplace *worker = sitting->worker;
+    vor_status status = worker->is_up ? VOR_OK : begin_worker(sitting->supervisor, worker, err);
+
+    if (status == VOR_OK)
+        status = take_seat(sitting, err);
+    if (status != VOR_OK)
+        return status;
+    status = summon(sitting, err);
+    if (status == VOR_OK)
+        return VOR_OK;
+    worker->seat[sitting->seat].taken = 0;
+    if (is_gone(err))
+        end_worker(sitting->supervisor, worker, NULL, VOR_NOBODY);
+    return status;
+}
+
+/* The same. A worker that has died since its last run shows when it is spoken to. */
+static vor_status sit_down(struct sitting *sitting, struct vor_error *err)
+{
+    vor_status status = VOR_E_IO;
+
+    pthread_mutex_lock(&sitting->supervisor->mutex);
+    for (int i = 0; i < STARTS && status != VOR_OK; i++) {
+        status = try_to_sit(sitting, err);
+        if (status != VOR_OK && sitting->worker->is_up)
+            break; /* it is not the worker */
+    }
+    pthread_mutex_unlock(&sitting->supervisor->mutex);
+    return status;
+}
+
+/* Ends the worker because of this run, once it is cancelled for too long; the mutex is held. */
+static void check_patience(struct sitting *sitting)
+{
+    const struct vor_supervisor_config *config = &sitting->supervisor->config;
+    double since = sitting->cancelled > 0 ? vor_clock_seconds() - sitting->cancelled : 0;
+    double share = vor_workplace_runs(sitting->worker) == 1 ? cancel_alone_share : 1;
+
+    if (since > share * config->cancel_seconds)
+        end_worker(sitting->supervisor, sitting->worker, "a cancelled run did not end",
+                   sitting->seat);
+}
+
+/* Ends a worker whose ticker stands still; the mutex is held. */
+static void check_beats(struct sitting *sitting)
+{
+    struct vor_workplace *worker = sitting->worker;
+    unsigned beats = atomic_load(&worker->board->beats);
+    double now = vor_clock_seconds();
+
+    if (beats != worker->beats) {
+        worker->beats = beats;
+        worker->beat = now;
+    } else if (now - worker->beat > sitting->supervisor->config.stall_seconds) {
+        end_worker(sitting->supervisor, worker, "no sign of life", VOR_NOBODY);
+    }
+}
+
+/* Tells the run what is asked of it, and looks whether it and its worker are in order. */
+static void look_after(struct sitting *sitting)
+{
+    enum vor_answer answer = sitting->listener->asked(sitting->listener->ctx);
+
+    atomic_store(&sitting->worker->board->asked[sitting->seat], (int)answer);
+    if (answer == VOR_CANCEL && sitting->cancelled == 0)
+        sitting->cancelled = vor_clock_seconds();
+    pthread_mutex_lock(&sitting->supervisor->mutex);
+    if (sitting->worker->life == sitting->life) {
+        check_patience(sitting);
+        check_beats(sitting);
+    }
+    pthread_mutex_unlock(&sitting->supervisor->mutex);
+}
+
+/* The run's worker has ended, or does not speak sense. */
+static enum vor_run_end lose(struct sitting *sitting, struct vor_error *err)
+{
+    struct vor_workplace *worker = sitting->worker;
+    const struct vor_seat *seat = &worker->seat[sitting->seat];
+    enum vor_run_end end;
+
+    pthread_mutex_lock(&sitting->supervisor->mutex);
+    if (worker->life == sitting->life)
+        end_worker(sitting->supervisor, worker, NULL, VOR_NOBODY);
+    end = seat->is_innocent ? VOR_RUN_DISTURBED
+          : seat->is_only   ? VOR_RUN_CRASHED_ALONE
+                            : VOR_RUN_CRASHED;
+    (void)vor_fail(err, VOR_E_INTERNAL, "the worker crashed (%s)", seat->how);
+    pthread_mutex_unlock(&sitting->supervisor->mutex);
+    if (sitting->listener->asked(sitting->listener->ctx) != VOR_CANCEL)
+        return end;
+    (void)vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
+    return VOR_RUN_FAILED;
+}
+
+static int leave_over(struct sitting *sitting);
+
+/* What the run hands out. */
+struct handed {
+    struct vor_run_result *result;
+    struct vor_text *kept;
+    struct vor_error *err;
+};
+
+/* Takes in what the run says; true when it was its last word, and *end then says which. */
+static int take_in(const struct sitting *sitting, const struct vor_message_said *said, size_t size,
+                   struct handed *handed, enum vor_run_end *end)
+{
+    const struct vor_listener *listener = sitting->listener;
+
+    switch (said->what) {
+    case VOR_SAID_STAGE:
+        listener->stage(listener->ctx, said->of.stage);
+        return 0;
+    case VOR_SAID_RECORD:
+        listener->progress(listener->ctx, &said->of.record);
+        return 0;
+    case VOR_SAID_WAITS:
+        listener->waits(listener->ctx, &said->of.error);
+        return 0;
+    case VOR_SAID_KEPT:
+        vor_text_append(handed->kept, said->of.kept, size);
+        return 0;
+    case VOR_SAID_DONE:
+        *handed->result = said->of.result;
+        *end = vor_text_status(handed->kept, handed->err) == VOR_OK ? VOR_RUN_DONE : VOR_RUN_FAILED;
+        return 1;
+    default:
+        *handed->err = said->of.error;
+        *end = VOR_RUN_FAILED;
+        return 1;
+    }
+}
+
+/* Whether a run was cancelled so long ago that whoever ordered it need not wait for its end. */
+static int is_overdue(const struct sitting *sitting)
+{
+    return !sitting->is_left_over && sitting->cancelled > 0 &&
+           vor_clock_seconds() - sitting->cancelled > let_go_seconds;
+}
+
+/* Listens to a run until its end, or until it is overdue and was left over. */
+static enum vor_run_end listen_to(struct sitting *sitting, struct handed *handed)
+{
+    struct vor_message_said said;
+    enum vor_run_end end;
+    size_t size = 0;
+
+    for (;;) {
+        switch (vor_hear(&said, &size, sitting->channel, look_seconds)) {
+        case VOR_CHANNEL_MESSAGE:
+            if (take_in(sitting, &said, size, handed, &end))
+                return end;
+            break;
+        case VOR_CHANNEL_GONE:
+            return lose(sitting, handed->err);
+        case VOR_CHANNEL_LATE:
+            break;
+        }
+        look_after(sitting);
+        if (is_overdue(sitting) && leave_over(sitting)) {
+            (void)vor_fail(handed->err, VOR_E_CANCELLED, "cancelled by the caller");
+            return VOR_RUN_FAILED;
+        }
+    }
+}
+
+/* --- runs that do not listen ------------------------------------------------------------------ */
+
+static enum vor_answer answer_cancel(void *ctx)
+{
+    (void)ctx;
+    return VOR_CANCEL;
+}
+
+static void ignore_record(void *ctx, const struct vor_record *record)
+{
+    (void)ctx;
+    (void)record;
+}
+
+static void ignore_stage(void *ctx, enum vor_stage stage)
+{
+    (void)ctx;
+    (void)stage;
+}
+
+static void ignore_wait(void *ctx, const struct vor_error *why)
+{
+    (void)ctx;
+    (void)why;
+}
+
+static const struct vor_listener nobody = {
+    .asked = answer_cancel, .progress = ignore_record, .stage = ignore_stage, .waits = ignore_wait};
+
+/* Waits for the end of a run in nobody's name. */
+static void *see_out(void *arg)
+{
+    struct sitting *sitting = arg;
+    struct vor_supervisor *supervisor = sitting->supervisor;
+    struct vor_run_result result;
+    struct vor_error err;
+    struct vor_text kept;
+    struct handed handed = {&result, &kept, &err};
+
+    vor_text_init(&kept, 0);
+    (void)listen_to(sitting, &handed);
+    vor_text_free(&kept);
+    leave_seat(sitting);
+    leave_worker(supervisor, sitting->worker);
+    free(sitting);
+    pthread_mutex_lock(&supervisor->mutex);
+    supervisor->left_over--;
+    pthread_cond_broadcast(&supervisor->changed);
+    pthread_mutex_unlock(&supervisor->mutex);
+    return NULL;
+}
+
+/* Has another thread see a run out; false when there is none. */
+static int leave_over(struct sitting *sitting)
+{
+    struct vor_supervisor *supervisor = sitting->supervisor;
+    struct sitting *left = malloc(sizeof *left);
+    pthread_t thread;
+
+    if (left == NULL)
+        return 0;
+    sitting->is_left_over = 1;
+    *left = *sitting;
+    left->listener = &nobody;
+    pthread_mutex_lock(&supervisor->mutex);
+    if (pthread_create(&thread, NULL, see_out, left) == 0) {
+        (void)pthread_detach(thread);
+        supervisor->left_over++;
+    } else {
+        sitting->is_left_over = 0;
+        free(left);
+    }
+    pthread_mutex_unlock(&supervisor->mutex);
+    return sitting->is_left_over;
+}
+
+/* Runs an order at its worker. */
+static enum vor_run_end run_at(struct sitting *sitting, const struct vor_order *order,
+                               struct handed *handed)
+{
+    enum vor_run_end end;
+
+    if (sit_down(sitting, handed->err) != VOR_OK)
+        return VOR_RUN_DISTURBED;
+    if (vor_order_send(sitting->channel, order, handed->err) == VOR_OK)
+        end = listen_to(sitting, handed);
+    else
+        end = is_gone(handed->err) ? lose(sitting, handed->err) : VOR_RUN_DISTURBED;
+    if (!sitting->is_left_over)
+        leave_seat(sitting);
+    return end;
+}
+
+static enum vor_run_end run_there(struct vor_run_executor *executor, const struct vor_order *order,
+                                  const struct vor_listener *listener,
+                                  struct vor_run_result *result, struct vor_text *kept,
+                                  struct vor_error *err)
+{
+    struct vor_supervisor *supervisor = (struct vor_supervisor *)executor;
+    struct sitting sitting = {.supervisor = supervisor, .listener = listener};
+    struct handed handed = {result, kept, err};
+    enum vor_run_end end;
+
+    sitting.worker = worker_for(supervisor, order, err);
+    if (sitting.worker == NULL)
+        return VOR_RUN_DISTURBED;
+    end = run_at(&sitting, order, &handed);
+    if (!sitting.is_left_over)
+        leave_worker(supervisor, sitting.worker);
+    return end;
+}
+
+/* --- from start to end ------------------------------------------------------------------------ */
+
+static vor_status start(struct vor_supervisor *supervisor, struct vor_error *err)
+{
+    vor_status status = init_worker(supervisor, &supervisor->shared, err);
+
+    return status == VOR_OK ? begin_worker(supervisor, &supervisor->shared, err) : status;
+}
+
+vor_status vor_supervisor_create(struct vor_supervisor **out,
+                                 const struct vor_supervisor_config *config, struct vor_error *err)
+{
+    struct vor_supervisor *supervisor = calloc(1, sizeof *supervisor);
+    vor_status status;
+
+    if (supervisor == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the worker process");
+    supervisor->base =
+        (struct vor_run_executor){.threads = config->threads, .is_apart = 1, .run = run_there};
+    supervisor->config = *config;
+    if (config->cancel_seconds == 0)
+        supervisor->config.cancel_seconds = cancel_seconds;
+    if (config->stall_seconds == 0)
+        supervisor->config.stall_seconds = stall_seconds;
+    pthread_mutex_init(&supervisor->mutex, NULL);
+    pthread_cond_init(&supervisor->changed, NULL);
+    status = start(supervisor, err);
+    if (status != VOR_OK) {
+        vor_supervisor_destroy(supervisor);
+        return status;
+    }
+    *out = supervisor;
+    return VOR_OK;
+}
+
+void vor_supervisor_destroy(struct vor_supervisor *supervisor)
+{
+    if (supervisor == NULL)
+        return;
+    pthread_mutex_lock(&supervisor->mutex);
+    while (supervisor->left_over > 0) /* for cancel_seconds at most */
+        pthread_cond_wait(&supervisor->changed, &supervisor->mutex);
+    pthread_mutex_unlock(&supervisor->mutex);
+    vor_workplace_free(&supervisor->shared);
+    pthread_cond_destroy(&supervisor->changed);
+    pthread_mutex_destroy(&supervisor->mutex);
+    free(supervisor);
+}
+
+struct vor_run_executor *vor_supervisor_executor(struct vor_supervisor *supervisor)
+{
+    return &supervisor->base;
+}
+
+void vor_supervisor_counts(struct vor_supervisor *supervisor, struct vor_supervisor_counts *out)
+{
+    pthread_mutex_lock(&supervisor->mutex);
+    *out = supervisor->counts;
+    pthread_mutex_unlock(&supervisor->mutex);
+}

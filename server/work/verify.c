@@ -1,0 +1,238 @@
+/* A table of what was found of which file. A file is known by its place, size and date: blobs are
+ * never changed, but put in place of others.
+ *
+ * One pass, measured from the page cache on one core of a machine at work: 1,230 MB/s with the
+ * processor's instructions for SHA-256, 212 MB/s without: 10 or 57 ms before the first byte for
+ * 1,000,000 points in 12 MB of PLY. */
+#include "server/work/verify.h"
+
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/work/crew.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Files remembered, and threads that read. */
+enum { KNOWN_MAX = 1024, THREADS = 2 };
+
+/* What was found holds so long: a bit that flips meanwhile is found by the next pass. */
+static const double sound_seconds = 600, damaged_seconds = 5;
+
+struct asker {
+    struct vor_asker asker;
+    const struct known *known; /* what is asked about */
+    struct asker *next;
+};
+
+struct known {
+    dev_t device;
+    ino_t file;
+    struct timespec written;
+    uint64_t size;
+    char sha256[VOR_DIGEST_SIZE];
+    enum vor_verdict
+        verdict;  /* VOR_VERDICT_WAIT while it is read; FAILED: none, the place is free */
+    double since; /* of the verdict, or when it was last asked for */
+    struct asker *askers;
+};
+
+struct pass {
+    struct vor_verify *verify;
+    struct known *known;
+    struct vor_task task;
+    int fd;
+};
+
+struct vor_verify {
+    struct vor_crew *crew;
+    pthread_mutex_t mutex; /* everything below */
+    struct asker *askers;
+    struct known known[KNOWN_MAX];
+};
+
+vor_status vor_verify_create(struct vor_verify **out, struct vor_error *err)
+{
+    struct vor_verify *verify = calloc(1, sizeof *verify);
+
+    if (verify == NULL || vor_crew_create(&verify->crew, THREADS, KNOWN_MAX, err) != VOR_OK) {
+        free(verify);
+        return vor_fail(err, VOR_E_NOMEM, "the verification of bytes");
+    }
+    pthread_mutex_init(&verify->mutex, NULL);
+    for (int i = 0; i < KNOWN_MAX; i++)
+        verify->known[i].verdict = VOR_VERDICT_FAILED;
+    *out = verify;
+    return VOR_OK;
+}
+
+void vor_verify_destroy(struct vor_verify *verify)
+{
+    if (verify == NULL)
+        return;
+    vor_crew_destroy(verify->crew); /* does what waits, so that all have been woken */
+    pthread_mutex_destroy(&verify->mutex);
+    free(verify);
+}
+
+/* Takes those who asked about an entry off the list; the mutex is held. */
+static struct asker *take_askers(struct vor_verify *verify, const struct known *known)
+{
+    struct asker **at = &verify->askers, *taken = NULL;
+
+    while (*at != NULL) {
+        struct asker *asker = *at;
+
+        if (asker->known != known) {
+            at = &asker->next;
+            continue;
+        }
+        *at = asker->next;
+        asker->next = taken;
+        taken = asker;
+    }
+    return taken;
+}
+
+static void wake_all(struct asker *asker)
+{
+    while (asker != NULL) {
+        struct asker *next = asker->next;
+
+        asker->asker.wake(asker->asker.ctx);
+        free(asker);
+        asker = next;
+    }
+}
+
+static enum vor_verdict compare(struct vor_verify *verify, int fd, const struct known *known)
+{
+    char found[VOR_DIGEST_SIZE];
+
+    if (vor_crew_closing(verify->crew))
+        return VOR_VERDICT_FAILED;
+    if (!vor_blob_digest(fd, known->size, found))
+        return VOR_VERDICT_DAMAGED; /* it cannot be read */
+    return strcmp(found, known->sha256) == 0 ? VOR_VERDICT_SOUND : VOR_VERDICT_DAMAGED;
+}
+
+static void run_pass(void *ctx)
+{
+    struct pass *pass = ctx;
+    struct vor_verify *verify = pass->verify;
+    struct known *known = pass->known; /* nobody else touches one that is being read */
+    enum vor_verdict verdict = compare(verify, pass->fd, known);
+    struct asker *askers;
+
+    close(pass->fd);
+    if (verdict == VOR_VERDICT_DAMAGED)
+        vor_log(VOR_LOG_ERROR, "kept bytes are damaged", VOR_TEXT("sha256", known->sha256),
+                VOR_COUNT("bytes", known->size));
+    pthread_mutex_lock(&verify->mutex);
+    known->verdict = verdict;
+    known->since = vor_clock_seconds();
+    askers = take_askers(verify, known);
+    pthread_mutex_unlock(&verify->mutex);
+    wake_all(askers);
+    free(pass);
+}
+
+static int is_same(const struct known *a, const struct known *b)
+{
+    return a->device == b->device && a->file == b->file && a->size == b->size &&
+           a->written.tv_sec == b->written.tv_sec && a->written.tv_nsec == b->written.tv_nsec &&
+           strcmp(a->sha256, b->sha256) == 0;
+}
+
+static int is_fresh(const struct known *known)
+{
+    double age = vor_clock_seconds() - known->since;
+
+    return known->verdict == VOR_VERDICT_WAIT ||
+           (known->verdict == VOR_VERDICT_SOUND && age < sound_seconds) ||
+           (known->verdict == VOR_VERDICT_DAMAGED && age < damaged_seconds);
+}
+
+/* The entry of a file, or one for it: a free one, else that of the oldest verdict; NULL when every
+ * one is being read. The mutex is held. */
+static struct known *find(struct vor_verify *verify, const struct known *wanted)
+{
+    struct known *place = NULL;
+
+    for (int i = 0; i < KNOWN_MAX; i++) {
+        struct known *known = &verify->known[i];
+
+        if (known->verdict != VOR_VERDICT_FAILED && is_same(known, wanted))
+            return known;
+        if (known->verdict == VOR_VERDICT_WAIT)
+            continue;
+        if (place == NULL || known->since < place->since)
+            place = known;
+    }
+    if (place != NULL)
+        *place = *wanted;
+    return place;
+}
+
+/* Adds somebody to those who wait for an entry; the mutex is held. */
+static enum vor_verdict wait_for(struct vor_verify *verify, const struct known *known,
+                                 const struct vor_asker *asker)
+{
+    struct asker *waiting = calloc(1, sizeof *waiting);
+
+    if (waiting == NULL)
+        return VOR_VERDICT_FAILED;
+    waiting->asker = *asker;
+    waiting->known = known;
+    waiting->next = verify->askers;
+    verify->askers = waiting;
+    return VOR_VERDICT_WAIT;
+}
+
+/* Has an entry read; the mutex is held. */
+static int start(struct vor_verify *verify, struct known *known, int fd)
+{
+    struct pass *pass = calloc(1, sizeof *pass);
+
+    if (pass == NULL)
+        return 0;
+    *pass = (struct pass){.verify = verify, .known = known, .fd = dup(fd)};
+    pass->task = (struct vor_task){.run = run_pass, .ctx = pass};
+    if (pass->fd >= 0 && vor_crew_take(verify->crew, &pass->task) == VOR_DONE) {
+        known->verdict = VOR_VERDICT_WAIT;
+        return 1;
+    }
+    if (pass->fd >= 0)
+        close(pass->fd);
+    free(pass);
+    return 0;
+}
+
+enum vor_verdict vor_verify_ask(struct vor_verify *verify, int fd, uint64_t size,
+                                const char *sha256, const struct vor_asker *asker)
+{
+    struct known wanted = {.size = size, .verdict = VOR_VERDICT_FAILED};
+    enum vor_verdict verdict = VOR_VERDICT_FAILED;
+    struct known *known;
+    struct stat info;
+
+    if (!vor_digest_is_one(sha256))
+        return VOR_VERDICT_SOUND;
+    if (fstat(fd, &info) != 0)
+        return VOR_VERDICT_FAILED;
+    wanted.device = info.st_dev;
+    wanted.file = info.st_ino;
+    wanted.written = info.st_mtim;
+    memcpy(wanted.sha256, sha256, VOR_DIGEST_SIZE);
+    pthread_mutex_lock(&verify->mutex);
+    known = find(verify, &wanted);
+    if (known != NULL && is_fresh(known) && known->verdict != VOR_VERDICT_WAIT)
+        verdict = known->verdict;
+    else if (known != NULL && (is_fresh(known) || start(verify, known, fd)))
+        verdict = wait_for(verify, known, asker);
+    pthread_mutex_unlock(&verify->mutex);
+    return verdict;
+}

@@ -1,0 +1,235 @@
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE /* memfd_create */
+#endif
+#include "server/work/wire.h"
+
+#include "proto/codec.h"
+#include "server/base/disk.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+/* --- the board -------------------------------------------------------------------------------- */
+
+struct vor_board *vor_board_map(int fd)
+{
+    void *at = mmap(NULL, sizeof(struct vor_board), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+
+    return at != MAP_FAILED ? at : NULL;
+}
+
+void vor_board_unmap(struct vor_board *board)
+{
+    if (board != NULL)
+        (void)munmap(board, sizeof *board);
+}
+
+vor_status vor_board_create(struct vor_board **out, int *fd, struct vor_error *err)
+{
+    struct vor_board *board;
+    int file = memfd_create("voronoid-board", MFD_CLOEXEC);
+
+    if (file < 0)
+        return vor_fail_errno(err, errno, "memory for two processes");
+    board = ftruncate(file, sizeof *board) == 0 ? vor_board_map(file) : NULL;
+    if (board == NULL) {
+        vor_status status = vor_fail_errno(err, errno, "memory for two processes");
+
+        (void)close(file);
+        return status;
+    }
+    *out = board;
+    *fd = file;
+    return VOR_OK;
+}
+
+/* --- orders ----------------------------------------------------------------------------------- */
+
+/* An order on its way: its process by name, its descriptors beside it. */
+struct packed {
+    struct vor_order order;
+    char process[32];
+};
+
+/* The descriptors of a list that are some; how many. */
+static unsigned gather(int out[VOR_CHANNEL_FDS], const int *list, unsigned count)
+{
+    unsigned found = 0;
+
+    for (unsigned i = 0; i < count; i++)
+        if (list[i] >= 0)
+            out[found++] = list[i];
+    return found;
+}
+
+/* Puts descriptors where the list had some; false when there are more or fewer. */
+static int scatter(int *list, unsigned count, struct vor_message *message)
+{
+    unsigned next = 0;
+
+    for (unsigned i = 0; i < count; i++)
+        if (list[i] >= 0)
+            list[i] = next < message->fd_count ? message->fds[next++] : -2;
+    for (unsigned i = 0; i < count; i++)
+        if (list[i] == -2)
+            return 0;
+    return next == message->fd_count;
+}
+
+vor_status vor_order_send(int channel, const struct vor_order *order, struct vor_error *err)
+{
+    struct packed packed = {.order = *order};
+    int fds[VOR_CHANNEL_FDS];
+    unsigned count = gather(fds, order->input, VOR_INPUTS_MAX);
+    vor_status status;
+
+    packed.order.spec.process = NULL;
+    (void)snprintf(packed.process, sizeof packed.process, "%s", order->spec.process->id);
+    status = vor_channel_send(channel, &packed, sizeof packed, fds, count, err);
+    if (status != VOR_OK)
+        return status;
+    count = gather(fds, order->output, VOR_OUTPUTS_MAX);
+    return vor_channel_send(channel, "", 1, fds, count, err);
+}
+
+static void forget_files(struct vor_order *order)
+{
+    for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
+        order->input[i] = -1;
+    for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++)
+        order->output[i] = -1;
+}
+
+/* Receives a message of that size and puts its descriptors into the list, which says where. */
+static int receive_files(int channel, struct vor_message *message, size_t size, double seconds)
+{
+    if (vor_channel_receive(channel, message, seconds) != VOR_CHANNEL_MESSAGE)
+        return 0;
+    if (message->size == size)
+        return 1;
+    vor_message_close(message);
+    return 0;
+}
+
+vor_status vor_order_receive(struct vor_order *out, int channel, double seconds,
+                             struct vor_error *err)
+{
+    struct packed packed = {.process = ""};
+    char nothing;
+    struct vor_message first = {.bytes = &packed, .capacity = sizeof packed};
+    struct vor_message second = {.bytes = &nothing, .capacity = sizeof nothing};
+    int is_whole;
+
+    forget_files(out);
+    if (!receive_files(channel, &first, sizeof packed, seconds))
+        return vor_fail(err, VOR_E_IO, "no order came");
+    is_whole = scatter(packed.order.input, VOR_INPUTS_MAX, &first);
+    if (is_whole && receive_files(channel, &second, sizeof nothing, seconds))
+        is_whole = scatter(packed.order.output, VOR_OUTPUTS_MAX, &second);
+    packed.process[sizeof packed.process - 1] = '\0';
+    packed.order.spec.process = vor_process_find(packed.process);
+    if (!is_whole || packed.order.spec.process == NULL) {
+        vor_message_close(&first);
+        vor_message_close(&second);
+        return vor_fail(err, VOR_E_IO, "what came is no order");
+    }
+    *out = packed.order;
+    return VOR_OK;
+}
+
+void vor_order_close(struct vor_order *order)
+{
+    for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
+        if (order->input[i] >= 0)
+            (void)close(order->input[i]);
+    for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++)
+        if (order->output[i] >= 0)
+            (void)close(order->output[i]);
+    forget_files(order);
+}
+
+/* --- what a run says -------------------------------------------------------------------------- */
+
+enum { HEAD = offsetof(struct vor_message_said, of) };
+
+_Static_assert(sizeof(struct vor_message_said) <= VOR_CHANNEL_BYTES, "one message holds it");
+
+vor_status vor_say(int channel, enum vor_said what, const void *of, size_t size)
+{
+    struct vor_message_said said;
+
+    assert(size <= sizeof said.of);
+    said.what = what;
+    memcpy(&said.of, of, size);
+    return vor_channel_send(channel, &said, HEAD + size, NULL, 0, NULL);
+}
+
+/* What leads somewhere in a report. */
+static int check_stages(const struct vor_report *report)
+{
+    if (report->stages_count > sizeof report->stages / sizeof report->stages[0])
+        return 0;
+    for (unsigned i = 0; i < report->stages_count; i++)
+        if ((unsigned)report->stages[i].stage >= VOR_RUN_STAGE_COUNT)
+            return 0;
+    return 1;
+}
+
+static int check_result(struct vor_run_result *result)
+{
+    for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++) {
+        if (vor_format(result->output[i].format) == NULL)
+            return 0;
+        result->output[i].sha256[VOR_DIGEST_SIZE - 1] = '\0';
+    }
+    result->message[sizeof result->message - 1] = '\0';
+    result->report.parameters.process = NULL; /* a pointer of the other process */
+    return check_stages(&result->report) && result->report.stopped < VOR_STOPPED_COUNT;
+}
+
+static int check_error(struct vor_error *error)
+{
+    error->parameter[sizeof error->parameter - 1] = '\0';
+    error->message[sizeof error->message - 1] = '\0';
+    return error->status > VOR_OK && error->status < VOR_STATUS_COUNT;
+}
+
+/* Whether what was said makes sense, `size` bytes of it. */
+static int check_said(struct vor_message_said *said, size_t size)
+{
+    switch (said->what) {
+    case VOR_SAID_STAGE:
+        return size == sizeof said->of.stage && said->of.stage < VOR_STAGES;
+    case VOR_SAID_RECORD:
+        return size == sizeof said->of.record && said->of.record.stage < VOR_RUN_STAGE_COUNT;
+    case VOR_SAID_KEPT:
+        return size <= sizeof said->of.kept;
+    case VOR_SAID_DONE:
+        return size == sizeof said->of.result && check_result(&said->of.result);
+    case VOR_SAID_WAITS:
+    case VOR_SAID_FAILED:
+        return size == sizeof said->of.error && check_error(&said->of.error);
+    default:
+        return 0;
+    }
+}
+
+enum vor_channel_event vor_hear(struct vor_message_said *out, size_t *size, int channel,
+                                double seconds)
+{
+    struct vor_message message = {.bytes = out, .capacity = sizeof *out};
+    enum vor_channel_event event = vor_channel_receive(channel, &message, seconds);
+
+    if (event != VOR_CHANNEL_MESSAGE)
+        return event;
+    vor_message_close(&message);
+    if (message.size < HEAD)
+        return VOR_CHANNEL_GONE;
+    *size = message.size - HEAD;
+    return check_said(out, *size) ? VOR_CHANNEL_MESSAGE : VOR_CHANNEL_GONE;
+}

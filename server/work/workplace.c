@@ -1,0 +1,130 @@
+#include "server/work/workplace.h"
+
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/work/station.h"
+
+#include <stdio.h>
+#include <unistd.h>
+
+static const double start_seconds = 30; /* for a process, to be ready */
+static const double end_seconds = 10;   /* for one that was killed, to be gone */
+
+vor_status vor_workplace_init(struct vor_workplace *workplace, unsigned threads, size_t memory,
+                              struct vor_error *err)
+{
+    vor_status status = vor_board_create(&workplace->board, &workplace->board_fd, err);
+
+    if (status != VOR_OK)
+        return status;
+    workplace->board->threads = threads;
+    workplace->board->memory = memory;
+    return VOR_OK;
+}
+
+void vor_workplace_free(struct vor_workplace *workplace)
+{
+    if (workplace->is_up)
+        vor_child_free(&workplace->child); /* which ends it */
+    if (workplace->board == NULL)
+        return;
+    vor_board_unmap(workplace->board);
+    (void)close(workplace->board_fd);
+}
+
+unsigned vor_workplace_runs(const struct vor_workplace *workplace)
+{
+    unsigned count = 0;
+
+    for (unsigned i = 0; i < VOR_SEATS; i++)
+        count += workplace->seat[i].taken && workplace->seat[i].life == workplace->life;
+    return count;
+}
+
+static void describe_end(char out[64], const struct vor_child_end *end)
+{
+    if (end->signal != 0)
+        (void)snprintf(out, 64, "signal %d", end->signal);
+    else if (end->status == VOR_STATION_NO_MEMORY)
+        (void)snprintf(out, 64, "memory used up");
+    else
+        (void)snprintf(out, 64, "exit status %d", end->status);
+}
+
+/* Notes at the seats of the life that ends how it does. */
+static void note_end(struct vor_workplace *workplace, const char *how, int blamed)
+{
+    int is_only = vor_workplace_runs(workplace) == 1;
+
+    for (unsigned i = 0; i < VOR_SEATS; i++) {
+        struct vor_seat *seat = &workplace->seat[i];
+
+        if (!seat->taken || seat->life != workplace->life)
+            continue;
+        seat->is_only = is_only;
+        seat->is_innocent = blamed != VOR_NOBODY && blamed != (int)i;
+        (void)snprintf(seat->how, sizeof seat->how, "%s", how);
+    }
+}
+
+void vor_workplace_end(struct vor_workplace *workplace, const char *why, int blamed)
+{
+    struct vor_child_end end = {.signal = 0};
+    char how[64];
+
+    if (!workplace->is_up)
+        return;
+    vor_child_kill(&workplace->child);
+    if (vor_child_wait(&workplace->child, &end, end_seconds) && why == NULL)
+        describe_end(how, &end);
+    else
+        (void)snprintf(how, sizeof how, "%s", why != NULL ? why : "it does not end");
+    vor_child_free(&workplace->child);
+    workplace->is_up = 0;
+    note_end(workplace, how, blamed);
+    vor_log(VOR_LOG_ERROR, "worker ended", VOR_TEXT("how", how),
+            VOR_COUNT("pid", workplace->child.pid),
+            VOR_COUNT("jobs", vor_workplace_runs(workplace)), VOR_REAL("cpu_s", end.cpu_seconds),
+            VOR_COUNT("peak", end.peak));
+}
+
+/* Waits until a worker says that it is ready. */
+static vor_status wait_ready(struct vor_child *child, struct vor_error *err)
+{
+    struct vor_child_end end = {.signal = 0};
+    char byte, how[64];
+    struct vor_message message = {.bytes = &byte, .capacity = sizeof byte};
+
+    if (vor_channel_receive(child->channel, &message, start_seconds) == VOR_CHANNEL_MESSAGE) {
+        vor_message_close(&message);
+        return VOR_OK;
+    }
+    vor_child_kill(child);
+    (void)vor_child_wait(child, &end, end_seconds);
+    if (end.status == VOR_STATION_NO_POOL)
+        return vor_fail(err, VOR_E_NOMEM, "the threads of the worker cannot be started");
+    describe_end(how, &end);
+    return vor_fail(err, VOR_E_IO, "the worker does not start: %s", how);
+}
+
+vor_status vor_workplace_begin(struct vor_workplace *workplace, struct vor_zygote *zygote,
+                               unsigned kind, struct vor_error *err)
+{
+    struct vor_child child;
+    vor_status status = vor_zygote_spawn(&child, zygote, kind, &workplace->board_fd, 1, err);
+
+    if (status != VOR_OK)
+        return status;
+    status = wait_ready(&child, err);
+    if (status != VOR_OK) {
+        vor_child_free(&child);
+        return status;
+    }
+    workplace->child = child;
+    workplace->is_up = 1;
+    workplace->life++;
+    workplace->beats = atomic_load(&workplace->board->beats);
+    workplace->beat = vor_clock_seconds();
+    vor_log(VOR_LOG_INFO, "worker started", VOR_COUNT("pid", child.pid));
+    return VOR_OK;
+}

@@ -1,0 +1,62 @@
+/** A place where runs happen: a worker process, and a seat for each run.
+ *
+ *  The process has lives: from its start until it ends, by itself or by us. A seat belongs to one
+ *  life; when that ends, how is noted at each of its seats, and whoever waits there finds its
+ *  channel closed and reads the note. Not thread-safe, but for the board. */
+#ifndef VOR_SERVER_WORK_WORKPLACE_H
+#define VOR_SERVER_WORK_WORKPLACE_H
+
+#include "server/proc/zygote.h"
+#include "server/work/wire.h"
+
+#include <stdint.h>
+
+enum { VOR_NOBODY = -1 };
+
+struct vor_seat {
+    int taken;
+    uint64_t life; /**< that it belongs to */
+    /* Once that has ended: */
+    int is_innocent; /**< it was ended because of another run */
+    int is_only;     /**< no other ran at its end */
+    char how[64];    /**< "signal 11" */
+};
+
+struct vor_workplace {
+    struct vor_board *board;
+    int board_fd;
+    int is_up;
+    struct vor_child child; /**< while it is up */
+    uint64_t life;          /**< number of the last one, from 1 */
+    unsigned beats;         /**< when they were last looked at */
+    double beat;            /**< when they had changed */
+    struct vor_seat seat[VOR_SEATS];
+};
+
+/** Makes a place, all zero before, with a board that says so many threads and bytes.
+ *
+ *  @retval VOR_E_IO */
+VOR_NODISCARD vor_status vor_workplace_init(struct vor_workplace *workplace, unsigned threads,
+                                            size_t memory, struct vor_error *err);
+
+/** Ends its process, if there is one. It may be all zero. */
+void vor_workplace_free(struct vor_workplace *workplace);
+
+/** Starts a process and waits until it is ready.
+ *
+ *  @retval VOR_E_NOMEM  its threads cannot be started
+ *  @retval VOR_E_IO     there is none to be had */
+VOR_NODISCARD vor_status vor_workplace_begin(struct vor_workplace *workplace,
+                                             struct vor_zygote *zygote, unsigned kind,
+                                             struct vor_error *err);
+
+/** Ends the process unless that has happened, and notes at its seats how it ended.
+ *
+ *  @param[in] why     we end it; NULL where it has ended by itself, or nearly so
+ *  @param[in] blamed  the seat because of which we end it, or VOR_NOBODY */
+void vor_workplace_end(struct vor_workplace *workplace, const char *why, int blamed);
+
+/** Runs of the life at hand. */
+unsigned vor_workplace_runs(const struct vor_workplace *workplace);
+
+#endif

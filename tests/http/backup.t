@@ -1,0 +1,49 @@
+#!/usr/bin/perl
+# README's backup of a daemon that runs, word for word, and what a daemon makes of it; and what a table of a newer version
+# is answered.
+use strict;
+use warnings;
+use File::Temp qw(tempdir);
+use FindBin;
+use lib "$FindBin::Bin/../support";
+use Test::More;
+use Vt;
+
+my ($block) = grep { /\.backup/ } Vt::slurp('README.md') =~ /^```sh\n(.*?)^```$/msg;
+ok $block, 'README.md has the block';
+my $dir = tempdir(CLEANUP => 1);
+my $daemon = Vt->start(data => "$dir/voronoid", jobs => 1);
+my $cloud = sphere_ply(400);
+my @done = map { $daemon->submit("points=$_&iterations=2", $cloud) } 50, 60, 70;
+$daemon->finish($_) for @done;
+my %bytes = map { $_ => $daemon->get("/v1/jobs/$_/results/cloud")->{content} } @done;
+my $runs = $daemon->submit('points=300&iterations=10000&polish=0', $cloud);
+my $waits = $daemon->submit('points=80&iterations=2', $cloud);
+wait_until(sub { $daemon->status($runs) eq 'running' }, 20);
+
+{
+    open my $script, '>', "$dir/block.sh" or die "block.sh: $!";
+    print $script $block;
+    close $script;
+    is system("cd $dir && XDG_STATE_HOME=$dir bash -e block.sh") >> 8, 0, 'the block runs';
+}
+$daemon->request('DELETE', "/v1/jobs/$_") for $runs, $waits, @done; # the backup is no part of this life
+ok !-e "$dir/voronoid/backup", 'it leaves nothing in the folder of the daemon';
+is $daemon->stop, 0, 'which does not mind';
+
+is system("tar -xzf $dir/running.tar.gz -C $dir") >> 8, 0, 'the backup unpacks';
+my $restored = Vt->start(data => "$dir/backup", jobs => 1);
+is $restored->get("/v1/jobs/$_/results/cloud")->{content}, $bytes{$_}, 'a result is there, byte for byte' for @done;
+is $restored->status($runs), 'running', 'the job that ran is run';
+$restored->request('DELETE', "/v1/jobs/$runs");
+is $restored->finish($waits)->{status}, 'successful', 'and the one that waited after it';
+unlike $restored->log_text, qr/LOST|damaged|"level":"error"/, 'nothing is missing';
+is $restored->stop, 0, 'and it ends as any other';
+
+is system("sqlite3 $dir/backup/jobs.sqlite 'PRAGMA user_version=99'") >> 8, 0, 'a table of a newer version';
+my $before = Vt::slurp("$dir/backup/jobs.sqlite");
+my ($exit, $said) = Vt::run('--listen', '127.0.0.1:0', '--data', "$dir/backup");
+is $exit, 1, 'ends a start with 1';
+like $said, qr/\Avoronoid: the job store is of schema 99, this program knows up to \d+\n\z/, 'and a line with both versions';
+ok $before eq Vt::slurp("$dir/backup/jobs.sqlite"), 'and is left as it is';
+done_testing;

@@ -1,0 +1,98 @@
+#!/usr/bin/perl
+# Where settings come from: flags, variables, files that variables name, the file of settings; and what is said of wrong ones.
+use strict;
+use warnings;
+use File::Temp qw(tempdir);
+use FindBin;
+use lib "$FindBin::Bin/../support";
+use Test::More;
+use Vt;
+
+my $dir = tempdir(CLEANUP => 1);
+my $count = 0;
+
+# A file with that text; its path.
+sub file {
+    my ($text) = @_;
+    my $path = "$dir/" . ++$count . '.conf';
+    open my $out, '>:raw', $path or die "$path: $!";
+    print $out $text;
+    close $out;
+    return $path;
+}
+
+sub check { return Vt::run('--data', "$dir/data", '--check-config', @_) }
+
+my ($status, $text, $printed) = check();
+is $status, 0, '--check-config ends well where nothing is wrong';
+is $printed, "voronoid: the settings are sound\n", 'and says so';
+ok !-e "$dir/data", 'without making a folder';
+($status, $text) = check('--queue', 0);
+is $status, 2, 'and with 2 where something is';
+like $text, qr/^voronoid: --queue is "0", want a whole number from 1 to 100000$/, 'which is named';
+
+my $sound = file("# a comment\n\n; another\nqueue = 7\n  jobs=3  \r\ntrusted-proxy = 10.0.0.1\ntrusted-proxy = 10.0.0.2\n"
+        . "no-auth = 1\nlisten = 0.0.0.0:0\n");
+is((check('--config', $sound))[0], 0, 'a file with comments, blanks, a list on two lines');
+
+for my $case (
+    ["queue = 0\n", qr/^voronoid: FILE line 1: --queue is "0", want a whole number from 1 to 100000$/],
+    ["\njobs = 2\nheartbeat = soon\n", qr/FILE line 3: --heartbeat is "soon", want seconds from 0\.1 to 3600/],
+    ["log-level = loud\n", qr/FILE line 1: --log-level is "loud", want one of debug info warn error off/],
+    ["\n\nlisten = 0.0.0.0:1\n", qr/FILE line 3: with --listen 0\.0\.0\.0:1 the daemon is open to other machines/],
+    ["trusted-proxy = 10.0.0.1\ntrusted-proxy = proxy\n", qr/FILE line 2: --trusted-proxy holds "proxy"/],
+    ["colour = red\n", qr/FILE line 1: no setting "colour"/], ["queue\n", qr/FILE line 1: "queue", want name = value/],
+    ["= 3\n", qr/FILE line 1: "= 3", want name = value/], ["config = x\n", qr/FILE line 1: no setting "config"/],
+    ["queue = 1\nqueue = 2\n", qr/FILE line 2: queue is on line 1 already/],
+    ["queue = 1\x01\n", qr/FILE line 1: a control byte/], ["queue\0 = 1\n", qr/FILE line 1: a NUL byte/],
+    ["data = /" . 'x' x 3000 . "\n", qr/FILE line 1: .*more than 2046 bytes/],
+    ["data = /" . 'x' x 1500 . "\n", qr/FILE line 1: --data has 1501 bytes, want at most 1023/],
+) {
+    my ($content, $message) = @$case;
+    my $path = file($content);
+    my ($failed, $said) = Vt::run('--check-config', '--config', $path);
+    is $failed, 2, (substr($content, 0, 30) =~ tr/\n\r\0\x01/ /r) . ': refused';
+    like $said =~ s/\Q$path\E/FILE/r, $message, 'by file, line, setting and range';
+    is scalar(split /\n/, $said), 1, 'in one line';
+}
+($status, $text) = check('--config', "$dir/none.conf");
+is $status, 2, 'a file that is not there is refused';
+like $text, qr{/none\.conf cannot be read: No such file}, 'by name';
+
+# Flag, then variable, then file.
+{
+    my $path = file("queue = 0\nlog-level = debug\n");
+    is((check('--config', $path, '--queue', 5))[0], 0, 'a flag wins over a line, however wrong');
+    local $ENV{VORONOID_QUEUE} = '6';
+    is((check('--config', $path))[0], 0, 'so does a variable');
+    local $ENV{VORONOID_CONFIG} = $path;
+    is((check())[0], 0, 'the file may be named by a variable');
+    my $daemon = Vt->start('admin-listen' => '127.0.0.1:0', queue => 9);
+    $daemon->get('/livez');
+    my ($admin) = map { $_->{admin} // () } $daemon->log_lines;
+    like $daemon->{http}->get("http://$admin/metrics")->{content}, qr/^voronoid_queue_limit_jobs 9$/m, 'a flag wins over both';
+    $daemon->{http}->get("http://$admin/livez");
+    is $daemon->stop, 0, 'and the daemon runs';
+    like $daemon->log_text, qr/"level":"debug"/, 'with what only the file says';
+}
+
+# Values in files of their own.
+{
+    local $ENV{VORONOID_QUEUE_FILE} = file("0\n");
+    ($status, $text) = check();
+    is $status, 2, 'a value in a file is checked as any other';
+    like $text, qr/--queue is "0"/, 'and named';
+    local $ENV{VORONOID_QUEUE} = '3';
+    like +(check())[1], qr/VORONOID_QUEUE and VORONOID_QUEUE_FILE are both given/, 'a value and a file are one too many';
+    delete local $ENV{VORONOID_QUEUE};
+    for my $case (["12\r\n", undef], ["1\n2\n", qr/holds a control byte, want one value/],
+        ["1\0", qr/holds a control byte/], ['1' x 2000, qr/has 1024 bytes or more, want a value of at most 1023/]) {
+        $ENV{VORONOID_QUEUE_FILE} = file($case->[0]);
+        my ($failed, $said) = check();
+        is $failed, defined $case->[1] ? 2 : 0, 'a file that holds ' . (substr($case->[0], 0, 8) =~ s/[^\d]/./gr);
+        like $said, qr/VORONOID_QUEUE_FILE: $ENV{VORONOID_QUEUE_FILE} $case->[1]/, 'is named' if defined $case->[1];
+    }
+    $ENV{VORONOID_QUEUE_FILE} = "$dir/none";
+    like +(check())[1], qr{VORONOID_QUEUE_FILE is "\Q$dir\E/none", which cannot be read: No such file}, 'one that is not there too';
+}
+done_testing();

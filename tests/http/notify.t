@@ -1,0 +1,64 @@
+#!/usr/bin/perl
+# What systemd hears of the daemon: that it is ready, lives, reads its settings anew, and ends.
+use strict;
+use warnings;
+use File::Temp qw(tempdir);
+use FindBin;
+use lib "$FindBin::Bin/../support";
+use IO::Select;
+use IO::Socket::UNIX;
+use Socket qw(SOCK_DGRAM);
+use Test::More;
+use Vt;
+
+my $dir = tempdir(CLEANUP => 1);
+my $supervisor = IO::Socket::UNIX->new(Local => "$dir/notify", Type => SOCK_DGRAM) // die "bind: $!";
+my @heard;
+
+# Waits until it hears a message that begins so; false when it does not in ten seconds.
+sub hears {
+    my ($begin) = @_;
+    return wait_until(
+        sub {
+            while (IO::Select->new($supervisor)->can_read(0)) {
+                $supervisor->recv(my $message, 1024);
+                push @heard, $message;
+            }
+            while (@heard) { return 1 if index(shift @heard, $begin) == 0 }
+            return 0;
+        }, 10);
+}
+
+sub config {
+    my ($level) = @_;
+    open my $out, '>', "$dir/conf" or die $!;
+    print $out "log-level = $level\nqueue = 3\n";
+    close $out;
+}
+
+config('info');
+local $ENV{NOTIFY_SOCKET} = "$dir/notify";
+local $ENV{WATCHDOG_USEC} = 200_000;
+my $daemon = Vt->start(config => "$dir/conf");
+ok hears('READY=1'), 'it is ready once it listens';
+ok hears('WATCHDOG=1'), 'and tells that it lives';
+ok hears('WATCHDOG=1'), 'again and again';
+
+$daemon->get('/livez');
+config('warn');
+kill 'HUP', $daemon->{pid};
+ok hears("RELOADING=1\nMONOTONIC_USEC="), 'on SIGHUP it reads its settings';
+ok hears('READY=1'), 'and is ready again';
+my $lines = () = $daemon->log_lines;
+$daemon->get('/livez') for 1 .. 3;
+is scalar(() = $daemon->log_lines), $lines, 'with the log level that they have now';
+
+config('loud');
+kill 'HUP', $daemon->{pid};
+ok wait_until(sub { $daemon->log_text =~ /"msg":"settings not reloaded[^\n]*conf line 1: --log-level is \\"loud\\"/ }, 10),
+    'settings that are wrong are named, and change nothing';
+is $daemon->get('/livez')->{status}, 200, 'it goes on';
+kill 'TERM', $daemon->{pid};
+ok hears('STOPPING=1'), 'and says that it ends';
+is Vt::reap(delete $daemon->{pid}, 30), 0, 'as it does';
+done_testing();

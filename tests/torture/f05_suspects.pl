@@ -1,0 +1,70 @@
+#!/usr/bin/perl
+# Who is blamed for a crash: a poison among good jobs, and kill -9 while jobs run. The poison is a process of config=toy.
+use strict;
+use warnings;
+use FindBin;
+BEGIN { $ENV{VORONOID} = 'build/toy/voronoid' }
+use lib $FindBin::Bin;
+use Jobs;
+use Time::HiRes qw(sleep);
+use Vt;
+
+-x $ENV{VORONOID} or die "there is no $ENV{VORONOID}: make config=toy\n";
+my $cloud = sphere_ply(300);
+my $probes = my $missed = 0;
+
+sub again {
+    my ($before) = @_;
+    Vt::reap(delete $before->{pid}, 30) if $before->{pid};
+    for (1 .. 5) {
+        my $next = eval { Vt->start(dir => $before->{dir}, jobs => 4, queue => 5000) };
+        return $next if $next;
+    }
+    die "it does not start\n";
+}
+
+sub submit {
+    my ($daemon, $path) = @_;
+    my ($answer) = eval { async($daemon, $path, $cloud) };
+    return $answer && $answer->{status} == 201 ? json($answer)->{jobID} : undef;
+}
+
+my $rounds = $long ? 20 : 2;
+my ($good_over, $good, $poison_failed, $crashes) = (0, 0, 0, 0);
+for my $round (1 .. $rounds) {
+    my $daemon = Vt->start(jobs => 4);
+    my @good = map { submit($daemon, 'census?parts=3&pause=0.02') } 1 .. 20;
+    my $poison = submit($daemon, 'poison?venom=' . ($round % 2 ? 'fault' : 'abort'));
+    @good = grep {defined} @good;
+    my $info;
+    while (1) {
+        $info = eval { json($daemon->get("/v1/jobs/$poison")) };
+        last if $info && $info->{status} eq 'failed';
+        if (!$info) {
+            $crashes++;
+            $daemon = again($daemon);
+        }
+        sleep 0.02;
+    }
+    $poison_failed++;
+    $good += @good;
+    $good_over += grep { outcome($daemon, $_) eq 'successful' } @good;
+    $daemon->stop;
+}
+figure('G3', "good jobs beside a poison that succeed, $rounds times 20", "$good_over of $good", 'all', $good_over == $good);
+figure('G3', 'poisons that fail', "$poison_failed of $rounds", 'all', $poison_failed == $rounds);
+figure('G3', 'crashes until a poison fails, the one beside others included', sprintf('%.1f', $crashes / $rounds), '<= 3',
+    $crashes <= 3 * $rounds);
+
+my $kills = $long ? 150 : 12;
+my $daemon = Vt->start(jobs => 4, queue => 5000);
+my @jobs;
+for (1 .. $kills) {
+    push @jobs, grep {defined} map { submit($daemon, 'census?parts=' . int(1 + rand 20) . '&pause=0.01') } 1 .. 6;
+    sleep 0.05 + rand 0.15;
+    kill 'KILL', $daemon->{pid};
+    $daemon = again($daemon);
+}
+my @failed = grep { $_ ne 'successful' } map { outcome($daemon, $_) } @jobs;
+figure('F5', "jobs of " . @jobs . " that fail under $kills kill -9 while they run", scalar(@failed), '0 (was 65 of 2700)', !@failed);
+$daemon->stop;

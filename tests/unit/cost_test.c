@@ -1,0 +1,148 @@
+/* How long a job may run: what is estimated before it is accepted, and what ends it. */
+#include "server/base/log.h"
+#include "server/jobs/cost.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_daemon.h"
+#include "tests/support/vt_dir.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { LIMIT = 1800 };
+
+static struct vor_spec request(const char *const pairs[][2])
+{
+    struct vor_spec spec;
+
+    vor_spec_init(&spec);
+    for (int i = 0; pairs[i][0] != NULL; i++)
+        vt_assert_ok(vor_spec_set(&spec, pairs[i][0], pairs[i][1], &vt_err));
+    return spec;
+}
+
+#define REQUEST(...) request((const char *const[][2]){__VA_ARGS__, {NULL, NULL}})
+
+START_TEST(ten_million_points_as_usual_are_accepted)
+{
+    struct vor_spec spec = REQUEST({"points", "10000000"});
+
+    ck_assert_double_gt(vor_cost_seconds(&spec, 10000000, 2), 60);
+    vt_assert_ok(vor_cost_check(&spec, 10000000, 2, LIMIT, &vt_err));
+}
+END_TEST
+
+START_TEST(a_small_body_with_extreme_parameters_is_refused_with_estimate_and_limit)
+{
+    struct vor_spec spec = REQUEST({"points", "16000"}, {"neighbors", "500"},
+                                   {"iterations", "10000"}, {"polish", "10000"});
+
+    vt_assert_fails(VOR_E_WORK, vor_cost_check(&spec, 1000, 2, LIMIT, &vt_err));
+    ck_assert_uint_eq(vt_err.limit, LIMIT);
+    ck_assert_uint_gt(vt_err.got, 20000); /* 40,000 by what its first steps take */
+    ck_assert_uint_lt(vt_err.got, 300000);
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "times the 1800 that it may"));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "10000 polish steps of 16000 points"));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "500 neighbors"));
+    vt_assert_ok(vor_cost_check(&spec, 1000, 2, 0, &vt_err)); /* 0 is any */
+}
+END_TEST
+
+START_TEST(a_time_limit_of_its_own_makes_a_request_short)
+{
+    struct vor_spec spec = REQUEST({"points", "16000"}, {"neighbors", "500"},
+                                   {"iterations", "10000"}, {"polish", "10000"}, {"seconds", "60"});
+
+    ck_assert_double_le(vor_cost_seconds(&spec, 1000, 2), 60);
+    vt_assert_ok(vor_cost_check(&spec, 1000, 2, LIMIT, &vt_err));
+}
+END_TEST
+
+START_TEST(an_estimate_grows_with_what_is_asked_for)
+{
+    static const char *const more[][2] = {{"points", "4000"},        {"iterations", "50"},
+                                          {"polish", "500"},         {"neighbors", "300"},
+                                          {"metric", "anisotropic"}, {"metric", "lp"}};
+    struct vor_spec spec = REQUEST({"points", "2000"}, {"iterations", "10"}), longer = spec;
+
+    vt_assert_ok(vor_spec_set(&longer, more[_i][0], more[_i][1], &vt_err));
+    ck_assert_double_gt(vor_cost_seconds(&longer, 3000, 2), vor_cost_seconds(&spec, 3000, 2));
+}
+END_TEST
+
+static enum vor_job_outcome submit(struct vt_daemon *daemon, const struct vor_spec *spec,
+                                   struct vor_uuid *id)
+{
+    enum vor_job_outcome outcome;
+    struct vor_cloud cloud;
+
+    vt_cloud_sphere(&cloud, 5, 1500);
+    outcome = vt_daemon_submit(daemon, &cloud, spec, id);
+    vor_cloud_free(&cloud);
+    return outcome;
+}
+
+START_TEST(a_job_that_runs_longer_than_it_may_fails_and_says_so)
+{
+    struct vt_daemon_options options = {.job_seconds = 0.2};
+    struct vor_spec spec = vt_request(200, 5000);
+    const char *dir = vt_dir_make();
+    struct vt_daemon daemon;
+    struct vor_job_view view;
+    struct vor_uuid id;
+
+    vt_daemon_start(&daemon, dir, &options);
+    ck_assert_int_eq(submit(&daemon, &spec, &id), VOR_FAILED); /* it is seen to be too long */
+    ck_assert_int_eq(vt_err.status, VOR_E_WORK);
+    vt_daemon_stop(&daemon);
+
+    options.job_seconds = 0.4; /* a quarter of the estimate, 1.4 */
+    vt_daemon_start(&daemon, dir, &options);
+    ck_assert_int_eq(submit(&daemon, &spec, &id), VOR_DONE);
+    view = vt_daemon_wait_over(&daemon, &id);
+    ck_assert_int_eq(view.status, VOR_JOB_FAILED);
+    ck_assert_int_eq(view.problem.status, VOR_E_DEADLINE);
+    ck_assert_str_eq(view.message, "the job ran for 0.4 seconds, as long as it may");
+    vt_daemon_stop(&daemon);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* It was asked for the time between two steps only, so that at least one was made, however long. */
+START_TEST(the_time_of_a_request_ends_a_step_under_way_and_the_report_says_so)
+{
+    struct vor_spec spec = vt_request(300, 10000);
+    const char *dir = vt_dir_make();
+    struct vt_daemon daemon;
+    struct vor_job_view view;
+    struct vor_uuid id;
+    char *report;
+
+    vt_assert_ok(vor_spec_set_number(&spec, "seconds", 1e-4, &vt_err));
+    vt_daemon_start(&daemon, dir, NULL);
+    ck_assert_int_eq(submit(&daemon, &spec, &id), VOR_DONE);
+    view = vt_daemon_wait_over(&daemon, &id);
+    ck_assert_int_eq(view.status, VOR_JOB_SUCCESSFUL);
+    ck_assert_uint_eq(view.output[0].points, 300);
+    vt_assert_ok(vor_worker_report(daemon.worker, &id, &report, &vt_err));
+    ck_assert_ptr_nonnull(strstr(report, "\"iterations\":0"));
+    ck_assert_ptr_nonnull(strstr(report, "\"stopped\":\"seconds\""));
+    free(report);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("cost");
+
+    vor_log_open(2, VOR_LOG_ERROR);
+    vt_add(suite, ten_million_points_as_usual_are_accepted);
+    vt_add(suite, a_small_body_with_extreme_parameters_is_refused_with_estimate_and_limit);
+    vt_add(suite, a_time_limit_of_its_own_makes_a_request_short);
+    vt_add_loop(suite, an_estimate_grows_with_what_is_asked_for, 6);
+    vt_add(suite, a_job_that_runs_longer_than_it_may_fails_and_says_so);
+    vt_add(suite, the_time_of_a_request_ends_a_step_under_way_and_the_report_says_so);
+    return vt_run(suite);
+}

@@ -1,0 +1,268 @@
+/* How long results are kept: by room, and by time whatever happens to the clock; and in tables of
+ * former versions. */
+#define _GNU_SOURCE /* syscall */
+
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_daemon.h"
+#include "tests/support/vt_dir.h"
+
+#include <sqlite3.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+
+/* The wall clock of this process is so many seconds ahead of the machine's. */
+static atomic_long ahead;
+
+int clock_gettime(clockid_t clock, struct timespec *out)
+{
+    int result = (int)syscall(SYS_clock_gettime, clock, out);
+
+    if (clock == CLOCK_REALTIME)
+        out->tv_sec += atomic_load(&ahead);
+    return result;
+}
+
+enum { HOUR = 3600, DAY = 24 * HOUR };
+
+static void nap(void)
+{
+    struct timespec pause = {.tv_nsec = 20000000};
+
+    nanosleep(&pause, NULL);
+}
+
+static struct vor_uuid finish_job(struct vt_daemon *daemon)
+{
+    struct vor_spec spec = vt_request(20, 1);
+    struct vor_cloud cloud;
+    struct vor_uuid id;
+
+    vt_cloud_sphere(&cloud, 1, 100);
+    ck_assert_int_eq(vt_daemon_submit(daemon, &cloud, &spec, &id), VOR_DONE);
+    ck_assert_int_eq(vt_daemon_wait_over(daemon, &id).status, VOR_JOB_SUCCESSFUL);
+    vor_cloud_free(&cloud);
+    return id;
+}
+
+/* --- the clock -------------------------------------------------------------------------------- */
+
+/* Waits until the row of a job ends elsewhere than it did; the time that it then has left, in
+ * seconds. */
+static double left_after_jump(struct vt_daemon *daemon, const struct vor_uuid *id, int64_t before)
+{
+    struct vor_job_view view;
+
+    do {
+        nap();
+        view = vt_daemon_get(daemon, id);
+    } while (view.expires == before);
+    return (double)(view.expires - vor_clock_wall_ms()) / 1000;
+}
+
+/* Regression: +25 h expired every result at the next sweep. */
+START_TEST(a_result_keeps_the_time_it_had_left_when_the_clock_jumps)
+{
+    static const long jumps[] = {25 * HOUR, -25 * HOUR};
+    struct vt_daemon_options options = {.ttl_seconds = DAY};
+    const char *dir = vt_dir_make();
+    struct vor_job_view view;
+    struct vt_daemon daemon;
+    struct vor_uuid id;
+    double left;
+
+    vt_daemon_start(&daemon, dir, &options);
+    id = finish_job(&daemon);
+    view = vt_daemon_get(&daemon, &id);
+    atomic_store(&ahead, jumps[_i]);
+    left = left_after_jump(&daemon, &id, view.expires);
+    ck_assert_double_ge(left, DAY - 60);
+    ck_assert_double_le(left, DAY + 60);
+    vt_assert_ok(vor_worker_sweep(daemon.worker, &vt_err));
+    ck_assert(!vt_daemon_get(&daemon, &id).expired);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 1);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* The clock is wrong when the daemon starts, and is put right while it runs. */
+START_TEST(a_start_with_a_clock_that_does_not_fit_expires_nothing_until_it_does)
+{
+    static const long wrong[] = {30L * DAY, -30L * DAY};
+    struct vt_daemon_options options = {.ttl_seconds = DAY};
+    const char *dir = vt_dir_make();
+    struct vor_job_view view;
+    struct vt_daemon daemon;
+    struct vor_uuid id;
+
+    vt_daemon_start(&daemon, dir, &options);
+    id = finish_job(&daemon);
+    view = vt_daemon_get(&daemon, &id);
+    vt_daemon_stop(&daemon);
+    atomic_store(&ahead, wrong[_i]);
+    vt_daemon_start(&daemon, dir, &options);
+    for (int i = 0; i < 5; i++)
+        nap(); /* the sweeper has looked */
+    ck_assert(!vt_daemon_get(&daemon, &id).expired);
+    atomic_store(&ahead, 0);
+    for (int i = 0; i < 30 && _i == 0; i++)
+        nap(); /* and again */
+    ck_assert_int_eq(vt_daemon_get(&daemon, &id).expires, view.expires);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(time_that_the_daemon_was_down_counts)
+{
+    struct vt_daemon_options options = {.ttl_seconds = 1800};
+    const char *dir = vt_dir_make();
+    struct vt_daemon daemon;
+    struct vor_uuid id;
+
+    vt_daemon_start(&daemon, dir, &options);
+    id = finish_job(&daemon);
+    vt_daemon_stop(&daemon);
+    atomic_store(&ahead, 2000);
+    vt_daemon_start(&daemon, dir, &options);
+    while (!vt_daemon_get(&daemon, &id).expired)
+        nap();
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* --- room ------------------------------------------------------------------------------------- */
+
+START_TEST(results_beyond_their_room_go_in_the_order_in_which_they_ended)
+{
+    enum { JOBS = 5 };
+    const char *dir = vt_dir_make();
+    struct vt_daemon_options options = {.jobs = 1};
+    struct vor_uuid id[JOBS];
+    struct vt_daemon daemon;
+    uint64_t bytes;
+
+    vt_daemon_start(&daemon, dir, &options);
+    id[0] = finish_job(&daemon);
+    bytes = vt_daemon_get(&daemon, &id[0]).output[0].bytes;
+    vt_daemon_stop(&daemon);
+    options.results = 2 * bytes + 10;
+    vt_daemon_start(&daemon, dir, &options);
+    for (int i = 1; i < JOBS; i++)
+        id[i] = finish_job(&daemon);
+    while (vt_dir_count(dir, "blobs/keep") > 2)
+        nap();
+    for (int i = 0; i < JOBS; i++)
+        ck_assert_int_eq(vt_daemon_get(&daemon, &id[i]).expired, i < JOBS - 2);
+    vt_daemon_stop(&daemon);
+    options.results = 1; /* the last one stays: its caller may be about to fetch it */
+    vt_daemon_start(&daemon, dir, &options);
+    while (vt_dir_count(dir, "blobs/keep") > 1)
+        nap();
+    ck_assert(!vt_daemon_get(&daemon, &id[JOBS - 1]).expired);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+/* --- former versions -------------------------------------------------------------------------- */
+
+static char *read_text(const char *path)
+{
+    FILE *file = fopen(path, "r");
+    char *text = calloc(1, 1 << 16);
+
+    ck_assert_msg(file != NULL && text != NULL, "%s", path);
+    ck_assert_uint_lt(fread(text, 1, (1 << 16) - 1, file), (1 << 16) - 1);
+    fclose(file);
+    return text;
+}
+
+static sqlite3 *open_table(const char *dir)
+{
+    sqlite3 *db = NULL;
+    char path[512];
+
+    (void)snprintf(path, sizeof path, "%s/jobs.sqlite", dir);
+    ck_assert_int_eq(sqlite3_open(path, &db), SQLITE_OK);
+    return db;
+}
+
+static void execute(const char *dir, const char *sql)
+{
+    sqlite3 *db = open_table(dir);
+    char *error = NULL;
+
+    ck_assert_msg(sqlite3_exec(db, sql, NULL, NULL, &error) == SQLITE_OK, "%s", error);
+    sqlite3_close(db);
+}
+
+static int number(const char *dir, const char *sql)
+{
+    sqlite3 *db = open_table(dir);
+    sqlite3_stmt *statement = NULL;
+    int value;
+
+    ck_assert_int_eq(sqlite3_prepare_v2(db, sql, -1, &statement, NULL), SQLITE_OK);
+    ck_assert_int_eq(sqlite3_step(statement), SQLITE_ROW);
+    value = sqlite3_column_int(statement, 0);
+    sqlite3_finalize(statement);
+    sqlite3_close(db);
+    return value;
+}
+
+START_TEST(a_table_of_schema_3_opens_with_every_job_as_it_was)
+{
+    const char *dir = vt_dir_make();
+    char *sql = read_text("tests/unit/store_v3.sql");
+    struct vor_job_key key = {.text = "the-key"};
+    struct vor_job_view view;
+    struct vor_store *store;
+    int64_t newest;
+    char *report;
+    int found;
+
+    execute(dir, sql);
+    execute(dir, "PRAGMA user_version=3");
+    store = vt_dir_store(dir);
+    vt_assert_ok(vor_store_find_key(store, &key, &view, &found, &vt_err));
+    ck_assert(found);
+    ck_assert_int_eq(view.status, VOR_JOB_SUCCESSFUL);
+    ck_assert_str_eq(view.name, "a+name");
+    ck_assert_uint_eq(view.output[0].points, 12);
+    ck_assert_uint_eq(view.output[0].bytes, 288);
+    ck_assert_uint_eq(view.kept, 836);
+    vt_assert_ok(vor_store_report(store, &view.id, &report, &vt_err));
+    ck_assert_ptr_nonnull(strstr(report, "\"points\":{\"in\":60,\"out\":12}"));
+    vt_assert_ok(vor_store_newest(store, &newest, &vt_err));
+    ck_assert_int_gt(newest, view.finished); /* the other one failed later */
+    free(report);
+    vor_store_close(store);
+    ck_assert_int_eq(number(dir, "SELECT held FROM job WHERE seq = 1"), 288);
+    ck_assert_int_eq(number(dir, "SELECT held FROM job WHERE seq = 2"), 0);
+    ck_assert_int_eq(number(dir, "PRAGMA user_version"), 6);
+    free(sql);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("keeping");
+
+    vor_log_open(2, VOR_LOG_OFF);
+    vt_add_loop(suite, a_result_keeps_the_time_it_had_left_when_the_clock_jumps, 2);
+    vt_add_loop(suite, a_start_with_a_clock_that_does_not_fit_expires_nothing_until_it_does, 2);
+    vt_add(suite, time_that_the_daemon_was_down_counts);
+    vt_add(suite, results_beyond_their_room_go_in_the_order_in_which_they_ended);
+    vt_add(suite, a_table_of_schema_3_opens_with_every_job_as_it_was);
+    return vt_run(suite);
+}

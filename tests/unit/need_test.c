@@ -1,0 +1,178 @@
+/* The memory that a job is let in with beside what its run takes, and what becomes of jobs that do
+ * not fit. */
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/jobs/need.h"
+#include "server/work/worker.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_daemon.h"
+#include "tests/support/vt_dir.h"
+#include "tests/support/vt_engine.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* A request, the shape and size of its input, and the estimate over the peak at least and at most:
+ * 0.8 and 1.5 wherever the input alone does not decide. */
+struct need_case {
+    const char *process;
+    int noise;
+    size_t points;
+    const char *query;
+    double least, most;
+};
+
+static const struct need_case cases[] = {
+    {"resample", 0, 5000, "points=5000", 0.8, 1.5},
+    {"resample", 0, 2000, "points=6000", 0.8, 1.5},
+    {"resample", 0, 20000, "points=2000", 0.8, 2.0},
+    {"resample", 1, 10000, "points=1000", 0.8, 1.5},
+    {"resample", 0, 2000, "points=4000 neighbors=60", 0.8, 1.5},
+    {"resample", 0, 5000, "points=5000 method=kmeans", 0.8, 1.5},
+    {"resample", 0, 3000, "points=3000 metric=anisotropic", 0.8, 1.5},
+    {"resample", 0, 3000, "points=3000 density=curvature", 0.8, 1.5},
+    {"resample", 0, 3000, "points=3000 metric=lp", 0.8, 1.5},
+    {"simplify", 0, 10000, "ratio=0.5", 0.8, 1.5},
+    {"mesh", 0, 3000, "ratio=1", 0.8, 1.5},
+    {"denoise", 0, 10000, "filters=mls,outliers", 0.8, 2.0},
+    {"convert", 0, 100000, "", 0.8, 1.5},
+};
+
+static void noise_cloud(struct vor_cloud *cloud, size_t n)
+{
+    vt_cloud_make(cloud, n);
+    for (size_t i = 0; i < 3 * n; i++)
+        cloud->xyz[i] = (float)vt_unit(3, i);
+}
+
+/* Sets "a=1 b=2", with as few steps as the request takes. */
+static void set_all(struct vor_spec *spec, const struct need_case *of)
+{
+    char text[128], *rest = text, *pair;
+
+    vor_spec_preset(spec, vor_process_find(of->process));
+    (void)snprintf(text, sizeof text, "%s", of->query);
+    for (pair = strtok_r(text, " ", &rest); pair != NULL; pair = strtok_r(NULL, " ", &rest)) {
+        char *value = strchr(pair, '=');
+
+        *value = '\0';
+        vt_assert_ok(vor_spec_set(spec, pair, value + 1, &vt_err));
+    }
+    if (spec->process->methods != 0)
+        vt_assert_ok(vor_spec_set_number(spec, "iterations", 1, &vt_err));
+    if (spec->process->methods != 0)
+        vt_assert_ok(vor_spec_set_number(spec, "polish", 0, &vt_err));
+    vt_assert_ok(vor_spec_complete(spec, &vt_err));
+}
+
+START_TEST(the_estimate_is_near_the_peak)
+{
+    const struct need_case *of = &cases[_i];
+    struct vor_memory memory;
+    struct vt_engine engine;
+    struct vor_artefacts in, out;
+    struct vor_cloud cloud;
+    struct vor_job_view row = vt_row(10);
+    double ratio;
+
+    vor_memory_init(&memory, SIZE_MAX);
+    vt_engine_open(&engine, 2);
+    set_all(&row.spec, of);
+    (of->noise ? noise_cloud(&cloud, of->points) : vt_cloud_sphere(&cloud, 5, of->points));
+    row.input[0].points = of->points;
+    row.input[0].bytes = 12 * of->points;
+    vor_artefacts_init(&in, &vt_memory);
+    vor_artefacts_init(&out, &memory);
+    vor_artefacts_put_cloud(&in, "cloud", &cloud);
+    engine.run.memory = &memory;
+    vt_assert_ok(vor_engine_run(&out, &in, &row.spec, &engine.run, &vt_err));
+    ratio = (double)vor_need_bytes(&row.spec, row.inputs, row.input) /
+            ((double)atomic_load(&memory.peak) + 12 * (double)of->points);
+    ck_assert_msg(ratio >= of->least && ratio <= of->most, "%s of %zu, %s: %.2f of the peak",
+                  of->process, of->points, of->query, ratio);
+    vor_artefacts_free(&out);
+    vor_artefacts_free(&in);
+    vt_engine_close(&engine);
+}
+END_TEST
+
+static enum vor_job_outcome submit(struct vt_daemon *daemon, const struct vor_spec *spec,
+                                   struct vor_uuid *id)
+{
+    enum vor_job_outcome outcome;
+    struct vor_cloud cloud;
+
+    vt_cloud_sphere(&cloud, 5, 1500);
+    outcome = vt_daemon_submit(daemon, &cloud, spec, id);
+    vor_cloud_free(&cloud);
+    return outcome;
+}
+
+/* What a job of that request is let in with. */
+static uint64_t need_of(const struct vor_spec *spec)
+{
+    struct vor_job_view row = vt_row(10);
+
+    row.spec = *spec;
+    row.input[0].points = 1500;
+    row.input[0].bytes = 1500 * 12;
+    return vor_need_bytes(&row.spec, row.inputs, row.input);
+}
+
+START_TEST(jobs_that_fit_alone_but_not_together_wait_for_each_other)
+{
+    struct vor_spec endless = vt_request(1000, 10000), quick = vt_request(1000, 3);
+    struct vt_daemon_options options = {.jobs = 4, .budget = need_of(&endless) * 3 / 2};
+    struct vt_daemon daemon;
+    const char *dir = vt_dir_make();
+    struct vor_worker_load load;
+    struct vor_uuid runs, waits;
+
+    vt_daemon_start(&daemon, dir, &options);
+    ck_assert_int_eq(submit(&daemon, &endless, &runs), VOR_DONE);
+    (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
+    ck_assert_int_eq(submit(&daemon, &quick, &waits), VOR_DONE);
+    (void)vt_daemon_wait_iteration(&daemon, &runs,
+                                   vt_daemon_get(&daemon, &runs).record.iteration + 5);
+    vor_worker_load(daemon.worker, &load);
+    ck_assert_uint_eq(load.running, 1);
+    ck_assert_uint_eq(load.waiting, 1);
+    ck_assert_uint_ge(load.reserved, need_of(&endless));
+    ck_assert_uint_le(load.reserved, load.budget);
+    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &runs, "enough", &vt_err), VOR_DONE);
+    ck_assert_int_eq(vt_daemon_wait_over(&daemon, &waits).status, VOR_JOB_SUCCESSFUL);
+    vt_daemon_stop(&daemon);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(a_job_larger_than_all_memory_is_refused_with_the_numbers)
+{
+    struct vor_spec spec = vt_request(1000, 3);
+    struct vt_daemon_options options = {.budget = 1 << 20};
+    struct vt_daemon daemon;
+    const char *dir = vt_dir_make();
+    struct vor_uuid id;
+
+    vt_daemon_start(&daemon, dir, &options);
+    ck_assert_int_eq(submit(&daemon, &spec, &id), VOR_FAILED);
+    ck_assert_int_eq(vt_err.status, VOR_E_NOMEM);
+    ck_assert_uint_eq(vt_err.limit, 1 << 20);
+    ck_assert_uint_ge(vt_err.got, need_of(&spec));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "1048576"));
+    vt_daemon_stop(&daemon);
+    ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("need");
+
+    vor_log_open(2, VOR_LOG_ERROR);
+    vt_add_loop(suite, the_estimate_is_near_the_peak, sizeof cases / sizeof cases[0]);
+    vt_add(suite, jobs_that_fit_alone_but_not_together_wait_for_each_other);
+    vt_add(suite, a_job_larger_than_all_memory_is_refused_with_the_numbers);
+    return vt_run(suite);
+}
