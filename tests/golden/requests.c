@@ -47,8 +47,8 @@ static const struct row {
     {"resample", "boundary=fill holes=auto", UINT64_C(0x6021698b756b7168)},
     {"resample", "moveStop=0.05", UINT64_C(0x0cd21a5c4e7f9387)},
     {"mesh", "polish=5", UINT64_C(0x388b48b7f91ebe98)},
-    {"mesh", "metric=anisotropic", UINT64_C(0x73fd58d773a19c12)},
-    {"mesh", "boundary=fill holes=auto", UINT64_C(0x8db3f55f54da68ea)},
+    {"mesh", "metric=anisotropic", UINT64_C(0xa6f70f1c6ccbecf3)},
+    {"mesh", "boundary=fill holes=auto", UINT64_C(0x13f660903e074efc)},
 };
 
 static void set_options(struct vt_engine *engine, const char *options)
