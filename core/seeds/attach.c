@@ -155,8 +155,10 @@ static void box_of(const struct vor_domain *domain, double middle[3], double hal
         double low = INFINITY, high = -INFINITY;
 
         for (size_t i = 0; i < domain->n; i++) {
-            low = fmin(low, (double)domain->xyz[3 * i + c]);
-            high = fmax(high, (double)domain->xyz[3 * i + c]);
+            double x = (double)domain->xyz[3 * i + c];
+
+            low = x < low ? x : low;
+            high = x > high ? x : high;
         }
         middle[c] = (low + high) / 2;
         half[c] = (high - low) / 2;
