@@ -547,8 +547,6 @@ static int serve(struct daemon *daemon)
         return failed_start(daemon, &err);
     block_signals(daemon);
     vor_log_open(STDERR_FILENO, (enum vor_log_level)daemon->config.number[VOR_SET_LOG_LEVEL]);
-    if (daemon->sandbox != VOR_SANDBOX_FULL)
-        vor_log(VOR_LOG_WARN, "sandbox: partial");
     daemon->app.config = &daemon->config;
     if (vor_log_sink_start(&err) != VOR_OK || start(daemon, &err) != VOR_OK) {
         result = failed_start(daemon, &err);
@@ -558,6 +556,8 @@ static int serve(struct daemon *daemon)
                 VOR_TEXT("data", daemon->config.text[VOR_SET_DATA]),
                 VOR_COUNT("threads", thread_count(&daemon->config)),
                 VOR_COUNT("job_memory", job_memory(&daemon->config)));
+        if (daemon->sandbox != VOR_SANDBOX_FULL)
+            vor_log(VOR_LOG_WARN, "sandbox: partial");
         vor_notify("READY=1");
         result = run(daemon);
         vor_log(VOR_LOG_INFO, "stopped", VOR_COUNT("exit", result));
