@@ -282,7 +282,7 @@ START_TEST(one_two_three_and_eight_threads_give_the_same_triangles)
     uint64_t first = 0;
 
     vt_cloud_sheets(&in, 5, IN / 2, 0.02);
-    for (size_t k = 0; k < sizeof threads / sizeof *threads; k++) {
+    for (size_t k = 0; k < sizeof threads / sizeof *threads; k += VT_FIGURES ? 1 : 2) {
         struct vt_engine engine;
         struct vt_meshed meshed;
         uint64_t hash;

@@ -627,11 +627,11 @@ int main(void)
     vt_add(suite, an_output_of_an_unknown_format_is_not_written);
     vt_add(suite, a_result_of_another_size_than_told_is_not_taken);
     vt_add(suite, what_a_process_cannot_work_on_is_refused_and_leaves_nothing);
-    vt_add_loop(suite, both_inputs_survive_kill_9, 4);
+    vt_add_loop(suite, both_inputs_survive_kill_9, VT_ONCE(4));
     vt_add_loop(suite, a_job_that_lost_an_input_fails_and_names_it, 2);
     vt_add(suite, a_job_whose_request_cannot_be_read_is_not_run);
     vt_add(suite, a_start_removes_what_is_no_output_of_a_success);
-    vt_add_loop(suite, the_bytes_of_a_job_all_go, ENDINGS);
+    vt_add_loop(suite, the_bytes_of_a_job_all_go, VT_ONCE(ENDINGS));
     vt_add(suite, no_two_artefacts_of_a_process_share_a_blob);
     return vt_run(suite);
 }
