@@ -101,7 +101,7 @@ sub reap {
     return $status & 127 ? 'signal ' . ($status & 127) : $status >> 8;
 }
 
-sub DESTROY { $_[0]->stop('KILL') if $_[0]{pid} }
+sub DESTROY { local $?; $_[0]->stop('KILL') if $_[0]{pid} } # at the end of the program too, whose status it is not
 END { my $status = $?; kill 'KILL', $_ for keys %running; $? = $status }
 
 # A polite request: HTTP::Tiny's answer.
