@@ -386,7 +386,8 @@ static void reload_keys(const struct daemon *daemon)
                 VOR_TEXT("error", err.message));
 }
 
-/* As sigwait, but that whoever watches this process is told that it lives, while it does. */
+/* Waits for a signal as sigwait does, and meanwhile tells systemd's watchdog that the daemon lives.
+ */
 static int wait_watched(const struct daemon *daemon, int *number)
 {
     double seconds = vor_notify_watchdog();
@@ -523,7 +524,7 @@ static vor_status start_zygote(struct daemon *daemon, struct vor_error *err)
     struct vor_error why = {.message = ""};
 
     (void)signal(SIGCHLD,
-                 SIG_DFL); /* whoever started us may ignore it, and then no child is told */
+                 SIG_DFL); /* a parent that ignores it hands that down, and then no child is told */
     daemon->sandbox = vor_sandbox_probe(&why);
     daemon->app.sandbox = vor_sandbox_word(daemon->sandbox);
     if (daemon->sandbox != VOR_SANDBOX_FULL && !vor_sandbox_is_sanitizer() &&

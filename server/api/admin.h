@@ -1,6 +1,5 @@
-/** The second listener, for whoever runs the daemon: GET of /livez, /readyz and /metrics, and
- *  nothing else. It has threads and connections of its own, so it answers while the first one is
- *  overrun. */
+/** The second listener, for the operator: GET of /livez, /readyz and /metrics, and nothing else. It
+ *  has threads and connections of its own, so it answers while the first one is overrun. */
 #ifndef VOR_SERVER_API_ADMIN_H
 #define VOR_SERVER_API_ADMIN_H
 

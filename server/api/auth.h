@@ -5,8 +5,8 @@
 #include "server/api/app.h"
 
 /** Finds out who sent a request for a route of that scope (vor_request_principal from then on): the
- *  caller of the key in "Authorization: Bearer KEY" or "X-API-Key: KEY"; whoever has a ticket to
- * the result that is asked for; anybody where the daemon has no keys, or the route needs none.
+ *  owner of the key in "Authorization: Bearer KEY" or "X-API-Key: KEY"; the holder of a ticket to
+ *  the result that is asked for; anybody if the daemon has no keys, or the route needs none.
  *
  *  @return true, or false after a problem has been replied: unauthorized (no key, or none of ours),
  *          forbidden (the key lacks the scope, which is named) */

@@ -15,22 +15,14 @@ enum {
     AMONG_MAX = 512     /* bytes of the names that an ambiguous one may stand for */
 };
 
-struct setting_info {
-    const char *flag;
-    enum vor_setting_kind kind;
-    const char *unit;
-    double min, max;
-    const char *fallback, *sentence;
-};
-
-static const struct setting_info infos[VOR_SETTING_COUNT] = {
+const struct vor_setting_info vor_setting_infos[VOR_SETTING_COUNT] = {
 #define INFO_ROW(id, flag, kind, unit, min, max, fallback, sentence)                               \
     {flag, VOR_SETTING_##kind, unit, min, max, fallback, sentence},
     VOR_SETTING_TABLE(INFO_ROW)
 #undef INFO_ROW
 };
 
-static vor_status bad_number(const struct setting_info *info, const char *text,
+static vor_status bad_number(const struct vor_setting_info *info, const char *text,
                              struct vor_error *err)
 {
     return vor_fail_param(err, VOR_E_PARAM, info->flag,
@@ -52,7 +44,7 @@ static int byte_shift(const char *suffix)
     return at != NULL && suffix[1] == '\0' ? 10 * (int)(at - suffixes + 1) : -1;
 }
 
-static vor_status set_number(double *out, const struct setting_info *info, const char *text,
+static vor_status set_number(double *out, const struct vor_setting_info *info, const char *text,
                              struct vor_error *err)
 {
     char *end;
@@ -76,7 +68,7 @@ static vor_status set_number(double *out, const struct setting_info *info, const
     return VOR_OK;
 }
 
-static vor_status set_choice(double *out, const struct setting_info *info, const char *text,
+static vor_status set_choice(double *out, const struct vor_setting_info *info, const char *text,
                              struct vor_error *err)
 {
     const char *at = info->unit;
@@ -98,7 +90,7 @@ static vor_status set_choice(double *out, const struct setting_info *info, const
 static vor_status set_text(struct vor_config *config, int setting, const char *text,
                            struct vor_error *err)
 {
-    const struct setting_info *info = &infos[setting];
+    const struct vor_setting_info *info = &vor_setting_infos[setting];
     char *to = config->text[setting];
     size_t before = info->kind == VOR_SETTING_LIST ? strlen(to) : 0;
 
@@ -116,7 +108,7 @@ static vor_status set_text(struct vor_config *config, int setting, const char *t
 static vor_status set(struct vor_config *config, int setting, const char *text,
                       struct vor_error *err)
 {
-    const struct setting_info *info = &infos[setting];
+    const struct vor_setting_info *info = &vor_setting_infos[setting];
 
     switch (info->kind) {
     case VOR_SETTING_TEXT:
@@ -149,13 +141,13 @@ static vor_status read_variable(struct vor_config *config, int setting, char *(*
     const char *value, *path = NULL;
     vor_status status = VOR_OK;
 
-    vor_config_variable(infos[setting].flag, name);
+    vor_config_variable(vor_setting_infos[setting].flag, name);
     (void)snprintf(file, sizeof file, "%s_FILE", name);
     value = get(name);
     if (setting != VOR_SET_CONFIG)
         path = get(file);
     if (value != NULL && path != NULL)
-        return vor_fail_param(err, VOR_E_PARAM, infos[setting].flag,
+        return vor_fail_param(err, VOR_E_PARAM, vor_setting_infos[setting].flag,
                               "%s and %s are both given, want one", name, file);
     if (path != NULL)
         status = vor_config_file_value(held, sizeof held, file, path, err);
@@ -182,7 +174,7 @@ static vor_status read_environment(struct vor_config *config, char *(*get)(const
 static int find_setting(const char *flag)
 {
     for (int i = 0; i < VOR_SETTING_COUNT; i++)
-        if (strcmp(infos[i].flag, flag) == 0)
+        if (strcmp(vor_setting_infos[i].flag, flag) == 0)
             return i;
     return -1;
 }
@@ -198,7 +190,7 @@ static vor_status take_setting(void *ctx, unsigned line, const char *name, const
         return vor_fail(err, VOR_E_PARAM, "no setting \"%.60s\"; see voronoid serve --help", name);
     if (config->given[setting] && config->line[setting] == 0)
         return VOR_OK;
-    if (config->line[setting] > 0 && infos[setting].kind != VOR_SETTING_LIST)
+    if (config->line[setting] > 0 && vor_setting_infos[setting].kind != VOR_SETTING_LIST)
         return vor_fail(err, VOR_E_PARAM, "%s is on line %u already", name, config->line[setting]);
     config->given[setting] = 1;
     if (set(config, setting, value, err) != VOR_OK)
@@ -226,7 +218,7 @@ static vor_status set_defaults(struct vor_config *config, struct vor_error *err)
 
     for (int i = 0; i < VOR_SETTING_COUNT && status == VOR_OK; i++)
         if (!config->given[i])
-            status = set(config, i, infos[i].fallback, err);
+            status = set(config, i, vor_setting_infos[i].fallback, err);
     return status;
 }
 
@@ -235,10 +227,10 @@ static void make_longs(struct option longs[VOR_SETTING_COUNT + 1])
 {
     memset(longs, 0, (VOR_SETTING_COUNT + 1) * sizeof *longs);
     for (int i = 0; i < VOR_SETTING_COUNT; i++)
-        longs[i] = (struct option){infos[i].flag,
-                                   infos[i].kind == VOR_SETTING_FLAG ? optional_argument
-                                                                     : required_argument,
-                                   NULL, LONG_SETTING + i};
+        longs[i] = (struct option){
+            vor_setting_infos[i].flag,
+            vor_setting_infos[i].kind == VOR_SETTING_FLAG ? optional_argument : required_argument,
+            NULL, LONG_SETTING + i};
 }
 
 static vor_status no_setting(const char *word, struct vor_error *err)
@@ -254,11 +246,11 @@ static vor_status refuse_flag(const char *word, struct vor_error *err)
     int found = 0;
 
     for (int i = 0; i < VOR_SETTING_COUNT; i++) {
-        if (strncmp(infos[i].flag, word + 2, length) != 0)
+        if (strncmp(vor_setting_infos[i].flag, word + 2, length) != 0)
             continue;
         if (at < sizeof names)
             at += (size_t)snprintf(names + at, sizeof names - at, "%s--%s", found > 0 ? " or " : "",
-                                   infos[i].flag);
+                                   vor_setting_infos[i].flag);
         found++;
     }
     if (found > 1 && length > 0)
@@ -276,7 +268,8 @@ static vor_status take(struct vor_config *config, int got, char **argv, struct v
     case OPERAND:
         return no_setting(optarg, err);
     case ':':
-        return vor_fail(err, VOR_E_PARAM, "--%s wants a value", infos[optopt - LONG_SETTING].flag);
+        return vor_fail(err, VOR_E_PARAM, "--%s wants a value",
+                        vor_setting_infos[optopt - LONG_SETTING].flag);
     case '?':
         return optopt == 0 ? refuse_flag(argv[optind - 1], err) : no_setting(letter, err);
     default:
@@ -315,7 +308,7 @@ static vor_status split_listen(struct vor_config *config, struct vor_error *err)
     return VOR_OK;
 }
 
-/* The numbers of a daemon are for whoever runs it. */
+/* The metrics are for the operator: beyond this machine only when that is asked for. */
 static vor_status split_admin(struct vor_config *config, struct vor_error *err)
 {
     const char *text = config->text[VOR_SET_ADMIN_LISTEN];
@@ -431,11 +424,11 @@ static vor_status check_callers(const struct vor_config *config, struct vor_erro
     if (by == VOR_SETTING_COUNT || has_keys || is_free)
         return VOR_OK;
     return vor_fail_param(
-        err, VOR_E_PARAM, infos[by].flag,
+        err, VOR_E_PARAM, vor_setting_infos[by].flag,
         "with --%s %.80s the daemon is open to other machines: give --api-keys "
         "FILE (voronoid key NAME makes a line of it), or --no-auth to let anybody "
         "in",
-        infos[by].flag, config->text[by]);
+        vor_setting_infos[by].flag, config->text[by]);
 }
 
 /* prefix, directory and suffix as a setting's text; false when they do not fit. */

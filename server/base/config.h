@@ -143,6 +143,17 @@ enum vor_setting {
         VOR_SETTING_COUNT
 };
 
+/** A row of the table. */
+struct vor_setting_info {
+    const char *flag;
+    enum vor_setting_kind kind;
+    const char *unit;
+    double min, max;
+    const char *fallback, *sentence;
+};
+
+extern const struct vor_setting_info vor_setting_infos[VOR_SETTING_COUNT];
+
 enum { VOR_CONFIG_TEXT_MAX = 1024 };
 
 /** Every setting: texts in text, all others (a choice's index) in number. */

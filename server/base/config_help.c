@@ -1,22 +1,7 @@
 #include "server/base/config_help.h"
 
-struct setting_info {
-    const char *flag;
-    enum vor_setting_kind kind;
-    const char *unit;
-    double min, max;
-    const char *fallback, *sentence;
-};
-
-static const struct setting_info infos[VOR_SETTING_COUNT] = {
-#define INFO_ROW(id, flag, kind, unit, min, max, fallback, sentence)                               \
-    {flag, VOR_SETTING_##kind, unit, min, max, fallback, sentence},
-    VOR_SETTING_TABLE(INFO_ROW)
-#undef INFO_ROW
-};
-
 /* What stands behind a flag in the help. */
-static const char *placeholder(const struct setting_info *info)
+static const char *placeholder(const struct vor_setting_info *info)
 {
     switch (info->kind) {
     case VOR_SETTING_TEXT:
@@ -36,7 +21,7 @@ static const char *placeholder(const struct setting_info *info)
     return "";
 }
 
-static int write_range(char *out, size_t size, const struct setting_info *info)
+static int write_range(char *out, size_t size, const struct vor_setting_info *info)
 {
     switch (info->kind) {
     case VOR_SETTING_COUNT_OF:
@@ -57,12 +42,12 @@ static int write_range(char *out, size_t size, const struct setting_info *info)
 
 int vor_config_describe(struct vor_setting_text *out, unsigned index)
 {
-    const struct setting_info *info;
+    const struct vor_setting_info *info;
     int at;
 
     if (index >= VOR_SETTING_COUNT)
         return 0;
-    info = &infos[index];
+    info = &vor_setting_infos[index];
     out->flag = info->flag;
     out->value = placeholder(info);
     out->words = info->kind == VOR_SETTING_CHOICE ? info->unit : "";

@@ -1,6 +1,6 @@
-/** The daemon's log: one JSON object a line, {"ts","level","msg", fields}. Thread-safe, and nobody
- *  waits for whoever reads it (log_sink.h). Every text is escaped and cut to VOR_LOG_TEXT_MAX,
- *  whoever it comes from. */
+/** The daemon's log: one JSON object a line, {"ts","level","msg", fields}. Thread-safe. No
+ *  caller waits for the reader of the log (log_sink.h). Every text is escaped and cut to
+ *  VOR_LOG_TEXT_MAX bytes. */
 #ifndef VOR_SERVER_BASE_LOG_H
 #define VOR_SERVER_BASE_LOG_H
 

@@ -1,5 +1,5 @@
-/** What systemd, or whoever sets NOTIFY_SOCKET, is told of this process (sd_notify(3)). Does
- * nothing where nobody asked. Never waits. */
+/** What systemd, or another supervisor that sets NOTIFY_SOCKET, is told of this process
+ * (sd_notify(3)). Does nothing where nobody asked. Never waits. */
 #ifndef VOR_SERVER_BASE_NOTIFY_H
 #define VOR_SERVER_BASE_NOTIFY_H
 

@@ -115,7 +115,7 @@ static _Noreturn void be_child(const struct nursery *nursery, pid_t parent,
 
 /* --- in the zygote ---------------------------------------------------------------------------- */
 
-/* Whoever has gone meanwhile is found when the watch is polled. */
+/* A front that has gone meanwhile is found when the watch is polled. */
 static void tell(int watch, const void *bytes, size_t size)
 {
     if (vor_channel_send(watch, bytes, size, NULL, 0, NULL) != VOR_OK)

@@ -137,7 +137,7 @@ static vor_status convert_file(const struct vor_conversion *conversion, int fd, 
     return vor_blob_commit(writer, &conversion->row.id, name, err);
 }
 
-/* Removes the blob of a job that went while it was made; whoever removes the job later finds it. */
+/* Removes the blob of a job that went while it was made; the next removal of the job finds it. */
 static void drop_if_gone(const struct vor_conversion *conversion)
 {
     const struct vor_conversions_config *config = &conversion->service->config;

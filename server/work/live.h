@@ -129,13 +129,13 @@ void vor_worker_drop_outputs(struct vor_worker *worker, const struct vor_uuid *i
                              const char *process);
 
 /** Expires jobs, of those first that ended first, until their results have no more than
- *  config.results bytes. A failure is logged; whoever does it next tries again.
+ *  config.results bytes. A failure is logged; the next call tries again.
  *
  *  Cost: a read of the store as long as they do not. */
 void vor_worker_crowd(struct vor_worker *worker);
 
 /** Drops uploads of jobs that are over, of those first that ended first, until the quota holds. A
- *  failure is logged; whoever sheds next tries again.
+ *  failure is logged; the next call tries again.
  *
  *  Cost: a read of the store as long as the quota holds. */
 void vor_worker_shed(struct vor_worker *worker);

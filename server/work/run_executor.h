@@ -1,6 +1,6 @@
 /** Where a run of a job happens: an order goes there, records and stages come back while it runs,
- *  and at last its outcome. Whoever orders keeps the store, the names of blobs and the job; whoever
- *  runs gets file descriptors and numbers, opens nothing and knows no other job.
+ *  and at last its outcome. The side that orders has the store, the names of blobs and the job. The
+ *  side that runs gets file descriptors and numbers, opens nothing and knows no other job.
  *
  *  There are two: one on a pool of this process (for tests, below), and one in a process of its own
  *  (supervisor.h). */

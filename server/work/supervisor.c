@@ -1,9 +1,9 @@
-/* Whoever waits for a run also looks after its worker; where nobody waits, nothing runs, and
- * nothing is lost.
+/* A thread that waits for a run also watches the run's worker. Without such a thread nothing runs,
+ * so there is nothing to watch.
  *
- * Runs share a worker. A suspect has one of its own: what crashes there is its own doing, and it
- * need not wait until nothing else runs, nor others for it, which may be long: a run that never
- * ends is as likely a suspect as the one that crashed. */
+ * Runs share a worker. A suspect has a worker of its own: a crash there is the suspect's own doing,
+ * and neither does the suspect wait until nothing else runs, nor do other runs wait for its end.
+ * That could take long, as a run that never ends is as likely a suspect as the run that crashed. */
 #include "server/work/supervisor.h"
 
 #include "server/base/clock.h"
@@ -17,7 +17,7 @@
 
 static const double look_seconds = 0.02; /* between two questions to a listener */
 
-/* For a cancelled run to end, before whoever ordered it is let go, and before its process is ended.
+/* Time for a cancelled run to end: before its caller is let go, and before its process is ended.
  * Between two polls of a run of 1 M points there were 0.19 s at most, on two busy cores; ten times
  * the points may take ten times that. Where nothing else runs there is nothing to lose. */
 static const double let_go_seconds = 0.3, cancel_seconds = 5, cancel_alone_share = 0.2;
@@ -34,7 +34,7 @@ struct vor_supervisor {
     pthread_mutex_t mutex;  /* everything below */
     pthread_cond_t changed; /* left_over */
     struct vor_supervisor_counts counts;
-    unsigned left_over; /* cancelled runs that whoever ordered them does not wait for */
+    unsigned left_over; /* cancelled runs whose callers do not wait for them */
     struct vor_workplace shared;
 };
 
@@ -291,7 +291,7 @@ static int take_in(const struct sitting *sitting, const struct vor_message_said 
     }
 }
 
-/* Whether a run was cancelled so long ago that whoever ordered it need not wait for its end. */
+/* Whether a run was cancelled so long ago that its caller need not wait for its end. */
 static int is_overdue(const struct sitting *sitting)
 {
     return !sitting->is_left_over && sitting->cancelled > 0 &&

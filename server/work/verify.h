@@ -16,7 +16,7 @@ struct vor_verify;
 /** @retval VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_verify_create(struct vor_verify **out, struct vor_error *err);
 
-/** Wakes whoever still waits. verify may be NULL. */
+/** Wakes the requests that still wait. verify may be NULL. */
 void vor_verify_destroy(struct vor_verify *verify);
 
 enum vor_verdict {

@@ -1,8 +1,8 @@
 /** A place where runs happen: a worker process, and a seat for each run.
  *
  *  The process has lives: from its start until it ends, by itself or by us. A seat belongs to one
- *  life; when that ends, how is noted at each of its seats, and whoever waits there finds its
- *  channel closed and reads the note. Not thread-safe, but for the board. */
+ *  life. When the life ends, each of its seats gets a note of how it ended; a thread that waits at
+ *  the seat finds its channel closed, and reads the note. Not thread-safe, but for the board. */
 #ifndef VOR_SERVER_WORK_WORKPLACE_H
 #define VOR_SERVER_WORK_WORKPLACE_H
 

@@ -56,7 +56,7 @@ static bool has_key(const struct submission *submission)
     return submission->head.besides.key.text[0] != '\0';
 }
 
-/* By whoever works for the request, one at a time. */
+/* By the threads that work for the request, one at a time. */
 static void end_flight(struct submission *submission)
 {
     if (submission->in_flight)
@@ -334,7 +334,7 @@ static void on_admitted(struct vor_admission *admission)
     drop(submission);
 }
 
-/* With a key, whoever has it; else whoever is at the address. */
+/* Callers with a key share by key, the others by address. */
 static struct vor_sharer sharer_of(const struct vor_request *request)
 {
     const char *name = vor_request_principal(request)->name;
