@@ -30,25 +30,10 @@ my %kinds = (
     gzip => [map { [$run, { 'Content-Encoding' => 'gzip' }, $_] } @packed],
 );
 
-# A change or several. What is put in is often what a scanner looks for.
-sub mutant {
-    my ($bytes) = @_;
-    my @bits = ("\r\n", "\r", "\n", '--', '--bnd', "\r\n--bnd", "\r\n--bnd--\r\n", '"', ';', '=', ':', "\0", "\xff", 'name=', '\\',
-        "\x1f\x8b\x08", 'x' x 5000);
-    for (0 .. int rand 4) {
-        my $size = length $bytes;
-        my $at = int rand(rand() < 0.5 ? $size : $size < 400 ? $size : 400);
-        my $much = int rand(rand() < 0.8 ? 8 : $size);
-        my $how = int rand 6;
-        if ($how == 0) { substr($bytes, $at, 1) ^= chr(1 << int rand 8) if $at < $size }
-        elsif ($how == 1) { substr($bytes, $at, $much) = '' }
-        elsif ($how == 2) { substr($bytes, $at, 0) = substr $bytes, $at, $much }
-        elsif ($how == 3) { substr($bytes, $at, 0) = $bits[rand @bits] }
-        elsif ($how == 4) { substr($bytes, $at, $much) = $bits[rand @bits] }
-        else { $bytes = substr $bytes, 0, $at if rand() < 0.3 }
-    }
-    return $bytes;
-}
+# What is put in is often what a scanner looks for.
+my @bits = ("\r\n", "\r", "\n", '--', '--bnd', "\r\n--bnd", "\r\n--bnd--\r\n", '"', ';', '=', ':', "\0", "\xff", 'name=', '\\',
+    "\x1f\x8b\x08", 'x' x 5000);
+sub mutant { return Vt::mutant($_[0], 400, @bits) }
 
 # Sends it in one piece, which does not wait for a delayed ACK, on a connection of its own.
 sub answer {

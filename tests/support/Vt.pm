@@ -104,6 +104,24 @@ sub reap {
 sub DESTROY { local $?; $_[0]->stop('KILL') if $_[0]{pid} } # at the end of the program too, whose status it is not
 END { my $status = $?; kill 'KILL', $_ for keys %running; $? = $status }
 
+# Bytes with a change or several, half of them among the first `front`; what is put in is often one of these bits. By srand.
+sub mutant {
+    my ($bytes, $front, @bits) = @_;
+    for (0 .. int rand 4) {
+        my $size = length $bytes;
+        my $at = int rand(rand() < 0.5 ? $size : $size < $front ? $size : $front);
+        my $much = int rand(rand() < 0.8 ? 8 : $size);
+        my $how = int rand 6;
+        if ($how == 0) { substr($bytes, $at, 1) ^= chr(1 << int rand 8) if $at < $size }
+        elsif ($how == 1) { substr($bytes, $at, $much) = '' }
+        elsif ($how == 2) { substr($bytes, $at, 0) = substr $bytes, $at, $much }
+        elsif ($how == 3) { substr($bytes, $at, 0) = $bits[rand @bits] }
+        elsif ($how == 4) { substr($bytes, $at, $much) = $bits[rand @bits] }
+        else { $bytes = substr $bytes, 0, $at if rand() < 0.3 }
+    }
+    return $bytes;
+}
+
 # A polite request: HTTP::Tiny's answer.
 sub request {
     my ($self, $method, $path, %options) = @_;

@@ -20,22 +20,7 @@ die 'no seeds' unless @seeds;
 my @bits = ("\n", "\0", "\xff" x 4, "\x7f\xff\xff\xff", "\xff\xff\xff\x7f", 'nan', '1e400', '-1', "\0" x 100, '99999999999', "property float x\n",
     'DRACO', "end_header\n", 'x' x 2000);
 
-sub mutant {
-    my $bytes = $seeds[rand @seeds];
-    for (0 .. int rand 4) {
-        my $size = length $bytes;
-        my $at = int rand(rand() < 0.5 ? $size : $size < 300 ? $size : 300);
-        my $much = int rand(rand() < 0.8 ? 8 : $size);
-        my $how = int rand 6;
-        if ($how == 0) { substr($bytes, $at, 1) ^= chr(1 << int rand 8) if $at < $size }
-        elsif ($how == 1) { substr($bytes, $at, $much) = '' }
-        elsif ($how == 2) { substr($bytes, $at, 0) = substr $bytes, $at, $much }
-        elsif ($how == 3) { substr($bytes, $at, 0) = $bits[rand @bits] }
-        elsif ($how == 4) { substr($bytes, $at, $much) = $bits[rand @bits] }
-        else { $bytes = substr $bytes, 0, $at if rand() < 0.3 }
-    }
-    return $bytes;
-}
+sub mutant { return Vt::mutant($seeds[rand @seeds], 300, @bits) }
 
 my $daemon = Vt->start(queue => 1000, 'result-ttl' => 1);
 my $path = '/v1/inspect';
