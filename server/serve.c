@@ -205,6 +205,7 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
                                       .keep = worker.keep};
     const struct vor_supervisor_config runs = {.zygote = &daemon->zygote,
                                                .kind = VOR_CHILD_WORKER,
+                                               .codec = place_of(daemon),
                                                .threads = thread_count(config),
                                                .memory = worker.jobs * worker.memory};
     vor_status status = vor_supervisor_create(&daemon->supervisor, &runs, err);

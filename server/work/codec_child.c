@@ -82,12 +82,12 @@ static void warm_heap(size_t bytes)
     free(heap);
 }
 
-/* Large uploads give way to small ones, and to the front. */
-static void step_back(size_t size)
+/* Large uploads give way to small ones, and to the front; the last step of a job does not. */
+static void step_back(const struct vor_codec_order *order)
 {
     enum { LARGE = 1 << 20, NICENESS = 5 };
 
-    if (size > LARGE)
+    if (order->size > LARGE && order->op != VOR_CODEC_ENCODE)
         (void)setpriority(PRIO_PROCESS, 0, NICENESS);
 }
 
@@ -99,7 +99,7 @@ static vor_status shut_in_and_do(struct vor_codec_reply *reply, struct ring *rin
     void *ring_bytes, *input = NULL;
     vor_status status;
 
-    step_back(size);
+    step_back(&start->order);
     status = vor_sandbox_enter(&start->sandbox, start->kind, &reply->error);
     if (status != VOR_OK)
         return status;

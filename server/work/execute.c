@@ -21,7 +21,7 @@ static const double retry_seconds_max = 16; /* at most, as encoding costs cores 
 struct run {
     const struct vor_order *order;
     const struct vor_listener *listener;
-    struct vor_pool *pool;
+    const struct vor_run_means *means;
     struct vor_run_result *result;
     struct vor_text *kept;
     struct vor_memory memory;
@@ -67,7 +67,7 @@ static vor_status compute(struct run *run, struct vor_artefacts *out, struct vor
     const struct vor_spec *spec = &run->order->spec;
     struct vor_watch watch = {
         .ctx = run, .progress = take_progress, .poll = asked, .clock = read_clock};
-    struct vor_run engine = {.pool = run->pool, .memory = &run->memory, .watch = &watch};
+    struct vor_run engine = {.pool = run->means->pool, .memory = &run->memory, .watch = &watch};
     struct vor_artefacts in;
     vor_status status;
 
@@ -82,17 +82,27 @@ static vor_status compute(struct run *run, struct vor_artefacts *out, struct vor
     return status;
 }
 
+/* Nobody waits for the result of a run that is cancelled. */
+static int has_left(void *ctx)
+{
+    return asked(ctx) == VOR_CANCEL;
+}
+
 /* Writes the outputs that have a file. */
 static vor_status try_files(struct run *run, const struct vor_artefacts *out, struct vor_error *err)
 {
     const struct vor_order *order = run->order;
     const struct vor_artefact_info *outputs = order->spec.process->outputs;
+    struct vor_codec_place place = run->means->codec;
+    const struct vor_writing writing = {order, &run->facts, &place};
     vor_status status = VOR_OK;
 
+    place.has_left = has_left;
+    place.ctx = run;
     for (unsigned i = 0; outputs[i].name != NULL && status == VOR_OK; i++)
         if (order->output[i] >= 0)
-            status = vor_artefact_write(&run->result->output[i], order, i,
-                                        vor_artefacts_find(out, outputs[i].name), &run->facts, err);
+            status = vor_artefact_write(&run->result->output[i], &writing, i,
+                                        vor_artefacts_find(out, outputs[i].name), err);
     return status;
 }
 
@@ -214,11 +224,11 @@ static vor_status save(struct run *run, struct vor_artefacts *out, struct vor_er
 }
 
 vor_status vor_execute(struct vor_run_result *result, struct vor_text *kept,
-                       const struct vor_order *order, struct vor_pool *pool,
+                       const struct vor_order *order, const struct vor_run_means *means,
                        const struct vor_listener *listener, struct vor_error *err)
 {
     struct run run = {
-        .order = order, .listener = listener, .pool = pool, .result = result, .kept = kept};
+        .order = order, .listener = listener, .means = means, .result = result, .kept = kept};
     struct vor_artefacts out;
     vor_status status;
 
@@ -245,7 +255,8 @@ static enum vor_run_end run_here(struct vor_run_executor *executor, const struct
                                  struct vor_text *kept, struct vor_error *err)
 {
     struct vor_run_here *here = (struct vor_run_here *)executor;
-    vor_status status = vor_execute(result, kept, order, here->pool, listener, err);
+    const struct vor_run_means means = {.pool = here->pool};
+    vor_status status = vor_execute(result, kept, order, &means, listener, err);
 
     return status == VOR_OK ? VOR_RUN_DONE : VOR_RUN_FAILED;
 }

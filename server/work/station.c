@@ -20,7 +20,8 @@ enum { OOM_SCORE = 500 };
 
 struct station {
     struct vor_board *board;
-    struct vor_pool *pool;
+    struct vor_zygote zygote; /* our parent */
+    struct vor_run_means means;
     struct rlimit memory; /* RLIMIT_DATA; infinite where there is none */
 };
 
@@ -130,7 +131,7 @@ static vor_status run_order(struct sitting *sitting, const struct vor_order *ord
     vor_status status;
 
     vor_text_init(&kept, VOR_KEPT_MAX);
-    status = vor_execute(&result, &kept, order, sitting->station->pool, &listener, err);
+    status = vor_execute(&result, &kept, order, &sitting->station->means, &listener, err);
     if (status == VOR_E_NOMEM && is_exhausted(sitting->station))
         _exit(VOR_STATION_NO_MEMORY);
     if (status == VOR_OK) {
@@ -209,15 +210,27 @@ static void serve(struct station *station, int channel)
     }
 }
 
+/* Results are encoded in children, where the board says so. */
+static void place_codec(struct station *station, int socket)
+{
+    const struct vor_board *board = station->board;
+
+    station->zygote = (struct vor_zygote){.socket = socket, .pid = getppid()};
+    station->means.codec = (struct vor_codec_place){
+        .zygote = &station->zygote, .kind = board->codec_kind, .sandbox = board->sandbox};
+}
+
 int vor_station_run(int channel, const int *fds, unsigned fd_count)
 {
-    struct station station = {.board = fd_count == 1 ? vor_board_map(fds[0]) : NULL};
+    struct station station = {.board = fd_count >= 1 ? vor_board_map(fds[0]) : NULL};
 
-    if (station.board == NULL)
+    if (station.board == NULL || fd_count != (station.board->has_codec ? 2 : 1))
         return EXIT_FAILURE;
+    if (station.board->has_codec)
+        place_codec(&station, fds[1]);
     vor_machine_set_oom_score(OOM_SCORE);
     limit_memory(&station);
-    if (vor_pool_create(&station.pool, station.board->threads, NULL) != VOR_OK ||
+    if (vor_pool_create(&station.means.pool, station.board->threads, NULL) != VOR_OK ||
         !start_thread(tick, &station))
         return VOR_STATION_NO_POOL;
     if (vor_channel_send(channel, "", 1, NULL, 0, NULL) == VOR_OK)

@@ -43,7 +43,15 @@ struct vor_supervisor {
 static vor_status init_worker(const struct vor_supervisor *supervisor, struct vor_workplace *worker,
                               struct vor_error *err)
 {
-    return vor_workplace_init(worker, supervisor->config.threads, supervisor->config.memory, err);
+    const struct vor_supervisor_config *config = &supervisor->config;
+    vor_status status = vor_workplace_init(worker, config->threads, config->memory, err);
+
+    if (status != VOR_OK)
+        return status;
+    worker->board->has_codec = config->codec.zygote != NULL;
+    worker->board->codec_kind = config->codec.kind;
+    worker->board->sandbox = config->codec.sandbox;
+    return VOR_OK;
 }
 
 /* Starts a worker, or ends one; the mutex is held. */

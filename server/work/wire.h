@@ -8,6 +8,7 @@
 #define VOR_SERVER_WORK_WIRE_H
 
 #include "server/proc/channel.h"
+#include "server/proc/sandbox.h"
 #include "server/work/run_executor.h"
 
 #include <stdatomic.h>
@@ -17,8 +18,11 @@ enum { VOR_SEATS = 64 };
 
 /** Shared memory. What comes first is written by the front before the worker starts. */
 struct vor_board {
-    unsigned threads;            /**< of the pool */
-    size_t memory;               /**< bytes that the worker process may take; 0 for any */
+    unsigned threads;    /**< of the pool */
+    size_t memory;       /**< bytes that the worker process may take; 0 for any */
+    int has_codec;       /**< the worker has children encode results: */
+    unsigned codec_kind; /**< as in struct vor_codec_place, as the next */
+    enum vor_sandbox_kind sandbox;
     atomic_uint beats;           /**< the worker's ticker adds one every VOR_BEAT_SECONDS */
     atomic_int asked[VOR_SEATS]; /**< enum vor_answer of the listener of each run */
 };
