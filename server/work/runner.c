@@ -361,8 +361,10 @@ static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error
         (void)vor_worker_pause(run->worker, retry_seconds);
     if (!put_back(run, end, &crashes))
         return 0;
-    if (end != VOR_RUN_CRASHED_ALONE || crashes < run->worker->config.faults_max)
+    if (end != VOR_RUN_CRASHED_ALONE || crashes < run->worker->config.faults_max) {
+        vor_count_again();
         return vor_job_restart(run->job, end != VOR_RUN_DISTURBED, vor_clock_wall_ms());
+    }
     (void)vor_fail(problem, VOR_E_INTERNAL,
                    "crashed: the worker ended %u times while it worked on this job alone", crashes);
     run->attempt = 0; /* it does not run any more */

@@ -7,6 +7,7 @@
 #include "server/work/supervisor.h"
 
 #include "server/base/clock.h"
+#include "server/base/metrics.h"
 #include "server/work/workplace.h"
 
 #include <errno.h>
@@ -69,6 +70,7 @@ static void end_worker(struct vor_supervisor *supervisor, struct vor_workplace *
                        const char *why, int blamed)
 {
     supervisor->counts.crashed += worker->is_up != 0;
+    vor_metric_add(VOR_METRIC_WORKER_RESTARTS, worker->is_up != 0, NULL);
     vor_workplace_end(worker, why, blamed);
 }
 

@@ -190,10 +190,20 @@ static void write_event(struct stream *stream, struct vor_request *request,
         stream->ended = true;
 }
 
+/* Of those from one position to the next `sent` were read. */
+static void count_dropped(struct vor_position from, struct vor_position to, size_t sent)
+{
+    uint32_t begin = from.attempt == to.attempt && from.number <= to.number ? from.number : 0;
+
+    if (to.number - begin > sent)
+        vor_metric_add(VOR_METRIC_STREAM_DROPPED, (double)(to.number - begin - sent), NULL);
+}
+
 /* Writes the events that wait on the bus; false when there are none. */
 static bool take_events(struct stream *stream, struct vor_request *request)
 {
     struct vor_event events[BATCH];
+    struct vor_position before = stream->position;
     size_t count =
         vor_bus_read(stream->followed.bus, &stream->position,
                      stream->is_replay ? VOR_READ_EVERY : VOR_READ_LATEST, events, BATCH);
@@ -203,6 +213,7 @@ static bool take_events(struct stream *stream, struct vor_request *request)
     for (size_t i = 0; i < count && !stream->ended; i++)
         write_event(stream, request, &events[i]);
     vor_metric_add(VOR_METRIC_STREAM_EVENTS, (double)count, NULL);
+    count_dropped(before, stream->position, count);
     return count > 0;
 }
 

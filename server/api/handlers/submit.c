@@ -17,6 +17,7 @@
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
+#include "server/base/metrics.h"
 #include "server/http/waker.h"
 #include "server/work/admit.h"
 
@@ -130,6 +131,7 @@ static int take_piece(void *ctx, const void *bytes, size_t size)
     struct submission *submission = ctx;
     struct vor_error err;
 
+    vor_metric_add(VOR_METRIC_UPLOAD_BYTES, (double)size, NULL);
     if (vor_blob_append(submission->uploads.item[0].bytes, bytes, size, &err) == VOR_OK)
         return 0;
     return vor_error_storage_full(&err) ? 507 : 503;
@@ -233,7 +235,8 @@ static bool open_sink(struct vor_app *app, struct vor_request *request,
                       struct submission *submission, struct vor_body_sink *sink)
 {
     const struct vor_submit_head *head = &submission->head;
-    struct vor_upload *upload = &submission->uploads.item[0]; /* the body is the main input */
+    struct vor_upload upload = {.name = head->spec.process->inputs[0].name, /* the main input */
+                                .is_gzip = head->body.is_gzip};
 
     if (head->body.is_form) {
         submission->form =
@@ -241,17 +244,17 @@ static bool open_sink(struct vor_app *app, struct vor_request *request,
         *sink = (struct vor_body_sink){submission->form, vor_submit_form_take};
         return submission->form != NULL;
     }
-    *upload = (struct vor_upload){.name = head->spec.process->inputs[0].name,
-                                  .is_gzip = head->body.is_gzip};
     *sink = (struct vor_body_sink){submission, take_piece};
     if (head->besides.input.text[0] != '\0') {
-        upload->is_gzip = 0;
-        upload->bytes = open_kept(app, request, &head->besides);
+        upload.is_gzip = 0;
+        upload.bytes = open_kept(app, request, &head->besides);
     } else {
-        upload->bytes = create_upload(app, request);
+        upload.bytes = create_upload(app, request);
     }
-    submission->uploads.count = upload->bytes != NULL ? 1 : 0;
-    return upload->bytes != NULL;
+    if (upload.bytes == NULL)
+        return false;
+    (void)vor_uploads_add(&submission->uploads, &upload);
+    return true;
 }
 
 static enum vor_next begin(struct vor_app *app, struct vor_request *request)
