@@ -19,6 +19,7 @@
 struct vor_store {
     const struct vor_store_driver *driver;
     struct vor_reserve *reserve; /**< of the disk; NULL for none */
+    struct vor_reserve *opening; /**< a small one, spent by an opening alone; NULL for none */
     int is_damaged;              /**< the driver's: changes that were durable are gone */
 };
 

@@ -28,7 +28,8 @@ const struct vor_store_driver *vor_store_driver_at(unsigned index);
 VOR_NODISCARD vor_status vor_store_open(struct vor_store **out, const char *where, long *holder,
                                         struct vor_error *err);
 
-/** Keeps so many bytes of the store's disk (server/base/reserve.h), if it has a disk here, from now
+/** Keeps so many bytes of the store's disk (server/base/reserve.h), and some that are left to the
+ *  next opening however full it gets, if it has a disk here, from now
  *  on: on a full one they are given up for vor_store_finish, _release, _remove, _expire, _shed and
  *  _recover, and when it is opened. */
 void vor_store_set_reserve(struct vor_store *store, uint64_t bytes);

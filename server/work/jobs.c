@@ -1,6 +1,7 @@
 /* What handlers ask of the worker about single jobs. */
 #include "proto/codec.h"
 #include "server/base/clock.h"
+#include "server/base/disk.h"
 #include "server/base/log.h"
 #include "server/jobs/cost.h"
 #include "server/jobs/need.h"
@@ -8,6 +9,7 @@
 #include "server/work/counted.h"
 #include "server/work/live.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -193,8 +195,13 @@ static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_vie
                                    size_t jobs_max, uint64_t bytes, struct vor_error *err)
 {
     const char *tenant = row->key.principal;
-    enum vor_job_outcome outcome = vor_queue_reserve(worker->queue);
+    enum vor_job_outcome outcome;
 
+    if (atomic_load(&worker->is_late)) {
+        (void)vor_fail_errno(err, ENOSPC, "the jobs that wait to be recovered");
+        return VOR_FAILED;
+    }
+    outcome = vor_queue_reserve(worker->queue);
     if (outcome != VOR_DONE)
         return outcome;
     outcome = accept_job(worker, row, jobs_max, bytes, err);
@@ -479,6 +486,25 @@ static enum vor_job_outcome dismiss(struct vor_worker *worker, const struct vor_
     return outcome == VOR_DONE ? dismiss_row(worker, why, out, err) : outcome;
 }
 
+static void drop_bytes(struct vor_worker *worker, const struct vor_job_view *row)
+{
+    vor_worker_drop_inputs(worker, &row->id, row->process);
+    vor_worker_drop_uploads(worker, &row->id, row->process);
+    vor_worker_drop_outputs(worker, &row->id, row->process);
+}
+
+/* On a disk without a byte the job's own make the room that its end takes. */
+static vor_status remove_row(struct vor_worker *worker, const struct vor_job_view *row,
+                             int *changed, struct vor_error *err)
+{
+    vor_status status = vor_store_remove(worker->config.store, &row->id, changed, err);
+
+    if (status != VOR_E_IO || !vor_error_storage_full(err))
+        return status;
+    drop_bytes(worker, row);
+    return vor_store_remove(worker->config.store, &row->id, changed, err);
+}
+
 /* Removes a job that is over; row is its last view. */
 static enum vor_job_outcome remove_job(struct vor_worker *worker, const struct vor_job_view *row,
                                        struct vor_error *err)
@@ -487,7 +513,7 @@ static enum vor_job_outcome remove_job(struct vor_worker *worker, const struct v
     struct vor_job *job;
     int changed;
 
-    if (vor_store_remove(worker->config.store, id, &changed, err) != VOR_OK)
+    if (remove_row(worker, row, &changed, err) != VOR_OK)
         return VOR_FAILED;
     if (!changed)
         return VOR_UNKNOWN;
@@ -495,9 +521,7 @@ static enum vor_job_outcome remove_job(struct vor_worker *worker, const struct v
     if (job != NULL)
         vor_worker_forget(worker, job); /* its runner has not unwound yet */
     vor_job_release(job);
-    vor_worker_drop_inputs(worker, id, row->process);
-    vor_worker_drop_uploads(worker, id, row->process);
-    vor_worker_drop_outputs(worker, id, row->process);
+    drop_bytes(worker, row);
     vor_log(VOR_LOG_INFO, "job removed", VOR_TEXT("job", id->text));
     return VOR_DONE;
 }

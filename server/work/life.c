@@ -72,6 +72,7 @@ static void *sweeper_main(void *arg)
     do {
         double now = vor_clock_seconds();
 
+        vor_worker_recover_late(worker);
         vor_worker_look(worker);
         if (!vor_calendar_look(worker))
             continue;
