@@ -289,12 +289,12 @@ vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms, struct 
     return store->driver->newest(store, newest_ms, err);
 }
 
-vor_status vor_store_recover(struct vor_store *store, const struct vor_crash *crash,
-                             struct vor_recovered *recovered, struct vor_error *err)
+vor_status vor_store_recover(struct vor_store *store, int64_t now_ms, uint64_t *requeued,
+                             struct vor_error *err)
 {
-    vor_status status = store->driver->recover(store, crash, recovered, err);
+    vor_status status = store->driver->recover(store, now_ms, requeued, err);
 
     return made_room(store->reserve, status, err)
-               ? store->driver->recover(store, crash, recovered, err)
+               ? store->driver->recover(store, now_ms, requeued, err)
                : status;
 }

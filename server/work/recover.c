@@ -3,13 +3,11 @@
 
 #include "server/base/clock.h"
 #include "server/base/disk.h"
-#include "server/base/fault.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"
 #include "server/work/calendar.h"
 #include "server/work/room.h"
 
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -321,26 +319,16 @@ vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
 /* Rows of a former life, and the queue. */
 static vor_status recover_rows(struct vor_worker *worker, struct vor_error *err)
 {
-    int64_t now = vor_clock_wall_ms();
-    const char *mark = worker->config.fault_mark;
-    /* What ran elsewhere cannot be why the daemon ended. */
-    const int is_apart = worker->config.executor->is_apart;
-    const struct vor_crash crash = {.by_fault = mark == NULL || vor_fault_left(mark),
-                                    .faults_max = is_apart ? UINT_MAX : worker->config.faults_max,
-                                    .kills_max = is_apart ? UINT_MAX : worker->config.kills_max,
-                                    .now_ms = now,
-                                    .expires_ms = expiry(worker, now)};
-    struct vor_recovered recovered = {0};
-    vor_status status = vor_store_recover(worker->config.store, &crash, &recovered, err);
+    uint64_t requeued = 0;
+    vor_status status =
+        vor_store_recover(worker->config.store, vor_clock_wall_ms(), &requeued, err);
 
-    if (status == VOR_OK && mark != NULL)
-        vor_fault_clear(mark);
     if (status == VOR_OK)
         status = recover_queue(worker, err);
-    vor_metric_add(VOR_METRIC_JOBS_AGAIN, (double)recovered.requeued, VOR_LABELS("restart"));
+    vor_metric_add(VOR_METRIC_JOBS_AGAIN, (double)requeued, VOR_LABELS("restart"));
     if (status == VOR_OK)
         vor_log(VOR_LOG_INFO, "recovered", VOR_COUNT("waiting", vor_queue_depth(worker->queue)),
-                VOR_COUNT("requeued", recovered.requeued), VOR_COUNT("failed", recovered.failed));
+                VOR_COUNT("requeued", requeued));
     return status;
 }
 
