@@ -170,10 +170,10 @@ check: all $(if $(TOY_SCRIPTS),toy) $(TEST_BIN) ## run every test with what is i
 soak: ## test, with more seeds and larger clouds, and every golden case at 1, 2, 3 and 8 threads
 	@VT_SOAK=1 $(MAKE) --no-print-directory test
 
-torture: ## install what is missing, build, and measure what the daemon withstands (LONG=1, SEED=n, ONLY=regex of programs)
+torture: ## install what is missing, build, and measure what the daemon withstands (LONG=1, SEED=n, COUNT=n, ONLY=regex of programs)
 	@docker/install.sh build test torture $(if $(LONG),lint)
 	@$(MAKE) --no-print-directory all $(if $(TOY_SCRIPTS),toy)
-	@tests/torture/run.pl $(if $(LONG),--long) $(if $(SEED),--seed $(SEED)) $(BIN)
+	@tests/torture/run.pl $(if $(LONG),--long) $(if $(SEED),--seed $(SEED)) $(if $(COUNT),--count $(COUNT)) $(BIN)
 
 bench: ## install what is missing, build, and measure: tables and plots in build/bench (RUNS=n, ONLY=regex of rows)
 	@docker/install.sh build bench

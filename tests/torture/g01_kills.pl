@@ -13,7 +13,7 @@ use Faults;
 use Vt;
 
 my %option = options();
-my $kills = $option{long} ? 2000 : 25;
+my $kills = $option{count} // ($option{long} ? 2000 : 25);
 my $cloud = sphere_ply(600);
 my @queries = map { "points=$_&iterations=4&polish=2&seed=$_" } 60, 90, 120, 200;
 my $dir = tempdir(CLEANUP => 1);
