@@ -1,5 +1,6 @@
 #include "server/work/station.h"
 
+#include "server/base/log.h"
 #include "server/base/machine.h"
 #include "server/work/execute.h"
 #include "server/work/wire.h"
@@ -228,6 +229,7 @@ int vor_station_run(int channel, const int *fds, unsigned fd_count)
         return EXIT_FAILURE;
     if (station.board->has_codec)
         place_codec(&station, fds[1]);
+    vor_log_set_level(VOR_LOG_OFF); /* the front logs; how a child ended is in the error */
     vor_machine_set_oom_score(OOM_SCORE);
     limit_memory(&station);
     if (vor_pool_create(&station.means.pool, station.board->threads, NULL) != VOR_OK ||
