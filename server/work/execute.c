@@ -21,13 +21,14 @@ static const double retry_seconds_max = 16; /* at most, as encoding costs cores 
 struct run {
     const struct vor_order *order;
     const struct vor_listener *listener;
-    const struct vor_run_means *means;
+    struct vor_pool *pool;
     struct vor_run_result *result;
     struct vor_text *kept;
     struct vor_memory memory;
     struct vor_result_facts facts;
     double enough;   /* when the request's own time is over; infinite for never */
     atomic_int full; /* it was ended because that time was over */
+    const struct vor_codec_place *codec; /* where clouds are encoded */
 };
 
 /* --- the engine's questions ------------------------------------------------------------------- */
@@ -67,7 +68,7 @@ static vor_status compute(struct run *run, struct vor_artefacts *out, struct vor
     const struct vor_spec *spec = &run->order->spec;
     struct vor_watch watch = {
         .ctx = run, .progress = take_progress, .poll = asked, .clock = read_clock};
-    struct vor_run engine = {.pool = run->means->pool, .memory = &run->memory, .watch = &watch};
+    struct vor_run engine = {.pool = run->pool, .memory = &run->memory, .watch = &watch};
     struct vor_artefacts in;
     vor_status status;
 
@@ -93,7 +94,7 @@ static vor_status try_files(struct run *run, const struct vor_artefacts *out, st
 {
     const struct vor_order *order = run->order;
     const struct vor_artefact_info *outputs = order->spec.process->outputs;
-    struct vor_codec_place place = run->means->codec;
+    struct vor_codec_place place = *run->codec;
     const struct vor_writing writing = {order, &run->facts, &place};
     vor_status status = VOR_OK;
 
@@ -228,7 +229,7 @@ vor_status vor_execute(struct vor_run_result *result, struct vor_text *kept,
                        const struct vor_listener *listener, struct vor_error *err)
 {
     struct run run = {
-        .order = order, .listener = listener, .means = means, .result = result, .kept = kept};
+        .order = order, .listener = listener, .pool = means->pool, .result = result, .kept = kept};
     struct vor_artefacts out;
     vor_status status;
 
@@ -237,6 +238,7 @@ vor_status vor_execute(struct vor_run_result *result, struct vor_text *kept,
                      ? vor_clock_seconds() + order->spec.value[VOR_PARAM_SECONDS]
                      : (double)INFINITY;
     atomic_init(&run.full, 0);
+    run.codec = &means->codec;
     vor_memory_init(&run.memory, order->memory);
     vor_artefacts_init(&out, &run.memory);
     status = compute(&run, &out, err);
