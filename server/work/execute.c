@@ -22,13 +22,13 @@ struct run {
     const struct vor_order *order;
     const struct vor_listener *listener;
     struct vor_pool *pool;
+    const struct vor_codec_place *codec; /* where clouds are encoded */
     struct vor_run_result *result;
     struct vor_text *kept;
     struct vor_memory memory;
     struct vor_result_facts facts;
     double enough;   /* when the request's own time is over; infinite for never */
     atomic_int full; /* it was ended because that time was over */
-    const struct vor_codec_place *codec; /* where clouds are encoded */
 };
 
 /* --- the engine's questions ------------------------------------------------------------------- */
