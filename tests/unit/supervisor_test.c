@@ -3,6 +3,7 @@
  * the real ones are compared with runs in this process. */
 #include "proto/dump.h"
 #include "server/base/log.h"
+#include "server/base/metrics.h"
 #include "server/work/codec_child.h"
 #include "server/work/execute.h"
 #include "server/work/station.h"
@@ -435,7 +436,9 @@ START_TEST(a_crash_is_told_to_all_that_ran_there)
 {
     struct front front = front_start(SCRIPTED, 0, 0);
     struct heard beside[3], heard;
+    struct vor_text numbers;
 
+    vor_metrics_reset();
     for (int i = 0; i < 3; i++)
         begin(&beside[i], &front, OBEYS);
     for (int i = 0; i < 3; i++)
@@ -444,6 +447,10 @@ START_TEST(a_crash_is_told_to_all_that_ran_there)
     for (int i = 0; i < 3; i++)
         ck_assert_int_eq(end_of(&beside[i]), VOR_RUN_CRASHED);
     ck_assert_uint_eq(counts_of(&front).crashed, 1);
+    vor_text_init(&numbers, 0);
+    vor_metrics_write(&numbers);
+    ck_assert_ptr_nonnull(strstr(numbers.data, "\nvoronoid_worker_restarts_total 1\n"));
+    vor_text_free(&numbers);
     front_stop(&front);
 }
 END_TEST
