@@ -282,15 +282,7 @@ vor_status vor_engine_run(struct vor_artefacts *out, const struct vor_artefacts 
                           struct vor_error *err)
 {
     const struct vor_process *process = process_of(spec);
-    struct vor_run begun = *run;
-    struct vor_no_stop no_stop;
-    vor_status status;
 
     assert(process != NULL);
-    begun.began = vor_run_clock(run);
-    begun.no_stop = vor_no_stop_watch(&no_stop, run->watch);
-    status = process->run(out, in, spec, &begun, err);
-    for (const struct vor_artefact_info *o = spec->process->outputs; o->name != NULL; o++)
-        assert(status != VOR_OK || vor_artefacts_find(out, o->name) != NULL);
-    return status;
+    return vor_process_run(process, out, in, spec, run, err);
 }

@@ -13,7 +13,8 @@ enum vor_answer {
 };
 
 /** Any member may be NULL. progress and clock are called from the thread that runs the engine, poll
- *  from every thread of the pool before each block of work: it must be cheap and thread-safe. */
+ *  from every thread of the pool before each block of work: it must be cheap and thread-safe. Where
+ *  there is a poll and the request limits the time, so must the clock be. */
 struct vor_watch {
     void *ctx;
     enum vor_answer (*progress)(void *ctx, const struct vor_record *record);

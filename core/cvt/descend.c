@@ -77,11 +77,12 @@ static unsigned next_power(const struct descend *descend)
     return power < descend->last_power ? power : descend->last_power;
 }
 
-/* Puts the seeds onto the surface where they are, before the first iteration. */
+/* Puts the seeds onto the surface where they are, before the first iteration. A stop leaves some of
+ * them where they started. */
 static vor_status put_down(struct descend *descend, struct vor_error *err)
 {
-    const struct vor_run *run = &descend->seeds->run;
-    vor_status status = vor_frozen_set(&descend->frozen, descend->power, descend->y, run, err);
+    vor_status status =
+        vor_frozen_set(&descend->frozen, descend->power, descend->y, descend->run, err);
 
     return status == VOR_OK
                ? vor_frozen_take(&descend->frozen, descend->y, descend->held, &descend->sums, err)
@@ -187,9 +188,12 @@ static vor_status loop(struct descend *descend, struct vor_error *err)
     enum vor_answer answer = VOR_CONTINUE;
     double took = 0, before;
     vor_status status = put_down(descend, err);
+    int stopped = status == VOR_E_STOPPED;
 
-    if (status == VOR_OK)
+    if (status == VOR_OK || stopped)
         status = record(descend, &answer, err);
+    if (status == VOR_OK && stopped && answer == VOR_CONTINUE)
+        answer = VOR_STOP;
     while (status == VOR_OK && answer == VOR_CONTINUE && !finished(descend, took)) {
         before = descend->last_seconds;
         status = iterate(descend, err);

@@ -42,6 +42,16 @@ static void make_normal(struct transfer *transfer, const struct vor_scratch *scr
                      transfer->nearest[i], fitted);
 }
 
+/* The input point nearest to seed i, by a search for it alone. */
+static uint32_t nearest_source(const struct vor_seeds *seeds, size_t i)
+{
+    uint32_t index;
+    float distance2;
+
+    vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * i], 1, 1, &index, &distance2);
+    return seeds->domain->source[index];
+}
+
 static void transfer_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct transfer *transfer = ctx;
@@ -49,6 +59,10 @@ static void transfer_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_scratch *scratch = &seeds->scratch[worker];
 
     for (size_t i = begin; i < end; i++) {
+        if (transfer->normal == NULL && vor_run_is_late(&seeds->run)) {
+            transfer->nearest[i] = nearest_source(seeds, i);
+            continue;
+        }
         (void)vor_seeds_fit(seeds, scratch, i);
         transfer->nearest[i] = seeds->domain->source[vor_input_lists_first(&seeds->input_lists, i)];
         if (transfer->normal != NULL)

@@ -8,7 +8,6 @@
 #include "server/work/artefacts.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
@@ -26,23 +25,15 @@ struct run {
     struct vor_text *kept;
     struct vor_memory memory;
     struct vor_result_facts facts;
-    double enough;   /* when the request's own time is over; infinite for never */
-    atomic_int full; /* it was ended because that time was over */
 };
 
 /* --- the engine's questions ------------------------------------------------------------------- */
 
-/* A run whose time is over ends as one that is stopped: the loops ask for the time themselves, but
- * only between two steps. */
 static enum vor_answer asked(void *ctx)
 {
-    struct run *run = ctx;
-    enum vor_answer answer = run->listener->asked(run->listener->ctx);
+    const struct vor_listener *listener = ((struct run *)ctx)->listener;
 
-    if (answer == VOR_CANCEL || vor_clock_seconds() < run->enough)
-        return answer;
-    atomic_store(&run->full, answer == VOR_CONTINUE);
-    return VOR_STOP;
+    return listener->asked(listener->ctx);
 }
 
 static double read_clock(void *ctx)
@@ -152,8 +143,6 @@ static void complete_report(const struct run *run, struct vor_report *report,
     report->seconds_read = run->order->seconds_read;
     report->seconds_write = vor_clock_seconds() - began;
     report->memory_peak_bytes = atomic_load(&run->memory.peak);
-    if (atomic_load(&run->full) && report->stopped == VOR_STOPPED_CALLER)
-        report->stopped = VOR_STOPPED_SECONDS;
     memcpy(report->origin, first->origin, sizeof report->origin);
 }
 
@@ -223,10 +212,6 @@ vor_status vor_execute(struct vor_run_result *result, struct vor_text *kept,
     vor_status status;
 
     *result = (struct vor_run_result){.has_report = 0};
-    run.enough = vor_spec_given(&order->spec, VOR_PARAM_SECONDS)
-                     ? vor_clock_seconds() + order->spec.value[VOR_PARAM_SECONDS]
-                     : (double)INFINITY;
-    atomic_init(&run.full, 0);
     vor_memory_init(&run.memory, order->memory);
     vor_artefacts_init(&out, &run.memory);
     status = compute(&run, &out, err);
