@@ -26,6 +26,16 @@ enum vor_job_outcome vor_worker_room(struct vor_worker *worker)
     return vor_queue_depth(worker->queue) < vor_queue_capacity(worker->queue) ? VOR_DONE : VOR_FULL;
 }
 
+enum vor_job_outcome vor_worker_book(struct vor_worker *worker)
+{
+    return vor_queue_reserve(worker->queue);
+}
+
+void vor_worker_unbook(struct vor_worker *worker)
+{
+    vor_queue_cancel(worker->queue);
+}
+
 void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out)
 {
     out->waiting = vor_queue_depth(worker->queue);
@@ -189,19 +199,15 @@ static vor_status check_bytes(struct vor_worker *worker, const struct vor_admitt
     return VOR_E_BYTES;
 }
 
+/* For a job that has a place in the queue, and keeps it when VOR_DONE is returned. */
 static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_view *row,
                                    size_t jobs_max, uint64_t bytes, struct vor_error *err)
 {
     const char *tenant = row->key.principal;
-    enum vor_job_outcome outcome = vor_queue_reserve(worker->queue);
+    enum vor_job_outcome outcome = accept_job(worker, row, jobs_max, bytes, err);
 
     if (outcome != VOR_DONE)
         return outcome;
-    outcome = accept_job(worker, row, jobs_max, bytes, err);
-    if (outcome != VOR_DONE) {
-        vor_queue_cancel(worker->queue);
-        return outcome;
-    }
     vor_count_accepted(row);
     vor_log(VOR_LOG_INFO, "job accepted", VOR_OF_JOB(row),
             VOR_TEXT("tenant", tenant[0] != '\0' ? tenant : NULL),
@@ -217,6 +223,7 @@ enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
                                        struct vor_error *err)
 {
     enum vor_job_outcome outcome = VOR_FAILED;
+    int booked = label != NULL && label->booked;
     struct vor_job_view row;
     uint64_t bytes;
 
@@ -225,9 +232,15 @@ enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
         check_bytes(worker, admitted, &bytes, err) == VOR_OK &&
         check_target(spec, &row.input[0], err) == VOR_OK &&
         check_need(worker, &row, err) == VOR_OK && check_cost(worker, &row, err) == VOR_OK &&
-        check_origin(&row, admitted, err) == VOR_OK)
+        check_origin(&row, admitted, err) == VOR_OK) {
+        outcome = booked ? VOR_DONE : vor_worker_book(worker);
+        booked = outcome == VOR_DONE;
+    }
+    if (outcome == VOR_DONE)
         outcome = submit(worker, &row, label != NULL ? label->jobs_max : 0, bytes, err);
     if (outcome != VOR_DONE) {
+        if (booked)
+            vor_worker_unbook(worker);
         vor_admit_drop(worker->config.blobs, admitted);
         return outcome;
     }

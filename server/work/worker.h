@@ -64,6 +64,14 @@ void vor_worker_destroy(struct vor_worker *worker);
  *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING */
 enum vor_job_outcome vor_worker_room(struct vor_worker *worker);
 
+/** Keeps a place in the queue for a job whose inputs are all here and are yet to be decoded, so
+ * that one for which there is none is refused before that. It goes with vor_job_label.booked, or is
+ * given back by vor_worker_unbook. Quick.
+ *
+ *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING */
+enum vor_job_outcome vor_worker_book(struct vor_worker *worker);
+void vor_worker_unbook(struct vor_worker *worker);
+
 /** Can jobs be taken, run and ended? For /readyz: the store is in order, its reserve is there, and
  *  the disk has room besides what stays free.
  *
@@ -86,6 +94,7 @@ struct vor_job_label {
                                         principal is whose the job is */
     const struct vor_span *span;   /**< the step of a trace that asks for it */
     size_t jobs_max; /**< jobs of that principal that may wait or run, this one included; 0: any */
+    int booked;      /**< a place is kept for it, which is used or given back */
 };
 
 /** Accepts a job for inputs that vor_admit_file took in: the row is durable when this returns.

@@ -40,6 +40,7 @@ struct submission {
     bool admitted;  /* the members below are set */
     bool settled;   /* the caller of a synchronous call got an answer */
     bool in_flight; /* the key is ours */
+    bool booked;    /* a place in the queue is kept, until admission is over */
     bool replayed;  /* the job is that of an earlier request with this key */
     bool headed;    /* the reply has its headers already */
     struct vor_admission admission;
@@ -307,8 +308,8 @@ static void on_admitted(struct vor_admission *admission)
     struct vor_app *app = submission->app;
     const struct vor_job_label label = {submission->head.besides.name,
                                         &submission->head.besides.key, &submission->span,
-                                        (size_t)submission->quota.jobs};
-    bool abandoned;
+                                        (size_t)submission->quota.jobs, submission->booked};
+    bool abandoned, submitted = false;
 
     (void)pthread_mutex_lock(&submission->lock);
     abandoned = submission->abandoned && !has_key(submission);
@@ -320,9 +321,13 @@ static void on_admitted(struct vor_admission *admission)
                                             &submission->error) != VOR_OK)
         vor_admit_drop(app->blobs, &admission->admitted);
     else
+        submitted = true;
+    if (submitted)
         submission->outcome =
             vor_worker_submit(app->worker, &admission->admitted, &submission->head.spec, &label,
                               &submission->view, &submission->error);
+    else if (submission->booked)
+        vor_worker_unbook(app->worker);
     end_flight(submission);
     (void)pthread_mutex_lock(&submission->lock);
     submission->admitted = true;
@@ -346,8 +351,11 @@ static struct vor_sharer sharer_of(const struct vor_request *request)
 static enum vor_next admit(struct vor_app *app, struct vor_request *request,
                            struct submission *submission)
 {
-    enum vor_job_outcome outcome;
+    enum vor_job_outcome outcome = vor_worker_book(app->worker);
 
+    submission->booked = outcome == VOR_DONE;
+    if (!submission->booked && !has_key(submission)) /* which may be that of a job that is there */
+        return vor_outcome_reply(app, request, outcome, NULL, NULL);
     submission->admission = (struct vor_admission){
         .uploads = submission->uploads,
         .caller = sharer_of(request),
@@ -363,6 +371,8 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
         return VOR_NEXT_WAIT;
     }
     submission->holds--;
+    if (submission->booked)
+        vor_worker_unbook(app->worker);
     return vor_outcome_reply(app, request, outcome, NULL, NULL);
 }
 
