@@ -255,6 +255,10 @@ int main(void)
     vt_add(suite, a_child_logs_at_once);
     vt_add(suite, lines_for_a_reader_that_has_gone_are_counted);
     vt_add_loop(suite, a_long_text_loses_its_middle_and_says_how_much, 2);
+#if defined(__SANITIZE_ADDRESS__) /* which keeps what was freed */
+    (void)a_reader_who_keeps_up_leaves_the_queue_untouched;
+#else
     vt_add_figures(suite, a_reader_who_keeps_up_leaves_the_queue_untouched, 0);
+#endif
     return vt_run(suite);
 }
