@@ -7,6 +7,7 @@
 #include "core/input/islands.h"
 #include "core/input/sampled.h"
 #include "core/kmeans/kmeans.h"
+#include "core/lop/lop.h"
 #include "core/metrics/inspect.h"
 #include "core/metrics/measure.h"
 #include "core/output/convert.h"
@@ -25,6 +26,8 @@
 /* The methods, in the order of the words of parameter `method`. */
 static const struct vor_method methods[VOR_METHODS] = {{"cvt", vor_cvt_run},
                                                        {"kmeans", vor_kmeans_run},
+                                                       {"wlop", vor_wlop_run},
+                                                       {"ear", vor_ear_run},
 #define METHOD_ROW(word, run) {word, run},
                                                        VOR_EXTRA_METHODS(METHOD_ROW)
 #undef METHOD_ROW

@@ -40,7 +40,7 @@ my %options;
 for my $command (qw(denoise upsample simplify resample)) {
     (undef, $help) = run([$command, '--help']);
     like $help, qr/--\Q$_\E VALUE\n/, "the help of $command has parameter $_"
-        for qw(points ratio spacing method patch density contrast grading metric maxAspect p cells iterations delta moveStop seconds neighbors anderson polish boundary holes holeMax edges outliers sample filters
+        for qw(points ratio spacing method patch density contrast grading metric maxAspect p cells iterations delta moveStop seconds neighbors anderson polish sigmaN sigmaP mu rounds steps rho phases samples gaps boundary holes holeMax edges outliers sample filters
         inputNormals intrinsic seed order format quantization compression origin attributes normals);
     ($options{$command}) = $help =~ /\nOptions:\n(.*?)\n\n/s;
     is $options{$command}, $options{denoise}, "and the options of the others";
@@ -96,7 +96,7 @@ refused 'a parameter of a command without a process', ['health', '--points', 5],
     'health: no option --points; see voronoid health --help';
 refused 'a parameter of measure', ['denoise', $in, '-o', $out, '--peak=1'], 2,
     'denoise: no parameter peak; denoise takes points, ratio, spacing, method, patch, density, contrast, grading, metric, maxAspect, p, cells, iterations, delta, moveStop, '
-    . 'seconds, neighbors, anderson, polish, boundary, holes, holeMax, edges, outliers, sample, filters, inputNormals, intrinsic, invalid, seed, order, format, '
+    . 'seconds, neighbors, anderson, polish, sigmaN, sigmaP, mu, rounds, steps, rho, phases, samples, gaps, boundary, holes, holeMax, edges, outliers, sample, filters, inputNormals, intrinsic, invalid, seed, order, format, '
     . 'quantization, compression, origin, '
     . 'attributes, normals, baselines';
 refused 'an option with a newline', ['resample', "--a\nb"], 2,
@@ -162,7 +162,7 @@ refused 'a wrong word', ['resample', $in, '-o', $out, @points, '--boundary', 'op
 refused 'no such patch', ['resample', $in, '-o', $out, @points, '--patch', 'octagon'], 2,
     'resample: patch is "octagon", want one of quadric, plane';
 refused 'a method of another process', ['upsample', $in, '-o', $out, '--method', 'kmeans'], 2,
-    'upsample: method is "kmeans", want one of cvt';
+    'upsample: method is "kmeans", want one of cvt, wlop, ear';
 refused 'neighbors out of range', ['resample', $in, '-o', $out, @points, '--neighbors=5'], 2,
     'resample: neighbors is 5, want a whole number from 6 to 500 or auto';
 for my $case (['a negative number', -1], ['too many', 10001], ['half a step', 1.5], ['a word', 'much'], ['auto', 'auto']) {

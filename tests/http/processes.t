@@ -106,7 +106,7 @@ for my $id (grep { $_ ne 'upsample' } sort keys %as) {
     is_deeply $report->{stages}[0]{steps}, 3, "$id: kmeans makes 3 steps";
     is scalar @{ $report->{stages} }, 1, "$id: of one stage";
 }
-like json($daemon->post('/v1/upsample?method=kmeans', $cloud))->{detail}, qr/^method is "kmeans", want one of cvt$/,
+like json($daemon->post('/v1/upsample?method=kmeans', $cloud))->{detail}, qr/^method is "kmeans", want one of cvt, wlop, ear$/,
     'upsample has no means of so many points';
 my $too_many = $daemon->post('/v1/resample?points=700&method=kmeans', $cloud);
 is $too_many->{status}, 422, 'nor has resample';
@@ -118,7 +118,7 @@ is_deeply [sort keys %{ $measure->{inputs} }], [qw(cloud invalid peak reference)
 is $measure->{inputs}{reference}{minOccurs}, 0, 'of which the reference need not come';
 is json($daemon->post('/v1/processes/measure/execution', $cloud))->{n}, $points, 'a body alone is its cloud';
 ok !exists json($daemon->get("/v1/processes/$_"))->{inputs}{peak}, "$_ does not describe peak" for sort keys %as;
-my $names = join ', ', qw(points ratio spacing method patch density contrast grading metric maxAspect p cells iterations delta moveStop seconds neighbors anderson polish boundary holes holeMax edges
+my $names = join ', ', qw(points ratio spacing method patch density contrast grading metric maxAspect p cells iterations delta moveStop seconds neighbors anderson polish sigmaN sigmaP mu rounds steps rho phases samples gaps boundary holes holeMax edges
     outliers sample filters inputNormals intrinsic invalid seed order format quantization compression origin attributes normals baselines);
 
 # Refusals that the head decides, and those that the cloud does: both ways to run a process.
