@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/knn/knn.h"
+#include "core/lop/even.h"
 #include "core/lop/heap.h"
 #include "core/lop/latent.h"
 #include "core/lop/power.h"
@@ -197,12 +198,8 @@ static vor_status start(struct insertion *insertion, const struct vor_run *run,
                         struct vor_error *err)
 {
     struct vor_lop_samples *samples = insertion->samples;
-    const struct vor_lop_insert_how *how = insertion->how;
-    vor_status status = vor_lop_latent_init(&insertion->latent, samples, insertion->begun,
-                                            how->sigma_n, how->sigma_p, err);
+    vor_status status = vor_lop_tree_init(&insertion->tree, samples->memory, err);
 
-    if (status == VOR_OK)
-        status = vor_lop_tree_init(&insertion->tree, samples->memory, err);
     for (size_t i = 0; i < insertion->begun && status == VOR_OK; i++)
         status = vor_lop_tree_add(&insertion->tree, (uint32_t)i, &samples->xyz[3 * i],
                                   &samples->normal[3 * i], err);
@@ -373,7 +370,6 @@ static void free_insertion(struct insertion *insertion)
     vor_free(memory, insertion->reach);
     vor_free(memory, insertion->pairs);
     vor_lop_tree_free(&insertion->tree);
-    vor_lop_latent_free(&insertion->latent);
 }
 
 /* Inserts until there are n points. */
@@ -401,10 +397,14 @@ vor_status vor_lop_insert(struct vor_lop_samples *samples, size_t n,
 {
     struct insertion insertion = {
         .samples = samples, .how = how, .run = run, .told = told, .begun = samples->n};
-    vor_status status = VOR_OK;
+    const struct vor_lop_even_how even = {.steps = how->polish, .local = how->rho > 0};
+    vor_status status = vor_lop_latent_init(&insertion.latent, samples, samples->n, how->sigma_n,
+                                            how->sigma_p, err);
 
-    (void)domain;
-    if (n > samples->n)
+    if (status == VOR_OK && n > samples->n)
         status = insert_all(&insertion, n, err);
+    if (status == VOR_OK)
+        status = vor_lop_even(samples, &insertion.latent, &even, domain, told, run, err);
+    vor_lop_latent_free(&insertion.latent);
     return status;
 }

@@ -54,4 +54,18 @@ void vor_lop_latent_free(struct vor_lop_latent *latent);
 void vor_lop_latent_put(struct vor_lop_point *out, const struct vor_lop_latent *latent,
                         const float base[3], const struct vor_lop_point end[2]);
 
+/** The same on the side of one end. */
+void vor_lop_latent_side(struct vor_lop_point *out, const struct vor_lop_latent *latent,
+                         const float base[3], const struct vor_lop_point *end);
+
+/** Where the sides of two ends meet: the place on the edge that is nearest to a base.
+ *
+ *  @param[out] foot    the place
+ *  @param[out] along   unit vector along the edge
+ *  @param[in]  base    about as far from the edge as from the ends
+ *
+ *  @return false where the two sides are parallel; the rest is unset then */
+int vor_lop_latent_edge(float foot[3], float along[3], const struct vor_lop_latent *latent,
+                        const float base[3], const struct vor_lop_point end[2]);
+
 #endif

@@ -2,6 +2,7 @@
 
 #include "core/base/rng.h"
 #include "core/geom/patch.h"
+#include "core/lop/insert.h"
 #include "core/lop/normals.h"
 #include "core/lop/project.h"
 #include "core/seeds/area.h"
@@ -21,6 +22,10 @@ enum { STREAM_SUBSET = 1, STREAM_ASIDE = 2 };
 
 /* Spacings of the samples that a sample starts beside an input point which has one already. */
 #define ASIDE 0.5
+
+/* Share of the input's points that are projected; fewest that others can be inserted between. */
+#define SAMPLES_SHARE 0.5
+#define FEWEST 4
 
 #define RADIANS 0.017453292519943295
 
@@ -213,24 +218,64 @@ static vor_status find_normals(struct lop *lop, size_t samples, struct vor_error
     return vor_lop_normals(&lop->data, lop->domain, &how, &whole, err);
 }
 
+/* Points to project, of the n in the end. */
+static size_t samples_of(const struct lop *lop, size_t n)
+{
+    const double *value = lop->spec->value;
+    double samples = value[VOR_PARAM_SAMPLES], points = (double)lop->domain->n;
+
+    if (value[VOR_PARAM_PHASES] == VOR_PHASES_RESAMPLE)
+        return n;
+    if (samples == VOR_UNSET && value[VOR_PARAM_PHASES] == VOR_PHASES_INSERT)
+        samples = points;
+    else if (samples == VOR_UNSET)
+        samples = ceil(SAMPLES_SHARE * points);
+    return samples < (double)n ? (size_t)fmax(samples, fmin(FEWEST, (double)n)) : n;
+}
+
+/* Inserts points until there are n, and evens them out. */
+static vor_status insert(struct lop *lop, size_t n, struct vor_error *err)
+{
+    const double *value = lop->spec->value;
+    struct vor_lop_insert_how how = {
+        .rho = value[VOR_PARAM_RHO],
+        .sigma_n = value[VOR_PARAM_SIGMA_N] * RADIANS,
+        .sigma_p = lop->reach,
+        .fill = value[VOR_PARAM_GAPS] == VOR_GAPS_FILL,
+        .polish = lop->told->stopped == VOR_STOPPED_CALLER ? 0 : vor_spec_polish(lop->spec)};
+
+    if (n < FEWEST || (n == lop->samples.n && how.polish == 0))
+        return VOR_OK;
+    return vor_lop_insert(&lop->samples, n, &how, lop->domain, lop->told, lop->run, err);
+}
+
+/* Projects samples, and inserts points until there are n. */
+static vor_status make_points(struct lop *lop, size_t n, struct vor_error *err)
+{
+    double before = vor_run_clock(lop->run);
+    size_t samples = samples_of(lop, n);
+    vor_status status = set_lengths(lop, samples, err);
+
+    if (status == VOR_OK)
+        status = find_normals(lop, samples, err);
+    if (status == VOR_OK)
+        status = vor_lop_samples_init(&lop->samples, samples, lop->run->memory, err);
+    if (status != VOR_OK)
+        return status;
+    start(lop, samples);
+    lop->told->seconds_start = vor_run_clock(lop->run) - before;
+    status = project(lop, (uint32_t)(n - samples) + vor_spec_polish(lop->spec), err);
+    return status == VOR_OK ? insert(lop, n, err) : status;
+}
+
 vor_status vor_ear_run(struct vor_seeds *out, struct vor_outcome *told,
                        const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
                        const struct vor_run *run, struct vor_error *err)
 {
     struct lop lop = {.domain = domain, .spec = spec, .run = run, .told = told, .ear = 1};
     struct vor_seeds seeds = {.n = 0};
-    double before = vor_run_clock(run);
-    vor_status status = set_lengths(&lop, n, err);
+    vor_status status = make_points(&lop, n, err);
 
-    if (status == VOR_OK)
-        status = find_normals(&lop, n, err);
-    if (status == VOR_OK)
-        status = vor_lop_samples_init(&lop.samples, n, run->memory, err);
-    if (status == VOR_OK) {
-        start(&lop, n);
-        told->seconds_start = vor_run_clock(run) - before;
-        status = project(&lop, 0, err);
-    }
     if (status == VOR_OK)
         status = hand_over(&seeds, &lop, err);
     if (status == VOR_OK)

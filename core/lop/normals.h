@@ -44,7 +44,7 @@ VOR_NODISCARD vor_status vor_lop_normals(struct vor_lop_samples *out,
                                          const struct vor_run *run, struct vor_error *err);
 
 /** Most neighbours that count for a point. */
-#define VOR_LOP_NORMALS_MOST 64
+#define VOR_LOP_NORMALS_MOST 160
 
 /** Input points around point i of the domain, on its sheet where the domain has lists.
  *

@@ -4,8 +4,8 @@
  *  Huang et al. 2009, "Consolidation of unorganized point clouds", for the weights of density;
  *  Huang et al. 2013, "Edge-Aware Point Set Resampling", Sec. 4, Eq. 3, for those of normals. A
  * step moves p to sum(alpha q) / sum(alpha) + mu sum(beta (p - p')) / sum(beta) over data q and
- * other points p', with alpha = theta(p - q) / |p - q| / v and beta = w theta(p - p') / |p - p'|,
- * where v and w are the densities of the data and of the points.
+ * other points p', with alpha = theta(p - q) / |p - q| / v and beta = w theta(p - p') / |p - p'|^2,
+ * where v and w are the densities of the data and of the points; the square is that of CGAL.
  *
  *  Departure: the density of the data is read off the distance to its twelfth neighbour, which
  * costs no sum over the reach; and few data stand for all within the reach where there are very

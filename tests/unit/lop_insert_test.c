@@ -31,7 +31,7 @@ static vor_status try_insert(struct vor_lop_samples *samples, size_t n,
     if (status == VOR_OK && n > before) {
         ck_assert_uint_eq(samples->n, n);
         ck_assert_uint_eq(told.steps[VOR_RUN_STAGE_INSERT], n - before);
-        ck_assert_uint_eq(told.last.step, n - before);
+        ck_assert_uint_eq(told.last.step, how->polish > 0 ? how->polish : n - before);
     }
     return status;
 }
@@ -349,6 +349,7 @@ START_TEST(each_allocation_may_fail)
         ck_assert_uint_lt(fail, 100);
         vt_lop_sphere(&samples, 200, &spacing);
         how = how_of(spacing, 0);
+        how.polish = 2;
         vt_memory.fail_at = vt_memory.calls + fail;
         status = try_insert(&samples, 1500, &how, &engine.run);
         vt_memory.fail_at = 0;
@@ -430,6 +431,170 @@ START_TEST(the_tree_finds_what_looking_at_every_point_finds)
 }
 END_TEST
 
+/* Share of delta's definition that a test needs: mean and delta of the nearest distances. */
+static double delta_of(const struct vor_lop_samples *samples, double *mean)
+{
+    double sum = 0, sum2 = 0;
+
+    for (size_t i = 0; i < samples->n; i++) {
+        double nearest2 = INFINITY;
+
+        for (size_t j = 0; j < samples->n; j++)
+            if (j != i)
+                nearest2 =
+                    fmin(nearest2, vor_distance2f(&samples->xyz[3 * i], &samples->xyz[3 * j]));
+        sum += sqrt(nearest2);
+        sum2 += nearest2;
+    }
+    *mean = sum / (double)samples->n;
+    return sqrt(sum2 / (double)samples->n - *mean * *mean) / *mean;
+}
+
+/* The points on the edge of a wedge leave no longer stretch of it empty. */
+static double longest_gap(const struct vor_lop_samples *samples, double *most)
+{
+    static unsigned char bin[200];
+    size_t run = 0, longest = 0;
+
+    *most = 0;
+    memset(bin, 0, sizeof bin);
+    for (size_t i = 0; i < samples->n; i++)
+        if (fabs((double)samples->xyz[3 * i]) < 1e-6) {
+            bin[(size_t)(((double)samples->xyz[3 * i + 1] + 0.5) * 199.9)] = 1;
+            (*most)++;
+        }
+    for (size_t i = 4; i < 196; i++) {
+        run = bin[i] ? 0 : run + 1;
+        longest = run > longest ? run : longest;
+    }
+    return (double)longest / 200;
+}
+
+START_TEST(the_polish_evens_out_and_fills_the_edge_of_a_wedge)
+{
+    static const double degrees[] = {90, 120, 150};
+    double normal[2][3], spacing, mean, row, gap;
+    struct vor_lop_samples samples;
+    struct vor_lop_insert_how how;
+
+    vt_lop_wedge(&samples, degrees[_i], 800, (uint64_t)_i, &spacing);
+    vt_lop_wedge_normals(degrees[_i], normal);
+    how = how_of(spacing, 0);
+    how.polish = 12;
+    insert(&samples, 3000, &how);
+    for (size_t i = 0; i < samples.n; i++) {
+        double x = (double)samples.xyz[3 * i], turned, other;
+        double off = off_plane(&samples, i, normal[x > 0], &turned);
+
+        ck_assert_double_lt(off, 1e-6);
+        if (fabs(x) < 1e-6) {
+            (void)off_plane(&samples, i, normal[x <= 0], &other);
+            turned = fmin(turned, other);
+        }
+        ck_assert_double_lt(turned, 0.1);
+    }
+    ck_assert_double_lt(delta_of(&samples, &mean), 0.07);
+    gap = longest_gap(&samples, &row);
+    ck_assert_double_lt(gap, 2.2 * mean);
+    ck_assert_double_gt(row, 0.7 / mean);
+    vor_lop_samples_free(&samples);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(the_polish_keeps_a_sphere_and_does_not_depend_on_threads)
+{
+    uint64_t hash[2];
+
+    for (unsigned more = 0; more < 2; more++) {
+        struct vor_lop_samples samples;
+        struct vor_lop_insert_how how;
+        struct vt_engine engine;
+        double spacing, mean;
+
+        vt_lop_sphere(&samples, 600, &spacing);
+        how = how_of(spacing, 0);
+        how.polish = 20;
+        vt_engine_open(&engine, more ? 8 : 1);
+        vt_assert_ok(try_insert(&samples, 2500, &how, &engine.run));
+        vt_engine_close(&engine);
+        for (size_t i = 0; i < samples.n; i++) {
+            const float *x = &samples.xyz[3 * i];
+
+            ck_assert_double_eq_tol(vor_distance2f(x, (float[3]){0, 0, 0}), 0.81, 2e-3);
+        }
+        ck_assert_double_lt(delta_of(&samples, &mean), 0.05);
+        hash[more] = vt_hash(samples.xyz, 3 * samples.n * sizeof(float)) ^
+                     vt_hash(samples.normal, 3 * samples.n * sizeof(float));
+        vor_lop_samples_free(&samples);
+    }
+    ck_assert(hash[0] == hash[1]);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(the_polish_pushes_no_point_over_an_open_border)
+{
+    enum { SIDE = 24 };
+    struct vor_lop_samples samples;
+    struct vor_lop_insert_how how = how_of(1.0 / SIDE, 0);
+    double most = 0, before = 0;
+
+    how.polish = 60;
+    vt_assert_ok(vor_lop_samples_init(&samples, (size_t)SIDE * SIDE, &vt_memory, &vt_err));
+    vt_lop_square(&samples, SIDE, 0.1, 1, 0, 9);
+    for (size_t i = 0; i < 2 * samples.n; i++)
+        before = fmax(before, fabs((double)samples.xyz[3 * (i / 2) + i % 2]));
+    insert(&samples, 2400, &how);
+    for (size_t i = 0; i < 2 * samples.n; i++)
+        most = fmax(most, fabs((double)samples.xyz[3 * (i / 2) + i % 2]));
+    ck_assert_double_lt(most, before + 0.25 / SIDE);
+    vor_lop_samples_free(&samples);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Answers `then` in the third record of the polish. */
+static enum vor_answer third_step(void *ctx, const struct vor_record *record)
+{
+    const struct waiter *waiter = ctx;
+
+    return record->stage == VOR_RUN_STAGE_POLISH && record->step == 3 ? waiter->then : VOR_CONTINUE;
+}
+
+START_TEST(the_polish_ends_when_the_caller_says_so)
+{
+    static const enum vor_answer answers[] = {VOR_STOP, VOR_CANCEL};
+
+    for (int i = 0; i < 2; i++) {
+        struct waiter waiter = {0, answers[i]};
+        struct vor_watch watch = {.ctx = &waiter, .progress = third_step};
+        struct vor_domain domain = {.unit = 1};
+        struct vor_lop_samples samples;
+        struct vor_lop_insert_how how;
+        struct vor_outcome told;
+        struct vt_engine engine;
+        double spacing;
+        vor_status status;
+
+        memset(&told, 0, sizeof told);
+        vt_engine_open(&engine, 2);
+        engine.run.watch = &watch;
+        vt_lop_sphere(&samples, 300, &spacing);
+        how = how_of(spacing, 0);
+        how.polish = 10;
+        status = vor_lop_insert(&samples, 900, &how, &domain, &told, &engine.run, &vt_err);
+        ck_assert_int_eq(status, answers[i] == VOR_STOP ? VOR_OK : VOR_E_CANCELLED);
+        ck_assert_uint_eq(told.steps[VOR_RUN_STAGE_POLISH], answers[i] == VOR_STOP ? 3 : 0);
+        if (status == VOR_OK)
+            ck_assert_int_eq(told.stopped, VOR_STOPPED_CALLER);
+        vor_lop_samples_free(&samples);
+        vt_engine_close(&engine);
+    }
+    vt_assert_no_leak();
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("lop_insert");
@@ -446,5 +611,9 @@ int main(void)
     vt_add(suite, each_allocation_may_fail);
     vt_add(suite, powers_are_those_of_pow);
     vt_add_loop(suite, the_tree_finds_what_looking_at_every_point_finds, VT_SOAK_LOOPS(2, 20));
+    vt_add_loop(suite, the_polish_evens_out_and_fills_the_edge_of_a_wedge, 3);
+    vt_add(suite, the_polish_keeps_a_sphere_and_does_not_depend_on_threads);
+    vt_add(suite, the_polish_pushes_no_point_over_an_open_border);
+    vt_add(suite, the_polish_ends_when_the_caller_says_so);
     return vt_run(suite);
 }
