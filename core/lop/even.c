@@ -358,7 +358,8 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
         struct push push;
 
         push_from(&push, even, i);
-        even->nearest[i] = (float)sqrt(push.nearest2);
+        if (even->listed[i] > 0) /* else it is as far as it was measured */
+            even->nearest[i] = (float)sqrt(push.nearest2);
         for (int c = 0; c < 3; c++)
             v[c] = push.force[c] + MOMENTUM * (double)step[c];
         keep(even, i, &push, v);
