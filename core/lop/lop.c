@@ -2,6 +2,7 @@
 
 #include "core/base/rng.h"
 #include "core/geom/patch.h"
+#include "core/input/thin.h"
 #include "core/lop/insert.h"
 #include "core/lop/normals.h"
 #include "core/lop/project.h"
@@ -30,7 +31,8 @@ enum { STREAM_SUBSET = 1, STREAM_ASIDE = 2 };
 #define RADIANS 0.017453292519943295
 
 struct lop {
-    const struct vor_domain *domain;
+    const struct vor_domain *whole, *domain; /* domain: the whole, or thin */
+    struct vor_domain thin;                  /* where the whole is dense */
     const struct vor_spec *spec;
     const struct vor_run *run;
     struct vor_outcome *told;
@@ -53,13 +55,13 @@ static double sigma_p(const struct lop *lop)
     for (size_t c = 0; c < 3; c++) {
         float low = INFINITY, high = -INFINITY;
 
-        for (size_t i = 0; i < lop->domain->n; i++) {
-            low = fminf(low, lop->domain->xyz[3 * i + c]);
-            high = fmaxf(high, lop->domain->xyz[3 * i + c]);
+        for (size_t i = 0; i < lop->whole->n; i++) {
+            low = fminf(low, lop->whole->xyz[3 * i + c]);
+            high = fmaxf(high, lop->whole->xyz[3 * i + c]);
         }
         diagonal2 += ((double)high - (double)low) * ((double)high - (double)low);
     }
-    return sqrt(diagonal2 / (double)lop->domain->n);
+    return sqrt(diagonal2 / (double)lop->whole->n);
 }
 
 /* Sets the lengths for n samples. */
@@ -71,6 +73,11 @@ static vor_status set_lengths(struct lop *lop, size_t n, struct vor_error *err)
 
     if (status != VOR_OK)
         return status;
+    status = vor_domain_thin_for(&lop->thin, lop->domain, n, lop->area, &whole, err);
+    if (status != VOR_OK)
+        return status;
+    if (lop->thin.n > 0)
+        lop->domain = &lop->thin;
     lop->spacing = sqrt(lop->area / (VOR_HEXAGON_HEIGHT * (double)n));
     lop->reach = sigma_p(lop);
     if (!(lop->reach > 0))
@@ -133,7 +140,7 @@ static vor_status hand_over(struct vor_seeds *out, struct lop *lop, struct vor_e
     size_t n = lop->samples.n;
     struct vor_seeds seeds;
     vor_status status =
-        vor_seeds_init(&seeds, lop->domain, n, vor_seeds_policy_of(lop->spec), lop->run, err);
+        vor_seeds_init(&seeds, lop->whole, n, vor_seeds_policy_of(lop->spec), lop->run, err);
 
     if (status != VOR_OK)
         return status;
@@ -172,11 +179,7 @@ vor_status vor_wlop_run(struct vor_seeds *out, struct vor_outcome *told,
                         const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
                         const struct vor_run *run, struct vor_error *err)
 {
-    struct lop lop = {.domain = domain,
-                      .spec = spec,
-                      .run = run,
-                      .told = told,
-                      .data = {.n = domain->n, .xyz = domain->xyz}};
+    struct lop lop = {.whole = domain, .domain = domain, .spec = spec, .run = run, .told = told};
     struct vor_seeds seeds = {.n = 0};
     double before = vor_run_clock(run);
     vor_status status = set_lengths(&lop, n, err);
@@ -184,6 +187,7 @@ vor_status vor_wlop_run(struct vor_seeds *out, struct vor_outcome *told,
     if (status == VOR_OK)
         status = vor_lop_samples_init(&lop.samples, n, run->memory, err);
     if (status == VOR_OK) {
+        lop.data = (struct vor_lop_samples){.n = lop.domain->n, .xyz = lop.domain->xyz};
         start(&lop, n);
         told->seconds_start = vor_run_clock(run) - before;
         status = project(&lop, vor_spec_polish(spec), err);
@@ -193,6 +197,7 @@ vor_status vor_wlop_run(struct vor_seeds *out, struct vor_outcome *told,
     if (status == VOR_OK)
         status = even_out(&seeds, &lop, err);
     vor_lop_samples_free(&lop.samples);
+    vor_domain_free(&lop.thin);
     if (status != VOR_OK) {
         vor_seeds_free(&seeds);
         return status;
@@ -272,7 +277,8 @@ vor_status vor_ear_run(struct vor_seeds *out, struct vor_outcome *told,
                        const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
                        const struct vor_run *run, struct vor_error *err)
 {
-    struct lop lop = {.domain = domain, .spec = spec, .run = run, .told = told, .ear = 1};
+    struct lop lop = {
+        .whole = domain, .domain = domain, .spec = spec, .run = run, .told = told, .ear = 1};
     struct vor_seeds seeds = {.n = 0};
     vor_status status = make_points(&lop, n, err);
 
@@ -284,6 +290,7 @@ vor_status vor_ear_run(struct vor_seeds *out, struct vor_outcome *told,
         vor_attach_to_box(&seeds);
     vor_lop_samples_free(&lop.samples);
     vor_lop_samples_free(&lop.data);
+    vor_domain_free(&lop.thin);
     if (status != VOR_OK) {
         vor_seeds_free(&seeds);
         return status;

@@ -12,10 +12,10 @@
 /* Points of a task. */
 enum { BLOCK = 128 };
 
-/* Fewest points of the planes that are chosen among; they have as many as a fit takes. With half as
- * many, fandisk30k_noisy to 10,000: rms over the input's 0.38 for 0.29, median of normals near
- * edges 8.7 degrees for 4.7; wedges of 90 degrees, noise 1 %, 2.5 for 1.3. */
-enum { PLANE_LEAST = 12 };
+/* Fewest neighbours; planes have as many as a fit takes. With half as many, fandisk30k_noisy to
+ * 10,000: rms over the input's 0.38 for 0.29, median of normals near edges 8.7 degrees for 4.7;
+ * wedges of 90 degrees, noise 1 %, 2.5 for 1.3. */
+enum { LEAST = 12 };
 
 /* Neighbours whose normals a point chooses among when it starts anew. */
 enum { CHOICES = 12 };
@@ -37,6 +37,9 @@ struct normals {
     const struct vor_lop_normals_how *how;
     struct vor_plane *plane; /* n: through the points nearest to each */
     float *off;              /* n: rms height of a point's neighbours over its plane */
+    unsigned most;           /* neighbours of a list */
+    uint32_t *list;          /* n x most: those that count for each point */
+    uint16_t *count;         /* n: how many they are */
     struct vor_lop_samples now, next;
     struct vor_orientation orientation;
     double scale; /* of vor_lop_alike */
@@ -55,33 +58,28 @@ unsigned vor_lop_around(const struct vor_domain *domain, size_t i, unsigned k, u
 }
 
 /* Neighbours that count for point i. */
-static unsigned neighbors_of(const struct normals *normals, size_t i, uint32_t *index)
+static unsigned counting(const struct normals *normals, size_t i)
 {
     const struct vor_domain *domain = normals->domain;
     unsigned k = vor_neighbors_at(&domain->known.neighbors, &domain->xyz[3 * i]);
 
-    if (normals->how->sigma_p > 0 || k > VOR_LOP_NORMALS_MOST)
-        k = VOR_LOP_NORMALS_MOST;
-    return vor_lop_around(domain, i, k, index);
+    k = normals->how->sigma_p > 0 ? normals->most : k < LEAST ? LEAST : k;
+    return k < normals->most ? k : normals->most;
 }
 
-static unsigned plane_points(unsigned k)
-{
-    return k < PLANE_LEAST ? PLANE_LEAST : k > VOR_LOP_NORMALS_MOST ? VOR_LOP_NORMALS_MOST : k;
-}
-
+/* Lists the neighbours, and puts a plane through them. */
 static void plane_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct normals *normals = ctx;
     const struct vor_domain *domain = normals->domain;
-    uint32_t index[VOR_LOP_NORMALS_MOST];
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        unsigned k = vor_neighbors_at(&domain->known.neighbors, &domain->xyz[3 * i]);
+        uint32_t *list = &normals->list[i * normals->most];
+        unsigned k = vor_lop_around(domain, i, counting(normals, i), list);
 
-        k = vor_lop_around(domain, i, plane_points(k), index);
-        vor_plane_fit(&normals->plane[i], domain->xyz, index, k);
+        normals->count[i] = (uint16_t)k;
+        vor_plane_fit(&normals->plane[i], domain->xyz, list, k);
     }
 }
 
@@ -112,14 +110,13 @@ static void choose_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct normals *normals = ctx;
     const struct vor_domain *domain = normals->domain;
-    uint32_t index[VOR_LOP_NORMALS_MOST];
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         const float *x = &domain->xyz[3 * i];
-        unsigned k = neighbors_of(normals, i, index),
-                 wide = plane_points(k) < k ? plane_points(k) : k;
-        double r2 = spread2(domain, i, index, wide), best = INFINITY;
+        const uint32_t *index = &normals->list[i * normals->most];
+        unsigned k = normals->count[i];
+        double r2 = spread2(domain, i, index, k), best = INFINITY;
         uint32_t taken = (uint32_t)i;
 
         for (unsigned j = 0; j < k; j++) {
@@ -155,7 +152,7 @@ static void sign_block(void *ctx, size_t begin, size_t end, unsigned worker)
 /* What a point sees of its neighbours. */
 struct seen {
     unsigned k;
-    uint32_t index[VOR_LOP_NORMALS_MOST];
+    const uint32_t *index;
     double weight[VOR_LOP_NORMALS_MOST]; /* by distance, and how near their planes pass by */
 };
 
@@ -169,7 +166,8 @@ static void see(struct seen *seen, const struct normals *normals, size_t i)
     const float *x = &normals->now.xyz[3 * i];
     double reach2 = normals->how->sigma_p * normals->how->sigma_p, off;
 
-    seen->k = neighbors_of(normals, i, seen->index);
+    seen->k = normals->count[i];
+    seen->index = &normals->list[i * normals->most];
     for (unsigned j = 0; normals->how->sigma_p <= 0 && j < seen->k; j++)
         reach2 = fmax(reach2, vor_distance2f(&normals->domain->xyz[3 * i],
                                              &normals->domain->xyz[3 * (size_t)seen->index[j]]));
@@ -317,26 +315,56 @@ static vor_status find(struct normals *normals, const struct vor_run *run, struc
     return status == VOR_OK ? work(normals, run, err) : status;
 }
 
+static vor_status alloc_normals(struct normals *normals, struct vor_memory *memory,
+                                struct vor_error *err)
+{
+    size_t n = normals->domain->n;
+    vor_status status = vor_lop_samples_init(&normals->now, n, memory, err);
+
+    if (status == VOR_OK)
+        status = vor_lop_samples_init(&normals->next, n, memory, err);
+    if (status != VOR_OK)
+        return status;
+    normals->plane = vor_malloc(memory, n, sizeof *normals->plane);
+    normals->off = vor_malloc(memory, n, sizeof *normals->off);
+    normals->count = vor_malloc(memory, n, sizeof *normals->count);
+    normals->list = vor_malloc(memory, n, normals->most * sizeof *normals->list);
+    if (normals->plane == NULL || normals->off == NULL || normals->count == NULL ||
+        normals->list == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "normals of %zu points", n);
+    return VOR_OK;
+}
+
+/* Neighbours that a list has room for. */
+static unsigned most_of(const struct normals *normals)
+{
+    const struct vor_domain *domain = normals->domain;
+    unsigned most = domain->known.neighbors.most;
+
+    most = most < LEAST ? LEAST : most;
+    if (normals->how->sigma_p > 0 || most > VOR_LOP_NORMALS_MOST)
+        most = VOR_LOP_NORMALS_MOST;
+    return most < domain->n ? most : (unsigned)domain->n;
+}
+
 vor_status vor_lop_normals(struct vor_lop_samples *out, const struct vor_domain *domain,
                            const struct vor_lop_normals_how *how, const struct vor_run *run,
                            struct vor_error *err)
 {
     struct normals normals = {.domain = domain, .how = how, .scale = vor_lop_scale(how->sigma_n)};
-    vor_status status = vor_lop_samples_init(&normals.now, domain->n, run->memory, err);
+    vor_status status;
 
+    normals.most = most_of(&normals);
+    status = alloc_normals(&normals, run->memory, err);
     if (status == VOR_OK)
-        status = vor_lop_samples_init(&normals.next, domain->n, run->memory, err);
-    normals.plane = vor_malloc(run->memory, domain->n, sizeof *normals.plane);
-    normals.off = vor_malloc(run->memory, domain->n, sizeof *normals.off);
-    if (status == VOR_OK && (normals.plane == NULL || normals.off == NULL))
-        status = vor_fail(err, VOR_E_NOMEM, "normals of %zu points", domain->n);
-    else if (status == VOR_OK)
         status = find(&normals, run, err);
     if (status == VOR_OK) {
         *out = normals.now;
         out->n = domain->n;
         normals.now = (struct vor_lop_samples){0};
     }
+    vor_free(run->memory, normals.list);
+    vor_free(run->memory, normals.count);
     vor_free(run->memory, normals.off);
     vor_free(run->memory, normals.plane);
     vor_lop_samples_free(&normals.next);

@@ -34,7 +34,7 @@ struct vor_lop_normals_how {
  *
  *  @param[out] out  free with vor_lop_samples_free; untouched on failure
  *
- *  @retval VOR_E_NOMEM  85 bytes a point do not fit
+ *  @retval VOR_E_NOMEM  90 bytes a point, and 4 for each neighbour that counts, do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
  *  O(n log n), on the run's pool. The same points for any number of threads. */

@@ -17,6 +17,10 @@ enum { BLOCK = 128 };
  * of 134,000 points to 20,000: delta alike, a third more time. */
 enum { DATA_LEAST = 12, DATA_MOST = 64 };
 
+/* Nearest data that say the height of a point, which are smoothed already. Igea of 30,000 points to
+ * 10,000: rms 3.8e-4 with all within the reach, 3.3e-4 with these. */
+#define HEIGHT_K 12.0
+
 /* Other points in a list: those within twice the spacing, and as many again. */
 enum { LISTED = 32 };
 
@@ -103,26 +107,41 @@ struct drawn {
     double alpha, height, weight;
 };
 
-/* Adds a datum at offset `there` to what is said. */
+/* How far data count: for where a point is drawn to, and for its height and normal. */
+struct reaches {
+    double along2, across2;
+};
+
+/* Adds what a datum says of the height and the normal of point i. Returns how much it counts on the
+ * side of the point, wherever it is. */
+static double add_side(struct drawn *drawn, const struct project *project, size_t i, uint32_t j,
+                       const float there[3], struct reaches reach)
+{
+    const float *n = &project->samples->normal[3 * i];
+    const float *m = &project->data->normal[3 * (size_t)j];
+    double height = dotf(there, n), cosine = dotf(n, m);
+    double side =
+        vor_lop_near(height * height, 1 / reach.along2) * vor_lop_alike(cosine, project->scale);
+    double w = side * vor_lop_near(dotf(there, there), 1 / reach.across2);
+
+    if (w > 0)
+        drawn->height += w * (height + dotf(there, m)) / (1 + cosine);
+    for (unsigned c = 0; c < 3; c++)
+        drawn->normal[c] += w * (double)m[c];
+    drawn->weight += w;
+    return side;
+}
+
+/* Adds a datum to what is said. */
 static void add_datum(struct drawn *drawn, const struct project *project, size_t i, uint32_t j,
-                      double reach2)
+                      struct reaches reach)
 {
     const float *x = &project->samples->xyz[3 * i], *q = &project->data->xyz[3 * (size_t)j];
     const float there[3] = {q[0] - x[0], q[1] - x[1], q[2] - x[2]};
-    double d2 = dotf(there, there), w = vor_lop_near(d2, 1 / reach2), alpha;
+    double d2 = dotf(there, there), w = vor_lop_near(d2, 1 / reach.along2), alpha;
 
-    if (project->how->normals && w > 0) {
-        const float *n = &project->samples->normal[3 * i];
-        const float *m = &project->data->normal[3 * (size_t)j];
-        double height = dotf(there, n), cosine = dotf(n, m);
-
-        w *= vor_lop_near(height * height, 1 / reach2) * vor_lop_alike(cosine, project->scale);
-        if (w > 0)
-            drawn->height += w * (height + dotf(there, m)) / (1 + cosine);
-        for (unsigned c = 0; c < 3; c++)
-            drawn->normal[c] += w * (double)m[c];
-    }
-    drawn->weight += w;
+    if (project->how->normals && w > 0)
+        w *= add_side(drawn, project, i, j, there, reach);
     alpha = w / fmax(sqrt(d2), project->shortest) / (double)project->density[j];
     drawn->alpha += alpha;
     for (unsigned c = 0; c < 3; c++)
@@ -133,17 +152,18 @@ static void add_datum(struct drawn *drawn, const struct project *project, size_t
 static void look_at_data(struct drawn *drawn, struct project *project, size_t i)
 {
     const float *x = &project->samples->xyz[3 * i];
-    double reach2 = project->how->reach * project->how->reach, far2 = 0;
+    struct reaches reach = {.along2 = project->how->reach * project->how->reach};
+    double far2 = 0;
     const uint32_t *index;
 
     *drawn = (struct drawn){{0}, {0}, 0, 0, 0};
     (void)vor_input_lists_search(&project->near_data, i, x, project->k, &index);
     for (unsigned j = 0; j < project->k; j++)
         far2 = fmax(far2, vor_distance2f(x, &project->domain->xyz[3 * (size_t)index[j]]));
-    if (project->k <= DATA_LEAST || far2 < reach2)
-        reach2 = far2;
-    for (unsigned j = 0; j < project->k && reach2 > 0; j++)
-        add_datum(drawn, project, i, index[j], reach2);
+    reach.along2 = project->k <= DATA_LEAST || far2 < reach.along2 ? far2 : reach.along2;
+    reach.across2 = fmin(reach.along2, far2 * HEIGHT_K / project->k);
+    for (unsigned j = 0; j < project->k && far2 > 0; j++)
+        add_datum(drawn, project, i, index[j], reach);
 }
 
 /* The push of the other points on point i. */
