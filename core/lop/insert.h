@@ -40,6 +40,9 @@ enum {
 /** Two samples have no pair if one of them reaches no more than this part of the way: a stray far
  * from all others has a wide spacing, and the others are none of its neighbours. */
 #define VOR_LOP_REACH_PART 0.5
+/** Part of a pair's length along the mean of its normals, above which one point lies on a sheet
+ * over the other's. On a sphere it is 0, and up to 0.71 over an edge of 90 degrees. */
+#define VOR_LOP_STACKED 0.72
 /** Smallest clearance there is, in normalised units: ten steps of a float near 1. */
 #define VOR_LOP_CLEARANCE_MIN 1e-6
 
