@@ -72,7 +72,7 @@ TEST_SCRIPTS := $(filter-out $(SPARED.$(config)),$(TEST_SCRIPTS))
 # These tell time, or need a port that is the same everywhere: nothing runs beside them.
 TEST_ALONE := tests/http/slow.t tests/http/readme.t
 BENCH_SRC := $(sort $(wildcard tests/bench/*.c))
-BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/bench/,wlop orient front)
+BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/bench/,wlop orient front ear)
 
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -142,7 +142,7 @@ $(B)/tests/bench/%: $(B)/tests/bench/%.o $(LIB)
 	@echo "  LINK $@"
 	@$(LINK) $^ -o $@ $(LIBS)
 
-$(addprefix $(B)/tests/bench/,wlop orient front): $(B)/tests/bench/%: tests/bench/%.cc
+$(addprefix $(B)/tests/bench/,wlop orient front ear): $(B)/tests/bench/%: tests/bench/%.cc
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
 	@$(CXX) -std=c++17 -O3 -DNDEBUG $< -o $@ -lmpfr -lgmp

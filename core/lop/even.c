@@ -279,7 +279,7 @@ static void push_from(struct push *push, const struct even *even, size_t i)
     double scale = GAIN / (2 * even->power);
 
     memset(push, 0, sizeof *push);
-    push->nearest2 = INFINITY;
+    push->nearest2 = LIST_REACH * LIST_REACH * h2; /* of a point alone: what is known of it */
     for (unsigned k = 0; k < even->listed[i]; k++) {
         size_t j = even->list[LISTED * i + k];
         const float *y = &even->samples->xyz[3 * j], *m = &even->samples->normal[3 * j];
