@@ -65,7 +65,7 @@ struct vor_lop_insert_how {
  *
  *  @retval VOR_E_CANCELLED  the watch answered VOR_CANCEL
  *  @retval VOR_E_DEGENERATE no two points are far enough apart to have one between them
- *  @retval VOR_E_NOMEM      200 n bytes do not fit
+ *  @retval VOR_E_NOMEM      240 n bytes do not fit
  *
  *  O(n log n). The same points for any number of threads. */
 VOR_NODISCARD vor_status vor_lop_insert(struct vor_lop_samples *samples, size_t n,
