@@ -5,9 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Part of the turn between two sides that no normal may be from both: else the surface bends and
+/* Part of the turn between two sides that few normals may be from both: else the surface bends and
  * has no edge. */
 #define BETWEEN 0.3
+/* The points that may be, as one in so many: noise leaves some. */
+#define BETWEEN_SHARE 8
 /* Points of its own side that a point needs around it to be past its edge, and spacings that it is,
  * at least. */
 #define PAST_OTHERS 3
@@ -36,21 +38,20 @@ static int other_side(const struct vor_lop_gathered *near, const float *normal)
     return best;
 }
 
-/* Whether some point around has a normal between those of the two sides. Turns are compared by
+/* Whether many points around have a normal between those of the two sides. Turns are compared by
  * 1 - cosine, which grows as their square. */
 static int bends(const struct vor_lop_gathered *near, const struct vor_lop_point end[2])
 {
-    double least = BETWEEN * BETWEEN * (1 - cosine(end[0].normal, end[1].normal));
+    double turn = 1 - cosine(end[0].normal, end[1].normal), least = BETWEEN * BETWEEN * turn;
+    unsigned between = 0;
 
     for (unsigned k = 0; k < near->count; k++) {
         float n[3] = {near->normal[0][k], near->normal[1][k], near->normal[2][k]};
         double a = 1 - cosine(n, end[0].normal), b = 1 - cosine(n, end[1].normal);
-        double turn = 1 - cosine(end[0].normal, end[1].normal);
 
-        if (a > least && b > least && a < turn && b < turn)
-            return 1;
+        between += a > least && b > least && a < turn && b < turn;
     }
-    return 0;
+    return between * BETWEEN_SHARE > near->count;
 }
 
 /* How far x is from the plane of the other side at the foot. */
@@ -91,6 +92,7 @@ void vor_lop_edge_find(struct vor_lop_edge *out, const struct vor_lop_samples *s
     struct vor_lop_point end[2];
     int other;
 
+    memset(end, 0, sizeof end); /* gcc's analyzer cannot see that the loops fill it */
     out->distance = INFINITY;
     out->past = 0;
     memcpy(end[0].xyz, &samples->xyz[3 * i], sizeof end[0].xyz);
@@ -179,7 +181,7 @@ vor_status vor_lop_edge_put(struct vor_lop_samples *samples, const struct vor_lo
                                       &samples->normal[3 * i], err);
     if (status == VOR_OK)
         status = list(&candidate, &count, edge, on, spacing, samples, err);
-    for (size_t k = 0; status == VOR_OK && k < count; k++) {
+    for (size_t k = 0; candidate != NULL && status == VOR_OK && k < count; k++) {
         uint32_t i = candidate[k].point;
 
         status = put_one(&tree, samples, i, &edge[i], &on[i], (double)spacing[i], err);

@@ -367,7 +367,7 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
     for (size_t i = begin; i < end; i++) {
         const float *x = &even->samples->xyz[3 * i];
         float *step = &even->step[3 * i], *y = &even->next[3 * i];
-        double limit = STEP_MAX * (double)even->spacing[i], v[3], length, part;
+        double limit = STEP_MAX * (double)even->spacing[i], v[3] = {0}, length, part;
         struct push push;
 
         push_from(&push, even, i);

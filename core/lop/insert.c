@@ -102,6 +102,18 @@ static void offer(struct pairs *pairs, float key, uint32_t partner)
     }
 }
 
+/* Whether points i and j lie on two sheets, one over the other. */
+static int stacked(const struct insertion *insertion, uint32_t i, uint32_t j, double distance2)
+{
+    const float *n = normal(insertion, i), *m = normal(insertion, j);
+    double along = 0, length2 = 2 + 2 * cosine(n, m);
+
+    for (int c = 0; c < 3; c++)
+        along += ((double)n[c] + (double)m[c]) *
+                 ((double)place(insertion, i)[c] - (double)place(insertion, j)[c]);
+    return along * along > VOR_LOP_STACKED * VOR_LOP_STACKED * distance2 * length2;
+}
+
 /* Whether point i has a pair with point j, which it reaches. Of two samples the later has it,
  * unless only the earlier one reaches so far. */
 static int has_pair(const struct insertion *insertion, uint32_t i, uint32_t j, double distance2)
@@ -109,6 +121,8 @@ static int has_pair(const struct insertion *insertion, uint32_t i, uint32_t j, d
     double other = (double)insertion->reach[j];
 
     if (i == j || cosine(normal(insertion, i), normal(insertion, j)) < (double)VOR_LOP_AWAY)
+        return 0;
+    if (stacked(insertion, i, j, distance2))
         return 0;
     if (i >= insertion->begun)
         return 1;

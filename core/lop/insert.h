@@ -40,6 +40,9 @@ enum {
 /** Two samples have no pair if one of them reaches no more than this part of the way: a stray far
  * from all others has a wide spacing, and the others are none of its neighbours. */
 #define VOR_LOP_REACH_PART 0.5
+/** Part of a pair's length along the mean of its normals, above which one point lies on a sheet
+ * over the other's. On a sphere it is 0, and up to 0.71 over an edge of 90 degrees. */
+#define VOR_LOP_STACKED 0.72
 /** Smallest clearance there is, in normalised units: ten steps of a float near 1. */
 #define VOR_LOP_CLEARANCE_MIN 1e-6
 
@@ -62,7 +65,7 @@ struct vor_lop_insert_how {
  *
  *  @retval VOR_E_CANCELLED  the watch answered VOR_CANCEL
  *  @retval VOR_E_DEGENERATE no two points are far enough apart to have one between them
- *  @retval VOR_E_NOMEM      200 n bytes do not fit
+ *  @retval VOR_E_NOMEM      240 n bytes do not fit
  *
  *  O(n log n). The same points for any number of threads. */
 VOR_NODISCARD vor_status vor_lop_insert(struct vor_lop_samples *samples, size_t n,

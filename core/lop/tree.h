@@ -2,8 +2,8 @@
  *  whose leaves split where they are full. It follows the density of the points however uneven that
  *  becomes, and answers are those of the points, not of the order of their nodes.
  *
- *  Positions and normals are copied into the leaves by lanes, so that a question reads
- *  memory in order. About 120 bytes a point. */
+ *  Positions and normals are copied into the leaves by lanes, so that a question reads memory
+ *  in order. About 120 bytes a point. */
 #ifndef VOR_LOP_TREE_H
 #define VOR_LOP_TREE_H
 
@@ -20,8 +20,8 @@ enum {
     VOR_LOP_GATHERED_MAX = 256
 };
 
-/** Cosine between normals, below which points face away from each other: 120 degrees. The two sides
- * of an edge sharper than 60 degrees do not see each other. */
+/** Cosine between normals, below which points face away from each other: 120 degrees. So the sides
+ *  of an edge sharper than 60 degrees do not see each other. */
 #define VOR_LOP_AWAY (-0.5F)
 
 struct vor_lop_leaf;

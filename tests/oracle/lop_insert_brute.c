@@ -80,6 +80,18 @@ static float key_of(const struct twin *twin, size_t i, size_t j, float clearance
     return (float)(vor_lop_power(turned, twin->rho) * sqrt((double)clearance2));
 }
 
+/* Whether points i and j lie on two sheets, one over the other. */
+static int stacked(const struct twin *twin, uint32_t i, uint32_t j, double distance2)
+{
+    const float *n = normal(twin, i), *m = normal(twin, j);
+    double along = 0, length2 = 2 + 2 * cosine(n, m);
+
+    for (int c = 0; c < 3; c++)
+        along +=
+            ((double)n[c] + (double)m[c]) * ((double)place(twin, i)[c] - (double)place(twin, j)[c]);
+    return along * along > VOR_LOP_STACKED * VOR_LOP_STACKED * distance2 * length2;
+}
+
 /* Whether pair a comes before b, of the same point. */
 static int before(const struct pair *a, const struct pair *b)
 {
@@ -97,6 +109,8 @@ static void find_pairs(struct twin *twin, size_t i, size_t end)
         struct pair pair = {(uint32_t)j, (float)(d2 / 4), 0};
         int p = VOR_LOP_PAIRS;
 
+        if (i != j && stacked(twin, (uint32_t)i, (uint32_t)j, d2))
+            continue;
         if (i < twin->begun && others < VOR_LOP_REACH_PART * sqrt(d2))
             continue;
         if (i == j || d2 > own * own || (j > i && d2 <= others * others) ||

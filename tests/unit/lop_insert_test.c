@@ -257,6 +257,25 @@ START_TEST(sides_of_a_thin_plate_do_not_mix)
 }
 END_TEST
 
+/* Two sheets that face the same way, nearer than partners are looked for. */
+START_TEST(sheets_over_each_other_do_not_mix)
+{
+    enum { SIDE = 24, MANY = 4000 };
+    struct vor_lop_samples samples;
+    struct vor_lop_insert_how how = how_of(1.0 / SIDE, 0);
+    double gap = 1.9 / SIDE;
+
+    vt_assert_ok(vor_lop_samples_init(&samples, (size_t)2 * SIDE * SIDE, &vt_memory, &vt_err));
+    vt_lop_square(&samples, SIDE, gap / 2, 1, 0, 1);
+    vt_lop_square(&samples, SIDE, -gap / 2, 1, 0, 2);
+    insert(&samples, MANY, &how);
+    for (size_t i = 0; i < samples.n; i++)
+        ck_assert_double_eq_tol(fabs((double)samples.xyz[3 * i + 2]), gap / 2, 0.05 * gap);
+    vor_lop_samples_free(&samples);
+    vt_assert_no_leak();
+}
+END_TEST
+
 /* Answers `then` when it has been asked `left` times. */
 struct waiter {
     int left;
@@ -648,6 +667,7 @@ int main(void)
     vt_add(suite, points_inserted_lie_on_a_sphere);
     vt_add(suite, a_hole_of_a_few_spacings_is_kept_or_filled);
     vt_add(suite, sides_of_a_thin_plate_do_not_mix);
+    vt_add(suite, sheets_over_each_other_do_not_mix);
     vt_add(suite, a_cancel_ends_the_insertion_soon_and_a_stop_does_not);
     vt_add(suite, points_that_all_coincide_leave_no_place);
     vt_add(suite, each_allocation_may_fail);
