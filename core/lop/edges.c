@@ -8,6 +8,10 @@
 /* Part of the turn between two sides that no normal may be from both: else the surface bends and
  * has no edge. */
 #define BETWEEN 0.3
+/* Points of its own side that a point needs around it to be past its edge, and spacings that it is,
+ * at least. */
+#define PAST_OTHERS 3
+#define PAST 0.1
 
 static double cosine(const float *a, const float *b)
 {
@@ -49,6 +53,36 @@ static int bends(const struct vor_lop_gathered *near, const struct vor_lop_point
     return 0;
 }
 
+/* How far x is from the plane of the other side at the foot. */
+static double beyond(const struct vor_lop_edge *edge, const float x[3])
+{
+    double off = 0;
+
+    for (int c = 0; c < 3; c++)
+        off += (double)edge->other[c] * ((double)x[c] - (double)edge->foot[c]);
+    return off;
+}
+
+/* Whether a point lies past its edge: the points around of its own side are on the other side of
+ * the other plane. */
+static int lies_past(const struct vor_lop_edge *edge, const struct vor_lop_gathered *near,
+                     const struct vor_lop_point *point, double spacing)
+{
+    double own = beyond(edge, point->xyz), others = 0;
+    unsigned count = 0;
+
+    for (unsigned k = 0; k < near->count; k++) {
+        float x[3] = {near->xyz[0][k], near->xyz[1][k], near->xyz[2][k]};
+        float n[3] = {near->normal[0][k], near->normal[1][k], near->normal[2][k]};
+
+        if (cosine(n, point->normal) <= VOR_LOP_EDGE_COSINE)
+            continue;
+        others += beyond(edge, x);
+        count++;
+    }
+    return count > PAST_OTHERS && (own > 0) != (others - own > 0) && fabs(own) > PAST * spacing;
+}
+
 void vor_lop_edge_find(struct vor_lop_edge *out, const struct vor_lop_samples *samples, size_t i,
                        double spacing, const struct vor_lop_tree *tree,
                        const struct vor_lop_latent *latent)
@@ -58,6 +92,7 @@ void vor_lop_edge_find(struct vor_lop_edge *out, const struct vor_lop_samples *s
     int other;
 
     out->distance = INFINITY;
+    out->past = 0;
     memcpy(end[0].xyz, &samples->xyz[3 * i], sizeof end[0].xyz);
     memcpy(end[0].normal, &samples->normal[3 * i], sizeof end[0].normal);
     vor_lop_tree_gather(&near, tree, end[0].xyz, VOR_LOP_EDGE_SEEN * spacing);
@@ -72,6 +107,7 @@ void vor_lop_edge_find(struct vor_lop_edge *out, const struct vor_lop_samples *s
         return;
     memcpy(out->other, end[1].normal, sizeof out->other);
     out->distance = (float)sqrt(vor_distance2f(end[0].xyz, out->foot));
+    out->past = lies_past(out, &near, &end[0], spacing);
 }
 
 /* A point near an edge. */

@@ -30,6 +30,7 @@ struct vor_lop_edge {
     float foot[3], along[3];
     float other[3]; /**< normal of the other side */
     float distance; /**< from the point to the foot; INFINITY where there is no edge */
+    int past;       /**< the point lies past the edge, on the plane of its own side */
 };
 
 /** Looks for the edge next to point i.

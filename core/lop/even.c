@@ -207,6 +207,17 @@ static void list_nearest(struct even *even, size_t i, const struct vor_lop_gathe
     even->listed[i] = (unsigned char)count;
 }
 
+/* Puts a point that lies past its edge as far to this side of it. Noise throws samples there, and
+ * others are inserted beside them. */
+static void bring_back(struct even *even, size_t i)
+{
+    const struct vor_lop_edge *edge = &even->edge[i];
+    float *x = &even->samples->xyz[3 * i];
+
+    for (int c = 0; c < 3 && edge->distance < INFINITY && edge->past; c++)
+        x[c] = 2 * edge->foot[c] - x[c];
+}
+
 static void list_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct even *even = ctx;
@@ -217,9 +228,11 @@ static void list_block(void *ctx, size_t begin, size_t end, unsigned worker)
         vor_lop_tree_gather(&near, &even->tree, &even->samples->xyz[3 * i],
                             LIST_REACH * (double)even->spacing[i]);
         list_nearest(even, i, &near);
-        if (!even->on[i])
-            vor_lop_edge_find(&even->edge[i], even->samples, i, (double)even->spacing[i],
-                              &even->tree, even->latent);
+        if (even->on[i])
+            continue;
+        vor_lop_edge_find(&even->edge[i], even->samples, i, (double)even->spacing[i], &even->tree,
+                          even->latent);
+        bring_back(even, i);
     }
 }
 

@@ -102,17 +102,19 @@ static void offer(struct pairs *pairs, float key, uint32_t partner)
     }
 }
 
-/* Whether the pair of point i and sample j belongs to j: of two samples to the later, unless only
- * the earlier one reaches so far. */
-static int belongs_to_partner(const struct insertion *insertion, uint32_t i, uint32_t j,
-                              double distance2)
+/* Whether point i has a pair with point j, which it reaches. Of two samples the later has it,
+ * unless only the earlier one reaches so far. */
+static int has_pair(const struct insertion *insertion, uint32_t i, uint32_t j, double distance2)
 {
-    double reach;
+    double other = (double)insertion->reach[j];
 
-    if (j < i)
+    if (i == j || cosine(normal(insertion, i), normal(insertion, j)) < (double)VOR_LOP_AWAY)
         return 0;
-    reach = (double)insertion->reach[j];
-    return distance2 <= reach * reach;
+    if (i >= insertion->begun)
+        return 1;
+    if (other * other < VOR_LOP_REACH_PART * VOR_LOP_REACH_PART * distance2)
+        return 0;
+    return j < i || distance2 > other * other;
 }
 
 /* Finds the pairs of point i within its reach. */
@@ -130,9 +132,7 @@ static void find_pairs(const struct insertion *insertion, uint32_t i)
         uint32_t j = near.index[k];
         struct vor_lop_base base;
 
-        if (j == i || belongs_to_partner(insertion, i, j, (double)near.distance2[k]))
-            continue;
-        if (cosine(normal(insertion, i), normal(insertion, j)) < VOR_LOP_AWAY)
+        if (!has_pair(insertion, i, j, (double)near.distance2[k]))
             continue;
         base = base_of(insertion, i, j);
         offer(pairs,

@@ -37,6 +37,9 @@ enum {
 /** Spacings of the samples within which they look: the gap along an edge is about two wide. */
 #define VOR_LOP_REACH_KEEP 2.2
 #define VOR_LOP_REACH_FILL 6.0
+/** Two samples have no pair if one of them reaches no more than this part of the way: a stray far
+ * from all others has a wide spacing, and the others are none of its neighbours. */
+#define VOR_LOP_REACH_PART 0.5
 /** Smallest clearance there is, in normalised units: ten steps of a float near 1. */
 #define VOR_LOP_CLEARANCE_MIN 1e-6
 

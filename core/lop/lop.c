@@ -2,6 +2,7 @@
 
 #include "core/base/rng.h"
 #include "core/geom/patch.h"
+#include "core/input/edges.h"
 #include "core/input/thin.h"
 #include "core/lop/insert.h"
 #include "core/lop/normals.h"
@@ -28,6 +29,11 @@ enum { STREAM_SUBSET = 1, STREAM_ASIDE = 2 };
 #define SAMPLES_SHARE 0.5
 #define FEWEST 4
 
+/* Share of the input's points on edges below which it counts as having none, and is evened out as
+ * by other methods: igea, bunny and a sphere have at most 0.13 % (input/edges.h), fandisk 10 %.
+ * Igea of 30,000 points to 10,000, evened out with edges: delta 0.084, rms 9.5e-4. */
+#define EDGES_SHARE 0.005
+
 #define RADIANS 0.017453292519943295
 
 struct lop {
@@ -37,6 +43,7 @@ struct lop {
     const struct vor_run *run;
     struct vor_outcome *told;
     int ear;
+    int smooth;           /* the input has no edges */
     double area, spacing; /* of the surface; of samples spread evenly on it; normalised */
     double reach;
     struct vor_lop_samples data; /* the points of the domain; owned with ear */
@@ -223,6 +230,51 @@ static vor_status find_normals(struct lop *lop, size_t samples, struct vor_error
     return vor_lop_normals(&lop->data, lop->domain, &how, &whole, err);
 }
 
+static void normal_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct vor_seeds *seeds = ctx;
+    struct vor_scratch *scratch = &seeds->scratch[worker];
+
+    for (size_t i = begin; i < end; i++) {
+        float *n = &seeds->normal[3 * i];
+        double x[3], local[3], fitted[3], side = 0;
+
+        if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
+            continue;
+        vor_seeds_position(seeds, i, x);
+        vor_surface_to_local(&scratch->here.surface, x, local);
+        vor_surface_normal(&scratch->here.surface, local, fitted);
+        for (size_t c = 0; c < 3; c++)
+            side += fitted[c] * (double)n[c];
+        for (size_t c = 0; c < 3; c++)
+            n[c] = (float)(side < 0 ? -fitted[c] : fitted[c]);
+    }
+}
+
+/* Evens the seeds of an input without edges out, and takes the normals of where they then are. */
+static vor_status even_out_smooth(struct vor_seeds *seeds, struct lop *lop, struct vor_error *err)
+{
+    vor_status status = even_out(seeds, lop, err);
+
+    return status == VOR_OK
+               ? vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, normal_block, seeds, err)
+               : status;
+}
+
+/* Finds out whether the input has edges at all. */
+static vor_status look_for_edges(struct lop *lop, struct vor_error *err)
+{
+    const struct vor_run whole = vor_run_unstoppable(lop->run);
+    struct vor_edges edges;
+    vor_status status = vor_edges_find(&edges, lop->domain, &whole, err);
+
+    if (status != VOR_OK)
+        return status;
+    lop->smooth = (double)edges.flagged < EDGES_SHARE * (double)lop->domain->n;
+    vor_edges_free(&edges);
+    return VOR_OK;
+}
+
 /* Points to project, of the n in the end. */
 static size_t samples_of(const struct lop *lop, size_t n)
 {
@@ -249,6 +301,8 @@ static vor_status insert(struct lop *lop, size_t n, struct vor_error *err)
         .fill = value[VOR_PARAM_GAPS] == VOR_GAPS_FILL,
         .polish = lop->told->stopped == VOR_STOPPED_CALLER ? 0 : vor_spec_polish(lop->spec)};
 
+    if (lop->smooth)
+        how.polish = 0;
     if (n < FEWEST || (n == lop->samples.n && how.polish == 0))
         return VOR_OK;
     return vor_lop_insert(&lop->samples, n, &how, lop->domain, lop->told, lop->run, err);
@@ -261,6 +315,8 @@ static vor_status make_points(struct lop *lop, size_t n, struct vor_error *err)
     size_t samples = samples_of(lop, n);
     vor_status status = set_lengths(lop, samples, err);
 
+    if (status == VOR_OK)
+        status = look_for_edges(lop, err);
     if (status == VOR_OK)
         status = find_normals(lop, samples, err);
     if (status == VOR_OK)
@@ -285,7 +341,7 @@ vor_status vor_ear_run(struct vor_seeds *out, struct vor_outcome *told,
     if (status == VOR_OK)
         status = hand_over(&seeds, &lop, err);
     if (status == VOR_OK)
-        status = vor_attach_fast(&seeds, err);
+        status = lop.smooth ? even_out_smooth(&seeds, &lop, err) : vor_attach_fast(&seeds, err);
     if (status == VOR_OK)
         vor_attach_to_box(&seeds);
     vor_lop_samples_free(&lop.samples);

@@ -97,6 +97,8 @@ static void find_pairs(struct twin *twin, size_t i, size_t end)
         struct pair pair = {(uint32_t)j, (float)(d2 / 4), 0};
         int p = VOR_LOP_PAIRS;
 
+        if (i < twin->begun && others < VOR_LOP_REACH_PART * sqrt(d2))
+            continue;
         if (i == j || d2 > own * own || (j > i && d2 <= others * others) ||
             cosine(normal(twin, i), normal(twin, j)) < (double)VOR_LOP_AWAY)
             continue;

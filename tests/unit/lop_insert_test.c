@@ -502,6 +502,48 @@ START_TEST(the_polish_evens_out_and_fills_the_edge_of_a_wedge)
 }
 END_TEST
 
+/* Adds a sample on the left side of a wedge, so far past its edge. */
+static void add_stray(struct vor_lop_samples *samples, size_t at, const double normal[3],
+                      double past, double y)
+{
+    double xyz[3] = {past * normal[2], y, -past * normal[0]};
+
+    for (size_t c = 0; c < 3; c++) {
+        samples->xyz[3 * at + c] = (float)xyz[c];
+        samples->normal[3 * at + c] = (float)normal[c];
+    }
+}
+
+/* Samples past an edge on the plane of their own side, as noise leaves them, and one far away from
+ * all others: the first come back with what was inserted beside them, the other harms nobody. */
+START_TEST(the_polish_brings_back_what_lies_past_an_edge)
+{
+    double normal[2][3], spacing, mean;
+    struct vor_lop_samples samples;
+    struct vor_lop_insert_how how;
+    size_t past = 0;
+
+    vt_lop_wedge(&samples, 90, 800, 4, &spacing);
+    vt_lop_wedge_normals(90, normal);
+    for (size_t k = 0; k < 5; k++)
+        add_stray(&samples, 90 * k, normal[0], 0.6 * spacing, 0.2 * (double)k - 0.4);
+    samples.xyz[2] = 0.95F;
+    how = how_of(spacing, 0);
+    how.polish = 8;
+    insert(&samples, 3000, &how);
+    for (size_t i = 1; i < samples.n; i++) {
+        double x = (double)samples.xyz[3 * i];
+
+        past += ((double)samples.normal[3 * i] < 0 ? x : -x) > 0.15 * spacing;
+    }
+    ck_assert_uint_eq(past, 0);
+    ck_assert_double_lt(delta_of(&samples, &mean), 1);
+    ck_assert_double_lt(mean, spacing);
+    vor_lop_samples_free(&samples);
+    vt_assert_no_leak();
+}
+END_TEST
+
 START_TEST(the_polish_keeps_a_sphere_and_does_not_depend_on_threads)
 {
     uint64_t hash[2];
@@ -612,6 +654,7 @@ int main(void)
     vt_add(suite, powers_are_those_of_pow);
     vt_add_loop(suite, the_tree_finds_what_looking_at_every_point_finds, VT_SOAK_LOOPS(2, 20));
     vt_add_loop(suite, the_polish_evens_out_and_fills_the_edge_of_a_wedge, 3);
+    vt_add(suite, the_polish_brings_back_what_lies_past_an_edge);
     vt_add(suite, the_polish_keeps_a_sphere_and_does_not_depend_on_threads);
     vt_add(suite, the_polish_pushes_no_point_over_an_open_border);
     vt_add(suite, the_polish_ends_when_the_caller_says_so);
