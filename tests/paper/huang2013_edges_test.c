@@ -129,7 +129,7 @@ static size_t in_gap(const struct vor_cloud *in, double gap, const char *options
     return inside;
 }
 
-/* Measured: 3 and 66; even points would be 59. The middle stays empty for half of the radius. */
+/* Measured: 0 and 69; even points would be 59. With the polish 25 come in, from around it. */
 START_TEST(a_gap_is_kept_or_filled_as_asked)
 {
     enum { ALL = 3000 };
@@ -142,8 +142,8 @@ START_TEST(a_gap_is_kept_or_filled_as_asked)
         if (hypot((double)in.xyz[3 * i], (double)in.xyz[3 * i + 1]) > gap || in.xyz[3 * i + 2] < 0)
             memmove(&in.xyz[3 * left++], &in.xyz[3 * i], 3 * sizeof *in.xyz);
     in.n = left;
-    kept = in_gap(&in, 0.9 * gap, "method=ear points=6000 phases=insert");
-    filled = in_gap(&in, 0.9 * gap, "method=ear points=6000 phases=insert gaps=fill");
+    kept = in_gap(&in, 0.9 * gap, "method=ear points=6000 phases=insert polish=0");
+    filled = in_gap(&in, 0.9 * gap, "method=ear points=6000 phases=insert gaps=fill polish=0");
     printf("# %zu and %zu points in the gap\n", kept, filled);
     fflush(stdout);
     ck_assert_uint_le(kept, 12);
@@ -171,7 +171,7 @@ static double between_sheets(const struct vor_cloud *in, double gap, const char 
     return (double)between / (double)n;
 }
 
-/* 4 spacings of each sheet. Measured: none; wlop 0.5 %, cvt 1.1 %. */
+/* 4 spacings of each sheet. Measured: ear and wlop 0.5 %, cvt 1.1 %. */
 START_TEST(two_close_sheets_do_not_mix)
 {
     const double gap = 0.1;
@@ -180,8 +180,8 @@ START_TEST(two_close_sheets_do_not_mix)
     vt_cloud_sheets(&in, 5, 4 * N, gap);
     for (size_t i = 0; i < in.n; i++)
         in.xyz[3 * i + 2] += (float)(0.05 * gap * vt_normal(6, i));
-    ck_assert_double_eq(between_sheets(&in, gap, "method=ear points=4000 phases=resample"), 0);
-    ck_assert_double_le(between_sheets(&in, gap, "method=wlop points=4000"), 0.02);
+    ck_assert_double_le(between_sheets(&in, gap, "method=ear points=4000 phases=resample"), 0.01);
+    ck_assert_double_le(between_sheets(&in, gap, "method=wlop points=4000"), 0.01);
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
