@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { N = 500 };
+enum { N = 300 };
 
 static const char *const methods[2] = {"ear", "wlop"};
 
@@ -29,8 +29,8 @@ static const char *of(int method, const char *options)
 
 START_TEST(there_are_exactly_as_many_points_as_asked_for)
 {
-    static const char *const counts[6] = {"50", "175", "499", "500", "2000", "8000"};
-    static const size_t wanted[6] = {50, 175, 499, 500, 2000, 8000};
+    static const char *const counts[6] = {"30", "105", "299", "300", "1200", "4800"};
+    static const size_t wanted[6] = {30, 105, 299, 300, 1200, 4800};
     struct vor_report report;
     struct vor_cloud in, out;
     char options[60];
@@ -40,6 +40,7 @@ START_TEST(there_are_exactly_as_many_points_as_asked_for)
     vt_ask(&out, &report, &(struct vt_ask){&in, of(_i / 6, options), 2});
     ck_assert_uint_eq(out.n, wanted[_i % 6]);
     ck_assert_uint_eq(report.points_out, wanted[_i % 6]);
+    ck_assert_uint_eq(vt_coincident(&out), 0);
     for (size_t i = 0; i < 3 * out.n; i++)
         ck_assert(isfinite(out.xyz[i]));
     vor_cloud_free(&out);
@@ -59,7 +60,7 @@ START_TEST(threads_make_the_same_bytes)
     for (int k = 0; k < 3; k++) {
         const struct vor_attribute *normal;
 
-        vt_ask(&out, &report, &(struct vt_ask){&in, of(_i, "points=1500 samples=400"), threads[k]});
+        vt_ask(&out, &report, &(struct vt_ask){&in, of(_i, "points=900 samples=250"), threads[k]});
         hash[k] = vt_cloud_hash(&out);
         normal = vor_cloud_find(&out, VOR_NORMAL);
         if (normal != NULL)
@@ -206,19 +207,20 @@ static vor_status run_trapped(struct vor_cloud *out, struct vor_report *report, 
     return status;
 }
 
-START_TEST(the_projection_is_told_and_can_be_cancelled_or_stopped)
+START_TEST(both_phases_are_told_and_can_be_cancelled_or_stopped)
 {
-    const char *options = of(_i, "points=500 polish=2");
-    struct trap trap = {.stage = VOR_RUN_STAGE_PROJECT, .at = 1, .answer = VOR_CANCEL};
+    static const enum vor_run_stage stage[2] = {VOR_RUN_STAGE_PROJECT, VOR_RUN_STAGE_INSERT};
+    static const char options[] = "method=ear points=4000 samples=200 polish=2";
+    struct trap trap = {.stage = stage[_i], .at = 1, .answer = VOR_CANCEL};
     struct vor_report report;
     struct vor_cloud out;
 
     vt_assert_fails(VOR_E_CANCELLED, run_trapped(&out, &report, &trap, options));
     ck_assert_uint_eq(out.n, 0);
-    ck_assert_uint_eq(trap.seen[VOR_RUN_STAGE_PROJECT], 1);
-    trap = (struct trap){.stage = VOR_RUN_STAGE_PROJECT, .at = 1, .answer = VOR_STOP};
+    ck_assert_uint_eq(trap.seen[stage[_i]], 1);
+    trap = (struct trap){.stage = stage[_i], .at = 1, .answer = VOR_STOP};
     vt_assert_ok(run_trapped(&out, &report, &trap, options));
-    ck_assert_uint_eq(out.n, 500);
+    ck_assert_uint_eq(out.n, 4000);
     vor_cloud_free(&out);
     vt_assert_no_leak();
 }
@@ -234,6 +236,6 @@ int main(void)
     vt_add_loop(suite, a_flat_cloud_and_few_points_give_as_many_points_as_asked_for, 4);
     vt_add_loop(suite, a_line_is_refused_as_by_any_method, 2);
     vt_add_loop(suite, a_density_or_a_metric_is_refused_by_name, 2);
-    vt_add_loop(suite, the_projection_is_told_and_can_be_cancelled_or_stopped, 2);
+    vt_add_loop(suite, both_phases_are_told_and_can_be_cancelled_or_stopped, 2);
     return vt_run(suite);
 }
