@@ -110,6 +110,24 @@ $(B)/%.o: %.cc
 # The contract is embedded by the assembler, which tells nobody.
 $(B)/server/api/handlers/openapi.o: openapi.yaml
 
+# The page's files: each of build/web is gzipped and embedded like the contract, and named in a table with its digest.
+# A file of server/web is taken as it is, unless a rule makes it of several.
+WEB := build/web
+ASSETS := index.html page.css page.js
+$(B)/server/api/assets.o: $(WEB)/assets.inc $(ASSETS:%=$(WEB)/%.gz)
+
+$(WEB)/%: server/web/%
+	@mkdir -p $(@D)
+	@cp $< $@
+
+$(WEB)/%.gz: $(WEB)/%
+	@gzip -9nc $< >$@
+
+$(WEB)/assets.inc: Makefile $(ASSETS:%=$(WEB)/%.gz)
+	@for name in $(ASSETS); do \
+	    echo "ASSET($$(echo "$$name" | tr -c 'a-z0-9\n' _), \"$$name\", \"$$(sha256sum <$(WEB)/$$name.gz | cut -c-64)\")"; \
+	done >$@
+
 $(LIB): $(call obj,$(LIB_SRC))
 	@rm -f $@
 	@$(AR) rcs $@ $^

@@ -18,7 +18,8 @@
  *  A row without statuses is the route of the path without the slash under another name, which
  *  openapi.yaml cannot have: what makes clients of it takes no path that ends in a slash. */
 #define VOR_ROUTE_TABLE(X)                                                                         \
-    X(GET, "/", OPEN, vor_handle_landing, "200")                                                   \
+    X(GET, "/", OPEN, vor_handle_root, "200 304")                                                  \
+    X(GET, "/assets/{asset}", OPEN, vor_handle_asset, "200 304 404")                               \
     X(GET, "/livez", OPEN, vor_handle_livez, "200")                                                \
     X(GET, "/readyz", OPEN, vor_handle_readyz, "200 503")                                          \
     X(GET, "/version", OPEN, vor_handle_version, "200")                                            \

@@ -11,6 +11,10 @@ enum vor_next vor_handle_readyz(void *app, struct vor_request *request, enum vor
 enum vor_next vor_handle_version(void *app, struct vor_request *request, enum vor_step step);
 enum vor_next vor_handle_openapi(void *app, struct vor_request *request, enum vor_step step);
 
+/** page.c */
+enum vor_next vor_handle_root(void *app, struct vor_request *request, enum vor_step step);
+enum vor_next vor_handle_asset(void *app, struct vor_request *request, enum vor_step step);
+
 /** processes.c */
 enum vor_next vor_handle_processes(void *app, struct vor_request *request, enum vor_step step);
 enum vor_next vor_handle_process(void *app, struct vor_request *request, enum vor_step step);
