@@ -113,12 +113,21 @@ $(B)/server/api/handlers/openapi.o: openapi.yaml
 # The page's files: each of build/web is gzipped and embedded like the contract, and named in a table with its digest.
 # A file of server/web is taken as it is, unless a rule makes it of several.
 WEB := build/web
-ASSETS := index.html page.css page.js
+BUNDLES := page.js cloud_worker.js
+ASSETS := index.html page.css icon.svg $(BUNDLES)
+THREE := /usr/share/javascript/three
 $(B)/server/api/assets.o: $(WEB)/assets.inc $(ASSETS:%=$(WEB)/%.gz)
 
 $(WEB)/%: server/web/%
 	@mkdir -p $(@D)
 	@cp $< $@
+
+# Modules, and of three.js what they use, become one file; its licence stays in it.
+$(BUNDLES:%=$(WEB)/%): $(WEB)/%: server/web/% $(wildcard server/web/*.js)
+	@mkdir -p $(@D)
+	@echo "  WEB  $@"
+	@esbuild $< --bundle --minify --format=esm --target=es2020 --log-level=warning --legal-comments=eof --charset=utf8 \
+	    --alias:three=$(THREE)/three.module.js --alias:orbit-controls=$(THREE)/examples/jsm/controls/OrbitControls.js --outfile=$@
 
 $(WEB)/%.gz: $(WEB)/%
 	@gzip -9nc $< >$@

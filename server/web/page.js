@@ -1,19 +1,16 @@
-// What the daemon offers, asked of the daemon itself.
+/* The page: what happens in which order. */
+import { readCloud } from './cloud.js';
+import { $, bytes, count } from './dom.js';
+import { wireDrop } from './drop.js';
+import { setCloud, setLayout, wireStage } from './stage.js';
+import { wireTheme } from './theme.js';
 
-async function ask(path) {
-    const answer = await fetch(path, { headers: { Accept: "application/json" } });
-    if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
-    return answer.json();
-}
-
-async function showProcesses() {
-    const list = document.getElementById("processes");
-    for (const process of (await ask("v1/processes")).processes) {
-        const item = document.createElement("li");
-        item.textContent = `${process.title}: ${process.description}`;
-        list.append(item);
-    }
-}
-
-document.getElementById("version").value = (await ask("version")).version;
-await showProcesses();
+const stage = wireStage(() => {});
+wireTheme($('theme'), stage);
+wireDrop(async (file) => {
+    $('trouble').textContent = '';
+    const cloud = await readCloud(await file.arrayBuffer());
+    $('cloud-words').textContent = `${file.name}: ${count(cloud.n)} points, ${bytes(file.size)}`;
+    setCloud('input', cloud);
+    setLayout('input');
+});

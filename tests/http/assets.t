@@ -64,7 +64,7 @@ for my $path ('/', map { "/assets/$_" } 'index.html', @names) {
 }
 is scalar(keys %etags), @names + 1, 'every file has a tag of its own, the page one under both names';
 
-my %types = (js => 'text/javascript', css => 'text/css', html => 'text/html');
+my %types = (js => 'text/javascript', css => 'text/css', html => 'text/html', svg => 'image/svg+xml');
 for my $name (@names) {
     my ($ending) = $name =~ /\.(\w+)$/;
     my $type = $daemon->request('HEAD', "/assets/$name")->{headers}{'content-type'};
