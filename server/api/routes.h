@@ -35,6 +35,7 @@
     X(DELETE, "/v1/jobs/{jobID}", SUBMIT, vor_handle_dismiss, "200 401 403 404 503 507")           \
     X(POST, "/v1/jobs/{jobID}/stop", SUBMIT, vor_handle_stop, "202 401 403 404 409 503")           \
     X(GET, "/v1/jobs/{jobID}/events", READ, vor_handle_events, "200 204 400 401 403 404 503")      \
+    X(GET, "/v1/events", READ, vor_handle_events_of_many, "200 204 400 401 403")                   \
     X(GET, "/v1/jobs/{jobID}/input", READ, vor_handle_input,                                       \
       "200 206 304 401 403 404 410 416 500 503")                                                   \
     X(GET, "/v1/jobs/{jobID}/results", READ, vor_handle_results,                                   \

@@ -488,7 +488,7 @@ static enum vor_next accepted(struct vor_app *app, struct vor_request *request,
         return reply_accepted(app, request, submission);
     case VOR_SUBMIT_STREAM:
         add_job_headers(app, request, submission, false);
-        return vor_events_reply(app, request, &id, (struct vor_position){0, 0}, false);
+        return vor_events_reply(app, request, &id);
     case VOR_SUBMIT_SYNC:
         break;
     }

@@ -1,0 +1,25 @@
+/** Events of jobs as text: frames of server-sent events, or lines of NDJSON. */
+#ifndef VOR_SERVER_API_HANDLERS_EVENT_TEXT_H
+#define VOR_SERVER_API_HANDLERS_EVENT_TEXT_H
+
+#include "server/api/app.h"
+
+/** Whose events are written, and for whom; all borrowed. */
+struct vor_teller {
+    struct vor_app *app;
+    struct vor_request *request;
+    const struct vor_followed *followed;
+    bool is_lines; /**< NDJSON */
+};
+
+/** Appends one event of the job; false when memory is out. */
+int vor_event_tell(const struct vor_teller *teller, const struct vor_event *event, const char *id,
+                   struct vor_text *out);
+
+/** Appends one event of that name, whose data is a JSON text; false when memory is out.
+ *
+ *  @param[in] id  NULL for an event that cannot be come back to: the last id stays */
+int vor_event_frame(const struct vor_teller *teller, const char *name, const char *id,
+                    const struct vor_text *data, struct vor_text *out);
+
+#endif
