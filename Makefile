@@ -113,7 +113,7 @@ $(B)/server/api/handlers/openapi.o: openapi.yaml
 # The page's files: each of build/web is gzipped and embedded like the contract, and named in a table with its digest.
 # A file of server/web is taken as it is, unless a rule makes it of several.
 WEB := build/web
-BUNDLES := page.js cloud_worker.js
+BUNDLES := page.js cloud_worker.js stream.js
 ASSETS := index.html page.css icon.svg $(BUNDLES)
 THREE := /usr/share/javascript/three
 $(B)/server/api/assets.o: $(WEB)/assets.inc $(ASSETS:%=$(WEB)/%.gz)

@@ -29,7 +29,7 @@ void main() {
     if (mode == 1) shown = tint;
     if (mode == 2 || mode == 3) shown = ramp((value - low) / max(high - low, 1e-30));
     if (mode == 4) shown = 0.5 + 0.5 * facing;
-    if (shaded) shown *= 0.35 + 0.65 * clamp(dot(normalize(facing), normalize(vec3(0.25, 0.35, 1.0))), 0.0, 1.0);
+    if (shaded) shown *= 0.4 + 0.65 * clamp(dot(normalize(facing), normalize(vec3(0.25, 0.35, 1.0))), 0.0, 1.0);
     gl_Position = projectionMatrix * seen;
     gl_PointSize = clamp(size * scale / max(gl_Position.w, 1e-30), 1.5, 64.0);
 }`;

@@ -56,7 +56,7 @@ async function recolour() {
 
 async function learn(name, cloud) {
     const spacing = await measures.spacing(cloud);
-    if (clouds[name] === cloud && (name === 'result' || !clouds.result)) view.setSpacing(spacing.mean);
+    if (clouds[name] === cloud) view.setSpacing(name, spacing.mean);
     const normals = await measures.normals(cloud);
     if (clouds[name] !== cloud) return;
     view.slot(name).setNormals(normals);

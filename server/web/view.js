@@ -13,7 +13,7 @@ import { AmbientLight, Color, DirectionalLight, PerspectiveCamera, Scene, Vector
 import { OrbitControls } from 'orbit-controls';
 import { makePoints } from './points.js';
 
-const FIELD_OF_VIEW = 40; /* degrees, of the height */
+const FIELD_OF_VIEW = 40; /* degrees, of the height or, where that is less, the width of a pane */
 const REST_MS = 200;      /* without a movement, after which every point is drawn */
 const TURN = 0.12;        /* radians a stroke of an arrow key */
 
@@ -39,7 +39,7 @@ export function makeView(canvas) {
     const renderer = new WebGLRenderer({ canvas, context, antialias: true });
     const camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100), panes = { input: makeScene(camera), result: makeScene(camera) };
     const look = { layout: 'input', split: 0.5, size: 1, mode: 'plain', shaded: true, triangles: true, wires: true };
-    let controls = new OrbitControls(camera, canvas), moving = 0, frame = 0, sphere = null, spacing = 1;
+    let controls = new OrbitControls(camera, canvas), moving = 0, frame = 0, sphere = null;
     renderer.autoClear = false;
 
     const slots = () => Object.values(panes).map((pane) => pane.slot).filter(Boolean);
@@ -59,11 +59,11 @@ export function makeView(canvas) {
     function show(pane, x, width, viewX, viewWidth) {
         const height = canvas.clientHeight;
         camera.aspect = viewWidth / height;
+        camera.fov = camera.aspect < 1 ? 2 * Math.atan(Math.tan(FIELD_OF_VIEW * Math.PI / 360) / camera.aspect) * 180 / Math.PI : FIELD_OF_VIEW;
         camera.updateProjectionMatrix();
         renderer.setViewport(viewX, 0, viewWidth, height);
         renderer.setScissor(x, 0, width, height);
         renderer.setScissorTest(true);
-        renderer.clear();
         pane.follow();
         if (pane.slot) pane.slot.setScale(camera.projectionMatrix.elements[5] * renderer.getPixelRatio() * height / 2);
         renderer.render(pane.scene, camera);
@@ -73,6 +73,8 @@ export function makeView(canvas) {
         const [width, height] = [canvas.clientWidth, canvas.clientHeight];
         frame = 0;
         if (!width || !height) return;
+        renderer.setScissorTest(false);
+        renderer.clear();
         if (sphere) {
             const far = camera.position.distanceTo(sphere.center) + 2 * sphere.radius;
             camera.near = Math.max(far - 4 * sphere.radius, far / 1000);
@@ -104,7 +106,7 @@ export function makeView(canvas) {
     }
 
     function dress(slot) {
-        slot.setSize(look.size * spacing);
+        slot.setSize(look.size * slot.spacing);
         slot.setPlain(look.plain || 0x888888);
         slot.setShaded(look.shaded && look.mode !== 'normals');
         slot.setTriangles(look.triangles && look.mode === 'plain', look.wires);
@@ -143,10 +145,10 @@ export function makeView(canvas) {
             }
             pane.slot = cloud ? makePoints(cloud) : null;
             if (!cloud) return draw();
+            pane.slot.spacing = 1.2 * pane.slot.sphere.radius / Math.sqrt(cloud.n); /* until it is measured */
             pane.scene.add(pane.slot.root);
             if (refit || !sphere) {
                 sphere = pane.slot.sphere;
-                spacing = 1.2 * sphere.radius / Math.sqrt(cloud.n);
                 fit(upOf(cloud));
             }
             dress(pane.slot);
@@ -154,9 +156,9 @@ export function makeView(canvas) {
         },
         slot: (name) => panes[name].slot,
         /* Points are as wide as this distance, times the size that was chosen. */
-        setSpacing(value) {
-            if (value > 0) spacing = value;
-            slots().forEach(dress);
+        setSpacing(name, value) {
+            if (value > 0) panes[name].slot.spacing = value;
+            dress(panes[name].slot);
             draw();
         },
         set(changes) {

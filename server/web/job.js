@@ -1,0 +1,113 @@
+/* One job on the page: what it is doing, how even its points are by now, what came of it. */
+import { ask, askJson } from './api.js';
+import { drawChart } from './chart.js';
+import { readCloud } from './cloud.js';
+import { $, count, seconds, show } from './dom.js';
+import { showReport, summary } from './report.js';
+import { getCloud, setCloud, setLayout } from './stage.js';
+import { save, showTakers } from './take.js';
+import { isOver, watchJob } from './watch.js';
+
+let release = () => {}, shown = null, records = [], frame = 0;
+
+const WORDS = { successful: 'Done', failed: 'Failed', dismissed: 'Cancelled' };
+
+function stateOf(status) {
+    const { queuePosition, eta } = status.voronoid, parts = [WORDS[status.status] || status.message || status.status];
+    if (isOver(status) && status.message) parts.push(status.message);
+    if (queuePosition) parts.push(`place ${queuePosition} in the queue`);
+    if (!isOver(status) && typeof eta === 'number') parts.push(`some ${seconds(Math.max(eta, 0))} left`);
+    return parts.join(', ');
+}
+
+/* The live region is told of a new stage; figures that change ten times a second stand beside it. */
+function showStatus(status) {
+    shown = status;
+    show($('watch'), true);
+    const over = isOver(status), words = stateOf(status);
+    $('watch-title').textContent = `${status.voronoid.name || 'Job'}: ${status.processID}`;
+    if ($('state').textContent !== words) $('state').textContent = words;
+    $('progress').value = status.progress;
+    show($('progress'), !over);
+    show($('stop'), status.status === 'running' && status.voronoid.stage === 'optimize');
+    show($('dismiss'), !over);
+    show($('result'), over);
+    if (status.exception) $('trouble').textContent = status.exception.detail || status.exception.title;
+}
+
+function draw() {
+    frame = 0;
+    show($('chart-box'), records.length > 0);
+    drawChart($('chart'), records);
+}
+
+function showRecords(all, latest) {
+    records = all;
+    frame = frame || requestAnimationFrame(draw);
+    if (!latest || isOver(shown)) return;
+    $('progress').value = latest.progress;
+    const left = typeof latest.eta === 'number' ? `, some ${seconds(latest.eta)} left` : '';
+    const name = latest.run_stage === 'polish' ? 'Polish' : 'Iteration';
+    $('figures').textContent = `${name} ${count(latest.step)} of at most ${count(latest.of)}${left}`;
+}
+
+/* The result as PLY, in the frame of the input. */
+async function readResult(status) {
+    const answer = await ask(`v1/jobs/${status.jobID}/results/cloud?format=ply`);
+    return readCloud(await answer.arrayBuffer(), getCloud('input')?.origin);
+}
+
+async function showEnd(status) {
+    const outputs = status.links.filter((link) => link.rel === 'item').map((link) => link.title);
+    showStatus(status);
+    $('figures').textContent = '';
+    showTakers(status);
+    if (status.status !== 'successful') return;
+    const told = outputs.find((name) => name !== 'cloud' && name !== 'soup');
+    const report = told ? await askJson(`v1/jobs/${status.jobID}/results/${told}`) : null;
+    if (shown?.jobID !== status.jobID) return;
+    if (report) await showReport(status.processID, told, report);
+    show($('report-box'), Boolean(report));
+    $('summary').textContent = report ? summary(report) : '';
+    if (!outputs.includes('cloud')) return;
+    const cloud = await readResult(status);
+    if (shown?.jobID !== status.jobID) return;
+    setCloud('result', cloud);
+    setLayout(getCloud('input') ? (innerWidth > 800 ? 'both' : 'result') : 'result');
+}
+
+/** Takes the job off the page. */
+export function leaveJob() {
+    release();
+    [release, shown, records] = [() => {}, null, []];
+    for (const name of ['watch', 'result', 'report-box', 'chart-box']) show($(name), false);
+    $('summary').textContent = $('figures').textContent = $('state').textContent = '';
+    delete $('chart').dataset.points;
+    setCloud('result', null);
+    setLayout('input');
+}
+
+/** Shows a job and follows it; ended(status) is called when it is over. */
+export function followJob(status, ended) {
+    leaveJob();
+    release = watchJob(status, { onStatus: showStatus, onRecords: showRecords, onPreview() {}, onEnd(last) {
+        showEnd(last).catch((error) => { $('trouble').textContent = error.message; }).then(() => ended(last));
+    } });
+}
+
+/** Wires stop and cancel; redraw() is for new colours. */
+export function wireJob() {
+    const tell = (method, path) => async () => {
+        try {
+            await ask(`v1/jobs/${shown.jobID}${path}`, { method });
+        } catch (error) {
+            $('trouble').textContent = error.message;
+        }
+    };
+    $('stop').addEventListener('click', tell('POST', '/stop'));
+    $('dismiss').addEventListener('click', tell('DELETE', ''));
+    $('chart-png').addEventListener('click', () => $('chart').toBlob((blob) => save(blob, 'png', 'chart')));
+    new ResizeObserver(draw).observe($('chart'));
+}
+
+export const redraw = () => draw();
