@@ -54,7 +54,7 @@ BIN := $(B)/voronoid
 
 # A C file in a test room is a test program; tests/support is linked into each. ThreadSanitizer is spared the rooms, and the
 # scripts of documents, that check what is computed and not how threads meet; AddressSanitizer the papers' figures, README and
-# whole scans, which take long runs of the code that the other tests run.
+# whole scans, which take long runs of the code that the other tests run; both the page in its browser.
 TEST_ROOMS := unit property golden $(if $(filter-out tsan,$(config)),oracle) $(if $(filter-out tsan asan,$(config)),paper)
 SUPPORT_SRC := $(sort $(wildcard tests/support/*.c))
 TEST_SRC := $(sort $(foreach room,$(TEST_ROOMS),$(wildcard tests/$(room)/*.c)))
@@ -63,7 +63,7 @@ KINDS_OBJ := $(addprefix $(B)/kinds/,$(addsuffix .o,core/spec core/spec/tables c
     proto/json/json_process))
 KINDS_BIN := $(addprefix $(B)/,$(basename $(wildcard tests/kinds/*.c)))
 TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC))) $(KINDS_BIN)
-TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t $(if $(filter-out tsan,$(config)),tests/cli/*.t tests/lint/*.t)))
+TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t $(if $(filter-out tsan,$(config)),tests/cli/*.t tests/lint/*.t) $(if $(filter release,$(config)),tests/page/*.t)))
 TOY_SCRIPTS := $(if $(filter release,$(config)),$(sort $(wildcard tests/toy/*.t)))
 TEST_SCRIPTS += $(TOY_SCRIPTS)
 SPARED.tsan := tests/http/contract.t tests/http/readme.t
@@ -183,7 +183,7 @@ demo: ## install what is missing, build, and send a real scan through the daemon
 	@tests/demo/demo.sh $(BIN) $(if $(CLOUD),'$(CLOUD)')
 
 test: ## install what is missing, build, and run every test (V=1 is verbose)
-	@docker/install.sh build test
+	@docker/install.sh build test page
 	@$(MAKE) --no-print-directory check
 
 .PHONY: toy

@@ -1,9 +1,11 @@
 /* A request as commands that can be pasted elsewhere. A key is never among them: $VORONOID_KEY stands for it. */
 
+import { query } from './query.js';
+
 /** A word that a shell takes as it is written. */
 export const shell = (word) => (/^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
 
-const address = ({ root, process, values }) => new URL(`v1/${process}?${new URLSearchParams(values)}`, root).href.replace(/\?$/, '');
+const address = ({ root, process, values }) => new URL(`v1/${process}?${query(values)}`, root).href.replace(/\?$/, '');
 const named = (word) => (word.startsWith('-') ? `./${word}` : word);
 
 function curl(request) {

@@ -150,6 +150,8 @@ $('ask').addEventListener('submit', (event) => {
     event.preventDefault();
     run();
 });
+/* A field that is folded away could not be pointed at. */
+$('ask').addEventListener('invalid', (event) => event.target.closest('details')?.setAttribute('open', ''), true);
 $('key-form').addEventListener('submit', (event) => {
     event.preventDefault();
     setKey($('key').value.trim());

@@ -1,6 +1,7 @@
 /* From the form to a job: sends the file once, with its progress, or names the job that has it already. */
 import { askJson, send } from './api.js';
 import { $, bytes, show } from './dom.js';
+import { query } from './query.js';
 
 const ASYNC = { Prefer: 'respond-async' };
 
@@ -24,13 +25,13 @@ async function upload(path, file) {
 /** Starts a job. source: {file, name, job}: job has the file as its input, so that it need not be sent again. Resolves to the job's
  *  status; rejects with a Problem, or an AbortError when the upload was cancelled. */
 export async function startJob(process, values, source) {
-    const query = (more) => `v1/${process}?${new URLSearchParams({ name: source.name, ...values, ...more })}`;
+    const path = (more) => `v1/${process}?${query({ name: source.name, ...values, ...more })}`;
     if (source.job) {
         try {
-            return await askJson(query({ input: `job:${source.job}` }), { method: 'POST', more: ASYNC });
+            return await askJson(path({ input: `job:${source.job}` }), { method: 'POST', more: ASYNC });
         } catch (problem) {
             if (!source.file || ![404, 410].includes(problem.status)) throw problem; /* else: its bytes are gone by now */
         }
     }
-    return upload(query({}), source.file);
+    return upload(path({}), source.file);
 }
