@@ -59,7 +59,7 @@ TEST_ROOMS := unit property golden $(if $(filter-out tsan,$(config)),oracle) $(i
 SUPPORT_SRC := $(sort $(wildcard tests/support/*.c))
 TEST_SRC := $(sort $(foreach room,$(TEST_ROOMS),$(wildcard tests/$(room)/*.c)))
 # The tests in tests/kinds add rows to the tables of requests: the files that hang on these are compiled once more.
-KINDS_OBJ := $(addprefix $(B)/kinds/,$(addsuffix .o,core/spec core/spec/tables core/spec/kinds proto/json/json_spec \
+KINDS_OBJ := $(addprefix $(B)/kinds/,$(addsuffix .o,core/spec core/spec/tables core/spec/kinds core/spec/shown proto/json/json_spec \
     proto/json/json_process))
 KINDS_BIN := $(addprefix $(B)/,$(basename $(wildcard tests/kinds/*.c)))
 TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC))) $(KINDS_BIN)

@@ -4,6 +4,7 @@
 #define VOR_SPEC_H
 
 #include "core/base/status.h"
+#include "core/spec/shown.h"
 #include "core/spec/tables.h"
 
 #include <stddef.h>

@@ -72,6 +72,29 @@ for my $process (grep { $as{ $_->{id} } } @listed) {
     is $daemon->get("/v1/$id")->{headers}{allow}, 'POST, OPTIONS', "$id: it is posted to";
 }
 
+# Forms are made of the descriptions: titles, levels, groups and presets, whose values are taken as they are.
+my $many = sphere_ply(700); # of which there may be 16 times as many
+my %names;
+for my $process (@listed) {
+    my $described = json($daemon->get("/v1/processes/$process->{id}"));
+    my %parameters = map { $_ => $described->{inputs}{$_} } grep { $described->{inputs}{$_}{'x-level'} } keys %{ $described->{inputs} };
+    is_deeply [grep { !$parameters{$_} } sort keys %{ $described->{inputs} }], [grep { /^(?:cloud|reference)$/ } sort keys %{ $described->{inputs} }],
+        "$process->{id}: every parameter has a level";
+    is_deeply [grep { $parameters{$_}{'x-level'} !~ /^(?:basic|advanced)$/ || $parameters{$_}{title} eq $_ || !$parameters{$_}{'x-group'} }
+        sort keys %parameters], [], 'one of the two, a title and a group';
+    for my $preset (@{ $described->{'x-presets'} }) {
+        $names{$preset->{name}} = $process->{id};
+        my %values = (%{ $preset->{values} }, iterations => 0, polish => 0);
+        my $answer = $daemon->post("/v1/$process->{id}?" . join('&', map { "$_=$values{$_}" } sort keys %values), $many);
+        is $answer->{status}, 200, "$process->{id}: the preset $preset->{name} can be asked for" or diag $answer->{content};
+    }
+}
+is_deeply \%names, { even => 'resample', edges => 'resample', denoise => 'denoise', codec => 'upsample', quarter => 'simplify',
+    mesh => 'mesh' }, 'the presets that there are';
+my ($first) = grep { $_->{name} eq 'even' } @{ json($daemon->get('/v1/processes/resample'))->{'x-presets'} };
+is_deeply $first->{values}, { points => 10000 }, 'numbers are numbers';
+is json($daemon->get('/v1/processes/upsample'))->{'x-presets'}[0]{title}, "\x{d7}4 for codec output", 'titles are UTF-8';
+
 # The caller wins.
 for my $case (
     ['denoise?points=50', 50], ['denoise?ratio=0.5', 300], ['denoise?ratio=2', 1200], ['upsample?points=700', 700],
