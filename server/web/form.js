@@ -71,9 +71,9 @@ function field(name, input) {
 /** The form of a process description: {elements: [basic, advanced or null], values() of what was changed, set(values)}. */
 export function makeForm(description) {
     const fields = Object.entries(description.inputs).filter(([, input]) => !isFile(input.schema)).map(([name, input]) => ({
-        ...field(name, input), basic: (input['x-level'] || input.schema['x-level']) === 'basic' }));
+        ...field(name, input), basic: input['x-level'] === 'basic', group: input['x-group'] || '' }));
     const basic = fields.filter((one) => one.basic), advanced = fields.filter((one) => !one.basic);
-    const rows = (some) => some.map((one) => one.row);
+    const rows = (some) => some.flatMap((one, k) => (one.group && one.group !== some[k - 1]?.group ? [make('h3', {}, one.group), one.row] : [one.row]));
     const elements = [...rows(basic)];
     if (advanced.length) elements.push(make('details', { open: !basic.length }, make('summary', {}, `${basic.length ? 'More' : 'All'} parameters (${advanced.length})`), ...rows(advanced)));
     return {

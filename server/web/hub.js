@@ -17,8 +17,9 @@ async function* lines(body) {
     }
 }
 
-/** Makes a hub. watch(watcher, id) and leave(watcher, id) say who wants to hear of which job; a watcher is a function that gets
- *  {event, data}. root: where the daemon is; key: what it wants. */
+/** Makes a hub. watch(watcher, id, position) and leave(watcher, id) say who wants to hear of which job, from which event on (what its
+ *  trace says, or 0.0); a watcher is a function that gets {event, data}, some events twice when another one comes. root: where the
+ *  daemon is; key: what it wants. */
 export function makeHub(root, key) {
     const watched = new Map(); /* id: {watchers, position, over} */
     const headers = (more) => (key ? { Authorization: `Bearer ${key}`, ...more } : more);
@@ -46,7 +47,7 @@ export function makeHub(root, key) {
             tag = answer.headers.get('ETag') || '';
             if (answer.status === 200) {
                 const data = await answer.json();
-                tell(id, 'status', data);
+                tell(id, 'polled', data);
                 if (!['accepted', 'running'].includes(data.status)) {
                     if (watched.has(id)) watched.get(id).over = true;
                     return tell(id, 'end', data);
@@ -79,10 +80,10 @@ export function makeHub(root, key) {
     }
 
     return {
-        watch(watcher, id) {
-            if (!watched.has(id)) watched.set(id, { watchers: new Set(), position: '0.0', over: false });
+        watch(watcher, id, position) {
+            if (!watched.has(id)) watched.set(id, { watchers: new Set() });
             const job = watched.get(id);
-            if (job.watchers.size || job.over) Object.assign(job, { position: '0.0', over: false }); /* whoever comes later hears all */
+            Object.assign(job, { position, over: false });
             job.watchers.add(watcher);
             later(SETTLE_MS);
         },

@@ -106,7 +106,7 @@ const openJob = guarded(async (id) => {
     setName(name);
     $('cloud-words').textContent = `${name}: is fetched`;
     $('run').disabled = false;
-    await choose(status.processID);
+    choose(status.processID);
     if (!isOver(status)) followJob(status, () => showHistory()); /* the chart grows while the input comes */
     const cloud = await fetchInput(status).catch(() => null);
     if (mine !== turn) return;

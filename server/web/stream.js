@@ -1,4 +1,4 @@
-/* The SharedWorker that holds the stream of all tabs. A tab says {root, key, watch: id} or {..., leave: id} and gets {event, data};
+/* The SharedWorker that holds the stream of all tabs. A tab says {root, key, watch: id, position} or {leave: id} and gets {event, data};
  * {gone: true} when it is closed. Tabs with different keys have different streams. */
 import { makeHub } from './hub.js';
 
@@ -17,6 +17,6 @@ self.onconnect = ({ ports: [port] }) => {
         const name = `${data.root} ${data.key}`;
         if (!hubs.has(name)) hubs.set(name, makeHub(data.root, data.key));
         watching.set(data.watch, hubs.get(name));
-        return hubs.get(name).watch(watcher, data.watch);
+        return hubs.get(name).watch(watcher, data.watch, data.position);
     };
 };

@@ -16,19 +16,19 @@ function connect() {
     port = worker.port;
     port.onmessage = ({ data }) => hear(data);
     addEventListener('pagehide', () => port.postMessage({ gone: true }));
-    addEventListener('pageshow', (event) => event.persisted && [...told.keys()].forEach(join));
+    addEventListener('pageshow', (event) => event.persisted && [...told.keys()].forEach((id) => join(id, '0.0')));
 }
 
-function join(id) {
+function join(id, position) {
     if (!port && !hub) connect();
-    if (port) port.postMessage({ root: String(ROOT), key: getKey(), watch: id });
-    else hub.watch(hear, id);
+    if (port) port.postMessage({ root: String(ROOT), key: getKey(), watch: id, position });
+    else hub.watch(hear, id, position);
 }
 
 function part(id) {
     told.delete(id);
     if (port) port.postMessage({ leave: id });
-    else hub.leave(hear, id);
+    else hub?.leave(hear, id);
 }
 
 export const isOver = (status) => !['accepted', 'running'].includes(status.status);
@@ -50,15 +50,22 @@ export function watchJob(status, { onStatus, onRecords, onPreview, onEnd }) {
     const all = () => [...records.values()].sort((a, b) => a.seconds - b.seconds);
     const trace = async () => {
         const table = await askJson(`v1/jobs/${id}/trace`).catch(() => null);
-        if (!alive || !table) return;
+        if (!alive || !table) return '0.0';
         table.records.forEach((record) => add({ ...record, attempt: table.attempt }));
         onRecords(all());
+        return table.lastEventId || '0.0';
     };
     const finish = async () => {
         part(id);
         const last = await askJson(`v1/jobs/${id}`);
         await trace();
         if (alive) onEnd(last);
+    };
+    /* The stream goes on where the trace ends, unless that was the end of the job. */
+    const begin = async () => {
+        const position = await trace(), now = await askJson(`v1/jobs/${id}`);
+        if (alive && isOver(now)) await finish();
+        else if (alive) join(id, position);
     };
     onStatus(status);
     if (isOver(status)) {
@@ -67,17 +74,16 @@ export function watchJob(status, { onStatus, onRecords, onPreview, onEnd }) {
     }
     told.set(id, (event, data) => {
         if (!alive) return;
-        if (event === 'status') onStatus(data);
+        if (event === 'status' || event === 'polled') onStatus(data);
         if (event === 'preview') onPreview(data);
-        if (event === 'status' && !hub && !port) trace();
+        if (event === 'polled') trace();
         if (event === 'progress') {
             add(data);
             onRecords(all(), data);
         }
         if (event === 'end' || event === 'unknown') finish().catch(() => {});
     });
-    trace();
-    join(id);
+    begin().catch(() => alive && join(id, '0.0'));
     return () => {
         alive = false;
         if (told.has(id)) part(id);
