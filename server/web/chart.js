@@ -7,7 +7,7 @@ const STRIPS = [
     { name: 'sigma', words: 'σ', log: true },
     { name: 'epsilon', words: 'ε', log: false },
 ];
-const LEFT = 58, TOP = 16, GAP = 10; /* pixels: room for figures, for the names of stages, between strips */
+const LEFT = 68, TOP = 16, GAP = 10; /* pixels: room for figures, for the names of stages, between strips */
 const STAGES = { iterate: 'iterations', polish: 'polish', repel: 'evening out', relax: 'triangles' };
 
 function scaleOf(values, log, top, height) {

@@ -1,6 +1,6 @@
 /* The jobs that the daemon has, newest first. */
 import { askJson } from './api.js';
-import { $, make, show } from './dom.js';
+import { $, count, make, show } from './dom.js';
 
 const PAGE = 10;
 let next = '';
@@ -9,7 +9,7 @@ function row(job) {
     const name = job.voronoid.name || 'unnamed', when = new Date(job.created).toLocaleString();
     const state = job.status === 'running' ? `${job.progress} %` : job.status;
     const link = make('a', { href: `#/jobs/${job.jobID}` }, `${name}: ${job.processID}`);
-    return make('li', {}, link, make('small', {}, ` ${state}, ${job.voronoid.input?.points ?? '?'} points in, ${when}`));
+    return make('li', {}, link, make('small', {}, ` ${state}, ${count(job.voronoid.input?.points ?? 0)} points in, ${when}`));
 }
 
 async function load(path) {

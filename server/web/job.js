@@ -13,10 +13,11 @@ let release = () => {}, shown = null, records = [], frame = 0;
 const WORDS = { successful: 'Done', failed: 'Failed', dismissed: 'Cancelled' };
 
 function stateOf(status) {
-    const { queuePosition, eta } = status.voronoid, parts = [WORDS[status.status] || status.message || status.status];
+    const { queuePosition, eta, stage } = status.voronoid;
+    const parts = [WORDS[status.status] || (stage === 'optimize' ? 'Running' : status.message || status.status)];
     if (isOver(status) && status.message) parts.push(status.message);
     if (queuePosition) parts.push(`place ${queuePosition} in the queue`);
-    if (!isOver(status) && typeof eta === 'number') parts.push(`some ${seconds(Math.max(eta, 0))} left`);
+    if (!isOver(status) && stage !== 'optimize' && typeof eta === 'number') parts.push(`some ${seconds(Math.max(eta, 0))} left`);
     return parts.join(', ');
 }
 
@@ -47,7 +48,7 @@ function showRecords(all, latest) {
     if (!latest || isOver(shown)) return;
     $('progress').value = latest.progress;
     const left = typeof latest.eta === 'number' ? `, some ${seconds(latest.eta)} left` : '';
-    const name = latest.run_stage === 'polish' ? 'Polish' : 'Iteration';
+    const name = { iterate: 'Iteration', polish: 'Polish, step' }[latest.run_stage] || `${latest.run_stage}, step`;
     $('figures').textContent = `${name} ${count(latest.step)} of at most ${count(latest.of)}${left}`;
 }
 

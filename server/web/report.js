@@ -11,9 +11,11 @@ async function schemaOf(process, output) {
 
 const plain = (value) => value === null || typeof value !== 'object';
 
+const item = (one) => (plain(one) ? figure(one) : Object.entries(one).map(([name, value]) => `${name} ${words(value)}`).join(' '));
+
 function words(value) {
     if (value === null) return 'none';
-    if (Array.isArray(value)) return value.length ? value.map((one) => (plain(one) ? figure(one) : Object.values(one).map(words).join(' × '))).join(', ') : 'none';
+    if (Array.isArray(value)) return value.length ? value.map(item).join(', ') : 'none';
     return figure(value);
 }
 

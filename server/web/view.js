@@ -99,7 +99,7 @@ export function makeView(canvas) {
         controls.enableKeys = false;
         controls.addEventListener('change', move);
         const toward = up === 'z' ? new Vector3(0.55, -1, 0.75) : new Vector3(0.35, 0.35, 1);
-        camera.position.copy(sphere.center).addScaledVector(toward.normalize(), 0.88 * sphere.radius / Math.sin(FIELD_OF_VIEW * Math.PI / 360));
+        camera.position.copy(sphere.center).addScaledVector(toward.normalize(), 0.95 * sphere.radius / Math.sin(FIELD_OF_VIEW * Math.PI / 360));
         controls.target.copy(sphere.center);
         controls.update();
         draw();
