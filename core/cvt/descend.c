@@ -4,6 +4,7 @@
 #include "core/cvt/frozen.h"
 #include "core/opt/keep_best.h"
 #include "core/opt/lbfgs.h"
+#include "core/seeds/tell.h"
 #include "core/seeds/uniformity.h"
 
 #include <string.h>
@@ -137,7 +138,6 @@ static struct vor_record record_of(const struct descend *descend, const struct v
 /* Measures the iterate, keeps it, and tells the watch. */
 static vor_status record(struct descend *descend, enum vor_answer *answer, struct vor_error *err)
 {
-    const struct vor_watch *watch = descend->run->watch;
     struct vor_outcome *told = descend->told;
     double spacing = descend->frozen.planes.spacing;
     struct vor_uniformity even;
@@ -155,8 +155,7 @@ static vor_status record(struct descend *descend, enum vor_answer *answer, struc
     told->fallback_plane = descend->sums.plane;
     told->fallback_left = descend->sums.left;
     told->area = told->area_even = descend->sums.area * spacing * spacing;
-    *answer = watch == NULL || watch->progress == NULL ? VOR_CONTINUE
-                                                       : watch->progress(watch->ctx, &record);
+    *answer = vor_seeds_tell(descend->seeds, descend->run, &record);
     return VOR_OK;
 }
 

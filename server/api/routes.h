@@ -38,6 +38,7 @@
     X(GET, "/v1/events", READ, vor_handle_events_of_many, "200 204 400 401 403")                   \
     X(GET, "/v1/jobs/{jobID}/input", READ, vor_handle_input,                                       \
       "200 206 304 401 403 404 410 416 500 503")                                                   \
+    X(GET, "/v1/jobs/{jobID}/preview", READ, vor_handle_preview, "200 304 400 401 403 404 503")    \
     X(GET, "/v1/jobs/{jobID}/results", READ, vor_handle_results,                                   \
       "200 400 401 403 404 406 410 413 422 500 503")                                               \
     X(GET, "/v1/jobs/{jobID}/results/{output}", READ, vor_handle_result,                           \

@@ -26,8 +26,10 @@ struct run {
     struct vor_text *kept;
     struct vor_memory memory;
     struct vor_result_facts facts;
-    double enough;   /* when the request's own time is over; infinite for never */
-    atomic_int full; /* it was ended because that time was over */
+    double enough;    /* when the request's own time is over; infinite for never */
+    atomic_int full;  /* it was ended because that time was over */
+    double shown;     /* when its points were last shown; 0 for never */
+    double origin[3]; /* of the main input, that positions are relative to */
 };
 
 /* --- the engine's questions ------------------------------------------------------------------- */
@@ -59,14 +61,35 @@ static enum vor_answer take_progress(void *ctx, const struct vor_record *record)
     return asked(ctx);
 }
 
+static void take_points(void *ctx, const struct vor_moving *points, const struct vor_record *record)
+{
+    struct run *run = ctx;
+    const struct vor_listener *listener = run->listener;
+    struct vor_shown shown = {
+        .moving = *points, .iteration = record->iteration, .polish = record->polish};
+    double now;
+
+    if (listener->is_looked_at == NULL || !listener->is_looked_at(listener->ctx))
+        return;
+    now = vor_clock_seconds();
+    if (run->shown > 0 && now - run->shown < VOR_PREVIEW_SECONDS)
+        return;
+    run->shown = now;
+    memcpy(shown.origin, run->origin, sizeof shown.origin);
+    listener->points(listener->ctx, &shown);
+}
+
 /* --- the three steps -------------------------------------------------------------------------- */
 
 /* Runs the engine on the inputs. */
 static vor_status compute(struct run *run, struct vor_artefacts *out, struct vor_error *err)
 {
     const struct vor_spec *spec = &run->order->spec;
-    struct vor_watch watch = {
-        .ctx = run, .progress = take_progress, .poll = asked, .clock = read_clock};
+    struct vor_watch watch = {.ctx = run,
+                              .progress = take_progress,
+                              .poll = asked,
+                              .points = take_points,
+                              .clock = read_clock};
     struct vor_run engine = {.pool = run->pool, .memory = &run->memory, .watch = &watch};
     struct vor_artefacts in;
     vor_status status;
@@ -74,8 +97,10 @@ static vor_status compute(struct run *run, struct vor_artefacts *out, struct vor
     vor_artefacts_init(&in, &run->memory);
     status = vor_artefacts_load(&in, spec->process, run->order->input, err);
     if (status == VOR_OK) {
-        vor_extent_measure(&run->facts.input,
-                           vor_artefacts_cloud(&in, spec->process->inputs[0].name));
+        const struct vor_cloud *cloud = vor_artefacts_cloud(&in, spec->process->inputs[0].name);
+
+        vor_extent_measure(&run->facts.input, cloud);
+        memcpy(run->origin, cloud->origin, sizeof run->origin);
         status = vor_engine_run(out, &in, spec, &engine, err);
     }
     vor_artefacts_free(&in);

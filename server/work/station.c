@@ -108,6 +108,21 @@ static void take_wait(void *ctx, const struct vor_error *why)
     say(ctx, VOR_SAID_WAITS, why, sizeof *why);
 }
 
+static int is_looked_at(void *ctx)
+{
+    const struct sitting *sitting = ctx;
+
+    return atomic_load_explicit(&sitting->station->board->showing[sitting->seat].is_looked_at,
+                                memory_order_relaxed);
+}
+
+static void take_points(void *ctx, const struct vor_shown *shown)
+{
+    const struct sitting *sitting = ctx;
+
+    vor_board_show(sitting->station->board, sitting->seat, shown);
+}
+
 static void say_kept(const struct sitting *sitting, const struct vor_text *kept)
 {
     for (size_t at = 0; at < kept->size; at += VOR_KEPT_PART) {
@@ -124,7 +139,9 @@ static vor_status run_order(struct sitting *sitting, const struct vor_order *ord
                                           .asked = asked,
                                           .progress = take_progress,
                                           .stage = take_stage,
-                                          .waits = take_wait};
+                                          .waits = take_wait,
+                                          .is_looked_at = is_looked_at,
+                                          .points = take_points};
     struct vor_run_result result;
     struct vor_text kept;
     vor_status status;

@@ -266,7 +266,11 @@ static struct vor_order order_of(size_t memory)
 static void run_at(struct heard *heard, struct vor_run_executor *executor,
                    const struct vor_order *order)
 {
-    const struct vor_listener listener = {heard, answer, hear_record, hear_stage, hear_wait};
+    const struct vor_listener listener = {.ctx = heard,
+                                          .asked = answer,
+                                          .progress = hear_record,
+                                          .stage = hear_stage,
+                                          .waits = hear_wait};
 
     vor_text_init(&heard->kept, 0);
     heard->end =

@@ -152,3 +152,26 @@ int vor_event_tell(const struct vor_teller *teller, const struct vor_event *even
     vor_text_free(&data);
     return told;
 }
+
+int vor_event_tell_preview(const struct vor_teller *teller, const struct vor_preview_info *info,
+                           size_t points, struct vor_text *out)
+{
+    const struct vor_uuid *id = &teller->followed->row.id;
+    char url[VOR_URL_MAX], suffix[48];
+    struct vor_text data;
+    int told;
+
+    (void)snprintf(suffix, sizeof suffix, "/preview?points=%zu", points);
+    vor_text_init(&data, 0);
+    vor_json_begin_object(&data);
+    vor_json_put_string(&data, "jobID", id->text);
+    vor_json_put_u64(&data, "iteration", info->iteration);
+    vor_json_put_u64(&data, "polish", info->polish);
+    vor_json_put_u64(&data, "points", vor_shown_count(info->points, points));
+    vor_json_put_string(&data, "href",
+                        vor_app_job_url(teller->app, teller->request, id, suffix, url));
+    vor_json_end_object(&data);
+    told = vor_event_frame(teller, "preview", NULL, &data, out);
+    vor_text_free(&data);
+    return told;
+}

@@ -16,6 +16,11 @@ struct vor_teller {
 int vor_event_tell(const struct vor_teller *teller, const struct vor_event *event, const char *id,
                    struct vor_text *out);
 
+/** Appends an event that says that the points of the job have moved, and where they are told: at
+ * most `points` of them. It has no id: nobody comes back to it. False when memory is out. */
+int vor_event_tell_preview(const struct vor_teller *teller, const struct vor_preview_info *info,
+                           size_t points, struct vor_text *out);
+
 /** Appends one event of that name, whose data is a JSON text; false when memory is out.
  *
  *  @param[in] id  NULL for an event that cannot be come back to: the last id stays */

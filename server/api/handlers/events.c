@@ -30,6 +30,8 @@ struct track {
     struct vor_subscriber subscriber;
     bool is_replay; /* every event up to the newest at the beginning */
     bool is_over;
+    bool is_looking;  /* at the points as they move */
+    uint64_t version; /* of the preview told last */
 };
 
 struct stream {
@@ -45,6 +47,7 @@ struct stream {
     double sent_at, progress_at;
     struct vor_text text; /* what waits to be sent, from taken on */
     size_t taken;
+    size_t preview;     /* points of previews at most; 0: none are wanted */
     unsigned at, count; /* whose turn it is, of how many */
     struct track tracks[];
 };
@@ -52,6 +55,9 @@ struct stream {
 /* Lets go of a track's job: it is over, or the stream is. */
 static void leave(struct track *track)
 {
+    if (track->is_looking)
+        vor_preview_look_away(vor_job_preview(track->job));
+    track->is_looking = false;
     if (track->bus != NULL)
         vor_bus_unsubscribe(track->bus, &track->subscriber);
     vor_bus_release(track->bus);
@@ -100,6 +106,9 @@ static enum vor_job_outcome look_up(struct stream *stream, struct track *track,
         return outcome;
     track->subscriber = (struct vor_subscriber){.wake = on_event, .ctx = stream};
     vor_bus_subscribe(track->bus, &track->subscriber);
+    track->is_looking = stream->preview > 0 && track->job != NULL;
+    if (track->is_looking)
+        vor_preview_look(vor_job_preview(track->job));
     return VOR_DONE;
 }
 
@@ -195,6 +204,22 @@ static void write_unknown(struct stream *stream, struct track *track)
     end_turns(stream, track);
 }
 
+/* Tells that the points have moved, if somebody wants to know and they have; false else. */
+static bool take_preview(struct stream *stream, struct track *track)
+{
+    struct vor_teller teller = {stream->app, stream->request, &stream->followed, stream->is_lines};
+    struct vor_preview_info info = {.version = 0};
+
+    if (track->is_looking)
+        vor_preview_describe(vor_job_preview(track->job), &info);
+    if (info.version == track->version || info.version == 0)
+        return false;
+    track->version = info.version;
+    if (!vor_event_tell_preview(&teller, &info, stream->preview, &stream->text))
+        stream->ended = true;
+    return true;
+}
+
 static void say_goodbye(struct stream *stream, unsigned retry_ms)
 {
     if (!stream->is_lines)
@@ -207,14 +232,17 @@ static bool take_events(struct stream *stream, struct track *track)
 {
     struct vor_event events[BATCH];
     size_t count;
+    bool has_preview;
 
     turn_to(stream, track);
+    has_preview = take_preview(stream, track); /* an end may follow */
     count = vor_bus_read(track->bus, &track->position,
                          track->is_replay ? VOR_READ_EVERY : VOR_READ_LATEST, events, BATCH);
     if (count == 0)
         track->is_replay = false;
     for (size_t i = 0; i < count && !stream->ended && !track->is_over; i++)
         write_event(stream, track, &events[i]);
+    count += has_preview;
     vor_metric_add(VOR_METRIC_STREAM_EVENTS, (double)count, NULL);
     return count > 0;
 }
@@ -372,6 +400,7 @@ static struct stream *stream_create(struct vor_app *app, struct vor_request *req
     stream->sent_at = vor_clock_seconds();
     stream->is_lines = vor_accepts(request, "application/x-ndjson", false);
     stream->is_many = ask->is_many;
+    stream->preview = ask->preview;
     stream->count = ask->count;
     for (unsigned i = 0; i < ask->count; i++)
         stream->tracks[i] = (struct track){.id = ask->jobs[i].id,

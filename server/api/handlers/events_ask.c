@@ -3,7 +3,7 @@
 #include "core/base/quote.h"
 #include "server/api/problem.h"
 
-#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define BAD_QUERY "invalid-query-parameter-value"
@@ -15,11 +15,32 @@ static const char *last_id_of(const struct vor_request *request)
     return last != NULL ? last : vor_request_query(request, "lastEventId");
 }
 
+bool vor_ask_points(struct vor_app *app, struct vor_request *request, const char *name, size_t *out)
+{
+    const char *text = vor_request_query(request, name);
+    char quoted[64], *end;
+    unsigned long value;
+
+    if (text == NULL)
+        return true;
+    value = strtoul(text, &end, 10);
+    if (text[0] >= '0' && text[0] <= '9' && *end == '\0' && value >= 1 &&
+        value <= VOR_PREVIEW_POINTS_MAX) {
+        *out = value;
+        return true;
+    }
+    vor_problem_say(app, request, BAD_QUERY, "%s is \"%s\", want a whole number from 1 to %d", name,
+                    vor_quote(quoted, sizeof quoted, text, strlen(text)), VOR_PREVIEW_POINTS_MAX);
+    return false;
+}
+
 bool vor_events_ask_one(struct vor_app *app, struct vor_request *request,
                         struct vor_events_ask *out)
 {
     const char *last = last_id_of(request);
 
+    if (!vor_ask_points(app, request, "preview", &out->preview))
+        return false;
     out->is_replay = last != NULL;
     if (last == NULL || vor_position_parse(&out->jobs[0].position, last))
         return true;
@@ -126,5 +147,6 @@ bool vor_events_ask_many(struct vor_app *app, struct vor_request *request,
                          struct vor_events_ask *out)
 {
     *out = (struct vor_events_ask){.is_many = true};
-    return read_jobs(app, request, out) && read_positions(app, request, out);
+    return vor_ask_points(app, request, "preview", &out->preview) && read_jobs(app, request, out) &&
+           read_positions(app, request, out);
 }

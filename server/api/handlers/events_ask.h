@@ -15,6 +15,7 @@ enum {
 struct vor_events_ask {
     bool is_many;
     bool is_replay; /**< a last event id came: every event after it counts, not only the latest */
+    size_t preview; /**< points of a preview at most; 0: none are asked for */
     unsigned count;
     struct {
         struct vor_uuid id;
@@ -23,16 +24,23 @@ struct vor_events_ask {
     } jobs[VOR_EVENT_JOBS_MAX];
 };
 
-/** Reads the last event id of a stream of one job, "ATTEMPT.NUMBER", if there is one, from the
- *  header Last-Event-ID, else the query.
+/** Reads a number of points of a preview from the query, 1 to VOR_PREVIEW_POINTS_MAX; *out is not
+ *  changed where the query has no such name.
+ *
+ *  @return true, or false after a problem has been replied */
+bool vor_ask_points(struct vor_app *app, struct vor_request *request, const char *name,
+                    size_t *out);
+
+/** Reads preview and the last event id of a stream of one job, "ATTEMPT.NUMBER", if there is one,
+ * from the header Last-Event-ID, else the query.
  *
  *  @return true, or false after a problem has been replied */
 bool vor_events_ask_one(struct vor_app *app, struct vor_request *request,
                         struct vor_events_ask *out);
 
-/** Reads the query of a stream of many: jobs, 1 to VOR_EVENT_JOBS_MAX different ids with commas
- *  between; and the last event id: as many positions with commas between, of the jobs in the same
- *  order, each "ATTEMPT.NUMBER" or "end".
+/** Reads the query of a stream of many: preview; jobs, 1 to VOR_EVENT_JOBS_MAX different ids with
+ * commas between; and the last event id: as many positions with commas between, of the jobs in the
+ * same order, each "ATTEMPT.NUMBER" or "end".
  *
  *  @return true, or false after a problem has been replied */
 bool vor_events_ask_many(struct vor_app *app, struct vor_request *request,

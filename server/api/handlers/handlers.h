@@ -36,6 +36,9 @@ enum vor_next vor_handle_stop(void *app, struct vor_request *request, enum vor_s
 enum vor_next vor_handle_events(void *app, struct vor_request *request, enum vor_step step);
 enum vor_next vor_handle_events_of_many(void *app, struct vor_request *request, enum vor_step step);
 
+/** preview.c */
+enum vor_next vor_handle_preview(void *app, struct vor_request *request, enum vor_step step);
+
 /** trace.c */
 enum vor_next vor_handle_trace(void *app, struct vor_request *request, enum vor_step step);
 
