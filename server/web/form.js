@@ -73,7 +73,8 @@ export function makeForm(description) {
     const fields = Object.entries(description.inputs).filter(([, input]) => !isFile(input.schema)).map(([name, input]) => ({
         ...field(name, input), basic: input['x-level'] === 'basic', group: input['x-group'] || '' }));
     const basic = fields.filter((one) => one.basic), advanced = fields.filter((one) => !one.basic);
-    const rows = (some) => some.flatMap((one, k) => (one.group && one.group !== some[k - 1]?.group ? [make('h3', {}, one.group), one.row] : [one.row]));
+    const rows = (some) => [...new Set(some.map((one) => one.group))].flatMap((group) => [...(group ? [make('h3', {}, group)] : []),
+        ...some.filter((one) => one.group === group).map((one) => one.row)]);
     const elements = [...rows(basic)];
     if (advanced.length) elements.push(make('details', { open: !basic.length }, make('summary', {}, `${basic.length ? 'More' : 'All'} parameters (${advanced.length})`), ...rows(advanced)));
     return {

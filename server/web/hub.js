@@ -4,6 +4,7 @@
 const JOBS_MAX = 64;      /* of one stream, by the daemon's contract */
 const AGAIN_MS = 2000;    /* before a stream that broke is opened again, or a daemon without streams is asked again */
 const SETTLE_MS = 60;     /* during which more tabs may ask, before a stream is opened anew */
+const PREVIEW_POINTS = 50000; /* as many as the daemon shows of points on the move */
 const POLL_SECONDS = 10;  /* that a poll may wait for news */
 
 async function* lines(body) {
@@ -58,7 +59,7 @@ export function makeHub(root, key) {
     }
 
     async function follow(ids, signal) {
-        const last = ids.map((id) => watched.get(id).position).join(','), query = `jobs=${ids.join(',')}&lastEventId=${last}`;
+        const last = ids.map((id) => watched.get(id).position).join(','), query = `jobs=${ids.join(',')}&lastEventId=${last}&preview=${PREVIEW_POINTS}`;
         const answer = await fetch(new URL(`v1/events?${query}`, root),
             { signal, headers: headers({ Accept: 'application/x-ndjson' }), cache: 'no-store' });
         if (answer.status === 200) for await (const line of lines(answer.body)) hear(ids, JSON.parse(line));

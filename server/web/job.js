@@ -1,14 +1,14 @@
 /* One job on the page: what it is doing, how even its points are by now, what came of it. */
 import { ask, askJson } from './api.js';
 import { drawChart } from './chart.js';
-import { readCloud } from './cloud.js';
+import { dropCloud, measures, readCloud } from './cloud.js';
 import { $, count, seconds, show } from './dom.js';
 import { showReport, summary } from './report.js';
-import { getCloud, setCloud, setLayout } from './stage.js';
+import { canDraw, getCloud, setCloud, setLayout } from './stage.js';
 import { save, showTakers } from './take.js';
 import { isOver, watchJob } from './watch.js';
 
-let release = () => {}, shown = null, records = [], frame = 0;
+let release = () => {}, shown = null, records = [], frame = 0, fetching = false;
 
 const WORDS = { successful: 'Done', failed: 'Failed', dismissed: 'Cancelled' };
 
@@ -58,6 +58,29 @@ async function readResult(status) {
     return readCloud(await answer.arrayBuffer(), getCloud('input')?.origin);
 }
 
+/* Side by side where there is room. */
+const layoutOf = () => (getCloud('input') && innerWidth > 800 ? 'both' : 'result');
+
+/* The points as they move: one picture at a time, none that nobody sees. They are shaded before they are shown. */
+async function showPreview(id) {
+    const input = getCloud('input');
+    if (fetching || document.hidden || !canDraw() || !input || isOver(shown)) return;
+    fetching = true;
+    try {
+        const answer = await ask(`v1/jobs/${id}/preview`), cloud = await readCloud(await answer.arrayBuffer(), input.origin);
+        await measures.normals(cloud);
+        if (shown?.jobID !== id || isOver(shown) || getCloud('input') !== input) return dropCloud(cloud);
+        const first = !getCloud('result');
+        setCloud('result', cloud);
+        if (first) setLayout(layoutOf());
+        return undefined;
+    } catch {
+        return undefined; /* the job has ended meanwhile */
+    } finally {
+        fetching = false;
+    }
+}
+
 async function showEnd(status) {
     const outputs = status.links.filter((link) => link.rel === 'item').map((link) => link.title);
     showStatus(status);
@@ -73,8 +96,9 @@ async function showEnd(status) {
     if (!outputs.includes('cloud')) return;
     const cloud = await readResult(status);
     if (shown?.jobID !== status.jobID) return;
+    const first = !getCloud('result');
     setCloud('result', cloud);
-    setLayout(getCloud('input') ? (innerWidth > 800 ? 'both' : 'result') : 'result');
+    if (first) setLayout(layoutOf());
 }
 
 /** Takes the job off the page. */
@@ -91,7 +115,7 @@ export function leaveJob() {
 /** Shows a job and follows it; ended(status) is called when it is over. */
 export function followJob(status, ended) {
     leaveJob();
-    release = watchJob(status, { onStatus: showStatus, onRecords: showRecords, onPreview() {}, onEnd(last) {
+    release = watchJob(status, { onStatus: showStatus, onRecords: showRecords, onPreview: () => showPreview(status.jobID), onEnd(last) {
         showEnd(last).catch((error) => { $('trouble').textContent = error.message; }).then(() => ended(last));
     } });
 }

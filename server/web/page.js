@@ -82,6 +82,7 @@ const run = guarded(async () => {
         job = status.jobID;
         location.hash = `#/jobs/${job}`;
         followJob(status, () => showHistory());
+        $('watch').scrollIntoView({ block: 'nearest' });
         showHistory();
     } finally {
         $('run').disabled = false;

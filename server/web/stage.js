@@ -83,12 +83,8 @@ export function setCloud(name, cloud) {
 
 export const getCloud = (name) => clouds[name];
 
-/** Points on the move, in the place of a result; nothing is measured of them. */
-export function setMoving(cloud) {
-    dropCloud(cloud);
-    clouds.result = null;
-    if (view) view.setCloud('result', cloud, false);
-}
+/** Whether clouds are drawn at all. */
+export const canDraw = () => Boolean(view);
 
 /** Shows input, result, both or swipe. */
 export function setLayout(layout) {

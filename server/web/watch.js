@@ -36,7 +36,7 @@ export const isOver = (status) => !['accepted', 'running'].includes(status.statu
 /* A record's place on the curve; a stream that begins anew tells some of them twice. */
 const place = (record) => `${record.attempt} ${record.run_stage} ${record.iteration} ${record.polish} ${record.step}`;
 
-/** Follows a job whose status is known. onStatus(status), onRecords(all records so far, in order), onPreview(data), onEnd(status).
+/** Follows a job whose status is known. onStatus(status), onRecords(all records so far, in order), onPreview(), onEnd(status).
  *  Returns a function that lets go. */
 export function watchJob(status, { onStatus, onRecords, onPreview, onEnd }) {
     const id = status.jobID, records = new Map();
@@ -75,7 +75,7 @@ export function watchJob(status, { onStatus, onRecords, onPreview, onEnd }) {
     told.set(id, (event, data) => {
         if (!alive) return;
         if (event === 'status' || event === 'polled') onStatus(data);
-        if (event === 'preview') onPreview(data);
+        if (event === 'preview') onPreview();
         if (event === 'polled') trace();
         if (event === 'progress') {
             add(data);

@@ -66,7 +66,7 @@ def drawn(browser):
 def finished(browser):
     shows(browser, "state", "Done")
     wait("a summary", lambda: "δ" in browser.text("summary"))
-    wait("the result is drawn", lambda: browser.element("layouts").is_displayed())
+    wait("the result is there to compare", lambda: browser.element("layouts").is_displayed())
 
 
 def drop_to_result(browser):
@@ -175,6 +175,8 @@ def reload_and_stop(browser):
     first = float(f"{table['records'][0]['delta']:.4g}")
     ok(f"delta from {first:g} " in label.replace(",", ""), "and the curve from its first record on", (first, label))
     wait("it can be stopped", lambda: browser.element("stop").is_displayed())
+    wait("the points as they move", lambda: browser.element("layouts").is_displayed())
+    ok(browser.text("summary") == "", "while a job runs its points are shown as they move")
     browser.picture(f"{PICTURES}/running.png")
     browser.element("stop").click()
     finished(browser)
