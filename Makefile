@@ -203,7 +203,7 @@ torture: ## install what is missing, build, and measure what the daemon withstan
 	@tests/torture/run.pl $(if $(LONG),--long) $(if $(SEED),--seed $(SEED)) $(BIN)
 
 bench: ## install what is missing, build, and measure: tables and plots in build/bench (RUNS=n, ONLY=regex of rows)
-	@docker/install.sh build bench
+	@docker/install.sh build bench page
 	@$(MAKE) --no-print-directory all $(BENCH_BIN)
 	@tests/bench/bench.sh $(BIN)
 

@@ -92,6 +92,7 @@ async function showEnd(status) {
     if (shown?.jobID !== status.jobID) return;
     if (report) await showReport(status.processID, told, report);
     show($('report-box'), Boolean(report));
+    if (!outputs.includes('cloud')) $('report-box').open = true; /* the report is what was asked for */
     $('summary').textContent = report ? summary(report) : '';
     if (!outputs.includes('cloud')) return;
     const cloud = await readResult(status);

@@ -70,7 +70,7 @@ function meshOf(cloud, sphere) {
     geometry.boundingSphere = sphere;
     const skin = new MeshPhongMaterial({ color: 0xb8bcc4, flatShading: true, side: DoubleSide, shininess: 8, polygonOffset: true,
         polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
-    const wire = new MeshPhongMaterial({ color: 0x20242c, wireframe: true, side: DoubleSide });
+    const wire = new MeshPhongMaterial({ color: 0x20242c, wireframe: true, side: DoubleSide, transparent: true, opacity: 0.4 });
     group.add(new Mesh(geometry, skin), new Mesh(geometry, wire));
     return { group, wires: group.children[1], free: () => [geometry, skin, wire].forEach((one) => one.dispose()) };
 }

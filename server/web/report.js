@@ -47,6 +47,6 @@ export function summary(report) {
     if (typeof report.delta !== 'number') return '';
     const parts = [`δ ${figure(report.delta)}`, `σ ${figure(report.sigma)}`, `ε ${report.epsilon.toFixed(5)}`];
     if (report.points) parts.unshift(`${figure(report.points.in)} → ${figure(report.points.out)} points`);
-    if (report.stopped) parts.push(`stopped: ${report.stopped}`);
+    if (report.stopped) parts.push(report.stopped === 'stopped' ? 'stopped by its caller, the best kept' : `ended by ${report.stopped}`);
     return parts.join(' · ');
 }

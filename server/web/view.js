@@ -39,13 +39,13 @@ export function makeView(canvas) {
     const renderer = new WebGLRenderer({ canvas, context, antialias: true });
     const camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100), panes = { input: makeScene(camera), result: makeScene(camera) };
     const look = { layout: 'input', split: 0.5, size: 1, mode: 'plain', shaded: true, triangles: true, wires: true };
-    let controls = new OrbitControls(camera, canvas), moving = 0, frame = 0, sphere = null;
+    let controls = new OrbitControls(camera, canvas), moving = 0, held = false, frame = 0, sphere = null;
     renderer.autoClear = false;
 
     const slots = () => Object.values(panes).map((pane) => pane.slot).filter(Boolean);
     const draw = () => { frame = frame || requestAnimationFrame(render); };
     const rest = () => {
-        moving = 0;
+        if (held) return;
         slots().forEach((slot) => slot.setMoving(false));
         draw();
     };
@@ -54,6 +54,10 @@ export function makeView(canvas) {
         moving = setTimeout(rest, REST_MS);
         slots().forEach((slot) => slot.setMoving(true));
         draw();
+    };
+    const hold = (isHeld) => {
+        held = isHeld;
+        move();
     };
 
     function show(pane, x, width, viewX, viewWidth) {
@@ -98,6 +102,8 @@ export function makeView(canvas) {
         controls = new OrbitControls(camera, canvas);
         controls.enableKeys = false;
         controls.addEventListener('change', move);
+        controls.addEventListener('start', () => hold(true));
+        controls.addEventListener('end', () => hold(false));
         const toward = up === 'z' ? new Vector3(0.55, -1, 0.75) : new Vector3(0.35, 0.35, 1);
         camera.position.copy(sphere.center).addScaledVector(toward.normalize(), 0.95 * sphere.radius / Math.sin(FIELD_OF_VIEW * Math.PI / 360));
         controls.target.copy(sphere.center);

@@ -21,3 +21,6 @@ if [[ daemon =~ $ONLY ]]; then
     "$here/daemon.pl" "$voronoid" "$out"
     cat "$out/daemon.md"
 fi
+if [[ page =~ $ONLY ]]; then
+    "$here/page.py" "$voronoid" "$out"
+fi
