@@ -1,5 +1,6 @@
 /* One job on the page: what it is doing, how even its points are by now, what came of it. */
 import { ask, askJson } from './api.js';
+import { arrive } from './arrive.js';
 import { drawChart } from './chart.js';
 import { dropCloud, measures, readCloud } from './cloud.js';
 import { $, count, seconds, show } from './dom.js';
@@ -52,10 +53,21 @@ function showRecords(all, latest) {
     $('figures').textContent = `${name} ${count(latest.step)} of at most ${count(latest.of)}${left}`;
 }
 
-/* The result as PLY, in the frame of the input. */
-async function readResult(status) {
-    const answer = await ask(`v1/jobs/${status.jobID}/results/cloud?format=ply`);
-    return readCloud(await answer.arrayBuffer(), getCloud('input')?.origin);
+/* Shows the result, read as PLY in the frame of the input, unless another job is on the page by now. */
+async function showResult(id, isProgressive) {
+    const origin = getCloud('input')?.origin;
+    const put = (cloud) => {
+        if (shown?.jobID !== id) return dropCloud(cloud);
+        const isFirst = !getCloud('result');
+        setCloud('result', cloud);
+        if (isFirst) setLayout(layoutOf());
+        return undefined;
+    };
+    const answer = await ask(`v1/jobs/${id}/results/cloud?format=ply`);
+    let coarse = null;
+    const buffer = await arrive(answer, isProgressive, (first) => { coarse = readCloud(first, origin).then(put); });
+    await coarse;
+    put(await readCloud(buffer, origin));
 }
 
 /* Side by side where there is room. */
@@ -86,7 +98,11 @@ async function showEnd(status) {
     showStatus(status);
     $('figures').textContent = '';
     showTakers(status);
-    if (status.status !== 'successful') return;
+    if (status.status !== 'successful') {
+        setCloud('result', null); /* of the points on the move nothing came */
+        setLayout('input');
+        return;
+    }
     const told = outputs.find((name) => name !== 'cloud' && name !== 'soup');
     const report = told ? await askJson(`v1/jobs/${status.jobID}/results/${told}`) : null;
     if (shown?.jobID !== status.jobID) return;
@@ -94,12 +110,8 @@ async function showEnd(status) {
     show($('report-box'), Boolean(report));
     if (!outputs.includes('cloud')) $('report-box').open = true; /* the report is what was asked for */
     $('summary').textContent = report ? summary(report) : '';
-    if (!outputs.includes('cloud')) return;
-    const cloud = await readResult(status);
-    if (shown?.jobID !== status.jobID) return;
-    const first = !getCloud('result');
-    setCloud('result', cloud);
-    if (first) setLayout(layoutOf());
+    if (!outputs.includes('cloud') || !canDraw()) return;
+    await showResult(status.jobID, report?.parameters?.order === 'progressive');
 }
 
 /** Takes the job off the page. */

@@ -144,6 +144,21 @@ function bounds(xyz) {
     return { low, high };
 }
 
+/** The first points of a binary file that is still coming, as a file of its own; null as long as fewer than n of them are there, or
+ *  where they do not come first. Of a cloud in progressive order they are all of it, coarsely. */
+export function firstOf(bytes, n) {
+    const head = readHeader(bytes), [element] = head.elements;
+    if (head.format === 'ascii' || element?.name !== 'vertex' || element.count <= n || element.properties.some((one) => one.count)) return null;
+    const size = n * element.properties.reduce((sum, one) => sum + READERS[one.type][1], 0);
+    if (bytes.length < head.length + size) return null;
+    const names = element.properties.map((one) => `property ${one.type} ${one.name}`);
+    const text = new TextEncoder().encode(['ply', `format ${head.format} 1.0`, `element vertex ${n}`, ...names, 'end_header', ''].join('\n'));
+    const out = new Uint8Array(text.length + size);
+    out.set(text);
+    out.set(bytes.subarray(head.length, head.length + size), text.length);
+    return out.buffer;
+}
+
 /** Reads a cloud. origin: [x, y, z] to subtract; not given, the middle of the cloud.
  *  @return {n, positions (float32, relative), origin, low, high (relative), normals, colors, faces (or null), left (out, not finite)}
  *  Throws an Error with a sentence when the bytes are no whole PLY. */

@@ -32,7 +32,7 @@ function refusal(work) {
     return 'none';
 }
 
-const { readPly } = load('ply');
+const { firstOf, readPly } = load('ply');
 const bytes = (text) => new TextEncoder().encode(text).buffer;
 
 function ascii() {
@@ -80,6 +80,15 @@ function refusals() {
         + 'property list uchar int vertex_index\nend_header\n0 0 0\nnan 0 0\n2 0 0\n3 0 1 2\n'));
     equal([sifted.n, sifted.left, [...sifted.positions], sifted.faces], [2, 1, [-1, 0, 0, 1, 0, 0], null],
         'a point that is not finite is left out, and the triangle that hangs on it');
+}
+
+/* A file that comes in pieces. */
+function early() {
+    const whole = new Uint8Array(far(true)), rows = whole.length - 100 * 25;
+    equal(firstOf(whole.subarray(0, rows + 40 * 25 - 1), 40), null, 'points that are not there yet are not shown');
+    const first = readPly(firstOf(whole.subarray(0, rows + 40 * 25), 40), [5e6, -5e6, 1]);
+    equal([first.n, Math.round(1e6 * first.positions[3 * 39]), first.positions[2]], [40, 39000, 0], 'the first points of a file are a cloud before the others come');
+    equal(firstOf(whole, 100), null, 'all of them are no part');
 }
 
 /* Oracle: every pair. */
@@ -134,7 +143,7 @@ function commands() {
 }
 
 try {
-    [ascii, farAway, refusals, neighbours, normals, commands].forEach((part) => part());
+    [ascii, farAway, refusals, early, neighbours, normals, commands].forEach((part) => part());
 } finally {
     rmSync(folder, { recursive: true });
 }
