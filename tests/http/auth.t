@@ -66,14 +66,15 @@ is finish('alice', $job)->{status}, 'successful', 'a job with a key ends well';
 # --- the matrix -----------------------------------------------------------------------------------
 
 my (undef, undef, $printed) = Vt::run('--print-routes');
-my %open = map { $_ => 1 } '/', '/livez', '/readyz', '/version', '/openapi.yaml', '/problems/{slug}';
+my %open = map { $_ => 1 } '/', '/livez', '/readyz', '/version', '/openapi.yaml', '/problems/{slug}', '/assets/{asset}';
 my %lacking = (read => 'sender', submit => 'reader');
 my $cells = 0;
 my @wrong;
 for my $line (split /\n/, $printed) {
     my ($method, $route, $scope) = split / /, $line;
     like $scope // '', $open{$route} ? qr/^open$/ : qr/^(?:read|submit|admin)$/, "$method $route has the scope it should have";
-    my $path = $route =~ s/\{jobID\}/$job/r =~ s/\{slug\}/forbidden/r =~ s/\{processID\}/resample/r =~ s/\{output\}/cloud/r;
+    my $path = $route =~ s/\{jobID\}/$job/r =~ s/\{slug\}/forbidden/r =~ s/\{processID\}/resample/r =~ s/\{output\}/cloud/r
+        =~ s/\{asset\}/index.html/r =~ s/preview$/preview?points=0/r; # a job that is over shows nothing: 404, but for a 400
     for my $who ('none', 'bad', 'other', 'lacking', 'good') {
         for my $from ('here', 'rebound', 'foreign') {
             # A submit without a body is a 400 or 422, and a stop of a job that is over a 409: neither changes what comes after. A
