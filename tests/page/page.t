@@ -2,7 +2,7 @@
 """The page in a browser before the daemon: what a person does with it, and that nothing goes wrong meanwhile. Pictures of what was
 seen are in build/page."""
 import base64
-import glob
+import gzip
 import hashlib
 import os
 import re
@@ -306,9 +306,18 @@ def without_webgl(daemon):
     return browser
 
 
-def small():
-    sizes = {name: os.path.getsize(name) for name in glob.glob("build/web/*.gz")}
-    ok(len(sizes) >= 4 and sum(sizes.values()) <= PAGE_BYTES_MAX, "the page is 250 KB gzipped at most", sizes)
+def small(daemon):
+    def fetch(path):
+        request = urllib.request.Request(daemon.url + path, headers={"Accept": "text/html, */*", "Accept-Encoding": "gzip"})
+        with urllib.request.urlopen(request) as answer:
+            return answer.read()
+
+    page = fetch("/")
+    names = set(re.findall(r'"assets/([\w.]+)"', gzip.decompress(page).decode()))
+    names |= set(re.findall(r'"(\w+\.js)"', gzip.decompress(fetch("/assets/page.js")).decode()))  # its workers
+    size = len(page) + sum(len(fetch(f"/assets/{name}")) for name in names)
+    equal(sorted(names), ["cloud_worker.js", "icon.svg", "page.css", "page.js", "stream.js"], "the page has these files")
+    ok(100_000 < size <= PAGE_BYTES_MAX, "the page is 250 KB gzipped at most", size)
 
 
 def clean(browsers, daemons):
@@ -324,7 +333,7 @@ def main():
     browser = browsers[0]
     try:
         browser.open(daemons[0].url)
-        small()
+        small(daemons[0])
         drop_to_result(browser)
         compare(browser)
         take_away(browser)
