@@ -54,16 +54,16 @@ BIN := $(B)/voronoid
 
 # A C file in a test room is a test program; tests/support is linked into each. ThreadSanitizer is spared the rooms, and the
 # scripts of documents, that check what is computed and not how threads meet; AddressSanitizer the papers' figures, README and
-# whole scans, which take long runs of the code that the other tests run.
+# whole scans, which take long runs of the code that the other tests run; both the page in its browser.
 TEST_ROOMS := unit property golden $(if $(filter-out tsan,$(config)),oracle) $(if $(filter-out tsan asan,$(config)),paper)
 SUPPORT_SRC := $(sort $(wildcard tests/support/*.c))
 TEST_SRC := $(sort $(foreach room,$(TEST_ROOMS),$(wildcard tests/$(room)/*.c)))
 # The tests in tests/kinds add rows to the tables of requests: the files that hang on these are compiled once more.
-KINDS_OBJ := $(addprefix $(B)/kinds/,$(addsuffix .o,core/spec core/spec/tables core/spec/kinds proto/json/json_spec \
+KINDS_OBJ := $(addprefix $(B)/kinds/,$(addsuffix .o,core/spec core/spec/tables core/spec/kinds core/spec/shown proto/json/json_spec \
     proto/json/json_process))
 KINDS_BIN := $(addprefix $(B)/,$(basename $(wildcard tests/kinds/*.c)))
 TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC))) $(KINDS_BIN)
-TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t $(if $(filter-out tsan,$(config)),tests/cli/*.t tests/lint/*.t)))
+TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t $(if $(filter-out tsan,$(config)),tests/cli/*.t tests/lint/*.t) $(if $(filter release,$(config)),tests/page/*.t)))
 TOY_SCRIPTS := $(if $(filter release,$(config)),$(sort $(wildcard tests/toy/*.t)))
 TEST_SCRIPTS += $(TOY_SCRIPTS)
 SPARED.tsan := tests/http/contract.t tests/http/readme.t
@@ -72,7 +72,7 @@ TEST_SCRIPTS := $(filter-out $(SPARED.$(config)),$(TEST_SCRIPTS))
 # These tell time, or need a port that is the same everywhere: nothing runs beside them.
 TEST_ALONE := tests/http/slow.t tests/http/readme.t
 BENCH_SRC := $(sort $(wildcard tests/bench/*.c))
-BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/bench/,wlop orient front)
+BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/bench/,wlop orient front ear)
 
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -110,6 +110,33 @@ $(B)/%.o: %.cc
 # The contract is embedded by the assembler, which tells nobody.
 $(B)/server/api/handlers/openapi.o: openapi.yaml
 
+# The page's files: each of build/web is gzipped and embedded like the contract, and named in a table with its digest.
+# A file of server/web is taken as it is, unless a rule makes it of several.
+WEB := build/web
+BUNDLES := page.js cloud_worker.js stream.js
+ASSETS := index.html page.css icon.svg $(BUNDLES)
+THREE := /usr/share/javascript/three
+$(B)/server/api/assets.o: $(WEB)/assets.inc $(ASSETS:%=$(WEB)/%.gz)
+
+$(WEB)/%: server/web/%
+	@mkdir -p $(@D)
+	@cp $< $@
+
+# Modules, and of three.js what they use, become one file; its licence stays in it.
+$(BUNDLES:%=$(WEB)/%): $(WEB)/%: server/web/% $(wildcard server/web/*.js)
+	@mkdir -p $(@D)
+	@echo "  WEB  $@"
+	@esbuild $< --bundle --minify --format=esm --target=es2020 --log-level=warning --legal-comments=eof --charset=utf8 \
+	    --alias:three=$(THREE)/three.module.js --alias:orbit-controls=$(THREE)/examples/jsm/controls/OrbitControls.js --outfile=$@
+
+$(WEB)/%.gz: $(WEB)/%
+	@gzip -9nc $< >$@
+
+$(WEB)/assets.inc: Makefile $(ASSETS:%=$(WEB)/%.gz)
+	@for name in $(ASSETS); do \
+	    echo "ASSET($$(echo "$$name" | tr -c 'a-z0-9\n' _), \"$$name\", \"$$(sha256sum <$(WEB)/$$name.gz | cut -c-64)\")"; \
+	done >$@
+
 $(LIB): $(call obj,$(LIB_SRC))
 	@rm -f $@
 	@$(AR) rcs $@ $^
@@ -142,7 +169,7 @@ $(B)/tests/bench/%: $(B)/tests/bench/%.o $(LIB)
 	@echo "  LINK $@"
 	@$(LINK) $^ -o $@ $(LIBS)
 
-$(addprefix $(B)/tests/bench/,wlop orient front): $(B)/tests/bench/%: tests/bench/%.cc
+$(addprefix $(B)/tests/bench/,wlop orient front ear): $(B)/tests/bench/%: tests/bench/%.cc
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
 	@$(CXX) -std=c++17 -O3 -DNDEBUG $< -o $@ -lmpfr -lgmp
@@ -156,7 +183,7 @@ demo: ## install what is missing, build, and send a real scan through the daemon
 	@tests/demo/demo.sh $(BIN) $(if $(CLOUD),'$(CLOUD)')
 
 test: ## install what is missing, build, and run every test (V=1 is verbose)
-	@docker/install.sh build test
+	@docker/install.sh build test page
 	@$(MAKE) --no-print-directory check
 
 .PHONY: toy
@@ -170,13 +197,13 @@ check: all $(if $(TOY_SCRIPTS),toy) $(TEST_BIN) ## run every test with what is i
 soak: ## test, with more seeds and larger clouds, and every golden case at 1, 2, 3 and 8 threads
 	@VT_SOAK=1 $(MAKE) --no-print-directory test
 
-torture: ## install what is missing, build, and measure what the daemon withstands (LONG=1, SEED=n, ONLY=regex of programs)
+torture: ## install what is missing, build, and measure what the daemon withstands (LONG=1, SEED=n, COUNT=n, ONLY=regex of programs)
 	@docker/install.sh build test torture $(if $(LONG),lint)
 	@$(MAKE) --no-print-directory all $(if $(TOY_SCRIPTS),toy)
-	@tests/torture/run.pl $(if $(LONG),--long) $(if $(SEED),--seed $(SEED)) $(BIN)
+	@tests/torture/run.pl $(if $(LONG),--long) $(if $(SEED),--seed $(SEED)) $(if $(COUNT),--count $(COUNT)) $(BIN)
 
 bench: ## install what is missing, build, and measure: tables and plots in build/bench (RUNS=n, ONLY=regex of rows)
-	@docker/install.sh build bench
+	@docker/install.sh build bench page
 	@$(MAKE) --no-print-directory all $(BENCH_BIN)
 	@tests/bench/bench.sh $(BIN)
 

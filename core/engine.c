@@ -7,6 +7,7 @@
 #include "core/input/islands.h"
 #include "core/input/sampled.h"
 #include "core/kmeans/kmeans.h"
+#include "core/lop/lop.h"
 #include "core/metrics/inspect.h"
 #include "core/metrics/measure.h"
 #include "core/output/convert.h"
@@ -25,6 +26,8 @@
 /* The methods, in the order of the words of parameter `method`. */
 static const struct vor_method methods[VOR_METHODS] = {{"cvt", vor_cvt_run},
                                                        {"kmeans", vor_kmeans_run},
+                                                       {"wlop", vor_wlop_run},
+                                                       {"ear", vor_ear_run},
 #define METHOD_ROW(word, run) {word, run},
                                                        VOR_EXTRA_METHODS(METHOD_ROW)
 #undef METHOD_ROW
@@ -282,15 +285,7 @@ vor_status vor_engine_run(struct vor_artefacts *out, const struct vor_artefacts 
                           struct vor_error *err)
 {
     const struct vor_process *process = process_of(spec);
-    struct vor_run begun = *run;
-    struct vor_no_stop no_stop;
-    vor_status status;
 
     assert(process != NULL);
-    begun.began = vor_run_clock(run);
-    begun.no_stop = vor_no_stop_watch(&no_stop, run->watch);
-    status = process->run(out, in, spec, &begun, err);
-    for (const struct vor_artefact_info *o = spec->process->outputs; o->name != NULL; o++)
-        assert(status != VOR_OK || vor_artefacts_find(out, o->name) != NULL);
-    return status;
+    return vor_process_run(process, out, in, spec, run, err);
 }

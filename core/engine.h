@@ -40,7 +40,8 @@
  *  bytes each and their attributes besides.
  *
  *  Memory: at most 61 bytes for each input point (position, order, index), 94 more where lists of
- *  neighbours on one sheet are made (input/lists.h) and 28 while they are. For each point of the
+ *  neighbours on one sheet are made (input/lists.h) and 28 while they are, for meshes 450 (at worst
+ *  780, input/regions.h). For each point of the
  *  result 6 k + 391 bytes (surface, lists, index; k neighbors), twice that while the start is drawn
  *  from cells, which is the case unless the input has ten times as many points; then 6 k + 500
  *  while iterating. Baselines take as many again, one after another, once the result is made

@@ -1,5 +1,8 @@
 #include "core/process.h"
 
+#include "core/base/budget.h"
+#include "core/report.h"
+
 #include <assert.h>
 #include <string.h>
 
@@ -93,4 +96,34 @@ void *vor_artefacts_values(struct vor_artefacts *set, const char *name,
     const struct vor_artefact *item = vor_artefacts_find(set, name);
 
     return item != NULL && item->document.members == members ? item->values : NULL;
+}
+
+/* A run whose time was over in the middle of a step ended as one that is stopped. */
+static void name_the_stop(struct vor_artefacts *out)
+{
+    struct vor_report *report = vor_artefacts_values(out, "report", &vor_report_members);
+
+    if (report != NULL && report->stopped == VOR_STOPPED_CALLER)
+        report->stopped = VOR_STOPPED_SECONDS;
+}
+
+vor_status vor_process_run(const struct vor_process *process, struct vor_artefacts *out,
+                           const struct vor_artefacts *in, const struct vor_spec *spec,
+                           const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_run begun = *run;
+    struct vor_no_stop no_stop;
+    struct vor_budget budget = {.ended = 0};
+    vor_status status;
+
+    begun.began = vor_run_clock(run);
+    if (vor_spec_given(spec, VOR_PARAM_SECONDS))
+        vor_budget_begin(&budget, &begun, spec->value[VOR_PARAM_SECONDS]);
+    begun.no_stop = vor_no_stop_watch(&no_stop, begun.watch);
+    status = process->run(out, in, spec, &begun, err);
+    if (status == VOR_OK && vor_budget_ended(&budget))
+        name_the_stop(out);
+    for (const struct vor_artefact_info *o = spec->process->outputs; o->name != NULL; o++)
+        assert(status != VOR_OK || vor_artefacts_find(out, o->name) != NULL);
+    return status;
 }

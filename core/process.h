@@ -81,4 +81,11 @@ struct vor_process {
                       struct vor_error *err);
 };
 
+/** Begins a run of the process, with the time that the request allows, and makes it. Parameters and
+ *  failures as those of its function. */
+VOR_NODISCARD vor_status vor_process_run(const struct vor_process *process,
+                                         struct vor_artefacts *out, const struct vor_artefacts *in,
+                                         const struct vor_spec *spec, const struct vor_run *run,
+                                         struct vor_error *err);
+
 #endif

@@ -21,6 +21,9 @@
     X(ITERATE, "iterate", "iteration", "Moves each point towards the middle of its cell")          \
     X(POLISH, "polish", "polish step", "Moves points away from their neighbours")                  \
     X(BASELINES, "baselines", "baseline", "Makes as many points by simple methods")                \
+    X(PROJECT, "project", "projection step",                                                       \
+      "Draws each point to the input's around it, and away from its neighbours")                   \
+    X(INSERT, "insert", "inserted point", "Inserts points where there is most room")               \
     VOR_EXTRA_RUN_STAGES(X)
 
 enum vor_run_stage {

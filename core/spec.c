@@ -282,11 +282,45 @@ static vor_status check_descent(const struct vor_spec *spec, struct vor_error *e
     return VOR_OK;
 }
 
+/* Checks a request for a method that projects points: it follows nothing, and has no sites. */
+static vor_status check_projection(const struct vor_spec *spec, struct vor_error *err)
+{
+    static const struct {
+        enum vor_parameter parameter;
+        double refused, wanted; /* refused VOR_UNSET: all but the wanted one are */
+    } rules[] = {{VOR_PARAM_DENSITY, VOR_UNSET, VOR_DENSITY_UNIFORM},
+                 {VOR_PARAM_METRIC, VOR_UNSET, VOR_METRIC_ISOTROPIC},
+                 {VOR_PARAM_BOUNDARY, VOR_BOUNDARY_SITES, VOR_BOUNDARY_KEEP},
+                 {VOR_PARAM_EDGES, VOR_EDGES_SITES, VOR_EDGES_IGNORE}};
+    double method = spec->value[VOR_PARAM_METHOD];
+    char is[VOR_SPEC_VALUE_SIZE];
+    const char *want;
+
+    if (method != VOR_METHOD_WLOP && method != VOR_METHOD_EAR)
+        return VOR_OK;
+    for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
+        const struct vor_parameter_info *info = vor_parameter_info(rules[i].parameter);
+        double value = spec->value[rules[i].parameter];
+        size_t length = vor_parameter_choice(info, (unsigned)rules[i].wanted, &want);
+
+        if (rules[i].refused == VOR_UNSET ? value != rules[i].wanted : value == rules[i].refused)
+            return vor_fail_param(err, VOR_E_PARAM, info->name,
+                                  "%s is %.*s, which method %s does not know, want %.*s, or "
+                                  "method cvt",
+                                  info->name, SHOWN_SIZE,
+                                  vor_spec_text(spec, rules[i].parameter, is),
+                                  method == VOR_METHOD_EAR ? "ear" : "wlop", (int)length, want);
+    }
+    return VOR_OK;
+}
+
 vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err)
 {
     int given = counts_given(spec);
     vor_status status = check_descent(spec, err);
 
+    if (status == VOR_OK)
+        status = check_projection(spec, err);
     if (status != VOR_OK)
         return status;
     if (given == 1 || !has_target(spec) || vor_spec_only_filters(spec))

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs the Debian packages of the stages named (build, demo, test, bench, lint, contract, cross, arm64, torture) that
+# Installs the Debian packages of the stages named (build, demo, test, page, bench, lint, contract, cross, arm64, torture) that
 # docker/packages.txt lists and this machine lacks. Root or passwordless sudo does it; else prints the one line to type and fails.
 set -eu
 here=$(dirname "$0")

@@ -37,9 +37,8 @@ enum {
     LAST_SECONDS = 1    /* for connections that were cut to be closed */
 };
 
-/* A job that crashed the daemon twice with nothing beside it will do so again. Whoever kills the
- * daemon means the daemon, unless it is the kernel, out of memory, because of the job. */
-enum { FAULTS_MAX = 2, KILLS_MAX = 12 };
+/* A job that crashed its worker twice with nothing beside it will do so again. */
+enum { FAULTS_MAX = 2 };
 
 /* Of the second listener. A scraper asks every 15 seconds as a rule, on a connection it keeps. */
 enum { ADMIN_CONNECTIONS = 16, ADMIN_SECONDS = 5, ADMIN_KEEP_SECONDS = 60 };
@@ -65,7 +64,6 @@ struct daemon {
     int argc; /* of the command line, for a reload */
     char **argv;
     long holder;
-    char fault_mark[VOR_CONFIG_TEXT_MAX + 16]; /* beside jobs and blobs */
 };
 
 static double all_memory(const struct vor_config *config)
@@ -190,8 +188,6 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         .job_seconds = config->number[VOR_SET_JOB_SECONDS],
         .ttl_seconds = config->number[VOR_SET_RESULT_TTL],
         .faults_max = FAULTS_MAX,
-        .kills_max = KILLS_MAX,
-        .fault_mark = daemon->fault_mark,
         .keep = (uint64_t)config->number[VOR_SET_KEEP_INPUTS],
         .results = results_bytes(daemon),
         .lost_seconds = config->number[VOR_SET_LOST_TTL],
@@ -205,12 +201,11 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
                                       .keep = worker.keep};
     const struct vor_supervisor_config runs = {.zygote = &daemon->zygote,
                                                .kind = VOR_CHILD_WORKER,
+                                               .codec = place_of(daemon),
                                                .threads = thread_count(config),
                                                .memory = worker.jobs * worker.memory};
     vor_status status = vor_supervisor_create(&daemon->supervisor, &runs, err);
 
-    (void)snprintf(daemon->fault_mark, sizeof daemon->fault_mark, "%s/crashed",
-                   config->text[VOR_SET_DATA]);
     limits.codec.points = (size_t)config->number[VOR_SET_POINTS_LIMIT];
     limits.codec.strict_draco = config->number[VOR_SET_DRACO] > 0;
     limits.inflated = (uint64_t)config->number[VOR_SET_BODY_LIMIT];

@@ -14,6 +14,7 @@ struct vor_run {
     const struct vor_watch *no_stop; /**< the same, but never answers VOR_STOP (vor_no_stop_watch);
                                           NULL where watch never does */
     double began; /**< the clock when the run began; records and budgets count from it */
+    double late;  /**< the clock when its time is over by far (base/budget.h); 0 for never */
 };
 
 /** The same run, not interrupted by VOR_STOP: for the parts before there is a result to hand back.
@@ -81,6 +82,13 @@ static inline const struct vor_watch *vor_no_stop_watch(struct vor_no_stop *no_s
 static inline double vor_run_clock(const struct vor_run *run)
 {
     return run->watch != NULL && run->watch->clock != NULL ? run->watch->clock(run->watch->ctx) : 0;
+}
+
+/** Whether the time that the request allows is over by far: what has to be done is then done the
+ *  fastest way. Threads of the pool may ask. */
+static inline int vor_run_is_late(const struct vor_run *run)
+{
+    return run->late > 0 && vor_run_clock(run) > run->late;
 }
 
 /** Seconds since the run began. */

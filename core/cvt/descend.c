@@ -4,6 +4,7 @@
 #include "core/cvt/frozen.h"
 #include "core/opt/keep_best.h"
 #include "core/opt/lbfgs.h"
+#include "core/seeds/tell.h"
 #include "core/seeds/uniformity.h"
 
 #include <string.h>
@@ -77,11 +78,12 @@ static unsigned next_power(const struct descend *descend)
     return power < descend->last_power ? power : descend->last_power;
 }
 
-/* Puts the seeds onto the surface where they are, before the first iteration. */
+/* Puts the seeds onto the surface where they are, before the first iteration. A stop leaves some of
+ * them where they started. */
 static vor_status put_down(struct descend *descend, struct vor_error *err)
 {
-    const struct vor_run *run = &descend->seeds->run;
-    vor_status status = vor_frozen_set(&descend->frozen, descend->power, descend->y, run, err);
+    vor_status status =
+        vor_frozen_set(&descend->frozen, descend->power, descend->y, descend->run, err);
 
     return status == VOR_OK
                ? vor_frozen_take(&descend->frozen, descend->y, descend->held, &descend->sums, err)
@@ -137,7 +139,6 @@ static struct vor_record record_of(const struct descend *descend, const struct v
 /* Measures the iterate, keeps it, and tells the watch. */
 static vor_status record(struct descend *descend, enum vor_answer *answer, struct vor_error *err)
 {
-    const struct vor_watch *watch = descend->run->watch;
     struct vor_outcome *told = descend->told;
     double spacing = descend->frozen.planes.spacing;
     struct vor_uniformity even;
@@ -155,8 +156,7 @@ static vor_status record(struct descend *descend, enum vor_answer *answer, struc
     told->fallback_plane = descend->sums.plane;
     told->fallback_left = descend->sums.left;
     told->area = told->area_even = descend->sums.area * spacing * spacing;
-    *answer = watch == NULL || watch->progress == NULL ? VOR_CONTINUE
-                                                       : watch->progress(watch->ctx, &record);
+    *answer = vor_seeds_tell(descend->seeds, descend->run, &record);
     return VOR_OK;
 }
 
@@ -187,9 +187,12 @@ static vor_status loop(struct descend *descend, struct vor_error *err)
     enum vor_answer answer = VOR_CONTINUE;
     double took = 0, before;
     vor_status status = put_down(descend, err);
+    int stopped = status == VOR_E_STOPPED;
 
-    if (status == VOR_OK)
+    if (status == VOR_OK || stopped)
         status = record(descend, &answer, err);
+    if (status == VOR_OK && stopped && answer == VOR_CONTINUE)
+        answer = VOR_STOP;
     while (status == VOR_OK && answer == VOR_CONTINUE && !finished(descend, took)) {
         before = descend->last_seconds;
         status = iterate(descend, err);

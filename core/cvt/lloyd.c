@@ -6,6 +6,7 @@
 #include "core/opt/anderson.h"
 #include "core/opt/keep_best.h"
 #include "core/seeds/attach.h"
+#include "core/seeds/tell.h"
 #include "core/seeds/uniformity.h"
 
 #include <string.h>
@@ -450,16 +451,13 @@ static struct vor_record record_of(const struct cvt *cvt, const struct vor_unifo
 /* Tells the watch, and keeps the iterate if it is the most even so far. */
 static enum vor_answer record(struct cvt *cvt, const struct vor_uniformity *even)
 {
-    const struct vor_watch *watch = cvt->run->watch;
     struct vor_record record = record_of(cvt, even);
 
     cvt->last_seconds = record.seconds;
     vor_keep_best_offer(&cvt->best, cvt->seeds->xyz, &record);
     vor_keep_best_tell(&cvt->best, &record);
     note(cvt, &record);
-    if (watch == NULL || watch->progress == NULL)
-        return VOR_CONTINUE;
-    return watch->progress(watch->ctx, &record);
+    return vor_seeds_tell(cvt->seeds, cvt->run, &record);
 }
 
 /* Whether delta has fallen too little over the last window to go on. */

@@ -3,6 +3,7 @@
 #include "core/base/rng.h"
 #include "core/geom/integrate.h"
 #include "core/seeds/area.h"
+#include "core/seeds/hurried.h"
 
 #include <math.h>
 #include <string.h>
@@ -151,15 +152,24 @@ static void relax(struct spread *spread)
 static void place_sample(const struct areas *areas, struct vor_scratch *scratch, size_t sample,
                          double local[3])
 {
+    const struct vor_seeds *from = areas->from;
+    float *at = &areas->to->xyz[3 * sample];
     double x[3];
 
     vor_surface_project(&scratch->here.surface, local);
     vor_surface_to_world(&scratch->here.surface, local, x);
-    if (areas->from->policy.keep_border &&
-        !vor_boundary_within(scratch->here.near, scratch->here.k, x, scratch->here.surface.spacing))
-        pull_in(areas->from, scratch, x);
     for (size_t c = 0; c < 3; c++)
-        areas->to->xyz[3 * sample + c] = (float)x[c];
+        at[c] = (float)x[c];
+    if (!from->policy.keep_border ||
+        vor_boundary_within(scratch->here.near, scratch->here.k, x, scratch->here.surface.spacing))
+        return;
+    if (vor_run_is_late(&from->run)) {
+        (void)vor_hurried_hold(at, from->domain, VOR_OUTSIDE_MOVING * from->domain->sparse);
+        return;
+    }
+    pull_in(from, scratch, x);
+    for (size_t c = 0; c < 3; c++)
+        at[c] = (float)x[c];
 }
 
 /* Starts n seeds in scratch->cell. */
@@ -176,6 +186,20 @@ static void sample_cell(const struct areas *areas, struct vor_scratch *scratch, 
         place_sample(areas, scratch, first + i, spread.at[i]);
 }
 
+/* Starts n seeds around input point i of the draw, without its cell. */
+static void sample_hurried(const struct areas *areas, size_t i, size_t first, size_t n)
+{
+    const struct vor_seeds *from = areas->from;
+
+    for (size_t sample = first; sample < first + n; sample++) {
+        double unit[2];
+
+        for (size_t c = 0; c < 2; c++)
+            unit[c] = vor_rng_unit(areas->seed, STREAM_SAMPLE, 3 * sample * RANDOM + c);
+        vor_hurried_draw(&areas->to->xyz[3 * sample], from->domain, &from->xyz[3 * i], unit);
+    }
+}
+
 static void sample_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct areas *areas = ctx;
@@ -185,7 +209,13 @@ static void sample_block(void *ctx, size_t begin, size_t end, unsigned worker)
         size_t first = i > 0 ? samples_until(areas, areas->end[i - 1]) : 0;
         size_t last = samples_until(areas, areas->end[i]);
 
-        if (first == last || vor_seeds_cell(areas->from, scratch, i) == VOR_SURFACE_NONE)
+        if (first == last)
+            continue;
+        if (vor_run_is_late(&areas->from->run)) {
+            sample_hurried(areas, i, first, last - first);
+            continue;
+        }
+        if (vor_seeds_cell(areas->from, scratch, i) == VOR_SURFACE_NONE)
             continue;
         for (size_t sample = first; sample < last; sample += TOGETHER)
             sample_cell(areas, scratch, sample,

@@ -44,7 +44,8 @@
  *  @retval VOR_E_DEGENERATE no seed has a cell with area
  *  @retval VOR_E_NOMEM, VOR_E_CANCELLED; a stop does not interrupt it
  *
- *  O(n log n), on the run's pool. The same positions for any number of threads. */
+ *  O(n log n), on the run's pool. The same positions for any number of threads, unless the run is
+ *  late: then the seeds that are left start between input points (seeds/hurried.h). */
 VOR_NODISCARD vor_status vor_start_seeds(struct vor_seeds *out, const struct vor_domain *domain,
                                          size_t n, const struct vor_spec *spec,
                                          const struct vor_run *run, struct vor_error *err);

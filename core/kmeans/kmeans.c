@@ -5,6 +5,7 @@
 #include "core/knn/knn.h"
 #include "core/opt/keep_best.h"
 #include "core/seeds/attach.h"
+#include "core/seeds/tell.h"
 #include "core/seeds/uniformity.h"
 
 #include <math.h>
@@ -105,7 +106,6 @@ static void move_to_means(struct kmeans *kmeans)
 /* Tells the watch of the iterate, and keeps it if it is the most even so far. */
 static enum vor_answer record(struct kmeans *kmeans, const struct vor_uniformity *even)
 {
-    const struct vor_watch *watch = kmeans->run->watch;
     double unit = kmeans->seeds->domain->unit;
     struct vor_record record = {.stage = VOR_RUN_STAGE_ITERATE,
                                 .step = kmeans->iterations,
@@ -121,9 +121,7 @@ static enum vor_answer record(struct kmeans *kmeans, const struct vor_uniformity
     vor_keep_best_offer(&kmeans->best, kmeans->seeds->xyz, &record);
     vor_keep_best_tell(&kmeans->best, &record);
     kmeans->told->last = record;
-    if (watch == NULL || watch->progress == NULL)
-        return VOR_CONTINUE;
-    return watch->progress(watch->ctx, &record);
+    return vor_seeds_tell(kmeans->seeds, kmeans->run, &record);
 }
 
 /* One iteration, and how even it leaves the seeds. */

@@ -330,14 +330,41 @@ struct found {
     float worst; /* squared distance that a point must be nearer than */
 };
 
+/* From so many nearest points on, the place of another one is found by halves, and those behind it
+ * are moved at once. 500 of 20,000 points of a random sphere take 67 us one by one, 47 us so, 150
+ * 10.8 and 11.4; with WIDE at 32 or 64, 150 take 12.3. */
+enum { WIDE = 128 };
+
+/* Makes room at the place of a distance among `count` that are sorted; behind those that are equal.
+ * Returns it. */
+VOR_INLINE unsigned make_room(struct found *found, unsigned count, float distance2)
+{
+    unsigned low = 0, high = count;
+
+    while (low < high) {
+        unsigned middle = (low + high) / 2;
+
+        if (distance2 < found->distance2[middle])
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    memmove(&found->distance2[low + 1], &found->distance2[low], (count - low) * sizeof distance2);
+    memmove(&found->index[low + 1], &found->index[low], (count - low) * sizeof *found->index);
+    return low;
+}
+
 VOR_INLINE void insert(struct found *found, uint32_t i, float distance2)
 {
     unsigned at = found->count < found->k ? found->count++ : found->k - 1;
 
-    for (; at > 0 && distance2 < found->distance2[at - 1]; at--) {
-        found->distance2[at] = found->distance2[at - 1];
-        found->index[at] = found->index[at - 1];
-    }
+    if (at > WIDE)
+        at = make_room(found, at, distance2);
+    else
+        for (; at > 0 && distance2 < found->distance2[at - 1]; at--) {
+            found->distance2[at] = found->distance2[at - 1];
+            found->index[at] = found->index[at - 1];
+        }
     found->distance2[at] = distance2;
     found->index[at] = i;
     if (found->count == found->k)

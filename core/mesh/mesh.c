@@ -2,6 +2,7 @@
 
 #include "core/mesh/close.h"
 #include "core/mesh/describe.h"
+#include "core/mesh/exact.h"
 #include "core/mesh/facing.h"
 #include "core/mesh/flip.h"
 #include "core/mesh/relax.h"
@@ -121,7 +122,7 @@ static vor_status on_one(struct making *making, vor_task task)
     return status == VOR_OK ? making->status : status;
 }
 
-/* Flips edges and moves points. */
+/* Flips edges and moves points, at last onto the input where sheets are near each other. */
 static vor_status better(struct making *making, struct vor_error *err)
 {
     const struct vor_relax_how how = {STEPS, making->how->fixed, making->how->refine};
@@ -132,7 +133,10 @@ static vor_status better(struct making *making, struct vor_error *err)
         if (status == VOR_OK)
             status = vor_relax(&making->sheet, making->seeds, &making->complex, &how, err);
     }
-    return status == VOR_OK ? vor_attach_last(making->seeds, err) : status;
+    if (status == VOR_OK)
+        status = vor_attach_last(making->seeds, err);
+    return status == VOR_OK ? vor_exact_put(&making->sheet, making->seeds, making->how->fixed, err)
+                            : status;
 }
 
 static vor_status make(struct making *making, struct vor_error *err)

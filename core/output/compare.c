@@ -153,6 +153,16 @@ static int ends(const struct compare *compare, struct vor_scratch *scratch, cons
     return vor_dot(end, side) > VOR_RIM_SAME_WAY;
 }
 
+/* The run is late: the distance of seed i to the input alone. */
+static void add_hurried(struct vor_sums *sums, const struct vor_seeds *seeds, size_t i)
+{
+    uint32_t index;
+    float distance2;
+
+    vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * i], 1, 1, &index, &distance2);
+    add(sums, vor_distance2f(&seeds->xyz[3 * i], &seeds->domain->xyz[3 * (size_t)index]));
+}
+
 static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct compare *compare = ctx;
@@ -162,10 +172,16 @@ static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)
     size_t border = 0, fitted[VOR_NEIGHBORS_MAX + 1] = {0};
 
     for (size_t i = begin; i < end; i++) {
-        enum vor_surface_kind kind = vor_seeds_fit(seeds, scratch, i);
-        struct vor_surface surface = scratch->here.surface;
+        enum vor_surface_kind kind;
+        struct vor_surface surface;
         double x[3], side[3];
 
+        if (vor_run_is_late(&seeds->run)) {
+            add_hurried(&sums, seeds, i);
+            continue;
+        }
+        kind = vor_seeds_fit(seeds, scratch, i);
+        surface = scratch->here.surface;
         add(&sums, vor_distance2f(&seeds->xyz[3 * i], scratch->here.near));
         /* The surface that the last step of the polish used where the seed is now. */
         fitted[kind != VOR_SURFACE_NONE && compare->refined &&

@@ -18,11 +18,12 @@ static vor_status transfer(struct vor_cloud *out, struct vor_report *report,
     struct vor_sides sides = {.carried = NULL};
     struct vor_transfer_how how = {spacing, placed->spec, &sides};
     struct vor_sides_of of = {placed->in, seeds->whole, placed->spec, seeds->n, seeds->area};
-    vor_status status = vor_sides_find(&sides, &of, &seeds->run, err);
+    vor_status status =
+        seeds->normal == NULL ? vor_sides_find(&sides, &of, &seeds->run, err) : VOR_OK;
 
     if (status == VOR_OK)
         status = vor_transfer(out, placed->in, seeds, &how, err);
-    report->one_sided = sides.orientation.one_sided;
+    report->one_sided = sides.orientation.one_sided + placed->told->one_sided;
     vor_sides_free(&sides, seeds->run.memory);
     return status;
 }

@@ -1,5 +1,8 @@
 #include "core/output/transfer.h"
 
+#include "core/base/linalg.h"
+#include "core/input/carried.h"
+
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -16,6 +19,8 @@ struct transfer {
     const struct vor_transfer_how *how;
     uint32_t *nearest; /* input point nearest to each seed */
     float *normal;     /* n x 3, or NULL */
+    const struct vor_attribute
+        *carried; /* that decide the sides of the method's normals, or NULL */
 };
 
 /* The normal of the local surface at seed i. */
@@ -33,13 +38,44 @@ static void surface_normal(const struct transfer *transfer, const struct vor_scr
     vor_surface_normal(&scratch->here.surface, local, normal);
 }
 
+/* The normal that the method found, on the side of the carried one if that is to decide. Returns
+ * whether there is one. */
+static int take_normal(struct transfer *transfer, size_t i)
+{
+    const struct vor_attribute *carried = transfer->carried;
+    const float *found = &transfer->seeds->normal[3 * i];
+    double is[3] = {(double)found[0], (double)found[1], (double)found[2]}, other[3];
+    int turn = carried != NULL && vor_carried_normal(carried, transfer->nearest[i], other) &&
+               vor_dot(is, other) < 0;
+
+    for (size_t c = 0; c < 3; c++)
+        transfer->normal[3 * i + c] = turn ? -found[c] : found[c];
+    return vor_dot(is, is) > 0;
+}
+
+/* Points of islands are none of the method's: their normals have no certain side. */
 static void make_normal(struct transfer *transfer, const struct vor_scratch *scratch, size_t i)
 {
     double fitted[3];
 
+    if (transfer->seeds->normal != NULL && take_normal(transfer, i))
+        return;
     surface_normal(transfer, scratch, i, fitted);
-    vor_sides_normal(&transfer->normal[3 * i], transfer->how->sides, &transfer->seeds->xyz[3 * i],
-                     transfer->nearest[i], fitted);
+    if (transfer->seeds->normal == NULL)
+        vor_sides_normal(&transfer->normal[3 * i], transfer->how->sides,
+                         &transfer->seeds->xyz[3 * i], transfer->nearest[i], fitted);
+    for (size_t c = 0; c < 3 && transfer->seeds->normal != NULL; c++)
+        transfer->normal[3 * i + c] = (float)fitted[c];
+}
+
+/* The input point nearest to seed i, by a search for it alone. */
+static uint32_t nearest_source(const struct vor_seeds *seeds, size_t i)
+{
+    uint32_t index;
+    float distance2;
+
+    vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * i], 1, 1, &index, &distance2);
+    return seeds->domain->source[index];
 }
 
 static void transfer_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -49,6 +85,10 @@ static void transfer_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_scratch *scratch = &seeds->scratch[worker];
 
     for (size_t i = begin; i < end; i++) {
+        if (transfer->normal == NULL && vor_run_is_late(&seeds->run)) {
+            transfer->nearest[i] = nearest_source(seeds, i);
+            continue;
+        }
         (void)vor_seeds_fit(seeds, scratch, i);
         transfer->nearest[i] = seeds->domain->source[vor_input_lists_first(&seeds->input_lists, i)];
         if (transfer->normal != NULL)
@@ -96,7 +136,7 @@ vor_status vor_transfer_attributes(struct vor_cloud *out, const struct vor_cloud
                                    const uint32_t *source, const float *normal,
                                    const struct vor_spec *spec, struct vor_error *err)
 {
-    int keep_normals = spec->value[VOR_PARAM_NORMALS] == VOR_NORMALS_NEAREST;
+    int keep_normals = spec->value[VOR_PARAM_NORMALS] == VOR_NORMALS_NEAREST && normal == NULL;
     int keep_others = spec->value[VOR_PARAM_ATTRIBUTES] == VOR_ATTRIBUTES_NEAREST;
     struct vor_attribute *to;
     vor_status status = VOR_OK;
@@ -117,11 +157,14 @@ vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in, struc
 {
     const struct vor_run *run = &seeds->run;
     struct vor_cloud cloud;
-    struct transfer transfer = {&cloud, in, seeds, how, NULL, NULL};
-    int fit = vor_sides_asked(how->spec);
+    struct transfer transfer = {&cloud, in, seeds, how, NULL, NULL, NULL};
+    int fit = vor_sides_asked(how->spec) ||
+              (seeds->normal != NULL && how->spec->value[VOR_PARAM_NORMALS] != VOR_NORMALS_DROP);
     vor_status status;
 
     vor_cloud_init(&cloud, run->memory);
+    if (how->spec->value[VOR_PARAM_INPUT_NORMALS] != VOR_INPUT_NORMALS_ESTIMATE)
+        transfer.carried = vor_carried(in);
     transfer.nearest = vor_malloc(run->memory, seeds->n, sizeof *transfer.nearest);
     if (fit)
         transfer.normal = vor_malloc(run->memory, seeds->n, 3 * sizeof *transfer.normal);

@@ -2,6 +2,7 @@
 
 #include "core/base/rng.h"
 #include "core/geom/integrate.h"
+#include "core/seeds/hurried.h"
 
 /* Cells of a random draw are uneven: the largest extend beyond the usual patch, and their area
  * would be missing. Patches are so many times as wide. At 1 / 1.3 / 2.6, points that a spacing of 1
@@ -44,12 +45,16 @@ static void measure_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct areas *areas = ctx;
     struct vor_scratch *scratch = &areas->seeds->scratch[worker];
+    const struct vor_seeds *seeds = areas->seeds;
+    double points = (double)seeds->domain->n / (double)seeds->n;
     struct vor_moments moments;
 
     for (size_t i = begin; i < end; i++) {
         areas->end[i] = 0;
-        if (vor_seeds_cell(areas->seeds, scratch, i) != VOR_SURFACE_NONE &&
-            vor_cell_moments(&moments, &scratch->cell))
+        if (vor_run_is_late(&seeds->run))
+            areas->end[i] = points * vor_hurried_area(seeds->domain, &seeds->xyz[3 * i]);
+        else if (vor_seeds_cell(areas->seeds, scratch, i) != VOR_SURFACE_NONE &&
+                 vor_cell_moments(&moments, &scratch->cell))
             areas->end[i] = moments.area;
     }
 }

@@ -24,7 +24,8 @@ void vor_area_draw(struct vor_seeds *seeds, uint64_t seed);
  *  @retval VOR_E_DEGENERATE no cell has an area
  *  @retval VOR_E_NOMEM, VOR_E_CANCELLED
  *
- *  O(n log n), on the run's pool. The same bits for any number of threads. */
+ *  O(n log n), on the run's pool. The same bits for any number of threads. A run that is late takes
+ *  the areas of discs (seeds/hurried.h) instead of cells. */
 VOR_NODISCARD vor_status vor_area_cells(double *end, struct vor_seeds *seeds,
                                         struct vor_error *err);
 

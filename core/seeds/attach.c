@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/geom/boundary.h"
+#include "core/seeds/hurried.h"
 
 #include <stdatomic.h>
 
@@ -13,6 +14,14 @@ struct attach {
     atomic_size_t beyond; /* seeds counted so far that are in a hole */
 };
 
+/* The run is late: moves seed i to where a result may be, without a fit. */
+static void attach_hurried(const struct vor_seeds *seeds, size_t i)
+{
+    if (seeds->policy.keep_border)
+        (void)vor_hurried_hold(&seeds->xyz[3 * i], seeds->domain,
+                               VOR_OUTSIDE_IN_RESULT * seeds->domain->sparse);
+}
+
 /* Counts the seeds that vor_seeds_hold would move, without moving them. */
 static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
@@ -22,7 +31,7 @@ static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
     size_t beyond = 0;
     double x[3];
 
-    for (size_t i = begin; i < end; i += attach->every) {
+    for (size_t i = begin; i < end && !vor_run_is_late(&seeds->run); i += attach->every) {
         vor_seeds_position(seeds, i, x);
         beyond += vor_seeds_fit(seeds, scratch, i) != VOR_SURFACE_NONE &&
                   vor_seeds_hold(seeds, scratch, i, x);
@@ -42,6 +51,10 @@ static void attach_block(void *ctx, size_t begin, size_t end, unsigned worker)
         int moved = attach->onto_whole;
         double x[3];
 
+        if (vor_run_is_late(&seeds->run)) {
+            attach_hurried(seeds, i);
+            continue;
+        }
         vor_seeds_position(seeds, i, x);
         if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
             continue;
@@ -71,7 +84,8 @@ vor_status vor_attach(struct vor_seeds *seeds, int *keep_holes, struct vor_error
                          count_block, &attach, err);
     if (status != VOR_OK)
         return status;
-    attach.keep_holes = (double)(attach.beyond * attach.every) <= VOR_GAPS_SHARE * (double)seeds->n;
+    attach.keep_holes = !vor_run_is_late(&seeds->run) &&
+                        (double)(attach.beyond * attach.every) <= VOR_GAPS_SHARE * (double)seeds->n;
     *keep_holes = attach.keep_holes;
     return vor_run_for(&seeds->run, moving, vor_seeds_block(seeds->domain), attach_block, &attach,
                        err);
@@ -98,11 +112,15 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
     for (size_t i = begin; i < end; i++) {
         struct vor_place *here = &scratch->here;
-        const float *foot =
-            &seeds->domain->xyz[3 * (size_t)vor_input_lists_first(&seeds->input_lists, i)];
+        const float *foot;
         struct vor_border border;
         double x[3];
 
+        if (vor_run_is_late(&seeds->run)) {
+            attach_hurried(seeds, i);
+            continue;
+        }
+        foot = &seeds->domain->xyz[3 * (size_t)vor_input_lists_first(&seeds->input_lists, i)];
         /* Spares the search: the input point that was nearest last time is near enough. */
         if (vor_distance2f(foot, &seeds->xyz[3 * i]) <= near2)
             continue;

@@ -57,11 +57,17 @@ static vor_status add_fixed(struct vor_seeds *seeds, struct fixed fixed,
 {
     struct counted counted = count(seeds);
     size_t moved = seeds->n;
+    int normals = seeds->normal != NULL;
     float *xyz = vor_malloc(run->memory, moved + fixed.n, 3 * sizeof *xyz);
+    float *normal = normals ? vor_calloc(run->memory, moved + fixed.n, 3 * sizeof *normal) : NULL;
     vor_status status;
 
-    if (xyz == NULL)
+    if (xyz == NULL || (normals && normal == NULL)) {
+        vor_free(run->memory, xyz);
         return vor_fail(err, VOR_E_NOMEM, "%zu points that do not move", fixed.n);
+    }
+    if (normals)
+        memcpy(normal, seeds->normal, 3 * moved * sizeof *normal);
     if (moved > 0)
         memcpy(xyz, seeds->xyz, 3 * moved * sizeof *xyz);
     if (fixed.n > 0)
@@ -70,8 +76,11 @@ static vor_status add_fixed(struct vor_seeds *seeds, struct fixed fixed,
     status = vor_seeds_init(seeds, domain, moved + fixed.n, policy, run, err);
     if (status == VOR_OK) {
         memcpy(seeds->xyz, xyz, 3 * seeds->n * sizeof *xyz);
+        seeds->normal = normal;
+        normal = NULL;
         count_on(seeds, &counted);
     }
+    vor_free(run->memory, normal);
     vor_free(run->memory, xyz);
     return status;
 }

@@ -26,6 +26,8 @@ struct vor_outcome {
     double worst_descent;                /**< largest energy after the steps of an iteration over
                                               that before */
     double aspect;                       /**< median of the cells */
+    size_t one_sided;                    /**< components of the input that have one side only,
+                                              where the method looked for sides */
     int refined;                         /**< the last step tried finer fits (vor_seeds_refine) */
 };
 

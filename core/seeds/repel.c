@@ -4,6 +4,7 @@
 #include "core/geom/boundary.h"
 #include "core/opt/keep_best.h"
 #include "core/seeds/attach.h"
+#include "core/seeds/tell.h"
 #include "core/seeds/uniformity.h"
 
 #include <string.h>
@@ -431,7 +432,7 @@ static enum vor_answer tell(struct polish *polish)
     polish->record.max_move = longest_step(polish) * polish->seeds->domain->unit;
     vor_keep_best_tell(&polish->best, &polish->record);
     polish->told->last = polish->record;
-    return watch->progress(watch->ctx, &polish->record);
+    return vor_seeds_tell(polish->seeds, polish->run, &polish->record);
 }
 
 static int even_enough(const struct polish *polish)

@@ -92,6 +92,7 @@ void vor_seeds_free(struct vor_seeds *seeds)
     vor_point_lists_free(&seeds->point_lists);
     vor_input_lists_free(&seeds->input_lists);
     vor_free(memory, seeds->last_fit);
+    vor_free(memory, seeds->normal);
     vor_free(memory, seeds->xyz);
     memset(seeds, 0, sizeof *seeds);
 }

@@ -70,8 +70,10 @@ struct vor_seeds {
     double fence; /**< distance that others keep from those, so that none slips through between two;
                        with a density, times the value of the field there */
     struct vor_seeds_policy policy;
-    int sheets; /**< fits look for layers: a domain that they are or were made on has sheets */
-    float *xyz; /**< n x 3 */
+    int sheets;    /**< fits look for layers: a domain that they are or were made on has sheets */
+    float *xyz;    /**< n x 3 */
+    float *normal; /**< n x 3: unit vectors outward, or 0 where there is none, if the method finds
+                        normals; else NULL */
     struct vor_input_lists input_lists; /**< candidates among the input, for each seed */
     struct vor_last_fit *last_fit;      /**< n */
     struct vor_point_lists point_lists; /**< neighbours among the seeds */

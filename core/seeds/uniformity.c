@@ -245,20 +245,24 @@ vor_status vor_seeds_distances(float *nearest, const struct vor_seeds *seeds, st
 
 struct six {
     struct vor_seeds *seeds;
-    unsigned char *is;
+    unsigned char *is; /* LOOKED_AT, and SIX */
 };
+
+enum { LOOKED_AT = 1, SIX = 2 };
 
 static void six_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     const struct six *six = ctx;
     struct vor_scratch *scratch = &six->seeds->scratch[worker];
 
-    for (size_t i = begin; i < end; i++) {
+    for (size_t i = begin; i < end && !vor_run_is_late(&six->seeds->run); i++) {
+        six->is[i] = LOOKED_AT;
         if (vor_seeds_fit(six->seeds, scratch, i) == VOR_SURFACE_NONE)
             continue;
         vor_seeds_crowd(six->seeds, scratch, i);
         vor_seeds_clip(six->seeds, scratch, i, 1);
-        six->is[i] = scratch->cell.count == 1 && scratch->cell.piece[0].count == 6;
+        if (scratch->cell.count == 1 && scratch->cell.piece[0].count == 6)
+            six->is[i] |= SIX;
     }
 }
 
@@ -266,16 +270,16 @@ vor_status vor_seeds_six_share(double *out, struct vor_seeds *seeds, struct vor_
 {
     struct vor_memory *memory = seeds->run.memory;
     struct six six = {seeds, vor_calloc(memory, seeds->n, 1)};
-    size_t count = 0;
+    size_t count = 0, looked_at = 0;
     vor_status status;
 
     if (six.is == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the cells of %zu points", seeds->n);
     status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, six_block, &six, err);
     for (size_t i = 0; i < seeds->n; i++)
-        count += six.is[i];
+        count += six.is[i] >= SIX, looked_at += six.is[i] > 0;
     vor_free(memory, six.is);
     if (status == VOR_OK)
-        *out = (double)count / (double)seeds->n;
+        *out = looked_at > 0 ? (double)count / (double)looked_at : 0;
     return status;
 }

@@ -76,6 +76,7 @@ enum vor_kind {
     X(TARGET, "How many points")                                                                   \
     X(SPREAD, "How they are spread")                                                               \
     X(CVT, "Iterations and polish")                                                                \
+    X(LOP, "Edge-aware projection")                                                                \
     X(READ, "How the input is read")                                                               \
     X(INPUT, "The input")                                                                          \
     X(FILTER, "What is done to it first")                                                          \
@@ -96,6 +97,8 @@ enum vor_group {
 #define VOR_METHOD_CHOICE_TABLE(X)                                                                 \
     X(CVT, "cvt")                                                                                  \
     X(KMEANS, "kmeans")                                                                            \
+    X(WLOP, "wlop")                                                                                \
+    X(EAR, "ear")                                                                                  \
     VOR_EXTRA_METHOD_CHOICES(X)
 
 enum vor_method_choice {
@@ -123,7 +126,10 @@ enum vor_method_choice {
     X(METHOD, method, CHOICE, SPREAD, "", 0, 0, VOR_METHOD_CVT, VOR_METHOD_WORDS,                  \
       "How the points are spread. cvt: by cells of the surface, then polished; kmeans: to the "    \
       "means of the input points nearest to each, a baseline without a polish, which needs as "    \
-      "many input points and follows their density")                                               \
+      "many input points and follows their density; wlop: points repel each other and are "        \
+      "drawn to the input's, by weighted locally optimal projection, then polished; ear: "         \
+      "likewise with normals, away from edges, and then further points are inserted towards the "  \
+      "edges, which stay sharp (Huang 2013)")                                                      \
     X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, VOR_PATCH_QUADRIC, "quadric plane",                  \
       "Local surface that stands for the input. quadric: it bends as the input does; plane: it "   \
       "does not, nor keeps edges, as in Chen et al. 2018")                                         \
@@ -169,6 +175,30 @@ enum vor_method_choice {
       "Window of the Anderson acceleration; 0 is plain Lloyd; momentum when not given")            \
     X(POLISH, polish, COUNT, CVT, "", 0, 10000, 100, "",                                           \
       "Most steps of repulsion after the iterations, which even the spacing out; 0 is none")       \
+    X(SIGMA_N, sigmaN, REAL, LOP, "degrees", 1, 90, 15, "",                                        \
+      "Of wlop and ear, as all that follow up to gaps. Angle between normals that count as "       \
+      "alike: smaller ones keep flatter edges, larger ones smooth more")                           \
+    X(SIGMA_P, sigmaP, REAL_OR_WORD, LOP, "unit of the cloud", 1e-30, 1e30, VOR_WORD(0),           \
+      "auto paper",                                                                                \
+      "How far points act on each other. auto: twice the spacing of the samples, and farther "     \
+      "where noise asks for it; paper: the diagonal of the box over the root of the number of "    \
+      "input points")                                                                              \
+    X(MU, mu, REAL, LOP, "", 0, 0.499, 0.45, "",                                                   \
+      "Repulsion of the points over their attraction by the input's")                              \
+    X(ROUNDS, rounds, COUNT, LOP, "", 0, 20, 3, "",                                                \
+      "Times that normals are smoothed and points then projected; 0 leaves a random choice")       \
+    X(STEPS, steps, COUNT, LOP, "", 1, 100, 12, "", "Steps of projection of a round")              \
+    X(RHO, rho, REAL, LOP, "", 0, 20, 5, "",                                                       \
+      "How much sooner points are inserted along edges: 0 evenly everywhere")                      \
+    X(PHASES, phases, CHOICE, LOP, "", 0, 0, VOR_PHASES_BOTH, "both resample insert",              \
+      "Of ear. resample: all points come of the projection; insert: points are inserted between "  \
+      "input points, which are not projected; both: one after the other")                          \
+    X(SAMPLES, samples, COUNT_OR_AUTO, LOP, "points", 1, 10000000, VOR_UNSET, "",                  \
+      "Points that are projected before others are inserted; if no more are asked for, none is "   \
+      "inserted. auto: half of the input's points, or all of the result's if those are fewer")     \
+    X(GAPS, gaps, CHOICE, LOP, "", 0, 0, VOR_GAPS_KEEP, "keep fill",                               \
+      "Gaps of the input that are wider than its spacing. keep: no point is inserted in them; "    \
+      "fill: they are filled, as far as sigmaP reaches")                                           \
     X(BOUNDARY, boundary, CHOICE, SPREAD, "", 0, 0, VOR_BOUNDARY_KEEP, "keep free sites fill",     \
       "keep: no point leaves the input at its border; free: no restriction; sites: points are "    \
       "placed along the borders first, evenly, and stay there; fill: holes are filled first, "     \
@@ -263,6 +293,9 @@ enum { VOR_ORDER_SPATIAL, VOR_ORDER_PROGRESSIVE };
 enum { VOR_FORMAT_PLY, VOR_FORMAT_DRC };
 enum { VOR_ORIGIN_AUTO, VOR_ORIGIN_ABSOLUTE, VOR_ORIGIN_RELATIVE };
 enum { VOR_ATTRIBUTES_NEAREST, VOR_ATTRIBUTES_DROP };
+enum { VOR_SIGMA_P_AUTO, VOR_SIGMA_P_PAPER }; /* words of the number sigmaP */
+enum { VOR_PHASES_BOTH, VOR_PHASES_RESAMPLE, VOR_PHASES_INSERT };
+enum { VOR_GAPS_KEEP, VOR_GAPS_FILL };
 enum { VOR_NORMALS_NEAREST, VOR_NORMALS_ORIENTED, VOR_NORMALS_FIT, VOR_NORMALS_DROP };
 enum { VOR_INPUT_NORMALS_AUTO, VOR_INPUT_NORMALS_USE, VOR_INPUT_NORMALS_ESTIMATE };
 
@@ -324,8 +357,8 @@ struct vor_artefact_info {
 #define VOR_IN(group) (1u << VOR_GROUP_##group)
 #define VOR_BY(method) (1u << VOR_METHOD_##method)
 #define VOR_SPREAD_GROUPS                                                                          \
-    (VOR_IN(TARGET) | VOR_IN(SPREAD) | VOR_IN(CVT) | VOR_IN(INPUT) | VOR_IN(FILTER) |              \
-     VOR_IN(READ) | VOR_IN(OUTPUT) | VOR_IN(FORMAT) | VOR_EXTRA_SPREAD_GROUPS)
+    (VOR_IN(TARGET) | VOR_IN(SPREAD) | VOR_IN(CVT) | VOR_IN(LOP) | VOR_IN(INPUT) |                 \
+     VOR_IN(FILTER) | VOR_IN(READ) | VOR_IN(OUTPUT) | VOR_IN(FORMAT) | VOR_EXTRA_SPREAD_GROUPS)
 #define VOR_EVERY_METHOD (~0u)
 
 /** Processes: identifier, id, whether HTTP offers it (1 or 0), groups of parameters that it takes,

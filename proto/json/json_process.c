@@ -14,8 +14,10 @@ static void put_parameter(struct vor_text *text, const struct vor_process_info *
 
     vor_json_key(text, info.name);
     vor_json_begin_object(text);
-    vor_json_put_string(text, "title", info.name);
+    vor_json_put_string(text, "title", vor_parameter_title(parameter));
     vor_json_put_string(text, "description", info.sentence);
+    vor_json_put_string(text, "x-level", vor_level_word(vor_parameter_level(parameter)));
+    vor_json_put_string(text, "x-group", vor_group_title(info.group));
     vor_json_put_u64(text, "minOccurs", 0);
     vor_json_put_u64(text, "maxOccurs", 1);
     vor_json_key(text, "schema");
@@ -94,6 +96,47 @@ static void put_outputs(struct vor_text *text, const struct vor_process_info *pr
     vor_json_end_object(text);
 }
 
+/* The values of a preset as a request has them. The table is ours: they are taken. */
+static void put_preset_values(struct vor_text *text, const struct vor_process_info *process,
+                              const struct vor_named_preset *preset)
+{
+    const char *at = preset->values;
+    char value[VOR_PRESET_VALUE_SIZE];
+    enum vor_parameter parameter;
+    struct vor_error err;
+    struct vor_spec spec;
+
+    vor_spec_preset(&spec, process);
+    vor_json_begin_object(text);
+    while (vor_named_preset_next(&at, &parameter, value)) {
+        const char *name = vor_parameter_info(parameter)->name;
+
+        if (vor_spec_set(&spec, name, value, &err) != VOR_OK)
+            continue;
+        vor_json_key(text, name);
+        vor_json_spec_value(text, &spec, parameter);
+    }
+    vor_json_end_object(text);
+}
+
+static void put_presets(struct vor_text *text, const struct vor_process_info *process)
+{
+    const struct vor_named_preset *preset;
+
+    vor_json_key(text, "x-presets");
+    vor_json_begin_array(text);
+    for (unsigned i = 0; (preset = vor_named_preset(process->id, i)) != NULL; i++) {
+        vor_json_begin_object(text);
+        vor_json_put_string(text, "name", preset->name);
+        vor_json_put_string(text, "title", preset->title);
+        vor_json_put_string(text, "description", preset->sentence);
+        vor_json_key(text, "values");
+        put_preset_values(text, process, preset);
+        vor_json_end_object(text);
+    }
+    vor_json_end_array(text);
+}
+
 /* What is told while it runs. */
 static void put_record(struct vor_text *text)
 {
@@ -143,6 +186,7 @@ void vor_json_process(struct vor_text *text, const struct vor_process_info *proc
     put_summary(text, process, links, link_count);
     put_inputs(text, process);
     put_outputs(text, process);
+    put_presets(text, process);
     put_record(text);
     vor_json_end_object(text);
 }

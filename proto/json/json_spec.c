@@ -5,6 +5,7 @@
 #include "core/base/quote.h"
 #include "proto/json/json_write.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -171,6 +172,15 @@ static const struct {
     [VOR_FORM_LIST] = {put_list, schema_list},       [VOR_FORM_AUTO] = {put_text, schema_auto},
     [VOR_FORM_COUNTS] = {put_counts, schema_counts},
 };
+
+void vor_json_spec_value(struct vor_text *text, const struct vor_spec *spec,
+                         enum vor_parameter parameter)
+{
+    enum vor_form form = vor_spec_form(spec, parameter);
+
+    assert(form != VOR_FORM_NONE);
+    forms[form].put(text, spec, parameter);
+}
 
 void vor_json_spec(struct vor_text *text, const struct vor_spec *spec)
 {

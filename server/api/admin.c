@@ -40,11 +40,24 @@ static void read_jobs(const struct vor_app *app)
     vor_metric_set(VOR_METRIC_WORKER_SLOTS, app->config->number[VOR_SET_JOBS], NULL);
 }
 
+/* A counter that has counted nothing yet says 0, so that its first step is seen. */
+static void begin_counters(void)
+{
+    static const enum vor_metric counters[] = {VOR_METRIC_STREAM_EVENTS, VOR_METRIC_STREAM_DROPPED,
+                                               VOR_METRIC_UPLOADS,       VOR_METRIC_WORKER_RESTARTS,
+                                               VOR_METRIC_UPLOAD_BYTES,  VOR_METRIC_POINTS};
+
+    for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++)
+        vor_metric_add(counters[i], 0, NULL);
+}
+
 static void read_storage(const struct vor_app *app)
 {
     uint64_t available, total;
     struct vor_error err;
 
+    vor_metric_set(VOR_METRIC_BLOB_BYTES, (double)vor_blobs_bytes(app->blobs),
+                   VOR_LABELS(vor_blobs_scheme(app->blobs)));
     if (vor_blobs_space(app->blobs, &available, &total, &err) != VOR_OK)
         return;
     vor_metric_set(VOR_METRIC_STORAGE_FREE, (double)available, NULL);
@@ -56,6 +69,7 @@ static enum vor_next reply_metrics(struct vor_app *app, struct vor_request *requ
     struct vor_text text;
 
     vor_metric_set(VOR_METRIC_BUILD, 1, VOR_LABELS(VOR_VERSION));
+    begin_counters();
     read_http(app);
     read_jobs(app);
     read_storage(app);

@@ -7,7 +7,10 @@
 
 struct vor_admitted;
 
-/** Counts a request against the rate of its key.
+/** Counts a request against the rate of its key, and tells it of that in heads of the answer: which
+ *  one holds, how many more requests pass at once, and in how many seconds that is as it was
+ *  (RateLimit-Policy, RateLimit; draft-ietf-httpapi-ratelimit-headers-10). Only Retry-After is a
+ *  promise.
  *
  *  @return true, or false after a rate-limited problem has been replied */
 bool vor_limits_rate(struct vor_app *app, struct vor_request *request);

@@ -109,14 +109,15 @@ static void add_cors(const struct vor_app *app, struct vor_request *request)
     vor_reply_header(request, "Access-Control-Expose-Headers",
                      "Location, ETag, Retry-After, Content-Range, Accept-Ranges, "
                      "Content-Disposition, Preference-Applied, Voronoid-Origin, X-Request-Id, "
-                     "Idempotent-Replayed, Upload-Offset, Upload-Length, Tus-Resumable, "
+                     "Idempotent-Replayed, RateLimit, RateLimit-Policy, Upload-Offset, "
+                     "Upload-Length, Tus-Resumable, "
                      "WWW-Authenticate");
     if (vor_request_method(request) != VOR_OPTIONS)
         return;
     vor_reply_header(request, "Access-Control-Allow-Headers",
                      "Accept, Authorization, Content-Encoding, Content-Type, Idempotency-Key, "
-                     "If-None-Match, If-Range, Last-Event-ID, Prefer, Range, X-API-Key, "
-                     "X-Request-Id");
+                     "If-None-Match, If-Range, Last-Event-ID, Prefer, Range, traceparent, "
+                     "tracestate, X-API-Key, X-Request-Id");
     vor_reply_header(request, "Access-Control-Max-Age", "600");
 }
 

@@ -18,7 +18,8 @@
  *  A row without statuses is the route of the path without the slash under another name, which
  *  openapi.yaml cannot have: what makes clients of it takes no path that ends in a slash. */
 #define VOR_ROUTE_TABLE(X)                                                                         \
-    X(GET, "/", OPEN, vor_handle_landing, "200")                                                   \
+    X(GET, "/", OPEN, vor_handle_root, "200 304")                                                  \
+    X(GET, "/assets/{asset}", OPEN, vor_handle_asset, "200 304 404")                               \
     X(GET, "/livez", OPEN, vor_handle_livez, "200")                                                \
     X(GET, "/readyz", OPEN, vor_handle_readyz, "200 503")                                          \
     X(GET, "/version", OPEN, vor_handle_version, "200")                                            \
@@ -34,8 +35,10 @@
     X(DELETE, "/v1/jobs/{jobID}", SUBMIT, vor_handle_dismiss, "200 401 403 404 503 507")           \
     X(POST, "/v1/jobs/{jobID}/stop", SUBMIT, vor_handle_stop, "202 401 403 404 409 503")           \
     X(GET, "/v1/jobs/{jobID}/events", READ, vor_handle_events, "200 204 400 401 403 404 503")      \
+    X(GET, "/v1/events", READ, vor_handle_events_of_many, "200 204 400 401 403")                   \
     X(GET, "/v1/jobs/{jobID}/input", READ, vor_handle_input,                                       \
       "200 206 304 401 403 404 410 416 500 503")                                                   \
+    X(GET, "/v1/jobs/{jobID}/preview", READ, vor_handle_preview, "200 304 400 401 403 404 503")    \
     X(GET, "/v1/jobs/{jobID}/results", READ, vor_handle_results,                                   \
       "200 400 401 403 404 406 410 413 422 500 503")                                               \
     X(GET, "/v1/jobs/{jobID}/results/{output}", READ, vor_handle_result,                           \

@@ -114,8 +114,10 @@ static size_t pull(char *out, size_t most)
         whole--;
     if (whole > 0)
         size = whole;
-    sink.first = (sink.first + size) % VOR_LOG_QUEUE_BYTES;
     sink.used -= size;
+    /* One that is empty begins anew, so that a reader who keeps up has its first pages touched and
+     * not, line after line, all of them. */
+    sink.first = sink.used > 0 ? (sink.first + size) % VOR_LOG_QUEUE_BYTES : 0;
     return size;
 }
 

@@ -29,10 +29,13 @@
       "Open connections from which on requests are refused")                                       \
     X(STREAMS, "sse_streams", GAUGE, "", "", "Event streams that are read")                        \
     X(STREAM_EVENTS, "sse_events_total", COUNTER, "", "", "Events sent on these")                  \
+    X(STREAM_DROPPED, "sse_dropped_total", COUNTER, "", "",                                        \
+      "Events of progress not sent, as a newer one came before the client took them")              \
     X(JOBS_ACCEPTED, "jobs_submitted_total", COUNTER, "", "process", "Jobs accepted")              \
     X(JOBS_ENDED, "jobs_finished_total", COUNTER, "", "process status", "Jobs that are over")      \
     X(JOBS_AGAIN, "job_retries_total", COUNTER, "", "reason",                                      \
-      "Jobs put back into the queue, because the daemon ended while they ran")                     \
+      "Jobs put back into the queue: the daemon ended while they ran (restart), or their process " \
+      "did (worker)")                                                                              \
     X(QUEUE, "queue_jobs", GAUGE, "", "state", "Jobs that wait, and that run")                     \
     X(QUEUE_MOST, "queue_limit_jobs", GAUGE, "", "", "Jobs that may wait")                         \
     X(QUEUE_AGE, "queue_oldest_age_seconds", GAUGE, "seconds", "",                                 \
@@ -51,13 +54,19 @@
       "Points of the inputs of successful runs")                                                   \
     X(WORKER_BUSY, "worker_busy", GAUGE, "", "", "Jobs that run")                                  \
     X(WORKER_SLOTS, "worker_slots", GAUGE, "", "", "Jobs that may run at the same time")           \
+    X(WORKER_RESTARTS, "worker_restarts_total", COUNTER, "", "",                                   \
+      "Processes of jobs that ended while they were not told to, or had to be ended")              \
     X(MEMORY_RESERVED, "memory_reserved_bytes", GAUGE, "bytes", "",                                \
       "Memory that running jobs may take")                                                         \
+    X(UPLOADS, "uploads_active", GAUGE, "", "", "Uploads that arrive, wait to be read, or are")    \
+    X(UPLOAD_BYTES, "upload_bytes_total", COUNTER, "bytes", "", "Bytes of uploads that arrived")   \
     X(DECODE_ERRORS, "decode_errors_total", COUNTER, "", "format reason",                          \
       "Uploads that could not be decoded")                                                         \
     X(STORAGE_FREE, "storage_available_bytes", GAUGE, "bytes", "",                                 \
       "Bytes that can still be written where blobs are")                                           \
     X(STORAGE_SIZE, "storage_size_bytes", GAUGE, "bytes", "", "Size of that file system")          \
+    X(BLOB_BYTES, "blob_bytes", GAUGE, "bytes", "store",                                           \
+      "Bytes of uploads and results that are kept; what jobs share counts for each")               \
     X(STORE_SECONDS, "store_operation_duration_seconds", TIMES, "seconds", "driver op",            \
       "Statements of the store, with the wait for their turn and for the disk")                    \
     X(STORE_ERRORS, "store_errors_total", COUNTER, "", "", "Statements of the store that failed")  \

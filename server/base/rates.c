@@ -86,6 +86,24 @@ static struct bucket *add(struct vor_rates *rates, const char *name, double now)
     return bucket;
 }
 
+double vor_rates_burst(double rate)
+{
+    return fmax(1, burst_seconds * rate);
+}
+
+double vor_rates_left(struct vor_rates *rates, const char *name, double rate, double now)
+{
+    double left = vor_rates_burst(rate);
+    const struct bucket *bucket;
+
+    (void)pthread_mutex_lock(&rates->mutex);
+    bucket = find(rates, name, now);
+    if (bucket != NULL)
+        left = fmin(left, bucket->tokens);
+    (void)pthread_mutex_unlock(&rates->mutex);
+    return left;
+}
+
 double vor_rates_take(struct vor_rates *rates, const char *name, double rate, double now)
 {
     struct bucket *bucket;
@@ -97,7 +115,7 @@ double vor_rates_take(struct vor_rates *rates, const char *name, double rate, do
         bucket = add(rates, name, now);
     if (bucket != NULL) {
         bucket->rate = rate;
-        bucket->holds = fmax(1, burst_seconds * rate);
+        bucket->holds = vor_rates_burst(rate);
         bucket->tokens = fmin(bucket->tokens, bucket->holds);
         if (bucket->tokens >= 1)
             bucket->tokens -= 1;

@@ -22,4 +22,10 @@ void vor_rates_destroy(struct vor_rates *rates);
  *  A bucket that is full again is forgotten: there are as many as names in the last two seconds. */
 double vor_rates_take(struct vor_rates *rates, const char *name, double rate, double now);
 
+/** The tokens that a name with that rate has left. */
+double vor_rates_left(struct vor_rates *rates, const char *name, double rate, double now);
+
+/** As many tokens as a bucket of that rate holds. */
+double vor_rates_burst(double rate);
+
 #endif

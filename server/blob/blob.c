@@ -110,6 +110,16 @@ vor_status vor_blobs_space(struct vor_blobs *blobs, uint64_t *available, uint64_
     return blobs->driver->space(blobs, available, total, err);
 }
 
+uint64_t vor_blobs_bytes(const struct vor_blobs *blobs)
+{
+    return atomic_load(&blobs->bytes);
+}
+
+const char *vor_blobs_scheme(const struct vor_blobs *blobs)
+{
+    return blobs->driver->scheme;
+}
+
 void vor_blobs_set_reserve(struct vor_blobs *blobs, uint64_t bytes)
 {
     blobs->reserve = bytes;

@@ -62,6 +62,10 @@ void vor_blobs_close(struct vor_blobs *blobs);
 VOR_NODISCARD vor_status vor_blobs_space(struct vor_blobs *blobs, uint64_t *available,
                                          uint64_t *total, struct vor_error *err);
 
+/** Bytes of all blobs, and the scheme of their driver ("dir"). No cost: it is counted along. */
+uint64_t vor_blobs_bytes(const struct vor_blobs *blobs);
+const char *vor_blobs_scheme(const struct vor_blobs *blobs);
+
 /** How many bytes stay free. Before other threads know the blobs. */
 void vor_blobs_set_reserve(struct vor_blobs *blobs, uint64_t bytes);
 

@@ -92,13 +92,24 @@ static void unlink_tmp(void *ctx, const char *name)
     (void)unlinkat(((struct directory *)ctx)->tmp, name, 0);
 }
 
-/* What lies among the blobs and is none, by its name. */
-static void unlink_rubbish(void *ctx, const char *name)
+/* Bytes of a file in keep; 0 when there is none. */
+static uint64_t size_of(const struct directory *directory, const char *file)
 {
+    struct stat info;
+
+    return fstatat(directory->keep, file, &info, 0) == 0 ? (uint64_t)info.st_size : 0;
+}
+
+/* Counts a blob; removes what lies among them and is none, by its name. */
+static void take_in(void *ctx, const char *name)
+{
+    struct directory *directory = ctx;
     struct vor_uuid id;
 
-    if (parse_file(&id, name) == NULL)
-        (void)unlinkat(((struct directory *)ctx)->keep, name, 0);
+    if (parse_file(&id, name) != NULL)
+        directory->base.bytes += size_of(directory, name);
+    else
+        (void)unlinkat(directory->keep, name, 0);
 }
 
 static vor_status open_parts(struct directory *directory, const char *path, long *holder,
@@ -117,7 +128,7 @@ static vor_status open_parts(struct directory *directory, const char *path, long
     if (status != VOR_OK)
         return status;
     status = each_name(directory->tmp, unlink_tmp, directory, err);
-    return status == VOR_OK ? each_name(directory->keep, unlink_rubbish, directory, err) : status;
+    return status == VOR_OK ? each_name(directory->keep, take_in, directory, err) : status;
 }
 
 static void free_directory(struct directory *directory)
@@ -254,15 +265,12 @@ static vor_status copy_source(struct directory *directory, struct writer *writer
     return status;
 }
 
-static vor_status commit(struct vor_blob_writer *base, const struct vor_uuid *id, const char *name,
-                         struct vor_error *err)
+static vor_status name_file(struct vor_blob_writer *base, const char *file, struct vor_error *err)
 {
     struct directory *directory = (struct directory *)base->blobs;
     struct writer *writer = (struct writer *)base;
-    char file[FILE_SIZE];
     vor_status status;
 
-    file_of(file, id, name);
     if (writer->from[0] != '\0') {
         /* Not on every file system, and not once the other blob is dropped. */
         if (linkat(directory->keep, writer->from, directory->keep, file, 0) == 0)
@@ -277,6 +285,21 @@ static vor_status commit(struct vor_blob_writer *base, const struct vor_uuid *id
         return vor_fail_errno(err, errno, "naming a blob");
     writer->file[0] = '\0';
     return sync_name(directory, file, err);
+}
+
+static vor_status commit(struct vor_blob_writer *base, const struct vor_uuid *id, const char *name,
+                         struct vor_error *err)
+{
+    char file[FILE_SIZE];
+    uint64_t before;
+    vor_status status;
+
+    file_of(file, id, name);
+    before = size_of((struct directory *)base->blobs, file);
+    status = name_file(base, file, err);
+    if (status == VOR_OK)
+        base->blobs->bytes += base->size - before;
+    return status;
 }
 
 static void discard(struct vor_blob_writer *base)
@@ -334,9 +357,13 @@ static vor_status drop(struct vor_blobs *blobs, const struct vor_uuid *id, const
                        struct vor_error *err)
 {
     char file[FILE_SIZE];
+    uint64_t size;
 
     file_of(file, id, name);
-    if (unlinkat(((struct directory *)blobs)->keep, file, 0) != 0 && errno != ENOENT)
+    size = size_of((struct directory *)blobs, file);
+    if (unlinkat(((struct directory *)blobs)->keep, file, 0) == 0)
+        blobs->bytes -= size;
+    else if (errno != ENOENT)
         return vor_fail_errno(err, errno, file);
     return VOR_OK;
 }
@@ -347,8 +374,15 @@ static vor_status set_aside(struct vor_blobs *blobs, const struct vor_uuid *id, 
     struct directory *directory = (struct directory *)blobs;
     char file[FILE_SIZE];
 
+    uint64_t size;
+    vor_status status;
+
     file_of(file, id, name);
-    return vor_dir_set_aside(directory->parent, directory->keep, file, err);
+    size = size_of(directory, file);
+    status = vor_dir_set_aside(directory->parent, directory->keep, file, err);
+    if (status == VOR_OK)
+        blobs->bytes -= size;
+    return status;
 }
 
 static vor_status trim_lost(struct vor_blobs *blobs, const struct vor_lost_bounds *bounds,

@@ -23,6 +23,7 @@ struct vor_blobs {
     uint64_t reserve;          /**< bytes of the disk that stay free */
     atomic_int is_broken;      /**< an fsync failed */
     _Atomic uint64_t promised; /**< bytes that writers may still write (vor_blob_promise) */
+    _Atomic uint64_t bytes;    /**< of all blobs; the driver's */
 };
 
 /** A blob that is there, and its digest. */

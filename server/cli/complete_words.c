@@ -82,7 +82,18 @@ static void add_statuses(char out[VOR_VALUE_WORDS_SIZE])
     }
 }
 
-static struct vor_completion of_option(enum vor_option option)
+/* The presets of the command's process, or of none. */
+static void add_presets(char out[VOR_VALUE_WORDS_SIZE], const struct vor_command *command)
+{
+    const struct vor_named_preset *preset;
+
+    for (unsigned i = 0;
+         command->process != NULL && (preset = vor_named_preset(command->process->id, i)) != NULL;
+         i++)
+        add_word(out, preset->name, strlen(preset->name));
+}
+
+static struct vor_completion of_option(const struct vor_command *command, enum vor_option option)
 {
     const struct vor_option_info *info = vor_option_info(option);
     struct vor_completion out = {.name = info->name,
@@ -101,6 +112,9 @@ static struct vor_completion of_option(enum vor_option option)
     } else if (option == VOR_OPTION_STATUS) {
         out.kind = VOR_VALUE_LIST;
         add_statuses(out.words);
+    } else if (option == VOR_OPTION_PRESET) {
+        out.kind = VOR_VALUE_WORD;
+        add_presets(out.words, command);
     }
     return out;
 }
@@ -119,7 +133,7 @@ void vor_complete_command(const struct vor_command *command,
         visit(ctx, &option);
     }
     for (int i = 0; i < VOR_OPTION_COUNT; i++) {
-        option = of_option((enum vor_option)i);
+        option = of_option(command, (enum vor_option)i);
         if (vor_command_takes(command, (enum vor_option)i))
             visit(ctx, &option);
     }

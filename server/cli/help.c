@@ -11,6 +11,9 @@ static const struct {
 #undef EXIT_ROW
 };
 
+/* Bytes of a title and a sentence; the longest of today has 600. */
+enum { SENTENCE_SIZE = 2048 };
+
 static void print_option(FILE *out, char letter, const char *name, const char *value,
                          const char *sentence)
 {
@@ -60,28 +63,67 @@ static void print_parameter(FILE *out, const struct vor_process_info *process,
                             enum vor_parameter parameter)
 {
     const struct vor_parameter_info *info = vor_parameter_info(parameter);
-    char values[VOR_HELP_VALUES_SIZE];
+    char values[VOR_HELP_VALUES_SIZE], sentence[SENTENCE_SIZE];
 
     vor_help_values(values, process, parameter);
+    (void)snprintf(sentence, sizeof sentence, "%s. %s", vor_parameter_title(parameter),
+                   info->sentence);
     print_option(out, parameter == VOR_PARAM_POINTS ? 'n' : 0, info->name,
-                 info->kind == VOR_KIND_FLAG ? "[=VALUE]" : " VALUE", info->sentence);
+                 info->kind == VOR_KIND_FLAG ? "[=VALUE]" : " VALUE", sentence);
     fprintf(out, "\n      %s\n", values);
 }
 
-static void print_group(FILE *out, const struct vor_process_info *process, enum vor_group group)
+/* The parameters of one group and one level that a process takes. */
+static void print_group(FILE *out, const struct vor_process_info *process, enum vor_group group,
+                        enum vor_level level)
 {
     const char *title = vor_group_title(group);
 
     for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
         enum vor_parameter parameter = (enum vor_parameter)i;
 
-        if (vor_parameter_info(parameter)->group != group || !vor_process_takes(process, parameter))
+        if (vor_parameter_info(parameter)->group != group ||
+            vor_parameter_level(parameter) != level || !vor_process_takes(process, parameter))
             continue;
         if (title != NULL)
             fprintf(out, "\n%s:\n", title);
         title = NULL;
         print_parameter(out, process, parameter);
     }
+}
+
+static int has_level(const struct vor_process_info *process, enum vor_level level)
+{
+    for (int i = 0; i < VOR_PARAMETER_COUNT; i++)
+        if (vor_parameter_level((enum vor_parameter)i) == level &&
+            vor_process_takes(process, (enum vor_parameter)i))
+            return 1;
+    return 0;
+}
+
+static void print_parameters(FILE *out, const struct vor_process_info *process)
+{
+    for (int level = 0; level < VOR_LEVELS; level++) {
+        if (!has_level(process, (enum vor_level)level))
+            continue;
+        fprintf(out, "\n%s%s:\n", vor_level_title((enum vor_level)level),
+                process->on_http ? ", the same over HTTP" : "");
+        for (int group = 0; group < VOR_GROUP_COUNT; group++)
+            print_group(out, process, (enum vor_group)group, (enum vor_level)level);
+    }
+    fputs("\n" VOR_HELP_COUNTS "\n", out);
+}
+
+static void print_presets(FILE *out, const struct vor_process_info *process)
+{
+    const struct vor_named_preset *preset;
+
+    if (vor_named_preset(process->id, 0) == NULL)
+        return;
+    fputs("\nPresets:\n", out);
+    for (unsigned i = 0; (preset = vor_named_preset(process->id, i)) != NULL; i++)
+        fprintf(out, "  %-9s %s. %s%s%s\n", preset->name, preset->title, preset->sentence,
+                preset->values[0] != '\0' ? ": " : "", preset->values);
 }
 
 void vor_help_command(FILE *out, const struct vor_command *command)
@@ -93,11 +135,8 @@ void vor_help_command(FILE *out, const struct vor_command *command)
             process != NULL ? " - as a file is stdin or stdout." : "");
     print_options(out, command);
     if (process != NULL) {
-        fprintf(out, "\nParameters of the request%s:\n",
-                process->on_http ? ", the same over HTTP" : "");
-        for (int group = 0; group < VOR_GROUP_COUNT; group++)
-            print_group(out, process, (enum vor_group)group);
-        fputs("\n" VOR_HELP_COUNTS "\n", out);
+        print_presets(out, process);
+        print_parameters(out, process);
     }
     fputs("\n" VOR_HELP_WORDS "\n\nExit codes:\n", out);
     vor_help_exit_codes(out, 0);

@@ -224,6 +224,21 @@ static void print_parameters(FILE *out)
     }
 }
 
+static void print_presets(FILE *out)
+{
+    const struct vor_process_info *process;
+    const struct vor_named_preset *preset;
+
+    print_heading(out, ".SH", "PRESETS");
+    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++)
+        for (unsigned k = 0; (preset = vor_named_preset(process->id, k)) != NULL; k++) {
+            fprintf(out, ".TP\n\\fB%s\\fR of %s\n", preset->name, process->id);
+            print_text(out, preset->sentence);
+            fputs(".br\n", out);
+            print_text(out, preset->values[0] != '\0' ? preset->values : "the defaults");
+        }
+}
+
 static void print_commands_page(FILE *out)
 {
     print_head(out, "1", "User Commands", "resample 3D point clouds, here or by a daemon");
@@ -237,6 +252,7 @@ static void print_commands_page(FILE *out)
     print_commands(out);
     print_options(out);
     print_inputs(out);
+    print_presets(out);
     print_parameters(out);
     print_exit_codes(out, 0);
     fputs(".PP\n", out);

@@ -59,6 +59,9 @@ const struct vor_option_info *vor_option_info(enum vor_option option)
 
 int vor_command_takes(const struct vor_command *command, enum vor_option option)
 {
+    if (option == VOR_OPTION_PRESET &&
+        (command->process == NULL || vor_named_preset(command->process->id, 0) == NULL))
+        return 0;
     return (vor_option_info(option)->commands & command->does) != 0;
 }
 
@@ -403,12 +406,66 @@ static vor_status check_files(struct vor_cli *cli, struct vor_error *err)
     return VOR_OK;
 }
 
+/* The three that say how many points: one of them stands for all. */
+static int is_target(enum vor_parameter parameter)
+{
+    return parameter == VOR_PARAM_POINTS || parameter == VOR_PARAM_RATIO ||
+           parameter == VOR_PARAM_SPACING;
+}
+
+/* Whether a parameter was named, or one that says the same in its place. */
+static int is_given(const struct vor_cli *cli, enum vor_parameter parameter)
+{
+    if (is_target(parameter))
+        return cli->given[VOR_PARAM_POINTS] || cli->given[VOR_PARAM_RATIO] ||
+               cli->given[VOR_PARAM_SPACING];
+    return cli->given[parameter];
+}
+
+static vor_status refuse_preset(const struct vor_cli *cli, struct vor_error *err)
+{
+    const char *name = cli->option[VOR_OPTION_PRESET], *process = cli->command->process->id;
+    const struct vor_named_preset *preset;
+    char quoted[SHOWN_SIZE], names[NAMES_SIZE];
+    size_t at = 0;
+
+    for (unsigned i = 0; (preset = vor_named_preset(process, i)) != NULL && at < sizeof names; i++)
+        at += (size_t)snprintf(names + at, sizeof names - at, "%s%s", i > 0 ? ", " : "",
+                               preset->name);
+    return vor_fail(err, VOR_E_PARAM, "--preset is %s, want one of %s",
+                    vor_quote(quoted, sizeof quoted, name, strlen(name)), names);
+}
+
+/* Sets what a preset says of parameters that were not named; they count as named from then on. */
+static vor_status take_preset(struct vor_cli *cli, struct vor_error *err)
+{
+    const char *name = cli->option[VOR_OPTION_PRESET];
+    const struct vor_named_preset *preset =
+        name != NULL ? vor_named_preset_find(cli->command->process->id, name) : NULL;
+    const char *at = preset != NULL ? preset->values : "";
+    char value[VOR_PRESET_VALUE_SIZE];
+    enum vor_parameter parameter;
+    vor_status status = VOR_OK;
+
+    if (name != NULL && preset == NULL)
+        return refuse_preset(cli, err);
+    while (status == VOR_OK && vor_named_preset_next(&at, &parameter, value)) {
+        if (is_given(cli, parameter))
+            continue;
+        cli->given[parameter] = 1;
+        status = vor_spec_set(&cli->spec, vor_parameter_info(parameter)->name, value, err);
+    }
+    return status;
+}
+
 static vor_status check_process(struct vor_cli *cli, struct vor_error *err)
 {
     vor_status status = check_files(cli, err);
 
     if (status == VOR_OK && (cli->command->does & VOR_COMMAND_RUNS) != 0)
         status = resolve_output(cli, err);
+    if (status == VOR_OK)
+        status = take_preset(cli, err);
     if (status == VOR_OK)
         status = vor_spec_complete(&cli->spec, err);
     return status == VOR_OK ? check_inputs(cli, err) : status;

@@ -49,6 +49,8 @@ enum {
       "second (10), bytes=N stored, points=N of an input")                                         \
     X(NAME, "name", 0, "TEXT", "", VOR_COMMAND_REMOTE | VOR_COMMAND_SUBMITS,                       \
       "What the job is called in the daemon's lists, with --server")                               \
+    X(PRESET, "preset", 0, "NAME", "", VOR_COMMAND_RUNS | VOR_COMMAND_SUBMITS,                     \
+      "The values of one of the presets below; what is given besides wins")                        \
     X(THREADS, "threads", 0, "N", "VORONOID_THREADS", VOR_COMMAND_RUNS,                            \
       "Threads, 0 to 256, when the work is done here; 0, the default, is one for each core")       \
     X(JSON, "json", 0, "", "", VOR_COMMAND_TELLS,                                                  \

@@ -30,7 +30,8 @@ vor_status vor_work_start(struct vor_work *work, const struct vor_cli *cli,
 {
     memset(work, 0, sizeof *work);
     vor_memory_init(&work->memory, SIZE_MAX);
-    work->watch = (struct vor_watch){progress, on_progress, on_poll, on_clock};
+    work->watch = (struct vor_watch){
+        .ctx = progress, .progress = on_progress, .poll = on_poll, .clock = on_clock};
     work->run.memory = &work->memory;
     work->run.watch = &work->watch;
     work->drop_invalid = cli->spec.value[VOR_PARAM_INVALID] == VOR_INVALID_DROP;

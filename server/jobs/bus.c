@@ -160,6 +160,11 @@ vor_status vor_bus_publish(struct vor_bus *bus, const struct vor_event *event)
     return fits ? VOR_OK : VOR_E_NOMEM;
 }
 
+void vor_bus_nudge(struct vor_bus *bus)
+{
+    wake_all(bus, VOR_EVENT_PROGRESS);
+}
+
 /* Whether a reader of the latest progress may skip an event, because the next one says more. */
 static int superseded_locked(const struct vor_bus *bus, size_t i)
 {

@@ -72,6 +72,9 @@ void vor_bus_restart(struct vor_bus *bus, uint32_t attempt);
  *  @retval VOR_E_NOMEM the event is lost */
 vor_status vor_bus_publish(struct vor_bus *bus, const struct vor_event *event);
 
+/** Wakes the subscribers as a progress does, without an event: something else has come for them. */
+void vor_bus_nudge(struct vor_bus *bus);
+
 /** How a reader that is behind catches up. */
 enum vor_read {
     VOR_READ_EVERY, /**< every event: replay after Last-Event-ID, trace */

@@ -18,8 +18,12 @@ double vor_cost_seconds(const struct vor_spec *spec, uint64_t points, unsigned t
  *
  *  @param[in] limit  seconds; 0 for none
  *
+ *  Refuses likewise a request whose own time is over by VOR_COST_FAR times, and VOR_COST_SPARE
+ *  seconds, before so many points are placed alone.
+ *
  *  @retval VOR_E_WORK  err: the estimate, the limit, and what takes so long */
 #define VOR_COST_FAR 4.0
+#define VOR_COST_SPARE 10.0
 VOR_NODISCARD vor_status vor_cost_check(const struct vor_spec *spec, uint64_t points,
                                         unsigned threads, double limit, struct vor_error *err);
 

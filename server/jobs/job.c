@@ -15,6 +15,7 @@ struct vor_job {
     atomic_uint references;
     atomic_int asked; /* enum vor_answer */
     struct vor_bus *bus;
+    struct vor_preview *preview;
     struct vor_uuid id;
     struct vor_turn turn;
     char tenant[VOR_JOB_PRINCIPAL_SIZE];
@@ -63,7 +64,10 @@ struct vor_job *vor_job_create(const struct vor_job_view *row)
     if (job == NULL)
         return NULL;
     job->bus = vor_bus_create(row->attempt);
-    if (job->bus == NULL) {
+    job->preview = vor_preview_create();
+    if (job->bus == NULL || job->preview == NULL) {
+        vor_bus_release(job->bus);
+        vor_preview_destroy(job->preview);
         free(job);
         return NULL;
     }
@@ -96,6 +100,7 @@ void vor_job_release(struct vor_job *job)
         return;
     pthread_mutex_destroy(&job->state);
     pthread_mutex_destroy(&job->change);
+    vor_preview_destroy(job->preview);
     vor_bus_release(job->bus);
     free(job);
 }
@@ -108,6 +113,11 @@ const struct vor_uuid *vor_job_id(const struct vor_job *job)
 struct vor_bus *vor_job_bus(const struct vor_job *job)
 {
     return job->bus;
+}
+
+struct vor_preview *vor_job_preview(const struct vor_job *job)
+{
+    return job->preview;
 }
 
 const struct vor_turn *vor_job_turn(const struct vor_job *job)
@@ -290,6 +300,12 @@ void vor_job_progress(struct vor_job *job, const struct vor_record *record, int6
         publish(job, VOR_EVENT_STATUS, now_ms);
     publish(job, VOR_EVENT_PROGRESS, now_ms);
     end_change(job);
+}
+
+void vor_job_show(struct vor_job *job, const struct vor_shown *shown)
+{
+    vor_preview_put(job->preview, shown);
+    vor_bus_nudge(job->bus);
 }
 
 int vor_job_freeze(struct vor_job *job)

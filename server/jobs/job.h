@@ -5,6 +5,7 @@
 #include "core/base/watch.h"
 #include "core/report.h"
 #include "server/jobs/bus.h"
+#include "server/jobs/preview.h"
 #include "server/jobs/turns.h"
 #include "server/store/row.h"
 
@@ -33,9 +34,10 @@ struct vor_job *vor_job_create(const struct vor_job_view *row);
 struct vor_job *vor_job_retain(struct vor_job *job);
 void vor_job_release(struct vor_job *job);
 
-/** Neither changes during a job's life; borrowed. */
+/** None of them changes during a job's life; borrowed. */
 const struct vor_uuid *vor_job_id(const struct vor_job *job);
 struct vor_bus *vor_job_bus(const struct vor_job *job);
+struct vor_preview *vor_job_preview(const struct vor_job *job);
 
 /** What it needs to run; borrowed. Only vor_job_restart changes it. */
 const struct vor_turn *vor_job_turn(const struct vor_job *job);
@@ -70,6 +72,10 @@ void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms);
 /** Takes in a record of the run. Publishes PROGRESS (and STATUS at the first
  *  one: prepare is over). */
 void vor_job_progress(struct vor_job *job, const struct vor_record *record, int64_t now_ms);
+
+/** Shows where the points of a run are, to who looks at vor_job_preview; wakes the subscribers of
+ * the bus. */
+void vor_job_show(struct vor_job *job, const struct vor_shown *shown);
 
 /** Holds every change back until thawed by the same thread, so that the row written meanwhile is
  *  the job's last word. False, and not frozen, when the job is over. */

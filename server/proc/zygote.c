@@ -48,6 +48,7 @@ struct nursery {
     struct {
         pid_t pid;
         int watch;
+        int killed; /* the front has let go of it: its watch has no more to show */
     } child[VOR_CHILDREN];
 };
 
@@ -138,6 +139,7 @@ static int bear(struct nursery *nursery, const struct request *request, struct v
     if (pid < 0)
         return errno;
     nursery->child[nursery->count].pid = pid;
+    nursery->child[nursery->count].killed = 0;
     nursery->child[nursery->count++].watch = message->fds[AT_WATCH];
     *out = pid;
     return 0;
@@ -214,12 +216,15 @@ static void tend(struct nursery *nursery)
         wait[1] = (struct pollfd){.fd = nursery->signals, .events = POLLIN};
         /* The front sends nothing on a watch: what shows there is that it was closed. */
         for (unsigned i = 0; i < count; i++)
-            wait[2 + i] = (struct pollfd){.fd = nursery->child[i].watch, .events = POLLIN};
+            wait[2 + i] = (struct pollfd){
+                .fd = nursery->child[i].killed ? -1 : nursery->child[i].watch, .events = POLLIN};
         if (poll(wait, 2 + count, -1) < 0)
             continue;
         for (unsigned i = 0; i < count; i++)
-            if (wait[2 + i].revents != 0)
+            if (wait[2 + i].revents != 0) {
                 (void)kill(nursery->child[i].pid, SIGKILL);
+                nursery->child[i].killed = 1;
+            }
         if (wait[1].revents != 0 && read(nursery->signals, &told, sizeof told) > 0)
             reap(nursery);
         if (wait[0].revents != 0 && !serve_request(nursery))

@@ -8,10 +8,11 @@
  * nothing.
  *
  *  Who ends whom: each child, and the zygote, is killed by the kernel when its parent dies
- *  (PR_SET_PDEATHSIG), whatever it does. The zygote ends when the front has closed its socket, and
- *  kills a child when the front lets go of it (vor_child_kill, vor_child_free). So SIGKILL of the
- *  front leaves no process. SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1 and SIGUSR2 are ignored by
- *  all of them, as a terminal or a supervisor sends these to whole groups: the front decides.
+ *  (PR_SET_PDEATHSIG), whatever it does. The zygote ends when the front, and the children that it
+ *  has given its socket to, have closed that, and kills a child when the front lets go of it
+ *  (vor_child_kill, vor_child_free). So SIGKILL of the front leaves no process. SIGINT, SIGTERM,
+ *  SIGHUP, SIGQUIT, SIGUSR1 and SIGUSR2 are ignored by all of them, as a terminal or a supervisor
+ *  sends these to whole groups: the front decides.
  *
  *  The functions for the front may be called from any thread, each struct vor_child by one thread
  * at a time. None is for HTTP threads: they wait for another process. */

@@ -19,6 +19,7 @@
 struct vor_store {
     const struct vor_store_driver *driver;
     struct vor_reserve *reserve; /**< of the disk; NULL for none */
+    struct vor_reserve *opening; /**< a small one, spent by an opening alone; NULL for none */
     int is_damaged;              /**< the driver's: changes that were durable are gone */
 };
 
@@ -49,16 +50,6 @@ struct vor_expired {
     char process[32]; /**< as in the view */
 };
 
-/** That whatever ran the jobs has ended without a word. Nobody knows which of those that were
- *  running is to blame, so each is run again with nothing beside it, and only what happens then
- *  counts against it. */
-struct vor_crash {
-    int by_fault;        /**< it crashed; else it was killed, or the machine went down */
-    unsigned faults_max; /**< a job that ran alone in so many crashes fails */
-    unsigned kills_max;  /**< likewise of other ends, which tell less */
-    int64_t now_ms, expires_ms;
-};
-
 /** That the process of a run has ended without a word, and not the daemon. */
 struct vor_crashed_run {
     uint32_t attempt; /**< the caller's, as the next two */
@@ -66,11 +57,6 @@ struct vor_crashed_run {
     int64_t now_ms;
     int changed;      /**< the store's: 0 when this is not the running attempt */
     unsigned crashes; /**< of the job, this one included, with nothing beside it */
-};
-
-/** How many jobs a recovery put back into line, and how many it gave up. */
-struct vor_recovered {
-    uint64_t requeued, failed;
 };
 
 /** The functions of a driver. Each does what the function of store.h with its name promises. */
@@ -123,8 +109,8 @@ struct vor_store_driver {
                         size_t max, size_t *count, struct vor_error *err);
     vor_status (*shift)(struct vor_store *store, int64_t by_ms, struct vor_error *err);
     vor_status (*newest)(struct vor_store *store, int64_t *newest_ms, struct vor_error *err);
-    vor_status (*recover)(struct vor_store *store, const struct vor_crash *crash,
-                          struct vor_recovered *recovered, struct vor_error *err);
+    vor_status (*recover)(struct vor_store *store, int64_t now_ms, uint64_t *requeued,
+                          struct vor_error *err);
 };
 
 #endif

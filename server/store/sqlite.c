@@ -542,10 +542,10 @@ static vor_status held(struct vor_store *store, const char *tenant, uint64_t *by
     return vor_sqlite_held(db_of(store), tenant, bytes, err);
 }
 
-static vor_status recover(struct vor_store *store, const struct vor_crash *crash,
-                          struct vor_recovered *recovered, struct vor_error *err)
+static vor_status recover(struct vor_store *store, int64_t now_ms, uint64_t *requeued,
+                          struct vor_error *err)
 {
-    return vor_sqlite_recover(db_of(store), crash, recovered, err);
+    return vor_sqlite_recover(db_of(store), now_ms, requeued, err);
 }
 
 const struct vor_store_driver vor_store_sqlite = {

@@ -143,48 +143,16 @@ vor_status vor_sqlite_newest(struct vor_sqlite *db, int64_t *newest_ms, struct v
         "");
 }
 
-/* Fails those that ran alone once too often. */
-static vor_status give_up(struct vor_sqlite *db, const struct vor_crash *crash, int *failed,
-                          struct vor_error *err)
+vor_status vor_sqlite_recover(struct vor_sqlite *db, int64_t now_ms, uint64_t *requeued,
+                              struct vor_error *err)
 {
-    struct vor_job_view row = {.problem = {.status = VOR_OK}};
-    struct vor_row_text text;
-    vor_status status;
+    int changed = 0;
+    vor_status status = vor_sqlite_change(
+        db, &changed, err,
+        "UPDATE job SET status = 'accepted', updated = ?1, alone = 1 WHERE status = 'running'", "i",
+        now_ms);
 
-    (void)vor_fail(&row.problem, VOR_E_INTERNAL,
-                   "the daemon %s %u times while it worked on this job alone",
-                   crash->by_fault ? "crashed" : "was killed",
-                   crash->by_fault ? crash->faults_max : crash->kills_max);
-    status = vor_row_write(&text, &row, err);
-    if (status == VOR_OK)
-        status = vor_sqlite_change(db, failed, err,
-                                   "UPDATE job SET status = 'failed', problem = ?1, message = ?2, "
-                                   "updated = max(updated, ?3),"
-                                   " finished = max(updated, ?3), expires = ?4, crashes = crashes "
-                                   "+ ?5, kills = kills + 1 - ?5"
-                                   " WHERE status = 'running' AND alone"
-                                   " AND (crashes + ?5 >= ?6 OR kills + 1 - ?5 >= ?7)",
-                                   "ttiiiii", text.problem.data, row.problem.message, crash->now_ms,
-                                   crash->expires_ms, (int64_t)(crash->by_fault != 0),
-                                   (int64_t)crash->faults_max, (int64_t)crash->kills_max);
-    vor_row_text_free(&text);
-    return status;
-}
-
-vor_status vor_sqlite_recover(struct vor_sqlite *db, const struct vor_crash *crash,
-                              struct vor_recovered *recovered, struct vor_error *err)
-{
-    int failed = 0, requeued = 0;
-    vor_status status = give_up(db, crash, &failed, err);
-
-    if (status == VOR_OK)
-        status = vor_sqlite_change(db, &requeued, err,
-                                   "UPDATE job SET status = 'accepted', updated = ?1, alone = 1,"
-                                   " crashes = crashes + (alone AND ?2),"
-                                   " kills = kills + (alone AND NOT ?2) WHERE status = 'running'",
-                                   "ii", crash->now_ms, (int64_t)(crash->by_fault != 0));
-    recovered->failed = (uint64_t)failed;
-    recovered->requeued = (uint64_t)requeued;
+    *requeued = (uint64_t)changed;
     return status;
 }
 

@@ -23,8 +23,8 @@ VOR_NODISCARD vor_status vor_sqlite_crowd(struct vor_sqlite *db, uint64_t quota,
                                           struct vor_error *err);
 vor_status vor_sqlite_shift(struct vor_sqlite *db, int64_t by_ms, struct vor_error *err);
 vor_status vor_sqlite_newest(struct vor_sqlite *db, int64_t *newest_ms, struct vor_error *err);
-VOR_NODISCARD vor_status vor_sqlite_recover(struct vor_sqlite *db, const struct vor_crash *crash,
-                                            struct vor_recovered *recovered, struct vor_error *err);
+VOR_NODISCARD vor_status vor_sqlite_recover(struct vor_sqlite *db, int64_t now_ms,
+                                            uint64_t *requeued, struct vor_error *err);
 VOR_NODISCARD vor_status vor_sqlite_crashed(struct vor_sqlite *db, const struct vor_uuid *id,
                                             struct vor_crashed_run *run, struct vor_error *err);
 

@@ -27,11 +27,16 @@ static vor_status refuse(const char *where, struct vor_error *err)
     return vor_fail_param(err, VOR_E_PARAM, "store", "store is \"%.80s\", want %s", where, forms);
 }
 
-static vor_status open_reserve(struct vor_reserve **out, const char *place, struct vor_error *err)
+/* What SQLite takes to open a file that was closed in order: 32 KiB of memory that connections
+ * share, and the head of its log. */
+static const uint64_t OPENING_BYTES = 64 << 10;
+
+static vor_status open_reserve(struct vor_reserve **out, const char *place, const char *suffix,
+                               struct vor_error *err)
 {
     char path[4096];
 
-    if ((size_t)snprintf(path, sizeof path, "%s.reserve", place) >= sizeof path)
+    if ((size_t)snprintf(path, sizeof path, "%s.%s", place, suffix) >= sizeof path)
         return vor_fail_errno(err, ENAMETOOLONG, "the reserve of the job store");
     return vor_reserve_open(out, path, err);
 }
@@ -45,21 +50,25 @@ static int made_room(struct vor_reserve *reserve, vor_status status, const struc
 static vor_status open_with(const struct vor_store_driver *driver, struct vor_store **out,
                             const char *place, long *holder, struct vor_error *err)
 {
-    struct vor_reserve *reserve = NULL;
+    struct vor_reserve *reserve = NULL, *opening = NULL;
     vor_status status = VOR_OK;
 
     if (driver->is_file)
-        status = open_reserve(&reserve, place, err);
+        status = open_reserve(&reserve, place, "reserve", err);
+    if (driver->is_file && status == VOR_OK)
+        status = open_reserve(&opening, place, "opening", err);
     if (status == VOR_OK)
         status = driver->open(out, place, holder, err);
-    if (made_room(reserve, status, err))
+    if (made_room(reserve, status, err) || made_room(opening, status, err))
         status = driver->open(out, place, holder, err);
     if (status != VOR_OK) {
         vor_reserve_close(reserve);
+        vor_reserve_close(opening);
         return status;
     }
     (*out)->driver = driver;
     (*out)->reserve = reserve;
+    (*out)->opening = opening;
     return VOR_OK;
 }
 
@@ -80,24 +89,35 @@ vor_status vor_store_open(struct vor_store **out, const char *where, long *holde
 
 void vor_store_close(struct vor_store *store)
 {
-    struct vor_reserve *reserve;
+    struct vor_reserve *reserve, *opening;
 
     if (store == NULL)
         return;
     reserve = store->reserve;
+    opening = store->opening;
     store->driver->close(store);
+    if (opening != NULL && vor_reserve_check(opening, NULL) != VOR_OK)
+        vor_reserve_want(opening, OPENING_BYTES); /* of the room that the closing has made */
     vor_reserve_close(reserve);
+    vor_reserve_close(opening);
 }
 
 void vor_store_set_reserve(struct vor_store *store, uint64_t bytes)
 {
-    if (store->reserve != NULL)
-        vor_reserve_want(store->reserve, bytes);
+    if (store->reserve == NULL)
+        return;
+    vor_reserve_want(store->opening, bytes > 0 ? OPENING_BYTES : 0);
+    vor_reserve_want(store->reserve, bytes);
 }
 
 vor_status vor_store_keep_reserve(struct vor_store *store, struct vor_error *err)
 {
-    return store->reserve != NULL ? vor_reserve_make(store->reserve, err) : VOR_OK;
+    vor_status status;
+
+    if (store->reserve == NULL)
+        return VOR_OK;
+    status = vor_reserve_make(store->opening, err);
+    return status == VOR_OK ? vor_reserve_make(store->reserve, err) : status;
 }
 
 vor_status vor_store_check_reserve(struct vor_store *store, struct vor_error *err)
@@ -269,12 +289,12 @@ vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms, struct 
     return store->driver->newest(store, newest_ms, err);
 }
 
-vor_status vor_store_recover(struct vor_store *store, const struct vor_crash *crash,
-                             struct vor_recovered *recovered, struct vor_error *err)
+vor_status vor_store_recover(struct vor_store *store, int64_t now_ms, uint64_t *requeued,
+                             struct vor_error *err)
 {
-    vor_status status = store->driver->recover(store, crash, recovered, err);
+    vor_status status = store->driver->recover(store, now_ms, requeued, err);
 
     return made_room(store->reserve, status, err)
-               ? store->driver->recover(store, crash, recovered, err)
+               ? store->driver->recover(store, now_ms, requeued, err)
                : status;
 }

@@ -28,7 +28,8 @@ const struct vor_store_driver *vor_store_driver_at(unsigned index);
 VOR_NODISCARD vor_status vor_store_open(struct vor_store **out, const char *where, long *holder,
                                         struct vor_error *err);
 
-/** Keeps so many bytes of the store's disk (server/base/reserve.h), if it has a disk here, from now
+/** Keeps so many bytes of the store's disk (server/base/reserve.h), and some that are left to the
+ *  next opening however full it gets, if it has a disk here, from now
  *  on: on a full one they are given up for vor_store_finish, _release, _remove, _expire, _shed and
  *  _recover, and when it is opened. */
 void vor_store_set_reserve(struct vor_store *store, uint64_t bytes);
@@ -171,11 +172,12 @@ VOR_NODISCARD vor_status vor_store_shift(struct vor_store *store, int64_t by_ms,
 VOR_NODISCARD vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms,
                                           struct vor_error *err);
 
-/** These jobs were running when it crashed: every running job becomes accepted again, to be run
- *  alone (vor_job_view.alone), or failed (VOR_E_INTERNAL) when it had already run alone in as many
- *  crashes as `crash` allows. Call it when nothing can be running any more: at start before
- * anything else, and when a process that ran jobs is gone. recovered gets how many of each. */
-VOR_NODISCARD vor_status vor_store_recover(struct vor_store *store, const struct vor_crash *crash,
-                                           struct vor_recovered *recovered, struct vor_error *err);
+/** The daemon has ended while these jobs ran: every running job becomes accepted again, to be run
+ *  with nothing beside it (vor_job_view.alone). What ran in another process cannot be why the
+ * daemon ended, so nothing counts against a job. Call it at start before anything else.
+ *
+ *  @param[out] requeued  how many */
+VOR_NODISCARD vor_status vor_store_recover(struct vor_store *store, int64_t now_ms,
+                                           uint64_t *requeued, struct vor_error *err);
 
 #endif

@@ -3,6 +3,7 @@
 #include "proto/dump.h"
 #include "proto/json/json.h"
 #include "server/blob/blob.h"
+#include "server/work/encode.h"
 
 #include <errno.h>
 #include <string.h>
@@ -53,26 +54,30 @@ vor_status vor_artefacts_load(struct vor_artefacts *in, const struct vor_process
 /* --- writing ---------------------------------------------------------------------------------- */
 
 static vor_status write_cloud(struct vor_job_output *out, struct vor_blob_writer *writer,
-                              const struct vor_spec *spec, const struct vor_artefact *artefact,
-                              const struct vor_result_facts *facts, struct vor_error *err)
+                              const struct vor_writing *writing,
+                              const struct vor_artefact *artefact, struct vor_error *err)
 {
     struct vor_sink sink = vor_blob_sink(writer);
     const struct vor_format *format = vor_format(out->format);
     struct vor_write_options options;
+    struct vor_error why;
     vor_status status;
 
     if (format == NULL)
         return vor_fail(err, VOR_E_INTERNAL, "this version has no format %u", out->format);
-    status = vor_write_options_from(&options, format, spec, facts, err);
+    status = vor_write_options_from(&options, format, &writing->order->spec, writing->facts, err);
     if (status != VOR_OK)
         return status;
     out->points = artefact->cloud.n;
     out->has_origin = options.has_origin;
     memcpy(out->origin, options.origin, sizeof out->origin);
     options.mesh = &artefact->mesh;
-    status = format->write(&sink, &artefact->cloud, &options, err);
+    status = vor_encode(&sink, writing->place, &artefact->cloud, out->format, &options, &why);
     if (status == VOR_E_IO && vor_blob_failure(writer, err) == VOR_OK)
-        return vor_fail(err, VOR_E_INTERNAL, "the %s writer gave up", format->label);
+        return vor_fail(err, VOR_E_INTERNAL, "the %s writer gave up: %.900s", format->label,
+                        why.message);
+    if (status != VOR_OK && status != VOR_E_IO)
+        *err = why;
     return status;
 }
 
@@ -99,10 +104,11 @@ static unsigned format_of(const struct vor_order *order)
     return is_asked ? (unsigned)order->spec.value[VOR_PARAM_FORMAT] : order->format;
 }
 
-vor_status vor_artefact_write(struct vor_job_output *out, const struct vor_order *order,
+vor_status vor_artefact_write(struct vor_job_output *out, const struct vor_writing *writing,
                               unsigned index, const struct vor_artefact *artefact,
-                              const struct vor_result_facts *facts, struct vor_error *err)
+                              struct vor_error *err)
 {
+    const struct vor_order *order = writing->order;
     int is_cloud = artefact->kind == VOR_ARTEFACT_CLOUD;
     struct vor_job_output written = {.format = is_cloud ? format_of(order) : 0};
     struct vor_blob_writer *writer = vor_blob_borrow(order->output[index]);
@@ -110,7 +116,7 @@ vor_status vor_artefact_write(struct vor_job_output *out, const struct vor_order
 
     if (writer == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the output %s", artefact->name);
-    status = is_cloud ? write_cloud(&written, writer, &order->spec, artefact, facts, err)
+    status = is_cloud ? write_cloud(&written, writer, writing, artefact, err)
                       : write_document(writer, &artefact->document, err);
     if (status == VOR_OK) {
         written.bytes = vor_blob_size(writer);

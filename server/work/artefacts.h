@@ -4,6 +4,7 @@
 
 #include "core/process.h"
 #include "proto/codec.h"
+#include "server/work/codec_run.h"
 #include "server/work/run_executor.h"
 
 /** Reads every input of a process, as the admission kept it, into a set under its name.
@@ -18,6 +19,13 @@ VOR_NODISCARD vor_status vor_artefacts_load(struct vor_artefacts *in,
                                             const struct vor_process_info *process,
                                             const int input[VOR_INPUTS_MAX], struct vor_error *err);
 
+/** What outputs are written with. */
+struct vor_writing {
+    const struct vor_order *order;
+    const struct vor_result_facts *facts;
+    const struct vor_codec_place *place; /**< where clouds are encoded */
+};
+
 /** Writes an output to the file that its order has for it: a cloud, with its faces, in the format
  *  that the request asks for, else in that of the main input; a document as JSON. Whoever gave the
  *  file makes it durable.
@@ -27,11 +35,10 @@ VOR_NODISCARD vor_status vor_artefacts_load(struct vor_artefacts *in,
  *
  *  @retval VOR_E_ORIGIN   as vor_write_options_from
  *  @retval VOR_E_IO       the disk refuses (vor_error_storage_full tells a full one apart)
- *  @retval VOR_E_NOMEM, VOR_E_INTERNAL  as vor_format.write */
+ *  @retval VOR_E_NOMEM, VOR_E_INTERNAL, VOR_E_CANCELLED  as vor_encode */
 VOR_NODISCARD vor_status vor_artefact_write(struct vor_job_output *out,
-                                            const struct vor_order *order, unsigned index,
+                                            const struct vor_writing *writing, unsigned index,
                                             const struct vor_artefact *artefact,
-                                            const struct vor_result_facts *facts,
                                             struct vor_error *err);
 
 #endif

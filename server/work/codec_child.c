@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 enum { FD_RING, FD_INPUT, FD_COUNT };
 _Static_assert(VOR_SANDBOX_CHANNEL == 3 && VOR_SANDBOX_SHARED == 4 + FD_RING,
@@ -61,12 +62,36 @@ static int put(void *ctx, const void *bytes, size_t size)
 /* Bytes of memory that a byte of a file takes: 27 a point while Draco decodes, of files of 2. */
 enum { HEAP_PER_BYTE = 16 };
 
-/* The heap as it is in a process that has decoded before: blocks of some MB come from it and go
- * back to it, instead of being mapped and unmapped each time. A part of it is made of large pages,
- * of which the kernel clears one faster than the 512 small ones that it stands for. */
-static void warm_heap(size_t bytes)
+/* Those that every format touches: its points in a file, and in a cloud. */
+enum { TOUCHED_PER_BYTE = 2 };
+
+/* Has the kernel give the pages of a range at once, which takes it a third of what it does when
+ * each is asked for as it is touched. At 1 / 2 / 3 bytes for each byte of a PLY of 960 KB, of 1,300
+ * faults 350 / 320 / 320 are left. Kernels before 5.14 do not know how. */
+static void populate(char *range, size_t bytes)
+{
+#ifdef MADV_POPULATE_WRITE
+    (void)madvise(range, bytes, MADV_POPULATE_WRITE);
+#else
+    (void)range;
+    (void)bytes;
+#endif
+}
+
+static char *next_multiple(char *at, size_t of)
+{
+    return (char *)(((uintptr_t)at + of - 1) & ~(uintptr_t)(of - 1));
+}
+
+/* The heap as it is in a process that has decoded a file of `size` bytes before: blocks of some MB
+ * come from it and go back to it, instead of being mapped and unmapped each time. A part of it is
+ * made of large pages, of which the kernel clears one faster than the 512 small ones that it stands
+ * for. */
+static void warm_heap(size_t size)
 {
     enum { LARGEST = 32 << 20, LARGE_PAGE = 2 << 20 }; /* the C library takes no larger threshold */
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    size_t bytes = HEAP_PER_BYTE * size, touched = TOUCHED_PER_BYTE * size;
     char *heap;
 
     (void)mallopt(M_MMAP_THRESHOLD, LARGEST);
@@ -76,18 +101,21 @@ static void warm_heap(size_t bytes)
     if (bytes > LARGEST - LARGE_PAGE)
         bytes = LARGEST - LARGE_PAGE;
     heap = malloc(bytes);
-    if (heap != NULL)
-        (void)madvise((void *)(((uintptr_t)heap + LARGE_PAGE - 1) & ~(uintptr_t)(LARGE_PAGE - 1)),
-                      bytes & ~(size_t)(LARGE_PAGE - 1), MADV_HUGEPAGE);
+    if (heap != NULL) {
+        (void)madvise(next_multiple(heap, LARGE_PAGE), bytes & ~(size_t)(LARGE_PAGE - 1),
+                      MADV_HUGEPAGE);
+        touched = touched < bytes - page ? touched : bytes - page;
+        populate(next_multiple(heap, page), touched & ~(page - 1));
+    }
     free(heap);
 }
 
-/* Large uploads give way to small ones, and to the front. */
-static void step_back(size_t size)
+/* Large uploads give way to small ones, and to the front; the last step of a job does not. */
+static void step_back(const struct vor_codec_order *order)
 {
     enum { LARGE = 1 << 20, NICENESS = 5 };
 
-    if (size > LARGE)
+    if (order->size > LARGE && order->op != VOR_CODEC_ENCODE)
         (void)setpriority(PRIO_PROCESS, 0, NICENESS);
 }
 
@@ -99,7 +127,7 @@ static vor_status shut_in_and_do(struct vor_codec_reply *reply, struct ring *rin
     void *ring_bytes, *input = NULL;
     vor_status status;
 
-    step_back(size);
+    step_back(&start->order);
     status = vor_sandbox_enter(&start->sandbox, start->kind, &reply->error);
     if (status != VOR_OK)
         return status;
@@ -110,7 +138,7 @@ static vor_status shut_in_and_do(struct vor_codec_reply *reply, struct ring *rin
     if (ring_bytes == MAP_FAILED || input == MAP_FAILED)
         return vor_fail(&reply->error, VOR_E_NOMEM, "%zu bytes to read do not fit", size);
     ring->bytes = ring_bytes;
-    warm_heap(HEAP_PER_BYTE * size);
+    warm_heap(size);
     status = vor_codec_do(&reply->facts, &sink, &start->order, input, &reply->error);
     if (status == VOR_OK && flush(ring) != 0)
         status = vor_fail(&reply->error, VOR_E_IO, "the bytes were not taken");

@@ -40,8 +40,8 @@ size_t vor_codec_memory(const struct vor_codec_order *order)
     if (points > order->limits.points)
         points = order->limits.points;
     clouds = MEMORY_PER_POINT * (size_t)points;
-    if (clouds > order->memory)
-        clouds = order->memory;
+    if (order->op == VOR_CODEC_ENCODE || clouds > order->memory)
+        clouds = order->memory; /* of a job: it is counted there */
     return MEMORY_FREE + clouds + (size_t)order->size + VOR_RING_SIZE;
 }
 
@@ -81,7 +81,7 @@ struct run {
 
 static int is_ours(const struct vor_codec_order *order)
 {
-    return order->op == VOR_CODEC_CONVERT;
+    return order->op == VOR_CODEC_CONVERT || order->op == VOR_CODEC_ENCODE;
 }
 
 /* The status of a child that did not live to tell one. */
@@ -94,7 +94,8 @@ static const char *what_of(const struct vor_codec_order *order)
 {
     static const char *const words[VOR_CODEC_OPS] = {[VOR_CODEC_INFLATE] = "inflating the upload",
                                                      [VOR_CODEC_DECODE] = "reading the upload",
-                                                     [VOR_CODEC_CONVERT] = "converting the result"};
+                                                     [VOR_CODEC_CONVERT] = "converting the result",
+                                                     [VOR_CODEC_ENCODE] = "writing the result"};
 
     return words[order->op];
 }
@@ -178,7 +179,7 @@ static int is_box(const struct vor_extent *extent)
 /* What the child says of itself may be anything, once a reader was overrun. */
 static int are_sane(const struct vor_codec_facts *facts, const struct vor_codec_order *order)
 {
-    if (order->op == VOR_CODEC_INFLATE)
+    if (order->op == VOR_CODEC_INFLATE || order->op == VOR_CODEC_ENCODE)
         return 1;
     if (vor_format(facts->format) == NULL || facts->points < 1 || facts->points > VOR_POINTS_MAX ||
         facts->extent.n != facts->points || !is_box(&facts->extent))
@@ -263,6 +264,8 @@ static vor_status converse(struct run *run, struct vor_codec_facts *facts, struc
     status = vor_channel_send(run->child.channel, &start, sizeof start, NULL, 0, err);
     if (status == VOR_OK)
         status = listen(run, facts, err);
+    else if (err->got == EPIPE || err->got == ECONNRESET) /* it has ended before it heard a word */
+        status = take_end(run, err);
     vor_child_free(&run->child); /* nobody waits until it is gone: it has nothing of ours */
     return status;
 }

@@ -105,6 +105,50 @@ static vor_status convert(struct vor_codec_facts *facts, const struct vor_sink *
     return status;
 }
 
+/* Reads what the engine made, whose triangles stay where they are. */
+static vor_status load_result(struct result *result, const struct vor_codec_order *order,
+                              const uint8_t *bytes, struct vor_error *err)
+{
+    const size_t triangle = 3 * sizeof(uint32_t);
+    size_t size = (size_t)order->size;
+    struct vor_error why;
+    vor_status status;
+
+    if (order->triangles > size / triangle || vor_format(order->format) == NULL)
+        return vor_fail(err, VOR_E_INTERNAL, "an order that makes no sense");
+    result->mesh = (struct vor_mesh){.triangle = (uint32_t *)(uintptr_t)bytes,
+                                     .count = order->triangles,
+                                     .polygons = order->polygons};
+    size -= order->triangles * triangle;
+    status = vor_dump_read(&result->cloud, bytes + order->triangles * triangle, size, &why);
+    if (status == VOR_OK)
+        return VOR_OK;
+    return vor_fail(err, status == VOR_E_NOMEM ? VOR_E_NOMEM : VOR_E_INTERNAL,
+                    "the result cannot be written: %.900s", why.message);
+}
+
+static vor_status encode(struct vor_codec_facts *facts, const struct vor_sink *sink,
+                         const struct vor_codec_order *order, const uint8_t *bytes,
+                         struct vor_error *err)
+{
+    struct vor_write_options options = order->options;
+    struct vor_memory memory;
+    struct result result;
+    vor_status status;
+
+    vor_memory_init(&memory, order->memory);
+    vor_cloud_init(&result.cloud, &memory);
+    status = load_result(&result, order, bytes, err);
+    if (status == VOR_OK) {
+        options.mesh = &result.mesh;
+        status = vor_format(order->format)->write(sink, &result.cloud, &options, err);
+    }
+    vor_cloud_free(&result.cloud);
+    if (status == VOR_OK)
+        *facts = (struct vor_codec_facts){.memory = atomic_load(&memory.peak)};
+    return status;
+}
+
 vor_status vor_codec_do(struct vor_codec_facts *facts, const struct vor_sink *sink,
                         const struct vor_codec_order *order, const uint8_t *bytes,
                         struct vor_error *err)
@@ -116,6 +160,8 @@ vor_status vor_codec_do(struct vor_codec_facts *facts, const struct vor_sink *si
         return decode(facts, sink, order, bytes, err);
     case VOR_CODEC_CONVERT:
         return convert(facts, sink, order, bytes, err);
+    case VOR_CODEC_ENCODE:
+        return encode(facts, sink, order, bytes, err);
     case VOR_CODEC_INFLATE:
         status = vor_gzip_inflate(sink, bytes, (size_t)order->size, order->most, err);
         if (status == VOR_OK)

@@ -14,19 +14,23 @@ enum vor_codec_op {
     VOR_CODEC_INFLATE, /**< gzip to what was compressed */
     VOR_CODEC_DECODE,  /**< a cloud in any format to a dump (proto/dump.h) */
     VOR_CODEC_CONVERT, /**< a result of ours to another format */
+    VOR_CODEC_ENCODE,  /**< a result of the engine to a format; its input: triangles, then a dump */
     VOR_CODEC_OPS
 };
 
 /** One piece of work. A plain value: a child gets it as bytes. */
 struct vor_codec_order {
     enum vor_codec_op op;
-    uint64_t size;            /**< bytes of the input */
-    size_t memory;            /**< bytes that clouds may take */
-    uint64_t most;            /**< bytes that may come of it */
-    struct vor_limits limits; /**< of decoding */
-    unsigned format;          /**< CONVERT: which one to; an index of vor_format */
-    double spacing;           /**< CONVERT: of the result, 0 where that is not known */
-    struct vor_spec spec;     /**< CONVERT: the request */
+    uint64_t size;                    /**< bytes of the input */
+    size_t memory;                    /**< bytes that clouds may take */
+    uint64_t most;                    /**< bytes that may come of it */
+    struct vor_limits limits;         /**< of decoding */
+    unsigned format;                  /**< CONVERT, ENCODE: which one to; an index of vor_format */
+    double spacing;                   /**< CONVERT: of the result, 0 where that is not known */
+    struct vor_spec spec;             /**< CONVERT: the request */
+    struct vor_write_options options; /**< ENCODE; its mesh lies in the input: */
+    size_t triangles;                 /**< three indices each; then comes the dump */
+    int polygons;                     /**< as in struct vor_mesh */
 };
 
 /** What it found. Numbers that it does not concern are 0. */
@@ -36,6 +40,7 @@ struct vor_codec_facts {
     struct vor_extent extent;
     int has_origin; /**< CONVERT: positions count from origin */
     double origin[3];
+    size_t memory; /**< ENCODE: bytes that it took at the most */
 };
 
 /** Does it.
@@ -45,7 +50,7 @@ struct vor_codec_facts {
  *  @param[in]  sink   takes what comes of it, which is worth nothing on failure
  *
  *  @retval as vor_gzip_inflate, vor_codec_read, vor_write_options_from and vor_format.write
- *  @retval VOR_E_INTERNAL  CONVERT: the result cannot be read
+ *  @retval VOR_E_INTERNAL  CONVERT, ENCODE: the result cannot be read
  *
  *  Thread-safe; no globals, no files. */
 VOR_NODISCARD vor_status vor_codec_do(struct vor_codec_facts *facts, const struct vor_sink *sink,

@@ -18,6 +18,11 @@ void vor_count_begun(const struct vor_job_view *row, uint32_t attempt, size_t me
         vor_metric_observe(VOR_METRIC_QUEUE_WAIT, waited > 0 ? waited : 0, NULL);
 }
 
+void vor_count_again(void)
+{
+    vor_metric_add(VOR_METRIC_JOBS_AGAIN, 1, VOR_LABELS("worker"));
+}
+
 static void count_stage(const struct vor_job_view *row, const char *stage, double seconds)
 {
     vor_metric_observe(VOR_METRIC_JOB_SECONDS, seconds, VOR_LABELS(row->process, stage));

@@ -8,7 +8,6 @@
 #include "server/work/artefacts.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
@@ -22,27 +21,22 @@ struct run {
     const struct vor_order *order;
     const struct vor_listener *listener;
     struct vor_pool *pool;
+    const struct vor_codec_place *codec; /* where clouds are encoded */
     struct vor_run_result *result;
     struct vor_text *kept;
     struct vor_memory memory;
     struct vor_result_facts facts;
-    double enough;   /* when the request's own time is over; infinite for never */
-    atomic_int full; /* it was ended because that time was over */
+    double shown;     /* when its points were last shown; 0 for never */
+    double origin[3]; /* of the main input, that positions are relative to */
 };
 
 /* --- the engine's questions ------------------------------------------------------------------- */
 
-/* A run whose time is over ends as one that is stopped: the loops ask for the time themselves, but
- * only between two steps. */
 static enum vor_answer asked(void *ctx)
 {
-    struct run *run = ctx;
-    enum vor_answer answer = run->listener->asked(run->listener->ctx);
+    const struct vor_listener *listener = ((struct run *)ctx)->listener;
 
-    if (answer == VOR_CANCEL || vor_clock_seconds() < run->enough)
-        return answer;
-    atomic_store(&run->full, answer == VOR_CONTINUE);
-    return VOR_STOP;
+    return listener->asked(listener->ctx);
 }
 
 static double read_clock(void *ctx)
@@ -59,14 +53,35 @@ static enum vor_answer take_progress(void *ctx, const struct vor_record *record)
     return asked(ctx);
 }
 
+static void take_points(void *ctx, const struct vor_moving *points, const struct vor_record *record)
+{
+    struct run *run = ctx;
+    const struct vor_listener *listener = run->listener;
+    struct vor_shown shown = {
+        .moving = *points, .iteration = record->iteration, .polish = record->polish};
+    double now;
+
+    if (listener->is_looked_at == NULL || !listener->is_looked_at(listener->ctx))
+        return;
+    now = vor_clock_seconds();
+    if (run->shown > 0 && now - run->shown < VOR_PREVIEW_SECONDS)
+        return;
+    run->shown = now;
+    memcpy(shown.origin, run->origin, sizeof shown.origin);
+    listener->points(listener->ctx, &shown);
+}
+
 /* --- the three steps -------------------------------------------------------------------------- */
 
 /* Runs the engine on the inputs. */
 static vor_status compute(struct run *run, struct vor_artefacts *out, struct vor_error *err)
 {
     const struct vor_spec *spec = &run->order->spec;
-    struct vor_watch watch = {
-        .ctx = run, .progress = take_progress, .poll = asked, .clock = read_clock};
+    struct vor_watch watch = {.ctx = run,
+                              .progress = take_progress,
+                              .poll = asked,
+                              .points = take_points,
+                              .clock = read_clock};
     struct vor_run engine = {.pool = run->pool, .memory = &run->memory, .watch = &watch};
     struct vor_artefacts in;
     vor_status status;
@@ -74,12 +89,20 @@ static vor_status compute(struct run *run, struct vor_artefacts *out, struct vor
     vor_artefacts_init(&in, &run->memory);
     status = vor_artefacts_load(&in, spec->process, run->order->input, err);
     if (status == VOR_OK) {
-        vor_extent_measure(&run->facts.input,
-                           vor_artefacts_cloud(&in, spec->process->inputs[0].name));
+        const struct vor_cloud *cloud = vor_artefacts_cloud(&in, spec->process->inputs[0].name);
+
+        vor_extent_measure(&run->facts.input, cloud);
+        memcpy(run->origin, cloud->origin, sizeof run->origin);
         status = vor_engine_run(out, &in, spec, &engine, err);
     }
     vor_artefacts_free(&in);
     return status;
+}
+
+/* Nobody waits for the result of a run that is cancelled. */
+static int has_left(void *ctx)
+{
+    return asked(ctx) == VOR_CANCEL;
 }
 
 /* Writes the outputs that have a file. */
@@ -87,12 +110,16 @@ static vor_status try_files(struct run *run, const struct vor_artefacts *out, st
 {
     const struct vor_order *order = run->order;
     const struct vor_artefact_info *outputs = order->spec.process->outputs;
+    struct vor_codec_place place = *run->codec;
+    const struct vor_writing writing = {order, &run->facts, &place};
     vor_status status = VOR_OK;
 
+    place.has_left = has_left;
+    place.ctx = run;
     for (unsigned i = 0; outputs[i].name != NULL && status == VOR_OK; i++)
         if (order->output[i] >= 0)
-            status = vor_artefact_write(&run->result->output[i], order, i,
-                                        vor_artefacts_find(out, outputs[i].name), &run->facts, err);
+            status = vor_artefact_write(&run->result->output[i], &writing, i,
+                                        vor_artefacts_find(out, outputs[i].name), err);
     return status;
 }
 
@@ -152,8 +179,6 @@ static void complete_report(const struct run *run, struct vor_report *report,
     report->seconds_read = run->order->seconds_read;
     report->seconds_write = vor_clock_seconds() - began;
     report->memory_peak_bytes = atomic_load(&run->memory.peak);
-    if (atomic_load(&run->full) && report->stopped == VOR_STOPPED_CALLER)
-        report->stopped = VOR_STOPPED_SECONDS;
     memcpy(report->origin, first->origin, sizeof report->origin);
 }
 
@@ -214,19 +239,19 @@ static vor_status save(struct run *run, struct vor_artefacts *out, struct vor_er
 }
 
 vor_status vor_execute(struct vor_run_result *result, struct vor_text *kept,
-                       const struct vor_order *order, struct vor_pool *pool,
+                       const struct vor_order *order, const struct vor_run_means *means,
                        const struct vor_listener *listener, struct vor_error *err)
 {
-    struct run run = {
-        .order = order, .listener = listener, .pool = pool, .result = result, .kept = kept};
+    struct run run = {.order = order,
+                      .listener = listener,
+                      .pool = means->pool,
+                      .codec = &means->codec,
+                      .result = result,
+                      .kept = kept};
     struct vor_artefacts out;
     vor_status status;
 
     *result = (struct vor_run_result){.has_report = 0};
-    run.enough = vor_spec_given(&order->spec, VOR_PARAM_SECONDS)
-                     ? vor_clock_seconds() + order->spec.value[VOR_PARAM_SECONDS]
-                     : (double)INFINITY;
-    atomic_init(&run.full, 0);
     vor_memory_init(&run.memory, order->memory);
     vor_artefacts_init(&out, &run.memory);
     status = compute(&run, &out, err);
@@ -245,7 +270,8 @@ static enum vor_run_end run_here(struct vor_run_executor *executor, const struct
                                  struct vor_text *kept, struct vor_error *err)
 {
     struct vor_run_here *here = (struct vor_run_here *)executor;
-    vor_status status = vor_execute(result, kept, order, here->pool, listener, err);
+    const struct vor_run_means means = {.pool = here->pool};
+    vor_status status = vor_execute(result, kept, order, &means, listener, err);
 
     return status == VOR_OK ? VOR_RUN_DONE : VOR_RUN_FAILED;
 }

@@ -3,7 +3,14 @@
 #ifndef VOR_SERVER_WORK_EXECUTE_H
 #define VOR_SERVER_WORK_EXECUTE_H
 
+#include "server/work/codec_run.h"
 #include "server/work/run_executor.h"
+
+/** What a run works with. */
+struct vor_run_means {
+    struct vor_pool *pool;        /**< borrowed */
+    struct vor_codec_place codec; /**< where its clouds are encoded; who has left is the run's */
+};
 
 /** Runs an order.
  *
@@ -15,7 +22,8 @@
  *  @retval VOR_E_IO         the disk refuses (vor_error_storage_full tells a full one apart)
  *  @retval others           as vor_engine_run and vor_artefact_write */
 VOR_NODISCARD vor_status vor_execute(struct vor_run_result *result, struct vor_text *kept,
-                                     const struct vor_order *order, struct vor_pool *pool,
+                                     const struct vor_order *order,
+                                     const struct vor_run_means *means,
                                      const struct vor_listener *listener, struct vor_error *err);
 
 #endif

@@ -1,244 +1,13 @@
-/* What handlers ask of the worker about single jobs. */
-#include "proto/codec.h"
+/* What handlers ask of the worker about single jobs that there are. */
 #include "server/base/clock.h"
+#include "server/base/disk.h"
 #include "server/base/log.h"
-#include "server/jobs/cost.h"
-#include "server/jobs/need.h"
 #include "server/jobs/trace.h"
-#include "server/work/counted.h"
 #include "server/work/live.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum vor_job_outcome vor_worker_room(struct vor_worker *worker)
-{
-    int draining;
-
-    pthread_mutex_lock(&worker->mutex);
-    draining = worker->draining;
-    pthread_mutex_unlock(&worker->mutex);
-    if (draining)
-        return VOR_DRAINING;
-    if (vor_worker_waiting_bytes(worker) >= worker->config.queue_bytes)
-        return VOR_FULL;
-    return vor_queue_depth(worker->queue) < vor_queue_capacity(worker->queue) ? VOR_DONE : VOR_FULL;
-}
-
-void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out)
-{
-    out->waiting = vor_queue_depth(worker->queue);
-    out->oldest_ms = vor_queue_oldest(worker->queue);
-    pthread_mutex_lock(&worker->mutex);
-    out->running = worker->running;
-    pthread_mutex_unlock(&worker->mutex);
-    out->reserved = vor_turns_used(&worker->turns);
-    out->budget = worker->turns.budget;
-}
-
-/* --- accepting -------------------------------------------------------------------------------- */
-
-/* Refuses now what the engine would refuse minutes later, as far as that can be known now. */
-static vor_status check_target(const struct vor_spec *spec, const struct vor_job_input *input,
-                               struct vor_error *err)
-{
-    if (vor_spec_given(spec, VOR_PARAM_SPACING))
-        return VOR_OK;
-    return vor_spec_check_target(spec, vor_spec_target(spec, input->points), input->points, err);
-}
-
-/* Likewise. */
-static vor_status check_cost(const struct vor_worker *worker, const struct vor_job_view *row,
-                             struct vor_error *err)
-{
-    return vor_cost_check(&row->spec, row->input[0].points, worker->config.executor->threads,
-                          worker->config.job_seconds, err);
-}
-
-/* Likewise what could never run: row has its inputs. */
-static vor_status check_need(const struct vor_worker *worker, const struct vor_job_view *row,
-                             struct vor_error *err)
-{
-    uint64_t need = vor_need_bytes(&row->spec, row->inputs, row->input),
-             budget = worker->turns.budget;
-
-    if (need <= budget)
-        return VOR_OK;
-    (void)vor_fail(err, VOR_E_NOMEM,
-                   "the job needs about %llu bytes of memory, all jobs together may have %llu",
-                   (unsigned long long)need, (unsigned long long)budget);
-    err->limit = budget;
-    err->got = need;
-    return VOR_E_NOMEM;
-}
-
-/* Likewise; row has its inputs and its format. */
-static vor_status check_origin(const struct vor_job_view *row, const struct vor_admitted *admitted,
-                               struct vor_error *err)
-{
-    const struct vor_process_info *process = row->spec.process;
-
-    if (!vor_process_takes(process, VOR_PARAM_FORMAT))
-        return VOR_OK;
-    for (unsigned i = 0; i < admitted->count; i++)
-        if (strcmp(admitted->item[i].name, process->inputs[0].name) == 0)
-            return vor_write_check(vor_format((unsigned)row->spec.value[VOR_PARAM_FORMAT]),
-                                   &row->spec, &admitted->item[i].extent, err);
-    return VOR_OK;
-}
-
-static void first_row(struct vor_job_view *row, const struct vor_uuid *id,
-                      const struct vor_spec *spec, const struct vor_job_label *label)
-{
-    *row = (struct vor_job_view){.id = *id,
-                                 .status = VOR_JOB_ACCEPTED,
-                                 .stage = VOR_STAGE_QUEUED,
-                                 .attempt = 1,
-                                 .queue_position = -1,
-                                 .eta_seconds = -1,
-                                 .spec = *spec,
-                                 .created = vor_clock_wall_ms()};
-    (void)snprintf(row->process, sizeof row->process, "%s", spec->process->id);
-    row->updated = row->created;
-    row->problem.byte_offset = -1;
-    if (label != NULL && label->name != NULL)
-        (void)snprintf(row->name, sizeof row->name, "%s", label->name);
-    if (label != NULL && label->key != NULL)
-        row->key = *label->key;
-    if (label != NULL && label->span != NULL)
-        row->span = *label->span;
-}
-
-/* Puts the inputs into their places in the row. */
-static vor_status take_inputs(struct vor_job_view *row, const struct vor_admitted *admitted,
-                              struct vor_error *err)
-{
-    const struct vor_process_info *process = row->spec.process;
-    vor_status status;
-
-    for (unsigned i = 0; i < admitted->count; i++) {
-        const char *name = admitted->item[i].name;
-        const struct vor_artefact_info *info = vor_artefact_find(process->inputs, name);
-
-        if (info == NULL)
-            return vor_fail_param(err, VOR_E_PARAM, name, "%s takes no input %s", process->id,
-                                  name);
-        row->inputs |= 1u << (info - process->inputs);
-        row->input[info - process->inputs] = admitted->item[i].found;
-        row->kept += admitted->item[i].is_kept ? admitted->item[i].found.bytes : 0;
-    }
-    status = vor_spec_check_inputs(&row->spec, row->inputs, err);
-    if (status == VOR_OK && vor_process_takes(process, VOR_PARAM_FORMAT) &&
-        !vor_spec_given(&row->spec, VOR_PARAM_FORMAT))
-        row->spec.value[VOR_PARAM_FORMAT] = row->input[0].format;
-    return status;
-}
-
-/* Makes the row durable and a remembered job wait, if its inputs still fit into the queue. */
-static enum vor_job_outcome push_job(struct vor_worker *worker, struct vor_job *job,
-                                     struct vor_job_view *row, uint64_t bytes,
-                                     struct vor_error *err)
-{
-    if (!vor_worker_charge(worker, job, bytes, worker->config.queue_bytes))
-        return VOR_FULL;
-    if (vor_store_insert(worker->config.store, row, err) != VOR_OK)
-        return VOR_FAILED;
-    vor_job_set_seq(job, row->seq);
-    vor_queue_push(worker->queue, job, row->seq);
-    return VOR_DONE;
-}
-
-/* The same with a job that is live from now on, for a place in the queue that is booked. */
-static enum vor_job_outcome accept_job(struct vor_worker *worker, struct vor_job_view *row,
-                                       size_t jobs_max, uint64_t bytes, struct vor_error *err)
-{
-    struct vor_job *job = vor_job_create(row);
-    enum vor_job_outcome outcome;
-
-    if (job == NULL) {
-        (void)vor_fail(err, VOR_E_NOMEM, "a job");
-        return VOR_FAILED;
-    }
-    outcome = vor_worker_admit(worker, job, jobs_max, err);
-    if (outcome == VOR_DONE) {
-        outcome = push_job(worker, job, row, bytes, err);
-        if (outcome != VOR_DONE)
-            vor_worker_forget(worker, job);
-    }
-    vor_job_release(job);
-    return outcome;
-}
-
-/* Bytes of decoded inputs that would never fit into the queue are no reason to come back later. */
-static vor_status check_bytes(struct vor_worker *worker, const struct vor_admitted *admitted,
-                              uint64_t *bytes, struct vor_error *err)
-{
-    uint64_t most = worker->config.queue_bytes;
-
-    *bytes = 0;
-    for (unsigned i = 0; i < admitted->count; i++)
-        *bytes += admitted->item[i].decoded;
-    if (*bytes <= most)
-        return VOR_OK;
-    (void)vor_fail(err, VOR_E_BYTES,
-                   "the decoded inputs have %llu bytes, want at most %llu, which may wait",
-                   (unsigned long long)*bytes, (unsigned long long)most);
-    err->limit = most;
-    err->got = *bytes;
-    return VOR_E_BYTES;
-}
-
-static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_view *row,
-                                   size_t jobs_max, uint64_t bytes, struct vor_error *err)
-{
-    const char *tenant = row->key.principal;
-    enum vor_job_outcome outcome = vor_queue_reserve(worker->queue);
-
-    if (outcome != VOR_DONE)
-        return outcome;
-    outcome = accept_job(worker, row, jobs_max, bytes, err);
-    if (outcome != VOR_DONE) {
-        vor_queue_cancel(worker->queue);
-        return outcome;
-    }
-    vor_count_accepted(row);
-    vor_log(VOR_LOG_INFO, "job accepted", VOR_OF_JOB(row),
-            VOR_TEXT("tenant", tenant[0] != '\0' ? tenant : NULL),
-            VOR_TEXT("process", row->process), VOR_COUNT("points", row->input[0].points),
-            VOR_COUNT("bytes", row->input[0].bytes));
-    return VOR_DONE;
-}
-
-enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
-                                       const struct vor_admitted *admitted,
-                                       const struct vor_spec *spec,
-                                       const struct vor_job_label *label, struct vor_job_view *out,
-                                       struct vor_error *err)
-{
-    enum vor_job_outcome outcome = VOR_FAILED;
-    struct vor_job_view row;
-    uint64_t bytes;
-
-    first_row(&row, &admitted->id, spec, label);
-    if (take_inputs(&row, admitted, err) == VOR_OK &&
-        check_bytes(worker, admitted, &bytes, err) == VOR_OK &&
-        check_target(spec, &row.input[0], err) == VOR_OK &&
-        check_need(worker, &row, err) == VOR_OK && check_cost(worker, &row, err) == VOR_OK &&
-        check_origin(&row, admitted, err) == VOR_OK)
-        outcome = submit(worker, &row, label != NULL ? label->jobs_max : 0, bytes, err);
-    if (outcome != VOR_DONE) {
-        vor_admit_drop(worker->config.blobs, admitted);
-        return outcome;
-    }
-    if (row.kept > 0)
-        vor_worker_shed(worker);
-    if (out != NULL)
-        *out = row;
-    return VOR_DONE;
-}
-
-/* --- looking ---------------------------------------------------------------------------------- */
 
 /* The view of a live job; false when there is none of that id. */
 static int live_view(struct vor_worker *worker, const struct vor_uuid *id, struct vor_job_view *out)
@@ -479,6 +248,25 @@ static enum vor_job_outcome dismiss(struct vor_worker *worker, const struct vor_
     return outcome == VOR_DONE ? dismiss_row(worker, why, out, err) : outcome;
 }
 
+static void drop_bytes(struct vor_worker *worker, const struct vor_job_view *row)
+{
+    vor_worker_drop_inputs(worker, &row->id, row->process);
+    vor_worker_drop_uploads(worker, &row->id, row->process);
+    vor_worker_drop_outputs(worker, &row->id, row->process);
+}
+
+/* On a disk without a byte the job's own make the room that its end takes. */
+static vor_status remove_row(struct vor_worker *worker, const struct vor_job_view *row,
+                             int *changed, struct vor_error *err)
+{
+    vor_status status = vor_store_remove(worker->config.store, &row->id, changed, err);
+
+    if (status != VOR_E_IO || !vor_error_storage_full(err))
+        return status;
+    drop_bytes(worker, row);
+    return vor_store_remove(worker->config.store, &row->id, changed, err);
+}
+
 /* Removes a job that is over; row is its last view. */
 static enum vor_job_outcome remove_job(struct vor_worker *worker, const struct vor_job_view *row,
                                        struct vor_error *err)
@@ -487,7 +275,7 @@ static enum vor_job_outcome remove_job(struct vor_worker *worker, const struct v
     struct vor_job *job;
     int changed;
 
-    if (vor_store_remove(worker->config.store, id, &changed, err) != VOR_OK)
+    if (remove_row(worker, row, &changed, err) != VOR_OK)
         return VOR_FAILED;
     if (!changed)
         return VOR_UNKNOWN;
@@ -495,9 +283,7 @@ static enum vor_job_outcome remove_job(struct vor_worker *worker, const struct v
     if (job != NULL)
         vor_worker_forget(worker, job); /* its runner has not unwound yet */
     vor_job_release(job);
-    vor_worker_drop_inputs(worker, id, row->process);
-    vor_worker_drop_uploads(worker, id, row->process);
-    vor_worker_drop_outputs(worker, id, row->process);
+    drop_bytes(worker, row);
     vor_log(VOR_LOG_INFO, "job removed", VOR_TEXT("job", id->text));
     return VOR_DONE;
 }

@@ -1,6 +1,5 @@
 /* The worker from its start to its end: recovery, threads, draining. */
 #include "server/base/clock.h"
-#include "server/base/fault.h"
 #include "server/base/log.h"
 #include "server/work/calendar.h"
 #include "server/work/live.h"
@@ -72,6 +71,7 @@ static void *sweeper_main(void *arg)
     do {
         double now = vor_clock_seconds();
 
+        vor_worker_recover_late(worker);
         vor_worker_look(worker);
         if (!vor_calendar_look(worker))
             continue;
@@ -129,8 +129,6 @@ vor_status vor_worker_create(struct vor_worker **out, const struct vor_worker_co
         status = vor_worker_recover(worker, err);
     if (status == VOR_OK)
         status = vor_crew_create(&worker->crew, CREW_THREADS, SIZE_MAX, err);
-    if (status == VOR_OK && config->fault_mark != NULL)
-        vor_fault_arm(config->fault_mark);
     if (status == VOR_OK)
         status = start_threads(worker, err);
     if (status != VOR_OK) {

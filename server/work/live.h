@@ -7,6 +7,7 @@
 #include "server/work/worker.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 
 #define VOR_WORKER_JOBS_MAX 64
 
@@ -58,8 +59,9 @@ struct vor_worker {
     int sweeper_started;
     struct vor_found found; /* the sweeper's, once it runs, as all below */
     struct vor_calendar calendar;
-    int is_full;    /* the store has no reserve, and the log says so */
-    int has_failed; /* config.failed was called */
+    int is_full;        /* the store has no reserve, and the log says so */
+    int has_failed;     /* config.failed was called */
+    atomic_int is_late; /* the disk was full at the start: what a former life left waits for room */
 };
 
 /** The live job of that id with a reference for the caller, NULL when there is none. */

@@ -2,13 +2,12 @@
 #include "server/work/recover.h"
 
 #include "server/base/clock.h"
-#include "server/base/fault.h"
+#include "server/base/disk.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"
 #include "server/work/calendar.h"
 #include "server/work/room.h"
 
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -146,6 +145,8 @@ static vor_status recover_queue(struct vor_worker *worker, struct vor_error *err
         recovery.lost = lost->next;
         if (status == VOR_OK)
             status = fail_row(worker, &lost->row, &lost->why, err);
+        if (status == VOR_E_IO && vor_error_storage_full(err))
+            status = VOR_OK; /* it stays as it is until the next start */
         free(lost);
     }
     return status;
@@ -315,32 +316,47 @@ vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
     return status;
 }
 
+/* Rows of a former life, and the queue. */
+static vor_status recover_rows(struct vor_worker *worker, struct vor_error *err)
+{
+    uint64_t requeued = 0;
+    vor_status status =
+        vor_store_recover(worker->config.store, vor_clock_wall_ms(), &requeued, err);
+
+    if (status == VOR_OK)
+        status = recover_queue(worker, err);
+    vor_metric_add(VOR_METRIC_JOBS_AGAIN, (double)requeued, VOR_LABELS("restart"));
+    if (status == VOR_OK)
+        vor_log(VOR_LOG_INFO, "recovered", VOR_COUNT("waiting", vor_queue_depth(worker->queue)),
+                VOR_COUNT("requeued", requeued));
+    return status;
+}
+
 vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err)
 {
-    int64_t now = vor_clock_wall_ms();
-    const char *mark = worker->config.fault_mark;
-    /* What ran elsewhere cannot be why the daemon ended. */
-    const int is_apart = worker->config.executor->is_apart;
-    const struct vor_crash crash = {.by_fault = mark == NULL || vor_fault_left(mark),
-                                    .faults_max = is_apart ? UINT_MAX : worker->config.faults_max,
-                                    .kills_max = is_apart ? UINT_MAX : worker->config.kills_max,
-                                    .now_ms = now,
-                                    .expires_ms = expiry(worker, now)};
-    struct vor_recovered recovered = {0};
     vor_status status = vor_calendar_begin(worker, err);
 
     if (status == VOR_OK)
-        status = vor_store_recover(worker->config.store, &crash, &recovered, err);
+        status = recover_rows(worker, err);
+    if (status == VOR_E_IO && vor_error_storage_full(err)) {
+        vor_log(VOR_LOG_ERROR, "the disk is full: what ran or waited goes on once there is room",
+                VOR_TEXT("error", err->message));
+        atomic_store(&worker->is_late, 1);
+        status = VOR_OK;
+    }
+    return status == VOR_OK ? vor_blobs_list(worker->config.blobs, note_blob, worker, err) : status;
+}
 
-    if (status == VOR_OK && mark != NULL)
-        vor_fault_clear(mark);
-    if (status == VOR_OK)
-        status = recover_queue(worker, err);
-    if (status == VOR_OK)
-        status = vor_blobs_list(worker->config.blobs, note_blob, worker, err);
-    vor_metric_add(VOR_METRIC_JOBS_AGAIN, (double)recovered.requeued, VOR_LABELS("restart"));
-    if (status == VOR_OK)
-        vor_log(VOR_LOG_INFO, "recovered", VOR_COUNT("waiting", vor_queue_depth(worker->queue)),
-                VOR_COUNT("requeued", recovered.requeued), VOR_COUNT("failed", recovered.failed));
-    return status;
+void vor_worker_recover_late(struct vor_worker *worker)
+{
+    struct vor_error err;
+
+    if (!atomic_load(&worker->is_late))
+        return;
+    if (recover_rows(worker, &err) == VOR_OK) {
+        vor_queue_look(worker->queue);
+        atomic_store(&worker->is_late, 0);
+    } else if (!vor_error_storage_full(&err)) {
+        vor_log(VOR_LOG_ERROR, "jobs are not recovered", VOR_TEXT("error", err.message));
+    }
 }

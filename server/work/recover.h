@@ -10,10 +10,16 @@
  *  bytes are gone, or its request cannot be read. Also notes which blobs there are, for
  *  vor_worker_drop_strays. Call before any other thread knows the worker.
  *
+ *  On a disk without a byte rows cannot be put in order. Then they stay as they are, which the log
+ *  says, nothing is accepted, and vor_worker_recover_late does it later.
+ *
  *  @retval VOR_E_IO, VOR_E_NOMEM
  *
  *  Cost: two changes of the store, and some 20 microseconds for each job that waits. */
 VOR_NODISCARD vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err);
+
+/** Does that if there is room by now. The sweeper's, each time it looks. */
+void vor_worker_recover_late(struct vor_worker *worker);
 
 /** Drops the blobs that were there at the start and that no row needs; or sets them aside, with a
  *  warning, when the store has lost rows: it says so itself, or there are more results without any

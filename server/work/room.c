@@ -1,14 +1,18 @@
 #include "server/work/room.h"
 
 #include "server/base/clock.h"
+#include "server/base/disk.h"
 #include "server/base/log.h"
 
+#include <errno.h>
 #include <time.h>
 
 vor_status vor_worker_ready(struct vor_worker *worker, struct vor_error *err)
 {
     vor_status status = vor_store_check(worker->config.store, err);
 
+    if (status == VOR_OK && atomic_load(&worker->is_late))
+        return vor_fail_errno(err, ENOSPC, "the jobs that wait to be recovered");
     if (status == VOR_OK)
         status = vor_store_check_reserve(worker->config.store, err);
     return status == VOR_OK ? vor_blobs_room(worker->config.blobs, 1, err) : status;
@@ -40,7 +44,8 @@ void vor_worker_look(struct vor_worker *worker)
 {
     struct vor_error err;
 
-    look_at_reserve(worker);
+    if (!atomic_load(&worker->is_late)) /* recovery needs the room more than the reserve does */
+        look_at_reserve(worker);
     if (worker->has_failed || check_disks(worker, &err) == VOR_OK)
         return;
     worker->has_failed = 1;

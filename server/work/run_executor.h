@@ -9,6 +9,7 @@
 
 #include "core/base/parallel.h"
 #include "proto/text.h"
+#include "server/jobs/preview.h"
 #include "server/store/row.h"
 
 #include <stddef.h>
@@ -45,6 +46,10 @@ struct vor_listener {
     void (*stage)(void *ctx, enum vor_stage stage); /**< the next one begins */
     /** The outputs wait for room on the disk: why is the VOR_E_IO. */
     void (*waits)(void *ctx, const struct vor_error *why);
+    /** Whether somebody looks at the points as they move; as asked. May be NULL: nobody does. */
+    int (*is_looked_at)(void *ctx);
+    /** The points, while somebody does, at most once in VOR_PREVIEW_SECONDS; borrowed. */
+    void (*points)(void *ctx, const struct vor_shown *shown);
 };
 
 /** How a run ended. */

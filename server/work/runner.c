@@ -84,6 +84,16 @@ static void take_wait(void *ctx, const struct vor_error *why)
     tell_full(ctx, why);
 }
 
+static int is_looked_at(void *ctx)
+{
+    return vor_preview_is_looked_at(vor_job_preview(((struct run *)ctx)->job));
+}
+
+static void take_points(void *ctx, const struct vor_shown *shown)
+{
+    vor_job_show(((struct run *)ctx)->job, shown);
+}
+
 /* --- the order and its files ------------------------------------------------------------------ */
 
 static vor_status open_input(struct run *run, unsigned index, struct vor_error *err)
@@ -186,7 +196,9 @@ static enum vor_run_end try_order(struct run *run, struct vor_error *err)
                                           .asked = asked,
                                           .progress = take_progress,
                                           .stage = take_stage,
-                                          .waits = take_wait};
+                                          .waits = take_wait,
+                                          .is_looked_at = is_looked_at,
+                                          .points = take_points};
     struct vor_run_executor *executor = run->worker->config.executor;
     enum vor_run_end end = VOR_RUN_FAILED;
 
@@ -361,8 +373,10 @@ static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error
         (void)vor_worker_pause(run->worker, retry_seconds);
     if (!put_back(run, end, &crashes))
         return 0;
-    if (end != VOR_RUN_CRASHED_ALONE || crashes < run->worker->config.faults_max)
+    if (end != VOR_RUN_CRASHED_ALONE || crashes < run->worker->config.faults_max) {
+        vor_count_again();
         return vor_job_restart(run->job, end != VOR_RUN_DISTURBED, vor_clock_wall_ms());
+    }
     (void)vor_fail(problem, VOR_E_INTERNAL,
                    "crashed: the worker ended %u times while it worked on this job alone", crashes);
     run->attempt = 0; /* it does not run any more */

@@ -1,5 +1,6 @@
 #include "server/work/station.h"
 
+#include "server/base/log.h"
 #include "server/base/machine.h"
 #include "server/work/execute.h"
 #include "server/work/wire.h"
@@ -20,7 +21,8 @@ enum { OOM_SCORE = 500 };
 
 struct station {
     struct vor_board *board;
-    struct vor_pool *pool;
+    struct vor_zygote zygote; /* our parent */
+    struct vor_run_means means;
     struct rlimit memory; /* RLIMIT_DATA; infinite where there is none */
 };
 
@@ -108,6 +110,21 @@ static void take_wait(void *ctx, const struct vor_error *why)
     say(ctx, VOR_SAID_WAITS, why, sizeof *why);
 }
 
+static int is_looked_at(void *ctx)
+{
+    const struct sitting *sitting = ctx;
+
+    return atomic_load_explicit(&sitting->station->board->showing[sitting->seat].is_looked_at,
+                                memory_order_relaxed);
+}
+
+static void take_points(void *ctx, const struct vor_shown *shown)
+{
+    const struct sitting *sitting = ctx;
+
+    vor_board_show(sitting->station->board, sitting->seat, shown);
+}
+
 static void say_kept(const struct sitting *sitting, const struct vor_text *kept)
 {
     for (size_t at = 0; at < kept->size; at += VOR_KEPT_PART) {
@@ -124,13 +141,15 @@ static vor_status run_order(struct sitting *sitting, const struct vor_order *ord
                                           .asked = asked,
                                           .progress = take_progress,
                                           .stage = take_stage,
-                                          .waits = take_wait};
+                                          .waits = take_wait,
+                                          .is_looked_at = is_looked_at,
+                                          .points = take_points};
     struct vor_run_result result;
     struct vor_text kept;
     vor_status status;
 
     vor_text_init(&kept, VOR_KEPT_MAX);
-    status = vor_execute(&result, &kept, order, sitting->station->pool, &listener, err);
+    status = vor_execute(&result, &kept, order, &sitting->station->means, &listener, err);
     if (status == VOR_E_NOMEM && is_exhausted(sitting->station))
         _exit(VOR_STATION_NO_MEMORY);
     if (status == VOR_OK) {
@@ -209,15 +228,28 @@ static void serve(struct station *station, int channel)
     }
 }
 
+/* Results are encoded in children, where the board says so. */
+static void place_codec(struct station *station, int socket)
+{
+    const struct vor_board *board = station->board;
+
+    station->zygote = (struct vor_zygote){.socket = socket, .pid = getppid()};
+    station->means.codec = (struct vor_codec_place){
+        .zygote = &station->zygote, .kind = board->codec_kind, .sandbox = board->sandbox};
+}
+
 int vor_station_run(int channel, const int *fds, unsigned fd_count)
 {
-    struct station station = {.board = fd_count == 1 ? vor_board_map(fds[0]) : NULL};
+    struct station station = {.board = fd_count >= 1 ? vor_board_map(fds[0]) : NULL};
 
-    if (station.board == NULL)
+    if (station.board == NULL || fd_count != (station.board->has_codec ? 2 : 1))
         return EXIT_FAILURE;
+    if (station.board->has_codec)
+        place_codec(&station, fds[1]);
+    vor_log_set_level(VOR_LOG_OFF); /* the front logs; how a child ended is in the error */
     vor_machine_set_oom_score(OOM_SCORE);
     limit_memory(&station);
-    if (vor_pool_create(&station.pool, station.board->threads, NULL) != VOR_OK ||
+    if (vor_pool_create(&station.means.pool, station.board->threads, NULL) != VOR_OK ||
         !start_thread(tick, &station))
         return VOR_STATION_NO_POOL;
     if (vor_channel_send(channel, "", 1, NULL, 0, NULL) == VOR_OK)

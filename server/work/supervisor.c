@@ -7,6 +7,7 @@
 #include "server/work/supervisor.h"
 
 #include "server/base/clock.h"
+#include "server/base/metrics.h"
 #include "server/work/workplace.h"
 
 #include <errno.h>
@@ -43,7 +44,15 @@ struct vor_supervisor {
 static vor_status init_worker(const struct vor_supervisor *supervisor, struct vor_workplace *worker,
                               struct vor_error *err)
 {
-    return vor_workplace_init(worker, supervisor->config.threads, supervisor->config.memory, err);
+    const struct vor_supervisor_config *config = &supervisor->config;
+    vor_status status = vor_workplace_init(worker, config->threads, config->memory, err);
+
+    if (status != VOR_OK)
+        return status;
+    worker->board->has_codec = config->codec.zygote != NULL;
+    worker->board->codec_kind = config->codec.kind;
+    worker->board->sandbox = config->codec.sandbox;
+    return VOR_OK;
 }
 
 /* Starts a worker, or ends one; the mutex is held. */
@@ -61,6 +70,7 @@ static void end_worker(struct vor_supervisor *supervisor, struct vor_workplace *
                        const char *why, int blamed)
 {
     supervisor->counts.crashed += worker->is_up != 0;
+    vor_metric_add(VOR_METRIC_WORKER_RESTARTS, worker->is_up != 0, NULL);
     vor_workplace_end(worker, why, blamed);
 }
 
@@ -100,6 +110,8 @@ struct sitting {
     const struct vor_listener *listener;
     int seat, channel;
     uint64_t life;
+    unsigned shown;   /* sequence of the points last shown */
+    float *xyz;       /* room for them; NULL as long as nobody has looked */
     double cancelled; /* when the listener was first seen to cancel; 0 for not yet */
     int is_left_over; /* nobody waits for it */
 };
@@ -116,6 +128,8 @@ static vor_status take_seat(struct sitting *sitting, struct vor_error *err)
         return vor_fail(err, VOR_E_IO, "more than %d runs at a time", VOR_SEATS);
     worker->seat[i] = (struct vor_seat){.taken = 1, .life = worker->life};
     atomic_store(&worker->board->asked[i], VOR_CONTINUE);
+    atomic_store(&worker->board->showing[i].sequence,
+                 0); /* whoever wrote last may have been killed */
     sitting->seat = i;
     sitting->life = worker->life;
     return VOR_OK;
@@ -124,6 +138,9 @@ static vor_status take_seat(struct sitting *sitting, struct vor_error *err)
 static void leave_seat(struct sitting *sitting)
 {
     (void)close(sitting->channel);
+    if (sitting->xyz != NULL)
+        vor_board_look_away(sitting->worker->board, (unsigned)sitting->seat);
+    free(sitting->xyz);
     pthread_mutex_lock(&sitting->supervisor->mutex);
     sitting->worker->seat[sitting->seat].taken = 0;
     pthread_mutex_unlock(&sitting->supervisor->mutex);
@@ -213,6 +230,23 @@ static void check_beats(struct sitting *sitting)
     } else if (now - worker->beat > sitting->supervisor->config.stall_seconds) {
         end_worker(sitting->supervisor, worker, "no sign of life", VOR_NOBODY);
     }
+}
+
+/* Tells the run whether somebody looks at its points, and the listener where they are. */
+static void look_at_points(struct sitting *sitting)
+{
+    const struct vor_listener *listener = sitting->listener;
+    struct vor_board *board = sitting->worker->board;
+    unsigned seat = (unsigned)sitting->seat;
+    struct vor_shown shown;
+    int is_looked_at = listener->is_looked_at != NULL && listener->is_looked_at(listener->ctx);
+
+    if (is_looked_at && sitting->xyz == NULL)
+        sitting->xyz = malloc((size_t)VOR_PREVIEW_POINTS_MAX * 3 * sizeof *sitting->xyz);
+    is_looked_at = is_looked_at && sitting->xyz != NULL;
+    atomic_store(&board->showing[seat].is_looked_at, is_looked_at);
+    if (is_looked_at && vor_board_look(board, seat, &sitting->shown, &shown, sitting->xyz))
+        listener->points(listener->ctx, &shown);
 }
 
 /* Tells the run what is asked of it, and looks whether it and its worker are in order. */
@@ -308,8 +342,10 @@ static enum vor_run_end listen_to(struct sitting *sitting, struct handed *handed
     for (;;) {
         switch (vor_hear(&said, &size, sitting->channel, look_seconds)) {
         case VOR_CHANNEL_MESSAGE:
-            if (take_in(sitting, &said, size, handed, &end))
+            if (take_in(sitting, &said, size, handed, &end)) {
+                look_at_points(sitting); /* those of a short run */
                 return end;
+            }
             break;
         case VOR_CHANNEL_GONE:
             return lose(sitting, handed->err);
@@ -317,6 +353,7 @@ static enum vor_run_end listen_to(struct sitting *sitting, struct handed *handed
             break;
         }
         look_after(sitting);
+        look_at_points(sitting);
         if (is_overdue(sitting) && leave_over(sitting)) {
             (void)vor_fail(handed->err, VOR_E_CANCELLED, "cancelled by the caller");
             return VOR_RUN_FAILED;
@@ -408,6 +445,7 @@ static enum vor_run_end run_at(struct sitting *sitting, const struct vor_order *
 
     if (sit_down(sitting, handed->err) != VOR_OK)
         return VOR_RUN_DISTURBED;
+    look_at_points(sitting);
     if (vor_order_send(sitting->channel, order, handed->err) == VOR_OK)
         end = listen_to(sitting, handed);
     else

@@ -5,17 +5,20 @@
 #define VOR_SERVER_WORK_SUPERVISOR_H
 
 #include "server/proc/zygote.h"
+#include "server/work/codec_run.h"
 #include "server/work/run_executor.h"
 
 struct vor_supervisor;
 
 struct vor_supervisor_config {
-    struct vor_zygote *zygote; /**< borrowed */
-    unsigned kind;             /**< number of the kind whose function is vor_station_run */
-    unsigned threads;          /**< of the pool, 1 .. VOR_THREADS_MAX */
-    size_t memory;             /**< bytes that all runs together may have; 0 for any */
-    double cancel_seconds;     /**< for a cancelled run to end where others run; 0 for 5 */
-    double stall_seconds;      /**< for the worker to show that it is there; 0 for 10 */
+    struct vor_zygote *zygote;    /**< borrowed */
+    unsigned kind;                /**< number of the kind whose function is vor_station_run */
+    struct vor_codec_place codec; /**< where results are encoded, its zygote the same; without one
+                                       that happens in the worker */
+    unsigned threads;             /**< of the pool, 1 .. VOR_THREADS_MAX */
+    size_t memory;                /**< bytes that all runs together may have; 0 for any */
+    double cancel_seconds;        /**< for a cancelled run to end where others run; 0 for 5 */
+    double stall_seconds;         /**< for the worker to show that it is there; 0 for 10 */
 };
 
 /** Starts a worker process.

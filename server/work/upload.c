@@ -1,9 +1,27 @@
 #include "server/work/upload.h"
 
+#include "server/base/metrics.h"
+
+#include <assert.h>
+
+struct vor_upload *vor_uploads_add(struct vor_uploads *uploads, const struct vor_upload *upload)
+{
+    assert(uploads->count < VOR_INPUTS_MAX);
+    vor_metric_add(VOR_METRIC_UPLOADS, 1, NULL);
+    uploads->item[uploads->count] = *upload;
+    return &uploads->item[uploads->count++];
+}
+
+void vor_uploads_drop_last(struct vor_uploads *uploads)
+{
+    vor_metric_add(VOR_METRIC_UPLOADS, -1, NULL);
+    vor_blob_discard(uploads->item[--uploads->count].bytes);
+}
+
 void vor_uploads_discard(struct vor_uploads *uploads)
 {
     while (uploads->count > 0)
-        vor_blob_discard(uploads->item[--uploads->count].bytes);
+        vor_uploads_drop_last(uploads);
 }
 
 static vor_status inflate_to(struct vor_blob_writer *out, const struct vor_blob_writer *in,

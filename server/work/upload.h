@@ -21,6 +21,12 @@ struct vor_uploads {
     unsigned count;
 };
 
+/** Adds one, with its file. Its bytes count as an upload under way until they are discarded. */
+struct vor_upload *vor_uploads_add(struct vor_uploads *uploads, const struct vor_upload *upload);
+
+/** Discards the bytes of the one added last, and forgets it. */
+void vor_uploads_drop_last(struct vor_uploads *uploads);
+
 /** Discards the bytes of all and leaves none. */
 void vor_uploads_discard(struct vor_uploads *uploads);
 

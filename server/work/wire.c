@@ -29,6 +29,85 @@ void vor_board_unmap(struct vor_board *board)
         (void)munmap(board, sizeof *board);
 }
 
+static uint32_t bits_of(float value)
+{
+    uint32_t bits;
+
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
+
+void vor_board_show(struct vor_board *board, unsigned seat, const struct vor_shown *shown)
+{
+    struct vor_showing *showing = &board->showing[seat];
+    unsigned sequence = atomic_load_explicit(&showing->sequence, memory_order_relaxed);
+    size_t count = vor_shown_count(shown->moving.n, VOR_PREVIEW_POINTS_MAX);
+
+    /* An exchange: what follows stays behind it. */
+    (void)atomic_exchange_explicit(&showing->sequence, sequence + 1, memory_order_acq_rel);
+    for (size_t i = 0; i < count; i++) {
+        float x[3];
+
+        vor_shown_point(&shown->moving, i, count, x);
+        for (size_t c = 0; c < 3; c++)
+            atomic_store_explicit(&board->shown[seat][3 * i + c], bits_of(x[c]),
+                                  memory_order_relaxed);
+    }
+    for (int c = 0; c < 3; c++) {
+        uint64_t bits;
+
+        memcpy(&bits, &shown->origin[c], sizeof bits);
+        atomic_store_explicit(&showing->origin[c], bits, memory_order_relaxed);
+    }
+    atomic_store_explicit(&showing->count, (unsigned)count, memory_order_relaxed);
+    atomic_store_explicit(&showing->iteration, shown->iteration, memory_order_relaxed);
+    atomic_store_explicit(&showing->polish, shown->polish, memory_order_relaxed);
+    atomic_store_explicit(&showing->sequence, sequence + 2, memory_order_release);
+}
+
+static void read_showing(struct vor_shown *out, struct vor_showing *showing)
+{
+    out->iteration = atomic_load_explicit(&showing->iteration, memory_order_relaxed);
+    out->polish = atomic_load_explicit(&showing->polish, memory_order_relaxed);
+    for (int c = 0; c < 3; c++) {
+        uint64_t bits = atomic_load_explicit(&showing->origin[c], memory_order_relaxed);
+
+        memcpy(&out->origin[c], &bits, sizeof bits);
+    }
+}
+
+int vor_board_look(struct vor_board *board, unsigned seat, unsigned *sequence,
+                   struct vor_shown *out, float *xyz)
+{
+    struct vor_showing *showing = &board->showing[seat];
+    unsigned before = atomic_load_explicit(&showing->sequence, memory_order_acquire);
+    size_t count;
+
+    if (before == *sequence || (before & 1) != 0)
+        return 0;
+    count = vor_shown_count(atomic_load_explicit(&showing->count, memory_order_relaxed),
+                            VOR_PREVIEW_POINTS_MAX); /* the worker may have gone mad */
+    *out = (struct vor_shown){.moving = {.xyz = xyz, .n = count, .unit = 1}};
+    read_showing(out, showing);
+    for (size_t i = 0; i < 3 * count; i++) {
+        uint32_t bits = atomic_load_explicit(&board->shown[seat][i], memory_order_relaxed);
+
+        memcpy(&xyz[i], &bits, sizeof bits);
+    }
+    /* An addition of nothing: what precedes stays before it. */
+    if (atomic_fetch_add_explicit(&showing->sequence, 0, memory_order_acq_rel) != before)
+        return 0;
+    *sequence = before;
+    return count > 0;
+}
+
+void vor_board_look_away(struct vor_board *board, unsigned seat)
+{
+    atomic_store(&board->showing[seat].is_looked_at, 0);
+    /* Where pages are larger the kernel refuses, and the memory waits for the next run. */
+    (void)madvise(board->shown[seat], sizeof board->shown[seat], MADV_REMOVE);
+}
+
 vor_status vor_board_create(struct vor_board **out, int *fd, struct vor_error *err)
 {
     struct vor_board *board;

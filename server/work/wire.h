@@ -8,6 +8,7 @@
 #define VOR_SERVER_WORK_WIRE_H
 
 #include "server/proc/channel.h"
+#include "server/proc/sandbox.h"
 #include "server/work/run_executor.h"
 
 #include <stdatomic.h>
@@ -15,12 +16,31 @@
 /** Most runs at a time. */
 enum { VOR_SEATS = 64 };
 
-/** Shared memory. What comes first is written by the front before the worker starts. */
+/** Words of the points of one seat: whole pages of 4 KiB, so that they can be given back. */
+enum { VOR_SHOWN_WORDS = (3 * VOR_PREVIEW_POINTS_MAX + 1023) / 1024 * 1024 };
+
+/** Where the points of a run are, for who looks: written by the worker, read by the front, neither
+ *  of which ever waits for the other. The sequence is odd while it is written; a reader that finds
+ * it changed has read nothing. */
+struct vor_showing {
+    atomic_int is_looked_at; /**< the front's */
+    atomic_uint sequence;    /**< the worker's, as the rest */
+    atomic_uint count, iteration, polish;
+    _Atomic uint64_t origin[3]; /**< bits of doubles */
+};
+
+/** Shared memory. What comes first is written by the front before the worker starts. Pages of
+ * points that nobody has looked at take no memory. */
 struct vor_board {
-    unsigned threads;            /**< of the pool */
-    size_t memory;               /**< bytes that the worker process may take; 0 for any */
+    unsigned threads;    /**< of the pool */
+    size_t memory;       /**< bytes that the worker process may take; 0 for any */
+    int has_codec;       /**< the worker has children encode results: */
+    unsigned codec_kind; /**< as in struct vor_codec_place, as the next */
+    enum vor_sandbox_kind sandbox;
     atomic_uint beats;           /**< the worker's ticker adds one every VOR_BEAT_SECONDS */
     atomic_int asked[VOR_SEATS]; /**< enum vor_answer of the listener of each run */
+    struct vor_showing showing[VOR_SEATS];
+    _Alignas(4096) _Atomic uint32_t shown[VOR_SEATS][VOR_SHOWN_WORDS]; /**< bits of floats */
 };
 
 #define VOR_BEAT_SECONDS 0.1
@@ -36,6 +56,21 @@ struct vor_board *vor_board_map(int fd);
 
 /** board may be NULL. */
 void vor_board_unmap(struct vor_board *board);
+
+/** The worker's: writes at most VOR_PREVIEW_POINTS_MAX points of a run. */
+void vor_board_show(struct vor_board *board, unsigned seat, const struct vor_shown *shown);
+
+/** The front's: the points last written, if they are others than those of *sequence, which becomes
+ *  theirs.
+ *
+ *  @param[out] out  its moving.xyz is xyz
+ *  @param[out] xyz  VOR_PREVIEW_POINTS_MAX x 3
+ *  @return false when there are none, or they are just being written */
+int vor_board_look(struct vor_board *board, unsigned seat, unsigned *sequence,
+                   struct vor_shown *out, float *xyz);
+
+/** The front's: nobody looks at a seat, and what it showed is given back. */
+void vor_board_look_away(struct vor_board *board, unsigned seat);
 
 /** Sent to the worker with one descriptor, the channel of a run. */
 struct vor_summons {

@@ -21,20 +21,19 @@ struct vor_worker_config {
     struct vor_store *store; /**< borrowed, as the next two */
     struct vor_blobs *blobs;
     struct vor_run_executor *executor;
-    unsigned jobs;                  /**< run at the same time, 1 .. 64 */
-    size_t queue;                   /**< wait at most, at least 1 */
-    uint64_t queue_bytes;           /**< of decoded inputs, of those that wait */
-    size_t memory;                  /**< bytes a job may have */
-    double job_seconds;             /**< a job may run; 0 for any */
-    double ttl_seconds;             /**< results live this long after the job's end */
-    uint64_t results;               /**< bytes of results that are kept; of those that ended first,
-                                         less */
-    uint64_t keep;                  /**< bytes of uploads that are kept; 0 for none */
-    double lost_seconds;            /**< bytes without a job are kept so long, if rows were lost */
-    uint64_t lost_bytes;            /**< and up to so many */
-    uint64_t budget;                /**< bytes all running jobs may have, as estimated; 0 for any */
-    unsigned faults_max, kills_max; /**< as struct vor_crash has them */
-    const char *fault_mark; /**< as vor_fault_arm takes it; NULL where every end is a crash */
+    unsigned jobs;        /**< run at the same time, 1 .. 64 */
+    size_t queue;         /**< wait at most, at least 1 */
+    uint64_t queue_bytes; /**< of decoded inputs, of those that wait */
+    size_t memory;        /**< bytes a job may have */
+    double job_seconds;   /**< a job may run; 0 for any */
+    double ttl_seconds;   /**< results live this long after the job's end */
+    uint64_t results;     /**< bytes of results that are kept; of those that ended first,
+                               less */
+    uint64_t keep;        /**< bytes of uploads that are kept; 0 for none */
+    double lost_seconds;  /**< bytes without a job are kept so long, if rows were lost */
+    uint64_t lost_bytes;  /**< and up to so many */
+    uint64_t budget;      /**< bytes all running jobs may have, as estimated; 0 for any */
+    unsigned faults_max;  /**< a job fails that ran alone in so many crashes of its process */
     /** Called once, on a thread of the worker, when a disk has failed: what is on it is not known
      *  any more, and only a restart helps. May be NULL. */
     void (*failed)(void *ctx, const struct vor_error *why);
@@ -64,6 +63,14 @@ void vor_worker_destroy(struct vor_worker *worker);
  *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING */
 enum vor_job_outcome vor_worker_room(struct vor_worker *worker);
 
+/** Keeps a place in the queue for a job whose inputs are all here and are yet to be decoded, so
+ * that one for which there is none is refused before that. It goes with vor_job_label.booked, or is
+ * given back by vor_worker_unbook. Quick.
+ *
+ *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING */
+enum vor_job_outcome vor_worker_book(struct vor_worker *worker);
+void vor_worker_unbook(struct vor_worker *worker);
+
 /** Can jobs be taken, run and ended? For /readyz: the store is in order, its reserve is there, and
  *  the disk has room besides what stays free.
  *
@@ -86,6 +93,7 @@ struct vor_job_label {
                                         principal is whose the job is */
     const struct vor_span *span;   /**< the step of a trace that asks for it */
     size_t jobs_max; /**< jobs of that principal that may wait or run, this one included; 0: any */
+    int booked;      /**< a place is kept for it, which is used or given back */
 };
 
 /** Accepts a job for inputs that vor_admit_file took in: the row is durable when this returns.

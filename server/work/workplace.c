@@ -111,7 +111,9 @@ vor_status vor_workplace_begin(struct vor_workplace *workplace, struct vor_zygot
                                unsigned kind, struct vor_error *err)
 {
     struct vor_child child;
-    vor_status status = vor_zygote_spawn(&child, zygote, kind, &workplace->board_fd, 1, err);
+    const int fds[] = {workplace->board_fd, zygote->socket};
+    vor_status status =
+        vor_zygote_spawn(&child, zygote, kind, fds, workplace->board->has_codec ? 2 : 1, err);
 
     if (status != VOR_OK)
         return status;

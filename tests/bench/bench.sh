@@ -13,11 +13,14 @@ mkdir -p "$out/clouds"
 if [ -r "$yardstick/makeclouds.py" ] && [ ! -r "$out/clouds/armadillo5m_uneven.ply" ]; then
     /usr/bin/python3 "$yardstick/makeclouds.py" "$out/clouds" --large
 fi
-for part in engine density acceleration index scaling real order sheets edges loops wlop orient mesh codec anisotropy waiting; do
+for part in engine density acceleration index scaling real order sheets edges ear loops wlop orient mesh codec anisotropy waiting; do
     "$here/$part.pl" "$voronoid" "$out"
 done
 "$here/profile.sh" "$voronoid" "$out"
 if [[ daemon =~ $ONLY ]]; then
     "$here/daemon.pl" "$voronoid" "$out"
     cat "$out/daemon.md"
+fi
+if [[ page =~ $ONLY ]]; then
+    "$here/page.py" "$voronoid" "$out"
 fi

@@ -40,7 +40,7 @@ my %options;
 for my $command (qw(denoise upsample simplify resample)) {
     (undef, $help) = run([$command, '--help']);
     like $help, qr/--\Q$_\E VALUE\n/, "the help of $command has parameter $_"
-        for qw(points ratio spacing method patch density contrast grading metric maxAspect p cells iterations delta moveStop seconds neighbors anderson polish boundary holes holeMax edges outliers sample filters
+        for qw(points ratio spacing method patch density contrast grading metric maxAspect p cells iterations delta moveStop seconds neighbors anderson polish sigmaN sigmaP mu rounds steps rho phases samples gaps boundary holes holeMax edges outliers sample filters
         inputNormals intrinsic seed order format quantization compression origin attributes normals);
     ($options{$command}) = $help =~ /\nOptions:\n(.*?)\n\n/s;
     is $options{$command}, $options{denoise}, "and the options of the others";
@@ -63,8 +63,34 @@ like $of_measure, qr/^      --peak VALUE\n[^\n]+\n      1e-30 to 1e\+30 unit of 
 unlike $of_measure, qr/--(?:points|listen|seed|format)\b/, 'and nothing that it does not take';
 unlike $help, qr/--(?:peak|reference)\b/, 'nor does that of resample';
 like $help, qr/6 to 500 points \| auto, default auto/, 'it shows range, auto and default';
-like $help, qr/--polish VALUE\n      Most steps [^\n]+\n      0 to 10000, default \d+\n/, 'it explains the polish';
+like $help, qr/--polish VALUE\n      Steps of the polish\. Most steps [^\n]+\n      0 to 10000, default \d+\n/, 'it explains the polish';
 like $help, qr/env: VORONOID_SERVER/, 'it shows environment variables';
+
+# Levels and presets.
+my (undef, $of_resample) = run(['resample', '--help']);
+my ($basic, $advanced) = $of_resample =~ /\nParameters of the request[^\n]*:\n(.*)\nAdvanced parameters[^\n]*:\n(.*)/s;
+like $basic, qr/--points VALUE\n      Points\. /, 'the help begins with basic parameters and their titles';
+like $advanced, qr/--grading VALUE\n      Grading of the density\. /, 'the advanced ones stand under their own head';
+unlike $basic, qr/--grading/, 'and there alone';
+like $of_resample, qr/\nPresets:\n  even .*: points=10000\n/, 'the help lists the presets';
+unlike $of_measure, qr/preset/i, 'that of a process without any does not speak of them';
+my $cloud = spew("$folder/thousand.ply", sphere(1000));
+my @brief = ('--polish', 0, '--iterations', 2);
+my %made;
+for my $case (['preset', '--preset', 'quarter'], ['values', '--ratio', 0.25], ['mine', '--points', 30, '--preset', 'quarter']) {
+    my ($name, @arguments) = @$case;
+    is +(run(['simplify', $cloud, '-o', "$folder/$name.ply", @brief, @arguments]))[0], 0, "simplify @arguments";
+    $made{$name} = slurp("$folder/$name.ply");
+}
+is $made{preset}, $made{values}, 'a preset is its values';
+like $made{mine}, qr/element vertex 30\n/, 'what is given besides wins, wherever it stands';
+unlink $cloud, map { "$folder/$_.ply" } keys %made;
+refused 'a preset that is none', ['resample', $in, '-o', $out, '--preset', 'evn'], 2, 'resample: --preset is evn, want one of even, edges';
+refused 'a preset of another process', ['resample', $in, '-o', $out, '--preset', 'mesh'], 2,
+    'resample: --preset is mesh, want one of even, edges';
+refused 'a preset where there is none', ['measure', $in, '--preset', 'even'], 2,
+    'measure: no option --preset; see voronoid measure --help';
+
 ($code, $help) = run(['--version']);
 like $help, qr/^voronoid \d+\.\d+\.\d+\n\z/, 'the version is one line';
 is((run(['version']))[1], $help, 'voronoid version is the same');
@@ -96,7 +122,7 @@ refused 'a parameter of a command without a process', ['health', '--points', 5],
     'health: no option --points; see voronoid health --help';
 refused 'a parameter of measure', ['denoise', $in, '-o', $out, '--peak=1'], 2,
     'denoise: no parameter peak; denoise takes points, ratio, spacing, method, patch, density, contrast, grading, metric, maxAspect, p, cells, iterations, delta, moveStop, '
-    . 'seconds, neighbors, anderson, polish, boundary, holes, holeMax, edges, outliers, sample, filters, inputNormals, intrinsic, invalid, seed, order, format, '
+    . 'seconds, neighbors, anderson, polish, sigmaN, sigmaP, mu, rounds, steps, rho, phases, samples, gaps, boundary, holes, holeMax, edges, outliers, sample, filters, inputNormals, intrinsic, invalid, seed, order, format, '
     . 'quantization, compression, origin, '
     . 'attributes, normals, baselines';
 refused 'an option with a newline', ['resample', "--a\nb"], 2,
@@ -162,7 +188,7 @@ refused 'a wrong word', ['resample', $in, '-o', $out, @points, '--boundary', 'op
 refused 'no such patch', ['resample', $in, '-o', $out, @points, '--patch', 'octagon'], 2,
     'resample: patch is "octagon", want one of quadric, plane';
 refused 'a method of another process', ['upsample', $in, '-o', $out, '--method', 'kmeans'], 2,
-    'upsample: method is "kmeans", want one of cvt';
+    'upsample: method is "kmeans", want one of cvt, wlop, ear';
 refused 'neighbors out of range', ['resample', $in, '-o', $out, @points, '--neighbors=5'], 2,
     'resample: neighbors is 5, want a whole number from 6 to 500 or auto';
 for my $case (['a negative number', -1], ['too many', 10001], ['half a step', 1.5], ['a word', 'much'], ['auto', 'auto']) {

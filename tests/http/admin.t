@@ -45,12 +45,19 @@ like Vt::read_all($foreign, 10), qr{\AHTTP/1\.1 403 .*Host is evil\.example, wan
 # Some of each: a result, a refusal, a path of nothing.
 my $id = $daemon->submit('points=200&iterations=2', sphere_ply(1000));
 $daemon->finish($id);
+my $stream = $daemon->events("/v1/jobs/$id/events");
+my $events = 0;
+while (my $event = $stream->next_event(10)) {
+    ($events) = $event->{id} =~ /\.(\d+)$/;    # the number of the last
+}
 $daemon->post('/v1/resample?points=5', 'no cloud');
 $daemon->get('/a/path/that/is/not');
 my @silent = map { $daemon->connect } 1 .. 100;
 is ask('GET', '/livez')->{status}, 200, 'it answers while the first one has more connections than it takes';
 my $answer = ask('GET', '/metrics');
 is $answer->{status}, 200, 'with its numbers';
+my $kept = 0;
+$kept += -s $_ for glob "$daemon->{dir}/data/blobs/keep/*";
 is $answer->{headers}{'content-type'}, 'text/plain; version=0.0.4; charset=utf-8', 'in the format that Prometheus reads';
 my $client = $ENV{VORONOID} // 'build/release/voronoid';
 is system("VORONOID_ADMIN_LISTEN=$admin VORONOID_LISTEN=$daemon->{address} $client health >$daemon->{dir}/health"), 0,
@@ -101,6 +108,11 @@ is $value{'voronoid_job_points_sum{direction="in"}'}, 1000, 'with its points';
 is $value{'voronoid_job_points_sum{direction="out"}'}, 200, 'in and out';
 is $value{'voronoid_memory_reserved_bytes'}, 0, 'no memory stays reserved';
 is $value{'voronoid_queue_jobs{state="waiting"}'}, 0, 'nothing waits';
+is $value{'voronoid_uploads_active'}, 0, 'no upload is under way';
+is $value{'voronoid_upload_bytes_total'}, length(sphere_ply(1000)) + length('no cloud'), 'those that were are counted by their bytes';
+is $value{'voronoid_blob_bytes{store="dir"}'}, $kept, 'and what is kept of them and of the result';
+is $value{'voronoid_worker_restarts_total'}, 0, 'no worker had to be replaced';
+is $value{'voronoid_sse_events_total'} + $value{'voronoid_sse_dropped_total'}, $events, 'an event was sent, or told as dropped';
 cmp_ok $value{'voronoid_connections'}, '>=', 8, 'open connections are counted';
 cmp_ok $value{'process_resident_memory_bytes'}, '>', 1 << 20, 'and memory';
 cmp_ok abs($value{'process_start_time_seconds'} - $^T), '<', 120, 'the process began when it did';

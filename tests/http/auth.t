@@ -66,14 +66,15 @@ is finish('alice', $job)->{status}, 'successful', 'a job with a key ends well';
 # --- the matrix -----------------------------------------------------------------------------------
 
 my (undef, undef, $printed) = Vt::run('--print-routes');
-my %open = map { $_ => 1 } '/', '/livez', '/readyz', '/version', '/openapi.yaml', '/problems/{slug}';
+my %open = map { $_ => 1 } '/', '/livez', '/readyz', '/version', '/openapi.yaml', '/problems/{slug}', '/assets/{asset}';
 my %lacking = (read => 'sender', submit => 'reader');
 my $cells = 0;
 my @wrong;
 for my $line (split /\n/, $printed) {
     my ($method, $route, $scope) = split / /, $line;
     like $scope // '', $open{$route} ? qr/^open$/ : qr/^(?:read|submit|admin)$/, "$method $route has the scope it should have";
-    my $path = $route =~ s/\{jobID\}/$job/r =~ s/\{slug\}/forbidden/r =~ s/\{processID\}/resample/r =~ s/\{output\}/cloud/r;
+    my $path = $route =~ s/\{jobID\}/$job/r =~ s/\{slug\}/forbidden/r =~ s/\{processID\}/resample/r =~ s/\{output\}/cloud/r
+        =~ s/\{asset\}/index.html/r =~ s/preview$/preview?points=0/r; # a job that is over shows nothing: 404, but for a 400
     for my $who ('none', 'bad', 'other', 'lacking', 'good') {
         for my $from ('here', 'rebound', 'foreign') {
             # A submit without a body is a 400 or 422, and a stop of a job that is over a 409: neither changes what comes after. A
@@ -198,10 +199,13 @@ my @held = map { submit('slow', $long) } 1 .. 3;
 $refused = ask('slow', 'POST', "/v1/resample?$quick", content => $cloud);
 is_problem($refused, 429, 'too-many-jobs', 'a job more than the key may have');
 like $refused->{headers}{'retry-after'}, qr/^\d+$/, 'with whole seconds';
+is $refused->{headers}{'ratelimit-policy'}, '"jobs";q=10;w=2', 'the rate of the key is told with each answer';
+like $refused->{headers}{ratelimit}, qr/^"jobs";r=[0-9];t=[12]$/, 'and what is left of it';
 my $codes = join ' ', map { ask('slow', 'POST', "/v1/resample?$quick", content => $cloud)->{status} } 1 .. 12;
 $refused = ask('slow', 'POST', "/v1/resample?$quick", content => $cloud);
 is_problem($refused, 429, 'rate-limited', 'and more requests than it may send');
 is $refused->{headers}{'retry-after'}, 1, 'with the seconds until the next one';
+is $refused->{headers}{ratelimit}, '"jobs";r=0;t=2', 'none is left, and in two seconds all are back';
 my $flood = json(ask('slow', 'GET', "/v1/jobs/$held[2]"))->{voronoid}{queuePosition};
 my $beside = submit('alice', $quick);
 is json(ask('alice', 'GET', "/v1/jobs/$beside"))->{voronoid}{queuePosition}, 0, 'the first job of another key is next';

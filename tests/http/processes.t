@@ -72,6 +72,29 @@ for my $process (grep { $as{ $_->{id} } } @listed) {
     is $daemon->get("/v1/$id")->{headers}{allow}, 'POST, OPTIONS', "$id: it is posted to";
 }
 
+# Forms are made of the descriptions: titles, levels, groups and presets, whose values are taken as they are.
+my $many = sphere_ply(700); # of which there may be 16 times as many
+my %names;
+for my $process (@listed) {
+    my $described = json($daemon->get("/v1/processes/$process->{id}"));
+    my %parameters = map { $_ => $described->{inputs}{$_} } grep { $described->{inputs}{$_}{'x-level'} } keys %{ $described->{inputs} };
+    is_deeply [grep { !$parameters{$_} } sort keys %{ $described->{inputs} }], [grep { /^(?:cloud|reference)$/ } sort keys %{ $described->{inputs} }],
+        "$process->{id}: every parameter has a level";
+    is_deeply [grep { $parameters{$_}{'x-level'} !~ /^(?:basic|advanced)$/ || $parameters{$_}{title} eq $_ || !$parameters{$_}{'x-group'} }
+        sort keys %parameters], [], 'one of the two, a title and a group';
+    for my $preset (@{ $described->{'x-presets'} }) {
+        $names{$preset->{name}} = $process->{id};
+        my %values = (%{ $preset->{values} }, iterations => 0, polish => 0);
+        my $answer = $daemon->post("/v1/$process->{id}?" . join('&', map { "$_=$values{$_}" } sort keys %values), $many);
+        is $answer->{status}, 200, "$process->{id}: the preset $preset->{name} can be asked for" or diag $answer->{content};
+    }
+}
+is_deeply \%names, { even => 'resample', edges => 'resample', denoise => 'denoise', codec => 'upsample', quarter => 'simplify',
+    mesh => 'mesh' }, 'the presets that there are';
+my ($first) = grep { $_->{name} eq 'even' } @{ json($daemon->get('/v1/processes/resample'))->{'x-presets'} };
+is_deeply $first->{values}, { points => 10000 }, 'numbers are numbers';
+is json($daemon->get('/v1/processes/upsample'))->{'x-presets'}[0]{title}, "\x{d7}4 for codec output", 'titles are UTF-8';
+
 # The caller wins.
 for my $case (
     ['denoise?points=50', 50], ['denoise?ratio=0.5', 300], ['denoise?ratio=2', 1200], ['upsample?points=700', 700],
@@ -106,7 +129,7 @@ for my $id (grep { $_ ne 'upsample' } sort keys %as) {
     is_deeply $report->{stages}[0]{steps}, 3, "$id: kmeans makes 3 steps";
     is scalar @{ $report->{stages} }, 1, "$id: of one stage";
 }
-like json($daemon->post('/v1/upsample?method=kmeans', $cloud))->{detail}, qr/^method is "kmeans", want one of cvt$/,
+like json($daemon->post('/v1/upsample?method=kmeans', $cloud))->{detail}, qr/^method is "kmeans", want one of cvt, wlop, ear$/,
     'upsample has no means of so many points';
 my $too_many = $daemon->post('/v1/resample?points=700&method=kmeans', $cloud);
 is $too_many->{status}, 422, 'nor has resample';
@@ -118,7 +141,7 @@ is_deeply [sort keys %{ $measure->{inputs} }], [qw(cloud invalid peak reference)
 is $measure->{inputs}{reference}{minOccurs}, 0, 'of which the reference need not come';
 is json($daemon->post('/v1/processes/measure/execution', $cloud))->{n}, $points, 'a body alone is its cloud';
 ok !exists json($daemon->get("/v1/processes/$_"))->{inputs}{peak}, "$_ does not describe peak" for sort keys %as;
-my $names = join ', ', qw(points ratio spacing method patch density contrast grading metric maxAspect p cells iterations delta moveStop seconds neighbors anderson polish boundary holes holeMax edges
+my $names = join ', ', qw(points ratio spacing method patch density contrast grading metric maxAspect p cells iterations delta moveStop seconds neighbors anderson polish sigmaN sigmaP mu rounds steps rho phases samples gaps boundary holes holeMax edges
     outliers sample filters inputNormals intrinsic invalid seed order format quantization compression origin attributes normals baselines);
 
 # Refusals that the head decides, and those that the cloud does: both ways to run a process.

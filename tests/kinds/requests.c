@@ -62,7 +62,7 @@ START_TEST(a_preset_has_the_defaults_of_its_rows)
 
     ck_assert_str_eq(written(&spec),
                      "{" SPREAD "\"closed\":true,\"sieves\":[\"outliers\"],\"weight\":\"even\","
-                     "\"steps\":\"auto\",\"angle\":\"mean\",\"reach\":\"auto\"}");
+                     "\"rungs\":\"auto\",\"angle\":\"mean\",\"reach\":\"auto\"}");
 }
 END_TEST
 
@@ -70,7 +70,7 @@ START_TEST(every_kind_is_read_from_json_and_written_back)
 {
     static const char text[] =
         "{\"label\":\"a \\\"b\\\" \xc3\xa9\",\"closed\":false,\"sieves\":[\"mls\",\"thin\"],"
-        "\"weight\":\"attribute:a,b:c\",\"title\":\"\",\"steps\":[],\"angle\":45.5,\"reach\":0}";
+        "\"weight\":\"attribute:a,b:c\",\"title\":\"\",\"rungs\":[],\"angle\":45.5,\"reach\":0}";
     struct vor_spec spec = request(), back = request();
 
     read_json(&spec, text);
@@ -81,7 +81,7 @@ START_TEST(every_kind_is_read_from_json_and_written_back)
     ck_assert(!vor_list_has(spec.value[VOR_PARAM_SIEVES], 1));
     ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_WEIGHT), "a,b:c");
     ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_TITLE), "");
-    ck_assert(spec.value[VOR_PARAM_STEPS] == 0);
+    ck_assert(spec.value[VOR_PARAM_RUNGS] == 0);
     ck_assert(spec.value[VOR_PARAM_ANGLE] == 45.5);
     ck_assert_ptr_null(vor_spec_name(&spec, VOR_PARAM_ANGLE));
     read_json(&back, written(&spec));
@@ -100,8 +100,8 @@ static const struct {
     {"weight", "even", "\"even\""},
     {"weight", "attribute:none", "\"attribute:none\""},
     {"title", "none", "\"none\""},
-    {"steps", "auto", "\"auto\""},
-    {"steps", "down", "[\"down\"]"},
+    {"rungs", "auto", "\"auto\""},
+    {"rungs", "down", "[\"down\"]"},
     {"angle", "max", "\"max\""},
     {"angle", "90", "90"},
     {"reach", "auto", "\"auto\""},
@@ -159,7 +159,7 @@ static const struct refusal refused[] = {
     {"points", "5",
      "no parameter points; kinds takes method, patch, density, contrast, grading, metric, "
      "maxAspect, p, cells, neighbors, boundary, holes, holeMax, edges, seed, label, closed, "
-     "sieves, weight, title, steps, angle, reach"},
+     "sieves, weight, title, rungs, angle, reach"},
 };
 
 static const struct refusal unknown[] = {
@@ -175,8 +175,8 @@ static const struct refusal unknown[] = {
     {"sieves", "[\"\"]",
      "sieves is \"\\x22\\x22\", want each at most once and with commas between, words of mls, "
      "outliers, thin, or none"},
-    {"steps", "[\"auto\"]",
-     "steps is \"auto\", want each at most once and with commas between, words of up, down, or "
+    {"rungs", "[\"auto\"]",
+     "rungs is \"auto\", want each at most once and with commas between, words of up, down, or "
      "none or auto"},
 };
 
@@ -293,7 +293,7 @@ static const struct {
                "\"mls\",\"outliers\",\"thin\"]},\"default\":[\"outliers\"]}"},
     {"weight", "{\"oneOf\":[{\"type\":\"string\",\"enum\":[\"even\"]},{\"type\":\"string\","
                "\"pattern\":\"^(attribute):.{1,200}$\"}],\"default\":\"even\"}"},
-    {"steps", "{\"oneOf\":[{\"type\":\"array\",\"uniqueItems\":true,\"items\":{\"type\":\"string\","
+    {"rungs", "{\"oneOf\":[{\"type\":\"array\",\"uniqueItems\":true,\"items\":{\"type\":\"string\","
               "\"enum\":[\"up\",\"down\"]}},{\"type\":\"string\",\"enum\":[\"auto\"]}],"
               "\"default\":\"auto\"}"},
     {"angle", "{\"oneOf\":[{\"type\":\"number\",\"minimum\":0,\"maximum\":90},{\"type\":\"string\","

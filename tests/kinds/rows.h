@@ -14,7 +14,7 @@
     X(WEIGHT, weight, CHOICE_OR_NAME, KINDS, "", 1, 200, 0, "even attribute:NAME",                 \
       "A word or a name")                                                                          \
     X(TITLE, title, TEXT, KINDS, "", 0, 300, VOR_UNSET, "", "Another text")                        \
-    X(STEPS, steps, LIST_OR_AUTO, KINDS, "", 0, 0, VOR_UNSET, "up down", "A list or auto")         \
+    X(RUNGS, rungs, LIST_OR_AUTO, KINDS, "", 0, 0, VOR_UNSET, "up down", "A list or auto")         \
     X(ANGLE, angle, REAL_OR_WORD, KINDS, "degrees", 0, 90, VOR_WORD(0), "mean max",                \
       "A number or a word")                                                                        \
     X(REACH, reach, REAL_OR_AUTO, KINDS, "", 0, 1, 0.25, "", "A number or auto")

@@ -20,8 +20,8 @@ our @EXPORT = qw(options figure small_disk fill inject free_port);
 
 # --long and --seed N of a row's command line.
 sub options {
-    my ($long, $seed) = Sockets::options();
-    return (long => $long, seed => $seed);
+    my ($long, $seed, $count) = Sockets::options();
+    return (long => $long, seed => $seed, count => $count);
 }
 
 # One line of the table; ok when the figure is what was wanted, unless that is said.

@@ -26,6 +26,18 @@ $began = time;
 outcome($daemon, json($answer)->{jobID});
 $took = time - $began;
 figure('F6', '2000 points with usual neighbors and seconds=1 end after', sprintf('%.2f s', $took), '<= 1.5 s', $took <= 1.5);
+my $wide = sphere_ply(20_000);
+my $many = 'iterations=10000&polish=10000&seconds=1';
+for (["20,000 points with 500 neighbors", "resample?points=20000&neighbors=500&$many", $wide],
+    ['16,000 on 1,000 with 500 neighbors by metric lp', "resample?points=16000&neighbors=500&metric=lp&$many", $cloud],
+    ['100,000 on 20,000 in progressive order', "resample?points=100000&order=progressive&$many", $wide]) {
+    my ($what, $request, $body) = @$_;
+    ($answer) = async($daemon, $request, $body);
+    $began = time;
+    $how = outcome($daemon, json($answer)->{jobID});
+    $took = time - $began;
+    figure('F6', "$what and seconds=1 end after", sprintf('%.1f s, %s', $took, $how), '<= 2 s', $took <= 2 && $how eq 'successful');
+}
 $daemon->stop;
 
 my $limit = $long ? 10 : 1.5;

@@ -40,6 +40,15 @@ fill($disk);
 my $again = eval { Vt->start(@settings) };
 figure('F07', 'a start with a job to recover on a full disk', $again ? 'listens' : substr($@, 0, 80), 'listens', $again);
 exit 0 unless $again;
+
+# The same once more, with nothing left of the reserve either.
+$again->stop('KILL');
+unlink "$disk/data/jobs.sqlite.reserve";
+fill($disk);
+$again = eval { Vt->start(@settings) };
+figure('F07', 'a start on a full disk whose reserve is spent', $again ? 'listens, /readyz ' . $again->get('/readyz')->{status} : substr($@, 0, 80),
+    'listens, /readyz 503', $again && $again->get('/readyz')->{status} == 503);
+exit 0 unless $again;
 unlink "$disk/filler";
 my $back = wait_until(sub { $again->get('/readyz')->{status} == 200 }, 10);
 figure('F07', '/readyz once there is room', $back ? 200 : 503, 200, $back);

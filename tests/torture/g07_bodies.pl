@@ -1,6 +1,6 @@
 #!/usr/bin/perl
 # G7: bodies with bytes changed, cut, doubled and put in, made from the corpus of the fuzzers, through the real daemon: is
-# each answered, none by a 5xx, and is the daemon as it was? 2,000 of them, 20,000 with --long, or as many as --bodies says.
+# each answered, none by a 5xx, and is the daemon as it was? 2,000 of them, 20,000 with --long, or as many as --count says.
 use strict;
 use warnings;
 use FindBin;
@@ -9,7 +9,7 @@ use Time::HiRes qw(time sleep);
 use lib "$FindBin::Bin/../support";
 use Vt;
 
-GetOptions('long' => \my $long, 'seed=i' => \my $seed, 'bodies=i' => \my $bodies) or exit 2;
+GetOptions('long' => \my $long, 'seed=i' => \my $seed, 'count=i' => \my $bodies) or exit 2;
 $seed //= 1;
 $bodies //= $long ? 20_000 : 2_000;
 my $most_seconds = $long ? 1e9 : 8;

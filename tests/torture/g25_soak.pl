@@ -4,8 +4,9 @@
 use strict;
 use warnings;
 use FindBin;
-use lib "$FindBin::Bin/../support";
+use lib "$FindBin::Bin/../support", $FindBin::Bin;
 use Getopt::Long;
+use Processes;
 use Time::HiRes qw(time sleep);
 use Vt;
 
@@ -47,11 +48,11 @@ my @traffic = (
     sub { my $socket = $daemon->connect; $socket->syswrite("GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n") },
 );
 
-# Once nothing is under way: bytes in memory, open files.
+# Once nothing is under way: bytes in memory of the front, open files, bytes of the worker.
 sub quiet {
     sleep 0.7;
     my ($rss) = Vt::slurp("/proc/$daemon->{pid}/smaps_rollup") =~ /^Rss:\s+(\d+)/m;
-    return (1024 * $rss, scalar(() = glob "/proc/$daemon->{pid}/fd/*"));
+    return (1024 * $rss, scalar(() = glob "/proc/$daemon->{pid}/fd/*"), resident($daemon, 'vor-worker'));
 }
 
 my $began = time;
@@ -65,7 +66,10 @@ my @after = quiet();
 my $grown = ($after[0] - $before[0]) / 1048576;
 row("$count requests in " . int($whole) . ' s: answers that were not the right one', scalar(@wrong), 0, !@wrong);
 print STDERR "$_\n" for @wrong;
-row('memory at the end, against that after the warm-up', sprintf('%+.1f MiB', $grown), '+4 MiB at most', $grown <= 4);
+row('memory of the front at the end, against that after the warm-up', sprintf('%+.1f MiB', $grown), '+4 MiB at most', $grown <= 4);
+$grown = ($after[2] - $before[2]) / 1048576;
+row('memory of the worker, likewise', sprintf('%+.1f MiB of %.1f', $grown, $after[2] / 1048576), '+4 MiB at most',
+    $after[2] > 0 && $grown <= 4);
 row('open files, likewise', sprintf('%+d', $after[1] - $before[1]), '+2 at most', $after[1] - $before[1] <= 2);
 row('exit status', $daemon->stop, 0, 1);
 my $loud = grep { ($_->{level} // '') =~ /warn|error/ } $daemon->log_lines;

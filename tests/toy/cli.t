@@ -53,7 +53,7 @@ subtest 'help comes of the tables' => sub {
     like $overlap, qr/--parts VALUE\n[^\n]+\n      1 to 100000 steps, default 3$/m, 'a preset shows as its default';
     unlike $overlap, qr/--(?:tell|server|points)\b/, 'and nothing that it does not take';
     my (undef, $resample) = run(['resample', '--help']);
-    like $resample, qr/--method VALUE\n[^\n]+\n      cvt \| kmeans \| toy, default cvt$/m, 'resample has the method';
+    like $resample, qr/--method VALUE\n[^\n]+\n      cvt \| kmeans \| wlop \| ear \| toy, default cvt$/m, 'resample has the method';
     like $resample, qr/^The steps of the toy:\n      --parts VALUE$/m, 'and its parameters';
     my (undef, $excerpt) = run(['excerpt', '--help']);
     like $excerpt, qr/--method VALUE\n[^\n]+\n      toy, default toy$/m, 'excerpt has no other';
@@ -101,7 +101,7 @@ subtest 'what the method does not do' => sub {
     refused 'another method', ['excerpt', $in, '-n', 5, '--method', 'cvt', '-o', $out], 2,
         'excerpt: method is "cvt", want one of toy';
     refused 'no such method', ['resample', $in, '-n', 5, '--method', 'lop', '-o', $out], 2,
-        'resample: method is "lop", want one of cvt, kmeans, toy';
+        'resample: method is "lop", want one of cvt, kmeans, wlop, ear, toy';
     my ($code, undef, $stderr) = run(['resample', $in, '-n', 300, '--iterations', 2, '--polish', 0, '-o', $out]);
     like $stderr, qr/after 2 iterations \(iterations\)/, 'cvt is the default, and goes through its own stages';
 };

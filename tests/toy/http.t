@@ -100,7 +100,7 @@ subtest 'descriptions come of the tables' => sub {
     is_deeply $census->{'x-record'}{properties}{run_stage}{enum}, [qw(iterate polish baselines copy prove tally reach forth back)],
         'a record may be of every stage';
     my $resample = json($daemon->get('/v1/processes/resample'))->{inputs};
-    is_deeply $resample->{method}{schema}{enum}, ['cvt', 'kmeans', 'toy'], 'resample has the method';
+    is_deeply $resample->{method}{schema}{enum}, ['cvt', 'kmeans', 'wlop', 'ear', 'toy'], 'resample has the method';
     ok exists $resample->{pause} && !exists $resample->{remark}, 'and its parameters';
     is_deeply json($daemon->get('/v1/processes/excerpt'))->{inputs}{method}{schema},
         { type => 'string', enum => ['toy'], default => 'toy' }, 'excerpt has no other';

@@ -68,7 +68,7 @@ subtest 'readers of events are told that a job begins anew' => sub {
     my $events = $daemon->get("/v1/jobs/$id/events", headers => { Accept => 'application/x-ndjson' })->{content};
     my @events = lines($events);
     shift @events while @events && $events[0]{id} =~ /^1\./;
-    is_deeply $events[0], { event => 'replaced', id => '2.1', data => { attempt => 2, reason => 'worker-restarted' } },
+    is_deeply $events[0], { event => 'replaced', id => '2.1', data => { jobID => $id, attempt => 2, reason => 'worker-restarted' } },
         'the second attempt begins with that';
     is $events[-1]{event}, 'end', 'and the stream ends with the end';
     is_deeply [grep { $_->{id} !~ /^2\./ } @events], [], 'all between are of the second attempt';

@@ -297,6 +297,33 @@ START_TEST(the_disk_s_space_is_known)
 }
 END_TEST
 
+START_TEST(the_bytes_of_all_blobs_are_known)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_uuid id = fresh_id(), other = fresh_id();
+
+    ck_assert_uint_eq(vor_blobs_bytes(blobs), 0);
+    vor_blob_discard(vt_upload(blobs, "discarded", 9));
+    store_text(blobs, &id, "input", "12345");
+    store_text(blobs, &id, "cloud", "1234567");
+    ck_assert_uint_eq(vor_blobs_bytes(blobs), 12);
+    store_text(blobs, &id, "cloud", "123"); /* in its place */
+    store_text(blobs, &other, "cloud", "1");
+    ck_assert_uint_eq(vor_blobs_bytes(blobs), 9);
+    vt_assert_ok(vor_blob_drop(blobs, &id, "input", &vt_err));
+    vt_assert_ok(vor_blob_drop(blobs, &id, "input", &vt_err)); /* which is gone */
+    ck_assert_uint_eq(vor_blobs_bytes(blobs), 4);
+    vt_assert_ok(vor_blob_set_aside(blobs, &other, "cloud", &vt_err));
+    ck_assert_uint_eq(vor_blobs_bytes(blobs), 3);
+    vor_blobs_close(blobs);
+    blobs = vt_dir_blobs(dir);
+    ck_assert_uint_eq(vor_blobs_bytes(blobs), 3);
+    vor_blobs_close(blobs);
+    vt_dir_remove(dir);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("blob_dir");
@@ -311,5 +338,6 @@ int main(void)
     vt_add(suite, a_writer_that_failed_cannot_be_committed);
     vt_add(suite, a_second_opener_and_a_wrong_name_are_refused);
     vt_add(suite, the_disk_s_space_is_known);
+    vt_add(suite, the_bytes_of_all_blobs_are_known);
     return vt_run(suite);
 }

@@ -18,6 +18,8 @@ START_TEST(a_name_has_twice_its_rate_at_once_and_its_rate_from_then_on)
     for (int i = 0; i < 25; i++)
         taken += vor_rates_take(rates, "a", 10, 100) == 0;
     ck_assert_int_eq(taken, 20);
+    ck_assert_double_eq_tol(vor_rates_left(rates, "a", 10, 100), 0, 1e-9);
+    ck_assert_double_eq_tol(vor_rates_left(rates, "c", 10, 100), 20, 1e-9);
     ck_assert_double_eq_tol(vor_rates_take(rates, "a", 10, 100), 0.1, 1e-9);
     ck_assert_double_eq_tol(vor_rates_take(rates, "a", 10, 100.05), 0.05, 1e-9);
     ck_assert(vor_rates_take(rates, "b", 10, 100.05) == 0); /* nobody pays for another */

@@ -57,6 +57,20 @@ START_TEST(a_time_limit_of_its_own_makes_a_request_short)
 }
 END_TEST
 
+START_TEST(a_time_of_its_own_that_cannot_be_kept_is_refused_and_what_is_wanted_named)
+{
+    struct vor_spec spec = REQUEST({"points", "10000000"}, {"seconds", "1"});
+
+    vt_assert_fails(VOR_E_WORK, vor_cost_check(&spec, 1000000, 2, 0, &vt_err));
+    ck_assert_uint_eq(vt_err.limit, 1);
+    ck_assert_uint_eq(vt_err.got, 35);
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "seconds is 1, and placing 10000000 points"));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "want 7 or more"));
+    vt_assert_ok(vor_spec_set(&spec, "seconds", "7", &vt_err));
+    vt_assert_ok(vor_cost_check(&spec, 1000000, 2, 0, &vt_err));
+}
+END_TEST
+
 START_TEST(an_estimate_grows_with_what_is_asked_for)
 {
     static const char *const more[][2] = {{"points", "4000"},        {"iterations", "50"},
@@ -141,6 +155,7 @@ int main(void)
     vt_add(suite, ten_million_points_as_usual_are_accepted);
     vt_add(suite, a_small_body_with_extreme_parameters_is_refused_with_estimate_and_limit);
     vt_add(suite, a_time_limit_of_its_own_makes_a_request_short);
+    vt_add(suite, a_time_of_its_own_that_cannot_be_kept_is_refused_and_what_is_wanted_named);
     vt_add_loop(suite, an_estimate_grows_with_what_is_asked_for, 6);
     vt_add(suite, a_job_that_runs_longer_than_it_may_fails_and_says_so);
     vt_add(suite, the_time_of_a_request_ends_a_step_under_way_and_the_report_says_so);

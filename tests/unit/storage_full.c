@@ -278,9 +278,7 @@ START_TEST(a_store_on_a_full_disk_opens_by_its_reserve)
     struct vor_store *store;
     int changed;
     uint32_t attempt;
-    const struct vor_crash crash = {
-        .by_fault = 1, .faults_max = 3, .kills_max = 3, .now_ms = 1, .expires_ms = 2};
-    struct vor_recovered recovered;
+    uint64_t requeued;
 
     ck_assert(small_disk(dir, 1000));
     store = vt_dir_store(dir);
@@ -290,9 +288,74 @@ START_TEST(a_store_on_a_full_disk_opens_by_its_reserve)
     vor_store_close(store);
     fill(dir);
     store = vt_dir_store(dir);
-    vt_assert_ok(vor_store_recover(store, &crash, &recovered, &vt_err));
-    ck_assert_uint_eq(recovered.requeued, 1);
+    vt_assert_ok(vor_store_recover(store, 1, &requeued, &vt_err));
+    ck_assert_uint_eq(requeued, 1);
     vor_store_close(store);
+    remove_disk(dir);
+}
+END_TEST
+
+/* _i: after an end in order, and after a start that has spent what was kept for it. */
+START_TEST(a_store_opens_on_a_full_disk_whose_reserve_is_spent)
+{
+    const char *dir = vt_dir_make();
+    struct vor_job_view row = vt_row(10), back;
+    char reserve[512];
+    struct vor_store *store;
+    int found;
+
+    ck_assert(small_disk(dir, 1000));
+    store = vt_dir_store(dir);
+    vor_store_set_reserve(store, 200000);
+    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    vor_store_close(store);
+    (void)snprintf(reserve, sizeof reserve, "%s/jobs.sqlite.reserve", dir);
+    ck_assert_int_eq(unlink(reserve), 0);
+    fill(dir);
+    for (int i = 0; i <= _i; i++) {
+        store = vt_dir_store(dir);
+        vor_store_set_reserve(store, 200000);
+        vt_assert_ok(vor_store_get(store, &row.id, &back, &found, &vt_err));
+        ck_assert(found);
+        vt_assert_fails(VOR_E_IO, vor_store_check_reserve(store, &vt_err));
+        vor_store_close(store);
+    }
+    remove_disk(dir);
+}
+END_TEST
+
+/* A job that ran when the last daemon ended, on a disk that has no byte for its row. */
+START_TEST(what_a_start_cannot_put_in_order_waits_for_room)
+{
+    const char *dir = vt_dir_make();
+    struct vor_spec spec = vt_request(300, 3);
+    struct vor_job_view row = vt_row(10);
+    struct vt_daemon daemon;
+    struct vor_cloud cloud;
+    struct vor_uuid id;
+
+    ck_assert(small_disk(dir, 1000));
+    vt_daemon_start(&daemon, dir, NULL);
+    vt_assert_ok(vor_store_insert(daemon.store, &row, &vt_err));
+    vt_assert_ok(vor_store_claim(daemon.store, &row.id, 1, &row.attempt, &(int){0}, &vt_err));
+    exhaust(&daemon);
+    vt_daemon_stop(&daemon);
+    fill(dir);
+    start(&daemon, dir);
+    vt_assert_fails(VOR_E_IO, vor_worker_ready(daemon.worker, &vt_err));
+    ck_assert(vor_error_storage_full(&vt_err));
+    ck_assert_int_eq(vor_worker_get(daemon.worker, &row.id, &row, &vt_err), VOR_DONE);
+    ck_assert_int_eq(row.status, VOR_JOB_RUNNING);
+    make_room(dir);
+    while (row.status == VOR_JOB_RUNNING) { /* the sweeper looks twice a second */
+        nap(20);
+        ck_assert_int_eq(vor_worker_get(daemon.worker, &row.id, &row, &vt_err), VOR_DONE);
+    }
+    vt_cloud_sphere(&cloud, 1, 1000);
+    while (vt_daemon_submit(&daemon, &cloud, &spec, &id) != VOR_DONE)
+        nap(20);
+    vor_cloud_free(&cloud);
+    vt_daemon_stop(&daemon);
     remove_disk(dir);
 }
 END_TEST
@@ -331,5 +394,7 @@ int main(void)
     vt_add(suite, what_ends_a_job_spends_the_reserve_which_is_made_again);
     vt_add(suite, a_store_on_a_full_disk_opens_by_its_reserve);
     vt_add(suite, an_end_that_cannot_be_stored_is_stored_once_there_is_room);
+    vt_add_loop(suite, a_store_opens_on_a_full_disk_whose_reserve_is_spent, 2);
+    vt_add(suite, what_a_start_cannot_put_in_order_waits_for_room);
     return vt_run(suite);
 }

@@ -92,14 +92,12 @@ static int remove_row(struct vor_store *store, const struct vor_uuid *id)
     return changed;
 }
 
-static struct vor_recovered recover(struct vor_store *store, int by_fault)
+static uint64_t recover(struct vor_store *store)
 {
-    const struct vor_crash crash = {
-        .by_fault = by_fault, .faults_max = 2, .kills_max = 3, .now_ms = 5000, .expires_ms = 9000};
-    struct vor_recovered recovered;
+    uint64_t requeued;
 
-    vt_assert_ok(vor_store_recover(store, &crash, &recovered, &vt_err));
-    return recovered;
+    vt_assert_ok(vor_store_recover(store, 5000, &requeued, &vt_err));
+    return requeued;
 }
 
 /* --- rows ------------------------------------------------------------------------------------- */
@@ -509,42 +507,20 @@ START_TEST(results_expire_then_are_forgotten)
 }
 END_TEST
 
-START_TEST(what_ran_in_a_crash_is_run_alone_until_it_crashed_too_often)
+START_TEST(what_ran_when_the_daemon_ended_is_run_again_alone_however_often)
 {
     const char *dir = vt_dir_make();
-    const int by_fault = loop_of(_i);
     struct vor_store *store = open_store(_i, dir);
-    struct vor_job_view waits = insert(store, 10), runs = insert(store, 10), back;
-    struct vor_recovered recovered;
+    struct vor_job_view waits = insert(store, 10), runs = insert(store, 10);
 
     ck_assert(!get(store, &runs.id).alone);
-    for (uint32_t crash = 1; crash <= 2; crash++) { /* only the second one is the job's own */
-        ck_assert_uint_eq(claim(store, &runs.id), crash);
-        recovered = recover(store, by_fault);
-        ck_assert_uint_eq(recovered.requeued, 1);
-        ck_assert_uint_eq(recovered.failed, 0);
+    for (uint32_t end = 1; end <= 20; end++) {
+        ck_assert_uint_eq(claim(store, &runs.id), end);
+        ck_assert_uint_eq(recover(store), 1);
         ck_assert_int_eq(get(store, &runs.id).status, VOR_JOB_ACCEPTED);
         ck_assert(get(store, &runs.id).alone);
     }
-    (void)claim(store, &runs.id);
-    (void)release(store, &runs.id, 3); /* going down in good order is no crash */
-    ck_assert_uint_eq(claim(store, &runs.id), 4);
-    recovered = recover(store, !by_fault); /* each kind of end has its own count */
-    ck_assert_uint_eq(recovered.requeued, 1);
-    ck_assert_uint_eq(claim(store, &runs.id), 5);
-    recovered = recover(store, by_fault);
-    ck_assert_uint_eq(recovered.failed, by_fault);
-    if (!by_fault) {
-        ck_assert_uint_eq(claim(store, &runs.id), 6);
-        ck_assert_uint_eq(recover(store, 0).failed, 1);
-    }
-    back = get(store, &runs.id);
-    ck_assert_int_eq(back.status, VOR_JOB_FAILED);
-    ck_assert_int_eq(back.problem.status, VOR_E_INTERNAL);
-    ck_assert_ptr_nonnull(
-        strstr(back.problem.message, by_fault ? "crashed 2 times" : "killed 3 times"));
-    ck_assert_int_ge(back.finished, back.created); /* the clock of this test is behind */
-    ck_assert_int_eq(back.expires, 9000);
+    ck_assert_uint_eq(recover(store), 0);
     ck_assert_int_eq(get(store, &waits.id).status, VOR_JOB_ACCEPTED);
     ck_assert(!get(store, &waits.id).alone);
     vor_store_close(store);
@@ -858,7 +834,7 @@ int main(void)
     vt_add_loop(suite, a_list_is_newest_first_filtered_and_continued_by_its_cursor, times);
     vt_add_loop(suite, what_waits_comes_in_the_order_of_acceptance, times);
     vt_add_loop(suite, results_expire_then_are_forgotten, times);
-    vt_add_loop(suite, what_ran_in_a_crash_is_run_alone_until_it_crashed_too_often, 2 * times);
+    vt_add_loop(suite, what_ran_when_the_daemon_ended_is_run_again_alone_however_often, times);
     vt_add_loop(suite, a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was, times);
     vt_add_loop(suite, what_was_answered_before_a_kill_is_there_after_it, KILL_POINTS * times);
     vt_add_loop(suite, no_acknowledged_row_is_lost_by_a_kill_at_any_instant, 8 * times);

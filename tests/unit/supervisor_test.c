@@ -3,6 +3,9 @@
  * the real ones are compared with runs in this process. */
 #include "proto/dump.h"
 #include "server/base/log.h"
+#include "server/base/metrics.h"
+#include "server/work/codec_child.h"
+#include "server/work/execute.h"
 #include "server/work/station.h"
 #include "server/work/supervisor.h"
 #include "server/work/wire.h"
@@ -162,12 +165,30 @@ static int unready(int channel, const int *fds, unsigned fd_count)
     return VOR_STATION_NO_POOL;
 }
 
-enum { SCRIPTED, STATION, UNREADY, KINDS };
+/* Codec children that do not encode. */
+static int crash(int channel, const int *fds, unsigned fd_count)
+{
+    (void)channel;
+    (void)fds;
+    (void)fd_count;
+    (void)signal(SIGABRT, SIG_DFL);
+    return raise(SIGABRT);
+}
+
+static int sleep_on(int channel, const int *fds, unsigned fd_count)
+{
+    (void)channel;
+    (void)fds;
+    (void)fd_count;
+    return pause();
+}
+
+enum { SCRIPTED, STATION, UNREADY, CODEC, CRASHING_CODEC, SLEEPING_CODEC, KINDS };
 
 static const struct vor_child_kind kinds[KINDS] = {
-    [SCRIPTED] = {"t-scripted", scripted},
-    [STATION] = {"t-station", vor_station_run},
-    [UNREADY] = {"t-unready", unready},
+    [SCRIPTED] = {"t-scripted", scripted}, [STATION] = {"t-station", vor_station_run},
+    [UNREADY] = {"t-unready", unready},    [CODEC] = {"t-codec", vor_codec_child},
+    [CRASHING_CODEC] = {"t-crash", crash}, [SLEEPING_CODEC] = {"t-sleep", sleep_on},
 };
 
 /* --- the front -------------------------------------------------------------------------------- */
@@ -177,19 +198,35 @@ struct front {
     struct vor_supervisor *supervisor;
 };
 
-static struct front front_start(unsigned kind, double cancel_seconds, double stall_seconds)
+static struct front front_of(struct vor_supervisor_config config)
 {
     struct front front = {.zygote = malloc(sizeof *front.zygote)};
-    struct vor_supervisor_config config = {.zygote = front.zygote,
-                                           .kind = kind,
-                                           .threads = 2,
-                                           .memory = (size_t)1 << 28,
-                                           .cancel_seconds = cancel_seconds,
-                                           .stall_seconds = stall_seconds};
 
+    config.zygote = front.zygote;
+    if (config.codec.kind != 0)
+        config.codec.zygote = front.zygote;
+    config.threads = 2;
+    config.memory = (size_t)1 << 28;
     vt_assert_ok(vor_zygote_start(front.zygote, kinds, KINDS, &vt_err));
     vt_assert_ok(vor_supervisor_create(&front.supervisor, &config, &vt_err));
     return front;
+}
+
+static struct front front_start(unsigned kind, double cancel_seconds, double stall_seconds)
+{
+    return front_of((struct vor_supervisor_config){
+        .kind = kind, .cancel_seconds = cancel_seconds, .stall_seconds = stall_seconds});
+}
+
+/* Whose worker has results encoded by children of that kind. */
+static struct front front_with_codec(unsigned codec)
+{
+    struct vor_error why;
+
+    return front_of((struct vor_supervisor_config){
+        .kind = STATION,
+        .cancel_seconds = 10,
+        .codec = {.kind = codec, .sandbox = vor_sandbox_probe(&why)}});
 }
 
 static void front_stop(struct front *front)
@@ -266,7 +303,11 @@ static struct vor_order order_of(size_t memory)
 static void run_at(struct heard *heard, struct vor_run_executor *executor,
                    const struct vor_order *order)
 {
-    const struct vor_listener listener = {heard, answer, hear_record, hear_stage, hear_wait};
+    const struct vor_listener listener = {.ctx = heard,
+                                          .asked = answer,
+                                          .progress = hear_record,
+                                          .stage = hear_stage,
+                                          .waits = hear_wait};
 
     vor_text_init(&heard->kept, 0);
     heard->end =
@@ -399,7 +440,9 @@ START_TEST(a_crash_is_told_to_all_that_ran_there)
 {
     struct front front = front_start(SCRIPTED, 0, 0);
     struct heard beside[3], heard;
+    struct vor_text numbers;
 
+    vor_metrics_reset();
     for (int i = 0; i < 3; i++)
         begin(&beside[i], &front, OBEYS);
     for (int i = 0; i < 3; i++)
@@ -408,6 +451,10 @@ START_TEST(a_crash_is_told_to_all_that_ran_there)
     for (int i = 0; i < 3; i++)
         ck_assert_int_eq(end_of(&beside[i]), VOR_RUN_CRASHED);
     ck_assert_uint_eq(counts_of(&front).crashed, 1);
+    vor_text_init(&numbers, 0);
+    vor_metrics_write(&numbers);
+    ck_assert_ptr_nonnull(strstr(numbers.data, "\nvoronoid_worker_restarts_total 1\n"));
+    vor_text_free(&numbers);
     front_stop(&front);
 }
 END_TEST
@@ -571,9 +618,10 @@ static size_t before_seconds(const struct vor_text *kept)
     return (size_t)(at - kept->data);
 }
 
+/* _i: the format, with and without children that encode. */
 START_TEST(a_run_in_another_process_gives_what_one_in_this_gives)
 {
-    struct front front = front_start(STATION, 0, 0);
+    struct front front = _i / 2 == 0 ? front_start(STATION, 0, 0) : front_with_codec(CODEC);
     struct vor_run_here here;
     struct heard there_heard = {.front = &front}, here_heard = {.front = &front};
     struct files there_files, here_files;
@@ -582,8 +630,10 @@ START_TEST(a_run_in_another_process_gives_what_one_in_this_gives)
     size_t wanted_size, got_size;
     struct vor_pool *pool;
 
+    order.format = (unsigned)_i % 2;
     run_at(&there_heard, vor_supervisor_executor(front.supervisor), &order);
     order = real_order(&here_files);
+    order.format = (unsigned)_i % 2;
     vt_assert_ok(vor_pool_create(&pool, 2, &vt_err));
     vor_run_here_init(&here, pool);
     run_at(&here_heard, &here.base, &order);
@@ -606,6 +656,74 @@ START_TEST(a_run_in_another_process_gives_what_one_in_this_gives)
     vor_text_free(&here_heard.kept);
     vor_pool_destroy(pool);
     front_stop(&front);
+}
+END_TEST
+
+static void *run_real(void *arg)
+{
+    struct heard *heard = arg;
+    struct files files;
+    struct vor_order order = real_order(&files);
+
+    run_at(heard, vor_supervisor_executor(heard->front->supervisor), &order);
+    (void)fclose(files.in);
+    (void)fclose(files.out);
+    return NULL;
+}
+
+/* Begins a real run. */
+static void begin_real(struct heard *heard, const struct front *front)
+{
+    memset(heard, 0, sizeof *heard);
+    heard->front = front;
+    ck_assert_int_eq(pthread_create(&heard->thread, NULL, run_real, heard), 0);
+}
+
+START_TEST(an_encoder_that_crashes_fails_its_own_run_and_nothing_beside_it)
+{
+    struct front front = front_with_codec(CRASHING_CODEC);
+    struct heard heard[3];
+
+    for (int i = 0; i < 3; i++)
+        begin_real(&heard[i], &front);
+    for (int i = 0; i < 3; i++) {
+        ck_assert_int_eq(end_of(&heard[i]), VOR_RUN_FAILED);
+        ck_assert_int_eq(heard[i].err.status, VOR_E_INTERNAL);
+        ck_assert_str_eq(heard[i].err.message,
+                         "writing the result failed: it crashed (signal 6, exit status 0)");
+    }
+    ck_assert_uint_eq(counts_of(&front).started, 1);
+    ck_assert_uint_eq(counts_of(&front).crashed, 0);
+    front_stop(&front);
+}
+END_TEST
+
+/* Cancels once the outputs are being written. */
+static enum vor_answer cancel_at_end(void *ctx)
+{
+    return atomic_load(&((struct heard *)ctx)->stages) > 0 ? VOR_CANCEL : VOR_CONTINUE;
+}
+
+START_TEST(a_run_that_is_cancelled_does_not_wait_for_its_encoder)
+{
+    struct heard heard = {.script = SAYS_ALL};
+    const struct vor_listener listener = {&heard, cancel_at_end, hear_record, hear_stage,
+                                          hear_wait};
+    struct vor_zygote zygote;
+    struct vor_run_means means = {.codec = {.zygote = &zygote, .kind = SLEEPING_CODEC}};
+    struct files files;
+    struct vor_order order = real_order(&files);
+
+    vt_assert_ok(vor_zygote_start(&zygote, kinds, KINDS, &vt_err));
+    vt_assert_ok(vor_pool_create(&means.pool, 1, &vt_err));
+    vor_text_init(&heard.kept, 0);
+    vt_assert_fails(VOR_E_CANCELLED,
+                    vor_execute(&heard.result, &heard.kept, &order, &means, &listener, &vt_err));
+    vor_text_free(&heard.kept);
+    vor_pool_destroy(means.pool);
+    vor_zygote_stop(&zygote);
+    (void)fclose(files.in);
+    (void)fclose(files.out);
 }
 END_TEST
 
@@ -725,7 +843,9 @@ int main(void)
     vt_add(suite, a_worker_without_a_sign_of_life_is_ended);
     vt_add(suite, a_cancelled_run_that_does_not_end_is_ended_and_blamed_alone);
     vt_add(suite, a_deaf_run_is_ended_and_one_that_listens_is_not);
-    vt_add(suite, a_run_in_another_process_gives_what_one_in_this_gives);
+    vt_add_loop(suite, a_run_in_another_process_gives_what_one_in_this_gives, 4);
+    vt_add(suite, an_encoder_that_crashes_fails_its_own_run_and_nothing_beside_it);
+    vt_add(suite, a_run_that_is_cancelled_does_not_wait_for_its_encoder);
     vt_add(suite, an_input_that_is_no_dump_fails_the_run_and_not_the_worker);
     vt_add(suite, a_worker_whose_threads_do_not_start_is_an_error);
     vt_add(suite, words_that_make_no_sense_break_the_channel);

@@ -235,6 +235,8 @@ START_TEST(a_cloud_beside_the_main_output_is_saved_under_its_name)
     struct vt_daemon daemon = {.dir = vt_dir_make()};
     struct vor_artefact artefact = {.name = "mesh", .kind = VOR_ARTEFACT_CLOUD};
     struct vor_order order = {.format = (unsigned)_i};
+    const struct vor_codec_place here = {.zygote = NULL};
+    const struct vor_writing writing = {&order, &facts, &here};
     struct vor_job_view row = vt_row(10);
     struct vor_blob_writer *writer;
     struct vor_cloud back;
@@ -247,7 +249,7 @@ START_TEST(a_cloud_beside_the_main_output_is_saved_under_its_name)
     vor_spec_preset(&order.spec, vor_process_find("measure"));
     vt_assert_ok(vor_blob_create(daemon.blobs, &writer, &vt_err));
     order.output[1] = vor_blob_fd(writer);
-    vt_assert_ok(vor_artefact_write(&saved, &order, 1, &artefact, &facts, &vt_err));
+    vt_assert_ok(vor_artefact_write(&saved, &writing, 1, &artefact, &vt_err));
     vt_assert_ok(vor_blob_adopt(writer, saved.bytes, saved.sha256, &vt_err));
     vt_assert_ok(vor_blob_commit(writer, &row.id, "mesh", &vt_err));
     bytes = vt_daemon_output(&daemon, &row.id, "mesh", &size);
@@ -275,13 +277,14 @@ START_TEST(an_output_of_an_unknown_format_is_not_written)
     struct vor_result_facts facts = {.spacing = 0};
     struct vor_artefact artefact = {.name = "mesh", .kind = VOR_ARTEFACT_CLOUD};
     struct vor_order order = {.format = 99}; /* as a newer version may have noted it */
+    const struct vor_codec_place here = {.zygote = NULL};
+    const struct vor_writing writing = {&order, &facts, &here};
     FILE *file = tmpfile();
 
     order.output[0] = fileno(file);
     vt_cloud_sphere(&artefact.cloud, 1, 70);
     vor_spec_preset(&order.spec, vor_process_find("measure"));
-    vt_assert_fails(VOR_E_INTERNAL,
-                    vor_artefact_write(&saved, &order, 0, &artefact, &facts, &vt_err));
+    vt_assert_fails(VOR_E_INTERNAL, vor_artefact_write(&saved, &writing, 0, &artefact, &vt_err));
     ck_assert_str_eq(vt_err.message, "this version has no format 99");
     ck_assert_uint_eq(saved.points, 77);
     ck_assert_int_eq(lseek(order.output[0], 0, SEEK_END), 0);

@@ -1,15 +1,19 @@
-/* The events of a job as a stream (SSE or NDJSON) and, afterwards, as a table. A slow reader gets
- * the latest progress, never a longer queue; ten times a second is enough for any. */
-#include "proto/csv.h"
+/* The events of jobs as a stream (SSE or NDJSON): of one job, or of several together. A slow reader
+ * gets the latest progress, never a longer queue; ten times a second is enough for any.
+ *
+ * A stream goes around its jobs and sends a few events of one after the other. What it holds of
+ * each is a position and two references: the job's description is looked up while its events are
+ * written, and the events of one that is over are in memory only during its turn. */
 #include "proto/sse.h"
 #include "server/api/accept.h"
+#include "server/api/auth.h"
+#include "server/api/handlers/event_text.h"
+#include "server/api/handlers/events_ask.h"
 #include "server/api/handlers/handlers.h"
-#include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,30 +21,58 @@ enum { BATCH = 32, RETRY_MS = 2000, RETRY_DRAIN_MS = 1000, RETRY_FULL_MS = 10000
 enum { FEW = 64 }; /* streams; so many writes take 3 ms */
 static const double progress_pause = 0.1;
 
+/* One job of a stream. */
+struct track {
+    struct vor_uuid id;
+    struct vor_job *job; /* NULL when it is not live */
+    struct vor_bus *bus; /* NULL as long as nobody has looked, and once it is over */
+    struct vor_position position;
+    struct vor_subscriber subscriber;
+    bool is_replay; /* every event up to the newest at the beginning */
+    bool is_over;
+    bool is_looking;  /* at the points as they move */
+    uint64_t version; /* of the preview told last */
+};
+
 struct stream {
     struct vor_app *app;
     struct vor_request *request;
-    struct vor_uuid id;
-    struct vor_followed followed; /* what was asked of the worker, once for the whole stream */
-    struct vor_subscriber subscriber;
+    struct vor_followed
+        followed; /* the job whose events are written; its track has the references */
     struct vor_waker *waker;
     atomic_bool armed; /* progress may wake the request */
-    struct vor_position position;
-    bool is_replay; /* every event up to the newest at the beginning */
-    bool is_lines;  /* NDJSON */
+    bool is_many;      /* ids have the positions of all jobs */
+    bool is_lines;     /* NDJSON */
     bool began, ended;
     double sent_at, progress_at;
     struct vor_text text; /* what waits to be sent, from taken on */
     size_t taken;
+    size_t preview;     /* points of previews at most; 0: none are wanted */
+    unsigned at, count; /* whose turn it is, of how many */
+    struct track tracks[];
 };
+
+/* Lets go of a track's job: it is over, or the stream is. */
+static void leave(struct track *track)
+{
+    if (track->is_looking)
+        vor_preview_look_away(vor_job_preview(track->job));
+    track->is_looking = false;
+    if (track->bus != NULL)
+        vor_bus_unsubscribe(track->bus, &track->subscriber);
+    vor_bus_release(track->bus);
+    vor_job_release(track->job);
+    track->bus = NULL;
+    track->job = NULL;
+    track->is_over = true;
+}
 
 static void release(void *state)
 {
     struct stream *stream = state;
 
-    if (stream->followed.bus != NULL)
-        vor_bus_unsubscribe(stream->followed.bus, &stream->subscriber);
-    vor_worker_unfollow(&stream->followed);
+    for (unsigned i = 0; i < stream->count; i++)
+        leave(&stream->tracks[i]);
     (void)atomic_fetch_sub(&stream->app->streams, 1);
     vor_waker_drop(stream->waker);
     vor_text_free(&stream->text);
@@ -61,149 +93,131 @@ static void on_event(void *ctx, enum vor_event_kind kind)
         vor_request_wake_after(stream->request, 0);
 }
 
-/* Writes the job as it is now, but in the state that it had at the event. */
-static void write_status(struct stream *stream, struct vor_request *request,
-                         const struct vor_event *event, struct vor_text *text)
+/* Begins to follow the job of a track, whose description is then at hand. */
+static enum vor_job_outcome look_up(struct stream *stream, struct track *track,
+                                    struct vor_error *err)
 {
-    struct vor_job_view view;
+    enum vor_job_outcome outcome =
+        vor_worker_follow(stream->app->worker, &track->id, &stream->followed, err);
 
-    vor_worker_followed(stream->app->worker, &stream->followed, &view);
-    if (view.status != event->status) {
-        view.finished = 0;
-        view.message[0] = '\0';
+    track->job = stream->followed.job;
+    track->bus = stream->followed.bus;
+    if (outcome != VOR_DONE)
+        return outcome;
+    track->subscriber = (struct vor_subscriber){.wake = on_event, .ctx = stream};
+    vor_bus_subscribe(track->bus, &track->subscriber);
+    track->is_looking = stream->preview > 0 && track->job != NULL;
+    if (track->is_looking)
+        vor_preview_look(vor_job_preview(track->job));
+    return VOR_DONE;
+}
+
+/* The same for a job that may be another caller's, who then learns nothing of it. */
+static enum vor_job_outcome look_up_own(struct stream *stream, struct track *track,
+                                        struct vor_error *err)
+{
+    const char *tenant = vor_auth_tenant(stream->request);
+    enum vor_job_outcome outcome = VOR_DONE;
+
+    if (tenant != NULL)
+        outcome =
+            vor_worker_get_of(stream->app->worker, &track->id, tenant, &stream->followed.row, err);
+    return outcome == VOR_DONE ? look_up(stream, track, err) : outcome;
+}
+
+/* Has the description of a track's job at hand. That of one that is over was read when it was
+ * looked up, and no other track has had a turn since. */
+static void turn_to(struct stream *stream, const struct track *track)
+{
+    if (stream->followed.bus == track->bus)
+        return;
+    stream->followed.job = track->job;
+    stream->followed.bus = track->bus;
+    if (track->job != NULL)
+        vor_job_view(track->job, &stream->followed.row);
+}
+
+/* The track's job is over. Another bus may get the address of its bus. */
+static void end_turns(struct stream *stream, struct track *track)
+{
+    leave(track);
+    stream->followed.job = NULL;
+    stream->followed.bus = NULL;
+}
+
+/* The id of an event of the track whose turn it is: its position or, where the stream has several
+ * jobs, that of each, in the order that they were asked for. */
+static void write_id(const struct stream *stream, const char *own, char *out, size_t size)
+{
+    size_t at = 0;
+
+    if (!stream->is_many) {
+        (void)snprintf(out, size, "%s", own);
+        return;
     }
-    view.status = event->status;
-    view.stage = event->stage;
-    view.attempt = event->attempt;
-    view.progress = event->progress;
-    view.updated = event->time_ms;
-    vor_job_write(stream->app, request, &view, text);
+    for (unsigned i = 0; i < stream->count && at < size; i++) {
+        const struct track *track = &stream->tracks[i];
+        const char *comma = i > 0 ? "," : "";
+
+        if (i == stream->at)
+            at += (size_t)snprintf(out + at, size - at, "%s%s", comma, own);
+        else if (track->is_over)
+            at += (size_t)snprintf(out + at, size - at, "%s" VOR_POSITION_END, comma);
+        else
+            at += (size_t)snprintf(out + at, size - at, "%s%u.%u", comma, track->position.attempt,
+                                   track->position.number);
+    }
 }
 
-/* How many steps a parameter allows; 0 where the process does not take it. */
-static uint64_t steps_of(const struct vor_spec *spec, enum vor_parameter parameter, double steps)
+static void write_event(struct stream *stream, struct track *track, const struct vor_event *event)
 {
-    return vor_process_takes(spec->process, parameter) && steps > 0 ? (uint64_t)steps : 0;
-}
+    struct vor_teller teller = {stream->app, stream->request, &stream->followed, stream->is_lines};
+    bool is_end = event->kind == VOR_EVENT_END;
+    char own[VOR_POSITION_SIZE], id[VOR_EVENT_JOBS_MAX * VOR_POSITION_SIZE];
 
-/* maxIterations and maxPolish are older than stages: they mean something to a run that iterates and
- * polishes. */
-static void write_progress(const struct stream *stream, const struct vor_event *event,
-                           struct vor_text *text)
-{
-    const struct vor_spec *spec = &stream->followed.row.spec;
-
-    vor_json_begin_object(text);
-    vor_json_put_string(text, "jobID", stream->id.text);
-    vor_json_put_u64(text, "attempt", event->attempt);
-    vor_json_put_string(text, "stage", vor_stage_word(event->stage));
-    vor_json_put_u64(text, "maxIterations",
-                     steps_of(spec, VOR_PARAM_ITERATIONS, vor_spec_iterations(spec)));
-    vor_json_put_u64(text, "maxPolish", steps_of(spec, VOR_PARAM_POLISH, vor_spec_polish(spec)));
-    vor_json_members(text, &vor_record_members, &event->record);
-    vor_json_put_i64(text, "progress", event->progress);
-    vor_json_put_double(text, "eta", event->eta_seconds >= 0 ? event->eta_seconds : NAN);
-    vor_json_end_object(text);
-}
-
-/* href and report are older than outputs, which has them all by name. */
-static void write_outputs(struct stream *stream, struct vor_request *request,
-                          const struct vor_artefact_info *outputs, struct vor_text *text)
-{
-    const struct vor_uuid *id = &stream->id;
-    char url[VOR_URL_MAX];
-
-    vor_json_put_string(text, "href",
-                        vor_app_result_url(stream->app, request, id, outputs[0].name, url));
-    if (vor_artefact_find(outputs, "report") != NULL)
-        vor_json_put_string(text, "report",
-                            vor_app_result_url(stream->app, request, id, "report", url));
-    vor_json_key(text, "outputs");
-    vor_json_begin_object(text);
-    for (unsigned i = 0; outputs[i].name != NULL; i++)
-        vor_json_put_string(text, outputs[i].name,
-                            vor_app_result_url(stream->app, request, id, outputs[i].name, url));
-    vor_json_end_object(text);
-}
-
-static void write_end(struct stream *stream, struct vor_request *request,
-                      const struct vor_event *event, struct vor_text *text)
-{
-    char url[VOR_URL_MAX];
-
-    vor_json_begin_object(text);
-    vor_json_put_string(text, "jobID", stream->id.text);
-    vor_json_put_string(text, "status", vor_job_status_word(event->status));
-    if (event->status == VOR_JOB_SUCCESSFUL)
-        write_outputs(stream, request, stream->followed.row.spec.process->outputs, text);
+    if (is_end && stream->is_many)
+        (void)snprintf(own, sizeof own, VOR_POSITION_END);
     else
-        vor_json_put_string(text, "href",
-                            vor_app_job_url(stream->app, request, &stream->id, "", url));
-    vor_json_end_object(text);
-}
-
-static void write_data(struct stream *stream, struct vor_request *request,
-                       const struct vor_event *event, struct vor_text *text)
-{
-    switch (event->kind) {
-    case VOR_EVENT_PROGRESS:
-        write_progress(stream, event, text);
-        return;
-    case VOR_EVENT_END:
-        write_end(stream, request, event, text);
-        return;
-    case VOR_EVENT_REPLACED:
-        vor_text_printf(text, "{\"attempt\":%u,\"reason\":\"%s\"}", event->attempt,
-                        event->stage == VOR_STAGE_QUEUED ? "daemon-restarted" : "worker-restarted");
-        return;
-    case VOR_EVENT_STATUS:
-    case VOR_EVENT_KINDS:
-        break;
-    }
-    write_status(stream, request, event, text);
-}
-
-static void write_event(struct stream *stream, struct vor_request *request,
-                        const struct vor_event *event)
-{
-    struct vor_text data;
-    char id[32];
-
-    vor_text_init(&data, 0);
-    write_data(stream, request, event, &data);
-    (void)snprintf(id, sizeof id, "%u.%u", event->attempt, event->number);
-    if (data.failed) {
+        (void)snprintf(own, sizeof own, "%u.%u", event->attempt, event->number);
+    write_id(stream, own, id, sizeof id);
+    if (!vor_event_tell(&teller, event, id, &stream->text))
         stream->ended = true; /* out of memory: the client comes back for it */
-    } else if (!stream->is_lines) {
-        vor_sse_event(&stream->text, id, vor_event_word(event->kind), data.data, data.size);
-    } else {
-        vor_json_begin_object(&stream->text);
-        vor_json_put_string(&stream->text, "event", vor_event_word(event->kind));
-        vor_json_put_string(&stream->text, "id", id);
-        vor_json_key(&stream->text, "data");
-        vor_json_raw(&stream->text, data.data, data.size);
-        vor_json_end_object(&stream->text);
-        vor_text_puts(&stream->text, "\n");
-    }
-    vor_text_free(&data);
-    if (event->kind == VOR_EVENT_END)
-        stream->ended = true;
+    if (is_end)
+        end_turns(stream, track);
 }
 
-/* Writes the events that wait on the bus; false when there are none. */
-static bool take_events(struct stream *stream, struct vor_request *request)
+/* Tells that there is no such job, or none of this caller; the other jobs go on. */
+static void write_unknown(struct stream *stream, struct track *track)
 {
-    struct vor_event events[BATCH];
-    size_t count =
-        vor_bus_read(stream->followed.bus, &stream->position,
-                     stream->is_replay ? VOR_READ_EVERY : VOR_READ_LATEST, events, BATCH);
+    struct vor_teller teller = {stream->app, stream->request, &stream->followed, stream->is_lines};
+    char id[VOR_EVENT_JOBS_MAX * VOR_POSITION_SIZE];
+    struct vor_text data;
 
-    if (count == 0)
-        stream->is_replay = false;
-    for (size_t i = 0; i < count && !stream->ended; i++)
-        write_event(stream, request, &events[i]);
-    vor_metric_add(VOR_METRIC_STREAM_EVENTS, (double)count, NULL);
-    return count > 0;
+    write_id(stream, VOR_POSITION_END, id, sizeof id);
+    vor_text_init(&data, 0);
+    vor_json_begin_object(&data);
+    vor_json_put_string(&data, "jobID", track->id.text);
+    vor_json_end_object(&data);
+    if (!vor_event_frame(&teller, "unknown", id, &data, &stream->text))
+        stream->ended = true;
+    vor_text_free(&data);
+    end_turns(stream, track);
+}
+
+/* Tells that the points have moved, if somebody wants to know and they have; false else. */
+static bool take_preview(struct stream *stream, struct track *track)
+{
+    struct vor_teller teller = {stream->app, stream->request, &stream->followed, stream->is_lines};
+    struct vor_preview_info info = {.version = 0};
+
+    if (track->is_looking)
+        vor_preview_describe(vor_job_preview(track->job), &info);
+    if (info.version == track->version || info.version == 0)
+        return false;
+    track->version = info.version;
+    if (!vor_event_tell_preview(&teller, &info, stream->preview, &stream->text))
+        stream->ended = true;
+    return true;
 }
 
 static void say_goodbye(struct stream *stream, unsigned retry_ms)
@@ -211,6 +225,118 @@ static void say_goodbye(struct stream *stream, unsigned retry_ms)
     if (!stream->is_lines)
         vor_sse_retry(&stream->text, retry_ms);
     stream->ended = true;
+}
+
+/* Of those from one position to the next `sent` were read. */
+static void count_dropped(struct vor_position from, struct vor_position to, size_t sent)
+{
+    uint32_t begin = from.attempt == to.attempt && from.number <= to.number ? from.number : 0;
+
+    if (to.number - begin > sent)
+        vor_metric_add(VOR_METRIC_STREAM_DROPPED, (double)(to.number - begin - sent), NULL);
+}
+
+/* Writes the events of one track that wait on its bus; false when there are none. */
+static bool take_events(struct stream *stream, struct track *track)
+{
+    struct vor_position before = track->position;
+    struct vor_event events[BATCH];
+    size_t count;
+    bool has_preview;
+
+    turn_to(stream, track);
+    has_preview = take_preview(stream, track); /* an end may follow */
+    count = vor_bus_read(track->bus, &track->position,
+                         track->is_replay ? VOR_READ_EVERY : VOR_READ_LATEST, events, BATCH);
+    if (count == 0)
+        track->is_replay = false;
+    for (size_t i = 0; i < count && !stream->ended && !track->is_over; i++)
+        write_event(stream, track, &events[i]);
+    count_dropped(before, track->position, count);
+    count += has_preview;
+    vor_metric_add(VOR_METRIC_STREAM_EVENTS, (double)count, NULL);
+    return count > 0;
+}
+
+/* The same for one that may have to be looked up first. */
+static bool take_turn(struct stream *stream, struct track *track)
+{
+    enum vor_job_outcome outcome = VOR_DONE;
+    struct vor_error err;
+
+    if (track->bus == NULL)
+        outcome = look_up_own(stream, track, &err);
+    if (outcome == VOR_UNKNOWN) {
+        write_unknown(stream, track);
+        return true;
+    }
+    if (outcome == VOR_DONE && take_events(stream, track))
+        return true;
+    if (outcome == VOR_DONE && (track->job != NULL || !stream->is_many))
+        return false;
+    say_goodbye(stream, RETRY_MS); /* the store fails, or the daemon is about to end: come back */
+    return true;
+}
+
+/* Goes on around the tracks up to one that has something to say; false once none of the rest has. A
+ * track keeps its turn while it catches up. */
+static bool take_round(struct stream *stream)
+{
+    for (; stream->at < stream->count; stream->at++) {
+        struct track *track = &stream->tracks[stream->at];
+
+        if (track->is_over || !take_turn(stream, track))
+            continue;
+        if (track->is_over || (!track->is_replay && track->job != NULL))
+            stream->at++;
+        return true;
+    }
+    return false;
+}
+
+static bool is_done(const struct stream *stream)
+{
+    for (unsigned i = 0; i < stream->count; i++)
+        if (!stream->tracks[i].is_over)
+            return false;
+    return true;
+}
+
+/* True when there is more to say than progress: some job has not been looked at, catches up, or has
+ * come to its end. */
+static bool is_urgent(const struct stream *stream)
+{
+    for (unsigned i = 0; i < stream->count; i++) {
+        const struct track *track = &stream->tracks[i];
+
+        if (!track->is_over &&
+            (track->bus == NULL || track->is_replay || vor_bus_ended(track->bus, NULL)))
+            return true;
+    }
+    return false;
+}
+
+/* The events that wait; false when there are none, or they are to wait. Then the request is woken
+ * in time. */
+static bool fill_events(struct stream *stream, double now, double beat_in)
+{
+    if (stream->at >= stream->count) { /* all have had their turn */
+        stream->at = 0;
+        if (now - stream->progress_at < progress_pause && !is_urgent(stream)) {
+            atomic_store(&stream->armed, false);
+            vor_request_wake_after(stream->request, progress_pause);
+            stream->at = stream->count;
+            return false;
+        }
+    }
+    atomic_store(&stream->armed, true);
+    if (take_round(stream)) {
+        stream->progress_at = stream->sent_at = now;
+        stream->ended = stream->ended || is_done(stream);
+        return true;
+    }
+    vor_request_wake_after(stream->request, beat_in > 0 ? beat_in : 0);
+    return false;
 }
 
 /* Adds to the text or ends the stream; false when there is nothing to do yet. */
@@ -230,18 +356,8 @@ static bool fill(struct stream *stream, struct vor_request *request)
         stream->ended = true;
         return true;
     }
-    if (!stream->is_replay && now - stream->progress_at < progress_pause &&
-        !vor_bus_ended(stream->followed.bus, NULL)) {
-        atomic_store(&stream->armed, false);
-        vor_request_wake_after(request, progress_pause);
-    } else {
-        atomic_store(&stream->armed, true);
-        if (take_events(stream, request)) {
-            stream->progress_at = stream->sent_at = now;
-            return true;
-        }
-        vor_request_wake_after(request, beat - quiet > 0 ? beat - quiet : 0);
-    }
+    if (fill_events(stream, now, beat - quiet))
+        return true;
     if (vor_request_closing(request) || atomic_load(&stream->app->draining)) {
         say_goodbye(stream, RETRY_DRAIN_MS);
         return true;
@@ -277,19 +393,31 @@ static long read_stream(void *ctx, struct vor_request *request, char *out, size_
     return (long)size;
 }
 
+/* A stream of the jobs that are asked for; NULL after a problem has been replied. */
 static struct stream *stream_create(struct vor_app *app, struct vor_request *request,
-                                    const struct vor_uuid *id)
+                                    const struct vor_events_ask *ask)
 {
-    struct stream *stream = calloc(1, sizeof *stream);
+    struct stream *stream = calloc(1, sizeof *stream + ask->count * sizeof stream->tracks[0]);
+    struct vor_error err;
 
-    if (stream == NULL)
+    if (stream == NULL) {
+        (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a stream");
+        vor_problem_error(app, request, &err, NULL);
         return NULL;
+    }
     stream->app = app;
     stream->request = request;
-    stream->id = *id;
     stream->waker = vor_request_waker(request);
     stream->sent_at = vor_clock_seconds();
     stream->is_lines = vor_accepts(request, "application/x-ndjson", false);
+    stream->is_many = ask->is_many;
+    stream->preview = ask->preview;
+    stream->count = ask->count;
+    for (unsigned i = 0; i < ask->count; i++)
+        stream->tracks[i] = (struct track){.id = ask->jobs[i].id,
+                                           .position = ask->jobs[i].position,
+                                           .is_replay = ask->is_replay,
+                                           .is_over = ask->jobs[i].is_over};
     vor_text_init(&stream->text, 0);
     atomic_init(&stream->armed, true);
     (void)atomic_fetch_add(&app->streams, 1);
@@ -310,108 +438,74 @@ static enum vor_next reply_crowded(struct vor_request *request)
     return VOR_NEXT_REPLY;
 }
 
-enum vor_next vor_events_reply(struct vor_app *app, struct vor_request *request,
-                               const struct vor_uuid *id, struct vor_position position,
-                               bool is_replay)
+static enum vor_next reply_nothing(struct vor_request *request)
 {
-    struct vor_error err;
-    struct stream *stream;
-    enum vor_job_outcome outcome;
+    vor_reply_bytes(request, 204, NULL, "", 0);
+    return VOR_NEXT_REPLY;
+}
+
+static bool is_at_end(const struct track *track)
+{
     struct vor_position end;
+
+    return track->is_replay && vor_bus_ended(track->bus, &end) &&
+           end.attempt == track->position.attempt && end.number == track->position.number;
+}
+
+/* Whether there is such a job is told before the stream of one begins, in that of many. */
+static enum vor_next reply_events(struct vor_app *app, struct vor_request *request,
+                                  const struct vor_events_ask *ask)
+{
+    struct stream *stream;
+    struct vor_error err;
 
     vor_reply_header(request, "Cache-Control", "no-store");
     vor_reply_header(request, "X-Accel-Buffering", "no");
     if (atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS])
         return reply_crowded(request);
-    stream = stream_create(app, request, id);
-    if (stream == NULL) {
-        (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a stream");
-        return vor_problem_error(app, request, &err, NULL);
-    }
-    outcome = vor_worker_follow(app->worker, id, &stream->followed, &err);
-    if (outcome != VOR_DONE)
-        return vor_outcome_reply(app, request, outcome, &err, id);
-    if (is_replay && vor_bus_ended(stream->followed.bus, &end) && end.attempt == position.attempt &&
-        end.number == position.number) {
-        vor_reply_bytes(request, 204, NULL, "", 0);
+    stream = stream_create(app, request, ask);
+    if (stream == NULL)
         return VOR_NEXT_REPLY;
+    if (!ask->is_many) {
+        enum vor_job_outcome outcome = look_up(stream, &stream->tracks[0], &err);
+
+        if (outcome != VOR_DONE)
+            return vor_outcome_reply(app, request, outcome, &err, &ask->jobs[0].id);
+        if (is_at_end(&stream->tracks[0]))
+            return reply_nothing(request);
+    } else if (is_done(stream)) {
+        return reply_nothing(request);
     }
-    stream->position = position;
-    stream->is_replay = is_replay;
-    stream->subscriber = (struct vor_subscriber){.wake = on_event, .ctx = stream};
-    vor_bus_subscribe(stream->followed.bus, &stream->subscriber);
     vor_reply_stream(request, 200, stream->is_lines ? "application/x-ndjson" : "text/event-stream",
                      read_stream, stream);
     return VOR_NEXT_REPLY;
 }
 
+enum vor_next vor_events_reply(struct vor_app *app, struct vor_request *request,
+                               const struct vor_uuid *id)
+{
+    struct vor_events_ask ask = {.count = 1};
+
+    ask.jobs[0].id = *id;
+    return reply_events(app, request, &ask);
+}
+
 enum vor_next vor_handle_events(void *ctx, struct vor_request *request, enum vor_step step)
 {
-    const char *last = vor_request_header(request, "Last-Event-ID");
-    struct vor_position position = {0, 0};
-    struct vor_uuid id;
+    struct vor_events_ask ask = {.count = 1};
 
     (void)step;
-    if (!vor_job_of_path(ctx, request, &id))
+    if (!vor_job_of_path(ctx, request, &ask.jobs[0].id) || !vor_events_ask_one(ctx, request, &ask))
         return VOR_NEXT_REPLY;
-    if (last == NULL)
-        last = vor_request_query(request, "lastEventId");
-    if (last != NULL && !vor_position_parse(&position, last))
-        return vor_problem_say(ctx, request, "invalid-query-parameter-value",
-                               "the last event id is \"%.40s\", want ATTEMPT.NUMBER", last);
-    return vor_events_reply(ctx, request, &id, position, last != NULL);
+    return reply_events(ctx, request, &ask);
 }
 
-static void write_trace(struct vor_bus *bus, bool is_table, struct vor_text *text)
+enum vor_next vor_handle_events_of_many(void *ctx, struct vor_request *request, enum vor_step step)
 {
-    struct vor_position position = {0, 0};
-    struct vor_event events[BATCH];
-    size_t count;
-
-    while ((count = vor_bus_read(bus, &position, VOR_READ_EVERY, events, BATCH)) > 0) {
-        for (size_t i = 0; i < count; i++) {
-            if (events[i].kind != VOR_EVENT_PROGRESS)
-                continue;
-            if (is_table)
-                vor_csv_line(text, &vor_record_members, &events[i].record);
-            else
-                vor_json_record(text, &events[i].record);
-        }
-    }
-}
-
-enum vor_next vor_handle_trace(void *ctx, struct vor_request *request, enum vor_step step)
-{
-    struct vor_app *app = ctx;
-    bool is_table = vor_accepts(request, "text/csv", false);
-    struct vor_bus *bus = NULL;
-    struct vor_error err;
-    struct vor_text text;
-    struct vor_uuid id;
-    enum vor_job_outcome outcome;
+    struct vor_events_ask ask;
 
     (void)step;
-    if (!vor_job_of_path(app, request, &id))
+    if (!vor_events_ask_many(ctx, request, &ask))
         return VOR_NEXT_REPLY;
-    outcome = vor_worker_events(app->worker, &id, &bus, &err);
-    if (outcome != VOR_DONE)
-        return vor_outcome_reply(app, request, outcome, &err, &id);
-    vor_text_init(&text, 0);
-    if (is_table) {
-        vor_csv_head(&text, &vor_record_members);
-        write_trace(bus, true, &text);
-    } else {
-        vor_json_begin_object(&text);
-        vor_json_put_string(&text, "jobID", id.text);
-        vor_json_put_u64(&text, "attempt", vor_bus_attempt(bus));
-        vor_json_key(&text, "records");
-        vor_json_begin_array(&text);
-        write_trace(bus, false, &text);
-        vor_json_end_array(&text);
-        vor_json_end_object(&text);
-        vor_text_puts(&text, "\n");
-    }
-    vor_bus_release(bus);
-    vor_reply_header(request, "Cache-Control", "no-store");
-    return vor_app_reply(app, request, 200, is_table ? "text/csv" : "application/json", &text);
+    return reply_events(ctx, request, &ask);
 }

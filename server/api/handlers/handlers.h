@@ -11,6 +11,10 @@ enum vor_next vor_handle_readyz(void *app, struct vor_request *request, enum vor
 enum vor_next vor_handle_version(void *app, struct vor_request *request, enum vor_step step);
 enum vor_next vor_handle_openapi(void *app, struct vor_request *request, enum vor_step step);
 
+/** page.c */
+enum vor_next vor_handle_root(void *app, struct vor_request *request, enum vor_step step);
+enum vor_next vor_handle_asset(void *app, struct vor_request *request, enum vor_step step);
+
 /** processes.c */
 enum vor_next vor_handle_processes(void *app, struct vor_request *request, enum vor_step step);
 enum vor_next vor_handle_process(void *app, struct vor_request *request, enum vor_step step);
@@ -30,6 +34,12 @@ enum vor_next vor_handle_stop(void *app, struct vor_request *request, enum vor_s
 
 /** events.c */
 enum vor_next vor_handle_events(void *app, struct vor_request *request, enum vor_step step);
+enum vor_next vor_handle_events_of_many(void *app, struct vor_request *request, enum vor_step step);
+
+/** preview.c */
+enum vor_next vor_handle_preview(void *app, struct vor_request *request, enum vor_step step);
+
+/** trace.c */
 enum vor_next vor_handle_trace(void *app, struct vor_request *request, enum vor_step step);
 
 /** results.c */
@@ -93,12 +103,9 @@ enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *reques
 enum vor_next vor_result_whole(struct vor_app *app, struct vor_request *request,
                                const struct vor_job_view *view, bool is_new);
 
-/** Replies with the events of a job after `position` ({0, 0}: from the first one that matters now).
- *  The request's state is released first; the stream becomes its state.
- *
- *  @param[in] is_replay  every event counts, not only the latest progress */
+/** Replies with the events of a job, from the first one that matters now. The request's state is
+ *  released first; the stream becomes its state. */
 enum vor_next vor_events_reply(struct vor_app *app, struct vor_request *request,
-                               const struct vor_uuid *id, struct vor_position position,
-                               bool is_replay);
+                               const struct vor_uuid *id);
 
 #endif

@@ -17,6 +17,7 @@
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
+#include "server/base/metrics.h"
 #include "server/http/waker.h"
 #include "server/work/admit.h"
 
@@ -40,6 +41,7 @@ struct submission {
     bool admitted;  /* the members below are set */
     bool settled;   /* the caller of a synchronous call got an answer */
     bool in_flight; /* the key is ours */
+    bool booked;    /* a place in the queue is kept, until admission is over */
     bool replayed;  /* the job is that of an earlier request with this key */
     bool headed;    /* the reply has its headers already */
     struct vor_admission admission;
@@ -130,6 +132,7 @@ static int take_piece(void *ctx, const void *bytes, size_t size)
     struct submission *submission = ctx;
     struct vor_error err;
 
+    vor_metric_add(VOR_METRIC_UPLOAD_BYTES, (double)size, NULL);
     if (vor_blob_append(submission->uploads.item[0].bytes, bytes, size, &err) == VOR_OK)
         return 0;
     return vor_error_storage_full(&err) ? 507 : 503;
@@ -233,7 +236,8 @@ static bool open_sink(struct vor_app *app, struct vor_request *request,
                       struct submission *submission, struct vor_body_sink *sink)
 {
     const struct vor_submit_head *head = &submission->head;
-    struct vor_upload *upload = &submission->uploads.item[0]; /* the body is the main input */
+    struct vor_upload upload = {.name = head->spec.process->inputs[0].name, /* the main input */
+                                .is_gzip = head->body.is_gzip};
 
     if (head->body.is_form) {
         submission->form =
@@ -241,17 +245,17 @@ static bool open_sink(struct vor_app *app, struct vor_request *request,
         *sink = (struct vor_body_sink){submission->form, vor_submit_form_take};
         return submission->form != NULL;
     }
-    *upload = (struct vor_upload){.name = head->spec.process->inputs[0].name,
-                                  .is_gzip = head->body.is_gzip};
     *sink = (struct vor_body_sink){submission, take_piece};
     if (head->besides.input.text[0] != '\0') {
-        upload->is_gzip = 0;
-        upload->bytes = open_kept(app, request, &head->besides);
+        upload.is_gzip = 0;
+        upload.bytes = open_kept(app, request, &head->besides);
     } else {
-        upload->bytes = create_upload(app, request);
+        upload.bytes = create_upload(app, request);
     }
-    submission->uploads.count = upload->bytes != NULL ? 1 : 0;
-    return upload->bytes != NULL;
+    if (upload.bytes == NULL)
+        return false;
+    (void)vor_uploads_add(&submission->uploads, &upload);
+    return true;
 }
 
 static enum vor_next begin(struct vor_app *app, struct vor_request *request)
@@ -307,8 +311,8 @@ static void on_admitted(struct vor_admission *admission)
     struct vor_app *app = submission->app;
     const struct vor_job_label label = {submission->head.besides.name,
                                         &submission->head.besides.key, &submission->span,
-                                        (size_t)submission->quota.jobs};
-    bool abandoned;
+                                        (size_t)submission->quota.jobs, submission->booked};
+    bool abandoned, submitted = false;
 
     (void)pthread_mutex_lock(&submission->lock);
     abandoned = submission->abandoned && !has_key(submission);
@@ -320,9 +324,13 @@ static void on_admitted(struct vor_admission *admission)
                                             &submission->error) != VOR_OK)
         vor_admit_drop(app->blobs, &admission->admitted);
     else
+        submitted = true;
+    if (submitted)
         submission->outcome =
             vor_worker_submit(app->worker, &admission->admitted, &submission->head.spec, &label,
                               &submission->view, &submission->error);
+    else if (submission->booked)
+        vor_worker_unbook(app->worker);
     end_flight(submission);
     (void)pthread_mutex_lock(&submission->lock);
     submission->admitted = true;
@@ -346,8 +354,11 @@ static struct vor_sharer sharer_of(const struct vor_request *request)
 static enum vor_next admit(struct vor_app *app, struct vor_request *request,
                            struct submission *submission)
 {
-    enum vor_job_outcome outcome;
+    enum vor_job_outcome outcome = vor_worker_book(app->worker);
 
+    submission->booked = outcome == VOR_DONE;
+    if (!submission->booked && !has_key(submission)) /* which may be that of a job that is there */
+        return vor_outcome_reply(app, request, outcome, NULL, NULL);
     submission->admission = (struct vor_admission){
         .uploads = submission->uploads,
         .caller = sharer_of(request),
@@ -363,6 +374,8 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
         return VOR_NEXT_WAIT;
     }
     submission->holds--;
+    if (submission->booked)
+        vor_worker_unbook(app->worker);
     return vor_outcome_reply(app, request, outcome, NULL, NULL);
 }
 
@@ -488,7 +501,7 @@ static enum vor_next accepted(struct vor_app *app, struct vor_request *request,
         return reply_accepted(app, request, submission);
     case VOR_SUBMIT_STREAM:
         add_job_headers(app, request, submission, false);
-        return vor_events_reply(app, request, &id, (struct vor_position){0, 0}, false);
+        return vor_events_reply(app, request, &id);
     case VOR_SUBMIT_SYNC:
         break;
     }

@@ -5,6 +5,7 @@
 #include "server/api/handlers/submit_head.h"
 #include "server/api/problem.h"
 #include "server/base/disk.h"
+#include "server/base/metrics.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -95,8 +96,7 @@ static vor_status begin_file(struct vor_submit_form *form, const struct vor_arte
         vor_blob_discard(upload.bytes);
         return status;
     }
-    form->file = &uploads->item[uploads->count++];
-    *form->file = upload;
+    form->file = vor_uploads_add(uploads, &upload);
     form->is_unnamed = part->is_unnamed;
     return VOR_OK;
 }
@@ -146,8 +146,10 @@ static vor_status on_data(void *ctx, const void *bytes, size_t size, struct vor_
 {
     struct vor_submit_form *form = ctx;
 
-    if (form->file != NULL)
+    if (form->file != NULL) {
+        vor_metric_add(VOR_METRIC_UPLOAD_BYTES, (double)size, NULL);
         return vor_blob_append(form->file->bytes, bytes, size, err);
+    }
     if (size > TEXT_MAX - form->size)
         return vor_fail_param(err, VOR_E_PARAM, form->name,
                               "%s has more than %d bytes, want at most that", form->name, TEXT_MAX);
@@ -177,10 +179,8 @@ static vor_status on_end(void *ctx, struct vor_error *err)
         return set_text(form, err);
     }
     /* A browser's field without a file: nothing was given. */
-    if (form->is_unnamed && vor_blob_size(form->file->bytes) == 0) {
-        vor_blob_discard(form->file->bytes);
-        form->uploads->count--;
-    }
+    if (form->is_unnamed && vor_blob_size(form->file->bytes) == 0)
+        vor_uploads_drop_last(form->uploads);
     return VOR_OK;
 }
 
@@ -272,7 +272,7 @@ static bool add_kept(struct vor_submit_form *form)
         return true;
     upload.bytes = vor_besides_open(form->app, form->request, besides);
     if (upload.bytes != NULL)
-        form->uploads->item[form->uploads->count++] = upload;
+        (void)vor_uploads_add(form->uploads, &upload);
     return upload.bytes != NULL;
 }
 

@@ -1,0 +1,206 @@
+#include "core/geom/parting.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Times that groups may grow at a level. Points of shell60k in a wrong group, at 5 / 8 / 12: 646 /
+ * 401 / 401; without levels 700. */
+enum { GROWTH = 8 };
+
+/* An entry of a group's list of those that it was parted from. */
+struct parted {
+    uint32_t node; /* of the other group */
+    uint32_t next; /* entry; NONE: the last */
+};
+
+#define NONE UINT32_MAX
+
+struct parting {
+    uint32_t *group;              /* n: way to the group's first node */
+    uint32_t *first, *last, *has; /* of the group whose first node this is: entries, how many */
+    uint32_t *size;               /* nodes of it */
+    size_t most;                  /* nodes that a group may have */
+    struct parted *parted;
+    uint32_t count; /* of entries */
+};
+
+static int stronger(const void *a, const void *b)
+{
+    const struct vor_bond *x = a, *y = b;
+    float p = fabsf(x->strength), q = fabsf(y->strength);
+
+    if (p != q)
+        return p > q ? -1 : 1;
+    if (x->a != y->a)
+        return x->a < y->a ? -1 : 1;
+    if (x->b != y->b)
+        return x->b < y->b ? -1 : 1;
+    return (x->strength > y->strength) - (x->strength < y->strength);
+}
+
+static uint32_t find(struct parting *parting, uint32_t i)
+{
+    uint32_t *group = parting->group;
+
+    while (group[i] != i)
+        i = group[i] = group[group[i]];
+    return i;
+}
+
+/* Whether groups a and b were parted. Looks through the shorter list; what it finds comes first
+ * there, as the same two are asked about again and again. */
+static int are_parted(struct parting *parting, uint32_t a, uint32_t b)
+{
+    uint32_t of = parting->has[a] <= parting->has[b] ? a : b, other = of == a ? b : a;
+    uint32_t before = NONE;
+
+    for (uint32_t e = parting->first[of]; e != NONE; before = e, e = parting->parted[e].next) {
+        struct parted *here = &parting->parted[e];
+
+        if (find(parting, here->node) != other)
+            continue;
+        if (before != NONE) {
+            parting->parted[before].next = here->next;
+            if (parting->last[of] == e)
+                parting->last[of] = before;
+            here->next = parting->first[of];
+            parting->first[of] = e;
+        }
+        return 1;
+    }
+    return 0;
+}
+
+static void add_parted(struct parting *parting, uint32_t a, uint32_t b)
+{
+    uint32_t e = parting->count++;
+
+    parting->parted[e] = (struct parted){b, parting->first[a]};
+    parting->first[a] = e;
+    if (parting->has[a]++ == 0)
+        parting->last[a] = e;
+}
+
+/* Makes one group of a and b. */
+static void join(struct parting *parting, uint32_t a, uint32_t b)
+{
+    uint32_t to = a < b ? a : b, from = a < b ? b : a;
+
+    parting->group[from] = to;
+    parting->size[to] += parting->size[from];
+    if (parting->has[from] == 0)
+        return;
+    if (parting->has[to] == 0)
+        parting->first[to] = parting->first[from];
+    else
+        parting->parted[parting->last[to]].next = parting->first[from];
+    parting->last[to] = parting->last[from];
+    parting->has[to] += parting->has[from];
+}
+
+static void take(struct parting *parting, const struct vor_bond *bond)
+{
+    uint32_t a = find(parting, bond->a), b = find(parting, bond->b);
+
+    if (a == b || are_parted(parting, a, b))
+        return;
+    if (bond->strength > 0) {
+        if ((size_t)parting->size[a] + parting->size[b] <= parting->most)
+            join(parting, a, b);
+    } else {
+        add_parted(parting, a, b);
+        add_parted(parting, b, a);
+    }
+}
+
+static int by_nodes(const void *a, const void *b)
+{
+    const struct vor_bond *x = a, *y = b;
+
+    if (x->a != y->a)
+        return x->a < y->a ? -1 : 1;
+    if (x->b != y->b)
+        return x->b < y->b ? -1 : 1;
+    return (x->strength > y->strength) - (x->strength < y->strength);
+}
+
+/* Makes bonds between nodes into those between their groups, of the sum of their strengths. Returns
+ * how many are left. */
+static size_t gather(struct parting *parting, struct vor_bond *bond, size_t count)
+{
+    size_t left = 0, kept = 0;
+
+    for (size_t e = 0; e < count; e++) {
+        uint32_t a = find(parting, bond[e].a), b = find(parting, bond[e].b);
+
+        if (a != b)
+            bond[left++] = (struct vor_bond){a < b ? a : b, a < b ? b : a, bond[e].strength};
+    }
+    qsort(bond, left, sizeof *bond, by_nodes);
+    for (size_t e = 0; e < left; kept++) {
+        struct vor_bond sum = bond[e++];
+
+        while (e < left && bond[e].a == sum.a && bond[e].b == sum.b)
+            sum.strength += bond[e++].strength;
+        bond[kept] = sum;
+    }
+    return kept;
+}
+
+/* Joins groups of at most so many nodes. */
+static void level(struct parting *parting, size_t n, struct vor_bond *bond, size_t count,
+                  size_t most)
+{
+    parting->most = most;
+    parting->count = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        parting->first[i] = NONE;
+        parting->has[i] = 0;
+    }
+    qsort(bond, count, sizeof *bond, stronger);
+    for (size_t e = 0; e < count; e++)
+        take(parting, &bond[e]);
+}
+
+/* Finds the groups, level by level. */
+static void part(struct parting *parting, size_t n, struct vor_bond *bond, size_t count)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        parting->group[i] = i;
+        parting->size[i] = 1;
+    }
+    for (size_t most = 1; most < n;) {
+        most *= GROWTH;
+        count = gather(parting, bond, count);
+        level(parting, n, bond, count, most);
+    }
+    for (uint32_t i = 0; i < n; i++)
+        parting->group[i] = find(parting, i);
+}
+
+vor_status vor_parting_make(uint32_t *group, size_t n, struct vor_bond *bond, size_t count,
+                            struct vor_memory *memory, struct vor_error *err)
+{
+    struct parting parting = {.group = group};
+    vor_status status = VOR_OK;
+    size_t parts = 0; /* groups' pairs that part are sums of at least one of these each */
+
+    for (size_t e = 0; e < count; e++)
+        parts += bond[e].strength < 0;
+    parting.first = vor_malloc(memory, n, sizeof *parting.first);
+    parting.last = vor_malloc(memory, n, sizeof *parting.last);
+    parting.has = vor_malloc(memory, n, sizeof *parting.has);
+    parting.size = vor_malloc(memory, n, sizeof *parting.size);
+    parting.parted = vor_malloc(memory, parts, 2 * sizeof *parting.parted);
+    if (parting.first == NULL || parting.last == NULL || parting.has == NULL ||
+        parting.size == NULL || parting.parted == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "groups of %zu points", n);
+    else
+        part(&parting, n, bond, count);
+    vor_free(memory, parting.parted);
+    vor_free(memory, parting.size);
+    vor_free(memory, parting.has);
+    vor_free(memory, parting.last);
+    vor_free(memory, parting.first);
+    return status;
+}

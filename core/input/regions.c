@@ -1,0 +1,387 @@
+#include "core/input/regions.h"
+
+#include "core/base/linalg.h"
+#include "core/geom/parting.h"
+#include "core/geom/surface.h"
+#include "core/geom/through.h"
+#include "core/input/adjacency.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Figures are points of shell60k (two sheets nearer than the spacing) of which most around in their
+ * region lie on the other sheet; 75 of 60,000 would be told wrong though all others were right. */
+
+enum {
+    BLOCK = 256,    /* points of one task */
+    PAIRED = 40,    /* nearest points that a point is paired with: twice 20 of two sheets */
+    BONDS = 24,     /* most pairs of a point that say anything */
+    AROUND = 60,    /* nearest points that are looked at, as in input/grow.c */
+    FEWEST = 8,     /* points that a surface goes through, and those of a list */
+    CANDIDATES = 4, /* regions that a point is asked about */
+    SMALL = 30,     /* a region of fewer points is none: they are asked where they belong */
+    ROUNDS = 8      /* that points are asked in; 97 of them change in the last */
+};
+
+#define NONE UINT32_MAX
+
+/* Half of the distances off each other's surface, in spacings, at which a pair in both lists and
+ * one in none says half of what it can. Wrong at 0.05 / 0.1 / 0.2 for the first: 283 / 231 / 378;
+ * at 0.1 / 0.3 / 0.6 for the second: 380 / 283 / 343, with the other at 0.05, 0.05, 0.2. */
+#define JOINED 0.1
+#define PARTED 0.3
+/* Least of the two distances at which two points may lie on two sheets, as in input/grow.c. */
+#define ACROSS 0.2
+/* Longest way between such two, over that distance: farther away surfaces bend. At 2 / 4 / none
+ * 298 / 214 / 231 wrong, 3 / 10 / 15 regions. */
+#define STEEP 4.0
+/* Most that a surface may be off a point that takes its region, in spacings, as in input/grow.c;
+ * and the share of what its own is off at which it takes another one. */
+#define LED 0.3
+#define CLOSER 0.7
+/* Share of what the second best is off at which a point without a region takes the best, by round:
+ * the clear ones first. */
+static const double clear[ROUNDS] = {0.3, 0.3, 0.5, 0.5, 1, 1, 1, 1};
+
+/* The surface fitted to the list of a point, in float: 76 bytes. */
+struct leaf {
+    float axis[2][3], c[6], center[2], reach, spacing; /* spacing 0: none */
+    float noise;                                       /* rms of the list off it, in spacings */
+};
+
+struct regions {
+    const struct vor_domain *domain;
+    struct vor_graph *graph;
+    struct leaf *leaf;     /* n */
+    struct vor_bond *bond; /* n x BONDS */
+    unsigned char *bonds;  /* n */
+    uint32_t *region;      /* n: number of a point of it, or NONE */
+    uint32_t *next;        /* n: in the next round */
+    unsigned char *mixed;  /* n: others are around */
+    int round;
+};
+
+/* The points around one, nearest first, and the regions that these belong to. */
+struct around {
+    unsigned count, regions;
+    uint32_t index[AROUND], region[CANDIDATES];
+    unsigned has[CANDIDATES];
+};
+
+static const float *point(const struct regions *regions, uint32_t i)
+{
+    return &regions->domain->xyz[3 * (size_t)i];
+}
+
+static void to_double(double out[3], const float *x)
+{
+    for (int c = 0; c < 3; c++)
+        out[c] = (double)x[c];
+}
+
+static void fit_leaf(struct regions *regions, size_t i)
+{
+    const struct vor_graph *graph = regions->graph;
+    const uint32_t *list = &graph->list[i * graph->most];
+    struct leaf *leaf = &regions->leaf[i];
+    struct vor_surface s;
+    float near[3 * (VOR_ADJACENT + 1)];
+
+    memcpy(near, point(regions, (uint32_t)i), 3 * sizeof *near);
+    for (unsigned j = 0; j < graph->count[i]; j++)
+        memcpy(&near[3 * j + 3], point(regions, list[j]), 3 * sizeof *near);
+    vor_surface_fit(&s, near, graph->count[i] + 1u);
+    memset(leaf, 0, sizeof *leaf);
+    if (s.kind == VOR_SURFACE_NONE || !(s.spacing > 0))
+        return;
+    for (int a = 0; a < 2; a++) {
+        for (int c = 0; c < 3; c++)
+            leaf->axis[a][c] = (float)s.axis[a][c];
+        leaf->center[a] = (float)s.center[a];
+    }
+    for (int c = 0; c < 6; c++)
+        leaf->c[c] = (float)s.c[c];
+    leaf->reach = (float)s.reach;
+    leaf->spacing = (float)s.spacing;
+    leaf->noise = (float)(sqrt(s.off2) / s.spacing);
+}
+
+static void leaf_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        fit_leaf(ctx, i);
+}
+
+/* Distance of point j off the surface of point i, in spacings. */
+static double off(const struct regions *regions, uint32_t i, uint32_t j)
+{
+    const struct leaf *leaf = &regions->leaf[i];
+    struct vor_surface s = {.kind = VOR_SURFACE_QUADRIC, .reach = (double)leaf->reach};
+    double x[3], local[3];
+
+    for (int a = 0; a < 2; a++) {
+        to_double(s.axis[a], leaf->axis[a]);
+        s.center[a] = (double)leaf->center[a];
+    }
+    vor_cross(s.axis[2], s.axis[0], s.axis[1]);
+    to_double(s.origin, point(regions, i));
+    for (int c = 0; c < 6; c++)
+        s.c[c] = (double)leaf->c[c];
+    to_double(x, point(regions, j));
+    vor_surface_to_local(&s, x, local);
+    return fabs(local[2] - vor_surface_height(&s, local[0], local[1], NULL)) /
+           (double)leaf->spacing;
+}
+
+/* What points i and j, so far from each other, say: above 0 that they lie on one sheet, below that
+ * on two, 0 nothing. */
+static double strength(const struct regions *regions, uint32_t i, uint32_t j, double way)
+{
+    const struct leaf *a = &regions->leaf[i], *b = &regions->leaf[j];
+    double p = off(regions, i, j), q = off(regions, j, i);
+    double noise = (double)a->noise + (double)b->noise;
+    double over = fmin(p, q) - noise;
+    int listed = vor_graph_has(regions->graph, i, j) + vor_graph_has(regions->graph, j, i);
+
+    if (listed == 2)
+        return JOINED / (JOINED + fmax(p, q) + noise);
+    if (listed == 0 && over > ACROSS && STEEP * fmin(p, q) * (double)a->spacing > way)
+        return -over / (over + PARTED);
+    return 0;
+}
+
+static void bond_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct regions *regions = ctx;
+    uint32_t index[PAIRED];
+    float distance2[PAIRED];
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        struct vor_bond *bond = &regions->bond[i * BONDS];
+        unsigned n = 0;
+
+        vor_knn_search(regions->domain->knn, point(regions, (uint32_t)i), 1, PAIRED, index,
+                       distance2);
+        for (unsigned e = 0; e < PAIRED && n < BONDS; e++) {
+            uint32_t j = index[e];
+            double says;
+
+            if (j <= i || !(regions->leaf[i].spacing > 0) || !(regions->leaf[j].spacing > 0))
+                continue;
+            says = strength(regions, (uint32_t)i, j, sqrt((double)distance2[e]));
+            if (says != 0)
+                bond[n++] = (struct vor_bond){(uint32_t)i, j, (float)says};
+        }
+        regions->bonds[i] = (unsigned char)n;
+    }
+}
+
+/* Distance, in spacings, of point i off the surface through the nearest points of a region, itself
+ * left out; INFINITY without one. */
+static double beside(const struct regions *regions, uint32_t i, uint32_t region,
+                     const struct around *around)
+{
+    float near[3 * VOR_THROUGH_MOST];
+    double local[VOR_THROUGH_MOST][3], x[3], at[3];
+    struct vor_surface frame;
+    struct vor_through through;
+    unsigned n = 0;
+
+    for (unsigned e = 0; e < around->count && n < VOR_THROUGH_MOST; e++)
+        if (around->index[e] != i && regions->region[around->index[e]] == region)
+            memcpy(&near[3 * (size_t)n++], point(regions, around->index[e]), 3 * sizeof *near);
+    if (n < FEWEST)
+        return INFINITY;
+    vor_surface_fit(&frame, near, n);
+    if (frame.kind == VOR_SURFACE_NONE || !(frame.spacing > 0))
+        return INFINITY;
+    for (unsigned e = 0; e < n; e++) {
+        to_double(x, &near[3 * (size_t)e]);
+        vor_surface_to_local(&frame, x, local[e]);
+    }
+    to_double(x, point(regions, i));
+    vor_surface_to_local(&frame, x, at);
+    if (!vor_through_fit(&through, (const double(*)[3])local, n))
+        return INFINITY;
+    return fabs(at[2] - vor_through_height(&through, at[0], at[1])) / frame.spacing;
+}
+
+/* Looks around point i, without itself. */
+static void look(struct around *out, const struct regions *regions, uint32_t i)
+{
+    float distance2[AROUND];
+
+    out->count = AROUND;
+    out->regions = 0;
+    vor_knn_search(regions->domain->knn, point(regions, i), 1, AROUND, out->index, distance2);
+    for (unsigned e = 0; e < AROUND; e++) {
+        uint32_t region = regions->region[out->index[e]];
+        unsigned c = 0;
+
+        if (region == NONE || out->index[e] == i)
+            continue;
+        while (c < out->regions && out->region[c] != region)
+            c++;
+        if (c == CANDIDATES)
+            continue;
+        if (c == out->regions) {
+            out->has[c] = 0;
+            out->region[out->regions++] = region;
+        }
+        out->has[c]++;
+    }
+}
+
+/* The region that point i belongs to, asked anew. */
+static uint32_t ask(const struct regions *regions, uint32_t i, const struct around *around)
+{
+    uint32_t own = regions->region[i], to = own;
+    double best = INFINITY, second = INFINITY, mine = INFINITY;
+
+    for (unsigned c = 0; c < around->regions; c++) {
+        double here =
+            around->has[c] < FEWEST ? INFINITY : beside(regions, i, around->region[c], around);
+
+        if (around->region[c] == own)
+            mine = here;
+        if (here < best) {
+            second = best;
+            best = here;
+            to = around->region[c];
+        } else if (here < second) {
+            second = here;
+        }
+    }
+    if (best < LED && (own == NONE ? best < clear[regions->round] * second : best < CLOSER * mine))
+        return to;
+    return own;
+}
+
+static void ask_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct regions *regions = ctx;
+    struct around around;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        uint32_t own = regions->region[i];
+
+        look(&around, regions, (uint32_t)i);
+        regions->mixed[i] = own == NONE || around.regions > 1;
+        regions->next[i] = own;
+        if (around.regions > 1 || (around.regions == 1 && around.region[0] != own))
+            regions->next[i] = ask(regions, (uint32_t)i, &around);
+    }
+}
+
+/* Makes the list of point i of the nearest of its region. */
+static void take_list(struct regions *regions, uint32_t i)
+{
+    struct vor_graph *graph = regions->graph;
+    uint32_t index[AROUND], taken[VOR_ADJACENT + 1];
+    float distance2[AROUND], near[3 * (VOR_ADJACENT + 1)];
+    struct vor_surface surface;
+    double x[3], local[3], normal[3];
+    unsigned n = 1;
+
+    vor_knn_search(regions->domain->knn, point(regions, i), 1, AROUND, index, distance2);
+    taken[0] = i;
+    for (unsigned e = 0; e < AROUND && n <= graph->most; e++)
+        if (index[e] != i && regions->region[index[e]] == regions->region[i])
+            taken[n++] = index[e];
+    for (unsigned e = 0; e < n; e++)
+        memcpy(&near[3 * (size_t)e], point(regions, taken[e]), 3 * sizeof *near);
+    vor_surface_fit(&surface, near, n);
+    if (n < FEWEST || surface.kind == VOR_SURFACE_NONE)
+        return;
+    memcpy(&graph->list[(size_t)i * graph->most], &taken[1], (n - 1) * sizeof *taken);
+    graph->count[i] = (unsigned char)(n - 1);
+    graph->own[i] = 1;
+    to_double(x, near);
+    vor_surface_to_local(&surface, x, local);
+    vor_surface_normal(&surface, local, normal);
+    for (size_t c = 0; c < 3; c++)
+        graph->normal[3 * (size_t)i + c] = (float)normal[c];
+}
+
+static void list_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct regions *regions = ctx;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        if (regions->mixed[i] && regions->region[i] != NONE)
+            take_list(regions, (uint32_t)i);
+}
+
+/* Takes the regions that are large enough, by pairs of points. regions->next counts. */
+static vor_status decide(struct regions *regions, const struct vor_run *run, struct vor_error *err)
+{
+    size_t n = regions->domain->n, count = 0;
+    vor_status status;
+
+    for (size_t i = 0; i < n; i++)
+        for (unsigned e = 0; e < regions->bonds[i]; e++)
+            regions->bond[count++] = regions->bond[i * BONDS + e];
+    status = vor_parting_make(regions->region, n, regions->bond, count, run->memory, err);
+    if (status != VOR_OK)
+        return status;
+    memset(regions->next, 0, n * sizeof *regions->next);
+    for (size_t i = 0; i < n; i++)
+        regions->next[regions->region[i]]++;
+    for (size_t i = 0; i < n; i++)
+        if (regions->next[regions->region[i]] < SMALL)
+            regions->region[i] = NONE;
+    return VOR_OK;
+}
+
+static vor_status make(struct regions *regions, const struct vor_run *run, struct vor_error *err)
+{
+    size_t n = regions->domain->n;
+    vor_status status = vor_run_for(run, n, BLOCK, leaf_block, regions, err);
+
+    if (status == VOR_OK)
+        status = vor_run_for(run, n, BLOCK, bond_block, regions, err);
+    if (status == VOR_OK)
+        status = decide(regions, run, err);
+    for (; regions->round < ROUNDS && status == VOR_OK; regions->round++) {
+        uint32_t *held = regions->region;
+
+        status = vor_run_for(run, n, BLOCK, ask_block, regions, err);
+        regions->region = regions->next;
+        regions->next = held;
+    }
+    return status == VOR_OK ? vor_run_for(run, n, BLOCK, list_block, regions, err) : status;
+}
+
+vor_status vor_regions_make(struct vor_graph *graph, const struct vor_domain *domain,
+                            const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_memory *memory = run->memory;
+    struct regions regions = {.domain = domain, .graph = graph};
+    size_t n = domain->n;
+    vor_status status;
+
+    if (n < AROUND)
+        return VOR_OK;
+    regions.leaf = vor_malloc(memory, n, sizeof *regions.leaf);
+    regions.bond = vor_malloc(memory, n, BONDS * sizeof *regions.bond);
+    regions.bonds = vor_malloc(memory, n, 1);
+    regions.mixed = vor_malloc(memory, n, 1);
+    regions.region = vor_malloc(memory, n, sizeof *regions.region);
+    regions.next = vor_malloc(memory, n, sizeof *regions.next);
+    if (regions.leaf == NULL || regions.bond == NULL || regions.bonds == NULL ||
+        regions.mixed == NULL || regions.region == NULL || regions.next == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "regions of %zu points", n);
+    else
+        status = make(&regions, run, err);
+    vor_free(memory, regions.next);
+    vor_free(memory, regions.region);
+    vor_free(memory, regions.mixed);
+    vor_free(memory, regions.bonds);
+    vor_free(memory, regions.bond);
+    vor_free(memory, regions.leaf);
+    return status;
+}

@@ -1,0 +1,511 @@
+#include "core/lop/even.h"
+
+#include "core/base/linalg.h"
+#include "core/lop/edges.h"
+#include "core/metrics/uniformity.h"
+
+#include <string.h>
+
+enum {
+    /* Neighbours that repel a point at most. */
+    LISTED = 20,
+    /* Points of one task. */
+    BLOCK = 256,
+    /* Steps from one list of neighbours to the next; then points are put back onto the surface. */
+    LIST_EVERY = 4,
+    /* Exponent of the force at the first and at the last step, as in seeds/repel.c. */
+    SOFT = 4,
+    HARD = 14,
+    /* Neighbours whose mean distance is the spacing of a place, where each keeps its own. */
+    SPACING_OF = 6
+};
+
+/* Spacings that neighbours are listed from, and that the force extends to. */
+#define LIST_REACH 2.0
+#define FORCE_REACH 1.7
+/* Mean distance to the nearest point over that to the six nearest, where points were inserted. */
+#define NEAREST_OF_SIX 0.87
+/* As in seeds/repel.c: the step over the sum of forces, times 2 S; the share of the last step that
+ * is added; the longest step, and the largest (h/d)^(2S). */
+#define GAIN 0.2
+#define MOMENTUM 0.7
+#define STEP_MAX 0.05
+#define FORCE_MAX 50.0
+/* Length of the mean of the unit vectors to the neighbours, above which a point is at the border.
+ * It is 0.64 where they fill half of the plane. */
+#define BORDER 0.4
+
+struct even {
+    struct vor_lop_samples *samples;
+    const struct vor_lop_latent *latent;
+    const struct vor_run *run;
+    struct vor_outcome *told;
+    struct vor_record record;
+    double unit;
+    struct vor_lop_tree tree;  /* of the points as of the last lists */
+    struct vor_lop_edge *edge; /* n: as of the last lists */
+    unsigned char *on;         /* n: on an edge */
+    unsigned char *listed;     /* n: neighbours */
+    uint32_t *list;            /* n x LISTED */
+    float *spacing;            /* n */
+    float *next, *step;        /* n x 3 */
+    float *nearest;            /* n: distance to the nearest neighbour */
+    unsigned power;
+    int local;
+};
+
+static void free_even(struct even *even)
+{
+    struct vor_memory *memory = even->samples->memory;
+
+    vor_free(memory, even->nearest);
+    vor_free(memory, even->step);
+    vor_free(memory, even->next);
+    vor_free(memory, even->spacing);
+    vor_free(memory, even->list);
+    vor_free(memory, even->listed);
+    vor_free(memory, even->on);
+    vor_free(memory, even->edge);
+    vor_lop_tree_free(&even->tree);
+}
+
+static vor_status alloc_even(struct even *even, struct vor_error *err)
+{
+    struct vor_memory *memory = even->samples->memory;
+    size_t n = even->samples->n;
+
+    even->edge = vor_malloc(memory, n, sizeof *even->edge);
+    even->on = vor_calloc(memory, n, sizeof *even->on);
+    even->listed = vor_malloc(memory, n, sizeof *even->listed);
+    even->list = vor_malloc(memory, n, LISTED * sizeof *even->list);
+    even->spacing = vor_malloc(memory, n, sizeof *even->spacing);
+    even->next = vor_malloc(memory, n, 3 * sizeof *even->next);
+    even->step = vor_calloc(memory, n, 3 * sizeof *even->step);
+    even->nearest = vor_malloc(memory, n, sizeof *even->nearest);
+    if (even->edge == NULL || even->on == NULL || even->listed == NULL || even->list == NULL ||
+        even->spacing == NULL || even->next == NULL || even->step == NULL || even->nearest == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the polish of %zu points", n);
+    return VOR_OK;
+}
+
+/* Distances of the points to their nearest, and the spacing of each place. */
+struct apart {
+    struct even *even;
+    struct vor_knn *knn;
+};
+
+static void apart_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct apart *apart = ctx;
+    struct even *even = apart->even;
+    size_t n = even->samples->n;
+    unsigned k = n > SPACING_OF ? SPACING_OF + 1 : (unsigned)n;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        uint32_t index[SPACING_OF + 1];
+        float distance2[SPACING_OF + 1];
+        double sum = 0;
+
+        vor_knn_search(apart->knn, &even->samples->xyz[3 * i], 1, k, index, distance2);
+        for (unsigned j = 1; j < k; j++)
+            sum += sqrt((double)distance2[j]);
+        even->nearest[i] = k > 1 ? sqrtf(distance2[1]) : 0;
+        even->spacing[i] = (float)(NEAREST_OF_SIX * sum / (k > 1 ? k - 1 : 1));
+    }
+}
+
+/* Writes how even the points are into the record, by their nearest distances; returns the mean. */
+static double note(struct even *even)
+{
+    struct vor_uniformity u;
+
+    vor_uniformity_from(&u, even->nearest, even->samples->n);
+    even->record.delta = u.delta;
+    even->record.sigma = u.sigma * even->unit;
+    even->record.epsilon = u.epsilon;
+    return u.mean;
+}
+
+/* Gives all points one spacing. */
+static void level(struct even *even, double h)
+{
+    for (size_t i = 0; i < even->samples->n && !even->local; i++)
+        even->spacing[i] = (float)h;
+}
+
+/* Measures the spacing of the points as they are. */
+static vor_status measure(struct even *even, const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_lop_samples *samples = even->samples;
+    struct apart apart = {.even = even};
+    vor_status status = vor_knn_build(&apart.knn, samples->xyz, samples->n, samples->memory, err);
+
+    if (status == VOR_OK)
+        status = vor_run_for(run, samples->n, BLOCK, apart_block, &apart, err);
+    vor_knn_free(apart.knn);
+    if (status == VOR_OK)
+        level(even, note(even));
+    return status;
+}
+
+static struct vor_lop_point point_at(const struct even *even, size_t i)
+{
+    struct vor_lop_point point;
+
+    memcpy(point.xyz, &even->samples->xyz[3 * i], sizeof point.xyz);
+    memcpy(point.normal, &even->samples->normal[3 * i], sizeof point.normal);
+    return point;
+}
+
+/* Puts point i back onto the surface, or onto its edge. */
+static void put_back(struct even *even, size_t i)
+{
+    struct vor_lop_point end[2] = {point_at(even, i), point_at(even, i)}, point = end[0];
+    struct vor_lop_edge *edge = &even->edge[i];
+
+    if (even->on[i]) {
+        memcpy(end[1].normal, edge->other, sizeof end[1].normal);
+        if (!vor_lop_latent_edge(point.xyz, edge->along, even->latent, end[0].xyz, end))
+            return;
+    } else {
+        vor_lop_latent_side(&point, even->latent, end[0].xyz, &end[0]);
+    }
+    if (vor_distance2f(point.xyz, end[0].xyz) > (double)even->spacing[i] * (double)even->spacing[i])
+        return; /* a fit that throws a point as far as that is none */
+    memcpy(&even->samples->xyz[3 * i], point.xyz, sizeof point.xyz);
+    memcpy(&even->samples->normal[3 * i], point.normal, sizeof point.normal);
+}
+
+static void put_back_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        put_back(ctx, i);
+}
+
+/* Lists the nearest of those gathered around point i. */
+static void list_nearest(struct even *even, size_t i, const struct vor_lop_gathered *near)
+{
+    uint32_t *list = &even->list[LISTED * i];
+    float distance2[LISTED];
+    unsigned count = 0;
+
+    for (unsigned k = 0; k < near->count; k++) {
+        unsigned at;
+
+        if (near->index[k] == i || (count == LISTED && near->distance2[k] >= distance2[LISTED - 1]))
+            continue;
+        at = count < LISTED ? count++ : LISTED - 1;
+        for (; at > 0 && distance2[at - 1] > near->distance2[k]; at--) {
+            distance2[at] = distance2[at - 1];
+            list[at] = list[at - 1];
+        }
+        distance2[at] = near->distance2[k];
+        list[at] = near->index[k];
+    }
+    even->listed[i] = (unsigned char)count;
+}
+
+/* Puts a point that lies past its edge as far to this side of it. Noise throws samples there, and
+ * others are inserted beside them. */
+static void bring_back(struct even *even, size_t i)
+{
+    const struct vor_lop_edge *edge = &even->edge[i];
+    float *x = &even->samples->xyz[3 * i];
+
+    for (int c = 0; c < 3 && edge->distance < INFINITY && edge->past; c++)
+        x[c] = 2 * edge->foot[c] - x[c];
+}
+
+static void list_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct even *even = ctx;
+    struct vor_lop_gathered near;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        vor_lop_tree_gather(&near, &even->tree, &even->samples->xyz[3 * i],
+                            LIST_REACH * (double)even->spacing[i]);
+        list_nearest(even, i, &near);
+        if (even->on[i])
+            continue;
+        vor_lop_edge_find(&even->edge[i], even->samples, i, (double)even->spacing[i], &even->tree,
+                          even->latent);
+        bring_back(even, i);
+    }
+}
+
+/* Finds the neighbours and the edges of the points as they are, and puts points onto edges. */
+static vor_status list_all(struct even *even, struct vor_error *err)
+{
+    struct vor_lop_samples *samples = even->samples;
+    vor_status status;
+
+    vor_lop_tree_free(&even->tree);
+    status = vor_lop_tree_init(&even->tree, samples->memory, err);
+    for (size_t i = 0; i < samples->n && status == VOR_OK; i++)
+        status = vor_lop_tree_add(&even->tree, (uint32_t)i, &samples->xyz[3 * i],
+                                  &samples->normal[3 * i], err);
+    if (status == VOR_OK)
+        status = vor_run_for(even->run, samples->n, BLOCK, list_block, even, err);
+    if (status == VOR_OK)
+        status = vor_lop_edge_put(samples, even->edge, even->on, even->spacing, err);
+    return status;
+}
+
+static double power(double x, unsigned n)
+{
+    double y = 1;
+
+    for (; n > 0; n >>= 1) {
+        if (n & 1)
+            y *= x;
+        x *= x;
+    }
+    return y;
+}
+
+/* What pushes point i, and the mean of the unit vectors to its neighbours. */
+struct push {
+    double force[3], mean[3];
+    double nearest2;
+};
+
+static void push_from(struct push *push, const struct even *even, size_t i)
+{
+    const float *x = &even->samples->xyz[3 * i], *n = &even->samples->normal[3 * i];
+    double h2 = (double)even->spacing[i] * (double)even->spacing[i], count = 0;
+    double scale = GAIN / (2 * even->power);
+
+    memset(push, 0, sizeof *push);
+    push->nearest2 = LIST_REACH * LIST_REACH * h2; /* of a point alone: what is known of it */
+    for (unsigned k = 0; k < even->listed[i]; k++) {
+        size_t j = even->list[LISTED * i + k];
+        const float *y = &even->samples->xyz[3 * j], *m = &even->samples->normal[3 * j];
+        double d[3] = {(double)x[0] - (double)y[0], (double)x[1] - (double)y[1],
+                       (double)x[2] - (double)y[2]};
+        double d2 = vor_dot(d, d), weight = FORCE_MAX, length = sqrt(d2);
+
+        push->nearest2 = fmin(push->nearest2, d2);
+        if ((double)n[0] * (double)m[0] + (double)n[1] * (double)m[1] +
+                (double)n[2] * (double)m[2] <
+            (double)VOR_LOP_AWAY)
+            continue;
+        if (d2 > FORCE_REACH * FORCE_REACH * h2 || !(d2 > 0))
+            continue;
+        if (FORCE_MAX * d2 > h2)
+            weight = fmin(power(h2 / d2, even->power), FORCE_MAX);
+        count++;
+        for (int c = 0; c < 3; c++) {
+            push->force[c] += scale * weight * d[c];
+            push->mean[c] -= d[c] / length;
+        }
+    }
+    for (int c = 0; c < 3 && count > 0; c++)
+        push->mean[c] /= count;
+}
+
+/* Takes from v its part along a unit vector; with one_way only if v points that way. */
+static void remove_part(double v[3], const double direction[3], int one_way)
+{
+    double along = vor_dot(v, direction);
+
+    if (one_way && !(along > 0))
+        return;
+    for (int c = 0; c < 3; c++)
+        v[c] -= along * direction[c];
+}
+
+/* Reduces v to what keeps point i on the surface, inside its border, or on its edge. */
+static void keep(const struct even *even, size_t i, const struct push *push, double v[3])
+{
+    const float *normal = &even->samples->normal[3 * i], *along = even->edge[i].along;
+    double n[3] = {(double)normal[0], (double)normal[1], (double)normal[2]}, out[3], length;
+
+    if (even->on[i]) {
+        double t[3] = {(double)along[0], (double)along[1], (double)along[2]};
+        double moved = vor_dot(v, t);
+
+        for (int c = 0; c < 3; c++)
+            v[c] = moved * t[c];
+        return;
+    }
+    remove_part(v, n, 0);
+    for (int c = 0; c < 3; c++)
+        out[c] = -push->mean[c];
+    remove_part(out, n, 0);
+    length = sqrt(vor_dot(out, out));
+    if (length < BORDER)
+        return;
+    for (int c = 0; c < 3; c++)
+        out[c] /= length;
+    remove_part(v, out, 1);
+}
+
+/* Whether point i passes the plane of the other side of its edge on the way to y. */
+static int passes_edge(const struct even *even, size_t i, const float y[3])
+{
+    const struct vor_lop_edge *edge = &even->edge[i];
+    const float *x = &even->samples->xyz[3 * i];
+    double before = 0, after = 0;
+
+    if (even->on[i] || !(edge->distance < INFINITY))
+        return 0;
+    for (int c = 0; c < 3; c++) {
+        before += (double)edge->other[c] * ((double)x[c] - (double)edge->foot[c]);
+        after += (double)edge->other[c] * ((double)y[c] - (double)edge->foot[c]);
+    }
+    return (before > 0 && after < 0) || (before < 0 && after > 0);
+}
+
+static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct even *even = ctx;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        const float *x = &even->samples->xyz[3 * i];
+        float *step = &even->step[3 * i], *y = &even->next[3 * i];
+        double limit = STEP_MAX * (double)even->spacing[i], v[3] = {0}, length, part;
+        struct push push;
+
+        push_from(&push, even, i);
+        if (even->listed[i] > 0) /* else it is as far as it was measured */
+            even->nearest[i] = (float)sqrt(push.nearest2);
+        for (int c = 0; c < 3; c++)
+            v[c] = push.force[c] + MOMENTUM * (double)step[c];
+        keep(even, i, &push, v);
+        length = sqrt(vor_dot(v, v));
+        part = length > limit ? limit / length : 1;
+        for (int c = 0; c < 3; c++)
+            y[c] = (float)((double)x[c] + part * v[c]);
+        if (passes_edge(even, i, y))
+            memcpy(y, x, 3 * sizeof *y);
+        for (int c = 0; c < 3; c++)
+            step[c] = y[c] - x[c];
+    }
+}
+
+/* One step of all points. */
+static vor_status step_once(struct even *even, unsigned steps, struct vor_error *err)
+{
+    struct vor_lop_samples *samples = even->samples;
+    unsigned done = even->record.step;
+    vor_status status = VOR_OK;
+
+    even->power = SOFT + (HARD - SOFT) * done / (steps > 1 ? steps - 1 : 1);
+    if (done % LIST_EVERY == 0 && done > 0)
+        status = vor_run_for(even->run, samples->n, BLOCK, put_back_block, even, err);
+    if (status == VOR_OK && done % LIST_EVERY == 0)
+        status = list_all(even, err);
+    if (status == VOR_OK)
+        status = vor_run_for(even->run, samples->n, BLOCK, move_block, even, err);
+    if (status != VOR_OK)
+        return status;
+    memcpy(samples->xyz, even->next, 3 * samples->n * sizeof *samples->xyz);
+    level(even, note(even));
+    return VOR_OK;
+}
+
+static double longest_step(const struct even *even)
+{
+    double longest2 = 0;
+
+    for (size_t i = 0; i < even->samples->n; i++) {
+        const float *step = &even->step[3 * i];
+        double x = (double)step[0], y = (double)step[1], z = (double)step[2];
+        double length2 = x * x + y * y + z * z;
+
+        longest2 = length2 > longest2 ? length2 : longest2;
+    }
+    return sqrt(longest2);
+}
+
+static enum vor_answer tell(struct even *even)
+{
+    const struct vor_watch *watch = even->run->watch;
+    struct vor_record *record = &even->record;
+
+    record->polish = record->step;
+    record->seconds = vor_run_seconds(even->run);
+    record->max_move = longest_step(even) * even->unit;
+    record->best_polish = record->polish;
+    record->best_delta = record->delta;
+    record->best_sigma = record->sigma;
+    record->best_epsilon = record->epsilon;
+    even->told->last = *record;
+    if (watch == NULL || watch->progress == NULL)
+        return VOR_CONTINUE;
+    return watch->progress(watch->ctx, record);
+}
+
+static vor_status loop(struct even *even, unsigned steps, struct vor_error *err)
+{
+    while (even->record.step < steps) {
+        vor_status status = step_once(even, steps, err);
+        enum vor_answer answer = status == VOR_E_STOPPED ? VOR_STOP : VOR_CONTINUE;
+
+        if (status == VOR_OK) {
+            even->record.step++;
+            answer = tell(even);
+        } else if (status != VOR_E_STOPPED) {
+            return status;
+        }
+        if (answer == VOR_CANCEL)
+            return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
+        if (answer == VOR_STOP) {
+            even->told->stopped = VOR_STOPPED_CALLER;
+            return VOR_OK;
+        }
+    }
+    return VOR_OK;
+}
+
+/* Moves the points, and puts them onto the surface in the end. */
+static vor_status move_all(struct even *even, unsigned steps, struct vor_error *err)
+{
+    const struct vor_run whole = vor_run_unstoppable(even->run);
+    vor_status status = measure(even, &whole, err);
+
+    for (size_t i = 0; i < even->samples->n && status == VOR_OK; i++)
+        even->edge[i].distance = INFINITY;
+    if (status == VOR_OK)
+        status = loop(even, steps, err);
+    if (status == VOR_OK)
+        status = vor_run_for(&whole, even->samples->n, BLOCK, put_back_block, even, err);
+    if (status == VOR_OK)
+        status = measure(even, &whole, err);
+    return status;
+}
+
+vor_status vor_lop_even(struct vor_lop_samples *samples, const struct vor_lop_latent *latent,
+                        const struct vor_lop_even_how *how, const struct vor_domain *domain,
+                        struct vor_outcome *told, const struct vor_run *run, struct vor_error *err)
+{
+    struct even even = {.samples = samples,
+                        .latent = latent,
+                        .run = run,
+                        .told = told,
+                        .record = told->last,
+                        .unit = domain->unit,
+                        .local = how->local};
+    double before = vor_run_clock(run);
+    vor_status status;
+
+    if (how->steps == 0 || told->stopped == VOR_STOPPED_CALLER)
+        return VOR_OK;
+    even.record.stage = VOR_RUN_STAGE_POLISH;
+    even.record.step = even.record.ahead = 0;
+    even.record.of = how->steps;
+    status = alloc_even(&even, err);
+    if (status == VOR_OK)
+        status = move_all(&even, how->steps, err);
+    if (status == VOR_OK) {
+        told->kept = even.record;
+        vor_outcome_stage(told, VOR_RUN_STAGE_POLISH, even.record.step,
+                          vor_run_clock(run) - before);
+    }
+    free_even(&even);
+    return status;
+}

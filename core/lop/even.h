@@ -1,0 +1,40 @@
+/** Evening out of oriented points (the stage `polish` of a run with edges): short-range repulsion
+ *  along their tangent planes, while points on edges move along those only.
+ *
+ *  Source: seeds/repel.h, whose forces these are; the surface is the latent one (lop/latent.h) and
+ *  not the local fits of the input, which are round at edges. The points nearest to an edge are put
+ *  onto it first (lop/edges.h): a row of them keeps the others from passing it, and is what the
+ *  edge looks like in the result. No point passes the plane of the other side of an edge near it.
+ *  At an open border points are not pushed out. */
+#ifndef VOR_LOP_EVEN_H
+#define VOR_LOP_EVEN_H
+
+#include "core/input/domain.h"
+#include "core/lop/latent.h"
+#include "core/seeds/outcome.h"
+
+/** How points are evened out. */
+struct vor_lop_even_how {
+    uint32_t steps; /**< 0: nothing is done */
+    int local;      /**< the spacing of each place is kept; else all of the surface gets one */
+};
+
+/** Evens the points out; normals follow.
+ *
+ *  @param[in]     latent  the surface
+ *  @param[in]     domain  read for the unit of what is told
+ *  @param[in,out] told    the stage is added; stopped may change, and if the caller stopped the run
+ *                         before, nothing is done
+ *  @param[in]     run     a stop ends it with the positions so far
+ *
+ *  @retval VOR_E_CANCELLED  the watch answered VOR_CANCEL
+ *  @retval VOR_E_NOMEM      330 n bytes do not fit
+ *
+ *  O(steps n), on the run's pool. The same points for any number of threads. */
+VOR_NODISCARD vor_status vor_lop_even(struct vor_lop_samples *samples,
+                                      const struct vor_lop_latent *latent,
+                                      const struct vor_lop_even_how *how,
+                                      const struct vor_domain *domain, struct vor_outcome *told,
+                                      const struct vor_run *run, struct vor_error *err);
+
+#endif

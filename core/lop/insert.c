@@ -1,0 +1,424 @@
+#include "core/lop/insert.h"
+
+#include "core/base/linalg.h"
+#include "core/knn/knn.h"
+#include "core/lop/even.h"
+#include "core/lop/heap.h"
+#include "core/lop/latent.h"
+#include "core/lop/power.h"
+
+#include <string.h>
+
+enum {
+    /* Samples of one task. */
+    BLOCK = 256,
+    /* Insertions from one look at the watch to the next: about a millisecond. */
+    POLL_EVERY = 256,
+    /* Records that an insertion tells of. */
+    RECORDS = 40
+};
+
+/* The pairs of a point: priorities as of the last look, 0 for none. */
+struct pairs {
+    float key[VOR_LOP_PAIRS];
+    uint32_t partner[VOR_LOP_PAIRS];
+};
+
+struct insertion {
+    struct vor_lop_samples *samples;
+    const struct vor_lop_insert_how *how;
+    const struct vor_run *run;
+    struct vor_outcome *told;
+    struct vor_lop_tree tree;
+    struct vor_lop_latent latent;
+    struct pairs *pairs;             /* n */
+    float *reach;                    /* n: how far away partners may be */
+    struct vor_lop_heap_entry *heap; /* n */
+    struct vor_knn *knn;             /* of the samples, while they have no reach */
+    size_t begun;                    /* samples at first */
+};
+
+static const float *place(const struct insertion *insertion, uint32_t i)
+{
+    return &insertion->samples->xyz[3 * (size_t)i];
+}
+
+static const float *normal(const struct insertion *insertion, uint32_t i)
+{
+    return &insertion->samples->normal[3 * (size_t)i];
+}
+
+static double cosine(const float *a, const float *b)
+{
+    return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
+}
+
+static struct vor_lop_base base_of(const struct insertion *insertion, uint32_t i, uint32_t j)
+{
+    const float *a = place(insertion, i), *b = place(insertion, j);
+    struct vor_lop_base base = {.radius2 = vor_distance2f(a, b) / 4,
+                                .end = {normal(insertion, i), normal(insertion, j)}};
+
+    for (int c = 0; c < 3; c++)
+        base.xyz[c] = (float)(((double)a[c] + (double)b[c]) / 2);
+    return base;
+}
+
+/* The priority of a pair by the clearance of its base. */
+static float priority(const struct insertion *insertion, const struct vor_lop_base *base,
+                      double clearance2)
+{
+    double turned = 2 - cosine(base->end[0], base->end[1]);
+
+    if (clearance2 < VOR_LOP_CLEARANCE_MIN * VOR_LOP_CLEARANCE_MIN)
+        return 0;
+    return (float)(vor_lop_power(turned, insertion->how->rho) * sqrt(clearance2));
+}
+
+/* The place of the pair that comes first, among those of one point. */
+static unsigned first_of(const struct pairs *pairs)
+{
+    unsigned best = 0;
+
+    for (unsigned i = 1; i < VOR_LOP_PAIRS; i++)
+        if (pairs->key[i] > pairs->key[best] ||
+            (pairs->key[i] >= pairs->key[best] && pairs->partner[i] < pairs->partner[best]))
+            best = i;
+    return best;
+}
+
+/* Keeps a pair if it is among the best. */
+static void offer(struct pairs *pairs, float key, uint32_t partner)
+{
+    unsigned worst = 0;
+
+    for (unsigned i = 1; i < VOR_LOP_PAIRS; i++)
+        if (pairs->key[i] < pairs->key[worst] ||
+            (pairs->key[i] <= pairs->key[worst] && pairs->partner[i] > pairs->partner[worst]))
+            worst = i;
+    if (key > pairs->key[worst] || (key >= pairs->key[worst] && partner < pairs->partner[worst])) {
+        pairs->key[worst] = key;
+        pairs->partner[worst] = partner;
+    }
+}
+
+/* Whether points i and j lie on two sheets, one over the other. */
+static int stacked(const struct insertion *insertion, uint32_t i, uint32_t j, double distance2)
+{
+    const float *n = normal(insertion, i), *m = normal(insertion, j);
+    double along = 0, length2 = 2 + 2 * cosine(n, m);
+
+    for (int c = 0; c < 3; c++)
+        along += ((double)n[c] + (double)m[c]) *
+                 ((double)place(insertion, i)[c] - (double)place(insertion, j)[c]);
+    return along * along > VOR_LOP_STACKED * VOR_LOP_STACKED * distance2 * length2;
+}
+
+/* Whether point i has a pair with point j, which it reaches. Of two samples the later has it,
+ * unless only the earlier one reaches so far. */
+static int has_pair(const struct insertion *insertion, uint32_t i, uint32_t j, double distance2)
+{
+    double other = (double)insertion->reach[j];
+
+    if (i == j || cosine(normal(insertion, i), normal(insertion, j)) < (double)VOR_LOP_AWAY)
+        return 0;
+    if (stacked(insertion, i, j, distance2))
+        return 0;
+    if (i >= insertion->begun)
+        return 1;
+    if (other * other < VOR_LOP_REACH_PART * VOR_LOP_REACH_PART * distance2)
+        return 0;
+    return j < i || distance2 > other * other;
+}
+
+/* Finds the pairs of point i within its reach. */
+static void find_pairs(const struct insertion *insertion, uint32_t i)
+{
+    struct pairs *pairs = &insertion->pairs[i];
+    struct vor_lop_gathered near;
+
+    for (unsigned k = 0; k < VOR_LOP_PAIRS; k++) {
+        pairs->key[k] = 0;
+        pairs->partner[k] = UINT32_MAX;
+    }
+    vor_lop_tree_gather(&near, &insertion->tree, place(insertion, i), (double)insertion->reach[i]);
+    for (unsigned k = 0; k < near.count; k++) {
+        uint32_t j = near.index[k];
+        struct vor_lop_base base;
+
+        if (!has_pair(insertion, i, j, (double)near.distance2[k]))
+            continue;
+        base = base_of(insertion, i, j);
+        offer(pairs,
+              priority(insertion, &base, vor_lop_gathered_clearance2(&near, &base, base.radius2)),
+              j);
+    }
+}
+
+static void find_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        find_pairs(ctx, (uint32_t)i);
+}
+
+/* How far away partners of the samples may be, by the spacing around each. */
+static void reach_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct insertion *insertion = ctx;
+    size_t n = insertion->begun;
+    unsigned k = n > VOR_LOP_SPACING_OF ? VOR_LOP_SPACING_OF + 1 : (unsigned)n;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        uint32_t index[VOR_LOP_SPACING_OF + 1];
+        float distance2[VOR_LOP_SPACING_OF + 1];
+        double sum = 0;
+
+        vor_knn_search(insertion->knn, place(insertion, (uint32_t)i), 1, k, index, distance2);
+        for (unsigned j = 1; j < k; j++)
+            sum += sqrt((double)distance2[j]);
+        insertion->reach[i] =
+            (float)((insertion->how->fill ? VOR_LOP_REACH_FILL : VOR_LOP_REACH_KEEP) * sum /
+                    (k - 1));
+    }
+}
+
+static vor_status find_reach(struct insertion *insertion, const struct vor_run *run,
+                             struct vor_error *err)
+{
+    struct vor_lop_samples *samples = insertion->samples;
+    vor_status status =
+        vor_knn_build(&insertion->knn, samples->xyz, insertion->begun, samples->memory, err);
+
+    if (status == VOR_OK)
+        status = vor_run_for(run, insertion->begun, BLOCK, reach_block, insertion, err);
+    vor_knn_free(insertion->knn);
+    insertion->knn = NULL;
+    return status;
+}
+
+/* Queues the pairs of point i. */
+static void queue(struct insertion *insertion, uint32_t i)
+{
+    const struct pairs *pairs = &insertion->pairs[i];
+    struct vor_lop_heap_entry entry = {pairs->key[first_of(pairs)], i};
+
+    vor_lop_heap_push(insertion->heap, i, entry);
+}
+
+/* Indexes the samples and queues their pairs. */
+static vor_status start(struct insertion *insertion, const struct vor_run *run,
+                        struct vor_error *err)
+{
+    struct vor_lop_samples *samples = insertion->samples;
+    vor_status status = vor_lop_tree_init(&insertion->tree, samples->memory, err);
+
+    for (size_t i = 0; i < insertion->begun && status == VOR_OK; i++)
+        status = vor_lop_tree_add(&insertion->tree, (uint32_t)i, &samples->xyz[3 * i],
+                                  &samples->normal[3 * i], err);
+    if (status == VOR_OK)
+        status = find_reach(insertion, run, err);
+    if (status == VOR_OK)
+        status = vor_run_for(run, insertion->begun, BLOCK, find_block, insertion, err);
+    for (size_t i = 0; i < insertion->begun && status == VOR_OK; i++)
+        queue(insertion, (uint32_t)i);
+    return status;
+}
+
+/* Gives pair `at` of the first point of the queue a smaller priority. */
+static void lower(struct insertion *insertion, unsigned at, float key)
+{
+    struct pairs *pairs = &insertion->pairs[insertion->heap[0].point];
+
+    pairs->key[at] = key;
+    vor_lop_heap_lower(insertion->heap, insertion->samples->n, pairs->key[first_of(pairs)]);
+}
+
+/* Finds the pair with the largest priority: that at place *at of the first point of the queue.
+ *
+ * @return the square of its clearance; 0 if no pair has any */
+static double find_largest(struct insertion *insertion, unsigned *at)
+{
+    for (;;) {
+        uint32_t i = insertion->heap[0].point;
+        struct pairs *pairs = &insertion->pairs[i];
+        struct vor_lop_base base;
+        double clearance2;
+        float key;
+
+        *at = first_of(pairs);
+        if (!(pairs->key[*at] > 0))
+            return 0;
+        base = base_of(insertion, i, pairs->partner[*at]);
+        clearance2 = vor_lop_tree_clearance2(&insertion->tree, &base, base.radius2);
+        key = priority(insertion, &base, clearance2);
+        if (key >= pairs->key[*at])
+            return clearance2;
+        lower(insertion, *at, key);
+    }
+}
+
+/* Inserts a point between two others, with the clearance that their base had. */
+static vor_status insert_between(struct insertion *insertion, uint32_t i, uint32_t j,
+                                 double clearance2, struct vor_error *err)
+{
+    struct vor_lop_samples *samples = insertion->samples;
+    struct vor_lop_base base = base_of(insertion, i, j);
+    struct vor_lop_point end[2], point;
+    uint32_t k = (uint32_t)samples->n;
+    double parents = ((double)insertion->reach[i] + (double)insertion->reach[j]) / 2;
+    vor_status status;
+
+    memcpy(end[0].xyz, place(insertion, i), sizeof end[0].xyz);
+    memcpy(end[0].normal, normal(insertion, i), sizeof end[0].normal);
+    memcpy(end[1].xyz, place(insertion, j), sizeof end[1].xyz);
+    memcpy(end[1].normal, normal(insertion, j), sizeof end[1].normal);
+    vor_lop_latent_put(&point, &insertion->latent, base.xyz, end);
+    memcpy(&samples->xyz[3 * (size_t)k], point.xyz, sizeof point.xyz);
+    memcpy(&samples->normal[3 * (size_t)k], point.normal, sizeof point.normal);
+    status = vor_lop_tree_add(&insertion->tree, k, point.xyz, point.normal, err);
+    if (status != VOR_OK)
+        return status;
+    insertion->reach[k] = (float)fmin(VOR_LOP_PARTNERS * sqrt(clearance2), parents);
+    find_pairs(insertion, k);
+    queue(insertion, k);
+    samples->n++;
+    return VOR_OK;
+}
+
+static vor_status insert_one(struct insertion *insertion, struct vor_error *err)
+{
+    unsigned at;
+    double clearance2 = find_largest(insertion, &at);
+    uint32_t i = insertion->heap[0].point, j = insertion->pairs[i].partner[at];
+
+    if (!(clearance2 > 0))
+        return vor_fail(err, VOR_E_DEGENERATE,
+                        "no place for a further point between the %zu that there are",
+                        insertion->samples->n);
+    lower(insertion, at, 0);
+    return insert_between(insertion, i, j, clearance2, err);
+}
+
+/* Tells the watch how many points are inserted. */
+static enum vor_answer tell(struct insertion *insertion, size_t n)
+{
+    const struct vor_watch *watch = insertion->run->watch;
+    struct vor_record *record = &insertion->told->last;
+
+    record->stage = VOR_RUN_STAGE_INSERT;
+    record->step = (uint32_t)(insertion->samples->n - insertion->begun);
+    record->of = (uint32_t)(n - insertion->begun);
+    record->ahead = insertion->how->polish;
+    record->seconds = vor_run_seconds(insertion->run);
+    if (watch == NULL || watch->progress == NULL)
+        return VOR_CONTINUE;
+    return watch->progress(watch->ctx, record);
+}
+
+static enum vor_answer poll(const struct vor_run *run)
+{
+    return run->watch != NULL && run->watch->poll != NULL ? run->watch->poll(run->watch->ctx)
+                                                          : VOR_CONTINUE;
+}
+
+static vor_status loop(struct insertion *insertion, size_t n, struct vor_error *err)
+{
+    struct vor_lop_samples *samples = insertion->samples;
+    size_t every = (n - samples->n) / RECORDS + 1, done = 0;
+    enum vor_answer answer = VOR_CONTINUE;
+
+    while (samples->n < n) {
+        vor_status status = insert_one(insertion, err);
+
+        if (status != VOR_OK)
+            return status;
+        done++;
+        if (done % POLL_EVERY == 0)
+            answer = poll(insertion->run);
+        if (answer != VOR_CANCEL && (done % every == 0 || samples->n == n))
+            answer = tell(insertion, n);
+        if (answer == VOR_CANCEL)
+            return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
+    }
+    return VOR_OK;
+}
+
+/* Makes room for n samples. */
+static vor_status grow(struct vor_lop_samples *samples, size_t n, struct vor_error *err)
+{
+    float *more;
+
+    if (n <= samples->room)
+        return VOR_OK;
+    more = vor_realloc(samples->memory, samples->xyz, n, 3 * sizeof *more);
+    if (more != NULL) {
+        samples->xyz = more;
+        more = vor_realloc(samples->memory, samples->normal, n, 3 * sizeof *more);
+    }
+    if (more == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu oriented points", n);
+    samples->normal = more;
+    samples->room = n;
+    return VOR_OK;
+}
+
+static vor_status alloc_insertion(struct insertion *insertion, size_t n, struct vor_error *err)
+{
+    struct vor_memory *memory = insertion->samples->memory;
+
+    insertion->pairs = vor_malloc(memory, n, sizeof *insertion->pairs);
+    insertion->reach = vor_malloc(memory, n, sizeof *insertion->reach);
+    insertion->heap = vor_malloc(memory, n, sizeof *insertion->heap);
+    if (insertion->pairs == NULL || insertion->reach == NULL || insertion->heap == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the insertion of %zu points", n);
+    return grow(insertion->samples, n, err);
+}
+
+static void free_insertion(struct insertion *insertion)
+{
+    struct vor_memory *memory = insertion->samples->memory;
+
+    vor_free(memory, insertion->heap);
+    vor_free(memory, insertion->reach);
+    vor_free(memory, insertion->pairs);
+    vor_lop_tree_free(&insertion->tree);
+}
+
+/* Inserts until there are n points. */
+static vor_status insert_all(struct insertion *insertion, size_t n, struct vor_error *err)
+{
+    struct vor_run whole = vor_run_unstoppable(insertion->run);
+    double before = vor_run_clock(insertion->run);
+    vor_status status = alloc_insertion(insertion, n, err);
+
+    if (status == VOR_OK)
+        status = start(insertion, &whole, err);
+    if (status == VOR_OK)
+        status = loop(insertion, n, err);
+    if (status == VOR_OK)
+        vor_outcome_stage(insertion->told, VOR_RUN_STAGE_INSERT, (uint32_t)(n - insertion->begun),
+                          vor_run_clock(insertion->run) - before);
+    free_insertion(insertion);
+    return status;
+}
+
+vor_status vor_lop_insert(struct vor_lop_samples *samples, size_t n,
+                          const struct vor_lop_insert_how *how, const struct vor_domain *domain,
+                          struct vor_outcome *told, const struct vor_run *run,
+                          struct vor_error *err)
+{
+    struct insertion insertion = {
+        .samples = samples, .how = how, .run = run, .told = told, .begun = samples->n};
+    const struct vor_lop_even_how even = {.steps = how->polish, .local = how->rho > 0};
+    vor_status status = vor_lop_latent_init(&insertion.latent, samples, samples->n, how->sigma_n,
+                                            how->sigma_p, err);
+
+    if (status == VOR_OK && n > samples->n)
+        status = insert_all(&insertion, n, err);
+    if (status == VOR_OK)
+        status = vor_lop_even(samples, &insertion.latent, &even, domain, told, run, err);
+    vor_lop_latent_free(&insertion.latent);
+    return status;
+}

@@ -1,0 +1,188 @@
+#include "core/lop/latent.h"
+
+#include "core/base/linalg.h"
+#include "core/lop/weights.h"
+
+#include <string.h>
+
+/* Times that the planes of both sides are fitted around the place where they meet: the second time
+ * around the edge itself. */
+enum { EDGE_TIMES = 2 };
+/* Square of the sine between planes that do not meet: 2 degrees. */
+#define PARALLEL 1e-3
+
+vor_status vor_lop_latent_init(struct vor_lop_latent *out, const struct vor_lop_samples *samples,
+                               size_t n, double sigma_n, double sigma_p, struct vor_error *err)
+{
+    vor_status status;
+
+    memset(out, 0, sizeof *out);
+    out->sigma_p = sigma_p;
+    out->scale = vor_lop_scale(sigma_n);
+    status = vor_lop_tree_init(&out->tree, samples->memory, err);
+    for (size_t i = 0; i < n && status == VOR_OK; i++)
+        status = vor_lop_tree_add(&out->tree, (uint32_t)i, &samples->xyz[3 * i],
+                                  &samples->normal[3 * i], err);
+    return status;
+}
+
+void vor_lop_latent_free(struct vor_lop_latent *latent)
+{
+    vor_lop_tree_free(&latent->tree);
+}
+
+/* What the samples around a base say of one normal. */
+struct fit {
+    double weight;
+    double distance;  /* times weight: to move along the normal */
+    double normal[3]; /* times weight */
+};
+
+static void fit_to(struct fit *fit, const struct vor_lop_latent *latent,
+                   const struct vor_lop_gathered *near, const float base[3], const double n[3])
+{
+    double inverse = 1 / (latent->sigma_p * latent->sigma_p);
+
+    memset(fit, 0, sizeof *fit);
+    for (unsigned i = 0; i < near->count; i++) {
+        double cosine = 0, along = 0, weight;
+
+        for (int c = 0; c < 3; c++) {
+            double normal = (double)near->normal[c][i];
+
+            cosine += n[c] * normal;
+            along += (n[c] + normal) / 2 * ((double)near->xyz[c][i] - (double)base[c]);
+        }
+        weight = vor_lop_near((double)near->distance2[i], inverse) *
+                 vor_lop_alike(cosine, latent->scale);
+        fit->weight += weight;
+        fit->distance += weight * along;
+        for (int c = 0; c < 3; c++)
+            fit->normal[c] += weight * (double)near->normal[c][i];
+    }
+}
+
+/* The distance from a base to the surface along n. */
+static double distance_of(const struct fit *fit, const float base[3],
+                          const struct vor_lop_point *end, const double n[3])
+{
+    double d = 0;
+
+    if (fit->weight > 0)
+        return fit->distance / fit->weight;
+    for (int c = 0; c < 3; c++)
+        d += n[c] * ((double)end->xyz[c] - (double)base[c]);
+    return d;
+}
+
+/* The mean normal of a fit; leaves n where there is none. */
+static void normal_of(const struct fit *fit, double n[3])
+{
+    double length = sqrt(vor_dot(fit->normal, fit->normal));
+
+    for (int c = 0; c < 3 && length > 0; c++)
+        n[c] = fit->normal[c] / length;
+}
+
+/* The place and the normal that a fit of the normal n gives, which the mean of the samples that
+ * count first takes the place of. */
+static void put_onto(struct vor_lop_point *out, const struct vor_lop_latent *latent,
+                     const struct vor_lop_gathered *near, const float base[3],
+                     const struct vor_lop_point *end, const struct fit *first)
+{
+    struct fit fit;
+    double n[3], d;
+
+    for (int c = 0; c < 3; c++)
+        n[c] = (double)end->normal[c];
+    normal_of(first, n);
+    fit_to(&fit, latent, near, base, n);
+    d = distance_of(&fit, base, end, n);
+    for (int c = 0; c < 3; c++) {
+        out->xyz[c] = (float)((double)base[c] + d * n[c]);
+        out->normal[c] = (float)n[c];
+    }
+}
+
+/* A fit of an end's own normal; returns how far away the surface is along it. */
+static double fit_end(struct fit *fit, const struct vor_lop_latent *latent,
+                      const struct vor_lop_gathered *near, const float base[3],
+                      const struct vor_lop_point *end)
+{
+    double n[3] = {(double)end->normal[0], (double)end->normal[1], (double)end->normal[2]};
+
+    fit_to(fit, latent, near, base, n);
+    return distance_of(fit, base, end, n);
+}
+
+void vor_lop_latent_put(struct vor_lop_point *out, const struct vor_lop_latent *latent,
+                        const float base[3], const struct vor_lop_point end[2])
+{
+    struct vor_lop_gathered near;
+    struct fit fit[2];
+    double d[2];
+    int l;
+
+    vor_lop_tree_gather(&near, &latent->tree, base, latent->sigma_p);
+    for (l = 0; l < 2; l++)
+        d[l] = fit_end(&fit[l], latent, &near, base, &end[l]);
+    l = fabs(d[1]) < fabs(d[0]);
+    put_onto(out, latent, &near, base, &end[l], &fit[l]);
+}
+
+void vor_lop_latent_side(struct vor_lop_point *out, const struct vor_lop_latent *latent,
+                         const float base[3], const struct vor_lop_point *end)
+{
+    struct vor_lop_gathered near;
+    struct fit fit;
+
+    vor_lop_tree_gather(&near, &latent->tree, base, latent->sigma_p);
+    (void)fit_end(&fit, latent, &near, base, end);
+    put_onto(out, latent, &near, base, end, &fit);
+}
+
+/* The place nearest to x where two planes meet, each through a point across its normal. */
+static int meet(float x[3], double along[3], const struct vor_lop_point plane[2])
+{
+    double n[2][3], off[2], cosine, rest, length;
+
+    for (int l = 0; l < 2; l++) {
+        off[l] = 0;
+        for (int c = 0; c < 3; c++) {
+            n[l][c] = (double)plane[l].normal[c];
+            off[l] += n[l][c] * ((double)plane[l].xyz[c] - (double)x[c]);
+        }
+    }
+    cosine = vor_dot(n[0], n[1]);
+    rest = 1 - cosine * cosine;
+    vor_cross(along, n[0], n[1]);
+    length = sqrt(vor_dot(along, along));
+    if (!(rest > PARALLEL))
+        return 0;
+    for (int c = 0; c < 3; c++) {
+        x[c] = (float)((double)x[c] + ((off[0] - cosine * off[1]) * n[0][c] +
+                                       (off[1] - cosine * off[0]) * n[1][c]) /
+                                          rest);
+        along[c] /= length;
+    }
+    return 1;
+}
+
+int vor_lop_latent_edge(float foot[3], float along[3], const struct vor_lop_latent *latent,
+                        const float base[3], const struct vor_lop_point end[2])
+{
+    double direction[3] = {0};
+
+    memcpy(foot, base, 3 * sizeof *foot);
+    for (int time = 0; time < EDGE_TIMES; time++) {
+        struct vor_lop_point plane[2];
+
+        for (int l = 0; l < 2; l++)
+            vor_lop_latent_side(&plane[l], latent, foot, &end[l]);
+        if (!meet(foot, direction, plane))
+            return 0;
+    }
+    for (int c = 0; c < 3; c++)
+        along[c] = (float)direction[c];
+    return 1;
+}

@@ -1,0 +1,56 @@
+/** The input as oriented points whose normals do not smear over edges, and which lie where the
+ *  points of their own side say.
+ *
+ *  Source: Huang et al. 2013, "Edge-Aware Point Set Resampling", Sec. 4, Eq. 1 and 2: normals are
+ *  smoothed by those of the neighbours, the more the nearer and the more alike these are (theta,
+ *  psi), of angle sigmaN.
+ *
+ *  Departure: the paper starts from a PCA at each point and smooths the normals of the samples
+ *  alone. Near an edge such normals lie between those of both sides, and smoothing keeps some: one
+ *  point in ten next to an edge of 90 degrees. Here each point takes the best plane among those
+ *  through the neighbourhoods around it, which near an edge is one that does not cross it: flat,
+ * and through the point. Then neighbours count by how near their own planes pass to the point
+ * (beside theta and psi), and the normal starts anew from that of a neighbour which most of these
+ * agree with. Departure: the points move along their normals onto their side. A neighbour is seen
+ * along the mean of both normals, to which the chord of a circle is perpendicular: curvature then
+ * moves no point, as it does with the normal of either. */
+#ifndef VOR_LOP_NORMALS_H
+#define VOR_LOP_NORMALS_H
+
+#include "core/input/domain.h"
+#include "core/lop/samples.h"
+
+/** How that is done. */
+struct vor_lop_normals_how {
+    double sigma_n;    /**< radians, up to pi / 2 */
+    double sigma_p;    /**< normalised; 0: as far as the points that a fit takes there */
+    size_t points;     /**< of the result: sides are found on about as many (input/orient.h) */
+    double area;       /**< of the surface, in squared normalised units */
+    uint32_t rounds;   /**< times that normals are smoothed and points moved; 0: they stay */
+    size_t *one_sided; /**< out: components that have one side only */
+};
+
+/** Makes the points of the domain, in their order.
+ *
+ *  @param[out] out  free with vor_lop_samples_free; untouched on failure
+ *
+ *  @retval VOR_E_NOMEM  90 bytes a point, and 4 for each neighbour that counts, do not fit
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
+ *
+ *  O(n log n), on the run's pool. The same points for any number of threads. */
+VOR_NODISCARD vor_status vor_lop_normals(struct vor_lop_samples *out,
+                                         const struct vor_domain *domain,
+                                         const struct vor_lop_normals_how *how,
+                                         const struct vor_run *run, struct vor_error *err);
+
+/** Most neighbours that count for a point. */
+#define VOR_LOP_NORMALS_MOST 160
+
+/** Input points around point i of the domain, on its sheet where the domain has lists.
+ *
+ *  @param[out] index  room for k <= VOR_LOP_NORMALS_MOST
+ *
+ *  @return how many there are */
+unsigned vor_lop_around(const struct vor_domain *domain, size_t i, unsigned k, uint32_t *index);
+
+#endif

@@ -1,0 +1,23 @@
+#include "core/lop/samples.h"
+
+vor_status vor_lop_samples_init(struct vor_lop_samples *out, size_t room, struct vor_memory *memory,
+                                struct vor_error *err)
+{
+    float *xyz = vor_malloc(memory, room, 3 * sizeof *xyz);
+    float *normal = vor_malloc(memory, room, 3 * sizeof *normal);
+
+    if (xyz == NULL || normal == NULL) {
+        vor_free(memory, normal);
+        vor_free(memory, xyz);
+        return vor_fail(err, VOR_E_NOMEM, "%zu oriented points", room);
+    }
+    *out = (struct vor_lop_samples){memory, 0, room, xyz, normal};
+    return VOR_OK;
+}
+
+void vor_lop_samples_free(struct vor_lop_samples *samples)
+{
+    vor_free(samples->memory, samples->normal);
+    vor_free(samples->memory, samples->xyz);
+    *samples = (struct vor_lop_samples){0};
+}

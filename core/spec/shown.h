@@ -1,0 +1,117 @@
+/** What people are shown of a request: titles and levels of parameters, and presets. Included
+ *  through core/spec.h. */
+#ifndef VOR_SPEC_SHOWN_H
+#define VOR_SPEC_SHOWN_H
+
+#include "core/spec/tables.h"
+
+/** Levels: identifier, word, title in the help. A form shows the basic ones, and the others when it
+ *  is asked for them. */
+#define VOR_LEVEL_TABLE(X)                                                                         \
+    X(BASIC, "basic", "Parameters of the request")                                                 \
+    X(ADVANCED, "advanced", "Advanced parameters")
+
+enum vor_level {
+#define VOR_LEVEL_ENUM(id, word, title) VOR_LEVEL_##id,
+    VOR_LEVEL_TABLE(VOR_LEVEL_ENUM)
+#undef VOR_LEVEL_ENUM
+        VOR_LEVELS
+};
+
+/** Titles: parameter, level, a few words. A parameter without a row is advanced, and its name is
+ *  its title. */
+#define VOR_TITLE_TABLE(X)                                                                         \
+    X(POINTS, BASIC, "Points")                                                                     \
+    X(RATIO, BASIC, "Points over those of the input")                                              \
+    X(SPACING, BASIC, "Spacing")                                                                   \
+    X(METHOD, ADVANCED, "Method")                                                                  \
+    X(PATCH, ADVANCED, "Local surface")                                                            \
+    X(DENSITY, BASIC, "Density")                                                                   \
+    X(CONTRAST, ADVANCED, "Contrast of the density")                                               \
+    X(GRADING, ADVANCED, "Grading of the density")                                                 \
+    X(METRIC, ADVANCED, "Shape of cells")                                                          \
+    X(MAX_ASPECT, ADVANCED, "Longest cells")                                                       \
+    X(P, ADVANCED, "Power of the metric")                                                          \
+    X(CELLS, ADVANCED, "Cut of cells")                                                             \
+    X(ITERATIONS, ADVANCED, "Iterations")                                                          \
+    X(DELTA, ADVANCED, "Stop at a delta")                                                          \
+    X(MOVE_STOP, ADVANCED, "Stop at short moves")                                                  \
+    X(SECONDS, BASIC, "Stop after a time")                                                         \
+    X(NEIGHBORS, ADVANCED, "Neighbors of a fit")                                                   \
+    X(ANDERSON, ADVANCED, "Anderson window")                                                       \
+    X(POLISH, ADVANCED, "Steps of the polish")                                                     \
+    X(BOUNDARY, BASIC, "Borders and holes")                                                        \
+    X(HOLES, ADVANCED, "Holes to fill")                                                            \
+    X(HOLE_MAX, ADVANCED, "Longest hole to fill")                                                  \
+    X(EDGES, BASIC, "Sharp edges")                                                                 \
+    X(OUTLIERS, BASIC, "Outliers")                                                                 \
+    X(SAMPLE, ADVANCED, "Input of a mesh")                                                         \
+    X(FILTERS, BASIC, "Filters")                                                                   \
+    X(SIGMA_N, ADVANCED, "Angle of one side")                                                      \
+    X(SIGMA_P, ADVANCED, "Width of the projection")                                                \
+    X(MU, ADVANCED, "Repulsion")                                                                   \
+    X(ROUNDS, ADVANCED, "Rounds of normals and points")                                            \
+    X(STEPS, ADVANCED, "Steps of a round")                                                         \
+    X(RHO, ADVANCED, "Pull towards edges")                                                         \
+    X(PHASES, ADVANCED, "Phases")                                                                  \
+    X(SAMPLES, ADVANCED, "Points before insertion")                                                \
+    X(GAPS, ADVANCED, "Gaps")                                                                      \
+    X(INPUT_NORMALS, ADVANCED, "Normals of the input")                                             \
+    X(INTRINSIC, ADVANCED, "Sheets")                                                               \
+    X(INVALID, ADVANCED, "Points that are not finite")                                             \
+    X(SEED, ADVANCED, "Seed")                                                                      \
+    X(ORDER, ADVANCED, "Order of points")                                                          \
+    X(FORMAT, BASIC, "Format")                                                                     \
+    X(QUANTIZATION, ADVANCED, "Quantization")                                                      \
+    X(COMPRESSION, ADVANCED, "Compression")                                                        \
+    X(ORIGIN, ADVANCED, "Origin")                                                                  \
+    X(ATTRIBUTES, ADVANCED, "Attributes")                                                          \
+    X(NORMALS, BASIC, "Normals")                                                                   \
+    X(SOUP, ADVANCED, "Cells for faces")                                                           \
+    X(BASELINES, ADVANCED, "Baselines")                                                            \
+    X(PEAK, BASIC, "Peak of the PSNR")
+
+/** Presets: name, title, id of the process, values with blanks between, sentence. Each is a request
+ * that can be made as it is; a caller may change any of its values. */
+#define VOR_NAMED_PRESET_TABLE(X)                                                                  \
+    X("even", "Even 10 000", "resample", "points=10000", "Ten thousand points, evenly spread")     \
+    X("edges", "Keep edges", "resample", "ratio=1 edges=sites boundary=sites",                     \
+      "As many points as came in, along sharp edges and borders first")                            \
+    X("denoise", "Denoise", "denoise", "",                                                         \
+      "As many points as came in, without noise and outliers")                                     \
+    X("codec",                                                                                     \
+      "\xc3\x97"                                                                                   \
+      "4 for codec output",                                                                        \
+      "upsample", "ratio=4", "Four times the points that a codec gave back")                       \
+    X("quarter", "A quarter", "simplify", "ratio=0.25", "A quarter of the points")                 \
+    X("mesh", "Mesh", "mesh", "points=10000", "Ten thousand points, joined by triangles")
+
+/** One row of the table. */
+struct vor_named_preset {
+    const char *name, *title, *process, *values, *sentence;
+};
+
+/** The title of a parameter, never empty. */
+const char *vor_parameter_title(enum vor_parameter parameter);
+
+/** Its level, and the words of one. */
+enum vor_level vor_parameter_level(enum vor_parameter parameter);
+const char *vor_level_word(enum vor_level level);
+const char *vor_level_title(enum vor_level level);
+
+/** Preset number `index` of a process, by its id; NULL past the last. */
+const struct vor_named_preset *vor_named_preset(const char *process, unsigned index);
+
+/** The preset of that name of a process; NULL when there is none. */
+const struct vor_named_preset *vor_named_preset_find(const char *process, const char *name);
+
+/** A walk over the values of a preset: at the beginning *at is its values.
+ *
+ *  @param[out] parameter  of the value; VOR_PARAMETER_COUNT where the table names none
+ *  @param[out] value      as vor_spec_set takes it
+ *  @return false past the last */
+enum { VOR_PRESET_VALUE_SIZE = 64 };
+int vor_named_preset_next(const char **at, enum vor_parameter *parameter,
+                          char value[VOR_PRESET_VALUE_SIZE]);
+
+#endif

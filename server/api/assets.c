@@ -1,0 +1,81 @@
+#include "server/api/assets.h"
+
+#include <string.h>
+
+/* The assembler takes each file in; its path is seen from the root of the tree, where make runs. */
+#define ASSET(symbol, name, digest)                                                                \
+    __asm__(".pushsection .rodata, \"a\"\n"                                                        \
+            ".global vor_asset_" #symbol "_begin\n"                                                \
+            ".global vor_asset_" #symbol "_length\n"                                               \
+            "vor_asset_" #symbol "_begin:\n"                                                       \
+            ".incbin \"build/web/" name ".gz\"\n"                                                  \
+            "vor_asset_" #symbol "_end:\n"                                                         \
+            ".balign 8\n"                                                                          \
+            "vor_asset_" #symbol "_length:\n"                                                      \
+            ".quad vor_asset_" #symbol "_end - vor_asset_" #symbol "_begin\n"                      \
+            ".popsection\n");                                                                      \
+    extern const uint8_t vor_asset_##symbol##_begin[];                                             \
+    extern const uint64_t vor_asset_##symbol##_length;
+#include "build/web/assets.inc"
+#undef ASSET
+
+struct embedded {
+    const char *name;
+    const char *digest;
+    const uint8_t *bytes;
+    const uint64_t *size;
+};
+
+static const struct embedded embedded[] = {
+#define ASSET(symbol, name, digest)                                                                \
+    {name, digest, vor_asset_##symbol##_begin, &vor_asset_##symbol##_length},
+#include "build/web/assets.inc"
+#undef ASSET
+};
+
+enum { EMBEDDED_COUNT = sizeof embedded / sizeof embedded[0] };
+
+/* Media types by the end of a name. */
+static const char *const types[][2] = {
+    {".html", "text/html; charset=utf-8"},
+    {".css", "text/css; charset=utf-8"},
+    {".js", "text/javascript; charset=utf-8"},
+    {".svg", "image/svg+xml"},
+    {".png", "image/png"},
+    {".txt", "text/plain; charset=utf-8"},
+};
+
+static const char *media_type_of(const char *name)
+{
+    const char *suffix = strrchr(name, '.');
+
+    for (size_t i = 0; suffix != NULL && i < sizeof types / sizeof types[0]; i++)
+        if (strcmp(suffix, types[i][0]) == 0)
+            return types[i][1];
+    return "application/octet-stream";
+}
+
+int vor_asset_at(struct vor_asset *out, unsigned index)
+{
+    const struct embedded *file;
+
+    if (index >= EMBEDDED_COUNT)
+        return 0;
+    file = &embedded[index];
+    *out = (struct vor_asset){file->name, media_type_of(file->name), file->digest, file->bytes,
+                              (size_t)*file->size};
+    return 1;
+}
+
+int vor_asset_find(struct vor_asset *out, const char *name, size_t length)
+{
+    struct vor_asset asset;
+
+    for (unsigned i = 0; vor_asset_at(&asset, i); i++) {
+        if (strlen(asset.name) != length || memcmp(asset.name, name, length) != 0)
+            continue;
+        *out = asset;
+        return 1;
+    }
+    return 0;
+}

@@ -1,0 +1,152 @@
+#include "server/api/handlers/events_ask.h"
+
+#include "core/base/quote.h"
+#include "server/api/problem.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define BAD_QUERY "invalid-query-parameter-value"
+
+static const char *last_id_of(const struct vor_request *request)
+{
+    const char *last = vor_request_header(request, "Last-Event-ID");
+
+    return last != NULL ? last : vor_request_query(request, "lastEventId");
+}
+
+bool vor_ask_points(struct vor_app *app, struct vor_request *request, const char *name, size_t *out)
+{
+    const char *text = vor_request_query(request, name);
+    char quoted[64], *end;
+    unsigned long value;
+
+    if (text == NULL)
+        return true;
+    value = strtoul(text, &end, 10);
+    if (text[0] >= '0' && text[0] <= '9' && *end == '\0' && value >= 1 &&
+        value <= VOR_PREVIEW_POINTS_MAX) {
+        *out = value;
+        return true;
+    }
+    vor_problem_say(app, request, BAD_QUERY, "%s is \"%s\", want a whole number from 1 to %d", name,
+                    vor_quote(quoted, sizeof quoted, text, strlen(text)), VOR_PREVIEW_POINTS_MAX);
+    return false;
+}
+
+bool vor_events_ask_one(struct vor_app *app, struct vor_request *request,
+                        struct vor_events_ask *out)
+{
+    const char *last = last_id_of(request);
+
+    if (!vor_ask_points(app, request, "preview", &out->preview))
+        return false;
+    out->is_replay = last != NULL;
+    if (last == NULL || vor_position_parse(&out->jobs[0].position, last))
+        return true;
+    vor_problem_say(app, request, BAD_QUERY, "the last event id is \"%.40s\", want ATTEMPT.NUMBER",
+                    last);
+    return false;
+}
+
+/* The next item of a list with commas; false past the last. *at is NULL there. */
+static bool next_item(const char **at, const char **item, size_t *length)
+{
+    if (*at == NULL)
+        return false;
+    *item = *at;
+    *length = strcspn(*at, ",");
+    *at = (*item)[*length] == ',' ? *item + *length + 1 : NULL;
+    return true;
+}
+
+static bool has_job(const struct vor_events_ask *ask, const struct vor_uuid *id)
+{
+    for (unsigned i = 0; i < ask->count; i++)
+        if (strcmp(ask->jobs[i].id.text, id->text) == 0)
+            return true;
+    return false;
+}
+
+/* True when the item was taken in; else a problem has been replied. */
+static bool add_job(struct vor_app *app, struct vor_request *request, struct vor_events_ask *out,
+                    const char *item, size_t length)
+{
+    struct vor_uuid id;
+    char quoted[64];
+
+    if (!vor_uuid_parse(&id, item, length))
+        vor_problem_say(app, request, BAD_QUERY,
+                        "jobs holds \"%s\", want 1 to %d ids of jobs with commas between",
+                        vor_quote(quoted, sizeof quoted, item, length), VOR_EVENT_JOBS_MAX);
+    else if (has_job(out, &id))
+        vor_problem_say(app, request, BAD_QUERY, "jobs holds %s twice, want each id once", id.text);
+    else if (out->count == VOR_EVENT_JOBS_MAX)
+        vor_problem_say(app, request, BAD_QUERY, "jobs holds more than %d ids, want 1 to %d",
+                        VOR_EVENT_JOBS_MAX, VOR_EVENT_JOBS_MAX);
+    else {
+        out->jobs[out->count++].id = id;
+        return true;
+    }
+    return false;
+}
+
+static bool read_jobs(struct vor_app *app, struct vor_request *request, struct vor_events_ask *out)
+{
+    const char *at = vor_request_query(request, "jobs"), *item;
+    size_t length;
+
+    if (at == NULL) {
+        vor_problem_say(app, request, BAD_QUERY,
+                        "jobs is missing, want 1 to %d ids of jobs with commas between",
+                        VOR_EVENT_JOBS_MAX);
+        return false;
+    }
+    while (next_item(&at, &item, &length))
+        if (!add_job(app, request, out, item, length))
+            return false;
+    return true;
+}
+
+static bool read_position(struct vor_events_ask *out, unsigned index, const char *item,
+                          size_t length)
+{
+    char text[VOR_POSITION_SIZE];
+
+    if (length >= sizeof text)
+        return false;
+    memcpy(text, item, length);
+    text[length] = '\0';
+    out->jobs[index].is_over = strcmp(text, VOR_POSITION_END) == 0;
+    return out->jobs[index].is_over || vor_position_parse(&out->jobs[index].position, text);
+}
+
+static bool read_positions(struct vor_app *app, struct vor_request *request,
+                           struct vor_events_ask *out)
+{
+    const char *last = last_id_of(request), *at = last, *item;
+    unsigned count = 0;
+    bool is_sound = true;
+    size_t length;
+
+    out->is_replay = last != NULL;
+    while (is_sound && next_item(&at, &item, &length)) {
+        is_sound = count < out->count && read_position(out, count, item, length);
+        count++;
+    }
+    if (last == NULL || (is_sound && count == out->count))
+        return true;
+    vor_problem_say(app, request, BAD_QUERY,
+                    "the last event id is \"%.40s\", want ATTEMPT.NUMBER or end for each of the %u "
+                    "jobs, with commas between",
+                    last, out->count);
+    return false;
+}
+
+bool vor_events_ask_many(struct vor_app *app, struct vor_request *request,
+                         struct vor_events_ask *out)
+{
+    *out = (struct vor_events_ask){.is_many = true};
+    return vor_ask_points(app, request, "preview", &out->preview) && read_jobs(app, request, out) &&
+           read_positions(app, request, out);
+}

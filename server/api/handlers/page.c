@@ -1,0 +1,132 @@
+/* The page and the files that it loads. They hold no secret and are the same for everybody, so they
+ * need no key; what the page asks for does. */
+#include "core/base/quote.h"
+#include "proto/gzip.h"
+#include "server/api/accept.h"
+#include "server/api/assets.h"
+#include "server/api/handlers/handlers.h"
+#include "server/api/handlers/range.h"
+#include "server/api/links.h"
+#include "server/api/problem.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+/* Nothing but the page's own files, and no request beyond the origin. A worker goes by the headers
+ * of its own script, so every file has them. */
+#define CONTENT_POLICY                                                                             \
+    "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "                \
+    "img-src 'self' blob:; worker-src 'self'; frame-ancestors 'none'; base-uri 'none'; "           \
+    "form-action 'none'"
+
+/* Bytes that a file may have once inflated; three.js has 1.2 MB before it is made smaller. */
+enum { PLAIN_MAX = 16 << 20 };
+
+/* The q that one coding of a list has (RFC 9110, 12.5.3), -1 where it is another. */
+static double quality_in(const char *item, size_t length, const char *coding)
+{
+    size_t word = strcspn(item, ",; \t");
+    const char *q;
+
+    if (word != strlen(coding) || strncasecmp(item, coding, word) != 0)
+        return -1;
+    q = memchr(item, '=', length);
+    return q == NULL ? 1 : strtod(q + 1, NULL);
+}
+
+/* True when the client reads gzip: it is named with a q above 0, or a star is and gzip is not. */
+static bool takes_gzip(const struct vor_request *request)
+{
+    unsigned index = 0;
+    const char *value;
+    double named = -1, any = -1;
+
+    while ((value = vor_request_header_next(request, "Accept-Encoding", &index)) != NULL) {
+        while (*(value += strspn(value, ", \t")) != '\0') {
+            size_t length = strcspn(value, ",");
+
+            if (named < 0)
+                named = quality_in(value, length, "gzip");
+            if (any < 0)
+                any = quality_in(value, length, "*");
+            value += length;
+        }
+    }
+    return named >= 0 ? named > 0 : any > 0;
+}
+
+static int add_bytes(void *ctx, const void *bytes, size_t size)
+{
+    struct vor_text *text = ctx;
+
+    vor_text_append(text, bytes, size);
+    return text->failed ? -1 : 0;
+}
+
+/* The same bytes for a client that does not read gzip. */
+static enum vor_next reply_inflated(struct vor_app *app, struct vor_request *request,
+                                    const struct vor_asset *asset)
+{
+    struct vor_text text;
+    struct vor_sink sink = {&text, add_bytes};
+    struct vor_error err;
+
+    vor_text_init(&text, PLAIN_MAX);
+    if (vor_gzip_inflate(&sink, asset->bytes, asset->size, PLAIN_MAX, &err) != VOR_OK) {
+        vor_text_free(&text);
+        return vor_problem_error(app, request, &err, NULL);
+    }
+    return vor_app_reply(app, request, 200, asset->media_type, &text);
+}
+
+/* Both codings have a tag of their own: their bytes differ. A tag changes with the bytes alone, so
+ * asking again, every time, costs an answer without a body. */
+static enum vor_next reply_asset(struct vor_app *app, struct vor_request *request,
+                                 const struct vor_asset *asset, const char *vary)
+{
+    bool is_gzip = takes_gzip(request);
+    char etag[VOR_ETAG_SIZE + sizeof "-plain"];
+
+    (void)snprintf(etag, sizeof etag, "\"%s%s\"", asset->digest, is_gzip ? "" : "-plain");
+    vor_reply_header(request, "ETag", etag);
+    vor_reply_header(request, "Vary", vary);
+    vor_reply_header(request, "Cache-Control", "no-cache");
+    vor_reply_header(request, "Content-Security-Policy", CONTENT_POLICY);
+    vor_reply_header(request, "Referrer-Policy", "no-referrer");
+    if (vor_etag_listed(vor_request_header(request, "If-None-Match"), etag)) {
+        vor_reply_bytes(request, 304, NULL, "", 0);
+        return VOR_NEXT_REPLY;
+    }
+    if (!is_gzip)
+        return reply_inflated(app, request, asset);
+    vor_reply_header(request, "Content-Encoding", "gzip");
+    vor_reply_bytes(request, 200, asset->media_type, asset->bytes, asset->size);
+    return VOR_NEXT_REPLY;
+}
+
+enum vor_next vor_handle_root(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    struct vor_asset page;
+
+    if (vor_accepts(request, "text/html", false) &&
+        vor_asset_find(&page, VOR_ASSET_PAGE, strlen(VOR_ASSET_PAGE)))
+        return reply_asset(ctx, request, &page, "Accept, Accept-Encoding");
+    vor_reply_header(request, "Vary", "Accept");
+    return vor_handle_landing(ctx, request, step);
+}
+
+enum vor_next vor_handle_asset(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    const char *segment;
+    size_t length = vor_path_segment(vor_request_path(request), 1, &segment);
+    struct vor_asset asset;
+    char name[64];
+
+    (void)step;
+    if (vor_asset_find(&asset, segment, length))
+        return reply_asset(ctx, request, &asset, "Accept-Encoding");
+    return vor_problem_say(ctx, request, "no-such-resource", "the page has no file %s",
+                           vor_quote(name, sizeof name, segment, length));
+}

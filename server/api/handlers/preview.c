@@ -1,0 +1,100 @@
+/* Where the points of a running job are now. */
+#include "proto/codec.h"
+#include "server/api/handlers/events_ask.h"
+#include "server/api/handlers/handlers.h"
+#include "server/api/handlers/range.h"
+#include "server/api/problem.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+
+enum { CLOUD_BYTES = 1 << 20, FILE_BYTES = 2 << 20 }; /* of VOR_PREVIEW_POINTS_MAX points; 1.2 MB */
+
+static int add_bytes(void *ctx, const void *bytes, size_t size)
+{
+    struct vor_text *text = ctx;
+
+    vor_text_append(text, bytes, size);
+    return text->failed ? -1 : 0;
+}
+
+static enum vor_next reply_none(struct vor_app *app, struct vor_request *request,
+                                const struct vor_uuid *id)
+{
+    struct vor_problem problem = VOR_PROBLEM_INIT("result-not-available");
+
+    problem.job_id = id->text;
+    problem.detail = "the job shows no points: it does not run, or nobody follows its events with "
+                     "preview=N, or none have moved since";
+    return vor_problem_reply(app, request, &problem);
+}
+
+/* The same bytes have the same tag: those of one version, as many points of it, of one life of the
+ * job. */
+static bool is_known(struct vor_request *request, const struct vor_job_view *view,
+                     const struct vor_preview_info *info, size_t most)
+{
+    char etag[96];
+
+    (void)snprintf(etag, sizeof etag, "\"%u-%" PRIu64 "-%zu\"", view->attempt, info->version,
+                   vor_shown_count(info->points, most));
+    vor_reply_header(request, "ETag", etag);
+    vor_reply_header(request, "Cache-Control", "private, no-cache");
+    return vor_etag_listed(vor_request_header(request, "If-None-Match"), etag);
+}
+
+static enum vor_next reply_cloud(struct vor_app *app, struct vor_request *request,
+                                 const struct vor_followed *followed, size_t most)
+{
+    const struct vor_format *ply = vor_format(VOR_FORMAT_PLY);
+    const struct vor_write_options options = {.keep_order = 1};
+    struct vor_preview_info info;
+    struct vor_memory memory;
+    struct vor_cloud cloud;
+    struct vor_text text;
+    struct vor_sink sink = {&text, add_bytes};
+    struct vor_error err;
+    vor_status status;
+
+    vor_memory_init(&memory, CLOUD_BYTES);
+    vor_cloud_init(&cloud, &memory);
+    vor_text_init(&text, FILE_BYTES);
+    status = vor_preview_cloud(vor_job_preview(followed->job), most, &cloud, &info, &err);
+    if (status == VOR_OK && is_known(request, &followed->row, &info, most)) {
+        vor_cloud_free(&cloud);
+        vor_reply_bytes(request, 304, NULL, "", 0);
+        return VOR_NEXT_REPLY;
+    }
+    if (status == VOR_OK)
+        status = ply->write(&sink, &cloud, &options, &err);
+    vor_cloud_free(&cloud);
+    if (status == VOR_OK)
+        return vor_app_reply(app, request, 200, ply->media_type, &text);
+    vor_text_free(&text);
+    return status == VOR_E_EMPTY ? reply_none(app, request, &followed->row.id)
+                                 : vor_problem_error(app, request, &err, followed->row.id.text);
+}
+
+enum vor_next vor_handle_preview(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    struct vor_app *app = ctx;
+    size_t most = VOR_PREVIEW_POINTS_MAX;
+    struct vor_followed followed;
+    enum vor_job_outcome outcome;
+    enum vor_next next;
+    struct vor_error err;
+    struct vor_uuid id;
+
+    (void)step;
+    if (!vor_job_of_path(app, request, &id) || !vor_ask_points(app, request, "points", &most))
+        return VOR_NEXT_REPLY;
+    outcome = vor_worker_follow(app->worker, &id, &followed, &err);
+    if (outcome != VOR_DONE)
+        next = vor_outcome_reply(app, request, outcome, &err, &id);
+    else if (followed.job == NULL || vor_job_is_over(followed.job))
+        next = reply_none(app, request, &id);
+    else
+        next = reply_cloud(app, request, &followed, most);
+    vor_worker_unfollow(&followed);
+    return next;
+}

@@ -1,0 +1,59 @@
+/* Requests to the daemon that sent this page; the key, which lives as long as the tab's session. */
+
+export const ROOT = new URL('..', import.meta.url); /* this file is ROOT/assets/page.js */
+const KEY = 'voronoid-key';
+let refused = () => {};
+
+export const getKey = () => sessionStorage.getItem(KEY) || '';
+export const setKey = (key) => (key ? sessionStorage.setItem(KEY, key) : sessionStorage.removeItem(KEY));
+/** What to do when the daemon wants a key, or another one. */
+export const onRefused = (then) => { refused = then; };
+
+/** A refusal in the daemon's words. */
+export class Problem extends Error {
+    constructor(body, status) {
+        super(body.detail || body.title || `The daemon answered ${status}.`);
+        Object.assign(this, { title: body.title, status, errors: body.errors || [] });
+        if (status === 401) refused();
+    }
+}
+
+/** The headers of a request: those given, and the key if there is one. */
+export const headers = (more = {}) => (getKey() ? { Authorization: `Bearer ${getKey()}`, ...more } : more);
+
+const parse = (text) => {
+    try {
+        return JSON.parse(text);
+    } catch {
+        return {};
+    }
+};
+
+/** Asks for a path under the root. Resolves to the Response if it is a success or 304, else rejects with a Problem. */
+export async function ask(path, { method = 'GET', more = {}, body, signal } = {}) {
+    const answer = await fetch(new URL(path, ROOT), { method, headers: headers(more), body, signal, cache: 'no-store' });
+    if (answer.ok || answer.status === 304) return answer;
+    throw new Problem(parse(await answer.text()), answer.status);
+}
+
+export const askJson = async (path, options) => (await ask(path, { ...options, more: { Accept: 'application/json', ...options?.more } })).json();
+
+/** Sends a file with progress, which fetch does not tell. told(bytes sent, bytes in all). Resolves to the answer's JSON; aborted
+ *  rejects with an AbortError. */
+export function send(path, file, { told, signal, more = {} }) {
+    return new Promise((resolve, reject) => {
+        const request = new XMLHttpRequest();
+        request.open('POST', new URL(path, ROOT));
+        for (const [name, value] of Object.entries(headers(more))) request.setRequestHeader(name, value);
+        request.upload.onprogress = (event) => told(event.loaded, file.size);
+        request.onload = () => {
+            const body = parse(request.responseText);
+            if (request.status < 300) resolve(body);
+            else reject(new Problem(body, request.status));
+        };
+        request.onerror = () => reject(new Error('The connection to the daemon was lost.'));
+        request.onabort = () => reject(new DOMException('The upload was cancelled.', 'AbortError'));
+        signal.addEventListener('abort', () => request.abort());
+        request.send(file);
+    });
+}

@@ -1,0 +1,70 @@
+/* How even the points are, record by record: delta, sigma and epsilon in a strip each, over the time of the run. */
+import { figure } from './dom.js';
+import { color } from './theme.js';
+
+const STRIPS = [
+    { name: 'delta', words: 'δ', log: true },
+    { name: 'sigma', words: 'σ', log: true },
+    { name: 'epsilon', words: 'ε', log: false },
+];
+const LEFT = 68, TOP = 16, GAP = 10; /* pixels: room for figures, for the names of stages, between strips */
+const STAGES = { iterate: 'iterations', polish: 'polish', repel: 'evening out', relax: 'triangles' };
+
+function scaleOf(values, log, top, height) {
+    const shown = log ? values.filter((value) => value > 0).map(Math.log) : values;
+    const low = Math.min(...shown), span = Math.max(...shown) - low || 1;
+    return (value) => top + height - ((log ? Math.log(Math.max(value, 1e-300)) : value) - low) / span * height;
+}
+
+function strip(pen, rows, x, { name, words, log }, top, height, width) {
+    const values = rows.map((row) => row[name]), y = scaleOf(values, log, top + 4, height - 8);
+    pen.strokeStyle = color('line');
+    pen.strokeRect(LEFT, top, width - LEFT - 1, height);
+    pen.strokeStyle = pen.fillStyle = color(name);
+    pen.lineWidth = 1.5;
+    pen.beginPath();
+    rows.forEach((row, k) => (k ? pen.lineTo(x(row), y(row[name])) : pen.moveTo(x(row), y(row[name]))));
+    pen.stroke();
+    const last = rows.at(-1);
+    pen.beginPath();
+    pen.arc(x(last), y(last[name]), 3, 0, 2 * Math.PI);
+    pen.fill();
+    pen.font = '600 13px system-ui, sans-serif';
+    pen.fillText(words, 2, top + height / 2 - 3);
+    pen.font = '11px system-ui, sans-serif';
+    pen.fillText(name === 'epsilon' ? last[name].toFixed(5) : figure(last[name]), 2, top + height / 2 + 11);
+    pen.lineWidth = 1;
+}
+
+/* A line where another stage begins, with its name. */
+function stages(pen, rows, x, height) {
+    pen.font = '11px system-ui, sans-serif';
+    let until = -Infinity;
+    rows.forEach((row, k) => {
+        if (k && row.run_stage === rows[k - 1].run_stage) return;
+        const words = STAGES[row.run_stage] || row.run_stage || '', at = x(row);
+        pen.strokeStyle = color('line');
+        pen.fillStyle = color('soft');
+        pen.strokeRect(at, TOP, 0, height - TOP);
+        if (at < until) return;
+        pen.fillText(words, at + 2, 11);
+        until = at + 6 + pen.measureText(words).width;
+    });
+}
+
+/** Draws records into a canvas and says in its label what is to be seen. */
+export function drawChart(canvas, records) {
+    const rows = records.filter((row) => STRIPS.every(({ name }) => typeof row[name] === 'number'));
+    const ratio = window.devicePixelRatio || 1, [width, height] = [canvas.clientWidth, canvas.clientHeight], pen = canvas.getContext('2d');
+    canvas.dataset.points = String(rows.length);
+    if (!rows.length || !width) return;
+    [canvas.width, canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
+    pen.scale(ratio, ratio);
+    const from = rows[0].seconds, span = rows.at(-1).seconds - from || 1, x = (row) => LEFT + 4 + (row.seconds - from) / span * (width - LEFT - 9);
+    const each = (height - TOP - 2 * GAP - 2) / 3;
+    stages(pen, rows, x, height);
+    STRIPS.forEach((one, k) => strip(pen, rows, x, one, TOP + k * (each + GAP), each, width));
+    const [first, last] = [rows[0], rows.at(-1)];
+    canvas.setAttribute('aria-label', `Convergence in ${rows.length} records: delta from ${figure(first.delta)} to ${figure(last.delta)}, `
+        + `sigma from ${figure(first.sigma)} to ${figure(last.sigma)}, epsilon from ${first.epsilon.toFixed(5)} to ${last.epsilon.toFixed(5)}`);
+}

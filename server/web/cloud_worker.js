@@ -1,0 +1,82 @@
+/* The worker that reads clouds and measures them, so that the page never stands still. It keeps each cloud's tree by the number
+ * that the page gave it. */
+import { readPly } from './ply.js';
+import { leastSpread, makeTree, nearest } from './tree.js';
+
+const NORMAL_NEIGHBORS = 10;
+/* Of more points than these normals are those of leaves of the tree: coarser, and ten times as fast. */
+const NORMALS_EACH_MAX = 400000;
+const clouds = new Map();
+
+function tree(number) {
+    const cloud = clouds.get(number);
+    if (!cloud) throw new Error('That cloud was let go.');
+    cloud.tree = cloud.tree || makeTree(cloud.positions);
+    return cloud.tree;
+}
+
+function read({ number, buffer, origin }) {
+    const cloud = readPly(buffer, origin);
+    clouds.set(number, { positions: cloud.positions.slice() });
+    return cloud;
+}
+
+/* Normals, without a side; the distance of each point to its nearest other one. */
+function normals({ number }) {
+    const here = tree(number), out = new Float32Array(3 * here.n);
+    const found = new Uint32Array(NORMAL_NEIGHBORS), squares = new Float64Array(NORMAL_NEIGHBORS);
+    if (here.n > NORMALS_EACH_MAX) {
+        for (let k = 0; k < here.leaves.length; k += 2) {
+            const [low, high] = [here.leaves[k], here.leaves[k + 1]], places = Array.from({ length: high - low }, (_, i) => low + i);
+            leastSpread(here, places, places.length, out, here.index[low]);
+            const first = 3 * here.index[low];
+            for (const place of places) out.copyWithin(3 * here.index[place], first, first + 3);
+        }
+        return { normals: out };
+    }
+    for (let i = 0; i < here.n; i++) {
+        nearest(here, here.xyz[3 * i], here.xyz[3 * i + 1], here.xyz[3 * i + 2], found, squares);
+        leastSpread(here, found, Math.min(NORMAL_NEIGHBORS, here.n), out, here.index[i]);
+    }
+    return { normals: out };
+}
+
+function spacing({ number }) {
+    const here = tree(number), values = new Float32Array(here.n);
+    const found = new Uint32Array(2), squares = new Float64Array(2);
+    let sum = 0;
+    for (let i = 0; i < here.n; i++) {
+        nearest(here, here.xyz[3 * i], here.xyz[3 * i + 1], here.xyz[3 * i + 2], found, squares);
+        const distance = Number.isFinite(squares[1]) ? Math.sqrt(squares[1]) : 0;
+        values[here.index[i]] = distance;
+        sum += distance;
+    }
+    return { values, mean: here.n ? sum / here.n : 0 };
+}
+
+function distance({ number, to }) {
+    const here = tree(number), there = tree(to), values = new Float32Array(here.n);
+    const found = new Uint32Array(1), squares = new Float64Array(1);
+    for (let i = 0; i < here.n; i++) {
+        nearest(there, here.xyz[3 * i], here.xyz[3 * i + 1], here.xyz[3 * i + 2], found, squares);
+        values[here.index[i]] = Math.sqrt(squares[0]);
+    }
+    return { values };
+}
+
+function drop({ number }) {
+    clouds.delete(number);
+    return {};
+}
+
+const OPERATIONS = { read, normals, spacing, distance, drop };
+
+self.onmessage = ({ data }) => {
+    try {
+        const answer = OPERATIONS[data.what](data);
+        const buffers = Object.values(answer).filter(ArrayBuffer.isView).map((array) => array.buffer);
+        self.postMessage({ call: data.call, answer }, buffers);
+    } catch (error) {
+        self.postMessage({ call: data.call, error: error.message });
+    }
+};

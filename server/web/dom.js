@@ -1,0 +1,29 @@
+/* Small helpers about the document and numbers in words. */
+
+export const $ = (id) => document.getElementById(id);
+
+/** An element: make('p', {className: 'soft'}, 'text', child ...). */
+export function make(tag, properties = {}, ...children) {
+    const element = Object.assign(document.createElement(tag), properties);
+    element.append(...children);
+    return element;
+}
+
+export const show = (element, shown) => { element.hidden = !shown; };
+export const count = (n) => Number(n).toLocaleString('en');
+
+/** A figure with four digits that tell. */
+export function figure(value) {
+    if (typeof value !== 'number') return String(value);
+    return Number.isInteger(value) ? count(value) : String(Number(value.toPrecision(4)));
+}
+
+export function bytes(n) {
+    const units = ['bytes', 'KB', 'MB', 'GB'], k = n < 1000 ? 0 : Math.min(3, Math.floor(Math.log10(n) / 3));
+    return `${k ? (n / 1000 ** k).toPrecision(3) : n} ${units[k]}`;
+}
+
+export function seconds(s) {
+    if (s < 60) return `${s < 10 ? s.toFixed(1) : Math.round(s)} s`;
+    return s < 3600 ? `${Math.floor(s / 60)} min ${Math.round(s % 60)} s` : `${Math.floor(s / 3600)} h ${Math.round((s % 3600) / 60)} min`;
+}

@@ -1,0 +1,151 @@
+/* One job on the page: what it is doing, how even its points are by now, what came of it. */
+import { ask, askJson } from './api.js';
+import { arrive } from './arrive.js';
+import { drawChart } from './chart.js';
+import { dropCloud, measures, readCloud } from './cloud.js';
+import { $, count, seconds, show } from './dom.js';
+import { showReport, summary } from './report.js';
+import { canDraw, getCloud, setCloud, setLayout } from './stage.js';
+import { save, showTakers } from './take.js';
+import { isOver, watchJob } from './watch.js';
+
+let release = () => {}, shown = null, records = [], frame = 0, fetching = false;
+
+const WORDS = { successful: 'Done', failed: 'Failed', dismissed: 'Cancelled' };
+
+function stateOf(status) {
+    const { queuePosition, eta, stage } = status.voronoid;
+    const parts = [WORDS[status.status] || (stage === 'optimize' ? 'Running' : status.message || status.status)];
+    if (isOver(status) && status.message) parts.push(status.message);
+    if (queuePosition) parts.push(`place ${queuePosition} in the queue`);
+    if (!isOver(status) && stage !== 'optimize' && typeof eta === 'number') parts.push(`some ${seconds(Math.max(eta, 0))} left`);
+    return parts.join(', ');
+}
+
+/* The live region is told of a new stage; figures that change ten times a second stand beside it. */
+function showStatus(status) {
+    shown = status;
+    show($('watch'), true);
+    const over = isOver(status), words = stateOf(status);
+    $('watch-title').textContent = `${status.voronoid.name || 'Job'}: ${status.processID}`;
+    if ($('state').textContent !== words) $('state').textContent = words;
+    $('progress').value = status.progress;
+    show($('progress'), !over);
+    show($('stop'), status.status === 'running' && status.voronoid.stage === 'optimize');
+    show($('dismiss'), !over);
+    show($('result'), over);
+    if (status.exception) $('trouble').textContent = status.exception.detail || status.exception.title;
+}
+
+function draw() {
+    frame = 0;
+    show($('chart-box'), records.length > 0);
+    drawChart($('chart'), records);
+}
+
+function showRecords(all, latest) {
+    records = all;
+    frame = frame || requestAnimationFrame(draw);
+    if (!latest || isOver(shown)) return;
+    $('progress').value = latest.progress;
+    const left = typeof latest.eta === 'number' ? `, some ${seconds(latest.eta)} left` : '';
+    const name = { iterate: 'Iteration', polish: 'Polish, step' }[latest.run_stage] || `${latest.run_stage}, step`;
+    $('figures').textContent = `${name} ${count(latest.step)} of at most ${count(latest.of)}${left}`;
+}
+
+/* Shows the result, read as PLY in the frame of the input, unless another job is on the page by now. */
+async function showResult(id, isProgressive) {
+    const origin = getCloud('input')?.origin;
+    const put = (cloud) => {
+        if (shown?.jobID !== id) return dropCloud(cloud);
+        const isFirst = !getCloud('result');
+        setCloud('result', cloud);
+        if (isFirst) setLayout(layoutOf());
+        return undefined;
+    };
+    const answer = await ask(`v1/jobs/${id}/results/cloud?format=ply`);
+    let coarse = null;
+    const buffer = await arrive(answer, isProgressive, (first) => { coarse = readCloud(first, origin).then(put); });
+    await coarse;
+    put(await readCloud(buffer, origin));
+}
+
+/* Side by side where there is room. */
+const layoutOf = () => (getCloud('input') && innerWidth > 800 ? 'both' : 'result');
+
+/* The points as they move: one picture at a time, none that nobody sees. They are shaded before they are shown. */
+async function showPreview(id) {
+    const input = getCloud('input');
+    if (fetching || document.hidden || !canDraw() || !input || isOver(shown)) return;
+    fetching = true;
+    try {
+        const answer = await ask(`v1/jobs/${id}/preview`), cloud = await readCloud(await answer.arrayBuffer(), input.origin);
+        await measures.normals(cloud);
+        if (shown?.jobID !== id || isOver(shown) || getCloud('input') !== input) return dropCloud(cloud);
+        const first = !getCloud('result');
+        setCloud('result', cloud);
+        if (first) setLayout(layoutOf());
+        return undefined;
+    } catch {
+        return undefined; /* the job has ended meanwhile */
+    } finally {
+        fetching = false;
+    }
+}
+
+async function showEnd(status) {
+    const outputs = status.links.filter((link) => link.rel === 'item').map((link) => link.title);
+    showStatus(status);
+    $('figures').textContent = '';
+    showTakers(status);
+    if (status.status !== 'successful') {
+        setCloud('result', null); /* of the points on the move nothing came */
+        setLayout('input');
+        return;
+    }
+    const told = outputs.find((name) => name !== 'cloud' && name !== 'soup');
+    const report = told ? await askJson(`v1/jobs/${status.jobID}/results/${told}`) : null;
+    if (shown?.jobID !== status.jobID) return;
+    if (report) await showReport(status.processID, told, report);
+    show($('report-box'), Boolean(report));
+    if (!outputs.includes('cloud')) $('report-box').open = true; /* the report is what was asked for */
+    $('summary').textContent = report ? summary(report) : '';
+    if (!outputs.includes('cloud') || !canDraw()) return;
+    await showResult(status.jobID, report?.parameters?.order === 'progressive');
+}
+
+/** Takes the job off the page. */
+export function leaveJob() {
+    release();
+    [release, shown, records] = [() => {}, null, []];
+    for (const name of ['watch', 'result', 'report-box', 'chart-box']) show($(name), false);
+    $('summary').textContent = $('figures').textContent = $('state').textContent = '';
+    delete $('chart').dataset.points;
+    setCloud('result', null);
+    setLayout('input');
+}
+
+/** Shows a job and follows it; ended(status) is called when it is over. */
+export function followJob(status, ended) {
+    leaveJob();
+    release = watchJob(status, { onStatus: showStatus, onRecords: showRecords, onPreview: () => showPreview(status.jobID), onEnd(last) {
+        showEnd(last).catch((error) => { $('trouble').textContent = error.message; }).then(() => ended(last));
+    } });
+}
+
+/** Wires stop and cancel; redraw() is for new colours. */
+export function wireJob() {
+    const tell = (method, path) => async () => {
+        try {
+            await ask(`v1/jobs/${shown.jobID}${path}`, { method });
+        } catch (error) {
+            $('trouble').textContent = error.message;
+        }
+    };
+    $('stop').addEventListener('click', tell('POST', '/stop'));
+    $('dismiss').addEventListener('click', tell('DELETE', ''));
+    $('chart-png').addEventListener('click', () => $('chart').toBlob((blob) => save(blob, 'png', 'chart')));
+    new ResizeObserver(draw).observe($('chart'));
+}
+
+export const redraw = () => draw();

@@ -1,0 +1,52 @@
+/* The report of a job: every figure, with its unit and what it means in the words of the process description. */
+import { askJson } from './api.js';
+import { $, figure, make } from './dom.js';
+
+const descriptions = new Map();
+
+async function schemaOf(process, output) {
+    if (!descriptions.has(process)) descriptions.set(process, await askJson(`v1/processes/${process}`));
+    return descriptions.get(process).outputs[output]?.schema || {};
+}
+
+const plain = (value) => value === null || typeof value !== 'object';
+
+const item = (one) => (plain(one) ? figure(one) : Object.entries(one).map(([name, value]) => `${name} ${words(value)}`).join(' '));
+
+function words(value) {
+    if (value === null) return 'none';
+    if (Array.isArray(value)) return value.length ? value.map(item).join(', ') : 'none';
+    return figure(value);
+}
+
+function row(name, value, schema) {
+    const shown = make('span', {}, words(value)), unit = schema?.['x-unit'];
+    if (unit && typeof value === 'number') shown.append(make('small', {}, ` ${unit}`));
+    return [make('dt', {}, name), make('dd', {}, shown, schema?.description ? make('small', { className: 'meaning' }, schema.description) : '')];
+}
+
+/* Members of members are rows with names of two parts; what the job was asked for stands apart. */
+function rows(report, schema, prefix = '') {
+    return Object.entries(report).flatMap(([name, value]) => {
+        const own = schema?.properties?.[name];
+        if (plain(value) || Array.isArray(value)) return row(prefix + name, value, own);
+        return rows(value, own, `${prefix}${name} · `);
+    });
+}
+
+/** Fills the panel with a report or document. */
+export async function showReport(process, output, report) {
+    const schema = await schemaOf(process, output).catch(() => ({})), { parameters, ...figures } = report;
+    const list = make('dl', {}, ...rows(figures, schema));
+    $('report').replaceChildren(list);
+    if (parameters) $('report').append(make('h3', {}, 'As it was asked for'), make('dl', {}, ...rows(parameters, {})));
+}
+
+/** One sentence about a result. */
+export function summary(report) {
+    if (typeof report.delta !== 'number') return '';
+    const parts = [`δ ${figure(report.delta)}`, `σ ${figure(report.sigma)}`, `ε ${report.epsilon.toFixed(5)}`];
+    if (report.points) parts.unshift(`${figure(report.points.in)} → ${figure(report.points.out)} points`);
+    if (report.stopped) parts.push(report.stopped === 'stopped' ? 'stopped by its caller, the best kept' : `ended by ${report.stopped}`);
+    return parts.join(' · ');
+}

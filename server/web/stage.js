@@ -1,0 +1,126 @@
+/* The clouds on the screen: which are there, how they are looked at, and the controls for it. */
+import { dropCloud, measures } from './cloud.js';
+import { $, count, show } from './dom.js';
+import { drawHistogram, rangeOf } from './histogram.js';
+import { color } from './theme.js';
+import { makeView } from './view.js';
+
+const clouds = { input: null, result: null };
+let view = null, drawing = 0;
+
+const chosen = () => document.querySelector('input[name="layout"]:checked').value;
+const whichHas = (name) => Boolean(clouds[name]);
+
+function describe() {
+    const words = Object.entries(clouds).filter(([, cloud]) => cloud).map(([name, cloud]) => `${name} with ${count(cloud.n)} points`);
+    $('canvas').setAttribute('aria-label', words.length ? `Point clouds: ${words.join(', ')}` : 'No cloud yet');
+    show($('captions'), view && whichHas('result'));
+}
+
+/* The captions name what is on which side. */
+function caption(layout) {
+    const both = layout === 'both' || layout === 'swipe';
+    show($('caption-input'), both || layout === 'input');
+    show($('caption-result'), both || layout === 'result');
+    show($('split-label'), layout === 'swipe');
+}
+
+async function colour(name, mode) {
+    const cloud = clouds[name], slot = view.slot(name);
+    if (mode === 'spacing' || (mode === 'distance' && name === 'result' && clouds.input)) {
+        const { values, mean } = mode === 'spacing' ? await measures.spacing(cloud) : await measures.distance(cloud, clouds.input);
+        if (clouds[name] !== cloud) return null;
+        const range = rangeOf(mode, values, mean);
+        slot.setValues(values);
+        slot.setMode(mode, range.low, range.high);
+        return { mode, values, whose: name, ...range };
+    }
+    slot.setMode(mode === 'original' && !cloud.colors || mode === 'distance' ? 'plain' : mode, 0, 1);
+    return null;
+}
+
+/* Colours what is shown; figures that take long are waited for, and given up when something else was asked meanwhile. */
+async function recolour() {
+    const mode = $('mode').value, turn = ++drawing;
+    let told = null;
+    for (const name of ['input', 'result']) {
+        if (!clouds[name]) continue;
+        const histogram = await colour(name, mode);
+        if (turn !== drawing) return;
+        if (histogram && (name === 'result' || chosen() === 'input' || !clouds.result)) told = histogram;
+    }
+    show($('histogram'), Boolean(told));
+    if (told) drawHistogram($('histogram-canvas'), $('histogram-caption'), told);
+    view.set({ mode });
+}
+
+async function learn(name, cloud) {
+    const spacing = await measures.spacing(cloud);
+    if (clouds[name] === cloud) view.setSpacing(name, spacing.mean);
+    const normals = await measures.normals(cloud);
+    if (clouds[name] !== cloud) return;
+    view.slot(name).setNormals(normals);
+    view.set({});
+}
+
+/** Puts a cloud into a pane, or takes it out (null). A new input is fitted into the view. */
+export function setCloud(name, cloud) {
+    if (clouds[name] !== cloud) dropCloud(clouds[name]);
+    clouds[name] = cloud;
+    show($('looks'), view && (clouds.input || clouds.result));
+    show($('layouts'), Boolean(clouds.input && clouds.result));
+    show($('mesh-look'), Boolean(clouds.input?.faces || clouds.result?.faces));
+    describe();
+    if (!view) return;
+    view.setCloud(name, cloud, name === 'input' || !clouds.input);
+    if (!cloud) return;
+    if (name === 'input') $('mode').value = cloud.colors ? 'original' : 'plain';
+    $('mode').querySelector('[value="original"]').disabled = !(clouds.input?.colors || clouds.result?.colors);
+    $('mode').querySelector('[value="distance"]').disabled = !(clouds.input && clouds.result);
+    recolour();
+    learn(name, cloud).catch(() => {});
+}
+
+export const getCloud = (name) => clouds[name];
+
+/** Whether clouds are drawn at all. */
+export const canDraw = () => Boolean(view);
+
+/** Shows input, result, both or swipe. */
+export function setLayout(layout) {
+    document.querySelector(`input[name="layout"][value="${layout}"]`).checked = true;
+    caption(layout);
+    if (view) {
+        view.set({ layout });
+        recolour();
+    }
+}
+
+export const blink = () => clouds.input && clouds.result && setLayout(chosen() === 'input' ? 'result' : 'input');
+
+function dressed() {
+    if (view) view.set({ background: color('canvas'), plain: color('point') });
+}
+
+/** Wires the controls. Returns what to call when the colours of the page have changed. */
+export function wireStage(save) {
+    view = makeView($('canvas'));
+    show($('no-webgl'), !view);
+    show($('canvas'), Boolean(view));
+    if (!view) return () => {};
+    $('layouts').addEventListener('change', () => setLayout(chosen()));
+    $('mode').addEventListener('change', recolour);
+    $('size').addEventListener('input', () => view.set({ size: Number($('size').value) }));
+    $('split').addEventListener('input', () => view.set({ split: Number($('split').value) }));
+    $('shaded').addEventListener('change', () => view.set({ shaded: $('shaded').checked }));
+    $('wires').addEventListener('change', () => view.set({ wires: $('wires').checked }));
+    $('up').addEventListener('click', () => view.fit(view.up() === 'z' ? 'y' : 'z'));
+    $('fit').addEventListener('click', () => view.fit(view.up()));
+    $('png').addEventListener('click', async () => save(await view.toBlob(), 'png'));
+    document.addEventListener('keydown', (event) => {
+        if (event.key !== ' ' || /^(input|select|button|textarea|summary|a)$/i.test(event.target.tagName)) return;
+        if (blink()) event.preventDefault();
+    });
+    view.set({ size: Number($('size').value) });
+    return dressed;
+}

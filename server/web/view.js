@@ -1,0 +1,184 @@
+/*! three.js r111 (https://threejs.org), part of this file, is under the MIT License:
+Copyright (c) 2010-2019 three.js authors
+Permission is hereby granted, free of charge, to any person obtaining a copy of this software and associated documentation files (the
+"Software"), to deal in the Software without restriction, including without limitation the rights to use, copy, modify, merge, publish,
+distribute, sublicense, and/or sell copies of the Software, and to permit persons to whom the Software is furnished to do so, subject to
+the following conditions: The above copyright notice and this permission notice shall be included in all copies or substantial portions
+of the Software. THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR IMPLIED, INCLUDING BUT NOT LIMITED TO THE
+WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT SHALL THE AUTHORS OR COPYRIGHT HOLDERS
+BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM, OUT OF OR IN
+CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE SOFTWARE. */
+/* The canvas: two clouds under one camera, side by side, behind a curtain, or one at a time. It draws when something changed. */
+import { AmbientLight, Color, DirectionalLight, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
+import { OrbitControls } from 'orbit-controls';
+import { makePoints } from './points.js';
+
+const FIELD_OF_VIEW = 40; /* degrees, of the height or, where that is less, the width of a pane */
+const REST_MS = 200;      /* without a movement, after which every point is drawn */
+const TURN = 0.12;        /* radians a stroke of an arrow key */
+
+function makeScene(camera) {
+    const scene = new Scene(), light = new DirectionalLight(0xffffff, 0.75);
+    scene.add(new AmbientLight(0xffffff, 0.35), light, light.target);
+    return { scene, light, slot: null, follow() {
+        light.position.copy(camera.position);
+        light.target.position.copy(camera.getWorldDirection(new Vector3()).add(camera.position));
+    } };
+}
+
+/* Clouds whose third axis is by far the shortest are land or floors: that axis is up. Others stand on the second. */
+function upOf({ low, high }) {
+    const [x, y, z] = high.map((value, k) => value - low[k]);
+    return z < 0.6 * Math.max(x, y) && z <= y ? 'z' : 'y';
+}
+
+/** Makes the view in a canvas. Returns null where the browser has no WebGL2. */
+export function makeView(canvas) {
+    const context = canvas.getContext('webgl2', { antialias: true, alpha: false });
+    if (!context) return null;
+    const renderer = new WebGLRenderer({ canvas, context, antialias: true });
+    const camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100), panes = { input: makeScene(camera), result: makeScene(camera) };
+    const look = { layout: 'input', split: 0.5, size: 1, mode: 'plain', shaded: true, triangles: true, wires: true };
+    let controls = new OrbitControls(camera, canvas), moving = 0, held = false, frame = 0, sphere = null;
+    renderer.autoClear = false;
+
+    const slots = () => Object.values(panes).map((pane) => pane.slot).filter(Boolean);
+    const draw = () => { frame = frame || requestAnimationFrame(render); };
+    const rest = () => {
+        if (held) return;
+        slots().forEach((slot) => slot.setMoving(false));
+        draw();
+    };
+    const move = () => {
+        clearTimeout(moving);
+        moving = setTimeout(rest, REST_MS);
+        slots().forEach((slot) => slot.setMoving(true));
+        draw();
+    };
+    const hold = (isHeld) => {
+        held = isHeld;
+        move();
+    };
+
+    function show(pane, x, width, viewX, viewWidth) {
+        const height = canvas.clientHeight;
+        camera.aspect = viewWidth / height;
+        camera.fov = camera.aspect < 1 ? 2 * Math.atan(Math.tan(FIELD_OF_VIEW * Math.PI / 360) / camera.aspect) * 180 / Math.PI : FIELD_OF_VIEW;
+        camera.updateProjectionMatrix();
+        renderer.setViewport(viewX, 0, viewWidth, height);
+        renderer.setScissor(x, 0, width, height);
+        renderer.setScissorTest(true);
+        pane.follow();
+        if (pane.slot) pane.slot.setScale(camera.projectionMatrix.elements[5] * renderer.getPixelRatio() * height / 2);
+        renderer.render(pane.scene, camera);
+    }
+
+    function render() {
+        const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+        frame = 0;
+        if (!width || !height) return;
+        renderer.setScissorTest(false);
+        renderer.clear();
+        if (sphere) {
+            const far = camera.position.distanceTo(sphere.center) + 2 * sphere.radius;
+            camera.near = Math.max(far - 4 * sphere.radius, far / 1000);
+            camera.far = far;
+        }
+        if (look.layout === 'both') {
+            show(panes.input, 0, width / 2, 0, width / 2);
+            show(panes.result, width / 2, width / 2, width / 2, width / 2);
+        } else if (look.layout === 'swipe') {
+            show(panes.input, 0, width * look.split, 0, width);
+            show(panes.result, width * look.split, width * (1 - look.split), 0, width);
+        } else show(panes[look.layout], 0, width, 0, width);
+        canvas.dataset.frames = String(1 + Number(canvas.dataset.frames || 0));
+        canvas.dataset.drawn = String(renderer.info.render.points + renderer.info.render.triangles);
+    }
+
+    function fit(up) {
+        if (!sphere) return;
+        camera.up.set(0, up === 'z' ? 0 : 1, up === 'z' ? 1 : 0);
+        controls.dispose(); /* it keeps the axis that was up when it was made */
+        controls = new OrbitControls(camera, canvas);
+        controls.enableKeys = false;
+        controls.addEventListener('change', move);
+        controls.addEventListener('start', () => hold(true));
+        controls.addEventListener('end', () => hold(false));
+        const toward = up === 'z' ? new Vector3(0.55, -1, 0.75) : new Vector3(0.35, 0.35, 1);
+        camera.position.copy(sphere.center).addScaledVector(toward.normalize(), 0.95 * sphere.radius / Math.sin(FIELD_OF_VIEW * Math.PI / 360));
+        controls.target.copy(sphere.center);
+        controls.update();
+        draw();
+    }
+
+    function dress(slot) {
+        slot.setSize(look.size * slot.spacing);
+        slot.setPlain(look.plain || 0x888888);
+        slot.setShaded(look.shaded && look.mode !== 'normals');
+        slot.setTriangles(look.triangles && look.mode === 'plain', look.wires);
+    }
+
+    function resize() {
+        renderer.setPixelRatio(window.devicePixelRatio || 1);
+        renderer.setSize(canvas.clientWidth, canvas.clientHeight, false);
+        draw();
+    }
+
+    /* The keys of a canvas that has the focus: arrows turn, plus and minus come nearer and go away. */
+    canvas.addEventListener('keydown', (event) => {
+        const turn = { ArrowLeft: [-TURN, 0], ArrowRight: [TURN, 0], ArrowUp: [0, -TURN], ArrowDown: [0, TURN] }[event.key];
+        const nearer = { '+': 0.9, '-': 1 / 0.9 }[event.key], off = camera.position.clone().sub(controls.target);
+        if (!turn && !nearer) return;
+        event.preventDefault();
+        if (turn) {
+            const side = new Vector3().crossVectors(camera.up, off).normalize(), tilted = off.clone().applyAxisAngle(side, turn[1]);
+            if (tilted.angleTo(camera.up) > 0.05 && tilted.angleTo(camera.up) < Math.PI - 0.05) off.copy(tilted);
+            off.applyAxisAngle(camera.up, turn[0]);
+        } else off.multiplyScalar(nearer);
+        camera.position.copy(controls.target).add(off);
+        controls.update();
+    });
+    new ResizeObserver(resize).observe(canvas);
+    matchMedia(`(resolution: ${window.devicePixelRatio}dppx)`).addEventListener('change', resize);
+
+    return {
+        /* Puts a cloud (or null) into a pane; the camera moves only where asked. */
+        setCloud(name, cloud, refit) {
+            const pane = panes[name];
+            if (pane.slot) {
+                pane.scene.remove(pane.slot.root);
+                pane.slot.free();
+            }
+            pane.slot = cloud ? makePoints(cloud) : null;
+            if (!cloud) return draw();
+            pane.slot.spacing = 1.2 * pane.slot.sphere.radius / Math.sqrt(cloud.n); /* until it is measured */
+            pane.scene.add(pane.slot.root);
+            if (refit || !sphere) {
+                sphere = pane.slot.sphere;
+                fit(upOf(cloud));
+            }
+            dress(pane.slot);
+            return draw();
+        },
+        slot: (name) => panes[name].slot,
+        /* Points are as wide as this distance, times the size that was chosen. */
+        setSpacing(name, value) {
+            if (value > 0) panes[name].slot.spacing = value;
+            dress(panes[name].slot);
+            draw();
+        },
+        set(changes) {
+            Object.assign(look, changes);
+            if (changes.background) renderer.setClearColor(new Color(changes.background));
+            slots().forEach(dress);
+            draw();
+        },
+        look, fit, draw,
+        up: () => (camera.up.z > 0.5 ? 'z' : 'y'),
+        toBlob: () => new Promise((resolve) => {
+            cancelAnimationFrame(frame);
+            render();
+            canvas.toBlob(resolve, 'image/png');
+        }),
+    };
+}

@@ -1,0 +1,91 @@
+/* Follows a job: its status, its records from the first on, its end. */
+import { ROOT, askJson, getKey } from './api.js';
+import { makeHub } from './hub.js';
+
+const told = new Map(); /* id: what to call */
+let port = null, hub = null;
+
+const hear = ({ event, data }) => told.get(data.jobID)?.(event, data);
+
+function connect() {
+    if (typeof SharedWorker === 'undefined') {
+        hub = makeHub(ROOT, getKey());
+        return;
+    }
+    const worker = new SharedWorker(new URL('stream.js', import.meta.url), { name: 'voronoid' });
+    port = worker.port;
+    port.onmessage = ({ data }) => hear(data);
+    addEventListener('pagehide', () => port.postMessage({ gone: true }));
+    addEventListener('pageshow', (event) => event.persisted && [...told.keys()].forEach((id) => join(id, '0.0')));
+}
+
+function join(id, position) {
+    if (!port && !hub) connect();
+    if (port) port.postMessage({ root: String(ROOT), key: getKey(), watch: id, position });
+    else hub.watch(hear, id, position);
+}
+
+function part(id) {
+    told.delete(id);
+    if (port) port.postMessage({ leave: id });
+    else hub?.leave(hear, id);
+}
+
+export const isOver = (status) => !['accepted', 'running'].includes(status.status);
+
+/* A record's place on the curve; a stream that begins anew tells some of them twice. */
+const place = (record) => `${record.attempt} ${record.run_stage} ${record.iteration} ${record.polish} ${record.step}`;
+
+/** Follows a job whose status is known. onStatus(status), onRecords(all records so far, in order), onPreview(), onEnd(status).
+ *  Returns a function that lets go. */
+export function watchJob(status, { onStatus, onRecords, onPreview, onEnd }) {
+    const id = status.jobID, records = new Map();
+    let alive = true, attempt = 0;
+    const add = (record) => {
+        if (record.attempt < attempt) return;
+        if (record.attempt > attempt) records.clear();
+        attempt = record.attempt;
+        records.set(place(record), record);
+    };
+    const all = () => [...records.values()].sort((a, b) => a.seconds - b.seconds);
+    const trace = async () => {
+        const table = await askJson(`v1/jobs/${id}/trace`).catch(() => null);
+        if (!alive || !table) return '0.0';
+        table.records.forEach((record) => add({ ...record, attempt: table.attempt }));
+        onRecords(all());
+        return table.lastEventId || '0.0';
+    };
+    const finish = async () => {
+        part(id);
+        const last = await askJson(`v1/jobs/${id}`);
+        await trace();
+        if (alive) onEnd(last);
+    };
+    /* The stream goes on where the trace ends, unless that was the end of the job. */
+    const begin = async () => {
+        const position = await trace(), now = await askJson(`v1/jobs/${id}`);
+        if (alive && isOver(now)) await finish();
+        else if (alive) join(id, position);
+    };
+    onStatus(status);
+    if (isOver(status)) {
+        trace().then(() => alive && onEnd(status));
+        return () => { alive = false; };
+    }
+    told.set(id, (event, data) => {
+        if (!alive) return;
+        if (event === 'status' || event === 'polled') onStatus(data);
+        if (event === 'preview') onPreview();
+        if (event === 'polled') trace();
+        if (event === 'progress') {
+            add(data);
+            onRecords(all(), data);
+        }
+        if (event === 'end' || event === 'unknown') finish().catch(() => {});
+    });
+    begin().catch(() => alive && join(id, '0.0'));
+    return () => {
+        alive = false;
+        if (told.has(id)) part(id);
+    };
+}

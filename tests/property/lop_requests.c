@@ -1,0 +1,241 @@
+/* Methods ear and wlop, whatever the input: as many points as asked for, the same bytes for any
+ * number of threads, far from the origin, where there is no surface, and when they are interrupted.
+ */
+#include "tests/support/vt_ask.h"
+#include "tests/support/vt_shape.h"
+#include "tests/support/vt_wedge.h"
+
+#include "core/report.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { N = 300 };
+
+static const char *const methods[2] = {"ear", "wlop"};
+
+static const struct vt_wedge wedge = {90, 0.005, N};
+
+/* Options after the method's. */
+static const char *of(int method, const char *options)
+{
+    static char text[200];
+
+    (void)snprintf(text, sizeof text, "method=%s %s", methods[method], options);
+    return text;
+}
+
+START_TEST(there_are_exactly_as_many_points_as_asked_for)
+{
+    static const char *const counts[6] = {"30", "105", "299", "300", "1200", "4800"};
+    static const size_t wanted[6] = {30, 105, 299, 300, 1200, 4800};
+    struct vor_report report;
+    struct vor_cloud in, out;
+    char options[60];
+
+    vt_wedge_make(&in, &wedge, 1);
+    (void)snprintf(options, sizeof options, "points=%s", counts[_i % 6]);
+    vt_ask(&out, &report, &(struct vt_ask){&in, of(_i / 6, options), 2});
+    ck_assert_uint_eq(out.n, wanted[_i % 6]);
+    ck_assert_uint_eq(report.points_out, wanted[_i % 6]);
+    ck_assert_uint_eq(vt_coincident(&out), 0);
+    for (size_t i = 0; i < 3 * out.n; i++)
+        ck_assert(isfinite(out.xyz[i]));
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(threads_make_the_same_bytes)
+{
+    static const unsigned threads[3] = {1, 2, 8};
+    uint64_t hash[3], normals[3] = {0};
+    struct vor_report report;
+    struct vor_cloud in, out;
+
+    vt_wedge_make(&in, &wedge, 2);
+    for (int k = 0; k < 3; k++) {
+        const struct vor_attribute *normal;
+
+        vt_ask(&out, &report, &(struct vt_ask){&in, of(_i, "points=900 samples=250"), threads[k]});
+        hash[k] = vt_cloud_hash(&out);
+        normal = vor_cloud_find(&out, VOR_NORMAL);
+        if (normal != NULL)
+            normals[k] = vt_hash(normal->data, out.n * 3 * sizeof(float));
+        vor_cloud_free(&out);
+    }
+    ck_assert(hash[0] == hash[1] && hash[1] == hash[2]);
+    ck_assert(normals[0] == normals[1] && normals[1] == normals[2]);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* The same cloud, in double precision, moved. */
+static void make_far(struct vor_cloud *out, const struct vor_cloud *in, const double by[3])
+{
+    double *xyz = vor_malloc(&vt_memory, in->n, 3 * sizeof *xyz);
+
+    ck_assert_ptr_nonnull(xyz);
+    for (size_t i = 0; i < in->n; i++) {
+        vor_cloud_position(in, i, &xyz[3 * i]);
+        for (size_t c = 0; c < 3; c++)
+            xyz[3 * i + c] += by[c];
+    }
+    vt_cloud_make(out, in->n);
+    vt_assert_ok(vor_cloud_set_double(out, xyz, &vt_err));
+    vor_free(&vt_memory, xyz);
+}
+
+/* Where float32 has steps of half a unit. */
+START_TEST(a_cloud_far_from_the_origin_gives_the_same_points)
+{
+    static const double near[3] = {0, 0, 0}, far[3] = {500000, 5500000, 200};
+    uint64_t hash[2];
+    struct vor_cloud in;
+
+    vt_wedge_make(&in, &wedge, 3);
+    for (int k = 0; k < 2; k++) {
+        struct vor_report report;
+        struct vor_cloud moved, out;
+
+        make_far(&moved, &in, k == 0 ? near : far);
+        vt_ask(&out, &report, &(struct vt_ask){&moved, of(_i, "points=1000"), 2});
+        hash[k] = vt_hash(out.xyz, out.n * 3 * sizeof *out.xyz);
+        ck_assert_double_eq_tol(out.origin[1], k == 0 ? near[1] : far[1], 2);
+        vor_cloud_free(&out);
+        vor_cloud_free(&moved);
+    }
+    ck_assert(hash[0] == hash[1]);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* A plane, a line, a few points: what has no surface to project to, or no edges. */
+enum poor { FLAT, LINE, FEW };
+
+static void make_poor(struct vor_cloud *in, enum poor kind)
+{
+    vt_cloud_square(in, 4, kind == FEW ? 12 : 400);
+    for (size_t i = 0; kind == LINE && i < in->n; i++)
+        in->xyz[3 * i + 1] = 0;
+}
+
+START_TEST(a_flat_cloud_and_few_points_give_as_many_points_as_asked_for)
+{
+    struct vor_report report;
+    struct vor_cloud in, out;
+
+    make_poor(&in, _i % 2 == 0 ? FLAT : FEW);
+    vt_ask(&out, &report, &(struct vt_ask){&in, of(_i / 2, "points=60"), 2});
+    ck_assert_uint_eq(out.n, 60);
+    for (size_t i = 0; i < 60; i++) {
+        ck_assert(isfinite(out.xyz[3 * i]) && isfinite(out.xyz[3 * i + 1]));
+        ck_assert_double_eq_tol((double)out.xyz[3 * i + 2], 0, 1e-5);
+    }
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(a_line_is_refused_as_by_any_method)
+{
+    struct vor_report report;
+    struct vor_cloud in, out;
+
+    make_poor(&in, LINE);
+    vt_assert_fails(VOR_E_DEGENERATE,
+                    vt_ask_try(&out, &report, &(struct vt_ask){&in, of(_i, "points=60"), 2}));
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+START_TEST(a_density_or_a_metric_is_refused_by_name)
+{
+    static const char *const asked[2] = {"density=curvature", "metric=anisotropic"};
+    static const char *const name[2] = {"density", "metric"};
+    struct vt_engine engine;
+
+    vt_engine_open(&engine, 1);
+    vt_ask_set(&engine, of(0, asked[_i]));
+    vt_assert_fails(VOR_E_PARAM, vor_spec_check(&engine.spec, &vt_err));
+    ck_assert_str_eq(vt_err.parameter, name[_i]);
+    ck_assert_msg(strstr(vt_err.message, "ear") != NULL, "%s", vt_err.message);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* What records told of stages, and what the watch answers from the at-th record of one on. */
+struct trap {
+    enum vor_run_stage stage;
+    size_t seen[VOR_RUN_STAGE_COUNT];
+    size_t at;
+    enum vor_answer answer;
+};
+
+static enum vor_answer hear(void *ctx, const struct vor_record *record)
+{
+    struct trap *trap = ctx;
+
+    trap->seen[record->stage]++;
+    return record->stage == trap->stage && trap->seen[record->stage] >= trap->at ? trap->answer
+                                                                                 : VOR_CONTINUE;
+}
+
+static vor_status run_trapped(struct vor_cloud *out, struct vor_report *report, struct trap *trap,
+                              const char *options)
+{
+    struct vor_watch watch = {.ctx = trap, .progress = hear};
+    struct vt_engine engine;
+    struct vor_cloud in;
+    vor_status status;
+
+    vt_engine_open(&engine, 2);
+    engine.run.watch = &watch;
+    vt_wedge_make(&in, &wedge, 7);
+    vt_ask_set(&engine, options);
+    status = vt_engine_try(&engine, out, report, &in);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    return status;
+}
+
+START_TEST(both_phases_are_told_and_can_be_cancelled_or_stopped)
+{
+    static const enum vor_run_stage stage[2] = {VOR_RUN_STAGE_PROJECT, VOR_RUN_STAGE_INSERT};
+    static const char options[] = "method=ear points=4000 samples=200 polish=2";
+    struct trap trap = {.stage = stage[_i], .at = 1, .answer = VOR_CANCEL};
+    struct vor_report report;
+    struct vor_cloud out;
+
+    vt_assert_fails(VOR_E_CANCELLED, run_trapped(&out, &report, &trap, options));
+    ck_assert_uint_eq(out.n, 0);
+    ck_assert_uint_eq(trap.seen[stage[_i]], 1);
+    trap = (struct trap){.stage = stage[_i], .at = 1, .answer = VOR_STOP};
+    vt_assert_ok(run_trapped(&out, &report, &trap, options));
+    ck_assert_uint_eq(out.n, 4000);
+    vor_cloud_free(&out);
+    vt_assert_no_leak();
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("lop_requests");
+
+    vt_add_figures(suite, there_are_exactly_as_many_points_as_asked_for, 12);
+    vt_add_loop(suite, threads_make_the_same_bytes, 2);
+    vt_add_figures(suite, a_cloud_far_from_the_origin_gives_the_same_points, 2);
+    vt_add_loop(suite, a_flat_cloud_and_few_points_give_as_many_points_as_asked_for, 4);
+    vt_add_loop(suite, a_line_is_refused_as_by_any_method, 2);
+    vt_add_loop(suite, a_density_or_a_metric_is_refused_by_name, 2);
+    vt_add_loop(suite, both_phases_are_told_and_can_be_cancelled_or_stopped, 2);
+    return vt_run(suite);
+}

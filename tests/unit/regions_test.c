@@ -1,0 +1,121 @@
+/* Sheets told apart by all points together: two that bend, nearer to each other than their spacing.
+ */
+#include "core/input/adjacency.h"
+#include "core/input/grow.h"
+#include "core/input/regions.h"
+#include "tests/support/vt_lists.h"
+
+#include <math.h>
+
+enum { N = 6000, FEWEST = 8 };
+
+/* Distance of the sheets in spacings, height and number of the waves. */
+#define APART 0.4
+#define HIGH 0.03
+#define WAVES 24.0
+
+/* Grown lists of the domain's points on two wavy sheets; the points of a sheet have odd numbers,
+ * those of the other even ones. */
+static void start(struct vt_lists *bed, unsigned threads, int seed)
+{
+    vt_engine_open(&bed->engine, threads);
+    bed->metric = &vt_metrics[VT_SHEETS];
+    bed->metric->make(&bed->cloud, (uint64_t)seed, N, APART * vt_spacing(bed->metric, N));
+    for (size_t i = 0; i < N; i++) {
+        float *x = &bed->cloud.xyz[3 * i];
+
+        x[2] += (float)(HIGH * sin(WAVES * (double)x[0]) * sin(WAVES * (double)x[1]));
+    }
+    vt_assert_ok(vor_domain_init(&bed->domain, &bed->cloud, &bed->engine.run, &vt_err));
+    bed->domain.known.sheets = 1;
+    vt_assert_ok(vor_adjacency_make(&bed->graph, &bed->domain, &bed->engine.run, &vt_err));
+    vt_assert_ok(vor_grow(&bed->graph, &bed->domain, &bed->engine.run, &vt_err));
+}
+
+/* Pairs of a point and one of its list that lie on two sheets. */
+static size_t across(const struct vt_lists *bed)
+{
+    const struct vor_graph *graph = &bed->graph;
+    size_t pairs = 0;
+
+    for (size_t i = 0; i < graph->n; i++)
+        for (unsigned j = 0; j < graph->count[i]; j++)
+            pairs +=
+                (bed->domain.source[i] ^ bed->domain.source[graph->list[i * graph->most + j]]) & 1;
+    return pairs;
+}
+
+START_TEST(lists_of_regions_hold_a_tenth_of_the_pairs_across)
+{
+    struct vt_lists bed;
+    size_t before, after, few = 0;
+
+    start(&bed, 2, _i);
+    before = across(&bed);
+    vt_assert_ok(vor_regions_make(&bed.graph, &bed.domain, &bed.engine.run, &vt_err));
+    after = across(&bed);
+    for (size_t i = 0; i < bed.graph.n; i++)
+        few += bed.graph.count[i] < FEWEST;
+    ck_assert_uint_eq(few, 0);
+    ck_assert_uint_gt(before, N / 60);
+    ck_assert_msg(10 * after <= before, "%zu pairs across, %zu before", after, before);
+    vt_lists_end(&bed);
+}
+END_TEST
+
+START_TEST(one_and_three_threads_make_the_same_lists)
+{
+    static const unsigned threads[] = {1, 3};
+    uint64_t first = 0;
+
+    for (size_t k = 0; k < sizeof threads / sizeof *threads; k++) {
+        struct vt_lists bed;
+        uint64_t hash;
+
+        start(&bed, threads[k], _i);
+        vt_assert_ok(vor_regions_make(&bed.graph, &bed.domain, &bed.engine.run, &vt_err));
+        hash = vt_lists_hash(&bed.graph);
+        first = k == 0 ? hash : first;
+        ck_assert_msg(hash == first, "%u threads make other lists", threads[k]);
+        vt_lists_end(&bed);
+    }
+}
+END_TEST
+
+START_TEST(lists_of_one_sheet_stay_as_they_are)
+{
+    struct vt_lists bed;
+    uint64_t before;
+
+    vt_lists_start(&bed, 2, VT_SQUARE, _i, N, 0);
+    vt_assert_ok(vor_adjacency_make(&bed.graph, &bed.domain, &bed.engine.run, &vt_err));
+    before = vt_lists_hash(&bed.graph);
+    vt_assert_ok(vor_regions_make(&bed.graph, &bed.domain, &bed.engine.run, &vt_err));
+    ck_assert(vt_lists_hash(&bed.graph) == before);
+    vt_lists_end(&bed);
+}
+END_TEST
+
+START_TEST(memory_that_ends_is_an_error_and_leaks_nothing)
+{
+    struct vt_lists bed;
+
+    start(&bed, 1, 1);
+    vt_memory.fail_at = vt_memory.calls + 1 + (size_t)_i;
+    ck_assert_int_eq(vor_regions_make(&bed.graph, &bed.domain, &bed.engine.run, &vt_err),
+                     VOR_E_NOMEM);
+    vt_memory.fail_at = 0;
+    vt_lists_end(&bed);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("regions");
+
+    vt_add_figures(suite, lists_of_regions_hold_a_tenth_of_the_pairs_across, 2);
+    vt_add_loop(suite, one_and_three_threads_make_the_same_lists, 1);
+    vt_add_loop(suite, lists_of_one_sheet_stay_as_they_are, 1);
+    vt_add_loop(suite, memory_that_ends_is_an_error_and_leaks_nothing, 2);
+    return vt_run(suite);
+}

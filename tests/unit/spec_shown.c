@@ -1,0 +1,122 @@
+/* Titles, levels and presets: what people are shown of a request. */
+#include "core/spec.h"
+#include "tests/support/vt.h"
+
+#include <string.h>
+
+enum { TITLE_MAX = 32 }; /* bytes: a title stands beside a field */
+
+START_TEST(a_parameter_has_a_title_of_its_own)
+{
+    const char *title = vor_parameter_title((enum vor_parameter)_i);
+    const char *name = vor_parameter_info((enum vor_parameter)_i)->name;
+
+    ck_assert_msg(strcmp(title, name) != 0, "%s has no row in VOR_TITLE_TABLE", name);
+    ck_assert_uint_le(strlen(title), TITLE_MAX);
+    for (int i = 0; i < _i; i++)
+        ck_assert_str_ne(title, vor_parameter_title((enum vor_parameter)i));
+}
+END_TEST
+
+START_TEST(few_parameters_of_a_process_are_basic)
+{
+    const struct vor_process_info *process = vor_process_info((unsigned)_i);
+    int basic = 0, taken = 0;
+
+    for (int i = 0; process != NULL && i < VOR_PARAMETER_COUNT; i++) {
+        if (!vor_process_takes(process, (enum vor_parameter)i))
+            continue;
+        taken++;
+        basic += vor_parameter_level((enum vor_parameter)i) == VOR_LEVEL_BASIC;
+    }
+    ck_assert_int_le(basic, 12); /* a form that is read at a glance */
+    if (process != NULL && vor_process_takes(process, VOR_PARAM_POINTS))
+        ck_assert_int_lt(3 * basic, taken);
+}
+END_TEST
+
+/* Whether a preset's request can be made; it counts the values that it sets. */
+static int values_of(const struct vor_process_info *process, const struct vor_named_preset *preset)
+{
+    const char *at = preset->values;
+    char value[VOR_PRESET_VALUE_SIZE];
+    enum vor_parameter parameter;
+    struct vor_spec spec;
+    int count = 0;
+
+    vor_spec_preset(&spec, process);
+    while (vor_named_preset_next(&at, &parameter, value)) {
+        ck_assert_msg(parameter != VOR_PARAMETER_COUNT, "%s: a name of no parameter", preset->name);
+        vt_assert_ok(vor_spec_set(&spec, vor_parameter_info(parameter)->name, value, &vt_err));
+        ck_assert(vor_spec_given(&spec, parameter));
+        count++;
+    }
+    vt_assert_ok(vor_spec_complete(&spec, &vt_err));
+    return count;
+}
+
+START_TEST(a_preset_is_a_request_that_can_be_made)
+{
+    static const char *const wanted[] = {"resample", "denoise", "upsample", "simplify", "mesh"};
+    const struct vor_process_info *process = vor_process_find(wanted[_i]);
+    const struct vor_named_preset *preset;
+    unsigned count = 0;
+
+    ck_assert_ptr_nonnull(process);
+    for (; (preset = vor_named_preset(process->id, count)) != NULL; count++) {
+        ck_assert(process->on_http);
+        ck_assert_int_ge(values_of(process, preset), strcmp(preset->name, "denoise") == 0 ? 0 : 1);
+        ck_assert_ptr_eq(vor_named_preset_find(process->id, preset->name), preset);
+    }
+    ck_assert_uint_ge(count, 1);
+}
+END_TEST
+
+START_TEST(every_preset_is_of_a_process_that_there_is)
+{
+    const struct vor_process_info *process;
+    unsigned of_processes = 0, rows = 0;
+
+#define COUNT_ROW(name, title, process, values, sentence) rows++;
+    VOR_NAMED_PRESET_TABLE(COUNT_ROW)
+#undef COUNT_ROW
+    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++)
+        for (unsigned k = 0; vor_named_preset(process->id, k) != NULL; k++)
+            of_processes++;
+    ck_assert_uint_eq(of_processes, rows);
+    ck_assert_ptr_null(vor_named_preset("resample", rows));
+    ck_assert_ptr_null(vor_named_preset_find("resample", "mesh"));
+}
+END_TEST
+
+START_TEST(a_walk_over_values_ends)
+{
+    const char *at = " points=5  boundary=keep ";
+    char value[VOR_PRESET_VALUE_SIZE];
+    enum vor_parameter parameter;
+
+    ck_assert(vor_named_preset_next(&at, &parameter, value));
+    ck_assert_int_eq(parameter, VOR_PARAM_POINTS);
+    ck_assert_str_eq(value, "5");
+    ck_assert(vor_named_preset_next(&at, &parameter, value));
+    ck_assert_int_eq(parameter, VOR_PARAM_BOUNDARY);
+    ck_assert_str_eq(value, "keep");
+    ck_assert(!vor_named_preset_next(&at, &parameter, value));
+    ck_assert(!vor_named_preset_next(&at, &parameter, value));
+    at = "nonsense=1";
+    ck_assert(vor_named_preset_next(&at, &parameter, value));
+    ck_assert_int_eq(parameter, VOR_PARAMETER_COUNT);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("spec_shown");
+
+    vt_add_loop(suite, a_parameter_has_a_title_of_its_own, VOR_PARAMETER_COUNT);
+    vt_add_loop(suite, few_parameters_of_a_process_are_basic, 16);
+    vt_add_loop(suite, a_preset_is_a_request_that_can_be_made, 5);
+    vt_add(suite, every_preset_is_of_a_process_that_there_is);
+    vt_add(suite, a_walk_over_values_ends);
+    return vt_run(suite);
+}
