@@ -162,25 +162,36 @@ static void level(struct parting *parting, size_t n, struct vor_bond *bond, size
         take(parting, &bond[e]);
 }
 
-/* Finds the groups, level by level. */
-static void part(struct parting *parting, size_t n, struct vor_bond *bond, size_t count)
+static void nothing(void *ctx, size_t begin, size_t end, unsigned worker)
 {
+    (void)ctx, (void)begin, (void)end, (void)worker;
+}
+
+/* Finds the groups, level by level. */
+static vor_status part(struct parting *parting, size_t n, struct vor_bond *bond, size_t count,
+                       const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status = VOR_OK;
+
     for (uint32_t i = 0; i < n; i++) {
         parting->group[i] = i;
         parting->size[i] = 1;
     }
-    for (size_t most = 1; most < n;) {
+    for (size_t most = 1; most < n && status == VOR_OK;) {
         most *= GROWTH;
         count = gather(parting, bond, count);
         level(parting, n, bond, count, most);
+        status = vor_run_for(run, 1, 1, nothing, NULL, err);
     }
     for (uint32_t i = 0; i < n; i++)
         parting->group[i] = find(parting, i);
+    return status;
 }
 
 vor_status vor_parting_make(uint32_t *group, size_t n, struct vor_bond *bond, size_t count,
-                            struct vor_memory *memory, struct vor_error *err)
+                            const struct vor_run *run, struct vor_error *err)
 {
+    struct vor_memory *memory = run->memory;
     struct parting parting = {.group = group};
     vor_status status = VOR_OK;
     size_t parts = 0; /* groups' pairs that part are sums of at least one of these each */
@@ -196,7 +207,7 @@ vor_status vor_parting_make(uint32_t *group, size_t n, struct vor_bond *bond, si
         parting.size == NULL || parting.parted == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "groups of %zu points", n);
     else
-        part(&parting, n, bond, count);
+        status = part(&parting, n, bond, count, run, err);
     vor_free(memory, parting.parted);
     vor_free(memory, parting.size);
     vor_free(memory, parting.has);

@@ -10,11 +10,7 @@
 #ifndef VOR_GEOM_PARTING_H
 #define VOR_GEOM_PARTING_H
 
-#include "core/base/memory.h"
-#include "core/base/status.h"
-
-#include <stddef.h>
-#include <stdint.h>
+#include "core/base/run.h"
 
 /** Two different nodes. */
 struct vor_bond {
@@ -28,10 +24,11 @@ struct vor_bond {
  *  @param[in,out] bond   count pairs; lost. The groups do not depend on their order
  *
  *  @retval VOR_E_NOMEM 16 bytes a node and 16 a pair that parts do not fit
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for, asked after each level
  *
  *  O(count log^2 count), one thread. */
 VOR_NODISCARD vor_status vor_parting_make(uint32_t *group, size_t n, struct vor_bond *bond,
-                                          size_t count, struct vor_memory *memory,
+                                          size_t count, const struct vor_run *run,
                                           struct vor_error *err);
 
 #endif

@@ -325,7 +325,7 @@ static vor_status decide(struct regions *regions, const struct vor_run *run, str
     for (size_t i = 0; i < n; i++)
         for (unsigned e = 0; e < regions->bonds[i]; e++)
             regions->bond[count++] = regions->bond[i * BONDS + e];
-    status = vor_parting_make(regions->region, n, regions->bond, count, run->memory, err);
+    status = vor_parting_make(regions->region, n, regions->bond, count, run, err);
     if (status != VOR_OK)
         return status;
     memset(regions->next, 0, n * sizeof *regions->next);

@@ -2,7 +2,7 @@
 #include "core/geom/parting.h"
 
 #include "core/base/rng.h"
-#include "tests/support/vt.h"
+#include "tests/support/vt_engine.h"
 
 #include <string.h>
 
@@ -36,6 +36,8 @@ static size_t lattices(struct vor_bond *bond, uint64_t seed, double wrong)
 static vor_status part(uint32_t *group, uint64_t seed, double wrong, int backwards)
 {
     static struct vor_bond bond[PAIRS * N];
+    struct vt_engine engine;
+    vor_status status;
     size_t count = lattices(bond, seed, wrong);
 
     for (size_t e = 0; backwards && e < count / 2; e++) {
@@ -44,7 +46,10 @@ static vor_status part(uint32_t *group, uint64_t seed, double wrong, int backwar
         bond[e] = bond[count - 1 - e];
         bond[count - 1 - e] = held;
     }
-    return vor_parting_make(group, N, bond, count, &vt_memory, &vt_err);
+    vt_engine_open(&engine, 1);
+    status = vor_parting_make(group, N, bond, count, &engine.run, &vt_err);
+    vt_engine_close(&engine);
+    return status;
 }
 
 START_TEST(two_lattices_are_two_groups_though_some_pairs_are_wrong)
@@ -74,9 +79,12 @@ END_TEST
 START_TEST(those_that_were_parted_never_become_one)
 {
     struct vor_bond bond[] = {{0, 1, -0.9F}, {1, 2, 0.8F}, {0, 2, 0.7F}, {2, 3, 0.1F}};
+    struct vt_engine engine;
     uint32_t group[5];
 
-    vt_assert_ok(vor_parting_make(group, 5, bond, 4, &vt_memory, &vt_err));
+    vt_engine_open(&engine, 1);
+    vt_assert_ok(vor_parting_make(group, 5, bond, 4, &engine.run, &vt_err));
+    vt_engine_close(&engine);
     ck_assert_uint_eq(group[0], 0);
     ck_assert_uint_eq(group[1], 1);
     ck_assert_uint_eq(group[2], 1);
