@@ -3,6 +3,7 @@
 #include "core/base/linalg.h"
 #include "core/lop/edges.h"
 #include "core/metrics/uniformity.h"
+#include "core/seeds/tell.h"
 
 #include <string.h>
 
@@ -38,6 +39,7 @@ enum {
 struct even {
     struct vor_lop_samples *samples;
     const struct vor_lop_latent *latent;
+    const struct vor_domain *domain;
     const struct vor_run *run;
     struct vor_outcome *told;
     struct vor_record record;
@@ -424,7 +426,6 @@ static double longest_step(const struct even *even)
 
 static enum vor_answer tell(struct even *even)
 {
-    const struct vor_watch *watch = even->run->watch;
     struct vor_record *record = &even->record;
 
     record->polish = record->step;
@@ -435,9 +436,7 @@ static enum vor_answer tell(struct even *even)
     record->best_sigma = record->sigma;
     record->best_epsilon = record->epsilon;
     even->told->last = *record;
-    if (watch == NULL || watch->progress == NULL)
-        return VOR_CONTINUE;
-    return watch->progress(watch->ctx, record);
+    return vor_points_tell(even->domain, even->samples->xyz, even->samples->n, even->run, record);
 }
 
 static vor_status loop(struct even *even, unsigned steps, struct vor_error *err)
@@ -485,6 +484,7 @@ vor_status vor_lop_even(struct vor_lop_samples *samples, const struct vor_lop_la
 {
     struct even even = {.samples = samples,
                         .latent = latent,
+                        .domain = domain,
                         .run = run,
                         .told = told,
                         .record = told->last,

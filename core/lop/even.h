@@ -22,7 +22,7 @@ struct vor_lop_even_how {
 /** Evens the points out; normals follow.
  *
  *  @param[in]     latent  the surface
- *  @param[in]     domain  read for the unit of what is told
+ *  @param[in]     domain  what is told counts from it
  *  @param[in,out] told    the stage is added; stopped may change, and if the caller stopped the run
  *                         before, nothing is done
  *  @param[in]     run     a stop ends it with the positions so far

@@ -6,6 +6,7 @@
 #include "core/lop/heap.h"
 #include "core/lop/latent.h"
 #include "core/lop/power.h"
+#include "core/seeds/tell.h"
 
 #include <string.h>
 
@@ -27,6 +28,7 @@ struct pairs {
 struct insertion {
     struct vor_lop_samples *samples;
     const struct vor_lop_insert_how *how;
+    const struct vor_domain *domain;
     const struct vor_run *run;
     struct vor_outcome *told;
     struct vor_lop_tree tree;
@@ -304,7 +306,6 @@ static vor_status insert_one(struct insertion *insertion, struct vor_error *err)
 /* Tells the watch how many points are inserted. */
 static enum vor_answer tell(struct insertion *insertion, size_t n)
 {
-    const struct vor_watch *watch = insertion->run->watch;
     struct vor_record *record = &insertion->told->last;
 
     record->stage = VOR_RUN_STAGE_INSERT;
@@ -312,9 +313,8 @@ static enum vor_answer tell(struct insertion *insertion, size_t n)
     record->of = (uint32_t)(n - insertion->begun);
     record->ahead = insertion->how->polish;
     record->seconds = vor_run_seconds(insertion->run);
-    if (watch == NULL || watch->progress == NULL)
-        return VOR_CONTINUE;
-    return watch->progress(watch->ctx, record);
+    return vor_points_tell(insertion->domain, insertion->samples->xyz, insertion->samples->n,
+                           insertion->run, record);
 }
 
 static enum vor_answer poll(const struct vor_run *run)
@@ -409,8 +409,12 @@ vor_status vor_lop_insert(struct vor_lop_samples *samples, size_t n,
                           struct vor_outcome *told, const struct vor_run *run,
                           struct vor_error *err)
 {
-    struct insertion insertion = {
-        .samples = samples, .how = how, .run = run, .told = told, .begun = samples->n};
+    struct insertion insertion = {.samples = samples,
+                                  .how = how,
+                                  .domain = domain,
+                                  .run = run,
+                                  .told = told,
+                                  .begun = samples->n};
     const struct vor_lop_even_how even = {.steps = how->polish, .local = how->rho > 0};
     vor_status status = vor_lop_latent_init(&insertion.latent, samples, samples->n, how->sigma_n,
                                             how->sigma_p, err);

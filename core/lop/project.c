@@ -6,6 +6,7 @@
 #include "core/lop/weights.h"
 #include "core/metrics/uniformity.h"
 #include "core/opt/keep_best.h"
+#include "core/seeds/tell.h"
 
 #include <math.h>
 #include <string.h>
@@ -261,7 +262,6 @@ static double take_step(struct project *project)
 /* Tells the watch of the present. */
 static enum vor_answer tell(struct project *project, double max_move)
 {
-    const struct vor_watch *watch = project->run->watch;
     struct vor_record *record = &project->record;
     double unit = project->domain->unit;
     struct vor_uniformity even;
@@ -274,9 +274,8 @@ static enum vor_answer tell(struct project *project, double max_move)
     record->max_move = max_move * unit;
     record->seconds = vor_run_seconds(project->run);
     project->told->last = project->told->kept = *record;
-    if (watch == NULL || watch->progress == NULL)
-        return VOR_CONTINUE;
-    return watch->progress(watch->ctx, record);
+    return vor_points_tell(project->domain, project->samples->xyz, project->samples->n,
+                           project->run, record);
 }
 
 /* Whether a stop of the request is reached; the last step took `took` seconds. */
