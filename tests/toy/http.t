@@ -97,7 +97,7 @@ subtest 'descriptions come of the tables' => sub {
     is $document->{contentMediaType}, 'application/json', 'is a document';
     is_deeply [sort keys %{ $document->{properties} }], [sort 'box', keys %$counted], 'with these members';
     is_deeply [sort @{ $document->{required} }], [qw(counted near nearby parameters points seen)], 'of which those are always there';
-    is_deeply $census->{'x-record'}{properties}{run_stage}{enum}, [qw(iterate polish baselines copy prove tally reach forth back)],
+    is_deeply $census->{'x-record'}{properties}{run_stage}{enum}, [qw(iterate polish baselines project insert copy prove tally reach forth back)],
         'a record may be of every stage';
     my $resample = json($daemon->get('/v1/processes/resample'))->{inputs};
     is_deeply $resample->{method}{schema}{enum}, ['cvt', 'kmeans', 'wlop', 'ear', 'toy'], 'resample has the method';

@@ -119,11 +119,12 @@ START_TEST(a_parameter_has_a_name_a_sentence_and_a_default_in_its_range)
     ck_assert_uint_eq(vor_parameter_choice(info, 53, &word), 0); /* a bit each in a double */
     init_for(&spec, _i);
     ck_assert(value_of(&spec, _i) == info->fallback);
-    if (info->fallback != VOR_UNSET && is_number(info))
+    if (info->fallback > VOR_UNSET && is_number(info)) /* and no word */
         ck_assert(info->fallback >= info->min && info->fallback <= info->max);
     if (is_number(info))
         ck_assert(info->min < info->max && info->min > VOR_UNSET);
-    ck_assert_int_eq(is_number(info) || is_flag(info) || info->kind == VOR_KIND_COUNTS_OR_AUTO,
+    ck_assert_int_eq((is_number(info) && info->kind != VOR_KIND_REAL_OR_WORD) || is_flag(info) ||
+                         info->kind == VOR_KIND_COUNTS_OR_AUTO,
                      info->choices[0] == '\0');
 }
 END_TEST
@@ -220,6 +221,13 @@ START_TEST(an_unknown_word_of_a_list_has_a_status_of_its_own)
 }
 END_TEST
 
+static double value_of_word(const struct vor_parameter_info *info, unsigned k)
+{
+    if (info->kind == VOR_KIND_REAL_OR_WORD)
+        return VOR_WORD(k);
+    return info->kind == VOR_KIND_LIST ? 1U << k : k;
+}
+
 START_TEST(a_choice_takes_each_of_its_words_and_no_number)
 {
     const struct vor_parameter_info *info = info_of(_i);
@@ -236,7 +244,7 @@ START_TEST(a_choice_takes_each_of_its_words_and_no_number)
         (void)snprintf(text, sizeof text, "%.*s", (int)length, word);
         init_for(&spec, _i);
         vt_assert_ok(vor_spec_set(&spec, info->name, text, &vt_err));
-        ck_assert(value_of(&spec, _i) == (info->kind == VOR_KIND_LIST ? 1U << k : k));
+        ck_assert(value_of(&spec, _i) == value_of_word(info, k));
         ck_assert_str_eq(vor_spec_text(&spec, (enum vor_parameter)_i, back), text);
         text[0] = (char)toupper((unsigned char)text[0]);
         vt_assert_fails(refusal_of(info, text), vor_spec_set(&spec, info->name, text, &vt_err));
@@ -279,7 +287,7 @@ START_TEST(auto_is_taken_where_it_means_something)
     struct vor_spec spec;
     char text[VOR_SPEC_VALUE_SIZE];
 
-    if (vor_kind_form(info->kind, 0) == VOR_FORM_CHOICE && strstr(info->choices, "auto") != NULL)
+    if (info->kind != VOR_KIND_LIST_OR_AUTO && strstr(info->choices, "auto") != NULL)
         return; /* a word like the others */
     init_for(&spec, _i);
     if (!has_auto(info)) {
