@@ -70,8 +70,8 @@ int vor_spec_only_filters(const struct vor_spec *spec);
 
 /** Checks what concerns several parameters: if the process takes points, ratio and spacing, exactly
  *  one of them is given, or none where filters alone make the result; an energy is minimised by
- *  cvt, without a density; wlop and ear follow no density and no metric, and have no sites. And that
- *  p is even.
+ *  cvt, without a density; wlop and ear follow no density and no metric, and have no sites. And
+ *  that p is even.
  *
  *  @retval VOR_E_PARAM otherwise */
 VOR_NODISCARD vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err);

@@ -128,7 +128,7 @@ static void choose_block(void *ctx, size_t begin, size_t end, unsigned worker)
             }
         }
         memcpy(&normals->now.normal[3 * i], normals->plane[taken].normal, 3 * sizeof *x);
-        memcpy(&normals->now.xyz[3 * i], x, 3 * sizeof *x);
+        memcpy(normals->now.xyz + 3 * i, x, 3 * sizeof *x);
         normals->off[i] = (float)sqrt((double)normals->plane[taken].flatness * r2);
     }
 }
@@ -139,7 +139,7 @@ static void sign_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        float *normal = &normals->now.normal[3 * i];
+        float *normal = normals->now.normal + 3 * i;
         const double n[3] = {(double)normal[0], (double)normal[1], (double)normal[2]};
 
         if (vor_orientation_side(&normals->orientation, normals->domain,
@@ -161,9 +161,14 @@ static double dotf(const float a[3], const float b[3])
     return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
 }
 
+static const float *normal_now(const struct normals *normals, size_t i)
+{
+    return normals->now.normal + 3 * i;
+}
+
 static void see(struct seen *seen, const struct normals *normals, size_t i)
 {
-    const float *x = &normals->now.xyz[3 * i];
+    const float *x = normals->now.xyz + 3 * i;
     double reach2 = normals->how->sigma_p * normals->how->sigma_p, off;
 
     seen->k = normals->count[i];
@@ -173,8 +178,8 @@ static void see(struct seen *seen, const struct normals *normals, size_t i)
                                              &normals->domain->xyz[3 * (size_t)seen->index[j]]));
     off = OFF * (double)normals->off[i] + BENT * sqrt(reach2);
     for (unsigned j = 0; j < seen->k; j++) {
-        const float *y = &normals->now.xyz[3 * (size_t)seen->index[j]];
-        const float *n = &normals->now.normal[3 * (size_t)seen->index[j]];
+        const float *y = normals->now.xyz + 3 * (size_t)seen->index[j];
+        const float *n = normal_now(normals, seen->index[j]);
         const float away[3] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
         double height = dotf(away, n);
 
@@ -187,17 +192,16 @@ static void see(struct seen *seen, const struct normals *normals, size_t i)
 /* The normal that most of what is seen agrees with, of point i or one of those nearest to it. */
 static const float *most_agreed(const struct normals *normals, const struct seen *seen)
 {
-    const float *found = &normals->now.normal[3 * (size_t)seen->index[0]];
+    const float *found = normal_now(normals, seen->index[0]);
     double best = -1;
 
     for (unsigned c = 0; c < seen->k && c < CHOICES; c++) {
-        const float *n = &normals->now.normal[3 * (size_t)seen->index[c]];
+        const float *n = normal_now(normals, seen->index[c]);
         double sum = 0;
 
         for (unsigned j = 0; j < seen->k; j++)
             sum += seen->weight[j] *
-                   vor_lop_alike(dotf(n, &normals->now.normal[3 * (size_t)seen->index[j]]),
-                                 normals->scale);
+                   vor_lop_alike(dotf(n, normal_now(normals, seen->index[j])), normals->scale);
         if (sum > best) {
             best = sum;
             found = n;
@@ -213,7 +217,7 @@ static void smooth(float out[3], const struct normals *normals, const struct see
     double sum[3] = {0}, length;
 
     for (unsigned j = 0; j < seen->k; j++) {
-        const float *n = &normals->now.normal[3 * (size_t)seen->index[j]];
+        const float *n = normal_now(normals, seen->index[j]);
         double w = seen->weight[j] * vor_lop_alike(dotf(n, about), normals->scale);
 
         for (unsigned c = 0; c < 3; c++)
@@ -244,13 +248,13 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        const float *x = &normals->now.xyz[3 * i], *n = &normals->now.normal[3 * i];
+        const float *x = normals->now.xyz + 3 * i, *n = normal_now(normals, i);
         double sum = 0, weights = 0;
 
         see(&seen, normals, i);
         for (unsigned j = 0; j < seen.k; j++) {
-            const float *y = &normals->now.xyz[3 * (size_t)seen.index[j]];
-            const float *m = &normals->now.normal[3 * (size_t)seen.index[j]];
+            const float *y = normals->now.xyz + 3 * (size_t)seen.index[j];
+            const float *m = normal_now(normals, seen.index[j]);
             const float there[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
             double cosine = dotf(n, m);
             double w = seen.weight[j] * vor_lop_alike(cosine, normals->scale);
