@@ -3,13 +3,14 @@
 #include "tests/support/vt_engine.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdatomic.h>
 #include <string.h>
 
 enum { RECORDS_MAX = 400, OUT = 150 };
 
 /* A watch that notes the records, may stop the run, and has a clock that goes a second with every
- * reading. */
+ * reading by the thread of the run. */
 struct spy {
     struct vor_record record[RECORDS_MAX];
     unsigned count;
@@ -17,7 +18,8 @@ struct spy {
     atomic_int asked;   /* questions so far */
     int at_question;    /* answer VOR_STOP from that question on; 0: never */
     enum vor_answer answer;
-    double seconds;
+    pthread_t thread;       /* of the run */
+    _Atomic double seconds; /* its readings of the clock; the pool's do not count */
 };
 
 static enum vor_answer progress(void *ctx, const struct vor_record *record)
@@ -40,7 +42,12 @@ static enum vor_answer poll(void *ctx)
 
 static double tick(void *ctx)
 {
-    return ((struct spy *)ctx)->seconds++;
+    struct spy *spy = ctx;
+    double now = atomic_load(&spy->seconds);
+
+    if (pthread_equal(pthread_self(), spy->thread))
+        atomic_store(&spy->seconds, now + 1);
+    return now;
 }
 
 /* Inputs: a sphere, whose result has no point outside; a dome, where points are moved onto the
@@ -88,6 +95,7 @@ static vor_status run(struct spy *spy, struct vor_report *report, const struct v
     struct vor_cloud out;
     vor_status status;
 
+    spy->thread = pthread_self();
     spy->at_record = spy->at_record > 0 ? spy->at_record : ending->at_record;
     spy->at_question = ending->at_question;
     vt_engine_open(&engine, 2);
