@@ -44,8 +44,9 @@ struct leaf {
 struct growing {
     const struct vor_domain *domain;
     struct vor_graph *graph;
-    unsigned char *sure; /* n: 0, 1, or 2 from the next round on */
-    struct leaf *leaf;   /* n: set where a list is sure */
+    unsigned char *sure;  /* n: 1 or 0 */
+    unsigned char *grown; /* n: 1 where it is from the next round on */
+    struct leaf *leaf;    /* n: set where a list is sure */
 };
 
 /* The points around one, nearest first. */
@@ -154,7 +155,7 @@ static int find_leader(struct vor_surface *lead, const struct growing *growing, 
         struct vor_surface surface;
         double here;
 
-        if (growing->sure[around->index[j]] != 1)
+        if (!growing->sure[around->index[j]])
             continue;
         asked++;
         recall(&surface, growing, around->index[j]);
@@ -198,7 +199,7 @@ static void take_list(struct growing *growing, uint32_t i, const uint32_t *index
     for (size_t c = 0; c < 3; c++)
         graph->normal[3 * (size_t)i + c] = (float)normal[c];
     keep(&growing->leaf[i], surface);
-    growing->sure[i] = 2;
+    growing->grown[i] = 1;
 }
 
 static void grow_point(struct growing *growing, uint32_t i)
@@ -265,22 +266,30 @@ static void drop_block(void *ctx, size_t begin, size_t end, unsigned worker)
 vor_status vor_grow(struct vor_graph *graph, const struct vor_domain *domain,
                     const struct vor_run *run, struct vor_error *err)
 {
-    struct growing growing = {domain, graph, vor_malloc(run->memory, domain->n, 1),
-                              vor_malloc(run->memory, domain->n, sizeof *growing.leaf)};
+    struct growing growing = {.domain = domain,
+                              .graph = graph,
+                              .sure = vor_malloc(run->memory, domain->n, 1),
+                              .grown = vor_malloc(run->memory, domain->n, 1),
+                              .leaf = vor_malloc(run->memory, domain->n, sizeof *growing.leaf)};
     vor_status status;
 
-    if (growing.sure == NULL || growing.leaf == NULL)
+    if (growing.sure == NULL || growing.grown == NULL || growing.leaf == NULL) {
         status = vor_fail(err, VOR_E_NOMEM, "sheets of %zu points", domain->n);
-    else
+    } else {
+        memset(growing.grown, 0, domain->n);
         status = vor_run_for(run, domain->n, BLOCK, rate_block, &growing, err);
+    }
     for (int round = 0; round < ROUNDS && status == VOR_OK; round++) {
         status = vor_run_for(run, domain->n, BLOCK, grow_block, &growing, err);
-        for (size_t i = 0; i < domain->n; i++)
-            growing.sure[i] = growing.sure[i] != 0;
+        for (size_t i = 0; i < domain->n; i++) {
+            growing.sure[i] |= growing.grown[i];
+            growing.grown[i] = 0;
+        }
     }
     if (status == VOR_OK)
         status = vor_run_for(run, domain->n, BLOCK, drop_block, &growing, err);
     vor_free(run->memory, growing.leaf);
+    vor_free(run->memory, growing.grown);
     vor_free(run->memory, growing.sure);
     return status;
 }

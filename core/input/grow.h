@@ -17,7 +17,7 @@
  *
  *  @param[in,out] graph  of the domain's points, by vor_adjacency_make
  *
- *  @retval VOR_E_NOMEM n bytes do not fit
+ *  @retval VOR_E_NOMEM 66 n bytes do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for; the graph is to be freed
  *
  *  O(n), and O(log n) for each point whose list is not sure, on the run's pool. The same lists for
