@@ -251,8 +251,11 @@ static double take_step(struct project *project)
     struct vor_lop_samples *samples = project->samples;
     double longest2 = 0;
 
-    for (size_t i = 0; i < samples->n; i++)
-        longest2 = fmax(longest2, vor_distance2f(&samples->xyz[3 * i], &project->next[3 * i]));
+    for (size_t i = 0; i < samples->n; i++) {
+        double move2 = vor_distance2f(&samples->xyz[3 * i], &project->next[3 * i]);
+
+        longest2 = move2 > longest2 ? move2 : longest2; /* gcc 12 for arm64 fails on fmax here */
+    }
     memcpy(samples->xyz, project->next, 3 * samples->n * sizeof *samples->xyz);
     if (project->how->normals)
         memcpy(samples->normal, project->turned, 3 * samples->n * sizeof *samples->normal);
