@@ -1,6 +1,7 @@
 #include "tests/support/vt_lists.h"
 
 #include "core/geom/march.h"
+#include "core/input/adjacency.h"
 
 #include <math.h>
 
@@ -14,6 +15,37 @@ void vt_lists_start(struct vt_lists *lists, unsigned threads, int shape, int see
     vt_engine_open(&lists->engine, threads);
     lists->metric->make(&lists->cloud, (uint64_t)seed, n, gap);
     vt_assert_ok(vor_domain_init(&lists->domain, &lists->cloud, &lists->engine.run, &vt_err));
+}
+
+void vt_lists_start_waves(struct vt_lists *lists, unsigned threads, int seed, size_t n,
+                          double waves)
+{
+    const double apart = 0.4, high = 0.03;
+
+    vt_engine_open(&lists->engine, threads);
+    lists->metric = &vt_metrics[VT_SHEETS];
+    lists->gap = apart * vt_spacing(lists->metric, n);
+    lists->metric->make(&lists->cloud, (uint64_t)seed, n, lists->gap);
+    for (size_t i = 0; i < n; i++) {
+        float *x = &lists->cloud.xyz[3 * i];
+
+        x[2] += (float)(high * sin(waves * (double)x[0]) * sin(waves * (double)x[1]));
+    }
+    vt_assert_ok(vor_domain_init(&lists->domain, &lists->cloud, &lists->engine.run, &vt_err));
+    lists->domain.known.sheets = 1;
+    vt_assert_ok(vor_adjacency_make(&lists->graph, &lists->domain, &lists->engine.run, &vt_err));
+}
+
+size_t vt_lists_astray(const struct vt_lists *lists)
+{
+    const struct vor_graph *graph = &lists->graph;
+    const uint32_t *source = lists->domain.source;
+    size_t pairs = 0;
+
+    for (size_t i = 0; i < graph->n; i++)
+        for (unsigned j = 0; j < graph->count[i]; j++)
+            pairs += (source[i] ^ source[graph->list[i * graph->most + j]]) & 1;
+    return pairs;
 }
 
 void vt_lists_end(struct vt_lists *lists)

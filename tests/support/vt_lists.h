@@ -20,6 +20,14 @@ struct vt_lists {
 void vt_lists_start(struct vt_lists *lists, unsigned threads, int shape, int seed, size_t n,
                     double gap);
 
+/** The same of two wavy sheets .4 spacings apart, so many waves to a side, and lists made of them:
+ *  the points of a sheet have odd numbers, those of the other even ones. */
+void vt_lists_start_waves(struct vt_lists *lists, unsigned threads, int seed, size_t n,
+                          double waves);
+
+/** Pairs of a point and one of its list that lie on two of those sheets. */
+size_t vt_lists_astray(const struct vt_lists *lists);
+
 /** Frees all, also the graph, and asserts that nothing is left. */
 void vt_lists_end(struct vt_lists *lists);
 

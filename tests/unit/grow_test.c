@@ -5,44 +5,15 @@
 #include "core/input/sheets.h"
 #include "tests/support/vt_lists.h"
 
-#include <math.h>
 #include <string.h>
 
 enum { N = 6000, FEWEST = 8 };
 
-/* Distance of the sheets in spacings, height and number of the waves. */
-#define APART 0.4
-#define HIGH 0.03
-#define WAVES 18.0
+#define WAVES 18.0 /* to a side */
 
-/* Lists of the domain's points on two wavy sheets; the points of a sheet have odd numbers, those of
- * the other even ones. */
 static void start(struct vt_lists *bed, unsigned threads, int seed)
 {
-    vt_engine_open(&bed->engine, threads);
-    bed->metric = &vt_metrics[VT_SHEETS];
-    bed->metric->make(&bed->cloud, (uint64_t)seed, N, APART * vt_spacing(bed->metric, N));
-    for (size_t i = 0; i < N; i++) {
-        float *x = &bed->cloud.xyz[3 * i];
-
-        x[2] += (float)(HIGH * sin(WAVES * (double)x[0]) * sin(WAVES * (double)x[1]));
-    }
-    vt_assert_ok(vor_domain_init(&bed->domain, &bed->cloud, &bed->engine.run, &vt_err));
-    bed->domain.known.sheets = 1;
-    vt_assert_ok(vor_adjacency_make(&bed->graph, &bed->domain, &bed->engine.run, &vt_err));
-}
-
-/* Pairs of a point and one of its list that lie on two sheets. */
-static size_t across(const struct vt_lists *bed)
-{
-    const struct vor_graph *graph = &bed->graph;
-    size_t pairs = 0;
-
-    for (size_t i = 0; i < graph->n; i++)
-        for (unsigned j = 0; j < graph->count[i]; j++)
-            pairs +=
-                (bed->domain.source[i] ^ bed->domain.source[graph->list[i * graph->most + j]]) & 1;
-    return pairs;
+    vt_lists_start_waves(bed, threads, seed, N, WAVES);
 }
 
 START_TEST(lists_grown_from_sure_ones_hold_a_tenth_of_the_pairs_across)
@@ -51,9 +22,9 @@ START_TEST(lists_grown_from_sure_ones_hold_a_tenth_of_the_pairs_across)
     size_t before, after, few = 0;
 
     start(&bed, 2, _i);
-    before = across(&bed);
+    before = vt_lists_astray(&bed);
     vt_assert_ok(vor_grow(&bed.graph, &bed.domain, &bed.engine.run, &vt_err));
-    after = across(&bed);
+    after = vt_lists_astray(&bed);
     for (size_t i = 0; i < bed.graph.n; i++)
         few += bed.graph.count[i] < FEWEST;
     ck_assert_uint_eq(few, 0);
