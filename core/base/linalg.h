@@ -11,6 +11,30 @@ static inline double vor_dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/** x^n by squaring: its bits do not differ between machines, as those of pow do. O(log n). */
+static inline double vor_power(double x, unsigned n)
+{
+    double y = 1;
+
+    for (; n > 0; n >>= 1) {
+        if (n & 1)
+            y *= x;
+        x *= x;
+    }
+    return y;
+}
+
+/** Takes from v its part along a unit vector; with one_way only if v points that way. */
+static inline void vor_remove_along(double v[3], const double direction[3], int one_way)
+{
+    double along = vor_dot(v, direction);
+
+    if (one_way && !(along > 0))
+        return;
+    for (int c = 0; c < 3; c++)
+        v[c] -= along * direction[c];
+}
+
 /** Cross product; out is neither a nor b. */
 static inline void vor_cross(double out[3], const double a[3], const double b[3])
 {

@@ -256,18 +256,6 @@ static vor_status list_all(struct even *even, struct vor_error *err)
     return status;
 }
 
-static double power(double x, unsigned n)
-{
-    double y = 1;
-
-    for (; n > 0; n >>= 1) {
-        if (n & 1)
-            y *= x;
-        x *= x;
-    }
-    return y;
-}
-
 /* What pushes point i, and the mean of the unit vectors to its neighbours. */
 struct push {
     double force[3], mean[3];
@@ -297,7 +285,7 @@ static void push_from(struct push *push, const struct even *even, size_t i)
         if (d2 > FORCE_REACH * FORCE_REACH * h2 || !(d2 > 0))
             continue;
         if (FORCE_MAX * d2 > h2)
-            weight = fmin(power(h2 / d2, even->power), FORCE_MAX);
+            weight = fmin(vor_power(h2 / d2, even->power), FORCE_MAX);
         count++;
         for (int c = 0; c < 3; c++) {
             push->force[c] += scale * weight * d[c];
@@ -306,17 +294,6 @@ static void push_from(struct push *push, const struct even *even, size_t i)
     }
     for (int c = 0; c < 3 && count > 0; c++)
         push->mean[c] /= count;
-}
-
-/* Takes from v its part along a unit vector; with one_way only if v points that way. */
-static void remove_part(double v[3], const double direction[3], int one_way)
-{
-    double along = vor_dot(v, direction);
-
-    if (one_way && !(along > 0))
-        return;
-    for (int c = 0; c < 3; c++)
-        v[c] -= along * direction[c];
 }
 
 /* Reduces v to what keeps point i on the surface, inside its border, or on its edge. */
@@ -333,16 +310,16 @@ static void keep(const struct even *even, size_t i, const struct push *push, dou
             v[c] = moved * t[c];
         return;
     }
-    remove_part(v, n, 0);
+    vor_remove_along(v, n, 0);
     for (int c = 0; c < 3; c++)
         out[c] = -push->mean[c];
-    remove_part(out, n, 0);
+    vor_remove_along(out, n, 0);
     length = sqrt(vor_dot(out, out));
     if (length < BORDER)
         return;
     for (int c = 0; c < 3; c++)
         out[c] /= length;
-    remove_part(v, out, 1);
+    vor_remove_along(v, out, 1);
 }
 
 /* Whether point i passes the plane of the other side of its edge on the way to y. */

@@ -167,19 +167,6 @@ static void find_hole(struct polish *polish, const struct vor_scratch *scratch, 
                      corner[2] * surface->axis[2][c]));
 }
 
-/* x^n for n >= 1 by squaring; pow differs between machines. */
-static double power(double x, unsigned n)
-{
-    double y = 1;
-
-    for (; n > 0; n >>= 1) {
-        if (n & 1)
-            y *= x;
-        x *= x;
-    }
-    return y;
-}
-
 /* The vector that seed i moves along to get away from seed j, which is `distance` away. Where they
  * nearly coincide, their offset has neither a useful direction nor a useful length: then it is a
  * vector of OVERLAP spacings along the surface. */
@@ -244,22 +231,10 @@ static void repulsion(const struct polish *polish, const struct vor_scratch *scr
         away(polish, scratch, i, crowd->index[j], sqrt(d2), d);
         weight = FORCE_MAX;
         if (FORCE_MAX * d2 > h2)
-            weight = fmin(power(h2 / d2, polish->power), FORCE_MAX);
+            weight = fmin(vor_power(h2 / d2, polish->power), FORCE_MAX);
         for (int c = 0; c < 3; c++)
             force[c] += scale * weight * d[c];
     }
-}
-
-/* Removes the part of v along the unit vector `direction`; with `one_way` only if v points that
- * way. */
-static void remove_part(double v[3], const double direction[3], int one_way)
-{
-    double along = vor_dot(v, direction);
-
-    if (one_way && !(along > 0))
-        return;
-    for (int c = 0; c < 3; c++)
-        v[c] -= along * direction[c];
 }
 
 /* Reduces v to its tangential part, and at the border to what does not lead out. */
@@ -271,7 +246,7 @@ static void keep_on_surface(const struct polish *polish, const struct vor_scratc
 
     vor_surface_to_local(&scratch->onto, x, local);
     vor_surface_normal(&scratch->onto, local, normal);
-    remove_part(v, normal, 0);
+    vor_remove_along(v, normal, 0);
     if (scratch->interior || !polish->seeds->policy.keep_border)
         return;
     vor_surface_to_local(surface, x, local);
@@ -280,7 +255,7 @@ static void keep_on_surface(const struct polish *polish, const struct vor_scratc
         return;
     for (int c = 0; c < 3; c++)
         out[c] = side[0] * surface->axis[0][c] + side[1] * surface->axis[1][c];
-    remove_part(v, out, 1);
+    vor_remove_along(v, out, 1);
 }
 
 /* Whether a seed that moves from x to y leaves the input, or moves farther away from it. */
@@ -318,7 +293,7 @@ static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
     vor_surface_put(&scratch->onto, y);
     if (leaves_input(seeds, scratch, x, y)) {
         (void)vor_boundary_foot(scratch->here.near, scratch->here.k, x, foot, out);
-        remove_part(v, out, 1);
+        vor_remove_along(v, out, 1);
         for (int c = 0; c < 3; c++)
             y[c] = x[c] + v[c];
         vor_surface_put(&scratch->onto, y);

@@ -129,7 +129,7 @@ static vor_status take_seat(struct sitting *sitting, struct vor_error *err)
     worker->seat[i] = (struct vor_seat){.taken = 1, .life = worker->life};
     atomic_store(&worker->board->asked[i], VOR_CONTINUE);
     atomic_store(&worker->board->showing[i].sequence,
-                 0); /* whoever wrote last may have been killed */
+                 0); /* the process that wrote last may have been killed */
     sitting->seat = i;
     sitting->life = worker->life;
     return VOR_OK;

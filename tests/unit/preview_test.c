@@ -97,7 +97,7 @@ START_TEST(a_count_that_makes_no_sense_reads_nothing_beyond)
     atomic_store(&board->showing[SEAT].sequence, 2);
     ck_assert(vor_board_look(board, SEAT, &sequence, &seen, out));
     ck_assert_uint_eq(seen.moving.n, MOST);
-    atomic_store(&board->showing[SEAT].sequence, 3); /* whoever writes is killed */
+    atomic_store(&board->showing[SEAT].sequence, 3); /* the process that writes is killed */
     ck_assert(!vor_board_look(board, SEAT, &sequence, &seen, out));
     free(out);
     vor_board_unmap(board);
