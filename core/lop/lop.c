@@ -1,6 +1,5 @@
 #include "core/lop/lop.h"
 
-#include "core/base/rng.h"
 #include "core/geom/patch.h"
 #include "core/input/edges.h"
 #include "core/input/thin.h"
@@ -10,20 +9,21 @@
 #include "core/seeds/area.h"
 #include "core/seeds/attach.h"
 #include "core/seeds/repel.h"
+#include "core/seeds/start.h"
 
 #include <math.h>
 #include <string.h>
-
-/* Streams of random numbers, of these methods' own. */
-enum { STREAM_SUBSET = 1, STREAM_ASIDE = 2 };
 
 /* Spacings of the samples that points act on each other. wlop: what CGAL's is best at; at 1.25 /
  * 1.5 / 2, bunny to 5,000 after 36 steps. */
 #define REACH_WLOP 1.5
 #define REACH_EAR 2.0
 
-/* Spacings of the samples that a sample starts beside an input point which has one already. */
-#define ASIDE 0.5
+/* Data whose distance says how far from one a sample may start, and the share of it: half of their
+ * spacing. Else samples that start between two sheets, where a datum's normal is wrong, stay there.
+ */
+enum { BESIDE = 7 };
+#define BESIDE_REACH 0.4
 
 /* Share of the input's points that are projected; fewest that others can be inserted between. */
 #define SAMPLES_SHARE 0.5
@@ -71,56 +71,86 @@ static double sigma_p(const struct lop *lop)
     return sqrt(diagonal2 / (double)lop->whole->n);
 }
 
-/* Sets the lengths for n samples. */
-static vor_status set_lengths(struct lop *lop, size_t n, struct vor_error *err)
+/* Whether the samples are the input's own points, and stay where they are. */
+static int only_inserts(const struct lop *lop)
+{
+    return lop->ear && lop->spec->value[VOR_PARAM_PHASES] == VOR_PHASES_INSERT;
+}
+
+/* Makes seeds of n first places: of the input's own points where these are the samples that others
+ * are inserted between, else evenly by area. */
+static vor_status first_places(struct vor_seeds *out, const struct lop *lop, size_t n,
+                               const struct vor_run *run, struct vor_error *err)
+{
+    uint64_t seed = (uint64_t)lop->spec->value[VOR_PARAM_SEED];
+    double area = 0;
+    vor_status status;
+
+    if (!only_inserts(lop) || n > lop->whole->n)
+        return vor_start_seeds(out, lop->whole, n, lop->spec, run, err);
+    status = vor_area_of_surface(&area, lop->whole, seed, run, err);
+    if (status == VOR_OK)
+        status = vor_seeds_init(out, lop->whole, n, vor_seeds_policy_of(lop->spec), run, err);
+    if (status != VOR_OK)
+        return status;
+    vor_area_draw(out, seed);
+    out->area = area;
+    return VOR_OK;
+}
+
+/* Starts n samples, without normals, and sets the lengths for as many. */
+static vor_status start(struct lop *lop, size_t n, struct vor_error *err)
 {
     const struct vor_run whole = vor_run_unstoppable(lop->run);
-    uint64_t seed = (uint64_t)lop->spec->value[VOR_PARAM_SEED];
-    vor_status status = vor_area_of_surface(&lop->area, lop->domain, seed, &whole, err);
+    struct vor_seeds seeds = {.n = 0};
+    vor_status status = vor_lop_samples_init(&lop->samples, n, lop->run->memory, err);
 
+    if (status == VOR_OK)
+        status = first_places(&seeds, lop, n, &whole, err);
     if (status != VOR_OK)
         return status;
-    status = vor_domain_thin_for(&lop->thin, lop->domain, n, lop->area, &whole, err);
-    if (status != VOR_OK)
-        return status;
-    if (lop->thin.n > 0)
+    lop->samples.n = n;
+    memcpy(lop->samples.xyz, seeds.xyz, 3 * n * sizeof *seeds.xyz);
+    memset(lop->samples.normal, 0, 3 * n * sizeof *lop->samples.normal);
+    lop->area = seeds.area;
+    vor_seeds_free(&seeds);
+    status = vor_domain_thin_for(&lop->thin, lop->whole, n, lop->area, &whole, err);
+    if (status == VOR_OK && lop->thin.n > 0)
         lop->domain = &lop->thin;
     lop->spacing = sqrt(lop->area / (VOR_HEXAGON_HEIGHT * (double)n));
     lop->reach = sigma_p(lop);
     if (!(lop->reach > 0))
         lop->reach = (lop->ear ? REACH_EAR : REACH_WLOP) * lop->spacing;
-    return VOR_OK;
+    return status;
 }
 
-/* Adds a sample at input point i, aside of it if it is not the first there. */
-static void add_sample(struct lop *lop, size_t i, size_t copy)
+/* Puts the samples onto the planes of the data next to them, and no farther from these. */
+static void face_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
-    struct vor_lop_samples *samples = &lop->samples;
-    uint64_t seed = (uint64_t)lop->spec->value[VOR_PARAM_SEED];
-    size_t at = samples->n++;
+    struct lop *lop = ctx;
+    unsigned k = lop->domain->n < BESIDE ? (unsigned)lop->domain->n : BESIDE;
+    uint32_t index[BESIDE];
+    float distance2[BESIDE];
 
-    for (size_t c = 0; c < 3; c++) {
-        double aside = 2 * vor_rng_unit(seed, STREAM_ASIDE, 3 * at + c) - 1;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        float *x = &lop->samples.xyz[3 * i];
+        const float *q, *m;
+        double height = 0, away2 = 0, part;
 
-        samples->xyz[3 * at + c] =
-            lop->data.xyz[3 * i + c] + (float)(copy > 0 ? ASIDE * lop->spacing * aside : 0);
-        samples->normal[3 * at + c] = lop->ear ? lop->data.normal[3 * i + c] : 0;
-    }
-}
-
-/* Starts n samples: each input point has as many as another, or one more, by chance (Knuth, "The
- * art of computer programming" 3.4.2, algorithm S). */
-static void start(struct lop *lop, size_t n)
-{
-    uint64_t seed = (uint64_t)lop->spec->value[VOR_PARAM_SEED];
-    size_t points = lop->domain->n, each = n / points, more = n % points, taken = 0;
-
-    for (size_t i = 0; i < points; i++) {
-        int one_more = vor_rng_below(seed, STREAM_SUBSET, i, points - i) < more - taken;
-
-        taken += (size_t)one_more;
-        for (size_t copy = 0; copy < each + (size_t)one_more; copy++)
-            add_sample(lop, i, copy);
+        vor_knn_search(lop->domain->knn, x, 1, k, index, distance2);
+        q = &lop->data.xyz[3 * (size_t)index[0]];
+        m = &lop->data.normal[3 * (size_t)index[0]];
+        for (size_t c = 0; c < 3; c++)
+            height += ((double)x[c] - (double)q[c]) * (double)m[c];
+        for (size_t c = 0; c < 3; c++) {
+            x[c] = (float)((double)x[c] - height * (double)m[c]);
+            away2 += ((double)x[c] - (double)q[c]) * ((double)x[c] - (double)q[c]);
+        }
+        part = fmin(1, BESIDE_REACH * sqrt((double)distance2[k - 1] / fmax(away2, 1e-30)));
+        for (size_t c = 0; c < 3; c++)
+            x[c] = (float)((double)q[c] + part * ((double)x[c] - (double)q[c]));
+        memcpy(&lop->samples.normal[3 * i], m, 3 * sizeof *m);
     }
 }
 
@@ -132,7 +162,8 @@ static vor_status project(struct lop *lop, uint32_t ahead, struct vor_error *err
                                       .spacing = lop->spacing,
                                       .reach = lop->reach,
                                       .normals = lop->ear,
-                                      .rounds = (uint32_t)value[VOR_PARAM_ROUNDS],
+                                      .rounds =
+                                          only_inserts(lop) ? 0 : (uint32_t)value[VOR_PARAM_ROUNDS],
                                       .steps = (uint32_t)value[VOR_PARAM_STEPS],
                                       .ahead = ahead,
                                       .spec = lop->spec};
@@ -189,13 +220,10 @@ vor_status vor_wlop_run(struct vor_seeds *out, struct vor_outcome *told,
     struct lop lop = {.whole = domain, .domain = domain, .spec = spec, .run = run, .told = told};
     struct vor_seeds seeds = {.n = 0};
     double before = vor_run_clock(run);
-    vor_status status = set_lengths(&lop, n, err);
+    vor_status status = start(&lop, n, err);
 
-    if (status == VOR_OK)
-        status = vor_lop_samples_init(&lop.samples, n, run->memory, err);
     if (status == VOR_OK) {
         lop.data = (struct vor_lop_samples){.n = lop.domain->n, .xyz = lop.domain->xyz};
-        start(&lop, n);
         told->seconds_start = vor_run_clock(run) - before;
         status = project(&lop, vor_spec_polish(spec), err);
     }
@@ -222,9 +250,8 @@ static vor_status find_normals(struct lop *lop, size_t samples, struct vor_error
                                       .sigma_p = sigma_p(lop),
                                       .points = samples,
                                       .area = lop->area,
-                                      .rounds = value[VOR_PARAM_PHASES] == VOR_PHASES_INSERT
-                                                    ? 0
-                                                    : (uint32_t)value[VOR_PARAM_ROUNDS],
+                                      .rounds =
+                                          only_inserts(lop) ? 0 : (uint32_t)value[VOR_PARAM_ROUNDS],
                                       .one_sided = &lop->told->one_sided};
 
     return vor_lop_normals(&lop->data, lop->domain, &how, &whole, err);
@@ -312,18 +339,18 @@ static vor_status insert(struct lop *lop, size_t n, struct vor_error *err)
 static vor_status make_points(struct lop *lop, size_t n, struct vor_error *err)
 {
     double before = vor_run_clock(lop->run);
+    const struct vor_run whole = vor_run_unstoppable(lop->run);
     size_t samples = samples_of(lop, n);
-    vor_status status = set_lengths(lop, samples, err);
+    vor_status status = start(lop, samples, err);
 
     if (status == VOR_OK)
         status = look_for_edges(lop, err);
     if (status == VOR_OK)
         status = find_normals(lop, samples, err);
     if (status == VOR_OK)
-        status = vor_lop_samples_init(&lop->samples, samples, lop->run->memory, err);
+        status = vor_run_for(&whole, samples, VOR_SEEDS_BLOCK, face_block, lop, err);
     if (status != VOR_OK)
         return status;
-    start(lop, samples);
     lop->told->seconds_start = vor_run_clock(lop->run) - before;
     status = project(lop, (uint32_t)(n - samples) + vor_spec_polish(lop->spec), err);
     return status == VOR_OK ? insert(lop, n, err) : status;
