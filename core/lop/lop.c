@@ -33,6 +33,8 @@ enum { BESIDE = 7 };
  * by other methods: igea, bunny and a sphere have at most 0.13 % (input/edges.h), fandisk 10 %.
  * Igea of 30,000 points to 10,000, evened out with edges: delta 0.084, rms 9.5e-4. */
 #define EDGES_SHARE 0.005
+/* Points in a square as large as the surface, of the gap that a dense input is thinned to first. */
+#define EDGES_POINTS 40000.0
 
 #define RADIANS 0.017453292519943295
 
@@ -288,18 +290,35 @@ static vor_status even_out_smooth(struct vor_seeds *seeds, struct lop *lop, stru
                : status;
 }
 
-/* Finds out whether the input has edges at all. */
+/* Lets fits to some of a domain's points reach as far as those to all of them. */
+static void fewer_neighbors(struct vor_neighbors *neighbors, double share)
+{
+    neighbors->usual = (unsigned)fmax(neighbors->usual * share, VOR_NEIGHBORS_FEWEST);
+    neighbors->most = (unsigned)fmax(neighbors->most * share, VOR_NEIGHBORS_FEWEST);
+    for (unsigned i = 0; i < neighbors->places; i++)
+        neighbors->k[i] = (unsigned char)fmax(neighbors->k[i] * share, VOR_NEIGHBORS_FEWEST);
+}
+
+/* Finds out whether the input has edges at all: of a dense one, some of its points say so. */
 static vor_status look_for_edges(struct lop *lop, struct vor_error *err)
 {
     const struct vor_run whole = vor_run_unstoppable(lop->run);
-    struct vor_edges edges;
-    vor_status status = vor_edges_find(&edges, lop->domain, &whole, err);
+    struct vor_domain all = *lop->domain, few = {.n = 0};
+    struct vor_edges edges = {.n = 0};
+    vor_status status;
 
-    if (status != VOR_OK)
-        return status;
-    lop->smooth = (double)edges.flagged < EDGES_SHARE * (double)lop->domain->n;
+    all.known.seek_sheets = 0; /* edges are found without lists */
+    all.known.lists = VOR_LISTS_NONE;
+    status = vor_domain_thin(&few, &all, sqrt(lop->area / EDGES_POINTS), &whole, err);
+    if (status == VOR_OK && few.n > 0)
+        fewer_neighbors(&few.known.neighbors, (double)few.n / (double)all.n);
+    if (status == VOR_OK)
+        status = vor_edges_find(&edges, few.n > 0 ? &few : lop->domain, &whole, err);
+    if (status == VOR_OK)
+        lop->smooth = (double)edges.flagged < EDGES_SHARE * (double)edges.n;
     vor_edges_free(&edges);
-    return VOR_OK;
+    vor_domain_free(&few);
+    return status;
 }
 
 /* Points to project, of the n in the end. */
