@@ -13,9 +13,9 @@
  *  Departure: the papers start from a random subset of the input. That follows its density, and so
  *  does the result, where that is uneven over more than sigma_p: igea, 30,000 points with one half
  *  20 times as dense, to 10,000: delta 0.45 (both), now 0.043 (wlop) and 0.037 (ear); three boxes
- *  with thin sides, 36,000 points in proportions of up to 1:50 to 8,000: wlop 0.69, now 0.08 as
- * cvt; ear 0.27, where there are fewer data than points. Only `phases=insert` takes points of the
- * input: they stay where they are.
+ *  with thin sides, 36,000 points in proportions of up to 1:50 to 8,000: wlop 0.69, now 0.09; ear
+ * 0.27, where there are fewer data than points. Only `phases=insert` takes points of the input:
+ * they stay where they are.
  *
  *  Neither follows a density or a metric, nor has sites. */
 #ifndef VOR_LOP_H
