@@ -8,7 +8,9 @@
  *  Departure: sigma_p, which the paper sets to the diagonal over the root of the number of input
  *  points, is by default twice the spacing that the samples would have in an even spread, 1.5 times
  *  for wlop: with the paper's, samples that are a tenth of the input do not see each other. It is
- *  the reach of the weights, where exp(-4) is left of the Gaussian that others use.
+ *  the reach of the weights, where exp(-4) is left of the Gaussian that others use. For ear it is
+ *  no less than the radius of the fits that the input's noise asks for (input/neighbors.h), one
+ *  for all regions: noise that reaches beyond it stays in clusters of samples.
  *  Departure: more samples than the input has points start beside these.
  *
  *  As the subset follows the input's density, so does the result where that is uneven over more
