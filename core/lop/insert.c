@@ -181,8 +181,8 @@ static void reach_block(void *ctx, size_t begin, size_t end, unsigned worker)
         for (unsigned j = 1; j < k; j++)
             sum += sqrt((double)distance2[j]);
         insertion->reach[i] =
-            (float)((insertion->how->fill ? VOR_LOP_REACH_FILL : VOR_LOP_REACH_KEEP) * sum /
-                    (k - 1));
+            (float)((insertion->how->fill ? VOR_LOP_REACH_FILL : VOR_LOP_REACH_KEEP) *
+                    fmax(sum / (k - 1), insertion->how->spacing));
     }
 }
 

@@ -312,6 +312,7 @@ static vor_status insert(struct lop *lop, size_t n, struct vor_error *err)
     struct vor_lop_insert_how how = {
         .rho = value[VOR_PARAM_RHO],
         .sigma_n = value[VOR_PARAM_SIGMA_N] * RADIANS,
+        .spacing = value[VOR_PARAM_PHASES] == VOR_PHASES_INSERT ? 0 : lop->spacing,
         .sigma_p = lop->reach,
         .fill = value[VOR_PARAM_GAPS] == VOR_GAPS_FILL,
         .polish = lop->told->stopped == VOR_STOPPED_CALLER ? 0 : vor_spec_polish(lop->spec)};

@@ -202,25 +202,27 @@ START_TEST(points_inserted_lie_on_a_sphere)
 }
 END_TEST
 
-/* Huang 2013, Fig. 7: whether an inner border is kept is decided by the size of neighbourhoods. */
+/* Huang 2013, Fig. 7: whether an inner border is kept is decided by the size of neighbourhoods.
+ * What is no wider than the spacing that the samples should have is no hole. */
 START_TEST(a_hole_of_a_few_spacings_is_kept_or_filled)
 {
     enum { SIDE = 40 };
     double radius = 2.0 / SIDE;
 
-    for (int fill = 0; fill < 2; fill++) {
+    for (int kind = 0; kind < 3; kind++) {
         struct vor_lop_samples samples;
         struct vor_lop_insert_how how = how_of(1.0 / SIDE, 0);
         size_t inside = 0;
 
         vt_assert_ok(vor_lop_samples_init(&samples, (size_t)SIDE * SIDE, &vt_memory, &vt_err));
         vt_lop_square(&samples, SIDE, 0.3, 1, radius, 5);
-        how.fill = fill;
+        how.fill = kind == 1;
+        how.spacing = kind == 2 ? 2.0 / SIDE : 0;
         insert(&samples, 6000, &how);
         for (size_t i = 0; i < samples.n; i++)
             inside +=
                 hypot((double)samples.xyz[3 * i], (double)samples.xyz[3 * i + 1]) < radius / 2;
-        if (fill)
+        if (kind > 0)
             ck_assert_uint_gt(inside, 8);
         else
             ck_assert_uint_eq(inside, 0);
