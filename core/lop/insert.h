@@ -53,15 +53,18 @@ struct vor_lop_insert_how {
     double sigma_p;  /**< > 0: radius within which samples say where the surface is */
     int fill;        /**< gaps of a few spacings are filled; else only what the spacing spans */
     uint32_t polish; /**< steps that even the points out in the end (lop/even.h) */
+    const struct vor_spec *spec; /**< read: seed; delta and seconds, by the polish */
 };
 
 /** Inserts points until there are n, or none if there are as many. The points before stay as they
- *  are, but for the polish.
+ *  are, but for the polish. Once the run is stopped, what is missing is put between neighbours
+ *  (lop/between.h), and nothing is polished.
  *
  *  @param[in,out] samples  at least 4 points, within [-1, 1]; their arrays grow as needed
  *  @param[in]     domain   read for the unit of what is told
- *  @param[in,out] told     the stages are added
- *  @param[in]     run      a stop does not interrupt the insertion: there is nothing to hand back
+ *  @param[in,out] told     the stages are added, of INSERT the points that were not put between;
+ *                          stopped, which may be so already
+ *  @param[in]     run      may be stopped
  *
  *  @retval VOR_E_CANCELLED  the watch answered VOR_CANCEL
  *  @retval VOR_E_DEGENERATE no two points are far enough apart to have one between them

@@ -7,6 +7,7 @@
 #include "core/lop/insert.h"
 #include "core/lop/normals.h"
 #include "core/lop/project.h"
+#include "core/opt/keep_best.h"
 #include "core/seeds/area.h"
 #include "core/seeds/attach.h"
 #include "core/seeds/repel.h"
@@ -170,9 +171,11 @@ static vor_status even_out(struct vor_seeds *seeds, struct lop *lop, struct vor_
 {
     double before = vor_run_clock(lop->run);
     int keep_holes = 0;
-    vor_status status = vor_attach(seeds, &keep_holes, err);
+    int hurry = lop->told->stopped == VOR_STOPPED_CALLER &&
+                vor_stop_out_of_time(lop->spec, 1, vor_run_seconds(lop->run), 0);
+    vor_status status = hurry ? vor_attach_fast(seeds, err) : vor_attach(seeds, &keep_holes, err);
 
-    if (status == VOR_OK && lop->told->stopped != VOR_STOPPED_CALLER)
+    if (status == VOR_OK)
         status = vor_repel(seeds, lop->told, keep_holes, lop->spec, lop->run, err);
     if (status == VOR_OK && lop->told->steps[VOR_RUN_STAGE_POLISH] > 0)
         status = vor_attach_last(seeds, err);
@@ -235,7 +238,7 @@ static void normal_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_seeds *seeds = ctx;
     struct vor_scratch *scratch = &seeds->scratch[worker];
 
-    for (size_t i = begin; i < end; i++) {
+    for (size_t i = begin; i < end && !vor_run_is_late(&seeds->run); i++) {
         float *n = &seeds->normal[3 * i];
         double x[3], local[3], fitted[3], side = 0;
 
@@ -256,9 +259,9 @@ static vor_status even_out_smooth(struct vor_seeds *seeds, struct lop *lop, stru
 {
     vor_status status = even_out(seeds, lop, err);
 
-    return status == VOR_OK
-               ? vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, normal_block, seeds, err)
-               : status;
+    if (status != VOR_OK || lop->told->stopped == VOR_STOPPED_CALLER)
+        return status;
+    return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, normal_block, seeds, err);
 }
 
 /* Finds out whether the input has edges at all. */
@@ -294,17 +297,17 @@ static size_t samples_of(const struct lop *lop, size_t n)
 static vor_status insert(struct lop *lop, size_t n, struct vor_error *err)
 {
     const double *value = lop->spec->value;
-    struct vor_lop_insert_how how = {
-        .rho = value[VOR_PARAM_RHO],
-        .sigma_n = value[VOR_PARAM_SIGMA_N] * RADIANS,
-        .sigma_p = lop->reach,
-        .fill = value[VOR_PARAM_GAPS] == VOR_GAPS_FILL,
-        .polish = lop->told->stopped == VOR_STOPPED_CALLER ? 0 : vor_spec_polish(lop->spec)};
+    struct vor_lop_insert_how how = {.rho = value[VOR_PARAM_RHO],
+                                     .sigma_n = value[VOR_PARAM_SIGMA_N] * RADIANS,
+                                     .sigma_p = lop->reach,
+                                     .fill = value[VOR_PARAM_GAPS] == VOR_GAPS_FILL,
+                                     .polish = lop->smooth ? 0 : vor_spec_polish(lop->spec),
+                                     .spec = lop->spec};
 
-    if (lop->smooth)
-        how.polish = 0;
     if (n < FEWEST || (n == lop->samples.n && how.polish == 0))
         return VOR_OK;
+    if (lop->told->stopped == VOR_STOPPED_DELTA) /* of the samples: the insertion undoes it */
+        lop->told->stopped = VOR_STOPPED_ITERATIONS;
     return vor_lop_insert(&lop->samples, n, &how, lop->domain, lop->told, lop->run, err);
 }
 

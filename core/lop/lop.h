@@ -33,8 +33,8 @@ VOR_NODISCARD vor_status vor_wlop_run(struct vor_seeds *out, struct vor_outcome 
 
 /** The same with normals, which the seeds then have. Goes through PROJECT, INSERT and POLISH.
  *
- *  @param[in] spec  read besides: sigmaN, phases, samples, rho, gaps. Where the input has edges,
- *                   insertion and polish end at neither delta nor seconds */
+ *  @param[in] spec  read besides: sigmaN, phases, samples, rho, gaps. Half of the seconds are for
+ *                   insertion and polish */
 VOR_NODISCARD vor_status vor_ear_run(struct vor_seeds *out, struct vor_outcome *told,
                                      const struct vor_domain *domain, size_t n,
                                      const struct vor_spec *spec, const struct vor_run *run,
