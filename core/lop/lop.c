@@ -90,6 +90,9 @@ static vor_status set_lengths(struct lop *lop, size_t n, struct vor_error *err)
     lop->reach = sigma_p(lop);
     if (!(lop->reach > 0))
         lop->reach = (lop->ear ? REACH_EAR : REACH_WLOP) * lop->spacing;
+    if (lop->reach < lop->spacing)
+        vor_warn(lop->told->warnings, &lop->told->warnings_count, VOR_WARNING_SIGMA_P,
+                 lop->reach * lop->domain->unit, lop->spacing * lop->domain->unit);
     return VOR_OK;
 }
 
@@ -230,6 +233,7 @@ static vor_status find_normals(struct lop *lop, size_t samples, struct vor_error
                                                     : (uint32_t)value[VOR_PARAM_ROUNDS],
                                       .one_sided = &lop->told->one_sided};
 
+    lop->told->oriented = 1;
     return vor_lop_normals(&lop->data, lop->domain, &how, &whole, err);
 }
 
@@ -293,6 +297,16 @@ static size_t samples_of(const struct lop *lop, size_t n)
     return samples < (double)n ? (size_t)fmax(samples, fmin(FEWEST, (double)n)) : n;
 }
 
+/* Keeps the points of an input with edges to it. */
+static vor_status keep_to_input(struct vor_seeds *seeds, struct lop *lop, struct vor_error *err)
+{
+    double before = vor_run_clock(lop->run);
+    vor_status status = vor_attach_fast(seeds, err);
+
+    lop->told->seconds[VOR_RUN_STAGE_POLISH] += vor_run_clock(lop->run) - before;
+    return status;
+}
+
 /* Inserts points until there are n, and evens them out. */
 static vor_status insert(struct lop *lop, size_t n, struct vor_error *err)
 {
@@ -344,7 +358,7 @@ vor_status vor_ear_run(struct vor_seeds *out, struct vor_outcome *told,
     if (status == VOR_OK)
         status = hand_over(&seeds, &lop, err);
     if (status == VOR_OK)
-        status = lop.smooth ? even_out_smooth(&seeds, &lop, err) : vor_attach_fast(&seeds, err);
+        status = lop.smooth ? even_out_smooth(&seeds, &lop, err) : keep_to_input(&seeds, &lop, err);
     if (status == VOR_OK)
         vor_attach_to_box(&seeds);
     vor_lop_samples_free(&lop.samples);

@@ -216,6 +216,21 @@ static void say_dropped(const struct vor_progress *progress, const struct vor_js
     vor_text_free(&line);
 }
 
+/* Says each warning in a line: "warning: sigmaP is below ... (0.001 beside 0.02)". */
+static void say_warnings(const struct vor_progress *progress, const struct vor_json *report)
+{
+    const struct vor_json *list = vor_json_get(report, "warnings");
+
+    for (const struct vor_json *s = vor_json_first(list); s != NULL; s = vor_json_next(s)) {
+        const char *says = vor_json_get_string(vor_json_get(s, "says"));
+        char line[256];
+
+        (void)snprintf(line, sizeof line, "warning: %s (%g beside %g)", says != NULL ? says : "?",
+                       number_at(s, "value"), number_at(s, "limit"));
+        vor_cli_say(progress->cli->option[VOR_OPTION_OUTPUT], line);
+    }
+}
+
 /* Says of a mesh whose vertices were resampled how to have its surface resampled. One face may be a
  * strip of many, so it is not counted. */
 static void say_faces(const struct vor_progress *progress, const struct vor_json *report)
@@ -288,6 +303,7 @@ static void summarise(const struct vor_progress *progress, const struct vor_json
                 line);
     say_origin(progress, report);
     say_dropped(progress, report);
+    say_warnings(progress, report);
     say_faces(progress, report);
     say_baselines(progress, report);
 }

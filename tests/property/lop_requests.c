@@ -172,6 +172,30 @@ START_TEST(a_density_or_a_metric_is_refused_by_name)
 }
 END_TEST
 
+/* Of ear half of the input are samples, of wlop all of the result. */
+START_TEST(a_sigma_below_the_spacing_is_warned_of)
+{
+    static const char *const sigma[3] = {"0.01", "0.15", "auto"};
+    struct vor_report report;
+    struct vor_cloud in, out;
+    char options[80];
+
+    vt_wedge_make(&in, &wedge, 4);
+    (void)snprintf(options, sizeof options, "points=280 polish=0 sigmaP=%s", sigma[_i % 3]);
+    vt_ask(&out, &report, &(struct vt_ask){&in, of(_i / 3, options), 1});
+    ck_assert_uint_eq(report.warnings_count, _i % 3 == 0);
+    if (_i % 3 == 0) {
+        ck_assert_int_eq(report.warnings[0].about, VOR_WARNING_SIGMA_P);
+        ck_assert_double_eq_tol(report.warnings[0].value, 0.01, 1e-9);
+        ck_assert_double_eq_tol(report.warnings[0].limit, vt_wedge_spacing(_i < 3 ? 150 : 280), 0.02);
+    }
+    ck_assert_int_eq(report.orientation, _i < 3 ? VOR_ORIENTED_CONSISTENT : VOR_ORIENTED_NOT_ASKED);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
 /* What records told of stages, and what the watch answers from the at-th record of one on. */
 struct trap {
     enum vor_run_stage stage;
@@ -297,6 +321,7 @@ int main(void)
     vt_add_loop(suite, a_line_is_refused_as_by_any_method, 2);
     vt_add_loop(suite, a_density_or_a_metric_is_refused_by_name, 2);
     vt_add_loop(suite, both_phases_are_told_and_can_be_cancelled_or_stopped, 2);
+    vt_add_loop(suite, a_sigma_below_the_spacing_is_warned_of, 6);
     vt_add_loop(suite, seconds_and_delta_shorten_both_phases, 4);
     return vt_run(suite);
 }
