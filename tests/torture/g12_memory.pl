@@ -14,7 +14,7 @@ my $cloud = sphere_ply($points);
 my $daemon = Vt->start(jobs => 1, memory => 1, 'job-memory' => '4G');
 my @requests = map {"resample?iterations=1&polish=1&$_"} 'points=' . $points, 'points=' . 2 * $points, 'points=' . int($points / 4),
     "points=$points&neighbors=60", "points=$points&method=kmeans", "points=$points&density=curvature",
-    "points=$points&metric=anisotropic";
+    "points=$points&metric=anisotropic", "points=$points&method=wlop&steps=1", 'points=' . 4 * $points . '&method=ear&steps=1';
 my @needs;
 for my $request (@requests) {    # one byte is too little for any: the refusal tells the estimate
     my ($answer) = async($daemon, $request, $cloud);
