@@ -93,6 +93,14 @@ static void room_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
+/* How much more room point i has. A comparison: gcc 12 for arm64 fails on sums of fmax. */
+static double beyond(const struct between *between, size_t i, double own)
+{
+    double room = (double)between->room[i];
+
+    return room > own ? room - own : 0;
+}
+
 /* Shares the points added out: as many beside a point as its room has more of than that which each
  * point of the result gets. */
 static void share_out(struct between *between)
@@ -104,12 +112,12 @@ static void share_out(struct between *between)
     own = all / (double)(between->begun + between->more);
     all = 0;
     for (size_t i = 0; i < between->begun; i++)
-        all += fmax((double)between->room[i] - own, 0);
+        all += beyond(between, i, own);
     between->first[0] = 0;
     for (size_t i = 0; i < between->begun; i++) {
         size_t more = between->more;
 
-        sum += fmax((double)between->room[i] - own, 0);
+        sum += beyond(between, i, own);
         if (i + 1 < between->begun && sum < all)
             more = (size_t)(sum / all * (double)more);
         between->first[i + 1] = more;
