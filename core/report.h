@@ -51,7 +51,7 @@ enum vor_run_stage vor_run_stage_find(const char *name);
  *  job. A run begins with a record of 0 steps of its first stage. Members are only ever added, at
  *  the end: traces keep them in this order. */
 #define VOR_RECORD_TABLE(X)                                                                        \
-    X(U32, iteration, "iteration", "", "Iterations done; 0 is the start")                          \
+    X(U32, iteration, "iteration", "", "Iterations, or projection steps, done; 0 is the start")    \
     X(U32, polish, "polish", "", "Steps of the polish done; 0 while iterations go on")             \
     X(REAL, delta, "delta", "",                                                                    \
       "Uniformity, the relative standard deviation of the distances to the nearest neighbour; "    \
@@ -145,7 +145,7 @@ struct vor_stage_done {
       "Mean deviation of those distances from their mean")                                         \
     X(REAL, epsilon, "epsilon", "",                                                                \
       "Cosine between those distances and their mean, 0 to 1; higher is better")                   \
-    X(U32, iterations, "iterations", "", "Iterations done")                                        \
+    X(U32, iterations, "iterations", "", "Iterations, or projection steps, done")                  \
     X(U32, polish_steps, "polish_steps", "", "Steps of the polish done")                           \
     X(STOPPED, stopped, "stopped", "", "Why the run ended")                                        \
     X(WARNINGS, warnings, "warnings", "",                                                          \

@@ -136,7 +136,7 @@ int vor_spec_given(const struct vor_spec *spec, enum vor_parameter parameter);
 int vor_spec_descends(const struct vor_spec *spec);
 
 /** Most iterations that the request allows: those given, else 35 where an energy is minimised, 12
- *  before a polish and 100 without one. */
+ *  before a polish and 100 without one. Of wlop and ear, projection steps. */
 uint32_t vor_spec_iterations(const struct vor_spec *spec);
 
 /** Most steps of the polish that follows them; 0 where an energy is minimised. */

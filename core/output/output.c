@@ -146,7 +146,7 @@ static void report_method(struct vor_report *report, const struct vor_placed *pl
     double unit = seeds->domain->unit, area = told->area > 0 ? told->area : seeds->area;
 
     report->stopped = told->stopped;
-    report->iterations = told->steps[VOR_RUN_STAGE_ITERATE];
+    report->iterations = told->steps[VOR_RUN_STAGE_ITERATE] + told->steps[VOR_RUN_STAGE_PROJECT];
     report->polish_steps = told->steps[VOR_RUN_STAGE_POLISH];
     report_stages(report, told);
     for (unsigned i = 0; i < told->warnings_count; i++)

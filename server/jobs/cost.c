@@ -63,18 +63,6 @@ double vor_cost_seconds(const struct vor_spec *spec, uint64_t points, unsigned t
     return seconds;
 }
 
-/* Steps of the first stage of a run at most, and which that is. */
-static double steps_of(const struct vor_spec *spec, enum vor_run_stage *stage)
-{
-    double method = spec->value[VOR_PARAM_METHOD];
-
-    *stage = VOR_RUN_STAGE_ITERATE;
-    if (method != VOR_METHOD_WLOP && method != VOR_METHOD_EAR)
-        return vor_spec_iterations(spec);
-    *stage = VOR_RUN_STAGE_PROJECT;
-    return spec->value[VOR_PARAM_ROUNDS] * spec->value[VOR_PARAM_STEPS];
-}
-
 /* Refuses a request whose own time is far too short for its points. */
 static vor_status check_own_time(const struct vor_spec *spec, double points, unsigned threads,
                                  struct vor_error *err)
@@ -98,8 +86,7 @@ vor_status vor_cost_check(const struct vor_spec *spec, uint64_t points, unsigned
                           double limit, struct vor_error *err)
 {
     double seconds = vor_cost_seconds(spec, points, threads);
-    enum vor_run_stage stage;
-    double steps = steps_of(spec, &stage);
+    int cvt = spec->value[VOR_PARAM_METHOD] == VOR_METHOD_CVT;
     char fits[64] = "";
 
     if (check_own_time(spec, vor_spec_target(spec, points), threads, err) != VOR_OK)
@@ -110,8 +97,9 @@ vor_status vor_cost_check(const struct vor_spec *spec, uint64_t points, unsigned
         (void)snprintf(fits, sizeof fits, ", with fits to %.0f neighbors", neighbors_of(spec));
     (void)vor_fail(err, VOR_E_WORK,
                    "the job would take about %.0f seconds, %.0f times the %.0f that it may: up to "
-                   "%.0f %ss and %u polish steps of %.0f points%s",
-                   seconds, seconds / limit, limit, steps, vor_run_stage_info(stage)->step,
+                   "%u %ss and %u polish steps of %.0f points%s",
+                   seconds, seconds / limit, limit, vor_spec_iterations(spec),
+                   vor_run_stage_info(cvt ? VOR_RUN_STAGE_ITERATE : VOR_RUN_STAGE_PROJECT)->step,
                    vor_spec_polish(spec), vor_spec_target(spec, points), fits);
     if (err != NULL) {
         err->limit = (uint64_t)limit;

@@ -239,13 +239,11 @@ double vor_pace_done(const struct vor_pace *pace, const struct vor_spec *spec)
 /* What a run of the request is before its first record. */
 static struct vor_record unbegun(const struct vor_pace_work *work, const struct vor_spec *spec)
 {
-    const double *value = spec->value;
     double inserted = fmin(fmax(work->points_out - work->samples, 0), INT32_MAX);
 
     if (projects(work))
         return (struct vor_record){.stage = VOR_RUN_STAGE_PROJECT,
-                                   .of =
-                                       (uint32_t)(value[VOR_PARAM_ROUNDS] * value[VOR_PARAM_STEPS]),
+                                   .of = vor_spec_iterations(spec),
                                    .ahead = (uint32_t)inserted + vor_spec_polish(spec)};
     return (struct vor_record){.stage = VOR_RUN_STAGE_ITERATE,
                                .of = vor_spec_iterations(spec),
