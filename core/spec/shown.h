@@ -75,8 +75,8 @@ enum vor_level {
  * that can be made as it is; a caller may change any of its values. */
 #define VOR_NAMED_PRESET_TABLE(X)                                                                  \
     X("even", "Even 10 000", "resample", "points=10000", "Ten thousand points, evenly spread")     \
-    X("edges", "Keep edges", "resample", "ratio=1 edges=sites boundary=sites",                     \
-      "As many points as came in, along sharp edges and borders first")                            \
+    X("edges", "Keep edges", "resample", "ratio=1 method=ear rho=0",                               \
+      "As many points as came in, with normals, sharp edges kept sharp")                           \
     X("denoise", "Denoise", "denoise", "",                                                         \
       "As many points as came in, without noise and outliers")                                     \
     X("codec",                                                                                     \
