@@ -100,12 +100,17 @@ $(PROBED): Makefile docker/probe.sh
 $(B)/%.o: %.c
 	@mkdir -p $(@D)
 	@echo "  CC   $<"
-	@$(CC) $(ALL_CFLAGS) -c $< -o $@
+	@$(CC) $(ALL_CFLAGS) $(OWN_CFLAGS) -c $< -o $@
 
 $(B)/%.o: %.cc
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
 	@$(CXX) $(ALL_CXXFLAGS) -c $< -o $@
+
+# Which engine this is: a digest of its sources, for build_info among the metrics.
+ENGINE_SRC := $(sort $(shell find core -name '*.[ch]'))
+$(B)/server/api/admin.o: $(ENGINE_SRC)
+$(B)/server/api/admin.o: OWN_CFLAGS = -DVOR_ENGINE='"$(shell cat $(ENGINE_SRC) | sha256sum | cut -c-12)"'
 
 # The contract is embedded by the assembler, which tells nobody.
 $(B)/server/api/handlers/openapi.o: openapi.yaml

@@ -26,7 +26,7 @@ check()
     fi
 }
 
-read -ra flags <<<"-std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE -I. -DVOR_VERSION=\"lint\" $(pkg-config --cflags libmicrohttpd libcjson sqlite3 libcurl nettle zlib libseccomp)"
+read -ra flags <<<"-std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE -I. -DVOR_VERSION=\"lint\" -DVOR_ENGINE=\"lint\" $(pkg-config --cflags libmicrohttpd libcjson sqlite3 libcurl nettle zlib libseccomp)"
 
 mkdir -p build
 printf '%s\n' "${sources[@]}" >build/lint.list
