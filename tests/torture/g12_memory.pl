@@ -42,6 +42,8 @@ $daemon = Vt->start(jobs => 16, memory => $budget, 'job-memory' => $budget);
 my @ids = map { my ($answer) = async($daemon, $requests[0], $cloud); json($answer)->{jobID} } 1 .. ($long ? 30 : 7);
 my %how;
 $how{ outcome($daemon, $_) }++ for @ids;
+figure('F11', 'jobs that fit alone and not together, of ' . @ids . ' at once: that ended well', $how{successful} // 0,
+    'all (was: two ended each other)', ($how{successful} // 0) == @ids);
 my %peak = map { ($_->[0] => peak($daemon, $_->[0])) } family($daemon);
 my $worker = $peak{'vor-worker'} // 0;
 my $all = List::Util::sum(values %peak);
