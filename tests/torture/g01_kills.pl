@@ -66,7 +66,7 @@ for my $kill (1 .. $kills) {
     if (time > $until) { $kills = $kill - 1; last }
     my $began = time;
     $daemon = eval { Vt->start(@settings) };
-    $refused++ if !$daemon;
+    if (!$daemon) { $refused++; print STDERR $@ }
     $slowest = max($slowest, time - $began);
     $dearest = max($dearest, computed($daemon->{pid})) if $daemon;
     sleep 0.02 + 0.1 * rand;
