@@ -5,6 +5,7 @@
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { IN = 12000, POINTS = 1500, FEW = 400 };
@@ -47,32 +48,33 @@ static double volume6(const struct vt_meshed *meshed, size_t t)
            (double)a[2] * ((double)b[0] * (double)c[1] - (double)b[1] * (double)c[0]);
 }
 
-/* How many triangles run from a to b. */
-static unsigned runs(const struct vor_mesh *mesh, uint32_t a, uint32_t b)
+static int by_value(const void *a, const void *b)
 {
-    unsigned found = 0;
+    uint64_t left = *(const uint64_t *)a, right = *(const uint64_t *)b;
 
-    for (size_t t = 0; t < mesh->count; t++)
-        for (size_t c = 0; c < 3; c++)
-            found += mesh->triangle[3 * t + c] == a && mesh->triangle[3 * t + (c + 1) % 3] == b;
-    return found;
+    return (left > right) - (left < right);
 }
 
 /* Counts the edges that have a triangle on one side only; an edge that two run along the same way
- * fails. By looking at every triangle for every edge. */
+ * fails. */
 static size_t open_edges(const struct vor_mesh *mesh)
 {
-    size_t open = 0;
+    size_t n = 3 * mesh->count, open = 0;
+    uint64_t *runs = calloc(n + 1, sizeof *runs); /* from, to */
 
-    for (size_t t = 0; t < mesh->count; t++)
-        for (size_t c = 0; c < 3; c++) {
-            uint32_t a = mesh->triangle[3 * t + c], b = mesh->triangle[3 * t + (c + 1) % 3];
-            unsigned back = runs(mesh, b, a);
+    ck_assert_ptr_nonnull(runs);
+    for (size_t c = 0; c < n; c++)
+        runs[c] = (uint64_t)mesh->triangle[c] << 32 | mesh->triangle[c - c % 3 + (c + 1) % 3];
+    qsort(runs, n, sizeof *runs, by_value);
+    for (size_t c = 0; c < n; c++) {
+        uint64_t back = runs[c] << 32 | runs[c] >> 32;
 
-            if (runs(mesh, a, b) != 1 || back > 1)
-                ck_abort_msg("the edge from %u to %u is no manifold's", a, b);
-            open += back == 0;
-        }
+        if (c > 0 && runs[c] == runs[c - 1])
+            ck_abort_msg("two triangles run from %u to %u", (unsigned)(runs[c] >> 32),
+                         (unsigned)runs[c]);
+        open += bsearch(&back, runs, n, sizeof *runs, by_value) == NULL;
+    }
+    free(runs);
     return open;
 }
 
