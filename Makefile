@@ -18,8 +18,9 @@ PROBED := build/probed/$(subst /,_,$(subst $() ,_,$(CC)+$(CXX)))
 
 flags.release := -O3 -g -D_FORTIFY_SOURCE=3 $(HARDEN)
 flags.debug := -O0 -g3 $(HARDEN)
-flags.asan := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined
-flags.tsan := -O1 -g -fno-omit-frame-pointer -fsanitize=thread
+# -g1 names functions and lines, which is all that a report has.
+flags.asan := -O2 -g1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined
+flags.tsan := -O2 -g1 -fno-omit-frame-pointer -fsanitize=thread
 flags.cover := -O0 -g --coverage
 flags.toy := -O1 -g $(HARDEN)
 flags.arm64 := $(flags.release) $(if $(SYSROOT),--sysroot=$(SYSROOT))
