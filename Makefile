@@ -75,9 +75,9 @@ TOY_SCRIPTS := $(if $(filter release,$(config)),$(sort $(wildcard tests/toy/*.t)
 TEST_SCRIPTS += $(TOY_SCRIPTS)
 SPARED.tsan := tests/http/contract.t tests/http/readme.t
 SPARED.asan := tests/cli/scans.t tests/http/readme.t
-TEST_SCRIPTS := $(filter-out $(SPARED.$(config)),$(TEST_SCRIPTS))
-# These tell time, or need a port that is the same everywhere: nothing runs beside them.
-TEST_ALONE := tests/http/slow.t tests/http/readme.t
+TESTS := $(filter-out $(SPARED.$(config)),$(TEST_SCRIPTS)) $(TEST_BIN)
+# These take longest, or wait most: they begin first, and no core is idle at the end.
+TEST_LONG := tests/page/page.t tests/http/slow.t tests/http/readme.t tests/cli/remote.t %/mesh_test %/worker_artefacts
 BENCH_SRC := $(sort $(wildcard tests/bench/*.c))
 BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/bench/,wlop orient front ear)
 
@@ -202,8 +202,7 @@ toy:
 	@$(MAKE) --no-print-directory config=toy all
 
 check: all $(if $(TOY_SCRIPTS),toy) $(TEST_BIN) ## run every test with what is installed
-	@VORONOID=$(BIN) tests/support/check.sh $(B) $(JOBS) $(filter-out $(TEST_ALONE),$(TEST_SCRIPTS)) $(TEST_BIN) -- \
-	    $(filter $(TEST_ALONE),$(TEST_SCRIPTS))
+	@VORONOID=$(BIN) tests/support/check.sh $(B) $(JOBS) $(filter $(TEST_LONG),$(TESTS)) $(filter-out $(TEST_LONG),$(TESTS))
 
 soak: ## test, with more seeds and larger clouds, and every golden case at 1, 2, 3 and 8 threads
 	@VT_SOAK=1 $(MAKE) --no-print-directory test
