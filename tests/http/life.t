@@ -173,6 +173,8 @@ is_deeply [sort keys %{ $records[0] }],
     'with every member';
 is scalar(grep { $_->{polish} != 0 } @records), 0, 'and without a polish none of its steps';
 cmp_ok $records[8]{delta}, '<', $records[0]{delta}, 'delta falls';
+is $daemon->get("/v1/jobs/$id/trace", headers => { Accept => 'text/csv;q=0, application/json' })->{headers}{'content-type'}, 'application/json',
+    'the trace is JSON for who refuses CSV';
 my @rows = split /\n/, $daemon->get("/v1/jobs/$id/trace", headers => { Accept => 'text/csv' })->{content};
 is $rows[0], 'iteration,polish,delta,sigma,epsilon,energy,max_move,held,seconds,run_stage,step,of,ahead,'
     . 'best.iteration,best.polish,best.delta,best.sigma,best.epsilon',
