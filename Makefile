@@ -75,7 +75,8 @@ BENCH_SRC := $(sort $(wildcard tests/bench/*.c))
 BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/bench/,wlop orient front ear)
 
 .DELETE_ON_ERROR:
-.SECONDARY:
+# Objects that only rules by pattern name are kept. Of other files none is listed: what is missing is made, even if nothing is newer.
+.SECONDARY: $(patsubst %.c,$(B)/%.o,$(wildcard tests/*/*.c)) $(KINDS_OBJ) $(KINDS_BIN:$(B)/%=$(B)/kinds/%.o)
 GOALS := all help demo test check soak torture bench fuzz proxy cross arm64 lint contract format image install uninstall clean
 .PHONY: $(GOALS)
 
@@ -129,7 +130,7 @@ $(BUNDLES:%=$(WEB)/%): $(WEB)/%: server/web/% $(wildcard server/web/*.js)
 	@esbuild $< --bundle --minify --format=esm --target=es2020 --log-level=warning --legal-comments=eof --charset=utf8 \
 	    --alias:three=$(THREE)/three.module.js --alias:orbit-controls=$(THREE)/examples/jsm/controls/OrbitControls.js --outfile=$@
 
-$(WEB)/%.gz: $(WEB)/%
+$(ASSETS:%=$(WEB)/%.gz): %.gz: %
 	@gzip -9nc $< >$@
 
 $(WEB)/assets.inc: Makefile $(ASSETS:%=$(WEB)/%.gz)
