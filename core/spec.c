@@ -73,6 +73,13 @@ static int has_text(const struct vor_spec *spec, int parameter)
            form == VOR_FORM_COUNTS;
 }
 
+int vor_spec_is_default(const struct vor_spec *spec, enum vor_parameter parameter)
+{
+    return !has_text(spec, (int)parameter) &&
+           (spec->value[parameter] == VOR_UNSET ||
+            spec->value[parameter] == vor_process_parameter(spec->process, parameter).fallback);
+}
+
 const char *vor_spec_name(const struct vor_spec *spec, enum vor_parameter parameter)
 {
     const char *text = spec->texts;

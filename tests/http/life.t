@@ -123,6 +123,8 @@ is $daemon->get("/v1/jobs/$id/results/report", headers => { Range => 'bytes=0-0'
 
 # The job itself: ETag, and a wait for a change.
 my $known = $daemon->get("/v1/jobs/$id");
+is_deeply json($known)->{voronoid}{parameters}, { points => 400, iterations => 8, polish => 0, seed => 3, format => 'ply' },
+    'and what was asked for, where it is not the default';
 is $known->{headers}{etag}, '"' . sha256_hex($known->{content}) . '"', 'a statusInfo has an ETag';
 my $unchanged = $daemon->get("/v1/jobs/$id", headers => { 'If-None-Match' => $known->{headers}{etag} });
 is $unchanged->{status} . ($unchanged->{content} // ''), '304', 'who has it is told so, without a body';
