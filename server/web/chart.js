@@ -8,7 +8,7 @@ const STRIPS = [
     { name: 'epsilon', words: 'ε', log: false },
 ];
 const LEFT = 68, TOP = 16, GAP = 10; /* pixels: room for figures, for the names of stages, between strips */
-const STAGES = { iterate: 'iterations', polish: 'polish', repel: 'evening out', relax: 'triangles' };
+const STAGES = { iterate: 'iterations', project: 'projection', insert: 'insertion' }; /* others by their own names */
 
 function scaleOf(values, log, top, height) {
     const shown = log ? values.filter((value) => value > 0).map(Math.log) : values;

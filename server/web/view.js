@@ -151,7 +151,7 @@ export function makeView(canvas) {
             }
             pane.slot = cloud ? makePoints(cloud) : null;
             if (!cloud) return draw();
-            pane.slot.spacing = 1.2 * pane.slot.sphere.radius / Math.sqrt(cloud.n); /* until it is measured */
+            pane.slot.spacing = cloud.spacing?.mean || 1.2 * pane.slot.sphere.radius / Math.sqrt(cloud.n); /* until it is measured */
             pane.scene.add(pane.slot.root);
             if (refit || !sphere) {
                 sphere = pane.slot.sphere;
