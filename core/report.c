@@ -267,8 +267,8 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
         const struct vor_stage_done *done = &report->stages[i];
         const char *before = i == 0 ? "" : i + 1 < report->stages_count ? ", " : " and ";
 
-        at += (size_t)snprintf(out + at, size - at, "%s%u %ss", before, (unsigned)done->steps,
-                               vor_run_stage_info(done->stage)->step);
+        at += (size_t)snprintf(out + at, size - at, "%s%u %s%s", before, (unsigned)done->steps,
+                               vor_run_stage_info(done->stage)->step, done->steps == 1 ? "" : "s");
     }
     return out;
 }

@@ -270,20 +270,20 @@ static void summarise(const struct vor_progress *progress, const struct vor_json
     const struct vor_json *seconds = vor_json_get(report, "seconds");
     const char *stopped = vor_json_get_string(vor_json_get(report, "stopped"));
     struct vor_report told = {0};
+    double points = number_at(vor_json_get(report, "points"), "out"), sum = 0, number;
+    const char *plural = points == 1 ? "" : "s";
     char line[256], steps[128];
-    double sum = 0, number;
 
     for (const struct vor_json *s = vor_json_first(seconds); s != NULL; s = vor_json_next(s))
         sum += vor_json_get_number(s, &number) ? number : 0;
     read_stages(&told, report);
     if (vor_process_takes(progress->cli->spec.process, VOR_PARAM_POINTS))
-        (void)snprintf(line, sizeof line, "%.0f points, delta %.4f after %s (%.20s), %.1f s",
-                       number_at(vor_json_get(report, "points"), "out"), number_at(report, "delta"),
+        (void)snprintf(line, sizeof line, "%.0f point%s, delta %.4f after %s (%.20s), %.1f s",
+                       points, plural, number_at(report, "delta"),
                        vor_report_steps(&told, steps, sizeof steps),
                        stopped != NULL ? stopped : "?", sum);
     else
-        (void)snprintf(line, sizeof line, "%.0f points, %.1f s",
-                       number_at(vor_json_get(report, "points"), "out"), sum);
+        (void)snprintf(line, sizeof line, "%.0f point%s, %.1f s", points, plural, sum);
     vor_cli_say(progress->name != NULL ? progress->name : progress->cli->option[VOR_OPTION_OUTPUT],
                 line);
     say_origin(progress, report);
