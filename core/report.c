@@ -50,6 +50,24 @@ const char *vor_stopped_word(enum vor_stopped stopped)
     return stopped_words[stopped];
 }
 
+static const char *const oriented_words[VOR_ORIENTED_COUNT] = {
+#define ORIENTED_WORD(id, word) (word),
+    VOR_ORIENTED_TABLE(ORIENTED_WORD)
+#undef ORIENTED_WORD
+};
+
+static const char *const warning_abouts[VOR_WARNING_COUNT] = {
+#define WARNING_ABOUT(id, about, sentence) (about),
+    VOR_WARNING_KIND_TABLE(WARNING_ABOUT)
+#undef WARNING_ABOUT
+};
+
+static const char *const warning_sentences[VOR_WARNING_COUNT] = {
+#define WARNING_SENTENCE(id, about, sentence) (sentence),
+    VOR_WARNING_KIND_TABLE(WARNING_SENTENCE)
+#undef WARNING_SENTENCE
+};
+
 static const char *const answered_words[] = {"no", "yes"};
 
 /* The kinds of members that these tables use besides those of members.h. */
@@ -67,6 +85,15 @@ static const char *const answered_words[] = {"no", "yes"};
 #define VOR_KIND_OF_SPEC(type, field) .kind = VOR_MEMBER_REQUEST
 #define VOR_KIND_OF_DROPPED(type, field)                                                           \
     .kind = VOR_MEMBER_LIST, .inner = &dropped_members,                                            \
+    .count_offset = offsetof(type, field##_count)
+#define VOR_KIND_OF_ORIENTED(type, field)                                                          \
+    .kind = VOR_MEMBER_WORD, .words = oriented_words, .word_count = VOR_ORIENTED_COUNT
+#define VOR_KIND_OF_WARNING_ABOUT(type, field)                                                     \
+    .kind = VOR_MEMBER_WORD, .words = warning_abouts, .word_count = VOR_WARNING_COUNT
+#define VOR_KIND_OF_WARNING_SAYS(type, field)                                                      \
+    .kind = VOR_MEMBER_WORD, .words = warning_sentences, .word_count = VOR_WARNING_COUNT
+#define VOR_KIND_OF_WARNINGS(type, field)                                                          \
+    .kind = VOR_MEMBER_LIST, .inner = &warning_members,                                            \
     .count_offset = offsetof(type, field##_count)
 #define VOR_KIND_OF_ANSWERED(type, field)                                                          \
     .kind = VOR_MEMBER_WORD, .words = answered_words, .word_count = 2
@@ -123,6 +150,14 @@ static const struct vor_member dropped_rows[] = {
 };
 
 static const struct vor_members dropped_members = VOR_MEMBERS(struct vor_dropped, dropped_rows);
+
+static const struct vor_member warning_rows[] = {
+#define WARNING_ROW(...) VOR_MEMBER(struct vor_warning, __VA_ARGS__)
+    VOR_WARNING_TABLE(WARNING_ROW)
+#undef WARNING_ROW
+};
+
+static const struct vor_members warning_members = VOR_MEMBERS(struct vor_warning, warning_rows);
 
 static const struct vor_member mesh_loop_rows[] = {
 #define MESH_LOOP_ROW(...) VOR_MEMBER(struct vor_mesh_loop, __VA_ARGS__)
@@ -243,6 +278,15 @@ void vor_record_unknown_best(struct vor_record *record)
     record->best_delta = record->best_sigma = record->best_epsilon = (double)NAN;
 }
 
+void vor_warn(struct vor_warning list[VOR_WARNING_COUNT], unsigned *list_count,
+              enum vor_warning_kind kind, double value, double limit)
+{
+    for (unsigned i = 0; i < *list_count; i++)
+        if (list[i].about == kind)
+            return;
+    list[(*list_count)++] = (struct vor_warning){kind, value, limit, kind};
+}
+
 void vor_report_stage(struct vor_report *report, enum vor_run_stage stage, uint32_t steps,
                       double seconds)
 {
@@ -267,8 +311,8 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
         const struct vor_stage_done *done = &report->stages[i];
         const char *before = i == 0 ? "" : i + 1 < report->stages_count ? ", " : " and ";
 
-        at += (size_t)snprintf(out + at, size - at, "%s%u %ss", before, (unsigned)done->steps,
-                               vor_run_stage_info(done->stage)->step);
+        at += (size_t)snprintf(out + at, size - at, "%s%u %s%s", before, (unsigned)done->steps,
+                               vor_run_stage_info(done->stage)->step, done->steps == 1 ? "" : "s");
     }
     return out;
 }

@@ -51,7 +51,7 @@ enum vor_run_stage vor_run_stage_find(const char *name);
  *  job. A run begins with a record of 0 steps of its first stage. Members are only ever added, at
  *  the end: traces keep them in this order. */
 #define VOR_RECORD_TABLE(X)                                                                        \
-    X(U32, iteration, "iteration", "", "Iterations done; 0 is the start")                          \
+    X(U32, iteration, "iteration", "", "Iterations, or projection steps, done; 0 is the start")    \
     X(U32, polish, "polish", "", "Steps of the polish done; 0 while iterations go on")             \
     X(REAL, delta, "delta", "",                                                                    \
       "Uniformity, the relative standard deviation of the distances to the nearest neighbour; "    \
@@ -145,9 +145,11 @@ struct vor_stage_done {
       "Mean deviation of those distances from their mean")                                         \
     X(REAL, epsilon, "epsilon", "",                                                                \
       "Cosine between those distances and their mean, 0 to 1; higher is better")                   \
-    X(U32, iterations, "iterations", "", "Iterations done")                                        \
+    X(U32, iterations, "iterations", "", "Iterations, or projection steps, done")                  \
     X(U32, polish_steps, "polish_steps", "", "Steps of the polish done")                           \
     X(STOPPED, stopped, "stopped", "", "Why the run ended")                                        \
+    X(WARNINGS, warnings, "warnings", "",                                                          \
+      "What was done as asked and came to little: empty for most runs")                            \
     X(STAGES, stages, "stages", "",                                                                \
       "Stages that the run went through, in their order; their seconds, but for those of "         \
       "baselines, are among those of the member seconds")                                          \
@@ -229,6 +231,10 @@ struct vor_stage_done {
     X(U64, off_lattice, "lattice.moved", "points",                                                 \
       "Input points that were moved within their cell; 0 where cells are small against the "       \
       "spacing of the input")                                                                      \
+    X(ORIENTED, orientation, "orientation", "",                                                    \
+      "How the normals of the result face. not-asked: as the input's, or there are none; "         \
+      "carried: to the side of the input's; consistent: outwards, or upwards, as found from the "  \
+      "input's points; one-sided: likewise, but parts of the input have one side only")            \
     X(U64, one_sided, "one_sided", "",                                                             \
       "Connected parts of the input that have one side only, as a Moebius band has: no signs of "  \
       "their normals are consistent. 0 where the run did not look for the sides")                  \
@@ -321,6 +327,12 @@ struct vor_report {
 };
 
 extern const struct vor_members vor_report_members;
+
+/** Adds a warning to a list, if it has none of this kind.
+ *
+ *  @param[in] value, limit  as the table of warnings has them */
+void vor_warn(struct vor_warning list[VOR_WARNING_COUNT], unsigned *list_count,
+              enum vor_warning_kind kind, double value, double limit);
 
 /** Adds steps and seconds to a stage of the report. stage must be a row of the table. */
 void vor_report_stage(struct vor_report *report, enum vor_run_stage stage, uint32_t steps,

@@ -73,6 +73,13 @@ static int has_text(const struct vor_spec *spec, int parameter)
            form == VOR_FORM_COUNTS;
 }
 
+int vor_spec_is_default(const struct vor_spec *spec, enum vor_parameter parameter)
+{
+    return !has_text(spec, (int)parameter) &&
+           (spec->value[parameter] == VOR_UNSET ||
+            spec->value[parameter] == vor_process_parameter(spec->process, parameter).fallback);
+}
+
 const char *vor_spec_name(const struct vor_spec *spec, enum vor_parameter parameter)
 {
     const char *text = spec->texts;
@@ -446,7 +453,10 @@ int vor_spec_descends(const struct vor_spec *spec)
 uint32_t vor_spec_iterations(const struct vor_spec *spec)
 {
     enum { DESCENT = 35, BEFORE_POLISH = 12, ALONE = 100 };
+    double method = spec->value[VOR_PARAM_METHOD];
 
+    if (method == VOR_METHOD_WLOP || method == VOR_METHOD_EAR)
+        return (uint32_t)(spec->value[VOR_PARAM_ROUNDS] * spec->value[VOR_PARAM_STEPS]);
     if (vor_spec_given(spec, VOR_PARAM_ITERATIONS))
         return (uint32_t)spec->value[VOR_PARAM_ITERATIONS];
     if (vor_spec_descends(spec))

@@ -31,6 +31,9 @@ struct vor_spec {
 void vor_spec_preset(struct vor_spec *spec, const struct vor_process_info *process);
 void vor_spec_init(struct vor_spec *spec);
 
+/** True when a parameter has the value that the process gives it, or none. */
+int vor_spec_is_default(const struct vor_spec *spec, enum vor_parameter parameter);
+
 /** Sets one parameter from text, as the command line and the query string carry it. The locale does
  *  not matter. A whole number may end in k or M, which stand for 1000 and 1,000,000: 1.5M. A flag
  * is written true or false, a list as words with commas between, or none. name and text may hold
@@ -136,7 +139,7 @@ int vor_spec_given(const struct vor_spec *spec, enum vor_parameter parameter);
 int vor_spec_descends(const struct vor_spec *spec);
 
 /** Most iterations that the request allows: those given, else 35 where an energy is minimised, 12
- *  before a polish and 100 without one. */
+ *  before a polish and 100 without one. Of wlop and ear, projection steps. */
 uint32_t vor_spec_iterations(const struct vor_spec *spec);
 
 /** Most steps of the polish that follows them; 0 where an energy is minimised. */

@@ -531,6 +531,7 @@ static vor_status start_zygote(struct daemon *daemon, struct vor_error *err)
     if (vor_zygote_start(&daemon->zygote, vor_child_kinds, VOR_CHILD_KINDS, err) != VOR_OK)
         return err->status;
     vor_machine_set_oom_score(OOM_SCORE);
+    vor_machine_give_back();
     return VOR_OK;
 }
 

@@ -28,14 +28,20 @@ static inline struct vor_run vor_run_unstoppable(const struct vor_run *run)
     return whole;
 }
 
-/** Runs task over 0 .. n - 1 on the run's pool, as vor_parallel_for.
- *
- *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as the watch answered; some rows are not done */
-VOR_NODISCARD static inline vor_status vor_run_for(const struct vor_run *run, size_t n,
-                                                   size_t block, vor_task task, void *ctx,
-                                                   struct vor_error *err)
+/** What the run's watch answers when it is asked, where no loop of the pool asks it. */
+static inline enum vor_answer vor_run_poll(const struct vor_run *run)
 {
-    switch (vor_parallel_for(run->pool, run->watch, n, block, task, ctx)) {
+    return run->watch != NULL && run->watch->poll != NULL ? run->watch->poll(run->watch->ctx)
+                                                          : VOR_CONTINUE;
+}
+
+/** Nothing for VOR_CONTINUE, else the failure that an answer means.
+ *
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED */
+VOR_NODISCARD static inline vor_status vor_run_answered(enum vor_answer answer,
+                                                        struct vor_error *err)
+{
+    switch (answer) {
     case VOR_CONTINUE:
         return VOR_OK;
     case VOR_STOP:
@@ -43,6 +49,16 @@ VOR_NODISCARD static inline vor_status vor_run_for(const struct vor_run *run, si
     default:
         return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
     }
+}
+
+/** Runs task over 0 .. n - 1 on the run's pool, as vor_parallel_for.
+ *
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as the watch answered; some rows are not done */
+VOR_NODISCARD static inline vor_status vor_run_for(const struct vor_run *run, size_t n,
+                                                   size_t block, vor_task task, void *ctx,
+                                                   struct vor_error *err)
+{
+    return vor_run_answered(vor_parallel_for(run->pool, run->watch, n, block, task, ctx), err);
 }
 
 /** A watch that answers VOR_CANCEL when another one does, and never VOR_STOP; with its clock. */

@@ -2,13 +2,13 @@
 
 #include "core/cvt/descend.h"
 #include "core/cvt/lloyd.h"
-#include "core/cvt/start.h"
 #include "core/input/thin.h"
 #include "core/opt/keep_best.h"
 #include "core/seeds/area.h"
 #include "core/seeds/attach.h"
 #include "core/seeds/fixed.h"
 #include "core/seeds/repel.h"
+#include "core/seeds/start.h"
 
 /* Places sites along borders or edges, and starts the other seeds beside them. */
 static vor_status start_with_sites(struct vor_seeds *seeds, const struct vor_domain *domain,

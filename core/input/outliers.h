@@ -6,6 +6,12 @@
  *  the 20 nearest of fewer than six others is an outlier. What is left is searched again, at most
  *  twice, because outliers near each other hide one another.
  *
+ *  Outliers that fill the space around the surface are each among the nearest of other outliers. A
+ *  point is an outlier too if its 20 nearest lie farther away than usual and are as thick as wide:
+ *  around a thin part of a surface they are flat, around a corner half as thick. A torus of 15,000
+ *  points, one in 100, 50 or 10 of them anywhere in its box, denoised to 3,000: 0.24, 0.63 and 0.56
+ *  rms off the true surface without this rule, 0.0003, 0.0003 and 0.0011 with it.
+ *
  *  A closer look also takes points that lie far off the surface of the 20 points around them, or
  *  around the nearest other one: an outlier in a hollow is among the nearest of the points on both
  *  sides. Measured as in outliers.c: bunny recall 0.939, precision 1 without it, 0.994 and 0.997

@@ -3,6 +3,7 @@
 #include "core/base/linalg.h"
 #include "core/lop/edges.h"
 #include "core/metrics/uniformity.h"
+#include "core/opt/keep_best.h"
 #include "core/seeds/tell.h"
 
 #include <string.h>
@@ -53,7 +54,7 @@ struct even {
     float *next, *step;        /* n x 3 */
     float *nearest;            /* n: distance to the nearest neighbour */
     unsigned power;
-    int local;
+    const struct vor_lop_even_how *how;
 };
 
 static void free_even(struct even *even)
@@ -132,7 +133,7 @@ static double note(struct even *even)
 /* Gives all points one spacing. */
 static void level(struct even *even, double h)
 {
-    for (size_t i = 0; i < even->samples->n && !even->local; i++)
+    for (size_t i = 0; i < even->samples->n && !even->how->local; i++)
         even->spacing[i] = (float)h;
 }
 
@@ -182,7 +183,7 @@ static void put_back(struct even *even, size_t i)
 static void put_back_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     (void)worker;
-    for (size_t i = begin; i < end; i++)
+    for (size_t i = begin; i < end && !vor_run_is_late(((struct even *)ctx)->run); i++)
         put_back(ctx, i);
 }
 
@@ -245,10 +246,7 @@ static vor_status list_all(struct even *even, struct vor_error *err)
     vor_status status;
 
     vor_lop_tree_free(&even->tree);
-    status = vor_lop_tree_init(&even->tree, samples->memory, err);
-    for (size_t i = 0; i < samples->n && status == VOR_OK; i++)
-        status = vor_lop_tree_add(&even->tree, (uint32_t)i, &samples->xyz[3 * i],
-                                  &samples->normal[3 * i], err);
+    status = vor_lop_tree_build(&even->tree, samples, even->run, err);
     if (status == VOR_OK)
         status = vor_run_for(even->run, samples->n, BLOCK, list_block, even, err);
     if (status == VOR_OK)
@@ -416,30 +414,46 @@ static enum vor_answer tell(struct even *even)
     return vor_points_tell(even->domain, even->samples->xyz, even->samples->n, even->run, record);
 }
 
-static vor_status loop(struct even *even, unsigned steps, struct vor_error *err)
+/* Whether a stop of the request is reached; the last step took `took` seconds. */
+static int finished(const struct even *even, double took)
 {
-    while (even->record.step < steps) {
-        vor_status status = step_once(even, steps, err);
-        enum vor_answer answer = status == VOR_E_STOPPED ? VOR_STOP : VOR_CONTINUE;
+    const struct vor_record *record = &even->record;
+
+    if (vor_stop_even_enough(even->how->spec, record->delta))
+        even->told->stopped = VOR_STOPPED_DELTA;
+    else if (vor_stop_out_of_time(even->how->spec, 1, record->seconds, took))
+        even->told->stopped = VOR_STOPPED_SECONDS;
+    else
+        return record->step >= record->of;
+    return 1;
+}
+
+static vor_status loop(struct even *even, struct vor_error *err)
+{
+    double took = 0;
+
+    even->record.seconds = vor_run_seconds(even->run);
+    while (!finished(even, took)) {
+        double before = even->record.seconds;
+        vor_status status = step_once(even, even->record.of, err);
 
         if (status == VOR_OK) {
             even->record.step++;
-            answer = tell(even);
-        } else if (status != VOR_E_STOPPED) {
-            return status;
+            status = vor_run_answered(tell(even), err);
         }
-        if (answer == VOR_CANCEL)
-            return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
-        if (answer == VOR_STOP) {
+        if (status == VOR_E_STOPPED) {
             even->told->stopped = VOR_STOPPED_CALLER;
             return VOR_OK;
         }
+        if (status != VOR_OK)
+            return status;
+        took = even->record.seconds - before;
     }
     return VOR_OK;
 }
 
 /* Moves the points, and puts them onto the surface in the end. */
-static vor_status move_all(struct even *even, unsigned steps, struct vor_error *err)
+static vor_status move_all(struct even *even, struct vor_error *err)
 {
     const struct vor_run whole = vor_run_unstoppable(even->run);
     vor_status status = measure(even, &whole, err);
@@ -447,7 +461,9 @@ static vor_status move_all(struct even *even, unsigned steps, struct vor_error *
     for (size_t i = 0; i < even->samples->n && status == VOR_OK; i++)
         even->edge[i].distance = INFINITY;
     if (status == VOR_OK)
-        status = loop(even, steps, err);
+        status = loop(even, err);
+    if (even->record.step == 0)
+        return status;
     if (status == VOR_OK)
         status = vor_run_for(&whole, even->samples->n, BLOCK, put_back_block, even, err);
     if (status == VOR_OK)
@@ -466,18 +482,20 @@ vor_status vor_lop_even(struct vor_lop_samples *samples, const struct vor_lop_la
                         .told = told,
                         .record = told->last,
                         .unit = domain->unit,
-                        .local = how->local};
+                        .how = how};
     double before = vor_run_clock(run);
     vor_status status;
 
     if (how->steps == 0 || told->stopped == VOR_STOPPED_CALLER)
         return VOR_OK;
+    if (told->stopped == VOR_STOPPED_DELTA) /* inserting has undone it */
+        told->stopped = VOR_STOPPED_ITERATIONS;
     even.record.stage = VOR_RUN_STAGE_POLISH;
     even.record.step = even.record.ahead = 0;
     even.record.of = how->steps;
     status = alloc_even(&even, err);
     if (status == VOR_OK)
-        status = move_all(&even, how->steps, err);
+        status = move_all(&even, err);
     if (status == VOR_OK) {
         told->kept = even.record;
         vor_outcome_stage(told, VOR_RUN_STAGE_POLISH, even.record.step,

@@ -17,6 +17,7 @@
 struct vor_lop_even_how {
     uint32_t steps; /**< 0: nothing is done */
     int local;      /**< the spacing of each place is kept; else all of the surface gets one */
+    const struct vor_spec *spec; /**< read: delta, seconds, which end it earlier */
 };
 
 /** Evens the points out; normals follow.

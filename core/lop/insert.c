@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/knn/knn.h"
+#include "core/lop/between.h"
 #include "core/lop/even.h"
 #include "core/lop/heap.h"
 #include "core/lop/latent.h"
@@ -181,20 +182,19 @@ static void reach_block(void *ctx, size_t begin, size_t end, unsigned worker)
         for (unsigned j = 1; j < k; j++)
             sum += sqrt((double)distance2[j]);
         insertion->reach[i] =
-            (float)((insertion->how->fill ? VOR_LOP_REACH_FILL : VOR_LOP_REACH_KEEP) * sum /
-                    (k - 1));
+            (float)((insertion->how->fill ? VOR_LOP_REACH_FILL : VOR_LOP_REACH_KEEP) *
+                    fmax(sum / (k - 1), insertion->how->spacing));
     }
 }
 
-static vor_status find_reach(struct insertion *insertion, const struct vor_run *run,
-                             struct vor_error *err)
+static vor_status find_reach(struct insertion *insertion, struct vor_error *err)
 {
     struct vor_lop_samples *samples = insertion->samples;
     vor_status status =
         vor_knn_build(&insertion->knn, samples->xyz, insertion->begun, samples->memory, err);
 
     if (status == VOR_OK)
-        status = vor_run_for(run, insertion->begun, BLOCK, reach_block, insertion, err);
+        status = vor_run_for(insertion->run, insertion->begun, BLOCK, reach_block, insertion, err);
     vor_knn_free(insertion->knn);
     insertion->knn = NULL;
     return status;
@@ -210,17 +210,13 @@ static void queue(struct insertion *insertion, uint32_t i)
 }
 
 /* Indexes the samples and queues their pairs. */
-static vor_status start(struct insertion *insertion, const struct vor_run *run,
-                        struct vor_error *err)
+static vor_status start(struct insertion *insertion, struct vor_error *err)
 {
-    struct vor_lop_samples *samples = insertion->samples;
-    vor_status status = vor_lop_tree_init(&insertion->tree, samples->memory, err);
+    const struct vor_run *run = insertion->run;
+    vor_status status = vor_lop_tree_build(&insertion->tree, insertion->samples, run, err);
 
-    for (size_t i = 0; i < insertion->begun && status == VOR_OK; i++)
-        status = vor_lop_tree_add(&insertion->tree, (uint32_t)i, &samples->xyz[3 * i],
-                                  &samples->normal[3 * i], err);
     if (status == VOR_OK)
-        status = find_reach(insertion, run, err);
+        status = find_reach(insertion, err);
     if (status == VOR_OK)
         status = vor_run_for(run, insertion->begun, BLOCK, find_block, insertion, err);
     for (size_t i = 0; i < insertion->begun && status == VOR_OK; i++)
@@ -317,32 +313,21 @@ static enum vor_answer tell(struct insertion *insertion, size_t n)
                            insertion->run, record);
 }
 
-static enum vor_answer poll(const struct vor_run *run)
-{
-    return run->watch != NULL && run->watch->poll != NULL ? run->watch->poll(run->watch->ctx)
-                                                          : VOR_CONTINUE;
-}
-
 static vor_status loop(struct insertion *insertion, size_t n, struct vor_error *err)
 {
     struct vor_lop_samples *samples = insertion->samples;
     size_t every = (n - samples->n) / RECORDS + 1, done = 0;
-    enum vor_answer answer = VOR_CONTINUE;
+    vor_status status = VOR_OK;
 
-    while (samples->n < n) {
-        vor_status status = insert_one(insertion, err);
-
-        if (status != VOR_OK)
-            return status;
+    while (samples->n < n && status == VOR_OK) {
+        status = insert_one(insertion, err);
         done++;
-        if (done % POLL_EVERY == 0)
-            answer = poll(insertion->run);
-        if (answer != VOR_CANCEL && (done % every == 0 || samples->n == n))
-            answer = tell(insertion, n);
-        if (answer == VOR_CANCEL)
-            return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
+        if (status == VOR_OK && done % POLL_EVERY == 0)
+            status = vor_run_answered(vor_run_poll(insertion->run), err);
+        if (status == VOR_OK && (done % every == 0 || samples->n == n))
+            status = vor_run_answered(tell(insertion, n), err);
     }
-    return VOR_OK;
+    return status;
 }
 
 /* Makes room for n samples. */
@@ -373,7 +358,7 @@ static vor_status alloc_insertion(struct insertion *insertion, size_t n, struct 
     insertion->heap = vor_malloc(memory, n, sizeof *insertion->heap);
     if (insertion->pairs == NULL || insertion->reach == NULL || insertion->heap == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the insertion of %zu points", n);
-    return grow(insertion->samples, n, err);
+    return VOR_OK;
 }
 
 static void free_insertion(struct insertion *insertion)
@@ -386,21 +371,31 @@ static void free_insertion(struct insertion *insertion)
     vor_lop_tree_free(&insertion->tree);
 }
 
-/* Inserts until there are n points. */
+/* Inserts until there are n points, or the run is stopped. */
 static vor_status insert_all(struct insertion *insertion, size_t n, struct vor_error *err)
 {
-    struct vor_run whole = vor_run_unstoppable(insertion->run);
-    double before = vor_run_clock(insertion->run);
     vor_status status = alloc_insertion(insertion, n, err);
 
     if (status == VOR_OK)
-        status = start(insertion, &whole, err);
+        status = start(insertion, err);
     if (status == VOR_OK)
         status = loop(insertion, n, err);
-    if (status == VOR_OK)
-        vor_outcome_stage(insertion->told, VOR_RUN_STAGE_INSERT, (uint32_t)(n - insertion->begun),
-                          vor_run_clock(insertion->run) - before);
     free_insertion(insertion);
+    return status;
+}
+
+/* Puts what is missing between neighbours where the run was stopped. */
+static vor_status finish(struct insertion *insertion, size_t n, double before,
+                         struct vor_error *err)
+{
+    const struct vor_run whole = vor_run_unstoppable(insertion->run);
+    struct vor_lop_samples *samples = insertion->samples;
+    uint64_t seed = (uint64_t)insertion->how->spec->value[VOR_PARAM_SEED];
+    size_t inserted = samples->n - insertion->begun;
+    vor_status status = vor_lop_between(samples, n, seed, &whole, err);
+
+    vor_outcome_stage(insertion->told, VOR_RUN_STAGE_INSERT, (uint32_t)inserted,
+                      vor_run_clock(insertion->run) - before);
     return status;
 }
 
@@ -415,12 +410,21 @@ vor_status vor_lop_insert(struct vor_lop_samples *samples, size_t n,
                                   .run = run,
                                   .told = told,
                                   .begun = samples->n};
-    const struct vor_lop_even_how even = {.steps = how->polish, .local = how->rho > 0};
-    vor_status status = vor_lop_latent_init(&insertion.latent, samples, samples->n, how->sigma_n,
-                                            how->sigma_p, err);
+    const struct vor_lop_even_how even = {how->polish, how->rho > 0, how->spec};
+    double before = vor_run_clock(run);
+    vor_status status = grow(samples, n, err);
 
-    if (status == VOR_OK && n > samples->n)
+    if (status == VOR_OK && told->stopped != VOR_STOPPED_CALLER)
+        status =
+            vor_lop_latent_init(&insertion.latent, samples, how->sigma_n, how->sigma_p, run, err);
+    if (status == VOR_OK && told->stopped != VOR_STOPPED_CALLER && n > samples->n)
         status = insert_all(&insertion, n, err);
+    if (status == VOR_E_STOPPED) {
+        told->stopped = VOR_STOPPED_CALLER;
+        status = VOR_OK;
+    }
+    if (status == VOR_OK && n > insertion.begun)
+        status = finish(&insertion, n, before, err);
     if (status == VOR_OK)
         status = vor_lop_even(samples, &insertion.latent, &even, domain, told, run, err);
     vor_lop_latent_free(&insertion.latent);

@@ -34,7 +34,9 @@ enum {
 /** Clearances within which a point inserted looks for partners. At 1.8 / 2.2 / 2.5, as above: delta
  *  0.097 / 0.093 / 0.094, CPU 0.98 / 1.15 / 1.25 s. */
 #define VOR_LOP_PARTNERS 2.2
-/** Spacings of the samples within which they look: the gap along an edge is about two wide. */
+/** Spacings of the samples within which they look: the gap along an edge is about two wide. Local
+ *  spacings, but no less than that of an even spread: fandisk30k_noise2 to 120,000, from the true
+ *  edge to the nearest point 1.58e-3, and 1.63e-3 by local ones alone. */
 #define VOR_LOP_REACH_KEEP 2.2
 #define VOR_LOP_REACH_FILL 6.0
 /** Two samples have no pair if one of them reaches no more than this part of the way: a stray far
@@ -50,18 +52,22 @@ enum {
 struct vor_lop_insert_how {
     double rho;      /**< >= 0: how much more edges get than faces; 0: as much */
     double sigma_n;  /**< radians, up to pi / 2: normals that far apart belong to two sides */
+    double spacing;  /**< of the samples, at least; they have clusters with gaps between them */
     double sigma_p;  /**< > 0: radius within which samples say where the surface is */
     int fill;        /**< gaps of a few spacings are filled; else only what the spacing spans */
     uint32_t polish; /**< steps that even the points out in the end (lop/even.h) */
+    const struct vor_spec *spec; /**< read: seed; delta and seconds, by the polish */
 };
 
 /** Inserts points until there are n, or none if there are as many. The points before stay as they
- *  are, but for the polish.
+ *  are, but for the polish. Once the run is stopped, what is missing is put between neighbours
+ *  (lop/between.h), and nothing is polished.
  *
  *  @param[in,out] samples  at least 4 points, within [-1, 1]; their arrays grow as needed
  *  @param[in]     domain   read for the unit of what is told
- *  @param[in,out] told     the stages are added
- *  @param[in]     run      a stop does not interrupt the insertion: there is nothing to hand back
+ *  @param[in,out] told     the stages are added, of INSERT the points that were not put between;
+ *                          stopped, which may be so already
+ *  @param[in]     run      may be stopped
  *
  *  @retval VOR_E_CANCELLED  the watch answered VOR_CANCEL
  *  @retval VOR_E_DEGENERATE no two points are far enough apart to have one between them

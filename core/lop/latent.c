@@ -12,18 +12,13 @@ enum { EDGE_TIMES = 2 };
 #define PARALLEL 1e-3
 
 vor_status vor_lop_latent_init(struct vor_lop_latent *out, const struct vor_lop_samples *samples,
-                               size_t n, double sigma_n, double sigma_p, struct vor_error *err)
+                               double sigma_n, double sigma_p, const struct vor_run *run,
+                               struct vor_error *err)
 {
-    vor_status status;
-
     memset(out, 0, sizeof *out);
     out->sigma_p = sigma_p;
     out->scale = vor_lop_scale(sigma_n);
-    status = vor_lop_tree_init(&out->tree, samples->memory, err);
-    for (size_t i = 0; i < n && status == VOR_OK; i++)
-        status = vor_lop_tree_add(&out->tree, (uint32_t)i, &samples->xyz[3 * i],
-                                  &samples->normal[3 * i], err);
-    return status;
+    return vor_lop_tree_build(&out->tree, samples, run, err);
 }
 
 void vor_lop_latent_free(struct vor_lop_latent *latent)

@@ -29,17 +29,19 @@ struct vor_lop_point {
     float xyz[3], normal[3];
 };
 
-/** Indexes the first `n` of the samples, as they are now.
+/** Indexes the samples as they are now.
  *
  *  @param[out] out      free with vor_lop_latent_free, whatever is returned
  *  @param[in]  sigma_n  radians, up to pi / 2
  *
  *  @retval VOR_E_NOMEM
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
  *  O(n log n). */
 VOR_NODISCARD vor_status vor_lop_latent_init(struct vor_lop_latent *out,
-                                             const struct vor_lop_samples *samples, size_t n,
-                                             double sigma_n, double sigma_p, struct vor_error *err);
+                                             const struct vor_lop_samples *samples, double sigma_n,
+                                             double sigma_p, const struct vor_run *run,
+                                             struct vor_error *err);
 
 /** Frees the index; latent may be all zero. */
 void vor_lop_latent_free(struct vor_lop_latent *latent);

@@ -1,29 +1,34 @@
 #include "core/lop/lop.h"
 
-#include "core/base/rng.h"
 #include "core/geom/patch.h"
 #include "core/input/edges.h"
 #include "core/input/thin.h"
 #include "core/lop/insert.h"
 #include "core/lop/normals.h"
 #include "core/lop/project.h"
+#include "core/opt/keep_best.h"
 #include "core/seeds/area.h"
 #include "core/seeds/attach.h"
 #include "core/seeds/repel.h"
+#include "core/seeds/start.h"
 
 #include <math.h>
 #include <string.h>
-
-/* Streams of random numbers, of these methods' own. */
-enum { STREAM_SUBSET = 1, STREAM_ASIDE = 2 };
 
 /* Spacings of the samples that points act on each other. wlop: what CGAL's is best at; at 1.25 /
  * 1.5 / 2, bunny to 5,000 after 36 steps. */
 #define REACH_WLOP 1.5
 #define REACH_EAR 2.0
+/* The same of ear at least, in radii of the fits that the input's noise asks for. At 0 / 1 / 1.5,
+ * to 120,000 at rho 0, fandisk30k_noise2: rms near edges 7.6e-4 / 7.2e-4 / 6.9e-4, from the true
+ * edge to the nearest point 1.56e-3 / 1.63e-3 / 1.81e-3. */
+#define REACH_NOISE 1.0
 
-/* Spacings of the samples that a sample starts beside an input point which has one already. */
-#define ASIDE 0.5
+/* Data whose distance says how far from one a sample may start, and the share of it: half of their
+ * spacing. Else samples that start between two sheets, where a datum's normal is wrong, stay there.
+ */
+enum { BESIDE = 7 };
+#define BESIDE_REACH 0.4
 
 /* Share of the input's points that are projected; fewest that others can be inserted between. */
 #define SAMPLES_SHARE 0.5
@@ -33,8 +38,11 @@ enum { STREAM_SUBSET = 1, STREAM_ASIDE = 2 };
  * by other methods: igea, bunny and a sphere have at most 0.13 % (input/edges.h), fandisk 10 %.
  * Igea of 30,000 points to 10,000, evened out with edges: delta 0.084, rms 9.5e-4. */
 #define EDGES_SHARE 0.005
+/* Points in a square as large as the surface, of the gap that a dense input is thinned to first. */
+#define EDGES_POINTS 40000.0
 
 #define RADIANS 0.017453292519943295
+#define PI 3.141592653589793
 
 struct lop {
     const struct vor_domain *whole, *domain; /* domain: the whole, or thin */
@@ -71,56 +79,99 @@ static double sigma_p(const struct lop *lop)
     return sqrt(diagonal2 / (double)lop->whole->n);
 }
 
-/* Sets the lengths for n samples. */
-static vor_status set_lengths(struct lop *lop, size_t n, struct vor_error *err)
+/* How far points act on each other where the request does not say. */
+static double reach_of(const struct lop *lop)
+{
+    double fitted = lop->domain->known.neighbors.usual, points = (double)lop->domain->n;
+
+    if (!lop->ear)
+        return REACH_WLOP * lop->spacing;
+    return fmax(REACH_EAR * lop->spacing, REACH_NOISE * sqrt(fitted * lop->area / (PI * points)));
+}
+
+/* Whether the samples are the input's own points, and stay where they are. */
+static int only_inserts(const struct lop *lop)
+{
+    return lop->ear && lop->spec->value[VOR_PARAM_PHASES] == VOR_PHASES_INSERT;
+}
+
+/* Makes seeds of n first places: of the input's own points where these are the samples that others
+ * are inserted between, else evenly by area. */
+static vor_status first_places(struct vor_seeds *out, const struct lop *lop, size_t n,
+                               const struct vor_run *run, struct vor_error *err)
+{
+    uint64_t seed = (uint64_t)lop->spec->value[VOR_PARAM_SEED];
+    double area = 0;
+    vor_status status;
+
+    if (!only_inserts(lop) || n > lop->whole->n)
+        return vor_start_seeds(out, lop->whole, n, lop->spec, run, err);
+    status = vor_area_of_surface(&area, lop->whole, seed, run, err);
+    if (status == VOR_OK)
+        status = vor_seeds_init(out, lop->whole, n, vor_seeds_policy_of(lop->spec), run, err);
+    if (status != VOR_OK)
+        return status;
+    vor_area_draw(out, seed);
+    out->area = area;
+    return VOR_OK;
+}
+
+/* Starts n samples, without normals, and sets the lengths for as many. */
+static vor_status start(struct lop *lop, size_t n, struct vor_error *err)
 {
     const struct vor_run whole = vor_run_unstoppable(lop->run);
-    uint64_t seed = (uint64_t)lop->spec->value[VOR_PARAM_SEED];
-    vor_status status = vor_area_of_surface(&lop->area, lop->domain, seed, &whole, err);
+    struct vor_seeds seeds = {.n = 0};
+    vor_status status = vor_lop_samples_init(&lop->samples, n, lop->run->memory, err);
 
+    if (status == VOR_OK)
+        status = first_places(&seeds, lop, n, &whole, err);
     if (status != VOR_OK)
         return status;
-    status = vor_domain_thin_for(&lop->thin, lop->domain, n, lop->area, &whole, err);
-    if (status != VOR_OK)
-        return status;
-    if (lop->thin.n > 0)
+    lop->samples.n = n;
+    memcpy(lop->samples.xyz, seeds.xyz, 3 * n * sizeof *seeds.xyz);
+    memset(lop->samples.normal, 0, 3 * n * sizeof *lop->samples.normal);
+    lop->area = seeds.area;
+    vor_seeds_free(&seeds);
+    status = vor_domain_thin_for(&lop->thin, lop->whole, n, lop->area, &whole, err);
+    if (status == VOR_OK && lop->thin.n > 0)
         lop->domain = &lop->thin;
     lop->spacing = sqrt(lop->area / (VOR_HEXAGON_HEIGHT * (double)n));
     lop->reach = sigma_p(lop);
     if (!(lop->reach > 0))
-        lop->reach = (lop->ear ? REACH_EAR : REACH_WLOP) * lop->spacing;
-    return VOR_OK;
+        lop->reach = reach_of(lop);
+    if (status == VOR_OK && lop->reach < lop->spacing)
+        vor_warn(lop->told->warnings, &lop->told->warnings_count, VOR_WARNING_SIGMA_P,
+                 lop->reach * lop->domain->unit, lop->spacing * lop->domain->unit);
+    return status;
 }
 
-/* Adds a sample at input point i, aside of it if it is not the first there. */
-static void add_sample(struct lop *lop, size_t i, size_t copy)
+/* Puts the samples onto the planes of the data next to them, and no farther from these. */
+static void face_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
-    struct vor_lop_samples *samples = &lop->samples;
-    uint64_t seed = (uint64_t)lop->spec->value[VOR_PARAM_SEED];
-    size_t at = samples->n++;
+    struct lop *lop = ctx;
+    unsigned k = lop->domain->n < BESIDE ? (unsigned)lop->domain->n : BESIDE;
+    uint32_t index[BESIDE];
+    float distance2[BESIDE];
 
-    for (size_t c = 0; c < 3; c++) {
-        double aside = 2 * vor_rng_unit(seed, STREAM_ASIDE, 3 * at + c) - 1;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        float *x = &lop->samples.xyz[3 * i];
+        const float *q, *m;
+        double height = 0, away2 = 0, part;
 
-        samples->xyz[3 * at + c] =
-            lop->data.xyz[3 * i + c] + (float)(copy > 0 ? ASIDE * lop->spacing * aside : 0);
-        samples->normal[3 * at + c] = lop->ear ? lop->data.normal[3 * i + c] : 0;
-    }
-}
-
-/* Starts n samples: each input point has as many as another, or one more, by chance (Knuth, "The
- * art of computer programming" 3.4.2, algorithm S). */
-static void start(struct lop *lop, size_t n)
-{
-    uint64_t seed = (uint64_t)lop->spec->value[VOR_PARAM_SEED];
-    size_t points = lop->domain->n, each = n / points, more = n % points, taken = 0;
-
-    for (size_t i = 0; i < points; i++) {
-        int one_more = vor_rng_below(seed, STREAM_SUBSET, i, points - i) < more - taken;
-
-        taken += (size_t)one_more;
-        for (size_t copy = 0; copy < each + (size_t)one_more; copy++)
-            add_sample(lop, i, copy);
+        vor_knn_search(lop->domain->knn, x, 1, k, index, distance2);
+        q = &lop->data.xyz[3 * (size_t)index[0]];
+        m = &lop->data.normal[3 * (size_t)index[0]];
+        for (size_t c = 0; c < 3; c++)
+            height += ((double)x[c] - (double)q[c]) * (double)m[c];
+        for (size_t c = 0; c < 3; c++) {
+            x[c] = (float)((double)x[c] - height * (double)m[c]);
+            away2 += ((double)x[c] - (double)q[c]) * ((double)x[c] - (double)q[c]);
+        }
+        part = fmin(1, BESIDE_REACH * sqrt((double)distance2[k - 1] / fmax(away2, 1e-30)));
+        for (size_t c = 0; c < 3; c++)
+            x[c] = (float)((double)q[c] + part * ((double)x[c] - (double)q[c]));
+        memcpy(&lop->samples.normal[3 * i], m, 3 * sizeof *m);
     }
 }
 
@@ -132,7 +183,8 @@ static vor_status project(struct lop *lop, uint32_t ahead, struct vor_error *err
                                       .spacing = lop->spacing,
                                       .reach = lop->reach,
                                       .normals = lop->ear,
-                                      .rounds = (uint32_t)value[VOR_PARAM_ROUNDS],
+                                      .rounds =
+                                          only_inserts(lop) ? 0 : (uint32_t)value[VOR_PARAM_ROUNDS],
                                       .steps = (uint32_t)value[VOR_PARAM_STEPS],
                                       .ahead = ahead,
                                       .spec = lop->spec};
@@ -170,9 +222,11 @@ static vor_status even_out(struct vor_seeds *seeds, struct lop *lop, struct vor_
 {
     double before = vor_run_clock(lop->run);
     int keep_holes = 0;
-    vor_status status = vor_attach(seeds, &keep_holes, err);
+    int hurry = lop->told->stopped == VOR_STOPPED_CALLER &&
+                vor_stop_out_of_time(lop->spec, 1, vor_run_seconds(lop->run), 0);
+    vor_status status = hurry ? vor_attach_fast(seeds, err) : vor_attach(seeds, &keep_holes, err);
 
-    if (status == VOR_OK && lop->told->stopped != VOR_STOPPED_CALLER)
+    if (status == VOR_OK)
         status = vor_repel(seeds, lop->told, keep_holes, lop->spec, lop->run, err);
     if (status == VOR_OK && lop->told->steps[VOR_RUN_STAGE_POLISH] > 0)
         status = vor_attach_last(seeds, err);
@@ -189,13 +243,10 @@ vor_status vor_wlop_run(struct vor_seeds *out, struct vor_outcome *told,
     struct lop lop = {.whole = domain, .domain = domain, .spec = spec, .run = run, .told = told};
     struct vor_seeds seeds = {.n = 0};
     double before = vor_run_clock(run);
-    vor_status status = set_lengths(&lop, n, err);
+    vor_status status = start(&lop, n, err);
 
-    if (status == VOR_OK)
-        status = vor_lop_samples_init(&lop.samples, n, run->memory, err);
     if (status == VOR_OK) {
         lop.data = (struct vor_lop_samples){.n = lop.domain->n, .xyz = lop.domain->xyz};
-        start(&lop, n);
         told->seconds_start = vor_run_clock(run) - before;
         status = project(&lop, vor_spec_polish(spec), err);
     }
@@ -222,11 +273,11 @@ static vor_status find_normals(struct lop *lop, size_t samples, struct vor_error
                                       .sigma_p = sigma_p(lop),
                                       .points = samples,
                                       .area = lop->area,
-                                      .rounds = value[VOR_PARAM_PHASES] == VOR_PHASES_INSERT
-                                                    ? 0
-                                                    : (uint32_t)value[VOR_PARAM_ROUNDS],
+                                      .rounds =
+                                          only_inserts(lop) ? 0 : (uint32_t)value[VOR_PARAM_ROUNDS],
                                       .one_sided = &lop->told->one_sided};
 
+    lop->told->oriented = 1;
     return vor_lop_normals(&lop->data, lop->domain, &how, &whole, err);
 }
 
@@ -235,7 +286,7 @@ static void normal_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_seeds *seeds = ctx;
     struct vor_scratch *scratch = &seeds->scratch[worker];
 
-    for (size_t i = begin; i < end; i++) {
+    for (size_t i = begin; i < end && !vor_run_is_late(&seeds->run); i++) {
         float *n = &seeds->normal[3 * i];
         double x[3], local[3], fitted[3], side = 0;
 
@@ -256,23 +307,40 @@ static vor_status even_out_smooth(struct vor_seeds *seeds, struct lop *lop, stru
 {
     vor_status status = even_out(seeds, lop, err);
 
-    return status == VOR_OK
-               ? vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, normal_block, seeds, err)
-               : status;
+    if (status != VOR_OK || lop->told->stopped == VOR_STOPPED_CALLER)
+        return status;
+    return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, normal_block, seeds, err);
 }
 
-/* Finds out whether the input has edges at all. */
+/* Lets fits to some of a domain's points reach as far as those to all of them. */
+static void fewer_neighbors(struct vor_neighbors *neighbors, double share)
+{
+    neighbors->usual = (unsigned)fmax(neighbors->usual * share, VOR_NEIGHBORS_FEWEST);
+    neighbors->most = (unsigned)fmax(neighbors->most * share, VOR_NEIGHBORS_FEWEST);
+    for (unsigned i = 0; i < neighbors->places; i++)
+        neighbors->k[i] = (unsigned char)fmax(neighbors->k[i] * share, VOR_NEIGHBORS_FEWEST);
+}
+
+/* Finds out whether the input has edges at all: of a dense one, some of its points say so. */
 static vor_status look_for_edges(struct lop *lop, struct vor_error *err)
 {
     const struct vor_run whole = vor_run_unstoppable(lop->run);
-    struct vor_edges edges;
-    vor_status status = vor_edges_find(&edges, lop->domain, &whole, err);
+    struct vor_domain all = *lop->domain, few = {.n = 0};
+    struct vor_edges edges = {.n = 0};
+    vor_status status;
 
-    if (status != VOR_OK)
-        return status;
-    lop->smooth = (double)edges.flagged < EDGES_SHARE * (double)lop->domain->n;
+    all.known.seek_sheets = 0; /* edges are found without lists */
+    all.known.lists = VOR_LISTS_NONE;
+    status = vor_domain_thin(&few, &all, sqrt(lop->area / EDGES_POINTS), &whole, err);
+    if (status == VOR_OK && few.n > 0)
+        fewer_neighbors(&few.known.neighbors, (double)few.n / (double)all.n);
+    if (status == VOR_OK)
+        status = vor_edges_find(&edges, few.n > 0 ? &few : lop->domain, &whole, err);
+    if (status == VOR_OK)
+        lop->smooth = (double)edges.flagged < EDGES_SHARE * (double)edges.n;
     vor_edges_free(&edges);
-    return VOR_OK;
+    vor_domain_free(&few);
+    return status;
 }
 
 /* Points to project, of the n in the end. */
@@ -290,21 +358,32 @@ static size_t samples_of(const struct lop *lop, size_t n)
     return samples < (double)n ? (size_t)fmax(samples, fmin(FEWEST, (double)n)) : n;
 }
 
+/* Keeps the points of an input with edges to it. */
+static vor_status keep_to_input(struct vor_seeds *seeds, struct lop *lop, struct vor_error *err)
+{
+    double before = vor_run_clock(lop->run);
+    vor_status status = vor_attach_fast(seeds, err);
+
+    lop->told->seconds[VOR_RUN_STAGE_POLISH] += vor_run_clock(lop->run) - before;
+    return status;
+}
+
 /* Inserts points until there are n, and evens them out. */
 static vor_status insert(struct lop *lop, size_t n, struct vor_error *err)
 {
     const double *value = lop->spec->value;
-    struct vor_lop_insert_how how = {
-        .rho = value[VOR_PARAM_RHO],
-        .sigma_n = value[VOR_PARAM_SIGMA_N] * RADIANS,
-        .sigma_p = lop->reach,
-        .fill = value[VOR_PARAM_GAPS] == VOR_GAPS_FILL,
-        .polish = lop->told->stopped == VOR_STOPPED_CALLER ? 0 : vor_spec_polish(lop->spec)};
+    struct vor_lop_insert_how how = {.rho = value[VOR_PARAM_RHO],
+                                     .sigma_n = value[VOR_PARAM_SIGMA_N] * RADIANS,
+                                     .spacing = only_inserts(lop) ? 0 : lop->spacing,
+                                     .sigma_p = lop->reach,
+                                     .fill = value[VOR_PARAM_GAPS] == VOR_GAPS_FILL,
+                                     .polish = lop->smooth ? 0 : vor_spec_polish(lop->spec),
+                                     .spec = lop->spec};
 
-    if (lop->smooth)
-        how.polish = 0;
     if (n < FEWEST || (n == lop->samples.n && how.polish == 0))
         return VOR_OK;
+    if (lop->told->stopped == VOR_STOPPED_DELTA) /* of the samples: the insertion undoes it */
+        lop->told->stopped = VOR_STOPPED_ITERATIONS;
     return vor_lop_insert(&lop->samples, n, &how, lop->domain, lop->told, lop->run, err);
 }
 
@@ -312,18 +391,18 @@ static vor_status insert(struct lop *lop, size_t n, struct vor_error *err)
 static vor_status make_points(struct lop *lop, size_t n, struct vor_error *err)
 {
     double before = vor_run_clock(lop->run);
+    const struct vor_run whole = vor_run_unstoppable(lop->run);
     size_t samples = samples_of(lop, n);
-    vor_status status = set_lengths(lop, samples, err);
+    vor_status status = start(lop, samples, err);
 
     if (status == VOR_OK)
         status = look_for_edges(lop, err);
     if (status == VOR_OK)
         status = find_normals(lop, samples, err);
     if (status == VOR_OK)
-        status = vor_lop_samples_init(&lop->samples, samples, lop->run->memory, err);
+        status = vor_run_for(&whole, samples, VOR_SEEDS_BLOCK, face_block, lop, err);
     if (status != VOR_OK)
         return status;
-    start(lop, samples);
     lop->told->seconds_start = vor_run_clock(lop->run) - before;
     status = project(lop, (uint32_t)(n - samples) + vor_spec_polish(lop->spec), err);
     return status == VOR_OK ? insert(lop, n, err) : status;
@@ -341,7 +420,7 @@ vor_status vor_ear_run(struct vor_seeds *out, struct vor_outcome *told,
     if (status == VOR_OK)
         status = hand_over(&seeds, &lop, err);
     if (status == VOR_OK)
-        status = lop.smooth ? even_out_smooth(&seeds, &lop, err) : vor_attach_fast(&seeds, err);
+        status = lop.smooth ? even_out_smooth(&seeds, &lop, err) : keep_to_input(&seeds, &lop, err);
     if (status == VOR_OK)
         vor_attach_to_box(&seeds);
     vor_lop_samples_free(&lop.samples);

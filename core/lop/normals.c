@@ -259,7 +259,8 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
             double cosine = dotf(n, m);
             double w = seen.weight[j] * vor_lop_alike(cosine, normals->scale);
 
-            sum += w * (dotf(there, n) + dotf(there, m)) / (1 + cosine);
+            if (w > 0)
+                sum += w * (dotf(there, n) + dotf(there, m)) / (1 + cosine);
             weights += w;
         }
         for (unsigned c = 0; c < 3; c++)

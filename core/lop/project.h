@@ -8,7 +8,8 @@
  * where v and w are the densities of the data and of the points; the square is that of CGAL.
  *
  *  Departure: the density of the data is read off the distance to its twelfth neighbour, which
- * costs no sum over the reach; and few data stand for all within the reach where there are very
+ * costs no sum over the reach; where there are fewer data than points it goes only a part
+ * of the way to them; and few data stand for all within the reach where there are very
  * many. Departure, with normals: data count by theta, by the angle between the normals (psi) and by
  * their height over the point's plane (phi): those of the other side of an edge do not. Only the
  * part of the step along the point's plane is that of Eq. 3; across it the point goes to where the

@@ -201,6 +201,21 @@ vor_status vor_lop_tree_add(struct vor_lop_tree *tree, uint32_t index, const flo
     return VOR_OK;
 }
 
+vor_status vor_lop_tree_build(struct vor_lop_tree *out, const struct vor_lop_samples *samples,
+                              const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status = vor_lop_tree_init(out, samples->memory, err);
+
+    for (size_t i = 0; i < samples->n && status == VOR_OK; i++) {
+        if (i % VOR_LOP_POLL == 0)
+            status = vor_run_answered(vor_run_poll(run), err);
+        if (status == VOR_OK)
+            status = vor_lop_tree_add(out, (uint32_t)i, &samples->xyz[3 * i],
+                                      &samples->normal[3 * i], err);
+    }
+    return status;
+}
+
 /* A walk over the leaves whose cells come within a radius of a place. */
 struct walk {
     const struct vor_lop_tree *tree;

@@ -7,7 +7,8 @@
 #ifndef VOR_LOP_TREE_H
 #define VOR_LOP_TREE_H
 
-#include "core/base/memory.h"
+#include "core/base/run.h"
+#include "core/lop/samples.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -17,7 +18,9 @@ enum {
      *  busy machine). */
     VOR_LOP_LANES = 16,
     /** Most points that vor_lop_tree_gather hands out; further ones are left out. */
-    VOR_LOP_GATHERED_MAX = 256
+    VOR_LOP_GATHERED_MAX = 256,
+    /** Points that are indexed, some 0.5 us each, from one look at the watch to the next. */
+    VOR_LOP_POLL = 4096
 };
 
 /** Cosine between normals, below which points face away from each other: 120 degrees. So the sides
@@ -61,6 +64,18 @@ void vor_lop_tree_free(struct vor_lop_tree *tree);
 VOR_NODISCARD vor_status vor_lop_tree_add(struct vor_lop_tree *tree, uint32_t index,
                                           const float xyz[3], const float normal[3],
                                           struct vor_error *err);
+
+/** Indexes all samples as they are now: point i is sample i.
+ *
+ *  @param[out] out  free with vor_lop_tree_free, whatever is returned
+ *
+ *  @retval VOR_E_NOMEM
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  the watch is asked every VOR_LOP_POLL points
+ *
+ *  O(n log n). */
+VOR_NODISCARD vor_status vor_lop_tree_build(struct vor_lop_tree *out,
+                                            const struct vor_lop_samples *samples,
+                                            const struct vor_run *run, struct vor_error *err);
 
 /** Finds the points within `radius` of x. Thread-safe beside other questions. */
 void vor_lop_tree_gather(struct vor_lop_gathered *out, const struct vor_lop_tree *tree,

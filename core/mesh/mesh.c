@@ -1,6 +1,7 @@
 #include "core/mesh/mesh.h"
 
 #include "core/mesh/close.h"
+#include "core/mesh/crossing.h"
 #include "core/mesh/describe.h"
 #include "core/mesh/exact.h"
 #include "core/mesh/facing.h"
@@ -160,6 +161,8 @@ static vor_status make(struct making *making, struct vor_error *err)
         status = on_one(making, close_loops);
     if (status == VOR_OK && making->how->moves)
         status = better(making, err);
+    if (status == VOR_OK)
+        status = vor_crossing_drop(&making->complex, &making->sheet, run, err);
     return status == VOR_OK ? on_one(making, finish) : status;
 }
 

@@ -311,7 +311,7 @@ static void report_points(struct vor_report *report, const struct work *work)
     vor_output_report_input(report, work->domain);
     report->points_in = work->in->n;
     report->points_out = work->n;
-    report->one_sided = work->sides.orientation.one_sided;
+    vor_sides_report(report, &work->sides);
     if (work->n < work->in->n && !has_filter(work->spec, VOR_FILTER_THIN))
         report->outliers = work->in->n - work->n;
 }

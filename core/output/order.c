@@ -231,6 +231,8 @@ static void rate_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct order *order = ctx;
 
     (void)worker;
+    if (vor_run_is_late(order->run))
+        return; /* no rating is read any more: choose_round */
     for (size_t k = begin; k < end; k++) {
         uint32_t i = order->heap[k];
         double sum = -misfit(order, (double)order->reach[i]);
@@ -359,9 +361,9 @@ static vor_status choose_round(struct order *order, struct vor_error *err)
 {
     vor_status status = vor_run_for(order->run, order->heaped, BLOCK, rate_block, order, err);
 
-    if (status == VOR_OK)
+    if (status == VOR_OK && !vor_run_is_late(order->run))
         status = on_one(order, build_heap, err);
-    while (status == VOR_OK && order->heaped > 0)
+    while (status == VOR_OK && order->heaped > 0 && !vor_run_is_late(order->run))
         status = on_one(order, choose_some, err);
     return status;
 }
@@ -406,6 +408,23 @@ static vor_status look_up(struct order *order, struct vor_error *err)
     return status;
 }
 
+/* The points not chosen yet, once the time is over: those of wide strides first. Points near each
+ * other have near indices, so that beginnings are still on all of the surface. */
+static void choose_hurried(struct order *order)
+{
+    size_t stride = 1;
+
+    while (stride < order->n)
+        stride *= 2;
+    for (; stride > 0; stride /= 2)
+        for (size_t i = 0; i < order->n; i += stride) {
+            if (order->slot[i] == CHOSEN)
+                continue;
+            order->slot[i] = CHOSEN;
+            order->out[order->count++] = (uint32_t)i;
+        }
+}
+
 static vor_status choose_all(struct order *order, struct vor_error *err)
 {
     vor_status status;
@@ -414,7 +433,7 @@ static vor_status choose_all(struct order *order, struct vor_error *err)
     order->slot[0] = CHOSEN;
     order->reach[0] = INFINITY;
     status = look_up(order, err);
-    while (status == VOR_OK) {
+    while (status == VOR_OK && !vor_run_is_late(order->run)) {
         status = on_one(order, begin_round, err);
         if (status != VOR_OK)
             break;
@@ -427,6 +446,8 @@ static vor_status choose_all(struct order *order, struct vor_error *err)
             status = choose_round(order, err);
         }
     }
+    if (status == VOR_OK && vor_run_is_late(order->run))
+        choose_hurried(order);
     for (size_t i = 0; i < order->n && status == VOR_OK; i++)
         if (order->slot[i] != CHOSEN)
             order->out[order->count++] = (uint32_t)i;

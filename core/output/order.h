@@ -47,7 +47,8 @@
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
  *  O(n log n) for points that are spread evenly; on the run's pool, most of it on one thread. The
- *  same order for any number of threads. */
+ *  same order for any number of threads. Once the run is late (vor_run_is_late), the points not
+ *  chosen yet follow in O(n): every second, of those between every second, and so on. */
 VOR_NODISCARD vor_status vor_order_progressive(uint32_t *order, const float *xyz, size_t n,
                                                double spacing, const struct vor_run *run,
                                                struct vor_error *err);

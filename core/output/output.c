@@ -23,7 +23,11 @@ static vor_status transfer(struct vor_cloud *out, struct vor_report *report,
 
     if (status == VOR_OK)
         status = vor_transfer(out, placed->in, seeds, &how, err);
-    report->one_sided = sides.orientation.one_sided + placed->told->one_sided;
+    if (placed->told->oriented) {
+        sides.orientation.components = 1;
+        sides.orientation.one_sided = placed->told->one_sided;
+    }
+    vor_sides_report(report, &sides);
     vor_sides_free(&sides, seeds->run.memory);
     return status;
 }
@@ -114,6 +118,26 @@ void vor_output_report_input(struct vor_report *report, const struct vor_domain 
     report->off_lattice = known->off_lattice;
 }
 
+static void report_stage(struct vor_report *report, const struct vor_outcome *told, unsigned stage)
+{
+    if (told->stages >> stage & 1)
+        vor_report_stage(report, (enum vor_run_stage)stage, told->steps[stage],
+                         told->seconds[stage]);
+}
+
+/* Reports the stages of a method, of which the polish is the last. */
+static void report_stages(struct vor_report *report, const struct vor_outcome *told)
+{
+    for (unsigned stage = 0; stage < VOR_RUN_STAGE_COUNT; stage++) {
+        if (stage == VOR_RUN_STAGE_POLISH)
+            continue;
+        report_stage(report, told, stage);
+        report->seconds_iterate += told->seconds[stage];
+    }
+    report_stage(report, told, VOR_RUN_STAGE_POLISH);
+    report->seconds_polish += told->seconds[VOR_RUN_STAGE_POLISH];
+}
+
 /* Reports what the method told. */
 static void report_method(struct vor_report *report, const struct vor_placed *placed)
 {
@@ -122,16 +146,12 @@ static void report_method(struct vor_report *report, const struct vor_placed *pl
     double unit = seeds->domain->unit, area = told->area > 0 ? told->area : seeds->area;
 
     report->stopped = told->stopped;
-    report->iterations = told->steps[VOR_RUN_STAGE_ITERATE];
+    report->iterations = told->steps[VOR_RUN_STAGE_ITERATE] + told->steps[VOR_RUN_STAGE_PROJECT];
     report->polish_steps = told->steps[VOR_RUN_STAGE_POLISH];
-    for (unsigned stage = 0; stage < VOR_RUN_STAGE_COUNT; stage++) {
-        if (told->stages >> stage & 1)
-            vor_report_stage(report, (enum vor_run_stage)stage, told->steps[stage],
-                             told->seconds[stage]);
-        /* What is no polish counts as iterations. */
-        *(stage == VOR_RUN_STAGE_POLISH ? &report->seconds_polish : &report->seconds_iterate) +=
-            told->seconds[stage];
-    }
+    report_stages(report, told);
+    for (unsigned i = 0; i < told->warnings_count; i++)
+        vor_warn(report->warnings, &report->warnings_count, told->warnings[i].about,
+                 told->warnings[i].value, told->warnings[i].limit);
     report->held = told->held;
     report->held_ever = told->held_ever;
     report->fallback_plane = told->fallback_plane;

@@ -48,6 +48,22 @@ vor_status vor_sides_find(struct vor_sides *out, const struct vor_sides_of *of,
     return status;
 }
 
+void vor_sides_report(struct vor_report *report, const struct vor_sides *sides)
+{
+    size_t one_sided = sides->orientation.one_sided;
+
+    report->one_sided = one_sided;
+    if (one_sided > 0)
+        report->orientation = VOR_ORIENTED_ONE_SIDED;
+    else if (sides->orientation.components > 0)
+        report->orientation = VOR_ORIENTED_CONSISTENT;
+    else if (sides->carried_decide)
+        report->orientation = VOR_ORIENTED_CARRIED;
+    if (one_sided > 0)
+        vor_warn(report->warnings, &report->warnings_count, VOR_WARNING_ONE_SIDED,
+                 (double)one_sided, 0);
+}
+
 void vor_sides_free(struct vor_sides *sides, struct vor_memory *memory)
 {
     vor_orientation_free(&sides->orientation, memory);

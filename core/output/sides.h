@@ -3,7 +3,7 @@
 #define VOR_OUTPUT_SIDES_H
 
 #include "core/input/orient.h"
-#include "core/spec.h"
+#include "core/report.h"
 
 /** A result, and what it was made of; all borrowed. */
 struct vor_sides_of {
@@ -38,6 +38,9 @@ int vor_sides_asked(const struct vor_spec *spec);
  *  As vor_orient. */
 VOR_NODISCARD vor_status vor_sides_find(struct vor_sides *out, const struct vor_sides_of *of,
                                         const struct vor_run *run, struct vor_error *err);
+
+/** Tells how the normals face, and warns of parts with one side only. */
+void vor_sides_report(struct vor_report *report, const struct vor_sides *sides);
 
 /** sides may be all zero. */
 void vor_sides_free(struct vor_sides *sides, struct vor_memory *memory);

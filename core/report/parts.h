@@ -42,6 +42,56 @@ enum vor_answered { VOR_NO, VOR_YES };
 
 #define VOR_FIELD_ANSWERED(field) enum vor_answered field;
 
+/** How the normals of a result face: identifier, word. */
+#define VOR_ORIENTED_TABLE(X)                                                                      \
+    X(NOT_ASKED, "not-asked")                                                                      \
+    X(CARRIED, "carried")                                                                          \
+    X(CONSISTENT, "consistent")                                                                    \
+    X(ONE_SIDED, "one-sided")
+
+enum vor_oriented {
+#define VOR_ORIENTED_ENUM(id, word) VOR_ORIENTED_##id,
+    VOR_ORIENTED_TABLE(VOR_ORIENTED_ENUM)
+#undef VOR_ORIENTED_ENUM
+        VOR_ORIENTED_COUNT
+};
+
+#define VOR_FIELD_ORIENTED(field) enum vor_oriented field;
+
+/** What a run of any method may warn of, as it did what was asked and that came to little:
+ *  identifier, what it is about (a parameter, or a member of the report), sentence. */
+#define VOR_WARNING_KIND_TABLE(X)                                                                  \
+    X(SIGMA_P, "sigmaP",                                                                           \
+      "sigmaP is below the spacing of the samples, and does nothing: none acts on another")        \
+    X(ONE_SIDED, "orientation",                                                                    \
+      "Connected parts of the input have one side only: no signs of their normals are consistent")
+
+enum vor_warning_kind {
+#define VOR_WARNING_ENUM(id, about, sentence) VOR_WARNING_##id,
+    VOR_WARNING_KIND_TABLE(VOR_WARNING_ENUM)
+#undef VOR_WARNING_ENUM
+        VOR_WARNING_COUNT
+};
+
+#define VOR_FIELD_WARNING_ABOUT(field) enum vor_warning_kind field;
+#define VOR_FIELD_WARNING_SAYS(field) enum vor_warning_kind field;
+
+/** A warning. */
+#define VOR_WARNING_TABLE(X)                                                                       \
+    X(WARNING_ABOUT, about, "about", "", "A parameter, or a member of the report")                 \
+    X(REAL, value, "value", "", "Its value, in its unit, or how many there are")                   \
+    X(REAL, limit, "limit", "", "The value from which on nothing is to be warned of")              \
+    X(WARNING_SAYS, says, "says", "", "What came of it")
+
+struct vor_warning {
+    VOR_WARNING_TABLE(VOR_FIELD)
+};
+
+/** A list of warnings, each kind at most once. */
+#define VOR_FIELD_WARNINGS(field)                                                                  \
+    struct vor_warning field[VOR_WARNING_COUNT];                                                   \
+    unsigned field##_count;
+
 /** A loop of edges that have one triangle: where a mesh ends. */
 #define VOR_MESH_LOOP_TABLE(X)                                                                     \
     X(U64, edges, "edges", "", "Its edges")                                                        \

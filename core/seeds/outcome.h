@@ -26,9 +26,11 @@ struct vor_outcome {
     double worst_descent;                /**< largest energy after the steps of an iteration over
                                               that before */
     double aspect;                       /**< median of the cells */
+    int oriented;                        /**< the method looked for the sides of the input */
     size_t one_sided;                    /**< components of the input that have one side only,
-                                              where the method looked for sides */
-    int refined;                         /**< the last step tried finer fits (vor_seeds_refine) */
+                                              where it did */
+    VOR_FIELD_WARNINGS(warnings)
+    int refined; /**< the last step tried finer fits (vor_seeds_refine) */
 };
 
 /** Notes that the method went through a stage, or through more steps of it. */

@@ -19,6 +19,12 @@ static const char *const level_words[VOR_LEVELS][2] = {
 #undef LEVEL_ROW
 };
 
+static const struct vor_when whens[] = {
+#define WHEN_ROW(parameter, other, words) {VOR_PARAM_##parameter, VOR_PARAM_##other, words},
+    VOR_WHEN_TABLE(WHEN_ROW)
+#undef WHEN_ROW
+};
+
 static const struct vor_named_preset presets[] = {
 #define PRESET_ROW(name, title, process, values, sentence) {name, title, process, values, sentence},
     VOR_NAMED_PRESET_TABLE(PRESET_ROW)
@@ -50,6 +56,14 @@ const char *vor_level_title(enum vor_level level)
 {
     assert((unsigned)level < VOR_LEVELS);
     return level_words[level][1];
+}
+
+const struct vor_when *vor_parameter_when(enum vor_parameter parameter)
+{
+    for (size_t i = 0; i < sizeof whens / sizeof whens[0]; i++)
+        if (whens[i].parameter == parameter)
+            return &whens[i];
+    return NULL;
 }
 
 const struct vor_named_preset *vor_named_preset(const char *process, unsigned index)

@@ -71,12 +71,38 @@ enum vor_level {
     X(BASELINES, ADVANCED, "Baselines")                                                            \
     X(PEAK, BASIC, "Peak of the PSNR")
 
+/** What parameters hang on: parameter, another one, words of it with blanks between. Without one of
+ *  these words the parameter changes nothing, and a form need not show it. One without a row always
+ *  counts. */
+#define VOR_WHEN_TABLE(X)                                                                          \
+    X(CONTRAST, DENSITY, "curvature edges attribute:NAME")                                         \
+    X(GRADING, DENSITY, "curvature edges attribute:NAME")                                          \
+    X(MAX_ASPECT, METRIC, "anisotropic lp attribute:NAME")                                         \
+    X(P, METRIC, "lp")                                                                             \
+    X(SIGMA_N, METHOD, "wlop ear")                                                                 \
+    X(SIGMA_P, METHOD, "wlop ear")                                                                 \
+    X(MU, METHOD, "wlop ear")                                                                      \
+    X(ROUNDS, METHOD, "wlop ear")                                                                  \
+    X(STEPS, METHOD, "wlop ear")                                                                   \
+    X(RHO, METHOD, "ear")                                                                          \
+    X(PHASES, METHOD, "ear")                                                                       \
+    X(SAMPLES, METHOD, "ear")                                                                      \
+    X(GAPS, METHOD, "ear")                                                                         \
+    X(HOLES, BOUNDARY, "fill")                                                                     \
+    X(HOLE_MAX, BOUNDARY, "fill")
+
+/** One row of the table. */
+struct vor_when {
+    enum vor_parameter parameter, other;
+    const char *words;
+};
+
 /** Presets: name, title, id of the process, values with blanks between, sentence. Each is a request
  * that can be made as it is; a caller may change any of its values. */
 #define VOR_NAMED_PRESET_TABLE(X)                                                                  \
     X("even", "Even 10 000", "resample", "points=10000", "Ten thousand points, evenly spread")     \
-    X("edges", "Keep edges", "resample", "ratio=1 edges=sites boundary=sites",                     \
-      "As many points as came in, along sharp edges and borders first")                            \
+    X("edges", "Keep edges", "resample", "ratio=1 method=ear rho=0",                               \
+      "As many points as came in, with normals, sharp edges kept sharp")                           \
     X("denoise", "Denoise", "denoise", "",                                                         \
       "As many points as came in, without noise and outliers")                                     \
     X("codec",                                                                                     \
@@ -98,6 +124,9 @@ const char *vor_parameter_title(enum vor_parameter parameter);
 enum vor_level vor_parameter_level(enum vor_parameter parameter);
 const char *vor_level_word(enum vor_level level);
 const char *vor_level_title(enum vor_level level);
+
+/** What a parameter hangs on; NULL where it always counts. */
+const struct vor_when *vor_parameter_when(enum vor_parameter parameter);
 
 /** Preset number `index` of a process, by its id; NULL past the last. */
 const struct vor_named_preset *vor_named_preset(const char *process, unsigned index);

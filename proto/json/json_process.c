@@ -7,6 +7,30 @@
 #include "proto/json/json_spec.h"
 #include "proto/json/json_write.h"
 
+#include <stdio.h>
+
+enum { WORD_SIZE = 64 };
+
+/* What the parameter hangs on: {"method":["wlop","ear"]}. */
+static void put_when(struct vor_text *text, const struct vor_process_info *process,
+                     enum vor_parameter parameter)
+{
+    const struct vor_when *when = vor_parameter_when(parameter);
+    char word[WORD_SIZE];
+    int length = 0;
+
+    if (when == NULL || !vor_process_takes(process, when->other))
+        return;
+    vor_json_key(text, "x-when");
+    vor_json_begin_object(text);
+    vor_json_key(text, vor_parameter_info(when->other)->name);
+    vor_json_begin_array(text);
+    for (const char *at = when->words; sscanf(at, "%63s%n", word, &length) == 1; at += length)
+        vor_json_string(text, word);
+    vor_json_end_array(text);
+    vor_json_end_object(text);
+}
+
 static void put_parameter(struct vor_text *text, const struct vor_process_info *process,
                           enum vor_parameter parameter)
 {
@@ -18,6 +42,7 @@ static void put_parameter(struct vor_text *text, const struct vor_process_info *
     vor_json_put_string(text, "description", info.sentence);
     vor_json_put_string(text, "x-level", vor_level_word(vor_parameter_level(parameter)));
     vor_json_put_string(text, "x-group", vor_group_title(info.group));
+    put_when(text, process, parameter);
     vor_json_put_u64(text, "minOccurs", 0);
     vor_json_put_u64(text, "maxOccurs", 1);
     vor_json_key(text, "schema");

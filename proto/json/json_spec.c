@@ -6,6 +6,7 @@
 #include "proto/json/json_write.h"
 
 #include <assert.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -182,19 +183,29 @@ void vor_json_spec_value(struct vor_text *text, const struct vor_spec *spec,
     forms[form].put(text, spec, parameter);
 }
 
-void vor_json_spec(struct vor_text *text, const struct vor_spec *spec)
+static void put_parameters(struct vor_text *text, const struct vor_spec *spec, bool only_changed)
 {
     vor_json_begin_object(text);
     for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
         enum vor_parameter parameter = (enum vor_parameter)i;
         enum vor_form form = vor_spec_form(spec, parameter);
 
-        if (form == VOR_FORM_NONE)
+        if (form == VOR_FORM_NONE || (only_changed && vor_spec_is_default(spec, parameter)))
             continue;
         vor_json_key(text, vor_parameter_info(parameter)->name);
         forms[form].put(text, spec, parameter);
     }
     vor_json_end_object(text);
+}
+
+void vor_json_spec(struct vor_text *text, const struct vor_spec *spec)
+{
+    put_parameters(text, spec, false);
+}
+
+void vor_json_spec_changed(struct vor_text *text, const struct vor_spec *spec)
+{
+    put_parameters(text, spec, true);
 }
 
 static void put_default(struct vor_text *text, const struct vor_process_info *process,

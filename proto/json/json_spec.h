@@ -11,6 +11,9 @@
  *  numbers, flags as booleans, lists as arrays, all else as strings. */
 void vor_json_spec(struct vor_text *text, const struct vor_spec *spec);
 
+/** The same of those parameters whose value is not the process's default. */
+void vor_json_spec_changed(struct vor_text *text, const struct vor_spec *spec);
+
 /** The value of one parameter of a request, which has one (vor_spec_given). */
 void vor_json_spec_value(struct vor_text *text, const struct vor_spec *spec,
                          enum vor_parameter parameter);

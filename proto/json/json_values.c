@@ -1,6 +1,7 @@
 #include "proto/json/json_values.h"
 
 #include "proto/json/json_members.h"
+#include "proto/json/json_spec.h"
 #include "proto/json/json_write.h"
 
 #include <string.h>
@@ -157,6 +158,10 @@ static void put_own_members(struct vor_text *text, const struct vor_status_info 
     else
         vor_json_null(text);
     put_inputs(text, info);
+    if (info->parameters != NULL) {
+        vor_json_key(text, "parameters");
+        vor_json_spec_changed(text, info->parameters);
+    }
     if (info->target_points > 0 || is_given(info->target_format))
         put_target(text, info);
     if (info->origin != NULL)

@@ -5,6 +5,7 @@
 
 #include "core/base/status.h"
 #include "core/report.h"
+#include "core/spec.h"
 #include "proto/json/json_read.h"
 #include "proto/text.h"
 
@@ -86,10 +87,11 @@ struct vor_status_info {
     /** The first is the member input; where there are more, all are in the member inputs. */
     const struct vor_input_info *inputs;
     size_t input_count;
-    uint64_t target_points;                  /**< 0: left out (not known before the area is) */
-    const char *target_format;               /**< NULL: left out */
-    const double *origin;                    /**< three, of the main output; NULL: left out */
-    const struct vor_record *metrics;        /**< NULL: null */
+    const struct vor_spec *parameters; /**< those that are not at their defaults; NULL: left out */
+    uint64_t target_points;            /**< 0: left out (not known before the area is) */
+    const char *target_format;         /**< NULL: left out */
+    const double *origin;              /**< three, of the main output; NULL: left out */
+    const struct vor_record *metrics;  /**< NULL: null */
     const struct vor_problem_doc *exception; /**< of a failed job; NULL: left out */
     const char *exception_json;              /**< the same, already JSON; wins when not NULL */
     const struct vor_link *links;

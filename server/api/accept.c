@@ -7,25 +7,6 @@
 #include <string.h>
 #include <strings.h>
 
-bool vor_accepts(const struct vor_request *request, const char *media_type, bool absent)
-{
-    unsigned index = 0;
-    const char *value = vor_request_header_next(request, "Accept", &index);
-    size_t want = strlen(media_type);
-
-    if (value == NULL)
-        return absent;
-    for (; value != NULL; value = vor_request_header_next(request, "Accept", &index)) {
-        while (*value != '\0') {
-            value += strspn(value, ", \t");
-            if (strncasecmp(value, media_type, want) == 0 && strchr(",; \t", value[want]) != NULL)
-                return true;
-            value += strcspn(value, ",");
-        }
-    }
-    return false;
-}
-
 /* The q of a media range's parameters; 1 when there is none. */
 static double quality_of(const char *range, size_t length)
 {
@@ -96,4 +77,21 @@ bool vor_accept_takes(const struct vor_request *request, const char *media_type)
         quality = range.quality;
     }
     return !given || quality > 0;
+}
+
+double vor_accept_named(const struct vor_request *request, const char *media_type)
+{
+    struct vor_accept_walk walk = {0, NULL};
+    struct vor_accept_range range;
+    double quality = 0;
+
+    while (vor_accept_next(request, &walk, &range))
+        if (strcasecmp(range.type, media_type) == 0 && range.quality > quality)
+            quality = range.quality;
+    return quality;
+}
+
+bool vor_accepts(const struct vor_request *request, const char *media_type)
+{
+    return vor_accept_named(request, media_type) > 0;
 }

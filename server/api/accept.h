@@ -6,10 +6,6 @@
 
 #include <stdbool.h>
 
-/** True when an Accept header names this media type, or none was sent and `absent` is true. Ranges
- *  with a star do not count. */
-bool vor_accepts(const struct vor_request *request, const char *media_type, bool absent);
-
 /** A walk over the ranges of all Accept headers; all zero at its beginning. */
 struct vor_accept_walk {
     unsigned index;
@@ -30,5 +26,12 @@ bool vor_accept_next(const struct vor_request *request, struct vor_accept_walk *
  *  matches it most closely has a q above 0. Every media type that is in use for a format of clouds
  *  stands for all of them, and so does application/octet-stream, less closely. */
 bool vor_accept_takes(const struct vor_request *request, const char *media_type);
+
+/** The q that the headers give this very media type, the highest if it is there twice; 0 when it is
+ *  not named, or is refused (q=0). Ranges with a star do not count. */
+double vor_accept_named(const struct vor_request *request, const char *media_type);
+
+/** True when the headers name this very media type with a q above 0. */
+bool vor_accepts(const struct vor_request *request, const char *media_type);
 
 #endif

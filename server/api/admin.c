@@ -1,5 +1,6 @@
 #include "server/api/admin.h"
 
+#include "core/base/vector.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
@@ -68,7 +69,7 @@ static enum vor_next reply_metrics(struct vor_app *app, struct vor_request *requ
 {
     struct vor_text text;
 
-    vor_metric_set(VOR_METRIC_BUILD, 1, VOR_LABELS(VOR_VERSION));
+    vor_metric_set(VOR_METRIC_BUILD, 1, VOR_LABELS(VOR_VERSION, VOR_ENGINE, vor_vector_name()));
     begin_counters();
     read_http(app);
     read_jobs(app);

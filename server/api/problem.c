@@ -111,8 +111,8 @@ static void add_headers(struct vor_request *request, const struct vor_problem *p
 /* A strict client of OGC's standard that asks for application/json takes nothing else. */
 static const char *media_type_for(const struct vor_request *request)
 {
-    return vor_accepts(request, "application/json", false) &&
-                   !vor_accepts(request, "application/problem+json", false)
+    return vor_accepts(request, "application/json") &&
+                   !vor_accepts(request, "application/problem+json")
                ? "application/json"
                : "application/problem+json";
 }

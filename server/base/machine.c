@@ -5,6 +5,7 @@
 
 #include "core/base/parallel.h"
 
+#include <malloc.h>
 #include <sched.h>
 #include <stdio.h>
 #include <unistd.h>
@@ -54,4 +55,15 @@ void vor_machine_set_oom_score(int score)
         return;
     (void)fprintf(file, "%d", score);
     (void)fclose(file); /* which may fail: not everybody may */
+}
+
+/* Bytes. What a daemon holds more after lists of 1,000 jobs (1 MB each), 120 of them by four
+ * clients: 0.8 / 0.9 / 1.0 MB at half, this and double, 1.8 at four times as much, 5.5 as the C
+ * library is by itself. */
+enum { LARGE_PIECE = 256 << 10 };
+
+void vor_machine_give_back(void)
+{
+    (void)mallopt(M_MMAP_THRESHOLD, LARGE_PIECE);
+    (void)mallopt(M_TRIM_THRESHOLD, LARGE_PIECE);
 }

@@ -15,4 +15,9 @@ size_t vor_machine_memory(void);
  *  Less than it was is for privileged users; for others nothing changes. */
 void vor_machine_set_oom_score(int score);
 
+/** From now on memory that is freed in pieces of 256 KiB and more goes back to the system at once,
+ *  in any thread. As the C library is by itself, one large piece that was freed raises the size
+ * from which on pieces go back, and later ones stay with the process, in each of its arenas. */
+void vor_machine_give_back(void);
+
 #endif

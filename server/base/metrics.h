@@ -12,7 +12,8 @@
 /** Metrics: identifier, name without "voronoid_", kind, unit that the name ends in before _total
  *  ("" for a count of things), labels in their order with blanks between, sentence. */
 #define VOR_METRIC_TABLE(X)                                                                        \
-    X(BUILD, "build_info", GAUGE, "", "version", "Always 1; which build this is")                  \
+    X(BUILD, "build_info", GAUGE, "", "version engine simd",                                       \
+      "Always 1; which build this is: engine digests the engine's sources, simd is its vectors")   \
     X(HTTP_REQUESTS, "http_requests_total", COUNTER, "", "route method code",                      \
       "Requests that are over, with the status they were answered with (499: the caller left)")    \
     X(HTTP_SECONDS, "http_request_duration_seconds", TIMES, "seconds", "route",                    \

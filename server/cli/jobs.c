@@ -141,15 +141,24 @@ static int list_all(const struct vor_cli *cli, unsigned limit)
     return code;
 }
 
+/* Begins to follow the job with that ID, and asks how it is doing; *job as vor_follow_ask has it.
+ * End with vor_follow_close, also after a failure. */
+static int ask_about(struct vor_follow *follow, const struct vor_cli *cli, const char *id,
+                     struct vor_json **job)
+{
+    int code = vor_follow_open(follow, cli, id);
+
+    *job = NULL;
+    vor_follow_job(follow, id);
+    return code == VOR_EXIT_OK ? vor_follow_ask(follow, job) : code;
+}
+
 static int show_one(const struct vor_cli *cli, const char *id)
 {
     struct vor_follow follow;
-    struct vor_json *job = NULL;
-    int code = vor_follow_open(&follow, cli, id);
+    struct vor_json *job;
+    int code = ask_about(&follow, cli, id, &job);
 
-    vor_follow_job(&follow, id);
-    if (code == VOR_EXIT_OK)
-        code = vor_follow_ask(&follow, &job);
     if (code == VOR_EXIT_OK)
         print_row(cli, job);
     vor_json_free(job);
@@ -260,12 +269,9 @@ static int dismiss(struct vor_follow *follow)
 static int cancel_one(const struct vor_cli *cli, const char *id)
 {
     struct vor_follow follow;
-    struct vor_json *job = NULL;
-    int code = vor_follow_open(&follow, cli, id);
+    struct vor_json *job;
+    int code = ask_about(&follow, cli, id, &job);
 
-    vor_follow_job(&follow, id);
-    if (code == VOR_EXIT_OK)
-        code = vor_follow_ask(&follow, &job);
     vor_json_free(job);
     if (code == VOR_EXIT_OK && vor_follow_is_over(&follow)) {
         char line[64];

@@ -216,6 +216,21 @@ static void say_dropped(const struct vor_progress *progress, const struct vor_js
     vor_text_free(&line);
 }
 
+/* Says each warning in a line: "warning: sigmaP is below ... (0.001 beside 0.02)". */
+static void say_warnings(const struct vor_progress *progress, const struct vor_json *report)
+{
+    const struct vor_json *list = vor_json_get(report, "warnings");
+
+    for (const struct vor_json *s = vor_json_first(list); s != NULL; s = vor_json_next(s)) {
+        const char *says = vor_json_get_string(vor_json_get(s, "says"));
+        char line[256];
+
+        (void)snprintf(line, sizeof line, "warning: %s (%g beside %g)", says != NULL ? says : "?",
+                       number_at(s, "value"), number_at(s, "limit"));
+        vor_cli_say(progress->cli->option[VOR_OPTION_OUTPUT], line);
+    }
+}
+
 /* Says of a mesh whose vertices were resampled how to have its surface resampled. One face may be a
  * strip of many, so it is not counted. */
 static void say_faces(const struct vor_progress *progress, const struct vor_json *report)
@@ -270,24 +285,25 @@ static void summarise(const struct vor_progress *progress, const struct vor_json
     const struct vor_json *seconds = vor_json_get(report, "seconds");
     const char *stopped = vor_json_get_string(vor_json_get(report, "stopped"));
     struct vor_report told = {0};
+    double points = number_at(vor_json_get(report, "points"), "out"), sum = 0, number;
+    const char *plural = points == 1 ? "" : "s";
     char line[256], steps[128];
-    double sum = 0, number;
 
     for (const struct vor_json *s = vor_json_first(seconds); s != NULL; s = vor_json_next(s))
         sum += vor_json_get_number(s, &number) ? number : 0;
     read_stages(&told, report);
     if (vor_process_takes(progress->cli->spec.process, VOR_PARAM_POINTS))
-        (void)snprintf(line, sizeof line, "%.0f points, delta %.4f after %s (%.20s), %.1f s",
-                       number_at(vor_json_get(report, "points"), "out"), number_at(report, "delta"),
+        (void)snprintf(line, sizeof line, "%.0f point%s, delta %.4f after %s (%.20s), %.1f s",
+                       points, plural, number_at(report, "delta"),
                        vor_report_steps(&told, steps, sizeof steps),
                        stopped != NULL ? stopped : "?", sum);
     else
-        (void)snprintf(line, sizeof line, "%.0f points, %.1f s",
-                       number_at(vor_json_get(report, "points"), "out"), sum);
+        (void)snprintf(line, sizeof line, "%.0f point%s, %.1f s", points, plural, sum);
     vor_cli_say(progress->name != NULL ? progress->name : progress->cli->option[VOR_OPTION_OUTPUT],
                 line);
     say_origin(progress, report);
     say_dropped(progress, report);
+    say_warnings(progress, report);
     say_faces(progress, report);
     say_baselines(progress, report);
 }

@@ -12,10 +12,12 @@ struct vor_pace_work {
     double points_in;
     double points_out; /**< that are asked for */
     unsigned threads;
+    enum vor_method_choice method;
+    double samples; /**< points that wlop and ear project; ear inserts the others */
 };
 
 /** The work of a run of a request on so many points, by so many threads; all zero where the request
- * does not say how many points it makes, or has another method than cvt. */
+ * does not say how many points it makes, or has another method than cvt, wlop and ear. */
 struct vor_pace_work vor_pace_work_of(const struct vor_spec *spec, uint64_t points,
                                       unsigned threads);
 
@@ -23,7 +25,8 @@ struct vor_pace_work vor_pace_work_of(const struct vor_spec *spec, uint64_t poin
 struct vor_pace {
     struct vor_pace_work work;
     int began;
-    double all;    /**< steps that the run takes at most: those of its first stage and all ahead */
+    double all;    /**< steps that the run takes at most, as vor_pace_done counts them: those of its
+                        first stage and all ahead */
     double before; /**< how slow the stage before was; 0 where that is not known */
     struct vor_record last;
     /** The record that the pace is reckoned from: the first one and, in a later stage, whose steps
@@ -34,10 +37,10 @@ struct vor_pace {
 /** Takes in the next record of the run. A run that begins again starts with an empty pace. */
 void vor_pace_add(struct vor_pace *pace, const struct vor_record *record);
 
-/** Share of the run that is done, 0 .. 1. The steps of all stages count alike, and those that a
- * stage did not need are done once the next one has begun. A budget of seconds counts where more of
- * it is used up. 0 before the first record, and where a record does not say how many steps its
- * stage takes. */
+/** Share of the run that is done, 0 .. 1. The steps of all stages count alike, those of wlop and
+ * ear, where the work is known, by what they usually take; those that a stage did not need are done
+ * once the next one has begun. A budget of seconds counts where more of it is used up. 0 before the
+ * first record, and where a record does not say how many steps its stage takes. */
 double vor_pace_done(const struct vor_pace *pace, const struct vor_spec *spec);
 
 /** Seconds from the last record, or before it from the beginning, until the run ends, or its budget

@@ -7,8 +7,8 @@ const STRIPS = [
     { name: 'sigma', words: 'σ', log: true },
     { name: 'epsilon', words: 'ε', log: false },
 ];
-const LEFT = 68, TOP = 16, GAP = 10; /* pixels: room for figures, for the names of stages, between strips */
-const STAGES = { iterate: 'iterations', polish: 'polish', repel: 'evening out', relax: 'triangles' };
+const LEFT = 72, LINE = 12, GAP = 10; /* pixels: room for figures, for a line of names of stages, between strips */
+const STAGES = { iterate: 'iterations', project: 'projection', insert: 'insertion' }; /* others by their own names */
 
 function scaleOf(values, log, top, height) {
     const shown = log ? values.filter((value) => value > 0).map(Math.log) : values;
@@ -36,20 +36,29 @@ function strip(pen, rows, x, { name, words, log }, top, height, width) {
     pen.lineWidth = 1;
 }
 
-/* A line where another stage begins, with its name. */
-function stages(pen, rows, x, height) {
-    pen.font = '11px system-ui, sans-serif';
-    let until = -Infinity;
-    rows.forEach((row, k) => {
-        if (k && row.run_stage === rows[k - 1].run_stage) return;
-        const words = STAGES[row.run_stage] || row.run_stage || '', at = x(row);
-        pen.strokeStyle = color('line');
-        pen.fillStyle = color('soft');
-        pen.strokeRect(at, TOP, 0, height - TOP);
-        if (at < until) return;
-        pen.fillText(words, at + 2, 11);
-        until = at + 6 + pen.measureText(words).width;
+/* Where the names of stages go: {words, at, line, x}; on a second line those that would run into the one before, on none if there too. */
+function places(pen, begins, x, width) {
+    const until = [-Infinity, -Infinity];
+    return begins.map((row) => {
+        const words = STAGES[row.run_stage] || row.run_stage || '', long = pen.measureText(words).width;
+        const at = Math.min(x(row) + 2, width - long), line = until.findIndex((end) => at >= end);
+        if (line >= 0) until[line] = at + long + 4;
+        return { words, at, line, x: x(row) };
     });
+}
+
+/* A line where another stage begins, with its name. Returns where the strips begin. */
+function stages(pen, rows, x, width, height) {
+    pen.font = '11px system-ui, sans-serif';
+    pen.strokeStyle = color('line');
+    pen.fillStyle = color('soft');
+    const all = places(pen, rows.filter((row, k) => !k || row.run_stage !== rows[k - 1].run_stage), x, width);
+    const top = 4 + LINE * Math.max(...all.map((one) => one.line + 1), 1);
+    all.forEach((one) => {
+        pen.strokeRect(one.x, top, 0, height - top);
+        if (one.line >= 0) pen.fillText(one.words, one.at, LINE * (one.line + 1) - 1);
+    });
+    return top;
 }
 
 /** Draws records into a canvas and says in its label what is to be seen. */
@@ -61,9 +70,8 @@ export function drawChart(canvas, records) {
     [canvas.width, canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
     pen.scale(ratio, ratio);
     const from = rows[0].seconds, span = rows.at(-1).seconds - from || 1, x = (row) => LEFT + 4 + (row.seconds - from) / span * (width - LEFT - 9);
-    const each = (height - TOP - 2 * GAP - 2) / 3;
-    stages(pen, rows, x, height);
-    STRIPS.forEach((one, k) => strip(pen, rows, x, one, TOP + k * (each + GAP), each, width));
+    const top = stages(pen, rows, x, width, height), each = (height - top - 2 * GAP - 2) / 3;
+    STRIPS.forEach((one, k) => strip(pen, rows, x, one, top + k * (each + GAP), each, width));
     const [first, last] = [rows[0], rows.at(-1)];
     canvas.setAttribute('aria-label', `Convergence in ${rows.length} records: delta from ${figure(first.delta)} to ${figure(last.delta)}, `
         + `sigma from ${figure(first.sigma)} to ${figure(last.sigma)}, epsilon from ${first.epsilon.toFixed(5)} to ${last.epsilon.toFixed(5)}`);

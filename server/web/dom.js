@@ -15,7 +15,9 @@ export const count = (n) => Number(n).toLocaleString('en');
 /** A figure with four digits that tell. */
 export function figure(value) {
     if (typeof value !== 'number') return String(value);
-    return Number.isInteger(value) ? count(value) : String(Number(value.toPrecision(4)));
+    if (Number.isSafeInteger(value)) return count(value);
+    if (Math.abs(value) < 1e-3 || Math.abs(value) >= 1e15) return value.toExponential(3).replace(/\.?0*e\+?/, 'e');
+    return String(Number(value.toPrecision(4)));
 }
 
 export function bytes(n) {

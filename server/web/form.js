@@ -1,5 +1,5 @@
 /* The form of a process, made of what the daemon says of it: nothing here knows a parameter by its name. */
-import { make } from './dom.js';
+import { figure, make, show } from './dom.js';
 
 /* The parts of a parameter's schema: of "a number or auto" the number, and the words. */
 function partsOf(schema) {
@@ -11,18 +11,20 @@ const isFile = (schema) => (schema.oneOf || [schema]).some((one) => one.contentE
 
 const unit = (schema) => schema['x-unit'];
 
+/* "1 to 90 degrees. Default 15." */
 function range(schema, free) {
     const words = [];
-    if (free && free.minimum !== undefined && free.maximum !== undefined) words.push(`${free.minimum} to ${free.maximum}`);
-    if (unit(schema)) words.push(unit(schema));
-    if (schema.default !== undefined && String(schema.default) !== '') words.push(`default ${schema.default}`);
-    return words.join(', ');
+    if (free && free.minimum !== undefined && free.maximum !== undefined)
+        words.push([`${figure(free.minimum)} to ${figure(free.maximum)}`, unit(schema)].filter(Boolean).join(' '));
+    else if (unit(schema)) words.push(`In ${unit(schema)}`);
+    if (schema.default !== undefined && String(schema.default) !== '') words.push(`Default ${schema.default}`);
+    return words.map((one) => `${one}.`).join(' ');
 }
 
 function choice(id, schema, words) {
     const select = make('select', { id }, make('option', { value: '' }, schema.default === undefined ? 'not given' : `${schema.default} (default)`));
     words.filter((word) => String(word) !== String(schema.default)).forEach((word) => select.append(make('option', { value: word }, word)));
-    return { control: select, read: () => select.value, write: (value) => { select.value = value; } };
+    return { control: select, read: () => select.value, write: (value) => { select.value = String(value) === String(schema.default) ? '' : value; } };
 }
 
 function several(id, words) {
@@ -40,21 +42,25 @@ function number(id, schema, { words, free }) {
     return { control: input, read: () => input.value.trim(), write: (value) => { input.value = value; } };
 }
 
-function text(id, schema) {
+/* Words that are no more than examples are offered while somebody types. */
+function text(id, schema, words) {
     const input = make('input', { id, type: 'text', placeholder: String(schema.default ?? '') });
-    return { control: input, read: () => input.value.trim(), write: (value) => { input.value = value; } };
+    const offered = words.length ? [make('datalist', { id: `${id}-words` }, ...words.map((word) => make('option', { value: word })))] : [];
+    if (words.length) input.setAttribute('list', `${id}-words`);
+    return { control: input, besides: offered, read: () => input.value.trim(), write: (value) => { input.value = value; } };
 }
 
 function controlOf(id, schema) {
     const parts = partsOf(schema), { words, free, pattern } = parts;
     if (schema.type === 'boolean') {
-        const box = make('input', { id, type: 'checkbox', checked: Boolean(schema.default) });
-        return { control: box, read: () => (box.checked === Boolean(schema.default) ? '' : String(box.checked)), write: (value) => { box.checked = String(value) === 'true'; } };
+        const usual = Boolean(schema.default), box = make('input', { id, type: 'checkbox', checked: usual });
+        return { control: box, read: () => (box.checked === usual ? '' : String(box.checked)),
+            write: (value) => { box.checked = value === '' ? usual : String(value) === 'true'; } };
     }
     if (schema.type === 'array' && schema.items?.enum) return several(id, schema.items.enum);
     if (words.length && !free) return choice(id, schema, words);
     if (free && /integer|number/.test(free.type) && !pattern) return number(id, schema, parts);
-    return text(id, schema);
+    return text(id, schema, words);
 }
 
 function field(name, input) {
@@ -62,25 +68,56 @@ function field(name, input) {
     const label = make(one.group ? 'span' : 'label', { className: 'name', id: `${id}-label` }, input.title || name), words = partsOf(input.schema);
     if (one.group) one.control.setAttribute('aria-labelledby', label.id);
     else label.htmlFor = id;
-    help.append([input.description, range(input.schema, words.free)].filter(Boolean).join('. '));
-    if (words.pattern) help.append(words.words.length ? ` One of ${words.words.join(', ')}, or as said.` : '');
+    help.append([input.description && `${input.description}.`, range(input.schema, words.free)].filter(Boolean).join(' '));
     one.control.setAttribute('aria-describedby', help.id);
-    return { ...one, name, row: make('div', { className: 'field' }, label, one.control, help) };
+    return { ...one, name, usual: String(input.schema.default ?? ''), when: input['x-when'] || {},
+        row: make('div', { className: 'field' }, label, one.control, help, ...(one.besides || [])) };
 }
 
-/** The form of a process description: {elements: [basic, advanced or null], values() of what was changed, set(values)}. */
+/* Whether a field counts: another one that it hangs on has one of these words, of which attribute:NAME is any that begins so. */
+function counts({ when }, fields) {
+    return Object.entries(when).every(([name, words]) => {
+        const other = fields.find((one) => one.name === name), value = other.read() || other.usual;
+        return words.some((word) => word === value || (word.endsWith(':NAME') && value.startsWith(word.slice(0, -4))));
+    });
+}
+
+/* Fields under the titles of their groups: {rows, elements}. */
+function grouped(fields) {
+    return [...new Set(fields.map((one) => one.group))].map((group) => {
+        const rows = fields.filter((one) => one.group === group).map((one) => one.row);
+        return { rows, element: make('div', {}, ...(group ? [make('h3', {}, group)] : []), ...rows) };
+    });
+}
+
+/** The form of a process description: {elements: [basic ones ..., advanced or null], values() of what was changed and counts,
+ *  set(values), blame(errors)}. */
 export function makeForm(description) {
     const fields = Object.entries(description.inputs).filter(([, input]) => !isFile(input.schema)).map(([name, input]) => ({
         ...field(name, input), basic: input['x-level'] === 'basic', group: input['x-group'] || '' }));
     const basic = fields.filter((one) => one.basic), advanced = fields.filter((one) => !one.basic);
-    const rows = (some) => [...new Set(some.map((one) => one.group))].flatMap((group) => [...(group ? [make('h3', {}, group)] : []),
-        ...some.filter((one) => one.group === group).map((one) => one.row)]);
-    const elements = [...rows(basic)];
-    if (advanced.length) elements.push(make('details', { open: !basic.length }, make('summary', {}, `${basic.length ? 'More' : 'All'} parameters (${advanced.length})`), ...rows(advanced)));
+    const [open, folded] = [grouped(basic), grouped(advanced)], summary = make('summary');
+    const more = make('details', { open: !basic.length }, summary, ...folded.map((one) => one.element));
+    const refresh = () => {
+        fields.forEach((one) => {
+            show(one.row, counts(one, fields));
+            one.row.querySelectorAll('input, select').forEach((control) => { control.disabled = one.row.hidden; }); /* nor is it checked */
+        });
+        [...open, ...folded].forEach(({ rows, element }) => show(element, rows.some((row) => !row.hidden)));
+        summary.textContent = `${basic.length ? 'More' : 'All'} parameters (${advanced.filter((one) => !one.row.hidden).length})`;
+    };
+    const elements = [...open.map((one) => one.element), ...(folded.length ? [more] : [])];
+    elements.forEach((one) => one.addEventListener('input', refresh));
+    refresh();
     return {
         elements,
-        values: () => Object.fromEntries(fields.map((one) => [one.name, one.read()]).filter(([, value]) => value !== '')),
-        set: (values) => fields.forEach((one) => one.write(values[one.name] ?? '')),
+        values: () => Object.fromEntries(fields.filter((one) => !one.row.hidden).map((one) => [one.name, one.read()])
+            .filter(([, value]) => value !== '')),
+        set(values) {
+            fields.forEach((one) => one.write(values[one.name] ?? ''));
+            more.open = !basic.length || advanced.some((one) => values[one.name] !== undefined);
+            refresh();
+        },
         /* Shows what the daemon finds wrong with a parameter beside it. */
         blame: (errors) => fields.forEach((one) => {
             const error = errors.find(({ parameter }) => parameter === one.name), place = one.control;

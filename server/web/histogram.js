@@ -1,6 +1,7 @@
 /* How often which figure occurs among the points, in the colours that they have in the view. */
 import { count, figure } from './dom.js';
 import { colorAt } from './palette.js';
+import { color } from './theme.js';
 
 const BINS = 60;
 
@@ -23,6 +24,10 @@ export function drawHistogram(canvas, caption, { mode, values, low, high, unit, 
         pen.fillStyle = colorAt(mode, (k + 0.5) / BINS);
         pen.fillRect(k * width / BINS, height * (1 - n / most), width / BINS - 1, height * n / most);
     });
+    pen.strokeStyle = color('soft'); /* the middle of the colours is as pale as the page */
+    pen.beginPath();
+    bins.forEach((n, k) => [k, k + 1].forEach((x) => pen.lineTo(x * width / BINS, Math.min(height - 0.5, height * (1 - n / most) + 0.5))));
+    pen.stroke();
     const [from, to] = [figure(low / unit), figure(high / unit)];
     caption.textContent = mode === 'spacing'
         ? `${whose}: distance to the nearest point over its mean, ${figure(unit)}, from ${from} (and less) to ${to} (and more); ${count(values.length)} points`

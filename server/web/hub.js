@@ -6,6 +6,7 @@ const AGAIN_MS = 2000;    /* before a stream that broke is opened again, or a da
 const SETTLE_MS = 60;     /* during which more tabs may ask, before a stream is opened anew */
 const PREVIEW_POINTS = 50000; /* as many as the daemon shows of points on the move */
 const POLL_SECONDS = 10;  /* that a poll may wait for news */
+const POLLS_WAITING = 2;  /* at a time: of six connections the page needs some; other jobs are asked for now and then */
 
 async function* lines(body) {
     const reader = body.pipeThrough(new TextDecoderStream()).getReader();
@@ -41,10 +42,11 @@ export function makeHub(root, key) {
     }
 
     /* Asks for a job's status again and again, each time until it has changed. */
-    async function poll(id, signal) {
+    async function poll(id, signal, waits) {
         for (let tag = ''; !signal.aborted && watched.has(id);) {
+            if (tag && !waits) await new Promise((resolve) => { setTimeout(resolve, AGAIN_MS); });
             const answer = await fetch(new URL(`v1/jobs/${id}`, root), { signal, cache: 'no-store',
-                headers: headers({ Prefer: `wait=${POLL_SECONDS}`, ...(tag ? { 'If-None-Match': tag } : {}) }) });
+                headers: headers({ ...(waits ? { Prefer: `wait=${POLL_SECONDS}` } : {}), ...(tag ? { 'If-None-Match': tag } : {}) }) });
             tag = answer.headers.get('ETag') || '';
             if (answer.status === 200) {
                 const data = await answer.json();
@@ -62,8 +64,10 @@ export function makeHub(root, key) {
         const last = ids.map((id) => watched.get(id).position).join(','), query = `jobs=${ids.join(',')}&lastEventId=${last}&preview=${PREVIEW_POINTS}`;
         const answer = await fetch(new URL(`v1/events?${query}`, root),
             { signal, headers: headers({ Accept: 'application/x-ndjson' }), cache: 'no-store' });
-        if (answer.status === 200) for await (const line of lines(answer.body)) hear(ids, JSON.parse(line));
-        else if (answer.status !== 204) await Promise.all(ids.map((id) => poll(id, signal)));
+        /* A daemon that has all the streams it may have answers 200 too, with no lines but when to come again. */
+        if (answer.status === 200 && /ndjson/.test(answer.headers.get('Content-Type')))
+            for await (const line of lines(answer.body)) hear(ids, JSON.parse(line));
+        else if (answer.status !== 204) await Promise.all(ids.map((id, k) => poll(id, signal, k < POLLS_WAITING)));
     }
 
     async function open() {

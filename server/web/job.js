@@ -11,13 +11,14 @@ import { isOver, watchJob } from './watch.js';
 
 let release = () => {}, shown = null, records = [], frame = 0, fetching = false;
 
+const STEPS = { iterate: 'Iteration', polish: 'Polish, step', project: 'Projection, step', insert: 'Insertion, point', baselines: 'Baseline' };
 const WORDS = { successful: 'Done', failed: 'Failed', dismissed: 'Cancelled' };
 
 function stateOf(status) {
     const { queuePosition, eta, stage } = status.voronoid;
     const parts = [WORDS[status.status] || (stage === 'optimize' ? 'Running' : status.message || status.status)];
     if (isOver(status) && status.message) parts.push(status.message);
-    if (queuePosition) parts.push(`place ${queuePosition} in the queue`);
+    if (typeof queuePosition === 'number') parts.push(queuePosition ? `${count(queuePosition)} before it in the queue` : 'next in the queue');
     if (!isOver(status) && stage !== 'optimize' && typeof eta === 'number') parts.push(`some ${seconds(Math.max(eta, 0))} left`);
     return parts.join(', ');
 }
@@ -49,8 +50,8 @@ function showRecords(all, latest) {
     if (!latest || isOver(shown)) return;
     $('progress').value = latest.progress;
     const left = typeof latest.eta === 'number' ? `, some ${seconds(latest.eta)} left` : '';
-    const name = { iterate: 'Iteration', polish: 'Polish, step' }[latest.run_stage] || `${latest.run_stage}, step`;
-    $('figures').textContent = `${name} ${count(latest.step)} of at most ${count(latest.of)}${left}`;
+    const most = latest.of ? ` of at most ${count(latest.of)}` : '';
+    $('figures').textContent = `${STEPS[latest.run_stage] || latest.run_stage} ${count(latest.step)}${most}${left}`;
 }
 
 /* Shows the result, read as PLY in the frame of the input, unless another job is on the page by now. */
@@ -80,7 +81,7 @@ async function showPreview(id) {
     fetching = true;
     try {
         const answer = await ask(`v1/jobs/${id}/preview`), cloud = await readCloud(await answer.arrayBuffer(), input.origin);
-        await measures.normals(cloud);
+        await Promise.all([measures.normals(cloud), measures.spacing(cloud)]);
         if (shown?.jobID !== id || isOver(shown) || getCloud('input') !== input) return dropCloud(cloud);
         const first = !getCloud('result');
         setCloud('result', cloud);

@@ -16,7 +16,6 @@ import { isOver, watchJob } from './watch.js';
 let source = null, job = '', turn = 0;
 
 function complain(error) {
-    if (error.name === 'AbortError') return;
     $('trouble').textContent = error.message;
     if (error.errors) blame(error.errors);
 }
@@ -107,7 +106,7 @@ const openJob = guarded(async (id) => {
     setName(name);
     $('cloud-words').textContent = `${name}: is fetched`;
     $('run').disabled = false;
-    choose(status.processID);
+    choose(status.processID, status.voronoid.parameters);
     if (!isOver(status)) followJob(status, () => showHistory()); /* the chart grows while the input comes */
     const cloud = await fetchInput(status).catch(() => null);
     if (mine !== turn) return;

@@ -36,16 +36,33 @@ export function readHeader(bytes) {
     return head;
 }
 
-/* A function that gives the next number of a type. */
+/* A function that gives the next number of a type. That of a binary file has table(element, sinks), which reads all rows of an element
+ * without lists, a property at a time: half the time of reading 2 M points. */
 function numbers(buffer, head) {
     if (head.format === 'ascii') return words(new Uint8Array(buffer), head.length);
     const view = new DataView(buffer), little = head.format === 'binary_little_endian';
     let at = head.length;
-    return (name) => {
+    const next = (name) => {
         const [get, size] = READERS[name];
         at += size;
         return view[get](at - size, little);
     };
+    next.table = ({ properties, count }, sinks) => {
+        const stride = properties.reduce((sum, one) => sum + READERS[one.type][1], 0);
+        if (at + stride * count > buffer.byteLength) throw new RangeError('the file is over');
+        properties.forEach((one, k) => {
+            const [get, size] = READERS[one.type];
+            if (sinks[k]) readColumn(view, get, little, { at, stride, count }, sinks[k]);
+            at += size;
+        });
+        at += stride * (count - 1);
+    };
+    return next;
+}
+
+function readColumn(view, get, little, { at, stride, count }, { to, place, full }) {
+    if (full !== 1) for (let i = 0; i < count; i++) to[3 * i + place] = Math.round(view[get](at + stride * i, little) * full);
+    else for (let i = 0; i < count; i++) to[3 * i + place] = view[get](at + stride * i, little);
 }
 
 function words(bytes, at) {
@@ -62,7 +79,7 @@ function skipList(next, property) {
     for (let left = next(property.count); left > 0; left--) next(property.type);
 }
 
-/* What becomes of each property of a vertex: row i gets value v. */
+/* What becomes of each property of a vertex: null, or row i of an array has it at a place, times what makes it full (and whole). */
 function sinks(element, into) {
     const axis = { x: 0, y: 1, z: 2, nx: 3, ny: 4, nz: 5, red: 6, green: 7, blue: 8 };
     const has = (...names) => names.every((name) => element.properties.some((one) => one.name === name));
@@ -73,19 +90,22 @@ function sinks(element, into) {
     return element.properties.map((one) => {
         const column = axis[one.name], to = [into.xyz, into.normals, into.colors][Math.floor(column / 3)];
         if (one.count || !to) return null;
-        const full = to === into.colors ? 255 / (FULL[one.type] || 255) : 1;
-        return (i, value) => { to[3 * i + (column % 3)] = full === 1 ? value : Math.round(value * full); };
+        return { to, place: column % 3, full: to === into.colors ? 255 / (FULL[one.type] || 255) : 1 };
     });
 }
 
 function readVertices(next, element, into) {
     const sink = sinks(element, into), { properties } = element;
+    if (next.table && element.count && !properties.some((one) => one.count)) return next.table(element, sink);
     for (let i = 0; i < element.count; i++)
         for (let k = 0; k < properties.length; k++) {
             if (properties[k].count) skipList(next, properties[k]);
-            else if (sink[k]) sink[k](i, next(properties[k].type));
-            else next(properties[k].type);
+            else {
+                const value = next(properties[k].type), { to, place, full } = sink[k] || {};
+                if (to) to[3 * i + place] = full === 1 ? value : Math.round(value * full);
+            }
         }
+    return undefined;
 }
 
 /* Faces as fans of triangles. */
@@ -116,6 +136,7 @@ function skipElement(next, element) {
 
 /* Leaves out points that are not finite, and the triangles that hang on them. */
 function sift(cloud) {
+    if (cloud.xyz.every(Number.isFinite)) return;
     const n = cloud.xyz.length / 3, place = new Int32Array(n).fill(-1);
     let kept = 0;
     for (let i = 0; i < n; i++) {
@@ -124,7 +145,6 @@ function sift(cloud) {
             if (rows) rows.copyWithin(3 * kept, 3 * i, 3 * i + 3);
         place[i] = kept++;
     }
-    if (kept === n) return;
     for (const name of ['xyz', 'normals', 'colors']) if (cloud[name]) cloud[name] = cloud[name].slice(0, 3 * kept);
     const whole = [];
     for (let i = 0; cloud.faces && i < cloud.faces.length; i += 3) {
@@ -137,10 +157,11 @@ function sift(cloud) {
 
 function bounds(xyz) {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    for (let i = 0; i < xyz.length; i++) {
-        if (xyz[i] < low[i % 3]) low[i % 3] = xyz[i];
-        if (xyz[i] > high[i % 3]) high[i % 3] = xyz[i];
-    }
+    for (let k = 0; k < 3; k++)
+        for (let i = k; i < xyz.length; i += 3) {
+            if (xyz[i] < low[k]) low[k] = xyz[i];
+            if (xyz[i] > high[k]) high[k] = xyz[i];
+        }
     return { low, high };
 }
 
@@ -180,7 +201,7 @@ export function readPly(buffer, origin) {
     const { low, high } = bounds(cloud.xyz);
     const from = origin || low.map((value, k) => (value + high[k]) / 2 || 0);
     const positions = new Float32Array(cloud.xyz.length);
-    for (let i = 0; i < positions.length; i++) positions[i] = cloud.xyz[i] - from[i % 3];
+    for (let k = 0; k < 3; k++) for (let i = k; i < positions.length; i += 3) positions[i] = cloud.xyz[i] - from[k];
     return { n: positions.length / 3, positions, origin: from, low: low.map((value, k) => value - from[k]),
         high: high.map((value, k) => value - from[k]), normals: cloud.normals, colors: cloud.colors, faces: cloud.faces,
         left: cloud.left };

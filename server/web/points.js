@@ -81,6 +81,7 @@ export function makePoints(cloud) {
     const few = cloud.n > MOVING_MAX ? sample(cloud.n) : null;
     geometry.setAttribute('position', new BufferAttribute(cloud.positions, 3));
     if (cloud.colors) geometry.setAttribute('tint', new BufferAttribute(cloud.colors, 3, true));
+    if (cloud.normals) geometry.setAttribute('normal', new BufferAttribute(cloud.normals, 3));
     geometry.boundingSphere = sphere;
     const points = new Points(geometry, look), root = new Group();
     const mesh = cloud.faces ? meshOf(cloud, sphere) : null;

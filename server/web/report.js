@@ -11,7 +11,7 @@ async function schemaOf(process, output) {
 
 const plain = (value) => value === null || typeof value !== 'object';
 
-const item = (one) => (plain(one) ? figure(one) : Object.entries(one).map(([name, value]) => `${name} ${words(value)}`).join(' '));
+const item = (one) => (plain(one) ? figure(one) : Object.entries(one).map(([name, value]) => `${name} ${words(value)}`).join(' · '));
 
 function words(value) {
     if (value === null) return 'none';
@@ -19,8 +19,14 @@ function words(value) {
     return figure(value);
 }
 
+/* A list of figures is a line; of things with members each has its own. */
+function shownOf(value) {
+    if (!Array.isArray(value) || !value.length || value.every(plain)) return [words(value)];
+    return value.map((one) => make('span', { className: 'line' }, item(one)));
+}
+
 function row(name, value, schema) {
-    const shown = make('span', {}, words(value)), unit = schema?.['x-unit'];
+    const shown = make('span', {}, ...shownOf(value)), unit = schema?.['x-unit'];
     if (unit && typeof value === 'number') shown.append(make('small', {}, ` ${unit}`));
     return [make('dt', {}, name), make('dd', {}, shown, schema?.description ? make('small', { className: 'meaning' }, schema.description) : '')];
 }
@@ -34,11 +40,22 @@ function rows(report, schema, prefix = '') {
     });
 }
 
+/* How far input and result lie from each other, of both ways at once. */
+function apart({ in_to_out: there, out_to_in: back }, unit) {
+    if (!there || !back) return [];
+    const far = (name, value, description) => row(name, value, { description, 'x-unit': unit });
+    return [make('h3', {}, 'Beside the input'), make('dl', {},
+        ...far('Mean distance', there.mean, 'From a point of the input to the nearest one of the result: where there are fewer of those, some part '
+            + 'of their spacing'),
+        ...far('Mean distance back', back.mean, 'From a point of the result to the nearest one of the input: how close it keeps to it'),
+        ...far('Hausdorff distance', Math.max(there.max, back.max), 'The greatest of all these distances, both ways')), make('h3', {}, 'All figures')];
+}
+
 /** Fills the panel with a report or document. */
 export async function showReport(process, output, report) {
     const schema = await schemaOf(process, output).catch(() => ({})), { parameters, ...figures } = report;
     const list = make('dl', {}, ...rows(figures, schema));
-    $('report').replaceChildren(list);
+    $('report').replaceChildren(...apart(figures, 'unit of the cloud'), list);
     if (parameters) $('report').append(make('h3', {}, 'As it was asked for'), make('dl', {}, ...rows(parameters, {})));
 }
 

@@ -15,6 +15,7 @@ function describe() {
     const words = Object.entries(clouds).filter(([, cloud]) => cloud).map(([name, cloud]) => `${name} with ${count(cloud.n)} points`);
     $('canvas').setAttribute('aria-label', words.length ? `Point clouds: ${words.join(', ')}` : 'No cloud yet');
     show($('captions'), view && whichHas('result'));
+    show($('canvas-empty'), view && !words.length);
 }
 
 /* The captions name what is on which side. */
@@ -106,6 +107,7 @@ function dressed() {
 export function wireStage(save) {
     view = makeView($('canvas'));
     show($('no-webgl'), !view);
+    show($('canvas-empty'), Boolean(view));
     show($('canvas'), Boolean(view));
     if (!view) return () => {};
     $('layouts').addEventListener('change', () => setLayout(chosen()));

@@ -38,8 +38,9 @@ function widest(index, xyz, low, high) {
 
 /** A tree over n x 3 floats: {n, index (point of a place), xyz (by place), axes, splits, leaves: [low, high, ...]}. O(n log n). */
 export function makeTree(xyz) {
-    const n = xyz.length / 3, index = Uint32Array.from({ length: n }, (_, i) => i);
-    const axes = [], splits = [], leaves = [];
+    const n = xyz.length / 3, index = new Uint32Array(n), nodes = 4 * Math.ceil(n / LEAF) + 1, leaves = [];
+    const [axes, splits] = [new Uint8Array(nodes), new Float32Array(nodes)];
+    for (let i = 0; i < n; i++) index[i] = i;
     const part = (node, low, high) => {
         if (high - low <= LEAF) return leaves.push(low, high);
         const axis = widest(index, xyz, low, high), middle = (low + high) >> 1;
@@ -52,9 +53,8 @@ export function makeTree(xyz) {
     };
     part(0, 0, n);
     const own = new Float32Array(3 * n);
-    for (let i = 0; i < n; i++) own.set(xyz.subarray(3 * index[i], 3 * index[i] + 3), 3 * i);
-    return { n, index, xyz: own, axes: Uint8Array.from(axes, (axis) => axis || 0), splits: Float32Array.from(splits, (at) => at || 0),
-        leaves };
+    for (let i = 0; i < n; i++) for (let k = 0; k < 3; k++) own[3 * i + k] = xyz[3 * index[i] + k];
+    return { n, index, xyz: own, axes, splits, leaves };
 }
 
 /** The k nearest places to a point, itself among them if it is one: fills found (places) and squares (squared distances), nearest

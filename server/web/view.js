@@ -11,7 +11,7 @@ CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE SOFTWARE. */
 /* The canvas: two clouds under one camera, side by side, behind a curtain, or one at a time. It draws when something changed. */
 import { AmbientLight, Color, DirectionalLight, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
 import { OrbitControls } from 'orbit-controls';
-import { makePoints } from './points.js';
+import { MOVING_MAX, makePoints } from './points.js';
 
 const FIELD_OF_VIEW = 40; /* degrees, of the height or, where that is less, the width of a pane */
 const REST_MS = 200;      /* without a movement, after which every point is drawn */
@@ -151,14 +151,14 @@ export function makeView(canvas) {
             }
             pane.slot = cloud ? makePoints(cloud) : null;
             if (!cloud) return draw();
-            pane.slot.spacing = 1.2 * pane.slot.sphere.radius / Math.sqrt(cloud.n); /* until it is measured */
+            pane.slot.spacing = cloud.spacing?.mean || 1.2 * pane.slot.sphere.radius / Math.sqrt(cloud.n); /* until it is measured */
             pane.scene.add(pane.slot.root);
             if (refit || !sphere) {
                 sphere = pane.slot.sphere;
                 fit(upOf(cloud));
             }
             dress(pane.slot);
-            return draw();
+            return cloud.n > MOVING_MAX ? move() : draw(); /* all at once would keep the first look waiting */
         },
         slot: (name) => panes[name].slot,
         /* Points are as wide as this distance, times the size that was chosen. */

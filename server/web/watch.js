@@ -2,6 +2,7 @@
 import { ROOT, askJson, getKey } from './api.js';
 import { makeHub } from './hub.js';
 
+const QUEUE_MS = 2000; /* between questions how many jobs are before this one */
 const told = new Map(); /* id: what to call */
 let port = null, hub = null;
 
@@ -40,7 +41,7 @@ const place = (record) => `${record.attempt} ${record.run_stage} ${record.iterat
  *  Returns a function that lets go. */
 export function watchJob(status, { onStatus, onRecords, onPreview, onEnd }) {
     const id = status.jobID, records = new Map();
-    let alive = true, attempt = 0;
+    let alive = true, attempt = 0, timer = 0;
     const add = (record) => {
         if (record.attempt < attempt) return;
         if (record.attempt > attempt) records.clear();
@@ -57,6 +58,7 @@ export function watchJob(status, { onStatus, onRecords, onPreview, onEnd }) {
     };
     const finish = async () => {
         part(id);
+        clearTimeout(timer);
         const last = await askJson(`v1/jobs/${id}`);
         await trace();
         if (alive) onEnd(last);
@@ -67,14 +69,24 @@ export function watchJob(status, { onStatus, onRecords, onPreview, onEnd }) {
         if (alive && isOver(now)) await finish();
         else if (alive) join(id, position);
     };
-    onStatus(status);
+    /* No event says that others have left the queue: who waits there asks. */
+    const tell = (now) => {
+        clearTimeout(timer);
+        onStatus(now);
+        timer = now.status === 'accepted' ? setTimeout(look, QUEUE_MS, now) : 0;
+    };
+    const look = async (before) => {
+        const mine = timer, now = document.hidden ? before : await askJson(`v1/jobs/${id}`).catch(() => before);
+        if (alive && timer === mine && !isOver(now)) tell(now);
+    };
+    tell(status);
     if (isOver(status)) {
         trace().then(() => alive && onEnd(status));
         return () => { alive = false; };
     }
     told.set(id, (event, data) => {
         if (!alive) return;
-        if (event === 'status' || event === 'polled') onStatus(data);
+        if (event === 'status' || event === 'polled') tell(data);
         if (event === 'preview') onPreview();
         if (event === 'polled') trace();
         if (event === 'progress') {
@@ -86,6 +98,7 @@ export function watchJob(status, { onStatus, onRecords, onPreview, onEnd }) {
     begin().catch(() => alive && join(id, '0.0'));
     return () => {
         alive = false;
+        clearTimeout(timer);
         if (told.has(id)) part(id);
     };
 }

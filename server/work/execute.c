@@ -204,15 +204,16 @@ static void describe(struct run *run, const struct vor_report *report)
     const struct vor_process_info *process = run->order->spec.process;
     const struct vor_artefact_info *main = &process->outputs[0];
     struct vor_run_result *result = run->result;
+    unsigned long long points = (unsigned long long)result->output[0].points;
+    const char *plural = points == 1 ? "" : "s";
     char steps[64];
 
     if (report != NULL && vor_process_takes(process, VOR_PARAM_POINTS))
-        (void)snprintf(result->message, sizeof result->message, "%llu points after %s, delta %.4f",
-                       (unsigned long long)result->output[0].points,
-                       vor_report_steps(report, steps, sizeof steps), report->delta);
+        (void)snprintf(result->message, sizeof result->message, "%llu point%s after %s, delta %.4f",
+                       points, plural, vor_report_steps(report, steps, sizeof steps),
+                       report->delta);
     else if (main->kind == VOR_ARTEFACT_CLOUD)
-        (void)snprintf(result->message, sizeof result->message, "%llu points",
-                       (unsigned long long)result->output[0].points);
+        (void)snprintf(result->message, sizeof result->message, "%llu point%s", points, plural);
     else
         (void)snprintf(result->message, sizeof result->message, "%s is ready, %llu bytes",
                        main->name, (unsigned long long)result->output[0].bytes);

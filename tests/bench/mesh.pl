@@ -24,16 +24,26 @@ my @cases = (
         asked => ['over <= 0', 'hausdorff <= 1.5'], goal => ['border <= 0'] },
     { name => 'mesh_cow_5k', input => made('cow110k'), truth => public('cow_mesh'), points => 5000,
         asked => ['over <= 0', 'hausdorff <= 1.5'], goal => ['border <= 0'] },
+    { name => 'mesh_shell', input => made('shell60k'), truth => made('shell_mesh'), points => 20_000, sheets => 60_000,
+        asked => ['over <= 0', 'across <= 0'], goal => [] },
+    { name => 'mesh_arma2', input => made('arma2_120k'), truth => made('arma2_mesh'), points => 40_000, sheets => 120_000,
+        asked => ['over <= 0', 'across_share <= 0.01'], goal => [] },
 );
-my @figure = qw(n triangles border over euler q_avg q_p001 q_min angle hausdorff us);
+my @figure = qw(n triangles border over euler q_avg q_p001 q_min angle hausdorff us across far);
 
-# What a mesh is like beside the true one.
-sub described {
-    my ($mesh, $truth) = @_;
-    open my $from, '-|', '/usr/bin/python3', 'tests/bench/mesh.py', $folder, $mesh, $truth or die "python3: $!\n";
+# What a script of the bench tells of a mesh.
+sub told {
+    my ($script, @arguments) = @_;
+    open my $from, '-|', '/usr/bin/python3', "tests/bench/$script", $folder, @arguments or die "python3: $!\n";
     my $told = decode_json(join '', <$from>);
-    close $from or die "mesh.py $mesh: failed\n";
+    close $from or die "$script @arguments: failed\n";
     return %$told;
+}
+
+# What a mesh is like beside the true one. Where that has several sheets, so many points of the input.
+sub described {
+    my ($mesh, $truth, $sheets) = @_;
+    return ($sheets ? told('across.py', $mesh, $truth, $sheets) : (), told('mesh.py', $mesh, $truth));
 }
 
 # Ours, one request after that without triangles; both with their defaults.
@@ -79,8 +89,8 @@ for my $case (grep { wanted($_->{name}) } @cases) {
         push @ours, ours($case, $mesh, $points);
         push @theirs, theirs($case, $front, $points);
     }
-    push @table, row("$case->{name}: ours", \@ours, { described($mesh, $case->{truth}) }, $case->{asked}, $case->{goal});
-    push @table, row("$case->{name}: advancing front", \@theirs, { described($front, $case->{truth}) }, [], []);
+    push @table, row("$case->{name}: ours", \@ours, { described($mesh, $case->{truth}, $case->{sheets}) }, $case->{asked}, $case->{goal});
+    push @table, row("$case->{name}: advancing front", \@theirs, { described($front, $case->{truth}, $case->{sheets}) }, [], []);
     unlink $mesh, $front, $points;
 }
 exit 0 if !@table;
@@ -89,5 +99,5 @@ table([
 ], \@table, 'border, over: edges of one triangle, and of more than two. q: quality 6 S / (sqrt(3) p h) with half the perimeter p, its mean, '
     . 'the one in a thousand, the least; angle: the smallest, degrees. hausdorff: the farther of both ways, a million places each, in '
     . 'spacings of a hexagonal lattice. us: making the triangles, microseconds a point, ours by the clock, theirs CPU. ratio: CPU of the request over that of '
-    . 'resample with its defaults. The advancing front (CGAL, -O3) joins the points of that resample.');
+    . 'resample with its defaults. across: triangles that join two sheets; far: those of them away from where sheets cross. The advancing front (CGAL, -O3) joins the points of that resample.');
 finish('mesh');

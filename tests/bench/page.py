@@ -18,10 +18,15 @@ POINTS = 2_000_000
 TURN_SECONDS = 4
 
 DROPPED = """
-const [name, done] = arguments, canvas = document.getElementById('canvas'), began = performance.now();
-const look = () => (document.getElementById('cloud-words').textContent.startsWith(name + ': ') && Number(canvas.dataset.drawn) === Number(canvas.dataset.wanted)
-    ? done(performance.now() - began) : requestAnimationFrame(look));
-canvas.dataset.wanted = arguments[2];
+const [name, wanted, done] = arguments, canvas = document.getElementById('canvas'), began = performance.now();
+let first = 0;
+const look = () => {
+    if (document.getElementById('cloud-words').textContent.startsWith(name + ': ') && Number(canvas.dataset.drawn)) {
+        first = first || performance.now() - began;
+        if (Number(canvas.dataset.drawn) === wanted) return done([first, performance.now() - began]);
+    }
+    return requestAnimationFrame(look);
+};
 requestAnimationFrame(look);
 """
 TURNED = """
@@ -52,19 +57,18 @@ def painted(url):
 
 
 def large(url, path):
-    """Milliseconds from choosing the file to its points on the screen; frames a second while turning, and points of such a frame."""
+    """Milliseconds from choosing the file to its first points on the screen and to all; frames a second while turning, and points of such a
+    frame."""
     browser = Browser()
     try:
         browser.driver.set_script_timeout(120)
         browser.open(url)
         wait("the form", lambda: browser.driver.find_elements(By.ID, "ask-points"))
         browser.choose(path)
-        shown = browser.driver.execute_async_script("const done = arguments[2]; (function (name, points) {" + DROPPED.replace("arguments[2]", "points")
-                                                    .replace("const [name, done] = arguments, ", "const ") + "})(arguments[0], arguments[1]);",
-                                                    os.path.basename(path), POINTS)
+        first, whole = browser.driver.execute_async_script(DROPPED, os.path.basename(path), POINTS)
         browser.driver.execute_async_script("setTimeout(arguments[0], 15000)")  # normals and spacings are measured meanwhile
         frames, drawn = browser.driver.execute_async_script(TURNED, TURN_SECONDS)
-        return shown, frames, drawn
+        return first, whole, frames, drawn
     finally:
         browser.close()
 
@@ -86,8 +90,9 @@ def main(out):
     finally:
         daemon.stop()
     lines = ["## The page, in chromium that draws by software", "", "| what | median | spread |", "|---|---|---|",
-             row("first paint on loopback", paints, "ms"), row("2 M points (54 MB) from choosing the file to the screen", [one[0] for one in rows], "ms"),
-             row("frames a second while they are turned", [one[1] for one in rows], ""), row("points of such a frame", [one[2] for one in rows], ""), "",
+             row("first paint on loopback", paints, "ms"), row("2 M points (54 MB) from choosing the file to 300,000 on the screen", [one[0] for one in rows], "ms"),
+             row("and to all of them", [one[1] for one in rows], "ms"),
+             row("frames a second while they are turned", [one[2] for one in rows], ""), row("points of such a frame", [one[3] for one in rows], ""), "",
              f"{RUNS} runs, load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores.", ""]
     with open(f"{out}/page.md", "w", encoding="utf-8") as text:
         text.write("\n".join(lines))

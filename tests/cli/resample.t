@@ -72,8 +72,8 @@ subtest 'lines of JSON' => sub {
     cmp_ok $records[-1]{delta}, '<', $records[0]{delta}, 'delta falls';
     is $records[-1]{best}{delta}, $report->{delta}, 'the last best is the report\'s';
     is join(' ', sort keys %$report),
-        join(' ', sort qw(points delta sigma epsilon iterations polish_steps stopped stages seconds
-            memory_peak_bytes invalid faces samples dropped outliers components islands lattice one_sided in_to_out out_to_in boundary_points neighbors_histogram held held_ever fallbacks parameters area spacing min_over_mean max_over_mean
+        join(' ', sort qw(points delta sigma epsilon iterations polish_steps stopped warnings stages seconds
+            memory_peak_bytes invalid faces samples dropped outliers components islands lattice orientation one_sided in_to_out out_to_in boundary_points neighbors_histogram held held_ever fallbacks parameters area spacing min_over_mean max_over_mean
             six_share bisectors_per_cell triangles_per_cell queries list_rebuilds origin)), 'the report has its shape';
     is join(' ', sort keys %{ $report->{seconds} }), 'index init iterate polish read write', 'so have its seconds';
     is_deeply $report->{lattice}, { x => 0, y => 0, z => 0, moved => 0 }, 'it finds no lattice in a cloud without one';

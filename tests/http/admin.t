@@ -96,6 +96,10 @@ for my $bucket (grep { /_bucket\{.*le="\+Inf"/ } keys %value) {
 }
 is join("\n", @faults), '', 'every line is sound';
 cmp_ok scalar(keys %type), '>=', 35, 'there are many';
+my ($version) = json($daemon->get('/version'))->{version};
+my ($build) = grep {/build_info/} keys %value;
+like $build, qr/\Avoronoid_build_info\{version="\Q$version\E",engine="[0-9a-f]{12}",simd="(?:x86-64-v[34]|baseline)"\}\z/,
+    'the build is told by version, engine and vectors';
 is $value{'voronoid_http_requests_total{route="none",method="GET",code="404"}'}, 1, 'paths of strangers are one';
 is $value{'voronoid_http_requests_total{route="/v1/resample",method="POST",code="201"}'}, 1, 'a submit is counted by its route';
 is $value{'voronoid_rejected_total{reason="unsupported-format"}'}, 1, 'and a refusal by its reason';

@@ -26,8 +26,14 @@ is $landing->{headers}{'content-type'}, 'application/json', 'who names no media 
 is_deeply [map { $_->{rel} } @{ json($landing)->{links} }], [map { $_->{rel} }
     @{ json($daemon->get('/v1', { headers => { 'X-API-Key' => 'a key of somebody' } }->%*))->{links} }],
     'which is that of the API';
-for my $accept ('*/*', 'application/json', 'application/json, */*;q=0.1', 'text/*') {
+for my $accept ('*/*', 'application/json', 'application/json, */*;q=0.1', 'text/*', 'text/html;q=0', 'text/html ; q=0.0, */*', '*/*, TEXT/HTML;Q=0',
+    'text/html;q=0.5, application/json', 'text/html;charset=utf-8;q=0.2,application/json;q=0.3', 'text/htmlx', 'xtext/html') {
     is $daemon->get('/', headers => { Accept => $accept })->{content}, $landing->{content}, "and so does $accept";
+}
+for my $accept ('text/html', 'application/json;q=0.2, Text/HTML;q=0.3', 'text/html;q=0.001', 'application/json;q=0, text/html;q=0.1',
+    '*/*, text/html;charset=utf-8', ['text/plain', 'text/html']) {
+    is $daemon->request('HEAD', '/', headers => { Accept => $accept })->{headers}{'content-type'}, 'text/html; charset=utf-8',
+        'the page comes for ' . (ref $accept ? "Accept in two lines, @$accept" : $accept);
 }
 my $page = $daemon->get('/', headers => { Accept => $navigation });
 is $page->{headers}{'content-type'}, 'text/html; charset=utf-8', 'a browser gets the page, without a key';

@@ -152,6 +152,27 @@ is_problem($daemon->post('/v1/resample?points=50&iterations=1&format=drc', $clou
 is $daemon->post('/v1/resample?points=50&iterations=1&format=drc', $cloud, Accept => 'application/json',
     Prefer => 'respond-async')->{status}, 201, 'but the address of a job is JSON';
 
+# As many are converted at a time as there are cores; one more is told to come back. None gets anywhere while the process that
+# others are forked from stands still.
+my $cores = `nproc` + 0;
+my @jobs = map { job_of($daemon->post('/v1/convert?format=ply', $one)) } 0 .. $cores;
+my ($zygote) = grep { Vt::slurp("/proc/$_/comm") eq "vor-zygote\n" } split ' ', Vt::slurp("/proc/$daemon->{pid}/task/$daemon->{pid}/children");
+kill 'STOP', $zygote;
+my %waits = map {
+    my $socket = $daemon->connect;
+    print $socket "GET $_/results/cloud?format=drc HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+    ($_ => $socket);
+} @jobs;
+my ($early) = IO::Select->new(values %waits)->can_read(20);
+my ($more) = grep { $waits{$_} == ($early // 0) } @jobs;
+my $refusal = defined $early ? Vt::read_all(delete $waits{$more}, 20) : '';
+like $refusal, qr{\AHTTP/1\.1 429 .*\r\nRetry-After: \d+\r\n.*/problems/too-many-conversions"}s, "of @{[$cores + 1]} conversions at a time one is too many";
+is scalar(() = IO::Select->new(values %waits)->can_read(0)), 0, 'the others wait';
+kill 'CONT', $zygote;
+is join(' ', map { Vt::read_all($_, 20) =~ m{\AHTTP/1\.1 (\d+)} } values %waits), join(' ', (200) x $cores), 'and are made';
+is $daemon->get("$more/results/cloud?format=drc")->{status}, 200, 'as is the one that comes back';
+$daemon->request('DELETE', $_) for @jobs;
+
 # A job that goes takes its converted results along, and they outlive the daemon.
 my $path = job_of($direct{drc}) . '/results/cloud?format=ply';
 my $before = $daemon->get($path);

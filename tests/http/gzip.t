@@ -65,6 +65,26 @@ my $job = json(sent("/v1/resample?$query", packed($cloud), Prefer => 'respond-as
 is_deeply [@{ $daemon->finish($job)->{voronoid}{input} }{qw(format points bytes sha256)}],
     ['ply', 500, length $cloud, sha256_hex($cloud)], 'the job tells of the input as it was before';
 
+# A request sent again is the same whether its input comes as gzip or not.
+my @async = (Prefer => 'respond-async');
+my $jobs = sub { scalar @{ json($daemon->get('/v1/jobs?limit=1000'))->{jobs} } };
+my $again = sub { my ($answer) = @_; return join ' ', $answer->{status}, json($answer)->{jobID} // '', $answer->{headers}{'idempotent-replayed'} // 'no' };
+for my $first ('plain', 'packed') {
+    my %send = (
+        plain => sub { $daemon->post("/v1/resample?$query", $_[0], 'Idempotency-Key' => $first, @async) },
+        packed => sub { sent("/v1/resample?$query", packed($_[0], -Level => $_[1] // 6), 'Idempotency-Key' => $first, @async) });
+    my $id = json($send{$first}->($cloud))->{jobID};
+    my $before = $jobs->();
+    is $again->($send{plain}->($cloud)), "201 $id true", "first $first, then as it is: the same job";
+    is $again->($send{packed}->($cloud)), "201 $id true", "first $first, then as gzip";
+    is $again->($send{packed}->($cloud, 1)), "201 $id true", "first $first, then compressed in another way";
+    my $other = $send{packed}->(sphere_ply(501));
+    is_problem($other, 422, 'idempotency-key-reused', "first $first, then another cloud as gzip");
+    like json($other)->{detail}, qr/ is that of job \Q$id\E/, 'which is named';
+    is $jobs->(), $before, 'no job more';
+    $daemon->finish($id);
+}
+
 # Other codings.
 for my $coding ('br', 'deflate', 'zstd', 'compress', 'gzip, gzip', 'identity, gzip', 'gzip;q=1', 'gz') {
     my $answer = $daemon->post("/v1/resample?$query", packed($cloud), 'Content-Encoding' => $coding);

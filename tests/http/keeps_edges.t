@@ -67,6 +67,35 @@ is_problem($daemon->post('/v1/upsample?method=ear&sigmaN=0', $cloud), 400, 'inva
     and like json($daemon->post('/v1/upsample?method=ear&sigmaN=0', $cloud))->{detail}, qr/^sigmaN is 0, want a number from 1 to 90$/,
     'which is named';
 
+# What neither can do is refused by name.
+for my $case (['ear', 'density=curvature', 'density is curvature, which method ear does not know, want uniform, or method cvt'],
+    ['wlop', 'metric=anisotropic', 'metric is anisotropic, which method wlop does not know, want isotropic, or method cvt'],
+    ['ear', 'rho=21', 'rho is 21, want a number from 0 to 20'], ['wlop', 'mu=0.5', 'mu is 0.5, want a number from 0 to 0.499']) {
+    my ($method, $asked, $detail) = @$case;
+    my $refused = $daemon->post("/v1/resample?points=100&method=$method&$asked", $cloud);
+    is_problem($refused, 400, 'invalid-parameter', "$method with $asked") and is json($refused)->{detail}, $detail, 'which is named';
+}
+
+# What has no effect is done, and warned of.
+my $still = $daemon->submit('points=900&method=wlop&sigmaP=0.001&polish=0', $cloud);
+$daemon->finish($still);
+my $warnings = json($daemon->get("/v1/jobs/$still/results/report"))->{warnings};
+is join(' ', map { $_->{about} } @$warnings), 'sigmaP', 'a sigmaP below the spacing is warned of';
+is $warnings->[0]{value}, 0.001, 'with its value';
+like $warnings->[0]{says}, qr/does nothing/, 'and what comes of it';
+is_deeply $report->{warnings}, [], 'where it is wide enough there is no warning';
+is $report->{orientation}, 'consistent', 'normals face consistently';
+is $report->{iterations}, 36, 'projection steps count as iterations';
+
+# Stopped while it inserts: what is missing is placed all the same.
+my $short = $daemon->submit('points=40000&method=ear&samples=1000', cube_ply(22));
+ok wait_until(sub { ((json($daemon->get("/v1/jobs/$short"))->{voronoid}{metrics} // {})->{run_stage} // '') eq 'insert' }, 30),
+    'another job inserts points';
+$daemon->request('POST', "/v1/jobs/$short/stop");
+is $daemon->finish($short)->{status}, 'successful', 'it is stopped, and succeeds';
+my $stopped = json($daemon->get("/v1/jobs/$short/results/report"));
+is "$stopped->{stopped} $stopped->{points}{out}", 'stopped 40000', 'with all points asked for';
+
 # Ended while it inserts.
 my $long = $daemon->submit('points=60000&method=ear&samples=1000&polish=0', cube_ply(26));
 ok wait_until(sub { ((json($daemon->get("/v1/jobs/$long"))->{voronoid}{metrics} // {})->{run_stage} // '') eq 'insert' }, 30),

@@ -123,6 +123,8 @@ is $daemon->get("/v1/jobs/$id/results/report", headers => { Range => 'bytes=0-0'
 
 # The job itself: ETag, and a wait for a change.
 my $known = $daemon->get("/v1/jobs/$id");
+is_deeply json($known)->{voronoid}{parameters}, { points => 400, iterations => 8, polish => 0, seed => 3, format => 'ply' },
+    'and what was asked for, where it is not the default';
 is $known->{headers}{etag}, '"' . sha256_hex($known->{content}) . '"', 'a statusInfo has an ETag';
 my $unchanged = $daemon->get("/v1/jobs/$id", headers => { 'If-None-Match' => $known->{headers}{etag} });
 is $unchanged->{status} . ($unchanged->{content} // ''), '304', 'who has it is told so, without a body';
@@ -173,6 +175,8 @@ is_deeply [sort keys %{ $records[0] }],
     'with every member';
 is scalar(grep { $_->{polish} != 0 } @records), 0, 'and without a polish none of its steps';
 cmp_ok $records[8]{delta}, '<', $records[0]{delta}, 'delta falls';
+is $daemon->get("/v1/jobs/$id/trace", headers => { Accept => 'text/csv;q=0, application/json' })->{headers}{'content-type'}, 'application/json',
+    'the trace is JSON for who refuses CSV';
 my @rows = split /\n/, $daemon->get("/v1/jobs/$id/trace", headers => { Accept => 'text/csv' })->{content};
 is $rows[0], 'iteration,polish,delta,sigma,epsilon,energy,max_move,held,seconds,run_stage,step,of,ahead,'
     . 'best.iteration,best.polish,best.delta,best.sigma,best.epsilon',

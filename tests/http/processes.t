@@ -82,6 +82,8 @@ for my $process (@listed) {
         "$process->{id}: every parameter has a level";
     is_deeply [grep { $parameters{$_}{'x-level'} !~ /^(?:basic|advanced)$/ || $parameters{$_}{title} eq $_ || !$parameters{$_}{'x-group'} }
         sort keys %parameters], [], 'one of the two, a title and a group';
+    is_deeply [grep { my ($on) = %{ $parameters{$_}{'x-when'} }; !$parameters{$on} } grep { $parameters{$_}{'x-when'} } sort keys %parameters], [],
+        'what a parameter hangs on is one of the process';
     for my $preset (@{ $described->{'x-presets'} }) {
         $names{$preset->{name}} = $process->{id};
         my %values = (%{ $preset->{values} }, iterations => 0, polish => 0);
@@ -91,6 +93,7 @@ for my $process (@listed) {
 }
 is_deeply \%names, { even => 'resample', edges => 'resample', denoise => 'denoise', codec => 'upsample', quarter => 'simplify',
     mesh => 'mesh' }, 'the presets that there are';
+is_deeply json($daemon->get('/v1/processes/resample'))->{inputs}{sigmaN}{'x-when'}, { method => ['wlop', 'ear'] }, 'a parameter of two methods says so';
 my ($first) = grep { $_->{name} eq 'even' } @{ json($daemon->get('/v1/processes/resample'))->{'x-presets'} };
 is_deeply $first->{values}, { points => 10000 }, 'numbers are numbers';
 is json($daemon->get('/v1/processes/upsample'))->{'x-presets'}[0]{title}, "\x{d7}4 for codec output", 'titles are UTF-8';

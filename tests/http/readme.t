@@ -65,9 +65,10 @@ SKIP: {
 
     my $head = sub { -e $_[0] ? substr Vt::slurp($_[0]), 0, 400 : '' };
     is substr($head->("$dir/$_"), 0, 5), 'DRACO', "$_ is a Draco cloud" for qw(even.drc coarse.drc cloud.drc);
-    my %points = ('from-js' => 5000, 'from-python' => 5000, form => 5000, few => 400, dense => 16000, fetched => 1000,
+    my %points = ('from-js' => 5000, 'from-python' => 5000, form => 5000, few => 400, dense => 16000, sharp => 6000, drawn => 4000, fetched => 1000,
         'out/cloud' => 1000, 'out/dense' => 1000);
     like $head->("$dir/$_.ply"), qr/^element vertex $points{$_}$/m, "$_.ply has $points{$_} points" for sort keys %points;
+    like $head->("$dir/sharp.ply"), qr/^property float nx$/m, 'ear gives normals';
     like $out, qr/^event: progress$/m, 'progress is streamed';
     like $out, qr/^event: end$/m, 'the stream ends';
     like $out, qr/"stopped": "iterations"/, 'the report says why it ended';

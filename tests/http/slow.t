@@ -46,8 +46,9 @@ like $got, qr{\AHTTP/1\.1 408 .*"type":"[^"]*/upload-timeout"}s, 'with a 408';
 ($seconds, $got) = drip("${post}Content-Length: 1000\r\n\r\nply", 0.3, 10);
 cmp_ok $seconds, '<', 8, 'a body that drips below the rate is cut';
 like $got, qr{\AHTTP/1\.1 408 .*"retryable":true}s, 'with a 408';
-is scalar(grep { ($_->{status} // '') eq '408' && $_->{problem} eq 'upload-timeout' } $daemon->log_lines), 2,
-    'the log says 408 of both';
+sub late { return scalar grep { ($_->{status} // '') eq '408' && $_->{problem} eq 'upload-timeout' } $daemon->log_lines }
+wait_until(sub { late() >= 2 }, 5);
+is late(), 2, 'the log says 408 of both';
 is $daemon->get('/livez')->{status}, 200, 'others are served meanwhile';
 
 # Too much, told at once.

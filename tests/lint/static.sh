@@ -6,10 +6,10 @@ mapfile -t c_files < <(git ls-files -co --exclude-standard core proto server tes
 mapfile -t sources < <(printf '%s\n' "${c_files[@]}" | grep -E '^(core|proto|server)/.*\.c$')
 mapfile -t scripts < <(git ls-files -co --exclude-standard | xargs grep -lE '^#!(/bin/sh|/bin/bash|/usr/bin/env bash)' --)
 
-# check NAME COMMAND...; a COMMAND that begins with `each` runs once for each C source of the product.
+# check NAME COMMAND...; a COMMAND that begins with `each` runs once for each C source of the product, the largest first.
 check()
 {
-    local name=$1
+    local name=$1 began=$SECONDS
     shift
     printf '%-14s' "$name"
     if [ "$1" = each ]; then
@@ -17,7 +17,7 @@ check()
         set -- xargs -a build/lint.list -P "$(nproc)" -n 1 "$@"
     fi
     if "$@" >build/lint.log 2>&1; then
-        echo ok
+        echo "ok, $((SECONDS - began)) s"
     else
         echo FAILED
         grep -E -A 6 '(error|warning|portability|note)(:| )|^In ' build/lint.log | head -n 60 || true # head may end first
@@ -26,10 +26,10 @@ check()
     fi
 }
 
-read -ra flags <<<"-std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE -I. -DVOR_VERSION=\"lint\" $(pkg-config --cflags libmicrohttpd libcjson sqlite3 libcurl nettle zlib libseccomp)"
+read -ra flags <<<"-std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE -I. -DVOR_VERSION=\"lint\" -DVOR_ENGINE=\"lint\" $(pkg-config --cflags libmicrohttpd libcjson sqlite3 libcurl nettle zlib libseccomp)"
 
 mkdir -p build
-printf '%s\n' "${sources[@]}" >build/lint.list
+ls -S "${sources[@]}" >build/lint.list
 check clang-format clang-format --dry-run --Werror "${c_files[@]}"
 check cppcheck cppcheck --quiet --std=c11 --error-exitcode=1 --enable=warning,portability --inline-suppr \
     --suppress=missingInclude --suppress=missingIncludeSystem -I. -j "$(nproc)" core proto server

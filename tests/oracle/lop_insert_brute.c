@@ -213,7 +213,8 @@ static void make_shape(struct vor_lop_samples *out, int shape, double *spacing)
         vt_lop_wedge(out, 100, BEGUN_MAX, (uint64_t)shape, spacing);
 }
 
-static void open_twin(struct twin *twin, int shape, const struct vor_lop_insert_how *how)
+static void open_twin(struct twin *twin, int shape, const struct vor_lop_insert_how *how,
+                      const struct vor_run *run)
 {
     struct vor_lop_samples made;
     double spacing;
@@ -225,8 +226,8 @@ static void open_twin(struct twin *twin, int shape, const struct vor_lop_insert_
     twin->samples.n = twin->begun = made.n;
     twin->rho = how->rho;
     vor_lop_samples_free(&made);
-    vt_assert_ok(vor_lop_latent_init(&twin->latent, &twin->samples, twin->begun, how->sigma_n,
-                                     how->sigma_p, &vt_err));
+    vt_assert_ok(vor_lop_latent_init(&twin->latent, &twin->samples, how->sigma_n, how->sigma_p, run,
+                                     &vt_err));
     for (size_t i = 0; i < twin->begun; i++)
         twin->reach[i] = reach_of(twin, i);
     for (size_t i = 0; i < twin->begun; i++)
@@ -247,10 +248,11 @@ START_TEST(points_come_in_the_order_that_looking_at_every_pair_gives)
     memset(&told, 0, sizeof told);
     make_shape(&samples, _i, &spacing);
     how.sigma_p = 2 * spacing;
-    open_twin(&twin, _i, &how);
+    vt_engine_open(&engine, 2);
+    how.spec = &engine.spec;
+    open_twin(&twin, _i, &how, &engine.run);
     while (twin.samples.n < MANY)
         insert_one(&twin);
-    vt_engine_open(&engine, 2);
     vt_assert_ok(vor_lop_insert(&samples, MANY, &how, &domain, &told, &engine.run, &vt_err));
     vt_engine_close(&engine);
     for (size_t i = 0; i < MANY; i++) {

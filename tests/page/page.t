@@ -4,18 +4,21 @@ seen are in build/page."""
 import base64
 import gzip
 import hashlib
+import json
 import os
 import re
 import sys
 import urllib.request
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from browser import Browser, By, Daemon, wait  # noqa: E402
+from browser import ActionChains, Browser, By, Daemon, wait  # noqa: E402
 from made import FAR, torus  # noqa: E402
 
 PICTURES = "build/page"
 PAGE_BYTES_MAX = 250_000
 KEY = "a key of somebody's"
+MANY = 310_000  # points of a large cloud
+CONTRAST_MIN = 4.5  # WCAG 2.1, 1.4.3
 FOCUSABLE = "a[href], button, input, select, summary, canvas[tabindex], pre[tabindex]"
 done = 0
 
@@ -81,6 +84,9 @@ def drop_to_result(browser):
     finished(browser)
     ok(wait("the chart", lambda: charted(browser) >= 5), "the chart of a short job has five points or more")
     ok("4,000 → 1,000 points" in browser.text("summary"), "the summary has the points that came and went", browser.text("summary"))
+    report = browser.script("return document.getElementById('report').textContent")
+    ok(re.search(r"Mean distance[\d.e-]+ unit of the cloudFrom.*Hausdorff distance[\d.e-]+ unit.*The greatest", report) is not None,
+       "the report has the distances of input and result, each with its meaning", report[:300])
     wait("both are drawn", lambda: drawn(browser) in (4000, 1000, 5000))
     browser.picture(f"{PICTURES}/result.png")
 
@@ -112,9 +118,10 @@ def take_away(browser):
     ok("'@far away'\\''s torus.ply'" in text and "points=1000" in text, "a command has the file's name as a shell wants it", text)
     browser.script("document.getElementById('commands').open = false")
     names = browser.script("""
-        const names = [];
+        const names = [], blobs = [], kept = URL.createObjectURL;
         HTMLAnchorElement.prototype.click = function () { names.push(this.download); };
-        window.names = names;
+        URL.createObjectURL = (blob) => { blobs.push(blob); return kept.call(URL, blob); };
+        [window.names, window.blobs] = [names, blobs];
         return [...document.querySelectorAll('#takers button')].map((one) => one.textContent);""")
     equal(names[:2], ["PLY", "Draco"], "the result can be had as PLY and as Draco")
     for button in browser.driver.find_elements(By.CSS_SELECTOR, "#takers button") + [browser.element("png")]:
@@ -122,6 +129,11 @@ def take_away(browser):
     saved = wait("all files are saved", lambda: len(browser.script("return window.names")) == len(names) + 1 and browser.script("return window.names"))
     equal(sorted(saved), sorted(f"far away's torus.{end}" for end in ("resample.ply", "resample.drc", "report.json", "metrics.csv", "png")),
           "files are named after the input")
+    begins = browser.driver.execute_async_script("""
+        const done = arguments[0];
+        Promise.all(window.blobs.map(async (blob) => new TextDecoder('latin1').decode(await blob.slice(0, 10).arrayBuffer()))).then(done);""")
+    wanted = {"ply": "ply\n", "drc": "DRACO", "json": "{", "csv": "iteration,", "png": "\u2030PNG"}
+    equal([name for name, text in zip(saved, begins) if not text.startswith(wanted[name.split(".")[-1]])], [], "and hold what they are called")
 
 
 def reached(browser):
@@ -135,6 +147,14 @@ def reached(browser):
             break
 
 
+def spoken(browser):
+    """Role and name of each control as a screen reader is told them."""
+    nodes = browser.driver.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
+    can = lambda node: any(one["name"] == "focusable" and one["value"].get("value") for one in node.get("properties", []))
+    return [(node["role"]["value"], node.get("name", {}).get("value", "").strip()) for node in nodes
+            if not node["ignored"] and can(node) and node["role"]["value"] not in ("RootWebArea", "option")]
+
+
 def reachable(browser):
     browser.script("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
     reached(browser)
@@ -143,13 +163,35 @@ def reachable(browser):
         return [...document.querySelectorAll('{FOCUSABLE}')].filter((one) => one.checkVisibility() && !one.disabled
             && !window.reached.has(one) && !groups.has(one.name || '')).map((one) => one.outerHTML.slice(0, 90));""")
     equal(missed, [], "the tab key leads to every control")
-    elements = [one for one in browser.driver.find_elements(By.CSS_SELECTOR, FOCUSABLE) if one.is_displayed()]
-    unnamed = browser.script("""
-        return arguments[0].filter((one) => !(one.labels?.length || one.getAttribute('aria-label') || one.getAttribute('aria-labelledby')
-            || one.textContent.trim())).map((one) => one.outerHTML.slice(0, 90));""", elements)
-    equal(unnamed, [], "every control has a label")
-    ok(len(elements) > 40, "with all that is folded away, there are many of them", len(elements))
+    names = spoken(browser)
+    equal([role for role, name in names if not name], [], "every control has a name that is spoken")
+    ok(len(names) > 60, "with all that is folded away, there are many of them", len(names))
+    browser.script("for (const one of ['process', 'ask-points']) document.querySelector(`label[for=${one}]`).htmlFor += '-not'")
+    equal(sorted(role for role, name in spoken(browser) if not name), ["combobox", "spinbutton"], "and of two whose labels are taken away this is seen")
+    browser.script("for (const one of ['process', 'ask-points']) document.querySelector(`label[for=${one}-not]`).htmlFor = one")
     browser.script("document.querySelectorAll('details').forEach((one) => { one.open = false; })")
+
+
+def form(browser):
+    """What a parameter hangs on decides whether it is shown and sent."""
+    choose = lambda name, value: browser.script("const one = document.getElementById(arguments[0]); one.value = arguments[1];"
+                                                "one.dispatchEvent(new Event('input', { bubbles: true }));", name, value)
+    seen = lambda: browser.script("return document.getElementById('ask-sigmaN').closest('.field').hidden === false")
+    before = seen()
+    choose("ask-method", "ear")
+    equal((before, seen()), (False, True), "parameters of a method are there once it is chosen")
+    choose("ask-sigmaN", "20")
+    browser.script("document.querySelector('[data-language=curl]').click()")
+    with_it = browser.script("return document.getElementById('command').textContent")
+    choose("ask-method", "")
+    browser.script("document.querySelector('[data-language=curl]').click()")
+    without = browser.script("return document.getElementById('command').textContent")
+    ok("sigmaN=20" in with_it and "sigmaN" not in without, "and are asked for only then", without)
+
+
+def filled(browser, **wanted):
+    got = browser.script("return arguments[0].map((name) => document.getElementById(`ask-${name}`)?.value)", list(wanted))
+    equal(got, [str(value) for value in wanted.values()], "opened again, a job fills the form with what it was asked for")
 
 
 def long_job(browser, name="long.ply"):
@@ -170,6 +212,7 @@ def reload_and_stop(browser):
     label = browser.element("chart").get_attribute("aria-label")
     shows(browser, "cloud-words", "6,000 points")
     ok(True, "reloaded in the middle of a job, the page has its input again")
+    filled(browser, points=6000, polish=10000, iterations=12)
     job = url.split("/")[-1]
     table = browser.script("return fetch('v1/jobs/' + arguments[0] + '/trace').then((one) => one.json())", job)
     first = float(f"{table['records'][0]['delta']:.4g}")
@@ -215,6 +258,52 @@ def eight_tabs(browser):
     ok(True, "and all hear that one of them cancelled it")
 
 
+def cancelled_upload(browser):
+    """Over a slow line."""
+    line = lambda rate: browser.driver.execute_cdp_cmd("Network.emulateNetworkConditions", {
+        "offline": False, "latency": 0, "downloadThroughput": -1, "uploadThroughput": rate})
+    drop(browser, torus(40_000), "slow.ply")
+    shows(browser, "cloud-words", "40,000 points")
+    line(200_000)
+    browser.element("run").click()
+    shows(browser, "upload-words", " of 1.08 MB")
+    browser.picture(f"{PICTURES}/upload.png")
+    browser.element("upload-cancel").click()
+    shows(browser, "trouble", "The upload was cancelled.")
+    line(-1)
+    jobs = browser.script("return fetch('v1/jobs').then((one) => one.json())")["jobs"]
+    ok(not browser.element("upload").is_displayed() and all(job["voronoid"].get("name") != "slow.ply" for job in jobs),
+       "an upload that is cancelled leaves no job behind", jobs)
+
+
+def failed_job(browser):
+    head = b"ply\nformat ascii 1.0\nelement vertex 9\n" + b"".join(b"property float %c\n" % axis for axis in b"xyz") + b"end_header\n"
+    drop(browser, head + b"1 1 1\n" * 9, "one place.ply")
+    shows(browser, "cloud-words", "9 points")
+    ask(browser, points=5)
+    browser.element("run").click()
+    shows(browser, "state", "Failed")
+    shows(browser, "trouble", "the cloud has 1 distinct points, want at least 4")
+    ok(not browser.driver.find_elements(By.CSS_SELECTOR, "#takers button"), "a job that fails says why, and has nothing to take")
+    browser.picture(f"{PICTURES}/failed.png")
+
+
+def many_points(browser, folder):
+    """More points than are drawn while the view moves."""
+    path, rows = f"{folder}/many.ply", torus(MANY // 31)
+    head, body = rows.split(b"end_header\n", 1)
+    with open(path, "wb") as out:
+        out.write(head.replace(b"vertex %d" % (MANY // 31), b"vertex %d" % MANY) + b"end_header\n" + body * 31)
+    browser.choose(path)
+    wait("all points of a view at rest", lambda: drawn(browser) == MANY)
+    canvas = browser.element("canvas")
+    ActionChains(browser.driver, duration=0).click_and_hold(canvas).move_by_offset(30, 5).perform()
+    few = wait("fewer", lambda: drawn(browser) < MANY and drawn(browser))
+    ActionChains(browser.driver, duration=0).release().perform()
+    wait("all of them again", lambda: drawn(browser) == MANY)
+    equal(few, 300_000, f"of {MANY} points 300,000 are drawn while the view is turned, all of them when it rests")
+
+
 def bad_files(browser):
     drop(browser, b"hello there, this is no cloud", "letter.txt")
     shows(browser, "trouble", 'the input begins with "hello there')
@@ -243,10 +332,35 @@ def other_format(browser, daemon):
     ok("800 → 300 points" in browser.text("summary"), "a Draco file is shown, and run without sending it again", browser.text("summary"))
 
 
+CONTRASTS = """
+const parts = (color) => (color.match(/[\\d.]+/g) || []).map(Number);
+const light = (color) => parts(color).slice(0, 3).reduce((sum, one, k) => {
+    const c = one / 255;
+    return sum + [0.2126, 0.7152, 0.0722][k] * (c <= 0.03928 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
+}, 0);
+const ground = (one) => (parts(getComputedStyle(one).backgroundColor)[3] === 0 ? ground(one.parentElement) : getComputedStyle(one).backgroundColor);
+const all = [...document.querySelectorAll('body *')].filter((one) => one.checkVisibility() && !one.disabled && one.type !== 'file'
+    && ([...one.childNodes].some((node) => node.nodeType === 3 && node.data.trim()) || /INPUT|SELECT/.test(one.tagName)));
+return all.map((one) => {
+    const [a, b] = [light(getComputedStyle(one).color), light(ground(one))].sort((x, y) => y - x);
+    return [(a + 0.05) / (b + 0.05), one.outerHTML.slice(0, 60)];
+}).sort((x, y) => x[0] - y[0]);
+"""
+
+
+def readable(browser, theme):
+    rows = browser.script(CONTRASTS)
+    ok(len(rows) > 50 and rows[0][0] >= CONTRAST_MIN, f"every word of the page is readable, {theme}", rows[:3])
+
+
 def appearance(browser):
     equal(browser.script("return document.documentElement.dataset.theme"), "light", "the page is light where the system is")
+    browser.script("document.getElementById('report-box').open = true")
+    readable(browser, "light")
     browser.element("theme").click()
     equal(browser.script("return document.documentElement.dataset.theme"), "dark", "and dark when asked to be")
+    readable(browser, "dark")
+    browser.script("document.getElementById('report-box').open = false")
     browser.picture(f"{PICTURES}/dark.png")
     browser.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True})
     wide = browser.script("return document.documentElement.scrollWidth")
@@ -292,8 +406,38 @@ def keys(browser):
     return daemon
 
 
+def crowded(browser):
+    """A daemon that has as many streams as it may, and whose one place is taken."""
+    daemon = Daemon("--jobs", "1", "--threads", "1", "--streams", "1")
+    def ask_for(path, body=None, method=None, **headers):
+        return urllib.request.urlopen(urllib.request.Request(daemon.url + path, body, headers, method=method))
+    submit = lambda name: json.load(ask_for(f"/v1/resample?points=6000&iterations=12&polish=10000&name={name}", torus(6000), Prefer="respond-async"))["jobID"]
+    first, second = submit("first.ply"), submit("second.ply")
+    with ask_for(f"/v1/jobs/{first}/events") as stream:
+        stream.readline()
+        browser.open(daemon.url)
+        drop(browser, torus(500), "third.ply")
+        shows(browser, "cloud-words", "500 points")
+        ask(browser, points=200)
+        browser.element("run").click()
+        shows(browser, "state", "1 before it in the queue")
+        browser.picture(f"{PICTURES}/queued.png")
+        ask_for(f"/v1/jobs/{second}", method="DELETE").close()
+        shows(browser, "state", "next in the queue")
+        ok(True, "a job that waits says how many are before it, and hears of those who leave")
+        browser.script("location.hash = `#/jobs/${arguments[0]}`", first)
+        before = wait("a curve", lambda: charted(browser) >= 5 and charted(browser))
+        wait("the curve grows", lambda: charted(browser) > before)
+        ok(stream.status == 200, "where no stream is left the curve grows all the same")
+        browser.element("stop").click()
+        finished(browser)
+        ok("stopped by its caller" in browser.text("summary"), "to the end", browser.text("summary"))
+    return daemon
+
+
 def without_webgl(daemon):
     browser = Browser(webgl=False)
+    browser.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": "delete window.SharedWorker;"})
     browser.open(daemon.url)
     wait("words about it", lambda: "WebGL" in browser.text("no-webgl"))
     drop(browser, torus(500), "blind.ply")
@@ -302,7 +446,10 @@ def without_webgl(daemon):
     shows(browser, "state", "Done")
     wait("a summary", lambda: "200 points" in browser.text("summary"))
     ok(True, "without WebGL the page says so, and jobs run all the same")
+    wait("the whole curve", lambda: charted(browser) >= 5)
     browser.listen()
+    ok(browser.script("return typeof SharedWorker === 'undefined'") and any("/v1/events?" in url for url in browser.requests),
+       "without SharedWorker the page holds the stream itself")
     return browser
 
 
@@ -338,21 +485,27 @@ def main():
         compare(browser)
         take_away(browser)
         reachable(browser)
+        form(browser)
         appearance(browser)
         reload_and_stop(browser)
         eight_tabs(browser)
+        cancelled_upload(browser)
         bad_files(browser)
+        failed_job(browser)
         other_format(browser, daemons[0])
         history(browser)
         daemons.append(keys(browser))
+        daemons.append(crowded(browser))
+        many_points(browser, daemons[-1].folder.name)
         browser.listen()
+        browser.open("about:blank")  # so that nobody measures so many points any more
         browsers.append(without_webgl(daemons[0]))
         clean(browsers, daemons)
     finally:
         for one in browsers:
             one.close()
         codes = [one.stop() for one in daemons]
-    equal(codes, [0, 0], "the daemons end with 0")
+    equal(codes, [0] * len(daemons), "the daemons end with 0")
     print(f"1..{done}")
     sys.exit(1 if ok.failed else 0)
 

@@ -22,17 +22,60 @@ def measured(browser):
     wait("a histogram", lambda: browser.element("histogram").is_displayed())
 
 
-def states(browser, path, picture):
-    """Goes through what a person sees of one cloud: picture(state) after each."""
+def dropped(browser, path):
     name = os.path.basename(path)
     browser.choose(path)
     wait("the cloud", lambda: f"{name}: " in browser.text("cloud-words") and "points" in browser.text("cloud-words"))
-    picture("dropped")
-    wait("the form", lambda: browser.driver.find_elements(By.ID, "ask-points"))
-    field = browser.element("ask-points")
-    field.clear()
-    field.send_keys(str(POINTS))
+    browser.script("scrollTo(0, 0)")
+
+
+def ask(browser, process, **values):
+    """Fills the form of a process; what is not named keeps its default."""
+    wait("the form", lambda: browser.driver.find_elements(By.CSS_SELECTOR, "#process option"))
+    choose(browser, "process", process)
+    browser.script("""
+        document.querySelectorAll('#fields input:not([type=checkbox]), #fields select').forEach((one) => { one.value = arguments[0][one.id.slice(4)] || ''; });
+        document.querySelector('#fields').firstElementChild.dispatchEvent(new Event('input'));""", {name: str(value) for name, value in values.items()})
+
+
+def run(browser):
+    before = browser.driver.current_url
     browser.script("document.getElementById('run').click()")
+    wait("a job", lambda: browser.driver.current_url != before or browser.text("trouble"))
+
+
+def ends(browser, path, picture):
+    """How jobs end otherwise: triangles, a method of two stages, cancelled by somebody, refused, failed."""
+    dropped(browser, path)
+    ask(browser, "mesh", points=3000)
+    run(browser)
+    wait("the result", lambda: browser.element("layouts").is_displayed() and browser.text("summary"))
+    browser.script("scrollTo(0, 0)")
+    picture("mesh")
+    ask(browser, "resample", points=4000, method="ear", samples=2000, rounds=1, steps=6)
+    browser.script("document.querySelector('#fields details').open = true; document.getElementById('ask-sigmaN').scrollIntoView({ block: 'center' })")
+    picture("ear-form")
+    run(browser)
+    wait("the insertion", lambda: browser.text("figures").startswith("Insertion") or browser.text("summary"))
+    browser.script("document.getElementById('watch').scrollIntoView()")
+    picture("ear-running")
+    if browser.element("dismiss").is_displayed():
+        browser.element("dismiss").click()
+    wait("its end", lambda: browser.text("state").startswith(("Cancelled", "Done")))
+    browser.script("scrollTo(0, 0)")
+    picture("cancelled")
+    ask(browser, "resample", points=POINTS, density="attribute:none")
+    run(browser)
+    wait("a refusal", lambda: browser.text("trouble") or browser.text("state").startswith("Failed"))
+    picture("refused")
+
+
+def states(browser, path, picture):
+    """Goes through what a person sees of one cloud: picture(state) after each."""
+    dropped(browser, path)
+    picture("dropped")
+    ask(browser, "resample", points=POINTS)
+    run(browser)
     wait("a curve", lambda: int(browser.element("chart").get_attribute("data-points") or 0) >= 5)
     browser.script("document.getElementById('watch').scrollIntoView()")
     picture("running")
@@ -63,9 +106,13 @@ def main(out, clouds):
                 browser.open(daemon.url)
                 if theme == "dark":
                     browser.element("theme").click()
+                browser.picture(f"{out}/empty-{theme}.png")
                 for path in clouds:
                     name = os.path.splitext(os.path.basename(path))[0]
-                    states(browser, path, lambda state: (wait_a_frame(browser), browser.picture(f"{out}/{name}-{state}-{theme}.png")))
+                    picture = lambda state: (wait_a_frame(browser), browser.picture(f"{out}/{name}-{state}-{theme}.png"))
+                    states(browser, path, picture)
+                    if path == clouds[0]:
+                        ends(browser, path, picture)
             finally:
                 browser.close()
     finally:

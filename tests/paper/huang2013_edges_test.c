@@ -196,6 +196,9 @@ START_TEST(a_surface_with_one_side_finishes_and_says_so)
     vt_ask(&out, &report, &(struct vt_ask){&in, "method=ear points=1500", 2});
     ck_assert_uint_eq(out.n, 1500);
     ck_assert_uint_eq(report.one_sided, 1);
+    ck_assert_int_eq(report.orientation, VOR_ORIENTED_ONE_SIDED);
+    ck_assert_uint_eq(report.warnings_count, 1);
+    ck_assert_int_eq(report.warnings[0].about, VOR_WARNING_ONE_SIDED);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
     vt_assert_no_leak();

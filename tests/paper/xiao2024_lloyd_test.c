@@ -1,9 +1,9 @@
 /* Xiao et al. 2024, Sec. III and IV-A, B: surfaces, cells, initialisation, Lloyd. */
 #include "core/base/linalg.h"
 #include "core/cvt/lloyd.h"
-#include "core/cvt/start.h"
 #include "core/geom/integrate.h"
 #include "core/metrics/uniformity.h"
+#include "core/seeds/start.h"
 #include "tests/support/vt_trace.h"
 
 #include <math.h>

@@ -1,8 +1,8 @@
 /* The polish: how much more even the points get, and what it must not cost: no wider holes, no
  * farther from the surface, no farther out at a border, never less even than it began. */
-#include "core/cvt/start.h"
 #include "core/metrics/measure.h"
 #include "core/seeds/repel.h"
+#include "core/seeds/start.h"
 #include "core/seeds/uniformity.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"

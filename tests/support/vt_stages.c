@@ -2,7 +2,6 @@
 #include "tests/support/vt_engine.h"
 
 #include "core/cvt/lloyd.h"
-#include "core/cvt/start.h"
 #include "core/geom/patch.h"
 #include "core/input/input.h"
 #include "core/input/thin.h"
@@ -11,6 +10,7 @@
 #include "core/seeds/area.h"
 #include "core/seeds/attach.h"
 #include "core/seeds/repel.h"
+#include "core/seeds/start.h"
 #include "tests/support/vt.h"
 
 #include <math.h>

@@ -102,6 +102,7 @@ sub take_lines {
 }
 
 # What a process has open, and what it takes of memory in bytes.
+sub opened { my $dir = "/proc/$_[0]{pid}/fd"; return map { /^\d+$/ ? $_ . ' ' . (readlink("$dir/$_") // 'gone') : () } map { s/.*\///r } glob "$dir/*" }
 sub descriptors { return scalar(() = glob "/proc/$_[0]{pid}/fd/*") }
 sub resident { return Vt::slurp("/proc/$_[0]{pid}/smaps_rollup") =~ /^Rss:\s+(\d+)/m ? 1024 * $1 : 0 }
 sub cpu_seconds { my @field = split ' ', Vt::slurp("/proc/$_[0]{pid}/stat") =~ s/^.*\) //sr; return ($field[11] + $field[12]) / POSIX::sysconf(POSIX::_SC_CLK_TCK()) }

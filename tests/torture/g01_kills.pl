@@ -7,6 +7,7 @@ use Digest::SHA qw(sha256_hex);
 use FindBin;
 use lib "$FindBin::Bin/../support", $FindBin::Bin;
 use File::Temp qw(tempdir);
+use List::Util qw(max);
 use POSIX ();
 use Time::HiRes qw(sleep time);
 use Faults;
@@ -51,13 +52,23 @@ sub client {
     POSIX::_exit(0);
 }
 
-my ($slowest, $refused, $daemon) = (0, 0);
+# Seconds of computing of a process so far; the zygote, which starts beside it, is not counted.
+sub computed {
+    my ($pid) = @_;
+    my ($user, $system) = Vt::slurp("/proc/$pid/stat") =~ /\) (?:\S+ ){11}(\d+) (\d+)/ or return 0;
+    return ($user + $system) / POSIX::sysconf(POSIX::_SC_CLK_TCK());
+}
+
+my ($slowest, $dearest, $refused, $daemon) = (0, 0, 0);
 my @clients = map { client($_) } 1 .. 3;
+my $until = time + ($option{long} ? $ENV{TORTURE_SECONDS} // 1e9 : 1e9);
 for my $kill (1 .. $kills) {
+    if (time > $until) { $kills = $kill - 1; last }
     my $began = time;
     $daemon = eval { Vt->start(@settings) };
-    $refused++ if !$daemon;
-    $slowest = time - $began if time - $began > $slowest;
+    if (!$daemon) { $refused++; print STDERR $@ }
+    $slowest = max($slowest, time - $began);
+    $dearest = max($dearest, computed($daemon->{pid})) if $daemon;
     sleep 0.02 + 0.1 * rand;
     $daemon->stop('KILL') if $daemon;
 }
@@ -99,5 +110,6 @@ figure('G01', 'results that differ from an uninterrupted run', $wrong, 0);
 figure('G01', 'jobs failed', $failed, 0);
 figure('G01', 'starts refused', $refused, 0);
 figure('G01', 'files left that no job has', scalar(@strays), 0);
+figure('G01', 'slowest start, the time that it computes', sprintf('%.2f s', $dearest), '0.5 s at most', $dearest <= 0.5);
 figure('G01', 'slowest start', sprintf('%.2f s', $slowest), '1 s at most', $slowest <= 1);
 $daemon->stop;

@@ -13,6 +13,7 @@ use Vt;
 
 my ($long, $seed, $count) = Sockets::options();
 $count //= $long ? 1_000_000 : 1500;
+my $seconds = $long ? $ENV{TORTURE_SECONDS} // 1e9 : 1e9;
 my $daemon = Vt->start('header-timeout' => 2, 'body-idle' => 2, queue => 100000, 'keep-inputs' => 0, 'result-ttl' => 5);
 my $cloud = sphere_ply(20);
 my $id = $daemon->submit('points=5&iterations=1', $cloud);
@@ -61,8 +62,9 @@ sub talk {
 
 local $SIG{PIPE} = 'IGNORE';
 my ($pid, $fives, $unnamed, $errors, $gone) = ($daemon->{pid}, 0, 0, 0, 0);
-my ($descriptors, $memory);
-for (my $at = 0; $at < $count;) {
+my ($descriptors, $memory, %opened);
+my ($at, $began) = (0, time);
+while ($at < $count && (time - $began < $seconds || !defined $descriptors)) {
     my @requests = map { rand() < 0.9 ? mutant($seeds[rand @seeds]) : $seeds[rand @seeds] } 1 .. 1 + int rand 3;
     truncate $daemon->{log}, 0 if int(($at + @requests) / 10000) > int($at / 10000);
     $at += @requests;
@@ -79,16 +81,19 @@ for (my $at = 0; $at < $count;) {
         $unnamed++;
         print STDERR "$class$rest $head\n$body\n";
     }
-    next unless $at >= $count / 2 && !defined $descriptors;
-    sleep 0.5;
+    next if defined $descriptors || $at < $count / 2 && time - $began < $seconds / 2;
+    sleep 3; # until the last ones are cut, see header-timeout
     ($descriptors, $memory) = (Sockets::descriptors($daemon), Sockets::resident($daemon));
+    %opened = map { $_ => 1 } Sockets::opened($daemon);
 }
-wait_until(sub { Sockets::descriptors($daemon) <= $descriptors + 2 }, 4);
+if (!wait_until(sub { Sockets::descriptors($daemon) <= $descriptors + 2 }, 20)) {
+    print STDERR "open and not half way: $_\n" for grep { !$opened{$_} } Sockets::opened($daemon);
+}
 my $alive = eval { $daemon->get('/livez')->{status} } // 0;
 my $left = Sockets::descriptors($daemon) - $descriptors;
 my $grown = 100 * (Sockets::resident($daemon) / $memory - 1);
-Sockets::row('G7', "restarts and refused connections in $count mutated requests, seed $seed", $gone + ($alive == 200 ? 0 : 1), 0, !$gone && $alive == 200);
-Sockets::row('G7', "answers with a 5xx in $count mutated requests", $fives, 0, !$fives);
+Sockets::row('G7', "restarts and refused connections in $at mutated requests, seed $seed", $gone + ($alive == 200 ? 0 : 1), 0, !$gone && $alive == 200);
+Sockets::row('G7', "answers with a 5xx in $at mutated requests", $fives, 0, !$fives);
 Sockets::row('G7', "problems without a type, of $errors", $unnamed, 0, $errors && !$unnamed);
 Sockets::row('G7', 'descriptors more than half way', $left, '<= 2', $left <= 2);
 Sockets::row('G7', 'memory more than half way', sprintf('%.1f %%', $grown), '<= 5 %', $grown <= 5);

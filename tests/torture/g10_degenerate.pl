@@ -45,6 +45,7 @@ my %shape = (
 );
 my @methods = ('', '&method=kmeans', '&metric=lp', '&metric=anisotropic', '&density=curvature', '&normals=oriented&order=progressive');
 my $daemon = Vt->start(jobs => 2, queue => 1000);
+$daemon->{http} = HTTP::Tiny->new(timeout => 600); # what takes long is a figure, not the end of all
 my ($runs, $worst) = (0, 0);
 my (@bad, @slow);
 for my $name (sort keys %shape) {

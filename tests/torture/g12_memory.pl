@@ -14,7 +14,7 @@ my $cloud = sphere_ply($points);
 my $daemon = Vt->start(jobs => 1, memory => 1, 'job-memory' => '4G');
 my @requests = map {"resample?iterations=1&polish=1&$_"} 'points=' . $points, 'points=' . 2 * $points, 'points=' . int($points / 4),
     "points=$points&neighbors=60", "points=$points&method=kmeans", "points=$points&density=curvature",
-    "points=$points&metric=anisotropic";
+    "points=$points&metric=anisotropic", "points=$points&method=wlop&steps=1", 'points=' . 4 * $points . '&method=ear&steps=1';
 my @needs;
 for my $request (@requests) {    # one byte is too little for any: the refusal tells the estimate
     my ($answer) = async($daemon, $request, $cloud);
@@ -42,6 +42,8 @@ $daemon = Vt->start(jobs => 16, memory => $budget, 'job-memory' => $budget);
 my @ids = map { my ($answer) = async($daemon, $requests[0], $cloud); json($answer)->{jobID} } 1 .. ($long ? 30 : 7);
 my %how;
 $how{ outcome($daemon, $_) }++ for @ids;
+figure('F11', 'jobs that fit alone and not together, of ' . @ids . ' at once: that ended well', $how{successful} // 0,
+    'all (was: two ended each other)', ($how{successful} // 0) == @ids);
 my %peak = map { ($_->[0] => peak($daemon, $_->[0])) } family($daemon);
 my $worker = $peak{'vor-worker'} // 0;
 my $all = List::Util::sum(values %peak);

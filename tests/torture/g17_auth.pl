@@ -44,11 +44,11 @@ for my $line (split /\n/, $printed) {
     for my $who (qw(none bad other lacking good)) {
         for my $from (qw(here rebound foreign)) {
             my $job = $method eq 'DELETE' || !$main::job ? ($main::job = make_job()) : $main::job;
-            my $path = $route =~ s/\{jobID\}/$job/r =~ s/\{slug\}/forbidden/r =~ s/\{processID\}/resample/r =~ s/\{output\}/cloud/r;
+            my $path = $route =~ s/\{jobID\}/$job/r =~ s/\{slug\}/forbidden/r =~ s/\{processID\}/resample/r =~ s/\{output\}/cloud/r =~ s/\{asset\}/page.css/r;
             my $code = code_of($method, $path, $who, $scope, $from);
             $cells++;
             my $want = $from ne 'here' ? 403 : $scope eq 'open' ? undef : $who eq 'none' || $who eq 'bad' ? 401
-                : $who eq 'lacking' ? 403 : $who eq 'other' && $route =~ /jobID/ ? 404 : undef;
+                : $who eq 'lacking' ? 403 : $who eq 'other' && $route =~ /jobID/ ? 404 : $route =~ /preview$/ ? 404 : undef; # of a job that is over there is none
             push @wrong, "$method $route, key $who, from $from: $code" unless defined $want ? $code == $want : $good_code{$code};
             $main::job = undef if $method eq 'DELETE';
         }

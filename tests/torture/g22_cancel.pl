@@ -1,5 +1,5 @@
 #!/usr/bin/perl
-# usage: g22_cancel.pl [--long] [--seed N]: jobs of 1,000,000 points are cancelled at random moments.
+# usage: g22_cancel.pl [--long] [--seed N]: jobs of 1,000,000 points are cancelled at random moments, some while they insert.
 use strict;
 use warnings;
 use FindBin;
@@ -46,6 +46,22 @@ for (1 .. $cancels) {
     wait_until(sub { grep { $_->{msg} eq 'job ended' && $_->{job} eq $id } $daemon->log_lines }, 30) or die "job $id does not end";
     push @freed, time - $began;
 }
+
+# A million points inserted one by one, cancelled in the middle of it.
+my $inserting = $long ? 20 : 1;
+my $fewer = cloud(65_000);
+my (@told_inserting, @freed_inserting);
+for (1 .. $inserting) {
+    my $id = $daemon->submit('points=1000000&method=ear&samples=22000', $fewer);
+    wait_until(sub { ((json($daemon->get("/v1/jobs/$id"))->{voronoid}{metrics} // {})->{run_stage} // '') eq 'insert' }, 120)
+        or die "job $id does not insert";
+    sleep rand($long ? 3 : 0.3);
+    my $began = time;
+    json($daemon->request('DELETE', "/v1/jobs/$id"))->{status} eq 'dismissed' or die "job $id is not dismissed";
+    push @told_inserting, time - $began;
+    wait_until(sub { grep { $_->{msg} eq 'job ended' && $_->{job} eq $id } $daemon->log_lines }, 30) or die "job $id does not end";
+    push @freed_inserting, time - $began;
+}
 my $ended = grep { $_->{msg} eq 'worker ended' } $daemon->log_lines;
 my $exit = $daemon->stop;
 
@@ -53,4 +69,7 @@ sub p99 { my @sorted = sort { $a <=> $b } @_; return $sorted[0.99 * $#sorted + 0
 
 row('cancel at 1 M points: dismissed after, p99', sprintf('%.0f ms of %d', 1000 * p99(@told), $cancels), '<= 200 ms', p99(@told) <= 0.2);
 row('its cores are free after, slowest', sprintf('%.0f ms', 1000 * p99(@freed)), '<= 2000 ms', p99(@freed) <= 2);
+row('cancel in the middle of a million insertions: dismissed after, p99', sprintf('%.0f ms of %d', 1000 * p99(@told_inserting), $inserting),
+    '<= 200 ms', p99(@told_inserting) <= 0.2);
+row('its cores are free after, slowest', sprintf('%.0f ms', 1000 * p99(@freed_inserting)), '<= 2000 ms', p99(@freed_inserting) <= 2);
 row('workers that had to be killed for it; exit status', "$ended, $exit", '0, 0', $ended == 0 && $exit eq '0');

@@ -1,7 +1,8 @@
-/* usage: isolation ROUNDS: what it costs to read an upload in a child, beside the calling thread. A
- * line a case: name, bytes, median milliseconds on the thread, in a child, and of their
- * differences. Both write into a blob, as admission does; each round does one and then the other.
- */
+/* usage: isolation ROUNDS [CASE]: what it costs to read an upload in a child, beside the calling
+ * thread. A line a case: name, bytes, median milliseconds on the thread, in a child, and of their
+ * differences; then mean milliseconds of computing on the thread, and in a child with what it takes
+ * the zygote and the caller, which a busy machine changes little. Both write into a blob, as
+ * admission does; each round does one and then the other. */
 #include "proto/codec.h"
 #include "proto/dump.h"
 #include "server/base/clock.h"
@@ -15,6 +16,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
+#include <time.h>
 
 enum { ROUNDS_MAX = 1000 };
 
@@ -103,6 +106,28 @@ static double median(double *values, int count)
     return values[count / 2];
 }
 
+/* Milliseconds of computing of this process, or of its children that it has waited for and of
+ * theirs. */
+static double computed_ms(int who)
+{
+    struct rusage used;
+
+    must(getrusage(who, &used) == 0);
+    return (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) * 1e3 +
+           (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec) * 1e-3;
+}
+
+/* Ends the zygote once its last child is gone; what both took. */
+static double children_ms(struct vor_zygote *zygote)
+{
+    static const struct timespec moment = {.tv_nsec = 100000000};
+    double before = computed_ms(RUSAGE_CHILDREN);
+
+    (void)nanosleep(&moment, NULL);
+    vor_zygote_stop(zygote);
+    return computed_ms(RUSAGE_CHILDREN) - before;
+}
+
 static void measure(struct vor_blobs *blobs, const struct vor_codec_place *child, int number,
                     int rounds)
 {
@@ -113,6 +138,7 @@ static void measure(struct vor_blobs *blobs, const struct vor_codec_place *child
     struct vor_memory memory;
     struct vor_cloud cloud;
     struct vor_sink sink;
+    double here_cpu = 0, child_cpu = 0;
 
     make_sphere(&cloud, &memory, cases[number].points);
     must(vor_blob_create(blobs, &upload, &err) == VOR_OK);
@@ -121,19 +147,26 @@ static void measure(struct vor_blobs *blobs, const struct vor_codec_place *child
     vor_cloud_free(&cloud);
     (void)milliseconds(blobs, child, upload);
     for (int i = 0; i < rounds; i++) {
+        double began = computed_ms(RUSAGE_SELF), between;
+
         here_ms[i] = milliseconds(blobs, &here, upload);
+        between = computed_ms(RUSAGE_SELF);
         child_ms[i] = milliseconds(blobs, child, upload);
         more_ms[i] = child_ms[i] - here_ms[i];
+        here_cpu += between - began;
+        child_cpu += computed_ms(RUSAGE_SELF) - between;
     }
-    printf("%s\t%llu\t%.3f\t%.3f\t%.3f\n", cases[number].name,
+    child_cpu += children_ms(child->zygote) * rounds / (rounds + 1); /* one was before them */
+    printf("%s\t%llu\t%.3f\t%.3f\t%.3f\t%.3f\t%.3f\n", cases[number].name,
            (unsigned long long)vor_blob_size(upload), median(here_ms, rounds),
-           median(child_ms, rounds), median(more_ms, rounds));
+           median(child_ms, rounds), median(more_ms, rounds), here_cpu / rounds,
+           child_cpu / rounds);
     vor_blob_discard(upload);
 }
 
 int main(int argc, char **argv)
 {
-    int rounds = argc > 1 ? atoi(argv[1]) : 11;
+    int rounds = argc > 1 ? atoi(argv[1]) : 11, only = argc > 2 ? atoi(argv[2]) : -1;
     struct vor_error why;
     struct vor_zygote zygote;
     const struct vor_child_kind kind = {"vor-codec", vor_codec_child};
@@ -145,14 +178,16 @@ int main(int argc, char **argv)
     if (rounds < 1 || rounds > ROUNDS_MAX)
         return EXIT_FAILURE;
     child.sandbox = vor_sandbox_probe(&why);
-    must(vor_zygote_start(&zygote, &kind, 1, &err) == VOR_OK);
     must(mkdtemp(dir) != NULL);
     (void)snprintf(place, sizeof place, "dir:%s", dir);
     must(vor_blobs_open(&blobs, place, &holder, &err) == VOR_OK);
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
-        measure(blobs, &child, (int)i, cases[i].points < 500000 ? rounds * 4 : rounds);
+    for (int i = 0; i < (int)(sizeof cases / sizeof cases[0]); i++) {
+        if (only >= 0 && only != i)
+            continue;
+        must(vor_zygote_start(&zygote, &kind, 1, &err) == VOR_OK);
+        measure(blobs, &child, i, cases[i].points < 500000 ? rounds * 4 : rounds);
+    }
     vor_blobs_close(blobs);
-    vor_zygote_stop(&zygote);
     (void)snprintf(place, sizeof place, "rm -r %s", dir);
     return system(place) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -1,7 +1,8 @@
 #!/usr/bin/perl
 # usage: run.pl [--long] [--seed N] [--count N] VORONOID: runs every figure of tests/torture and prints one table, a row a
 # figure, with date, machine, version and seed; build/torture/torture.md keeps it. ONLY (a regular expression) picks programs
-# by name. --count, for some of them, is how many kills, bodies or requests.
+# by name. --count, for some of them, is how many kills, bodies or requests; TORTURE_SECONDS ends their long forms after so
+# long, with as many as were done by then.
 #
 # A program takes --long and --seed N, finds the daemon's binary in VORONOID, and prints a line a figure:
 #     ID <tab> what was measured <tab> figure with unit <tab> figure wanted <tab> ok or short

@@ -1,8 +1,8 @@
 /* The energy of all cells while their planes stand still, and its gradient (Chen 2018, Sec. 4.3.3;
  * rows C6, C8, C9; errata 002.8). */
 #include "core/cvt/frozen.h"
-#include "core/cvt/start.h"
 #include "core/opt/lbfgs.h"
+#include "core/seeds/start.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 

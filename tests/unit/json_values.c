@@ -146,7 +146,10 @@ START_TEST(a_report_has_its_shape)
         .delta_beside = 0.0625,
         .lattice = {0.5, 0.25, 0},
         .off_lattice = 12,
+        .orientation = VOR_ORIENTED_ONE_SIDED,
         .one_sided = 3,
+        .warnings = {{VOR_WARNING_ONE_SIDED, 3, 0, VOR_WARNING_ONE_SIDED}},
+        .warnings_count = 1,
         .in_to_out = {0.125, 0.25, 0.375, 35000},
         .out_to_in = {0.5, 0.625, 0.75, 5000},
         .boundary_points = 13,
@@ -174,6 +177,8 @@ START_TEST(a_report_has_its_shape)
     expect(
         "{\"points\":{\"in\":35947,\"out\":5000},\"delta\":0.07,\"sigma\":0.001,"
         "\"epsilon\":0.99,\"iterations\":50,\"polish_steps\":40,\"stopped\":\"iterations\","
+        "\"warnings\":[{\"about\":\"orientation\",\"value\":3,\"limit\":0,\"says\":\"Connected "
+        "parts of the input have one side only: no signs of their normals are consistent\"}],"
         "\"stages\":[{\"stage\":\"iterate\",\"steps\":50,\"seconds\":4},"
         "{\"stage\":\"polish\",\"steps\":40,\"seconds\":4.5}],"
         "\"seconds\":{\"read\":1,\"index\":2,\"init\":3,\"iterate\":4,\"polish\":4.5,\"write\":5},"
@@ -181,7 +186,7 @@ START_TEST(a_report_has_its_shape)
         "\"samples\":0,\"dropped\":[],"
         "\"outliers\":5,\"components\":6,\"islands\":{\"components\":4,\"points_in\":43,"
         "\"points_out\":8,\"delta_beside\":0.0625},\"lattice\":{\"x\":0.5,\"y\":0.25,\"z\":0,"
-        "\"moved\":12},\"one_sided\":3,\"in_to_out\":{"
+        "\"moved\":12},\"orientation\":\"one-sided\",\"one_sided\":3,\"in_to_out\":{"
         "\"mean\":0.125,\"rms\":0.25,\"max\":0.375,\"points\":35000},\"out_to_in\":{\"mean\":0.5,"
         "\"rms\":0.625,\"max\":0.75,\"points\":5000},\"boundary_points\":13,\"neighbors_"
         "histogram\":[{\"neighbors\":12,\"points\":700},{\"neighbors\":20,\"points\":4300}],"

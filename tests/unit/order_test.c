@@ -238,6 +238,75 @@ START_TEST(it_can_be_cancelled_at_any_moment)
 }
 END_TEST
 
+/* A clock that says how often it was asked. */
+static double count_asked(void *ctx)
+{
+    return (double)atomic_fetch_add((atomic_int *)ctx, 1);
+}
+
+static enum vor_answer go_on(void *ctx)
+{
+    (void)ctx;
+    return VOR_CONTINUE;
+}
+
+static void order_late(uint32_t *order, const float *xyz, size_t n, double late)
+{
+    struct vt_engine engine;
+    atomic_int asked = 0;
+    struct vor_watch watch = {.ctx = &asked, .poll = go_on, .clock = count_asked};
+
+    vt_engine_open(&engine, 1);
+    engine.run.watch = &watch;
+    engine.run.late = late;
+    vt_assert_ok(vor_order_progressive(order, xyz, n, 0.006, &engine.run, &vt_err));
+    vt_engine_close(&engine);
+}
+
+/* Halvings of which an index is a multiple: strides that it is on. */
+static int strides_of(uint32_t i)
+{
+    return i == 0 ? 32 : __builtin_ctz(i);
+}
+
+START_TEST(a_late_run_is_ordered_by_strides)
+{
+    static const uint32_t wanted[7] = {0, 4, 2, 6, 1, 3, 5};
+    struct vor_cloud cloud;
+    uint32_t order[7];
+
+    vt_cloud_box(&cloud, 8, 7);
+    order_late(order, cloud.xyz, 7, 0.5);
+    ck_assert_mem_eq(order, wanted, sizeof wanted);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
+START_TEST(what_was_ordered_before_a_run_was_late_stays)
+{
+    static uint32_t order[MANY];
+    struct vor_cloud cloud;
+    uint32_t *whole;
+    size_t before = 1, same;
+
+    vt_cloud_box(&cloud, 9, MANY);
+    whole = order_of(cloud.xyz, MANY, 0.006, 1);
+    for (int late = 25; late <= 100; late *= 2) {
+        order_late(order, cloud.xyz, MANY, late);
+        expect_permutation(order, MANY);
+        for (same = 0; same < MANY && order[same] == whole[same];)
+            same++;
+        ck_assert_uint_gt(same, before);
+        for (size_t k = same + 1; k < MANY; k++)
+            ck_assert_int_le(strides_of(order[k]), strides_of(order[k - 1]));
+        before = same;
+    }
+    ck_assert_uint_lt(before, MANY);
+    free(whole);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("order");
@@ -251,5 +320,7 @@ int main(void)
     vt_add(suite, a_crowd_in_a_corner_comes_after_all_that_is_wide);
     vt_add(suite, an_allocation_that_fails_is_reported);
     vt_add(suite, it_can_be_cancelled_at_any_moment);
+    vt_add(suite, a_late_run_is_ordered_by_strides);
+    vt_add(suite, what_was_ordered_before_a_run_was_late_stays);
     return vt_run(suite);
 }

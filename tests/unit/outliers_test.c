@@ -1,11 +1,14 @@
 /* Points that nothing points back to. */
 #include "core/input/outliers.h"
+
+#include "core/geom/surface.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_knn.h"
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { SEEDS = 4, N = 12000, STRAYS = 120, K = 20, POINTED = 6 };
 
@@ -73,27 +76,107 @@ START_TEST(points_off_the_surface_are_and_hardly_another)
 }
 END_TEST
 
+/* Puts every `every`-th point anywhere in the box around a sphere of half its width. */
+static void scatter(struct vor_cloud *cloud, uint64_t seed, size_t every)
+{
+    for (size_t i = 0; i < cloud->n; i += every)
+        for (size_t c = 0; c < 3; c++)
+            cloud->xyz[3 * i + c] = (float)(4 * vt_unit(seed, 3 * i + c) - 2);
+}
+
+static double off_sphere(const float x[3])
+{
+    return fabs(sqrt((double)(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])) - 1);
+}
+
+/* Regression: scattered points are among the nearest of each other, so that a result had half of
+ * its points on surfaces between them. */
+START_TEST(points_that_fill_space_are_outliers_however_many)
+{
+    static const size_t every[3] = {100, 50, 10};
+
+    for (size_t e = 0; e < 3; e++) {
+        size_t far = 0, kept = 0, cloud_n = N / every[e];
+        struct bed bed;
+
+        vt_cloud_sphere(&bed.cloud, (uint64_t)_i, N);
+        scatter(&bed.cloud, (uint64_t)_i, every[e]);
+        for (size_t i = 0; i < N; i++)
+            far += off_sphere(&bed.cloud.xyz[3 * i]) > 0.2;
+        start(&bed, 2);
+        for (size_t i = 0; i < bed.domain.n; i++)
+            kept += off_sphere(&bed.cloud.xyz[3 * (size_t)bed.domain.source[i]]) > 0.2;
+        ck_assert_uint_gt(far, cloud_n / 2);
+        ck_assert_msg(kept <= far / 50, "%zu of %zu kept, one in %zu", kept, far, every[e]);
+        ck_assert_uint_le(bed.dropped, cloud_n + N / 1000);
+        end(&bed);
+    }
+}
+END_TEST
+
+/* The same nearest points, thick around a corner, flat where a surface is thin. */
+START_TEST(thin_and_sharp_parts_of_a_surface_are_none)
+{
+    struct bed bed;
+    size_t kept = 0;
+
+    vt_cloud_box(&bed.cloud, (uint64_t)_i, N);
+    for (size_t i = 0; i < N; i++) /* one in 36 of those with x > 0.5: spacings six times as wide */
+        if (bed.cloud.xyz[3 * i] < 0.5F || i % 36 == 0)
+            memmove(&bed.cloud.xyz[3 * kept++], &bed.cloud.xyz[3 * i], 3 * sizeof(float));
+    bed.cloud.n = kept;
+    ck_assert_uint_ge(kept, N / 3);
+    start(&bed, 2);
+    ck_assert_uint_le(bed.dropped, N / 1000);
+    end(&bed);
+}
+END_TEST
+
+static int by_value(const void *a, const void *b)
+{
+    float x = *(const float *)a, y = *(const float *)b;
+
+    return (x > y) - (x < y);
+}
+
+/* Whether the points around one are as thick as wide. */
+static int is_thick(const struct vor_cloud *cloud, const uint32_t index[K + 1], float reach2)
+{
+    struct vor_surface surface;
+    float near[3 * (K + 1)];
+
+    for (unsigned j = 0; j <= K; j++)
+        memcpy(&near[3 * j], &cloud->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
+    vor_surface_fit(&surface, near, K + 1);
+    return surface.off2 > 0.17 * 0.17 * (double)reach2;
+}
+
 /* What one look drops, by looking at every pair; the next look is at what is left. */
 static size_t brute_look(struct vor_cloud *cloud)
 {
-    unsigned *pointed = calloc(cloud->n, sizeof *pointed);
     size_t kept = 0, n = cloud->n;
+    unsigned *pointed = calloc(n, sizeof *pointed);
+    uint32_t *index = calloc(n, (K + 1) * sizeof *index);
+    float *reach2 = calloc(n, 2 * sizeof *reach2), *sorted = reach2 + n;
 
     for (size_t i = 0; i < n; i++) {
-        uint32_t index[K + 1];
         float distance2[K + 1];
 
-        vt_knn_brute(cloud->xyz, n, &cloud->xyz[3 * i], 1, K + 1, index, distance2);
+        vt_knn_brute(cloud->xyz, n, &cloud->xyz[3 * i], 1, K + 1, &index[i * (K + 1)], distance2);
         for (unsigned j = 0; j <= K; j++)
-            pointed[index[j]] += index[j] != i;
+            pointed[index[i * (K + 1) + j]] += index[i * (K + 1) + j] != i;
+        reach2[i] = sorted[i] = distance2[K];
     }
+    qsort(sorted, n, sizeof *sorted, by_value);
     for (size_t i = 0; i < n; i++)
-        if (pointed[i] >= POINTED) {
-            for (size_t c = 0; c < 3; c++)
-                cloud->xyz[3 * kept + c] = cloud->xyz[3 * i + c];
-            kept++;
-        }
+        if (reach2[i] > 9 * sorted[n / 2] && is_thick(cloud, &index[i * (K + 1)], reach2[i]))
+            pointed[i] = 0;
+    for (size_t i = 0; i < n; i++)
+        if (pointed[i] >= POINTED)
+            memmove(&cloud->xyz[3 * kept++], &cloud->xyz[3 * i], 3 * sizeof(float));
     cloud->n = kept;
+    free(reach2);
+    free(index);
     free(pointed);
     return n - kept;
 }
@@ -240,6 +323,8 @@ int main(void)
 
     vt_add_figures(suite, hardly_a_point_of_a_surface_is_one, VT_FEWER(SEEDS));
     vt_add_figures(suite, points_off_the_surface_are_and_hardly_another, VT_FEWER(SEEDS));
+    vt_add_figures(suite, points_that_fill_space_are_outliers_however_many, VT_FEWER(SEEDS));
+    vt_add_figures(suite, thin_and_sharp_parts_of_a_surface_are_none, VT_FEWER(SEEDS));
     vt_add_figures(suite, they_are_those_that_looking_at_every_pair_finds, VT_FEWER(SEEDS));
     vt_add(suite, one_two_three_and_eight_threads_drop_the_same);
     vt_add_figures(suite, few_points_have_none, VT_FEWER(SEEDS));

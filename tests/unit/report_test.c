@@ -128,7 +128,9 @@ START_TEST(a_stage_that_is_gone_through_twice_is_told_once)
     char text[64], little[10];
 
     ck_assert_str_eq(vor_report_steps(&report, text, sizeof text), "no steps");
-    vor_report_stage(&report, VOR_RUN_STAGE_POLISH, 30, 0.5);
+    vor_report_stage(&report, VOR_RUN_STAGE_POLISH, 1, 0.125);
+    ck_assert_str_eq(vor_report_steps(&report, text, sizeof text), "1 polish step");
+    vor_report_stage(&report, VOR_RUN_STAGE_POLISH, 29, 0.375);
     ck_assert_str_eq(vor_report_steps(&report, text, sizeof text), "30 polish steps");
     vor_report_stage(&report, VOR_RUN_STAGE_ITERATE, 8, 2);
     vor_report_stage(&report, VOR_RUN_STAGE_POLISH, 12, 0.25);

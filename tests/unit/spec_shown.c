@@ -2,6 +2,7 @@
 #include "core/spec.h"
 #include "tests/support/vt.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { TITLE_MAX = 32 }; /* bytes: a title stands beside a field */
@@ -89,6 +90,41 @@ START_TEST(every_preset_is_of_a_process_that_there_is)
 }
 END_TEST
 
+static int has_choice(const struct vor_parameter_info *info, const char *word)
+{
+    const char *choice;
+    size_t length;
+
+    for (unsigned i = 0; (length = vor_parameter_choice(info, i, &choice)) > 0; i++)
+        if (length == strlen(word) && strncmp(choice, word, length) == 0)
+            return 1;
+    return 0;
+}
+
+START_TEST(a_parameter_hangs_on_words_of_another)
+{
+    const struct vor_when *when = vor_parameter_when((enum vor_parameter)_i);
+    const struct vor_parameter_info *other;
+    char words[128], *rest = words, *word;
+    const char *usual;
+    int count = 0;
+
+    if (when == NULL)
+        return;
+    other = vor_parameter_info(when->other);
+    ck_assert_int_eq(when->parameter, _i);
+    ck_assert_int_ne(when->other, _i);
+    ck_assert_uint_gt(vor_parameter_choice(other, (unsigned)other->fallback, &usual), 0);
+    (void)snprintf(words, sizeof words, "%s", when->words);
+    while ((word = strtok_r(NULL, " ", &rest)) != NULL) {
+        ck_assert_msg(has_choice(other, word), "%s", word);
+        ck_assert_msg(strncmp(usual, word, strlen(word)) != 0, "%s is the default", word);
+        count++;
+    }
+    ck_assert_int_ge(count, 1);
+}
+END_TEST
+
 START_TEST(a_walk_over_values_ends)
 {
     const char *at = " points=5  boundary=keep ";
@@ -117,6 +153,7 @@ int main(void)
     vt_add_loop(suite, few_parameters_of_a_process_are_basic, 16);
     vt_add_loop(suite, a_preset_is_a_request_that_can_be_made, 5);
     vt_add(suite, every_preset_is_of_a_process_that_there_is);
+    vt_add_loop(suite, a_parameter_hangs_on_words_of_another, VOR_PARAMETER_COUNT);
     vt_add(suite, a_walk_over_values_ends);
     return vt_run(suite);
 }

@@ -1,5 +1,5 @@
 /* Where the seeds start: at points of an input that has plenty, else in cells. */
-#include "core/cvt/start.h"
+#include "core/seeds/start.h"
 #include "tests/support/vt_engine.h"
 
 #include <math.h>

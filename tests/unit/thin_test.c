@@ -1,8 +1,8 @@
 /* The thinner domain that dense inputs are iterated on, and how seeds get off it. */
-#include "core/cvt/start.h"
 #include "core/input/input.h"
 #include "core/input/thin.h"
 #include "core/seeds/attach.h"
+#include "core/seeds/start.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 

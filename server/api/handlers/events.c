@@ -409,7 +409,7 @@ static struct stream *stream_create(struct vor_app *app, struct vor_request *req
     stream->request = request;
     stream->waker = vor_request_waker(request);
     stream->sent_at = vor_clock_seconds();
-    stream->is_lines = vor_accepts(request, "application/x-ndjson", false);
+    stream->is_lines = vor_accepts(request, "application/x-ndjson");
     stream->is_many = ask->is_many;
     stream->preview = ask->preview;
     stream->count = ask->count;

@@ -160,6 +160,7 @@ void vor_job_write(struct vor_app *app, struct vor_request *request,
     info->queue_position = view->queue_position;
     info->eta = view->eta_seconds;
     fill_inputs(view, &room);
+    info->parameters = view->request_lost ? NULL : &view->spec;
     info->target_points = target_points(view);
     if (vor_spec_given(&view->spec, VOR_PARAM_FORMAT))
         info->target_format =

@@ -43,6 +43,7 @@ struct submission {
     bool in_flight; /* the key is ours */
     bool booked;    /* a place in the queue is kept, until admission is over */
     bool replayed;  /* the job is that of an earlier request with this key */
+    bool packed;    /* an upload came as gzip: its key's job is found once it is inflated */
     bool headed;    /* the reply has its headers already */
     struct vor_admission admission;
     enum vor_job_outcome outcome;
@@ -304,6 +305,24 @@ static int has_left(void *ctx)
     return left || vor_waker_is_gone(submission->waker);
 }
 
+/* Whether the job of the key is there already, or cannot be looked for; sets the outcome then. */
+static bool is_settled(struct submission *submission)
+{
+    struct vor_besides_inputs inputs;
+    enum vor_job_outcome outcome;
+
+    if (!has_key(submission) || !submission->packed)
+        return false;
+    vor_besides_of_admitted(&inputs, &submission->admission.admitted);
+    outcome = vor_besides_find(&submission->head.besides, submission->app, &submission->head.spec,
+                               &inputs, &submission->view, &submission->error);
+    if (outcome == VOR_UNKNOWN)
+        return false;
+    submission->replayed = outcome == VOR_DONE;
+    submission->outcome = outcome;
+    return true;
+}
+
 /* Called on an admission thread once the upload is decoded or refused. */
 static void on_admitted(struct vor_admission *admission)
 {
@@ -320,8 +339,9 @@ static void on_admitted(struct vor_admission *admission)
     submission->outcome = VOR_FAILED;
     if (admission->status != VOR_OK)
         submission->error = admission->error;
-    else if (abandoned || vor_limits_points(&submission->quota, &admission->admitted,
-                                            &submission->error) != VOR_OK)
+    else if (is_settled(submission) || abandoned ||
+             vor_limits_points(&submission->quota, &admission->admitted, &submission->error) !=
+                 VOR_OK)
         vor_admit_drop(app->blobs, &admission->admitted);
     else
         submitted = true;
@@ -493,6 +513,11 @@ static enum vor_next accepted(struct vor_app *app, struct vor_request *request,
 
     if (submission->outcome == VOR_FAILED && submission->error.status == VOR_E_CANCELLED)
         submission->outcome = VOR_DRAINING;
+    if (submission->outcome == VOR_CONFLICT)
+        return vor_problem_say(app, request, "idempotency-key-reused",
+                               "Idempotency-Key %s is that of job %s, which was asked for "
+                               "something else: another process, parameter or input",
+                               submission->head.besides.key.text, id.text);
     if (submission->outcome != VOR_DONE)
         return vor_outcome_reply(app, request, submission->outcome, &submission->error, NULL);
     vor_request_set_job(request, id.text);
@@ -508,53 +533,27 @@ static enum vor_next accepted(struct vor_app *app, struct vor_request *request,
     return start_wait(app, request, submission);
 }
 
-/* "cloud SHA-256", a line an input, in the order of the process's. */
-static void list_inputs(const struct submission *submission, char *out, size_t size)
-{
-    const struct vor_artefact_info *inputs = submission->head.spec.process->inputs;
-    const struct vor_uploads *uploads = &submission->uploads;
-    size_t at = 0;
-
-    out[0] = '\0';
-    for (unsigned i = 0; inputs[i].name != NULL; i++) {
-        for (unsigned k = 0; k < uploads->count && at < size; k++) {
-            char sha256[VOR_DIGEST_SIZE];
-
-            if (uploads->item[k].name != inputs[i].name)
-                continue;
-            vor_blob_sha256(uploads->item[k].bytes, sha256);
-            at += (size_t)snprintf(out + at, size - at, "%s %s\n", inputs[i].name, sha256);
-        }
-    }
-}
-
 /* The body is in: answers a request whose key is that of a job, and admits any other. */
 static enum vor_next take_body(struct vor_app *app, struct vor_request *request,
                                struct submission *submission)
 {
-    struct vor_submit_besides *besides = &submission->head.besides;
-    struct vor_error *err = &submission->error;
     enum vor_job_outcome outcome = VOR_UNKNOWN;
-    char inputs[VOR_INPUTS_MAX * (VOR_BLOB_NAME_MAX + 1 + VOR_DIGEST_SIZE) + 1];
+    struct vor_besides_inputs inputs;
 
     if (submission->form != NULL && !vor_submit_form_end(submission->form))
         return VOR_NEXT_REPLY;
-    if (has_key(submission)) {
-        list_inputs(submission, inputs, sizeof inputs);
-        if (vor_besides_print(besides, &submission->head.spec, inputs, err) != VOR_OK)
-            return vor_problem_error(app, request, err, NULL);
-        outcome = vor_worker_find_key(app->worker, &besides->key, &submission->view, err);
+    for (unsigned i = 0; i < submission->uploads.count; i++)
+        submission->packed |= submission->uploads.item[i].is_gzip;
+    if (has_key(submission) && !submission->packed) {
+        vor_besides_of_uploads(&inputs, &submission->uploads);
+        outcome = vor_besides_find(&submission->head.besides, app, &submission->head.spec, &inputs,
+                                   &submission->view, &submission->error);
     }
     if (outcome == VOR_UNKNOWN)
         return admit(app, request, submission);
-    if (outcome == VOR_CONFLICT)
-        return vor_problem_say(app, request, "idempotency-key-reused",
-                               "Idempotency-Key %s is that of job %s, which was asked for "
-                               "something else: another process, parameter or input",
-                               besides->key.text, submission->view.id.text);
     end_flight(submission);
     submission->admitted = true; /* nobody else has it */
-    submission->replayed = true;
+    submission->replayed = outcome == VOR_DONE;
     submission->outcome = outcome;
     return accepted(app, request, submission);
 }

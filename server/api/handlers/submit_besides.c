@@ -158,8 +158,36 @@ struct vor_blob_writer *vor_besides_open(struct vor_app *app, struct vor_request
     return open_upload(app, request, &view);
 }
 
-vor_status vor_besides_print(struct vor_submit_besides *besides, const struct vor_spec *spec,
-                             const char *inputs, struct vor_error *err)
+void vor_besides_of_uploads(struct vor_besides_inputs *out, const struct vor_uploads *uploads)
+{
+    out->count = uploads->count;
+    for (unsigned i = 0; i < uploads->count; i++) {
+        out->item[i].name = uploads->item[i].name;
+        vor_blob_sha256(uploads->item[i].bytes, out->item[i].sha256);
+    }
+}
+
+void vor_besides_of_admitted(struct vor_besides_inputs *out, const struct vor_admitted *admitted)
+{
+    out->count = admitted->count;
+    for (unsigned i = 0; i < admitted->count; i++) {
+        out->item[i].name = admitted->item[i].name;
+        memcpy(out->item[i].sha256, admitted->item[i].found.sha256, VOR_DIGEST_SIZE);
+    }
+}
+
+/* "cloud SHA-256", a line an input, in the order of the process's. */
+static void list_inputs(struct vor_text *text, const struct vor_artefact_info *info,
+                        const struct vor_besides_inputs *inputs)
+{
+    for (; info->name != NULL; info++)
+        for (unsigned i = 0; i < inputs->count; i++)
+            if (strcmp(inputs->item[i].name, info->name) == 0)
+                vor_text_printf(text, "%s %s\n", info->name, inputs->item[i].sha256);
+}
+
+static vor_status print(struct vor_submit_besides *besides, const struct vor_spec *spec,
+                        const struct vor_besides_inputs *inputs, struct vor_error *err)
 {
     struct vor_digest *digest = vor_digest_create();
     struct vor_text text;
@@ -168,7 +196,9 @@ vor_status vor_besides_print(struct vor_submit_besides *besides, const struct vo
     vor_text_init(&text, 0);
     vor_text_printf(&text, "%s\n", spec->process->id);
     vor_json_spec(&text, spec);
-    vor_text_printf(&text, "\n%s\n%s\n", besides->name, inputs);
+    vor_text_printf(&text, "\n%s\n", besides->name);
+    list_inputs(&text, spec->process->inputs, inputs);
+    vor_text_puts(&text, "\n");
     status = vor_text_status(&text, err);
     if (status == VOR_OK && digest == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "the digest of a request");
@@ -179,4 +209,14 @@ vor_status vor_besides_print(struct vor_submit_besides *besides, const struct vo
     vor_digest_destroy(digest);
     vor_text_free(&text);
     return status;
+}
+
+enum vor_job_outcome vor_besides_find(struct vor_submit_besides *besides, const struct vor_app *app,
+                                      const struct vor_spec *spec,
+                                      const struct vor_besides_inputs *inputs,
+                                      struct vor_job_view *out, struct vor_error *err)
+{
+    if (print(besides, spec, inputs, err) != VOR_OK)
+        return VOR_FAILED;
+    return vor_worker_find_key(app->worker, &besides->key, out, err);
 }

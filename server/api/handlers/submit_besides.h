@@ -4,11 +4,12 @@
 #define VOR_SERVER_API_HANDLERS_SUBMIT_BESIDES_H
 
 #include "server/api/app.h"
+#include "server/work/admit.h"
 
 struct vor_submit_besides {
     char name[VOR_JOB_NAME_SIZE]; /**< "" for none */
     struct vor_uuid input;        /**< the job whose input it is; "" when the body has it */
-    struct vor_job_key key; /**< text is "" for none; the fingerprint is vor_besides_print's */
+    struct vor_job_key key;       /**< text is "" for none; the fingerprint is vor_besides_find's */
 };
 
 /** Takes the pair name=value if it is one of these and no parameter of a process: name (1 to 200
@@ -39,12 +40,30 @@ bool vor_besides_has(const char *name);
 struct vor_blob_writer *vor_besides_open(struct vor_app *app, struct vor_request *request,
                                          const struct vor_submit_besides *besides);
 
-/** Sets the fingerprint of the key: SHA-256 of process, parameters as JSON in the order of their
- *  table, the job's name, and `inputs`, which tells their bytes by digests.
+/** The inputs of a request, by the SHA-256 of their bytes. */
+struct vor_besides_inputs {
+    unsigned count;
+    struct {
+        const char *name; /**< borrowed */
+        char sha256[VOR_DIGEST_SIZE];
+    } item[VOR_INPUTS_MAX];
+};
+
+/** Those that came, as they came. */
+void vor_besides_of_uploads(struct vor_besides_inputs *out, const struct vor_uploads *uploads);
+
+/** Those that were admitted, as they are once inflated. */
+void vor_besides_of_admitted(struct vor_besides_inputs *out, const struct vor_admitted *admitted);
+
+/** Sets the fingerprint of the key and finds its job. The fingerprint is the SHA-256 of process,
+ *  parameters as JSON in the order of their table, the job's name, and the digests of the inputs.
+ *  Where one came as gzip they must be those of what was admitted, so that the same request without
+ *  gzip is the same.
  *
- *  @retval VOR_E_NOMEM */
-VOR_NODISCARD vor_status vor_besides_print(struct vor_submit_besides *besides,
-                                           const struct vor_spec *spec, const char *inputs,
-                                           struct vor_error *err);
+ *  @retval as vor_worker_find_key */
+VOR_NODISCARD enum vor_job_outcome
+vor_besides_find(struct vor_submit_besides *besides, const struct vor_app *app,
+                 const struct vor_spec *spec, const struct vor_besides_inputs *inputs,
+                 struct vor_job_view *out, struct vor_error *err);
 
 #endif

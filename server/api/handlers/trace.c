@@ -30,7 +30,7 @@ static void write_trace(struct vor_bus *bus, bool is_table, struct vor_position 
 enum vor_next vor_handle_trace(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_app *app = ctx;
-    bool is_table = vor_accepts(request, "text/csv", false);
+    bool is_table = vor_accepts(request, "text/csv");
     struct vor_position position = {0, 0};
     struct vor_bus *bus = NULL;
     struct vor_error err;

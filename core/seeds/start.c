@@ -1,4 +1,4 @@
-#include "core/cvt/start.h"
+#include "core/seeds/start.h"
 
 #include "core/base/rng.h"
 #include "core/geom/integrate.h"

@@ -30,8 +30,8 @@
  *  sum of these areas gives one of its own points. That takes a tenth of the time and ends no less
  *  even: for 5,000 of 110,000 points, half of them ten times as dense, delta after 20 iterations is
  *  0.066, with cells 0.069 (mean of six seeds). */
-#ifndef VOR_CVT_START_H
-#define VOR_CVT_START_H
+#ifndef VOR_SEEDS_START_H
+#define VOR_SEEDS_START_H
 
 #include "core/seeds/seeds.h"
 #include "core/spec.h"
