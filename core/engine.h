@@ -49,8 +49,8 @@
  *  the widest column. With a metric each takes 56 more, and 4 for each further neighbour listed (53
  *  at an aspect of 6). Where an energy is minimised (cvt/descend.h) each takes 1,060 more while
  *  iterating. wlop and ear take 6 k + 540, or up to 570 and 680 for each point of the input where
- *  that is more. 200 KiB a thread. After the first iteration a run allocates only that order, and the
- *  points' index when it is made anew.
+ *  that is more. 200 KiB a thread. After the first iteration a run allocates only that order, and
+ * the points' index when it is made anew.
  *
  *  Cost: O(N log N) for the index, O(n) an iteration, O(n log n) a progressive order; on the run's
  *  pool. Thread-safe. The same bytes for any number of threads, unless a time budget or the caller

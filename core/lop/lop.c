@@ -145,6 +145,22 @@ static vor_status start(struct lop *lop, size_t n, struct vor_error *err)
     return status;
 }
 
+/* Puts a place onto the plane of a point whose neighbours end at a squared distance. */
+static void face(float *x, const float *point, const float *normal, double distance2)
+{
+    double height = 0, away2 = 0, part;
+
+    for (size_t c = 0; c < 3; c++)
+        height += ((double)x[c] - (double)point[c]) * (double)normal[c];
+    for (size_t c = 0; c < 3; c++) {
+        x[c] = (float)((double)x[c] - height * (double)normal[c]);
+        away2 += ((double)x[c] - (double)point[c]) * ((double)x[c] - (double)point[c]);
+    }
+    part = fmin(1, BESIDE_REACH * sqrt(distance2 / fmax(away2, 1e-30)));
+    for (size_t c = 0; c < 3; c++)
+        x[c] = (float)((double)point[c] + part * ((double)x[c] - (double)point[c]));
+}
+
 /* Puts the samples onto the planes of the data next to them, and no farther from these. */
 static void face_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
@@ -155,23 +171,13 @@ static void face_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        float *x = &lop->samples.xyz[3 * i];
-        const float *q, *m;
-        double height = 0, away2 = 0, part;
+        float *x = lop->samples.xyz + 3 * i;
+        const float *normal;
 
         vor_knn_search(lop->domain->knn, x, 1, k, index, distance2);
-        q = &lop->data.xyz[3 * (size_t)index[0]];
-        m = &lop->data.normal[3 * (size_t)index[0]];
-        for (size_t c = 0; c < 3; c++)
-            height += ((double)x[c] - (double)q[c]) * (double)m[c];
-        for (size_t c = 0; c < 3; c++) {
-            x[c] = (float)((double)x[c] - height * (double)m[c]);
-            away2 += ((double)x[c] - (double)q[c]) * ((double)x[c] - (double)q[c]);
-        }
-        part = fmin(1, BESIDE_REACH * sqrt((double)distance2[k - 1] / fmax(away2, 1e-30)));
-        for (size_t c = 0; c < 3; c++)
-            x[c] = (float)((double)q[c] + part * ((double)x[c] - (double)q[c]));
-        memcpy(&lop->samples.normal[3 * i], m, 3 * sizeof *m);
+        normal = lop->data.normal + 3 * (size_t)index[0];
+        face(x, lop->data.xyz + 3 * (size_t)index[0], normal, (double)distance2[k - 1]);
+        memcpy(lop->samples.normal + 3 * i, normal, 3 * sizeof *normal);
     }
 }
 

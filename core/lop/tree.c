@@ -76,8 +76,8 @@ vor_status vor_lop_tree_init(struct vor_lop_tree *out, struct vor_memory *memory
     status = room_for(out, ROOM_FIRST, ROOM_FIRST, err);
     if (status != VOR_OK)
         return status;
-    memset(out->node, 0, OCTANTS * sizeof *out->node);
-    out->nodes = OCTANTS;
+    while (out->nodes < OCTANTS)
+        out->node[out->nodes++] = 0;
     return VOR_OK;
 }
 

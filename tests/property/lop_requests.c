@@ -187,7 +187,8 @@ START_TEST(a_sigma_below_the_spacing_is_warned_of)
     if (_i % 3 == 0) {
         ck_assert_int_eq(report.warnings[0].about, VOR_WARNING_SIGMA_P);
         ck_assert_double_eq_tol(report.warnings[0].value, 0.01, 1e-9);
-        ck_assert_double_eq_tol(report.warnings[0].limit, vt_wedge_spacing(_i < 3 ? 150 : 280), 0.02);
+        ck_assert_double_eq_tol(report.warnings[0].limit, vt_wedge_spacing(_i < 3 ? 150 : 280),
+                                0.02);
     }
     ck_assert_int_eq(report.orientation, _i < 3 ? VOR_ORIENTED_CONSISTENT : VOR_ORIENTED_NOT_ASKED);
     vor_cloud_free(&out);

@@ -707,8 +707,11 @@ static enum vor_answer cancel_at_end(void *ctx)
 START_TEST(a_run_that_is_cancelled_does_not_wait_for_its_encoder)
 {
     struct heard heard = {.script = SAYS_ALL};
-    const struct vor_listener listener = {&heard, cancel_at_end, hear_record, hear_stage,
-                                          hear_wait};
+    const struct vor_listener listener = {.ctx = &heard,
+                                          .asked = cancel_at_end,
+                                          .progress = hear_record,
+                                          .stage = hear_stage,
+                                          .waits = hear_wait};
     struct vor_zygote zygote;
     struct vor_run_means means = {.codec = {.zygote = &zygote, .kind = SLEEPING_CODEC}};
     struct files files;
