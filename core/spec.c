@@ -455,6 +455,8 @@ uint32_t vor_spec_iterations(const struct vor_spec *spec)
     enum { DESCENT = 35, BEFORE_POLISH = 12, ALONE = 100 };
     double method = spec->value[VOR_PARAM_METHOD];
 
+    if (method == VOR_METHOD_EAR && spec->value[VOR_PARAM_PHASES] == VOR_PHASES_INSERT)
+        return 0;
     if (method == VOR_METHOD_WLOP || method == VOR_METHOD_EAR)
         return (uint32_t)(spec->value[VOR_PARAM_ROUNDS] * spec->value[VOR_PARAM_STEPS]);
     if (vor_spec_given(spec, VOR_PARAM_ITERATIONS))

@@ -28,6 +28,8 @@ static vor_status transfer(struct vor_cloud *out, struct vor_report *report,
         sides.orientation.one_sided = placed->told->one_sided;
     }
     vor_sides_report(report, &sides);
+    if (placed->spec->value[VOR_PARAM_NORMALS] == VOR_NORMALS_DROP)
+        report->orientation = VOR_ORIENTED_NOT_ASKED; /* there are none that could face anywhere */
     vor_sides_free(&sides, seeds->run.memory);
     return status;
 }

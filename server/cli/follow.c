@@ -1,5 +1,6 @@
 #include "server/cli/follow.h"
 
+#include "core/base/quote.h"
 #include "server/base/clock.h"
 #include "server/cli/interrupt.h"
 #include "server/cli/key.h"
@@ -130,14 +131,16 @@ int vor_follow_call(struct vor_follow *follow, const char *method, const char *u
 static void show_status(struct vor_follow *follow, const struct vor_json *json)
 {
     const struct vor_json *own = vor_json_get(json, "voronoid");
+    const char *words = vor_follow_text(json, "message");
     char note[64];
     double position;
 
+    if (words[0] == '\0')
+        words = vor_follow_text(json, "status");
     if (vor_json_get_number(vor_json_get(own, "queuePosition"), &position))
         (void)snprintf(note, sizeof note, "waiting, %.0f before it", position);
     else
-        (void)snprintf(note, sizeof note, "%.31s %.31s", vor_follow_text(json, "status"),
-                       vor_follow_text(own, "stage"));
+        (void)vor_quote(note, sizeof note, words, strlen(words));
     vor_progress_note(&follow->progress, note);
 }
 

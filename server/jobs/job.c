@@ -153,8 +153,9 @@ static void describe_step(struct vor_job_view *view)
                    toupper((unsigned char)step[0]), step + 1, (unsigned)record->step, most);
 }
 
-/* A process without a method places no points: all of its work is done before the first record. */
-static void describe(struct vor_job_view *view)
+/* A process without a method places no points: all of its work is done before the first record, and
+ * a stop changes nothing. */
+static void describe(struct vor_job_view *view, enum vor_answer asked)
 {
     static const char *const sentences[VOR_STAGES] = {
         [VOR_STAGE_QUEUED] = "Waiting for its turn",
@@ -165,6 +166,8 @@ static void describe(struct vor_job_view *view)
 
     if (view->stage == VOR_STAGE_PREPARE && view->spec.process->methods == 0)
         sentence = "Working on the input";
+    else if (view->stage == VOR_STAGE_PREPARE && asked == VOR_STOP)
+        sentence = "Preparing the input, then it stops";
     if (view->stage == VOR_STAGE_OPTIMIZE)
         describe_step(view);
     else
@@ -178,7 +181,7 @@ void vor_job_view(struct vor_job *job, struct vor_job_view *out)
     out->eta_seconds = estimate(job);
     pthread_mutex_unlock(&job->state);
     if (!vor_job_status_over(out->status))
-        describe(out);
+        describe(out, vor_job_asked(job));
 }
 
 void vor_job_set_seq(struct vor_job *job, int64_t seq)
@@ -277,6 +280,22 @@ static int progress_of(const struct vor_job *job)
 {
     return PREPARED +
            (int)((OPTIMIZED - PREPARED) * vor_pace_done(&job->pace, &job->view.spec) + 1e-9);
+}
+
+void vor_job_tell_stop(struct vor_job *job, int64_t now_ms)
+{
+    int preparing;
+
+    if (!begin_change(job))
+        return;
+    pthread_mutex_lock(&job->state);
+    preparing = job->view.stage == VOR_STAGE_PREPARE;
+    if (preparing)
+        job->view.updated = vor_job_now(&job->view, now_ms);
+    pthread_mutex_unlock(&job->state);
+    if (preparing)
+        publish(job, VOR_EVENT_STATUS, now_ms);
+    end_change(job);
 }
 
 void vor_job_progress(struct vor_job *job, const struct vor_record *record, int64_t now_ms)

@@ -69,6 +69,10 @@ VOR_NODISCARD int vor_job_restart(struct vor_job *job, int is_suspect, int64_t n
 /** Enters a stage of a running job. Publishes STATUS. */
 void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms);
 
+/** Tells that a job was asked to stop while its input is prepared, which ends first. Publishes
+ *  STATUS; nothing in other stages, where a stop takes effect at once. */
+void vor_job_tell_stop(struct vor_job *job, int64_t now_ms);
+
 /** Takes in a record of the run. Publishes PROGRESS (and STATUS at the first
  *  one: prepare is over). */
 void vor_job_progress(struct vor_job *job, const struct vor_record *record, int64_t now_ms);

@@ -22,9 +22,10 @@ struct run {
     struct vor_job *job;
     struct vor_job_view view; /* when it began */
     uint32_t attempt;
-    double beat;     /* when the store was last told */
-    double deadline; /* when it must be over; infinite for never */
-    atomic_int late; /* it was not */
+    double beat;      /* when the store was last told */
+    double deadline;  /* when it must be over; infinite for never */
+    atomic_int late;  /* it was not */
+    atomic_int stops; /* those who follow it were told that it is to stop */
     struct vor_order order;
     struct vor_blob_writer *writer[VOR_OUTPUTS_MAX]; /* of the files of the order; NULL for none */
     struct vor_run_result result;
@@ -45,6 +46,8 @@ static enum vor_answer asked(void *ctx)
     struct run *run = ctx;
     enum vor_answer answer = vor_job_asked(run->job);
 
+    if (answer == VOR_STOP && !atomic_exchange(&run->stops, 1))
+        vor_job_tell_stop(run->job, vor_clock_wall_ms());
     if (answer == VOR_CANCEL || vor_clock_seconds() < run->deadline)
         return answer;
     atomic_store(&run->late, 1);
@@ -448,6 +451,7 @@ int vor_worker_run(struct vor_worker *worker, struct vor_job *job)
 
     vor_text_init(&run.kept, 0);
     atomic_init(&run.late, 0);
+    atomic_init(&run.stops, 0);
     vor_job_view(job, &run.view);
     if (claim(&run)) {
         vor_log(VOR_LOG_INFO, "job started", VOR_OF_JOB(&run.view),

@@ -275,6 +275,35 @@ START_TEST(a_job_that_is_over_does_not_change)
 }
 END_TEST
 
+/* A stop that comes while the input is prepared waits for the end of that, and says so; in the
+ * iterations it takes effect at once, and is no news. */
+START_TEST(a_stop_is_told_while_the_input_is_prepared)
+{
+    struct vor_job *job = running_job(NULL, 0);
+    struct vor_record record = record_of(1, 1, 12, 0);
+    struct vor_position position = {0, 0};
+    struct vor_event events[8];
+    struct vor_job_view view;
+
+    vor_job_view(job, &view);
+    ck_assert_str_eq(view.message, "Preparing the input");
+    ck_assert_uint_eq(vor_bus_read(vor_job_bus(job), &position, VOR_READ_EVERY, events, 8), 2);
+    vor_job_ask(job, VOR_STOP);
+    vor_job_tell_stop(job, 2000);
+    vor_job_view(job, &view);
+    ck_assert_str_eq(view.message, "Preparing the input, then it stops");
+    ck_assert_uint_eq(vor_bus_read(vor_job_bus(job), &position, VOR_READ_EVERY, events, 8), 1);
+    ck_assert_int_eq(events[0].kind, VOR_EVENT_STATUS);
+    vor_job_progress(job, &record, 3000);
+    (void)vor_bus_read(vor_job_bus(job), &position, VOR_READ_EVERY, events, 8);
+    vor_job_tell_stop(job, 4000);
+    ck_assert_uint_eq(vor_bus_read(vor_job_bus(job), &position, VOR_READ_EVERY, events, 8), 0);
+    vor_job_view(job, &view);
+    ck_assert_str_eq(view.message, "Iteration 1 of at most 12");
+    vor_job_release(job);
+}
+END_TEST
+
 START_TEST(a_second_attempt_begins_with_replaced)
 {
     struct vor_job_view row = vt_row(10);
@@ -451,6 +480,7 @@ int main(void)
     vt_add(suite, the_estimate_is_the_pace_times_what_is_left);
     vt_add(suite, zero_iterations_are_done_at_once);
     vt_add(suite, a_job_that_is_over_does_not_change);
+    vt_add(suite, a_stop_is_told_while_the_input_is_prepared);
     vt_add(suite, a_second_attempt_begins_with_replaced);
     vt_add_loop(suite, a_job_that_begins_anew_waits_again_and_forgets_its_events, 2);
     vt_add(suite, a_job_that_is_over_does_not_begin_anew);

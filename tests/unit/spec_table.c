@@ -686,6 +686,24 @@ START_TEST(iterations_not_given_are_fewer_before_a_polish)
 }
 END_TEST
 
+/* Of wlop and ear they are projection steps; where the input's points stay, there are none. */
+START_TEST(projection_steps_are_rounds_times_steps)
+{
+    struct vor_spec spec = request_for("resample");
+
+    vt_assert_ok(vor_spec_set(&spec, "method", "ear", &vt_err));
+    vt_assert_ok(vor_spec_set(&spec, "rounds", "2", &vt_err));
+    vt_assert_ok(vor_spec_set(&spec, "steps", "5", &vt_err));
+    ck_assert_uint_eq(vor_spec_iterations(&spec), 10);
+    vt_assert_ok(vor_spec_set(&spec, "phases", "resample", &vt_err));
+    ck_assert_uint_eq(vor_spec_iterations(&spec), 10);
+    vt_assert_ok(vor_spec_set(&spec, "phases", "insert", &vt_err));
+    ck_assert_uint_eq(vor_spec_iterations(&spec), 0);
+    vt_assert_ok(vor_spec_set(&spec, "method", "wlop", &vt_err)); /* which has one phase */
+    ck_assert_uint_eq(vor_spec_iterations(&spec), 10);
+}
+END_TEST
+
 /* A process that takes no points has no target to miss. */
 START_TEST(a_measure_asks_for_no_number_of_points)
 {
@@ -783,5 +801,6 @@ int main(void)
     vt_add(suite, a_target_that_comes_of_ratio_or_spacing_is_said_beside_them);
     vt_add(suite, an_input_too_large_for_its_process_is_told_so);
     vt_add(suite, iterations_not_given_are_fewer_before_a_polish);
+    vt_add(suite, projection_steps_are_rounds_times_steps);
     return vt_run(suite);
 }

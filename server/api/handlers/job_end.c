@@ -111,5 +111,7 @@ enum vor_next vor_handle_stop(void *ctx, struct vor_request *request, enum vor_s
     }
     if (outcome != VOR_DONE)
         return vor_outcome_reply(app, request, outcome, &err, &view.id);
+    if (!vor_job_look_up(app, request, &view)) /* its message says now that it stops */
+        return VOR_NEXT_REPLY;
     return reply_job(app, request, 202, &view);
 }
