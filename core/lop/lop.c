@@ -161,7 +161,8 @@ static void face(float *x, const float *point, const float *normal, double dista
         x[c] = (float)((double)point[c] + part * ((double)x[c] - (double)point[c]));
 }
 
-/* Puts the samples onto the planes of the data next to them, and no farther from these. */
+/* Gives the samples the normals of the data next to them and puts them onto the planes of these, no
+ * farther from them than from their neighbours. Points of the input that are kept stay. */
 static void face_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct lop *lop = ctx;
@@ -176,7 +177,8 @@ static void face_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
         vor_knn_search(lop->domain->knn, x, 1, k, index, distance2);
         normal = lop->data.normal + 3 * (size_t)index[0];
-        face(x, lop->data.xyz + 3 * (size_t)index[0], normal, (double)distance2[k - 1]);
+        if (!only_inserts(lop))
+            face(x, lop->data.xyz + 3 * (size_t)index[0], normal, (double)distance2[k - 1]);
         memcpy(lop->samples.normal + 3 * i, normal, 3 * sizeof *normal);
     }
 }
@@ -361,6 +363,8 @@ static size_t samples_of(const struct lop *lop, size_t n)
         samples = points;
     else if (samples == VOR_UNSET)
         samples = ceil(SAMPLES_SHARE * points);
+    else if (value[VOR_PARAM_PHASES] == VOR_PHASES_INSERT)
+        samples = fmin(samples, points);
     return samples < (double)n ? (size_t)fmax(samples, fmin(FEWEST, (double)n)) : n;
 }
 

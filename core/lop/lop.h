@@ -2,9 +2,9 @@
  *
  *  Source: Huang et al. 2009, "Consolidation of unorganized point clouds" (wlop); Huang et al.
  *  2013, "Edge-Aware Point Set Resampling" (ear). wlop starts evenly by area (seeds/start.h),
- * projects the points to the input (lop/project.h) and evens them out (seeds/repel.h). ear smooths
- * normals (lop/normals.h), projects away from edges, inserts points up to them (lop/insert.h) and
- * evens these out (lop/even.h).
+ *  projects the points to the input (lop/project.h) and evens them out (seeds/repel.h). ear smooths
+ *  normals (lop/normals.h), projects away from edges, inserts points up to them (lop/insert.h) and
+ *  evens these out (lop/even.h).
  *
  *  Departure: sigma_p, which the paper sets to the diagonal over the root of the number of input
  *  points, is by default twice the spacing that the samples would have in an even spread, 1.5 times
@@ -16,8 +16,8 @@
  *  does the result, where that is uneven over more than sigma_p: igea, 30,000 points with one half
  *  20 times as dense, to 10,000: delta 0.45 (both), now 0.043 (wlop) and 0.037 (ear); three boxes
  *  with thin sides, 36,000 points in proportions of up to 1:50 to 8,000: wlop 0.69, now 0.09; ear
- * 0.27, where there are fewer data than points. Only `phases=insert` takes points of the input:
- * they stay where they are.
+ *  0.27, where there are fewer data than points. Only `phases=insert` takes points of the input, as
+ *  many as `samples` asks for and it has: they stay where they are.
  *
  *  Neither follows a density or a metric, nor has sites. */
 #ifndef VOR_LOP_H

@@ -194,8 +194,9 @@ enum vor_method_choice {
       "Of ear. resample: all points come of the projection; insert: points are inserted between "  \
       "input points, which are not projected; both: one after the other")                          \
     X(SAMPLES, samples, COUNT_OR_AUTO, LOP, "points", 1, 10000000, VOR_UNSET, "",                  \
-      "Points that are projected before others are inserted; if no more are asked for, none is "   \
-      "inserted. auto: half of the input's points, or all of the result's if those are fewer")     \
+      "Points that are projected, of insert taken from the input, before others are inserted; if " \
+      "no more are asked for, none is inserted. auto: half of the input's points, of insert all, " \
+      "or all of the result's if those are fewer")                                                 \
     X(GAPS, gaps, CHOICE, LOP, "", 0, 0, VOR_GAPS_KEEP, "keep fill",                               \
       "Gaps of the input that are wider than its spacing. keep: no point is inserted in them; "    \
       "fill: they are filled, as far as sigmaP reaches")                                           \

@@ -156,6 +156,38 @@ START_TEST(a_line_is_refused_as_by_any_method)
 }
 END_TEST
 
+/* How many of the samples were points of the input, and stayed them. */
+struct kept {
+    const char *options;
+    size_t in, kept;
+};
+
+START_TEST(insertion_alone_keeps_points_of_the_input)
+{
+    static const struct kept rows[3] = {
+        {"points=1200 phases=insert polish=0", N, N},
+        {"points=1200 samples=1000 phases=insert polish=0", N, N},
+        {"points=600 samples=300 phases=insert polish=0", 60000, 300}};
+    const struct kept *row = &rows[_i];
+    struct vor_report report;
+    struct vor_cloud in, out;
+    size_t kept = 0;
+
+    vt_cloud_sphere(&in, 5, row->in);
+    vt_ask(&out, &report, &(struct vt_ask){&in, of(0, row->options), 2});
+    for (size_t i = 0; i < out.n; i++) {
+        double x[3];
+
+        vor_cloud_position(&out, i, x);
+        kept += vt_nearest2(&in, x, NULL) < 1e-12;
+    }
+    ck_assert_uint_eq(kept, row->kept);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
 START_TEST(a_density_or_a_metric_is_refused_by_name)
 {
     static const char *const asked[2] = {"density=curvature", "metric=anisotropic"};
@@ -323,6 +355,7 @@ int main(void)
     vt_add_figures(suite, a_cloud_far_from_the_origin_gives_the_same_points, 2);
     vt_add_loop(suite, a_flat_cloud_and_few_points_give_as_many_points_as_asked_for, 4);
     vt_add_loop(suite, a_line_is_refused_as_by_any_method, 2);
+    vt_add_loop(suite, insertion_alone_keeps_points_of_the_input, 3);
     vt_add_loop(suite, a_density_or_a_metric_is_refused_by_name, 2);
     vt_add_loop(suite, both_phases_are_told_and_can_be_cancelled_or_stopped, 2);
     vt_add_loop(suite, a_sigma_below_the_spacing_is_warned_of, 6);
