@@ -26,6 +26,7 @@
 #define WLOP_IN 480.0
 #define EAR_IN 500.0
 #define PROJECTED 540.0
+#define SAMPLED 0.5 /* of the input's points, those that ear projects */
 
 /* Bytes whatever the points: some, and those of each thread's scratch. */
 #define ANY_RUN (1 << 18)
@@ -62,21 +63,34 @@ static double extra_of(const struct vor_spec *spec)
     return extra;
 }
 
+/* Points that begin evenly by area, of out in the end. */
+static double starting(const struct vor_spec *spec, double in, double out)
+{
+    double phases = spec->value[VOR_PARAM_PHASES], samples = spec->value[VOR_PARAM_SAMPLES];
+
+    if (spec->value[VOR_PARAM_METHOD] != VOR_METHOD_EAR || phases == VOR_PHASES_RESAMPLE)
+        return out;
+    if (phases == VOR_PHASES_INSERT)
+        return 0; /* others are inserted between the input's own */
+    return fmin(samples > 0 ? samples : SAMPLED * in, out);
+}
+
 /* Of all points of the result, beside the input's index and lists. */
 static double spreading(const struct vor_spec *spec, double in, double out)
 {
     double given = spec->value[VOR_PARAM_NEIGHBORS], extra = extra_of(spec);
     double lists = 6 * (given > 0 ? given : USUAL_NEIGHBORS);
-    double cells = in >= DENSE * out ? out : out + fmin(in, out);
+    double first = starting(spec, in, out);
+    double cells = in >= DENSE * first ? first : first + fmin(in, first);
     double start = (lists + START + extra) * cells;
     double iterate = (lists + ITERATE + extra) * out;
 
     if (spec->value[VOR_PARAM_METHOD] == VOR_METHOD_KMEANS)
         return KMEANS * out;
     if (spec->value[VOR_PARAM_METHOD] == VOR_METHOD_WLOP)
-        return fmax((WLOP_IN - INDEX) * in, (lists + PROJECTED) * out);
+        return fmax(fmax((WLOP_IN - INDEX) * in, start), (lists + PROJECTED) * out);
     if (spec->value[VOR_PARAM_METHOD] == VOR_METHOD_EAR)
-        return fmax((EAR_IN - INDEX) * in, (lists + PROJECTED) * out);
+        return fmax(fmax((EAR_IN - INDEX) * in, start), (lists + PROJECTED) * out);
     if (vor_spec_descends(spec))
         iterate += DESCEND * out;
     if (spec->value[VOR_PARAM_BASELINES] > 0)

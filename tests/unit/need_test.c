@@ -31,6 +31,8 @@ static const struct need_case cases[] = {
     {"resample", 0, 5000, "points=5000 method=kmeans", 0.8, 1.5},
     {"resample", 0, 3000, "points=3000 method=wlop rounds=1", 0.8, 1.5},
     {"resample", 0, 2000, "points=8000 method=ear rounds=1", 0.8, 1.5},
+    {"resample", 0, 5000, "points=5000 method=wlop rounds=1 steps=1", 0.9, 1.5},
+    {"resample", 0, 5000, "points=5000 method=ear rounds=1 steps=1 samples=5000", 0.9, 1.5},
     {"resample", 0, 5000, "points=1000 method=wlop rounds=1", 0.8, 2.0},
     {"resample", 0, 5000, "points=1000 method=ear rounds=1", 0.8, 2.0},
     {"resample", 0, 3000, "points=3000 metric=anisotropic", 0.8, 1.5},
