@@ -54,7 +54,7 @@ enum vor_setting_kind {
     X(QUEUE, "queue", COUNT_OF, "jobs", 1, 100000, "256", "Jobs that may wait")                    \
     X(MEMORY, "memory", BYTES, "bytes", 0, 1e15, "0",                                              \
       "Memory that running jobs may take together, as estimated; others wait; 0 is 70 % of the "   \
-      "machine's")                                                                                 \
+      "machine's, or of what the control group may take")                                          \
     X(QUEUE_BYTES, "queue-bytes", BYTES, "bytes", 1, 1e15, "8G",                                   \
       "Decoded inputs of jobs that wait, in all")                                                  \
     X(JOB_MEMORY, "job-memory", BYTES, "bytes", 0, 1e15, "0",                                      \

@@ -1,13 +1,15 @@
 #ifndef _GNU_SOURCE
-#define _GNU_SOURCE /* sched_getaffinity */
+#define _GNU_SOURCE /* sched_getaffinity, strsep */
 #endif
 #include "server/base/machine.h"
 
 #include "core/base/parallel.h"
 
+#include <limits.h>
 #include <malloc.h>
 #include <sched.h>
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 unsigned vor_machine_cores(void)
@@ -26,25 +28,82 @@ static size_t read_limit(const char *path)
 
     if (file == NULL)
         return 0;
-    if (fscanf(file, "%llu", &value) != 1)
+    if (fscanf(file, "%llu", &value) != 1) /* "max" */
         value = 0;
     (void)fclose(file);
     return (size_t)value;
 }
 
+/* The lesser of two limits, of which 0 is none. */
+static size_t lesser(size_t a, size_t b)
+{
+    if (a == 0 || b == 0)
+        return a + b;
+    return a < b ? a : b;
+}
+
+/* The least limit of a group of that path and of those around it. A container sees its own group as
+ * the outermost one, by whatever path the machine knows it. */
+static size_t limit_up_from(const char *top, const char *group, const char *name)
+{
+    size_t length = strlen(group), limit = 0;
+    char path[PATH_MAX];
+
+    for (;;) {
+        while (length > 0 && group[length - 1] == '/')
+            length--;
+        if (snprintf(path, sizeof path, "%s%.*s/%s", top, (int)length, group, name) <
+            (int)sizeof path)
+            limit = lesser(limit, read_limit(path));
+        if (length == 0)
+            return limit;
+        while (length > 0 && group[length - 1] != '/')
+            length--;
+    }
+}
+
+/* True when the list of controllers, between the colons of a line, has memory. */
+static int has_memory(char *controllers)
+{
+    char *rest = controllers;
+
+    for (char *one; (one = strsep(&rest, ",")) != NULL;)
+        if (strcmp(one, "memory") == 0)
+            return 1;
+    return 0;
+}
+
+size_t vor_machine_group_memory(const char *groups, const char *root)
+{
+    FILE *file = fopen(groups, "re");
+    char line[PATH_MAX + 64], top[PATH_MAX];
+    size_t limit = 0;
+
+    /* Where /proc tells nothing, the outermost groups of both kinds. */
+    (void)snprintf(top, sizeof top, "%s/memory", root);
+    limit = lesser(limit_up_from(root, "", "memory.max"),
+                   limit_up_from(top, "", "memory.limit_in_bytes"));
+    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
+        char *rest = line, *number = strsep(&rest, ":"), *controllers = strsep(&rest, ":");
+
+        if (rest == NULL || strstr(rest, "..") != NULL) /* a group that cannot be seen from here */
+            continue;
+        rest[strcspn(rest, "\n")] = '\0';
+        if (strcmp(number, "0") == 0 && controllers[0] == '\0')
+            limit = lesser(limit, limit_up_from(root, rest, "memory.max"));
+        else if (has_memory(controllers))
+            limit = lesser(limit, limit_up_from(top, rest, "memory.limit_in_bytes"));
+    }
+    if (file != NULL)
+        (void)fclose(file);
+    return limit;
+}
+
 size_t vor_machine_memory(void)
 {
-    static const char *const limits[] = {"/sys/fs/cgroup/memory.max",
-                                         "/sys/fs/cgroup/memory/memory.limit_in_bytes"};
     size_t memory = (size_t)sysconf(_SC_PHYS_PAGES) * (size_t)sysconf(_SC_PAGESIZE);
 
-    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++) {
-        size_t limit = read_limit(limits[i]);
-
-        if (limit > 0 && limit < memory)
-            memory = limit;
-    }
-    return memory;
+    return lesser(memory, vor_machine_group_memory("/proc/self/cgroup", "/sys/fs/cgroup"));
 }
 
 void vor_machine_set_oom_score(int score)

@@ -8,8 +8,13 @@
  *  there are. */
 unsigned vor_machine_cores(void);
 
-/** Bytes of memory: the machine's, or the control group's if that is less. */
+/** Bytes of memory: the machine's, or what the control group of this process, or one around it, may
+ *  take if that is less: in a container, or of a unit with MemoryMax=. */
 size_t vor_machine_memory(void);
+
+/** The least limit of memory, in bytes, of the groups that a file as /proc/self/cgroup names and of
+ *  those around them, read below root as below /sys/fs/cgroup, of either version; 0 for none. */
+size_t vor_machine_group_memory(const char *groups, const char *root);
 
 /** How soon the kernel, out of memory, ends this process: -1000 never, 1000 first, 0 as any other.
  *  Less than it was is for privileged users; for others nothing changes. */

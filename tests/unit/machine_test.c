@@ -1,6 +1,7 @@
 /* What a process of ours takes of the machine. */
 #include "server/base/machine.h"
 #include "tests/support/vt.h"
+#include "tests/support/vt_dir.h"
 
 #include <stdint.h>
 #include <stdio.h>
@@ -54,11 +55,68 @@ START_TEST(a_machine_has_cores_and_memory)
 }
 END_TEST
 
+/* Writes a file of that text below dir, and the folders that it lies in. */
+static void put_file(const char *dir, const char *name, const char *text)
+{
+    char path[256], command[300];
+    FILE *file;
+
+    (void)snprintf(path, sizeof path, "%s/%s", dir, name);
+    (void)snprintf(command, sizeof command, "mkdir -p $(dirname '%s')", path);
+    ck_assert_int_eq(system(command), 0);
+    file = fopen(path, "we");
+    ck_assert_ptr_nonnull(file);
+    ck_assert_int_ge(fputs(text, file), 0);
+    (void)fclose(file);
+}
+
+static size_t group_memory(const char *dir, const char *groups)
+{
+    char path[256];
+
+    put_file(dir, "groups", groups);
+    (void)snprintf(path, sizeof path, "%s/groups", dir);
+    return vor_machine_group_memory(path, dir);
+}
+
+START_TEST(the_least_limit_of_the_groups_around_holds)
+{
+    const char *dir = vt_dir_make();
+
+    ck_assert_uint_eq(group_memory(dir, "0::/a.slice/b.service\n"), 0);
+    put_file(dir, "a.slice/memory.max", "max\n");
+    put_file(dir, "a.slice/b.service/memory.max", "3000\n");
+    ck_assert_uint_eq(group_memory(dir, "1:name=systemd:/x\n0::/a.slice/b.service\n"), 3000);
+    put_file(dir, "a.slice/memory.max", "2000\n");
+    ck_assert_uint_eq(group_memory(dir, "0::/a.slice/b.service\n"), 2000);
+    ck_assert_uint_eq(group_memory(dir, "0::/../elsewhere\n"), 0);
+    put_file(dir, "memory/outer/inner/memory.limit_in_bytes", "500\n");
+    ck_assert_uint_eq(group_memory(dir, "4:cpu,memory:/outer/inner\n0::/\n"), 500);
+    ck_assert_uint_eq(group_memory(dir, "4:cpu:/outer/inner\n0::/\n"), 0);
+    vt_dir_remove(dir);
+}
+END_TEST
+
+START_TEST(a_container_finds_its_limit_at_the_top)
+{
+    const char *dir = vt_dir_make();
+
+    put_file(dir, "memory.max", "7000\n");
+    ck_assert_uint_eq(group_memory(dir, "0::/docker/0123\n"), 7000);
+    ck_assert_uint_eq(vor_machine_group_memory("/nonexistent", dir), 7000);
+    put_file(dir, "memory/memory.limit_in_bytes", "6000\n");
+    ck_assert_uint_eq(group_memory(dir, "5:memory:/docker/0123\n"), 6000);
+    vt_dir_remove(dir);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("machine");
 
     vt_add(suite, a_machine_has_cores_and_memory);
+    vt_add(suite, the_least_limit_of_the_groups_around_holds);
+    vt_add(suite, a_container_finds_its_limit_at_the_top);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) /* which have their own heap   \
                                                                      */
     vt_add(suite, large_pieces_go_back_each_time);
