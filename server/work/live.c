@@ -4,6 +4,7 @@
 #include "server/base/log.h"
 #include "server/jobs/trace.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,16 +22,25 @@ static struct vor_live **place_of(struct vor_worker *worker, const struct vor_uu
     return at;
 }
 
+/* A job starts, or waits again; live may be NULL. The mutex is held. */
+static void set_running(struct vor_worker *worker, struct vor_live *live, int running)
+{
+    if (live == NULL || live->running == running)
+        return;
+    live->running = running;
+    if (running)
+        worker->waiting_bytes -= live->bytes;
+    else
+        worker->waiting_bytes += live->bytes;
+}
+
 void vor_worker_requeue(struct vor_worker *worker, struct vor_job *job)
 {
     struct vor_job_view view;
     struct vor_error err;
-    struct vor_live *live;
 
     pthread_mutex_lock(&worker->mutex);
-    live = *place_of(worker, vor_job_id(job));
-    if (live != NULL)
-        live->running = 0;
+    set_running(worker, *place_of(worker, vor_job_id(job)), 0);
     pthread_mutex_unlock(&worker->mutex);
     vor_job_view(job, &view);
     if (vor_queue_restore(worker->queue, job, view.seq, &err) == VOR_OK)
@@ -109,37 +119,30 @@ void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job)
     pthread_mutex_lock(&worker->mutex);
     at = place_of(worker, vor_job_id(job));
     live = *at;
-    if (live != NULL)
+    if (live != NULL) {
+        set_running(worker, live, 1); /* which waits no longer */
         *at = live->next;
+    }
     pthread_mutex_unlock(&worker->mutex);
     if (live != NULL)
         vor_job_release(live->job);
     free(live);
 }
 
-/* Of those that wait; the mutex is held. */
-static uint64_t sum_bytes(const struct vor_worker *worker)
-{
-    uint64_t bytes = 0;
-
-    for (const struct vor_live *live = worker->live; live != NULL; live = live->next)
-        bytes += live->running ? 0 : live->bytes;
-    return bytes;
-}
-
 int vor_worker_charge(struct vor_worker *worker, const struct vor_job *job, uint64_t bytes,
                       uint64_t most)
 {
     struct vor_live *live;
-    uint64_t others;
     int fits;
 
     pthread_mutex_lock(&worker->mutex);
-    others = sum_bytes(worker);
-    fits = others <= most && bytes <= most - others;
+    fits = worker->waiting_bytes <= most && bytes <= most - worker->waiting_bytes;
     live = *place_of(worker, vor_job_id(job));
-    if (fits && live != NULL)
+    if (fits && live != NULL) {
+        assert(!live->running && live->bytes == 0); /* once, before the queue has it */
         live->bytes = bytes;
+        worker->waiting_bytes += bytes;
+    }
     pthread_mutex_unlock(&worker->mutex);
     return fits;
 }
@@ -149,7 +152,7 @@ uint64_t vor_worker_waiting_bytes(struct vor_worker *worker)
     uint64_t bytes;
 
     pthread_mutex_lock(&worker->mutex);
-    bytes = sum_bytes(worker);
+    bytes = worker->waiting_bytes;
     pthread_mutex_unlock(&worker->mutex);
     return bytes;
 }
@@ -190,11 +193,8 @@ int vor_worker_enter(struct vor_worker *worker, const struct vor_job *job)
     pthread_mutex_lock(&worker->mutex);
     allowed = !worker->draining;
     if (allowed) {
-        struct vor_live *live = *place_of(worker, vor_job_id(job));
-
         worker->running++;
-        if (live != NULL)
-            live->running = 1;
+        set_running(worker, *place_of(worker, vor_job_id(job)), 1);
     }
     pthread_mutex_unlock(&worker->mutex);
     return allowed;

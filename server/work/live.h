@@ -50,6 +50,7 @@ struct vor_worker {
     pthread_mutex_t mutex;  /* everything below */
     pthread_cond_t changed; /* running, draining, aborting; on the monotonic clock */
     struct vor_live *live;
+    uint64_t waiting_bytes; /* sum of those on the list that do not run */
     size_t running;
     int draining; /* nothing is claimed or accepted any more */
     int aborting; /* what runs was asked to end; its rows go back to accepted */
