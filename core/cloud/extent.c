@@ -2,14 +2,9 @@
 
 #include <float.h>
 #include <math.h>
-#include <stdint.h>
 #include <string.h>
 
-enum {
-    EDGE_MIN = 2,  /* cubes along an edge of the box */
-    EDGE_MAX = 64, /* 32 KiB of bits */
-    POINTS_A_CUBE = 8
-};
+enum { EDGE_MIN = 2, EDGE_MAX = VOR_EXTENT_EDGE_MAX, POINTS_A_CUBE = 8 };
 
 /* Cubes that a surface of area 1 meets, of edge 1: the mean of |nx| + |ny| + |nz| over all
  * directions of its normal. */
@@ -18,68 +13,108 @@ static const double CUBES_OF_AREA = 1.5;
 /* Area of a point's cell over the square of the spacing, in the hexagonal lattice. */
 static const double HEXAGON = 0.86602540378443864676;
 
-/* The box of the relative positions. */
-static void bound(const struct vor_cloud *cloud, float low[3], float high[3])
+/* Widens the box by the positions of points first .. end - 1. */
+static void bound(struct vor_extent_walk *walk, size_t first, size_t end)
 {
-    const float *x = cloud->xyz;
+    const float *x = walk->cloud->xyz + 3 * first;
+    float low[3], high[3];
 
-    memcpy(low, x, 3 * sizeof *x);
-    memcpy(high, x, 3 * sizeof *x);
-    for (size_t i = 1; i < cloud->n; i++) {
-        x += 3;
+    memcpy(low, walk->low, sizeof low);
+    memcpy(high, walk->high, sizeof high);
+    for (size_t i = first; i < end; i++, x += 3)
         for (int c = 0; c < 3; c++) {
             low[c] = x[c] < low[c] ? x[c] : low[c];
             high[c] = x[c] > high[c] ? x[c] : high[c];
         }
-    }
-}
-
-/* Counts the cubes with points in them: `edge` of them along the longest side of the box. */
-static unsigned count_cubes(const struct vor_cloud *cloud, const float low[3], double side,
-                            unsigned edge)
-{
-    uint64_t seen[EDGE_MAX * EDGE_MAX * EDGE_MAX / 64] = {0};
-    double scale = edge / side;
-    unsigned count = 0;
-
-    for (size_t i = 0; i < cloud->n; i++) {
-        unsigned at = 0;
-
-        for (size_t c = 0; c < 3; c++) {
-            double cube = ((double)cloud->xyz[3 * i + c] - (double)low[c]) * scale;
-
-            at = at * EDGE_MAX + (cube < edge - 1 ? (unsigned)cube : edge - 1);
-        }
-        seen[at / 64] |= (uint64_t)1 << at % 64;
-    }
-    for (size_t i = 0; i < sizeof seen / sizeof *seen; i++)
-        count += (unsigned)__builtin_popcountll(seen[i]);
-    return count;
+    memcpy(walk->low, low, sizeof low);
+    memcpy(walk->high, high, sizeof high);
 }
 
 /* A closed surface that fills its box meets some 5 edge^2 cubes: fewer than n / POINTS_A_CUBE. */
-static double estimate_area(const struct vor_cloud *cloud, const float low[3], double side)
+static void cut_box(struct vor_extent_walk *walk)
 {
-    double most = sqrt((double)cloud->n / (5 * POINTS_A_CUBE));
-    unsigned edge = (unsigned)fmin(fmax(most, EDGE_MIN), EDGE_MAX);
-    double cube = side / edge;
+    double most = sqrt((double)walk->cloud->n / (5 * POINTS_A_CUBE));
 
-    return side > 0 ? count_cubes(cloud, low, side, edge) * cube * cube / CUBES_OF_AREA : 0;
+    for (int c = 0; c < 3; c++)
+        walk->side = fmax(walk->side, (double)walk->high[c] - (double)walk->low[c]);
+    walk->edge = (unsigned)fmin(fmax(most, EDGE_MIN), EDGE_MAX);
+}
+
+/* Marks the cubes that points first .. end - 1 lie in. */
+static void mark_cubes(struct vor_extent_walk *walk, size_t first, size_t end)
+{
+    const float *x = walk->cloud->xyz + 3 * first;
+    unsigned edge = walk->edge;
+    double scale = edge / walk->side;
+
+    if (!(walk->side > 0))
+        return;
+    for (size_t i = first; i < end; i++, x += 3) {
+        unsigned at = 0;
+
+        for (int c = 0; c < 3; c++) {
+            double cube = ((double)x[c] - (double)walk->low[c]) * scale;
+
+            at = at * EDGE_MAX + (cube < edge - 1 ? (unsigned)cube : edge - 1);
+        }
+        walk->seen[at / 64] |= (uint64_t)1 << at % 64;
+    }
+}
+
+static double area(const struct vor_extent_walk *walk)
+{
+    double cube = walk->side / walk->edge;
+    unsigned count = 0;
+
+    for (size_t i = 0; i < sizeof walk->seen / sizeof *walk->seen; i++)
+        count += (unsigned)__builtin_popcountll(walk->seen[i]);
+    return count * cube * cube / CUBES_OF_AREA;
+}
+
+void vor_extent_begin(struct vor_extent_walk *walk, const struct vor_cloud *cloud)
+{
+    *walk = (struct vor_extent_walk){.cloud = cloud};
+    memcpy(walk->low, cloud->xyz, sizeof walk->low);
+    memcpy(walk->high, cloud->xyz, sizeof walk->high);
+}
+
+void vor_extent_walk(struct vor_extent_walk *walk, size_t points)
+{
+    size_t n = walk->cloud->n, end = points < 2 * n - walk->next ? walk->next + points : 2 * n;
+
+    if (walk->next < n) {
+        size_t until = end < n ? end : n;
+
+        bound(walk, walk->next, until);
+        walk->next = until;
+        if (until == n)
+            cut_box(walk);
+    }
+    if (walk->next < end) {
+        mark_cubes(walk, walk->next - n, end - n);
+        walk->next = end;
+    }
+}
+
+void vor_extent_end(struct vor_extent *out, struct vor_extent_walk *walk)
+{
+    const struct vor_cloud *cloud = walk->cloud;
+
+    vor_extent_walk(walk, SIZE_MAX);
+    out->n = cloud->n;
+    for (int c = 0; c < 3; c++) {
+        out->low[c] = cloud->origin[c] + (double)walk->low[c];
+        out->high[c] = cloud->origin[c] + (double)walk->high[c];
+    }
+    out->area = area(walk);
 }
 
 void vor_extent_measure(struct vor_extent *out, const struct vor_cloud *cloud)
 {
-    float low[3], high[3];
-    double side = 0;
+    struct vor_extent_walk walk;
 
-    bound(cloud, low, high);
-    out->n = cloud->n;
-    for (int c = 0; c < 3; c++) {
-        out->low[c] = cloud->origin[c] + (double)low[c];
-        out->high[c] = cloud->origin[c] + (double)high[c];
-        side = fmax(side, (double)high[c] - (double)low[c]);
-    }
-    out->area = estimate_area(cloud, low, side);
+    vor_extent_begin(&walk, cloud);
+    vor_extent_end(out, &walk);
 }
 
 double vor_extent_spacing(const struct vor_extent *extent, double n)

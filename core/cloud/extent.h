@@ -4,6 +4,10 @@
 
 #include "core/cloud/cloud.h"
 
+#include <stdint.h>
+
+enum { VOR_EXTENT_EDGE_MAX = 64 /**< cubes along an edge of the box */ };
+
 /** A box around a cloud in absolute coordinates, which both bounds belong to. Lengths are in the
  *  cloud's unit. */
 struct vor_extent {
@@ -20,6 +24,22 @@ struct vor_extent {
  *
  *  O(n) time, two passes, 4 ns a point; 32 KiB of stack. Cannot fail. */
 void vor_extent_measure(struct vor_extent *out, const struct vor_cloud *cloud);
+
+/** The same in pieces, for a caller who has other things to do meanwhile: vor_extent_begin, then
+ *  vor_extent_walk as often as one likes, then vor_extent_end, which walks what is left. */
+struct vor_extent_walk {
+    const struct vor_cloud *cloud; /**< borrowed; must not change until the end */
+    float low[3], high[3];         /**< relative positions */
+    double side;                   /**< of the box, the longest */
+    unsigned edge;                 /**< cubes along it */
+    size_t next;                   /**< point of both passes, 0 .. 2 n */
+    uint64_t seen[VOR_EXTENT_EDGE_MAX * VOR_EXTENT_EDGE_MAX * VOR_EXTENT_EDGE_MAX / 64];
+};
+void vor_extent_begin(struct vor_extent_walk *walk, const struct vor_cloud *cloud);
+
+/** Goes on by so many points of one pass, of which there are two. */
+void vor_extent_walk(struct vor_extent_walk *walk, size_t points);
+void vor_extent_end(struct vor_extent *out, struct vor_extent_walk *walk);
 
 /** Estimate of the distance between neighbours of n >= 1 points that lie evenly on the surface, as
  *  the parameter spacing has it. Independently scattered points are nearer to their nearest ones,

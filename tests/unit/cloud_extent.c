@@ -74,6 +74,24 @@ START_TEST(the_estimate_depends_on_neither_origin_nor_order)
 }
 END_TEST
 
+START_TEST(pieces_of_a_walk_measure_the_same)
+{
+    size_t n = 1 + (size_t)_i * 53, piece = 1 + (size_t)_i % 7 * 31;
+    struct vor_extent whole, walked;
+    struct vor_extent_walk walk;
+    struct vor_cloud cloud;
+
+    vt_cloud_sphere(&cloud, (uint64_t)_i, n);
+    vor_extent_measure(&whole, &cloud);
+    vor_extent_begin(&walk, &cloud);
+    for (size_t i = 0; i < (size_t)_i % 3 * n; i += piece) /* none, half, all, and beyond */
+        vor_extent_walk(&walk, piece);
+    vor_extent_end(&walked, &walk);
+    ck_assert_mem_eq(&walked, &whole, sizeof whole);
+    vor_cloud_free(&cloud);
+}
+END_TEST
+
 START_TEST(points_in_one_place_have_no_area)
 {
     struct vor_extent extent;
@@ -159,6 +177,7 @@ int main(void)
     vt_add(suite, the_box_is_in_absolute_coordinates);
     vt_add_loop(suite, the_spacing_is_estimated_within_a_factor, SEEDS);
     vt_add_loop(suite, the_estimate_depends_on_neither_origin_nor_order, SEEDS);
+    vt_add_loop(suite, pieces_of_a_walk_measure_the_same, SEEDS);
     vt_add(suite, points_in_one_place_have_no_area);
     vt_add(suite, the_step_is_that_of_float32_at_the_farthest_coordinate);
     vt_add(suite, the_step_counts_from_the_origin_and_ends_with_float32);
