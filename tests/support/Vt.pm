@@ -36,7 +36,7 @@ sub start {
                 die 'the daemon ended: ' . $self->log_text;
             }
             $self->log_text =~ /"msg":"listening","address":"([^"]+)"/ ? $1 : undef;
-        }, 20) or die 'the daemon does not listen: ' . $self->log_text;
+        }, 20) or die 'the daemon does not listen' . standing($self->{pid}) . ': ' . $self->log_text;
     ($self->{port}) = $self->{address} =~ /:(\d+)$/;
     $self->{url} = "http://$self->{address}";
     $self->{http} = HTTP::Tiny->new(timeout => 60, max_redirect => 0);
@@ -53,6 +53,18 @@ sub spawn {
     open STDOUT, '>', "$log.out";
     open STDERR, '>', $log;
     exec { $binary } $binary, 'serve', @arguments or POSIX::_exit(127);
+}
+
+# What each thread of a process and its children does, and what it waits for in the kernel: for one that takes too long.
+sub standing {
+    my ($pid) = @_;
+    my @words;
+    for my $task (glob "/proc/$pid/task/[0-9]*") {
+        my ($name, $state) = slurp("$task/stat") =~ /\((.*)\) (\S)/s or next;
+        push @words, "$name $state " . (slurp("$task/wchan") || '?');
+        push @words, map { standing($_) =~ s/^, //r } split ' ', slurp("$task/children");
+    }
+    return join ', ', '', @words;
 }
 
 # Runs it to its end: exit status and what it said on standard error.

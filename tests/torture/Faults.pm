@@ -76,10 +76,14 @@ sub inject {
     return undef;
 }
 
-# A port that nobody has just now, for a daemon that is to come back where it was.
+# A port that nobody has just now, for a daemon that is to come back where it was: below those that the kernel gives to
+# connections, one of which would have it meanwhile.
 sub free_port {
-    my $socket = IO::Socket::INET->new(LocalAddr => '127.0.0.1', LocalPort => 0, Listen => 1) // die "port: $!";
-    return $socket->sockport;
+    for (1 .. 100) {
+        my $port = 20_000 + int rand 12_000;
+        return $port if IO::Socket::INET->new(LocalAddr => '127.0.0.1', LocalPort => $port, Listen => 1);
+    }
+    die "port: $!";
 }
 
 1;
