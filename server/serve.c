@@ -22,6 +22,7 @@
 #include "server/work/verify.h"
 
 #include <errno.h>
+#include <math.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
@@ -87,19 +88,24 @@ static unsigned thread_count(const struct vor_config *config)
     return asked > 0 ? asked : vor_machine_cores();
 }
 
+static void pause_for(double seconds)
+{
+    const struct timespec pause = {(time_t)seconds, (long)(fmod(seconds, 1) * 1e9)};
+
+    (void)nanosleep(&pause, NULL); /* signals wait for the main thread */
+}
+
 /* A disk has failed: what is on it is not known any more, so that only a start finds out. Called on
- * a thread of the worker. Answers under way get a moment, jobs none: their rows cannot be changed.
- */
+ * a thread of the worker. Answers under way get a moment, jobs none: their rows cannot change. */
 static void fail(void *ctx, const struct vor_error *why)
 {
-    static const struct timespec pause = {.tv_nsec = 200000000};
     struct daemon *daemon = ctx;
 
     vor_log(VOR_LOG_ERROR, "a disk failed: the daemon ends, its next start recovers",
             VOR_TEXT("error", why->message), VOR_COUNT("exit", VOR_EXIT_FAILED));
     if (daemon->app.http != NULL && !atomic_exchange(&daemon->app.draining, true))
         vor_http_quiesce(daemon->app.http);
-    (void)nanosleep(&pause, NULL);
+    pause_for(farewell_seconds);
     _exit(VOR_EXIT_FAILED);
 }
 
@@ -337,10 +343,8 @@ static void stop(struct daemon *daemon)
 /* Waits until no request is under way, or until then. */
 static void wait_quiet(struct daemon *daemon, double until)
 {
-    const struct timespec pause = {0, 10 * 1000 * 1000};
-
     while (vor_http_busy(daemon->app.http) > 0 && vor_clock_seconds() < until)
-        (void)nanosleep(&pause, NULL);
+        pause_for(0.01);
 }
 
 /* Drains the daemon on a thread of its own, while the main thread waits for a second signal. Ends
@@ -348,18 +352,19 @@ static void wait_quiet(struct daemon *daemon, double until)
  * slower is cut. */
 static void *drain(void *ctx)
 {
-    const struct timespec farewell = {0, (long)(farewell_seconds * 1e9)};
     struct daemon *daemon = ctx;
-    double seconds = daemon->config.number[VOR_SET_DRAIN_TIMEOUT];
-    double until = vor_clock_seconds() + seconds;
+    double seconds = daemon->config.number[VOR_SET_DRAIN_TIMEOUT], until;
 
+    atomic_store(&daemon->app.leaving, true);
+    pause_for(daemon->config.number[VOR_SET_DRAIN_DELAY]);
+    until = vor_clock_seconds() + seconds;
     atomic_store(&daemon->app.draining, true);
     vor_http_wake_all(daemon->app.http);
     vor_worker_drain(daemon->app.worker, seconds);
     vor_http_quiesce(daemon->app.http);
     vor_worker_settle(daemon->app.worker, SETTLE_SECONDS);
     vor_http_close_waiting(daemon->app.http);
-    (void)nanosleep(&farewell, NULL);
+    pause_for(farewell_seconds);
     if (until < vor_clock_seconds() + SETTLE_SECONDS)
         until = vor_clock_seconds() + SETTLE_SECONDS;
     wait_quiet(daemon, until);

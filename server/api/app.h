@@ -31,7 +31,8 @@ struct vor_app {
     struct vor_verify *verify;
     struct vor_http *http;
     const char *sandbox;  /**< of what reads uploads: "full" or "partial" */
-    atomic_bool draining; /**< SIGTERM came: /readyz says no, streams end */
+    atomic_bool leaving;  /**< SIGTERM came: /readyz says no */
+    atomic_bool draining; /**< and --drain-delay is over: streams end */
     atomic_uint streams;  /**< event streams open */
 };
 

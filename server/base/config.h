@@ -125,8 +125,12 @@ enum vor_setting_kind {
     X(HEARTBEAT, "heartbeat", TIME, "seconds", 0.1, 3600, "15",                                    \
       "Pause after which an event "                                                                \
       "stream shows that it lives")                                                                \
+    X(DRAIN_DELAY, "drain-delay", TIME, "seconds", 0, 3600, "0",                                   \
+      "Time after SIGTERM in which /readyz says no and all goes on, so that a balancer sends no "  \
+      "more before requests are refused")                                                          \
     X(DRAIN_TIMEOUT, "drain-timeout", TIME, "seconds", 0, 3600, "20",                              \
-      "Time for running jobs to end after SIGTERM; the others wait for the next start")            \
+      "Time for running jobs to end after SIGTERM and --drain-delay; the others wait for the "     \
+      "next start")                                                                                \
     X(DRACO, "draco", CHOICE, "any strict", 0, 0, "any",                                           \
       "Draco files that are read: any that the library reads, or only point clouds of bitstream "  \
       "2.3 without metadata, for which it needs less of its code")                                 \

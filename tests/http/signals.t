@@ -6,6 +6,7 @@ use FindBin;
 use lib "$FindBin::Bin/../support";
 use IO::Select;
 use Test::More;
+use Time::HiRes qw(time);
 use Vt;
 
 my $host = "Host: localhost\r\n";
@@ -48,6 +49,18 @@ for my $signal (qw(QUIT USR1 INT)) {
     is((said($daemon, 'slow clients are cut'))[0]{requests}, 3, 'those whose requests were accepted are counted');
     like Vt::read_all($_, 2), qr{\AHTTP/1\.1 408 .*"retryable":true}s, 'and told that they may come again' for @slow[0 .. 2];
     is Vt::read_all($_, 2), '', 'who has sent no head is cut' for @slow[3, 4];
+}
+
+# A balancer has --drain-delay to notice.
+{
+    my $daemon = Vt->start('drain-delay' => 1.5, 'drain-timeout' => 20);
+    my $began = time;
+    kill 'TERM', $daemon->{pid};
+    ok wait_until(sub { $daemon->get('/readyz')->{status} == 503 }, 1), 'it is not ready';
+    is $daemon->post('/v1/resample?points=50&iterations=2', $cloud)->{status}, 200, 'and does what it is asked to';
+    is $daemon->get('/v1/jobs')->{status}, 200, 'and tells';
+    is $daemon->stop('CONT'), 0, 'until it ends with 0';
+    cmp_ok time - $began, '>=', 1.5, 'after the delay';
 }
 
 # While it drains, those who are connected are told.
