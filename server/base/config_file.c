@@ -77,10 +77,13 @@ vor_status vor_config_file_read(const char *path, int must_exist,
         else
             status = take_line(line, number, take, ctx, err);
     }
-    if (status == VOR_OK && ferror(file))
-        status = vor_fail(err, VOR_E_PARAM, "cannot be read: %s", strerror(errno));
+    if (status != VOR_OK)
+        status = vor_config_file_blame(err, path, number);
+    else if (ferror(file))
+        status = vor_fail_param(err, VOR_E_PARAM, "config", "%.200s cannot be read: %s", path,
+                                strerror(errno));
     (void)fclose(file);
-    return status == VOR_OK ? VOR_OK : vor_config_file_blame(err, path, number);
+    return status;
 }
 
 vor_status vor_config_file_value(char *out, size_t size, const char *variable, const char *path,

@@ -58,6 +58,7 @@ for my $case (
 ($status, $text) = check('--config', "$dir/none.conf");
 is $status, 2, 'a file that is not there is refused';
 like $text, qr{/none\.conf cannot be read: No such file}, 'by name';
+like +(Vt::run('--config', $dir, '--check-config'))[1], qr{^voronoid: \Q$dir\E cannot be read: Is a directory$}, 'nor is a folder';
 
 # Flag, then variable, then file.
 {
