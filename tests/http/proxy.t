@@ -155,4 +155,14 @@ $daemon = Vt->start(listen => '0.0.0.0:0', 'no-auth' => 1, 'allowed-hosts' => 'c
 is base(Host => 'cloud.example'), 'http://cloud.example', 'a list holds for an open daemon';
 is base(Host => 'evil.example'), 403, 'others are refused there too';
 is $daemon->stop, 0, 'it ends with 0';
+
+# The compose file publishes its port where browsers run: to a page of a name that leads there the daemon is not open.
+my ($command) = Vt::slurp('docker/compose.yaml') =~ /^    command: (\[.*\])$/m;
+my (undef, @words) = @{ json($command) };
+my %given;
+while (my $flag = shift @words) { $given{ $flag =~ s/^--//r } = @words && $words[0] !~ /^--/ ? shift @words : 1 }
+$daemon = Vt->start(listen => '0.0.0.0:0', %given);
+is base(Host => $_), "http://$_", "the container answers $_" for 'localhost:8080', '127.0.0.1:8080';
+is base(Host => 'evil.example:8080', Origin => 'http://evil.example:8080'), 403, 'and no name that was made to lead to it';
+is $daemon->stop, 0, 'it ends with 0';
 done_testing;
