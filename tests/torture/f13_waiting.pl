@@ -5,6 +5,7 @@ use warnings;
 use FindBin;
 use lib $FindBin::Bin;
 use Jobs;
+use Sockets ();
 use Time::HiRes qw(time);
 use Vt;
 
@@ -19,12 +20,15 @@ for (1 .. $jobs) {
 }
 kill 'KILL', $daemon->{pid};
 Vt::reap(delete $daemon->{pid}, 20);
-my @took;
+my (@took, @computed);
 for (1 .. 3) {
     my $began = time;
     my $next = Vt->start(dir => $daemon->{dir}, jobs => 1, queue => 20_000);
     push @took, time - $began;
+    push @computed, Sockets::cpu_seconds($next);
     $next->stop('KILL');
 }
 my $each = percentile(0.5, @took);
 figure('F13', "ready after kill -9 with $accepted waiting jobs", sprintf('%.2f s', $each), '<= 1 s (was 1.6 with 10,000)', $each <= 1);
+$each = percentile(0.5, @computed);
+figure('F13', 'the time that it computes', sprintf('%.2f s', $each), '<= 1 s', $each <= 1);
