@@ -116,13 +116,18 @@ static vor_status refuse_size(enum vor_parameter parameter, const struct vor_val
                           value->text != NULL ? strlen(value->text) : 0, VOR_SPEC_TEXTS_SIZE);
 }
 
-/* Sets a value and lays the texts out anew. */
+/* Sets a value, and lays the texts out anew where one comes or goes. */
 static vor_status store(struct vor_spec *spec, enum vor_parameter parameter,
                         const struct vor_value *value, struct vor_error *err)
 {
-    struct vor_spec next = *spec;
+    struct vor_spec next;
     size_t at = 0;
 
+    if (value->text == NULL && !has_text(spec, (int)parameter)) {
+        spec->value[parameter] = value->number;
+        return VOR_OK;
+    }
+    next = *spec;
     next.value[parameter] = value->number;
     memset(next.texts, 0, sizeof next.texts);
     for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
