@@ -51,8 +51,12 @@ $daemon->{http} = HTTP::Tiny->new(timeout => 600); # what takes long is a figure
 my ($runs, $worst, $dearest, $dear) = (0, 0, 0, '');
 my (@bad, @slow);
 
-# Seconds that the worker and its children, of which there are two threads, have computed.
-sub computed { return sum0(map { eval { Sockets::cpu_seconds({ pid => $_->[1] }) } // 0 } grep { $_->[0] =~ /^vor-worker/ } family($daemon)) }
+# Seconds that the worker, of two threads, has computed so far.
+my @workers;
+sub computed {
+    @workers = map { $_->[1] } grep { $_->[0] eq 'vor-worker' } family($daemon) if !@workers || grep { !-e "/proc/$_" } @workers;
+    return sum0(map { Sockets::cpu_seconds({ pid => $_ }) } @workers);
+}
 for my $name (sort keys %shape) {
     my $body = cloud_ply(map { $shape{$name}->($_) } 0 .. $n - 1);
     for my $method ($long ? @methods : @methods[0, 1 + $runs % 5]) {
