@@ -167,6 +167,19 @@ static vor_status put_one(struct vor_lop_tree *tree, struct vor_lop_samples *sam
     return vor_lop_tree_add(tree, i, edge->foot, &samples->normal[3 * (size_t)i], err);
 }
 
+/* Lets point i, which is on an edge, stay there unless one before it is as near as
+ * VOR_LOP_EDGE_CLOSE: two edges that meet do not let their points go apart. */
+static vor_status keep_one(struct vor_lop_tree *tree, const struct vor_lop_samples *samples,
+                           uint32_t i, unsigned char *on, double spacing, struct vor_error *err)
+{
+    const float *x = &samples->xyz[3 * (size_t)i];
+    struct vor_lop_gathered near;
+
+    vor_lop_tree_gather(&near, tree, x, VOR_LOP_EDGE_CLOSE * spacing);
+    *on = near.count == 0;
+    return *on ? vor_lop_tree_add(tree, i, x, &samples->normal[3 * (size_t)i], err) : VOR_OK;
+}
+
 vor_status vor_lop_edge_put(struct vor_lop_samples *samples, const struct vor_lop_edge *edge,
                             unsigned char *on, const float *spacing, struct vor_error *err)
 {
@@ -177,8 +190,7 @@ vor_status vor_lop_edge_put(struct vor_lop_samples *samples, const struct vor_lo
 
     for (size_t i = 0; i < samples->n && status == VOR_OK; i++)
         if (on[i])
-            status = vor_lop_tree_add(&tree, (uint32_t)i, &samples->xyz[3 * i],
-                                      &samples->normal[3 * i], err);
+            status = keep_one(&tree, samples, (uint32_t)i, &on[i], (double)spacing[i], err);
     if (status == VOR_OK)
         status = list(&candidate, &count, edge, on, spacing, samples, err);
     for (size_t k = 0; candidate != NULL && status == VOR_OK && k < count; k++) {

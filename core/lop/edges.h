@@ -24,6 +24,9 @@
 /** Spacings between points of one edge, at least, when they are put there. At 0.65 / 0.8: 0.86e-3 /
  *  0.97e-3, 0.048 / 0.045. */
 #define VOR_LOP_EDGE_APART 0.7
+/** Spacings from another point on an edge at which a point no longer stays on one. Of scannet to
+ * 20,000 with this 53 points are nearer than 0.1 spacings to another, without 187. */
+#define VOR_LOP_EDGE_CLOSE 0.4
 
 /** Where a point sees an edge. */
 struct vor_lop_edge {
@@ -46,7 +49,8 @@ void vor_lop_edge_find(struct vor_lop_edge *out, const struct vor_lop_samples *s
 /** Chooses the points that are put onto their edges, nearest first, and puts them there.
  *
  *  @param[in,out] edge     of each sample
- *  @param[in,out] on       of each sample: 1 if it is on an edge; those that are stay
+ *  @param[in,out] on       of each sample: 1 if it is on an edge; those that are stay, but for
+ *                        those that come nearer to each other than VOR_LOP_EDGE_CLOSE
  *  @param[in]     spacing  of each sample
  *
  *  @retval VOR_E_NOMEM

@@ -36,6 +36,10 @@ enum {
 /* Length of the mean of the unit vectors to the neighbours, above which a point is at the border.
  * It is 0.64 where they fill half of the plane. */
 #define BORDER 0.4
+/* Spacings to the nearest point below which a point is pushed out all the same: it lies at the rim
+ * of a cluster, and not of the surface. Points nearer than 0.1 spacings to another, of 20,000 of
+ * autzen, without this and with it: 169, 29. */
+#define CROWDED 0.5
 
 struct even {
     struct vor_lop_samples *samples;
@@ -299,6 +303,7 @@ static void keep(const struct even *even, size_t i, const struct push *push, dou
 {
     const float *normal = &even->samples->normal[3 * i], *along = even->edge[i].along;
     double n[3] = {(double)normal[0], (double)normal[1], (double)normal[2]}, out[3], length;
+    double h = (double)even->spacing[i];
 
     if (even->on[i]) {
         double t[3] = {(double)along[0], (double)along[1], (double)along[2]};
@@ -313,7 +318,7 @@ static void keep(const struct even *even, size_t i, const struct push *push, dou
         out[c] = -push->mean[c];
     vor_remove_along(out, n, 0);
     length = sqrt(vor_dot(out, out));
-    if (length < BORDER)
+    if (length < BORDER || push->nearest2 < CROWDED * CROWDED * h * h)
         return;
     for (int c = 0; c < 3; c++)
         out[c] /= length;

@@ -382,12 +382,13 @@ static vor_status keep_to_input(struct vor_seeds *seeds, struct lop *lop, struct
 static vor_status insert(struct lop *lop, size_t n, struct vor_error *err)
 {
     const double *value = lop->spec->value;
-    struct vor_lop_insert_how how = {.rho = value[VOR_PARAM_RHO],
+    uint32_t polish = vor_spec_polish(lop->spec);
+    struct vor_lop_insert_how how = {.rho = lop->smooth && polish > 0 ? 0 : value[VOR_PARAM_RHO],
                                      .sigma_n = value[VOR_PARAM_SIGMA_N] * RADIANS,
                                      .spacing = only_inserts(lop) ? 0 : lop->spacing,
                                      .sigma_p = lop->reach,
                                      .fill = value[VOR_PARAM_GAPS] == VOR_GAPS_FILL,
-                                     .polish = lop->smooth ? 0 : vor_spec_polish(lop->spec),
+                                     .polish = lop->smooth ? 0 : polish,
                                      .spec = lop->spec};
 
     if (n < FEWEST || (n == lop->samples.n && how.polish == 0))

@@ -18,6 +18,9 @@
  *  with thin sides, 36,000 points in proportions of up to 1:50 to 8,000: wlop 0.69, now 0.09; ear
  *  0.27, where there are fewer data than points. Only `phases=insert` takes points of the input, as
  *  many as `samples` asks for and it has: they stay where they are.
+ *  Departure: rho counts only where the input has edges, or nothing is polished: elsewhere
+ * priorities make clusters where noise turns the normals (bun_zipper to 20,000: delta 0.165, now
+ * 0.022).
  *
  *  Neither follows a density or a metric, nor has sites. */
 #ifndef VOR_LOP_H

@@ -1,6 +1,7 @@
 #include "core/lop/project.h"
 
 #include "core/base/linalg.h"
+#include "core/base/rng.h"
 #include "core/knn/input_lists.h"
 #include "core/knn/point_lists.h"
 #include "core/lop/weights.h"
@@ -46,6 +47,11 @@ enum { LISTED = 32 };
 /* Share of mu that counts without normals. Bunny to 5,000 after 36 steps, at mu .45 and 0.44 / 0.67
  * / 0.89 / 1: delta 0.073 / 0.052 / 0.080 / 0.099, because points jump past each other. */
 #define PUSH_SHARE 0.67
+
+/* Spacings that points keep from each other. Repulsion is a share of less than a half of the
+ * distance, so that two points which the same data draw come nearer with each step until they are
+ * one: 522 of 20,000 of autzen by ear, 3,061 nearer than 0.1 spacings; with this 0 and 316. */
+#define APART 0.3
 
 /* Nearest data whose distance tells their density. */
 enum { DENSITY_K = 12 };
@@ -187,12 +193,28 @@ static void look_at_data(struct drawn *drawn, struct project *project, size_t i)
         add_datum(drawn, project, i, index[j], reach);
 }
 
+/* Adds half of what point i lacks of APART to the point j at a squared distance. */
+static void part(double apart[3], const struct project *project, size_t i, size_t j, double d2)
+{
+    const float *x = &project->samples->xyz[3 * i], *y = &project->samples->xyz[3 * j];
+    double distance = sqrt(d2), lack = APART * project->how->spacing - distance;
+
+    for (unsigned c = 0; c < 3 && lack > 0; c++) {
+        double away = (double)x[c] - (double)y[c];
+
+        if (!(distance > 0)) /* in one place: any direction, but opposite ones */
+            away = (i < j ? 1 : -1) * (vor_rng_unit(i < j ? i : j, i < j ? j : i, c) - 0.5);
+        apart[c] += lack / 2 * away / (distance > 0 ? distance : 1);
+    }
+}
+
 /* The push of the other points on point i. */
 static void repel(double push[3], struct project *project, size_t i)
 {
     const float *x = &project->samples->xyz[3 * i];
     double reach = project->how->reach, sum = 0;
     double mu = project->how->mu * (project->how->normals ? 1 : PUSH_SHARE);
+    double apart[3] = {0}, longest = APART * project->how->spacing, length;
     struct vor_crowd crowd;
 
     push[0] = push[1] = push[2] = 0;
@@ -207,9 +229,13 @@ static void repel(double push[3], struct project *project, size_t i)
         sum += beta;
         for (unsigned c = 0; c < 3; c++)
             push[c] += beta * ((double)x[c] - (double)y[c]);
+        part(apart, project, i, crowd.index[j], d2);
     }
-    for (unsigned c = 0; c < 3; c++)
+    length = sqrt(vor_dot(apart, apart));
+    for (unsigned c = 0; c < 3; c++) {
         push[c] = sum > 0 ? mu * push[c] / sum : 0;
+        push[c] += length > longest ? apart[c] * longest / length : apart[c];
+    }
 }
 
 /* Takes the height from a move along the plane of point i, sets that to what the data say, and
@@ -233,15 +259,15 @@ static void step_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct project *project = ctx;
     struct drawn drawn;
-    double push[3], move[3], part;
+    double push[3], move[3], share;
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         look_at_data(&drawn, project, i);
         repel(push, project, i);
-        part = part_of(project, &drawn);
+        share = part_of(project, &drawn);
         for (unsigned c = 0; c < 3; c++)
-            move[c] = push[c] + (drawn.alpha > 0 ? part * drawn.to[c] / drawn.alpha : 0);
+            move[c] = push[c] + (drawn.alpha > 0 ? share * drawn.to[c] / drawn.alpha : 0);
         if (project->how->normals)
             stay_on_side(move, &drawn, project, i);
         for (unsigned c = 0; c < 3; c++)

@@ -10,12 +10,13 @@
  *  Departure: the density of the data is read off the distance to its twelfth neighbour, which
  * costs no sum over the reach; where there are fewer data than points it goes only a part
  * of the way to them; and few data stand for all within the reach where there are very
- * many. Departure, with normals: data count by theta, by the angle between the normals (psi) and by
- * their height over the point's plane (phi): those of the other side of an edge do not. Only the
- * part of the step along the point's plane is that of Eq. 3; across it the point goes to where the
- * data of its side see it, along the mean of both normals, because the mean of data on a bent
- * surface lies off it, on its hollow side. The normals of the points follow those of the data (Eq.
- * 2). */
+ * many. Departure: two points nearer than a part of the spacing are pushed apart by what they lack
+ * of it, since points that the same data draw would end as one. Departure, with normals: data count
+ * by theta, by the angle between the normals (psi) and by their height over the point's plane
+ * (phi): those of the other side of an edge do not. Only the part of the step along the point's
+ * plane is that of Eq. 3; across it the point goes to where the data of its side see it, along the
+ * mean of both normals, because the mean of data on a bent surface lies off it, on its hollow side.
+ * The normals of the points follow those of the data (Eq. 2). */
 #ifndef VOR_LOP_PROJECT_H
 #define VOR_LOP_PROJECT_H
 
