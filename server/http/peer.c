@@ -154,6 +154,14 @@ void vor_peer_request(struct vor_watchman *watchman, struct vor_peer *peer, stru
     vor_waker_drop(before);
 }
 
+void vor_peer_turn(struct vor_watchman *watchman, struct vor_peer *peer)
+{
+    (void)pthread_mutex_lock(&watchman->lock);
+    vor_crowd_due(watchman, peer);
+    (void)pthread_mutex_unlock(&watchman->lock);
+    vor_crowd_poke(watchman);
+}
+
 void vor_peer_timer(struct vor_watchman *watchman, struct vor_peer *peer, double seconds)
 {
     double at = vor_clock_seconds() + seconds;

@@ -34,6 +34,9 @@ void vor_peer_request(struct vor_watchman *watchman, struct vor_peer *peer,
  *  (vor_waker_gone) and woken. */
 void vor_peer_wait(struct vor_watchman *watchman, struct vor_peer *peer, bool waiting);
 
+/** Wakes the request soon, once those had their turn that were due before. peer is not NULL. */
+void vor_peer_turn(struct vor_watchman *watchman, struct vor_peer *peer);
+
 /** Wakes the request once, `seconds` from now or when an earlier call said so, whichever is first;
  *  among many that are due at once, when its turn comes. */
 void vor_peer_timer(struct vor_watchman *watchman, struct vor_peer *peer, double seconds);

@@ -210,6 +210,14 @@ void vor_request_wake_after(struct vor_request *request, double seconds)
     vor_peer_timer(request->http->watchman, request->peer, seconds);
 }
 
+void vor_request_wake_soon(struct vor_request *request)
+{
+    if (request->peer != NULL)
+        vor_peer_turn(request->http->watchman, request->peer);
+    else
+        vor_waker_wake(request->waker);
+}
+
 unsigned vor_request_crowd(const struct vor_request *request)
 {
     const struct vor_http_options *options = &request->http->options;
