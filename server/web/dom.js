@@ -16,7 +16,8 @@ export const count = (n) => Number(n).toLocaleString('en');
 export function figure(value) {
     if (typeof value !== 'number') return String(value);
     if (Number.isSafeInteger(value)) return count(value);
-    if (Math.abs(value) < 1e-3 || Math.abs(value) >= 1e15) return value.toExponential(3).replace(/\.?0*e\+?/, 'e');
+    if (Math.abs(value) < 1e-4 || Math.abs(value) >= 1e15) return value.toExponential(3).replace(/\.?0*e\+?/, 'e');
+    if (value > 0.99 && value < 1) return String(Number(value.toFixed(5))); /* what is left to 1 tells */
     return String(Number(value.toPrecision(4)));
 }
 
