@@ -65,7 +65,8 @@ export function makeView(canvas) {
         clearTimeout(moving);
         moving = setTimeout(rest, REST_MS);
         isMoving = true;
-        slots().forEach((slot) => slot.setMoving(true, budget));
+        const seen = /both|swipe/.test(look.layout) ? 2 : 1;
+        slots().forEach((slot) => slot.setMoving(true, Math.floor(budget / seen)));
         draw();
     };
     const hold = (isHeld) => {
