@@ -27,6 +27,7 @@ export function bytes(n) {
 }
 
 export function seconds(s) {
+    if (s < 1) return `${Number(s.toPrecision(2))} s`;
     if (s < 60) return `${s < 10 ? s.toFixed(1) : Math.round(s)} s`;
     return s < 3600 ? `${Math.floor(s / 60)} min ${Math.round(s % 60)} s` : `${Math.floor(s / 3600)} h ${Math.round((s % 3600) / 60)} min`;
 }

@@ -6,7 +6,7 @@ import { color } from './theme.js';
 import { makeView } from './view.js';
 
 const clouds = { input: null, result: null };
-let view = null, drawing = 0;
+let view = null, drawing = 0, told = null; /* told: what the histogram shows */
 
 const chosen = () => document.querySelector('input[name="layout"]:checked').value;
 const whichHas = (name) => Boolean(clouds[name]);
@@ -64,18 +64,23 @@ async function colour(name, mode) {
     return null;
 }
 
+function drawTold() {
+    if (told?.[0] && $('histogram-canvas').clientWidth) drawHistogram($('histogram-canvas'), $('histogram-caption'), ...told);
+}
+
 /* Colours what is shown; figures that take long are waited for, and given up when something else was asked meanwhile. */
 async function recolour() {
     const mode = $('mode').value, turn = ++drawing;
-    const told = {};
+    const found = {};
     for (const name of ['input', 'result']) {
         if (!clouds[name]) continue;
-        told[name] = await colour(name, mode);
+        found[name] = await colour(name, mode);
         if (turn !== drawing) return;
     }
-    const [first, other] = chosen() === 'input' && told.input ? [told.input, told.result] : [told.result || told.input, told.result && told.input];
-    show($('histogram'), Boolean(first));
-    if (first) drawHistogram($('histogram-canvas'), $('histogram-caption'), first, other);
+    const { input, result } = found;
+    told = chosen() === 'input' && input ? [input, result] : [result || input, result && input];
+    show($('histogram'), Boolean(told[0]));
+    drawTold();
     view.set({ mode });
 }
 
@@ -129,6 +134,7 @@ const takesSpace = (one) => /^(input|select|button|textarea|summary|a)$/i.test(o
 
 function dressed() {
     if (view) view.set({ background: color('canvas'), plain: color('point') });
+    drawTold();
 }
 
 /** Wires the controls. Returns what to call when the colours of the page have changed. */
@@ -142,6 +148,7 @@ export function wireStage(save) {
     $('mode').addEventListener('change', recolour);
     $('size').addEventListener('input', () => view.set({ size: Number($('size').value) }));
     wireDivider();
+    new ResizeObserver(drawTold).observe($('histogram-canvas'));
     $('shaded').addEventListener('change', () => view.set({ shaded: $('shaded').checked }));
     $('wires').addEventListener('change', () => view.set({ wires: $('wires').checked }));
     $('up').addEventListener('click', () => view.fit(view.up() === 'z' ? 'y' : 'z'));

@@ -472,6 +472,10 @@ def appearance(browser):
     readable(browser, "dark")
     browser.script("document.getElementById('report-box').open = false")
     browser.picture(f"{PICTURES}/dark.png")
+    ticks = browser.script("""
+        const one = document.getElementById('histogram-canvas'), all = one.getContext('2d').getImageData(0, one.height - 13, one.width, 13).data;
+        return Math.max(...all.filter((value, k) => k % 4 === 0 && all[k + 3] > 200));""")
+    ok(ticks > 140, "figures below a histogram are as bright then", ticks)
     browser.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True})
     wide = browser.script("return document.documentElement.scrollWidth")
     ok(wide <= 390, "on a phone nothing is wider than the screen", wide)
