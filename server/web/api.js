@@ -31,7 +31,8 @@ const parse = (text) => {
 
 /** Asks for a path under the root. Resolves to the Response if it is a success or 304, else rejects with a Problem. */
 export async function ask(path, { method = 'GET', more = {}, body, signal } = {}) {
-    const answer = await fetch(new URL(path, ROOT), { method, headers: headers(more), body, signal, cache: 'no-store' });
+    const answer = await fetch(new URL(path, ROOT), { method, headers: headers(more), body, signal, cache: 'no-store' })
+        .catch((error) => { throw error.name === 'AbortError' ? error : new Error('The daemon does not answer.'); });
     if (answer.ok || answer.status === 304) return answer;
     throw new Problem(parse(await answer.text()), answer.status);
 }

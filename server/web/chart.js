@@ -1,5 +1,5 @@
 /* How even the points are, record by record: delta, sigma and epsilon in a strip each, over the time of the run. */
-import { figure } from './dom.js';
+import { figure, seconds } from './dom.js';
 import { color } from './theme.js';
 
 const STRIPS = [
@@ -7,13 +7,28 @@ const STRIPS = [
     { name: 'sigma', words: 'σ', log: true },
     { name: 'epsilon', words: 'ε', log: false },
 ];
-const LEFT = 72, LINE = 12, GAP = 10; /* pixels: room for figures, for a line of names of stages, between strips */
+const LEFT = 72, LINE = 12, GAP = 10; /* pixels: room for figures, for a line of names of stages or of times, between strips */
 const STAGES = { iterate: 'iterations', project: 'projection', insert: 'insertion' }; /* others by their own names */
+
+const least = (values) => values.reduce((a, b) => Math.min(a, b), Infinity);
+const greatest = (values) => values.reduce((a, b) => Math.max(a, b), -Infinity);
+const wordsOf = (name, value) => (name === 'epsilon' ? value.toFixed(5) : figure(value));
 
 function scaleOf(values, log, top, height) {
     const shown = log ? values.filter((value) => value > 0).map(Math.log) : values;
-    const low = Math.min(...shown), span = Math.max(...shown) - low || 1;
+    const low = least(shown), span = greatest(shown) - low || 1;
     return (value) => top + height - ((log ? Math.log(Math.max(value, 1e-300)) : value) - low) / span * height;
+}
+
+/* What the top and the bottom of a strip stand for. */
+function bounds(pen, values, name, top, height) {
+    const [low, high] = [least(values), greatest(values)];
+    pen.font = '10px system-ui, sans-serif';
+    pen.fillStyle = color('soft');
+    pen.textAlign = 'right';
+    pen.fillText(wordsOf(name, high), LEFT - 4, top + 9);
+    if (low < high) pen.fillText(wordsOf(name, low), LEFT - 4, top + height - 1);
+    pen.textAlign = 'left';
 }
 
 function strip(pen, rows, x, { name, words, log }, top, height, width) {
@@ -32,8 +47,9 @@ function strip(pen, rows, x, { name, words, log }, top, height, width) {
     pen.font = '600 13px system-ui, sans-serif';
     pen.fillText(words, 2, top + height / 2 - 3);
     pen.font = '11px system-ui, sans-serif';
-    pen.fillText(name === 'epsilon' ? last[name].toFixed(5) : figure(last[name]), 2, top + height / 2 + 11);
+    pen.fillText(wordsOf(name, last[name]), 2, top + height / 2 + 11);
     pen.lineWidth = 1;
+    bounds(pen, values, name, top, height);
 }
 
 /* Where the names of stages go: {words, at, line, x}; on a second line those that would run into the one before, on none if there too. */
@@ -70,9 +86,15 @@ export function drawChart(canvas, records) {
     [canvas.width, canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
     pen.scale(ratio, ratio);
     const from = rows[0].seconds, span = rows.at(-1).seconds - from || 1, x = (row) => LEFT + 4 + (row.seconds - from) / span * (width - LEFT - 9);
-    const top = stages(pen, rows, x, width, height), each = (height - top - 2 * GAP - 2) / 3;
+    const top = stages(pen, rows, x, width, height - LINE), each = (height - LINE - top - 2 * GAP - 2) / 3;
     STRIPS.forEach((one, k) => strip(pen, rows, x, one, top + k * (each + GAP), each, width));
     const [first, last] = [rows[0], rows.at(-1)];
+    pen.font = '10px system-ui, sans-serif';
+    pen.fillStyle = color('soft');
+    pen.fillText(seconds(first.seconds), LEFT, height - 2);
+    pen.textAlign = 'right';
+    pen.fillText(seconds(last.seconds), width - 1, height - 2);
+    pen.textAlign = 'left';
     canvas.setAttribute('aria-label', `Convergence in ${rows.length} records: delta from ${figure(first.delta)} to ${figure(last.delta)}, `
         + `sigma from ${figure(first.sigma)} to ${figure(last.sigma)}, epsilon from ${first.epsilon.toFixed(5)} to ${last.epsilon.toFixed(5)}`);
 }

@@ -11,6 +11,12 @@ function start() {
         if (data.error) reject(new Error(data.error));
         else resolve(data.answer);
     };
+    /* A worker that ends, for want of memory say, answers nobody. */
+    worker.onerror = () => {
+        waiting.forEach(({ reject }) => reject(new Error('The browser could not hold this cloud.')));
+        waiting.clear();
+        worker = null;
+    };
 }
 
 function ask(what, details, transfer = []) {
@@ -30,7 +36,8 @@ export async function readCloud(buffer, origin) {
 
 /** What is measured once and kept in the cloud: each resolves to it. */
 export const measures = {
-    normals: async (cloud) => (cloud.normals ||= (await ask('normals', { number: cloud.number })).normals),
+    /* {normals, widths}: fitted ones; how wide each point is drawn. */
+    surface: async (cloud) => (cloud.surface ||= await ask('normals', { number: cloud.number })),
     spacing: async (cloud) => (cloud.spacing ||= await ask('spacing', { number: cloud.number })),
     distance: async (cloud, to) => (cloud.distance ||= await ask('distance', { number: cloud.number, to: to.number })),
 };

@@ -21,24 +21,57 @@ function read({ number, buffer, origin }) {
     return cloud;
 }
 
-/* Normals, without a side; the distance of each point to its nearest other one. */
+/* A disc as wide as the distance to the sixth neighbour, times 1.2 or more, reaches the discs around it: in an even cloud these are the
+ * six at the spacing, along the lines of a scanner they are those of the next line too. */
+const RING = 6;
+/* Times the mean: a point with a longer way to others stands alone, as those of trees do, and a disc that wide would be a blob (seen at
+ * 2.5, while at 1.3 scans show the ground between their lines); one with a shorter way coincides with others. */
+const [NARROWEST, WIDEST] = [0.4, 1.6];
+const POISSON_RING = Math.sqrt(RING / Math.PI); /* where the sixth neighbour is, over the root of the area of a point */
+
+function clampWidths(widths) {
+    let sum = 0;
+    for (let i = 0; i < widths.length; i++) sum += widths[i];
+    const mean = sum / widths.length;
+    for (let i = 0; i < widths.length; i++) widths[i] = Math.min(Math.max(widths[i], NARROWEST * mean), WIDEST * mean);
+    return widths;
+}
+
+/* Of the points of a leaf, by the area of their box. */
+function leafWidth(here, low, high) {
+    const sides = [0, 1, 2].map((axis) => {
+        let [least, most] = [Infinity, -Infinity];
+        for (let k = low; k < high; k++) {
+            least = Math.min(least, here.xyz[3 * k + axis]);
+            most = Math.max(most, here.xyz[3 * k + axis]);
+        }
+        return most - least;
+    }).sort((a, b) => b - a);
+    return POISSON_RING * Math.sqrt(sides[0] * sides[1] / (high - low));
+}
+
+/* Normals, without a side, and how wide a disc each point is drawn with. */
 function normals({ number }) {
-    const here = tree(number), out = new Float32Array(3 * here.n);
+    const here = tree(number), out = new Float32Array(3 * here.n), widths = new Float32Array(here.n);
     const found = new Uint32Array(NORMAL_NEIGHBORS), squares = new Float64Array(NORMAL_NEIGHBORS);
     if (here.n > NORMALS_EACH_MAX) {
         for (let k = 0; k < here.leaves.length; k += 2) {
             const [low, high] = [here.leaves[k], here.leaves[k + 1]], places = Array.from({ length: high - low }, (_, i) => low + i);
             leastSpread(here, places, places.length, out, here.index[low]);
-            const first = 3 * here.index[low];
-            for (const place of places) out.copyWithin(3 * here.index[place], first, first + 3);
+            const first = 3 * here.index[low], width = leafWidth(here, low, high);
+            for (const place of places) {
+                out.copyWithin(3 * here.index[place], first, first + 3);
+                widths[here.index[place]] = width;
+            }
         }
-        return { normals: out };
+        return { normals: out, widths: clampWidths(widths) };
     }
     for (let i = 0; i < here.n; i++) {
         nearest(here, here.xyz[3 * i], here.xyz[3 * i + 1], here.xyz[3 * i + 2], found, squares);
         leastSpread(here, found, Math.min(NORMAL_NEIGHBORS, here.n), out, here.index[i]);
+        widths[here.index[i]] = Math.sqrt(squares[Math.min(RING, here.n - 1)]);
     }
-    return { normals: out };
+    return { normals: out, widths: clampWidths(widths) };
 }
 
 function spacing({ number }) {

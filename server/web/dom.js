@@ -16,7 +16,8 @@ export const count = (n) => Number(n).toLocaleString('en');
 export function figure(value) {
     if (typeof value !== 'number') return String(value);
     if (Number.isSafeInteger(value)) return count(value);
-    if (Math.abs(value) < 1e-3 || Math.abs(value) >= 1e15) return value.toExponential(3).replace(/\.?0*e\+?/, 'e');
+    if (Math.abs(value) < 1e-4 || Math.abs(value) >= 1e15) return value.toExponential(3).replace(/\.?0*e\+?/, 'e');
+    if (value > 0.99 && value < 1) return String(Number(value.toFixed(5))); /* what is left to 1 tells */
     return String(Number(value.toPrecision(4)));
 }
 
@@ -26,6 +27,7 @@ export function bytes(n) {
 }
 
 export function seconds(s) {
+    if (s < 1) return `${Number(s.toPrecision(2))} s`;
     if (s < 60) return `${s < 10 ? s.toFixed(1) : Math.round(s)} s`;
     return s < 3600 ? `${Math.floor(s / 60)} min ${Math.round(s % 60)} s` : `${Math.floor(s / 3600)} h ${Math.round((s % 3600) / 60)} min`;
 }

@@ -11,10 +11,15 @@ const isFile = (schema) => (schema.oneOf || [schema]).some((one) => one.contentE
 
 const unit = (schema) => schema['x-unit'];
 
+/* Bounds as wide as this are no bounds that a person would meet. */
+const [TINY, HUGE] = [1e-30, 1e30];
+
 /* "1 to 90 degrees. Default 15." */
 function range(schema, free) {
     const words = [];
-    if (free && free.minimum !== undefined && free.maximum !== undefined)
+    if (free && free.minimum > 0 && free.minimum <= TINY && free.maximum >= HUGE)
+        words.push(unit(schema) ? `In the ${unit(schema)}, above 0` : 'Above 0');
+    else if (free && free.minimum !== undefined && free.maximum !== undefined)
         words.push([`${figure(free.minimum)} to ${figure(free.maximum)}`, unit(schema)].filter(Boolean).join(' '));
     else if (unit(schema)) words.push(`In ${unit(schema)}`);
     if (schema.default !== undefined && String(schema.default) !== '') words.push(`Default ${schema.default}`);
@@ -64,14 +69,14 @@ function controlOf(id, schema) {
 }
 
 function field(name, input) {
-    const id = `ask-${name}`, one = controlOf(id, input.schema), help = make('small', { id: `${id}-help` });
+    const id = `ask-${name}`, one = controlOf(id, input.schema), help = make('small', { id: `${id}-help` }), wrong = make('small', { id: `${id}-wrong`, className: 'blame' });
     const label = make(one.group ? 'span' : 'label', { className: 'name', id: `${id}-label` }, input.title || name), words = partsOf(input.schema);
     if (one.group) one.control.setAttribute('aria-labelledby', label.id);
     else label.htmlFor = id;
     help.append([input.description && `${input.description}.`, range(input.schema, words.free)].filter(Boolean).join(' '));
-    one.control.setAttribute('aria-describedby', help.id);
-    return { ...one, name, usual: String(input.schema.default ?? ''), when: input['x-when'] || {},
-        row: make('div', { className: 'field' }, label, one.control, help, ...(one.besides || [])) };
+    one.control.setAttribute('aria-describedby', `${wrong.id} ${help.id}`);
+    return { ...one, name, wrong, usual: String(input.schema.default ?? ''), when: input['x-when'] || {},
+        row: make('div', { className: 'field' }, label, one.control, wrong, help, ...(one.besides || [])) };
 }
 
 /* Whether a field counts: another one that it hangs on has one of these words, of which attribute:NAME is any that begins so. */
@@ -110,7 +115,8 @@ export function makeForm(description) {
     elements.forEach((one) => one.addEventListener('input', refresh));
     refresh();
     return {
-        elements,
+        elements, refresh,
+        field: (name) => fields.find((one) => one.name === name),
         values: () => Object.fromEntries(fields.filter((one) => !one.row.hidden).map((one) => [one.name, one.read()])
             .filter(([, value]) => value !== '')),
         set(values) {
@@ -119,11 +125,15 @@ export function makeForm(description) {
             refresh();
         },
         /* Shows what the daemon finds wrong with a parameter beside it. */
-        blame: (errors) => fields.forEach((one) => {
-            const error = errors.find(({ parameter }) => parameter === one.name), place = one.control;
-            one.row.classList.toggle('wrong', Boolean(error));
-            place.toggleAttribute('aria-invalid', Boolean(error));
-            if (error) place.closest('details')?.setAttribute('open', '');
-        }),
+        blame(errors) {
+            fields.forEach((one) => {
+                const error = errors.find(({ parameter }) => parameter === one.name);
+                one.row.classList.toggle('wrong', Boolean(error));
+                one.control.setAttribute('aria-invalid', String(Boolean(error)));
+                one.wrong.textContent = error?.detail || '';
+                if (error) one.control.closest('details')?.setAttribute('open', '');
+            });
+            fields.find((one) => one.row.classList.contains('wrong'))?.control.focus();
+        },
     };
 }

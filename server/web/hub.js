@@ -7,6 +7,7 @@ const SETTLE_MS = 60;     /* during which more tabs may ask, before a stream is 
 const PREVIEW_POINTS = 50000; /* as many as the daemon shows of points on the move */
 const POLL_SECONDS = 10;  /* that a poll may wait for news */
 const POLLS_WAITING = 2;  /* at a time: of six connections the page needs some; other jobs are asked for now and then */
+const POLL_PAUSE_MS = 300; /* between an answer with news and the next question: a run has news at every step */
 
 async function* lines(body) {
     const reader = body.pipeThrough(new TextDecoderStream()).getReader();
@@ -21,8 +22,9 @@ async function* lines(body) {
 
 /** Makes a hub. watch(watcher, id, position) and leave(watcher, id) say who wants to hear of which job, from which event on (what its
  *  trace says, or 0.0); a watcher is a function that gets {event, data}, some events twice when another one comes. root: where the
- *  daemon is; key: what it wants. */
-export function makeHub(root, key) {
+ *  daemon is; key: what it wants. isSeen() tells whether somebody looks: the hub of a page that nobody sees keeps no connection, but asks
+ *  now and then; again() is for when that has changed. */
+export function makeHub(root, key, isSeen = () => true) {
     const watched = new Map(); /* id: {watchers, position, over} */
     const headers = (more) => (key ? { Authorization: `Bearer ${key}`, ...more } : more);
     let control = null, timer = 0;
@@ -44,7 +46,7 @@ export function makeHub(root, key) {
     /* Asks for a job's status again and again, each time until it has changed. */
     async function poll(id, signal, waits) {
         for (let tag = ''; !signal.aborted && watched.has(id);) {
-            if (tag && !waits) await new Promise((resolve) => { setTimeout(resolve, AGAIN_MS); });
+            if (tag) await new Promise((resolve) => { setTimeout(resolve, waits ? POLL_PAUSE_MS : AGAIN_MS); });
             const answer = await fetch(new URL(`v1/jobs/${id}`, root), { signal, cache: 'no-store',
                 headers: headers({ ...(waits ? { Prefer: `wait=${POLL_SECONDS}` } : {}), ...(tag ? { 'If-None-Match': tag } : {}) }) });
             tag = answer.headers.get('ETag') || '';
@@ -62,12 +64,14 @@ export function makeHub(root, key) {
 
     async function follow(ids, signal) {
         const last = ids.map((id) => watched.get(id).position).join(','), query = `jobs=${ids.join(',')}&lastEventId=${last}&preview=${PREVIEW_POINTS}`;
+        if (!isSeen()) return Promise.all(ids.map((id) => poll(id, signal, false)));
         const answer = await fetch(new URL(`v1/events?${query}`, root),
             { signal, headers: headers({ Accept: 'application/x-ndjson' }), cache: 'no-store' });
         /* A daemon that has all the streams it may have answers 200 too, with no lines but when to come again. */
         if (answer.status === 200 && /ndjson/.test(answer.headers.get('Content-Type')))
             for await (const line of lines(answer.body)) hear(ids, JSON.parse(line));
         else if (answer.status !== 204) await Promise.all(ids.map((id, k) => poll(id, signal, k < POLLS_WAITING)));
+        return undefined;
     }
 
     async function open() {
@@ -98,5 +102,6 @@ export function makeHub(root, key) {
             watched.delete(id);
             later(SETTLE_MS);
         },
+        again: () => later(SETTLE_MS),
     };
 }

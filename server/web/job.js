@@ -17,7 +17,7 @@ const WORDS = { successful: 'Done', failed: 'Failed', dismissed: 'Cancelled' };
 function stateOf(status) {
     const { queuePosition, eta, stage } = status.voronoid;
     const parts = [WORDS[status.status] || (stage === 'optimize' ? 'Running' : status.message || status.status)];
-    if (isOver(status) && status.message) parts.push(status.message);
+    if (isOver(status) && status.message && !status.exception) parts.push(status.message); /* an exception is told as trouble */
     if (typeof queuePosition === 'number') parts.push(queuePosition ? `${count(queuePosition)} before it in the queue` : 'next in the queue');
     if (!isOver(status) && stage !== 'optimize' && typeof eta === 'number') parts.push(`some ${seconds(Math.max(eta, 0))} left`);
     return parts.join(', ');
@@ -81,7 +81,7 @@ async function showPreview(id) {
     fetching = true;
     try {
         const answer = await ask(`v1/jobs/${id}/preview`), cloud = await readCloud(await answer.arrayBuffer(), input.origin);
-        await Promise.all([measures.normals(cloud), measures.spacing(cloud)]);
+        await Promise.all([measures.surface(cloud), measures.spacing(cloud)]);
         if (shown?.jobID !== id || isOver(shown) || getCloud('input') !== input) return dropCloud(cloud);
         const first = !getCloud('result');
         setCloud('result', cloud);

@@ -1,6 +1,6 @@
 /* The page: what happens in which order. */
 import { ask, askJson, getKey, onRefused, setKey } from './api.js';
-import { asked, blame, choose, loadProcesses } from './ask.js';
+import { asked, blame, choose, loadProcesses, tellMesh } from './ask.js';
 import { readCloud } from './cloud.js';
 import { $, bytes, count, show } from './dom.js';
 import { isPly, wireDrop } from './drop.js';
@@ -35,6 +35,7 @@ function showInput(cloud, name, size) {
     $('cloud-words').textContent = `${name}: ${count(cloud.n)} points${faces}${left}${size ? `, ${bytes(size)}` : ''}`;
     setCloud('input', cloud);
     setLayout('input');
+    tellMesh(Boolean(cloud.faces), Boolean(source.file));
 }
 
 const ended = (status) => new Promise((resolve) => {

@@ -4,10 +4,18 @@ import { $, figure, make } from './dom.js';
 
 const descriptions = new Map();
 
-async function schemaOf(process, output) {
+async function describe(process) {
     if (!descriptions.has(process)) descriptions.set(process, await askJson(`v1/processes/${process}`));
-    return descriptions.get(process).outputs[output]?.schema || {};
+    return descriptions.get(process);
 }
+
+/* What parameters are called in the form stands for what they mean. */
+const meanings = (inputs) => ({ properties: Object.fromEntries(Object.entries(inputs)
+    .map(([name, { title, schema }]) => [name, { description: title, 'x-unit': schema['x-unit'] }])) });
+
+/* Why a run ended, as people say it. */
+const ENDED = { iterations: 'all its steps are done', delta: 'even enough', seconds: 'its time was over', plateau: 'it became no more even',
+    moveStop: 'its points moved no more', stopped: 'stopped by its caller, the best kept' };
 
 const plain = (value) => value === null || typeof value !== 'object';
 
@@ -53,10 +61,10 @@ function apart({ in_to_out: there, out_to_in: back }, unit) {
 
 /** Fills the panel with a report or document. */
 export async function showReport(process, output, report) {
-    const schema = await schemaOf(process, output).catch(() => ({})), { parameters, ...figures } = report;
-    const list = make('dl', {}, ...rows(figures, schema));
+    const { inputs, outputs } = await describe(process).catch(() => ({ inputs: {}, outputs: {} })), { parameters, ...figures } = report;
+    const list = make('dl', {}, ...rows(figures, outputs[output]?.schema));
     $('report').replaceChildren(...apart(figures, 'unit of the cloud'), list);
-    if (parameters) $('report').append(make('h3', {}, 'As it was asked for'), make('dl', {}, ...rows(parameters, {})));
+    if (parameters) $('report').append(make('h3', {}, 'As it was asked for'), make('dl', {}, ...rows(parameters, meanings(inputs))));
 }
 
 /** One sentence about a result. */
@@ -64,6 +72,6 @@ export function summary(report) {
     if (typeof report.delta !== 'number') return '';
     const parts = [`δ ${figure(report.delta)}`, `σ ${figure(report.sigma)}`, `ε ${report.epsilon.toFixed(5)}`];
     if (report.points) parts.unshift(`${figure(report.points.in)} → ${figure(report.points.out)} points`);
-    if (report.stopped) parts.push(report.stopped === 'stopped' ? 'stopped by its caller, the best kept' : `ended by ${report.stopped}`);
+    if (report.stopped) parts.push(ENDED[report.stopped] || report.stopped);
     return parts.join(' · ');
 }

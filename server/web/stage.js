@@ -6,7 +6,7 @@ import { color } from './theme.js';
 import { makeView } from './view.js';
 
 const clouds = { input: null, result: null };
-let view = null, drawing = 0;
+let view = null, drawing = 0, told = null; /* told: what the histogram shows */
 
 const chosen = () => document.querySelector('input[name="layout"]:checked').value;
 const whichHas = (name) => Boolean(clouds[name]);
@@ -16,6 +16,8 @@ function describe() {
     $('canvas').setAttribute('aria-label', words.length ? `Point clouds: ${words.join(', ')}` : 'No cloud yet');
     show($('captions'), view && whichHas('result'));
     show($('canvas-empty'), view && !words.length);
+    $('stage').classList.toggle('empty', Boolean(view) && !words.length);
+    for (const [name, cloud] of Object.entries(clouds)) $(`caption-${name}`).textContent = cloud ? `${name}: ${count(cloud.n)} points` : '';
 }
 
 /* The captions name what is on which side. */
@@ -24,6 +26,28 @@ function caption(layout) {
     show($('caption-input'), both || layout === 'input');
     show($('caption-result'), both || layout === 'result');
     show($('split-label'), layout === 'swipe');
+    show($('divider'), view && both);
+    $('divider').classList.toggle('handle', layout === 'swipe');
+    $('divider').style.left = `${layout === 'swipe' ? 100 * Number($('split').value) : 50}%`;
+}
+
+/* The curtain goes where it is dragged to, as by its slider. */
+function wireDivider() {
+    const draw = () => {
+        view.set({ split: Number($('split').value) });
+        caption(chosen());
+    };
+    $('split').addEventListener('input', draw);
+    $('divider').addEventListener('pointerdown', (event) => {
+        event.preventDefault();
+        $('divider').setPointerCapture(event.pointerId);
+    });
+    $('divider').addEventListener('pointermove', (event) => {
+        if (!$('divider').hasPointerCapture(event.pointerId)) return;
+        const box = $('canvas').getBoundingClientRect();
+        $('split').value = String((event.clientX - box.left) / box.width);
+        draw();
+    });
 }
 
 async function colour(name, mode) {
@@ -40,27 +64,32 @@ async function colour(name, mode) {
     return null;
 }
 
+function drawTold() {
+    if (told?.[0] && $('histogram-canvas').clientWidth) drawHistogram($('histogram-canvas'), $('histogram-caption'), ...told);
+}
+
 /* Colours what is shown; figures that take long are waited for, and given up when something else was asked meanwhile. */
 async function recolour() {
     const mode = $('mode').value, turn = ++drawing;
-    let told = null;
+    const found = {};
     for (const name of ['input', 'result']) {
         if (!clouds[name]) continue;
-        const histogram = await colour(name, mode);
+        found[name] = await colour(name, mode);
         if (turn !== drawing) return;
-        if (histogram && (name === 'result' || chosen() === 'input' || !clouds.result)) told = histogram;
     }
-    show($('histogram'), Boolean(told));
-    if (told) drawHistogram($('histogram-canvas'), $('histogram-caption'), told);
+    const { input, result } = found;
+    told = chosen() === 'input' && input ? [input, result] : [result || input, result && input];
+    show($('histogram'), Boolean(told[0]));
+    drawTold();
     view.set({ mode });
 }
 
 async function learn(name, cloud) {
     const spacing = await measures.spacing(cloud);
     if (clouds[name] === cloud) view.setSpacing(name, spacing.mean);
-    const normals = await measures.normals(cloud);
+    const surface = await measures.surface(cloud);
     if (clouds[name] !== cloud) return;
-    view.slot(name).setNormals(normals);
+    view.slot(name).setSurface(surface);
     view.set({});
 }
 
@@ -99,29 +128,36 @@ export function setLayout(layout) {
 
 export const blink = () => clouds.input && clouds.result && setLayout(chosen() === 'input' ? 'result' : 'input');
 
+/* What the space bar does something to by itself: not sliders, nor the layout that is chosen already. */
+const takesSpace = (one) => /^(input|select|button|textarea|summary|a)$/i.test(one.tagName) && one.type !== 'range'
+    && !(one.name === 'layout' && one.checked);
+
 function dressed() {
     if (view) view.set({ background: color('canvas'), plain: color('point') });
+    drawTold();
 }
 
 /** Wires the controls. Returns what to call when the colours of the page have changed. */
 export function wireStage(save) {
     view = makeView($('canvas'));
     show($('no-webgl'), !view);
-    show($('canvas-empty'), Boolean(view));
     show($('canvas'), Boolean(view));
+    describe();
     if (!view) return () => {};
     $('layouts').addEventListener('change', () => setLayout(chosen()));
     $('mode').addEventListener('change', recolour);
     $('size').addEventListener('input', () => view.set({ size: Number($('size').value) }));
-    $('split').addEventListener('input', () => view.set({ split: Number($('split').value) }));
+    wireDivider();
+    new ResizeObserver(drawTold).observe($('histogram-canvas'));
     $('shaded').addEventListener('change', () => view.set({ shaded: $('shaded').checked }));
     $('wires').addEventListener('change', () => view.set({ wires: $('wires').checked }));
     $('up').addEventListener('click', () => view.fit(view.up() === 'z' ? 'y' : 'z'));
     $('fit').addEventListener('click', () => view.fit(view.up()));
     $('png').addEventListener('click', async () => save(await view.toBlob(), 'png'));
     document.addEventListener('keydown', (event) => {
-        if (event.key !== ' ' || /^(input|select|button|textarea|summary|a)$/i.test(event.target.tagName)) return;
-        if (blink()) event.preventDefault();
+        if (event.key !== ' ' || takesSpace(event.target) || !clouds.input || !clouds.result) return;
+        event.preventDefault();
+        blink();
     });
     view.set({ size: Number($('size').value) });
     return dressed;

@@ -9,22 +9,17 @@ WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEM
 BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM, OUT OF OR IN
 CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE SOFTWARE. */
 /* The canvas: two clouds under one camera, side by side, behind a curtain, or one at a time. It draws when something changed. */
-import { AmbientLight, Color, DirectionalLight, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
+import { Color, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
 import { OrbitControls } from 'orbit-controls';
-import { MOVING_MAX, makePoints } from './points.js';
+import { MOVING_MAX, nextBudget } from './pace.js';
+import { makePoints } from './points.js';
 
 const FIELD_OF_VIEW = 40; /* degrees, of the height or, where that is less, the width of a pane */
 const REST_MS = 200;      /* without a movement, after which every point is drawn */
 const TURN = 0.12;        /* radians a stroke of an arrow key */
-
-function makeScene(camera) {
-    const scene = new Scene(), light = new DirectionalLight(0xffffff, 0.75);
-    scene.add(new AmbientLight(0xffffff, 0.35), light, light.target);
-    return { scene, light, slot: null, follow() {
-        light.position.copy(camera.position);
-        light.target.position.copy(camera.getWorldDirection(new Vector3()).add(camera.position));
-    } };
-}
+const MARGIN = 1.06;      /* around a cloud that is fitted into the view */
+const FINE = 2;           /* pixels drawn for one of a coarse screen at rest */
+const FIT_POINTS = 20000; /* of the cloud that are looked at for it */
 
 /* Clouds whose third axis is by far the shortest are land or floors: that axis is up. Others stand on the second. */
 function upOf({ low, high }) {
@@ -32,31 +27,51 @@ function upOf({ low, high }) {
     return z < 0.6 * Math.max(x, y) && z <= y ? 'z' : 'y';
 }
 
+/* How far from its centre a cloud is seen whole by an eye that looks along -toward; aspect: of the pane. */
+function distanceOf({ positions, sphere: { center } }, up, toward, aspect) {
+    const tangent = Math.tan(FIELD_OF_VIEW * Math.PI / 360), side = new Vector3().crossVectors(up, toward).normalize();
+    const over = new Vector3().crossVectors(toward, side), at = new Vector3(), step = 3 * Math.ceil(positions.length / 3 / FIT_POINTS);
+    const [wide, high] = [tangent * Math.max(aspect, 1), tangent / Math.min(aspect, 1)];
+    let most = 0;
+    for (let i = 0; i < positions.length; i += step) {
+        at.fromArray(positions, i).sub(center);
+        most = Math.max(most, at.dot(toward) + Math.max(Math.abs(at.dot(side)) / wide, Math.abs(at.dot(over)) / high));
+    }
+    return most;
+}
+
 /** Makes the view in a canvas. Returns null where the browser has no WebGL2. */
 export function makeView(canvas) {
-    const context = canvas.getContext('webgl2', { antialias: true, alpha: false });
+    /* A disc of many pixels has no edge that multisampling would smooth, and a browser that draws by software takes twice as long for it. */
+    const context = canvas.getContext('webgl2', { antialias: false, alpha: false });
     if (!context) return null;
-    const renderer = new WebGLRenderer({ canvas, context, antialias: true });
-    const camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100), panes = { input: makeScene(camera), result: makeScene(camera) };
-    const look = { layout: 'input', split: 0.5, size: 1, mode: 'plain', shaded: true, triangles: true, wires: true };
-    let controls = new OrbitControls(camera, canvas), moving = 0, held = false, frame = 0, sphere = null;
+    const renderer = new WebGLRenderer({ canvas, context });
+    const camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100);
+    const panes = { input: { scene: new Scene(), slot: null }, result: { scene: new Scene(), slot: null } };
+    const look = { layout: 'input', split: 0.5, size: 1, mode: 'plain', shaded: true, wires: true };
+    let controls = new OrbitControls(camera, canvas), moving = 0, held = false, frame = 0, framed = null, touched = false;
+    let isMoving = false, budget = MOVING_MAX;
     renderer.autoClear = false;
 
     const slots = () => Object.values(panes).map((pane) => pane.slot).filter(Boolean);
     const draw = () => { frame = frame || requestAnimationFrame(render); };
     const rest = () => {
         if (held) return;
+        isMoving = false;
         slots().forEach((slot) => slot.setMoving(false));
         draw();
     };
     const move = () => {
         clearTimeout(moving);
         moving = setTimeout(rest, REST_MS);
-        slots().forEach((slot) => slot.setMoving(true));
+        isMoving = true;
+        const seen = /both|swipe/.test(look.layout) ? 2 : 1;
+        slots().forEach((slot) => slot.setMoving(true, Math.floor(budget / seen)));
         draw();
     };
     const hold = (isHeld) => {
         held = isHeld;
+        touched = true;
         move();
     };
 
@@ -68,19 +83,33 @@ export function makeView(canvas) {
         renderer.setViewport(viewX, 0, viewWidth, height);
         renderer.setScissor(x, 0, width, height);
         renderer.setScissorTest(true);
-        pane.follow();
-        if (pane.slot) pane.slot.setScale(camera.projectionMatrix.elements[5] * renderer.getPixelRatio() * height / 2);
+        if (pane.slot) {
+            const scale = camera.projectionMatrix.elements[5] * renderer.getPixelRatio() * height / 2;
+            pane.slot.setScale(scale, camera.position.distanceTo(controls.target));
+        }
         renderer.render(pane.scene, camera);
+    }
+
+    /* At rest edges and wires are smoothed by drawing twice as fine, where screens are coarse and the points not too many. */
+    function sharpen() {
+        const most = Math.max(0, ...slots().map((slot) => slot.positions.length / 3)), own = window.devicePixelRatio || 1;
+        const ratio = own < FINE && !isMoving && most <= MOVING_MAX ? FINE * own : own;
+        if (renderer.getPixelRatio() !== ratio) renderer.setPixelRatio(ratio);
     }
 
     function render() {
         const [width, height] = [canvas.clientWidth, canvas.clientHeight];
         frame = 0;
         if (!width || !height) return;
+        sharpen();
+        if (isMoving) {
+            const began = performance.now();
+            requestAnimationFrame(() => { budget = nextBudget(budget, performance.now() - began); });
+        }
         renderer.setScissorTest(false);
         renderer.clear();
-        if (sphere) {
-            const far = camera.position.distanceTo(sphere.center) + 2 * sphere.radius;
+        if (framed) {
+            const { sphere } = framed, far = camera.position.distanceTo(sphere.center) + 2 * sphere.radius;
             camera.near = Math.max(far - 4 * sphere.radius, far / 1000);
             camera.far = far;
         }
@@ -95,8 +124,20 @@ export function makeView(canvas) {
         canvas.dataset.drawn = String(renderer.info.render.points + renderer.info.render.triangles);
     }
 
+    /* The whole cloud, from where it is looked at first. */
+    function place() {
+        const up = camera.up, toward = (up.z > 0.5 ? new Vector3(0.55, -1, 0.75) : new Vector3(0.35, 0.35, 1)).normalize();
+        const width = look.layout === 'both' ? canvas.clientWidth / 2 : canvas.clientWidth, { center, radius } = framed.sphere;
+        const distance = distanceOf(framed, up, toward, width / canvas.clientHeight || 1) || radius;
+        camera.position.copy(center).addScaledVector(toward, MARGIN * distance);
+        controls.target.copy(center);
+        controls.update();
+        touched = false;
+        draw();
+    }
+
     function fit(up) {
-        if (!sphere) return;
+        if (!framed) return;
         camera.up.set(0, up === 'z' ? 0 : 1, up === 'z' ? 1 : 0);
         controls.dispose(); /* it keeps the axis that was up when it was made */
         controls = new OrbitControls(camera, canvas);
@@ -104,23 +145,19 @@ export function makeView(canvas) {
         controls.addEventListener('change', move);
         controls.addEventListener('start', () => hold(true));
         controls.addEventListener('end', () => hold(false));
-        const toward = up === 'z' ? new Vector3(0.55, -1, 0.75) : new Vector3(0.35, 0.35, 1);
-        camera.position.copy(sphere.center).addScaledVector(toward.normalize(), 0.95 * sphere.radius / Math.sin(FIELD_OF_VIEW * Math.PI / 360));
-        controls.target.copy(sphere.center);
-        controls.update();
-        draw();
+        place();
     }
 
     function dress(slot) {
-        slot.setSize(look.size * slot.spacing);
+        slot.setSize(look.size, slot.spacing);
         slot.setPlain(look.plain || 0x888888);
         slot.setShaded(look.shaded && look.mode !== 'normals');
-        slot.setTriangles(look.triangles && look.mode === 'plain', look.wires);
+        slot.setWires(look.wires);
     }
 
     function resize() {
-        renderer.setPixelRatio(window.devicePixelRatio || 1);
         renderer.setSize(canvas.clientWidth, canvas.clientHeight, false);
+        if (framed && !touched && canvas.clientWidth) place();
         draw();
     }
 
@@ -130,6 +167,7 @@ export function makeView(canvas) {
         const nearer = { '+': 0.9, '-': 1 / 0.9 }[event.key], off = camera.position.clone().sub(controls.target);
         if (!turn && !nearer) return;
         event.preventDefault();
+        touched = true;
         if (turn) {
             const side = new Vector3().crossVectors(camera.up, off).normalize(), tilted = off.clone().applyAxisAngle(side, turn[1]);
             if (tilted.angleTo(camera.up) > 0.05 && tilted.angleTo(camera.up) < Math.PI - 0.05) off.copy(tilted);
@@ -152,9 +190,10 @@ export function makeView(canvas) {
             pane.slot = cloud ? makePoints(cloud) : null;
             if (!cloud) return draw();
             pane.slot.spacing = cloud.spacing?.mean || 1.2 * pane.slot.sphere.radius / Math.sqrt(cloud.n); /* until it is measured */
+            if (cloud.surface) pane.slot.setSurface(cloud.surface);
             pane.scene.add(pane.slot.root);
-            if (refit || !sphere) {
-                sphere = pane.slot.sphere;
+            if (refit || !framed) {
+                framed = pane.slot;
                 fit(upOf(cloud));
             }
             dress(pane.slot);
@@ -168,7 +207,9 @@ export function makeView(canvas) {
             draw();
         },
         set(changes) {
+            const wasBoth = look.layout === 'both';
             Object.assign(look, changes);
+            if (framed && !touched && wasBoth !== (look.layout === 'both')) place();
             if (changes.background) renderer.setClearColor(new Color(changes.background));
             slots().forEach(dress);
             draw();

@@ -10,7 +10,8 @@ const hear = ({ event, data }) => told.get(data.jobID)?.(event, data);
 
 function connect() {
     if (typeof SharedWorker === 'undefined') {
-        hub = makeHub(ROOT, getKey());
+        hub = makeHub(ROOT, getKey(), () => !document.hidden); /* else eight tabs would hold all connections that there are */
+        document.addEventListener('visibilitychange', hub.again);
         return;
     }
     const worker = new SharedWorker(new URL('stream.js', import.meta.url), { name: 'voronoid' });
@@ -35,7 +36,7 @@ function part(id) {
 export const isOver = (status) => !['accepted', 'running'].includes(status.status);
 
 /* A record's place on the curve; a stream that begins anew tells some of them twice. */
-const place = (record) => `${record.attempt} ${record.run_stage} ${record.iteration} ${record.polish} ${record.step}`;
+const place = (record) => `${record.attempt} ${record.run_stage} ${record.iteration} ${record.polish} ${record.step} ${record.delta}`;
 
 /** Follows a job whose status is known. onStatus(status), onRecords(all records so far, in order), onPreview(), onEnd(status).
  *  Returns a function that lets go. */

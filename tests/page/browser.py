@@ -8,6 +8,7 @@ import tempfile
 import time
 
 from selenium import webdriver
+from selenium.common.exceptions import TimeoutException
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
@@ -100,7 +101,10 @@ class Browser:
 
     def picture(self, path):
         os.makedirs(os.path.dirname(path), exist_ok=True)
-        self.driver.save_screenshot(path)
+        try:
+            self.driver.save_screenshot(path)
+        except TimeoutException:  # the driver waits 10 s, in which a busy machine may not have drawn the page
+            self.driver.save_screenshot(path)
 
     def close(self):
         self.driver.quit()

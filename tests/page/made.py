@@ -6,6 +6,21 @@ import struct
 FAR = (637_000.25, 4_851_000.5, 400.125)  # metres, as a map grid has them: float32 rounds them to 1/16 and 1/2
 
 
+def lines(rows=60, columns=180, apart=3.0):
+    """A square sheet as a scanner has it: points 1 apart on lines that are farther apart, as ASCII PLY."""
+    head = ["ply", "format ascii 1.0", f"element vertex {rows * columns}", *(f"property float {axis}" for axis in "xyz"), "end_header"]
+    return "\n".join(head + [f"{x} {apart * y} 0" for y in range(rows) for x in range(columns)] + [""]).encode()
+
+
+def mesh(n=12):
+    """A bent sheet of 2 (n - 1)^2 triangles over n^2 points, as ASCII PLY."""
+    head = ["ply", "format ascii 1.0", f"element vertex {n * n}", *(f"property float {axis}" for axis in "xyz"),
+            f"element face {2 * (n - 1) ** 2}", "property list uchar int vertex_indices", "end_header"]
+    corners = [f"{x} {y} {math.sin(x / 3)}" for y in range(n) for x in range(n)]
+    faces = [f"3 {at} {at + 1} {at + n}\n3 {at + 1} {at + n + 1} {at + n}" for y in range(n - 1) for x in range(n - 1) for at in [n * y + x]]
+    return "\n".join(head + corners + faces + [""]).encode()
+
+
 def torus(points, at=(0.0, 0.0, 0.0), seed=1):
     """A torus of radii 1 and 0.4 with uneven random points, doubles and colours, as binary PLY."""
     draw = random.Random(seed)

@@ -121,6 +121,36 @@ function normals() {
     ok(Math.abs(along - 1) < 1e-6, 'the normal of points on a plane is the normal of the plane', [...to]);
 }
 
+/* The worker without a browser: what it answers to each message. */
+function discs() {
+    const answers = [];
+    global.self = { postMessage: (answer) => answers.push(answer) };
+    load('cloud_worker');
+    const rows = [];
+    for (let y = 0; y < 40; y++) for (let x = 0; x < 120; x++) rows.push(`${x} ${3 * y} 0`);
+    rows.push('60 60 500');
+    const buffer = bytes(`ply\nformat ascii 1.0\nelement vertex ${rows.length}\nproperty float x\nproperty float y\nproperty float z\nend_header\n${rows.join('\n')}\n`);
+    self.onmessage({ data: { call: 1, what: 'read', number: 1, buffer } });
+    self.onmessage({ data: { call: 2, what: 'normals', number: 1 } });
+    const { widths, normals } = answers[1].answer, middle = 20 * 120 + 60;
+    equal([widths[middle], Math.abs(normals[3 * middle + 2])], [3, 1], 'a point on a line of a scanner is drawn as wide as the way to the next line');
+    ok(widths.at(-1) < 6, 'and one that is alone not so wide that it hides others', widths.at(-1));
+    delete global.self;
+}
+
+/* Points of a view that is turned, in a browser that draws as many thousands of them in 1 ms. */
+function pace() {
+    const { MOVING_MAX, MOVING_MIN, nextBudget } = load('pace');
+    const settled = (rate) => {
+        let budget = MOVING_MAX;
+        for (let k = 0; k < 40; k++) budget = nextBudget(budget, budget / (1000 * rate));
+        return budget;
+    };
+    equal([settled(20), settled(0.1)], [MOVING_MAX, MOVING_MIN], 'a fast browser draws as many points as it may, a slow one as many as it must');
+    const ms = [0.7, 1, 2, 3].map((rate) => settled(rate) / (1000 * rate));
+    ok(ms.every((one) => one >= 30 && one <= 80), 'and others as many as take 30 to 80 ms', ms);
+}
+
 function commands() {
     const { command, shell } = load('commands'), words = ["it's", 'two words', '$HOME `id` "x"', '-n', '', 'a\nb', '*?[!]', '\\'];
     const said = execFileSync('/bin/sh', ['-c', `printf '%s\\0' ${words.map(shell).join(' ')}`]).toString();
@@ -143,7 +173,7 @@ function commands() {
 }
 
 try {
-    [ascii, farAway, refusals, early, neighbours, normals, commands].forEach((part) => part());
+    [ascii, farAway, refusals, early, neighbours, normals, discs, pace, commands].forEach((part) => part());
 } finally {
     rmSync(folder, { recursive: true });
 }

@@ -35,13 +35,22 @@ def ask(browser, process, **values):
     choose(browser, "process", process)
     browser.script("""
         document.querySelectorAll('#fields input:not([type=checkbox]), #fields select').forEach((one) => { one.value = arguments[0][one.id.slice(4)] || ''; });
-        document.querySelector('#fields').firstElementChild.dispatchEvent(new Event('input'));""", {name: str(value) for name, value in values.items()})
+        document.querySelector('#fields').firstElementChild.dispatchEvent(new Event('input', { bubbles: true }));""", {name: str(value) for name, value in values.items()})
 
 
 def run(browser):
     before = browser.driver.current_url
     browser.script("document.getElementById('run').click()")
     wait("a job", lambda: browser.driver.current_url != before or browser.text("trouble"))
+
+
+def result(browser):
+    """What came of the job that is shown, in base64."""
+    job = browser.driver.current_url.split("/")[-1]
+    return browser.driver.execute_async_script("""
+        const [job, done] = arguments, reader = new FileReader();
+        reader.onload = () => done(reader.result.split(',')[1]);
+        fetch(`v1/jobs/${job}/results/cloud?format=ply`).then((answer) => answer.blob()).then((blob) => reader.readAsDataURL(blob));""", job)
 
 
 def ends(browser, path, picture):
@@ -52,6 +61,14 @@ def ends(browser, path, picture):
     wait("the result", lambda: browser.element("layouts").is_displayed() and browser.text("summary"))
     browser.script("scrollTo(0, 0)")
     picture("mesh")
+    browser.drop(result(browser), "a mesh.ply")
+    wait("it", lambda: "a mesh.ply: " in browser.text("cloud-words") and "triangles" in browser.text("cloud-words"))
+    picture("mesh-dropped")
+    ask(browser, "measure")
+    run(browser)
+    wait("figures", lambda: browser.element("report-box").is_displayed())
+    picture("measured")
+    dropped(browser, path)
     ask(browser, "resample", points=4000, method="ear", samples=2000, rounds=1, steps=6)
     browser.script("document.querySelector('#fields details').open = true; document.getElementById('ask-sigmaN').scrollIntoView({ block: 'center' })")
     picture("ear-form")
@@ -74,11 +91,16 @@ def states(browser, path, picture):
     """Goes through what a person sees of one cloud: picture(state) after each."""
     dropped(browser, path)
     picture("dropped")
-    ask(browser, "resample", points=POINTS)
+    ask(browser, "resample", points=POINTS, polish=10000, iterations=40)
     run(browser)
     wait("a curve", lambda: int(browser.element("chart").get_attribute("data-points") or 0) >= 5)
+    wait("the points as they move", lambda: browser.element("layouts").is_displayed())
     browser.script("document.getElementById('watch').scrollIntoView()")
-    picture("running")
+    picture("running", rests=False)
+    browser.element("stop").click()
+    wait("its end", lambda: browser.text("summary"))
+    ask(browser, "resample", points=POINTS)
+    run(browser)
     wait("the result", lambda: browser.element("layouts").is_displayed() and browser.text("summary"))
     browser.script("document.body.scrollIntoView()")
     layout(browser, "both")
@@ -109,7 +131,7 @@ def main(out, clouds):
                 browser.picture(f"{out}/empty-{theme}.png")
                 for path in clouds:
                     name = os.path.splitext(os.path.basename(path))[0]
-                    picture = lambda state: (wait_a_frame(browser), browser.picture(f"{out}/{name}-{state}-{theme}.png"))
+                    picture = lambda state, rests=True: (rests and wait_a_frame(browser), browser.picture(f"{out}/{name}-{state}-{theme}.png"))
                     states(browser, path, picture)
                     if path == clouds[0]:
                         ends(browser, path, picture)
