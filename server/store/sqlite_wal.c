@@ -43,24 +43,55 @@ static int ends_as(const struct chain *chain, const uint8_t *checksum)
     return chain->sum[0] == big(checksum) && chain->sum[1] == big(checksum + 4);
 }
 
-/* Walks the frames: true when one of this round is not in the chain. */
+/* Takes a frame into the chain; true when that is how it ends. */
+static int continues(struct chain *chain, const uint8_t *frame, size_t page)
+{
+    add(chain, frame, 8);
+    add(chain, frame + FRAME_HEAD_SIZE, page);
+    return ends_as(chain, frame + 16);
+}
+
+/* A frame that ends a change has the size of the database, others 0: true when this one, which does
+ * not continue the chain, is another, and not for a bit of that word that was flipped. A kill
+ * between a frame's head and its page leaves such a one, of a change that nobody was told of. */
+static int is_of_no_change(const struct chain *before, uint8_t *frame, size_t page)
+{
+    if (big(frame + 4) != 0)
+        return 0;
+    for (int bit = 0; bit < 32; bit++) {
+        struct chain chain = *before;
+        int is_flipped;
+
+        frame[4 + bit / 8] ^= (uint8_t)(1 << bit % 8);
+        is_flipped = continues(&chain, frame, page);
+        frame[4 + bit / 8] ^= (uint8_t)(1 << bit % 8);
+        if (is_flipped)
+            return 0;
+    }
+    return 1;
+}
+
+/* Walks the frames: true when one of this round is not in the chain, unless it is the last one and
+ * of no change. */
 static int has_lost_frame(FILE *log, const uint8_t *head, struct chain *chain, size_t page)
 {
     uint8_t frame[FRAME_HEAD_SIZE + PAGE_MAX];
-    int broken = 0;
+    int broken = 0, lost = 0;
 
     while (fread(frame, 1, FRAME_HEAD_SIZE + page, log) == FRAME_HEAD_SIZE + page) {
+        const struct chain before = *chain;
         /* Those of an earlier round have two other salts. */
         int salts =
             (memcmp(frame + 8, head + 16, 4) == 0) + (memcmp(frame + 12, head + 20, 4) == 0);
 
-        add(chain, frame, 8);
-        add(chain, frame + FRAME_HEAD_SIZE, page);
-        broken = broken || salts < 2 || !ends_as(chain, frame + 16);
         if (broken && salts > 0)
             return 1;
+        if (broken || (continues(chain, frame, page) && salts == 2))
+            continue;
+        broken = 1;
+        lost = salts == 1 || (salts == 2 && !is_of_no_change(&before, frame, page));
     }
-    return 0;
+    return lost;
 }
 
 static int is_damaged(FILE *log)
