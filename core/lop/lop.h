@@ -12,12 +12,14 @@
  *  the reach of the weights, where exp(-4) is left of the Gaussian that others use. For ear it is
  *  no less than the radius of the fits that the input's noise asks for (input/neighbors.h), one
  *  for all regions: noise that reaches beyond it stays in clusters of samples.
- *  Departure: the papers start from a random subset of the input. That follows its density, and so
- *  does the result, where that is uneven over more than sigma_p: igea, 30,000 points with one half
- *  20 times as dense, to 10,000: delta 0.45 (both), now 0.043 (wlop) and 0.037 (ear); three boxes
- *  with thin sides, 36,000 points in proportions of up to 1:50 to 8,000: wlop 0.69, now 0.09; ear
- *  0.27, where there are fewer data than points. Only `phases=insert` takes points of the input, as
- *  many as `samples` asks for and it has: they stay where they are.
+ *  Where not even the most neighbours of a fit show a surface, ear takes fewer of the input's
+ * points (input/coarsen.h), and its result is not attached to the input. Departure: the papers
+ * start from a random subset of the input. That follows its density, and so does the result, where
+ * that is uneven over more than sigma_p: igea, 30,000 points with one half 20 times as dense, to
+ * 10,000: delta 0.45 (both), now 0.043 (wlop) and 0.037 (ear); three boxes with thin sides, 36,000
+ * points in proportions of up to 1:50 to 8,000: wlop 0.69, now 0.09; ear 0.27, where there are
+ * fewer data than points. Only `phases=insert` takes points of the input, as many as `samples` asks
+ * for and it has: they stay where they are.
  *
  *  Neither follows a density or a metric, nor has sites. */
 #ifndef VOR_LOP_H
