@@ -1,6 +1,7 @@
 #include "core/lop/lop.h"
 
 #include "core/geom/patch.h"
+#include "core/input/coarsen.h"
 #include "core/input/edges.h"
 #include "core/input/thin.h"
 #include "core/lop/insert.h"
@@ -45,8 +46,11 @@ enum { BESIDE = 7 };
 #define PI 3.141592653589793
 
 struct lop {
-    const struct vor_domain *whole, *domain; /* domain: the whole, or thin */
-    struct vor_domain thin;                  /* where the whole is dense */
+    const struct vor_domain *input; /* what the result is for */
+    const struct vor_domain *whole,
+        *domain;              /* whole: the input, or coarse; domain: that, or thin */
+    struct vor_domain coarse; /* with ear, where fits to the input show no surface */
+    struct vor_domain thin;   /* where the whole is dense */
     const struct vor_spec *spec;
     const struct vor_run *run;
     struct vor_outcome *told;
@@ -207,7 +211,7 @@ static vor_status hand_over(struct vor_seeds *out, struct lop *lop, struct vor_e
     size_t n = lop->samples.n;
     struct vor_seeds seeds;
     vor_status status =
-        vor_seeds_init(&seeds, lop->whole, n, vor_seeds_policy_of(lop->spec), lop->run, err);
+        vor_seeds_init(&seeds, lop->input, n, vor_seeds_policy_of(lop->spec), lop->run, err);
 
     if (status != VOR_OK)
         return status;
@@ -248,7 +252,8 @@ vor_status vor_wlop_run(struct vor_seeds *out, struct vor_outcome *told,
                         const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
                         const struct vor_run *run, struct vor_error *err)
 {
-    struct lop lop = {.whole = domain, .domain = domain, .spec = spec, .run = run, .told = told};
+    struct lop lop = {
+        .input = domain, .whole = domain, .domain = domain, .spec = spec, .run = run, .told = told};
     struct vor_seeds seeds = {.n = 0};
     double before = vor_run_clock(run);
     vor_status status = start(&lop, n, err);
@@ -368,11 +373,11 @@ static size_t samples_of(const struct lop *lop, size_t n)
     return samples < (double)n ? (size_t)fmax(samples, fmin(FEWEST, (double)n)) : n;
 }
 
-/* Keeps the points of an input with edges to it. */
+/* Keeps the points of an input with edges to it; fits to a coarse one say nothing. */
 static vor_status keep_to_input(struct vor_seeds *seeds, struct lop *lop, struct vor_error *err)
 {
     double before = vor_run_clock(lop->run);
-    vor_status status = vor_attach_fast(seeds, err);
+    vor_status status = lop->whole == &lop->coarse ? VOR_OK : vor_attach_fast(seeds, err);
 
     lop->told->seconds[VOR_RUN_STAGE_POLISH] += vor_run_clock(lop->run) - before;
     return status;
@@ -406,7 +411,7 @@ static vor_status make_points(struct lop *lop, size_t n, struct vor_error *err)
     size_t samples = samples_of(lop, n);
     vor_status status = start(lop, samples, err);
 
-    if (status == VOR_OK)
+    if (status == VOR_OK && lop->whole == lop->input)
         status = look_for_edges(lop, err);
     if (status == VOR_OK)
         status = find_normals(lop, samples, err);
@@ -419,15 +424,28 @@ static vor_status make_points(struct lop *lop, size_t n, struct vor_error *err)
     return status == VOR_OK ? insert(lop, n, err) : status;
 }
 
+/* Takes fewer points of an input whose noise is as wide as the fits. */
+static vor_status choose_scale(struct lop *lop, struct vor_error *err)
+{
+    const struct vor_run whole = vor_run_unstoppable(lop->run);
+    vor_status status = VOR_OK;
+
+    if (!only_inserts(lop))
+        status = vor_domain_coarsen(&lop->coarse, lop->input, &whole, err);
+    lop->whole = lop->domain = lop->coarse.n > 0 ? &lop->coarse : lop->input;
+    return status;
+}
+
 vor_status vor_ear_run(struct vor_seeds *out, struct vor_outcome *told,
                        const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
                        const struct vor_run *run, struct vor_error *err)
 {
-    struct lop lop = {
-        .whole = domain, .domain = domain, .spec = spec, .run = run, .told = told, .ear = 1};
+    struct lop lop = {.input = domain, .spec = spec, .run = run, .told = told, .ear = 1};
     struct vor_seeds seeds = {.n = 0};
-    vor_status status = make_points(&lop, n, err);
+    vor_status status = choose_scale(&lop, err);
 
+    if (status == VOR_OK)
+        status = make_points(&lop, n, err);
     if (status == VOR_OK)
         status = hand_over(&seeds, &lop, err);
     if (status == VOR_OK)
@@ -437,6 +455,7 @@ vor_status vor_ear_run(struct vor_seeds *out, struct vor_outcome *told,
     vor_lop_samples_free(&lop.samples);
     vor_lop_samples_free(&lop.data);
     vor_domain_free(&lop.thin);
+    vor_domain_free(&lop.coarse);
     if (status != VOR_OK) {
         vor_seeds_free(&seeds);
         return status;

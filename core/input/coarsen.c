@@ -1,0 +1,127 @@
+#include "core/input/coarsen.h"
+
+#include "core/base/linalg.h"
+#include "core/base/stat.h"
+#include "core/geom/plane.h"
+#include "core/input/neighbors.h"
+#include "core/input/outliers.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    /* Places, at equal steps along the order, that say whether there is a surface. */
+    PLACES = 64,
+    /* Numbers of neighbours that planes are put through: from the fewest that fits take to the most
+     * (input/neighbors.c). */
+    STEPS = 3,
+    MOST = 150,
+    /* Points that are left at least: a fit to more than an eighth of them shows no detail. */
+    LEAST = 8 * MOST,
+    /* Points of the input of which one is left each time. */
+    EACH = 2
+};
+
+/* Variance across a plane over that in all, above which its points show no surface; a ball of them
+ * has 0.33. The least median of any number is 0.185 of the fandisk of coarsen.h, and 0.166, 0.119,
+ * 0.089 and 0.085 after one to four times; 0.063 of fandisk with noise of 0.5 %, 0.052 of igea of
+ * 655,000 points with noise of 1 %, 0.04 of kitti. */
+#define THICK 0.1
+
+static const unsigned ladder[STEPS] = {VOR_NEIGHBORS_FEWEST, 45, MOST};
+
+/* The median flatness of planes through k neighbours. */
+static double flatness_of(const struct vor_domain *domain, unsigned k)
+{
+    double flatness[PLACES];
+
+    for (size_t place = 0; place < PLACES; place++) {
+        size_t at = (size_t)(((double)place + 0.5) / PLACES * (double)domain->n);
+        uint32_t index[MOST];
+        float distance2[MOST];
+        struct vor_plane plane;
+
+        vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, k, index, distance2);
+        vor_plane_fit(&plane, domain->xyz, index, k);
+        flatness[place] = (double)plane.flatness;
+    }
+    vor_sort_doubles(flatness, PLACES);
+    return flatness[PLACES / 2];
+}
+
+/* Whether no number of neighbours shows a surface. */
+static int is_thick(const struct vor_domain *domain)
+{
+    for (unsigned step = 0; step < STEPS; step++)
+        if (flatness_of(domain, ladder[step]) <= THICK)
+            return 0;
+    return 1;
+}
+
+/* Takes one point in EACH. */
+static vor_status take(struct vor_domain *out, const struct vor_domain *in,
+                       const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_domain domain = {
+        .memory = run->memory, .n = in->n / EACH, .unit = in->unit, .known = in->known};
+    vor_status status = VOR_OK;
+
+    memcpy(domain.shift, in->shift, sizeof domain.shift);
+    domain.xyz = vor_malloc(run->memory, domain.n, 3 * sizeof *domain.xyz);
+    domain.source = vor_malloc(run->memory, domain.n, sizeof *domain.source);
+    if (domain.xyz == NULL || domain.source == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "one in %d of %zu points", (int)EACH, in->n);
+    for (size_t i = 0; status == VOR_OK && i < domain.n; i++) {
+        memcpy(&domain.xyz[3 * i], &in->xyz[3 * EACH * i], 3 * sizeof *domain.xyz);
+        domain.source[i] = in->source[EACH * i];
+    }
+    if (status == VOR_OK)
+        status = vor_domain_index(&domain, run, err);
+    if (status != VOR_OK) {
+        vor_domain_free(&domain);
+        return status;
+    }
+    *out = domain;
+    return VOR_OK;
+}
+
+/* Drops outliers, and finds out what fits take. Noise as wide hides sheets from one another. */
+static vor_status know(struct vor_domain *domain, const struct vor_run *run, struct vor_error *err)
+{
+    size_t dropped;
+    vor_status status;
+
+    domain->known.sheets = domain->known.seek_sheets = domain->known.grown = 0;
+    domain->known.lists = VOR_LISTS_NONE;
+    status = vor_outliers_drop(domain, &dropped, run, err);
+    if (status == VOR_OK)
+        status = vor_neighbors_choose(&domain->known.neighbors, domain, run, err);
+    return status;
+}
+
+vor_status vor_domain_coarsen(struct vor_domain *out, const struct vor_domain *in,
+                              const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_domain domain = {.n = 0}, fewer;
+    const struct vor_domain *now = in;
+    vor_status status = VOR_OK;
+
+    while (status == VOR_OK && now->n >= (size_t)EACH * LEAST && is_thick(now)) {
+        status = take(&fewer, now, run, err);
+        if (status != VOR_OK)
+            break;
+        vor_domain_free(&domain);
+        domain = fewer;
+        now = &domain;
+    }
+    if (status == VOR_OK && domain.n > 0 && !is_thick(&domain))
+        status = know(&domain, run, err);
+    else
+        vor_domain_free(&domain); /* of a ball of points */
+    if (status != VOR_OK) {
+        vor_domain_free(&domain);
+        return status;
+    }
+    *out = domain;
+    return VOR_OK;
+}
