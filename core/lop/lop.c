@@ -40,8 +40,9 @@ enum { BESIDE = 7 };
  * Igea of 30,000 points to 10,000, evened out with edges: delta 0.084, rms 9.5e-4. */
 #define EDGES_SHARE 0.005
 /* Part of the samples that sides are looked for as if there were no more, where the points are
- * means: one mean for each sample, then. At 0.125 / 0.2 / 1, of 22,000 normals of an armadillo with
- * noise (lop.h) 37 / 62 / 24 face inwards, 35 without means; 8 / 8 / 10 CPU s. */
+ * means: one mean for each sample, then. Of 22,000 normals of an armadillo with noise (lop.h) 23
+ * face inwards, 35 without means. By lists that walks make 62, at 0.125 / 1 37 / 24, and 1.3 / 3.5
+ * CPU s more. */
 #define SIDES_SHARE 0.2
 /* Points in a square as large as the surface, of the gap that a dense input is thinned to first. */
 #define EDGES_POINTS 40000.0
@@ -307,6 +308,7 @@ static vor_status find_normals(struct lop *lop, size_t samples, struct vor_error
                                       .sigma_p = sigma_p(lop),
                                       .points = lop->means ? sides_of(samples) : samples,
                                       .area = lop->area,
+                                      .plain = lop->means,
                                       .rounds =
                                           only_inserts(lop) ? 0 : (uint32_t)value[VOR_PARAM_ROUNDS],
                                       .one_sided = &lop->told->one_sided};

@@ -18,10 +18,10 @@
  *  with thin sides, 36,000 points in proportions of up to 1:50 to 8,000: wlop 0.69, now 0.09; ear
  *  0.27, where there are fewer data than points. Only `phases=insert` takes points of the input, as
  *  many as `samples` asks for and it has: they stay where they are.
- *  Departure: of a dense input with noise ear takes means, three for each sample (input/thin.h): its
- *  fits and weights reach as far on them and see the same points. Armadillo, 222,543 points with
+ *  Departure: of a dense input with noise ear takes means, three for each sample (input/thin.h):
+ * its fits and weights reach as far on them and see the same points. Armadillo, 222,543 points with
  *  noise of 0.1 % of the diagonal to 22,000: rms distance to the true surface 8.1e-4 instead of
- *  8.6e-4, 4.6e-4 instead of 5.1e-4 without the polish; 2.4 times as fast.
+ *  8.6e-4, 4.6e-4 instead of 5.1e-4 without the polish; 3 times as fast.
  *
  *  Neither follows a density or a metric, nor has sites. */
 #ifndef VOR_LOP_H
