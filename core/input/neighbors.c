@@ -337,3 +337,11 @@ unsigned vor_neighbors_at(const struct vor_neighbors *neighbors, const float x[3
     }
     return k;
 }
+
+void vor_neighbors_fewer(struct vor_neighbors *neighbors, double share)
+{
+    neighbors->usual = (unsigned)fmax(neighbors->usual * share, VOR_NEIGHBORS_FEWEST);
+    neighbors->most = (unsigned)fmax(neighbors->most * share, VOR_NEIGHBORS_FEWEST);
+    for (unsigned i = 0; i < neighbors->places; i++)
+        neighbors->k[i] = (unsigned char)fmax(neighbors->k[i] * share, VOR_NEIGHBORS_FEWEST);
+}

@@ -45,4 +45,8 @@ VOR_NODISCARD vor_status vor_neighbors_choose(struct vor_neighbors *out,
  */
 unsigned vor_neighbors_at(const struct vor_neighbors *neighbors, const float x[3]);
 
+/** Lets fits to a share of a domain's points reach as far as those to all of them: takes as many
+ *  fewer, no less than VOR_NEIGHBORS_FEWEST. */
+void vor_neighbors_fewer(struct vor_neighbors *neighbors, double share);
+
 #endif

@@ -449,6 +449,20 @@ static vor_status thin_out(struct vor_domain *out, const struct vor_domain *doma
     return vor_domain_thin(out, domain, sqrt(how->area / wanted), run, err);
 }
 
+/* The lists of the points to orient. */
+static vor_status make_lists(struct vor_graph *out, const struct vor_domain *on, int plain,
+                             const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status;
+
+    if (!plain || on->n <= VOR_ADJACENT)
+        return vor_adjacency_make(out, on, run, err);
+    status = vor_graph_init(out, on->n, VOR_ADJACENT, run->memory, err);
+    if (status == VOR_OK)
+        status = vor_graph_nearest(out, on->knn, on->xyz, VOR_ADJACENT, run, err);
+    return status;
+}
+
 vor_status vor_orient(struct vor_orientation *out, const struct vor_domain *domain,
                       const struct vor_orient_how *how, const struct vor_run *run,
                       struct vor_error *err)
@@ -462,7 +476,7 @@ vor_status vor_orient(struct vor_orientation *out, const struct vor_domain *doma
         orient.on = &made.thin;
     orient.graph = orient.on == domain && vor_graph_is(&domain->graph) ? &domain->graph : &own;
     if (status == VOR_OK && orient.graph == &own)
-        status = vor_adjacency_make(&own, orient.on, run, err);
+        status = make_lists(&own, orient.on, how->plain, run, err);
     if (status == VOR_OK) {
         made.normal = vor_malloc(run->memory, orient.on->n, 3 * sizeof *made.normal);
         orient.normal = made.normal;

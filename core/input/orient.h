@@ -44,6 +44,8 @@ struct vor_orientation {
 struct vor_orient_how {
     size_t points; /**< of the result: a denser input is thinned */
     double area;   /**< of the surface, in squared normalised units; 0: nothing is thinned */
+    int plain;     /**< there is one sheet in each place: lists have the nearest points, and nothing
+                        walks along the surface to make them, which noise makes it do everywhere */
     const struct vor_attribute *carried; /**< normals of the domain's input; where three quarters of
                                               those of a component agree, that side is taken. Those
                                               that are zero or not finite do not count. Or NULL */

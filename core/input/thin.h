@@ -36,6 +36,21 @@ VOR_NODISCARD vor_status vor_domain_thin_for(struct vor_domain *out, const struc
                                              size_t n, double area, const struct vor_run *run,
                                              struct vor_error *err);
 
+/** Thins a dense domain whose noise makes fits take more than the fewest neighbours, to about four
+ *  points for each of n, at least 20,000. Each is the mean of those of `in` that are nearest to it,
+ *  and fits take so many fewer: they reach as far, and see as many points of `in`. Leaves *out
+ *  empty if `in` has less than twice as many, sheets or lists, of which means would be a mixture.
+ *
+ *  Source: none of the papers. A mean of m points has a noise of 1 / sqrt(m), and lies off a bent
+ *  surface by a part of what a fit to all neighbours does.
+ *
+ *  @param[in] area  of the surface, in squared normalised units
+ *
+ *  Fails and costs as vor_domain_thin, and a search of all points. */
+VOR_NODISCARD vor_status vor_domain_means_for(struct vor_domain *out, const struct vor_domain *in,
+                                              size_t n, double area, const struct vor_run *run,
+                                              struct vor_error *err);
+
 /** Thins a domain itself, to a gap of the mean distance of its points to their three nearest
  *  others: evens the density of an uneven input out from above, and leaves about half of one that
  *  white noise spread. Lists of neighbours (domain->graph) are gone afterwards. Does nothing if

@@ -1,6 +1,7 @@
 #include "core/lop/latent.h"
 
 #include "core/base/linalg.h"
+#include "core/base/vector.h"
 #include "core/lop/weights.h"
 
 #include <string.h>
@@ -33,27 +34,41 @@ struct fit {
     double normal[3]; /* times weight */
 };
 
+/* What each of the samples gathered says: how much it counts, and how far away its plane is. */
+VOR_CLONES static void weigh(double *restrict weight, double *restrict along,
+                             const struct vor_lop_latent *latent,
+                             const struct vor_lop_gathered *near, const float base[3],
+                             const double n[3])
+{
+    double inverse = 1 / (latent->sigma_p * latent->sigma_p), scale = latent->scale;
+    double n0 = n[0], n1 = n[1], n2 = n[2];
+    double b0 = (double)base[0], b1 = (double)base[1], b2 = (double)base[2];
+
+    for (unsigned i = 0; i < near->count; i++) {
+        double m0 = (double)near->normal[0][i], m1 = (double)near->normal[1][i],
+               m2 = (double)near->normal[2][i];
+        double cosine = n0 * m0 + n1 * m1 + n2 * m2;
+
+        along[i] = (n0 + m0) / 2 * ((double)near->xyz[0][i] - b0) +
+                   (n1 + m1) / 2 * ((double)near->xyz[1][i] - b1) +
+                   (n2 + m2) / 2 * ((double)near->xyz[2][i] - b2);
+        weight[i] =
+            vor_lop_near((double)near->distance2[i], inverse) * vor_lop_alike(cosine, scale);
+    }
+}
+
 static void fit_to(struct fit *fit, const struct vor_lop_latent *latent,
                    const struct vor_lop_gathered *near, const float base[3], const double n[3])
 {
-    double inverse = 1 / (latent->sigma_p * latent->sigma_p);
+    double weight[VOR_LOP_GATHERED_MAX], along[VOR_LOP_GATHERED_MAX];
 
     memset(fit, 0, sizeof *fit);
+    weigh(weight, along, latent, near, base, n);
     for (unsigned i = 0; i < near->count; i++) {
-        double cosine = 0, along = 0, weight;
-
-        for (int c = 0; c < 3; c++) {
-            double normal = (double)near->normal[c][i];
-
-            cosine += n[c] * normal;
-            along += (n[c] + normal) / 2 * ((double)near->xyz[c][i] - (double)base[c]);
-        }
-        weight = vor_lop_near((double)near->distance2[i], inverse) *
-                 vor_lop_alike(cosine, latent->scale);
-        fit->weight += weight;
-        fit->distance += weight * along;
+        fit->weight += weight[i];
+        fit->distance += weight[i] * along[i];
         for (int c = 0; c < 3; c++)
-            fit->normal[c] += weight * (double)near->normal[c][i];
+            fit->normal[c] += weight[i] * (double)near->normal[c][i];
     }
 }
 

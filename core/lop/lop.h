@@ -23,6 +23,10 @@
  *  Departure: rho counts only where the input has edges, or nothing is polished: elsewhere
  * priorities make clusters where noise turns the normals (bun_zipper to 20,000: delta 0.165, now
  * 0.022).
+ *  Departure: of a dense input with noise ear takes means, three for each sample (input/thin.h):
+ * its fits and weights reach as far on them and see the same points. Armadillo, 222,543 points with
+ *  noise of 0.1 % of the diagonal to 22,000: rms distance to the true surface 8.1e-4 instead of
+ *  8.6e-4, 4.6e-4 instead of 5.1e-4 without the polish; a third of the time.
  *
  *  Neither follows a density or a metric, nor has sites. */
 #ifndef VOR_LOP_H

@@ -298,7 +298,8 @@ static vor_status work(struct normals *normals, const struct vor_run *run, struc
 /* Finds the sides of the normals. */
 static vor_status sign(struct normals *normals, const struct vor_run *run, struct vor_error *err)
 {
-    struct vor_orient_how how = {.points = normals->how->points, .area = normals->how->area};
+    struct vor_orient_how how = {
+        .points = normals->how->points, .area = normals->how->area, .plain = normals->how->plain};
     vor_status status = vor_orient(&normals->orientation, normals->domain, &how, run, err);
     if (status == VOR_OK)
         *normals->how->one_sided = normals->orientation.one_sided;

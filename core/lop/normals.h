@@ -26,6 +26,7 @@ struct vor_lop_normals_how {
     double sigma_p;    /**< normalised; 0: as far as the points that a fit takes there */
     size_t points;     /**< of the result: sides are found on about as many (input/orient.h) */
     double area;       /**< of the surface, in squared normalised units */
+    int plain;         /**< there is one sheet in each place (input/orient.h) */
     uint32_t rounds;   /**< times that normals are smoothed and points moved; 0: they stay */
     size_t *one_sided; /**< out: components that have one side only */
 };

@@ -98,7 +98,7 @@ static unsigned octant_of(const double middle[3], const float x[3])
 }
 
 /* Moves to the middle of an eighth, `quarter` of the cell's side away along each axis. */
-static void to_octant(double middle[3], unsigned octant, double quarter)
+VOR_INLINE void to_octant(double middle[3], unsigned octant, double quarter)
 {
     for (int c = 0; c < 3; c++)
         middle[c] += octant >> c & 1 ? quarter : -quarter;
@@ -225,7 +225,7 @@ struct walk {
 };
 
 /* The eighths of a cell that the walk is about, a bit each. */
-static unsigned touched(const struct walk *walk, const double middle[3])
+VOR_INLINE unsigned touched(const struct walk *walk, const double middle[3])
 {
     static const unsigned lower[3] = {0x55, 0x33, 0x0F};
     unsigned all = 0xFF;
@@ -238,7 +238,7 @@ static unsigned touched(const struct walk *walk, const double middle[3])
 }
 
 /* Lets the eighths of a split cell wait that the walk is about. */
-static void enter(struct walk *walk, const uint32_t *child, double half, const double middle[3])
+VOR_INLINE void enter(struct walk *walk, const uint32_t *child, double half, const double middle[3])
 {
     for (unsigned left = touched(walk, middle); left != 0; left &= left - 1) {
         unsigned octant = (unsigned)__builtin_ctz(left);
@@ -255,11 +255,12 @@ static void enter(struct walk *walk, const uint32_t *child, double half, const d
     }
 }
 
-static void begin(struct walk *walk, const struct vor_lop_tree *tree, const float x[3],
-                  double radius)
+/* Begins where more than one eighth is touched. */
+VOR_INLINE void begin(struct walk *walk, const struct vor_lop_tree *tree, const float x[3],
+                      double radius)
 {
-    static const double middle[3];
-    double wide = radius * (1 + ROUNDING) + ROUNDING * ROUNDING;
+    double wide = radius * (1 + ROUNDING) + ROUNDING * ROUNDING, middle[3] = {0}, half = 1;
+    const uint32_t *child = tree->node;
 
     walk->tree = tree;
     walk->waiting = 0;
@@ -267,11 +268,20 @@ static void begin(struct walk *walk, const struct vor_lop_tree *tree, const floa
         walk->low[c] = (double)x[c] - wide;
         walk->high[c] = (double)x[c] + wide;
     }
-    enter(walk, tree->node, 1, middle);
+    for (;;) {
+        unsigned all = touched(walk, middle), octant = (unsigned)__builtin_ctz(all);
+
+        if ((all & (all - 1)) != 0 || child[octant] == EMPTY || (child[octant] & LEAF))
+            break;
+        half /= 2;
+        to_octant(middle, octant, half);
+        child = &tree->node[(size_t)child[octant] * OCTANTS];
+    }
+    enter(walk, child, half, middle);
 }
 
 /* The next leaf, or NULL. */
-static const struct vor_lop_leaf *next(struct walk *walk)
+VOR_INLINE const struct vor_lop_leaf *next(struct walk *walk)
 {
     while (walk->waiting > 0) {
         struct cell cell = walk->cell[--walk->waiting];
@@ -284,33 +294,50 @@ static const struct vor_lop_leaf *next(struct walk *walk)
 }
 
 /* The same for what follows a leaf that could not be split. */
-static const struct vor_lop_leaf *follow(struct walk *walk, const struct vor_lop_leaf *leaf)
+VOR_INLINE const struct vor_lop_leaf *follow(struct walk *walk, const struct vor_lop_leaf *leaf)
 {
     return leaf->next != NO_LEAF ? &walk->tree->leaf[leaf->next] : next(walk);
 }
 
-static void gather_leaf(struct vor_lop_gathered *out, const struct vor_lop_leaf *leaf,
-                        const float x[3], float radius2)
+/* Squares of the distances from x to the points of a leaf; huge where a lane holds none. */
+VOR_INLINE void distances2(float *restrict d2, const struct vor_lop_leaf *leaf, const float x[3])
 {
-    for (unsigned lane = 0; lane < leaf->count && out->count < VOR_LOP_GATHERED_MAX; lane++) {
-        float dx = x[0] - leaf->xyz[0][lane], dy = x[1] - leaf->xyz[1][lane],
-              dz = x[2] - leaf->xyz[2][lane], d2 = dx * dx + dy * dy + dz * dz;
-        unsigned at = out->count;
+    float x0 = x[0], x1 = x[1], x2 = x[2];
 
-        if (d2 > radius2)
-            continue;
+    for (unsigned lane = 0; lane < VOR_LOP_LANES; lane++) {
+        float dx = x0 - leaf->xyz[0][lane], dy = x1 - leaf->xyz[1][lane],
+              dz = x2 - leaf->xyz[2][lane];
+
+        d2[lane] = dx * dx + dy * dy + dz * dz;
+    }
+}
+
+VOR_INLINE void gather_leaf(struct vor_lop_gathered *out, const struct vor_lop_leaf *leaf,
+                            const float x[3], float radius2)
+{
+    float d2[VOR_LOP_LANES];
+    unsigned inside[VOR_LOP_LANES], count = 0, at = out->count;
+
+    distances2(d2, leaf, x);
+    for (unsigned lane = 0; lane < VOR_LOP_LANES; lane++) { /* without branches */
+        inside[count] = lane;
+        count += (lane < leaf->count) & (d2[lane] <= radius2);
+    }
+    for (unsigned i = 0; i < count && at < VOR_LOP_GATHERED_MAX; i++, at++) {
+        unsigned lane = inside[i];
+
         out->index[at] = leaf->index[lane];
-        out->distance2[at] = d2;
+        out->distance2[at] = d2[lane];
         for (int c = 0; c < 3; c++) {
             out->xyz[c][at] = leaf->xyz[c][lane];
             out->normal[c][at] = leaf->normal[c][lane];
         }
-        out->count++;
     }
+    out->count = at;
 }
 
-void vor_lop_tree_gather(struct vor_lop_gathered *out, const struct vor_lop_tree *tree,
-                         const float x[3], double radius)
+VOR_CLONES void vor_lop_tree_gather(struct vor_lop_gathered *out, const struct vor_lop_tree *tree,
+                                    const float x[3], double radius)
 {
     struct walk walk;
 

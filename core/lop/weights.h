@@ -4,14 +4,15 @@
 #ifndef VOR_LOP_WEIGHTS_H
 #define VOR_LOP_WEIGHTS_H
 
+#include "core/base/vector.h"
+
 /** (1 - d2 / r2)^4 up to the reach r, for exp(-4 d2 / r2): theta, as CGAL and the authors' WLOP
  * have it. */
-static inline double vor_lop_near(double d2, double inverse_r2)
+VOR_INLINE double vor_lop_near(double d2, double inverse_r2)
 {
     double t = 1 - d2 * inverse_r2;
 
-    if (!(t > 0))
-        return 0;
+    t = t > 0 ? t : 0; /* no branch, for vectors */
     t *= t;
     return t * t;
 }
@@ -20,7 +21,7 @@ static inline double vor_lop_near(double d2, double inverse_r2)
  *  2013, Eq. 1.
  *
  *  @param[in] scale  vor_lop_scale(sigma_n) */
-static inline double vor_lop_alike(double cosine, double scale)
+VOR_INLINE double vor_lop_alike(double cosine, double scale)
 {
     double x = (1 - cosine) * scale;
 

@@ -13,6 +13,9 @@ enum { SEEDS = 4, N = 150000, FEW = 500 }; /* N: several blocks */
 
 #define GAP 0.02
 
+/* Heights over the square that means are made of, and less: three quarters of a spacing. */
+#define NOISE 0.002f
+
 /* Points of a unit square, or of two, and their area where there are two. */
 enum { DENSE = 60000 };
 #define DENSE_AREA 2.0
@@ -274,6 +277,81 @@ START_TEST(sheets_that_only_the_thinned_points_show_are_found_there_if_they_are_
 }
 END_TEST
 
+/* Root of the mean square of the height over the square, in its sides. */
+static double height(const struct vor_domain *domain)
+{
+    double sum = 0;
+
+    for (size_t i = 0; i < domain->n; i++) {
+        double z = (double)domain->xyz[3 * i + 2] * domain->unit + domain->shift[2];
+
+        sum += z * z;
+    }
+    return sqrt(sum / (double)domain->n);
+}
+
+/* Makes means of a square with noise, as if fits took k of its points. */
+static void start_means(struct bed *bed, unsigned threads, unsigned k, int sheets)
+{
+    vt_cloud_square(&bed->cloud, 1, N);
+    for (size_t i = 0; i < bed->cloud.n; i++)
+        bed->cloud.xyz[3 * i + 2] = i % 2 == 0 ? NOISE : -NOISE;
+    vt_engine_open(&bed->engine, threads);
+    vt_engine_set(&bed->engine, "neighbors", "20");
+    vt_assert_ok(vor_domain_init(&bed->whole, &bed->cloud, &bed->engine.run, &vt_err));
+    bed->whole.known.neighbors = (struct vor_neighbors){.usual = k, .most = k};
+    bed->whole.known.sheets = sheets;
+    vt_assert_ok(vor_domain_means_for(&bed->thin, &bed->whole, FEW,
+                                      1 / (bed->whole.unit * bed->whole.unit), &bed->engine.run,
+                                      &vt_err));
+}
+
+START_TEST(means_have_less_noise_and_fits_take_fewer_of_them)
+{
+    struct bed bed;
+    double share;
+
+    start_means(&bed, 2, 100, 0);
+    ck_assert_uint_gt(bed.thin.n, 10000);
+    ck_assert_uint_lt(bed.thin.n, N / 4);
+    share = (double)bed.thin.n / N;
+    ck_assert_uint_eq(bed.thin.known.neighbors.usual, (unsigned)fmax(100 * share, 20));
+    ck_assert_double_lt(height(&bed.thin), 0.6 * height(&bed.whole));
+    end(&bed);
+}
+END_TEST
+
+START_TEST(an_exact_input_and_one_with_sheets_have_no_means)
+{
+    struct bed bed;
+
+    start_means(&bed, 2, 20, 0);
+    ck_assert_uint_eq(bed.thin.n, 0);
+    end(&bed);
+    start_means(&bed, 2, 100, 1);
+    ck_assert_uint_eq(bed.thin.n, 0);
+    end(&bed);
+}
+END_TEST
+
+START_TEST(one_two_three_and_eight_threads_make_the_same_means)
+{
+    static const unsigned threads_of[4] = {1, 2, 3, 8};
+    uint64_t kept = 0;
+
+    for (int t = 0; t < 4; t++) {
+        struct bed bed;
+        uint64_t hash;
+
+        start_means(&bed, threads_of[t], 100, 0);
+        hash = vt_hash(bed.thin.xyz, bed.thin.n * 3 * sizeof *bed.thin.xyz);
+        kept = t == 0 ? hash : kept;
+        ck_assert(hash == kept);
+        end(&bed);
+    }
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("thin");
@@ -287,5 +365,8 @@ int main(void)
     vt_add_loop(suite, who_lands_lies_on_the_surface_of_the_whole, VT_FEWER(SEEDS));
     vt_add(suite, sheets_that_only_the_thinned_points_show_are_found_there_if_they_are_asked_for);
     vt_add(suite, a_stop_does_not_keep_seeds_from_landing_and_a_cancel_does);
+    vt_add(suite, means_have_less_noise_and_fits_take_fewer_of_them);
+    vt_add(suite, an_exact_input_and_one_with_sheets_have_no_means);
+    vt_add(suite, one_two_three_and_eight_threads_make_the_same_means);
     return vt_run(suite);
 }
