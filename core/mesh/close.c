@@ -3,6 +3,7 @@
 #include "core/base/linalg.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/rims.h"
+#include "core/mesh/twosided.h"
 
 #include <string.h>
 
@@ -30,6 +31,7 @@ struct closing {
     unsigned char by[VOR_CLOSE_MOST][VOR_CLOSE_MOST];
     unsigned taken;
     uint32_t triangle[VOR_CLOSE_MOST][3];
+    struct vor_twosided sides; /* of the triangles there are */
 };
 
 /* Whether a and b may be joined by an edge inside of the loop. */
@@ -155,11 +157,16 @@ static vor_status close_loop(struct closing *closing, size_t *closed, struct vor
     if (closing->count > VOR_CLOSE_MOST || !find_triangles(closing))
         return VOR_OK;
     for (unsigned t = 0; t < closing->taken && status == VOR_OK; t++) {
-        int takes = vor_complex_takes(closing->complex, closing->triangle[t]);
+        int takes = vor_complex_takes(closing->complex, closing->triangle[t]) &&
+                    vor_twosided_takes(&closing->sides, closing->complex, closing->triangle[t]);
 
         whole &= takes;
-        if (takes)
-            status = vor_complex_add(closing->complex, closing->triangle[t], err);
+        if (!takes)
+            continue;
+        status = vor_complex_add(closing->complex, closing->triangle[t], err);
+        if (status == VOR_OK)
+            vor_twosided_add(&closing->sides, closing->complex,
+                             (uint32_t)(closing->complex->count - 1));
     }
     *closed += whole != 0;
     return status;
@@ -178,6 +185,8 @@ vor_status vor_close(struct vor_complex *complex, size_t *closed, const struct v
     closing->complex = complex;
     closing->sheet = sheet;
     status = vor_rims_find(&rims, complex, sheet, err);
+    if (status == VOR_OK && rims.count > 0) /* a loop of k edges has k - 2 triangles */
+        status = vor_twosided_make(&closing->sides, complex, rims.start[rims.count], err);
     for (size_t l = 0; l < rims.count && status == VOR_OK; l++) {
         closing->loop = &rims.point[rims.start[l]];
         closing->count = (unsigned)(rims.start[l + 1] - rims.start[l] <= VOR_CLOSE_MOST
@@ -185,6 +194,7 @@ vor_status vor_close(struct vor_complex *complex, size_t *closed, const struct v
                                         : VOR_CLOSE_MOST + 1);
         status = close_loop(closing, closed, err);
     }
+    vor_twosided_free(&closing->sides);
     vor_rims_free(&rims);
     vor_free(complex->memory, closing);
     return status;

@@ -103,6 +103,26 @@ void vor_complex_others(const struct vor_complex *complex, uint32_t t, uint32_t 
     other[1] = corner[2] == a ? corner[1] : corner[2];
 }
 
+uint32_t vor_complex_across(const struct vor_complex *complex, uint32_t t, uint32_t a, uint32_t b)
+{
+    for (unsigned at = 0; at < complex->degree[a]; at++) {
+        uint32_t other[2], u = complex->around[(size_t)a * VOR_AROUND_MOST + at];
+
+        vor_complex_others(complex, u, a, other);
+        if (u != t && (other[0] == b || other[1] == b))
+            return u;
+    }
+    return t;
+}
+
+int vor_complex_runs(const uint32_t corner[3], uint32_t a, uint32_t b)
+{
+    for (int c = 0; c < 3; c++)
+        if (corner[c] == a && corner[(c + 1) % 3] == b)
+            return 1;
+    return 0;
+}
+
 unsigned vor_complex_edge(const struct vor_complex *complex, uint32_t a, uint32_t b,
                           uint32_t third[2])
 {

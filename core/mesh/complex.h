@@ -57,6 +57,12 @@ unsigned vor_complex_edge(const struct vor_complex *complex, uint32_t a, uint32_
 void vor_complex_others(const struct vor_complex *complex, uint32_t t, uint32_t a,
                         uint32_t other[2]);
 
+/** The triangle other than t that has the edge from a to b; t itself where there is none. */
+uint32_t vor_complex_across(const struct vor_complex *complex, uint32_t t, uint32_t a, uint32_t b);
+
+/** Whether a triangle of such corners runs from a to b. */
+int vor_complex_runs(const uint32_t corner[3], uint32_t a, uint32_t b);
+
 /** Whether all stays a manifold with the triangle: none of its edges has two already, and the
  *  triangles at each corner are parts of one fan, which closes only with the last of them. O(1). */
 int vor_complex_takes(const struct vor_complex *complex, const uint32_t corner[3]);

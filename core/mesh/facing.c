@@ -19,34 +19,12 @@ struct turning {
     unsigned char *reached;
 };
 
-/* Whether a triangle runs from a to b. */
-static int runs(const uint32_t corner[3], uint32_t a, uint32_t b)
-{
-    for (int c = 0; c < 3; c++)
-        if (corner[c] == a && corner[(c + 1) % 3] == b)
-            return 1;
-    return 0;
-}
-
 static void turn(uint32_t corner[3])
 {
     uint32_t second = corner[1];
 
     corner[1] = corner[2];
     corner[2] = second;
-}
-
-/* The triangle on the other side of the edge from a to b of triangle t; t itself: there is none. */
-static uint32_t across(const struct vor_complex *complex, uint32_t t, uint32_t a, uint32_t b)
-{
-    for (unsigned at = 0; at < complex->degree[a]; at++) {
-        uint32_t other[2], u = complex->around[(size_t)a * VOR_AROUND_MOST + at];
-
-        vor_complex_others(complex, u, a, other);
-        if (u != t && (other[0] == b || other[1] == b))
-            return u;
-    }
-    return t;
 }
 
 /* Reaches the triangles beside triangle t, and turns them alike. Returns whether one that was
@@ -58,7 +36,7 @@ static int reach_from(struct turning *turning, uint32_t t)
 
     for (int c = 0; c < 3; c++) {
         const uint32_t *corner = &complex->triangle[3 * (size_t)t];
-        uint32_t a = corner[c], b = corner[(c + 1) % 3], u = across(complex, t, a, b);
+        uint32_t a = corner[c], b = corner[(c + 1) % 3], u = vor_complex_across(complex, t, a, b);
         uint32_t *beside = &complex->triangle[3 * (size_t)u];
 
         if (u == t) {
@@ -66,12 +44,12 @@ static int reach_from(struct turning *turning, uint32_t t)
             continue;
         }
         if (turning->reached[u]) {
-            contrary |= runs(beside, a, b);
+            contrary |= vor_complex_runs(beside, a, b);
             continue;
         }
         turning->reached[u] = 1;
         turning->queue[turning->queued++] = u;
-        if (runs(beside, a, b))
+        if (vor_complex_runs(beside, a, b))
             turn(beside);
     }
     return contrary;

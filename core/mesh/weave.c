@@ -1,6 +1,7 @@
 #include "core/mesh/weave.h"
 
 #include "core/mesh/quality.h"
+#include "core/mesh/twosided.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -19,6 +20,7 @@ struct weave {
     const struct vor_sheet *sheet;
     struct candidate *open; /* those that wait */
     size_t count, room;
+    struct vor_twosided sides; /* of the triangles taken */
 };
 
 static void sort_three(uint32_t corner[3])
@@ -179,7 +181,10 @@ static vor_status take(struct weave *weave, const struct candidate *next, struct
 {
     const uint32_t *corner = next->corner;
 
-    if (!vor_complex_takes(weave->complex, corner))
+    vor_status status;
+
+    if (!vor_complex_takes(weave->complex, corner) ||
+        !vor_twosided_takes(&weave->sides, weave->complex, corner))
         return VOR_OK;
     for (int c = 0; c < 3; c++)
         if (!is_free(weave, corner[c], corner[(c + 1) % 3], corner[(c + 2) % 3]))
@@ -187,22 +192,28 @@ static vor_status take(struct weave *weave, const struct candidate *next, struct
     if (!vor_sheet_is_along(weave->sheet, corner) || !vor_sheet_is_under(weave->sheet, corner))
         return VOR_OK;
     weave->told->agreed[next->votes]++;
-    return vor_complex_add(weave->complex, corner, err);
+    status = vor_complex_add(weave->complex, corner, err);
+    if (status == VOR_OK)
+        vor_twosided_add(&weave->sides, weave->complex, (uint32_t)(weave->complex->count - 1));
+    return status;
 }
 
 vor_status vor_weave(struct vor_complex *complex, struct vor_woven *told,
                      const struct vor_fans *fans, const struct vor_sheet *sheet,
                      struct vor_error *err)
 {
-    struct weave weave = {complex, told, fans, sheet, NULL, 0, 0};
+    struct weave weave = {complex, told, fans, sheet, NULL, 0, 0, {NULL}};
     vor_status status;
 
     memset(told, 0, sizeof *told);
     status = propose_all(&weave, err);
+    if (status == VOR_OK)
+        status = vor_twosided_make(&weave.sides, complex, weave.count, err);
     if (weave.count > 0)
         qsort(weave.open, weave.count, sizeof *weave.open, better);
     for (size_t c = 0; c < weave.count && status == VOR_OK; c++)
         status = take(&weave, &weave.open[c], err);
+    vor_twosided_free(&weave.sides);
     vor_free(complex->memory, weave.open);
     return status;
 }

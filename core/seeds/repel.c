@@ -18,17 +18,11 @@ enum {
     /* The exponent S at the first step. At 2 / 4 / 8: six on igea 0.819 / 0.812 / 0.793, delta the
      * same. */
     SOFT = 4,
-    /* S at the last step. At 7 / 14 / 28: igea 0.0235 / 0.0176 / 0.0129, bunny 0.0244 / 0.0185 /
-     * 0.0138; six 0.825 / 0.812 / 0.765 and 0.810 / 0.783 / 0.734. */
-    HARD = 14,
     /* From this S on the force extends to HARD_REACH. At 5 / 7 / 14 only searches change: on autzen
      * 191 / 198 / 214 thousand. */
     HARDER = 7,
-    /* Steps from one look for holes to the next. At 1 / 3 / 6: CPU of autzen 2.0 / 1.7 / 1.3 s,
-     * searches 245 / 198 / 185 thousand, delta the same. */
-    CELLS_EVERY = 3,
-    /* The same around a point with no hole near. At 3 / 6 / 12 only triangles change: on autzen 9.8
-     * / 10.6 / 10.9 a cell. A multiple of CELLS_EVERY. */
+    /* Steps from one look for holes to the next around a point with no hole near. At 3 / 6 / 12
+     * only triangles change: on autzen 9.8 / 10.6 / 10.9 a cell. A multiple of those of an aim. */
     QUIET_EVERY = 6,
     /* Last steps, on the whole of a thinned input. At 20 / 40 / 80, armadillo, 300,000 to 4,000:
      * rms distance to the true surface 0.56e-4 / 0.58e-4 / 0.59e-4, six 0.753 / 0.735 / 0.712, CPU
@@ -44,12 +38,6 @@ enum {
     RECORD_EVERY = 10
 };
 
-/* Step over the sum of forces, times 2 S. At 0.1 / 0.2 / 0.4: fandisk 0.0220 / 0.0197 / 0.0193,
- * bunny 0.0209 / 0.0185 / 0.0179, largest distance on fandisk 5.1e-3 / 4.5e-3 / 5.6e-3. */
-#define GAIN 0.2
-/* Share of the last step that is added to the next. At 0.35 / 0.7 / 0.9: six on igea 0.757 / 0.812
- * / 0.857, fandisk 0.0202 / 0.0197 / 0.0221. */
-#define MOMENTUM 0.7
 /* Longest step, in spacings. At 0.025 / 0.05 / 0.1: autzen 0.117 / 0.103 / 0.094 (spread 6 %), its
  * searches 171 / 198 / 233 thousand, largest distance on fandisk 4.4e-3 / 4.5e-3 / 5.9e-3. */
 #define STEP_MAX 0.05
@@ -59,11 +47,9 @@ enum {
 /* Spacings: nearer pairs part along the surface, and by a force of that length. It matters where
  * points coincide; 0.05 and 0.2 move no figure. */
 #define OVERLAP 0.1
-/* Spacings that soft repulsion extends to. At 1.5 / 2 / 2.5 only the largest distance on fandisk
- * changes: 5.1e-3 / 4.5e-3 / 4.5e-3. */
-#define FORCE_REACH 2.0
-/* The same for S of HARDER and more, where the force beyond it is below a 290th of that at h.
- * At 1.25 / 1.5 / 2 only searches change: on autzen 192 / 198 / 214 thousand. */
+/* Spacings that repulsion extends to for S of HARDER and more, where the force beyond it is below a
+ * 290th of that at h. At 1.25 / 1.5 / 2 only searches change: on autzen 192 / 198 / 214 thousand.
+ */
 #define HARD_REACH 1.5
 /* With a density: neighbours are looked for so much farther than the force extends by the seed's
  * own spacing. Where that grows by the usual 0.2 of the way, one 1.5 spacings away has a spacing
@@ -87,9 +73,39 @@ enum {
 /* The same in the last FRESH steps. 0.05 and 0.2 move no figure beyond the spread. */
 #define SLACK_FRESH 0.1
 
+/* What the steps aim at. */
+struct aim {
+    unsigned hard;     /* S at the last step */
+    unsigned cells;    /* steps from one look for holes to the next */
+    double gain;       /* step over the sum of forces, times 2 S */
+    double momentum;   /* share of the last step that is added to the next */
+    double soft_reach; /* spacings that soft repulsion extends to */
+};
+
+/* Even distances to the nearest point. hard at 7 / 14 / 28: igea 0.0235 / 0.0176 / 0.0129, bunny
+ * 0.0244 / 0.0185 / 0.0138; six 0.825 / 0.812 / 0.765 and 0.810 / 0.783 / 0.734. cells at 1 / 3 /
+ * 6: CPU of autzen 2.0 / 1.7 / 1.3 s, searches 245 / 198 / 185 thousand, delta the same. gain at
+ * 0.1 / 0.2 / 0.4: fandisk 0.0220 / 0.0197 / 0.0193, bunny 0.0209 / 0.0185 / 0.0179, largest
+ * distance on fandisk 5.1e-3 / 4.5e-3 / 5.6e-3. momentum at 0.35 / 0.7 / 0.9: six on igea 0.757 /
+ * 0.812 / 0.857, fandisk 0.0202 / 0.0197 / 0.0221. soft_reach at 1.5 / 2 / 2.5: only the largest
+ * distance on fandisk changes, 5.1e-3 / 4.5e-3 / 4.5e-3. */
+static const struct aim even_distances = {14, 3, 0.2, 0.7, 2.0};
+
+/* Six neighbours around each point, for triangles; meshes move the points once more, so that even
+ * distances are lost anyway. Mean quality of triangles on igea, 20,000 points, and fandisk, 10,000,
+ * 120 steps, two seeds. hard at 6 / 8 / 12: 0.9688 / 0.9688 / 0.9672, 0.9637 / 0.9641 / 0.9621.
+ * gain at 0.2 / 0.4 / 0.8: 0.9641 / 0.9690 / 0.9539, 0.9565 / 0.9640 / 0.9475. momentum at 0.8 /
+ * 0.9 / 0.95: 0.9660 / 0.9690 / 0.9709, 0.9621 / 0.9640 / 0.9643, its lowest on igea 0.75 / 0.76 /
+ * 0.71. cells at 3 / 6 / 12: 0.9689 / 0.9690 / 0.9691, CPU s 3.15 / 3.09 / 2.90. soft_reach at 1.5
+ * / 2: 0.9690 / 0.9686, CPU s 3.09 / 3.21. All as for even distances, 180 steps: 0.9580, 0.9521.
+ * Not where the input has sheets: longer steps lead more points onto the other one (two wavy
+ * sheets, triangles that join them: 10 / 23). */
+static const struct aim six_around = {8, 6, 0.4, 0.9, 1.5};
+
 struct polish {
     struct vor_seeds *seeds;
     const struct vor_spec *spec;
+    const struct aim *aim;
     const struct vor_run *run; /* a stop ends it */
     struct vor_outcome *told;
     struct vor_record record;
@@ -196,8 +212,9 @@ static void away(const struct polish *polish, const struct vor_scratch *scratch,
  * (seeds/stretched.c). */
 static double force_reach(const struct polish *polish)
 {
-    return polish->power < HARDER && !vor_stretched_are(&polish->seeds->stretched) ? FORCE_REACH
-                                                                                   : HARD_REACH;
+    return polish->power < HARDER && !vor_stretched_are(&polish->seeds->stretched)
+               ? polish->aim->soft_reach
+               : HARD_REACH;
 }
 
 /* Square of the spacing of a pair, given the values of the field at both: the larger. The nearest
@@ -216,7 +233,7 @@ static void repulsion(const struct polish *polish, const struct vor_scratch *scr
                       double force[3])
 {
     const struct vor_crowd *crowd = &scratch->crowd;
-    double h2 = polish->h * polish->h, scale = GAIN / (2 * polish->power);
+    double h2 = polish->h * polish->h, scale = polish->aim->gain / (2 * polish->power);
     double reach = force_reach(polish), own = vor_wanted_at(&polish->seeds->wanted, i);
     const float *wanted = polish->seeds->wanted.value;
 
@@ -283,7 +300,8 @@ static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
     vor_seeds_position(seeds, i, x);
     repulsion(polish, scratch, i, v);
     for (size_t c = 0; c < 3; c++)
-        v[c] += (double)polish->pull[3 * i + c] + MOMENTUM * (double)polish->step[3 * i + c];
+        v[c] += (double)polish->pull[3 * i + c] +
+                polish->aim->momentum * (double)polish->step[3 * i + c];
     keep_on_surface(polish, scratch, h, x, v);
     length = sqrt(vor_stretched_length2(&seeds->stretched, i, i, v));
     for (int c = 0; c < 3; c++) {
@@ -454,8 +472,8 @@ static void harden(struct polish *polish, unsigned steps)
 {
     unsigned done = polish->record.polish;
 
-    polish->power = SOFT + (HARD - SOFT) * done / (steps > 1 ? steps - 1 : 1);
-    polish->cells = done % CELLS_EVERY == 0;
+    polish->power = SOFT + (polish->aim->hard - SOFT) * done / (steps > 1 ? steps - 1 : 1);
+    polish->cells = done % polish->aim->cells == 0;
     polish->recall.slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
     polish->recall.refine = 2 * done >= steps && vor_domain_is_exact(polish->seeds->whole);
 }
@@ -524,8 +542,15 @@ static double lattice_pitch(const struct vor_seeds *seeds, const struct vor_outc
 vor_status vor_repel(struct vor_seeds *seeds, struct vor_outcome *told, int keep_holes,
                      const struct vor_spec *spec, const struct vor_run *run, struct vor_error *err)
 {
-    struct polish polish = {
-        .seeds = seeds, .spec = spec, .run = run, .told = told, .record = told->last};
+    struct polish polish = {.seeds = seeds,
+                            .spec = spec,
+                            .aim = vor_process_takes(spec->process, VOR_PARAM_SOUP) &&
+                                           !seeds->whole->known.sheets
+                                       ? &six_around
+                                       : &even_distances,
+                            .run = run,
+                            .told = told,
+                            .record = told->last};
     double before = vor_run_clock(run);
     vor_status status;
 

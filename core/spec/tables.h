@@ -411,7 +411,7 @@ struct vor_artefact_info {
     X(UPSAMPLE, RATIO, 4)                                                                          \
     X(UPSAMPLE, ITERATIONS, 1)                                                                     \
     X(UPSAMPLE, POLISH, 8)                                                                         \
-    X(MESH, POLISH, 180)                                                                           \
+    X(MESH, POLISH, 120)                                                                           \
     VOR_EXTRA_PRESETS(X)
 
 /** Parameters that mean nothing without an optional input: parameter, name of the input. */

@@ -48,9 +48,9 @@ static const struct row {
     {"resample", "boundary=sites", UINT64_C(0x2f251f9aade85d00)},
     {"resample", "boundary=fill holes=auto", UINT64_C(0x6021698b756b7168)},
     {"resample", "moveStop=0.05", UINT64_C(0x0cd21a5c4e7f9387)},
-    {"mesh", "polish=5", UINT64_C(0x388b48b7f91ebe98)},
-    {"mesh", "metric=anisotropic", UINT64_C(0xa6f70f1c6ccbecf3)},
-    {"mesh", "boundary=fill holes=auto", UINT64_C(0x13f660903e074efc)},
+    {"mesh", "polish=5", UINT64_C(0xa4734e1b00972465)},
+    {"mesh", "metric=anisotropic", UINT64_C(0xd280121495aa7cc2)},
+    {"mesh", "boundary=fill holes=auto", UINT64_C(0x54f3523d602c4b0f)},
 };
 
 static void set_options(struct vt_engine *engine, const char *options)

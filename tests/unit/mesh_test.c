@@ -535,15 +535,17 @@ START_TEST(without_polish_the_points_are_those_of_resample)
 }
 END_TEST
 
-/* Joins the points of a cloud on the surface of another, without moving them. */
-static void join_still(struct vor_report *report, const struct vor_cloud *points,
-                       const struct vor_cloud *in)
+/* Joins the points of a cloud on the surface of another, moving them or not. Returns how far the
+ * farthest of them moved. */
+static double join_points(struct vor_report *report, const struct vor_cloud *points,
+                          const struct vor_cloud *in, int moves)
 {
-    const struct vor_mesh_how how = {.moves = 0};
+    const struct vor_mesh_how how = {.moves = moves};
     struct vt_engine engine;
     struct vor_domain domain;
     struct vor_seeds seeds;
     struct vor_mesh mesh;
+    double farthest = 0;
 
     memset(report, 0, sizeof *report);
     vt_engine_open(&engine, 2);
@@ -553,34 +555,40 @@ static void join_still(struct vor_report *report, const struct vor_cloud *points
         vor_domain_normalise(&domain, &points->xyz[3 * i], &seeds.xyz[3 * i]);
     vor_mesh_init(&mesh, &vt_memory);
     vt_assert_ok(vor_mesh_make(&mesh, report, &seeds, &how, &vt_err));
+    for (size_t i = 0; i < points->n; i++) {
+        float before[3];
+
+        vor_domain_normalise(&domain, &points->xyz[3 * i], before);
+        farthest = fmax(farthest, vor_distance2f(before, &seeds.xyz[3 * i]));
+    }
+    farthest = sqrt(farthest) * domain.unit;
     vor_mesh_free(&mesh);
     vor_seeds_free(&seeds);
     vor_domain_free(&domain);
     vt_engine_close(&engine);
+    return farthest;
 }
 
 START_TEST(points_move_a_little_for_better_triangles)
 {
-    double spacing = sqrt(4 * M_PI / FEW), farthest = 0;
+    double spacing = sqrt(4 * M_PI / FEW), farthest;
     struct vor_cloud in, out;
-    struct vt_meshed moved;
-    struct vor_report still;
+    struct vt_meshed meshed;
+    struct vor_report still, moved;
 
     vt_cloud_sphere(&in, (uint64_t)_i, IN);
-    mesh_of(&moved, &in, FEW);
+    mesh_of(&meshed, &in, FEW);
+    for (size_t i = 0; i < 3 * meshed.cloud.n; i += 3)
+        ck_assert_double_eq_tol(vor_distance2f(&meshed.cloud.xyz[i], (float[3]){0, 0, 0}), 1, 1e-2);
     resample(&out, &in, "30");
-    join_still(&still, &out, &in);
-    for (size_t i = 0; i < 3 * out.n; i += 3) {
-        const float *a = &out.xyz[i], *b = &moved.cloud.xyz[i];
-
-        farthest = fmax(farthest, vor_distance2f(a, b));
-        ck_assert_double_eq_tol(vor_distance2f(b, (float[3]){0, 0, 0}), 1, 1e-2);
-    }
+    ck_assert(join_points(&still, &out, &in, 0) == 0);
+    farthest = join_points(&moved, &out, &in, 1);
     ck_assert_double_gt(farthest, 0);
-    ck_assert_double_lt(sqrt(farthest), 0.6 * spacing);
-    ck_assert_double_gt(moved.report.mesh_quality_mean, still.mesh_quality_mean + 0.01);
-    ck_assert_double_gt(moved.report.mesh_quality_min, still.mesh_quality_min);
-    vt_meshed_free(&moved);
+    ck_assert_double_lt(farthest, 0.6 * spacing);
+    ck_assert_double_gt(moved.mesh_quality_mean, still.mesh_quality_mean + 0.01);
+    ck_assert_double_gt(moved.mesh_quality_min, still.mesh_quality_min);
+    ck_assert_double_gt(meshed.report.mesh_quality_mean, moved.mesh_quality_mean);
+    vt_meshed_free(&meshed);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
     vt_assert_no_leak();

@@ -455,7 +455,7 @@ static const struct {
 } presets[] = {{"denoise", "ratio", "1"},       {"denoise", "outliers", "drop"},
                {"inspect", "outliers", "drop"}, {"upsample", "ratio", "4"},
                {"upsample", "iterations", "1"}, {"upsample", "polish", "8"},
-               {"mesh", "polish", "180"}};
+               {"mesh", "polish", "120"}};
 
 enum { PRESETS = sizeof presets / sizeof presets[0] };
 

@@ -1,0 +1,124 @@
+#include "core/mesh/twosided.h"
+
+#include <string.h>
+
+/* The root of the group of triangle t, and whether t faces the other way than that. All on the way
+ * to it become its children. */
+static uint32_t root_of(struct vor_twosided *sides, uint32_t t, unsigned *contrary)
+{
+    uint32_t root = t;
+    unsigned turned = 0, rest;
+
+    for (; sides->parent[root] != root; root = sides->parent[root])
+        turned ^= sides->contrary[root];
+    *contrary = rest = turned;
+    while (sides->parent[t] != root && t != root) {
+        uint32_t next = sides->parent[t];
+        unsigned step = sides->contrary[t];
+
+        sides->parent[t] = root;
+        sides->contrary[t] = (unsigned char)rest;
+        rest ^= step;
+        t = next;
+    }
+    return root;
+}
+
+/* The group beside a triangle over its edge e, and whether the triangle faces the other way than
+ * the root of that. Returns 0 where there is none. Of a triangle that is not added, t is
+ * VOR_COMPLEX_GONE. */
+static int look(struct vor_twosided *sides, const struct vor_complex *complex, uint32_t t,
+                const uint32_t corner[3], int e, uint32_t *root, unsigned *contrary)
+{
+    uint32_t a = corner[e], b = corner[(e + 1) % 3], u = vor_complex_across(complex, t, a, b);
+
+    if (u == t)
+        return 0;
+    *root = root_of(sides, u, contrary);
+    *contrary ^= (unsigned)vor_complex_runs(&complex->triangle[3 * (size_t)u], a, b);
+    return 1;
+}
+
+int vor_twosided_takes(struct vor_twosided *sides, const struct vor_complex *complex,
+                       const uint32_t corner[3])
+{
+    uint32_t root[3];
+    unsigned contrary[3], count = 0;
+
+    for (int e = 0; e < 3; e++) {
+        if (!look(sides, complex, VOR_COMPLEX_GONE, corner, e, &root[count], &contrary[count]))
+            continue;
+        for (unsigned k = 0; k < count; k++)
+            if (root[k] == root[count] && contrary[k] != contrary[count] && !sides->one[root[k]])
+                return 0;
+        count++;
+    }
+    return 1;
+}
+
+/* Makes triangle t a group of its own. */
+static void begin(struct vor_twosided *sides, uint32_t t)
+{
+    sides->parent[t] = t;
+    sides->contrary[t] = sides->one[t] = 0;
+}
+
+/* Joins the group of triangle t to those beside it. */
+static void join(struct vor_twosided *sides, const struct vor_complex *complex, uint32_t t)
+{
+    const uint32_t *corner = &complex->triangle[3 * (size_t)t];
+
+    for (int e = 0; e < 3; e++) {
+        uint32_t its, own;
+        unsigned contrary, turned;
+
+        if (!look(sides, complex, t, corner, e, &its, &contrary))
+            continue;
+        own = root_of(sides, t, &turned);
+        if (own == its) {
+            sides->one[own] |= turned != contrary;
+            continue;
+        }
+        sides->parent[own] = its;
+        sides->contrary[own] = (unsigned char)(turned ^ contrary);
+        sides->one[its] |= sides->one[own];
+    }
+}
+
+void vor_twosided_add(struct vor_twosided *sides, const struct vor_complex *complex, uint32_t t)
+{
+    begin(sides, t);
+    join(sides, complex, t);
+}
+
+vor_status vor_twosided_make(struct vor_twosided *out, const struct vor_complex *complex,
+                             size_t more, struct vor_error *err)
+{
+    size_t room = complex->count + more;
+    struct vor_twosided sides = {.memory = complex->memory};
+
+    sides.parent = vor_malloc(sides.memory, room, sizeof *sides.parent);
+    sides.contrary = vor_malloc(sides.memory, room, 1);
+    sides.one = vor_malloc(sides.memory, room, 1);
+    if (sides.parent == NULL || sides.contrary == NULL || sides.one == NULL) {
+        vor_twosided_free(&sides);
+        return vor_fail(err, VOR_E_NOMEM, "sides of %zu triangles", room);
+    }
+    for (size_t t = 0; t < complex->count; t++)
+        begin(&sides, (uint32_t)t);
+    for (size_t t = 0; t < complex->count; t++)
+        if (complex->triangle[3 * t] != VOR_COMPLEX_GONE)
+            join(&sides, complex, (uint32_t)t);
+    *out = sides;
+    return VOR_OK;
+}
+
+void vor_twosided_free(struct vor_twosided *sides)
+{
+    if (sides->memory == NULL)
+        return;
+    vor_free(sides->memory, sides->one);
+    vor_free(sides->memory, sides->contrary);
+    vor_free(sides->memory, sides->parent);
+    memset(sides, 0, sizeof *sides);
+}
