@@ -64,19 +64,20 @@ static vor_status take(struct vor_domain *out, const struct vor_domain *in,
 {
     struct vor_domain domain = {
         .memory = run->memory, .n = in->n / EACH, .unit = in->unit, .known = in->known};
-    vor_status status = VOR_OK;
+    vor_status status;
 
     memcpy(domain.shift, in->shift, sizeof domain.shift);
     domain.xyz = vor_malloc(run->memory, domain.n, 3 * sizeof *domain.xyz);
     domain.source = vor_malloc(run->memory, domain.n, sizeof *domain.source);
-    if (domain.xyz == NULL || domain.source == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "one in %d of %zu points", (int)EACH, in->n);
-    for (size_t i = 0; status == VOR_OK && i < domain.n; i++) {
+    if (domain.xyz == NULL || domain.source == NULL) {
+        vor_domain_free(&domain);
+        return vor_fail(err, VOR_E_NOMEM, "one in %d of %zu points", (int)EACH, in->n);
+    }
+    for (size_t i = 0; i < domain.n; i++) {
         memcpy(&domain.xyz[3 * i], &in->xyz[3 * EACH * i], 3 * sizeof *domain.xyz);
         domain.source[i] = in->source[EACH * i];
     }
-    if (status == VOR_OK)
-        status = vor_domain_index(&domain, run, err);
+    status = vor_domain_index(&domain, run, err);
     if (status != VOR_OK) {
         vor_domain_free(&domain);
         return status;

@@ -155,12 +155,13 @@ static vor_status take_means(struct vor_domain *domain, const struct vor_domain 
         return status;
     means.nearest = vor_malloc(run->memory, in->n, sizeof *means.nearest);
     means.sum = vor_calloc(run->memory, domain->n, 4 * sizeof *means.sum);
-    if (means.nearest == NULL || means.sum == NULL)
+    if (means.nearest == NULL || means.sum == NULL) {
         status = vor_fail(err, VOR_E_NOMEM, "means of %zu points", in->n);
-    else
+    } else {
         status = vor_run_for(run, in->n, MEANS_BLOCK, nearest_block, &means, err);
-    if (status == VOR_OK)
-        add_means(&means, domain->xyz);
+        if (status == VOR_OK)
+            add_means(&means, domain->xyz);
+    }
     vor_free(run->memory, means.sum);
     vor_free(run->memory, means.nearest);
     vor_knn_free(domain->knn);

@@ -62,6 +62,9 @@ static void fit_to(struct fit *fit, const struct vor_lop_latent *latent,
 {
     double weight[VOR_LOP_GATHERED_MAX], along[VOR_LOP_GATHERED_MAX];
 
+    /* gcc's analyzer cannot see that weigh fills them */
+    memset(weight, 0, near->count * sizeof *weight);
+    memset(along, 0, near->count * sizeof *along);
     memset(fit, 0, sizeof *fit);
     weigh(weight, along, latent, near, base, n);
     for (unsigned i = 0; i < near->count; i++) {
