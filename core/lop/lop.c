@@ -8,6 +8,7 @@
 #include "core/lop/insert.h"
 #include "core/lop/normals.h"
 #include "core/lop/project.h"
+#include "core/lop/strays.h"
 #include "core/opt/keep_best.h"
 #include "core/seeds/area.h"
 #include "core/seeds/attach.h"
@@ -440,6 +441,8 @@ static vor_status make_points(struct lop *lop, size_t n, struct vor_error *err)
         return status;
     lop->told->seconds_start = vor_run_clock(lop->run) - before;
     status = project(lop, (uint32_t)(n - samples) + vor_spec_polish(lop->spec), err);
+    if (status == VOR_OK && lop->whole == &lop->coarse)
+        status = vor_lop_strays_drop(&lop->samples, err);
     return status == VOR_OK ? insert(lop, n, err) : status;
 }
 
