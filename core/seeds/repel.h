@@ -6,14 +6,14 @@
  *  (h/d)^(2S) over its neighbours at distance d, with h the mean spacing, adds a share of its last
  *  step, and projects it onto the quadric; a step is at most 5 % of h. S rises from 4 to 14: soft
  *  repulsion grows regions of one orientation, hard repulsion evens the distances out. Where the
- *  process joins the points by triangles, and the input has no sheets, S rises to 8, and steps are
- * longer and keep more of the last one, so that more points have six neighbours; distances are less
- * even. Repulsion alone opens holes where regions meet. So every few steps the farthest corner of
- * each point's Voronoi cell is found; where that is farther away than in a lattice, the point is
- * pulled towards it. Points at the border are not pushed out, and a point more than
- * VOR_OUTSIDE_EVENING spacings from the input moves along it or towards it, not farther away. In
- * the second half of the steps the surfaces of an exact input keep its edges (vor_surface_refine);
- * an input whose points were moved off a lattice is not exact.
+ *  process joins the points by triangles, and the input has no sheets and there is no metric, S
+ * rises to 8, and steps are longer and keep more of the last one, so that more points have six
+ * neighbours; distances are less even. Repulsion alone opens holes where regions meet. So every few
+ * steps the farthest corner of each point's Voronoi cell is found; where that is farther away than
+ * in a lattice, the point is pulled towards it. Points at the border are not pushed out, and a
+ * point more than VOR_OUTSIDE_EVENING spacings from the input moves along it or towards it, not
+ * farther away. In the second half of the steps the surfaces of an exact input keep its edges
+ * (vor_surface_refine); an input whose points were moved off a lattice is not exact.
  *
  *  With a density (input/density.h) h and all other lengths are those of the spacing wanted at the
  *  place, and for the force of two points the larger of both; how even the points are is measured

@@ -49,7 +49,7 @@ static const struct row {
     {"resample", "boundary=fill holes=auto", UINT64_C(0x6021698b756b7168)},
     {"resample", "moveStop=0.05", UINT64_C(0x0cd21a5c4e7f9387)},
     {"mesh", "polish=5", UINT64_C(0xa4734e1b00972465)},
-    {"mesh", "metric=anisotropic", UINT64_C(0xd280121495aa7cc2)},
+    {"mesh", "metric=anisotropic", UINT64_C(0x21bf0ad187975e63)},
     {"mesh", "boundary=fill holes=auto", UINT64_C(0x54f3523d602c4b0f)},
 };
 
