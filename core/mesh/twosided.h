@@ -1,9 +1,10 @@
 /** Whether the surface of triangles that are added one by one stays one of two sides.
  *
- *  At a thin sharp wedge normals tell little, and triangles that few cells propose may lead around
- *  it such that a way along them comes back on the other side: closed loops then make a surface
- * that passes through itself. So such a triangle is told from others before it is taken. Groups of
- *  triangles are joined with the side of each to its group (union-find, its roots with parity).
+ *  Normals are of little use at a thin sharp wedge. Triangles that few cells propose may lead
+ * around it so that a way along them comes back on the other side; triangles that close loops then
+ * make a surface that passes through itself. So each such triangle is checked before it is taken.
+ * Groups of triangles are joined with the side of each to its group (union-find, its roots with
+ * parity).
  *
  *  Source: Tarjan 1975, "Efficiency of a good but not linear set union algorithm"; the parity is
  *  usual in tests whether a graph has two colours. */
