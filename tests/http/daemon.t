@@ -120,13 +120,15 @@ is $daemon->stop, 0, 'it ends with 0';
 
 # SIGTERM: running jobs end, callers get their answers, streams end, others are refused.
 $daemon = Vt->start(jobs => 2, 'drain-timeout' => 60);
-my $short = 'points=2000&iterations=80';
+# Both jobs would run for long: they are stopped once the daemon that drains has been asked everything.
 my $socket = $daemon->connect;
-$socket->print("POST /v1/resample?$short HTTP/1.1\r\nHost: localhost\r\nContent-Length: "
+$socket->print("POST /v1/resample?$long HTTP/1.1\r\nHost: localhost\r\nContent-Length: "
         . length($cloud) . "\r\n\r\n$cloud");
 $socket->flush;
-my $job = $daemon->submit($short, $cloud);
-wait_until(sub { @{ json($daemon->get('/v1/jobs?status=running'))->{jobs} } == 2 }, 20); # the caller's own too
+my $job = $daemon->submit($long, $cloud);
+my @both;
+wait_until(sub { @both = map { $_->{jobID} } @{ json($daemon->get('/v1/jobs?status=running'))->{jobs} }; @both == 2 }, 20);
+
 my $stream = $daemon->events("/v1/jobs/$job/events", headers => { Accept => 'text/event-stream' });
 $stream->next_event;
 kill 'TERM', $daemon->{pid};
@@ -134,12 +136,13 @@ my $unready = wait_until(sub { my $a = $daemon->get('/readyz'); $a->{status} == 
 is_problem($unready, 503, 'draining', 'SIGTERM makes the daemon un-ready');
 is_problem($daemon->post('/v1/resample?points=5', $cloud), 503, 'draining', 'new jobs are refused');
 is $daemon->get('/livez')->{status}, 200, 'it still lives';
+is $daemon->request('POST', "/v1/jobs/$_/stop")->{status}, 202, 'a running job can be stopped' for @both;
 my $last;
 while (my $block = $stream->next_block(5)) { $last = $block }
 is $last->{retry}, 1000, 'a stream ends with retry: 1000';
 ok $stream->{whole}, 'in good order';
 my $answer = Vt::read_all($socket, 60);
-like $answer, qr{\AHTTP/1\.1 200 .*^element vertex 2000\n}ms, 'a caller who waits gets the result';
+like $answer, qr{\AHTTP/1\.1 200 .*^element vertex 4000\n}ms, 'a caller who waits gets the result';
 is Vt::reap(delete $daemon->{pid}, 60), 0, 'the daemon ends with 0 by itself';
 $daemon = Vt->start(dir => $daemon->{dir}, 'drain-timeout' => 0);
 is $daemon->status($job), 'successful', 'the job ended while draining';
