@@ -216,32 +216,29 @@ static unsigned local_step(const struct survey *survey, const struct pool *pool,
     return worth_it(survey, pool, from, best, usual) ? best : usual;
 }
 
-struct nearness {
-    double distance2;
-    uint16_t place;
-};
-
-static int nearer(const void *a, const void *b)
-{
-    const struct nearness *x = a, *y = b;
-
-    if (x->distance2 != y->distance2)
-        return x->distance2 < y->distance2 ? -1 : 1;
-    return (int)x->place - (int)y->place;
-}
-
-/* A place and those nearest to it, POOL in all. */
+/* A place and those nearest to it, POOL in all, the nearest first; of two as near, the first. */
 static void pool_around(struct pool *pool, const struct vor_neighbors *neighbors, size_t place)
 {
-    struct nearness all[PLACES];
+    double distance2[POOL];
 
-    for (size_t i = 0; i < PLACES; i++)
-        all[i] = (struct nearness){
-            vor_distance2f(&neighbors->xyz[3 * i], &neighbors->xyz[3 * place]), (uint16_t)i};
-    qsort(all, PLACES, sizeof *all, nearer);
-    pool->count = POOL;
-    for (size_t i = 0; i < POOL; i++)
-        pool->place[i] = all[i].place;
+    pool->count = 0;
+    for (size_t i = 0; i < PLACES; i++) {
+        double to = vor_distance2f(&neighbors->xyz[3 * i], &neighbors->xyz[3 * place]);
+        size_t at = pool->count;
+
+        if (at < POOL)
+            pool->count++;
+        else if (to < distance2[POOL - 1])
+            at = POOL - 1;
+        else
+            continue;
+        for (; at > 0 && to < distance2[at - 1]; at--) {
+            distance2[at] = distance2[at - 1];
+            pool->place[at] = pool->place[at - 1];
+        }
+        distance2[at] = to;
+        pool->place[at] = (uint16_t)i;
+    }
 }
 
 static void pool_all(struct pool *pool)
