@@ -3,6 +3,7 @@
 #include "server/base/log.h"
 #include "server/base/machine.h"
 #include "server/work/execute.h"
+#include "server/work/self_test.h"
 #include "server/work/wire.h"
 
 #include <pthread.h>
@@ -238,6 +239,20 @@ static void place_codec(struct station *station, int socket)
         .zygote = &station->zygote, .kind = board->codec_kind, .sandbox = board->sandbox};
 }
 
+/* Tells the front that the worker is ready, or why it is not. */
+static int report_ready(struct station *station, int channel)
+{
+    struct vor_memory memory;
+    struct vor_error err;
+    int is_fit;
+
+    vor_memory_init(&memory, SIZE_MAX);
+    is_fit = vor_self_test(station->means.pool, &memory, &err) == VOR_OK;
+    return vor_channel_send(channel, is_fit ? (const void *)"" : &err, is_fit ? 1 : sizeof err,
+                            NULL, 0, NULL) == VOR_OK &&
+           is_fit;
+}
+
 int vor_station_run(int channel, const int *fds, unsigned fd_count)
 {
     struct station station = {.board = fd_count >= 1 ? vor_board_map(fds[0]) : NULL};
@@ -252,7 +267,7 @@ int vor_station_run(int channel, const int *fds, unsigned fd_count)
     if (vor_pool_create(&station.means.pool, station.board->threads, NULL) != VOR_OK ||
         !start_thread(tick, &station))
         return VOR_STATION_NO_POOL;
-    if (vor_channel_send(channel, "", 1, NULL, 0, NULL) == VOR_OK)
+    if (report_ready(&station, channel))
         serve(&station, channel);
     return EXIT_SUCCESS;
 }

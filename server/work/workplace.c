@@ -92,12 +92,18 @@ void vor_workplace_end(struct vor_workplace *workplace, const char *why, int bla
 static vor_status wait_ready(struct vor_child *child, struct vor_error *err)
 {
     struct vor_child_end end = {.signal = 0};
-    char byte, how[64];
-    struct vor_message message = {.bytes = &byte, .capacity = sizeof byte};
+    struct vor_error why;
+    char how[64];
+    struct vor_message message = {.bytes = &why, .capacity = sizeof why};
 
     if (vor_channel_receive(child->channel, &message, start_seconds) == VOR_CHANNEL_MESSAGE) {
         vor_message_close(&message);
-        return VOR_OK;
+        if (message.size != sizeof why)
+            return VOR_OK;
+        vor_child_kill(child);
+        (void)vor_child_wait(child, &end, end_seconds);
+        return vor_fail(err, VOR_E_INTERNAL, "the engine fails its test of itself: %.*s",
+                        (int)sizeof why.message, why.message);
     }
     vor_child_kill(child);
     (void)vor_child_wait(child, &end, end_seconds);

@@ -165,6 +165,17 @@ static int unready(int channel, const int *fds, unsigned fd_count)
     return VOR_STATION_NO_POOL;
 }
 
+/* A process whose engine does not work. */
+static int unfit(int channel, const int *fds, unsigned fd_count)
+{
+    struct vor_error err;
+
+    (void)fds;
+    (void)fd_count;
+    (void)vor_fail(&err, VOR_E_INTERNAL, "a uniformity of 0.5, at most 0.1 is right");
+    return vor_channel_send(channel, &err, sizeof err, NULL, 0, NULL) == VOR_OK ? 0 : 1;
+}
+
 /* Codec children that do not encode. */
 static int crash(int channel, const int *fds, unsigned fd_count)
 {
@@ -183,12 +194,13 @@ static int sleep_on(int channel, const int *fds, unsigned fd_count)
     return pause();
 }
 
-enum { SCRIPTED, STATION, UNREADY, CODEC, CRASHING_CODEC, SLEEPING_CODEC, KINDS };
+enum { SCRIPTED, STATION, UNREADY, UNFIT, CODEC, CRASHING_CODEC, SLEEPING_CODEC, KINDS };
 
 static const struct vor_child_kind kinds[KINDS] = {
-    [SCRIPTED] = {"t-scripted", scripted}, [STATION] = {"t-station", vor_station_run},
-    [UNREADY] = {"t-unready", unready},    [CODEC] = {"t-codec", vor_codec_child},
-    [CRASHING_CODEC] = {"t-crash", crash}, [SLEEPING_CODEC] = {"t-sleep", sleep_on},
+    [SCRIPTED] = {"t-scripted", scripted},    [STATION] = {"t-station", vor_station_run},
+    [UNREADY] = {"t-unready", unready},       [UNFIT] = {"t-unfit", unfit},
+    [CODEC] = {"t-codec", vor_codec_child},   [CRASHING_CODEC] = {"t-crash", crash},
+    [SLEEPING_CODEC] = {"t-sleep", sleep_on},
 };
 
 /* --- the front -------------------------------------------------------------------------------- */
@@ -758,6 +770,11 @@ START_TEST(a_worker_whose_threads_do_not_start_is_an_error)
     vt_assert_ok(vor_zygote_start(&zygote, kinds, KINDS, &vt_err));
     vt_assert_fails(VOR_E_NOMEM, vor_supervisor_create(&supervisor, &config, &vt_err));
     ck_assert_str_eq(vt_err.message, "the threads of the worker cannot be started");
+    config.kind = UNFIT;
+    vt_assert_fails(VOR_E_INTERNAL, vor_supervisor_create(&supervisor, &config, &vt_err));
+    ck_assert_str_eq(
+        vt_err.message,
+        "the engine fails its test of itself: a uniformity of 0.5, at most 0.1 is right");
     vor_zygote_stop(&zygote);
 }
 END_TEST
