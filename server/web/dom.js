@@ -23,7 +23,7 @@ export function figure(value) {
 
 export function bytes(n) {
     const units = ['bytes', 'KB', 'MB', 'GB'], k = n < 1000 ? 0 : Math.min(3, Math.floor(Math.log10(n) / 3));
-    return `${k ? (n / 1000 ** k).toPrecision(3) : n} ${units[k]}`;
+    return `${k ? (n / 1000 ** k).toPrecision(3) : n}\u00a0${units[k]}`;
 }
 
 export function seconds(s) {

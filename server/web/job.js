@@ -49,7 +49,7 @@ function showRecords(all, latest) {
     frame = frame || requestAnimationFrame(draw);
     if (!latest || isOver(shown)) return;
     $('progress').value = latest.progress;
-    const left = typeof latest.eta === 'number' ? `, some ${seconds(latest.eta)} left` : '';
+    const left = typeof latest.eta === 'number' ? `, ≈ ${seconds(latest.eta)} left` : '';
     const most = latest.of ? ` of at most ${count(latest.of)}` : '';
     $('figures').textContent = `${STEPS[latest.run_stage] || latest.run_stage} ${count(latest.step)}${most}${left}`;
 }
@@ -110,7 +110,7 @@ async function showEnd(status) {
     if (report) await showReport(status.processID, told, report);
     show($('report-box'), Boolean(report));
     if (!outputs.includes('cloud')) $('report-box').open = true; /* the report is what was asked for */
-    $('summary').textContent = report ? summary(report) : '';
+    $('summary').replaceChildren(...(report ? summary(report) : []));
     if (!outputs.includes('cloud') || !canDraw()) return;
     await showResult(status.jobID, report?.parameters?.order === 'progressive');
 }

@@ -479,6 +479,12 @@ def appearance(browser):
     browser.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True})
     wide = browser.script("return document.documentElement.scrollWidth")
     ok(wide <= 390, "on a phone nothing is wider than the screen", wide)
+    rows = browser.script("""
+        document.getElementById('mesh-look').hidden = false;
+        const tops = [...document.querySelectorAll('#looks > *')].filter((one) => one.checkVisibility()).map((one) => one.getBoundingClientRect());
+        document.getElementById('mesh-look').hidden = true;
+        return new Set(tops.map((one) => Math.round((one.top + one.bottom) / 16))).size;""")
+    ok(rows <= 3, "and what the view offers has three rows, of a mesh as well", rows)
     browser.picture(f"{PICTURES}/phone.png")
     browser.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
