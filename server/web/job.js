@@ -9,7 +9,7 @@ import { canDraw, getCloud, setCloud, setLayout } from './stage.js';
 import { save, showTakers } from './take.js';
 import { isOver, watchJob } from './watch.js';
 
-let release = () => {}, shown = null, records = [], frame = 0, fetching = false;
+let release = () => {}, shown = null, records = [], frame = 0, fetching = false, tag = '';
 
 const STEPS = { iterate: 'Iteration', polish: 'Polish, step', project: 'Projection, step', insert: 'Insertion, point', baselines: 'Baseline' };
 const WORDS = { successful: 'Done', failed: 'Failed', dismissed: 'Cancelled' };
@@ -80,7 +80,10 @@ async function showPreview(id) {
     if (fetching || document.hidden || !canDraw() || !input || isOver(shown)) return;
     fetching = true;
     try {
-        const answer = await ask(`v1/jobs/${id}/preview`), cloud = await readCloud(await answer.arrayBuffer(), input.origin);
+        const answer = await ask(`v1/jobs/${id}/preview`, { more: { 'If-None-Match': tag } });
+        if (answer.status === 304) return undefined; /* a poll begins with what the last one has told */
+        tag = answer.headers.get('ETag') || '';
+        const cloud = await readCloud(await answer.arrayBuffer(), input.origin);
         await Promise.all([measures.surface(cloud), measures.spacing(cloud)]);
         if (shown?.jobID !== id || isOver(shown) || getCloud('input') !== input) return dropCloud(cloud);
         const first = !getCloud('result');
@@ -118,7 +121,7 @@ async function showEnd(status) {
 /** Takes the job off the page. */
 export function leaveJob() {
     release();
-    [release, shown, records] = [() => {}, null, []];
+    [release, shown, records, tag] = [() => {}, null, [], ''];
     for (const name of ['watch', 'result', 'report-box', 'chart-box']) show($(name), false);
     $('summary').textContent = $('figures').textContent = $('state').textContent = '';
     delete $('chart').dataset.points;

@@ -157,6 +157,7 @@ $('key-form').addEventListener('submit', (event) => {
     event.preventDefault();
     setKey($('key').value.trim());
     $('key').value = '';
+    job = ''; /* one that was followed with another key is opened again */
     guarded(begin)();
 });
 $('forget').addEventListener('click', () => {

@@ -3,22 +3,32 @@ import { ROOT, askJson, getKey } from './api.js';
 import { makeHub } from './hub.js';
 
 const QUEUE_MS = 2000; /* between questions how many jobs are before this one */
+const [FOCUS_SECONDS, SEEN_SECONDS] = [10, 1]; /* that a tab without SharedWorker waits for news at a time */
 const told = new Map(); /* id: what to call */
 let port = null, hub = null;
 
 const hear = ({ event, data }) => told.get(data.jobID)?.(event, data);
 
+/* Without a SharedWorker, or one that cannot be had, each tab polls for itself. Of six connections the tab that has the focus holds one;
+ * of windows side by side the others hold theirs for a moment; a tab that nobody sees holds none. */
+function alone() {
+    hub = makeHub(ROOT, getKey, () => (document.hidden ? 0 : document.hasFocus() ? FOCUS_SECONDS : SEEN_SECONDS));
+    document.addEventListener('visibilitychange', hub.again);
+    for (const name of ['focus', 'blur']) addEventListener(name, hub.again);
+}
+
 function connect() {
-    if (typeof SharedWorker === 'undefined') {
-        hub = makeHub(ROOT, getKey(), () => !document.hidden); /* else eight tabs would hold all connections that there are */
-        document.addEventListener('visibilitychange', hub.again);
-        return;
-    }
+    if (typeof SharedWorker === 'undefined') return alone();
     const worker = new SharedWorker(new URL('stream.js', import.meta.url), { name: 'voronoid' });
     port = worker.port;
     port.onmessage = ({ data }) => hear(data);
-    addEventListener('pagehide', () => port.postMessage({ gone: true }));
-    addEventListener('pageshow', (event) => event.persisted && [...told.keys()].forEach((id) => join(id, '0.0')));
+    worker.onerror = () => {
+        port = null;
+        if (!hub) alone();
+        told.forEach((_, id) => join(id, '0.0'));
+    };
+    addEventListener('pagehide', () => port?.postMessage({ gone: true }));
+    return addEventListener('pageshow', (event) => event.persisted && [...told.keys()].forEach((id) => join(id, '0.0')));
 }
 
 function join(id, position) {
@@ -87,9 +97,8 @@ export function watchJob(status, { onStatus, onRecords, onPreview, onEnd }) {
     }
     told.set(id, (event, data) => {
         if (!alive) return;
-        if (event === 'status' || event === 'polled') tell(data);
+        if (event === 'status') tell(data);
         if (event === 'preview') onPreview();
-        if (event === 'polled') trace();
         if (event === 'progress') {
             add(data);
             onRecords(all(), data);

@@ -69,6 +69,7 @@ class Browser:
                                         {"width": size[0], "height": size[1], "deviceScaleFactor": 2, "mobile": True})
         self.errors = []
         self.requests = []
+        self.polls = []  # (address, Prefer) of each request for events
 
     def open(self, url):
         self.driver.get(url)
@@ -92,12 +93,15 @@ class Browser:
         ActionChains(self.driver, duration=0).send_keys(Keys.TAB * times).perform()
 
     def listen(self):
-        """Reads what the browser has logged since: messages of errors, and addresses that were asked for."""
+        """Reads what the browser has logged since: messages of errors, addresses that were asked for, and how long events were waited for."""
         self.errors += [row["message"] for row in self.driver.get_log("browser") if row["level"] == "SEVERE"]
         for row in self.driver.get_log("performance"):
             message = json.loads(row["message"])["message"]
             if message["method"] == "Network.requestWillBeSent":
-                self.requests.append(message["params"]["request"]["url"])
+                request = message["params"]["request"]
+                self.requests.append(request["url"])
+                if "/v1/events?" in request["url"]:
+                    self.polls.append((request["url"], request["headers"].get("Prefer", "")))
 
     def picture(self, path):
         os.makedirs(os.path.dirname(path), exist_ok=True)

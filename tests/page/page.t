@@ -555,31 +555,60 @@ def crowded(browser):
     return daemon
 
 
+NO_WORKER = "delete window.SharedWorker;"
+
+
+def preferred(browser):
+    """What the requests for events since the last look have preferred."""
+    at = len(browser.polls)
+    browser.listen()
+    return {prefer for _, prefer in browser.polls[at:]}
+
+
 def unseen(browser):
-    """One of eight tabs, say, without SharedWorker: it keeps none of the six connections."""
+    """A tab without SharedWorker that nobody looks at: it keeps none of the six connections."""
     look = lambda hidden: browser.script("""
         Object.defineProperty(document, 'hidden', { configurable: true, get: () => arguments[0] });
         document.dispatchEvent(new Event('visibilitychange'));""".replace("arguments[0]", str(hidden).lower()))
     ask(browser, points=500, polish=10000, iterations=12)
     browser.element("run").click()
     wait("a curve", lambda: charted(browser) >= 5)
-    browser.listen()
     look(True)
-    at = max(k for k, url in enumerate(browser.requests) if "/v1/events?" in url)
+    preferred(browser)
     before = charted(browser)
     wait("the curve grows", lambda: charted(browser) > before)
-    browser.listen()
-    ok(not any("/v1/events?" in url for url in browser.requests[at + 1:]), "one that nobody sees holds none, and asks now and then")
+    wait("a question", lambda: len(browser.polls) and preferred(browser) == {"wait=0"})
     look(False)
-    wait("the stream again", lambda: browser.listen() or any("/v1/events?" in url for url in browser.requests[at + 1:]))
+    wait("one that waits", lambda: "wait=10" in preferred(browser))
+    ok(True, "a tab that nobody sees asks now and then, and waits for news once it is seen")
+
+
+def eight_alone(browser):
+    """As many tabs as would wait for each other, without SharedWorker."""
+    first, url = browser.driver.current_window_handle, browser.driver.current_url
+    for _ in range(7):
+        browser.driver.switch_to.new_window("tab")
+        browser.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": NO_WORKER})
+        browser.open(url)
+        wait("each tab has a curve", lambda: charted(browser) >= 5)
+    handles = browser.driver.window_handles
+    before = charted(browser)
+    wait("the curve of the last one grows", lambda: charted(browser) > before)
+    ok(len(handles) == 8, "eight tabs without SharedWorker all have the curve of one job")
     browser.element("dismiss").click()
-    shows(browser, "state", "Cancelled")
-    ok(True, "until it is seen")
+    for handle in handles:
+        browser.driver.switch_to.window(handle)
+        shows(browser, "state", "Cancelled")
+        browser.listen()
+        if handle != first:
+            browser.driver.close()
+    browser.driver.switch_to.window(first)
+    ok({prefer for _, prefer in browser.polls} <= {"wait=0", "wait=1", "wait=10"} and browser.polls, "and hear of its end by polls, none of them by a stream", browser.polls)
 
 
 def without_webgl(daemon):
     browser = Browser(webgl=False)
-    browser.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": "delete window.SharedWorker;"})
+    browser.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": NO_WORKER})
     browser.open(daemon.url)
     wait("words about it", lambda: "WebGL" in browser.text("no-webgl"))
     drop(browser, torus(500), "blind.ply")
@@ -589,10 +618,10 @@ def without_webgl(daemon):
     wait("a summary", lambda: "200 points" in browser.text("summary"))
     ok(True, "without WebGL the page says so, and jobs run all the same")
     wait("the whole curve", lambda: charted(browser) >= 5)
-    browser.listen()
-    ok(browser.script("return typeof SharedWorker === 'undefined'") and any("/v1/events?" in url for url in browser.requests),
-       "without SharedWorker the page that is seen holds the stream itself")
+    alone = browser.script("return typeof SharedWorker === 'undefined'")
+    ok(alone and preferred(browser) == {"wait=10"}, "without SharedWorker it waits for news of a job by long polls", browser.polls)
     unseen(browser)
+    eight_alone(browser)
     return browser
 
 
