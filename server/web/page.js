@@ -72,12 +72,12 @@ const take = guarded(async (file) => {
 });
 
 const run = guarded(async () => {
-    const { process, values } = asked();
+    const { process, values, files } = asked();
     if (!source) throw new Error('Choose a cloud first.');
     blame([]);
     $('run').disabled = true;
     try {
-        const status = await startJob(process, values, source);
+        const status = await startJob(process, values, source, files);
         source.job = status.links.some((link) => link.rel === 'input') ? status.jobID : source.job;
         job = status.jobID;
         location.hash = `#/jobs/${job}`;

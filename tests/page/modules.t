@@ -156,7 +156,7 @@ function commands() {
     const said = execFileSync('/bin/sh', ['-c', `printf '%s\\0' ${words.map(shell).join(' ')}`]).toString();
     equal(said.split('\0').slice(0, -1), words, 'a shell reads each quoted word as it was');
     const request = { root: 'http://127.0.0.1:8080/', process: 'resample', values: { points: '5000', density: 'attribute:the "x"' }, file: "-it's.ply",
-        out: 'o.ply', key: true };
+        others: {}, out: 'o.ply', key: true };
     for (const language of ['curl', 'js', 'python']) {
         const text = command(language, request);
         ok(text.includes('VORONOID_KEY'), `${language} takes the key from where it is kept`, text);
@@ -165,10 +165,15 @@ function commands() {
     const given = execFileSync('/bin/sh', ['-c', command('curl', request)], { env: { PATH: `${folder}:${process.env.PATH}`, VORONOID_KEY: 'a b' } }).toString().split('\0');
     equal(given.slice(3, -1), ['-H', 'Authorization: Bearer a b', '--data-binary', "@-it's.ply", '-o', 'o.ply',
         'http://127.0.0.1:8080/v1/resample?points=5000&density=attribute%3Athe%20%22x%22'], 'curl gets what the request is');
-    writeFileSync(`${folder}/it.mjs`, command('js', request));
-    execFileSync('node', ['--check', `${folder}/it.mjs`]);
-    writeFileSync(`${folder}/it.py`, command('python', request));
-    execFileSync('python3', ['-c', `import ast; ast.parse(open("${folder}/it.py").read())`]);
+    const two = { ...request, process: 'measure', values: {}, others: { reference: 'a "b",c;.ply' }, out: 'o.json' };
+    const forms = execFileSync('/bin/sh', ['-c', command('curl', two)], { env: { PATH: `${folder}:${process.env.PATH}`, VORONOID_KEY: 'k' } }).toString().split('\0');
+    equal(forms.slice(5, 9), ['-F', `file=@"-it's.ply"`, '-F', 'reference=@"a \\"b\\",c;.ply"'], 'and a form of two files, whose names end where they should');
+    for (const one of [request, two]) {
+        writeFileSync(`${folder}/it.mjs`, command('js', one));
+        execFileSync('node', ['--check', `${folder}/it.mjs`]);
+        writeFileSync(`${folder}/it.py`, command('python', one));
+        execFileSync('python3', ['-c', `import ast; ast.parse(open("${folder}/it.py").read())`]);
+    }
     ok(true, 'the programs are ones');
 }
 

@@ -442,6 +442,25 @@ def other_format(browser, daemon):
     ok("800 → 300 points" in browser.text("summary"), "a Draco file is shown, and run without sending it again", browser.text("summary"))
 
 
+def reference(browser, daemon):
+    """A second cloud, to be measured against."""
+    choose = lambda name: browser.script("const one = document.getElementById('process'); one.value = arguments[0]; one.dispatchEvent(new Event('change'));", name)
+    path = os.path.join(daemon.folder.name, "the other.ply")
+    with open(path, "wb") as out:
+        out.write(torus(900, seed=2))
+    choose("measure")
+    browser.element("ask-reference").send_keys(path)
+    browser.element("run").click()
+    shows(browser, "watch-title", "measure")
+    wait("figures", lambda: browser.element("report-box").is_displayed())
+    text = browser.script("return document.getElementById('report').textContent")
+    ok("input · hausdorff" in text, "a cloud is measured beside another one, which the form takes", text[:400])
+    browser.script("document.querySelector('[data-language=curl]').click()")
+    text = browser.script("return document.getElementById('command').textContent")
+    ok("'reference=@\"the other.ply\"'" in text, "which is in the command", text)
+    choose("resample")
+
+
 CONTRASTS = """
 const parts = (color) => (color.match(/[\\d.]+/g) || []).map(Number);
 const light = (color) => parts(color).slice(0, 3).reduce((sum, one, k) => {
@@ -668,6 +687,7 @@ def main():
         failed_job(browser)
         surface(browser)
         other_format(browser, daemons[0])
+        reference(browser, daemons[0])
         history(browser)
         daemons.append(keys(browser))
         daemons.append(crowded(browser))
