@@ -122,7 +122,7 @@ function normals() {
 }
 
 /* The worker without a browser: what it answers to each message. */
-function discs() {
+async function discs() {
     const answers = [];
     global.self = { postMessage: (answer) => answers.push(answer) };
     load('cloud_worker');
@@ -130,12 +130,29 @@ function discs() {
     for (let y = 0; y < 40; y++) for (let x = 0; x < 120; x++) rows.push(`${x} ${3 * y} 0`);
     rows.push('60 60 500');
     const buffer = bytes(`ply\nformat ascii 1.0\nelement vertex ${rows.length}\nproperty float x\nproperty float y\nproperty float z\nend_header\n${rows.join('\n')}\n`);
-    self.onmessage({ data: { call: 1, what: 'read', number: 1, buffer } });
-    self.onmessage({ data: { call: 2, what: 'normals', number: 1 } });
+    await self.onmessage({ data: { call: 1, what: 'read', number: 1, buffer } });
+    await self.onmessage({ data: { call: 2, what: 'normals', number: 1 } });
     const { widths, normals } = answers[1].answer, middle = 20 * 120 + 60;
     equal([widths[middle], Math.abs(normals[3 * middle + 2])], [3, 1], 'a point on a line of a scanner is drawn as wide as the way to the next line');
     ok(widths.at(-1) < 6, 'and one that is alone not so wide that it hides others', widths.at(-1));
+    await turns(answers);
     delete global.self;
+}
+
+/* While a large cloud is measured, another one is read; one that is let go is measured no more. */
+async function turns(answers) {
+    const n = 120000, head = `ply\nformat binary_little_endian 1.0\nelement vertex ${n}\nproperty float x\nproperty float y\nproperty float z\nend_header\n`;
+    const buffer = new ArrayBuffer(head.length + 12 * n), view = new DataView(buffer);
+    new Uint8Array(buffer).set(new TextEncoder().encode(head));
+    for (let i = 0; i < n; i++) [i % 400, Math.floor(i / 400), 0].forEach((value, k) => view.setFloat32(head.length + 12 * i + 4 * k, value, true));
+    answers.length = 0;
+    await self.onmessage({ data: { call: 1, what: 'read', number: 2, buffer } });
+    const measured = self.onmessage({ data: { call: 2, what: 'spacing', number: 2 } });
+    await self.onmessage({ data: { call: 3, what: 'read', number: 3, buffer: far(true) } });
+    equal(answers.map((one) => one.call), [1, 3], 'while a large cloud is measured, another one is read');
+    await self.onmessage({ data: { call: 4, what: 'drop', number: 2 } });
+    await measured;
+    equal(answers.map((one) => [one.call, one.error]).at(-1), [2, 'That cloud was let go.'], 'and one that is let go is measured no more');
 }
 
 /* Points of a view that is turned, in a browser that draws as many thousands of them in 1 ms. */
@@ -177,10 +194,14 @@ function commands() {
     ok(true, 'the programs are ones');
 }
 
-try {
-    [ascii, farAway, refusals, early, neighbours, normals, discs, pace, commands].forEach((part) => part());
-} finally {
-    rmSync(folder, { recursive: true });
+async function main() {
+    try {
+        for (const part of [ascii, farAway, refusals, early, neighbours, normals, discs, pace, commands]) await part();
+    } finally {
+        rmSync(folder, { recursive: true });
+    }
+    console.log(`1..${done}`);
+    process.exit(failed ? 1 : 0);
 }
-console.log(`1..${done}`);
-process.exit(failed ? 1 : 0);
+
+main();
