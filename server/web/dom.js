@@ -26,6 +26,12 @@ export function bytes(n) {
     return `${k ? (n / 1000 ** k).toPrecision(3) : n}\u00a0${units[k]}`;
 }
 
+/** How long something may still take: no more digits than such a guess has. */
+export function roughly(s) {
+    if (s < 60) return `≈ ${Math.max(1, Math.round(s))} s`;
+    return s < 3600 ? `≈ ${Math.round(s / 60)} min` : `≈ ${Number((s / 3600).toPrecision(2))} h`;
+}
+
 export function seconds(s) {
     if (s < 1) return `${Number(s.toPrecision(2))} s`;
     if (s < 60) return `${s < 10 ? s.toFixed(1) : Math.round(s)} s`;

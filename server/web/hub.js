@@ -22,13 +22,14 @@ async function* lines(body) {
 }
 
 /** Makes a hub. watch(watcher, id, position) and leave(watcher, id) say who wants to hear of which job, from which event on (what its
- *  trace says, or 0.0); a watcher is a function that gets {event, data}, some events twice when another one comes. root: where the
+ *  trace says, or 0.0); a watcher is a function that gets {event, data}, some events twice when another one comes; besides those of
+ *  the daemon, lost when it does not answer and found when it does again. root: where the
  *  daemon is; key: tells what it wants. patience: for a page's own hub, which has no stream: how many seconds a poll may wait for news now; 0
  *  keeps no connection, but asks now and then. again() is for when that has changed. */
 export function makeHub(root, key, patience) {
     const watched = new Map(); /* id: {watchers, position, over} */
     const headers = (more) => (key() ? { Authorization: `Bearer ${key()}`, ...more } : more);
-    let control = null, timer = 0, streamsAt = 0;
+    let control = null, timer = 0, streamsAt = 0, isLost = false;
 
     const tell = (id, event, data) => watched.get(id)?.watchers.forEach((watcher) => watcher({ event, data }));
     const later = (ms) => {
@@ -50,6 +51,8 @@ export function makeHub(root, key, patience) {
         const query = `jobs=${ids.join(',')}&lastEventId=${last}${isShown ? `&preview=${PREVIEW_POINTS}` : ''}`;
         const answer = await fetch(new URL(`v1/events?${query}`, root),
             { signal, headers: headers({ Accept: 'application/x-ndjson', ...more }), cache: 'no-store' });
+        if (isLost) ids.forEach((id) => tell(id, 'found', { jobID: id }));
+        isLost = false;
         if (answer.status === 204) return answer;
         if (answer.status >= 400 && answer.status < 500) /* the key, say: the page asks for the job, and learns why */
             ids.forEach((id) => hear([], { event: 'unknown', data: { jobID: id } }));
@@ -75,8 +78,12 @@ export function makeHub(root, key, patience) {
         control = new AbortController();
         const { signal } = control;
         if (!ids.length) return;
-        /* Else the connection broke, or was given up for another. */
-        const pause = await follow(ids, signal).catch(() => AGAIN_MS);
+        const pause = await follow(ids, signal).catch(() => {
+            if (signal.aborted) return 0; /* given up for another */
+            isLost = true;
+            ids.forEach((id) => tell(id, 'lost', { jobID: id }));
+            return AGAIN_MS;
+        });
         if (!signal.aborted && live().length) later(pause);
     }
 

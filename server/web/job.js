@@ -3,7 +3,7 @@ import { ask, askJson } from './api.js';
 import { arrive } from './arrive.js';
 import { drawChart } from './chart.js';
 import { dropCloud, measures, readCloud } from './cloud.js';
-import { $, count, seconds, show } from './dom.js';
+import { $, count, roughly, show } from './dom.js';
 import { showReport, summary } from './report.js';
 import { canDraw, getCloud, setCloud, setLayout } from './stage.js';
 import { save, showTakers } from './take.js';
@@ -19,7 +19,7 @@ function stateOf(status) {
     const parts = [WORDS[status.status] || (stage === 'optimize' ? 'Running' : status.message || status.status)];
     if (isOver(status) && status.message && !status.exception) parts.push(status.message); /* an exception is told as trouble */
     if (typeof queuePosition === 'number') parts.push(queuePosition ? `${count(queuePosition)} before it in the queue` : 'next in the queue');
-    if (!isOver(status) && stage !== 'optimize' && typeof eta === 'number') parts.push(`some ${seconds(Math.max(eta, 0))} left`);
+    if (!isOver(status) && stage !== 'optimize' && typeof eta === 'number') parts.push(`${roughly(eta)} left`);
     return parts.join(', ');
 }
 
@@ -49,9 +49,13 @@ function showRecords(all, latest) {
     frame = frame || requestAnimationFrame(draw);
     if (!latest || isOver(shown)) return;
     $('progress').value = latest.progress;
-    const left = typeof latest.eta === 'number' ? `, ≈ ${seconds(latest.eta)} left` : '';
+    const left = typeof latest.eta === 'number' ? `, ${roughly(latest.eta)} left` : '';
     const most = latest.of ? ` of at most ${count(latest.of)}` : '';
     $('figures').textContent = `${STEPS[latest.run_stage] || latest.run_stage} ${count(latest.step)}${most}${left}`;
+}
+
+function showLost(isLost) {
+    $('figures').textContent = isLost ? 'The daemon does not answer. It is asked again.' : '';
 }
 
 /* Shows the result, read as PLY in the frame of the input, unless another job is on the page by now. */
@@ -132,7 +136,7 @@ export function leaveJob() {
 /** Shows a job and follows it; ended(status) is called when it is over. */
 export function followJob(status, ended) {
     leaveJob();
-    release = watchJob(status, { onStatus: showStatus, onRecords: showRecords, onPreview: () => showPreview(status.jobID), onEnd(last) {
+    release = watchJob(status, { onStatus: showStatus, onRecords: showRecords, onPreview: () => showPreview(status.jobID), onLost: showLost, onEnd(last) {
         showEnd(last).catch((error) => { $('trouble').textContent = error.message; }).then(() => ended(last));
     } });
 }

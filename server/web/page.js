@@ -32,14 +32,14 @@ const guarded = (work) => async (...given) => {
 
 function showInput(cloud, name, size) {
     const left = cloud.left ? `, ${count(cloud.left)} that are not finite left out` : '', faces = cloud.faces ? `, ${count(cloud.faces.length / 3)} triangles` : '';
-    $('cloud-words').textContent = `${name}: ${count(cloud.n)} points${faces}${left}${size ? `, ${bytes(size)}` : ''}`;
+    $('cloud-words').textContent = `${name}: ${count(cloud.n)} point${cloud.n === 1 ? '' : 's'}${faces}${left}${size ? `, ${bytes(size)}` : ''}`;
     setCloud('input', cloud);
     setLayout('input');
     tellMesh(Boolean(cloud.faces), Boolean(source.file));
 }
 
 const ended = (status) => new Promise((resolve) => {
-    watchJob(status, { onStatus() {}, onRecords() {}, onPreview() {}, onEnd: resolve });
+    watchJob(status, { onStatus() {}, onRecords() {}, onPreview() {}, onLost() {}, onEnd: resolve });
 });
 
 /* Formats that the page does not read are sent, and read as the PLY that the daemon makes of them. */
@@ -99,10 +99,14 @@ async function fetchInput(status) {
 }
 
 const openJob = guarded(async (id) => {
-    const mine = ++turn, status = await askJson(`v1/jobs/${id}`), name = status.voronoid.name || 'cloud';
+    const mine = ++turn;
     leaveJob();
     setCloud('input', null);
-    job = id;
+    [job, source] = [id, null];
+    $('run').disabled = true;
+    $('cloud-words').textContent = '';
+    const status = await askJson(`v1/jobs/${id}`), name = status.voronoid.name || 'cloud';
+    if (mine !== turn) return;
     source = { file: null, name, job: id };
     setName(name);
     $('cloud-words').textContent = `${name}: is fetched`;

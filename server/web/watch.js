@@ -48,9 +48,9 @@ export const isOver = (status) => !['accepted', 'running'].includes(status.statu
 /* A record's place on the curve; a stream that begins anew tells some of them twice. */
 const place = (record) => `${record.attempt} ${record.run_stage} ${record.iteration} ${record.polish} ${record.step} ${record.delta}`;
 
-/** Follows a job whose status is known. onStatus(status), onRecords(all records so far, in order), onPreview(), onEnd(status).
- *  Returns a function that lets go. */
-export function watchJob(status, { onStatus, onRecords, onPreview, onEnd }) {
+/** Follows a job whose status is known. onStatus(status), onRecords(all records so far, in order), onPreview(), onLost(whether the daemon
+ *  does not answer), onEnd(status). Returns a function that lets go. */
+export function watchJob(status, { onStatus, onRecords, onPreview, onLost, onEnd }) {
     const id = status.jobID, records = new Map();
     let alive = true, attempt = 0, timer = 0;
     const add = (record) => {
@@ -99,6 +99,7 @@ export function watchJob(status, { onStatus, onRecords, onPreview, onEnd }) {
         if (!alive) return;
         if (event === 'status') tell(data);
         if (event === 'preview') onPreview();
+        if (event === 'lost' || event === 'found') onLost(event === 'lost');
         if (event === 'progress') {
             add(data);
             onRecords(all(), data);

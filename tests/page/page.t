@@ -284,14 +284,17 @@ def surface(browser):
     choose("resample")
 
 
+def line(browser, offline):
+    browser.driver.execute_cdp_cmd("Network.emulateNetworkConditions", {
+        "offline": offline, "latency": 0, "downloadThroughput": -1, "uploadThroughput": -1})
+
+
 def unanswered(browser):
     """A daemon that cannot be reached."""
-    line = lambda offline: browser.driver.execute_cdp_cmd("Network.emulateNetworkConditions", {
-        "offline": offline, "latency": 0, "downloadThroughput": -1, "uploadThroughput": -1})
-    line(True)
+    line(browser, True)
     browser.element("run").click()
     shows(browser, "trouble", "The daemon does not answer.")
-    line(False)
+    line(browser, False)
     ok(True, "a daemon that does not answer is said to")
 
 
@@ -516,6 +519,10 @@ def history(browser):
     wait("another job", lambda: browser.driver.current_url.endswith(last))
     finished(browser)
     ok(True, "and one can be opened again")
+    browser.script("location.hash = '#/jobs/0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11'")
+    shows(browser, "trouble", "there is no job 0193b5f2")
+    equal((browser.element("watch").is_displayed(), browser.element("canvas").get_attribute("aria-label")), (False, "No cloud yet"),
+          "of a job that is none nothing is shown, and nothing of the one before")
 
 
 def keys(browser):
@@ -589,7 +596,7 @@ def unseen(browser):
     look = lambda hidden: browser.script("""
         Object.defineProperty(document, 'hidden', { configurable: true, get: () => arguments[0] });
         document.dispatchEvent(new Event('visibilitychange'));""".replace("arguments[0]", str(hidden).lower()))
-    ask(browser, points=500, polish=10000, iterations=12)
+    ask(browser, points=6000, polish=10000, iterations=12)
     browser.element("run").click()
     wait("a curve", lambda: charted(browser) >= 5)
     look(True)
@@ -600,6 +607,11 @@ def unseen(browser):
     look(False)
     wait("one that waits", lambda: "wait=10" in preferred(browser))
     ok(True, "a tab that nobody sees asks now and then, and waits for news once it is seen")
+    line(browser, True)
+    shows(browser, "figures", "The daemon does not answer.")
+    line(browser, False)
+    shows(browser, "figures", "Polish, step")
+    ok(True, "a daemon that answers no more is said to, until it does again")
 
 
 def eight_alone(browser):
