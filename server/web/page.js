@@ -16,7 +16,7 @@ import { isOver, watchJob } from './watch.js';
 let source = null, job = '', turn = 0;
 
 function complain(error) {
-    $('trouble').textContent = error.message;
+    $('trouble').textContent = error.status === 401 && !getKey() ? 'This daemon wants a key: its field is at the top.' : error.message;
     if (error.errors) blame(error.errors);
 }
 
@@ -133,7 +133,9 @@ function route() {
 
 async function begin() {
     await loadProcesses();
+    if (!$('key-form').hidden) $('file').focus();
     show($('key-form'), false);
+    show($('forget'), Boolean(getKey()));
     await showHistory();
     route();
 }
@@ -170,5 +172,4 @@ $('forget').addEventListener('click', () => {
 });
 addEventListener('hashchange', route);
 askJson('version').then(({ version }) => { $('version').textContent = `version ${version}`; }, () => {});
-show($('forget'), Boolean(getKey()));
 guarded(begin)();
