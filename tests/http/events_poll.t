@@ -22,7 +22,7 @@ sub poll {
     my $begin = time;
     my $answer = $daemon->get($path, headers => { Prefer => "wait=$wait", Accept => 'application/x-ndjson', %more });
     return { seconds => time - $begin, status => $answer->{status}, applied => $answer->{headers}{'preference-applied'},
-        type => $answer->{headers}{'content-type'}, text => $answer->{content}, lines => [map { json($_) } split /\n/, $answer->{content}] };
+        type => $answer->{headers}{'content-type'}, text => $answer->{content} // '', lines => [map { json($_) } split /\n/, $answer->{content} // ''] };
 }
 
 # Of one that is over and one that is none everything comes at once.

@@ -247,6 +247,7 @@ static void count_dropped(struct vor_position from, struct vor_position to, size
 /* Writes the events of one track that wait on its bus; false when there are none. */
 static bool take_events(struct stream *stream, struct track *track)
 {
+    enum vor_read how = track->is_replay || stream->wait >= 0 ? VOR_READ_EVERY : VOR_READ_LATEST;
     struct vor_position before = track->position;
     struct vor_event events[BATCH];
     size_t count;
@@ -254,8 +255,7 @@ static bool take_events(struct stream *stream, struct track *track)
 
     turn_to(stream, track);
     has_preview = take_preview(stream, track); /* an end may follow */
-    count = vor_bus_read(track->bus, &track->position,
-                         track->is_replay ? VOR_READ_EVERY : VOR_READ_LATEST, events, BATCH);
+    count = vor_bus_read(track->bus, &track->position, how, events, BATCH);
     if (count == 0)
         track->is_replay = false;
     for (size_t i = 0; i < count && !stream->ended && !track->is_over; i++)
