@@ -1,11 +1,13 @@
 /* Requests to the daemon that sent this page; the key, which lives as long as the tab's session. */
 
+import { forSession } from './keep.js';
+
 export const ROOT = new URL('..', import.meta.url); /* this file is ROOT/assets/page.js */
 const KEY = 'voronoid-key';
 let refused = () => {};
 
-export const getKey = () => sessionStorage.getItem(KEY) || '';
-export const setKey = (key) => (key ? sessionStorage.setItem(KEY, key) : sessionStorage.removeItem(KEY));
+export const getKey = () => forSession.get(KEY);
+export const setKey = (key) => forSession.set(KEY, key);
 /** What to do when the daemon wants a key, or another one. */
 export const onRefused = (then) => { refused = then; };
 

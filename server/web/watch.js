@@ -17,9 +17,18 @@ function alone() {
     for (const name of ['focus', 'blur']) addEventListener(name, hub.again);
 }
 
+/* Browsers without have none, those that may remember nothing give none. */
+function sharedWorker() {
+    try {
+        return new SharedWorker(new URL('stream.js', import.meta.url), { name: 'voronoid' });
+    } catch {
+        return null;
+    }
+}
+
 function connect() {
-    if (typeof SharedWorker === 'undefined') return alone();
-    const worker = new SharedWorker(new URL('stream.js', import.meta.url), { name: 'voronoid' });
+    const worker = sharedWorker();
+    if (!worker) return alone();
     port = worker.port;
     port.onmessage = ({ data }) => hear(data);
     worker.onerror = () => {

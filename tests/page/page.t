@@ -642,10 +642,14 @@ def eight_alone(browser):
 
 
 def without_webgl(daemon):
-    browser = Browser(webgl=False)
+    browser = Browser(webgl=False, memory=False)
     browser.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": NO_WORKER})
     browser.open(daemon.url)
     wait("words about it", lambda: "WebGL" in browser.text("no-webgl"))
+    forbidden = browser.script("try { localStorage.length; } catch (error) { return error.name; }")
+    browser.element("theme").click()
+    equal((forbidden, browser.script("return document.documentElement.dataset.theme")), ("SecurityError", "dark"),
+          "a browser that may remember nothing has the page all the same")
     drop(browser, torus(500), "blind.ply")
     ask(browser, points=200)
     browser.element("run").click()
