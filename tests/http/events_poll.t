@@ -59,9 +59,9 @@ for (my $at = '1.1'; !$moved;) {
     my @lines = @{ poll("/v1/jobs/$runs/events?lastEventId=$at&preview=100", 20)->{lines} } or last;
     ($moved) = grep { $_->{event} eq 'preview' } @lines;
     ($at) = map { $_->{id} } grep { $_->{id} } reverse @lines;
-    isnt $at, undef, 'an answer has more than that points have moved' or last;
+    $moved = undef, last if !defined $at;
 }
-is $moved && $moved->{data}{jobID}, $runs, 'that points have moved is told as well';
+is $moved && $moved->{data}{jobID}, $runs, 'that points have moved is told as well, and never alone';
 
 # Where nothing happens it waits, for so long.
 my $quiet = poll("/v1/jobs/$waits/events", 0)->{lines}[-1]{id};
