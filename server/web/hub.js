@@ -23,9 +23,9 @@ async function* lines(body) {
 
 /** Makes a hub. watch(watcher, id, position) and leave(watcher, id) say who wants to hear of which job, from which event on (what its
  *  trace says, or 0.0); a watcher is a function that gets {event, data}, some events twice when another one comes; besides those of
- *  the daemon, lost when it does not answer and found when it does again. root: where the
- *  daemon is; key: tells what it wants. patience: for a page's own hub, which has no stream: how many seconds a poll may wait for news now; 0
- *  keeps no connection, but asks now and then. again() is for when that has changed. */
+ *  the daemon, lost when it does not answer and found when it does again. root: where the daemon is; key: tells what it wants. patience:
+ *  for a page's own hub, which has no stream: how many seconds a poll may wait for news now; 0 keeps no connection, but asks now and then.
+ *  again() is for when that has changed. */
 export function makeHub(root, key, patience) {
     const watched = new Map(); /* id: {watchers, position, over} */
     const headers = (more) => (key() ? { Authorization: `Bearer ${key()}`, ...more } : more);
@@ -54,7 +54,7 @@ export function makeHub(root, key, patience) {
         if (isLost) ids.forEach((id) => tell(id, 'found', { jobID: id }));
         isLost = false;
         if (answer.status === 204) return answer;
-        if (answer.status >= 400 && answer.status < 500) /* the key, say: the page asks for the job, and learns why */
+        if ([400, 401, 403, 404].includes(answer.status)) /* the key, say: the page asks for the job, and learns why */
             ids.forEach((id) => hear([], { event: 'unknown', data: { jobID: id } }));
         if (answer.status !== 200 || !/ndjson/.test(answer.headers.get('Content-Type'))) return null;
         for await (const line of lines(answer.body)) hear(ids, JSON.parse(line));
