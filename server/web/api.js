@@ -1,11 +1,13 @@
 /* Requests to the daemon that sent this page; the key, which lives as long as the tab's session. */
 
+import { forSession } from './keep.js';
+
 export const ROOT = new URL('..', import.meta.url); /* this file is ROOT/assets/page.js */
 const KEY = 'voronoid-key';
 let refused = () => {};
 
-export const getKey = () => sessionStorage.getItem(KEY) || '';
-export const setKey = (key) => (key ? sessionStorage.setItem(KEY, key) : sessionStorage.removeItem(KEY));
+export const getKey = () => forSession.get(KEY);
+export const setKey = (key) => forSession.set(KEY, key);
 /** What to do when the daemon wants a key, or another one. */
 export const onRefused = (then) => { refused = then; };
 
@@ -39,22 +41,22 @@ export async function ask(path, { method = 'GET', more = {}, body, signal } = {}
 
 export const askJson = async (path, options) => (await ask(path, { ...options, more: { Accept: 'application/json', ...options?.more } })).json();
 
-/** Sends a file with progress, which fetch does not tell. told(bytes sent, bytes in all). Resolves to the answer's JSON; aborted
- *  rejects with an AbortError. */
-export function send(path, file, { told, signal, more = {} }) {
+/** Sends a file, or a form, with progress, which fetch does not tell. told(bytes sent, bytes in all). Resolves to the answer's JSON;
+ *  aborted rejects with an AbortError. */
+export function send(path, body, { told, signal, more = {} }) {
     return new Promise((resolve, reject) => {
         const request = new XMLHttpRequest();
         request.open('POST', new URL(path, ROOT));
         for (const [name, value] of Object.entries(headers(more))) request.setRequestHeader(name, value);
-        request.upload.onprogress = (event) => told(event.loaded, file.size);
+        request.upload.onprogress = (event) => told(event.loaded, event.total);
         request.onload = () => {
-            const body = parse(request.responseText);
-            if (request.status < 300) resolve(body);
-            else reject(new Problem(body, request.status));
+            const answer = parse(request.responseText);
+            if (request.status < 300) resolve(answer);
+            else reject(new Problem(answer, request.status));
         };
         request.onerror = () => reject(new Error('The connection to the daemon was lost.'));
         request.onabort = () => reject(new DOMException('The upload was cancelled.', 'AbortError'));
         signal.addEventListener('abort', () => request.abort());
-        request.send(file);
+        request.send(body);
     });
 }

@@ -6,8 +6,11 @@ import { makeForm } from './form.js';
 const forms = new Map(), FORMATS = { 'application/ply': 'PLY', 'application/draco': 'Draco' };
 let isMesh = false;
 
-/** The process chosen and its values that differ from the defaults. */
-export const asked = () => ({ process: $('process').value, values: forms.get($('process').value)?.values() || {} });
+/** The process chosen, its values that differ from the defaults, and files besides the cloud. */
+export function asked() {
+    const process = $('process').value, form = forms.get(process);
+    return { process, values: form?.values() || {}, files: form?.files() || {} };
+}
 
 export const blame = (errors) => forms.get($('process').value)?.blame(errors);
 

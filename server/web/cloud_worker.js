@@ -6,6 +6,7 @@ import { leastSpread, makeTree, nearest } from './tree.js';
 const NORMAL_NEIGHBORS = 10;
 /* Of more points than these normals are those of leaves of the tree: coarser, and ten times as fast. */
 const NORMALS_EACH_MAX = 400000;
+const SLICE_MS = 30; /* of measuring, between which other clouds are read: the first points of a result are not to wait for those of its input */
 const clouds = new Map();
 
 function tree(number) {
@@ -13,6 +14,24 @@ function tree(number) {
     if (!cloud) throw new Error('That cloud was let go.');
     cloud.tree = cloud.tree || makeTree(cloud.positions);
     return cloud.tree;
+}
+
+const pause = new MessageChannel(), paused = [];
+pause.port2.onmessage = () => paused.shift()();
+const breath = () => new Promise((resolve) => {
+    paused.push(resolve);
+    pause.port1.postMessage(0);
+});
+
+/* Works on 0 to n - 1 in slices, as long as the cloud is there. */
+async function each(number, n, work) {
+    for (let i = 0, end = performance.now() + SLICE_MS; i < n; i++) {
+        work(i);
+        if (i % 256 || performance.now() < end) continue;
+        await breath();
+        if (!clouds.has(number)) throw new Error('That cloud was let go.');
+        end = performance.now() + SLICE_MS;
+    }
 }
 
 function read({ number, buffer, origin }) {
@@ -51,49 +70,49 @@ function leafWidth(here, low, high) {
 }
 
 /* Normals, without a side, and how wide a disc each point is drawn with. */
-function normals({ number }) {
+async function normals({ number }) {
     const here = tree(number), out = new Float32Array(3 * here.n), widths = new Float32Array(here.n);
     const found = new Uint32Array(NORMAL_NEIGHBORS), squares = new Float64Array(NORMAL_NEIGHBORS);
     if (here.n > NORMALS_EACH_MAX) {
-        for (let k = 0; k < here.leaves.length; k += 2) {
-            const [low, high] = [here.leaves[k], here.leaves[k + 1]], places = Array.from({ length: high - low }, (_, i) => low + i);
+        await each(number, here.leaves.length / 2, (k) => {
+            const [low, high] = [here.leaves[2 * k], here.leaves[2 * k + 1]], places = Array.from({ length: high - low }, (_, i) => low + i);
             leastSpread(here, places, places.length, out, here.index[low]);
             const first = 3 * here.index[low], width = leafWidth(here, low, high);
             for (const place of places) {
                 out.copyWithin(3 * here.index[place], first, first + 3);
                 widths[here.index[place]] = width;
             }
-        }
+        });
         return { normals: out, widths: clampWidths(widths) };
     }
-    for (let i = 0; i < here.n; i++) {
+    await each(number, here.n, (i) => {
         nearest(here, here.xyz[3 * i], here.xyz[3 * i + 1], here.xyz[3 * i + 2], found, squares);
         leastSpread(here, found, Math.min(NORMAL_NEIGHBORS, here.n), out, here.index[i]);
         widths[here.index[i]] = Math.sqrt(squares[Math.min(RING, here.n - 1)]);
-    }
+    });
     return { normals: out, widths: clampWidths(widths) };
 }
 
-function spacing({ number }) {
+async function spacing({ number }) {
     const here = tree(number), values = new Float32Array(here.n);
     const found = new Uint32Array(2), squares = new Float64Array(2);
     let sum = 0;
-    for (let i = 0; i < here.n; i++) {
+    await each(number, here.n, (i) => {
         nearest(here, here.xyz[3 * i], here.xyz[3 * i + 1], here.xyz[3 * i + 2], found, squares);
         const distance = Number.isFinite(squares[1]) ? Math.sqrt(squares[1]) : 0;
         values[here.index[i]] = distance;
         sum += distance;
-    }
+    });
     return { values, mean: here.n ? sum / here.n : 0 };
 }
 
-function distance({ number, to }) {
+async function distance({ number, to }) {
     const here = tree(number), there = tree(to), values = new Float32Array(here.n);
     const found = new Uint32Array(1), squares = new Float64Array(1);
-    for (let i = 0; i < here.n; i++) {
+    await each(number, here.n, (i) => {
         nearest(there, here.xyz[3 * i], here.xyz[3 * i + 1], here.xyz[3 * i + 2], found, squares);
         values[here.index[i]] = Math.sqrt(squares[0]);
-    }
+    });
     return { values };
 }
 
@@ -104,9 +123,9 @@ function drop({ number }) {
 
 const OPERATIONS = { read, normals, spacing, distance, drop };
 
-self.onmessage = ({ data }) => {
+self.onmessage = async ({ data }) => {
     try {
-        const answer = OPERATIONS[data.what](data);
+        const answer = await OPERATIONS[data.what](data);
         const buffers = Object.values(answer).filter(ArrayBuffer.isView).map((array) => array.buffer);
         self.postMessage({ call: data.call, answer }, buffers);
     } catch (error) {

@@ -23,7 +23,13 @@ export function figure(value) {
 
 export function bytes(n) {
     const units = ['bytes', 'KB', 'MB', 'GB'], k = n < 1000 ? 0 : Math.min(3, Math.floor(Math.log10(n) / 3));
-    return `${k ? (n / 1000 ** k).toPrecision(3) : n} ${units[k]}`;
+    return `${k ? (n / 1000 ** k).toPrecision(3) : n}\u00a0${units[k]}`;
+}
+
+/** How long something may still take: no more digits than such a guess has. */
+export function roughly(s) {
+    if (s < 60) return `≈ ${Math.max(1, Math.round(s))} s`;
+    return s < 3600 ? `≈ ${Math.round(s / 60)} min` : `≈ ${Number((s / 3600).toPrecision(2))} h`;
 }
 
 export function seconds(s) {

@@ -3,7 +3,9 @@ import { $ } from './dom.js';
 
 /** taken(File) is called for each. */
 export function wireDrop(taken) {
+    const isOther = ({ target }) => target instanceof HTMLInputElement && target.type === 'file' && target.id !== 'file'; /* takes it itself */
     const over = (event) => {
+        if (isOther(event)) return;
         if (![...event.dataTransfer.types].includes('Files')) return;
         event.preventDefault();
         document.body.classList.add('over');
@@ -14,7 +16,7 @@ export function wireDrop(taken) {
     document.addEventListener('dragleave', (event) => event.relatedTarget || out());
     document.addEventListener('drop', (event) => {
         out();
-        if (!event.dataTransfer.files.length) return;
+        if (isOther(event) || !event.dataTransfer.files.length) return;
         event.preventDefault();
         taken(event.dataTransfer.files[0]);
     });

@@ -55,7 +55,14 @@ function text(id, schema, words) {
     return { control: input, besides: offered, read: () => input.value.trim(), write: (value) => { input.value = value; } };
 }
 
+/* A cloud beside the one that the page shows. */
+function file(id) {
+    const input = make('input', { id, type: 'file' });
+    return { control: input, file: () => input.files[0], read: () => '', write: () => { input.value = ''; } };
+}
+
 function controlOf(id, schema) {
+    if (isFile(schema)) return file(id);
     const parts = partsOf(schema), { words, free, pattern } = parts;
     if (schema.type === 'boolean') {
         const usual = Boolean(schema.default), box = make('input', { id, type: 'checkbox', checked: usual });
@@ -95,11 +102,12 @@ function grouped(fields) {
     });
 }
 
-/** The form of a process description: {elements: [basic ones ..., advanced or null], values() of what was changed and counts,
- *  set(values), blame(errors)}. */
+/** The form of a process description, but for its main input: {elements: [basic ones ..., advanced or null], values() of what was
+ *  changed and counts, files() that were chosen, by name, set(values), blame(errors)}. */
 export function makeForm(description) {
-    const fields = Object.entries(description.inputs).filter(([, input]) => !isFile(input.schema)).map(([name, input]) => ({
-        ...field(name, input), basic: input['x-level'] === 'basic', group: input['x-group'] || '' }));
+    const main = Object.entries(description.inputs).find(([, input]) => isFile(input.schema));
+    const fields = Object.entries(description.inputs).filter(([name]) => name !== main?.[0]).map(([name, input]) => ({
+        ...field(name, input), basic: input['x-level'] === 'basic' || isFile(input.schema), group: input['x-group'] || '' }));
     const basic = fields.filter((one) => one.basic), advanced = fields.filter((one) => !one.basic);
     const [open, folded] = [grouped(basic), grouped(advanced)], summary = make('summary');
     const more = make('details', { open: !basic.length }, summary, ...folded.map((one) => one.element));
@@ -119,6 +127,7 @@ export function makeForm(description) {
         field: (name) => fields.find((one) => one.name === name),
         values: () => Object.fromEntries(fields.filter((one) => !one.row.hidden).map((one) => [one.name, one.read()])
             .filter(([, value]) => value !== '')),
+        files: () => Object.fromEntries(fields.map((one) => [one.name, one.file?.()]).filter(([, chosen]) => chosen)),
         set(values) {
             fields.forEach((one) => one.write(values[one.name] ?? ''));
             more.open = !basic.length || advanced.some((one) => values[one.name] !== undefined);

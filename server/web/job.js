@@ -3,13 +3,13 @@ import { ask, askJson } from './api.js';
 import { arrive } from './arrive.js';
 import { drawChart } from './chart.js';
 import { dropCloud, measures, readCloud } from './cloud.js';
-import { $, count, seconds, show } from './dom.js';
+import { $, count, roughly, show } from './dom.js';
 import { showReport, summary } from './report.js';
 import { canDraw, getCloud, setCloud, setLayout } from './stage.js';
 import { save, showTakers } from './take.js';
 import { isOver, watchJob } from './watch.js';
 
-let release = () => {}, shown = null, records = [], frame = 0, fetching = false;
+let release = () => {}, shown = null, records = [], frame = 0, fetching = false, tag = '';
 
 const STEPS = { iterate: 'Iteration', polish: 'Polish, step', project: 'Projection, step', insert: 'Insertion, point', baselines: 'Baseline' };
 const WORDS = { successful: 'Done', failed: 'Failed', dismissed: 'Cancelled' };
@@ -19,7 +19,7 @@ function stateOf(status) {
     const parts = [WORDS[status.status] || (stage === 'optimize' ? 'Running' : status.message || status.status)];
     if (isOver(status) && status.message && !status.exception) parts.push(status.message); /* an exception is told as trouble */
     if (typeof queuePosition === 'number') parts.push(queuePosition ? `${count(queuePosition)} before it in the queue` : 'next in the queue');
-    if (!isOver(status) && stage !== 'optimize' && typeof eta === 'number') parts.push(`some ${seconds(Math.max(eta, 0))} left`);
+    if (!isOver(status) && stage !== 'optimize' && typeof eta === 'number') parts.push(`${roughly(eta)} left`);
     return parts.join(', ');
 }
 
@@ -49,9 +49,13 @@ function showRecords(all, latest) {
     frame = frame || requestAnimationFrame(draw);
     if (!latest || isOver(shown)) return;
     $('progress').value = latest.progress;
-    const left = typeof latest.eta === 'number' ? `, some ${seconds(latest.eta)} left` : '';
+    const left = typeof latest.eta === 'number' ? `, ${roughly(latest.eta)} left` : '';
     const most = latest.of ? ` of at most ${count(latest.of)}` : '';
     $('figures').textContent = `${STEPS[latest.run_stage] || latest.run_stage} ${count(latest.step)}${most}${left}`;
+}
+
+function showLost(isLost) {
+    $('figures').textContent = isLost ? 'The daemon does not answer. It is asked again.' : '';
 }
 
 /* Shows the result, read as PLY in the frame of the input, unless another job is on the page by now. */
@@ -80,7 +84,10 @@ async function showPreview(id) {
     if (fetching || document.hidden || !canDraw() || !input || isOver(shown)) return;
     fetching = true;
     try {
-        const answer = await ask(`v1/jobs/${id}/preview`), cloud = await readCloud(await answer.arrayBuffer(), input.origin);
+        const answer = await ask(`v1/jobs/${id}/preview`, { more: { 'If-None-Match': tag } });
+        if (answer.status === 304) return undefined; /* a poll begins with what the last one has told */
+        tag = answer.headers.get('ETag') || '';
+        const cloud = await readCloud(await answer.arrayBuffer(), input.origin);
         await Promise.all([measures.surface(cloud), measures.spacing(cloud)]);
         if (shown?.jobID !== id || isOver(shown) || getCloud('input') !== input) return dropCloud(cloud);
         const first = !getCloud('result');
@@ -110,7 +117,7 @@ async function showEnd(status) {
     if (report) await showReport(status.processID, told, report);
     show($('report-box'), Boolean(report));
     if (!outputs.includes('cloud')) $('report-box').open = true; /* the report is what was asked for */
-    $('summary').textContent = report ? summary(report) : '';
+    $('summary').replaceChildren(...(report ? summary(report) : []));
     if (!outputs.includes('cloud') || !canDraw()) return;
     await showResult(status.jobID, report?.parameters?.order === 'progressive');
 }
@@ -118,7 +125,7 @@ async function showEnd(status) {
 /** Takes the job off the page. */
 export function leaveJob() {
     release();
-    [release, shown, records] = [() => {}, null, []];
+    [release, shown, records, tag] = [() => {}, null, [], ''];
     for (const name of ['watch', 'result', 'report-box', 'chart-box']) show($(name), false);
     $('summary').textContent = $('figures').textContent = $('state').textContent = '';
     delete $('chart').dataset.points;
@@ -129,7 +136,7 @@ export function leaveJob() {
 /** Shows a job and follows it; ended(status) is called when it is over. */
 export function followJob(status, ended) {
     leaveJob();
-    release = watchJob(status, { onStatus: showStatus, onRecords: showRecords, onPreview: () => showPreview(status.jobID), onEnd(last) {
+    release = watchJob(status, { onStatus: showStatus, onRecords: showRecords, onPreview: () => showPreview(status.jobID), onLost: showLost, onEnd(last) {
         showEnd(last).catch((error) => { $('trouble').textContent = error.message; }).then(() => ended(last));
     } });
 }

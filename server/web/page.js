@@ -16,7 +16,7 @@ import { isOver, watchJob } from './watch.js';
 let source = null, job = '', turn = 0;
 
 function complain(error) {
-    $('trouble').textContent = error.message;
+    $('trouble').textContent = error.status === 401 && !getKey() ? 'This daemon wants a key: its field is at the top.' : error.message;
     if (error.errors) blame(error.errors);
 }
 
@@ -32,14 +32,14 @@ const guarded = (work) => async (...given) => {
 
 function showInput(cloud, name, size) {
     const left = cloud.left ? `, ${count(cloud.left)} that are not finite left out` : '', faces = cloud.faces ? `, ${count(cloud.faces.length / 3)} triangles` : '';
-    $('cloud-words').textContent = `${name}: ${count(cloud.n)} points${faces}${left}${size ? `, ${bytes(size)}` : ''}`;
+    $('cloud-words').textContent = `${name}: ${count(cloud.n)} point${cloud.n === 1 ? '' : 's'}${faces}${left}${size ? `, ${bytes(size)}` : ''}`;
     setCloud('input', cloud);
     setLayout('input');
     tellMesh(Boolean(cloud.faces), Boolean(source.file));
 }
 
 const ended = (status) => new Promise((resolve) => {
-    watchJob(status, { onStatus() {}, onRecords() {}, onPreview() {}, onEnd: resolve });
+    watchJob(status, { onStatus() {}, onRecords() {}, onPreview() {}, onLost() {}, onEnd: resolve });
 });
 
 /* Formats that the page does not read are sent, and read as the PLY that the daemon makes of them. */
@@ -72,12 +72,12 @@ const take = guarded(async (file) => {
 });
 
 const run = guarded(async () => {
-    const { process, values } = asked();
+    const { process, values, files } = asked();
     if (!source) throw new Error('Choose a cloud first.');
     blame([]);
     $('run').disabled = true;
     try {
-        const status = await startJob(process, values, source);
+        const status = await startJob(process, values, source, files);
         source.job = status.links.some((link) => link.rel === 'input') ? status.jobID : source.job;
         job = status.jobID;
         location.hash = `#/jobs/${job}`;
@@ -99,10 +99,14 @@ async function fetchInput(status) {
 }
 
 const openJob = guarded(async (id) => {
-    const mine = ++turn, status = await askJson(`v1/jobs/${id}`), name = status.voronoid.name || 'cloud';
+    const mine = ++turn;
     leaveJob();
     setCloud('input', null);
-    job = id;
+    [job, source] = [id, null];
+    $('run').disabled = true;
+    $('cloud-words').textContent = '';
+    const status = await askJson(`v1/jobs/${id}`), name = status.voronoid.name || 'cloud';
+    if (mine !== turn) return;
     source = { file: null, name, job: id };
     setName(name);
     $('cloud-words').textContent = `${name}: is fetched`;
@@ -129,7 +133,9 @@ function route() {
 
 async function begin() {
     await loadProcesses();
+    if (!$('key-form').hidden) $('file').focus();
     show($('key-form'), false);
+    show($('forget'), Boolean(getKey()));
     await showHistory();
     route();
 }
@@ -157,6 +163,7 @@ $('key-form').addEventListener('submit', (event) => {
     event.preventDefault();
     setKey($('key').value.trim());
     $('key').value = '';
+    job = ''; /* one that was followed with another key is opened again */
     guarded(begin)();
 });
 $('forget').addEventListener('click', () => {
@@ -165,5 +172,4 @@ $('forget').addEventListener('click', () => {
 });
 addEventListener('hashchange', route);
 askJson('version').then(({ version }) => { $('version').textContent = `version ${version}`; }, () => {});
-show($('forget'), Boolean(getKey()));
 guarded(begin)();

@@ -67,11 +67,11 @@ export async function showReport(process, output, report) {
     if (parameters) $('report').append(make('h3', {}, 'As it was asked for'), make('dl', {}, ...rows(parameters, meanings(inputs))));
 }
 
-/** One sentence about a result. */
+/** One sentence about a result, as parts of a paragraph in which no figure is broken. */
 export function summary(report) {
-    if (typeof report.delta !== 'number') return '';
+    if (typeof report.delta !== 'number') return [];
     const parts = [`δ ${figure(report.delta)}`, `σ ${figure(report.sigma)}`, `ε ${report.epsilon.toFixed(5)}`];
     if (report.points) parts.unshift(`${figure(report.points.in)} → ${figure(report.points.out)} points`);
     if (report.stopped) parts.push(ENDED[report.stopped] || report.stopped);
-    return parts.join(' · ');
+    return parts.flatMap((part, k) => [k ? ' · ' : '', make('span', { className: 'whole' }, part)]);
 }

@@ -15,7 +15,7 @@ self.onconnect = ({ ports: [port] }) => {
         if (data.gone) return [...watching.keys()].forEach(leave);
         if (data.leave) return leave(data.leave);
         const name = `${data.root} ${data.key}`;
-        if (!hubs.has(name)) hubs.set(name, makeHub(data.root, data.key));
+        if (!hubs.has(name)) hubs.set(name, makeHub(data.root, () => data.key));
         watching.set(data.watch, hubs.get(name));
         return hubs.get(name).watch(watcher, data.watch, data.position);
     };

@@ -50,8 +50,9 @@ export function showTakers(status) {
 }
 
 function request() {
-    const { process, values } = asked(), ending = values.format === 'drc' ? 'drc' : 'ply';
-    return { root: ROOT, process, values, file: name, key: Boolean(getKey()),
+    const { process, values, files } = asked(), ending = values.format === 'drc' ? 'drc' : 'ply';
+    const others = Object.fromEntries(Object.entries(files).map(([input, file]) => [input, file.name]));
+    return { root: ROOT, process, values, file: name, others, key: Boolean(getKey()),
         out: /^(measure|inspect)$/.test(process) ? `${base()}.${process}.json` : `${base()}.${process}.${ending}` };
 }
 

@@ -1,5 +1,7 @@
 /* Light and dark: the system's choice until the button was pressed, which this browser remembers. */
 
+import { forGood } from './keep.js';
+
 const KEPT = 'voronoid-theme';
 const system = matchMedia('(prefers-color-scheme: dark)');
 
@@ -9,14 +11,14 @@ export const color = (name) => getComputedStyle(document.documentElement).getPro
 /** Wires the button; changed() is called now and after each change. */
 export function wireTheme(button, changed) {
     const apply = () => {
-        const dark = (localStorage.getItem(KEPT) || (system.matches ? 'dark' : 'light')) === 'dark';
+        const dark = (forGood.get(KEPT) || (system.matches ? 'dark' : 'light')) === 'dark';
         document.documentElement.dataset.theme = dark ? 'dark' : 'light';
         button.textContent = dark ? 'Light' : 'Dark';
         button.setAttribute('aria-label', dark ? 'Change to light colours' : 'Change to dark colours');
         changed();
     };
     button.addEventListener('click', () => {
-        localStorage.setItem(KEPT, document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark');
+        forGood.set(KEPT, document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark');
         apply();
     });
     system.addEventListener('change', apply);

@@ -3,22 +3,41 @@ import { ROOT, askJson, getKey } from './api.js';
 import { makeHub } from './hub.js';
 
 const QUEUE_MS = 2000; /* between questions how many jobs are before this one */
+const [FOCUS_SECONDS, SEEN_SECONDS] = [10, 1]; /* that a tab without SharedWorker waits for news at a time */
 const told = new Map(); /* id: what to call */
 let port = null, hub = null;
 
 const hear = ({ event, data }) => told.get(data.jobID)?.(event, data);
 
-function connect() {
-    if (typeof SharedWorker === 'undefined') {
-        hub = makeHub(ROOT, getKey(), () => !document.hidden); /* else eight tabs would hold all connections that there are */
-        document.addEventListener('visibilitychange', hub.again);
-        return;
+/* Without a SharedWorker, or one that cannot be had, each tab polls for itself. Of six connections the tab that has the focus holds one;
+ * of windows side by side the others hold theirs for a moment; a tab that nobody sees holds none. */
+function alone() {
+    hub = makeHub(ROOT, getKey, () => (document.hidden ? 0 : document.hasFocus() ? FOCUS_SECONDS : SEEN_SECONDS));
+    document.addEventListener('visibilitychange', hub.again);
+    for (const name of ['focus', 'blur']) addEventListener(name, hub.again);
+}
+
+/* Browsers without have none, those that may remember nothing give none. */
+function sharedWorker() {
+    try {
+        return new SharedWorker(new URL('stream.js', import.meta.url), { name: 'voronoid' });
+    } catch {
+        return null;
     }
-    const worker = new SharedWorker(new URL('stream.js', import.meta.url), { name: 'voronoid' });
+}
+
+function connect() {
+    const worker = sharedWorker();
+    if (!worker) return alone();
     port = worker.port;
     port.onmessage = ({ data }) => hear(data);
-    addEventListener('pagehide', () => port.postMessage({ gone: true }));
-    addEventListener('pageshow', (event) => event.persisted && [...told.keys()].forEach((id) => join(id, '0.0')));
+    worker.onerror = () => {
+        port = null;
+        if (!hub) alone();
+        told.forEach((_, id) => join(id, '0.0'));
+    };
+    addEventListener('pagehide', () => port?.postMessage({ gone: true }));
+    return addEventListener('pageshow', (event) => event.persisted && [...told.keys()].forEach((id) => join(id, '0.0')));
 }
 
 function join(id, position) {
@@ -38,9 +57,9 @@ export const isOver = (status) => !['accepted', 'running'].includes(status.statu
 /* A record's place on the curve; a stream that begins anew tells some of them twice. */
 const place = (record) => `${record.attempt} ${record.run_stage} ${record.iteration} ${record.polish} ${record.step} ${record.delta}`;
 
-/** Follows a job whose status is known. onStatus(status), onRecords(all records so far, in order), onPreview(), onEnd(status).
- *  Returns a function that lets go. */
-export function watchJob(status, { onStatus, onRecords, onPreview, onEnd }) {
+/** Follows a job whose status is known. onStatus(status), onRecords(all records so far, in order), onPreview(), onLost(whether the daemon
+ *  does not answer), onEnd(status). Returns a function that lets go. */
+export function watchJob(status, { onStatus, onRecords, onPreview, onLost, onEnd }) {
     const id = status.jobID, records = new Map();
     let alive = true, attempt = 0, timer = 0;
     const add = (record) => {
@@ -87,9 +106,9 @@ export function watchJob(status, { onStatus, onRecords, onPreview, onEnd }) {
     }
     told.set(id, (event, data) => {
         if (!alive) return;
-        if (event === 'status' || event === 'polled') tell(data);
+        if (event === 'status') tell(data);
         if (event === 'preview') onPreview();
-        if (event === 'polled') trace();
+        if (event === 'lost' || event === 'found') onLost(event === 'lost');
         if (event === 'progress') {
             add(data);
             onRecords(all(), data);

@@ -53,14 +53,15 @@ class Daemon:
 
 
 class Browser:
-    """One chromium. size: of its window; a phone's is narrower than windows may be, and is emulated."""
+    """One chromium. size: of its window; a phone's is narrower than windows may be, and is emulated. memory: pages may remember things."""
 
-    def __init__(self, size=(900, 640), webgl=True):
+    def __init__(self, size=(900, 640), webgl=True, memory=True):
         options = webdriver.ChromeOptions()
         drawing = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] if webgl else ["--disable-gpu", "--disable-3d-apis"]
         for flag in ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--no-first-run", "--disable-extensions",
                      "--disable-background-networking", "--disable-component-update", f"--window-size={size[0]},{size[1]}", *drawing]:
             options.add_argument(flag)
+        options.add_experimental_option("prefs", {} if memory else {"profile.default_content_setting_values.cookies": 2})
         options.add_experimental_option("perfLoggingPrefs", {"enableNetwork": True, "enablePage": False})
         options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
         self.driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
@@ -69,6 +70,7 @@ class Browser:
                                         {"width": size[0], "height": size[1], "deviceScaleFactor": 2, "mobile": True})
         self.errors = []
         self.requests = []
+        self.polls = []  # (address, Prefer) of each request for events
 
     def open(self, url):
         self.driver.get(url)
@@ -92,12 +94,15 @@ class Browser:
         ActionChains(self.driver, duration=0).send_keys(Keys.TAB * times).perform()
 
     def listen(self):
-        """Reads what the browser has logged since: messages of errors, and addresses that were asked for."""
+        """Reads what the browser has logged since: messages of errors, addresses that were asked for, and how long events were waited for."""
         self.errors += [row["message"] for row in self.driver.get_log("browser") if row["level"] == "SEVERE"]
         for row in self.driver.get_log("performance"):
             message = json.loads(row["message"])["message"]
             if message["method"] == "Network.requestWillBeSent":
-                self.requests.append(message["params"]["request"]["url"])
+                request = message["params"]["request"]
+                self.requests.append(request["url"])
+                if "/v1/events?" in request["url"]:
+                    self.polls.append((request["url"], request["headers"].get("Prefer", "")))
 
     def picture(self, path):
         os.makedirs(os.path.dirname(path), exist_ok=True)

@@ -122,7 +122,7 @@ function normals() {
 }
 
 /* The worker without a browser: what it answers to each message. */
-function discs() {
+async function discs() {
     const answers = [];
     global.self = { postMessage: (answer) => answers.push(answer) };
     load('cloud_worker');
@@ -130,12 +130,29 @@ function discs() {
     for (let y = 0; y < 40; y++) for (let x = 0; x < 120; x++) rows.push(`${x} ${3 * y} 0`);
     rows.push('60 60 500');
     const buffer = bytes(`ply\nformat ascii 1.0\nelement vertex ${rows.length}\nproperty float x\nproperty float y\nproperty float z\nend_header\n${rows.join('\n')}\n`);
-    self.onmessage({ data: { call: 1, what: 'read', number: 1, buffer } });
-    self.onmessage({ data: { call: 2, what: 'normals', number: 1 } });
+    await self.onmessage({ data: { call: 1, what: 'read', number: 1, buffer } });
+    await self.onmessage({ data: { call: 2, what: 'normals', number: 1 } });
     const { widths, normals } = answers[1].answer, middle = 20 * 120 + 60;
     equal([widths[middle], Math.abs(normals[3 * middle + 2])], [3, 1], 'a point on a line of a scanner is drawn as wide as the way to the next line');
     ok(widths.at(-1) < 6, 'and one that is alone not so wide that it hides others', widths.at(-1));
+    await turns(answers);
     delete global.self;
+}
+
+/* While a large cloud is measured, another one is read; one that is let go is measured no more. */
+async function turns(answers) {
+    const n = 120000, head = `ply\nformat binary_little_endian 1.0\nelement vertex ${n}\nproperty float x\nproperty float y\nproperty float z\nend_header\n`;
+    const buffer = new ArrayBuffer(head.length + 12 * n), view = new DataView(buffer);
+    new Uint8Array(buffer).set(new TextEncoder().encode(head));
+    for (let i = 0; i < n; i++) [i % 400, Math.floor(i / 400), 0].forEach((value, k) => view.setFloat32(head.length + 12 * i + 4 * k, value, true));
+    answers.length = 0;
+    await self.onmessage({ data: { call: 1, what: 'read', number: 2, buffer } });
+    const measured = self.onmessage({ data: { call: 2, what: 'spacing', number: 2 } });
+    await self.onmessage({ data: { call: 3, what: 'read', number: 3, buffer: far(true) } });
+    equal(answers.map((one) => one.call), [1, 3], 'while a large cloud is measured, another one is read');
+    await self.onmessage({ data: { call: 4, what: 'drop', number: 2 } });
+    await measured;
+    equal(answers.map((one) => [one.call, one.error]).at(-1), [2, 'That cloud was let go.'], 'and one that is let go is measured no more');
 }
 
 /* Points of a view that is turned, in a browser that draws as many thousands of them in 1 ms. */
@@ -156,7 +173,7 @@ function commands() {
     const said = execFileSync('/bin/sh', ['-c', `printf '%s\\0' ${words.map(shell).join(' ')}`]).toString();
     equal(said.split('\0').slice(0, -1), words, 'a shell reads each quoted word as it was');
     const request = { root: 'http://127.0.0.1:8080/', process: 'resample', values: { points: '5000', density: 'attribute:the "x"' }, file: "-it's.ply",
-        out: 'o.ply', key: true };
+        others: {}, out: 'o.ply', key: true };
     for (const language of ['curl', 'js', 'python']) {
         const text = command(language, request);
         ok(text.includes('VORONOID_KEY'), `${language} takes the key from where it is kept`, text);
@@ -165,17 +182,26 @@ function commands() {
     const given = execFileSync('/bin/sh', ['-c', command('curl', request)], { env: { PATH: `${folder}:${process.env.PATH}`, VORONOID_KEY: 'a b' } }).toString().split('\0');
     equal(given.slice(3, -1), ['-H', 'Authorization: Bearer a b', '--data-binary', "@-it's.ply", '-o', 'o.ply',
         'http://127.0.0.1:8080/v1/resample?points=5000&density=attribute%3Athe%20%22x%22'], 'curl gets what the request is');
-    writeFileSync(`${folder}/it.mjs`, command('js', request));
-    execFileSync('node', ['--check', `${folder}/it.mjs`]);
-    writeFileSync(`${folder}/it.py`, command('python', request));
-    execFileSync('python3', ['-c', `import ast; ast.parse(open("${folder}/it.py").read())`]);
+    const two = { ...request, process: 'measure', values: {}, others: { reference: 'a "b",c;.ply' }, out: 'o.json' };
+    const forms = execFileSync('/bin/sh', ['-c', command('curl', two)], { env: { PATH: `${folder}:${process.env.PATH}`, VORONOID_KEY: 'k' } }).toString().split('\0');
+    equal(forms.slice(5, 9), ['-F', `file=@"-it's.ply"`, '-F', 'reference=@"a \\"b\\",c;.ply"'], 'and a form of two files, whose names end where they should');
+    for (const one of [request, two]) {
+        writeFileSync(`${folder}/it.mjs`, command('js', one));
+        execFileSync('node', ['--check', `${folder}/it.mjs`]);
+        writeFileSync(`${folder}/it.py`, command('python', one));
+        execFileSync('python3', ['-c', `import ast; ast.parse(open("${folder}/it.py").read())`]);
+    }
     ok(true, 'the programs are ones');
 }
 
-try {
-    [ascii, farAway, refusals, early, neighbours, normals, discs, pace, commands].forEach((part) => part());
-} finally {
-    rmSync(folder, { recursive: true });
+async function main() {
+    try {
+        for (const part of [ascii, farAway, refusals, early, neighbours, normals, discs, pace, commands]) await part();
+    } finally {
+        rmSync(folder, { recursive: true });
+    }
+    console.log(`1..${done}`);
+    process.exit(failed ? 1 : 0);
 }
-console.log(`1..${done}`);
-process.exit(failed ? 1 : 0);
+
+main();

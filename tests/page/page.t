@@ -111,6 +111,8 @@ def compare(browser):
     shown = lambda: browser.script("return document.querySelector('input[name=layout]:checked').value")
     equal(shown(), "both", "input and result stand side by side")
     browser.element("canvas").send_keys(" ")
+    ring = browser.script("const one = getComputedStyle(document.getElementById('canvas')); return parseFloat(one.outlineWidth) + parseFloat(one.outlineOffset)")
+    ok(ring <= 0, "the ring around a view that has the focus lies in its box, where it is seen", ring)
     first = shown()
     browser.element("canvas").send_keys(" ")
     equal({first, shown()}, {"input", "result"}, "the space bar changes between them")
@@ -284,14 +286,17 @@ def surface(browser):
     choose("resample")
 
 
+def line(browser, offline):
+    browser.driver.execute_cdp_cmd("Network.emulateNetworkConditions", {
+        "offline": offline, "latency": 0, "downloadThroughput": -1, "uploadThroughput": -1})
+
+
 def unanswered(browser):
     """A daemon that cannot be reached."""
-    line = lambda offline: browser.driver.execute_cdp_cmd("Network.emulateNetworkConditions", {
-        "offline": offline, "latency": 0, "downloadThroughput": -1, "uploadThroughput": -1})
-    line(True)
+    line(browser, True)
     browser.element("run").click()
     shows(browser, "trouble", "The daemon does not answer.")
-    line(False)
+    line(browser, False)
     ok(True, "a daemon that does not answer is said to")
 
 
@@ -442,6 +447,25 @@ def other_format(browser, daemon):
     ok("800 → 300 points" in browser.text("summary"), "a Draco file is shown, and run without sending it again", browser.text("summary"))
 
 
+def reference(browser, daemon):
+    """A second cloud, to be measured against."""
+    choose = lambda name: browser.script("const one = document.getElementById('process'); one.value = arguments[0]; one.dispatchEvent(new Event('change'));", name)
+    path = os.path.join(daemon.folder.name, "the other.ply")
+    with open(path, "wb") as out:
+        out.write(torus(900, seed=2))
+    choose("measure")
+    browser.element("ask-reference").send_keys(path)
+    browser.element("run").click()
+    shows(browser, "watch-title", "measure")
+    wait("figures", lambda: browser.element("report-box").is_displayed())
+    text = browser.script("return document.getElementById('report').textContent")
+    ok("input · hausdorff" in text, "a cloud is measured beside another one, which the form takes", text[:400])
+    browser.script("document.querySelector('[data-language=curl]').click()")
+    text = browser.script("return document.getElementById('command').textContent")
+    ok("'reference=@\"the other.ply\"'" in text, "which is in the command", text)
+    choose("resample")
+
+
 CONTRASTS = """
 const parts = (color) => (color.match(/[\\d.]+/g) || []).map(Number);
 const light = (color) => parts(color).slice(0, 3).reduce((sum, one, k) => {
@@ -479,6 +503,12 @@ def appearance(browser):
     browser.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True})
     wide = browser.script("return document.documentElement.scrollWidth")
     ok(wide <= 390, "on a phone nothing is wider than the screen", wide)
+    rows = browser.script("""
+        document.getElementById('mesh-look').hidden = false;
+        const tops = [...document.querySelectorAll('#looks > *')].filter((one) => one.checkVisibility()).map((one) => one.getBoundingClientRect());
+        document.getElementById('mesh-look').hidden = true;
+        return new Set(tops.map((one) => Math.round((one.top + one.bottom) / 16))).size;""")
+    ok(rows <= 3, "and what the view offers has three rows, of a mesh as well", rows)
     browser.picture(f"{PICTURES}/phone.png")
     browser.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
@@ -491,6 +521,10 @@ def history(browser):
     wait("another job", lambda: browser.driver.current_url.endswith(last))
     finished(browser)
     ok(True, "and one can be opened again")
+    browser.script("location.hash = '#/jobs/0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11'")
+    shows(browser, "trouble", "there is no job 0193b5f2")
+    equal((browser.element("watch").is_displayed(), browser.element("canvas").get_attribute("aria-label")), (False, "No cloud yet"),
+          "of a job that is none nothing is shown, and nothing of the one before")
 
 
 def keys(browser):
@@ -501,9 +535,11 @@ def keys(browser):
     daemon = Daemon("--api-keys", path)
     browser.open(daemon.url)
     wait("a field for the key", lambda: browser.element("key").is_displayed())
+    shows(browser, "trouble", "This daemon wants a key")
     browser.element("key").send_keys(KEY + "\n")
     wait("the form", lambda: browser.driver.find_elements(By.ID, "ask-points"))
-    ok(not browser.element("key").is_displayed(), "where a key is wanted, a field takes it")
+    ok(not browser.element("key").is_displayed() and browser.element("forget").is_displayed(), "where a key is wanted, a field takes it, and it can be forgotten")
+    equal(browser.script("return document.activeElement.id"), "file", "then the file is next")
     drop(browser, torus(500), "mine.ply")
     shows(browser, "cloud-words", "500 points")
     ask(browser, points=200)
@@ -549,33 +585,71 @@ def crowded(browser):
     return daemon
 
 
+NO_WORKER = "delete window.SharedWorker;"
+
+
+def preferred(browser):
+    """What the requests for events since the last look have preferred."""
+    at = len(browser.polls)
+    browser.listen()
+    return {prefer for _, prefer in browser.polls[at:]}
+
+
 def unseen(browser):
-    """One of eight tabs, say, without SharedWorker: it keeps none of the six connections."""
+    """A tab without SharedWorker that nobody looks at: it keeps none of the six connections."""
     look = lambda hidden: browser.script("""
         Object.defineProperty(document, 'hidden', { configurable: true, get: () => arguments[0] });
         document.dispatchEvent(new Event('visibilitychange'));""".replace("arguments[0]", str(hidden).lower()))
-    ask(browser, points=500, polish=10000, iterations=12)
+    ask(browser, points=6000, polish=10000, iterations=12)
     browser.element("run").click()
     wait("a curve", lambda: charted(browser) >= 5)
-    browser.listen()
     look(True)
-    at = max(k for k, url in enumerate(browser.requests) if "/v1/events?" in url)
+    preferred(browser)
     before = charted(browser)
     wait("the curve grows", lambda: charted(browser) > before)
-    browser.listen()
-    ok(not any("/v1/events?" in url for url in browser.requests[at + 1:]), "one that nobody sees holds none, and asks now and then")
+    wait("a question", lambda: len(browser.polls) and preferred(browser) == {"wait=0"})
     look(False)
-    wait("the stream again", lambda: browser.listen() or any("/v1/events?" in url for url in browser.requests[at + 1:]))
+    wait("one that waits", lambda: "wait=10" in preferred(browser))
+    ok(True, "a tab that nobody sees asks now and then, and waits for news once it is seen")
+    line(browser, True)
+    shows(browser, "figures", "The daemon does not answer.")
+    line(browser, False)
+    shows(browser, "figures", "Polish, step")
+    ok(True, "a daemon that answers no more is said to, until it does again")
+
+
+def eight_alone(browser):
+    """As many tabs as would wait for each other, without SharedWorker."""
+    first, url = browser.driver.current_window_handle, browser.driver.current_url
+    for _ in range(7):
+        browser.driver.switch_to.new_window("tab")
+        browser.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": NO_WORKER})
+        browser.open(url)
+        wait("each tab has a curve", lambda: charted(browser) >= 5)
+    handles = browser.driver.window_handles
+    before = charted(browser)
+    wait("the curve of the last one grows", lambda: charted(browser) > before)
+    ok(len(handles) == 8, "eight tabs without SharedWorker all have the curve of one job")
     browser.element("dismiss").click()
-    shows(browser, "state", "Cancelled")
-    ok(True, "until it is seen")
+    for handle in handles:
+        browser.driver.switch_to.window(handle)
+        shows(browser, "state", "Cancelled")
+        browser.listen()
+        if handle != first:
+            browser.driver.close()
+    browser.driver.switch_to.window(first)
+    ok({prefer for _, prefer in browser.polls} <= {"wait=0", "wait=1", "wait=10"} and browser.polls, "and hear of its end by polls, none of them by a stream", browser.polls)
 
 
 def without_webgl(daemon):
-    browser = Browser(webgl=False)
-    browser.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": "delete window.SharedWorker;"})
+    browser = Browser(webgl=False, memory=False)
+    browser.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": NO_WORKER})
     browser.open(daemon.url)
     wait("words about it", lambda: "WebGL" in browser.text("no-webgl"))
+    forbidden = browser.script("try { localStorage.length; } catch (error) { return error.name; }")
+    browser.element("theme").click()
+    equal((forbidden, browser.script("return document.documentElement.dataset.theme")), ("SecurityError", "dark"),
+          "a browser that may remember nothing has the page all the same")
     drop(browser, torus(500), "blind.ply")
     ask(browser, points=200)
     browser.element("run").click()
@@ -583,10 +657,10 @@ def without_webgl(daemon):
     wait("a summary", lambda: "200 points" in browser.text("summary"))
     ok(True, "without WebGL the page says so, and jobs run all the same")
     wait("the whole curve", lambda: charted(browser) >= 5)
-    browser.listen()
-    ok(browser.script("return typeof SharedWorker === 'undefined'") and any("/v1/events?" in url for url in browser.requests),
-       "without SharedWorker the page that is seen holds the stream itself")
+    alone = browser.script("return typeof SharedWorker === 'undefined'")
+    ok(alone and preferred(browser) == {"wait=10"}, "without SharedWorker it waits for news of a job by long polls", browser.polls)
     unseen(browser)
+    eight_alone(browser)
     return browser
 
 
@@ -633,6 +707,7 @@ def main():
         failed_job(browser)
         surface(browser)
         other_format(browser, daemons[0])
+        reference(browser, daemons[0])
         history(browser)
         daemons.append(keys(browser))
         daemons.append(crowded(browser))

@@ -126,6 +126,7 @@ def main(out, clouds):
             browser = Browser(size)
             try:
                 browser.open(daemon.url)
+                wait("the form", lambda: browser.driver.find_elements(By.CSS_SELECTOR, "#process option"))
                 if theme == "dark":
                     browser.element("theme").click()
                 browser.picture(f"{out}/empty-{theme}.png")

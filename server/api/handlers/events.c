@@ -1,5 +1,6 @@
 /* The events of jobs as a stream (SSE or NDJSON): of one job, or of several together. A slow reader
- * gets the latest progress, never a longer queue; ten times a second is enough for any.
+ * gets the latest progress, never a longer queue; ten times a second is enough for any. With
+ * "Prefer: wait=N" it is a long poll instead, an answer like any other that counts as no stream.
  *
  * A stream goes around its jobs and sends a few events of one after the other. What it holds of
  * each is a position and two references: the job's description is looked up while its events are
@@ -10,6 +11,7 @@
 #include "server/api/handlers/event_text.h"
 #include "server/api/handlers/events_ask.h"
 #include "server/api/handlers/handlers.h"
+#include "server/api/handlers/prefer.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
@@ -18,7 +20,8 @@
 #include <string.h>
 
 enum { BATCH = 32, RETRY_MS = 2000, RETRY_DRAIN_MS = 1000, RETRY_FULL_MS = 10000 };
-enum { FEW = 64 }; /* streams; so many writes take 3 ms */
+enum { FEW = 64 };                 /* streams; so many writes take 3 ms */
+enum { ANSWER_BYTES = 256 << 10 }; /* of a poll, about: 500 events; who wants more asks again */
 static const double progress_pause = 0.1;
 
 /* One job of a stream. */
@@ -44,6 +47,8 @@ struct stream {
     bool is_many;      /* ids have the positions of all jobs */
     bool is_lines;     /* NDJSON */
     bool began, ended;
+    bool has_told;         /* of what happened; that points move is not enough to end a poll */
+    double wait, deadline; /* of a poll: seconds, and when they are over; wait is -1 for a stream */
     double sent_at, progress_at;
     struct vor_text text; /* what waits to be sent, from taken on */
     size_t taken;
@@ -73,7 +78,8 @@ static void release(void *state)
 
     for (unsigned i = 0; i < stream->count; i++)
         leave(&stream->tracks[i]);
-    (void)atomic_fetch_sub(&stream->app->streams, 1);
+    if (stream->wait < 0)
+        (void)atomic_fetch_sub(&stream->app->streams, 1);
     vor_waker_drop(stream->waker);
     vor_text_free(&stream->text);
     free(stream);
@@ -180,6 +186,7 @@ static void write_event(struct stream *stream, struct track *track, const struct
     else
         (void)snprintf(own, sizeof own, "%u.%u", event->attempt, event->number);
     write_id(stream, own, id, sizeof id);
+    stream->has_told = true;
     if (!vor_event_tell(&teller, event, id, &stream->text))
         stream->ended = true; /* out of memory: the client comes back for it */
     if (is_end)
@@ -198,6 +205,7 @@ static void write_unknown(struct stream *stream, struct track *track)
     vor_json_begin_object(&data);
     vor_json_put_string(&data, "jobID", track->id.text);
     vor_json_end_object(&data);
+    stream->has_told = true;
     if (!vor_event_frame(&teller, "unknown", id, &data, &stream->text))
         stream->ended = true;
     vor_text_free(&data);
@@ -239,6 +247,7 @@ static void count_dropped(struct vor_position from, struct vor_position to, size
 /* Writes the events of one track that wait on its bus; false when there are none. */
 static bool take_events(struct stream *stream, struct track *track)
 {
+    enum vor_read how = track->is_replay || stream->wait >= 0 ? VOR_READ_EVERY : VOR_READ_LATEST;
     struct vor_position before = track->position;
     struct vor_event events[BATCH];
     size_t count;
@@ -246,8 +255,7 @@ static bool take_events(struct stream *stream, struct track *track)
 
     turn_to(stream, track);
     has_preview = take_preview(stream, track); /* an end may follow */
-    count = vor_bus_read(track->bus, &track->position,
-                         track->is_replay ? VOR_READ_EVERY : VOR_READ_LATEST, events, BATCH);
+    count = vor_bus_read(track->bus, &track->position, how, events, BATCH);
     if (count == 0)
         track->is_replay = false;
     for (size_t i = 0; i < count && !stream->ended && !track->is_over; i++)
@@ -412,6 +420,8 @@ static struct stream *stream_create(struct vor_app *app, struct vor_request *req
     stream->is_lines = vor_accepts(request, "application/x-ndjson");
     stream->is_many = ask->is_many;
     stream->preview = ask->preview;
+    stream->wait = ask->wait;
+    stream->deadline = stream->sent_at + ask->wait;
     stream->count = ask->count;
     for (unsigned i = 0; i < ask->count; i++)
         stream->tracks[i] = (struct track){.id = ask->jobs[i].id,
@@ -420,9 +430,36 @@ static struct stream *stream_create(struct vor_app *app, struct vor_request *req
                                            .is_over = ask->jobs[i].is_over};
     vor_text_init(&stream->text, 0);
     atomic_init(&stream->armed, true);
-    (void)atomic_fetch_add(&app->streams, 1);
+    if (stream->wait < 0)
+        (void)atomic_fetch_add(&app->streams, 1);
     vor_request_set_state(request, stream, release);
     return stream;
+}
+
+static const char *media_type(const struct stream *stream)
+{
+    return stream->is_lines ? "application/x-ndjson" : "text/event-stream";
+}
+
+/* Answers a poll with what has happened, or waits for it. */
+static enum vor_next answer_poll(struct vor_app *app, struct vor_request *request)
+{
+    struct stream *stream = vor_request_state(request);
+    double left = stream->deadline - vor_clock_seconds();
+    char applied[32];
+
+    stream->at = 0;
+    while (!stream->ended && stream->text.size < ANSWER_BYTES && take_round(stream))
+        continue;
+    if (!stream->has_told && !stream->ended && left > 0 && !vor_request_gone(request) &&
+        !vor_request_closing(request) && !atomic_load(&app->draining)) {
+        vor_request_wake_after(request, left);
+        return VOR_NEXT_WAIT;
+    }
+    (void)snprintf(applied, sizeof applied, "wait=%.0f", stream->wait);
+    vor_reply_header(request, "Preference-Applied", applied);
+    vor_text_puts(&stream->text, ""); /* so that there is one, which may be empty */
+    return vor_app_reply(app, request, 200, media_type(stream), &stream->text);
 }
 
 /* An EventSource never comes back after an error status; it does after the end of a stream. */
@@ -461,7 +498,8 @@ static enum vor_next reply_events(struct vor_app *app, struct vor_request *reque
 
     vor_reply_header(request, "Cache-Control", "no-store");
     vor_reply_header(request, "X-Accel-Buffering", "no");
-    if (atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS])
+    if (ask->wait < 0 &&
+        atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS])
         return reply_crowded(request);
     stream = stream_create(app, request, ask);
     if (stream == NULL)
@@ -476,15 +514,16 @@ static enum vor_next reply_events(struct vor_app *app, struct vor_request *reque
     } else if (is_done(stream)) {
         return reply_nothing(request);
     }
-    vor_reply_stream(request, 200, stream->is_lines ? "application/x-ndjson" : "text/event-stream",
-                     read_stream, stream);
+    if (ask->wait >= 0)
+        return answer_poll(app, request);
+    vor_reply_stream(request, 200, media_type(stream), read_stream, stream);
     return VOR_NEXT_REPLY;
 }
 
 enum vor_next vor_events_reply(struct vor_app *app, struct vor_request *request,
                                const struct vor_uuid *id)
 {
-    struct vor_events_ask ask = {.count = 1};
+    struct vor_events_ask ask = {.count = 1, .wait = -1};
 
     ask.jobs[0].id = *id;
     return reply_events(app, request, &ask);
@@ -494,7 +533,8 @@ enum vor_next vor_handle_events(void *ctx, struct vor_request *request, enum vor
 {
     struct vor_events_ask ask = {.count = 1};
 
-    (void)step;
+    if (step == VOR_STEP_WAKE)
+        return answer_poll(ctx, request);
     if (!vor_job_of_path(ctx, request, &ask.jobs[0].id) || !vor_events_ask_one(ctx, request, &ask))
         return VOR_NEXT_REPLY;
     return reply_events(ctx, request, &ask);
@@ -504,7 +544,8 @@ enum vor_next vor_handle_events_of_many(void *ctx, struct vor_request *request, 
 {
     struct vor_events_ask ask;
 
-    (void)step;
+    if (step == VOR_STEP_WAKE)
+        return answer_poll(ctx, request);
     if (!vor_events_ask_many(ctx, request, &ask))
         return VOR_NEXT_REPLY;
     return reply_events(ctx, request, &ask);

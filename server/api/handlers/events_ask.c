@@ -1,6 +1,7 @@
 #include "server/api/handlers/events_ask.h"
 
 #include "core/base/quote.h"
+#include "server/api/handlers/prefer.h"
 #include "server/api/problem.h"
 
 #include <stdlib.h>
@@ -13,6 +14,14 @@ static const char *last_id_of(const struct vor_request *request)
     const char *last = vor_request_header(request, "Last-Event-ID");
 
     return last != NULL ? last : vor_request_query(request, "lastEventId");
+}
+
+static double wait_of(const struct vor_request *request)
+{
+    struct vor_preferences preferences;
+
+    vor_prefer_read(request, &preferences);
+    return preferences.wait_seconds;
 }
 
 bool vor_ask_points(struct vor_app *app, struct vor_request *request, const char *name, size_t *out)
@@ -41,6 +50,7 @@ bool vor_events_ask_one(struct vor_app *app, struct vor_request *request,
 
     if (!vor_ask_points(app, request, "preview", &out->preview))
         return false;
+    out->wait = wait_of(request);
     out->is_replay = last != NULL;
     if (last == NULL || vor_position_parse(&out->jobs[0].position, last))
         return true;
@@ -146,7 +156,7 @@ static bool read_positions(struct vor_app *app, struct vor_request *request,
 bool vor_events_ask_many(struct vor_app *app, struct vor_request *request,
                          struct vor_events_ask *out)
 {
-    *out = (struct vor_events_ask){.is_many = true};
+    *out = (struct vor_events_ask){.is_many = true, .wait = wait_of(request)};
     return vor_ask_points(app, request, "preview", &out->preview) && read_jobs(app, request, out) &&
            read_positions(app, request, out);
 }

@@ -1,4 +1,4 @@
-/** What a stream of events is asked for: which jobs, and from where on. */
+/** What a stream of events, or a poll for them, is asked for: which jobs, and from where on. */
 #ifndef VOR_SERVER_API_HANDLERS_EVENTS_ASK_H
 #define VOR_SERVER_API_HANDLERS_EVENTS_ASK_H
 
@@ -16,6 +16,7 @@ struct vor_events_ask {
     bool is_many;
     bool is_replay; /**< a last event id came: every event after it counts, not only the latest */
     size_t preview; /**< points of a preview at most; 0: none are asked for */
+    double wait;    /**< seconds of a long poll (Prefer: wait=N), 0 .. 86400; -1: a stream */
     unsigned count;
     struct {
         struct vor_uuid id;
@@ -31,16 +32,16 @@ struct vor_events_ask {
 bool vor_ask_points(struct vor_app *app, struct vor_request *request, const char *name,
                     size_t *out);
 
-/** Reads preview and the last event id of a stream of one job, "ATTEMPT.NUMBER", if there is one,
- * from the header Last-Event-ID, else the query.
+/** Reads Prefer, preview and the last event id of a stream of one job, "ATTEMPT.NUMBER", if there
+ * is one, from the header Last-Event-ID, else the query.
  *
  *  @return true, or false after a problem has been replied */
 bool vor_events_ask_one(struct vor_app *app, struct vor_request *request,
                         struct vor_events_ask *out);
 
-/** Reads the query of a stream of many: preview; jobs, 1 to VOR_EVENT_JOBS_MAX different ids with
- * commas between; and the last event id: as many positions with commas between, of the jobs in the
- * same order, each "ATTEMPT.NUMBER" or "end".
+/** Reads Prefer and the query of a stream of many: preview; jobs, 1 to VOR_EVENT_JOBS_MAX different
+ * ids with commas between; and the last event id: as many positions with commas between, of the
+ * jobs in the same order, each "ATTEMPT.NUMBER" or "end".
  *
  *  @return true, or false after a problem has been replied */
 bool vor_events_ask_many(struct vor_app *app, struct vor_request *request,
