@@ -336,10 +336,12 @@ def reload_and_stop(browser):
     equal(charted(browser), len(table["records"]), "the chart has every record of the trace, each once")
 
 
-def eight_tabs(browser):
+def eight_tabs(browser, made=lambda: None):
+    """As many tabs as would wait for each other with a connection each. made() is called for each of them, before the page is there."""
     first, home = browser.driver.current_window_handle, browser.driver.current_url.split("#")[0]
     for _ in range(7):
         browser.driver.switch_to.new_window("tab")
+        made()
         browser.open(home)
     browser.driver.switch_to.window(first)
     url = long_job(browser, "tabs.ply")  # now, so that it does not compute while tabs are opened
@@ -357,8 +359,8 @@ def eight_tabs(browser):
     for handle in handles:
         browser.driver.switch_to.window(handle)
         shows(browser, "state", "Cancelled")
+        browser.listen()
         if handle != first:
-            browser.listen()
             browser.driver.close()
     browser.driver.switch_to.window(first)
     ok(True, "and all hear that one of them cancelled it")
@@ -585,9 +587,6 @@ def crowded(browser):
     return daemon
 
 
-NO_WORKER = "delete window.SharedWorker;"
-
-
 def preferred(browser):
     """What the requests for events since the last look have preferred."""
     at = len(browser.polls)
@@ -600,9 +599,7 @@ def unseen(browser):
     look = lambda hidden: browser.script("""
         Object.defineProperty(document, 'hidden', { configurable: true, get: () => arguments[0] });
         document.dispatchEvent(new Event('visibilitychange'));""".replace("arguments[0]", str(hidden).lower()))
-    ask(browser, points=6000, polish=10000, iterations=12)
-    browser.element("run").click()
-    wait("a curve", lambda: charted(browser) >= 5)
+    long_job(browser)
     look(True)
     preferred(browser)
     before = charted(browser)
@@ -616,34 +613,14 @@ def unseen(browser):
     line(browser, False)
     shows(browser, "figures", "Polish, step")
     ok(True, "a daemon that answers no more is said to, until it does again")
-
-
-def eight_alone(browser):
-    """As many tabs as would wait for each other, without SharedWorker."""
-    first, url = browser.driver.current_window_handle, browser.driver.current_url
-    for _ in range(7):
-        browser.driver.switch_to.new_window("tab")
-        browser.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": NO_WORKER})
-        browser.open(url)
-        wait("each tab has a curve", lambda: charted(browser) >= 5)
-    handles = browser.driver.window_handles
-    before = charted(browser)
-    wait("the curve of the last one grows", lambda: charted(browser) > before)
-    ok(len(handles) == 8, "eight tabs without SharedWorker all have the curve of one job")
     browser.element("dismiss").click()
-    for handle in handles:
-        browser.driver.switch_to.window(handle)
-        shows(browser, "state", "Cancelled")
-        browser.listen()
-        if handle != first:
-            browser.driver.close()
-    browser.driver.switch_to.window(first)
-    ok({prefer for _, prefer in browser.polls} <= {"wait=0", "wait=1", "wait=10"} and browser.polls, "and hear of its end by polls, none of them by a stream", browser.polls)
+    shows(browser, "state", "Cancelled")
 
 
 def without_webgl(daemon):
     browser = Browser(webgl=False, memory=False)
-    browser.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": NO_WORKER})
+    without_worker = lambda: browser.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": "delete window.SharedWorker;"})
+    without_worker()
     browser.open(daemon.url)
     wait("words about it", lambda: "WebGL" in browser.text("no-webgl"))
     forbidden = browser.script("try { localStorage.length; } catch (error) { return error.name; }")
@@ -660,7 +637,9 @@ def without_webgl(daemon):
     alone = browser.script("return typeof SharedWorker === 'undefined'")
     ok(alone and preferred(browser) == {"wait=10"}, "without SharedWorker it waits for news of a job by long polls", browser.polls)
     unseen(browser)
-    eight_alone(browser)
+    eight_tabs(browser, without_worker)
+    asked = {prefer for _, prefer in browser.polls}
+    ok(asked and asked <= {"wait=0", "wait=1", "wait=10"}, "by polls alone where there is no SharedWorker", asked)
     return browser
 
 
