@@ -36,7 +36,8 @@ function shownOf(value) {
 function row(name, value, schema) {
     const shown = make('span', {}, ...shownOf(value)), unit = schema?.['x-unit'];
     if (unit && typeof value === 'number') shown.append(make('small', {}, ` ${unit}`));
-    return [make('dt', {}, name), make('dd', {}, shown, schema?.description ? make('small', { className: 'meaning' }, schema.description) : '')];
+    const parts = name.split(/(?<=_)/).flatMap((part) => [make('wbr'), part]); /* a long name may be broken there */
+    return [make('dt', {}, ...parts), make('dd', {}, shown, schema?.description ? make('small', { className: 'meaning' }, schema.description) : '')];
 }
 
 /* Members of members are rows with names of two parts; what the job was asked for stands apart. */

@@ -53,15 +53,14 @@ class Daemon:
 
 
 class Browser:
-    """One chromium. size: of its window; a phone's is narrower than windows may be, and is emulated. memory: pages may remember things."""
+    """One chromium. size: of its window; a phone's is narrower than windows may be, and is emulated."""
 
-    def __init__(self, size=(900, 640), webgl=True, memory=True):
+    def __init__(self, size=(900, 640), webgl=True):
         options = webdriver.ChromeOptions()
         drawing = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] if webgl else ["--disable-gpu", "--disable-3d-apis"]
         for flag in ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--no-first-run", "--disable-extensions",
                      "--disable-background-networking", "--disable-component-update", f"--window-size={size[0]},{size[1]}", *drawing]:
             options.add_argument(flag)
-        options.add_experimental_option("prefs", {} if memory else {"profile.default_content_setting_values.cookies": 2})
         options.add_experimental_option("perfLoggingPrefs", {"enableNetwork": True, "enablePage": False})
         options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
         self.driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
