@@ -221,16 +221,14 @@ static void pool_around(struct pool *pool, const struct vor_neighbors *neighbors
 {
     double distance2[POOL];
 
-    pool->count = 0;
+    pool->count = POOL;
+    for (size_t i = 0; i < POOL; i++)
+        distance2[i] = INFINITY;
     for (size_t i = 0; i < PLACES; i++) {
         double to = vor_distance2f(&neighbors->xyz[3 * i], &neighbors->xyz[3 * place]);
-        size_t at = pool->count;
+        size_t at = POOL - 1;
 
-        if (at < POOL)
-            pool->count++;
-        else if (to < distance2[POOL - 1])
-            at = POOL - 1;
-        else
+        if (!(to < distance2[at]))
             continue;
         for (; at > 0 && to < distance2[at - 1]; at--) {
             distance2[at] = distance2[at - 1];
