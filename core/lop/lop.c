@@ -5,6 +5,7 @@
 #include "core/input/edges.h"
 #include "core/input/neighbors.h"
 #include "core/input/thin.h"
+#include "core/lop/even.h"
 #include "core/lop/insert.h"
 #include "core/lop/normals.h"
 #include "core/lop/project.h"
@@ -403,11 +404,19 @@ static vor_status keep_to_input(struct vor_seeds *seeds, struct lop *lop, struct
     return status;
 }
 
+/* Steps of the polish; between edges there are fewer. */
+static uint32_t polish_of(const struct lop *lop)
+{
+    uint32_t polish = vor_spec_polish(lop->spec);
+
+    return lop->smooth || polish < VOR_LOP_EVEN_MOST ? polish : VOR_LOP_EVEN_MOST;
+}
+
 /* Inserts points until there are n, and evens them out. */
 static vor_status insert(struct lop *lop, size_t n, struct vor_error *err)
 {
     const double *value = lop->spec->value;
-    uint32_t polish = vor_spec_polish(lop->spec);
+    uint32_t polish = polish_of(lop);
     struct vor_lop_insert_how how = {.rho = lop->smooth && polish > 0 ? 0 : value[VOR_PARAM_RHO],
                                      .sigma_n = value[VOR_PARAM_SIGMA_N] * RADIANS,
                                      .spacing = only_inserts(lop) ? 0 : lop->spacing,
@@ -440,7 +449,7 @@ static vor_status make_points(struct lop *lop, size_t n, struct vor_error *err)
     if (status != VOR_OK)
         return status;
     lop->told->seconds_start = vor_run_clock(lop->run) - before;
-    status = project(lop, (uint32_t)(n - samples) + vor_spec_polish(lop->spec), err);
+    status = project(lop, (uint32_t)(n - samples) + polish_of(lop), err);
     if (status == VOR_OK && lop->whole == &lop->coarse)
         status = vor_lop_strays_drop(&lop->samples, err);
     return status == VOR_OK ? insert(lop, n, err) : status;

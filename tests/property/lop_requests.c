@@ -5,6 +5,7 @@
 #include "tests/support/vt_shape.h"
 #include "tests/support/vt_wedge.h"
 
+#include "core/lop/even.h"
 #include "core/report.h"
 
 #include <math.h>
@@ -43,6 +44,21 @@ START_TEST(there_are_exactly_as_many_points_as_asked_for)
     ck_assert_uint_eq(vt_coincident(&out), 0);
     for (size_t i = 0; i < 3 * out.n; i++)
         ck_assert(isfinite(out.xyz[i]));
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* More steps of the polish move points away from the faces. */
+START_TEST(a_polish_between_edges_ends_in_time)
+{
+    struct vor_report report;
+    struct vor_cloud in, out;
+
+    vt_wedge_make(&in, &wedge, 3);
+    vt_ask(&out, &report, &(struct vt_ask){&in, "method=ear points=280 polish=100", 1});
+    ck_assert_uint_eq(report.polish_steps, VOR_LOP_EVEN_MOST);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
     vt_assert_no_leak();
@@ -351,6 +367,7 @@ int main(void)
     Suite *suite = suite_create("lop_requests");
 
     vt_add_figures(suite, there_are_exactly_as_many_points_as_asked_for, 12);
+    vt_add_loop(suite, a_polish_between_edges_ends_in_time, 1);
     vt_add_loop(suite, threads_make_the_same_bytes, 2);
     vt_add_figures(suite, a_cloud_far_from_the_origin_gives_the_same_points, 2);
     vt_add_loop(suite, a_flat_cloud_and_few_points_give_as_many_points_as_asked_for, 4);
