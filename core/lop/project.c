@@ -390,6 +390,8 @@ static vor_status alloc_project(struct project *project, struct vor_error *err)
     struct vor_memory *memory = project->run->memory;
     size_t n = project->samples->n;
     const struct vor_domain *domain = project->domain;
+    struct vor_input_lists_of near = {
+        .knn = domain->knn, .reference = domain->xyz, .m = domain->n, .most = project->k};
     vor_status status;
 
     project->area = vor_malloc(memory, domain->n, sizeof *project->area);
@@ -400,8 +402,7 @@ static vor_status alloc_project(struct project *project, struct vor_error *err)
     if (project->area == NULL || project->crowding == NULL || project->nearest == NULL ||
         project->next == NULL || project->turned == NULL)
         return vor_fail(err, VOR_E_NOMEM, "projection of %zu points", n);
-    status = vor_input_lists_init(&project->near_data, n, project->k, domain->knn, domain->xyz,
-                                  domain->n, memory, err);
+    status = vor_input_lists_init(&project->near_data, n, &near, memory, err);
     if (status != VOR_OK)
         return status;
     return vor_point_lists_init(&project->others, n, n > LISTED ? LISTED : (unsigned)n - 1, memory,
