@@ -12,10 +12,10 @@ enum { WIDE_MAX = 1024 };
 
 /* Entries of a list that answers k neighbours: half as many again, the margin for moves. With a
  * quarter / half / as many again: searches on igea 57 / 45 / 38 thousand, on autzen 217 / 198 / 174
- * thousand, and 6 bytes a neighbour and seed become 5 / 6 / 8. */
+ * thousand, and 6 bytes a neighbour and seed become 5 / 6 / 8. Two more for rounding. */
 static unsigned width(const struct vor_input_lists *lists, unsigned k)
 {
-    unsigned wide = k + k / 2 + 2;
+    unsigned wide = (lists->still ? k : k + k / 2) + 2;
 
     return wide < lists->m ? wide : (unsigned)lists->m;
 }
@@ -26,14 +26,19 @@ static void forget(struct vor_input_lists *lists)
         lists->reach[i] = -1;
 }
 
-vor_status vor_input_lists_init(struct vor_input_lists *out, size_t n, unsigned most,
-                                const struct vor_knn *knn, const float *reference, size_t m,
-                                struct vor_memory *memory, struct vor_error *err)
+vor_status vor_input_lists_init(struct vor_input_lists *out, size_t n,
+                                const struct vor_input_lists_of *of, struct vor_memory *memory,
+                                struct vor_error *err)
 {
-    struct vor_input_lists lists = {
-        .memory = memory, .knn = knn, .reference = reference, .n = n, .m = m, .most = most};
+    struct vor_input_lists lists = {.memory = memory,
+                                    .knn = of->knn,
+                                    .reference = of->reference,
+                                    .n = n,
+                                    .m = of->m,
+                                    .most = of->most,
+                                    .still = of->still};
 
-    lists.wide = width(&lists, most);
+    lists.wide = width(&lists, of->most);
     lists.k = vor_calloc(memory, n, sizeof *lists.k);
     lists.list = vor_malloc(memory, n, lists.wide * sizeof *lists.list);
     lists.anchor = vor_malloc(memory, n, 3 * sizeof *lists.anchor);

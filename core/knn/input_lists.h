@@ -17,6 +17,7 @@ struct vor_input_lists {
     const float *reference; /* what knn indexes */
     size_t n, m;            /* queries, reference points */
     unsigned most, wide;    /* most neighbours of an answer; entries of a list for that many */
+    int still;              /* queries hardly move */
     uint16_t *k;            /* n: neighbours that each list answers */
     uint32_t *list;         /* n x wide, the k nearest first */
     float *anchor;          /* n x 3: where the query was when its list was made */
@@ -24,17 +25,25 @@ struct vor_input_lists {
                                no list */
 };
 
-/** Prepares for n queries of at most `most` nearest of m reference points; makes no list yet.
+/** What lists are made of. */
+struct vor_input_lists_of {
+    const struct vor_knn *knn; /**< index of the reference points */
+    const float *reference;    /**< m x 3; borrowed, as knn, for the life of the lists */
+    size_t m;                  /**< >= most */
+    unsigned most;             /**< most neighbours of an answer */
+    int still; /**< queries hardly move: lists are as wide as the answers and take two thirds of the
+                    time and the memory, but serve no query that moves farther than to its neighbour
+                */
+};
+
+/** Prepares for n queries; makes no list yet.
  *
- *  @param[out] out        free with vor_input_lists_free; untouched on failure
- *  @param[in]  knn        index of the reference points
- *  @param[in]  reference  m x 3 floats, most <= m; borrowed, as knn, for the life of the lists
+ *  @param[out] out  free with vor_input_lists_free; untouched on failure
  *
- *  @retval VOR_E_NOMEM (6 most + 26) n bytes do not fit */
-VOR_NODISCARD vor_status vor_input_lists_init(struct vor_input_lists *out, size_t n, unsigned most,
-                                              const struct vor_knn *knn, const float *reference,
-                                              size_t m, struct vor_memory *memory,
-                                              struct vor_error *err);
+ *  @retval VOR_E_NOMEM (6 most + 26) n bytes do not fit, of still queries (4 most + 26) n */
+VOR_NODISCARD vor_status vor_input_lists_init(struct vor_input_lists *out, size_t n,
+                                              const struct vor_input_lists_of *of,
+                                              struct vor_memory *memory, struct vor_error *err);
 
 /** Changes the reference points: m others, at least lists->wide. Forgets every list. O(n). */
 void vor_input_lists_onto(struct vor_input_lists *lists, const struct vor_knn *knn,

@@ -1,10 +1,12 @@
 #include "core/lop/lop.h"
 
+#include "core/base/morton.h"
 #include "core/geom/patch.h"
 #include "core/input/coarsen.h"
 #include "core/input/edges.h"
 #include "core/input/neighbors.h"
 #include "core/input/thin.h"
+#include "core/lop/even.h"
 #include "core/lop/insert.h"
 #include "core/lop/normals.h"
 #include "core/lop/project.h"
@@ -226,15 +228,45 @@ static vor_status project(struct lop *lop, uint32_t ahead, struct vor_error *err
     return vor_lop_project(&lop->samples, &lop->data, lop->domain, &how, lop->told, lop->run, err);
 }
 
-/* Makes seeds of the samples. */
+/* Puts the samples in an order in which near ones follow each other, as searches among the input
+ * want it: those that were inserted came in that of their priorities. */
+static vor_status sort_samples(struct lop *lop, struct vor_error *err)
+{
+    struct vor_memory *memory = lop->run->memory;
+    const struct vor_run whole = vor_run_unstoppable(lop->run);
+    struct vor_lop_samples sorted = {0}, *samples = &lop->samples;
+    uint32_t *order = vor_malloc(memory, samples->n, sizeof *order);
+    vor_status status = order != NULL
+                            ? vor_morton_order(order, samples->xyz, samples->n, &whole, err)
+                            : vor_fail(err, VOR_E_NOMEM, "%zu samples", samples->n);
+
+    if (status == VOR_OK)
+        status = vor_lop_samples_init(&sorted, samples->n, memory, err);
+    if (status == VOR_OK) {
+        for (size_t i = 0; i < samples->n; i++) {
+            memcpy(&sorted.xyz[3 * i], &samples->xyz[3 * (size_t)order[i]], 3 * sizeof(float));
+            memcpy(&sorted.normal[3 * i], &samples->normal[3 * (size_t)order[i]],
+                   3 * sizeof(float));
+        }
+        sorted.n = samples->n;
+        vor_lop_samples_free(samples);
+        *samples = sorted;
+    }
+    vor_free(memory, order);
+    return status;
+}
+
+/* Makes seeds of the samples. With edges hardly one of them moves from there. */
 static vor_status hand_over(struct vor_seeds *out, struct lop *lop, struct vor_error *err)
 {
     struct vor_memory *memory = lop->run->memory;
     size_t n = lop->samples.n;
+    struct vor_seeds_policy policy = vor_seeds_policy_of(lop->spec);
     struct vor_seeds seeds;
-    vor_status status =
-        vor_seeds_init(&seeds, lop->input, n, vor_seeds_policy_of(lop->spec), lop->run, err);
+    vor_status status;
 
+    policy.still = lop->ear && !lop->smooth;
+    status = vor_seeds_init(&seeds, lop->input, n, policy, lop->run, err);
     if (status != VOR_OK)
         return status;
     seeds.area = lop->area;
@@ -403,11 +435,19 @@ static vor_status keep_to_input(struct vor_seeds *seeds, struct lop *lop, struct
     return status;
 }
 
+/* Steps of the polish; between edges there are fewer. */
+static uint32_t polish_of(const struct lop *lop)
+{
+    uint32_t polish = vor_spec_polish(lop->spec);
+
+    return lop->smooth || polish < VOR_LOP_EVEN_MOST ? polish : VOR_LOP_EVEN_MOST;
+}
+
 /* Inserts points until there are n, and evens them out. */
 static vor_status insert(struct lop *lop, size_t n, struct vor_error *err)
 {
     const double *value = lop->spec->value;
-    uint32_t polish = vor_spec_polish(lop->spec);
+    uint32_t polish = polish_of(lop);
     struct vor_lop_insert_how how = {.rho = lop->smooth && polish > 0 ? 0 : value[VOR_PARAM_RHO],
                                      .sigma_n = value[VOR_PARAM_SIGMA_N] * RADIANS,
                                      .spacing = only_inserts(lop) ? 0 : lop->spacing,
@@ -440,10 +480,12 @@ static vor_status make_points(struct lop *lop, size_t n, struct vor_error *err)
     if (status != VOR_OK)
         return status;
     lop->told->seconds_start = vor_run_clock(lop->run) - before;
-    status = project(lop, (uint32_t)(n - samples) + vor_spec_polish(lop->spec), err);
+    status = project(lop, (uint32_t)(n - samples) + polish_of(lop), err);
     if (status == VOR_OK && lop->whole == &lop->coarse)
         status = vor_lop_strays_drop(&lop->samples, err);
-    return status == VOR_OK ? insert(lop, n, err) : status;
+    if (status == VOR_OK)
+        status = insert(lop, n, err);
+    return status == VOR_OK && n > samples ? sort_samples(lop, err) : status;
 }
 
 /* Takes fewer points of an input whose noise is as wide as the fits. */

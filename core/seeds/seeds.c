@@ -56,6 +56,11 @@ vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain
     unsigned threads = vor_pool_threads(run->pool), most = domain->known.neighbors.most;
     unsigned sides = policy.planes ? VOR_PATCH_OCTAGON : VOR_PATCH_HEXAGON;
     unsigned listed = vor_stretched_listed(&domain->tensors, VOR_SEEDS_LISTED);
+    struct vor_input_lists_of input = {.knn = domain->knn,
+                                       .reference = domain->xyz,
+                                       .m = domain->n,
+                                       .most = at_most_all(&seeds, most),
+                                       .still = policy.still};
 
     assert(n >= 1 && most >= 1 && most <= VOR_NEIGHBORS_MAX);
     seeds.run = vor_run_unstoppable(run);
@@ -67,8 +72,7 @@ vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain
     seeds.last_fit = vor_calloc(run->memory, n, sizeof *seeds.last_fit);
     seeds.scratch = vor_calloc(run->memory, threads, sizeof *seeds.scratch);
     if (seeds.xyz == NULL || seeds.last_fit == NULL || seeds.scratch == NULL ||
-        vor_input_lists_init(&seeds.input_lists, n, at_most_all(&seeds, most), domain->knn,
-                             domain->xyz, domain->n, run->memory, err) != VOR_OK ||
+        vor_input_lists_init(&seeds.input_lists, n, &input, run->memory, err) != VOR_OK ||
         vor_point_lists_init(&seeds.point_lists, n, n > listed ? listed : (unsigned)n - 1,
                              run->memory, err) != VOR_OK ||
         vor_wanted_init(&seeds.wanted, &domain->field, n, run->memory, err) != VOR_OK ||

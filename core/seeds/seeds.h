@@ -57,6 +57,7 @@ struct vor_seeds_policy {
     int keep_border; /**< cells end where the input ends, and points stay inside it */
     double widen;    /**< patches are this many times as wide as usual */
     int planes;      /**< fits are planes, and patches octagons; else quadrics and hexagons */
+    int still;       /**< the seeds are where they stay, but for a few (knn/input_lists.h) */
 };
 
 /** n points on the domain, in its normalised coordinates. */
