@@ -90,6 +90,9 @@ void vor_lop_drawn_by(struct vor_lop_drawn *out, const struct vor_lop_data *data
     struct said said;
 
     memset(out, 0, sizeof *out);
+    /* cppcheck cannot see that take_side fills them */
+    memset(said.height, 0, data->count * sizeof *said.height);
+    memset(said.weight, 0, data->count * sizeof *said.weight);
     weigh(said.alpha, data, 1 / how->along2);
     if (normal != NULL) {
         const double n[3] = {(double)normal[0], (double)normal[1], (double)normal[2]};

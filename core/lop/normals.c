@@ -16,7 +16,7 @@ enum { BLOCK = 128 };
 /* Fewest neighbours; planes have as many as a fit takes. With half as many, fandisk30k_noisy to
  * 10,000: rms over the input's 0.38 for 0.29, median of normals near edges 8.7 degrees for 4.7;
  * wedges of 90 degrees, noise 1 %, 2.5 for 1.3. */
-enum { LEAST = 12 };
+enum { LEAST = VOR_LOP_AREA_OF };
 
 /* Neighbours whose normals a point chooses among when it starts anew. */
 enum { CHOICES = 12 };
@@ -68,6 +68,25 @@ static unsigned counting(const struct normals *normals, size_t i)
     return k < normals->most ? k : normals->most;
 }
 
+/* The area around point i: the list that a search made begins with the nearest. */
+static float area_of(const struct normals *normals, size_t i)
+{
+    const struct vor_domain *domain = normals->domain;
+    unsigned k = domain->n < VOR_LOP_AREA_OF ? (unsigned)domain->n : VOR_LOP_AREA_OF;
+    const float *x = &domain->xyz[3 * i], *y;
+    uint32_t index[VOR_LOP_AREA_OF];
+    float distance2[VOR_LOP_AREA_OF], d[3];
+
+    if (vor_graph_is(&domain->graph) && domain->graph.own[i]) {
+        vor_knn_search(domain->knn, x, 1, k, index, distance2);
+        return distance2[k - 1];
+    }
+    y = &domain->xyz[3 * (size_t)normals->list[i * normals->most + k - 1]];
+    for (int c = 0; c < 3; c++)
+        d[c] = y[c] - x[c];
+    return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+}
+
 /* Lists the neighbours, and puts a plane through them. */
 static void plane_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
@@ -80,6 +99,7 @@ static void plane_block(void *ctx, size_t begin, size_t end, unsigned worker)
         unsigned k = vor_lop_around(domain, i, counting(normals, i), list);
 
         normals->count[i] = (uint16_t)k;
+        normals->now.area[i] = area_of(normals, i);
         vor_plane_fit(&normals->plane[i], domain->xyz, list, k);
     }
 }
@@ -337,12 +357,13 @@ static vor_status alloc_normals(struct normals *normals, struct vor_memory *memo
         status = vor_lop_samples_init(&normals->next, n, memory, err);
     if (status != VOR_OK)
         return status;
+    normals->now.area = vor_malloc(memory, n, sizeof *normals->now.area);
     normals->plane = vor_malloc(memory, n, sizeof *normals->plane);
     normals->off = vor_malloc(memory, n, sizeof *normals->off);
     normals->count = vor_malloc(memory, n, sizeof *normals->count);
     normals->list = vor_malloc(memory, n, normals->most * sizeof *normals->list);
-    if (normals->plane == NULL || normals->off == NULL || normals->count == NULL ||
-        normals->list == NULL)
+    if (normals->now.area == NULL || normals->plane == NULL || normals->off == NULL ||
+        normals->count == NULL || normals->list == NULL)
         return vor_fail(err, VOR_E_NOMEM, "normals of %zu points", n);
     return VOR_OK;
 }

@@ -33,11 +33,15 @@ struct vor_lop_normals_how {
     size_t *one_sided; /**< out: components that have one side only */
 };
 
+/** Points, each itself among them, to the farthest of which the area around it is measured. */
+enum { VOR_LOP_AREA_OF = 12 };
+
 /** Makes the points of the domain, in their order.
  *
- *  @param[out] out  free with vor_lop_samples_free; untouched on failure
+ *  @param[out] out  free with vor_lop_samples_free; untouched on failure. area: squared distance of
+ *                   each point of the domain to the last of the VOR_LOP_AREA_OF nearest
  *
- *  @retval VOR_E_NOMEM  90 bytes a point, and 4 for each neighbour that counts, do not fit
+ *  @retval VOR_E_NOMEM  94 bytes a point, and 4 for each neighbour that counts, do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
  *  O(n log n), on the run's pool. The same points for any number of threads. */

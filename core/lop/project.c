@@ -5,6 +5,7 @@
 #include "core/knn/input_lists.h"
 #include "core/knn/point_lists.h"
 #include "core/lop/drawn.h"
+#include "core/lop/normals.h"
 #include "core/lop/weights.h"
 #include "core/metrics/uniformity.h"
 #include "core/opt/keep_best.h"
@@ -57,7 +58,7 @@ enum { LISTED = 32 };
 #define APART 0.3
 
 /* Nearest data whose distance tells their density. */
-enum { DENSITY_K = 12 };
+enum { DENSITY_K = VOR_LOP_AREA_OF };
 
 struct project {
     struct vor_lop_samples *samples;
@@ -70,7 +71,8 @@ struct project {
     struct vor_input_lists near_data;
     struct vor_point_lists others;
     struct vor_point_lists_view view;
-    float *area;          /* around each datum: squared distance to its twelfth neighbour, 1 / v */
+    float *own_area;      /* where the data have none */
+    const float *area;    /* around each datum: squared distance to its twelfth neighbour, 1 / v */
     float *crowding;      /* of the points: w */
     float *next, *turned; /* positions, normals */
     float *nearest;       /* distance of each point to its nearest other */
@@ -88,7 +90,7 @@ static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         vor_knn_search(project->domain->knn, &project->domain->xyz[3 * i], 1, k, index, distance2);
-        project->area[i] = distance2[k - 1];
+        project->own_area[i] = distance2[k - 1];
     }
 }
 
@@ -366,7 +368,9 @@ static vor_status alloc_project(struct project *project, struct vor_error *err)
         .knn = domain->knn, .reference = domain->xyz, .m = domain->n, .most = project->k};
     vor_status status;
 
-    project->area = vor_malloc(memory, domain->n, sizeof *project->area);
+    if (project->data->area == NULL)
+        project->own_area = vor_malloc(memory, domain->n, sizeof *project->own_area);
+    project->area = project->data->area != NULL ? project->data->area : project->own_area;
     project->crowding = vor_malloc(memory, n, sizeof *project->crowding);
     project->nearest = vor_malloc(memory, n, sizeof *project->nearest);
     project->next = vor_malloc(memory, n, 3 * sizeof *project->next);
@@ -391,7 +395,7 @@ static void free_project(struct project *project)
     vor_free(memory, project->next);
     vor_free(memory, project->nearest);
     vor_free(memory, project->crowding);
-    vor_free(memory, project->area);
+    vor_free(memory, project->own_area);
 }
 
 /* As many data as lie within the reach, by those for each point: a disc of the reach r holds
@@ -427,7 +431,7 @@ vor_status vor_lop_project(struct vor_lop_samples *samples, const struct vor_lop
 
     project.k = data_of(&project, how->spacing);
     status = alloc_project(&project, err);
-    if (status == VOR_OK)
+    if (status == VOR_OK && project.own_area != NULL)
         status = vor_run_for(&whole, domain->n, BLOCK, density_block, &project, err);
     if (status == VOR_OK)
         status = loop(&project, err);

@@ -11,12 +11,13 @@ vor_status vor_lop_samples_init(struct vor_lop_samples *out, size_t room, struct
         vor_free(memory, xyz);
         return vor_fail(err, VOR_E_NOMEM, "%zu oriented points", room);
     }
-    *out = (struct vor_lop_samples){memory, 0, room, xyz, normal};
+    *out = (struct vor_lop_samples){memory, 0, room, xyz, normal, NULL};
     return VOR_OK;
 }
 
 void vor_lop_samples_free(struct vor_lop_samples *samples)
 {
+    vor_free(samples->memory, samples->area);
     vor_free(samples->memory, samples->normal);
     vor_free(samples->memory, samples->xyz);
     *samples = (struct vor_lop_samples){0};

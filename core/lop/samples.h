@@ -12,6 +12,7 @@ struct vor_lop_samples {
     size_t n, room; /**< points that there are, and that fit */
     float *xyz;     /**< room x 3 */
     float *normal;  /**< room x 3 */
+    float *area;    /**< of data (lop/normals.h), n; else NULL */
 };
 
 /** Makes room for points; there are none yet.
