@@ -315,6 +315,7 @@ static vor_status find_normals(struct lop *lop, size_t samples, struct vor_error
                                       .points = lop->means ? sides_of(samples) : samples,
                                       .area = lop->area,
                                       .plain = lop->means,
+                                      .edges = !lop->smooth,
                                       .rounds =
                                           only_inserts(lop) ? 0 : (uint32_t)value[VOR_PARAM_ROUNDS],
                                       .one_sided = &lop->told->one_sided};

@@ -4,6 +4,7 @@
 #include "core/geom/plane.h"
 #include "core/input/neighbors.h"
 #include "core/input/orient.h"
+#include "core/lop/fillets.h"
 #include "core/lop/weights.h"
 
 #include <math.h>
@@ -311,6 +312,7 @@ static vor_status sign(struct normals *normals, const struct vor_run *run, struc
 
 static vor_status find(struct normals *normals, const struct vor_run *run, struct vor_error *err)
 {
+    const struct vor_lop_lists lists = {normals->most, normals->list, normals->count};
     size_t n = normals->domain->n;
     vor_status status = vor_run_for(run, n, BLOCK, plane_block, normals, err);
 
@@ -318,7 +320,11 @@ static vor_status find(struct normals *normals, const struct vor_run *run, struc
         status = vor_run_for(run, n, BLOCK, choose_block, normals, err);
     if (status == VOR_OK)
         status = sign(normals, run, err);
-    return status == VOR_OK ? work(normals, run, err) : status;
+    if (status == VOR_OK)
+        status = work(normals, run, err);
+    if (status == VOR_OK && normals->how->rounds > 0 && normals->how->edges)
+        status = vor_lop_fillets(&normals->now, &normals->next, normals->domain, &lists, run, err);
+    return status;
 }
 
 static vor_status alloc_normals(struct normals *normals, struct vor_memory *memory,

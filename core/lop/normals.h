@@ -13,7 +13,8 @@
  * (beside theta and psi), and the normal starts anew from that of a neighbour which most of these
  * agree with. Departure: the points move along their normals onto their side. A neighbour is seen
  * along the mean of both normals, to which the chord of a circle is perpendicular: curvature then
- * moves no point, as it does with the normal of either. */
+ * moves no point, as it does with the normal of either. Departure: points on fillets about as
+ *  wide as the fits are put onto these (lop/fillets.h). */
 #ifndef VOR_LOP_NORMALS_H
 #define VOR_LOP_NORMALS_H
 
@@ -27,6 +28,7 @@ struct vor_lop_normals_how {
     size_t points;     /**< of the result: sides are found on about as many (input/orient.h) */
     double area;       /**< of the surface, in squared normalised units */
     int plain;         /**< there is one sheet in each place (input/orient.h) */
+    int edges;         /**< the input has some: fillets are told from them (lop/fillets.h) */
     uint32_t rounds;   /**< times that normals are smoothed and points moved; 0: they stay */
     size_t *one_sided; /**< out: components that have one side only */
 };
