@@ -10,8 +10,9 @@
 
 /* Figures below: fandisk30k_noisy to 40,000 by 10,000 samples, rms elsewhere than near edges over
  * the input's, and the same of a box with one sharp edge and three fillets of 2, 4 and 8 % of its
- * diagonal, 30,000 points with noise of 0.5 %. Without fillets .383, .801; as it is .224, .280,
- * with fewer radii tried (geom/fillet.c) and no bound on points of third sides. */
+ * diagonal, 30,000 points with noise of 0.5 %. Without fillets .383, .801; at GAIN 1 and all
+ * neighbours in planes (lop/normals.c) .224, .280, with fewer radii tried (geom/fillet.c) and no
+ * bound on points of third sides. */
 enum {
     BLOCK = 64, /* points of a task */
     FEWEST = 4  /* points of a side */
@@ -33,7 +34,7 @@ enum {
  * around; most that one of them counts for. At true edges 99 in 100 points have a gain below 1, at
  * fillets as wide as the fits half of them 10 to 60. At 0.5 / 1 / 2: .229, .261 / .236, .278 /
  * .283, .275. */
-#define GAIN 1.0
+#define GAIN 0.5
 #define GAIN_MOST 20.0
 /* Part of a unit normal that may lie along the edge: else the point is of a third side. At 0.25 /
  * 0.5 / 0.8: .236, .278 in all cases, .238 at 0.8. */

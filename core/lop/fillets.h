@@ -10,9 +10,9 @@
  *
  *  Measured, rms elsewhere than near edges over the input's, 30,000 points to 40,000 by 10,000
  *  samples, without and with this, and of cvt: fandisk with noise of 0.5 % of the diagonal .383,
- *  .224 and .270; a box with a sharp edge and fillets of 2, 4 and 8 % of its diagonal, noise of 0.2
- * % 1.23, .43 and .37; of 0.5 % .80, .28 and .22; of 1 % .33, .31 and .24. Near edges alike;
- * wedges of two planes the same bytes. */
+ *  .258 and .270; a box with a sharp edge and fillets of 2, 4 and 8 % of its diagonal, noise of 0.2
+ * % 1.23, .39 and .37; of 0.5 % .80, .25 and .22; of 1 % .33, .29 and .24. Wedges of two planes get
+ *  the same bytes with and without. */
 #ifndef VOR_LOP_FILLETS_H
 #define VOR_LOP_FILLETS_H
 
