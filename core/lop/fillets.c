@@ -130,6 +130,7 @@ static int find_sides(struct sides *out, const struct fillets *fillets, const fl
 {
     double apart[3], length;
 
+    memset(out, 0, sizeof *out);
     for (int l = 0; l < 2; l++)
         if (!mean_side(out->place[l], out->normal[l], fillets, like[l], index, k))
             return 0;

@@ -236,10 +236,11 @@ static vor_status sort_samples(struct lop *lop, struct vor_error *err)
     const struct vor_run whole = vor_run_unstoppable(lop->run);
     struct vor_lop_samples sorted = {0}, *samples = &lop->samples;
     uint32_t *order = vor_malloc(memory, samples->n, sizeof *order);
-    vor_status status = order != NULL
-                            ? vor_morton_order(order, samples->xyz, samples->n, &whole, err)
-                            : vor_fail(err, VOR_E_NOMEM, "%zu samples", samples->n);
+    vor_status status;
 
+    if (order == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu samples", samples->n);
+    status = vor_morton_order(order, samples->xyz, samples->n, &whole, err);
     if (status == VOR_OK)
         status = vor_lop_samples_init(&sorted, samples->n, memory, err);
     if (status == VOR_OK) {
