@@ -455,6 +455,17 @@ int vor_spec_descends(const struct vor_spec *spec)
            spec->value[VOR_PARAM_CELLS] == VOR_CELLS_EUCLID;
 }
 
+uint32_t vor_spec_steps(const struct vor_spec *spec)
+{
+    enum { ALONE = 12, BEFORE_POLISH = 4 };
+
+    if (vor_spec_given(spec, VOR_PARAM_STEPS))
+        return (uint32_t)spec->value[VOR_PARAM_STEPS];
+    return spec->value[VOR_PARAM_METHOD] == VOR_METHOD_EAR && spec->value[VOR_PARAM_POLISH] > 0
+               ? BEFORE_POLISH
+               : ALONE;
+}
+
 uint32_t vor_spec_iterations(const struct vor_spec *spec)
 {
     enum { DESCENT = 35, BEFORE_POLISH = 12, ALONE = 100 };
@@ -463,7 +474,7 @@ uint32_t vor_spec_iterations(const struct vor_spec *spec)
     if (method == VOR_METHOD_EAR && spec->value[VOR_PARAM_PHASES] == VOR_PHASES_INSERT)
         return 0;
     if (method == VOR_METHOD_WLOP || method == VOR_METHOD_EAR)
-        return (uint32_t)(spec->value[VOR_PARAM_ROUNDS] * spec->value[VOR_PARAM_STEPS]);
+        return (uint32_t)spec->value[VOR_PARAM_ROUNDS] * vor_spec_steps(spec);
     if (vor_spec_given(spec, VOR_PARAM_ITERATIONS))
         return (uint32_t)spec->value[VOR_PARAM_ITERATIONS];
     if (vor_spec_descends(spec))

@@ -122,12 +122,18 @@ struct means {
 static void nearest_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     const struct means *means = ctx;
-    float distance2;
+    const float *before = &means->in->xyz[3 * begin];
+    float within = INFINITY, distance2;
 
     (void)worker;
-    for (size_t i = begin; i < end; i++)
-        vor_knn_search(means->out->knn, &means->in->xyz[3 * i], 1, 1, &means->nearest[i],
-                       &distance2);
+    for (size_t i = begin; i < end; i++) {
+        const float *x = &means->in->xyz[3 * i];
+
+        within += (float)sqrt(vor_distance2f(before, x)); /* the nearest of the last is that near */
+        vor_knn_search_within(means->out->knn, x, 1, within, &means->nearest[i], &distance2);
+        within = sqrtf(distance2);
+        before = x;
+    }
 }
 
 /* Moves each kept point to the mean of the points nearest to it. */

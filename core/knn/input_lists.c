@@ -137,10 +137,13 @@ static unsigned select(const struct vor_input_lists *lists, uint32_t *list, unsi
 
 static void make_list(struct vor_input_lists *lists, size_t i, const float x[3], unsigned k)
 {
-    float distance2[WIDE_MAX];
+    float distance2[WIDE_MAX], within = INFINITY;
     unsigned wide = width(lists, k);
 
-    vor_knn_search(lists->knn, x, 1, wide, &lists->list[i * lists->wide], distance2);
+    /* The points of the list that is given up are still as many, so far from here at most. */
+    if (lists->reach[i] >= 0 && wide <= width(lists, lists->k[i]))
+        within = lists->reach[i] + sqrtf(squared(&lists->anchor[3 * i], x));
+    vor_knn_search_within(lists->knn, x, wide, within, &lists->list[i * lists->wide], distance2);
     memcpy(&lists->anchor[3 * i], x, 3 * sizeof *x);
     lists->reach[i] = wide < lists->m ? sqrtf(distance2[wide - 1]) : INFINITY;
     lists->k[i] = (uint16_t)k;

@@ -132,7 +132,21 @@ void vor_knn_search(const struct vor_knn *knn, const float *queries, size_t coun
     if (knn->boxes == NULL && count > 0)
         vor_flann_search(knn->flann, queries, count, k, index, distance2);
     for (size_t i = 0; knn->boxes != NULL && i < count; i++)
-        vor_boxes_search(knn->boxes, &queries[3 * i], k, &index[i * k], &distance2[i * k]);
+        vor_boxes_search(knn->boxes, &queries[3 * i], k, INFINITY, &index[i * k],
+                         &distance2[i * k]);
+}
+
+void vor_knn_search_within(const struct vor_knn *knn, const float query[3], unsigned k,
+                           float within, uint32_t *index, float *distance2)
+{
+    if (knn->boxes == NULL) {
+        vor_knn_search(knn, query, 1, k, index, distance2);
+        return;
+    }
+    assert(k >= 1 && k <= knn->n && within >= 0);
+    for (int c = 0; c < 3; c++)
+        assert(fabsf(query[c]) <= QUERY_MAX);
+    vor_boxes_search(knn->boxes, query, k, within, index, distance2);
 }
 
 vor_status vor_knn_join(uint32_t *root, size_t *parts, const struct vor_knn *knn, double distance,

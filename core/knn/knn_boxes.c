@@ -440,10 +440,15 @@ VOR_INLINE unsigned open_node(struct visit *stack, const struct vor_boxes_node *
     return count;
 }
 
-VOR_CLONES void vor_boxes_search(const struct vor_boxes *boxes, const float query[3], unsigned k,
-                                 uint32_t *index, float *distance2)
+/* Factor that a distance is widened by before it bounds a search, more than rounding in float32
+ * takes; and a squared distance that is added, so that coincident points are within 0. */
+#define WIDER 1.0001F
+#define COINCIDENT 1e-37F
+
+/* Finds the k nearest of those within a squared distance. Returns how many there are. */
+VOR_CLONES static unsigned search(const struct vor_boxes *boxes, const float query[3],
+                                  struct found found)
 {
-    struct found found = {index, distance2, 0, k, INFINITY};
     struct visit stack[STACK_MAX];
     unsigned high = 1;
 
@@ -458,4 +463,17 @@ VOR_CLONES void vor_boxes_search(const struct vor_boxes *boxes, const float quer
         else
             high += open_node(&stack[high], &boxes->node[visit.at], query, found.worst);
     }
+    return found.count;
+}
+
+void vor_boxes_search(const struct vor_boxes *boxes, const float query[3], unsigned k, float within,
+                      uint32_t *index, float *distance2)
+{
+    float wide = WIDER * within;
+    struct found found = {index, distance2, 0, k, wide * wide + COINCIDENT};
+
+    if (search(boxes, query, found) == k)
+        return;
+    found.worst = INFINITY;
+    (void)search(boxes, query, found);
 }

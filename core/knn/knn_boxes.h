@@ -22,8 +22,8 @@ VOR_NODISCARD vor_status vor_boxes_build(struct vor_boxes **out, const float *xy
 /** Frees a tree; boxes may be NULL. */
 void vor_boxes_free(struct vor_boxes *boxes);
 
-/** One row of vor_knn_search. */
-void vor_boxes_search(const struct vor_boxes *boxes, const float query[3], unsigned k,
+/** vor_knn_search_within. */
+void vor_boxes_search(const struct vor_boxes *boxes, const float query[3], unsigned k, float within,
                       uint32_t *index, float *distance2);
 
 #endif

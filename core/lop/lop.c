@@ -221,7 +221,7 @@ static vor_status project(struct lop *lop, uint32_t ahead, struct vor_error *err
                                       .normals = lop->ear,
                                       .rounds =
                                           only_inserts(lop) ? 0 : (uint32_t)value[VOR_PARAM_ROUNDS],
-                                      .steps = (uint32_t)value[VOR_PARAM_STEPS],
+                                      .steps = vor_spec_steps(lop->spec),
                                       .ahead = ahead,
                                       .spec = lop->spec};
 

@@ -187,7 +187,8 @@ enum vor_method_choice {
       "Repulsion of the points over their attraction by the input's")                              \
     X(ROUNDS, rounds, COUNT, LOP, "", 0, 20, 3, "",                                                \
       "Times that normals are smoothed and points then projected; 0 leaves a random choice")       \
-    X(STEPS, steps, COUNT, LOP, "", 1, 100, 12, "", "Steps of projection of a round")              \
+    X(STEPS, steps, COUNT, LOP, "", 1, 100, VOR_UNSET, "",                                         \
+      "Steps of projection of a round; not given: 12, or 4 of ear before a polish")                \
     X(RHO, rho, REAL, LOP, "", 0, 20, 5, "",                                                       \
       "How much sooner points are inserted along edges: 0 evenly everywhere")                      \
     X(PHASES, phases, CHOICE, LOP, "", 0, 0, VOR_PHASES_BOTH, "both resample insert",              \

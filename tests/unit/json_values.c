@@ -198,7 +198,7 @@ START_TEST(a_report_has_its_shape)
         "\"points\":5000,\"method\":\"cvt\",\"patch\":"
         "\"quadric\",\"density\":\"uniform\",\"contrast\":4,\"grading\":0.2,\"metric\":"
         "\"isotropic\",\"maxAspect\":6,\"p\":8,\"cells\":\"metric\",\"neighbors\":\"auto\","
-        "\"polish\":60,\"sigmaN\":15,\"sigmaP\":\"auto\",\"mu\":0.45,\"rounds\":3,\"steps\":12,"
+        "\"polish\":60,\"sigmaN\":15,\"sigmaP\":\"auto\",\"mu\":0.45,\"rounds\":3,"
         "\"rho\":5,\"phases\":\"both\",\"samples\":\"auto\",\"gaps\":\"keep\","
         "\"boundary\":\"keep\",\"holes\":\"auto\",\"holeMax\":\"auto\",\"edges\":"
         "\"ignore\",\"outliers\":"

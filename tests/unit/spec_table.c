@@ -691,7 +691,12 @@ START_TEST(projection_steps_are_rounds_times_steps)
 {
     struct vor_spec spec = request_for("resample");
 
+    vt_assert_ok(vor_spec_set(&spec, "method", "wlop", &vt_err));
+    ck_assert_uint_eq(vor_spec_iterations(&spec), 36);
     vt_assert_ok(vor_spec_set(&spec, "method", "ear", &vt_err));
+    ck_assert_uint_eq(vor_spec_iterations(&spec), 12); /* a polish follows */
+    vt_assert_ok(vor_spec_set(&spec, "polish", "0", &vt_err));
+    ck_assert_uint_eq(vor_spec_iterations(&spec), 36);
     vt_assert_ok(vor_spec_set(&spec, "rounds", "2", &vt_err));
     vt_assert_ok(vor_spec_set(&spec, "steps", "5", &vt_err));
     ck_assert_uint_eq(vor_spec_iterations(&spec), 10);
