@@ -97,7 +97,7 @@ my $stopped = json($daemon->get("/v1/jobs/$short/results/report"));
 is "$stopped->{stopped} $stopped->{points}{out}", 'stopped 100000', 'with all points asked for';
 
 # Ended while it inserts.
-my $long = $daemon->submit('points=190000&method=ear&samples=1000&polish=0', cube_ply(45));
+my $long = $daemon->submit('points=124000&method=ear&samples=1000&polish=0', cube_ply(36));
 ok wait_until(sub { ((json($daemon->get("/v1/jobs/$long"))->{voronoid}{metrics} // {})->{run_stage} // '') eq 'insert' }, 120),
     'a job inserts points';
 is json($daemon->request('DELETE', "/v1/jobs/$long"))->{status}, 'dismissed', 'it is dismissed meanwhile';
