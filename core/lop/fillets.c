@@ -24,8 +24,8 @@ enum {
 /* Part of the list's reach from the edge within which a point is said to be at it. At 0.25 / 0.5 /
  * 1: .223, .278 / .236, .278 / .242, .296; at 0.25 a fillet wider than the list is not covered. */
 #define CENTRAL 0.5
-/* Part of the list's reach to either side of the edge within which points are asked whether they
- * lie below both planes. At 0.18 / 0.35 / 0.7: .232, .278 / .236, .278 / .236, .291. */
+/* Half the width of the strip along the edge whose points are asked whether they lie below both
+ * planes, over the list's reach. At 0.18 / 0.35 / 0.7: .232, .278 / .236, .278 / .236, .291. */
 #define BESIDE 0.35
 /* Standard errors that they lie below, at least: else no fillet is fitted. At 0 / 1 / 2: .236, .277
  * / .236, .278 / .227, .298. */
@@ -243,9 +243,15 @@ static void fit(struct signed_fillet *out, const struct fillets *fillets, size_t
     uint32_t index[VOR_FILLET_MAX];
     float distance2[VOR_FILLET_MAX], near[3 * VOR_FILLET_MAX];
     struct sides sides;
+    double reach2 = 0;
 
     memset(out, 0, sizeof *out);
-    vor_knn_search(domain->knn, x, 1, k, index, distance2);
+    if (vor_graph_is(&domain->graph) && domain->graph.own[i]) /* no other sheet's points */
+        k = vor_graph_around(&domain->graph, (uint32_t)i, index, k);
+    else
+        vor_knn_search(domain->knn, x, 1, k, index, distance2);
+    for (unsigned j = 0; j < k; j++)
+        reach2 = fmax(reach2, vor_distance2f(x, &domain->xyz[3 * (size_t)index[j]]));
     like[0] = normal_of(fillets, i);
     like[1] = normal_of(fillets, (size_t)other_side(fillets, i));
     if (!find_sides(&sides, fillets, like, index, k))
@@ -254,8 +260,7 @@ static void fit(struct signed_fillet *out, const struct fillets *fillets, size_t
         if (belongs(&sides, normal_of(fillets, index[j])))
             memcpy(&near[3 * used++], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
     if (used >= VOR_FILLET_MIN)
-        vor_fillet_fit(&out->of, near, used, sides.place, sides.normal,
-                       sqrt((double)distance2[k - 1] / WIDE));
+        vor_fillet_fit(&out->of, near, used, sides.place, sides.normal, sqrt(reach2 / WIDE));
     out->sign = sides.sign;
 }
 
@@ -341,10 +346,8 @@ static void put_block(void *ctx, size_t begin, size_t end, unsigned worker)
         if (!(said.gain > GAIN * said.weight) || !(said.round > said.fitted / 2) ||
             !(length > said.fitted / 2))
             continue;
-        for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3; c++)
             y[c] = (float)(said.xyz[c] / said.fitted);
-            n[c] = (float)(said.normal[c] / length);
-        }
     }
 }
 
