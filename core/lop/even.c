@@ -30,10 +30,12 @@ enum {
 /* Mean distance to the nearest point over that to the six nearest, where points were inserted. */
 #define NEAREST_OF_SIX 0.87
 /* As in seeds/repel.c: the step over the sum of forces, times 2 S; the share of the last step that
- * is added; the longest step, and the largest (h/d)^(2S). */
+ * is added; the longest step. */
 #define GAIN 0.2
 #define MOMENTUM 0.7
 #define STEP_MAX 0.05
+/* Largest (h/d)^(2S - 1). The force is bounded, and not what d is multiplied by: that fell to 0
+ * between points that are nearly one, and they stayed so. */
 #define FORCE_MAX 50.0
 /* Length of the mean of the unit vectors to the neighbours, above which a point is at the border.
  * It is 0.64 where they fill half of the plane. */
@@ -279,7 +281,7 @@ static void push_from(struct push *push, const struct even *even, size_t i)
         const float *y = &even->samples->xyz[3 * j], *m = &even->samples->normal[3 * j];
         double d[3] = {(double)x[0] - (double)y[0], (double)x[1] - (double)y[1],
                        (double)x[2] - (double)y[2]};
-        double d2 = vor_dot(d, d), weight = FORCE_MAX, length = sqrt(d2);
+        double d2 = vor_dot(d, d), length = sqrt(d2), weight;
 
         push->nearest2 = fmin(push->nearest2, d2);
         if ((double)n[0] * (double)m[0] + (double)n[1] * (double)m[1] +
@@ -288,8 +290,9 @@ static void push_from(struct push *push, const struct even *even, size_t i)
             continue;
         if (d2 > FORCE_REACH * FORCE_REACH * h2 || !(d2 > 0))
             continue;
+        weight = FORCE_MAX * sqrt(h2 / d2);
         if (FORCE_MAX * d2 > h2)
-            weight = fmin(vor_power(h2 / d2, even->power), FORCE_MAX);
+            weight = fmin(vor_power(h2 / d2, even->power), weight);
         count++;
         for (int c = 0; c < 3; c++) {
             push->force[c] += scale * weight * d[c];
