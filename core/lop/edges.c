@@ -10,6 +10,12 @@
 #define BETWEEN 0.3
 /* The points that may be, as one in so many: noise leaves some. */
 #define BETWEEN_SHARE 8
+/* Turn between the planes that are fitted to both sides, over that between the two normals that
+ * they were seen by, at least, both as 1 - cosine: where a surface bends, planes around the place
+ * where they meet turn less, and points that are put there are pushed to and fro. At 0 / 0.8 / 0.9
+ * / 0.95: a screw's thread, 40,000 points with noise to 6,000, delta 0.134 / 0.072 / 0.062 / 0.057.
+ * Wedges of 90 to 155 degrees, and fandisk, are the same at all. */
+#define TURNS 0.95
 /* Points of its own side that a point needs around it to be past its edge, and spacings that it is,
  * at least. */
 #define PAST_OTHERS 3
@@ -90,6 +96,7 @@ void vor_lop_edge_find(struct vor_lop_edge *out, const struct vor_lop_samples *s
 {
     struct vor_lop_gathered near;
     struct vor_lop_point end[2];
+    double met;
     int other;
 
     memset(end, 0, sizeof end); /* gcc's analyzer cannot see that the loops fill it */
@@ -105,7 +112,9 @@ void vor_lop_edge_find(struct vor_lop_edge *out, const struct vor_lop_samples *s
         end[1].xyz[c] = near.xyz[c][other];
         end[1].normal[c] = near.normal[c][other];
     }
-    if (bends(&near, end) || !vor_lop_latent_edge(out->foot, out->along, latent, end[0].xyz, end))
+    if (bends(&near, end) ||
+        !vor_lop_latent_edge(out->foot, out->along, &met, latent, end[0].xyz, end) ||
+        1 - met < TURNS * (1 - cosine(end[0].normal, end[1].normal)))
         return;
     memcpy(out->other, end[1].normal, sizeof out->other);
     out->distance = (float)sqrt(vor_distance2f(end[0].xyz, out->foot));

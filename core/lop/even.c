@@ -174,10 +174,11 @@ static void put_back(struct even *even, size_t i)
 {
     struct vor_lop_point end[2] = {point_at(even, i), point_at(even, i)}, point = end[0];
     struct vor_lop_edge *edge = &even->edge[i];
+    double cosine;
 
     if (even->on[i]) {
         memcpy(end[1].normal, edge->other, sizeof end[1].normal);
-        if (!vor_lop_latent_edge(point.xyz, edge->along, even->latent, end[0].xyz, end))
+        if (!vor_lop_latent_edge(point.xyz, edge->along, &cosine, even->latent, end[0].xyz, end))
             return;
     } else {
         vor_lop_latent_side(&point, even->latent, end[0].xyz, &end[0]);

@@ -155,9 +155,9 @@ void vor_lop_latent_side(struct vor_lop_point *out, const struct vor_lop_latent 
 }
 
 /* The place nearest to x where two planes meet, each through a point across its normal. */
-static int meet(float x[3], double along[3], const struct vor_lop_point plane[2])
+static int meet(float x[3], double along[3], double *cosine, const struct vor_lop_point plane[2])
 {
-    double n[2][3], off[2], cosine, rest, length;
+    double n[2][3], off[2], rest, length;
 
     for (int l = 0; l < 2; l++) {
         off[l] = 0;
@@ -166,23 +166,24 @@ static int meet(float x[3], double along[3], const struct vor_lop_point plane[2]
             off[l] += n[l][c] * ((double)plane[l].xyz[c] - (double)x[c]);
         }
     }
-    cosine = vor_dot(n[0], n[1]);
-    rest = 1 - cosine * cosine;
+    *cosine = vor_dot(n[0], n[1]);
+    rest = 1 - *cosine * *cosine;
     vor_cross(along, n[0], n[1]);
     length = sqrt(vor_dot(along, along));
     if (!(rest > PARALLEL))
         return 0;
     for (int c = 0; c < 3; c++) {
-        x[c] = (float)((double)x[c] + ((off[0] - cosine * off[1]) * n[0][c] +
-                                       (off[1] - cosine * off[0]) * n[1][c]) /
+        x[c] = (float)((double)x[c] + ((off[0] - *cosine * off[1]) * n[0][c] +
+                                       (off[1] - *cosine * off[0]) * n[1][c]) /
                                           rest);
         along[c] /= length;
     }
     return 1;
 }
 
-int vor_lop_latent_edge(float foot[3], float along[3], const struct vor_lop_latent *latent,
-                        const float base[3], const struct vor_lop_point end[2])
+int vor_lop_latent_edge(float foot[3], float along[3], double *cosine,
+                        const struct vor_lop_latent *latent, const float base[3],
+                        const struct vor_lop_point end[2])
 {
     double direction[3] = {0};
 
@@ -192,7 +193,7 @@ int vor_lop_latent_edge(float foot[3], float along[3], const struct vor_lop_late
 
         for (int l = 0; l < 2; l++)
             vor_lop_latent_side(&plane[l], latent, foot, &end[l]);
-        if (!meet(foot, direction, plane))
+        if (!meet(foot, direction, cosine, plane))
             return 0;
     }
     for (int c = 0; c < 3; c++)

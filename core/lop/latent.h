@@ -64,10 +64,12 @@ void vor_lop_latent_side(struct vor_lop_point *out, const struct vor_lop_latent 
  *
  *  @param[out] foot    the place
  *  @param[out] along   unit vector along the edge
+ *  @param[out] cosine  between the normals of both sides there
  *  @param[in]  base    about as far from the edge as from the ends
  *
  *  @return false where the two sides are parallel; the rest is unset then */
-int vor_lop_latent_edge(float foot[3], float along[3], const struct vor_lop_latent *latent,
-                        const float base[3], const struct vor_lop_point end[2]);
+int vor_lop_latent_edge(float foot[3], float along[3], double *cosine,
+                        const struct vor_lop_latent *latent, const float base[3],
+                        const struct vor_lop_point end[2]);
 
 #endif

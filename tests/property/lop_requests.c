@@ -66,6 +66,38 @@ START_TEST(a_polish_between_edges_ends_in_time)
 }
 END_TEST
 
+/* A screw's thread: it bends as much as an edge does where noise hides how, and has none. */
+static void make_screw(struct vor_cloud *out, uint64_t seed)
+{
+    enum { POINTS = 8000 };
+
+    vt_cloud_make(out, POINTS);
+    for (size_t i = 0; i < POINTS; i++) {
+        double turn = 6.28318530717958648 * vt_unit(seed, 2 * i),
+               z = 0.9 * vt_unit(seed, 2 * i + 1);
+        double radius = 1 + 0.05 * sin(14 * z);
+        double x[3] = {radius * cos(turn), radius * sin(turn), z};
+
+        for (size_t c = 0; c < 3; c++)
+            out->xyz[3 * i + c] = (float)(x[c] + 0.003 * vt_normal(seed + 1000, 3 * i + c));
+    }
+}
+
+/* Measured over 20 seeds: 0.054 to 0.075; with edges wherever two normals turn 0.098 to 0.135. */
+START_TEST(a_surface_that_bends_gets_even_points)
+{
+    struct vor_report report;
+    struct vor_cloud in, out;
+
+    make_screw(&in, (uint64_t)_i);
+    vt_ask(&out, &report, &(struct vt_ask){&in, "method=ear points=1200", 2});
+    ck_assert_double_lt(report.delta, 0.085);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
 /* order=spatial. Measured, mean length of the steps from point to point: 0.030; in the order of
  * insertion 0.46. */
 START_TEST(points_inserted_follow_near_ones)
@@ -388,6 +420,7 @@ int main(void)
 
     vt_add_figures(suite, there_are_exactly_as_many_points_as_asked_for, 12);
     vt_add_loop(suite, a_polish_between_edges_ends_in_time, 1);
+    vt_add_loop(suite, a_surface_that_bends_gets_even_points, 3);
     vt_add_loop(suite, points_inserted_follow_near_ones, 1);
     vt_add_loop(suite, threads_make_the_same_bytes, 2);
     vt_add_figures(suite, a_cloud_far_from_the_origin_gives_the_same_points, 2);
