@@ -346,8 +346,10 @@ static void put_block(void *ctx, size_t begin, size_t end, unsigned worker)
         if (!(said.gain > GAIN * said.weight) || !(said.round > said.fitted / 2) ||
             !(length > said.fitted / 2))
             continue;
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             y[c] = (float)(said.xyz[c] / said.fitted);
+            n[c] = (float)(said.normal[c] / length);
+        }
     }
 }
 

@@ -36,7 +36,7 @@ static const struct row {
     {"resample", "patch=plane", UINT64_C(0xda7e5519662a56e2)},
     {"resample", "method=kmeans", UINT64_C(0x7a96e3ab52c5b67a)},
     {"resample", "method=wlop", UINT64_C(0xd91a425f3ed441b7)},
-    {"resample", "method=ear samples=200 polish=5", UINT64_C(0xb079661217172dec)},
+    {"resample", "method=ear samples=200 polish=5", UINT64_C(0xc91eb465fa856f75)},
     {"resample", "density=curvature polish=5", UINT64_C(0x35461fb8c8b23209)},
     {"resample", "density=curvature contrast=8 grading=0.4", UINT64_C(0xb8bf093a8e57ab48)},
     {"resample", "density=edges", UINT64_C(0x0045dd5aeb3412fd)},

@@ -155,7 +155,7 @@ static double datum_off(const struct bed *bed, size_t i, double radius, double *
 
 START_TEST(data_on_a_fillet_are_put_onto_it)
 {
-    double radius = 0.2, worst = 0, count = 0;
+    double radius = 0.2, worst = 0, turned = 0, count = 0;
     struct bed bed = {.list = NULL};
 
     start(&bed, (uint64_t)_i, radius, 2);
@@ -167,9 +167,11 @@ START_TEST(data_on_a_fillet_are_put_onto_it)
             continue;
         count++;
         worst += far * far;
+        turned += cosine < 0.97; /* 14 degrees */
     }
     ck_assert_double_gt(count, 100);
     ck_assert_double_le(sqrt(worst / count), NOISE); /* 0.05 on the planes */
+    ck_assert_double_le(turned / count, 0.1);        /* all of them on the planes */
     end(&bed);
 }
 END_TEST
