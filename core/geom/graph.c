@@ -47,12 +47,14 @@ static void nearest_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_graph *graph = nearest->graph;
     uint32_t index[256];
     float distance2[256];
+    struct vor_knn_last last = {.k = 0};
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         unsigned taken = 0;
 
-        vor_knn_search(nearest->knn, &nearest->xyz[3 * i], 1, nearest->k + 1, index, distance2);
+        vor_knn_search_next(nearest->knn, &last, &nearest->xyz[3 * i], nearest->k + 1, index,
+                            distance2);
         for (unsigned j = 0; j <= nearest->k && taken < nearest->k; j++)
             if (index[j] != i)
                 graph->list[i * graph->most + taken++] = index[j];

@@ -122,13 +122,14 @@ static void nearest_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_graph *graph = make->graph;
     uint32_t index[VOR_ADJACENT + 1];
     float distance2[VOR_ADJACENT + 1];
+    struct vor_knn_last last = {.k = 0};
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         unsigned taken = 0;
 
-        vor_knn_search(make->domain->knn, point(make->domain, (uint32_t)i), 1, graph->most + 1,
-                       index, distance2);
+        vor_knn_search_next(make->domain->knn, &last, point(make->domain, (uint32_t)i),
+                            graph->most + 1, index, distance2);
         for (unsigned j = 0; j <= graph->most && taken < graph->most; j++)
             if (index[j] != i)
                 graph->list[i * graph->most + taken++] = index[j];

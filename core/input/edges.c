@@ -97,6 +97,7 @@ struct find {
 
 /* The points around one, nearest first. */
 struct around {
+    struct vor_knn_last last; /* of a row of them */
     unsigned k;
     double spacing; /* of a square lattice as dense */
     uint32_t index[VOR_CREASE_MAX];
@@ -116,7 +117,7 @@ static void search(struct around *out, const struct vor_domain *domain, const fl
         k = VOR_CREASE_MAX;
     if (k > domain->n)
         k = (unsigned)domain->n;
-    vor_knn_search(domain->knn, x, 1, k, out->index, distance2);
+    vor_knn_search_next(domain->knn, &out->last, x, k, out->index, distance2);
     for (unsigned j = 0; j < k; j++)
         memcpy(&out->near[3 * j], &domain->xyz[3 * (size_t)out->index[j]], 3 * sizeof *out->near);
     out->k = k;
@@ -161,6 +162,7 @@ static void plane_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct around around;
 
     (void)worker;
+    around.last.k = 0;
     for (size_t i = begin; i < end; i++) {
         search(&around, find->domain, &find->domain->xyz[3 * i], NORMAL);
         find->edges->flag[i] = (unsigned char)plane_of(&find->normal[3 * i], &around);
@@ -175,6 +177,7 @@ static void noise_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_surface surface;
 
     (void)worker;
+    around.last.k = 0;
     for (size_t i = begin; i < end; i++) {
         size_t at = (size_t)((double)i / (double)find->places * (double)domain->n);
         double unit2;
@@ -227,27 +230,26 @@ static int is_edge(const struct vor_crease *crease, unsigned k, double noise2)
            left2 <= LEFT * smooth2 + NOISE * noise2 && k * (smooth2 - left2) >= BETTER * left2;
 }
 
-/* Sets what there is to know of point i, which is bent. Returns whether it lies on an edge. */
-static int look_at(const struct find *find, size_t i, double *spacing)
+/* Sets what there is to know of point i, which is bent, by the points around. Returns whether it
+ * lies on an edge. */
+static int look_at(const struct find *find, size_t i, struct around *around)
 {
-    struct around around;
     struct vor_crease crease;
     double values[3], axis[3][3];
 
-    search(&around, find->domain, &find->domain->xyz[3 * i], AROUND);
-    spread_of(values, axis, &around, find->normal);
-    if (!(around.spacing > 0) || !(values[1] >= ACROSS * around.k))
+    search(around, find->domain, &find->domain->xyz[3 * i], AROUND);
+    spread_of(values, axis, around, find->normal);
+    if (!(around->spacing > 0) || !(values[1] >= ACROSS * around->k))
         return 0;
-    vor_crease_fit(&crease, around.near, around.k, axis, around.spacing);
-    if (!(values[0] > CORNER * around.k && crease.crease2 < CORNER_OFF2) &&
-        !is_edge(&crease, around.k, find->noise2))
+    vor_crease_fit(&crease, around->near, around->k, axis, around->spacing);
+    if (!(values[0] > CORNER * around->k && crease.crease2 < CORNER_OFF2) &&
+        !is_edge(&crease, around->k, find->noise2))
         return 0;
-    *spacing = around.spacing;
     find->edges->strength[i] = (float)fmax(LEAST_TURN, crease.turn);
     for (size_t c = 0; c < 3; c++) {
         find->edges->direction[3 * i + c] = (float)crease.along[c];
         find->edges->foot[3 * i + c] =
-            (float)((double)around.near[c] + around.spacing * crease.foot[c]);
+            (float)((double)around->near[c] + around->spacing * crease.foot[c]);
     }
     return 1;
 }
@@ -257,17 +259,17 @@ static void edge_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct find *find = ctx;
     struct found found = {0};
+    struct around around;
 
     (void)worker;
+    around.last.k = 0;
     for (size_t i = begin; i < end; i++) {
-        double spacing;
-
         if (!find->edges->flag[i])
             continue;
-        find->edges->flag[i] = (unsigned char)look_at(find, i, &spacing);
+        find->edges->flag[i] = (unsigned char)look_at(find, i, &around);
         if (!find->edges->flag[i])
             continue;
-        found.length += spacing / (2 * BAND);
+        found.length += around.spacing / (2 * BAND);
         found.flagged++;
     }
     find->block[begin / BLOCK] = found;

@@ -84,7 +84,8 @@ static void read3(double out[3], const float *x)
 
 /* The points that the normal of point i is fitted to: those of its list where a fit takes as few,
  * else the nearest of all. */
-static unsigned gather(float *near, const struct orient *orient, size_t i)
+static unsigned gather(float *near, const struct orient *orient, size_t i,
+                       struct vor_knn_last *last)
 {
     const struct vor_graph *graph = orient->graph;
     const float *x = &orient->on->xyz[3 * i];
@@ -101,7 +102,7 @@ static unsigned gather(float *near, const struct orient *orient, size_t i)
                    3 * sizeof *near);
         return graph->count[i] + 1u;
     }
-    vor_knn_search(orient->domain->knn, x, 1, k, index, distance2);
+    vor_knn_search_next(orient->domain->knn, last, x, k, index, distance2);
     for (unsigned a = 1; a < k; a++)
         memcpy(&near[3 * a], &orient->domain->xyz[3 * (size_t)index[a]], 3 * sizeof *near);
     return k;
@@ -111,13 +112,14 @@ static void normal_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct orient *orient = ctx;
     float near[3 * VOR_NEIGHBORS_MAX];
+    struct vor_knn_last last = {.k = 0};
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct vor_surface surface;
         double x[3], local[3], normal[3];
 
-        vor_surface_fit(&surface, near, gather(near, orient, i));
+        vor_surface_fit(&surface, near, gather(near, orient, i, &last));
         read3(normal, &orient->graph->normal[3 * i]);
         if (surface.kind != VOR_SURFACE_NONE) {
             read3(x, &orient->on->xyz[3 * i]);
@@ -495,7 +497,7 @@ vor_status vor_orient(struct vor_orientation *out, const struct vor_domain *doma
 
 double vor_orientation_side(const struct vor_orientation *orientation,
                             const struct vor_domain *domain, const float x[3],
-                            const double normal[3])
+                            const double normal[3], struct vor_knn_last *last)
 {
     const struct vor_domain *on = orientation->thin.n > 0 ? &orientation->thin : domain;
     unsigned k = on->n < AROUND ? (unsigned)on->n : AROUND;
@@ -503,7 +505,7 @@ double vor_orientation_side(const struct vor_orientation *orientation,
     float distance2[AROUND];
     double sum = 0, own[3];
 
-    vor_knn_search(on->knn, x, 1, k, index, distance2);
+    vor_knn_search_next(on->knn, last, x, k, index, distance2);
     for (unsigned j = 0; j < k; j++) {
         read3(own, &orientation->normal[3 * (size_t)index[j]]);
         sum += vor_dot(own, normal);

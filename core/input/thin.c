@@ -122,17 +122,14 @@ struct means {
 static void nearest_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     const struct means *means = ctx;
-    const float *before = &means->in->xyz[3 * begin];
-    float within = INFINITY, distance2;
+    struct vor_knn_last last = {.k = 0};
+    float distance2;
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         const float *x = &means->in->xyz[3 * i];
 
-        within += (float)sqrt(vor_distance2f(before, x)); /* the nearest of the last is that near */
-        vor_knn_search_within(means->out->knn, x, 1, within, &means->nearest[i], &distance2);
-        within = sqrtf(distance2);
-        before = x;
+        vor_knn_search_next(means->out->knn, &last, x, 1, &means->nearest[i], &distance2);
     }
 }
 
@@ -266,6 +263,7 @@ static void apart_block(void *ctx, size_t begin, size_t end, unsigned worker)
     const struct apart *apart = ctx;
     const struct vor_domain *domain = apart->domain;
     unsigned k = domain->n > THREE ? THREE + 1 : (unsigned)domain->n;
+    struct vor_knn_last last = {.k = 0};
     double sum = 0;
 
     (void)worker;
@@ -274,7 +272,7 @@ static void apart_block(void *ctx, size_t begin, size_t end, unsigned worker)
         float distance2[THREE + 1];
         double own = 0;
 
-        vor_knn_search(domain->knn, &domain->xyz[3 * i], 1, k, index, distance2);
+        vor_knn_search_next(domain->knn, &last, &domain->xyz[3 * i], k, index, distance2);
         for (unsigned j = 1; j < k; j++)
             own += sqrt((double)distance2[j]);
         sum += own / THREE;

@@ -1,6 +1,7 @@
 /* The door to two structures: arguments are checked here, for both. */
 #include "core/knn/knn.h"
 
+#include "core/base/linalg.h"
 #include "core/knn/knn_boxes.h"
 #include "core/knn/knn_flann.h"
 #include "core/knn/knn_join.h"
@@ -8,6 +9,7 @@
 #include <assert.h>
 #include <math.h>
 #include <stdatomic.h>
+#include <string.h>
 
 /* Largest coordinate: a domain has 1, a common frame of two clouds 1. Far more than that is a
  * caller's bug, and squares of it are still far from the end of float32. */
@@ -126,14 +128,15 @@ void vor_knn_free(struct vor_knn *knn)
 void vor_knn_search(const struct vor_knn *knn, const float *queries, size_t count, unsigned k,
                     uint32_t *index, float *distance2)
 {
+    struct vor_knn_last last = {.k = 0};
+
     assert(k >= 1 && k <= knn->n && count <= INT32_MAX / k);
     for (size_t i = 0; i < 3 * count; i++)
         assert(fabsf(queries[i]) <= QUERY_MAX);
     if (knn->boxes == NULL && count > 0)
         vor_flann_search(knn->flann, queries, count, k, index, distance2);
     for (size_t i = 0; knn->boxes != NULL && i < count; i++)
-        vor_boxes_search(knn->boxes, &queries[3 * i], k, INFINITY, &index[i * k],
-                         &distance2[i * k]);
+        vor_knn_search_next(knn, &last, &queries[3 * i], k, &index[i * k], &distance2[i * k]);
 }
 
 void vor_knn_search_within(const struct vor_knn *knn, const float query[3], unsigned k,
@@ -154,4 +157,17 @@ vor_status vor_knn_join(uint32_t *root, size_t *parts, const struct vor_knn *knn
 {
     assert(knn->boxes != NULL);
     return vor_boxes_join(root, parts, knn->boxes, distance, run, err);
+}
+
+void vor_knn_search_next(const struct vor_knn *knn, struct vor_knn_last *last, const float query[3],
+                         unsigned k, uint32_t *index, float *distance2)
+{
+    float within = INFINITY;
+
+    if (k <= last->k)
+        within = last->far + sqrtf((float)vor_distance2f(last->at, query));
+    vor_knn_search_within(knn, query, k, within, index, distance2);
+    memcpy(last->at, query, sizeof last->at);
+    last->far = sqrtf(distance2[k - 1]);
+    last->k = k;
 }

@@ -64,6 +64,19 @@ void vor_knn_search(const struct vor_knn *knn, const float *queries, size_t coun
 void vor_knn_search_within(const struct vor_knn *knn, const float query[3], unsigned k,
                            float within, uint32_t *index, float *distance2);
 
+/** What a search found, by which the next one of a row of queries near each other knows how far to
+ *  look: what was found is no farther away than it was, and as far again as the two queries are
+ * from each other. All zero before the first. */
+struct vor_knn_last {
+    float at[3], far; /* the query, and how far away the last of its k points was */
+    unsigned k;
+};
+
+/** vor_knn_search_within for the next query of a row in one index. The same answers as those of
+ *  vor_knn_search. */
+void vor_knn_search_next(const struct vor_knn *knn, struct vor_knn_last *last, const float query[3],
+                         unsigned k, uint32_t *index, float *distance2);
+
 /** Finds the parts of a cloud that are clear of each other. Points within `distance` of each other
  *  are in one part. So are the points of a box of the tree at most four distances wide, and those
  *  of two such boxes within a distance: parts clear of all others by nine distances are told apart

@@ -197,13 +197,14 @@ static void face_block(void *ctx, size_t begin, size_t end, unsigned worker)
     unsigned k = lop->domain->n < BESIDE ? (unsigned)lop->domain->n : BESIDE;
     uint32_t index[BESIDE];
     float distance2[BESIDE];
+    struct vor_knn_last last = {.k = 0};
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         float *x = lop->samples.xyz + 3 * i;
         const float *normal;
 
-        vor_knn_search(lop->domain->knn, x, 1, k, index, distance2);
+        vor_knn_search_next(lop->domain->knn, &last, x, k, index, distance2);
         normal = lop->data.normal + 3 * (size_t)index[0];
         if (!only_inserts(lop))
             face(x, lop->data.xyz + 3 * (size_t)index[0], normal, (double)distance2[k - 1]);

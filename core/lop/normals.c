@@ -52,7 +52,8 @@ struct normals {
     double scale; /* of vor_lop_alike */
 };
 
-unsigned vor_lop_around(const struct vor_domain *domain, size_t i, unsigned k, uint32_t *index)
+unsigned vor_lop_around(const struct vor_domain *domain, size_t i, unsigned k, uint32_t *index,
+                        struct vor_knn_last *last)
 {
     float distance2[VOR_LOP_NORMALS_MOST];
 
@@ -60,7 +61,7 @@ unsigned vor_lop_around(const struct vor_domain *domain, size_t i, unsigned k, u
         return vor_graph_around(&domain->graph, (uint32_t)i, index, k);
     if (k > domain->n)
         k = (unsigned)domain->n;
-    vor_knn_search(domain->knn, &domain->xyz[3 * i], 1, k, index, distance2);
+    vor_knn_search_next(domain->knn, last, &domain->xyz[3 * i], k, index, distance2);
     return k;
 }
 
@@ -106,11 +107,12 @@ static void plane_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct normals *normals = ctx;
     const struct vor_domain *domain = normals->domain;
+    struct vor_knn_last last = {.k = 0};
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         uint32_t *list = &normals->list[i * normals->most];
-        unsigned k = vor_lop_around(domain, i, counting(normals, i), list);
+        unsigned k = vor_lop_around(domain, i, counting(normals, i), list, &last);
 
         normals->count[i] = (uint16_t)k;
         normals->now.area[i] = area_of(normals, i);
@@ -171,6 +173,7 @@ static void choose_block(void *ctx, size_t begin, size_t end, unsigned worker)
 static void sign_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct normals *normals = ctx;
+    struct vor_knn_last last = {.k = 0};
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
@@ -178,7 +181,7 @@ static void sign_block(void *ctx, size_t begin, size_t end, unsigned worker)
         const double n[3] = {(double)normal[0], (double)normal[1], (double)normal[2]};
 
         if (vor_orientation_side(&normals->orientation, normals->domain,
-                                 &normals->domain->xyz[3 * i], n) < 0)
+                                 &normals->domain->xyz[3 * i], n, &last) < 0)
             for (unsigned c = 0; c < 3; c++)
                 normal[c] = -normal[c];
     }

@@ -86,10 +86,12 @@ static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
     unsigned k = project->domain->n < DENSITY_K ? (unsigned)project->domain->n : DENSITY_K;
     uint32_t index[DENSITY_K];
     float distance2[DENSITY_K];
+    struct vor_knn_last last = {.k = 0};
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        vor_knn_search(project->domain->knn, &project->domain->xyz[3 * i], 1, k, index, distance2);
+        vor_knn_search_next(project->domain->knn, &last, &project->domain->xyz[3 * i], k, index,
+                            distance2);
         project->own_area[i] = distance2[k - 1];
     }
 }

@@ -73,10 +73,11 @@ void vor_sides_free(struct vor_sides *sides, struct vor_memory *memory)
 static int agree(const struct vor_sides *sides, const float x[3], uint32_t source,
                  const double normal[3])
 {
+    struct vor_knn_last none = {.k = 0};
     double carried[3];
 
     if (!sides->carried_decide)
-        return vor_orientation_side(&sides->orientation, sides->domain, x, normal) >= 0;
+        return vor_orientation_side(&sides->orientation, sides->domain, x, normal, &none) >= 0;
     (void)vor_carried_normal(sides->carried, source, carried);
     return vor_dot(carried, normal) >= 0;
 }

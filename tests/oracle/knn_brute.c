@@ -83,6 +83,25 @@ static void sort_points(float *xyz, size_t n)
     vor_free(&vt_memory, order);
 }
 
+/* A row of queries of any k has the answers, ties and all, that each query has alone. */
+static void compare_row(const struct vor_knn *knn, const float *query, unsigned most)
+{
+    uint32_t *index = vor_malloc(&vt_memory, most, 2 * sizeof *index);
+    float *found = vor_malloc(&vt_memory, most, 2 * sizeof *found);
+    struct vor_knn_last last = {.k = 0};
+
+    for (size_t q = 0; q < QUERIES; q++) {
+        unsigned k = 1 + (unsigned)(vt_unit(most, q) * most);
+
+        vor_knn_search_next(knn, &last, &query[3 * q], k, index, found);
+        vor_knn_search(knn, &query[3 * q], 1, k, index + most, found + most);
+        ck_assert_mem_eq(index, index + most, k * sizeof *index);
+        ck_assert_mem_eq(found, found + most, k * sizeof *found);
+    }
+    vor_free(&vt_memory, found);
+    vor_free(&vt_memory, index);
+}
+
 /* Builds the tree on every pool; checks the first one's answers against the expected distances, the
  * others' against the first one's. */
 static void compare_boxes(const float *xyz, size_t n, const float *query, unsigned k,
@@ -98,6 +117,7 @@ static void compare_boxes(const float *xyz, size_t n, const float *query, unsign
 
         vt_assert_ok(vor_knn_build_sorted(&knn, xyz, n, &engine[p].run, &vt_err));
         vor_knn_search(knn, query, QUERIES, k, index + at, found + at);
+        compare_row(knn, query, k);
         vor_knn_free(knn);
         ck_assert_int_eq(memcmp(found + at, expected, values * sizeof *found), 0);
         ck_assert_int_eq(memcmp(index + at, index, values * sizeof *index), 0);
