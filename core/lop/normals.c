@@ -192,6 +192,7 @@ struct seen {
     unsigned k;
     const uint32_t *index;
     double weight[VOR_LOP_NORMALS_MOST]; /* by distance, and how near their planes pass by */
+    float normal[3][VOR_LOP_NORMALS_MOST];
 };
 
 static double dotf(const float a[3], const float b[3])
@@ -221,9 +222,25 @@ static void see(struct seen *seen, const struct normals *normals, size_t i)
         const float away[3] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
         double height = dotf(away, n);
 
+        for (int c = 0; c < 3; c++)
+            seen->normal[c][j] = n[c];
         seen->weight[j] = reach2 > 0 && off > 0 ? vor_lop_near(dotf(away, away), 1 / reach2) *
                                                       vor_lop_near(height * height, 1 / (off * off))
                                                 : 1;
+    }
+}
+
+/* Weights of what is seen, times how much each normal is like one. */
+VOR_CLONES static void agree(double *restrict weight, const struct seen *seen, const float n[3],
+                             double scale)
+{
+    double n0 = (double)n[0], n1 = (double)n[1], n2 = (double)n[2];
+
+    for (unsigned j = 0; j < seen->k; j++) {
+        double cosine = n0 * (double)seen->normal[0][j] + n1 * (double)seen->normal[1][j] +
+                        n2 * (double)seen->normal[2][j];
+
+        weight[j] = seen->weight[j] * vor_lop_alike(cosine, scale);
     }
 }
 
@@ -231,15 +248,15 @@ static void see(struct seen *seen, const struct normals *normals, size_t i)
 static const float *most_agreed(const struct normals *normals, const struct seen *seen)
 {
     const float *found = normal_now(normals, seen->index[0]);
-    double best = -1;
+    double weight[VOR_LOP_NORMALS_MOST], best = -1;
 
     for (unsigned c = 0; c < seen->k && c < CHOICES; c++) {
         const float *n = normal_now(normals, seen->index[c]);
         double sum = 0;
 
+        agree(weight, seen, n, normals->scale);
         for (unsigned j = 0; j < seen->k; j++)
-            sum += seen->weight[j] *
-                   vor_lop_alike(dotf(n, normal_now(normals, seen->index[j])), normals->scale);
+            sum += weight[j];
         if (sum > best) {
             best = sum;
             found = n;
@@ -252,15 +269,12 @@ static const float *most_agreed(const struct normals *normals, const struct seen
 static void smooth(float out[3], const struct normals *normals, const struct seen *seen,
                    const float about[3])
 {
-    double sum[3] = {0}, length;
+    double weight[VOR_LOP_NORMALS_MOST], sum[3] = {0}, length;
 
-    for (unsigned j = 0; j < seen->k; j++) {
-        const float *n = normal_now(normals, seen->index[j]);
-        double w = seen->weight[j] * vor_lop_alike(dotf(n, about), normals->scale);
-
+    agree(weight, seen, about, normals->scale);
+    for (unsigned j = 0; j < seen->k; j++)
         for (unsigned c = 0; c < 3; c++)
-            sum[c] += w * (double)n[c];
-    }
+            sum[c] += weight[j] * (double)seen->normal[c][j];
     length = sqrt(vor_dot(sum, sum));
     for (unsigned c = 0; c < 3; c++)
         out[c] = length > 0 ? (float)(sum[c] / length) : about[c];
