@@ -254,6 +254,7 @@ static const float *most_agreed(const struct normals *normals, const struct seen
         const float *n = normal_now(normals, seen->index[c]);
         double sum = 0;
 
+        memset(weight, 0, seen->k * sizeof *weight); /* gcc's analyzer cannot see what fills it */
         agree(weight, seen, n, normals->scale);
         for (unsigned j = 0; j < seen->k; j++)
             sum += weight[j];
@@ -271,6 +272,7 @@ static void smooth(float out[3], const struct normals *normals, const struct see
 {
     double weight[VOR_LOP_NORMALS_MOST], sum[3] = {0}, length;
 
+    memset(weight, 0, seen->k * sizeof *weight); /* gcc's analyzer cannot see what fills it */
     agree(weight, seen, about, normals->scale);
     for (unsigned j = 0; j < seen->k; j++)
         for (unsigned c = 0; c < 3; c++)
