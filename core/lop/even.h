@@ -14,13 +14,13 @@
 #include "core/seeds/outcome.h"
 
 /** Most steps that do more good than harm: each time that points are put back they follow the
- * latent surface, which is smoother than they are, and on edges they crowd. Resampled by 0 / 8 / 24
- * / 40 / 100: armadillo, 222,543 points with noise to 22,000, rms distance to the true
- * surface 4.7e-4 / 6.7e-4 / 7.3e-4 / 7.5e-4 / 8.1e-4, delta 0.132 / 0.127 / 0.120 / 0.116 / 0.126;
- *  fandisk30k_noise2 to 10,000, rms near edges 7.9e-4 / 7.8e-4 / 9.0e-4 / 1.01e-3 / 1.15e-3, from
- *  the true edge to the nearest point 4.8e-3 / 3.2e-3 / 3.0e-3 / 3.0e-3 / 3.0e-3, delta 0.137 /
- *  0.079 / 0.059 / 0.060 / 0.067; fandisk30k_noisy likewise, but delta 0.169 / 0.114 / 0.094 /
- * 0.087 / 0.082. */
+ *  latent surface, which is smoother than they are, and on edges they crowd. Resampled by 0 / 8 /
+ * 24 / 40 / 100: armadillo, 222,543 points with noise to 22,000, rms distance to the true surface
+ *  4.7e-4 / 6.0e-4 / 6.5e-4 / 6.7e-4 / 7.2e-4, delta 0.137 / 0.100 / 0.084 / 0.077 / 0.071;
+ *  fandisk30k_noise2 to 10,000, rms near edges 7.7e-4 / 7.8e-4 / 9.7e-4 / 1.05e-3 / 1.15e-3, from
+ *  the true edge to the nearest point 4.8e-3 / 3.2e-3 / 3.0e-3 / 3.0e-3 / 3.0e-3, delta 0.135 /
+ *  0.067 / 0.048 / 0.047 / 0.049; fandisk30k_noisy likewise, but delta 0.171 / 0.104 / 0.071 /
+ *  0.064 / 0.058. */
 enum { VOR_LOP_EVEN_MOST = 24 };
 
 /** How points are evened out. */
