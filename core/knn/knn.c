@@ -152,13 +152,6 @@ void vor_knn_search_within(const struct vor_knn *knn, const float query[3], unsi
     vor_boxes_search(knn->boxes, query, k, within, index, distance2);
 }
 
-vor_status vor_knn_join(uint32_t *root, size_t *parts, const struct vor_knn *knn, double distance,
-                        const struct vor_run *run, struct vor_error *err)
-{
-    assert(knn->boxes != NULL);
-    return vor_boxes_join(root, parts, knn->boxes, distance, run, err);
-}
-
 void vor_knn_search_next(const struct vor_knn *knn, struct vor_knn_last *last, const float query[3],
                          unsigned k, uint32_t *index, float *distance2)
 {
@@ -170,4 +163,11 @@ void vor_knn_search_next(const struct vor_knn *knn, struct vor_knn_last *last, c
     memcpy(last->at, query, sizeof last->at);
     last->far = sqrtf(distance2[k - 1]);
     last->k = k;
+}
+
+vor_status vor_knn_join(uint32_t *root, size_t *parts, const struct vor_knn *knn, double distance,
+                        const struct vor_run *run, struct vor_error *err)
+{
+    assert(knn->boxes != NULL);
+    return vor_boxes_join(root, parts, knn->boxes, distance, run, err);
 }

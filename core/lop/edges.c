@@ -14,7 +14,7 @@
  * they were seen by, at least, both as 1 - cosine: where a surface bends, planes around the place
  * where they meet turn less, and points that are put there are pushed to and fro. At 0 / 0.8 / 0.9
  * / 0.95: a screw's thread, 40,000 points with noise to 6,000, delta 0.134 / 0.072 / 0.062 / 0.057.
- * Wedges of 90 to 155 degrees, and fandisk, are the same at all. */
+ * At wedges of 90 to 155 degrees and on fandisk's edges points lie as near, and as even, at all. */
 #define TURNS 0.95
 /* Points of its own side that a point needs around it to be past its edge, and spacings that it is,
  * at least. */

@@ -250,11 +250,11 @@ static const float *most_agreed(const struct normals *normals, const struct seen
     const float *found = normal_now(normals, seen->index[0]);
     double weight[VOR_LOP_NORMALS_MOST], best = -1;
 
+    memset(weight, 0, seen->k * sizeof *weight); /* gcc's analyzer cannot see what fills it */
     for (unsigned c = 0; c < seen->k && c < CHOICES; c++) {
         const float *n = normal_now(normals, seen->index[c]);
         double sum = 0;
 
-        memset(weight, 0, seen->k * sizeof *weight); /* gcc's analyzer cannot see what fills it */
         agree(weight, seen, n, normals->scale);
         for (unsigned j = 0; j < seen->k; j++)
             sum += weight[j];

@@ -19,7 +19,7 @@ static void make_twins(struct vor_lop_samples *out, uint64_t seed, double apart)
 
         out->xyz[3 * i] = (float)(vt_unit(seed, 2 * of) + by);
         out->xyz[3 * i + 1] = (float)(vt_unit(seed, 2 * of + 1) + by);
-        memcpy(&out->xyz[3 * i + 2], (const float[]){0}, sizeof(float));
+        out->xyz[3 * i + 2] = 0;
         memcpy(&out->normal[3 * i], (const float[]){0, 0, 1}, 3 * sizeof(float));
     }
     out->n = N + TWINS;
