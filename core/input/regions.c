@@ -7,6 +7,7 @@
 #include "core/input/adjacency.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <string.h>
 
 /* Figures are points of shell60k (two sheets nearer than the spacing) of which most around in their
@@ -18,9 +19,10 @@ enum {
     BONDS = 24,     /* most pairs of a point that say anything */
     AROUND = 60,    /* nearest points that are looked at, as in input/grow.c */
     FEWEST = 8,     /* points that a surface goes through, and those of a list */
+    STIRRED = 200,  /* nearest points that look again where one changes */
     CANDIDATES = 4, /* regions that a point is asked about */
     SMALL = 30,     /* a region of fewer points is none: they are asked where they belong */
-    ROUNDS = 8      /* that points are asked in; 97 of them change in the last */
+    ROUNDS = 8      /* that points are asked in, one bit each; 97 of them change in the last */
 };
 
 #define NONE UINT32_MAX
@@ -58,6 +60,8 @@ struct regions {
     uint32_t *region;      /* n: number of a point of it, or NONE */
     uint32_t *next;        /* n: in the next round */
     unsigned char *mixed;  /* n: others are around */
+    atomic_uchar *asked;   /* n: a bit for each round that it is asked in: the first one, and after
+                              one in which a point around it changed */
     int round;
 };
 
@@ -155,6 +159,7 @@ static void bond_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct regions *regions = ctx;
     uint32_t index[PAIRED];
+    struct vor_knn_last last = {.k = 0};
     float distance2[PAIRED];
 
     (void)worker;
@@ -162,8 +167,8 @@ static void bond_block(void *ctx, size_t begin, size_t end, unsigned worker)
         struct vor_bond *bond = &regions->bond[i * BONDS];
         unsigned n = 0;
 
-        vor_knn_search(regions->domain->knn, point(regions, (uint32_t)i), 1, PAIRED, index,
-                       distance2);
+        vor_knn_search_next(regions->domain->knn, &last, point(regions, (uint32_t)i), PAIRED, index,
+                            distance2);
         for (unsigned e = 0; e < PAIRED && n < BONDS; e++) {
             uint32_t j = index[e];
             double says;
@@ -209,13 +214,15 @@ static double beside(const struct regions *regions, uint32_t i, uint32_t region,
 }
 
 /* Looks around point i, without itself. */
-static void look(struct around *out, const struct regions *regions, uint32_t i)
+static void look(struct around *out, const struct regions *regions, uint32_t i,
+                 struct vor_knn_last *last)
 {
     float distance2[AROUND];
 
     out->count = AROUND;
     out->regions = 0;
-    vor_knn_search(regions->domain->knn, point(regions, i), 1, AROUND, out->index, distance2);
+    vor_knn_search_next(regions->domain->knn, last, point(regions, i), AROUND, out->index,
+                        distance2);
     for (unsigned e = 0; e < AROUND; e++) {
         uint32_t region = regions->region[out->index[e]];
         unsigned c = 0;
@@ -259,20 +266,55 @@ static uint32_t ask(const struct regions *regions, uint32_t i, const struct arou
     return own;
 }
 
+static void ask_next_round(struct regions *regions, uint32_t i)
+{
+    (void)atomic_fetch_or_explicit(&regions->asked[i],
+                                   (unsigned char)(1U << (unsigned)(regions->round + 1)),
+                                   memory_order_relaxed);
+}
+
+/* Has those asked that may look at point i, which changes: they are farther from it than those that
+ * it looks at where points are denser around it. With 60 / 120 / 200 / all points the share of
+ * triangles of arma2_120k on two sheets is 1.70 / 1.60 / 1.36 / 1.36 % (with votes). */
+static void stir(struct regions *regions, uint32_t i)
+{
+    uint32_t index[STIRRED];
+    float distance2[STIRRED];
+    unsigned k = regions->domain->n < STIRRED ? (unsigned)regions->domain->n : STIRRED;
+
+    vor_knn_search(regions->domain->knn, point(regions, i), 1, k, index, distance2);
+    for (unsigned e = 0; e < k; e++)
+        ask_next_round(regions, index[e]);
+}
+
+static int is_asked(const struct regions *regions, size_t i)
+{
+    return atomic_load_explicit(&regions->asked[i], memory_order_relaxed) >>
+               (unsigned)regions->round &
+           1;
+}
+
 static void ask_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct regions *regions = ctx;
+    struct vor_knn_last last = {.k = 0};
     struct around around;
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         uint32_t own = regions->region[i];
 
-        look(&around, regions, (uint32_t)i);
-        regions->mixed[i] = own == NONE || around.regions > 1;
         regions->next[i] = own;
+        if (!is_asked(regions, i))
+            continue;
+        look(&around, regions, (uint32_t)i, &last);
+        regions->mixed[i] = own == NONE || around.regions > 1;
         if (around.regions > 1 || (around.regions == 1 && around.region[0] != own))
             regions->next[i] = ask(regions, (uint32_t)i, &around);
+        if (own == NONE)
+            ask_next_round(regions, (uint32_t)i);
+        if (regions->next[i] != own)
+            stir(regions, (uint32_t)i);
     }
 }
 
@@ -346,6 +388,8 @@ static vor_status make(struct regions *regions, const struct vor_run *run, struc
         status = vor_run_for(run, n, BLOCK, bond_block, regions, err);
     if (status == VOR_OK)
         status = decide(regions, run, err);
+    for (size_t i = 0; i < n; i++)
+        atomic_init(&regions->asked[i], 1);
     for (; regions->round < ROUNDS && status == VOR_OK; regions->round++) {
         uint32_t *held = regions->region;
 
@@ -370,15 +414,18 @@ vor_status vor_regions_make(struct vor_graph *graph, const struct vor_domain *do
     regions.bond = vor_malloc(memory, n, BONDS * sizeof *regions.bond);
     regions.bonds = vor_malloc(memory, n, 1);
     regions.mixed = vor_malloc(memory, n, 1);
+    regions.asked = vor_malloc(memory, n, sizeof *regions.asked);
     regions.region = vor_malloc(memory, n, sizeof *regions.region);
     regions.next = vor_malloc(memory, n, sizeof *regions.next);
     if (regions.leaf == NULL || regions.bond == NULL || regions.bonds == NULL ||
-        regions.mixed == NULL || regions.region == NULL || regions.next == NULL)
+        regions.mixed == NULL || regions.asked == NULL || regions.region == NULL ||
+        regions.next == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "regions of %zu points", n);
     else
         status = make(&regions, run, err);
     vor_free(memory, regions.next);
     vor_free(memory, regions.region);
+    vor_free(memory, regions.asked);
     vor_free(memory, regions.mixed);
     vor_free(memory, regions.bonds);
     vor_free(memory, regions.bond);
