@@ -2,8 +2,9 @@
  *
  *  Lists that were made place by place (input/adjacency.h, input/grow.h) hold points of two sheets
  *  where these are nearer to each other than their spacing. Here pairs of points say whether they
- *  lie on one sheet or on two, by how far the surface fitted to the list of one passes the other;
- *  all of them together decide (geom/parting.h). Then each point between two regions is asked
+ *  lie on one sheet or on two, by what two sheets fitted together around them say (input/votes.h),
+ *  and where none are by how far the surface fitted to the list of one passes the other; all of
+ *  them together decide (geom/parting.h). Then each point between two regions is asked
  *  again, from its neighbours alone: it belongs to the region through whose points around it a
  *  smooth surface (geom/through.h) leads nearest to it. Lists there keep to one region.
  *
@@ -19,7 +20,7 @@
  *
  *  @param[in,out] graph  of the domain's points, by vor_grow
  *
- *  @retval VOR_E_NOMEM 390 bytes a point do not fit, and 16 for each pair that parts, of 24 at most
+ *  @retval VOR_E_NOMEM 550 bytes a point do not fit, and 16 for each pair that parts, of 24 at most
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for; the graph is to be freed
  *
  *  O(n log^2 n), on the run's pool but for the decisions, which take one thread. The same lists for

@@ -87,6 +87,6 @@ int main(void)
     vt_add_figures(suite, lists_of_regions_hold_a_tenth_of_the_pairs_across, 2);
     vt_add_loop(suite, one_and_three_threads_make_the_same_lists, 1);
     vt_add_loop(suite, lists_of_one_sheet_stay_as_they_are, 1);
-    vt_add_loop(suite, memory_that_ends_is_an_error_and_leaks_nothing, 2);
+    vt_add_loop(suite, memory_that_ends_is_an_error_and_leaks_nothing, 9);
     return vt_run(suite);
 }
