@@ -307,6 +307,9 @@ struct vor_stage_done {
     X(U64, mesh_unsure, "mesh.unsure", "",                                                         \
       "Triangles that may join two sheets of the input, which lie too near to each other or "      \
       "cross: the surface at one corner passes another by, by more than a fifth of the way there") \
+    X(U64, mesh_left_out, "mesh.left_out", "",                                                     \
+      "Triangles left out where sheets of the input meet or cross, so that no place tells which "  \
+      "of them they are of")                                                                       \
     X(MESH_LOOPS, mesh_longest, "mesh.longest_loops", "", "The loops with most edges, at most 32") \
     X(REAL, mesh_seconds, "mesh.seconds", "s", "Making the triangles")                             \
     X(OPTIONAL, has_baselines, "baselines", "",                                                    \

@@ -6,6 +6,7 @@
 #include "core/mesh/exact.h"
 #include "core/mesh/facing.h"
 #include "core/mesh/flip.h"
+#include "core/mesh/meeting.h"
 #include "core/mesh/relax.h"
 #include "core/mesh/weave.h"
 #include "core/seeds/attach.h"
@@ -140,6 +141,30 @@ static vor_status better(struct making *making, struct vor_error *err)
                             : status;
 }
 
+static size_t count(const struct vor_complex *complex)
+{
+    size_t there = 0;
+
+    for (size_t t = 0; t < complex->count; t++)
+        there += complex->triangle[3 * t] != VOR_COMPLEX_GONE;
+    return there;
+}
+
+/* Leaves out triangles of which no place tells whether they are right; those first that pass
+ * through others for it. */
+static vor_status leave_out(struct making *making, struct vor_error *err)
+{
+    struct vor_complex *complex = &making->complex;
+    const struct vor_run *run = &making->seeds->run;
+    size_t before = count(complex);
+    vor_status status = vor_meeting_drop(complex, &making->sheet, run, err);
+
+    if (status == VOR_OK)
+        status = vor_crossing_drop(complex, &making->sheet, run, err);
+    making->report->mesh_left_out = before - count(complex);
+    return status;
+}
+
 static vor_status make(struct making *making, struct vor_error *err)
 {
     struct vor_seeds *seeds = making->seeds;
@@ -162,7 +187,7 @@ static vor_status make(struct making *making, struct vor_error *err)
     if (status == VOR_OK && making->how->moves)
         status = better(making, err);
     if (status == VOR_OK)
-        status = vor_crossing_drop(&making->complex, &making->sheet, run, err);
+        status = leave_out(making, err);
     return status == VOR_OK ? on_one(making, finish) : status;
 }
 
