@@ -308,8 +308,8 @@ struct vor_stage_done {
       "Triangles that may join two sheets of the input, which lie too near to each other or "      \
       "cross: the surface at one corner passes another by, by more than a fifth of the way there") \
     X(U64, mesh_left_out, "mesh.left_out", "",                                                     \
-      "Triangles left out where sheets of the input meet or cross, so that no place tells which "  \
-      "of them they are of")                                                                       \
+      "Triangles left out where the input has several sheets nearly everywhere: at points where "  \
+      "two sheets meet, those that pass through others, and what that cuts off")                   \
     X(MESH_LOOPS, mesh_longest, "mesh.longest_loops", "", "The loops with most edges, at most 32") \
     X(REAL, mesh_seconds, "mesh.seconds", "s", "Making the triangles")                             \
     X(OPTIONAL, has_baselines, "baselines", "",                                                    \

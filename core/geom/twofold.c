@@ -3,6 +3,7 @@
 #include "core/base/linalg.h"
 #include "core/base/vector.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -15,6 +16,8 @@ enum {
     LANES = 8,
     TIMES = 6 /* that sides and sheets are found in turn */
 };
+
+_Static_assert(MOST % LANES == 0, "sums over the points take whole vectors");
 
 typedef float lanes __attribute__((vector_size(4 * LANES)));
 
@@ -52,6 +55,7 @@ static void set_terms(float out[COMMON], double u, double v)
         out[k] = (float)term[k];
 }
 
+/* In one order of sums for any width of vectors. */
 VOR_INLINE float dot(const float *restrict a, const float *restrict b)
 {
     float part[LANES] = {0}, sum = 0;
@@ -234,7 +238,8 @@ static void start(struct work *work)
     }
 }
 
-/* Takes the frame: the mean of the points, and the directions along which they spread. */
+/* Takes the frame: the place, and the directions along which the points spread around their mean.
+ */
 static int take_frame(struct vor_twofold *out, const float *near, unsigned n, const double x[3])
 {
     double m[6] = {0}, mean[3] = {0}, values[3], axis[3][3], radius2 = 0;
@@ -324,6 +329,7 @@ int vor_twofold_fit(struct vor_twofold *out, const float *near, unsigned n, cons
     struct work work;
     int best = 0;
 
+    assert(n >= VOR_TWOFOLD_LEAST && n <= VOR_TWOFOLD_MOST);
     if (!take_frame(&found, near, n, x))
         return 0;
     set(&work, &found, near, n);

@@ -13,6 +13,10 @@
 /** Most points, and fewest: as many as two sheets have coefficients. */
 enum { VOR_TWOFOLD_MOST = 72, VOR_TWOFOLD_LEAST = 16 };
 
+/** Points that fits to both sheets of an input take: its labels (input/votes.h), and where they
+ *  meet (mesh/meeting.h). */
+enum { VOR_TWOFOLD_USUAL = 62 };
+
 /** Coefficients of q, of which the first are those of a quadratic. */
 enum { VOR_TWOFOLD_COMMON = 10, VOR_TWOFOLD_APART = 6 };
 
@@ -31,10 +35,11 @@ struct vor_twofold {
  *  @param[out] out   untouched where it returns 0
  *  @param[in]  near  n x 3, of which none is far from x
  *  @param[in]  n     VOR_TWOFOLD_LEAST .. VOR_TWOFOLD_MOST
+ *  @param[in]  x     the place: the origin, from which weights fall
  *
  *  @return 0 where the points do not determine a cubic over a plane
  *
- *  O(n), 17 us for 70 points. Thread-safe. Depends on nothing but its arguments. */
+ *  O(n), 17 us for VOR_TWOFOLD_USUAL points. Thread-safe. Depends on nothing but its arguments. */
 int vor_twofold_fit(struct vor_twofold *out, const float *near, unsigned n, const double x[3]);
 
 /** How far place x is above the middle between both sheets, measured across.

@@ -26,6 +26,9 @@ enum {
     ROUNDS = 8      /* that points are asked in, one bit each; 97 of them change in the last */
 };
 
+_Static_assert((int)PAIRED <= (int)VOR_VOTES_HEARD, "votes of all pairs are heard");
+_Static_assert(ROUNDS <= 8, "a byte has a bit for each round");
+
 #define NONE UINT32_MAX
 
 /* Half of the distances off each other's surface, in spacings, at which a pair in both lists and
@@ -38,9 +41,10 @@ enum {
 /* Longest way between such two, over that distance: farther away surfaces bend. At 2 / 4 / none
  * 298 / 214 / 231 wrong, 3 / 10 / 15 regions. */
 #define STEEP 4.0
-/* What a vote counts: those of fits to nearly the same points are not independent. At .07 / .1 /
- * .15 / .3, two fits around each point: arma2_120k to 40,000 across 1.65 / 1.77 / 1.70 / 1.67 %,
- * shell60k to 20,000 196 / 177 / 142 / 136 triangles. */
+/* What a vote counts: those of fits to nearly the same points are not independent. It matters
+ * little: at .07 / .1 / .15 / .3 with two fits around each point, .15 of which are .1 of three,
+ * arma2_120k to 40,000 across 1.65 / 1.77 / 1.70 / 1.67 %, shell60k to 20,000 196 / 177 / 142 / 136
+ * triangles. */
 #define VOTES_SHARE 0.1
 
 /* Most that a surface may be off a point that takes its region, in spacings, as in input/grow.c;
@@ -67,8 +71,8 @@ struct regions {
     uint32_t *region;      /* n: number of a point of it, or NONE */
     uint32_t *next;        /* n: in the next round */
     unsigned char *mixed;  /* n: others are around */
-    atomic_uchar *asked;   /* n: a bit for each round that it is asked in: the first one, and after
-                              one in which a point around it changed */
+    atomic_uchar *asked; /* n: a bit for each round that it is asked in: the first one, after one in
+                            which a point around it changed, and while it has no region */
     int round;
 };
 
@@ -162,7 +166,7 @@ static double strength(const struct regions *regions, uint32_t i, uint32_t j, do
     return 0;
 }
 
-/* The same as votes say it. */
+/* The same by the log odds of votes. */
 static double by_votes(double odds)
 {
     double x = VOTES_SHARE * odds;
@@ -291,9 +295,11 @@ static void ask_next_round(struct regions *regions, uint32_t i)
                                    memory_order_relaxed);
 }
 
-/* Has those asked that may look at point i, which changes: they are farther from it than those that
- * it looks at where points are denser around it. With 60 / 120 / 200 / all points the share of
- * triangles of arma2_120k on two sheets is 1.70 / 1.60 / 1.36 / 1.36 % (with votes). */
+/* Has those asked that may look at point i, which changes. Where points are denser around it they
+ * may be farther than those that it looks at; one that is missed keeps its answer. With 60 / 120 /
+ * 200 / all points the share of triangles of arma2_120k on two sheets is 1.70 / 1.60 / 1.36 / 1.36
+ * %.
+ */
 static void stir(struct regions *regions, uint32_t i)
 {
     uint32_t index[STIRRED];
@@ -331,7 +337,7 @@ static void ask_block(void *ctx, size_t begin, size_t end, unsigned worker)
             regions->next[i] = ask(regions, (uint32_t)i, &around);
         if (own == NONE)
             ask_next_round(regions, (uint32_t)i);
-        if (regions->next[i] != own)
+        if (regions->next[i] != own && regions->round + 1 < ROUNDS)
             stir(regions, (uint32_t)i);
     }
 }

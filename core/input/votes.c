@@ -2,6 +2,8 @@
 
 #include "core/geom/twofold.h"
 
+#include <assert.h>
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -13,20 +15,21 @@ enum { MEMBERS = VOR_VOTES_MEMBERS, FITS = VOR_VOTES_FITS };
 /* Nearest points that two sheets are fitted to. Of the triangles of arma2_120k to 40,000 lie on two
  * sheets with 70 / 70 and 45 / 70, 55 and 40 / 62, 48 and 36 points 1.97 / 1.70 / 1.65 / 1.49 %; of
  * shell60k to 20,000 165 / 142 / 143 / 118. Around every second point alone, 70 and 45: 1.90 %. */
-static const unsigned fitted[FITS] = {62, 48, 36};
-enum { WIDEST = 62 };
+static const unsigned fitted[FITS] = {VOR_TWOFOLD_USUAL, 48, 36};
+enum { WIDEST = VOR_TWOFOLD_USUAL };
 
 /* Least that points are off sheets fitted to them, over the radius: then rounding says more. */
 #define EXACT 0.003
 
-/* Steps in which the distance of the sheets over what points are off is kept, and from where on it
- * says no more. Measured by truth on arma2_120k: pairs whose lesser distance is .5 / 2 / 4 / 8 /
- * 12 times that are told right in 55 / 68 / 81 / 96 / 99 %. */
+/* Steps in which the distance of the sheets over what points are off is kept, and how many say no
+ * less than more of them: 10.4 times that. Measured by truth on arma2_120k: pairs whose lesser
+ * distance is .5 / 2 / 4 / 8 / 12 times that are told right in 55 / 68 / 81 / 96 / 99 %. */
 #define STEPS 12.0
-#define SUREST 10.4
+enum { SUREST = 125 };
+_Static_assert(SUREST <= SCHAR_MAX, "it is kept in a signed char");
 
-/* The lesser of what is said of two points as log odds. */
-static double odds(int a, int b)
+/* The lesser of what is said of two points as log odds: the parabola goes through those shares. */
+static double odds_of(int a, int b)
 {
     int least = (a < 0 ? -a : a) < (b < 0 ? -b : b) ? (a < 0 ? -a : a) : (b < 0 ? -b : b);
     double x = least / STEPS, l = 0.25 * x + 0.025 * x * x;
@@ -55,7 +58,7 @@ static void vote(signed char says[MEMBERS], const float *near, unsigned n)
             x[c] = (double)near[3 * e + c];
         (void)vor_twofold_above(&two, x, &half);
         apart = 2 * fabs(half) / fmax(two.off, EXACT * two.radius);
-        says[e] = (signed char)(two.side[e] * (int)(STEPS * fmin(apart, SUREST) + 0.5));
+        says[e] = (signed char)(two.side[e] * (int)fmin(STEPS * apart + 0.5, SUREST));
     }
 }
 
@@ -141,12 +144,13 @@ static unsigned find_place(const unsigned char place[SLOTS], const uint32_t *ind
     return place[slot];
 }
 
-void vor_votes_hear(double *sum, const struct vor_votes *votes, uint32_t i, const uint32_t *index,
+void vor_votes_hear(double *odds, const struct vor_votes *votes, uint32_t i, const uint32_t *index,
                     unsigned count)
 {
     unsigned char place[SLOTS];
 
-    memset(sum, 0, count * sizeof *sum);
+    assert(count <= VOR_VOTES_HEARD);
+    memset(odds, 0, count * sizeof *odds);
     if (votes->of == NULL)
         return;
     list_places(place, index, count);
@@ -162,7 +166,7 @@ void vor_votes_hear(double *sum, const struct vor_votes *votes, uint32_t i, cons
             unsigned at = find_place(place, index, of->member[k]);
 
             for (int fit = 0; fit < FITS && at != NOWHERE; fit++)
-                sum[at] += odds(of->says[fit][own], of->says[fit][k]);
+                odds[at] += odds_of(of->says[fit][own], of->says[fit][k]);
         }
     }
 }

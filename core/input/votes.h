@@ -31,7 +31,8 @@ struct vor_votes {
     struct vor_votes_of *of; /**< n */
 };
 
-/** Makes the votes around points where fits are made to lists of one sheet (graph->own).
+/** Makes the votes around points where fits are made to lists of one sheet (graph->own); none where
+ *  there are fewer points than a fit takes.
  *
  *  @param[out] out  free with vor_votes_free; untouched on failure
  *

@@ -8,12 +8,13 @@
 #include <string.h>
 
 enum {
-    BLOCK = 64,  /* points of one task, each of which searches */
-    AROUND = 62, /* nearest input points that both sheets are fitted to, as in input/votes.c */
-    FEWEST = 4   /* of the VOR_ADJACENT nearest on another sheet by the lists */
+    BLOCK = 64, /* points of one task, each of which searches */
+    FEWEST = 4, /* of the VOR_ADJACENT nearest that are in no list with the seed's root */
+    AROUND = VOR_TWOFOLD_USUAL
 };
 
-/* The squared spacing of one of two sheets with AROUND points on a disc of radius 1. */
+/* The squared spacing of one of two sheets with AROUND points on a disc of radius 1. Beside a rim
+ * they reach farther, so that it is less than that. */
 #define SPACING2 (2 * 3.14159265358979 / AROUND)
 
 /* Most that neighbours may be on one side alike, from -1 to 1: over one sheet that two are fitted

@@ -1,9 +1,10 @@
 /** Takes away triangles where two sheets meet.
  *
  *  Along the lines where sheets cross, and where they all but touch, a point lies as near to the
- *  one as to the other: no place tells which of them its triangles are of, and some lead from sheet
- *  to sheet. Two sheets fitted together to the input around a point (geom/twofold.h) tell how far
- *  apart they are there. The price is an opening along such a line, as with mesh/crossing.h.
+ *  one as to the other: its position does not tell which of them its triangles are of, and some
+ * lead from sheet to sheet. Two sheets fitted together to the input around a point (geom/twofold.h)
+ * tell how far apart they are there. The price is an opening along such a line, as with
+ * mesh/crossing.h.
  *
  *  Source: none of the papers. */
 #ifndef VOR_MESH_MEETING_H
@@ -13,8 +14,10 @@
 #include "core/mesh/sheet.h"
 
 /** Drops triangles with a corner where two sheets are nearer to each other than VOR_MEETING_NEAR
- *  spacings of one. Does nothing where the input was not found to have sheets on most of it
- *  (input/regions.h).
+ *  spacings of one: a seed that was fitted to one of several, beside input points in no list with
+ *  its own, and around which points do not keep to one side by their place, as on a bump of one
+ *  sheet. Then points keep the largest of their fans. Does nothing where the input was not found to
+ * have sheets on most of it (input/regions.h).
  *
  *  @param[in,out] complex  no point has several fans; stays so
  *  @param[in]     sheet    of its points, which may have moved since they were listed

@@ -150,8 +150,8 @@ static size_t count(const struct vor_complex *complex)
     return there;
 }
 
-/* Leaves out triangles of which no place tells whether they are right; those first that pass
- * through others for it. */
+/* Leaves out triangles where sheets meet, and then what passes through others: the wrong ones among
+ * the former would take right ones with them. */
 static vor_status leave_out(struct making *making, struct vor_error *err)
 {
     struct vor_complex *complex = &making->complex;

@@ -106,6 +106,7 @@ START_TEST(a_sphere_and_a_torus_are_closed_and_face_outward)
         ck_assert_uint_eq(meshed.report.mesh_components, 1);
         ck_assert_uint_eq(meshed.report.mesh_loops, 0);
         ck_assert_uint_eq(meshed.report.mesh_unsure, 0);
+        ck_assert_uint_eq(meshed.report.mesh_left_out, 0);
         for (size_t t = 0; t < meshed.mesh.count; t++) {
             double here = volume6(&meshed, t);
 
@@ -254,6 +255,7 @@ START_TEST(a_mesh_of_two_sheets_that_bend_lies_on_them_and_joins_them_at_few_pla
                     fabs(between_sheets(&meshed.cloud.xyz[3 * i], apart) - 1)) /
                (double)meshed.cloud.n;
     ck_assert_double_lt(off, 0.01);
+    ck_assert_uint_gt(meshed.report.mesh_left_out, 0);
     ck_assert_msg(joining(&meshed, apart) <= JOINING, "%zu triangles join the sheets",
                   joining(&meshed, apart));
     vt_meshed_free(&meshed);

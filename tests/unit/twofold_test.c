@@ -184,7 +184,7 @@ START_TEST(each_point_is_on_its_nearer_sheet_and_no_other_sheets_leave_less)
 END_TEST
 
 /* One sheet with noise: what parts the two that are fitted is that noise. */
-START_TEST(over_one_sheet_two_are_as_far_apart_as_it_is_noisy)
+START_TEST(over_one_sheet_two_are_no_farther_apart_than_it_is_noisy)
 {
     struct sheets sheets = {.noise = 0.01, .size = 1};
     struct vor_twofold two;
@@ -229,7 +229,7 @@ int main(void)
     vt_add(suite, sheets_that_cross_keep_their_sides_beyond_the_line);
     vt_add_loop(suite, height_and_distance_are_those_of_the_sheets_at_any_scale_and_place, 10);
     vt_add_loop(suite, each_point_is_on_its_nearer_sheet_and_no_other_sheets_leave_less, 10);
-    vt_add_loop(suite, over_one_sheet_two_are_as_far_apart_as_it_is_noisy, 20);
+    vt_add_loop(suite, over_one_sheet_two_are_no_farther_apart_than_it_is_noisy, 20);
     vt_add(suite, points_on_a_curve_or_at_one_place_determine_none);
     return vt_run(suite);
 }

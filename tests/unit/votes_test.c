@@ -7,9 +7,9 @@
 
 #include <math.h>
 
-enum { N = 6000, HEARD = 40 };
+enum { N = 2500, HEARD = 40 };
 
-#define WAVES 24.0 /* to a side */
+#define WAVES 16.0 /* to a side */
 #define SURE 4.6   /* log odds of 99 % */
 
 static void start(struct vt_lists *bed, struct vor_votes *votes, unsigned threads, int seed)
@@ -50,13 +50,13 @@ START_TEST(pairs_that_votes_are_sure_of_are_told_right)
         }
     }
     ck_assert_uint_gt(sure, 10 * N);
-    ck_assert_msg(100 * wrong < sure, "%zu of %zu pairs are wrong", wrong, sure);
+    ck_assert_msg(1000 * wrong < 2 * sure, "%zu of %zu pairs are wrong", wrong, sure);
     vor_votes_free(&votes);
     vt_lists_end(&bed);
 }
 END_TEST
 
-START_TEST(pairs_are_told_alike_from_both_ends_where_both_hear_the_same_fits)
+START_TEST(sure_pairs_are_told_alike_from_both_ends)
 {
     struct vt_lists bed;
     struct vor_votes votes;
@@ -147,7 +147,7 @@ int main(void)
     Suite *suite = suite_create("votes");
 
     vt_add_figures(suite, pairs_that_votes_are_sure_of_are_told_right, 2);
-    vt_add_figures(suite, pairs_are_told_alike_from_both_ends_where_both_hear_the_same_fits, 1);
+    vt_add_figures(suite, sure_pairs_are_told_alike_from_both_ends, 1);
     vt_add(suite, one_and_three_threads_make_the_same_votes);
     vt_add(suite, nothing_is_said_where_lists_are_of_one_sheet);
     vt_add(suite, memory_that_ends_is_an_error_and_leaks_nothing);
