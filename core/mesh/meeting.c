@@ -14,7 +14,8 @@ enum {
 };
 
 /* The squared spacing of one of two sheets with AROUND points on a disc of radius 1. Beside a rim
- * they reach farther, so that it is less than that. */
+ * the points fill half of it: the spacing is taken for up to 1.4 times what it is, at a corner
+ * twice. */
 #define SPACING2 (2 * 3.14159265358979 / AROUND)
 
 /* Most that neighbours may be on one side alike, from -1 to 1: over one sheet that two are fitted

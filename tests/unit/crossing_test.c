@@ -2,6 +2,7 @@
 #include "core/base/linalg.h"
 #include "core/base/rng.h"
 #include "core/mesh/crossing.h"
+#include "tests/support/vt_complex.h"
 #include "tests/support/vt_engine.h"
 
 #include <string.h>
@@ -18,15 +19,6 @@ struct bed {
     struct vor_complex complex;
     float xyz[3 * N];
 };
-
-static void add_square(struct bed *bed, uint32_t first)
-{
-    const uint32_t one[3] = {first, first + 1, first + SIDE};
-    const uint32_t two[3] = {first + 1, first + SIDE + 1, first + SIDE};
-
-    vt_assert_ok(vor_complex_add(&bed->complex, one, &vt_err));
-    vt_assert_ok(vor_complex_add(&bed->complex, two, &vt_err));
-}
 
 static void start(struct bed *bed, unsigned threads, uint64_t seed, int sheets)
 {
@@ -47,11 +39,8 @@ static void start(struct bed *bed, unsigned threads, uint64_t seed, int sheets)
     bed->sheet.seeds = &bed->seeds;
     bed->sheet.graph = &bed->graph;
     vt_assert_ok(vor_complex_init(&bed->complex, N, &vt_memory, &vt_err));
-    for (uint32_t k = 0; k < EACH; k++)
-        if (k % SIDE + 1 < SIDE && k / SIDE + 1 < SIDE) {
-            add_square(bed, k);
-            add_square(bed, k + EACH);
-        }
+    vt_complex_lattice(&bed->complex, 0, SIDE);
+    vt_complex_lattice(&bed->complex, EACH, SIDE);
 }
 
 static void end(struct bed *bed)

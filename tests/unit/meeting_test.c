@@ -2,6 +2,7 @@
 #include "core/base/rng.h"
 #include "core/input/adjacency.h"
 #include "core/mesh/meeting.h"
+#include "tests/support/vt_complex.h"
 #include "tests/support/vt_engine.h"
 
 #include <math.h>
@@ -28,15 +29,6 @@ struct bed {
     struct vor_complex complex;
     float xyz[3 * N];
 };
-
-static void add_square(struct bed *bed, uint32_t first)
-{
-    const uint32_t one[3] = {first, first + 1, first + SIDE};
-    const uint32_t two[3] = {first + 1, first + SIDE + 1, first + SIDE};
-
-    vt_assert_ok(vor_complex_add(&bed->complex, one, &vt_err));
-    vt_assert_ok(vor_complex_add(&bed->complex, two, &vt_err));
-}
 
 /* Lists of the nearest points of the same lattice. */
 static void make_lists(struct bed *bed)
@@ -83,11 +75,8 @@ static void start(struct bed *bed, unsigned threads, uint64_t seed, double slope
     bed->sheet.graph = &bed->graph;
     bed->sheet.root = bed->root;
     vt_assert_ok(vor_complex_init(&bed->complex, N, &vt_memory, &vt_err));
-    for (uint32_t k = 0; k < EACH; k++)
-        if (k % SIDE + 1 < SIDE && k / SIDE + 1 < SIDE) {
-            add_square(bed, k);
-            add_square(bed, k + EACH);
-        }
+    vt_complex_lattice(&bed->complex, 0, SIDE);
+    vt_complex_lattice(&bed->complex, EACH, SIDE);
 }
 
 static void end(struct bed *bed)
