@@ -15,6 +15,14 @@ LDHARDEN := -pie -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack
 # Programs that only run here are linked by gold: a test in 0.13 s of CPU, where ld takes 0.35 s.
 LDFAST := -fuse-ld=gold
 ASKED := 'HARDEN=$(HARDEN)' 'LDHARDEN=$(LDHARDEN)' 'LDFAST=$(LDFAST)'
+# What one tree has compiled another does not compile again, where ccache is installed: paths are mapped, so that a clone in
+# another folder finds it. VORONOID_CACHE holds at most 2 GB; results of static analysis stand beside (tests/lint/static.sh).
+export VORONOID_CACHE ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/voronoid
+export CCACHE_DIR := $(VORONOID_CACHE)/ccache
+export CCACHE_BASEDIR := $(CURDIR)
+export CCACHE_MAXSIZE := 1900M
+CCACHE := $(shell command -v ccache)
+MAPPED := -ffile-prefix-map=$(CURDIR)=.
 PROBED := build/probed/$(subst /,_,$(subst $() ,_,$(CC)+$(CXX)))
 -include $(PROBED)
 
@@ -40,7 +48,7 @@ EXTENSIONS := $(if $(filter toy,$(config)),-DVOR_EXTENSIONS='"$(TOY)/toy.h"')
 # Headers of the machine that compiles are no use to arm64.
 PKG_FLAGS := $(if $(filter-out arm64,$(config)),$(shell pkg-config --cflags $(PKGS) 2>/dev/null))
 # Same bytes on every machine: no contraction into fused multiply-add.
-COMMON := $(flags) -ffp-contract=off -fno-math-errno -pthread -I. -MMD -MP -DVOR_VERSION='"$(VERSION)"' $(EXTENSIONS) \
+COMMON := $(flags) $(MAPPED) -ffp-contract=off -fno-math-errno -pthread -I. -MMD -MP -DVOR_VERSION='"$(VERSION)"' $(EXTENSIONS) \
           $(PKG_FLAGS)
 ALL_CFLAGS := -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE $(CWARN) $(COMMON) $(CFLAGS)
 ALL_CXXFLAGS := -std=c++17 $(WARN) $(COMMON) $(CXXFLAGS)
@@ -108,12 +116,12 @@ $(PROBED): Makefile docker/probe.sh
 $(B)/%.o: %.c
 	@mkdir -p $(@D)
 	@echo "  CC   $<"
-	@$(CC) $(ALL_CFLAGS) $(OWN_CFLAGS) -c $< -o $@
+	@$(CCACHE) $(CC) $(ALL_CFLAGS) $(OWN_CFLAGS) -c $< -o $@
 
 $(B)/%.o: %.cc
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
-	@$(CXX) $(ALL_CXXFLAGS) -c $< -o $@
+	@$(CCACHE) $(CXX) $(ALL_CXXFLAGS) -c $< -o $@
 
 # Which engine this is: a digest of its sources, for build_info among the metrics.
 ENGINE_SRC := $(sort $(shell find core -name '*.[ch]'))
@@ -173,7 +181,7 @@ $(B)/tests/oracle/mesh_qhull: TEST_LIBS += -lqhull_r
 $(B)/kinds/%.o: %.c
 	@mkdir -p $(@D)
 	@echo "  CC   $<"
-	@$(CC) $(ALL_CFLAGS) -DVOR_EXTENSIONS='"tests/kinds/rows.h"' -c $< -o $@
+	@$(CCACHE) $(CC) $(ALL_CFLAGS) -DVOR_EXTENSIONS='"tests/kinds/rows.h"' -c $< -o $@
 
 $(B)/tests/kinds/%: $(B)/kinds/tests/kinds/%.o $(KINDS_OBJ) $(SUPPORT) $(LIB)
 	@mkdir -p $(@D)
@@ -189,7 +197,7 @@ $(B)/tests/bench/%: $(B)/tests/bench/%.o $(LIB)
 $(addprefix $(B)/tests/bench/,wlop orient front ear): $(B)/tests/bench/%: tests/bench/%.cc
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
-	@$(CXX) -std=c++17 -O3 -DNDEBUG $< -o $@ -lmpfr -lgmp
+	@$(CCACHE) $(CXX) -std=c++17 -O3 -DNDEBUG $< -o $@ -lmpfr -lgmp
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)
 
