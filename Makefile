@@ -48,12 +48,13 @@ EXTENSIONS := $(if $(filter toy,$(config)),-DVOR_EXTENSIONS='"$(TOY)/toy.h"')
 # Headers of the machine that compiles are no use to arm64.
 PKG_FLAGS := $(if $(filter-out arm64,$(config)),$(shell pkg-config --cflags $(PKGS) 2>/dev/null))
 # Same bytes on every machine: no contraction into fused multiply-add.
-COMMON := $(flags) $(MAPPED) -ffp-contract=off -fno-math-errno -pthread -I. -MMD -MP -DVOR_VERSION='"$(VERSION)"' $(EXTENSIONS) \
+COMMON := $(flags) $(MAPPED) -ffp-contract=off -fno-math-errno -pthread -I. -isystem build/headers -MMD -MP -DVOR_VERSION='"$(VERSION)"' $(EXTENSIONS) \
           $(PKG_FLAGS)
 ALL_CFLAGS := -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE $(CWARN) $(COMMON) $(CFLAGS)
 ALL_CXXFLAGS := -std=c++17 $(WARN) $(COMMON) $(CXXFLAGS)
-# FLANN's pkg-config file drags in HDF5 and MPI, which only its own tools use.
-LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lflann -lm -lstdc++
+# FLANN by the library that runs: its -dev package, whose headers may stand in build/headers alone (docker/install.sh), brings
+# HDF5, MPI and boost, which only its own tools use.
+LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -l:libflann.so.1.9 -lm -lstdc++
 TEST_LIBS := $(shell pkg-config --libs check 2>/dev/null)
 LINK := $(CXX) $(flags) $(if $(filter release debug toy arm64,$(config)),$(LDHARDEN)) -pthread $(LDFLAGS)
 LINK_TEST := $(LINK) $(if $(filter-out arm64,$(config)),$(LDFAST))
@@ -78,7 +79,10 @@ KINDS_OBJ := $(addprefix $(B)/kinds/,$(addsuffix .o,core/spec core/spec/tables c
     proto/json/json_process))
 KINDS_BIN := $(addprefix $(B)/,$(basename $(wildcard tests/kinds/*.c)))
 TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC))) $(KINDS_BIN)
-TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t $(if $(filter-out tsan,$(config)),tests/cli/*.t tests/lint/*.t) $(if $(filter release,$(config)),tests/page/*.t)))
+# Of the laws two are asked of the binary; the others read the sources and are `make quick`.
+BINARY_LAWS := tests/lint/hardening.t tests/lint/openapi.t
+SOURCE_LAWS := $(sort $(filter-out $(BINARY_LAWS),$(wildcard tests/lint/*.t)))
+TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t $(if $(filter-out tsan,$(config)),tests/cli/*.t) $(if $(filter release,$(config)),$(BINARY_LAWS) tests/page/*.t)))
 TOY_SCRIPTS := $(if $(filter release,$(config)),$(sort $(wildcard tests/toy/*.t)))
 TEST_SCRIPTS += $(TOY_SCRIPTS)
 SPARED.tsan := tests/http/contract.t tests/http/readme.t
@@ -92,7 +96,7 @@ BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/
 .DELETE_ON_ERROR:
 # Objects that only rules by pattern name are kept. Of other files none is listed: what is missing is made, even if nothing is newer.
 .SECONDARY: $(patsubst %.c,$(B)/%.o,$(wildcard tests/*/*.c)) $(KINDS_OBJ) $(KINDS_BIN:$(B)/%=$(B)/kinds/%.o)
-GOALS := all help demo test check soak torture bench fuzz proxy cross arm64 lint contract format image install uninstall clean
+GOALS := all help demo test check gate gate-long soak torture bench fuzz proxy cross arm64 lint quick static contract format image install uninstall clean
 .PHONY: $(GOALS)
 
 # Every core is used unless -j says otherwise. Of several goals typed together one ends before the next begins.
@@ -107,7 +111,7 @@ endif
 all: $(BIN) ## build the binary (default)
 
 help: ## list the targets
-	@awk -F':.*## ' '/^[a-z0-9]+:.*## /{printf "  %-9s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F':.*## ' '/^[a-z0-9-]+:.*## /{printf "  %-9s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 	@echo '  config=release|debug|asan|tsan|cover|toy picks flags and build/<config>/'
 
 $(PROBED): Makefile docker/probe.sh
@@ -207,6 +211,12 @@ demo: ## install what is missing, build, and send a real scan through the daemon
 	@$(MAKE) --no-print-directory all
 	@tests/demo/demo.sh $(BIN) $(if $(CLOUD),'$(CLOUD)')
 
+gate: ## install what is missing, and run what every submission must pass; seconds of each step in build/gate/steps
+	+@tests/support/gate.sh
+
+gate-long: ## the same with everything: soak, all tests under sanitizers, a minute of each fuzzer, arm64, torture
+	+@tests/support/gate.sh long
+
 test: ## install what is missing, build, and run every test (V=1 is verbose)
 	@docker/install.sh build test page
 	@$(MAKE) --no-print-directory check
@@ -232,10 +242,10 @@ bench: ## install what is missing, build, and measure: tables and plots in build
 	@tests/bench/bench.sh $(BIN)
 
 # Fuzzers are linked with a tree of their own: clang's libFuzzer, AddressSanitizer and UBSan.
-FUZZ_SECONDS ?= 60
+FUZZ_SECONDS ?= -
 FUZZ := $(patsubst tests/fuzz/%_fuzz.c,%,$(wildcard tests/fuzz/*_fuzz.c))
 
-fuzz: ## fuzz every reader for FUZZ_SECONDS each, from the kept corpus
+fuzz: ## replay the kept corpus of every reader, then fuzz those that changed, or all for FUZZ_SECONDS=n each
 	@$(MAKE) --no-print-directory config=fuzz CC=clang CXX=clang++ $(FUZZ:%=build/fuzz/tests/fuzz/%_fuzz)
 	@tests/fuzz/run.sh build/fuzz $(FUZZ_SECONDS) $(JOBS) $(FUZZ)
 
@@ -269,10 +279,18 @@ arm64: ## install what is missing, cross-compile for arm64, run the unit tests u
 .PHONY: objects
 objects: $(call obj,$(filter core/% proto/%,$(SRC)))
 
-lint: ## formatting, include law, static analysis, shell and YAML
+lint: ## install what is missing, and check the sources: `quick`, `static`, and what the binary says of itself
 	@docker/install.sh build test lint
+	@$(MAKE) --no-print-directory quick
 	@$(MAKE) --no-print-directory all
-	@VORONOID=$(BIN) prove -j$(JOBS) --exec '' $(sort $(wildcard tests/lint/*.t))
+	@VORONOID=$(BIN) prove -j$(JOBS) --exec '' $(BINARY_LAWS)
+	@$(MAKE) --no-print-directory static
+
+quick: ## what the sources alone tell in seconds: formatting, include law, shapes, shell and YAML
+	@tests/lint/format.sh
+	@prove -j$(JOBS) --exec '' $(SOURCE_LAWS)
+
+static: ## clang-tidy, gcc -fanalyzer and cppcheck over the product; what they have passed before they are not asked again
 	@tests/lint/static.sh
 
 contract: ## openapi.yaml before redocly, spectral and TypeScript, which npm installs under build/

@@ -7,6 +7,7 @@ use File::Temp qw(tempdir);
 use Test::More;
 
 my $dir = tempdir(CLEANUP => 1);
+system("mkdir $dir/docker && cp docker/install.sh docker/packages.txt $dir/docker") == 0 or die;
 
 sub tool {
     my ($name, $script) = @_;
@@ -19,7 +20,7 @@ sub tool {
 # Runs install.sh for the stage build: its status and all that it said.
 sub install {
     unlink "$dir/calls";
-    my $said = `PATH=$dir:\$PATH docker/install.sh build 2>&1`;
+    my $said = `VORONOID_APT_WAIT=20 PATH=$dir:\$PATH $dir/docker/install.sh build 2>&1`;
     return ($? >> 8, $said);
 }
 
@@ -42,6 +43,7 @@ END
 }
 
 tool('dpkg-query', "exit 1\n");
+tool('dpkg-deb', "mkdir -p \$3/usr/include/flann && echo found >\$3/usr/include/flann/flann.h\n");
 tool('id', "echo 0\n");
 tool('sleep', "exit 0\n");
 
@@ -60,7 +62,7 @@ for my $held (sort keys %error) {
 apt_get('update', 100000, $error{update});
 my ($status, $said) = install();
 isnt $status, 0, 'a lock that is never given back fails';
-is scalar(() = calls() =~ /^update$/mg), 151, 'after five minutes of two seconds';
+is scalar(() = calls() =~ /^update$/mg), 11, 'after as many tries as two seconds go into the time it waits';
 like $said, qr/held by process 7/, 'with the reason of apt-get';
 
 apt_get('install', 100000, 'Unable to locate package nothing');
@@ -68,6 +70,15 @@ apt_get('install', 100000, 'Unable to locate package nothing');
 isnt $status, 0, 'another failure fails';
 is scalar(() = calls() =~ /^install$/mg), 1, 'at once';
 like $said, qr/Unable to locate package nothing/, 'with its reason';
+
+unlink "$dir/build/headers/libflann-dev";
+apt_get('update', 0, '');
+($status, $said) = install();
+is $status, 0, 'with all that is missing installed';
+is calls(), "update\ninstall\ndownload\n", 'one update, one install, and one package of which only the headers are fetched';
+is `cat $dir/build/headers/flann/flann.h`, "found\n", 'which then stand in build/headers';
+install();
+is calls(), "update\ninstall\n", 'and are not fetched again';
 
 tool('id', "echo 1000\n");
 tool('sudo', "exit 1\n");
