@@ -79,8 +79,8 @@ KINDS_OBJ := $(addprefix $(B)/kinds/,$(addsuffix .o,core/spec core/spec/tables c
     proto/json/json_process))
 KINDS_BIN := $(addprefix $(B)/,$(basename $(wildcard tests/kinds/*.c)))
 TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC))) $(KINDS_BIN)
-# Of the laws two are asked of the binary; the others read the sources and are `make quick`.
-BINARY_LAWS := tests/lint/hardening.t tests/lint/openapi.t
+# Of the laws these are read off the build; the others read the sources and are `make quick`.
+BINARY_LAWS := tests/lint/engine.t tests/lint/hardening.t tests/lint/openapi.t
 SOURCE_LAWS := $(sort $(filter-out $(BINARY_LAWS),$(wildcard tests/lint/*.t)))
 TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t $(if $(filter-out tsan,$(config)),tests/cli/*.t) $(if $(filter release,$(config)),$(BINARY_LAWS) tests/page/*.t)))
 TOY_SCRIPTS := $(if $(filter release,$(config)),$(sort $(wildcard tests/toy/*.t)))

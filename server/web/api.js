@@ -31,7 +31,9 @@ const parse = (text) => {
     }
 };
 
-/** Asks for a path under the root. Resolves to the Response if it is a success or 304, else rejects with a Problem. */
+/** Asks for a path under the root. Resolves to the Response if it is a success or 304, else rejects with a Problem.
+ *  @param {string} path
+ *  @param {{method?: string, more?: object, body?: BodyInit, signal?: AbortSignal}} options */
 export async function ask(path, { method = 'GET', more = {}, body, signal } = {}) {
     const answer = await fetch(new URL(path, ROOT), { method, headers: headers(more), body, signal, cache: 'no-store' })
         .catch((error) => { throw error.name === 'AbortError' ? error : new Error('The daemon does not answer.'); });

@@ -32,7 +32,7 @@ function tell() {
     $('mesh-words').textContent = isFaces ? 'The cloud is a mesh, and points of its faces are taken.' : 'The cloud is a mesh, of which the vertices are taken.';
     $('mesh-turn').textContent = isFaces ? 'Take its vertices' : 'Take its faces';
     const { process, values } = asked(), is = JSON.stringify(Object.entries(values).sort());
-    for (const one of $('presets').children)
+    for (const one of /** @type {HTMLElement[]} */ ([...$('presets').children]))
         one.setAttribute('aria-pressed', String(one.dataset.process === process && one.dataset.values === is));
 }
 

@@ -123,12 +123,13 @@ function drop({ number }) {
 
 const OPERATIONS = { read, normals, spacing, distance, drop };
 
-self.onmessage = async ({ data }) => {
+const worker = /** @type {any} */ (self); /* tsc takes it for a window */
+worker.onmessage = async ({ data }) => {
     try {
         const answer = await OPERATIONS[data.what](data);
         const buffers = Object.values(answer).filter(ArrayBuffer.isView).map((array) => array.buffer);
-        self.postMessage({ call: data.call, answer }, buffers);
+        worker.postMessage({ call: data.call, answer }, buffers);
     } catch (error) {
-        self.postMessage({ call: data.call, error: error.message });
+        worker.postMessage({ call: data.call, error: error.message });
     }
 };

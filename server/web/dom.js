@@ -1,5 +1,7 @@
 /* Small helpers about the document and numbers in words. */
 
+/** An element by its id. Of any type: the document says which.
+ *  @type {(id: string) => any} */
 export const $ = (id) => document.getElementById(id);
 
 /** An element: make('p', {className: 'soft'}, 'text', child ...). */

@@ -61,6 +61,8 @@ function file(id) {
     return { control: input, file: () => input.files[0], read: () => '', write: () => { input.value = ''; } };
 }
 
+/** The control of a schema, and how its value is read and written.
+ *  @return {{control: any, read: () => string, write: (value: any) => void, file?: () => File, group?: boolean, besides?: any[]}} */
 function controlOf(id, schema) {
     if (isFile(schema)) return file(id);
     const parts = partsOf(schema), { words, free, pattern } = parts;

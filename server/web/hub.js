@@ -55,7 +55,7 @@ export function makeHub(root, key, patience) {
         isLost = false;
         if (answer.status === 204) return answer;
         if ([400, 401, 403, 404].includes(answer.status)) /* the key, say: the page asks for the job, and learns why */
-            ids.forEach((id) => hear([], { event: 'unknown', data: { jobID: id } }));
+            ids.forEach((id) => hear([], { event: 'unknown', id: '', data: { jobID: id } }));
         if (answer.status !== 200 || !/ndjson/.test(answer.headers.get('Content-Type'))) return null;
         for await (const line of lines(answer.body)) hear(ids, JSON.parse(line));
         return answer;
@@ -64,7 +64,7 @@ export function makeHub(root, key, patience) {
     /* Resolves to how long to wait before the next time. */
     async function follow(ids, signal) {
         if (!patience && Date.now() >= streamsAt) {
-            if (await ask(ids, signal, { isShown: true })) return AGAIN_MS;
+            if (await ask(ids, signal, { isShown: true, more: {} })) return AGAIN_MS;
             streamsAt = Date.now() + CROWDED_MS;
         }
         const seconds = patience ? patience() : POLL_SECONDS;

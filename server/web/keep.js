@@ -1,6 +1,7 @@
 /* What the browser remembers: for good, or as long as the tab's session. One that may remember nothing (its cookies are shut off) forgets
  * with the page. */
 
+/** @param {'localStorage' | 'sessionStorage'} area */
 const makeKeep = (area) => {
     const own = new Map();
     return {

@@ -158,7 +158,7 @@ $('ask').addEventListener('submit', (event) => {
     run();
 });
 /* A field that is folded away could not be pointed at. */
-$('ask').addEventListener('invalid', (event) => event.target.closest('details')?.setAttribute('open', ''), true);
+$('ask').addEventListener('invalid', (event) => /** @type {Element} */ (event.target).closest('details')?.setAttribute('open', ''), true);
 $('key-form').addEventListener('submit', (event) => {
     event.preventDefault();
     setKey($('key').value.trim());

@@ -181,7 +181,7 @@ export function firstOf(bytes, n) {
 }
 
 /** Reads a cloud. origin: [x, y, z] to subtract; not given, the middle of the cloud.
- *  @return {n, positions (float32, relative), origin, low, high (relative), normals, colors, faces (or null), left (out, not finite)}
+ *  Returns n, positions (float32, relative), origin, low, high (relative), normals, colors, faces (or null), left (out, not finite).
  *  Throws an Error with a sentence when the bytes are no whole PLY. */
 export function readPly(buffer, origin) {
     const head = readHeader(new Uint8Array(buffer)), next = numbers(buffer, head);

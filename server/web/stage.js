@@ -8,7 +8,8 @@ import { makeView } from './view.js';
 const clouds = { input: null, result: null };
 let view = null, drawing = 0, told = null; /* told: what the histogram shows */
 
-const chosen = () => document.querySelector('input[name="layout"]:checked').value;
+const layout = (which) => /** @type {HTMLInputElement} */ (document.querySelector(`input[name="layout"]${which}`));
+const chosen = () => layout(':checked').value;
 const whichHas = (name) => Boolean(clouds[name]);
 
 function describe() {
@@ -117,11 +118,11 @@ export const getCloud = (name) => clouds[name];
 export const canDraw = () => Boolean(view);
 
 /** Shows input, result, both or swipe. */
-export function setLayout(layout) {
-    document.querySelector(`input[name="layout"][value="${layout}"]`).checked = true;
-    caption(layout);
+export function setLayout(name) {
+    layout(`[value="${name}"]`).checked = true;
+    caption(name);
     if (view) {
-        view.set({ layout });
+        view.set({ layout: name });
         recolour();
     }
 }

@@ -4,7 +4,8 @@ import { makeHub } from './hub.js';
 
 const hubs = new Map();
 
-self.onconnect = ({ ports: [port] }) => {
+/** @type {any} */ (self).onconnect = /* tsc takes it for a window */
+     ({ ports: [port] }) => {
     const watching = new Map(); /* id: the hub that tells of it */
     const watcher = (news) => port.postMessage(news);
     const leave = (id) => {

@@ -59,7 +59,7 @@ function request() {
 /** Wires the buttons that copy the form as a command, which is shown as well: a clipboard may be shut. */
 export function wireCommands() {
     $('commands').addEventListener('click', async (event) => {
-        const { language } = event.target.dataset;
+        const { language } = /** @type {HTMLElement} */ (event.target).dataset;
         if (!language) return;
         const text = command(language, request());
         $('command').textContent = text;

@@ -1,7 +1,8 @@
 #!/bin/bash
 # usage: contract.sh VORONOID FOLDER: openapi.yaml before other people's programs, which npm installs into FOLDER.
 # redocly and spectral have neither errors nor warnings to tell; the types that openapi-typescript makes compile with
-# client.ts, which then talks to a daemon of its own. Only npm needs the network, the first time.
+# client.ts, which then talks to a daemon of its own; the page's own scripts keep to the types they say. Only npm needs the
+# network, the first time.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 voronoid=$(realpath "$1")
@@ -43,6 +44,9 @@ fi
 echo "== openapi-typescript, and its types by tsc"
 "$bin/openapi-typescript" "$contract" --output openapi.d.ts
 "$bin/tsc" --project .
+
+echo "== tsc over the page"
+"$bin/tsc" --project page.json
 
 echo "== client.ts and a daemon"
 rm -rf data
