@@ -5,6 +5,7 @@
 #include "proto/draco/draco.h"
 #include "proto/origin.h"
 #include "proto/ply/ply.h"
+#include "proto/ply/ply_header.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -39,12 +40,10 @@ const struct vor_format *vor_format_sniff(const uint8_t *bytes, size_t size)
 {
     for (unsigned i = 0; i < FORMAT_COUNT; i++) {
         size_t length = strlen(formats[i].magic);
+        int is = size >= length && memcmp(bytes, formats[i].magic, length) == 0;
 
-        if (size < length || memcmp(bytes, formats[i].magic, length) != 0)
-            continue;
         /* "ply" alone is too little: its line must end there. */
-        if (i == VOR_FORMAT_PLY &&
-            (size == length || (bytes[length] != '\n' && bytes[length] != '\r')))
+        if (i == VOR_FORMAT_PLY ? !vor_ply_is(bytes, size) : !is)
             continue;
         return &formats[i];
     }
@@ -86,6 +85,10 @@ static vor_status unknown_format(const uint8_t *bytes, size_t size, struct vor_e
 
     if (size == 0)
         vor_fail(err, VOR_E_UNSUPPORTED, "the input is empty, want a PLY or a Draco file");
+    else if (size >= 2 && (memcmp(bytes, "\xff\xfe", 2) == 0 || memcmp(bytes, "\xfe\xff", 2) == 0))
+        vor_fail(err, VOR_E_UNSUPPORTED,
+                 "the input begins with the byte order mark of UTF-16, want a PLY file in ASCII or "
+                 "UTF-8, or a Draco file");
     else
         vor_fail(err, VOR_E_UNSUPPORTED,
                  "the input begins with \"%s\", want \"ply\" and a line end, or \"DRACO\"",

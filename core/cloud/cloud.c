@@ -100,12 +100,32 @@ vor_status vor_cloud_resize(struct vor_cloud *cloud, size_t n, struct vor_error 
     return VOR_OK;
 }
 
-/* The name itself, or the name with the first free suffix. */
-static void unique_name(const struct vor_cloud *cloud, const char *name, char *out, size_t size)
+/* As much of a name as most bytes hold, cut between characters of UTF-8. */
+static int fit_name(const char *name, size_t most)
 {
-    (void)snprintf(out, size, "%.48s", name);
+    size_t length = strnlen(name, most + 1);
+
+    if (length <= most)
+        return (int)length;
+    for (length = most; length > 0 && ((unsigned char)name[length] & 0xc0) == 0x80;)
+        length--;
+    return (int)length;
+}
+
+/* The name itself, or the name with the first free suffix. */
+static void unique_name(struct vor_cloud *cloud, const char *name, char *out, size_t size)
+{
+    enum { SUFFIX = 11 };
+    char what[VOR_MEMBER_TEXT_SIZE];
+    int whole = fit_name(name, size - 1);
+
+    (void)snprintf(out, size, "%.*s", whole, name);
     for (unsigned i = 2; vor_cloud_find_name(cloud, out) != NULL; i++)
-        (void)snprintf(out, size, "%.48s_%u", name, i);
+        (void)snprintf(out, size, "%.*s_%u", fit_name(name, size - 1 - SUFFIX), name, i);
+    if (name[whole] == '\0')
+        return;
+    (void)snprintf(what, sizeof what, "name of %.*s", fit_name(name, sizeof what - 9), name);
+    vor_dropped_add(cloud->notes.dropped, &cloud->notes.dropped_count, what, 1);
 }
 
 vor_status vor_cloud_add_attribute(struct vor_cloud *cloud, const char *name,

@@ -53,7 +53,8 @@ enum vor_semantic { VOR_GENERIC, VOR_NORMAL, VOR_COLOR };
  *  into one NORMAL of three and red green blue [alpha] into one COLOR of three or four; every other
  *  vertex property is a GENERIC of one component under its own name. */
 struct vor_attribute {
-    char name[64]; /**< "normal", "color", or the property's own name; NUL-terminated */
+    char name[64]; /**< "normal", "color", or the property's own name, in any character set and
+                        without control characters; NUL-terminated */
     enum vor_semantic semantic;
     enum vor_type type;
     unsigned components; /**< 1 .. 16 */
@@ -103,7 +104,8 @@ VOR_NODISCARD vor_status vor_cloud_copy(struct vor_cloud *out, const struct vor_
                                         struct vor_error *err);
 
 /** Adds an attribute with unset values; *out (may be NULL) points at it until the next change.
- *  A name that is taken gets "_2", "_3" ... appended.
+ *  A name that is taken gets "_2", "_3" ... appended; one that is longer than fits is cut, and the
+ *  cloud's notes say so.
  *
  *  @retval VOR_E_LIMIT more than VOR_ATTRIBUTES_MAX attributes
  *  @retval VOR_E_NOMEM the values do not fit under the cap */

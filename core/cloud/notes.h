@@ -44,7 +44,7 @@ struct vor_notes {
 
 /** Adds to a list that `count` of something were left out; nothing if that is 0.
  *
- *  @param[in] what  printable ASCII; cut to what fits */
+ *  @param[in] what  without control characters; cut to what fits */
 void vor_dropped_add(struct vor_dropped list[VOR_DROPPED_MAX], unsigned *list_count,
                      const char *what, uint64_t count);
 

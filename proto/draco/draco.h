@@ -10,7 +10,7 @@
  *  Signature, ownership and failures as vor_format.read. Attributes keep type (booleans become
  *  UINT8), number of components (1 .. 16) and meaning; a normal of other than three components, or
  *  a colour of other than three or four, is GENERIC. The name is the attribute's metadata entry
- *  "name", bytes outside '!' .. '~' as '_', or else "normal", "color", "tex_coord", "generic" or,
+ *  "name", control characters as '_', or else "normal", "color", "tex_coord", "generic" or,
  *  of a second one, "position". Integers that are flagged as normalised stay integers.
  *
  *  A mesh may split a vertex into several points where its attributes have seams: points that share

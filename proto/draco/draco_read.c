@@ -229,7 +229,7 @@ static void clean_name(char name[64], enum vor_draco_kind kind)
     if (name[0] == '\0')
         (void)snprintf(name, 64, "%s", implied[kind]);
     for (char *c = name; *c != '\0'; c++)
-        if (*c < '!' || *c > '~')
+        if ((unsigned char)*c < 0x20 || *c == 0x7f)
             *c = '_';
 }
 

@@ -11,14 +11,14 @@
  *  Signature, ownership and failures as vor_format.read.
  *
  *  Coordinates of type float are kept bit for bit; char to ushort become float32, exactly; where
- *  one of the three is int, uint or double, all three go through vor_cloud_set_double. nx ny nz
- *  become a NORMAL and red green blue [alpha], or else diffuse_red ..., a COLOR where the parts
- *  share a type; every other scalar property becomes a GENERIC under its name, bytes outside the
- *  printable ASCII replaced by '?'. List properties of a vertex are skipped, and so are elements
- *  before `vertex`; what follows the last vertex, or the last face that is wanted, is not looked
- * at. In ascii a vertex is a line, and blank lines do not count. The cloud's notes get the remarks
- * (comment, obj_info), and what is skipped or not looked at, in the numbers that the header
- * declares.
+ *  one of the three is int, uint or double, all three go through vor_cloud_set_double. nx ny nz,
+ *  or else normal_x ..., become a NORMAL and red green blue [alpha], or else diffuse_red ... or
+ *  r g b [a], a COLOR where the parts share a type; every other scalar property becomes a GENERIC
+ *  under its name, byte by byte. What is not named like that may be named so in other letters: X,
+ * Red. List properties of a vertex are skipped, and so are elements before `vertex`; what follows
+ * the last vertex, or the last face that is wanted, is not looked at. In ascii a vertex is a line,
+ * and blank lines do not count. The cloud's notes get the remarks (comment, obj_info), and what is
+ * skipped or not looked at, in the numbers that the header declares.
  *
  *  Points with a coordinate that is not finite are refused, or dropped (vor_cloud_sift).
  *
@@ -26,8 +26,9 @@
  *  limits->header_bytes, a line of more than 1,024 bytes, more than 64 properties of an element or
  *  16 elements, and counts that need more bytes than the file has.
  *
- *  Numbers in ascii are decimal and correctly rounded, whatever the locale; outside the
- *  coordinates, nan and inf are taken for floating-point properties.
+ *  Numbers in ascii are decimal and correctly rounded, whatever the locale, whole ones with a point
+ *  or without; outside the coordinates, nan and inf are taken for floating-point properties, as any
+ *  C library prints them. A byte order mark of UTF-8 may stand before the magic, and blanks behind.
  *
  *  Cost: one pass. Thread-safe. */
 VOR_NODISCARD vor_status vor_ply_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
@@ -48,10 +49,10 @@ VOR_NODISCARD vor_status vor_ply_read_mesh(struct vor_cloud *out, struct vor_mes
  *  Signature and failures as vor_format.write. Coordinates are absolute, of the cloud's position
  *  type; a NORMAL of three is written as nx ny nz, a COLOR of three or four as red green blue
  *  [alpha], everything else under its name, with _0, _1 ... appended where it has several
- *  components. Names are made printable, free of blanks and unique; 64-bit integers, which PLY
- *  lacks, become double. The cloud's remarks follow one of our own. Faces, if there are any, are an
- *  element `face` behind the vertices, lists `vertex_indices` of uchar 3 and int. What vor_ply_read
- *  yields comes back the same, bit for bit.
+ *  components. Names are made free of blanks and control characters and unique; 64-bit integers,
+ * which PLY lacks, become double. The cloud's remarks follow one of our own. Faces, if there are
+ * any, are an element `face` behind the vertices, lists `vertex_indices` of uchar 3 and int. What
+ * vor_ply_read yields comes back the same, bit for bit.
  *
  *  Cost: one pass and 64 KiB from cloud->memory, more where the attributes are many. Deterministic;
  *  thread-safe. */

@@ -9,19 +9,19 @@ enum { CAPACITY_LEAST = 1024 };
 
 static int is_strips(const struct vor_ply_element *element)
 {
-    return vor_ply_named(element->name, element->name_length, "tristrips");
+    return vor_ply_alike(element->name, element->name_length, "tristrips");
 }
 
 int vor_ply_face_list(const struct vor_ply_element *element)
 {
-    if (!is_strips(element) && !vor_ply_named(element->name, element->name_length, "face"))
+    if (!is_strips(element) && !vor_ply_alike(element->name, element->name_length, "face"))
         return -1;
     for (unsigned k = 0; k < element->property_count; k++) {
         const struct vor_ply_property *property = &element->properties[k];
 
         if (property->list &&
-            (vor_ply_named(property->name, property->name_length, "vertex_indices") ||
-             vor_ply_named(property->name, property->name_length, "vertex_index")))
+            (vor_ply_alike(property->name, property->name_length, "vertex_indices") ||
+             vor_ply_alike(property->name, property->name_length, "vertex_index")))
             return (int)k;
     }
     return -1;

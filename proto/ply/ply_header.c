@@ -3,6 +3,7 @@
 #include "core/base/quote.h"
 
 #include <string.h>
+#include <strings.h>
 
 enum { WORDS_MAX = 6, SHOWN = 48 };
 
@@ -28,14 +29,66 @@ struct scan {
     int has_format;
 };
 
+static int is_blank(char c)
+{
+    return c == ' ' || c == '\t';
+}
+
+size_t vor_ply_begin(const uint8_t *bytes, size_t size)
+{
+    return size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+}
+
+/* Where the first line ends: size where it is not "ply". */
+static size_t magic_end(const uint8_t *bytes, size_t size)
+{
+    size_t at = vor_ply_begin(bytes, size);
+
+    if (size - at < 3 || memcmp(bytes + at, "ply", 3) != 0)
+        return size;
+    for (at += 3; at < size && is_blank((char)bytes[at]);)
+        at++;
+    return at < size && (bytes[at] == '\n' || bytes[at] == '\r') ? at : size;
+}
+
+int vor_ply_is(const uint8_t *bytes, size_t size)
+{
+    return magic_end(bytes, size) < size;
+}
+
 uint8_t vor_ply_line_stop(const uint8_t *bytes, size_t size)
 {
-    return size >= 4 && bytes[3] == '\r' && (size == 4 || bytes[4] != '\n') ? '\r' : '\n';
+    size_t at = magic_end(bytes, size);
+
+    return at < size && bytes[at] == '\r' && (at + 1 == size || bytes[at + 1] != '\n') ? '\r'
+                                                                                       : '\n';
 }
 
 int vor_ply_named(const char *name, size_t length, const char *want)
 {
     return strlen(want) == length && memcmp(name, want, length) == 0;
+}
+
+int vor_ply_alike(const char *name, size_t length, const char *want)
+{
+    return strlen(want) == length && strncasecmp(name, want, length) == 0;
+}
+
+unsigned vor_ply_find(const struct vor_ply_element *element, const char *name, int is_scalar)
+{
+    unsigned alike = VOR_PLY_PROPERTIES_MAX;
+
+    for (unsigned i = element->property_count; i-- > 0;) {
+        const struct vor_ply_property *property = &element->properties[i];
+
+        if ((is_scalar && property->list) ||
+            !vor_ply_alike(property->name, property->name_length, name))
+            continue;
+        if (memcmp(property->name, name, property->name_length) == 0)
+            return i;
+        alike = i;
+    }
+    return alike;
 }
 
 static int is(struct word word, const char *want)
@@ -55,11 +108,6 @@ static vor_status no_end(const struct scan *scan, struct vor_error *err)
     else
         vor_fail(err, VOR_E_FORMAT, "the file ends after %zu bytes, before end_header", scan->size);
     return vor_ply_at(err, scan->size, VOR_E_FORMAT);
-}
-
-static int is_blank(char c)
-{
-    return c == ' ' || c == '\t';
 }
 
 /* False when a byte is neither printable nor a blank. */
@@ -283,10 +331,11 @@ vor_status vor_ply_header_read(struct vor_ply_header *out, const uint8_t *bytes,
 
     out->element_count = 0;
     scan.stop = vor_ply_line_stop(bytes, size);
-    if (size < 3 || memcmp(bytes, "ply", 3) != 0)
+    scan.at = vor_ply_begin(bytes, scan.size);
+    if (scan.size - scan.at < 3 || memcmp(bytes + scan.at, "ply", 3) != 0)
         return vor_ply_at(err, 0, vor_fail(err, VOR_E_FORMAT, "the file does not begin with ply"));
     status = next_line(&scan, &line, err);
-    if (status == VOR_OK && line.length != 3)
+    if (status == VOR_OK && (!cut_words(&line) || line.words != 1 || !is(line.word[0], "ply")))
         return bad_line(&line, "ply", err);
     while (status == VOR_OK && !end) {
         status = next_line(&scan, &line, err);

@@ -43,6 +43,12 @@ struct vor_ply_header {
 VOR_NODISCARD vor_status vor_ply_header_read(struct vor_ply_header *out, const uint8_t *bytes,
                                              size_t size, size_t limit, struct vor_error *err);
 
+/** Where the word "ply" begins: behind a byte order mark, if there is one. */
+size_t vor_ply_begin(const uint8_t *bytes, size_t size);
+
+/** True where the first line is "ply", with blanks behind it or not. */
+int vor_ply_is(const uint8_t *bytes, size_t size);
+
 /** What ends a line of the header: '\n', which a '\r' may stand before, or '\r' in files of the old
  *  Macintosh. */
 uint8_t vor_ply_line_stop(const uint8_t *bytes, size_t size);
@@ -52,6 +58,13 @@ int vor_ply_is_remark(const char *at, size_t size);
 
 /** True when the element, or the property, has that name. */
 int vor_ply_named(const char *name, size_t length, const char *want);
+
+/** True when it has it in the same letters or in others. */
+int vor_ply_alike(const char *name, size_t length, const char *want);
+
+/** The property of that name, or else one that has it in other letters ("Red", "X"); a scalar where
+ *  is_scalar says so. VOR_PLY_PROPERTIES_MAX where there is none. */
+unsigned vor_ply_find(const struct vor_ply_element *element, const char *name, int is_scalar);
 
 /** Adds to a failure where in the file it is; returns status. */
 static inline vor_status vor_ply_at(struct vor_error *err, size_t offset, vor_status status)

@@ -5,14 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Names are strangers' bytes and end up in reports. */
-static void clean(char *name)
-{
-    for (; *name != '\0'; name++)
-        if (*name <= 0x20 || *name >= 0x7f)
-            *name = '?';
-}
-
 static void note_element(struct vor_notes *notes, const struct vor_ply_element *element)
 {
     char what[VOR_MEMBER_TEXT_SIZE];
@@ -21,7 +13,6 @@ static void note_element(struct vor_notes *notes, const struct vor_ply_element *
                    element->name_length < sizeof what ? (int)element->name_length
                                                       : (int)sizeof what - 1,
                    element->name);
-    clean(what);
     vor_dropped_add(notes->dropped, &notes->dropped_count, what, element->count);
 }
 
@@ -35,7 +26,6 @@ static void note_property(struct vor_notes *notes, const struct vor_ply_element 
         property->name_length < sizeof what ? (int)property->name_length : (int)sizeof what - 1;
 
     (void)snprintf(what, sizeof what, "%.*s.%.*s", of, element->name, name, property->name);
-    clean(what);
     vor_dropped_add(notes->dropped, &notes->dropped_count, what, element->count);
 }
 

@@ -118,17 +118,28 @@ static int same_word(const uint8_t *at, size_t length, const char *word)
     return i == length && word[i] == '\0';
 }
 
-/* nan, inf, infinity in any case, with a sign. */
+static int begins(const uint8_t *at, size_t length, const char *word)
+{
+    size_t size = strlen(word);
+
+    return length >= size && same_word(at, size, word);
+}
+
+/* nan, inf and infinity in any case, with a sign; nan(...) as C prints it, "nan(ind)" among them;
+ * and what Microsoft's C library printed before: 1.#INF, and 1.#QNAN, 1.#SNAN or 1.#IND, rounded to
+ * "1.#J" where there are few decimals, with digits behind where there are many. */
 static int parse_nonfinite(const uint8_t *token, size_t length, double *out)
 {
     int sign = length > 0 && (token[0] == '-' || token[0] == '+');
     const uint8_t *word = token + sign;
     size_t left = length - (size_t)sign;
 
-    if (same_word(word, left, "nan"))
-        *out = NAN;
-    else if (same_word(word, left, "inf") || same_word(word, left, "infinity"))
+    if (same_word(word, left, "inf") || same_word(word, left, "infinity") ||
+        begins(word, left, "1.#inf"))
         *out = token[0] == '-' ? -INFINITY : INFINITY;
+    else if (same_word(word, left, "nan") || begins(word, left, "1.#") ||
+             (begins(word, left, "nan(") && word[left - 1] == ')'))
+        *out = NAN;
     else
         return 0;
     return 1;
@@ -203,21 +214,46 @@ static void store_integer(uint64_t bits, enum vor_type type, void *out)
     }
 }
 
+/* Reads a whole number, which may be written as programs print floats: "20.0", "2.0e+01". Fails
+ * where a digit behind the point is not 0. *over: it exceeds 64 bits. */
+static int parse_whole(const uint8_t *at, const uint8_t *end, uint64_t *value, int *over)
+{
+    struct decimal decimal;
+    const uint8_t *stop = at;
+    long before = 0; /* digits before the point, once the exponent has moved it */
+
+    if (!parse_decimal(at, (size_t)(end - at), &decimal))
+        return 0;
+    for (; stop < end && (is_digit(*stop) || *stop == '.'); stop++)
+        before += is_digit(*stop);
+    before += decimal.exponent; /* the digits behind the point are taken off it */
+    *value = 0;
+    *over = 0;
+    for (; at < stop; at++) {
+        if (*at == '.')
+            continue;
+        if (before <= 0 && *at != '0')
+            return 0;
+        if (before-- <= 0)
+            continue;
+        *over |= __builtin_mul_overflow(*value, 10, value);
+        *over |= __builtin_add_overflow(*value, (uint64_t)(*at - '0'), value);
+    }
+    for (; before > 0 && *value > 0 && !*over; before--)
+        *over = __builtin_mul_overflow(*value, 10, value);
+    return 1;
+}
+
 static enum vor_ply_number read_integer(const uint8_t *token, size_t length, enum vor_type type,
                                         void *out)
 {
-    int negative = token[0] == '-', over = 0;
-    size_t i = token[0] == '-' || token[0] == '+';
-    uint64_t value = 0, most = largest(type);
+    int negative = token[0] == '-', over;
+    size_t sign = token[0] == '-' || token[0] == '+';
+    uint64_t value, most = largest(type);
 
-    if (i == length)
+    if (sign == length || token[sign] == '-' || token[sign] == '+' ||
+        !parse_whole(token + sign, token + length, &value, &over))
         return VOR_PLY_NUMBER_JUNK;
-    for (; i < length; i++) {
-        if (!is_digit(token[i]))
-            return VOR_PLY_NUMBER_JUNK;
-        over |= __builtin_mul_overflow(value, 10, &value);
-        over |= __builtin_add_overflow(value, (uint64_t)(token[i] - '0'), &value);
-    }
     if (negative)
         most = is_signed(type) ? most + 1 : 0;
     if (over || value > most)

@@ -19,7 +19,8 @@ enum vor_ply_number {
 
 /** Reads a whole token as a scalar of type and stores it at out (vor_type_size bytes, any
  *  alignment). A token is [+-] digits [. digits] [e [+-] digits] with at least one digit before the
- *  e, nan, inf or infinity; for types of integers [+-] digits. What is too small for a type of
+ *  e, of a whole number for types of integers; for the others also nan, inf or infinity, or what C
+ *  libraries print for these: nan(ind), 1.#QNAN, 1.#IND, 1.#INF. What is too small for a type of
  *  floats becomes 0.
  *
  *  The program must be in the "C" locale. Cost: O(length), no memory. */

@@ -18,8 +18,10 @@ struct group {
 
 static const struct group groups[] = {
     {"normal", VOR_NORMAL, 3, 3, {"nx", "ny", "nz", ""}},
+    {"normal", VOR_NORMAL, 3, 3, {"normal_x", "normal_y", "normal_z", ""}},
     {"color", VOR_COLOR, 3, 4, {"red", "green", "blue", "alpha"}},
     {"color", VOR_COLOR, 3, 4, {"diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"}},
+    {"color", VOR_COLOR, 3, 4, {"r", "g", "b", "a"}},
 };
 
 enum { GROUP_COUNT = sizeof groups / sizeof groups[0], ABSENT = VOR_PLY_PROPERTIES_MAX };
@@ -36,16 +38,6 @@ struct reader {
     int keep_faces;
 };
 
-static unsigned find_property(const struct vor_ply_element *element, const char *name)
-{
-    unsigned i = 0;
-
-    while (i < element->property_count &&
-           !vor_ply_named(element->properties[i].name, element->properties[i].name_length, name))
-        i++;
-    return i < element->property_count ? i : ABSENT;
-}
-
 static vor_status find_vertex(struct reader *reader, const struct vor_limits *limits,
                               struct vor_error *err)
 {
@@ -53,9 +45,15 @@ static vor_status find_vertex(struct reader *reader, const struct vor_limits *li
     const struct vor_ply_element *element = NULL;
     size_t most = limits->points < VOR_POINTS_MAX ? limits->points : VOR_POINTS_MAX;
 
-    for (unsigned i = 0; i < header->element_count && element == NULL; i++)
-        if (vor_ply_named(header->elements[i].name, header->elements[i].name_length, "vertex"))
-            element = &header->elements[i];
+    for (unsigned i = 0; i < header->element_count; i++) {
+        const struct vor_ply_element *one = &header->elements[i];
+        int is_exact = vor_ply_named(one->name, one->name_length, "vertex");
+
+        if (is_exact || (element == NULL && vor_ply_alike(one->name, one->name_length, "vertex")))
+            element = one;
+        if (is_exact)
+            break;
+    }
     if (element == NULL)
         return vor_ply_at(err, header->body,
                           vor_fail(err, VOR_E_FORMAT, "the header has no element vertex"));
@@ -82,7 +80,7 @@ static vor_status find_coordinates(const struct reader *reader, unsigned at[3],
     const struct vor_ply_element *vertex = reader->vertex;
 
     for (int c = 0; c < 3; c++) {
-        at[c] = find_property(vertex, names[c]);
+        at[c] = vor_ply_find(vertex, names[c], 0);
         if (at[c] == ABSENT)
             vor_fail(err, VOR_E_FORMAT, "element vertex has no property %s", names[c]);
         else if (vertex->properties[at[c]].list)
@@ -144,11 +142,11 @@ static unsigned match_group(const struct vor_ply_element *vertex, const struct g
     while (count < group->most) {
         const struct vor_ply_property *property;
 
-        at[count] = find_property(vertex, group->parts[count]);
+        at[count] = vor_ply_find(vertex, group->parts[count], 1);
         if (at[count] == ABSENT)
             break;
         property = &vertex->properties[at[count]];
-        if (property->list || property->type != vertex->properties[at[0]].type)
+        if (property->type != vertex->properties[at[0]].type)
             break;
         count++;
     }
@@ -177,13 +175,10 @@ static vor_status add_columns(struct reader *reader, const char *name, enum vor_
 static vor_status add_generic(struct reader *reader, unsigned k, struct vor_error *err)
 {
     const struct vor_ply_property *property = &reader->vertex->properties[k];
-    char name[sizeof((struct vor_attribute *)0)->name];
-    size_t length =
-        property->name_length < sizeof name - 1 ? property->name_length : sizeof name - 1;
+    char name[VOR_PLY_LINE_MAX + 1];
 
-    for (size_t i = 0; i < length; i++)
-        name[i] = property->name[i] > 0x20 && property->name[i] < 0x7f ? property->name[i] : '?';
-    name[length] = '\0';
+    memcpy(name, property->name, property->name_length);
+    name[property->name_length] = '\0';
     return add_columns(reader, name, VOR_GENERIC, &k, 1, err);
 }
 
@@ -206,16 +201,24 @@ static vor_status plan_property(struct reader *reader, unsigned k, unsigned take
     return add_generic(reader, k, err);
 }
 
-/* A cloud has one COLOR: the plain spelling rules the other out. */
+/* Whether the vertex has a property of the name that a part of the group would be written under, or
+ * of an earlier spelling: a cloud has one NORMAL and one COLOR. */
+static int is_ruled_out(const struct vor_ply_element *vertex, unsigned g)
+{
+    for (unsigned k = 0; k < g; k++)
+        for (unsigned i = 0; i < groups[k].most && groups[k].semantic == groups[g].semantic; i++)
+            if (vor_ply_find(vertex, groups[k].parts[i], 1) != ABSENT)
+                return 1;
+    return 0;
+}
+
 static vor_status plan_attributes(struct reader *reader, struct vor_error *err)
 {
-    unsigned taken[GROUP_COUNT] = {0}, at[4];
+    unsigned taken[GROUP_COUNT] = {0};
     vor_status status = VOR_OK;
 
-    for (unsigned g = 1; g < GROUP_COUNT; g++)
-        if (groups[g - 1].semantic == groups[g].semantic &&
-            match_group(reader->vertex, &groups[g - 1], at) > 0)
-            taken[g] = 1;
+    for (unsigned g = 0; g < GROUP_COUNT; g++)
+        taken[g] = (unsigned)is_ruled_out(reader->vertex, g);
     for (unsigned k = 0; status == VOR_OK && k < reader->vertex->property_count; k++)
         status = plan_property(reader, k, taken, err);
     return status;

@@ -39,46 +39,6 @@ static vor_status flush(struct writer *writer, struct vor_error *err)
     return VOR_OK;
 }
 
-/* Bytes outside the printable ASCII become '_'; a name that is taken gets "_2", "_3" ... */
-static void set_name(const struct writer *writer, struct field *field, const char *name)
-{
-    char base[NAME_SIZE - 12];
-    size_t i, taken;
-
-    (void)snprintf(base, sizeof base, "%s", name[0] != '\0' ? name : "_");
-    for (i = 0; base[i] != '\0'; i++)
-        if (base[i] <= 0x20 || base[i] >= 0x7f)
-            base[i] = '_';
-    (void)snprintf(field->name, sizeof field->name, "%s", base);
-    for (unsigned suffix = 2;; suffix++) {
-        for (taken = 0; taken < writer->field_count; taken++)
-            if (strcmp(writer->fields[taken].name, field->name) == 0)
-                break;
-        if (taken == writer->field_count)
-            return;
-        (void)snprintf(field->name, sizeof field->name, "%s_%u", base, suffix);
-    }
-}
-
-static void add_field(struct writer *writer, const char *name, const struct field *values)
-{
-    struct field *field = &writer->fields[writer->field_count];
-
-    *field = *values;
-    set_name(writer, field, name);
-    writer->field_count++;
-}
-
-static void add_coordinates(struct writer *writer)
-{
-    for (int c = 0; c < 3; c++) {
-        const char name[2] = {"xyz"[c], '\0'};
-        enum vor_type type = writer->cloud->position_type;
-
-        add_field(writer, name, &(struct field){.coordinate = c, .from_type = type, .type = type});
-    }
-}
-
 /* Names of an attribute's components where PLY has a custom for them, else NULL. Only the first
  * attribute of its kind has one: a row has no two of the same name. */
 static const char *const *custom_names(const struct vor_cloud *cloud,
@@ -98,6 +58,63 @@ static const char *const *custom_names(const struct vor_cloud *cloud,
     return NULL;
 }
 
+/* Whether a field has the name, or one that is the custom of an attribute will have it. */
+static int is_taken(const struct writer *writer, const char *name)
+{
+    const struct vor_cloud *cloud = writer->cloud;
+
+    for (size_t i = 0; i < writer->field_count; i++)
+        if (strcmp(writer->fields[i].name, name) == 0)
+            return 1;
+    for (size_t i = 0; i < cloud->attribute_count; i++) {
+        const char *const *names = custom_names(cloud, &cloud->attributes[i]);
+
+        for (unsigned c = 0; names != NULL && c < cloud->attributes[i].components; c++)
+            if (strcmp(names[c], name) == 0)
+                return 1;
+    }
+    return 0;
+}
+
+/* Blanks and control characters become '_'; a name that is taken gets "_2", "_3" ... */
+static void set_name(const struct writer *writer, struct field *field, const char *name)
+{
+    char base[NAME_SIZE - 12];
+
+    (void)snprintf(base, sizeof base, "%.*s", (int)sizeof base - 1, name[0] != '\0' ? name : "_");
+    for (size_t i = 0; base[i] != '\0'; i++)
+        if ((uint8_t)base[i] <= 0x20 || base[i] == 0x7f)
+            base[i] = '_';
+    (void)snprintf(field->name, sizeof field->name, "%s", base);
+    for (unsigned suffix = 2; is_taken(writer, field->name); suffix++)
+        (void)snprintf(field->name, sizeof field->name, "%s_%u", base, suffix);
+}
+
+/* Adds a field under a custom name as it is, or else under another that is free. */
+static void add_field(struct writer *writer, const char *custom, const char *name,
+                      const struct field *values)
+{
+    struct field *field = &writer->fields[writer->field_count];
+
+    *field = *values;
+    if (custom != NULL)
+        (void)snprintf(field->name, sizeof field->name, "%s", custom);
+    else
+        set_name(writer, field, name);
+    writer->field_count++;
+}
+
+static void add_coordinates(struct writer *writer)
+{
+    for (int c = 0; c < 3; c++) {
+        const char name[2] = {"xyz"[c], '\0'};
+        enum vor_type type = writer->cloud->position_type;
+
+        add_field(writer, name, NULL,
+                  &(struct field){.coordinate = c, .from_type = type, .type = type});
+    }
+}
+
 static void add_attribute(struct writer *writer, const struct vor_attribute *attribute)
 {
     const char *const *names = custom_names(writer->cloud, attribute);
@@ -111,13 +128,11 @@ static void add_attribute(struct writer *writer, const struct vor_attribute *att
         field.type = VOR_FLOAT64;
     for (unsigned i = 0; i < attribute->components; i++) {
         field.from = (const uint8_t *)attribute->data + i * size;
-        if (names != NULL)
-            (void)snprintf(name, sizeof name, "%s", names[i]);
-        else if (attribute->components == 1)
+        if (attribute->components == 1)
             (void)snprintf(name, sizeof name, "%s", attribute->name);
         else
             (void)snprintf(name, sizeof name, "%s_%u", attribute->name, i);
-        add_field(writer, name, &field);
+        add_field(writer, names != NULL ? names[i] : NULL, name, &field);
     }
 }
 

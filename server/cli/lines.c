@@ -2,6 +2,7 @@
 
 #include "core/report.h"
 #include "proto/json/json.h"
+#include "server/cli/say.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -53,8 +54,12 @@ static void add_value(struct vor_text *out, const struct vor_json *value, int di
 
     if (word == NULL && vor_json_get_number(value, &number))
         vor_text_printf(out, "%.*g", digits, number);
-    else
-        vor_text_puts(out, word != NULL ? word : "none");
+    else if (word == NULL)
+        vor_text_puts(out, "none");
+    for (size_t size; word != NULL && *word != '\0'; word += size > 0 ? size : 1) {
+        size = vor_cli_control(word);
+        vor_text_add(out, size > 0 ? "?" : word, 1);
+    }
 }
 
 /* "x y z", with as many digits as a place far from zero needs. */

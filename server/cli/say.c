@@ -6,13 +6,20 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Control characters would break the line, or the terminal. */
+size_t vor_cli_control(const char *text)
+{
+    unsigned char c = (unsigned char)text[0], next = c != 0 ? (unsigned char)text[1] : 0;
+
+    if (c == 0xc2 && next >= 0x80 && next <= 0x9f)
+        return 2;
+    return (c > 0 && c < 0x20) || c == 0x7f;
+}
+
 static void print_line(const char *text)
 {
-    for (; *text != '\0'; text++) {
-        unsigned char c = (unsigned char)*text;
-
-        fputc(c < 0x20 || c == 0x7f ? '?' : c, stderr);
+    for (size_t size; *text != '\0'; text += size > 0 ? size : 1) {
+        size = vor_cli_control(text);
+        fputc(size > 0 ? '?' : *text, stderr);
     }
 }
 

@@ -4,6 +4,8 @@
 
 #include "core/base/status.h"
 
+#include <stddef.h>
+
 /** Exit codes: identifier, number, what it means for a command, what it means for serve ("": it
  * does not end like that). --help and the manual print this table. */
 #define VOR_EXIT_TABLE(X)                                                                          \
@@ -21,6 +23,10 @@ enum {
     VOR_EXIT_TABLE(VOR_EXIT_ENUM)
 #undef VOR_EXIT_ENUM
 };
+
+/** Bytes of the control character that a text begins with, which would break a line or a terminal;
+ *  0 for any other: ASCII's, and those of U+0080 to U+009F in UTF-8. */
+size_t vor_cli_control(const char *text);
 
 /** Prints "voronoid: subject: message" on stderr, in one line whatever they hold; subject may be
  *  NULL. */

@@ -41,7 +41,7 @@ static void need(int truth, const char *what)
 
 static int is_ply(const uint8_t *bytes, size_t size)
 {
-    return size >= 4 && memcmp(bytes, "ply", 3) == 0 && (bytes[3] == '\n' || bytes[3] == '\r');
+    return vor_format_sniff(bytes, size) == vor_format(VOR_FORMAT_PLY);
 }
 
 static vor_status read_any(struct vor_cloud *cloud, const uint8_t *bytes, size_t size,

@@ -243,8 +243,8 @@ START_TEST(names_survive_and_implied_ones_cost_nothing)
     static const char *const names[] = {"generic",         "generic_2",          "a",
                                         "GPS time",        "tex\ncoord\xc3\xa9", "normal",
                                         "scalar_Intensity"};
-    static const char *const want[] = {"generic", "generic_2",       "a", "GPS_time", "tex_coord__",
-                                       "normal",  "scalar_Intensity"};
+    static const char *const want[] = {
+        "generic", "generic_2", "a", "GPS time", "tex_coord\xc3\xa9", "normal", "scalar_Intensity"};
     struct vor_cloud cloud, back;
     struct vt_bytes bytes;
 
