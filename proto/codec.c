@@ -13,10 +13,10 @@
 
 /* In the order of the words of parameter `format`. */
 static const struct vor_format formats[] = {
-    [VOR_FORMAT_PLY] = {"ply", "PLY", "application/ply", ".ply", "ply", 1, 0, vor_ply_read,
+    [VOR_FORMAT_PLY] = {"ply", "PLY", "application/ply", ".ply", "ply", 1, 0, 0, vor_ply_read,
                         vor_ply_write, vor_ply_read_mesh, 0},
-    [VOR_FORMAT_DRC] = {"drc", "Draco", "application/draco", ".drc", "DRACO", 0, 1, vor_draco_read,
-                        vor_draco_write, vor_draco_read_mesh, 1},
+    [VOR_FORMAT_DRC] = {"drc", "Draco", "application/draco", ".drc", "DRACO", 0, 1, 1,
+                        vor_draco_read, vor_draco_write, vor_draco_read_mesh, 1},
 };
 
 enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
@@ -193,10 +193,15 @@ void vor_codec_report_dropped(struct vor_report *report, const struct vor_cloud 
     static const char *const words[] = {"comment", "obj_info"};
     char what[VOR_MEMBER_TEXT_SIZE];
 
-    for (size_t i = 0; !format->has_int64 && i < cloud->attribute_count; i++) {
-        (void)snprintf(what, sizeof what, "digits of %.50s", cloud->attributes[i].name);
+    for (size_t i = 0; i < cloud->attribute_count; i++) {
+        const char *name = cloud->attributes[i].name;
+
+        (void)snprintf(what, sizeof what, "name of %.50s", name);
         vor_dropped_add(report->dropped, &report->dropped_count, what,
-                        count_rounded(&cloud->attributes[i], cloud->n));
+                        !format->has_blanks && strchr(name, ' ') != NULL);
+        (void)snprintf(what, sizeof what, "digits of %.50s", name);
+        vor_dropped_add(report->dropped, &report->dropped_count, what,
+                        format->has_int64 ? 0 : count_rounded(&cloud->attributes[i], cloud->n));
     }
     for (size_t i = 0; !format->has_remarks && i < sizeof words / sizeof words[0]; i++)
         vor_dropped_add(report->dropped, &report->dropped_count, words[i],

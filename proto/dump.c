@@ -191,7 +191,7 @@ static int check_row(const struct row *row, uint64_t n, uint64_t *total)
 {
     uint64_t bytes;
 
-    if (memchr(row->name, '\0', sizeof row->name) == NULL || row->semantic > VOR_COLOR ||
+    if (memchr(row->name, '\0', sizeof row->name) == NULL || row->semantic > VOR_TEX_COORD ||
         row->type >= VOR_TYPE_COUNT || row->components < 1 || row->components > 16)
         return 0;
     return !__builtin_mul_overflow(n, row->components * vor_type_size((enum vor_type)row->type),

@@ -45,6 +45,7 @@ struct vor_format {
     const char *magic;      /**< how a file begins */
     int has_remarks;        /**< its files hold a cloud's remarks */
     int has_int64;          /**< they hold integers of 64 bits, or else make doubles of them */
+    int has_blanks;         /**< names of attributes hold blanks, or else get '_' for them */
     vor_status (*read)(struct vor_cloud *out, const uint8_t *bytes, size_t size,
                        const struct vor_limits *limits, struct vor_error *err);
     vor_status (*write)(const struct vor_sink *sink, const struct vor_cloud *cloud,

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 static const struct {
     size_t size;
@@ -61,6 +62,12 @@ double vor_attribute_scalar(const struct vor_attribute *attribute, size_t at)
         break;
     }
     return 0;
+}
+
+int vor_attribute_is_packed(const struct vor_attribute *attribute)
+{
+    return attribute->type == VOR_FLOAT32 && attribute->components == 1 &&
+           (strcasecmp(attribute->name, "rgb") == 0 || strcasecmp(attribute->name, "rgba") == 0);
 }
 
 void vor_cloud_init(struct vor_cloud *cloud, struct vor_memory *memory)

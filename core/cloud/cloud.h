@@ -47,11 +47,12 @@ const char *vor_type_name_sized(enum vor_type type);
 int vor_type_parse(enum vor_type *out, const char *name, size_t length);
 
 /** What an attribute means; everything not listed is GENERIC. */
-enum vor_semantic { VOR_GENERIC, VOR_NORMAL, VOR_COLOR };
+enum vor_semantic { VOR_GENERIC, VOR_NORMAL, VOR_COLOR, VOR_TEX_COORD };
 
 /** One value of `components` scalars for every point, interleaved. A PLY reader groups nx ny nz
- *  into one NORMAL of three and red green blue [alpha] into one COLOR of three or four; every other
- *  vertex property is a GENERIC of one component under its own name. */
+ *  into one NORMAL of three and red green blue [alpha] into one COLOR of three or four; a TEX_COORD
+ *  of two or three is what Draco has for places in a texture; every other vertex property is a
+ *  GENERIC of one component under its own name. */
 struct vor_attribute {
     char name[64]; /**< "normal", "color", or the property's own name, in any character set and
                         without control characters; NUL-terminated */
@@ -64,6 +65,10 @@ struct vor_attribute {
 /** Scalar number `at` of an attribute (value i has components i * components ...), whatever its
  *  type. 64-bit integers beyond 2^53 are rounded. */
 double vor_attribute_scalar(const struct vor_attribute *attribute, size_t at);
+
+/** True where a float holds the bytes of a colour, as the Point Cloud Library has it: one float32
+ *  called rgb or rgba, in any case. Such numbers are copied; they cannot be rounded or averaged. */
+int vor_attribute_is_packed(const struct vor_attribute *attribute);
 
 /** n points: point i lies at origin + xyz[3 i .. 3 i + 2], in the input's own unit.
  *
@@ -120,7 +125,7 @@ VOR_NODISCARD vor_status vor_cloud_copy_attribute(struct vor_cloud *cloud,
                                                   const struct vor_attribute *from,
                                                   const uint32_t *source, struct vor_error *err);
 
-/** First attribute with that semantic (NORMAL, COLOR), or by name; NULL when there is none. */
+/** First attribute with that semantic, or by name; NULL when there is none. */
 const struct vor_attribute *vor_cloud_find(const struct vor_cloud *cloud,
                                            enum vor_semantic semantic);
 const struct vor_attribute *vor_cloud_find_name(const struct vor_cloud *cloud, const char *name);

@@ -138,6 +138,8 @@ static int interpolate(double value[16], const struct vor_attribute *from, const
 {
     double square = 0;
 
+    if (vor_attribute_is_packed(from))
+        return 0;
     if (!is_real(from) && (from->semantic != VOR_COLOR || vor_type_size(from->type) > 4))
         return 0;
     for (unsigned c = 0; c < from->components; c++) {

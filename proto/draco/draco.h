@@ -8,15 +8,16 @@
  *  2.2).
  *
  *  Signature, ownership and failures as vor_format.read. Attributes keep type (booleans become
- *  UINT8), number of components (1 .. 16) and meaning; a normal of other than three components, or
- *  a colour of other than three or four, is GENERIC. The name is the attribute's metadata entry
- *  "name", control characters as '_', or else "normal", "color", "tex_coord", "generic" or,
- *  of a second one, "position". Integers that are flagged as normalised stay integers.
+ *  UINT8), number of components (1 .. 16) and meaning; a normal of other than three components, a
+ *  colour of other than three or four, or places in a texture of other than two or three, are
+ * GENERIC, and so is a second position; what they mean is then among what is dropped. The name is
+ * the attribute's metadata entry "name", control characters as '_', or else "normal", "color",
+ * "tex_coord", "generic" or, of a second one, "position". Integers that are flagged as normalised
+ * stay integers.
  *
- *  A mesh may split a vertex into several points where its attributes have seams: points that share
- *  one position value are merged into the first of them, whose attributes are kept. Vertices that
- *  merely coincide are not. If limits->keep_faces says so, the faces become triangles and points at
- *  seams stay apart, each with its own attributes.
+ *  A mesh splits a vertex into several points where its attributes have seams: each of them is a
+ *  point, as in other programs. If limits->keep_faces says so, the faces become triangles. Entries
+ * of metadata that are none of ours are counted among what is dropped.
  *
  *  Positions in float32 are kept bit for bit, and where the file has the metadata of
  *  vor_draco_write, origin and position type are restored; positions of other types, with the
@@ -32,8 +33,7 @@
 VOR_NODISCARD vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
                                         const struct vor_limits *limits, struct vor_error *err);
 
-/** The same with the faces of a mesh, over the points that seams are merged to. Faces of one point
- *  are left out.
+/** The same with the faces of a mesh. Faces of one point are left out.
  *
  *  As vor_format.read_mesh. */
 VOR_NODISCARD vor_status vor_draco_read_mesh(struct vor_cloud *out, struct vor_mesh *mesh,
@@ -68,6 +68,8 @@ VOR_NODISCARD vor_status vor_draco_read_mesh(struct vor_cloud *out, struct vor_m
  *  every size and FLOAT64 are always exact; 32-bit integers that the library cannot take (in
  *  sequential encoding, steps beyond 2^20 from point to point) travel as INT64, with their type in
  *  the attribute's metadata ("voronoid.type").
+ *  Floats that hold bits (vor_attribute_is_packed, or a number so small that nobody measures it,
+ *  below 2^-125) travel as their bytes, four UINT8 each, with their type there too.
  *
  *  The encoding is the kd-tree, which forgets the order of the points, unless keep_order is set or
  *  the kd-tree cannot hold the cloud: it takes quantised FLOAT32 and integers of up to 32 bits, and

@@ -19,7 +19,6 @@ struct load {
     const struct vor_draco_decoded *decoded;
     struct vor_cloud *cloud;
     struct vor_mesh *mesh; /* that gets the faces; NULL: they are dropped */
-    uint32_t *points;      /* of the file, that become points of the cloud; NULL: all of them */
     size_t n;
     unsigned position; /* index of the attribute */
     int has_origin;    /* in the metadata, with the type that positions had */
@@ -98,49 +97,9 @@ static vor_status find_position(struct load *load)
                     count);
 }
 
-/* Of the points of a mesh that share a position, keeps the first. */
-static vor_status merge_seams(struct load *load)
-{
-    struct vor_memory *memory = load->cloud->memory;
-    size_t all = load->n, values, kept = 0;
-    uint32_t *points = vor_malloc(memory, all, sizeof *points);
-    unsigned char *seen = NULL;
-    vor_status status = VOR_OK;
-
-    if (points == NULL) {
-        status = vor_fail(load->err, VOR_E_NOMEM, "map of %zu points", all);
-        goto done;
-    }
-    if (vor_draco_mapping(load->decoded, load->position, points, &values) != VOR_DRACO_DONE) {
-        status = vor_fail(load->err, VOR_E_FORMAT, "a vertex of the mesh has no position");
-        goto done;
-    }
-    seen = vor_calloc(memory, values, sizeof *seen);
-    if (seen == NULL) {
-        status = vor_fail(load->err, VOR_E_NOMEM, "map of %zu vertices", values);
-        goto done;
-    }
-    for (size_t i = 0; i < all; i++) {
-        uint32_t value = points[i];
-
-        if (!seen[value])
-            points[kept++] = (uint32_t)i;
-        seen[value] = 1;
-    }
-    vor_dropped_add(load->cloud->notes.dropped, &load->cloud->notes.dropped_count, "seam",
-                    all - kept);
-    load->n = kept;
-    load->points = points;
-    points = NULL;
-done:
-    vor_free(memory, seen);
-    vor_free(memory, points);
-    return status;
-}
-
 static vor_status copy_values(const struct load *load, unsigned index, void *out)
 {
-    if (vor_draco_values(load->decoded, index, load->points, load->n, out) != VOR_DRACO_DONE)
+    if (vor_draco_values(load->decoded, index, out) != VOR_DRACO_DONE)
         return vor_fail(load->err, VOR_E_FORMAT, "attribute %u has no value for some point", index);
     return VOR_OK;
 }
@@ -222,12 +181,12 @@ static vor_status load_positions(const struct load *load)
 }
 
 /* Names are strangers' bytes and end up in headers and logs. */
-static void clean_name(char name[64], enum vor_draco_kind kind)
+static void clean_name(char name[256], enum vor_draco_kind kind)
 {
     static const char *const implied[] = {"position", "normal", "color", "tex_coord", "generic"};
 
     if (name[0] == '\0')
-        (void)snprintf(name, 64, "%s", implied[kind]);
+        (void)snprintf(name, 256, "%s", implied[kind]);
     for (char *c = name; *c != '\0'; c++)
         if ((unsigned char)*c < 0x20 || *c == 0x7f)
             *c = '_';
@@ -239,6 +198,8 @@ static enum vor_semantic semantic_of(const struct vor_draco_info *info)
         return VOR_NORMAL;
     if (info->kind == VOR_DRACO_COLOR && (info->components == 3 || info->components == 4))
         return VOR_COLOR;
+    if (info->kind == VOR_DRACO_TEX_COORD && (info->components == 2 || info->components == 3))
+        return VOR_TEX_COORD;
     return VOR_GENERIC;
 }
 
@@ -263,24 +224,39 @@ static int narrow(struct vor_attribute *attribute, size_t n, enum vor_type type)
     return 1;
 }
 
+static void note_meaning(struct vor_notes *notes, const char *name)
+{
+    char what[VOR_MEMBER_TEXT_SIZE];
+
+    (void)snprintf(what, sizeof what, "meaning of %.50s", name);
+    vor_dropped_add(notes->dropped, &notes->dropped_count, what, 1);
+}
+
 static vor_status load_attribute(const struct load *load, unsigned index)
 {
     struct vor_draco_info info;
     struct vor_attribute *attribute;
-    enum vor_type type;
+    enum vor_type type = VOR_TYPE_COUNT;
+    enum vor_semantic semantic;
     vor_status status = describe(load, index, &info);
 
     if (status != VOR_OK)
         return status;
+    (void)vor_type_parse(&type, info.type, strlen(info.type));
+    if (type == VOR_FLOAT32 && info.scalar == VOR_DRACO_UINT8 && info.components % 4 == 0) {
+        info.scalar = VOR_DRACO_FLOAT32; /* the writer carries bits in bytes and says so */
+        info.components /= 4;
+    }
     clean_name(info.name, info.kind);
-    status =
-        vor_cloud_add_attribute(load->cloud, info.name, semantic_of(&info),
-                                (enum vor_type)info.scalar, info.components, &attribute, load->err);
+    semantic = semantic_of(&info);
+    status = vor_cloud_add_attribute(load->cloud, info.name, semantic, (enum vor_type)info.scalar,
+                                     info.components, &attribute, load->err);
     if (status != VOR_OK)
         return status;
+    if (semantic == VOR_GENERIC && info.kind != VOR_DRACO_GENERIC)
+        note_meaning(&load->cloud->notes, attribute->name);
     status = copy_values(load, index, attribute->data);
     if (status == VOR_OK && attribute->type == VOR_INT64 &&
-        vor_type_parse(&type, info.type, strlen(info.type)) &&
         (type == VOR_INT32 || type == VOR_UINT32))
         (void)narrow(attribute, load->n, type);
     return status;
@@ -322,39 +298,18 @@ static void drop_filling(struct vor_mesh *mesh)
     mesh->count = kept;
 }
 
-/* Turns the points of the file that triangles have into those of the cloud, by the positions that
- * they share. value: of every point; place: of every value, to be filled in. */
-static void place_corners(const struct load *load, const uint32_t *value, uint32_t *place)
-{
-    for (size_t i = 0; i < load->n; i++)
-        place[value[load->points[i]]] = (uint32_t)i;
-    for (size_t k = 0; k < 3 * load->mesh->count; k++)
-        load->mesh->triangle[k] = place[value[load->mesh->triangle[k]]];
-    drop_filling(load->mesh);
-}
-
 static vor_status load_mesh(const struct load *load)
 {
-    struct vor_memory *memory = load->mesh->memory;
-    size_t n = vor_draco_points(load->decoded), count = vor_draco_faces(load->decoded), values = 0;
-    uint32_t *value = vor_malloc(memory, n, sizeof *value), *place = NULL;
-    vor_status status = VOR_OK;
+    size_t count = vor_draco_faces(load->decoded);
 
-    load->mesh->triangle = vor_malloc(memory, count, 3 * sizeof *load->mesh->triangle);
-    if (value != NULL &&
-        vor_draco_mapping(load->decoded, load->position, value, &values) == VOR_DRACO_DONE)
-        place = vor_malloc(memory, values, sizeof *place);
-    if (place == NULL || load->mesh->triangle == NULL) {
-        status = vor_fail(load->err, VOR_E_NOMEM, "%zu faces", count);
-    } else if (vor_draco_corners(load->decoded, load->mesh->triangle) != VOR_DRACO_DONE) {
-        status = vor_fail(load->err, VOR_E_FORMAT, "a face has a corner that is no point");
-    } else {
-        load->mesh->count = count;
-        place_corners(load, value, place);
-    }
-    vor_free(memory, place);
-    vor_free(memory, value);
-    return status;
+    load->mesh->triangle = vor_malloc(load->mesh->memory, count, 3 * sizeof *load->mesh->triangle);
+    if (load->mesh->triangle == NULL)
+        return vor_fail(load->err, VOR_E_NOMEM, "%zu faces", count);
+    if (vor_draco_corners(load->decoded, load->mesh->triangle) != VOR_DRACO_DONE)
+        return vor_fail(load->err, VOR_E_FORMAT, "a face has a corner that is no point");
+    load->mesh->count = count;
+    drop_filling(load->mesh);
+    return VOR_OK;
 }
 
 static vor_status load_cloud(struct load *load, const struct vor_limits *limits)
@@ -363,8 +318,6 @@ static vor_status load_cloud(struct load *load, const struct vor_limits *limits)
 
     load->n = vor_draco_points(load->decoded);
     find_origin(load);
-    if (status == VOR_OK && vor_draco_is_mesh(load->decoded) && !load->keep_faces)
-        status = merge_seams(load);
     if (status != VOR_OK)
         return status;
     if (load->n > limits->points) {
@@ -381,6 +334,8 @@ static vor_status load_cloud(struct load *load, const struct vor_limits *limits)
     for (unsigned i = 0; status == VOR_OK && i < vor_draco_attributes(load->decoded); i++)
         if (i != load->position)
             status = load_attribute(load, i);
+    vor_dropped_add(load->cloud->notes.dropped, &load->cloud->notes.dropped_count, "metadata",
+                    vor_draco_metadata(load->decoded));
     if (status == VOR_OK)
         status = load_faces(load);
     if (status == VOR_OK)
@@ -407,7 +362,6 @@ static vor_status read_file(struct load *load, const uint8_t *bytes, size_t size
     load->decoded = decoded;
     status = load_cloud(load, limits);
 done:
-    vor_free(out->memory, load->points);
     vor_draco_free(decoded);
     if (status != VOR_OK)
         vor_cloud_free(out);

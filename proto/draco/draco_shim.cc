@@ -240,17 +240,16 @@ class Values
         : attribute_(attribute), identity_(attribute.is_mapping_identity())
     {
         const draco::DataBuffer *buffer = attribute.buffer();
-        size_t width = size_t(attribute.num_components()) *
-                       size_t(draco::DataTypeLength(attribute.data_type()));
 
+        width_ = size_t(attribute.num_components()) *
+                 size_t(draco::DataTypeLength(attribute.data_type()));
         points_ = identity_ ? cloud.num_points() : attribute.indices_map_size();
-        width_ = width;
         count_ = attribute.size();
         if (buffer == nullptr || attribute.byte_offset() != 0 ||
-            attribute.byte_stride() != int64_t(width) || width == 0)
+            attribute.byte_stride() != int64_t(width_) || width_ == 0)
             count_ = 0;
-        else if (count_ > buffer->data_size() / width)
-            count_ = buffer->data_size() / width;
+        else if (count_ > buffer->data_size() / width_)
+            count_ = buffer->data_size() / width_;
         data_ = count_ > 0 ? buffer->data() : nullptr;
     }
 
@@ -266,11 +265,6 @@ class Values
     const uint8_t *at(uint32_t index) const
     {
         return data_ + width_ * index;
-    }
-
-    size_t count() const
-    {
-        return count_;
     }
 
     size_t width() const
@@ -357,6 +351,19 @@ bool origin_entries(const draco::Metadata *metadata, double origin[3])
         return false;
     std::memcpy(origin, values.data(), 3 * sizeof *origin);
     return true;
+}
+
+/* The nesting is bounded (draco_gate.h). */
+size_t foreign_entries(const draco::Metadata &metadata, bool is_attribute)
+{
+    size_t count = 0;
+
+    for (const auto &entry : metadata.entries())
+        count +=
+            entry.first.compare(0, 9, "voronoid.") != 0 && !(is_attribute && entry.first == "name");
+    for (const auto &inner : metadata.sub_metadatas())
+        count += foreign_entries(*inner.second, false);
+    return count;
 }
 
 bool fill(draco::Mesh *mesh, const vor_draco_source &source)
@@ -471,11 +478,6 @@ size_t vor_draco_points(const vor_draco_decoded *decoded) noexcept
     return decoded->cloud->num_points();
 }
 
-int vor_draco_is_mesh(const vor_draco_decoded *decoded) noexcept
-{
-    return decoded->mesh;
-}
-
 size_t vor_draco_faces(const vor_draco_decoded *decoded) noexcept
 {
     return decoded->mesh ? static_cast<const draco::Mesh *>(decoded->cloud.get())->num_faces() : 0;
@@ -534,32 +536,30 @@ vor_draco_result vor_draco_describe(const vor_draco_decoded *decoded, unsigned i
     return result;
 }
 
-vor_draco_result vor_draco_mapping(const vor_draco_decoded *decoded, unsigned index, uint32_t *out,
-                                   size_t *values) noexcept
+vor_draco_result vor_draco_values(const vor_draco_decoded *decoded, unsigned index,
+                                  void *out) noexcept
 {
     const Values source(*decoded->cloud, *decoded->cloud->attribute(int(index)));
     const size_t n = decoded->cloud->num_points();
-
-    for (size_t i = 0; i < n; i++)
-        if (!source.index(i, &out[i]))
-            return VOR_DRACO_REFUSED;
-    *values = source.count();
-    return VOR_DRACO_DONE;
-}
-
-vor_draco_result vor_draco_values(const vor_draco_decoded *decoded, unsigned index,
-                                  const uint32_t *points, size_t n, void *out) noexcept
-{
-    const Values source(*decoded->cloud, *decoded->cloud->attribute(int(index)));
     uint8_t *to = static_cast<uint8_t *>(out);
     uint32_t value;
 
     for (size_t i = 0; i < n; i++, to += source.width()) {
-        if (!source.index(points != nullptr ? points[i] : i, &value))
+        if (!source.index(i, &value))
             return VOR_DRACO_REFUSED;
         std::memcpy(to, source.at(value), source.width());
     }
     return VOR_DRACO_DONE;
+}
+
+size_t vor_draco_metadata(const vor_draco_decoded *decoded) noexcept
+{
+    const draco::GeometryMetadata *metadata = decoded->cloud->GetMetadata();
+    size_t count = metadata != nullptr ? foreign_entries(*metadata, false) : 0;
+
+    for (size_t i = 0; metadata != nullptr && i < metadata->attribute_metadatas().size(); i++)
+        count += foreign_entries(*metadata->attribute_metadatas()[i], true);
+    return count;
 }
 
 int vor_draco_origin(const vor_draco_decoded *decoded, double origin[3], char type[16]) noexcept

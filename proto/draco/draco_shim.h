@@ -63,7 +63,7 @@ struct vor_draco_info {
     enum vor_draco_kind kind;
     enum vor_draco_scalar scalar; /**< booleans are UINT8 */
     unsigned components;          /**< 0 .. 255, as the file has it */
-    char name[64];                /**< metadata entry "name", cut to fit */
+    char name[256];               /**< metadata entry "name", cut to fit */
     char type[16];                /**< metadata entry "voronoid.type" */
 };
 
@@ -77,7 +77,6 @@ enum vor_draco_result vor_draco_decode(struct vor_draco_decoded **out,
 void vor_draco_free(struct vor_draco_decoded *decoded) VOR_NOEXCEPT;
 
 size_t vor_draco_points(const struct vor_draco_decoded *decoded) VOR_NOEXCEPT;
-int vor_draco_is_mesh(const struct vor_draco_decoded *decoded) VOR_NOEXCEPT;
 
 /** Faces of a mesh; 0 of a point cloud. */
 size_t vor_draco_faces(const struct vor_draco_decoded *decoded) VOR_NOEXCEPT;
@@ -91,15 +90,14 @@ unsigned vor_draco_attributes(const struct vor_draco_decoded *decoded) VOR_NOEXC
 enum vor_draco_result vor_draco_describe(const struct vor_draco_decoded *decoded, unsigned index,
                                          struct vor_draco_info *out) VOR_NOEXCEPT;
 
-/** Which of the attribute's values each point has: one index for every point of the file, below
- *  *values. REFUSED when the file maps a point to no value. */
-enum vor_draco_result vor_draco_mapping(const struct vor_draco_decoded *decoded, unsigned index,
-                                        uint32_t *out, size_t *values) VOR_NOEXCEPT;
-
-/** Copies the values of points[0 .. n - 1] (points NULL: of points 0 .. n - 1), interleaved, in the
- *  attribute's own type. REFUSED when a point or its value does not exist. */
+/** Copies the values of all points, interleaved, in the attribute's own type. REFUSED when a value
+ *  does not exist. */
 enum vor_draco_result vor_draco_values(const struct vor_draco_decoded *decoded, unsigned index,
-                                       const uint32_t *points, size_t n, void *out) VOR_NOEXCEPT;
+                                       void *out) VOR_NOEXCEPT;
+
+/** Entries of metadata that are none of ours: neither called voronoid..., nor the name of an
+ *  attribute. */
+size_t vor_draco_metadata(const struct vor_draco_decoded *decoded) VOR_NOEXCEPT;
 
 /** The metadata entries "voronoid.origin.x", ".y" and ".z" (a double each; or "voronoid.origin",
  *  three of them, as earlier versions wrote) and "voronoid.position_type" (type is "" without it).

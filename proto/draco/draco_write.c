@@ -35,6 +35,7 @@ static enum vor_draco_kind kind_of(enum vor_semantic semantic)
         [VOR_GENERIC] = VOR_DRACO_GENERIC,
         [VOR_NORMAL] = VOR_DRACO_NORMAL,
         [VOR_COLOR] = VOR_DRACO_COLOR,
+        [VOR_TEX_COORD] = VOR_DRACO_TEX_COORD,
     };
 
     return kinds[semantic];
@@ -43,7 +44,14 @@ static enum vor_draco_kind kind_of(enum vor_semantic semantic)
 /* What the reader calls an attribute without a name. */
 static const char *implied_name(enum vor_semantic semantic)
 {
-    return semantic == VOR_NORMAL ? "normal" : semantic == VOR_COLOR ? "color" : "generic";
+    static const char *const names[] = {
+        [VOR_GENERIC] = "generic",
+        [VOR_NORMAL] = "normal",
+        [VOR_COLOR] = "color",
+        [VOR_TEX_COORD] = "tex_coord",
+    };
+
+    return names[semantic];
 }
 
 static int same(const double a[3], const double b[3])
@@ -119,6 +127,27 @@ static void add_columns(struct plan *plan)
     }
 }
 
+/* Whether floats are no measured numbers but hold bits, as colours or labels that were packed into
+ * them: quantised, none would be kept. Integers of up to 24 bits look like numbers below 2^-125. */
+static int holds_bits(const struct vor_attribute *attribute, size_t n)
+{
+    const float *value = attribute->data;
+
+    if (attribute->type != VOR_FLOAT32 || attribute->components > 4)
+        return 0;
+    for (size_t i = 0; i < n * attribute->components; i++)
+        if (value[i] != 0 && fabsf(value[i]) < 0x1p-125F)
+            return 1;
+    return vor_attribute_is_packed(attribute);
+}
+
+static void carry_bits(struct vor_draco_column *column)
+{
+    column->type = vor_type_name_sized(VOR_FLOAT32);
+    column->scalar = VOR_DRACO_UINT8;
+    column->components *= (unsigned)sizeof(float);
+}
+
 static vor_status quantize(struct plan *plan, const struct vor_write_options *options,
                            struct vor_error *err)
 {
@@ -128,7 +157,10 @@ static vor_status quantize(struct plan *plan, const struct vor_write_options *op
     if (options->quantization_bits == 0)
         return VOR_OK;
     for (unsigned i = 1; i < plan->count; i++)
-        if (plan->columns[i].scalar == VOR_DRACO_FLOAT32 && vor_draco_bound(&plan->columns[i], n))
+        if (holds_bits(&plan->cloud->attributes[i - 1], n))
+            carry_bits(&plan->columns[i]);
+        else if (plan->columns[i].scalar == VOR_DRACO_FLOAT32 &&
+                 vor_draco_bound(&plan->columns[i], n))
             vor_draco_fit_attribute(&plan->columns[i], n);
     if (!vor_draco_bound(position, n))
         return VOR_OK;

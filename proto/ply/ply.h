@@ -13,7 +13,8 @@
  *  Coordinates of type float are kept bit for bit; char to ushort become float32, exactly; where
  *  one of the three is int, uint or double, all three go through vor_cloud_set_double. nx ny nz,
  *  or else normal_x ..., become a NORMAL and red green blue [alpha], or else diffuse_red ... or
- *  r g b [a], a COLOR where the parts share a type; every other scalar property becomes a GENERIC
+ *  r g b [a], a COLOR where the parts share a type, and tex_coord_0
+ *  tex_coord_1 [tex_coord_2] a TEX_COORD; every other scalar property becomes a GENERIC
  *  under its name, byte by byte. What is not named like that may be named so in other letters: X,
  * Red. List properties of a vertex are skipped, and so are elements before `vertex`; what follows
  * the last vertex, or the last face that is wanted, is not looked at. In ascii a vertex is a line,
@@ -48,11 +49,11 @@ VOR_NODISCARD vor_status vor_ply_read_mesh(struct vor_cloud *out, struct vor_mes
  *
  *  Signature and failures as vor_format.write. Coordinates are absolute, of the cloud's position
  *  type; a NORMAL of three is written as nx ny nz, a COLOR of three or four as red green blue
- *  [alpha], everything else under its name, with _0, _1 ... appended where it has several
- *  components. Names are made free of blanks and control characters and unique; 64-bit integers,
- * which PLY lacks, become double. The cloud's remarks follow one of our own. Faces, if there are
- * any, are an element `face` behind the vertices, lists `vertex_indices` of uchar 3 and int. What
- * vor_ply_read yields comes back the same, bit for bit.
+ *  [alpha], a TEX_COORD of two or three as tex_coord_0 ..., everything else under its name, with
+ * _0, _1 ... appended where it has several components. Names are made free of blanks and control
+ * characters and unique; 64-bit integers, which PLY lacks, become double. The cloud's remarks
+ * follow one of our own. Faces, if there are any, are an element `face` behind the vertices, lists
+ * `vertex_indices` of uchar 3 and int. What vor_ply_read yields comes back the same, bit for bit.
  *
  *  Cost: one pass and 64 KiB from cloud->memory, more where the attributes are many. Deterministic;
  *  thread-safe. */

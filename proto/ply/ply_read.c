@@ -22,6 +22,7 @@ static const struct group groups[] = {
     {"color", VOR_COLOR, 3, 4, {"red", "green", "blue", "alpha"}},
     {"color", VOR_COLOR, 3, 4, {"diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"}},
     {"color", VOR_COLOR, 3, 4, {"r", "g", "b", "a"}},
+    {"tex_coord", VOR_TEX_COORD, 2, 3, {"tex_coord_0", "tex_coord_1", "tex_coord_2", ""}},
 };
 
 enum { GROUP_COUNT = sizeof groups / sizeof groups[0], ABSENT = VOR_PLY_PROPERTIES_MAX };

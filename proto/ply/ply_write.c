@@ -46,6 +46,7 @@ static const char *const *custom_names(const struct vor_cloud *cloud,
 {
     static const char *const normal[4] = {"nx", "ny", "nz", ""};
     static const char *const color[4] = {"red", "green", "blue", "alpha"};
+    static const char *const place[4] = {"tex_coord_0", "tex_coord_1", "tex_coord_2", ""};
 
     if (attribute->semantic == VOR_GENERIC ||
         vor_cloud_find(cloud, attribute->semantic) != attribute)
@@ -55,6 +56,9 @@ static const char *const *custom_names(const struct vor_cloud *cloud,
     if (attribute->semantic == VOR_COLOR &&
         (attribute->components == 3 || attribute->components == 4))
         return color;
+    if (attribute->semantic == VOR_TEX_COORD &&
+        (attribute->components == 2 || attribute->components == 3))
+        return place;
     return NULL;
 }
 

@@ -138,7 +138,7 @@ static const struct damage {
     {"2^32 - 1 attributes", 28, 4, UINT32_MAX, VOR_E_FORMAT},
     {"an origin that is infinite", 32, 8, UINT64_C(0x7ff0000000000000), VOR_E_NONFINITE},
     {"an origin that is nan", 48, 8, UINT64_C(0x7ff8000000000000), VOR_E_NONFINITE},
-    {"a semantic that is none", HEAD + 64, 4, 3, VOR_E_FORMAT},
+    {"a semantic that is none", HEAD + 64, 4, VOR_TEX_COORD + 1, VOR_E_FORMAT},
     {"a type that is none", HEAD + 68, 4, VOR_TYPE_COUNT, VOR_E_FORMAT},
     {"another type", HEAD + 68, 4, VOR_FLOAT64, VOR_E_FORMAT},
     {"no components", HEAD + ROW + 72, 4, 0, VOR_E_FORMAT},

@@ -1,9 +1,11 @@
 /* Regression: files as other programs write them. Each is read, and what came of it is put into
  * words; written as PLY and as lossless Draco, it is read back as the same. */
+#include "core/cloud/faces.h"
 #include "proto/codec.h"
 #include "tests/support/vt.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,11 +24,11 @@ static const struct stranger {
     /* Whole numbers as floats are printed: "%f", "%g" of what is large, numpy.savetxt. */
     {"a point behind integers",
      ASCII COLORED "property int l\n" END "1 2 3 0.0 20. 30.000000 -4.0\n",
-     "1 2 3; color uint8 0 20 30; l int32 -4"},
+     "1 2 3; color! uint8 0 20 30; l int32 -4"},
     {"integers with exponents",
      ASCII COLORED "property int l\n" END
                    "1 2 3 2.550000000000000000e+02 0.000000000000000000e+00 1.2e1 1e+06\n",
-     "1 2 3; color uint8 255 0 12; l int32 1000000"},
+     "1 2 3; color! uint8 255 0 12; l int32 1000000"},
     {"integers of many decimals",
      ASCII ONE "property ushort a\nproperty char b\n" END
                "1 2 3 65535.000000000000000000000000 -128.00000000000000000000\n",
@@ -68,17 +70,17 @@ static const struct stranger {
     {"x before X", ASCII "element vertex 1\nproperty uchar X\n" XYZ END "9 1 2 3\n",
      "1 2 3; X uint8 9"},
     {"colours in capitals", ASCII ONE RGB("Red", "Green", "Blue") END "1 2 3 4 5 6\n",
-     "1 2 3; color uint8 4 5 6"},
+     "1 2 3; color! uint8 4 5 6"},
     {"colours by their letters",
      ASCII ONE RGB("r", "g", "b") "property uchar a\n" END "1 2 3 4 5 6 7\n",
-     "1 2 3; color uint8 4 5 6 7"},
+     "1 2 3; color! uint8 4 5 6 7"},
     {"one colour of two",
      ASCII ONE RGB("R", "G", "B") RGB("red", "green", "blue") END "1 2 3 4 5 6 7 8 9\n",
-     "1 2 3; R uint8 4; G uint8 5; B uint8 6; color uint8 7 8 9"},
+     "1 2 3; R uint8 4; G uint8 5; B uint8 6; color! uint8 7 8 9"},
     {"normals by their field",
      ASCII ONE "property float normal_x\nproperty float normal_y\n"
                "property float Normal_Z\n" END "1 2 3 0 0 1\n",
-     "1 2 3; normal float32 0 0 1"},
+     "1 2 3; normal! float32 0 0 1"},
     {"a red that is no colour",
      ASCII ONE "property float red\n" RGB("r", "g", "b") END "1 2 3 .5 4 5 6\n",
      "1 2 3; red float32 0.5; r uint8 4; g uint8 5; b uint8 6"},
@@ -104,9 +106,11 @@ static void add(char words[WORDS], const char *text)
     strcat(words, text);
 }
 
-/* "x y z" of each point, then every attribute with its values, and what was dropped. */
+/* "x y z" of each point, then every attribute with its values, its name with a mark where it has a
+ * meaning, and what was dropped. */
 static void say(char words[WORDS], const struct vor_cloud *cloud)
 {
+    static const char *const implied[] = {"generic", "normal", "color", "tex_coord"};
     char text[128];
 
     words[0] = '\0';
@@ -121,7 +125,10 @@ static void say(char words[WORDS], const struct vor_cloud *cloud)
     for (size_t a = 0; a < cloud->attribute_count; a++) {
         const struct vor_attribute *attribute = &cloud->attributes[a];
 
-        (void)snprintf(text, sizeof text, "; %s %s", attribute->name,
+        ck_assert(attribute->semantic == VOR_GENERIC ||
+                  strcmp(attribute->name, implied[attribute->semantic]) == 0);
+        (void)snprintf(text, sizeof text, "; %s%s %s", attribute->name,
+                       attribute->semantic != VOR_GENERIC ? "!" : "",
                        vor_type_name_sized(attribute->type));
         add(words, text);
         for (size_t k = 0; k < cloud->n * attribute->components; k++) {
@@ -161,26 +168,219 @@ static void through(struct vor_cloud *out, const struct vor_cloud *cloud, unsign
     free(bytes.data);
 }
 
+/* Asserts what a cloud holds, and what it holds back from each format. */
+static void check_words(const char *name, const struct vor_cloud *cloud, const char *want,
+                        const char *const back[2])
+{
+    struct vor_cloud again;
+    char got[WORDS];
+
+    say(got, cloud);
+    ck_assert_msg(strcmp(got, want) == 0, "%s: \"%s\", want \"%s\"", name, got, want);
+    for (unsigned format = 0; vor_format(format) != NULL; format++) {
+        size_t size = strlen(back[format]);
+
+        through(&again, cloud, format);
+        say(got, &again);
+        ck_assert_msg(strncmp(got, back[format], size) == 0 &&
+                          (got[size] == '\0' || strncmp(got + size, "; dropped", 9) == 0),
+                      "%s: back from %s \"%s\", want \"%s\"", name, vor_format(format)->name, got,
+                      back[format]);
+        vor_cloud_free(&again);
+    }
+}
+
 START_TEST(files_of_strangers_are_read_and_come_back)
 {
     const struct stranger *stranger = &strangers[_i];
-    char want[WORDS] = "", got[WORDS];
+    const char *dropped = strstr(stranger->want, "; dropped");
+    char back[WORDS];
+    const char *const both[] = {back, back};
+    struct vor_cloud cloud;
+
+    (void)snprintf(back, sizeof back, "%.*s",
+                   dropped != NULL ? (int)(dropped - stranger->want) : WORDS, stranger->want);
+    read_bytes(&cloud, stranger->file, strlen(stranger->file));
+    check_words(stranger->name, &cloud, stranger->want, both);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+static void read_path(struct vor_cloud *out, const char *path)
+{
+    size_t size;
+    uint8_t *bytes = vt_slurp(path, &size);
+
+    ck_assert_ptr_nonnull(bytes);
+    read_bytes(out, bytes, size);
+    free(bytes);
+}
+
+/* Vector, written by Draco's own encoder: metadata of a file, of a part of it and of an attribute,
+ * a colour of two numbers, places in a texture of three, a name with a blank. */
+START_TEST(what_draco_has_beside_points_is_kept_or_named)
+{
+#define POINTS "1 2 3, 4 5 6; "
+#define PLACES "tex_coord! float32 0.5 0.25 0.75 1 0 0.5; "
+#define HEIGHT "H\xc3\xb6he uint8 13 14"
+    static const char *const back[] = {
+        POINTS "color_0 uint8 7 9; color_1 uint8 8 10; " PLACES "GPS_time uint16 11 12; " HEIGHT,
+        POINTS "color uint8 7 8 9 10; " PLACES "GPS time uint16 11 12; " HEIGHT};
+    struct vor_report report = {.points_in = 0};
+    struct vor_cloud cloud;
+
+    read_path(&cloud, "tests/data/metadata.drc");
+    check_words("metadata.drc", &cloud,
+                POINTS "color uint8 7 8 9 10; " PLACES "GPS time uint16 11 12; " HEIGHT
+                       "; dropped meaning of color 1; dropped metadata 4",
+                back);
+    vor_codec_report_dropped(&report, &cloud, vor_format(VOR_FORMAT_DRC));
+    ck_assert_uint_eq(report.dropped_count, 0);
+    vor_codec_report_dropped(&report, &cloud, vor_format(VOR_FORMAT_PLY));
+    ck_assert_uint_eq(report.dropped_count, 1);
+    ck_assert_str_eq(report.dropped[0].what, "name of GPS time");
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Vector, written by Draco's own encoder: 200 points with places in a texture. */
+START_TEST(places_in_a_texture_stay_what_they_are)
+{
     struct vor_cloud cloud, back;
 
-    read_bytes(&cloud, stranger->file, strlen(stranger->file));
-    say(got, &cloud);
-    ck_assert_msg(strcmp(got, stranger->want) == 0, "%s: \"%s\", want \"%s\"", stranger->name, got,
-                  stranger->want);
-    strncat(want, got, strcspn(got, "\n"));
-    if (strstr(want, "; dropped") != NULL)
-        *strstr(want, "; dropped") = '\0';
+    read_path(&cloud, "tests/data/texcoord-cloud.drc");
     for (unsigned format = 0; vor_format(format) != NULL; format++) {
+        const struct vor_attribute *is = vor_cloud_find(&cloud, VOR_TEX_COORD), *again;
+
         through(&back, &cloud, format);
-        say(got, &back);
-        ck_assert_msg(strcmp(got, want) == 0, "%s: back from %s \"%s\", want \"%s\"",
-                      stranger->name, vor_format(format)->name, got, want);
+        again = vor_cloud_find(&back, VOR_TEX_COORD);
+        ck_assert(is != NULL && again != NULL);
+        ck_assert(again->type == VOR_FLOAT32 && again->components == 2);
+        ck_assert_mem_eq(again->data, is->data, 200 * 2 * sizeof(float));
         vor_cloud_free(&back);
     }
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Vector, written by Draco's own encoder, edgebreaker: a cube from 0 to 1, whose corners are three
+ * points each, one for every side, with the normal and the place in the texture of that side. */
+START_TEST(each_side_of_a_corner_is_a_point)
+{
+    struct vor_cloud cloud;
+    const float *normal, *place;
+    unsigned seen[6] = {0};
+
+    read_path(&cloud, "tests/data/cube-24-corners.drc");
+    ck_assert_uint_eq(cloud.n, 24);
+    ck_assert(vor_cloud_find(&cloud, VOR_NORMAL) && vor_cloud_find(&cloud, VOR_TEX_COORD));
+    normal = vor_cloud_find(&cloud, VOR_NORMAL)->data;
+    place = vor_cloud_find(&cloud, VOR_TEX_COORD)->data;
+    for (size_t i = 0; i < 24; i++) {
+        unsigned axis = 0, corner;
+
+        while (axis < 2 && fabsf(normal[3 * i + axis]) < 0.5F)
+            axis++;
+        ck_assert_float_eq_tol(fabsf(normal[3 * i + axis]), 1, 1e-3F);
+        ck_assert_float_eq_tol(cloud.xyz[3 * i + axis], normal[3 * i + axis] > 0, 1e-3F);
+        corner = (place[2 * i] > 0.5F) + 2U * (place[2 * i + 1] > 0.5F);
+        seen[2 * axis + (normal[3 * i + axis] > 0)] |= 1U << corner;
+    }
+    for (unsigned side = 0; side < 6; side++)
+        ck_assert_uint_eq(seen[side], 15);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Colours as the Point Cloud Library packs them into a float, without alpha and with, which makes
+ * some of them no numbers; and labels whose bits were taken for floats. */
+static void add_bits(struct vor_cloud *cloud, const char *name, unsigned components, uint32_t step,
+                     uint32_t base)
+{
+    struct vor_attribute *attribute;
+    uint32_t bits;
+
+    vt_assert_ok(vor_cloud_add_attribute(cloud, name, VOR_GENERIC, VOR_FLOAT32, components,
+                                         &attribute, &vt_err));
+    for (size_t k = 0; k < cloud->n * components; k++) {
+        bits = base | (uint32_t)k * step % 0xffffffU;
+        memcpy((float *)attribute->data + k, &bits, sizeof bits);
+    }
+}
+
+/* Property: the quantised encodings, with the order of points and without. */
+START_TEST(bits_in_floats_survive_quantization)
+{
+    const struct vor_write_options options = {
+        .quantization_bits = 11, .compression = 7, .keep_order = _i & 1};
+    struct vt_bytes bytes = {0};
+    const struct vor_sink sink = {&bytes, vt_bytes_write};
+    struct vor_cloud cloud, back;
+    struct vor_attribute *id;
+    const uint32_t *at;
+
+    vt_cloud_cube(&cloud, 1, 300);
+    vt_assert_ok(vor_cloud_add_attribute(&cloud, "id", VOR_GENERIC, VOR_UINT32, 1, &id, &vt_err));
+    for (uint32_t i = 0; i < 300; i++)
+        ((uint32_t *)id->data)[i] = i;
+    add_bits(&cloud, "rgb", 1, 55831, _i < 2 ? 0 : 0xff000000U);
+    add_bits(&cloud, "RGBA", 1, 55831, 0x7f000000U);
+    add_bits(&cloud, "label", 2, 1, 0);
+    vt_assert_ok(vor_format(VOR_FORMAT_DRC)->write(&sink, &cloud, &options, &vt_err));
+    read_bytes(&back, bytes.data, bytes.size);
+    ck_assert_uint_eq(back.n, 300);
+    at = vor_cloud_find_name(&back, "id")->data;
+    for (size_t a = 1; a < 4; a++) {
+        const struct vor_attribute *is = &back.attributes[a], *was = &cloud.attributes[a];
+        size_t size = was->components * sizeof(float);
+
+        ck_assert_str_eq(is->name, was->name);
+        ck_assert(is->type == VOR_FLOAT32 && is->components == was->components);
+        for (size_t i = 0; i < 300; i++)
+            ck_assert_mem_eq((const char *)is->data + i * size,
+                             (const char *)was->data + at[i] * size, size);
+    }
+    free(bytes.data);
+    vor_cloud_free(&back);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Property: a point drawn from a face gets the packed colour of a corner, not the mean of three. */
+START_TEST(packed_colours_are_not_averaged)
+{
+    static const uint32_t packed[3] = {0x00ff0000U, 0x0000ff00U, 0x000000ffU};
+    struct vor_cloud cloud, drawn;
+    unsigned seen = 0;
+    uint32_t got;
+
+    vor_cloud_init(&cloud, &vt_memory);
+    read_bytes(&cloud,
+               ASCII "element vertex 3\n" XYZ "property float rgb\n" END
+                     "0 0 0 0\n1 0 0 0\n0 1 0 0\n",
+               strlen(ASCII "element vertex 3\n" XYZ "property float rgb\n" END
+                            "0 0 0 0\n1 0 0 0\n0 1 0 0\n"));
+    memcpy(cloud.attributes[0].data, packed, sizeof packed);
+    cloud.triangles = vor_calloc(&vt_memory, 3, sizeof *cloud.triangles);
+    ck_assert_ptr_nonnull(cloud.triangles);
+    cloud.triangles[1] = 1;
+    cloud.triangles[2] = 2;
+    cloud.triangle_count = 1;
+    vor_cloud_init(&drawn, &vt_memory);
+    vt_assert_ok(vor_faces_sample(&drawn, &cloud, 64, 1, &vt_err));
+    for (size_t i = 0; i < 64; i++) {
+        memcpy(&got, (float *)drawn.attributes[0].data + i, sizeof got);
+        for (unsigned k = 0; k < 3; k++)
+            seen |= (got == packed[k]) << k;
+        ck_assert(got == packed[0] || got == packed[1] || got == packed[2]);
+    }
+    ck_assert_uint_eq(seen, 7);
+    vor_cloud_free(&drawn);
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
@@ -233,6 +433,11 @@ int main(void)
 
     vt_add_loop(suite, files_of_strangers_are_read_and_come_back,
                 sizeof strangers / sizeof *strangers);
+    vt_add(suite, what_draco_has_beside_points_is_kept_or_named);
+    vt_add(suite, places_in_a_texture_stay_what_they_are);
+    vt_add(suite, each_side_of_a_corner_is_a_point);
+    vt_add_loop(suite, bits_in_floats_survive_quantization, 4);
+    vt_add(suite, packed_colours_are_not_averaged);
     vt_add_loop(suite, what_is_refused_is_named, sizeof refused / sizeof *refused);
     return vt_run(suite);
 }
