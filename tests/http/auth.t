@@ -53,7 +53,7 @@ sub submit {
 sub finish {
     my ($who, $id) = @_;
     my $info;
-    wait_until(sub { ($info = json(ask($who, 'GET', "/v1/jobs/$id")))->{status} =~ /^(?:successful|failed|dismissed)$/ }, 60)
+    wait_until(sub { ($info = json(ask($who, 'GET', "/v1/jobs/$id")))->{status} =~ /^(?:successful|failed|dismissed)$/ })
         or die "job $id does not end";
     return $info;
 }
@@ -219,11 +219,11 @@ is finish('alice', $beside)->{status}, 'successful', 'it runs';
 
 write_keys($file, $lines[1], "carol:submit\n");
 kill 'HUP', $daemon->{pid};
-ok wait_until(sub { $daemon->log_text =~ /keys not read[^\n]*line 2/ }, 10), 'a wrong file is told of, with its line';
+ok wait_until(sub { $daemon->log_text =~ /keys not read[^\n]*line 2/ }), 'a wrong file is told of, with its line';
 is ask('bob', 'GET', '/v1/jobs')->{status}, 200, 'and the keys of before hold';
 write_keys($file, $lines[1]);
 kill 'HUP', $daemon->{pid};
-ok wait_until(sub { ask('bob', 'GET', '/v1/jobs')->{status} == 401 }, 10), 'a key that was taken out is none any more';
+ok wait_until(sub { ask('bob', 'GET', '/v1/jobs')->{status} == 401 }), 'a key that was taken out is none any more';
 is ask('alice', 'GET', '/v1/jobs')->{status}, 200, 'the others stay';
 is ask('alice', 'DELETE', "/v1/jobs/$job")->{status}, 200, 'a job is removed by its own key';
 

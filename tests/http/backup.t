@@ -19,7 +19,7 @@ $daemon->finish($_) for @done;
 my %bytes = map { $_ => $daemon->get("/v1/jobs/$_/results/cloud")->{content} } @done;
 my $runs = $daemon->submit('points=300&iterations=10000&polish=0', $cloud);
 my $waits = $daemon->submit('points=80&iterations=2', $cloud);
-wait_until(sub { $daemon->status($runs) eq 'running' }, 20);
+wait_until(sub { $daemon->status($runs) eq 'running' });
 
 {
     open my $script, '>', "$dir/block.sh" or die "block.sh: $!";

@@ -5,7 +5,6 @@ use warnings;
 use FindBin;
 use lib "$FindBin::Bin/../support";
 use Test::More;
-use Time::HiRes qw(sleep);
 use Vt;
 
 my $daemon = Vt->start;
@@ -27,7 +26,7 @@ sub names_below { return join ' ', sort map { $_->[1] } below($_[0]) }
 is names_below($daemon->{pid}), 'vor-worker vor-zygote', 'beside the worker the daemon has one child, which does nothing';
 like json($daemon->get('/readyz'))->{sandbox}, qr/\A(?:full|partial)\z/, 'readiness tells what uploads are read in';
 is $daemon->post($run, $cloud)->{status}, 200, 'an upload is read';
-ok wait_until(sub { names_below($daemon->{pid}) eq 'vor-worker vor-zygote' }, 5), 'and the child that has read it is gone';
+ok wait_until(sub { names_below($daemon->{pid}) eq 'vor-worker vor-zygote' }), 'and the child that has read it is gone';
 
 # Draco with bytes behind it.
 my $draco = $daemon->post('/v1/convert?format=drc', $cloud)->{content};
@@ -44,20 +43,20 @@ my $large = "ply\nformat ascii 1.0\nelement vertex 400000\nproperty double x\npr
 my $socket = $daemon->connect;
 print $socket "POST $run HTTP/1.1\r\nHost: localhost\r\nContent-Length: " . length($large) . "\r\n\r\n$large";
 $socket->flush;
-ok wait_until(sub { names_below($daemon->{pid}) =~ /vor-codec/ }, 10), 'a child reads a large upload';
+ok wait_until(sub { names_below($daemon->{pid}) =~ /vor-codec/ }), 'a child reads a large upload';
 close $socket;
-ok wait_until(sub { names_below($daemon->{pid}) eq 'vor-worker vor-zygote' }, 5), 'and ends with its caller';
+ok wait_until(sub { names_below($daemon->{pid}) eq 'vor-worker vor-zygote' }), 'and ends with its caller';
 
 # SIGKILL of the daemon.
 my @left = map { $_->[0] } below($daemon->{pid});
 my $dir = $daemon->{dir};
 $daemon->stop('KILL');
-ok wait_until(sub { !grep { -e "/proc/$_" && Vt::slurp("/proc/$_/stat") !~ /\) Z / } @left }, 5), 'a daemon that is killed leaves no process';
+ok wait_until(sub { !grep { -e "/proc/$_" && Vt::slurp("/proc/$_/stat") !~ /\) Z / } @left }), 'a daemon that is killed leaves no process';
 $daemon = do { local $SIG{CHLD} = 'IGNORE'; Vt->start(dir => $dir) }; # as some supervisors have it
 is $daemon->post($run, $cloud)->{status}, 200, 'nor a lock: the next one starts at once';
 
 # Without the zygote no upload can be read.
 kill 'KILL', (below($daemon->{pid}))[0][0];
-is Vt::reap(delete $daemon->{pid}, 20), 1, 'a daemon whose zygote is killed ends as failed';
+is Vt::reap(delete $daemon->{pid}), 1, 'a daemon whose zygote is killed ends as failed';
 like $daemon->log_text, qr/the process that uploads are read from has died/, 'and says why';
 done_testing;

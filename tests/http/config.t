@@ -70,9 +70,8 @@ like +(Vt::run('--config', $dir, '--check-config'))[1], qr{^voronoid: \Q$dir\E c
     is((check())[0], 0, 'the file may be named by a variable');
     my $daemon = Vt->start('admin-listen' => '127.0.0.1:0', queue => 9);
     $daemon->get('/livez');
-    my ($admin) = map { $_->{admin} // () } $daemon->log_lines;
-    like $daemon->{http}->get("http://$admin/metrics")->{content}, qr/^voronoid_queue_limit_jobs 9$/m, 'a flag wins over both';
-    $daemon->{http}->get("http://$admin/livez");
+    like $daemon->{http}->get("http://$daemon->{admin}/metrics")->{content}, qr/^voronoid_queue_limit_jobs 9$/m, 'a flag wins over both';
+    $daemon->{http}->get("http://$daemon->{admin}/livez");
     is $daemon->stop, 0, 'and the daemon runs';
     like $daemon->log_text, qr/"level":"debug"/, 'with what only the file says';
 }

@@ -163,13 +163,13 @@ my %waits = map {
     print $socket "GET $_/results/cloud?format=drc HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
     ($_ => $socket);
 } @jobs;
-my ($early) = IO::Select->new(values %waits)->can_read(20);
+my ($early) = IO::Select->new(values %waits)->can_read($Vt::PATIENCE);
 my ($more) = grep { $waits{$_} == ($early // 0) } @jobs;
-my $refusal = defined $early ? Vt::read_all(delete $waits{$more}, 20) : '';
+my $refusal = defined $early ? Vt::read_all(delete $waits{$more}) : '';
 like $refusal, qr{\AHTTP/1\.1 429 .*\r\nRetry-After: \d+\r\n.*/problems/too-many-conversions"}s, "of @{[$cores + 1]} conversions at a time one is too many";
 is scalar(() = IO::Select->new(values %waits)->can_read(0)), 0, 'the others wait';
 kill 'CONT', $zygote;
-is join(' ', map { Vt::read_all($_, 20) =~ m{\AHTTP/1\.1 (\d+)} } values %waits), join(' ', (200) x $cores), 'and are made';
+is join(' ', map { Vt::read_all($_) =~ m{\AHTTP/1\.1 (\d+)} } values %waits), join(' ', (200) x $cores), 'and are made';
 is $daemon->get("$more/results/cloud?format=drc")->{status}, 200, 'as is the one that comes back';
 $daemon->request('DELETE', $_) for @jobs;
 

@@ -7,7 +7,6 @@ use FindBin;
 use lib "$FindBin::Bin/../support";
 use POSIX ();
 use Test::More;
-use Time::HiRes qw(time sleep);
 use Vt;
 
 my $cloud = sphere_ply(4000);
@@ -81,7 +80,7 @@ SKIP: {
         exec 'taskset', '-c', $cpu, $ENV{VORONOID} // 'build/release/voronoid', 'serve', '--listen',
             '127.0.0.1:0', '--data', "$dir/data" or POSIX::_exit(127);
     }
-    my $said = wait_until(sub { Vt::slurp("$dir/log") =~ /"msg":"listening".*"threads":(\d+)/ && $1 }, 20);
+    my $said = wait_until(sub { Vt::slurp("$dir/log") =~ /"msg":"listening".*"threads":(\d+)/ && $1 });
     is $said, 1, 'on one core it has one thread';
     kill 'TERM', $pid;
     waitpid $pid, 0;
@@ -94,7 +93,7 @@ my $bytes = $daemon->get("/v1/jobs/$done/results/cloud")->{content};
 my $reference = $daemon->post('/v1/resample?points=300&iterations=300&delta=0.0001', $cloud)->{content};
 my $busy = $daemon->submit($long, $cloud);
 my $waiting = $daemon->submit('points=300&iterations=300&delta=0.0001', $cloud);
-wait_until(sub { $daemon->status($busy) eq 'running' }, 20);
+wait_until(sub { $daemon->status($busy) eq 'running' });
 is $daemon->stop('KILL'), 'signal 9', 'a daemon is killed while a job runs';
 {
     my $other = Vt->start;
@@ -107,7 +106,7 @@ is $daemon->stop('KILL'), 'signal 9', 'a daemon is killed while a job runs';
 $daemon = Vt->start(jobs => 1, dir => $daemon->{dir});
 is $daemon->get("/v1/jobs/$done/results/cloud")->{content}, $bytes, 'results survive';
 like $daemon->status($busy), qr/^(accepted|running)$/, 'the running job runs again';
-wait_until(sub { $daemon->status($busy) eq 'running' }, 20);
+wait_until(sub { $daemon->status($busy) eq 'running' });
 is json($daemon->get("/v1/jobs/$busy"))->{voronoid}{attempt}, 2, 'as its second attempt';
 my $first = $daemon->events("/v1/jobs/$busy/events", headers => { 'Last-Event-ID' => '1.7' })->next_event;
 is $first->{event}, 'replaced', 'who followed the first attempt is told';
@@ -119,7 +118,7 @@ is $daemon->get("/v1/jobs/$waiting/results/cloud")->{content}, $reference,
 is $daemon->stop, 0, 'it ends with 0';
 
 # SIGTERM: running jobs end, callers get their answers, streams end, others are refused.
-$daemon = Vt->start(jobs => 2, 'drain-timeout' => 60);
+$daemon = Vt->start(jobs => 2, 'drain-timeout' => 3600);
 # Both jobs would run for long: they are stopped once the daemon that drains has been asked everything.
 my $socket = $daemon->connect;
 $socket->print("POST /v1/resample?$long HTTP/1.1\r\nHost: localhost\r\nContent-Length: "
@@ -127,36 +126,34 @@ $socket->print("POST /v1/resample?$long HTTP/1.1\r\nHost: localhost\r\nContent-L
 $socket->flush;
 my $job = $daemon->submit($long, $cloud);
 my @both;
-wait_until(sub { @both = map { $_->{jobID} } @{ json($daemon->get('/v1/jobs?status=running'))->{jobs} }; @both == 2 }, 20);
+wait_until(sub { @both = map { $_->{jobID} } @{ json($daemon->get('/v1/jobs?status=running'))->{jobs} }; @both == 2 });
 
 my $stream = $daemon->events("/v1/jobs/$job/events", headers => { Accept => 'text/event-stream' });
 $stream->next_event;
 kill 'TERM', $daemon->{pid};
-my $unready = wait_until(sub { my $a = $daemon->get('/readyz'); $a->{status} == 503 ? $a : undef }, 5);
+my $unready = wait_until(sub { my $a = $daemon->get('/readyz'); $a->{status} == 503 ? $a : undef });
 is_problem($unready, 503, 'draining', 'SIGTERM makes the daemon un-ready');
 is_problem($daemon->post('/v1/resample?points=5', $cloud), 503, 'draining', 'new jobs are refused');
 is $daemon->get('/livez')->{status}, 200, 'it still lives';
 is $daemon->request('POST', "/v1/jobs/$_/stop")->{status}, 202, 'a running job can be stopped' for @both;
 my $last;
-while (my $block = $stream->next_block(5)) { $last = $block }
+while (my $block = $stream->next_block) { $last = $block }
 is $last->{retry}, 1000, 'a stream ends with retry: 1000';
 ok $stream->{whole}, 'in good order';
-my $answer = Vt::read_all($socket, 60);
+my $answer = Vt::read_all($socket);
 like $answer, qr{\AHTTP/1\.1 200 .*^element vertex 4000\n}ms, 'a caller who waits gets the result';
-is Vt::reap(delete $daemon->{pid}, 60), 0, 'the daemon ends with 0 by itself';
+is Vt::reap(delete $daemon->{pid}), 0, 'the daemon ends with 0 by itself';
 $daemon = Vt->start(dir => $daemon->{dir}, 'drain-timeout' => 0);
 is $daemon->status($job), 'successful', 'the job ended while draining';
 $job = $daemon->submit($long, $cloud);
-wait_until(sub { $daemon->status($job) eq 'running' }, 20);
+wait_until(sub { $daemon->status($job) eq 'running' });
 is $daemon->stop, 0, 'with no time to drain it ends too';
-$daemon = Vt->start(dir => $daemon->{dir}, 'drain-timeout' => 600);
+$daemon = Vt->start(dir => $daemon->{dir}, 'drain-timeout' => 3600);
 like $daemon->status($job), qr/^(accepted|running)$/, 'its running job was put back';
-wait_until(sub { $daemon->status($job) eq 'running' }, 20);
+wait_until(sub { $daemon->status($job) eq 'running' });
 kill 'TERM', $daemon->{pid};
-wait_until(sub { $daemon->get('/readyz')->{status} == 503 }, 5);
-my $before = time;
-isnt $daemon->stop('TERM'), 'still running', 'a second SIGTERM ends it at once';
-cmp_ok time - $before, '<', 5, 'that is, at once';
+wait_until(sub { $daemon->get('/readyz')->{status} == 503 });
+is $daemon->stop('TERM'), 1, 'a second SIGTERM ends it, for whose job there was an hour';
 
 # Host and Origin.
 $daemon = Vt->start('cors-origin' => 'https://a.example,https://b.example:8443',

@@ -99,7 +99,7 @@ $_->close for @open[1, 2];
 # The daemon ends while it is open: the client is told when to come back, and its last id holds after that.
 is $daemon->stop, 0, 'the daemon ends with 0';
 my $bye;
-while (my $block = $open[0]->next_block(5)) { $bye = $block }
+while (my $block = $open[0]->next_block) { $bye = $block }
 is $bye->{retry}, 1000, 'the last thing that a stream says is when to come back';
 
 # A key sees its own jobs.

@@ -64,7 +64,7 @@ for my $case (
     ['a bracket in a header name', "GET /livez HTTP/1.1\r\n${host}X(T): v\r\n\r\n"],
 ) {
     my ($name, $bytes) = @$case;
-    my $raw = $daemon->raw($bytes, 5);
+    my $raw = $daemon->raw($bytes);
     my ($slug, $status) = problem_of($raw);
 
     if ($status eq '400' && $raw =~ /<html/i) {
@@ -85,14 +85,14 @@ for my $case (
     ['a blank', '/livez '], ['an absolute form', 'http://evil/livez'], ['9,000 bytes', '/' . 'a' x 9000],
 ) {
     my ($name, $target) = @$case;
-    my $raw = $daemon->raw("GET $target HTTP/1.1\r\n$host\r\n$smuggled", 5);
+    my $raw = $daemon->raw("GET $target HTTP/1.1\r\n$host\r\n$smuggled");
     my ($slug, $status) = problem_of($raw);
 
     is "$status $slug", '400 malformed-request', "a target with $name is refused";
     like head_of($raw), qr/^Connection: close\r?$/mi, "a target with $name: the connection is closed";
 }
 for my $case (['100 more', join '', map { "X-$_: v\r\n" } 1 .. 100]) {
-    my ($slug, $status) = problem_of($daemon->raw("GET /livez HTTP/1.1\r\n$host$case->[1]\r\n", 5));
+    my ($slug, $status) = problem_of($daemon->raw("GET /livez HTTP/1.1\r\n$host$case->[1]\r\n"));
     is "$status $slug", '400 malformed-request', 'more than 100 header fields are refused';
 }
 {
@@ -111,59 +111,59 @@ for my $case (['100 more', join '', map { "X-$_: v\r\n" } 1 .. 100]) {
     };
     for my $length (16000, 28000, 31000, 32000, 32750) {
         is length $block->($length), $length, "a header block of $length bytes";
-        like $daemon->raw($block->($length) . $cloud, 10), qr{\AHTTP/1\.1 200 .*^element vertex 100\n}ms,
+        like $daemon->raw($block->($length) . $cloud), qr{\AHTTP/1\.1 200 .*^element vertex 100\n}ms,
             'with a body behind it is served';
     }
     for my $length (32800, 36000, 40000) {
-        my $raw = $daemon->raw($block->($length) . $cloud, 10);
+        my $raw = $daemon->raw($block->($length) . $cloud);
         my ($slug, $status) = problem_of($raw);
         is "$status $slug", '400 malformed-request', "a header block of $length bytes is refused";
         like $raw, qr/the header block is longer than 32768 bytes/, 'with the limit';
     }
-    like $daemon->raw($block->(60000), 10), qr{\AHTTP/1\.1 431 }, 'one of 60,000 by the library';
+    like $daemon->raw($block->(60000)), qr{\AHTTP/1\.1 431 }, 'one of 60,000 by the library';
 }
 for my $value ('a b', 'a"b', 'http://x', 'a,b', '', '[::1]evil.example', 'localhost:evil.com', 'localhost:', 'localhost:0',
     'localhost:65536', 'localhost:80:80', '[::1]:80x', '[::1', '::1', 'localhost:80@evil.example') {
     my ($slug, $status) = problem_of($daemon->raw("GET /livez HTTP/1.1\r\nHost: $value\r\n"
-            . "Connection: close\r\n\r\n", 5));
+            . "Connection: close\r\n\r\n"));
     is "$status $slug", '400 malformed-request', "Host \"$value\" is refused";
 }
 for my $value ('evil.example', 'localhost.evil.example', 'localhost.', '[::2]', '127.0.0.2', 'localhostx:80') {
-    my ($slug, $status) = problem_of($daemon->raw("GET /livez HTTP/1.1\r\nHost: $value\r\nConnection: close\r\n\r\n", 5));
+    my ($slug, $status) = problem_of($daemon->raw("GET /livez HTTP/1.1\r\nHost: $value\r\nConnection: close\r\n\r\n"));
     is "$status $slug", '403 forbidden', "Host \"$value\" is somebody else's";
 }
 for my $value ('localhost', 'LocalHost:8080', '127.0.0.1:1', '[::1]', '[::1]:65535') {
-    my ($status) = $daemon->raw("GET /livez HTTP/1.1\r\nHost: $value\r\nConnection: close\r\n\r\n", 5) =~ m{\AHTTP/1\.1 (\d+)};
+    my ($status) = $daemon->raw("GET /livez HTTP/1.1\r\nHost: $value\r\nConnection: close\r\n\r\n") =~ m{\AHTTP/1\.1 (\d+)};
     is $status, 200, "Host \"$value\" is ours";
 }
 for my $case (['no Host', "GET /livez HTTP/1.1\r\nX-T: v\r\n\r\n"], ['no header', "GET /livez HTTP/1.1\r\n\r\n"]) {
-    my $raw = $daemon->raw("$case->[1]$smuggled", 5);
+    my $raw = $daemon->raw("$case->[1]$smuggled");
     is join(' ', reverse problem_of($raw)), '400 malformed-request', "HTTP/1.1 with $case->[0] is refused";
     is scalar(() = $raw =~ m{^HTTP/1\.1 }mg), 1, 'once';
 }
 
 # Sound requests on one connection stay apart from each other.
 my $two = $daemon->raw("GET /livez HTTP/1.1\r\n$host\r\nGET /version HTTP/1.1\r\n${host}"
-        . "Connection: close\r\n\r\n", 5);
+        . "Connection: close\r\n\r\n");
 is scalar(() = $two =~ m{^HTTP/1\.1 200 }mg), 2, 'two requests on a connection get two answers';
 my $body = sphere_ply(100);
 my $chunks = '';
 while ($body =~ /\G(.{1,97})/gs) { $chunks .= sprintf "%x\r\n%s\r\n", length $1, $1 }
 my $chunked = $daemon->raw("POST /v1/resample?points=20&iterations=1 HTTP/1.1\r\n${host}"
         . "Transfer-Encoding: chunked\r\n\r\n${chunks}0\r\n\r\n"
-        . "GET /version HTTP/1.1\r\n${host}Connection: close\r\n\r\n", 20);
+        . "GET /version HTTP/1.1\r\n${host}Connection: close\r\n\r\n");
 like $chunked, qr{\AHTTP/1\.1 200 .*^element vertex 20\n.*HTTP/1\.1 200 .*"version"}ms,
     'a chunked body and the request behind it are told apart';
-like $daemon->raw("GET /livez HTTP/1.0\r\n\r\n", 5), qr{\AHTTP/1\.[01] 200}, 'HTTP/1.0 is answered';
+like $daemon->raw("GET /livez HTTP/1.0\r\n\r\n"), qr{\AHTTP/1\.[01] 200}, 'HTTP/1.0 is answered';
 
 # Residue of the library, on record: what it refuses itself is HTML, and a bad Content-Length is told with the head twice.
 for my $case (['x', 400], ['-1', 400], ['+1', 400], ['1 1', 400], ['9' x 30, 413]) {
-    my $raw = $daemon->raw("POST /v1/resample?points=1 HTTP/1.1\r\n${host}Content-Length: $case->[0]\r\n\r\n1$smuggled", 3);
+    my $raw = $daemon->raw("POST /v1/resample?points=1 HTTP/1.1\r\n${host}Content-Length: $case->[0]\r\n\r\n1$smuggled");
     my @heads = $raw =~ m{^HTTP/1\.1 (\d+) }mg;
     is "@heads", "$case->[1] $case->[1]", "Content-Length $case->[0]: refused, with the head twice";
     like head_of($raw), qr/^Connection: close\r?$/mi, 'and the connection closed';
 }
-like $daemon->raw("GET /livez HTTP/1.1\r\n${host}Connection: close\r\nX-T: a\0b\n\n", 3), qr{\A(HTTP/1\.1 (200|400) .*)?\z}s,
+like $daemon->raw("GET /livez HTTP/1.1\r\n${host}Connection: close\r\nX-T: a\0b\n\n"), qr{\A(HTTP/1\.1 (200|400) .*)?\z}s,
     'a last line that ends with a line feed alone: answered or refused, never served as two requests';
 
 is $daemon->get('/livez')->{status}, 200, 'the daemon lives';

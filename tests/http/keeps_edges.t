@@ -89,7 +89,7 @@ is $report->{iterations}, 12, 'projection steps count as iterations';
 
 # Stopped while it inserts: what is missing is placed all the same.
 my $short = $daemon->submit('points=100000&method=ear&samples=1000', cube_ply(34));
-ok wait_until(sub { ((json($daemon->get("/v1/jobs/$short"))->{voronoid}{metrics} // {})->{run_stage} // '') eq 'insert' }, 120),
+ok wait_until(sub { ((json($daemon->get("/v1/jobs/$short"))->{voronoid}{metrics} // {})->{run_stage} // '') eq 'insert' }),
     'another job inserts points';
 $daemon->request('POST', "/v1/jobs/$short/stop");
 is $daemon->finish($short)->{status}, 'successful', 'it is stopped, and succeeds';
@@ -98,7 +98,7 @@ is "$stopped->{stopped} $stopped->{points}{out}", 'stopped 100000', 'with all po
 
 # Ended while it inserts.
 my $long = $daemon->submit('points=124000&method=ear&samples=1000&polish=0', cube_ply(36));
-ok wait_until(sub { ((json($daemon->get("/v1/jobs/$long"))->{voronoid}{metrics} // {})->{run_stage} // '') eq 'insert' }, 120),
+ok wait_until(sub { ((json($daemon->get("/v1/jobs/$long"))->{voronoid}{metrics} // {})->{run_stage} // '') eq 'insert' }),
     'a job inserts points';
 is json($daemon->request('DELETE', "/v1/jobs/$long"))->{status}, 'dismissed', 'it is dismissed meanwhile';
 is $daemon->get('/livez')->{status}, 200, 'and the daemon is well';

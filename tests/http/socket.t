@@ -19,7 +19,7 @@ sub start {
     my (@arguments) = @_;
     unlink "$dir/log";
     my $pid = Vt::spawn("$dir/log", @data, @arguments);
-    wait_until(sub { Vt::slurp("$dir/log") =~ /"listening","address":"unix:\Q$path\E"/ }, 20)
+    wait_until(sub { Vt::slurp("$dir/log") =~ /"listening","address":"unix:\Q$path\E"/ })
         or die 'it does not listen: ' . Vt::slurp("$dir/log");
     return $pid;
 }
@@ -28,7 +28,7 @@ sub ask {
     my ($host) = @_;
     my $socket = IO::Socket::UNIX->new(Peer => $path) // die "connect: $!";
     print $socket "GET /v1/jobs HTTP/1.1\r\nHost: $host\r\nConnection: close\r\n\r\n";
-    return Vt::read_all($socket, 10);
+    return Vt::read_all($socket);
 }
 
 for my $case (['unix:run/x.sock', qr{--listen is "unix:run/x\.sock", want unix:/PATH}],
@@ -52,7 +52,7 @@ like ask('localhost'), qr{\AHTTP/1\.1 200 .*"jobs"}s, 'it answers';
 {
     my $admin = IO::Socket::UNIX->new(Peer => "$dir/admin.sock") // die "connect: $!";
     print $admin "GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
-    like Vt::read_all($admin, 10), qr/^voronoid_http_requests_total\{route="\/v1\/jobs",method="GET",code="200"\} 1$/m,
+    like Vt::read_all($admin), qr/^voronoid_http_requests_total\{route="\/v1\/jobs",method="GET",code="200"\} 1$/m,
         'and so does an admin listener on a socket';
 }
 like ask('evil.example'), qr{\AHTTP/1\.1 403 }s, 'Host is checked as on a loopback address';
@@ -78,6 +78,6 @@ ok -S $path, 'a daemon that was killed leaves its socket';
 $pid = start('--listen', "unix:$path");
 is sprintf('%04o', (stat $path)[2] & 07777), '0660', 'the next one replaces it';
 kill 'TERM', $pid;
-is Vt::reap($pid, 30), 0, 'and ends';
+is Vt::reap($pid), 0, 'and ends';
 ok !-e $path, 'without leaving one';
 done_testing();

@@ -127,7 +127,7 @@ sub launch {
 sub end {
     my ($pid) = @_;
     kill 'TERM', $pid;
-    wait_until(sub { waitpid($pid, POSIX::WNOHANG()) != 0 }, 20) or kill 'KILL', $pid;
+    wait_until(sub { waitpid($pid, POSIX::WNOHANG()) != 0 }) or kill 'KILL', $pid;
     delete $running{$pid};
 }
 
@@ -187,7 +187,7 @@ for my $name (sort keys %proxies) {
     my $port = free_port();
     my $via = { port => $port, base => "$proxies{$name}{scheme}://$host:$port" };
     my $pid = launch($dir, $proxies{$name}{start}->($dir, $port, $daemon));
-    my $up = wait_until(sub { listens($port) && (curl($via, '/readyz'))[0] eq '200' }, 20);
+    my $up = wait_until(sub { listens($port) && (curl($via, '/readyz'))[0] eq '200' });
 
     ok $up, "$name answers for the daemon" or diag Vt::slurp("$dir/log"), $daemon->log_text;
     next unless $up;

@@ -15,6 +15,9 @@ use Time::HiRes qw(time sleep);
 
 our @EXPORT = qw(sphere_ply json is_problem wait_until head_of body_of data_file);
 
+# Seconds that anything is waited for. It bounds a test that goes wrong, and decides nothing.
+our $PATIENCE = 120;
+
 my $OGC = 'http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0';
 my $binary = abs_path($ENV{VORONOID} // 'build/release/voronoid');
 my %running;
@@ -36,10 +39,11 @@ sub start {
                 die 'the daemon ended: ' . $self->log_text;
             }
             $self->log_text =~ /"msg":"listening","address":"([^"]+)"/ ? $1 : undef;
-        }, 20) or die 'the daemon does not listen' . standing($self->{pid}) . ': ' . $self->log_text;
+        }) or die 'the daemon does not listen' . standing($self->{pid}) . ': ' . $self->log_text;
     ($self->{port}) = $self->{address} =~ /:(\d+)$/;
+    ($self->{admin}) = $self->log_text =~ /"msg":"listening"[^\n]*"admin":"([^"]+)"/;
     $self->{url} = "http://$self->{address}";
-    $self->{http} = HTTP::Tiny->new(timeout => 60, max_redirect => 0);
+    $self->{http} = HTTP::Tiny->new(timeout => $PATIENCE, max_redirect => 0);
     return $self;
 }
 
@@ -86,13 +90,33 @@ sub slurp {
 
 sub log_text { return slurp($_[0]{log}) }
 
-# The lines, once no more come: a thread of the daemon writes them, a little after what they tell of.
+# The lines. A thread of the daemon writes them a little after what they tell of: while it runs they are read once there is
+# the line of a request that comes after all others, which is left out. That one is of level info.
 sub log_lines {
     my ($self) = @_;
-    my ($text, $before) = ($self->log_text);
+    my $mark = 'mark-of-Vt-' . ++$Vt::marks;
 
-    do { $before = length $text; sleep 0.03; $text = $self->log_text } while length $text > $before;
-    return map { JSON::PP::decode_json($_) } grep { length } split /\n/, $text;
+    if (defined $self->{pid} && $self->{http}->get("$self->{url}/livez", { headers => { 'X-Request-Id' => $mark } })->{status} != 599) {
+        wait_until(sub { $self->log_text =~ /"\Q$mark\E"[^\n]*\n/ }) or die "the log has no line of $mark";
+    }
+    return grep { ($_->{request_id} // '') !~ /^mark-of-Vt-/ } map { JSON::PP::decode_json($_) } grep { length } split /\n/, $self->log_text;
+}
+
+# The sum of a metric over its labels. Wants admin-listen.
+sub metric {
+    my ($self, $name) = @_;
+    my $sum = 0;
+    my $answer = $self->{http}->get("http://$self->{admin}/metrics");
+
+    die "metrics: $answer->{content}" if $answer->{status} != 200;
+    $sum += $1 while $answer->{content} =~ /^voronoid_$name(?:\{[^\n]*\})? (\S+)$/mg;
+    return $sum;
+}
+
+# Waits until so many requests are under way and no thread serves any: they wait for something. Wants admin-listen.
+sub wait_asleep {
+    my ($self, $requests) = @_;
+    return wait_until(sub { $self->metric('http_in_flight_requests') == $requests && $self->metric('http_thread_busy_seconds') == 0 });
 }
 
 # Ends it; the exit status, or "signal N".
@@ -100,14 +124,14 @@ sub stop {
     my ($self, $signal) = @_;
     my $pid = delete $self->{pid} // return undef;
     kill $signal // 'TERM', $pid;
-    return reap($pid, 60);
+    return reap($pid);
 }
 
 sub reap {
-    my ($pid, $seconds) = @_;
+    my ($pid) = @_;
     my $status;
 
-    wait_until(sub { waitpid($pid, POSIX::WNOHANG()) > 0 ? defined($status = $?) : 0 }, $seconds);
+    wait_until(sub { waitpid($pid, POSIX::WNOHANG()) > 0 ? defined($status = $?) : 0 });
     delete $running{$pid};
     return 'still running' unless defined $status;
     return $status & 127 ? 'signal ' . ($status & 127) : $status >> 8;
@@ -169,33 +193,35 @@ sub finish {
         sub {
             $info = json($self->get("/v1/jobs/$id"));
             $info->{status} =~ /^(successful|failed|dismissed)$/;
-        }, 60) or die "job $id does not end";
+        }) or die "job $id does not end";
     return $info;
 }
 
 sub connect {
     my ($self) = @_;
-    return IO::Socket::INET->new(PeerAddr => '127.0.0.1', PeerPort => $self->{port}, Timeout => 10)
+    return IO::Socket::INET->new(PeerAddr => '127.0.0.1', PeerPort => $self->{port}, Timeout => $PATIENCE)
         // die "connect: $!";
 }
 
-# Sends bytes as they are and reads until the other end closes, or for that many seconds.
+# Sends bytes as they are and reads until the other end closes.
 sub raw {
-    my ($self, $bytes, $seconds) = @_;
+    my ($self, $bytes) = @_;
     my $socket = $self->connect;
 
     $socket->syswrite($bytes);
-    return read_all($socket, $seconds // 10);
+    return read_all($socket);
 }
 
+# Reads until the other end closes, or until what has come is like that.
 sub read_all {
-    my ($socket, $seconds) = @_;
-    my $until = time + $seconds;
+    my ($socket, $enough) = @_;
+    my $until = time + $PATIENCE;
     my $all = '';
 
     while ((my $left = $until - time) > 0) {
         next unless IO::Select->new($socket)->can_read($left);
         last unless $socket->sysread($all, 65536, length $all);
+        last if defined $enough && $all =~ $enough;
     }
     return $all;
 }
@@ -228,8 +254,8 @@ sub body_of { return (split /\r\n\r\n/, $_[0], 2)[1] // '' }
 
 # Asks until the answer is true; it, or undef when the time is over.
 sub wait_until {
-    my ($question, $seconds) = @_;
-    my $until = time + $seconds;
+    my ($question) = @_;
+    my $until = time + $PATIENCE;
 
     while (1) {
         my $answer = $question->();
@@ -295,7 +321,7 @@ use Time::HiRes qw(time);
 sub more {
     my ($self, $seconds) = @_;
     return 0 if $self->{closed};
-    return 0 unless IO::Select->new($self->{socket})->can_read($seconds // 30);
+    return 0 unless IO::Select->new($self->{socket})->can_read($seconds // $Vt::PATIENCE);
     my $got = $self->{socket}->sysread($self->{raw}, 65536, length $self->{raw});
     $self->{closed} = 1 unless $got;
     return $got ? 1 : 0;
@@ -319,8 +345,8 @@ sub unchunk {
 
 # The next block up to an empty line, parsed; comments and retry appear as {comment}, {retry}.
 sub next_block {
-    my ($self, $seconds) = @_;
-    my $until = time + ($seconds // 30);
+    my ($self) = @_;
+    my $until = time + $Vt::PATIENCE;
 
     while ($self->{text} !~ /\n\n/) {
         return undef if $self->{closed} || time > $until;
@@ -337,8 +363,8 @@ sub next_block {
 }
 
 sub next_event {
-    my ($self, $seconds) = @_;
-    while (my $block = $self->next_block($seconds)) {
+    my ($self) = @_;
+    while (my $block = $self->next_block) {
         return $block if defined $block->{event};
     }
     return undef;

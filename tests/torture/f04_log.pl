@@ -53,7 +53,7 @@ for my $read_late (0, 1) {
     if ($read_late) {
         while (sysread $reader, $log, 1 << 20, length $log) { }
     }
-    my $status = Vt::reap($pid, 30);
+    my $status = Vt::reap($pid);
     kill 'KILL', $pid if $status eq 'still running';
     my $seconds = time - $began;
     row('SIGTERM then: exit status', $status, 0, $status eq '0') unless $read_late;

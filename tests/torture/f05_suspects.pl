@@ -15,7 +15,7 @@ my $probes = my $missed = 0;
 
 sub again {
     my ($before) = @_;
-    Vt::reap(delete $before->{pid}, 30) if $before->{pid};
+    Vt::reap(delete $before->{pid}) if $before->{pid};
     for (1 .. 5) {
         my $next = eval { Vt->start(dir => $before->{dir}, jobs => 4, queue => 5000) };
         return $next if $next;

@@ -19,7 +19,7 @@ for (1 .. $jobs) {
     $accepted++ if $answer->{status} == 201;
 }
 kill 'KILL', $daemon->{pid};
-Vt::reap(delete $daemon->{pid}, 20);
+Vt::reap(delete $daemon->{pid});
 my (@took, @computed);
 for (1 .. 3) {
     my $began = time;

@@ -49,7 +49,7 @@ sub faulty {
     kill 'CONT', $daemon->{pid};
     my $pid = delete $daemon->{pid};
     kill 'TERM', $pid;
-    my $exit = Vt::reap($pid, 40);
+    my $exit = Vt::reap($pid);
     $hung++ if $exit eq 'still running';
     kill 'KILL', $pid if $exit eq 'still running';
     $crashed++ if $exit =~ /^signal/;

@@ -38,7 +38,7 @@ my @cases = (
 );
 my @accepted;
 for my $case (@cases) {
-    my $raw = $daemon->raw("$case->[1]$second", 3);
+    my $raw = $daemon->raw("$case->[1]$second");
     push @accepted, $case->[0] if $raw !~ m{\A(?:HTTP/1\.1 (?:4\d\d|505) .*)?\z}s || $raw =~ /no-such-resource/;
 }
 print STDERR "accepted: @accepted\n" if @accepted;
@@ -53,7 +53,7 @@ for my $i (1 .. $pairs) {
     my $first = Sockets::random() < 0.5
         ? "${post}X-Request-Id: a$i\r\nContent-Length: " . length($body) . "\r\n\r\n$body"
         : "${post}X-Request-Id: a$i\r\nTransfer-Encoding: chunked\r\n\r\n" . join('', map { sprintf "%x\r\n%s\r\n", length $_, $_ } grep { length } unpack '(A70)*', $body) . "0\r\n\r\n";
-    my $raw = $daemon->raw("${first}GET /version HTTP/1.1\r\n${host}X-Request-Id: b$i\r\nConnection: close\r\n\r\n", 5);
+    my $raw = $daemon->raw("${first}GET /version HTTP/1.1\r\n${host}X-Request-Id: b$i\r\nConnection: close\r\n\r\n");
     my @ids = $raw =~ /^X-Request-Id: (\S+)\r$/mg;
     $wrong++ if "@ids" ne "a$i b$i" || $raw !~ /"version"/;
 }

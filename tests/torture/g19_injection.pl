@@ -40,7 +40,7 @@ for my $n (1 .. $many) {
     local $SIG{PIPE} = 'IGNORE';
     $socket->syswrite("${head}Host: $daemon->{address}\r\nConnection: close\r\n\r\n" . ($body // ''));
     shutdown $socket, 1;
-    my $answer = head_of(Vt::read_all($socket, 5)) // '';
+    my $answer = head_of(Vt::read_all($socket)) // '';
     $answers++ if length $answer;
     $raw++ if $answer =~ /[^\r\n\x20-\x7e]/;
     $planted++ if $answer =~ /^X-Evil/mi;
