@@ -12,6 +12,7 @@ use Time::HiRes qw(sleep time);
 
 our @EXPORT = qw(run start finish slurp spew scratch sphere leftovers shared daemon stop cutter await);
 
+my $PATIENCE = 120; # seconds that anything is waited for; they decide nothing
 my $binary = $ENV{VORONOID} // 'build/release/voronoid';
 $binary = "$ENV{PWD}/$binary" unless $binary =~ m{^/};
 delete @ENV{qw(VORONOID_SERVER VORONOID_THREADS http_proxy HTTP_PROXY all_proxy ALL_PROXY)};
@@ -66,7 +67,7 @@ sub start {
 # Waits for it: exit code (128 + signal when it died of one), stdout, stderr.
 sub finish {
     my ($process, $seconds) = @_;
-    my $until = time + ($seconds // 120);
+    my $until = time + ($seconds // $PATIENCE);
     while (waitpid($process->{pid}, WNOHANG) == 0) {
         if (time > $until) {
             kill 'KILL', $process->{pid};
@@ -86,10 +87,11 @@ sub run {
     return finish(start($arguments, %with));
 }
 
-# Asks again and again until the answer is true; the answer, or nothing after a minute.
+# Asks again and again until the answer is true; the answer, or nothing after two minutes.
 sub await(&) {
     my ($question) = @_;
-    for (1 .. 6000) {
+    my $until = time + $PATIENCE;
+    while (time < $until) {
         my $answer = $question->();
         return $answer if $answer;
         sleep 0.01;
@@ -109,7 +111,7 @@ sub daemon {
 sub stop {
     my ($daemon, $signal) = @_;
     kill $signal // 'TERM', $daemon->{pid};
-    return finish($daemon, 30);
+    return finish($daemon);
 }
 
 # One connection through a cutter: bytes from one side to the other until a side closes, or until an

@@ -39,7 +39,7 @@ is_deeply decode_json((split /\n/, $stdout)[-1])->{baselines}, $here->{baselines
 ($code, $stdout, $stderr) = run([@request, '--baselines', '--server', $daemon->{url}]);
 like $stderr, qr/: farthest +100 points, delta/, 'and the same table is printed';
 
-my $http = HTTP::Tiny->new(timeout => 20);
+my $http = HTTP::Tiny->new(timeout => 120);
 my $refused = $http->post("$daemon->{url}/v1/resample?points=100&baselines=7", { content => slurp($in) });
 is $refused->{status}, 400, 'over HTTP a value that is neither true nor false is refused';
 like decode_json($refused->{content})->{detail}, qr/^baselines is "?7"?, want true or false/, 'with what is wanted';

@@ -97,7 +97,7 @@ refused 'a folder in one that is not there', ['resample', $a, $b, @request, '-o'
 my $process = start(['resample', $a, $b, '-n', 60, '--iterations', 10000, '--seconds', 60, '--polish', 0, '--delta', 0, '--json', '-o', "$out/"]);
 await { shown($process) =~ /"iteration":[1-9]/ };
 kill 'INT', $process->{pid};
-($code, undef, $stderr) = finish($process, 30);
+($code, undef, $stderr) = finish($process);
 is "$code|$stderr", "130|voronoid: $a: cancelled\n", '^C ends them all';
 is files(), '', 'and leaves nothing';
 clear();

@@ -13,7 +13,7 @@ my $folder = scratch();
 my $points = 1500;
 my $in = spew("$folder/in.ply", sphere($points));
 my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2);
-my $http = HTTP::Tiny->new(timeout => 20);
+my $http = HTTP::Tiny->new(timeout => 120);
 
 my ($code, $stdout, $stderr) = run(['inspect', $in, '--json']);
 is "$code$stderr", '0', 'all is well';

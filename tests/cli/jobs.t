@@ -10,7 +10,7 @@ use JSON::PP;
 use Test::More;
 
 my $folder = scratch();
-my $http = HTTP::Tiny->new(timeout => 20);
+my $http = HTTP::Tiny->new(timeout => 120);
 my $in = spew("$folder/in.ply", sphere(2000));
 my $bad = spew("$folder/bad.ply", "hello\n");
 my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2, '--jobs', 1);
@@ -88,14 +88,14 @@ subtest 'wait' => sub {
     my $waiting = start(['wait', $id, '--json', @there]);
     await { shown($waiting) =~ /"iteration":[1-9]/ };
     kill 'INT', $waiting->{pid};
-    ($code, undef, $stderr) = finish($waiting, 30);
+    ($code, undef, $stderr) = finish($waiting);
     is "$code|$stderr", "130|voronoid: $id: no longer waited for; the job goes on\n", '^C ends the waiting';
     is info($id)->{status}, 'running', 'and not the job';
     $waiting = start(['wait', $id, '--json', @there]);
     await { shown($waiting) =~ /"iteration":[1-9]/ };
     ($code, $stdout, $stderr) = run(['cancel', $id, @there]);
     is "$code|$stdout|$stderr", "0||voronoid: $id: dismissed\n", 'cancel dismisses it';
-    ($code, undef, $stderr) = finish($waiting, 30);
+    ($code, undef, $stderr) = finish($waiting);
     is "$code|$stderr", "4|voronoid: $id: the job was dismissed\n", 'which ends the waiting as it should';
     my $line = spew("$folder/line.ply", "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
         . "property float z\nend_header\n" . join('', map {"$_ 0 0\n"} 1 .. 5));

@@ -62,7 +62,7 @@ my ($code, undef, $stderr) = run(['resample', $in, @request, '-o', "$folder/no.p
 is "$code|$stderr", "2|voronoid: resample: order is \"random\", want one of spatial, progressive\n", 'there is no other';
 
 my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2);
-my $http = HTTP::Tiny->new(timeout => 60);
+my $http = HTTP::Tiny->new(timeout => 120);
 my $query = "points=$points&iterations=6&polish=10";
 for my $format (qw(ply drc)) {
     my $answer = $http->post("$daemon->{url}/v1/resample?$query&order=progressive&format=$format", { content => slurp($in) });

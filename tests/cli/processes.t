@@ -10,7 +10,7 @@ use JSON::PP;
 use Test::More;
 
 my $folder = scratch();
-my $http = HTTP::Tiny->new(timeout => 20);
+my $http = HTTP::Tiny->new(timeout => 120);
 my $points = 600;
 my $in = spew("$folder/in.ply", sphere($points));
 my $out = "$folder/out.ply";

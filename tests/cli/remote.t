@@ -10,7 +10,7 @@ use JSON::PP;
 use Test::More;
 
 my $folder = scratch();
-my $http = HTTP::Tiny->new(timeout => 20);
+my $http = HTTP::Tiny->new(timeout => 120);
 my $in = spew("$folder/in.ply", sphere(4000));
 my $out = "$folder/out.ply";
 my @request = ('-n', 500, '--iterations', 6);
@@ -138,7 +138,7 @@ subtest 'a signal' => sub {
         my $job = running($url);
         ok $job, 'the job runs';
         kill $signal, $process->{pid};
-        my ($code, undef, $stderr) = finish($process, 30);
+        my ($code, undef, $stderr) = finish($process);
         is $code, $wanted, "SIG$signal ends it with $wanted";
         is $stderr, "voronoid: $in: cancelled\n", 'it says so';
         my $after = decode_json($http->get("$url/v1/jobs/$job->{jobID}")->{content});
@@ -150,12 +150,12 @@ subtest 'a signal' => sub {
 subtest 'somebody else' => sub {
     my $process = start(['resample', $in, @long, '-o', $out, '--server', $url]);
     $http->delete("$url/v1/jobs/" . running($url)->{jobID});
-    my ($code, undef, $stderr) = finish($process, 30);
+    my ($code, undef, $stderr) = finish($process);
     is $code, 4, 'dismissed by somebody else is cancelled';
     is $stderr, "voronoid: $in: the job was dismissed\n", 'it says so';
     $process = start(['resample', $in, @long, '--json', '-o', $out, '--server', $url]);
     $http->post("$url/v1/jobs/" . running($url)->{jobID} . '/stop');
-    ($code, my $stdout) = finish($process, 30);
+    ($code, my $stdout) = finish($process);
     is $code, 0, 'stopped by somebody else is a result';
     is decode_json((split /\n/, $stdout)[-1])->{stopped}, 'stopped', 'and the report says so';
     unlink $out;
@@ -191,7 +191,7 @@ subtest 'a daemon that is busy' => sub {
     is "$code|$stdout", '5|', 'is not waited for';
     like $stderr, qr/\Avoronoid: \Q$in\E: The queue is full[^\n]*\n\z/, 'one line says so';
     kill 'INT', $_->{pid} for @others;
-    is((finish($_, 30))[0], 130, 'those who wait can leave') for @others;
+    is((finish($_))[0], 130, 'those who wait can leave') for @others;
     is((stop($small))[0], 0, 'the daemon ends well');
 };
 
@@ -201,7 +201,7 @@ subtest 'a daemon that dies and comes back' => sub {
     running($mortal->{url});
     stop($mortal, 'KILL');
     $mortal = daemon("$folder/mortal", $mortal->{address}, '--threads', 2);
-    my ($code, $stdout, $stderr) = finish($process, 60);
+    my ($code, $stdout, $stderr) = finish($process);
     is "$code$stderr", '0', 'does not lose the job';
     run(['resample', $in, '-n', 2000, '--iterations', 150, '-q', '-o', "$folder/alone.ply"]);
     ok slurp($out) eq slurp("$folder/alone.ply"), 'the bytes are those of a run here';
@@ -209,7 +209,7 @@ subtest 'a daemon that dies and comes back' => sub {
     $process = start(['resample', $in, @long, '-o', $out, '--server', $mortal->{url}]);
     my $job = running($mortal->{url});
     stop($mortal, 'KILL');
-    ($code, undef, $stderr) = finish($process, 60);
+    ($code, undef, $stderr) = finish($process);
     is $code, 5, 'one that does not come back is unreachable';
     like $stderr, qr{\Avoronoid: \Q$mortal->{url}\E/v1/jobs/\Q$job->{jobID}\E: [^\n]+\n\z}, 'one line names the job';
     ok !-e $out, 'nothing is written';
