@@ -58,6 +58,22 @@ void vt_assert_no_leak(void)
     ck_assert_uint_eq(atomic_load(&vt_memory.used), 0);
 }
 
+void vt_fail_each(vor_status (*attempt)(void *ctx), void *ctx)
+{
+    size_t used = atomic_load(&vt_memory.used), call = 0;
+    vor_status status;
+
+    do {
+        vt_memory.fail_at = atomic_load(&vt_memory.calls) + ++call;
+        status = attempt(ctx);
+        vt_memory.fail_at = 0;
+        ck_assert_msg(status == VOR_OK || status == VOR_E_NOMEM, "call %zu: %s (%s)", call,
+                      vor_status_slug(status), vt_err.message);
+        ck_assert_uint_eq(atomic_load(&vt_memory.used), used);
+    } while (status != VOR_OK);
+    ck_assert_uint_gt(call, 1);
+}
+
 double vt_unit(uint64_t seed, uint64_t index)
 {
     return vor_rng_unit(seed, 999, index);

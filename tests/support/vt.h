@@ -89,6 +89,11 @@ extern struct vor_error vt_err;
 extern struct vor_memory vt_memory;
 void vt_assert_no_leak(void);
 
+/** Calls attempt with the first allocation of vt_memory failing, then the second, until it returns
+ *  VOR_OK, which frees what it made. Asserts that it wants memory, returns VOR_E_NOMEM each time
+ *  before, and leaves as many bytes in use as there were. */
+void vt_fail_each(vor_status (*attempt)(void *ctx), void *ctx);
+
 /** The index-th uniform number in [0, 1) of a seed. */
 double vt_unit(uint64_t seed, uint64_t index);
 

@@ -292,7 +292,7 @@ START_TEST(memory_that_ends_anywhere_is_an_error_and_leaks_nothing)
     before = atomic_load(&vt_memory.calls);
     vt_assert_ok(vor_adjacency_make(&graph, &domain, &engine.run, &vt_err));
     before = atomic_load(&vt_memory.calls) - before;
-    ck_assert_uint_ge(before, 4);
+    ck_assert_uint_gt(before, 0);
     vor_graph_free(&graph);
     for (size_t call = 1; call <= before; call++) {
         vt_memory.fail_at = atomic_load(&vt_memory.calls) + call;

@@ -238,22 +238,20 @@ START_TEST(a_failure_is_handed_on_at_the_last_place_taken)
 }
 END_TEST
 
+static vor_status try_vectors(void *ctx)
+{
+    struct vor_lbfgs lbfgs;
+    vor_status status = vor_lbfgs_init(&lbfgs, 300, 5, &vt_memory, &vt_err);
+
+    (void)ctx;
+    if (status == VOR_OK)
+        vor_lbfgs_free(&lbfgs);
+    return status;
+}
+
 START_TEST(vectors_that_do_not_fit_are_refused_whole)
 {
-    struct vor_memory memory;
-    struct vor_lbfgs lbfgs;
-
-    for (size_t fail = 1; fail <= 14; fail++) {
-        vor_memory_init(&memory, SIZE_MAX);
-        memory.fail_at = fail;
-        vt_assert_fails(VOR_E_NOMEM, vor_lbfgs_init(&lbfgs, 300, 5, &memory, &vt_err));
-        ck_assert_uint_eq(atomic_load(&memory.used), 0);
-    }
-    vor_memory_init(&memory, SIZE_MAX);
-    memory.fail_at = 15;
-    vt_assert_ok(vor_lbfgs_init(&lbfgs, 300, 5, &memory, &vt_err));
-    vor_lbfgs_free(&lbfgs);
-    ck_assert_uint_eq(atomic_load(&memory.used), 0);
+    vt_fail_each(try_vectors, NULL);
 }
 END_TEST
 
