@@ -8,7 +8,7 @@ use Faults;
 
 options();
 my %table = (
-    'PLY files' => [120, 'ply_hostile', 'ply_limits'],
+    'PLY files' => [120, 'codec_files'],
     'JSON texts' => [60, 'json_read', 'json_request', 'json_values'],
     'multipart bodies' => [40, 'multipart_test'],
     'Draco files' => [40, 'draco_gate_test', 'draco_read_test'],
