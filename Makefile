@@ -1,4 +1,4 @@
-# config=release|debug|asan|tsan|cover|toy picks flags and build/<config>/. `make help` lists the targets.
+# config=release|debug|asan|tsan|cover picks flags and build/<config>/. `make help` lists the targets.
 config ?= release
 B := build/$(config)
 
@@ -32,34 +32,27 @@ flags.debug := -O0 -g3 $(HARDEN)
 flags.asan := -O2 -g1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined
 flags.tsan := -O2 -g1 -fno-omit-frame-pointer -fsanitize=thread
 flags.cover := -O0 -g --coverage
-flags.toy := -O1 -g $(HARDEN)
 flags.arm64 := $(flags.release) $(if $(SYSROOT),--sysroot=$(SYSROOT))
 flags.fuzz := -O1 -g1 -fno-omit-frame-pointer -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
 flags := $(flags.$(config))
 ifeq ($(flags),)
-$(error config=$(config) is not one of release, debug, asan, tsan, cover, toy)
+$(error config=$(config) is not one of release, debug, asan, tsan, cover)
 endif
-
-# config=toy is the product with more rows in its tables (core/base/extensions.h). Only `all` is made of it: `check` of
-# the release drives the binary, by tests/toy.
-TOY := tests/support/toy
-EXTENSIONS := $(if $(filter toy,$(config)),-DVOR_EXTENSIONS='"$(TOY)/toy.h"')
 
 # Headers of the machine that compiles are no use to arm64.
 PKG_FLAGS := $(if $(filter-out arm64,$(config)),$(shell pkg-config --cflags $(PKGS) 2>/dev/null))
 # Same bytes on every machine: no contraction into fused multiply-add.
-COMMON := $(flags) $(MAPPED) -ffp-contract=off -fno-math-errno -pthread -I. -isystem build/headers -MMD -MP -DVOR_VERSION='"$(VERSION)"' $(EXTENSIONS) \
-          $(PKG_FLAGS)
+COMMON := $(flags) $(MAPPED) -ffp-contract=off -fno-math-errno -pthread -I. -isystem build/headers -MMD -MP -DVOR_VERSION='"$(VERSION)"' $(PKG_FLAGS)
 ALL_CFLAGS := -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE $(CWARN) $(COMMON) $(CFLAGS)
 ALL_CXXFLAGS := -std=c++17 $(WARN) $(COMMON) $(CXXFLAGS)
 # FLANN by the library that runs: its -dev package, whose headers may stand in build/headers alone (docker/install.sh), brings
 # HDF5, MPI and boost, which only its own tools use.
 LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -l:libflann.so.1.9 -lm -lstdc++
 TEST_LIBS := $(shell pkg-config --libs check 2>/dev/null)
-LINK := $(CXX) $(flags) $(if $(filter release debug toy arm64,$(config)),$(LDHARDEN)) -pthread $(LDFLAGS)
+LINK := $(CXX) $(flags) $(if $(filter release debug arm64,$(config)),$(LDHARDEN)) -pthread $(LDFLAGS)
 LINK_TEST := $(LINK) $(if $(filter-out arm64,$(config)),$(LDFAST))
 
-SRC := $(sort $(shell find core proto server -name '*.c' -o -name '*.cc') $(if $(EXTENSIONS),$(wildcard $(TOY)/*.c)))
+SRC := $(sort $(shell find core proto server -name '*.c' -o -name '*.cc'))
 # What fuzzers read with calls nothing else: a further file is named here when the link asks for it.
 FUZZED := core/base/% core/cloud/% core/spec% core/report% proto/% server/base/address.c server/http/forwarded.c \
     server/http/gate.c server/api/handlers/range.c
@@ -78,13 +71,16 @@ TEST_SRC := $(sort $(foreach room,$(TEST_ROOMS),$(wildcard tests/$(room)/*.c)))
 KINDS_OBJ := $(addprefix $(B)/kinds/,$(addsuffix .o,core/spec core/spec/tables core/spec/kinds core/spec/shown proto/json/json_spec \
     proto/json/json_process))
 KINDS_BIN := $(addprefix $(B)/,$(basename $(wildcard tests/kinds/*.c)))
+# And tests/poison drives a binary with processes that crash: these files alone list processes.
+POISON_OBJ := $(addprefix $(B)/poison/,$(addsuffix .o,core/spec/tables core/engine server/api/routes tests/poison/poison))
+POISON_SCRIPTS := $(if $(filter release,$(config)),tests/poison/poison.t)
+POISON_BIN := $(if $(POISON_SCRIPTS),$(B)/tests/poison/voronoid)
 TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC))) $(KINDS_BIN)
 # Of the laws these are read off the build; the others read the sources and are `make quick`.
 BINARY_LAWS := tests/lint/engine.t tests/lint/hardening.t tests/lint/openapi.t
 SOURCE_LAWS := $(sort $(filter-out $(BINARY_LAWS),$(wildcard tests/lint/*.t)))
 TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t $(if $(filter-out tsan,$(config)),tests/cli/*.t) $(if $(filter release,$(config)),$(BINARY_LAWS) tests/page/*.t)))
-TOY_SCRIPTS := $(if $(filter release,$(config)),$(sort $(wildcard tests/toy/*.t)))
-TEST_SCRIPTS += $(TOY_SCRIPTS)
+TEST_SCRIPTS += $(POISON_SCRIPTS)
 SPARED.tsan := tests/http/contract.t tests/http/readme.t
 SPARED.asan := tests/cli/scans.t tests/http/readme.t
 TESTS := $(filter-out $(SPARED.$(config)),$(TEST_SCRIPTS)) $(TEST_BIN)
@@ -95,7 +91,7 @@ BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/
 
 .DELETE_ON_ERROR:
 # Objects that only rules by pattern name are kept. Of other files none is listed: what is missing is made, even if nothing is newer.
-.SECONDARY: $(patsubst %.c,$(B)/%.o,$(wildcard tests/*/*.c)) $(KINDS_OBJ) $(KINDS_BIN:$(B)/%=$(B)/kinds/%.o)
+.SECONDARY: $(patsubst %.c,$(B)/%.o,$(wildcard tests/*/*.c)) $(KINDS_OBJ) $(POISON_OBJ) $(KINDS_BIN:$(B)/%=$(B)/kinds/%.o)
 GOALS := all help demo test check gate gate-long soak torture bench fuzz proxy cross arm64 lint quick static contract format image install uninstall clean
 .PHONY: $(GOALS)
 
@@ -112,7 +108,7 @@ all: $(BIN) ## build the binary (default)
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z0-9-]+:.*## /{printf "  %-9s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
-	@echo '  config=release|debug|asan|tsan|cover|toy picks flags and build/<config>/'
+	@echo '  config=release|debug|asan|tsan|cover picks flags and build/<config>/'
 
 $(PROBED): Makefile docker/probe.sh
 	@docker/probe.sh $@ '$(CC)' '$(CXX)' $(ASKED)
@@ -182,15 +178,23 @@ $(B)/tests/%: $(B)/tests/%.o $(SUPPORT) $(LIB)
 $(B)/tests/oracle/lbfgs_liblbfgs: TEST_LIBS += -llbfgs
 $(B)/tests/oracle/mesh_qhull: TEST_LIBS += -lqhull_r
 
-$(B)/kinds/%.o: %.c
-	@mkdir -p $(@D)
-	@echo "  CC   $<"
-	@$(CCACHE) $(CC) $(ALL_CFLAGS) -DVOR_EXTENSIONS='"tests/kinds/rows.h"' -c $< -o $@
+define with_rows
+$(B)/$(1)/%.o: %.c
+	@mkdir -p $$(@D)
+	@echo "  CC   $$<"
+	@$(CCACHE) $(CC) $(ALL_CFLAGS) -DVOR_EXTENSIONS='"tests/$(1)/rows.h"' -c $$< -o $$@
+endef
+$(foreach room,kinds poison,$(eval $(call with_rows,$(room))))
 
 $(B)/tests/kinds/%: $(B)/kinds/tests/kinds/%.o $(KINDS_OBJ) $(SUPPORT) $(LIB)
 	@mkdir -p $(@D)
 	@echo "  LINK $@"
 	@$(LINK_TEST) $^ -o $@ $(TEST_LIBS) $(LIBS)
+
+$(B)/tests/poison/voronoid: $(B)/server/main.o $(POISON_OBJ) $(LIB)
+	@mkdir -p $(@D)
+	@echo "  LINK $@"
+	@$(LINK) $^ -o $@ $(LIBS)
 
 # What only the benchmark needs: no test harness in its programs, and the peer built as its users would build it.
 $(B)/tests/bench/edges: $(B)/tests/support/vt_mesh.o
@@ -221,11 +225,7 @@ test: ## install what is missing, build, and run every test (V=1 is verbose)
 	@docker/install.sh build test page
 	@$(MAKE) --no-print-directory check
 
-.PHONY: toy
-toy:
-	@$(MAKE) --no-print-directory config=toy all
-
-check: all $(if $(TOY_SCRIPTS),toy) $(TEST_BIN) ## run every test with what is installed
+check: all $(POISON_BIN) $(TEST_BIN) ## run every test with what is installed
 	@VORONOID=$(BIN) tests/support/check.sh $(B) $(JOBS) $(filter $(TEST_LONG),$(TESTS)) $(filter-out $(TEST_LONG),$(TESTS))
 
 soak: ## test, with more seeds and larger clouds, and every golden case at 1, 2, 3 and 8 threads
@@ -233,7 +233,7 @@ soak: ## test, with more seeds and larger clouds, and every golden case at 1, 2,
 
 torture: ## install what is missing, build, and measure what the daemon withstands (LONG=1, SEED=n, COUNT=n, ONLY=regex of programs)
 	@docker/install.sh build test torture $(if $(LONG),lint)
-	@$(MAKE) --no-print-directory all $(if $(TOY_SCRIPTS),toy)
+	@$(MAKE) --no-print-directory all $(POISON_BIN)
 	@tests/torture/run.pl $(if $(LONG),--long) $(if $(SEED),--seed $(SEED)) $(if $(COUNT),--count $(COUNT)) $(BIN)
 
 bench: ## install what is missing, build, and measure: tables and plots in build/bench (RUNS=n, ONLY=regex of rows)

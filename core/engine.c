@@ -24,13 +24,11 @@
 #include <string.h>
 
 /* The methods, in the order of the words of parameter `method`. */
-static const struct vor_method methods[VOR_METHODS] = {{"cvt", vor_cvt_run},
-                                                       {"kmeans", vor_kmeans_run},
-                                                       {"wlop", vor_wlop_run},
-                                                       {"ear", vor_ear_run},
-#define METHOD_ROW(word, run) {word, run},
-                                                       VOR_EXTRA_METHODS(METHOD_ROW)
-#undef METHOD_ROW
+static const struct vor_method methods[VOR_METHODS] = {
+    {"cvt", vor_cvt_run},
+    {"kmeans", vor_kmeans_run},
+    {"wlop", vor_wlop_run},
+    {"ear", vor_ear_run},
 };
 
 static const struct vor_method *method_of(const struct vor_spec *spec)

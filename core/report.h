@@ -7,7 +7,6 @@
 #ifndef VOR_REPORT_H
 #define VOR_REPORT_H
 
-#include "core/base/extensions.h"
 #include "core/base/members.h"
 #include "core/cloud/cloud.h"
 #include "core/report/parts.h"
@@ -23,8 +22,7 @@
     X(BASELINES, "baselines", "baseline", "Makes as many points by simple methods")                \
     X(PROJECT, "project", "projection step",                                                       \
       "Draws each point to the input's around it, and away from its neighbours")                   \
-    X(INSERT, "insert", "inserted point", "Inserts points where there is most room")               \
-    VOR_EXTRA_RUN_STAGES(X)
+    X(INSERT, "insert", "inserted point", "Inserts points where there is most room")
 
 enum vor_run_stage {
 #define VOR_RUN_STAGE_ENUM(id, name, step, sentence) VOR_RUN_STAGE_##id,
@@ -100,8 +98,7 @@ void vor_record_unknown_best(struct vor_record *record);
     X(SECONDS, "seconds")                                                                          \
     X(PLATEAU, "plateau")                                                                          \
     X(CALLER, "stopped")                                                                           \
-    X(MOVE, "moveStop")                                                                            \
-    VOR_EXTRA_STOPPED(X)
+    X(MOVE, "moveStop")
 
 enum vor_stopped {
 #define VOR_STOPPED_ENUM(id, word) VOR_STOPPED_##id,
@@ -514,8 +511,7 @@ extern const struct vor_members vor_inspect_members;
 #define VOR_DOCUMENT_TABLE(X)                                                                      \
     X("report", vor_report_members)                                                                \
     X("measure", vor_measure_members)                                                              \
-    X("inspect", vor_inspect_members)                                                              \
-    VOR_EXTRA_DOCUMENTS(X)
+    X("inspect", vor_inspect_members)
 
 /** The description of the document of that name; NULL when there is none. */
 const struct vor_members *vor_document_members(const char *name);

@@ -1,9 +1,9 @@
 /** Rows that a build adds to the tables without touching our files.
  *
  *  -DVOR_EXTENSIONS='"path/to/header.h"' names a header that defines some of the macros below, each
- *  a list to which X is applied as in the table that it ends. Without it they are empty. Every file
- *  of a build must be compiled with the same header, because enums and structs grow with their
- *  tables. */
+ *  a list to which X is applied as in the table that it ends. Without it they are empty. Files that
+ *  share an enum or a struct that grows with its table must be compiled with the same header; a
+ *  process alone lets none grow (tests/poison). */
 #ifndef VOR_BASE_EXTENSIONS_H
 #define VOR_BASE_EXTENSIONS_H
 
@@ -12,23 +12,9 @@
 #include VOR_EXTENSIONS
 #endif
 
-/* core/report.h */
-#ifndef VOR_EXTRA_RUN_STAGES
-#define VOR_EXTRA_RUN_STAGES(X)
-#endif
-#ifndef VOR_EXTRA_STOPPED
-#define VOR_EXTRA_STOPPED(X)
-#endif
-#ifndef VOR_EXTRA_DOCUMENTS
-#define VOR_EXTRA_DOCUMENTS(X)
-#endif
-
 /* core/spec/tables.h */
 #ifndef VOR_EXTRA_GROUPS
 #define VOR_EXTRA_GROUPS(X)
-#endif
-#ifndef VOR_EXTRA_SPREAD_GROUPS /* a set, not a list */
-#define VOR_EXTRA_SPREAD_GROUPS 0
 #endif
 #ifndef VOR_EXTRA_METHOD_CHOICES
 #define VOR_EXTRA_METHOD_CHOICES(X)
@@ -47,9 +33,6 @@
 #endif
 
 /* core/engine.c */
-#ifndef VOR_EXTRA_METHODS
-#define VOR_EXTRA_METHODS(X)
-#endif
 #ifndef VOR_EXTRA_RUNNERS
 #define VOR_EXTRA_RUNNERS(X)
 #endif

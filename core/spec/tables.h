@@ -360,7 +360,7 @@ struct vor_artefact_info {
 #define VOR_BY(method) (1u << VOR_METHOD_##method)
 #define VOR_SPREAD_GROUPS                                                                          \
     (VOR_IN(TARGET) | VOR_IN(SPREAD) | VOR_IN(CVT) | VOR_IN(LOP) | VOR_IN(INPUT) |                 \
-     VOR_IN(FILTER) | VOR_IN(READ) | VOR_IN(OUTPUT) | VOR_IN(FORMAT) | VOR_EXTRA_SPREAD_GROUPS)
+     VOR_IN(FILTER) | VOR_IN(READ) | VOR_IN(OUTPUT) | VOR_IN(FORMAT))
 #define VOR_EVERY_METHOD (~0u)
 
 /** Processes: identifier, id, whether HTTP offers it (1 or 0), groups of parameters that it takes,

@@ -1,15 +1,16 @@
 #!/usr/bin/perl
-# Who is blamed for a crash: a poison among good jobs, and kill -9 while jobs run. The poison is a process of config=toy.
+# Who is blamed for a crash: a poison among good jobs, and kill -9 while jobs run. The poison is a process of the binary of
+# tests/poison.
 use strict;
 use warnings;
 use FindBin;
-BEGIN { $ENV{VORONOID} = 'build/toy/voronoid' }
+BEGIN { $ENV{VORONOID} = 'build/release/tests/poison/voronoid' }
 use lib $FindBin::Bin;
 use Jobs;
 use Time::HiRes qw(sleep);
 use Vt;
 
--x $ENV{VORONOID} or die "there is no $ENV{VORONOID}: make config=toy\n";
+-x $ENV{VORONOID} or die "there is no $ENV{VORONOID}: make $ENV{VORONOID}\n";
 my $cloud = sphere_ply(300);
 my $probes = my $missed = 0;
 
@@ -33,8 +34,8 @@ my $rounds = $long ? 20 : 2;
 my ($good_over, $good, $poison_failed, $crashes, $ends) = (0, 0, 0, 0, 0);
 for my $round (1 .. $rounds) {
     my $daemon = Vt->start(jobs => 4);
-    my @good = map { submit($daemon, 'census?parts=3&pause=0.02') } 1 .. 20;
-    my $poison = submit($daemon, 'poison?venom=' . ($round % 2 ? 'fault' : 'abort'));
+    my @good = map { submit($daemon, 'resample?points=100&iterations=30') } 1 .. 20;
+    my $poison = submit($daemon, $round % 2 ? 'fault' : 'abort');
     @good = grep {defined} @good;
     my $info;
     while (1) {
@@ -62,7 +63,7 @@ my $kills = $long ? 150 : 12;
 my $daemon = Vt->start(jobs => 4, queue => 5000);
 my @jobs;
 for (1 .. $kills) {
-    push @jobs, grep {defined} map { submit($daemon, 'census?parts=' . int(1 + rand 20) . '&pause=0.01') } 1 .. 6;
+    push @jobs, grep {defined} map { submit($daemon, 'resample?points=100&polish=0&iterations=' . int(1 + rand 200)) } 1 .. 6;
     sleep 0.05 + rand 0.15;
     kill 'KILL', $daemon->{pid};
     $daemon = again($daemon);

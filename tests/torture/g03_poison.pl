@@ -1,11 +1,11 @@
 #!/usr/bin/perl
-# usage: g03_poison.pl [--long] [--seed N]: jobs that crash, spin and leak among good ones. Needs the binary of config=toy, whose
-# process `poison` does that.
+# usage: g03_poison.pl [--long] [--seed N]: jobs that crash, spin and leak among good ones. Needs the binary of
+# tests/poison, whose processes do that.
 use strict;
 use warnings;
 use FindBin;
-use lib "$FindBin::Bin/../toy", "$FindBin::Bin/../support";
-use Toy;
+use lib "$FindBin::Bin/../support";
+BEGIN { $ENV{VORONOID} = 'build/release/tests/poison/voronoid' }
 use Getopt::Long;
 use IO::Socket::INET;
 use JSON::PP;
@@ -15,12 +15,12 @@ use Vt;
 
 my ($long, $seed) = (0, 1);
 GetOptions('long' => \$long, 'seed=i' => \$seed) or die "usage: g03_poison.pl [--long] [--seed N]\n";
--x $ENV{VORONOID} or die "$ENV{VORONOID}: no such binary; make config=toy all\n";
+-x $ENV{VORONOID} or die "$ENV{VORONOID}: no such binary; make $ENV{VORONOID}\n";
 srand $seed;
 
 my ($rounds, $good) = $long ? (10, 100) : (1, 20);
 my $job_seconds = 2;
-my $cloud = cloud_of(grid(12, 0, 0, 0));
+my $cloud = sphere_ply(150);
 my $daemon = Vt->start(jobs => 4, 'job-memory' => 16 << 20, 'job-seconds' => $job_seconds, queue => 1000);
 
 sub row {
@@ -65,12 +65,12 @@ sub submit {
 my ($prober, $probes) = start_probes();
 my ($done, $all, @attempts, @unfailed) = (0, 0);
 for (1 .. $rounds) {
-    my @paths = shuffle((map { $_ % 2 ? '/v1/census?parts=3&pause=0.01' : '/v1/resample?points=100&polish=5' } 1 .. $good),
-        map {"/v1/poison?venom=$_"} qw(fault abort spin leak));
+    my @paths = shuffle((map { $_ % 2 ? '/v1/denoise?polish=5' : '/v1/resample?points=100&polish=5' } 1 .. $good),
+        map {"/v1/$_"} qw(fault abort spin leak));
     my %job = map { submit($_) => $_ } @paths;
     for my $id (keys %job) {
         my $info = $daemon->finish($id);
-        if ($job{$id} =~ /poison/) {
+        if ($job{$id} !~ /polish/) {
             push @attempts, $info->{voronoid}{attempt} if $info->{message} =~ /^crashed: the worker ended 2 times/;
             push @unfailed, $job{$id} if $info->{status} ne 'failed';
         } else {
@@ -81,11 +81,11 @@ for (1 .. $rounds) {
 }
 
 # One that never ends, and one after it.
-my $spin = submit('/v1/poison?venom=spin');
+my $spin = submit('/v1/spin');
 my $began = wait_until(sub { $daemon->status($spin) eq 'running' && time }, 30);
 my $told = $daemon->finish($spin);
 my $late = time - $began;
-my $next = $daemon->finish(submit('/v1/census?parts=3&pause=0.01'))->{status};
+my $next = $daemon->finish(submit('/v1/denoise?polish=5'))->{status};
 
 kill 'TERM', $prober;
 my ($missed, $answered, $slowest) = split ' ', scalar <$probes>;
