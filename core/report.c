@@ -264,14 +264,6 @@ const struct vor_members *vor_document_members(const char *name)
     return NULL;
 }
 
-void vor_record_infer_stage(struct vor_record *record)
-{
-    record->stage = record->polish > 0 ? VOR_RUN_STAGE_POLISH : VOR_RUN_STAGE_ITERATE;
-    record->step = record->polish > 0 ? record->polish : record->iteration;
-    record->of = 0;
-    record->ahead = 0;
-}
-
 void vor_record_unknown_best(struct vor_record *record)
 {
     record->best_iteration = record->best_polish = 0;

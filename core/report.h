@@ -82,11 +82,6 @@ struct vor_record {
 
 extern const struct vor_members vor_record_members;
 
-/** Sets stage, step, of and ahead of a record that was written before records had them, from
- *  iteration and polish: such a run iterated, then polished. How many steps were allowed was not
- *  written: of and ahead become 0. */
-void vor_record_infer_stage(struct vor_record *record);
-
 /** Sets the members best of a record that was written before records had them: what would have been
  *  handed back was not written, its delta, sigma and epsilon become NAN. */
 void vor_record_unknown_best(struct vor_record *record);

@@ -31,8 +31,6 @@ int vor_json_record_read(struct vor_record *out, const struct vor_json *object)
     if (!vor_json_get_number(vor_json_get(object, "iteration"), &iteration))
         return 0;
     vor_json_members_read(out, &vor_record_members, object);
-    if (vor_json_get(object, "run_stage") == NULL)
-        vor_record_infer_stage(out);
     if (vor_json_get(object, "best") == NULL)
         vor_record_unknown_best(out);
     return 1;

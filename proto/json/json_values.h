@@ -15,9 +15,8 @@
 /** Writes a progress record as an object, the same in SSE, NDJSON and traces. */
 void vor_json_record(struct vor_text *text, const struct vor_record *record);
 
-/** Reads a record from an object, which may have other members, as vor_json_members_read does. A
- *  record without run_stage was written by a build that had none: vor_record_infer_stage gives it
- *  one. Returns 0 and leaves *out alone when the object has no iteration. */
+/** Reads a record from an object, which may have other members, as vor_json_members_read does.
+ *  Returns 0 and leaves *out alone when the object has no iteration. */
 int vor_json_record_read(struct vor_record *out, const struct vor_json *object);
 
 /** One entry of a problem's errors[]: exactly one of pointer and parameter is set. */

@@ -3,23 +3,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A trace, little endian: the magic, attempt, count of events and, since "VTR3", bytes of a record
- * (4 bytes each); then for every event kind, status, stage and progress (a byte each) and time (8);
- * a progress event goes on with the estimate (8, since "VTR3") and its record. In "VTR3" a record
- * has the members of its table in their order, so a build that knows more of them reads those that
- * are there, and one that knows fewer skips the rest. "VTR2" was written before records had a
- * stage. A trace with another magic is refused, and the job is left with its end. */
-enum {
-    MAGIC_SIZE = 4,
-    HEADER_SIZE = 16,
-    HEADER_SIZE_2 = 12,
-    EVENT_SIZE = 12,
-    ETA_SIZE = 8,
-    RECORD_SIZE_2 = 64
-};
+/* A trace, little endian: the magic, attempt, count of events and bytes of a record (4 bytes each);
+ * then for every event kind, status, stage and progress (a byte each) and time (8); a progress
+ * event goes on with the estimate (8) and its record. A record has the members of its table in
+ * their order, so a build that knows more of them reads those that are there, and one that knows
+ * fewer skips the rest. A trace with another magic is refused, and the job is left with its end. */
+enum { MAGIC_SIZE = 4, HEADER_SIZE = 16, EVENT_SIZE = 12, ETA_SIZE = 8 };
 
-static const char magic[MAGIC_SIZE] = {'V', 'T', 'R', '3'},
-                  magic_2[MAGIC_SIZE] = {'V', 'T', 'R', '2'};
+static const char magic[MAGIC_SIZE] = {'V', 'T', 'R', '3'};
 
 static uint8_t *put(uint8_t *at, uint64_t value, size_t bytes)
 {
@@ -111,24 +102,6 @@ static int get_record(struct vor_record *out, const uint8_t *at, size_t size)
     return 1;
 }
 
-/* A record of a "VTR2": iteration and polish (4 bytes each), held, then the doubles. */
-static void get_record_2(struct vor_record *out, const uint8_t *at)
-{
-    double *const reals[] = {&out->delta,  &out->sigma,    &out->epsilon,
-                             &out->energy, &out->max_move, &out->seconds};
-    uint64_t value;
-
-    at = get(at, &value, 4);
-    out->iteration = (uint32_t)value;
-    at = get(at, &value, 4);
-    out->polish = (uint32_t)value;
-    at = get(at, &out->held, 8);
-    for (size_t i = 0; i < sizeof reals / sizeof reals[0]; i++)
-        at = get_real(at, reals[i]);
-    vor_record_infer_stage(out);
-    vor_record_unknown_best(out);
-}
-
 static uint8_t *put_event(uint8_t *at, const struct vor_event *event)
 {
     at = put(at, (uint64_t)event->kind, 1);
@@ -144,7 +117,7 @@ static uint8_t *put_event(uint8_t *at, const struct vor_event *event)
 /* The bytes of a trace that are still to be read. */
 struct trace {
     const uint8_t *at, *end;
-    size_t record; /* bytes of a record; 0: as "VTR2" has it */
+    uint64_t record; /* bytes of a record */
 };
 
 /* The estimate and the record of a progress event; false when the bytes run out or are none. */
@@ -152,14 +125,6 @@ static int get_progress(struct vor_event *out, struct trace *trace)
 {
     size_t left = (size_t)(trace->end - trace->at);
 
-    out->eta_seconds = -1;
-    if (trace->record == 0) {
-        if (left < RECORD_SIZE_2)
-            return 0;
-        get_record_2(&out->record, trace->at);
-        trace->at += RECORD_SIZE_2;
-        return 1;
-    }
     if (left < ETA_SIZE || left - ETA_SIZE < trace->record)
         return 0;
     trace->at = get_real(trace->at, &out->eta_seconds);
@@ -224,23 +189,16 @@ static vor_status unpack_events(struct vor_bus *bus, struct trace *trace, uint64
     return VOR_OK;
 }
 
-/* Reads the header of a trace, old or new; false when it is none. */
+/* Reads the header of a trace; false when it is none. */
 static int get_header(struct trace *trace, uint64_t *attempt, uint64_t *count, const uint8_t *bytes,
                       size_t size)
 {
-    uint64_t record = 0;
-
-    if (size >= HEADER_SIZE && memcmp(bytes, magic, sizeof magic) == 0) {
-        (void)get(bytes + HEADER_SIZE_2, &record, 4);
-        if (record == 0)
-            return 0;
-    } else if (size < HEADER_SIZE_2 || memcmp(bytes, magic_2, sizeof magic_2) != 0) {
+    if (size < HEADER_SIZE || memcmp(bytes, magic, sizeof magic) != 0)
         return 0;
-    }
-    (void)get(get(bytes + MAGIC_SIZE, attempt, 4), count, 4);
-    *trace = (struct trace){bytes + (record > 0 ? HEADER_SIZE : HEADER_SIZE_2), bytes + size,
-                            (size_t)record};
-    return 1;
+    (void)get(get(get(bytes + MAGIC_SIZE, attempt, 4), count, 4), &trace->record, 4);
+    trace->at = bytes + HEADER_SIZE;
+    trace->end = bytes + size;
+    return trace->record > 0;
 }
 
 vor_status vor_trace_unpack(struct vor_bus **out, const uint8_t *bytes, size_t size,

@@ -17,8 +17,7 @@
 VOR_NODISCARD vor_status vor_trace_pack(struct vor_bus *bus, uint8_t **bytes, size_t *size,
                                         struct vor_error *err);
 
-/** A bus with the events of a trace, with one reference. Reads the traces of builds before records
- * had a stage too: records get the one that vor_record_infer_stage says, and no estimate.
+/** A bus with the events of a trace, with one reference.
  *
  *  @param[out] out only set when VOR_OK is returned
  *  @retval VOR_E_FORMAT the bytes are not a trace, or one of a build with stages that this one does

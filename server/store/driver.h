@@ -1,7 +1,7 @@
 /** What a store of rows is made of: a table of functions, one table for each kind of database. A
  *  driver's own header declares its table, and store.c lists it. Callers include store.h.
  *
- *  A driver keeps its statements, its schema and the upgrades of the schema to itself. Every
+ *  A driver keeps its statements and its schema to itself. Every
  *  function may be called from any thread, and a change is durable when its function returns.
  *  Whoever runs a job names, in each change of its row, the attempt that claim gave him; once the
  *  job has been given to somebody else, such a change does nothing. */

@@ -55,7 +55,7 @@ static vor_status open_file(struct store *store, const char *path, long *holder,
         return status;
     store->base.is_damaged = vor_sqlite_wal_is_damaged(path);
     status = vor_sqlite_open(&store->db, path, err);
-    return status == VOR_OK ? vor_sqlite_migrate(store->db, err) : status;
+    return status == VOR_OK ? vor_sqlite_prepare_schema(store->db, err) : status;
 }
 
 static void free_store(struct store *store)

@@ -17,14 +17,13 @@
 /** Driver number `index`, NULL past the last. */
 const struct vor_store_driver *vor_store_driver_at(unsigned index);
 
-/** Opens "SCHEME:PLACE" ("sqlite:PATH": made if missing, with its directory), takes its lock and
- *  brings its schema up to date.
+/** Opens "SCHEME:PLACE" ("sqlite:PATH": made if missing, with its directory), takes its lock.
  *
  *  @param[out] holder  0, or the process that has the store already (-1 when it has not said
  *                      which); the caller ends with exit code 75
  *
  *  @retval VOR_E_PARAM no driver has this scheme, or nothing follows it
- *  @retval VOR_E_IO    locked (holder is not 0), not a database, or of a newer version */
+ *  @retval VOR_E_IO    locked (holder is not 0), not a database, or of another version */
 VOR_NODISCARD vor_status vor_store_open(struct vor_store **out, const char *where, long *holder,
                                         struct vor_error *err);
 

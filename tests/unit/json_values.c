@@ -72,30 +72,6 @@ START_TEST(a_record_comes_back)
     ck_assert(vor_json_record_read(&back, json));
     ck_assert(back.iteration == 0 && back.polish == 0 && back.held == 0 && isnan(back.delta));
     vor_json_free(json);
-    json = parsed("{\"iteration\":5,\"delta\":0.1}"); /* kept by a build without the polish */
-    ck_assert(vor_json_record_read(&back, json));
-    ck_assert(back.iteration == 5 && back.polish == 0);
-    ck_assert(back.stage == VOR_RUN_STAGE_ITERATE && back.step == 5 && back.of == 0);
-    vor_json_free(json);
-}
-END_TEST
-
-/* As the store kept metrics, and daemons sent progress, before records had a stage. */
-START_TEST(a_record_without_a_stage_gets_the_one_it_was_in)
-{
-    struct vor_json *json =
-        parsed("{\"iteration\":12,\"polish\":40,\"delta\":0.05,\"sigma\":1,\"epsilon\":0.9,"
-               "\"energy\":2,\"max_move\":3,\"held\":4,\"seconds\":5}");
-    struct vor_record back;
-
-    ck_assert(vor_json_record_read(&back, json));
-    ck_assert_int_eq(back.stage, VOR_RUN_STAGE_POLISH);
-    ck_assert_uint_eq(back.step, 40);
-    ck_assert_uint_eq(back.of, 0);
-    ck_assert_uint_eq(back.ahead, 0);
-    ck_assert_double_eq(back.seconds, 5);
-    ck_assert(isnan(back.best_delta) && isnan(back.best_sigma) && isnan(back.best_epsilon));
-    vor_json_free(json);
 }
 END_TEST
 
@@ -364,7 +340,6 @@ int main(void)
 
     vt_add(suite, a_record_has_its_shape);
     vt_add(suite, a_record_comes_back);
-    vt_add(suite, a_record_without_a_stage_gets_the_one_it_was_in);
     vt_add(suite, a_stage_of_another_build_is_none_of_ours);
     vt_add(suite, a_report_has_its_shape);
     vt_add(suite, a_measure_is_written_in_this_shape);

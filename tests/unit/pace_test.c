@@ -197,7 +197,6 @@ START_TEST(a_stage_that_ends_early_is_done)
 }
 END_TEST
 
-/* Records of a trace from before stages: of is 0, whatever the step. */
 START_TEST(without_a_limit_there_is_neither_share_nor_time_left)
 {
     const struct vor_record records[] = {at(FIRST, 0, 0, 0, 1), at(FIRST, 8, 0, 0, 9),

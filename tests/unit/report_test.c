@@ -156,20 +156,6 @@ START_TEST(of_a_record_without_it_the_best_is_not_known)
 }
 END_TEST
 
-START_TEST(a_record_from_before_stages_is_given_one)
-{
-    struct vor_record record = {.iteration = 12, .of = 9, .ahead = 9};
-
-    vor_record_infer_stage(&record);
-    ck_assert_int_eq(record.stage, VOR_RUN_STAGE_ITERATE);
-    ck_assert(record.step == 12 && record.of == 0 && record.ahead == 0);
-    record.polish = 40;
-    vor_record_infer_stage(&record);
-    ck_assert_int_eq(record.stage, VOR_RUN_STAGE_POLISH);
-    ck_assert(record.step == 40 && record.of == 0 && record.ahead == 0);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("report");
@@ -182,7 +168,6 @@ int main(void)
     vt_add(suite, stages_are_found_by_their_names);
     vt_add(suite, every_reason_to_stop_has_a_word_of_its_own);
     vt_add(suite, a_stage_that_is_gone_through_twice_is_told_once);
-    vt_add(suite, a_record_from_before_stages_is_given_one);
     vt_add(suite, of_a_record_without_it_the_best_is_not_known);
     return vt_run(suite);
 }

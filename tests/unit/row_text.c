@@ -39,31 +39,6 @@ START_TEST(a_request_that_cannot_be_read_is_not_made_up)
 }
 END_TEST
 
-/* As builds before records had a stage kept them. */
-START_TEST(metrics_without_a_stage_are_read)
-{
-    struct vor_job_view row;
-
-    memset(&row, 0, sizeof row);
-    (void)snprintf(row.process, sizeof row.process, "resample");
-    vor_row_read(&row,
-                 &(struct vor_row_columns){
-                     .request = "{\"points\":400}",
-                     .metrics = "{\"iteration\":6,\"polish\":30,\"delta\":0.0189,\"sigma\":0.0025,"
-                                "\"epsilon\":0.99,\"energy\":0.067,\"max_move\":0.0028,"
-                                "\"held\":2,\"seconds\":0.066}"});
-    ck_assert(row.has_record);
-    ck_assert(row.record.iteration == 6 && row.record.polish == 30 && row.record.held == 2);
-    ck_assert_double_eq(row.record.delta, 0.0189);
-    ck_assert_double_eq(row.record.seconds, 0.066);
-    ck_assert_int_eq(row.record.stage, VOR_RUN_STAGE_POLISH);
-    ck_assert_uint_eq(row.record.step, 30);
-    vor_row_read(
-        &row, &(struct vor_row_columns){.request = "{\"points\":400}", .metrics = "{\"delta\":1}"});
-    ck_assert(!row.has_record);
-}
-END_TEST
-
 /* No process has two blobs among its outputs yet: one with three is written, and read as one that
  * has the second of them. What this version does not know is left out. */
 START_TEST(outputs_beside_the_main_one_are_kept_by_name)
@@ -139,7 +114,6 @@ int main(void)
     Suite *suite = suite_create("row_text");
 
     vt_add(suite, a_request_that_cannot_be_read_is_not_made_up);
-    vt_add(suite, metrics_without_a_stage_are_read);
     vt_add(suite, outputs_beside_the_main_one_are_kept_by_name);
     vt_add(suite, origins_of_outputs_are_kept_to_the_bit);
     return vt_run(suite);

@@ -1,5 +1,5 @@
-/* The trace of a job that ended: every event comes back, traces of older builds are read, and bytes
- * that are none are refused. */
+/* The trace of a job that ended: every event comes back, and bytes that are none are
+ * refused. */
 #include "server/jobs/trace.h"
 #include "tests/support/vt.h"
 
@@ -137,74 +137,6 @@ static void add_event(struct bytes *bytes, enum vor_event_kind kind, enum vor_jo
     add(bytes, (uint64_t)time_ms, 8);
 }
 
-/* A record as builds before stages packed it: iteration and polish (4 bytes each), held, delta,
- * sigma, epsilon, energy, max_move, seconds (8 each). */
-static void add_record_2(struct bytes *bytes, uint32_t iteration, uint32_t polish)
-{
-    static const double reals[] = {0.25, 0.001, 0.97, 1e-9, 0.5};
-
-    add(bytes, iteration, 4);
-    add(bytes, polish, 4);
-    add(bytes, 70000000000, 8);
-    for (size_t i = 0; i < sizeof reals / sizeof reals[0]; i++)
-        add_real(bytes, reals[i]);
-    add_real(bytes, iteration + polish);
-}
-
-/* A trace of such a build: status, an iteration, a step of the polish, the end. */
-static void add_trace_2(struct bytes *bytes)
-{
-    add_header(bytes, '2', 3, 4);
-    add_event(bytes, VOR_EVENT_STATUS, VOR_JOB_RUNNING, 10, 1700000000000);
-    add_event(bytes, VOR_EVENT_PROGRESS, VOR_JOB_RUNNING, 17, 1700000000001);
-    add_record_2(bytes, 12, 0);
-    add_event(bytes, VOR_EVENT_PROGRESS, VOR_JOB_RUNNING, 45, 1700000000002);
-    add_record_2(bytes, 12, 40);
-    add_event(bytes, VOR_EVENT_END, VOR_JOB_SUCCESSFUL, 100, 1700000000003);
-}
-
-START_TEST(a_trace_from_before_stages_comes_back_with_them)
-{
-    static const struct vor_record iterated = {.iteration = 12,
-                                               .delta = 0.25,
-                                               .sigma = 0.001,
-                                               .epsilon = 0.97,
-                                               .energy = 1e-9,
-                                               .max_move = 0.5,
-                                               .held = 70000000000,
-                                               .seconds = 12,
-                                               .stage = VOR_RUN_STAGE_ITERATE,
-                                               .step = 12,
-                                               .best_delta = (double)NAN,
-                                               .best_sigma = (double)NAN,
-                                               .best_epsilon = (double)NAN};
-    struct vor_record polished = iterated;
-    struct vor_position position = {0, 0};
-    struct vor_event events[8];
-    struct vor_bus *bus = NULL;
-    struct bytes bytes;
-
-    polished.polish = polished.step = 40;
-    polished.seconds = 52;
-    polished.stage = VOR_RUN_STAGE_POLISH;
-    add_trace_2(&bytes);
-    vt_assert_ok(vor_trace_unpack(&bus, bytes.data, bytes.size, &vt_err));
-    ck_assert_uint_eq(vor_bus_attempt(bus), 3);
-    ck_assert_uint_eq(vor_bus_read(bus, &position, VOR_READ_EVERY, events, 8), 4);
-    ck_assert_int_eq(events[0].kind, VOR_EVENT_STATUS);
-    ck_assert_int_eq(events[0].time_ms, 1700000000000);
-    ck_assert_int_eq(events[1].progress, 17);
-    ck_assert_mem_eq(&events[1].record, &iterated, sizeof iterated);
-    ck_assert_double_eq(events[1].eta_seconds, -1);
-    ck_assert_int_eq(events[2].progress, 45);
-    ck_assert_mem_eq(&events[2].record, &polished, sizeof polished);
-    ck_assert_double_eq(events[2].eta_seconds, -1);
-    ck_assert_int_eq(events[3].status, VOR_JOB_SUCCESSFUL);
-    ck_assert(vor_bus_ended(bus, NULL));
-    vor_bus_release(bus);
-}
-END_TEST
-
 /* A trace with one progress event whose record has the first `members` members, then `more` bytes.
  */
 static void add_trace_of(struct bytes *bytes, size_t members, size_t more)
@@ -332,25 +264,13 @@ START_TEST(a_damaged_trace_is_refused)
 }
 END_TEST
 
-START_TEST(a_damaged_trace_from_before_stages_is_refused)
-{
-    struct bytes bytes;
-
-    add_trace_2(&bytes);
-    assert_no_beginning_is_read(bytes.data, bytes.size);
-    assert_no_damage_is_read(bytes.data, bytes.size, 12);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("trace");
 
     vt_add_loop(suite, a_trace_comes_back_as_it_was, 20);
-    vt_add(suite, a_trace_from_before_stages_comes_back_with_them);
     vt_add(suite, records_with_other_members_are_read);
     vt_add(suite, a_stage_that_there_is_not_is_refused);
     vt_add(suite, a_damaged_trace_is_refused);
-    vt_add(suite, a_damaged_trace_from_before_stages_is_refused);
     return vt_run(suite);
 }
