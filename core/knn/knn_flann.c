@@ -1,8 +1,14 @@
 /* FLANN's single kd-tree (Muja and Lowe 2009, "Fast approximate nearest neighbors with automatic
  * algorithm configuration"): exact, and the same answers every time; its other indexes take seeds
  * from the machine. knn.c keeps out what crashes or misleads it: no points, more neighbours than
- * points, coordinates that are not finite or overflow when squared. */
+ * points, coordinates that are not finite or overflow when squared.
+ *
+ * FLANN looks at every point that is as near as the k-th: for each query beside n points in one
+ * place, at all n. A depth camera writes each pixel without a depth as (0, 0, 0). Where many points
+ * share a place, FLANN indexes the places. */
 #include "core/knn/knn_flann.h"
+
+#include "core/knn/places.h"
 
 #include <assert.h>
 #include <flann/flann.h>
@@ -11,9 +17,15 @@
  */
 #define BYTES_PER_POINT 44
 
+/* Points of a place from which on places are indexed. So many cost a query that meets them a tenth
+ * of a microsecond; it takes one or two without. */
+enum { MANY = 64 };
+
 struct vor_flann {
     flann_index_t index;
-    const float *xyz;
+    const float *xyz;                  /* what is indexed: the points, or the places */
+    size_t n;                          /* how many these are */
+    struct vor_places places;          /* all zero: of the points */
     struct FLANNParameters parameters; /* read only once built */
     size_t charged;
     struct vor_memory *memory;
@@ -45,25 +57,35 @@ static float *unconst(const float *p)
 vor_status vor_flann_build(struct vor_flann **out, const float *xyz, size_t n,
                            struct vor_memory *memory, struct vor_error *err)
 {
-    struct vor_flann *flann;
+    struct vor_flann *flann = vor_calloc(memory, 1, sizeof *flann);
     float speedup;
+    vor_status status;
 
-    flann = vor_calloc(memory, 1, sizeof *flann);
-    if (flann == NULL || !vor_memory_charge(memory, n * BYTES_PER_POINT)) {
-        vor_free(memory, flann);
+    if (flann == NULL)
         return vor_fail(err, VOR_E_NOMEM, "an index of %zu points", n);
-    }
-    flann->xyz = xyz;
     flann->memory = memory;
-    flann->charged = n * BYTES_PER_POINT;
+    status = vor_places_find(&flann->places, xyz, n, MANY, memory, err);
+    if (status != VOR_OK)
+        goto failed;
+    flann->xyz = flann->places.n > 0 ? flann->places.xyz : xyz;
+    flann->n = flann->places.n > 0 ? flann->places.n : n;
+    if (!vor_memory_charge(memory, flann->n * BYTES_PER_POINT)) {
+        status = vor_fail(err, VOR_E_NOMEM, "an index of %zu points", n);
+        goto failed;
+    }
+    flann->charged = flann->n * BYTES_PER_POINT;
     set_parameters(&flann->parameters);
-    flann->index = flann_build_index_float(unconst(xyz), (int)n, 3, &speedup, &flann->parameters);
+    flann->index = flann_build_index_float(unconst(flann->xyz), (int)flann->n, 3, &speedup,
+                                           &flann->parameters);
     if (flann->index == NULL) {
-        vor_flann_free(flann);
-        return vor_fail(err, VOR_E_INTERNAL, "FLANN did not index %zu points", n);
+        status = vor_fail(err, VOR_E_INTERNAL, "FLANN did not index %zu points", n);
+        goto failed;
     }
     *out = flann;
     return VOR_OK;
+failed:
+    vor_flann_free(flann);
+    return status;
 }
 
 void vor_flann_free(struct vor_flann *flann)
@@ -73,6 +95,7 @@ void vor_flann_free(struct vor_flann *flann)
     if (flann->index != NULL)
         flann_free_index_float(flann->index, &flann->parameters);
     vor_memory_release(flann->memory, flann->charged);
+    vor_places_free(&flann->places);
     vor_free(flann->memory, flann);
 }
 
@@ -111,8 +134,9 @@ static void same_everywhere(const struct vor_flann *flann, const float *query, u
     }
 }
 
-void vor_flann_search(const struct vor_flann *flann, const float *queries, size_t count, unsigned k,
-                      uint32_t *index, float *distance2)
+/* The k nearest of what is indexed. */
+static void search(const struct vor_flann *flann, const float *queries, size_t count, unsigned k,
+                   uint32_t *index, float *distance2)
 {
     struct FLANNParameters parameters = flann->parameters; /* every call rewrites its parameters */
     int result;
@@ -123,4 +147,51 @@ void vor_flann_search(const struct vor_flann *flann, const float *queries, size_
     (void)result;
     for (size_t i = 0; FLANN_FUSES && i < count; i++)
         same_everywhere(flann, &queries[3 * i], k, &index[i * k], &distance2[i * k]);
+}
+
+/* Writes the k nearest points where the nearest places stand, which have as many. Backwards: no
+ * place is written over before it is read. */
+static void put_points(const struct vor_places *places, unsigned k, uint32_t *index,
+                       float *distance2)
+{
+    const uint32_t *first = places->first;
+    size_t used = 0, end = 0;
+
+    for (; end < k; used++)
+        end += first[index[used] + 1] - first[index[used]];
+    while (used-- > 0) {
+        uint32_t place = index[used];
+        float d2 = distance2[used];
+        size_t begin = end - (first[place + 1] - first[place]);
+
+        for (size_t i = begin; i < end && i < k; i++) {
+            index[i] = places->point[first[place] + (i - begin)];
+            distance2[i] = d2;
+        }
+        end = begin;
+    }
+}
+
+/* The nearest place first, alone: a query in a crowded one is answered by it, whatever lies around.
+ */
+static void search_places(const struct vor_flann *flann, const float query[3], unsigned k,
+                          uint32_t *index, float *distance2)
+{
+    const uint32_t *first = flann->places.first;
+
+    search(flann, query, 1, 1, index, distance2);
+    if (first[index[0] + 1] - first[index[0]] < k)
+        search(flann, query, 1, k < flann->n ? k : (unsigned)flann->n, index, distance2);
+    put_points(&flann->places, k, index, distance2);
+}
+
+void vor_flann_search(const struct vor_flann *flann, const float *queries, size_t count, unsigned k,
+                      uint32_t *index, float *distance2)
+{
+    if (flann->places.n == 0) {
+        search(flann, queries, count, k, index, distance2);
+        return;
+    }
+    for (size_t i = 0; i < count; i++)
+        search_places(flann, &queries[3 * i], k, &index[i * k], &distance2[i * k]);
 }

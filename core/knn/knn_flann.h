@@ -15,7 +15,7 @@ struct vor_flann;
  *  @retval VOR_E_NOMEM    about 40 n bytes do not fit
  *  @retval VOR_E_INTERNAL the library failed
  *
- *  O(n log n), one thread. */
+ *  O(n log n), one thread. Where many points share a place, each place is indexed once. */
 VOR_NODISCARD vor_status vor_flann_build(struct vor_flann **out, const float *xyz, size_t n,
                                          struct vor_memory *memory, struct vor_error *err);
 

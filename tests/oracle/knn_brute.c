@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SEEDS = 16, SHAPES = 8, QUERIES = 10, POOLS = 4, MANY = 20000 };
+enum { SEEDS = 16, SHAPES = 10, QUERIES = 10, POOLS = 4, MANY = 20000 };
 
 static struct vt_engine engine[POOLS];
 static const unsigned threads_of[POOLS] = {1, 2, 3, 8};
@@ -45,6 +45,10 @@ static float lay(int shape, uint64_t seed, size_t i, size_t c)
         return (float)ldexp(u + 0.1, -(int)(i % 60));
     case 6: /* all in one place */
         return 0.3f;
+    case 7: /* a third in one place, as pixels without a depth are */
+        return i % 3 > 0 ? (float)(u - 0.5) : i % 2 ? 0.0f : -0.0f;
+    case 8: /* as many in each of five places, next to one of which others are */
+        return i % 2 ? (float)(i % 5 == c) : (float)(1e-3 * u);
     default: /* on a coarse lattice: many ties */
         return (float)floor(5 * u);
     }

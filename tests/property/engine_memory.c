@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-enum { RECORDS = 160, CALLS = 2 }; /* CALLS of the allocator for one index */
+enum { RECORDS = 160, CALLS = 3 }; /* CALLS of the allocator for one index */
 
 /* Bytes at the peak, the caller's clouds apart: for each input point its index and what is kept of
  * it; for each seed its surface and its lists, and again for those that a start by areas has of its

@@ -194,7 +194,7 @@ START_TEST(points_all_in_one_place_do_not_make_a_query_long)
 
     for (size_t i = 0; i < 3 * (size_t)N; i++)
         x[i] = 0.25f;
-    vt_assert_ok(build(1, &knn, x, N, &vt_memory));
+    vt_assert_ok(build(_i, &knn, x, N, &vt_memory));
     for (int q = 0; q < QUERIES; q++) {
         const float query[3] = {q % 2 ? 0.25f : (float)q, 0.25f, 0.25f};
 
@@ -203,6 +203,79 @@ START_TEST(points_all_in_one_place_do_not_make_a_query_long)
         ck_assert(index[0] < N && index[0] != index[K - 1]);
     }
     vor_knn_free(knn);
+    vor_free(&vt_memory, x);
+}
+END_TEST
+
+/* As above: neither the queries of the points in that place nor of those around it, which are all
+ * as far from it, look at all of the others. */
+START_TEST(many_points_in_one_place_do_not_make_queries_beside_them_long)
+{
+    enum { N = 500000, K = 8 };
+    float *x = vor_calloc(&vt_memory, N, 3 * sizeof *x);
+    uint32_t index[K];
+    float distance2[K];
+    struct vor_knn *knn;
+
+    for (size_t i = 0; i < N; i += 2) /* a quarter in the middle, a quarter at each of three ends */
+        x[3 * i + i / 2 % 4 % 3] = i / 2 % 4 == 3 ? 0 : 1;
+    vt_assert_ok(build(_i, &knn, x, N, &vt_memory));
+    for (size_t i = 0; i < N; i++) {
+        vor_knn_search(knn, &x[3 * i], 1, K, index, distance2);
+        ck_assert(distance2[0] == 0 && distance2[K - 1] == 0);
+    }
+    for (size_t i = 0; i < N; i++) {
+        const float query[3] = {-1 - (float)i, 0, 0};
+
+        vor_knn_search(knn, query, 1, K, index, distance2);
+        ck_assert(distance2[0] > 0 && distance2[0] == distance2[K - 1]);
+    }
+    vor_knn_free(knn);
+    vor_free(&vt_memory, x);
+}
+END_TEST
+
+static size_t index_size(const float *x, size_t n)
+{
+    struct vor_memory memory;
+    struct vor_knn *knn;
+    size_t used;
+
+    vor_memory_init(&memory, SIZE_MAX);
+    vt_assert_ok(vor_knn_build(&knn, x, n, &memory, &vt_err));
+    used = atomic_load(&memory.used);
+    vor_knn_free(knn);
+    ck_assert_uint_eq(atomic_load(&memory.used), 0);
+    return used;
+}
+
+/* The memory says how many points FLANN's tree has: of every point in one place, of every other
+ * one, of those so near 0 that the squares of their distances are 0; and of few in each place, all.
+ */
+START_TEST(crowded_places_are_indexed_once)
+{
+    enum { N = 60000 };
+    float *x = vor_calloc(&vt_memory, N, 3 * sizeof *x);
+    size_t one, half, tiny, few, all;
+
+    one = index_size(x, N);
+    for (size_t i = 0; i < 3 * (size_t)N; i++)
+        x[i] = i / 3 % 2 ? (float)i : i % 2 ? -0.0f : 0.0f;
+    half = index_size(x, N);
+    for (size_t i = 0; i < 3 * (size_t)N; i++)
+        x[i] = 1e-26f * (float)i;
+    tiny = index_size(x, N);
+    for (size_t i = 0; i < 3 * (size_t)N; i++)
+        x[i] = (float)(i / 300);
+    few = index_size(x, N);
+    for (size_t i = 0; i < 3 * (size_t)N; i++)
+        x[i] = (float)i;
+    all = index_size(x, N);
+    ck_assert_uint_lt(one, (size_t)8 * N);
+    ck_assert_uint_eq(one, tiny);
+    ck_assert_uint_gt(half, all / 2);
+    ck_assert_uint_lt(half, all);
+    ck_assert_uint_lt(few, (size_t)8 * N);
     vor_free(&vt_memory, x);
 }
 END_TEST
@@ -245,7 +318,9 @@ int main(void)
     vt_add_loop(suite, points_all_in_one_place_are_all_found, 2);
     vt_add_loop(suite, the_first_bad_coordinate_of_many_is_named, 2);
     vt_add_loop(suite, every_allocation_of_an_index_may_fail, 2);
-    vt_add(suite, points_all_in_one_place_do_not_make_a_query_long);
+    vt_add_loop(suite, points_all_in_one_place_do_not_make_a_query_long, 2);
+    vt_add_loop(suite, many_points_in_one_place_do_not_make_queries_beside_them_long, 2);
+    vt_add(suite, crowded_places_are_indexed_once);
     vt_add(suite, a_build_can_be_cancelled);
     return vt_run(suite);
 }
