@@ -1,5 +1,7 @@
 #include "tests/support/vt_files.h"
 
+#include "core/spec.h"
+
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -17,6 +19,7 @@ struct table {
     } pieces[PIECES_MAX];
     int piece_count;
     struct vor_limits limits;
+    unsigned format;
 };
 
 /* A table that cannot be read ends the program: no test runs yet that could fail. */
@@ -129,6 +132,7 @@ static void set_limits(struct table *table, const char *line)
     const char *points = strstr(line, "points=");
 
     table->limits = fresh;
+    table->format = strstr(line, "[drc") != NULL ? VOR_FORMAT_DRC : VOR_FORMAT_PLY;
     if (points != NULL)
         table->limits.points = strtoul(points + 7, NULL, 10);
     table->limits.keep_faces = strstr(line, "faces") != NULL;
@@ -143,7 +147,7 @@ static void add_row(struct table *table, char *line)
 
     must(file != NULL && table->count < ROWS_MAX, "row: %s", line);
     *want = *file = '\0';
-    *row = (struct vt_file){line, want + 3, {0}, -1, table->limits};
+    *row = (struct vt_file){line, want + 3, {0}, -1, table->format, table->limits};
     expand(table, row, file + 3, strlen(file + 3), 0);
     put(row, "", 1); /* which no reader sees */
     row->bytes.size--;
@@ -166,16 +170,13 @@ static void add_line(struct table *table, char *line)
     }
 }
 
-struct vt_file *vt_files(const char *path, int *count)
+static void read_table(struct table *table, const char *path)
 {
-    static struct table tables[4];
-    static int used;
-    struct table *table = &tables[used++];
     struct vt_bytes text = {0};
     size_t size;
     char *all = (char *)vt_slurp(path, &size), *line;
 
-    must(all != NULL && used < 4, "%s cannot be read", path);
+    must(all != NULL, "%s cannot be read", path);
     set_limits(table, "");
     for (size_t i = 0; i < size; i++) { /* a line that begins with blanks belongs to the last */
         if (i + 1 < size && all[i] == '\n' && all[i + 1] == ' ')
@@ -187,8 +188,16 @@ struct vt_file *vt_files(const char *path, int *count)
     all = (char *)text.data;
     while ((line = strsep(&all, "\n")) != NULL)
         add_line(table, line);
-    *count = table->count;
-    return table->rows;
+}
+
+struct vt_file *vt_files(const char *const *paths, int path_count, int *count)
+{
+    static struct table table;
+
+    for (int i = 0; i < path_count; i++)
+        read_table(&table, paths[i]);
+    *count = table.count;
+    return table.rows;
 }
 
 static char words[WORDS];

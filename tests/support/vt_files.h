@@ -1,9 +1,9 @@
 /** Tables of small input files, written by hand (tests/data/), and what must come out of each.
  *
  *  A line is `name | what comes out | file`; one that begins with blanks continues the line before.
- *  `#` begins a comment, `[points=9 faces drop strict]` the limits of the rows that follow, and
- *  `NAME = file` a piece that later files hold as {NAME}. In a file stand, besides its text, the
- *  escapes \n \r \t \0 \\ \xNN and
+ *  `#` begins a comment, `[drc points=9 faces drop strict]` the format (PLY without drc) and
+ *  the limits of the rows that follow, and `NAME = file` a piece that later files hold as {NAME}.
+ * In a file stand, besides its text, the escapes \n \r \t \0 \\ \xNN and
  *
  *    {^} {^9}      the place that the error must point at: here, or byte 9
  *    {*9:text}     text nine times; # in it is 0, 1, ...
@@ -20,11 +20,13 @@ struct vt_file {
     char *name, *want;
     struct vt_bytes bytes;
     int64_t mark; /**< byte of the error, -1 for none */
+    unsigned format;
     struct vor_limits limits;
 };
 
-/** Reads a table; *count gets its length. The process's end frees it. */
-struct vt_file *vt_files(const char *path, int *count);
+/** Reads tables, one behind the other; *count gets their rows. Once in a process, whose end frees
+ *  them. */
+struct vt_file *vt_files(const char *const *paths, int path_count, int *count);
 
 /** What a cloud holds: "float32 x y z, x y z; color uint8 1 2 3; triangles 0 1 2; faces 1; ...".
  *  Within 4,095 bytes; static. */

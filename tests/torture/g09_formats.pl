@@ -8,10 +8,9 @@ use Faults;
 
 options();
 my %table = (
-    'PLY files' => [120, 'codec_files'],
+    'PLY and Draco files' => [240, 'codec_files'],
     'JSON texts' => [60, 'json_read', 'json_request', 'json_values'],
     'multipart bodies' => [40, 'multipart_test'],
-    'Draco files' => [40, 'draco_gate_test', 'draco_read_test'],
 );
 my $rooms = 'build/release/tests/unit';
 
