@@ -106,14 +106,13 @@ int vor_spec_count_at(const struct vor_spec *spec, enum vor_parameter parameter,
            vor_decimal_read_at(out, vor_spec_name(spec, parameter), index);
 }
 
-static vor_status refuse_size(enum vor_parameter parameter, const struct vor_value *value,
-                              struct vor_error *err)
+static vor_status refuse_size(enum vor_parameter parameter, const char *text, struct vor_error *err)
 {
     const char *name = vor_parameter_info(parameter)->name;
 
     return vor_fail_param(err, VOR_E_PARAM, name,
                           "%s has %zu bytes, want at most %d in all texts of a request", name,
-                          value->text != NULL ? strlen(value->text) : 0, VOR_SPEC_TEXTS_SIZE);
+                          text != NULL ? strlen(text) : 0, VOR_SPEC_TEXTS_SIZE);
 }
 
 /* Sets a value, and lays the texts out anew where one comes or goes. */
@@ -139,7 +138,7 @@ static vor_status store(struct vor_spec *spec, enum vor_parameter parameter,
             continue;
         size = strlen(text) + 1;
         if (size > sizeof next.texts - at)
-            return refuse_size(parameter, value, err);
+            return refuse_size(parameter, value->text, err);
         memcpy(next.texts + at, text, size);
         at += size;
     }
@@ -231,6 +230,8 @@ vor_status vor_spec_set_as(struct vor_spec *spec, const char *name, enum vor_sha
         return refuse_name(spec->process, name, err);
     if (!vor_kind_has_shape(info.kind, shape))
         return refuse_value(&info, vor_shape_word(shape), err);
+    if (vor_kind_has_shape(info.kind, VOR_SHAPE_ARRAY) && strlen(text) >= VOR_SPEC_TEXTS_SIZE)
+        return refuse_size(parameter, text, err);
     if (!vor_kind_read(&info, shape, text, &value))
         return refuse_text(&info, shape, text, err);
     return store(spec, parameter, &value, err);

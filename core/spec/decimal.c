@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LENGTH_MAX = 40 };
+/* Bytes of a number; numbers of a list. */
+enum { LENGTH_MAX = 40, COUNTS_MAX = 256 };
 
 /* strtod would take more than a decimal number: only digits, sign, point and exponent reach it, and
  * only in the C locale that a program starts with. */
@@ -54,21 +55,22 @@ int vor_decimal_read_at(double *out, const char *text, unsigned index)
 
 int vor_decimal_are_counts(const char *text, double min, double max)
 {
-    unsigned count = 1;
+    double sorted[COUNTS_MAX], number;
+    unsigned count = 0, at;
 
-    for (const char *at = text; (at = strchr(at, ',')) != NULL; at++)
-        count++;
-    for (unsigned i = 0; i < count; i++) {
-        double number, before;
-
-        if (!vor_decimal_read_at(&number, text, i) || number != rint(number) ||
-            !(number >= min && number <= max))
+    for (size_t length;; text += length + 1) {
+        length = strcspn(text, ",");
+        if (count == COUNTS_MAX || !vor_decimal_read(&number, text, length) ||
+            number != rint(number) || !(number >= min && number <= max))
             return 0;
-        for (unsigned j = 0; j < i; j++)
-            if (vor_decimal_read_at(&before, text, j) && before == number)
-                return 0;
+        for (at = count++; at > 0 && sorted[at - 1] > number; at--)
+            sorted[at] = sorted[at - 1];
+        if (at > 0 && sorted[at - 1] == number)
+            return 0;
+        sorted[at] = number;
+        if (text[length] == '\0')
+            return 1;
     }
-    return 1;
 }
 
 int vor_decimal_read_vector(double out[3], const char *text)

@@ -17,7 +17,8 @@ int vor_decimal_read_count(double *out, const char *text);
 /** Reads "X,Y,Z", three such numbers; the whole text counts. */
 int vor_decimal_read_vector(double out[3], const char *text);
 
-/** True when text is whole numbers from min to max with commas between, each at most once. */
+/** True when text is at most 256 whole numbers from min to max with commas between, each at most
+ *  once. O(length). */
 int vor_decimal_are_counts(const char *text, double min, double max);
 
 /** Reads number `index` of a text with commas between them; false if it is none, or past the last.

@@ -421,6 +421,31 @@ START_TEST(numbers_may_be_written_in_every_decimal_way)
 }
 END_TEST
 
+/* A list of which each number was held against all before it, each read from the list's beginning,
+ * would not end within the harness's ten minutes. */
+START_TEST(a_list_that_is_too_long_is_refused_by_its_length)
+{
+    enum { NUMBERS = 100000, SIZE = 8 * NUMBERS };
+    struct vor_spec spec;
+    char *text = vor_malloc(&vt_memory, SIZE, 1), expected[80];
+    size_t size = 0;
+
+    for (int distinct = 0; distinct < 2; distinct++) {
+        for (int i = 1; i <= NUMBERS; i++)
+            size += (size_t)snprintf(text + size, SIZE - size, "%d,", distinct ? i : 1);
+        text[--size] = '\0';
+        vor_spec_init(&spec);
+        vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, "holes", text, &vt_err));
+        (void)snprintf(expected, sizeof expected,
+                       "holes has %zu bytes, want at most 512 in all texts of a request", size);
+        ck_assert_str_eq(vt_err.message, expected);
+        ck_assert_str_eq(vt_err.parameter, "holes");
+        size = 0;
+    }
+    vor_free(&vt_memory, text);
+}
+END_TEST
+
 START_TEST(processes_are_found_by_their_id)
 {
     unsigned count = 0;
@@ -794,6 +819,7 @@ int main(void)
                 PROCESSES);
     vt_add_loop(suite, exactly_one_of_points_ratio_and_spacing_is_given, 8);
     vt_add(suite, numbers_may_be_written_in_every_decimal_way);
+    vt_add(suite, a_list_that_is_too_long_is_refused_by_its_length);
     vt_add(suite, processes_are_found_by_their_id);
     vt_add_loop(suite, a_process_differs_from_the_table_by_its_preset_alone, PROCESSES);
     vt_add_loop(suite, a_request_without_a_count_gets_that_of_its_process_or_is_refused, SPREADING);
