@@ -273,6 +273,13 @@ int vor_spec_only_filters(const struct vor_spec *spec)
            (vor_list_has(filters, VOR_FILTER_MLS) || vor_list_has(filters, VOR_FILTER_OUTLIERS));
 }
 
+int vor_spec_keeps_points(const struct vor_spec *spec)
+{
+    return spec->process->outputs[0].kind == VOR_ARTEFACT_CLOUD &&
+           (!has_target(spec) || vor_spec_only_filters(spec)) &&
+           spec->value[VOR_PARAM_SAMPLE] != VOR_SAMPLE_FACES;
+}
+
 /* Checks a request in which an energy may be minimised. */
 static vor_status check_descent(const struct vor_spec *spec, struct vor_error *err)
 {

@@ -92,6 +92,10 @@ VOR_NODISCARD vor_status vor_spec_complete(struct vor_spec *spec, struct vor_err
 VOR_NODISCARD vor_status vor_spec_check_inputs(const struct vor_spec *spec, unsigned inputs,
                                                struct vor_error *err);
 
+/** Whether the result is points of the input, which none of them need leave: of a process without a
+ *  target, or of filters alone. */
+int vor_spec_keeps_points(const struct vor_spec *spec);
+
 /** Number of points that a checked request asks for, given the number of points of the input.
  *  VOR_UNSET if spacing decides, because only the engine knows the area, if filters do, and if the
  *  process has no such target. */

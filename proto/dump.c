@@ -1,13 +1,14 @@
 /* A head, a row for each attribute, then the positions and the values, all as they lie in memory:
  * the file never leaves the machine that wrote it, and `order` tells when it did. A cloud with
  * notes has a tail with them, and is of version 2; one without is as all were before there were
- * notes. One of a file with faces has a further tail, behind the notes, and is of version 3. */
+ * notes. One of a file with faces has a further tail, behind the notes, and is of version 3; one
+ * that keeps doubles has these at the end, behind both, and is of version 4. */
 #include "proto/dump.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { VERSION = 1, VERSION_NOTES = 2, VERSION_FACES = 3, ORDER = 0x01020304 };
+enum { VERSION = 1, VERSION_NOTES = 2, VERSION_FACES = 3, VERSION_DOUBLES = 4, ORDER = 0x01020304 };
 
 static const char magic[8] = "vordump";
 
@@ -77,7 +78,8 @@ static vor_status put(const struct vor_sink *sink, const void *bytes, size_t siz
 static vor_status put_head(const struct vor_sink *sink, const struct vor_cloud *cloud,
                            struct vor_error *err)
 {
-    struct head head = {.version = has_faces(cloud)           ? VERSION_FACES
+    struct head head = {.version = cloud->exact != NULL       ? VERSION_DOUBLES
+                                   : has_faces(cloud)         ? VERSION_FACES
                                    : has_notes(&cloud->notes) ? VERSION_NOTES
                                                               : VERSION,
                         .order = ORDER,
@@ -140,10 +142,12 @@ vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *c
         status = put(sink, attribute->data,
                      cloud->n * attribute->components * vor_type_size(attribute->type), err);
     }
-    if (status == VOR_OK && (has_notes(&cloud->notes) || has_faces(cloud)))
+    if (status == VOR_OK && (has_notes(&cloud->notes) || has_faces(cloud) || cloud->exact != NULL))
         status = put_tail(sink, &cloud->notes, err);
-    if (status == VOR_OK && has_faces(cloud))
+    if (status == VOR_OK && (has_faces(cloud) || cloud->exact != NULL))
         status = put_faces(sink, cloud, err);
+    if (status == VOR_OK && cloud->exact != NULL)
+        status = put(sink, cloud->exact, cloud->n * 3 * sizeof *cloud->exact, err);
     return status;
 }
 
@@ -174,7 +178,7 @@ static vor_status damaged(size_t offset, const char *what, struct vor_error *err
 static vor_status check_head(const struct head *head, size_t size, struct vor_error *err)
 {
     if (memcmp(head->magic, magic, sizeof magic) != 0 || head->order != ORDER ||
-        head->version < VERSION || head->version > VERSION_FACES)
+        head->version < VERSION || head->version > VERSION_DOUBLES)
         return damaged(0, "not a dump of this version and machine", err);
     if (head->n == 0 || head->n > VOR_POINTS_MAX)
         return damaged(16, "number of points", err);
@@ -252,8 +256,10 @@ static vor_status check_size(const struct head *head, const uint8_t *bytes, size
     }
     if (head->version >= VERSION_NOTES && !check_tail(bytes, size, &total))
         return damaged(size, "notes", err);
-    if (head->version == VERSION_FACES && !check_faces(head, bytes, size, &total))
+    if (head->version >= VERSION_FACES && !check_faces(head, bytes, size, &total))
         return damaged(size, "faces", err);
+    if (head->version == VERSION_DOUBLES)
+        total += head->n * 3 * sizeof(double);
     return total == size ? VOR_OK : damaged(size, "length", err);
 }
 
@@ -300,11 +306,13 @@ static vor_status take_tail(struct vor_cloud *cloud, const uint8_t **from, struc
     return VOR_OK;
 }
 
-static vor_status take_faces(struct vor_cloud *cloud, const uint8_t *at, struct vor_error *err)
+static vor_status take_faces(struct vor_cloud *cloud, const uint8_t **from, struct vor_error *err)
 {
+    const uint8_t *at = *from;
     struct faces faces;
 
     memcpy(&faces, at, sizeof faces);
+    *from += sizeof faces + faces.triangle_count * TRIANGLE;
     cloud->notes.faces = faces.faces;
     if (faces.triangle_count == 0)
         return VOR_OK;
@@ -313,6 +321,15 @@ static vor_status take_faces(struct vor_cloud *cloud, const uint8_t *at, struct 
         return vor_fail(err, VOR_E_NOMEM, "corners of %zu triangles", (size_t)faces.triangle_count);
     cloud->triangle_count = (size_t)faces.triangle_count;
     memcpy(cloud->triangles, at + sizeof faces, cloud->triangle_count * TRIANGLE);
+    return VOR_OK;
+}
+
+static vor_status take_doubles(struct vor_cloud *cloud, const uint8_t *at, struct vor_error *err)
+{
+    cloud->exact = vor_malloc(cloud->memory, cloud->n, 3 * sizeof *cloud->exact);
+    if (cloud->exact == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "doubles of %zu points", cloud->n);
+    memcpy(cloud->exact, at, cloud->n * 3 * sizeof *cloud->exact);
     return VOR_OK;
 }
 
@@ -337,8 +354,10 @@ static vor_status take_values(struct vor_cloud *cloud, const struct head *head,
     }
     if (status == VOR_OK && head->version >= VERSION_NOTES)
         status = take_tail(cloud, &at, err);
-    if (status == VOR_OK && head->version == VERSION_FACES)
-        status = take_faces(cloud, at, err);
+    if (status == VOR_OK && head->version >= VERSION_FACES)
+        status = take_faces(cloud, &at, err);
+    if (status == VOR_OK && head->version == VERSION_DOUBLES)
+        status = take_doubles(cloud, at, err);
     return status == VOR_OK ? vor_cloud_check(cloud, err) : status;
 }
 

@@ -9,6 +9,7 @@ struct vor_limits {
     size_t header_bytes; /**< of a PLY header */
     int strict_draco;    /**< of Draco only point clouds of bitstream 2.3 without metadata */
     int drop_invalid;    /**< leave out points that are not finite; 0: VOR_E_NONFINITE */
+    int keep_doubles;    /**< keep coordinates that a cloud's positions do not hold (exact) */
     int keep_faces; /**< keep the faces, as triangles; VOR_E_FACES where a file has none. At most
                        two for each of `points` */
 };

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 static const struct {
     size_t size;
@@ -66,8 +65,15 @@ double vor_attribute_scalar(const struct vor_attribute *attribute, size_t at)
 
 int vor_attribute_is_packed(const struct vor_attribute *attribute)
 {
-    return attribute->type == VOR_FLOAT32 && attribute->components == 1 &&
-           (strcasecmp(attribute->name, "rgb") == 0 || strcasecmp(attribute->name, "rgba") == 0);
+    const char *name = attribute->name;
+    size_t length = strlen(name);
+
+    if (attribute->type != VOR_FLOAT32 || attribute->components != 1 || length < 3 || length > 4)
+        return 0;
+    for (size_t i = 0; i < length; i++)
+        if ((name[i] | 0x20) != "rgba"[i])
+            return 0;
+    return 1;
 }
 
 void vor_cloud_init(struct vor_cloud *cloud, struct vor_memory *memory)
@@ -83,6 +89,7 @@ void vor_cloud_free(struct vor_cloud *cloud)
         vor_free(cloud->memory, cloud->attributes[i].data);
     vor_free(cloud->memory, cloud->notes.remarks);
     vor_free(cloud->memory, cloud->triangles);
+    vor_free(cloud->memory, cloud->exact);
     vor_free(cloud->memory, cloud->xyz);
     vor_cloud_init(cloud, cloud->memory);
 }
@@ -110,7 +117,7 @@ vor_status vor_cloud_resize(struct vor_cloud *cloud, size_t n, struct vor_error 
 /* As much of a name as most bytes hold, cut between characters of UTF-8. */
 static int fit_name(const char *name, size_t most)
 {
-    size_t length = strnlen(name, most + 1);
+    size_t length = strlen(name);
 
     if (length <= most)
         return (int)length;
@@ -174,12 +181,25 @@ static vor_status copy_attribute(struct vor_cloud *out, const struct vor_attribu
     return VOR_OK;
 }
 
+static vor_status copy_exact(struct vor_cloud *out, const struct vor_cloud *in,
+                             struct vor_error *err)
+{
+    if (in->exact == NULL)
+        return VOR_OK;
+    out->exact = vor_malloc(out->memory, in->n, 3 * sizeof *out->exact);
+    if (out->exact == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "doubles of %zu points", in->n);
+    memcpy(out->exact, in->exact, in->n * 3 * sizeof *in->exact);
+    return VOR_OK;
+}
+
 vor_status vor_cloud_copy(struct vor_cloud *out, const struct vor_cloud *in, struct vor_error *err)
 {
     vor_status status = vor_cloud_resize(out, in->n, err);
 
     if (status != VOR_OK)
         return status;
+    status = copy_exact(out, in, err);
     memcpy(out->xyz, in->xyz, in->n * 3 * sizeof *in->xyz);
     memcpy(out->origin, in->origin, sizeof out->origin);
     out->position_type = in->position_type;
@@ -265,6 +285,20 @@ vor_status vor_cloud_set_double(struct vor_cloud *cloud, const double *xyz, stru
     return VOR_OK;
 }
 
+void vor_cloud_keep_double(struct vor_cloud *cloud, double **xyz)
+{
+    for (size_t i = 0; i < cloud->n; i++) {
+        double at[3];
+
+        vor_cloud_position(cloud, i, at);
+        if (memcmp(at, *xyz + 3 * i, sizeof at) == 0)
+            continue;
+        cloud->exact = *xyz;
+        *xyz = NULL;
+        return;
+    }
+}
+
 static void reorder_column(void *data, size_t size, const uint32_t *order, size_t n, void *scratch)
 {
     for (size_t k = 0; k < n; k++)
@@ -292,7 +326,7 @@ vor_status vor_cloud_copy_attribute(struct vor_cloud *cloud, const struct vor_at
 
 vor_status vor_cloud_reorder(struct vor_cloud *cloud, const uint32_t *order, struct vor_error *err)
 {
-    size_t widest = 3 * sizeof *cloud->xyz;
+    size_t widest = 3 * (cloud->exact != NULL ? sizeof *cloud->exact : sizeof *cloud->xyz);
     void *scratch;
 
     assert(cloud->triangle_count == 0);
@@ -303,6 +337,8 @@ vor_status vor_cloud_reorder(struct vor_cloud *cloud, const uint32_t *order, str
     if (scratch == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points in another order", cloud->n);
     reorder_column(cloud->xyz, 3 * sizeof *cloud->xyz, order, cloud->n, scratch);
+    if (cloud->exact != NULL)
+        reorder_column(cloud->exact, 3 * sizeof *cloud->exact, order, cloud->n, scratch);
     for (size_t i = 0; i < cloud->attribute_count; i++)
         reorder_column(cloud->attributes[i].data, size_of(&cloud->attributes[i]), order, cloud->n,
                        scratch);

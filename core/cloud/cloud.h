@@ -79,6 +79,8 @@ struct vor_cloud {
     size_t n;
     double origin[3];
     float *xyz;
+    double *exact; /**< n x 3, the coordinates of the source where they are doubles that the rest
+                      does not hold; only where a reader was asked to keep them, else NULL */
     enum vor_type position_type; /**< FLOAT32 or FLOAT64: of the source, and of PLY output */
     size_t attribute_count;
     struct vor_attribute attributes[VOR_ATTRIBUTES_MAX];
@@ -142,6 +144,14 @@ const struct vor_attribute *vor_cloud_find_name(const struct vor_cloud *cloud, c
 VOR_NODISCARD vor_status vor_cloud_set_double(struct vor_cloud *cloud, const double *xyz,
                                               struct vor_error *err);
 
+/** Where positions that vor_cloud_set_double got are not those of the cloud, bit for bit, the cloud
+ *  keeps them as they were, for a result that does not move its points.
+ *
+ *  @param[in,out] xyz  allocated from the cloud's memory; NULL once the cloud has them
+ *
+ *  Cost: one pass. */
+void vor_cloud_keep_double(struct vor_cloud *cloud, double **xyz);
+
 /** Reorders the points of a cloud without triangles, with their attributes: point order[k] becomes
  *  the k-th.
  *
@@ -151,7 +161,7 @@ VOR_NODISCARD vor_status vor_cloud_set_double(struct vor_cloud *cloud, const dou
 VOR_NODISCARD vor_status vor_cloud_reorder(struct vor_cloud *cloud, const uint32_t *order,
                                            struct vor_error *err);
 
-/** Point i in absolute double coordinates. */
+/** Point i in absolute double coordinates, as the engine has it: see `exact`. */
 void vor_cloud_position(const struct vor_cloud *cloud, size_t i, double out[3]);
 
 /** Checks what every codec must ensure, once where a cloud enters: at least one point, every

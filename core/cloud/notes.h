@@ -14,7 +14,8 @@
     X(TEXT, what, "what", "",                                                                      \
       "What it is: comment, obj_info, an element of a PLY file such as face, a list property as "  \
       "ELEMENT.PROPERTY, metadata (entries of a Draco file), digits of an attribute (integers "    \
-      "that no double holds), name of an attribute (longer than 63 bytes, or with blanks, which "  \
+      "that no double holds) or of positions (doubles that float32 does not hold), name of an "    \
+      "attribute (longer than 63 bytes, or with blanks, which "                                    \
       "PLY has none of), meaning of an attribute (a normal, say, that has not three numbers), "    \
       "attribute and its name, or others, where there are more kinds than fit here")               \
     X(U64, count, "count", "", "How many of them, as far as the file says")

@@ -117,9 +117,15 @@ static void put_position(struct work *work, struct vor_cloud *out, size_t i)
     float *was = &work->was[3 * i];
 
     vor_domain_normalise(domain, from, was);
-    for (size_t c = 0; c < 3; c++)
-        out->xyz[3 * i + c] =
-            to[c] == was[c] ? from[c] : (float)((double)to[c] * domain->unit + domain->shift[c]);
+    for (size_t c = 0; c < 3; c++) {
+        int is_moved = to[c] != was[c];
+        float x = is_moved ? (float)((double)to[c] * domain->unit + domain->shift[c]) : from[c];
+
+        out->xyz[3 * i + c] = x;
+        if (out->exact != NULL)
+            out->exact[3 * i + c] = is_moved ? out->origin[c] + (double)x
+                                             : work->in->exact[3 * (size_t)work->source[i] + c];
+    }
 }
 
 /* The normal of the surface around point i of the result. */
@@ -186,6 +192,11 @@ static vor_status make_cloud(struct vor_cloud *out, struct work *work, struct vo
     work->was = vor_malloc(work->run->memory, work->n, 3 * sizeof *work->was);
     if (work->was == NULL)
         return vor_fail(err, VOR_E_NOMEM, "places of %zu points", work->n);
+    if (work->in->exact != NULL) {
+        out->exact = vor_malloc(out->memory, work->n, 3 * sizeof *out->exact);
+        if (out->exact == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "doubles of %zu points", work->n);
+    }
     out->position_type = work->in->position_type;
     memcpy(out->origin, work->in->origin, sizeof out->origin);
     for (size_t i = 0; i < work->n; i++)

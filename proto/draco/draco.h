@@ -21,7 +21,8 @@
  *
  *  Positions in float32 are kept bit for bit, and where the file has the metadata of
  *  vor_draco_write, origin and position type are restored; positions of other types, with the
- *  origin added to them if there is one, go through vor_cloud_set_double.
+ *  origin added to them if there is one, go through vor_cloud_set_double and, if
+ *  limits->keep_doubles says so, vor_cloud_keep_double.
  *
  *  Header, metadata and declared counts are walked before the library sees a byte
  *  (proto/draco/draco_gate.h); more points than limits->points or than 64 x size + 100,000 are

@@ -24,7 +24,7 @@ struct load {
     int has_origin;    /* in the metadata, with the type that positions had */
     double origin[3];
     char type[16];
-    int drop_invalid, keep_faces;
+    int drop_invalid, keep_faces, keep_doubles;
     struct vor_error *err;
 };
 
@@ -156,6 +156,8 @@ static vor_status load_wide_positions(const struct load *load, enum vor_type typ
         xyz[i] += load->origin[i % 3];
     if (status == VOR_OK)
         status = vor_cloud_set_double(load->cloud, xyz, load->err);
+    if (status == VOR_OK && load->keep_doubles)
+        vor_cloud_keep_double(load->cloud, &xyz);
 done:
     vor_free(memory, xyz);
     vor_free(memory, raw);
@@ -374,6 +376,7 @@ vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *bytes, size_t si
     struct load load = {.cloud = out,
                         .drop_invalid = limits->drop_invalid,
                         .keep_faces = limits->keep_faces,
+                        .keep_doubles = limits->keep_doubles,
                         .err = err};
 
     return read_file(&load, bytes, size, limits, err);

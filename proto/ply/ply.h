@@ -11,15 +11,16 @@
  *  Signature, ownership and failures as vor_format.read.
  *
  *  Coordinates of type float are kept bit for bit; char to ushort become float32, exactly; where
- *  one of the three is int, uint or double, all three go through vor_cloud_set_double. nx ny nz,
- *  or else normal_x ..., become a NORMAL and red green blue [alpha], or else diffuse_red ... or
- *  r g b [a], a COLOR where the parts share a type, and tex_coord_0
- *  tex_coord_1 [tex_coord_2] a TEX_COORD; every other scalar property becomes a GENERIC
- *  under its name, byte by byte. What is not named like that may be named so in other letters: X,
- * Red. List properties of a vertex are skipped, and so are elements before `vertex`; what follows
- * the last vertex, or the last face that is wanted, is not looked at. In ascii a vertex is a line,
- * and blank lines do not count. The cloud's notes get the remarks (comment, obj_info), and what is
- * skipped or not looked at, in the numbers that the header declares.
+ *  one of the three is int, uint or double, all three go through vor_cloud_set_double and, if
+ * limits->keep_doubles says so, vor_cloud_keep_double. nx ny nz, or else normal_x ..., become a
+ * NORMAL and red green blue [alpha], or else diffuse_red ... or r g b [a], a COLOR where the parts
+ * share a type, and tex_coord_0 tex_coord_1 [tex_coord_2] a TEX_COORD; every other scalar property
+ * becomes a GENERIC under its name, byte by byte. What is not named like that may be named so in
+ * other letters: X, Red. List properties of a vertex are skipped, and so are elements before
+ * `vertex`; what follows the last vertex, or the last face that is wanted, is not looked at. In
+ * ascii a vertex is a line, and blank lines do not count. The cloud's notes get the remarks
+ * (comment, obj_info), and what is skipped or not looked at, in the numbers that the header
+ * declares.
  *
  *  Points with a coordinate that is not finite are refused, or dropped (vor_cloud_sift).
  *

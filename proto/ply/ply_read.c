@@ -324,6 +324,8 @@ static vor_status read_file(struct reader *reader, const struct vor_limits *limi
         status = sift(reader, limits->drop_invalid, err);
     if (status == VOR_OK && reader->wide != NULL)
         status = vor_cloud_set_double(&reader->cloud, reader->wide, err);
+    if (status == VOR_OK && reader->wide != NULL && limits->keep_doubles)
+        vor_cloud_keep_double(&reader->cloud, &reader->wide);
     if (status == VOR_OK)
         status = vor_ply_note(&reader->cloud, body->bytes, &reader->header, reader->vertex,
                               limits->keep_faces, err);

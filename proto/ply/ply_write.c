@@ -113,9 +113,13 @@ static void add_coordinates(struct writer *writer)
     for (int c = 0; c < 3; c++) {
         const char name[2] = {"xyz"[c], '\0'};
         enum vor_type type = writer->cloud->position_type;
+        struct field field = {.coordinate = c, .from_type = type, .type = type};
 
-        add_field(writer, name, NULL,
-                  &(struct field){.coordinate = c, .from_type = type, .type = type});
+        if (writer->cloud->exact != NULL) {
+            field.from = (const uint8_t *)(writer->cloud->exact + c);
+            field.from_stride = 3 * sizeof *writer->cloud->exact;
+        }
+        add_field(writer, name, NULL, &field);
     }
 }
 

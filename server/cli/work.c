@@ -36,6 +36,7 @@ vor_status vor_work_start(struct vor_work *work, const struct vor_cli *cli,
     work->run.watch = &work->watch;
     work->drop_invalid = cli->spec.value[VOR_PARAM_INVALID] == VOR_INVALID_DROP;
     work->keep_faces = cli->spec.value[VOR_PARAM_SAMPLE] == VOR_SAMPLE_FACES;
+    work->keep_doubles = vor_spec_keeps_points(&cli->spec);
     return vor_pool_create(&work->run.pool, cli->threads, err);
 }
 
@@ -55,6 +56,7 @@ vor_status vor_work_load(struct vor_work *work, struct vor_cloud *cloud,
     limits.points = VOR_POINTS_MAX;
     limits.drop_invalid = work->drop_invalid;
     limits.keep_faces = work->keep_faces;
+    limits.keep_doubles = work->keep_doubles;
     vor_cloud_init(cloud, &work->memory);
     status = vor_input_read(&input, path, err);
     if (status == VOR_OK)

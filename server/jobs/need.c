@@ -12,10 +12,13 @@
 #define TENSORS 265.0 /* of the input, while its metric is found: 263 */
 #define INSPECT 120.0 /* of the input, what inspect takes beside the index: 118 to 260 */
 #define CONVERT 24.0  /* of the input, what convert takes: 24 */
-#define START 391.0   /* of the result and 6 a neighbour, twice where it begins from cells */
-#define ITERATE 500.0 /* likewise, once */
-#define DENSITY 50.0  /* of the result, with a density: 51 */
-#define METRIC 268.0  /* of the result, with a metric: 268 */
+#define DOUBLES                                                                                    \
+    24.0            /* of the input, where it may be doubles that are kept: convert 24 beside what \
+                       attributes are reckoned with, denoise 36 */
+#define START 391.0 /* of the result and 6 a neighbour, twice where it begins from cells */
+#define ITERATE 500.0   /* likewise, once */
+#define DENSITY 50.0    /* of the result, with a density: 51 */
+#define METRIC 268.0    /* of the result, with a metric: 268 */
 #define DESCEND 1060.0  /* of the result, where an energy is minimised */
 #define KMEANS 600.0    /* of the result, by that method: 596 */
 #define BASELINES 170.0 /* of the result: 168 */
@@ -126,6 +129,8 @@ uint64_t vor_need_bytes(const struct vor_spec *spec, unsigned inputs,
 
         if ((inputs >> i & 1) == 0)
             continue;
+        if (vor_spec_keeps_points(spec) && attributes >= 3 * (sizeof(double) - sizeof(float)))
+            bytes += DOUBLES * points;
         if (spec->process->methods != 0)
             bytes += of_spread(spec, points, attributes);
         else if (vor_process_takes(spec->process, VOR_PARAM_OUTLIERS))

@@ -12,11 +12,13 @@
 #include <stdio.h>
 #include <string.h>
 
+enum { DOUBLES = 2 };
+
 /* A request, the shape and size of its input, and the estimate over the peak at least and at most:
  * 0.8 and 1.5 wherever the input alone does not decide. */
 struct need_case {
     const char *process;
-    int noise;
+    int noise; /* or DOUBLES */
     size_t points;
     const char *query;
     double least, most;
@@ -42,6 +44,8 @@ static const struct need_case cases[] = {
     {"mesh", 0, 3000, "ratio=1", 0.8, 1.5},
     {"denoise", 0, 10000, "filters=mls,outliers", 0.8, 2.0},
     {"convert", 0, 100000, "", 0.8, 1.5},
+    {"convert", DOUBLES, 100000, "", 0.9, 1.5},
+    {"denoise", DOUBLES, 10000, "filters=outliers", 0.9, 2.0},
 };
 
 static void noise_cloud(struct vor_cloud *cloud, size_t n)
@@ -49,6 +53,18 @@ static void noise_cloud(struct vor_cloud *cloud, size_t n)
     vt_cloud_make(cloud, n);
     for (size_t i = 0; i < 3 * n; i++)
         cloud->xyz[i] = (float)vt_unit(3, i);
+}
+
+/* Has a cloud keep its coordinates as doubles that are not quite its positions. */
+static void keep_doubles(struct vor_cloud *cloud)
+{
+    double *xyz = vor_malloc(cloud->memory, cloud->n, 3 * sizeof *xyz);
+
+    ck_assert_ptr_nonnull(xyz);
+    for (size_t i = 0; i < 3 * cloud->n; i++)
+        xyz[i] = (double)cloud->xyz[i] + 1e-12;
+    vor_cloud_keep_double(cloud, &xyz);
+    ck_assert_ptr_null(xyz);
 }
 
 /* Sets "a=1 b=2", with as few steps as the request takes. */
@@ -84,16 +100,19 @@ START_TEST(the_estimate_is_near_the_peak)
     vor_memory_init(&memory, SIZE_MAX);
     vt_engine_open(&engine, 2);
     set_all(&row.spec, of);
-    (of->noise ? noise_cloud(&cloud, of->points) : vt_cloud_sphere(&cloud, 5, of->points));
+    (of->noise == 1 ? noise_cloud(&cloud, of->points) : vt_cloud_sphere(&cloud, 5, of->points));
+    if (of->noise == DOUBLES)
+        keep_doubles(&cloud);
     row.input[0].points = of->points;
-    row.input[0].bytes = 12 * of->points;
+    row.input[0].bytes = (of->noise == DOUBLES ? 24 : 12) * of->points;
     vor_artefacts_init(&in, &vt_memory);
     vor_artefacts_init(&out, &memory);
     vor_artefacts_put_cloud(&in, "cloud", &cloud);
     engine.run.memory = &memory;
     vt_assert_ok(vor_engine_run(&out, &in, &row.spec, &engine.run, &vt_err));
-    ratio = (double)vor_need_bytes(&row.spec, row.inputs, row.input) /
-            ((double)atomic_load(&memory.peak) + 12 * (double)of->points);
+    ratio =
+        (double)vor_need_bytes(&row.spec, row.inputs, row.input) /
+        ((double)atomic_load(&memory.peak) + (of->noise == DOUBLES ? 36 : 12) * (double)of->points);
     ck_assert_msg(ratio >= of->least && ratio <= of->most, "%s of %zu, %s: %.2f of the peak",
                   of->process, of->points, of->query, ratio);
     vor_artefacts_free(&out);

@@ -2,6 +2,7 @@
  * words; written as PLY and as lossless Draco, it is read back as the same. */
 #include "core/cloud/faces.h"
 #include "proto/codec.h"
+#include "proto/dump.h"
 #include "tests/support/vt.h"
 
 #include <inttypes.h>
@@ -386,6 +387,117 @@ START_TEST(packed_colours_are_not_averaged)
 }
 END_TEST
 
+/* Doubles that no origin and float32 hold: -0, and 17 digits of metres far from zero. */
+static const double doubles[6] = {500000.1, 4649776.2, -0.0,
+                                  500100.3, 4649876.4, 12.345678901234567};
+
+#define DOUBLES(format)                                                                            \
+    "ply\nformat " format " 1.0\nelement vertex 2\nproperty double x\nproperty double y\n"         \
+    "property double z\nend_header\n"
+
+/* The doubles as a file of each kind. */
+static void put_doubles(struct vt_bytes *bytes, int kind)
+{
+    static const char *const heads[] = {DOUBLES("ascii"), DOUBLES("binary_little_endian"),
+                                        DOUBLES("binary_big_endian")};
+    char text[32];
+
+    ck_assert_int_eq(vt_bytes_write(bytes, heads[kind], strlen(heads[kind])), 0);
+    for (int i = 0; i < 6; i++) {
+        uint64_t bits;
+        uint8_t big[8];
+
+        memcpy(&bits, &doubles[i], sizeof bits);
+        for (int k = 0; k < 8; k++)
+            big[k] = (uint8_t)(bits >> (kind == 1 ? 8 * k : 56 - 8 * k));
+        (void)snprintf(text, sizeof text, "%.17g%c", doubles[i], i % 3 == 2 ? '\n' : ' ');
+        ck_assert_int_eq(vt_bytes_write(bytes, kind == 0 ? text : (const char *)big,
+                                        kind == 0 ? strlen(text) : sizeof big),
+                         0);
+    }
+}
+
+/* Reads a file with its doubles or without. */
+static void read_keeping(struct vor_cloud *out, const struct vt_bytes *bytes, int keep_doubles)
+{
+    struct vor_limits limits = VOR_LIMITS_DEFAULT;
+
+    limits.keep_doubles = keep_doubles;
+    vor_cloud_init(out, &vt_memory);
+    vt_assert_ok(vor_codec_read(out, NULL, bytes->data, bytes->size, &limits, &vt_err));
+}
+
+static void check_doubles(const struct vor_cloud *cloud)
+{
+    struct vt_bytes bytes = {0};
+    const struct vor_sink sink = {&bytes, vt_bytes_write};
+
+    vt_assert_ok(vor_format(VOR_FORMAT_PLY)->write(&sink, cloud, NULL, &vt_err));
+    ck_assert_uint_gt(bytes.size, sizeof doubles);
+    ck_assert_mem_eq(bytes.data + bytes.size - sizeof doubles, doubles, sizeof doubles);
+    free(bytes.data);
+}
+
+/* Property: double in, double out, bit for bit, from every kind of file, also by way of a dump and
+ * in another order; where nobody asks for it, no memory is taken. */
+START_TEST(doubles_come_back_bit_for_bit_where_they_are_kept)
+{
+    static const uint32_t swap[2] = {1, 0};
+    struct vt_bytes bytes = {0}, dump = {0};
+    const struct vor_sink sink = {&dump, vt_bytes_write};
+    struct vor_report report = {.points_in = 0};
+    struct vor_cloud cloud, back;
+
+    if (_i < 3)
+        put_doubles(&bytes, _i);
+    else
+        bytes.data = vt_slurp("tests/data/double-positions.drc", &bytes.size);
+    read_keeping(&cloud, &bytes, 0);
+    ck_assert_ptr_null(cloud.exact);
+    vor_cloud_free(&cloud);
+    read_keeping(&cloud, &bytes, 1);
+    check_doubles(&cloud);
+    vt_assert_ok(vor_dump_write(&sink, &cloud, &vt_err));
+    vor_cloud_init(&back, &vt_memory);
+    vt_assert_ok(vor_dump_read(&back, dump.data, dump.size, &vt_err));
+    check_doubles(&back);
+    vor_cloud_free(&back);
+    vt_assert_fails(VOR_E_FORMAT, vor_dump_read(&back, dump.data, dump.size - 8, &vt_err));
+    vt_assert_ok(vor_cloud_copy(&back, &cloud, &vt_err));
+    vt_assert_ok(vor_cloud_reorder(&back, swap, &vt_err));
+    vt_assert_ok(vor_cloud_reorder(&back, swap, &vt_err));
+    check_doubles(&back);
+    report.parameters.value[VOR_PARAM_QUANTIZATION] = 0;
+    vor_codec_report_dropped(&report, &cloud, vor_format(VOR_FORMAT_DRC));
+    ck_assert_uint_eq(report.dropped_count, 1);
+    ck_assert_str_eq(report.dropped[0].what, "digits of positions");
+    ck_assert_uint_eq(report.dropped[0].count, 2);
+    vor_cloud_free(&back);
+    vor_cloud_free(&cloud);
+    free(dump.data);
+    free(bytes.data);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Doubles that the positions hold need no second copy. */
+START_TEST(doubles_that_positions_hold_are_not_kept_twice)
+{
+    static const char file[] = DOUBLES("ascii") "500000.25 0 0\n500001 1 2.5\n";
+    struct vor_cloud cloud;
+    struct vor_limits limits = VOR_LIMITS_DEFAULT;
+
+    limits.keep_doubles = 1;
+    vor_cloud_init(&cloud, &vt_memory);
+    vt_assert_ok(
+        vor_codec_read(&cloud, NULL, (const uint8_t *)file, sizeof file - 1, &limits, &vt_err));
+    ck_assert_int_eq(cloud.position_type, VOR_FLOAT64);
+    ck_assert_ptr_null(cloud.exact);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
 /* What cannot be read is named. */
 static const struct {
     const char *file;
@@ -438,6 +550,8 @@ int main(void)
     vt_add(suite, each_side_of_a_corner_is_a_point);
     vt_add_loop(suite, bits_in_floats_survive_quantization, 4);
     vt_add(suite, packed_colours_are_not_averaged);
+    vt_add_loop(suite, doubles_come_back_bit_for_bit_where_they_are_kept, 4);
+    vt_add(suite, doubles_that_positions_hold_are_not_kept_twice);
     vt_add_loop(suite, what_is_refused_is_named, sizeof refused / sizeof *refused);
     return vt_run(suite);
 }

@@ -384,6 +384,7 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
         .caller = sharer_of(request),
         .drop_invalid = submission->head.spec.value[VOR_PARAM_INVALID] == VOR_INVALID_DROP,
         .keep_faces = submission->head.spec.value[VOR_PARAM_SAMPLE] == VOR_SAMPLE_FACES,
+        .keep_doubles = vor_spec_keeps_points(&submission->head.spec),
         .done = on_admitted,
         .has_left = has_left,
         .ctx = submission};
