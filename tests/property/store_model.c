@@ -335,7 +335,6 @@ START_TEST(the_store_agrees_with_its_model)
     }
     compare_all(&model);
     vor_store_close(model.store);
-    vt_dir_remove(dir);
 }
 END_TEST
 

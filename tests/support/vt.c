@@ -53,6 +53,13 @@ void vt_held(const char *file, int line)
     _mark_point(file, line);
 }
 
+void vt_nap(void)
+{
+    const struct timespec pause = {.tv_nsec = 1000000};
+
+    (void)nanosleep(&pause, NULL);
+}
+
 void vt_assert_no_leak(void)
 {
     ck_assert_uint_eq(atomic_load(&vt_memory.used), 0);

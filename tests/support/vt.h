@@ -58,6 +58,9 @@ int vt_run(Suite *suite);
 int vt_soaks(void);
 void vt_add_case(Suite *suite, const char *name, const TTest *test, int loops);
 
+/** Waits a millisecond, between two looks of a test at what another thread or process does. */
+void vt_nap(void);
+
 /** Check tells its runner of each assertion that holds, by a system call: half of the time of a
  * test that looks at every point. Here it tells of one in some milliseconds, which serves for the
  * place that is named when a test crashes or hangs. */

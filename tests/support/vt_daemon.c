@@ -4,7 +4,6 @@
 #include "tests/support/vt_dir.h"
 
 #include <stdlib.h>
-#include <time.h>
 #include <unistd.h>
 
 void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
@@ -98,19 +97,12 @@ struct vor_job_view vt_daemon_get(struct vt_daemon *daemon, const struct vor_uui
     return view;
 }
 
-static void pause_a_little(void)
-{
-    struct timespec pause = {.tv_nsec = 1000000};
-
-    nanosleep(&pause, NULL);
-}
-
 struct vor_job_view vt_daemon_wait_over(struct vt_daemon *daemon, const struct vor_uuid *id)
 {
     struct vor_job_view view = vt_daemon_get(daemon, id);
 
     for (; !vor_job_status_over(view.status); view = vt_daemon_get(daemon, id))
-        pause_a_little();
+        vt_nap();
     return view;
 }
 
@@ -122,9 +114,45 @@ struct vor_job_view vt_daemon_wait_iteration(struct vt_daemon *daemon, const str
     for (; !view.has_record || view.record.iteration < iteration;
          view = vt_daemon_get(daemon, id)) {
         ck_assert_msg(!vor_job_status_over(view.status), "the job is over: %s", view.message);
-        pause_a_little();
+        vt_nap();
     }
     return view;
+}
+
+void vt_daemon_wait_idle(struct vt_daemon *daemon)
+{
+    struct vor_worker_load load;
+
+    do {
+        vt_nap();
+        vor_worker_load(daemon->worker, &load);
+    } while (load.running > 0 || load.waiting > 0);
+}
+
+struct vor_uuid vt_daemon_submit_sphere(struct vt_daemon *daemon, size_t n,
+                                        const struct vor_spec *spec)
+{
+    struct vor_cloud cloud;
+    struct vor_uuid id;
+
+    vt_cloud_sphere(&cloud, 1, n);
+    ck_assert_int_eq(vt_daemon_submit(daemon, &cloud, spec, &id), VOR_DONE);
+    vor_cloud_free(&cloud);
+    return id;
+}
+
+struct vor_uuid vt_daemon_submit_endless(struct vt_daemon *daemon)
+{
+    const struct vor_spec endless = vt_request(300, 10000);
+    struct vor_uuid id = vt_daemon_submit_sphere(daemon, 1000, &endless);
+
+    (void)vt_daemon_wait_iteration(daemon, &id, 0);
+    return id;
+}
+
+int vt_daemon_kept(const struct vt_daemon *daemon)
+{
+    return vt_dir_count(daemon->dir, "blobs/keep");
 }
 
 uint8_t *vt_daemon_output(struct vt_daemon *daemon, const struct vor_uuid *id, const char *name,

@@ -58,12 +58,25 @@ enum vor_job_outcome vt_daemon_submit_inputs(struct vt_daemon *daemon,
 enum vor_job_outcome vt_daemon_submit(struct vt_daemon *daemon, const struct vor_cloud *cloud,
                                       const struct vor_spec *spec, struct vor_uuid *id);
 
+/** Submits a sphere of n points, which must be accepted; the job's id. */
+struct vor_uuid vt_daemon_submit_sphere(struct vt_daemon *daemon, size_t n,
+                                        const struct vor_spec *spec);
+
+/** A job that runs, and does so until it is told to end. */
+struct vor_uuid vt_daemon_submit_endless(struct vt_daemon *daemon);
+
 struct vor_job_view vt_daemon_get(struct vt_daemon *daemon, const struct vor_uuid *id);
 
 /** Waits until the job is over, or runs, or had so many iterations. */
 struct vor_job_view vt_daemon_wait_over(struct vt_daemon *daemon, const struct vor_uuid *id);
 struct vor_job_view vt_daemon_wait_iteration(struct vt_daemon *daemon, const struct vor_uuid *id,
                                              unsigned iteration);
+
+/** Waits until no job waits or runs, and the runners have unwound. */
+void vt_daemon_wait_idle(struct vt_daemon *daemon);
+
+/** Files that are kept: inputs and results. */
+int vt_daemon_kept(const struct vt_daemon *daemon);
 
 /** The bytes of an output that is a blob (malloc), with a NUL behind them. */
 uint8_t *vt_daemon_output(struct vt_daemon *daemon, const struct vor_uuid *id, const char *name,

@@ -16,15 +16,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-const char *vt_dir_make(void)
-{
-    static char path[256];
-    const char *base = getenv("TMPDIR");
-
-    (void)snprintf(path, sizeof path, "%s/voronoid-test-XXXXXX", base != NULL ? base : "/tmp");
-    ck_assert_ptr_nonnull(mkdtemp(path));
-    return path;
-}
+/* Directories that this process, or the one that it was forked from, has made. */
+static struct made {
+    struct made *next;
+    pid_t owner;
+    char path[256];
+} * made;
 
 static int remove_one(const char *path, const struct stat *info, int type, struct FTW *at)
 {
@@ -34,9 +31,27 @@ static int remove_one(const char *path, const struct stat *info, int type, struc
     return remove(path);
 }
 
-void vt_dir_remove(const char *path)
+static void remove_made(void)
 {
-    ck_assert_int_eq(nftw(path, remove_one, 16, FTW_DEPTH | FTW_PHYS), 0);
+    for (; made != NULL && made->owner == getpid(); made = made->next)
+        (void)nftw(made->path, remove_one, 16, FTW_DEPTH | FTW_PHYS);
+}
+
+const char *vt_dir_make(void)
+{
+    struct made *dir = malloc(sizeof *dir);
+    const char *base = getenv("TMPDIR");
+
+    ck_assert_ptr_nonnull(dir);
+    (void)snprintf(dir->path, sizeof dir->path, "%s/voronoid-test-XXXXXX",
+                   base != NULL ? base : "/tmp");
+    ck_assert_ptr_nonnull(mkdtemp(dir->path));
+    if (made == NULL || made->owner != getpid())
+        ck_assert_int_eq(atexit(remove_made), 0);
+    dir->owner = getpid();
+    dir->next = made;
+    made = dir;
+    return dir->path;
 }
 
 int vt_dir_count(const char *path, const char *name)

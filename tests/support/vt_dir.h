@@ -7,11 +7,9 @@
 
 #include <stddef.h>
 
-/** Makes an empty directory under $TMPDIR or /tmp and returns its path (static storage). */
+/** Makes an empty directory under $TMPDIR or /tmp. It goes, with everything in it, when the process
+ *  that made it exits, be it by a failed test. */
 const char *vt_dir_make(void);
-
-/** Removes it and everything in it. */
-void vt_dir_remove(const char *path);
 
 /** Files in path/name, or -1 when it is no directory. */
 int vt_dir_count(const char *path, const char *name);

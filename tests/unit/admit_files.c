@@ -72,7 +72,6 @@ START_TEST(an_admitted_cloud_is_kept_as_it_was)
     vor_cloud_free(&cloud);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -111,7 +110,6 @@ START_TEST(what_cannot_be_decoded_leaves_nothing)
     ck_assert_int_eq(kept(dir), 0);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -139,7 +137,6 @@ START_TEST(a_cloud_that_does_not_fit_is_refused_before_it_is_kept)
     vor_blob_discard(upload);
     vor_cloud_free(&cloud);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -223,7 +220,6 @@ START_TEST(every_upload_is_answered_once)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_cloud_free(&cloud);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -256,7 +252,6 @@ START_TEST(waiting_uploads_are_bounded_and_answered_when_the_daemon_goes)
     vor_admit_destroy(admit);
     vor_cloud_free(&cloud);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -284,7 +279,6 @@ START_TEST(an_upload_whose_caller_has_left_is_not_read)
     ck_assert_int_eq(left.status, VOR_E_CANCELLED);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -330,7 +324,6 @@ START_TEST(what_waits_when_the_daemon_goes_is_answered_as_cancelled)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_cloud_free(&cloud);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -396,7 +389,6 @@ START_TEST(inputs_are_admitted_together_or_none_is)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_cloud_free(&cloud);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 

@@ -67,7 +67,6 @@ START_TEST(a_committed_blob_comes_back_byte_for_byte)
     ck_assert_str_eq(content(blobs, &id, "a-name_of-24-bytes-is-ok"), "another one");
     ck_assert_str_eq(content(blobs, &id, "cloud"), "a newer one");
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -87,7 +86,6 @@ START_TEST(a_writer_knows_size_and_digest_as_it_goes)
     ck_assert_str_eq(text, "abc");
     vor_blob_discard(writer);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -103,7 +101,6 @@ START_TEST(a_discarded_blob_leaves_nothing)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
     vor_blob_discard(NULL);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -125,7 +122,6 @@ START_TEST(an_open_blob_stays_readable_after_it_was_dropped)
     close(fd);
     ck_assert_str_eq(content(blobs, &id, "cloud"), "");
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -157,7 +153,6 @@ START_TEST(what_a_killed_writer_left_is_gone_after_the_next_start)
     ck_assert_int_eq(vt_dir_count(crash.dir, "blobs/tmp"), 0);
     ck_assert_str_eq(content(blobs, &crash.id, "input"), "");
     vor_blobs_close(blobs);
-    vt_dir_remove(crash.dir);
 }
 END_TEST
 
@@ -170,7 +165,6 @@ START_TEST(what_was_committed_outlives_a_kill)
     blobs = vt_dir_blobs(crash.dir);
     ck_assert_str_eq(content(blobs, &crash.id, "input"), "half of i");
     vor_blobs_close(blobs);
-    vt_dir_remove(crash.dir);
 }
 END_TEST
 
@@ -228,7 +222,6 @@ START_TEST(a_list_has_every_blob_and_an_opening_drops_what_is_no_blob)
     ck_assert(is_listed(&listed, &one, "cloud"));
     ck_assert(is_listed(&listed, &other, "report-2"));
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -257,7 +250,6 @@ START_TEST(a_writer_that_failed_cannot_be_committed)
     limit.rlim_cur = limit.rlim_max;
     (void)setrlimit(RLIMIT_FSIZE, &limit);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -279,7 +271,6 @@ START_TEST(a_second_opener_and_a_wrong_name_are_refused)
     ck_assert_int_eq(holder, 0);
     ck_assert_ptr_null(second);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -293,7 +284,6 @@ START_TEST(the_disk_s_space_is_known)
     ck_assert_uint_gt(total, 0);
     ck_assert_uint_le(available, total);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -320,7 +310,6 @@ START_TEST(the_bytes_of_all_blobs_are_known)
     blobs = vt_dir_blobs(dir);
     ck_assert_uint_eq(vor_blobs_bytes(blobs), 3);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 

@@ -29,7 +29,6 @@ static void close_scene(struct scene *scene)
 {
     vor_cloud_free(&scene->cloud);
     vt_daemon_stop(&scene->daemon);
-    vt_dir_remove(scene->dir);
 }
 
 /* Submits for a place that is booked. */

@@ -21,19 +21,12 @@ struct scene {
     struct vor_job_view job[2];
 };
 
-static void nap(void)
-{
-    struct timespec pause = {.tv_nsec = 1000000};
-
-    nanosleep(&pause, NULL);
-}
-
 static void hold(void *ctx)
 {
     struct scene *scene = ctx;
 
     while (atomic_load(&scene->is_held))
-        nap();
+        vt_nap();
 }
 
 static void begin(struct scene *scene, unsigned most)
@@ -70,7 +63,6 @@ static void end(struct scene *scene)
 {
     vor_conversions_destroy(scene->conversions);
     vt_daemon_stop(&scene->daemon);
-    vt_dir_remove(scene->daemon.dir);
 }
 
 static void wake(void *ctx)
@@ -92,7 +84,7 @@ static vor_status wait_over(struct vor_conversion *conversion)
     vor_status status;
 
     while (!vor_conversion_over(conversion, &status, &vt_err))
-        nap();
+        vt_nap();
     return status;
 }
 

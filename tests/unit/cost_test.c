@@ -118,7 +118,6 @@ START_TEST(a_job_that_runs_longer_than_it_may_fails_and_says_so)
     ck_assert_str_eq(view.message, "the job ran for 0.4 seconds, as long as it may");
     vt_daemon_stop(&daemon);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -143,7 +142,6 @@ START_TEST(the_time_of_a_request_ends_a_step_under_way_and_the_report_says_so)
     ck_assert_ptr_nonnull(strstr(report, "\"stopped\":\"seconds\""));
     free(report);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
 }
 END_TEST
 

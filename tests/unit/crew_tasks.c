@@ -6,7 +6,6 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
-#include <time.h>
 
 enum { TASKS = 20 };
 
@@ -27,13 +26,6 @@ struct job {
 
 static struct job jobs[TASKS];
 
-static void nap(void)
-{
-    struct timespec pause = {.tv_nsec = 1000000};
-
-    nanosleep(&pause, NULL);
-}
-
 static void run_one(void *ctx)
 {
     struct job *job = ctx;
@@ -41,7 +33,7 @@ static void run_one(void *ctx)
 
     atomic_store(&job->work->order[at], job->number);
     while (atomic_load(&job->work->held) && atomic_load(&job->work->released) != job->number)
-        nap();
+        vt_nap();
     if (vor_crew_closing(job->work->crew))
         atomic_fetch_add(&job->work->closing_seen, 1);
 }
@@ -63,7 +55,7 @@ static void begin(struct work *work, unsigned threads, size_t waiting_max, int h
 static int begun_at(struct work *work, int at)
 {
     while (atomic_load(&work->order[at]) < 0)
-        nap();
+        vt_nap();
     return atomic_load(&work->order[at]);
 }
 
@@ -91,7 +83,7 @@ START_TEST(no_more_tasks_wait_than_may)
     for (int i = 0; i < 2; i++)
         ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
     while (atomic_load(&work.begun) < 2) /* two run at the same time, and do not wait any more */
-        nap();
+        vt_nap();
     for (int i = 2; i < 5; i++)
         ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
     ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5]), VOR_FULL);
@@ -114,14 +106,14 @@ START_TEST(a_caller_with_many_tasks_leaves_a_thread_and_room_to_others)
         (void)snprintf(work.tasks[i].caller.name, VOR_SHARER_SIZE, "greedy");
         ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
         while (atomic_load(&work.begun) == 0)
-            nap();
+            vt_nap();
     }
     work.tasks[5].caller = work.tasks[0].caller;
     ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5]), VOR_FULL);
     ck_assert_int_eq(atomic_load(&work.begun), 1);
     ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[6]), VOR_DONE);
     while (atomic_load(&work.begun) < 2) /* the other thread has it at once */
-        nap();
+        vt_nap();
     ck_assert_int_eq(begun_at(&work, 1), 6);
     atomic_store(&work.held, 0);
     vor_crew_destroy(work.crew);
@@ -141,15 +133,15 @@ START_TEST(a_free_thread_goes_to_the_caller_for_whom_fewest_run)
                        i);
         ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
         while (atomic_load(&work.begun) < (i < 2 ? i + 1 : 2))
-            nap();
+            vt_nap();
     }
     atomic_store(&work.released, 0);
     while (atomic_load(&work.begun) < 3)
-        nap();
+        vt_nap();
     ck_assert_int_eq(begun_at(&work, 2), 4); /* before 2 and 3, which came earlier */
     atomic_store(&work.released, 4);
     while (atomic_load(&work.begun) < 4)
-        nap();
+        vt_nap();
     ck_assert_int_eq(begun_at(&work, 3), 5);
     atomic_store(&work.held, 0);
     vor_crew_destroy(work.crew);
@@ -169,7 +161,7 @@ START_TEST(of_a_callers_tasks_the_lightest_begins)
         work.tasks[i].weight = i < 4 ? 1000 : 10;
         ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
         while (atomic_load(&work.begun) == 0)
-            nap();
+            vt_nap();
     }
     work.tasks[5].weight = 1000;
     ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5]), VOR_FULL);
@@ -233,11 +225,11 @@ START_TEST(what_waits_at_the_end_is_done_and_nothing_more_is_taken)
     for (int i = 0; i < 4; i++)
         ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
     while (atomic_load(&work.begun) == 0)
-        nap();
+        vt_nap();
     ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[4]), VOR_DONE); /* now four wait */
     ck_assert_int_eq(pthread_create(&thread, NULL, destroy, work.crew), 0);
     while ((outcome = vor_crew_take(work.crew, &work.tasks[5])) == VOR_FULL)
-        nap();
+        vt_nap();
     ck_assert_int_eq(outcome, VOR_DRAINING);
     atomic_store(&work.held, 0);
     pthread_join(thread, NULL);

@@ -38,13 +38,6 @@ static off_t size_of(const char *path)
     return info.st_size;
 }
 
-static void nap(void)
-{
-    struct timespec pause = {.tv_nsec = 1000000};
-
-    nanosleep(&pause, NULL);
-}
-
 /* --- the log ---------------------------------------------------------------------------------- */
 
 enum { ROWS = 12 };
@@ -112,7 +105,6 @@ START_TEST(a_log_is_damaged_by_any_flipped_bit_and_by_nothing_else)
     ck_assert(!vor_sqlite_wal_is_damaged(database));
     vor_store_close(vt_dir_store(life.dir)); /* which empties the log */
     ck_assert(!vor_sqlite_wal_is_damaged(database));
-    vt_dir_remove(life.dir);
 }
 END_TEST
 
@@ -155,7 +147,6 @@ START_TEST(a_change_that_a_kill_cut_short_is_no_damage)
         ck_assert_msg(vor_sqlite_wal_is_damaged(database) == cases[i].is_damaged, "case %zu", i);
         ck_assert_int_eq(truncate(log, size), 0);
     }
-    vt_dir_remove(life.dir);
 }
 END_TEST
 
@@ -184,10 +175,9 @@ START_TEST(results_whose_rows_are_lost_are_set_aside)
     left = rows_left(&daemon, &life);
     ck_assert_uint_lt(left, ROWS);
     while (vt_dir_count(life.dir, "blobs/lost") != (int)(ROWS - left))
-        nap();
+        vt_nap();
     ck_assert_int_eq(vt_dir_count(life.dir, "blobs/keep"), (int)left);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(life.dir);
 }
 END_TEST
 
@@ -201,9 +191,8 @@ START_TEST(more_results_without_rows_than_a_crash_leaves_are_set_aside_as_well)
     ck_assert_int_eq(unlink(path_in(&life, "jobs.sqlite-wal")), 0);
     vt_daemon_start(&daemon, life.dir, NULL);
     while (vt_dir_count(life.dir, "blobs/lost") != ROWS)
-        nap();
+        vt_nap();
     vt_daemon_stop(&daemon);
-    vt_dir_remove(life.dir);
 }
 END_TEST
 
@@ -240,7 +229,6 @@ START_TEST(lost_bytes_are_bounded_by_age_and_size)
     vt_assert_ok(vor_blobs_trim_lost(blobs, &bounds, &vt_err));
     ck_assert_int_eq(vt_dir_count(dir, "blobs/lost"), 0);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -272,7 +260,6 @@ START_TEST(a_seal_tells_every_flipped_bit_of_what_it_seals)
     ck_assert_uint_eq(size, 9);
     vor_blob_discard(writer);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -300,7 +287,6 @@ START_TEST(a_job_whose_input_is_damaged_fails_for_that)
     ck_assert_ptr_nonnull(strstr(view.message, "the blob input is damaged"));
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -336,7 +322,7 @@ static enum vor_verdict verdict_of(struct vor_verify *verify, const char *path, 
 
     if (verdict == VOR_VERDICT_WAIT) {
         while (wakes() == before)
-            nap();
+            vt_nap();
         verdict = vor_verify_ask(verify, fd, size, sha256, &asker);
     }
     close(fd);
@@ -363,12 +349,11 @@ START_TEST(a_file_is_read_once_and_again_when_it_changed)
     ck_assert_int_eq(verdict_of(verify, path, 8, sha256), VOR_VERDICT_DAMAGED);
     ck_assert_int_eq(verdict_of(verify, path, 99, sha256), VOR_VERDICT_DAMAGED); /* too short */
     ck_assert_int_eq(verdict_of(verify, path, 8, "ab"), VOR_VERDICT_SOUND);      /* no digest */
-    nap(); /* the date is another one */
-    nap();
+    vt_nap(); /* the date is another one */
+    vt_nap();
     flip_at(path, 3);
     ck_assert_int_eq(verdict_of(verify, path, 9, sha256), VOR_VERDICT_DAMAGED);
     vor_verify_destroy(verify);
-    vt_dir_remove(dir);
 }
 END_TEST
 

@@ -1,5 +1,4 @@
-/* How long results are kept: by room, and by time whatever happens to the clock; and in tables of
- * former versions. */
+/* How long results are kept: by room, and by time whatever happens to the clock. */
 #define _GNU_SOURCE /* syscall */
 
 #include "server/base/clock.h"
@@ -8,7 +7,6 @@
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
 
-#include <sqlite3.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -88,7 +86,6 @@ START_TEST(a_result_keeps_the_time_it_had_left_when_the_clock_jumps)
     ck_assert(!vt_daemon_get(&daemon, &id).expired);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 1);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -116,7 +113,6 @@ START_TEST(a_start_with_a_clock_that_does_not_fit_expires_nothing_until_it_does)
         nap(); /* and again */
     ck_assert_int_eq(vt_daemon_get(&daemon, &id).expires, view.expires);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -135,7 +131,6 @@ START_TEST(time_that_the_daemon_was_down_counts)
     while (!vt_daemon_get(&daemon, &id).expired)
         nap();
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -169,88 +164,6 @@ START_TEST(results_beyond_their_room_go_in_the_order_in_which_they_ended)
         nap();
     ck_assert(!vt_daemon_get(&daemon, &id[JOBS - 1]).expired);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
-}
-END_TEST
-
-/* --- former versions -------------------------------------------------------------------------- */
-
-static char *read_text(const char *path)
-{
-    FILE *file = fopen(path, "r");
-    char *text = calloc(1, 1 << 16);
-
-    ck_assert_msg(file != NULL && text != NULL, "%s", path);
-    ck_assert_uint_lt(fread(text, 1, (1 << 16) - 1, file), (1 << 16) - 1);
-    fclose(file);
-    return text;
-}
-
-static sqlite3 *open_table(const char *dir)
-{
-    sqlite3 *db = NULL;
-    char path[512];
-
-    (void)snprintf(path, sizeof path, "%s/jobs.sqlite", dir);
-    ck_assert_int_eq(sqlite3_open(path, &db), SQLITE_OK);
-    return db;
-}
-
-static void execute(const char *dir, const char *sql)
-{
-    sqlite3 *db = open_table(dir);
-    char *error = NULL;
-
-    ck_assert_msg(sqlite3_exec(db, sql, NULL, NULL, &error) == SQLITE_OK, "%s", error);
-    sqlite3_close(db);
-}
-
-static int number(const char *dir, const char *sql)
-{
-    sqlite3 *db = open_table(dir);
-    sqlite3_stmt *statement = NULL;
-    int value;
-
-    ck_assert_int_eq(sqlite3_prepare_v2(db, sql, -1, &statement, NULL), SQLITE_OK);
-    ck_assert_int_eq(sqlite3_step(statement), SQLITE_ROW);
-    value = sqlite3_column_int(statement, 0);
-    sqlite3_finalize(statement);
-    sqlite3_close(db);
-    return value;
-}
-
-START_TEST(a_table_of_schema_3_opens_with_every_job_as_it_was)
-{
-    const char *dir = vt_dir_make();
-    char *sql = read_text("tests/unit/store_v3.sql");
-    struct vor_job_key key = {.text = "the-key"};
-    struct vor_job_view view;
-    struct vor_store *store;
-    int64_t newest;
-    char *report;
-    int found;
-
-    execute(dir, sql);
-    execute(dir, "PRAGMA user_version=3");
-    store = vt_dir_store(dir);
-    vt_assert_ok(vor_store_find_key(store, &key, &view, &found, &vt_err));
-    ck_assert(found);
-    ck_assert_int_eq(view.status, VOR_JOB_SUCCESSFUL);
-    ck_assert_str_eq(view.name, "a+name");
-    ck_assert_uint_eq(view.output[0].points, 12);
-    ck_assert_uint_eq(view.output[0].bytes, 288);
-    ck_assert_uint_eq(view.kept, 836);
-    vt_assert_ok(vor_store_report(store, &view.id, &report, &vt_err));
-    ck_assert_ptr_nonnull(strstr(report, "\"points\":{\"in\":60,\"out\":12}"));
-    vt_assert_ok(vor_store_newest(store, &newest, &vt_err));
-    ck_assert_int_gt(newest, view.finished); /* the other one failed later */
-    free(report);
-    vor_store_close(store);
-    ck_assert_int_eq(number(dir, "SELECT held FROM job WHERE seq = 1"), 288);
-    ck_assert_int_eq(number(dir, "SELECT held FROM job WHERE seq = 2"), 0);
-    ck_assert_int_eq(number(dir, "PRAGMA user_version"), 6);
-    free(sql);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -263,6 +176,5 @@ int main(void)
     vt_add_loop(suite, a_start_with_a_clock_that_does_not_fit_expires_nothing_until_it_does, 2);
     vt_add(suite, time_that_the_daemon_was_down_counts);
     vt_add(suite, results_beyond_their_room_go_in_the_order_in_which_they_ended);
-    vt_add(suite, a_table_of_schema_3_opens_with_every_job_as_it_was);
     return vt_run(suite);
 }

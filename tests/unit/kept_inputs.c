@@ -66,7 +66,6 @@ START_TEST(a_blob_becomes_that_of_another_job_whether_it_stays_or_goes)
     expect_bytes(blobs, &second, "the cloud");
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -87,7 +86,6 @@ START_TEST(a_blob_that_is_not_there_is_not_found_and_one_that_is_discarded_stays
     vor_blob_discard(writer);
     expect_bytes(blobs, &id, "the cloud");
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -131,10 +129,9 @@ static int is_there(const char *dir, const struct vor_uuid *id)
 
 static void wait_until_gone(const char *dir, const struct vor_uuid *id)
 {
-    struct timespec pause = {.tv_nsec = 1000000};
 
     while (is_there(dir, id))
-        nanosleep(&pause, NULL);
+        vt_nap();
 }
 
 START_TEST(an_upload_is_kept_if_it_fits_and_dropped_with_what_is_not_submitted)
@@ -156,7 +153,6 @@ START_TEST(an_upload_is_kept_if_it_fits_and_dropped_with_what_is_not_submitted)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -180,7 +176,6 @@ START_TEST(the_quota_never_takes_the_upload_of_a_job_that_waits_or_runs)
     wait_until_gone(dir, &waits);
     ck_assert_uint_eq(vt_daemon_get(&daemon, &runs).kept, 0);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -204,7 +199,6 @@ START_TEST(a_dismissal_drops_the_upload_and_a_failure_keeps_it)
     ck_assert_int_eq(vor_worker_dismiss(daemon.worker, &waits, "", NULL, &vt_err), VOR_DONE);
     ck_assert(!is_there(dir, &waits));
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -289,7 +283,6 @@ START_TEST(the_next_start_drops_the_uploads_that_no_row_counts_and_no_others)
         wait_until_gone(dir, &row.id);
     vt_daemon_stop(&daemon);
     ck_assert_int_eq(is_there(dir, &row.id), stays[_i]);
-    vt_dir_remove(dir);
 }
 END_TEST
 

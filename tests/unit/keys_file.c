@@ -130,7 +130,6 @@ START_TEST(a_key_finds_its_caller_and_no_other_text_does)
     ck_assert(!vor_keys_find(keys, longer, &caller));
     ck_assert_str_eq(caller.name, "bob");
     vor_keys_close(keys);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -174,7 +173,6 @@ START_TEST(a_wrong_line_is_named_with_its_reason)
         ck_assert_ptr_null(strstr(vt_err.message, "vor_secret"));
         ck_assert_ptr_null(keys);
     }
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -200,7 +198,6 @@ START_TEST(reading_again_takes_the_new_keys_or_leaves_the_old)
     vt_assert_fails(VOR_E_IO, vor_keys_reload(keys, &vt_err));
     ck_assert(vor_keys_find(keys, "beta", &caller));
     vor_keys_close(keys);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -215,7 +212,6 @@ START_TEST(a_line_without_end_is_refused)
     vt_assert_fails(VOR_E_PARAM, vor_keys_open(&keys, write_file(dir, text, 0600), &vt_err));
     ck_assert_ptr_nonnull(strstr(vt_err.message, "line 1: it has more than 510 bytes"));
     vt_assert_fails(VOR_E_PARAM, vor_keys_open(&keys, "/dev/zero", &vt_err));
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -255,7 +251,6 @@ START_TEST(reading_again_loses_no_key_for_a_moment)
         pthread_join(threads[i], NULL);
     ck_assert_int_eq(atomic_load(&look.missed), 0);
     vor_keys_close(look.keys);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -285,7 +280,6 @@ START_TEST(a_file_that_others_may_read_is_told_of_in_the_log)
         vor_log_open(STDERR_FILENO, VOR_LOG_OFF);
         close(fd);
     }
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -311,7 +305,6 @@ START_TEST(a_key_that_is_made_opens_the_line_that_is_made_with_it)
     vt_assert_fails(VOR_E_PARAM, vor_key_make("a", "write", NULL, other, line, &vt_err));
     vt_assert_fails(VOR_E_PARAM, vor_key_make("a", "read", "jobs=x", other, line, &vt_err));
     vor_keys_close(keys);
-    vt_dir_remove(dir);
 }
 END_TEST
 

@@ -93,7 +93,6 @@ START_TEST(the_least_limit_of_the_groups_around_holds)
     put_file(dir, "memory/outer/inner/memory.limit_in_bytes", "500\n");
     ck_assert_uint_eq(group_memory(dir, "4:cpu,memory:/outer/inner\n0::/\n"), 500);
     ck_assert_uint_eq(group_memory(dir, "4:cpu:/outer/inner\n0::/\n"), 0);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -106,7 +105,6 @@ START_TEST(a_container_finds_its_limit_at_the_top)
     ck_assert_uint_eq(vor_machine_group_memory("/nonexistent", dir), 7000);
     put_file(dir, "memory/memory.limit_in_bytes", "6000\n");
     ck_assert_uint_eq(group_memory(dir, "5:memory:/docker/0123\n"), 6000);
-    vt_dir_remove(dir);
 }
 END_TEST
 

@@ -167,7 +167,6 @@ START_TEST(jobs_that_fit_alone_but_not_together_wait_for_each_other)
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &runs, "enough", &vt_err), VOR_DONE);
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &waits).status, VOR_JOB_SUCCESSFUL);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -187,7 +186,6 @@ START_TEST(a_job_larger_than_all_memory_is_refused_with_the_numbers)
     ck_assert_ptr_nonnull(strstr(vt_err.message, "1048576"));
     vt_daemon_stop(&daemon);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
-    vt_dir_remove(dir);
 }
 END_TEST
 

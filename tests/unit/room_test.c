@@ -49,7 +49,6 @@ START_TEST(room_promised_to_one_is_not_promised_to_another)
     vor_blob_discard(second);
     vt_assert_ok(vor_blobs_room(blobs, most, &vt_err));
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -69,7 +68,6 @@ START_TEST(bytes_beyond_a_promise_do_not_take_what_stays_free)
     vt_assert_ok(vor_blob_append(other, "a result", 8, &vt_err)); /* jobs under way can end */
     vt_assert_ok(vor_blob_commit(other, &id, "cloud", &vt_err));
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -92,7 +90,6 @@ START_TEST(a_decoded_input_that_does_not_fit_is_refused_before_it_is_written)
     vor_blob_discard(upload);
     vor_cloud_free(&cloud);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -138,7 +135,6 @@ START_TEST(a_disk_that_fails_is_told_once_and_the_next_start_has_what_was_accept
     ck_assert_int_eq(vt_daemon_get(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
     vt_daemon_stop(&daemon);
     vor_cloud_free(&cloud);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -182,7 +178,6 @@ START_TEST(inputs_that_wait_are_bounded_by_their_decoded_bytes)
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &other, "enough", &vt_err), VOR_DONE);
     ck_assert_int_eq(submit(&daemon, &other), VOR_DONE);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -200,7 +195,6 @@ START_TEST(an_input_that_never_fits_into_the_queue_is_told_the_bound)
     ck_assert_uint_ge(vt_err.got, DECODED);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
 }
 END_TEST
 

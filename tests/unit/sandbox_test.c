@@ -368,7 +368,6 @@ START_TEST(without_a_list_of_system_calls_no_daemon_starts_unless_that_is_allowe
                       "property float y\nproperty float z\nend_header\n1 2 3\n");
     ck_assert_int_eq(vt_serve_answer(fd, NULL), 200);
     ck_assert_int_eq(vt_serve_stop(&serve), 0);
-    vt_dir_remove(dir);
 }
 END_TEST
 

@@ -15,13 +15,6 @@
 #include <time.h>
 #include <unistd.h>
 
-static void nap(void)
-{
-    struct timespec pause = {.tv_nsec = 2000000};
-
-    nanosleep(&pause, NULL);
-}
-
 static int status_of(const struct vt_serve *serve, const char *method, const struct vor_uuid *id,
                      const char *suffix)
 {
@@ -79,7 +72,7 @@ static void wait_for(const struct vt_serve *serve, const struct vor_uuid *id, co
         ck_assert_int_eq(vt_serve_call(serve, line, "", &text), 200);
         if (strstr(text, want) != NULL)
             return;
-        nap();
+        vt_nap();
     }
 }
 
@@ -111,7 +104,7 @@ static int dismiss_slowly(const struct vt_serve *serve, const struct vor_uuid *i
     vt_sync_close_after(0);
     fd = vt_serve_ask(serve, line, "", "");
     while (vt_sync_waiting() == 0)
-        nap();
+        vt_nap();
     return fd;
 }
 
@@ -145,7 +138,6 @@ START_TEST(nobody_waits_for_the_disk_of_somebody_else_s_dismissal)
     ck_assert_ptr_nonnull(strstr(text, "\"status\":\"dismissed\""));
     ck_assert_int_eq(status_of(&serve, "GET", &done, ""), 404);
     ck_assert_int_eq(vt_serve_stop(&serve), 0);
-    vt_dir_remove(serve.dir);
 }
 END_TEST
 
@@ -159,21 +151,20 @@ START_TEST(nobody_waits_for_the_disk_when_a_caller_leaves)
     fd = vt_serve_ask(&serve, "POST /v1/resample?points=300&iterations=10000&polish=0", "",
                       sphere());
     do {
-        nap();
+        vt_nap();
         ck_assert_int_eq(vt_serve_call(&serve, "GET /v1/jobs?status=running", "", &text), 200);
     } while (strstr(text, "\"jobID\"") == NULL);
     vt_sync_close_after(0);
     close(fd);
     while (strstr(vt_serve_log(&serve), "\"status\":499") == NULL)
-        nap();
+        vt_nap();
     ck_assert_int_eq(vt_serve_call(&serve, "GET /livez", "", NULL), 200);
     ck_assert(vt_sync_open());
     do {
-        nap();
+        vt_nap();
         ck_assert_int_eq(vt_serve_call(&serve, "GET /v1/jobs?status=dismissed", "", &text), 200);
     } while (strstr(text, "the caller left") == NULL);
     ck_assert_int_eq(vt_serve_stop(&serve), 0);
-    vt_dir_remove(serve.dir);
 }
 END_TEST
 
@@ -199,7 +190,6 @@ START_TEST(dismissals_at_the_same_time_are_answered_as_one_after_another)
     ck_assert_int_eq(statuses[200], _i == 0 ? 2 : 1);
     ck_assert_int_eq(statuses[404], _i == 0 ? MANY - 2 : MANY - 1);
     ck_assert_int_eq(vt_serve_stop(&serve), 0);
-    vt_dir_remove(serve.dir);
 }
 END_TEST
 
@@ -214,11 +204,10 @@ START_TEST(who_closes_his_side_behind_a_dismissal_still_gets_the_answer)
     fd = dismiss_slowly(&serve, &id);
     ck_assert_int_eq(shutdown(fd, SHUT_WR), 0);
     ck_assert_int_eq(vt_serve_call(&serve, "GET /livez", "", NULL), 200);
-    nap();
+    vt_nap();
     ck_assert(vt_sync_open());
     ck_assert_int_eq(vt_serve_answer(fd, NULL), 200);
     ck_assert_int_eq(vt_serve_stop(&serve), 0);
-    vt_dir_remove(serve.dir);
 }
 END_TEST
 
@@ -234,7 +223,6 @@ START_TEST(a_dismissal_whose_caller_left_is_done_all_the_same)
     ck_assert(vt_sync_open());
     wait_for(&serve, &id, "dismissed");
     ck_assert_int_eq(vt_serve_stop(&serve), 0);
-    vt_dir_remove(serve.dir);
 }
 END_TEST
 
@@ -251,11 +239,10 @@ START_TEST(a_dismissal_with_a_body_is_answered)
     vt_sync_close_after(0);
     fd = vt_serve_ask(&serve, line, "", "a body that nobody wants");
     while (vt_sync_waiting() == 0)
-        nap();
+        vt_nap();
     ck_assert(vt_sync_open());
     ck_assert_int_eq(vt_serve_answer(fd, NULL), 200);
     ck_assert_int_eq(vt_serve_stop(&serve), 0);
-    vt_dir_remove(serve.dir);
 }
 END_TEST
 
@@ -276,7 +263,6 @@ START_TEST(a_dismissal_under_way_is_answered_before_the_daemon_ends)
     ck_assert_int_eq(vt_serve_answer(fd, NULL), 200);
     ck_assert_int_eq(waitpid(serve.pid, &status, 0), serve.pid);
     ck_assert(WIFEXITED(status) && WEXITSTATUS(status) == 0);
-    vt_dir_remove(serve.dir);
 }
 END_TEST
 

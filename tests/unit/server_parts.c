@@ -259,7 +259,6 @@ START_TEST(directories_are_made_with_their_parents)
     close(open(path, O_CREAT | O_WRONLY, 0600));
     (void)snprintf(path, sizeof path, "%s/file/below", dir);
     vt_assert_fails(VOR_E_IO, vor_storage_directory(path, &vt_err));
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -339,7 +338,6 @@ START_TEST(a_folder_of_another_user_is_named_with_what_mends_it)
                    "u+rwX %s/closed",
                    dir, user, dir);
     ck_assert_str_eq(unprivileged(lock_in_closed_folder, dir), want);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -383,7 +381,6 @@ START_TEST(a_lock_names_its_holder_and_dies_with_it)
     vt_assert_ok(vor_storage_lock(&fd, path, &holder, &vt_err));
     ck_assert_int_eq(holder, 0);
     close(fd);
-    vt_dir_remove(dir);
 }
 END_TEST
 

@@ -142,7 +142,6 @@ START_TEST(a_row_comes_back_as_it_was_inserted)
     ck_assert_int_eq(back.has_record, 0);
     ck_assert_int_eq(back.problem.status, VOR_OK);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -162,7 +161,6 @@ START_TEST(a_request_comes_back_with_its_process_and_what_that_allows)
     ck_assert_str_eq(back.process, process->id);
     ck_assert_mem_eq(&back.spec, &row.spec, sizeof row.spec);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -191,7 +189,6 @@ START_TEST(inputs_beside_the_main_one_come_back)
     ck_assert(finish(store, row, VOR_JOB_SUCCESSFUL, 0));
     ck_assert_uint_eq(get(store, &row.id).inputs, 3);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -257,7 +254,6 @@ START_TEST(a_successful_end_comes_back_with_report_trace_and_record)
     free(report);
     free(trace);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -282,7 +278,6 @@ START_TEST(a_failure_comes_back_with_its_problem)
     vt_assert_ok(vor_store_report(store, &row.id, &report, &vt_err));
     ck_assert_ptr_null(report);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -300,7 +295,6 @@ START_TEST(a_job_is_claimed_once)
     ck_assert_int_eq(back.status, VOR_JOB_RUNNING);
     ck_assert_int_gt(back.started, 0);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -316,7 +310,6 @@ START_TEST(the_first_end_wins)
     ck_assert(!finish(store, row, VOR_JOB_FAILED, 0));
     ck_assert_int_eq(get(store, &row.id).status, VOR_JOB_DISMISSED);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -345,7 +338,6 @@ START_TEST(only_the_running_attempt_may_end_beat_or_release)
     ck_assert_int_eq(get(store, &row.id).progress, 50); /* never falls */
     ck_assert(finish(store, row, VOR_JOB_SUCCESSFUL, 2));
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -365,7 +357,6 @@ START_TEST(only_a_job_that_is_over_can_be_removed)
     vt_assert_ok(vor_store_get(store, &row.id, &row, &found, &vt_err));
     ck_assert(!found);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -431,7 +422,6 @@ START_TEST(a_list_is_newest_first_filtered_and_continued_by_its_cursor)
     seen = list(store, (struct vor_job_filter){.limit = 64, .process = "' OR 1=1 --"}, 0);
     ck_assert_uint_eq(seen.count, 0);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -457,7 +447,6 @@ START_TEST(what_waits_comes_in_the_order_of_acceptance)
     vt_assert_ok(vor_store_waiting(store, see, &seen, &vt_err));
     ck_assert_uint_eq(seen.count, 2);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -503,7 +492,6 @@ START_TEST(results_expire_then_are_forgotten)
     vt_assert_ok(vor_store_get(store, &rows[1].id, &back, &found, &vt_err));
     ck_assert(found); /* its second life is two milliseconds longer */
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -524,7 +512,6 @@ START_TEST(what_ran_when_the_daemon_ended_is_run_again_alone_however_often)
     ck_assert_int_eq(get(store, &waits.id).status, VOR_JOB_ACCEPTED);
     ck_assert(!get(store, &waits.id).alone);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -553,7 +540,6 @@ START_TEST(a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was)
         ck_assert_int_eq(get(store, &runs.id).updated, 77);
     }
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -604,7 +590,6 @@ START_TEST(what_was_answered_before_a_kill_is_there_after_it)
     if (found)
         ck_assert_int_eq(row.status, expected[killed.point]);
     vor_store_close(store);
-    vt_dir_remove(killed.dir);
 }
 END_TEST
 
@@ -656,7 +641,6 @@ START_TEST(no_acknowledged_row_is_lost_by_a_kill_at_any_instant)
     ck_assert_int_gt(count, 0);
     close(ends[0]);
     vor_store_close(store);
-    vt_dir_remove(torn.dir);
 }
 END_TEST
 
@@ -689,7 +673,6 @@ START_TEST(a_second_daemon_is_refused_with_the_holder_s_name)
     vt_assert_ok(vor_store_open(&store, where, &holder, &vt_err));
     ck_assert_int_eq(holder, 0);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -715,7 +698,6 @@ START_TEST(what_is_no_store_is_refused)
     vt_assert_fails(VOR_E_IO, vor_store_open(&store, where, &holder, &vt_err));
     ck_assert_int_eq(holder, 0);
     ck_assert_ptr_null(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -744,7 +726,6 @@ START_TEST(a_store_of_another_version_is_refused_and_left_alone)
     (void)snprintf(wanted, sizeof wanted, "schema %d,", versions[_i]);
     ck_assert_ptr_nonnull(strstr(vt_err.message, wanted));
     ck_assert_ptr_null(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -774,7 +755,6 @@ START_TEST(a_store_whose_disk_failed_takes_no_more_and_says_so)
     vt_assert_ok(vor_store_check(store, &vt_err));
     vt_assert_ok(vor_store_insert(store, &more, &vt_err));
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -816,7 +796,6 @@ START_TEST(of_two_threads_that_end_a_job_one_wins)
     ck_assert_uint_eq(count(store, VOR_JOB_FAILED), (size_t)a.won);
     ck_assert_uint_eq(count(store, VOR_JOB_DISMISSED), (size_t)b.won);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 

@@ -77,7 +77,6 @@ START_TEST(a_tenant_gets_and_lists_his_rows_alone)
     ck_assert_str_eq(list(store, "' OR 1=1 --"), "");
     ck_assert_str_eq(list(store, NULL), "aba-");
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -95,7 +94,6 @@ START_TEST(a_key_of_a_request_is_one_s_own)
     ck_assert(found);
     ck_assert_str_eq(back.id.text, b.id.text);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -121,7 +119,6 @@ START_TEST(what_is_stored_for_a_tenant_is_the_sum_of_his_jobs)
     vt_assert_ok(vor_store_held(store, "carol", &bytes, &vt_err));
     ck_assert_uint_eq(bytes, 0);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 

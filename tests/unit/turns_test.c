@@ -167,7 +167,6 @@ START_TEST(what_ran_in_a_crash_runs_with_nothing_beside_it)
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &suspected, "enough", &vt_err), VOR_DONE);
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &innocent).status, VOR_JOB_SUCCESSFUL);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
 }
 END_TEST
 

@@ -20,29 +20,6 @@
 
 static const struct vt_daemon_options one_runner = {.jobs = 1};
 
-static int kept(const struct vt_daemon *daemon)
-{
-    return vt_dir_count(daemon->dir, "blobs/keep");
-}
-
-static void nap(void)
-{
-    struct timespec pause = {.tv_nsec = 1000000};
-
-    nanosleep(&pause, NULL);
-}
-
-/* Until the runners have unwound. */
-static void wait_idle(struct vt_daemon *daemon)
-{
-    struct vor_worker_load load;
-
-    do {
-        nap();
-        vor_worker_load(daemon->worker, &load);
-    } while (load.running > 0 || load.waiting > 0);
-}
-
 /* A request to measure a cloud, and two clouds of a sphere. */
 struct pair {
     struct vor_spec spec;
@@ -77,20 +54,6 @@ static struct vor_uuid submit(struct vt_daemon *daemon, const struct pair *pair)
 static void expect_successful(const struct vor_job_view *view)
 {
     ck_assert_msg(view->status == VOR_JOB_SUCCESSFUL, "%s", view->message);
-}
-
-/* A job that runs until it is told to end. */
-static struct vor_uuid submit_endless(struct vt_daemon *daemon)
-{
-    struct vor_spec spec = vt_request(300, 10000);
-    struct vor_cloud cloud;
-    struct vor_uuid id;
-
-    vt_cloud_sphere(&cloud, 1, 500);
-    ck_assert_int_eq(vt_daemon_submit(daemon, &cloud, &spec, &id), VOR_DONE);
-    vor_cloud_free(&cloud);
-    (void)vt_daemon_wait_iteration(daemon, &id, 0);
-    return id;
 }
 
 /* --- what comes out --------------------------------------------------------------------------- */
@@ -164,11 +127,11 @@ START_TEST(a_document_is_what_the_engine_gives)
     direct(&pair, _i == 2 ? 1 : 2, &wanted);
     ck_assert_int_eq(vt_daemon_submit_inputs(&daemon, given, &pair.spec, &id), VOR_DONE);
     (void)vt_daemon_wait_over(&daemon, &id);
-    wait_idle(&daemon);
+    vt_daemon_wait_idle(&daemon);
     view = vt_daemon_get(&daemon, &id);
     expect_successful(&view);
     expect_document(&daemon, &id, &wanted);
-    ck_assert_int_eq(kept(&daemon), 1);
+    ck_assert_int_eq(vt_daemon_kept(&daemon), 1);
     (void)snprintf(message, sizeof message, "measure is ready, %zu bytes", wanted.size);
     ck_assert_str_eq(view.message, message);
     ck_assert_int_eq(view.progress, 100);
@@ -181,7 +144,6 @@ START_TEST(a_document_is_what_the_engine_gives)
     vor_text_free(&wanted);
     pair_free(&pair);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -209,7 +171,7 @@ START_TEST(a_job_without_records_tells_its_stages_and_its_end)
 
     vt_daemon_start(&daemon, vt_dir_make(), &one_runner);
     pair_make(&pair);
-    blocker = submit_endless(&daemon);
+    blocker = vt_daemon_submit_endless(&daemon);
     id = submit(&daemon, &pair);
     view = vt_daemon_get(&daemon, &id);
     ck_assert_str_eq(view.message, "Waiting for its turn");
@@ -222,7 +184,6 @@ START_TEST(a_job_without_records_tells_its_stages_and_its_end)
     ck_assert_int_eq(last.status, VOR_JOB_SUCCESSFUL);
     pair_free(&pair);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -267,7 +228,6 @@ START_TEST(a_cloud_beside_the_main_output_is_saved_under_its_name)
     vor_cloud_free(&back);
     vor_cloud_free(&artefact.cloud);
     vor_blobs_close(daemon.blobs);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -308,7 +268,6 @@ START_TEST(a_result_of_another_size_than_told_is_not_taken)
     vor_blob_discard(writer);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_blobs_close(blobs);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -350,11 +309,10 @@ START_TEST(what_a_process_cannot_work_on_is_refused_and_leaves_nothing)
         ck_assert_int_eq(vt_err.status, VOR_E_PARAM);
         ck_assert_str_eq(vt_err.parameter, cases[k].parameter);
         ck_assert_str_eq(vt_err.message, cases[k].says);
-        ck_assert_int_eq(kept(&daemon), 0);
+        ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
     }
     pair_free(&pair);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -386,7 +344,7 @@ static void run_and_die(void *ctx)
     struct vor_bus *bus;
 
     vt_daemon_start(&daemon, crash->dir, &one_runner);
-    blocker = submit_endless(&daemon);
+    blocker = vt_daemon_submit_endless(&daemon);
     id = submit(&daemon, crash->pair);
     (void)!write(crash->fd, &id, sizeof id);
     if (crash->instant == 1)
@@ -408,12 +366,12 @@ START_TEST(both_inputs_survive_kill_9)
     struct vt_daemon daemon;
     struct vor_uuid id;
     struct pair pair;
-    char dir[256];
+    const char *dir;
     int ends[2];
 
     pair_make(&pair);
     direct(&pair, 2, &wanted);
-    (void)snprintf(dir, sizeof dir, "%s", vt_dir_make());
+    dir = vt_dir_make();
     ck_assert_int_eq(pipe(ends), 0);
     crash.dir = dir;
     crash.pair = &pair;
@@ -431,7 +389,6 @@ START_TEST(both_inputs_survive_kill_9)
     vor_text_free(&wanted);
     pair_free(&pair);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -444,7 +401,7 @@ static struct vor_uuid leave_waiting(const char *dir)
 
     vt_daemon_start(&daemon, dir, &one_runner);
     pair_make(&pair);
-    blocker = submit_endless(&daemon);
+    blocker = vt_daemon_submit_endless(&daemon);
     id = submit(&daemon, &pair);
     vor_worker_drain(daemon.worker, 0);
     ck_assert_int_eq(vor_worker_dismiss(daemon.worker, &blocker, "", NULL, &vt_err), VOR_DONE);
@@ -471,10 +428,9 @@ START_TEST(a_job_that_lost_an_input_fails_and_names_it)
     ck_assert_int_eq(view.status, VOR_JOB_FAILED);
     (void)snprintf(says, sizeof says, "the job's input %s was lost with the last run", inputs[_i]);
     ck_assert_str_eq(view.message, says);
-    while (kept(&daemon) > 0) /* the other one: the sweeper's work */
-        nap();
+    while (vt_daemon_kept(&daemon) > 0) /* the other one: the sweeper's work */
+        vt_nap();
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -501,10 +457,9 @@ START_TEST(a_job_whose_request_cannot_be_read_is_not_run)
     view = vt_daemon_get(&daemon, &id);
     ck_assert_int_eq(view.status, VOR_JOB_FAILED);
     ck_assert_str_eq(view.message, "the job's request cannot be read by this version");
-    while (kept(&daemon) > 0)
-        nap();
+    while (vt_daemon_kept(&daemon) > 0)
+        vt_nap();
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -537,13 +492,12 @@ START_TEST(a_start_removes_what_is_no_output_of_a_success)
     keep(dir, &id, "input-reference");
     keep(dir, &id, "cloud"); /* resample has one, measure has none */
     vt_daemon_start(&daemon, dir, NULL);
-    while (kept(&daemon) > 1)
-        nap();
+    while (vt_daemon_kept(&daemon) > 1)
+        vt_nap();
     free(vt_daemon_output(&daemon, &id, "measure", &size));
     ck_assert_uint_eq(size, view.output[0].bytes);
     pair_free(&pair);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -556,8 +510,8 @@ static void end_job(struct vt_daemon *daemon, struct pair *pair, enum ending end
 
     if (ending != DISMISSED_WAITING && ending != DISMISSED_AT_ANY_TIME) {
         (void)vt_daemon_wait_over(daemon, &id);
-        wait_idle(daemon);
-        ck_assert_int_eq(kept(daemon), ending == REFUSED ? 0 : 1);
+        vt_daemon_wait_idle(daemon);
+        ck_assert_int_eq(vt_daemon_kept(daemon), ending == REFUSED ? 0 : 1);
     }
     if (ending == EXPIRED) {
         nanosleep(&ttl, NULL);
@@ -580,19 +534,18 @@ START_TEST(the_bytes_of_a_job_all_go)
     if (_i == REFUSED)
         memset(pair.reference.xyz, 0, 3 * pair.reference.n * sizeof(float));
     if (_i == DISMISSED_WAITING)
-        blocker = submit_endless(&daemon);
+        blocker = vt_daemon_submit_endless(&daemon);
     for (int k = 0; k < (_i == DISMISSED_AT_ANY_TIME ? 12 : 1); k++)
         end_job(&daemon, &pair, (enum ending)_i);
     if (_i == DISMISSED_WAITING) {
-        ck_assert_int_eq(kept(&daemon), 1); /* the other one's input */
+        ck_assert_int_eq(vt_daemon_kept(&daemon), 1); /* the other one's input */
         ck_assert_int_eq(vor_worker_cancel(daemon.worker, &blocker, "enough", &vt_err), VOR_DONE);
     }
-    wait_idle(&daemon);
-    ck_assert_int_eq(kept(&daemon), 0);
+    vt_daemon_wait_idle(&daemon);
+    ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
     ck_assert_int_eq(vt_dir_count(daemon.dir, "blobs/tmp"), 0);
     pair_free(&pair);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 

@@ -9,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { ITERATIONS = 40 };
@@ -40,15 +39,14 @@ static uint8_t *undisturbed(const struct vor_spec *spec, size_t *size)
     struct vt_daemon daemon;
     struct vor_uuid id;
     uint8_t *bytes;
-    char dir[256];
+    const char *dir;
 
-    (void)snprintf(dir, sizeof dir, "%s", vt_dir_make());
+    dir = vt_dir_make();
     vt_daemon_start(&daemon, dir, NULL);
     id = submit(&daemon, spec);
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
     bytes = vt_daemon_result(&daemon, &id, size);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
     return bytes;
 }
 
@@ -91,16 +89,15 @@ START_TEST(accepted_jobs_survive_kill_9_with_the_same_bytes)
     static const uint32_t instants[] = {2, 4, 30, ITERATIONS + 5, ITERATIONS + 6};
     struct crash crash = {.instant = instants[_i]};
     struct vor_spec spec = vt_request(200, ITERATIONS);
-    struct timespec pause = {.tv_nsec = 10000000};
     struct vt_daemon daemon;
     struct vor_job_view view;
     uint8_t *expected, *bytes;
     size_t wanted, size;
-    char dir[256];
+    const char *dir;
     int ends[2];
 
     expected = undisturbed(&spec, &wanted);
-    (void)snprintf(dir, sizeof dir, "%s", vt_dir_make());
+    dir = vt_dir_make();
     crash.dir = dir;
     ck_assert_int_eq(pipe(ends), 0);
     crash.fd = ends[1];
@@ -119,11 +116,10 @@ START_TEST(accepted_jobs_survive_kill_9_with_the_same_bytes)
     ck_assert_uint_eq(view.attempt, instants[_i] > ITERATIONS + 5 ? 1 : 2);
     free(expected);
     while (vt_dir_count(dir, "blobs/keep") > 3) /* strays of the kill: the sweeper's work */
-        nanosleep(&pause, NULL);
+        vt_nap();
     vt_daemon_stop(&daemon);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 3);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -150,7 +146,6 @@ START_TEST(the_events_of_a_second_attempt_begin_anew)
     ck_assert_uint_eq(event.number, 1);
     vor_bus_release(bus);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -182,7 +177,6 @@ START_TEST(a_drain_lets_a_running_job_end_and_keeps_the_waiting_ones)
     ck_assert_uint_eq(view.attempt, 1);
     vt_daemon_stop(&daemon);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 2);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -206,7 +200,6 @@ START_TEST(a_drain_that_is_over_gives_running_jobs_back_without_a_crash)
     }
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &id, "enough", &vt_err), VOR_DONE);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -226,7 +219,6 @@ START_TEST(a_job_that_waits_for_the_next_start_can_be_dismissed)
     ck_assert_int_eq(vt_daemon_get(&daemon, &id).status, VOR_JOB_DISMISSED);
     vt_daemon_stop(&daemon);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -235,7 +227,6 @@ START_TEST(a_row_without_its_bytes_fails_with_a_reason_and_bytes_without_a_row_g
     struct vt_daemon daemon = {.dir = vt_dir_make()};
     struct vor_job_view row = vt_row(10), view;
     struct vor_uuid stray = vt_row(10).id;
-    struct timespec pause = {.tv_nsec = 1000000};
     struct vor_store *store = vt_dir_store(daemon.dir);
     struct vor_blobs *blobs = vt_dir_blobs(daemon.dir);
 
@@ -250,9 +241,8 @@ START_TEST(a_row_without_its_bytes_fails_with_a_reason_and_bytes_without_a_row_g
     ck_assert_int_eq(view.problem.status, VOR_E_INTERNAL);
     ck_assert_ptr_nonnull(strstr(view.message, "input cloud was lost"));
     while (vt_dir_count(daemon.dir, "blobs/keep") > 0) /* the sweeper's work */
-        nanosleep(&pause, NULL);
+        vt_nap();
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -273,7 +263,6 @@ START_TEST(damaged_bytes_fail_the_job_and_not_the_daemon)
     ck_assert_int_eq(view.status, VOR_JOB_FAILED);
     ck_assert_str_ne(view.message, "");
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 

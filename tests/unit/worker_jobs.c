@@ -17,11 +17,6 @@
 #include <time.h>
 #include <unistd.h>
 
-static int kept(const struct vt_daemon *daemon)
-{
-    return vt_dir_count(daemon->dir, "blobs/keep");
-}
-
 static struct vor_uuid submit(struct vt_daemon *daemon, const struct vor_cloud *cloud,
                               struct vor_spec spec)
 {
@@ -29,12 +24,6 @@ static struct vor_uuid submit(struct vt_daemon *daemon, const struct vor_cloud *
 
     ck_assert_int_eq(vt_daemon_submit(daemon, cloud, &spec, &id), VOR_DONE);
     return id;
-}
-
-/* A job that runs until it is told to end. */
-static struct vor_uuid submit_endless(struct vt_daemon *daemon, const struct vor_cloud *cloud)
-{
-    return submit(daemon, cloud, vt_request(300, 10000));
 }
 
 static void dismiss(struct vt_daemon *daemon, const struct vor_uuid *id)
@@ -45,17 +34,6 @@ static void dismiss(struct vt_daemon *daemon, const struct vor_uuid *id)
         vor_worker_dismiss(daemon->worker, id, "dismissed by the test", &view, &vt_err), VOR_DONE);
     ck_assert_int_eq(view.status, VOR_JOB_DISMISSED);
     ck_assert_str_eq(view.id.text, id->text);
-}
-
-static void wait_idle(struct vt_daemon *daemon)
-{
-    struct timespec pause = {.tv_nsec = 1000000};
-    struct vor_worker_load load;
-
-    do {
-        nanosleep(&pause, NULL);
-        vor_worker_load(daemon->worker, &load);
-    } while (load.running > 0 || load.waiting > 0);
 }
 
 START_TEST(a_job_ends_with_exactly_the_points_asked_for)
@@ -97,15 +75,14 @@ START_TEST(a_job_ends_with_exactly_the_points_asked_for)
     ck_assert_double_gt(number, 0);
     ck_assert(vor_json_get_number(vor_json_get(vor_json_get(report, "seconds"), "read"), &number));
     ck_assert_double_eq(number, view.input[0].seconds);
-    wait_idle(&daemon);
-    ck_assert_int_eq(kept(&daemon), 1); /* the result; the input is gone */
+    vt_daemon_wait_idle(&daemon);
+    ck_assert_int_eq(vt_daemon_kept(&daemon), 1); /* the result; the input is gone */
     vor_json_free(report);
     free(json);
     free(bytes);
     vor_cloud_free(&result);
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -134,7 +111,7 @@ START_TEST(the_events_of_a_job_are_the_same_live_and_from_its_trace)
     id = submit(&daemon, &cloud, spec);
     live = events(&daemon, &id);
     (void)vt_daemon_wait_over(&daemon, &id);
-    wait_idle(&daemon);
+    vt_daemon_wait_idle(&daemon);
     stored = events(&daemon, &id);
     ck_assert_ptr_ne(live, stored);
     while (vor_bus_read(live, &a, VOR_READ_EVERY, &first, 1) == 1) {
@@ -158,7 +135,6 @@ START_TEST(the_events_of_a_job_are_the_same_live_and_from_its_trace)
     vor_bus_release(stored);
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -210,7 +186,7 @@ START_TEST(who_follows_a_job_asks_the_store_once_however_many_its_events)
     ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, &live, &vt_err), VOR_DONE);
     while (!vor_bus_ended(live.bus, NULL))
         vor_worker_followed(daemon.worker, &live, &view);
-    wait_idle(&daemon);
+    vt_daemon_wait_idle(&daemon);
     ck_assert_int_eq(atomic_load(&counting.rows), 0);
     ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, &followed, &vt_err), VOR_DONE);
     ck_assert_ptr_null(followed.job);
@@ -233,7 +209,6 @@ START_TEST(who_follows_a_job_asks_the_store_once_however_many_its_events)
     vor_worker_unfollow(&followed);
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -254,14 +229,13 @@ START_TEST(a_running_job_is_dismissed_at_once_and_its_cores_are_free)
     ck_assert_int_eq(view.status, VOR_JOB_DISMISSED);
     ck_assert_str_eq(view.message, "dismissed by the test");
     ck_assert_int_lt(view.progress, 100);
-    wait_idle(&daemon);
+    vt_daemon_wait_idle(&daemon);
     alarm(0);
-    ck_assert_int_eq(kept(&daemon), 0);
+    ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
     id = submit(&daemon, &cloud, vt_request(50, 1)); /* the runner goes on */
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -275,9 +249,8 @@ START_TEST(a_waiting_job_is_dismissed_without_running)
 
     vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.jobs = 1});
     vt_cloud_sphere(&cloud, 1, 1000);
-    runs = submit_endless(&daemon, &cloud);
-    (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
-    waits = submit_endless(&daemon, &cloud);
+    runs = vt_daemon_submit_endless(&daemon);
+    waits = submit(&daemon, &cloud, vt_request(50, 1));
     view = vt_daemon_get(&daemon, &waits);
     ck_assert_int_eq(view.status, VOR_JOB_ACCEPTED);
     ck_assert_int_eq(view.queue_position, 0);
@@ -286,14 +259,13 @@ START_TEST(a_waiting_job_is_dismissed_without_running)
     vor_worker_load(daemon.worker, &load);
     ck_assert_uint_eq(load.waiting, 0); /* its place is free while the other one runs */
     dismiss(&daemon, &runs);
-    wait_idle(&daemon);
+    vt_daemon_wait_idle(&daemon);
     view = vt_daemon_get(&daemon, &waits);
     ck_assert_int_eq(view.status, VOR_JOB_DISMISSED);
     ck_assert_int_eq(view.started, 0);
-    ck_assert_int_eq(kept(&daemon), 0);
+    ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -311,40 +283,12 @@ START_TEST(a_job_dismissed_while_it_encodes_leaves_no_bytes)
         while (vt_daemon_get(&daemon, &id).stage != VOR_STAGE_ENCODE)
             nanosleep(&pause, NULL);
         dismiss(&daemon, &id); /* removed, should it have been quicker */
-        wait_idle(&daemon);
-        ck_assert_int_eq(kept(&daemon), 0);
+        vt_daemon_wait_idle(&daemon);
+        ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
         ck_assert_int_eq(vt_dir_count(daemon.dir, "blobs/tmp"), 0);
     }
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
-}
-END_TEST
-
-START_TEST(a_stopped_job_is_successful_with_the_best_cloud_so_far)
-{
-    struct vt_daemon daemon;
-    struct vor_job_view view;
-    struct vor_cloud cloud;
-    struct vor_uuid id;
-    char *json;
-
-    vt_daemon_start(&daemon, vt_dir_make(), NULL);
-    vt_cloud_sphere(&cloud, 1, 1000);
-    id = submit_endless(&daemon, &cloud);
-    (void)vt_daemon_wait_iteration(&daemon, &id, 3);
-    ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_DONE);
-    view = vt_daemon_wait_over(&daemon, &id);
-    ck_assert_msg(view.status == VOR_JOB_SUCCESSFUL, "%s", view.message);
-    ck_assert_uint_eq(view.output[0].points, 300);
-    vt_assert_ok(vor_worker_report(daemon.worker, &id, &json, &vt_err));
-    ck_assert_ptr_nonnull(strstr(json, "\"stopped\":\"stopped\""));
-    free(json);
-    wait_idle(&daemon);
-    ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_CONFLICT);
-    vor_cloud_free(&cloud);
-    vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -366,15 +310,14 @@ START_TEST(a_job_the_engine_refuses_fails_with_the_engine_s_words)
     ck_assert_int_eq(view.problem.status, VOR_E_DEGENERATE);
     ck_assert_str_ne(view.message, "");
     ck_assert_int_lt(view.progress, 100);
-    wait_idle(&daemon);
-    ck_assert_int_eq(kept(&daemon), 0);
+    vt_daemon_wait_idle(&daemon);
+    ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
     view = vt_daemon_get(&daemon, &id); /* now from its row */
     ck_assert_int_eq(view.problem.status, VOR_E_DEGENERATE);
     vt_assert_ok(vor_worker_report(daemon.worker, &id, &json, &vt_err));
     ck_assert_ptr_null(json);
     vor_cloud_free(&line);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -399,7 +342,6 @@ START_TEST(a_job_that_needs_too_much_memory_fails_and_the_next_one_runs)
     vor_cloud_free(&cloud);
     vor_cloud_free(&few);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -413,14 +355,13 @@ START_TEST(a_full_queue_refuses_and_keeps_nothing)
 
     vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.jobs = 1, .queue = 2});
     vt_cloud_sphere(&cloud, 1, 500);
-    ids[0] = submit_endless(&daemon, &cloud);
-    (void)vt_daemon_wait_iteration(&daemon, &ids[0], 0);
+    ids[0] = vt_daemon_submit_endless(&daemon);
     ck_assert_int_eq(vor_worker_room(daemon.worker), VOR_DONE);
-    ids[1] = submit_endless(&daemon, &cloud);
-    ids[2] = submit_endless(&daemon, &cloud);
+    ids[1] = submit(&daemon, &cloud, spec);
+    ids[2] = submit(&daemon, &cloud, spec);
     ck_assert_int_eq(vor_worker_room(daemon.worker), VOR_FULL);
     ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &refused), VOR_FULL);
-    ck_assert_int_eq(kept(&daemon), 3);
+    ck_assert_int_eq(vt_daemon_kept(&daemon), 3);
     ck_assert_int_eq(
         vor_worker_get(daemon.worker, &refused, &(struct vor_job_view){.seq = 0}, &vt_err),
         VOR_UNKNOWN);
@@ -432,7 +373,6 @@ START_TEST(a_full_queue_refuses_and_keeps_nothing)
         dismiss(&daemon, &ids[i]);
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -461,11 +401,10 @@ START_TEST(what_a_process_does_not_allow_is_refused_before_there_is_a_job)
         ck_assert_int_eq(vt_err.status, VOR_E_TARGET);
         ck_assert_str_eq(vt_err.parameter, cases[k].name);
         ck_assert_msg(strstr(vt_err.message, cases[k].says) != NULL, "%s", vt_err.message);
-        ck_assert_int_eq(kept(&daemon), 0);
+        ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
     }
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -493,7 +432,6 @@ START_TEST(a_job_bears_its_process_and_does_what_it_says)
     ck_assert_uint_eq(view.output[0].points, counts[_i]);
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -517,11 +455,10 @@ START_TEST(a_finished_job_is_removed_with_its_bytes)
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &id, "", &vt_err), VOR_UNKNOWN);
     ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_UNKNOWN);
     ck_assert_int_eq(vor_worker_events(daemon.worker, &id, &bus, &vt_err), VOR_UNKNOWN);
-    wait_idle(&daemon);
-    ck_assert_int_eq(kept(&daemon), 0);
+    vt_daemon_wait_idle(&daemon);
+    ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -556,9 +493,9 @@ START_TEST(results_expire_and_say_so_for_as_long_as_they_were_kept)
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
     for (int i = 0; i < 3; i++)
         ids[i] = ended(&daemon, minutes[i]);
-    ck_assert_int_eq(kept(&daemon), 3);
+    ck_assert_int_eq(vt_daemon_kept(&daemon), 3);
     vt_assert_ok(vor_worker_sweep(daemon.worker, &vt_err));
-    ck_assert_int_eq(kept(&daemon), 1);
+    ck_assert_int_eq(vt_daemon_kept(&daemon), 1);
     for (int i = 0; i < 3; i++) {
         view.expired = 0;
         ck_assert_int_eq(vor_worker_get(daemon.worker, &ids[i], &view, &vt_err), outcomes[i]);
@@ -568,7 +505,6 @@ START_TEST(results_expire_and_say_so_for_as_long_as_they_were_kept)
     ck_assert(vor_bus_ended(bus, NULL));
     vor_bus_release(bus);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -598,7 +534,7 @@ START_TEST(a_list_shows_the_live_state_of_running_jobs)
 
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
     vt_cloud_sphere(&cloud, 1, 300);
-    id = submit_endless(&daemon, &cloud);
+    id = vt_daemon_submit_endless(&daemon);
     (void)vt_daemon_wait_iteration(&daemon, &id, 4);
     vt_assert_ok(vor_worker_list(daemon.worker, &filter, count_live, &counted, &vt_err));
     ck_assert_uint_eq(counted.count, 1);
@@ -606,7 +542,6 @@ START_TEST(a_list_shows_the_live_state_of_running_jobs)
     dismiss(&daemon, &id);
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -633,7 +568,7 @@ START_TEST(a_job_interrupted_at_any_instant_ends_once)
         else
             (void)!vor_worker_cancel(daemon.worker, &ids[i], "by chance", &vt_err);
     }
-    wait_idle(&daemon);
+    vt_daemon_wait_idle(&daemon);
     for (int i = 0; i < JOBS; i++) {
         struct vor_bus *bus = events(&daemon, &ids[i]);
         struct vor_position at = {0, 0};
@@ -649,11 +584,10 @@ START_TEST(a_job_interrupted_at_any_instant_ends_once)
         results += views[i].status == VOR_JOB_SUCCESSFUL;
         vor_bus_release(bus);
     }
-    ck_assert_int_eq(kept(&daemon), results);
+    ck_assert_int_eq(vt_daemon_kept(&daemon), results);
     ck_assert_int_eq(vt_dir_count(daemon.dir, "blobs/tmp"), 0);
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(daemon.dir);
 }
 END_TEST
 
@@ -668,7 +602,6 @@ int main(void)
     vt_add(suite, a_running_job_is_dismissed_at_once_and_its_cores_are_free);
     vt_add(suite, a_waiting_job_is_dismissed_without_running);
     vt_add(suite, a_job_dismissed_while_it_encodes_leaves_no_bytes);
-    vt_add(suite, a_stopped_job_is_successful_with_the_best_cloud_so_far);
     vt_add(suite, a_job_the_engine_refuses_fails_with_the_engine_s_words);
     vt_add(suite, a_job_that_needs_too_much_memory_fails_and_the_next_one_runs);
     vt_add(suite, a_full_queue_refuses_and_keeps_nothing);

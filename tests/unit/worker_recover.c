@@ -8,7 +8,6 @@
 #include "tests/support/vt_sync.h"
 
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 /* A former life: store and blobs, without a worker. */
@@ -77,13 +76,6 @@ static void claim(struct life *life, const struct vor_uuid *id)
     ck_assert(changed);
 }
 
-static void nap(void)
-{
-    struct timespec pause = {.tv_nsec = 1000000};
-
-    nanosleep(&pause, NULL);
-}
-
 /* The rows of a former life, in the order of acceptance; every fifth one was running. */
 enum { ROWS = 40 };
 
@@ -137,7 +129,6 @@ START_TEST(every_job_of_a_former_life_is_in_line_before_the_worker_is_there)
     }
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(life.dir);
 }
 END_TEST
 
@@ -173,12 +164,11 @@ START_TEST(a_start_does_not_wait_for_what_has_expired)
     ck_assert(vt_sync_open());
     for (int i = 0; i < EXPIRED; i++)
         while (!vt_daemon_get(&daemon, &rows[i].id).expired)
-            nap();
+            vt_nap();
     while (vt_dir_count(life.dir, "blobs/keep") > 1)
-        nap();
+        vt_nap();
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &endless, "enough", &vt_err), VOR_DONE);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(life.dir);
 }
 END_TEST
 
@@ -202,13 +192,12 @@ START_TEST(bytes_that_came_after_the_start_are_no_strays)
     vt_cloud_sphere(&cloud, 1, 100);
     vt_admit(&admitted, daemon.blobs, "cloud", &cloud);
     while (vt_dir_count(life.dir, "blobs/keep") > 1)
-        nap();
+        vt_nap();
     ck_assert_int_eq(vor_worker_submit(daemon.worker, &admitted, &spec, NULL, NULL, &vt_err),
                      VOR_DONE);
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &admitted.id).status, VOR_JOB_SUCCESSFUL);
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
-    vt_dir_remove(life.dir);
 }
 END_TEST
 
@@ -233,7 +222,6 @@ START_TEST(the_bytes_of_a_crashed_attempt_go_when_its_job_is_dismissed)
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &runs, "enough", &vt_err), VOR_DONE);
     vt_daemon_stop(&daemon);
     ck_assert_int_eq(vt_dir_count(life.dir, "blobs/keep"), 0);
-    vt_dir_remove(life.dir);
 }
 END_TEST
 

@@ -404,7 +404,6 @@ START_TEST(a_front_that_is_killed_leaves_no_process_and_no_lock)
     close(fd);
     close(pipes[0]);
     close(pipes[1]);
-    vt_dir_remove(dir);
 }
 END_TEST
 
