@@ -64,7 +64,7 @@ BIN := $(B)/voronoid
 # A C file in a test room is a test program; of tests/support it gets what it calls. ThreadSanitizer is spared the rooms, and the
 # scripts of documents, that check what is computed and not how threads meet; AddressSanitizer the papers' figures, README and
 # whole scans, which take long runs of the code that the other tests run; both the page in its browser.
-TEST_ROOMS := unit property golden $(if $(filter-out tsan,$(config)),oracle) $(if $(filter-out tsan asan,$(config)),paper)
+TEST_ROOMS := unit property golden oracle paper
 SUPPORT := $(B)/tests/libsupport.a
 TEST_SRC := $(sort $(foreach room,$(TEST_ROOMS),$(wildcard tests/$(room)/*.c)))
 # The tests in tests/kinds add rows to the tables of requests: the files that hang on these are compiled once more.
@@ -79,11 +79,29 @@ TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC))) $(KINDS_BIN)
 # Of the laws these are read off the build; the others read the sources and are `make quick`.
 BINARY_LAWS := tests/lint/engine.t tests/lint/hardening.t tests/lint/openapi.t
 SOURCE_LAWS := $(sort $(filter-out $(BINARY_LAWS),$(wildcard tests/lint/*.t)))
-TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t $(if $(filter-out tsan,$(config)),tests/cli/*.t) $(if $(filter release,$(config)),$(BINARY_LAWS) tests/page/*.t)))
-TEST_SCRIPTS += $(POISON_SCRIPTS)
-SPARED.tsan := tests/http/contract.t tests/http/readme.t
-SPARED.asan := tests/cli/scans.t tests/http/readme.t
-TESTS := $(filter-out $(SPARED.$(config)),$(TEST_SCRIPTS)) $(TEST_BIN)
+TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t tests/cli/*.t) $(BINARY_LAWS) $(wildcard tests/page/*.t)) $(POISON_SCRIPTS)
+TESTS := $(TEST_SCRIPTS) $(TEST_BIN)
+
+# What sanitizers run, by what can go wrong; SANITIZE=all: everything but what only reads the build, and the page in its browser.
+# AddressSanitizer: what reads strangers' bytes, what fails allocations, HTTP, and each process once. Tests of the engine's inside
+# stay with the release build: they judge figures. ThreadSanitizer: the server's programs, in which threads meet, and every method
+# at three threads.
+SANITIZE ?= some
+ENGINE_INSIDE = $(shell grep -lE 'include "core/(geom|input|metrics|opt|seeds|cvt|kmeans|lop|mesh|output|baselines)/' $(TEST_SRC))
+DRIVERS := tests/property/allocations.c tests/property/methods_threads.c
+THREADED := tests/unit/base_parallel.c tests/property/methods_threads.c
+MET := life events events_many events_poll cancel daemon slow auth signals again
+RELEASE_ALONE := $(BINARY_LAWS) $(wildcard tests/page/*.t)
+SANITIZED.asan.all = $(filter-out $(RELEASE_ALONE),$(TEST_SCRIPTS)) $(TEST_SRC)
+SANITIZED.tsan.all = $(SANITIZED.asan.all)
+SANITIZED.asan.some = $(filter-out tests/http/contract.t tests/http/readme.t,$(wildcard tests/http/*.t)) \
+    $(addprefix tests/cli/,convert.t faces.t measure.t resample.t) $(filter-out $(ENGINE_INSIDE),$(TEST_SRC)) $(wildcard $(DRIVERS) tests/kinds/*.c)
+SANITIZED.tsan.some = $(MET:%=tests/http/%.t) $(shell grep -lE 'include "server/' $(TEST_SRC)) $(wildcard $(THREADED))
+ifneq ($(filter asan tsan,$(config)),)
+SANITIZED := $(sort $(SANITIZED.$(config).$(SANITIZE)))
+TESTS := $(filter %.t,$(SANITIZED)) $(addprefix $(B)/,$(basename $(filter %.c,$(SANITIZED))))
+TEST_BIN := $(filter $(B)/%,$(TESTS))
+endif
 # These take longest, or wait most: they begin first, and no core is idle at the end.
 TEST_LONG := tests/page/page.t tests/http/slow.t tests/http/readme.t tests/cli/remote.t %/mesh_test %/worker_artefacts
 BENCH_SRC := $(sort $(wildcard tests/bench/*.c))
