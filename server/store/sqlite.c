@@ -470,6 +470,17 @@ static void status_words(char *out, size_t size, unsigned statuses)
 /* Milliseconds that a started job has run; ?9 is now. */
 #define DURATION "CASE finished WHEN 0 THEN ?9 ELSE finished END - started"
 
+/* The rows of a list, found in an index alone. */
+#define LIST(index, first)                                                                         \
+    "SELECT " ROW_COLUMNS " FROM job WHERE seq IN (SELECT seq FROM job INDEXED BY " index          \
+    " WHERE expired = 0" first " AND (?1 = '' OR instr(?1, ',' || status || ',') > 0)"             \
+    " AND (?2 IS NULL OR process_id = ?2) AND seq < ?3"                                            \
+    " AND created >= ?5 AND (?6 = 0 OR created <= ?6)"                                             \
+    " AND (?7 = 0 OR (started > 0 AND " DURATION " >= ?7))"                                        \
+    " AND (?8 = 0 OR (started > 0 AND " DURATION " <= ?8))"                                        \
+    " AND (?10 IS NULL OR name = ?10) AND (?11 IS NULL OR principal = ?11)"                        \
+    " ORDER BY seq DESC LIMIT ?4) ORDER BY seq DESC"
+
 static vor_status waiting(struct vor_store *store,
                           int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
                           struct vor_error *err)
@@ -491,16 +502,11 @@ static vor_status list_rows(struct vor_store *store, const struct vor_job_filter
 
     status_words(statuses, sizeof statuses, filter->statuses);
     return vor_sqlite_query(db_of(store), list_row, &listing, err,
-                            "SELECT " ROW_COLUMNS " FROM job WHERE expired = 0"
-                            " AND (?1 = '' OR instr(?1, ',' || status || ',') > 0)"
-                            " AND (?2 IS NULL OR process_id = ?2) AND (?3 = 0 OR seq < ?3)"
-                            " AND created >= ?5 AND (?6 = 0 OR created <= ?6)"
-                            " AND (?7 = 0 OR (started > 0 AND " DURATION " >= ?7))"
-                            " AND (?8 = 0 OR (started > 0 AND " DURATION " <= ?8))"
-                            " AND (?10 IS NULL OR name = ?10)"
-                            " AND (?11 IS NULL OR principal = ?11)"
-                            " ORDER BY seq DESC LIMIT ?4",
-                            "ttiiiiiiitt", statuses, filter->process, filter->before_seq,
+                            filter->name != NULL     ? LIST("job_named", " AND name = ?10")
+                            : filter->tenant != NULL ? LIST("job_owned", " AND principal = ?11")
+                                                     : LIST("job_listed", ""),
+                            "ttiiiiiiitt", statuses, filter->process,
+                            filter->before_seq > 0 ? filter->before_seq : INT64_MAX,
                             (int64_t)filter->limit, filter->created_from, filter->created_to,
                             filter->duration_min, filter->duration_max, filter->now, filter->name,
                             filter->tenant);

@@ -147,10 +147,11 @@ vor_status vor_sqlite_recover(struct vor_sqlite *db, int64_t now_ms, uint64_t *r
                               struct vor_error *err)
 {
     int changed = 0;
-    vor_status status = vor_sqlite_change(
-        db, &changed, err,
-        "UPDATE job SET status = 'accepted', updated = ?1, alone = 1 WHERE status = 'running'", "i",
-        now_ms);
+    vor_status status =
+        vor_sqlite_change(db, &changed, err,
+                          "UPDATE job SET status = 'accepted', updated = ?1, alone = 1"
+                          " WHERE status = 'running' AND expired = 0",
+                          "i", now_ms);
 
     *requeued = (uint64_t)changed;
     return status;

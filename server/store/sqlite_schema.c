@@ -10,7 +10,7 @@ static const char schema[] =
     " status TEXT NOT NULL"
     "  CHECK (status IN ('accepted','running','successful','failed','dismissed')),"
     " progress INTEGER NOT NULL DEFAULT 0, message TEXT NOT NULL DEFAULT '',"
-    " request TEXT NOT NULL, metrics TEXT, problem TEXT, report TEXT, trace BLOB,"
+    " request TEXT NOT NULL, metrics TEXT, problem TEXT,"
     " input_format INTEGER NOT NULL, input_points INTEGER NOT NULL, input_bytes INTEGER NOT NULL,"
     " input_sha256 TEXT NOT NULL, input_seconds REAL NOT NULL,"
     " output_format INTEGER NOT NULL DEFAULT 0, output_points INTEGER NOT NULL DEFAULT 0,"
@@ -25,7 +25,8 @@ static const char schema[] =
     " kept INTEGER NOT NULL DEFAULT 0," /* bytes of inputs */
     " alone INTEGER NOT NULL DEFAULT 0, kills INTEGER NOT NULL DEFAULT 0,"
     " traceparent TEXT NOT NULL DEFAULT '',"
-    " held INTEGER NOT NULL DEFAULT 0);" /* bytes of results */
+    " held INTEGER NOT NULL DEFAULT 0," /* bytes of results */
+    " report TEXT, trace BLOB);"        /* last: what stands behind them is read through them */
     "CREATE INDEX job_status ON job (status, seq) WHERE expired = 0;"
     "CREATE INDEX job_expires ON job (expires) WHERE expires > 0;"
     "CREATE UNIQUE INDEX job_key ON job (principal, idem_key) WHERE idem_key IS NOT NULL;"
@@ -33,6 +34,18 @@ static const char schema[] =
     "CREATE INDEX job_held ON job (finished, seq, held) WHERE held > 0;"
     "PRAGMA user_version=6;"
     "COMMIT;";
+
+/* What is asked of many rows: each of these holds all columns that such a question is about, so
+ * that no row is read for it, with its report and its trace. They are added to a store that has
+ * none. */
+static const char indexes[] =
+    "CREATE INDEX IF NOT EXISTS job_listed ON job"
+    " (seq, status, process_id, created, started, finished, name, principal) WHERE expired = 0;"
+    "CREATE INDEX IF NOT EXISTS job_named ON job"
+    " (name, seq, status, process_id, created, started, finished, principal) WHERE expired = 0;"
+    "CREATE INDEX IF NOT EXISTS job_owned ON job"
+    " (principal, seq, status, process_id, created, started, finished, name, kept, output_bytes)"
+    " WHERE expired = 0;";
 
 static int take_number(void *ctx, struct vor_sqlite_row *row)
 {
@@ -45,11 +58,11 @@ vor_status vor_sqlite_prepare_schema(struct vor_sqlite *db, struct vor_error *er
     int64_t version = -1;
     vor_status status = vor_sqlite_query(db, take_number, &version, err, "PRAGMA user_version", "");
 
-    if (status != VOR_OK || version == SCHEMA_VERSION)
-        return status;
-    if (version != 0)
+    if (status == VOR_OK && version != 0 && version != SCHEMA_VERSION)
         return vor_fail(err, VOR_E_IO,
                         "the job store is of schema %lld, this program knows %d only",
                         (long long)version, SCHEMA_VERSION);
-    return vor_sqlite_run(db, schema, err);
+    if (status == VOR_OK && version == 0)
+        status = vor_sqlite_run(db, schema, err);
+    return status == VOR_OK ? vor_sqlite_run(db, indexes, err) : status;
 }
