@@ -251,6 +251,7 @@ static int compare_row(void *ctx, const struct vor_job_view *row)
     ck_assert_int_eq(row->seq, job->seq);
     ck_assert_int_eq(row->status, job->status);
     ck_assert_uint_eq(row->attempt, attempt > 0 ? attempt : 1);
+    ck_assert_int_eq(row->alone, job->alone);
     ck_assert_int_eq(row->finished, job->finished);
     ck_assert_int_eq(row->expires, job->expires);
     ck_assert_uint_eq(row->kept, job->kept);

@@ -6,15 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static unsigned drivers(void)
-{
-    unsigned count = 0;
-
-    while (vor_store_driver_at(count) != NULL)
-        count++;
-    return count;
-}
-
 static struct vor_job_view insert(struct vor_store *store, const char *tenant, const char *key)
 {
     struct vor_job_view row = vt_row(10);
@@ -60,7 +51,7 @@ static const char *list(struct vor_store *store, const char *tenant)
 START_TEST(a_tenant_gets_and_lists_his_rows_alone)
 {
     const char *dir = vt_dir_make();
-    struct vor_store *store = vt_dir_store_of(vor_store_driver_at((unsigned)_i % drivers()), dir);
+    struct vor_store *store = vt_dir_store(dir);
     struct vor_job_view none = insert(store, "", ""), a = insert(store, "alice", "");
     struct vor_job_view b = insert(store, "bob", "");
 
@@ -83,7 +74,7 @@ END_TEST
 START_TEST(a_key_of_a_request_is_one_s_own)
 {
     const char *dir = vt_dir_make();
-    struct vor_store *store = vt_dir_store_of(vor_store_driver_at((unsigned)_i % drivers()), dir);
+    struct vor_store *store = vt_dir_store(dir);
     struct vor_job_view a = insert(store, "alice", "k"), b = insert(store, "bob", "k"), back;
     int found;
 
@@ -100,7 +91,7 @@ END_TEST
 START_TEST(what_is_stored_for_a_tenant_is_the_sum_of_his_jobs)
 {
     const char *dir = vt_dir_make();
-    struct vor_store *store = vt_dir_store_of(vor_store_driver_at((unsigned)_i % drivers()), dir);
+    struct vor_store *store = vt_dir_store(dir);
     struct vor_job_view done = insert(store, "alice", "");
     uint64_t bytes = 1;
     int changed;
@@ -126,8 +117,8 @@ int main(void)
 {
     Suite *suite = suite_create("store_tenants");
 
-    vt_add_loop(suite, a_tenant_gets_and_lists_his_rows_alone, (int)drivers());
-    vt_add_loop(suite, a_key_of_a_request_is_one_s_own, (int)drivers());
-    vt_add_loop(suite, what_is_stored_for_a_tenant_is_the_sum_of_his_jobs, (int)drivers());
+    vt_add(suite, a_tenant_gets_and_lists_his_rows_alone);
+    vt_add(suite, a_key_of_a_request_is_one_s_own);
+    vt_add(suite, what_is_stored_for_a_tenant_is_the_sum_of_his_jobs);
     return vt_run(suite);
 }

@@ -17,13 +17,9 @@
 #include <time.h>
 #include <unistd.h>
 
-static struct vor_uuid submit(struct vt_daemon *daemon, const struct vor_cloud *cloud,
-                              struct vor_spec spec)
+static struct vor_uuid submit(struct vt_daemon *daemon, size_t n, struct vor_spec spec)
 {
-    struct vor_uuid id;
-
-    ck_assert_int_eq(vt_daemon_submit(daemon, cloud, &spec, &id), VOR_DONE);
-    return id;
+    return vt_daemon_submit_sphere(daemon, n, &spec);
 }
 
 static void dismiss(struct vt_daemon *daemon, const struct vor_uuid *id)
@@ -39,7 +35,7 @@ static void dismiss(struct vt_daemon *daemon, const struct vor_uuid *id)
 START_TEST(a_job_ends_with_exactly_the_points_asked_for)
 {
     struct vt_daemon daemon;
-    struct vor_cloud cloud, result;
+    struct vor_cloud result;
     struct vor_job_view view;
     struct vor_json *report = NULL;
     struct vor_uuid id;
@@ -49,8 +45,7 @@ START_TEST(a_job_ends_with_exactly_the_points_asked_for)
     char *json;
 
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
-    vt_cloud_sphere(&cloud, 1, 2000);
-    id = submit(&daemon, &cloud, vt_request(300, 5));
+    id = submit(&daemon, 2000, vt_request(300, 5));
     view = vt_daemon_wait_over(&daemon, &id);
     ck_assert_msg(view.status == VOR_JOB_SUCCESSFUL, "%s", view.message);
     ck_assert_int_eq(view.progress, 100);
@@ -81,7 +76,6 @@ START_TEST(a_job_ends_with_exactly_the_points_asked_for)
     free(json);
     free(bytes);
     vor_cloud_free(&result);
-    vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
 }
 END_TEST
@@ -100,15 +94,13 @@ START_TEST(the_events_of_a_job_are_the_same_live_and_from_its_trace)
     struct vor_event first = {.kind = VOR_EVENT_STATUS}, second;
     struct vor_bus *live, *stored;
     struct vt_daemon daemon;
-    struct vor_cloud cloud;
     struct vor_uuid id;
     struct vor_spec spec = vt_request(100, 12);
     uint32_t records[2] = {0}; /* of iterations, of the polish */
 
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
-    vt_cloud_sphere(&cloud, 2, 1000);
     vt_assert_ok(vor_spec_set_number(&spec, "polish", _i * 40, &vt_err));
-    id = submit(&daemon, &cloud, spec);
+    id = submit(&daemon, 1000, spec);
     live = events(&daemon, &id);
     (void)vt_daemon_wait_over(&daemon, &id);
     vt_daemon_wait_idle(&daemon);
@@ -133,7 +125,6 @@ START_TEST(the_events_of_a_job_are_the_same_live_and_from_its_trace)
     ck_assert_int_eq(records[1] > 0, _i > 0);
     vor_bus_release(live);
     vor_bus_release(stored);
-    vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
 }
 END_TEST
@@ -176,13 +167,11 @@ START_TEST(who_follows_a_job_asks_the_store_once_however_many_its_events)
     struct vor_job_view view, stored;
     struct vt_daemon daemon;
     struct vor_event event;
-    struct vor_cloud cloud;
     struct vor_uuid id;
     int events = 0;
 
     vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.prepare = count_reads});
-    vt_cloud_sphere(&cloud, 1, 300);
-    id = submit(&daemon, &cloud, vt_request(100, 50));
+    id = submit(&daemon, 300, vt_request(100, 50));
     ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, &live, &vt_err), VOR_DONE);
     while (!vor_bus_ended(live.bus, NULL))
         vor_worker_followed(daemon.worker, &live, &view);
@@ -207,7 +196,6 @@ START_TEST(who_follows_a_job_asks_the_store_once_however_many_its_events)
     vor_worker_unfollow(&live);
     vor_worker_unfollow(&followed);
     vor_worker_unfollow(&followed);
-    vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
 }
 END_TEST
@@ -216,12 +204,10 @@ START_TEST(a_running_job_is_dismissed_at_once_and_its_cores_are_free)
 {
     struct vt_daemon daemon;
     struct vor_job_view view;
-    struct vor_cloud cloud;
     struct vor_uuid id;
 
     vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.jobs = 1});
-    vt_cloud_sphere(&cloud, 1, 5000);
-    id = submit(&daemon, &cloud, vt_request(20000, 10000));
+    id = submit(&daemon, 5000, vt_request(20000, 10000));
     (void)vt_daemon_wait_iteration(&daemon, &id, 0);
     alarm(120); /* kills a test whose job goes on: it would take a multiple of that */
     dismiss(&daemon, &id);
@@ -232,9 +218,8 @@ START_TEST(a_running_job_is_dismissed_at_once_and_its_cores_are_free)
     vt_daemon_wait_idle(&daemon);
     alarm(0);
     ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
-    id = submit(&daemon, &cloud, vt_request(50, 1)); /* the runner goes on */
+    id = submit(&daemon, 5000, vt_request(50, 1)); /* the runner goes on */
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
-    vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
 }
 END_TEST
@@ -245,12 +230,10 @@ START_TEST(a_waiting_job_is_dismissed_without_running)
     struct vor_uuid runs, waits;
     struct vor_job_view view;
     struct vor_worker_load load;
-    struct vor_cloud cloud;
 
     vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.jobs = 1});
-    vt_cloud_sphere(&cloud, 1, 1000);
     runs = vt_daemon_submit_endless(&daemon);
-    waits = submit(&daemon, &cloud, vt_request(50, 1));
+    waits = submit(&daemon, 1000, vt_request(50, 1));
     view = vt_daemon_get(&daemon, &waits);
     ck_assert_int_eq(view.status, VOR_JOB_ACCEPTED);
     ck_assert_int_eq(view.queue_position, 0);
@@ -264,7 +247,6 @@ START_TEST(a_waiting_job_is_dismissed_without_running)
     ck_assert_int_eq(view.status, VOR_JOB_DISMISSED);
     ck_assert_int_eq(view.started, 0);
     ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
-    vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
 }
 END_TEST
@@ -272,14 +254,12 @@ END_TEST
 START_TEST(a_job_dismissed_while_it_encodes_leaves_no_bytes)
 {
     struct vt_daemon daemon;
-    struct vor_cloud cloud;
     struct timespec pause = {.tv_nsec = 200000}; /* it encodes for many times that */
     struct vor_uuid id;
 
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
-    vt_cloud_sphere(&cloud, 1, 10000);
     for (int i = 0; i < VT_SOAK_LOOPS(1, 3); i++) {
-        id = submit(&daemon, &cloud, vt_request(100000, 0));
+        id = submit(&daemon, 10000, vt_request(100000, 0));
         while (vt_daemon_get(&daemon, &id).stage != VOR_STAGE_ENCODE)
             nanosleep(&pause, NULL);
         dismiss(&daemon, &id); /* removed, should it have been quicker */
@@ -287,7 +267,6 @@ START_TEST(a_job_dismissed_while_it_encodes_leaves_no_bytes)
         ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
         ck_assert_int_eq(vt_dir_count(daemon.dir, "blobs/tmp"), 0);
     }
-    vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
 }
 END_TEST
@@ -296,6 +275,7 @@ START_TEST(a_job_the_engine_refuses_fails_with_the_engine_s_words)
 {
     struct vt_daemon daemon;
     struct vor_job_view view;
+    const struct vor_spec spec = vt_request(100, 5);
     struct vor_cloud line;
     struct vor_uuid id;
     char *json;
@@ -304,7 +284,7 @@ START_TEST(a_job_the_engine_refuses_fails_with_the_engine_s_words)
     vt_cloud_cube(&line, 1, 500);
     for (size_t i = 0; i < line.n; i++)
         line.xyz[3 * i + 1] = line.xyz[3 * i + 2] = 0;
-    id = submit(&daemon, &line, vt_request(100, 5));
+    ck_assert_int_eq(vt_daemon_submit(&daemon, &line, &spec, &id), VOR_DONE);
     view = vt_daemon_wait_over(&daemon, &id);
     ck_assert_int_eq(view.status, VOR_JOB_FAILED);
     ck_assert_int_eq(view.problem.status, VOR_E_DEGENERATE);
@@ -326,21 +306,16 @@ START_TEST(a_job_that_needs_too_much_memory_fails_and_the_next_one_runs)
     struct vt_daemon daemon;
     struct vor_uuid id, small;
     struct vor_job_view view;
-    struct vor_cloud cloud, few;
 
     vt_daemon_start(&daemon, vt_dir_make(),
                     &(struct vt_daemon_options){.jobs = 1, .memory = 2u << 20});
-    vt_cloud_sphere(&cloud, 1, 60000);
-    vt_cloud_sphere(&few, 1, 200);
-    id = submit(&daemon, &cloud, vt_request(60000, 2));
-    small = submit(&daemon, &few, vt_request(50, 2));
+    id = submit(&daemon, 60000, vt_request(60000, 2));
+    small = submit(&daemon, 200, vt_request(50, 2));
     view = vt_daemon_wait_over(&daemon, &id);
     ck_assert_int_eq(view.status, VOR_JOB_FAILED);
     ck_assert_int_eq(view.problem.status, VOR_E_NOMEM);
     view = vt_daemon_wait_over(&daemon, &small);
     ck_assert_msg(view.status == VOR_JOB_SUCCESSFUL, "%s", view.message);
-    vor_cloud_free(&cloud);
-    vor_cloud_free(&few);
     vt_daemon_stop(&daemon);
 }
 END_TEST
@@ -357,8 +332,8 @@ START_TEST(a_full_queue_refuses_and_keeps_nothing)
     vt_cloud_sphere(&cloud, 1, 500);
     ids[0] = vt_daemon_submit_endless(&daemon);
     ck_assert_int_eq(vor_worker_room(daemon.worker), VOR_DONE);
-    ids[1] = submit(&daemon, &cloud, spec);
-    ids[2] = submit(&daemon, &cloud, spec);
+    ids[1] = submit(&daemon, 500, spec);
+    ids[2] = submit(&daemon, 500, spec);
     ck_assert_int_eq(vor_worker_room(daemon.worker), VOR_FULL);
     ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &refused), VOR_FULL);
     ck_assert_int_eq(vt_daemon_kept(&daemon), 3);
@@ -415,22 +390,19 @@ START_TEST(a_job_bears_its_process_and_does_what_it_says)
     const struct vor_process_info *process = vor_process_info((unsigned)_i);
     struct vt_daemon daemon;
     struct vor_job_view view;
-    struct vor_cloud cloud;
     struct vor_spec spec;
     struct vor_uuid id;
 
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
-    vt_cloud_sphere(&cloud, 1, 100);
     vor_spec_preset(&spec, process);
     if (vor_spec_complete(&spec, NULL) != VOR_OK)
         vt_assert_ok(vor_spec_set_number(&spec, "points", (double)counts[_i], &vt_err));
-    id = submit(&daemon, &cloud, spec);
+    id = submit(&daemon, 100, spec);
     view = vt_daemon_wait_over(&daemon, &id);
     ck_assert_str_eq(view.process, process->id);
     ck_assert_ptr_eq(view.spec.process, process);
     ck_assert_int_eq(view.status, VOR_JOB_SUCCESSFUL);
     ck_assert_uint_eq(view.output[0].points, counts[_i]);
-    vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
 }
 END_TEST
@@ -439,13 +411,11 @@ START_TEST(a_finished_job_is_removed_with_its_bytes)
 {
     struct vt_daemon daemon;
     struct vor_job_view view;
-    struct vor_cloud cloud;
     struct vor_bus *bus;
     struct vor_uuid id;
 
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
-    vt_cloud_sphere(&cloud, 1, 200);
-    id = submit(&daemon, &cloud, vt_request(50, 1));
+    id = submit(&daemon, 200, vt_request(50, 1));
     (void)vt_daemon_wait_over(&daemon, &id);
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &id, "left", &vt_err), VOR_CONFLICT);
     ck_assert_int_eq(vt_daemon_get(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
@@ -457,7 +427,6 @@ START_TEST(a_finished_job_is_removed_with_its_bytes)
     ck_assert_int_eq(vor_worker_events(daemon.worker, &id, &bus, &vt_err), VOR_UNKNOWN);
     vt_daemon_wait_idle(&daemon);
     ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
-    vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
 }
 END_TEST
@@ -528,19 +497,16 @@ START_TEST(a_list_shows_the_live_state_of_running_jobs)
 {
     struct vor_job_filter filter = {.limit = 10};
     struct vt_daemon daemon;
-    struct vor_cloud cloud;
     struct vor_uuid id;
     struct counted counted = {.running = &id};
 
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
-    vt_cloud_sphere(&cloud, 1, 300);
     id = vt_daemon_submit_endless(&daemon);
     (void)vt_daemon_wait_iteration(&daemon, &id, 4);
     vt_assert_ok(vor_worker_list(daemon.worker, &filter, count_live, &counted, &vt_err));
     ck_assert_uint_eq(counted.count, 1);
     ck_assert_uint_ge(counted.iteration, 4);
     dismiss(&daemon, &id);
-    vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
 }
 END_TEST
@@ -553,15 +519,13 @@ START_TEST(a_job_interrupted_at_any_instant_ends_once)
     struct vor_job_view views[JOBS];
     struct vor_uuid ids[JOBS];
     struct vt_daemon daemon;
-    struct vor_cloud cloud;
     int results = 0;
 
     vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.jobs = 2});
-    vt_cloud_sphere(&cloud, (uint64_t)_i, 400);
     for (int i = 0; i < JOBS; i++) {
         struct timespec pause = {.tv_nsec = (long)(3e6 * vt_unit((uint64_t)_i, (uint64_t)i))};
 
-        ids[i] = submit(&daemon, &cloud, vt_request(60, 1 + i % 6));
+        ids[i] = submit(&daemon, 400, vt_request(60, 1 + i % 6));
         nanosleep(&pause, NULL);
         if (i % 3 == 0)
             (void)!vor_worker_stop(daemon.worker, &ids[i], &vt_err);
@@ -586,7 +550,6 @@ START_TEST(a_job_interrupted_at_any_instant_ends_once)
     }
     ck_assert_int_eq(vt_daemon_kept(&daemon), results);
     ck_assert_int_eq(vt_dir_count(daemon.dir, "blobs/tmp"), 0);
-    vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
 }
 END_TEST
