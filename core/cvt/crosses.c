@@ -106,19 +106,19 @@ static double weight_of(const struct vor_surface *surface, unsigned k, double ha
     return WEIGHT * sure * fmin(1, bend2 / (BEND_SURE * BEND_SURE));
 }
 
-void vor_crosses_set(struct vor_crosses *crosses, size_t i, const struct vor_surface *surface,
-                     unsigned k, const double at[3], const double axes[9], double spacing)
+void vor_crosses_set(struct vor_crosses *crosses, size_t i, const struct vor_cross_fit *fit,
+                     const double axes[9])
 {
     double *own = &crosses->own[3 * i], *now = &crosses->now[2 * i], half[2] = {0}, length, x, y;
     const float *kept = &crosses->kept[3 * i];
     double before[3] = {(double)kept[0], (double)kept[1], (double)kept[2]}, sure;
 
-    if (surface->kind == VOR_SURFACE_QUADRIC)
-        apart(half, surface, at, axes);
+    if (fit->surface->kind == VOR_SURFACE_QUADRIC)
+        apart(half, fit->surface, fit->at, axes);
     length = sqrt(half[0] * half[0] + half[1] * half[1]);
     own[0] = own[1] = own[2] = 0;
     if (length > 0) {
-        own[2] = weight_of(surface, k, length, spacing);
+        own[2] = weight_of(fit->surface, fit->k, length, fit->spacing);
         doubled(own, half[0] / length, half[1] / length);
         own[0] *= own[2];
         own[1] *= own[2];

@@ -36,17 +36,22 @@ VOR_NODISCARD vor_status vor_crosses_init(struct vor_crosses *out, size_t n,
 /** crosses may be all zero. */
 void vor_crosses_free(struct vor_crosses *crosses);
 
+/** The surface around a seed. */
+struct vor_cross_fit {
+    const struct vor_surface *surface;
+    unsigned k;     /**< points that it was fitted to */
+    double at[3];   /**< the seed, in the surface's local coordinates */
+    double spacing; /**< of the seeds, in the surface's unit */
+};
+
 /** Sets what the surface around seed i says of its cross, and the cross to what it was before, or
  *  to that the first time.
  *
- *  @param[in] surface  fitted to k points around the seed
- *  @param[in] at       the seed, in the surface's local coordinates
- *  @param[in] axes     two orthonormal tangents and the normal at the seed, in world axes
- *  @param[in] spacing  of the seeds, in the surface's unit
+ *  @param[in] axes  two orthonormal tangents and the normal at the seed, in world axes
  *
  *  O(1). Depends on nothing but its arguments and the cross before. */
-void vor_crosses_set(struct vor_crosses *crosses, size_t i, const struct vor_surface *surface,
-                     unsigned k, const double at[3], const double axes[9], double spacing);
+void vor_crosses_set(struct vor_crosses *crosses, size_t i, const struct vor_cross_fit *fit,
+                     const double axes[9]);
 
 /** Takes means with the crosses around, `rounds` times.
  *

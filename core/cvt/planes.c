@@ -170,12 +170,12 @@ static void set_cross(struct vor_planes *p, const struct vor_place *here, size_t
                       const double x[3])
 {
     struct vor_surface bent = here->surface;
-    double at[3];
+    struct vor_cross_fit fit = {.surface = &bent, .k = here->k, .spacing = p->spacing};
 
     if (p->seeds->policy.planes)
         vor_surface_fit(&bent, here->near, here->k);
-    vor_surface_to_local(&bent, x, at);
-    vor_crosses_set(&p->crosses, i, &bent, here->k, at, &p->axes[9 * i], p->spacing);
+    vor_surface_to_local(&bent, x, fit.at);
+    vor_crosses_set(&p->crosses, i, &fit, &p->axes[9 * i]);
 }
 
 /* A bound of the curvatures of a surface; 0 of a plane. */

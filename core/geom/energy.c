@@ -129,11 +129,19 @@ static void add_line(struct vor_energy *out, uint32_t id, double times, const do
     out->own[1] += times * (z[1] - at[1]);
 }
 
-/* Adds what a corner z, of edges a and b, changes when its lines move; by is the gradient in z. */
-static void add_corner(struct vor_energy *out, const struct vor_energy_plane *plane, uint32_t a,
-                       uint32_t b, const double z[2], const double by[2], const double at[2],
-                       const double (*other)[3])
+/* A corner of a cell. */
+struct corner {
+    uint32_t a, b; /* its edges */
+    double z[2];
+    const double *by; /* the gradient in z */
+};
+
+/* Adds what a corner changes when its lines move. */
+static void add_corner(struct vor_energy *out, const struct vor_energy_plane *plane,
+                       const struct corner *corner, const double at[2], const double (*other)[3])
 {
+    const double *z = corner->z, *by = corner->by;
+    uint32_t a = corner->a, b = corner->b;
     double na[2], nb[2], det;
 
     if (a >= VOR_FLAT_SIDE && b >= VOR_FLAT_SIDE)
@@ -175,8 +183,12 @@ void vor_energy_of(struct vor_energy *out, const struct vor_flat *cell,
         }
     }
     for (unsigned e = 0; e < cell->count; e++)
-        add_corner(out, plane, cell->id[e > 0 ? e - 1 : cell->count - 1], cell->id[e],
-                   (double[2]){cell->x[e], cell->y[e]}, by[e], at, other);
+        add_corner(out, plane,
+                   &(struct corner){cell->id[e > 0 ? e - 1 : cell->count - 1],
+                                    cell->id[e],
+                                    {cell->x[e], cell->y[e]},
+                                    by[e]},
+                   at, other);
 }
 
 int vor_energy_shape_of(struct vor_energy_shape *out, const struct vor_flat *cell,

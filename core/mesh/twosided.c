@@ -24,32 +24,38 @@ static uint32_t root_of(struct vor_twosided *sides, uint32_t t, unsigned *contra
     return root;
 }
 
-/* The group beside a triangle over its edge e, and whether the triangle faces the other way than
- * the root of that. Returns 0 where there is none. Of a triangle that is not added, t is
- * VOR_COMPLEX_GONE. */
-static int look(struct vor_twosided *sides, const struct vor_complex *complex, uint32_t t,
-                const uint32_t corner[3], int e, uint32_t *root, unsigned *contrary)
+/* A group of triangles beside a triangle. */
+struct beside {
+    uint32_t root;
+    unsigned contrary; /* whether the triangle faces the other way than the root */
+};
+
+/* Finds the group beside triangle t over its edge from a to b. Returns 0 where there is none. Of a
+ * triangle that is not added, t is VOR_COMPLEX_GONE. */
+static int look(struct beside *out, struct vor_twosided *sides, const struct vor_complex *complex,
+                uint32_t t, uint32_t a, uint32_t b)
 {
-    uint32_t a = corner[e], b = corner[(e + 1) % 3], u = vor_complex_across(complex, t, a, b);
+    uint32_t u = vor_complex_across(complex, t, a, b);
 
     if (u == t)
         return 0;
-    *root = root_of(sides, u, contrary);
-    *contrary ^= (unsigned)vor_complex_runs(&complex->triangle[3 * (size_t)u], a, b);
+    out->root = root_of(sides, u, &out->contrary);
+    out->contrary ^= (unsigned)vor_complex_runs(&complex->triangle[3 * (size_t)u], a, b);
     return 1;
 }
 
 int vor_twosided_takes(struct vor_twosided *sides, const struct vor_complex *complex,
                        const uint32_t corner[3])
 {
-    uint32_t root[3];
-    unsigned contrary[3], count = 0;
+    struct beside its[3];
+    unsigned count = 0;
 
     for (int e = 0; e < 3; e++) {
-        if (!look(sides, complex, VOR_COMPLEX_GONE, corner, e, &root[count], &contrary[count]))
+        if (!look(&its[count], sides, complex, VOR_COMPLEX_GONE, corner[e], corner[(e + 1) % 3]))
             continue;
         for (unsigned k = 0; k < count; k++)
-            if (root[k] == root[count] && contrary[k] != contrary[count] && !sides->one[root[k]])
+            if (its[k].root == its[count].root && its[k].contrary != its[count].contrary &&
+                !sides->one[its[k].root])
                 return 0;
         count++;
     }
@@ -69,19 +75,20 @@ static void join(struct vor_twosided *sides, const struct vor_complex *complex, 
     const uint32_t *corner = &complex->triangle[3 * (size_t)t];
 
     for (int e = 0; e < 3; e++) {
-        uint32_t its, own;
-        unsigned contrary, turned;
+        struct beside its;
+        unsigned turned;
+        uint32_t own;
 
-        if (!look(sides, complex, t, corner, e, &its, &contrary))
+        if (!look(&its, sides, complex, t, corner[e], corner[(e + 1) % 3]))
             continue;
         own = root_of(sides, t, &turned);
-        if (own == its) {
-            sides->one[own] |= turned != contrary;
+        if (own == its.root) {
+            sides->one[own] |= turned != its.contrary;
             continue;
         }
-        sides->parent[own] = its;
-        sides->contrary[own] = (unsigned char)(turned ^ contrary);
-        sides->one[its] |= sides->one[own];
+        sides->parent[own] = its.root;
+        sides->contrary[own] = (unsigned char)(turned ^ its.contrary);
+        sides->one[its.root] |= sides->one[own];
     }
 }
 

@@ -86,26 +86,32 @@ static void put_directions(struct vor_distances *out, const struct vor_stat *to_
     out->chamfer = out->out_to_ref_mean + out->ref_to_out_mean;
 }
 
-/* Measures both directions and the reference's own spacing; d has room for the larger of n and m.
- */
-static vor_status measure(struct vor_distances *out, float *d, const float *xyz, size_t n,
-                          const float *reference, size_t m, const struct vor_knn *to_xyz,
-                          const struct vor_knn *to_reference, const struct vor_run *run,
+/* A cloud, and an index of it. */
+struct indexed {
+    const float *xyz;
+    size_t n;
+    struct vor_knn *knn;
+};
+
+/* Measures both directions and the reference's own spacing; d has room for the larger cloud. */
+static vor_status measure(struct vor_distances *out, float *d, const struct indexed *cloud,
+                          const struct indexed *reference, const struct vor_run *run,
                           struct vor_error *err)
 {
+    size_t n = cloud->n, m = reference->n;
     struct vor_stat forth, back;
     double mean;
-    vor_status status = kth_distances(d, xyz, n, to_reference, 1, run, err);
+    vor_status status = kth_distances(d, cloud->xyz, n, reference->knn, 1, run, err);
 
     if (status != VOR_OK)
         return status;
     forth = summarise(d, n);
-    status = kth_distances(d, reference, m, to_xyz, 1, run, err);
+    status = kth_distances(d, reference->xyz, m, cloud->knn, 1, run, err);
     if (status != VOR_OK)
         return status;
     back = summarise(d, m);
-    put_directions(out, &forth, &back, diagonal(reference, m));
-    status = kth_distances(d, reference, m, to_reference, SEVENTH, run, err);
+    put_directions(out, &forth, &back, diagonal(reference->xyz, m));
+    status = kth_distances(d, reference->xyz, m, reference->knn, SEVENTH, run, err);
     if (status != VOR_OK)
         return status;
     mean = summarise(d, m).mean;
@@ -119,7 +125,7 @@ vor_status vor_distances_measure(struct vor_distances *out, const float *xyz, si
                                  const float *reference, size_t m, const struct vor_run *run,
                                  struct vor_error *err)
 {
-    struct vor_knn *to_xyz = NULL, *to_reference = NULL;
+    struct indexed from = {xyz, n, NULL}, to = {reference, m, NULL};
     struct vor_distances distances;
     double length = m > 0 ? diagonal(reference, m) : 0;
     float *d = NULL;
@@ -132,15 +138,15 @@ vor_status vor_distances_measure(struct vor_distances *out, const float *xyz, si
     d = vor_malloc(run->memory, n > m ? n : m, sizeof *d);
     if (d == NULL)
         return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", n > m ? n : m);
-    status = vor_knn_build(&to_xyz, xyz, n, run->memory, err);
+    status = vor_knn_build(&from.knn, xyz, n, run->memory, err);
     if (status == VOR_OK)
-        status = vor_knn_build(&to_reference, reference, m, run->memory, err);
+        status = vor_knn_build(&to.knn, reference, m, run->memory, err);
     if (status == VOR_OK)
-        status = measure(&distances, d, xyz, n, reference, m, to_xyz, to_reference, run, err);
+        status = measure(&distances, d, &from, &to, run, err);
     if (status == VOR_OK)
         *out = distances;
-    vor_knn_free(to_reference);
-    vor_knn_free(to_xyz);
+    vor_knn_free(to.knn);
+    vor_knn_free(from.knn);
     vor_free(run->memory, d);
     return status;
 }

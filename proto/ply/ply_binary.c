@@ -22,32 +22,33 @@ static void reverse(uint8_t *to, const uint8_t *from, size_t size)
         to[i] = from[size - 1 - i];
 }
 
-static void copy_swapped(struct vor_ply_strided to, const uint8_t *from, size_t from_stride,
-                         size_t n, size_t size, size_t run)
+static void copy_swapped(struct vor_ply_strided to, struct vor_ply_source from, size_t n,
+                         size_t size, size_t run)
 {
     for (size_t i = 0; i < n; i++)
         for (size_t k = 0; k < run; k++)
-            reverse(to.base + i * to.stride + k * size, from + i * from_stride + k * size, size);
+            reverse(to.base + i * to.stride + k * size, from.base + i * from.stride + k * size,
+                    size);
 }
 
 /* A memcpy of constant size is a move or two. */
 #define COPY_CASE(bytes)                                                                           \
     case bytes:                                                                                    \
         for (size_t i = 0; i < n; i++)                                                             \
-            memcpy(to.base + i * to.stride, from + i * from_stride, bytes);                        \
+            memcpy(to.base + i * to.stride, from.base + i * from.stride, bytes);                   \
         break;
 
-void vor_ply_copy(struct vor_ply_strided to, const uint8_t *from, size_t from_stride, size_t n,
-                  size_t size, size_t run, int swap)
+void vor_ply_copy(struct vor_ply_strided to, struct vor_ply_source from, size_t n, size_t size,
+                  size_t run, int swap)
 {
     size_t all = size * run;
 
     if (swap && size > 1) {
-        copy_swapped(to, from, from_stride, n, size, run);
+        copy_swapped(to, from, n, size, run);
         return;
     }
-    if (to.stride == all && from_stride == all) {
-        memcpy(to.base, from, n * all);
+    if (to.stride == all && from.stride == all) {
+        memcpy(to.base, from.base, n * all);
         return;
     }
     switch (all) {
@@ -60,7 +61,7 @@ void vor_ply_copy(struct vor_ply_strided to, const uint8_t *from, size_t from_st
         COPY_CASE(24)
     default:
         for (size_t i = 0; i < n; i++)
-            memcpy(to.base + i * to.stride, from + i * from_stride, all);
+            memcpy(to.base + i * to.stride, from.base + i * from.stride, all);
         break;
     }
 }
@@ -252,8 +253,9 @@ static vor_status read_walked(struct vor_ply_body *body, const struct vor_ply_co
     if (status != VOR_OK || to == NULL)
         return status;
     if (column->coordinate < 0) {
-        vor_ply_copy((struct vor_ply_strided){to, 0}, body->bytes + begin, 0, 1,
-                     vor_type_size(type), 1, swap);
+        vor_ply_copy((struct vor_ply_strided){to, 0},
+                     (struct vor_ply_source){body->bytes + begin, 0}, 1, vor_type_size(type), 1,
+                     swap);
         return VOR_OK;
     }
     value = load(body->bytes + begin, type, swap);
@@ -318,7 +320,7 @@ static void read_block(const struct vor_ply_rows *rows, size_t first, size_t n, 
             convert(column, first, n, from, row, swap);
         } else {
             run = run_length(rows, k);
-            vor_ply_copy(to, from, row, n, size, run, swap);
+            vor_ply_copy(to, (struct vor_ply_source){from, row}, n, size, run, swap);
         }
         from += run * size;
     }

@@ -86,10 +86,16 @@ struct vor_ply_strided {
     size_t stride;
 };
 
+/** The same, only read. */
+struct vor_ply_source {
+    const uint8_t *base;
+    size_t stride;
+};
+
 /** Copies `run` adjacent scalars of `size` bytes for each of n rows, reversing the bytes of each
  *  scalar where swap is set. */
-void vor_ply_copy(struct vor_ply_strided to, const uint8_t *from, size_t from_stride, size_t n,
-                  size_t size, size_t run, int swap);
+void vor_ply_copy(struct vor_ply_strided to, struct vor_ply_source from, size_t n, size_t size,
+                  size_t run, int swap);
 
 /** True where the host's byte order is not the encoding's. */
 int vor_ply_swaps(enum vor_ply_encoding encoding);

@@ -55,8 +55,9 @@ static vor_status read_rows(struct faces *faces, size_t count, struct vor_error 
     for (size_t i = 0; i < count; i++) {
         unsigned corners = at[0];
 
-        vor_ply_copy((struct vor_ply_strided){(uint8_t *)corner, 0}, at + 1, 0, 1, sizeof *corner,
-                     corners, vor_ply_swaps(VOR_PLY_LITTLE));
+        vor_ply_copy((struct vor_ply_strided){(uint8_t *)corner, 0},
+                     (struct vor_ply_source){at + 1, 0}, 1, sizeof *corner, corners,
+                     vor_ply_swaps(VOR_PLY_LITTLE));
         for (unsigned c = 0; c < corners; c++)
             if (corner[c] >= faces->n)
                 return refuse(faces, i, (size_t)(at - faces->body.bytes), err);

@@ -208,7 +208,7 @@ static void put_piece(struct vor_ply_strided to, size_t begin, const void *from,
 {
     struct vor_ply_strided at = {to.base + begin * to.stride, to.stride};
 
-    vor_ply_copy(at, from, vor_type_size(type), n, vor_type_size(type), 1,
+    vor_ply_copy(at, (struct vor_ply_source){from, vor_type_size(type)}, n, vor_type_size(type), 1,
                  vor_ply_swaps(VOR_PLY_LITTLE));
 }
 
@@ -262,8 +262,10 @@ static void put_rows(struct writer *writer, size_t first, size_t n, size_t row)
         else if (field->from_type != field->type)
             put_long(field, first, n, to);
         else
-            vor_ply_copy(to, field->from + first * field->from_stride, field->from_stride, n,
-                         vor_type_size(field->type), 1, vor_ply_swaps(VOR_PLY_LITTLE));
+            vor_ply_copy(to,
+                         (struct vor_ply_source){field->from + first * field->from_stride,
+                                                 field->from_stride},
+                         n, vor_type_size(field->type), 1, vor_ply_swaps(VOR_PLY_LITTLE));
         offset += vor_type_size(field->type);
     }
     writer->used = n * row;
@@ -294,8 +296,8 @@ static void put_face(struct writer *writer, const uint32_t *triangle, size_t run
     for (size_t t = 0; t < run; t++)
         corner[2 + t] = triangle[3 * t + 2];
     writer->buffer[writer->used] = (uint8_t)corners;
-    vor_ply_copy(to, (const uint8_t *)corner, 0, 1, sizeof *corner, corners,
-                 vor_ply_swaps(VOR_PLY_LITTLE));
+    vor_ply_copy(to, (struct vor_ply_source){(const uint8_t *)corner, 0}, 1, sizeof *corner,
+                 corners, vor_ply_swaps(VOR_PLY_LITTLE));
     writer->used += 1 + corners * sizeof *corner;
 }
 
