@@ -95,7 +95,10 @@ is json($both)->{n}, 500, 'the reference is not taken for the cloud';
 my $empty = form('/v1/measure', [['name="cloud"; filename="x.ply"', $cloud], ['name="reference"; filename=""', '']]);
 is_deeply json($empty), json($alone), "a browser's field without a file is none";
 my $id = (split m{/}, $both->{headers}{location})[-1];
-is json($daemon->get("/v1/jobs/$id"))->{processID}, 'measure', 'there is a job of it';
+my $info = json($daemon->get("/v1/jobs/$id"));
+is $info->{processID}, 'measure', 'there is a job of it';
+is_deeply { map { $_ => $info->{voronoid}{inputs}{$_}{points} } keys %{ $info->{voronoid}{inputs} } }, { cloud => 500, reference => 400 },
+    'which tells its inputs';
 is_deeply json($daemon->get("/v1/jobs/$id/results/measure")), json($both), 'with its result';
 refused(curl('/v1/measure', '-F', "reference=\@$ply"), 400, 'invalid-parameter', qr/^measure has no cloud, and needs one$/,
     'a reference without a cloud');

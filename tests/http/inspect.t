@@ -31,8 +31,6 @@ for my $path ('/v1/inspect', '/v1/processes/inspect/execution') {
     is_deeply $told->{points}, { all => $points, invalid => 0, distinct => $points, outliers => 0 }, 'it counts the points';
     my ($id) = $answer->{headers}{location} =~ m{/v1/jobs/([^/]+)\z};
     is $daemon->get("/v1/jobs/$id/results/inspect")->{content}, $answer->{content}, 'and stays at results';
-    is_deeply [keys %{ json($daemon->get("/v1/jobs/$id/results")) }], ['inspect'], 'which list nothing else';
-    is_problem($daemon->get("/v1/jobs/$id/results/$_"), 404, 'no-such-output', "there is no $_") for qw(cloud report);
 }
 is_problem($daemon->post('/v1/inspect', $cloud, Accept => 'application/ply'), 406, 'not-acceptable', 'it is no cloud');
 is_problem($daemon->post('/v1/inspect?points=5', $cloud), 400, 'invalid-parameter', 'it takes no points');
@@ -46,8 +44,34 @@ my $id = json($accepted)->{jobID};
 my $job = $daemon->finish($id);
 is $job->{status}, 'successful', 'it ends well';
 ok !exists $job->{voronoid}{target}, 'it has no target';
-my ($end) = grep { $_->{event} eq 'end' } $daemon->events("/v1/jobs/$id/events")->all;
-is_deeply [keys %{ json($end->{data})->{outputs} }], ['inspect'], 'its end has the address of the document';
+my $path = "/v1/jobs/$id/results/inspect";
+my $address = "$daemon->{url}$path";
+my ($end) = map { json($_->{data}) } grep { $_->{event} eq 'end' } $daemon->events("/v1/jobs/$id/events")->all;
+is_deeply [@$end{qw(status href outputs)}], ['successful', $address, { inspect => $address }], 'its end has the address of the document';
+ok !exists $end->{report}, 'and none of a report';
+is_deeply json($daemon->get("/v1/jobs/$id/trace"))->{records}, [], 'its trace has no records';
+
+# The document is served as any output.
+my $document = $daemon->get($path);
+my $etag = '"' . sha256_hex($document->{content}) . '"';
+is_deeply [@{ $document->{headers} }{qw(content-type accept-ranges etag content-disposition)}],
+    ['application/json', 'bytes', $etag, qq(attachment; filename="$id.json")], 'it has a type, a digest and a name';
+my $length = length $document->{content};
+my $head = $daemon->request('HEAD', $path);
+is "$head->{status} $head->{headers}{'content-length'} " . ($head->{content} // ''), "200 $length ", 'HEAD tells its length';
+my $part = $daemon->get($path, headers => { Range => 'bytes=0-4' });
+is "$part->{status} $part->{content}", '206 ' . substr($document->{content}, 0, 5), 'a part of it can be had';
+is $daemon->get($path, headers => { 'If-None-Match' => $etag })->{status}, 304, 'who has it is told so';
+is_deeply json($daemon->get("/v1/jobs/$id/results")), { inspect => { href => $address, type => 'application/json' } }, 'results list it';
+is_deeply [map { [@$_{qw(title type length)}] } grep { $_->{rel} eq 'item' } @{ $job->{links} }],
+    [['inspect', 'application/json', $length]], 'the job links to it alone';
+for my $other (qw(cloud report inspec inspects input)) {
+    my $none = $daemon->get("/v1/jobs/$id/results/$other");
+    is_problem($none, 404, 'no-such-output', "there is no $other");
+    is json($none)->{detail}, "there is no output $other, want inspect", 'the answer says what there is';
+}
+is $daemon->request('DELETE', "/v1/jobs/$id")->{status}, 200, 'the job is deleted';
+is $daemon->get($path)->{status}, 404, 'and the document with it';
 
 # A square that was sampled evenly has a rim, and a hole where points are missing.
 my @place = grep { ($_->[0] - 20)**2 + ($_->[1] - 25)**2 >= 36 } map { my $y = $_; map { [$_, $y] } 0 .. 49 } 0 .. 49;
