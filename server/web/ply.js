@@ -21,18 +21,38 @@ function property(words) {
         : { name: words[2], type: type(words[1]) };
 }
 
+/* How others name what is drawn, in capitals too; the first spelling is the one used here. */
+const SPELLINGS = [
+    [['x', 'y', 'z']],
+    [['nx', 'ny', 'nz'], ['normal_x', 'normal_y', 'normal_z']],
+    [['red', 'green', 'blue'], ['diffuse_red', 'diffuse_green', 'diffuse_blue'], ['r', 'g', 'b']],
+];
+
+/* Gives scalars of another spelling the names used here, unless one has these already. */
+function respell(properties) {
+    const scalars = properties.filter((one) => !one.count);
+    const find = (name) => scalars.find((one) => one.name === name) ?? scalars.find((one) => one.name.toLowerCase() === name);
+    for (const spellings of SPELLINGS)
+        for (const names of spellings) {
+            const found = names.map(find);
+            if (found.every(Boolean)) found.forEach((one, k) => { one.name = spellings[0][k]; });
+            if (found.some(Boolean)) break;
+        }
+}
+
 /** Reads the header: {format, elements: [{name, count, properties}], length}. Throws an Error with a sentence. */
 export function readHeader(bytes) {
     const text = new TextDecoder('latin1').decode(bytes.subarray(0, HEADER_BYTES_MAX));
     const end = /(^|\n)end_header[ \t]*\r?\n/.exec(text);
-    if (!/^ply\r?\n/.test(text) || !end) throw new Error('This is not a PLY file.');
+    if (!/^(\xef\xbb\xbf)?ply[ \t]*\r?\n/.test(text) || !end) throw new Error('This is not a PLY file.');
     const head = { format: '', elements: [], length: end.index + end[0].length };
     for (const line of text.slice(0, end.index).split('\n')) {
         const words = line.trim().split(/\s+/);
         if (words[0] === 'format') head.format = words[1];
-        if (words[0] === 'element') head.elements.push({ name: words[1], count: Number(words[2]), properties: [] });
+        if (words[0] === 'element') head.elements.push({ name: words[1]?.toLowerCase(), count: Number(words[2]), properties: [] });
         if (words[0] === 'property' && head.elements.length) head.elements.at(-1).properties.push(property(words));
     }
+    head.elements.forEach((element) => respell(element.properties));
     return head;
 }
 

@@ -48,6 +48,7 @@ static void try(const uint8_t *bytes, size_t size, int keep_faces)
     vor_status status;
 
     limits.keep_faces = keep_faces;
+    limits.keep_doubles = keep_faces;
     vor_memory_init(&memory, (size_t)256 << 20);
     vor_cloud_init(&cloud, &memory);
     vor_mesh_init(&mesh, &memory);

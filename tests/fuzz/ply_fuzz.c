@@ -47,8 +47,10 @@ static int is_ply(const uint8_t *bytes, size_t size)
 static vor_status read_any(struct vor_cloud *cloud, const uint8_t *bytes, size_t size,
                            size_t header_bytes, int keep_faces, struct vor_error *err)
 {
-    const struct vor_limits limits = {
-        .points = 1000000, .header_bytes = header_bytes, .keep_faces = keep_faces};
+    const struct vor_limits limits = {.points = 1000000,
+                                      .header_bytes = header_bytes,
+                                      .keep_faces = keep_faces,
+                                      .keep_doubles = keep_faces};
 
     return is_ply(bytes, size) ? vor_codec_read(cloud, NULL, bytes, size, &limits, err)
                                : vor_dump_read(cloud, bytes, size, err);
@@ -72,6 +74,9 @@ static void require_same(const struct vor_cloud *a, const struct vor_cloud *b, i
 {
     need(a->n == b->n && a->attribute_count == b->attribute_count, "another number of things");
     need(!positions || memcmp(a->xyz, b->xyz, 12 * a->n) == 0, "other positions");
+    need(!positions || (a->exact == NULL) == (b->exact == NULL), "doubles of one");
+    need(!positions || a->exact == NULL || memcmp(a->exact, b->exact, 24 * a->n) == 0,
+         "other doubles");
     need(a->notes.remarks_size == b->notes.remarks_size &&
              (a->notes.remarks_size == 0 ||
               memcmp(a->notes.remarks, b->notes.remarks, a->notes.remarks_size) == 0),

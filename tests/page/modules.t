@@ -45,6 +45,12 @@ function ascii() {
     equal([...cloud.colors], [255, 0, 0, 0, 255, 0, 0, 0, 128, 0, 0, 0], 'colours that are floats go to 1');
     equal([...cloud.faces], [0, 1, 2, 0, 2, 3], 'a face of four corners is two triangles');
     equal([cloud.low, cloud.high], [[-1, -2, 0], [1, 2, 0]], 'and its box is told');
+    const other = readPly(bytes('\u{feff}ply \nformat ascii 1.0\nelement Vertex 2\nproperty float X\nproperty float Y\nproperty float Z\n'
+        + 'property uchar r\nproperty uchar g\nproperty uchar b\nproperty float q\nend_header\n0 1 2 3 4 5 -nan(ind)\n2 1 0 6 7 8 1.#QNAN\n'), [0, 0, 0]);
+    equal([[...other.positions], [...other.colors]], [[0, 1, 2, 2, 1, 0], [3, 4, 5, 6, 7, 8]], 'so is one as other programs write them');
+    const red = readPly(bytes('ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty float red\n'
+        + 'property uchar r\nproperty uchar g\nproperty uchar b\nend_header\n0 1 2 3 4 5 6\n'));
+    equal(red.colors, null, 'a red alone is no colour, nor are those beside it');
 }
 
 /* Points 1 mm apart, 5,000 km from zero. */
