@@ -129,15 +129,24 @@ void vt_daemon_wait_idle(struct vt_daemon *daemon)
     } while (load.running > 0 || load.waiting > 0);
 }
 
+enum vor_job_outcome vt_daemon_try_sphere(struct vt_daemon *daemon, size_t n,
+                                          const struct vor_spec *spec, struct vor_uuid *id)
+{
+    enum vor_job_outcome outcome;
+    struct vor_cloud cloud;
+
+    vt_cloud_sphere(&cloud, 1, n);
+    outcome = vt_daemon_submit(daemon, &cloud, spec, id);
+    vor_cloud_free(&cloud);
+    return outcome;
+}
+
 struct vor_uuid vt_daemon_submit_sphere(struct vt_daemon *daemon, size_t n,
                                         const struct vor_spec *spec)
 {
-    struct vor_cloud cloud;
     struct vor_uuid id;
 
-    vt_cloud_sphere(&cloud, 1, n);
-    ck_assert_int_eq(vt_daemon_submit(daemon, &cloud, spec, &id), VOR_DONE);
-    vor_cloud_free(&cloud);
+    ck_assert_int_eq(vt_daemon_try_sphere(daemon, n, spec, &id), VOR_DONE);
     return id;
 }
 

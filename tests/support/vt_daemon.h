@@ -58,7 +58,11 @@ enum vor_job_outcome vt_daemon_submit_inputs(struct vt_daemon *daemon,
 enum vor_job_outcome vt_daemon_submit(struct vt_daemon *daemon, const struct vor_cloud *cloud,
                                       const struct vor_spec *spec, struct vor_uuid *id);
 
-/** Submits a sphere of n points, which must be accepted; the job's id. */
+/** Submits a sphere of n points. */
+enum vor_job_outcome vt_daemon_try_sphere(struct vt_daemon *daemon, size_t n,
+                                          const struct vor_spec *spec, struct vor_uuid *id);
+
+/** The same, which must be accepted; the job's id. */
 struct vor_uuid vt_daemon_submit_sphere(struct vt_daemon *daemon, size_t n,
                                         const struct vor_spec *spec);
 

@@ -83,18 +83,6 @@ START_TEST(an_estimate_grows_with_what_is_asked_for)
 }
 END_TEST
 
-static enum vor_job_outcome submit(struct vt_daemon *daemon, const struct vor_spec *spec,
-                                   struct vor_uuid *id)
-{
-    enum vor_job_outcome outcome;
-    struct vor_cloud cloud;
-
-    vt_cloud_sphere(&cloud, 5, 1500);
-    outcome = vt_daemon_submit(daemon, &cloud, spec, id);
-    vor_cloud_free(&cloud);
-    return outcome;
-}
-
 START_TEST(a_job_that_runs_longer_than_it_may_fails_and_says_so)
 {
     struct vt_daemon_options options = {.job_seconds = 0.2};
@@ -105,13 +93,14 @@ START_TEST(a_job_that_runs_longer_than_it_may_fails_and_says_so)
     struct vor_uuid id;
 
     vt_daemon_start(&daemon, dir, &options);
-    ck_assert_int_eq(submit(&daemon, &spec, &id), VOR_FAILED); /* it is seen to be too long */
+    ck_assert_int_eq(vt_daemon_try_sphere(&daemon, 1500, &spec, &id),
+                     VOR_FAILED); /* it is seen to be too long */
     ck_assert_int_eq(vt_err.status, VOR_E_WORK);
     vt_daemon_stop(&daemon);
 
     options.job_seconds = 0.4; /* a quarter of the estimate, 1.4 */
     vt_daemon_start(&daemon, dir, &options);
-    ck_assert_int_eq(submit(&daemon, &spec, &id), VOR_DONE);
+    ck_assert_int_eq(vt_daemon_try_sphere(&daemon, 1500, &spec, &id), VOR_DONE);
     view = vt_daemon_wait_over(&daemon, &id);
     ck_assert_int_eq(view.status, VOR_JOB_FAILED);
     ck_assert_int_eq(view.problem.status, VOR_E_DEADLINE);
@@ -133,7 +122,7 @@ START_TEST(the_time_of_a_request_ends_a_step_under_way_and_the_report_says_so)
 
     vt_assert_ok(vor_spec_set_number(&spec, "seconds", 1e-4, &vt_err));
     vt_daemon_start(&daemon, dir, NULL);
-    ck_assert_int_eq(submit(&daemon, &spec, &id), VOR_DONE);
+    ck_assert_int_eq(vt_daemon_try_sphere(&daemon, 1500, &spec, &id), VOR_DONE);
     view = vt_daemon_wait_over(&daemon, &id);
     ck_assert_int_eq(view.status, VOR_JOB_SUCCESSFUL);
     ck_assert_uint_eq(view.output[0].points, 300);

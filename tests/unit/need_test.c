@@ -121,18 +121,6 @@ START_TEST(the_estimate_is_near_the_peak)
 }
 END_TEST
 
-static enum vor_job_outcome submit(struct vt_daemon *daemon, const struct vor_spec *spec,
-                                   struct vor_uuid *id)
-{
-    enum vor_job_outcome outcome;
-    struct vor_cloud cloud;
-
-    vt_cloud_sphere(&cloud, 5, 1500);
-    outcome = vt_daemon_submit(daemon, &cloud, spec, id);
-    vor_cloud_free(&cloud);
-    return outcome;
-}
-
 /* What a job of that request is let in with. */
 static uint64_t need_of(const struct vor_spec *spec)
 {
@@ -154,9 +142,9 @@ START_TEST(jobs_that_fit_alone_but_not_together_wait_for_each_other)
     struct vor_uuid runs, waits;
 
     vt_daemon_start(&daemon, dir, &options);
-    ck_assert_int_eq(submit(&daemon, &endless, &runs), VOR_DONE);
+    ck_assert_int_eq(vt_daemon_try_sphere(&daemon, 1500, &endless, &runs), VOR_DONE);
     (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
-    ck_assert_int_eq(submit(&daemon, &quick, &waits), VOR_DONE);
+    ck_assert_int_eq(vt_daemon_try_sphere(&daemon, 1500, &quick, &waits), VOR_DONE);
     (void)vt_daemon_wait_iteration(&daemon, &runs,
                                    vt_daemon_get(&daemon, &runs).record.iteration + 5);
     vor_worker_load(daemon.worker, &load);
@@ -179,7 +167,7 @@ START_TEST(a_job_larger_than_all_memory_is_refused_with_the_numbers)
     struct vor_uuid id;
 
     vt_daemon_start(&daemon, dir, &options);
-    ck_assert_int_eq(submit(&daemon, &spec, &id), VOR_FAILED);
+    ck_assert_int_eq(vt_daemon_try_sphere(&daemon, 1500, &spec, &id), VOR_FAILED);
     ck_assert_int_eq(vt_err.status, VOR_E_NOMEM);
     ck_assert_uint_eq(vt_err.limit, 1 << 20);
     ck_assert_uint_ge(vt_err.got, need_of(&spec));

@@ -146,13 +146,8 @@ enum { DECODED = 500 * 12 + 56 + 72 };
 static enum vor_job_outcome submit(struct vt_daemon *daemon, struct vor_uuid *id)
 {
     struct vor_spec endless = vt_request(300, 10000);
-    enum vor_job_outcome outcome;
-    struct vor_cloud cloud;
 
-    vt_cloud_sphere(&cloud, 1, 500);
-    outcome = vt_daemon_submit(daemon, &cloud, &endless, id);
-    vor_cloud_free(&cloud);
-    return outcome;
+    return vt_daemon_try_sphere(daemon, 500, &endless, id);
 }
 
 START_TEST(inputs_that_wait_are_bounded_by_their_decoded_bytes)

@@ -1,15 +1,12 @@
 /* The worker process as the front sees it: runs that end well, that crash, that do not listen, that
- * talk nonsense; and what becomes of those beside them. Runs follow a script here, except where
- * the real ones are compared with runs in this process. */
-#include "proto/dump.h"
+ * talk nonsense; and what becomes of those beside them. Runs follow a script here; of real ones
+ * there is station_runs. */
 #include "server/base/log.h"
 #include "server/base/metrics.h"
-#include "server/work/codec_child.h"
-#include "server/work/execute.h"
 #include "server/work/station.h"
-#include "server/work/supervisor.h"
 #include "server/work/wire.h"
 #include "tests/support/vt.h"
+#include "tests/support/vt_front.h"
 
 #include <pthread.h>
 #include <signal.h>
@@ -176,170 +173,38 @@ static int unfit(int channel, const int *fds, unsigned fd_count)
     return vor_channel_send(channel, &err, sizeof err, NULL, 0, NULL) == VOR_OK ? 0 : 1;
 }
 
-/* Codec children that do not encode. */
-static int crash(int channel, const int *fds, unsigned fd_count)
-{
-    (void)channel;
-    (void)fds;
-    (void)fd_count;
-    (void)signal(SIGABRT, SIG_DFL);
-    return raise(SIGABRT);
-}
-
-static int sleep_on(int channel, const int *fds, unsigned fd_count)
-{
-    (void)channel;
-    (void)fds;
-    (void)fd_count;
-    return pause();
-}
-
-enum { SCRIPTED, STATION, UNREADY, UNFIT, CODEC, CRASHING_CODEC, SLEEPING_CODEC, KINDS };
+enum { SCRIPTED, UNREADY, UNFIT, KINDS };
 
 static const struct vor_child_kind kinds[KINDS] = {
-    [SCRIPTED] = {"t-scripted", scripted},    [STATION] = {"t-station", vor_station_run},
-    [UNREADY] = {"t-unready", unready},       [UNFIT] = {"t-unfit", unfit},
-    [CODEC] = {"t-codec", vor_codec_child},   [CRASHING_CODEC] = {"t-crash", crash},
-    [SLEEPING_CODEC] = {"t-sleep", sleep_on},
+    [SCRIPTED] = {"t-scripted", scripted},
+    [UNREADY] = {"t-unready", unready},
+    [UNFIT] = {"t-unfit", unfit},
 };
 
 /* --- the front -------------------------------------------------------------------------------- */
 
-struct front {
-    struct vor_zygote *zygote; /* malloc */
-    struct vor_supervisor *supervisor;
-};
-
-static struct front front_of(struct vor_supervisor_config config)
+static struct vt_front front_start(double cancel_seconds, double stall_seconds)
 {
-    struct front front = {.zygote = malloc(sizeof *front.zygote)};
-
-    config.zygote = front.zygote;
-    if (config.codec.kind != 0)
-        config.codec.zygote = front.zygote;
-    config.threads = 2;
-    config.memory = (size_t)1 << 28;
-    vt_assert_ok(vor_zygote_start(front.zygote, kinds, KINDS, &vt_err));
-    vt_assert_ok(vor_supervisor_create(&front.supervisor, &config, &vt_err));
-    return front;
-}
-
-static struct front front_start(unsigned kind, double cancel_seconds, double stall_seconds)
-{
-    return front_of((struct vor_supervisor_config){
-        .kind = kind, .cancel_seconds = cancel_seconds, .stall_seconds = stall_seconds});
-}
-
-/* Whose worker has results encoded by children of that kind. */
-static struct front front_with_codec(unsigned codec)
-{
-    struct vor_error why;
-
-    return front_of((struct vor_supervisor_config){
-        .kind = STATION,
-        .cancel_seconds = 10,
-        .codec = {.kind = codec, .sandbox = vor_sandbox_probe(&why)}});
-}
-
-static void front_stop(struct front *front)
-{
-    vor_supervisor_destroy(front->supervisor);
-    vor_zygote_stop(front->zygote);
-    free(front->zygote);
-}
-
-static struct vor_supervisor_counts counts_of(const struct front *front)
-{
-    struct vor_supervisor_counts counts;
-
-    vor_supervisor_counts(front->supervisor, &counts);
-    return counts;
-}
-
-/* A run and what it told. */
-struct heard {
-    const struct front *front;
-    enum script script;
-    int is_suspect, file; /* file: of the order, 0 for none */
-    atomic_int asked;     /* enum vor_answer */
-    atomic_int is_over;
-    atomic_int stages;
-    int records, waits;
-    struct vor_record record;
-    struct vor_run_result result;
-    struct vor_text kept;
-    struct vor_error err;
-    enum vor_run_end end;
-    pthread_t thread;
-};
-
-static enum vor_answer answer(void *ctx)
-{
-    return (enum vor_answer)atomic_load(&((struct heard *)ctx)->asked);
-}
-
-static void hear_record(void *ctx, const struct vor_record *record)
-{
-    struct heard *heard = ctx;
-
-    heard->records++;
-    heard->record = *record;
-}
-
-static void hear_stage(void *ctx, enum vor_stage stage)
-{
-    struct heard *heard = ctx;
-
-    if (stage == VOR_STAGE_ENCODE)
-        atomic_fetch_add(&heard->stages, 1);
-}
-
-static void hear_wait(void *ctx, const struct vor_error *why)
-{
-    (void)why;
-    ((struct heard *)ctx)->waits++;
-}
-
-static struct vor_order order_of(size_t memory)
-{
-    struct vor_order order = {.memory = memory};
-
-    vor_spec_init(&order.spec);
-    for (int i = 0; i < VOR_INPUTS_MAX; i++)
-        order.input[i] = -1;
-    for (int i = 0; i < VOR_OUTPUTS_MAX; i++)
-        order.output[i] = -1;
-    return order;
-}
-
-static void run_at(struct heard *heard, struct vor_run_executor *executor,
-                   const struct vor_order *order)
-{
-    const struct vor_listener listener = {.ctx = heard,
-                                          .asked = answer,
-                                          .progress = hear_record,
-                                          .stage = hear_stage,
-                                          .waits = hear_wait};
-
-    vor_text_init(&heard->kept, 0);
-    heard->end =
-        executor->run(executor, order, &listener, &heard->result, &heard->kept, &heard->err);
+    return vt_front_start(kinds, KINDS,
+                          (struct vor_supervisor_config){.kind = SCRIPTED,
+                                                         .cancel_seconds = cancel_seconds,
+                                                         .stall_seconds = stall_seconds});
 }
 
 static void *run_script(void *arg)
 {
-    struct heard *heard = arg;
-    struct vor_order order = order_of((size_t)heard->script);
+    struct vt_heard *heard = arg;
+    struct vor_order order = vt_order_of((size_t)heard->script);
 
     order.is_suspect = heard->is_suspect;
     if (heard->file > 0)
         order.output[0] = heard->file;
-    run_at(heard, vor_supervisor_executor(heard->front->supervisor), &order);
+    vt_heard_run(heard, vor_supervisor_executor(heard->front->supervisor), &order);
     atomic_store(&heard->is_over, 1);
     return NULL;
 }
 
-static void begin_as(struct heard *heard, const struct front *front, enum script script,
+static void begin_as(struct vt_heard *heard, const struct vt_front *front, enum script script,
                      int is_suspect)
 {
     memset(heard, 0, sizeof *heard);
@@ -350,25 +215,25 @@ static void begin_as(struct heard *heard, const struct front *front, enum script
 }
 
 /* Begins a run that follows a script. */
-static void begin(struct heard *heard, const struct front *front, enum script script)
+static void begin(struct vt_heard *heard, const struct vt_front *front, enum script script)
 {
     begin_as(heard, front, script, 0);
 }
 
-static void wait_seated(struct heard *heard)
+static void wait_seated(struct vt_heard *heard)
 {
     while (atomic_load(&heard->stages) == 0)
         nap(1);
 }
 
-static enum vor_run_end end_of(struct heard *heard)
+static enum vor_run_end end_of(struct vt_heard *heard)
 {
     pthread_join(heard->thread, NULL);
     vor_text_free(&heard->kept);
     return heard->end;
 }
 
-static enum vor_run_end end_of_script(struct heard *heard, const struct front *front,
+static enum vor_run_end end_of_script(struct vt_heard *heard, const struct vt_front *front,
                                       enum script script)
 {
     begin(heard, front, script);
@@ -379,8 +244,8 @@ static enum vor_run_end end_of_script(struct heard *heard, const struct front *f
 
 START_TEST(a_run_tells_its_records_its_stage_and_its_result)
 {
-    struct front front = front_start(SCRIPTED, 0, 0);
-    struct heard heard;
+    struct vt_front front = front_start(0, 0);
+    struct vt_heard heard;
 
     begin(&heard, &front, SAYS_ALL);
     pthread_join(heard.thread, NULL);
@@ -398,15 +263,15 @@ START_TEST(a_run_tells_its_records_its_stage_and_its_result)
     ck_assert_int_eq(end_of_script(&heard, &front, SAYS_FAILURE), VOR_RUN_FAILED);
     ck_assert_int_eq(heard.err.status, VOR_E_TARGET);
     ck_assert_str_eq(heard.err.message, "no");
-    ck_assert_uint_eq(counts_of(&front).crashed, 0);
-    front_stop(&front);
+    ck_assert_uint_eq(vt_front_counts(&front).crashed, 0);
+    vt_front_stop(&front);
 }
 END_TEST
 
 START_TEST(what_a_listener_answers_reaches_its_run_and_no_other)
 {
-    struct front front = front_start(SCRIPTED, 0, 0);
-    struct heard obeys, other;
+    struct vt_front front = front_start(0, 0);
+    struct vt_heard obeys, other;
 
     begin(&other, &front, OBEYS);
     begin(&obeys, &front, OBEYS);
@@ -419,8 +284,8 @@ START_TEST(what_a_listener_answers_reaches_its_run_and_no_other)
     ck_assert(!atomic_load(&other.is_over));
     atomic_store(&other.asked, VOR_CANCEL);
     ck_assert_int_eq(end_of(&other), VOR_RUN_FAILED);
-    ck_assert_uint_eq(counts_of(&front).crashed, 0);
-    front_stop(&front);
+    ck_assert_uint_eq(vt_front_counts(&front).crashed, 0);
+    vt_front_stop(&front);
 }
 END_TEST
 
@@ -436,22 +301,22 @@ START_TEST(a_crash_with_nothing_beside_it_is_told_as_such_and_the_next_run_has_a
         {LEAVES, "the worker crashed (memory used up)"},
         {SAYS_NONSENSE, "the worker crashed (signal 9)"},
     };
-    struct front front = front_start(SCRIPTED, 0, 0);
-    struct heard heard;
+    struct vt_front front = front_start(0, 0);
+    struct vt_heard heard;
 
     ck_assert_int_eq(end_of_script(&heard, &front, cases[_i].script), VOR_RUN_CRASHED_ALONE);
     ck_assert_str_eq(heard.err.message, cases[_i].says);
     ck_assert_int_eq(end_of_script(&heard, &front, SAYS_ALL), VOR_RUN_DONE);
-    ck_assert_uint_eq(counts_of(&front).crashed, 1);
-    ck_assert_uint_eq(counts_of(&front).started, 2);
-    front_stop(&front);
+    ck_assert_uint_eq(vt_front_counts(&front).crashed, 1);
+    ck_assert_uint_eq(vt_front_counts(&front).started, 2);
+    vt_front_stop(&front);
 }
 END_TEST
 
 START_TEST(a_crash_is_told_to_all_that_ran_there)
 {
-    struct front front = front_start(SCRIPTED, 0, 0);
-    struct heard beside[3], heard;
+    struct vt_front front = front_start(0, 0);
+    struct vt_heard beside[3], heard;
     struct vor_text numbers;
 
     vor_metrics_reset();
@@ -462,19 +327,19 @@ START_TEST(a_crash_is_told_to_all_that_ran_there)
     ck_assert_int_eq(end_of_script(&heard, &front, ABORTS), VOR_RUN_CRASHED);
     for (int i = 0; i < 3; i++)
         ck_assert_int_eq(end_of(&beside[i]), VOR_RUN_CRASHED);
-    ck_assert_uint_eq(counts_of(&front).crashed, 1);
+    ck_assert_uint_eq(vt_front_counts(&front).crashed, 1);
     vor_text_init(&numbers, 0);
     vor_metrics_write(&numbers);
     ck_assert_ptr_nonnull(strstr(numbers.data, "\nvoronoid_worker_restarts_total 1\n"));
     vor_text_free(&numbers);
-    front_stop(&front);
+    vt_front_stop(&front);
 }
 END_TEST
 
 START_TEST(a_suspect_runs_in_a_process_of_its_own)
 {
-    struct front front = front_start(SCRIPTED, 0, 0);
-    struct heard beside, suspects[2], heard;
+    struct vt_front front = front_start(0, 0);
+    struct vt_heard beside, suspects[2], heard;
 
     begin(&beside, &front, OBEYS);
     begin_as(&suspects[0], &front, OBEYS, 1);
@@ -490,16 +355,16 @@ START_TEST(a_suspect_runs_in_a_process_of_its_own)
     ck_assert_int_eq(suspects[0].err.status, VOR_E_CANCELLED);
     begin_as(&heard, &front, SAYS_ALL, 1);
     ck_assert_int_eq(end_of(&heard), VOR_RUN_DONE);
-    ck_assert_uint_eq(counts_of(&front).started, 4);
-    ck_assert_uint_eq(counts_of(&front).crashed, 2);
-    front_stop(&front);
+    ck_assert_uint_eq(vt_front_counts(&front).started, 4);
+    ck_assert_uint_eq(vt_front_counts(&front).crashed, 2);
+    vt_front_stop(&front);
 }
 END_TEST
 
 START_TEST(a_worker_that_ended_between_two_runs_costs_neither)
 {
-    struct front front = front_start(SCRIPTED, 0, 0);
-    struct heard heard = {.front = &front, .script = ENDS_LATER};
+    struct vt_front front = front_start(0, 0);
+    struct vt_heard heard = {.front = &front, .script = ENDS_LATER};
     int ends[2];
     char byte;
 
@@ -513,20 +378,20 @@ START_TEST(a_worker_that_ended_between_two_runs_costs_neither)
     close(ends[0]);
     nap(50);
     ck_assert_int_eq(end_of_script(&heard, &front, SAYS_ALL), VOR_RUN_DONE);
-    ck_assert_uint_eq(counts_of(&front).started, 2);
-    front_stop(&front);
+    ck_assert_uint_eq(vt_front_counts(&front).started, 2);
+    vt_front_stop(&front);
 }
 END_TEST
 
 START_TEST(a_worker_without_a_sign_of_life_is_ended)
 {
-    struct front front = front_start(SCRIPTED, 0, 0.4);
-    struct heard heard;
+    struct vt_front front = front_start(0, 0.4);
+    struct vt_heard heard;
 
     ck_assert_int_eq(end_of_script(&heard, &front, STOPS), VOR_RUN_CRASHED_ALONE);
     ck_assert_str_eq(heard.err.message, "the worker crashed (no sign of life)");
     ck_assert_int_eq(end_of_script(&heard, &front, SAYS_ALL), VOR_RUN_DONE);
-    front_stop(&front);
+    vt_front_stop(&front);
 }
 END_TEST
 
@@ -534,8 +399,8 @@ END_TEST
 
 START_TEST(a_cancelled_run_that_does_not_end_is_ended_and_blamed_alone)
 {
-    struct front front = front_start(SCRIPTED, 1, 0);
-    struct heard deaf, beside;
+    struct vt_front front = front_start(1, 0);
+    struct vt_heard deaf, beside;
 
     begin(&beside, &front, OBEYS);
     begin(&deaf, &front, IS_DEAF);
@@ -546,218 +411,7 @@ START_TEST(a_cancelled_run_that_does_not_end_is_ended_and_blamed_alone)
     ck_assert_int_eq(deaf.err.status, VOR_E_CANCELLED);
     ck_assert_int_eq(end_of(&beside), VOR_RUN_DISTURBED);
     ck_assert_str_eq(beside.err.message, "the worker crashed (a cancelled run did not end)");
-    front_stop(&front);
-}
-END_TEST
-
-START_TEST(a_deaf_run_is_ended_and_one_that_listens_is_not)
-{
-    struct front front = front_start(SCRIPTED, 2.5, 0);
-    struct heard deaf, obeys;
-
-    begin(&deaf, &front, IS_DEAF);
-    wait_seated(&deaf);
-    atomic_store(&deaf.asked, VOR_CANCEL);
-    ck_assert_int_eq(end_of(&deaf), VOR_RUN_FAILED);
-    while (counts_of(&front).crashed == 0) /* nobody waits for it */
-        nap(1);
-    begin(&obeys, &front, OBEYS);
-    wait_seated(&obeys);
-    atomic_store(&obeys.asked, VOR_CANCEL);
-    ck_assert_int_eq(end_of(&obeys), VOR_RUN_FAILED);
-    ck_assert_uint_eq(counts_of(&front).crashed, 1);
-    front_stop(&front);
-}
-END_TEST
-
-/* --- real runs -------------------------------------------------------------------------------- */
-
-static int sink_file(void *ctx, const void *bytes, size_t size)
-{
-    return fwrite(bytes, 1, size, ctx) == size ? 0 : -1;
-}
-
-/* A file with the dump of a sphere. */
-static FILE *dump_sphere(size_t n)
-{
-    FILE *file = tmpfile();
-    const struct vor_sink sink = {file, sink_file};
-    struct vor_cloud cloud;
-
-    vt_cloud_sphere(&cloud, 3, n);
-    vt_assert_ok(vor_dump_write(&sink, &cloud, &vt_err));
-    vor_cloud_free(&cloud);
-    ck_assert_int_eq(fflush(file), 0);
-    return file;
-}
-
-struct files {
-    FILE *in, *out;
-};
-
-static struct vor_order real_order(struct files *files)
-{
-    struct vor_order order = order_of((size_t)1 << 28);
-
-    vt_assert_ok(vor_spec_set_number(&order.spec, "points", 300, &vt_err));
-    vt_assert_ok(vor_spec_set_number(&order.spec, "polish", 5, &vt_err));
-    files->in = dump_sphere(2000);
-    files->out = tmpfile();
-    order.input[0] = fileno(files->in);
-    order.output[0] = fileno(files->out);
-    return order;
-}
-
-/* The bytes that a run writes; their number in *size. */
-static char *written(struct files *files, size_t *size)
-{
-    char *bytes;
-
-    *size = (size_t)lseek(fileno(files->out), 0, SEEK_END);
-    bytes = malloc(*size + 1);
-    ck_assert_int_eq(pread(fileno(files->out), bytes, *size, 0), (ssize_t)*size);
-    (void)fclose(files->in);
-    (void)fclose(files->out);
-    return bytes;
-}
-
-/* Everything up to the seconds, which differ. */
-static size_t before_seconds(const struct vor_text *kept)
-{
-    const char *at = strstr(kept->data, "\"seconds\"");
-
-    ck_assert_ptr_nonnull(at);
-    return (size_t)(at - kept->data);
-}
-
-/* _i: the format, with and without children that encode. */
-START_TEST(a_run_in_another_process_gives_what_one_in_this_gives)
-{
-    struct front front = _i / 2 == 0 ? front_start(STATION, 0, 0) : front_with_codec(CODEC);
-    struct vor_run_here here;
-    struct heard there_heard = {.front = &front}, here_heard = {.front = &front};
-    struct files there_files, here_files;
-    struct vor_order order = real_order(&there_files);
-    char *wanted, *got;
-    size_t wanted_size, got_size;
-    struct vor_pool *pool;
-
-    order.format = (unsigned)_i % 2;
-    run_at(&there_heard, vor_supervisor_executor(front.supervisor), &order);
-    order = real_order(&here_files);
-    order.format = (unsigned)_i % 2;
-    vt_assert_ok(vor_pool_create(&pool, 2, &vt_err));
-    vor_run_here_init(&here, pool);
-    run_at(&here_heard, &here.base, &order);
-    ck_assert_int_eq(there_heard.end, VOR_RUN_DONE);
-    ck_assert_int_eq(here_heard.end, VOR_RUN_DONE);
-    wanted = written(&here_files, &wanted_size);
-    got = written(&there_files, &got_size);
-    ck_assert_uint_eq(got_size, wanted_size);
-    ck_assert_uint_eq(there_heard.result.output[0].bytes, got_size);
-    ck_assert_mem_eq(got, wanted, got_size);
-    ck_assert_str_eq(there_heard.result.output[0].sha256, here_heard.result.output[0].sha256);
-    ck_assert_str_eq(there_heard.result.message, here_heard.result.message);
-    ck_assert_int_eq(there_heard.records, here_heard.records);
-    ck_assert_int_eq(there_heard.stages, 1);
-    ck_assert_uint_eq(before_seconds(&there_heard.kept), before_seconds(&here_heard.kept));
-    ck_assert_mem_eq(there_heard.kept.data, here_heard.kept.data, before_seconds(&here_heard.kept));
-    free(wanted);
-    free(got);
-    vor_text_free(&there_heard.kept);
-    vor_text_free(&here_heard.kept);
-    vor_pool_destroy(pool);
-    front_stop(&front);
-}
-END_TEST
-
-static void *run_real(void *arg)
-{
-    struct heard *heard = arg;
-    struct files files;
-    struct vor_order order = real_order(&files);
-
-    run_at(heard, vor_supervisor_executor(heard->front->supervisor), &order);
-    (void)fclose(files.in);
-    (void)fclose(files.out);
-    return NULL;
-}
-
-/* Begins a real run. */
-static void begin_real(struct heard *heard, const struct front *front)
-{
-    memset(heard, 0, sizeof *heard);
-    heard->front = front;
-    ck_assert_int_eq(pthread_create(&heard->thread, NULL, run_real, heard), 0);
-}
-
-START_TEST(an_encoder_that_crashes_fails_its_own_run_and_nothing_beside_it)
-{
-    struct front front = front_with_codec(CRASHING_CODEC);
-    struct heard heard[3];
-
-    for (int i = 0; i < 3; i++)
-        begin_real(&heard[i], &front);
-    for (int i = 0; i < 3; i++) {
-        ck_assert_int_eq(end_of(&heard[i]), VOR_RUN_FAILED);
-        ck_assert_int_eq(heard[i].err.status, VOR_E_INTERNAL);
-        ck_assert_str_eq(heard[i].err.message,
-                         "writing the result failed: it crashed (signal 6, exit status 0)");
-    }
-    ck_assert_uint_eq(counts_of(&front).started, 1);
-    ck_assert_uint_eq(counts_of(&front).crashed, 0);
-    front_stop(&front);
-}
-END_TEST
-
-/* Cancels once the outputs are being written. */
-static enum vor_answer cancel_at_end(void *ctx)
-{
-    return atomic_load(&((struct heard *)ctx)->stages) > 0 ? VOR_CANCEL : VOR_CONTINUE;
-}
-
-START_TEST(a_run_that_is_cancelled_does_not_wait_for_its_encoder)
-{
-    struct heard heard = {.script = SAYS_ALL};
-    const struct vor_listener listener = {.ctx = &heard,
-                                          .asked = cancel_at_end,
-                                          .progress = hear_record,
-                                          .stage = hear_stage,
-                                          .waits = hear_wait};
-    struct vor_zygote zygote;
-    struct vor_run_means means = {.codec = {.zygote = &zygote, .kind = SLEEPING_CODEC}};
-    struct files files;
-    struct vor_order order = real_order(&files);
-
-    vt_assert_ok(vor_zygote_start(&zygote, kinds, KINDS, &vt_err));
-    vt_assert_ok(vor_pool_create(&means.pool, 1, &vt_err));
-    vor_text_init(&heard.kept, 0);
-    vt_assert_fails(VOR_E_CANCELLED,
-                    vor_execute(&heard.result, &heard.kept, &order, &means, &listener, &vt_err));
-    vor_text_free(&heard.kept);
-    vor_pool_destroy(means.pool);
-    vor_zygote_stop(&zygote);
-    (void)fclose(files.in);
-    (void)fclose(files.out);
-}
-END_TEST
-
-START_TEST(an_input_that_is_no_dump_fails_the_run_and_not_the_worker)
-{
-    struct front front = front_start(STATION, 0, 0);
-    struct heard heard = {.front = &front};
-    struct files files;
-    struct vor_order order = real_order(&files);
-
-    ck_assert_int_eq(ftruncate(order.input[0], 30), 0);
-    run_at(&heard, vor_supervisor_executor(front.supervisor), &order);
-    ck_assert_int_eq(heard.end, VOR_RUN_FAILED);
-    ck_assert_int_ne(heard.err.status, VOR_OK);
-    ck_assert_uint_eq(counts_of(&front).crashed, 0);
-    (void)fclose(files.in);
-    (void)fclose(files.out);
-    vor_text_free(&heard.kept);
-    front_stop(&front);
+    vt_front_stop(&front);
 }
 END_TEST
 
@@ -823,7 +477,7 @@ END_TEST
 
 START_TEST(an_order_arrives_with_its_files_or_not_at_all)
 {
-    struct vor_order order = order_of(5), got;
+    struct vor_order order = vt_order_of(5), got;
     int ends[2];
 
     vt_assert_ok(vor_channel_pair(ends, &vt_err));
@@ -862,11 +516,6 @@ int main(void)
     vt_add(suite, a_worker_that_ended_between_two_runs_costs_neither);
     vt_add(suite, a_worker_without_a_sign_of_life_is_ended);
     vt_add(suite, a_cancelled_run_that_does_not_end_is_ended_and_blamed_alone);
-    vt_add(suite, a_deaf_run_is_ended_and_one_that_listens_is_not);
-    vt_add_loop(suite, a_run_in_another_process_gives_what_one_in_this_gives, 4);
-    vt_add(suite, an_encoder_that_crashes_fails_its_own_run_and_nothing_beside_it);
-    vt_add(suite, a_run_that_is_cancelled_does_not_wait_for_its_encoder);
-    vt_add(suite, an_input_that_is_no_dump_fails_the_run_and_not_the_worker);
     vt_add(suite, a_worker_whose_threads_do_not_start_is_an_error);
     vt_add(suite, words_that_make_no_sense_break_the_channel);
     vt_add(suite, an_order_arrives_with_its_files_or_not_at_all);

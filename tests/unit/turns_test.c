@@ -120,13 +120,8 @@ END_TEST
 static struct vor_uuid submit(struct vt_daemon *daemon, int iterations)
 {
     struct vor_spec spec = vt_request(200, iterations);
-    struct vor_cloud cloud;
-    struct vor_uuid id;
 
-    vt_cloud_sphere(&cloud, 5, 1500);
-    ck_assert_int_eq(vt_daemon_submit(daemon, &cloud, &spec, &id), VOR_DONE);
-    vor_cloud_free(&cloud);
-    return id;
+    return vt_daemon_submit_sphere(daemon, 1500, &spec);
 }
 
 /* Marks a waiting job as one that was running when the daemon ended. */

@@ -1,0 +1,93 @@
+#include "tests/support/vt_front.h"
+
+#include "tests/support/vt.h"
+
+#include <stdlib.h>
+
+struct vt_front vt_front_start(const struct vor_child_kind *kinds, unsigned count,
+                               struct vor_supervisor_config config)
+{
+    struct vt_front front = {.zygote = malloc(sizeof *front.zygote)};
+
+    config.zygote = front.zygote;
+    if (config.codec.kind != 0)
+        config.codec.zygote = front.zygote;
+    config.threads = 2;
+    config.memory = (size_t)1 << 28;
+    vt_assert_ok(vor_zygote_start(front.zygote, kinds, count, &vt_err));
+    vt_assert_ok(vor_supervisor_create(&front.supervisor, &config, &vt_err));
+    return front;
+}
+
+void vt_front_stop(struct vt_front *front)
+{
+    vor_supervisor_destroy(front->supervisor);
+    vor_zygote_stop(front->zygote);
+    free(front->zygote);
+}
+
+struct vor_supervisor_counts vt_front_counts(const struct vt_front *front)
+{
+    struct vor_supervisor_counts counts;
+
+    vor_supervisor_counts(front->supervisor, &counts);
+    return counts;
+}
+
+static enum vor_answer answer(void *ctx)
+{
+    return (enum vor_answer)atomic_load(&((struct vt_heard *)ctx)->asked);
+}
+
+static void hear_record(void *ctx, const struct vor_record *record)
+{
+    struct vt_heard *heard = ctx;
+
+    heard->records++;
+    heard->record = *record;
+}
+
+static void hear_stage(void *ctx, enum vor_stage stage)
+{
+    struct vt_heard *heard = ctx;
+
+    if (stage == VOR_STAGE_ENCODE)
+        atomic_fetch_add(&heard->stages, 1);
+}
+
+static void hear_wait(void *ctx, const struct vor_error *why)
+{
+    (void)why;
+    ((struct vt_heard *)ctx)->waits++;
+}
+
+struct vor_listener vt_listener_of(struct vt_heard *heard)
+{
+    return (struct vor_listener){.ctx = heard,
+                                 .asked = answer,
+                                 .progress = hear_record,
+                                 .stage = hear_stage,
+                                 .waits = hear_wait};
+}
+
+void vt_heard_run(struct vt_heard *heard, struct vor_run_executor *executor,
+                  const struct vor_order *order)
+{
+    const struct vor_listener listener = vt_listener_of(heard);
+
+    vor_text_init(&heard->kept, 0);
+    heard->end =
+        executor->run(executor, order, &listener, &heard->result, &heard->kept, &heard->err);
+}
+
+struct vor_order vt_order_of(size_t memory)
+{
+    struct vor_order order = {.memory = memory};
+
+    vor_spec_init(&order.spec);
+    for (int i = 0; i < VOR_INPUTS_MAX; i++)
+        order.input[i] = -1;
+    for (int i = 0; i < VOR_OUTPUTS_MAX; i++)
+        order.output[i] = -1;
+    return order;
+}
