@@ -65,6 +65,35 @@ for my $process (@processes) {
     $taken{$_} = 1 for keys %schemas;
     $given{$_} = $described->{outputs}{$_}{schema} for keys %{ $described->{outputs} };
 }
+
+my $binary = $ENV{VORONOID} // "$FindBin::Bin/../../build/release/voronoid";
+# The help of a command has the parameters of its process, with ranges, words and defaults as the process describes them.
+for my $process (@processes) {
+    my $help = qx{$binary $process --help} =~ s/ [|] (?:attribute:NAME|X,Y,Z)\b//gr; # which are patterns
+    my $inputs = $description{$process}{inputs};
+    my %said = $help =~ /^ +(?:-\w, )?--(\w+)(?: VALUE|\[=VALUE])\n[^\n]+\n +([^\n]+)\n/mg;
+    for my $name (grep { !is_cloud($inputs->{$_}{schema}) } sort keys %$inputs) {
+        is $said{$name}, shown($inputs->{$name}{schema}), "voronoid $process --help, $name: range, words and default";
+    }
+}
+
+# A schema as the help shows it.
+sub shown {
+    my ($schema) = @_;
+    my @one = $schema->{oneOf} ? @{ $schema->{oneOf} } : $schema;
+    my $unit = defined $schema->{'x-unit'} ? " $schema->{'x-unit'}" : '';
+    my @values = map {
+        my $of = $_->{items} // $_;
+        my @words = @{ $of->{enum} // [] };
+        $of->{type} eq 'boolean' ? 'true | false'
+            : defined $of->{minimum} ? "$of->{minimum} to $of->{maximum}$unit"
+            : $_->{items} ? ('some of ' . join(',', @words), 'none') : @words
+    } @one;
+    my $default = defined $schema->{default} ? plain($schema->{default}) : undef;
+    $default = join(',', @$default) || 'none' if ref $default eq 'ARRAY';
+    return join(' | ', @values) . (defined $default ? ", default $default" : '');
+}
+
 my $execution = $operations{'POST /v1/processes/{processID}/execution'};
 is_deeply [asked_for($execution)], [sort keys %taken], 'the execution of a process takes what any of them takes';
 is_deeply [sort @{ $doc->{components}{parameters}{output}{schema}{enum} }], [sort keys %given],

@@ -9,7 +9,7 @@ use Faults;
 options();
 my %table = (
     'PLY and Draco files' => [240, 'codec_files'],
-    'JSON texts' => [60, 'json_read', 'json_request', 'json_values'],
+    'JSON texts' => [60, 'json_read', 'json_request', 'json_values', 'spec_table'],
     'multipart bodies' => [40, 'multipart_test'],
 );
 my $rooms = 'build/release/tests/unit';
