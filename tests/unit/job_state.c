@@ -93,71 +93,6 @@ START_TEST(progress_follows_the_iterations_and_never_falls)
 }
 END_TEST
 
-/* 20 iterations and 60 steps share the 80 percent by their counts. */
-START_TEST(the_polish_has_its_share_of_the_progress)
-{
-    struct vor_job *job = running_job(NULL, 0);
-    struct vor_job_view view;
-
-    for (uint32_t i = 0; i <= 20; i++) {
-        struct vor_record record = record_of(i, i, 20, 60);
-
-        vor_job_progress(job, &record, 1000);
-        vor_job_view(job, &view);
-        ck_assert_int_eq(view.progress, 10 + (int)i);
-    }
-    for (uint32_t step = 10; step <= 60; step += 10) {
-        struct vor_record record = polished(20, step, 20 + step * 0.125, 60);
-        char message[64];
-
-        vor_job_progress(job, &record, 1000);
-        vor_job_view(job, &view);
-        ck_assert_int_eq(view.progress, 30 + (int)step);
-        (void)snprintf(message, sizeof message, "Polish step %u of at most 60", step);
-        ck_assert_str_eq(view.message, message);
-    }
-    vor_job_release(job);
-}
-END_TEST
-
-/* A plateau after 8 of the 12 iterations of the default: those that did not come are done as well.
- */
-START_TEST(the_polish_ends_the_iterations_for_the_progress)
-{
-    struct vor_job *job = running_job(NULL, 0);
-    struct vor_record last = record_of(8, 4, 12, 100), step = polished(8, 10, 5, 100);
-    struct vor_job_view view;
-
-    vor_job_progress(job, &last, 1000);
-    vor_job_view(job, &view);
-    ck_assert_int_eq(view.progress, 10 + 80 * 8 / 112);
-    vor_job_progress(job, &step, 1000);
-    vor_job_view(job, &view);
-    ck_assert_int_eq(view.progress, 10 + 80 * 22 / 112);
-    vor_job_release(job);
-}
-END_TEST
-
-/* Ten iterations took 5 s. Then twenty steps took 1 s: what the iterations took no longer counts.
- */
-START_TEST(the_estimate_of_the_polish_is_at_its_own_pace)
-{
-    struct vor_job *job = running_job(NULL, 0);
-    struct vor_record records[3] = {record_of(0, 2, 50, 100), record_of(10, 7, 50, 100),
-                                    polished(10, 20, 8, 100)};
-    struct vor_job_view view;
-
-    vor_job_progress(job, &records[0], 1000);
-    vor_job_progress(job, &records[1], 1000);
-    vor_job_view(job, &view);
-    ck_assert_double_eq(view.eta_seconds, left_after(records, 2));
-    vor_job_progress(job, &records[2], 1000);
-    vor_job_view(job, &view);
-    ck_assert_double_eq_tol(view.eta_seconds, (80 * 1.2 + 5.5) / (20 * 1.2), 1e-9);
-    vor_job_release(job);
-}
-END_TEST
-
 /* Who follows the events is told the same estimate as who asks for the job. */
 START_TEST(an_event_has_the_estimate_of_its_moment)
 {
@@ -233,19 +168,6 @@ START_TEST(the_estimate_is_the_pace_times_what_is_left)
     vor_job_view(job, &view);
     ck_assert_double_eq(view.eta_seconds, left_after(records, 2));
     ck_assert_str_eq(view.message, "Iteration 10 of at most 40");
-    vor_job_release(job);
-}
-END_TEST
-
-START_TEST(zero_iterations_are_done_at_once)
-{
-    struct vor_job *job = running_job(NULL, 0);
-    struct vor_record record = record_of(0, 0, 0, 0);
-    struct vor_job_view view;
-
-    vor_job_progress(job, &record, 1000);
-    vor_job_view(job, &view);
-    ck_assert_int_eq(view.progress, 90);
     vor_job_release(job);
 }
 END_TEST
@@ -471,14 +393,10 @@ int main(void)
     Suite *suite = suite_create("job_state");
 
     vt_add(suite, progress_follows_the_iterations_and_never_falls);
-    vt_add(suite, the_polish_has_its_share_of_the_progress);
-    vt_add(suite, the_polish_ends_the_iterations_for_the_progress);
-    vt_add(suite, the_estimate_of_the_polish_is_at_its_own_pace);
     vt_add(suite, an_event_has_the_estimate_of_its_moment);
     vt_add(suite, the_message_names_the_step_of_the_stage);
     vt_add(suite, a_time_budget_drives_progress_and_estimate);
     vt_add(suite, the_estimate_is_the_pace_times_what_is_left);
-    vt_add(suite, zero_iterations_are_done_at_once);
     vt_add(suite, a_job_that_is_over_does_not_change);
     vt_add(suite, a_stop_is_told_while_the_input_is_prepared);
     vt_add(suite, a_second_attempt_begins_with_replaced);
