@@ -351,62 +351,6 @@ START_TEST(a_full_queue_refuses_and_keeps_nothing)
 }
 END_TEST
 
-START_TEST(what_a_process_does_not_allow_is_refused_before_there_is_a_job)
-{
-    static const struct {
-        const char *process, *name, *value, *says;
-    } cases[] = {{"resample", "points", "1601", "points is 1601, want 1 to 1600"},
-                 {"resample", "ratio", "0.001", "asks for 0 points, want 1 to 1600"},
-                 {"denoise", "points", "1601", "points is 1601, want 1 to 1600"},
-                 {"upsample", "points", "99", "points is 99, want 100 to 1600"},
-                 {"upsample", "points", "1601", "points is 1601, want 100 to 1600"},
-                 {"simplify", "points", "101", "points is 101, want 1 to 100"}};
-    struct vt_daemon daemon;
-    struct vor_cloud cloud;
-    struct vor_spec spec;
-    struct vor_uuid id;
-
-    vt_daemon_start(&daemon, vt_dir_make(), NULL);
-    vt_cloud_sphere(&cloud, 1, 100);
-    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
-        vor_spec_preset(&spec, vor_process_find(cases[k].process));
-        vt_assert_ok(vor_spec_set(&spec, cases[k].name, cases[k].value, &vt_err));
-        vt_assert_ok(vor_spec_complete(&spec, &vt_err));
-        ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &id), VOR_FAILED);
-        ck_assert_int_eq(vt_err.status, VOR_E_TARGET);
-        ck_assert_str_eq(vt_err.parameter, cases[k].name);
-        ck_assert_msg(strstr(vt_err.message, cases[k].says) != NULL, "%s", vt_err.message);
-        ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
-    }
-    vor_cloud_free(&cloud);
-    vt_daemon_stop(&daemon);
-}
-END_TEST
-
-/* Each process, with no parameter but a count where it wants one. */
-START_TEST(a_job_bears_its_process_and_does_what_it_says)
-{
-    static const size_t counts[] = {50, 100, 400, 30}; /* as the table has the processes */
-    const struct vor_process_info *process = vor_process_info((unsigned)_i);
-    struct vt_daemon daemon;
-    struct vor_job_view view;
-    struct vor_spec spec;
-    struct vor_uuid id;
-
-    vt_daemon_start(&daemon, vt_dir_make(), NULL);
-    vor_spec_preset(&spec, process);
-    if (vor_spec_complete(&spec, NULL) != VOR_OK)
-        vt_assert_ok(vor_spec_set_number(&spec, "points", (double)counts[_i], &vt_err));
-    id = submit(&daemon, 100, spec);
-    view = vt_daemon_wait_over(&daemon, &id);
-    ck_assert_str_eq(view.process, process->id);
-    ck_assert_ptr_eq(view.spec.process, process);
-    ck_assert_int_eq(view.status, VOR_JOB_SUCCESSFUL);
-    ck_assert_uint_eq(view.output[0].points, counts[_i]);
-    vt_daemon_stop(&daemon);
-}
-END_TEST
-
 START_TEST(a_finished_job_is_removed_with_its_bytes)
 {
     struct vt_daemon daemon;
@@ -568,8 +512,6 @@ int main(void)
     vt_add(suite, a_job_the_engine_refuses_fails_with_the_engine_s_words);
     vt_add(suite, a_job_that_needs_too_much_memory_fails_and_the_next_one_runs);
     vt_add(suite, a_full_queue_refuses_and_keeps_nothing);
-    vt_add(suite, what_a_process_does_not_allow_is_refused_before_there_is_a_job);
-    vt_add_loop(suite, a_job_bears_its_process_and_does_what_it_says, 4);
     vt_add(suite, a_finished_job_is_removed_with_its_bytes);
     vt_add(suite, results_expire_and_say_so_for_as_long_as_they_were_kept);
     vt_add(suite, a_list_shows_the_live_state_of_running_jobs);
