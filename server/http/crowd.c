@@ -128,6 +128,7 @@ void vor_crowd_cut(struct vor_watchman *watchman, struct vor_peer *peer, bool is
     } else {
         (void)shutdown(peer->fd, SHUT_RDWR);
     }
+    peer->look_at = vor_clock_seconds() + linger_seconds;
     vor_row_move(watchman, peer, VOR_ROW_CUT);
 }
 

@@ -35,7 +35,8 @@ struct vor_peer {
     struct vor_crowd_address *caller; /**< NULL: not counted */
     double since;                     /**< the phase began */
     double last;                      /**< last piece of the body */
-    double look_at;          /**< when to look next whether it has left, or how fast it reads */
+    double look_at;          /**< when to look next whether it has left, how fast it reads, or
+                              whether one that is cut is gone */
     uint64_t bytes;          /**< of this body; of a reply, those acknowledged at sampled_at */
     double sampled_at;       /**< 0: not yet */
     bool waiting;            /**< its request is suspended: watch for the peer leaving */

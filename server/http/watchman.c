@@ -172,6 +172,10 @@ static void check_row(struct vor_watchman *watchman, const struct vor_row *row, 
         bool late = peer->row != VOR_ROW_CUT && is_late(watchman, peer, now);
 
         next = peer->next; /* a cut one changes its row */
+        /* Whoever sends on and on may keep the library from seeing that nothing is read any more:
+         * it finds bytes each time that it looks. Those are answered with a reset from now on. */
+        if (peer->row == VOR_ROW_CUT && now >= peer->look_at)
+            (void)shutdown(peer->fd, SHUT_RDWR);
         if (peer->wake_at > 0 && now >= peer->wake_at) {
             peer->wake_at = 0;
             vor_crowd_due(watchman, peer);
