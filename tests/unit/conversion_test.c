@@ -189,12 +189,13 @@ START_TEST(a_job_that_goes_leaves_nothing_behind)
 }
 END_TEST
 
-static void *release_later(void *ctx)
+static void *release_once_closing(void *ctx)
 {
-    struct timespec pause = {.tv_nsec = 50000000};
+    struct scene *scene = ctx;
 
-    nanosleep(&pause, NULL);
-    atomic_store(&((struct scene *)ctx)->is_held, 0);
+    while (!vor_crew_closing(scene->crew))
+        nap();
+    atomic_store(&scene->is_held, 0);
     return NULL;
 }
 
@@ -207,7 +208,7 @@ START_TEST(what_waits_when_the_daemon_ends_is_told_so)
 
     begin(&scene, 2);
     ck_assert_int_eq(ask(&scene, 0, &waiter, &conversion), VOR_DONE);
-    ck_assert_int_eq(pthread_create(&thread, NULL, release_later, &scene), 0);
+    ck_assert_int_eq(pthread_create(&thread, NULL, release_once_closing, &scene), 0);
     vor_crew_destroy(scene.crew); /* closes at once, and waits for the task that is held */
     pthread_join(thread, NULL);
     vt_assert_fails(VOR_E_CANCELLED, wait_over(conversion));

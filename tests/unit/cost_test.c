@@ -38,8 +38,8 @@ START_TEST(a_small_body_with_extreme_parameters_is_refused_with_estimate_and_lim
 
     vt_assert_fails(VOR_E_WORK, vor_cost_check(&spec, 1000, 2, LIMIT, &vt_err));
     ck_assert_uint_eq(vt_err.limit, LIMIT);
-    ck_assert_uint_gt(vt_err.got, 20000); /* 40,000 by what its first steps take */
-    ck_assert_uint_lt(vt_err.got, 300000);
+    ck_assert_uint_eq(vt_err.got, (uint64_t)vor_cost_seconds(&spec, 1000, 2));
+    ck_assert_double_gt((double)vt_err.got, VOR_COST_FAR * LIMIT);
     ck_assert_ptr_nonnull(strstr(vt_err.message, "times the 1800 that it may"));
     ck_assert_ptr_nonnull(strstr(vt_err.message, "10000 polish steps of 16000 points"));
     ck_assert_ptr_nonnull(strstr(vt_err.message, "500 neighbors"));
@@ -57,16 +57,23 @@ START_TEST(a_time_limit_of_its_own_makes_a_request_short)
 }
 END_TEST
 
+/* What the refusal wants is accepted, and a second less is not. */
 START_TEST(a_time_of_its_own_that_cannot_be_kept_is_refused_and_what_is_wanted_named)
 {
     struct vor_spec spec = REQUEST({"points", "10000000"}, {"seconds", "1"});
+    const char *wants;
+    long seconds;
 
     vt_assert_fails(VOR_E_WORK, vor_cost_check(&spec, 1000000, 2, 0, &vt_err));
     ck_assert_uint_eq(vt_err.limit, 1);
-    ck_assert_uint_eq(vt_err.got, 35);
+    ck_assert_double_gt((double)vt_err.got, VOR_COST_FAR + VOR_COST_SPARE);
     ck_assert_ptr_nonnull(strstr(vt_err.message, "seconds is 1, and placing 10000000 points"));
-    ck_assert_ptr_nonnull(strstr(vt_err.message, "want 7 or more"));
-    vt_assert_ok(vor_spec_set(&spec, "seconds", "7", &vt_err));
+    wants = strstr(vt_err.message, "want ");
+    ck_assert_ptr_nonnull(wants);
+    seconds = strtol(wants + strlen("want "), NULL, 10);
+    vt_assert_ok(vor_spec_set_number(&spec, "seconds", (double)seconds - 1, &vt_err));
+    vt_assert_fails(VOR_E_WORK, vor_cost_check(&spec, 1000000, 2, 0, &vt_err));
+    vt_assert_ok(vor_spec_set_number(&spec, "seconds", (double)seconds, &vt_err));
     vt_assert_ok(vor_cost_check(&spec, 1000000, 2, 0, &vt_err));
 }
 END_TEST

@@ -209,9 +209,8 @@ END_TEST
 #define WAVES 18.0
 #define APART 0.4
 
-/* Most triangles that may join them: 3 and 10 do; with triangles that pass through others 6 and 30.
- */
-enum { JOINING = 12 };
+/* Largest share of the triangles that may join them: of ten seeds 0.001 to 0.012. */
+#define JOINING 0.02
 
 /* How far a point is over the lower of two wavy sheets, over their distance: 0 there, 1 on the
  * upper one. */
@@ -256,8 +255,9 @@ START_TEST(a_mesh_of_two_sheets_that_bend_lies_on_them_and_joins_them_at_few_pla
                (double)meshed.cloud.n;
     ck_assert_double_lt(off, 0.01);
     ck_assert_uint_gt(meshed.report.mesh_left_out, 0);
-    ck_assert_msg(joining(&meshed, apart) <= JOINING, "%zu triangles join the sheets",
-                  joining(&meshed, apart));
+    ck_assert_msg((double)joining(&meshed, apart) <= JOINING * (double)meshed.mesh.count,
+                  "%zu of %zu triangles join the sheets", joining(&meshed, apart),
+                  (size_t)meshed.mesh.count);
     vt_meshed_free(&meshed);
     vor_cloud_free(&in);
     vt_assert_no_leak();

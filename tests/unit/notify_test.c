@@ -1,5 +1,6 @@
 /* What a supervisor is told, and when a thread counts as stuck. */
 #include "tests/support/vt.h"
+#include "tests/support/vt_dir.h"
 
 #include "server/base/notify.h"
 #include "server/http/turns.h"
@@ -60,34 +61,56 @@ START_TEST(a_supervisor_hears_what_it_is_told)
 }
 END_TEST
 
+/* A supervisor listens where each of these names would lead if it were cut, or taken as it is. */
 START_TEST(nobody_is_told_where_nobody_asked)
 {
-    static const char *const none[] = {"", "@", "relative", "/no/such/socket"};
-    char longer[200];
+    static const char *const wrong[] = {"", "@", "vt-relative", "/no/such/socket"};
+    char longest[sizeof((struct sockaddr_un *)0)->sun_path], longer[sizeof longest + 1];
+    const char *dir = vt_dir_make();
+    int cut, relative;
 
-    ck_assert_int_eq(unsetenv("NOTIFY_SOCKET"), 0);
+    (void)snprintf(longest, sizeof longest, "@vt-longest-%0*ld", (int)sizeof longest - 13,
+                   (long)getpid());
+    (void)snprintf(longer, sizeof longer, "%sx", longest);
+    ck_assert_int_eq(chdir(dir), 0);
+    relative = listen_at("vt-relative");
+    cut = listen_at(longest);
     vor_notify("READY=1");
-    for (size_t i = 0; i < sizeof none / sizeof none[0]; i++) {
-        ck_assert_int_eq(setenv("NOTIFY_SOCKET", none[i], 1), 0);
-        vor_notify("READY=1");
-    }
-    memset(longer, '/', sizeof longer - 1);
-    longer[sizeof longer - 1] = '\0';
+    ck_assert_str_eq(heard(cut), "READY=1");
     ck_assert_int_eq(setenv("NOTIFY_SOCKET", longer, 1), 0);
     vor_notify("READY=1");
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        ck_assert_int_eq(setenv("NOTIFY_SOCKET", wrong[i], 1), 0);
+        vor_notify("READY=1");
+    }
+    ck_assert_int_eq(unsetenv("NOTIFY_SOCKET"), 0);
+    vor_notify("READY=1");
+    ck_assert_str_eq(heard(cut), "");
+    ck_assert_str_eq(heard(relative), "");
+    (void)close(cut);
+    (void)close(relative);
+    ck_assert_int_eq(chdir("/"), 0);
+    vt_dir_remove(dir);
 }
 END_TEST
 
-/* One that does not read must not stop us: its buffer holds some hundred. */
+/* What its buffer does not hold is dropped, and what comes once it reads again is not. */
 START_TEST(a_supervisor_that_does_not_read_stops_nothing)
 {
+    enum { SENT = 5000 };
+    int fd, kept = 0;
     char name[64];
-    int fd;
 
     (void)snprintf(name, sizeof name, "@vt-deaf-%ld", (long)getpid());
     fd = listen_at(name);
-    for (int i = 0; i < 5000; i++)
+    for (int i = 0; i < SENT; i++)
         vor_notify("WATCHDOG=1");
+    while (strcmp(heard(fd), "WATCHDOG=1") == 0)
+        kept++;
+    ck_assert_int_gt(kept, 0);
+    ck_assert_int_lt(kept, SENT);
+    vor_notify("READY=1");
+    ck_assert_str_eq(heard(fd), "READY=1");
     (void)close(fd);
 }
 END_TEST
