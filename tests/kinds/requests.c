@@ -77,27 +77,6 @@ struct refusal {
     const char *name, *json, *message;
 };
 
-static const struct refusal refused[] = {
-    {"label", "5", "label is a number, want text of 1 to 300 bytes"},
-    {"label", "\"a\\nb\"", "label is \"a\\x0ab\", want text of 1 to 300 bytes"},
-    {"closed", "\"true\"", "closed is a string, want true or false"},
-    {"sieves", "\"mls\"",
-     "sieves is a string, want each at most once and with commas between, words of mls, outliers, "
-     "thin, or none"},
-    {"sieves", "[\"mls\",\"mls\"]",
-     "sieves is \"mls,mls\", want each at most once and with commas between, words of mls, "
-     "outliers, thin, or none"},
-    {"sieves", "{}",
-     "sieves is an object, want each at most once and with commas between, words of mls, "
-     "outliers, thin, or none"},
-    {"weight", "\"odd\"",
-     "weight is \"odd\", want one of even or attribute:NAME of 1 to 200 bytes"},
-    {"weight", "\"attribute:\"",
-     "weight is \"attribute:\", want one of even or attribute:NAME of 1 to 200 bytes"},
-    {"angle", "\"min\"", "angle is min, want a number from 0 to 90 or one of mean, max"},
-    {"method", "\"slow\"", "method is \"slow\", want one of cvt, slower"},
-};
-
 static const struct refusal unknown[] = {
     {"sieves", "[\"thin\",\"blur\"]",
      "sieves is \"thin,blur\", want each at most once and with commas between, words of mls, "
@@ -131,12 +110,6 @@ static void refuses(vor_status status, const struct refusal *refusal)
     ck_assert_mem_eq(&spec, &before, sizeof spec);
     vor_json_free(json);
 }
-
-START_TEST(a_wrong_value_is_named_with_what_is_wanted)
-{
-    refuses(VOR_E_PARAM, &refused[_i]);
-}
-END_TEST
 
 START_TEST(an_unknown_element_of_a_list_has_a_status_of_its_own)
 {
@@ -280,8 +253,6 @@ int main(void)
     Suite *suite = suite_create("requests");
 
     vt_add(suite, every_kind_is_read_from_json_and_written_back);
-    vt_add_loop(suite, a_wrong_value_is_named_with_what_is_wanted,
-                (int)(sizeof refused / sizeof refused[0]));
     vt_add_loop(suite, an_unknown_element_of_a_list_has_a_status_of_its_own,
                 (int)(sizeof unknown / sizeof unknown[0]));
     vt_add_loop(suite, texts_lie_in_the_order_of_the_parameters, 6);

@@ -60,8 +60,16 @@ START_TEST(lossless_is_bit_exact)
     vt_cloud_cube(&cloud, seed, 1 + (size_t)(300 * vt_unit(seed, 1)));
     if (_i % 2 == 1)
         wild_positions(&cloud, seed);
+    if (_i % 3 == 0) {
+        cloud.origin[0] = 637123.4567890123;
+        cloud.origin[1] = -4.25e6;
+        cloud.origin[2] = 1e-300;
+        cloud.position_type = _i % 2 == 0 ? VOR_FLOAT64 : VOR_FLOAT32;
+    }
     add_attributes(&cloud, seed);
     draco_trip(&back, &cloud, 0, _i & 2);
+    ck_assert_mem_eq(back.origin, cloud.origin, sizeof cloud.origin);
+    ck_assert_int_eq(back.position_type, cloud.position_type);
     ck_assert_mem_eq(back.xyz, cloud.xyz, 3 * cloud.n * sizeof *cloud.xyz);
     ck_assert_uint_eq(back.attribute_count, cloud.attribute_count);
     for (size_t i = 0; i < cloud.attribute_count; i++)
@@ -101,7 +109,8 @@ START_TEST(quantised_points_move_by_at_most_half_a_cell)
     if (_i % 3 == 0) {
         cloud.origin[0] = 637000.123456789 + _i;
         cloud.origin[1] = 5849000.987654321;
-        cloud.position_type = VOR_FLOAT64;
+        cloud.origin[2] = 1e-300;
+        cloud.position_type = _i % 2 == 0 ? VOR_FLOAT64 : VOR_FLOAT32;
     }
     draco_number(&cloud);
     add_attributes(&cloud, seed);

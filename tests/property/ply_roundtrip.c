@@ -208,29 +208,11 @@ static void binary_scalar(struct foreign *file, const void *from, size_t size)
 
 static void ascii_scalar(struct foreign *file, const void *from, enum vor_type type)
 {
+    const struct vor_attribute one = {.type = type, .data = (void *)(uintptr_t)from};
     char word[64];
-    float single;
-    double wide;
-    int64_t whole = 0;
 
-    memcpy(&single, from, sizeof single);
-    if (type == VOR_FLOAT32) {
-        (void)snprintf(word, sizeof word, "%.9g ", (double)single);
-    } else if (type == VOR_FLOAT64) {
-        memcpy(&wide, from, sizeof wide);
-        (void)snprintf(word, sizeof word, "%.17g ", wide);
-    } else {
-        unsigned unused = 64 - 8 * (unsigned)vor_type_size(type);
-        uint64_t bits = 0;
-
-        memcpy(&bits, from, vor_type_size(type));
-        whole = (int64_t)(bits << unused);
-        if (type == VOR_INT8 || type == VOR_INT16 || type == VOR_INT32)
-            whole >>= unused;
-        else
-            whole = (int64_t)bits;
-        (void)snprintf(word, sizeof word, "%lld ", (long long)whole);
-    }
+    (void)snprintf(word, sizeof word, "%.*g ", type == VOR_FLOAT32 ? 9 : 17,
+                   vor_attribute_scalar(&one, 0));
     text(file, word);
 }
 

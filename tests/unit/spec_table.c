@@ -82,7 +82,11 @@ static unsigned samples_of(const struct vor_parameter_info *row, struct sample *
         count = add(to, count, VOR_UNSET, plain, "true");
         count = add(to, count, VOR_UNSET, plain, "false");
     }
-    if (first_form(row) == VOR_FORM_LIST) {
+    if (first_form(row) == VOR_FORM_LIST && count > 1) {
+        const char *a = to[0].text, *b = to[1].text;
+
+        count = add(to, count, VOR_UNSET, plain, "%s,%s", a, b);
+        (void)snprintf(to[count - 1].json, sizeof to->json, "[\"%.50s\",\"%.50s\"]", a, b);
         count = add(to, count, VOR_UNSET, plain, "none");
         (void)strcpy(to[count - 1].json, "[]");
     }
@@ -119,7 +123,7 @@ static const char *member(const char *name, const char *value)
     return json;
 }
 
-/* A request is read from what it is written as, of which *want must be a part. */
+/* A request is read from what it is written as. */
 static void assert_comes_back(const struct vor_spec *spec)
 {
     char pointer[VOR_JSON_POINTER_MAX];
@@ -266,11 +270,35 @@ START_TEST(what_is_no_value_is_refused_with_what_is_wanted)
         ck_assert_ptr_null(strchr(vt_err.message, '\n'));
         ck_assert_int_eq(vor_spec_set(&spec, row.name, junk[k], NULL), vt_err.status);
     }
+    if (is_number(&row) && vor_kind_form(row.kind, 1) == VOR_FORM_NONE)
+        vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, row.name, "auto", &vt_err));
     for (size_t k = 0; k < sizeof json / sizeof json[0]; k++) {
         ck_assert_int_ne(read_json(&spec, member(row.name, json[k]), pointer), VOR_OK);
         assert_named(&row, &spec, &before);
         ck_assert_str_eq(pointer + 1, row.name);
     }
+}
+END_TEST
+
+/* A list that is not well-formed is a wrong value; one with a word too many is not. */
+START_TEST(an_unknown_word_of_a_list_has_a_status_of_its_own)
+{
+    static const struct {
+        const char *text;
+        vor_status status;
+    } cases[] = {{"blur", VOR_E_WORD},       {"mls,blur", VOR_E_WORD}, {"mls,none", VOR_E_WORD},
+                 {"mls,mls", VOR_E_PARAM},   {"mls,", VOR_E_PARAM},    {",blur", VOR_E_PARAM},
+                 {"blur,,mls", VOR_E_PARAM}, {",", VOR_E_PARAM}};
+    struct vor_spec spec, before;
+
+    vor_spec_init(&spec);
+    before = spec;
+    vt_assert_fails(cases[_i].status, vor_spec_set(&spec, "filters", cases[_i].text, &vt_err));
+    ck_assert_str_eq(vt_err.parameter, "filters");
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "words of mls, outliers, thin, or none"));
+    ck_assert_mem_eq(&spec, &before, sizeof spec);
+    vt_assert_fails(VOR_E_PARAM,
+                    vor_spec_set_as(&spec, "filters", VOR_SHAPE_STRING, cases[_i].text, &vt_err));
 }
 END_TEST
 
@@ -399,6 +427,7 @@ int main(void)
     vt_add_loop(suite, a_value_is_the_same_as_text_as_number_and_in_json, ALL);
     vt_add_loop(suite, a_number_past_its_ends_is_refused_with_its_range, ALL);
     vt_add_loop(suite, what_is_no_value_is_refused_with_what_is_wanted, ALL);
+    vt_add_loop(suite, an_unknown_word_of_a_list_has_a_status_of_its_own, 8);
     vt_add_loop(suite, a_default_is_a_value_and_what_its_process_describes, ALL);
     vt_add_loop(suite, a_whole_request_comes_back, PROCESSES_MAX);
     vt_add_loop(suite, a_name_that_a_process_does_not_take_is_refused_with_those_it_takes,
