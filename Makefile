@@ -79,7 +79,7 @@ TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC))) $(KINDS_BIN)
 # Of the laws these are read off the build; the others read the sources and are `make quick`.
 BINARY_LAWS := tests/lint/engine.t tests/lint/hardening.t tests/lint/openapi.t
 SOURCE_LAWS := $(sort $(filter-out $(BINARY_LAWS),$(wildcard tests/lint/*.t)))
-TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t tests/cli/*.t) $(BINARY_LAWS) $(wildcard tests/page/*.t)) $(POISON_SCRIPTS)
+TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t tests/cli/*.t tests/golden/*.t) $(BINARY_LAWS) $(wildcard tests/page/*.t)) $(POISON_SCRIPTS)
 TESTS := $(TEST_SCRIPTS) $(TEST_BIN)
 
 # What sanitizers run, by what can go wrong; SANITIZE=all: everything but what only reads the build, and the page in its browser.
@@ -95,7 +95,7 @@ RELEASE_ALONE := $(BINARY_LAWS) $(wildcard tests/page/*.t)
 SANITIZED.asan.all = $(filter-out $(RELEASE_ALONE),$(TEST_SCRIPTS)) $(TEST_SRC)
 SANITIZED.tsan.all = $(SANITIZED.asan.all)
 SANITIZED.asan.some = $(filter-out tests/http/contract.t tests/http/readme.t,$(wildcard tests/http/*.t)) \
-    $(addprefix tests/cli/,convert.t faces.t measure.t resample.t) $(filter-out $(ENGINE_INSIDE),$(TEST_SRC)) $(wildcard $(DRIVERS) tests/kinds/*.c)
+    $(addprefix tests/cli/,convert.t faces.t measure.t resample.t) tests/golden/golden.t $(filter-out $(ENGINE_INSIDE),$(TEST_SRC)) $(wildcard $(DRIVERS) tests/kinds/*.c)
 SANITIZED.tsan.some = $(MET:%=tests/http/%.t) $(shell grep -lE 'include "server/' $(TEST_SRC)) $(wildcard $(THREADED))
 ifneq ($(filter asan tsan,$(config)),)
 SANITIZED := $(sort $(SANITIZED.$(config).$(SANITIZE)))
@@ -103,14 +103,14 @@ TESTS := $(filter %.t,$(SANITIZED)) $(addprefix $(B)/,$(basename $(filter %.c,$(
 TEST_BIN := $(filter $(B)/%,$(TESTS))
 endif
 # These take longest, or wait most: they begin first, and no core is idle at the end.
-TEST_LONG := tests/page/page.t tests/http/slow.t tests/http/readme.t tests/cli/remote.t %/mesh_test %/worker_artefacts
+TEST_LONG := tests/page/page.t tests/http/slow.t tests/http/readme.t tests/cli/remote.t tests/golden/golden.t %/mesh_test %/worker_artefacts
 BENCH_SRC := $(sort $(wildcard tests/bench/*.c))
 BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/bench/,wlop orient front ear)
 
 .DELETE_ON_ERROR:
 # Objects that only rules by pattern name are kept. Of other files none is listed: what is missing is made, even if nothing is newer.
 .SECONDARY: $(patsubst %.c,$(B)/%.o,$(wildcard tests/*/*.c)) $(KINDS_OBJ) $(POISON_OBJ) $(KINDS_BIN:$(B)/%=$(B)/kinds/%.o)
-GOALS := all help demo test check gate gate-long soak torture bench fuzz proxy cross arm64 lint quick static contract format image install uninstall clean
+GOALS := all help demo test check gate gate-long soak golden torture bench fuzz proxy cross arm64 lint quick static contract format image install uninstall clean
 .PHONY: $(GOALS)
 
 # Every core is used unless -j says otherwise. Of several goals typed together one ends before the next begins.
@@ -249,6 +249,9 @@ check: all $(POISON_BIN) $(TEST_BIN) ## run every test with what is installed
 soak: ## test, with more seeds and larger clouds, and every golden case at 1, 2, 3 and 8 threads
 	@VT_SOAK=1 $(MAKE) --no-print-directory test
 
+golden: all ## write figures of the golden cases anew and show what moved; BOUNDS=1: what they may come to (ONLY=regex of cases)
+	@tests/golden/renew.py $(BIN) build/golden $(if $(BOUNDS),bounds,figures) $(if $(ONLY),'$(ONLY)')
+
 torture: ## install what is missing, build, and measure what the daemon withstands (LONG=1, SEED=n, COUNT=n, ONLY=regex of programs)
 	@docker/install.sh build test torture $(if $(LONG),lint)
 	@$(MAKE) --no-print-directory all $(POISON_BIN)
@@ -284,7 +287,7 @@ cross: ## install what is missing, and compile core and proto for arm64; a warni
 	@docker/install.sh build cross
 	@$(MAKE) --no-print-directory $(FOR_ARM64) CFLAGS=-Werror CXXFLAGS=-Werror objects
 
-ARM64_BIN := $(addprefix build/arm64/,voronoid tests/arm64/decode tests/golden/engine_bytes tests/golden/requests tests/golden/stages \
+ARM64_BIN := $(addprefix build/arm64/,voronoid tests/arm64/decode tests/golden/engine_bytes \
     $(basename $(wildcard tests/unit/*.c tests/property/*_roundtrip.c)))
 
 arm64: ## install what is missing, cross-compile for arm64, run the unit tests under qemu, compare with amd64 (ONLY=regex)

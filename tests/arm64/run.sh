@@ -1,6 +1,6 @@
 #!/bin/bash
 # usage: run.sh AMD64 ARM64 ROOT JOBS PROGRAM...: runs the arm64 test programs under qemu, JOBS beside each other, with the
-# libraries of ROOT; then short cases of the golden stages; then the same requests by the binaries of the folders AMD64 and
+# libraries of ROOT; then the golden cases; then the same requests by the binaries of the folders AMD64 and
 # ARM64. PLY results have to be the same bytes. Draco's are compared by positions, since Debian's arm64 libdraco multiplies
 # and adds in one step: a cell is given where they are written, a float32 step where they are read. ONLY=regex takes the
 # programs and requests that match.
@@ -17,29 +17,13 @@ fail=0
 # Check's time limits are meant for the machine itself.
 tests=()
 for program in "$@"; do
-    case $program in */voronoid | */decode | */stages) continue ;; esac
+    case $program in */voronoid | */decode) continue ;; esac
     [[ $program =~ ${ONLY:-.} ]] && tests+=("$program")
 done
 export CK_TIMEOUT_MULTIPLIER=20
 # qemu takes no list of system calls.
 export VT_EMULATED=1 VORONOID_ALLOW_WEAK_SANDBOX=1
 [ ${#tests[@]} = 0 ] || prove -j "$jobs" --failures --timer --exec "$qemu" "${tests[@]}" || fail=1
-
-# Of the golden stages short cases. Those of Draco clouds are left out: they begin with what libdraco reads.
-stages()
-{
-    local case_name
-    while read -r case_name; do
-        [[ $case_name =~ ${ONLY:-.} ]] || continue
-        if CK_RUN_CASE=$case_name $qemu "$arm64/tests/golden/stages" >"$out/log" 2>&1 && grep -q '^ok' "$out/log"; then
-            echo "stages of $case_name: the same hashes"
-        else
-            echo "stages of $case_name: FAILED"
-            cat "$out/log"
-            fail=1
-        fi
-    done
-}
 
 # same NAME COMMAND ARGUMENT...: a request on both machines, to PLY and to Draco.
 same()
@@ -92,15 +76,7 @@ read_by_both()
 
 rm -rf "$out"
 mkdir -p "$out"
-stages <<'END'
-box resample points=800
-sheets resample points=200,polish=4
-far resample points=400,boundary=free
-box upsample ratio=2,order=progressive
-voxels simplify points=500
-kitti_000008.ply simplify points=300
-cow_mesh.ply resample points=600
-END
+[[ ! golden =~ ${ONLY:-.} ]] || ONLY=. VORONOID="$qemu $arm64/voronoid" prove -v tests/golden/golden.t || fail=1
 same bunny resample $data/bunny.ply --quantization $bits -n 2000 --iterations 5 --polish 5 --normals fit
 same autzen resample $data/autzen.ply --quantization $bits -n 2000 --iterations 3 --polish 3
 same fandisk resample $data/fandisk_mesh.ply --quantization $bits -n 1500 --iterations 5 --polish 5 --order progressive

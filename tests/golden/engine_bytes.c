@@ -4,19 +4,10 @@
 
 #include <math.h>
 #include <pthread.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { N = 3000, OUT = 800 };
-
-/* What a fixed cloud comes to, without the polish and with forty steps of it. When a change of the
- * engine is meant to change its results, run this program and write down what it prints. */
-#define GOLDEN_KEEP UINT64_C(0x610b9c1bfc989470)
-#define GOLDEN_FREE UINT64_C(0x698f2b01c7fcc3a9)
-#define GOLDEN_RIM UINT64_C(0xbeca67b944d194e9)
-#define GOLDEN_MORE UINT64_C(0x33311ff7ab01ec56)
-#define GOLDEN_POLISH UINT64_C(0x682fdebc917ee7de)
 
 struct result {
     uint64_t positions, normals, report;
@@ -230,32 +221,6 @@ START_TEST(a_power_of_two_scales_the_result_and_changes_nothing_else)
 }
 END_TEST
 
-/* No function of the mathematics library has a part in this cloud, nor in the engine. */
-START_TEST(a_fixed_cloud_gives_the_bytes_written_down)
-{
-    static const struct {
-        const char *name, *boundary;
-        void (*make)(struct vor_cloud *cloud, uint64_t seed, size_t n);
-        size_t points;
-        const char *polish;
-        uint64_t golden;
-    } runs[5] = {{"GOLDEN_KEEP", "keep", vt_cloud_box, 500, "0", GOLDEN_KEEP},
-                 {"GOLDEN_FREE", "free", vt_cloud_box, 500, "0", GOLDEN_FREE},
-                 {"GOLDEN_RIM", "keep", vt_cloud_square, 500, "0", GOLDEN_RIM},
-                 {"GOLDEN_MORE", "keep", vt_cloud_box, 4000, "0", GOLDEN_MORE},
-                 {"GOLDEN_POLISH", "keep", vt_cloud_box, 500, "40", GOLDEN_POLISH}};
-    struct vor_cloud in;
-    struct result result;
-
-    runs[_i].make(&in, 6, 2000);
-    run(&result, &in, 2, runs[_i].boundary, runs[_i].polish, runs[_i].points);
-    printf("# %s UINT64_C(0x%016llx)\n", runs[_i].name, (unsigned long long)result.positions);
-    fflush(stdout);
-    ck_assert(result.positions == runs[_i].golden);
-    vor_cloud_free(&in);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("engine_bytes");
@@ -265,6 +230,5 @@ int main(void)
     vt_add_figures(suite, another_seed_gives_other_bytes, 0);
     vt_add_figures(suite, a_shift_moves_the_result_and_changes_nothing_else, 0);
     vt_add_figures(suite, a_power_of_two_scales_the_result_and_changes_nothing_else, 0);
-    vt_add_figures(suite, a_fixed_cloud_gives_the_bytes_written_down, 5);
     return vt_run(suite);
 }
