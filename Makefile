@@ -110,7 +110,7 @@ BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/
 .DELETE_ON_ERROR:
 # Objects that only rules by pattern name are kept. Of other files none is listed: what is missing is made, even if nothing is newer.
 .SECONDARY: $(patsubst %.c,$(B)/%.o,$(wildcard tests/*/*.c)) $(KINDS_OBJ) $(POISON_OBJ) $(KINDS_BIN:$(B)/%=$(B)/kinds/%.o)
-GOALS := all help demo test check gate gate-long soak golden torture bench fuzz proxy cross arm64 lint quick static contract format image install uninstall clean
+GOALS := all help demo test check gate gate-long soak golden same torture bench fuzz proxy cross arm64 lint quick static contract format image install uninstall clean
 .PHONY: $(GOALS)
 
 # Every core is used unless -j says otherwise. Of several goals typed together one ends before the next begins.
@@ -251,6 +251,15 @@ soak: ## test, with more seeds and larger clouds, and every golden case at 1, 2,
 
 golden: all ## write figures of the golden cases anew and show what moved; BOUNDS=1: what they may come to (ONLY=regex of cases)
 	@tests/golden/renew.py $(BIN) build/golden $(if $(BOUNDS),bounds,figures) $(if $(ONLY),'$(ONLY)')
+
+# A tree of the revision is built and kept until another one is asked for.
+BASE ?= HEAD
+
+same: all ## compare results of the golden cases, byte for byte, with those of revision BASE (HEAD): moved ones fail (ONLY=regex)
+	@base=$$(git rev-parse --verify '$(BASE)^{commit}') && tree=build/same/$$base && \
+	if [ ! -x $$tree/$(BIN) ]; then \
+	    rm -rf build/same && mkdir -p $$tree && git archive $$base | tar -x -C $$tree && $(MAKE) --no-print-directory -C $$tree all; \
+	fi && tests/golden/same.py $$tree/$(BIN) $(BIN) build/same/results $(if $(ONLY),'$(ONLY)')
 
 torture: ## install what is missing, build, and measure what the daemon withstands (LONG=1, SEED=n, COUNT=n, ONLY=regex of programs)
 	@docker/install.sh build test torture $(if $(LONG),lint)
