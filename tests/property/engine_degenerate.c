@@ -268,7 +268,7 @@ START_TEST(a_strange_cloud_gives_exactly_the_points_asked_for_or_says_why_not)
 {
     run_shape(_i, N, 100, "keep");
     run_shape(_i, N, 100, "free");
-    run_shape(_i, N, 2 * N, "keep");
+    run_shape(_i, N, N + 1, "keep");
     run_shape(_i, N, 5, "keep");
     run_shape(_i, N, 1, "keep");
 }
