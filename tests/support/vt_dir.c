@@ -33,8 +33,8 @@ static int remove_one(const char *path, const struct stat *info, int type, struc
 
 static void remove_made(void)
 {
-    for (; made != NULL && made->owner == getpid(); made = made->next)
-        (void)nftw(made->path, remove_one, 16, FTW_DEPTH | FTW_PHYS);
+    for (const struct made *dir = made; dir != NULL && dir->owner == getpid(); dir = dir->next)
+        (void)nftw(dir->path, remove_one, 16, FTW_DEPTH | FTW_PHYS);
 }
 
 const char *vt_dir_make(void)
