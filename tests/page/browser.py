@@ -15,7 +15,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 BINARY = os.environ.get("VORONOID", "build/release/voronoid")
-PATIENCE = 60  # seconds that a condition is waited for, on a machine that does other things too
+PATIENCE = 120  # seconds that a condition is waited for, on a machine that does other things too
 
 DROP = """
 const [bytes, name] = arguments, file = new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], name);
@@ -46,7 +46,7 @@ class Daemon:
 
     def stop(self):
         self.process.send_signal(signal.SIGTERM)
-        code = self.process.wait(30)
+        code = self.process.wait(PATIENCE)
         self.log.close()
         self.folder.cleanup()
         return code
