@@ -136,22 +136,64 @@ START_TEST(minus_zero_stays_minus_zero)
 }
 END_TEST
 
-START_TEST(every_type_has_its_ply_name)
+/* Attributes, and their lines in the header. */
+static const struct {
+    struct {
+        const char *name;
+        enum vor_semantic semantic;
+        enum vor_type type;
+        unsigned components;
+    } attributes[8];
+    const char *lines;
+} headers[] = {
+    /* Components are numbered unless PLY names them. */
+    {{{"uv", VOR_GENERIC, VOR_FLOAT32, 2},
+      {"normal", VOR_NORMAL, VOR_INT8, 3},
+      {"color", VOR_COLOR, VOR_UINT16, 4},
+      {"normal", VOR_NORMAL, VOR_FLOAT32, 3}},
+     "property float uv_0\nproperty float uv_1\n"
+     "property char nx\nproperty char ny\nproperty char nz\n"
+     "property ushort red\nproperty ushort green\nproperty ushort blue\nproperty ushort alpha\n"
+     "property float normal_2_0\nproperty float normal_2_1\nproperty float normal_2_2\n"},
+    {{{"color", VOR_COLOR, VOR_UINT8, 2}, {"normal", VOR_NORMAL, VOR_FLOAT32, 1}},
+     "property uchar color_0\nproperty uchar color_1\nproperty float normal\n"},
+    /* Names are made printable and unique. */
+    {{{"x", VOR_GENERIC, VOR_UINT8, 1},
+      {"a b\n", VOR_GENERIC, VOR_UINT8, 1},
+      {"a_b_", VOR_GENERIC, VOR_UINT8, 1},
+      {"", VOR_GENERIC, VOR_UINT8, 1},
+      {"\xc3\xa9", VOR_GENERIC, VOR_UINT8, 1},
+      {"p", VOR_GENERIC, VOR_UINT8, 2},
+      {"p_1", VOR_GENERIC, VOR_UINT8, 1}},
+     "property uchar x_2\nproperty uchar a_b_\nproperty uchar a_b__2\nproperty uchar _\n"
+     "property uchar \xc3\xa9\nproperty uchar p_0\nproperty uchar p_1\nproperty uchar p_1_2\n"},
+    /* Every type has its name in PLY. */
+    {{{"a", VOR_GENERIC, VOR_INT8, 1},
+      {"b", VOR_GENERIC, VOR_UINT8, 1},
+      {"c", VOR_GENERIC, VOR_INT16, 1},
+      {"d", VOR_GENERIC, VOR_UINT16, 1},
+      {"e", VOR_GENERIC, VOR_INT32, 1},
+      {"f", VOR_GENERIC, VOR_UINT32, 1},
+      {"i", VOR_GENERIC, VOR_INT64, 1},
+      {"j", VOR_GENERIC, VOR_UINT64, 1}},
+     "property char a\nproperty uchar b\nproperty short c\nproperty ushort d\n"
+     "property int e\nproperty uint f\nproperty double i\nproperty double j\n"},
+    {{{"g", VOR_GENERIC, VOR_FLOAT32, 1}, {"h", VOR_GENERIC, VOR_FLOAT64, 1}},
+     "property float g\nproperty double h\n"},
+};
+
+START_TEST(attributes_have_these_lines_in_the_header)
 {
     struct vor_cloud cloud;
     char *header;
 
     fresh(&cloud, 1);
-    for (int t = 0; t < VOR_TYPE_COUNT; t++) {
-        char name[2] = {(char)('a' + t), 0};
-
-        attribute(&cloud, name, VOR_GENERIC, (enum vor_type)t, 1);
-    }
+    for (int i = 0; i < 8 && headers[_i].attributes[i].name != NULL; i++)
+        attribute(&cloud, headers[_i].attributes[i].name, headers[_i].attributes[i].semantic,
+                  headers[_i].attributes[i].type, headers[_i].attributes[i].components);
     header = header_of(&cloud);
-    ck_assert_str_eq(header, HEAD(1) XYZ
-                     "property char a\nproperty uchar b\nproperty short c\nproperty ushort d\n"
-                     "property int e\nproperty uint f\nproperty float g\nproperty double h\n"
-                     "property double i\nproperty double j\n");
+    ck_assert_ptr_eq(strstr(header, HEAD(1) XYZ), header);
+    ck_assert_str_eq(header + sizeof(HEAD(1) XYZ) - 1, headers[_i].lines);
     free(header);
     vor_cloud_free(&cloud);
 }
@@ -175,69 +217,6 @@ START_TEST(integers_of_64_bits_become_doubles)
     ck_assert_double_eq(got[0], -9007199254740991.0);
     ck_assert_double_eq(got[1], 0x1p63);
     free(bytes.data);
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
-START_TEST(components_are_numbered_unless_ply_names_them)
-{
-    struct vor_cloud cloud;
-    char *header;
-
-    fresh(&cloud, 1);
-    attribute(&cloud, "uv", VOR_GENERIC, VOR_FLOAT32, 2);
-    attribute(&cloud, "normal", VOR_NORMAL, VOR_INT8, 3);
-    attribute(&cloud, "color", VOR_COLOR, VOR_UINT16, 4);
-    attribute(&cloud, "normal", VOR_NORMAL, VOR_FLOAT32, 3);
-    header = header_of(&cloud);
-    ck_assert_str_eq(
-        header, HEAD(1) XYZ
-        "property float uv_0\nproperty float uv_1\n"
-        "property char nx\nproperty char ny\nproperty char nz\n"
-        "property ushort red\nproperty ushort green\nproperty ushort blue\n"
-        "property ushort alpha\n"
-        "property float normal_2_0\nproperty float normal_2_1\nproperty float normal_2_2\n");
-    free(header);
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
-START_TEST(colours_of_two_components_are_numbered)
-{
-    struct vor_cloud cloud;
-    char *header;
-
-    fresh(&cloud, 1);
-    attribute(&cloud, "color", VOR_COLOR, VOR_UINT8, 2);
-    attribute(&cloud, "normal", VOR_NORMAL, VOR_FLOAT32, 1);
-    header = header_of(&cloud);
-    ck_assert_str_eq(header, HEAD(1) XYZ "property uchar color_0\nproperty uchar color_1\n"
-                                         "property float normal\n");
-    free(header);
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
-START_TEST(names_are_made_printable_and_unique)
-{
-    struct vor_cloud cloud;
-    char *header;
-
-    fresh(&cloud, 1);
-    attribute(&cloud, "x", VOR_GENERIC, VOR_UINT8, 1);
-    attribute(&cloud, "a b\n", VOR_GENERIC, VOR_UINT8, 1);
-    attribute(&cloud, "a_b_", VOR_GENERIC, VOR_UINT8, 1);
-    attribute(&cloud, "", VOR_GENERIC, VOR_UINT8, 1);
-    attribute(&cloud, "\xc3\xa9", VOR_GENERIC, VOR_UINT8, 1);
-    attribute(&cloud, "p", VOR_GENERIC, VOR_UINT8, 2);
-    attribute(&cloud, "p_1", VOR_GENERIC, VOR_UINT8, 1);
-    header = header_of(&cloud);
-    ck_assert_str_eq(
-        header, HEAD(1) XYZ
-        "property uchar x_2\nproperty uchar a_b_\nproperty uchar a_b__2\n"
-        "property uchar _\nproperty uchar \xc3\xa9\nproperty uchar p_0\nproperty uchar p_1\n"
-        "property uchar p_1_2\n");
-    free(header);
     vor_cloud_free(&cloud);
 }
 END_TEST
@@ -346,11 +325,9 @@ int main(void)
     vt_add(suite, a_double_cloud_has_these_bytes);
     vt_add(suite, a_float_cloud_with_an_origin_is_written_in_absolute_coordinates);
     vt_add(suite, minus_zero_stays_minus_zero);
-    vt_add(suite, every_type_has_its_ply_name);
+    vt_add_loop(suite, attributes_have_these_lines_in_the_header,
+                (int)(sizeof headers / sizeof headers[0]));
     vt_add(suite, integers_of_64_bits_become_doubles);
-    vt_add(suite, components_are_numbered_unless_ply_names_them);
-    vt_add(suite, colours_of_two_components_are_numbered);
-    vt_add(suite, names_are_made_printable_and_unique);
     vt_add(suite, the_widest_cloud_is_written_whole);
     vt_add(suite, a_sink_that_refuses_ends_the_writing);
     vt_add(suite, the_file_is_never_held_as_a_whole);
