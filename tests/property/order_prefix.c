@@ -21,9 +21,9 @@ static void make(struct vor_cloud *cloud, int shape)
     if (shape == 0)
         vt_cloud_torus(cloud, 1, IN);
     else if (shape == 1)
-        vt_cloud_sphere(cloud, 2, IN);
-    else
         vt_cloud_dome(cloud, 3, IN);
+    else
+        vt_cloud_sphere(cloud, 2, IN);
     vt_assert_ok(
         vor_cloud_add_attribute(cloud, "label", VOR_GENERIC, VOR_INT64, 1, &label, &vt_err));
     for (size_t i = 0; i < cloud->n; i++)
@@ -104,12 +104,12 @@ END_TEST
 
 START_TEST(any_number_of_threads_gives_the_same_bytes)
 {
-    static const unsigned threads[4] = {1, 2, 3, 8};
+    static const unsigned threads[2] = {1, 3};
     struct vor_cloud in, out;
     uint64_t first = 0;
 
     make(&in, 0);
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 2; k++) {
         unsigned char *rows;
         uint64_t hash;
 
@@ -282,7 +282,7 @@ int main(void)
     vt_add_figures(suite, the_order_is_spatial_where_none_is_asked_for, 0);
     vt_add(suite, any_number_of_threads_gives_the_same_bytes);
     vt_add_figures(suite, it_is_the_same_points_of_which_the_first_are_even_by_themselves,
-                   VT_FEWER(SHAPES));
+                   VT_FEWER(VT_SOAK_LOOPS(2, SHAPES)));
     vt_add_figures(suite, draco_keeps_the_order, 0);
     return vt_run(suite);
 }
