@@ -120,7 +120,7 @@ my $waiting = $daemon->submit('points=100&iterations=1', $cloud);
 my $quiet = $daemon->events("/v1/jobs/$waiting/events", headers => $stream_of);
 my $beats = 0;
 my $position;
-for (1 .. 4) {
+while ($beats < 2 || ($position // -1) != 0) {
     my $block = $quiet->next_block or last;
     $beats++ if ($block->{comment} // '') eq 'hb';
     $position = json($block->{data})->{voronoid}{queuePosition} if defined $block->{data};
