@@ -115,7 +115,8 @@ START_TEST(a_sphere_and_a_torus_are_closed_and_face_outward)
                 ck_abort_msg("triangle %zu faces inward", t);
         }
         ck_assert_double_gt(volume, 0);
-        ck_assert_double_gt(meshed.report.mesh_quality_mean, 0.85);
+        /* 0.94; of the points of resample, which are not moved for triangles, 0.87 */
+        ck_assert_double_gt(meshed.report.mesh_quality_mean, 0.93);
         ck_assert_double_gt(meshed.report.mesh_angle_min, 20);
         vt_meshed_free(&meshed);
         vor_cloud_free(&in);
@@ -296,20 +297,6 @@ START_TEST(where_sheets_cross_the_report_tells_how_many_triangles_are_unsure)
 }
 END_TEST
 
-/* A sum over the triangles that knows their points by position, whatever their numbers are. */
-static double signature(const struct vt_meshed *meshed)
-{
-    double sum = 0;
-
-    for (size_t t = 0; t < meshed->mesh.count; t++) {
-        const float *a = corner(meshed, t, 0), *b = corner(meshed, t, 1), *c = corner(meshed, t, 2);
-
-        for (int d = 0; d < 3; d++)
-            sum += (double)a[d] * (double)b[(d + 1) % 3] * (double)c[(d + 2) % 3] * (d + 1);
-    }
-    return sum;
-}
-
 START_TEST(triangles_follow_the_points_into_another_order)
 {
     struct vor_cloud in;
@@ -329,7 +316,6 @@ START_TEST(triangles_follow_the_points_into_another_order)
         for (int c = 0; c < 3; c++)
             ck_assert(
                 memcmp(corner(&spatial, t, c), corner(&progressive, t, c), 3 * sizeof(float)) == 0);
-    ck_assert_double_eq(signature(&spatial), signature(&progressive));
     vt_meshed_free(&spatial);
     vt_meshed_free(&progressive);
     vt_engine_close(&engine);
@@ -537,66 +523,6 @@ START_TEST(without_polish_the_points_are_those_of_resample)
 }
 END_TEST
 
-/* Joins the points of a cloud on the surface of another, moving them or not. Returns how far the
- * farthest of them moved. */
-static double join_points(struct vor_report *report, const struct vor_cloud *points,
-                          const struct vor_cloud *in, int moves)
-{
-    const struct vor_mesh_how how = {.moves = moves};
-    struct vt_engine engine;
-    struct vor_domain domain;
-    struct vor_seeds seeds;
-    struct vor_mesh mesh;
-    double farthest = 0;
-
-    memset(report, 0, sizeof *report);
-    vt_engine_open(&engine, 2);
-    vt_assert_ok(vor_domain_init(&domain, in, &engine.run, &vt_err));
-    vt_assert_ok(vor_seeds_init(&seeds, &domain, points->n, vt_policy, &engine.run, &vt_err));
-    for (size_t i = 0; i < points->n; i++)
-        vor_domain_normalise(&domain, &points->xyz[3 * i], &seeds.xyz[3 * i]);
-    vor_mesh_init(&mesh, &vt_memory);
-    vt_assert_ok(vor_mesh_make(&mesh, report, &seeds, &how, &vt_err));
-    for (size_t i = 0; i < points->n; i++) {
-        float before[3];
-
-        vor_domain_normalise(&domain, &points->xyz[3 * i], before);
-        farthest = fmax(farthest, vor_distance2f(before, &seeds.xyz[3 * i]));
-    }
-    farthest = sqrt(farthest) * domain.unit;
-    vor_mesh_free(&mesh);
-    vor_seeds_free(&seeds);
-    vor_domain_free(&domain);
-    vt_engine_close(&engine);
-    return farthest;
-}
-
-START_TEST(points_move_a_little_for_better_triangles)
-{
-    double spacing = sqrt(4 * M_PI / FEW), farthest;
-    struct vor_cloud in, out;
-    struct vt_meshed meshed;
-    struct vor_report still, moved;
-
-    vt_cloud_sphere(&in, (uint64_t)_i, IN);
-    mesh_of(&meshed, &in, FEW);
-    for (size_t i = 0; i < 3 * meshed.cloud.n; i += 3)
-        ck_assert_double_eq_tol(vor_distance2f(&meshed.cloud.xyz[i], (float[3]){0, 0, 0}), 1, 1e-2);
-    resample(&out, &in, "30");
-    ck_assert(join_points(&still, &out, &in, 0) == 0);
-    farthest = join_points(&moved, &out, &in, 1);
-    ck_assert_double_gt(farthest, 0);
-    ck_assert_double_lt(farthest, 0.6 * spacing);
-    ck_assert_double_gt(moved.mesh_quality_mean, still.mesh_quality_mean + 0.01);
-    ck_assert_double_gt(moved.mesh_quality_min, still.mesh_quality_min);
-    ck_assert_double_gt(meshed.report.mesh_quality_mean, moved.mesh_quality_mean);
-    vt_meshed_free(&meshed);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 /* Each allocation of the mesh fails once. */
 START_TEST(a_failing_allocation_is_told_and_nothing_leaks)
 {
@@ -648,12 +574,12 @@ int main(void)
     Suite *suite = suite_create("mesh");
 
     vt_add_figures(suite, a_sphere_and_a_torus_are_closed_and_face_outward,
-                   VT_FEWER(VT_SOAK_LOOPS(2, 20)));
-    vt_add_figures(suite, a_square_has_one_loop_and_a_cylinder_two, VT_FEWER(VT_SOAK_LOOPS(2, 20)));
+                   VT_FEWER(VT_SOAK_LOOPS(1, 20)));
+    vt_add_figures(suite, a_square_has_one_loop_and_a_cylinder_two, VT_FEWER(VT_SOAK_LOOPS(1, 20)));
     vt_add_figures(suite, a_loop_is_told_in_the_unit_of_the_cloud, 0);
     vt_add_figures(suite, no_triangle_joins_two_sheets, VT_FEWER(VT_SOAK_LOOPS(1, 10)));
     vt_add_figures(suite, a_mesh_of_two_sheets_that_bend_lies_on_them_and_joins_them_at_few_places,
-                   2);
+                   VT_SOAK_LOOPS(1, 2));
     vt_add_figures(suite, where_sheets_cross_the_report_tells_how_many_triangles_are_unsure, 1);
     vt_add_figures(suite, triangles_follow_the_points_into_another_order, 0);
     vt_add(suite, one_two_three_and_eight_threads_give_the_same_triangles);
@@ -663,8 +589,6 @@ int main(void)
     vt_add_figures(suite, filters_alone_leave_points_that_are_joined_where_they_are, 0);
     vt_add(suite, fewer_than_three_points_have_no_triangles);
     vt_add_figures(suite, without_polish_the_points_are_those_of_resample, 0);
-    vt_add_figures(suite, points_move_a_little_for_better_triangles,
-                   VT_FEWER(VT_SOAK_LOOPS(2, 20)));
     vt_add(suite, a_failing_allocation_is_told_and_nothing_leaks);
     return vt_run(suite);
 }
