@@ -88,7 +88,7 @@ TESTS := $(TEST_SCRIPTS) $(TEST_BIN)
 # at three threads.
 SANITIZE ?= some
 ENGINE_INSIDE = $(shell grep -lE 'include "core/(geom|input|metrics|opt|seeds|cvt|kmeans|lop|mesh|output|baselines)/' $(TEST_SRC))
-DRIVERS := tests/property/allocations.c tests/property/methods_threads.c
+DRIVERS := $(addprefix tests/,property/methods_interrupted.c property/methods_threads.c unit/stages_test.c)
 THREADED := tests/unit/base_parallel.c tests/property/methods_threads.c
 MET := life events events_many events_poll cancel daemon slow auth signals again
 RELEASE_ALONE := $(BINARY_LAWS) $(wildcard tests/page/*.t)

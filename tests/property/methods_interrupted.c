@@ -1,0 +1,35 @@
+/* Every process and every method, short of memory, cancelled or stopped at any moment: a clear
+ * status, nothing handed out, nothing left behind. */
+#include "tests/support/vt_methods.h"
+
+START_TEST(whichever_allocation_fails_nothing_is_left)
+{
+    if (vt_methods[_i].few > 0)
+        vt_drive_failures(&vt_methods[_i]);
+}
+END_TEST
+
+START_TEST(a_cancel_at_any_question_ends_with_nothing)
+{
+    if (vt_methods[_i].few > 0)
+        vt_drive_answers(&vt_methods[_i], VOR_CANCEL);
+}
+END_TEST
+
+/* What has no points, as a measure, is not stopped. */
+START_TEST(a_stop_at_any_question_gives_all_points)
+{
+    if (vt_methods[_i].few > 0)
+        vt_drive_answers(&vt_methods[_i], VOR_STOP);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("methods interrupted");
+
+    vt_add_loop(suite, whichever_allocation_fails_nothing_is_left, vt_methods_count());
+    vt_add_loop(suite, a_cancel_at_any_question_ends_with_nothing, vt_methods_count());
+    vt_add_loop(suite, a_stop_at_any_question_gives_all_points, vt_methods_count());
+    return vt_run(suite);
+}

@@ -1,0 +1,67 @@
+/* Every process and every method gives the same bytes at one thread and at three: positions,
+ * attributes, triangles, and what the documents say. ThreadSanitizer runs this program for all of
+ * the engine. */
+#include "tests/support/vt_methods.h"
+
+#include <string.h>
+
+START_TEST(one_and_three_threads_give_the_same_bytes)
+{
+    vt_drive_threads(&vt_methods[_i]);
+}
+END_TEST
+
+/* The comparison can tell: another seed, another row of the document, other bytes. */
+START_TEST(another_seed_gives_other_bytes)
+{
+    static struct vt_call call;
+    struct vt_engine engine;
+    struct vor_cloud in;
+    uint64_t hash;
+
+    vt_cloud_dome(&in, 1, 1000);
+    vt_engine_open(&engine, 3);
+    call.in = &in;
+    call.run = &engine.run;
+    call.options = "resample points=100 seed=1";
+    vt_assert_ok(vt_call_request(&call));
+    hash = call.hash;
+    call.hash = 0;
+    call.options = "resample points=100 seed=2";
+    vt_assert_ok(vt_call_request(&call));
+    ck_assert(hash != call.hash);
+    vt_engine_close(&engine);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
+static int is_run(const char *words)
+{
+    for (int i = 0; i < vt_methods_count(); i++)
+        if (strstr(vt_methods[i].options, words) != NULL)
+            return 1;
+    return 0;
+}
+
+/* A further process or method needs a row. */
+START_TEST(every_process_and_method_has_a_row)
+{
+#define CHECK_METHOD(id, word)                                                                     \
+    ck_assert(VOR_METHOD_##id == VOR_METHOD_CVT || is_run("method=" word));
+    VOR_METHOD_CHOICE_TABLE(CHECK_METHOD)
+#undef CHECK_METHOD
+    for (unsigned p = 0; vor_process_info(p) != NULL; p++)
+        ck_assert_msg(is_run(vor_process_info(p)->id), "no row runs %s", vor_process_info(p)->id);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("methods at three threads");
+
+    vt_add_loop(suite, one_and_three_threads_give_the_same_bytes, vt_methods_count());
+    vt_add(suite, another_seed_gives_other_bytes);
+    vt_add(suite, every_process_and_method_has_a_row);
+    return vt_run(suite);
+}
