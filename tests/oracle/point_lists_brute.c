@@ -335,34 +335,6 @@ START_TEST(a_point_alone_has_nobody)
 }
 END_TEST
 
-START_TEST(a_failure_of_any_allocation_leaves_nothing)
-{
-    struct vor_memory memory;
-    struct vt_engine engine;
-    struct vor_cloud cloud;
-    struct vor_point_lists swarm = {0};
-    vor_status status = VOR_E_NOMEM;
-    size_t fail;
-
-    vt_engine_open(&engine, 1);
-    vt_cloud_cube(&cloud, 1, 300);
-    for (fail = 1; status != VOR_OK; fail++) {
-        ck_assert_uint_lt(fail, 20);
-        vor_memory_init(&memory, SIZE_MAX);
-        memory.fail_at = fail;
-        status = vor_point_lists_init(&swarm, 300, 20, &memory, &vt_err);
-        if (status == VOR_OK)
-            status = vor_point_lists_index(&swarm, cloud.xyz, &engine.run, &vt_err);
-        ck_assert(status == VOR_OK || status == VOR_E_NOMEM);
-        vor_point_lists_free(&swarm);
-        ck_assert_uint_eq(atomic_load(&memory.used), 0);
-    }
-    ck_assert_uint_gt(fail, 1);
-    vor_cloud_free(&cloud);
-    vt_engine_close(&engine);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("swarm_brute");
@@ -371,6 +343,5 @@ int main(void)
     vt_add_loop(suite, small_steps_are_answered_from_the_lists, 5);
     vt_add(suite, the_sixty_fifth_jumper_asks_for_an_index);
     vt_add(suite, a_point_alone_has_nobody);
-    vt_add(suite, a_failure_of_any_allocation_leaves_nothing);
     return vt_run(suite);
 }

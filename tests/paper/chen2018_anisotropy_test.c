@@ -228,24 +228,6 @@ START_TEST(cells_are_as_long_as_the_curvatures_of_the_shape_ask_for)
 }
 END_TEST
 
-START_TEST(threads_follow_a_metric_to_the_same_bytes)
-{
-    uint64_t hash[3];
-
-    for (unsigned threads = 1; threads <= 3; threads++) {
-        struct vor_cloud in, out;
-        struct vor_report report;
-
-        vt_cloud_dome(&in, 1, 5000);
-        run(&out, &report, &in, 500, threads);
-        hash[threads - 1] = vt_cloud_hash(&out) ^ vt_hash(&report.delta, sizeof report.delta);
-        vor_cloud_free(&out);
-        vor_cloud_free(&in);
-    }
-    ck_assert(hash[0] == hash[1] && hash[1] == hash[2]);
-}
-END_TEST
-
 /* Gives points of a square tensors whose long side, of aspect 4, turns with x. */
 static void plant(struct vor_cloud *cloud)
 {
@@ -302,6 +284,5 @@ int main(void)
 
     vt_add_loop(suite, cells_are_as_long_as_the_curvatures_of_the_shape_ask_for, 2);
     vt_add(suite, cells_follow_a_planted_field_of_tensors);
-    vt_add(suite, threads_follow_a_metric_to_the_same_bytes);
     return vt_run(suite);
 }

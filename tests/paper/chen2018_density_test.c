@@ -207,24 +207,6 @@ START_TEST(a_constant_attribute_gives_points_as_even_as_none)
 }
 END_TEST
 
-START_TEST(threads_follow_a_density_to_the_same_bytes)
-{
-    uint64_t hash[3];
-
-    for (unsigned threads = 1; threads <= 3; threads++) {
-        struct vor_cloud in, out;
-        struct vor_report report;
-
-        vt_cloud_dome(&in, 1, 5000);
-        run(&out, &report, &in, "curvature", threads);
-        hash[threads - 1] = vt_cloud_hash(&out) ^ vt_hash(&report.delta, sizeof report.delta);
-        vor_cloud_free(&out);
-        vor_cloud_free(&in);
-    }
-    ck_assert(hash[0] == hash[1] && hash[1] == hash[2]);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("chen2018_density");
@@ -232,6 +214,5 @@ int main(void)
     vt_add(suite, spacing_follows_curvature_to_the_power_of_a_quarter);
     vt_add(suite, a_planted_attribute_decides_about_the_spacing);
     vt_add(suite, a_constant_attribute_gives_points_as_even_as_none);
-    vt_add(suite, threads_follow_a_density_to_the_same_bytes);
     return vt_run(suite);
 }

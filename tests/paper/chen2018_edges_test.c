@@ -218,30 +218,6 @@ START_TEST(what_has_no_edge_is_refused)
 }
 END_TEST
 
-START_TEST(threads_follow_edges_to_the_same_bytes)
-{
-    uint64_t hash[3];
-
-    for (unsigned threads = 1; threads <= 3; threads++) {
-        struct vt_engine engine;
-        struct vor_report report;
-        struct vor_cloud in, out;
-
-        vt_cloud_box(&in, 3, 5000);
-        vt_engine_open(&engine, threads);
-        vt_engine_set(&engine, "points", "500");
-        vt_engine_set(&engine, "density", "edges");
-        vt_engine_resample(&engine, &out, &report, &in);
-        hash[threads - 1] = vt_cloud_hash(&out);
-        vor_cloud_free(&out);
-        vor_cloud_free(&in);
-        vt_engine_close(&engine);
-    }
-    ck_assert(hash[0] == hash[1] && hash[1] == hash[2]);
-    vt_assert_no_leak();
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("chen2018_edges");
@@ -250,6 +226,5 @@ int main(void)
     vt_add(suite, fandisk_has_its_points_closer_along_its_edges);
     vt_add(suite, contrast_one_is_an_even_spread);
     vt_add_loop(suite, what_has_no_edge_is_refused, 2);
-    vt_add(suite, threads_follow_edges_to_the_same_bytes);
     return vt_run(suite);
 }

@@ -1,5 +1,5 @@
-/* The simple methods beside a result: the same result, numbers that can be measured again, the same
- * for any number of threads, interrupted at any moment. */
+/* The simple methods beside a result: the same result, numbers that can be measured
+ * again, and what a stop leaves of them. */
 #include "tests/support/vt_shape.h"
 #include "tests/support/vt_trace.h"
 
@@ -99,32 +99,6 @@ START_TEST(kmeans_is_the_method_of_that_name)
     vor_cloud_free(&out);
     vor_cloud_free(&in);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
-}
-END_TEST
-
-START_TEST(one_two_three_and_eight_threads_give_the_same_numbers)
-{
-    static const unsigned threads[] = {1, 2, 3, 8};
-    struct vor_report first, report;
-    struct vor_cloud in, out;
-
-    vt_cloud_dome(&in, 3, N);
-    for (size_t i = 0; i < sizeof threads / sizeof *threads; i++) {
-        struct vt_engine engine;
-
-        open_engine(&engine, threads[i], OUT);
-        vt_engine_set(&engine, "density", "curvature");
-        vt_engine_resample(&engine, &out, &report, &in);
-        first = i == 0 ? report : first;
-        ck_assert(memcmp(&report.kmeans, &first.kmeans, sizeof report.kmeans) == 0);
-        ck_assert(memcmp(&report.random, &first.random, sizeof report.random) == 0);
-        ck_assert(memcmp(&report.voxel, &first.voxel, sizeof report.voxel) == 0);
-        ck_assert(memcmp(&report.farthest, &first.farthest, sizeof report.farthest) == 0);
-        vor_cloud_free(&out);
-        vt_engine_close(&engine);
-    }
-    vor_cloud_free(&in);
     vt_assert_no_leak();
 }
 END_TEST
@@ -289,34 +263,6 @@ START_TEST(a_cancel_ends_with_nothing_and_a_stop_without_baselines)
 }
 END_TEST
 
-START_TEST(a_failure_of_any_allocation_ends_clearly_and_leaks_nothing)
-{
-    struct vt_engine engine;
-    struct vor_memory memory;
-    struct vor_cloud in, out;
-    struct vor_report report;
-    vor_status status = VOR_E_NOMEM;
-
-    open_engine(&engine, 2, 40);
-    vt_engine_set(&engine, "iterations", "1");
-    vt_engine_set(&engine, "polish", "0");
-    engine.run.memory = &memory;
-    vt_cloud_sphere(&in, 1, 200);
-    for (size_t fail = 1; status != VOR_OK; fail += VT_STEP_FAILS) {
-        ck_assert_uint_lt(fail, 1000);
-        vor_memory_init(&memory, SIZE_MAX);
-        memory.fail_at = fail;
-        vor_cloud_init(&out, &memory);
-        status = vt_run_engine(&out, &report, &in, &engine.spec, &engine.run, &vt_err);
-        ck_assert(status == VOR_OK || status == VOR_E_NOMEM);
-        vor_cloud_free(&out);
-        ck_assert_uint_eq(atomic_load(&memory.used), 0);
-    }
-    vor_cloud_free(&in);
-    vt_engine_close(&engine);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("baselines_beside");
@@ -324,12 +270,10 @@ int main(void)
     vt_add_figures(suite, the_result_is_the_same_with_baselines_beside_it, 0);
     vt_add_figures(suite, each_is_as_even_as_its_method_is_known_to_be, 2);
     vt_add_figures(suite, kmeans_is_the_method_of_that_name, 0);
-    vt_add(suite, one_two_three_and_eight_threads_give_the_same_numbers);
     vt_add(suite, records_tell_each_baseline_after_the_polish);
     vt_add_figures(suite, of_fewer_input_points_all_are_taken, 0);
     vt_add_figures(suite, islands_are_input_too, 0);
     vt_add_figures(suite, filters_alone_have_no_baselines_beside_them, 0);
     vt_add(suite, a_cancel_ends_with_nothing_and_a_stop_without_baselines);
-    vt_add(suite, a_failure_of_any_allocation_ends_clearly_and_leaks_nothing);
     return vt_run(suite);
 }

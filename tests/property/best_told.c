@@ -166,27 +166,6 @@ START_TEST(the_last_best_is_the_report_s)
 }
 END_TEST
 
-/* The island makes a record for the result: the last, and the only one that a cancel is answered
- * to. */
-START_TEST(a_cancel_at_the_last_record_ends_with_nothing)
-{
-    static struct spy spy, again;
-    struct vor_report report;
-    struct vor_cloud in;
-
-    memset(&spy, 0, sizeof spy);
-    memset(&again, 0, sizeof again);
-    make(&in, ISLAND, 1);
-    vt_assert_ok(run(&spy, &report, &in, &endings[0], "20"));
-    again.at_record = spy.count;
-    again.answer = VOR_CANCEL;
-    vt_assert_fails(VOR_E_CANCELLED, run(&again, &report, &in, &endings[0], "20"));
-    ck_assert_uint_eq(again.count, spy.count);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 /* Without the islands and with nothing outside, the records already say it: none is added. */
 START_TEST(nothing_is_told_twice)
 {
@@ -209,7 +188,6 @@ int main(void)
     Suite *suite = suite_create("best_told");
 
     vt_add_loop(suite, the_last_best_is_the_report_s, VT_ONCE(INPUTS));
-    vt_add(suite, a_cancel_at_the_last_record_ends_with_nothing);
     vt_add_figures(suite, nothing_is_told_twice, 0);
     return vt_run(suite);
 }

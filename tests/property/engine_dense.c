@@ -163,30 +163,6 @@ START_TEST(stopped_at_any_record_it_hands_back_points_of_the_whole)
 }
 END_TEST
 
-START_TEST(one_two_three_and_eight_threads_make_the_same_bytes)
-{
-    static const unsigned threads_of[4] = {1, 2, 3, 8};
-    struct vor_cloud in, out;
-    struct vor_report report;
-    uint64_t first = 0;
-
-    vt_cloud_box(&in, (uint64_t)_i, DENSE);
-    for (int t = 0; t < 4; t++) {
-        struct vt_engine engine;
-
-        open_run(&engine, threads_of[t], _i % 2 ? "60" : "0");
-        vt_engine_set(&engine, "iterations", "8");
-        vt_engine_resample(&engine, &out, &report, &in);
-        first = t == 0 ? vt_cloud_hash(&out) : first;
-        ck_assert(vt_cloud_hash(&out) == first);
-        vor_cloud_free(&out);
-        vt_engine_close(&engine);
-    }
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 /* An open cloud: nobody is left where only the thinner input allowed it. */
 START_TEST(nobody_is_left_beyond_a_border)
 {
@@ -225,8 +201,6 @@ int main(void)
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH));
     vt_add_figures(suite, a_delta_that_is_asked_for_holds_of_the_result, VT_FEWER(VT_SMOOTH));
     vt_add_loop(suite, stopped_at_any_record_it_hands_back_points_of_the_whole, 1);
-    vt_add_loop(suite, one_two_three_and_eight_threads_make_the_same_bytes,
-                VT_FEWER(VT_SOAK_LOOPS(2, SEEDS)));
     vt_add_figures(suite, nobody_is_left_beyond_a_border, VT_FEWER(SEEDS));
     return vt_run(suite);
 }

@@ -116,25 +116,6 @@ START_TEST(nor_where_they_are_half_a_spacing_of_the_result_apart)
 }
 END_TEST
 
-START_TEST(one_two_three_and_eight_threads_give_the_same_bytes)
-{
-    static const unsigned threads[] = {1, 2, 3, 8};
-    struct vor_cloud in, out;
-    uint64_t first = 0;
-
-    vt_cloud_sheets(&in, 5, N / 2, sqrt(4.0 / N));
-    for (size_t i = 0; i < sizeof threads / sizeof *threads; i++) {
-        uint64_t hash = resample(&out, &in, threads[i], "auto");
-
-        first = i == 0 ? hash : first;
-        ck_assert(hash == first);
-        vor_cloud_free(&out);
-    }
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("engine_sheets");
@@ -143,6 +124,5 @@ int main(void)
     vt_add_figures(suite, nor_where_they_are_noisy, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, nor_where_they_are_half_a_spacing_of_the_result_apart,
                    VT_FEWER(VT_SOAK_LOOPS(2 * SEEDS, 10 * SEEDS)));
-    vt_add(suite, one_two_three_and_eight_threads_give_the_same_bytes);
     return vt_run(suite);
 }

@@ -1,10 +1,8 @@
-/* The baseline k-means as a request runs it: exactly n points, the same for any number of threads,
- * interrupted at any moment, and its refusals. */
+/* The baseline k-means as a request runs it: exactly n points, and its
+ * refusals. */
 #include "tests/support/vt_shape.h"
 #include "tests/support/vt_trace.h"
 
-#include <math.h>
-#include <stdatomic.h>
 #include <string.h>
 
 enum { N = 3000, OUT = 500, STEPS = 8 };
@@ -76,113 +74,6 @@ START_TEST(it_is_more_even_than_chance_and_less_than_cells)
 }
 END_TEST
 
-START_TEST(one_two_three_and_eight_threads_give_the_same_bytes)
-{
-    static const unsigned threads[] = {1, 2, 3, 8};
-    struct vor_cloud in, out;
-    uint64_t first = 0;
-
-    vt_cloud_box(&in, 3, N);
-    for (size_t i = 0; i < sizeof threads / sizeof *threads; i++) {
-        struct vt_engine engine;
-        struct vor_report report;
-
-        open_engine(&engine, threads[i], OUT);
-        vt_engine_resample(&engine, &out, &report, &in);
-        first = i == 0 ? vt_cloud_hash(&out) : first;
-        ck_assert(vt_cloud_hash(&out) == first);
-        vor_cloud_free(&out);
-        vt_engine_close(&engine);
-    }
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
-/* Answers with `answer` from the at-th question on. */
-struct trap {
-    atomic_uint asked;
-    unsigned at;
-    enum vor_answer answer;
-};
-
-static enum vor_answer ask(void *ctx)
-{
-    struct trap *trap = ctx;
-
-    return atomic_fetch_add(&trap->asked, 1) + 1 >= trap->at ? trap->answer : VOR_CONTINUE;
-}
-
-static vor_status run_trapped(struct vor_cloud *out, struct vor_report *report, struct trap *trap)
-{
-    struct vor_watch watch = {.ctx = trap, .poll = ask};
-    struct vt_engine engine;
-    struct vor_cloud in;
-    vor_status status;
-
-    open_engine(&engine, 1, 50);
-    vt_engine_count(&engine, "iterations", STEPS);
-    engine.run.watch = &watch;
-    vt_cloud_sphere(&in, 1, 200);
-    status = vt_engine_try(&engine, out, report, &in);
-    vor_cloud_free(&in);
-    vt_engine_close(&engine);
-    return status;
-}
-
-START_TEST(a_cancel_ends_with_nothing_and_a_stop_with_all_points)
-{
-    struct trap all = {.at = UINT32_MAX};
-    unsigned by_caller = 0;
-    struct vor_report report;
-    struct vor_cloud out;
-
-    vt_assert_ok(run_trapped(&out, &report, &all));
-    vor_cloud_free(&out);
-    ck_assert_uint_gt(atomic_load(&all.asked), 20);
-    for (unsigned at = 1; at <= atomic_load(&all.asked); at += VT_STEP) {
-        struct trap cancel = {.at = at, .answer = VOR_CANCEL};
-        struct trap stop = {.at = at, .answer = VOR_STOP};
-
-        vt_assert_fails(VOR_E_CANCELLED, run_trapped(&out, &report, &cancel));
-        ck_assert(out.n == 0 && out.xyz == NULL);
-        vt_assert_ok(run_trapped(&out, &report, &stop));
-        ck_assert_uint_eq(out.n, 50);
-        by_caller += report.stopped == VOR_STOPPED_CALLER;
-        vor_cloud_free(&out);
-        vt_assert_no_leak();
-    }
-    ck_assert_uint_gt(VT_STEP * by_caller, STEPS);
-}
-END_TEST
-
-START_TEST(a_failure_of_any_allocation_ends_clearly_and_leaks_nothing)
-{
-    struct vt_engine engine;
-    struct vor_memory memory;
-    struct vor_cloud in, out;
-    struct vor_report report;
-    vor_status status = VOR_E_NOMEM;
-
-    open_engine(&engine, 2, 50);
-    vt_engine_count(&engine, "iterations", 2);
-    engine.run.memory = &memory;
-    vt_cloud_sphere(&in, 1, 200);
-    for (size_t fail = 1; status != VOR_OK; fail += VT_STEP) {
-        ck_assert_uint_lt(fail, 1000);
-        vor_memory_init(&memory, SIZE_MAX);
-        memory.fail_at = fail;
-        vor_cloud_init(&out, &memory);
-        status = vt_run_engine(&out, &report, &in, &engine.spec, &engine.run, &vt_err);
-        ck_assert(status == VOR_OK || status == VOR_E_NOMEM);
-        vor_cloud_free(&out);
-        ck_assert_uint_eq(atomic_load(&memory.used), 0);
-    }
-    vor_cloud_free(&in);
-    vt_engine_close(&engine);
-}
-END_TEST
-
 START_TEST(more_points_than_the_input_has_are_refused)
 {
     struct vt_engine engine;
@@ -215,9 +106,6 @@ int main(void)
 
     vt_add(suite, it_gives_exactly_n_points_on_the_surface);
     vt_add(suite, it_is_more_even_than_chance_and_less_than_cells);
-    vt_add(suite, one_two_three_and_eight_threads_give_the_same_bytes);
-    vt_add(suite, a_cancel_ends_with_nothing_and_a_stop_with_all_points);
-    vt_add(suite, a_failure_of_any_allocation_ends_clearly_and_leaks_nothing);
     vt_add(suite, more_points_than_the_input_has_are_refused);
     return vt_run(suite);
 }

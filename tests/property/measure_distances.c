@@ -1,4 +1,4 @@
-/* Properties of the distances and errors of a measure: what swapping, scaling, a peak and threads
+/* Properties of the distances and errors of a measure: what swapping, scaling and a peak
  * change and what they do not. */
 #include "core/metrics/measure.h"
 #include "tests/support/vt_engine.h"
@@ -160,22 +160,6 @@ START_TEST(a_peak_of_either_end_of_the_range_is_finite)
 }
 END_TEST
 
-START_TEST(the_same_figures_for_any_number_of_threads)
-{
-    static const unsigned threads[] = {1, 2, 3, 8};
-    struct two two;
-    struct vor_measure m, k;
-
-    open_two(&two, (uint64_t)_i);
-    m = measure(&two.cloud, &two.reference, 0, 1);
-    for (size_t t = 1; t < 4; t++) {
-        k = measure(&two.cloud, &two.reference, 0, threads[t]);
-        ck_assert_mem_eq(&k, &m, sizeof m);
-    }
-    close_two(&two);
-}
-END_TEST
-
 START_TEST(a_cloud_has_no_error_against_itself)
 {
     struct two two;
@@ -223,7 +207,6 @@ int main(void)
     vt_add_loop(suite, scale_changes_errors_by_its_square_and_no_psnr, VT_ONCE(SEEDS));
     vt_add_loop(suite, twice_the_peak_is_six_decibels, VT_ONCE(SEEDS));
     vt_add(suite, a_peak_of_either_end_of_the_range_is_finite);
-    vt_add_loop(suite, the_same_figures_for_any_number_of_threads, VT_ONCE(SEEDS));
     vt_add_loop(suite, a_cloud_has_no_error_against_itself, VT_ONCE(SEEDS));
     vt_add_loop(suite, fitted_normals_stand_for_carried_ones, VT_ONCE(SEEDS));
     return vt_run(suite);

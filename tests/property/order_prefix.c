@@ -102,31 +102,6 @@ START_TEST(the_order_is_spatial_where_none_is_asked_for)
 }
 END_TEST
 
-START_TEST(any_number_of_threads_gives_the_same_bytes)
-{
-    static const unsigned threads[2] = {1, 3};
-    struct vor_cloud in, out;
-    uint64_t first = 0;
-
-    make(&in, 0);
-    for (int k = 0; k < 2; k++) {
-        unsigned char *rows;
-        uint64_t hash;
-
-        resample(&out, &in, "progressive", 1, threads[k]);
-        rows = rows_of(&out);
-        hash = vt_hash(rows, OUT * ROW);
-        if (k == 0)
-            first = hash;
-        ck_assert(hash == first);
-        free(rows);
-        vor_cloud_free(&out);
-    }
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 /* How even the first m of n points are, and the farthest of all from them: over what it would be
  * in a perfect lattice of m points on the same surface. */
 struct prefix {
@@ -280,7 +255,6 @@ int main(void)
     Suite *suite = suite_create("order_prefix");
 
     vt_add_figures(suite, the_order_is_spatial_where_none_is_asked_for, 0);
-    vt_add(suite, any_number_of_threads_gives_the_same_bytes);
     vt_add_figures(suite, it_is_the_same_points_of_which_the_first_are_even_by_themselves,
                    VT_FEWER(VT_SOAK_LOOPS(2, SHAPES)));
     vt_add_figures(suite, draco_keeps_the_order, 0);

@@ -51,26 +51,6 @@ START_TEST(a_sphere_is_spread_evenly_and_its_points_are_off_as_a_plane_is)
 }
 END_TEST
 
-START_TEST(one_two_three_and_eight_threads_give_the_same_bytes)
-{
-    static const unsigned threads[] = {1, 2, 3, 8};
-    struct vor_report report;
-    struct vor_cloud in;
-    uint64_t first = 0;
-    double off;
-
-    vt_cloud_sheets(&in, 5, N / 2, sqrt(4.0 / N));
-    for (size_t i = 0; i < sizeof threads / sizeof *threads; i++) {
-        uint64_t hash = resample(&report, &in, threads[i], "plane", "10", &off);
-
-        first = i == 0 ? hash : first;
-        ck_assert(hash == first);
-    }
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 /* Where two sheets are told apart, planes lie on one of them too. */
 START_TEST(a_plane_lies_on_one_of_two_sheets)
 {
@@ -104,7 +84,6 @@ int main(void)
     Suite *suite = suite_create("patch_plane");
 
     vt_add(suite, a_sphere_is_spread_evenly_and_its_points_are_off_as_a_plane_is);
-    vt_add(suite, one_two_three_and_eight_threads_give_the_same_bytes);
     vt_add(suite, a_plane_lies_on_one_of_two_sheets);
     return vt_run(suite);
 }

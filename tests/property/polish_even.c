@@ -322,41 +322,6 @@ END_TEST
 /* --- Threads ------------------------------------------------------------------------------------
  */
 
-START_TEST(one_two_three_and_eight_threads_polish_to_the_same_bytes)
-{
-    static const unsigned threads[] = {1, 2, 3, 8};
-    void (*const make[])(struct vor_cloud *, uint64_t, size_t) = {vt_cloud_torus, vt_cloud_dome,
-                                                                  noisy_sphere};
-    struct vor_cloud in;
-    uint64_t hash[4];
-    struct vor_report first;
-
-    make[_i](&in, 3, 2000);
-    for (size_t k = 0; k < 4; k++) {
-        struct vt_engine engine;
-        struct vor_cloud out;
-        struct vor_report report;
-
-        vt_engine_open(&engine, threads[k]);
-        vt_engine_set(&engine, "points", "2500");
-        vt_engine_set(&engine, "iterations", "3");
-        vt_engine_set(&engine, "polish", "12");
-        vt_engine_resample(&engine, &out, &report, &in);
-        ck_assert_uint_eq(report.polish_steps, 12);
-        hash[k] = vt_cloud_hash(&out);
-        vor_cloud_free(&out);
-        vt_engine_close(&engine);
-        first = k == 0 ? report : first;
-        ck_assert(hash[k] == hash[0] && report.delta == first.delta);
-        ck_assert(report.six_share == first.six_share);
-        ck_assert_uint_eq(report.queries, first.queries);
-        ck_assert_uint_eq(report.list_rebuilds, first.list_rebuilds);
-    }
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("polish_even");
@@ -371,6 +336,5 @@ int main(void)
     vt_add_figures(suite, points_on_sheets_nearer_than_the_spacing_do_not_fall_together,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, seeds_at_one_place_or_over_one_another_part, VT_FEWER(3));
-    vt_add_loop(suite, one_two_three_and_eight_threads_polish_to_the_same_bytes, VT_FEWER(3));
     return vt_run(suite);
 }

@@ -203,25 +203,6 @@ START_TEST(a_stop_at_a_record_ends_with_the_steps_done)
 }
 END_TEST
 
-START_TEST(a_cancel_at_a_record_ends_with_nothing)
-{
-    static const unsigned records[] = {1, 20};
-
-    for (size_t k = 0; k < sizeof records / sizeof records[0]; k++) {
-        static struct spy spy;
-        struct vor_cloud out;
-        struct vor_report report;
-
-        memset(&spy, 0, sizeof spy);
-        spy.at_record = records[k];
-        spy.answer = VOR_CANCEL;
-        vt_assert_fails(VOR_E_CANCELLED, run_spied(&out, &report, &spy, 40, NULL, NULL));
-        ck_assert(out.n == 0 && out.xyz == NULL && report.points_out == 0);
-        vt_assert_no_leak();
-    }
-}
-END_TEST
-
 /* Number of questions from the last iteration to the end of a run of 12 steps. */
 static unsigned questions(void)
 {
@@ -270,25 +251,6 @@ START_TEST(a_stop_at_any_question_hands_back_the_steps_before_it)
     }
     ck_assert_uint_ge(VT_STEP * by_caller, 12);
     ck_assert_uint_eq(last, 12);
-}
-END_TEST
-
-START_TEST(a_cancel_at_any_question_ends_with_nothing)
-{
-    unsigned all = questions();
-
-    for (unsigned at = 1; at <= all; at = next(at, all)) {
-        static struct spy spy;
-        struct vor_cloud out;
-        struct vor_report report;
-
-        memset(&spy, 0, sizeof spy);
-        spy.at_question = at;
-        spy.answer = VOR_CANCEL;
-        vt_assert_fails(VOR_E_CANCELLED, run_spied(&out, &report, &spy, 12, NULL, NULL));
-        ck_assert(out.n == 0 && out.xyz == NULL && report.points_out == 0);
-        vt_assert_no_leak();
-    }
 }
 END_TEST
 
@@ -362,9 +324,7 @@ int main(void)
 
     vt_add(suite, every_tenth_step_and_the_last_are_told);
     vt_add(suite, a_stop_at_a_record_ends_with_the_steps_done);
-    vt_add(suite, a_cancel_at_a_record_ends_with_nothing);
     vt_add(suite, a_stop_at_any_question_hands_back_the_steps_before_it);
-    vt_add(suite, a_cancel_at_any_question_ends_with_nothing);
     vt_add(suite, a_budget_that_runs_out_during_the_polish_is_kept);
     vt_add(suite, a_delta_reached_during_the_polish_ends_it);
     vt_add(suite, a_delta_out_of_reach_ends_no_polish);

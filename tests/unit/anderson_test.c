@@ -256,23 +256,6 @@ START_TEST(the_weights_have_the_same_bits_for_any_number_of_threads)
 }
 END_TEST
 
-static vor_status try_window(void *ctx)
-{
-    struct vor_anderson a;
-    vor_status status = vor_anderson_init(&a, 300, 4, &vt_memory, &vt_err);
-
-    (void)ctx;
-    if (status == VOR_OK)
-        vor_anderson_free(&a);
-    return status;
-}
-
-START_TEST(a_window_that_does_not_fit_is_refused_whole)
-{
-    vt_fail_each(try_window, NULL);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("anderson");
@@ -282,6 +265,5 @@ int main(void)
     vt_add(suite, the_oldest_vector_gives_way_to_the_newest);
     vt_add(suite, equal_and_vanishing_residuals_leave_finite_weights);
     vt_add(suite, the_weights_have_the_same_bits_for_any_number_of_threads);
-    vt_add(suite, a_window_that_does_not_fit_is_refused_whole);
     return vt_run(suite);
 }

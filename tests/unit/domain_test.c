@@ -113,77 +113,6 @@ START_TEST(coincident_points_are_dropped_for_the_first_of_them)
 }
 END_TEST
 
-/* Enough points for many blocks, a third of them said twice: what one thread makes, eight make. */
-START_TEST(one_two_three_and_eight_threads_make_the_same_domain)
-{
-    enum { MANY = 200000 };
-    static const unsigned threads_of[4] = {1, 2, 3, 8};
-    struct vor_cloud cloud;
-    struct vor_domain domain;
-    uint64_t points = 0, sources = 0;
-
-    vt_cloud_cube(&cloud, 5, MANY);
-    for (size_t i = 2 * MANY / 3; i < MANY; i++)
-        memcpy(&cloud.xyz[3 * i], &cloud.xyz[3 * (i - 2 * MANY / 3)], 3 * sizeof *cloud.xyz);
-    for (int t = 0; t < 4; t++) {
-        struct vt_engine engine;
-
-        vt_engine_open(&engine, threads_of[t]);
-        vt_assert_ok(vor_domain_init(&domain, &cloud, &engine.run, &vt_err));
-        ck_assert_uint_eq(domain.n, 2 * MANY / 3);
-        for (size_t i = 0; i < domain.n; i++)
-            ck_assert_uint_lt(domain.source[i], 2 * MANY / 3);
-        if (t == 0) {
-            points = vt_hash(domain.xyz, 3 * domain.n * sizeof *domain.xyz);
-            sources = vt_hash(domain.source, domain.n * sizeof *domain.source);
-        }
-        ck_assert(vt_hash(domain.xyz, 3 * domain.n * sizeof *domain.xyz) == points);
-        ck_assert(vt_hash(domain.source, domain.n * sizeof *domain.source) == sources);
-        vor_domain_free(&domain);
-        vt_engine_close(&engine);
-    }
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
-}
-END_TEST
-
-static enum vor_answer say_cancel(void *ctx)
-{
-    size_t *left = ctx;
-
-    return (*left)-- == 0 ? VOR_CANCEL : VOR_CONTINUE;
-}
-
-/* Wherever it is cancelled: one thread asks the watch before each block, and so it counts. */
-START_TEST(a_domain_that_is_cancelled_leaves_nothing)
-{
-    struct vt_engine engine;
-    struct vor_domain domain;
-    struct vor_cloud cloud;
-    vor_status status = VOR_E_CANCELLED;
-    size_t cancels;
-
-    vt_cloud_cube(&cloud, 1, 20000);
-    vt_engine_open(&engine, 1);
-    for (cancels = 0; status == VOR_E_CANCELLED && cancels < 1000; cancels++) {
-        size_t left = cancels;
-        struct vor_watch watch = {.ctx = &left, .poll = say_cancel};
-        size_t before = atomic_load(&vt_memory.used);
-
-        engine.run.watch = &watch;
-        status = vor_domain_init(&domain, &cloud, &engine.run, &vt_err);
-        if (status == VOR_OK)
-            vor_domain_free(&domain);
-        ck_assert_uint_eq(atomic_load(&vt_memory.used), before);
-    }
-    vt_assert_ok(status);
-    ck_assert_uint_gt(cancels, 8);
-    vt_engine_close(&engine);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
-}
-END_TEST
-
 START_TEST(zero_and_minus_zero_are_one_place)
 {
     static const float xyz[18] = {0, 0, 0, -0.0f, 0, -0.0f, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1};
@@ -294,30 +223,6 @@ START_TEST(extreme_coordinates_are_normalised_without_overflow)
 }
 END_TEST
 
-START_TEST(a_domain_that_does_not_fit_is_refused_whole)
-{
-    struct vor_memory memory;
-    struct vor_domain domain;
-    struct vor_cloud cloud;
-    vor_status status = VOR_E_NOMEM;
-    size_t fail;
-
-    vt_cloud_cube(&cloud, 1, N);
-    for (fail = 1; status != VOR_OK && fail < 100; fail++) {
-        vor_memory_init(&memory, SIZE_MAX);
-        memory.fail_at = fail;
-        status = init_domain(&domain, &cloud, &memory);
-        if (status == VOR_OK)
-            vor_domain_free(&domain);
-        else
-            ck_assert_int_eq(status, VOR_E_NOMEM);
-        ck_assert_uint_eq(atomic_load(&memory.used), 0);
-    }
-    ck_assert_uint_gt(fail, 2);
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("domain");
@@ -326,14 +231,11 @@ int main(void)
     vt_add_loop(suite, the_unit_is_a_power_of_two_and_positions_lose_nothing, SEEDS);
     vt_add_loop(suite, a_cloud_far_from_its_origin_fills_the_unit_cube, SEEDS);
     vt_add_loop(suite, coincident_points_are_dropped_for_the_first_of_them, SEEDS);
-    vt_add(suite, one_two_three_and_eight_threads_make_the_same_domain);
-    vt_add(suite, a_domain_that_is_cancelled_leaves_nothing);
     vt_add(suite, zero_and_minus_zero_are_one_place);
     vt_add(suite, fewer_than_four_distinct_points_are_refused);
     vt_add_loop(suite, points_of_a_line_are_refused_and_a_bent_line_is_not, SEEDS);
     vt_add(suite, an_outlier_that_hides_all_others_is_named);
     vt_add(suite, four_corners_of_a_square_are_a_domain);
     vt_add_loop(suite, extreme_coordinates_are_normalised_without_overflow, 5);
-    vt_add(suite, a_domain_that_does_not_fit_is_refused_whole);
     return vt_run(suite);
 }

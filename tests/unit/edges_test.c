@@ -266,31 +266,6 @@ START_TEST(hardly_a_point_of_igea_is_on_one)
 }
 END_TEST
 
-static uint64_t hash_of(const struct vor_edges *edges)
-{
-    return vt_hash(edges->flag, edges->n) ^ vt_hash(&edges->length, sizeof edges->length) ^
-           vt_hash(edges->strength, edges->n * sizeof *edges->strength) ^
-           vt_hash(edges->direction, edges->n * 3 * sizeof *edges->direction);
-}
-
-START_TEST(one_two_three_and_eight_threads_find_the_same)
-{
-    static const unsigned threads_of[4] = {1, 2, 3, 8};
-    uint64_t first = 0;
-
-    for (int t = 0; t < 4; t++) {
-        struct bed bed;
-
-        vt_cloud_box(&bed.cloud, 1, N);
-        start(&bed, threads_of[t]);
-        ck_assert_uint_gt(bed.edges.flagged, 0);
-        first = t == 0 ? hash_of(&bed.edges) : first;
-        ck_assert(hash_of(&bed.edges) == first);
-        end(&bed);
-    }
-}
-END_TEST
-
 START_TEST(a_cloud_twice_as_large_has_the_same_edges_twice_as_long)
 {
     uint64_t flags[2];
@@ -356,43 +331,20 @@ START_TEST(no_cloud_is_too_odd_for_finite_figures)
 }
 END_TEST
 
-static enum vor_answer cancel(void *ctx)
+START_TEST(a_point_takes_44_bytes)
 {
-    (void)ctx;
-    return VOR_CANCEL;
-}
-
-START_TEST(cancel_and_every_failed_allocation_leave_nothing)
-{
-    const struct vor_watch watch = {.poll = cancel};
-    struct vor_memory failing;
-    struct vor_edges untouched;
+    struct vor_memory memory;
     struct bed bed;
-    vor_status status = VOR_E_NOMEM;
-    size_t calls = 0;
 
-    memset(&untouched, 0x5a, sizeof untouched);
-    bed.edges = untouched;
     vt_cloud_box(&bed.cloud, 1, N);
     vt_engine_open(&bed.engine, 2);
     vt_assert_ok(vor_domain_init(&bed.domain, &bed.cloud, &bed.engine.run, &vt_err));
-    bed.engine.run.watch = &watch;
-    vt_assert_fails(VOR_E_CANCELLED,
-                    vor_edges_find(&bed.edges, &bed.domain, &bed.engine.run, &vt_err));
-    ck_assert_mem_eq(&bed.edges, &untouched, sizeof untouched);
-    bed.engine.run.watch = NULL;
-    bed.engine.run.memory = &failing;
-    for (size_t at = 1; status != VOR_OK; at++, calls++) {
-        vor_memory_init(&failing, SIZE_MAX);
-        failing.fail_at = at;
-        status = vor_edges_find(&bed.edges, &bed.domain, &bed.engine.run, &vt_err);
-        ck_assert(status == VOR_OK || status == VOR_E_NOMEM);
-        ck_assert(status == VOR_OK || atomic_load(&failing.used) == 0);
-    }
-    ck_assert_uint_gt(calls, 1);
-    ck_assert_uint_le(atomic_load(&failing.peak) / N, 44);
+    vor_memory_init(&memory, SIZE_MAX);
+    bed.engine.run.memory = &memory;
+    vt_assert_ok(vor_edges_find(&bed.edges, &bed.domain, &bed.engine.run, &vt_err));
+    ck_assert_uint_le(atomic_load(&memory.peak) / N, 44);
     end(&bed);
-    ck_assert_uint_eq(atomic_load(&failing.used), 0);
+    ck_assert_uint_eq(atomic_load(&memory.used), 0);
 }
 END_TEST
 
@@ -412,11 +364,10 @@ int main(void)
     vt_add_figures(suite, the_edges_of_fandisk_are_those_of_its_mesh,
                    VT_FEWER(VT_SOAK_LOOPS(3, 12)));
     vt_add_figures(suite, hardly_a_point_of_igea_is_on_one, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add(suite, one_two_three_and_eight_threads_find_the_same);
     vt_add_figures(suite, a_cloud_twice_as_large_has_the_same_edges_twice_as_long,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, too_few_points_for_a_crease_have_none, SEEDS);
     vt_add_figures(suite, no_cloud_is_too_odd_for_finite_figures, VT_SOAK_LOOPS(3, 6));
-    vt_add(suite, cancel_and_every_failed_allocation_leave_nothing);
+    vt_add(suite, a_point_takes_44_bytes);
     return vt_run(suite);
 }

@@ -257,26 +257,6 @@ START_TEST(the_result_is_the_most_even_iterate)
 }
 END_TEST
 
-START_TEST(a_caller_who_cancels_gets_nothing)
-{
-    for (uint32_t at = 1; at <= 13; at += 4) {
-        struct job job;
-
-        open_job(&job);
-        job.spy.cancel_at = at;
-        vt_engine_set(&job.engine, "points", "150");
-        vor_cloud_init(&job.out, &vt_memory);
-        job.report.points_out = 77;
-        vt_assert_fails(VOR_E_CANCELLED, vt_run_engine(&job.out, &job.report, &job.in,
-                                                       &job.engine.spec, &job.engine.run, &vt_err));
-        ck_assert_uint_eq(job.spy.records, at);
-        ck_assert(job.out.n == 0 && job.out.xyz == NULL && job.out.attribute_count == 0);
-        ck_assert_uint_eq(job.report.points_out, 77);
-        close_job(&job);
-    }
-}
-END_TEST
-
 START_TEST(the_report_says_what_the_result_is)
 {
     struct job job;
@@ -528,7 +508,6 @@ int main(void)
     vt_add(suite, without_a_clock_no_budget_ends_the_run);
     vt_add(suite, a_caller_who_stops_gets_the_best_cloud_so_far);
     vt_add(suite, the_result_is_the_most_even_iterate);
-    vt_add(suite, a_caller_who_cancels_gets_nothing);
     vt_add(suite, the_report_says_what_the_result_is);
     vt_add(suite, a_number_of_points_out_of_range_is_refused_by_value_and_range);
     vt_add_loop(suite, a_process_gives_as_many_points_as_its_preset_says, 2);

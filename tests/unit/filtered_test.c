@@ -276,75 +276,6 @@ START_TEST(double_positions_far_from_the_origin_stay_exact)
 }
 END_TEST
 
-static enum vor_answer say_cancel(void *ctx)
-{
-    size_t *left = ctx;
-
-    return (*left)-- == 0 ? VOR_CANCEL : VOR_CONTINUE;
-}
-
-/* A run whose watch cancels at poll number `at`, or whose allocation number `fail` fails. */
-static vor_status interrupted(const struct vor_cloud *in, size_t at, size_t fail)
-{
-    struct vor_watch watch = {.ctx = &at, .poll = say_cancel};
-    struct vor_memory memory;
-    struct vt_engine engine;
-    struct vor_cloud out;
-    struct vor_report report;
-    vor_status status;
-
-    vor_memory_init(&memory, SIZE_MAX);
-    memory.fail_at = fail;
-    vt_engine_open(&engine, 1);
-    engine.run.memory = &memory;
-    if (fail == 0)
-        engine.run.watch = &watch;
-    vt_engine_set(&engine, "filters", fail == 0 ? "mls,outliers,thin" : "mls,outliers");
-    vt_engine_set(&engine, "outliers", "pull");
-    vt_engine_set(&engine, "normals", "fit");
-    status = vt_engine_try(&engine, &out, &report, in);
-    vor_cloud_free(&out);
-    vt_engine_close(&engine);
-    ck_assert_uint_eq(atomic_load(&memory.used), 0);
-    return status;
-}
-
-START_TEST(a_run_that_is_cancelled_anywhere_leaves_nothing)
-{
-    vor_status status = VOR_E_CANCELLED;
-    struct vor_cloud in;
-    size_t polls;
-
-    vt_cloud_sphere(&in, 1, 2 * (size_t)SMALL);
-    vt_stray(&in, 1);
-    for (polls = 0; status == VOR_E_CANCELLED && polls < 10000; polls += 31 * VT_STEP)
-        status = interrupted(&in, polls, 0);
-    vt_assert_ok(status);
-    ck_assert_uint_gt(polls, 31 * VT_STEP);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
-START_TEST(whichever_allocation_fails_nothing_is_left)
-{
-    vor_status status = VOR_E_NOMEM;
-    struct vor_cloud in;
-    size_t fail;
-
-    vt_cloud_sphere(&in, 1, SMALL * 7 / 10);
-    for (size_t c = 0; c < 3; c++)
-        in.xyz[c] *= 1.5f;
-    memcpy(&in.xyz[3], in.xyz, 3 * sizeof *in.xyz);
-    for (fail = 1; status == VOR_E_NOMEM && fail < 1000; fail += VT_STEP_FAILS)
-        status = interrupted(&in, SIZE_MAX, fail);
-    vt_assert_ok(status);
-    ck_assert_uint_gt(fail, 1);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 START_TEST(clouds_without_a_surface_are_refused_as_ever_and_few_points_pass)
 {
     static const char *const options[] = {"filters", "mls,outliers,thin", NULL};
@@ -383,8 +314,6 @@ int main(void)
     vt_add_figures(suite, islands_are_counted_and_stay_in_their_places_of_the_order, 0);
     vt_add_figures(suite, a_progressive_order_is_one_of_the_same_points, 0);
     vt_add_figures(suite, double_positions_far_from_the_origin_stay_exact, 0);
-    vt_add(suite, a_run_that_is_cancelled_anywhere_leaves_nothing);
-    vt_add(suite, whichever_allocation_fails_nothing_is_left);
     vt_add(suite, clouds_without_a_surface_are_refused_as_ever_and_few_points_pass);
     return vt_run(suite);
 }

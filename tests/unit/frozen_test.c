@@ -145,25 +145,6 @@ START_TEST(the_cells_cover_a_sphere)
 }
 END_TEST
 
-START_TEST(value_and_gradient_have_the_same_bits_for_any_number_of_threads)
-{
-    static struct bed bed;
-    double gradient[2 * N], value = 0;
-
-    for (unsigned threads = 1; threads <= 3; threads++) {
-        open_bed(&bed, _i, 8, threads);
-        scatter(&bed, 1);
-        if (threads == 1) {
-            value = energy_at(&bed);
-            memcpy(gradient, bed.gradient, sizeof gradient);
-        }
-        ck_assert(energy_at(&bed) == value);
-        ck_assert_int_eq(memcmp(gradient, bed.gradient, sizeof gradient), 0);
-        close_bed(&bed);
-    }
-}
-END_TEST
-
 /* Two seeds that share a place would keep it: their gradients are the same. */
 START_TEST(seeds_that_share_a_place_come_apart)
 {
@@ -188,26 +169,6 @@ START_TEST(seeds_that_share_a_place_come_apart)
 }
 END_TEST
 
-static vor_status try_arrays(void *ctx)
-{
-    struct vor_frozen frozen;
-    vor_status status = vor_frozen_init(&frozen, ctx, 1, &vt_err);
-
-    if (status == VOR_OK)
-        vor_frozen_free(&frozen);
-    return status;
-}
-
-START_TEST(arrays_that_do_not_fit_are_refused_whole)
-{
-    static struct bed bed;
-
-    open_bed(&bed, 0, 2, 1);
-    vt_fail_each(try_arrays, &bed.seeds);
-    close_bed(&bed);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("frozen");
@@ -215,8 +176,6 @@ int main(void)
     vt_add_figures(suite, the_gradient_is_that_of_finite_differences, 24);
     vt_add_figures(suite, the_energy_falls_in_each_inner_loop, 6);
     vt_add_figures(suite, the_cells_cover_a_sphere, 3);
-    vt_add_loop(suite, value_and_gradient_have_the_same_bits_for_any_number_of_threads, 3);
     vt_add_figures(suite, seeds_that_share_a_place_come_apart, 3);
-    vt_add(suite, arrays_that_do_not_fit_are_refused_whole);
     return vt_run(suite);
 }

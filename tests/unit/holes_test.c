@@ -1,7 +1,6 @@
 /* Holes that are filled, and borders that are not, on surfaces that are known. */
 #include "core/geom/spline.h"
 #include "core/input/holes.h"
-#include "core/input/input.h"
 #include "core/input/loops.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
@@ -9,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SEEDS = 2, N = 5000, TO = 600, SMALL = 400, FAILING = 1000 };
+enum { SEEDS = 2, N = 5000, TO = 600 };
 
 /* Takes out the points within `radius` of a place. */
 static void punch(struct vor_cloud *cloud, double x, double y, double z, double radius)
@@ -289,24 +288,6 @@ START_TEST(a_closed_input_stays_as_it_is)
 }
 END_TEST
 
-START_TEST(any_number_of_threads_fills_alike)
-{
-    struct vor_cloud cloud;
-    uint64_t hash = 0;
-
-    punched_ball(&cloud, 7);
-    for (unsigned threads = 1; threads <= 3; threads += 2) {
-        struct filled filled;
-
-        vt_assert_ok(try(&filled, &cloud, NULL, NULL, threads));
-        ck_assert(threads == 1 || vt_cloud_hash(&filled.out) == hash);
-        hash = vt_cloud_hash(&filled.out);
-        vor_cloud_free(&filled.out);
-    }
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
 /* A spline through a quadric is that quadric; too few points are none. */
 START_TEST(a_spline_has_the_quadrics)
 {
@@ -339,42 +320,6 @@ START_TEST(a_spline_has_the_quadrics)
 }
 END_TEST
 
-/* Wherever memory ends, at each third allocation here, preparing an input with holes says so and
- * leaves nothing behind. */
-START_TEST(no_failed_allocation_leaks)
-{
-    struct vor_memory memory;
-    struct vor_cloud cloud;
-    struct vt_engine engine;
-    vor_status status = VOR_E_NOMEM;
-
-    vt_cloud_sphere(&cloud, 1, SMALL);
-    punch(&cloud, 0, 0, 1, 0.6);
-    vt_engine_open(&engine, 1);
-    vt_engine_set(&engine, "boundary", "fill");
-    vt_engine_set(&engine, "holeMax", "10");
-    for (size_t at = 1; status != VOR_OK; at += 3 * VT_STEP_FAILS) {
-        struct vor_domain domain;
-
-        ck_assert_uint_lt(at, FAILING);
-        vor_memory_init(&memory, SIZE_MAX);
-        memory.fail_at = at;
-        engine.run.memory = &memory;
-        status = vor_input_prepare(&domain, &cloud, &engine.spec, &engine.run, &vt_err);
-        if (status == VOR_OK) {
-            ck_assert_uint_eq(domain.known.holes.filled, 1);
-            vor_domain_free(&domain);
-        } else {
-            ck_assert_int_eq(status, VOR_E_NOMEM);
-        }
-        ck_assert_uint_eq(atomic_load(&memory.used), 0);
-    }
-    engine.run.memory = &vt_memory;
-    vt_engine_close(&engine);
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("holes");
@@ -385,8 +330,6 @@ int main(void)
     vt_add_figures(suite, what_lies_in_the_way_keeps_a_hole_open, 0);
     vt_add_figures(suite, a_number_that_no_loop_has_is_refused, 0);
     vt_add_figures(suite, a_closed_input_stays_as_it_is, 0);
-    vt_add(suite, any_number_of_threads_fills_alike);
     vt_add_figures(suite, a_spline_has_the_quadrics, 0);
-    vt_add(suite, no_failed_allocation_leaks);
     return vt_run(suite);
 }

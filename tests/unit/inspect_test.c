@@ -201,23 +201,6 @@ START_TEST(sheets_are_found_unless_nobody_looks)
 }
 END_TEST
 
-START_TEST(one_two_three_and_eight_threads_tell_the_same)
-{
-    static const unsigned threads_of[4] = {1, 2, 3, 8};
-    struct vor_inspect first, told;
-    struct vor_cloud cloud;
-
-    vt_cloud_sheets(&cloud, 1, 1500, 0.1);
-    vt_assert_ok(try(&first, &cloud, words[_i], "drop", 1));
-    for (int t = 1; t < 4; t++) {
-        vt_assert_ok(try(&told, &cloud, words[_i], "drop", threads_of[t]));
-        ck_assert_mem_eq(&told, &first, sizeof told);
-    }
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
-}
-END_TEST
-
 /* As resample: from four points on that are not on a line. */
 START_TEST(few_points_are_told_of_or_refused)
 {
@@ -300,7 +283,6 @@ int main(void)
                 VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, a_lattice_is_told_with_its_cell, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, sheets_are_found_unless_nobody_looks, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, one_two_three_and_eight_threads_tell_the_same, 3);
     vt_add_loop(suite, few_points_are_told_of_or_refused, 3);
     vt_add_figures(suite, edges_are_told_in_the_unit_of_the_cloud, VT_ONCE(VT_SOAK_LOOPS(1, 2)));
     vt_add(suite, one_sided_entries_are_dropped);

@@ -395,99 +395,6 @@ START_TEST(spacing_asks_for_points_of_the_rest_and_islands_have_theirs_beside)
 }
 END_TEST
 
-START_TEST(one_two_and_three_threads_give_the_same_bytes)
-{
-    uint64_t first = 0;
-
-    for (unsigned threads = 1; threads <= 3; threads++) {
-        struct vt_engine engine;
-        struct vor_cloud in, out;
-        struct vor_report report;
-        uint64_t hash;
-
-        make_scan(&in, 1, SCAN);
-        vt_engine_open(&engine, threads);
-        vt_engine_count(&engine, "points", SCAN / 2);
-        vt_engine_set(&engine, "polish", "5");
-        vt_engine_resample(&engine, &out, &report, &in);
-        ck_assert_uint_gt(report.on_islands, 0);
-        hash = vt_cloud_hash(&out);
-        first = threads == 1 ? hash : first;
-        ck_assert(hash == first);
-        vor_cloud_free(&out);
-        vor_cloud_free(&in);
-        vt_engine_close(&engine);
-    }
-    vt_assert_no_leak();
-}
-END_TEST
-
-START_TEST(memory_that_ends_anywhere_is_an_error_and_leaks_nothing)
-{
-    struct vt_engine engine;
-    struct vor_cloud in;
-    size_t calls, fails = 0, step = vt_soaks() ? 1 : 4;
-
-    make_scan(&in, 1, 300);
-    vt_engine_open(&engine, 1);
-    vt_engine_count(&engine, "points", 200);
-    vt_engine_set(&engine, "polish", "2");
-    vt_engine_set(&engine, "iterations", "1");
-    for (calls = 1;; calls += step) {
-        struct vor_cloud out;
-        struct vor_report report;
-        vor_status status;
-
-        vt_memory.fail_at = atomic_load(&vt_memory.calls) + calls;
-        status = vt_engine_try(&engine, &out, &report, &in);
-        vt_memory.fail_at = 0;
-        vor_cloud_free(&out);
-        if (status == VOR_OK)
-            break;
-        ck_assert_int_eq(status, VOR_E_NOMEM);
-        fails++;
-    }
-    ck_assert_uint_gt(fails, 30 / step);
-    vor_cloud_free(&in);
-    vt_engine_close(&engine);
-    vt_assert_no_leak();
-}
-END_TEST
-
-static enum vor_answer cancel_later(void *ctx)
-{
-    int *left = ctx;
-
-    return (*left)-- <= 0 ? VOR_CANCEL : VOR_CONTINUE;
-}
-
-START_TEST(a_cancel_anywhere_ends_the_search)
-{
-    struct vt_engine engine;
-    struct vor_cloud in;
-    struct vor_domain domain;
-    int left = 0, polls = 0;
-    struct vor_watch watch = {.ctx = &left, .poll = cancel_later};
-    vor_status status = VOR_E_CANCELLED;
-
-    make_scan(&in, 1, 2000);
-    vt_engine_open(&engine, 1);
-    for (; status == VOR_E_CANCELLED; polls++) {
-        vt_assert_ok(vor_domain_init(&domain, &in, &engine.run, &vt_err));
-        left = polls;
-        engine.run.watch = &watch;
-        status = vor_islands_take(&domain, &engine.run, &vt_err);
-        engine.run.watch = NULL;
-        vor_domain_free(&domain);
-    }
-    ck_assert_int_eq(status, VOR_OK);
-    ck_assert_int_gt(polls, 5);
-    vor_cloud_free(&in);
-    vt_engine_close(&engine);
-    vt_assert_no_leak();
-}
-END_TEST
-
 /* What is left without islands has lists of its own points. */
 START_TEST(lists_of_neighbours_are_made_without_islands)
 {
@@ -560,9 +467,6 @@ int main(void)
     vt_add_figures(suite, a_line_beside_islands_is_no_input_of_its_own, 0);
     vt_add_figures(suite, their_points_bring_attributes_and_normals_in_any_order, 0);
     vt_add_figures(suite, spacing_asks_for_points_of_the_rest_and_islands_have_theirs_beside, 0);
-    vt_add(suite, one_two_and_three_threads_give_the_same_bytes);
-    vt_add(suite, memory_that_ends_anywhere_is_an_error_and_leaks_nothing);
-    vt_add(suite, a_cancel_anywhere_ends_the_search);
     vt_add(suite, lists_of_neighbours_are_made_without_islands);
     vt_add_figures(suite, a_real_scan_has_no_islands, 4);
     return vt_run(suite);

@@ -155,33 +155,6 @@ START_TEST(the_first_bad_coordinate_of_many_is_named)
 }
 END_TEST
 
-/* Whatever call fails, everything before it is given back. */
-START_TEST(every_allocation_of_an_index_may_fail)
-{
-    struct vor_cloud cloud;
-    struct vor_memory memory;
-    size_t failed = 0;
-
-    vt_cloud_cube(&cloud, 1, 40000);
-    for (size_t at = 1;; at++) {
-        struct vor_knn *knn = NULL;
-
-        vor_memory_init(&memory, SIZE_MAX);
-        memory.fail_at = at;
-        if (build(_i, &knn, cloud.xyz, cloud.n, &memory) == VOR_OK) {
-            vor_knn_free(knn);
-            break;
-        }
-        ck_assert_int_eq(vt_err.status, VOR_E_NOMEM);
-        ck_assert_ptr_null(knn);
-        ck_assert_uint_eq(atomic_load(&memory.used), 0);
-        failed++;
-    }
-    ck_assert_uint_ge(failed, _i == 0 ? 2 : 5);
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
 /* A million queries that each looked at all of the points would not end within the harness's ten
  * minutes. */
 START_TEST(points_all_in_one_place_do_not_make_a_query_long)
@@ -280,31 +253,6 @@ START_TEST(crowded_places_are_indexed_once)
 }
 END_TEST
 
-static enum vor_answer cancel(void *ctx)
-{
-    (void)ctx;
-    return VOR_CANCEL;
-}
-
-START_TEST(a_build_can_be_cancelled)
-{
-    static const struct vor_watch watch = {.poll = cancel};
-    struct vt_engine engine;
-    struct vor_knn *knn = NULL;
-    struct vor_cloud cloud;
-
-    vt_engine_open(&engine, 2);
-    vt_cloud_cube(&cloud, 1, 1000);
-    engine.run.watch = &watch;
-    vt_assert_fails(VOR_E_CANCELLED,
-                    vor_knn_build_sorted(&knn, cloud.xyz, cloud.n, &engine.run, &vt_err));
-    vt_engine_close(&engine);
-    ck_assert_ptr_null(knn);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("knn");
@@ -317,10 +265,8 @@ int main(void)
     vt_add_loop(suite, no_queries_write_nothing, 2);
     vt_add_loop(suite, points_all_in_one_place_are_all_found, 2);
     vt_add_loop(suite, the_first_bad_coordinate_of_many_is_named, 2);
-    vt_add_loop(suite, every_allocation_of_an_index_may_fail, 2);
     vt_add_loop(suite, points_all_in_one_place_do_not_make_a_query_long, 2);
     vt_add_loop(suite, many_points_in_one_place_do_not_make_queries_beside_them_long, 2);
     vt_add(suite, crowded_places_are_indexed_once);
-    vt_add(suite, a_build_can_be_cancelled);
     return vt_run(suite);
 }

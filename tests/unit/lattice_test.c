@@ -333,28 +333,6 @@ START_TEST(no_point_leaves_its_cell)
 }
 END_TEST
 
-START_TEST(one_two_three_and_eight_threads_move_them_to_the_same_places)
-{
-    static const unsigned threads_of[4] = {1, 2, 3, 8};
-    uint64_t first = 0;
-
-    for (int t = 0; t < 4; t++) {
-        struct bed bed;
-        uint64_t hash;
-
-        vt_cloud_torus(&bed.cloud, (uint64_t)_i, N);
-        snap_even(&bed.cloud, 1.2 * spacing(&vt_shapes[VT_TORUS]));
-        start(&bed, threads_of[t]);
-        hash = vt_hash(bed.lattice.cell, sizeof bed.lattice.cell) ^ smooth(&bed);
-        hash ^= vt_hash(bed.domain.xyz, 3 * bed.domain.n * sizeof *bed.domain.xyz);
-        hash ^= 31 * vt_hash(bed.domain.source, bed.domain.n * sizeof *bed.domain.source);
-        first = t == 0 ? hash : first;
-        ck_assert(hash == first);
-        end(&bed);
-    }
-}
-END_TEST
-
 /* Root mean square distance of the domain's points to the shape. */
 static double off_rms(const struct vt_shape *shape, const struct vor_domain *domain)
 {
@@ -470,37 +448,6 @@ START_TEST(labels_still_come_from_the_nearest_input_point)
 }
 END_TEST
 
-START_TEST(every_allocation_that_fails_is_reported_and_leaves_no_leak)
-{
-    for (size_t at = 1, done = 0; !done; at++) {
-        struct bed bed;
-        struct vor_memory memory;
-        struct vor_run run;
-        size_t moved;
-        vor_status status;
-
-        vt_cloud_torus(&bed.cloud, 1, 2000);
-        snap_even(&bed.cloud, 0.1);
-        start(&bed, 2);
-        run = bed.engine.run;
-        vor_memory_init(&memory, SIZE_MAX);
-        memory.fail_at = at;
-        run.memory = &memory;
-        status = vor_lattice_find(&bed.lattice, &bed.domain, &run, &vt_err);
-        done = status == VOR_OK && at > 1;
-        ck_assert(status == VOR_OK || status == VOR_E_NOMEM);
-        ck_assert_uint_eq(atomic_load(&memory.used), 0);
-        bed.engine.run.memory->fail_at = atomic_load(&bed.engine.run.memory->calls) + at;
-        status = vor_lattice_smooth(&bed.domain, &moved, &bed.lattice, &bed.engine.run, &vt_err);
-        ck_assert(status == VOR_OK || status == VOR_E_NOMEM);
-        ck_assert(at > 2 || status == VOR_E_NOMEM);
-        done = done && status == VOR_OK;
-        bed.engine.run.memory->fail_at = 0;
-        end(&bed);
-    }
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("lattice");
@@ -516,12 +463,9 @@ int main(void)
     vt_add_figures(suite, all_points_in_a_plane_leave_one_axis_without, VT_FEWER(SEEDS));
     vt_add_figures(suite, two_sheets_or_a_single_lattice_axis_do_not_matter, VT_FEWER(SEEDS));
     vt_add_figures(suite, no_point_leaves_its_cell, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, one_two_three_and_eight_threads_move_them_to_the_same_places,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, points_come_nearer_to_the_surface, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, a_result_lies_nearer_to_the_surface_than_without,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, labels_still_come_from_the_nearest_input_point, VT_FEWER(SEEDS));
-    vt_add(suite, every_allocation_that_fails_is_reported_and_leaves_no_leak);
     return vt_run(suite);
 }

@@ -238,23 +238,6 @@ START_TEST(a_failure_is_handed_on_at_the_last_place_taken)
 }
 END_TEST
 
-static vor_status try_vectors(void *ctx)
-{
-    struct vor_lbfgs lbfgs;
-    vor_status status = vor_lbfgs_init(&lbfgs, 300, 5, &vt_memory, &vt_err);
-
-    (void)ctx;
-    if (status == VOR_OK)
-        vor_lbfgs_free(&lbfgs);
-    return status;
-}
-
-START_TEST(vectors_that_do_not_fit_are_refused_whole)
-{
-    vt_fail_each(try_vectors, NULL);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("lbfgs");
@@ -267,6 +250,5 @@ int main(void)
     vt_add_loop(suite, a_value_that_is_no_number_is_stepped_back_from, SEEDS);
     vt_add(suite, nothing_is_done_at_the_lowest_point);
     vt_add_loop(suite, a_failure_is_handed_on_at_the_last_place_taken, SEEDS);
-    vt_add(suite, vectors_that_do_not_fit_are_refused_whole);
     return vt_run(suite);
 }

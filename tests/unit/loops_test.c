@@ -263,28 +263,6 @@ START_TEST(places_far_from_zero_keep_their_digits)
 }
 END_TEST
 
-START_TEST(one_two_three_and_eight_threads_tell_the_same_loops)
-{
-    static const unsigned threads_of[] = {1, 2, 3, 8};
-    struct vor_inspect first, told;
-    struct vor_cloud cloud;
-    struct vt_engine engine;
-
-    (void)punched(&cloud, 2, 20);
-    for (int t = 0; t < 4; t++) {
-        vt_engine_open(&engine, threads_of[t]);
-        vt_assert_ok(try(&told, &cloud, &engine));
-        vt_engine_close(&engine);
-        if (t == 0)
-            first = told;
-        ck_assert_mem_eq(&told, &first, sizeof told);
-    }
-    ck_assert_uint_eq(first.loops_count, 2);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
-}
-END_TEST
-
 START_TEST(loops_hold_points_of_the_domain_each_once)
 {
     struct vt_engine engine;
@@ -318,46 +296,6 @@ START_TEST(loops_hold_points_of_the_domain_each_once)
 }
 END_TEST
 
-static enum vor_answer cancel(void *ctx)
-{
-    (void)ctx;
-    return VOR_CANCEL;
-}
-
-START_TEST(cancel_and_every_failed_allocation_leave_nothing)
-{
-    const struct vor_watch watch = {.poll = cancel};
-    struct vt_engine engine;
-    struct vor_domain domain;
-    struct vor_loops loops = {.count = 7};
-    struct vor_cloud cloud;
-    vor_status status = VOR_E_NOMEM;
-    unsigned fails = 0;
-
-    vt_cloud_square(&cloud, 1, 500);
-    vt_engine_open(&engine, 1);
-    vt_assert_ok(vor_input_prepare(&domain, &cloud, &engine.spec, &engine.run, &vt_err));
-    engine.run.watch = &watch;
-    vt_assert_fails(VOR_E_CANCELLED, vor_loops_find(&loops, &domain, &engine.run, &vt_err));
-    ck_assert_uint_eq(loops.count, 7);
-    engine.run.watch = NULL;
-    for (size_t call = 1; status == VOR_E_NOMEM; call++) {
-        vt_memory.fail_at = atomic_load(&vt_memory.calls) + call;
-        status = vor_loops_find(&loops, &domain, &engine.run, &vt_err);
-        ck_assert(status == VOR_OK || loops.count == 7);
-        fails += status == VOR_E_NOMEM;
-    }
-    vt_memory.fail_at = 0;
-    vt_assert_ok(status);
-    ck_assert_uint_ge(fails, 9);
-    vor_loops_free(&loops);
-    vor_domain_free(&domain);
-    vt_engine_close(&engine);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("loops");
@@ -370,8 +308,6 @@ int main(void)
     vt_add_figures(suite, half_a_ball_has_a_rim, SEEDS);
     vt_add_figures(suite, a_small_sheet_over_a_large_one_hides_no_rim, 3);
     vt_add_figures(suite, places_far_from_zero_keep_their_digits, VT_ONCE(1));
-    vt_add(suite, one_two_three_and_eight_threads_tell_the_same_loops);
     vt_add(suite, loops_hold_points_of_the_domain_each_once);
-    vt_add(suite, cancel_and_every_failed_allocation_leave_nothing);
     return vt_run(suite);
 }

@@ -127,33 +127,6 @@ START_TEST(points_that_all_coincide_leave_no_place)
 }
 END_TEST
 
-START_TEST(each_allocation_may_fail)
-{
-    struct vt_engine engine;
-    vor_status status = VOR_E_NOMEM;
-
-    vt_engine_open(&engine, 1);
-    for (size_t fail = 1; status == VOR_E_NOMEM; fail++) {
-        struct vor_lop_samples samples;
-        struct vor_lop_insert_how how;
-        double spacing;
-
-        ck_assert_uint_lt(fail, 100);
-        vt_lop_sphere(&samples, 200, &spacing);
-        how = how_of(spacing, 0);
-        how.polish = 2;
-        vt_memory.fail_at = vt_memory.calls + fail;
-        status = try_insert(&samples, 1500, &how, &engine.run);
-        vt_memory.fail_at = 0;
-        vor_lop_samples_free(&samples);
-        if (status != VOR_OK)
-            ck_assert_int_eq(status, VOR_E_NOMEM);
-    }
-    vt_engine_close(&engine);
-    vt_assert_no_leak();
-}
-END_TEST
-
 START_TEST(powers_are_those_of_pow)
 {
     for (uint64_t i = 0; i < 500; i++) {
@@ -250,7 +223,6 @@ int main(void)
 
     vt_add(suite, points_between_others_stay_on_their_side_of_an_edge);
     vt_add(suite, points_that_all_coincide_leave_no_place);
-    vt_add(suite, each_allocation_may_fail);
     vt_add(suite, powers_are_those_of_pow);
     vt_add_loop(suite, the_tree_finds_what_looking_at_every_point_finds, VT_SOAK_LOOPS(2, 20));
     vt_add(suite, the_polish_pushes_no_point_over_an_open_border);

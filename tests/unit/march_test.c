@@ -193,47 +193,6 @@ START_TEST(several_sources_are_the_nearest_of_each)
 }
 END_TEST
 
-START_TEST(one_two_three_and_eight_threads_march_alike)
-{
-    static const unsigned threads_of[4] = {1, 2, 3, 8};
-    uint64_t first = 0;
-
-    for (int t = 0; t < 4; t++) {
-        struct bed bed;
-        uint64_t hash;
-
-        vt_cloud_torus(&bed.cloud, 1, 6000);
-        start(&bed, threads_of[t], MOST);
-        march(&bed, 5);
-        hash = vt_hash(bed.far, bed.domain.n * sizeof *bed.far);
-        first = t == 0 ? hash : first;
-        ck_assert(hash == first);
-        end(&bed);
-    }
-}
-END_TEST
-
-static enum vor_answer cancel(void *ctx)
-{
-    (void)ctx;
-    return VOR_CANCEL;
-}
-
-START_TEST(a_march_can_be_cancelled)
-{
-    const struct vor_watch watch = {.poll = cancel};
-    const uint32_t source = 0;
-    struct bed bed;
-
-    vt_cloud_square(&bed.cloud, 1, 2000);
-    start(&bed, 2, MOST);
-    bed.engine.run.watch = &watch;
-    vt_assert_fails(VOR_E_CANCELLED,
-                    vor_march_from(&bed.march, bed.far, &source, 1, &bed.engine.run, &vt_err));
-    end(&bed);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("march");
@@ -246,7 +205,5 @@ int main(void)
     vt_add_loop(suite, points_that_no_chain_leads_to_are_infinitely_far, SEEDS);
     vt_add_loop(suite, edges_lead_both_ways, SEEDS);
     vt_add_loop(suite, several_sources_are_the_nearest_of_each, SEEDS);
-    vt_add(suite, one_two_three_and_eight_threads_march_alike);
-    vt_add(suite, a_march_can_be_cancelled);
     return vt_run(suite);
 }

@@ -324,31 +324,6 @@ START_TEST(triangles_follow_the_points_into_another_order)
 }
 END_TEST
 
-START_TEST(one_two_three_and_eight_threads_give_the_same_triangles)
-{
-    static const unsigned threads[] = {1, 2, 3, 8};
-    struct vor_cloud in;
-    uint64_t first = 0;
-
-    vt_cloud_sheets(&in, 5, IN / 2, 0.02);
-    for (size_t k = 0; k < sizeof threads / sizeof *threads; k += VT_FIGURES ? 1 : 2) {
-        struct vt_engine engine;
-        struct vt_meshed meshed;
-        uint64_t hash;
-
-        open_mesh(&engine, threads[k], FEW);
-        vt_assert_ok(vt_engine_mesh(&meshed, &in, &engine));
-        hash = vt_hash(meshed.mesh.triangle, 3 * meshed.mesh.count * sizeof *meshed.mesh.triangle);
-        first = k == 0 ? hash : first;
-        ck_assert(hash == first);
-        vt_meshed_free(&meshed);
-        vt_engine_close(&engine);
-    }
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 /* Points on a sphere along a spiral, turned by the seed: nearly even, and no four on a circle. */
 static void spiral(float *xyz, uint64_t seed, size_t n)
 {
@@ -523,52 +498,6 @@ START_TEST(without_polish_the_points_are_those_of_resample)
 }
 END_TEST
 
-/* Each allocation of the mesh fails once. */
-START_TEST(a_failing_allocation_is_told_and_nothing_leaks)
-{
-    struct vor_cloud in;
-    struct vt_engine engine;
-    struct vor_domain domain;
-    struct vor_seeds seeds;
-    struct vor_mesh mesh;
-    const struct vor_mesh_how how = {.moves = 1};
-    vor_status status = VOR_E_NOMEM;
-    unsigned failed = 0;
-
-    vt_engine_open(&engine, 1);
-    vt_cloud_sheets(&in, 1, 2000, 0.02);
-    vt_assert_ok(vor_domain_init(&domain, &in, &engine.run, &vt_err));
-    domain.known.lists = VOR_LISTS_LOCAL;
-    vt_assert_ok(vor_seeds_init(&seeds, &domain, 200, vt_policy, &engine.run, &vt_err));
-    for (size_t i = 0; i < 3 * seeds.n; i++)
-        seeds.xyz[i] = domain.xyz[30 * (i / 3) + i % 3];
-    vor_mesh_init(&mesh, &vt_memory);
-    vt_assert_ok(vor_seeds_index(&seeds, &seeds.run, &vt_err));
-    while (status != VOR_OK) {
-        struct vor_report report = {.delta = 0};
-        size_t used = atomic_load(&vt_memory.used);
-
-        vt_memory.fail_at = atomic_load(&vt_memory.calls) + 1 + failed;
-        status = vor_mesh_make(&mesh, &report, &seeds, &how, &vt_err);
-        if (status != VOR_OK) {
-            ck_assert_int_eq(status, VOR_E_NOMEM);
-            ck_assert_uint_eq(atomic_load(&vt_memory.used), used);
-            ck_assert_ptr_null(mesh.triangle);
-            failed++;
-        }
-    }
-    vt_memory.fail_at = 0;
-    ck_assert_uint_gt(failed, 0);
-    ck_assert_uint_gt(mesh.count, 0);
-    vor_mesh_free(&mesh);
-    vor_seeds_free(&seeds);
-    vor_domain_free(&domain);
-    vor_cloud_free(&in);
-    vt_engine_close(&engine);
-    vt_assert_no_leak();
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("mesh");
@@ -582,13 +511,11 @@ int main(void)
                    VT_SOAK_LOOPS(1, 2));
     vt_add_figures(suite, where_sheets_cross_the_report_tells_how_many_triangles_are_unsure, 1);
     vt_add_figures(suite, triangles_follow_the_points_into_another_order, 0);
-    vt_add(suite, one_two_three_and_eight_threads_give_the_same_triangles);
     vt_add_figures(suite, on_a_sphere_the_triangles_are_those_of_the_convex_hull,
                    VT_FEWER(VT_SOAK_LOOPS(2, 20)));
     vt_add_figures(suite, a_moebius_band_has_one_side_and_one_loop, 0);
     vt_add_figures(suite, filters_alone_leave_points_that_are_joined_where_they_are, 0);
     vt_add(suite, fewer_than_three_points_have_no_triangles);
     vt_add_figures(suite, without_polish_the_points_are_those_of_resample, 0);
-    vt_add(suite, a_failing_allocation_is_told_and_nothing_leaks);
     return vt_run(suite);
 }

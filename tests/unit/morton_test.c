@@ -142,27 +142,6 @@ START_TEST(one_place_and_one_point_are_ordered_by_index)
 }
 END_TEST
 
-START_TEST(a_sort_that_does_not_fit_is_refused_whole)
-{
-    struct vt_engine engine;
-    struct vor_memory memory;
-    struct vor_cloud cloud;
-    uint32_t order[N];
-
-    vt_cloud_cube(&cloud, 1, N);
-    vt_engine_open(&engine, 2);
-    engine.run.memory = &memory;
-    for (size_t fail = 1; fail <= 5; fail++) {
-        vor_memory_init(&memory, SIZE_MAX);
-        memory.fail_at = fail;
-        vt_assert_fails(VOR_E_NOMEM, vor_morton_order(order, cloud.xyz, N, &engine.run, &vt_err));
-        ck_assert_uint_eq(atomic_load(&memory.used), 0);
-    }
-    vt_engine_close(&engine);
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("morton");
@@ -173,6 +152,5 @@ int main(void)
     vt_add_loop(suite, points_of_one_cell_are_sorted_by_their_coordinates, SEEDS);
     vt_add_loop(suite, neighbours_in_the_order_are_near_in_space, SEEDS);
     vt_add(suite, one_place_and_one_point_are_ordered_by_index);
-    vt_add(suite, a_sort_that_does_not_fit_is_refused_whole);
     return vt_run(suite);
 }

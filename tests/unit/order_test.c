@@ -119,27 +119,6 @@ START_TEST(every_next_point_is_nearly_the_farthest)
 }
 END_TEST
 
-/* So many that beginnings are looked for among some of them: two pools and all. */
-START_TEST(many_points_have_the_same_order_for_any_number_of_threads)
-{
-    static const unsigned threads[3] = {2, 3, 8};
-    struct vor_cloud cloud;
-    uint32_t *first;
-
-    vt_cloud_box(&cloud, 9, MANY);
-    first = order_of(cloud.xyz, MANY, 0.006, 1);
-    expect_permutation(first, MANY);
-    for (int k = 0; k < 3; k++) {
-        uint32_t *other = order_of(cloud.xyz, MANY, 0.006, threads[k]);
-
-        ck_assert(memcmp(first, other, MANY * sizeof *first) == 0);
-        free(other);
-    }
-    free(first);
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
 START_TEST(a_power_of_two_changes_nothing)
 {
     static const int powers[3] = {-60, -20, 15};
@@ -183,58 +162,6 @@ START_TEST(a_crowd_in_a_corner_comes_after_all_that_is_wide)
     }
     free(order);
     vor_cloud_free(&cloud);
-}
-END_TEST
-
-START_TEST(an_allocation_that_fails_is_reported)
-{
-    struct vt_engine engine;
-    struct vor_cloud cloud;
-    struct vor_memory memory;
-    uint32_t order[200];
-    vor_status status;
-    size_t at = 0;
-
-    vt_cloud_box(&cloud, 6, 200);
-    vt_engine_open(&engine, 2);
-    engine.run.memory = &memory;
-    do {
-        vor_memory_init(&memory, SIZE_MAX);
-        memory.fail_at = ++at;
-        status = vor_order_progressive(order, cloud.xyz, 200, 0, &engine.run, &vt_err);
-        ck_assert(status == VOR_OK || status == VOR_E_NOMEM);
-        ck_assert_uint_eq(atomic_load(&memory.used), 0);
-    } while (status != VOR_OK);
-    ck_assert_uint_gt(at, 1);
-    vt_engine_close(&engine);
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
-static enum vor_answer count_down(void *ctx)
-{
-    return atomic_fetch_sub((atomic_int *)ctx, 1) > 0 ? VOR_CONTINUE : VOR_CANCEL;
-}
-
-START_TEST(it_can_be_cancelled_at_any_moment)
-{
-    static uint32_t order[MANY];
-    struct vt_engine engine;
-    struct vor_cloud cloud;
-    atomic_int left;
-    struct vor_watch watch = {.ctx = &left, .poll = count_down};
-
-    vt_cloud_box(&cloud, 7, MANY);
-    vt_engine_open(&engine, 2);
-    engine.run.watch = &watch;
-    for (int polls = 0; polls < 50; polls += 7) {
-        atomic_store(&left, polls);
-        vt_assert_fails(VOR_E_CANCELLED,
-                        vor_order_progressive(order, cloud.xyz, MANY, 0.006, &engine.run, &vt_err));
-    }
-    vt_engine_close(&engine);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
 }
 END_TEST
 
@@ -315,11 +242,8 @@ int main(void)
     vt_add(suite, of_equal_holes_that_with_most_neighbours_who_wait_is_first);
     vt_add(suite, points_in_one_place_come_last_by_index);
     vt_add_figures(suite, every_next_point_is_nearly_the_farthest, SEEDS);
-    vt_add(suite, many_points_have_the_same_order_for_any_number_of_threads);
     vt_add(suite, a_power_of_two_changes_nothing);
     vt_add(suite, a_crowd_in_a_corner_comes_after_all_that_is_wide);
-    vt_add(suite, an_allocation_that_fails_is_reported);
-    vt_add(suite, it_can_be_cancelled_at_any_moment);
     vt_add(suite, a_late_run_is_ordered_by_strides);
     vt_add(suite, what_was_ordered_before_a_run_was_late_stays);
     return vt_run(suite);

@@ -6,7 +6,6 @@
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -304,25 +303,6 @@ START_TEST(a_moebius_band_is_told_from_a_sheet_and_a_torus)
 }
 END_TEST
 
-START_TEST(one_two_and_three_threads_orient_alike)
-{
-    struct vor_cloud cloud;
-    uint64_t hash[3];
-
-    vt_cloud_torus(&cloud, (uint64_t)_i, N);
-    for (unsigned threads = 1; threads <= 3; threads++) {
-        struct oriented oriented;
-
-        orient_on(&oriented, &cloud, threads);
-        hash[threads - 1] = vt_hash(oriented.found.normal, 12 * oriented.domain.n);
-        done(&oriented);
-    }
-    ck_assert(hash[0] == hash[1] && hash[0] == hash[2]);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
-}
-END_TEST
-
 /* Carried normals of random sign are turned outward, and none of them changes otherwise. */
 START_TEST(oriented_makes_the_signs_of_carried_normals_consistent)
 {
@@ -377,46 +357,6 @@ START_TEST(carried_normals_decide_the_side_unless_they_are_to_be_ignored)
 }
 END_TEST
 
-static enum vor_answer cancel_later(void *ctx)
-{
-    unsigned *left = ctx;
-
-    return (*left)-- == 0 ? VOR_CANCEL : VOR_CONTINUE;
-}
-
-START_TEST(a_cancel_at_any_time_and_any_failing_allocation_leave_nothing_behind)
-{
-    struct vor_cloud cloud;
-    struct oriented oriented;
-    struct vt_engine engine;
-    size_t before, calls;
-
-    vt_cloud_torus(&cloud, 1, 600);
-    vt_engine_open(&engine, 1);
-    before = atomic_load(&vt_memory.calls);
-    vt_assert_ok(orient(&oriented, &cloud, &engine.run));
-    calls = atomic_load(&vt_memory.calls) - before;
-    done(&oriented);
-    for (size_t at = 1; at <= calls; at += VT_STEP_FAILS) {
-        vt_memory.fail_at = atomic_load(&vt_memory.calls) + at;
-        vt_assert_fails(VOR_E_NOMEM, orient(&oriented, &cloud, &engine.run));
-        vt_memory.fail_at = 0;
-        done(&oriented);
-    }
-    for (unsigned at = 0; at < 60; at += 3 * VT_STEP) {
-        unsigned left = at;
-        struct vor_watch watch = {.ctx = &left, .poll = cancel_later};
-
-        engine.run.watch = &watch;
-        vt_assert_fails(VOR_E_CANCELLED, orient(&oriented, &cloud, &engine.run));
-        done(&oriented);
-    }
-    vt_engine_close(&engine);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
-}
-END_TEST
-
 START_TEST(normals_that_cannot_be_used_are_refused_with_their_count_and_the_first)
 {
     struct vor_cloud in, out;
@@ -454,11 +394,9 @@ int main(void)
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, a_moebius_band_is_told_from_a_sheet_and_a_torus,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, one_two_and_three_threads_orient_alike, VT_ONCE(1));
     vt_add_loop(suite, oriented_makes_the_signs_of_carried_normals_consistent,
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, carried_normals_decide_the_side_unless_they_are_to_be_ignored, VT_ONCE(1));
-    vt_add(suite, a_cancel_at_any_time_and_any_failing_allocation_leave_nothing_behind);
     vt_add(suite, normals_that_cannot_be_used_are_refused_with_their_count_and_the_first);
     return vt_run(suite);
 }

@@ -202,27 +202,6 @@ START_TEST(they_are_those_that_looking_at_every_pair_finds)
 }
 END_TEST
 
-START_TEST(one_two_three_and_eight_threads_drop_the_same)
-{
-    static const unsigned threads_of[4] = {1, 2, 3, 8};
-    uint64_t first = 0;
-
-    for (int t = 0; t < 4; t++) {
-        struct bed bed;
-        uint64_t hash;
-
-        vt_cloud_torus(&bed.cloud, 1, N);
-        stray(&bed.cloud, 1);
-        start(&bed, threads_of[t]);
-        ck_assert_uint_gt(bed.dropped, 0);
-        hash = vt_hash(bed.domain.source, bed.domain.n * sizeof *bed.domain.source);
-        first = t == 0 ? hash : first;
-        ck_assert(hash == first);
-        end(&bed);
-    }
-}
-END_TEST
-
 START_TEST(few_points_have_none)
 {
     struct bed bed;
@@ -326,7 +305,6 @@ int main(void)
     vt_add_figures(suite, points_that_fill_space_are_outliers_however_many, VT_FEWER(SEEDS));
     vt_add_figures(suite, thin_and_sharp_parts_of_a_surface_are_none, VT_FEWER(SEEDS));
     vt_add_figures(suite, they_are_those_that_looking_at_every_pair_finds, VT_FEWER(SEEDS));
-    vt_add(suite, one_two_three_and_eight_threads_drop_the_same);
     vt_add_figures(suite, few_points_have_none, VT_FEWER(SEEDS));
     vt_add_figures(suite, where_more_than_a_quarter_would_go_all_stay, VT_FEWER(SEEDS));
     vt_add_figures(suite, a_result_without_them_lies_on_the_surface,

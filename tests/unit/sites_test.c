@@ -203,30 +203,6 @@ START_TEST(sites_stay_whatever_else_is_asked_for)
 }
 END_TEST
 
-START_TEST(any_number_of_threads_places_alike)
-{
-    struct vor_cloud in;
-    uint64_t hash = 0;
-
-    vt_cloud_square(&in, 2, N);
-    for (unsigned threads = 1; threads <= 3; threads++) {
-        struct vt_engine engine;
-        struct vor_cloud out;
-        struct vor_report report;
-
-        vt_engine_open(&engine, threads);
-        vt_engine_count(&engine, "points", 400);
-        vt_engine_set(&engine, "boundary", "sites");
-        vt_engine_resample(&engine, &out, &report, &in);
-        vt_engine_close(&engine);
-        ck_assert(threads == 1 || vt_cloud_hash(&out) == hash);
-        hash = vt_cloud_hash(&out);
-        vor_cloud_free(&out);
-    }
-    vor_cloud_free(&in);
-}
-END_TEST
-
 /* Few points have no room for a border of their own. */
 START_TEST(any_number_of_points_comes)
 {
@@ -259,7 +235,6 @@ int main(void)
     vt_add_figures(suite, the_edges_of_a_cube_are_kept, 0);
     vt_add_figures(suite, a_closed_surface_is_spread_as_without, 0);
     vt_add_figures(suite, sites_stay_whatever_else_is_asked_for, VT_FEWER(5));
-    vt_add(suite, any_number_of_threads_places_alike);
     vt_add_figures(suite, any_number_of_points_comes, 0);
     return vt_run(suite);
 }

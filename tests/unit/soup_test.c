@@ -1,4 +1,4 @@
-/* The cells of a result as polygons: areas, corners, attributes, threads, failures. */
+/* The cells of a result as polygons: areas, corners, attributes. */
 #include "core/mesh/soup.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
@@ -173,32 +173,6 @@ START_TEST(corners_have_the_values_of_their_point_and_faces_its_side)
 }
 END_TEST
 
-START_TEST(one_two_and_eight_threads_give_the_same_polygons)
-{
-    static const unsigned threads[] = {1, 2, 8};
-    struct vor_cloud in;
-    uint64_t first = 0;
-
-    vt_cloud_sheets(&in, 5, IN / 2, 0.02);
-    for (size_t k = 0; k < sizeof threads / sizeof *threads; k++) {
-        struct vt_engine engine;
-        struct vt_meshed souped;
-        uint64_t hash;
-
-        open_soup(&engine, threads[k], POINTS);
-        vt_assert_ok(vt_engine_mesh(&souped, &in, &engine));
-        hash = vt_hash(souped.mesh.triangle, 3 * souped.mesh.count * sizeof *souped.mesh.triangle) ^
-               vt_cloud_hash(&souped.cloud);
-        first = k == 0 ? hash : first;
-        ck_assert(hash == first);
-        vt_meshed_free(&souped);
-        vt_engine_close(&engine);
-    }
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 START_TEST(filters_alone_give_the_cells_of_their_points)
 {
     struct vor_cloud in;
@@ -218,35 +192,6 @@ START_TEST(filters_alone_give_the_cells_of_their_points)
 }
 END_TEST
 
-START_TEST(a_failing_allocation_is_told_and_nothing_leaks)
-{
-    struct vor_cloud in;
-    struct vt_engine engine;
-    struct vt_meshed souped;
-    vor_status status = VOR_E_NOMEM;
-    unsigned failed = 0;
-
-    vt_cloud_sphere(&in, 1, 600);
-    open_soup(&engine, 1, 40);
-    vt_engine_set(&engine, "iterations", "1");
-    vt_engine_set(&engine, "polish", "0");
-    while (status != VOR_OK) {
-        vt_memory.fail_at = atomic_load(&vt_memory.calls) + 1 + failed;
-        status = vt_engine_mesh(&souped, &in, &engine);
-        if (status != VOR_OK) {
-            ck_assert_int_eq(status, VOR_E_NOMEM);
-            failed++;
-        }
-    }
-    vt_memory.fail_at = 0;
-    ck_assert_uint_gt(failed, 0);
-    vt_meshed_free(&souped);
-    vt_engine_close(&engine);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("soup");
@@ -255,8 +200,6 @@ int main(void)
     vt_add_figures(suite, cells_of_a_square_end_where_it_does, 0);
     vt_add_figures(suite, a_plane_patch_gives_one_polygon_a_point, 0);
     vt_add_figures(suite, corners_have_the_values_of_their_point_and_faces_its_side, 0);
-    vt_add(suite, one_two_and_eight_threads_give_the_same_polygons);
     vt_add_figures(suite, filters_alone_give_the_cells_of_their_points, 0);
-    vt_add(suite, a_failing_allocation_is_told_and_nothing_leaks);
     return vt_run(suite);
 }

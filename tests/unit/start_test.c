@@ -2,7 +2,6 @@
 #include "core/seeds/start.h"
 #include "tests/support/vt_engine.h"
 
-#include <math.h>
 #include <string.h>
 
 enum { SEEDS = 5, N = 12000, FEW = 600 };
@@ -138,53 +137,6 @@ START_TEST(the_area_is_that_of_the_surface)
 }
 END_TEST
 
-START_TEST(one_two_three_and_eight_threads_start_the_same_seeds)
-{
-    static const unsigned threads_of[4] = {1, 2, 3, 8};
-    struct bed bed;
-    uint64_t hash[4];
-
-    vt_cloud_box(&bed.cloud, (uint64_t)_i, N);
-    for (size_t n = FEW; n <= N / 2; n *= 10) {
-        for (int t = 0; t < 4; t++) {
-            start(&bed, 3, threads_of[t], n);
-            hash[t] = vt_hash(bed.seeds.xyz, 3 * n * sizeof *bed.seeds.xyz);
-            end(&bed);
-        }
-        ck_assert(hash[0] == hash[1] && hash[0] == hash[2] && hash[0] == hash[3]);
-    }
-    vor_cloud_free(&bed.cloud);
-}
-END_TEST
-
-START_TEST(a_start_that_does_not_fit_is_refused_whole)
-{
-    struct vor_memory memory;
-    struct bed bed;
-    vor_status status = VOR_E_NOMEM;
-    size_t fail;
-
-    vt_cloud_box(&bed.cloud, 1, N);
-    start(&bed, 1, 2, FEW);
-    vor_seeds_free(&bed.seeds);
-    bed.engine.run.memory = &memory;
-    for (fail = 1; status != VOR_OK && fail < 100; fail++) {
-        vor_memory_init(&memory, SIZE_MAX);
-        memory.fail_at = fail;
-        status = vor_start_seeds(&bed.seeds, &bed.domain, FEW, &bed.engine.spec, &bed.engine.run,
-                                 &vt_err);
-        if (status == VOR_OK)
-            vor_seeds_free(&bed.seeds);
-        else
-            ck_assert_int_eq(status, VOR_E_NOMEM);
-        ck_assert_uint_eq(atomic_load(&memory.used), 0);
-    }
-    ck_assert_uint_gt(fail, 2);
-    end(&bed);
-    vor_cloud_free(&bed.cloud);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("init");
@@ -193,7 +145,5 @@ int main(void)
     vt_add_figures(suite, of_few_points_the_seeds_start_in_cells, SEEDS);
     vt_add_figures(suite, a_dense_half_gets_no_more_than_its_area, SEEDS);
     vt_add_figures(suite, the_area_is_that_of_the_surface, SEEDS);
-    vt_add_loop(suite, one_two_three_and_eight_threads_start_the_same_seeds, SEEDS);
-    vt_add(suite, a_start_that_does_not_fit_is_refused_whole);
     return vt_run(suite);
 }
