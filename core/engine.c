@@ -141,6 +141,7 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
     report->parameters = engine->spec;
     if (engine->seeds.n > 0)
         report->parameters.value[VOR_PARAM_POINTS] = (double)engine->seeds.n;
+    report->parameters.value[VOR_PARAM_OUTLIERS] = vor_spec_outliers(&report->parameters);
     report->parameters.value[VOR_PARAM_NEIGHBORS] = engine->domain.known.neighbors.usual;
     if (engine->target.area > 0)
         report->area = engine->target.area * engine->domain.unit * engine->domain.unit;

@@ -474,6 +474,13 @@ uint32_t vor_spec_steps(const struct vor_spec *spec)
                : ALONE;
 }
 
+int vor_spec_outliers(const struct vor_spec *spec)
+{
+    if (vor_spec_given(spec, VOR_PARAM_OUTLIERS))
+        return (int)spec->value[VOR_PARAM_OUTLIERS];
+    return spec->value[VOR_PARAM_METHOD] == VOR_METHOD_EAR ? VOR_OUTLIERS_DROP : VOR_OUTLIERS_KEEP;
+}
+
 uint32_t vor_spec_iterations(const struct vor_spec *spec)
 {
     enum { DESCENT = 35, BEFORE_POLISH = 12, ALONE = 100 };

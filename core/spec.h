@@ -150,6 +150,13 @@ int vor_spec_descends(const struct vor_spec *spec);
  * armadillo's time. Without a polish the steps alone even the points out. */
 uint32_t vor_spec_steps(const struct vor_spec *spec);
 
+/** What is done with outliers: what the request says, else ear drops them and other methods keep
+ *  them. With one outlier in a hundred that stays, a tenth to a half of what ear gives lies off the
+ *  surface.
+ *
+ *  @return a VOR_OUTLIERS_... of core/spec/tables.h */
+int vor_spec_outliers(const struct vor_spec *spec);
+
 /** Most iterations that the request allows: those given, else 35 where an energy is minimised, 12
  *  before a polish and 100 without one. Of wlop and ear, projection steps. */
 uint32_t vor_spec_iterations(const struct vor_spec *spec);

@@ -16,7 +16,7 @@
 /* What is to be done with outliers: where filters alone make the result, only what they say. */
 static int outliers_of(const struct vor_spec *spec)
 {
-    int asked = (int)spec->value[VOR_PARAM_OUTLIERS];
+    int asked = vor_spec_outliers(spec);
 
     if (vor_list_has(spec->value[VOR_PARAM_FILTERS], VOR_FILTER_OUTLIERS))
         return asked == VOR_OUTLIERS_KEEP ? VOR_OUTLIERS_DROP : asked;

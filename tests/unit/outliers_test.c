@@ -257,7 +257,8 @@ START_TEST(where_more_than_a_quarter_would_go_all_stay)
 END_TEST
 
 /* Mean distance to the unit sphere of a result, and what the report counts. */
-static double off(const struct vor_cloud *in, const char *outliers, uint64_t *counted)
+static double off(const struct vor_cloud *in, const char *method, const char *outliers,
+                  uint64_t *counted)
 {
     struct vt_engine engine;
     struct vor_cloud out;
@@ -266,7 +267,9 @@ static double off(const struct vor_cloud *in, const char *outliers, uint64_t *co
 
     vt_engine_open(&engine, 2);
     vt_engine_set(&engine, "points", "1500");
-    vt_engine_set(&engine, "outliers", outliers);
+    vt_engine_set(&engine, "method", method);
+    if (outliers != NULL)
+        vt_engine_set(&engine, "outliers", outliers);
     vt_engine_set(&engine, "polish", "20");
     vt_engine_resample(&engine, &out, &report, in);
     ck_assert_uint_eq(out.n, 1500);
@@ -286,11 +289,30 @@ START_TEST(a_result_without_them_lies_on_the_surface)
 
     vt_cloud_sphere(&cloud, (uint64_t)_i, N);
     stray(&cloud, (uint64_t)_i);
-    with = off(&cloud, "keep", &none);
-    without = off(&cloud, "drop", &some);
+    with = off(&cloud, "cvt", "keep", &none);
+    without = off(&cloud, "cvt", "drop", &some);
     ck_assert_uint_eq(none, 0);
     ck_assert_uint_ge(some, STRAYS * 49 / 50);
     ck_assert_msg(without < with / 10, "%g off, %g with them", without, with);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
+/* Between an outlier and the surface ear would insert points, which other methods do not. */
+START_TEST(ear_drops_them_and_others_keep_them_unless_told)
+{
+    struct vor_cloud cloud;
+    uint64_t dropped, kept;
+
+    vt_cloud_sphere(&cloud, (uint64_t)_i, N);
+    stray(&cloud, (uint64_t)_i);
+    ck_assert_double_lt(off(&cloud, "ear", NULL, &dropped), 0.01);
+    ck_assert_uint_ge(dropped, STRAYS * 49 / 50);
+    (void)off(&cloud, "ear", "keep", &kept);
+    ck_assert_uint_eq(kept, 0);
+    (void)off(&cloud, "cvt", NULL, &kept);
+    ck_assert_uint_eq(kept, 0);
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
@@ -309,5 +331,6 @@ int main(void)
     vt_add_figures(suite, where_more_than_a_quarter_would_go_all_stay, VT_FEWER(SEEDS));
     vt_add_figures(suite, a_result_without_them_lies_on_the_surface,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
+    vt_add(suite, ear_drops_them_and_others_keep_them_unless_told);
     return vt_run(suite);
 }
