@@ -1,81 +1,11 @@
-/* Runs that minimise an energy, on any shape, stopped at any moment, with any number of
- * threads: as many points as asked for. */
+/* Runs that minimise an energy, on any shape, with one thread and three: as many points as asked
+ * for. */
 #include "tests/support/vt_engine.h"
 
 #include <math.h>
-#include <stdatomic.h>
 #include <string.h>
 
-enum { N = 80, SHAPES = 6 };
-
-/* Answers with `answer` from the at-th question on. */
-struct trap {
-    atomic_uint asked;
-    unsigned at;
-    enum vor_answer answer;
-};
-
-static enum vor_answer ask(void *ctx)
-{
-    struct trap *trap = ctx;
-
-    return atomic_fetch_add(&trap->asked, 1) + 1 >= trap->at ? trap->answer : VOR_CONTINUE;
-}
-
-/* One run of three iterations on half a sphere. */
-static vor_status run(struct vor_cloud *out, struct vor_report *report, struct trap *trap,
-                      struct vor_memory *memory)
-{
-    struct vor_watch watch = {.ctx = trap, .poll = ask};
-    struct vt_engine engine;
-    struct vor_cloud in;
-    vor_status status;
-
-    vt_engine_open(&engine, 1);
-    engine.run.watch = &watch;
-    engine.run.memory = memory;
-    vt_cloud_dome(&in, 1, N);
-    vt_engine_count(&engine, "points", N / 2);
-    vt_engine_set(&engine, "metric", "lp");
-    vt_engine_set(&engine, "iterations", "3");
-    status = vt_engine_try(&engine, out, report, &in);
-    vor_cloud_free(&in);
-    vt_engine_close(&engine);
-    return status;
-}
-
-static unsigned questions(void)
-{
-    struct trap trap = {.at = UINT32_MAX};
-    struct vor_cloud out;
-    struct vor_report report;
-
-    vt_assert_ok(run(&out, &report, &trap, &vt_memory));
-    ck_assert_uint_eq(report.iterations, 3);
-    vor_cloud_free(&out);
-    return atomic_load(&trap.asked);
-}
-
-START_TEST(a_stop_at_any_question_hands_back_the_last_whole_iterate)
-{
-    unsigned all = questions(), by_caller = 0;
-
-    for (unsigned at = 1; at <= all; at += VT_STEP) {
-        struct trap trap = {.at = at, .answer = VOR_STOP};
-        struct vor_cloud out;
-        struct vor_report report;
-
-        vt_assert_ok(run(&out, &report, &trap, &vt_memory));
-        ck_assert_uint_eq(out.n, N / 2);
-        ck_assert_uint_eq(vt_coincident(&out), 0);
-        ck_assert(report.stopped == VOR_STOPPED_CALLER || report.iterations == 3);
-        by_caller += report.stopped == VOR_STOPPED_CALLER;
-        vor_cloud_free(&out);
-        vt_assert_no_leak();
-    }
-    ck_assert_uint_gt(VT_STEP * by_caller, all / 4);
-}
-END_TEST
+enum { SHAPES = 6 };
 
 /* Closed; with a border; with edges; flat, dense towards one side; a few places with many points;
  * hardly more than a plane. */
@@ -136,7 +66,6 @@ int main(void)
 {
     Suite *suite = suite_create("descend_sound");
 
-    vt_add(suite, a_stop_at_any_question_hands_back_the_last_whole_iterate);
     vt_add_loop(suite, any_shape_gives_the_points_asked_for_whatever_the_threads, SHAPES);
     return vt_run(suite);
 }

@@ -17,7 +17,6 @@ enum { SEEDS = 3, DENSE = 40000 };
 #define EVEN 0.03        /* delta after it, on a closed smooth surface */
 #define HOLE 1.10        /* largest hole after over before */
 #define FARTHER 1.1      /* mean distance to the true surface after over before */
-#define LEAST 0.2        /* of the mean distance, between points on stacked sheets */
 #define ROOM_OUT 1.5     /* spacings of the input that a result may lie beyond its border */
 
 /* One run with and one without the polish, after the same iterations. */
@@ -254,74 +253,6 @@ START_TEST(a_rough_cloud_gets_more_even)
 }
 END_TEST
 
-/* Two sheets nearer than the spacing: the nearest neighbour is across, the repulsion straight off
- * the surface, and every point is put back. */
-START_TEST(points_on_sheets_nearer_than_the_spacing_do_not_fall_together)
-{
-    static const double gaps[] = {0.02, 0.1, 0.3, 0.7};
-    enum { TO = 400 };
-    double spacing = sqrt(2.0 / TO);
-
-    for (size_t k = 0; k < sizeof gaps / sizeof gaps[0]; k++) {
-        struct pair pair;
-
-        vt_cloud_sheets(&pair.in, (uint64_t)_i, 4000, gaps[k] * spacing);
-        run_pair(&pair, TO, "120", (size_t)_i);
-        ck_assert_msg(pair.end.min_over_mean >= LEAST, "gap %g: least distance %g of the mean",
-                      gaps[k], pair.end.min_over_mean);
-        free_pair(&pair);
-    }
-}
-END_TEST
-
-/* One seed in twenty is put where the one before it is, or that share of the spacing above it: what
- * they say of each other's direction is nothing, or leads off the surface. */
-static void stack(struct vor_seeds *seeds, double share)
-{
-    double above = 1 + share * sqrt(4 * M_PI / (double)seeds->n);
-
-    for (size_t i = 0; i + 1 < seeds->n; i += 20)
-        for (size_t c = 0; c < 3; c++)
-            seeds->xyz[3 * i + 3 + c] = (float)(above * (double)seeds->xyz[3 * i + c]);
-}
-
-START_TEST(seeds_at_one_place_or_over_one_another_part)
-{
-    static const double shares[] = {0, 1e-4, 0.05};
-    enum { TO = 400 };
-    struct vt_engine engine;
-    struct vor_cloud in;
-    struct vor_domain domain;
-    struct vor_seeds seeds;
-    struct vor_outcome told = {.stopped = VOR_STOPPED_ITERATIONS};
-    struct vor_uniformity before, after;
-    float nearest[TO];
-
-    vt_cloud_sphere(&in, (uint64_t)_i, 3000);
-    vt_engine_open(&engine, 2);
-    vt_engine_set(&engine, "neighbors", "20");
-    vt_assert_ok(vor_domain_init(&domain, &in, &engine.run, &vt_err));
-    vt_assert_ok(vor_start_seeds(&seeds, &domain, TO, &engine.spec, &engine.run, &vt_err));
-    stack(&seeds, shares[_i]);
-    vt_assert_ok(vor_seeds_index(&seeds, &seeds.run, &vt_err));
-    vt_assert_ok(vor_seeds_uniformity(&before, nearest, &seeds, seeds.xyz, &seeds.run, &vt_err));
-    ck_assert_double_lt(before.min, 0.1 * before.mean);
-    vt_assert_ok(vor_repel(&seeds, &told, 0, &engine.spec, &engine.run, &vt_err));
-    vt_assert_ok(vor_seeds_index(&seeds, &seeds.run, &vt_err));
-    vt_assert_ok(vor_seeds_uniformity(&after, nearest, &seeds, seeds.xyz, &seeds.run, &vt_err));
-    ck_assert_uint_eq(after.coincident, 0);
-    ck_assert_double_gt(after.min, 0.5 * after.mean);
-    vor_seeds_free(&seeds);
-    vor_domain_free(&domain);
-    vor_cloud_free(&in);
-    vt_engine_close(&engine);
-    vt_assert_no_leak();
-}
-END_TEST
-
-/* --- Threads ------------------------------------------------------------------------------------
- */
-
 int main(void)
 {
     Suite *suite = suite_create("polish_even");
@@ -333,8 +264,5 @@ int main(void)
     vt_add_figures(suite, an_open_cloud_gets_more_even_and_nobody_goes_over_the_border,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * OPEN));
     vt_add_figures(suite, a_rough_cloud_gets_more_even, VT_FEWER(ROUGH));
-    vt_add_figures(suite, points_on_sheets_nearer_than_the_spacing_do_not_fall_together,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, seeds_at_one_place_or_over_one_another_part, VT_FEWER(3));
     return vt_run(suite);
 }

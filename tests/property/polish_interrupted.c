@@ -203,57 +203,6 @@ START_TEST(a_stop_at_a_record_ends_with_the_steps_done)
 }
 END_TEST
 
-/* Number of questions from the last iteration to the end of a run of 12 steps. */
-static unsigned questions(void)
-{
-    static struct spy spy;
-    struct vor_cloud out;
-    struct vor_report report;
-
-    memset(&spy, 0, sizeof spy);
-    vt_assert_ok(run_spied(&out, &report, &spy, 12, NULL, NULL));
-    done_with(&out);
-    return atomic_load(&spy.asked);
-}
-
-/* The moment tried after `at`; the last of all is among them. */
-static unsigned next(unsigned at, unsigned all)
-{
-    return at < all && at + VT_STEP > all ? all : at + VT_STEP;
-}
-
-/* The step at hand is given up; those before it count. */
-START_TEST(a_stop_at_any_question_hands_back_the_steps_before_it)
-{
-    unsigned all = questions(), by_caller = 0, last = 0;
-
-    ck_assert_uint_gt(all, 24);
-    for (unsigned at = 1; at <= all; at = next(at, all)) {
-        static struct spy spy;
-        struct vor_cloud out;
-        struct vor_report report;
-
-        memset(&spy, 0, sizeof spy);
-        spy.at_question = at;
-        spy.answer = VOR_STOP;
-        vt_assert_ok(run_spied(&out, &report, &spy, 12, NULL, NULL));
-        assert_whole(&out, &report, &spy);
-        ck_assert_uint_ge(report.polish_steps, last);
-        last = report.polish_steps;
-        if (report.stopped == VOR_STOPPED_CALLER) {
-            ck_assert_uint_lt(report.polish_steps, 12);
-            by_caller++;
-        } else {
-            ck_assert_int_eq(report.stopped, VOR_STOPPED_ITERATIONS);
-            ck_assert_uint_eq(report.polish_steps, 12);
-        }
-        done_with(&out);
-    }
-    ck_assert_uint_ge(VT_STEP * by_caller, 12);
-    ck_assert_uint_eq(last, 12);
-}
-END_TEST
-
 /* A step takes a second: there is no room for one more. */
 START_TEST(a_budget_that_runs_out_during_the_polish_is_kept)
 {
@@ -303,30 +252,13 @@ START_TEST(a_delta_reached_during_the_polish_ends_it)
 }
 END_TEST
 
-START_TEST(a_delta_out_of_reach_ends_no_polish)
-{
-    static struct spy spy;
-    struct vor_cloud out;
-    struct vor_report report;
-
-    memset(&spy, 0, sizeof spy);
-    vt_assert_ok(run_spied(&out, &report, &spy, 40, "delta", "0.0001"));
-    assert_whole(&out, &report, &spy);
-    ck_assert_int_eq(report.stopped, VOR_STOPPED_ITERATIONS);
-    ck_assert_uint_eq(report.polish_steps, 40);
-    done_with(&out);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("polish_interrupted");
 
     vt_add(suite, every_tenth_step_and_the_last_are_told);
     vt_add(suite, a_stop_at_a_record_ends_with_the_steps_done);
-    vt_add(suite, a_stop_at_any_question_hands_back_the_steps_before_it);
     vt_add(suite, a_budget_that_runs_out_during_the_polish_is_kept);
     vt_add(suite, a_delta_reached_during_the_polish_ends_it);
-    vt_add(suite, a_delta_out_of_reach_ends_no_polish);
     return vt_run(suite);
 }
