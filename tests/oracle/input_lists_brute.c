@@ -134,47 +134,6 @@ START_TEST(a_wandering_query_finds_what_brute_force_finds)
 }
 END_TEST
 
-START_TEST(a_query_that_stands_still_keeps_its_points)
-{
-    struct walk walk;
-
-    start(&walk, (uint64_t)_i, 400, 20, _i % 2);
-    for (size_t i = 0; i < QUERIES; i++) {
-        ck_assert_int_eq(check_query(&walk, i), VOR_INPUT_LISTS_ANEW);
-        for (int again = 0; again < 3; again++)
-            ck_assert_int_eq(check_query(&walk, i), VOR_INPUT_LISTS_SAME);
-    }
-    end(&walk);
-}
-END_TEST
-
-/* A query that goes away and comes back: the set of the search in between is not that of the last
- * but one, though it is of the first. */
-START_TEST(a_set_is_the_same_as_at_the_last_search_not_as_at_one_before)
-{
-    struct walk walk;
-    unsigned others = 0;
-
-    start(&walk, (uint64_t)_i, 400, 6, 0);
-    for (size_t i = 0; i < QUERIES; i++) {
-        uint32_t before[K_MAX];
-        float home = walk.at[i][0];
-
-        (void)check_query(&walk, i);
-        memcpy(before, walk.last[i], sizeof before);
-        walk.at[i][0] = home + 0.02f;
-        (void)check_query(&walk, i);
-        if (memcmp(before, walk.last[i], 6 * sizeof *before) == 0)
-            continue;
-        walk.at[i][0] = home;
-        ck_assert_int_ne(check_query(&walk, i), VOR_INPUT_LISTS_SAME);
-        others++;
-    }
-    ck_assert_uint_gt(others, QUERIES / 8);
-    end(&walk);
-}
-END_TEST
-
 START_TEST(put_onto_other_points_it_forgets_the_first_ones)
 {
     struct walk walk, other;
@@ -191,41 +150,6 @@ START_TEST(put_onto_other_points_it_forgets_the_first_ones)
     for (size_t i = 0; i < QUERIES; i++)
         ck_assert_int_eq(check_query(&walk, i), VOR_INPUT_LISTS_ANEW);
     vor_input_lists_free(&other.near);
-    end(&walk);
-}
-END_TEST
-
-START_TEST(more_neighbours_than_the_reference_has_room_for_are_all_of_it)
-{
-    struct walk walk;
-
-    start(&walk, 5, 20, 20, 0);
-    for (size_t i = 0; i < QUERIES; i++)
-        (void)check_query(&walk, i);
-    end(&walk);
-}
-END_TEST
-
-/* Every query asks for another number each time: a list is made for each. */
-START_TEST(a_query_may_ask_for_more_or_fewer_each_time)
-{
-    struct walk walk;
-    unsigned most = 40;
-
-    start(&walk, (uint64_t)_i, 60 + 300 * (size_t)(_i % 3), most, 0);
-    for (size_t s = 0; s < STEPS; s++)
-        for (size_t i = 0; i < QUERIES; i++) {
-            unsigned before = walk.near.k[i];
-
-            walk.k = 1 + (unsigned)vor_rng_below((uint64_t)_i, 3, s / 2 * QUERIES + i, most);
-            if (check_query(&walk, i) != VOR_INPUT_LISTS_ANEW)
-                ck_assert_uint_eq(before, walk.k);
-            for (size_t c = 0; c < 3; c++)
-                walk.at[i][c] +=
-                    (float)(0.001 * (vt_unit((uint64_t)_i + 2, (s * QUERIES + i) * 3 + c) - 0.5));
-        }
-    ck_assert_uint_ge(walk.found[VOR_INPUT_LISTS_ANEW], QUERIES * STEPS / 3);
-    ck_assert_uint_ge(walk.found[VOR_INPUT_LISTS_SAME], QUERIES);
     end(&walk);
 }
 END_TEST
@@ -270,11 +194,7 @@ int main(void)
     Suite *suite = suite_create("near");
 
     vt_add_loop(suite, a_wandering_query_finds_what_brute_force_finds, 30);
-    vt_add_loop(suite, a_query_that_stands_still_keeps_its_points, 4);
-    vt_add_loop(suite, a_set_is_the_same_as_at_the_last_search_not_as_at_one_before, 5);
     vt_add_loop(suite, put_onto_other_points_it_forgets_the_first_ones, 3);
-    vt_add_loop(suite, a_query_may_ask_for_more_or_fewer_each_time, 6);
     vt_add_loop(suite, what_a_list_tells_of_places_around_is_true, 4);
-    vt_add(suite, more_neighbours_than_the_reference_has_room_for_are_all_of_it);
     return vt_run(suite);
 }

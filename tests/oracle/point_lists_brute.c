@@ -299,26 +299,6 @@ START_TEST(small_steps_are_answered_from_the_lists)
 }
 END_TEST
 
-/* As many as there is room for are looked at apart; with one more the lists are of no use. */
-START_TEST(the_sixty_fifth_jumper_asks_for_an_index)
-{
-    static struct flock flock;
-
-    open_flock(&flock, 0, 9, 500, 20);
-    index_flock(&flock);
-    for (size_t j = 0; j <= VOR_POINT_LISTS_JUMPERS_MIN; j++) {
-        ck_assert(check_look(&flock));
-        ck_assert_uint_eq(flock.view.jumpers, j);
-        check_all(&flock, j);
-        flock.cloud.xyz[3 * (7 * j)] += 0.5f;
-    }
-    ck_assert(!check_look(&flock));
-    index_flock(&flock);
-    check_all(&flock, 77);
-    close_flock(&flock);
-}
-END_TEST
-
 START_TEST(a_point_alone_has_nobody)
 {
     static struct flock flock;
@@ -341,7 +321,6 @@ int main(void)
 
     vt_add_loop(suite, lists_tell_what_a_look_at_every_point_does, VT_FEWER(28));
     vt_add_loop(suite, small_steps_are_answered_from_the_lists, 5);
-    vt_add(suite, the_sixty_fifth_jumper_asks_for_an_index);
     vt_add(suite, a_point_alone_has_nobody);
     return vt_run(suite);
 }

@@ -15,31 +15,6 @@ static void order_of(uint32_t *order, const struct vor_cloud *cloud)
     vt_engine_close(&engine);
 }
 
-static void assert_permutation(const uint32_t *order, size_t n)
-{
-    unsigned char *seen = vor_calloc(&vt_memory, n, 1);
-
-    for (size_t i = 0; i < n; i++) {
-        ck_assert_uint_lt(order[i], n);
-        ck_assert(!seen[order[i]]);
-        seen[order[i]] = 1;
-    }
-    vor_free(&vt_memory, seen);
-}
-
-START_TEST(the_order_holds_every_point_once)
-{
-    struct vor_cloud cloud;
-    uint32_t order[N];
-
-    vt_cloud_cube(&cloud, (uint64_t)_i, N - (size_t)_i);
-    order_of(order, &cloud);
-    assert_permutation(order, cloud.n);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
-}
-END_TEST
-
 /* Vector: the corners of a cube, x running fastest. */
 START_TEST(the_corners_of_a_cube_come_with_x_fastest)
 {
@@ -53,47 +28,6 @@ START_TEST(the_corners_of_a_cube_come_with_x_fastest)
     order_of(order, &cloud);
     for (uint32_t i = 0; i < 8; i++)
         ck_assert_uint_eq(order[i], 7 - i);
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
-/* Every place three times, far apart in the input. */
-START_TEST(coincident_points_follow_each_other_first_one_first)
-{
-    struct vor_cloud cloud;
-    uint32_t order[N];
-    size_t places = N / 3, n = 3 * places;
-
-    vt_cloud_cube(&cloud, (uint64_t)_i, n);
-    memcpy(&cloud.xyz[3 * places], cloud.xyz, 3 * places * sizeof *cloud.xyz);
-    memcpy(&cloud.xyz[6 * places], cloud.xyz, 3 * places * sizeof *cloud.xyz);
-    order_of(order, &cloud);
-    assert_permutation(order, n);
-    for (size_t i = 0; i < n; i += 3) {
-        ck_assert_uint_lt(order[i], places);
-        ck_assert_uint_eq(order[i + 1], order[i] + places);
-        ck_assert_uint_eq(order[i + 2], order[i] + 2 * places);
-    }
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
-/* Points nearer to each other than a cell of the grid is wide still get an order of their own. */
-START_TEST(points_of_one_cell_are_sorted_by_their_coordinates)
-{
-    struct vor_cloud cloud;
-    uint32_t order[N];
-
-    vt_cloud_cube(&cloud, (uint64_t)_i, N);
-    for (size_t i = 0; i < 3 * (N - 1); i++)
-        cloud.xyz[i] *= 1e-8f;
-    for (size_t c = 0; c < 3; c++)
-        cloud.xyz[3 * (N - 1) + c] = 1;
-    order_of(order, &cloud);
-    assert_permutation(order, N);
-    for (size_t i = 1; i < N; i++)
-        ck_assert(cloud.xyz[3 * (size_t)order[i - 1]] <= cloud.xyz[3 * (size_t)order[i]]);
-    ck_assert_uint_eq(order[N - 1], N - 1);
     vor_cloud_free(&cloud);
 }
 END_TEST
@@ -124,33 +58,11 @@ START_TEST(neighbours_in_the_order_are_near_in_space)
 }
 END_TEST
 
-START_TEST(one_place_and_one_point_are_ordered_by_index)
-{
-    struct vor_cloud cloud;
-    uint32_t order[5];
-
-    vt_cloud_make(&cloud, 5);
-    for (size_t i = 0; i < 15; i++)
-        cloud.xyz[i] = -3;
-    order_of(order, &cloud);
-    for (uint32_t i = 0; i < 5; i++)
-        ck_assert_uint_eq(order[i], i);
-    cloud.n = 1;
-    order_of(order, &cloud);
-    ck_assert_uint_eq(order[0], 0);
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("morton");
 
-    vt_add_loop(suite, the_order_holds_every_point_once, SEEDS);
     vt_add(suite, the_corners_of_a_cube_come_with_x_fastest);
-    vt_add_loop(suite, coincident_points_follow_each_other_first_one_first, SEEDS);
-    vt_add_loop(suite, points_of_one_cell_are_sorted_by_their_coordinates, SEEDS);
     vt_add_loop(suite, neighbours_in_the_order_are_near_in_space, SEEDS);
-    vt_add(suite, one_place_and_one_point_are_ordered_by_index);
     return vt_run(suite);
 }
