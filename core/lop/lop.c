@@ -345,7 +345,6 @@ static vor_status find_normals(struct lop *lop, size_t samples, struct vor_error
     const struct vor_run whole = vor_run_unstoppable(lop->run);
     const double *value = lop->spec->value;
     struct vor_lop_normals_how how = {.sigma_n = value[VOR_PARAM_SIGMA_N] * RADIANS,
-                                      .sigma_p = sigma_p(lop),
                                       .points = lop->means ? sides_of(samples) : samples,
                                       .area = lop->area,
                                       .plain = lop->means,

@@ -71,7 +71,7 @@ static unsigned counting(const struct normals *normals, size_t i)
     const struct vor_domain *domain = normals->domain;
     unsigned k = vor_neighbors_at(&domain->known.neighbors, &domain->xyz[3 * i]);
 
-    k = normals->how->sigma_p > 0 ? normals->most : k < LEAST ? LEAST : k;
+    k = k < LEAST ? LEAST : k;
     return k < normals->most ? k : normals->most;
 }
 
@@ -208,11 +208,11 @@ static const float *normal_now(const struct normals *normals, size_t i)
 static void see(struct seen *seen, const struct normals *normals, size_t i)
 {
     const float *x = normals->now.xyz + 3 * i;
-    double reach2 = normals->how->sigma_p * normals->how->sigma_p, off;
+    double reach2 = 0, off;
 
     seen->k = normals->count[i];
     seen->index = &normals->list[i * normals->most];
-    for (unsigned j = 0; normals->how->sigma_p <= 0 && j < seen->k; j++)
+    for (unsigned j = 0; j < seen->k; j++)
         reach2 = fmax(reach2, vor_distance2f(&normals->domain->xyz[3 * i],
                                              &normals->domain->xyz[3 * (size_t)seen->index[j]]));
     off = OFF * (double)normals->off[i] + BENT * sqrt(reach2);
@@ -408,8 +408,7 @@ static unsigned most_of(const struct normals *normals)
     unsigned most = domain->known.neighbors.most;
 
     most = most < LEAST ? LEAST : most;
-    if (normals->how->sigma_p > 0 || most > VOR_LOP_NORMALS_MOST)
-        most = VOR_LOP_NORMALS_MOST;
+    most = most < VOR_LOP_NORMALS_MOST ? most : VOR_LOP_NORMALS_MOST;
     return most < domain->n ? most : (unsigned)domain->n;
 }
 

@@ -14,7 +14,9 @@
  * agree with. Departure: the points move along their normals onto their side. A neighbour is seen
  * along the mean of both normals, to which the chord of a circle is perpendicular: curvature then
  * moves no point, as it does with the normal of either. Departure: points on fillets about as
- *  wide as the fits are put onto these (lop/fillets.h). */
+ *  wide as the fits are put onto these (lop/fillets.h). Departure: the neighbours are as many as a
+ *  fit takes there, whatever sigmaP: planes through more of them make facets of a surface that
+ *  bends. sigmaP is the reach of the projection and of insertion. */
 #ifndef VOR_LOP_NORMALS_H
 #define VOR_LOP_NORMALS_H
 
@@ -24,7 +26,6 @@
 /** How that is done. */
 struct vor_lop_normals_how {
     double sigma_n;    /**< radians, up to pi / 2 */
-    double sigma_p;    /**< normalised; 0: as far as the points that a fit takes there */
     size_t points;     /**< of the result: sides are found on about as many (input/orient.h) */
     double area;       /**< of the surface, in squared normalised units */
     int plain;         /**< there is one sheet in each place (input/orient.h) */
