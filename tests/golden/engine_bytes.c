@@ -118,29 +118,6 @@ START_TEST(runs_that_share_a_pool_give_the_bytes_they_give_alone)
 }
 END_TEST
 
-START_TEST(another_seed_gives_other_bytes)
-{
-    struct vt_engine engine;
-    struct vor_cloud in, out;
-    struct vor_report report;
-    uint64_t hash[3];
-
-    vt_cloud_sphere(&in, 1, N);
-    for (size_t seed = 0; seed < 3; seed++) {
-        vt_engine_open(&engine, 2);
-        vt_engine_set(&engine, "points", "100");
-        vt_engine_set(&engine, "iterations", "2");
-        vt_engine_count(&engine, "seed", seed);
-        vt_engine_resample(&engine, &out, &report, &in);
-        hash[seed] = vt_cloud_hash(&out);
-        vor_cloud_free(&out);
-        vt_engine_close(&engine);
-    }
-    ck_assert(hash[0] != hash[1] && hash[1] != hash[2] && hash[0] != hash[2]);
-    vor_cloud_free(&in);
-}
-END_TEST
-
 /* Coordinates that are multiples of 2^-20 survive these shifts exactly. */
 static void shifted(struct vor_cloud *cloud, const struct vor_cloud *from, const double shift[3])
 {
@@ -227,7 +204,6 @@ int main(void)
 
     vt_add_loop(suite, one_two_three_and_eight_threads_give_the_same_bytes, VT_ONCE(3));
     vt_add(suite, runs_that_share_a_pool_give_the_bytes_they_give_alone);
-    vt_add_figures(suite, another_seed_gives_other_bytes, 0);
     vt_add_figures(suite, a_shift_moves_the_result_and_changes_nothing_else, 0);
     vt_add_figures(suite, a_power_of_two_scales_the_result_and_changes_nothing_else, 0);
     return vt_run(suite);

@@ -77,25 +77,6 @@ static int by_coordinates(const void *a, const void *b)
     return 0;
 }
 
-START_TEST(all_points_are_chosen_once_where_all_are_wanted)
-{
-    struct vt_engine engine;
-    struct vor_cloud cloud;
-    float *out = malloc(3 * N * sizeof *out);
-
-    vt_engine_open(&engine, 1);
-    vt_cloud_square(&cloud, (uint64_t)_i, N);
-    vt_assert_ok(vor_farthest_points(out, cloud.xyz, N, N, 7, &engine.run, &vt_err));
-    qsort(out, N, 3 * sizeof *out, by_coordinates);
-    qsort(cloud.xyz, N, 3 * sizeof *out, by_coordinates);
-    ck_assert(memcmp(out, cloud.xyz, 3 * N * sizeof *out) == 0);
-    free(out);
-    vor_cloud_free(&cloud);
-    vt_engine_close(&engine);
-    vt_assert_no_leak();
-}
-END_TEST
-
 /* A point and the cell that it lies in. */
 struct celled {
     long cell[3];
@@ -195,7 +176,6 @@ int main(void)
     Suite *suite = suite_create("baselines_brute");
 
     vt_add_loop(suite, each_point_is_the_farthest_from_those_before, SEEDS);
-    vt_add_loop(suite, all_points_are_chosen_once_where_all_are_wanted, SEEDS);
     vt_add_loop(suite, a_voxel_grid_has_the_means_of_its_cells, SEEDS);
     return vt_run(suite);
 }

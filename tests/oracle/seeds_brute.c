@@ -332,39 +332,6 @@ START_TEST(nearest_distances_after_a_move_are_those_of_a_look_at_every_seed)
 }
 END_TEST
 
-/* A crowd of 575 seeds within 1e-5, which scatters over a hundred times that, amid a lattice that
- * stands still: few enough to be looked at one by one, too many for the widest search. */
-START_TEST(a_crowd_that_scatters_is_measured_exactly)
-{
-    enum { SIDE = 95, CROWD = 575, ALL = SIDE * SIDE + CROWD };
-    struct bed bed;
-    struct vor_uniformity even;
-    float *moved = vor_malloc(&vt_memory, ALL, 4 * sizeof *moved), *nearest = moved + 3 * ALL;
-
-    open_bed(&bed, 2, 2000, ALL);
-    for (size_t i = 0; i < ALL; i++) {
-        int crowd = i >= SIDE * SIDE;
-
-        bed.seeds.xyz[3 * i] =
-            (float)(crowd ? 0.5 + 1e-5 * vt_unit(3, 2 * i) : (double)(i % SIDE) / SIDE);
-        bed.seeds.xyz[3 * i + 1] =
-            (float)(crowd ? 0.5 + 1e-5 * vt_unit(3, 2 * i + 1) : (double)(i / SIDE) / SIDE);
-        bed.seeds.xyz[3 * i + 2] = 0;
-    }
-    vt_assert_ok(vor_seeds_index(&bed.seeds, &bed.seeds.run, &vt_err));
-    move_all(moved, &bed.seeds, 7, 1e-3);
-    memcpy(moved, bed.seeds.xyz, SIDE * SIDE * 3 * sizeof *moved);
-    vt_assert_ok(vor_seeds_uniformity(&even, nearest, &bed.seeds, moved, &bed.seeds.run, &vt_err));
-    for (size_t i = SIDE * SIDE; i < ALL; i++) {
-        double brute = nearest_other(moved, ALL, i);
-
-        ck_assert_double_le(fabs((double)nearest[i] - brute), 1e-6 * brute);
-    }
-    vor_free(&vt_memory, moved);
-    close_bed(&bed);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("seeds_brute");
@@ -375,6 +342,5 @@ int main(void)
     vt_add_loop(suite, a_seed_is_recalled_where_it_was_fitted_and_no_border_is_near, SEEDS);
     vt_add_loop(suite, a_sample_of_a_cell_is_nearest_to_its_own_seed, SEEDS);
     vt_add_loop(suite, nearest_distances_after_a_move_are_those_of_a_look_at_every_seed, SEEDS);
-    vt_add(suite, a_crowd_that_scatters_is_measured_exactly);
     return vt_run(suite);
 }

@@ -1,8 +1,6 @@
 /* Xiao et al. 2024, Sec. IV-C: Lloyd's method with Anderson acceleration and its safeguard. */
 #include "tests/support/vt_trace.h"
 
-#include <math.h>
-
 enum { SEEDS = 4, PLAIN = 50 };
 
 /* Without a window: the engine's own, which is momentum. */
@@ -45,27 +43,6 @@ START_TEST(fig_6_acceleration_reaches_fifty_plain_iterations_in_fewer_and_ends_n
     target = vt_trace_best(&plain, PLAIN + 1);
     ck_assert_uint_lt(vt_trace_reaches(&mixed, target), vt_trace_reaches(&plain, target));
     ck_assert_double_le(vt_trace_best(&mixed, PLAIN + 1), 1.05 * target);
-    vor_cloud_free(&in);
-}
-END_TEST
-
-/* Departure of core/cvt/lloyd.h, where no window is given. */
-START_TEST(momentum_reaches_fifty_plain_iterations_in_thirty_and_before_the_mix)
-{
-    static struct vt_trace plain, mixed, momentum;
-    struct vor_cloud in;
-    double target;
-
-    if (_i % 2)
-        vt_cloud_sphere(&in, (uint64_t)_i, 14000);
-    else
-        vt_cloud_box(&in, (uint64_t)_i, 14000);
-    trace_some(&plain, &in, 2800, PLAIN, "0", (uint64_t)_i);
-    trace_some(&mixed, &in, 2800, PLAIN, "4", (uint64_t)_i);
-    trace_some(&momentum, &in, 2800, PLAIN, NULL, (uint64_t)_i);
-    target = vt_trace_best(&plain, PLAIN + 1);
-    ck_assert_uint_le(vt_trace_reaches(&momentum, target), 30);
-    ck_assert_uint_lt(vt_trace_reaches(&momentum, target), vt_trace_reaches(&mixed, target));
     vor_cloud_free(&in);
 }
 END_TEST
@@ -113,8 +90,6 @@ int main(void)
 
     vt_add_loop(suite, fig_6_acceleration_reaches_fifty_plain_iterations_in_fewer_and_ends_no_worse,
                 VT_FEWER(SEEDS));
-    vt_add_loop(suite, momentum_reaches_fifty_plain_iterations_in_thirty_and_before_the_mix,
-                VT_FEWER(VT_SOAK_LOOPS(2, SEEDS)));
     vt_add_loop(suite, eq_12_an_accelerated_iteration_is_at_least_as_even_as_the_plain_one,
                 VT_FEWER(SEEDS));
     vt_add_loop(suite, no_window_makes_the_iteration_diverge, VT_FEWER(SEEDS));

@@ -3,11 +3,7 @@
 #include "tests/support/vt_shape.h"
 #include "tests/support/vt_trace.h"
 
-#include <stdatomic.h>
-#include <string.h>
-
-/* MOMENTS: each so manieth question is one at which a run is interrupted. */
-enum { N = 4000, OUT = 500, MOMENTS = 5 };
+enum { N = 4000, OUT = 500 };
 
 static void open_engine(struct vt_engine *engine, unsigned threads, size_t points)
 {
@@ -161,30 +157,6 @@ START_TEST(of_fewer_input_points_all_are_taken)
 }
 END_TEST
 
-/* Islands are part of the input that the baselines are made of. */
-START_TEST(islands_are_input_too)
-{
-    struct vor_report report;
-    struct vt_engine engine;
-    struct vor_cloud in, out;
-
-    vt_cloud_sphere(&in, 1, 2000);
-    for (size_t i = 0; i < 8; i++)
-        for (size_t c = 0; c < 3; c++)
-            in.xyz[3 * i + c] = 6 + (float)(0.02 * vt_unit(9, 3 * i + c));
-    open_engine(&engine, 2, 400);
-    vt_engine_resample(&engine, &out, &report, &in);
-    ck_assert_uint_eq(report.islands, 1);
-    ck_assert_uint_eq(report.farthest.points, 400);
-    ck_assert_uint_eq(report.random.in_to_out.points, 2000);
-    ck_assert_double_lt(report.farthest.in_to_out.max, 0.2);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_engine_close(&engine);
-    vt_assert_no_leak();
-}
-END_TEST
-
 START_TEST(filters_alone_have_no_baselines_beside_them)
 {
     struct vor_report report;
@@ -205,61 +177,30 @@ START_TEST(filters_alone_have_no_baselines_beside_them)
 }
 END_TEST
 
-/* Answers with `answer` from the at-th question on. */
-struct trap {
-    atomic_uint asked;
-    unsigned at;
-    enum vor_answer answer;
-};
-
-static enum vor_answer ask(void *ctx)
+static enum vor_answer stop(void *ctx)
 {
-    struct trap *trap = ctx;
-
-    return atomic_fetch_add(&trap->asked, 1) + 1 >= trap->at ? trap->answer : VOR_CONTINUE;
+    (void)ctx;
+    return VOR_STOP;
 }
 
-static vor_status run_trapped(struct vor_cloud *out, struct vor_report *report, struct trap *trap)
+START_TEST(a_run_that_is_stopped_has_no_baselines)
 {
-    struct vor_watch watch = {.ctx = trap, .poll = ask};
+    struct vor_watch watch = {.poll = stop};
+    struct vor_report report;
     struct vt_engine engine;
-    struct vor_cloud in;
-    vor_status status;
+    struct vor_cloud in, out;
 
-    open_engine(&engine, 1, 40);
-    vt_engine_set(&engine, "iterations", "1");
-    vt_engine_set(&engine, "polish", "0");
-    engine.run.watch = &watch;
     vt_cloud_sphere(&in, 1, 200);
-    status = vt_engine_try(&engine, out, report, &in);
+    open_engine(&engine, 1, 40);
+    engine.run.watch = &watch;
+    vt_engine_resample(&engine, &out, &report, &in);
+    ck_assert_uint_eq(out.n, 40);
+    ck_assert_int_eq(report.stopped, VOR_STOPPED_CALLER);
+    ck_assert_int_eq(report.has_baselines, 0);
+    vor_cloud_free(&out);
     vor_cloud_free(&in);
     vt_engine_close(&engine);
-    return status;
-}
-
-START_TEST(a_cancel_ends_with_nothing_and_a_stop_without_baselines)
-{
-    struct trap all = {.at = UINT32_MAX};
-    struct vor_report report;
-    unsigned without = 0;
-    struct vor_cloud out;
-
-    vt_assert_ok(run_trapped(&out, &report, &all));
-    ck_assert_int_eq(report.has_baselines, 1);
-    vor_cloud_free(&out);
-    for (unsigned at = 1; at <= atomic_load(&all.asked); at += MOMENTS * VT_STEP) {
-        struct trap cancel = {.at = at, .answer = VOR_CANCEL};
-        struct trap stop = {.at = at, .answer = VOR_STOP};
-
-        vt_assert_fails(VOR_E_CANCELLED, run_trapped(&out, &report, &cancel));
-        ck_assert(out.n == 0 && out.xyz == NULL);
-        vt_assert_ok(run_trapped(&out, &report, &stop));
-        ck_assert_uint_eq(out.n, 40);
-        without += !report.has_baselines;
-        vor_cloud_free(&out);
-        vt_assert_no_leak();
-    }
-    ck_assert_uint_gt(MOMENTS * VT_STEP * without, 50);
+    vt_assert_no_leak();
 }
 END_TEST
 
@@ -272,8 +213,7 @@ int main(void)
     vt_add_figures(suite, kmeans_is_the_method_of_that_name, 0);
     vt_add(suite, records_tell_each_baseline_after_the_polish);
     vt_add_figures(suite, of_fewer_input_points_all_are_taken, 0);
-    vt_add_figures(suite, islands_are_input_too, 0);
     vt_add_figures(suite, filters_alone_have_no_baselines_beside_them, 0);
-    vt_add(suite, a_cancel_ends_with_nothing_and_a_stop_without_baselines);
+    vt_add(suite, a_run_that_is_stopped_has_no_baselines);
     return vt_run(suite);
 }
