@@ -130,36 +130,6 @@ START_TEST(a_point_leaves_where_it_ends_outside_and_farther_than_it_began)
 }
 END_TEST
 
-static double to_lattice(double x, double y)
-{
-    return hypot(fmax(x, x - rint(x)), y - rint(y)); /* none is at x > 0 */
-}
-
-START_TEST(whoever_leaves_is_outside_and_whoever_comes_nearer_never_leaves)
-{
-    unsigned left = 0, stayed = 0;
-
-    for (uint64_t i = 0; i < 4000; i++) {
-        double x = 3 * vt_unit(1, 4 * i) - 1, y = vt_unit(1, 4 * i + 1) - 0.5;
-        double u = x + vt_unit(1, 4 * i + 2) - 0.5, v = y + vt_unit(1, 4 * i + 3) - 0.5;
-        double spacings = 1 + (double)(i % 4);
-        struct place place;
-        int found, out;
-
-        gather(&place, x, y, 0);
-        found = vor_boundary_leaves(&place.border, spacings, (double[3]){x, y, 0},
-                                    (double[3]){u, v, 0});
-        out = vor_boundary_outside(&place.border, spacings, (double[3]){u, v, 0});
-        if (found != (out && to_lattice(u, v) > to_lattice(x, y)))
-            ck_abort_msg("from (%g, %g) to (%g, %g): %d", x, y, u, v, found);
-        left += found;
-        stayed += out && !found;
-    }
-    ck_assert_uint_gt(left, 200);
-    ck_assert_uint_gt(stayed, 200);
-}
-END_TEST
-
 START_TEST(a_point_held_back_stops_at_the_distance_allowed)
 {
     for (double x = 0.1; x < 9; x += 0.3)
@@ -210,48 +180,6 @@ START_TEST(a_cell_at_the_border_ends_half_a_spacing_beyond_the_last_point)
         ck_assert_double_gt(world[0], 0.95);
         ck_assert_double_le(fabs(hypot(world[0], world[1]) - 1), 1e-12);
         ck_assert_double_eq_tol(room, fmax(-x, 0) + 0.4, 0.2);
-    }
-}
-END_TEST
-
-START_TEST(a_cell_surrounded_by_points_has_all_room)
-{
-    struct place place;
-    double side[2];
-
-    for (double x = -8; x <= -4; x += 0.3)
-        for (double y = -0.4; y <= 0.4; y += 0.2)
-            ck_assert(isinf(room_at(x, y, side, &place)));
-}
-END_TEST
-
-START_TEST(the_room_never_shrinks_on_the_way_inside)
-{
-    struct place place;
-    double side[2], before = 0;
-
-    for (double x = 0.4; x > -4; x -= 0.1) {
-        double room = fmin(room_at(x, 0, side, &place), 1.5);
-
-        ck_assert_double_ge(room, before - 0.35); /* the set of neighbours changes in steps */
-        before = fmax(before, room);
-    }
-    ck_assert_double_eq_tol(before, 1.5, 1e-12);
-}
-END_TEST
-
-START_TEST(an_end_is_at_the_last_point_and_behind_a_place_beyond_it)
-{
-    struct place place;
-    double side[2], local[3];
-
-    gather(&place, -0.2, 0, 0);
-    for (double x = -1.5; x < 3; x += 0.5) {
-        vor_surface_to_local(&place.surface, (double[3]){x, 0, 0}, local);
-        side[0] = place.surface.axis[0][0];
-        side[1] = place.surface.axis[1][0];
-        ck_assert_double_eq_tol(vor_boundary_end(&place.surface, local, side, place.near, K), -x,
-                                1e-12);
     }
 }
 END_TEST
@@ -340,32 +268,6 @@ START_TEST(the_input_goes_on_from_a_foot_or_it_does_not)
 }
 END_TEST
 
-START_TEST(a_lattice_is_regular_and_noise_is_not)
-{
-    float noise[3 * K], lines[3 * K];
-    struct place place;
-    double sum = 0;
-
-    gather(&place, -6, 0, 0);
-    ck_assert_double_eq_tol(vor_boundary_regularity(place.near, K, place.surface.spacing), 2, 0.15);
-    for (uint64_t trial = 0; trial < 200; trial++) {
-        for (size_t i = 0; i < K; i++) {
-            noise[3 * i] = (float)vt_unit(trial, 2 * i);
-            noise[3 * i + 1] = (float)vt_unit(trial, 2 * i + 1);
-            noise[3 * i + 2] = 0;
-        }
-        sum += vor_boundary_regularity(noise, K, sqrt(1.0 / K));
-    }
-    ck_assert_double_eq_tol(sum / 200, 1.1, 0.1); /* those at the rim have fewer around them */
-    for (size_t i = 0; i < K; i++) {
-        lines[3 * i] = (float)(i % 10);
-        lines[3 * i + 1] = (float)(5 * (i / 10));
-        lines[3 * i + 2] = 0;
-    }
-    ck_assert_double_eq_tol(vor_boundary_regularity(lines, K, sqrt(5)), 2 / sqrt(5), 1e-6);
-}
-END_TEST
-
 START_TEST(a_foot_is_the_nearest_neighbour_and_the_reach_the_farthest)
 {
     struct place place;
@@ -393,16 +295,11 @@ int main(void)
     vt_add(suite, no_place_between_the_points_of_a_half_plane_is_outside);
     vt_add(suite, the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings);
     vt_add(suite, a_point_leaves_where_it_ends_outside_and_farther_than_it_began);
-    vt_add(suite, whoever_leaves_is_outside_and_whoever_comes_nearer_never_leaves);
     vt_add(suite, a_point_held_back_stops_at_the_distance_allowed);
     vt_add(suite, a_cell_at_the_border_ends_half_a_spacing_beyond_the_last_point);
-    vt_add(suite, a_cell_surrounded_by_points_has_all_room);
-    vt_add(suite, the_room_never_shrinks_on_the_way_inside);
-    vt_add(suite, an_end_is_at_the_last_point_and_behind_a_place_beyond_it);
     vt_add(suite, the_spacing_is_that_around_the_nearest_point);
     vt_add(suite, the_input_goes_on_ahead_as_far_as_its_last_point);
     vt_add(suite, the_input_goes_on_from_a_foot_or_it_does_not);
-    vt_add(suite, a_lattice_is_regular_and_noise_is_not);
     vt_add(suite, a_foot_is_the_nearest_neighbour_and_the_reach_the_farthest);
     return vt_run(suite);
 }

@@ -1,6 +1,5 @@
 /* Energy of flat cells, its gradient and second derivatives (Chen 2018, Eq. 4; rows C8, C9). */
 #include "core/geom/energy.h"
-#include "core/geom/patch.h"
 #include "tests/support/vt.h"
 
 #include <math.h>
@@ -198,33 +197,6 @@ START_TEST(squares_beat_hexagons_where_p_is_8_and_not_where_it_is_2)
 }
 END_TEST
 
-START_TEST(sides_know_who_cut_them)
-{
-    struct made made;
-    struct vor_flat cell;
-
-    make(&made, _i);
-    vor_energy_cut(&cell, &made.plane, made.at, (const double(*)[3])made.other, OTHERS);
-    for (unsigned e = 0; e < cell.count; e++) {
-        unsigned f = e + 1 < cell.count ? e + 1 : 0;
-        double x[2] = {(cell.x[e] + cell.x[f]) / 2, (cell.y[e] + cell.y[f]) / 2}, own, other;
-
-        own = hypot(x[0] - made.at[0], x[1] - made.at[1]);
-        if (cell.id[e] < VOR_FLAT_SIDE) {
-            const double *j = made.other[cell.id[e]];
-
-            other = sqrt(pow(x[0] - j[0], 2) + pow(x[1] - j[1], 2) + j[2] * j[2]);
-            ck_assert_double_eq_tol(own, other, 1e-12);
-        } else if (cell.id[e] == VOR_ENERGY_WALL) {
-            ck_assert_double_eq_tol(x[0] * made.plane.wall[0] + x[1] * made.plane.wall[1],
-                                    made.plane.room, 1e-12);
-        } else {
-            ck_assert_uint_lt(cell.id[e] - VOR_FLAT_SIDE, VOR_PATCH_OCTAGON);
-        }
-    }
-}
-END_TEST
-
 START_TEST(a_patch_of_no_size_has_no_energy)
 {
     struct vor_energy_plane plane = {{1, 1}, 8, 0, {0, 0}, INFINITY};
@@ -248,7 +220,6 @@ int main(void)
     vt_add_figures(suite, the_energy_is_that_of_a_numeric_quadrature, 3 * POWERS * 2);
     vt_add_loop(suite, a_square_has_the_energy_of_the_textbook, POWERS);
     vt_add_figures(suite, squares_beat_hexagons_where_p_is_8_and_not_where_it_is_2, 2);
-    vt_add_figures(suite, sides_know_who_cut_them, 3 * POWERS * 2);
     vt_add(suite, a_patch_of_no_size_has_no_energy);
     return vt_run(suite);
 }

@@ -99,52 +99,6 @@ START_TEST(the_gradient_is_that_of_finite_differences)
 }
 END_TEST
 
-START_TEST(the_energy_falls_in_each_inner_loop)
-{
-    static struct bed bed;
-    unsigned char held[N] = {0};
-    struct vor_lbfgs lbfgs;
-
-    open_bed(&bed, _i, 2, 2);
-    vt_assert_ok(vor_lbfgs_init(&lbfgs, 2 * N, INNER, &vt_memory, &vt_err));
-    for (unsigned outer = 0; outer < 12; outer++) {
-        struct vor_lbfgs_function function = {&bed.frozen, vor_frozen_at, vor_frozen_shorten,
-                                              bed.frozen.bend};
-        unsigned power = outer < 3 ? 2 : outer < 6 ? 4 : 8;
-        struct vor_frozen_sums sums;
-        struct vor_lbfgs_told told;
-
-        vt_assert_ok(vor_frozen_set(&bed.frozen, power, bed.y, &bed.engine.run, &vt_err));
-        vt_assert_ok(vor_lbfgs_run(&lbfgs, bed.y, &function, INNER, &told, &vt_err));
-        ck_assert_uint_eq(told.steps, INNER);
-        ck_assert_double_lt(told.after, told.before);
-        for (size_t i = 0; i < N; i++)
-            ck_assert_double_le(hypot(bed.y[2 * i], bed.y[2 * i + 1]),
-                                bed.frozen.planes.plane[i].reach * (1 + 1e-9));
-        vt_assert_ok(vor_frozen_take(&bed.frozen, bed.y, held, &sums, &vt_err));
-        ck_assert_double_gt(sums.moved, 0);
-    }
-    vor_lbfgs_free(&lbfgs);
-    close_bed(&bed);
-}
-END_TEST
-
-START_TEST(the_cells_cover_a_sphere)
-{
-    static struct bed bed;
-    unsigned char held[N] = {0};
-    struct vor_frozen_sums sums;
-    double length;
-
-    open_bed(&bed, 3 * _i, 2, 1);
-    vt_assert_ok(vor_frozen_take(&bed.frozen, bed.y, held, &sums, &vt_err));
-    length = bed.frozen.planes.spacing * bed.domain.unit;
-    ck_assert_double_eq_tol(sums.area * length * length / (4 * M_PI), 1, 0.05);
-    ck_assert_uint_eq(sums.left, 0);
-    close_bed(&bed);
-}
-END_TEST
-
 /* Two seeds that share a place would keep it: their gradients are the same. */
 START_TEST(seeds_that_share_a_place_come_apart)
 {
@@ -174,8 +128,6 @@ int main(void)
     Suite *suite = suite_create("frozen");
 
     vt_add_figures(suite, the_gradient_is_that_of_finite_differences, 24);
-    vt_add_figures(suite, the_energy_falls_in_each_inner_loop, 6);
-    vt_add_figures(suite, the_cells_cover_a_sphere, 3);
     vt_add_figures(suite, seeds_that_share_a_place_come_apart, 3);
     return vt_run(suite);
 }

@@ -101,42 +101,6 @@ START_TEST(a_stretched_bowl_is_descended_to_its_lowest_point)
 }
 END_TEST
 
-START_TEST(memory_saves_two_steps_in_three)
-{
-    struct bowl bowl;
-    double with[N] = {0}, without[N] = {0};
-    unsigned steps = 0;
-
-    make(&bowl, (uint64_t)_i, 1000);
-    for (unsigned more = 8; steps == 0; more += 8) { /* steps to a thousandth of the way */
-        memset(with, 0, sizeof with);
-        (void)run(&bowl, with, 5, more);
-        steps = error_of(&bowl, with) < 1e-3 ? more : 0;
-    }
-    for (unsigned i = 0; i < 3 * steps; i++)
-        (void)run(&bowl, without, 1, 1); /* each run begins anew: steepest descent */
-    ck_assert_double_gt(error_of(&bowl, without), 1e-3);
-}
-END_TEST
-
-START_TEST(every_step_lowers_the_function)
-{
-    struct bowl bowl;
-    double x[N] = {0}, last = INFINITY;
-
-    make(&bowl, (uint64_t)_i, 1000);
-    for (unsigned steps = 1; steps < 40; steps++) {
-        struct vor_lbfgs_told told;
-
-        memset(x, 0, sizeof x);
-        told = run(&bowl, x, 5, steps);
-        ck_assert_double_lt(told.after, last);
-        ck_assert_double_lt(told.after, told.before);
-        last = told.after;
-    }
-}
-END_TEST
-
 START_TEST(a_known_bend_makes_the_first_step_the_last)
 {
     struct bowl bowl;
@@ -243,8 +207,6 @@ int main(void)
     Suite *suite = suite_create("lbfgs");
 
     vt_add_loop(suite, a_stretched_bowl_is_descended_to_its_lowest_point, SEEDS);
-    vt_add_loop(suite, memory_saves_two_steps_in_three, SEEDS);
-    vt_add_loop(suite, every_step_lowers_the_function, SEEDS);
     vt_add_loop(suite, a_known_bend_makes_the_first_step_the_last, SEEDS);
     vt_add_loop(suite, a_function_that_shortens_steps_is_asked_nowhere_else, SEEDS);
     vt_add_loop(suite, a_value_that_is_no_number_is_stepped_back_from, SEEDS);

@@ -117,20 +117,6 @@ START_TEST(curvature_asks_for_the_root_of_the_ratio_of_its_sizes)
 }
 END_TEST
 
-START_TEST(the_root_of_a_metric_squares_to_it)
-{
-    uint64_t seed = (uint64_t)_i;
-    double plane[3], root[3];
-
-    with_aspect(plane, 1 + 9 * vt_unit(seed, 1), 3 * draw(seed, 2));
-    vor_metric_root(root, plane);
-    ck_assert_double_eq_tol(root[0] * root[0] + root[1] * root[1], plane[0], 1e-9);
-    ck_assert_double_eq_tol(root[0] * root[1] + root[1] * root[2], plane[1], 1e-9);
-    ck_assert_double_eq_tol(root[1] * root[1] + root[2] * root[2], plane[2], 1e-9);
-    ck_assert_double_eq_tol(root[0] * root[2] - root[1] * root[1], 1, 1e-9);
-}
-END_TEST
-
 /* On a torus: the tensor has the curvature of the tube across and that of the circle along it. */
 START_TEST(the_curvature_tensor_has_the_curvatures_of_a_torus_in_their_directions)
 {
@@ -240,7 +226,6 @@ int main(void)
     vt_add_loop(suite, a_tensor_is_scaled_and_capped_and_keeps_its_directions, SEEDS);
     vt_add(suite, a_tensor_that_is_not_positive_becomes_that_of_all_directions);
     vt_add(suite, curvature_asks_for_the_root_of_the_ratio_of_its_sizes);
-    vt_add_loop(suite, the_root_of_a_metric_squares_to_it, SEEDS);
     vt_add(suite, the_curvature_tensor_has_the_curvatures_of_a_torus_in_their_directions);
     vt_add_loop(suite, a_cell_brought_back_lies_on_the_surface_and_keeps_its_area, SEEDS);
     return vt_run(suite);

@@ -74,21 +74,6 @@ START_TEST(a_quadric_is_recovered_exactly_from_its_samples)
 }
 END_TEST
 
-/* The axis is the normal of the frame the samples were laid in. */
-START_TEST(the_third_axis_is_the_normal)
-{
-    float near[3 * K];
-    struct vor_surface s;
-
-    sample_quadric(near, (uint64_t)_i, 0.25);
-    vor_surface_fit(&s, near, K);
-    ck_assert_double_eq_tol(fabs(vor_dot(s.axis[2], turn[2])) / 3, 1, 1e-12);
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            ck_assert_double_eq_tol(vor_dot(s.axis[i], s.axis[j]), i == j, 1e-14);
-}
-END_TEST
-
 /* Least squares: the residuals of noisy samples are orthogonal to each of the six terms, so no
  * other quadric over this plane fits better. */
 START_TEST(no_other_quadric_over_the_plane_fits_better)
@@ -194,37 +179,6 @@ START_TEST(repeated_points_count_once)
 }
 END_TEST
 
-/* Property, Chen 2018 Sec. 3: however the points bend, the surface does not, and no plane over the
- * same axes fits better. */
-START_TEST(a_fit_of_planes_at_most_never_bends)
-{
-    float near[3 * K];
-    struct vor_surface s, quadric, same;
-    double sum[3] = {0};
-
-    sample_quadric(near, (uint64_t)_i, 0.25);
-    vor_surface_fit_as(&s, near, K, VOR_SURFACE_PLANE);
-    ck_assert_int_eq(s.kind, VOR_SURFACE_PLANE);
-    ck_assert(s.c[3] == 0 && s.c[4] == 0 && s.c[5] == 0);
-    for (unsigned i = 0; i < K; i++) {
-        double l[3], r;
-
-        local_of(&s, near, i, l);
-        r = l[2] - vor_surface_height(&s, l[0], l[1], NULL);
-        sum[0] += r;
-        sum[1] += r * l[0];
-        sum[2] += r * l[1];
-    }
-    for (int c = 0; c < 3; c++)
-        ck_assert_double_le(fabs(sum[c]), 1e-10 * K * s.reach);
-    vor_surface_fit(&quadric, near, K);
-    vor_surface_fit_as(&same, near, K, VOR_SURFACE_QUADRIC);
-    ck_assert(memcmp(&quadric, &same, sizeof same) == 0);
-    ck_assert_double_lt(quadric.off2, s.off2);
-    ck_assert(s.spacing == quadric.spacing && s.reach == quadric.reach);
-}
-END_TEST
-
 /* uu + vv is constant on a circle, so it cannot be told from the constant. */
 START_TEST(points_of_a_circle_determine_a_plane_only)
 {
@@ -262,23 +216,6 @@ START_TEST(the_spacing_of_a_lattice_is_found_inside_and_at_its_border)
 }
 END_TEST
 
-START_TEST(local_and_world_coordinates_undo_each_other)
-{
-    float near[3 * K];
-    struct vor_surface s;
-    double x[3], local[3], back[3];
-
-    sample_quadric(near, (uint64_t)_i, 0.25);
-    vor_surface_fit(&s, near, K);
-    for (unsigned c = 0; c < 3; c++)
-        x[c] = 10 * step((uint64_t)_i, 950 + c, 1000);
-    vor_surface_to_local(&s, x, local);
-    vor_surface_to_world(&s, local, back);
-    for (int c = 0; c < 3; c++)
-        ck_assert_double_eq_tol(back[c], x[c], 1e-13);
-}
-END_TEST
-
 /* Departure of the header: no jump in height or slope where the quadric ends, and a straight line
  * from there on. */
 START_TEST(beyond_its_reach_a_quadric_goes_on_straight_without_a_kink)
@@ -307,28 +244,6 @@ START_TEST(beyond_its_reach_a_quadric_goes_on_straight_without_a_kink)
         ck_assert_double_le(fabs(slope[1] / s.reach - (g[0] * d[0] + g[1] * d[1])), 10 * h * scale);
         ck_assert_double_le(fabs((height[5] - height[2]) - slope[1]), 1e-6 * scale);
         ck_assert_double_le(fabs(height[6] - 2 * height[5] + height[2]), 1e-11 * scale);
-    }
-}
-END_TEST
-
-START_TEST(slopes_are_the_derivatives_of_the_height)
-{
-    const double h = 1e-5;
-    float near[3 * K];
-    struct vor_surface s;
-
-    sample_quadric(near, (uint64_t)_i, 0.5);
-    vor_surface_fit(&s, near, K);
-    for (unsigned a = 0; a < 10; a++) {
-        double u = s.center[0] + 0.6 * s.reach * step((uint64_t)_i, 970 + 2 * a, 100);
-        double v = s.center[1] + 0.6 * s.reach * step((uint64_t)_i, 971 + 2 * a, 100), g[2];
-        double du, dv;
-
-        (void)vor_surface_height(&s, u, v, g);
-        du = vor_surface_height(&s, u + h, v, NULL) - vor_surface_height(&s, u - h, v, NULL);
-        dv = vor_surface_height(&s, u, v + h, NULL) - vor_surface_height(&s, u, v - h, NULL);
-        ck_assert_double_eq_tol(g[0], du / (2 * h), 1e-8);
-        ck_assert_double_eq_tol(g[1], dv / (2 * h), 1e-8);
     }
 }
 END_TEST
@@ -376,29 +291,6 @@ START_TEST(a_projected_point_is_the_foot_of_its_perpendicular)
 }
 END_TEST
 
-START_TEST(a_normal_is_a_unit_vector_across_both_tangents)
-{
-    float near[3 * K];
-    struct vor_surface s;
-
-    sample_quadric(near, (uint64_t)_i, 0.25);
-    vor_surface_fit(&s, near, K);
-    for (unsigned a = 0; a < 10; a++) {
-        double local[3] = {0.5 * s.reach * step((uint64_t)_i, 700 + 2 * a, 100),
-                           0.5 * s.reach * step((uint64_t)_i, 701 + 2 * a, 100), 0};
-        double normal[3], g[2];
-
-        (void)vor_surface_height(&s, local[0], local[1], g);
-        vor_surface_normal(&s, local, normal);
-        ck_assert_double_eq_tol(vor_dot(normal, normal), 1, 1e-14);
-        ck_assert_double_eq_tol(vor_dot(normal, s.axis[0]) + g[0] * vor_dot(normal, s.axis[2]), 0,
-                                1e-13);
-        ck_assert_double_eq_tol(vor_dot(normal, s.axis[1]) + g[1] * vor_dot(normal, s.axis[2]), 0,
-                                1e-13);
-    }
-}
-END_TEST
-
 START_TEST(a_weight_counts_like_so_many_points)
 {
     float near[3 * K], repeated[9 * K], weight[K], ones[K];
@@ -430,49 +322,20 @@ START_TEST(a_weight_counts_like_so_many_points)
 }
 END_TEST
 
-START_TEST(a_neighbour_without_weight_has_no_say)
-{
-    float near[3 * (K + 2)], weight[K + 2];
-    struct vor_surface s, without;
-    double local[3];
-
-    sample_quadric(near, (uint64_t)_i, 0.25);
-    for (unsigned i = 0; i < K + 2; i++)
-        weight[i] = i < K;
-    for (unsigned i = 3 * K; i < 3 * (K + 2); i++)
-        near[i] = (float)(4 * vt_unit((uint64_t)_i, i));
-    vor_surface_fit(&without, near, K);
-    vor_surface_fit_weighted(&s, near, weight, K + 2);
-    ck_assert_int_eq(s.kind, VOR_SURFACE_QUADRIC);
-    for (unsigned i = 0; i < K; i++) {
-        local_of(&s, near, i, local);
-        ck_assert_double_eq_tol(vor_surface_height(&s, local[0], local[1], NULL), local[2],
-                                1e-10 * s.reach);
-    }
-    ck_assert_double_eq_tol(fabs(vor_dot(s.axis[2], without.axis[2])), 1, 1e-12);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("surface");
 
     vt_add_loop(suite, a_quadric_is_recovered_exactly_from_its_samples, SEEDS);
-    vt_add_loop(suite, the_third_axis_is_the_normal, SEEDS);
     vt_add_loop(suite, no_other_quadric_over_the_plane_fits_better, SEEDS);
     vt_add_loop(suite, points_of_a_plane_give_that_plane, SEEDS);
     vt_add_loop(suite, points_of_a_line_have_no_surface, SEEDS);
     vt_add(suite, two_points_have_no_surface_and_three_have_a_plane);
     vt_add(suite, repeated_points_count_once);
-    vt_add_loop(suite, a_fit_of_planes_at_most_never_bends, SEEDS);
     vt_add(suite, points_of_a_circle_determine_a_plane_only);
     vt_add(suite, the_spacing_of_a_lattice_is_found_inside_and_at_its_border);
-    vt_add_loop(suite, local_and_world_coordinates_undo_each_other, SEEDS);
     vt_add_loop(suite, beyond_its_reach_a_quadric_goes_on_straight_without_a_kink, SEEDS);
-    vt_add_loop(suite, slopes_are_the_derivatives_of_the_height, SEEDS);
     vt_add_loop(suite, a_projected_point_is_the_foot_of_its_perpendicular, SEEDS);
-    vt_add_loop(suite, a_normal_is_a_unit_vector_across_both_tangents, SEEDS);
     vt_add_loop(suite, a_weight_counts_like_so_many_points, SEEDS);
-    vt_add_loop(suite, a_neighbour_without_weight_has_no_say, SEEDS);
     return vt_run(suite);
 }
