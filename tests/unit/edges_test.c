@@ -1,5 +1,4 @@
 /* The sharp edges of an input: known answers, meshes whose edges are known, what has none. */
-#include "core/base/linalg.h"
 #include "core/input/edges.h"
 #include "core/input/input.h"
 #include "tests/support/vt_engine.h"
@@ -180,28 +179,6 @@ START_TEST(a_wedge_has_its_edge_angle_and_direction)
 }
 END_TEST
 
-START_TEST(only_flagged_points_have_a_strength_and_a_direction)
-{
-    struct bed bed;
-    size_t flagged = 0;
-
-    vt_cloud_box(&bed.cloud, (uint64_t)_i, N);
-    start(&bed, 2);
-    for (size_t i = 0; i < bed.edges.n; i++) {
-        const float *d = &bed.edges.direction[3 * i];
-        float length2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-
-        flagged += bed.edges.flag[i];
-        ck_assert(bed.edges.flag[i] <= 1);
-        ck_assert((bed.edges.strength[i] > 0) == bed.edges.flag[i]);
-        ck_assert_float_eq_tol(length2, bed.edges.flag[i], 1e-5F);
-    }
-    ck_assert_uint_gt(flagged, 0);
-    ck_assert_uint_eq(flagged, bed.edges.flagged);
-    end(&bed);
-}
-END_TEST
-
 /* The mesh of ../shared/data, or 0 where it is not there. */
 static int read_mesh(struct vt_mesh *mesh, const char *name)
 {
@@ -266,43 +243,6 @@ START_TEST(hardly_a_point_of_igea_is_on_one)
 }
 END_TEST
 
-START_TEST(a_cloud_twice_as_large_has_the_same_edges_twice_as_long)
-{
-    uint64_t flags[2];
-    double length[2];
-
-    for (int large = 0; large < 2; large++) {
-        struct bed bed;
-
-        vt_cloud_box(&bed.cloud, (uint64_t)_i, N);
-        for (size_t i = 0; large && i < 3 * N; i++)
-            bed.cloud.xyz[i] *= 2;
-        start(&bed, 2);
-        flags[large] = vt_hash(bed.edges.flag, bed.edges.n);
-        length[large] = bed.edges.length * bed.domain.unit;
-        end(&bed);
-    }
-    ck_assert(flags[0] == flags[1]);
-    ck_assert_double_eq(length[1], 2 * length[0]);
-}
-END_TEST
-
-START_TEST(too_few_points_for_a_crease_have_none)
-{
-    for (size_t n = 5; n < 14; n++) {
-        struct bed bed;
-
-        vt_cloud_box(&bed.cloud, (uint64_t)_i, n);
-        vt_engine_open(&bed.engine, 1);
-        vt_assert_ok(vor_domain_init(&bed.domain, &bed.cloud, &bed.engine.run, &vt_err));
-        vt_assert_ok(vor_edges_find(&bed.edges, &bed.domain, &bed.engine.run, &vt_err));
-        ck_assert(n >= 10 || bed.edges.flagged == 0);
-        ck_assert(isfinite(bed.edges.length));
-        end(&bed);
-    }
-}
-END_TEST
-
 /* A grid, a volume, and a volume of which half is nearer to one point than float32 can square. */
 static void make_odd(struct vor_cloud *cloud, uint64_t seed, int kind)
 {
@@ -359,14 +299,9 @@ int main(void)
     vt_add_figures(suite, two_sheets_nearer_than_a_crease_is_wide_have_hardly_any,
                    VT_FEWER(VT_SOAK_LOOPS(1, 2)));
     vt_add_figures(suite, a_wedge_has_its_edge_angle_and_direction, VT_FEWER(VT_SOAK_LOOPS(3, 6)));
-    vt_add_loop(suite, only_flagged_points_have_a_strength_and_a_direction,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, the_edges_of_fandisk_are_those_of_its_mesh,
                    VT_FEWER(VT_SOAK_LOOPS(3, 12)));
     vt_add_figures(suite, hardly_a_point_of_igea_is_on_one, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, a_cloud_twice_as_large_has_the_same_edges_twice_as_long,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, too_few_points_for_a_crease_have_none, SEEDS);
     vt_add_figures(suite, no_cloud_is_too_odd_for_finite_figures, VT_SOAK_LOOPS(3, 6));
     vt_add(suite, a_point_takes_44_bytes);
     return vt_run(suite);

@@ -176,32 +176,6 @@ START_TEST(fitted_normals_are_those_of_the_sphere_and_follow_the_carried_ones)
 }
 END_TEST
 
-/* Of the carried normals, twice as long as they should be, every other one points inward. */
-START_TEST(oriented_normals_are_the_carried_ones_all_outward)
-{
-    const char *const options[] = {"filters", "mls", "normals", "oriented", NULL};
-    struct vor_attribute *carried;
-    struct vor_cloud in, out;
-    struct vor_report report;
-    const float *normal;
-
-    vt_cloud_sphere(&in, (uint64_t)_i, N);
-    vt_assert_ok(
-        vor_cloud_add_attribute(&in, "normal", VOR_NORMAL, VOR_FLOAT32, 3, &carried, &vt_err));
-    for (size_t i = 0; i < 3 * (size_t)N; i++)
-        ((float *)carried->data)[i] = in.xyz[i] * (i / 3 % 2 ? 2.0f : -2.0f);
-    vt_assert_ok(vt_filter_try(&out, &report, &in, 2, options));
-    ck_assert_uint_eq(out.attribute_count, 1);
-    ck_assert_uint_eq(report.one_sided, 0);
-    normal = vor_cloud_find(&out, VOR_NORMAL)->data;
-    for (size_t i = 0; i < 3 * (size_t)N; i++)
-        ck_assert_float_eq_tol(normal[i], 2 * in.xyz[i], 1e-6f);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 START_TEST(islands_are_counted_and_stay_in_their_places_of_the_order)
 {
     enum { ISLAND = 8 };
@@ -226,31 +200,6 @@ START_TEST(islands_are_counted_and_stay_in_their_places_of_the_order)
     ck_assert_uint_eq(report.outliers, ISLAND);
     ck_assert_uint_eq(vt_number_of(&out, 0), ISLAND);
     vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
-START_TEST(a_progressive_order_is_one_of_the_same_points)
-{
-    const char *const options[] = {"filters", "mls", "order", "progressive", NULL};
-    unsigned char seen[N] = {0};
-    struct vor_cloud in, plain, out;
-    struct vor_report report;
-
-    vt_cloud_sphere(&in, (uint64_t)_i, N);
-    vt_number(&in);
-    vt_filter(&plain, &report, &in, "mls", "keep");
-    vt_assert_ok(vt_filter_try(&out, &report, &in, 2, options));
-    ck_assert_uint_eq(out.n, N);
-    for (size_t i = 0; i < N; i++) {
-        size_t was = vt_number_of(&out, i);
-
-        ck_assert_uint_eq(seen[was]++, 0);
-        ck_assert_mem_eq(&out.xyz[3 * i], &plain.xyz[3 * was], 3 * sizeof *out.xyz);
-    }
-    vor_cloud_free(&out);
-    vor_cloud_free(&plain);
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
@@ -310,9 +259,7 @@ int main(void)
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add(suite, the_order_of_the_words_and_the_number_of_threads_change_nothing);
     vt_add_figures(suite, fitted_normals_are_those_of_the_sphere_and_follow_the_carried_ones, 0);
-    vt_add_figures(suite, oriented_normals_are_the_carried_ones_all_outward, 0);
     vt_add_figures(suite, islands_are_counted_and_stay_in_their_places_of_the_order, 0);
-    vt_add_figures(suite, a_progressive_order_is_one_of_the_same_points, 0);
     vt_add_figures(suite, double_positions_far_from_the_origin_stay_exact, 0);
     vt_add(suite, clouds_without_a_surface_are_refused_as_ever_and_few_points_pass);
     return vt_run(suite);

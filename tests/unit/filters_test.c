@@ -1,6 +1,4 @@
 /* Filters: smoothing by moving least squares, outliers pulled in or dropped, thinning. */
-#include "core/geom/graph.h"
-#include "core/input/mls.h"
 #include "tests/support/vt_filter.h"
 #include "tests/support/vt_shape.h"
 
@@ -214,66 +212,6 @@ START_TEST(noisy_sheets_are_not_pulled_together)
 }
 END_TEST
 
-/* A square lattice twice, nearer to each other than its points are: only lists tell them apart. */
-START_TEST(lists_of_neighbours_keep_a_point_on_its_sheet)
-{
-    enum { SIDE = 30, SHEET = SIDE * SIDE };
-    const double gap = 0.4;
-    struct vt_engine engine;
-    struct vor_domain domain;
-    struct vor_cloud in;
-
-    vt_cloud_make(&in, 2 * (size_t)SHEET);
-    for (size_t i = 0; i < in.n; i++) {
-        in.xyz[3 * i] = (float)(i % SIDE);
-        in.xyz[3 * i + 1] = (float)(i % SHEET / SIDE);
-        in.xyz[3 * i + 2] = (float)((i / SHEET) * gap);
-    }
-    vt_engine_open(&engine, 2);
-    vt_assert_ok(vor_domain_init(&domain, &in, &engine.run, &vt_err));
-    vt_assert_ok(vor_graph_init(&domain.graph, domain.n, 4, &vt_memory, &vt_err));
-    for (size_t i = 0; i < domain.n; i++)
-        for (size_t j = 0; j < domain.n; j++) {
-            size_t a = domain.source[i], b = domain.source[j];
-            double dx = fabs((double)in.xyz[3 * a] - (double)in.xyz[3 * b]),
-                   dy = fabs((double)in.xyz[3 * a + 1] - (double)in.xyz[3 * b + 1]);
-
-            if (a / SHEET == b / SHEET && dx + dy == 1)
-                domain.graph.list[4 * i + domain.graph.count[i]++] = (uint32_t)j;
-        }
-    vt_assert_ok(vor_mls_project(&domain, &engine.run, &vt_err));
-    for (size_t i = 0; i < domain.n; i++)
-        ck_assert_double_eq_tol((double)domain.xyz[3 * i + 2] * domain.unit + domain.shift[2],
-                                (double)in.xyz[3 * (size_t)domain.source[i] + 2], 1e-4);
-    vor_domain_free(&domain);
-    vt_engine_close(&engine);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
-/* A ring: around each point come its two neighbours, then theirs. */
-START_TEST(points_around_one_come_in_rings)
-{
-    enum { RING = 40 };
-    static const uint32_t rings[6] = {7, 8, 6, 9, 5, 10};
-    struct vor_graph graph;
-    uint32_t found[RING];
-
-    vt_assert_ok(vor_graph_init(&graph, RING + 1, 2, &vt_memory, &vt_err));
-    for (uint32_t i = 0; i < RING; i++) {
-        graph.list[2 * i] = (i + 1) % RING;
-        graph.list[2 * i + 1] = (i + RING - 1) % RING;
-        graph.count[i] = 2;
-    }
-    ck_assert_uint_eq(vor_graph_around(&graph, 7, found, 6), 6);
-    ck_assert_mem_eq(found, rings, sizeof rings);
-    ck_assert_uint_eq(vor_graph_around(&graph, RING, found, 6), 1);
-    vor_graph_free(&graph);
-    vt_assert_no_leak();
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("filters");
@@ -291,7 +229,5 @@ int main(void)
     vt_add_loop(suite, thin_evens_the_density_and_leaves_no_twins,
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, noisy_sheets_are_not_pulled_together, VT_ONCE(1));
-    vt_add(suite, lists_of_neighbours_keep_a_point_on_its_sheet);
-    vt_add(suite, points_around_one_come_in_rings);
     return vt_run(suite);
 }

@@ -1,5 +1,4 @@
 /* What an input is like: parts, spacing, noise, sheets, against clouds of which it is known. */
-#include "core/geom/graph.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 
@@ -228,31 +227,6 @@ START_TEST(few_points_are_told_of_or_refused)
 }
 END_TEST
 
-/* Lists that were made by hand: 0 and 1 have each other, 2 has 0, nobody has 2. */
-START_TEST(one_sided_entries_are_dropped)
-{
-    struct vt_engine engine;
-    struct vor_graph graph;
-
-    vt_engine_open(&engine, 1);
-    vt_assert_ok(vor_graph_init(&graph, 3, 2, &vt_memory, &vt_err));
-    graph.list[0] = 1;
-    graph.list[2] = 0;
-    graph.list[4] = 1;
-    graph.list[5] = 0;
-    graph.count[0] = graph.count[1] = 1;
-    graph.count[2] = 2;
-    vt_assert_ok(vor_graph_keep_mutual(&graph, &engine.run, &vt_err));
-    ck_assert_uint_eq(graph.count[0], 1);
-    ck_assert_uint_eq(graph.count[1], 1);
-    ck_assert_uint_eq(graph.count[2], 0);
-    ck_assert_uint_eq(graph.list[0], 1);
-    vor_graph_free(&graph);
-    vt_engine_close(&engine);
-    vt_assert_no_leak();
-}
-END_TEST
-
 /* The twelve edges of a cube are 12 long; a sphere has none. */
 START_TEST(edges_are_told_in_the_unit_of_the_cloud)
 {
@@ -285,6 +259,5 @@ int main(void)
     vt_add_figures(suite, sheets_are_found_unless_nobody_looks, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, few_points_are_told_of_or_refused, 3);
     vt_add_figures(suite, edges_are_told_in_the_unit_of_the_cloud, VT_ONCE(VT_SOAK_LOOPS(1, 2)));
-    vt_add(suite, one_sided_entries_are_dropped);
     return vt_run(suite);
 }

@@ -1,6 +1,5 @@
 /* Small parts of the input, clear of all others. */
 #include "core/base/linalg.h"
-#include "core/input/input.h"
 #include "core/input/islands.h"
 #include "tests/support/vt_data.h"
 #include "tests/support/vt_engine.h"
@@ -44,18 +43,6 @@ static void make_scan(struct vor_cloud *cloud, uint64_t seed, size_t n)
         middle_of(seed, cluster, x);
         put_cluster(&cloud->xyz[3 * at], seed + cluster, cluster_of[cluster], x);
         at += cluster_of[cluster];
-    }
-}
-
-/* The unit sphere, n points, and after them `lone` points around it, 4 to 8 from its middle. */
-static void make_strewn(struct vor_cloud *cloud, uint64_t seed, size_t n, size_t lone)
-{
-    vt_cloud_sphere(cloud, seed, n + lone);
-    for (size_t i = n; i < n + lone; i++) {
-        float far = (float)(4 + 4 * vt_unit(seed + 70, i));
-
-        for (size_t c = 0; c < 3; c++)
-            cloud->xyz[3 * i + c] *= far;
     }
 }
 
@@ -165,28 +152,6 @@ START_TEST(points_beside_islands_are_as_even_as_without_any)
 }
 END_TEST
 
-START_TEST(where_all_parts_are_small_each_gets_its_share)
-{
-    static const size_t wanted[] = {100, 200, 800};
-
-    for (size_t w = 0; w < 3; w++) {
-        struct vor_cloud in, out;
-        struct vor_report report;
-
-        make_clusters(&in, (uint64_t)_i, 100, 8);
-        resample(&out, &report, &in, wanted[w], "keep");
-        ck_assert_uint_eq(report.parts, 100);
-        ck_assert_uint_eq(report.on_islands, wanted[w]);
-        ck_assert_uint_eq(vt_coincident(&out), 0);
-        for (size_t i = 0; i < 100; i++)
-            ck_assert_uint_eq(count_at(&out, &in, 8 * i, 8), wanted[w] / 100);
-        vor_cloud_free(&out);
-        vor_cloud_free(&in);
-    }
-    vt_assert_no_leak();
-}
-END_TEST
-
 /* The number is exact whatever it is, and none lies between the parts. */
 START_TEST(more_points_than_small_parts_have_are_spread_over_them)
 {
@@ -209,30 +174,6 @@ START_TEST(more_points_than_small_parts_have_are_spread_over_them)
         }
         for (size_t i = 0; i < 25; i++)
             ck_assert_uint_gt(on[i], 0);
-        vor_cloud_free(&out);
-        vor_cloud_free(&in);
-    }
-    vt_assert_no_leak();
-}
-END_TEST
-
-/* One point in sixty lies alone: so many that they are a spacing of the input. */
-START_TEST(many_lone_points_are_islands_all_the_same)
-{
-    enum { N = 2500, LONE = 43 };
-    static const size_t wanted[] = {300, 3000};
-
-    for (size_t w = 0; w < sizeof wanted / sizeof *wanted; w++) {
-        struct vor_cloud in, out;
-        struct vor_report report;
-
-        make_strewn(&in, (uint64_t)_i, N, LONE);
-        resample(&out, &report, &in, wanted[w], "keep");
-        ck_assert_uint_ge(report.in_islands, LONE - 2);
-        ck_assert_uint_eq(report.on_islands,
-                          wanted[w] > N ? report.in_islands : wanted[w] * LONE / (N + LONE));
-        ck_assert_uint_eq(off_sphere(&out), report.on_islands);
-        ck_assert_uint_eq(off_sphere(&out), count_at(&out, &in, N, LONE));
         vor_cloud_free(&out);
         vor_cloud_free(&in);
     }
@@ -395,37 +336,6 @@ START_TEST(spacing_asks_for_points_of_the_rest_and_islands_have_theirs_beside)
 }
 END_TEST
 
-/* What is left without islands has lists of its own points. */
-START_TEST(lists_of_neighbours_are_made_without_islands)
-{
-    struct vt_engine engine;
-    struct vor_cloud in;
-    struct vor_domain domain;
-
-    make_scan(&in, 1, SCAN);
-    vt_engine_open(&engine, 2);
-    vt_engine_set(&engine, "intrinsic", "satellites");
-    vt_assert_ok(vor_input_prepare(&domain, &in, &engine.spec, &engine.run, &vt_err));
-    ck_assert_uint_eq(domain.n, SCAN);
-    ck_assert_uint_eq(domain.islands.count, CLUSTERS);
-    ck_assert_uint_eq(domain.graph.n, SCAN);
-    for (size_t i = 0; i < SCAN; i++) {
-        const uint32_t *list = &domain.graph.list[i * domain.graph.most];
-
-        ck_assert_uint_gt(domain.graph.count[i], 0);
-        for (unsigned a = 0; a < domain.graph.count[i]; a++) {
-            ck_assert_uint_lt(list[a], SCAN);
-            ck_assert_double_lt(
-                vor_distance2f(&domain.xyz[3 * i], &domain.xyz[3 * (size_t)list[a]]), 0.01);
-        }
-    }
-    vor_domain_free(&domain);
-    vor_cloud_free(&in);
-    vt_engine_close(&engine);
-    vt_assert_no_leak();
-}
-END_TEST
-
 /* Also not of their ragged ends. office1 has two parts, one behind a window. */
 START_TEST(a_real_scan_has_no_islands)
 {
@@ -457,9 +367,7 @@ int main(void)
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, points_beside_islands_are_as_even_as_without_any,
                    VT_FEWER(VT_SOAK_LOOPS(1, 2)));
-    vt_add_figures(suite, where_all_parts_are_small_each_gets_its_share, SEEDS);
     vt_add_figures(suite, more_points_than_small_parts_have_are_spread_over_them, 0);
-    vt_add_figures(suite, many_lone_points_are_islands_all_the_same, VT_SOAK_LOOPS(1, 20));
     vt_add_figures(suite, a_coarse_part_of_the_surface_is_no_islands, VT_SOAK_LOOPS(1, SEEDS));
     vt_add_figures(suite, a_cloud_of_one_small_part_has_no_islands, SEEDS);
     vt_add_figures(suite, drop_leaves_out_those_that_a_fit_does_not_fill, 0);
@@ -467,7 +375,6 @@ int main(void)
     vt_add_figures(suite, a_line_beside_islands_is_no_input_of_its_own, 0);
     vt_add_figures(suite, their_points_bring_attributes_and_normals_in_any_order, 0);
     vt_add_figures(suite, spacing_asks_for_points_of_the_rest_and_islands_have_theirs_beside, 0);
-    vt_add(suite, lists_of_neighbours_are_made_without_islands);
     vt_add_figures(suite, a_real_scan_has_no_islands, 4);
     return vt_run(suite);
 }

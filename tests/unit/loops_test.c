@@ -1,7 +1,6 @@
 /* Where an input ends: loops of surfaces whose borders are known, and of closed ones. */
 #include "core/input/loops.h"
 
-#include "core/input/input.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 
@@ -210,18 +209,6 @@ START_TEST(hardly_any_closed_surface_has_a_loop)
 }
 END_TEST
 
-START_TEST(half_a_ball_has_a_rim)
-{
-    struct vor_cloud cloud;
-    struct vor_inspect told;
-
-    vt_cloud_dome(&cloud, (uint64_t)_i, N);
-    told = inspect(&cloud);
-    ck_assert_uint_eq(told.border_loops, 1);
-    assert_loop(&told, 0, VOR_LOOP_RIM, VOR_LOOP_ONE_SIDE, 2 * M_PI, 0.05);
-}
-END_TEST
-
 START_TEST(a_small_sheet_over_a_large_one_hides_no_rim)
 {
     static const double gaps[] = {0.5, 1, 1.5};
@@ -263,39 +250,6 @@ START_TEST(places_far_from_zero_keep_their_digits)
 }
 END_TEST
 
-START_TEST(loops_hold_points_of_the_domain_each_once)
-{
-    struct vt_engine engine;
-    struct vor_domain domain;
-    struct vor_loops loops;
-    struct vor_cloud cloud;
-    size_t sum = 0;
-
-    (void)punched(&cloud, 3, 20);
-    vt_engine_open(&engine, 2);
-    vt_assert_ok(vor_input_prepare(&domain, &cloud, &engine.spec, &engine.run, &vt_err));
-    vt_assert_ok(vor_loops_find(&loops, &domain, &engine.run, &vt_err));
-    for (size_t l = 0; l < loops.count; l++) {
-        const struct vor_loop *loop = &loops.loop[l];
-
-        sum += loop->count;
-        for (size_t i = 0; i < loop->count; i++) {
-            const uint32_t *point = &loops.point[loop->first];
-
-            ck_assert_uint_lt(point[i], domain.n);
-            ck_assert_uint_ne(point[i], point[(i + 1) % loop->count]);
-        }
-    }
-    ck_assert_uint_eq(loops.count, 2);
-    ck_assert_uint_eq(sum, loops.points);
-    vor_loops_free(&loops);
-    vor_domain_free(&domain);
-    vt_engine_close(&engine);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("loops");
@@ -305,9 +259,7 @@ int main(void)
     vt_add_figures(suite, holes_are_told_with_length_and_centre, VT_SOAK_LOOPS(SEEDS, 8 * SEEDS));
     vt_add_figures(suite, holes_of_five_spacings_are_mostly_found, VT_ONCE(1));
     vt_add_figures(suite, hardly_any_closed_surface_has_a_loop, VT_SMOOTH);
-    vt_add_figures(suite, half_a_ball_has_a_rim, SEEDS);
     vt_add_figures(suite, a_small_sheet_over_a_large_one_hides_no_rim, 3);
     vt_add_figures(suite, places_far_from_zero_keep_their_digits, VT_ONCE(1));
-    vt_add(suite, loops_hold_points_of_the_domain_each_once);
     return vt_run(suite);
 }

@@ -62,12 +62,6 @@ static void resample(struct vor_cloud *out, struct vor_report *report, const str
     vt_engine_close(&engine);
 }
 
-static void scale(struct vor_cloud *cloud, double factor, double shift)
-{
-    for (size_t i = 0; i < 3 * cloud->n; i++)
-        cloud->xyz[i] = (float)(factor * (double)cloud->xyz[i] + shift);
-}
-
 static float *carry(struct vor_cloud *cloud)
 {
     struct vor_attribute *attribute;
@@ -76,32 +70,6 @@ static float *carry(struct vor_cloud *cloud)
         vor_cloud_add_attribute(cloud, "normal", VOR_NORMAL, VOR_FLOAT32, 3, &attribute, &vt_err));
     return attribute->data;
 }
-
-START_TEST(a_sphere_and_a_torus_face_outward_wherever_they_lie)
-{
-    static const double places[] = {0, 0.5, 1000};
-
-    for (size_t k = 0; k < 3; k++) {
-        struct vor_cloud in, out;
-        struct vor_report report;
-
-        vt_cloud_sphere(&in, (uint64_t)_i, N);
-        scale(&in, 0.3, places[k]);
-        resample(&out, &report, &in, "fit", "auto", 2);
-        ck_assert_uint_eq(inward(&out, places[k], radial), 0);
-        vor_cloud_free(&out);
-        vor_cloud_free(&in);
-        vt_cloud_torus(&in, (uint64_t)_i, N);
-        scale(&in, 1, places[k]);
-        resample(&out, &report, &in, "fit", "auto", 2);
-        ck_assert_uint_eq(inward(&out, places[k], torus_normal), 0);
-        ck_assert_uint_eq(report.one_sided, 0);
-        vor_cloud_free(&out);
-        vor_cloud_free(&in);
-    }
-    vt_assert_no_leak();
-}
-END_TEST
 
 /* The oriented points of a cloud, with the domain that they belong to. */
 struct oriented {
@@ -251,34 +219,6 @@ START_TEST(meshes_face_outward)
 }
 END_TEST
 
-/* Three spheres about one middle and a fourth beside them. */
-START_TEST(each_of_nested_and_separate_spheres_faces_away_from_its_own_inside)
-{
-    static const double radius[] = {1, 0.6, 0.3, 0.3};
-    struct vor_cloud cloud;
-    struct oriented oriented;
-
-    vt_cloud_sphere(&cloud, (uint64_t)_i, N);
-    for (size_t i = 0; i < 3 * cloud.n; i++)
-        cloud.xyz[i] = (float)(radius[i / 3 % 4] * (double)cloud.xyz[i] +
-                               (i / 3 % 4 == 3 && i % 3 == 0 ? 2 : 0));
-    orient_on(&oriented, &cloud, 2);
-    ck_assert_uint_eq(oriented.found.components, 4);
-    for (size_t i = 0; i < oriented.domain.n; i++) {
-        double x[3], normal[3];
-
-        vor_cloud_position(&cloud, oriented.domain.source[i], x);
-        x[0] -= oriented.domain.source[i] % 4 == 3 ? 2 : 0;
-        for (size_t c = 0; c < 3; c++)
-            normal[c] = (double)oriented.found.normal[3 * i + c];
-        ck_assert(vor_dot(x, normal) > 0);
-    }
-    done(&oriented);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
-}
-END_TEST
-
 START_TEST(a_moebius_band_is_told_from_a_sheet_and_a_torus)
 {
     static const double widths[] = {0.8, 0.2};
@@ -387,11 +327,8 @@ int main(void)
 {
     Suite *suite = suite_create("orient");
 
-    vt_add_figures(suite, a_sphere_and_a_torus_face_outward_wherever_they_lie, VT_ONCE(1));
     vt_add_figures(suite, a_knot_faces_outward, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, meshes_face_outward, VT_ONCE(DRAWS + 2));
-    vt_add_figures(suite, each_of_nested_and_separate_spheres_faces_away_from_its_own_inside,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, a_moebius_band_is_told_from_a_sheet_and_a_torus,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, oriented_makes_the_signs_of_carried_normals_consistent,
