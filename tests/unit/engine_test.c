@@ -318,72 +318,6 @@ START_TEST(a_number_of_points_out_of_range_is_refused_by_value_and_range)
 }
 END_TEST
 
-static void ask_for(struct job *job, const char *process)
-{
-    ck_assert_ptr_nonnull(vor_process_find(process));
-    vor_spec_preset(&job->engine.spec, vor_process_find(process));
-    vt_engine_set(&job->engine, "iterations", "0");
-    vt_engine_set(&job->engine, "polish", "0");
-}
-
-/* The presets reach the run, and the report tells what they came to. */
-START_TEST(a_process_gives_as_many_points_as_its_preset_says)
-{
-    static const struct {
-        const char *process;
-        size_t n;
-        int outliers;
-    } cases[2] = {{"denoise", N, VOR_OUTLIERS_DROP}, {"upsample", 4 * N, VOR_OUTLIERS_KEEP}};
-    struct job job;
-
-    open_job(&job);
-    ask_for(&job, cases[_i].process);
-    vt_assert_ok(vor_spec_complete(&job.engine.spec, &vt_err));
-    run_job(&job);
-    ck_assert_uint_eq(job.out.n, cases[_i].n);
-    ck_assert_uint_eq(job.report.points_out, cases[_i].n);
-    ck_assert(job.report.parameters.value[VOR_PARAM_POINTS] == (double)cases[_i].n);
-    ck_assert(job.report.parameters.value[VOR_PARAM_OUTLIERS] == cases[_i].outliers);
-    ck_assert(job.report.parameters.value[VOR_PARAM_NEIGHBORS] > 0);
-    close_job(&job);
-}
-END_TEST
-
-/* Only a run knows what spacing comes to: on the unit sphere, 0.1 to 1451 points, 0.3 to 161. */
-START_TEST(what_spacing_comes_to_is_held_against_the_process)
-{
-    static const struct {
-        const char *process, *refused, *says, *taken;
-    } cases[2] = {{"simplify", "0.1", "points, want 1 to 800: simplify", "0.3"},
-                  {"upsample", "0.3", "points, want 800 to 12800: upsample", "0.1"}};
-    struct job job;
-
-    open_job(&job);
-    ask_for(&job, cases[_i].process);
-    vt_engine_set(&job.engine, "spacing", cases[_i].refused);
-    assert_refused(&job, VOR_E_TARGET, "spacing");
-    ck_assert_msg(strstr(vt_err.message, cases[_i].says) != NULL, "%s", vt_err.message);
-    vt_engine_set(&job.engine, "spacing", cases[_i].taken);
-    run_job(&job);
-    ck_assert_int_eq(job.out.n > N, _i == 1);
-    close_job(&job);
-}
-END_TEST
-
-START_TEST(sixteen_times_the_input_is_the_most)
-{
-    struct job job;
-
-    open_job(&job);
-    vt_engine_count(&job.engine, "points", 16 * N);
-    vt_engine_set(&job.engine, "iterations", "0");
-    vt_engine_set(&job.engine, "polish", "0");
-    run_job(&job);
-    ck_assert_uint_eq(job.out.n, 16 * N);
-    close_job(&job);
-}
-END_TEST
-
 /* Hand values, in a frame of another origin and with the reference in yet another. */
 START_TEST(a_measure_has_its_hand_computed_values)
 {
@@ -422,23 +356,6 @@ START_TEST(a_measure_has_its_hand_computed_values)
 }
 END_TEST
 
-START_TEST(coincident_points_are_counted_by_a_measure)
-{
-    struct vt_engine engine;
-    struct vor_cloud cloud;
-    struct vor_measure m;
-
-    vt_engine_open(&engine, 1);
-    vt_cloud_cube(&cloud, 1, 100);
-    memcpy(cloud.xyz, &cloud.xyz[30], 3 * sizeof *cloud.xyz);
-    vt_assert_ok(vor_measure_clouds(&m, &cloud, NULL, 0, &engine.run, &vt_err));
-    ck_assert_uint_eq(m.coincident, 2);
-    ck_assert(m.min_over_mean == 0);
-    vor_cloud_free(&cloud);
-    vt_engine_close(&engine);
-}
-END_TEST
-
 START_TEST(a_measure_of_no_extent_is_refused)
 {
     struct vt_engine engine;
@@ -466,36 +383,6 @@ START_TEST(a_measure_of_no_extent_is_refused)
 }
 END_TEST
 
-/* Row X16: metres or feet, here or there: a measure has no unit but in its lengths. */
-START_TEST(a_measure_has_no_scale)
-{
-    struct vt_engine engine;
-    struct vor_cloud a, b;
-    struct vor_measure m, k;
-
-    vt_engine_open(&engine, 2);
-    vt_cloud_sphere(&a, 3, 700);
-    vt_cloud_sphere(&b, 4, 900);
-    vt_assert_ok(vor_measure_clouds(&m, &a, &b, 0, &engine.run, &vt_err));
-    for (size_t i = 0; i < 2100; i++)
-        a.xyz[i] *= 3.28084f;
-    for (size_t i = 0; i < 2700; i++)
-        b.xyz[i] *= 3.28084f;
-    a.origin[2] = b.origin[2] = -4e6;
-    vt_assert_ok(vor_measure_clouds(&k, &a, &b, 0, &engine.run, &vt_err));
-    ck_assert_double_eq_tol(k.delta, m.delta, 1e-6);
-    ck_assert_double_eq_tol(k.epsilon, m.epsilon, 1e-6);
-    ck_assert_double_eq_tol(k.mean_nn / 3.28084, m.mean_nn, 1e-6);
-    ck_assert_double_eq_tol(k.sigma / 3.28084, m.sigma, 1e-6);
-    ck_assert_double_eq_tol(k.out_to_ref_mean, m.out_to_ref_mean, 1e-6);
-    ck_assert_double_eq_tol(k.ref_to_out_max, m.ref_to_out_max, 1e-6);
-    ck_assert_double_eq_tol(k.far_over_knn6_mean, m.far_over_knn6_mean, 1e-4);
-    vor_cloud_free(&b);
-    vor_cloud_free(&a);
-    vt_engine_close(&engine);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("engine");
@@ -510,12 +397,7 @@ int main(void)
     vt_add(suite, the_result_is_the_most_even_iterate);
     vt_add(suite, the_report_says_what_the_result_is);
     vt_add(suite, a_number_of_points_out_of_range_is_refused_by_value_and_range);
-    vt_add_loop(suite, a_process_gives_as_many_points_as_its_preset_says, 2);
-    vt_add_loop(suite, what_spacing_comes_to_is_held_against_the_process, 2);
-    vt_add(suite, sixteen_times_the_input_is_the_most);
     vt_add(suite, a_measure_has_its_hand_computed_values);
-    vt_add(suite, coincident_points_are_counted_by_a_measure);
     vt_add(suite, a_measure_of_no_extent_is_refused);
-    vt_add(suite, a_measure_has_no_scale);
     return vt_run(suite);
 }

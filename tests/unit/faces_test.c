@@ -81,32 +81,6 @@ START_TEST(a_triangle_gets_its_share_of_the_area)
 }
 END_TEST
 
-/* Property: so few points that a triangle gets one or none get to each by its area, over seeds.
- * 71.2 is the 99.9th percentile of chi-square for 38 degrees of freedom. */
-START_TEST(over_seeds_areas_are_weighted)
-{
-    enum { SEEDS = 4000, EACH = 5 };
-    double counts[LOOSE] = {0}, chi2 = 0;
-    struct vor_cloud in, out;
-
-    make_loose(&in, 5);
-    for (uint64_t seed = 0; seed < SEEDS; seed++) {
-        draw(&out, &in, EACH, seed);
-        for (size_t i = 0; i < EACH; i++)
-            counts[which_of(&out.xyz[3 * i])]++;
-        vor_cloud_free(&out);
-    }
-    for (size_t t = 0; t < LOOSE; t++) {
-        double want = SEEDS * EACH * area_of(&in, t) / vor_faces_area(&in);
-
-        if (want > 0)
-            chi2 += (counts[t] - want) * (counts[t] - want) / want;
-    }
-    ck_assert_msg(chi2 < 71.2, "chi-square is %g", chi2);
-    vor_cloud_free(&in);
-}
-END_TEST
-
 static const uint32_t single[] = {0, 1, 2};
 
 /* One triangle, whose weights of a point are z, x and y. */
@@ -265,21 +239,6 @@ START_TEST(points_are_drawn_alike_in_every_unit)
 }
 END_TEST
 
-START_TEST(the_seed_and_nothing_else_says_where)
-{
-    struct vor_cloud in, out[3];
-
-    make_loose(&in, 1);
-    for (int k = 0; k < 3; k++)
-        draw(&out[k], &in, 300, k == 2 ? 8 : 7);
-    ck_assert_mem_eq(out[0].xyz, out[1].xyz, 300 * 12);
-    ck_assert_mem_ne(out[0].xyz, out[2].xyz, 300 * 12);
-    for (int k = 0; k < 3; k++)
-        vor_cloud_free(&out[k]);
-    vor_cloud_free(&in);
-}
-END_TEST
-
 START_TEST(the_number_of_points_drawn_follows_the_rule)
 {
     ck_assert_uint_eq(vor_faces_samples(5000, 3000), 40000);
@@ -432,12 +391,10 @@ int main(void)
     Suite *suite = suite_create("faces");
 
     vt_add_loop(suite, a_triangle_gets_its_share_of_the_area, 40);
-    vt_add(suite, over_seeds_areas_are_weighted);
     vt_add_loop(suite, places_in_a_triangle_are_alike, 6);
     vt_add_loop(suite, points_of_a_triangle_keep_clear_of_each_other, 20);
     vt_add(suite, attributes_are_interpolated_or_those_of_the_nearest_corner);
     vt_add_loop(suite, points_are_drawn_alike_in_every_unit, 4);
-    vt_add(suite, the_seed_and_nothing_else_says_where);
     vt_add(suite, the_number_of_points_drawn_follows_the_rule);
     vt_add(suite, points_that_do_not_fit_leave_nothing);
     vt_add(suite, a_cube_of_eight_vertices_is_resampled);

@@ -1,6 +1,4 @@
-/* Triangles over the points of a result: known shapes, an oracle on the sphere, sheets, orders,
- * threads, failures. */
-#include "core/mesh/mesh.h"
+/* Triangles over the points of a result: known shapes, sheets, orders, few points. */
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 
@@ -324,87 +322,6 @@ START_TEST(triangles_follow_the_points_into_another_order)
 }
 END_TEST
 
-/* Points on a sphere along a spiral, turned by the seed: nearly even, and no four on a circle. */
-static void spiral(float *xyz, uint64_t seed, size_t n)
-{
-    double phase = 2 * M_PI * vt_unit(seed, 1), step = M_PI * (3 - sqrt(5));
-
-    for (size_t i = 0; i < n; i++) {
-        double z = 1 - (2 * (double)i + 1) / (double)n, r = sqrt(1 - z * z);
-
-        xyz[3 * i] = (float)(r * cos(phase + step * (double)i));
-        xyz[3 * i + 1] = (float)(r * sin(phase + step * (double)i));
-        xyz[3 * i + 2] = (float)z;
-    }
-}
-
-/* How far the farthest of all points is beyond the plane of a triangle: on a sphere, a point within
- * the circle around the triangle. */
-static double beyond(const struct vor_seeds *seeds, const uint32_t *triangle)
-{
-    const float *a = &seeds->xyz[3 * (size_t)triangle[0]],
-                *b = &seeds->xyz[3 * (size_t)triangle[1]],
-                *c = &seeds->xyz[3 * (size_t)triangle[2]];
-    double u[3], v[3], n[3], far = 0, length;
-
-    for (int d = 0; d < 3; d++) {
-        u[d] = (double)b[d] - (double)a[d];
-        v[d] = (double)c[d] - (double)a[d];
-    }
-    n[0] = u[1] * v[2] - u[2] * v[1];
-    n[1] = u[2] * v[0] - u[0] * v[2];
-    n[2] = u[0] * v[1] - u[1] * v[0];
-    length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    for (size_t i = 0; i < seeds->n; i++) {
-        double off = 0;
-
-        for (size_t d = 0; d < 3; d++)
-            off += n[d] * ((double)seeds->xyz[3 * i + d] - (double)a[d]);
-        if (off > far) /* fmax here is more than gcc 12 can vectorise for arm64 */
-            far = off;
-    }
-    return far / length;
-}
-
-/* Oracle: the Delaunay triangulation of points on a sphere is their convex hull, every triangle of
- * which has all points behind it. */
-START_TEST(on_a_sphere_the_triangles_are_those_of_the_convex_hull)
-{
-    double spacing = sqrt(4 * M_PI / POINTS), worst = 0;
-    struct vt_engine engine;
-    struct vor_cloud in;
-    struct vor_domain domain;
-    struct vor_seeds seeds;
-    struct vor_mesh mesh;
-    struct vor_report report = {.delta = 0};
-    const struct vor_mesh_how how = {.moves = 0};
-    float *xyz;
-
-    vt_engine_open(&engine, 2);
-    vt_cloud_sphere(&in, (uint64_t)_i, 4 * IN);
-    vt_assert_ok(vor_domain_init(&domain, &in, &engine.run, &vt_err));
-    vt_assert_ok(vor_seeds_init(&seeds, &domain, POINTS, vt_policy, &engine.run, &vt_err));
-    xyz = vor_malloc(&vt_memory, POINTS, 3 * sizeof *xyz);
-    ck_assert_ptr_nonnull(xyz);
-    spiral(xyz, (uint64_t)_i, POINTS);
-    for (size_t i = 0; i < POINTS; i++)
-        vor_domain_normalise(&domain, &xyz[3 * i], &seeds.xyz[3 * i]);
-    vor_mesh_init(&mesh, &vt_memory);
-    vt_assert_ok(vor_mesh_make(&mesh, &report, &seeds, &how, &vt_err));
-    ck_assert_uint_eq(mesh.count, 2 * POINTS - 4);
-    for (size_t t = 0; t < mesh.count; t++)
-        worst = fmax(worst, beyond(&seeds, &mesh.triangle[3 * t]));
-    ck_assert_double_lt(worst * domain.unit, 2e-3 * spacing);
-    vor_free(&vt_memory, xyz);
-    vor_mesh_free(&mesh);
-    vor_seeds_free(&seeds);
-    vor_domain_free(&domain);
-    vor_cloud_free(&in);
-    vt_engine_close(&engine);
-    vt_assert_no_leak();
-}
-END_TEST
-
 START_TEST(a_moebius_band_has_one_side_and_one_loop)
 {
     struct vor_cloud in;
@@ -418,27 +335,6 @@ START_TEST(a_moebius_band_has_one_side_and_one_loop)
     ck_assert_uint_eq(meshed.report.mesh_loops, 1);
     ck_assert_double_eq(meshed.report.mesh_euler, 0);
     vt_meshed_free(&meshed);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
-START_TEST(filters_alone_leave_points_that_are_joined_where_they_are)
-{
-    struct vor_cloud in;
-    struct vt_engine engine;
-    struct vt_meshed meshed;
-
-    vt_cloud_sphere(&in, 4, POINTS);
-    open_mesh(&engine, 2, 0);
-    vt_engine_set(&engine, "filters", "mls");
-    vt_assert_ok(vt_engine_mesh(&meshed, &in, &engine));
-    assert_sound(&meshed);
-    ck_assert_uint_eq(meshed.cloud.n, POINTS);
-    ck_assert_uint_gt(meshed.mesh.count, POINTS);
-    ck_assert_uint_gt(meshed.report.mesh_points, POINTS * 9 / 10);
-    vt_meshed_free(&meshed);
-    vt_engine_close(&engine);
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
@@ -462,42 +358,6 @@ START_TEST(fewer_than_three_points_have_no_triangles)
 }
 END_TEST
 
-/* Resamples as mesh_of does, with that polish. */
-static void resample(struct vor_cloud *out, const struct vor_cloud *in, const char *polish)
-{
-    struct vt_engine engine;
-    struct vor_report report;
-
-    vt_engine_open(&engine, 2);
-    vt_engine_set(&engine, "iterations", "6");
-    vt_engine_set(&engine, "polish", polish);
-    vt_engine_count(&engine, "points", FEW);
-    vt_engine_resample(&engine, out, &report, in);
-    ck_assert_int_eq(report.has_mesh, 0);
-    vt_engine_close(&engine);
-}
-
-START_TEST(without_polish_the_points_are_those_of_resample)
-{
-    struct vor_cloud in, out;
-    struct vt_meshed meshed;
-    struct vt_engine engine;
-
-    vt_cloud_sphere(&in, 4, IN);
-    open_mesh(&engine, 2, FEW);
-    vt_engine_set(&engine, "polish", "0");
-    vt_assert_ok(vt_engine_mesh(&meshed, &in, &engine));
-    resample(&out, &in, "0");
-    ck_assert(vt_cloud_hash(&out) == vt_cloud_hash(&meshed.cloud));
-    ck_assert_uint_eq(meshed.report.mesh_triangles, 2 * FEW - 4);
-    vt_engine_close(&engine);
-    vt_meshed_free(&meshed);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("mesh");
@@ -511,11 +371,7 @@ int main(void)
                    VT_SOAK_LOOPS(1, 2));
     vt_add_figures(suite, where_sheets_cross_the_report_tells_how_many_triangles_are_unsure, 1);
     vt_add_figures(suite, triangles_follow_the_points_into_another_order, 0);
-    vt_add_figures(suite, on_a_sphere_the_triangles_are_those_of_the_convex_hull,
-                   VT_FEWER(VT_SOAK_LOOPS(2, 20)));
     vt_add_figures(suite, a_moebius_band_has_one_side_and_one_loop, 0);
-    vt_add_figures(suite, filters_alone_leave_points_that_are_joined_where_they_are, 0);
     vt_add(suite, fewer_than_three_points_have_no_triangles);
-    vt_add_figures(suite, without_polish_the_points_are_those_of_resample, 0);
     return vt_run(suite);
 }

@@ -1,5 +1,4 @@
 /* The cells of a result as polygons: areas, corners, attributes. */
-#include "core/mesh/soup.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 
@@ -118,22 +117,6 @@ START_TEST(cells_of_a_square_end_where_it_does)
 }
 END_TEST
 
-START_TEST(a_plane_patch_gives_one_polygon_a_point)
-{
-    struct vor_cloud in;
-    struct vt_meshed souped;
-
-    vt_cloud_sphere(&in, 3, IN);
-    soup_of(&souped, &in, "patch", "plane");
-    assert_sound(&souped);
-    ck_assert_uint_eq(souped.report.mesh_polygons, POINTS);
-    ck_assert_double_eq_tol(area_of(&souped) / (4 * M_PI), 1, 0.03);
-    vt_meshed_free(&souped);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 /* Normals are as those of the points, which on a sphere point away from its middle. */
 START_TEST(corners_have_the_values_of_their_point_and_faces_its_side)
 {
@@ -173,33 +156,12 @@ START_TEST(corners_have_the_values_of_their_point_and_faces_its_side)
 }
 END_TEST
 
-START_TEST(filters_alone_give_the_cells_of_their_points)
-{
-    struct vor_cloud in;
-    struct vt_engine engine;
-    struct vt_meshed souped;
-
-    vt_cloud_sphere(&in, 4, POINTS);
-    open_soup(&engine, 2, 0);
-    vt_engine_set(&engine, "filters", "mls");
-    vt_assert_ok(vt_engine_mesh(&souped, &in, &engine));
-    assert_sound(&souped);
-    ck_assert_double_eq_tol(area_of(&souped) / (4 * M_PI), 1, 0.1);
-    vt_meshed_free(&souped);
-    vt_engine_close(&engine);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("soup");
 
     vt_add_figures(suite, polygons_cover_a_sphere_and_a_torus, VT_FEWER(VT_SOAK_LOOPS(2, 20)));
     vt_add_figures(suite, cells_of_a_square_end_where_it_does, 0);
-    vt_add_figures(suite, a_plane_patch_gives_one_polygon_a_point, 0);
     vt_add_figures(suite, corners_have_the_values_of_their_point_and_faces_its_side, 0);
-    vt_add_figures(suite, filters_alone_give_the_cells_of_their_points, 0);
     return vt_run(suite);
 }
