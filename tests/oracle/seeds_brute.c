@@ -191,70 +191,6 @@ START_TEST(a_cell_from_lists_of_before_is_clipped_by_all_seeds_as_they_are_now)
 }
 END_TEST
 
-static int same_surface(const struct vor_surface *a, const struct vor_surface *b)
-{
-    return a->kind == b->kind && memcmp(a->origin, b->origin, sizeof a->origin) == 0 &&
-           memcmp(a->axis, b->axis, sizeof a->axis) == 0 && memcmp(a->c, b->c, sizeof a->c) == 0 &&
-           memcmp(a->center, b->center, sizeof a->center) == 0 && a->reach == b->reach &&
-           a->spacing == b->spacing;
-}
-
-/* What is recalled of a seed that moved less than allowed is its last fit, and only where no
- * border is near; beyond that it is fitted anew. */
-START_TEST(a_seed_is_recalled_where_it_was_fitted_and_no_border_is_near)
-{
-    enum { ALL = 300 };
-    const double allowed = 0.2;
-    struct bed bed;
-    struct vor_seeds twin;
-    struct vor_scratch *scratch, *fresh;
-    size_t interior = 0, border = 0;
-
-    open_bed(&bed, (uint64_t)_i, 3000, ALL);
-    vt_assert_ok(vor_seeds_init(&twin, &bed.domain, ALL, vt_policy, &bed.engine.run, &vt_err));
-    memcpy(twin.xyz, bed.seeds.xyz, 3 * ALL * sizeof *twin.xyz);
-    scratch = &bed.seeds.scratch[0];
-    fresh = &twin.scratch[0];
-    for (size_t i = 0; i < ALL; i++) {
-        const struct vor_surface *surface = &fresh->here.surface;
-        float *x = &bed.seeds.xyz[3 * i], *y = &twin.xyz[3 * i];
-        double radius = 1.5 * bed.seeds.point_lists.spacing, at[3], local[3], side[2];
-        struct vor_recall how = {.slack = allowed};
-        float step;
-
-        ck_assert_int_eq(vor_seeds_fit(&twin, fresh, i), VOR_SURFACE_QUADRIC);
-        for (int time = 0; time < 2; time++) {
-            ck_assert_int_eq(vor_seeds_recall(&bed.seeds, scratch, i, &how), VOR_SURFACE_QUADRIC);
-            ck_assert(same_surface(&scratch->here.surface, surface));
-        }
-        vor_seeds_position(&twin, i, at);
-        vor_surface_to_local(surface, at, local);
-        ck_assert_int_eq(
-            scratch->interior,
-            vor_boundary_within(fresh->here.near, fresh->here.k, at,
-                                vor_boundary_spacing(fresh->here.near, fresh->here.k, at)) &&
-                isinf(vor_boundary_room(surface, fresh->here.near, fresh->here.k, local, radius,
-                                        side)));
-        interior += scratch->interior != 0;
-        border += scratch->interior == 0;
-        step = (float)(allowed * surface->spacing);
-        x[0] = y[0] = y[0] + 0.9f * step;
-        (void)vor_seeds_recall(&bed.seeds, scratch, i, &how);
-        if (scratch->interior && bed.seeds.last_fit[i].place[0] != x[0])
-            ck_assert(same_surface(&scratch->here.surface, surface));
-        x[0] = y[0] = y[0] + 5 * step;
-        ck_assert_int_eq(vor_seeds_recall(&bed.seeds, scratch, i, &how),
-                         vor_seeds_fit(&twin, fresh, i));
-        ck_assert(memcmp(bed.seeds.last_fit[i].place, x, 3 * sizeof *x) == 0);
-    }
-    ck_assert_uint_gt(interior, ALL / 2);
-    if (_i % 2) /* a dome has a border */
-        ck_assert_uint_gt(border, 0);
-    vor_seeds_free(&twin);
-    close_bed(&bed);
-}
-END_TEST
-
 /* Cells are disjoint: a sample of one is nearer to its own seed than to any other. */
 START_TEST(a_sample_of_a_cell_is_nearest_to_its_own_seed)
 {
@@ -339,7 +275,6 @@ int main(void)
     vt_add_loop(suite, a_cell_that_stops_at_the_security_radius_is_clipped_by_all_seeds, SEEDS);
     vt_add_loop(suite, a_cell_in_a_plane_is_an_octagon_clipped_by_all_seeds, SEEDS);
     vt_add_loop(suite, a_cell_from_lists_of_before_is_clipped_by_all_seeds_as_they_are_now, SEEDS);
-    vt_add_loop(suite, a_seed_is_recalled_where_it_was_fitted_and_no_border_is_near, SEEDS);
     vt_add_loop(suite, a_sample_of_a_cell_is_nearest_to_its_own_seed, SEEDS);
     vt_add_loop(suite, nearest_distances_after_a_move_are_those_of_a_look_at_every_seed, SEEDS);
     return vt_run(suite);

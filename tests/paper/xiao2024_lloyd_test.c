@@ -284,9 +284,6 @@ START_TEST(fig_5_a_start_by_area_beats_a_random_one_on_an_uneven_cloud)
 }
 END_TEST
 
-/* --- Sec. V-C, Fig. 12, row X18 -----------------------------------------------------------------
- */
-
 int main(void)
 {
     Suite *suite = suite_create("xiao2024_lloyd");

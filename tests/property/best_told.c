@@ -166,28 +166,10 @@ START_TEST(the_last_best_is_the_report_s)
 }
 END_TEST
 
-/* Without the islands and with nothing outside, the records already say it: none is added. */
-START_TEST(nothing_is_told_twice)
-{
-    static struct spy spy;
-    struct vor_report report;
-    struct vor_cloud in;
-
-    memset(&spy, 0, sizeof spy);
-    make(&in, SPHERE, 1);
-    vt_assert_ok(run(&spy, &report, &in, &endings[0], "0"));
-    ck_assert_uint_eq(spy.count, 10);
-    ck_assert_int_eq(assert_best(&spy, &report), 0);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("best_told");
 
     vt_add_loop(suite, the_last_best_is_the_report_s, VT_ONCE(INPUTS));
-    vt_add_figures(suite, nothing_is_told_twice, 0);
     return vt_run(suite);
 }

@@ -144,72 +144,6 @@ START_TEST(dropped_attributes_are_gone)
 }
 END_TEST
 
-/* Fitted normals of a sphere: within 5 degrees of the radius, a unit long, all to the side that
- * `outward` names. */
-static void assert_radial(const struct vor_cloud *cloud, double outward)
-{
-    const struct vor_attribute *normal = vor_cloud_find(cloud, VOR_NORMAL);
-    const float *value;
-
-    ck_assert_ptr_nonnull(normal);
-    ck_assert(normal->type == VOR_FLOAT32 && normal->components == 3);
-    value = normal->data;
-    for (size_t i = 0; i < cloud->n; i++) {
-        double x[3], along = 0, length2 = 0, radius2 = 0;
-
-        vor_cloud_position(cloud, i, x);
-        for (size_t c = 0; c < 3; c++) {
-            along += x[c] * (double)value[3 * i + c];
-            length2 += (double)value[3 * i + c] * (double)value[3 * i + c];
-            radius2 += x[c] * x[c];
-        }
-        ck_assert_double_eq_tol(length2, 1, 1e-5);
-        ck_assert_double_gt(outward * along / sqrt(radius2), cos(5 * M_PI / 180));
-    }
-}
-
-START_TEST(fitted_normals_of_a_sphere_are_radial_and_outward)
-{
-    struct vor_cloud in, out;
-
-    vt_cloud_sphere(&in, (uint64_t)_i, 4 * N);
-    run(&out, &in, (uint64_t)_i, "nearest", "fit");
-    assert_radial(&out, 1);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-}
-END_TEST
-
-START_TEST(fitted_normals_take_the_side_of_the_inputs)
-{
-    static const enum vor_type types[4] = {VOR_FLOAT32, VOR_FLOAT64, VOR_INT8, VOR_INT16};
-
-    for (int t = 0; t < 4; t++) {
-        struct vor_cloud in, out;
-        struct vor_attribute *normal;
-
-        vt_cloud_sphere(&in, (uint64_t)_i, 4 * N);
-        vt_assert_ok(
-            vor_cloud_add_attribute(&in, "normal", VOR_NORMAL, types[t], 3, &normal, &vt_err));
-        for (size_t i = 0; i < 3 * in.n; i++) {
-            if (types[t] == VOR_FLOAT32)
-                ((float *)normal->data)[i] = -in.xyz[i];
-            else if (types[t] == VOR_FLOAT64)
-                ((double *)normal->data)[i] = -(double)in.xyz[i];
-            else if (types[t] == VOR_INT8)
-                ((int8_t *)normal->data)[i] = (int8_t)(-127 * in.xyz[i]);
-            else
-                ((int16_t *)normal->data)[i] = (int16_t)(-32767 * in.xyz[i]);
-        }
-        run(&out, &in, (uint64_t)_i, "nearest", "fit");
-        ck_assert_uint_eq(out.attribute_count, 1);
-        assert_radial(&out, -1);
-        vor_cloud_free(&out);
-        vor_cloud_free(&in);
-    }
-}
-END_TEST
-
 static int is_signed(enum vor_type type)
 {
     return type != VOR_UINT8 && type != VOR_UINT16 && type != VOR_UINT32 && type != VOR_UINT64;
@@ -293,24 +227,6 @@ START_TEST(a_cloud_without_normals_gets_none_unless_asked)
 }
 END_TEST
 
-/* Positions do not hang on what else a point carries. */
-START_TEST(attributes_do_not_move_points)
-{
-    struct vor_cloud in, out;
-    uint64_t hash;
-
-    vt_cloud_sphere(&in, 1, N);
-    run(&out, &in, 1, "nearest", "nearest");
-    hash = vt_cloud_hash(&out);
-    vor_cloud_free(&out);
-    add_attributes(&in, 1);
-    run(&out, &in, 1, "nearest", "fit");
-    ck_assert(vt_cloud_hash(&out) == hash);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("engine_attributes");
@@ -319,11 +235,8 @@ int main(void)
     vt_add_figures(suite, of_coincident_input_points_the_first_gives_the_attributes,
                    VT_ONCE(SEEDS));
     vt_add_figures(suite, dropped_attributes_are_gone, 0);
-    vt_add_figures(suite, fitted_normals_of_a_sphere_are_radial_and_outward, VT_ONCE(SEEDS));
     vt_add_figures(suite, carried_normals_of_every_type_decide_the_side_also_off_the_origin,
                    VOR_TYPE_COUNT);
-    vt_add_figures(suite, fitted_normals_take_the_side_of_the_inputs, VT_ONCE(SEEDS));
     vt_add_figures(suite, a_cloud_without_normals_gets_none_unless_asked, 0);
-    vt_add_figures(suite, attributes_do_not_move_points, 0);
     return vt_run(suite);
 }

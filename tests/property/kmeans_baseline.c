@@ -49,31 +49,6 @@ START_TEST(it_gives_exactly_n_points_on_the_surface)
 }
 END_TEST
 
-/* A baseline: more even than the random subset it starts at, less than the default method. */
-START_TEST(it_is_more_even_than_chance_and_less_than_cells)
-{
-    static struct vt_trace trace;
-    struct vor_report kmeans, cvt;
-    struct vt_engine engine;
-    struct vor_cloud in, out;
-
-    vt_shapes[VT_SPHERE].make(&in, 2, N);
-    open_engine(&engine, 2, OUT);
-    vt_trace_attach(&trace, &engine);
-    vt_engine_resample(&engine, &out, &kmeans, &in);
-    vor_cloud_free(&out);
-    vt_engine_set(&engine, "method", "cvt");
-    engine.run.watch = NULL;
-    vt_engine_resample(&engine, &out, &cvt, &in);
-    ck_assert_double_lt(kmeans.delta, 0.6 * trace.record[0].delta);
-    ck_assert_double_gt(kmeans.delta, 2 * cvt.delta);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_engine_close(&engine);
-    vt_assert_no_leak();
-}
-END_TEST
-
 START_TEST(more_points_than_the_input_has_are_refused)
 {
     struct vt_engine engine;
@@ -105,7 +80,6 @@ int main(void)
     Suite *suite = suite_create("kmeans_baseline");
 
     vt_add(suite, it_gives_exactly_n_points_on_the_surface);
-    vt_add(suite, it_is_more_even_than_chance_and_less_than_cells);
     vt_add(suite, more_points_than_the_input_has_are_refused);
     return vt_run(suite);
 }

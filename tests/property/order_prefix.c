@@ -82,26 +82,6 @@ static void assert_same_points(const struct vor_cloud *a, const struct vor_cloud
     free(rows[1]);
 }
 
-START_TEST(the_order_is_spatial_where_none_is_asked_for)
-{
-    struct vor_cloud in, spatial, usual;
-    unsigned char *rows[2];
-
-    make(&in, _i);
-    resample(&spatial, &in, "spatial", 1, 2);
-    resample(&usual, &in, NULL, 1, 2);
-    rows[0] = rows_of(&spatial);
-    rows[1] = rows_of(&usual);
-    ck_assert(memcmp(rows[0], rows[1], OUT * ROW) == 0);
-    for (int k = 0; k < 2; k++)
-        free(rows[k]);
-    vor_cloud_free(&spatial);
-    vor_cloud_free(&usual);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 /* How even the first m of n points are, and the farthest of all from them: over what it would be
  * in a perfect lattice of m points on the same surface. */
 struct prefix {
@@ -254,7 +234,6 @@ int main(void)
 {
     Suite *suite = suite_create("order_prefix");
 
-    vt_add_figures(suite, the_order_is_spatial_where_none_is_asked_for, 0);
     vt_add_figures(suite, it_is_the_same_points_of_which_the_first_are_even_by_themselves,
                    VT_FEWER(VT_SOAK_LOOPS(2, SHAPES)));
     vt_add_figures(suite, draco_keeps_the_order, 0);

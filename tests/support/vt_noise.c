@@ -36,17 +36,6 @@ static void lengths_of(double *length, size_t n, const float *distance2, unsigne
     }
 }
 
-void vt_noise_lengths(double *length, const struct vor_cloud *cloud)
-{
-    uint32_t *index;
-    float *distance2;
-
-    nearest(&index, &distance2, cloud, NEAR + 1);
-    lengths_of(length, cloud->n, distance2, NEAR + 1);
-    free(distance2);
-    free(index);
-}
-
 /* Normal of the plane through the points of one list. */
 static void plane(double normal[3], const struct vor_cloud *cloud, const uint32_t *index)
 {

@@ -16,9 +16,6 @@
 #define VT_NOISE_HIGH 0.66
 #define VT_NOISE_OUTLIERS 0.05
 
-/** l of each of a cloud's n > 6 points. */
-void vt_noise_lengths(double *length, const struct vor_cloud *cloud);
-
 /** A normal for each point, n x 3, from the plane through its 20 nearest; the signs are arbitrary.
  */
 void vt_noise_normals(double *normal, const struct vor_cloud *cloud);

@@ -19,7 +19,7 @@ static void across(const struct vt_wedge *wedge, int square, double d[3])
     d[2] = sin(turn);
 }
 
-void vt_wedge_normal(const struct vt_wedge *wedge, int square, double normal[3])
+static void normal_of(const struct vt_wedge *wedge, int square, double normal[3])
 {
     double d[3];
 
@@ -53,7 +53,7 @@ double vt_wedge_off(const struct vt_wedge *wedge, int square, const double x[3])
     double d[3], normal[3], height, far, along;
 
     across(wedge, square, d);
-    vt_wedge_normal(wedge, square, normal);
+    normal_of(wedge, square, normal);
     height = vor_dot(x, normal);
     far = outside(vor_dot(x, d));
     along = outside(x[1]);
@@ -104,7 +104,7 @@ static void see_point(struct vt_wedge_seen *seen, const struct vt_wedge *wedge, 
     for (int square = 0; square < 2; square++) {
         double true_normal[3];
 
-        vt_wedge_normal(wedge, square, true_normal);
+        normal_of(wedge, square, true_normal);
         angle[square] = degrees_between(normal, true_normal);
         off[square] = vt_wedge_off(wedge, square, x);
     }

@@ -16,9 +16,8 @@ struct vt_wedge {
 /** wedge->n points, even by area, white noise, moved by Gaussian noise. */
 void vt_wedge_make(struct vor_cloud *cloud, const struct vt_wedge *wedge, uint64_t seed);
 
-/** Distance from x to square 0 or 1, and its unit normal. */
+/** Distance from x to square 0 or 1. */
 double vt_wedge_off(const struct vt_wedge *wedge, int square, const double x[3]);
-void vt_wedge_normal(const struct vt_wedge *wedge, int square, double normal[3]);
 
 /** Figures of points near the edge, of any number of clouds. All zero before the first cloud. */
 struct vt_wedge_seen {

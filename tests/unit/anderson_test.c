@@ -183,32 +183,6 @@ START_TEST(the_weights_minimise_the_mixed_residual)
 }
 END_TEST
 
-/* The window holds the last m + 1 pairs: the slots are taken in turn. */
-START_TEST(the_oldest_vector_gives_way_to_the_newest)
-{
-    struct vt_engine engine;
-    struct vor_anderson a;
-    float y[2] = {0, 0}, g[2];
-
-    vt_engine_open(&engine, 1);
-    vt_assert_ok(vor_anderson_init(&a, 2, 2, &vt_memory, &vt_err));
-    for (int push = 0; push < 8; push++) {
-        g[0] = (float)push;
-        g[1] = 1;
-        vt_assert_ok(vor_anderson_push(&a, y, g, &engine.run, &vt_err));
-        ck_assert_uint_eq(a.newest, push % 3);
-        for (int back = 0; back < 3 && back <= push; back++)
-            ck_assert(a.image[(push - back) % 3][0] == (float)(push - back));
-        for (unsigned j = 0; j < a.depth; j++)
-            for (unsigned k = 0; k < a.depth; k++)
-                ck_assert_double_eq_tol(a.gram[j][k], (double)(a.image[j][0] * a.image[k][0] + 1),
-                                        1e-12);
-    }
-    vor_anderson_free(&a);
-    vt_engine_close(&engine);
-}
-END_TEST
-
 START_TEST(equal_and_vanishing_residuals_leave_finite_weights)
 {
     struct vt_engine engine;
@@ -262,7 +236,6 @@ int main(void)
 
     vt_add_loop(suite, a_linear_contraction_converges_in_less_than_half_the_iterations, SEEDS);
     vt_add_loop(suite, the_weights_minimise_the_mixed_residual, SEEDS);
-    vt_add(suite, the_oldest_vector_gives_way_to_the_newest);
     vt_add(suite, equal_and_vanishing_residuals_leave_finite_weights);
     vt_add(suite, the_weights_have_the_same_bits_for_any_number_of_threads);
     return vt_run(suite);

@@ -4,7 +4,6 @@
 #include "tests/support/vt.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { SEEDS = 8, CUTS = 4, PARTS = 200 };
 
@@ -93,24 +92,11 @@ START_TEST(a_density_between_corners_is_integrated_exactly)
 }
 END_TEST
 
-START_TEST(a_cell_with_nothing_left_has_no_moments)
-{
-    const struct vor_cell_spacing even = {1, {0, 0, 0}};
-    struct vor_moments dense = {.area = 7};
-    struct vor_cell cell;
-
-    memset(&cell, 0, sizeof cell);
-    ck_assert(!vor_cell_moments_dense(&dense, &cell, &even));
-    ck_assert(dense.area == 7);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("dense");
 
     vt_add_loop(suite, an_even_density_gives_the_moments_without_one, SEEDS);
     vt_add_loop(suite, a_density_between_corners_is_integrated_exactly, SEEDS);
-    vt_add(suite, a_cell_with_nothing_left_has_no_moments);
     return vt_run(suite);
 }

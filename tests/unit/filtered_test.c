@@ -105,44 +105,6 @@ START_TEST(the_report_measures_the_result_and_tells_of_no_step)
 }
 END_TEST
 
-static uint64_t hash_of(const struct vor_cloud *in, unsigned threads, const char *filters,
-                        const char *outliers)
-{
-    const char *const options[] = {"filters", filters, "outliers", outliers,
-                                   "normals", "fit",   NULL};
-    struct vor_cloud out;
-    struct vor_report report;
-    uint64_t hash;
-
-    vt_assert_ok(vt_filter_try(&out, &report, in, threads, options));
-    hash = vt_cloud_hash(&out);
-    for (size_t i = 0; i < out.attribute_count; i++)
-        hash ^= vt_hash(out.attributes[i].data, out.n * out.attributes[i].components *
-                                                    vor_type_size(out.attributes[i].type));
-    vor_cloud_free(&out);
-    return hash;
-}
-
-START_TEST(the_order_of_the_words_and_the_number_of_threads_change_nothing)
-{
-    struct vor_cloud in;
-    uint64_t hash;
-
-    vt_cloud_torus(&in, 1, 2 * SMALL);
-    vt_stray(&in, 1);
-    vt_number(&in);
-    hash = hash_of(&in, 1, "mls,outliers,thin", "pull");
-    ck_assert(hash_of(&in, 2, "thin,outliers,mls", "pull") == hash);
-    ck_assert(hash_of(&in, 3, "outliers,thin,mls", "pull") == hash);
-    ck_assert(hash_of(&in, 3, "mls,outliers", "pull") != hash);
-    hash = hash_of(&in, 1, "mls,outliers", "drop");
-    ck_assert(hash_of(&in, 2, "mls,outliers", "drop") == hash);
-    ck_assert(hash_of(&in, 3, "outliers,mls", "keep") == hash);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 START_TEST(fitted_normals_are_those_of_the_sphere_and_follow_the_carried_ones)
 {
     const char *const options[] = {"filters", "mls", "normals", "fit", NULL};
@@ -257,7 +219,6 @@ int main(void)
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, the_report_measures_the_result_and_tells_of_no_step,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add(suite, the_order_of_the_words_and_the_number_of_threads_change_nothing);
     vt_add_figures(suite, fitted_normals_are_those_of_the_sphere_and_follow_the_carried_ones, 0);
     vt_add_figures(suite, islands_are_counted_and_stay_in_their_places_of_the_order, 0);
     vt_add_figures(suite, double_positions_far_from_the_origin_stay_exact, 0);

@@ -55,21 +55,6 @@ START_TEST(a_coordinate_that_would_mislead_the_index_is_refused_by_name)
 }
 END_TEST
 
-START_TEST(an_index_that_does_not_fit_is_refused_whole)
-{
-    struct vor_memory memory;
-    struct vor_knn *knn = NULL;
-    struct vor_cloud cloud;
-
-    vt_cloud_cube(&cloud, 1, 1000);
-    vor_memory_init(&memory, 20000);
-    vt_assert_fails(VOR_E_NOMEM, build(_i, &knn, cloud.xyz, 1000, &memory));
-    ck_assert_ptr_null(knn);
-    ck_assert_uint_eq(atomic_load(&memory.used), 0);
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
 START_TEST(an_index_is_charged_to_its_allocator_and_given_back)
 {
     struct vor_memory memory;
@@ -117,26 +102,6 @@ START_TEST(no_queries_write_nothing)
     ck_assert(index == 77 && distance2 == 78);
     vor_knn_search(knn, x, 1, 1, &index, &distance2);
     ck_assert(index == 0 && distance2 == 0);
-    vor_knn_free(knn);
-}
-END_TEST
-
-START_TEST(points_all_in_one_place_are_all_found)
-{
-    float x[300];
-    uint32_t index[100];
-    float distance2[100];
-    unsigned char seen[100] = {0};
-    struct vor_knn *knn;
-
-    for (int i = 0; i < 300; i++)
-        x[i] = 0.5f;
-    vt_assert_ok(build(_i, &knn, x, 100, &vt_memory));
-    vor_knn_search(knn, x, 1, 100, index, distance2);
-    for (int i = 0; i < 100; i++) {
-        ck_assert(distance2[i] == 0 && index[i] < 100 && !seen[index[i]]);
-        seen[index[i]] = 1;
-    }
     vor_knn_free(knn);
 }
 END_TEST
@@ -208,65 +173,17 @@ START_TEST(many_points_in_one_place_do_not_make_queries_beside_them_long)
 }
 END_TEST
 
-static size_t index_size(const float *x, size_t n)
-{
-    struct vor_memory memory;
-    struct vor_knn *knn;
-    size_t used;
-
-    vor_memory_init(&memory, SIZE_MAX);
-    vt_assert_ok(vor_knn_build(&knn, x, n, &memory, &vt_err));
-    used = atomic_load(&memory.used);
-    vor_knn_free(knn);
-    ck_assert_uint_eq(atomic_load(&memory.used), 0);
-    return used;
-}
-
-/* The memory says how many points FLANN's tree has: of every point in one place, of every other
- * one, of those so near 0 that the squares of their distances are 0; and of few in each place, all.
- */
-START_TEST(crowded_places_are_indexed_once)
-{
-    enum { N = 60000 };
-    float *x = vor_calloc(&vt_memory, N, 3 * sizeof *x);
-    size_t one, half, tiny, few, all;
-
-    one = index_size(x, N);
-    for (size_t i = 0; i < 3 * (size_t)N; i++)
-        x[i] = i / 3 % 2 ? (float)i : i % 2 ? -0.0f : 0.0f;
-    half = index_size(x, N);
-    for (size_t i = 0; i < 3 * (size_t)N; i++)
-        x[i] = 1e-26f * (float)i;
-    tiny = index_size(x, N);
-    for (size_t i = 0; i < 3 * (size_t)N; i++)
-        x[i] = (float)(i / 300);
-    few = index_size(x, N);
-    for (size_t i = 0; i < 3 * (size_t)N; i++)
-        x[i] = (float)i;
-    all = index_size(x, N);
-    ck_assert_uint_lt(one, (size_t)8 * N);
-    ck_assert_uint_eq(one, tiny);
-    ck_assert_uint_gt(half, all / 2);
-    ck_assert_uint_lt(half, all);
-    ck_assert_uint_lt(few, (size_t)8 * N);
-    vor_free(&vt_memory, x);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("knn");
 
     vt_add_loop(suite, an_index_of_no_points_is_refused, 2);
     vt_add_loop(suite, a_coordinate_that_would_mislead_the_index_is_refused_by_name, 2);
-    vt_add_loop(suite, an_index_that_does_not_fit_is_refused_whole, 2);
     vt_add_loop(suite, an_index_is_charged_to_its_allocator_and_given_back, 2);
     vt_add_loop(suite, neighbours_come_nearest_first, 2);
     vt_add_loop(suite, no_queries_write_nothing, 2);
-    vt_add_loop(suite, points_all_in_one_place_are_all_found, 2);
     vt_add_loop(suite, the_first_bad_coordinate_of_many_is_named, 2);
     vt_add_loop(suite, points_all_in_one_place_do_not_make_a_query_long, 2);
     vt_add_loop(suite, many_points_in_one_place_do_not_make_queries_beside_them_long, 2);
-    vt_add(suite, crowded_places_are_indexed_once);
     return vt_run(suite);
 }

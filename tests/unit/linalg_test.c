@@ -46,21 +46,6 @@ START_TEST(a_diagonal_matrix_keeps_its_entries_and_axes)
 }
 END_TEST
 
-/* Vector: 2 1 0 / 1 2 0 / 0 0 5 has 1, 3, 5 along (1,-1,0), (1,1,0), z. */
-START_TEST(a_block_of_two_has_its_known_eigenvalues)
-{
-    const double m[6] = {2, 1, 0, 2, 0, 5}, half = 0.70710678118654752;
-    double values[3], vectors[3][3];
-
-    vor_eigen3(values, vectors, m);
-    for (int i = 0; i < 3; i++)
-        ck_assert_double_eq_tol(values[i], 1 + 2 * i, 1e-15);
-    ck_assert_double_eq_tol(fabs(vectors[0][0] - vectors[0][1]), 2 * half, 1e-15);
-    ck_assert_double_eq_tol(fabs(vectors[1][0] + vectors[1][1]), 2 * half, 1e-15);
-    assert_orthonormal(vectors);
-}
-END_TEST
-
 START_TEST(repeated_eigenvalues_have_orthonormal_vectors)
 {
     static const double matrices[4][6] = {
@@ -75,23 +60,6 @@ START_TEST(repeated_eigenvalues_have_orthonormal_vectors)
         assert_orthonormal(vectors);
         assert_reconstructs(matrices[k], values, vectors);
     }
-}
-END_TEST
-
-START_TEST(a_rank_one_matrix_has_one_eigenvalue_along_its_vector)
-{
-    double a[3], values[3], vectors[3][3], length2;
-
-    for (uint64_t c = 0; c < 3; c++)
-        a[c] = 2 * vt_unit((uint64_t)_i, c) - 1;
-    length2 = vor_dot(a, a);
-    vor_eigen3(
-        values, vectors,
-        (double[6]){a[0] * a[0], a[0] * a[1], a[0] * a[2], a[1] * a[1], a[1] * a[2], a[2] * a[2]});
-    ck_assert_double_le(fabs(values[0]), 1e-15 * length2);
-    ck_assert_double_le(fabs(values[1]), 1e-15 * length2);
-    ck_assert_double_eq_tol(values[2] / length2, 1, 1e-14);
-    ck_assert_double_eq_tol(fabs(vor_dot(vectors[2], a)) / sqrt(length2), 1, 1e-14);
 }
 END_TEST
 
@@ -186,9 +154,7 @@ int main(void)
     Suite *suite = suite_create("linalg");
 
     vt_add(suite, a_diagonal_matrix_keeps_its_entries_and_axes);
-    vt_add(suite, a_block_of_two_has_its_known_eigenvalues);
     vt_add(suite, repeated_eigenvalues_have_orthonormal_vectors);
-    vt_add_loop(suite, a_rank_one_matrix_has_one_eigenvalue_along_its_vector, SEEDS);
     vt_add_loop(suite, eigenvectors_rebuild_the_matrix_at_every_scale, SEEDS);
     vt_add_loop(suite, a_system_of_1_to_20_has_its_known_solution, SEEDS);
     vt_add(suite, the_measure_of_rank_is_the_smallest_relative_pivot);

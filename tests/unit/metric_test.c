@@ -1,8 +1,6 @@
 /* Metrics of planes and of space, the curvature that they are made of, cells clipped in them. */
 #include "core/geom/curvature.h"
-#include "core/geom/integrate.h"
 #include "core/geom/metric.h"
-#include "core/geom/stretch.h"
 #include "core/knn/knn.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
@@ -154,70 +152,6 @@ START_TEST(the_curvature_tensor_has_the_curvatures_of_a_torus_in_their_direction
 }
 END_TEST
 
-/* A quadric through points, and a metric on it. */
-static void make_surface(struct vor_surface *surface, float metric[6], double aspect, uint64_t seed)
-{
-    double normal[3], axis[2][3], plane[3], g[6];
-
-    memset(surface, 0, sizeof *surface);
-    surface->kind = VOR_SURFACE_QUADRIC;
-    draw_normal(normal, seed);
-    vor_metric_axes(axis, normal);
-    memcpy(surface->axis, axis, sizeof axis);
-    memcpy(surface->axis[2], normal, sizeof normal);
-    for (uint64_t c = 1; c < 6; c++)
-        surface->c[c] = 0.2 * draw(seed, 10 + c);
-    surface->reach = 10;
-    with_aspect(plane, aspect, 3 * draw(seed, 20));
-    vor_metric_raise(g, plane, axis, normal);
-    for (int c = 0; c < 6; c++)
-        metric[c] = (float)g[c];
-}
-
-START_TEST(a_cell_brought_back_lies_on_the_surface_and_keeps_its_area)
-{
-    uint64_t seed = (uint64_t)_i;
-    double aspect = 1 + 5 * vt_unit(seed, 1), at[3] = {0.1, -0.2, 0}, most = 0;
-    struct vor_surface surface;
-    struct vor_stretch stretch;
-    struct vor_moments moments;
-    struct vor_cell cell;
-    struct vor_disc disc;
-    float metric[6];
-
-    make_surface(&surface, metric, aspect, seed);
-    memset(surface.c, 0, _i % 2 ? sizeof surface.c : 0);
-    at[2] = vor_surface_height(&surface, at[0], at[1], NULL);
-    vor_stretch_init(&stretch, &surface, metric);
-    ck_assert_double_eq_tol(stretch.least, 1 / sqrt(aspect), 1e-6);
-    vor_stretch_local(&stretch, at);
-    vor_disc_init(&disc, VOR_PATCH_HEXAGON, 2);
-    vor_cell_begin(&cell, &disc, &stretch.surface, at, 0.5);
-    vor_stretch_undo(&cell, &stretch);
-    ck_assert_double_eq_tol(cell.seed[0], 0.1, 1e-9);
-    for (unsigned i = 0; i < cell.count; i++)
-        for (unsigned j = 0; j < cell.piece[i].count; j++) {
-            double *corner = cell.piece[i].vertex[j], *c = surface.c;
-            double u = cell.seed[0] + corner[0], v = cell.seed[1] + corner[1];
-
-            ck_assert_double_eq_tol(
-                cell.seed[2] + corner[2],
-                c[1] * u + c[2] * v + c[3] * u * u + c[4] * u * v + c[5] * v * v, 1e-9);
-            ck_assert_double_eq_tol(corner[3], vor_dot(corner, corner), 1e-12);
-            most = fmax(most, corner[3]);
-        }
-    ck_assert(cell.radius2 == most);
-    ck_assert(vor_cell_moments(&moments, &cell));
-    if (_i % 2)
-        ck_assert_double_eq_tol(moments.area, 3 * VOR_HEXAGON_HEIGHT * 0.25, 1e-6);
-    (void)vor_stretch_farthest(&cell, NULL, &most);
-    ck_assert(cell.radius2 == most);
-    (void)vor_stretch_farthest(&cell, &stretch, &most);
-    ck_assert_double_le(most, aspect * cell.radius2);
-    ck_assert_double_ge(most, cell.radius2 / aspect);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("metric");
@@ -227,6 +161,5 @@ int main(void)
     vt_add(suite, a_tensor_that_is_not_positive_becomes_that_of_all_directions);
     vt_add(suite, curvature_asks_for_the_root_of_the_ratio_of_its_sizes);
     vt_add(suite, the_curvature_tensor_has_the_curvatures_of_a_torus_in_their_directions);
-    vt_add_loop(suite, a_cell_brought_back_lies_on_the_surface_and_keeps_its_area, SEEDS);
     return vt_run(suite);
 }

@@ -318,35 +318,6 @@ START_TEST(a_dump_keeps_the_notes_and_is_refused_where_they_are_cut)
 }
 END_TEST
 
-/* Refusal: memory that runs out at any point leaves nothing behind. */
-START_TEST(a_copy_that_does_not_fit_leaves_nothing)
-{
-    struct vor_memory memory;
-    struct vor_cloud cloud, copy;
-    vor_status status = VOR_E_NOMEM;
-    size_t sick, at = 0;
-
-    noted_cloud(&cloud);
-    vor_cloud_free(&cloud);
-    sick_cloud(&cloud, 1, 40, &sick);
-    cloud.notes.remarks = vor_calloc(&vt_memory, 9, 1);
-    cloud.notes.remarks_size = 9;
-    while (status != VOR_OK) {
-        vor_memory_init(&memory, SIZE_MAX);
-        memory.fail_at = ++at;
-        vor_cloud_init(&copy, &memory);
-        status = vor_cloud_copy(&copy, &cloud, &vt_err);
-        ck_assert(status == VOR_OK || status == VOR_E_NOMEM);
-        ck_assert(status == VOR_OK || copy.xyz == NULL);
-        vor_cloud_free(&copy);
-        ck_assert_uint_eq(atomic_load(&memory.used), 0);
-    }
-    ck_assert_uint_gt(at, 1);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("cloud/notes");
@@ -361,6 +332,5 @@ int main(void)
     vt_add(suite, a_list_of_what_was_left_out_never_grows_beyond_its_end);
     vt_add(suite, integers_that_a_format_rounds_are_counted);
     vt_add(suite, a_dump_keeps_the_notes_and_is_refused_where_they_are_cut);
-    vt_add(suite, a_copy_that_does_not_fit_leaves_nothing);
     return vt_run(suite);
 }

@@ -107,30 +107,6 @@ START_TEST(every_next_point_is_nearly_the_farthest)
 }
 END_TEST
 
-START_TEST(a_power_of_two_changes_nothing)
-{
-    static const int powers[3] = {-60, -20, 15};
-    struct vor_cloud cloud;
-    uint32_t *first, *other;
-
-    vt_cloud_box(&cloud, 4, N);
-    first = order_of(cloud.xyz, N, 0.03, 1);
-    for (int k = 0; k < 3; k++) {
-        struct vor_cloud scaled;
-
-        vt_cloud_make(&scaled, N);
-        for (size_t i = 0; i < 3 * N; i++)
-            scaled.xyz[i] = ldexpf(cloud.xyz[i], powers[k]);
-        other = order_of(scaled.xyz, N, ldexp(0.03, powers[k]), 1);
-        ck_assert(memcmp(first, other, N * sizeof *first) == 0);
-        free(other);
-        vor_cloud_free(&scaled);
-    }
-    free(first);
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
 /* One crowd in a corner no wider than 1e-7 of the whole, as an outlier in the input can leave it.
  */
 START_TEST(a_crowd_in_a_corner_comes_after_all_that_is_wide)
@@ -198,7 +174,6 @@ int main(void)
     vt_add(suite, of_three_points_the_farther_one_is_second);
     vt_add(suite, points_in_one_place_come_last_by_index);
     vt_add_figures(suite, every_next_point_is_nearly_the_farthest, SEEDS);
-    vt_add(suite, a_power_of_two_changes_nothing);
     vt_add(suite, a_crowd_in_a_corner_comes_after_all_that_is_wide);
     vt_add(suite, a_late_run_is_ordered_by_strides);
     return vt_run(suite);

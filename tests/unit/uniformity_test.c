@@ -27,16 +27,6 @@ START_TEST(three_distances_have_their_hand_computed_uniformity)
 }
 END_TEST
 
-START_TEST(equal_distances_are_perfectly_even)
-{
-    const float d[4] = {0.3f, 0.3f, 0.3f, 0.3f};
-    struct vor_uniformity u;
-
-    vor_uniformity_from(&u, d, 4);
-    ck_assert(u.delta == 0 && u.sigma == 0 && u.epsilon == 1);
-}
-END_TEST
-
 START_TEST(points_all_in_one_place_have_no_distances)
 {
     const float d[3] = {0, 0, 0};
@@ -140,30 +130,16 @@ START_TEST(white_noise_has_the_uniformity_of_a_rayleigh_distance)
 }
 END_TEST
 
-START_TEST(a_single_point_has_distance_0)
-{
-    struct vor_cloud cloud;
-    struct vor_uniformity u;
-
-    vt_cloud_square(&cloud, 1, 1);
-    measure(&u, &cloud);
-    ck_assert(u.mean == 0 && u.delta == 0 && u.epsilon == 1);
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("uniformity");
 
     vt_add(suite, three_distances_have_their_hand_computed_uniformity);
-    vt_add(suite, equal_distances_are_perfectly_even);
     vt_add(suite, points_all_in_one_place_have_no_distances);
     vt_add(suite, coincident_points_are_counted);
     vt_add_loop(suite, delta_and_epsilon_have_no_scale, SEEDS);
     vt_add_loop(suite, epsilon_is_the_cosine_between_the_distances_and_their_mean, SEEDS);
     vt_add(suite, a_lattice_is_perfectly_even_and_its_spacing_is_its_own);
     vt_add_loop(suite, white_noise_has_the_uniformity_of_a_rayleigh_distance, 3);
-    vt_add(suite, a_single_point_has_distance_0);
     return vt_run(suite);
 }
