@@ -218,7 +218,7 @@ enum vor_method_choice {
     X(OUTLIERS, outliers, CHOICE, INPUT, "", 0, 0, VOR_UNSET, "keep drop pull",                    \
       "Input points that few of those around them count among their nearest, or that fill space "  \
       "around the surface. drop: they are ignored; pull: they are moved onto the surface; not "    \
-      "given: drop of method ear, which would insert points between them, else keep")              \
+      "given: drop of method ear, whose edges they hide, else keep")                               \
     X(SAMPLE, sample, CHOICE, FILTER, "", 0, 0, VOR_SAMPLE_VERTICES, "vertices faces",             \
       "What of a mesh is the input. vertices: its vertices; faces: points drawn evenly from the "  \
       "area of its faces, eight or more for each one asked for; refused where the input has no "   \

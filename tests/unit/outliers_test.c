@@ -223,7 +223,7 @@ START_TEST(a_result_without_them_lies_on_the_surface)
 }
 END_TEST
 
-/* Between an outlier and the surface ear would insert points, which other methods do not. */
+/* Outliers hide the edges that ear is asked for. */
 START_TEST(ear_drops_them_and_others_keep_them_unless_told)
 {
     struct vor_cloud cloud;
