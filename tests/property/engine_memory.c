@@ -1,5 +1,5 @@
-/* What a run allocates: so much for each point of the input and of the result, and nothing more
- * while it iterates. */
+/* What a run allocates: so much for each point of the input and of the result, nothing more while
+ * it iterates, and no more than its cap. */
 #include "tests/support/vt_engine.h"
 
 #include <string.h>
@@ -105,25 +105,6 @@ START_TEST(a_run_needs_so_many_bytes_a_point)
 }
 END_TEST
 
-/* What one more point costs is known without what all runs need. */
-START_TEST(the_bytes_grow_with_the_points_and_not_faster)
-{
-    static struct log log;
-    struct request request = {10000, 2500, 2, "20", "3", NULL, "2", NULL};
-    size_t once, twice;
-
-    (void)run(&log, &request);
-    once = atomic_load(&log.memory.peak);
-    request.in *= 2;
-    (void)run(&log, &request);
-    twice = atomic_load(&log.memory.peak);
-    ck_assert_uint_le(twice, once + 10000 * EACH_IN);
-    request.out *= 2;
-    (void)run(&log, &request);
-    ck_assert_uint_le(atomic_load(&log.memory.peak), twice + 2500 * 2 * EACH_SEED(20));
-}
-END_TEST
-
 /* From the first iteration on, and from the first record of the polish on, as much is in use at
  * every record, and the allocator is asked only when the points' index is made anew or a candidate
  * gets one: in the first few iterations. */
@@ -152,12 +133,48 @@ START_TEST(after_the_first_iteration_nothing_is_allocated_but_indices)
 }
 END_TEST
 
+START_TEST(a_job_beyond_its_cap_is_refused_and_within_its_peak_it_runs)
+{
+    struct vt_engine engine;
+    struct vor_cloud in, out;
+    struct vor_report report;
+    struct vor_memory memory;
+    size_t peak;
+
+    vt_engine_open(&engine, 2);
+    engine.run.memory = &memory;
+    vt_cloud_sphere(&in, 1, 2000);
+    vt_engine_set(&engine, "points", "500");
+    vt_engine_set(&engine, "iterations", "3");
+    vt_engine_set(&engine, "polish", "3");
+    vor_memory_init(&memory, SIZE_MAX);
+    vt_engine_resample(&engine, &out, &report, &in);
+    vor_cloud_free(&out);
+    peak = atomic_load(&memory.peak);
+    ck_assert_uint_eq(report.memory_peak_bytes, peak);
+    for (size_t share = 0; share <= 8; share++) {
+        vor_memory_init(&memory, share < 8 ? peak * share / 8 : peak);
+        vor_cloud_init(&out, &memory);
+        if (share < 8)
+            vt_assert_fails(VOR_E_NOMEM,
+                            vt_run_engine(&out, &report, &in, &engine.spec, &engine.run, &vt_err));
+        else
+            vt_assert_ok(vt_run_engine(&out, &report, &in, &engine.spec, &engine.run, &vt_err));
+        ck_assert_uint_le(atomic_load(&memory.peak), memory.cap);
+        vor_cloud_free(&out);
+        ck_assert_uint_eq(atomic_load(&memory.used), 0);
+    }
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("engine_memory");
 
     vt_add_loop(suite, a_run_needs_so_many_bytes_a_point, VT_FEWER(VT_SOAK_LOOPS(9, 10)));
-    vt_add(suite, the_bytes_grow_with_the_points_and_not_faster);
     vt_add_loop(suite, after_the_first_iteration_nothing_is_allocated_but_indices, VT_FEWER(3));
+    vt_add(suite, a_job_beyond_its_cap_is_refused_and_within_its_peak_it_runs);
     return vt_run(suite);
 }
