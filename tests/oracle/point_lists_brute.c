@@ -299,28 +299,11 @@ START_TEST(small_steps_are_answered_from_the_lists)
 }
 END_TEST
 
-START_TEST(a_point_alone_has_nobody)
-{
-    static struct flock flock;
-    struct vor_crowd crowd;
-
-    open_flock(&flock, 0, 1, 1, 0);
-    vt_assert_ok(
-        vor_point_lists_index(&flock.point_lists, flock.cloud.xyz, &flock.engine.run, &vt_err));
-    flock.cloud.xyz[0] += 1;
-    ck_assert(vor_point_lists_look(&flock.view, &flock.point_lists, flock.cloud.xyz, FAR));
-    ck_assert_uint_eq(vor_point_lists_crowd(&crowd, &flock.point_lists, &flock.view, 0), 0);
-    ck_assert(crowd.count == 0 && isinf(crowd.sure));
-    close_flock(&flock);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("swarm_brute");
 
     vt_add_loop(suite, lists_tell_what_a_look_at_every_point_does, VT_FEWER(28));
     vt_add_loop(suite, small_steps_are_answered_from_the_lists, 5);
-    vt_add(suite, a_point_alone_has_nobody);
     return vt_run(suite);
 }

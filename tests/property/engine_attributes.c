@@ -212,21 +212,6 @@ START_TEST(carried_normals_of_every_type_decide_the_side_also_off_the_origin)
 }
 END_TEST
 
-START_TEST(a_cloud_without_normals_gets_none_unless_asked)
-{
-    struct vor_cloud in, out;
-
-    vt_cloud_sphere(&in, 1, N);
-    run(&out, &in, 1, "nearest", "nearest");
-    ck_assert_uint_eq(out.attribute_count, 0);
-    ck_assert_int_eq(out.position_type, VOR_FLOAT32);
-    for (int c = 0; c < 3; c++)
-        ck_assert(out.origin[c] == 0);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("engine_attributes");
@@ -237,6 +222,5 @@ int main(void)
     vt_add_figures(suite, dropped_attributes_are_gone, 0);
     vt_add_figures(suite, carried_normals_of_every_type_decide_the_side_also_off_the_origin,
                    VOR_TYPE_COUNT);
-    vt_add_figures(suite, a_cloud_without_normals_gets_none_unless_asked, 0);
     return vt_run(suite);
 }

@@ -169,49 +169,6 @@ START_TEST(a_square_has_the_energy_of_the_textbook)
 }
 END_TEST
 
-/* Row C9: of cells of one area, squares along the axes have the least energy of p 8, hexagons that
- * of p 2. */
-START_TEST(squares_beat_hexagons_where_p_is_8_and_not_where_it_is_2)
-{
-    double energy[2];
-
-    for (int hexagon = 0; hexagon < 2; hexagon++) {
-        struct vor_energy_plane plane = {{1, 1}, _i ? 8 : 2, 2, {0, 0}, INFINITY};
-        unsigned sides = hexagon ? 6 : 4;
-        double other[6][3] = {{0}}, step = hexagon ? sqrt(2 / sqrt(3)) : 1;
-        struct vor_energy of;
-        struct vor_flat cell;
-
-        for (unsigned j = 0; j < sides; j++) {
-            other[j][0] = step * cos(2 * M_PI * j / sides);
-            other[j][1] = step * sin(2 * M_PI * j / sides);
-        }
-        vor_energy_cut(&cell, &plane, (double[2]){0, 0}, (const double(*)[3])other, sides);
-        vor_energy_of(&of, &cell, &plane, (double[2]){0, 0}, (const double(*)[3])other);
-        energy[hexagon] = of.value;
-    }
-    if (_i)
-        ck_assert_double_lt(energy[0], 0.8 * energy[1]);
-    else
-        ck_assert_double_gt(energy[0], energy[1]);
-}
-END_TEST
-
-START_TEST(a_patch_of_no_size_has_no_energy)
-{
-    struct vor_energy_plane plane = {{1, 1}, 8, 0, {0, 0}, INFINITY};
-    const double other[1][3] = {{1, 0, 0}};
-    struct vor_energy_shape shape;
-    struct vor_energy energy;
-    struct vor_flat cell;
-
-    vor_energy_cut(&cell, &plane, (double[2]){0, 0}, other, 1);
-    vor_energy_of(&energy, &cell, &plane, (double[2]){0, 0}, other);
-    ck_assert(energy.value == 0 && energy.own[0] == 0 && energy.own[1] == 0);
-    ck_assert(!vor_energy_shape_of(&shape, &cell, (double[2]){0, 0}));
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("energy");
@@ -219,7 +176,5 @@ int main(void)
     vt_add_figures(suite, the_gradient_is_that_of_finite_differences, 3 * POWERS * SEEDS);
     vt_add_figures(suite, the_energy_is_that_of_a_numeric_quadrature, 3 * POWERS * 2);
     vt_add_loop(suite, a_square_has_the_energy_of_the_textbook, POWERS);
-    vt_add_figures(suite, squares_beat_hexagons_where_p_is_8_and_not_where_it_is_2, 2);
-    vt_add(suite, a_patch_of_no_size_has_no_energy);
     return vt_run(suite);
 }

@@ -204,21 +204,6 @@ START_TEST(a_coarse_part_of_the_surface_is_no_islands)
 }
 END_TEST
 
-START_TEST(a_cloud_of_one_small_part_has_no_islands)
-{
-    struct vor_cloud in, out;
-    struct vor_report report;
-
-    vt_cloud_square(&in, (uint64_t)_i, 30);
-    resample(&out, &report, &in, 60, "keep");
-    ck_assert_uint_eq(report.parts, 1);
-    ck_assert_uint_eq(report.islands, 0);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 START_TEST(drop_leaves_out_those_that_a_fit_does_not_fill)
 {
     struct vor_cloud in, out;
@@ -246,26 +231,6 @@ START_TEST(drop_keeps_an_input_of_small_parts)
     ck_assert_uint_eq(report.outliers, 0);
     for (size_t i = 0; i < 50; i++)
         ck_assert_uint_eq(count_at(&out, &in, 15 * i, 15), 10);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
-START_TEST(a_line_beside_islands_is_no_input_of_its_own)
-{
-    struct vor_cloud in, out;
-    struct vor_report report;
-
-    vt_cloud_make(&in, 200 + 8);
-    for (size_t i = 0; i < 200; i++) {
-        in.xyz[3 * i] = (float)i * 0.01F;
-        in.xyz[3 * i + 1] = in.xyz[3 * i + 2] = 0;
-    }
-    put_cluster(&in.xyz[3 * 200], (uint64_t)_i, 8, (double[3]){1, 3, 0});
-    resample(&out, &report, &in, 50, "keep");
-    ck_assert_uint_eq(report.parts, 2);
-    ck_assert_uint_eq(report.islands, 0);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
     vt_assert_no_leak();
@@ -369,10 +334,8 @@ int main(void)
                    VT_FEWER(VT_SOAK_LOOPS(1, 2)));
     vt_add_figures(suite, more_points_than_small_parts_have_are_spread_over_them, 0);
     vt_add_figures(suite, a_coarse_part_of_the_surface_is_no_islands, VT_SOAK_LOOPS(1, SEEDS));
-    vt_add_figures(suite, a_cloud_of_one_small_part_has_no_islands, SEEDS);
     vt_add_figures(suite, drop_leaves_out_those_that_a_fit_does_not_fill, 0);
     vt_add_figures(suite, drop_keeps_an_input_of_small_parts, SEEDS);
-    vt_add_figures(suite, a_line_beside_islands_is_no_input_of_its_own, 0);
     vt_add_figures(suite, their_points_bring_attributes_and_normals_in_any_order, 0);
     vt_add_figures(suite, spacing_asks_for_points_of_the_rest_and_islands_have_theirs_beside, 0);
     vt_add_figures(suite, a_real_scan_has_no_islands, 4);

@@ -167,21 +167,6 @@ START_TEST(a_value_that_is_no_number_is_stepped_back_from)
 }
 END_TEST
 
-START_TEST(nothing_is_done_at_the_lowest_point)
-{
-    struct bowl bowl;
-    double x[N];
-    struct vor_lbfgs_told told;
-
-    make(&bowl, 1, 100);
-    memcpy(x, bowl.least, sizeof x);
-    told = run(&bowl, x, 5, 10);
-    ck_assert_uint_eq(told.steps, 0);
-    ck_assert_uint_eq(told.evaluations, 1);
-    ck_assert_int_eq(memcmp(x, bowl.least, sizeof x), 0);
-}
-END_TEST
-
 START_TEST(a_failure_is_handed_on_at_the_last_place_taken)
 {
     struct bowl bowl;
@@ -210,7 +195,6 @@ int main(void)
     vt_add_loop(suite, a_known_bend_makes_the_first_step_the_last, SEEDS);
     vt_add_loop(suite, a_function_that_shortens_steps_is_asked_nowhere_else, SEEDS);
     vt_add_loop(suite, a_value_that_is_no_number_is_stepped_back_from, SEEDS);
-    vt_add(suite, nothing_is_done_at_the_lowest_point);
     vt_add_loop(suite, a_failure_is_handed_on_at_the_last_place_taken, SEEDS);
     return vt_run(suite);
 }

@@ -5,7 +5,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* By how much the next point may be nearer than the farthest: MARGIN * NEARLY of order.c. */
 #define NEARLY_FARTHEST (0.98 * 0.85)
@@ -129,44 +128,6 @@ START_TEST(a_crowd_in_a_corner_comes_after_all_that_is_wide)
 }
 END_TEST
 
-/* A clock that says how often it was asked. */
-static double count_asked(void *ctx)
-{
-    return (double)atomic_fetch_add((atomic_int *)ctx, 1);
-}
-
-static enum vor_answer go_on(void *ctx)
-{
-    (void)ctx;
-    return VOR_CONTINUE;
-}
-
-static void order_late(uint32_t *order, const float *xyz, size_t n, double late)
-{
-    struct vt_engine engine;
-    atomic_int asked = 0;
-    struct vor_watch watch = {.ctx = &asked, .poll = go_on, .clock = count_asked};
-
-    vt_engine_open(&engine, 1);
-    engine.run.watch = &watch;
-    engine.run.late = late;
-    vt_assert_ok(vor_order_progressive(order, xyz, n, 0.006, &engine.run, &vt_err));
-    vt_engine_close(&engine);
-}
-
-START_TEST(a_late_run_is_ordered_by_strides)
-{
-    static const uint32_t wanted[7] = {0, 4, 2, 6, 1, 3, 5};
-    struct vor_cloud cloud;
-    uint32_t order[7];
-
-    vt_cloud_box(&cloud, 8, 7);
-    order_late(order, cloud.xyz, 7, 0.5);
-    ck_assert_mem_eq(order, wanted, sizeof wanted);
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("order");
@@ -175,6 +136,5 @@ int main(void)
     vt_add(suite, points_in_one_place_come_last_by_index);
     vt_add_figures(suite, every_next_point_is_nearly_the_farthest, SEEDS);
     vt_add(suite, a_crowd_in_a_corner_comes_after_all_that_is_wide);
-    vt_add(suite, a_late_run_is_ordered_by_strides);
     return vt_run(suite);
 }

@@ -60,24 +60,6 @@ START_TEST(the_rows_of_an_object_stand_next_to_each_other)
 }
 END_TEST
 
-/* Traces keep the numbers of stages and the order of members; CSV readers count on the columns. */
-START_TEST(rows_are_only_ever_added)
-{
-    static const char *const stages[] = {"iterate", "polish"};
-    static const char *const names[] = {
-        "iteration", "polish",         "delta",       "sigma",      "epsilon",    "energy",
-        "max_move",  "held",           "seconds",     "run_stage",  "step",       "of",
-        "ahead",     "best.iteration", "best.polish", "best.delta", "best.sigma", "best.epsilon"};
-
-    ck_assert_uint_ge(VOR_RUN_STAGE_COUNT, sizeof stages / sizeof stages[0]);
-    for (int i = 0; i < (int)(sizeof stages / sizeof stages[0]); i++)
-        ck_assert_str_eq(vor_run_stage_info((enum vor_run_stage)i)->name, stages[i]);
-    ck_assert_uint_ge(vor_record_members.count, sizeof names / sizeof names[0]);
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
-        ck_assert_str_eq(vor_record_members.rows[i].name, names[i]);
-}
-END_TEST
-
 /* CSV and traces take nothing else. */
 START_TEST(a_record_has_numbers_and_words_only)
 {
@@ -162,7 +144,6 @@ int main(void)
 
     vt_add_loop(suite, every_row_has_a_name_of_its_own_and_a_sentence, TABLES);
     vt_add_loop(suite, the_rows_of_an_object_stand_next_to_each_other, TABLES);
-    vt_add(suite, rows_are_only_ever_added);
     vt_add(suite, a_record_has_numbers_and_words_only);
     vt_add(suite, documents_are_found_by_their_names);
     vt_add(suite, stages_are_found_by_their_names);
