@@ -56,6 +56,21 @@ static vor_status leave_lattice(struct vor_domain *domain, const struct vor_spec
     return vor_lattice_smooth(domain, &known->off_lattice, &known->lattice, run, err);
 }
 
+/* Where noise is so wide that no fit shows a surface, moves the points closer to it, unless they
+ * are to stay where they are, somebody says how many neighbours a fit takes, or the method copes by
+ * itself. */
+static vor_status leave_noise(struct vor_domain *domain, const struct vor_spec *spec,
+                              const struct vor_run *run, struct vor_error *err)
+{
+    int filtered = vor_list_has(spec->value[VOR_PARAM_FILTERS], VOR_FILTER_MLS);
+    int spread = vor_process_takes(spec->process, VOR_PARAM_POINTS) &&
+                 !vor_spec_only_filters(spec) && spec->value[VOR_PARAM_METHOD] == VOR_METHOD_CVT;
+
+    if (!(filtered || spread) || spec->value[VOR_PARAM_NEIGHBORS] != VOR_UNSET)
+        return VOR_OK;
+    return vor_mls_gather(domain, run, err);
+}
+
 /* Finds out whether the input has sheets, the way that the request says. */
 static vor_status find_sheets(struct vor_domain *domain, const struct vor_spec *spec,
                               const struct vor_run *run, struct vor_error *err)
@@ -130,6 +145,8 @@ static vor_status know(struct vor_domain *domain, struct vor_outliers *outliers,
 
     if (status == VOR_OK)
         status = leave_lattice(domain, spec, run, err);
+    if (status == VOR_OK)
+        status = leave_noise(domain, spec, run, err);
     if (status == VOR_OK)
         status = find_sheets(domain, spec, run, err);
     if (status == VOR_OK)

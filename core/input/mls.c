@@ -3,6 +3,7 @@
 #include "core/base/linalg.h"
 #include "core/geom/layers.h"
 #include "core/geom/surface.h"
+#include "core/input/coarsen.h"
 #include "core/input/neighbors.h"
 #include "core/input/sheets.h"
 
@@ -36,8 +37,8 @@ enum {
 
 /* One pass over all points. */
 struct pass {
-    const struct vor_domain *domain;
-    float *xyz; /* where they go */
+    const struct vor_domain *domain, *onto; /* whose surface they move onto */
+    float *xyz;                             /* where they go */
 };
 
 /* The neighbours of one point, itself the first of them, and a surface that weighs them. */
@@ -71,9 +72,10 @@ static void gather_nearest(struct hood *out, const struct vor_domain *domain, co
                                 (double[3]){(double)x[0], (double)x[1], (double)x[2]}, out->k);
 }
 
-static void gather(struct hood *out, const struct vor_domain *domain, size_t i)
+static void gather(struct hood *out, const struct pass *pass, size_t i)
 {
-    const float *x = &domain->xyz[3 * i];
+    const struct vor_domain *domain = pass->onto;
+    const float *x = &pass->domain->xyz[3 * i];
     unsigned k = WIDER * vor_neighbors_at(&domain->known.neighbors, x);
     uint32_t index[VOR_NEIGHBORS_MAX];
 
@@ -136,7 +138,7 @@ static void project_block(void *ctx, size_t begin, size_t end, unsigned worker)
         const float *from = &pass->domain->xyz[3 * i];
         double x[3] = {(double)from[0], (double)from[1], (double)from[2]};
 
-        gather(&hood, pass->domain, i);
+        gather(&hood, pass, i);
         fit_best(&hood);
         if (hood.surface.kind != VOR_SURFACE_NONE)
             vor_surface_put(&hood.surface, x);
@@ -145,10 +147,10 @@ static void project_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-static vor_status project(struct vor_domain *domain, const struct vor_run *run,
-                          struct vor_error *err)
+static vor_status project(struct vor_domain *domain, const struct vor_domain *onto,
+                          const struct vor_run *run, struct vor_error *err)
 {
-    struct pass pass = {domain, vor_malloc(run->memory, domain->n, 3 * sizeof *pass.xyz)};
+    struct pass pass = {domain, onto, vor_malloc(run->memory, domain->n, 3 * sizeof *pass.xyz)};
     vor_status status;
 
     if (pass.xyz == NULL)
@@ -167,6 +169,18 @@ vor_status vor_mls_project(struct vor_domain *domain, const struct vor_run *run,
     vor_status status = VOR_OK;
 
     for (int pass = 0; pass < PASSES && status == VOR_OK; pass++)
-        status = project(domain, run, err);
+        status = project(domain, domain, run, err);
+    return status;
+}
+
+vor_status vor_mls_gather(struct vor_domain *domain, const struct vor_run *run,
+                          struct vor_error *err)
+{
+    struct vor_domain fewer = {.n = 0};
+    vor_status status = vor_domain_coarsen(&fewer, domain, run, err);
+
+    if (status == VOR_OK && fewer.n > 0)
+        status = project(domain, &fewer, run, err);
+    vor_domain_free(&fewer);
     return status;
 }
