@@ -27,8 +27,9 @@ for my $block (@blocks) {
     ok $run{$language} || $elsewhere{$language}, "a block of $language is run somewhere";
     is_deeply [grep { !/^docker / } split /\n/, $block->{text}], [], 'what is not run is docker\'s' if $language eq 'console';
 }
-my $ci = Vt::slurp('.ci/run');
-like $ci, qr/^$_$/m, "continuous integration runs $_" for $readme =~ /^    (make \w+) +#/mg;
+like Vt::slurp('.ci/run'), qr/^exec make gate$/m, 'continuous integration runs make gate';
+my $gate = Vt::slurp('tests/support/gate.sh');
+like $gate, qr/^step "$_" make /m, "which runs $_" for $readme =~ /^    (make \w+) +#/mg;
 
 sub sphere {
     my ($path, $count) = @_;

@@ -52,6 +52,14 @@ is(scalar(crowded("static int f(int a, int b, int c,\n int d, int e, int g, int 
 is(scalar(crowded("int f(int a, int b, int c, int d, int e, int g, const struct vor_run *run, struct vor_error *err);\n")), 0,
     'the run and the error are no such');
 
+my @long_tests;
+for my $file (grep { m{^tests/(?!bench/|torture/).*\.(?:[ch]|cc|t|pl|pm|py|sh)$} && -f } @all) {
+    open my $in, '<', $file or next;
+    1 while <$in>;
+    push @long_tests, "$file: $. lines" if $. > 600;
+}
+is("@long_tests", '', 'no test file is longer than 600 lines');
+
 my %allowed = map { $_ => 1 } qw(Makefile server core proto tests docker openapi.yaml README.md ARCHITECTURE.md
     CHANGELOG.md LICENSE);
 my %top;

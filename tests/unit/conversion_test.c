@@ -194,7 +194,7 @@ static void *release_once_closing(void *ctx)
     struct scene *scene = ctx;
 
     while (!vor_crew_closing(scene->crew))
-        nap();
+        vt_nap();
     atomic_store(&scene->is_held, 0);
     return NULL;
 }

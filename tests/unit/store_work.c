@@ -137,7 +137,6 @@ START_TEST(what_a_submit_and_a_run_ask_walks_over_no_rows)
     ck_assert_int_le(pages(), 10);
     ck_assert_int_eq(full_steps, 0);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -166,7 +165,6 @@ START_TEST(a_list_reads_the_rows_that_it_lists_alone)
         ck_assert_msg(pages() <= ROWS / 10, "filter %zu", i);
     }
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -192,7 +190,6 @@ START_TEST(a_list_in_steps_reads_each_row_once)
     ck_assert_int_le(most, 20 * 6);
     ck_assert_int_le(most - least, 12);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
@@ -215,7 +212,6 @@ START_TEST(a_store_gets_the_indexes_that_it_lacks)
     ck_assert_uint_eq(bytes, ROWS * (uint64_t)1000);
     ck_assert_int_le(pages(), ROWS / 10);
     vor_store_close(store);
-    vt_dir_remove(dir);
 }
 END_TEST
 
