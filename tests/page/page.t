@@ -1,8 +1,6 @@
 #!/usr/bin/python3
 """The page in a browser before the daemon: what a person does with it, and that nothing goes wrong meanwhile. Pictures of what was
 seen are in build/page."""
-import base64
-import contextlib
 import gzip
 import hashlib
 import json
@@ -15,80 +13,16 @@ import urllib.request
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import pictures  # noqa: E402
 from browser import ActionChains, Browser, By, Daemon, wait  # noqa: E402
+from claims import PICTURES, Abandoned, ask, charted, claim, drawn, drop, equal, finished, ok, shows  # noqa: E402
+from jobs import cancelled_upload, eight_tabs, failed_job, line, long_job, reload_and_stop, unanswered  # noqa: E402
 from made import FAR, lines, mesh, torus  # noqa: E402
 
-PICTURES = "build/page"
 CLOUDS = [f"../shared/data/{name}.ply" for name in ("bunny", "autzen", "scannet")]  # every state of them is pictured in a soak
 PAGE_BYTES_MAX = 250_000
 KEY = "a key of somebody's"
 MANY = 310_000  # points of a large cloud
 CONTRAST_MIN = 4.5  # WCAG 2.1, 1.4.3
 FOCUSABLE = "a[href], button, input, select, summary, canvas[tabindex], pre[tabindex]"
-done = 0
-
-
-def ok(is_true, sentence, why=""):
-    global done
-    done += 1
-    print(f"{'ok' if is_true else 'not ok'} {done} - {sentence}", flush=True)
-    if not is_true:
-        print("\n".join(f"# {row}" for row in str(why).splitlines()), flush=True)
-        ok.failed = True
-
-
-def equal(got, wanted, sentence):
-    ok(got == wanted, sentence, f"got {got!r}, want {wanted!r}")
-
-
-ok.failed = False
-
-
-class Abandoned(Exception):
-    """A claim that others hang on does not hold, and was told."""
-
-
-@contextlib.contextmanager
-def claim(sentence):
-    """Holds once all that is waited for within it has come."""
-    try:
-        yield
-    except Exception as why:
-        ok(False, sentence, traceback.format_exc())
-        raise Abandoned from why
-    ok(True, sentence)
-
-
-def shows(browser, name, words):
-    return wait(f"{name} says {words!r}, and not {browser.text(name)!r}", lambda: words in browser.text(name))
-
-
-def drop(browser, cloud, name):
-    browser.drop(base64.b64encode(cloud).decode(), name)
-
-
-def ask(browser, **values):
-    """Fills the form; parameters that are folded away are unfolded first, as a person would."""
-    wait("the form is there", lambda: browser.driver.find_elements(By.ID, "ask-points"))
-    browser.script("document.querySelectorAll('#fields details').forEach((one) => { one.open = true; })")
-    for name, value in values.items():
-        field = browser.element(f"ask-{name}")
-        field.clear()
-        field.send_keys(str(value))
-    browser.script("document.querySelectorAll('#fields details').forEach((one) => { one.open = false; })")
-
-
-def charted(browser):
-    return int(browser.element("chart").get_attribute("data-points") or 0)
-
-
-def drawn(browser):
-    return int(browser.element("canvas").get_attribute("data-drawn") or 0)
-
-
-def finished(browser):
-    shows(browser, "state", "Done")
-    wait("a summary", lambda: "δ" in browser.text("summary"))
-    wait("the result is there to compare", lambda: browser.element("layouts").is_displayed())
 
 
 def first_look(browser):
@@ -233,11 +167,6 @@ def form(browser):
     ok("sigmaN=20" in with_it and "sigmaN" not in without, "and are asked for only then", without)
 
 
-def filled(browser, **wanted):
-    got = browser.script("return arguments[0].map((name) => document.getElementById(`ask-${name}`)?.value)", list(wanted))
-    equal(got, [str(value) for value in wanted.values()], "opened again, a job fills the form with what it was asked for")
-
-
 SEEN = """
 const done = arguments[0], kept = URL.createObjectURL, clicked = HTMLAnchorElement.prototype.click;
 HTMLAnchorElement.prototype.click = () => {};
@@ -301,116 +230,6 @@ def surface(browser):
     browser.driver.find_element(By.ID, "wires").click()
     browser.picture(f"{PICTURES}/mesh.png")
     choose("resample")
-
-
-def line(browser, offline):
-    browser.driver.execute_cdp_cmd("Network.emulateNetworkConditions", {
-        "offline": offline, "latency": 0, "downloadThroughput": -1, "uploadThroughput": -1})
-
-
-def unanswered(browser):
-    """A daemon that cannot be reached."""
-    line(browser, True)
-    browser.element("run").click()
-    with claim("a daemon that does not answer is said to"):
-        shows(browser, "trouble", "The daemon does not answer.")
-    line(browser, False)
-
-
-def long_job(browser, name="long.ply"):
-    """A job that goes on until somebody ends it."""
-    drop(browser, torus(6000), name)
-    shows(browser, "cloud-words", f"{name}: 6,000 points")
-    ask(browser, points=6000, polish=10000, iterations=12)
-    browser.element("run").click()
-    wait("a curve", lambda: charted(browser) >= 5)
-    return browser.driver.current_url
-
-
-def reload_and_stop(browser):
-    url = long_job(browser)
-    ok("#/jobs/" in url, "the address names the job", url)
-    browser.driver.refresh()
-    with claim("reloaded in the middle of a job, the page has its curve and its input again"):
-        wait("the curve again", lambda: charted(browser) >= 5)
-        label = browser.element("chart").get_attribute("aria-label")
-        shows(browser, "cloud-words", "6,000 points")
-    filled(browser, points=6000, polish=10000, iterations=12)
-    job = url.split("/")[-1]
-    table = browser.script("return fetch('v1/jobs/' + arguments[0] + '/trace').then((one) => one.json())", job)
-    first = float(f"{table['records'][0]['delta']:.4g}")
-    ok(f"delta from {first:g} " in label.replace(",", ""), "and the curve from its first record on", (first, label))
-    wait("it can be stopped", lambda: browser.element("stop").is_displayed())
-    wait("the points as they move", lambda: browser.element("layouts").is_displayed())
-    ok(browser.text("summary") == "", "while a job runs its points are shown as they move")
-    browser.picture(f"{PICTURES}/running.png")
-    browser.element("stop").click()
-    finished(browser)
-    ok("stopped by its caller" in browser.text("summary"),
-       "a job that is stopped has a result, which says so", browser.text("summary"))
-    table = browser.script("return fetch('v1/jobs/' + arguments[0] + '/trace').then((one) => one.json())", job)
-    wait("the last record", lambda: charted(browser) >= len(table["records"]))
-    equal(charted(browser), len(table["records"]), "the chart has every record of the trace, each once")
-
-
-def eight_tabs(browser, made=lambda: None):
-    """As many tabs as would wait for each other with a connection each. made() is called for each of them, before the page is there."""
-    first, home = browser.driver.current_window_handle, browser.driver.current_url.split("#")[0]
-    for _ in range(7):
-        browser.driver.switch_to.new_window("tab")
-        made()
-        browser.open(home)
-    browser.driver.switch_to.window(first)
-    url = long_job(browser, "tabs.ply")  # now, so that it does not compute while tabs are opened
-    handles = browser.driver.window_handles
-    for handle in handles:
-        browser.driver.switch_to.window(handle)
-        browser.script("location.href = arguments[0]", url)
-    for handle in handles:
-        browser.driver.switch_to.window(handle)
-        wait("each tab has a curve", lambda: charted(browser) >= 5)
-    ok(len(handles) == 8, "eight tabs on one job all have its curve")
-    before = charted(browser)
-    wait("the curve of the last one grows", lambda: charted(browser) > before)
-    browser.element("dismiss").click()
-    with claim("and all hear that one of them cancelled it"):
-        for handle in handles:
-            browser.driver.switch_to.window(handle)
-            shows(browser, "state", "Cancelled")
-            browser.listen()
-            if handle != first:
-                browser.driver.close()
-    browser.driver.switch_to.window(first)
-
-
-def cancelled_upload(browser):
-    """Over a slow line."""
-    line = lambda rate: browser.driver.execute_cdp_cmd("Network.emulateNetworkConditions", {
-        "offline": False, "latency": 0, "downloadThroughput": -1, "uploadThroughput": rate})
-    drop(browser, torus(40_000), "slow.ply")
-    shows(browser, "cloud-words", "40,000 points")
-    line(1_000)  # it would take 18 minutes
-    browser.element("run").click()
-    shows(browser, "upload-words", " of 1.08 MB")
-    browser.picture(f"{PICTURES}/upload.png")
-    browser.element("upload-cancel").click()
-    shows(browser, "trouble", "The upload was cancelled.")
-    line(-1)
-    jobs = browser.script("return fetch('v1/jobs').then((one) => one.json())")["jobs"]
-    ok(not browser.element("upload").is_displayed() and all(job["voronoid"].get("name") != "slow.ply" for job in jobs),
-       "an upload that is cancelled leaves no job behind", jobs)
-
-
-def failed_job(browser):
-    head = b"ply\nformat ascii 1.0\nelement vertex 9\n" + b"".join(b"property float %c\n" % axis for axis in b"xyz") + b"end_header\n"
-    drop(browser, head + b"1 1 1\n" * 9, "one place.ply")
-    shows(browser, "cloud-words", "9 points")
-    ask(browser, points=5)
-    browser.element("run").click()
-    shows(browser, "state", "Failed")
-    shows(browser, "trouble", "the cloud has 1 distinct points, want at least 4")
-    ok(not browser.driver.find_elements(By.CSS_SELECTOR, "#takers button"), "a job that fails says why, and has nothing to take")
-    browser.picture(f"{PICTURES}/failed.png")
 
 
 def many_points(browser, folder):
@@ -731,7 +550,7 @@ def main():
     equal(codes, [0] * len(daemons), "the daemons end with 0")
     if os.environ.get("VT_SOAK") and not ok.failed:
         pictures.main(PICTURES, [one for one in CLOUDS if os.path.exists(one)])
-    print(f"1..{done}")
+    print(f"1..{ok.count}")
     sys.exit(1 if ok.failed else 0)
 
 

@@ -1,0 +1,76 @@
+"""What the page's tests say and wait for: claims as TAP, the form filled, a job's curve and result."""
+import base64
+import contextlib
+import traceback
+
+from browser import By, wait
+
+PICTURES = "build/page"
+
+
+def ok(is_true, sentence, why=""):
+    ok.count += 1
+    print(f"{'ok' if is_true else 'not ok'} {ok.count} - {sentence}", flush=True)
+    if not is_true:
+        print("\n".join(f"# {row}" for row in str(why).splitlines()), flush=True)
+        ok.failed = True
+
+
+def equal(got, wanted, sentence):
+    ok(got == wanted, sentence, f"got {got!r}, want {wanted!r}")
+
+
+ok.count, ok.failed = 0, False
+
+
+class Abandoned(Exception):
+    """A claim that others hang on does not hold, and was told."""
+
+
+@contextlib.contextmanager
+def claim(sentence):
+    """Holds once all that is waited for within it has come."""
+    try:
+        yield
+    except Exception as why:
+        ok(False, sentence, traceback.format_exc())
+        raise Abandoned from why
+    ok(True, sentence)
+
+
+def shows(browser, name, words):
+    return wait(f"{name} says {words!r}, and not {browser.text(name)!r}", lambda: words in browser.text(name))
+
+
+def drop(browser, cloud, name):
+    browser.drop(base64.b64encode(cloud).decode(), name)
+
+
+def ask(browser, **values):
+    """Fills the form; parameters that are folded away are unfolded first, as a person would."""
+    wait("the form is there", lambda: browser.driver.find_elements(By.ID, "ask-points"))
+    browser.script("document.querySelectorAll('#fields details').forEach((one) => { one.open = true; })")
+    for name, value in values.items():
+        field = browser.element(f"ask-{name}")
+        field.clear()
+        field.send_keys(str(value))
+    browser.script("document.querySelectorAll('#fields details').forEach((one) => { one.open = false; })")
+
+
+def charted(browser):
+    return int(browser.element("chart").get_attribute("data-points") or 0)
+
+
+def drawn(browser):
+    return int(browser.element("canvas").get_attribute("data-drawn") or 0)
+
+
+def finished(browser):
+    shows(browser, "state", "Done")
+    wait("a summary", lambda: "δ" in browser.text("summary"))
+    wait("the result is there to compare", lambda: browser.element("layouts").is_displayed())
+
+
+def filled(browser, **wanted):
+    got = browser.script("return arguments[0].map((name) => document.getElementById(`ask-${name}`)?.value)", list(wanted))
+    equal(got, [str(value) for value in wanted.values()], "opened again, a job fills the form with what it was asked for")
