@@ -151,9 +151,9 @@ int vor_spec_descends(const struct vor_spec *spec);
 uint32_t vor_spec_steps(const struct vor_spec *spec);
 
 /** What is done with outliers: what the request says, else ear drops them and other methods keep
- *  them. They hide the edges that ear is asked for: with one outlier in a hundred a block with
- *  steps and a gear have points 0.39 and 0.52 spacings from places on their edges, and 0.32 and
- * 0.46 without.
+ *  them. They hide the edges that ear is asked for: a wedge of 90 degrees, 18,000 points with noise
+ *  of 1 % of the diagonal, to as many: normals near the edge that are those of neither side 68 %,
+ *  and 2 % without the 422 points that noise took farthest off.
  *
  *  @return a VOR_OUTLIERS_... of core/spec/tables.h */
 int vor_spec_outliers(const struct vor_spec *spec);

@@ -43,11 +43,6 @@ enum { BESIDE = 7 };
  * by other methods: igea, bunny and a sphere have at most 0.13 % (input/edges.h), fandisk 10 %.
  * Igea of 30,000 points to 10,000, evened out with edges: delta 0.084, rms 9.5e-4. */
 #define EDGES_SHARE 0.005
-/* Neighbours of a fit from which that share says nothing, and the input counts as having edges, as
- * coarse ones do: of 6,000 points with noise of 1.6 spacings, six wedges of 90 degrees have 0.6 to
- * 2 % of the points on edges and spheres 1 to 1.3 %. Of six other such wedges, two were evened out
- * without edges, and 66 and 78 % of their normals near the edge smeared. */
-enum { EDGES_HIDDEN = 70 };
 /* Part of the samples that sides are looked for as if there were no more, where the points are
  * means: one mean for each sample, then. Of 22,000 normals of an armadillo with noise (lop.h) 23
  * face inwards, 35 without means. By lists that walks make 62, at 0.125 / 1 37 / 24, and 1.3 / 3.5
@@ -409,8 +404,7 @@ static vor_status look_for_edges(struct lop *lop, struct vor_error *err)
     if (status == VOR_OK)
         status = vor_edges_find(&edges, few.n > 0 ? &few : lop->domain, &whole, err);
     if (status == VOR_OK)
-        lop->smooth = lop->domain->known.neighbors.usual < EDGES_HIDDEN &&
-                      (double)edges.flagged < EDGES_SHARE * (double)edges.n;
+        lop->smooth = (double)edges.flagged < EDGES_SHARE * (double)edges.n;
     vor_edges_free(&edges);
     vor_domain_free(&few);
     return status;
