@@ -177,24 +177,6 @@ START_TEST(a_bar_follows_a_daemon_that_tells_stages)
 }
 END_TEST
 
-START_TEST(a_bar_follows_a_daemon_that_tells_no_stages)
-{
-    static const char *const events[] = {
-        "{\"iteration\":0,\"polish\":0,\"delta\":0.1,\"seconds\":1,\"maxIterations\":50,"
-        "\"maxPolish\":150}",
-        "{\"iteration\":20,\"polish\":0,\"delta\":0.25,\"seconds\":5,\"maxIterations\":50,"
-        "\"maxPolish\":150}",
-        "{\"iteration\":20,\"polish\":30,\"delta\":0.125,\"seconds\":8,\"maxIterations\":50,"
-        "\"maxPolish\":150}"};
-
-    ck_assert_str_eq(bar_of_events(events[0], events[1]),
-                     "\r\x1b[Kiterate   20/50   [---------]  10 %  delta 0.2500  20 s left");
-    ck_assert_str_eq(bar_of_events(events[1], events[2]),
-                     "\r\x1b[Kpolish   30/150  [####------]  40 %  delta 0.1250  12 s left");
-    ck_assert_str_eq(bar_of_events(events[1], "{\"delta\":1}"), "");
-}
-END_TEST
-
 /* What vor_progress_finish says on standard error. */
 static const char *summary(const char *report)
 {
@@ -249,7 +231,6 @@ int main(void)
     vt_add(suite, a_bar_fits_into_its_line);
     vt_add(suite, a_bar_is_not_drawn_for_every_record);
     vt_add(suite, a_bar_follows_a_daemon_that_tells_stages);
-    vt_add(suite, a_bar_follows_a_daemon_that_tells_no_stages);
     vt_add(suite, the_summary_names_iterations_and_polish_steps);
     return vt_run(suite);
 }
