@@ -201,7 +201,8 @@ static uint64_t count_narrowed(const struct vor_report *report, const struct vor
         double at[3];
 
         vor_cloud_position(cloud, i, at);
-        count += memcmp(at, &cloud->exact[3 * i], sizeof at) != 0;
+        count += memcmp((const unsigned char *)at, (const unsigned char *)&cloud->exact[3 * i],
+                        sizeof at) != 0;
     }
     return count;
 }

@@ -291,7 +291,8 @@ void vor_cloud_keep_double(struct vor_cloud *cloud, double **xyz)
         double at[3];
 
         vor_cloud_position(cloud, i, at);
-        if (memcmp(at, *xyz + 3 * i, sizeof at) == 0)
+        if (memcmp((const unsigned char *)at, (const unsigned char *)(*xyz + 3 * i), sizeof at) ==
+            0)
             continue;
         cloud->exact = *xyz;
         *xyz = NULL;

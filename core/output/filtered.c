@@ -122,7 +122,7 @@ static void put_position(struct work *work, struct vor_cloud *out, size_t i)
         float x = is_moved ? (float)((double)to[c] * domain->unit + domain->shift[c]) : from[c];
 
         out->xyz[3 * i + c] = x;
-        if (out->exact != NULL)
+        if (out->exact != NULL && work->in->exact != NULL)
             out->exact[3 * i + c] = is_moved ? out->origin[c] + (double)x
                                              : work->in->exact[3 * (size_t)work->source[i] + c];
     }

@@ -55,7 +55,7 @@ int vor_decimal_read_at(double *out, const char *text, unsigned index)
 
 int vor_decimal_are_counts(const char *text, double min, double max)
 {
-    double sorted[COUNTS_MAX], number;
+    double sorted[COUNTS_MAX] = {0}, number;
     unsigned count = 0, at;
 
     for (size_t length;; text += length + 1) {
