@@ -83,8 +83,8 @@ TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t tests/cli/*.t tests/golden/*.t)
 TESTS := $(TEST_SCRIPTS) $(TEST_BIN)
 
 # What sanitizers run, by what can go wrong; SANITIZE=all: everything but what only reads the build, and the page in its browser.
-# AddressSanitizer: what reads strangers' bytes, what fails allocations, HTTP, and each process once. Tests of the engine's inside
-# stay with the release build: they judge figures. ThreadSanitizer: the server's programs, in which threads meet, and every method
+# AddressSanitizer: what reads strangers' bytes, what fails allocations, HTTP, and each process once. Tests that judge figures stay
+# with the release build. ThreadSanitizer: the server's programs, in which threads meet, and every method
 # at three threads.
 SANITIZE ?= some
 ENGINE_INSIDE = $(shell grep -lE 'include "core/(geom|input|metrics|opt|seeds|cvt|kmeans|lop|mesh|output|baselines)/' $(TEST_SRC))
@@ -95,7 +95,8 @@ RELEASE_ALONE := $(BINARY_LAWS) $(wildcard tests/page/*.t)
 SANITIZED.asan.all = $(filter-out $(RELEASE_ALONE),$(TEST_SCRIPTS)) $(TEST_SRC)
 SANITIZED.tsan.all = $(SANITIZED.asan.all)
 SANITIZED.asan.some = $(filter-out tests/http/contract.t tests/http/readme.t,$(wildcard tests/http/*.t)) \
-    $(addprefix tests/cli/,convert.t faces.t measure.t resample.t) tests/golden/golden.t $(filter-out $(ENGINE_INSIDE),$(TEST_SRC)) $(wildcard $(DRIVERS) tests/kinds/*.c)
+    $(addprefix tests/cli/,convert.t faces.t measure.t resample.t) $(filter-out $(ENGINE_INSIDE),$(filter tests/unit/%,$(TEST_SRC))) \
+    $(wildcard tests/property/*_roundtrip.c tests/kinds/*.c) $(addprefix tests/property/,ply_number.c engine_memory.c store_model.c) $(DRIVERS)
 SANITIZED.tsan.some = $(MET:%=tests/http/%.t) $(shell grep -lE 'include "server/' $(TEST_SRC)) $(wildcard $(THREADED))
 ifneq ($(filter asan tsan,$(config)),)
 SANITIZED := $(sort $(SANITIZED.$(config).$(SANITIZE)))
