@@ -148,7 +148,10 @@ is $daemon->status($job), 'successful', 'the job ended while draining';
 $job = $daemon->submit($long, $cloud);
 wait_until(sub { $daemon->status($job) eq 'running' });
 is $daemon->stop, 0, 'with no time to drain it ends too';
-$daemon = Vt->start(dir => $daemon->{dir}, 'drain-timeout' => 3600);
+{ # a daemon that is ended so leaves its threads as they are, which ThreadSanitizer would take for a leak
+    local $ENV{TSAN_OPTIONS} = join ':', $ENV{TSAN_OPTIONS} // (), 'report_thread_leaks=0';
+    $daemon = Vt->start(dir => $daemon->{dir}, 'drain-timeout' => 3600);
+}
 like $daemon->status($job), qr/^(accepted|running)$/, 'its running job was put back';
 wait_until(sub { $daemon->status($job) eq 'running' });
 kill 'TERM', $daemon->{pid};
