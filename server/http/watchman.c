@@ -172,8 +172,8 @@ static void check_row(struct vor_watchman *watchman, const struct vor_row *row, 
         bool late = peer->row != VOR_ROW_CUT && is_late(watchman, peer, now);
 
         next = peer->next; /* a cut one changes its row */
-        /* Whoever sends on and on may keep the library from seeing that nothing is read any more:
-         * it finds bytes each time that it looks. Those are answered with a reset from now on. */
+        /* A client that keeps sending can hide the end of reading from the library, which finds
+         * bytes each time it looks. From now on such bytes are answered with a reset. */
         if (peer->row == VOR_ROW_CUT && now >= peer->look_at)
             (void)shutdown(peer->fd, SHUT_RDWR);
         if (peer->wake_at > 0 && now >= peer->wake_at) {
