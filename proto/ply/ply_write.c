@@ -81,7 +81,7 @@ static int is_taken(const struct writer *writer, const char *name)
 }
 
 /* Blanks and control characters become '_'; a name that is taken gets "_2", "_3" ... */
-static void set_name(const struct writer *writer, struct field *field, const char *name)
+static void set_free_name(const struct writer *writer, char to[NAME_SIZE], const char *name)
 {
     char base[NAME_SIZE - 12];
 
@@ -89,23 +89,18 @@ static void set_name(const struct writer *writer, struct field *field, const cha
     for (size_t i = 0; base[i] != '\0'; i++)
         if ((uint8_t)base[i] <= 0x20 || base[i] == 0x7f)
             base[i] = '_';
-    (void)snprintf(field->name, sizeof field->name, "%s", base);
-    for (unsigned suffix = 2; is_taken(writer, field->name); suffix++)
-        (void)snprintf(field->name, sizeof field->name, "%s_%u", base, suffix);
+    (void)snprintf(to, NAME_SIZE, "%s", base);
+    for (unsigned suffix = 2; is_taken(writer, to); suffix++)
+        (void)snprintf(to, NAME_SIZE, "%s_%u", base, suffix);
 }
 
-/* Adds a field under a custom name as it is, or else under another that is free. */
-static void add_field(struct writer *writer, const char *custom, const char *name,
-                      const struct field *values)
+/* Adds a field under a name as it is. */
+static void add_field(struct writer *writer, const char *name, const struct field *values)
 {
-    struct field *field = &writer->fields[writer->field_count];
+    struct field *field = &writer->fields[writer->field_count++];
 
     *field = *values;
-    if (custom != NULL)
-        (void)snprintf(field->name, sizeof field->name, "%s", custom);
-    else
-        set_name(writer, field, name);
-    writer->field_count++;
+    (void)snprintf(field->name, sizeof field->name, "%s", name);
 }
 
 static void add_coordinates(struct writer *writer)
@@ -119,7 +114,7 @@ static void add_coordinates(struct writer *writer)
             field.from = (const uint8_t *)(writer->cloud->exact + c);
             field.from_stride = 3 * sizeof *writer->cloud->exact;
         }
-        add_field(writer, name, NULL, &field);
+        add_field(writer, name, &field);
     }
 }
 
@@ -130,7 +125,7 @@ static void add_attribute(struct writer *writer, const struct vor_attribute *att
     struct field field = {.from_type = attribute->type,
                           .type = attribute->type,
                           .from_stride = attribute->components * size};
-    char name[NAME_SIZE];
+    char name[NAME_SIZE], free_name[NAME_SIZE];
 
     if (attribute->type == VOR_INT64 || attribute->type == VOR_UINT64)
         field.type = VOR_FLOAT64;
@@ -140,7 +135,8 @@ static void add_attribute(struct writer *writer, const struct vor_attribute *att
             (void)snprintf(name, sizeof name, "%s", attribute->name);
         else
             (void)snprintf(name, sizeof name, "%s_%u", attribute->name, i);
-        add_field(writer, names != NULL ? names[i] : NULL, name, &field);
+        set_free_name(writer, free_name, name);
+        add_field(writer, names != NULL ? names[i] : free_name, &field);
     }
 }
 
