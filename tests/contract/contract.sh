@@ -50,15 +50,12 @@ echo "== tsc over the page"
 
 echo "== client.ts and a daemon"
 rm -rf data
+: >daemon.log
 "$voronoid" serve --listen 127.0.0.1:0 --data data >daemon.out 2>daemon.log &
 daemon=$!
 trap 'kill "$daemon"' EXIT
-for _ in $(seq 200); do
-    address=$(sed -n 's/.*"msg":"listening","address":"\([^"]*\)".*/\1/p' daemon.log)
-    [ -z "$address" ] || break
-    sleep 0.1
-done
-node client.js "http://$address"
+url=$("$here/../demo/listening.sh" daemon.log "$daemon")
+node client.js "$url"
 
 # Tests of our results with packages that stand in package.json.
 mapfile -t tests < <(find "$here" -maxdepth 1 -name '*.t')
