@@ -230,12 +230,12 @@ struct vor_stage_done {
     X(U64, one_sided, "one_sided", "",                                                             \
       "Connected parts of the input that have one side only, as a Moebius band has: no signs of "  \
       "their normals are consistent. 0 where the run did not look for the sides")                  \
-    X(APART, in_to_out, "in_to_out", "",                                                           \
+    X(APART, ref_to_out, "ref_to_out", "",                                                         \
       "Distances from the points of the input to the nearest of the result. Points that share a "  \
       "place count once, ignored outliers not at all, and points that were moved off a lattice "   \
       "from where they went. Of more than 200000, so many are taken, at equal steps along a "      \
       "curve through the input: mean and rms are estimates then, and max is a lower bound")        \
-    X(APART, out_to_in, "out_to_in", "",                                                           \
+    X(APART, out_to_ref, "out_to_ref", "",                                                         \
       "Distances from all points of the result to the nearest of the same points of the input")    \
     X(U64, boundary_points, "boundary_points", "points",                                           \
       "Points of the result that lie where the input ends, whatever boundary says: none on a "     \
@@ -338,9 +338,7 @@ void vor_report_stage(struct vor_report *report, enum vor_run_stage stage, uint3
 const char *vor_report_steps(const struct vor_report *report, char *out, size_t size);
 
 /** How evenly a cloud is spread and, with a reference, how far it is from that; names and
- *  definitions of Xiao 2024 Sec. V-B. Lengths beside a reference are over the diagonal of its
- *  bounding box, unless their unit says otherwise; mse and psnr as mpeg-pcc-dmetric
- *  (metrics/distortion.h). */
+ *  definitions of Xiao 2024 Sec. V-B. mse and psnr as mpeg-pcc-dmetric (metrics/distortion.h). */
 #define VOR_MEASURE_TABLE(X)                                                                       \
     X(U64, n, "n", "points", "Points of the cloud")                                                \
     X(REAL, delta, "delta", "",                                                                    \
@@ -363,22 +361,24 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
       "point to its 6th neighbour")                                                                \
     X(REAL, far_over_knn6_p999, "input.far_over_knn6_p999", "",                                    \
       "The same over the 99.9th percentile of those distances")                                    \
-    X(REAL, out_to_ref_mean, "input.out_to_ref_mean", "diagonal of the reference",                 \
+    X(REAL, out_to_ref_mean, "input.out_to_ref_mean", "unit of the cloud",                         \
       "Mean distance of a point to the nearest reference point")                                   \
-    X(REAL, out_to_ref_rms, "input.out_to_ref_rms", "diagonal of the reference",                   \
+    X(REAL, out_to_ref_rms, "input.out_to_ref_rms", "unit of the cloud",                           \
       "Root mean square of those distances")                                                       \
-    X(REAL, out_to_ref_max, "input.out_to_ref_max", "diagonal of the reference",                   \
+    X(REAL, out_to_ref_max, "input.out_to_ref_max", "unit of the cloud",                           \
       "Largest of those distances")                                                                \
-    X(REAL, ref_to_out_mean, "input.ref_to_out_mean", "diagonal of the reference",                 \
+    X(REAL, ref_to_out_mean, "input.ref_to_out_mean", "unit of the cloud",                         \
       "Mean distance of a reference point to the nearest point")                                   \
-    X(REAL, ref_to_out_rms, "input.ref_to_out_rms", "diagonal of the reference",                   \
+    X(REAL, ref_to_out_rms, "input.ref_to_out_rms", "unit of the cloud",                           \
       "Root mean square of those distances")                                                       \
-    X(REAL, ref_to_out_max, "input.ref_to_out_max", "diagonal of the reference",                   \
+    X(REAL, ref_to_out_max, "input.ref_to_out_max", "unit of the cloud",                           \
       "Largest of those distances")                                                                \
-    X(REAL, hausdorff, "input.hausdorff", "diagonal of the reference",                             \
-      "The larger of both largest distances")                                                      \
-    X(REAL, chamfer, "input.chamfer", "diagonal of the reference",                                 \
-      "The sum of both means, of distances and not of their squares")                              \
+    X(REAL, hausdorff, "input.hausdorff", "unit of the cloud",                                     \
+      "Hausdorff distance: the larger of out_to_ref_max and ref_to_out_max")                       \
+    X(REAL, hausdorff_relative, "input.hausdorff_relative", "",                                    \
+      "hausdorff over the diagonal of the reference's bounding box")                               \
+    X(REAL, chamfer, "input.chamfer", "unit of the cloud",                                         \
+      "Chamfer distance: out_to_ref_mean + ref_to_out_mean (of distances, not of their squares)")  \
     X(REAL, d1_mse, "input.d1_mse", "unit of the cloud^2",                                         \
       "Mean squared distance point to point, of the worse direction")                              \
     X(REAL, d1_psnr, "input.d1_psnr", "dB", "10 log10(3 peak^2 / d1_mse); null where that is 0")   \

@@ -99,7 +99,7 @@ static vor_status measure_seeds(struct vor_baseline *out, struct vor_seeds *seed
     if (status == VOR_OK)
         status = vor_seeds_six_share(&out->six_share, seeds, err);
     if (status == VOR_OK)
-        status = vor_compare_in_to_out(&far, seeds, err);
+        status = vor_compare_ref_to_out(&far, seeds, err);
     if (status == VOR_OK) {
         vor_uniformity_from(&apart, nearest, seeds->n);
         out->points = seeds->n;
@@ -107,7 +107,7 @@ static vor_status measure_seeds(struct vor_baseline *out, struct vor_seeds *seed
         out->sigma = even.sigma * unit;
         out->epsilon = even.epsilon;
         out->spacing = apart.mean * unit;
-        out->in_to_out =
+        out->ref_to_out =
             (struct vor_apart){far.mean * unit, far.rms * unit, far.max * unit, far.points};
     }
     vor_free(seeds->run.memory, nearest);

@@ -72,17 +72,18 @@ static double diagonal(const float *xyz, size_t n)
     return sqrt(sum);
 }
 
-/* Sets the distances of both directions, divided by `length`, the diagonal. */
+/* Sets the distances of both directions; `length` is the diagonal of the reference. */
 static void put_directions(struct vor_distances *out, const struct vor_stat *to_reference,
                            const struct vor_stat *to_cloud, double length)
 {
-    out->out_to_ref_mean = to_reference->mean / length;
-    out->out_to_ref_rms = to_reference->rms / length;
-    out->out_to_ref_max = to_reference->max / length;
-    out->ref_to_out_mean = to_cloud->mean / length;
-    out->ref_to_out_rms = to_cloud->rms / length;
-    out->ref_to_out_max = to_cloud->max / length;
+    out->out_to_ref_mean = to_reference->mean;
+    out->out_to_ref_rms = to_reference->rms;
+    out->out_to_ref_max = to_reference->max;
+    out->ref_to_out_mean = to_cloud->mean;
+    out->ref_to_out_rms = to_cloud->rms;
+    out->ref_to_out_max = to_cloud->max;
     out->hausdorff = fmax(out->out_to_ref_max, out->ref_to_out_max);
+    out->hausdorff_relative = out->hausdorff / length;
     out->chamfer = out->out_to_ref_mean + out->ref_to_out_mean;
 }
 

@@ -1,4 +1,4 @@
-/** Distances between two clouds, over the bounding-box diagonal of the second. */
+/** Distances between two clouds, in the unit of their positions. */
 #ifndef VOR_METRICS_DISTANCE_H
 #define VOR_METRICS_DISTANCE_H
 
@@ -9,7 +9,7 @@ struct vor_distances {
     double far_over_knn6_mean, far_over_knn6_p999;
     double out_to_ref_mean, out_to_ref_rms, out_to_ref_max;
     double ref_to_out_mean, ref_to_out_rms, ref_to_out_max;
-    double hausdorff, chamfer;
+    double hausdorff, hausdorff_relative, chamfer;
 };
 
 /** Measures the distances from n points to m reference points and back.

@@ -41,19 +41,21 @@ static vor_status measure_even(struct vor_measure *out, const float *xyz, size_t
     return status;
 }
 
-static void put_distances(struct vor_measure *measure, const struct vor_distances *distances)
+static void put_distances(struct vor_measure *measure, const struct vor_distances *distances,
+                          double unit)
 {
     measure->has_reference = 1;
     measure->far_over_knn6_mean = distances->far_over_knn6_mean;
     measure->far_over_knn6_p999 = distances->far_over_knn6_p999;
-    measure->out_to_ref_mean = distances->out_to_ref_mean;
-    measure->out_to_ref_rms = distances->out_to_ref_rms;
-    measure->out_to_ref_max = distances->out_to_ref_max;
-    measure->ref_to_out_mean = distances->ref_to_out_mean;
-    measure->ref_to_out_rms = distances->ref_to_out_rms;
-    measure->ref_to_out_max = distances->ref_to_out_max;
-    measure->hausdorff = distances->hausdorff;
-    measure->chamfer = distances->chamfer;
+    measure->out_to_ref_mean = distances->out_to_ref_mean * unit;
+    measure->out_to_ref_rms = distances->out_to_ref_rms * unit;
+    measure->out_to_ref_max = distances->out_to_ref_max * unit;
+    measure->ref_to_out_mean = distances->ref_to_out_mean * unit;
+    measure->ref_to_out_rms = distances->ref_to_out_rms * unit;
+    measure->ref_to_out_max = distances->ref_to_out_max * unit;
+    measure->hausdorff = distances->hausdorff * unit;
+    measure->hausdorff_relative = distances->hausdorff_relative;
+    measure->chamfer = distances->chamfer * unit;
 }
 
 static void put_distortion(struct vor_measure *measure, const struct vor_distortion *distortion,
@@ -80,7 +82,7 @@ static vor_status measure_against(struct vor_measure *measure,
         status = vor_distortion_measure(&distortion, pair, run, err);
     if (status != VOR_OK)
         return status;
-    put_distances(measure, &distances);
+    put_distances(measure, &distances, unit);
     put_distortion(measure, &distortion, unit, peak);
     return VOR_OK;
 }

@@ -225,8 +225,8 @@ static vor_status over_blocks(struct vor_compare_apart *out, struct compare *com
     return status;
 }
 
-vor_status vor_compare_in_to_out(struct vor_compare_apart *out, struct vor_seeds *seeds,
-                                 struct vor_error *err)
+vor_status vor_compare_ref_to_out(struct vor_compare_apart *out, struct vor_seeds *seeds,
+                                  struct vor_error *err)
 {
     struct compare compare = {.seeds = seeds, .points = seeds->domain->n};
     struct vor_knn *knn = NULL;
@@ -249,9 +249,9 @@ vor_status vor_compare(struct vor_comparison *out, struct vor_seeds *seeds, doub
     vor_status status;
 
     assert(vor_seeds_on_whole(seeds));
-    status = over_blocks(&found.out_to_in, &compare, seeds->n, out_block, err);
+    status = over_blocks(&found.out_to_ref, &compare, seeds->n, out_block, err);
     if (status == VOR_OK)
-        status = vor_compare_in_to_out(&found.in_to_out, seeds, err);
+        status = vor_compare_ref_to_out(&found.ref_to_out, seeds, err);
     if (status != VOR_OK)
         return status;
     found.border = atomic_load(&compare.border);

@@ -27,10 +27,10 @@ struct vor_compare_apart {
 
 /** What a comparison finds. */
 struct vor_comparison {
-    struct vor_compare_apart in_to_out; /**< from the domain's points, or VOR_COMPARE_POINTS of them
-                                             at equal steps along their order */
-    struct vor_compare_apart out_to_in; /**< from all seeds */
-    uint64_t border;                    /**< seeds at the border of the input */
+    struct vor_compare_apart ref_to_out;    /**< from the domain's points, or VOR_COMPARE_POINTS of
+                                               them    at equal steps along their order */
+    struct vor_compare_apart out_to_ref;    /**< from all seeds */
+    uint64_t border;                        /**< seeds at the border of the input */
     uint64_t fitted[VOR_NEIGHBORS_MAX + 1]; /**< fitted[k]: seeds whose surface is fitted to k */
 };
 
@@ -48,13 +48,13 @@ struct vor_comparison {
 VOR_NODISCARD vor_status vor_compare(struct vor_comparison *out, struct vor_seeds *seeds,
                                      double spacing, int refined, struct vor_error *err);
 
-/** Measures the distances from the domain's points to the nearest seed alone: in_to_out of a
+/** Measures the distances from the domain's points to the nearest seed alone: ref_to_out of a
  *  comparison.
  *
  *  @param[in] seeds  read: domain, n, xyz, run
  *
  *  Fails as vor_compare. O(n log n), on the run's pool. The same bits for any number of threads. */
-VOR_NODISCARD vor_status vor_compare_in_to_out(struct vor_compare_apart *out,
-                                               struct vor_seeds *seeds, struct vor_error *err);
+VOR_NODISCARD vor_status vor_compare_ref_to_out(struct vor_compare_apart *out,
+                                                struct vor_seeds *seeds, struct vor_error *err);
 
 #endif

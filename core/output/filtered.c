@@ -289,8 +289,8 @@ static vor_status report_apart(struct vor_report *report, struct work *work, str
     if (status == VOR_OK) {
         for (size_t b = 0; b < 2 * blocks; b++)
             vor_sums_merge(&all[b % 2], &work->block[b]);
-        report->in_to_out = in_unit(&all[0], work->n, work->domain->unit);
-        report->out_to_in = in_unit(&all[1], work->n, work->domain->unit);
+        report->ref_to_out = in_unit(&all[0], work->n, work->domain->unit);
+        report->out_to_ref = in_unit(&all[1], work->n, work->domain->unit);
     }
     vor_knn_free(knn);
     return status;

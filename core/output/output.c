@@ -73,8 +73,8 @@ static struct vor_apart in_unit(const struct vor_compare_apart *apart, double un
 static void report_comparison(struct vor_report *report, const struct vor_comparison *found,
                               double unit)
 {
-    report->in_to_out = in_unit(&found->in_to_out, unit);
-    report->out_to_in = in_unit(&found->out_to_in, unit);
+    report->ref_to_out = in_unit(&found->ref_to_out, unit);
+    report->out_to_ref = in_unit(&found->out_to_ref, unit);
     report->boundary_points = found->border;
     for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX; k++)
         if (found->fitted[k] > 0) {

@@ -158,7 +158,7 @@ struct vor_hole_told {
     X(REAL, epsilon, "epsilon", "", "As epsilon of the result")                                    \
     X(REAL, spacing, "spacing", "unit of the cloud", "Mean distance to the nearest neighbour")     \
     X(REAL, six_share, "six_share", "", "Share of the points with six Voronoi neighbours")         \
-    X(APART, in_to_out, "in_to_out", "", "As in_to_out of the result")
+    X(APART, ref_to_out, "ref_to_out", "", "As ref_to_out of the result")
 
 struct vor_baseline {
     VOR_BASELINE_TABLE(VOR_FIELD)

@@ -253,7 +253,7 @@ static void say_faces(const struct vor_progress *progress, const struct vor_json
 static void say_row(const struct vor_progress *progress, const char *name, double points,
                     const struct vor_json *told)
 {
-    const struct vor_json *apart = vor_json_get(told, "in_to_out");
+    const struct vor_json *apart = vor_json_get(told, "ref_to_out");
     char line[160];
 
     (void)snprintf(line, sizeof line,

@@ -50,7 +50,7 @@ function rows(report, schema, prefix = '') {
 }
 
 /* How far input and result lie from each other, of both ways at once. */
-function apart({ in_to_out: there, out_to_in: back }, unit) {
+function apart({ ref_to_out: there, out_to_ref: back }, unit) {
     if (!there || !back) return [];
     const far = (name, value, description) => row(name, value, { description, 'x-unit': unit });
     return [make('h3', {}, 'Beside the input'), make('dl', {},

@@ -92,7 +92,7 @@ sub baseline_rows {
         [
             "$row->{name}, $_", $_ eq 'result' ? $report->{points}{out} : $told->{points},
             map({ number($told->{$_}) } qw(delta sigma six_share)),
-            map({ number($told->{in_to_out}{$_} / $report->{spacing}) } qw(mean max)),
+            map({ number($told->{ref_to_out}{$_} / $report->{spacing}) } qw(mean max)),
             $_ eq 'result' ? number($run->{engine}) : $_ eq 'farthest' ? number($stage->{seconds}) : '',
         ]
     } qw(result kmeans random voxel farthest);

@@ -7,7 +7,7 @@ use utf8;
 use lib 'tests/bench';
 use Bench;
 use JSON::PP;
-use List::Util qw(max min shuffle);
+use List::Util qw(shuffle);
 
 my $out = begin('Order');
 my @rows = (
@@ -19,14 +19,13 @@ my @costs = map { { name => "order_torus$_", points => $_ } } 100_000, 1_000_000
 my @shares = (1 / 64, 1 / 32, 1 / 16, 0.1, 1 / 8, 1 / 4, 0.3, 0.5, 0.7, 0.9);
 my @bare = qw(--attributes drop --normals drop);
 
-# A PLY of positions alone: header, type of the coordinates, one string a point.
+# A PLY of positions alone: header, one string a point.
 sub cloud {
     my ($path) = @_;
     open my $in, '<:raw', $path or die "$path: $!\n";
     local $/;
     my ($header, $body) = <$in> =~ /\A(ply\n.*?end_header\n)(.*)\z/s;
-    my $type = $header =~ /^property double/m ? 'd<' : 'f<';
-    return ($header, $type, unpack $type eq 'd<' ? '(a24)*' : '(a12)*', $body);
+    return ($header, unpack $header =~ /^property double/m ? '(a24)*' : '(a12)*', $body);
 }
 
 sub measured {
@@ -44,22 +43,11 @@ sub write_first {
     return $path;
 }
 
-sub diagonal {
-    my ($type, @points) = @_;
-    my @x = map { [unpack "($type)3", $_] } @points;
-    my $sum = 0;
-    for my $c (0 .. 2) {
-        my @coordinates = map { $_->[$c] } @x;
-        $sum += (max(@coordinates) - min(@coordinates))**2;
-    }
-    return sqrt $sum;
-}
-
 # Delta of so many points, and how far the farthest of all is from them over what it is in a lattice as dense.
 sub firsts {
-    my ($whole, $header, $type, @points) = @_;
+    my ($whole, $header, @points) = @_;
     my $n = @points;
-    my $gap = measured($whole)->{mean_nn} / sqrt(3) / diagonal($type, @points);
+    my $gap = measured($whole)->{mean_nn} / sqrt(3);
     return map {
         my $count = int($_ * $n + 0.5);
         my $m = measured(write_first("$out/first.ply", $header, @points[0 .. $count - 1]), '--reference', $whole);
@@ -84,10 +72,10 @@ for my $row (grep { wanted($_->{name}) } @rows) {
     }
     my $whole = "$out/whole.ply";
     resample($row->{input}, $whole, '--points', $row->{points}, @bare, '--order', 'progressive');
-    my ($header, $type, @points) = cloud($whole);
+    my ($header, @points) = cloud($whole);
     srand 1;
-    push @table, ["$row->{name} → $row->{points}", 'progressive', firsts($whole, $header, $type, @points)],
-        ['', 'a draw', firsts($whole, $header, $type, shuffle(@points))], ['', 'a run of so many', runs_of($row)],
+    push @table, ["$row->{name} → $row->{points}", 'progressive', firsts($whole, $header, @points)],
+        ['', 'a draw', firsts($whole, $header, shuffle(@points))], ['', 'a run of so many', runs_of($row)],
         ['', 'the same, --polish 0', runs_of($row, '--polish', 0)];
     unlink $whole, "$out/first.ply";
 }

@@ -29,7 +29,7 @@ is_deeply \@rows, [qw(result kmeans random voxel farthest)], 'the terminal has a
 ($code, $stdout) = run([@request, '--baselines=true', '--json']);
 my $here = decode_json((split /\n/, $stdout)[-1]);
 is_deeply [sort keys %{ $here->{baselines} }], [qw(farthest kmeans random voxel)], 'the report has each of them';
-is_deeply [sort keys %{ $here->{baselines}{voxel} }], [qw(delta epsilon in_to_out points sigma six_share spacing)], 'with these members';
+is_deeply [sort keys %{ $here->{baselines}{voxel} }], [qw(delta epsilon points ref_to_out sigma six_share spacing)], 'with these members';
 is $here->{baselines}{random}{points}, 100, 'as many points as the result';
 cmp_ok $here->{delta}, '<', $here->{baselines}{kmeans}{delta}, 'the result is more even';
 is_deeply $here->{stages}[-1]{stage}, 'baselines', 'they are the last stage';

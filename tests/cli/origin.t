@@ -43,7 +43,7 @@ unlike $err, qr/origin/, 'PLY has the coordinates of the input';
 
 # The origin of a Draco file is applied when it is read.
 my $measured = decode_json((run(['measure', "$dir/a.drc", '--reference', "$dir/a.ply"]))[1]);
-cmp_ok $measured->{input}{hausdorff}, '<', 1e-4, 'the Draco file holds the points of the PLY file';
+cmp_ok $measured->{input}{hausdorff_relative}, '<', 1e-4, 'the Draco file holds the points of the PLY file';
 
 # points never moves the frame.
 my %frames;

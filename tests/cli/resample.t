@@ -72,12 +72,12 @@ subtest 'lines of JSON' => sub {
     is $records[-1]{best}{delta}, $report->{delta}, 'the last best is the report\'s';
     is join(' ', sort keys %$report),
         join(' ', sort qw(points delta sigma epsilon iterations polish_steps stopped warnings stages seconds
-            memory_peak_bytes invalid faces samples dropped outliers components islands lattice orientation one_sided in_to_out out_to_in boundary_points neighbors_histogram held held_ever fallbacks parameters area spacing min_over_mean max_over_mean
+            memory_peak_bytes invalid faces samples dropped outliers components islands lattice orientation one_sided ref_to_out out_to_ref boundary_points neighbors_histogram held held_ever fallbacks parameters area spacing min_over_mean max_over_mean
             six_share bisectors_per_cell triangles_per_cell queries list_rebuilds origin)), 'the report has its shape';
     is join(' ', sort keys %{ $report->{seconds} }), 'index init iterate polish read write', 'so have its seconds';
     is_deeply $report->{lattice}, { x => 0, y => 0, z => 0, moved => 0 }, 'it finds no lattice in a cloud without one';
-    is "$report->{in_to_out}{points} $report->{out_to_in}{points}", '4000 500', 'it says from how many points distances are';
-    cmp_ok $report->{in_to_out}{mean}, '<=', $report->{in_to_out}{rms}, 'a mean is at most the rms';
+    is "$report->{ref_to_out}{points} $report->{out_to_ref}{points}", '4000 500', 'it says from how many points distances are';
+    cmp_ok $report->{ref_to_out}{mean}, '<=', $report->{ref_to_out}{rms}, 'a mean is at most the rms';
     is_deeply [map { $_->{neighbors} } @{ $report->{neighbors_histogram} }], [20], 'it says what surfaces were fitted to';
     my $fitted = 0;
     $fitted += $_->{points} for @{ $report->{neighbors_histogram} };

@@ -30,7 +30,7 @@ START_TEST(the_result_is_the_same_with_baselines_beside_it)
     ck_assert_int_eq(with.has_baselines, 1);
     ck_assert_int_eq(without.has_baselines, 0);
     ck_assert_double_eq(with.delta, without.delta);
-    ck_assert_double_eq(with.in_to_out.max, without.in_to_out.max);
+    ck_assert_double_eq(with.ref_to_out.max, without.ref_to_out.max);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
     vt_engine_close(&engine);
@@ -61,9 +61,9 @@ START_TEST(each_is_as_even_as_its_method_is_known_to_be)
     ck_assert_double_lt(2 * report.delta, report.kmeans.delta);
     ck_assert_double_gt(report.six_share, report.kmeans.six_share);
     ck_assert_double_gt(report.kmeans.six_share, report.random.six_share);
-    ck_assert_double_lt(report.farthest.in_to_out.max, 0.6 * report.random.in_to_out.max);
-    ck_assert_double_lt(report.in_to_out.mean, report.random.in_to_out.mean);
-    ck_assert_uint_eq(report.random.in_to_out.points, N);
+    ck_assert_double_lt(report.farthest.ref_to_out.max, 0.6 * report.random.ref_to_out.max);
+    ck_assert_double_lt(report.ref_to_out.mean, report.random.ref_to_out.mean);
+    ck_assert_uint_eq(report.random.ref_to_out.points, N);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
     vt_engine_close(&engine);
@@ -90,8 +90,8 @@ START_TEST(kmeans_is_the_method_of_that_name)
     ck_assert_double_eq(beside.kmeans.spacing, own.spacing_mean);
     /* Those of the method lie on the surfaces that its last steps found. */
     ck_assert_double_eq_tol(beside.kmeans.six_share, own.six_share, 0.03);
-    ck_assert_double_eq(beside.kmeans.in_to_out.mean, own.in_to_out.mean);
-    ck_assert_double_eq(beside.kmeans.in_to_out.max, own.in_to_out.max);
+    ck_assert_double_eq(beside.kmeans.ref_to_out.mean, own.ref_to_out.mean);
+    ck_assert_double_eq(beside.kmeans.ref_to_out.max, own.ref_to_out.max);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
     vt_engine_close(&engine);
@@ -149,7 +149,7 @@ START_TEST(of_fewer_input_points_all_are_taken)
     ck_assert_uint_le(report.voxel.points, 300);
     ck_assert_uint_ge(report.voxel.points, 290);
     ck_assert_double_eq(report.random.delta, report.farthest.delta);
-    ck_assert_double_eq(report.farthest.in_to_out.max, 0);
+    ck_assert_double_eq(report.farthest.ref_to_out.max, 0);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
     vt_engine_close(&engine);

@@ -67,16 +67,13 @@ START_TEST(hausdorff_chamfer_and_d1_are_the_same_from_either_side)
 {
     struct two two;
     struct vor_measure forth, back;
-    double here, there;
 
     open_two(&two, (uint64_t)_i);
     forth = measure(&two.cloud, &two.reference, 1, 2);
     back = measure(&two.reference, &two.cloud, 1, 2);
-    here = diagonal(&two.reference);
-    there = diagonal(&two.cloud);
-    assert_near(forth.hausdorff * here, back.hausdorff * there);
-    assert_near(forth.chamfer * here, back.chamfer * there);
-    assert_near(forth.out_to_ref_rms * here, back.ref_to_out_rms * there);
+    assert_near(forth.hausdorff, back.hausdorff);
+    assert_near(forth.chamfer, back.chamfer);
+    assert_near(forth.out_to_ref_rms, back.ref_to_out_rms);
     assert_near(forth.d1_mse, back.d1_mse);
     assert_near(forth.d1_psnr, back.d1_psnr);
     close_two(&two);
@@ -87,17 +84,16 @@ START_TEST(the_distances_fit_together)
 {
     struct two two;
     struct vor_measure m;
-    double length;
 
     open_two(&two, (uint64_t)_i);
     m = measure(&two.cloud, &two.reference, 0, 2);
-    length = diagonal(&two.reference);
     ck_assert(m.out_to_ref_mean < m.out_to_ref_rms && m.out_to_ref_rms < m.out_to_ref_max);
     ck_assert(m.ref_to_out_mean < m.ref_to_out_rms && m.ref_to_out_rms < m.ref_to_out_max);
     ck_assert(m.hausdorff == fmax(m.out_to_ref_max, m.ref_to_out_max));
+    assert_near(m.hausdorff_relative, m.hausdorff / diagonal(&two.reference));
     ck_assert(m.chamfer == m.out_to_ref_mean + m.ref_to_out_mean);
     /* No points coincide, so D1 is the square of the larger rms. */
-    assert_near(m.d1_mse, pow(fmax(m.out_to_ref_rms, m.ref_to_out_rms) * length, 2));
+    assert_near(m.d1_mse, pow(fmax(m.out_to_ref_rms, m.ref_to_out_rms), 2));
     ck_assert(m.d2_mse > 0 && m.d2_mse < m.d1_mse);
     ck_assert(m.d2_psnr > m.d1_psnr);
     assert_near(m.d1_psnr, 10 * log10(3 * m.peak * m.peak / m.d1_mse));
@@ -105,7 +101,7 @@ START_TEST(the_distances_fit_together)
 }
 END_TEST
 
-START_TEST(scale_changes_errors_by_its_square_and_no_psnr)
+START_TEST(scale_changes_lengths_by_itself_and_errors_by_its_square_and_no_psnr)
 {
     const double scale = 3.28084;
     struct two two;
@@ -124,8 +120,9 @@ START_TEST(scale_changes_errors_by_its_square_and_no_psnr)
     ck_assert_double_eq_tol(k.peak / m.peak, scale, 1e-5);
     ck_assert_double_eq_tol(k.d1_psnr, m.d1_psnr, 1e-4);
     ck_assert_double_eq_tol(k.d2_psnr, m.d2_psnr, 1e-2);
-    ck_assert_double_eq_tol(k.hausdorff, m.hausdorff, 1e-6);
-    ck_assert_double_eq_tol(k.chamfer, m.chamfer, 1e-6);
+    ck_assert_double_eq_tol(k.hausdorff / m.hausdorff, scale, 1e-5);
+    ck_assert_double_eq_tol(k.hausdorff_relative, m.hausdorff_relative, 1e-6);
+    ck_assert_double_eq_tol(k.chamfer / m.chamfer, scale, 1e-5);
     close_two(&two);
 }
 END_TEST
@@ -175,7 +172,8 @@ int main(void)
 
     vt_add_loop(suite, hausdorff_chamfer_and_d1_are_the_same_from_either_side, VT_ONCE(SEEDS));
     vt_add_loop(suite, the_distances_fit_together, VT_ONCE(SEEDS));
-    vt_add_loop(suite, scale_changes_errors_by_its_square_and_no_psnr, VT_ONCE(SEEDS));
+    vt_add_loop(suite, scale_changes_lengths_by_itself_and_errors_by_its_square_and_no_psnr,
+                VT_ONCE(SEEDS));
     vt_add(suite, a_peak_of_either_end_of_the_range_is_finite);
     vt_add_loop(suite, fitted_normals_stand_for_carried_ones, VT_ONCE(SEEDS));
     return vt_run(suite);

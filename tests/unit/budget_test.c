@@ -94,7 +94,7 @@ START_TEST(when_time_is_over_at_once_points_are_placed_without_a_fit)
     ck_assert_uint_eq(fits(&hurry.report), 0);
     ck_assert_uint_le(hurry.report.queries, OUT); /* who is nearest to whom */
     ck_assert_double_lt(off_sphere(&hurry.out), 0.05);
-    ck_assert_double_lt(hurry.report.in_to_out.max, 0.35); /* 2.5 spacings of the input */
+    ck_assert_double_lt(hurry.report.ref_to_out.max, 0.35); /* 2.5 spacings of the input */
     ck_assert_double_lt(hurry.report.delta, 0.8);
     close_hurry(&hurry);
 }

@@ -51,14 +51,14 @@ START_TEST(in_the_middle_of_the_squares_of_a_lattice_all_distances_are_half_a_di
     }
     vt_assert_ok(vor_seeds_index(&bed.seeds, &bed.seeds.run, &vt_err));
     vt_assert_ok(vor_compare(&account, &bed.seeds, spacing, 0, &vt_err));
-    ck_assert_uint_eq(account.in_to_out.points, SIDE * SIDE);
-    ck_assert_uint_eq(account.out_to_in.points, (SIDE - 1) * (SIDE - 1));
-    ck_assert_double_eq_tol(account.in_to_out.mean, half, 1e-6);
-    ck_assert_double_eq_tol(account.in_to_out.rms, half, 1e-6);
-    ck_assert_double_eq_tol(account.in_to_out.max, half, 1e-6);
-    ck_assert_double_eq_tol(account.out_to_in.mean, half, 1e-6);
-    ck_assert_double_eq_tol(account.out_to_in.rms, half, 1e-6);
-    ck_assert_double_eq_tol(account.out_to_in.max, half, 1e-6);
+    ck_assert_uint_eq(account.ref_to_out.points, SIDE * SIDE);
+    ck_assert_uint_eq(account.out_to_ref.points, (SIDE - 1) * (SIDE - 1));
+    ck_assert_double_eq_tol(account.ref_to_out.mean, half, 1e-6);
+    ck_assert_double_eq_tol(account.ref_to_out.rms, half, 1e-6);
+    ck_assert_double_eq_tol(account.ref_to_out.max, half, 1e-6);
+    ck_assert_double_eq_tol(account.out_to_ref.mean, half, 1e-6);
+    ck_assert_double_eq_tol(account.out_to_ref.rms, half, 1e-6);
+    ck_assert_double_eq_tol(account.out_to_ref.max, half, 1e-6);
     ck_assert_uint_eq(account.border, 4 * (SIDE - 2));
     vor_cloud_free(&in);
     close_bed(&bed);

@@ -17,16 +17,16 @@ START_TEST(a_line_of_seven_has_its_hand_computed_distances)
         reference[3 * i] = (float)i;
     vt_engine_open(&engine, 1);
     vt_assert_ok(vor_distances_measure(&d, xyz, 3, reference, 7, &engine.run, &vt_err));
-    ck_assert_double_eq_tol(d.out_to_ref_mean, 3.5 / 3 / 6, 1e-7);
-    ck_assert_double_eq_tol(d.out_to_ref_rms, sqrt((0.25 + 1 + 4) / 3) / 6, 1e-7);
-    ck_assert_double_eq_tol(d.out_to_ref_max, 2.0 / 6, 1e-7);
+    ck_assert_double_eq_tol(d.out_to_ref_mean, 3.5 / 3, 1e-7);
+    ck_assert_double_eq_tol(d.out_to_ref_rms, sqrt((0.25 + 1 + 4) / 3), 1e-7);
+    ck_assert_double_eq_tol(d.out_to_ref_max, 2.0, 1e-7);
     /* 0.5, sqrt 1.25, sqrt 2, 1, sqrt 2, sqrt 5, 2 */
     ck_assert_double_eq_tol(d.ref_to_out_mean,
-                            (0.5 + sqrt(1.25) + 2 * sqrt(2) + 1 + sqrt(5) + 2) / 7 / 6, 1e-7);
-    ck_assert_double_eq_tol(d.ref_to_out_rms, sqrt((0.25 + 1.25 + 2 + 1 + 2 + 5 + 4) / 7) / 6,
-                            1e-7);
-    ck_assert_double_eq_tol(d.ref_to_out_max, sqrt(5) / 6, 1e-7);
-    ck_assert_double_eq_tol(d.hausdorff, sqrt(5) / 6, 1e-7);
+                            (0.5 + sqrt(1.25) + 2 * sqrt(2) + 1 + sqrt(5) + 2) / 7, 1e-7);
+    ck_assert_double_eq_tol(d.ref_to_out_rms, sqrt((0.25 + 1.25 + 2 + 1 + 2 + 5 + 4) / 7), 1e-7);
+    ck_assert_double_eq_tol(d.ref_to_out_max, sqrt(5), 1e-7);
+    ck_assert_double_eq_tol(d.hausdorff, sqrt(5), 1e-7);
+    ck_assert_double_eq_tol(d.hausdorff_relative, sqrt(5) / 6, 1e-7);
     ck_assert_double_eq_tol(d.chamfer, d.out_to_ref_mean + d.ref_to_out_mean, 1e-12);
     ck_assert_double_eq_tol(d.far_over_knn6_mean, 2 / knn6, 1e-7);
     ck_assert_double_eq_tol(d.far_over_knn6_p999, 2.0 / 6, 1e-7);

@@ -346,9 +346,10 @@ START_TEST(a_measure_has_its_hand_computed_values)
     reference.origin[1] = 0.5;
     vt_assert_ok(vor_measure_clouds(&m, &cloud, &reference, 0, &engine.run, &vt_err));
     ck_assert(m.has_reference);
-    ck_assert_double_eq_tol(m.out_to_ref_mean, 0.5 / 6, 1e-6);
-    ck_assert_double_eq_tol(m.out_to_ref_max, 0.5 / 6, 1e-6);
-    ck_assert_double_eq_tol(m.ref_to_out_max, hypot(3, 0.5) / 6, 1e-6);
+    ck_assert_double_eq_tol(m.out_to_ref_mean, 0.5, 1e-6);
+    ck_assert_double_eq_tol(m.out_to_ref_max, 0.5, 1e-6);
+    ck_assert_double_eq_tol(m.ref_to_out_max, hypot(3, 0.5), 1e-6);
+    ck_assert_double_eq_tol(m.hausdorff_relative, hypot(3, 0.5) / 6, 1e-6);
     vor_cloud_free(&reference);
     vor_cloud_free(&cloud);
     vt_engine_close(&engine);

@@ -313,7 +313,7 @@ START_TEST(a_cube_of_eight_vertices_is_resampled)
     ck_assert_uint_eq(report.points_in, 8);
     ck_assert_uint_eq(report.points_out, 600);
     ck_assert_uint_eq(report.samples, 10000);
-    ck_assert_uint_eq(report.in_to_out.points, 10000);
+    ck_assert_uint_eq(report.ref_to_out.points, 10000);
     ck_assert_double_lt(report.delta, 0.1);
     ck_assert_uint_eq(vt_cloud_hash(&out[0]), vt_cloud_hash(&out[1]));
     for (size_t i = 0; i < out[0].n; i++) {

@@ -91,13 +91,13 @@ START_TEST(the_report_measures_the_result_and_tells_of_no_step)
     ck_assert_double_eq_tol(report.max_over_mean, measure.max_over_mean, 1e-4);
     ck_assert_uint_eq(report.points_in, points);
     ck_assert_uint_eq(report.points_out, out.n);
-    ck_assert_uint_eq(report.out_to_in.points, out.n);
+    ck_assert_uint_eq(report.out_to_ref.points, out.n);
     ck_assert_uint_eq(report.iterations + report.polish_steps + report.stages_count, 0);
     ck_assert_uint_eq(report.fitted_count, 0);
     ck_assert(report.area == 0 && report.six_share == 0);
     ck_assert(!vor_spec_given(&report.parameters, VOR_PARAM_POINTS));
-    ck_assert_double_gt(report.out_to_in.rms, 0);
-    ck_assert_double_lt(report.out_to_in.max, 0.2);
+    ck_assert_double_gt(report.out_to_ref.rms, 0);
+    ck_assert_double_lt(report.out_to_ref.max, 0.2);
     vt_engine_close(&engine);
     vor_cloud_free(&out);
     vor_cloud_free(&in);

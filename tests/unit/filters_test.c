@@ -53,7 +53,7 @@ START_TEST(exact_planes_and_spheres_stay_where_they_are)
     vt_cloud_sphere(&in, (uint64_t)_i, N);
     vt_filter(&out, &report, &in, "mls", "keep");
     ck_assert_double_lt(vt_rms_off_sphere(&out), 2e-4);
-    ck_assert_double_lt(report.out_to_in.rms, 2e-4);
+    ck_assert_double_lt(report.out_to_ref.rms, 2e-4);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
     vt_assert_no_leak();
@@ -80,7 +80,7 @@ START_TEST(the_filter_outliers_drops_strays_and_moves_no_other_point)
         ck_assert_mem_eq(&out.xyz[3 * i], &in.xyz[3 * was], 3 * sizeof *in.xyz);
     }
     ck_assert_uint_le(strays, VT_STRAYS / 50);
-    ck_assert(report.in_to_out.max == 0 && report.out_to_in.max == 0);
+    ck_assert(report.ref_to_out.max == 0 && report.out_to_ref.max == 0);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
     vt_assert_no_leak();

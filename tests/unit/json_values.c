@@ -111,7 +111,7 @@ START_TEST(a_report_tells_of_its_stages_warnings_and_request)
         .orientation = VOR_ORIENTED_ONE_SIDED,
         .warnings = {{VOR_WARNING_ONE_SIDED, 3, 0, VOR_WARNING_ONE_SIDED}},
         .warnings_count = 1,
-        .in_to_out = {0.125, 0.25, 0.375, 35000},
+        .ref_to_out = {0.125, 0.25, 0.375, 35000},
         .fitted = {{12, 700}, {20, 4300}},
         .fitted_count = 2};
     struct vor_document document = {"report", &vor_report_members, &report};
@@ -133,7 +133,7 @@ START_TEST(a_report_tells_of_its_stages_warnings_and_request)
           "{\"stage\":\"polish\",\"steps\":40,\"seconds\":4.5}],");
     holds("\"dropped\":[],");
     holds("\"lattice\":{\"x\":0.5,\"y\":0.25,\"z\":0,\"moved\":12},");
-    holds("\"in_to_out\":{\"mean\":0.125,\"rms\":0.25,\"max\":0.375,\"points\":35000},");
+    holds("\"ref_to_out\":{\"mean\":0.125,\"rms\":0.25,\"max\":0.375,\"points\":35000},");
     holds("\"neighbors_histogram\":[{\"neighbors\":12,\"points\":700},"
           "{\"neighbors\":20,\"points\":4300}],");
     holds(request.data);
