@@ -90,6 +90,8 @@ SANITIZE ?= some
 ENGINE_INSIDE = $(shell grep -lE 'include "core/(geom|input|metrics|opt|seeds|cvt|kmeans|lop|mesh|output|baselines)/' $(TEST_SRC))
 DRIVERS := $(addprefix tests/,property/methods_interrupted.c property/methods_threads.c unit/stages_test.c)
 THREADED := tests/unit/base_parallel.c tests/property/methods_threads.c
+# Their threads are those of worker_jobs and store_model; what they judge is files, and figures.
+FILES_JUDGED := damage_test need_test self_test_test serve_disk storage_full store_work worker_artefacts worker_crash
 MET := life events events_many events_poll cancel daemon slow auth signals again
 RELEASE_ALONE := $(BINARY_LAWS) $(wildcard tests/page/*.t)
 SANITIZED.asan.all = $(filter-out $(RELEASE_ALONE),$(TEST_SCRIPTS)) $(TEST_SRC)
@@ -97,7 +99,8 @@ SANITIZED.tsan.all = $(SANITIZED.asan.all)
 SANITIZED.asan.some = $(filter-out tests/http/contract.t tests/http/readme.t,$(wildcard tests/http/*.t)) \
     $(addprefix tests/cli/,convert.t faces.t measure.t resample.t) $(filter-out $(ENGINE_INSIDE),$(filter tests/unit/%,$(TEST_SRC))) \
     $(wildcard tests/property/*_roundtrip.c tests/kinds/*.c) $(addprefix tests/property/,ply_number.c engine_memory.c store_model.c) $(DRIVERS)
-SANITIZED.tsan.some = $(MET:%=tests/http/%.t) $(shell grep -lE 'include "server/' $(TEST_SRC)) $(wildcard $(THREADED))
+SANITIZED.tsan.some = $(MET:%=tests/http/%.t) $(filter-out $(FILES_JUDGED:%=tests/unit/%.c),$(shell grep -lE 'include "server/' $(TEST_SRC))) \
+    $(wildcard $(THREADED))
 ifneq ($(filter asan tsan,$(config)),)
 SANITIZED := $(sort $(SANITIZED.$(config).$(SANITIZE)))
 TESTS := $(filter %.t,$(SANITIZED)) $(addprefix $(B)/,$(basename $(filter %.c,$(SANITIZED))))

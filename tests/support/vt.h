@@ -33,22 +33,26 @@ int vt_run(Suite *suite);
  *  four times as long. Both: one under ThreadSanitizer, where each takes twelve times as long, and
  *  which looks at how threads meet and not at what they come to. VT_STEP: of moments tried one by
  *  one, each 4th and each 16th there. VT_STEP_FAILS: of allocations that fail one by one, each
- *  2nd under AddressSanitizer, which sees what is left; each 4th and each 16th elsewhere. */
+ *  2nd under AddressSanitizer, which sees what is left; each 4th and each 16th elsewhere.
+ *  VT_SMALLER: by what a cloud is smaller of which only threads are judged. */
 #if defined(__SANITIZE_THREAD__)
 #define VT_FEWER(loops) 1
 #define VT_ONCE(loops) 1
 #define VT_STEP 16
 #define VT_STEP_FAILS 16
+#define VT_SMALLER 4
 #elif defined(__SANITIZE_ADDRESS__)
 #define VT_FEWER(loops) (((loops) + 3) / 4)
 #define VT_ONCE(loops) (loops)
 #define VT_STEP 4
 #define VT_STEP_FAILS 2
+#define VT_SMALLER 1
 #else
 #define VT_FEWER(loops) (loops)
 #define VT_ONCE(loops) (loops)
 #define VT_STEP 1
 #define VT_STEP_FAILS 4
+#define VT_SMALLER 1
 #endif
 
 /** Loops that are a seed each: `few` in every run, `many` in `make soak`. The same is asserted. */
