@@ -151,8 +151,9 @@ ENGINE_SRC := $(sort $(shell find core -name '*.[ch]'))
 $(B)/server/api/admin.o: $(ENGINE_SRC)
 $(B)/server/api/admin.o: OWN_CFLAGS = -DVOR_ENGINE='"$(shell cat $(ENGINE_SRC) | sha256sum | cut -c-12)"'
 
-# The contract is embedded by the assembler, which tells nobody.
+# The contract and the topics of the help are embedded by the assembler, which tells nobody.
 $(B)/server/api/handlers/openapi.o: openapi.yaml
+$(B)/server/base/topics.o: $(wildcard server/cli/help/*.txt)
 
 # The page's files: each of build/web is gzipped and embedded like the contract, and named in a table with its digest.
 # A file of server/web is taken as it is, unless a rule makes it of several.
@@ -288,7 +289,7 @@ build/fuzz/tests/fuzz/%_fuzz: build/fuzz/tests/fuzz/%_fuzz.o build/fuzz/libvoron
 	@echo "  LINK $@"
 	@$(CXX) $(flags.fuzz) -fsanitize=fuzzer -pthread $^ -o $@ $(LIBS)
 
-proxy: ## install what is missing, build, and run README's snippets for nginx, haproxy and caddy before the daemon
+proxy: ## install what is missing, build, and run the help's snippets for nginx, haproxy and caddy before the daemon
 	@docker/install.sh build test
 	@$(MAKE) --no-print-directory all
 	@tests/proxy/fetch.sh build/proxy

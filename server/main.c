@@ -4,6 +4,7 @@
 #include "server/cli/help.h"
 #include "server/cli/manual.h"
 #include "server/cli/say.h"
+#include "server/cli/topic.h"
 #include "server/serve.h"
 
 #include <stdio.h>
@@ -24,7 +25,9 @@ static int help(const char *command)
         fputs("\nExit codes:\n", stdout);
         vor_help_exit_codes(stdout, 1);
     } else {
-        return vor_cli_help(stdout, command);
+        int code = vor_cli_topic(stdout, command);
+
+        return code >= 0 ? code : vor_cli_help(stdout, command);
     }
     return fflush(stdout) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;
 }

@@ -1,5 +1,7 @@
 #include "server/base/config_help.h"
 
+#include "server/base/markup.h"
+
 /* What stands behind a flag in the help. */
 static const char *placeholder(const struct vor_setting_info *info)
 {
@@ -65,12 +67,15 @@ void vor_config_help(FILE *out)
 {
     struct vor_setting_text setting;
 
-    for (unsigned i = 0; vor_config_describe(&setting, i); i++)
-        (void)fprintf(out, "  --%s%s%s\n      %s\n      %s(env: %s)\n", setting.flag,
-                      setting.value[0] != '\0' ? " " : "", setting.value, setting.sentence,
-                      setting.range, setting.variable);
-    (void)fputs(
+    for (unsigned i = 0; vor_config_describe(&setting, i); i++) {
+        (void)fprintf(out, "  --%s%s%s\n", setting.flag, setting.value[0] != '\0' ? " " : "",
+                      setting.value);
+        vor_markup_wrap_string(out, setting.sentence, 6);
+        (void)fprintf(out, "      %s(env: %s)\n", setting.range, setting.variable);
+    }
+    vor_markup_wrap_string(
+        out,
         "A flag wins over the environment, and that over the file of --config. A variable with "
-        "_FILE behind\nits name is a file that holds the value.\n",
-        out);
+        "_FILE behind its name is a file that holds the value. voronoid help settings has more.",
+        0);
 }

@@ -1,6 +1,9 @@
 #include "server/cli/help.h"
 
+#include "server/base/markup.h"
+#include "server/base/reference.h"
 #include "server/cli/say.h"
+#include "server/cli/topic.h"
 
 static const struct {
     int code;
@@ -12,23 +15,26 @@ static const struct {
 };
 
 /* Bytes of a title and a sentence; the longest of today has 600. */
-enum { SENTENCE_SIZE = 2048 };
+enum { SENTENCE_SIZE = 2048, MEANING_COLUMN = 6 };
 
 static void print_option(FILE *out, char letter, const char *name, const char *value,
                          const char *sentence)
 {
-    fprintf(out, "  %c%c%c --%s%s\n      %s", letter != 0 ? '-' : ' ', letter != 0 ? letter : ' ',
-            letter != 0 ? ',' : ' ', name, value, sentence);
+    fprintf(out, "  %c%c%c --%s%s\n", letter != 0 ? '-' : ' ', letter != 0 ? letter : ' ',
+            letter != 0 ? ',' : ' ', name, value);
+    vor_markup_wrap_string(out, sentence, MEANING_COLUMN);
 }
 
 /* The inputs that are options, then the options proper. */
 static void print_options(FILE *out, const struct vor_command *command)
 {
     const struct vor_process_info *process = command->process;
+    char sentence[SENTENCE_SIZE];
 
     for (unsigned i = 1; process != NULL && process->inputs[i].name != NULL; i++) {
-        print_option(out, 0, process->inputs[i].name, " FILE", process->inputs[i].sentence);
-        fputs(process->inputs[i].is_required ? " (required)\n" : "\n", out);
+        (void)snprintf(sentence, sizeof sentence, "%s%s", process->inputs[i].sentence,
+                       process->inputs[i].is_required ? " (required)" : "");
+        print_option(out, 0, process->inputs[i].name, " FILE", sentence);
     }
     for (int i = 0; i < VOR_OPTION_COUNT; i++) {
         const struct vor_option_info *o = vor_option_info((enum vor_option)i);
@@ -37,40 +43,25 @@ static void print_options(FILE *out, const struct vor_command *command)
         if (!vor_command_takes(command, (enum vor_option)i))
             continue;
         (void)snprintf(value, sizeof value, "%s%s", o->value[0] != '\0' ? " " : "", o->value);
-        print_option(out, o->letter, o->name, value, o->sentence);
-        if (o->variable[0] != '\0')
-            fprintf(out, " (env: %s)", o->variable);
-        fputc('\n', out);
+        (void)snprintf(sentence, sizeof sentence, "%s%s%s%s", o->sentence,
+                       o->variable[0] != '\0' ? " (env: " : "", o->variable,
+                       o->variable[0] != '\0' ? ")" : "");
+        print_option(out, o->letter, o->name, value, sentence);
     }
-}
-
-void vor_help_values(char out[VOR_HELP_VALUES_SIZE], const struct vor_process_info *process,
-                     enum vor_parameter parameter)
-{
-    struct vor_parameter_info info = vor_process_parameter(process, parameter);
-    char values[VOR_KIND_WORDS_SIZE], text[VOR_SPEC_VALUE_SIZE];
-    struct vor_spec spec;
-
-    vor_spec_preset(&spec, process);
-    spec.value[parameter] = info.fallback; /* that of ratio stands aside in a preset */
-    vor_spec_text(&spec, parameter, text);
-    vor_kind_values(&info, values);
-    (void)snprintf(out, VOR_HELP_VALUES_SIZE, "%s%s%s", values, text[0] != '\0' ? ", default " : "",
-                   text);
 }
 
 static void print_parameter(FILE *out, const struct vor_process_info *process,
                             enum vor_parameter parameter)
 {
     const struct vor_parameter_info *info = vor_parameter_info(parameter);
-    char values[VOR_HELP_VALUES_SIZE], sentence[SENTENCE_SIZE];
+    char values[VOR_REFERENCE_VALUES_SIZE], sentence[SENTENCE_SIZE];
 
-    vor_help_values(values, process, parameter);
+    vor_reference_values(values, process, parameter);
     (void)snprintf(sentence, sizeof sentence, "%s. %s", vor_parameter_title(parameter),
                    info->sentence);
     print_option(out, parameter == VOR_PARAM_POINTS ? 'n' : 0, info->name,
                  info->kind == VOR_KIND_FLAG ? "[=VALUE]" : " VALUE", sentence);
-    fprintf(out, "\n      %s\n", values);
+    fprintf(out, "%*s%s\n", MEANING_COLUMN, "", values);
 }
 
 /* The parameters of one group and one level that a process takes. */
@@ -130,15 +121,21 @@ void vor_help_command(FILE *out, const struct vor_command *command)
 {
     const struct vor_process_info *process = command->process;
 
-    fprintf(out, "usage: voronoid %s%s [OPTION]...\n%s.%s\n\nOptions:\n", command->name,
-            command->operands, command->sentence,
-            process != NULL ? " - as a file is stdin or stdout." : "");
+    char sentence[SENTENCE_SIZE];
+
+    (void)snprintf(sentence, sizeof sentence, "%s.%s", command->sentence,
+                   process != NULL ? " - as a file is stdin or stdout." : "");
+    fprintf(out, "usage: voronoid %s%s [OPTION]...\n", command->name, command->operands);
+    vor_markup_wrap_string(out, sentence, 0);
+    fputs("\nOptions:\n", out);
     print_options(out, command);
     if (process != NULL) {
         print_presets(out, process);
         print_parameters(out, process);
     }
-    fputs("\n" VOR_HELP_WORDS "\n\nExit codes:\n", out);
+    fputc('\n', out);
+    vor_markup_wrap_string(out, VOR_HELP_WORDS, 0);
+    fputs("\nvoronoid help examples has examples.\n\nExit codes:\n", out);
     vor_help_exit_codes(out, 0);
 }
 
@@ -164,6 +161,8 @@ void vor_help_exit_codes(FILE *out, int of_serve)
 
 void vor_help_end(FILE *out)
 {
+    fputs("\nTopics, shown by voronoid help TOPIC:\n", out);
+    vor_cli_topics(out);
     fputs("\nvoronoid COMMAND --help shows the options of a command, voronoid --version the "
           "version.\nvoronoid --completion bash|zsh prints a completion, voronoid --man 1|8 a page "
           "of the manual.\n\nExit codes:\n",

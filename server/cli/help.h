@@ -11,18 +11,10 @@
 #define VOR_HELP_COUNTS "A whole number may end in k, for thousands, or M, for millions: 10k, 1.5M."
 #define VOR_HELP_WORDS                                                                             \
     "Options are --name VALUE or --name=VALUE; a name may be cut short as long as it is the only " \
-    "one that\nbegins so. Behind -- come operands alone."
+    "one that begins so. Behind -- come operands alone."
 
 /** How a command is called, its options, and the parameters of its process by groups. */
 void vor_help_command(FILE *out, const struct vor_command *command);
-
-/** Bytes of what vor_help_values writes, with the NUL. */
-#define VOR_HELP_VALUES_SIZE (VOR_KIND_WORDS_SIZE + VOR_SPEC_VALUE_SIZE + 16)
-
-/** Writes what a process takes for a parameter: "1 to 10000000 points, default 100" or "keep |
- * free, default keep". */
-void vor_help_values(char out[VOR_HELP_VALUES_SIZE], const struct vor_process_info *process,
-                     enum vor_parameter parameter);
 
 /** The beginning and the end of the list of commands, and a line of it. */
 void vor_help_begin(FILE *out);

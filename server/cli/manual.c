@@ -1,10 +1,11 @@
 #include "server/cli/manual.h"
 
-#include "server/base/config_help.h"
+#include "server/base/topics.h"
 #include "server/cli/cli.h"
 #include "server/cli/help.h"
 #include "server/cli/say.h"
 
+#include <ctype.h>
 #include <string.h>
 
 enum { LINE_MAX_BYTES = 78 /* of the source, as its own linters want it */ };
@@ -29,25 +30,28 @@ static int print_word(FILE *out, const char *word, size_t length, int begins_lin
 }
 
 /* Text in lines that are not too long; roff fills them anew. Ends its last line. */
-static void print_text(FILE *out, const char *text)
+static void print_span(FILE *out, struct vor_span_of_text text)
 {
+    struct vor_span_of_text word;
     int column = 0;
 
-    for (text += strspn(text, " \n"); *text != '\0'; text += strspn(text, " \n")) {
-        size_t length = strcspn(text, " \n");
-
-        if (column > 0 && column + 1 + (int)length > LINE_MAX_BYTES) {
+    while (vor_markup_word(&word, &text)) {
+        if (column > 0 && column + 1 + (int)word.length > LINE_MAX_BYTES) {
             fputc('\n', out);
             column = 0;
         } else if (column > 0) {
             fputc(' ', out);
             column++;
         }
-        column += print_word(out, text, length, column == 0);
-        text += length;
+        column += print_word(out, word.at, word.length, column == 0);
     }
     if (column > 0)
         fputc('\n', out);
+}
+
+static void print_text(FILE *out, const char *text)
+{
+    print_span(out, (struct vor_span_of_text){text, strlen(text)});
 }
 
 static void print_heading(FILE *out, const char *macro, const char *title)
@@ -148,11 +152,6 @@ static int takes_option(const struct vor_command *command, int row)
     return vor_command_takes(command, (enum vor_option)row);
 }
 
-static int takes_parameter(const struct vor_command *command, int row)
-{
-    return command->process != NULL && vor_process_takes(command->process, (enum vor_parameter)row);
-}
-
 static void print_options(FILE *out)
 {
     print_heading(out, ".SH", "OPTIONS");
@@ -182,64 +181,77 @@ static void print_inputs(FILE *out)
         }
 }
 
-/* What may be given, and where that differs from process to process. */
-static void print_values(FILE *out, enum vor_parameter parameter)
+/* Lines as they are: example code. */
+static void print_code(FILE *out, struct vor_span_of_text text)
 {
-    char first[VOR_HELP_VALUES_SIZE] = "", values[VOR_HELP_VALUES_SIZE];
-    const struct vor_process_info *process;
+    struct vor_span_of_text line;
 
-    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++) {
-        if (!vor_process_takes(process, parameter))
-            continue;
-        vor_help_values(values, process, parameter);
-        if (strcmp(values, first) == 0)
-            continue;
-        fputs(".br\n", out);
-        if (first[0] != '\0')
-            fprintf(out, "%s:\n", process->id);
-        else
-            memcpy(first, values, sizeof first);
-        print_text(out, values);
+    fputs(".RS 4\n.nf\n", out);
+    while (vor_markup_line(&line, &text)) {
+        print_word(out, line.at, line.length, 1);
+        fputc('\n', out);
     }
+    fputs(".fi\n.RE\n", out);
 }
 
-static void print_parameters(FILE *out)
-{
-    print_heading(out, ".SH", "PARAMETERS");
-    print_text(out, "They are the same in a query over HTTP. " VOR_HELP_COUNTS);
-    for (int group = 0; group < VOR_GROUP_COUNT; group++) {
-        print_heading(out, ".SS", vor_group_title((enum vor_group)group));
-        for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
-            enum vor_parameter parameter = (enum vor_parameter)i;
-            const struct vor_parameter_info *info = vor_parameter_info(parameter);
+/* Where the topics go; a paragraph that follows a heading needs no macro. */
+struct page {
+    FILE *out;
+    int is_fresh;
+};
 
-            if ((int)info->group != group)
-                continue;
-            print_tag(out, parameter == VOR_PARAM_POINTS ? 'n' : 0, info->name,
-                      info->kind == VOR_KIND_FLAG ? "[=VALUE]" : "VALUE");
-            print_text(out, info->sentence);
-            print_values(out, parameter);
-            print_takers(out, takes_parameter, i);
-        }
+static void print_block(void *ctx, const struct vor_markup_block *block)
+{
+    struct page *page = ctx;
+    FILE *out = page->out;
+
+    switch (block->kind) {
+    case VOR_MARKUP_HEADING:
+        fprintf(out, ".SS %.*s\n", (int)block->text.length, block->text.at);
+        break;
+    case VOR_MARKUP_PARAGRAPH:
+        if (!page->is_fresh)
+            fputs(".PP\n", out);
+        print_span(out, block->text);
+        break;
+    case VOR_MARKUP_ITEM:
+        fputs(".TP\n\\fB", out);
+        print_word(out, block->term.at, block->term.length, 0);
+        fputs("\\fR\n", out);
+        print_span(out, block->text);
+        break;
+    case VOR_MARKUP_CODE:
+        if (!page->is_fresh)
+            fputs(".PP\n", out);
+        print_code(out, block->text);
+        break;
+    case VOR_MARKUP_TABLE:
+        break;
     }
+    page->is_fresh = block->kind == VOR_MARKUP_HEADING;
 }
 
-static void print_presets(FILE *out)
+/* The topics of one section of the manual, each a section of the page. */
+static int print_topics(FILE *out, int section)
 {
-    const struct vor_process_info *process;
-    const struct vor_named_preset *preset;
+    struct vor_topic topic;
 
-    print_heading(out, ".SH", "PRESETS");
-    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++)
-        for (unsigned k = 0; (preset = vor_named_preset(process->id, k)) != NULL; k++) {
-            fprintf(out, ".TP\n\\fB%s\\fR of %s\n", preset->name, process->id);
-            print_text(out, preset->sentence);
-            fputs(".br\n", out);
-            print_text(out, preset->values[0] != '\0' ? preset->values : "the defaults");
-        }
+    for (unsigned i = 0; vor_topic_at(&topic, i); i++) {
+        struct page page = {out, 1};
+
+        if (topic.section != section)
+            continue;
+        fputs(".SH \"", out);
+        for (int k = 0; k < topic.title_length; k++)
+            fputc(toupper((unsigned char)topic.title[k]), out);
+        fputs("\"\n", out);
+        if (!vor_topic_blocks(&topic, print_block, &page))
+            return -1;
+    }
+    return 0;
 }
 
-static void print_commands_page(FILE *out)
+static int print_commands_page(FILE *out)
 {
     print_head(out, "1", "User Commands", "resample 3D point clouds, here or by a daemon");
     print_synopsis(out);
@@ -252,8 +264,8 @@ static void print_commands_page(FILE *out)
     print_commands(out);
     print_options(out);
     print_inputs(out);
-    print_presets(out);
-    print_parameters(out);
+    if (print_topics(out, 1) != 0)
+        return -1;
     print_exit_codes(out, 0);
     fputs(".PP\n", out);
     print_text(out,
@@ -261,27 +273,10 @@ static void print_commands_page(FILE *out)
                "status is then that of the first that failed.");
     print_heading(out, ".SH", "SEE ALSO");
     fputs(".BR voronoid (8)\n", out);
+    return 0;
 }
 
-static void print_settings(FILE *out)
-{
-    struct vor_setting_text setting;
-
-    print_heading(out, ".SH", "SETTINGS");
-    print_text(out,
-               "A setting wins over its variable in the environment, and that over the file of "
-               "--config. A variable with _FILE behind its name is a file that holds the "
-               "value. " VOR_HELP_WORDS);
-    for (unsigned i = 0; vor_config_describe(&setting, i); i++) {
-        print_tag(out, 0, setting.flag, setting.value);
-        print_text(out, setting.sentence);
-        fputs(".br\n", out);
-        print_text(out, setting.range);
-        fprintf(out, "(environment: %s)\n", setting.variable);
-    }
-}
-
-static void print_daemon_page(FILE *out)
+static int print_daemon_page(FILE *out)
 {
     print_head(out, "8", "System Administration", "daemon that resamples 3D point clouds");
     print_heading(out, ".SH", "SYNOPSIS");
@@ -291,7 +286,8 @@ static void print_daemon_page(FILE *out)
                     "/openapi.yaml is the contract. Jobs and their bytes are on the disk before a "
                     "client hears of them; jobs that a crash interrupts run again at the next "
                     "start.");
-    print_settings(out);
+    if (print_topics(out, 8) != 0)
+        return -1;
     print_heading(out, ".SH", "SIGNALS");
     fputs(".TP\nSIGTERM, SIGINT\n", out);
     print_text(out, "Running jobs end, within --drain-timeout; others wait for the next start. A "
@@ -302,17 +298,20 @@ static void print_daemon_page(FILE *out)
     print_exit_codes(out, 1);
     print_heading(out, ".SH", "SEE ALSO");
     fputs(".BR voronoid (1)\n", out);
+    return 0;
 }
 
 int vor_cli_manual(FILE *out, const char *section)
 {
+    int failed;
+
     if (strcmp(section, "1") == 0) {
-        print_commands_page(out);
+        failed = print_commands_page(out);
     } else if (strcmp(section, "8") == 0) {
-        print_daemon_page(out);
+        failed = print_daemon_page(out);
     } else {
         vor_cli_say("--man", "want 1 (the commands) or 8 (the daemon)");
         return VOR_EXIT_USAGE;
     }
-    return fflush(out) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;
+    return failed == 0 && fflush(out) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;
 }

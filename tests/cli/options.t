@@ -45,12 +45,12 @@ for my $command (qw(denoise upsample simplify resample)) {
 my (undef, $of_measure) = run(['measure', '--help']);
 like $of_measure, qr/^usage: voronoid measure IN\.\.\. /, 'the help of measure names its operand';
 like $of_measure, qr/^      --reference FILE\n/m, 'and its other input';
-like $of_measure, qr/^      --peak VALUE\n[^\n]+\n      1e-30 to 1e\+30 unit of the cloud \| auto, default auto\n/m, 'and its parameter';
+like $of_measure, qr/^      --peak VALUE\n(?: {6}\S[^\n]+\n)+      1e-30 to 1e\+30 unit of the cloud \| auto, default auto\n/m, 'and its parameter';
 unlike $of_measure, qr/--(?:points|listen|seed|format)\b/, 'and nothing that it does not take';
 unlike $help, qr/--(?:peak|reference)\b/, 'nor does that of resample';
 like $help, qr/6 to 500 points \| auto, default auto/, 'it shows range, auto and default';
-like $help, qr/--polish VALUE\n      Steps of the polish\. Most steps [^\n]+\n      0 to 10000, default \d+\n/, 'it explains the polish';
-like $help, qr/env: VORONOID_SERVER/, 'it shows environment variables';
+like $help, qr/--polish VALUE\n      Steps of the polish\. Most steps [^\n]+\n(?: {6}\S[^\n]+\n)*      0 to 10000, default \d+\n/, 'it explains the polish';
+like $help, qr/env:\s+VORONOID_SERVER/, 'it shows environment variables';
 
 # Levels and presets.
 my (undef, $of_resample) = run(['resample', '--help']);

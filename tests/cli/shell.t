@@ -20,7 +20,8 @@ sub printed {
 }
 sub has_program { return system("command -v $_[0] >/dev/null 2>&1") == 0 }
 
-my @commands = printed('--help') =~ /^  ([a-z]+) +\S/mg;
+my ($list, $topics) = printed('--help') =~ /^Commands:\n(.*?)\n\n.*^Topics[^\n]*\n(.*?)\n\n/ms;
+my @commands = $list =~ /^  ([a-z]+) +\S/mg;
 cmp_ok scalar(@commands), '>', 10, 'there are commands';
 
 # The options that the help of a command has: "--points", and with letters "-n".
@@ -30,6 +31,20 @@ sub options_of {
 }
 my %options = map { $_ => [options_of(printed($_, '--help'))] } grep { $_ ne 'serve' } @commands;
 my @settings = sort { $a cmp $b } printed('serve', '--help') =~ /^  (--[a-z-]+)/mg;
+
+subtest 'the topics' => sub {
+    my @topics = map { [split ' ', $_, 2] } split /\n/, $topics;
+    cmp_ok scalar(@topics), '>', 10, 'there are topics';
+    is_deeply [sort map { s{.*/}{}r =~ s/[.]txt//r } glob 'server/cli/help/*.txt'], [sort map { $_->[0] } @topics], 'no text is left out';
+    for my $topic (@topics) {
+        my $text = printed('help', $topic->[0]);
+        like $text, qr/\A\Q$topic->[1]\E\n\n *\S/, 'it begins with its title';
+        is scalar(grep { length > 100 || /\s\z/ } split /\n/, $text), 0, 'no line is long, or ends with a blank';
+        unlike $text, qr/^%/m, 'nothing is left of how it is written';
+    }
+    like printed('help', 'settings'), qr/^  \Q$_\E\b.*\n {6}\S/m, "help settings has $_" for @settings;
+    like printed('help', 'metrics'), qr/^  voronoid_queue_jobs\n      gauge by state[.] /m, 'help metrics has what /metrics has';
+};
 
 subtest 'the manual' => sub {
     my %page = map { $_ => printed('--man', $_) } 1, 8;

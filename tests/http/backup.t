@@ -1,5 +1,5 @@
 #!/usr/bin/perl
-# README's backup of a daemon that runs, word for word, and what a daemon makes of it; and what a table of a newer version
+# The help's backup of a daemon that runs, word for word, and what a daemon makes of it; and what a table of a newer version
 # is answered.
 use strict;
 use warnings;
@@ -9,8 +9,8 @@ use lib "$FindBin::Bin/../support";
 use Test::More;
 use Vt;
 
-my ($block) = grep { /\.backup/ } Vt::slurp('README.md') =~ /^```sh\n(.*?)^```$/msg;
-ok $block, 'README.md has the block';
+my ($block) = map { $_->{text} } grep { $_->{text} =~ /\.backup/ } Vt::documented();
+ok $block, 'the help has the block';
 my $dir = tempdir(CLEANUP => 1);
 my $daemon = Vt->start(data => "$dir/voronoid", jobs => 1);
 my $cloud = sphere_ply(400);

@@ -1,5 +1,5 @@
 #!/usr/bin/perl
-# Between the clients and the daemon of README.md's session stands a recorder: what each request was answered, its
+# Between the clients and the daemon of README.md's and the help's session stands a recorder: what each request was answered, its
 # status and its media type, is what openapi.yaml says; JSON has the members described. Our own client is one of them.
 use strict;
 use warnings;
@@ -14,7 +14,7 @@ use Test::More;
 use Vt;
 
 my $contract = Contract->new;
-my $session = join '', Vt::slurp('README.md') =~ /^```sh\n(.*?)^```$/msg;
+my $session = join '', map { $_->{text} } grep { $_->{language} eq 'sh' } Vt::documented();
 like $session, qr/^voronoid serve &$/m, 'README.md has a session';
 
 # A port that was free a moment ago.
@@ -36,7 +36,7 @@ $session =~ s/^(?=kill %1)/$own/m or fail 'the session ends its daemon';
 spew("$dir/cloud.ply", sphere_ply(4000));
 spew("$dir/session.sh", "set -m\n$session\nwait\n");
 my $status = system qq(cd $dir && VORONOID_LISTEN=127.0.0.1:$port XDG_STATE_HOME=$dir/state PATH=$dir/bin:\$PATH \\
-    timeout 300 bash session.sh >out 2>err);
+    timeout 900 bash session.sh >out 2>err);
 is $status, 0, 'the session ends well' or diag Vt::slurp("$dir/err");
 $recorder->stop;
 cmp_ok -s "$dir/own.ply", '>', 500 * 12, 'our own client has its result';

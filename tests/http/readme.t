@@ -1,6 +1,7 @@
 #!/usr/bin/perl
-# The blocks of README.md, word for word and in the order printed, against the real daemon on its real port. Those for proxies
-# are run by `make proxy`, the two commands by continuous integration; docker's by nobody here.
+# The blocks of README.md and of the help's topics, word for word and in the order printed, against the real daemon on its real
+# port. Those for proxies are run by `make proxy`, the two commands by continuous integration; docker's, a daemon before which
+# a proxy stands, and other people's programs by nobody here.
 use strict;
 use warnings;
 use Cwd qw(getcwd);
@@ -12,8 +13,7 @@ use Test::More;
 use Vt;
 
 my $readme = Vt::slurp('README.md');
-my @blocks;
-push @blocks, { language => $1, text => $2 } while $readme =~ /^```(\w*)\n(.*?)^```$/msg;
+my @blocks = Vt::documented();
 my %run = (
     sh => sub { $_[0] },
     js => sub { "cat >block.mjs <<'END_OF_BLOCK'\n$_[0]END_OF_BLOCK\nnode block.mjs\n" },
@@ -21,11 +21,15 @@ my %run = (
     python => sub { "python3 - <<'END_OF_BLOCK'\n$_[0]END_OF_BLOCK\n" },
 );
 my %elsewhere = map { $_ => 1 } qw(nginx haproxy caddyfile console);
-cmp_ok scalar(grep { $run{ $_->{language} } } @blocks), '>=', 8, 'README.md has blocks to run';
+my %least = ('README.md' => 4, examples => 5, http => 3, data => 2, keys => 1);
+for my $in (sort keys %least) {
+    cmp_ok scalar(grep { $run{ $_->{language} } && $_->{in} eq $in } @blocks), '>=', $least{$in}, "$in has blocks to run";
+}
 for my $block (@blocks) {
     my $language = $block->{language};
-    ok $run{$language} || $elsewhere{$language}, "a block of $language is run somewhere";
-    is_deeply [grep { !/^docker / } split /\n/, $block->{text}], [], 'what is not run is docker\'s' if $language eq 'console';
+    ok $run{$language} || $elsewhere{$language}, "a block of $language in $block->{in} is run somewhere" or diag $block->{text};
+    is_deeply [grep { !/^(?:docker|voronoid serve) / } split /\n/, $block->{text}], [], 'what is not run is docker\'s or needs a proxy or a page'
+        if $language eq 'console';
 }
 like Vt::slurp('.ci/run'), qr/^exec make gate$/m, 'continuous integration runs make gate';
 my $gate = Vt::slurp('tests/support/gate.sh');
@@ -60,14 +64,14 @@ SKIP: {
     mkdir "$dir/bin";
     symlink $binary, "$dir/bin/voronoid";
     sphere("$dir/cloud.ply", 4000);
-    spew("$dir/readme.sh", "set -e -m\n" . join '', map { $run{ $_->{language} } ? $run{ $_->{language} }->($_->{text}) : '' } @blocks);
-    my $out = `cd $dir && XDG_STATE_HOME=$dir/state PATH=$dir/bin:\$PATH timeout 300 bash readme.sh 2>$dir/err`;
+    spew("$dir/readme.sh", "set -e -m\ntrap 'kill \$(jobs -p) 2>/dev/null || :' EXIT\n" . join '', map { $run{ $_->{language} } ? $run{ $_->{language} }->($_->{text}) : '' } @blocks);
+    my $out = `cd $dir && XDG_STATE_HOME=$dir/state PATH=$dir/bin:\$PATH timeout 900 bash readme.sh 2>$dir/err`;
     is $?, 0, 'README.md runs from top to bottom' or diag `tail -n 20 $dir/err`;
 
     my $head = sub { -e $_[0] ? substr Vt::slurp($_[0]), 0, 400 : '' };
-    is substr($head->("$dir/$_"), 0, 5), 'DRACO', "$_ is a Draco cloud" for qw(even.drc coarse.drc cloud.drc);
-    my %points = ('from-js' => 5000, 'from-python' => 5000, form => 5000, few => 400, dense => 16000, sharp => 6000, drawn => 4000, fetched => 1000,
-        'out/cloud' => 1000, 'out/dense' => 1000);
+    is substr($head->("$dir/$_"), 0, 5), 'DRACO', "$_ is a Draco cloud" for qw(curl.drc even.drc coarse.drc cloud.drc far.drc);
+    my %points = ('from-js' => 5000, 'from-python' => 5000, form => 5000, zipped => 5000, few => 400, dense => 16000, sharp => 6000,
+        piped => 2000, fetched => 1000, job => 1000, 'out/cloud' => 1000, 'out/dense' => 1000);
     like $head->("$dir/$_.ply"), qr/^element vertex $points{$_}$/m, "$_.ply has $points{$_} points" for sort keys %points;
     like $head->("$dir/sharp.ply"), qr/^property float nx$/m, 'ear gives normals';
     like $out, qr/^event: progress$/m, 'progress is streamed';

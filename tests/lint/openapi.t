@@ -71,7 +71,7 @@ my $binary = $ENV{VORONOID} // "$FindBin::Bin/../../build/release/voronoid";
 for my $process (@processes) {
     my $help = qx{$binary $process --help} =~ s/ [|] (?:attribute:NAME|X,Y,Z)\b//gr; # which are patterns
     my $inputs = $description{$process}{inputs};
-    my %said = $help =~ /^ +(?:-\w, )?--(\w+)(?: VALUE|\[=VALUE])\n[^\n]+\n +([^\n]+)\n/mg;
+    my %said = $help =~ /^ +(?:-\w, )?--(\w+)(?: VALUE|\[=VALUE])\n(?: {6}(?!--)[^\n]+\n)+? {6}(?!--)([^\n]+)\n(?! {6}[^ -])/mg;
     for my $name (grep { !is_cloud($inputs->{$_}{schema}) } sort keys %$inputs) {
         is $said{$name}, shown($inputs->{$name}{schema}), "voronoid $process --help, $name: range, words and default";
     }

@@ -1,6 +1,6 @@
 #!/usr/bin/perl
-# The snippets of README.md for nginx, haproxy and caddy, word for word but for addresses, each before a real daemon that is
-# started as README.md says: 100 MB pass, progress comes while the job runs, links lead back through the proxy.
+# The snippets of `voronoid help proxies` for nginx, haproxy and caddy, word for word but for addresses, each before a real daemon that is
+# started as it says: 100 MB pass, progress comes while the job runs, links lead back through the proxy.
 # `make proxy` unpacks the three in build/proxy first.
 use strict;
 use warnings;
@@ -23,13 +23,8 @@ my $megabytes = 100;
 my %running;
 END { my $status = $?; kill 'KILL', $_ for keys %running; $? = $status }
 
-my $readme = Vt::slurp('README.md');
-sub block {
-    my ($language) = @_;
-    my ($text) = $readme =~ /^```\Q$language\E\n(.*?)^```$/ms or die "README.md has no block $language";
-    return $text;
-}
-my ($trusted) = $readme =~ /`voronoid serve --trusted-proxy (\S+) --no-auth`/ or die 'README.md does not start a daemon';
+my ($trusted) = Vt::slurp('server/cli/help/proxies.txt') =~ /^ +voronoid serve --trusted-proxy (\S+) --no-auth$/m
+    or die 'the help does not start a daemon behind a proxy';
 
 sub free_port {
     my $socket = IO::Socket::INET->new(LocalAddr => '127.0.0.1', LocalPort => 0, Listen => 1) or die "no port: $!";
@@ -77,7 +72,7 @@ my %proxies = (
         scheme => 'http',
         start => sub {
             my ($dir, $port, $daemon) = @_;
-            my $site = adapt(block('nginx'), 'listen 80;' => "listen 127.0.0.1:$port;",
+            my $site = adapt(Vt::documented_in('nginx'), 'listen 80;' => "listen 127.0.0.1:$port;",
                 '127.0.0.1:8080' => $daemon->{address});
             my $temp = join '', map { "${_}_temp_path $dir/$_;\n" } qw(client_body proxy fastcgi uwsgi scgi);
             my $user = $> == 0 ? "user root;\n" : '';
@@ -90,7 +85,7 @@ my %proxies = (
         scheme => 'http',
         start => sub {
             my ($dir, $port, $daemon) = @_;
-            write_file("$dir/haproxy.cfg", adapt(block('haproxy'), 'bind :80' => "bind 127.0.0.1:$port",
+            write_file("$dir/haproxy.cfg", adapt(Vt::documented_in('haproxy'), 'bind :80' => "bind 127.0.0.1:$port",
                     '127.0.0.1:8080' => $daemon->{address}));
             return ("$root/usr/sbin/haproxy", '-db', '-f', "$dir/haproxy.cfg");
         },
@@ -100,7 +95,7 @@ my %proxies = (
         start => sub {
             my ($dir, $port, $daemon) = @_;
             # A certificate of its own, which no other program is told of, in the place of one from a public authority.
-            my $site = adapt(block('caddyfile'), '127.0.0.1:8080' => $daemon->{address},
+            my $site = adapt(Vt::documented_in('caddyfile'), '127.0.0.1:8080' => $daemon->{address},
                 "$host {" => "$host:$port {\n    bind 127.0.0.1\n    tls internal");
             write_file("$dir/Caddyfile", "{\n    admin off\n    skip_install_trust\n    auto_https disable_redirects\n",
                 "    storage file_system $dir/storage\n}\n$site");

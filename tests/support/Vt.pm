@@ -88,6 +88,31 @@ sub slurp {
     return scalar <$file> // '';
 }
 
+# The blocks of code that users are shown, in the order printed: those of README.md, then those of the help's topics.
+sub documented {
+    my @blocks;
+    my $readme = slurp('README.md');
+    push @blocks, { in => 'README.md', language => $1, text => $2 } while $readme =~ /^```(\w*)\n(.*?)^```$/msg;
+    for my $topic (slurp('server/base/topics.h') =~ /^ +X\((\w+), \d\)/mg) {
+        my $text = slurp("server/cli/help/$topic.txt");
+        while ($text =~ /^%(?!table )(\w*)\n((?:    [^\n]*\n|\n)+)/mg) {
+            my ($language, $lines) = ($1, $2);
+            push @blocks, { in => $topic, language => $language, text => ($lines =~ s/^    //mgr) =~ s/\n+\z/\n/r };
+        }
+        # Lines that no word tells the language of would be run by nobody.
+        $text =~ s/^%\w+\n(?:    [^\n]*\n|\n)+//mg;
+        push @blocks, { in => $topic, language => '', text => $1 } while $text =~ /^\n( {4}(?! ).*)/mg;
+    }
+    return @blocks;
+}
+
+# The text of the first block in a language.
+sub documented_in {
+    my ($language) = @_;
+    my ($block) = grep { $_->{language} eq $language } documented();
+    return $block ? $block->{text} : die "nothing that users are shown is $language";
+}
+
 sub log_text { return slurp($_[0]{log}) }
 
 # The lines. A thread of the daemon writes them a little after what they tell of: while it runs they are read once there is

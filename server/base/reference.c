@@ -1,0 +1,132 @@
+#include "server/base/reference.h"
+
+#include "core/spec/shown.h"
+#include "server/base/config_help.h"
+#include "server/base/metrics.h"
+
+#include <assert.h>
+#include <string.h>
+
+void vor_reference_values(char out[VOR_REFERENCE_VALUES_SIZE],
+                          const struct vor_process_info *process, enum vor_parameter parameter)
+{
+    struct vor_parameter_info info = vor_process_parameter(process, parameter);
+    char values[VOR_KIND_WORDS_SIZE], text[VOR_SPEC_VALUE_SIZE];
+    struct vor_spec spec;
+
+    vor_spec_preset(&spec, process);
+    spec.value[parameter] = info.fallback; /* that of ratio stands aside in a preset */
+    vor_spec_text(&spec, parameter, text);
+    vor_kind_values(&info, values);
+    (void)snprintf(out, VOR_REFERENCE_VALUES_SIZE, "%s%s%s", values,
+                   text[0] != '\0' ? ", default " : "", text);
+}
+
+/* What may be given, and where that differs from process to process. */
+static void add_values(struct vor_text *text, enum vor_parameter parameter)
+{
+    char first[VOR_REFERENCE_VALUES_SIZE] = "", values[VOR_REFERENCE_VALUES_SIZE];
+    const struct vor_process_info *process;
+
+    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++) {
+        if (!vor_process_takes(process, parameter))
+            continue;
+        vor_reference_values(values, process, parameter);
+        if (first[0] == '\0') {
+            memcpy(first, values, sizeof first);
+            vor_text_printf(text, "      %s", values);
+        } else if (strcmp(values, first) != 0) {
+            vor_text_printf(text, "; of %s: %s", process->id, values);
+        }
+    }
+    vor_text_puts(text, ".\n");
+}
+
+static void add_takers(struct vor_text *text, enum vor_parameter parameter)
+{
+    const struct vor_process_info *process;
+    int count = 0;
+
+    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++)
+        if (vor_process_takes(process, parameter))
+            vor_text_printf(text, "%s %s", count++ > 0 ? "," : "      Of", process->id);
+    vor_text_puts(text, ".\n");
+}
+
+static void add_parameters(struct vor_text *text)
+{
+    for (int group = 0; group < VOR_GROUP_COUNT; group++) {
+        const char *title = vor_group_title((enum vor_group)group);
+
+        vor_text_printf(text, "%s\n---\n\n", title);
+        for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
+            enum vor_parameter parameter = (enum vor_parameter)i;
+            const struct vor_parameter_info *info = vor_parameter_info(parameter);
+
+            if ((int)info->group != group)
+                continue;
+            vor_text_printf(text, "  %s--%s%s\n      %s.\n",
+                            parameter == VOR_PARAM_POINTS ? "-n, " : "", info->name,
+                            info->kind == VOR_KIND_FLAG ? "[=VALUE]" : " VALUE", info->sentence);
+            add_values(text, parameter);
+            add_takers(text, parameter);
+        }
+        vor_text_puts(text, "\n");
+    }
+}
+
+static void add_presets(struct vor_text *text)
+{
+    const struct vor_process_info *process;
+    const struct vor_named_preset *preset;
+
+    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++)
+        for (unsigned k = 0; (preset = vor_named_preset(process->id, k)) != NULL; k++)
+            vor_text_printf(text, "  %s, of %s\n      %s: %s.\n", preset->name, process->id,
+                            preset->sentence,
+                            preset->values[0] != '\0' ? preset->values : "the defaults");
+}
+
+static void add_settings(struct vor_text *text)
+{
+    struct vor_setting_text setting;
+
+    for (unsigned i = 0; vor_config_describe(&setting, i); i++) {
+        int length = (int)strlen(setting.range); /* with a blank at its end */
+
+        vor_text_printf(text, "  --%s%s%s\n      %s (%.*s%senvironment: %s).\n", setting.flag,
+                        setting.value[0] != '\0' ? " " : "", setting.value, setting.sentence,
+                        length > 0 ? length - 1 : 0, setting.range, length > 0 ? "; " : "",
+                        setting.variable);
+    }
+}
+
+static void add_metrics(struct vor_text *text)
+{
+#define KIND_WORD(id, word) static const char word_##id[] = word;
+    VOR_METRIC_KIND_TABLE(KIND_WORD)
+#undef KIND_WORD
+#define METRIC(id, name, kind, unit, labels, sentence)                                             \
+    vor_text_printf(text, "  voronoid_%s\n      %s%s%s. %s.\n", name, word_##kind,                 \
+                    (labels)[0] != '\0' ? " by " : "", labels, sentence);
+    VOR_METRIC_TABLE(METRIC)
+#undef METRIC
+}
+
+void vor_reference_write(struct vor_text *text, const char *name, size_t length)
+{
+    static const struct {
+        const char *name;
+        void (*add)(struct vor_text *text);
+    } tables[] = {{"parameters", add_parameters},
+                  {"presets", add_presets},
+                  {"settings", add_settings},
+                  {"metrics", add_metrics}};
+
+    for (size_t i = 0; i < sizeof tables / sizeof tables[0]; i++)
+        if (strlen(tables[i].name) == length && memcmp(tables[i].name, name, length) == 0) {
+            tables[i].add(text);
+            return;
+        }
+    text->failed = 1;
+}

@@ -1,0 +1,59 @@
+#include "server/cli/topic.h"
+
+#include "server/base/topics.h"
+#include "server/cli/say.h"
+
+enum { MEANING_COLUMN = 6, CODE_COLUMN = 4 };
+
+static void print_code(FILE *out, struct vor_span_of_text text)
+{
+    struct vor_span_of_text line;
+
+    fputc('\n', out);
+    while (vor_markup_line(&line, &text))
+        fprintf(out, "%*s%.*s\n", line.length > 0 ? CODE_COLUMN : 0, "", (int)line.length, line.at);
+}
+
+static void print_block(void *ctx, const struct vor_markup_block *block)
+{
+    FILE *out = ctx;
+
+    switch (block->kind) {
+    case VOR_MARKUP_HEADING:
+        fprintf(out, "\n%.*s:\n", (int)block->text.length, block->text.at);
+        break;
+    case VOR_MARKUP_PARAGRAPH:
+        fputc('\n', out);
+        vor_markup_wrap(out, block->text, 0, 0);
+        break;
+    case VOR_MARKUP_ITEM:
+        fprintf(out, "\n  %.*s\n%*s", (int)block->term.length, block->term.at, MEANING_COLUMN, "");
+        vor_markup_wrap(out, block->text, MEANING_COLUMN, MEANING_COLUMN);
+        break;
+    case VOR_MARKUP_CODE:
+        print_code(out, block->text);
+        break;
+    case VOR_MARKUP_TABLE:
+        break;
+    }
+}
+
+int vor_cli_topic(FILE *out, const char *name)
+{
+    struct vor_topic topic;
+
+    if (!vor_topic_find(&topic, name))
+        return -1;
+    fprintf(out, "%.*s\n", topic.title_length, topic.title);
+    if (!vor_topic_blocks(&topic, print_block, out) || fflush(out) != 0)
+        return VOR_EXIT_FAILED;
+    return VOR_EXIT_OK;
+}
+
+void vor_cli_topics(FILE *out)
+{
+    struct vor_topic topic;
+
+    for (unsigned i = 0; vor_topic_at(&topic, i); i++)
+        fprintf(out, "  %-12s %.*s\n", topic.name, topic.title_length, topic.title);
+}
