@@ -109,12 +109,12 @@ endif
 # These take longest, or wait most: they begin first, and no core is idle at the end.
 TEST_LONG := %/methods_interrupted %/methods_threads tests/http/bytes.t tests/page/page.t \
     tests/http/slow.t tests/http/readme.t tests/cli/remote.t tests/golden/golden.t %/mesh_test %/worker_artefacts
-BENCH_SRC := $(sort $(wildcard tests/bench/*.c))
-BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/bench/,wlop orient front ear)
+BENCH_SRC := $(sort $(wildcard tests/by_hand/bench/*.c))
+BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/by_hand/bench/,wlop orient front ear)
 
 .DELETE_ON_ERROR:
 # Objects that only rules by pattern name are kept. Of other files none is listed: what is missing is made, even if nothing is newer.
-.SECONDARY: $(patsubst %.c,$(B)/%.o,$(wildcard tests/*/*.c)) $(KINDS_OBJ) $(POISON_OBJ) $(KINDS_BIN:$(B)/%=$(B)/kinds/%.o)
+.SECONDARY: $(patsubst %.c,$(B)/%.o,$(wildcard tests/*/*.c tests/by_hand/*/*.c)) $(KINDS_OBJ) $(POISON_OBJ) $(KINDS_BIN:$(B)/%=$(B)/kinds/%.o)
 GOALS := all help demo test check gate gate-long soak golden same torture bench fuzz proxy cross arm64 lint quick static contract format image install uninstall clean
 .PHONY: $(GOALS)
 
@@ -221,12 +221,12 @@ $(B)/tests/poison/voronoid: $(B)/server/main.o $(POISON_OBJ) $(LIB)
 	@$(LINK) $^ -o $@ $(LIBS)
 
 # What only the benchmark needs: no test harness in its programs, and the peer built as its users would build it.
-$(B)/tests/bench/edges: $(B)/tests/support/vt_mesh.o
-$(B)/tests/bench/%: $(B)/tests/bench/%.o $(LIB)
+$(B)/tests/by_hand/bench/edges: $(B)/tests/support/vt_mesh.o
+$(B)/tests/by_hand/bench/%: $(B)/tests/by_hand/bench/%.o $(LIB)
 	@echo "  LINK $@"
 	@$(LINK) $^ -o $@ $(LIBS)
 
-$(addprefix $(B)/tests/bench/,wlop orient front ear): $(B)/tests/bench/%: tests/bench/%.cc
+$(addprefix $(B)/tests/by_hand/bench/,wlop orient front ear): $(B)/tests/by_hand/bench/%: tests/by_hand/bench/%.cc
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
 	@$(CCACHE) $(CXX) -std=c++17 -O3 -DNDEBUG $< -o $@ -lmpfr -lgmp
@@ -270,12 +270,12 @@ same: all ## compare results of the golden cases, byte for byte, with those of r
 torture: ## install what is missing, build, and measure what the daemon withstands (LONG=1, SEED=n, COUNT=n, ONLY=regex of programs)
 	@docker/install.sh build test torture $(if $(LONG),lint)
 	@$(MAKE) --no-print-directory all $(POISON_BIN)
-	@tests/torture/run.pl $(if $(LONG),--long) $(if $(SEED),--seed $(SEED)) $(if $(COUNT),--count $(COUNT)) $(BIN)
+	@tests/by_hand/torture/run.pl $(if $(LONG),--long) $(if $(SEED),--seed $(SEED)) $(if $(COUNT),--count $(COUNT)) $(BIN)
 
 bench: ## install what is missing, build, and measure: tables and plots in build/bench (RUNS=n, ONLY=regex of rows)
 	@docker/install.sh build bench page
 	@$(MAKE) --no-print-directory all $(BENCH_BIN)
-	@tests/bench/bench.sh $(BIN)
+	@tests/by_hand/bench/bench.sh $(BIN)
 
 # Fuzzers are linked with a tree of their own: clang's libFuzzer, AddressSanitizer and UBSan.
 FUZZ_SECONDS ?= -

@@ -8,7 +8,7 @@
  *  (input/outliers.h), which hide among the others before.
  *
  *  Measured: fandisk, 163,000 points with noise of up to 2 % of the diagonal and 1 % outliers
- *  (tests/bench/ear_clouds.py), to 40,000 by ear: near edges, 99th percentile 9.8e-3 of the
+ *  (tests/by_hand/bench/ear_clouds.py), to 40,000 by ear: near edges, 99th percentile 9.8e-3 of the
  *  diagonal before and 7.2e-3 now, median of normals 35 degrees and 7.5, elsewhere rms
  *  2.9e-2 and 3.6e-3; points farther off than the noise 7,158 and 18. */
 #ifndef VOR_INPUT_COARSEN_H

@@ -1,6 +1,5 @@
 /** The sharp edges of an input: which points lie on one, how sharp it is, which way it runs, and
-how
- *  long all of them are.
+ *  how long all of them are.
  *
  *  Source: Merigot, Ovsjanikov, Guibas 2011, "Voronoi-based curvature and feature estimation from
  *  point clouds", which Lv et al. 2022, Sec. 4.2, take edges from: the covariance of a point's
@@ -9,21 +8,19 @@ how
  *  Departure: the sum is that of n n^T over a point's neighbours, where n is the normal of a plane
  *  through the nearest points. It has the same axes, and needs no Voronoi diagram.
  *  Departure: that sum is broad; it finds every point whose neighbours reach over an edge, and
-every
- *  rounded one. It only chooses candidates and the frame. There a crease is fitted beside a smooth
- *  surface (geom/crease.h), and a point is flagged where the crease explains its neighbours, turns
- *  by more than 25 degrees and passes within a spacing; or where the normals go three ways. What
- *  the crease leaves may be what noise leaves, which is measured first, at places all over the
+ *  every rounded one. It only chooses candidates and the frame. There a crease is fitted beside a
+ *  smooth surface (geom/crease.h), and a point is flagged where the crease explains its neighbours,
+ *  turns by more than 25 degrees and passes within a spacing; or where the normals go three ways.
+ *  What the crease leaves may be what noise leaves, which is measured first, at places all over the
  *  input: a low quantile, because detail is there in some places and noise in all.
  *
  *  The neighbours are the nearest in space, and not the lists of a graph (geom/graph.h): those stop
  *  at creases, where normals disagree. Sheets nearer than three spacings are therefore mixed;
-hardly
- *  one of their points fits a crease (at most 0.2 %).
+ *  hardly one of their points fits a crease (at most 0.2 %).
  *
- *  Measured (tests/bench/edges.pl) against the mesh's edges of more than 30 degrees. Spacing:
- *  sqrt(area / n). A flagged point is right within 1.5 spacings of an edge; places on the edges,
- *  half a spacing apart, are found if a flagged point lies within 1.5 spacings.
+ *  Measured (tests/by_hand/bench/edges.pl) against the mesh's edges of more than 30 degrees.
+ *  Spacing: sqrt(area / n). A flagged point is right within 1.5 spacings of an edge; places on the
+ *  edges, half a spacing apart, are found if a flagged point lies within 1.5 spacings.
  *
  *                                     precision  recall  flagged  length / true  CPU us
  *      fandisk, 30,000 points              .993    .974    9.9 %            .92     4.2

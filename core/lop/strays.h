@@ -9,8 +9,8 @@
 
 /** Neighbour whose distance tells a stray, and how many times the median it then is: at a border
  * too an even spread has four as near as anywhere. fandisk, 163,000 points with noise of up to 2 %
- * of the diagonal and outliers (tests/bench/ear_clouds.py), to 40,000: at 1.42 / 1.6 / all stay, 0
- * / 1 / 29 points farther off than the noise. */
+ * of the diagonal and outliers (tests/by_hand/bench/ear_clouds.py), to 40,000: at 1.42 / 1.6 / all
+ * stay, 0 / 1 / 29 points farther off than the noise. */
 enum { VOR_LOP_STRAY_OF = 4 };
 #define VOR_LOP_STRAY 1.42
 

@@ -1,5 +1,6 @@
 /* Chen 2018, Sec. 5.3 and 5.7: a mesh whose cells follow the curvature is nearer to the surface
- * than one of as many points without a metric. Here in a reduced size; in full in tests/bench. */
+ * than one of as many points without a metric. Here in a reduced size; in full in
+ * tests/by_hand/bench. */
 #include "core/base/linalg.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_mesh.h"
