@@ -61,7 +61,8 @@ def bounds_of(name, row, command, folder, kept):
         mean = math.fsum(values) / SEEDS
         apart = SDS * math.sqrt(math.fsum((v - mean) ** 2 for v in values) / (SEEDS - 1))
         low, high = outwards(form, max(0.0, mean - apart), -1), outwards(form, mean + apart, 1)
-        bounds.append(f"{low}..{high}" if kept and ".." in kept[k] else low if better > 0 else high)
+        one_side = (low if float(low) > 0 else "-") if better > 0 else high  # a bound of 0 says nothing
+        bounds.append(f"{low}..{high}" if kept and ".." in kept[k] else one_side)
     return bounds
 
 
