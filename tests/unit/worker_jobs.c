@@ -255,13 +255,17 @@ START_TEST(a_job_dismissed_while_it_encodes_leaves_no_bytes)
 {
     struct vt_daemon daemon;
     struct timespec pause = {.tv_nsec = 200000}; /* it encodes for many times that */
+    struct vor_job_view view;
     struct vor_uuid id;
 
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
     for (int i = 0; i < VT_SOAK_LOOPS(1, 3); i++) {
         id = submit(&daemon, 10000, vt_request(100000, 0));
-        while (vt_daemon_get(&daemon, &id).stage != VOR_STAGE_ENCODE)
+        for (view = vt_daemon_get(&daemon, &id);
+             view.stage != VOR_STAGE_ENCODE && !vor_job_status_over(view.status);
+             view = vt_daemon_get(&daemon, &id))
             nanosleep(&pause, NULL);
+        ck_assert_msg(view.status != VOR_JOB_FAILED, "%s", view.message);
         dismiss(&daemon, &id); /* removed, should it have been quicker */
         vt_daemon_wait_idle(&daemon);
         ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
