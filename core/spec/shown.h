@@ -100,7 +100,7 @@ struct vor_when {
 /** Presets: name, title, id of the process, values with blanks between, sentence. Each is a request
  * that can be made as it is; a caller may change any of its values. */
 #define VOR_NAMED_PRESET_TABLE(X)                                                                  \
-    X("even", "Even 10 000", "resample", "points=10000", "Ten thousand points, evenly spread")     \
+    X("even", "Even 10,000", "resample", "points=10000", "Ten thousand points, evenly spread")     \
     X("edges", "Keep edges", "resample", "ratio=1 method=ear rho=0",                               \
       "As many points as came in, with normals, sharp edges kept sharp")                           \
     X("denoise", "Denoise", "denoise", "",                                                         \

@@ -29,8 +29,8 @@ export function choose(process, values) {
 function tell() {
     const sample = forms.get($('process').value)?.field('sample'), isFaces = sample?.read() === 'faces';
     show($('mesh-hint'), isMesh && Boolean(sample));
-    $('mesh-words').textContent = isFaces ? 'The cloud is a mesh, and points of its faces are taken.' : 'The cloud is a mesh, of which the vertices are taken.';
-    $('mesh-turn').textContent = isFaces ? 'Take its vertices' : 'Take its faces';
+    $('mesh-words').textContent = isFaces ? 'This is a mesh. Points are sampled from its faces.' : 'This is a mesh. Its vertices are the input.';
+    $('mesh-turn').textContent = isFaces ? 'Use its vertices' : 'Sample its faces';
     const { process, values } = asked(), is = JSON.stringify(Object.entries(values).sort());
     for (const one of /** @type {HTMLElement[]} */ ([...$('presets').children]))
         one.setAttribute('aria-pressed', String(one.dataset.process === process && one.dataset.values === is));
@@ -72,7 +72,7 @@ export async function loadProcesses() {
     }));
     showPresets(descriptions.flatMap((one) => (one['x-presets'] || []).map((preset) => ({ process: one.id, ...preset }))));
     const types = descriptions.flatMap((one) => (one.inputs.cloud?.schema.oneOf || []).map(({ contentMediaType }) => FORMATS[contentMediaType]));
-    $('formats').textContent = ` (${[...new Set(types)].filter(Boolean).join(', ')})`;
+    $('formats').textContent = `(${[...new Set(types)].filter(Boolean).join(', ')})`;
     choose(processes[0].id);
 }
 

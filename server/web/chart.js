@@ -1,55 +1,42 @@
-/* How even the points are, record by record: delta, sigma and epsilon in a strip each, over the time of the run. */
-import { figure, seconds } from './dom.js';
+/* How even the result would be at each record, over the time of the run: the delta of the most even points so far, as the report says it of
+ * the result. Points on their way may be less even for a moment; they are not handed back. */
+import { brief, seconds } from './dom.js';
 import { color } from './theme.js';
 
-const STRIPS = [
-    { name: 'delta', words: 'δ', log: true },
-    { name: 'sigma', words: 'σ', log: true },
-    { name: 'epsilon', words: 'ε', log: false },
-];
-const LEFT = 72, LINE = 12, GAP = 10; /* pixels: room for figures, for a line of names of stages or of times, between strips */
+const LEFT = 52, LINE = 12; /* pixels: room for figures, for a line of names of stages or of times */
 const STAGES = { iterate: 'iterations', project: 'projection', insert: 'insertion' }; /* others by their own names */
+const RISE = 1.02; /* times that delta grows at the end of a run before this is explained */
 
 const least = (values) => values.reduce((a, b) => Math.min(a, b), Infinity);
 const greatest = (values) => values.reduce((a, b) => Math.max(a, b), -Infinity);
-const wordsOf = (name, value) => (name === 'epsilon' ? value.toFixed(5) : figure(value));
+const deltaOf = (record) => record.best?.delta;
 
-function scaleOf(values, log, top, height) {
-    const shown = log ? values.filter((value) => value > 0).map(Math.log) : values;
-    const low = least(shown), span = greatest(shown) - low || 1;
-    return (value) => top + height - ((log ? Math.log(Math.max(value, 1e-300)) : value) - low) / span * height;
+function scaleOf(values, top, height) {
+    const shown = values.filter((value) => value > 0).map(Math.log), low = least(shown), span = greatest(shown) - low || 1;
+    return (value) => top + height - (Math.log(Math.max(value, 1e-300)) - low) / span * height;
 }
 
-/* What the top and the bottom of a strip stand for. */
-function bounds(pen, values, name, top, height) {
-    const [low, high] = [least(values), greatest(values)];
+function curve(pen, rows, x, top, height, width) {
+    const values = rows.map(deltaOf), y = scaleOf(values, top + 5, height - 10), [low, high] = [least(values), greatest(values)];
+    pen.strokeStyle = color('line');
+    pen.strokeRect(LEFT, top, width - LEFT - 1, height);
+    pen.strokeStyle = pen.fillStyle = color('delta');
+    pen.lineWidth = 1.5;
+    pen.beginPath();
+    rows.forEach((row, k) => (k ? pen.lineTo(x(row), y(values[k])) : pen.moveTo(x(row), y(values[k]))));
+    pen.stroke();
+    pen.beginPath();
+    pen.arc(x(rows.at(-1)), y(values.at(-1)), 3, 0, 2 * Math.PI);
+    pen.fill();
+    pen.lineWidth = 1;
+    pen.font = '600 13px system-ui, sans-serif';
+    pen.fillText('δ', 2, top + height / 2 + 4);
     pen.font = '10px system-ui, sans-serif';
     pen.fillStyle = color('soft');
     pen.textAlign = 'right';
-    pen.fillText(wordsOf(name, high), LEFT - 4, top + 9);
-    if (low < high) pen.fillText(wordsOf(name, low), LEFT - 4, top + height - 1);
+    pen.fillText(brief(high), LEFT - 4, top + 9);
+    if (low < high) pen.fillText(brief(low), LEFT - 4, top + height - 1);
     pen.textAlign = 'left';
-}
-
-function strip(pen, rows, x, { name, words, log }, top, height, width) {
-    const values = rows.map((row) => row[name]), y = scaleOf(values, log, top + 4, height - 8);
-    pen.strokeStyle = color('line');
-    pen.strokeRect(LEFT, top, width - LEFT - 1, height);
-    pen.strokeStyle = pen.fillStyle = color(name);
-    pen.lineWidth = 1.5;
-    pen.beginPath();
-    rows.forEach((row, k) => (k ? pen.lineTo(x(row), y(row[name])) : pen.moveTo(x(row), y(row[name]))));
-    pen.stroke();
-    const last = rows.at(-1);
-    pen.beginPath();
-    pen.arc(x(last), y(last[name]), 3, 0, 2 * Math.PI);
-    pen.fill();
-    pen.font = '600 13px system-ui, sans-serif';
-    pen.fillText(words, 2, top + height / 2 - 3);
-    pen.font = '11px system-ui, sans-serif';
-    pen.fillText(wordsOf(name, last[name]), 2, top + height / 2 + 11);
-    pen.lineWidth = 1;
-    bounds(pen, values, name, top, height);
 }
 
 /* Where the names of stages go: {words, at, line, x}; on a second line those that would run into the one before, on none if there too. */
@@ -77,17 +64,25 @@ function stages(pen, rows, x, width, height) {
     return top;
 }
 
-/** Draws records into a canvas and says in its label what is to be seen. */
-export function drawChart(canvas, records) {
-    const rows = records.filter((row) => STRIPS.every(({ name }) => typeof row[name] === 'number'));
+/* Why delta rises once the steps are over: then points are placed as they are handed back. */
+function rise(rows, isMesh) {
+    const [before, last] = rows.slice(-2);
+    if (!last || last.step !== before.step || deltaOf(last) < RISE * deltaOf(before)) return '';
+    return isMesh ? ' It rises at the end, where points move a little so that the triangles become better.'
+        : ' It rises at the end, where points are put back onto the input.';
+}
+
+/** Draws records into a canvas, says in its label what is to be seen, and returns a sentence to stand below. */
+export function drawChart(canvas, records, isMesh) {
+    const rows = records.filter((row) => typeof deltaOf(row) === 'number');
     const ratio = window.devicePixelRatio || 1, [width, height] = [canvas.clientWidth, canvas.clientHeight], pen = canvas.getContext('2d');
     canvas.dataset.points = String(rows.length);
-    if (!rows.length || !width) return;
+    if (!rows.length || !width) return '';
     [canvas.width, canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
     pen.scale(ratio, ratio);
     const from = rows[0].seconds, span = rows.at(-1).seconds - from || 1, x = (row) => LEFT + 4 + (row.seconds - from) / span * (width - LEFT - 9);
-    const top = stages(pen, rows, x, width, height - LINE), each = (height - LINE - top - 2 * GAP - 2) / 3;
-    STRIPS.forEach((one, k) => strip(pen, rows, x, one, top + k * (each + GAP), each, width));
+    const top = stages(pen, rows, x, width, height - LINE);
+    curve(pen, rows, x, top, height - LINE - top - 2, width);
     const [first, last] = [rows[0], rows.at(-1)];
     pen.font = '10px system-ui, sans-serif';
     pen.fillStyle = color('soft');
@@ -95,6 +90,6 @@ export function drawChart(canvas, records) {
     pen.textAlign = 'right';
     pen.fillText(seconds(last.seconds), width - 1, height - 2);
     pen.textAlign = 'left';
-    canvas.setAttribute('aria-label', `Convergence in ${rows.length} records: delta from ${figure(first.delta)} to ${figure(last.delta)}, `
-        + `sigma from ${figure(first.sigma)} to ${figure(last.sigma)}, epsilon from ${first.epsilon.toFixed(5)} to ${last.epsilon.toFixed(5)}`);
+    canvas.setAttribute('aria-label', `Convergence in ${rows.length} records: δ from ${brief(deltaOf(first))} to ${brief(deltaOf(last))}`);
+    return `δ: how much the spacing of the points varies; 0 is perfectly even.${rise(rows, isMesh)}`;
 }

@@ -12,7 +12,7 @@ const several = (request) => Object.keys(request.others).length > 0;
 const inputs = (request) => ({ file: request.file, ...request.others });
 
 function curl(request) {
-    const parts = ['curl -sSf -X POST'];
+    const parts = ['curl -sS --fail-with-body -X POST'];
     if (request.key) parts.push('-H "Authorization: Bearer $VORONOID_KEY"');
     if (several(request)) /* in quotes of curl's own, for which a comma ends a name */
         Object.entries(inputs(request)).forEach(([name, file]) => parts.push(`-F ${shell(`${name}=@"${file.replace(/[\\"]/g, '\\$&')}"`)}`));

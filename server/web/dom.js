@@ -23,6 +23,9 @@ export function figure(value) {
     return String(Number(value.toPrecision(4)));
 }
 
+/** A figure with three digits, as in headlines. */
+export const brief = (value) => figure(Number(value.toPrecision(3)));
+
 export function bytes(n) {
     const units = ['bytes', 'KB', 'MB', 'GB'], k = n < 1000 ? 0 : Math.min(3, Math.floor(Math.log10(n) / 3));
     return `${k ? (n / 1000 ** k).toPrecision(3) : n}\u00a0${units[k]}`;

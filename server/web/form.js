@@ -27,7 +27,7 @@ function range(schema, free) {
 }
 
 function choice(id, schema, words) {
-    const select = make('select', { id }, make('option', { value: '' }, schema.default === undefined ? 'not given' : `${schema.default} (default)`));
+    const select = make('select', { id }, make('option', { value: '' }, schema.default === undefined ? 'not set' : `${schema.default} (default)`));
     words.filter((word) => String(word) !== String(schema.default)).forEach((word) => select.append(make('option', { value: word }, word)));
     return { control: select, read: () => select.value, write: (value) => { select.value = String(value) === String(schema.default) ? '' : value; } };
 }
@@ -77,15 +77,29 @@ function controlOf(id, schema) {
     return text(id, schema, words);
 }
 
+/* What a parameter means is told when it is asked for. */
+function aboutButton(help, title) {
+    const button = make('button', { type: 'button', className: 'about', title: `About ${title}` }, '?');
+    button.setAttribute('aria-label', `About ${title}`);
+    button.setAttribute('aria-controls', help.id);
+    button.setAttribute('aria-expanded', 'false');
+    button.addEventListener('click', () => {
+        show(help, help.hidden);
+        button.setAttribute('aria-expanded', String(!help.hidden));
+    });
+    return button;
+}
+
 function field(name, input) {
-    const id = `ask-${name}`, one = controlOf(id, input.schema), help = make('small', { id: `${id}-help` }), wrong = make('small', { id: `${id}-wrong`, className: 'blame' });
-    const label = make(one.group ? 'span' : 'label', { className: 'name', id: `${id}-label` }, input.title || name), words = partsOf(input.schema);
+    const id = `ask-${name}`, one = controlOf(id, input.schema), wrong = make('small', { id: `${id}-wrong`, className: 'blame' });
+    const help = make('small', { id: `${id}-help`, hidden: true }), title = input.title || name;
+    const label = make(one.group ? 'span' : 'label', { className: 'name', id: `${id}-label` }, title), words = partsOf(input.schema);
     if (one.group) one.control.setAttribute('aria-labelledby', label.id);
     else label.htmlFor = id;
     help.append([input.description && `${input.description}.`, range(input.schema, words.free)].filter(Boolean).join(' '));
     one.control.setAttribute('aria-describedby', `${wrong.id} ${help.id}`);
     return { ...one, name, wrong, usual: String(input.schema.default ?? ''), when: input['x-when'] || {},
-        row: make('div', { className: 'field' }, label, one.control, wrong, help, ...(one.besides || [])) };
+        row: make('div', { className: 'field' }, label, one.control, aboutButton(help, title), wrong, help, ...(one.besides || [])) };
 }
 
 /* Whether a field counts: another one that it hangs on has one of these words, of which attribute:NAME is any that begins so. */
@@ -104,24 +118,45 @@ function grouped(fields) {
     });
 }
 
-/** The form of a process description, but for its main input: {elements: [basic ones ..., advanced or null], values() of what was
- *  changed and counts, files() that were chosen, by name, set(values), blame(errors)}. */
+/* Of the parameters of this group one at most is given: a choice shows its field. */
+const ONE_OF = 'How many points';
+
+/* The choice between fields: {element, chosen() the name of one, choose(name)}. process: tells apart the radio buttons of forms. */
+function makeWays(fields, process) {
+    const usual = fields.find((one) => one.usual) || fields[0], radios = fields.map((one) => make('input', {
+        type: 'radio', name: `way-${process}`, value: one.name, id: `way-${process}-${one.name}`, checked: one === usual }));
+    const element = make('div', { className: 'row' }, ...radios.map((one) => make('label', { htmlFor: one.id }, one, one.value[0].toUpperCase() + one.value.slice(1))));
+    element.setAttribute('role', 'radiogroup');
+    element.setAttribute('aria-label', ONE_OF);
+    return { element, usual: usual?.name, chosen: () => radios.find((one) => one.checked)?.value,
+        choose: (name) => radios.forEach((one) => { one.checked = one.value === name; }) };
+}
+
+const folded = (groups) => make('details', {}, make('summary'), ...groups.map((one) => one.element));
+
+/** The form of a process description, but for its main input: {elements: [what is asked for first, folded options ...], values() of
+ *  what was changed and counts, files() that were chosen, by name, set(values), blame(errors)}. */
 export function makeForm(description) {
     const main = Object.entries(description.inputs).find(([, input]) => isFile(input.schema));
     const fields = Object.entries(description.inputs).filter(([name]) => name !== main?.[0]).map(([name, input]) => ({
         ...field(name, input), basic: input['x-level'] === 'basic' || isFile(input.schema), group: input['x-group'] || '' }));
-    const basic = fields.filter((one) => one.basic), advanced = fields.filter((one) => !one.basic);
-    const [open, folded] = [grouped(basic), grouped(advanced)], summary = make('summary');
-    const more = make('details', { open: !basic.length }, summary, ...folded.map((one) => one.element));
+    const [first, ways] = [(one) => (ways.element.childElementCount ? one.group === ONE_OF || one.file : one.basic),
+        makeWays(fields.filter((one) => one.group === ONE_OF), description.id)];
+    const groups = [first, (one) => one.basic && !first(one), (one) => !one.basic && !first(one)].map((which) => grouped(fields.filter(which)));
+    const folds = groups.slice(1).map((all, k) => ({ all, title: ['Options', 'Advanced options'][k], element: folded(all) }));
+    groups[0].find(({ rows }) => rows.includes(fields.find((one) => one.group === ONE_OF)?.row))?.element.querySelector('h3').after(ways.element);
     const refresh = () => {
         fields.forEach((one) => {
-            show(one.row, counts(one, fields));
+            show(one.row, counts(one, fields) && (one.group !== ONE_OF || one.name === ways.chosen()));
             one.row.querySelectorAll('input, select').forEach((control) => { control.disabled = one.row.hidden; }); /* nor is it checked */
         });
-        [...open, ...folded].forEach(({ rows, element }) => show(element, rows.some((row) => !row.hidden)));
-        summary.textContent = `${basic.length ? 'More' : 'All'} parameters (${advanced.filter((one) => !one.row.hidden).length})`;
+        groups.flat().forEach(({ rows, element }) => show(element, rows.some((row) => !row.hidden)));
+        folds.forEach(({ all, title, element }) => {
+            const shown = fields.filter(({ row }) => !row.hidden && all.some(({ rows }) => rows.includes(row))), set = shown.filter((one) => one.read() !== '');
+            element.firstChild.textContent = `${title} (${shown.length}${set.length ? `, ${set.length} set` : ''})`;
+        });
     };
-    const elements = [...open.map((one) => one.element), ...(folded.length ? [more] : [])];
+    const elements = [...groups[0].map((one) => one.element), ...folds.filter(({ all }) => all.length).map((one) => one.element)];
     elements.forEach((one) => one.addEventListener('input', refresh));
     refresh();
     return {
@@ -132,7 +167,7 @@ export function makeForm(description) {
         files: () => Object.fromEntries(fields.map((one) => [one.name, one.file?.()]).filter(([, chosen]) => chosen)),
         set(values) {
             fields.forEach((one) => one.write(values[one.name] ?? ''));
-            more.open = !basic.length || advanced.some((one) => values[one.name] !== undefined);
+            ways.choose(fields.findLast((one) => one.group === ONE_OF && values[one.name] !== undefined)?.name || ways.usual);
             refresh();
         },
         /* Shows what the daemon finds wrong with a parameter beside it. */
@@ -142,8 +177,10 @@ export function makeForm(description) {
                 one.row.classList.toggle('wrong', Boolean(error));
                 one.control.setAttribute('aria-invalid', String(Boolean(error)));
                 one.wrong.textContent = error?.detail || '';
+                if (error && one.group === ONE_OF) ways.choose(one.name);
                 if (error) one.control.closest('details')?.setAttribute('open', '');
             });
+            if (errors.length) refresh();
             fields.find((one) => one.row.classList.contains('wrong'))?.control.focus();
         },
     };

@@ -4,12 +4,20 @@ import { colorAt } from './palette.js';
 import { color } from './theme.js';
 
 const BINS = 60, TICKS = 14; /* pixels of figures below the bars */
+const GAP = 16;              /* pixels between two histograms */
 
 /** What the colours of a mode go from and to. Spacings are shown over their mean; distances up to one that 99 of 100 are below. */
 export function rangeOf(mode, values, mean) {
     if (mode === 'spacing') return { low: 0.5 * mean, high: 1.5 * mean, unit: mean };
     const sorted = Float32Array.from(values).sort();
     return { low: 0, high: sorted[Math.floor(0.99 * (sorted.length - 1))] || 1, unit: 1 };
+}
+
+/** How much spacings vary, as the daemon defines delta: their standard deviation over their mean; NaN where all points coincide. */
+export function deltaOf(values, mean) {
+    let sum = 0;
+    for (const value of values) sum += (value / mean - 1) ** 2;
+    return Math.sqrt(sum / values.length);
 }
 
 /* Shares of the values in each bin. */
@@ -25,35 +33,47 @@ function outline(pen, shares, most, width, height) {
     pen.stroke();
 }
 
-function drawTicks(pen, { mode, low, high, unit }, width, height) {
+function drawTicks(pen, { figures, low, high, unit }, width, height) {
     pen.font = '11px system-ui, sans-serif';
     pen.fillStyle = color('soft');
     [[low, 'left', 0], [(low + high) / 2, 'center', width / 2], [high, 'right', width]].forEach(([value, align, x], k) => {
         pen.textAlign = align;
-        pen.fillText(`${k === 2 ? '≥ ' : ''}${!k && mode === 'spacing' ? '≤ ' : ''}${figure(value / unit)}`, x, height - 2);
+        pen.fillText(`${k === 2 ? '≥ ' : ''}${!k && figures === 'spacing' ? '≤ ' : ''}${figure(value / unit)}`, x, height - 2);
     });
 }
 
-/** Draws it into a canvas, with a sentence in the caption. Figures of the other cloud, if there are any, are a line before the bars. */
-export function drawHistogram(canvas, caption, one, other) {
-    const { mode, values, low, high, unit, whose } = one, shares = sharesOf(one), others = other && sharesOf(other);
-    const ratio = window.devicePixelRatio || 1, pen = canvas.getContext('2d'), width = canvas.clientWidth, height = canvas.clientHeight - TICKS;
+/* One histogram; the other cloud's, if there is one, is a line before the bars. */
+function drawOne(pen, { one, other }, width, height) {
+    const shares = sharesOf(one), others = other && sharesOf(other), top = height - TICKS;
     const most = [...shares, ...others || []].reduce((a, b) => Math.max(a, b), 0) || 1;
-    [canvas.width, canvas.height] = [width * ratio, canvas.clientHeight * ratio];
-    pen.scale(ratio, ratio);
     shares.forEach((share, k) => {
-        pen.fillStyle = colorAt(mode, (k + 0.5) / BINS);
-        pen.fillRect(k * width / BINS, height * (1 - share / most), width / BINS - 1, height * share / most);
+        pen.fillStyle = one.isShown ? colorAt(one.figures, (k + 0.5) / BINS) : color('point');
+        pen.fillRect(k * width / BINS, top * (1 - share / most), width / BINS - 1, top * share / most);
     });
-    pen.strokeStyle = color('soft'); /* the middle of the colours is as pale as the page */
-    outline(pen, shares, most, width, height);
-    pen.strokeStyle = color('accent');
+    pen.strokeStyle = color('line');
+    pen.strokeRect(0, top, width, 0);
+    pen.strokeStyle = color('ink');
     pen.lineWidth = 1.5;
-    if (others) outline(pen, others, most, width, height);
-    drawTicks(pen, one, width, canvas.clientHeight);
-    const [from, to] = [figure(low / unit), figure(high / unit)];
-    const also = other ? `. The line: ${other.whose}, over its mean, ${figure(other.unit)}` : '';
-    caption.textContent = mode === 'spacing'
-        ? `${whose}: distance to the nearest point over its mean, ${figure(unit)}, from ${from} (and less) to ${to} (and more); ${count(values.length)} points${also}`
-        : `${whose}: distance to the nearest point of the input, from ${from} to ${to} (and more), in its unit; ${count(values.length)} points`;
+    if (others) outline(pen, others, most, width, top);
+    drawTicks(pen, one, width, height);
+}
+
+const words = ({ whose, values, delta, high, figures }) => `${whose}: ${count(values.length)} points, ${figures === 'spacing'
+    ? `δ ${figure(delta)}` : `from 0 to ${figure(high)} and more`}`;
+
+/** Draws one histogram for each of panels ({one, other or null}) beside each other, with a sentence in the caption. One is {figures:
+ *  'spacing' or 'distance', values, low, high, unit, whose, delta, isShown: whether the view has its colours}. */
+export function drawHistogram(canvas, caption, panels) {
+    const ratio = window.devicePixelRatio || 1, pen = canvas.getContext('2d'), width = canvas.clientWidth, height = canvas.clientHeight;
+    const each = (width - GAP * (panels.length - 1)) / panels.length;
+    [canvas.width, canvas.height] = [width * ratio, height * ratio];
+    panels.forEach((panel, k) => {
+        pen.setTransform(ratio, 0, 0, ratio, k * (each + GAP) * ratio, 0);
+        drawOne(pen, panel, each, height);
+    });
+    const shown = panels.flatMap(({ one, other }) => [one, other].filter(Boolean));
+    canvas.setAttribute('aria-label', shown.map(words).join('; '));
+    caption.textContent = shown[0].figures === 'spacing'
+        ? `Distance from each point to its nearest neighbour, over the mean distance. Even points make one narrow peak at 1.${panels[0].other ? ` Bars: ${panels[0].one.whose}, line: ${panels[0].other.whose}.` : ''}`
+        : 'Distance from each point of the result to the nearest point of the input, in the unit of the cloud.';
 }

@@ -1,30 +1,44 @@
-/* The jobs that the daemon has, newest first. */
+/* The jobs that the daemon has, newest first; those begun elsewhere come by themselves. */
 import { askJson } from './api.js';
 import { $, count, make, show } from './dom.js';
 
 const PAGE = 10;
+const AGAIN_MS = 5000; /* between two looks, of a page that is seen */
 let next = '';
 
 function row(job) {
     const name = job.voronoid.name || 'unnamed', when = new Date(job.created).toLocaleString();
-    const state = job.status === 'running' ? `${job.progress} %` : job.status;
+    const state = job.status === 'running' ? `running, ${job.progress} %` : job.status;
     const link = make('a', { href: `#/jobs/${job.jobID}` }, `${name}: ${job.processID}`);
-    return make('li', {}, link, make('small', {}, ` ${state}, ${count(job.voronoid.input?.points ?? 0)} points in, ${when}`));
+    const item = make('li', {}, link, make('small', {}, ` ${state}, ${count(job.voronoid.input?.points ?? 0)} input points, ${when}`));
+    item.dataset.job = job.jobID;
+    return item;
 }
 
-async function load(path) {
+const load = async (path) => {
     const { jobs, links } = await askJson(path), more = links.find((link) => link.rel === 'next');
-    next = more ? `v1/jobs${new URL(more.href).search}` : '';
-    show($('history-more'), Boolean(next));
-    return jobs.map(row);
-}
+    return { jobs, more: more ? `v1/jobs${new URL(more.href).search}` : '' };
+};
 
-/** Shows the newest ones. */
+/** Shows the newest ones; older ones that were asked for stay. A row that is the same is left alone: it may have the focus. */
 export async function showHistory() {
-    const rows = await load(`v1/jobs?limit=${PAGE}`);
-    $('history').replaceChildren(...(rows.length ? rows : [make('li', { className: 'soft' }, 'None yet.')]));
+    const { jobs, more } = await load(`v1/jobs?limit=${PAGE}`), fresh = jobs.map(row), ids = new Set(jobs.map((job) => job.jobID));
+    const before = /** @type {HTMLElement[]} */ ([...$('history').children]), last = before.findLastIndex((one) => ids.has(one.dataset.job || ''));
+    const older = last < 0 ? [] : before.slice(last + 1), same = (one) => before.find((old) => old.isEqualNode(one)) || one;
+    if (!older.length) next = more;
+    show($('history-more'), Boolean(next));
+    const rows = [...fresh.map(same), ...older], wanted = rows.length ? rows : [same(make('li', { className: 'soft' }, 'No jobs yet.'))];
+    if (wanted.length !== before.length || wanted.some((one, k) => one !== before[k])) $('history').replaceChildren(...wanted);
 }
 
 export function wireHistory() {
-    $('history-more').addEventListener('click', async () => $('history').append(...await load(next)));
+    const look = () => document.hidden || showHistory().catch(() => {}); /* what does not answer is told elsewhere */
+    $('history-more').addEventListener('click', async () => {
+        const { jobs, more } = await load(next);
+        next = more;
+        show($('history-more'), Boolean(next));
+        $('history').append(...jobs.map(row));
+    });
+    document.addEventListener('visibilitychange', look);
+    setInterval(look, AGAIN_MS);
 }

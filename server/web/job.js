@@ -6,19 +6,18 @@ import { dropCloud, measures, readCloud } from './cloud.js';
 import { $, count, roughly, show } from './dom.js';
 import { showReport, summary } from './report.js';
 import { canDraw, getCloud, setCloud, setLayout } from './stage.js';
-import { save, showTakers } from './take.js';
+import { showTakers } from './take.js';
 import { isOver, watchJob } from './watch.js';
 
 let release = () => {}, shown = null, records = [], frame = 0, fetching = false, tag = '';
 
-const STEPS = { iterate: 'Iteration', polish: 'Polish, step', project: 'Projection, step', insert: 'Insertion, point', baselines: 'Baseline' };
+const STEPS = { iterate: 'Iteration', polish: 'Polish step', project: 'Projection step', insert: 'Inserted point', baselines: 'Baseline' };
 const WORDS = { successful: 'Done', failed: 'Failed', dismissed: 'Cancelled' };
 
 function stateOf(status) {
     const { queuePosition, eta, stage } = status.voronoid;
     const parts = [WORDS[status.status] || (stage === 'optimize' ? 'Running' : status.message || status.status)];
-    if (isOver(status) && status.message && !status.exception) parts.push(status.message); /* an exception is told as trouble */
-    if (typeof queuePosition === 'number') parts.push(queuePosition ? `${count(queuePosition)} before it in the queue` : 'next in the queue');
+    if (typeof queuePosition === 'number') parts.push(queuePosition ? `${count(queuePosition)} ahead in the queue` : 'next in the queue');
     if (!isOver(status) && stage !== 'optimize' && typeof eta === 'number') parts.push(`${roughly(eta)} left`);
     return parts.join(', ');
 }
@@ -31,9 +30,8 @@ function showStatus(status) {
     $('watch-title').textContent = `${status.voronoid.name || 'Job'}: ${status.processID}`;
     if ($('state').textContent !== words) $('state').textContent = words;
     $('progress').value = status.progress;
-    show($('progress'), !over);
     show($('stop'), status.status === 'running' && status.voronoid.stage === 'optimize');
-    show($('dismiss'), !over);
+    show($('doing'), !over);
     show($('result'), over);
     if (status.exception) $('trouble').textContent = status.exception.detail || status.exception.title;
 }
@@ -41,7 +39,7 @@ function showStatus(status) {
 function draw() {
     frame = 0;
     show($('chart-box'), records.length > 0);
-    drawChart($('chart'), records);
+    $('chart-words').textContent = drawChart($('chart'), records, shown?.processID === 'mesh');
 }
 
 function showRecords(all, latest) {
@@ -55,7 +53,7 @@ function showRecords(all, latest) {
 }
 
 function showLost(isLost) {
-    $('figures').textContent = isLost ? 'The daemon does not answer. It is asked again.' : '';
+    $('figures').textContent = isLost ? 'The daemon does not answer. Trying again.' : '';
 }
 
 /* Shows the result, read as PLY in the frame of the input, unless another job is on the page by now. */
@@ -75,8 +73,8 @@ async function showResult(id, isProgressive) {
     put(await readCloud(buffer, origin));
 }
 
-/* Side by side where there is room. */
-const layoutOf = () => (getCloud('input') && innerWidth > 800 ? 'both' : 'result');
+/* Side by side: the input is what the result is judged by. */
+const layoutOf = () => (getCloud('input') ? 'both' : 'result');
 
 /* The points as they move: one picture at a time, none that nobody sees. They are shaded before they are shown. */
 async function showPreview(id) {
@@ -126,11 +124,20 @@ async function showEnd(status) {
 export function leaveJob() {
     release();
     [release, shown, records, tag] = [() => {}, null, [], ''];
-    for (const name of ['watch', 'result', 'report-box', 'chart-box']) show($(name), false);
-    $('summary').textContent = $('figures').textContent = $('state').textContent = '';
+    for (const name of ['watch', 'result', 'doing', 'report-box', 'chart-box']) show($(name), false);
+    $('report-box').open = false;
+    for (const name of ['summary', 'figures', 'state', 'chart-words']) $(name).textContent = '';
     delete $('chart').dataset.points;
     setCloud('result', null);
     setLayout('input');
+}
+
+/** Shows that a job is on its way, before the daemon has said what it is like, so that its panel has its place at once. */
+export function expectJob(words) {
+    leaveJob();
+    show($('watch'), true);
+    $('watch-title').textContent = 'Job';
+    $('state').textContent = words;
 }
 
 /** Shows a job and follows it; ended(status) is called when it is over. */
@@ -152,7 +159,6 @@ export function wireJob() {
     };
     $('stop').addEventListener('click', tell('POST', '/stop'));
     $('dismiss').addEventListener('click', tell('DELETE', ''));
-    $('chart-png').addEventListener('click', () => $('chart').toBlob((blob) => save(blob, 'png', 'chart')));
     new ResizeObserver(draw).observe($('chart'));
 }
 

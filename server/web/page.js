@@ -5,7 +5,7 @@ import { readCloud } from './cloud.js';
 import { $, bytes, count, show } from './dom.js';
 import { isPly, wireDrop } from './drop.js';
 import { showHistory, wireHistory } from './history.js';
-import { followJob, leaveJob, redraw, wireJob } from './job.js';
+import { expectJob, followJob, leaveJob, redraw, wireJob } from './job.js';
 import { startJob } from './send.js';
 import { setCloud, setLayout, wireStage } from './stage.js';
 import { save, setName, wireCommands } from './take.js';
@@ -16,7 +16,7 @@ import { isOver, watchJob } from './watch.js';
 let source = null, job = '', turn = 0;
 
 function complain(error) {
-    $('trouble').textContent = error.status === 401 && !getKey() ? 'This daemon wants a key: its field is at the top.' : error.message;
+    $('trouble').textContent = error.status === 401 && !getKey() ? 'This daemon needs an API key. Enter it at the top of the page.' : error.message;
     if (error.errors) blame(error.errors);
 }
 
@@ -31,7 +31,7 @@ const guarded = (work) => async (...given) => {
 };
 
 function showInput(cloud, name, size) {
-    const left = cloud.left ? `, ${count(cloud.left)} that are not finite left out` : '', faces = cloud.faces ? `, ${count(cloud.faces.length / 3)} triangles` : '';
+    const left = cloud.left ? `, ${count(cloud.left)} with coordinates that are not finite left out` : '', faces = cloud.faces ? `, ${count(cloud.faces.length / 3)} triangles` : '';
     $('cloud-words').textContent = `${name}: ${count(cloud.n)} point${cloud.n === 1 ? '' : 's'}${faces}${left}${size ? `, ${bytes(size)}` : ''}`;
     setCloud('input', cloud);
     setLayout('input');
@@ -42,15 +42,22 @@ const ended = (status) => new Promise((resolve) => {
     watchJob(status, { onStatus() {}, onRecords() {}, onPreview() {}, onLost() {}, onEnd: resolve });
 });
 
-/* Formats that the page does not read are sent, and read as the PLY that the daemon makes of them. */
+/* What the page cannot read is sent, and read as the PLY that the daemon makes of it: the daemon has the last word on what is a cloud. */
 async function convert(file, mine) {
-    $('cloud-words').textContent = `${file.name}: is sent, to be read by the daemon`;
+    $('cloud-words').textContent = `Sending ${file.name}, so that the daemon reads it`;
     const status = await startJob('convert', { format: 'ply' }, { file, name: file.name });
     const last = await ended(status);
-    if (last.status !== 'successful') throw new Error(last.exception?.detail || 'The daemon could not read it.');
+    if (last.status !== 'successful') throw Object.assign(new Error(last.exception?.detail || 'The daemon could not read it.'), { status: 422 });
     if (mine === turn) source.job = last.jobID;
     return (await ask(`v1/jobs/${last.jobID}/results/cloud`)).arrayBuffer();
 }
+
+async function read(file, mine) {
+    const own = await isPly(file) ? await file.arrayBuffer().then((buffer) => readCloud(buffer)).catch(() => null) : null;
+    return own || readCloud(await convert(file, mine));
+}
+
+const isRefused = ({ status }) => status >= 400 && status < 500 && ![401, 403, 408, 429].includes(status);
 
 const take = guarded(async (file) => {
     const mine = ++turn;
@@ -60,30 +67,40 @@ const take = guarded(async (file) => {
     leaveJob();
     setCloud('input', null);
     if (location.hash !== '#/') history.pushState(null, '', '#/');
-    $('cloud-words').textContent = `${file.name}: is read`;
+    $('cloud-words').textContent = `Reading ${file.name}`;
     $('run').disabled = false;
     try {
-        const cloud = await readCloud(await isPly(file) ? await file.arrayBuffer() : await convert(file, mine));
+        const cloud = await read(file, mine);
         if (mine === turn) showInput(cloud, file.name, file.size);
     } catch (error) {
-        if (mine === turn) $('cloud-words').textContent = `${file.name} is not shown`;
+        if (mine !== turn) return;
+        $('run').disabled = isRefused(error);
+        $('cloud-words').textContent = isRefused(error) ? `${file.name} cannot be used. Choose another file, or convert it to PLY or Draco first.`
+            : `${file.name} is not shown.`;
         throw error;
     }
 });
 
+/* To where the job is told of and its result is drawn. */
+const goToResult = () => scrollTo(0, innerWidth > 800 ? 0 : $('stage').offsetTop);
+
 const run = guarded(async () => {
-    const { process, values, files } = asked();
+    const { process, values, files } = asked(), wasThere = !$('watch').hidden;
     if (!source) throw new Error('Choose a cloud first.');
     blame([]);
     $('run').disabled = true;
+    if (!wasThere) expectJob('Sending the request');
     try {
         const status = await startJob(process, values, source, files);
         source.job = status.links.some((link) => link.rel === 'input') ? status.jobID : source.job;
         job = status.jobID;
         location.hash = `#/jobs/${job}`;
         followJob(status, () => showHistory());
-        $('watch').scrollIntoView({ block: 'nearest' });
+        goToResult();
         showHistory();
+    } catch (error) {
+        if (!wasThere) leaveJob();
+        throw error;
     } finally {
         $('run').disabled = false;
     }
@@ -100,23 +117,29 @@ async function fetchInput(status) {
 
 const openJob = guarded(async (id) => {
     const mine = ++turn;
-    leaveJob();
+    expectJob('Opening the job');
+    goToResult();
     setCloud('input', null);
     [job, source] = [id, null];
     $('run').disabled = true;
     $('cloud-words').textContent = '';
-    const status = await askJson(`v1/jobs/${id}`), name = status.voronoid.name || 'cloud';
+    const status = await askJson(`v1/jobs/${id}`).catch((error) => {
+        if (mine === turn) leaveJob();
+        throw error;
+    });
+    const name = status.voronoid.name || 'cloud';
     if (mine !== turn) return;
     source = { file: null, name, job: id };
     setName(name);
-    $('cloud-words').textContent = `${name}: is fetched`;
+    $('cloud-words').textContent = `Fetching ${name}`;
     $('run').disabled = false;
     choose(status.processID, status.voronoid.parameters);
     if (!isOver(status)) followJob(status, () => showHistory()); /* the chart grows while the input comes */
+    else $('watch-title').textContent = `${name}: ${status.processID}`;
     const cloud = await fetchInput(status).catch(() => null);
     if (mine !== turn) return;
     if (cloud) showInput(cloud, name, status.voronoid.input?.bytes);
-    else $('cloud-words').textContent = `${name}: the daemon has let its input go`;
+    else $('cloud-words').textContent = `${name}: the daemon no longer has this input`;
     if (!cloud) source = null;
     $('run').disabled = !source;
     if (isOver(status)) followJob(status, () => {});

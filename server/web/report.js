@@ -1,6 +1,6 @@
 /* The report of a job: every figure, with its unit and what it means in the words of the process description. */
 import { askJson } from './api.js';
-import { $, figure, make } from './dom.js';
+import { $, brief, figure, make } from './dom.js';
 
 const descriptions = new Map();
 
@@ -14,8 +14,8 @@ const meanings = (inputs) => ({ properties: Object.fromEntries(Object.entries(in
     .map(([name, { title, schema }]) => [name, { description: title, 'x-unit': schema['x-unit'] }])) });
 
 /* Why a run ended, as people say it. */
-const ENDED = { iterations: 'all its steps are done', delta: 'even enough', seconds: 'its time was over', plateau: 'it became no more even',
-    moveStop: 'its points moved no more', stopped: 'stopped by its caller, the best kept' };
+const ENDED = { delta: 'stopped at the δ you asked for', seconds: 'stopped at its time limit', moveStop: 'stopped when points hardly moved',
+    stopped: 'you stopped it early' };
 
 const plain = (value) => value === null || typeof value !== 'object';
 
@@ -49,30 +49,37 @@ function rows(report, schema, prefix = '') {
     });
 }
 
-/* How far input and result lie from each other, of both ways at once. */
-function apart({ ref_to_out: there, out_to_ref: back }, unit) {
-    if (!there || !back) return [];
-    const far = (name, value, description) => row(name, value, { description, 'x-unit': unit });
-    return [make('h3', {}, 'Beside the input'), make('dl', {},
-        ...far('Mean distance', there.mean, 'From a point of the input to the nearest one of the result: where there are fewer of those, some part '
-            + 'of their spacing'),
-        ...far('Mean distance back', back.mean, 'From a point of the result to the nearest one of the input: how close it keeps to it'),
-        ...far('Hausdorff distance', Math.max(there.max, back.max), 'The greatest of all these distances, both ways')), make('h3', {}, 'All figures')];
+/* The figures that most people look for, each with its meaning. */
+function headline({ points, delta, spacing, seconds, ref_to_out: there, out_to_ref: back }) {
+    const all = [];
+    const add = (name, value, unit, description) => typeof value === 'number' && all.push(...row(name, value, { description, 'x-unit': unit }));
+    add('Points', points?.out, '', `Of the result; the input has ${figure(points?.in ?? 0)}`);
+    add('Unevenness δ', delta, '', 'How much the distances between neighbours vary: their standard deviation over their mean. 0 is perfectly even');
+    add('Spacing', spacing, 'unit of the cloud', 'Mean distance from a point to its nearest neighbour');
+    if (there && back) {
+        add('Distance to the input', back.mean, 'unit of the cloud', 'Mean over the points of the result: how closely it follows the input');
+        add('Distance from the input', there.mean, 'unit of the cloud', 'Mean over the points of the input; with fewer points this is part of their spacing');
+        add('Hausdorff distance', Math.max(there.max, back.max), 'unit of the cloud', 'The largest of these distances, in either direction');
+    }
+    add('Time', Object.values(seconds || {}).reduce((sum, one) => sum + one, 0) || undefined, 's', 'From reading the input to writing the result');
+    return all;
 }
 
-/** Fills the panel with a report or document. */
+const fold = (title, ...content) => make('details', {}, make('summary', {}, title), ...content);
+
+/** Fills the panel with a report or document: what matters first, the rest folded. */
 export async function showReport(process, output, report) {
     const { inputs, outputs } = await describe(process).catch(() => ({ inputs: {}, outputs: {} })), { parameters, ...figures } = report;
-    const list = make('dl', {}, ...rows(figures, outputs[output]?.schema));
-    $('report').replaceChildren(...apart(figures, 'unit of the cloud'), list);
-    if (parameters) $('report').append(make('h3', {}, 'As it was asked for'), make('dl', {}, ...rows(parameters, meanings(inputs))));
+    const first = headline(figures), list = make('dl', {}, ...rows(figures, outputs[output]?.schema));
+    $('report').replaceChildren(...(first.length ? [make('dl', {}, ...first), fold('All figures', list)] : [list]));
+    if (parameters) $('report').append(fold('Parameters used', make('dl', {}, ...rows(parameters, meanings(inputs)))));
 }
 
 /** One sentence about a result, as parts of a paragraph in which no figure is broken. */
 export function summary(report) {
     if (typeof report.delta !== 'number') return [];
-    const parts = [`δ ${figure(report.delta)}`, `σ ${figure(report.sigma)}`, `ε ${report.epsilon.toFixed(5)}`];
+    const parts = [`δ ${brief(report.delta)}`];
     if (report.points) parts.unshift(`${figure(report.points.in)} → ${figure(report.points.out)} points`);
-    if (report.stopped) parts.push(ENDED[report.stopped] || report.stopped);
+    if (ENDED[report.stopped]) parts.push(ENDED[report.stopped]);
     return parts.flatMap((part, k) => [k ? ' · ' : '', make('span', { className: 'whole' }, part)]);
 }

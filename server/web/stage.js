@@ -1,24 +1,29 @@
 /* The clouds on the screen: which are there, how they are looked at, and the controls for it. */
 import { dropCloud, measures } from './cloud.js';
-import { $, count, show } from './dom.js';
-import { drawHistogram, rangeOf } from './histogram.js';
+import { $, brief, count, show } from './dom.js';
+import { deltaOf, drawHistogram, rangeOf } from './histogram.js';
 import { color } from './theme.js';
 import { makeView } from './view.js';
 
 const clouds = { input: null, result: null };
-let view = null, drawing = 0, told = null; /* told: what the histogram shows */
+let view = null, drawing = 0, told = [], chosenBy = {}; /* told: what the histogram shows; chosenBy: the user, which of mode and style */
 
 const layout = (which) => /** @type {HTMLInputElement} */ (document.querySelector(`input[name="layout"]${which}`));
 const chosen = () => layout(':checked').value;
-const whichHas = (name) => Boolean(clouds[name]);
 
 function describe() {
     const words = Object.entries(clouds).filter(([, cloud]) => cloud).map(([name, cloud]) => `${name} with ${count(cloud.n)} points`);
     $('canvas').setAttribute('aria-label', words.length ? `Point clouds: ${words.join(', ')}` : 'No cloud yet');
-    show($('captions'), view && whichHas('result'));
+    show($('captions'), view && words.length);
     show($('canvas-empty'), view && !words.length);
-    $('stage').classList.toggle('empty', Boolean(view) && !words.length);
-    for (const [name, cloud] of Object.entries(clouds)) $(`caption-${name}`).textContent = cloud ? `${name}: ${count(cloud.n)} points` : '';
+    $('stage').classList.toggle('empty', !words.length);
+    for (const [name, cloud] of Object.entries(clouds)) $(`caption-${name}`).textContent = cloud ? captionOf(name, cloud) : '';
+}
+
+/* How many points and, once it is measured, how even: the page's own figure, for the input as for the result. */
+function captionOf(name, cloud) {
+    const delta = cloud.spacing ? deltaOf(cloud.spacing.values, cloud.spacing.mean) : NaN;
+    return `${name}: ${count(cloud.n)} points${Number.isFinite(delta) ? `, δ\u00a0${brief(delta)}` : ''}`;
 }
 
 /* The captions name what is on which side. */
@@ -32,7 +37,7 @@ function caption(layout) {
     $('divider').style.left = `${layout === 'swipe' ? 100 * Number($('split').value) : 50}%`;
 }
 
-/* The curtain goes where it is dragged to, as by its slider. */
+/* The divider goes where it is dragged to, as by its slider. */
 function wireDivider() {
     const draw = () => {
         view.set({ split: Number($('split').value) });
@@ -51,63 +56,90 @@ function wireDivider() {
     });
 }
 
+/* Colours a cloud. Resolves to the figures of its histogram: distances where these are its colours, else spacings. */
 async function colour(name, mode) {
-    const cloud = clouds[name], slot = view.slot(name);
-    if (mode === 'spacing' || (mode === 'distance' && name === 'result' && clouds.input)) {
-        const { values, mean } = mode === 'spacing' ? await measures.spacing(cloud) : await measures.distance(cloud, clouds.input);
-        if (clouds[name] !== cloud) return null;
-        const range = rangeOf(mode, values, mean);
+    const cloud = clouds[name], slot = view.slot(name), isDistance = mode === 'distance' && name === 'result' && clouds.input;
+    if (mode !== 'spacing' && !isDistance) slot.setMode(mode === 'original' && !cloud.colors || mode === 'distance' ? 'plain' : mode, 0, 1);
+    const { values, mean } = isDistance ? await measures.distance(cloud, clouds.input) : await measures.spacing(cloud);
+    if (clouds[name] !== cloud) return null;
+    const figures = isDistance ? 'distance' : 'spacing', range = rangeOf(figures, values, mean);
+    if (mode === figures) {
         slot.setValues(values);
         slot.setMode(mode, range.low, range.high);
-        return { mode, values, whose: name, ...range };
     }
-    slot.setMode(mode === 'original' && !cloud.colors || mode === 'distance' ? 'plain' : mode, 0, 1);
-    return null;
+    return { figures, values, whose: name, isShown: mode === figures, delta: deltaOf(values, mean), ...range };
+}
+
+/* Side by side each cloud has a histogram below it, else the one that is seen best has it, and the other is a line. */
+function panelsOf({ input, result }, mode) {
+    if (mode === 'distance' && result) return [{ one: result }];
+    if (chosen() === 'both' && input && result) return [{ one: input }, { one: result }];
+    const first = chosen() === 'input' ? input || result : result || input, other = first === input ? result : input;
+    return first ? [{ one: first, other }] : [];
 }
 
 function drawTold() {
-    if (told?.[0] && $('histogram-canvas').clientWidth) drawHistogram($('histogram-canvas'), $('histogram-caption'), ...told);
+    $('histogram').classList.toggle('unseen-yet', !told.length);
+    if (told.length && $('histogram-canvas').clientWidth) drawHistogram($('histogram-canvas'), $('histogram-caption'), told);
 }
 
 /* Colours what is shown; figures that take long are waited for, and given up when something else was asked meanwhile. */
 async function recolour() {
-    const mode = $('mode').value, turn = ++drawing;
-    const found = {};
+    const mode = $('mode').value, turn = ++drawing, found = {};
+    view.set({ mode, style: $('style').value });
     for (const name of ['input', 'result']) {
         if (!clouds[name]) continue;
-        found[name] = await colour(name, mode);
+        found[name] = await colour(name, mode).catch(() => null);
         if (turn !== drawing) return;
     }
-    const { input, result } = found;
-    told = chosen() === 'input' && input ? [input, result] : [result || input, result && input];
-    show($('histogram'), Boolean(told[0]));
+    told = panelsOf(found, mode);
+    describe();
     drawTold();
-    view.set({ mode });
+    view.set({});
 }
 
 async function learn(name, cloud) {
     const spacing = await measures.spacing(cloud);
     if (clouds[name] === cloud) view.setSpacing(name, spacing.mean);
+    describe();
     const surface = await measures.surface(cloud);
     if (clouds[name] !== cloud) return;
     view.slot(name).setSurface(surface);
     view.set({});
 }
 
+/* A view begins with what says most: dots coloured by spacing, or the triangles that were asked for; an input that has colours, as long as
+ * there is no result, as a picture of discs in them. A choice of the user's stays as long as the input does. */
+function preset(cloud, isResult) {
+    const isPicture = cloud.colors && !isResult;
+    if (!chosenBy.mode) $('mode').value = isPicture ? 'original' : 'spacing';
+    if (!chosenBy.style) $('style').value = cloud.faces ? 'triangles' : isPicture ? 'discs' : 'dots';
+}
+
+function offer() {
+    const { input, result } = clouds, option = (name, value) => $(name).querySelector(`[value="${value}"]`);
+    $('looks').classList.toggle('unseen-yet', !(view && (input || result)));
+    $('layouts').disabled = !(input && result);
+    option('mode', 'original').disabled = !(input?.colors || result?.colors);
+    option('mode', 'distance').disabled = !(input && result);
+    for (const value of ['triangles', 'surface']) option('style', value).disabled = !(input?.faces || result?.faces);
+    for (const name of ['mode', 'style']) if ($(name).selectedOptions[0]?.disabled) $(name).value = name === 'mode' ? 'spacing' : 'dots';
+}
+
 /** Puts a cloud into a pane, or takes it out (null). A new input is fitted into the view. */
 export function setCloud(name, cloud) {
+    const isNew = name === 'input' || !clouds[name] || Boolean(clouds[name].faces) !== Boolean(cloud?.faces); /* to points on the move triangles come */
     if (clouds[name] !== cloud) dropCloud(clouds[name]);
     clouds[name] = cloud;
-    show($('looks'), view && (clouds.input || clouds.result));
-    show($('layouts'), Boolean(clouds.input && clouds.result));
-    show($('mesh-look'), Boolean(clouds.input?.faces || clouds.result?.faces));
+    if (name === 'input') chosenBy = {};
+    if (!clouds.input && !clouds.result) told = [];
     describe();
     if (!view) return;
     view.setCloud(name, cloud, name === 'input' || !clouds.input);
+    if (cloud && isNew) preset(cloud, name === 'result');
+    offer();
+    drawTold();
     if (!cloud) return;
-    if (name === 'input') $('mode').value = cloud.colors ? 'original' : 'plain';
-    $('mode').querySelector('[value="original"]').disabled = !(clouds.input?.colors || clouds.result?.colors);
-    $('mode').querySelector('[value="distance"]').disabled = !(clouds.input && clouds.result);
     recolour();
     learn(name, cloud).catch(() => {});
 }
@@ -146,12 +178,16 @@ export function wireStage(save) {
     describe();
     if (!view) return () => {};
     $('layouts').addEventListener('change', () => setLayout(chosen()));
-    $('mode').addEventListener('change', recolour);
+    for (const name of ['mode', 'style']) {
+        $(name).addEventListener('change', () => {
+            chosenBy[name] = true;
+            recolour();
+        });
+    }
     $('size').addEventListener('input', () => view.set({ size: Number($('size').value) }));
     wireDivider();
     new ResizeObserver(drawTold).observe($('histogram-canvas'));
     $('shaded').addEventListener('change', () => view.set({ shaded: $('shaded').checked }));
-    $('wires').addEventListener('change', () => view.set({ wires: $('wires').checked }));
     $('up').addEventListener('click', () => view.fit(view.up() === 'z' ? 'y' : 'z'));
     $('fit').addEventListener('click', () => view.fit(view.up()));
     $('png').addEventListener('click', async () => save(await view.toBlob(), 'png'));

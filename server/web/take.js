@@ -34,19 +34,26 @@ function taker(words, path, ending, what, options) {
     return button;
 }
 
-/** The buttons of a job that is over. */
+function chartTaker() {
+    const button = make('button', { type: 'button' }, 'Download chart (PNG)');
+    button.addEventListener('click', () => $('chart').toBlob((blob) => save(blob, 'png', 'chart')));
+    return button;
+}
+
+/** The buttons of a job that is over: its cloud, or where it has none its documents; others beside the report. */
 export function showTakers(status) {
-    const at = `v1/jobs/${status.jobID}`, items = status.links.filter((link) => link.rel === 'item'), buttons = [];
+    const at = `v1/jobs/${status.jobID}`, items = status.links.filter((link) => link.rel === 'item'), buttons = [], others = [];
     for (const item of items) {
         const ending = ENDINGS[item.type.split('/')[1]] || 'bin', what = item.title === 'cloud' ? status.processID : item.title;
         if (item.title === 'cloud') {
             for (const format of ['ply', 'drc'])
-                buttons.push(taker(format === 'ply' ? 'PLY' : 'Draco', `${at}/results/cloud?format=${format}`, format, status.processID));
-        } else buttons.push(taker(`${item.title} (${bytes(item.length)})`, `${at}/results/${item.title}`, ending, what));
+                buttons.push(taker(`Download ${format === 'ply' ? 'PLY' : 'Draco'}`, `${at}/results/cloud?format=${format}`, format, status.processID));
+        } else others.push(taker(`Download ${item.title} (${bytes(item.length)})`, `${at}/results/${item.title}`, ending, what));
     }
     if (items.some((item) => item.title === 'report'))
-        buttons.push(taker('Metrics as CSV', `${at}/trace`, 'csv', 'metrics', { more: { Accept: 'text/csv' } }));
-    $('takers').replaceChildren(...buttons);
+        others.push(taker('Download metrics (CSV)', `${at}/trace`, 'csv', 'metrics', { more: { Accept: 'text/csv' } }), chartTaker());
+    $('takers').replaceChildren(...buttons.length ? buttons : others.splice(0));
+    $('more-takers').replaceChildren(...others);
 }
 
 function request() {
@@ -68,7 +75,7 @@ export function wireCommands() {
             await navigator.clipboard.writeText(text);
             $('command-words').textContent = 'Copied.';
         } catch {
-            $('command-words').textContent = 'The clipboard is shut: select and copy it here.';
+            $('command-words').textContent = 'The browser does not allow copying: select the text below.';
         }
     });
 }

@@ -48,9 +48,9 @@ export function makeView(canvas) {
     const renderer = new WebGLRenderer({ canvas, context });
     const camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100);
     const panes = { input: { scene: new Scene(), slot: null }, result: { scene: new Scene(), slot: null } };
-    const look = { layout: 'input', split: 0.5, size: 1, mode: 'plain', shaded: true, wires: true };
+    const look = { layout: 'input', split: 0.5, size: 1, mode: 'plain', shaded: true, style: 'dots' };
     let controls = new OrbitControls(camera, canvas), moving = 0, held = false, frame = 0, framed = null, touched = false;
-    let isMoving = false, budget = MOVING_MAX;
+    let isMoving = false, budget = MOVING_MAX, drawn = 0;
     renderer.autoClear = false;
 
     const slots = () => Object.values(panes).map((pane) => pane.slot).filter(Boolean);
@@ -86,6 +86,7 @@ export function makeView(canvas) {
         if (pane.slot) {
             const scale = camera.projectionMatrix.elements[5] * renderer.getPixelRatio() * height / 2;
             pane.slot.setScale(scale, camera.position.distanceTo(controls.target));
+            drawn += pane.slot.drawn();
         }
         renderer.render(pane.scene, camera);
     }
@@ -99,7 +100,7 @@ export function makeView(canvas) {
 
     function render() {
         const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-        frame = 0;
+        frame = drawn = 0;
         if (!width || !height) return;
         sharpen();
         if (isMoving) {
@@ -121,7 +122,7 @@ export function makeView(canvas) {
             show(panes.result, width * look.split, width * (1 - look.split), 0, width);
         } else show(panes[look.layout], 0, width, 0, width);
         canvas.dataset.frames = String(1 + Number(canvas.dataset.frames || 0));
-        canvas.dataset.drawn = String(renderer.info.render.points + renderer.info.render.triangles);
+        canvas.dataset.drawn = String(drawn);
     }
 
     /* The whole cloud, from where it is looked at first. */
@@ -152,7 +153,7 @@ export function makeView(canvas) {
         slot.setSize(look.size, slot.spacing);
         slot.setPlain(look.plain || 0x888888);
         slot.setShaded(look.shaded && look.mode !== 'normals');
-        slot.setWires(look.wires);
+        slot.setStyle(look.style);
     }
 
     function resize() {

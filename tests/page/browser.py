@@ -25,6 +25,15 @@ for (const kind of ['dragenter', 'dragover', 'drop'])
     document.body.dispatchEvent(new DragEvent(kind, { bubbles: true, cancelable: true, dataTransfer: data }));
 """
 
+SHIFTS = """
+[window.shifted, window.movers] = [0, []];
+new PerformanceObserver((list) => list.getEntries().filter((one) => !one.hadRecentInput).forEach((one) => {
+    window.shifted += one.value;
+    window.movers.push(one.value.toFixed(3), ...one.sources.map(({ node, previousRect, currentRect }) =>
+        `${node?.id || node?.nodeName} ${previousRect.top} ${currentRect.top}`));
+})).observe({ type: 'layout-shift', buffered: true });
+"""
+
 
 class Daemon:
     """voronoid serve on a free port, with a folder of its own that goes with it."""
@@ -55,7 +64,7 @@ class Daemon:
 class Browser:
     """One chromium. size: of its window; a phone's is narrower than windows may be, and is emulated."""
 
-    def __init__(self, size=(900, 640), webgl=True):
+    def __init__(self, size=(900, 860), webgl=True):
         options = webdriver.ChromeOptions()
         drawing = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] if webgl else ["--disable-gpu", "--disable-3d-apis"]
         for flag in ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--no-first-run", "--disable-extensions",
@@ -67,6 +76,7 @@ class Browser:
         if size[0] < 500:
             self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
                                         {"width": size[0], "height": size[1], "deviceScaleFactor": 2, "mobile": True})
+        self.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": SHIFTS})
         self.errors = []
         self.requests = []
         self.polls = []  # (address, Prefer) of each request for events

@@ -1,6 +1,7 @@
 """What the page's tests say and wait for: claims as TAP, the form filled, a job's curve and result."""
 import base64
 import contextlib
+import re
 import traceback
 
 from browser import By, wait
@@ -65,10 +66,21 @@ def drawn(browser):
     return int(browser.element("canvas").get_attribute("data-drawn") or 0)
 
 
+def compared(browser):
+    return not browser.element("layouts").get_property("disabled")
+
+
+def deltas(browser):
+    """What the page says of the result's delta: in its headline, below the view, at the end of the chart."""
+    places = [("summary", r"δ\s([\d.e-]+)"), ("caption-result", r"δ\s([\d.e-]+)")]
+    said = [float((re.search(pattern, browser.text(name)) or [0, "nan"])[1]) for name, pattern in places]
+    return said + [float(browser.element("chart").get_attribute("aria-label").rsplit(" ", 1)[1])]
+
+
 def finished(browser):
     shows(browser, "state", "Done")
     wait("a summary", lambda: "δ" in browser.text("summary"))
-    wait("the result is there to compare", lambda: browser.element("layouts").is_displayed())
+    wait("the result is there to compare", lambda: compared(browser))
 
 
 def filled(browser, **wanted):

@@ -1,6 +1,6 @@
 """Jobs as a person follows them: without a daemon, reloaded, stopped, in eight tabs, cancelled while they are sent, failed."""
 from browser import By, wait
-from claims import PICTURES, ask, charted, claim, drop, equal, filled, finished, ok, shows
+from claims import PICTURES, ask, charted, claim, compared, drop, equal, filled, finished, ok, shows
 from made import torus
 
 
@@ -39,15 +39,15 @@ def reload_and_stop(browser):
     filled(browser, points=6000, polish=10000, iterations=12)
     job = url.split("/")[-1]
     table = browser.script("return fetch('v1/jobs/' + arguments[0] + '/trace').then((one) => one.json())", job)
-    first = float(f"{table['records'][0]['delta']:.4g}")
-    ok(f"delta from {first:g} " in label.replace(",", ""), "and the curve from its first record on", (first, label))
+    first = float(f"{table['records'][0]['delta']:.3g}")
+    ok(f"δ from {first:g} " in label.replace(",", ""), "and the curve from its first record on", (first, label))
     wait("it can be stopped", lambda: browser.element("stop").is_displayed())
-    wait("the points as they move", lambda: browser.element("layouts").is_displayed())
+    wait("the points as they move", lambda: compared(browser))
     ok(browser.text("summary") == "", "while a job runs its points are shown as they move")
     browser.picture(f"{PICTURES}/running.png")
     browser.element("stop").click()
     finished(browser)
-    ok("stopped by its caller" in browser.text("summary"),
+    ok("you stopped it early" in browser.text("summary"),
        "a job that is stopped has a result, which says so", browser.text("summary"))
     table = browser.script("return fetch('v1/jobs/' + arguments[0] + '/trace').then((one) => one.json())", job)
     wait("the last record", lambda: charted(browser) >= len(table["records"]))

@@ -186,11 +186,11 @@ function commands() {
     }
     writeFileSync(`${folder}/curl`, '#!/bin/sh\nprintf "%s\\0" "$@"\n', { mode: 0o755 });
     const given = execFileSync('/bin/sh', ['-c', command('curl', request)], { env: { PATH: `${folder}:${process.env.PATH}`, VORONOID_KEY: 'a b' } }).toString().split('\0');
-    equal(given.slice(3, -1), ['-H', 'Authorization: Bearer a b', '--data-binary', "@-it's.ply", '-o', 'o.ply',
+    equal(given.slice(4, -1), ['-H', 'Authorization: Bearer a b', '--data-binary', "@-it's.ply", '-o', 'o.ply',
         'http://127.0.0.1:8080/v1/resample?points=5000&density=attribute%3Athe%20%22x%22'], 'curl gets what the request is');
     const two = { ...request, process: 'measure', values: {}, others: { reference: 'a "b",c;.ply' }, out: 'o.json' };
     const forms = execFileSync('/bin/sh', ['-c', command('curl', two)], { env: { PATH: `${folder}:${process.env.PATH}`, VORONOID_KEY: 'k' } }).toString().split('\0');
-    equal(forms.slice(5, 9), ['-F', `file=@"-it's.ply"`, '-F', 'reference=@"a \\"b\\",c;.ply"'], 'and a form of two files, whose names end where they should');
+    equal(forms.slice(6, 10), ['-F', `file=@"-it's.ply"`, '-F', 'reference=@"a \\"b\\",c;.ply"'], 'and a form of two files, whose names end where they should');
     for (const one of [request, two]) {
         writeFileSync(`${folder}/it.mjs`, command('js', one));
         execFileSync('node', ['--check', `${folder}/it.mjs`]);

@@ -5,6 +5,7 @@ import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from browser import Browser, By, Daemon, wait  # noqa: E402
+from claims import compared  # noqa: E402
 
 SIZES = {"light": (1280, 860), "dark": (1280, 860), "phone": (390, 844)}
 POINTS = 8000
@@ -12,14 +13,6 @@ POINTS = 8000
 
 def choose(browser, name, value):
     browser.script("const one = document.getElementById(arguments[0]); one.value = arguments[1]; one.dispatchEvent(new Event('change'));", name, value)
-
-
-def layout(browser, value):
-    browser.script("document.querySelector(`input[name=layout][value=${arguments[0]}]`).click()", value)
-
-
-def measured(browser):
-    wait("a histogram", lambda: browser.element("histogram").is_displayed())
 
 
 def dropped(browser, path):
@@ -44,54 +37,6 @@ def run(browser):
     wait("a job", lambda: browser.driver.current_url != before or browser.text("trouble"))
 
 
-def result(browser):
-    """What came of the job that is shown, in base64."""
-    job = browser.driver.current_url.split("/")[-1]
-    return browser.driver.execute_async_script("""
-        const [job, done] = arguments, reader = new FileReader();
-        reader.onload = () => done(reader.result.split(',')[1]);
-        fetch(`v1/jobs/${job}/results/cloud?format=ply`).then((answer) => answer.blob()).then((blob) => reader.readAsDataURL(blob));""", job)
-
-
-def ends(browser, path, picture):
-    """How jobs end otherwise: triangles, a method of two stages, cancelled by somebody, refused, failed."""
-    dropped(browser, path)
-    ask(browser, "mesh", points=3000)
-    run(browser)
-    wait("the result", lambda: browser.element("layouts").is_displayed() and browser.text("summary"))
-    browser.script("scrollTo(0, 0)")
-    picture("mesh")
-    browser.drop(result(browser), "a mesh.ply")
-    wait("it", lambda: "a mesh.ply: " in browser.text("cloud-words") and "triangles" in browser.text("cloud-words"))
-    picture("mesh-dropped")
-    ask(browser, "measure")
-    run(browser)
-    wait("figures", lambda: browser.element("report-box").is_displayed())
-    picture("measured")
-    dropped(browser, path)
-    ask(browser, "resample", points=16000, method="ear", samples=4000, rounds=2, steps=12)
-    browser.script("document.querySelector('#fields details').open = true; document.getElementById('ask-sigmaN').scrollIntoView({ block: 'center' })")
-    picture("ear-form")
-    run(browser)
-    wait("the insertion", lambda: browser.text("figures").startswith("Insertion") or browser.text("summary"))
-    browser.script("document.getElementById('watch').scrollIntoView()")
-    picture("ear-running")
-    if browser.element("dismiss").is_displayed():
-        browser.element("dismiss").click()
-    wait("its end", lambda: browser.text("state").startswith(("Cancelled", "Done")))
-    ask(browser, "resample", points=POINTS, polish=10000)
-    run(browser)
-    wait("a curve", lambda: int(browser.element("chart").get_attribute("data-points") or 0) >= 5)
-    browser.element("dismiss").click()
-    wait("its end", lambda: browser.text("state").startswith("Cancelled"))
-    browser.script("scrollTo(0, 0)")
-    picture("cancelled")
-    ask(browser, "resample", points=POINTS, density="attribute:none")
-    run(browser)
-    wait("a refusal", lambda: browser.text("trouble") or browser.text("state").startswith("Failed"))
-    picture("refused")
-
-
 def states(browser, path, picture):
     """Goes through what a person sees of one cloud: picture(state) after each."""
     dropped(browser, path)
@@ -99,26 +44,19 @@ def states(browser, path, picture):
     ask(browser, "resample", points=POINTS, polish=10000, iterations=40)
     run(browser)
     wait("a curve", lambda: int(browser.element("chart").get_attribute("data-points") or 0) >= 5)
-    wait("the points as they move", lambda: browser.element("layouts").is_displayed())
+    wait("the points as they move", lambda: compared(browser))
     browser.script("document.getElementById('watch').scrollIntoView()")
     picture("running", rests=False)
     browser.element("stop").click()
     wait("its end", lambda: browser.text("summary"))
     ask(browser, "resample", points=POINTS)
     run(browser)
-    wait("the result", lambda: browser.element("layouts").is_displayed() and browser.text("summary"))
+    wait("the result", lambda: compared(browser) and browser.text("summary"))
     browser.script("document.body.scrollIntoView()")
-    layout(browser, "both")
     picture("both")
-    choose(browser, "mode", "spacing")
-    measured(browser)
-    picture("spacing")
-    layout(browser, "swipe")
-    choose(browser, "mode", "normals")
-    picture("swipe")
-    layout(browser, "result")
+    choose(browser, "style", "discs")
+    picture("discs")
     choose(browser, "mode", "distance")
-    measured(browser)
     picture("distance")
     browser.script("const one = document.getElementById('report-box'); one.open = true; one.scrollIntoView();")
     picture("report")
@@ -139,8 +77,6 @@ def main(out, clouds):
                     name = os.path.splitext(os.path.basename(path))[0]
                     picture = lambda state, rests=True: (rests and wait_a_frame(browser), browser.picture(f"{out}/{name}-{state}-{theme}.png"))
                     states(browser, path, picture)
-                    if path == clouds[0]:
-                        ends(browser, path, picture)
             finally:
                 browser.close()
     finally:
