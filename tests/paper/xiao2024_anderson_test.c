@@ -30,23 +30,6 @@ static void trace_of(struct vt_trace *trace, const struct vor_cloud *in, const c
     trace_some(trace, in, 700, PLAIN, window, seed);
 }
 
-/* Rows X10 and X11. */
-START_TEST(fig_6_acceleration_reaches_fifty_plain_iterations_in_fewer_and_ends_no_worse)
-{
-    static struct vt_trace plain, mixed;
-    struct vor_cloud in;
-    double target;
-
-    vt_cloud_sphere(&in, (uint64_t)_i, 4000);
-    trace_of(&plain, &in, "0", (uint64_t)_i);
-    trace_of(&mixed, &in, "4", (uint64_t)_i);
-    target = vt_trace_best(&plain, PLAIN + 1);
-    ck_assert_uint_lt(vt_trace_reaches(&mixed, target), vt_trace_reaches(&plain, target));
-    ck_assert_double_le(vt_trace_best(&mixed, PLAIN + 1), 1.05 * target);
-    vor_cloud_free(&in);
-}
-END_TEST
-
 /* Eq. 12 as its text has it. Both runs start alike; until two iterates are known there is nothing
  * to mix; at the second iteration the plain step is one of the two candidates. */
 START_TEST(eq_12_an_accelerated_iteration_is_at_least_as_even_as_the_plain_one)
@@ -88,8 +71,6 @@ int main(void)
 {
     Suite *suite = suite_create("xiao2024_anderson");
 
-    vt_add_loop(suite, fig_6_acceleration_reaches_fifty_plain_iterations_in_fewer_and_ends_no_worse,
-                VT_FEWER(SEEDS));
     vt_add_loop(suite, eq_12_an_accelerated_iteration_is_at_least_as_even_as_the_plain_one,
                 VT_FEWER(SEEDS));
     vt_add_loop(suite, no_window_makes_the_iteration_diverge, VT_FEWER(SEEDS));

@@ -73,30 +73,6 @@ END_TEST
 /* --- Sec. III-B step 2 and III-C, rows X2 and X4 ------------------------------------------------
  */
 
-START_TEST(the_cells_cover_a_sphere)
-{
-    static const float radius[3] = {1, 7, 0.03f};
-    struct vt_engine engine;
-    struct vor_cloud in, out;
-    struct vor_report report;
-    double area = 4 * M_PI * (double)radius[_i] * (double)radius[_i];
-
-    vt_cloud_sphere(&in, (uint64_t)_i, 4000);
-    for (size_t i = 0; i < 3 * in.n; i++)
-        in.xyz[i] *= radius[_i];
-    vt_engine_open(&engine, 2);
-    vt_engine_set(&engine, "points", "800");
-    vt_engine_set(&engine, "iterations", "10");
-    vt_engine_set(&engine, "anderson", "4"); /* as in the paper, and no polish */
-    vt_engine_set(&engine, "polish", "0");
-    vt_engine_resample(&engine, &out, &report, &in);
-    ck_assert_double_eq_tol(report.area / area, 1, 0.02);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_engine_close(&engine);
-}
-END_TEST
-
 /* --- Eq. 5, row X8 ------------------------------------------------------------------------------
  */
 
@@ -289,7 +265,6 @@ int main(void)
     Suite *suite = suite_create("xiao2024_lloyd");
 
     vt_add_loop(suite, fig_8_a_quadric_is_ten_times_nearer_to_a_sphere_than_its_plane, SEEDS);
-    vt_add_loop(suite, the_cells_cover_a_sphere, 3);
     vt_add(suite, eq_5_a_hexagonal_lattice_in_a_plane_stands_still);
     vt_add_loop(suite, the_energy_of_a_sphere_comes_near_that_of_hexagons_and_not_below, SEEDS);
     vt_add_loop(suite, fig_6e_energy_and_delta_fall_overall, SEEDS);

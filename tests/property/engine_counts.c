@@ -63,33 +63,10 @@ START_TEST(the_result_has_exactly_the_points_asked_for)
 
             shape(&in, kind, seed, n);
             for (int w = 0; w < 9; w++)
-                check_count(&in, wanted[w], seed, wanted[w] > 400 ? "2" : "4");
+                check_count(&in, wanted[w], seed, w % 3 == 0 ? "0" : "2");
             vor_cloud_free(&in);
             vt_assert_no_leak();
         }
-}
-END_TEST
-
-START_TEST(any_count_between_is_met_too)
-{
-    uint64_t seed = (uint64_t)_i;
-    struct vor_cloud in;
-
-    shape(&in, _i % 4, seed, 500);
-    for (uint64_t w = 0; w < 12; w++)
-        check_count(&in, 1 + (size_t)vor_rng_below(seed, 51, w, 1500), seed + w, "3");
-    vor_cloud_free(&in);
-}
-END_TEST
-
-START_TEST(a_start_alone_has_the_points_asked_for)
-{
-    struct vor_cloud in;
-
-    shape(&in, _i % 4, (uint64_t)_i, 500);
-    for (size_t n = 1; n <= 2000; n = 3 * n + 1)
-        check_count(&in, n, 7, "0");
-    vor_cloud_free(&in);
 }
 END_TEST
 
@@ -182,8 +159,6 @@ int main(void)
 
     vt_add_figures(suite, the_result_has_exactly_the_points_asked_for,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, any_count_between_is_met_too, VT_FEWER(VT_SOAK_LOOPS(4, 2 * SEEDS)));
-    vt_add_figures(suite, a_start_alone_has_the_points_asked_for, VT_FEWER(SEEDS));
     vt_add(suite, a_ratio_is_of_the_inputs_points);
     vt_add_figures(suite, a_spacing_becomes_points_by_the_area, VT_FEWER(SEEDS));
     vt_add_figures(suite, the_result_has_about_the_spacing_asked_for, VT_FEWER(SEEDS));

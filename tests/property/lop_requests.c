@@ -10,7 +10,6 @@
 #include "core/report.h"
 
 #include <math.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -319,116 +318,20 @@ START_TEST(a_sigma_below_the_spacing_is_warned_of)
 }
 END_TEST
 
-/* What records told of stages, and what the watch answers from the at-th record of one on. */
-struct trap {
-    enum vor_run_stage stage;
-    size_t seen[VOR_RUN_STAGE_COUNT];
-    size_t at;
-    enum vor_answer answer;
-};
-
-static enum vor_answer hear(void *ctx, const struct vor_record *record)
+START_TEST(a_delta_that_is_reached_ends_the_polish)
 {
-    struct trap *trap = ctx;
-
-    trap->seen[record->stage]++;
-    return record->stage == trap->stage && trap->seen[record->stage] >= trap->at ? trap->answer
-                                                                                 : VOR_CONTINUE;
-}
-
-static vor_status run_trapped(struct vor_cloud *out, struct vor_report *report, struct trap *trap,
-                              const char *options)
-{
-    struct vor_watch watch = {.ctx = trap, .progress = hear};
-    struct vt_engine engine;
-    struct vor_cloud in;
-    vor_status status;
-
-    vt_engine_open(&engine, 2);
-    engine.run.watch = &watch;
-    vt_wedge_make(&in, &wedge, 7);
-    vt_ask_set(&engine, options);
-    status = vt_engine_try(&engine, out, report, &in);
-    vor_cloud_free(&in);
-    vt_engine_close(&engine);
-    return status;
-}
-
-static uint32_t steps_of(const struct vor_report *report, enum vor_run_stage stage)
-{
-    for (unsigned i = 0; i < report->stages_count; i++)
-        if (report->stages[i].stage == stage)
-            return report->stages[i].steps;
-    return 0;
-}
-
-START_TEST(both_phases_are_told_and_can_be_cancelled_or_stopped)
-{
-    static const enum vor_run_stage stage[2] = {VOR_RUN_STAGE_PROJECT, VOR_RUN_STAGE_INSERT};
-    static const char options[] = "method=ear points=4000 samples=200 polish=2";
-    struct trap trap = {.stage = stage[_i], .at = 1, .answer = VOR_CANCEL};
     struct vor_report report;
-    struct vor_cloud out;
-
-    vt_assert_fails(VOR_E_CANCELLED, run_trapped(&out, &report, &trap, options));
-    ck_assert_uint_eq(out.n, 0);
-    ck_assert_uint_eq(trap.seen[stage[_i]], 1);
-    trap = (struct trap){.stage = stage[_i], .at = 1, .answer = VOR_STOP};
-    vt_assert_ok(run_trapped(&out, &report, &trap, options));
-    ck_assert_uint_eq(out.n, 4000);
-    ck_assert_int_eq(report.stopped, VOR_STOPPED_CALLER);
-    ck_assert_uint_lt(steps_of(&report, VOR_RUN_STAGE_INSERT), _i == 0 ? 1 : 3800);
-    ck_assert_uint_eq(report.polish_steps, 0);
-    vor_cloud_free(&out);
-    vt_assert_no_leak();
-}
-END_TEST
-
-/* A clock that goes on by a millisecond whenever it is read. */
-static double tick(void *ctx)
-{
-    atomic_uint *ticks = ctx;
-
-    return 1e-3 * atomic_fetch_add(ticks, 1);
-}
-
-static enum vor_answer go_on(void *ctx)
-{
-    (void)ctx;
-    return VOR_CONTINUE;
-}
-
-START_TEST(seconds_and_delta_shorten_both_phases)
-{
-    static const char *const options[4] = {
-        "method=ear points=4000 samples=200 seconds=0.05",
-        "method=ear points=4000 samples=200 seconds=0.5",
-        "method=ear points=4000 samples=200 rho=0 polish=50 delta=0.2",
-        "method=wlop points=280 polish=50 seconds=0.2",
-    };
-    static const enum vor_stopped stopped[4] = {VOR_STOPPED_SECONDS, VOR_STOPPED_SECONDS,
-                                                VOR_STOPPED_DELTA, VOR_STOPPED_SECONDS};
-    atomic_uint ticks = 0;
-    struct vor_watch watch = {.ctx = &ticks, .poll = go_on, .clock = tick};
-    struct vor_report report;
-    struct vt_engine engine;
     struct vor_cloud in, out;
 
-    vt_engine_open(&engine, 2);
-    engine.run.watch = &watch;
     vt_wedge_make(&in, &wedge, 7);
-    vt_ask_set(&engine, options[_i]);
-    vt_assert_ok(vt_engine_try(&engine, &out, &report, &in));
-    ck_assert_uint_eq(out.n, _i < 3 ? 4000 : 280);
-    ck_assert_int_eq(report.stopped, stopped[_i]);
+    vt_ask(
+        &out, &report,
+        &(struct vt_ask){&in, "method=ear points=4000 samples=200 rho=0 polish=50 delta=0.2", 2});
+    ck_assert_int_eq(report.stopped, VOR_STOPPED_DELTA);
     ck_assert_uint_lt(report.polish_steps, 50);
-    if (_i < 2)
-        ck_assert_uint_lt(steps_of(&report, VOR_RUN_STAGE_INSERT), 3800);
-    else if (_i == 2)
-        ck_assert_double_le(report.delta, 0.22);
+    ck_assert_double_le(report.delta, 0.22);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
-    vt_engine_close(&engine);
     vt_assert_no_leak();
 }
 END_TEST
@@ -447,8 +350,7 @@ int main(void)
     vt_add_loop(suite, a_line_is_refused_as_by_any_method, 2);
     vt_add_loop(suite, insertion_alone_keeps_points_of_the_input, 3);
     vt_add_loop(suite, a_density_or_a_metric_is_refused_by_name, 2);
-    vt_add_loop(suite, both_phases_are_told_and_can_be_cancelled_or_stopped, 2);
     vt_add_loop(suite, a_sigma_below_the_spacing_is_warned_of, 6);
-    vt_add_loop(suite, seconds_and_delta_shorten_both_phases, 4);
+    vt_add(suite, a_delta_that_is_reached_ends_the_polish);
     return vt_run(suite);
 }

@@ -1,9 +1,6 @@
 /* The polish: how much more even the points get, and what it must not cost: no wider holes, no
  * farther from the surface, no farther out at a border. */
 #include "core/metrics/measure.h"
-#include "core/seeds/repel.h"
-#include "core/seeds/start.h"
-#include "core/seeds/uniformity.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 
@@ -12,12 +9,11 @@
 
 enum { SEEDS = 3, DENSE = 40000 };
 
-#define EVENER 0.55      /* delta after the polish over before */
-#define ROUGH_EVENER 0.8 /* the same of rough clouds: 0.19 to 0.69 */
-#define EVEN 0.03        /* delta after it, on a closed smooth surface */
-#define HOLE 1.10        /* largest hole after over before */
-#define FARTHER 1.1      /* mean distance to the true surface after over before */
-#define ROOM_OUT 1.5     /* spacings of the input that a result may lie beyond its border */
+#define EVENER 0.55  /* delta after the polish over before */
+#define EVEN 0.03    /* delta after it, on a closed smooth surface */
+#define HOLE 1.10    /* largest hole after over before */
+#define FARTHER 1.1  /* mean distance to the true surface after over before */
+#define ROOM_OUT 1.5 /* spacings of the input that a result may lie beyond its border */
 
 /* One run with and one without the polish, after the same iterations. */
 struct pair {
@@ -203,56 +199,6 @@ START_TEST(an_open_cloud_gets_more_even_and_nobody_goes_over_the_border)
 }
 END_TEST
 
-/* --- Rough clouds -------------------------------------------------------------------------------
- */
-
-static void noisy_sphere(struct vor_cloud *cloud, uint64_t seed, size_t n)
-{
-    vt_cloud_sphere(cloud, seed, n);
-    for (size_t i = 0; i < 3 * n; i++)
-        cloud->xyz[i] += 0.05f * (float)vt_normal(seed, i);
-}
-
-static void ball(struct vor_cloud *cloud, uint64_t seed, size_t n)
-{
-    vt_cloud_make(cloud, n);
-    for (size_t i = 0; i < 3 * n; i++)
-        cloud->xyz[i] = (float)vt_normal(seed, i);
-}
-
-static void crossing_planes(struct vor_cloud *cloud, uint64_t seed, size_t n)
-{
-    vt_cloud_cube(cloud, seed, n);
-    for (size_t i = 0; i < n; i++)
-        cloud->xyz[3 * i + i % 2] = 0.5f;
-}
-
-static void (*const rough[])(struct vor_cloud *cloud, uint64_t seed,
-                             size_t n) = {noisy_sphere, ball, crossing_planes, vt_cloud_box};
-
-enum { ROUGH = sizeof rough / sizeof rough[0] };
-
-/* run_pair asserts that no two points coincide and that none is lost, however few they are. A few
- * may be as even as they get before the polish. */
-START_TEST(a_rough_cloud_gets_more_even)
-{
-    enum { SEVERAL = 21 };
-    static const size_t counts[] = {1, 2, 3, 7, 21, 22, 150, 1000};
-
-    for (size_t k = 0; k < sizeof counts / sizeof counts[0]; k++) {
-        struct pair pair;
-
-        rough[_i](&pair.in, (uint64_t)_i, 600);
-        run_pair(&pair, counts[k], "60", (size_t)_i);
-        if (counts[k] >= SEVERAL)
-            ck_assert_msg(pair.end.delta <= ROUGH_EVENER * pair.start.delta,
-                          "%zu points: delta %g after %g", counts[k], pair.end.delta,
-                          pair.start.delta);
-        free_pair(&pair);
-    }
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("polish_even");
@@ -263,6 +209,5 @@ int main(void)
     vt_add_figures(suite, a_start_alone_gets_as_even, VT_FEWER(SEEDS));
     vt_add_figures(suite, an_open_cloud_gets_more_even_and_nobody_goes_over_the_border,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * OPEN));
-    vt_add_figures(suite, a_rough_cloud_gets_more_even, VT_FEWER(ROUGH));
     return vt_run(suite);
 }

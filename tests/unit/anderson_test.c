@@ -207,29 +207,6 @@ START_TEST(equal_and_vanishing_residuals_leave_finite_weights)
 }
 END_TEST
 
-START_TEST(the_weights_have_the_same_bits_for_any_number_of_threads)
-{
-    enum { LONG = 2 * 12288 + 77 };
-    double first[VOR_ANDERSON_MAX + 1];
-
-    for (unsigned threads = 1; threads <= 3; threads++) {
-        struct vt_engine engine;
-        struct vor_anderson a;
-
-        vt_engine_open(&engine, threads);
-        vt_assert_ok(vor_anderson_init(&a, LONG, 3, &vt_memory, &vt_err));
-        for (uint64_t push = 0; push < 6; push++)
-            push_random(&a, &engine.run, push, LONG);
-        if (threads == 1)
-            memcpy(first, a.weight, sizeof first);
-        ck_assert(memcmp(first, a.weight, 4 * sizeof *first) == 0);
-        vor_anderson_free(&a);
-        vt_engine_close(&engine);
-    }
-    vt_assert_no_leak();
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("anderson");
@@ -237,6 +214,5 @@ int main(void)
     vt_add_loop(suite, a_linear_contraction_converges_in_less_than_half_the_iterations, SEEDS);
     vt_add_loop(suite, the_weights_minimise_the_mixed_residual, SEEDS);
     vt_add(suite, equal_and_vanishing_residuals_leave_finite_weights);
-    vt_add(suite, the_weights_have_the_same_bits_for_any_number_of_threads);
     return vt_run(suite);
 }

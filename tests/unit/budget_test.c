@@ -101,11 +101,11 @@ START_TEST(when_time_is_over_at_once_points_are_placed_without_a_fit)
 END_TEST
 
 /* The last row: no method but kmeans takes as many points as there are. */
-static const char *const variants[][2] = {{"boundary", "keep"},        {"metric", "lp"},
-                                          {"metric", "anisotropic"},   {"density", "curvature"},
-                                          {"boundary", "sites"},       {"boundary", "fill"},
-                                          {"normals", "fit"},          {"order", "progressive"},
-                                          {"intrinsic", "satellites"}, {"method", "kmeans"}};
+static const char *const variants[][2] = {
+    {"boundary", "keep"},     {"metric", "lp"},         {"metric", "anisotropic"},
+    {"density", "curvature"}, {"boundary", "sites"},    {"boundary", "fill"},
+    {"normals", "fit"},       {"order", "progressive"}, {"intrinsic", "satellites"},
+    {"method", "wlop"},       {"method", "ear"},        {"method", "kmeans"}};
 enum { VARIANTS = sizeof variants / sizeof variants[0] };
 
 /* A run reads its clock some thousand times: the steps are such that the time is over somewhere

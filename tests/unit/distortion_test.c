@@ -185,6 +185,7 @@ START_TEST(psnr_is_three_squared_peaks_over_the_error)
     ck_assert_double_eq_tol(vor_distortion_psnr(0.03, 10), 40, 1e-12);
     ck_assert_double_eq_tol(vor_distortion_psnr(2, 1023), 10 * log10(3 * 1023.0 * 1023 / 2), 1e-12);
     ck_assert(isinf(vor_distortion_psnr(0, 1)) && vor_distortion_psnr(0, 1) > 0);
+    ck_assert(isfinite(vor_distortion_psnr(1, 1e-30)) && isfinite(vor_distortion_psnr(1, 1e30)));
 }
 END_TEST
 

@@ -85,19 +85,6 @@ START_TEST(the_edges_of_a_cube_are_found_and_nothing_else)
 }
 END_TEST
 
-START_TEST(the_edges_of_a_cube_are_twelve_long)
-{
-    struct bed bed;
-    double length;
-
-    vt_cloud_box(&bed.cloud, (uint64_t)_i, WHOLE);
-    start(&bed, 2);
-    length = bed.edges.length * bed.domain.unit;
-    ck_assert_double_eq_tol(length, 12, 0.6);
-    end(&bed);
-}
-END_TEST
-
 START_TEST(what_is_smooth_has_none)
 {
     static void (*const makes[])(struct vor_cloud *, uint64_t, size_t) = {
@@ -294,7 +281,6 @@ int main(void)
 
     vt_add_figures(suite, the_edges_of_a_cube_are_found_and_nothing_else,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, the_edges_of_a_cube_are_twelve_long, VT_FEWER(VT_SOAK_LOOPS(1, 2)));
     vt_add_figures(suite, what_is_smooth_has_none, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, two_sheets_nearer_than_a_crease_is_wide_have_hardly_any,
                    VT_FEWER(VT_SOAK_LOOPS(1, 2)));

@@ -264,36 +264,6 @@ START_TEST(a_result_lies_nearer_to_the_surface_than_without)
 }
 END_TEST
 
-START_TEST(labels_still_come_from_the_nearest_input_point)
-{
-    struct vor_cloud in, out;
-    struct vor_report report;
-    struct vt_engine engine;
-    struct vor_attribute *label;
-    double cell = 2 * spacing(&vt_shapes[VT_TORUS]);
-
-    vt_cloud_torus(&in, (uint64_t)_i, N);
-    snap_even(&in, cell);
-    vt_assert_ok(vor_cloud_add_attribute(&in, "x", VOR_GENERIC, VOR_FLOAT32, 1, &label, &vt_err));
-    for (size_t i = 0; i < in.n; i++)
-        ((float *)label->data)[i] = in.xyz[3 * i];
-    vt_engine_open(&engine, 2);
-    vt_engine_set(&engine, "points", "3000");
-    vt_engine_set(&engine, "polish", "10");
-    vt_engine_resample(&engine, &out, &report, &in);
-    ck_assert_uint_gt(report.off_lattice, 0);
-    for (size_t i = 0; i < out.n; i++) {
-        double x = (double)((const float *)out.attributes[0].data)[i];
-
-        ck_assert_double_le(fabs(x - (double)out.xyz[3 * i]), 2 * cell);
-    }
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_engine_close(&engine);
-    vt_assert_no_leak();
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("lattice");
@@ -306,6 +276,5 @@ int main(void)
     vt_add_figures(suite, all_points_in_a_plane_leave_one_axis_without, VT_FEWER(SEEDS));
     vt_add_figures(suite, a_result_lies_nearer_to_the_surface_than_without,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, labels_still_come_from_the_nearest_input_point, VT_FEWER(SEEDS));
     return vt_run(suite);
 }

@@ -1,28 +1,20 @@
-/* A polish that ends early, by the request or by the caller, at any moment: a whole cloud or
- * nothing, the right word for why, and records that only go forward. */
+/* What a polish tells: records that only go forward, the right word for why it ended, and a whole
+ * cloud. That a stop or a budget ends it at any moment is for methods_interrupted and budget_test.
+ */
 #include "tests/support/vt_engine.h"
 
 #include <math.h>
-#include <pthread.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { FROM = 600, TO = 200, ITERATIONS = 5, RECORDS_MAX = 2000 };
 
-/* A watch that answers at a record of the polish or at a question during it, and has a clock that
- * goes a second with every reading by the thread of the run, and not with those by the pool. */
+/* A watch that keeps the records, and has a clock that goes a second with every reading. */
 struct spy {
     struct vor_record record[RECORDS_MAX]; /* of a step each */
     unsigned count;
     struct vor_record result; /* told of a step once more: what is handed back */
     unsigned results;
-    atomic_int polishing; /* the last record of the iterations is there */
-    atomic_uint asked;    /* questions since */
-    unsigned at_record;   /* answer at the first record of that many steps or more; 0: never */
-    unsigned at_question; /* answer from that question on; 0: never */
-    enum vor_answer answer;
-    pthread_t thread;
     double seconds;
 };
 
@@ -47,41 +39,27 @@ static enum vor_answer progress(void *ctx, const struct vor_record *record)
         return VOR_CONTINUE;
     }
     spy->record[spy->count++] = *record;
-    if (record->iteration == ITERATIONS)
-        atomic_store(&spy->polishing, 1);
-    return spy->at_record > 0 && record->polish >= spy->at_record ? spy->answer : VOR_CONTINUE;
-}
-
-static enum vor_answer poll(void *ctx)
-{
-    struct spy *spy = ctx;
-
-    if (!atomic_load(&spy->polishing))
-        return VOR_CONTINUE;
-    return atomic_fetch_add(&spy->asked, 1) + 1 >= spy->at_question && spy->at_question > 0
-               ? spy->answer
-               : VOR_CONTINUE;
+    return VOR_CONTINUE;
 }
 
 static double tick(void *ctx)
 {
     struct spy *spy = ctx;
 
-    return pthread_equal(pthread_self(), spy->thread) ? spy->seconds++ : spy->seconds - 1;
+    return spy->seconds++;
 }
 
 /* One run with the spy on it; `name` may be NULL, else it and `value` are one more wish. */
 static vor_status run_spied(struct vor_cloud *out, struct vor_report *report, struct spy *spy,
                             size_t polish, const char *name, const char *value)
 {
-    struct vor_watch watch = {.ctx = spy, .progress = progress, .poll = poll, .clock = tick};
+    struct vor_watch watch = {.ctx = spy, .progress = progress, .clock = tick};
     struct vt_engine engine;
     struct vor_cloud in;
     vor_status status;
 
     vt_engine_open(&engine, 1);
     engine.run.watch = &watch;
-    spy->thread = pthread_self();
     vt_cloud_sphere(&in, 1, FROM);
     vt_engine_count(&engine, "points", TO);
     vt_engine_count(&engine, "iterations", ITERATIONS);
@@ -181,52 +159,6 @@ START_TEST(every_tenth_step_and_the_last_are_told)
 }
 END_TEST
 
-START_TEST(a_stop_at_a_record_ends_with_the_steps_done)
-{
-    static const unsigned records[] = {1, 10, 20, 300};
-
-    for (size_t k = 0; k < sizeof records / sizeof records[0]; k++) {
-        static struct spy spy;
-        struct vor_cloud out;
-        struct vor_report report;
-
-        memset(&spy, 0, sizeof spy);
-        spy.at_record = records[k];
-        spy.answer = VOR_STOP;
-        vt_assert_ok(run_spied(&out, &report, &spy, 10000, NULL, NULL));
-        assert_whole(&out, &report, &spy);
-        ck_assert_uint_eq(report.polish_steps, (records[k] + 9) / 10 * 10);
-        ck_assert_uint_eq(report.polish_steps, spy.record[spy.count - 1].polish);
-        ck_assert_int_eq(report.stopped, VOR_STOPPED_CALLER);
-        done_with(&out);
-    }
-}
-END_TEST
-
-/* A step takes a second: there is no room for one more. */
-START_TEST(a_budget_that_runs_out_during_the_polish_is_kept)
-{
-    static const char *const budgets[] = {"32", "60", "200"};
-
-    for (size_t k = 0; k < 3; k++) {
-        static struct spy spy;
-        struct vor_cloud out;
-        struct vor_report report;
-        double budget = strtod(budgets[k], NULL);
-
-        memset(&spy, 0, sizeof spy);
-        vt_assert_ok(run_spied(&out, &report, &spy, 10000, "seconds", budgets[k]));
-        assert_whole(&out, &report, &spy);
-        ck_assert_int_eq(report.stopped, VOR_STOPPED_SECONDS);
-        ck_assert_uint_gt(report.polish_steps, budget / 2);
-        ck_assert_uint_lt(report.polish_steps, budget);
-        ck_assert_uint_eq(spy.record[spy.count - 1].polish, report.polish_steps);
-        ck_assert(spy.record[spy.count - 1].seconds == budget);
-        done_with(&out);
-    }
-}
-END_TEST
-
 START_TEST(a_delta_reached_during_the_polish_ends_it)
 {
     static const char *const targets[] = {"0.06", "0.035", "0.025"};
@@ -254,11 +186,9 @@ END_TEST
 
 int main(void)
 {
-    Suite *suite = suite_create("polish_interrupted");
+    Suite *suite = suite_create("polish_told");
 
     vt_add(suite, every_tenth_step_and_the_last_are_told);
-    vt_add(suite, a_stop_at_a_record_ends_with_the_steps_done);
-    vt_add(suite, a_budget_that_runs_out_during_the_polish_is_kept);
     vt_add(suite, a_delta_reached_during_the_polish_ends_it);
     return vt_run(suite);
 }
