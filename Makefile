@@ -159,13 +159,23 @@ $(B)/server/base/topics.o: $(wildcard server/cli/help/*.txt)
 # A file of server/web is taken as it is, unless a rule makes it of several.
 WEB := build/web
 BUNDLES := page.js cloud_worker.js stream.js
-ASSETS := index.html page.css icon.svg $(BUNDLES)
+ASSETS := index.html page.css icon.svg docs.css docs.js openapi.json $(BUNDLES)
 THREE := /usr/share/javascript/three
 $(B)/server/api/assets.o: $(WEB)/assets.inc $(ASSETS:%=$(WEB)/%.gz)
 
 $(WEB)/%: server/web/%
 	@mkdir -p $(@D)
 	@cp $< $@
+
+# The contract for programs that read no YAML. What converts it runs here, whatever we build for.
+HOST_CC ?= gcc
+
+$(WEB)/yaml_to_json: docker/yaml_to_json.c
+	@mkdir -p $(@D)
+	@$(HOST_CC) -O1 $(CWARN) $< -o $@ -lyaml
+
+$(WEB)/openapi.json: openapi.yaml $(WEB)/yaml_to_json
+	@$(WEB)/yaml_to_json <$< >$@
 
 # Modules, and of three.js what they use, become one file; its licence stays in it.
 $(BUNDLES:%=$(WEB)/%): $(WEB)/%: server/web/% $(wildcard server/web/*.js)

@@ -10,21 +10,25 @@
 
 enum { LINE_MAX_BYTES = 78 /* of the source, as its own linters want it */ };
 
-/* One word with what roff would take for something else escaped; returns its bytes. A word that
- * begins a line must not look like a request. */
-static int print_word(FILE *out, const char *word, size_t length, int begins_line)
+/* One word with what roff would take for something else escaped; returns its bytes. What is between
+ * backticks is bold. A word that begins a line must not look like a request. */
+static int print_word(FILE *out, struct vor_span_of_text word, int begins_line, int *is_bold)
 {
     int bytes = 0;
 
-    if (begins_line && (word[0] == '.' || word[0] == '\''))
+    if (begins_line && word.length > 0 && (word.at[0] == '.' || word.at[0] == '\''))
         bytes += fprintf(out, "\\&");
-    for (size_t i = 0; i < length; i++) {
-        if (word[i] == '-')
+    for (size_t i = 0; i < word.length; i++) {
+        if (word.at[i] == '-') {
             bytes += fprintf(out, "\\-");
-        else if (word[i] == '\\')
+        } else if (word.at[i] == '\\') {
             bytes += fprintf(out, "\\e");
-        else
-            bytes += fprintf(out, "%c", word[i]);
+        } else if (word.at[i] == '`' && is_bold != NULL) {
+            *is_bold = !*is_bold;
+            bytes += fprintf(out, *is_bold ? "\\fB" : "\\fR");
+        } else {
+            bytes += fprintf(out, "%c", word.at[i]);
+        }
     }
     return bytes;
 }
@@ -33,7 +37,7 @@ static int print_word(FILE *out, const char *word, size_t length, int begins_lin
 static void print_span(FILE *out, struct vor_span_of_text text)
 {
     struct vor_span_of_text word;
-    int column = 0;
+    int column = 0, is_bold = 0;
 
     while (vor_markup_word(&word, &text)) {
         if (column > 0 && column + 1 + (int)word.length > LINE_MAX_BYTES) {
@@ -43,7 +47,7 @@ static void print_span(FILE *out, struct vor_span_of_text text)
             fputc(' ', out);
             column++;
         }
-        column += print_word(out, word.at, word.length, column == 0);
+        column += print_word(out, word, column == 0, &is_bold);
     }
     if (column > 0)
         fputc('\n', out);
@@ -66,7 +70,7 @@ static void print_tag(FILE *out, char letter, const char *name, const char *valu
     if (letter != 0)
         fprintf(out, "\\fB\\-%c\\fR, ", letter);
     fputs("\\fB\\-\\-", out);
-    print_word(out, name, strlen(name), 0);
+    print_word(out, (struct vor_span_of_text){name, strlen(name)}, 0, NULL);
     fputs("\\fR", out);
     if (value[0] == '[')
         fprintf(out, "%s", value);
@@ -188,7 +192,7 @@ static void print_code(FILE *out, struct vor_span_of_text text)
 
     fputs(".RS 4\n.nf\n", out);
     while (vor_markup_line(&line, &text)) {
-        print_word(out, line.at, line.length, 1);
+        print_word(out, line, 1, NULL);
         fputc('\n', out);
     }
     fputs(".fi\n.RE\n", out);
@@ -216,7 +220,7 @@ static void print_block(void *ctx, const struct vor_markup_block *block)
         break;
     case VOR_MARKUP_ITEM:
         fputs(".TP\n\\fB", out);
-        print_word(out, block->term.at, block->term.length, 0);
+        print_word(out, block->term, 0, NULL);
         fputs("\\fR\n", out);
         print_span(out, block->text);
         break;

@@ -82,6 +82,11 @@ for my $coding ('gzip;q=0', 'identity', '*;q=0', 'x-gzip', 'gzip; q=0, *') {
 }
 is $daemon->get('/assets/index.html', headers => { 'Accept-Encoding' => $_ })->{headers}{'content-encoding'}, 'gzip',
     "Accept-Encoding $_ is gzip" for '*', 'deflate, GZIP', 'gzip;q=0.001';
+my $docs = $daemon->get('/docs');
+is $docs->{headers}{'content-security-policy'}, $policy, 'the documentation has the policy of the page';
+unlike $docs->{content}, qr{(?:src|href)="(?:https?:)?//}, 'and nothing of another origin';
+is_deeply [$docs->{content} =~ m{<section id="(\w+)">}g], [Vt::slurp('server/base/topics.h') =~ /^ +X\((\w+), \d\)/mg, 'contract'],
+    'every topic of the help is there, and the contract';
 is_problem $daemon->get('/assets/none.js'), 404, 'no-such-resource', 'a file that the page does not have';
 is_problem $daemon->get('/assets/openapi.yaml'), 404, 'no-such-resource', 'nor are there other files of the daemon';
 is_problem $daemon->post('/assets/index.html', ''), 405, 'method-not-allowed', 'nobody writes to it';

@@ -66,7 +66,8 @@ is finish('alice', $job)->{status}, 'successful', 'a job with a key ends well';
 # --- the matrix -----------------------------------------------------------------------------------
 
 my (undef, undef, $printed) = Vt::run('--print-routes');
-my %open = map { $_ => 1 } '/', '/livez', '/readyz', '/version', '/openapi.yaml', '/problems/{slug}', '/assets/{asset}';
+my %open = map { $_ => 1 } '/', '/livez', '/readyz', '/version', '/openapi.yaml', '/openapi.json', '/docs', '/problems/{slug}',
+    '/assets/{asset}';
 my %lacking = (read => 'sender', submit => 'reader');
 my $cells = 0;
 my @wrong;

@@ -114,7 +114,7 @@ sub plain {
     return { map { $_ => plain($value->{$_}) } grep { $_ ne 'x-unit' } keys %$value } if ref $value eq 'HASH';
     return [map { plain($_) } @$value] if ref $value eq 'ARRAY';
     return $value ? 'true' : 'false' if JSON::PP::is_bool($value);
-    return $value =~ /^[-+]?[\d.]+(?:e[-+]?\d+)?$/i ? $value + 0 : $value;
+    return defined $value && $value =~ /^[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?$/i ? $value + 0 : $value;
 }
 
 # --- the list of jobs, whose ranges stand in one file ----------------------------------------------
@@ -231,9 +231,10 @@ sub asks {
 
 my $id = $daemon->submit('points=50&iterations=2', $cloud);
 is $daemon->finish($id)->{status}, 'successful', 'a job ends well';
-asks('GET', $_, 200) for qw(/ /livez /readyz /version /openapi.yaml /problems/queue-full /v1 /v1/processes),
+asks('GET', $_, 200) for qw(/ /livez /readyz /version /openapi.yaml /openapi.json /docs /problems/queue-full /v1 /v1/processes),
     (map { "/v1/processes/$_" } @processes), "/v1/jobs/$id", '/v1/jobs?limit=1&status=successful,running',
     map { "/v1/jobs/$id/$_" } qw(results results/cloud results/report trace events);
+is_deeply plain(json($daemon->get('/openapi.json'))), plain($contract->{doc}), 'the contract as JSON says the same';
 asks('GET', $_, 404) for '/problems/none', '/v1/processes/none', '/v1/jobs/none', "/v1/jobs/$id/results/none";
 asks('GET', '/v1/jobs?limit=0', 400);
 for my $name (map { s/^GET //r } @other_names) {

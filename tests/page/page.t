@@ -545,6 +545,16 @@ def clean(browsers, daemons):
     equal(foreign, [], "no request goes elsewhere")
 
 
+def documentation(browser, url):
+    browser.open(f"{url}/docs")
+    contract = json.load(urllib.request.urlopen(f"{url}/openapi.json"))
+    wait("the contract is rendered", lambda: browser.script("return document.querySelector('#contract h3') !== null"))
+    shown = browser.script("return [...document.querySelectorAll('#contract summary code')].map((one) => one.textContent)")
+    operations = [f"{method.upper()} {path}" for path, one in contract["paths"].items() for method in one if method in ("get", "post", "delete")]
+    equal(shown, operations + list(contract["components"]["schemas"]), "the documentation has every operation and schema of the contract")
+    ok(browser.script("return document.documentElement.scrollWidth <= innerWidth"), "and scrolls in one direction alone")
+
+
 def main():
     daemons = [Daemon("--jobs", "2", "--threads", "1")]
     browsers = [Browser()]
@@ -572,6 +582,7 @@ def main():
         daemons.append(crowded(browser))
         many_points(browser, daemons[-1].folder.name)
         browser.listen()
+        documentation(browser, daemons[0].url)
         browser.open("about:blank")  # so that nobody measures so many points any more
         browsers.append(without_webgl(daemons[0]))
         clean(browsers, daemons)

@@ -15,6 +15,15 @@ enum vor_next vor_handle_openapi(void *app, struct vor_request *request, enum vo
 enum vor_next vor_handle_root(void *app, struct vor_request *request, enum vor_step step);
 enum vor_next vor_handle_asset(void *app, struct vor_request *request, enum vor_step step);
 
+enum vor_next vor_handle_openapi_json(void *app, struct vor_request *request, enum vor_step step);
+
+/** What every page and each of its files is sent with: who may load what, and that it is asked for
+ *  again each time. */
+void vor_page_headers(struct vor_request *request);
+
+/** docs.c */
+enum vor_next vor_handle_docs(void *app, struct vor_request *request, enum vor_step step);
+
 /** processes.c */
 enum vor_next vor_handle_processes(void *app, struct vor_request *request, enum vor_step step);
 enum vor_next vor_handle_process(void *app, struct vor_request *request, enum vor_step step);

@@ -33,6 +33,9 @@ enum vor_next vor_handle_landing(void *ctx, struct vor_request *request, enum vo
     put_link(ctx, request, &text, "self", json, "/v1/");
     put_link(ctx, request, &text, "service-desc", "application/vnd.oai.openapi;version=3.0",
              "/openapi.yaml");
+    put_link(ctx, request, &text, "service-desc", "application/vnd.oai.openapi+json;version=3.0",
+             "/openapi.json");
+    put_link(ctx, request, &text, "service-doc", "text/html", "/docs");
     put_link(ctx, request, &text, "http://www.opengis.net/def/rel/ogc/1.0/processes", json,
              "/v1/processes");
     put_link(ctx, request, &text, "http://www.opengis.net/def/rel/ogc/1.0/job-list", json,

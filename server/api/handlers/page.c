@@ -81,6 +81,13 @@ static enum vor_next reply_inflated(struct vor_app *app, struct vor_request *req
     return vor_app_reply(app, request, 200, asset->media_type, &text);
 }
 
+void vor_page_headers(struct vor_request *request)
+{
+    vor_reply_header(request, "Cache-Control", "no-cache");
+    vor_reply_header(request, "Content-Security-Policy", CONTENT_POLICY);
+    vor_reply_header(request, "Referrer-Policy", "no-referrer");
+}
+
 /* Both codings have a tag of their own: their bytes differ. A tag changes with the bytes alone, so
  * asking again, every time, costs an answer without a body. */
 static enum vor_next reply_asset(struct vor_app *app, struct vor_request *request,
@@ -92,9 +99,7 @@ static enum vor_next reply_asset(struct vor_app *app, struct vor_request *reques
     (void)snprintf(etag, sizeof etag, "\"%s%s\"", asset->digest, is_gzip ? "" : "-plain");
     vor_reply_header(request, "ETag", etag);
     vor_reply_header(request, "Vary", vary);
-    vor_reply_header(request, "Cache-Control", "no-cache");
-    vor_reply_header(request, "Content-Security-Policy", CONTENT_POLICY);
-    vor_reply_header(request, "Referrer-Policy", "no-referrer");
+    vor_page_headers(request);
     if (vor_etag_listed(vor_request_header(request, "If-None-Match"), etag)) {
         vor_reply_bytes(request, 304, NULL, "", 0);
         return VOR_NEXT_REPLY;
@@ -137,4 +142,15 @@ enum vor_next vor_handle_asset(void *ctx, struct vor_request *request, enum vor_
         return reply_asset(ctx, request, &asset, "Accept-Encoding");
     return vor_problem_say(ctx, request, "no-such-resource", "the page has no file %s",
                            vor_quote(name, sizeof name, segment, length));
+}
+
+enum vor_next vor_handle_openapi_json(void *ctx, struct vor_request *request, enum vor_step step)
+{
+    static const char name[] = "openapi.json";
+    struct vor_asset asset;
+
+    (void)step;
+    if (vor_asset_find(&asset, name, strlen(name)))
+        return reply_asset(ctx, request, &asset, "Accept-Encoding");
+    return vor_problem_say(ctx, request, "no-such-resource", "there is no %s", name);
 }
