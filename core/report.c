@@ -24,7 +24,7 @@ static const char *const stage_words[VOR_RUN_STAGE_COUNT] = {
 
 const struct vor_run_stage_info *vor_run_stage_info(enum vor_run_stage stage)
 {
-    static const struct vor_run_stage_info other = {"step", "step", "A stage of another build"};
+    static const struct vor_run_stage_info other = {"step", "step", "A stage of another version"};
 
     return (unsigned)stage < VOR_RUN_STAGE_COUNT ? &stages[stage] : &other;
 }

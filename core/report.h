@@ -17,12 +17,12 @@
 /** Stages that a run may go through: identifier, name, what one of its steps is called, sentence.
  *  Traces keep the number of a row, so rows are only ever added, at the end. */
 #define VOR_RUN_STAGE_TABLE(X)                                                                     \
-    X(ITERATE, "iterate", "iteration", "Moves each point towards the middle of its cell")          \
+    X(ITERATE, "iterate", "iteration", "Moves each point towards the centroid of its cell")        \
     X(POLISH, "polish", "polish step", "Moves points away from their neighbours")                  \
-    X(BASELINES, "baselines", "baseline", "Makes as many points by simple methods")                \
+    X(BASELINES, "baselines", "baseline", "Runs simple methods for comparison")                    \
     X(PROJECT, "project", "projection step",                                                       \
-      "Draws each point to the input's around it, and away from its neighbours")                   \
-    X(INSERT, "insert", "inserted point", "Inserts points where there is most room")
+      "Pulls each point towards nearby input points and away from its neighbours")                 \
+    X(INSERT, "insert", "inserted point", "Inserts points in the largest gaps")
 
 enum vor_run_stage {
 #define VOR_RUN_STAGE_ENUM(id, name, step, sentence) VOR_RUN_STAGE_##id,
@@ -49,30 +49,30 @@ enum vor_run_stage vor_run_stage_find(const char *name);
  *  job. A run begins with a record of 0 steps of its first stage. Members are only ever added, at
  *  the end: traces keep them in this order. */
 #define VOR_RECORD_TABLE(X)                                                                        \
-    X(U32, iteration, "iteration", "", "Iterations, or projection steps, done; 0 is the start")    \
-    X(U32, polish, "polish", "", "Steps of the polish done; 0 while iterations go on")             \
+    X(U32, iteration, "iteration", "", "Iterations or projection steps done; 0 is the start")      \
+    X(U32, polish, "polish", "", "Polish steps done; 0 during the iterations")                     \
     X(REAL, delta, "delta", "",                                                                    \
-      "Uniformity, the relative standard deviation of the distances to the nearest neighbour; "    \
+      "Uniformity: the relative standard deviation of the distances to the nearest neighbour; "    \
       "lower is better")                                                                           \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
       "Mean deviation of those distances from their mean")                                         \
     X(REAL, epsilon, "epsilon", "",                                                                \
       "Cosine between those distances and their mean, 0 to 1; higher is better")                   \
     X(REAL, energy, "energy", "unit of the cloud^4",                                               \
-      "Energy of the tessellation; stays at that of the last iteration during the polish")         \
+      "Energy of the tessellation; during the polish, that of the last iteration")                 \
     X(REAL, max_move, "max_move", "unit of the cloud", "Longest move of a point")                  \
     X(U64, held, "held", "points", "Points held back at the border of the input")                  \
     X(REAL, seconds, "seconds", "s", "Time since the run began")                                   \
     X(RUN_STAGE, stage, "run_stage", "", "Stage of the run")                                       \
     X(U32, step, "step", "", "Steps of this stage done")                                           \
     X(U32, of, "of", "",                                                                           \
-      "Steps that this stage takes at most; 0 with a step of 1 or more where that is not known")   \
-    X(U32, ahead, "ahead", "", "Steps that the stages after this one take at most")                \
+      "Largest number of steps of this stage; 0 if it is not known and step is 1 or more")         \
+    X(U32, ahead, "ahead", "", "Largest number of steps of all later stages")                      \
     X(U32, best_iteration, "best.iteration", "",                                                   \
-      "What would be handed back now is as it was after so many iterations")                       \
-    X(U32, best_polish, "best.polish", "", "and so many steps of the polish")                      \
+      "Iteration of the best result so far, which the run would return now")                       \
+    X(U32, best_polish, "best.polish", "", "Polish step of the best result so far")                \
     X(REAL, best_delta, "best.delta", "",                                                          \
-      "Its delta, the least so far; in the last record of a run that of the report")               \
+      "Its delta, the lowest so far; in the last record of a run, that of the report")             \
     X(REAL, best_sigma, "best.sigma", "unit of the cloud", "Its sigma")                            \
     X(REAL, best_epsilon, "best.epsilon", "", "Its epsilon")
 
@@ -129,130 +129,127 @@ struct vor_stage_done {
     X(U64, points_in, "points.in", "points", "Points of the input, of a mesh its vertices")        \
     X(U64, points_out, "points.out", "points", "Points of the result")                             \
     X(REAL, delta, "delta", "",                                                                    \
-      "Uniformity of the result, the relative standard deviation of the distances to the "         \
-      "nearest neighbour; lower is better. With a density: of those distances over the spacing "   \
-      "wanted there; with a metric: of distances in the metric; as delta, sigma and epsilon are "  \
-      "wherever a run tells them")                                                                 \
+      "Uniformity of the result: the relative standard deviation of the distances to the nearest " \
+      "neighbour; lower is better. With a density, distances are divided by the spacing wanted "   \
+      "there; "                                                                                    \
+      "with a metric, they are in the metric. So are sigma and epsilon, and all three in events "  \
+      "and trace")                                                                                 \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
       "Mean deviation of those distances from their mean")                                         \
     X(REAL, epsilon, "epsilon", "",                                                                \
       "Cosine between those distances and their mean, 0 to 1; higher is better")                   \
-    X(U32, iterations, "iterations", "", "Iterations, or projection steps, done")                  \
-    X(U32, polish_steps, "polish_steps", "", "Steps of the polish done")                           \
+    X(U32, iterations, "iterations", "", "Iterations or projection steps done")                    \
+    X(U32, polish_steps, "polish_steps", "", "Polish steps done")                                  \
     X(STOPPED, stopped, "stopped", "", "Why the run ended")                                        \
     X(WARNINGS, warnings, "warnings", "",                                                          \
-      "What was done as asked and came to little: empty for most runs")                            \
+      "Warnings: parameters that had no effect, and problems of the input. Empty for most runs")   \
     X(STAGES, stages, "stages", "",                                                                \
-      "Stages that the run went through, in their order; their seconds, but for those of "         \
-      "baselines, are among those of the member seconds")                                          \
+      "Stages of the run, in order. Their seconds are included in the member seconds, except "     \
+      "those of baselines")                                                                        \
     X(REAL, seconds_read, "seconds.read", "s", "Decoding the input")                               \
     X(REAL, seconds_index, "seconds.index", "s", "Sorting and indexing the input")                 \
     X(REAL, seconds_init, "seconds.init", "s", "Placing the first points")                         \
     X(REAL, seconds_iterate, "seconds.iterate", "s",                                               \
-      "Iterations, or the stages that a method has in their place")                                \
+      "Iterations, or the corresponding stages of other methods")                                  \
     X(REAL, seconds_polish, "seconds.polish", "s",                                                 \
-      "Polish, and moving points outside the input onto it before and after")                      \
+      "Polish, and moving points outside the input onto it")                                       \
     X(REAL, seconds_write, "seconds.write", "s", "Encoding the result")                            \
-    X(U64, memory_peak_bytes, "memory_peak_bytes", "bytes",                                        \
-      "Most memory that the job held at a time")                                                   \
+    X(U64, memory_peak_bytes, "memory_peak_bytes", "bytes", "Peak memory of the job")              \
     X(U64, invalid, "invalid", "points",                                                           \
-      "Points of the input that were left out, as a coordinate was not finite; not among "         \
-      "points.in")                                                                                 \
+      "Input points that were left out because a coordinate was not finite; points.in does not "   \
+      "count them")                                                                                \
     X(U64, faces, "faces", "",                                                                     \
-      "Faces of the input, as many as its file says, a strip of triangles as one; sample=faces "   \
-      "resamples their surface")                                                                   \
+      "Faces of the input that its file declares, where a triangle strip counts as one; "          \
+      "sample=faces resamples their surface")                                                      \
     X(U64, samples, "samples", "points",                                                           \
-      "Points drawn from the faces: what is said of points of the input, but for points.in, is "   \
-      "said of these. 0 without sample=faces")                                                     \
+      "Points drawn from the faces; 0 without sample=faces. All figures about input points, "      \
+      "except points.in, are about these")                                                         \
     X(DROPPED, dropped, "dropped", "",                                                             \
-      "What of the input's file is not in the result's: faces, other elements and lists of a PLY " \
-      "file, attributes that the request drops, and comments where the format of the result has "  \
-      "none")                                                                                      \
+      "Contents of the input's file that are not in the result's: faces, other elements and "      \
+      "lists of a PLY file, attributes that the request drops, and comments if the format of the " \
+      "result has none")                                                                           \
     X(U64, outliers, "outliers", "points",                                                         \
-      "Input points that were taken for outliers: ignored, or pulled onto the surface")            \
-    X(U64, parts, "components", "", "Parts of the input that lie clear of each other")             \
+      "Outliers among the input points: ignored, or pulled onto the surface")                      \
+    X(U64, parts, "components", "", "Separate parts of the input")                                 \
     X(U64, islands, "islands.components", "",                                                      \
-      "Those of them with fewer points than two fits take")                                        \
-    X(U64, in_islands, "islands.points_in", "points", "Points of the input that these hold")       \
+      "Separate parts with fewer points than two fits need")                                       \
+    X(U64, in_islands, "islands.points_in", "points", "Input points on islands")                   \
     X(U64, on_islands, "islands.points_out", "points",                                             \
-      "Points of the result on them, at most as many, in the places of input points; 0 where "     \
+      "Points of the result on islands, at most as many, at positions of input points; 0 if "      \
       "filters alone make the result")                                                             \
     X(REAL, delta_beside, "islands.delta_beside", "",                                              \
-      "delta of the other points of the result; that of all of them counts the gaps around "       \
-      "islands")                                                                                   \
+      "delta of the points of the result that are not on islands; delta of all points includes "   \
+      "the gaps around islands")                                                                   \
     X(OPTIONAL, has_holes, "holes", "",                                                            \
-      "What became of the holes of the input; only where they were to be filled. Points that "     \
-      "they "                                                                                      \
-      "were filled with count as points of the input from then on")                                \
-    X(U64, holes_loops, "holes.loops", "", "Loops along which the surface ended, in all")          \
-    X(U64, holes_filled, "holes.filled", "", "Those of them that were filled")                     \
-    X(U64, holes_not_closed, "holes.not_closed", "", "Those of them that could not be closed")     \
-    X(U64, holes_points, "holes.points", "points", "Points that holes were filled with")           \
+      "Holes of the input; only if the request fills holes. The points added there count as "      \
+      "input points from then on")                                                                 \
+    X(U64, holes_loops, "holes.loops", "", "Border loops of the input")                            \
+    X(U64, holes_filled, "holes.filled", "", "Loops that were filled")                             \
+    X(U64, holes_not_closed, "holes.not_closed", "", "Loops that could not be closed")             \
+    X(U64, holes_points, "holes.points", "points", "Points added in holes")                        \
     X(HOLES, holes, "holes.each", "",                                                              \
-      "What became of each loop, at most 100: if there are more, those that could not be closed "  \
-      "and the longest")                                                                           \
-    X(OPTIONAL, has_density, "density", "",                                                        \
-      "How the density was followed; only where one was asked for")                                \
+      "The loops, at most 100: if there are more, those that could not be closed and the longest") \
+    X(OPTIONAL, has_density, "density", "", "How the result follows the density; only with one")   \
     X(REAL, density_span, "density.span", "",                                                      \
-      "Density followed, after contrast and grading: its 95th percentile over its 5th among "      \
-      "places of the surface")                                                                     \
+      "95th percentile of the density over its 5th among places of the surface, after contrast "   \
+      "and grading")                                                                               \
     X(REAL, density_least, "density.spacing_min", "unit of the cloud", "Smallest spacing wanted")  \
     X(REAL, density_most, "density.spacing_max", "unit of the cloud", "Largest spacing wanted")    \
-    X(OPTIONAL, has_metric, "metric", "",                                                          \
-      "How the metric was followed; only where one was asked for")                                 \
+    X(OPTIONAL, has_metric, "metric", "", "How the result follows the metric; only with one")      \
     X(REAL, metric_median, "metric.aspect_median", "",                                             \
-      "Length over width that the metric asks of cells: median over places of the surface")        \
+      "Length over width of cells in the metric: median over places of the surface")               \
     X(REAL, metric_high, "metric.aspect_p95", "", "The same: 95th percentile")                     \
     X(REAL, metric_cells, "metric.cells_median", "",                                               \
       "Length over width of the cells of the result, as the root of the ratio of their principal " \
       "second moments: median")                                                                    \
     X(REAL, metric_off, "metric.off_median", "",                                                   \
-      "How far that of a cell is from what the metric asks for there, over the latter: median")    \
+      "Relative deviation of a cell's length over width from that of the metric: median")          \
     X(REAL, metric_off_high, "metric.off_p90", "", "The same: 90th percentile")                    \
     X(OPTIONAL, has_descent, "descent", "",                                                        \
-      "How an energy was minimised; only where metric or cells ask for that")                      \
-    X(U64, descent_steps, "descent.steps", "", "Steps of L-BFGS, at most five an iteration")       \
-    X(U64, descent_evaluations, "descent.evaluations", "", "Times that the energy was computed")   \
+      "How the energy was minimised; only if metric or cells require that")                        \
+    X(U64, descent_steps, "descent.steps", "", "Steps of L-BFGS, at most five per iteration")      \
+    X(U64, descent_evaluations, "descent.evaluations", "", "Evaluations of the energy")            \
     X(REAL, descent_worst, "descent.worst", "",                                                    \
-      "Largest energy after the steps of an iteration over that before them; below 1")             \
+      "Largest ratio of the energy after an iteration to that before it; below 1")                 \
     X(REAL, descent_aspect, "descent.aspect", "",                                                  \
       "Median aspect of the cells, the root of the ratio of their second moments; 1 for squares "  \
       "and regular hexagons")                                                                      \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
-      "Cell that the coordinates of the input were rounded to; 0 where none was found")            \
+      "Size of the cells that the input's coordinates were rounded to; 0 if none was found")       \
     X(U64, off_lattice, "lattice.moved", "points",                                                 \
-      "Input points that were moved within their cell; 0 where cells are small against the "       \
+      "Input points that were moved within their cell; 0 if cells are small compared with the "    \
       "spacing of the input")                                                                      \
     X(ORIENTED, orientation, "orientation", "",                                                    \
-      "How the normals of the result face. not-asked: as the input's, or there are none; "         \
-      "carried: to the side of the input's; consistent: outwards, or upwards, as found from the "  \
-      "input's points; one-sided: likewise, but parts of the input have one side only")            \
+      "Orientation of the result's normals. not-asked: as in the input, or there are none; "       \
+      "carried: the side of the input's normals; consistent: outward or upward, found from the "   \
+      "input's points; one-sided: likewise, but parts of the input have only one side")            \
     X(U64, one_sided, "one_sided", "",                                                             \
-      "Connected parts of the input that have one side only, as a Moebius band has: no signs of "  \
-      "their normals are consistent. 0 where the run did not look for the sides")                  \
+      "Connected parts of the input with only one side, like a Moebius band: their normals "       \
+      "cannot be consistent. 0 if the run did not determine sides")                                \
     X(APART, ref_to_out, "ref_to_out", "",                                                         \
-      "Distances from the points of the input to the nearest of the result. Points that share a "  \
-      "place count once, ignored outliers not at all, and points that were moved off a lattice "   \
-      "from where they went. Of more than 200000, so many are taken, at equal steps along a "      \
-      "curve through the input: mean and rms are estimates then, and max is a lower bound")        \
+      "Distances from the input's points to the nearest point of the result. Points at the same "  \
+      "position count once, ignored outliers do not count, and points moved off a lattice count "  \
+      "from their new position. If there are more than 200000, only so many count, at equal "      \
+      "steps along a curve through the input: mean and rms are then estimates, and max is a "      \
+      "lower bound")                                                                               \
     X(APART, out_to_ref, "out_to_ref", "",                                                         \
-      "Distances from all points of the result to the nearest of the same points of the input")    \
+      "Distances from all points of the result to the nearest of the same input points")           \
     X(U64, boundary_points, "boundary_points", "points",                                           \
-      "Points of the result that lie where the input ends, whatever boundary says: none on a "     \
-      "closed smooth surface, about its length over the spacing along a border")                   \
+      "Points of the result at borders of the input, for any value of boundary: none on a closed " \
+      "smooth surface, about length over spacing along a border")                                  \
     X(FITTED, fitted, "neighbors_histogram", "",                                                   \
-      "How many input points the surfaces were fitted to that the points of the result lie on, "   \
-      "in the last step; ascending, their points sum to points.out")                               \
-    X(U64, held, "held", "points", "Points held back in the last iteration")                       \
-    X(U64, held_ever, "held_ever", "points", "Points held back in any iteration")                  \
+      "Numbers of input points that local surfaces were fitted to in the last step, ascending; "   \
+      "the points of all entries sum to points.out")                                               \
+    X(U64, held, "held", "points", "Points held back at the border in the last iteration")         \
+    X(U64, held_ever, "held_ever", "points", "Points held back at the border in any iteration")    \
     X(U64, fallback_plane, "fallbacks.plane", "points",                                            \
-      "Points fitted with a plane in the last iteration, as no quadric was found; none are "       \
-      "counted where the request asks for planes")                                                 \
+      "Points fitted with a plane in the last iteration because no quadric was found; 0 with "     \
+      "patch=plane")                                                                               \
     X(U64, fallback_left, "fallbacks.left", "points",                                              \
-      "Points left in place in the last iteration, as no surface was found")                       \
+      "Points left in place in the last iteration because no surface was found")                   \
     X(REAL, area, "area", "unit of the cloud^2",                                                   \
-      "Area of the surface: the sum of the cells at the end, or what spacing was turned into "     \
-      "points with")                                                                               \
+      "Area of the surface: the sum of the cells at the end, or the area that converts spacing "   \
+      "into points")                                                                               \
     X(REAL, spacing_mean, "spacing", "unit of the cloud",                                          \
       "Mean distance to the nearest neighbour in the result")                                      \
     X(REAL, min_over_mean, "min_over_mean", "", "Smallest of those distances over their mean")     \
@@ -260,62 +257,64 @@ struct vor_stage_done {
     X(REAL, six_share, "six_share", "",                                                            \
       "Share of the points of the result with six Voronoi neighbours")                             \
     X(REAL, bisectors_per_cell, "bisectors_per_cell", "",                                          \
-      "Planes that cut a cell, mean over all cells computed")                                      \
+      "Planes that cut a cell: mean over all cells computed")                                      \
     X(REAL, triangles_per_cell, "triangles_per_cell", "",                                          \
-      "Triangles of the patches that cells were cut from, likewise")                               \
-    X(U64, queries, "queries", "", "Searches of an index, among the input or the points")          \
-    X(U64, list_rebuilds, "list_rebuilds", "",                                                     \
-      "Times the lists of neighbours of all points were made anew")                                \
+      "Triangles of the patch that a cell is cut from: mean over all cells computed")              \
+    X(U64, queries, "queries", "",                                                                 \
+      "Searches for nearest neighbours, among the input or the points")                            \
+    X(U64, list_rebuilds, "list_rebuilds", "", "Rebuilds of the neighbour lists of all points")    \
     X(VECTOR, origin, "origin", "unit of the cloud",                                               \
-      "What the positions in the file of the result count from: added to them, it gives those in " \
-      "the coordinates of the input. 0 where these are written as they are, as in PLY")            \
-    X(OPTIONAL, has_mesh, "mesh", "", "The triangles; only where the process makes them")          \
+      "Origin of the positions in the result's file: added to them, it gives the coordinates of "  \
+      "the input. 0 if they are written unchanged, as in PLY")                                     \
+    X(OPTIONAL, has_mesh, "mesh", "", "The triangles; only for a process that makes them")         \
     X(U64, mesh_triangles, "mesh.triangles", "", "Triangles")                                      \
     X(U64, mesh_polygons, "mesh.polygons", "",                                                     \
-      "Polygons of the cells, with soup; then of the other members only points are told, the "     \
-      "corners of all")                                                                            \
-    X(U64, mesh_points, "mesh.points", "points", "Points of the result that are their corners")    \
+      "Polygons of the cells, with soup; points then counts the corners of all, and the other "    \
+      "members are 0")                                                                             \
+    X(U64, mesh_points, "mesh.points", "points",                                                   \
+      "Points of the result that are corners of triangles")                                        \
     X(U64, mesh_components, "mesh.components", "", "Connected components")                         \
     X(REAL, mesh_euler, "mesh.euler", "",                                                          \
-      "Euler characteristic: points less edges plus triangles; 2 for each closed component "       \
+      "Euler characteristic: points minus edges plus triangles; 2 for each closed component "      \
       "without handles")                                                                           \
     X(ANSWERED, mesh_closed, "mesh.closed", "", "Whether every edge has two triangles")            \
     X(ANSWERED, mesh_manifold, "mesh.manifold", "",                                                \
-      "Whether no edge has more than two, and the triangles at every point are one fan")           \
+      "Whether no edge has more than two triangles and the triangles at every point form one fan") \
     X(U64, mesh_one_sided, "mesh.one_sided", "",                                                   \
-      "Components with one side only, as a Moebius band has: along some of their edges "           \
-      "neighbours "                                                                                \
+      "Components with only one side, like a Moebius band: along some of their edges neighbours "  \
       "face opposite ways")                                                                        \
     X(REAL, mesh_quality_mean, "mesh.quality_mean", "",                                            \
       "Mean quality of the triangles, 6 S / (sqrt(3) p h) of area S, half the perimeter p and "    \
       "longest edge h: 1 where all edges are equal")                                               \
-    X(REAL, mesh_quality_p001, "mesh.quality_p001", "", "One in a thousand is below this")         \
+    X(REAL, mesh_quality_p001, "mesh.quality_p001", "",                                            \
+      "Quality that one triangle in a thousand is below")                                          \
     X(REAL, mesh_quality_min, "mesh.quality_min", "", "The least")                                 \
     X(REAL, mesh_angle_min, "mesh.angle_min", "degrees", "Smallest angle of a triangle")           \
-    X(U64, mesh_loops, "mesh.loops", "",                                                           \
-      "Loops of edges that have one triangle: rims of the input, and holes that it has too")       \
+    X(U64, mesh_loops, "mesh.loops", "", "Border loops of the mesh: rims and holes of the input")  \
     X(U64, mesh_filled, "mesh.filled", "",                                                         \
-      "Small loops that were filled, as the input goes on under them")                             \
+      "Small loops that were filled because the input continues under them")                       \
     X(U64, mesh_unsure, "mesh.unsure", "",                                                         \
-      "Triangles that may join two sheets of the input, which lie too near to each other or "      \
-      "cross: the surface at one corner passes another by, by more than a fifth of the way there") \
+      "Triangles that may connect two sheets of the input that cross or lie too close together: "  \
+      "the surface at one corner misses another corner by more than a fifth of the distance to "   \
+      "it")                                                                                        \
     X(U64, mesh_left_out, "mesh.left_out", "",                                                     \
-      "Triangles left out where the input has several sheets nearly everywhere: at points where "  \
-      "two sheets meet, those that pass through others, and what that cuts off")                   \
-    X(MESH_LOOPS, mesh_longest, "mesh.longest_loops", "", "The loops with most edges, at most 32") \
+      "Triangles left out if the input has several sheets nearly everywhere: those at points "     \
+      "where two sheets meet, those that pass through others, and pieces that this cuts off")      \
+    X(MESH_LOOPS, mesh_longest, "mesh.longest_loops", "",                                          \
+      "The loops with the most edges, at most 32")                                                 \
     X(REAL, mesh_seconds, "mesh.seconds", "s", "Making the triangles")                             \
     X(OPTIONAL, has_baselines, "baselines", "",                                                    \
-      "How even simple methods are on the same input; only where baselines asks for it, and "      \
-      "neither filters alone made the result nor the caller stopped the run")                      \
+      "How even simple methods are on the same input; only with baselines=true, and not if "       \
+      "filters alone made the result or the caller stopped the run")                               \
     X(BASELINE, kmeans, "baselines.kmeans", "", "The method kmeans, 35 iterations")                \
     X(BASELINE, random, "baselines.random", "", "Points of the input, chosen at random")           \
     X(BASELINE, voxel, "baselines.voxel", "",                                                      \
       "Means of the input's points in each cell of a grid")                                        \
     X(BASELINE, farthest, "baselines.farthest", "",                                                \
-      "Points of the input, each the one farthest from those before")                              \
+      "Points of the input, each the farthest from all before it")                                 \
     X(SPEC, parameters, "parameters", "",                                                          \
-      "The request, with points filled in from ratio or spacing and auto resolved: neighbors to "  \
-      "the usual number")
+      "The request, with points computed from ratio or spacing and each auto replaced by its "     \
+      "value: for neighbors, the most frequent number")
 
 struct vor_report {
     VOR_REPORT_TABLE(VOR_FIELD)
@@ -342,7 +341,7 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
 #define VOR_MEASURE_TABLE(X)                                                                       \
     X(U64, n, "n", "points", "Points of the cloud")                                                \
     X(REAL, delta, "delta", "",                                                                    \
-      "Uniformity, the relative standard deviation of the distances to the nearest neighbour; "    \
+      "Uniformity: the relative standard deviation of the distances to the nearest neighbour; "    \
       "lower is better")                                                                           \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
       "Mean deviation of those distances from their mean")                                         \
@@ -353,9 +352,10 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
     X(REAL, min_over_mean, "min_over_mean", "", "Smallest of those distances over their mean")     \
     X(REAL, max_over_mean, "max_over_mean", "", "Largest of those distances over their mean")      \
     X(U64, invalid, "invalid", "points",                                                           \
-      "Points of the cloud that were left out, as a coordinate was not finite")                    \
-    X(U64, coincident, "coincident", "points", "Points that share their place with another one")   \
-    X(OPTIONAL, has_reference, "input", "", "The cloud beside the reference; only with one")       \
+      "Points that were left out because a coordinate was not finite")                             \
+    X(U64, coincident, "coincident", "points", "Points at the same position as another one")       \
+    X(OPTIONAL, has_reference, "input", "",                                                        \
+      "The cloud compared with the reference; only with one")                                      \
     X(REAL, far_over_knn6_mean, "input.far_over_knn6_mean", "",                                    \
       "Distance of the farthest point to the reference over the mean distance of a reference "     \
       "point to its 6th neighbour")                                                                \
@@ -425,18 +425,18 @@ enum vor_loop_why { VOR_LOOP_AROUND, VOR_LOOP_ONE_SIDE, VOR_LOOP_WITHIN };
 
 /** A closed row of points where the input ends. */
 #define VOR_LOOP_TABLE(X)                                                                          \
-    X(U32, id, "id", "", "Its number, from 1 on: the longest first. The same input has the same")  \
-    X(REAL, length, "length", "unit of the cloud", "Length of the border there")                   \
-    X(U64, points, "points", "points", "Points of the cloud along it")                             \
+    X(U32, id, "id", "",                                                                           \
+      "Number of the loop, from 1, the longest first; the same for the same input")                \
+    X(REAL, length, "length", "unit of the cloud", "Length of the loop")                           \
+    X(U64, points, "points", "points", "Points of the cloud along the loop")                       \
     X(VECTOR, centre, "centre", "unit of the cloud",                                               \
-      "Mean of the line through these points, in the coordinates of the cloud")                    \
+      "Centre of the line through these points, in the coordinates of the cloud")                  \
     X(LOOP_KIND, kind, "kind", "",                                                                 \
-      "hole: something is missing inside a surface; rim: an outer border of an open surface")      \
-    X(LOOP_WHY, why, "why", "", "What the kind was told by: where the surface lies")               \
+      "hole: a gap inside a surface; rim: an outer border of an open surface")                     \
+    X(LOOP_WHY, why, "why", "", "Evidence for the kind: where the surface lies")                   \
     X(REAL, turns, "turns", "",                                                                    \
-      "How often the loop winds around what is missing, as seen along the surface: 1 for a hole "  \
-      "in a plane, 0 for the end of a tube, -1 for the outer border of a plane. Holes have 0.3 "   \
-      "and more")
+      "How often the loop winds around the gap, seen along the surface: 1 for a hole in a plane, " \
+      "0 for the end of a tube, -1 for the outer border of a plane. Holes have 0.3 or more")
 
 struct vor_loop_told {
     VOR_LOOP_TABLE(VOR_FIELD)
@@ -450,50 +450,51 @@ struct vor_loop_told {
 
 /** What a cloud is like. Lengths are in the unit of the cloud. */
 #define VOR_INSPECT_TABLE(X)                                                                       \
-    X(TEXT, format, "format", "", "Format of the file, as the parameter of that name has it")      \
+    X(TEXT, format, "format", "", "Format of the file: a value of the parameter format")           \
     X(BOX, bounds, "bounds", "", "Box around all points")                                          \
-    X(VECTOR, origin, "origin", "unit of the cloud", "What positions are relative to")             \
-    X(COLUMNS, attributes, "attributes", "", "What the points have besides positions")             \
+    X(VECTOR, origin, "origin", "unit of the cloud", "Point that positions are relative to")       \
+    X(COLUMNS, attributes, "attributes", "", "Attributes of the points besides positions")         \
     X(U64, points, "points.all", "points", "Points of the cloud")                                  \
     X(U64, invalid, "points.invalid", "points",                                                    \
-      "Points that were left out, as a coordinate was not finite; not among all")                  \
-    X(U64, distinct, "points.distinct", "points",                                                  \
-      "Points that share no place with an earlier one")                                            \
+      "Points that were left out because a coordinate was not finite; all does not count them")    \
+    X(U64, distinct, "points.distinct", "points", "Points at different positions")                 \
     X(U64, outliers, "points.outliers", "points",                                                  \
-      "Points off every surface; 0 where outliers is keep. All that follows is of the others")     \
+      "Points off every surface; 0 with outliers=keep. All figures below are about the other "     \
+      "points")                                                                                    \
     X(U64, components, "components.count", "",                                                     \
-      "Parts without two points, one in each, that are among each other's neighbours")             \
-    X(U64, largest, "components.largest", "points", "Points of the largest")                       \
+      "Separate parts: no two points of different parts are among each other's neighbours")        \
+    X(U64, largest, "components.largest", "points", "Points of the largest part")                  \
     X(U64, small, "components.small", "",                                                          \
-      "Parts of fewer points than twice those of a fit: too few to show a surface")                \
-    X(U64, small_points, "components.small_points", "points", "Points of these together")          \
+      "Parts with fewer points than two fits need: too few to show a surface")                     \
+    X(U64, small_points, "components.small_points", "points", "Points on islands")                 \
     X(REAL, spacing, "spacing.mean", "unit of the cloud",                                          \
-      "Mean distance of a point to the nearest other one")                                         \
-    X(REAL, spacing_p01, "spacing.p01", "unit of the cloud", "One in a hundred is below this")     \
-    X(REAL, spacing_p50, "spacing.p50", "unit of the cloud", "Half of them are below this")        \
-    X(REAL, spacing_p99, "spacing.p99", "unit of the cloud", "One in a hundred is above this")     \
+      "Mean distance of a point to its nearest neighbour")                                         \
+    X(REAL, spacing_p01, "spacing.p01", "unit of the cloud", "1st percentile of that distance")    \
+    X(REAL, spacing_p50, "spacing.p50", "unit of the cloud", "Median of that distance")            \
+    X(REAL, spacing_p99, "spacing.p99", "unit of the cloud", "99th percentile of that distance")   \
     X(REAL, noise, "noise", "unit of the cloud",                                                   \
-      "Root mean square distance of points to the surfaces fitted to them, at the median of 512 "  \
-      "places")                                                                                    \
+      "Root mean square distance of points to the surface fitted to them: median of 512 places")   \
     X(U32, neighbors, "neighbors", "points",                                                       \
-      "Points that a surface is fitted to, as neighbors=auto chooses for most places")             \
+      "Number of points that a surface is fitted to: the choice of neighbors=auto at most places") \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
-      "Cell that the coordinates were rounded to; 0 where none was found")                         \
+      "Size of the cells that the coordinates were rounded to; 0 if none was found")               \
     X(ANSWERED, lattice_matters, "lattice.matters", "",                                            \
-      "Whether the cells are not small against the spacing: points are moved within them")         \
+      "Whether the cells are so large compared with the spacing that points are moved within "     \
+      "them")                                                                                      \
     X(ANSWERED, sheets, "sheets.found", "",                                                        \
-      "Whether sheets lie nearer to each other than a fit reaches, on much of the cloud")          \
+      "Whether sheets lie closer together than a fit reaches, on much of the cloud")               \
     X(REAL, own, "sheets.own", "",                                                                 \
-      "Share of the points whose neighbours are not simply the nearest points")                    \
+      "Share of the points that have neighbours other than simply the nearest points")             \
     X(U64, edge_points, "edges.points", "points", "Points that lie on a sharp edge")               \
     X(REAL, edge_length, "edges.length", "unit of the cloud", "Estimated length of all edges")     \
     X(REAL, area, "area", "unit of the cloud^2", "Area of the surface, from cells of its points")  \
     X(U64, border_loops, "border.loops", "",                                                       \
-      "Loops of points along which the surface ends, in all")                                      \
-    X(U64, border_holes, "border.holes", "", "Those of them that are holes")                       \
+      "Border loops: closed lines of points where the surface ends")                               \
+    X(U64, border_holes, "border.holes", "", "Loops that are holes")                               \
     X(REAL, border_length, "border.length", "unit of the cloud", "Length of all loops")            \
     X(U64, border_open, "border.open", "",                                                         \
-      "Rows of three or more points where the surface ends that do not close to loops")            \
+      "Open border lines: three or more points where the surface ends that do not close to a "     \
+      "loop")                                                                                      \
     X(LOOPS, loops, "loops", "", "The longest of the loops, at most 100")
 
 struct vor_inspect {

@@ -293,7 +293,7 @@ static vor_status check_descent(const struct vor_spec *spec, struct vor_error *e
     if (!vor_spec_descends(spec))
         return VOR_OK;
     if (spec->value[VOR_PARAM_METHOD] != VOR_METHOD_CVT)
-        return vor_fail_param(err, VOR_E_PARAM, name, "%s is %s, which is for method cvt alone",
+        return vor_fail_param(err, VOR_E_PARAM, name, "%s is %s, which only method cvt supports",
                               name, word);
     if (spec->value[VOR_PARAM_DENSITY] != VOR_DENSITY_UNIFORM)
         return vor_fail_param(err, VOR_E_PARAM, name,
@@ -324,12 +324,11 @@ static vor_status check_projection(const struct vor_spec *spec, struct vor_error
         size_t length = vor_parameter_choice(info, (unsigned)rules[i].wanted, &want);
 
         if (rules[i].refused == VOR_UNSET ? value != rules[i].wanted : value == rules[i].refused)
-            return vor_fail_param(err, VOR_E_PARAM, info->name,
-                                  "%s is %.*s, which method %s does not know, want %.*s, or "
-                                  "method cvt",
-                                  info->name, SHOWN_SIZE,
-                                  vor_spec_text(spec, rules[i].parameter, is),
-                                  method == VOR_METHOD_EAR ? "ear" : "wlop", (int)length, want);
+            return vor_fail_param(
+                err, VOR_E_PARAM, info->name,
+                "%s is %.*s, which method %s does not support, want %.*s, or method cvt",
+                info->name, SHOWN_SIZE, vor_spec_text(spec, rules[i].parameter, is),
+                method == VOR_METHOD_EAR ? "ear" : "wlop", (int)length, want);
     }
     return VOR_OK;
 }
@@ -376,7 +375,7 @@ vor_status vor_spec_check_inputs(const struct vor_spec *spec, unsigned inputs,
 
     for (unsigned i = 0; (input = &process->inputs[i])->name != NULL; i++)
         if (input->is_required && (inputs >> i & 1) == 0)
-            return vor_fail_param(err, VOR_E_PARAM, input->name, "%s has no %s, and needs one",
+            return vor_fail_param(err, VOR_E_PARAM, input->name, "%s has no %s but needs one",
                                   process->id, input->name);
     for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
         enum vor_parameter parameter = (enum vor_parameter)i;
@@ -429,10 +428,10 @@ vor_status vor_spec_check_target(const struct vor_spec *spec, double target, uin
         return VOR_OK;
     if (least > most)
         return vor_fail_param(err, VOR_E_TARGET, name,
-                              "%s of %llu points asks for %.0f or more, want at most %.0f",
+                              "%s of %llu points needs %.0f or more, want at most %.0f",
                               process->id, (unsigned long long)input, least, most);
     if (from != VOR_PARAM_POINTS)
-        (void)snprintf(asked, sizeof asked, " and asks for %.16g points", target);
+        (void)snprintf(asked, sizeof asked, " and needs %.16g points", target);
     if (is_unbounded(spec))
         return vor_fail_param(err, VOR_E_TARGET, name, "%s is %.10g%s, want %.0f to %.0f", name,
                               spec->value[from], asked, least, most);

@@ -75,7 +75,7 @@ static vor_status end_member(struct inflation *z, int *done, struct vor_error *e
     if (*done)
         return VOR_OK;
     if (z->size - at < 2 || z->bytes[at] != MAGIC_1 || z->bytes[at + 1] != MAGIC_2)
-        return refuse(z, "is over and goes on", err);
+        return refuse(z, "has data after its end", err);
     return inflateReset(&z->stream) == Z_OK ? VOR_OK : refuse(z, "cannot be read", err);
 }
 
@@ -104,7 +104,7 @@ static vor_status step(struct inflation *z, int *done, struct vor_error *err)
     if (code == Z_BUF_ERROR && position(z) == z->size)
         return refuse(z, "is cut short", err);
     if (code != Z_OK && code != Z_BUF_ERROR)
-        return refuse(z, position(z) < 10 ? "is no gzip" : "is damaged", err);
+        return refuse(z, position(z) < 10 ? "is not gzip" : "is damaged", err);
     return VOR_OK;
 }
 

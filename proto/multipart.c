@@ -162,8 +162,8 @@ vor_status vor_multipart_begin(struct vor_multipart *scanner, const char *conten
                         VOR_MULTIPART_BOUNDARY_MAX);
     if (!is_boundary(boundary.value, boundary.length))
         return vor_fail(err, VOR_E_REQUEST,
-                        "the boundary \"%s\" of %zu characters is none, want 1 to %d of letters, "
-                        "digits, blanks within and '()+_,-./:=?",
+                        "the boundary \"%s\" of %zu characters is invalid, want 1 to %d of "
+                        "letters, digits, blanks within and '()+_,-./:=?",
                         vor_quote(shown, sizeof shown, boundary.value, strlen(boundary.value)),
                         boundary.length, VOR_MULTIPART_BOUNDARY_MAX);
     memset(scanner, 0, sizeof *scanner);
@@ -306,14 +306,14 @@ static vor_status at_mark(struct vor_multipart *scanner, char c, struct vor_erro
         scanner->state = VOR_MULTIPART_BREAK;
         return VOR_OK;
     default:
-        return refuse_byte(scanner, err, "want a line end or -- behind a boundary", c);
+        return refuse_byte(scanner, err, "want a line end or -- after a boundary", c);
     }
 }
 
 static vor_status at_dash(struct vor_multipart *scanner, char c, struct vor_error *err)
 {
     if (c != '-')
-        return refuse_byte(scanner, err, "want a line end or -- behind a boundary", c);
+        return refuse_byte(scanner, err, "want a line end or -- after a boundary", c);
     scanner->state = VOR_MULTIPART_CLOSED;
     scanner->matched = 0;
     return VOR_OK;
@@ -322,7 +322,7 @@ static vor_status at_dash(struct vor_multipart *scanner, char c, struct vor_erro
 static vor_status at_break(struct vor_multipart *scanner, char c, struct vor_error *err)
 {
     if (c != '\n')
-        return refuse_byte(scanner, err, "want LF behind CR", c);
+        return refuse_byte(scanner, err, "want LF after CR", c);
     begin_head(scanner);
     return VOR_OK;
 }
@@ -351,7 +351,7 @@ static vor_status at_line_cr(struct vor_multipart *scanner, char c, struct vor_e
     const char *wrong;
 
     if (c != '\n')
-        return refuse_byte(scanner, err, "want LF behind CR", c);
+        return refuse_byte(scanner, err, "want LF after CR", c);
     if (++scanner->head_size > VOR_MULTIPART_HEAD_MAX)
         return refuse_head(scanner, err);
     if (scanner->line_size == 0)
@@ -373,7 +373,7 @@ static vor_status at_closed(struct vor_multipart *scanner, char c, struct vor_er
         scanner->matched++;
         return VOR_OK;
     }
-    return refuse_byte(scanner, err, "want nothing behind the last boundary", c);
+    return refuse_byte(scanner, err, "want nothing after the last boundary", c);
 }
 
 /* --- data ------------------------------------------------------------------------------------- */

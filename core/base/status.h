@@ -13,12 +13,12 @@
 #define VOR_STATUS_TABLE(X)                                                                        \
     X(OK, 200, "ok", 0, "Done")                                                                    \
     X(E_PARAM, 400, "invalid-parameter", 0, "A parameter is invalid")                              \
-    X(E_WORD, 422, "unknown-word", 0, "A list has a word that is unknown")                         \
+    X(E_WORD, 422, "unknown-word", 0, "A list has an unknown word")                                \
     X(E_REQUEST, 400, "malformed-request", 0, "The request cannot be read")                        \
     X(E_LIMIT, 413, "too-many-points", 0, "The cloud exceeds a limit")                             \
     X(E_BYTES, 413, "too-many-bytes", 0, "The body exceeds a limit")                               \
-    X(E_NOMEM, 413, "too-much-memory", 0, "The job needs more memory than it may have")            \
-    X(E_UNSUPPORTED, 415, "unsupported-format", 0, "The bytes are in no format this build reads")  \
+    X(E_NOMEM, 413, "too-much-memory", 0, "The job needs more memory than is allowed")             \
+    X(E_UNSUPPORTED, 415, "unsupported-format", 0, "The format of the data is unknown")            \
     X(E_FORMAT, 422, "undecodable-cloud", 0, "The cloud cannot be decoded")                        \
     X(E_EMPTY, 422, "empty-cloud", 0, "The cloud has no points")                                   \
     X(E_NONFINITE, 422, "non-finite-points", 0, "A coordinate is not a finite number")             \
@@ -28,14 +28,14 @@
     X(E_HOLES, 422, "unknown-hole", 0, "The cloud has no hole of that number")                     \
     X(E_DENSITY, 422, "unusable-density", 0, "The input has no such density")                      \
     X(E_METRIC, 422, "unusable-metric", 0, "The attribute cannot be used as a metric")             \
-    X(E_TARGET, 422, "target-out-of-range", 0, "The number of points asked for is out of range")   \
-    X(E_ORIGIN, 422, "frame-too-coarse", 0, "float32 is too coarse for the origin asked for")      \
-    X(E_WORK, 422, "too-much-work", 0, "The job would take far longer than it may")                \
+    X(E_TARGET, 422, "target-out-of-range", 0, "The requested number of points is out of range")   \
+    X(E_ORIGIN, 422, "frame-too-coarse", 0, "float32 is too coarse for the requested origin")      \
+    X(E_WORK, 422, "too-much-work", 0, "The job would take far longer than is allowed")            \
     X(E_CANCELLED, 499, "cancelled", 0, "The caller cancelled")                                    \
     X(E_STOPPED, 499, "stopped", 0, "The caller stopped the run")                                  \
-    X(E_DEADLINE, 500, "job-deadline-exceeded", 0, "The job ran longer than it may")               \
+    X(E_DEADLINE, 500, "job-deadline-exceeded", 0, "The job ran longer than is allowed")           \
     X(E_IO, 500, "io-error", 1, "Reading or writing failed")                                       \
-    X(E_DAMAGED, 500, "damaged-bytes", 0, "Bytes that were kept are damaged")                      \
+    X(E_DAMAGED, 500, "damaged-bytes", 0, "Stored bytes are damaged")                              \
     X(E_INTERNAL, 500, "engine-error", 0, "The engine failed")
 
 typedef enum vor_status {

@@ -12,13 +12,13 @@
 /** Something that was left out. */
 #define VOR_DROPPED_TABLE(X)                                                                       \
     X(TEXT, what, "what", "",                                                                      \
-      "What it is: comment, obj_info, an element of a PLY file such as face, a list property as "  \
-      "ELEMENT.PROPERTY, metadata (entries of a Draco file), digits of an attribute (integers "    \
-      "that no double holds) or of positions (doubles that float32 does not hold), name of an "    \
-      "attribute (longer than 63 bytes, or with blanks, which "                                    \
-      "PLY has none of), meaning of an attribute (a normal, say, that has not three numbers), "    \
-      "attribute and its name, or others, where there are more kinds than fit here")               \
-    X(U64, count, "count", "", "How many of them, as far as the file says")
+      "Kind of content: comment, obj_info, an element of a PLY file such as face, a list "         \
+      "property as ELEMENT.PROPERTY, metadata (entries of a Draco file), digits of an attribute "  \
+      "(integers that a double cannot hold) or of positions (doubles that float32 cannot hold), "  \
+      "name of an attribute (longer than 63 bytes, or with blanks, which PLY does not allow), "    \
+      "meaning of an attribute (such as a normal without three numbers), attribute and its name, " \
+      "or others, if there are more kinds than fit here")                                          \
+    X(U64, count, "count", "", "How many, as far as the file says")
 
 struct vor_dropped {
     VOR_DROPPED_TABLE(VOR_FIELD)

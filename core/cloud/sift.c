@@ -33,7 +33,7 @@ static vor_status refuse(const struct positions *at, size_t n, size_t bad, struc
     /* The sign of what is no number depends on the machine that wrote it. */
     (void)snprintf(value, sizeof value, "%g", fabs(coordinate(at, 3 * first + c)));
     return vor_fail_param(err, VOR_E_NONFINITE, "invalid",
-                          "%zu of %zu points are not finite, the first is point %zu, whose %c is "
+                          "%zu of %zu points are not finite, the first is point %zu: its %c is "
                           "%s%s; invalid=drop leaves them out",
                           bad, n, first, "xyz"[c], coordinate(at, 3 * first + c) < 0 ? "-" : "",
                           value);

@@ -76,10 +76,9 @@ vor_status vor_carried_check(const struct vor_cloud *in, const struct vor_spec *
     if (spec->value[VOR_PARAM_INPUT_NORMALS] != VOR_INPUT_NORMALS_USE)
         return VOR_OK;
     if (carried == NULL)
-        return vor_fail_param(err, VOR_E_NORMALS, "inputNormals",
-                              "inputNormals is use, but the %zu points carry no normals, from "
-                              "point 0 on",
-                              in->n);
+        return vor_fail_param(
+            err, VOR_E_NORMALS, "inputNormals",
+            "inputNormals is use, but none of the input's %zu points has a normal", in->n);
     status = vor_carried_count(&bad, &first, carried, in->n, run, err);
     if (status != VOR_OK || bad == 0)
         return status;

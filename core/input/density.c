@@ -80,9 +80,8 @@ static vor_status judge(const struct check *check, struct vor_error *err)
     if (memchr(check->positive, 1, blocks) != NULL)
         return VOR_OK;
     return vor_fail_param(err, VOR_E_DENSITY, "density",
-                          "attribute %s is 0 at all %zu points, from point 0 on, want more "
-                          "somewhere",
-                          name, check->n);
+                          "attribute %s is 0 at all %zu points, want more than 0 somewhere", name,
+                          check->n);
 }
 
 static vor_status check_values(const struct vor_attribute *attribute, size_t n,
@@ -125,9 +124,10 @@ static vor_status refuse_name(const struct vor_cloud *in, const char *name, stru
     if (there == NULL)
         return vor_fail_param(err, VOR_E_DENSITY, "density",
                               "the input has no attribute %s; its scalars are %s", quoted, names);
-    return vor_fail_param(err, VOR_E_DENSITY, "density",
-                          "attribute %s has %u values a point, want 1; the input's scalars are %s",
-                          quoted, there->components, names);
+    return vor_fail_param(
+        err, VOR_E_DENSITY, "density",
+        "attribute %s has %u values per point, want 1; the input's scalars are %s", quoted,
+        there->components, names);
 }
 
 vor_status vor_density_check(const struct vor_cloud *in, const struct vor_spec *spec,
@@ -492,7 +492,7 @@ static vor_status choose(struct work *work, const struct vor_cloud *in, const st
     status = vor_edges_find(&work->edges, work->whole, run, err);
     if (status == VOR_OK && work->edges.flagged == 0)
         status = vor_fail_param(err, VOR_E_DENSITY, "density",
-                                "density is edges, and none of the input's %zu points lies on a "
+                                "density is edges, but none of the input's %zu points lies on a "
                                 "sharp edge, want uniform, curvature or attribute:NAME",
                                 in->n);
     return status;

@@ -21,8 +21,8 @@ static vor_status mark_named(unsigned char *chosen, const struct vor_loops *loop
         if (id > (double)loops->count)
             return vor_fail_param(
                 err, VOR_E_HOLES, "holes",
-                "holes has %.0f, want numbers from 1 to %zu, those of the loops that inspect tells",
-                id, loops->count);
+                "holes has %.0f, want numbers from 1 to %zu of the loops that inspect reports", id,
+                loops->count);
         chosen[(size_t)id - 1] = 1;
     }
     return VOR_OK;

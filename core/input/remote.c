@@ -80,7 +80,7 @@ void vor_remote_tell(const struct vor_cloud *cloud, struct vor_error *err)
     vor_cloud_position(cloud, which, x);
     length = strlen(err->message);
     (void)snprintf(err->message + length, sizeof err->message - length,
-                   "; point %zu at %.9g %.9g %.9g is %.3g away from the others, which cannot be "
-                   "told apart beside it: leave it out if it is an outlier",
+                   "; point %zu at %.9g %.9g %.9g is %.3g away from the others, which float32 "
+                   "cannot tell apart at that distance: leave it out if it is an outlier",
                    which, x[0], x[1], x[2], far);
 }

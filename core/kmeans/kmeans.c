@@ -286,8 +286,8 @@ vor_status vor_kmeans_run(struct vor_seeds *out, struct vor_outcome *told,
                               "method kmeans has no sites, want edges ignore, or method cvt");
     if (n > domain->n)
         return vor_fail_param(err, VOR_E_TARGET, "points",
-                              "%zu points are asked for, want 1 to %zu: kmeans takes means of the "
-                              "input's points at different places",
+                              "%zu points are requested, want 1 to %zu: kmeans needs at least as "
+                              "many input points at different positions",
                               n, domain->n);
     status = vor_seeds_init(&seeds, domain, n, vor_seeds_policy_of(spec), run, err);
     if (status != VOR_OK)

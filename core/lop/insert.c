@@ -293,7 +293,7 @@ static vor_status insert_one(struct insertion *insertion, struct vor_error *err)
 
     if (!(clearance2 > 0))
         return vor_fail(err, VOR_E_DEGENERATE,
-                        "no place for a further point between the %zu that there are",
+                        "no room for another point between the %zu existing ones",
                         insertion->samples->n);
     lower(insertion, at, 0);
     return insert_between(insertion, i, j, clearance2, err);

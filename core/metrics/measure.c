@@ -25,7 +25,8 @@ static vor_status measure_even(struct vor_measure *out, const float *xyz, size_t
     if (status == VOR_OK) {
         vor_uniformity_from(&even, nearest, n);
         if (!(even.mean > 0))
-            status = vor_fail(err, VOR_E_DEGENERATE, "%zu points, all in one place, want two", n);
+            status =
+                vor_fail(err, VOR_E_DEGENERATE, "all %zu points are at one position, want two", n);
     }
     if (status == VOR_OK)
         *out = (struct vor_measure){.n = n,

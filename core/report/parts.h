@@ -12,7 +12,7 @@
     X(REAL, mean, "mean", "unit of the cloud", "Their mean")                                       \
     X(REAL, rms, "rms", "unit of the cloud", "Their root mean square")                             \
     X(REAL, max, "max", "unit of the cloud", "The largest")                                        \
-    X(U64, points, "points", "points", "Points whose distances these are")
+    X(U64, points, "points", "points", "Points that were measured")
 
 struct vor_apart {
     VOR_APART_TABLE(VOR_FIELD)
@@ -62,9 +62,10 @@ enum vor_oriented {
  *  identifier, what it is about (a parameter, or a member of the report), sentence. */
 #define VOR_WARNING_KIND_TABLE(X)                                                                  \
     X(SIGMA_P, "sigmaP",                                                                           \
-      "sigmaP is below the spacing of the samples, and does nothing: none acts on another")        \
+      "sigmaP is below the spacing of the samples and has no effect: no point acts on another")    \
     X(ONE_SIDED, "orientation",                                                                    \
-      "Connected parts of the input have one side only: no signs of their normals are consistent")
+      "Connected parts of the input have only one side, so that their normals cannot be "          \
+      "consistent")
 
 enum vor_warning_kind {
 #define VOR_WARNING_ENUM(id, about, sentence) VOR_WARNING_##id,
@@ -78,10 +79,11 @@ enum vor_warning_kind {
 
 /** A warning. */
 #define VOR_WARNING_TABLE(X)                                                                       \
-    X(WARNING_ABOUT, about, "about", "", "A parameter, or a member of the report")                 \
-    X(REAL, value, "value", "", "Its value, in its unit, or how many there are")                   \
-    X(REAL, limit, "limit", "", "The value from which on nothing is to be warned of")              \
-    X(WARNING_SAYS, says, "says", "", "What came of it")
+    X(WARNING_ABOUT, about, "about", "",                                                           \
+      "Parameter or member of the report that the warning is about")                               \
+    X(REAL, value, "value", "", "Its value, in its unit, or a count")                              \
+    X(REAL, limit, "limit", "", "Value from which on there is no warning")                         \
+    X(WARNING_SAYS, says, "says", "", "The warning as a sentence")
 
 struct vor_warning {
     VOR_WARNING_TABLE(VOR_FIELD)
@@ -95,7 +97,7 @@ struct vor_warning {
 /** A loop of edges that have one triangle: where a mesh ends. */
 #define VOR_MESH_LOOP_TABLE(X)                                                                     \
     X(U64, edges, "edges", "", "Its edges")                                                        \
-    X(REAL, length, "length", "unit of the cloud", "Their length together")                        \
+    X(REAL, length, "length", "unit of the cloud", "Length of the loop")                           \
     X(VECTOR, middle, "middle", "unit of the cloud", "Mean of its points")
 
 struct vor_mesh_loop {
@@ -126,16 +128,16 @@ enum vor_hole_outcome {
 
 /** A loop of border points, and what became of it. */
 #define VOR_HOLE_TABLE(X)                                                                          \
-    X(U32, id, "id", "", "Its number, as inspect tells it")                                        \
-    X(LOOP_KIND, kind, "kind", "", "As inspect tells it")                                          \
+    X(U32, id, "id", "", "Number of the loop, as inspect reports it")                              \
+    X(LOOP_KIND, kind, "kind", "", "Kind of the loop, as inspect reports it")                      \
     X(HOLE_OUTCOME, outcome, "outcome", "",                                                        \
-      "filled; or it stayed open: rim, as auto fills holes alone; too-long for holeMax; "          \
-      "not-chosen, as holes has other numbers; not-closed, as no surface was found to close it "   \
-      "with, or another part of the input lies in the way")                                        \
-    X(REAL, length, "length", "unit of the cloud", "Length of the border there")                   \
+      "filled, or the reason that it stayed open. rim: auto fills only holes; too-long: longer "   \
+      "than holeMax; not-chosen: holes lists other numbers; not-closed: no surface was found to "  \
+      "close it, or another part of the input is in the way")                                      \
+    X(REAL, length, "length", "unit of the cloud", "Length of the loop")                           \
     X(VECTOR, centre, "centre", "unit of the cloud",                                               \
-      "Mean of the line through its points, in the coordinates of the cloud")                      \
-    X(U64, points, "points", "points", "Points that it was filled with")
+      "Centre of the line through its points, in the coordinates of the cloud")                    \
+    X(U64, points, "points", "points", "Points added in the loop")
 
 struct vor_hole_told {
     VOR_HOLE_TABLE(VOR_FIELD)
@@ -151,14 +153,14 @@ struct vor_hole_told {
 /** How even the points of a simple method are, and how far from the input. */
 #define VOR_BASELINE_TABLE(X)                                                                      \
     X(U64, points, "points", "points",                                                             \
-      "Points made: as many as the result has, of fewer in the input all of those; a voxel grid "  \
+      "Points made: as many as the result has, but at most those of the input; a voxel grid "      \
       "makes about as many")                                                                       \
-    X(REAL, delta, "delta", "", "As delta of the result")                                          \
-    X(REAL, sigma, "sigma", "unit of the cloud", "As sigma of the result")                         \
-    X(REAL, epsilon, "epsilon", "", "As epsilon of the result")                                    \
+    X(REAL, delta, "delta", "", "delta, as of the result")                                         \
+    X(REAL, sigma, "sigma", "unit of the cloud", "sigma, as of the result")                        \
+    X(REAL, epsilon, "epsilon", "", "epsilon, as of the result")                                   \
     X(REAL, spacing, "spacing", "unit of the cloud", "Mean distance to the nearest neighbour")     \
     X(REAL, six_share, "six_share", "", "Share of the points with six Voronoi neighbours")         \
-    X(APART, ref_to_out, "ref_to_out", "", "As ref_to_out of the result")
+    X(APART, ref_to_out, "ref_to_out", "", "Distances from the input, as ref_to_out of the result")
 
 struct vor_baseline {
     VOR_BASELINE_TABLE(VOR_FIELD)

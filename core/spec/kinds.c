@@ -328,7 +328,8 @@ static int read_counts(const struct vor_parameter_info *info, const char *text,
 
 static void want_counts(const struct vor_parameter_info *info, struct line *out)
 {
-    add(out, "whole numbers from %.16g to %.16g, each once, with commas", info->min, info->max);
+    add(out, "whole numbers from %.16g to %.16g, each once, separated by commas", info->min,
+        info->max);
 }
 
 /* Flags. */
@@ -420,7 +421,7 @@ static void write_list(const struct vor_parameter_info *info, double value, cons
 
 static void want_list(const struct vor_parameter_info *info, struct line *out)
 {
-    add(out, "each at most once and with commas between, words of ");
+    add(out, "words separated by commas, each at most once: ");
     list_words(info, 0, ", ", out);
     add(out, ", or %s", empty_list);
 }

@@ -22,7 +22,7 @@ enum vor_level {
  *  its title. */
 #define VOR_TITLE_TABLE(X)                                                                         \
     X(POINTS, BASIC, "Points")                                                                     \
-    X(RATIO, BASIC, "Points over those of the input")                                              \
+    X(RATIO, BASIC, "Ratio to the input's points")                                                 \
     X(SPACING, BASIC, "Spacing")                                                                   \
     X(METHOD, ADVANCED, "Method")                                                                  \
     X(PATCH, ADVANCED, "Local surface")                                                            \
@@ -32,7 +32,7 @@ enum vor_level {
     X(METRIC, ADVANCED, "Shape of cells")                                                          \
     X(MAX_ASPECT, ADVANCED, "Longest cells")                                                       \
     X(P, ADVANCED, "Power of the metric")                                                          \
-    X(CELLS, ADVANCED, "Cut of cells")                                                             \
+    X(CELLS, ADVANCED, "Distance for cells")                                                       \
     X(ITERATIONS, ADVANCED, "Iterations")                                                          \
     X(DELTA, ADVANCED, "Stop at a delta")                                                          \
     X(MOVE_STOP, ADVANCED, "Stop at short moves")                                                  \
@@ -47,7 +47,7 @@ enum vor_level {
     X(OUTLIERS, BASIC, "Outliers")                                                                 \
     X(SAMPLE, ADVANCED, "Input of a mesh")                                                         \
     X(FILTERS, BASIC, "Filters")                                                                   \
-    X(SIGMA_N, ADVANCED, "Angle of one side")                                                      \
+    X(SIGMA_N, ADVANCED, "Angle between normals")                                                  \
     X(SIGMA_P, ADVANCED, "Width of the projection")                                                \
     X(MU, ADVANCED, "Repulsion")                                                                   \
     X(ROUNDS, ADVANCED, "Rounds of normals and points")                                            \
@@ -102,15 +102,15 @@ struct vor_when {
 #define VOR_NAMED_PRESET_TABLE(X)                                                                  \
     X("even", "Even 10,000", "resample", "points=10000", "Ten thousand points, evenly spread")     \
     X("edges", "Keep edges", "resample", "ratio=1 method=ear rho=0",                               \
-      "As many points as came in, with normals, sharp edges kept sharp")                           \
+      "As many points as the input has, with normals and sharp edges")                             \
     X("denoise", "Denoise", "denoise", "",                                                         \
-      "As many points as came in, without noise and outliers")                                     \
+      "As many points as the input has, without noise and outliers")                               \
     X("codec",                                                                                     \
       "\xc3\x97"                                                                                   \
       "4 for codec output",                                                                        \
-      "upsample", "ratio=4", "Four times the points that a codec gave back")                       \
+      "upsample", "ratio=4", "Four times as many points as the decoded cloud has")                 \
     X("quarter", "A quarter", "simplify", "ratio=0.25", "A quarter of the points")                 \
-    X("mesh", "Mesh", "mesh", "points=10000", "Ten thousand points, joined by triangles")
+    X("mesh", "Mesh", "mesh", "points=10000", "Ten thousand points, connected by triangles")
 
 /** One row of the table. */
 struct vor_named_preset {

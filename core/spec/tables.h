@@ -77,9 +77,9 @@ enum vor_kind {
     X(SPREAD, "How they are spread")                                                               \
     X(CVT, "Iterations and polish")                                                                \
     X(LOP, "Edge-aware projection")                                                                \
-    X(READ, "How the input is read")                                                               \
+    X(READ, "Reading the input")                                                                   \
     X(INPUT, "The input")                                                                          \
-    X(FILTER, "What is done to it first")                                                          \
+    X(FILTER, "Filters")                                                                           \
     X(OUTPUT, "The result")                                                                        \
     X(MESH, "Its faces")                                                                           \
     X(FORMAT, "Its format")                                                                        \
@@ -117,160 +117,162 @@ enum vor_method_choice {
  * default. Choices are words with blanks between. */
 #define VOR_PARAMETER_TABLE(X)                                                                     \
     X(POINTS, points, COUNT, TARGET, "points", 1, 10000000, VOR_UNSET, "",                         \
-      "Number of points of the result; one of points, ratio and spacing says how many")            \
+      "Number of points of the result. Give one of points, ratio and spacing")                     \
     X(RATIO, ratio, REAL, TARGET, "", 1e-6, 16, VOR_UNSET, "",                                     \
-      "Number of points of the result over that of the input; a default holds only without the "   \
-      "other two")                                                                                 \
+      "Number of points of the result over that of the input. A default applies only without "     \
+      "points and spacing")                                                                        \
     X(SPACING, spacing, REAL, TARGET, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",             \
       "Distance between neighbours of the result; points = area / (sqrt(3)/2 spacing^2)")          \
     X(METHOD, method, CHOICE, SPREAD, "", 0, 0, VOR_METHOD_CVT, VOR_METHOD_WORDS,                  \
-      "How the points are spread. cvt: by cells of the surface, then polished; kmeans: to the "    \
-      "means of the input points nearest to each, a baseline without a polish, which needs as "    \
-      "many input points and follows their density; wlop: points repel each other and are "        \
-      "drawn to the input's, by weighted locally optimal projection, then polished; ear: "         \
-      "likewise with normals, away from edges, and then further points are inserted towards the "  \
-      "edges, which stay sharp (Huang 2013)")                                                      \
+      "How the points are spread. cvt: centroidal Voronoi tessellation of the surface, then the "  \
+      "polish; wlop: weighted locally optimal projection (points repel each other, and input "     \
+      "points attract them), then the polish; ear: edge-aware resampling (Huang 2013), which "     \
+      "projects points with normals away from edges, then inserts points towards the edges, so "   \
+      "that these stay sharp; kmeans: a baseline that moves each point to the mean of the input "  \
+      "points nearest to it. It has no polish, follows the density of the input and needs at "     \
+      "least as many input points as the result has")                                              \
     X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, VOR_PATCH_QUADRIC, "quadric plane",                  \
-      "Local surface that stands for the input. quadric: it bends as the input does; plane: it "   \
-      "does not, nor keeps edges, as in Chen et al. 2018")                                         \
+      "Local surface fitted to the input. quadric: follows its curvature; plane: flat, and does "  \
+      "not keep edges, as in Chen et al. 2018")                                                    \
     X(DENSITY, density, CHOICE_OR_NAME, SPREAD, "", 1, 63, VOR_DENSITY_UNIFORM,                    \
       "uniform curvature edges attribute:NAME",                                                    \
-      "What the spacing follows: it goes with the density to the power -1/4. uniform: nothing; "   \
-      "curvature: the more the surface bends, the denser; edges: dense along sharp edges, "        \
-      "refused "                                                                                   \
-      "where there are none; attribute:NAME: a scalar of the input that is 0 or more")             \
+      "Where points lie denser; the spacing is proportional to density^(-1/4). uniform: equally "  \
+      "dense everywhere; curvature: denser where the surface bends more; edges: denser along "     \
+      "sharp edges, an error if there are none; attribute:NAME: a scalar of the input, 0 or more") \
     X(CONTRAST, contrast, REAL, SPREAD, "", 1, 100, 4, "",                                         \
-      "Largest spacing over the smallest one, where there is a density")                           \
+      "Largest spacing over the smallest, if density is not uniform")                              \
     X(GRADING, grading, REAL, SPREAD, "", 0.001, 1, 0.2, "",                                       \
-      "Most that the spacing changes from one place to another, over their distance, where there " \
-      "is a density")                                                                              \
+      "Largest change of the spacing between two places over their distance, if density is not "   \
+      "uniform")                                                                                   \
     X(METRIC, metric, CHOICE_OR_NAME, SPREAD, "", 1, 60, VOR_METRIC_ISOTROPIC,                     \
       "isotropic anisotropic attribute:NAME lp",                                                   \
-      "What the shape of cells follows. isotropic: they are as long as wide; anisotropic: they "   \
-      "are longer where the surface bends less, by the root of the ratio of its principal "        \
-      "curvatures; attribute:NAME: positive definite tensors of the input, six scalars NAME_xx, "  \
-      "NAME_xy, NAME_xz, NAME_yy, NAME_yz, NAME_zz; lp: they become squares along the directions " \
-      "of "                                                                                        \
-      "curvature, by the power p of the distances along them, without a polish")                   \
+      "Shape of the cells. isotropic: as long as wide; anisotropic: longer in the direction in "   \
+      "which the surface bends less, by the square root of the ratio of its principal "            \
+      "curvatures; attribute:NAME: by positive definite tensors of the input, six scalars "        \
+      "NAME_xx, NAME_xy, NAME_xz, NAME_yy, NAME_yz, NAME_zz; lp: squares along the directions of " \
+      "curvature, by distances to the power p, without a polish")                                  \
     X(MAX_ASPECT, maxAspect, REAL, SPREAD, "", 1, 10, 6, "",                                       \
-      "Length over width of cells at most, where there is a metric")                               \
+      "Largest length over width of a cell, if metric is not isotropic")                           \
     X(P, p, COUNT, SPREAD, "", 2, 8, 8, "",                                                        \
-      "Power of metric lp, an even number: from 2, hexagons, to 8, squares")                       \
+      "Power of metric lp, an even number: 2 gives hexagons, 8 gives squares")                     \
     X(CELLS, cells, CHOICE, SPREAD, "", 0, 0, VOR_CELLS_METRIC, "metric euclid",                   \
-      "What cells are cut by. metric: what they are to be even in; euclid: Euclidean distances "   \
-      "alone, as in Chen et al. 2018, while their energy in the metric is minimised, without a "   \
-      "polish")                                                                                    \
+      "Distance that divides the surface into cells. metric: the distance of the parameter "       \
+      "metric; euclid: the Euclidean distance, as in Chen et al. 2018. With euclid the energy is " \
+      "still that of the metric, and there is no polish")                                          \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
-      "Iterations; not given: at most 12, or 100 where no polish follows, and the plateau; 35 "    \
-      "of kmeans, metric lp and cells euclid")                                                     \
+      "Number of iterations. Default: at most 12, or 100 without a polish, and fewer once delta "  \
+      "stays the same; 35 for kmeans, metric lp and cells euclid")                                 \
     X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "", "Stop once delta is this low")            \
     X(MOVE_STOP, moveStop, REAL, CVT, "spacings", 0, 1, VOR_UNSET, "",                             \
-      "End the iterations of cvt once none of them moves a point farther, in spacings of an even " \
-      "spread of as many points")                                                                  \
+      "Stop the iterations of cvt once no point moves farther than this, in units of the spacing " \
+      "that evenly spread points would have")                                                      \
     X(SECONDS, seconds, REAL, CVT, "s", 0, 86400, VOR_UNSET, "", "Stop after this much time")      \
     X(NEIGHBORS, neighbors, COUNT_OR_AUTO, SPREAD, "points", 6, 500, VOR_UNSET, "",                \
-      "Input points that a local surface is fitted to; auto: as many as the input's noise asks "   \
-      "for, region by region")                                                                     \
+      "Number of input points that a local surface is fitted to. auto: chosen per region from "    \
+      "the noise of the input")                                                                    \
     X(ANDERSON, anderson, COUNT, CVT, "", 0, 16, VOR_UNSET, "",                                    \
-      "Window of the Anderson acceleration; 0 is plain Lloyd; momentum when not given")            \
+      "Window of the Anderson acceleration; 0: plain Lloyd. Default: momentum instead")            \
     X(POLISH, polish, COUNT, CVT, "", 0, 10000, 100, "",                                           \
-      "Most steps of repulsion after the iterations, which even the spacing out; 0 is none")       \
+      "Largest number of polish steps after the iterations: points repel each other, which evens " \
+      "out the spacing. 0: no polish")                                                             \
     X(SIGMA_N, sigmaN, REAL, LOP, "degrees", 1, 90, 15, "",                                        \
-      "Of wlop and ear, as all that follow up to gaps. Angle between normals that count as "       \
-      "alike: smaller ones keep flatter edges, larger ones smooth more")                           \
+      "Angle between normals that count as similar: smaller values keep flatter edges, larger "    \
+      "ones smooth more. For wlop and ear, like rounds, steps and samples")                        \
     X(SIGMA_P, sigmaP, REAL_OR_WORD, LOP, "unit of the cloud", 1e-30, 1e30, VOR_WORD(0),           \
       "auto paper",                                                                                \
-      "How far points act on each other. auto: twice the spacing of the samples, and farther "     \
-      "where noise asks for it; paper: the diagonal of the box over the root of the number of "    \
-      "input points")                                                                              \
+      "Distance up to which points act on each other. auto: twice the spacing of the samples, or " \
+      "more if the input is noisy; paper: the diagonal of the bounding box over the square root "  \
+      "of the number of input points")                                                             \
     X(MU, mu, REAL, LOP, "", 0, 0.499, 0.45, "",                                                   \
-      "Repulsion of the points over their attraction by the input's")                              \
+      "Repulsion between points over their attraction by input points")                            \
     X(ROUNDS, rounds, COUNT, LOP, "", 0, 20, 3, "",                                                \
-      "Times that normals are smoothed and points then projected; 0 leaves a random choice")       \
+      "Number of rounds, each of which smooths the normals and then projects the points; 0: the "  \
+      "random first points stay")                                                                  \
     X(STEPS, steps, COUNT, LOP, "", 1, 100, VOR_UNSET, "",                                         \
-      "Steps of projection of a round; not given: 12, or 4 of ear before a polish")                \
+      "Projection steps per round. Default: 12, or 4 for ear before a polish")                     \
     X(RHO, rho, REAL, LOP, "", 0, 20, 5, "",                                                       \
-      "How much sooner points are inserted along edges: 0 evenly everywhere")                      \
+      "How strongly insertion prefers edges; 0: it inserts points evenly everywhere")              \
     X(PHASES, phases, CHOICE, LOP, "", 0, 0, VOR_PHASES_BOTH, "both resample insert",              \
-      "Of ear. resample: all points come of the projection; insert: points are inserted between "  \
-      "input points, which are not projected; both: one after the other")                          \
+      "Phases of ear. resample: all points come from the projection; insert: points are inserted " \
+      "between input points, which are not projected; both: first resample, then insert")          \
     X(SAMPLES, samples, COUNT_OR_AUTO, LOP, "points", 1, 10000000, VOR_UNSET, "",                  \
-      "Points that are projected, of insert taken from the input, before others are inserted; if " \
-      "no more are asked for, none is inserted. auto: half of the input's points, of insert all, " \
-      "or all of the result's if those are fewer")                                                 \
+      "Number of points before the insertion: projected ones or, with phases=insert, input "       \
+      "points. Nothing is inserted if the result has no more than these. auto: half of the "       \
+      "input's points (with phases=insert all of them), or as many as the result has if that is "  \
+      "less")                                                                                      \
     X(GAPS, gaps, CHOICE, LOP, "", 0, 0, VOR_GAPS_KEEP, "keep fill",                               \
-      "Gaps of the input that are wider than its spacing. keep: no point is inserted in them; "    \
-      "fill: they are filled, as far as sigmaP reaches")                                           \
+      "Gaps of the input that are wider than its spacing. keep: nothing is inserted there; fill: " \
+      "they are filled, as far as sigmaP reaches")                                                 \
     X(BOUNDARY, boundary, CHOICE, SPREAD, "", 0, 0, VOR_BOUNDARY_KEEP, "keep free sites fill",     \
-      "keep: no point leaves the input at its border; free: no restriction; sites: points are "    \
-      "placed along the borders first, evenly, and stay there; fill: holes are filled first, "     \
-      "then "                                                                                      \
-      "as keep")                                                                                   \
+      "Borders of the input. keep: no point moves beyond them; free: no restriction; sites: the "  \
+      "first points are placed evenly along them and stay there; fill: holes are filled first, "   \
+      "then as keep")                                                                              \
     X(HOLES, holes, COUNTS_OR_AUTO, SPREAD, "", 1, 10000000, VOR_UNSET, "",                        \
-      "With boundary fill, which loops are filled: their numbers, as inspect tells them, holes "   \
-      "or not; auto: all holes that are shorter than holeMax")                                     \
+      "Loops to fill with boundary=fill: their numbers as inspect reports them, whether holes or " \
+      "rims; auto: all holes shorter than holeMax")                                                \
     X(HOLE_MAX, holeMax, REAL_OR_AUTO, SPREAD, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",    \
-      "Length of the border below which holes=auto fills a hole; auto: the diagonal of the box "   \
-      "around the input")                                                                          \
+      "Length of border below which holes=auto fills a hole; auto: the diagonal of the input's "   \
+      "bounding box")                                                                              \
     X(EDGES, edges, CHOICE, SPREAD, "", 0, 0, VOR_EDGES_IGNORE, "ignore sites",                    \
-      "Sharp edges of the input. ignore: points are spread over them as elsewhere; sites: points " \
-      "are placed along them first, evenly, and stay there")                                       \
+      "Sharp edges of the input. ignore: they are not treated differently; sites: the first "      \
+      "points are placed evenly along them and stay there")                                        \
     X(OUTLIERS, outliers, CHOICE, INPUT, "", 0, 0, VOR_UNSET, "keep drop pull",                    \
-      "Input points that few of those around them count among their nearest, or that fill space "  \
-      "around the surface. drop: they are ignored; pull: they are moved onto the surface; not "    \
-      "given: drop of method ear, whose edges they hide, else keep")                               \
+      "Input points off the surface: isolated points and scattered noise. drop: they are "         \
+      "ignored; pull: they are moved onto the surface. Default: drop for method ear, because "     \
+      "they hide edges, else keep")                                                                \
     X(SAMPLE, sample, CHOICE, FILTER, "", 0, 0, VOR_SAMPLE_VERTICES, "vertices faces",             \
-      "What of a mesh is the input. vertices: its vertices; faces: points drawn evenly from the "  \
-      "area of its faces, eight or more for each one asked for; refused where the input has no "   \
+      "Which part of a mesh is resampled. vertices: its vertices; faces: points drawn evenly "     \
+      "from its faces, at least eight per point of the result; an error if the input has no "      \
       "faces")                                                                                     \
     X(FILTERS, filters, LIST, FILTER, "", 0, 0, 0, "mls outliers thin",                            \
-      "What is done to the input first: outliers, dropped unless the parameter of that name says " \
-      "pull; then mls, which moves each point onto the smooth surface around it; then thin, to "   \
-      "the mean distance to the three nearest. With mls or outliers, and none of points, ratio "   \
-      "and spacing, the result is the filtered points in their order, with their attributes; "     \
-      "upsample keeps its ratio")                                                                  \
+      "Filters of the input, in this order. outliers: drops outliers, or pulls them with "         \
+      "outliers=pull; mls: moves each point onto the smooth surface around it; thin: thins the "   \
+      "points to the mean distance to the three nearest. With mls or outliers, and without "       \
+      "points, ratio and spacing, the result is the filtered input in its order, with its "        \
+      "attributes; upsample keeps its ratio")                                                      \
     X(INPUT_NORMALS, inputNormals, CHOICE, OUTPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,               \
       "auto use estimate",                                                                         \
-      "Of the normals that the input carries. use: they decide the sides of fitted ones; "         \
-      "estimate: they are ignored; auto: as use where all are finite and not zero, else those "    \
-      "that are decide which way each connected part faces")                                       \
+      "Normals of the input. use: fitted normals face the same side; estimate: they are ignored; " \
+      "auto: as use if all are finite and not zero; otherwise the valid ones decide which way "    \
+      "each connected part faces")                                                                 \
     X(INTRINSIC, intrinsic, CHOICE, INPUT, "", 0, 0, VOR_INTRINSIC_LOCAL, "local satellites none", \
-      "Which input points lie on one sheet. local: by what lies between them; satellites: by "     \
-      "distances along the surface from three points; none: all that are near")                    \
+      "How to find the input points that lie on one sheet. local: by the points between them; "    \
+      "satellites: by distances along the surface from three points; none: all nearby points "     \
+      "count")                                                                                     \
     X(INVALID, invalid, CHOICE, READ, "", 0, 0, VOR_INVALID_REFUSE, "refuse drop",                 \
-      "Points of the input with a coordinate that is not finite. refuse: the input is refused; "   \
-      "drop: they are left out, and counted")                                                      \
+      "Input points with a coordinate that is not finite. refuse: an error; drop: they are left "  \
+      "out and counted")                                                                           \
     X(SEED, seed, COUNT, SPREAD, "", 0, 9007199254740991, 1, "", "Seed of every random choice")    \
     X(ORDER, order, CHOICE, OUTPUT, "", 0, 0, VOR_ORDER_SPATIAL, "spatial progressive",            \
-      "Of the points of the result. spatial: neighbours mostly follow each other; progressive: "   \
-      "the first ones, however many, lie evenly over the whole")                                   \
+      "Order of the points of the result. spatial: neighbours mostly follow each other; "          \
+      "progressive: the first points, however many, are spread evenly over the whole")             \
     X(FORMAT, format, CHOICE, FORMAT, "", 0, 0, VOR_UNSET, "ply drc",                              \
-      "Format of the result; else by file suffix, Accept, or the input's")                         \
+      "Format of the result. Default: by file suffix or Accept, else that of the input")           \
     X(QUANTIZATION, quantization, COUNT_OR_AUTO, FORMAT, "bits", 0, 30, VOR_UNSET, "",             \
-      "Bits a coordinate in Draco; 0 is lossless, auto keeps cells below spacing / 200")           \
+      "Bits per coordinate in Draco. 0: lossless; auto: steps are below spacing / 200")            \
     X(COMPRESSION, compression, COUNT, FORMAT, "", 0, 10, 7, "",                                   \
-      "Effort of Draco, 10 is the smallest")                                                       \
+      "Compression effort of Draco; 10 gives the smallest files")                                  \
     X(ORIGIN, origin, CHOICE_OR_VECTOR, FORMAT, "", -1e30, 1e30, VOR_ORIGIN_AUTO,                  \
       "auto absolute relative",                                                                    \
-      "What the positions in a Draco file count from. absolute: 0; relative: whole numbers near "  \
-      "the middle of the input; X,Y,Z: that point; auto: absolute unless float32 is too coarse "   \
-      "for it, by the input alone")                                                                \
+      "Origin of the positions in a Draco file. absolute: 0,0,0; relative: whole numbers near "    \
+      "the middle of the input; X,Y,Z: this point; auto: relative if float32 is too coarse for "   \
+      "the input's coordinates, else absolute")                                                    \
     X(ATTRIBUTES, attributes, CHOICE, OUTPUT, "", 0, 0, VOR_ATTRIBUTES_NEAREST, "nearest drop",    \
-      "nearest: from the nearest input point; drop: positions only")                               \
+      "Attributes of the result. nearest: from the nearest input point; drop: positions only")     \
     X(NORMALS, normals, CHOICE, OUTPUT, "", 0, 0, VOR_NORMALS_NEAREST,                             \
       "nearest oriented fit drop",                                                                 \
-      "nearest: from the nearest input point; oriented: the same with sides made consistent, as "  \
-      "fit where there are none; fit: of the local surface, outward where no input normals say "   \
-      "which side; drop: none")                                                                    \
+      "Normals of the result. nearest: from the nearest input point; oriented: the same, "         \
+      "oriented consistently, or as fit if the input has none; fit: of the local surface, on the " \
+      "side of the input's normals, or outward without them; drop: none")                          \
     X(SOUP, soup, FLAG, MESH, "", 0, 0, 0, "",                                                     \
-      "The faces are not triangles over the points but the cells around them, polygons each with " \
-      "points of its own; in Draco, which has no polygons, cut into triangles")                    \
+      "Faces are the cells around the points, polygons that share no vertices, instead of "        \
+      "triangles between the points. Draco has no polygons, so they are cut into triangles there") \
     X(BASELINES, baselines, FLAG, OUTPUT, "", 0, 0, 0, "",                                         \
-      "The report tells how even as many points of simple methods are on the same input: kmeans, " \
-      "random, voxel grid, farthest point")                                                        \
+      "Add to the report how even simple methods are on the same input: k-means, random, voxel "   \
+      "grid and farthest point")                                                                   \
     X(PEAK, peak, REAL_OR_AUTO, MEASURE, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",          \
-      "Peak of d1_psnr and d2_psnr; auto: the largest distance of a reference point to its "       \
-      "nearest other one")                                                                         \
+      "Peak of d1_psnr and d2_psnr. auto: the largest distance of a reference point to its "       \
+      "nearest neighbour")                                                                         \
     VOR_EXTRA_PARAMETERS(X)
 
 enum vor_parameter {
@@ -338,23 +340,24 @@ struct vor_artefact_info {
     }
 #define VOR_CLOUD_IN                                                                               \
     ({"cloud", VOR_ARTEFACT_CLOUD, 1,                                                              \
-      "The point cloud, recognised by its bytes; over HTTP the body of the request, or a part of " \
-      "a form"})
+      "The point cloud; its format is detected from the data. Over HTTP it is the body of the "    \
+      "request, or a part of a form"})
 #define VOR_CLOUD_AND_REFERENCE_IN                                                                 \
     ({"cloud", VOR_ARTEFACT_CLOUD, 1,                                                              \
-      "The point cloud, recognised by its bytes; over HTTP the body of the request, or a part of " \
-      "a form"},                                                                                   \
+      "The point cloud; its format is detected from the data. Over HTTP it is the body of the "    \
+      "request, or a part of a form"},                                                             \
      {"reference", VOR_ARTEFACT_CLOUD, 0,                                                          \
-      "A cloud to tell the distances to, from it and back; over HTTP a part of a form"})
+      "A cloud to compare with, in both directions. Over HTTP it is a part of a form"})
 #define VOR_CLOUD_OUT                                                                              \
-    ({"cloud", VOR_ARTEFACT_CLOUD, 1, "The cloud that comes of it"},                               \
+    ({"cloud", VOR_ARTEFACT_CLOUD, 1, "The resulting cloud"},                                      \
      {"report", VOR_ARTEFACT_DOCUMENT, 1, "What the run did and how even the result is"})
 #define VOR_MEASURE_OUT                                                                            \
     ({"measure", VOR_ARTEFACT_DOCUMENT, 1,                                                         \
-      "How even the cloud is and, with a reference, the distances"})
+      "How even the cloud is and, with a reference, how far the two are apart"})
 
 #define VOR_INSPECT_OUT                                                                            \
-    ({"inspect", VOR_ARTEFACT_DOCUMENT, 1, "What the cloud is like: parts, spacing, noise, sheets"})
+    ({"inspect", VOR_ARTEFACT_DOCUMENT, 1,                                                         \
+      "Properties of the cloud: parts, spacing, noise, sheets"})
 
 /** Sets of groups and of methods. */
 #define VOR_IN(group) (1u << VOR_GROUP_##group)
@@ -371,36 +374,34 @@ struct vor_artefact_info {
 #define VOR_PROCESS_TABLE(X)                                                                       \
     X(RESAMPLE, resample, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,             \
       VOR_CLOUD_OUT, "Resample a point cloud",                                                     \
-      "Spreads exactly the number of points asked for evenly over the surface the input "          \
-      "describes")                                                                                 \
+      "Spreads exactly the requested number of points evenly over the surface of the input")       \
     X(DENOISE, denoise, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,               \
       VOR_CLOUD_OUT, "Denoise a point cloud",                                                      \
-      "Spreads as many points as the input has, or as asked for, evenly over the surface it "      \
-      "describes, which smooths its noise and leaves its outliers out")                            \
+      "Spreads as many points as the input has, or the requested number, evenly over its "         \
+      "surface, without its noise and outliers")                                                   \
     X(UPSAMPLE, upsample, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD & ~VOR_BY(KMEANS), 1, 16,         \
       VOR_CLOUD_IN, VOR_CLOUD_OUT, "Upsample a point cloud",                                       \
-      "Spreads four times as many points as the input has, or as asked for, evenly over the "      \
-      "surface it describes")                                                                      \
+      "Spreads four times as many points as the input has, or the requested number, evenly over "  \
+      "its surface")                                                                               \
     X(SIMPLIFY, simplify, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 1, VOR_CLOUD_IN,              \
       VOR_CLOUD_OUT, "Simplify a point cloud",                                                     \
-      "Spreads at most as many points as the input has, exactly the number asked for, evenly "     \
-      "over the surface it describes")                                                             \
+      "Spreads exactly the requested number of points, at most as many as the input has, evenly "  \
+      "over its surface")                                                                          \
     X(MEASURE, measure, 1, VOR_IN(READ) | VOR_IN(MEASURE), 0, 0, 0, VOR_CLOUD_AND_REFERENCE_IN,    \
       VOR_MEASURE_OUT, "Measure a point cloud",                                                    \
-      "Tells how evenly a cloud is spread and, where there is a reference, how far the two lie "   \
-      "from each other")                                                                           \
+      "Measures how evenly a cloud is spread and, with a reference, how far the two are apart")    \
     X(INSPECT, inspect, 1, VOR_IN(READ) | VOR_IN(INPUT), 0, 0, 0, VOR_CLOUD_IN, VOR_INSPECT_OUT,   \
       "Inspect a point cloud",                                                                     \
-      "Tells what a cloud is like: how many parts it has, how evenly and how exactly its points "  \
-      "lie, and what the other processes find out before they begin")                              \
+      "Describes a cloud: its parts, how even and how noisy its points are, and the properties "   \
+      "that other processes determine first")                                                      \
     X(CONVERT, convert, 1, VOR_IN(READ) | VOR_IN(FORMAT), 0, 0, 0, VOR_CLOUD_IN, VOR_CLOUD_OUT,    \
       "Convert a point cloud",                                                                     \
-      "Writes the points of a cloud in another format, or the same, with their attributes; none "  \
-      "is moved but by what the format rounds off")                                                \
+      "Writes the points of a cloud with their attributes in another format, or the same one; "    \
+      "they move only by the rounding of the format")                                              \
     X(MESH, mesh, 1, VOR_SPREAD_GROUPS | VOR_IN(MESH), VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,      \
       VOR_CLOUD_OUT, "Mesh a point cloud",                                                         \
-      "Spreads points as resample does and joins them by triangles, a manifold whose faces look "  \
-      "outward")                                                                                   \
+      "Spreads points as resample does and connects them by triangles, a manifold with faces "     \
+      "that point outward")                                                                        \
     VOR_EXTRA_PROCESSES(X)
 
 /** Defaults of a process that differ from the table of parameters: process, parameter, value. That

@@ -351,7 +351,7 @@ static void walk_point_cloud(struct walk *walk)
     scalars = walk_attributes(walk);
     if (walk->bytes[METHOD] != KD_OR_BREAKER)
         return;
-    refuse_over(walk, at, "scalars a point in a kd-tree", scalars, VOR_DRACO_KD_SCALARS);
+    refuse_over(walk, at, "scalars per point in a kd-tree", scalars, VOR_DRACO_KD_SCALARS);
     refuse_over(walk, at, "scalars in a kd-tree", (uint64_t)points * scalars,
                 3 * points_of_bytes(walk->size - walk->metadata));
     at = walk->at;
@@ -421,8 +421,8 @@ static void refuse_loose(struct walk *walk, uint32_t flags)
     if (what != NULL)
         fail_at(walk, at,
                 vor_fail(walk->err, VOR_E_FORMAT,
-                         "the Draco file %s; here point clouds of bitstream 2.3 without metadata "
-                         "are read",
+                         "the Draco file %s; this daemon reads only point clouds of bitstream 2.3 "
+                         "without metadata",
                          what));
 }
 

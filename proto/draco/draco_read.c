@@ -68,7 +68,7 @@ static vor_status decode(struct vor_draco_decoded **out, struct vor_draco_purse 
 static vor_status describe(const struct load *load, unsigned index, struct vor_draco_info *info)
 {
     if (vor_draco_describe(load->decoded, index, info) != VOR_DRACO_DONE)
-        return vor_fail(load->err, VOR_E_FORMAT, "attribute %u has no type we know", index);
+        return vor_fail(load->err, VOR_E_FORMAT, "attribute %u has an unknown type", index);
     if (info->components < 1 || info->components > 16)
         return vor_fail(load->err, VOR_E_FORMAT, "attribute %u has %u components, want 1 to 16",
                         index, info->components);
@@ -280,7 +280,7 @@ static vor_status load_faces(const struct load *load)
         return vor_fail(load->err, VOR_E_NOMEM, "corners of %zu faces", faces);
     cloud->triangle_count = faces;
     if (vor_draco_corners(load->decoded, cloud->triangles) != VOR_DRACO_DONE)
-        return vor_fail(load->err, VOR_E_FORMAT, "a face has a corner that is no point");
+        return vor_fail(load->err, VOR_E_FORMAT, "a face has a corner that is not a point");
     return VOR_OK;
 }
 
@@ -308,7 +308,7 @@ static vor_status load_mesh(const struct load *load)
     if (load->mesh->triangle == NULL)
         return vor_fail(load->err, VOR_E_NOMEM, "%zu faces", count);
     if (vor_draco_corners(load->decoded, load->mesh->triangle) != VOR_DRACO_DONE)
-        return vor_fail(load->err, VOR_E_FORMAT, "a face has a corner that is no point");
+        return vor_fail(load->err, VOR_E_FORMAT, "a face has a corner that is not a point");
     load->mesh->count = count;
     drop_filling(load->mesh);
     return VOR_OK;

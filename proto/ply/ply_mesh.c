@@ -25,8 +25,9 @@ static int is_ours(const struct vor_ply_element *element)
 static vor_status refuse(const struct faces *faces, size_t face, size_t at, struct vor_error *err)
 {
     return vor_ply_at(err, at,
-                      vor_fail(err, VOR_E_FORMAT, "face %zu is no polygon of the file's %zu points",
-                               face, faces->n));
+                      vor_fail(err, VOR_E_FORMAT,
+                               "face %zu is not a polygon of the file's %zu points", face,
+                               faces->n));
 }
 
 /* Counts the triangles of `count` faces, and checks that the file has them whole. */

@@ -107,10 +107,10 @@ static enum vor_next reply_livez(struct vor_app *app, struct vor_request *reques
 
     if (stuck < VOR_STUCK_SECONDS)
         return vor_handle_livez(app, request, step);
-    return vor_problem_say(app, request, "not-alive",
-                           "a thread has been at one step of a request for %.0f seconds, want "
-                           "less than %d",
-                           stuck, VOR_STUCK_SECONDS);
+    return vor_problem_say(
+        app, request, "not-alive",
+        "a thread has spent %.0f seconds on one step of a request, want less than %d", stuck,
+        VOR_STUCK_SECONDS);
 }
 
 enum vor_next vor_admin_dispatch(void *ctx, struct vor_request *request, enum vor_step step)

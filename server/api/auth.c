@@ -67,7 +67,7 @@ static bool refuse_scope(struct vor_app *app, struct vor_request *request,
     list_scopes(caller, scopes, sizeof scopes);
     (void)snprintf(challenge, sizeof challenge,
                    REALM ", error=\"insufficient_scope\", scope=\"%s\"", vor_scope_word(scope));
-    (void)snprintf(detail, sizeof detail, "the scopes of the key %s are %s, want %s with them",
+    (void)snprintf(detail, sizeof detail, "the key %s has the scopes %s, want %s as well",
                    caller->name, scopes, vor_scope_word(scope));
     problem.detail = detail;
     problem.challenge = challenge;
@@ -103,16 +103,17 @@ bool vor_auth_check(struct vor_app *app, struct vor_request *request, enum vor_s
     if (key == NULL)
         key = vor_request_header(request, "X-API-Key");
     if (key == NULL && ticket == NULL)
-        return refuse(app, request, REALM,
-                      "there is no key; send one as Authorization: Bearer KEY, or X-API-Key: KEY");
+        return refuse(
+            app, request, REALM,
+            "the request has no key; send one as Authorization: Bearer KEY, or X-API-Key: KEY");
     if (key == NULL && !has_ticket(app, request, ticket))
         return refuse(
             app, request, REALM,
-            "the ticket is over, or not to this result; POST to the job's tickets makes one");
+            "the ticket has expired or is for another result; POST to the job's tickets makes one");
     caller = ticket_holder;
     if (key != NULL && !vor_keys_find(app->keys, key, &caller))
         return refuse(app, request, REALM ", error=\"invalid_token\"",
-                      "the key is none of this daemon's");
+                      "this daemon does not know the key");
     vor_request_set_principal(request, &caller);
     return vor_principal_may(&caller, scope) || refuse_scope(app, request, &caller, scope);
 }

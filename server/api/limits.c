@@ -36,7 +36,7 @@ bool vor_limits_rate(struct vor_app *app, struct vor_request *request)
     if (wait <= 0)
         return true;
     (void)snprintf(detail, sizeof detail,
-                   "the key %s may ask for %.10g jobs a second, and twice as many at once",
+                   "the key %s may send %.10g job requests per second, and twice as many at once",
                    caller->name, caller->quota.rate);
     problem.detail = detail;
     problem.retry_seconds = (unsigned)ceil(wait);
@@ -64,10 +64,11 @@ static bool check_stored(struct vor_app *app, struct vor_request *request,
     if (vor_store_held(app->store, caller->name, &held, &err) != VOR_OK)
         vor_problem_error(app, request, &err, NULL);
     else if ((double)held + comes > caller->quota.bytes)
-        vor_problem_say(app, request, "too-much-stored",
-                        "the key %s has %llu bytes of inputs and results here, and %.0f come, want "
-                        "at most %.0f in all: dismiss jobs, or wait until they expire",
-                        caller->name, (unsigned long long)held, comes, caller->quota.bytes);
+        vor_problem_say(
+            app, request, "too-much-stored",
+            "the key %s has %llu bytes of inputs and results here, and this request adds %.0f, "
+            "want at most %.0f in all: dismiss jobs, or wait until they expire",
+            caller->name, (unsigned long long)held, comes, caller->quota.bytes);
     else
         return true;
     return false;
@@ -87,8 +88,8 @@ bool vor_limits_room(struct vor_app *app, struct vor_request *request,
     if (!is_crowded)
         return check_stored(app, request, caller);
     vor_problem_say(app, request, "too-many-jobs",
-                    "%.0f jobs of the key %s wait or run, as many as may", caller->quota.jobs,
-                    caller->name);
+                    "%.0f jobs of the key %s wait or run, the most that are allowed",
+                    caller->quota.jobs, caller->name);
     return false;
 }
 

@@ -15,27 +15,27 @@
     X("no-such-resource", 404, 0, 0, "There is nothing at this path")                              \
     X("no-such-process", 404, 0, 1, "There is no such process")                                    \
     X("no-such-job", 404, 0, 1, "There is no such job")                                            \
-    X("input-not-kept", 404, 0, 0, "The job's input is not kept")                                  \
+    X("input-not-kept", 404, 0, 0, "The job's input was not kept")                                 \
     X("no-such-output", 404, 0, 1, "The job has no such output")                                   \
     X("result-not-ready", 404, 1, 1, "The result is not ready")                                    \
     X("result-not-available", 404, 0, 1, "The job has no result")                                  \
-    X("method-not-allowed", 405, 0, 0, "The resource does not know this method")                   \
-    X("not-acceptable", 406, 0, 0, "No format this build writes is acceptable")                    \
+    X("method-not-allowed", 405, 0, 0, "The resource does not support this method")                \
+    X("not-acceptable", 406, 0, 0, "No acceptable format can be written")                          \
     X("upload-timeout", 408, 1, 0, "The upload came too slowly")                                   \
-    X("not-running", 409, 0, 0, "The job does not run")                                            \
-    X("idempotency-in-flight", 409, 1, 0, "A request with this key is under way")                  \
-    X("job-expired", 410, 0, 0, "The results of the job are not kept any more")                    \
+    X("not-running", 409, 0, 0, "The job is not running")                                          \
+    X("idempotency-in-flight", 409, 1, 0, "A request with this key is in progress")                \
+    X("job-expired", 410, 0, 0, "The results of the job have been deleted")                        \
     X("range-not-satisfiable", 416, 0, 0, "The range lies outside the result")                     \
-    X("idempotency-key-reused", 422, 0, 0, "The key is that of another request")                   \
+    X("idempotency-key-reused", 422, 0, 0, "The key belongs to another request")                   \
     X("queue-full", 429, 1, 0, "The queue is full")                                                \
-    X("rate-limited", 429, 1, 0, "The key sends requests for jobs faster than it may")             \
-    X("too-many-jobs", 429, 1, 0, "The key has as many jobs as it may")                            \
-    X("too-much-stored", 429, 1, 0, "The key has as many bytes here as it may")                    \
-    X("too-many-streams", 429, 1, 0, "As many event streams are open as may be")                   \
-    X("too-many-conversions", 429, 1, 0, "As many results are being converted as may be")          \
-    X("client-closed", 499, 0, 0, "The caller left")                                               \
-    X("draining", 503, 1, 0, "The daemon is going down")                                           \
-    X("not-alive", 503, 1, 0, "A thread that answers requests does not go on")                     \
+    X("rate-limited", 429, 1, 0, "The key sends job requests too fast")                            \
+    X("too-many-jobs", 429, 1, 0, "The key has too many jobs")                                     \
+    X("too-much-stored", 429, 1, 0, "The key has too many bytes stored")                           \
+    X("too-many-streams", 429, 1, 0, "Too many event streams are open")                            \
+    X("too-many-conversions", 429, 1, 0, "Too many results are being converted")                   \
+    X("client-closed", 499, 0, 0, "The client disconnected")                                       \
+    X("draining", 503, 1, 0, "The daemon is shutting down")                                        \
+    X("not-alive", 503, 1, 0, "An HTTP thread is stuck")                                           \
     X("too-many-connections", 503, 1, 0, "Too many connections are open")                          \
     X("store-unavailable", 503, 1, 0, "The store cannot be used")                                  \
     X("storage-full", 507, 1, 0, "The disk is full")

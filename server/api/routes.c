@@ -156,8 +156,9 @@ static bool check_source(struct vor_app *app, struct vor_request *request)
         vor_problem_say(app, request, "forbidden",
                         "Origin is %.100s, want one of --cors-origin or this daemon's own", origin);
     else if (is_from_other_site(app, request))
-        vor_problem_say(app, request, "forbidden",
-                        "Sec-Fetch-Site is cross-site, and its page is none of --cors-origin");
+        vor_problem_say(
+            app, request, "forbidden",
+            "Sec-Fetch-Site is cross-site, and the page's origin is not in --cors-origin");
     else
         return true;
     return false;
@@ -205,7 +206,7 @@ enum vor_next vor_route_dispatch(void *ctx, struct vor_request *request, enum vo
     if (most > 0) {
         vor_reply_close(request);
         return vor_problem_say(app, request, "too-many-connections",
-                               "more than %u are open, in all or by this client", most);
+                               "more than %u connections are open, in all or by this client", most);
     }
     return route->handler(app, request, step);
 }

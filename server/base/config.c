@@ -235,7 +235,7 @@ static void make_longs(struct option longs[VOR_SETTING_COUNT + 1])
 
 static vor_status no_setting(const char *word, struct vor_error *err)
 {
-    return vor_fail(err, VOR_E_PARAM, "%.60s is no setting; see voronoid serve --help", word);
+    return vor_fail(err, VOR_E_PARAM, "%.60s is not a setting; see voronoid serve --help", word);
 }
 
 /* A flag that is none, or may be several. */
@@ -418,16 +418,14 @@ static vor_status check_callers(const struct vor_config *config, struct vor_erro
     if (has_keys && is_free)
         return vor_fail_param(
             err, VOR_E_PARAM, "no-auth",
-            "--no-auth lets anybody in and --api-keys %.80s does not: give one of "
-            "them",
+            "--no-auth and --api-keys %.80s contradict each other: give one of them",
             config->text[VOR_SET_API_KEYS]);
     if (by == VOR_SETTING_COUNT || has_keys || is_free)
         return VOR_OK;
     return vor_fail_param(
         err, VOR_E_PARAM, vor_setting_infos[by].flag,
-        "with --%s %.80s the daemon is open to other machines: give --api-keys "
-        "FILE (voronoid key NAME makes a line of it), or --no-auth to let anybody "
-        "in",
+        "with --%s %.80s the daemon is open to other machines: give --api-keys FILE (voronoid key "
+        "NAME makes a line for it), or --no-auth to let anybody in",
         vor_setting_infos[by].flag, config->text[by]);
 }
 

@@ -32,113 +32,114 @@ enum vor_setting_kind {
       "Settings, a line \"name = value\" each, for what neither flags nor the environment give; "  \
       "else " VOR_CONFIG_PLACE " where there is one")                                              \
     X(CHECK_CONFIG, "check-config", FLAG, "", 0, 1, "0",                                           \
-      "Read the settings, say what is wrong with them, and end")                                   \
+      "Check the settings, report the first error and exit")                                       \
     X(LISTEN, "listen", TEXT, "HOST:PORT", 0, 0, "127.0.0.1:8080",                                 \
-      "Where to listen; port 0 takes a free one, which the log names; unix:/PATH is a socket in "  \
-      "the file system")                                                                           \
+      "Address to listen on. Port 0 picks a free port, which the log names; unix:/PATH is a Unix " \
+      "socket")                                                                                    \
     X(SOCKET_MODE, "socket-mode", CHOICE, "0600 0660 0666", 0, 0, "0660",                          \
       "Who may connect to a Unix socket of --listen: its owner, its group, anybody")               \
     X(ADMIN_LISTEN, "admin-listen", TEXT, "HOST:PORT", 0, 0, "",                                   \
-      "Where /livez, /readyz and /metrics, and nothing else, are answered by a thread of their "   \
-      "own, also while --listen is overrun; nowhere unless given")                                 \
+      "Separate address for /livez, /readyz and /metrics alone. Its own thread answers them, "     \
+      "even while --listen is overloaded. Default: none")                                          \
     X(ADMIN_ANYWHERE, "admin-anywhere", FLAG, "", 0, 1, "0",                                       \
-      "Let --admin-listen be an address that other machines reach")                                \
+      "Allow an --admin-listen address that other machines can reach")                             \
     X(DATA, "data", TEXT, "DIR", 0, 0, "",                                                         \
-      "Where jobs and their bytes are kept; else $STATE_DIRECTORY, $XDG_STATE_HOME/voronoid or "   \
+      "Folder for jobs and their files. Default: $STATE_DIRECTORY, $XDG_STATE_HOME/voronoid or "   \
       "~/.local/state/voronoid")                                                                   \
-    X(STORE, "store", TEXT, "sqlite:PATH", 0, 0, "", "Table of jobs; else jobs.sqlite in --data")  \
-    X(BLOBS, "blobs", TEXT, "dir:PATH", 0, 0, "", "Bytes of jobs; else blobs in --data")           \
+    X(STORE, "store", TEXT, "sqlite:PATH", 0, 0, "",                                               \
+      "Database of jobs. Default: jobs.sqlite in --data")                                          \
+    X(BLOBS, "blobs", TEXT, "dir:PATH", 0, 0, "",                                                  \
+      "Folder for uploads and results. Default: blobs in --data")                                  \
     X(THREADS, "threads", COUNT_OF, "threads", 0, 256, "0",                                        \
-      "Threads of the engine, shared by all jobs; 0 is one for each core")                         \
+      "Threads of the engine, shared by all jobs; 0: one per core")                                \
     X(JOBS, "jobs", COUNT_OF, "jobs", 1, 64, "2", "Jobs that run at the same time")                \
-    X(QUEUE, "queue", COUNT_OF, "jobs", 1, 100000, "256", "Jobs that may wait")                    \
+    X(QUEUE, "queue", COUNT_OF, "jobs", 1, 100000, "256", "Largest number of waiting jobs")        \
     X(MEMORY, "memory", BYTES, "bytes", 0, 1e15, "0",                                              \
-      "Memory that running jobs may take together, as estimated; others wait; 0 is 70 % of the "   \
-      "machine's, or of what the control group may take")                                          \
+      "Estimated memory that all running jobs may use together; further jobs wait. 0: 70 % of "    \
+      "the machine's memory or of the control group's limit")                                      \
     X(QUEUE_BYTES, "queue-bytes", BYTES, "bytes", 1, 1e15, "8G",                                   \
-      "Decoded inputs of jobs that wait, in all")                                                  \
+      "Total size of the decoded inputs of waiting jobs")                                          \
     X(JOB_MEMORY, "job-memory", BYTES, "bytes", 0, 1e15, "0",                                      \
-      "Memory a job may take; 0 is --memory divided by --jobs")                                    \
+      "Memory a job may use; 0: --memory divided by --jobs")                                       \
     X(JOB_SECONDS, "job-seconds", TIME, "seconds", 0, 31536000, "1800",                            \
-      "Time a job may run; one that would take four times as long is refused; 0 is any")           \
+      "Time a job may run; a job that would take four times as long is refused. 0: no limit")      \
     X(BODY_LIMIT, "body-limit", BYTES, "bytes", 1, 1e15, "1G",                                     \
-      "Largest upload, and what gzip may inflate to")                                              \
+      "Largest upload, also after gzip is inflated")                                               \
     X(POINTS_LIMIT, "points-limit", COUNT_OF, "points", 1, 2147483646, "50000000",                 \
       "Most points an upload may declare")                                                         \
     X(RESULT_TTL, "result-ttl", TIME, "seconds", 1, 31536000, "86400",                             \
       "How long results are kept")                                                                 \
     X(KEEP_INPUTS, "keep-inputs", BYTES, "bytes", 0, 1e15, "1G",                                   \
-      "Uploads that are kept as long as results, in all; those of jobs that ended first go "       \
-      "first; "                                                                                    \
-      "0 keeps none")                                                                              \
+      "Total size of uploads that are kept as long as results; those of the jobs that ended "      \
+      "first are deleted first. 0: keep none")                                                     \
     X(RESULTS_BYTES, "results-bytes", BYTES, "bytes", 0, 1e15, "0",                                \
-      "Results that are kept, in all; those of jobs that ended first go first; 0 is half of the "  \
-      "disk of --blobs")                                                                           \
+      "Total size of results that are kept; those of the jobs that ended first are deleted "       \
+      "first. 0: half of the disk of --blobs")                                                     \
     X(LOST_TTL, "lost-ttl", TIME, "seconds", 0, 31536000, "604800",                                \
-      "How long bytes of jobs that a damaged --store has lost are kept, in the folder lost of "    \
+      "How long files of jobs that a damaged --store has lost are kept, in the folder lost of "    \
       "--blobs")                                                                                   \
     X(LOST_BYTES, "lost-bytes", BYTES, "bytes", 0, 1e15, "1G",                                     \
-      "How much of that is kept; the oldest goes first")                                           \
+      "Total size of these files; the oldest are deleted first")                                   \
     X(DISK_RESERVE, "disk-reserve", BYTES, "bytes", 0, 1e15, "16M",                                \
-      "Kept in a file beside --store, which a full disk is given back to end and remove jobs, "    \
-      "and "                                                                                       \
-      "as much free beside it, which uploads leave alone")                                         \
+      "Space held in reserve, in a file beside --store, so that jobs can still be finished and "   \
+      "deleted when the disk is full. Uploads leave as much free besides")                         \
     X(PUBLIC_URL, "public-url", TEXT, "URL", 0, 0, "",                                             \
-      "How clients reach this daemon, for absolute links; else the scheme, Host and path that a "  \
-      "trusted proxy names; else http:// and the Host they sent")                                  \
+      "URL at which clients reach this daemon, for absolute links. Default: scheme, host and "     \
+      "path that a trusted proxy sends, else http:// and the Host header")                         \
     X(TRUSTED_PROXY, "trusted-proxy", LIST, "LIST", 0, 0, "",                                      \
-      "Proxies whose --proxy-headers are believed: addresses and networks such as 10.0.0.0/8 or "  \
-      "fd00::/8, separated by commas, or several flags")                                           \
+      "Proxies to trust: addresses and networks such as 10.0.0.0/8 or fd00::/8, separated by "     \
+      "commas, or several flags")                                                                  \
     X(PROXY_HEADERS, "proxy-headers", CHOICE, "x-forwarded forwarded", 0, 0, "x-forwarded",        \
-      "Which they set: X-Forwarded-For, -Proto, -Host, -Prefix, or Forwarded (RFC 7239); the "     \
-      "others are ignored")                                                                        \
+      "Headers that trusted proxies set: X-Forwarded-For, -Proto, -Host, -Prefix, or Forwarded "   \
+      "(RFC 7239); the others are ignored")                                                        \
     X(ALLOWED_HOSTS, "allowed-hosts", LIST, "LIST", 0, 0, "",                                      \
-      "Names that Host may have besides this machine's and that of --public-url, separated by "    \
-      "commas, or several flags; else any that a trusted proxy names")                             \
+      "Host names that requests may use besides this machine's and that of --public-url, "         \
+      "separated by commas, or several flags. Default: any that a trusted proxy sends")            \
     X(CORS_ORIGIN, "cors-origin", TEXT, "LIST", 0, 0, "",                                          \
-      "Origins whose pages may use this daemon, separated by commas")                              \
+      "Origins of web pages that may use this daemon, separated by commas")                        \
     X(API_KEYS, "api-keys", TEXT, "FILE", 0, 0, "",                                                \
-      "Keys, one of which every request under /v1 then needs: lines of voronoid key NAME; SIGHUP " \
-      "reads it again")                                                                            \
+      "File of API keys, with lines of voronoid key NAME; every request under /v1 then needs a "   \
+      "key. SIGHUP reloads the file")                                                              \
     X(NO_AUTH, "no-auth", FLAG, "", 0, 1, "0",                                                     \
-      "Let anybody in without a key, although the daemon listens beyond this machine, or behind "  \
-      "a proxy (--trusted-proxy, --public-url)")                                                   \
-    X(HTTP_THREADS, "http-threads", COUNT_OF, "threads", 1, 64, "2", "Threads that speak HTTP")    \
+      "Allow requests without a key although the daemon listens beyond this machine or behind a "  \
+      "proxy (--trusted-proxy, --public-url)")                                                     \
+    X(HTTP_THREADS, "http-threads", COUNT_OF, "threads", 1, 64, "2", "HTTP threads")               \
     X(CONNECTIONS, "connections", COUNT_OF, "connections", 1, 100000, "1024",                      \
-      "Open connections besides streams; when they are more, the oldest silent ones are cut, and " \
-      "32 are kept for health checks")                                                             \
+      "Largest number of open connections besides streams. Beyond it the daemon closes those "     \
+      "that have been idle longest; 32 are reserved for health checks")                            \
     X(ADDRESS_CONNECTIONS, "address-connections", COUNT_OF, "connections", 0, 100000, "128",       \
-      "Open connections of one client (an IPv4 address, an IPv6 /64), this machine and "           \
-      "--trusted-proxy excepted; 0 for no limit")                                                  \
-    X(STREAMS, "streams", COUNT_OF, "streams", 1, 100000, "512", "Event streams at the same time") \
+      "Largest number of open connections per client (an IPv4 address, an IPv6 /64), except this " \
+      "machine and --trusted-proxy; 0: no limit")                                                  \
+    X(STREAMS, "streams", COUNT_OF, "streams", 1, 100000, "512",                                   \
+      "Largest number of event streams at the same time")                                          \
     X(HEADER_TIMEOUT, "header-timeout", TIME, "seconds", 0.1, 3600, "10",                          \
-      "Time for a request's head, however slowly its bytes come")                                  \
+      "Time limit for a request's head")                                                           \
     X(KEEP_TIMEOUT, "keep-timeout", TIME, "seconds", 0.1, 3600, "20",                              \
-      "Time a kept connection may wait for its next request")                                      \
-    X(BODY_TIMEOUT, "body-timeout", TIME, "seconds", 0.1, 86400, "3600", "Time for an upload")     \
+      "Time an idle connection stays open")                                                        \
+    X(BODY_TIMEOUT, "body-timeout", TIME, "seconds", 0.1, 86400, "3600",                           \
+      "Time limit for an upload")                                                                  \
     X(BODY_IDLE, "body-idle", TIME, "seconds", 0.1, 3600, "30", "Longest pause in an upload")      \
     X(BODY_RATE, "body-rate", BYTES, "bytes/s", 0, 1e12, "16K",                                    \
-      "Slowest upload on average, measured once it is older than --body-idle")                     \
+      "Lowest average speed of an upload, measured after --body-idle")                             \
     X(REPLY_RATE, "reply-rate", BYTES, "bytes/s", 0, 1e12, "4K",                                   \
-      "Slowest reader of a reply on average, measured once it is older than --body-idle; streams " \
-      "of events excepted")                                                                        \
+      "Lowest average speed at which a client reads a reply, measured after --body-idle, except "  \
+      "for event streams")                                                                         \
     X(HEARTBEAT, "heartbeat", TIME, "seconds", 0.1, 3600, "15",                                    \
-      "Pause after which an event "                                                                \
-      "stream shows that it lives")                                                                \
+      "Pause after which an event stream sends a keep-alive")                                      \
     X(DRAIN_DELAY, "drain-delay", TIME, "seconds", 0, 3600, "0",                                   \
-      "Time after SIGTERM in which /readyz says no and all goes on, so that a balancer sends no "  \
-      "more before requests are refused")                                                          \
+      "Time after SIGTERM during which /readyz fails but requests are still served, so that load " \
+      "balancers can stop sending new ones")                                                       \
     X(DRAIN_TIMEOUT, "drain-timeout", TIME, "seconds", 0, 3600, "20",                              \
-      "Time for running jobs to end after SIGTERM and --drain-delay; the others wait for the "     \
+      "Time for running jobs to finish after SIGTERM and --drain-delay; the others wait for the "  \
       "next start")                                                                                \
     X(DRACO, "draco", CHOICE, "any strict", 0, 0, "any",                                           \
-      "Draco files that are read: any that the library reads, or only point clouds of bitstream "  \
-      "2.3 without metadata, for which it needs less of its code")                                 \
+      "Draco files to accept: all that the library reads, or only point clouds of bitstream 2.3 "  \
+      "without metadata, which need less of its code")                                             \
     X(ALLOW_WEAK_SANDBOX, "allow-weak-sandbox", FLAG, "", 0, 1, "0",                               \
-      "Run although the kernel takes no list of system calls: uploads are then read in processes " \
-      "with limits of memory and time alone")                                                      \
+      "Run although the kernel does not support seccomp: the processes that read uploads then "    \
+      "have only limits of memory and time")                                                       \
     X(LOG_LEVEL, "log-level", CHOICE, "debug info warn error off", 0, 0, "info",                   \
-      "What is logged, as one JSON object a line, on standard error")
+      "Lowest level that is logged, as one JSON object per line on standard error")
 
 enum vor_setting {
 #define VOR_SETTING_ENUM(id, flag, kind, unit, min, max, def, sentence) VOR_SET_##id,

@@ -41,13 +41,12 @@ static void say_owner(struct vor_error *err, char *path, const struct stat *info
     (void)snprintf(name, sizeof name, "%s", path);
     if (info->st_uid == user)
         (void)vor_fail(err, VOR_E_IO,
-                       "%s belongs to user %u, who this process is, but has mode %04o: chmod u+rwX "
-                       "%s",
+                       "%s belongs to this process's user %u but has mode %04o: chmod u+rwX %s",
                        name, user, (unsigned)info->st_mode & 07777, name);
     else
         (void)vor_fail(err, VOR_E_IO,
-                       "%s belongs to user %u, and user %u, who this process is, may not write "
-                       "there: chown -R %u:%u %s (in a container: the folder mounted there)",
+                       "%s belongs to user %u, and this process's user %u may not write there: "
+                       "chown -R %u:%u %s (in a container: the folder mounted there)",
                        name, (unsigned)info->st_uid, user, user, (unsigned)getegid(),
                        S_ISDIR(info->st_mode) ? name : cut_folder(path));
 }
@@ -59,8 +58,8 @@ static void say_missing(struct vor_error *err, const char *path, const char *abo
     unsigned user = (unsigned)geteuid();
 
     (void)vor_fail(err, VOR_E_IO,
-                   "there is no %s, and %s belongs to user %u (mode %04o), where user %u, who this "
-                   "process is, may not make it: install -d -o %u -g %u %s",
+                   "there is no %s, and %s belongs to user %u (mode %04o), where this process's "
+                   "user %u may not create it: install -d -o %u -g %u %s",
                    path, above, (unsigned)info->st_uid, (unsigned)info->st_mode & 07777, user, user,
                    (unsigned)getegid(), path);
 }

@@ -104,7 +104,7 @@ static void warn_if_open(const char *path, FILE *file)
         (info.st_mode & (S_IRGRP | S_IROTH | S_IWGRP | S_IWOTH)) == 0)
         return;
     (void)snprintf(mode, sizeof mode, "%04o", (unsigned)info.st_mode & 07777u);
-    vor_log(VOR_LOG_WARN, "others may read or write the file of keys", VOR_TEXT("path", path),
+    vor_log(VOR_LOG_WARN, "other users may read or write the file of keys", VOR_TEXT("path", path),
             VOR_TEXT("mode", mode), VOR_TEXT("want", "0600"));
 }
 

@@ -13,66 +13,70 @@
  *  ("" for a count of things), labels in their order with blanks between, sentence. */
 #define VOR_METRIC_TABLE(X)                                                                        \
     X(BUILD, "build_info", GAUGE, "", "version engine simd",                                       \
-      "Always 1; which build this is: engine digests the engine's sources, simd is its vectors")   \
+      "Always 1; the labels identify the build: engine is a digest of the engine's sources, simd " \
+      "its vector instructions")                                                                   \
     X(HTTP_REQUESTS, "http_requests_total", COUNTER, "", "route method code",                      \
-      "Requests that are over, with the status they were answered with (499: the caller left)")    \
+      "Requests that have ended, by the status of their response (499: the client disconnected)")  \
     X(HTTP_SECONDS, "http_request_duration_seconds", TIMES, "seconds", "route",                    \
-      "From the request line to the end of the answer; streams last as long as they are read")     \
-    X(HTTP_IN_FLIGHT, "http_in_flight_requests", GAUGE, "", "", "Requests under way")              \
+      "Time from the request line to the end of the response; streams count until they close")     \
+    X(HTTP_IN_FLIGHT, "http_in_flight_requests", GAUGE, "", "", "Requests in progress")            \
     X(HTTP_STUCK, "http_thread_busy_seconds", GAUGE, "seconds", "",                                \
-      "How long a thread has been at one step of a request, the longest; 10 are an alarm")         \
-    X(HTTP_BYTES_IN, "http_request_bytes_total", COUNTER, "bytes", "", "Bytes of bodies taken")    \
-    X(HTTP_BYTES_OUT, "http_response_bytes_total", COUNTER, "bytes", "", "Bytes of bodies sent")   \
+      "Longest time that an HTTP thread has spent on its current step of a request; alert at 10")  \
+    X(HTTP_BYTES_IN, "http_request_bytes_total", COUNTER, "bytes", "",                             \
+      "Bytes of request bodies received")                                                          \
+    X(HTTP_BYTES_OUT, "http_response_bytes_total", COUNTER, "bytes", "",                           \
+      "Bytes of response bodies sent")                                                             \
     X(REJECTED, "rejected_total", COUNTER, "", "reason",                                           \
       "Requests answered with a problem, by the last word of its type")                            \
     X(CONNECTIONS, "connections", GAUGE, "", "", "Open connections")                               \
     X(CONNECTIONS_MOST, "connections_limit", GAUGE, "", "",                                        \
-      "Open connections from which on requests are refused")                                       \
-    X(STREAMS, "sse_streams", GAUGE, "", "", "Event streams that are read")                        \
-    X(STREAM_EVENTS, "sse_events_total", COUNTER, "", "", "Events sent on these")                  \
+      "Number of open connections above which requests are refused")                               \
+    X(STREAMS, "sse_streams", GAUGE, "", "", "Open event streams")                                 \
+    X(STREAM_EVENTS, "sse_events_total", COUNTER, "", "", "Events sent on event streams")          \
     X(STREAM_DROPPED, "sse_dropped_total", COUNTER, "", "",                                        \
-      "Events of progress not sent, as a newer one came before the client took them")              \
+      "Progress events not sent because a newer one replaced them before the client read them")    \
     X(JOBS_ACCEPTED, "jobs_submitted_total", COUNTER, "", "process", "Jobs accepted")              \
-    X(JOBS_ENDED, "jobs_finished_total", COUNTER, "", "process status", "Jobs that are over")      \
+    X(JOBS_ENDED, "jobs_finished_total", COUNTER, "", "process status", "Jobs that have ended")    \
     X(JOBS_AGAIN, "job_retries_total", COUNTER, "", "reason",                                      \
-      "Jobs put back into the queue: the daemon ended while they ran (restart), or their process " \
-      "did (worker)")                                                                              \
-    X(QUEUE, "queue_jobs", GAUGE, "", "state", "Jobs that wait, and that run")                     \
-    X(QUEUE_MOST, "queue_limit_jobs", GAUGE, "", "", "Jobs that may wait")                         \
+      "Jobs put back into the queue because the daemon (restart) or their process (worker) ended " \
+      "while they ran")                                                                            \
+    X(QUEUE, "queue_jobs", GAUGE, "", "state", "Waiting and running jobs")                         \
+    X(QUEUE_MOST, "queue_limit_jobs", GAUGE, "", "", "Largest number of waiting jobs")             \
     X(QUEUE_AGE, "queue_oldest_age_seconds", GAUGE, "seconds", "",                                 \
-      "How long the job that is next has waited; 0 when none waits")                               \
+      "Time that the next job has waited; 0 if none waits")                                        \
     X(QUEUE_WAIT, "job_queue_wait_seconds", TIMES, "seconds", "",                                  \
-      "From the acceptance of a job to its first start")                                           \
+      "Time from the acceptance of a job to its first start")                                      \
     X(JOB_SECONDS, "job_duration_seconds", TIMES, "seconds", "process stage",                      \
-      "Stages of runs that were successful; all: from the claim to the last row, of any run")      \
+      "Time of the stages of successful runs; all: from the claim to the last write, of any run")  \
     X(JOB_POINTS, "job_points", SIZES, "", "direction", "Points of inputs and of results")         \
-    X(JOB_ITERATIONS, "job_iterations", STEPS, "", "", "Iterations of runs that were successful")  \
+    X(JOB_ITERATIONS, "job_iterations", STEPS, "", "", "Iterations of successful runs")            \
     X(JOB_DELTA, "job_final_delta_ratio", RATIOS, "ratio", "",                                     \
       "Uniformity delta of results; lower is better")                                              \
-    X(JOB_MEMORY, "job_memory_peak_bytes", BYTES, "bytes", "",                                     \
-      "Most memory that a successful run held at a time")                                          \
+    X(JOB_MEMORY, "job_memory_peak_bytes", BYTES, "bytes", "", "Peak memory of a successful run")  \
     X(POINTS, "engine_points_processed_total", COUNTER, "", "",                                    \
       "Points of the inputs of successful runs")                                                   \
-    X(WORKER_BUSY, "worker_busy", GAUGE, "", "", "Jobs that run")                                  \
-    X(WORKER_SLOTS, "worker_slots", GAUGE, "", "", "Jobs that may run at the same time")           \
+    X(WORKER_BUSY, "worker_busy", GAUGE, "", "", "Running jobs")                                   \
+    X(WORKER_SLOTS, "worker_slots", GAUGE, "", "", "Largest number of running jobs")               \
     X(WORKER_RESTARTS, "worker_restarts_total", COUNTER, "", "",                                   \
-      "Processes of jobs that ended while they were not told to, or had to be ended")              \
+      "Processes of jobs that ended unexpectedly or had to be killed")                             \
     X(MEMORY_RESERVED, "memory_reserved_bytes", GAUGE, "bytes", "",                                \
-      "Memory that running jobs may take")                                                         \
-    X(UPLOADS, "uploads_active", GAUGE, "", "", "Uploads that arrive, wait to be read, or are")    \
-    X(UPLOAD_BYTES, "upload_bytes_total", COUNTER, "bytes", "", "Bytes of uploads that arrived")   \
+      "Memory that running jobs may use")                                                          \
+    X(UPLOADS, "uploads_active", GAUGE, "", "",                                                    \
+      "Uploads that are arriving, waiting to be read or being read")                               \
+    X(UPLOAD_BYTES, "upload_bytes_total", COUNTER, "bytes", "", "Bytes of uploads received")       \
     X(DECODE_ERRORS, "decode_errors_total", COUNTER, "", "format reason",                          \
       "Uploads that could not be decoded")                                                         \
     X(STORAGE_FREE, "storage_available_bytes", GAUGE, "bytes", "",                                 \
-      "Bytes that can still be written where blobs are")                                           \
-    X(STORAGE_SIZE, "storage_size_bytes", GAUGE, "bytes", "", "Size of that file system")          \
+      "Free bytes on the file system of --blobs")                                                  \
+    X(STORAGE_SIZE, "storage_size_bytes", GAUGE, "bytes", "",                                      \
+      "Size of the file system of --blobs")                                                        \
     X(BLOB_BYTES, "blob_bytes", GAUGE, "bytes", "store",                                           \
-      "Bytes of uploads and results that are kept; what jobs share counts for each")               \
+      "Bytes of uploads and results that are kept; those that jobs share count for each job")      \
     X(STORE_SECONDS, "store_operation_duration_seconds", TIMES, "seconds", "driver op",            \
-      "Statements of the store, with the wait for their turn and for the disk")                    \
+      "Time of the store's statements, including the wait for their turn and for the disk")        \
     X(STORE_ERRORS, "store_errors_total", COUNTER, "", "", "Statements of the store that failed")  \
     X(LOG_DROPPED, "log_lines_dropped_total", COUNTER, "", "",                                     \
-      "Log lines lost because nobody read them")
+      "Log lines lost because their reader was too slow")
 
 enum vor_metric {
 #define VOR_METRIC_ENUM(id, name, kind, unit, labels, sentence) VOR_METRIC_##id,

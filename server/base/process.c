@@ -25,7 +25,7 @@ static void put_cpu(struct vor_text *text)
     struct rusage usage;
 
     if (getrusage(RUSAGE_SELF, &usage) == 0)
-        put(text, "process_cpu_seconds_total", "counter", "Time on processors, user and system",
+        put(text, "process_cpu_seconds_total", "counter", "CPU time, user and system",
             seconds(&usage.ru_utime) + seconds(&usage.ru_stime));
 }
 
@@ -42,7 +42,8 @@ static void put_descriptors(struct vor_text *text)
         put(text, "process_open_fds", "gauge", "Open file descriptors", count);
     }
     if (getrlimit(RLIMIT_NOFILE, &limit) == 0)
-        put(text, "process_max_fds", "gauge", "Most open file descriptors", (double)limit.rlim_cur);
+        put(text, "process_max_fds", "gauge", "Largest number of open file descriptors",
+            (double)limit.rlim_cur);
 }
 
 /* Fields 20, 22, 23 and 24 of proc(5)'s stat; the name before them may hold blanks. */
@@ -66,10 +67,10 @@ static void put_stat(struct vor_text *text)
         return;
     put(text, "process_threads", "gauge", "Threads", (double)threads);
     put(text, "process_virtual_memory_bytes", "gauge", "Size of the address space", (double)size);
-    put(text, "process_resident_memory_bytes", "gauge", "Memory that is in use",
+    put(text, "process_resident_memory_bytes", "gauge", "Resident memory",
         (double)pages * (double)sysconf(_SC_PAGESIZE));
     if (clock_gettime(CLOCK_REALTIME, &now) == 0 && clock_gettime(CLOCK_BOOTTIME, &up) == 0)
-        put(text, "process_start_time_seconds", "gauge", "When the process began, since 1970",
+        put(text, "process_start_time_seconds", "gauge", "Start of the process, since 1970",
             (double)now.tv_sec - (double)up.tv_sec + (double)start / (double)sysconf(_SC_CLK_TCK));
 }
 

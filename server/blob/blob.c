@@ -135,8 +135,8 @@ static vor_status check_room(struct vor_blobs *blobs, uint64_t bytes, uint64_t o
     if (status != VOR_OK || (available >= taken && available - taken >= bytes))
         return status;
     (void)vor_fail(err, VOR_E_IO,
-                   "%llu bytes do not fit: %llu are free, of which %llu stay so and %llu are "
-                   "promised to others",
+                   "there is no room for %llu bytes: %llu are free, %llu of them are reserved and "
+                   "%llu promised to others",
                    (unsigned long long)bytes, (unsigned long long)available,
                    (unsigned long long)blobs->reserve, (unsigned long long)others);
     if (err != NULL)
@@ -152,7 +152,7 @@ vor_status vor_blobs_room(struct vor_blobs *blobs, uint64_t bytes, struct vor_er
 vor_status vor_blobs_check(struct vor_blobs *blobs, struct vor_error *err)
 {
     if (atomic_load(&blobs->is_broken))
-        return vor_fail(err, VOR_E_IO, "the bytes of jobs: their disk failed");
+        return vor_fail(err, VOR_E_IO, "the disk of --blobs failed");
     return VOR_OK;
 }
 
@@ -314,7 +314,7 @@ vor_status vor_blob_adopt(struct vor_blob_writer *writer, uint64_t size,
     if (fstat(writer->fd, &info) != 0)
         return vor_fail_errno(err, errno, "a temporary file");
     if (info.st_size < 0 || (uint64_t)info.st_size != size)
-        return vor_fail(err, VOR_E_INTERNAL, "a result has %lld bytes, and not %llu",
+        return vor_fail(err, VOR_E_INTERNAL, "a result has %lld bytes instead of %llu",
                         (long long)info.st_size, (unsigned long long)size);
     vor_digest_destroy(writer->digest);
     writer->digest = NULL;

@@ -25,16 +25,17 @@ static int no_process(const struct vor_cli *cli);
 
 /* The commands that run no process. */
 static const struct vor_command others[] = {
-    {"submit", "Hand clouds to a daemon", "Hands each cloud to a daemon and prints its job's ID",
+    {"submit", "Send clouds to a daemon",
+     "Sends each cloud to a daemon and prints the ID of its job",
      VOR_COMMAND_ASKS | VOR_COMMAND_SUBMITS, " PROCESS" FILES, 0, INT_MAX, NULL, no_process},
     {"jobs", "List a daemon's jobs", "Lists jobs with their status, progress and age, newest first",
      ASKS_JOBS | VOR_COMMAND_LISTS, " [JOB]...", 0, INT_MAX, NULL, vor_cli_jobs},
-    {"wait", "Wait for jobs", "Shows the progress of jobs, ends when they do, and as they did",
+    {"wait", "Wait for jobs", "Shows the progress of jobs until they end, and exits as they did",
      ASKS_JOBS, " JOB...", 1, INT_MAX, NULL, vor_cli_wait},
     {"fetch", "Fetch results of jobs", "Writes results of jobs into files",
      ASKS_JOBS | VOR_COMMAND_FETCHES, " JOB...", 1, INT_MAX, NULL, vor_cli_fetch},
-    {"cancel", "Cancel jobs", "Dismisses jobs that are not over", ASKS_JOBS, " JOB...", 1, INT_MAX,
-     NULL, vor_cli_cancel},
+    {"cancel", "Cancel jobs", "Dismisses jobs that have not ended", ASKS_JOBS, " JOB...", 1,
+     INT_MAX, NULL, vor_cli_cancel},
     {"health", "Ask whether a daemon is ready", "Asks whether a daemon is ready to take jobs",
      VOR_COMMAND_ASKS, "", 0, 0, NULL, vor_cli_health},
     {"key", "Make a key for a daemon",

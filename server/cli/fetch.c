@@ -113,7 +113,7 @@ static int fetch_result(struct vor_follow *follow, const struct vor_json *member
     int code;
 
     if (!is_plain(result.name) || !name_file(follow, &result)) {
-        vor_cli_say(follow->subject, "a result's name makes no name of a file");
+        vor_cli_say(follow->subject, "the name of a result cannot be a file name");
         return VOR_EXIT_FAILED;
     }
     if (vor_output_open(&result.output, result.path, &follow->err) != VOR_OK)

@@ -120,7 +120,7 @@ int vor_follow_call(struct vor_follow *follow, const char *method, const char *u
     } else {
         *json = vor_remote_json(&call);
         if (*json == NULL) {
-            vor_cli_say(follow->subject, "the server's answer is no JSON");
+            vor_cli_say(follow->subject, "the server's answer is not JSON");
             code = VOR_EXIT_FAILED;
         }
     }

@@ -10,8 +10,8 @@
 /** Sentences of the help and of the manual. */
 #define VOR_HELP_COUNTS "A whole number may end in k, for thousands, or M, for millions: 10k, 1.5M."
 #define VOR_HELP_WORDS                                                                             \
-    "Options are --name VALUE or --name=VALUE; a name may be cut short as long as it is the only " \
-    "one that begins so. Behind -- come operands alone."
+    "Options are --name VALUE or --name=VALUE; a name may be shortened as long as it stays "       \
+    "unambiguous. After -- there are only operands."
 
 /** How a command is called, its options, and the parameters of its process by groups. */
 void vor_help_command(FILE *out, const struct vor_command *command);

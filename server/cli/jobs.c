@@ -238,7 +238,7 @@ static int wait_one(const struct vor_cli *cli, const char *id)
 
     vor_follow_job(&follow, id);
     follow.progress.name = id;
-    follow.on_signal = "no longer waited for; the job goes on";
+    follow.on_signal = "no longer waiting; the job continues";
     if (code == VOR_EXIT_OK)
         code = wait_to_end(&follow, &one.spec);
     vor_follow_close(&follow);

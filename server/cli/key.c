@@ -18,7 +18,7 @@ int vor_cli_key(const struct vor_cli *cli)
     struct vor_error err;
 
     if (cli->operand_count == 0) {
-        vor_cli_say(cli->command->name, "no name: give the one whose jobs will be the key's");
+        vor_cli_say(cli->command->name, "no name: give the name of the key's owner");
         return VOR_EXIT_USAGE;
     }
     if (vor_key_make(cli->operands[0], scopes != NULL ? scopes : SCOPES_DEFAULT,

@@ -352,8 +352,7 @@ static vor_status resolve_output(struct vor_cli *cli, struct vor_error *err)
     if (*output == NULL || (*output)[0] == '\0')
         return vor_fail(err, VOR_E_PARAM, "no output: give -o FILE, or -o - for stdout");
     if (cli->operand_count > 1 && !vor_cli_into_folder(cli))
-        return vor_fail(err, VOR_E_PARAM,
-                        "%d inputs, and their results need a folder: give -o DIR/",
+        return vor_fail(err, VOR_E_PARAM, "%d inputs need a folder for their results: give -o DIR/",
                         cli->operand_count);
     return vor_cli_check_suffix(cli, *output, err);
 }
@@ -400,9 +399,9 @@ static vor_status check_files(struct vor_cli *cli, struct vor_error *err)
         stdins += strcmp(cli->input[i], "-") == 0;
     }
     if (cli->option[VOR_OPTION_NAME] != NULL && cli->option[VOR_OPTION_SERVER] == NULL)
-        return vor_fail(err, VOR_E_PARAM, "--name goes with --server: it is the job's there");
+        return vor_fail(err, VOR_E_PARAM, "--name names the job on a daemon: give --server too");
     if (stdins > 1)
-        return vor_fail(err, VOR_E_PARAM, "both clouds are -, and there is only one stdin");
+        return vor_fail(err, VOR_E_PARAM, "both clouds are -, but there is only one stdin");
     return VOR_OK;
 }
 
@@ -481,7 +480,7 @@ static vor_status check_into(struct vor_cli *cli, struct vor_error *err)
     if ((*into)[0] == '\0')
         return vor_fail(err, VOR_E_PARAM, "no output: give -o FILE, -o DIR/, or -o - for stdout");
     if (cli->operand_count > 1 && !vor_cli_into_folder(cli))
-        return vor_fail(err, VOR_E_PARAM, "%d jobs, and their results need a folder: give -o DIR/",
+        return vor_fail(err, VOR_E_PARAM, "%d jobs need a folder for their results: give -o DIR/",
                         cli->operand_count);
     return VOR_OK;
 }
@@ -498,9 +497,10 @@ static vor_status check_jobs(const struct vor_cli *cli, struct vor_error *err)
         const char *text = cli->operands[i];
 
         if (!vor_uuid_parse(&id, text, strlen(text)))
-            return vor_fail(err, VOR_E_PARAM,
-                            "%s is no job, want an ID such as 0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11",
-                            vor_quote(quoted, sizeof quoted, text, strlen(text)));
+            return vor_fail(
+                err, VOR_E_PARAM,
+                "%s is not a job, want an ID such as 0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11",
+                vor_quote(quoted, sizeof quoted, text, strlen(text)));
     }
     return VOR_OK;
 }

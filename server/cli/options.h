@@ -25,40 +25,41 @@ enum {
  *  wins over its variable. No command takes two of the same name or letter. */
 #define VOR_OPTION_TABLE(X)                                                                        \
     X(OUTPUT, "output", 'o', "OUT", "", VOR_COMMAND_RUNS,                                          \
-      "Where the result goes; DIR/ is a folder, for results that have their inputs' names; - is "  \
-      "stdout, and the default of a document")                                                     \
+      "File for the result; DIR/ is a folder, where each result gets its input's name; - is "      \
+      "stdout, the default for a document")                                                        \
     X(INTO, "output", 'o', "OUT", "", VOR_COMMAND_FETCHES,                                         \
-      "Where it goes: one result into a file or, for -, to stdout; all of any number of jobs "     \
-      "into DIR/, as JOB-RESULT.SUFFIX; else into ./")                                             \
+      "File for one result, or - for stdout; DIR/ is a folder for all results of all jobs, as "    \
+      "JOB-RESULT.SUFFIX. Default: ./")                                                            \
     X(RESULT, "result", 0, "NAME", "", VOR_COMMAND_FETCHES,                                        \
-      "The result to fetch, such as cloud or report; else the main one into a file, all into a "   \
-      "folder")                                                                                    \
-    X(LIMIT, "limit", 0, "N", "", VOR_COMMAND_LISTS, "Most jobs to list, 1 to 10000, default 20")  \
+      "The result to fetch, such as cloud or report. Default: the main one into a file, all into " \
+      "a folder")                                                                                  \
+    X(LIMIT, "limit", 0, "N", "", VOR_COMMAND_LISTS,                                               \
+      "Number of jobs to list, 1 to 10000, default 20")                                            \
     X(STATUS, "status", 0, "LIST", "", VOR_COMMAND_LISTS,                                          \
-      "Only jobs of these, with commas between: accepted, running, successful, failed, dismissed") \
+      "Only jobs with these statuses, separated by commas: accepted, running, successful, "        \
+      "failed, dismissed")                                                                         \
     X(SERVER, "server", 0, "URL", "VORONOID_SERVER", VOR_COMMAND_REMOTE | VOR_COMMAND_ASKS,        \
-      "The daemon that does the work (else it is done here) or is asked (else the one that "       \
-      "VORONOID_LISTEN names, or http://127.0.0.1:8080)")                                          \
+      "The daemon to use. Default: processes run here, and other commands ask the daemon that "    \
+      "VORONOID_LISTEN names, or http://127.0.0.1:8080")                                           \
     X(API_KEY_FILE, "api-key-file", 0, "FILE", "VORONOID_KEY_FILE",                                \
       VOR_COMMAND_REMOTE | VOR_COMMAND_ASKS,                                                       \
-      "File with the key for the daemon on its first line; else VORONOID_KEY has it")              \
+      "File with the key for the daemon on its first line. Default: the key in VORONOID_KEY")      \
     X(SCOPES, "scopes", 0, "LIST", "", VOR_COMMAND_KEYS,                                           \
-      "What the key may do, with commas between: read, submit, admin; default submit,read")        \
+      "Scopes of the key, separated by commas: read, submit, admin; default submit,read")          \
     X(QUOTAS, "quotas", 0, "LIST", "", VOR_COMMAND_KEYS,                                           \
-      "Its bounds, with commas between: jobs=N that wait or run (16), rate=N requests for jobs a " \
-      "second (10), bytes=N stored, points=N of an input")                                         \
+      "Quotas of the key, separated by commas: jobs=N that wait or run (16), rate=N job requests " \
+      "per second (10), bytes=N stored, points=N per input")                                       \
     X(NAME, "name", 0, "TEXT", "", VOR_COMMAND_REMOTE | VOR_COMMAND_SUBMITS,                       \
-      "What the job is called in the daemon's lists, with --server")                               \
+      "Name of the job in the daemon's lists, with --server")                                      \
     X(PRESET, "preset", 0, "NAME", "", VOR_COMMAND_RUNS | VOR_COMMAND_SUBMITS,                     \
-      "The values of one of the presets below; what is given besides wins")                        \
+      "Use the values of one of the presets below; other options override them")                   \
     X(THREADS, "threads", 0, "N", "VORONOID_THREADS", VOR_COMMAND_RUNS,                            \
-      "Threads, 0 to 256, when the work is done here; 0, the default, is one for each core")       \
+      "Threads for work that is done here, 0 to 256; 0, the default, is one per core")             \
     X(JSON, "json", 0, "", "", VOR_COMMAND_TELLS,                                                  \
-      "One JSON object a line on stdout (on stderr when the result goes there): a job, a file, "   \
-      "or "                                                                                        \
-      "records, then the report; of inspect, its document instead of lines")                       \
+      "Print one JSON object per line on stdout (on stderr if the result goes to stdout): jobs, "  \
+      "files, or records and then the report. inspect prints one document")                        \
     X(QUIET, "quiet", 'q', "", "", VOR_COMMAND_TELLS,                                              \
-      "No progress and no summary; of jobs, IDs alone")                                            \
+      "No progress and no summary; jobs lists only IDs")                                           \
     X(HELP, "help", 'h', "", "", ~0u, "Print this")
 
 enum vor_option {

@@ -186,7 +186,7 @@ static void say_origin(const struct vor_progress *progress, const struct vor_jso
 
     if (origin[0] == 0 && origin[1] == 0 && origin[2] == 0)
         return;
-    (void)snprintf(line, sizeof line, "positions in the file count from the origin %s",
+    (void)snprintf(line, sizeof line, "positions in the file are relative to the origin %s",
                    vor_origin_text(origin, text));
     vor_cli_say(progress->cli->option[VOR_OPTION_OUTPUT], line);
 }
@@ -327,7 +327,7 @@ vor_status vor_progress_finish(struct vor_progress *progress, const char *report
     if (status == VOR_OK && text.size > 0 &&
         (fwrite(text.data, 1, text.size, progress->lines) != text.size ||
          fflush(progress->lines) != 0 || ferror(progress->lines)))
-        status = vor_fail(err, VOR_E_IO, "the lines of --json cannot be written");
+        status = vor_fail(err, VOR_E_IO, "the output of --json cannot be written");
     vor_text_free(&text);
     vor_json_free(json);
     return status;

@@ -117,7 +117,7 @@ static const char *check_lines(const struct vor_head *head)
         if (between == 1)
             return "a line ends with a line feed alone";
         if (between != 2)
-            return "a header value holds NUL or goes on in the next line";
+            return "a header value holds NUL or continues on the next line";
         before = head->fields[i].value;
     }
     return NULL;

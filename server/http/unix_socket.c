@@ -23,7 +23,7 @@ static vor_status remove_stale(const struct sockaddr_un *at, struct vor_error *e
     if (lstat(at->sun_path, &info) != 0)
         return VOR_OK;
     if (!S_ISSOCK(info.st_mode))
-        return refuse(err, at->sun_path, "there is a file that is no socket");
+        return refuse(err, at->sun_path, "there is a file that is not a socket");
     fd = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (fd < 0)
         return refuse(err, at->sun_path, strerror(errno));

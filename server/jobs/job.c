@@ -167,7 +167,7 @@ static void describe(struct vor_job_view *view, enum vor_answer asked)
     if (view->stage == VOR_STAGE_PREPARE && view->spec.process->methods == 0)
         sentence = "Working on the input";
     else if (view->stage == VOR_STAGE_PREPARE && asked == VOR_STOP)
-        sentence = "Preparing the input, then it stops";
+        sentence = "Preparing the input before it stops";
     if (view->stage == VOR_STAGE_OPTIMIZE)
         describe_step(view);
     else

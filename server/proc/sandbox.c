@@ -183,7 +183,7 @@ static vor_status make_program(struct vor_error *err)
         failed = read_program(filter);
     seccomp_release(filter);
     if (failed != 0)
-        return vor_fail(err, VOR_E_INTERNAL, "libseccomp makes no list of system calls");
+        return vor_fail(err, VOR_E_INTERNAL, "libseccomp cannot make a filter of system calls");
     return VOR_OK;
 }
 
@@ -193,8 +193,8 @@ static vor_status set_filter(struct vor_error *err)
 
     if (program_length > 0 && prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &list) == 0)
         return VOR_OK;
-    return vor_fail(err, VOR_E_INTERNAL, "the kernel takes no list of system calls: error %d",
-                    errno);
+    return vor_fail(err, VOR_E_INTERNAL,
+                    "the kernel does not accept a filter of system calls: error %d", errno);
 }
 
 vor_status vor_sandbox_enter(const struct vor_sandbox *sandbox, enum vor_sandbox_kind kind,
@@ -228,7 +228,8 @@ enum vor_sandbox_kind vor_sandbox_probe(struct vor_error *why)
 
     mapped = HAS_SANITIZER ? 0 : mapped_bytes(); /* 0: no limit */
     if (HAS_SANITIZER) {
-        (void)vor_fail(why, VOR_E_INTERNAL, "this build has a sanitizer, which needs system calls");
+        (void)vor_fail(why, VOR_E_INTERNAL,
+                       "this build has a sanitizer, which needs more system calls");
         return VOR_SANDBOX_PARTIAL;
     }
     if (make_program(why) != VOR_OK)
@@ -240,7 +241,8 @@ enum vor_sandbox_kind vor_sandbox_probe(struct vor_error *why)
         continue;
     if (pid > 0 && WIFEXITED(status) && WEXITSTATUS(status) == EXIT_SUCCESS)
         return VOR_SANDBOX_FULL;
-    (void)vor_fail(why, VOR_E_INTERNAL,
-                   "this kernel, or what it runs in, takes no list of system calls (seccomp)");
+    (void)vor_fail(
+        why, VOR_E_INTERNAL,
+        "this kernel or its container does not support filters of system calls (seccomp)");
     return VOR_SANDBOX_PARTIAL;
 }

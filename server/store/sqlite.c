@@ -94,7 +94,7 @@ static vor_status check(struct vor_store *store, struct vor_error *err)
     int64_t rows;
 
     if (vor_sqlite_broken(db_of(store)))
-        return vor_fail(err, VOR_E_IO, "the job store is out of order since its disk failed");
+        return vor_fail(err, VOR_E_IO, "the job store cannot be used since its disk failed");
     return vor_sqlite_query(db_of(store), take_number, &rows, err, "SELECT seq FROM job LIMIT 1",
                             "");
 }

@@ -204,7 +204,7 @@ static vor_status change(struct vor_sqlite *db, struct change *change, struct vo
     int code;
 
     if (vor_sqlite_broken(db))
-        return vor_fail(err, VOR_E_IO, "the job store is out of order since its disk failed");
+        return vor_fail(err, VOR_E_IO, "the job store cannot be used since its disk failed");
     pthread_mutex_lock(&db->writer.mutex);
     code = start(&row.statement, &db->writer, sql, types, args);
     for (; code == SQLITE_ROW; code = sqlite3_step(row.statement)) {

@@ -59,8 +59,7 @@ vor_status vor_sqlite_prepare_schema(struct vor_sqlite *db, struct vor_error *er
     vor_status status = vor_sqlite_query(db, take_number, &version, err, "PRAGMA user_version", "");
 
     if (status == VOR_OK && version != 0 && version != SCHEMA_VERSION)
-        return vor_fail(err, VOR_E_IO,
-                        "the job store is of schema %lld, this program knows %d only",
+        return vor_fail(err, VOR_E_IO, "the job store has schema %lld, this program knows only %d",
                         (long long)version, SCHEMA_VERSION);
     if (status == VOR_OK && version == 0)
         status = vor_sqlite_run(db, schema, err);

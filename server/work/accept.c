@@ -76,7 +76,7 @@ static vor_status check_need(const struct vor_worker *worker, const struct vor_j
     if (need <= budget)
         return VOR_OK;
     (void)vor_fail(err, VOR_E_NOMEM,
-                   "the job needs about %llu bytes of memory, all jobs together may have %llu",
+                   "the job needs about %llu bytes of memory, all jobs together may use %llu",
                    (unsigned long long)need, (unsigned long long)budget);
     err->limit = budget;
     err->got = need;
@@ -132,8 +132,7 @@ static vor_status take_inputs(struct vor_job_view *row, const struct vor_admitte
         const struct vor_artefact_info *info = vor_artefact_find(process->inputs, name);
 
         if (info == NULL)
-            return vor_fail_param(err, VOR_E_PARAM, name, "%s takes no input %s", process->id,
-                                  name);
+            return vor_fail_param(err, VOR_E_PARAM, name, "%s has no input %s", process->id, name);
         row->inputs |= 1u << (info - process->inputs);
         row->input[info - process->inputs] = admitted->item[i].found;
         row->kept += admitted->item[i].is_kept ? admitted->item[i].found.bytes : 0;
@@ -191,8 +190,7 @@ static vor_status check_bytes(struct vor_worker *worker, const struct vor_admitt
         *bytes += admitted->item[i].decoded;
     if (*bytes <= most)
         return VOR_OK;
-    (void)vor_fail(err, VOR_E_BYTES,
-                   "the decoded inputs have %llu bytes, want at most %llu, which may wait",
+    (void)vor_fail(err, VOR_E_BYTES, "the decoded inputs have %llu bytes, want at most %llu",
                    (unsigned long long)*bytes, (unsigned long long)most);
     err->limit = most;
     err->got = *bytes;

@@ -33,7 +33,7 @@ static vor_status check_dump(const struct vor_blob_writer *writer,
     status = vor_dump_check(&points, bytes, size, err);
     (void)munmap(bytes, size);
     if (status == VOR_OK && points != facts->points)
-        status = vor_fail(err, VOR_E_FORMAT, "the reader told %llu points and wrote %zu",
+        status = vor_fail(err, VOR_E_FORMAT, "the reader announced %llu points and wrote %zu",
                           (unsigned long long)facts->points, points);
     return status;
 }
@@ -212,9 +212,9 @@ static void run_admission(void *ctx)
 
     if (vor_crew_closing(admission->admit->crew))
         admission->status =
-            vor_fail(&admission->error, VOR_E_CANCELLED, "the daemon is going down");
+            vor_fail(&admission->error, VOR_E_CANCELLED, "the daemon is shutting down");
     else if (admission->has_left != NULL && admission->has_left(admission->ctx))
-        admission->status = vor_fail(&admission->error, VOR_E_CANCELLED, "the caller left");
+        admission->status = vor_fail(&admission->error, VOR_E_CANCELLED, "the client disconnected");
     else
         admission->status = admit_all(admission);
     if (admission->status == VOR_OK)

@@ -74,7 +74,7 @@ static vor_status write_cloud(struct vor_job_output *out, struct vor_blob_writer
     options.mesh = &artefact->mesh;
     status = vor_encode(&sink, writing->place, &artefact->cloud, out->format, &options, &why);
     if (status == VOR_E_IO && vor_blob_failure(writer, err) == VOR_OK)
-        return vor_fail(err, VOR_E_INTERNAL, "the %s writer gave up: %.900s", format->label,
+        return vor_fail(err, VOR_E_INTERNAL, "the %s writer failed: %.900s", format->label,
                         why.message);
     if (status != VOR_OK && status != VOR_E_IO)
         *err = why;

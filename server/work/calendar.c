@@ -23,8 +23,8 @@ vor_status vor_calendar_begin(struct vor_worker *worker, struct vor_error *err)
     calendar->unsure = calendar->newest > 0 && (ahead > unsure_ms || ahead < -jump_ms);
     if (calendar->unsure)
         vor_log(VOR_LOG_WARN,
-                "the clock does not continue the table of jobs: nothing expires for an hour, or "
-                "until it does",
+                "the clock does not fit the times of the stored jobs: nothing expires for an hour, "
+                "or until it does",
                 VOR_REAL("ahead_s", (double)ahead / 1000));
     return VOR_OK;
 }
@@ -42,12 +42,12 @@ static int move_rows(struct vor_worker *worker, int64_t by)
     struct vor_error err;
 
     if (vor_store_shift(worker->config.store, by, &err) != VOR_OK) {
-        vor_log(VOR_LOG_ERROR, "the clock jumped, and no row could be moved along",
+        vor_log(VOR_LOG_ERROR, "the clock jumped, and expiry times could not be adjusted",
                 VOR_TEXT("error", err.message));
         return 0;
     }
     vor_worker_trim_lost(worker, by);
-    vor_log(VOR_LOG_WARN, "the clock jumped: the ends of results are moved along",
+    vor_log(VOR_LOG_WARN, "the clock jumped: expiry times are adjusted",
             VOR_REAL("by_s", (double)by / 1000));
     return 1;
 }

@@ -142,7 +142,7 @@ static vor_status shut_in_and_do(struct vor_codec_reply *reply, struct ring *rin
     warm_heap(size);
     status = vor_codec_do(&reply->facts, &sink, &start->order, input, &reply->error);
     if (status == VOR_OK && flush(ring) != 0)
-        status = vor_fail(&reply->error, VOR_E_IO, "the bytes were not taken");
+        status = vor_fail(&reply->error, VOR_E_IO, "the bytes were not received");
     return status;
 }
 

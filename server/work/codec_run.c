@@ -102,7 +102,7 @@ static const char *what_of(const struct vor_codec_order *order)
 
 static vor_status too_long(const struct run *run, struct vor_error *err)
 {
-    return vor_fail(err, blame(run), "%s took longer than it may: %u s of computing time",
+    return vor_fail(err, blame(run), "%s took longer than the limit of %u s of CPU time",
                     what_of(run->order), vor_codec_seconds(run->order->size));
 }
 
@@ -120,9 +120,10 @@ static vor_status explain(const struct run *run, const struct vor_child_end *end
     case SIGXCPU:
         return too_long(run, err);
     case SIGSYS:
-        return vor_fail(err, blame(run), "%s was stopped: it tried what it may not", what);
+        return vor_fail(err, blame(run),
+                        "%s was stopped: it made a system call that is not allowed", what);
     case SIGKILL:
-        return vor_fail(err, VOR_E_NOMEM, "%s was killed: the machine has no memory for it", what);
+        return vor_fail(err, VOR_E_NOMEM, "%s was killed: the machine is out of memory", what);
     default:
         return vor_fail(err, blame(run), "%s failed: it crashed (signal %d, exit status %d)", what,
                         end->signal, end->status);
@@ -144,8 +145,10 @@ static vor_status take_end(struct run *run, struct vor_error *err)
 
 static vor_status nonsense(struct run *run, struct vor_error *err)
 {
-    vor_log(VOR_LOG_WARN, "codec child told nonsense", VOR_TEXT("work", what_of(run->order)));
-    return vor_fail(err, blame(run), "%s failed: its reader told nonsense", what_of(run->order));
+    vor_log(VOR_LOG_WARN, "codec child sent an invalid message",
+            VOR_TEXT("work", what_of(run->order)));
+    return vor_fail(err, blame(run), "%s failed: its process sent an invalid message",
+                    what_of(run->order));
 }
 
 /* Passes on what the child has put into a slot. */
@@ -234,7 +237,7 @@ static vor_status listen(struct run *run, struct vor_codec_facts *facts, struct 
         if (event == VOR_CHANNEL_GONE)
             return take_end(run, err);
         if (run->place->has_left != NULL && run->place->has_left(run->place->ctx))
-            return vor_fail(err, VOR_E_CANCELLED, "the caller left");
+            return vor_fail(err, VOR_E_CANCELLED, "the client disconnected");
         if (vor_clock_seconds() > run->until)
             return too_long(run, err);
         if (event == VOR_CHANNEL_LATE)

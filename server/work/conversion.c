@@ -156,7 +156,7 @@ static void drop_if_gone(const struct vor_conversion *conversion)
     }
     vor_blob_of_converted(output_name(conversion), vor_format(conversion->format)->name, name);
     if (vor_blob_drop(config->blobs, &conversion->row.id, name, NULL) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "bytes left behind", VOR_TEXT("job", conversion->row.id.text));
+        vor_log(VOR_LOG_WARN, "file not deleted", VOR_TEXT("job", conversion->row.id.text));
 }
 
 static vor_status convert(const struct vor_conversion *conversion, struct vor_error *err)
@@ -166,7 +166,7 @@ static vor_status convert(const struct vor_conversion *conversion, struct vor_er
     vor_status status;
 
     if (vor_crew_closing(conversion->service->config.crew))
-        return vor_fail(err, VOR_E_CANCELLED, "the daemon is going down");
+        return vor_fail(err, VOR_E_CANCELLED, "the daemon is shutting down");
     status = vor_blob_get(conversion->service->config.blobs, &conversion->row.id,
                           output_name(conversion), &fd, &size, &found, err);
     if (status != VOR_OK)

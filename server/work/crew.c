@@ -144,7 +144,7 @@ vor_status vor_crew_create(struct vor_crew **out, unsigned threads, size_t waiti
 
     assert(threads >= 1 && waiting_max >= 1);
     if (crew == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "a crew of %u threads", threads);
+        return vor_fail(err, VOR_E_NOMEM, "a pool of %u threads", threads);
     crew->tail = &crew->head;
     crew->waiting_max = crew->caller_waiting_max = waiting_max;
     crew->caller_running_max = crew->count = threads;
@@ -156,7 +156,7 @@ vor_status vor_crew_create(struct vor_crew **out, unsigned threads, size_t waiti
         if (pthread_create(&hand->thread, NULL, crew_main, hand) == 0)
             continue;
         vor_crew_destroy(crew);
-        return vor_fail(err, VOR_E_NOMEM, "cannot start a crew of %u threads", threads);
+        return vor_fail(err, VOR_E_NOMEM, "cannot start a pool of %u threads", threads);
     }
     *out = crew;
     return VOR_OK;

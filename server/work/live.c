@@ -245,7 +245,7 @@ void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, const
     struct vor_error err;
 
     if (vor_blob_drop(worker->config.blobs, id, name, &err) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "bytes left behind", VOR_TEXT("job", id->text),
+        vor_log(VOR_LOG_WARN, "file not deleted", VOR_TEXT("job", id->text),
                 VOR_TEXT("error", err.message));
 }
 
@@ -301,7 +301,7 @@ void vor_worker_shed(struct vor_worker *worker)
     while (count == BATCH) {
         if (vor_store_shed(worker->config.store, worker->config.keep, shed, BATCH, &count, &err) !=
             VOR_OK)
-            vor_log(VOR_LOG_WARN, "uploads not shed", VOR_TEXT("error", err.message));
+            vor_log(VOR_LOG_WARN, "uploads not deleted", VOR_TEXT("error", err.message));
         for (size_t i = 0; i < count; i++)
             vor_worker_drop_uploads(worker, &shed[i].id, shed[i].process);
         total += count;
@@ -320,7 +320,7 @@ void vor_worker_crowd(struct vor_worker *worker)
     while (count == BATCH) {
         if (vor_store_crowd(worker->config.store, worker->config.results, crowded, BATCH, &count,
                             &err) != VOR_OK)
-            vor_log(VOR_LOG_WARN, "results not dropped", VOR_TEXT("error", err.message));
+            vor_log(VOR_LOG_WARN, "results not deleted", VOR_TEXT("error", err.message));
         for (size_t i = 0; i < count; i++) {
             vor_worker_drop_outputs(worker, &crowded[i].id, crowded[i].process);
             vor_worker_drop_uploads(worker, &crowded[i].id, crowded[i].process);
@@ -328,5 +328,5 @@ void vor_worker_crowd(struct vor_worker *worker)
         total += count;
     }
     if (total > 0)
-        vor_log(VOR_LOG_INFO, "results dropped for want of room", VOR_COUNT("jobs", total));
+        vor_log(VOR_LOG_INFO, "results deleted to make room", VOR_COUNT("jobs", total));
 }

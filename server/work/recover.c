@@ -241,7 +241,7 @@ static int put_away(struct vor_worker *worker, const struct vor_found_blob *blob
     }
     if (vor_blob_set_aside(worker->config.blobs, &blob->id, blob->name, &err) == VOR_OK)
         return 1;
-    vor_log(VOR_LOG_WARN, "bytes not set aside", VOR_TEXT("job", blob->id.text),
+    vor_log(VOR_LOG_WARN, "files not moved to the folder lost", VOR_TEXT("job", blob->id.text),
             VOR_TEXT("error", err.message));
     return 0;
 }
@@ -262,7 +262,7 @@ static void say_strays(int is_lost, size_t files, uint64_t bytes)
 {
     if (files > 0 && is_lost)
         vor_log(VOR_LOG_WARN,
-                "THE TABLE OF JOBS HAS LOST ROWS: bytes that no row needs are set aside in the "
+                "THE TABLE OF JOBS HAS LOST ROWS: files that belong to no job are moved to the "
                 "folder lost of --blobs, for --lost-ttl and up to --lost-bytes",
                 VOR_COUNT("files", files), VOR_COUNT("bytes", bytes));
     else if (files > 0)
@@ -339,7 +339,8 @@ vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err)
     if (status == VOR_OK)
         status = recover_rows(worker, err);
     if (status == VOR_E_IO && vor_error_storage_full(err)) {
-        vor_log(VOR_LOG_ERROR, "the disk is full: what ran or waited goes on once there is room",
+        vor_log(VOR_LOG_ERROR,
+                "the disk is full: running and waiting jobs continue once there is room",
                 VOR_TEXT("error", err->message));
         atomic_store(&worker->is_late, 1);
         status = VOR_OK;

@@ -80,5 +80,6 @@ void vor_worker_trim_lost(struct vor_worker *worker, int64_t shift_ms)
     bounds.oldest_ms =
         vor_clock_wall_ms() - shift_ms - (int64_t)(worker->config.lost_seconds * 1000);
     if (vor_blobs_trim_lost(worker->config.blobs, &bounds, &err) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "lost bytes not looked through", VOR_TEXT("error", err.message));
+        vor_log(VOR_LOG_WARN, "the folder of lost files cannot be read",
+                VOR_TEXT("error", err.message));
 }

@@ -320,7 +320,8 @@ static void set_limits(struct run *run)
 static void explain(struct run *run, struct vor_error *problem)
 {
     if (problem->status == VOR_E_CANCELLED && atomic_load(&run->late))
-        (void)vor_fail(problem, VOR_E_DEADLINE, "the job ran for %g seconds, as long as it may",
+        (void)vor_fail(problem, VOR_E_DEADLINE,
+                       "the job ran for %g seconds, the longest that is allowed",
                        run->worker->config.job_seconds);
 }
 
@@ -332,10 +333,10 @@ static void give_back(struct run *run)
 
     if (vor_store_release(run->worker->config.store, &run->view.id, run->attempt,
                           vor_clock_wall_ms(), &changed, &err) != VOR_OK)
-        vor_log(VOR_LOG_ERROR, "a job cannot be given back", VOR_OF_JOB(&run->view),
+        vor_log(VOR_LOG_ERROR, "a job cannot be returned to the queue", VOR_OF_JOB(&run->view),
                 VOR_TEXT("error", err.message));
     else if (changed)
-        vor_log(VOR_LOG_INFO, "job given back", VOR_OF_JOB(&run->view));
+        vor_log(VOR_LOG_INFO, "job returned to the queue", VOR_OF_JOB(&run->view));
 }
 
 /* running -> accepted in the store; *crashes gets how often the job has crashed with nothing beside

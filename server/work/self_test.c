@@ -31,7 +31,7 @@ vor_status vor_self_test_judge(const struct vor_cloud *made, double delta, struc
                             i, sqrt(sum));
     }
     if (!(delta <= delta_most))
-        return vor_fail(err, VOR_E_INTERNAL, "a uniformity of %g, at most %g is right", delta,
+        return vor_fail(err, VOR_E_INTERNAL, "the uniformity is %g, want at most %g", delta,
                         delta_most);
     return VOR_OK;
 }

@@ -102,7 +102,7 @@ static vor_status wait_ready(struct vor_child *child, struct vor_error *err)
             return VOR_OK;
         vor_child_kill(child);
         (void)vor_child_wait(child, &end, end_seconds);
-        return vor_fail(err, VOR_E_INTERNAL, "the engine fails its test of itself: %.*s",
+        return vor_fail(err, VOR_E_INTERNAL, "the engine fails its self-test: %.*s",
                         (int)sizeof why.message, why.message);
     }
     vor_child_kill(child);

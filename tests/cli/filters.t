@@ -52,10 +52,10 @@ is $job->{content} =~ /^element vertex (\d+)$/m ? $1 : -1, $points, 'and gives a
 # An unknown word, and thin, which says nothing of a number of points.
 ($code, $stdout, $stderr) = run(['denoise', $in, '--filters', 'mls,blur', '-o', $out]);
 is $code, 2, 'an unknown filter is refused as a wrong parameter';
-like $stderr, qr/filters is "mls,blur", want each at most once and with commas between, words of mls, outliers, thin, or none/, 'with the list';
+like $stderr, qr/filters is "mls,blur", want words separated by commas, each at most once: mls, outliers, thin, or none/, 'with the list';
 my $refused = $http->post("$daemon->{url}/v1/denoise?filters=blur", { content => slurp($in) });
 is $refused->{status}, 422, 'over HTTP as a request that can be read but not followed';
-like decode_json($refused->{content})->{detail}, qr/^filters is "blur", want each at most once and with commas between, words of mls, outliers, thin, or none/, 'with the list';
+like decode_json($refused->{content})->{detail}, qr/^filters is "blur", want words separated by commas, each at most once: mls, outliers, thin, or none/, 'with the list';
 ($code, $stdout, $stderr) = run(['resample', $in, '--filters', 'thin', '-o', $out]);
 like $stderr, qr/0 of points, ratio and spacing are given/, 'thin alone says nothing of a number of points';
 

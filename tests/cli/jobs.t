@@ -89,7 +89,7 @@ subtest 'wait' => sub {
     await { shown($waiting) =~ /"iteration":[1-9]/ };
     kill 'INT', $waiting->{pid};
     ($code, undef, $stderr) = finish($waiting);
-    is "$code|$stderr", "130|voronoid: $id: no longer waited for; the job goes on\n", '^C ends the waiting';
+    is "$code|$stderr", "130|voronoid: $id: no longer waiting; the job continues\n", '^C ends the waiting';
     is info($id)->{status}, 'running', 'and not the job';
     $waiting = start(['wait', $id, '--json', @there]);
     await { shown($waiting) =~ /"iteration":[1-9]/ };
@@ -123,7 +123,7 @@ subtest 'jobs' => sub {
     for my $case (
         [['--limit', 0], qr/limit is 0, want a whole number from 1 to 10000/], [['--limit', '2x'], qr/limit is 2x/],
         [['--status', 'lost'], qr/status|lost/], [['--status', 'a&b'], qr/status is "a&b", want some of accepted,/],
-        [['x'], qr/x is no job, want an ID such as/], [['../jobs'], qr/is no job/],
+        [['x'], qr/x is not a job, want an ID such as/], [['../jobs'], qr/is not a job/],
     ) {
         my ($arguments, $why) = @$case;
         ($code, undef, $stderr) = run(['jobs', @$arguments, @there]);
@@ -165,7 +165,7 @@ subtest 'fetch' => sub {
     is_deeply [map { $_->{bytes} } @told], [map { -s $_->{file} } @told], 'and size';
     is_deeply [sort split / /, leftovers($out)], [sort map { $_->{file} =~ s{.*/}{}r } @told], 'no others';
     for my $case (
-        [[$done, $inspected, '-o', 'x'], 2, qr/2 jobs, and their results need a folder: give -o DIR/],
+        [[$done, $inspected, '-o', 'x'], 2, qr/2 jobs need a folder for their results: give -o DIR/],
         [[$done, '--result', 'mesh', '-o', '-'], 2, qr/$done: no result mesh, want cloud or report/],
         [[$none, '-o', '-'], 1, qr/There is no such job/i], [[], 2, qr/no job: give its ID; see voronoid jobs/],
     ) {

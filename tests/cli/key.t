@@ -41,7 +41,7 @@ my $daemon = daemon("$folder/data", '127.0.0.1:0', '--api-keys', "$folder/keys")
 my @server = ('--server', $daemon->{url});
 my ($status, $stdout, $stderr) = run(['resample', $in, @quick, '-o', "$folder/none.ply", @server]);
 is $status, 1, 'without a key nothing is done';
-like $stderr, qr/The request needs a key: there is no key; send one as/, 'and the answer is told';
+like $stderr, qr/The request needs a key: the request has no key; send one as/, 'and the answer is told';
 ($status, undef, $stderr) = run(['resample', $in, @quick, '-o', "$folder/out.ply", @server, '--api-key-file', "$folder/key"]);
 is "$status|$stderr", '0|', 'with that of a file it is';
 ($status, $stdout) = run(['jobs', '-q', @server], env => { VORONOID_KEY => $key });

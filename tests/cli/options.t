@@ -49,7 +49,7 @@ like $of_measure, qr/^      --peak VALUE\n(?: {6}\S[^\n]+\n)+      1e-30 to 1e\+
 unlike $of_measure, qr/--(?:points|listen|seed|format)\b/, 'and nothing that it does not take';
 unlike $help, qr/--(?:peak|reference)\b/, 'nor does that of resample';
 like $help, qr/6 to 500 points \| auto, default auto/, 'it shows range, auto and default';
-like $help, qr/--polish VALUE\n      Steps of the polish\. Most steps [^\n]+\n(?: {6}\S[^\n]+\n)*      0 to 10000, default \d+\n/, 'it explains the polish';
+like $help, qr/--polish VALUE\n      Steps of the polish\. Largest number [^\n]+\n(?: {6}\S[^\n]+\n)*      0 to 10000, default \d+\n/, 'it explains the polish';
 like $help, qr/env:\s+VORONOID_SERVER/, 'it shows environment variables';
 
 # Levels and presets.
@@ -78,7 +78,8 @@ refused 'a preset where there is none', ['measure', $in, '--preset', 'even'], 2,
     'measure: no option --preset; see voronoid measure --help';
 
 ($code, $help) = run(['--version']);
-like $help, qr/^voronoid \d+\.\d+\.\d+\n\z/, 'the version is one line';
+my ($version) = slurp("$FindBin::Bin/../../Makefile") =~ /^VERSION := (\S+)$/m;
+is $help, "voronoid $version\n", 'the version is one line, that of the Makefile';
 is((run(['version']))[1], $help, 'voronoid version is the same');
 
 refused 'no command', [], 2, 'no command; see voronoid --help';
@@ -122,9 +123,9 @@ refused 'a value for a flag', ['resample', $in, @points, '-o', $out, '--json=1']
 refused 'no input', ['resample', @points, '-o', $out], 2,
     'resample: no input: give a file, or - for stdin';
 refused 'two inputs and one file', ['resample', $in, $in, @points, '-o', $out], 2,
-    'resample: 2 inputs, and their results need a folder: give -o DIR/';
+    'resample: 2 inputs need a folder for their results: give -o DIR/';
 refused 'two inputs and stdout', ['inspect', $in, $in], 2,
-    'inspect: 2 inputs, and their results need a folder: give -o DIR/';
+    'inspect: 2 inputs need a folder for their results: give -o DIR/';
 refused 'an operand too many', ['health', 'x'], 2, 'health: one operand too many: x';
 refused 'no output', ['resample', $in, @points], 2,
     'resample: no output: give -o FILE, or -o - for stdout';
@@ -159,7 +160,7 @@ refused 'too many threads', ['resample', $in, '-o', $out, @points, '--threads', 
 refused 'threads by the environment', ['resample', $in, '-o', $out, @points], 2,
     'resample: threads is two, want a whole number from 0 to 256', env => { VORONOID_THREADS => 'two' };
 refused 'two clouds from one stdin', ['measure', '-', '--reference', '-'], 2,
-    'measure: both clouds are -, and there is only one stdin';
+    'measure: both clouds are -, but there is only one stdin';
 
 refused 'a file that is not there', ['resample', "$folder/no.ply", @points, '-o', $out], 1,
     "$folder/no.ply: cannot be read: No such file or directory";

@@ -35,7 +35,7 @@ my @quick = ('--iterations', 1, '--polish', 0);
 
 my ($code, $out, $err) = run(['resample', "$dir/sheet.ply", '-n', 300, @quick, '-o', "$dir/a.drc"]);
 is $code, 0, 'a sheet is resampled';
-like $err, qr{^voronoid: \S+/a\.drc: positions in the file count from the origin 566050,5933050,0$}m,
+like $err, qr{^voronoid: \S+/a\.drc: positions in the file are relative to the origin 566050,5933050,0$}m,
     'a line tells where its zero is';
 is scalar(() = $err =~ /origin/g), 1, 'one line';
 (undef, undef, $err) = run(['resample', "$dir/sheet.ply", '-n', 300, @quick, '-o', "$dir/a.ply"]);
@@ -65,10 +65,10 @@ for my $case (['566000.5,5933000,-3', '566000.5,5933000,-3'], ['relative', '5660
 spew("$dir/c.drc", 'as it was');
 ($code, undef, $err) = run(['resample', "$dir/sheet.ply", '-n', 3000, @quick, '--origin', 'absolute', '-o', "$dir/c.drc"]);
 is $code, 3, 'absolute is refused where float32 is too coarse';
-like $err, qr/^voronoid: \S+sheet\.ply: origin is absolute, and float32 has steps of 0\.5 /, 'with the step, before the work';
+like $err, qr/^voronoid: \S+sheet\.ply: origin is absolute, where float32 has steps of 0\.5 /, 'with the step, before the work';
 ($code, undef, $err) = run(['resample', "$dir/sheet.ply", '-n', 300, @quick, '--origin', 'absolute', '-o', "$dir/c.drc"]);
 is $code, 3, 'also after it, where the estimate was not sure';
-like $err, qr/^voronoid: \S+c\.drc: origin is absolute, and float32 has steps of 0\.5 .* want at most 0\.[23]\d+, the spacing/,
+like $err, qr/^voronoid: \S+c\.drc: origin is absolute, where float32 has steps of 0\.5 .* want at most 0\.[23]\d+, the spacing/,
     'with the step';
 is slurp("$dir/c.drc"), 'as it was', 'and what lay there still does';
 ($code) = run(['resample', "$dir/sheet.ply", '-n', 60, @quick, '--origin', 'absolute', '--quiet', '-o', "$dir/c.drc"]);
@@ -84,7 +84,7 @@ my $daemon = daemon(scratch() . '/data', '127.0.0.1:0', '--threads', 2);
 my @there = ('resample', "$dir/sheet.ply", @quick, '--server', $daemon->{url});
 ($code, undef, $err) = run([@there, '-n', 300, '-o', "$dir/there.drc"]);
 is $code, 0, 'a daemon resamples the sheet';
-like $err, qr{there\.drc: positions in the file count from the origin 566050,5933050,0$}m, 'and its origin is told';
+like $err, qr{there\.drc: positions in the file are relative to the origin 566050,5933050,0$}m, 'and its origin is told';
 ok slurp("$dir/there.drc") eq slurp("$dir/a.drc"), 'the file is the one that is made here';
 for my $n (3000, 300) {
     ($code, undef, $err) = run([@there, '-n', $n, '--origin', 'absolute', '-o', "$dir/there.drc"]);

@@ -109,7 +109,7 @@ subtest 'refusals' => sub {
     my $bad = spew("$folder/bad.ply", "hello\n");
     my $empty = spew("$folder/empty.ply", '');
     for my $case (
-        [$bad, 3, qr/The bytes are in no format this build reads: [^\n]+/], [$empty, 3, qr/The cloud has no points: [^\n]+/],
+        [$bad, 3, qr/The format of the data is unknown: [^\n]+/], [$empty, 3, qr/The cloud has no points: [^\n]+/],
         ["$folder/no.ply", 1, qr/cannot be read: No such file or directory/],
     ) {
         my ($path, $wanted, $why) = @$case;
@@ -223,7 +223,7 @@ subtest 'a name' => sub {
     is $code, 2, 'one that is too long is refused';
     like $stderr, qr/name is "x+\.\.\.", want 1 to 200 characters/, 'with what one is';
     ($code, undef, $stderr) = run(['resample', $in, @request, '-o', $out, '--name', 'a']);
-    is "$code $stderr", "2 voronoid: resample: --name goes with --server: it is the job's there\n", 'here there is none';
+    is "$code $stderr", "2 voronoid: resample: --name names the job on a daemon: give --server too\n", 'here there is none';
 };
 
 is((stop($daemon))[0], 0, 'the daemon ends well');

@@ -65,7 +65,7 @@ is jobs(), $before, 'and none of these made one';
 for my $bad ('""', '"a', 'a b', 'a"b', '"a", "b"', '"' . 'x' x 256 . '"', 'a\\b') {
     my $refused = $daemon->post($quick, $cloud, keyed($bad));
     is_problem($refused, 400, 'invalid-parameter', 'no key: ' . substr($bad, 0, 12));
-    like json($refused)->{detail}, qr/want one of 1 to 255 visible characters of ASCII but quote, comma and backslash/,
+    like json($refused)->{detail}, qr/want 1 to 255 visible ASCII characters except quote, comma and backslash/,
         'the answer says what one is';
 }
 is $daemon->post($quick, $cloud, keyed('"' . '~' x 255 . '"'))->{status}, 200, 'the longest key is one';
@@ -172,7 +172,7 @@ for my $case (['nothing that says so', ''], ['a length of 0', "Content-Length: 0
         . "Connection: close\r\n\r\n")), qr{\AHTTP/1\.1 200 }, "without a body, with $case->[0]";
 }
 like $daemon->raw("POST $quick&input=job:" . id_of($rerun) . " HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n"
-    . "Connection: close\r\n\r\n3\r\nply\r\n0\r\n\r\n"), qr{\AHTTP/1\.1 400 .*goes without a body}s,
+    . "Connection: close\r\n\r\n3\r\nply\r\n0\r\n\r\n"), qr{\AHTTP/1\.1 400 .*but the body is a cloud too}s,
     'a body without a length is one too';
 
 my $unknown = $daemon->post("$quick&input=job:$id", '');
@@ -181,7 +181,7 @@ like json($unknown)->{detail}, qr/^input is job:$id: there is no such job/, 'whi
 for my $bad ('', 'job:', "job:${id}0", $id, 'file:/etc/passwd', 'job:../x') {
     my $refused = $daemon->post("$quick&input=$bad", '');
     is_problem($refused, 400, 'invalid-parameter', "input=$bad is refused");
-    like json($refused)->{detail}, qr/^input is "\Q$bad\E", want job: and the identifier/, 'with what it may be';
+    like json($refused)->{detail}, qr/^input is "\Q$bad\E", want job: and the ID/, 'with what it may be';
 }
 is_problem($daemon->post("$quick&input=job:" . id_of($rerun), $cloud), 400, 'invalid-parameter',
     'input and a body together are refused');

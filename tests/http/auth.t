@@ -123,7 +123,7 @@ like $refused->{headers}{'www-authenticate'}, qr/error="invalid_token"/, 'is tol
 unlike $refused->{content}, qr/vor_nothing/, 'and not sent back';
 $refused = ask('reader', 'POST', "/v1/resample?$quick", content => $cloud);
 is_problem($refused, 403, 'forbidden', 'a scope that is missing');
-like json($refused)->{detail}, qr/^the scopes of the key reader are read, want submit with them$/, 'is named';
+like json($refused)->{detail}, qr/^the key reader has the scopes read, want submit as well$/, 'is named';
 like $refused->{headers}{'www-authenticate'}, qr/error="insufficient_scope", scope="submit"/, 'for programs too';
 is $daemon->get('/v1/jobs', headers => $_->[0])->{status}, $_->[1], $_->[2] for
     [{ 'X-API-Key' => $key{alice} }, 200, 'X-API-Key does'], [{ 'X-API-Key' => 'x' }, 401, 'unless it is none'],
@@ -245,7 +245,7 @@ for my $case (@no) {
 }
 my ($status, $text) = Vt::run('--data', "$dir/none", '--no-auth', '--api-keys', $file);
 is $status, 2, 'keys and --no-auth are at odds';
-like $text, qr/--no-auth lets anybody in and --api-keys \Q$file\E does not/, 'which is said';
+like $text, qr/--no-auth and --api-keys \Q$file\E contradict each other/, 'which is said';
 ($status, $text) = Vt::run('--data', "$dir/none", '--listen', '127.0.0.1:0', '--api-keys', "$dir/none");
 is $status, 1, 'a file of keys that is not there ends it';
 like $text, qr{^voronoid: \Q$dir/none\E: No such file}, 'and is named';

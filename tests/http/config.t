@@ -25,7 +25,7 @@ sub check { return Vt::run('--data', "$dir/data", '--check-config', @_) }
 
 my ($status, $text, $printed) = check();
 is $status, 0, '--check-config ends well where nothing is wrong';
-is $printed, "voronoid: the settings are sound\n", 'and says so';
+is $printed, "voronoid: the settings are valid\n", 'and says so';
 ok !-e "$dir/data", 'without making a folder';
 ($status, $text) = check('--queue', 0);
 is $status, 2, 'and with 2 where something is';

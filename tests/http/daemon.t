@@ -30,9 +30,9 @@ for my $case (
     [['--cors-origin', '*'], qr/--cors-origin holds "\*", want a list of origins/],
     [['--cors-origin', 'https://a.example, https://b.example/'], qr{holds "https://b\.example/"}],
     [['--cors-origin', 'a.example'], qr/holds "a\.example"/],
-    [['--he=1'], qr/--he=1 may be --header-timeout or --heartbeat/], [['-x'], qr/-x is no setting/],
+    [['--he=1'], qr/--he=1 may be --header-timeout or --heartbeat/], [['-x'], qr/-x is not a setting/],
     [['--strea=0'], qr/--streams is "0"/], [['--', '--jobs=1'], qr/--jobs=1 is/],
-    [['--colour', 'red'], qr/no setting --colour/], [['red'], qr/red is no setting/],
+    [['--colour', 'red'], qr/no setting --colour/], [['red'], qr/red is not a setting/],
 ) {
     my ($arguments, $message) = @$case;
     my ($status, $text) = Vt::run('--data', tempdir(CLEANUP => 1), @$arguments);
@@ -56,7 +56,7 @@ like $printed, qr{^POST /v1/resample submit 200 }m, '--print-routes prints the r
 
 my ($helped, undef, $help) = Vt::run('--help');
 is $helped, 0, '--help is no mistake';
-for my $entry (split /^  (?=--)/m, $help =~ s/\A.*?^Settings:\n//msr =~ s/^A flag wins.*//msr) {
+for my $entry (split /^  (?=--)/m, $help =~ s/\A.*?^Settings:\n//msr =~ s/^A flag overrides.*//msr) {
     my ($flag) = $entry =~ /\A(--[a-z-]+)/ or next;
     like $entry, qr/\A--[a-z-]+(?: [A-Z]+(?::[A-Z]+)?| (?:sqlite|dir):PATH)?\n/, "$flag: its value has a name";
     my $variable = 'VORONOID_' . uc(substr $flag, 2) =~ tr/-/_/r;

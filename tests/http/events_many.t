@@ -79,7 +79,7 @@ my @unknown = stream([@many[0 .. 63]])->all;
 is_deeply [map { data($_)->{jobID} } @unknown], [@many[0 .. 63]], '64 jobs may be asked for at once';
 is_problem $daemon->get(path(\@many)), 400, 'invalid-query-parameter-value', '65 may not';
 for my $case (
-    ['', qr/jobs is missing, want 1 to 64/], ['?jobs=', qr/jobs holds "", want 1 to 64 ids/],
+    ['', qr/jobs is missing, want 1 to 64/], ['?jobs=', qr/jobs holds "", want 1 to 64 IDs/],
     ['?jobs=1', qr/jobs holds "1"/], ["?jobs=$over,", qr/jobs holds ""/], ["?jobs=$over,$over", qr/holds $over twice/],
     ["?jobs=$over&lastEventId=1.1,1.1", qr/the last event id is "1\.1,1\.1", want .* for each of the 1 jobs/],
     ["?jobs=$over,$nobody&lastEventId=1.1", qr/each of the 2 jobs/], ["?jobs=$over&lastEventId=", qr/the last event id is ""/],

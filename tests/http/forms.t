@@ -100,7 +100,7 @@ is $info->{processID}, 'measure', 'there is a job of it';
 is_deeply { map { $_ => $info->{voronoid}{inputs}{$_}{points} } keys %{ $info->{voronoid}{inputs} } }, { cloud => 500, reference => 400 },
     'which tells its inputs';
 is_deeply json($daemon->get("/v1/jobs/$id/results/measure")), json($both), 'with its result';
-refused(curl('/v1/measure', '-F', "reference=\@$ply"), 400, 'invalid-parameter', qr/^measure has no cloud, and needs one$/,
+refused(curl('/v1/measure', '-F', "reference=\@$ply"), 400, 'invalid-parameter', qr/^measure has no cloud but needs one$/,
     'a reference without a cloud');
 refused(curl('/v1/measure?peak=1', '-F', "cloud=\@$ply"), 400, 'invalid-parameter', qr/^peak is 1 without a reference$/,
     'a peak without a reference');
@@ -123,11 +123,11 @@ for my $case (
     ['a parameter as a file', '', [['name="points"; filename="points.txt"', 100], [@cloud]], 400, qr/^points is a file, want a text$/],
     ['a value out of range', '', [['name="points"', 0], [@cloud]], 400, qr/^points is 0, want a whole number from 1 to 10000000$/],
     ['a text with a NUL', '', [['name="points"', "100\0"], [@cloud]], 400, qr/^points has a NUL$/],
-    ['a text of 4097 bytes', '', [['name="points"', '1' x 4097], [@cloud]], 400, qr/^points has more than 4096 bytes/],
+    ['a text of 4097 bytes', '', [['name="points"', '1' x 4097], [@cloud]], 400, qr/^points has more than the 4096 bytes/],
     ['a text of 4096 bytes', '', [['name="points"', '1' x 4096], [@cloud]], 400, qr/^points is 1+/],
     ['no points', '', [[@cloud]], 400, qr/^0 of points, ratio and spacing are given/],
-    ['no file', '', [[@points]], 400, qr/^resample has no cloud, and needs one$/],
-    ['no part', '', [], 400, qr/^resample has no cloud, and needs one$/],
+    ['no file', '', [[@points]], 400, qr/^resample has no cloud but needs one$/],
+    ['no part', '', [], 400, qr/^resample has no cloud but needs one$/],
 ) {
     my ($name, $query, $parts, $status, $detail) = @$case;
     my $answer = form("/v1/resample$query", $parts);
@@ -142,7 +142,7 @@ for my $case (
     ['an empty body', [], { body => '' }, qr/^the form is malformed: it ends before/],
     ['a form cut short', [], { body => "--bnd\r\nContent-Disposition: form-data; name=cloud\r\n\r\n$cloud" }, qr/it ends before/],
     ['no boundary', [[@cloud]], { type => 'multipart/form-data' }, qr/^Content-Type has no boundary, want one of 1 to 70/],
-    ['a boundary of 71', [[@cloud]], { type => 'multipart/form-data; boundary=' . 'b' x 71 }, qr/of 71 characters is none/],
+    ['a boundary of 71', [[@cloud]], { type => 'multipart/form-data; boundary=' . 'b' x 71 }, qr/of 71 characters is invalid/],
 ) {
     my ($name, $parts, $more, $detail, $slug) = @$case;
     refused(form('/v1/resample?points=100', $parts, %$more), 400, $slug // 'malformed-request', $detail, $name);
@@ -154,7 +154,7 @@ my $b70 = 'b' x 70;
 is form('/v1/resample?points=100', [], type => "multipart/form-data; boundary=$b70",
     body => "--$b70\r\nContent-Disposition: form-data; name=file\r\n\r\n$cloud\r\n--$b70--\r\n")->{status}, 200, 'a boundary of 70 is';
 refused(form('/v1/resample', [[@points], [@cloud]], headers => { 'Content-Encoding' => 'gzip' }), 415, 'unsupported-format',
-    qr/gzip for the whole form, want it in the head of a part/, 'a form that is gzip as a whole');
+    qr/gzip for the whole form, want it in the headers of a part/, 'a form that is gzip as a whole');
 my $large = file('large.ply', 'x' x 3_000_000);
 refused(curl('/v1/resample', '-F', 'pionts=5', '-F', "file=\@$large"), 400, 'invalid-parameter', qr/^no parameter pionts/,
     'a long form that is refused at its beginning');
@@ -198,12 +198,12 @@ my %json = ('Content-Type' => 'application/json');
 my $told = $daemon->post('/v1/processes/resample/execution',
     '{"inputs":{"points":1000,"filters":["mls"],"format":"drc","cloud":{"href":"x"}},"seed":2,"response":"raw"}', %json);
 refused($told, 400, 'invalid-parameter',
-    qr{^points stands in a JSON body, at /inputs/points; parameters belong in the query, .*: POST /v1/resample\?points=1000&filters=\.\.\.&format=drc&seed=2;},
+    qr{^points is in a JSON body, at /inputs/points; parameters belong in the query, .*: POST /v1/resample\?points=1000&filters=\.\.\.&format=drc&seed=2;},
     'parameters in JSON');
 is_deeply [map { $_->{pointer} } @{ json($told)->{errors} }], [qw(/inputs/points /inputs/filters /inputs/format /seed)],
     'errors[] has the place of each';
 for my $case (
-    ['{"points":5}', 400, 'invalid-parameter', qr{^points stands in a JSON body, at /points;}],
+    ['{"points":5}', 400, 'invalid-parameter', qr{^points is in a JSON body, at /points;}],
     ['{}', 415, 'unsupported-format', qr/^the body is JSON, want a cloud, or a form/],
     ['[1,2]', 415, 'unsupported-format', qr/^the body is JSON/],
     ['{"mesh":{"points":{"points":3}}}', 400, 'invalid-parameter', qr{at /mesh/points;}],

@@ -80,7 +80,7 @@ for my $first ('plain', 'packed') {
     is $again->($send{packed}->($cloud, 1)), "201 $id true", "first $first, then compressed in another way";
     my $other = $send{packed}->(sphere_ply(501));
     is_problem($other, 422, 'idempotency-key-reused', "first $first, then another cloud as gzip");
-    like json($other)->{detail}, qr/ is that of job \Q$id\E/, 'which is named';
+    like json($other)->{detail}, qr/ belongs to job \Q$id\E/, 'which is named';
     is $jobs->(), $before, 'no job more';
     $daemon->finish($id);
 }
@@ -106,12 +106,12 @@ deflate(\$cloud, \$deflated);
 for my $case (
     ['nothing', '', 422, 'empty-cloud', qr/is empty: 0 bytes/],
     ['gzip of nothing', packed(''), 422, 'empty-cloud', qr/is empty: 0 bytes/],
-    ['a cloud', $cloud, 400, 'malformed-request', qr/^the gzip body is no gzip at byte/],
-    ['zlib', $deflated, 400, 'malformed-request', qr/is no gzip/],
+    ['a cloud', $cloud, 400, 'malformed-request', qr/^the gzip body is not gzip at byte/],
+    ['zlib', $deflated, 400, 'malformed-request', qr/is not gzip/],
     ['gzip cut short', substr($whole, 0, -1), 400, 'malformed-request', qr/is cut short at byte (\d+) of \1$/],
     ['the beginning of gzip', substr($whole, 0, 5), 400, 'malformed-request', qr/is cut short/],
-    ['gzip and more', "${whole}more", 400, 'malformed-request', qr/is over and goes on at byte ${\length $whole} of/],
-    ['gzip and zeros', $whole . "\0" x 512, 400, 'malformed-request', qr/is over and goes on/],
+    ['gzip and more', "${whole}more", 400, 'malformed-request', qr/has data after its end at byte ${\length $whole} of/],
+    ['gzip and zeros', $whole . "\0" x 512, 400, 'malformed-request', qr/has data after its end/],
     ['gzip with a changed byte', $broken, 400, 'malformed-request', qr/is damaged/],
     ['gzip with another checksum', $crc, 400, 'malformed-request', qr/is damaged/],
     ['gzip twice', packed($whole), 415, 'unsupported-format', qr/begins with "\\x1f/],

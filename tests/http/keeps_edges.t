@@ -68,8 +68,8 @@ is_problem($daemon->post('/v1/upsample?method=ear&sigmaN=0', $cloud), 400, 'inva
     'which is named';
 
 # What neither can do is refused by name.
-for my $case (['ear', 'density=curvature', 'density is curvature, which method ear does not know, want uniform, or method cvt'],
-    ['wlop', 'metric=anisotropic', 'metric is anisotropic, which method wlop does not know, want isotropic, or method cvt'],
+for my $case (['ear', 'density=curvature', 'density is curvature, which method ear does not support, want uniform, or method cvt'],
+    ['wlop', 'metric=anisotropic', 'metric is anisotropic, which method wlop does not support, want isotropic, or method cvt'],
     ['ear', 'rho=21', 'rho is 21, want a number from 0 to 20'], ['wlop', 'mu=0.5', 'mu is 0.5, want a number from 0 to 0.499']) {
     my ($method, $asked, $detail) = @$case;
     my $refused = $daemon->post("/v1/resample?points=100&method=$method&$asked", $cloud);
@@ -82,7 +82,7 @@ $daemon->finish($still);
 my $warnings = json($daemon->get("/v1/jobs/$still/results/report"))->{warnings};
 is join(' ', map { $_->{about} } @$warnings), 'sigmaP', 'a sigmaP below the spacing is warned of';
 is $warnings->[0]{value}, 0.001, 'with its value';
-like $warnings->[0]{says}, qr/does nothing/, 'and what comes of it';
+like $warnings->[0]{says}, qr/has no effect/, 'and what comes of it';
 is_deeply $report->{warnings}, [], 'where it is wide enough there is no warning';
 is $report->{orientation}, 'consistent', 'normals face consistently';
 is $report->{iterations}, 12, 'projection steps count as iterations';

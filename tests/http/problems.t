@@ -41,12 +41,12 @@ for my $case (
 # A list that can be read, with a word that is none of its own.
 for my $query ('filters=blur', 'filters=mls,blur', 'points=10&filters=mls,none') {
     my $answer = $daemon->post("/v1/resample?$query", $cloud);
-    refused($answer, 422, 'unknown-word', qr/^filters is "[a-z,]+", want each at most once .* words of mls, outliers, thin, or none$/,
+    refused($answer, 422, 'unknown-word', qr/^filters is "[a-z,]+", want words separated by commas, each at most once: mls, outliers, thin, or none$/,
         "?$query");
     is json($answer)->{errors}[0]{parameter}, 'filters', "?$query: errors[] names the parameter";
     ok !defined json($answer)->{jobID}, "?$query: and there is no job";
 }
-refused($daemon->post("/v1/resample?filters=$_", $cloud), 400, 'invalid-parameter', qr/^filters is .*, want each at most once/,
+refused($daemon->post("/v1/resample?filters=$_", $cloud), 400, 'invalid-parameter', qr/^filters is .*, want words separated by commas, each at most once: /,
     "?filters=$_, which is no list") for '', 'mls,mls', 'mls,';
 is_problem($daemon->post('/v1/resample?points=%zz', $cloud), 400, 'malformed-request',
     'a malformed escape');
@@ -99,12 +99,12 @@ my $line = "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\nproperty 
     . "property float z\nend_header\n" . join('', map { "$_ 0 0\n" } 1 .. 9);
 my $flat = $daemon->post('/v1/resample?points=5', $line);
 refused($flat, 422, 'degenerate-cloud', qr/./, 'points on a line');
-refused($daemon->post('/v1/resample?points=10&inputNormals=use', $cloud), 422, 'unusable-normals', qr/carry no normals/,
+refused($daemon->post('/v1/resample?points=10&inputNormals=use', $cloud), 422, 'unusable-normals', qr/none of the input.s \d+ points has a normal/,
     'normals to be used that are not there');
 refused($daemon->post('/v1/resample?points=10&density=attribute:height', $cloud), 422, 'unusable-density',
     qr/no attribute height; its scalars are none/, 'a density that is not there');
 refused($daemon->post('/v1/resample?points=10&density=edges', $cloud), 422, 'unusable-density',
-    qr/density is edges, and none of the input's \d+ points lies on a sharp edge, want uniform, curvature or attribute:NAME/,
+    qr/density is edges, but none of the input's \d+ points lies on a sharp edge, want uniform, curvature or attribute:NAME/,
     'edges of what has none');
 refused($daemon->post('/v1/resample?points=10&density=dense', $cloud), 400, 'invalid-parameter',
     qr/want one of uniform, curvature, edges or attribute:NAME/, 'a word that is no density');
@@ -127,13 +127,13 @@ for my $case (
     ['metric=l8', qr/^metric is "l8", want one of isotropic, /, 'a word that is no metric'],
     ['cells=square', qr/^cells is "square", want one of metric, euclid$/, 'a word for no cells'],
     ['moveStop=2', qr/^moveStop is 2, want a number from 0 to 1$/, 'a move beyond its range'],
-    ['metric=lp&method=kmeans', qr/^metric is lp, which is for method cvt alone$/, 'a metric with kmeans'],
-    ['density=curvature&method=ear', qr/^density is curvature, which method ear does not know, want uniform, or method cvt$/, 'a density with ear'],
-    ['metric=anisotropic&method=ear', qr/^metric is anisotropic, which method ear does not know, want isotropic/, 'a metric with ear'],
-    ['edges=sites&method=wlop', qr/^edges is sites, which method wlop does not know, want ignore/, 'sites with wlop'],
+    ['metric=lp&method=kmeans', qr/^metric is lp, which only method cvt supports$/, 'a metric with kmeans'],
+    ['density=curvature&method=ear', qr/^density is curvature, which method ear does not support, want uniform, or method cvt$/, 'a density with ear'],
+    ['metric=anisotropic&method=ear', qr/^metric is anisotropic, which method ear does not support, want isotropic/, 'a metric with ear'],
+    ['edges=sites&method=wlop', qr/^edges is sites, which method wlop does not support, want ignore/, 'sites with wlop'],
     ['method=ear&mu=0.5', qr/^mu is 0\.5, want a number from 0 to 0\.499$/, 'a repulsion that wins'],
     ['method=ear&rho=21', qr/^rho is 21, want a number from 0 to 20$/, 'a sensitivity beyond its range'],
-    ['cells=euclid&method=kmeans', qr/^cells is euclid, which is for method cvt alone$/, 'cells with kmeans'],
+    ['cells=euclid&method=kmeans', qr/^cells is euclid, which only method cvt supports$/, 'cells with kmeans'],
     ['metric=lp&density=curvature', qr/^metric is lp, which follows no density, want density uniform$/, 'a metric with a density'],
     ['cells=euclid&density=curvature', qr/^cells is euclid, which follows no density/, 'cells with a density'],
 ) {
@@ -143,7 +143,7 @@ for my $case (
 refused($daemon->post('/v1/resample?points=10&boundary=fill&holes=7', $cloud), 422, 'unknown-hole',
     qr/holes has 7, (?:but the input has no loop|want numbers from 1 to)/, 'a hole that is not there');
 refused($daemon->post('/v1/resample?points=10&boundary=fill&holes=1,1', $cloud), 400, 'invalid-parameter',
-    qr/holes is "1,1", want whole numbers from 1 to 10000000, each once, with commas or auto/, 'a hole twice');
+    qr/holes is "1,1", want whole numbers from 1 to 10000000, each once, separated by commas or auto/, 'a hole twice');
 refused($daemon->post('/v1/resample?points=10&holeMax=0', $cloud), 400, 'invalid-parameter', qr/holeMax is 0, want a number from 1e-30/,
     'a length that is none');
 refused($daemon->post('/v1/resample?points=10&method=kmeans&edges=sites', $cloud), 400, 'invalid-parameter',

@@ -136,7 +136,7 @@ like json($daemon->post('/v1/upsample?method=kmeans', $cloud))->{detail}, qr/^me
     'upsample has no means of so many points';
 my $too_many = $daemon->post('/v1/resample?points=700&method=kmeans', $cloud);
 is $too_many->{status}, 422, 'nor has resample';
-like json($too_many)->{detail}, qr/^700 points are asked for, want 1 to $points: kmeans takes means/, 'as it says';
+like json($too_many)->{detail}, qr/^700 points are requested, want 1 to $points: kmeans needs at least/, 'as it says';
 
 # A process of two clouds describes both; its parameter is foreign to the others.
 my $measure = json($daemon->get('/v1/processes/measure'));
@@ -161,9 +161,9 @@ for my $case (
     ['resample', 'points=5&p%c3%a9q=1', 400, qr/^no parameter p\\xc3\\xa9q; resample takes $names$/, 'p\\xc3\\xa9q'],
     ['upsample', 'points=599', 422, qr/^points is 599, want 600 to 9600: upsample gives 1 to 16 for each of the input's 600$/],
     ['upsample', 'points=9601', 422, qr/^points is 9601, want 600 to 9600: /],
-    ['upsample', 'spacing=0.5', 422, qr/^spacing is 0\.5 and asks for \d\d points, want 600 to 9600: upsample /],
+    ['upsample', 'spacing=0.5', 422, qr/^spacing is 0\.5 and needs \d\d points, want 600 to 9600: upsample /],
     ['simplify', 'points=601', 422, qr/^points is 601, want 1 to 600: simplify gives up to 1 for each of the input's 600$/],
-    ['simplify', 'spacing=0.1', 422, qr/^spacing is 0\.1 and asks for 1\d\d\d points, want 1 to 600: simplify /],
+    ['simplify', 'spacing=0.1', 422, qr/^spacing is 0\.1 and needs 1\d\d\d points, want 1 to 600: simplify /],
     ['denoise', 'points=9601', 422, qr/^points is 9601, want 1 to 9600: denoise gives up to 16 for each/],
     ['resample', 'points=9601', 422, qr/^points is 9601, want 1 to 9600: resample gives up to 16 for each/],
 ) {

@@ -42,7 +42,7 @@ print $file "precious\n";
 close $file;
 my ($status, $text) = Vt::run(@data, '--listen', "unix:$path");
 is $status, 1, 'a file that is no socket is an error';
-like $text, qr/cannot listen on unix:\Q$path\E: there is a file that is no socket/, 'which is named';
+like $text, qr/cannot listen on unix:\Q$path\E: there is a file that is not a socket/, 'which is named';
 is Vt::slurp($path), "precious\n", 'and the file stays';
 unlink $path;
 

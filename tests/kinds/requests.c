@@ -79,19 +79,19 @@ struct refusal {
 
 static const struct refusal unknown[] = {
     {"sieves", "[\"thin\",\"blur\"]",
-     "sieves is \"thin,blur\", want each at most once and with commas between, words of mls, "
+     "sieves is \"thin,blur\", want words separated by commas, each at most once: mls, "
      "outliers, thin, or none"},
     {"sieves", "[\"mls\",5]",
-     "sieves is \"mls,5\", want each at most once and with commas between, words of mls, "
+     "sieves is \"mls,5\", want words separated by commas, each at most once: mls, "
      "outliers, thin, or none"},
     {"sieves", "[\"mls,thin\"]",
-     "sieves is \"\\x22mls,thin\\x22\", want each at most once and with commas between, words of "
+     "sieves is \"\\x22mls,thin\\x22\", want words separated by commas, each at most once: "
      "mls, outliers, thin, or none"},
     {"sieves", "[\"\"]",
-     "sieves is \"\\x22\\x22\", want each at most once and with commas between, words of mls, "
+     "sieves is \"\\x22\\x22\", want words separated by commas, each at most once: mls, "
      "outliers, thin, or none"},
     {"rungs", "[\"auto\"]",
-     "rungs is \"auto\", want each at most once and with commas between, words of up, down, or "
+     "rungs is \"auto\", want words separated by commas, each at most once: up, down, or "
      "none or auto"},
 };
 

@@ -62,36 +62,10 @@ for my $process (@processes) {
         "$process: its parameters are documented, each once, and no other";
     is_deeply plain($parameter{$_}{schema}), plain($schemas{$_}),
         "$process, $_: types, ranges, words and default" for grep { $parameter{$_} } sort keys %schemas;
+    is_deeply [grep { begins($parameter{$_}, $described->{inputs}{$_}) } grep { $parameter{$_} } sort keys %schemas], [],
+        "$process: descriptions of parameters begin with those of its table";
     $taken{$_} = 1 for keys %schemas;
     $given{$_} = $described->{outputs}{$_}{schema} for keys %{ $described->{outputs} };
-}
-
-my $binary = $ENV{VORONOID} // "$FindBin::Bin/../../build/release/voronoid";
-# The help of a command has the parameters of its process, with ranges, words and defaults as the process describes them.
-for my $process (@processes) {
-    my $help = qx{$binary $process --help} =~ s/ [|] (?:attribute:NAME|X,Y,Z)\b//gr; # which are patterns
-    my $inputs = $description{$process}{inputs};
-    my %said = $help =~ /^ +(?:-\w, )?--(\w+)(?: VALUE|\[=VALUE])\n(?: {6}(?!--)[^\n]+\n)+? {6}(?!--)([^\n]+)\n(?! {6}[^ -])/mg;
-    for my $name (grep { !is_cloud($inputs->{$_}{schema}) } sort keys %$inputs) {
-        is $said{$name}, shown($inputs->{$name}{schema}), "voronoid $process --help, $name: range, words and default";
-    }
-}
-
-# A schema as the help shows it.
-sub shown {
-    my ($schema) = @_;
-    my @one = $schema->{oneOf} ? @{ $schema->{oneOf} } : $schema;
-    my $unit = defined $schema->{'x-unit'} ? " $schema->{'x-unit'}" : '';
-    my @values = map {
-        my $of = $_->{items} // $_;
-        my @words = @{ $of->{enum} // [] };
-        $of->{type} eq 'boolean' ? 'true | false'
-            : defined $of->{minimum} ? "$of->{minimum} to $of->{maximum}$unit"
-            : $_->{items} ? ('some of ' . join(',', @words), 'none') : @words
-    } @one;
-    my $default = defined $schema->{default} ? plain($schema->{default}) : undef;
-    $default = join(',', @$default) || 'none' if ref $default eq 'ARRAY';
-    return join(' | ', @values) . (defined $default ? ", default $default" : '');
 }
 
 my $execution = $operations{'POST /v1/processes/{processID}/execution'};
@@ -192,6 +166,7 @@ for my $name (sort keys %table) {
 # it. A bound may be narrower here than in the table, which knows only that a count is not negative.
 sub unlike_table {
     my ($schema, $table, $at) = @_;
+    my $refers = $schema->{'$ref'};
     $schema = $contract->resolved($schema);
     my ($ours, $theirs) = ($schema->{properties} // {}, $table->{properties} // {});
     my %names = map { $_ => 1 } keys %$ours, keys %$theirs;
@@ -199,11 +174,18 @@ sub unlike_table {
     push @faults, "$at: nullable" if !$table->{enum} && !$schema->{nullable} != !$table->{nullable};
     push @faults, "$at: minimum"
         if defined $table->{minimum} && !(defined $schema->{minimum} && $schema->{minimum} >= $table->{minimum});
+    push @faults, "$at: description" if $at =~ /[.\[]/ && !$refers && begins($schema, $table);
     push @faults, unlike_table($schema->{items}, $table->{items}, "$at\[]") if $table->{items};
     return @faults unless %$theirs;
     return (@faults, map {
         $ours->{$_} && $theirs->{$_} ? unlike_table($ours->{$_}, $theirs->{$_}, "$at.$_") : "$at.$_"
     } sort keys %names);
+}
+
+# Whether a description does not begin with that of the table.
+sub begins {
+    my ($ours, $table) = map { squeezed($_->{description} // '') } @_;
+    return $ours ne '' && index($ours, $table) != 0;
 }
 
 sub said {

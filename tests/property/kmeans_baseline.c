@@ -60,8 +60,8 @@ START_TEST(more_points_than_the_input_has_are_refused)
     open_engine(&engine, 2, 200);
     vt_assert_fails(VOR_E_TARGET, vt_engine_try(&engine, &out, &report, &in));
     ck_assert_str_eq(vt_err.message,
-                     "200 points are asked for, want 1 to 199: kmeans takes means of the input's "
-                     "points at different places");
+                     "200 points are requested, want 1 to 199: kmeans needs at least as many "
+                     "input points at different positions");
     ck_assert_uint_eq(out.n, 0);
     vt_engine_set(&engine, "points", "100");
     vt_engine_set(&engine, "density", "curvature");

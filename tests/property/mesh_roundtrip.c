@@ -498,10 +498,10 @@ START_TEST(faces_that_we_do_not_write_are_refused)
 {
     REFUSE_PLY("element face 1\nproperty list uchar int vertex_indices\nend_header\n"
                "\3\0\0\0\0\0\0\0\0\1\0\0\0",
-               "face 0 is no polygon of the file's 1 points");
+               "face 0 is not a polygon of the file's 1 points");
     REFUSE_PLY("element face 1\nproperty list uchar int vertex_indices\nend_header\n"
                "\2\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0",
-               "face 0 is no polygon of the file's 1 points");
+               "face 0 is not a polygon of the file's 1 points");
     REFUSE_PLY("element face 2\nproperty list uchar int vertex_indices\nend_header\n"
                "\3\0\0\0\0\0\0\0\0\0\0\0\0",
                "2 faces need 13 bytes each, but 13 are left");

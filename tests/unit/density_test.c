@@ -110,15 +110,14 @@ START_TEST(what_is_no_density_is_refused_with_the_names_there_or_the_first_point
     vt_assert_fails(VOR_E_DENSITY, with_value(INFINITY, 1, weight));
     ck_assert_ptr_nonnull(strstr(vt_err.message, "inf at point 5"));
     vt_assert_fails(VOR_E_DENSITY, with_value(0, 0, weight));
-    ck_assert_str_eq(
-        vt_err.message,
-        "attribute weight is 0 at all 100 points, from point 0 on, want more somewhere");
+    ck_assert_str_eq(vt_err.message,
+                     "attribute weight is 0 at all 100 points, want more than 0 somewhere");
     vt_assert_fails(VOR_E_DENSITY, with_value(1, 1, "attribute:height"));
     ck_assert_str_eq(vt_err.message, "the input has no attribute height; its scalars are weight");
     vt_assert_fails(VOR_E_DENSITY, with_value(1, 1, "attribute:normal"));
     ck_assert_str_eq(
         vt_err.message,
-        "attribute normal has 3 values a point, want 1; the input's scalars are weight");
+        "attribute normal has 3 values per point, want 1; the input's scalars are weight");
     vt_assert_ok(with_value(1, 0, weight));
     vt_assert_ok(with_value(1e38F, 1e-38F, weight));
 }

@@ -362,7 +362,7 @@ START_TEST(vertices_bound_only_what_adds_no_points)
     vt_assert_ok(check_target("resample", "faces", 129));
     vt_assert_ok(check_target("upsample", "faces", 1e7));
     vt_assert_fails(VOR_E_TARGET, check_target("upsample", "faces", 7));
-    ck_assert_str_eq(vt_err.message, "spacing is 0.5 and asks for 7 points, want 8 to 10000000");
+    ck_assert_str_eq(vt_err.message, "spacing is 0.5 and needs 7 points, want 8 to 10000000");
     vt_assert_fails(VOR_E_TARGET, check_target("resample", "faces", 1e7 + 1));
     vt_assert_fails(VOR_E_TARGET, check_target("simplify", "faces", 9));
 }

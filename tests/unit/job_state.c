@@ -213,7 +213,7 @@ START_TEST(a_stop_is_told_while_the_input_is_prepared)
     vor_job_ask(job, VOR_STOP);
     vor_job_tell_stop(job, 2000);
     vor_job_view(job, &view);
-    ck_assert_str_eq(view.message, "Preparing the input, then it stops");
+    ck_assert_str_eq(view.message, "Preparing the input before it stops");
     ck_assert_uint_eq(vor_bus_read(vor_job_bus(job), &position, VOR_READ_EVERY, events, 8), 1);
     ck_assert_int_eq(events[0].kind, VOR_EVENT_STATUS);
     vor_job_progress(job, &record, 3000);

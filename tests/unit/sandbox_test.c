@@ -249,19 +249,19 @@ static const struct {
     vor_status status;
     const char *cause; /* a part of what is told */
 } ends[] = {
-    {OPEN, VOR_E_FORMAT, "tried what it may not"},
-    {SOCKET, VOR_E_FORMAT, "tried what it may not"},
-    {EXECVE, VOR_E_FORMAT, "tried what it may not"},
-    {FORK, VOR_E_FORMAT, "tried what it may not"},
-    {KILL, VOR_E_FORMAT, "tried what it may not"},
-    {PTRACE, VOR_E_FORMAT, "tried what it may not"},
-    {WRITE_FILE, VOR_E_FORMAT, "tried what it may not"},
+    {OPEN, VOR_E_FORMAT, "made a system call that is not allowed"},
+    {SOCKET, VOR_E_FORMAT, "made a system call that is not allowed"},
+    {EXECVE, VOR_E_FORMAT, "made a system call that is not allowed"},
+    {FORK, VOR_E_FORMAT, "made a system call that is not allowed"},
+    {KILL, VOR_E_FORMAT, "made a system call that is not allowed"},
+    {PTRACE, VOR_E_FORMAT, "made a system call that is not allowed"},
+    {WRITE_FILE, VOR_E_FORMAT, "made a system call that is not allowed"},
     {WRITE_PAST_RING, VOR_E_FORMAT, "crashed (signal 7"},
-    {LOOP, VOR_E_FORMAT, "longer than it may"},
+    {LOOP, VOR_E_FORMAT, "longer than the limit"},
     {ALLOCATE, VOR_E_NOMEM, "stopped"},
-    {THREAD, VOR_E_FORMAT, "tried what it may not"},
-    {RUN_MEMORY, VOR_E_FORMAT, "tried what it may not"},
-    {MAP_INPUT_SHARED, VOR_E_FORMAT, "tried what it may not"},
+    {THREAD, VOR_E_FORMAT, "made a system call that is not allowed"},
+    {RUN_MEMORY, VOR_E_FORMAT, "made a system call that is not allowed"},
+    {MAP_INPUT_SHARED, VOR_E_FORMAT, "made a system call that is not allowed"},
     {EXIT_WITHOUT_A_WORD, VOR_E_FORMAT, "crashed (signal 0, exit status 0)"},
 };
 enum { END_COUNT = sizeof ends / sizeof ends[0] };
@@ -293,7 +293,7 @@ START_TEST(what_a_child_says_is_not_believed)
     start(&fixture, ROGUE);
     for (int deed = LIE_POINTS; deed < DEEDS; deed++) {
         vt_assert_fails(VOR_E_FORMAT, run(&fixture, (enum deed)deed));
-        ck_assert_msg(strstr(vt_err.message, "told nonsense") != NULL, "%d: %s", deed,
+        ck_assert_msg(strstr(vt_err.message, "invalid message") != NULL, "%d: %s", deed,
                       vt_err.message);
     }
     vor_zygote_stop(&fixture.zygote);
@@ -313,7 +313,7 @@ START_TEST(a_child_that_sleeps_ends_with_its_time_or_its_caller)
     start(&fixture, ROGUE);
     fixture.place.patience = 0.001;
     vt_assert_fails(VOR_E_FORMAT, run(&fixture, SLEEP));
-    ck_assert_ptr_nonnull(strstr(vt_err.message, "longer than it may"));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "longer than the limit"));
     fixture.place.patience = 0;
     fixture.place.has_left = after_a_moment;
     fixture.place.ctx = &leaves;

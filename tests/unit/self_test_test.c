@@ -58,7 +58,7 @@ START_TEST(what_is_wrong_is_told)
     make_right(&cloud);
     vt_assert_ok(vor_self_test_judge(&cloud, .03, &vt_err));
     vt_assert_fails(VOR_E_INTERNAL, vor_self_test_judge(&cloud, .3, &vt_err));
-    ck_assert_str_eq(vt_err.message, "a uniformity of 0.3, at most 0.1 is right");
+    ck_assert_str_eq(vt_err.message, "the uniformity is 0.3, want at most 0.1");
     vt_assert_fails(VOR_E_INTERNAL, vor_self_test_judge(&cloud, NAN, &vt_err));
     cloud.xyz[5] = NAN;
     vt_assert_fails(VOR_E_INTERNAL, vor_self_test_judge(&cloud, .03, &vt_err));

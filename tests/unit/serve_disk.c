@@ -163,7 +163,7 @@ START_TEST(nobody_waits_for_the_disk_when_a_caller_leaves)
     do {
         vt_nap();
         ck_assert_int_eq(vt_serve_call(&serve, "GET /v1/jobs?status=dismissed", "", &text), 200);
-    } while (strstr(text, "the caller left") == NULL);
+    } while (strstr(text, "the client disconnected") == NULL);
     ck_assert_int_eq(vt_serve_stop(&serve), 0);
 }
 END_TEST

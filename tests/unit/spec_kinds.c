@@ -265,7 +265,7 @@ START_TEST(a_kind_says_what_it_wants)
         [VOR_KIND_CHOICE] = {"one of mls, outliers, thin", "mls | outliers | thin"},
         [VOR_KIND_FLAG] = {"true or false", "true | false"},
         [VOR_KIND_TEXT] = {"text of 1 to 8 bytes", "text of 1 to 8 bytes"},
-        [VOR_KIND_LIST] = {"each at most once and with commas between, words of mls, outliers, "
+        [VOR_KIND_LIST] = {"words separated by commas, each at most once: mls, outliers, "
                            "thin, or none",
                            "some of mls,outliers,thin | none"},
         [VOR_KIND_CHOICE_OR_NAME] = {"one of even or attribute:NAME of 1 to 8 bytes",
@@ -277,11 +277,12 @@ START_TEST(a_kind_says_what_it_wants)
         [VOR_KIND_REAL_OR_AUTO] = {"a number from 0 to 2.5 or auto", "0 to 2.5 s | auto"},
         [VOR_KIND_REAL_OR_WORD] = {"a number from 0 to 10 or one of mean, max",
                                    "0 to 10 | mean | max"},
-        [VOR_KIND_LIST_OR_AUTO] = {"each at most once and with commas between, words of mls, "
+        [VOR_KIND_LIST_OR_AUTO] = {"words separated by commas, each at most once: mls, "
                                    "outliers, thin, or none or auto",
                                    "some of mls,outliers,thin | none | auto"},
-        [VOR_KIND_COUNTS_OR_AUTO] = {"whole numbers from 1 to 1000, each once, with commas or auto",
-                                     "1 to 1000 | auto"},
+        [VOR_KIND_COUNTS_OR_AUTO] =
+            {"whole numbers from 1 to 1000, each once, separated by commas or auto",
+             "1 to 1000 | auto"},
     };
     struct vor_parameter_info row = row_of((enum vor_kind)_i);
     char text[VOR_KIND_WORDS_SIZE];

@@ -254,14 +254,13 @@ START_TEST(a_target_that_comes_of_ratio_or_spacing_is_said_beside_them)
     vt_assert_fails(VOR_E_TARGET, vor_spec_check_target(&spec, 101, 100, &vt_err));
     ck_assert_str_eq(vt_err.parameter, "spacing");
     ck_assert_ptr_nonnull(
-        strstr(vt_err.message, "spacing is 0.25 and asks for 101 points, want 1 to 100"));
+        strstr(vt_err.message, "spacing is 0.25 and needs 101 points, want 1 to 100"));
     spec = request_for("denoise");
     vt_assert_ok(vor_spec_set(&spec, "ratio", "0.004", &vt_err));
     ck_assert(vor_spec_target(&spec, 100) == 0);
     vt_assert_fails(VOR_E_TARGET, vor_spec_check_target(&spec, 0, 100, &vt_err));
     ck_assert_str_eq(vt_err.parameter, "ratio");
-    ck_assert_ptr_nonnull(
-        strstr(vt_err.message, "ratio is 0.004 and asks for 0 points, want 1 to"));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "ratio is 0.004 and needs 0 points, want 1 to"));
 }
 END_TEST
 
@@ -273,9 +272,8 @@ START_TEST(an_input_too_large_for_its_process_is_told_so)
     vt_assert_ok(vor_spec_complete(&spec, &vt_err));
     vt_assert_fails(VOR_E_TARGET, vor_spec_check_target(&spec, vor_spec_target(&spec, 20000000),
                                                         20000000, &vt_err));
-    ck_assert_str_eq(
-        vt_err.message,
-        "upsample of 20000000 points asks for 20000000 or more, want at most 10000000");
+    ck_assert_str_eq(vt_err.message,
+                     "upsample of 20000000 points needs 20000000 or more, want at most 10000000");
 }
 END_TEST
 
@@ -363,8 +361,8 @@ START_TEST(an_input_that_is_required_must_come_along)
     vt_assert_fails(VOR_E_PARAM, vor_spec_check_inputs(&spec, 0, &vt_err));
     ck_assert_str_eq(vt_err.parameter, "cloud");
     vt_assert_fails(VOR_E_PARAM, vor_spec_check_inputs(&spec, 2, &vt_err));
-    ck_assert_str_eq(vt_err.message, _i == 0 ? "resample has no cloud, and needs one"
-                                             : "measure has no cloud, and needs one");
+    ck_assert_str_eq(vt_err.message, _i == 0 ? "resample has no cloud but needs one"
+                                             : "measure has no cloud but needs one");
 }
 END_TEST
 

@@ -515,7 +515,7 @@ static const struct {
     REFUSED(ASCII COLORED END "1 2 3 1.#IND 0 0\n",
             "red of row 0 is \"1.#IND\", want a number of type uchar"),
     REFUSED(ASCII ONE END "1 -nan(ind) 3\n",
-            "1 of 1 points are not finite, the first is point 0, whose y is nan; invalid=drop "
+            "1 of 1 points are not finite, the first is point 0: its y is nan; invalid=drop "
             "leaves them out"),
     REFUSED("plyx\nformat ascii 1.0\n",
             "the input begins with \"plyx\\x0aformat asci\", want \"ply\" and a line end, or "

@@ -169,7 +169,7 @@ static int unfit(int channel, const int *fds, unsigned fd_count)
 
     (void)fds;
     (void)fd_count;
-    (void)vor_fail(&err, VOR_E_INTERNAL, "a uniformity of 0.5, at most 0.1 is right");
+    (void)vor_fail(&err, VOR_E_INTERNAL, "the uniformity is 0.5, want at most 0.1");
     return vor_channel_send(channel, &err, sizeof err, NULL, 0, NULL) == VOR_OK ? 0 : 1;
 }
 
@@ -426,9 +426,8 @@ START_TEST(a_worker_whose_threads_do_not_start_is_an_error)
     ck_assert_str_eq(vt_err.message, "the threads of the worker cannot be started");
     config.kind = UNFIT;
     vt_assert_fails(VOR_E_INTERNAL, vor_supervisor_create(&supervisor, &config, &vt_err));
-    ck_assert_str_eq(
-        vt_err.message,
-        "the engine fails its test of itself: a uniformity of 0.5, at most 0.1 is right");
+    ck_assert_str_eq(vt_err.message,
+                     "the engine fails its self-test: the uniformity is 0.5, want at most 0.1");
     vor_zygote_stop(&zygote);
 }
 END_TEST

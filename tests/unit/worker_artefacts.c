@@ -264,7 +264,7 @@ START_TEST(a_result_of_another_size_than_told_is_not_taken)
     vt_assert_ok(vor_blob_create(blobs, &writer, &vt_err));
     ck_assert_int_eq(write(vor_blob_fd(writer), "abc", 3), 3);
     vt_assert_fails(VOR_E_INTERNAL, vor_blob_adopt(writer, 4, sha256, &vt_err));
-    ck_assert_str_eq(vt_err.message, "a result has 3 bytes, and not 4");
+    ck_assert_str_eq(vt_err.message, "a result has 3 bytes instead of 4");
     vor_blob_discard(writer);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_blobs_close(blobs);
@@ -280,12 +280,12 @@ START_TEST(what_a_process_cannot_work_on_is_refused_and_leaves_nothing)
         unsigned inputs; /* bit 0: cloud, bit 1: reference */
         const char *parameter, *says;
     } cases[] = {
-        {"measure", NULL, 0, "cloud", "measure has no cloud, and needs one"},
-        {"measure", NULL, 2, "cloud", "measure has no cloud, and needs one"},
+        {"measure", NULL, 0, "cloud", "measure has no cloud but needs one"},
+        {"measure", NULL, 2, "cloud", "measure has no cloud but needs one"},
         {"measure", "2", 1, "peak", "peak is 2 without a reference"},
-        {"resample", NULL, 3, "reference", "resample takes no input reference"},
-        {"resample", NULL, 2, "reference", "resample takes no input reference"},
-        {"resample", NULL, 0, "cloud", "resample has no cloud, and needs one"},
+        {"resample", NULL, 3, "reference", "resample has no input reference"},
+        {"resample", NULL, 2, "reference", "resample has no input reference"},
+        {"resample", NULL, 0, "cloud", "resample has no cloud but needs one"},
     };
     struct vt_daemon daemon;
     struct vor_uuid id;

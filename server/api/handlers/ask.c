@@ -79,7 +79,7 @@ bool vor_ask_accepts(struct vor_app *app, struct vor_request *request, const cha
 {
     if (vor_accept_takes(request, media_type))
         return true;
-    vor_problem_say(app, request, "not-acceptable", "this is %s, and Accept leaves that out",
+    vor_problem_say(app, request, "not-acceptable", "this is %s, which Accept does not allow",
                     media_type);
     return false;
 }

@@ -56,7 +56,7 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request,
                                    &wait->waiter, &err);
     if (outcome == VOR_FULL)
         return vor_problem_say(app, request, "too-many-conversions",
-                               "as many results are being converted as may be; try again later");
+                               "too many results are being converted; try again later");
     if (outcome != VOR_DONE)
         return vor_outcome_reply(app, request, outcome, &err, &view->id);
     return VOR_NEXT_WAIT;
@@ -76,12 +76,12 @@ static bool is_made(struct vor_app *app, struct vor_request *request,
         if (status == VOR_OK)
             return true;
         *next = status == VOR_E_CANCELLED
-                    ? vor_problem_say(app, request, "draining", "the daemon is going down")
+                    ? vor_problem_say(app, request, "draining", "the daemon is shutting down")
                     : vor_problem_error(app, request, &err, view->id.text);
     } else if (vor_request_gone(request)) {
-        *next = vor_problem_say(app, request, "client-closed", "the caller left");
+        *next = vor_problem_say(app, request, "client-closed", "the client disconnected");
     } else if (vor_request_closing(request)) {
-        *next = vor_problem_say(app, request, "draining", "the daemon is going down");
+        *next = vor_problem_say(app, request, "draining", "the daemon is shutting down");
     }
     return false;
 }
@@ -103,7 +103,7 @@ enum vor_next vor_converted_get(struct vor_app *app, struct vor_request *request
     if (out->fd >= 0)
         return VOR_NEXT_REPLY;
     if (has_waited) /* the job went meanwhile */
-        return vor_problem_say(app, request, "result-not-available", "the job was removed");
+        return vor_problem_say(app, request, "result-not-available", "the job was deleted");
     if (vor_request_method(request) != VOR_HEAD)
         return begin(app, request, view, index, format);
     vor_reply_header(request, "Cache-Control", "private, no-cache");

@@ -87,12 +87,12 @@ static bool add_job(struct vor_app *app, struct vor_request *request, struct vor
 
     if (!vor_uuid_parse(&id, item, length))
         vor_problem_say(app, request, BAD_QUERY,
-                        "jobs holds \"%s\", want 1 to %d ids of jobs with commas between",
+                        "jobs holds \"%s\", want 1 to %d IDs of jobs, separated by commas",
                         vor_quote(quoted, sizeof quoted, item, length), VOR_EVENT_JOBS_MAX);
     else if (has_job(out, &id))
-        vor_problem_say(app, request, BAD_QUERY, "jobs holds %s twice, want each id once", id.text);
+        vor_problem_say(app, request, BAD_QUERY, "jobs holds %s twice, want each ID once", id.text);
     else if (out->count == VOR_EVENT_JOBS_MAX)
-        vor_problem_say(app, request, BAD_QUERY, "jobs holds more than %d ids, want 1 to %d",
+        vor_problem_say(app, request, BAD_QUERY, "jobs holds more than %d IDs, want 1 to %d",
                         VOR_EVENT_JOBS_MAX, VOR_EVENT_JOBS_MAX);
     else {
         out->jobs[out->count++].id = id;
@@ -108,7 +108,7 @@ static bool read_jobs(struct vor_app *app, struct vor_request *request, struct v
 
     if (at == NULL) {
         vor_problem_say(app, request, BAD_QUERY,
-                        "jobs is missing, want 1 to %d ids of jobs with commas between",
+                        "jobs is missing, want 1 to %d IDs of jobs, separated by commas",
                         VOR_EVENT_JOBS_MAX);
         return false;
     }
@@ -148,7 +148,7 @@ static bool read_positions(struct vor_app *app, struct vor_request *request,
         return true;
     vor_problem_say(app, request, BAD_QUERY,
                     "the last event id is \"%.40s\", want ATTEMPT.NUMBER or end for each of the %u "
-                    "jobs, with commas between",
+                    "jobs, separated by commas",
                     last, out->count);
     return false;
 }

@@ -66,7 +66,7 @@ enum vor_next vor_handle_readyz(void *ctx, struct vor_request *request, enum vor
 
     (void)step;
     if (atomic_load(&app->leaving) || atomic_load(&app->draining))
-        return vor_problem_say(app, request, "draining", "the daemon is going down");
+        return vor_problem_say(app, request, "draining", "the daemon is shutting down");
     if (vor_worker_ready(app->worker, &err) != VOR_OK) /* 503, also when the disk is full */
         return vor_problem_say(app, request, "store-unavailable", "%s", err.message);
     vor_worker_load(app->worker, &load);

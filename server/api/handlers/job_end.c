@@ -82,8 +82,8 @@ enum vor_next vor_handle_dismiss(void *ctx, struct vor_request *request, enum vo
         if (!vor_request_closing(request))
             return VOR_NEXT_STAY;
         return vor_problem_say(app, request, "draining",
-                               "the daemon is going down; whether the job is dismissed, its next "
-                               "start tells");
+                               "the daemon is shutting down; after its next start the job's status "
+                               "shows whether it is dismissed");
     }
     if (dismissal->work.outcome != VOR_DONE)
         return vor_outcome_reply(app, request, dismissal->work.outcome, &dismissal->work.error,

@@ -47,17 +47,18 @@ enum vor_next vor_outcome_reply(struct vor_app *app, struct vor_request *request
                                id != NULL ? id->text : "");
     case VOR_FULL:
         vor_worker_load(app->worker, &load);
-        full.detail = "as many jobs, or bytes of decoded inputs, wait as may wait; try again later";
+        full.detail = "too many jobs, or bytes of decoded inputs, are waiting; try again later";
         full.queue_depth = (int64_t)load.waiting;
         return vor_problem_reply(app, request, &full);
     case VOR_CROWDED:
-        return vor_problem_say(
-            app, request, "too-many-jobs", "%.0f jobs of the key %s wait or run, as many as may",
-            vor_request_principal(request)->quota.jobs, vor_request_principal(request)->name);
+        return vor_problem_say(app, request, "too-many-jobs",
+                               "%.0f jobs of the key %s wait or run, the most that are allowed",
+                               vor_request_principal(request)->quota.jobs,
+                               vor_request_principal(request)->name);
     case VOR_DRAINING:
-        return vor_problem_say(app, request, "draining", "the daemon is going down");
+        return vor_problem_say(app, request, "draining", "the daemon is shutting down");
     case VOR_CONFLICT:
-        return vor_problem_say(app, request, "not-running", "the job does not run");
+        return vor_problem_say(app, request, "not-running", "the job is not running");
     case VOR_FAILED:
     case VOR_DONE:
         break;
@@ -227,9 +228,9 @@ enum vor_next vor_handle_jobs(void *ctx, struct vor_request *request, enum vor_s
     if (list == NULL)
         return VOR_NEXT_REPLY;
     if (vor_request_gone(request))
-        return vor_problem_say(ctx, request, "client-closed", "the caller left");
+        return vor_problem_say(ctx, request, "client-closed", "the client disconnected");
     if (step != VOR_STEP_HEAD && vor_request_closing(request))
-        return vor_problem_say(ctx, request, "draining", "the daemon is going down");
+        return vor_problem_say(ctx, request, "draining", "the daemon is shutting down");
     if (list_slice(list, &over, &err) != VOR_OK)
         return vor_problem_error(ctx, request, &err, NULL);
     if (over)

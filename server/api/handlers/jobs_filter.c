@@ -31,7 +31,7 @@ static const char *read_limit(const char *value, struct vor_job_filter *out)
 static const char *read_cursor(const char *value, struct vor_job_filter *out)
 {
     out->before_seq = parse_count(value);
-    return out->before_seq < 1 ? "what a next link carries" : NULL;
+    return out->before_seq < 1 ? "the cursor of a next link" : NULL;
 }
 
 static const char *read_status(const char *value, struct vor_job_filter *out)

@@ -42,7 +42,7 @@ enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *reques
 {
     if (view->expired)
         return say_with_job(app, request, "job-expired",
-                            "the results of this job were kept as long as time and room allow",
+                            "the results of this job have expired, or were deleted to make room",
                             view->id.text);
     switch (view->status) {
     case VOR_JOB_FAILED:
@@ -58,7 +58,7 @@ enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *reques
     case VOR_JOB_STATUSES:
         break;
     }
-    return say_with_job(app, request, "result-not-available", "the job has no such bytes any more",
+    return say_with_job(app, request, "result-not-available", "the job no longer has these bytes",
                         view->id.text);
 }
 
@@ -219,9 +219,9 @@ static void wake(void *ctx)
 static enum vor_next wait_verdict(struct vor_app *app, struct vor_request *request)
 {
     if (vor_request_gone(request))
-        return vor_problem_say(app, request, "client-closed", "the caller left");
+        return vor_problem_say(app, request, "client-closed", "the client disconnected");
     if (vor_request_closing(request))
-        return vor_problem_say(app, request, "draining", "the daemon is going down");
+        return vor_problem_say(app, request, "draining", "the daemon is shutting down");
     return VOR_NEXT_WAIT;
 }
 
@@ -248,7 +248,7 @@ static bool is_sound(struct vor_app *app, struct vor_request *request,
         *next = wait_verdict(app, request);
     } else if (verdict == VOR_VERDICT_DAMAGED) {
         (void)snprintf(detail, sizeof detail,
-                       "the bytes kept for %s are not those that were written (SHA-256 %s)",
+                       "the stored bytes of %s are not those that were written (SHA-256 %s)",
                        out->name, sha256);
         problem.detail = detail;
         problem.job_id = view->id.text;
@@ -409,7 +409,7 @@ static bool open_upload(struct vor_app *app, struct vor_request *request,
     }
     if (!found) {
         say_with_job(app, request, "input-not-kept",
-                     "the input of this job is not kept, or no longer", view->id.text);
+                     "the input of this job was not kept, or has been deleted", view->id.text);
         return false;
     }
     out->media_type = format != NULL ? format->media_type : "application/octet-stream";

@@ -96,7 +96,7 @@ static void on_cancelled(struct vor_dismissal *cancel)
 static void cancel_job(struct submission *submission)
 {
     submission->cancel = (struct vor_dismissal){.id = submission->admission.admitted.id,
-                                                .why = "the caller left",
+                                                .why = "the client disconnected",
                                                 .is_cancel = 1,
                                                 .done = on_cancelled,
                                                 .ctx = submission};
@@ -174,7 +174,7 @@ static bool begin_flight(struct vor_app *app, struct vor_request *request,
         outcome = vor_inflight_begin(app->inflight, &submission->head.besides.key);
     if (outcome == VOR_CONFLICT) {
         vor_problem_say(app, request, "idempotency-in-flight",
-                        "a request with Idempotency-Key %s is under way; try again later",
+                        "a request with Idempotency-Key %s is in progress; try again later",
                         submission->head.besides.key.text);
     } else if (outcome != VOR_DONE) {
         (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
@@ -208,7 +208,7 @@ static struct vor_blob_writer *open_kept(struct vor_app *app, struct vor_request
     if (vor_request_length(request) == 0)
         return vor_besides_open(app, request, besides);
     (void)vor_fail_param(&err, VOR_E_PARAM, "input",
-                         "input is job:%s, which goes without a body that is a cloud",
+                         "input is job:%s, but the body is a cloud too; send one of them",
                          besides->input.text);
     vor_problem_error(app, request, &err, NULL);
     return NULL;
@@ -477,12 +477,12 @@ static enum vor_next wait_for_end(struct vor_app *app, struct vor_request *reque
     if (vor_bus_ended(submission->bus, NULL))
         return reply_ended(app, request, submission);
     if (vor_request_gone(request))
-        return vor_problem_say(app, request, "client-closed", "the caller left");
+        return vor_problem_say(app, request, "client-closed", "the client disconnected");
     if (vor_request_closing(request)) {
         submission->settled = true;
         add_job_headers(app, request, submission, false);
         return vor_problem_say(app, request, "draining",
-                               "the daemon is going down; the job goes on when it is back");
+                               "the daemon is shutting down; the job continues at its next start");
     }
     if (submission->deadline > 0) {
         if (left <= 0)
@@ -515,10 +515,10 @@ static enum vor_next accepted(struct vor_app *app, struct vor_request *request,
     if (submission->outcome == VOR_FAILED && submission->error.status == VOR_E_CANCELLED)
         submission->outcome = VOR_DRAINING;
     if (submission->outcome == VOR_CONFLICT)
-        return vor_problem_say(app, request, "idempotency-key-reused",
-                               "Idempotency-Key %s is that of job %s, which was asked for "
-                               "something else: another process, parameter or input",
-                               submission->head.besides.key.text, id.text);
+        return vor_problem_say(
+            app, request, "idempotency-key-reused",
+            "Idempotency-Key %s belongs to job %s, which has another process, parameter or input",
+            submission->head.besides.key.text, id.text);
     if (submission->outcome != VOR_DONE)
         return vor_outcome_reply(app, request, submission->outcome, &submission->error, NULL);
     vor_request_set_job(request, id.text);
@@ -579,8 +579,8 @@ enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor
     if (admitted)
         return accepted(app, request, submission);
     if (vor_request_gone(request))
-        return vor_problem_say(app, request, "client-closed", "the caller left");
+        return vor_problem_say(app, request, "client-closed", "the client disconnected");
     if (vor_request_closing(request))
-        return vor_problem_say(app, request, "draining", "the daemon is going down");
+        return vor_problem_say(app, request, "draining", "the daemon is shutting down");
     return VOR_NEXT_WAIT;
 }

@@ -57,7 +57,7 @@ static vor_status take_input(struct vor_submit_besides *out, const char *value,
         vor_uuid_parse(&out->input, value + length, strlen(value) - length))
         return VOR_OK;
     return vor_fail_param(err, VOR_E_PARAM, "input",
-                          "input is \"%s\", want job: and the identifier of a job",
+                          "input is \"%s\", want job: and the ID of a job",
                           vor_quote(quoted, sizeof quoted, value, strlen(value)));
 }
 
@@ -105,8 +105,8 @@ vor_status vor_besides_read_key(struct vor_submit_besides *out, const struct vor
         strcmp(at + length, is_quoted ? "\"" : "") != 0 ||
         vor_request_header_next(request, "Idempotency-Key", &index) != NULL)
         return vor_fail_param(err, VOR_E_PARAM, "Idempotency-Key",
-                              "Idempotency-Key is %s, want one of 1 to %zu visible characters of "
-                              "ASCII but quote, comma and backslash, in quotes or without",
+                              "Idempotency-Key is %s, want 1 to %zu visible ASCII characters "
+                              "except quote, comma and backslash, with or without quotes",
                               vor_quote(quoted, sizeof quoted, value, strlen(value)),
                               sizeof out->key.text - 1);
     memcpy(out->key.text, at, length);
@@ -134,7 +134,8 @@ static struct vor_blob_writer *open_upload(struct vor_app *app, struct vor_reque
     if (vor_blob_reopen(app->blobs, &source, &upload, &found, &err) != VOR_OK)
         vor_problem_error(app, request, &err, view->id.text);
     else if (!found)
-        refuse(app, request, "input-not-kept", "that input is not kept, or no longer", &view->id);
+        refuse(app, request, "input-not-kept", "that input was not kept, or has been deleted",
+               &view->id);
     return upload;
 }
 

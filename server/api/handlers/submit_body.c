@@ -49,7 +49,7 @@ bool vor_submit_body_read(struct vor_app *app, struct vor_request *request,
     if (!out->is_form || !out->is_gzip)
         return true;
     vor_problem_say(app, request, "unsupported-format",
-                    "Content-Encoding is gzip for the whole form, want it in the head of a part "
+                    "Content-Encoding is gzip for the whole form, want it in the headers of a part "
                     "with a file");
     return false;
 }

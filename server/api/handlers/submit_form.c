@@ -152,7 +152,8 @@ static vor_status on_data(void *ctx, const void *bytes, size_t size, struct vor_
     }
     if (size > TEXT_MAX - form->size)
         return vor_fail_param(err, VOR_E_PARAM, form->name,
-                              "%s has more than %d bytes, want at most that", form->name, TEXT_MAX);
+                              "%s has more than the %d bytes that are allowed", form->name,
+                              TEXT_MAX);
     memcpy(form->text + form->size, bytes, size);
     form->size += size;
     return VOR_OK;
@@ -254,9 +255,10 @@ static vor_status check_whole(struct vor_submit_form *form, struct vor_error *er
                 inputs |= 1u << k;
     if (besides->input.text[0] != '\0') {
         if ((inputs & 1) != 0)
-            return vor_fail_param(err, VOR_E_PARAM, "input",
-                                  "input is job:%s and the form has a file %s as well",
-                                  besides->input.text, spec->process->inputs[0].name);
+            return vor_fail_param(
+                err, VOR_E_PARAM, "input",
+                "input is job:%s, but the form has a file %s too; send one of them",
+                besides->input.text, spec->process->inputs[0].name);
         inputs |= 1;
     }
     return vor_spec_check_inputs(spec, inputs, err);

@@ -116,7 +116,7 @@ static bool check_format(struct vor_app *app, struct vor_request *request,
     if (out->mode != VOR_SUBMIT_SYNC || (accept->json && out->is_async) ||
         vor_accept_takes(request, format->media_type))
         return true;
-    vor_problem_say(app, request, "not-acceptable", "format is %s, and Accept leaves %s out",
+    vor_problem_say(app, request, "not-acceptable", "format is %s, but Accept does not allow %s",
                     format->name, format->media_type);
     return false;
 }

@@ -79,7 +79,7 @@ static void add(struct found *found, const char *pointer, const struct vor_json 
     place->name = name;
     (void)snprintf(place->pointer, sizeof place->pointer, "%s/%s", pointer, name);
     (void)snprintf(place->detail, sizeof place->detail,
-                   "%s stands in a JSON body, want it in the query or a field of a form", name);
+                   "%s is in a JSON body, want it in the query or a field of a form", name);
     found->errors[found->count++] =
         (struct vor_problem_error){.pointer = place->pointer, .detail = place->detail};
     vor_text_printf(&found->query, "%s%s=", found->count > 1 ? "&" : "", name);
@@ -121,12 +121,12 @@ static enum vor_next refuse(struct vor_app *app, struct vor_request *request, st
                                "the body is JSON, want a cloud, or a form (multipart/form-data) "
                                "with one; parameters belong in the query, as in /v1/%s?seed=1",
                                id);
-    (void)snprintf(detail, sizeof detail,
-                   "%s stands in a JSON body, at %s; parameters belong in the query, with the "
-                   "cloud as the body: POST /v1/%s?%s; or in fields of a form "
-                   "(multipart/form-data), with the cloud as its file",
-                   found->place[0].name, found->place[0].pointer, id,
-                   found->query.data != NULL ? found->query.data : "...");
+    (void)snprintf(
+        detail, sizeof detail,
+        "%s is in a JSON body, at %s; parameters belong in the query, with the cloud as the body: "
+        "POST /v1/%s?%s; or in fields of a form (multipart/form-data), with the cloud as its file",
+        found->place[0].name, found->place[0].pointer, id,
+        found->query.data != NULL ? found->query.data : "...");
     problem.detail = detail;
     problem.errors = found->errors;
     problem.error_count = found->count;

@@ -23,7 +23,7 @@ sub begin {
     my $daemon = Vt->start(connections => 400, streams => $streams, jobs => 1, threads => 1, %settings);
     my $running = $daemon->submit('points=5000&iterations=10000&polish=0', sphere_ply(20000));
     my $waiting = $daemon->submit('points=100&iterations=1', sphere_ply(200));
-    wait_until(sub { $daemon->status($running) eq 'running' }, 20) or die 'the job does not run';
+    wait_until(sub { $daemon->status($running) eq 'running' }, 20) or die 'the job is not running';
     return ($daemon, $running, $waiting);
 }
 
