@@ -262,9 +262,9 @@ static int print_commands_page(FILE *out)
     print_heading(out, ".SH", "DESCRIPTION");
     print_text(out,
                "voronoid takes point clouds (PLY or Draco), fits a surface to them and spreads "
-               "the number of points asked for evenly over it. A command does that here, or, "
-               "with --server, has a daemon do it; others look after the daemon's jobs. - as "
-               "a file is stdin or stdout.");
+               "the requested number of points evenly over it. A command does that here or, with "
+               "--server, on a daemon; other commands manage the daemon's jobs. The file - is "
+               "stdin or stdout.");
     print_commands(out);
     print_options(out);
     print_inputs(out);
@@ -273,8 +273,8 @@ static int print_commands_page(FILE *out)
     print_exit_codes(out, 0);
     fputs(".PP\n", out);
     print_text(out,
-               "Each of several operands is worked on, whatever became of those before it; the "
-               "status is then that of the first that failed.");
+               "With several operands, a failed one does not stop the others; the status is then "
+               "that of the first that failed.");
     print_heading(out, ".SH", "SEE ALSO");
     fputs(".BR voronoid (8)\n", out);
     return 0;
@@ -294,8 +294,8 @@ static int print_daemon_page(FILE *out)
         return -1;
     print_heading(out, ".SH", "SIGNALS");
     fputs(".TP\nSIGTERM, SIGINT\n", out);
-    print_text(out, "Running jobs end, within --drain-timeout; others wait for the next start. A "
-                    "second one ends the daemon at once.");
+    print_text(out, "Running jobs finish within --drain-timeout; others wait for the next start. A "
+                    "second signal ends the daemon at once.");
     fputs(".TP\nSIGHUP\n", out);
     print_text(out, "The file of --api-keys is read again; where that fails, the keys stay as they "
                     "were.");
