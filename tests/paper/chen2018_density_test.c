@@ -187,32 +187,11 @@ START_TEST(a_planted_attribute_decides_about_the_spacing)
 }
 END_TEST
 
-START_TEST(a_constant_attribute_gives_points_as_even_as_none)
-{
-    struct vor_cloud in, out;
-    struct vor_report plain, report;
-
-    vt_cloud_sphere(&in, 2, IN);
-    carry(&in, 1);
-    run(&out, &plain, &in, "uniform", 2);
-    ck_assert(!plain.has_density);
-    vor_cloud_free(&out);
-    run(&out, &report, &in, "attribute:weight", 2);
-    ck_assert_double_eq_tol(report.delta / plain.delta, 1, 0.1);
-    ck_assert_double_eq_tol(report.spacing_mean / plain.spacing_mean, 1, 0.01);
-    ck_assert(report.density_span == 1);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("chen2018_density");
 
     vt_add(suite, spacing_follows_curvature_to_the_power_of_a_quarter);
     vt_add(suite, a_planted_attribute_decides_about_the_spacing);
-    vt_add(suite, a_constant_attribute_gives_points_as_even_as_none);
     return vt_run(suite);
 }

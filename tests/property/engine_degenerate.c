@@ -13,168 +13,46 @@ static float unit(size_t i, size_t c)
     return (float)vt_unit(5, 3 * i + c);
 }
 
-static float two_far_clusters(size_t i, size_t c)
-{
-    return 0.1f * unit(i, c) + (i % 2 && c == 0 ? 1000 : 0);
-}
+/* Coordinate c of point i of a shape. */
+#define SHAPE(name, value)                                                                         \
+    static float name(size_t i, size_t c)                                                          \
+    {                                                                                              \
+        (void)i;                                                                                   \
+        return (float)(value);                                                                     \
+    }
 
-static float two_very_far_clusters(size_t i, size_t c)
-{
-    return unit(i, c) + (i % 2 ? 1e9f : 0);
-}
-
-static float one_far_outlier(size_t i, size_t c)
-{
-    return i == 77 && c == 1 ? 1e9f : unit(i, c);
-}
-
-static float denormals(size_t i, size_t c)
-{
-    return unit(i, c) * 1e-40f;
-}
-
-static float tiny(size_t i, size_t c)
-{
-    return unit(i, c) * 1e-36f;
-}
-
-static float huge(size_t i, size_t c)
-{
-    return (2 * unit(i, c) - 1) * 1e38f;
-}
-
-static float largest(size_t i, size_t c)
-{
-    return unit(i, c) < 0.5f ? -FLT_MAX : FLT_MAX;
-}
-
-static float corners(size_t i, size_t c)
-{
-    return (float)(i >> c & 1);
-}
-
-static float coplanar(size_t i, size_t c)
-{
-    return c == 2 ? 7 : unit(i, c);
-}
-
-static float tilted_plane(size_t i, size_t c)
-{
-    return c == 2 ? unit(i, 0) + 2 * unit(i, 1) : unit(i, c);
-}
-
-static float half_duplicates(size_t i, size_t c)
-{
-    return unit(i / 2, c);
-}
-
-static float hundredfold_duplicates(size_t i, size_t c)
-{
-    return unit(i / 100, c);
-}
-
-static float grid(size_t i, size_t c)
-{
-    return (float)(c == 0 ? i % 25 : c == 1 ? i / 25 : 0);
-}
-
-static float solid_grid(size_t i, size_t c)
-{
-    return (float)(c == 0 ? i % 8 : c == 1 ? i / 8 % 8 : i / 64);
-}
-
-static float ribbon(size_t i, size_t c)
-{
-    return c == 0 ? 100 * unit(i, c) : c == 1 ? 1e-3f * unit(i, c) : 0;
-}
-
-static float needle(size_t i, size_t c)
-{
-    return c == 0 ? 100 * unit(i, c) : 1e-5f * unit(i, c);
-}
-
-static float cross(size_t i, size_t c)
-{
-    return c == i % 2 ? 2 * unit(i, c) - 1 : 0;
-}
-
-static float circle(size_t i, size_t c)
-{
-    return (float)(c == 0 ? cos((double)i) : c == 1 ? sin((double)i) : 0);
-}
-
-static float helix(size_t i, size_t c)
-{
-    return (float)(c == 0   ? cos(0.1 * (double)i)
-                   : c == 1 ? sin(0.1 * (double)i)
-                            : 0.01 * (double)i);
-}
-
-static float parallel_sheets(size_t i, size_t c)
-{
-    return c == 2 ? 1e-4f * (float)(i % 2) : unit(i, c);
-}
-
-static float solid_ball(size_t i, size_t c)
-{
-    return (float)vt_normal(5, 3 * i + c);
-}
-
-static float line_and_a_point(size_t i, size_t c)
-{
-    return i == 3 ? (float)(c == 1) : c == 0 ? unit(i, c) : 0;
-}
-
-static float gathered(size_t i, size_t c)
-{
-    return powf(unit(i, c), 12);
-}
-
-static float shifted(size_t i, size_t c)
-{
-    return unit(i, c) + (c == 2 ? 0 : 6e6f);
-}
-
-static float mixed_scales(size_t i, size_t c)
-{
-    return ldexpf(unit(i, c), -(int)(i % 60));
-}
-
-static float crossing_planes(size_t i, size_t c)
-{
-    return c == i % 2 ? 0.5f : unit(i, c);
-}
-
-static float pairs(size_t i, size_t c)
-{
-    return unit(i / 2, c) + 1e-6f * (float)(i % 2);
-}
-
-static float one_place(size_t i, size_t c)
-{
-    (void)i;
-    return (float)c;
-}
-
-static float line(size_t i, size_t c)
-{
-    return (c == 0) ? unit(i, 0) : 0;
-}
-
-static float slanted_line(size_t i, size_t c)
-{
-    return (float)(i * (c + 1)); /* whole numbers: exact */
-}
-
-static float two_places(size_t i, size_t c)
-{
-    return (float)(i % 2 * (c + 1));
-}
-
-static float three_places(size_t i, size_t c)
-{
-    return (float)(i % 3 == c);
-}
+SHAPE(two_far_clusters, 0.1f * unit(i, c) + (i % 2 && c == 0 ? 1000 : 0))
+SHAPE(two_very_far_clusters, unit(i, c) + (i % 2 ? 1e9f : 0))
+SHAPE(one_far_outlier, i == 77 && c == 1 ? 1e9f : unit(i, c))
+SHAPE(denormals, unit(i, c) * 1e-40f)
+SHAPE(tiny, unit(i, c) * 1e-36f)
+SHAPE(huge, (2 * unit(i, c) - 1) * 1e38f)
+SHAPE(largest, unit(i, c) < 0.5f ? -FLT_MAX : FLT_MAX)
+SHAPE(corners, i >> c & 1)
+SHAPE(coplanar, c == 2 ? 7 : unit(i, c))
+SHAPE(tilted_plane, c == 2 ? unit(i, 0) + 2 * unit(i, 1) : unit(i, c))
+SHAPE(half_duplicates, unit(i / 2, c))
+SHAPE(hundredfold_duplicates, unit(i / 100, c))
+SHAPE(grid, c == 0 ? i % 25 : c == 1 ? i / 25 : 0)
+SHAPE(solid_grid, c == 0 ? i % 8 : c == 1 ? i / 8 % 8 : i / 64)
+SHAPE(ribbon, c == 0 ? 100 * unit(i, c) : c == 1 ? 1e-3f * unit(i, c) : 0)
+SHAPE(needle, c == 0 ? 100 * unit(i, c) : 1e-5f * unit(i, c))
+SHAPE(cross, c == i % 2 ? 2 * unit(i, c) - 1 : 0)
+SHAPE(circle, c == 0 ? cos((double)i) : c == 1 ? sin((double)i) : 0)
+SHAPE(helix, c == 0 ? cos(0.1 * (double)i) : c == 1 ? sin(0.1 * (double)i) : 0.01 * (double)i)
+SHAPE(parallel_sheets, c == 2 ? 1e-4f * (float)(i % 2) : unit(i, c))
+SHAPE(solid_ball, (float)vt_normal(5, 3 * i + c))
+SHAPE(line_and_a_point, i == 3 ? (float)(c == 1) : c == 0 ? unit(i, c) : 0)
+SHAPE(gathered, powf(unit(i, c), 12))
+SHAPE(shifted, unit(i, c) + (c == 2 ? 0 : 6e6f))
+SHAPE(mixed_scales, ldexpf(unit(i, c), -(int)(i % 60)))
+SHAPE(crossing_planes, c == i % 2 ? 0.5f : unit(i, c))
+SHAPE(pairs, unit(i / 2, c) + 1e-6f * (float)(i % 2))
+SHAPE(one_place, (float)c)
+SHAPE(line, (c == 0) ? unit(i, 0) : 0)
+SHAPE(slanted_line, i *(c + 1))
+SHAPE(two_places, i % 2 * (c + 1))
+SHAPE(three_places, i % 3 == c)
 
 /* must: 1 a result, 0 a refusal, -1 either. */
 static const struct {

@@ -86,14 +86,6 @@ START_TEST(beyond_the_edge_of_a_half_plane_places_are_outside)
 }
 END_TEST
 
-START_TEST(no_place_between_the_points_of_a_half_plane_is_outside)
-{
-    for (double x = -4; x <= 0; x += 0.125)
-        for (double y = -0.5; y <= 0.5; y += 0.125)
-            ck_assert(!outside(x, y, 0, VOR_OUTSIDE_IN_RESULT));
-}
-END_TEST
-
 /* In the middle of a hole the neighbours are all around: the whole of the spacings is allowed. */
 START_TEST(the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings)
 {
@@ -102,59 +94,6 @@ START_TEST(the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings)
         ck_assert(!outside(0, 0, hole, hole + 0.01));
         ck_assert(outside(0, 0, hole, hole - 0.01));
     }
-}
-END_TEST
-
-static int leaves(double x0, double y0, double x1, double y1, double spacings)
-{
-    struct place place;
-
-    gather(&place, x0, y0, 0);
-    return vor_boundary_leaves(&place.border, spacings, (double[3]){x0, y0, 0},
-                               (double[3]){x1, y1, 0});
-}
-
-/* With all neighbours to one side the edge is at 0.6 of the spacings asked for. */
-START_TEST(a_point_leaves_where_it_ends_outside_and_farther_than_it_began)
-{
-    ck_assert(leaves(-0.2, 0, 1.21, 0, 2));
-    ck_assert(leaves(1.19, 0, 1.21, 0, 2));
-    ck_assert(leaves(1.5, 0, 1.51, 0, 2)); /* from outside, still farther */
-    ck_assert(!leaves(-0.2, 0, 1.19, 0, 2));
-    ck_assert(!leaves(-3, 0.5, -2, 0, 2));
-    ck_assert(!leaves(1.51, 0, 1.5, 0, 2)); /* outside, and on its way back */
-    ck_assert(!leaves(1.5, 0, 1.5, 0, 2));
-    ck_assert(!leaves(1.5, 0.25, 1.5, -0.25, 2)); /* along the edge */
-    ck_assert(leaves(1.5, 0.25, 1.5, 0.5, 2));    /* along it, away from a point */
-    ck_assert(leaves(-0.2, 0, 0.7, 0, 1) && !leaves(-0.2, 0, 0.7, 0, 2));
-}
-END_TEST
-
-START_TEST(a_point_held_back_stops_at_the_distance_allowed)
-{
-    for (double x = 0.1; x < 9; x += 0.3)
-        for (double z = -1; z <= 1; z++) {
-            struct place place;
-            double from[3] = {x, 0.125, z}, to[3], d[3], e[3], gap;
-            double length = sqrt((x * x) + 0.125 * 0.125 + z * z);
-            int held;
-
-            gather(&place, x, 0.125, 0);
-            memcpy(to, from, sizeof to);
-            held = vor_boundary_restrict(&place.border, 2, to);
-            ck_assert_int_eq(held, length > 1.2);
-            if (!held) {
-                ck_assert(memcmp(to, from, sizeof to) == 0);
-                continue;
-            }
-            for (int c = 0; c < 3; c++) { /* straight towards the nearest point, the origin */
-                d[c] = to[c];
-                e[c] = from[c];
-            }
-            gap = sqrt(vor_dot(d, d));
-            ck_assert_double_eq_tol(gap, 1.2, 1e-12);
-            ck_assert_double_eq_tol(vor_dot(d, e), gap * length, 1e-12 * length);
-        }
 }
 END_TEST
 
@@ -218,88 +157,14 @@ START_TEST(the_spacing_is_that_around_the_nearest_point)
 }
 END_TEST
 
-/* The lattice points nearest to (x, y), and how far they go on from there towards (u, v). */
-static double ahead(double x, double y, double hole, double u, double v, double width,
-                    double within)
-{
-    struct place place;
-    double length = hypot(u - x, v - y), way[3] = {(u - x) / length, (v - y) / length, 0};
-
-    gather(&place, x, y, hole);
-    return vor_boundary_ahead(place.near, K, (double[3]){x, y, 0}, way, width, within);
-}
-
-START_TEST(the_input_goes_on_ahead_as_far_as_its_last_point)
-{
-    const double narrow = VOR_AHEAD_NARROW, all = VOR_AHEAD_ALL, any = INFINITY;
-
-    /* the half plane ends at x = 0 */
-    ck_assert_double_eq(ahead(-2, 0, 0, -1.6, 0, narrow, any), 2);
-    ck_assert_double_eq(ahead(-2, 0, 0, -1.6, 0, narrow, 1), 1);
-    ck_assert_double_eq(ahead(-1, 0, 0, -0.6, 0, narrow, 0.99), 0);
-    ck_assert_double_eq(ahead(0, 0, 0, 0.4, 0, narrow, any), 0);
-    ck_assert_double_ge(ahead(0, 0, 0, 0, 0.4, narrow, any), 2);
-    /* seen from beyond the last points they are behind, which a narrow look does not see */
-    ck_assert_double_eq_tol(ahead(0.4, 0, 0, 0.6, 0, all, any), -0.4, 1e-12);
-    ck_assert_double_eq(ahead(0.4, 0, 0, 0.6, 0, narrow, any), -INFINITY);
-    /* a hole, from its rim: the other side is at 4 and not among the neighbours, but the rim is */
-    ck_assert_double_eq(ahead(-2, 0, 2, -1.5, 0, narrow, any), 0);
-    ck_assert_double_ge(ahead(-2, 0, 2, -1.5, 0, all, any), 1);
-    ck_assert_double_ge(ahead(-2, 0, 2, -2.5, 0, narrow, any), 2);
-}
-END_TEST
-
-static int goes_on(double x, double y, double u, double v)
-{
-    struct place place;
-
-    gather(&place, x, y, 0);
-    return vor_boundary_goes_on(place.near, K, (double[3]){x, y, 0}, (double[3]){u, v, 0},
-                                INFINITY);
-}
-
-START_TEST(the_input_goes_on_from_a_foot_or_it_does_not)
-{
-    ck_assert(goes_on(-2, 0, 1, 0));
-    ck_assert(!goes_on(0, 0, 1, 0));
-    /* a point at 45 degrees is not ahead, one at 27 is */
-    ck_assert(!goes_on(0, 0, sqrt(0.5), sqrt(0.5)));
-    ck_assert(goes_on(0, 0, sqrt(0.2), 2 * sqrt(0.2)));
-}
-END_TEST
-
-START_TEST(a_foot_is_the_nearest_neighbour_and_the_reach_the_farthest)
-{
-    struct place place;
-    double foot[3], way[3], x[3] = {-1.3, 0.4, 0.5};
-
-    gather(&place, -1.3, 0.4, 0);
-    ck_assert_double_eq_tol(vor_boundary_foot(place.near, K, x, foot, way),
-                            sqrt(0.09 + 0.16 + 0.25), 1e-12);
-    ck_assert(foot[0] == -1 && foot[1] == 0 && foot[2] == 0);
-    ck_assert_double_eq_tol(vor_dot(way, way), 1, 1e-12);
-    ck_assert_double_eq_tol(way[0] * 0.4, way[1] * -0.3, 1e-12);
-    x[2] = 0;
-    ck_assert_double_eq_tol(
-        vor_boundary_reach(place.near, K, x),
-        hypot((double)place.near[3 * K - 3] - x[0], (double)place.near[3 * K - 2] - x[1]), 1e-12);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("boundary");
 
     vt_add(suite, a_neighbour_is_within_a_distance_or_none_is);
     vt_add(suite, beyond_the_edge_of_a_half_plane_places_are_outside);
-    vt_add(suite, no_place_between_the_points_of_a_half_plane_is_outside);
     vt_add(suite, the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings);
-    vt_add(suite, a_point_leaves_where_it_ends_outside_and_farther_than_it_began);
-    vt_add(suite, a_point_held_back_stops_at_the_distance_allowed);
     vt_add(suite, a_cell_at_the_border_ends_half_a_spacing_beyond_the_last_point);
     vt_add(suite, the_spacing_is_that_around_the_nearest_point);
-    vt_add(suite, the_input_goes_on_ahead_as_far_as_its_last_point);
-    vt_add(suite, the_input_goes_on_from_a_foot_or_it_does_not);
-    vt_add(suite, a_foot_is_the_nearest_neighbour_and_the_reach_the_farthest);
     return vt_run(suite);
 }

@@ -72,25 +72,6 @@ START_TEST(redrocks_has_all_its_points_and_colours)
 }
 END_TEST
 
-/* Vector: bitstream 1.1, a mesh of the Stanford bunny with 34,834 vertices; the extents are those
- * of its PLY. The file comes with npm's draco3d. */
-START_TEST(an_old_mesh_gives_its_vertices)
-{
-    const char *path = getenv("VORONOID_OLD_DRC");
-    struct vt_bytes bytes = {0};
-    struct vor_cloud cloud;
-
-    if (!slurp(&bytes, path, "bunny.drc (VORONOID_OLD_DRC)"))
-        return;
-    ck_assert_uint_eq(bytes.data[5], 1);
-    vt_assert_ok(draco_decode(&cloud, &bytes));
-    ck_assert_uint_eq(cloud.n, 34834);
-    must_be_near(draco_extent(&cloud), 0.155699, 1e-4);
-    vor_cloud_free(&cloud);
-    free(bytes.data);
-}
-END_TEST
-
 /* The surface of the three meshes in the corpus: 5 x 5 vertices at (x, y, sin(x + 2 y)), coloured
  * (50 x, 50 y, c) where c is 0 in the left half and 200 in the right: a seam at x = 2. */
 static void check_sheet(const struct vor_cloud *cloud, size_t n)
@@ -304,7 +285,6 @@ int main(void)
 
     vt_add(suite, both_encodings_of_one_cloud_hold_the_same_points);
     vt_add(suite, redrocks_has_all_its_points_and_colours);
-    vt_add(suite, an_old_mesh_gives_its_vertices);
     vt_add_loop(suite, meshes_give_their_points_and_where_wanted_their_faces, 3);
     vt_add(suite, a_kd_tree_of_an_older_bitstream_holds_the_same_cells);
     vt_add(suite, what_the_library_held_is_in_the_peak_and_given_back);

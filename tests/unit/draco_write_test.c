@@ -1,7 +1,5 @@
 #include "tests/unit/draco_files.h"
 
-#include <stdio.h>
-
 /* What a scan with everything looks like. */
 static void full_cloud(struct vor_cloud *cloud, uint64_t seed, size_t n)
 {
@@ -239,26 +237,6 @@ START_TEST(names_survive_and_implied_ones_cost_nothing)
 }
 END_TEST
 
-START_TEST(the_same_cloud_gives_the_same_bytes)
-{
-    struct vor_cloud cloud;
-    struct vt_bytes one, two;
-
-    for (int k = 0; k < 4; k++) {
-        full_cloud(&cloud, 9, 1000);
-        vt_assert_ok(draco_encode(&one, &cloud, k / 2 * 13 - 1 + k / 2, k & 1));
-        vor_cloud_free(&cloud);
-        full_cloud(&cloud, 9, 1000);
-        vt_assert_ok(draco_encode(&two, &cloud, k / 2 * 13 - 1 + k / 2, k & 1));
-        vor_cloud_free(&cloud);
-        ck_assert_uint_eq(one.size, two.size);
-        ck_assert_mem_eq(one.data, two.data, one.size);
-        free(one.data);
-        free(two.data);
-    }
-}
-END_TEST
-
 START_TEST(more_compression_makes_a_flat_cloud_smaller)
 {
     struct vor_sink sink;
@@ -398,7 +376,6 @@ int main(void)
     vt_add(suite, long_normals_stay_long);
     vt_add(suite, a_reader_that_ignores_the_metadata_gets_the_relative_positions);
     vt_add(suite, names_survive_and_implied_ones_cost_nothing);
-    vt_add(suite, the_same_cloud_gives_the_same_bytes);
     vt_add(suite, more_compression_makes_a_flat_cloud_smaller);
     vt_add(suite, clouds_of_one_two_and_three_points_and_of_one_place_survive);
     vt_add(suite, many_points_in_few_places_can_be_read_back);

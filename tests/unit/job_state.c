@@ -137,41 +137,6 @@ START_TEST(the_message_names_the_step_of_the_stage)
 }
 END_TEST
 
-START_TEST(a_time_budget_drives_progress_and_estimate)
-{
-    struct vor_job *job = running_job("seconds", 20);
-    struct vor_record first = record_of(0, 1, 100, 0), later = record_of(3, 10, 100, 0);
-    struct vor_job_view view;
-
-    vor_job_progress(job, &first, 1000);
-    vor_job_view(job, &view);
-    ck_assert(view.eta_seconds >= 0 && view.eta_seconds < 19);
-    vor_job_progress(job, &later, 1000);
-    vor_job_view(job, &view);
-    ck_assert_int_eq(view.progress, 50); /* 10 of 20 seconds */
-    ck_assert_double_eq_tol(view.eta_seconds, 10, 1e-9);
-    vor_job_release(job);
-}
-END_TEST
-
-START_TEST(the_estimate_is_the_pace_times_what_is_left)
-{
-    struct vor_job *job = running_job(NULL, 0);
-    struct vor_record records[2] = {record_of(0, 2, 40, 0), record_of(10, 7, 40, 0)};
-    struct vor_job_view view;
-
-    vor_job_view(job, &view);
-    ck_assert_double_eq(view.eta_seconds, left_after(records, 0));
-    ck_assert_double_gt(view.eta_seconds, 0);
-    vor_job_progress(job, &records[0], 1000);
-    vor_job_progress(job, &records[1], 1000);
-    vor_job_view(job, &view);
-    ck_assert_double_eq(view.eta_seconds, left_after(records, 2));
-    ck_assert_str_eq(view.message, "Iteration 10 of at most 40");
-    vor_job_release(job);
-}
-END_TEST
-
 START_TEST(a_job_that_is_over_does_not_change)
 {
     struct vor_job *job = running_job(NULL, 0);
@@ -395,8 +360,6 @@ int main(void)
     vt_add(suite, progress_follows_the_iterations_and_never_falls);
     vt_add(suite, an_event_has_the_estimate_of_its_moment);
     vt_add(suite, the_message_names_the_step_of_the_stage);
-    vt_add(suite, a_time_budget_drives_progress_and_estimate);
-    vt_add(suite, the_estimate_is_the_pace_times_what_is_left);
     vt_add(suite, a_job_that_is_over_does_not_change);
     vt_add(suite, a_stop_is_told_while_the_input_is_prepared);
     vt_add(suite, a_second_attempt_begins_with_replaced);

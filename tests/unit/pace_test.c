@@ -67,18 +67,6 @@ START_TEST(steps_of_all_stages_count_alike)
 }
 END_TEST
 
-START_TEST(one_stage_alone_is_all)
-{
-    ck_assert_double_eq_tol(done_after(at(FIRST, 0, 40, 0, 0), at(FIRST, 10, 40, 0, 1), -1), 0.25,
-                            1e-12);
-    ck_assert_double_eq(done_after(at(FIRST, 0, 40, 0, 0), at(FIRST, 40, 40, 0, 1), -1), 1);
-    ck_assert_double_eq(done_after(at(FIRST, 0, 0, 50, 0), at(FIRST, 0, 0, 50, 1), -1), 0);
-    ck_assert_double_eq_tol(done_after(at(FIRST, 0, 0, 50, 0), at(SECOND, 10, 50, 0, 1), -1), 0.2,
-                            1e-12);
-    ck_assert_double_eq(done_after(at(FIRST, 0, 0, 0, 0), at(FIRST, 0, 0, 0, 0), -1), 1);
-}
-END_TEST
-
 /* Whoever follows a run from its middle counts what is ahead and what its stage has behind it. */
 START_TEST(a_run_may_be_seen_from_its_middle)
 {
@@ -361,7 +349,6 @@ int main(void)
     Suite *suite = suite_create("pace");
 
     vt_add(suite, steps_of_all_stages_count_alike);
-    vt_add(suite, one_stage_alone_is_all);
     vt_add(suite, a_run_may_be_seen_from_its_middle);
     vt_add(suite, more_than_was_allowed_is_all);
     vt_add(suite, a_budget_counts_where_more_of_it_is_used_up);

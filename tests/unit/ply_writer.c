@@ -122,20 +122,6 @@ START_TEST(a_float_cloud_with_an_origin_is_written_in_absolute_coordinates)
 }
 END_TEST
 
-START_TEST(minus_zero_stays_minus_zero)
-{
-    struct vor_cloud cloud;
-    struct vt_bytes bytes;
-
-    fresh(&cloud, 1);
-    cloud.xyz[1] = -0.0f;
-    bytes = written(&cloud);
-    ck_assert_mem_eq(bytes.data + bytes.size - 8, "\0\0\0\x80", 4);
-    free(bytes.data);
-    vor_cloud_free(&cloud);
-}
-END_TEST
-
 /* Attributes, and their lines in the header. */
 static const struct {
     struct {
@@ -302,21 +288,6 @@ START_TEST(the_file_is_never_held_as_a_whole)
 }
 END_TEST
 
-START_TEST(the_same_cloud_gives_the_same_bytes)
-{
-    struct vor_cloud cloud;
-    struct vt_bytes a, b;
-
-    vt_cloud_sphere(&cloud, 3, 30000);
-    a = written(&cloud);
-    b = written(&cloud);
-    assert_bytes(a, (const char *)b.data, b.size);
-    free(b.data);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("ply_writer");
@@ -324,13 +295,11 @@ int main(void)
     vt_add(suite, a_float_cloud_has_these_bytes);
     vt_add(suite, a_double_cloud_has_these_bytes);
     vt_add(suite, a_float_cloud_with_an_origin_is_written_in_absolute_coordinates);
-    vt_add(suite, minus_zero_stays_minus_zero);
     vt_add_loop(suite, attributes_have_these_lines_in_the_header,
                 (int)(sizeof headers / sizeof headers[0]));
     vt_add(suite, integers_of_64_bits_become_doubles);
     vt_add(suite, the_widest_cloud_is_written_whole);
     vt_add(suite, a_sink_that_refuses_ends_the_writing);
     vt_add(suite, the_file_is_never_held_as_a_whole);
-    vt_add(suite, the_same_cloud_gives_the_same_bytes);
     return vt_run(suite);
 }

@@ -48,29 +48,6 @@ START_TEST(sha256_gives_the_published_digests)
 }
 END_TEST
 
-/* Property: how the bytes were cut does not matter. */
-START_TEST(sha256_does_not_depend_on_the_cuts)
-{
-    struct vor_digest *whole = vor_digest_create(), *cut = vor_digest_create();
-    char a[VOR_DIGEST_SIZE], b[VOR_DIGEST_SIZE];
-    uint8_t bytes[1000];
-
-    for (size_t i = 0; i < sizeof bytes; i++)
-        bytes[i] = (uint8_t)(256 * vt_unit((uint64_t)_i, i));
-    vor_digest_update(whole, bytes, sizeof bytes);
-    for (size_t at = 0, n = 0; at < sizeof bytes; at += n) {
-        n = 1 + (size_t)(100 * vt_unit((uint64_t)_i, 5000 + at));
-        n = at + n > sizeof bytes ? sizeof bytes - at : n;
-        vor_digest_update(cut, bytes + at, n);
-    }
-    vor_digest_hex(whole, a);
-    vor_digest_hex(cut, b);
-    ck_assert_str_eq(a, b);
-    vor_digest_destroy(whole);
-    vor_digest_destroy(cut);
-}
-END_TEST
-
 static int compare_ids(const void *a, const void *b)
 {
     return strcmp(((const struct vor_uuid *)a)->text, ((const struct vor_uuid *)b)->text);
@@ -389,7 +366,6 @@ int main(void)
     Suite *suite = suite_create("server_parts");
 
     vt_add(suite, sha256_gives_the_published_digests);
-    vt_add_loop(suite, sha256_does_not_depend_on_the_cuts, 20);
     vt_add(suite, identifiers_are_version_7_and_never_repeat);
     vt_add(suite, an_identifier_made_later_sorts_later);
     vt_add(suite, what_is_no_identifier_is_refused);
