@@ -169,7 +169,7 @@ START_TEST(a_seed_far_off_its_surface_may_have_no_cell)
 END_TEST
 
 /* A random cell: a bowl clipped by random bisectors. */
-static unsigned random_cell(struct vor_cell *cell, uint64_t seed, double offset[12][3])
+static void random_cell(struct vor_cell *cell, uint64_t seed, double offset[12][3])
 {
     struct vor_surface surface = flat(0.1);
     struct vor_disc disc;
@@ -189,8 +189,29 @@ static unsigned random_cell(struct vor_cell *cell, uint64_t seed, double offset[
         offset[i][2] = 0.4 * vt_unit(seed, 12 + 3 * i) - 0.2;
         vor_cell_clip(cell, offset[i]);
     }
-    return 12;
 }
+
+START_TEST(a_sample_lies_in_the_cell)
+{
+    double offset[12][3];
+    struct vor_cell cell;
+
+    random_cell(&cell, (uint64_t)_i, offset);
+    for (uint64_t s = 0; s < 500; s++) {
+        double unit[3], local[3];
+
+        for (uint64_t c = 0; c < 3; c++)
+            unit[c] = vt_unit((uint64_t)_i + 77, 3 * s + c);
+        vor_cell_sample(&cell, unit, local);
+        for (int c = 0; c < 3; c++)
+            local[c] -= cell.seed[c];
+        ck_assert_double_le(vor_dot(local, local), cell.radius2 * (1 + 1e-12));
+        for (int i = 0; i < 12; i++)
+            ck_assert_double_le(vor_dot(local, offset[i]),
+                                vor_dot(offset[i], offset[i]) / 2 + 1e-12);
+    }
+}
+END_TEST
 
 /* The order in which bisectors cut does not matter, and one that cut does not cut again. */
 START_TEST(a_cell_depends_on_its_bisectors_but_not_on_their_order)
@@ -202,7 +223,7 @@ START_TEST(a_cell_depends_on_its_bisectors_but_not_on_their_order)
     struct vor_moments a, b;
     unsigned cuts;
 
-    (void)random_cell(&cell, (uint64_t)_i, offset);
+    random_cell(&cell, (uint64_t)_i, offset);
     vor_disc_init(&disc, VOR_PATCH_HEXAGON, 3);
     vor_cell_begin(&cell, &disc, &surface, (double[3]){0, 0, 0}, 1);
     vor_cell_begin(&other, &disc, &surface, (double[3]){0, 0, 0}, 1);
@@ -232,6 +253,7 @@ int main(void)
     vt_add(suite, six_neighbours_leave_the_cell_of_a_hexagonal_lattice);
     vt_add(suite, a_neighbour_too_far_to_cut_changes_nothing);
     vt_add(suite, a_seed_far_off_its_surface_may_have_no_cell);
+    vt_add_loop(suite, a_sample_lies_in_the_cell, SEEDS);
     vt_add_loop(suite, a_cell_depends_on_its_bisectors_but_not_on_their_order, SEEDS);
     return vt_run(suite);
 }
