@@ -1,6 +1,6 @@
 #!/usr/bin/perl
 # Texts that people read are plain English: none has one of these phrases, which nobody says aloud. And what is written in
-# two places by hand is the same in both: the version, the order of rooms, the doors of libraries.
+# two places by hand is the same in both: the version, the order of rooms, libraries and their doors, names of problems.
 use strict;
 use warnings;
 use Test::More;
@@ -17,10 +17,6 @@ my %better = (
     'stands? in for|stands for|stands in (?:the|a)\b' => 'replaces, is in', 'made of the' => 'made from', 'what came|what comes' => 'the noun',
     '(?:jobs?|runs?|it|they|what) (?:is|are) over' => 'has ended', 'under way' => 'in progress', 'left alone|be left' => 'unchanged', 'alike' => 'equally, similar',
 );
-my $phrases = join '|', sort keys %better;
-# Where a phrase is right: a name, or a term of the field.
-my $right = qr/"(?:.*)" %s|told apart|whatever path/;
-
 # The string literals of a source, adjacent ones joined; of scripts also those in single and backward quotes.
 sub literals {
     my ($path, $text) = @_;
@@ -55,8 +51,8 @@ sub faults {
     my ($path, $text) = @_;
     my @texts = $path =~ /\.(?:[ch]|cc|js)$/ ? literals($path, $text) : paragraphs($path, $text);
     return map { my ($line, $said) = @$_;
-        $said =~ s/$right//g;
-        $said =~ /\b($phrases)/i ? "$path:$line: \"$1\" in: " . substr($said, 0, 150) : () } @texts;
+        map { $said =~ /\b($_)/i ? "$path:$line: \"$1\" (better: $better{$_}) in: " . substr($said, 0, 150) : () } sort keys %better
+    } @texts;
 }
 
 my @files = grep { -f } split /\n/, `git ls-files -co --exclude-standard core proto server README.md ARCHITECTURE.md CHANGELOG.md openapi.yaml`;
@@ -77,4 +73,8 @@ for my $part ('core', 'server') {
 }
 my @doors = map { s/\\//gr =~ s/\$$//r } $law =~ /qr\{\^((?:core|proto|server)\/[^}]+)\}[,\]]/g;
 is_deeply [grep { index($text, "`$_`") < 0 } @doors], [], 'and every door';
+my @libraries = map { s/^lib//r } split ' ', (slurp('Makefile') =~ /^PKGS := (.*)$/m)[0];
+is_deeply [grep { $text !~ /$_/i } @libraries], [], 'and every library';
+my %problem = map { $_ => 1 } map { slurp($_) =~ /"([a-z]+(?:-[a-z]+)+)"/g } qw(core/base/status.h server/api/problem.h);
+is_deeply [grep { !$problem{$_} } slurp('openapi.yaml') =~ /\(([a-wyz]\w+-[a-z-]+)[),;]/g], [], 'openapi.yaml names problems that exist';
 done_testing;
