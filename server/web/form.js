@@ -93,7 +93,8 @@ function aboutButton(help, title) {
 function field(name, input) {
     const id = `ask-${name}`, one = controlOf(id, input.schema), wrong = make('small', { id: `${id}-wrong`, className: 'blame' });
     const help = make('small', { id: `${id}-help`, hidden: true }), title = input.title || name;
-    const label = make(one.group ? 'span' : 'label', { className: 'name', id: `${id}-label` }, title), words = partsOf(input.schema);
+    const of = unit(input.schema), label = make(one.group ? 'span' : 'label', { className: 'name', id: `${id}-label` }, title,
+        make('small', {}, of && of !== title.toLowerCase() ? `, ${of}` : '')), words = partsOf(input.schema);
     if (one.group) one.control.setAttribute('aria-labelledby', label.id);
     else label.htmlFor = id;
     help.append([input.description && `${input.description}.`, range(input.schema, words.free)].filter(Boolean).join(' '));

@@ -3,12 +3,13 @@ import { askJson } from './api.js';
 import { $, count, make, show } from './dom.js';
 
 const PAGE = 10;
+const WORDS = { accepted: 'waiting', successful: 'done', dismissed: 'cancelled' }; /* failed is called that */
 const AGAIN_MS = 5000; /* between two looks, of a page that is seen */
 let next = '';
 
 function row(job) {
     const name = job.voronoid.name || 'unnamed', when = new Date(job.created).toLocaleString();
-    const state = job.status === 'running' ? `running, ${job.progress} %` : job.status;
+    const state = job.status === 'running' ? `running, ${job.progress} %` : WORDS[job.status] || job.status;
     const link = make('a', { href: `#/jobs/${job.jobID}` }, `${name}: ${job.processID}`);
     const item = make('li', {}, link, make('small', {}, ` ${state}, ${count(job.voronoid.input?.points ?? 0)} input points, ${when}`));
     item.dataset.job = job.jobID;

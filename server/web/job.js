@@ -76,10 +76,13 @@ async function showResult(id, isProgressive) {
 /* Side by side: the input is what the result is judged by. */
 const layoutOf = () => (getCloud('input') ? 'both' : 'result');
 
+/* After its last step a job has no preview any more, and soon a result. */
+const isEnding = () => records.length > 0 && records.at(-1).of > 0 && records.at(-1).step >= records.at(-1).of && !records.at(-1).ahead;
+
 /* The points as they move: one picture at a time, none that nobody sees. They are shaded before they are shown. */
 async function showPreview(id) {
     const input = getCloud('input');
-    if (fetching || document.hidden || !canDraw() || !input || isOver(shown)) return;
+    if (isEnding() || fetching || document.hidden || !canDraw() || !input || isOver(shown)) return;
     fetching = true;
     try {
         const answer = await ask(`v1/jobs/${id}/preview`, { more: { 'If-None-Match': tag } });

@@ -31,7 +31,7 @@ const guarded = (work) => async (...given) => {
 };
 
 function showInput(cloud, name, size) {
-    const left = cloud.left ? `, ${count(cloud.left)} with coordinates that are not finite left out` : '', faces = cloud.faces ? `, ${count(cloud.faces.length / 3)} triangles` : '';
+    const left = cloud.left ? `, ${count(cloud.left)} left out because they are not finite` : '', faces = cloud.faces ? `, ${count(cloud.faces.length / 3)} triangles` : '';
     $('cloud-words').textContent = `${name}: ${count(cloud.n)} point${cloud.n === 1 ? '' : 's'}${faces}${left}${size ? `, ${bytes(size)}` : ''}`;
     setCloud('input', cloud);
     setLayout('input');

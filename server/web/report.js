@@ -67,10 +67,10 @@ function headline({ points, delta, spacing, seconds, ref_to_out: there, out_to_r
 
 const fold = (title, ...content) => make('details', {}, make('summary', {}, title), ...content);
 
-/** Fills the panel with a report or document: what matters first, the rest folded. */
+/** Fills the panel with a report, what matters first and the rest folded, or with a document that was asked for. */
 export async function showReport(process, output, report) {
     const { inputs, outputs } = await describe(process).catch(() => ({ inputs: {}, outputs: {} })), { parameters, ...figures } = report;
-    const first = headline(figures), list = make('dl', {}, ...rows(figures, outputs[output]?.schema));
+    const first = output === 'report' ? headline(figures) : [], list = make('dl', {}, ...rows(figures, outputs[output]?.schema));
     $('report').replaceChildren(...(first.length ? [make('dl', {}, ...first), fold('All figures', list)] : [list]));
     if (parameters) $('report').append(fold('Parameters used', make('dl', {}, ...rows(parameters, meanings(inputs)))));
 }

@@ -16,7 +16,6 @@ function describe() {
     $('canvas').setAttribute('aria-label', words.length ? `Point clouds: ${words.join(', ')}` : 'No cloud yet');
     show($('captions'), view && words.length);
     show($('canvas-empty'), view && !words.length);
-    $('stage').classList.toggle('empty', !words.length);
     for (const [name, cloud] of Object.entries(clouds)) $(`caption-${name}`).textContent = cloud ? captionOf(name, cloud) : '';
 }
 
@@ -108,11 +107,11 @@ async function learn(name, cloud) {
     view.set({});
 }
 
-/* A view begins with what says most: dots coloured by spacing, or the triangles that were asked for; an input that has colours, as long as
- * there is no result, as a picture of discs in them. A choice of the user's stays as long as the input does. */
+/* A view begins with what says most: dots coloured by spacing; triangles, which show their own sizes, in one colour; an input that has
+ * colours, as long as there is no result, as a picture of discs in them. A choice of the user's stays as long as the input does. */
 function preset(cloud, isResult) {
     const isPicture = cloud.colors && !isResult;
-    if (!chosenBy.mode) $('mode').value = isPicture ? 'original' : 'spacing';
+    if (!chosenBy.mode) $('mode').value = isPicture ? 'original' : cloud.faces ? 'plain' : 'spacing';
     if (!chosenBy.style) $('style').value = cloud.faces ? 'triangles' : isPicture ? 'discs' : 'dots';
 }
 

@@ -50,12 +50,14 @@ def drop(browser, cloud, name):
 def ask(browser, **values):
     """Fills the form; parameters that are folded away are unfolded first, as a person would."""
     wait("the form is there", lambda: browser.driver.find_elements(By.ID, "ask-points"))
-    browser.script("document.querySelectorAll('#fields details').forEach((one) => { one.open = true; })")
+    fold = lambda isOpen: browser.script("arguments[0].forEach((name) => { const one = document.getElementById(`ask-${name}`).closest('details');"
+                                         "if (one) one.open = arguments[1]; })", list(values), isOpen)
+    fold(True)
     for name, value in values.items():
         field = browser.element(f"ask-{name}")
         field.clear()
         field.send_keys(str(value))
-    browser.script("document.querySelectorAll('#fields details').forEach((one) => { one.open = false; })")
+    fold(False)
 
 
 def charted(browser):
