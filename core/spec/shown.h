@@ -105,10 +105,12 @@ struct vor_when {
       "As many points as the input has, with normals and sharp edges")                             \
     X("denoise", "Denoise", "denoise", "",                                                         \
       "As many points as the input has, without noise and outliers")                               \
-    X("codec",                                                                                     \
+    X("decoded", "After a codec", "denoise", "filters=mls",                                        \
+      "The same points in their order, moved back towards the surface that a codec rounded off")   \
+    X("fourfold",                                                                                  \
       "\xc3\x97"                                                                                   \
-      "4 for codec output",                                                                        \
-      "upsample", "ratio=4", "Four times as many points as the decoded cloud has")                 \
+      "4 points",                                                                                  \
+      "upsample", "ratio=4", "Four times as many points")                                          \
     X("quarter", "A quarter", "simplify", "ratio=0.25", "A quarter of the points")                 \
     X("mesh", "Mesh", "mesh", "points=10000", "Ten thousand points, connected by triangles")
 

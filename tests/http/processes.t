@@ -87,16 +87,16 @@ for my $process (@listed) {
     for my $preset (@{ $described->{'x-presets'} }) {
         $names{$preset->{name}} = $process->{id};
         my %values = (%{ $preset->{values} }, iterations => 0, polish => 0);
-        my $answer = $daemon->post("/v1/$process->{id}?" . join('&', map { "$_=$values{$_}" } sort keys %values), $many);
+        my $answer = $daemon->post("/v1/$process->{id}?" . join('&', map { "$_=" . (ref $values{$_} ? join ',', @{ $values{$_} } : $values{$_}) } sort keys %values), $many);
         is $answer->{status}, 200, "$process->{id}: the preset $preset->{name} can be asked for" or diag $answer->{content};
     }
 }
-is_deeply \%names, { even => 'resample', edges => 'resample', denoise => 'denoise', codec => 'upsample', quarter => 'simplify',
+is_deeply \%names, { even => 'resample', edges => 'resample', denoise => 'denoise', decoded => 'denoise', fourfold => 'upsample', quarter => 'simplify',
     mesh => 'mesh' }, 'the presets that there are';
 is_deeply json($daemon->get('/v1/processes/resample'))->{inputs}{sigmaN}{'x-when'}, { method => ['wlop', 'ear'] }, 'a parameter of two methods says so';
 my ($first) = grep { $_->{name} eq 'even' } @{ json($daemon->get('/v1/processes/resample'))->{'x-presets'} };
 is_deeply $first->{values}, { points => 10000 }, 'numbers are numbers';
-is json($daemon->get('/v1/processes/upsample'))->{'x-presets'}[0]{title}, "\x{d7}4 for codec output", 'titles are UTF-8';
+is json($daemon->get('/v1/processes/upsample'))->{'x-presets'}[0]{title}, "\x{d7}4 points", 'titles are UTF-8';
 
 # The caller wins.
 for my $case (
