@@ -14,6 +14,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import pictures  # noqa: E402
 from browser import ActionChains, Browser, By, Daemon, wait  # noqa: E402
 from claims import PICTURES, Abandoned, ask, charted, claim, compared, deltas, drawn, drop, equal, finished, ok, shows  # noqa: E402
+from docs import documentation  # noqa: E402
 from jobs import cancelled_upload, eight_tabs, failed_job, line, long_job, reload_and_stop, unanswered  # noqa: E402
 from made import FAR, lines, mesh, torus  # noqa: E402
 
@@ -543,16 +544,6 @@ def clean(browsers, daemons):
     equal(errors, [], "the console has no error")
     foreign = [url for browser in browsers for url in browser.requests if not url.startswith((*(one.url for one in daemons), "blob:"))]
     equal(foreign, [], "no request goes elsewhere")
-
-
-def documentation(browser, url):
-    browser.open(f"{url}/docs")
-    contract = json.load(urllib.request.urlopen(f"{url}/openapi.json"))
-    wait("the contract is rendered", lambda: browser.script("return document.querySelector('#contract h3') !== null"))
-    shown = browser.script("return [...document.querySelectorAll('#contract summary code')].map((one) => one.textContent)")
-    operations = [f"{method.upper()} {path}" for path, one in contract["paths"].items() for method in one if method in ("get", "post", "delete")]
-    equal(shown, operations + list(contract["components"]["schemas"]), "the documentation has every operation and schema of the contract")
-    ok(browser.script("return document.documentElement.scrollWidth <= innerWidth"), "and scrolls in one direction alone")
 
 
 def main():
