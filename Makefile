@@ -146,6 +146,9 @@ $(B)/%.o: %.cc
 	@echo "  CXX  $<"
 	@$(CCACHE) $(CXX) $(ALL_CXXFLAGS) -c $< -o $@
 
+# What names the version is compiled again where that may have changed.
+$(call obj,$(shell grep -rl VOR_VERSION --include='*.c' core proto server)): Makefile
+
 # Which engine this is: a digest of its sources, for build_info among the metrics.
 ENGINE_SRC := $(sort $(shell find core -name '*.[ch]'))
 $(B)/server/api/admin.o: $(ENGINE_SRC)
