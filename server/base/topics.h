@@ -6,7 +6,7 @@
 #include "server/base/markup.h"
 
 /** Topics in the order in which they are read: name, which is that of the file, and section of the
- *  manual: 1 for users, 8 for operators. */
+ *  manual: 1 for users, 8 for operators, 0 for both. */
 #define VOR_TOPIC_TABLE(X)                                                                         \
     X(examples, 1)                                                                                 \
     X(choosing, 1)                                                                                 \
@@ -14,7 +14,7 @@
     X(reports, 1)                                                                                  \
     X(formats, 1)                                                                                  \
     X(http, 1)                                                                                     \
-    X(environment, 1)                                                                              \
+    X(environment, 0)                                                                              \
     X(settings, 8)                                                                                 \
     X(container, 8)                                                                                \
     X(proxies, 8)                                                                                  \
@@ -22,7 +22,7 @@
     X(keys, 8)                                                                                     \
     X(metrics, 8)                                                                                  \
     X(limits, 8)                                                                                   \
-    X(files, 8)
+    X(files, 0)
 
 struct vor_topic {
     const char *name;

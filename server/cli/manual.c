@@ -243,7 +243,7 @@ static int print_topics(FILE *out, int section)
     for (unsigned i = 0; vor_topic_at(&topic, i); i++) {
         struct page page = {out, 1};
 
-        if (topic.section != section)
+        if (topic.section != section && topic.section != 0)
             continue;
         fputs(".SH \"", out);
         for (int k = 0; k < topic.title_length; k++)

@@ -62,6 +62,7 @@ subtest 'the manual' => sub {
     is((run(['--man', 5]))[0], 2, 'there is no other page');
     for my $section (sort keys %page) {
         like $page{$section}, qr/\A\.TH VORONOID $section /, "voronoid($section) begins as a page does";
+        like $page{$section}, qr/^\.SH "$_"$/m, "and has $_" for qw(ENVIRONMENT FILES);
         is scalar(grep { length > 100 || /\s\z/ } split /\n/, $page{$section}), 0, 'no line is long, or ends with a blank';
         spew("$folder/voronoid.$section", $page{$section});
       SKIP: {
