@@ -295,7 +295,8 @@ START_TEST(an_unknown_word_of_a_list_has_a_status_of_its_own)
     before = spec;
     vt_assert_fails(cases[_i].status, vor_spec_set(&spec, "filters", cases[_i].text, &vt_err));
     ck_assert_str_eq(vt_err.parameter, "filters");
-    ck_assert_ptr_nonnull(strstr(vt_err.message, "words of mls, outliers, thin, or none"));
+    ck_assert_ptr_nonnull(
+        strstr(vt_err.message, "each at most once: mls, outliers, thin, or none"));
     ck_assert_mem_eq(&spec, &before, sizeof spec);
     vt_assert_fails(VOR_E_PARAM,
                     vor_spec_set_as(&spec, "filters", VOR_SHAPE_STRING, cases[_i].text, &vt_err));
