@@ -2,7 +2,7 @@
 import { ask, askJson, getKey, onRefused, setKey } from './api.js';
 import { asked, blame, choose, loadProcesses, tellMesh } from './ask.js';
 import { readCloud } from './cloud.js';
-import { $, bytes, count, show } from './dom.js';
+import { $, bytes, count, make, show } from './dom.js';
 import { isPly, wireDrop } from './drop.js';
 import { showHistory, wireHistory } from './history.js';
 import { expectJob, followJob, leaveJob, redraw, wireJob } from './job.js';
@@ -194,5 +194,5 @@ $('forget').addEventListener('click', () => {
     location.reload();
 });
 addEventListener('hashchange', route);
-askJson('version').then(({ version }) => { $('version').textContent = `version ${version}`; }, () => {});
+askJson('version').then(({ version }) => { $('version').replaceChildren(make('span', { className: 'wide' }, 'version '), version); }, () => {});
 guarded(begin)();

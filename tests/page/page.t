@@ -13,7 +13,7 @@ import urllib.request
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import pictures  # noqa: E402
 from browser import ActionChains, Browser, By, Daemon, wait  # noqa: E402
-from claims import PICTURES, Abandoned, ask, charted, claim, compared, deltas, drawn, drop, equal, finished, ok, shows  # noqa: E402
+from claims import PICTURES, Abandoned, ask, charted, claim, deltas, drawn, drop, equal, finished, ok, shows  # noqa: E402
 from docs import documentation  # noqa: E402
 from jobs import cancelled_upload, eight_tabs, failed_job, line, long_job, reload_and_stop, unanswered  # noqa: E402
 from made import FAR, lines, mesh, torus  # noqa: E402
